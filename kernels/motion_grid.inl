@@ -20,13 +20,16 @@ SANDGLASS_INLINE void clear_block(float* planes) {
   }
 }
 
+SANDGLASS_INLINE bool is_at(const MotionBlock& block, const int32_t at[3]) {
+  return block.at[0] == at[0] && block.at[1] == at[1] && block.at[2] == at[2];
+}
+
 // The block at `at`, made where there was none; k_no_block: there is no room for it.
 SANDGLASS_INLINE uint32_t take_block(MotionGrid* grid, const int32_t at[3]) {
   uint32_t slot = motion_hash(at[0], at[1], at[2]) & grid->slot_mask;
   for (; grid->slots[slot] != 0; slot = (slot + 1) & grid->slot_mask) {
     const uint32_t number = grid->slots[slot] - 1;
-    const MotionBlock& block = grid->blocks[number];
-    if (block.at[0] == at[0] && block.at[1] == at[1] && block.at[2] == at[2]) return number;
+    if (is_at(grid->blocks[number], at)) return number;
   }
   if (grid->block_count == grid->block_capacity) {
     grid->overflowed = 1;
@@ -90,10 +93,23 @@ SANDGLASS_INLINE void add_to_block(const MotionGrid* grid, const MotionBlock& bl
   }
 }
 
+// Blocks by whether their coordinates are odd: those of the last particles.
+struct RecentBlocks {
+  uint32_t numbers[8];
+};
+
+SANDGLASS_INLINE uint32_t recent_block(MotionGrid* grid, const int32_t at[3], RecentBlocks* recent) {
+  uint32_t* number = &recent->numbers[(at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2];
+  if (*number == k_no_block || !is_at(grid->blocks[*number], at)) *number = take_block(grid, at);
+  return *number;
+}
+
 static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t end, uint32_t* result) {
   (void)result;
   MotionGrid* grid = a->grid;
   const float reach = grid->reach * grid->inverse_spacing;
+  RecentBlocks recent;
+  for (uint32_t& number : recent.numbers) number = k_no_block;
   for (uint32_t i = begin; i < end && i < a->particle_count; ++i) {
     const Particle& particle = a->particles[i];
     if (in_body(particle)) continue;
@@ -110,7 +126,7 @@ static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t 
     for (at[2] = first[2] >> 2; at[2] <= last[2] >> 2; ++at[2]) {
       for (at[1] = first[1] >> 2; at[1] <= last[1] >> 2; ++at[1]) {
         for (at[0] = first[0] >> 2; at[0] <= last[0] >> 2; ++at[0]) {
-          const uint32_t number = take_block(grid, at);
+          const uint32_t number = recent_block(grid, at, &recent);
           if (number == k_no_block) continue;
           for (int k = 0; k < 3; ++k) {
             const int32_t from = first[k] - 4 * at[k], to = last[k] - 4 * at[k];
@@ -131,29 +147,41 @@ struct BlockPlace {
   Float inside[3];  // from its first node, in nodes: 0..4
 };
 
-SANDGLASS_INLINE BlockPlace place_in_block(const MotionGrid* grid, Mask lanes, const Float position[3]) {
+// Where the grid is, in every lane.
+struct GridPlace {
+  Float origin[3], inverse_spacing;
+};
+
+SANDGLASS_INLINE GridPlace place_of(const MotionGrid* grid) {
+  return {{broadcast(grid->origin[0]), broadcast(grid->origin[1]), broadcast(grid->origin[2])},
+          broadcast(grid->inverse_spacing)};
+}
+
+SANDGLASS_INLINE BlockPlace place_in_block(const GridPlace& grid, Mask lanes, const Float position[3]) {
   BlockPlace place;
   for (int k = 0; k < 3; ++k) {
-    const Float scaled = keep(lanes, position[k] - broadcast(grid->origin[k])) * broadcast(grid->inverse_spacing);
+    const Float scaled = keep(lanes, position[k] - grid.origin[k]) * grid.inverse_spacing;
     place.block[k] = to_float(floor_int(scaled * broadcast(0.25f)));
     place.inside[k] = scaled - broadcast(4.0f) * place.block[k];
   }
   return place;
 }
 
-SANDGLASS_INLINE Mask same_block(const BlockPlace& place, const float block[3]) {
-  return (place.block[0] == broadcast(block[0])) & (place.block[1] == broadcast(block[1])) &
-         (place.block[2] == broadcast(block[2]));
+SANDGLASS_INLINE Mask same_block(const BlockPlace& place, const Float block[3]) {
+  return (place.block[0] == block[0]) & (place.block[1] == block[1]) & (place.block[2] == block[2]);
 }
 
 // The block of the last grains: as a rule the next ones are in it too, or in one beside it.
 struct LastBlock {
-  float at[3];
+  Float at[3];      // the same in every lane
   uint32_t number;  // or k_no_block
 };
 
 // No grain is in it.
-SANDGLASS_INLINE LastBlock no_block_yet() { return {{3e9f, 3e9f, 3e9f}, k_no_block}; }
+SANDGLASS_INLINE LastBlock no_block_yet() {
+  const Float nowhere = broadcast(3e9f);
+  return {{nowhere, nowhere, nowhere}, k_no_block};
+}
 
 // Looks up every block of the lanes, which may be far apart.
 SANDGLASS_APART void look_up_blocks(const MotionGrid* grid, Mask lanes, const BlockPlace& place, LastBlock* last,
@@ -163,9 +191,9 @@ SANDGLASS_APART void look_up_blocks(const MotionGrid* grid, Mask lanes, const Bl
   store(numbers, broadcast(static_cast<int32_t>(k_no_block)));
   for (Mask left = lanes; any(left);) {
     const uint32_t sole = first(left);
-    for (int k = 0; k < 3; ++k) last->at[k] = at[k][sole];
-    last->number = motion_find(*grid, to_whole<int32_t>(last->at[0]), to_whole<int32_t>(last->at[1]),
-                               to_whole<int32_t>(last->at[2]));
+    for (int k = 0; k < 3; ++k) last->at[k] = broadcast(at[k][sole]);
+    last->number = motion_find(*grid, to_whole<int32_t>(at[0][sole]), to_whole<int32_t>(at[1][sole]),
+                               to_whole<int32_t>(at[2][sole]));
     const Mask same = left & same_block(place, last->at);
     left = and_not(left, same);
     store(numbers, select(same, broadcast(static_cast<int32_t>(last->number)), load(numbers)));
@@ -179,7 +207,7 @@ SANDGLASS_INLINE bool find_blocks(const MotionGrid* grid, Mask lanes, const Bloc
   if (!any(and_not(lanes, same_block(place, last->at)))) return true;
   if (last->number != k_no_block) {
     Float step[3];
-    for (int k = 0; k < 3; ++k) step[k] = keep(lanes, place.block[k] - broadcast(last->at[k]));
+    for (int k = 0; k < 3; ++k) step[k] = keep(lanes, place.block[k] - last->at[k]);
     const Float limit = broadcast(1.5f);
     if (all(within(step[0], limit) & within(step[1], limit) & within(step[2], limit))) {
       const Float side = broadcast(3.0f);
@@ -190,7 +218,7 @@ SANDGLASS_INLINE bool find_blocks(const MotionGrid* grid, Mask lanes, const Bloc
       const uint32_t next = numbers[k_width - 1];
       if (next != k_no_block) {
         const MotionBlock& block = grid->blocks[next];
-        for (int k = 0; k < 3; ++k) last->at[k] = static_cast<float>(block.at[k]);
+        for (int k = 0; k < 3; ++k) last->at[k] = broadcast(static_cast<float>(block.at[k]));
         last->number = next;
       }
       return false;
@@ -204,8 +232,7 @@ SANDGLASS_INLINE bool find_blocks(const MotionGrid* grid, Mask lanes, const Bloc
 
 // Adds a grain to a cell of a block.
 SANDGLASS_INLINE void count_grain(uint8_t* count) {
-  const uint32_t more = *count + k_grain_count;
-  *count = static_cast<uint8_t>(more > 255 ? *count : more);
+  *count = static_cast<uint8_t>(*count < 256 - k_grain_count ? *count + k_grain_count : *count);
 }
 
 static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end, uint32_t* result) {
@@ -213,6 +240,9 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
   const MotionGrid* grid = a->grid;
   const Float limit = broadcast(k_coordinate_bound);
   const Int most = broadcast(static_cast<int32_t>(k_block_cells - 1));
+  MotionBlock* const blocks = grid->blocks;
+  uint8_t* const all_counts = grid->counts;
+  const GridPlace grid_place = place_of(grid);
   LastBlock last = no_block_yet();
   for (uint32_t i = begin; i < end; i += k_width) {
     Float grain[k_record_floats];
@@ -221,7 +251,7 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
         (lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count))) &
         within(grain[k_x], limit) & within(grain[k_y], limit) & within(grain[k_z], limit);
     if (!any(lanes)) continue;
-    const BlockPlace place = place_in_block(grid, lanes, grain);
+    const BlockPlace place = place_in_block(grid_place, lanes, grain);
     Int cell = broadcast(0);
     for (int k = 2; k >= 0; --k)
       cell = shift_left(cell, 3) + shift_left(cell, 2) + minimum(to_int(place.inside[k] * broadcast(3.0f)), most);
@@ -230,8 +260,8 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
     if (one && last.number == k_no_block) continue;
     store(cells, cell);
     if (one && all(lanes)) {
-      grid->blocks[last.number].state |= k_block_holds;
-      uint8_t* counts = grid->counts + static_cast<uint64_t>(last.number) * k_block_counts;
+      blocks[last.number].state |= k_block_holds;
+      uint8_t* counts = all_counts + static_cast<uint64_t>(last.number) * k_block_counts;
       for (uint32_t l = 0; l < k_width; ++l) count_grain(counts + cells[l]);
       continue;
     }
@@ -242,8 +272,8 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
     if (some) store(chosen, select(counted, broadcast(1), broadcast(0)));
     for (uint32_t l = 0; l < k_width; ++l) {
       if (some && chosen[l] == 0) continue;
-      grid->blocks[numbers[l]].state |= k_block_holds;
-      count_grain(grid->counts + static_cast<uint64_t>(numbers[l]) * k_block_counts + cells[l]);
+      blocks[numbers[l]].state |= k_block_holds;
+      count_grain(all_counts + static_cast<uint64_t>(numbers[l]) * k_block_counts + cells[l]);
     }
   }
 }

@@ -96,8 +96,28 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, const Float p
   flow->free = select(lanes, sum.free, flow->free);
 }
 
+// Arguments in every lane: made once, because compilers do not know that what is stored is none of them.
+struct Fixed {
+  GridPlace grid;
+  Float push, push_max, step, steps, still_distance, still_sweeps;
+  Float fast;  // metres a second, squared, from which a grain takes its steps one by one
+  bool pushes;
+};
+
+SANDGLASS_INLINE Fixed fixed_of(const RefineArgs* a) {
+  Fixed f = {};
+  if (a->motion != nullptr) f.grid = place_of(a->motion);
+  f.push = broadcast(a->push), f.push_max = broadcast(a->push_max), f.pushes = a->push != 0.0f;
+  f.step = broadcast(a->step), f.steps = broadcast(static_cast<float>(a->steps));
+  f.still_distance = broadcast(a->still_distance), f.still_sweeps = broadcast(a->still_sweeps);
+  // Half a particle radius in a step, less what gravity adds.
+  const float length = a->support * (1.0f / 6.0f) / a->step - a->fall;
+  f.fast = broadcast(length > 0.0f ? length * length : 0.0f);
+  return f;
+}
+
 // How far a grain is pushed down the gradient of the grains' density, which is read between the centres of cells.
-SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* density, const Float inside[3], Flow* flow) {
+SANDGLASS_INLINE void read_push(const Fixed& fixed, const uint8_t* const* density, const Float inside[3], Flow* flow) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   Float share[3], away[3];
   Int first = broadcast(0);
@@ -129,9 +149,9 @@ SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* densi
   const Float slope[3] = {away[2] * (away[1] * slope_x[0] + share[1] * slope_x[1]) +
                               share[2] * (away[1] * slope_x[2] + share[1] * slope_x[3]),
                           away[2] * slope_y[0] + share[2] * slope_y[1], slope_z};
-  const Float scale = broadcast(a->push) / maximum(value, one);
+  const Float scale = fixed.push / at_least(value, one);
   const Float length2 = scale * scale * (slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2]);
-  const Float shorter = minimum(broadcast(a->push_max) / square_root(maximum(length2, broadcast(1e-30f))), one) * scale;
+  const Float shorter = at_most(fixed.push_max / square_root(at_least(length2, broadcast(1e-30f))), one) * scale;
   for (int k = 0; k < 3; ++k) flow->push[k] = zero - shorter * slope[k];
 }
 
@@ -215,7 +235,7 @@ SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const Bloc
 // 1 at a and below, 0 at b and above, smooth between.
 SANDGLASS_INLINE Float fade(Float value, float a, float b) {
   const Float t =
-      minimum(maximum((broadcast(b) - value) * broadcast(1.0f / (b - a)), broadcast(0.0f)), broadcast(1.0f));
+      at_most(at_least((broadcast(b) - value) * broadcast(1.0f / (b - a)), broadcast(0.0f)), broadcast(1.0f));
   return t * t * (broadcast(3.0f) - broadcast(2.0f) * t);
 }
 
@@ -232,11 +252,11 @@ SANDGLASS_INLINE Float push_share(const RefineArgs* a, const Flow& sum, Float ne
 
 // The sums at the lanes that `lanes` holds, between the nodes of the grid. Leaves in `lanes` those that the grid has no
 // room for. True: all lanes are inside the pile, where nothing flies freely.
-SANDGLASS_INLINE bool read_flow(const RefineArgs* a, Mask* lanes, const Float at_lanes[3], LastBlock* last,
-                                Flow* flow) {
+SANDGLASS_INLINE bool read_flow(const RefineArgs* a, const Fixed& fixed, Mask* lanes, const Float at_lanes[3],
+                                LastBlock* last, Flow* flow) {
   const MotionGrid* grid = a->motion;
   const Float zero = broadcast(0.0f);
-  const BlockPlace place = place_in_block(grid, *lanes, at_lanes);
+  const BlockPlace place = place_in_block(fixed.grid, *lanes, at_lanes);
   Float local[3], corner_share[8], sums[4];
   Int corner = broadcast(0);
   for (int k = 2; k >= 0; --k) {
@@ -256,7 +276,7 @@ SANDGLASS_INLINE bool read_flow(const RefineArgs* a, Mask* lanes, const Float at
   // In the pile's inside nothing flies freely, so the nearest particle does not matter.
   const Mask inside = known & (broadcast(k_weight_inside) <= sum.weight);
   if (all(inside)) {
-    if (a->push != 0.0f) read_push(a, places.density, place.inside, &sum);
+    if (fixed.pushes) read_push(fixed, places.density, place.inside, &sum);
     flow->weight = sum.weight, flow->x = sum.x, flow->y = sum.y, flow->z = sum.z;
     for (int k = 0; k < 3; ++k) flow->push[k] = sum.push[k];
     return true;
@@ -264,16 +284,16 @@ SANDGLASS_INLINE bool read_flow(const RefineArgs* a, Mask* lanes, const Float at
   Float share = broadcast(1.0f);  // of the push
   if (any(and_not(known, inside))) {
     Float position[3];
-    for (int k = 0; k < 3; ++k) position[k] = at_lanes[k] - broadcast(grid->origin[k]);
+    for (int k = 0; k < 3; ++k) position[k] = at_lanes[k] - fixed.grid.origin[k];
     const Float h2 = broadcast(grid->support * grid->support);
     const Nearest nearest = read_nearest(places.records, position, corner_share, h2);
-    const Float t = maximum((h2 - nearest.squared) * broadcast(1.0f / (grid->support * grid->support)), zero);
+    const Float t = at_least((h2 - nearest.squared) * broadcast(1.0f / (grid->support * grid->support)), zero);
     sum.largest = select(inside, zero, t * t * t);
     // Where all of them fell freely the share is 1, although W of the nearest one may be more than the sum.
     sum.free = select(inside, zero, nearest.free / select(sum.weight <= zero, broadcast(1.0f), sum.weight));
     sum.weight = maximum(sum.weight, sum.largest);
     sum.free = sum.free * sum.weight;
-    if (a->push != 0.0f) share = push_share(a, sum, nearest.squared);
+    if (fixed.pushes) share = push_share(a, sum, nearest.squared);
   }
   flow->weight = keep(known, sum.weight);
   flow->x = keep(known, sum.x);
@@ -282,8 +302,8 @@ SANDGLASS_INLINE bool read_flow(const RefineArgs* a, Mask* lanes, const Float at
   flow->largest = keep(known, sum.largest);
   flow->free = keep(known, sum.free);
   const Mask pushed = known & (zero < share);
-  if (a->push != 0.0f && any(pushed)) {
-    read_push(a, places.density, place.inside, &sum);
+  if (fixed.pushes && any(pushed)) {
+    read_push(fixed, places.density, place.inside, &sum);
     for (int k = 0; k < 3; ++k) flow->push[k] = keep(pushed, share * sum.push[k]);
   }
   return false;
@@ -307,7 +327,7 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
     // What falls among falling particles falls on its own: they part, and it would stay with the nearest ones.
     const Float falling =
         flow.free / select(alone, one, flow.weight) * fade(flow.weight, 0.8f * k_weight_inside, k_weight_inside);
-    lambda = maximum(maximum((one - flow.largest) * few, single), minimum(falling, one));
+    lambda = maximum(maximum((one - flow.largest) * few, single), at_most(falling, one));
   }
   return select(alone, one, lambda);
 }
@@ -384,7 +404,7 @@ struct Following {
   Float average[3], lambda;
 };
 
-// `deep`: nothing flies freely.
+// `deep`: nothing flies freely, by the continuous rule; the one as printed has no grid.
 SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Flow& flow, bool deep, Grains* g) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
@@ -419,9 +439,9 @@ SANDGLASS_APART void follow_in_steps(const RefineArgs* a, const Following& f, Ma
 
 // All steps at once: after s of them the velocity is (1 - lambda^s) average + lambda^s v + (lambda + .. + lambda^s) step
 // gravity.
-SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, bool deep, Mask lanes, Grains* g) {
-  const Float zero = broadcast(0.0f), one = broadcast(1.0f), step = broadcast(a->step);
-  const Float steps = broadcast(static_cast<float>(a->steps));
+SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Fixed& fixed, const Following& f, bool deep, Mask lanes,
+                                     Grains* g) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f), step = fixed.step, steps = fixed.steps;
   Float velocity[3], way[3];
   for (int k = 0; k < 3; ++k) velocity[k] = f.average[k], way[k] = steps * f.average[k];
   if (!deep) {
@@ -467,13 +487,13 @@ SANDGLASS_APART void leave_colliders(const RefineArgs* a, Grains* g) {
 }
 
 // With a grid: one look-up for all steps. What is rare works on a copy, so that the grains can stay in registers.
-SANDGLASS_INLINE void follow(const RefineArgs* a, Float fast, LastBlock* last, Grains* g) {
+SANDGLASS_INLINE void follow(const RefineArgs* a, const Fixed& fixed, LastBlock* last, Grains* g) {
   const Float zero = broadcast(0.0f);
   Flow flow = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
   Mask left = sound_places(g->inside, g->position);
   bool deep = false;
   if (any(left)) {
-    deep = read_flow(a, &left, g->position, last, &flow);
+    deep = read_flow(a, fixed, &left, g->position, last, &flow);
     if (!deep && any(left)) {  // the grid has no room there
       Flow gathered = {flow.weight, flow.x, flow.y, flow.z, flow.largest, flow.free, {zero, zero, zero}};
       const Float position[3] = {g->position[0], g->position[1], g->position[2]};
@@ -486,14 +506,14 @@ SANDGLASS_INLINE void follow(const RefineArgs* a, Float fast, LastBlock* last, G
   const Float before =
       g->velocity[0] * g->velocity[0] + g->velocity[1] * g->velocity[1] + g->velocity[2] * g->velocity[2];
   const Float now = f.average[0] * f.average[0] + f.average[1] * f.average[1] + f.average[2] * f.average[2];
-  const Mask swift = and_not(g->inside & (fast < maximum(before, now)), g->settled);
+  const Mask swift = and_not(g->inside & (fixed.fast < maximum(before, now)), g->settled);
   if (any(swift)) {
     const Following those = {{f.average[0], f.average[1], f.average[2]}, f.lambda};
     Grains stepping = copy_of(*g);
     follow_in_steps(a, those, swift, &stepping);
     for (int k = 0; k < 3; ++k) g->position[k] = stepping.position[k], g->velocity[k] = stepping.velocity[k];
   }
-  follow_at_once(a, f, deep, and_not(g->inside, swift), g);
+  follow_at_once(a, fixed, f, deep, and_not(g->inside, swift), g);
   if (reaches_collider(a, g->position)) {
     Grains leaving = copy_of(*g);
     leave_colliders(a, &leaving);
@@ -512,56 +532,57 @@ SANDGLASS_APART void follow_particles(const RefineArgs* a, Grains* g) {
   }
 }
 
-// Metres a second, squared, from which a grain steps: half a particle radius in a step, less what gravity adds.
-SANDGLASS_INLINE float fast_squared(const RefineArgs* a) {
-  const float length = a->support * (1.0f / 6.0f) / a->step - a->fall;
-  return length > 0.0f ? length * length : 0.0f;
+// Where grains were, if they are no longer in the world.
+SANDGLASS_INLINE uint32_t put_back(const Float before[k_record_floats], Grains* g) {
+  const Float limit = broadcast(k_coordinate_bound), speed_limit = broadcast(1e6f);
+  const Mask sound = within(g->position[0], limit) & within(g->position[1], limit) & within(g->position[2], limit) &
+                     within(g->velocity[0], speed_limit) & within(g->velocity[1], speed_limit) &
+                     within(g->velocity[2], speed_limit);
+  const Mask bad = and_not(g->inside, sound);
+  if (!any(bad)) return 0;
+  // Velocity 0. A coordinate that was no better becomes 0.
+  for (int k = 0; k < 3; ++k) {
+    const Mask number = within(before[k], limit);
+    g->position[k] = select(bad, keep(number, before[k]), g->position[k]);
+    g->velocity[k] = keep(and_not(g->inside, bad), g->velocity[k]);
+  }
+  return count(bad);
 }
 
 template <bool k_by_grid>
 SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
-  const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound);
-  const Float fast = broadcast(fast_squared(a)), speed_limit = broadcast(1e6f);
+  const Float one = broadcast(1.0f);
+  const Fixed fixed = fixed_of(a);
   uint32_t quarantined = 0;
   LastBlock last = no_block_yet();
-  for (uint32_t item = begin; item < end; item += k_width) {
-    const uint32_t group_number = a->groups[item / k_lane_group];
-    const uint32_t i = group_number * k_lane_group + item % k_lane_group;
-    float* record = floats_of(a->grains + i);
-    Float grain[k_record_floats];
-    load_records(record, grain);
-    Grains g;
-    for (int k = 0; k < 3; ++k) g.position[k] = grain[k], g.velocity[k] = grain[k_vx + k];
-    g.inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
-    g.settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
-    if (k_by_grid) follow(a, fast, &last, &g);
-    else follow_particles(a, &g);
-    const Mask sound = within(g.position[0], limit) & within(g.position[1], limit) & within(g.position[2], limit) &
-                       within(g.velocity[0], speed_limit) & within(g.velocity[1], speed_limit) &
-                       within(g.velocity[2], speed_limit);
-    const Mask bad = and_not(g.inside, sound);
-    if (any(bad)) {
-      // Back to where it was, with velocity 0. A coordinate that was no better becomes 0.
-      quarantined += count(bad);
-      for (int k = 0; k < 3; ++k) {
-        const Mask number = within(grain[k], limit);
-        g.position[k] = select(bad, keep(number, grain[k]), g.position[k]);
-        g.velocity[k] = select(bad, zero, g.velocity[k]);
-      }
+  for (uint32_t item = begin; item < end; item += k_lane_group) {
+    const uint32_t group_number = a->groups[item / k_lane_group], first_grain = group_number * k_lane_group;
+    const uint32_t last_grain = first_grain + (end - item < k_lane_group ? end - item : k_lane_group);
+    Mask keeps_still = one == one;
+    for (uint32_t i = first_grain; i < last_grain; i += k_width) {
+      float* record = floats_of(a->grains + i);
+      Float grain[k_record_floats];
+      load_records(record, grain);
+      Grains g;
+      for (int k = 0; k < 3; ++k) g.position[k] = grain[k], g.velocity[k] = grain[k_vx + k];
+      g.inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
+      g.settled = fixed.still_sweeps <= grain[k_still_sweeps];
+      if (k_by_grid) follow(a, fixed, &last, &g);
+      else follow_particles(a, &g);
+      quarantined += put_back(grain, &g);
+      const Mask still = (absolute(g.position[0] - grain[k_x]) <= fixed.still_distance) &
+                         (absolute(g.position[1] - grain[k_y]) <= fixed.still_distance) &
+                         (absolute(g.position[2] - grain[k_z]) <= fixed.still_distance);
+      const Float sweeps = keep(still, minimum(grain[k_still_sweeps] + one, fixed.still_sweeps));
+      keeps_still = and_not(keeps_still, and_not(g.inside, fixed.still_sweeps <= sweeps));
+      Float moved[k_record_floats];
+      for (int k = 0; k < 3; ++k) moved[k] = g.position[k], moved[k_vx + k] = g.velocity[k];
+      moved[k_number] = grain[k_number], moved[k_still_sweeps] = sweeps;
+      if (i + k_width > a->grain_count)
+        for (uint32_t c = 0; c < k_record_floats; ++c) moved[c] = select(g.inside, moved[c], grain[c]);
+      store_records(record, moved);
     }
-    const Float still_distance = broadcast(a->still_distance);
-    const Mask still = (absolute(g.position[0] - grain[k_x]) <= still_distance) &
-                       (absolute(g.position[1] - grain[k_y]) <= still_distance) &
-                       (absolute(g.position[2] - grain[k_z]) <= still_distance);
-    const Float sweeps = keep(still, minimum(grain[k_still_sweeps] + one, broadcast(a->still_sweeps)));
-    if (item % k_lane_group == 0) a->still[group_number] = 1;
-    if (any(and_not(g.inside, broadcast(a->still_sweeps) <= sweeps))) a->still[group_number] = 0;
-    Float moved[k_record_floats];
-    for (int k = 0; k < 3; ++k) moved[k] = g.position[k], moved[k_vx + k] = g.velocity[k];
-    moved[k_number] = grain[k_number], moved[k_still_sweeps] = sweeps;
-    if (i + k_width > a->grain_count)
-      for (uint32_t c = 0; c < k_record_floats; ++c) moved[c] = select(g.inside, moved[c], grain[c]);
-    store_records(record, moved);
+    a->still[group_number] = all(keeps_still) ? 1 : 0;
   }
   extent->quarantined = quarantined;
 }

@@ -36,6 +36,8 @@ SANDGLASS_INLINE Float operator/(Float a, Float b) { return {_mm256_div_ps(a.v, 
 SANDGLASS_INLINE Float square_root(Float a) { return {_mm256_sqrt_ps(a.v)}; }
 SANDGLASS_INLINE Float minimum(Float a, Float b) { return {_mm256_min_ps(a.v, b.v)}; }
 SANDGLASS_INLINE Float maximum(Float a, Float b) { return {_mm256_max_ps(a.v, b.v)}; }
+SANDGLASS_INLINE Float at_most(Float a, Float bound) { return minimum(a, bound); }
+SANDGLASS_INLINE Float at_least(Float a, Float bound) { return maximum(a, bound); }
 SANDGLASS_INLINE Float absolute(Float a) { return {_mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v)}; }
 
 SANDGLASS_INLINE Int operator+(Int a, Int b) { return {_mm256_add_epi32(a.v, b.v)}; }

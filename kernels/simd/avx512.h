@@ -36,6 +36,8 @@ SANDGLASS_INLINE Float operator/(Float a, Float b) { return {_mm512_div_ps(a.v, 
 SANDGLASS_INLINE Float square_root(Float a) { return {_mm512_sqrt_ps(a.v)}; }
 SANDGLASS_INLINE Float minimum(Float a, Float b) { return {_mm512_min_ps(a.v, b.v)}; }
 SANDGLASS_INLINE Float maximum(Float a, Float b) { return {_mm512_max_ps(a.v, b.v)}; }
+SANDGLASS_INLINE Float at_most(Float a, Float bound) { return minimum(a, bound); }
+SANDGLASS_INLINE Float at_least(Float a, Float bound) { return maximum(a, bound); }
 SANDGLASS_INLINE Float absolute(Float a) { return {_mm512_abs_ps(a.v)}; }
 
 SANDGLASS_INLINE Int operator+(Int a, Int b) { return {_mm512_add_epi32(a.v, b.v)}; }

@@ -40,6 +40,8 @@ SANDGLASS_INLINE Float operator/(Float a, Float b) { return {vdivq_f32(a.v, b.v)
 SANDGLASS_INLINE Float square_root(Float a) { return {vsqrtq_f32(a.v)}; }
 SANDGLASS_INLINE Float minimum(Float a, Float b) { return {vbslq_f32(vcltq_f32(a.v, b.v), a.v, b.v)}; }
 SANDGLASS_INLINE Float maximum(Float a, Float b) { return {vbslq_f32(vcgtq_f32(a.v, b.v), a.v, b.v)}; }
+SANDGLASS_INLINE Float at_most(Float a, Float bound) { return {vminnmq_f32(a.v, bound.v)}; }
+SANDGLASS_INLINE Float at_least(Float a, Float bound) { return {vmaxnmq_f32(a.v, bound.v)}; }
 SANDGLASS_INLINE Float absolute(Float a) { return {vabsq_f32(a.v)}; }
 
 SANDGLASS_INLINE Int operator+(Int a, Int b) { return {vaddq_s32(a.v, b.v)}; }

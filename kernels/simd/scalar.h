@@ -6,6 +6,7 @@
 //   Lane = particle (or grain, candidate, texel): no operation adds across lanes, so the width never changes a sum.
 //   + - * / and square_root are the IEEE operations, correctly rounded; no contraction, no reciprocal estimates.
 //   minimum(a, b) = a < b ? a : b and maximum(a, b) = a > b ? a : b: with a NaN they return b, on every set.
+//   at_most and at_least are the same for bounds above 0, and at_least for +0, which some sets do in one instruction.
 //   Comparisons are ordered: false where a lane is NaN. select(m, a, b) takes a where m holds, else b, bit for bit.
 //   to_int truncates, floor_int rounds down; the caller keeps the value within +-2^30 (out of range, ARM and x86
 //   differ).
@@ -55,6 +56,8 @@ SANDGLASS_INLINE Float operator/(Float a, Float b) { return {a.v / b.v}; }
 SANDGLASS_INLINE Float square_root(Float a) { return {__builtin_sqrtf(a.v)}; }
 SANDGLASS_INLINE Float minimum(Float a, Float b) { return {a.v < b.v ? a.v : b.v}; }
 SANDGLASS_INLINE Float maximum(Float a, Float b) { return {a.v > b.v ? a.v : b.v}; }
+SANDGLASS_INLINE Float at_most(Float a, Float bound) { return minimum(a, bound); }
+SANDGLASS_INLINE Float at_least(Float a, Float bound) { return maximum(a, bound); }
 SANDGLASS_INLINE Float absolute(Float a) { return {__builtin_fabsf(a.v)}; }
 
 SANDGLASS_INLINE Int operator+(Int a, Int b) { return {a.v + b.v}; }

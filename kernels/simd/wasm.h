@@ -38,6 +38,8 @@ SANDGLASS_INLINE Float operator/(Float a, Float b) { return {wasm_f32x4_div(a.v,
 SANDGLASS_INLINE Float square_root(Float a) { return {wasm_f32x4_sqrt(a.v)}; }
 SANDGLASS_INLINE Float minimum(Float a, Float b) { return {wasm_f32x4_pmin(b.v, a.v)}; }
 SANDGLASS_INLINE Float maximum(Float a, Float b) { return {wasm_f32x4_pmax(b.v, a.v)}; }
+SANDGLASS_INLINE Float at_most(Float a, Float bound) { return minimum(a, bound); }
+SANDGLASS_INLINE Float at_least(Float a, Float bound) { return maximum(a, bound); }
 SANDGLASS_INLINE Float absolute(Float a) { return {wasm_f32x4_abs(a.v)}; }
 
 SANDGLASS_INLINE Int operator+(Int a, Int b) { return {wasm_i32x4_add(a.v, b.v)}; }
