@@ -16,21 +16,28 @@ SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Fl
   return c * (broadcast(a->weight_linear) + broadcast(a->weight_cubic) * (c * c));
 }
 
-// Coincident particles part along a fixed direction that both sides agree on: a unit vector chosen by the indices of
-// the pair.
+struct Direction {
+  Float x, y, z;
+};
+
+// A unit vector for each pair, chosen by its indices: both sides agree on it. One copy for all kernels.
+SANDGLASS_APART Direction direction_of(const uint32_t* first, const uint32_t* second, uint32_t stride) {
+  alignas(64) uint32_t others[k_lane_group];
+  for (uint32_t l = 0; l < k_width; ++l) others[l] = second[l * stride];
+  const Int i = load(first), j = load(others), sum = i + j, none = broadcast(0);
+  const Float side = select(i < j, broadcast(1.0f), broadcast(-1.0f)), other_side = broadcast(0.0f) - side;
+  const Mask even = (sum & broadcast(1)) == none, low = (sum & broadcast(2)) == none;
+  return {broadcast(0.36f) * select(even, other_side, side), broadcast(0.8f) * side,  // 0.36^2 + 0.8^2 + 0.48^2 = 1
+          broadcast(0.48f) * select(low, other_side, side)};
+}
+
+// Coincident particles part along a fixed direction.
 SANDGLASS_INLINE void part_coincident(const uint32_t* first, const uint32_t* second, uint32_t stride, Mask coincident,
                                       Float* nx, Float* ny, Float* nz) {
-  alignas(64) float ux[k_lane_group], uy[k_lane_group], uz[k_lane_group];
-  for (uint32_t l = 0; l < k_width; ++l) {
-    const uint32_t i = first[l], j = second[l * stride];
-    const float side = i < j ? 1.0f : -1.0f;
-    ux[l] = ((i + j) & 1u) != 0 ? side * 0.36f : side * -0.36f;  // 0.36^2 + 0.8^2 + 0.48^2 = 1
-    uy[l] = side * 0.8f;
-    uz[l] = ((i + j) & 2u) != 0 ? side * 0.48f : side * -0.48f;
-  }
-  *nx = select(coincident, load(ux), *nx);
-  *ny = select(coincident, load(uy), *ny);
-  *nz = select(coincident, load(uz), *nz);
+  const Direction way = direction_of(first, second, stride);
+  *nx = select(coincident, way.x, *nx);
+  *ny = select(coincident, way.y, *ny);
+  *nz = select(coincident, way.z, *nz);
 }
 
 // Particles of one rigid body do not touch each other: the upper bits of the number name the body.
@@ -76,12 +83,13 @@ SANDGLASS_INLINE Float friction_grip(const ContactTerms& c, Float t2, Float norm
 }
 
 // Goes through the lists of the particles from i on.
-template <bool k_solve, bool k_weighted>
+template <bool k_solve>
 SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactTerms& t, uint32_t i, const Float* self,
                                             Float pull) {
   const Float zero = broadcast(0.0f), half = broadcast(0.5f), one = broadcast(1.0f), tiny = broadcast(1e-30f);
   const Float w = self[k_mobility];
   const Mask moves = zero < w;
+  const bool weighted = a->weight_linear != 0.0f;
   ContactSum sum = {zero, zero, zero, zero, zero, zero, zero, zero < zero};
   uint32_t slots = 0;
   for (uint32_t l = 0; l < k_width; ++l) slots = a->counts[i + l] > slots ? a->counts[i + l] : slots;
@@ -116,18 +124,18 @@ SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactT
     // Share of the correction: all of it against what does not move or is asleep, else by inverse mass.
     Float mine = select(free, half, one);
     Float lift = zero;
-    if (k_weighted) lift = height_share(a, nx, ny, nz);
+    if (weighted) lift = height_share(a, nx, ny, nz);
     if (a->bodies != 0 && any(touch & free & ((w < other[k_mobility]) | (other[k_mobility] < w)))) {
       const Mask unequal = moves & free & ((w < other[k_mobility]) | (other[k_mobility] < w));
       const Float heavy = w * (half + lift), light = other[k_mobility] * (half - lift);
       const Float share = w / select(unequal, w + other[k_mobility], one);
       mine = select(unequal, share, mine);
-      if (k_weighted) lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, lift);
+      if (weighted) lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, lift);
     }
-    if (k_weighted) {
-      const Float weighted = overlap * keep(free & touch, lift);
-      sum.lift_x = sum.lift_x + weighted * nx, sum.lift_y = sum.lift_y + weighted * ny;
-      sum.lift_z = sum.lift_z + weighted * nz;
+    if (weighted) {
+      const Float raised = overlap * keep(free & touch, lift);
+      sum.lift_x = sum.lift_x + raised * nx, sum.lift_y = sum.lift_y + raised * ny;
+      sum.lift_z = sum.lift_z + raised * nz;
     }
     const Float push = mine * overlap;
     Float cx = push * nx, cy = push * ny, cz = push * nz;
@@ -145,12 +153,11 @@ SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactT
 }
 
 // The correction that the contacts of a particle give: averaged, with a limit on what height weighting adds.
-template <bool k_weighted>
 SANDGLASS_INLINE void weigh_contacts(const ContactArgs* a, Float omega, ContactSum* sum) {
   const Float one = broadcast(1.0f), tiny = broadcast(1e-30f);
   const Float factor = minimum(omega / maximum(sum->contacts, one), one);
   sum->x = factor * sum->x, sum->y = factor * sum->y, sum->z = factor * sum->z;
-  if (!k_weighted) return;
+  if (a->weight_linear == 0.0f) return;
   const Float lx = factor * sum->lift_x, ly = factor * sum->lift_y, lz = factor * sum->lift_z;
   const Float rise = dot3(lx, ly, lz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
   const Float lift_max = broadcast(a->lift_max);
@@ -285,7 +292,7 @@ SANDGLASS_INLINE void put_extrema(const ContactExtrema& seen, ContactExtent* ext
   extent->quarantined = seen.quarantined;
 }
 
-template <bool k_solve, bool k_weighted>
+template <bool k_solve>
 SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_t end, ContactExtent* extent) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   const ContactTerms terms = contact_terms(a);
@@ -300,8 +307,8 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
     Float move[3] = {zero, zero, zero};  // over the sub-step so far
     for (int k = 0; k_solve && k < 3; ++k) move[k] = terms.scale * self[k_vx + k] + terms.gravity[k] * pull;
 
-    ContactSum sum = gather_contacts<k_solve, k_weighted>(a, terms, i, self, pull);
-    weigh_contacts<k_weighted>(a, terms.omega, &sum);
+    ContactSum sum = gather_contacts<k_solve>(a, terms, i, self, pull);
+    weigh_contacts(a, terms.omega, &sum);
     Float* corrected = k_solve ? move : position;
     corrected[0] = corrected[0] + sum.x, corrected[1] = corrected[1] + sum.y, corrected[2] = corrected[2] + sum.z;
     leave_colliders<k_solve>(a, terms, position, move);
@@ -328,11 +335,9 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
 }
 
 static void contact_stabilise(const ContactArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {
-  if (args->weight_linear != 0.0f) contact_pass<false, true>(args, begin, end, extent);
-  else contact_pass<false, false>(args, begin, end, extent);
+  contact_pass<false>(args, begin, end, extent);
 }
 
 static void contact_solve(const ContactArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {
-  if (args->weight_linear != 0.0f) contact_pass<true, true>(args, begin, end, extent);
-  else contact_pass<true, false>(args, begin, end, extent);
+  contact_pass<true>(args, begin, end, extent);
 }

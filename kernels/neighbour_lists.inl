@@ -72,8 +72,8 @@ SANDGLASS_INLINE void limit_to(uint32_t most, uint32_t* count, uint32_t* dropped
   *count = most;
 }
 
-// Of sixteen candidates one is in reach so often that a branch is mispredicted more than it saves.
-constexpr bool k_skips_empty = k_width < 16;
+// Of eight candidates or more one is in reach so often that a branch is mispredicted more than it saves.
+constexpr bool k_skips_empty = k_width < 8;
 
 // Tests the candidates from `least` on.
 SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* positions, uint32_t first_record,

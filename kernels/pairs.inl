@@ -36,19 +36,23 @@ SANDGLASS_INLINE Float pair_lift(const ContactArgs* a, const Float* self, const 
   return lift * select(room < rise, room / maximum(rise, tiny), one);
 }
 
+// Marks the groups of some particles. One copy: it is rare.
+SANDGLASS_APART void mark_groups(const ContactArgs* a, Mask which, const uint32_t* particles, uint32_t* touched) {
+  alignas(64) float flags[k_lane_group];
+  store(flags, keep(which, broadcast(1.0f)));
+  for (uint32_t l = 0; l < k_width; ++l) {
+    // Other threads may mark the same group.
+    if (flags[l] != 0.0f) __atomic_store_n(&a->touched[particles[l] / k_lane_group], uint8_t{1}, __ATOMIC_RELAXED);
+  }
+  *touched = 1;
+}
+
 // Marks the groups of particles that run into a sleeper faster than the wake speed, as far as this pass can tell.
 SANDGLASS_INLINE void note_sleepers(const ContactArgs* a, Mask wakes, const uint32_t* mover, const Float* moved,
                                     uint32_t* touched) {
   const Float limit = broadcast(a->wake_displacement * a->wake_displacement);
   const Mask fast = wakes & (limit < dot3(moved[0], moved[1], moved[2], moved[0], moved[1], moved[2]));
-  if (!any(fast)) return;
-  alignas(64) float flags[k_lane_group];
-  store(flags, keep(fast, broadcast(1.0f)));
-  for (uint32_t l = 0; l < k_width; ++l) {
-    // Other threads may mark the same group.
-    if (flags[l] != 0.0f) __atomic_store_n(&a->touched[mover[l] / k_lane_group], uint8_t{1}, __ATOMIC_RELAXED);
-  }
-  *touched = 1;
+  if (any(fast)) mark_groups(a, fast, mover, touched);
 }
 
 // Pairs of one range that touch. A pass goes over many that do not: most vectors would hold one or two that do.
@@ -123,22 +127,24 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, c
 template <bool k_fixed>
 SANDGLASS_APART void solve_touching(const PairArgs* args, const ContactTerms& t, Touching* pairs, bool all,
                                     uint32_t* touched) {
+  const uint32_t count = pairs->count;
   // Behind the last pair come copies of it that do nothing.
-  for (uint32_t at = pairs->count; all && at % k_width != 0; ++at)
+  for (uint32_t at = count; at % k_width != 0; ++at)
     pairs->first[at] = pairs->first[at - 1], pairs->second[at] = pairs->second[at - 1];
-  uint32_t at = 0;
-  for (; all ? at < pairs->count : at + k_width <= pairs->count; at += k_width)
-    solve_pairs<k_fixed>(args, t, pairs->first + at, pairs->second + at, pairs->count - at, touched);
+  const uint32_t end = all ? count : count / k_width * k_width;
+  for (uint32_t at = 0; at < end; at += k_width)
+    solve_pairs<k_fixed>(args, t, pairs->first + at, pairs->second + at, count - at, touched);
   if (all) return;
-  store(pairs->first, load(pairs->first + at)), store(pairs->second, load(pairs->second + at));
-  pairs->count -= at;
+  store(pairs->first, load(pairs->first + end)), store(pairs->second, load(pairs->second + end));
+  pairs->count = count - end;
 }
 
-template <bool k_fixed>
-SANDGLASS_INLINE void solve_range(const PairArgs* args, uint32_t begin, uint32_t end, uint32_t* touched) {
+static void contact_pairs(const PairArgs* args, uint32_t begin, uint32_t end, uint32_t* touched) {
   const ContactTerms terms = contact_terms(&args->contact);
+  const auto solve = args->fixed != 0 ? solve_touching<true> : solve_touching<false>;
   Touching pairs;
   pairs.count = 0;
+  *touched = 0;
   for (uint32_t pair = begin; pair < end; pair += k_lane_group) {
     const uint32_t group = args->groups[pair / k_lane_group] * k_lane_group;
     const uint32_t *first = args->first + group, *second = args->second + group;
@@ -152,16 +158,9 @@ SANDGLASS_INLINE void solve_range(const PairArgs* args, uint32_t begin, uint32_t
       count += compress_store(pairs.second + count, load(second), touch);
     }
     pairs.count = count;
-    if (pairs.count >= Touching::k_capacity - k_lane_group)
-      solve_touching<k_fixed>(args, terms, &pairs, false, touched);
+    if (count >= Touching::k_capacity - k_lane_group) solve(args, terms, &pairs, false, touched);
   }
-  if (pairs.count != 0) solve_touching<k_fixed>(args, terms, &pairs, true, touched);
-}
-
-static void contact_pairs(const PairArgs* args, uint32_t begin, uint32_t end, uint32_t* touched) {
-  *touched = 0;
-  if (args->fixed != 0) solve_range<true>(args, begin, end, touched);
-  else solve_range<false>(args, begin, end, touched);
+  if (pairs.count != 0) solve(args, terms, &pairs, true, touched);
 }
 
 static void complete_motion(const ContactArgs* a, uint32_t begin, uint32_t end, ContactExtent* extent) {

@@ -189,17 +189,28 @@ SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index,
   }
 }
 
-// AVX2 has no compress instruction, so this walks the set bits. Few are set: a neighbour test passes about one lane in
-// five.
-SANDGLASS_INLINE uint32_t compress_store(uint32_t* p, Int v, Mask m) {
-  alignas(32) uint32_t lanes[8];
-  _mm256_store_si256(reinterpret_cast<__m256i*>(lanes), v.v);
-  uint32_t rest = bits(m), n = 0;
-  while (rest != 0) {
-    p[n++] = lanes[__builtin_ctz(rest)];
-    rest &= rest - 1;
+// AVX2 has no compress instruction. For each of the 256 masks a permutation puts the kept lanes first.
+struct Permutations {
+  uint8_t lanes[256][8];
+};
+constexpr Permutations kept_first() {
+  Permutations all = {};
+  for (uint32_t mask = 0; mask < 256; ++mask) {
+    uint32_t kept = 0;
+    for (uint32_t lane = 0; lane < 8; ++lane) {
+      if ((mask >> lane & 1u) != 0) all.lanes[mask][kept++] = static_cast<uint8_t>(lane);
+    }
   }
-  return n;
+  return all;
+}
+constexpr Permutations k_compress = kept_first();
+
+SANDGLASS_INLINE uint32_t compress_store(uint32_t* p, Int v, Mask m) {
+  const uint32_t mask = bits(m);
+  const __m128i lanes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(k_compress.lanes[mask]));
+  const __m256i kept = _mm256_permutevar8x32_epi32(v.v, _mm256_cvtepu8_epi32(lanes));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), kept);
+  return static_cast<uint32_t>(__builtin_popcount(mask));
 }
 
 }  // namespace sandglass::simd_avx2
