@@ -141,9 +141,12 @@ SANDGLASS_APART void solve_touching(const PairArgs* args, const ContactTerms& t,
 
 static void contact_pairs(const PairArgs* args, uint32_t begin, uint32_t end, uint32_t* touched) {
   const ContactTerms terms = contact_terms(&args->contact);
-  const auto solve = args->fixed != 0 ? solve_touching<true> : solve_touching<false>;
   Touching pairs;
   pairs.count = 0;
+  const auto solve = [&](bool all) {
+    if (args->fixed != 0) solve_touching<true>(args, terms, &pairs, all, touched);
+    else solve_touching<false>(args, terms, &pairs, all, touched);
+  };
   *touched = 0;
   for (uint32_t pair = begin; pair < end; pair += k_lane_group) {
     const uint32_t group = args->groups[pair / k_lane_group] * k_lane_group;
@@ -158,9 +161,9 @@ static void contact_pairs(const PairArgs* args, uint32_t begin, uint32_t end, ui
       count += compress_store(pairs.second + count, load(second), touch);
     }
     pairs.count = count;
-    if (count >= Touching::k_capacity - k_lane_group) solve(args, terms, &pairs, false, touched);
+    if (count >= Touching::k_capacity - k_lane_group) solve(false);
   }
-  if (pairs.count != 0) solve(args, terms, &pairs, true, touched);
+  if (pairs.count != 0) solve(true);
 }
 
 static void complete_motion(const ContactArgs* a, uint32_t begin, uint32_t end, ContactExtent* extent) {
