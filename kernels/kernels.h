@@ -123,8 +123,9 @@ struct ContactExtent {
 };
 
 // One Gauss-Seidel pass over contacts in pairs. The range is of pairs, in which no particle that may be written comes
-// twice; pairs with the inert record fill it up to a multiple of 16. Pair p is lane p % 16 of group groups[p / 16]. predict_motion has written the particles,
-// complete_motion goes over them afterwards; both take ContactArgs, of the first pass and of the last.
+// twice; pairs with the inert record fill it up to a multiple of 16. Pair p is lane p % 16 of group groups[p / 16].
+// predict_motion has written the particles, complete_motion goes over them afterwards; both take ContactArgs, of the
+// first pass and of the last.
 struct PairArgs {
   Particle* particles;  // at the start of the sub-step, with their displacement since then
   const uint32_t *first, *second, *groups;

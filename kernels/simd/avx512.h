@@ -124,25 +124,7 @@ SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Flo
   out[0].v = _mm512_shuffle_ps(a, c, 0x44), out[1].v = _mm512_shuffle_ps(a, c, 0xee);
   out[2].v = _mm512_shuffle_ps(b, d, 0x44), out[3].v = _mm512_shuffle_ps(b, d, 0xee);
 }
-SANDGLASS_INLINE void blend_quads(const float* const* lanes, const uint32_t offsets[8], const Float share[8],
-                                  Float out[4]) {
-  for (int k = 0; k < 8; ++k) {
-    Float quad[4];
-    load_quads(lanes, offsets[k], quad);
-    for (int c = 0; c < 4; ++c) out[c] = k == 0 ? share[k] * quad[c] : out[c] + share[k] * quad[c];
-  }
-}
-template <uint32_t k_row>
-SANDGLASS_INLINE Int load_byte_squares(const uint8_t* const* lanes, int32_t offset) {
-  alignas(64) uint32_t squares[k_width];
-  for (uint32_t l = 0; l < k_width; ++l) {
-    uint16_t low, high;
-    __builtin_memcpy(&low, lanes[l] + offset, 2);
-    __builtin_memcpy(&high, lanes[l] + offset + k_row, 2);
-    squares[l] = low | static_cast<uint32_t>(high) << 16;
-  }
-  return load(squares);
-}
+#include "kernels/simd/corners.inl"
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   __m512 r[8];
   for (uint32_t k = 0; k < 8; ++k) {
