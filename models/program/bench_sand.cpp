@@ -80,7 +80,7 @@ Curves measure_curves(const SceneTable& table, const SceneFile& column, uint32_t
 void draw(const Curves& curves, const std::string& folder) {
   Plot overlap, angle;
   overlap.title = "Error against time: column of 14,280 particles";
-  overlap.x = angle.x = {"solver, ms a frame", 10.0, 200.0, true};
+  overlap.x = angle.x = {"solver, ms a frame", 5.0, 200.0, true};
   overlap.y = {"P99 of the overlap, % of r", 0.04, 100.0, true};
   angle.title = "Angle of the pile against time";
   angle.y = {"angle, degrees", 0.0, 40.0, false};
