@@ -434,7 +434,8 @@ TEST(LightFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
   SandScene sand(virtual_clock(&time)), again;
   uint32_t with_light = 0, with_grains = 0, changes = 0;
   uint64_t timestamp = 0;
-  for (uint64_t f = 0; f < (SANDGLASS_EMULATED ? 12u : 40u); ++f) {
+  constexpr uint32_t frames = SANDGLASS_EMULATED ? 12u : 40u;
+  for (uint64_t f = 0; f < frames; ++f) {
     TestImage picture(f);
     picture.image.timestamp_ns = f * 16'666'667 + 1;
     const sandglass_frame_report report = frame(sand, live.get(), &picture.image, 4'000'000);
@@ -452,7 +453,7 @@ TEST(LightFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
     ASSERT_EQ(sandglass_light_hash(again_light.get()), sandglass_light_hash(live.get())) << f;
   }
   EXPECT_GT(with_light, 5u);
-  EXPECT_GT(with_grains, 5u);
+  EXPECT_GT(with_grains, frames / 8);
   EXPECT_GE(changes, SANDGLASS_EMULATED ? 0u : 1u);
 }
 
