@@ -83,7 +83,10 @@ SANDGLASS_INLINE Surface collider_surface(const ColliderFrame& c, Float px, Floa
 SANDGLASS_INLINE bool far_from(const ColliderFrame& c, const Float position[3], float margin) {
   if (c.shape == SANDGLASS_SHAPE_HALF_SPACE || c.shape == SANDGLASS_SHAPE_FIELD) return false;
   const Float x = position[0] - broadcast(c.position[0]), y = position[1] - broadcast(c.position[1]),
-              z = position[2] - broadcast(c.position[2]);
+              z = position[2] - broadcast(c.position[2]), more = broadcast(1.001f * margin);
+  if (all((broadcast(c.extent[0]) + more < absolute(x)) | (broadcast(c.extent[1]) + more < absolute(y)) |
+          (broadcast(c.extent[2]) + more < absolute(z))))
+    return true;
   if (c.shape == SANDGLASS_SHAPE_BOX) {
     const Float zero = broadcast(0.0f);
     Float beyond2 = zero;

@@ -273,11 +273,14 @@ SANDGLASS_INLINE void put_moved(const ContactArgs* a, uint32_t i, const Float* s
     extent->touched = 1;
   }
   seen->speed2 = maximum(keep(live, move2 / (step * step)), seen->speed2);
+  const bool whole = all(live);
   for (int k = 0; k < 3; ++k) {
-    seen->low[k] = select(live, minimum(out[k], seen->low[k]), seen->low[k]);
-    seen->high[k] = select(live, maximum(out[k], seen->high[k]), seen->high[k]);
-    seen->move_low[k] = select(live, minimum(move[k], seen->move_low[k]), seen->move_low[k]);
-    seen->move_high[k] = select(live, maximum(move[k], seen->move_high[k]), seen->move_high[k]);
+    const Float low = minimum(out[k], seen->low[k]), high = maximum(out[k], seen->high[k]);
+    const Float move_low = minimum(move[k], seen->move_low[k]), move_high = maximum(move[k], seen->move_high[k]);
+    seen->low[k] = whole ? low : select(live, low, seen->low[k]);
+    seen->high[k] = whole ? high : select(live, high, seen->high[k]);
+    seen->move_low[k] = whole ? move_low : select(live, move_low, seen->move_low[k]);
+    seen->move_high[k] = whole ? move_high : select(live, move_high, seen->move_high[k]);
   }
   store_records(floats_of(a->out + i), out);
 }

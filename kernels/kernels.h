@@ -72,10 +72,24 @@ struct ColliderFrame {
   float position[3];
   float axes[3][3];  // local x, y, z in the world
   float size[3];
+  float extent[3];  // half the sides of a box along the world's axes that holds it; not of a half space or a field
   float linear[3];  // velocity, m/s
   float angular[3];
   FieldGrid field;  // of SANDGLASS_SHAPE_FIELD
 };
+
+// From shape, axes and size. A thousandth more than what is rounded away.
+static inline void find_extent(ColliderFrame* frame) {
+  for (int k = 0; k < 3; ++k) {
+    float half = frame->size[0];
+    if (frame->shape == SANDGLASS_SHAPE_CAPSULE) half += __builtin_fabsf(frame->axes[1][k]) * frame->size[1];
+    if (frame->shape == SANDGLASS_SHAPE_BOX) {
+      half = 0.0f;
+      for (int a = 0; a < 3; ++a) half += __builtin_fabsf(frame->axes[a][k]) * frame->size[a];
+    }
+    frame->extent[k] = 1.001f * half;
+  }
+}
 
 // A pass over particles. contact_stabilise and contact_solve are Jacobi passes: contacts and friction from the positions
 // before the pass, then colliders. predict_motion and complete_motion are what comes before and after contact_pairs;

@@ -209,16 +209,15 @@ SANDGLASS_APART void find_lacking(const MotionGrid* grid, Mask lanes, const uint
 SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const BlockPlace& place, Int corner,
                                   LastBlock* last, Places* places) {
   const Int none = broadcast(static_cast<int32_t>(k_no_block));
-  alignas(64) uint32_t corners[k_lane_group], numbers[k_lane_group];
-  store(corners, corner);
+  alignas(64) uint32_t numbers[k_lane_group], records[k_lane_group];
   const bool one = find_blocks(grid, lanes, place, last, numbers);
   places->known = lanes, places->lacking = and_not(lanes, lanes);
   if (one && last->number != k_no_block && grid->overflowed == 0) {
-    const float* records = grid->nodes + static_cast<uint64_t>(last->number) * k_block_records * k_record_floats;
     const uint8_t* density = density_of(*grid, last->number);
     // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
+    store(records, corner + broadcast(static_cast<int32_t>(last->number * k_block_records)));
     for (uint32_t l = 0; l < k_width; ++l)
-      places->records[l] = records + corners[l] * k_record_floats, places->density[l] = density;
+      places->records[l] = grid->nodes + uint64_t{records[l]} * k_record_floats, places->density[l] = density;
     return;
   }
   if (one) store(numbers, broadcast(static_cast<int32_t>(last->number)));
@@ -226,8 +225,10 @@ SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const Bloc
   places->known = and_not(lanes, nowhere);
   if (grid->overflowed != 0) find_lacking(grid, lanes, numbers, places);
   if (any(nowhere)) store(numbers, select(nowhere, broadcast(0), load(numbers)));
+  static_assert(k_block_records == 1u << 7);
+  store(records, shift_left(load(numbers), 7) + corner);
   for (uint32_t l = 0; l < k_width; ++l) {
-    places->records[l] = grid->nodes + (numbers[l] * k_block_records + corners[l]) * uint64_t{k_record_floats};
+    places->records[l] = grid->nodes + uint64_t{records[l]} * k_record_floats;
     places->density[l] = density_of(*grid, numbers[l]);
   }
 }
@@ -410,8 +411,12 @@ SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Flow& flow,
   const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
   Following f = {{flow.x * inverse, flow.y * inverse, flow.z * inverse}, zero};
   if (!deep) f.lambda = free_flight(a, flow);
-  g->settled = g->settled & (f.average[0] == zero) & (f.average[1] == zero) & (f.average[2] == zero);
-  for (int k = 0; k < 3; ++k) g->position[k] = select(g->settled, g->position[k], g->position[k] + flow.push[k]);
+  if (any(g->settled)) {
+    g->settled = g->settled & (f.average[0] == zero) & (f.average[1] == zero) & (f.average[2] == zero);
+    for (int k = 0; k < 3; ++k) g->position[k] = select(g->settled, g->position[k], g->position[k] + flow.push[k]);
+  } else {
+    for (int k = 0; k < 3; ++k) g->position[k] = g->position[k] + flow.push[k];
+  }
   return f;
 }
 

@@ -208,6 +208,7 @@ void colliders_pose(const sandglass_collider* colliders, uint32_t count, float b
       frame.angular[k] = collider.angular_velocity[k];
       for (int j = 0; j < 3; ++j) frame.axes[k][j] = axes[k][j];
     }
+    find_extent(&frame);
   }
 }
 

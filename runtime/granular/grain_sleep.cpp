@@ -30,9 +30,10 @@ void make_tile(Granular* g, uint32_t group) {
 bool keeps_still(const Granular& g, uint32_t group) {
   const uint32_t first = group * k_lane_group;
   const uint32_t last = g.grains.count - first < k_lane_group ? g.grains.count : first + k_lane_group;
-  bool still = true;
-  for (uint32_t i = first; i < last; ++i) still = still && g.grains.records[i].still_sweeps >= k_patience_sweeps;
-  return still;
+  for (uint32_t i = first; i < last; ++i) {
+    if (!(g.grains.records[i].still_sweeps >= k_patience_sweeps)) return false;
+  }
+  return true;
 }
 
 // A collider came near the sphere of the group: wakes those of its grains that it really came near. False: none.

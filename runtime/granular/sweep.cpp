@@ -8,7 +8,7 @@ namespace sandglass {
 namespace {
 
 constexpr float k_support_radii = 3.0f;       // h = 3r
-constexpr float k_grain_cell_radii = 2.0f;    // a vector of grains is then about one cell
+constexpr float k_grain_cell_radii = 1.3f;    // coarser: more vectors lie in several blocks of the motion grid
 constexpr float k_sweeps_per_sort = 4.0f;     // grains move a fraction of a cell between sorts
 constexpr float k_sort_next = 1e9f;           // sweeps since the last sort, where the next sweep must sort
 constexpr float k_still_speed_units = 0.25f;  // of sqrt(g d): between sleepers grains creep on, slower than that
