@@ -17,6 +17,9 @@ constexpr float k_still_speed_units = 0.25f;  // of sqrt(g d): between sleepers 
 
 bool source_rule(const Granular& g) { return g.desc.reference.blend == SANDGLASS_BLEND_SOURCE; }
 
+// Every other sweep pushes the grains apart: they lie as evenly as with a push in each, for a sixth less.
+bool evens_next(const Granular& g, uint32_t level) { return level < SANDGLASS_LEVEL_COARSER && !g.sweep.even; }
+
 void begin_sort(Granular* g);
 void complete(Granular* g);
 
@@ -68,7 +71,7 @@ void enter(Granular* g, SweepPhase phase) {
 // ---- the phases
 
 void begin(Granular* g, uint32_t level) {
-  g->sweep.even = level < SANDGLASS_LEVEL_COARSER;
+  g->sweep.even = evens_next(*g, level);
   SimulatedTime& t = g->time;
   const double count = t.grain_lag / static_cast<double>(g->desc.refine_step);
   const uint32_t whole = to_whole<uint32_t>(count);
@@ -288,7 +291,8 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   entries[1] = {k_unit_grain_sort, sweeps * 3 * refined / static_cast<uint64_t>(k_sweeps_per_sort)};
   entries[2] = {k_unit_refine, sweeps * refined};
   if (source_rule(g)) return 3;
-  entries[3] = {k_unit_motion, sweeps * motion_items_of_a_sweep(g, level < SANDGLASS_LEVEL_COARSER)};
+  const bool even = g.sweep.phase == SweepPhase::idle ? evens_next(g, level) : g.sweep.even;
+  entries[3] = {k_unit_motion, sweeps * motion_items_of_a_sweep(g, even)};
   return 4;
 }
 
@@ -304,6 +308,7 @@ void sweep_reset(Sweep* s) {
 void sweep_forget(Sweep* s) {
   s->cursor = 0;
   s->sweeps_since_sort = k_sort_next;
+  s->even = true;  // so the sweeps that push are not those that sort
 }
 
 void sweep_finish(Granular* g) {

@@ -35,13 +35,13 @@ struct Sweep {
   float sweeps_since_sort;  // a sweep over a part of the grains counts for that part
   float step;               // seconds
   uint32_t steps;
-  bool even;           // grains are counted and pushed apart
+  bool even;           // in this sweep, else in the last one: grains are counted and pushed apart
   uint32_t particles;  // in the snapshot
   double time;         // simulated time that the sweep covers, seconds
 };
 
 void sweep_reset(Sweep* sweep);
-// Nothing is remembered of the grains' order. No sweep may be under way.
+// Nothing is remembered of the grains' order, and the next sweep does not push them apart. No sweep may be under way.
 void sweep_forget(Sweep* sweep);
 Stage granular_grain_stage(Granular* granular);
 

@@ -104,8 +104,14 @@ TEST(ThermalHeadroom, QualityFallsWithItAndRecovers) {
   const double cool = units(60, 100), hot = units(190, 210), again = units(340, 380);
   EXPECT_LT(hot, 0.4 * cool);
   EXPECT_GT(again, 0.9 * cool);
-  EXPECT_LT(warming()[80].level, warming()[200].level);
-  EXPECT_EQ(warming()[380].level, warming()[80].level);
+  // Frames that push the grains apart cost more than those between, so the level goes up and down with them.
+  const auto best_level = [](size_t from) {
+    uint32_t best = SANDGLASS_LEVEL_COUNT;
+    for (size_t f = from; f < from + 10; ++f) best = std::min(best, warming()[f].level);
+    return best;
+  };
+  EXPECT_LT(best_level(80), best_level(200));
+  EXPECT_EQ(best_level(380), best_level(80));
 }
 
 }  // namespace
