@@ -448,7 +448,7 @@ TEST(Colliders, ExtentsHoldTheWholeCollider) {
     for (int k = 0; k < 3; ++k) {
       double reach = 0;  // of the points of a fine net over the surface
       for (int corner = 0; corner < 8; ++corner) {
-        const double sides[3] = {corner % 2 - 0.5, corner / 2 % 2 - 0.5, corner / 4 - 0.5};
+        const double sides[3] = {(corner & 1) - 0.5, (corner >> 1 & 1) - 0.5, (corner >> 2) - 0.5};
         Vector x;
         for (int a = 0; a < 3; ++a) x = x + 2 * sides[a] * static_cast<double>(c.size[a]) * axes[a];
         if (shape == SANDGLASS_SHAPE_BOX) reach = std::max(reach, std::array{x.x, x.y, x.z}[static_cast<size_t>(k)]);
