@@ -78,7 +78,7 @@ struct ColliderFrame {
   FieldGrid field;  // of SANDGLASS_SHAPE_FIELD
 };
 
-// From shape, axes and size. A thousandth more than what is rounded away.
+// From shape, axes and size; a thousandth longer, for what is rounded away.
 static inline void find_extent(ColliderFrame* frame) {
   for (int k = 0; k < 3; ++k) {
     float half = frame->size[0];
