@@ -35,9 +35,9 @@ struct Sweep {
   float sweeps_since_sort;  // a sweep over a part of the grains counts for that part
   float step;               // seconds
   uint32_t steps;
-  bool even;           // in this sweep, else in the last one: grains are counted and pushed apart
-  uint32_t particles;  // in the snapshot
-  double time;         // simulated time that the sweep covers, seconds
+  uint32_t since_push;  // sweeps since the last one in which grains were counted and pushed apart; 0: in this one
+  uint32_t particles;   // in the snapshot
+  double time;          // simulated time that the sweep covers, seconds
 };
 
 void sweep_reset(Sweep* sweep);

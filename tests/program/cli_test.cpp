@@ -285,7 +285,7 @@ TEST_F(Cli, BakesAndInspectsAShadow) {
 TEST_F(Cli, VerifiesAChosenCaseAndWritesItsTable) {
   const Outcome outcome = run("verify granular --case refinement --out '" + path("out") + "'");
   EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
-  EXPECT_NE(outcome.out.find("6 rows, 0 failed"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("7 rows, 0 failed"), std::string::npos) << outcome.out;
   const std::string markdown = read(path("out/verify.md"));
   EXPECT_EQ(std::count(markdown.begin(), markdown.end(), '\n'), 8);
   EXPECT_NE(markdown.find("| refinement | uniform field reproduced |"), std::string::npos);

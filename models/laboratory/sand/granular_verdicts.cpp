@@ -116,11 +116,10 @@ void refinement(Table& t) {
   // by 2^-26 m at most: of 0.62 m/s in 20 ms that is 0.43e-4 along an axis, and sqrt(3) times that in all.
   t.claim("uniform field reproduced", "of |u|", 0.0, uniform_field_error(t.defaults(), 0.0), 0.75e-4);
   t.control("uniform field, sheared", "of |u|", 0.0, uniform_field_error(t.defaults(), 0.5), 1e-3);
-  // From this level on grains are not pushed apart.
-  sandglass_scene_desc without_push = t.defaults();
-  without_push.finest_level = SANDGLASS_LEVEL_COARSER;
-  t.claim("lambda threshold, one ulp", "d", 0.0, threshold_jump(without_push), 0.001);
-  t.claim("push threshold, one ulp", "d", 0.0, threshold_jump(t.defaults()), 0.001);
+  t.claim("lambda threshold, one ulp", "d", 0.0, threshold_jump(t.defaults()), 0.001);
+  const PushOnALine push = push_on_a_line(t.defaults());
+  t.claim("push, from grain to grain", "d", 0.0, push.change, 0.001);
+  t.control("push, were it at once", "d", 0.0, push.most, 0.001);
   sandglass_scene_desc source = t.defaults();
   source.granular.reference.blend = SANDGLASS_BLEND_SOURCE;
   const double jump = threshold_jump(source);

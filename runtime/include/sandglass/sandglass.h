@@ -147,8 +147,8 @@ enum {
   SANDGLASS_LEVEL_KEEP_LISTS = 1,
   /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. */
   SANDGLASS_LEVEL_COARSE = 2,
-  /* Sub-steps are twice as long. AVERAGED with several iterations: half of them. Grains are not kept at an even
-   * density. */
+  /* Sub-steps are twice as long. AVERAGED with several iterations: half of them. Grains are pushed to an even density in
+   * one sweep of four instead of two. */
   SANDGLASS_LEVEL_COARSER = 3,
   /* As much simulated time as fits. The rest is the time debt: frame_report.time_debt. */
   SANDGLASS_LEVEL_SLOW_MOTION = 4,
