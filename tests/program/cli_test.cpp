@@ -287,7 +287,7 @@ TEST_F(Cli, VerifiesAChosenCaseAndWritesItsTable) {
   EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
   EXPECT_NE(outcome.out.find("7 rows, 0 failed"), std::string::npos) << outcome.out;
   const std::string markdown = read(path("out/verify.md"));
-  EXPECT_EQ(std::count(markdown.begin(), markdown.end(), '\n'), 8);
+  EXPECT_EQ(std::count(markdown.begin(), markdown.end(), '\n'), 9);
   EXPECT_NE(markdown.find("| refinement | uniform field reproduced |"), std::string::npos);
   EXPECT_NE(markdown.find("fails, as it must"), std::string::npos);
   EXPECT_FALSE(fs::exists(path("out/runout.png"))) << "no curve without its case";
