@@ -10,15 +10,13 @@ using namespace sandglass;
 
 // What describes the network lies between its seven million bytes of weights: it is what random networks have in common.
 // Of the weights there are some.
-std::vector<size_t> places_to_change() {
+std::vector<size_t> places_to_change(const tests::AssetFile& base) {
   constexpr size_t k_between_weights = 1021;
-  const std::vector<uint8_t> networks[] = {host::light_file_bytes(host::random_light_file(7)),
-                                           host::light_file_bytes(host::random_light_file(8)),
-                                           host::light_file_bytes(host::random_light_file(9))};
+  const std::vector<uint8_t> another = host::light_file_bytes(host::random_light_file(8)),
+                             third = host::light_file_bytes(host::random_light_file(9));
   std::vector<size_t> places;
-  for (size_t i = 0; i < networks[0].size(); ++i)
-    if ((networks[0][i] == networks[1][i] && networks[0][i] == networks[2][i]) || i % k_between_weights == 0)
-      places.push_back(i);
+  for (size_t i = 0; i < base.bytes; ++i)
+    if ((base.data()[i] == another[i] && base.data()[i] == third[i]) || i % k_between_weights == 0) places.push_back(i);
   return places;
 }
 
@@ -26,7 +24,7 @@ std::vector<size_t> places_to_change() {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const tests::AssetFile& base = tests::random_light();
-  static const std::vector<size_t> places = places_to_change();
+  static const std::vector<size_t> places = places_to_change(base);
   std::vector<uint8_t> changed(places.size());
   for (size_t i = 0; i < places.size(); ++i) changed[i] = base.data()[places[i]];
   fuzz::apply_edits(data, size, &changed);

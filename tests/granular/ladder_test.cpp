@@ -46,7 +46,8 @@ struct Counted {
     scene.add_floor();
     for (int frame = 0; frame < 50; ++frame) settled = scene.frame(k_frame);
     // Some frames measure what the neighbour lists have left, build them, or sort the grains. Every other one pushes
-    // the grains apart. So the dearer one of two frames counts, of the two that do nothing else.
+    // the grains apart, from level 3 on one in four. So the dearer one of two frames counts, of the two that do nothing
+    // else; from level 3 on neither pushes.
     sandglass_frame_report last = settled;
     settled.elapsed_ns = ~0ull;
     for (int frame = 0; frame < 12; ++frame) {

@@ -50,7 +50,7 @@ double uniform_field_error(const sandglass_scene_desc& desc, double shear);
 
 // The largest jump, in d, of a grain's displacement in one step when its start moves by one float's last place, along a
 // line from outside into a block of moving particles: 1024 grains at a time, each time within the interval that jumped
-// most, until its ends are neighbours.
+// most, until its ends are neighbours. The first frame of a scene does not push grains apart.
 double threshold_jump(const sandglass_scene_desc& desc);
 
 // How far, in d and across the line, the push for an even density moves grains on a line through a block of particles at
