@@ -1,12 +1,16 @@
-// A lighting network with a right checksum and wrong content: it is refused, or its estimate is finite.
+// A lighting network with a right checksum and wrong content: it is refused, or its estimate is finite and every set of
+// kernels makes the same one.
 #include "models/lighting/light_file.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/fuzz/edits.h"
+#include "tests/fuzz/other_kernels.h"
 #include "tests/lighting/light_fixture.h"
 
 namespace {
 
 using namespace sandglass;
+
+constexpr size_t k_of_which_one_runs = 64;  // an estimate takes a hundred times as long as loading
 
 // What describes the network lies between its seven million bytes of weights: it is what random networks have in common.
 // Of the weights there are some.
@@ -18,6 +22,32 @@ std::vector<size_t> places_to_change(const tests::AssetFile& base) {
   for (size_t i = 0; i < base.bytes; ++i)
     if ((base.data()[i] == another[i] && base.data()[i] == third[i]) || i % k_between_weights == 0) places.push_back(i);
   return places;
+}
+
+struct Estimate {
+  bool made = false;
+  uint64_t hash = 0;
+  sandglass_light_estimate light = {};
+};
+
+Estimate estimate_of(const tests::AssetFile& file, sandglass_isa isa, bool run) {
+  Estimate estimate;
+  sandglass_light_desc desc = light_desc();
+  desc.asset = file.data(), desc.asset_bytes = file.bytes, desc.isa = isa;
+  Light light;
+  static const tests::TestImage image(3);
+  if (!light.create(desc) || !run || !light.estimate(image.image)) return estimate;
+  sandglass_light_run(light.get(), UINT32_MAX);
+  sandglass_light_get_latest(light.get(), &estimate.light);
+  estimate.made = true, estimate.hash = sandglass_light_hash(light.get());
+  return estimate;
+}
+
+void check(const sandglass_light_estimate& estimate) {
+  if (estimate.valid == 0) return;
+  for (const float d : estimate.direction) fuzz::expect(std::isfinite(d));
+  for (const float c : estimate.light) fuzz::expect(std::isfinite(c));
+  fuzz::expect(std::isfinite(estimate.contrast) && std::isfinite(estimate.confidence));
 }
 
 }  // namespace
@@ -32,19 +62,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static tests::AssetFile file = base;
   for (size_t i = 0; i < places.size(); ++i) file.data()[places[i]] = changed[i];
   file.repair_checksum();
-  sandglass_light_desc desc = light_desc();
-  desc.asset = file.data(), desc.asset_bytes = file.bytes;
-  Light light;
-  if (!light.create(desc)) return 0;
-  if (size % 64 != 8) return 0;  // an estimate takes a hundred times as long as loading
-  static const tests::TestImage image(3);
-  if (!light.estimate(image.image)) return 0;
-  sandglass_light_run(light.get(), UINT32_MAX);
-  sandglass_light_estimate estimate = {};
-  sandglass_light_get_latest(light.get(), &estimate);
-  if (estimate.valid == 0) return 0;
-  for (const float d : estimate.direction) fuzz::expect(std::isfinite(d));
-  for (const float c : estimate.light) fuzz::expect(std::isfinite(c));
-  fuzz::expect(std::isfinite(estimate.contrast) && std::isfinite(estimate.confidence));
+  const Estimate estimate = estimate_of(file, SANDGLASS_ISA_SCALAR, size % k_of_which_one_runs == 8);
+  if (!estimate.made) return 0;
+  check(estimate.light);
+  fuzz::expect(estimate_of(file, fuzz::other_kernels(data, size), true).hash == estimate.hash);
   return 0;
 }
