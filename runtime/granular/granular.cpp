@@ -157,6 +157,7 @@ void granular_reset(Granular* g) {
   substep_reset(&g->substep);
   sweep_reset(&g->sweep);
   output_restart(&g->output);
+  g->counts = {};
   particles_seal(g);
 }
 
@@ -166,7 +167,10 @@ void granular_settle(Granular* g) {
   substep_abandon(g);
   sweep_finish(g);  // where it ended a sub-step with bodies, grains follow once more
   substep_forget(&g->substep);
+  neighbours_learn(&g->neighbours, g->counts.list_builds, g->counts.substeps);
+  g->counts = {};
   neighbours_forget(&g->neighbours, g->substep.longest);
+  pair_colours_forget(&g->colours);
   g->time.interval_debt = 0.0;
   g->sleep.waking_count = 0;
   motion_begin_here(g);

@@ -93,7 +93,7 @@ uint64_t size_of(Granular* g, const Header& h) {
 
 // What no scene exceeds. Sand is slowed to a speed that the shortest sub-step and the largest radius leave below this.
 constexpr float k_speed_bound = 1e10f;
-constexpr double k_lag_bound = 10.0;  // seconds that grains may be behind; scenes hold some frames
+constexpr double k_lag_bound = 10.0;  // seconds that grains without particles may be behind; scenes hold some frames
 // List builds in a sub-step: a frame may build lists, lose them to what the app removes, and build them again.
 constexpr float k_builds_bound = 16.0f;
 
@@ -132,7 +132,9 @@ bool sound_scalars(const Granular& g, const Header& h, const Scalars& s) {
     if (h.particles != 0 && !(within(s.low[k], -k_bound, k_bound) && within(s.high[k], s.low[k], k_bound)))
       return false;
   }
-  if (!within(s.debt, 0.0, 1.0) || !(s.slipped >= 0.0) || !within(s.grain_lag, 0.0, k_lag_bound)) return false;
+  // A settled scene's grains have followed its particles; where those began is not saved.
+  const double lag_bound = h.grains != 0 && h.particles != 0 ? k_time_resolution : k_lag_bound;
+  if (!within(s.debt, 0.0, 1.0) || !(s.slipped >= 0.0) || !within(s.grain_lag, 0.0, lag_bound)) return false;
   if (!is_finite(s.speed_max) || !within(s.frame_step, 0.0f, 1.0f) || !within(s.densest_body, 0.0f, 1e3f)) return false;
   if (!within(s.builds_per_substep, 0.0f, k_builds_bound)) return false;
   // What has run out of a nozzle comes at once when it is restored: no more than a second's.

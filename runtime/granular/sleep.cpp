@@ -99,6 +99,7 @@ void sleep_reset(Sleep* s) {
 }
 
 void sleep_add(Sleep* s, uint32_t number, const float position[3]) {
+  s->anchors[number].body_slot = 0;
   drop_anchor(&s->anchors[number], position);
   ++s->awake_count;
 }

@@ -32,11 +32,17 @@ sandglass_scene* lay_out(const sandglass_scene_desc& desc, Layout* layout, Granu
   return scene;
 }
 
-void reset(sandglass_scene* scene) {
+// All but what the regions hold, as in a new block: nothing reads there what it has not written since.
+void begin(sandglass_scene* scene) {
+  Layout layout;
+  layout.base = scene->layout.base;
+  Granular granular = {};
+  lay_out(scene->desc, &layout, &granular);
+  scene->granular = granular;
+  granular_configure(&scene->granular, scene->desc, scene->kernels);
+  granular_reset(&scene->granular);
   governor_init(&scene->governor, scene->desc.clock, scene->desc.trace, SANDGLASS_LEVEL_COUNT);
   scene->governor.finest_level = scene->desc.finest_level;
-  granular_reset(&scene->granular);
-  granular_set_gravity(&scene->granular, scene->desc.gravity);
   scene->frame = 0;
 }
 
@@ -77,15 +83,13 @@ sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* 
   s->desc = *desc;
   s->layout = layout;
   s->kernels = kernels;
-  s->granular = granular;
-  granular_configure(&s->granular, *desc, kernels);
-  reset(s);
+  begin(s);
   *scene = s;
   return accept(reason);
 }
 
 void sandglass_scene_reset(sandglass_scene* scene) {
-  if (scene != nullptr) reset(scene);
+  if (scene != nullptr) begin(scene);
 }
 
 uint32_t sandglass_scene_regions(const sandglass_scene* scene, sandglass_region* regions, uint32_t capacity) {

@@ -228,8 +228,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_create(const 
                                                                           uint64_t bytes, sandglass_scene** scene,
                                                                           const char** reason);
 
-/* Puts the scene back to the state just after create: no material, no boundary, time zero. The governor forgets the
- * costs that it measured. */
+/* Puts the scene back to the state just after create: no material, no boundary, time zero, the description's gravity and
+ * friction. The governor forgets the costs that it measured. */
 SANDGLASS_API void sandglass_scene_reset(sandglass_scene* scene);
 
 /* Moves everything in the scene rigidly: p becomes rotation * p + translation, and velocities turn. Either may be NULL:
@@ -258,10 +258,10 @@ SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
 
 /* Saves the scene to `data`, for an app that goes to the background. *written is the number of bytes.
  *
- * The bytes hold the material and the time. They do not hold the description, gravity, colliders, hooks, or the costs
- * that the governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of their own,
- * and are not saved. The bytes are the same on every instruction set, in little-endian order. The scene itself finishes
- * the step of its grains that is under way, and drops an unfinished sub-step.
+ * The bytes hold the material and the time. They do not hold the description, gravity, friction, colliders, hooks, or
+ * the costs that the governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of
+ * their own, and are not saved. The bytes are the same on every instruction set, in little-endian order. The scene
+ * itself finishes the step of its grains that is under way, and drops an unfinished sub-step.
  *
  * The scene and one of the same description that is restored from the bytes then stay equal to the bit, given the same
  * input and the same executed plans. Without a clock every frame runs all its work, so the plans are the same. A plan
