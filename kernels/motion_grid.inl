@@ -5,12 +5,6 @@
 // lane count does not change a sum. The grid is made of blocks of 4 x 4 x 4 nodes, which exist where there are
 // particles. An open hash table finds a block by its coordinates.
 
-SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
-  const float bounded = scaled > -536870912.0f ? (scaled < 536870912.0f ? scaled : 536870912.0f) : -536870912.0f;
-  const int32_t truncated = to_whole<int32_t>(bounded);
-  return bounded < static_cast<float>(truncated) ? truncated - 1 : truncated;
-}
-
 // Sets the planes of a new block: no weight, and the nearest particle far from everything.
 SANDGLASS_INLINE void clear_block(float* planes) {
   const Float zero = broadcast(0.0f), far = broadcast(k_inert_position);
@@ -118,7 +112,7 @@ static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t 
     for (int k = 0; k < 3; ++k) {
       position[k] = particle.position[k] - a->time * particle.velocity[k] - grid->origin[k];
       const float scaled = position[k] * grid->inverse_spacing;
-      first[k] = floor_scalar(scaled - reach) + 1, last[k] = floor_scalar(scaled + reach);
+      first[k] = floor_whole(scaled - reach) + 1, last[k] = floor_whole(scaled + reach);
     }
     const bool moves = particle.velocity[0] != 0.0f || particle.velocity[1] != 0.0f || particle.velocity[2] != 0.0f;
     if (moves) grid->moving = 1;
@@ -157,6 +151,7 @@ SANDGLASS_INLINE GridPlace place_of(const MotionGrid* grid) {
           broadcast(grid->inverse_spacing)};
 }
 
+// A lane that `lanes` holds is not beyond k_coordinate_bound, so its place is within 2e7 nodes.
 SANDGLASS_INLINE BlockPlace place_in_block(const GridPlace& grid, Mask lanes, const Float position[3]) {
   BlockPlace place;
   for (int k = 0; k < 3; ++k) {

@@ -115,12 +115,6 @@ SANDGLASS_INLINE void put_row(Row* row, Int inert, bool whole, uint32_t* out, ui
   *count = static_cast<uint8_t>(used), *near_count = static_cast<uint8_t>(row->near_count);
 }
 
-SANDGLASS_INLINE int32_t floor_cell(float a, float inverse) {
-  const float scaled = a * inverse;
-  const int32_t truncated = to_whole<int32_t>(scaled);
-  return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
-}
-
 static void neighbour_lists(const ListArgs* args, uint32_t begin, uint32_t end, uint32_t* dropped) {
   const float inverse = args->grid.inverse_cell;
   const Float reach = broadcast(args->reach_squared), near = broadcast(args->near_squared);
@@ -132,7 +126,7 @@ static void neighbour_lists(const ListArgs* args, uint32_t begin, uint32_t end, 
   int32_t cell[3] = {0, 0, 0};
   for (uint32_t i = begin; i < end; ++i) {
     const float at[3] = {args->positions[0][i], args->positions[1][i], args->positions[2][i]};
-    const int32_t own[3] = {floor_cell(at[0], inverse), floor_cell(at[1], inverse), floor_cell(at[2], inverse)};
+    const int32_t own[3] = {floor_whole(at[0] * inverse), floor_whole(at[1] * inverse), floor_whole(at[2] * inverse)};
     const bool other_row = i == begin || own[1] != cell[1] || own[2] != cell[2];
     if (other_row) {
       find_rows(args->grid, own, &rows);

@@ -49,8 +49,8 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, const Float p
   for (int k = 0; k < 3; ++k) {
     // A reach a little longer than h: whatever its squared distance rounds to, no candidate below h^2 is in a cell that
     // is left out. Differences and products round monotonically.
-    first[k] = floor_scalar((low[k] - a->support * 1.0001f) * a->grid.inverse_cell);
-    last[k] = floor_scalar((high[k] + a->support * 1.0001f) * a->grid.inverse_cell);
+    first[k] = floor_whole((low[k] - a->support * 1.0001f) * a->grid.inverse_cell);
+    last[k] = floor_whole((high[k] + a->support * 1.0001f) * a->grid.inverse_cell);
     mask[k] = (1u << a->grid.bits[k]) - 1;
   }
   const Float h2 = broadcast(a->support * a->support), zero = broadcast(0.0f);

@@ -60,4 +60,11 @@ template <class Whole, class Real>
   return x < k_above ? static_cast<Whole>(x) : k_most;
 }
 
+// The largest whole number not above x, within +-2^29: the numbers beside it fit as well. NaN becomes the least.
+[[gnu::always_inline]] inline int32_t floor_whole(float x) {
+  const float bounded = x > -536870912.0f ? (x < 536870912.0f ? x : 536870912.0f) : -536870912.0f;
+  const int32_t truncated = to_whole<int32_t>(bounded);
+  return bounded < static_cast<float>(truncated) ? truncated - 1 : truncated;
+}
+
 }  // namespace sandglass

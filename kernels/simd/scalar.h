@@ -73,10 +73,7 @@ SANDGLASS_INLINE Int shift_right(Int a, int count) {
   return {static_cast<int32_t>(static_cast<uint32_t>(a.v) >> count)};
 }
 SANDGLASS_INLINE Int to_int(Float a) { return {to_whole<int32_t>(a.v)}; }
-SANDGLASS_INLINE Int floor_int(Float a) {
-  const int32_t truncated = to_whole<int32_t>(a.v);
-  return {a.v < static_cast<float>(truncated) ? truncated - 1 : truncated};
-}
+SANDGLASS_INLINE Int floor_int(Float a) { return {floor_whole(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {static_cast<float>(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {__builtin_bit_cast(int32_t, a.v)}; }  // the same bits
 

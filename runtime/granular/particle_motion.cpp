@@ -281,15 +281,6 @@ bool motion_run_join(Granular* g) {
   return end >= g->motion.grid.block_count;
 }
 
-namespace {
-
-int32_t floor_block(float scaled) {
-  const int32_t truncated = to_whole<int32_t>(scaled);
-  return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
-}
-
-}  // namespace
-
 bool motion_near(const MotionGrid& grid, const float position[3], float radius) {
   if (grid.moving == 0) return false;
   if (grid.overflowed != 0) return true;
@@ -297,8 +288,8 @@ bool motion_near(const MotionGrid& grid, const float position[3], float radius) 
   if (radius * inverse > 4.0f) return true;  // too wide to look at: it is refined
   int32_t first[3], last[3];
   for (int k = 0; k < 3; ++k) {
-    first[k] = floor_block((position[k] - grid.origin[k] - radius) * inverse);
-    last[k] = floor_block((position[k] - grid.origin[k] + radius) * inverse) +
+    first[k] = floor_whole((position[k] - grid.origin[k] - radius) * inverse);
+    last[k] = floor_whole((position[k] - grid.origin[k] + radius) * inverse) +
               1;  // whose first nodes the cells before it reach
   }
   for (int32_t z = first[2]; z <= last[2]; ++z) {

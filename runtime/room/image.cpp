@@ -3,6 +3,7 @@
 // whatever the image's size, a part's share of the picture is known, and nothing is scattered.
 //
 // Where the points lie within a part changes from image to image, so that a lamp smaller than a part is met in the end.
+#include "kernels/whole.h"
 #include "runtime/core/math.h"
 #include "runtime/light/luminance.h"
 #include "runtime/light/turn.h"
@@ -94,7 +95,7 @@ bool pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint
   const double v =
       static_cast<double>(view.image.focal_y) * c[1] / c[2] + static_cast<double>(view.image.centre_y) + 0.5;
   if (!(u >= 0 && u < view.image.width && v >= 0 && v < view.image.height)) return false;
-  *x = static_cast<uint32_t>(u), *y = static_cast<uint32_t>(v);  // inside the image
+  *x = to_whole<uint32_t>(u), *y = to_whole<uint32_t>(v);
   return true;
 }
 

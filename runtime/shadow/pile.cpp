@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "kernels/whole.h"
 #include "runtime/core/math.h"
 #include "runtime/shadow/pile_thin.h"
 #include "runtime/shadow/shadow.h"
@@ -55,7 +56,7 @@ bool put_sphere(Pile* p, const float* centre, float share, uint32_t* visits) {
   const float x = (centre[0] - p->low[0]) / p->texel[0], z = (centre[2] - p->low[1]) / p->texel[1];
   const float y = centre[1] - p->height;
   if (p->sphere_row == 0 && x >= 0 && z >= 0 && x < n && z < n && y < k_pile_highest)
-    put_column(p, static_cast<int32_t>(x), static_cast<int32_t>(z), share, y - rise, y + rise);
+    put_column(p, to_whole<int32_t>(x), to_whole<int32_t>(z), share, y - rise, y + rise);
   if (is_finer_than_texels(*p)) return true;
   const PileReach reach = pile_reach(*p, centre, radius);
   const int32_t wide = reach.last[0] - reach.first[0] + 1;
@@ -86,7 +87,7 @@ float columns_across(const Pile& p, uint32_t axis) {
 
 uint32_t unit_spheres(const Pile& p) {
   const float count = static_cast<float>(k_pile_unit_columns) / (columns_across(p, 0) * columns_across(p, 1));
-  return count > 1024 ? 1024u : count > 1 ? static_cast<uint32_t>(count) : 1u;
+  return count > 1024 ? 1024u : count > 1 ? to_whole<uint32_t>(count) : 1u;
 }
 
 // The range of elevations that the light fills in one vertical half plane, as squares of sines. `cosine` is that of the
@@ -224,7 +225,7 @@ void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage)
   args.shares = p->shares;
   uint32_t unused = 0;
   p->kernels->pile_light(&args, 0, p->texels, &unused);
-  for (uint32_t u = 0; u < p->texels; ++u) coverage[u] = static_cast<uint8_t>(255.0f * (1.0f - p->shares[u]) + 0.5f);
+  for (uint32_t u = 0; u < p->texels; ++u) coverage[u] = to_whole<uint8_t>(255.0f * (1.0f - p->shares[u]) + 0.5f);
 }
 
 void run_rows(Pile* p) {

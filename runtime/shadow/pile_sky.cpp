@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "kernels/whole.h"
 #include "runtime/core/math.h"
 #include "runtime/shadow/pile.h"
 
@@ -107,7 +108,7 @@ void put(PileSky* s, uint64_t row, int32_t u, const Column& column) {
 
 int32_t columns_within(float radius, float texel) {
   const float count = radius / texel + 0.5f;
-  return count < k_widest_sphere ? static_cast<int32_t>(count) : k_widest_sphere;
+  return count < k_widest_sphere ? to_whole<int32_t>(count) : k_widest_sphere;
 }
 
 // The surface of the sand over the columns under one row of level 0: the highest column within a sphere's radius, so
@@ -129,7 +130,7 @@ void make_heights(Pile* p, uint32_t row) {
           const float here = p->tops[static_cast<int64_t>(y) * p->pitch + x];
           top = here > top ? here : top;
         }
-      heights[u] = static_cast<uint8_t>(top * per_metre + 0.5f);
+      heights[u] = to_whole<uint8_t>(top * per_metre + 0.5f);
     }
   }
 }
@@ -213,7 +214,7 @@ void gather_steps(Pile* pile, uint32_t row, PileSkyArgs* args) {
   }
 }
 
-uint8_t byte_of(float share) { return static_cast<uint8_t>(255.0f * share + 0.5f); }
+uint8_t byte_of(float share) { return to_whole<uint8_t>(255.0f * share + 0.5f); }
 
 void light_row(Pile* p, uint32_t row) {
   PileSky* s = &p->sky;
@@ -250,7 +251,7 @@ Place place_of(const Pile& p, float coordinate, uint32_t axis, uint32_t texels) 
   const float count = static_cast<float>(texels);
   float at = (coordinate - p.low[axis]) / (p.high[axis] - p.low[axis]) * count - 0.5f;
   at = at > 0 ? (at < count - 1 ? at : count - 1) : 0;
-  uint32_t texel = static_cast<uint32_t>(at);
+  uint32_t texel = to_whole<uint32_t>(at);
   if (texel > texels - 2) texel = texels - 2;
   return {texel, at - static_cast<float>(texel)};
 }
@@ -361,8 +362,7 @@ void sky_light_grains(const Pile& p, const float* positions, uint32_t count, flo
     const float* centre = positions + 3 * uint64_t{i};
     const float surface = step * sampled(p, sky.heights, p.texels, centre);
     const float depth = (surface - (centre[1] + radius - p.height)) * per_radius, below = depth > 0 ? depth : 0;
-    visibility[i] =
-        static_cast<uint8_t>(sampled(p, sky.sand, p.sky.texels, centre) / (1 + k_depth_loss * below) + 0.5f);
+    visibility[i] = to_whole<uint8_t>(sampled(p, sky.sand, p.sky.texels, centre) / (1 + k_depth_loss * below) + 0.5f);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -75,6 +76,15 @@ TEST(Whole, BoundsEverySpecialValueAlikeOnEveryProcessor) {
   expect_bounded<int32_t, double>(), expect_bounded<uint32_t, double>();
   expect_bounded<int64_t, double>(), expect_bounded<uint64_t, double>();
   expect_bounded<uint8_t, float>(), expect_bounded<uint8_t, double>(), expect_bounded<int16_t, double>();
+}
+
+TEST(Whole, FloorsLeaveRoomForTheNumbersBeside) {
+  const float most = std::ldexp(1.0f, 29);
+  for (const float value : special_values<float>()) {
+    const float bounded = std::isnan(value) ? -most : std::clamp(std::floor(value), -most, most);
+    const volatile float unknown = value;
+    EXPECT_EQ(floor_whole(unknown), static_cast<int32_t>(bounded)) << value;
+  }
 }
 
 TEST(Particle, SleepsAndWakesWithItsMassAndItsNumberButAtRest) {
