@@ -110,10 +110,8 @@ void put_site(Granular* g, Batch* batch, bool grains, const float position[3], c
   if (++batch->count == k_batch) flush(g, batch, grains);
 }
 
-void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_t layer, float gone) {
+void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_t layer, uint32_t sites, float gone) {
   const float r = g->desc.particle_radius;
-  uint32_t sites = 0;
-  for_sites(e, r, layer, [&](float, float) { ++sites; });
   const uint64_t grains = static_cast<uint64_t>(sites) * e.grains_per_particle;
   if (sites > g->desc.particle_capacity - g->particles.count || grains > g->desc.grain_capacity - g->grains.count) {
     deny(g, sites);
@@ -256,10 +254,15 @@ void flow_emit(Granular* g, double seconds) {
     const sandglass_emitter& emitter = g->flow.emitters[e];
     if (state.layer == 0) state.run = layer;  // the first comes at once
     state.run += seconds * static_cast<double>(emitter.speed);
-    if (!sweep_takes_grains(*g)) continue;
+    if (!sweep_takes_grains(*g) || state.run < layer) continue;
+    // Counted once: a layer that finds no room costs nothing more.
+    uint32_t sites[2] = {0, 0};
+    for (uint32_t parity = 0; parity < 2; ++parity)
+      for_sites(emitter, g->desc.particle_radius, parity, [&](float, float) { ++sites[parity]; });
     while (state.run >= layer) {
       state.run -= layer;
-      emit_layer(g, emitter, e, state.layer++, static_cast<float>(state.run));
+      emit_layer(g, emitter, e, state.layer, sites[state.layer % 2], static_cast<float>(state.run));
+      ++state.layer;
     }
   }
 }

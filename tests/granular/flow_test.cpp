@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <set>
 
@@ -110,6 +111,22 @@ TEST(Emitter, WithoutRoomALayerIsLeftOutAndCounted) {
   EXPECT_GT(report.particles, 80u);
   EXPECT_GT(report.denied_particles, 100u);
   EXPECT_EQ(report.grains, 2 * report.particles);
+}
+
+// The widest nozzles at the greatest speed, of the finest sand, and room for nothing: in a frame of 0.1 s each lets go of
+// tens of thousands of layers of ten thousand particles. Counting them all takes many seconds.
+TEST(Emitter, LayersThatFindNoRoomCostNothing) {
+  sandglass_scene_desc desc = description(16);
+  desc.granular.particle_radius = 1e-4f;
+  desc.granular.substep_min = 1e-6f;  // which bounds the speed
+  desc.granular.emitter_capacity = 64;
+  GranularScene scene(desc);
+  const std::vector<sandglass_emitter> nozzles(64, sandglass::emitter(0.0f, 0.5f, 0.0f, 0.01f, 100.0f, 0));
+  sandglass_frame_input input = scene.input(0.1f);
+  input.emitters = nozzles.data(), input.emitter_count = 64;
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_GT(scene.run(input).denied_particles, 1'000'000'000u);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
 }
 
 TEST(Emitter, WhatMakesNoSenseIsLeftOutAndReported) {
