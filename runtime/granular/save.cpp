@@ -93,7 +93,8 @@ uint64_t size_of(Granular* g, const Header& h) {
 
 // What no scene exceeds. Sand is slowed to a speed that the shortest sub-step and the largest radius leave below this.
 constexpr float k_speed_bound = 1e10f;
-constexpr double k_lag_bound = 10.0;  // seconds that grains without particles may be behind; scenes hold some frames
+constexpr float k_spin_bound = 1e15f;  // rad/s; that speed at a tenth of the smallest radius
+constexpr double k_lag_bound = 10.0;   // seconds that grains without particles may be behind; scenes hold some frames
 // List builds in a sub-step: a frame may build lists, lose them to what the app removes, and build them again.
 constexpr float k_builds_bound = 16.0f;
 
@@ -146,14 +147,20 @@ bool sound_scalars(const Granular& g, const Header& h, const Scalars& s) {
   return true;
 }
 
-// A body is a unit quaternion and particles that are where its pose says, all awake or all asleep.
+bool at_rest(const RigidBody& body) {
+  for (int k = 0; k < 3; ++k)
+    if (body.linear[k] != 0.0f || body.angular[k] != 0.0f) return false;
+  return true;
+}
+
+// A body is a unit quaternion and particles that are where its pose says, all awake or all asleep, and at rest then.
 bool sound_body(const Granular& g, const RigidBody& body, uint32_t number, uint32_t particles) {
   double length2 = 0.0;
   for (int k = 0; k < 4; ++k) length2 += body.rotation[k] * body.rotation[k];
   if (!within(length2, 0.99, 1.01)) return false;
   for (int k = 0; k < 3; ++k) {
     if (!within(body.center[k], -static_cast<double>(k_coordinate_bound), static_cast<double>(k_coordinate_bound)) ||
-        !is_finite(body.linear[k]) || !is_finite(body.angular[k]))
+        !within(body.linear[k], -k_speed_bound, k_speed_bound) || !within(body.angular[k], -k_spin_bound, k_spin_bound))
       return false;
   }
   float mobility = 0.0f;
@@ -172,6 +179,7 @@ bool sound_body(const Granular& g, const RigidBody& body, uint32_t number, uint3
       if (!within(at[k] - p.position[k], -slack, slack)) return false;
     }
     if (p.mobility != mobility) return false;
+    if (is_asleep(p) && !at_rest(body)) return false;
   }
   return true;
 }

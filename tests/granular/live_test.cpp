@@ -1,6 +1,7 @@
 // Saving, restoring and moving a running scene.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -95,6 +96,15 @@ TEST(Save, TheSavedSceneAndTheRestoredOneRunOnAlike) {
       EXPECT_EQ(other.save(), live.save());
     }
   }
+}
+
+constexpr size_t k_header = 64;
+
+// With the checksum that its content has.
+Bytes repaired(Bytes bytes) {
+  const uint64_t sum = sandglass::hash_bytes(&bytes[k_header], bytes.size() - k_header);
+  std::memcpy(&bytes[16], &sum, sizeof sum);
+  return bytes;
 }
 
 // Not a number, in all memory that a scene holds besides its first region.
@@ -204,9 +214,7 @@ TEST(Restore, BytesThatLieNeverBreakAnything) {
       const size_t at = 64 + random.below(static_cast<uint32_t>(forged.size() - 64));
       forged[at] = static_cast<std::byte>(random.below(256));
     }
-    const uint64_t sum = sandglass::hash_bytes(&forged[64], forged.size() - 64);
-    std::memcpy(&forged[16], &sum, sizeof sum);
-    if (other.restore(forged) != SANDGLASS_OK) {
+    if (other.restore(repaired(forged)) != SANDGLASS_OK) {
       ++refused;
     } else if (round % 20 == 0) {
       for (int i = 0; i < 2; ++i) other.frame();
@@ -222,12 +230,39 @@ TEST(Restore, GrainsThatLagAreRefused) {
   World live, other;
   live.fill();
   Bytes data = live.save();
-  constexpr size_t k_header = 64, k_grain_lag = k_header + 3 * sizeof(double);  // save.cpp: Scalars
+  constexpr size_t k_grain_lag = k_header + 3 * sizeof(double);  // save.cpp: Scalars
   const double lag = 0.008;
   std::memcpy(&data[k_grain_lag], &lag, sizeof lag);
-  const uint64_t sum = sandglass::hash_bytes(&data[k_header], data.size() - k_header);
-  std::memcpy(&data[16], &sum, sizeof sum);
-  EXPECT_EQ(other.restore(data), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(other.restore(repaired(data)), SANDGLASS_ERROR_INVALID_ARGUMENT);
+}
+
+// A body's speed that overflows when it is turned, and one of a body that sleeps.
+TEST(Restore, SpeedsThatNoBodyHasAreRefused) {
+  World live, other;
+  const std::vector<float> points = lattice(3, 3, 3, 2.01f * k_radius, k_radius);
+  const float velocity[3] = {0.03125f, 0.0f, -0.015625f};
+  live.scene.add_body(points, 1.0f, {velocity[0], velocity[1], velocity[2]});
+  Bytes data = live.save();
+  const auto* first = reinterpret_cast<const std::byte*>(velocity);
+  const auto found =
+      std::search(data.begin() + static_cast<ptrdiff_t>(data.size() / 2), data.end(), first, first + sizeof velocity);
+  ASSERT_NE(found, data.end());
+  const size_t at = static_cast<size_t>(found - data.begin());
+  EXPECT_EQ(other.restore(repaired(data)), SANDGLASS_OK);
+  const float forged[3] = {3e38f, 0.0f, 3e38f};
+  std::memcpy(&data[at], forged, sizeof forged);
+  EXPECT_EQ(other.restore(repaired(data)), SANDGLASS_ERROR_INVALID_ARGUMENT);
+
+  live.scene.add_floor();
+  for (int i = 0; i < 500 && live.scene.frame(k_frame).awake != 0; ++i) {
+  }
+  data = live.save();
+  const float rest[3] = {};
+  ASSERT_EQ(std::memcmp(&data[at], rest, sizeof rest), 0);
+  ASSERT_EQ(other.restore(data), SANDGLASS_OK);
+  EXPECT_EQ(other.scene.frame(k_frame).awake, 0u);
+  std::memcpy(&data[at], velocity, sizeof velocity);
+  EXPECT_EQ(other.restore(repaired(data)), SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
 // Every number of a small scene in turn becomes one that no scene holds, behind a right checksum. What is not refused
@@ -240,11 +275,6 @@ TEST(Restore, NoForgedNumberThrowsAnythingOut) {
   live.scene.add_body(body, 2.0f);
   for (int i = 0; i < 5; ++i) live.frame();
   const Bytes data = live.save();
-  const auto repaired = [](Bytes bytes) {
-    const uint64_t sum = sandglass::hash_bytes(&bytes[64], bytes.size() - 64);
-    std::memcpy(&bytes[16], &sum, sizeof sum);
-    return bytes;
-  };
   const float floats[] = {NAN, INFINITY, 3e38f, -3e38f, 1e30f, 1e10f, -1e5f, 0.0f};
   const double doubles[] = {static_cast<double>(NAN), 1e300, -1e300, 1e5, 0.0};
   uint32_t refused = 0, ran = 0;
@@ -261,6 +291,7 @@ TEST(Restore, NoForgedNumberThrowsAnythingOut) {
     other.scene.particle_count = other.frame().particles;
     for (const float x : other.scene.positions())
       ASSERT_LE(std::fabs(x), 4.0f * SANDGLASS_COORDINATE_LIMIT) << value << " at byte " << at;
+    ASSERT_EQ(other.restore(other.save()), SANDGLASS_OK) << value << " at byte " << at;
   };
   for (size_t at = 64; at < data.size(); at += 4) {
     for (const float value : floats) attempt(at, value);
