@@ -103,6 +103,7 @@ struct Placed {
   aiMatrix4x4 to_world;
 };
 
+// The triangles as they come, not cleaned.
 MeshResult parse(const std::string& path) {
   Assimp::Importer importer;
   importer.SetIOHandler(new CheckedFiles);  // the importer owns it
@@ -114,8 +115,9 @@ MeshResult parse(const std::string& path) {
   if (scene == nullptr || scene->mRootNode == nullptr)
     return fail(path, "cannot be cut into triangles. Export it triangulated.");
 
-  std::vector<float> vertices;
-  std::vector<uint32_t> indices;
+  MeshResult result;
+  std::vector<float>& vertices = result.mesh.vertices;
+  std::vector<uint32_t>& indices = result.mesh.indices;
   std::vector<Placed> waiting = {{scene->mRootNode, scene->mRootNode->mTransformation}};
   while (!waiting.empty()) {
     const Placed placed = waiting.back();
@@ -136,10 +138,10 @@ MeshResult parse(const std::string& path) {
     for (unsigned c = 0; c < placed.node->mNumChildren; ++c)
       waiting.push_back({placed.node->mChildren[c], placed.to_world * placed.node->mChildren[c]->mTransformation});
   }
-  return clean_mesh(vertices, indices, path);
+  return result;
 }
 
-// Assimp crashes on some damaged files, so it runs in a process of its own, which sends the mesh through a pipe.
+// Assimp crashes on some damaged files, so it runs in a process of its own, which sends the triangles through a pipe.
 class Sender {
  public:
   explicit Sender(int pipe) : pipe_(pipe) {}
@@ -201,7 +203,6 @@ struct Receiver {
   }
   Sender to(pipe);
   to.send(result.error.data(), result.error.size());
-  to.send(&result.report, 1);
   to.send(result.mesh.vertices.data(), result.mesh.vertices.size());
   to.send(result.mesh.indices.data(), result.mesh.indices.size());
   _exit(0);
@@ -229,14 +230,11 @@ MeshResult parse_apart(const std::string& path, uint64_t file_bytes) {
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   MeshResult result;
-  std::vector<MeshReport> report;
   Receiver from = {bytes};
-  from.receive(&result.error), from.receive(&report), from.receive(&result.mesh.vertices);
-  from.receive(&result.mesh.indices);
-  if (status != 0 || !from.good || report.size() != 1)
+  from.receive(&result.error), from.receive(&result.mesh.vertices), from.receive(&result.mesh.indices);
+  if (status != 0 || !from.good)
     return fail(path, "is damaged so that the mesh reader did not end well. Export it again.");
-  result.report = report[0];
-  return result;
+  return result.error.empty() ? clean_mesh(result.mesh.vertices, result.mesh.indices, path) : result;
 }
 
 #endif

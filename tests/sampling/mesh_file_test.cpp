@@ -72,6 +72,16 @@ TEST(MeshFile, every_truncation_of_a_file_gives_a_mesh_or_a_sentence) {
   }
 }
 
+// A property without a name, and no end of the header: Assimp reads for ever, until its time is over.
+TEST(MeshFile, one_that_the_reader_never_leaves_is_refused) {
+  using namespace std::string_literals;
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty fl\x91\x9e\x8b\xe3z\n"s;
+  const std::string face = "element face 1\nproperty \0v 0 0 0\n"s;
+  const std::string rest = "v 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1";
+  expect_sentence(write("never_ends.ply", header + face + rest), "did not end well");
+}
+
 TEST(MeshFile, comes_back_as_it_was_written) {
   const host::Mesh mesh = host::make_trefoil(0.1f, 0.018f, 40, 8);
   for (const char* name : {"back.obj", "back.ply"}) {
