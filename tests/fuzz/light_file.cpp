@@ -1,5 +1,5 @@
-// A lighting network with a right checksum and wrong content: it is refused, or its estimate is finite and every set of
-// kernels makes the same one.
+// A lighting network with a right checksum and wrong content: it is refused, or its estimate is finite, and the fastest
+// kernels make the same one as others. Not the scalar ones: under sanitizers they take a minute for it.
 #include "models/lighting/light_file.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/fuzz/edits.h"
@@ -62,7 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static tests::AssetFile file = base;
   for (size_t i = 0; i < places.size(); ++i) file.data()[places[i]] = changed[i];
   file.repair_checksum();
-  const Estimate estimate = estimate_of(file, SANDGLASS_ISA_SCALAR, size % k_of_which_one_runs == 8);
+  const Estimate estimate = estimate_of(file, SANDGLASS_ISA_AUTOMATIC, size % k_of_which_one_runs == 8);
   if (!estimate.made) return 0;
   check(estimate.light);
   fuzz::expect(estimate_of(file, fuzz::other_kernels(data, size), true).hash == estimate.hash);
