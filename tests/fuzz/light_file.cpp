@@ -15,7 +15,7 @@ constexpr size_t k_of_which_one_runs = 64;  // an estimate takes a hundred times
 // What describes the network lies between its seven million bytes of weights: it is what random networks have in common.
 // Of the weights there are some.
 std::vector<size_t> places_to_change(const tests::AssetFile& base) {
-  constexpr size_t k_between_weights = 1021;
+  constexpr size_t k_between_weights = 65521;
   const std::vector<uint8_t> another = host::light_file_bytes(host::random_light_file(8)),
                              third = host::light_file_bytes(host::random_light_file(9));
   std::vector<size_t> places;

@@ -67,7 +67,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   GranularScene& other = scenes.try_emplace(isa, describe_world(isa)).first->second;
   std::vector<uint8_t> file = base;
   fuzz::apply_edits(data, size, &file);
-  if (file.size() >= k_header_bytes) {
+  // Now and then its head is wrong as well.
+  if (size % 8 != 7 && file.size() >= k_header_bytes) {
     std::memcpy(file.data(), base.data(), k_bytes_at);  // kind and version
     fuzz::put(&file, k_bytes_at, static_cast<uint64_t>(file.size()));
     fuzz::put(&file, k_checksum_at, hash_bytes(file.data() + k_header_bytes, file.size() - k_header_bytes));
