@@ -76,10 +76,26 @@ Failure twice(const std::string& path) {
   return cannot("write", path, "two outputs of the command have this name", "Give each a name of its own");
 }
 
+constexpr std::string_view k_mark =
+    "sandglass is writing into this folder, or did not finish: files may be missing, or be of an earlier run.\n";
+
+// A file, link or pipe that has the mark's name and was not made by begin_folder.
+Failure foreign_mark(const std::string& mark) {
+  return cannot("write", mark, "another file has the name of the mark", "Remove it, or name another folder");
+}
+
+// True for a new mark, and for one that an earlier process left.
+bool is_mark(int file, const struct stat& status) {
+  char text[k_mark.size() + 1];
+  const ssize_t size = S_ISREG(status.st_mode) && status.st_nlink == 1 ? pread(file, text, sizeof text, 0) : -1;
+  return size >= 0 && k_mark.starts_with(std::string_view(text, static_cast<size_t>(size)));
+}
+
 // Opens the mark of a folder and locks it. Returns -1 when another process holds the lock.
 int locked_mark(const std::string& folder, const std::string& mark) {
   for (;;) {
-    const int file = open(mark.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    const int file = open(mark.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (file < 0 && errno == ELOOP) throw foreign_mark(mark);
     if (file < 0) throw cannot("write into", folder, std::strerror(errno), "Name another folder");
     if (flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       close(file);
@@ -87,8 +103,10 @@ int locked_mark(const std::string& folder, const std::string& mark) {
     }
     // The process that held the lock may have removed the mark in between.
     struct stat ours = {}, there = {};
-    if (fstat(file, &ours) == 0 && stat(mark.c_str(), &there) == 0 && ours.st_ino == there.st_ino) return file;
+    const bool same = fstat(file, &ours) == 0 && lstat(mark.c_str(), &there) == 0 && ours.st_ino == there.st_ino;
+    if (same && is_mark(file, ours)) return file;
     close(file);
+    if (same) throw foreign_mark(mark);
   }
 }
 
@@ -96,14 +114,19 @@ int locked_mark(const std::string& folder, const std::string& mark) {
 
 void watch_files() { watch().on = true; }
 
+// Throws a Failure when the command has read the file, or has announced it already.
+static void require_unused(const Watch& w, const std::string& path, const Identity& file, bool replaces_input) {
+  if (!replaces_input && has(w.inputs, file)) throw reads_it(path);
+  for (const Output& other : w.claimed)
+    if (other.file == file) throw twice(path);
+}
+
 static void claim(const std::string& path, bool replaces_input) {
   Watch& w = watch();
   const std::lock_guard lock(w.mutex);
   if (!w.on) return;
   const Identity file = identity_of(path);
-  if (!replaces_input && has(w.inputs, file)) throw reads_it(path);
-  for (const Output& other : w.claimed)
-    if (other.file == file) throw twice(path);
+  require_unused(w, path, file, replaces_input);
   w.claimed.push_back({file, replaces_input});
 }
 
@@ -145,17 +168,17 @@ void begin_folder(const std::string& path) {
   const std::string folder = identity_of(path).path;
   if (!w.on || w.folders.count(folder) != 0) return;
   const std::string mark = (fs::path(folder) / k_incomplete).string();
+  require_unused(w, mark, identity_of(mark), false);
   const int file = locked_mark(path, mark);
   if (file < 0)
     throw cannot("write into", path, "another process of sandglass is writing there", "Wait for it, or name another");
-  constexpr char k_text[] =
-      "sandglass is writing into this folder, or did not finish: files may be missing, or be of an earlier run.\n";
-  const ssize_t size = sizeof k_text - 1;
-  if (ftruncate(file, 0) != 0 || pwrite(file, k_text, sizeof k_text - 1, 0) != size) {
+  if (pwrite(file, k_mark.data(), k_mark.size(), 0) != static_cast<ssize_t>(k_mark.size())) {
     close(file);
     throw cannot("write into", path, "the disk is full or failing", "Name another folder");
   }
   w.folders[folder] = file;
+  w.claimed.push_back({identity_of(mark), false});
+  w.written.push_back(w.claimed.back().file.path);
 }
 
 void remove_unwritten(const std::string& folder, const std::vector<std::string>& names) {

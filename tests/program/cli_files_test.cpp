@@ -161,6 +161,38 @@ TEST_F(CliFiles, AFolderSaysWhenItIsIncomplete) {
   EXPECT_TRUE(fs::exists(mark)) << "the film is that of the run before";
 }
 
+TEST_F(CliFiles, TheMarkOfAFolderReplacesNoOtherFile) {
+  const std::string scene = tiny_scene(), out = path("out"), mark = path(std::string("out/") + host::k_incomplete);
+  fs::create_directories(out);
+  fs::copy(scene, mark);
+  expect_kept(mark, "run " + mark + " --out " + out);
+  host::write_png(path("wall.png"), host::Picture(256, 192, {90, 120, 40}));
+  fs::copy(path("wall.png"), mark, fs::copy_options::overwrite_existing);
+  const std::string network = write("random.light", random_network());
+  expect_kept(mark, "light " + mark + " -o " + out + " --network " + network);
+  // A file that would be read only later.
+  expect_kept(mark, "run " + mesh_scene() + " --mesh " + mark + " --out " + out, "the name of the mark");
+  fs::remove(mark);
+  fs::create_symlink("../tiny.json", mark);
+  expect_kept(scene, "run " + scene + " --out " + out);
+  expect_kept(scene, "run demo --frames 1 --out " + out, "the name of the mark");
+  fs::remove(mark);
+  fs::create_hard_link(scene, mark);
+  expect_kept(scene, "run " + scene + " --out " + out);
+  expect_kept(scene, "run demo --frames 1 --out " + out, "the name of the mark");
+  fs::remove(mark);
+  ASSERT_EQ(::mkfifo(mark.c_str(), 0600), 0);
+  expect_refused("run " + scene + " --out " + out, "the name of the mark");
+}
+
+TEST_F(CliFiles, NoResultHasTheNameOfTheMark) {
+  const std::string out = path("out"), mark = path(std::string("out/") + host::k_incomplete);
+  fs::create_directories(out);
+  expect_refused("run " + tiny_scene() + " --out " + out + " --record " + mark, "two outputs");
+  write("out/" + std::string(host::k_incomplete), "of a run that was killed");
+  expect_refused("run " + tiny_scene() + " --out " + out + " --record " + mark, "two outputs");
+}
+
 TEST_F(CliFiles, ADatasetDoesNotMixWithAnother) {
   const std::string room = panorama("rooms/room.hdr", 20), hall = panorama("rooms/hall.hdr", 20, 0.3);
   ASSERT_EQ(run("dataset " + room + " -o " + path("out")).code, 0);
