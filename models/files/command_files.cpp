@@ -181,13 +181,26 @@ void begin_folder(const std::string& path) {
   w.written.push_back(w.claimed.back().file.path);
 }
 
+static bool remove_unread(const Watch& w, const std::string& path) {
+  if (has(w.inputs, identity_of(path)))
+    throw cannot("remove", path, "the same command reads it", "Write somewhere else");
+  return unlink(path.c_str()) == 0;
+}
+
+bool remove_output(const std::string& path) {
+  Watch& w = watch();
+  const std::lock_guard lock(w.mutex);
+  return remove_unread(w, path);
+}
+
 void remove_unwritten(const std::string& folder, const std::vector<std::string>& names) {
   Watch& w = watch();
   const std::lock_guard lock(w.mutex);
   if (!w.on) return;
   for (const std::string& name : names) {
     const std::string file = (fs::path(folder) / name).string();
-    if (std::find(w.written.begin(), w.written.end(), identity_of(file).path) == w.written.end()) unlink(file.c_str());
+    if (std::find(w.written.begin(), w.written.end(), identity_of(file).path) == w.written.end())
+      remove_unread(w, file);
   }
 }
 

@@ -29,6 +29,9 @@ constexpr const char* k_incomplete = "incomplete.txt";
 
 // Makes a folder for several outputs and marks it incomplete. Throws a Failure when another process is writing there.
 void begin_folder(const std::string& path);
+// Removes an output of an earlier run, or one that is not needed any longer. Returns false where there is none. Throws
+// a Failure when the command has read it.
+bool remove_output(const std::string& path);
 // Removes those of the named files of a folder that this command did not write: they are of an earlier run.
 void remove_unwritten(const std::string& folder, const std::vector<std::string>& names);
 // Takes the marks away, or throws a Failure where one stays. Without this call, after Ctrl-C or a Failure, the folders stay marked.

@@ -205,8 +205,7 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
   if (!set.film || interrupted()) return paths;
   const std::string folder = (fs::path(set.folder) / "frames").string();
   make_folder(folder);
-  std::error_code ignored;
-  for (size_t i = total; fs::remove(fs::path(folder) / frame_name(i), ignored); ++i) {
+  for (size_t i = total; remove_output((fs::path(folder) / frame_name(i)).string()); ++i) {
   }  // removes the frames of an earlier, longer run
   std::vector<Picture> small;
   for (size_t i = 0; i < total; ++i) {

@@ -193,6 +193,23 @@ TEST_F(CliFiles, NoResultHasTheNameOfTheMark) {
   expect_refused("run " + tiny_scene() + " --out " + out + " --record " + mark, "two outputs");
 }
 
+TEST_F(CliFiles, AnOldFrameThatIsReadStays) {
+  const std::string scene = tiny_scene(), out = path("out"), command = " --out " + out;
+  ASSERT_EQ(run("run " + scene + command).code, 0);
+  int frames = 0;
+  for (const auto& entry : fs::directory_iterator(out + "/frames")) frames += entry.is_regular_file() ? 1 : 0;
+  const auto frame = [&](int index) {
+    char name[32];
+    std::snprintf(name, sizeof name, "/frame_%06d.png", index);
+    return out + "/frames" + name;
+  };
+  for (const int index : {frames, frames + 1}) fs::copy(scene, frame(index));
+  expect_kept(frame(frames + 1), "run " + frame(frames + 1) + command);
+  fs::copy(scene, frame(frames));
+  ASSERT_EQ(run("run " + scene + command).code, 0);
+  EXPECT_FALSE(fs::exists(frame(frames)) || fs::exists(frame(frames + 1))) << "they are of a longer run";
+}
+
 TEST_F(CliFiles, ADatasetDoesNotMixWithAnother) {
   const std::string room = panorama("rooms/room.hdr", 20), hall = panorama("rooms/hall.hdr", 20, 0.3);
   ASSERT_EQ(run("dataset " + room + " -o " + path("out")).code, 0);
