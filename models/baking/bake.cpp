@@ -12,6 +12,7 @@
 #include "models/baking/quantise.h"
 #include "models/baking/shadow_runner.h"
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/work/progress.h"
 #include "models/work/random.h"
@@ -108,7 +109,9 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   TrainingState state = start_training(settings.shape, settings.seed);
   const std::string checkpoint = output + ".checkpoint";
   const uint64_t key = key_of(mesh, settings);
-  if (resume && load_checkpoint(checkpoint, key, &set, &state))
+  require_own_checkpoint(checkpoint);
+  bool kept = resume && load_checkpoint(checkpoint, key, &set, &state);  // the checkpoint is of this bake
+  if (kept)
     std::fprintf(stderr, "going on from %zu of %zu lights traced, %u of %u steps trained\n",
                  set.values.size() / (size_t{set.cells()} * set.cells()), set.lights.size(), state.step,
                  settings.steps + settings.quantised_steps);
@@ -116,7 +119,7 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   double saved = seconds_now();
   const auto keep = [&] {
     save_checkpoint(checkpoint, key, set, state);
-    saved = seconds_now();
+    saved = seconds_now(), kept = true;
   };
   {
     const StageClock stage = {&report.tracing};
@@ -193,14 +196,14 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   report.ms_adaptive = ms_per_texture(bytes, SANDGLASS_SHADOW_ADAPTIVE, geometry.polar_max);
   if (!picture.empty()) write_png(picture, shadow_picture(geometry, caster, bytes, pool, rooms));
   write_file(output, bytes);
-  std::remove(checkpoint.c_str());
+  if (kept) remove_output(checkpoint);
   return report;
 }
 
 BakeReport bake_ambient_only(const Mesh& mesh, const std::string& name, const BakeSettings& settings,
                              const std::string& output, const std::string& picture) {
   BakeReport report;
-  const std::string old = read_file(output, "shadow");
+  const std::string old = read_output(output, "shadow");
   ShadowFile file =
       read_shadow_file({reinterpret_cast<const uint8_t*>(old.data()), old.size()}, stand_on_plane(mesh, name), output);
   std::vector<Picture> rooms;

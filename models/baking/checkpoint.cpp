@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
@@ -58,6 +59,14 @@ uint64_t hash_of(const std::string& bytes, size_t count) { return hash_bytes(byt
 
 }  // namespace
 
+void require_own_checkpoint(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  char magic[sizeof k_magic] = {};
+  if (!file || (file.read(magic, sizeof magic) && std::memcmp(magic, k_magic, sizeof magic) == 0)) return;
+  throw cannot("write checkpoint", path, "a file that is no checkpoint has this name",
+               "Move it away, or give the output another name");
+}
+
 void save_checkpoint(const std::string& path, uint64_t key, const TrainingSet& set, const TrainingState& state) {
   Writer w;
   w.bytes.append(k_magic, sizeof k_magic);
@@ -77,7 +86,7 @@ void save_checkpoint(const std::string& path, uint64_t key, const TrainingSet& s
 bool load_checkpoint(const std::string& path, uint64_t key, TrainingSet* set, TrainingState* state) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return false;
-  const std::string bytes = read_file(path, "checkpoint");
+  const std::string bytes = read_output(path, "checkpoint");
   Reader r = {bytes};
   char magic[8] = {};
   uint64_t stored_key = 0, stored_hash = 0;

@@ -11,6 +11,9 @@ namespace sandglass::host {
 
 void save_checkpoint(const std::string& path, uint64_t key, const TrainingSet& set, const TrainingState& state);
 
+// Throws a Failure when a file that is no checkpoint has this name.
+void require_own_checkpoint(const std::string& path);
+
 // Returns false when there is no checkpoint. Throws a Failure when it is damaged or belongs to another mesh or other
 // settings.
 bool load_checkpoint(const std::string& path, uint64_t key, TrainingSet* set, TrainingState* state);

@@ -124,7 +124,7 @@ void write_file(const std::string& path, std::span<const uint8_t> content) {
   write_file(path, std::string_view(reinterpret_cast<const char*>(content.data()), content.size()));
 }
 
-std::string read_file(const std::string& path, const std::string& kind, uint64_t limit) {
+static std::string content_of(const std::string& path, const std::string& kind, uint64_t limit, bool input) {
   const auto fail = [&](const std::string& why, const char* remedy) {
     return cannot("read " + kind, path, why, remedy);
   };
@@ -140,7 +140,7 @@ std::string read_file(const std::string& path, const std::string& kind, uint64_t
     return fail("it has more than " + std::to_string(limit >> 20) + " MiB", "Name a smaller file");
   };
   if (static_cast<uint64_t>(status.st_size) > limit) throw too_large();
-  note_input(path);
+  if (input) note_input(path);
   std::string content;
   content.reserve(static_cast<size_t>(status.st_size));
   char buffer[65536];
@@ -151,6 +151,14 @@ std::string read_file(const std::string& path, const std::string& kind, uint64_t
     if (content.size() > limit) throw too_large();  // the file grows, or does not tell its size
   }
   return content;
+}
+
+std::string read_file(const std::string& path, const std::string& kind, uint64_t limit) {
+  return content_of(path, kind, limit, true);
+}
+
+std::string read_output(const std::string& path, const std::string& kind, uint64_t limit) {
+  return content_of(path, kind, limit, false);
 }
 
 void make_folder(const std::string& path) {

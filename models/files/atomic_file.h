@@ -30,6 +30,9 @@ constexpr uint64_t k_text_limit = uint64_t{16} << 20, k_asset_limit = uint64_t{2
 // ordinary files of at most `limit` bytes are read: no pipe, device or folder.
 std::string read_file(const std::string& path, const std::string& kind, uint64_t limit = k_file_limit);
 
+// The same for a file that the command will replace, such as a checkpoint: it is no input of the command.
+std::string read_output(const std::string& path, const std::string& kind, uint64_t limit = k_file_limit);
+
 // Removes the files that write_file has not finished. A signal handler that is about to end the program may call it.
 void remove_unfinished();
 

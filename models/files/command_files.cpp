@@ -35,7 +35,7 @@ struct Identity {
 
 struct Output {
   Identity file;
-  bool replaces_input;
+  bool again_and_again;
 };
 
 // What the command has read, announced and written so far.
@@ -115,24 +115,24 @@ int locked_mark(const std::string& folder, const std::string& mark) {
 void watch_files() { watch().on = true; }
 
 // Throws a Failure when the command has read the file, or has announced it already.
-static void require_unused(const Watch& w, const std::string& path, const Identity& file, bool replaces_input) {
-  if (!replaces_input && has(w.inputs, file)) throw reads_it(path);
+static void require_unused(const Watch& w, const std::string& path, const Identity& file) {
+  if (has(w.inputs, file)) throw reads_it(path);
   for (const Output& other : w.claimed)
     if (other.file == file) throw twice(path);
 }
 
-static void claim(const std::string& path, bool replaces_input) {
+static void claim(const std::string& path, bool again_and_again) {
   Watch& w = watch();
   const std::lock_guard lock(w.mutex);
   if (!w.on) return;
   const Identity file = identity_of(path);
-  require_unused(w, path, file, replaces_input);
-  w.claimed.push_back({file, replaces_input});
+  require_unused(w, path, file);
+  w.claimed.push_back({file, again_and_again});
 }
 
-void claim_output(const std::string& path, bool replaces_input) {
+void claim_output(const std::string& path, bool again_and_again) {
   require_writable(path);
-  claim(path, replaces_input);
+  claim(path, again_and_again);
 }
 
 void claim_outputs(const std::string& folder, const std::vector<std::string>& names) {
@@ -145,7 +145,7 @@ void note_input(const std::string& path) {
   if (!w.on) return;
   const Identity file = identity_of(path);
   for (const Output& output : w.claimed)
-    if (output.file == file && !output.replaces_input) throw reads_it(path);
+    if (output.file == file) throw reads_it(path);
   if (!has(w.inputs, file)) w.inputs.push_back(file);
 }
 
@@ -154,9 +154,9 @@ void note_output(const std::string& path) {
   const std::lock_guard lock(w.mutex);
   if (!w.on) return;
   const Identity file = identity_of(path);
-  for (const Output& output : w.claimed)
-    if (output.file == file && output.replaces_input) return;
   if (has(w.inputs, file)) throw reads_it(path);
+  for (const Output& output : w.claimed)
+    if (output.file == file && output.again_and_again) return;
   if (std::find(w.written.begin(), w.written.end(), file.path) != w.written.end()) throw twice(path);
   w.written.push_back(file.path);
 }
@@ -168,7 +168,7 @@ void begin_folder(const std::string& path) {
   const std::string folder = identity_of(path).path;
   if (!w.on || w.folders.count(folder) != 0) return;
   const std::string mark = (fs::path(folder) / k_incomplete).string();
-  require_unused(w, mark, identity_of(mark), false);
+  require_unused(w, mark, identity_of(mark));
   const int file = locked_mark(path, mark);
   if (file < 0)
     throw cannot("write into", path, "another process of sandglass is writing there", "Wait for it, or name another");

@@ -14,9 +14,9 @@ namespace sandglass::host {
 void watch_files();
 
 // Announces an output, before long work whose result goes there. Throws a Failure when it cannot be written, when
-// another announced output has that name, or when the command has read it. A command that replaces what it has read,
-// such as a checkpoint, says so by `replaces_input`.
-void claim_output(const std::string& path, bool replaces_input = false);
+// another announced output has that name, or when the command has read it. `again_and_again`: it is written many times,
+// such as a checkpoint. A command reads its own output by read_output (atomic_file.h).
+void claim_output(const std::string& path, bool again_and_again = false);
 // The same for the files of a folder, which need not exist yet. Call it before begin_folder.
 void claim_outputs(const std::string& folder, const std::vector<std::string>& names);
 

@@ -146,7 +146,7 @@ int bake_command(const BakeOptions& given) {
   s.plane = options.plane == "fixed" ? PlaneRule::fixed : PlaneRule::fitted;
   if (options.picture.empty()) options.picture = options.output + ".png";
   if (options.no_picture) options.picture.clear();
-  claim_output(options.output, options.ambient_only);
+  claim_output(options.output);
   if (!options.ambient_only) claim_output(options.output + ".checkpoint", true);
   if (!options.picture.empty()) claim_output(options.picture);
   const Mesh mesh = named_mesh(options.mesh).mesh;

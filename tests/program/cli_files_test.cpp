@@ -110,6 +110,25 @@ TEST_F(CliFiles, ABakeKeepsItsMesh) {
   expect_refused("bake box" + small + "-o " + path("y") + " --json " + path("y.checkpoint"), twice);
 }
 
+TEST_F(CliFiles, ACheckpointReplacesNoOtherFile) {
+  if (!k_bake || !k_assimp) GTEST_SKIP() << "this build bakes no shadows of mesh files";
+  const std::string mesh = cube(), small = " --size 8x1 --steps 1 --textures 1 ", out = "-o " + path("y");
+  const std::string checkpoint = path("y.checkpoint");
+  fs::create_symlink(mesh, checkpoint);
+  expect_kept(mesh, "bake " + mesh + small + out);
+  expect_kept(mesh, "bake box" + small + out, "no checkpoint");
+  fs::remove(checkpoint);
+  fs::create_hard_link(mesh, checkpoint);
+  expect_kept(mesh, "bake " + mesh + small + out + " --resume");
+  fs::remove(checkpoint);
+  write("y.checkpoint", k_cube);
+  for (const char* resume : {"", " --resume"}) {
+    expect_kept(checkpoint, "bake " + checkpoint + small + out + resume);
+    expect_kept(checkpoint, "bake box" + small + out + resume, "no checkpoint");
+  }
+  EXPECT_FALSE(fs::exists(path("y")));
+}
+
 TEST_F(CliFiles, NoTwoOutputsHaveOneName) {
   const std::string twice = "two outputs", box = "sample box --surface --distance 0.3 -o ";
   expect_refused(box + path("x") + " --picture " + path("x"), twice);

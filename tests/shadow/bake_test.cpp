@@ -47,6 +47,18 @@ TEST_F(Bake, SameFileOnAnyNumberOfThreads) {
   EXPECT_NE(file, read_file(path("other"), "shadow"));
 }
 
+TEST_F(Bake, LeavesAFileThatItDidNotWrite) {
+  BakeSettings settings = tiny();
+  TrainingSet set;
+  const std::string checkpoint = path("one") + ".checkpoint";
+  save_checkpoint(checkpoint, 7, set, start_training(settings.shape, 1));  // of another bake
+  const std::string before = read_file(checkpoint, "checkpoint");
+  bake(make_chair(), "chair", settings, path("one"), "", false);
+  EXPECT_EQ(read_file(checkpoint, "checkpoint"), before);
+  write_file(path("two") + ".checkpoint", std::string("a person's notes"));
+  expect_refusal("no checkpoint", [&] { bake(make_chair(), "chair", settings, path("two"), "", false); });
+}
+
 // A file without ambient shadow is one of version 1. Adding the ambient shadow later gives what a whole bake gives.
 TEST_F(Bake, AddsTheAmbientShadowToAFileAndLeavesItsNetworkAsItIs) {
   BakeSettings settings = tiny();

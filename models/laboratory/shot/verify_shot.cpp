@@ -175,7 +175,8 @@ ShotStudy study_shots(const ShotStudyOptions& options, const std::function<bool(
   const std::string memory = options.folder.empty() ? "" : (fs::path(options.folder) / "views.txt").string();
   if (!memory.empty()) claim_output(memory, true);
   std::error_code ignored;
-  if (!memory.empty() && fs::is_regular_file(memory, ignored)) remember(read_file(memory, "study"), key, &result.views);
+  if (!memory.empty() && fs::is_regular_file(memory, ignored))
+    remember(read_output(memory, "study"), key, &result.views);
   const Study study(options);
   std::vector<ViewLights> lights;
   if (!std::all_of(result.views.begin(), result.views.end(), [](const ShotView& view) { return view.done; }))
