@@ -129,6 +129,8 @@ CLI::Option* declare(const CommandOption& option, bool* value, CLI::App* command
   return command->add_flag(option.names, *value, option.help);
 }
 
+constexpr const char* k_empty = "its value is empty. Give it one, or leave it out.";
+
 void declare(const CommandOption& option, CLI::App* command) {
   CLI::Option* declared = std::visit([&](auto* value) { return declare(option, value, command); }, option.target);
   if (*option.type != '\0') declared->type_name(option.type);
@@ -140,6 +142,10 @@ void declare(const CommandOption& option, CLI::App* command) {
           return in_quotes(text) + " is not " + rule.wanted + "." + suggestion(text, rule.names);
         },
         rule.range));
+  else if (std::holds_alternative<std::string*>(option.target) ||
+           std::holds_alternative<std::vector<std::string>*>(option.target))
+    declared->check(
+        CLI::Validator([](const std::string& text) { return std::string(text.empty() ? k_empty : ""); }, ""));
   if (option.standard != nullptr) declared->default_str(option.standard);
   declared->required(option.required);
 }
@@ -271,6 +277,7 @@ std::string mistake_of_option(const CLI::App& at, const Names& words, size_t* ne
   const int least = option->get_items_expected_min(), most = option->get_items_expected_max();
   if (most == 0) return word.size() > name.size() ? which + " takes no value: write it alone." : "";
   if (!given->insert(option).second && most == 1) return which + " is given twice. Give it once.";
+  if (word == name + "=") return "cannot use " + which + ": " + k_empty;
   int values = word.size() > name.size() ? 1 : 0;
   while (values < most && *next < words.size() && !is_option(words[*next])) ++values, ++*next;
   if (values >= least) return "";

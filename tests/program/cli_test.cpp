@@ -13,6 +13,22 @@
 namespace sandglass {
 namespace {
 
+TEST_F(Cli, AnEmptyValueIsRefused) {
+  const std::string tiny = "run '" + tiny_scene() + "' --frames 1 ", empty = "is empty";
+  // Each of these named nothing, and so nothing was written, or something else was read.
+  for (const char* option : {"--out", "--record", "--replay", "--mesh", "--asset"})
+    for (const char* value : {" ''", "=", "=''"}) {
+      expect_refused(tiny + option + value, empty);
+      expect_refused(tiny + option + value, option);
+    }
+  expect_refused("run ''", empty);
+  expect_refused("bench machine --json ''", empty);
+  expect_refused("bench machine --json=", empty);
+  expect_refused("verify granular --quick --out ''", empty);
+  expect_refused("sample box --surface --distance 0.3 -o ''", empty);
+  expect_refused("light '' -o " + path("out"), empty);
+}
+
 TEST_F(Cli, RunEndsWithTheHashAndRepeatsOnVirtualClock) {
   const std::string command = "run '" + tiny_scene() + "' --clock virtual";
   const Outcome first = run(command), second = run(command + " --isa scalar --threads 2");
