@@ -136,7 +136,11 @@ void claim_output(const std::string& path, bool again_and_again) {
 }
 
 void claim_outputs(const std::string& folder, const std::vector<std::string>& names) {
-  for (const std::string& name : names) claim((fs::path(folder) / name).string(), false);
+  for (const std::string& name : names) {
+    const std::string path = (fs::path(folder) / name).string();
+    if (fs::exists(path)) require_writable(path);
+    claim(path, false);
+  }
 }
 
 void note_input(const std::string& path) {

@@ -291,6 +291,27 @@ TEST_F(CliFiles, OutputsAreOrdinaryFiles) {
     EXPECT_LT(seconds_of("sample box --surface --distance 0.3 -o " + output, 2), k_limit_s) << output;
 }
 
+TEST_F(CliFiles, AWriteProtectedOutputStays) {
+  const auto protect = [&](const std::string& name) {
+    EXPECT_EQ(::chmod(write(name, "kept").c_str(), 0444), 0);  // who asks may be root, whom the system lets write
+    return path(name);
+  };
+  const std::string sample = "sample box --surface --distance 0.3 -o ", protected_file = protect("a.ply");
+  expect_kept(protected_file, sample + protected_file, "write-protected");
+  fs::create_symlink(protected_file, path("link.ply"));
+  expect_kept(protected_file, sample + path("link.ply"), "write-protected");
+  expect_kept(protect("b.png"), sample + path("b.ply") + " --picture " + path("b.png"), "write-protected");
+  EXPECT_FALSE(fs::exists(path("b.ply"))) << "it is refused before the work";
+  fs::create_directories(folder / "out");
+  expect_kept(protect("out/report.csv"), "run " + tiny_scene() + " --out " + path("out"), "write-protected");
+  EXPECT_FALSE(fs::exists(path("out/last_frame.png")));
+  struct stat status = {};
+  ASSERT_EQ(::stat(protected_file.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777u, 0444u);
+  ASSERT_EQ(::chmod(protected_file.c_str(), 0200), 0);
+  EXPECT_EQ(run(sample + protected_file).code, 0) << "one bit is enough";
+}
+
 TEST_F(CliFiles, MoreThanAMachineHoldsIsRefusedInTheSceneFile) {
   const std::string sand = R"({"particle_radius": 0.001, "bodies": [{"shape": )";
   const std::string many[] = {
