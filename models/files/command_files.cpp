@@ -38,14 +38,20 @@ struct Output {
   bool again_and_again;
 };
 
+struct Folder {
+  int mark;                       // open and locked
+  bool was_marked;                // by an earlier process
+  std::vector<std::string> made;  // the folder and its parents that were not there, innermost first
+};
+
 // What the command has read, announced and written so far.
 struct Watch {
   std::mutex mutex;
   bool on = false;
   std::vector<Identity> inputs;
   std::vector<Output> claimed;
-  std::vector<std::string> written;    // canonical paths
-  std::map<std::string, int> folders;  // by canonical path: the open, locked mark
+  std::vector<std::string> written;       // canonical paths
+  std::map<std::string, Folder> folders;  // by canonical path
 };
 
 Watch& watch() {
@@ -110,6 +116,15 @@ int locked_mark(const std::string& folder, const std::string& mark) {
   }
 }
 
+// The folder and its parents that do not exist, innermost first.
+std::vector<std::string> missing_folders(const std::string& path) {
+  std::vector<std::string> missing;
+  std::error_code error;
+  for (fs::path at = identity_of(path).path; !at.empty() && !fs::exists(at, error); at = at.parent_path())
+    missing.push_back(at.string());
+  return missing;
+}
+
 }  // namespace
 
 void watch_files() { watch().on = true; }
@@ -166,6 +181,7 @@ void note_output(const std::string& path) {
 }
 
 void begin_folder(const std::string& path) {
+  const std::vector<std::string> made = missing_folders(path);
   make_folder(path);
   Watch& w = watch();
   const std::lock_guard lock(w.mutex);
@@ -176,11 +192,13 @@ void begin_folder(const std::string& path) {
   const int file = locked_mark(path, mark);
   if (file < 0)
     throw cannot("write into", path, "another process of sandglass is writing there", "Wait for it, or name another");
+  struct stat status = {};
+  const bool was_marked = fstat(file, &status) == 0 && status.st_size > 0;
   if (pwrite(file, k_mark.data(), k_mark.size(), 0) != static_cast<ssize_t>(k_mark.size())) {
     close(file);
     throw cannot("write into", path, "the disk is full or failing", "Name another folder");
   }
-  w.folders[folder] = file;
+  w.folders[folder] = {file, was_marked, made};
   w.claimed.push_back({identity_of(mark), false});
   w.written.push_back(w.claimed.back().file.path);
 }
@@ -212,13 +230,30 @@ void finish_folders() {
   Watch& w = watch();
   const std::lock_guard lock(w.mutex);
   std::string kept, why;
-  for (const auto& [folder, file] : w.folders) {
+  for (const auto& [folder, state] : w.folders) {
     const std::string mark = (fs::path(folder) / k_incomplete).string();
     if (unlink(mark.c_str()) != 0 && errno != ENOENT) kept = mark, why = std::strerror(errno);
-    close(file);
+    close(state.mark);
   }
   w.folders.clear();
   if (!kept.empty()) throw cannot("remove", kept, why, "Its folder is whole: remove the file yourself");
+}
+
+void leave_folders() {
+  Watch& w = watch();
+  const std::lock_guard lock(w.mutex);
+  for (auto at = w.folders.rbegin(); at != w.folders.rend(); ++at) {  // what lies in a folder comes behind it
+    const auto& [folder, state] = *at;
+    const std::string mark = (fs::path(folder) / k_incomplete).string();
+    const bool untouched = std::none_of(
+        w.written.begin(), w.written.end(),
+        [&, below = folder + "/"](const std::string& file) { return file != mark && file.starts_with(below); });
+    if (untouched && !state.was_marked) unlink(mark.c_str());
+    close(state.mark);
+    if (untouched)
+      for (const std::string& made : state.made) rmdir(made.c_str());  // one that holds something stays
+  }
+  w.folders.clear();
 }
 
 void require_complete(const std::string& folder) {

@@ -34,8 +34,11 @@ void begin_folder(const std::string& path);
 bool remove_output(const std::string& path);
 // Removes those of the named files of a folder that this command did not write: they are of an earlier run.
 void remove_unwritten(const std::string& folder, const std::vector<std::string>& names);
-// Takes the marks away, or throws a Failure where one stays. Without this call, after Ctrl-C or a Failure, the folders stay marked.
+// Takes the marks away, or throws a Failure where one stays.
 void finish_folders();
+// The other end, after Ctrl-C or a Failure: a folder into which nothing was written becomes what it was before
+// begin_folder. Others stay marked.
+void leave_folders();
 // Throws a Failure for a folder that is marked incomplete.
 void require_complete(const std::string& folder);
 

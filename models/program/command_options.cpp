@@ -327,6 +327,7 @@ int main(int argc, char** argv) {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       throw cannot("write", "standard output", "the disk is full or failing", "Send it elsewhere");
     if (exit_code == k_exit_done || exit_code == k_exit_check_failed) finish_folders();
+    leave_folders();
     return exit_code;
   } catch (const std::bad_alloc&) {
     std::fputs("sandglass: cannot go on: this machine has too little memory for what was asked. Ask for less.\n",
@@ -334,5 +335,6 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     std::fprintf(stderr, "sandglass: %s\n", error.what());
   }
+  leave_folders();
   return k_exit_bad_input;
 }

@@ -229,6 +229,24 @@ TEST_F(CliFiles, AnOldFrameThatIsReadStays) {
   EXPECT_FALSE(fs::exists(frame(frames)) || fs::exists(frame(frames + 1))) << "they are of a longer run";
 }
 
+TEST_F(CliFiles, ACommandThatWritesNothingLeavesTheFolderAsItWas) {
+  // The mesh is asked for after the folder was begun.
+  const std::string refused = "run " + mesh_scene() + " --mesh " + path("none.obj") + " --out ";
+  expect_refused(refused + path("new/inner"), "none.obj");
+  EXPECT_FALSE(fs::exists(folder / "new"));
+  ASSERT_EQ(run("run '" + tiny_scene() + "' --out " + path("out")).code, 0);
+  const std::string summary = read(path("out/summary.json")), mark = path(std::string("out/") + host::k_incomplete);
+  expect_refused(refused + path("out"), "none.obj");
+  EXPECT_FALSE(fs::exists(mark)) << "it is still whole";
+  EXPECT_EQ(read(path("out/summary.json")), summary);
+  {
+    Running killed = start(endless() + "--out " + path("out"));
+    ASSERT_TRUE(killed.makes(mark));
+  }
+  expect_refused(refused + path("out"), "none.obj");
+  EXPECT_TRUE(fs::exists(mark)) << "whoever was killed may have written something";
+}
+
 TEST_F(CliFiles, ADatasetDoesNotMixWithAnother) {
   const std::string room = panorama("rooms/room.hdr", 20), hall = panorama("rooms/hall.hdr", 20, 0.3);
   ASSERT_EQ(run("dataset " + room + " -o " + path("out")).code, 0);
