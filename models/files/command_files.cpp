@@ -150,7 +150,14 @@ void claim_output(const std::string& path, bool again_and_again) {
   claim(path, again_and_again);
 }
 
-void claim_outputs(const std::string& folder, const std::vector<std::string>& names) {
+void claim_folder(const std::string& path) {
+  std::error_code error;
+  if (fs::exists(path, error) && !fs::is_directory(path, error))
+    throw cannot("make folder", path, "a file has that name", "Name another");
+  claim(path, false);
+}
+
+static void claim_files(const std::string& folder, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const std::string path = (fs::path(folder) / name).string();
     if (fs::exists(path)) require_writable(path);
@@ -180,7 +187,8 @@ void note_output(const std::string& path) {
   w.written.push_back(file.path);
 }
 
-void begin_folder(const std::string& path) {
+void begin_folder(const std::string& path, const std::vector<std::string>& names) {
+  claim_files(path, names);
   const std::vector<std::string> made = missing_folders(path);
   make_folder(path);
   Watch& w = watch();

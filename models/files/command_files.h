@@ -17,8 +17,8 @@ void watch_files();
 // another announced output has that name, or when the command has read it. `again_and_again`: it is written many times,
 // such as a checkpoint. A command reads its own output by read_output (atomic_file.h).
 void claim_output(const std::string& path, bool again_and_again = false);
-// The same for the files of a folder, which need not exist yet. Call it before begin_folder.
-void claim_outputs(const std::string& folder, const std::vector<std::string>& names);
+// The same for a folder that lies in one of begin_folder, and gets files whose names are not known yet.
+void claim_folder(const std::string& path);
 
 // For files/atomic_file.cpp. A file that is read: throws a Failure when it is announced as an output.
 void note_input(const std::string& path);
@@ -27,8 +27,9 @@ void note_output(const std::string& path);
 
 constexpr const char* k_incomplete = "incomplete.txt";
 
-// Makes a folder for several outputs and marks it incomplete. Throws a Failure when another process is writing there.
-void begin_folder(const std::string& path);
+// Makes a folder for several outputs, announces those, and marks it incomplete, before long work. Throws a Failure when
+// another process is writing there.
+void begin_folder(const std::string& path, const std::vector<std::string>& names);
 // Removes an output of an earlier run, or one that is not needed any longer. Returns false where there is none. Throws
 // a Failure when the command has read it.
 bool remove_output(const std::string& path);

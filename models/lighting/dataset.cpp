@@ -180,7 +180,9 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
     if (!fs::exists(panorama)) throw cannot("read", panorama, "the panorama does not exist", "Check the path");
     locations.push_back(location_of(panorama, manifest_text));
   }
-  claim_outputs(options.folder, {"manifest.csv", "sheet.png"});
+  // The lock comes before the question for images, so that no other process puts some there in between.
+  begin_folder(options.folder, {"manifest.csv", "sheet.png"});
+  claim_folder(options.folder + "/images");
   if (holds_entries(options.folder + "/images"))
     throw cannot("write into", options.folder, "it holds the images of an earlier run", "Remove them, or name another");
   std::vector<std::vector<Excerpt>> results(panoramas.size());
@@ -191,11 +193,10 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
     const size_t at = i * excerpts / tiles;
     with_tile[at / k_excerpts][at % k_excerpts] = true;
   }
-  // A panorama that cannot be read is reported before anything is written. Reading the panoramas twice costs a
+  // A panorama that cannot be read is reported before any image is written. Reading the panoramas twice costs a
   // hundredth of the time that cutting takes.
   for_all(panoramas.size(), options.threads, "reading panoramas", [&](size_t i) { LitPanorama{panoramas[i]}; });
   if (interrupted()) return {};
-  begin_folder(options.folder);
   make_folder(options.folder + "/images");
   for_all(panoramas.size(), options.threads, "cutting panoramas",
           [&](size_t i) { results[i] = excerpts_of(panoramas[i], locations[i], options, with_tile[i]); });

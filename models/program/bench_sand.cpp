@@ -95,7 +95,6 @@ void draw(const Curves& curves, const std::string& folder) {
     for (const BenchRow& point : curve->rows) series.y.push_back(point.angle_deg);
     angle.series.push_back(series);
   }
-  begin_folder(folder);
   write_png(folder + "/ladder.png", draw_plot(overlap));
   write_png(folder + "/ladder_angle.png", draw_plot(angle));
   std::printf("plots          %s/ladder.png, ladder_angle.png\n", folder.c_str());
@@ -222,6 +221,8 @@ void bench_granular(const BenchOptions& options, Bench* bench) {
 // The error-time plane. It has every level of the quality ladder, the default scheme with other sub-steps, and the
 // dissertation's scheme.
 void bench_ladder(const BenchOptions& options, Bench* bench) {
+  if (!options.out.empty())
+    begin_folder(options.out, {"ladder.png", "ladder_angle.png", "ladder_measured.inc", "ladder.md"});
   const SceneFile column = load_scene("column14k");
   const SceneTable table(bench);
   Curves curves;

@@ -58,7 +58,6 @@ void print_and_keep(const std::vector<PileBenchRow>& rows, Bench* bench) {
 }
 
 void draw_curves(const BenchOptions& options, const std::vector<NamedShadow>& files, const Mesh& mesh, Bench* bench) {
-  begin_folder(options.out);
   std::vector<ShadowCurve> curves;
   with_progress("measuring curves",
                 [&](const Progressed& go_on) { curves = measure_shadow_curves(files, mesh, bench->isa, go_on); });
@@ -81,6 +80,7 @@ void bench_shadow(const BenchOptions& options, Bench* bench) {
     throw cannot("measure", options.assets[1], "shadows after the first are only drawn", "Name a folder with --out");
   const std::vector<NamedShadow> files = read_shadows(options);
   const Mesh mesh = named_mesh(options.mesh).mesh;
+  if (!options.out.empty()) begin_folder(options.out, {"shadow_curves.png"});
   ShadowBench result;
   with_progress("measuring", [&](const Progressed& go_on) {
     result = bench_shadow(files[0].bytes, files[0].name, mesh, bench->isa, options.thresholds, go_on);

@@ -57,8 +57,7 @@ int light_command(const LightOptions& options) {
   std::vector<std::string> files = {"sheet.png"};
   for (const std::string& output : outputs)
     for (const char* extension : {".png", ".json"}) files.push_back(fs::path(output + extension).filename().string());
-  claim_outputs(options.folder, files);
-  begin_folder(options.folder);
+  begin_folder(options.folder, files);
   Progress progress("estimating light", pictures.size());
   std::vector<Picture> sheet;
   for (size_t i = 0; i < pictures.size() && !interrupted(); ++i) {

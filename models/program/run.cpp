@@ -33,8 +33,8 @@ Run::Run(const RunOptions& options, uint32_t finest_level)
   const sandglass_isa isa = find_isa(options_.isa);
   load_replay();
   if (!options_.out.empty()) {
-    claim_outputs(options_.out, result_files());
-    begin_folder(options_.out);
+    begin_folder(options_.out, result_files());
+    claim_folder(frames_folder(options_.out));
   }
   replace_shadow();
   take_shot();

@@ -35,10 +35,7 @@ int run_rooms(const RunOptions& options) {
   if (!options.photo.empty() || !options.record.empty() || !options.replay.empty())
     throw Failure(
         "cannot use \"--rooms\" with --photo, --record or --replay: each of those is of one run. Leave one out.");
-  if (!options.out.empty()) {
-    claim_outputs(options.out, {"rooms.jpg"});
-    begin_folder(options.out);
-  }
+  if (!options.out.empty()) begin_folder(options.out, {"rooms.jpg"});
   std::vector<Picture> sheets;
   for (const std::string& room : options.rooms) {
     RunOptions one = options;

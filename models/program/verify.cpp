@@ -97,7 +97,6 @@ void expect_quick(const std::vector<std::string>& cases) {
 }
 
 void write_granular_folder(const std::string& folder, const VerdictTable& table) {
-  begin_folder(folder);
   write_verdicts(folder, table.rows);
   std::string drawn;
   for (const GranularPlot& plot : granular_plots(table.curves)) {
@@ -178,6 +177,7 @@ Options verify_shot_options(VerifyOptions& o) {
 
 int verify_granular_command(const VerifyOptions& options) {
   if (options.quick) expect_quick(options.cases);
+  if (!options.out.empty()) begin_folder(options.out, {"verify.md", "runout.png", "discharge.png"});
   const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa)};
   const std::string isa_name = kernels_of(choice.isa);
   VerdictTable table;

@@ -142,7 +142,6 @@ LightEstimator chosen_estimator(const LightingSources& sources, const VerifyOpti
 
 void write_folder(const std::string& folder, const LightingVerdicts& verdicts, const std::string& said,
                   const std::string& floor) {
-  begin_folder(folder);
   write_file(folder + "/lighting.csv", lighting_csv(verdicts));
   write_file(folder + "/lighting.txt", said + lighting_table(verdicts));
   write_file(folder + "/estimates.csv", estimates_csv(verdicts));
@@ -162,6 +161,9 @@ int verify_lighting_command(const VerifyOptions& options) {
   lighting.views = options.views, lighting.samples = options.samples, lighting.threads = options.threads;
   lighting.estimator = chosen_estimator(sources, options);
   const std::string said = said_of_training(sources);
+  if (!options.out.empty())
+    begin_folder(options.out,
+                 {"lighting.csv", "lighting.txt", "estimates.csv", "floor.md", "verify.md", "lighting.png"});
   std::fputs(said.c_str(), stdout);
   lighting.object = named_mesh(options.object).mesh;
   LightingVerdicts verdicts = verify_lighting(lighting);

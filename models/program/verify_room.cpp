@@ -79,6 +79,7 @@ int verify_room_command(const VerifyOptions& options) {
   study_options.network = options.network.empty() ? SANDGLASS_LIGHTS_DIR "/room.light" : options.network;
   study_options.azimuths = options.quick ? 1 : 4;
   study_options.seed = options.seed + 1, study_options.threads = options.threads;
+  if (!options.out.empty()) begin_folder(options.out, {"verify.md", "rooms.md"});
   ThreadPool pool(options.threads);
   const RoomStudy study = study_rooms(
       study_options, std::make_shared<const std::vector<FloorObject> >(study_objects(data_folder(), &pool)));
@@ -103,7 +104,6 @@ int verify_room_command(const VerifyOptions& options) {
   if (!options.json.empty())
     write_file(options.json, measurements_json(measurements_of("room", "automatic", options.threads, verdicts)));
   if (!options.out.empty()) {
-    begin_folder(options.out);
     write_verdicts(options.out, verdicts);
     write_file(options.out + "/rooms.md", markdown);
   }

@@ -48,7 +48,6 @@ ShotStudy study_pictures(const VerifyOptions& options) {
   study.folder = options.out, study.picture.threads = options.threads, study.seed = options.seed;
   study.manifest =
       options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;
-  if (!study.folder.empty()) begin_folder(study.folder);
   if (study.network.empty()) std::printf("no lighting network: without estimates\n");
   Progress progress("compositing and tracing views", study.panoramas.size());
   return study_shots(study, [&](size_t done) {
@@ -67,6 +66,7 @@ std::vector<Verdict> check_pictures(const VerifyOptions& options) {
 }
 
 int verify_shot_command(const VerifyOptions& options) {
+  if (!options.out.empty()) begin_folder(options.out, {"shot.md"});
   const ShotStudy result = study_pictures(options);
   if (interrupted()) return k_exit_interrupted;
   std::vector<Measurement> measurements;

@@ -157,6 +157,8 @@ static std::vector<Snapshot> moments(const std::vector<Snapshot>& snapshots) {
   return few;
 }
 
+std::string frames_folder(const std::string& folder) { return (fs::path(folder) / "frames").string(); }
+
 PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& snapshots) {
   PicturePaths paths;
   if (snapshots.empty()) return paths;
@@ -203,7 +205,7 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
   progress.done(++drawn);
 
   if (!set.film || interrupted()) return paths;
-  const std::string folder = (fs::path(set.folder) / "frames").string();
+  const std::string folder = frames_folder(set.folder);
   make_folder(folder);
   for (size_t i = total; remove_output((fs::path(folder) / frame_name(i)).string()); ++i) {
   }  // removes the frames of an earlier, longer run

@@ -44,6 +44,9 @@ struct PicturePaths {
   std::vector<PageFigure> figures;
 };
 
+// Where draw_pictures puts the frames of the film.
+std::string frames_folder(const std::string& folder);
+
 // Draws everything into set.folder. After the sheet and the last frame, Ctrl-C ends the drawing after the current
 // picture. Every file that is there is complete.
 PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& snapshots);

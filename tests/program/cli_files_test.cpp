@@ -1,5 +1,6 @@
 // What the program does to files: nothing that it reads is written over, no two outputs have one name, a folder says when
 // it is incomplete, what is no file of a sensible size is refused at once, and Ctrl-C is answered within a second.
+#include <sys/file.h>
 #include <sys/stat.h>
 
 #include "models/files/command_files.h"
@@ -245,6 +246,46 @@ TEST_F(CliFiles, ACommandThatWritesNothingLeavesTheFolderAsItWas) {
   }
   expect_refused(refused + path("out"), "none.obj");
   EXPECT_TRUE(fs::exists(mark)) << "whoever was killed may have written something";
+}
+
+TEST_F(CliFiles, AFolderIsTakenBeforeTheWork) {
+  const std::string out = path("out"), mark = path(std::string("out/") + host::k_incomplete);
+  fs::create_directories(out);
+  const std::string room = panorama("rooms/room.hdr", 20), network = write("random.light", random_network());
+  const std::string panoramas = " --panoramas " + room + " --network " + network;
+  std::vector<std::string> commands = {"verify granular --quick", "bench ladder --frames 10000",
+                                       "verify lighting --samples 0" + panoramas};
+  if (k_embree) commands.push_back("verify room" + panoramas), commands.push_back("verify shot" + panoramas);
+  if (k_bake) commands.push_back("bench shadow");
+  const auto every = [&](const std::string& said) {
+    for (const std::string& command : commands) {
+      const auto from = std::chrono::steady_clock::now();
+      expect_refused(command + " --out " + out, said);
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
+      EXPECT_LT(seconds, k_limit_s) << command;
+    }
+  };
+  const int lock = ::open(write("out/" + std::string(host::k_incomplete), "").c_str(), O_RDWR);
+  ASSERT_EQ(::flock(lock, LOCK_EX), 0);
+  every("another process");
+  // It asks before it reads what is no panorama.
+  expect_refused("dataset " + write("rooms/no.hdr", "no panorama") + " -o " + out, "another process");
+  ::close(lock);
+  expect_refused("dataset " + path("rooms/no.hdr") + " -o " + out, "no.hdr");
+  for (const char* name : {"verify.md", "ladder.md", "shot.md", "shadow_curves.png"})
+    fs::create_directories(fs::path(out) / name);
+  every("it is a folder");
+}
+
+TEST_F(CliFiles, TheFilmsFolderIsNoOtherResult) {
+  const std::string tiny = "run '" + tiny_scene() + "' --out " + path("out");
+  expect_refused(tiny + " --record " + path("out/frames"), "two outputs");
+  EXPECT_FALSE(fs::exists(path("out")));
+  fs::create_directories(folder / "out");
+  expect_kept(write("out/frames", "of no run"), tiny, "a file has that name");
+  EXPECT_FALSE(fs::exists(path("out/last_frame.png")));
+  const std::string images = write("out/images", "of no run");
+  expect_kept(images, "dataset " + panorama("room.hdr", 20) + " -o " + path("out"), "a file has that name");
 }
 
 TEST_F(CliFiles, ADatasetDoesNotMixWithAnother) {
