@@ -203,7 +203,7 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
 BakeReport bake_ambient_only(const Mesh& mesh, const std::string& name, const BakeSettings& settings,
                              const std::string& output, const std::string& picture) {
   BakeReport report;
-  const std::string old = read_output(output, "shadow");
+  const std::string old = read_output(output, "shadow", k_asset_limit);
   ShadowFile file =
       read_shadow_file({reinterpret_cast<const uint8_t*>(old.data()), old.size()}, stand_on_plane(mesh, name), output);
   std::vector<Picture> rooms;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <string_view>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
@@ -153,11 +155,22 @@ void inspect_mesh(const std::string& path, const std::string&) {
 
 }  // namespace
 
+// What the program reads of such a file elsewhere, by its first bytes.
+static uint64_t limit_of(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return k_file_limit;  // read_file refuses it
+  char head[8] = {};
+  std::ifstream(file, std::ios::binary).read(head, sizeof head);
+  const std::string_view identifier(head + 4, 4);
+  if (identifier == k_shadow_identifier || identifier == k_light_identifier) return k_asset_limit;
+  return head[0] == '{' ? k_text_limit : k_file_limit;
+}
+
 int inspect_command(const InspectOptions& options) {
   const auto& [file, mesh] = options;  // only scenes use the mesh
   std::error_code error;
   const bool is_file = std::filesystem::exists(file, error);
-  const std::string content = is_file ? read_file(file, "file") : "";
+  const std::string content = is_file ? read_file(file, "file", limit_of(file)) : "";
   if (is_file && content.empty()) throw cannot("inspect", file, "the file is empty", "Name another");
   const size_t first = content.find_first_not_of(" \t\r\n");
   const auto has_identifier = [&](const char* name) { return content.size() > 8 && content.compare(4, 4, name) == 0; };

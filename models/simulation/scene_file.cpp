@@ -483,6 +483,7 @@ std::string find_scene(const std::string& name_or_path) {
     for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
       if (entry->path().extension() == ".json") names.insert(entry->path().stem().string());
   }
+  if (fs::exists(name_or_path, error)) return name_or_path;  // a folder, pipe or device: read_file says so
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   throw cannot("find", name_or_path, "no file and no shipped scene has this name",

@@ -344,6 +344,31 @@ TEST_F(CliFiles, WhatIsNoFileOfASensibleSizeIsRefusedAtOnce) {
   }
 }
 
+TEST_F(CliFiles, ShadowsAndNetworksHaveTheSmallerLimit) {
+  const std::string kinds[] = {"SGSH", "SGLN"};
+  for (const std::string& kind : kinds) {
+    write(kind, std::string(4, '\0') + kind);
+    fs::resize_file(path(kind), uintmax_t{300} << 20);
+    expect_refused("inspect " + path(kind), "256 MiB");
+  }
+  if (k_bake) expect_refused("bake chair --ambient-only -o " + path("SGSH"), "256 MiB");
+  if (k_embree)
+    expect_refused("verify shot --panoramas " + panorama("room.hdr", 20) + " --network " + path("SGLN"), "256 MiB");
+  write("long.json", "{");
+  fs::resize_file(path("long.json"), uintmax_t{17} << 20);
+  expect_refused("inspect " + path("long.json"), "16 MiB");
+}
+
+TEST_F(CliFiles, ASceneThatIsNoFileIsSaidToBeNone) {
+  ASSERT_EQ(::mkfifo(path("pipe.json").c_str(), 0600), 0);
+  for (const char* command : {"run ", "inspect ", "budget "}) {
+    expect_refused(command + path("pipe.json"), "no ordinary file");
+    expect_refused(std::string(command) + "/dev/zero", "no ordinary file");
+    expect_refused(command + folder.string(), "it is a folder");
+  }
+  expect_refused("run " + path("none.json"), "no file and no shipped scene");
+}
+
 TEST_F(CliFiles, OutputsAreOrdinaryFiles) {
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
   for (const std::string& output : {path("pipe"), std::string("/dev/full"), folder.string(), path("none/x")})

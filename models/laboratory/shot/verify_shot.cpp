@@ -31,8 +31,8 @@ void put(const ShotErrors& e, double (&row)[k_shot_metrics]) {
 }
 
 // The hash of a file's content. By name alone, a retrained network would get the rows of the one before it.
-uint64_t hash_of(const std::string& file, const std::string& kind) {
-  const std::string bytes = read_file(file, kind);
+uint64_t hash_of(const std::string& file, const std::string& kind, uint64_t limit) {
+  const std::string bytes = read_file(file, kind, limit);
   return hash_bytes(bytes.data(), bytes.size());
 }
 
@@ -46,7 +46,7 @@ struct Study {
 };
 
 std::string key_of(const ShotStudyOptions& o) {
-  const uint64_t network = o.network.empty() ? 0 : hash_of(o.network, "lighting network");
+  const uint64_t network = o.network.empty() ? 0 : hash_of(o.network, "lighting network", k_asset_limit);
   std::string key = "shot study 10." + std::to_string(o.seed) + ": " + std::to_string(o.picture.width) + " x " +
                     std::to_string(o.picture.height) + ", " + std::to_string(o.picture.paths) + " paths, network " +
                     std::to_string(network) + ", of";
@@ -65,7 +65,7 @@ std::vector<ShotView> planned_views(const ShotStudyOptions& options) {
     read_panorama(options.panoramas[i]);
     views[i].panorama = fs::path(options.panoramas[i]).stem().string();
     views[i].place = location_of(options.panoramas[i], manifest).name;
-    views[i].panorama_hash = hash_of(options.panoramas[i], "panorama");
+    views[i].panorama_hash = hash_of(options.panoramas[i], "panorama", k_file_limit);
     views[i].azimuth_deg = 360.0 * random_stream(i, k_azimuth_stream + options.seed).uniform();
   }
   return views;
