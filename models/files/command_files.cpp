@@ -247,9 +247,12 @@ void finish_folders() {
   if (!kept.empty()) throw cannot("remove", kept, why, "Its folder is whole: remove the file yourself");
 }
 
-void leave_folders() {
+std::string leave_folders() {
   Watch& w = watch();
   const std::lock_guard lock(w.mutex);
+  const bool nothing = std::all_of(w.written.begin(), w.written.end(),
+                                   [](const std::string& file) { return fs::path(file).filename() == k_incomplete; });
+  std::string left = nothing ? "nothing was written" : "each file that was written is whole";
   for (auto at = w.folders.rbegin(); at != w.folders.rend(); ++at) {  // what lies in a folder comes behind it
     const auto& [folder, state] = *at;
     const std::string mark = (fs::path(folder) / k_incomplete).string();
@@ -257,11 +260,13 @@ void leave_folders() {
         w.written.begin(), w.written.end(),
         [&, below = folder + "/"](const std::string& file) { return file != mark && file.starts_with(below); });
     if (untouched && !state.was_marked) unlink(mark.c_str());
+    else left = "\"" + folder + "\" is incomplete";
     close(state.mark);
     if (untouched)
       for (const std::string& made : state.made) rmdir(made.c_str());  // one that holds something stays
   }
   w.folders.clear();
+  return left;
 }
 
 void require_complete(const std::string& folder) {

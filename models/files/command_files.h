@@ -38,8 +38,8 @@ void remove_unwritten(const std::string& folder, const std::vector<std::string>&
 // Takes the marks away, or throws a Failure where one stays.
 void finish_folders();
 // The other end, after Ctrl-C or a Failure: a folder into which nothing was written becomes what it was before
-// begin_folder. Others stay marked.
-void leave_folders();
+// begin_folder. Others stay marked. Returns what to say of the outputs, for example "nothing was written".
+std::string leave_folders();
 // Throws a Failure for a folder that is marked incomplete.
 void require_complete(const std::string& folder);
 

@@ -327,7 +327,8 @@ int main(int argc, char** argv) {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       throw cannot("write", "standard output", "the disk is full or failing", "Send it elsewhere");
     if (exit_code == k_exit_done || exit_code == k_exit_check_failed) finish_folders();
-    leave_folders();
+    const std::string left = leave_folders();
+    if (exit_code == k_exit_interrupted) std::fprintf(stderr, "sandglass: interrupted; %s.\n", left.c_str());
     return exit_code;
   } catch (const std::bad_alloc&) {
     std::fputs("sandglass: cannot go on: this machine has too little memory for what was asked. Ask for less.\n",
