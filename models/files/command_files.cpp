@@ -35,7 +35,11 @@ struct Identity {
 
 struct Output {
   Identity file;
-  bool again_and_again;
+  enum class Kind { once, again_and_again, folder } kind = Kind::once;
+
+  bool is(const Identity& other) const {
+    return file == other || (kind == Kind::folder && other.path.starts_with(file.path + "/"));
+  }
 };
 
 struct Folder {
@@ -129,39 +133,40 @@ std::vector<std::string> missing_folders(const std::string& path) {
 
 void watch_files() { watch().on = true; }
 
-// Throws a Failure when the command has read the file, or has announced it already.
-static void require_unused(const Watch& w, const std::string& path, const Identity& file) {
-  if (has(w.inputs, file)) throw reads_it(path);
+// Throws a Failure when the command has read the output, or has announced it already.
+static void require_unused(const Watch& w, const std::string& path, const Output& output) {
+  for (const Identity& input : w.inputs)
+    if (output.is(input)) throw reads_it(path);
   for (const Output& other : w.claimed)
-    if (other.file == file) throw twice(path);
+    if (other.file == output.file) throw twice(path);
 }
 
-static void claim(const std::string& path, bool again_and_again) {
+static void claim(const std::string& path, Output::Kind kind) {
   Watch& w = watch();
   const std::lock_guard lock(w.mutex);
   if (!w.on) return;
-  const Identity file = identity_of(path);
-  require_unused(w, path, file);
-  w.claimed.push_back({file, again_and_again});
+  const Output output = {identity_of(path), kind};
+  require_unused(w, path, output);
+  w.claimed.push_back(output);
 }
 
 void claim_output(const std::string& path, bool again_and_again) {
   require_writable(path);
-  claim(path, again_and_again);
+  claim(path, again_and_again ? Output::Kind::again_and_again : Output::Kind::once);
 }
 
 void claim_folder(const std::string& path) {
   std::error_code error;
   if (fs::exists(path, error) && !fs::is_directory(path, error))
     throw cannot("make folder", path, "a file has that name", "Name another");
-  claim(path, false);
+  claim(path, Output::Kind::folder);
 }
 
 static void claim_files(const std::string& folder, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const std::string path = (fs::path(folder) / name).string();
     if (fs::exists(path)) require_writable(path);
-    claim(path, false);
+    claim(path, Output::Kind::once);
   }
 }
 
@@ -171,7 +176,7 @@ void note_input(const std::string& path) {
   if (!w.on) return;
   const Identity file = identity_of(path);
   for (const Output& output : w.claimed)
-    if (output.file == file) throw reads_it(path);
+    if (output.is(file)) throw reads_it(path);
   if (!has(w.inputs, file)) w.inputs.push_back(file);
 }
 
@@ -182,7 +187,7 @@ void note_output(const std::string& path) {
   const Identity file = identity_of(path);
   if (has(w.inputs, file)) throw reads_it(path);
   for (const Output& output : w.claimed)
-    if (output.file == file && output.again_and_again) return;
+    if (output.file == file && output.kind == Output::Kind::again_and_again) return;
   if (std::find(w.written.begin(), w.written.end(), file.path) != w.written.end()) throw twice(path);
   w.written.push_back(file.path);
 }
@@ -196,7 +201,7 @@ void begin_folder(const std::string& path, const std::vector<std::string>& names
   const std::string folder = identity_of(path).path;
   if (!w.on || w.folders.count(folder) != 0) return;
   const std::string mark = (fs::path(folder) / k_incomplete).string();
-  require_unused(w, mark, identity_of(mark));
+  require_unused(w, mark, {identity_of(mark)});
   const int file = locked_mark(path, mark);
   if (file < 0)
     throw cannot("write into", path, "another process of sandglass is writing there", "Wait for it, or name another");
@@ -207,7 +212,7 @@ void begin_folder(const std::string& path, const std::vector<std::string>& names
     throw cannot("write into", path, "the disk is full or failing", "Name another folder");
   }
   w.folders[folder] = {file, was_marked, made};
-  w.claimed.push_back({identity_of(mark), false});
+  w.claimed.push_back({identity_of(mark)});
   w.written.push_back(w.claimed.back().file.path);
 }
 

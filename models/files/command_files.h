@@ -17,7 +17,7 @@ void watch_files();
 // another announced output has that name, or when the command has read it. `again_and_again`: it is written many times,
 // such as a checkpoint. A command reads its own output by read_output (atomic_file.h).
 void claim_output(const std::string& path, bool again_and_again = false);
-// The same for a folder that lies in one of begin_folder, and gets files whose names are not known yet.
+// The same for a folder that lies in one of begin_folder, and for all files in it: their names are not known yet.
 void claim_folder(const std::string& path);
 
 // For files/atomic_file.cpp. A file that is read: throws a Failure when it is announced as an output.

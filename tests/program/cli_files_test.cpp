@@ -214,20 +214,18 @@ TEST_F(CliFiles, NoResultHasTheNameOfTheMark) {
 }
 
 TEST_F(CliFiles, AnOldFrameThatIsReadStays) {
-  const std::string scene = tiny_scene(), out = path("out"), command = " --out " + out;
-  ASSERT_EQ(run("run " + scene + command).code, 0);
-  int frames = 0;
-  for (const auto& entry : fs::directory_iterator(out + "/frames")) frames += entry.is_regular_file() ? 1 : 0;
-  const auto frame = [&](int index) {
-    char name[32];
-    std::snprintf(name, sizeof name, "/frame_%06d.png", index);
-    return out + "/frames" + name;
-  };
-  for (const int index : {frames, frames + 1}) fs::copy(scene, frame(index));
-  expect_kept(frame(frames + 1), "run " + frame(frames + 1) + command);
-  fs::copy(scene, frame(frames));
-  ASSERT_EQ(run("run " + scene + command).code, 0);
-  EXPECT_FALSE(fs::exists(frame(frames)) || fs::exists(frame(frames + 1))) << "they are of a longer run";
+  constexpr int k_old = 10;  // of a run that was longer than one of three frames
+  const std::string scene = tiny_scene(), out = " --out " + path("out");
+  fs::create_directories(folder / "out/frames");
+  const auto frame = [&](int index) { return path("out/frames/frame_00000" + std::to_string(index) + ".png"); };
+  for (int index = 0; index < k_old; ++index) fs::copy(scene, frame(index));
+  expect_kept(frame(k_old - 1), "run " + frame(k_old - 1) + out);
+  EXPECT_FALSE(fs::exists(path("out/last_frame.png"))) << "it is refused before the work";
+  expect_kept(frame(0), "run " + mesh_scene() + " --mesh " + frame(0) + out);
+  ASSERT_EQ(run("run " + scene + out).code, 0);
+  for (int index = 0; index < k_old; ++index)
+    EXPECT_TRUE(!fs::exists(frame(index)) || read(frame(index)).substr(1, 3) == "PNG") << index;
+  EXPECT_FALSE(fs::exists(frame(4))) << "three frames and the start make at most four pictures";
 }
 
 TEST_F(CliFiles, ACommandThatWritesNothingLeavesTheFolderAsItWas) {
@@ -279,9 +277,9 @@ TEST_F(CliFiles, AFolderIsTakenBeforeTheWork) {
 
 TEST_F(CliFiles, TheFilmsFolderIsNoOtherResult) {
   const std::string tiny = "run '" + tiny_scene() + "' --out " + path("out");
-  expect_refused(tiny + " --record " + path("out/frames"), "two outputs");
-  EXPECT_FALSE(fs::exists(path("out")));
   fs::create_directories(folder / "out");
+  expect_refused(tiny + " --record " + path("out/frames"), "two outputs");
+  EXPECT_TRUE(fs::is_empty(folder / "out"));
   expect_kept(write("out/frames", "of no run"), tiny, "a file has that name");
   EXPECT_FALSE(fs::exists(path("out/last_frame.png")));
   const std::string images = write("out/images", "of no run");
