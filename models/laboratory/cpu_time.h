@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "models/work/progress.h"
 #include "platform/clock.h"
 
 namespace sandglass::host {
@@ -14,12 +15,12 @@ inline double cpu_ms_now() {
 }
 
 // The least time of `work` over some repeats, in ms: the machine may be shared. `before` runs before each repeat and is
-// not timed.
+// not timed. After Ctrl-C the time is that of fewer repeats.
 template <class Work, class Before>
 double best_cpu_ms(Work work, Before before) {
   constexpr uint32_t k_repeats = 7;
   double best = 1e30;
-  for (uint32_t i = 0; i < k_repeats; ++i) {
+  for (uint32_t i = 0; i < k_repeats && !(i > 0 && interrupted()); ++i) {
     before();
     const double from = cpu_ms_now();
     work();

@@ -26,6 +26,7 @@ Bench::Bench(const std::string& s, const std::string& isa_option, Kernels kernel
 
 void Bench::keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads,
                  const std::string& kernels) {
+  if (!keeping_) keeping_.emplace();
   Measurement m;
   m.suite = suite, m.scene = scene, m.metric = metric, m.unit = unit, m.value = value;
   m.isa = kernels.empty() ? isa_name : kernels;
@@ -34,7 +35,6 @@ void Bench::keep(const std::string& scene, const char* metric, const char* unit,
 }
 
 int run_bench(const char* name, Bench::Kernels kernels, BenchSuite suite, const BenchOptions& options) {
-  const KeepingResults of_the_finished_rows;
   Bench bench(name, options.isa, kernels);
   suite(options, &bench);
   if (!options.json.empty()) write_file(options.json, measurements_json(bench.measurements));

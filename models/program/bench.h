@@ -2,11 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "models/laboratory/measurement_json.h"
 #include "models/laboratory/sand/granular_bench.h"
+#include "models/work/progress.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {
@@ -30,9 +32,12 @@ struct Bench {
   enum class Kernels { sand, bytes };
   Bench(const std::string& suite, const std::string& isa, Kernels kernels);
 
-  // `kernels`: what computed it; empty: isa_name.
+  // From the first number on, Ctrl-C keeps what was measured. `kernels`: what computed it; empty: isa_name.
   void keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads = 1,
             const std::string& kernels = "");
+
+ private:
+  std::optional<KeepingResults> keeping_;
 };
 
 // One function a suite (bench_sand.cpp ...).

@@ -10,6 +10,7 @@
 #include "models/lighting/light_runner.h"
 #include "models/lighting/room_light.h"
 #include "models/rooms/excerpt.h"
+#include "models/work/progress.h"
 #include "models/work/random.h"
 #include "runtime/light/backends.h"
 #include "runtime/light/camera_image.h"
@@ -53,11 +54,12 @@ void add_part(LightingBenchRow* row, const std::string& name, double ms) {
   row->parts.push_back({name, ms});
 }
 
-// The best time of each of `units` work units, which are run in order after `begin`.
+// The best time of each of `units` work units, which are run in order after `begin`. After Ctrl-C it is that of fewer
+// repeats.
 template <class Begin, class Run>
 std::vector<double> best_ms_of_units(uint32_t units, Begin begin, Run run) {
   std::vector<double> best(units, 1e30);
-  for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
+  for (uint32_t repeat = 0; repeat < k_repeats && !(repeat > 0 && interrupted()); ++repeat) {
     begin();
     double from = cpu_ms_now();
     for (uint32_t unit = 0; unit < units; ++unit) {
@@ -144,6 +146,7 @@ bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_i
   row->arena_bytes = static_cast<double>(bytes + (backend == nullptr ? 0 : backend->bytes_beside()));
   row->ms = 1e30;
   for (const Picture& picture : images) {
+    if (interrupted()) return true;
     const sandglass_camera_image image = camera_image_of(picture, k_excerpt_fov_deg);
     for (uint32_t repeat = 0; repeat < (&picture == &images[0] ? k_repeats : 1); ++repeat) {
       if (sandglass_light_set_image(light.get(), &image, nullptr, nullptr) != SANDGLASS_OK) return false;  // cannot be
@@ -176,7 +179,11 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
   bench.int8_peak = peak.int8_gmac_per_s, bench.f32_peak = peak.f32_gmac_per_s;
   const LightBackend* xnnpack = nullptr;
   bench.has_xnnpack = find_light_backend(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
-  for (const ImageCase& c : k_images) bench.images.push_back(measure_image(c));
+  for (const ImageCase& c : k_images) {
+    const LightingImageRow row = measure_image(c);
+    if (interrupted()) return bench;
+    bench.images.push_back(row);
+  }
   if (!go_on(1, k_steps)) return bench;
   std::vector<Picture> images;
   std::vector<LightValues> truth;
@@ -191,6 +198,7 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
     row.name = c.name;
     if (!measure(file, name, isa, c.backend, images, &row)) break;
     measure_units(file, name, isa, c.backend, images[0].rgb, &row, own ? &bench.layers : nullptr);
+    if (interrupted()) return bench;
     if (own) row.activations = static_cast<double>(light_activation_bytes(k_width, k_height));
     const double fastest =
         c.backend == SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 ? peak.f32_gmac_per_s : peak.int8_gmac_per_s;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "models/laboratory/cpu_time.h"
+#include "models/work/progress.h"
 #include "models/work/random.h"
 #include "runtime/light/camera_image.h"
 #include "runtime/room/room.h"
@@ -38,7 +39,7 @@ class Turn {
 
 RoomBenchRow measured(const std::string& name, bool told, Turn* turn, Room* room) {
   RoomBenchRow row = {name, 1e30, 0, 0};
-  for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
+  for (uint32_t repeat = 0; repeat < k_repeats && !interrupted(); ++repeat) {
     room_reset(room);
     for (uint32_t i = 0; i < k_images; ++i) {
       double sum = 0, longest = 0;
@@ -66,6 +67,7 @@ RoomBench bench_room() {
   RoomBench bench = {{}, sizeof(sandglass_room)};
   bench.rows.push_back(measured("image, exposure told", true, &turn, &room));
   bench.rows.push_back(measured("image, exposure not told", false, &turn, &room));
+  if (interrupted()) return {{}, bench.bytes};
   const double place[3] = {0.5, -0.5, -1};
   sandglass_room_light light = {};
   light.struct_size = sizeof light;

@@ -7,6 +7,7 @@
 
 #include "models/files/failure.h"
 #include "models/laboratory/cpu_time.h"
+#include "models/work/progress.h"
 #include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {
@@ -43,7 +44,7 @@ PileBenchRow measured(const std::vector<float>& grains, sandglass_isa isa, uint3
   row.name = sky_texels == 0 ? "pile_light" : "pile_sky/" + std::to_string(sky_texels);
   row.ms = 1e30;
   std::vector<double> longest;
-  for (uint32_t i = 0; i < k_repeats; ++i) {
+  for (uint32_t i = 0; i < k_repeats && !(i > 0 && interrupted()); ++i) {
     shadow.refresh();
     double sum = 0, most = 0;
     row.units = 0;
@@ -55,8 +56,9 @@ PileBenchRow measured(const std::vector<float>& grains, sandglass_isa isa, uint3
     }
     row.ms = std::min(row.ms, sum), longest.push_back(most);
   }
-  std::nth_element(longest.begin(), longest.begin() + k_repeats / 2, longest.end());
-  row.unit_us = 1e3 * longest[k_repeats / 2];
+  const size_t middle = longest.size() / 2;
+  std::nth_element(longest.begin(), longest.begin() + static_cast<ptrdiff_t>(middle), longest.end());
+  row.unit_us = 1e3 * longest[middle];
   return row;
 }
 
@@ -65,7 +67,11 @@ PileBenchRow measured(const std::vector<float>& grains, sandglass_isa isa, uint3
 std::vector<PileBenchRow> bench_pile_shadow(sandglass_isa isa) {
   const std::vector<float> grains = cone();
   std::vector<PileBenchRow> rows;
-  for (const uint32_t sky_texels : {0u, 32u, 64u, 128u}) rows.push_back(measured(grains, isa, sky_texels));
+  for (const uint32_t sky_texels : {0u, 32u, 64u, 128u}) {
+    const PileBenchRow row = measured(grains, isa, sky_texels);
+    if (interrupted()) break;
+    rows.push_back(row);
+  }
   return rows;
 }
 

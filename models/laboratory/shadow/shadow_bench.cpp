@@ -12,6 +12,7 @@
 #include "models/laboratory/machine_peak.h"
 #include "models/laboratory/shadow/xnnpack_peer.h"
 #include "models/simulation/metrics.h"
+#include "models/work/progress.h"
 #include "models/work/random.h"
 #include "runtime/asset/shadow_asset.h"
 
@@ -136,6 +137,7 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   for (uint32_t i = 0; i < k_lights; ++i) {
     const Direction& light = lights[i];
     const std::vector<float> truth = caster.texture(geometry.rectangle(light), light, k_stream + i, k_size, pool);
+    if (interrupted()) break;
     std::vector<float> reference;
     own_float.ms.push_back(best_cpu_ms([&] { reference = evaluate(network, light, k_size, pool); }));
     own_float.macs += texel_macs * k_texels;
@@ -143,6 +145,7 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
     // The runtime computes nothing for a light that it has already. So another light comes in between, untimed.
     const Direction other = lights[(i + 1) % k_lights];
     const auto bytes = [&](ShadowRunner* runner, Samples* samples) {
+      if (interrupted()) return;
       sandglass_shadow_texture texture = {};
       samples->ms.push_back(best_cpu_ms([&] { texture = runner->texture(light); }, [&] { runner->texture(other); }));
       samples->macs += separated_macs * texture.evaluated;
@@ -156,6 +159,7 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
 #ifdef SANDGLASS_HAVE_XNNPACK
     const double encoding = best_cpu_ms([&] { encode_texels(positions, light, &input); });
     const auto peer = [&](Samples* samples, double of_input, const std::function<void()>& work) {
+      if (interrupted()) return;
       samples->ms.push_back(best_cpu_ms(work));
       samples->ms_encoding.push_back(of_input);
       samples->macs += texel_macs * k_texels;

@@ -10,6 +10,7 @@
 #include "models/laboratory/cpu_time.h"
 #include "models/laboratory/shadow/shadow_bench.h"
 #include "models/simulation/metrics.h"
+#include "models/work/progress.h"
 
 namespace sandglass::host {
 
@@ -102,6 +103,7 @@ std::vector<ShadowCurve> measure_shadow_curves(const std::vector<NamedShadow>& f
     world.transparency = caster.texture(world.rectangle, light, k_stream + i, k_size, pool);
     // The runtime computes nothing for a light that it has already. So another light comes in between, untimed.
     const auto measure = [&](ShadowRunner* runner, const LightGeometry& geometry, Sum* sum, uint32_t size) {
+      if (interrupted()) return;
       sandglass_shadow_texture texture = {};
       std::vector<uint8_t> resampled(size_t{size} * size);
       const auto make = [&] {
@@ -120,7 +122,7 @@ std::vector<ShadowCurve> measure_shadow_curves(const std::vector<NamedShadow>& f
     for (size_t f = 0; f < files.size(); ++f) {
       measure(full[f].get(), baked[f].geometry, &of_full[f], k_size);
       measure(adaptive[f].get(), baked[f].geometry, &of_adaptive[f], k_size);
-      if (baked[f].network.parameters.empty()) continue;
+      if (baked[f].network.parameters.empty() || interrupted()) continue;
       const double from = cpu_ms_now();
       std::vector<float> coverage = evaluate(baked[f].network, light, k_size, pool);
       of_float[f].ms.push_back(cpu_ms_now() - from);
