@@ -334,8 +334,10 @@ typedef struct sandglass_body {
   uint32_t particle_count;
   /* 3 floats each, world, metres, within SANDGLASS_COORDINATE_LIMIT. Needed until the body is added. */
   const float* particle_positions;
-  /* The mass of a particle of the body over that of a particle of sand, 0.001..1000. Default: 1. Above 20, with the
-   * default sub-steps, sand that the body squeezes ends inside it; nothing is thrown. */
+  /* The mass of a particle of the body over that of a particle of sand, 0.001..1000. Default: 1. Up to 8, with the
+   * default sub-steps, body and sand stay apart and come to rest. Above that, sand that the body falls on may be thrown
+   * up, and takes seconds longer to rest; half of the default substep_max is enough up to 20. Above 20, sand that the
+   * body squeezes may end inside it, unless substep_max is far shorter. */
   float density_ratio;
   /* m/s, of the centre of mass, at most 10,000 along each axis. */
   float linear_velocity[3];
