@@ -1,4 +1,5 @@
 // What a room answers in environments that are known: an even sphere, one lamp, a lamp that clips, one that goes out.
+#include <cstring>
 #include <string>
 
 #include "made_up_room.h"
@@ -352,6 +353,63 @@ TEST(RoomLight, RefusesWhatItCannotUse) {
   light.struct_size = sizeof light;
   const float nowhere[3] = {0, NAN, 0};
   EXPECT_EQ(sandglass_room_get(room.handle(), nowhere, nullptr, &light, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+}
+
+// A network's estimate of a light from there, of which it is sure.
+sandglass_light_estimate sure_of(Direction d) {
+  sandglass_light_estimate estimate = {};
+  estimate.struct_size = sizeof estimate, estimate.valid = 1;
+  const double axes[3] = {d.x, d.y, d.z};
+  for (int k = 0; k < 3; ++k) estimate.direction[k] = static_cast<float>(axes[k]);
+  estimate.confidence = estimate.contrast = 1;
+  return estimate;
+}
+
+bool same(const sandglass_room_light& a, const sandglass_room_light& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+// Numbers that are not finite, and shares that are none, are refused: nothing is written. The control: the estimate as
+// it should be is taken, and says where light is to be expected.
+TEST(RoomLight, AnEstimateThatIsNoneIsRefused) {
+  const MadeUpRoom room;
+  const Direction lamp = towards(60, 40);
+  const sandglass_light_estimate good = sure_of(lamp);
+  EXPECT_GT(room.light(0, 0, 0, &good).cells[cell_at(lamp)], 1.1f / 64);
+  const auto refused = [&](auto change) {
+    sandglass_light_estimate estimate = good;
+    change(&estimate);
+    sandglass_room_light light;
+    std::memset(&light, 0x5a, sizeof light);
+    light.struct_size = sizeof light;
+    const sandglass_room_light before = light;
+    const float place[3] = {0, 0, 0};
+    const char* reason = nullptr;
+    return sandglass_room_get(room.handle(), place, &estimate, &light, &reason) == SANDGLASS_ERROR_INVALID_ARGUMENT &&
+           reason != nullptr && same(light, before);
+  };
+  for (const float bad : {NAN, INFINITY, -INFINITY}) {
+    SCOPED_TRACE(bad);
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(refused([&](sandglass_light_estimate* e) { e->direction[k] = bad; })) << k;
+  }
+  for (const float bad : {NAN, INFINITY, -INFINITY, -0.5f, 1.5f}) {
+    SCOPED_TRACE(bad);
+    EXPECT_TRUE(refused([&](sandglass_light_estimate* e) { e->confidence = bad; }));
+    EXPECT_TRUE(refused([&](sandglass_light_estimate* e) { e->contrast = bad; }));
+  }
+  EXPECT_TRUE(refused([](sandglass_light_estimate* e) { e->struct_size = 4; }));
+}
+
+// A finite direction that is far from a unit vector is no direction. The answer is that without an estimate.
+TEST(RoomLight, AnEstimateWithoutAUnitVectorSaysNothing) {
+  const MadeUpRoom room;
+  const sandglass_room_light without = room.light();
+  for (const float length : {2.0f, 1e20f, -1e30f, 3e38f}) {
+    SCOPED_TRACE(length);
+    for (int k = 0; k < 3; ++k) {
+      sandglass_light_estimate estimate = sure_of(towards(60, 40));
+      estimate.direction[k] = length;
+      EXPECT_TRUE(same(room.light(0, 0, 0, &estimate), without)) << k;
+    }
+  }
 }
 
 }  // namespace
