@@ -15,8 +15,9 @@ constexpr double k_no_limit_ms = 1e6;
 // The governor keeps some of a budget free, so that the last work unit and the output fit.
 constexpr double k_used_of_a_budget = 0.9;
 
+// Instructions a frame. Most: what all frames but one in a thousand need at most, or all where they are too few to tell.
 struct LevelCost {
-  double mean = 0.0, most = 0.0;  // instructions a frame; most: all frames but one in a thousand need no more
+  double mean = 0.0, most = 0.0;
 };
 
 }  // namespace
@@ -32,12 +33,14 @@ int budget_command(const BudgetOptions& options) {
   std::string scene;
   uint32_t particles = 0, grains = 0;
   size_t frames = 0;
+  bool told = false;
   for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT && !interrupted(); ++level) {
     Run run(run_options, level);
     run.execute();
     const Distribution elapsed = summarise(run.report().frames).elapsed;
     const double per_ms = counted.ghz * 1e6 * counted.middle_ipc();
-    levels.push_back({elapsed.mean * per_ms, elapsed.p999 * per_ms});
+    levels.push_back({elapsed.mean * per_ms, elapsed.p999.value_or(elapsed.max) * per_ms});
+    told = elapsed.p999.has_value();
     guessed = run.phone()->guessed();
     scene = run.report().scene, frames = run.report().frames.size();
     if (frames == 0) break;
@@ -50,7 +53,7 @@ int budget_command(const BudgetOptions& options) {
   std::printf(
       "Estimated from counted NEON instructions, not measured. Times are for a stated range of instructions a "
       "cycle.\n");
-  std::printf("\n%-32s %21s", "quality level", "M instructions, 99.9 %");
+  std::printf("\n%-32s %21s", "quality level", told ? "M instructions, 99.9 %" : "M instructions, most");
   std::vector<const PhoneCore*> cores;
   for (const PhoneCore& core : phone_cores())
     if (options.as.empty() || options.as == core.name) cores.push_back(&core);
@@ -67,8 +70,8 @@ int budget_command(const BudgetOptions& options) {
     }
     std::printf("\n");
   }
-  std::printf(
-      "\nA budget in which 99.9 %% of the frames do all their work, with a tenth that the governor keeps free.\n");
+  std::printf("\nA budget in which %s do all their work, with a tenth that the governor keeps free.\n",
+              told ? "99.9 % of the frames" : "all of these frames");
   for (const PhoneCore* core : cores)
     std::printf("%s: %.1f GHz, %.1f to %.1f instructions a cycle; %s\n", core->name, core->ghz, core->ipc_low,
                 core->ipc_high, core->why);

@@ -70,9 +70,10 @@ Distribution distribution(std::vector<double> values) {
   for (const double value : values) d.mean += value;
   d.mean /= static_cast<double>(values.size());
   d.p50 = quantile(values, 0.50);
-  d.p95 = quantile(values, 0.95);
-  d.p99 = quantile(values, 0.99);
-  d.p999 = quantile(values, 0.999);
+  const auto upper = [&](double q) {
+    return tells_quantile(values.size(), q) ? std::optional(quantile(values, q)) : std::nullopt;
+  };
+  d.p95 = upper(0.95), d.p99 = upper(0.99), d.p999 = upper(0.999);
   d.max = quantile(values, 1.0);
   return d;
 }
@@ -184,8 +185,18 @@ std::string report_trace(const RunReport& report) {
 
 namespace {
 
-void add_row(std::string* text, const char* name, const Distribution& d) {
-  add(text, "  %-22s %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f\n", name, d.mean, d.p50, d.p95, d.p99, d.p999, d.max);
+void add_head(std::string* text, const Distribution& d) {
+  add(text, "  %-22s %9s %9s", "milliseconds a frame", "mean", "p50");
+  for (const auto& [name, value] : {std::pair{"p95", d.p95}, std::pair{"p99", d.p99}, std::pair{"p99.9", d.p999}})
+    if (value) add(text, " %9s", name);
+  add(text, " %9s\n", "max");
+}
+
+void add_row(std::string* text, const char* name, const Distribution& d, double factor = 1.0) {
+  add(text, "  %-22s %9.3f %9.3f", name, d.mean * factor, d.p50 * factor);
+  for (const std::optional<double>& value : {d.p95, d.p99, d.p999})
+    if (value) add(text, " %9.3f", *value * factor);
+  add(text, " %9.3f\n", d.max * factor);
 }
 
 }  // namespace
@@ -214,14 +225,12 @@ std::string report_summary_text(const RunReport& report) {
   const size_t count = report.frames.size();
   std::string text;
   text += report.scene + ": " + report_headline(report) + "\n";
-  add(&text, "  milliseconds a frame        mean       p50       p95       p99     p99.9       max\n");
+  add_head(&text, s.elapsed);
   const PhoneEstimate& e = report.estimate;
   add_row(&text, e.core.empty() ? "budget used" : "budget used, estimate", s.elapsed);
   if (!e.core.empty())
     for (const auto& [name, factor] : {std::pair{"  at its fastest", e.low}, std::pair{"  at its slowest", e.high}})
-      add_row(&text, name,
-              {s.elapsed.mean * factor, s.elapsed.p50 * factor, s.elapsed.p95 * factor, s.elapsed.p99 * factor,
-               s.elapsed.p999 * factor, s.elapsed.max * factor});
+      add_row(&text, name, s.elapsed, factor);
   for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
     add_row(&text, (std::string("  ") + stage_name(stage)).c_str(), s.stages[stage]);
   add_row(&text, e.core.empty() ? "wall time" : "wall time, this machine", s.wall);

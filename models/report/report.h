@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -69,9 +70,12 @@ struct RunReport {
   std::vector<UnitEvent> units;
 };
 
-// Times over the frames of a run, in milliseconds.
+// Times over the frames of a run, in milliseconds. There is no upper quantile that too few frames tell
+// (tells_quantile).
 struct Distribution {
-  double mean = 0.0, p50 = 0.0, p95 = 0.0, p99 = 0.0, p999 = 0.0, max = 0.0;
+  double mean = 0.0, p50 = 0.0;
+  std::optional<double> p95, p99, p999;
+  double max = 0.0;
 };
 Distribution distribution(std::vector<double> values);
 
@@ -99,6 +103,7 @@ std::string level_text(uint32_t level);         // its number and name
 // are empty.
 std::string report_csv(const RunReport& report);
 std::string report_trace(const RunReport& report);
+// Upper quantiles that too few frames tell are null in JSON, and have no column in the text.
 std::string report_summary_json(const RunReport& report);
 std::string report_summary_text(const RunReport& report);
 std::string estimate_text(const PhoneEstimate& estimate);  // what it is and is not, in one sentence

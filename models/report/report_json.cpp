@@ -15,7 +15,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json json_of(const Distribution& d) {
-  return {{"mean", d.mean}, {"p50", d.p50}, {"p95", d.p95}, {"p99", d.p99}, {"p99.9", d.p999}, {"max", d.max}};
+  const auto upper = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
+  return {{"mean", d.mean},      {"p50", d.p50},           {"p95", upper(d.p95)},
+          {"p99", upper(d.p99)}, {"p99.9", upper(d.p999)}, {"max", d.max}};
 }
 
 Json summary_json(const RunReport& report) {

@@ -74,12 +74,19 @@ std::string table_html(const PageTable& table) {
 PageTable stage_table(const Summary& summary) {
   PageTable table;
   table.title = "Milliseconds a frame";
-  table.head = {"", "mean", "median", "95 %", "99 %", "99.9 %", "longest"};
+  table.head = {"", "mean", "median"};
+  const Distribution& all = summary.elapsed;
+  for (const auto& [name, value] :
+       {std::pair{"95 %", all.p95}, std::pair{"99 %", all.p99}, std::pair{"99.9 %", all.p999}})
+    if (value) table.head.emplace_back(name);
+  table.head.emplace_back("longest");
   const auto add = [&](const std::string& name, const Distribution& d) {
     std::vector<std::string> row = {name};
-    for (const double value : {d.mean, d.p50, d.p95, d.p99, d.p999, d.max}) {
+    for (const std::optional<double>& value :
+         {std::optional(d.mean), std::optional(d.p50), d.p95, d.p99, d.p999, std::optional(d.max)}) {
+      if (!value) continue;
       char cell[32];
-      std::snprintf(cell, sizeof cell, "%.3f", value);
+      std::snprintf(cell, sizeof cell, "%.3f", *value);
       row.emplace_back(cell);
     }
     table.rows.push_back(std::move(row));

@@ -24,6 +24,11 @@ double quantile(std::span<double> values, double q) {
   return values[index];
 }
 
+bool tells_quantile(size_t count, double q) {
+  constexpr double k_beyond = 10.0, k_rounding = 1e-6;
+  return static_cast<double>(count) * (1.0 - q) >= k_beyond - k_rounding;
+}
+
 Overlap measure_overlap(std::span<const float> positions, double radius) {
   const CellGrid grid(positions, 2.0 * radius);
   const auto point = [&](uint32_t i) { return Vec3{positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]}; };

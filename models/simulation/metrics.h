@@ -2,6 +2,7 @@
 // and has its own neighbour search, so it does not rely on the library that it measures.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -41,6 +42,10 @@ double speed_rms(std::span<const float> velocities);
 
 // The q-quantile of the values by nearest rank; 0 without values. Reorders the values.
 double quantile(std::span<double> values, double q);
+
+// Whether so many values say where an upper quantile is: at least ten lie beyond it. P95 needs 200 values, P99 1000,
+// P99.9 10,000. Of fewer it is one of the largest values, or the largest itself, and must be called that.
+bool tells_quantile(size_t count, double q);
 
 // The exponent of a power law: the least-squares slope of log y over log x.
 double fitted_exponent(std::span<const double> x, std::span<const double> y);

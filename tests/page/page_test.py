@@ -62,6 +62,15 @@ def check_bars(browser, rows):
     check(marked == missed and missed, f"marked as missed {marked}, missed {missed}")
 
 
+def check_percentiles(browser, told):
+    """The 99th percentile is named, or, of too few frames to tell it, the longest frame is."""
+    tiles = browser.ask("[...document.querySelectorAll('.tile span')].map(s => s.textContent)")
+    check(("99th percentile" in tiles) == told and ("longest frame" in tiles) != told, f"the tiles are {tiles}")
+    marks = browser.ask("[...document.querySelectorAll('#histogram-elapsed text')].filter(t => t.textContent === '99 %').length")
+    spoken = browser.ask("document.querySelector('#histogram-elapsed svg').getAttribute('aria-label')")
+    check(marks == told and ("99th" in spoken) == told, f"the histogram has {marks} marks of 99 %, and says: {spoken}")
+
+
 def check_other_charts(browser, rows):
     counted = browser.ask("[...document.querySelectorAll('#histogram-elapsed rect')].reduce((n, r) => n + +r.dataset.count, 0)")
     check(counted == len(rows), f"the histogram holds {counted} of {len(rows)} frames")
@@ -72,6 +81,7 @@ def check_other_charts(browser, rows):
     levels = browser.ask("data.ladder.length")
     check(browser.ask("document.querySelectorAll('#ladder-table tbody tr').length") == levels and levels >= 2, "a quality level is missing")
     check(browser.ask("document.querySelectorAll('#ladder circle').length") >= 2 * (levels - 1), "the ladder's curve is incomplete")
+    check_percentiles(browser, False)
     lit = [row for row in rows if row["light_x"]]
     check(browser.ask("document.querySelectorAll('#light rect').length") == 2 * len(lit), "the light has no colours")
     text = browser.ask("document.body.innerText")
@@ -173,6 +183,7 @@ def check_extremes(browser, folder):
     check(drawn == 1000, f"{drawn} bars for 3000 frames")
     longest = browser.ask("+document.querySelector('#timeline rect[data-frame=\"1234\"]').dataset.ms")
     check(longest == 3.9, f"the longest frame's bar says {longest} ms")
+    check_percentiles(browser, True)
     browser.open(folder + "/empty.html")
     wait_until_drawn(browser)
     check(browser.ask("document.querySelectorAll('#timeline rect[data-frame]').length") == 0, "an empty run has bars")

@@ -78,8 +78,10 @@ TEST_F(Cli, EstimatesAPhonesFrameAndTheBudgetThatASceneNeeds) {
 
   const Outcome all = run("budget " + scene), one = run("budget " + scene + " --as cortex-a55");
   ASSERT_EQ(all.code, 0) << all.err;
-  for (const char* words : {"cortex-x3", "cortex-a78", "cortex-a55", "0 (full)", "not measured", " ms"})
+  for (const char* words : {"cortex-x3", "cortex-a78", "cortex-a55", "0 (full)", "not measured", " ms",
+                            "M instructions, most", "all of these frames"})
     EXPECT_NE(all.out.find(words), std::string::npos) << words;
+  EXPECT_EQ(all.out.find("99.9 %"), std::string::npos) << "three frames tell no percentile";
   EXPECT_EQ(one.out.find("cortex-x3"), std::string::npos);
   EXPECT_EQ(run("budget " + scene).out, all.out);
   expect_refused("run demo --as cortex-a79", "Did you mean \"cortex-a78\"?");

@@ -74,6 +74,17 @@ TEST(Quantile, IsTheNearestRank) {
   EXPECT_EQ(quantile({}, 0.5), 0.0);
 }
 
+// Ten of 200 values lie beyond the 95th percentile, and so on. With one value less they are nine and a part.
+TEST(Quantile, IsToldByTenValuesBeyondIt) {
+  const std::pair<double, size_t> least[] = {{0.95, 200}, {0.99, 1000}, {0.999, 10000}};
+  for (const auto& [q, count] : least) {
+    EXPECT_TRUE(tells_quantile(count, q)) << q;
+    EXPECT_FALSE(tells_quantile(count - 1, q)) << q;
+  }
+  EXPECT_FALSE(tells_quantile(0, 0.95));
+  EXPECT_FALSE(tells_quantile(1000000, 1.0)) << "nothing is beyond the largest";
+}
+
 class Cone : public ::testing::TestWithParam<double> {};
 
 TEST_P(Cone, HasItsSlopeHeightAndReach) {
