@@ -113,9 +113,11 @@ int locked_mark(const std::string& folder, const std::string& mark) {
     }
     // The process that held the lock may have removed the mark in between.
     struct stat ours = {}, there = {};
-    const bool same = fstat(file, &ours) == 0 && lstat(mark.c_str(), &there) == 0 && ours.st_ino == there.st_ino;
+    const bool answered = fstat(file, &ours) == 0 && (lstat(mark.c_str(), &there) == 0 || errno == ENOENT);
+    const bool same = answered && ours.st_ino == there.st_ino;
     if (same && is_mark(file, ours)) return file;
     close(file);
+    if (!answered) throw cannot("write into", folder, "the disk does not answer", "Name another folder");
     if (same) throw foreign_mark(mark);
   }
 }

@@ -109,12 +109,16 @@ std::vector<std::string> find_panoramas(const std::vector<std::string>& paths) {
   std::vector<std::string> found;
   const auto is_panorama = [](const fs::path& p) { return p.extension() == ".hdr" || p.extension() == ".exr"; };
   for (const std::string& path : paths) {
-    if (!fs::is_directory(path)) {
-      found.push_back(path);
-      continue;
+    try {
+      if (!fs::is_directory(path)) {
+        found.push_back(path);
+        continue;
+      }
+      for (const auto& entry : fs::recursive_directory_iterator(path))
+        if (entry.is_regular_file() && is_panorama(entry.path())) found.push_back(entry.path().string());
+    } catch (const fs::filesystem_error& error) {
+      throw cannot("read", path, error.code().message(), "Check its permissions and the disk");
     }
-    for (const auto& entry : fs::recursive_directory_iterator(path))
-      if (entry.is_regular_file() && is_panorama(entry.path())) found.push_back(entry.path().string());
   }
   if (found.empty())
     throw cannot("use", paths.at(0), "it has no .hdr or .exr file", "Name panoramas, or folders of them");

@@ -1,6 +1,7 @@
 // The program, and every command on its command line: the options with their units, ranges and defaults.
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <new>
 #include <thread>
 
@@ -333,6 +334,10 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     std::fputs("sandglass: cannot go on: this machine has too little memory for what was asked. Ask for less.\n",
                stderr);
+  } catch (const std::filesystem::filesystem_error& error) {
+    const Failure failure =
+        cannot("read", error.path1().string(), error.code().message(), "Check its permissions and the disk");
+    std::fprintf(stderr, "sandglass: %s\n", failure.what());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "sandglass: %s\n", error.what());
   }
