@@ -86,9 +86,22 @@ OPEN(open64)
 FOPEN(fopen)
 FOPEN(fopen64)
 
-DIR* opendir(const char* path) {
-  if (fails("opendir", path)) return NULL;
-  return REAL(opendir, DIR * (*)(const char*))(path);
+/* Folders are opened by it. Names in an open folder are not followed. */
+int openat(int at, const char* path, int flags, ...) {
+  mode_t mode = 0;
+  if ((flags & O_CREAT) != 0) {
+    va_list more;
+    va_start(more, flags);
+    mode = va_arg(more, mode_t);
+    va_end(more);
+  }
+  if (fails("open", path)) return -1;
+  return REAL(openat, int (*)(int, const char*, int, mode_t))(at, path, flags, mode);
+}
+
+struct dirent* readdir(DIR* list) {
+  if (fails_open("readdir", dirfd(list))) return NULL;
+  return REAL(readdir, struct dirent * (*)(DIR*))(list);
 }
 
 ssize_t read(int file, void* data, size_t bytes) {
@@ -145,19 +158,24 @@ FAILS_BY_FILE(ftruncate, "truncate", (int file, off_t size), (file, size))
 FAILS_BY_FILE(ftruncate64, "truncate", (int file, off64_t size), (file, size))
 FAILS_BY_FILE(flock, "lock", (int file, int operation), (file, operation))
 
+#define FAILS_BY_NAME(name, operation, parameters, arguments) \
+  int name parameters {                                        \
+    if (fails(operation, path)) return -1;                     \
+    return REAL(name, int(*) parameters) arguments;            \
+  }
+FAILS_BY_NAME(stat, "stat", (const char* path, struct stat* status), (path, status))
+FAILS_BY_NAME(lstat, "stat", (const char* path, struct stat* status), (path, status))
+FAILS_BY_NAME(access, "access", (const char* path, int mode), (path, mode))
+FAILS_BY_NAME(unlink, "unlink", (const char* path), (path))
+FAILS_BY_NAME(remove, "unlink", (const char* path), (path))
+FAILS_BY_NAME(mkdir, "mkdir", (const char* path, mode_t mode), (path, mode))
+
+char* realpath(const char* path, char* resolved) {
+  if (fails("realpath", path)) return NULL;
+  return REAL(realpath, char* (*)(const char*, char*))(path, resolved);
+}
+
 int rename(const char* from, const char* to) {
   if (fails("rename", from)) return -1;
   return REAL(rename, int (*)(const char*, const char*))(from, to);
-}
-int unlink(const char* path) {
-  if (fails("unlink", path)) return -1;
-  return REAL(unlink, int (*)(const char*))(path);
-}
-int remove(const char* path) {
-  if (fails("unlink", path)) return -1;
-  return REAL(remove, int (*)(const char*))(path);
-}
-int mkdir(const char* path, mode_t mode) {
-  if (fails("mkdir", path)) return -1;
-  return REAL(mkdir, int (*)(const char*, mode_t))(path, mode);
 }
