@@ -262,7 +262,7 @@ TEST_F(Cli, ABakeIsRefusedBeforeItsWorkWhereItCouldNotWrite) {
   const std::string kept = write("kept.png", "an older picture"), out = " -o '" + path("out") + "' ";
   const std::string nowhere = path("nowhere/x"), bake = "bake chair --textures 3000 --steps 100000000 ";
   expect_refused(bake + "-o '" + path("folder") + "'", "folder");
-  expect_refused(bake + "-o ''", "name");
+  expect_refused(bake + "-o ''", "is empty");
   expect_refused(bake + "-o '" + nowhere + "'", "nowhere");
   expect_refused(bake + "-o '" + path("kept.png/x") + "'", "kept.png/x");
   expect_refused(bake + "-o '" + path(std::string(240, 'n')) + "'", "nnn");  // too long once ".checkpoint" is added
