@@ -126,8 +126,8 @@ int locked_mark(const std::string& folder, const std::string& mark) {
 std::vector<std::string> missing_folders(const std::string& path) {
   std::vector<std::string> missing;
   std::error_code error;
-  for (fs::path at = identity_of(path).path; !at.empty() && !fs::exists(at, error); at = at.parent_path())
-    missing.push_back(at.string());
+  fs::path at = identity_of(path).path;
+  for (; at.has_relative_path() && !fs::exists(at, error); at = at.parent_path()) missing.push_back(at.string());
   return missing;
 }
 
