@@ -56,10 +56,10 @@ class Window : public ::testing::Test {
     said = text.str();
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
+  static std::string scripted(const std::string& script) { return script.empty() ? "" : " --script '" + script + "'"; }
   Picture screenshot(const std::string& script, int frames) {
     const std::string file = (folder / "view.png").string();
-    const int code =
-        show("--frames " + std::to_string(frames) + " --screenshot '" + file + "' --script '" + script + "'");
+    const int code = show("--frames " + std::to_string(frames) + " --screenshot '" + file + "'" + scripted(script));
     if (code == k_skipped) return {};
     EXPECT_EQ(code, 0) << said;
     const Picture picture = read_picture(file);
