@@ -572,7 +572,13 @@ sandglass_scene_desc describe_scene(const SceneFile& scene, uint32_t particles, 
   desc.granular.sink_capacity = static_cast<uint32_t>(scene.sinks.size());
   // Grains lie on the floor with the radius that they are drawn with.
   uint32_t standing_for = particles, drawn = grains;
-  for (const EmitterTrack& track : scene.emitters) ++standing_for, drawn += track.emitter.grains_per_particle;
+  for (const EmitterTrack& track : scene.emitters) {
+    ++standing_for, drawn += track.emitter.grains_per_particle;
+    const double radii = static_cast<double>(track.emitter.radius) / scene.particle_radius;
+    if (!(radii > 0.9999 && radii < 100.01))  // the library asks for 1 to 100, in floats
+      throw cannot("use", scene.source, "\"radius\" of an emitter is not 1 to 100 particle radii",
+                   "Make it wider or narrower");
+  }
   if (drawn > 0) desc.granular.grain_radius = drawn_grain_radius(scene.particle_radius, standing_for, drawn);
   const auto fit = [&](uint32_t* capacity, uint32_t need, const char* key) {
     if (*capacity == 0) *capacity = need;

@@ -125,6 +125,22 @@ TEST(SceneFile, RefusesACapacityBelowTheNeed) {
   EXPECT_EQ(describe_scene(scene, 10, 0).granular.particle_capacity, 10u);
 }
 
+// The library would leave it out, and pour nothing.
+TEST(SceneFile, RefusesANozzleThatTheLibraryDoes) {
+  const auto described = [](double radii) {
+    SceneFile scene;
+    scene.particle_radius = 0.01;
+    scene.granular.particle_capacity = 9;
+    scene.emitters.emplace_back();
+    scene.emitters[0].emitter.radius = static_cast<float>(0.01 * radii);
+    return describe_scene(scene, 0, 0);
+  };
+  EXPECT_NO_THROW(described(1.0));
+  EXPECT_NO_THROW(described(100.0));
+  EXPECT_THROW(described(0.99), Failure);
+  EXPECT_THROW(described(101.0), Failure);
+}
+
 TEST(SceneFile, AnEmitterPoursFromItsStartToItsEnd) {
   const SceneFile scene = parse_scene(
       changed("\"name\"",
