@@ -93,8 +93,8 @@ void require_writable(const std::string& path) {
   if (fs::is_directory(target)) throw cannot("write", path, "it is a folder", "Name a file in it");
   if (fs::exists(target) && !fs::is_regular_file(target))
     throw cannot("write", path, "it is no ordinary file", "Name another");
-  constexpr fs::perms k_writers = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
-  if (fs::exists(target) && (target.permissions() & k_writers) == fs::perms::none)
+  constexpr fs::perms k_any_writer = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
+  if (fs::exists(target) && (target.permissions() & k_any_writer) == fs::perms::none)
     throw cannot("write", path, "it is write-protected", "Name another, or allow to write it");
   const fs::path parent = behind_links(path).parent_path(), folder = parent.empty() ? fs::path(".") : parent;
   const bool has_name = fs::path(path).has_filename();
