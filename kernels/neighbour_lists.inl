@@ -31,9 +31,9 @@ struct Rows {
 
 SANDGLASS_INLINE void find_rows(const Grid& grid, const int32_t cell[3], Rows* rows) {
   const uint32_t mask_y = (1u << grid.bits[1]) - 1, mask_z = (1u << grid.bits[2]) - 1;
-  for (int32_t at = 0; at < 9; ++at) {
-    const uint32_t y = static_cast<uint32_t>(cell[1] + at % 3 - 1) & mask_y;
-    const uint32_t z = static_cast<uint32_t>(cell[2] + at / 3 - 1) & mask_z;
+  for (uint32_t at = 0; at < 9; ++at) {
+    const uint32_t y = (static_cast<uint32_t>(cell[1]) + at % 3 - 1) & mask_y;
+    const uint32_t z = (static_cast<uint32_t>(cell[2]) + at / 3 - 1) & mask_z;
     rows->begin[at] = ((z << grid.bits[1]) | y) << grid.bits[0];
   }
 }
@@ -41,7 +41,7 @@ SANDGLASS_INLINE void find_rows(const Grid& grid, const int32_t cell[3], Rows* r
 // Apart, since it is inlined twice and unrolled else.
 SANDGLASS_APART void find_ranges(const Grid& grid, const Rows& rows, int32_t cell_x, uint32_t least, Ranges* ranges) {
   const uint32_t mask = (1u << grid.bits[0]) - 1;
-  const uint32_t left = static_cast<uint32_t>(cell_x - 1) & mask, right = static_cast<uint32_t>(cell_x + 1) & mask;
+  const uint32_t middle = static_cast<uint32_t>(cell_x), left = (middle - 1) & mask, right = (middle + 1) & mask;
   ranges->count = 0;
   if (left < right) {
     const uint32_t* const starts = grid.starts + left;
@@ -49,8 +49,8 @@ SANDGLASS_APART void find_ranges(const Grid& grid, const Rows& rows, int32_t cel
     return;
   }
   for (const uint32_t row : rows.begin) {  // the rows wrap round between the three cells
-    for (int32_t dx = -1; dx <= 1; ++dx) {
-      const uint32_t x = row + (static_cast<uint32_t>(cell_x + dx) & mask);
+    for (uint32_t dx = 0; dx < 3; ++dx) {
+      const uint32_t x = row + ((left + dx) & mask);
       add_range(ranges, grid.starts[x], grid.starts[x + 1], least);
     }
   }
@@ -115,6 +115,14 @@ SANDGLASS_INLINE void put_row(Row* row, Int inert, bool whole, uint32_t* out, ui
   *count = static_cast<uint8_t>(used), *near_count = static_cast<uint8_t>(row->near_count);
 }
 
+// Cells wrap around, and so may their numbers.
+SANDGLASS_INLINE int32_t floor_cell(float a, float inverse) {
+  const float scaled = a * inverse;
+  const int32_t truncated = to_whole<int32_t>(scaled);
+  const uint32_t below = scaled < static_cast<float>(truncated) ? 1 : 0;
+  return static_cast<int32_t>(static_cast<uint32_t>(truncated) - below);
+}
+
 static void neighbour_lists(const ListArgs* args, uint32_t begin, uint32_t end, uint32_t* dropped) {
   const float inverse = args->grid.inverse_cell;
   const Float reach = broadcast(args->reach_squared), near = broadcast(args->near_squared);
@@ -126,7 +134,7 @@ static void neighbour_lists(const ListArgs* args, uint32_t begin, uint32_t end, 
   int32_t cell[3] = {0, 0, 0};
   for (uint32_t i = begin; i < end; ++i) {
     const float at[3] = {args->positions[0][i], args->positions[1][i], args->positions[2][i]};
-    const int32_t own[3] = {floor_whole(at[0] * inverse), floor_whole(at[1] * inverse), floor_whole(at[2] * inverse)};
+    const int32_t own[3] = {floor_cell(at[0], inverse), floor_cell(at[1], inverse), floor_cell(at[2], inverse)};
     const bool other_row = i == begin || own[1] != cell[1] || own[2] != cell[2];
     if (other_row) {
       find_rows(args->grid, own, &rows);

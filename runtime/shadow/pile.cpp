@@ -225,7 +225,8 @@ void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage)
   args.shares = p->shares;
   uint32_t unused = 0;
   p->kernels->pile_light(&args, 0, p->texels, &unused);
-  for (uint32_t u = 0; u < p->texels; ++u) coverage[u] = to_whole<uint8_t>(255.0f * (1.0f - p->shares[u]) + 0.5f);
+  for (uint32_t u = 0; u < p->texels; ++u)
+    coverage[u] = static_cast<uint8_t>(to_whole<uint32_t>(255.0f * (1.0f - p->shares[u]) + 0.5f));
 }
 
 void run_rows(Pile* p) {

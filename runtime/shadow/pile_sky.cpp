@@ -130,7 +130,7 @@ void make_heights(Pile* p, uint32_t row) {
           const float here = p->tops[static_cast<int64_t>(y) * p->pitch + x];
           top = here > top ? here : top;
         }
-      heights[u] = to_whole<uint8_t>(top * per_metre + 0.5f);
+      heights[u] = static_cast<uint8_t>(to_whole<uint32_t>(top * per_metre + 0.5f));
     }
   }
 }
@@ -214,7 +214,7 @@ void gather_steps(Pile* pile, uint32_t row, PileSkyArgs* args) {
   }
 }
 
-uint8_t byte_of(float share) { return to_whole<uint8_t>(255.0f * share + 0.5f); }
+uint8_t byte_of(float share) { return static_cast<uint8_t>(to_whole<uint32_t>(255.0f * share + 0.5f)); }
 
 void light_row(Pile* p, uint32_t row) {
   PileSky* s = &p->sky;
@@ -362,7 +362,8 @@ void sky_light_grains(const Pile& p, const float* positions, uint32_t count, flo
     const float* centre = positions + 3 * uint64_t{i};
     const float surface = step * sampled(p, sky.heights, p.texels, centre);
     const float depth = (surface - (centre[1] + radius - p.height)) * per_radius, below = depth > 0 ? depth : 0;
-    visibility[i] = to_whole<uint8_t>(sampled(p, sky.sand, p.sky.texels, centre) / (1 + k_depth_loss * below) + 0.5f);
+    visibility[i] = static_cast<uint8_t>(
+        to_whole<uint32_t>(sampled(p, sky.sand, p.sky.texels, centre) / (1 + k_depth_loss * below) + 0.5f));
   }
 }
 
