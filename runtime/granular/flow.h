@@ -16,8 +16,9 @@ namespace sandglass {
 struct Granular;
 
 struct EmitterState {
-  double run;      // metres that sand has come since the last layer
-  uint32_t layer;  // layers so far
+  double run;       // metres that sand has come since the last layer
+  uint32_t layer;   // layers so far
+  uint32_t unused;  // what is saved has no gap
 };
 
 // Since the scene was created or reset.
