@@ -574,8 +574,8 @@ sandglass_scene_desc describe_scene(const SceneFile& scene, uint32_t particles, 
   uint32_t standing_for = particles, drawn = grains;
   for (const EmitterTrack& track : scene.emitters) {
     ++standing_for, drawn += track.emitter.grains_per_particle;
-    const double radii = static_cast<double>(track.emitter.radius) / scene.particle_radius;
-    if (!(radii > 0.9999 && radii < 100.01))  // the library asks for 1 to 100, in floats
+    const float r = desc.granular.particle_radius, radius = track.emitter.radius;
+    if (!(radius >= r && radius <= 100.0f * r))  // sandglass_emitter: the library would leave it out
       throw cannot("use", scene.source, "\"radius\" of an emitter is not 1 to 100 particle radii",
                    "Make it wider or narrower");
   }

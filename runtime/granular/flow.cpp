@@ -254,14 +254,14 @@ void flow_emit(Granular* g, double seconds) {
     const sandglass_emitter& emitter = g->flow.emitters[e];
     if (state.layer == 0) state.run = layer;  // the first comes at once
     state.run += seconds * static_cast<double>(emitter.speed);
-    if (!sweep_takes_grains(*g) || state.run < layer) continue;
-    // Counted once: a layer that finds no room costs nothing more.
+    if (!sweep_takes_grains(*g)) continue;
+    // Every other layer is the same. Counted once in a frame: one that finds no room costs nothing more.
     uint32_t sites[2] = {0, 0};
-    for (uint32_t parity = 0; parity < 2; ++parity)
-      for_sites(emitter, g->desc.particle_radius, parity, [&](float, float) { ++sites[parity]; });
     while (state.run >= layer) {
       state.run -= layer;
-      emit_layer(g, emitter, e, state.layer, sites[state.layer % 2], static_cast<float>(state.run));
+      uint32_t& here = sites[state.layer % 2];
+      if (here == 0) for_sites(emitter, g->desc.particle_radius, state.layer, [&](float, float) { ++here; });
+      emit_layer(g, emitter, e, state.layer, here, static_cast<float>(state.run));
       ++state.layer;
     }
   }

@@ -132,7 +132,7 @@ TEST(SceneFile, RefusesANozzleThatTheLibraryDoes) {
     scene.particle_radius = 0.01;
     scene.granular.particle_capacity = 9;
     scene.emitters.emplace_back();
-    scene.emitters[0].emitter.radius = static_cast<float>(0.01 * radii);
+    scene.emitters[0].emitter.radius = 0.01f * static_cast<float>(radii);
     return describe_scene(scene, 0, 0);
   };
   EXPECT_NO_THROW(described(1.0));
