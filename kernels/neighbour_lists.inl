@@ -115,7 +115,7 @@ SANDGLASS_INLINE void put_row(Row* row, Int inert, bool whole, uint32_t* out, ui
   *count = static_cast<uint8_t>(used), *near_count = static_cast<uint8_t>(row->near_count);
 }
 
-// Cells wrap around, and so may their numbers.
+// Cells wrap around, and so may their numbers: floor_whole, which bounds them, makes lists 2 % dearer.
 SANDGLASS_INLINE int32_t floor_cell(float a, float inverse) {
   const float scaled = a * inverse;
   const int32_t truncated = to_whole<int32_t>(scaled);

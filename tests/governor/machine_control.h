@@ -4,8 +4,8 @@
 // can tell them from work. The first attempt has no control: its frames may not be over at all. If they are, they run
 // again, and after every frame a loop that does nothing runs for as long as the frame took, and measures how much time
 // it lost. Of both, one of the largest counts (largest_that_counts). Frames may then be over by no more than the loop
-// lost, which is nothing on a quiet machine. Both are rare events of chance, so an attempt that fails is repeated if the loop lost anything. Code that
-// breaks the law by itself breaks it every time.
+// lost, which is nothing on a quiet machine. Both are rare events of chance, so an attempt that fails is repeated if the
+// loop lost anything. Code that breaks the law by itself breaks it every time.
 #pragma once
 
 #include <gtest/gtest.h>
