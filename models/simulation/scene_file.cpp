@@ -26,9 +26,11 @@ constexpr uint32_t k_collider_limit = 256;  // the limit of the public API
 constexpr uint32_t k_flow_limit = 64;       // the limit of the public API for emitters and for sinks
 constexpr double k_length_limit = SANDGLASS_COORDINATE_LIMIT;
 
+// Whole numbers with all their digits: a limit that prints as the number that breaks it helps nobody.
 std::string number_text(double value) {
   char text[40];
-  std::snprintf(text, sizeof text, "%g", value);
+  const bool whole = value == std::floor(value) && std::fabs(value) < 1e9;
+  std::snprintf(text, sizeof text, whole ? "%.0f" : "%g", value);
   return text;
 }
 

@@ -1,6 +1,9 @@
 // A lighting network with a right checksum and wrong content: it is refused, or its estimate is finite, and the fastest
 // kernels make the same one as others. Not the scalar ones: under sanitizers they take a minute for it.
+#include <bit>
+
 #include "models/lighting/light_file.h"
+#include "runtime/asset/light_asset.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/fuzz/edits.h"
 #include "tests/fuzz/other_kernels.h"
@@ -12,17 +15,29 @@ using namespace sandglass;
 
 constexpr size_t k_of_which_one_runs = 64;  // an estimate takes a hundred times as long as loading
 
-// What describes the network lies between its seven million bytes of weights: it is what random networks have in common.
-// Of the weights there are some.
-std::vector<size_t> places_to_change(const tests::AssetFile& base) {
-  constexpr size_t k_between_weights = 65521;
-  const std::vector<uint8_t> another = host::light_file_bytes(host::random_light_file(8)),
-                             third = host::light_file_bytes(host::random_light_file(9));
-  std::vector<size_t> places;
-  for (size_t i = 0; i < base.bytes; ++i)
-    if ((base.data()[i] == another[i] && base.data()[i] == third[i]) || i % k_between_weights == 0) places.push_back(i);
-  return places;
+// A random network with the errors that it claims; `with_floats`, with its float copy, too, every byte of which differs
+// between seeds.
+std::vector<uint8_t> network(uint64_t seed, bool with_floats) {
+  host::LightFile file = host::random_light_file(seed);
+  file.angle_deg = 12.0f, file.difference = 0.25f;
+  constexpr uint32_t k_floats[] = {0x3e010101, 0x3f020202, 0x40030303};
+  if (with_floats) file.float_parameters.assign(k_light_float_parameters, std::bit_cast<float>(k_floats[seed % 3]));
+  return host::light_file_bytes(file);
 }
+
+// What describes the network lies between its millions of bytes of weights: it is what random networks have in common.
+// Of the weights there are some.
+struct Base {
+  tests::AssetFile file;
+  std::vector<size_t> places;
+  explicit Base(bool with_floats) : file(network(6, with_floats)) {
+    constexpr size_t k_between_weights = 65521;
+    const std::vector<uint8_t> another = network(7, with_floats), third = network(8, with_floats);
+    for (size_t i = 0; i < file.bytes; ++i)
+      if ((file.data()[i] == another[i] && file.data()[i] == third[i]) || i % k_between_weights == 0)
+        places.push_back(i);
+  }
+};
 
 struct Estimate {
   bool made = false;
@@ -53,13 +68,15 @@ void check(const sandglass_light_estimate& estimate) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const tests::AssetFile& base = tests::random_light();
-  static const std::vector<size_t> places = places_to_change(base);
+  static const Base bases[] = {Base(false), Base(true)};
+  static tests::AssetFile files[] = {bases[0].file, bases[1].file};
+  const size_t which = size % 16 == 1;  // files with floats take five times as long
+  const std::vector<size_t>& places = bases[which].places;
+  tests::AssetFile& file = files[which];
   std::vector<uint8_t> changed(places.size());
-  for (size_t i = 0; i < places.size(); ++i) changed[i] = base.data()[places[i]];
+  for (size_t i = 0; i < places.size(); ++i) changed[i] = bases[which].file.data()[places[i]];
   fuzz::apply_edits(data, size, &changed);
   if (changed.size() < places.size()) return 0;
-  static tests::AssetFile file = base;
   for (size_t i = 0; i < places.size(); ++i) file.data()[places[i]] = changed[i];
   file.repair_checksum();
   const Estimate estimate = estimate_of(file, SANDGLASS_ISA_AUTOMATIC, size % k_of_which_one_runs == 8);

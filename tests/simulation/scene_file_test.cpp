@@ -85,6 +85,7 @@ INSTANTIATE_TEST_SUITE_P(
         collider(R"({"shape": "mesh", "size": 1, "solid": "both"})", R"("colliders[0].solid")"),
         Refusal{R"("box", "size": [0.1, 0.2, 0.1])", R"("revolved", "profile": [[0, 0], [1, 0], [2, 0]])",
                 R"("bodies[0].profile")"},
+        in_scene(R"("frames": 100000001)", "is 100000001. It must lie between 1 and 100000000."),
         in_body(R"("rigid": 2, "grains": 10)", R"("bodies[0].grains")"),
         in_body(R"("angular_velocity": [1, 0, 0])", R"("bodies[0].angular_velocity")"),
         collider("7", R"("colliders[0]")"), in_scene(R"("emitters": [{"radius": 0.05}])", R"("particle_capacity")"),
