@@ -32,27 +32,20 @@ struct Writing {
 constexpr size_t k_writers = 32;
 Writing writing[k_writers];
 
-class Noted {
- public:
-  explicit Noted(const std::string& name) {
-    if (name.size() >= sizeof Writing::name) return;
-    for (size_t i = 0; i < k_writers && place_ == nullptr; ++i)
-      if (!writing[i].taken.exchange(true)) place_ = &writing[i];
-    if (place_ == nullptr) return;
-    std::memcpy(place_->name, name.c_str(), name.size() + 1);
-    place_->named = true;
-  }
-  ~Noted() {
-    if (place_ != nullptr) place_->named = false, place_->taken = false;
-  }
-  Noted(const Noted&) = delete;
-  Noted& operator=(const Noted&) = delete;
-
- private:
-  Writing* place_ = nullptr;
-};
-
 }  // namespace
+
+UnfinishedFile::UnfinishedFile(const std::string& path) : place_(k_writers) {
+  const std::string name = unfinished_name(path);
+  if (name.size() >= sizeof Writing::name) return;
+  for (size_t i = 0; i < k_writers && place_ == k_writers; ++i)
+    if (!writing[i].taken.exchange(true)) place_ = i;
+  if (place_ == k_writers) return;
+  std::memcpy(writing[place_].name, name.c_str(), name.size() + 1);
+  writing[place_].named = true;
+}
+UnfinishedFile::~UnfinishedFile() {
+  if (place_ < k_writers) writing[place_].named = false, writing[place_].taken = false;
+}
 
 void remove_unfinished() {
   for (const Writing& file : writing)
@@ -109,7 +102,7 @@ void write_file(const std::string& path, std::string_view content) {
   require_writable(path);
   note_output(path);
   const std::string unfinished = unfinished_name(path);
-  const Noted noted(unfinished);
+  const UnfinishedFile listed(path);
   std::FILE* file = std::fopen(unfinished.c_str(), "wb");
   bool good = file != nullptr;
   if (good) {

@@ -21,6 +21,18 @@ void write_file(const std::string& path, std::span<const uint8_t> content);
 std::string unfinished_name(const std::string& path);
 void finish_file(const std::string& path);
 
+// Lives while a file is written under that name: then a Ctrl-C that ends the program removes it.
+class UnfinishedFile {
+ public:
+  explicit UnfinishedFile(const std::string& path);
+  ~UnfinishedFile();
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+
+ private:
+  size_t place_;
+};
+
 // The largest files that are read, in bytes. A larger one is refused before its first byte is read. A text that a
 // person writes, such as a scene, is far smaller than a mesh or a panorama.
 constexpr uint64_t k_text_limit = uint64_t{16} << 20, k_asset_limit = uint64_t{256} << 20,

@@ -40,6 +40,8 @@ struct Output {
   bool is(const Identity& other) const {
     return file == other || (kind == Kind::folder && other.path.starts_with(file.path + "/"));
   }
+  // A file, whose name is wanted for a folder that holds `path`.
+  bool bars(const std::string& path) const { return kind != Kind::folder && path.starts_with(file.path + "/"); }
 };
 
 struct Folder {
@@ -141,6 +143,9 @@ static void require_unused(const Watch& w, const std::string& path, const Output
     if (output.is(input)) throw reads_it(path);
   for (const Output& other : w.claimed)
     if (other.file == output.file) throw twice(path);
+    else if (other.bars(output.file.path) || output.bars(other.file.path))
+      throw cannot("write", path, "\"" + other.file.path + "\" is an output, too, and a file is no folder",
+                   "Give each a name of its own");
 }
 
 static void claim(const std::string& path, Output::Kind kind) {

@@ -127,6 +127,7 @@ std::map<std::string, NpyArray> read_npz(const std::string& path) {
   const uint32_t count = zip.field(end + 10, 2);
   size_t at = zip.field(end + 16, 4);
   std::map<std::string, NpyArray> arrays;
+  size_t together = 0;
   for (uint32_t i = 0; i < count; ++i) {
     if (zip.field(at, 4) != k_entry_signature) zip.damaged("has a damaged table of contents");
     if (zip.field(at + 10, 2) != 0) zip.damaged("is compressed (numpy.savez_compressed)");
@@ -137,6 +138,9 @@ std::map<std::string, NpyArray> read_npz(const std::string& path) {
     if (zip.field(local, 4) != k_local_signature) zip.damaged("has a damaged entry \"" + name + "\"");
     const size_t data = local + k_local_bytes + zip.field(local + 26, 2) + zip.field(local + 28, 2);
     zip.need(data, size);
+    // Entries that lie in one another would ask for more memory than the file's size promises.
+    together += size;
+    if (together > bytes.size()) zip.damaged("has entries that overlap");
     arrays[name] = parse_npy(std::string_view(bytes).substr(data, size), true, [&](const std::string& what) {
       zip.damaged("has an array \"" + name + "\" that " + what);
     });

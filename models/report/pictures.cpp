@@ -1,9 +1,13 @@
 // The contact sheet comes first, so that an interrupted run has one.
 #include "models/report/pictures.h"
 
+#include <fcntl.h>
+#include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -73,34 +77,44 @@ std::string frame_name(size_t index) {
   return name;
 }
 
-// The path in quotes, so that the shell does not change it.
-std::string quoted(const std::string& path) {
-  std::string text = "'";
-  for (const char c : path) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
+// Runs ffmpeg in silence. True: it ended well. Ctrl-C ends it.
+bool run_ffmpeg(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "ffmpeg");
+  std::vector<char*> words;
+  for (std::string& argument : arguments) words.push_back(argument.data());
+  words.push_back(nullptr);
+  posix_spawn_file_actions_t silence;
+  posix_spawn_file_actions_init(&silence);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    posix_spawn_file_actions_addopen(&silence, stream, "/dev/null", O_RDWR, 0);
+  pid_t child = -1;
+  const bool begun = posix_spawnp(&child, "ffmpeg", &silence, nullptr, words.data(), environ) == 0;
+  posix_spawn_file_actions_destroy(&silence);
+  if (!begun) return false;
+  int status = 0;
+  for (pid_t ended = 0; (ended = waitpid(child, &status, WNOHANG)) != child;) {
+    if (ended < 0 && errno != EINTR) return false;
+    if (interrupted()) kill(child, SIGKILL);
+    constexpr useconds_t k_between_looks_us = 5'000;
+    usleep(k_between_looks_us);
+  }
+  return status == 0;
 }
-
-bool have_ffmpeg() { return std::system("ffmpeg -version >/dev/null 2>&1") == 0; }
 
 std::string write_film(const PictureSet& set, const std::vector<Picture>& small, const std::string& frames_folder) {
   const double rate = 1.0 / set.seconds_per_snapshot;
-  if (have_ffmpeg()) {
+  if (run_ffmpeg({"-version"})) {
     const std::string film = (fs::path(set.folder) / "film.mp4").string(), unfinished = unfinished_name(film);
     char command_rate[32];
     std::snprintf(command_rate, sizeof command_rate, "%.6g", rate);
-    const std::string command = "ffmpeg -v error -y -framerate " + std::string(command_rate) + " -i " +
-                                quoted((fs::path(frames_folder) / "frame_%06d.png").string()) +
-                                " -pix_fmt yuv420p -movflags +faststart " + quoted(unfinished) +
-                                " </dev/null >/dev/null 2>&1";
-    const int status = std::system(command.c_str());
-    if (status == 0) {
+    const UnfinishedFile listed(film);
+    if (run_ffmpeg({"-v", "error", "-y", "-framerate", command_rate, "-i",
+                    (fs::path(frames_folder) / "frame_%06d.png").string(), "-pix_fmt", "yuv420p", "-movflags",
+                    "+faststart", unfinished})) {
       note_output(film);
       finish_file(film);
       return film;
     }
-    // Ctrl-C reaches ffmpeg alone, which then ends with 255.
-    constexpr int k_ffmpeg_interrupted = 255;
-    if (WIFSIGNALED(status) || (WIFEXITED(status) && WEXITSTATUS(status) == k_ffmpeg_interrupted)) std::raise(SIGINT);
     std::remove(unfinished.c_str());
     if (interrupted()) return "";
     // This ffmpeg may have no H.264 encoder; the GIF remains.

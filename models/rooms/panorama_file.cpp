@@ -86,6 +86,11 @@ struct HdrReader {
     if (std::sscanf(size.c_str(), "-Y %d +X %d", &height, &width) != 2 || width < 1 || height < 1 || width > k_widest ||
         height > k_widest)
       damaged("has an unknown size line (\"" + size.substr(0, 40) + "\")");
+    check_shape(path, width, height);
+    // Before memory is taken for pixels that the file cannot hold.
+    constexpr size_t k_least_bytes_of_run = 2, k_longest_run = 127;
+    const size_t shortest_row = 4 * k_least_bytes_of_run * static_cast<size_t>(width) / k_longest_run;
+    if (bytes.size() - at < shortest_row * static_cast<size_t>(height)) damaged("is cut off");
     RadianceMap map(width, height);
     std::vector<uint8_t> row(4 * static_cast<size_t>(width));
     for (int v = 0; v < height; ++v) {

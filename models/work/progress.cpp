@@ -63,12 +63,14 @@ constexpr suseconds_t k_patience_us = 700'000;  // after Ctrl-C: then the progra
 
 volatile std::sig_atomic_t interrupt_flag = 0, seen_flag = 0;
 std::atomic<int> keepers = 0;
+thread_local int tasks_of_several = 0;
 
 void say(std::string_view sentence) {
   if (write(STDERR_FILENO, sentence.data(), sentence.size()) < 0) return;  // nobody listens
 }
 
-// Nothing has asked interrupted() since Ctrl-C: a library is at work, a file is being read, or a step takes long.
+// The command has not asked interrupted() since Ctrl-C: a library is at work, a file is being read, a step takes long, or
+// one of several tasks beside each other does.
 void on_patience_over(int) {
   if (seen_flag != 0) return;
   if (keepers > 0) {
@@ -97,6 +99,8 @@ void on_interrupt(int number) {
 
 KeepingResults::KeepingResults() { ++keepers; }
 KeepingResults::~KeepingResults() { --keepers; }
+OneOfSeveral::OneOfSeveral() { ++tasks_of_several; }
+OneOfSeveral::~OneOfSeveral() { --tasks_of_several; }
 
 void listen_for_interrupt() {
   std::signal(SIGALRM, on_patience_over);
@@ -104,7 +108,7 @@ void listen_for_interrupt() {
   std::signal(SIGTERM, on_interrupt);
 }
 bool interrupted() {
-  if (interrupt_flag != 0) seen_flag = 1;
+  if (interrupt_flag != 0 && tasks_of_several == 0) seen_flag = 1;
   return interrupt_flag != 0;
 }
 

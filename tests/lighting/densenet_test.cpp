@@ -11,8 +11,9 @@
 namespace sandglass::host {
 namespace {
 
-// A small file of this kind, written by hand: an uncompressed zip with the arrays a (2 floats) and b (3 bytes).
-std::string small_npz() {
+// A small file of this kind, written by hand: an uncompressed zip with the arrays a (2 floats) and b (3 bytes). Its table
+// of contents may name each of them several times.
+std::string small_npz(uint32_t times = 1) {
   const auto little = [](uint32_t value, int bytes) {
     std::string text;
     for (int i = 0; i < bytes; ++i) text += static_cast<char>(value >> (8 * i) & 255);
@@ -32,10 +33,11 @@ std::string small_npz() {
                       at = little(static_cast<uint32_t>(file.size()), 4);
     const std::string name_size = little(static_cast<uint32_t>(names[i].size()), 2);
     file += little(0x04034B50, 4) + std::string(14, '\0') + size + size + name_size + little(0, 2) + names[i] + data[i];
-    table +=
-        little(0x02014B50, 4) + std::string(16, '\0') + size + size + name_size + std::string(12, '\0') + at + names[i];
+    for (uint32_t k = 0; k < times; ++k)
+      table += little(0x02014B50, 4) + std::string(16, '\0') + size + size + name_size + std::string(12, '\0') + at +
+               names[i];
   }
-  return file + table + little(0x06054B50, 4) + std::string(4, '\0') + little(2, 2) + little(2, 2) +
+  return file + table + little(0x06054B50, 4) + std::string(4, '\0') + little(2 * times, 2) + little(2 * times, 2) +
          little(static_cast<uint32_t>(table.size()), 4) + little(static_cast<uint32_t>(file.size()), 4) + little(0, 2);
 }
 
@@ -55,6 +57,14 @@ TEST(Npz, DamagedOnesAreRefusedOrRead) {
   const tests::TemporaryFolder folder;
   const std::string path = folder / "damaged.npz";
   tests::expect_damage_refused(small_npz(), path, [&] { EXPECT_LE(read_npz(path).size(), 2u); });
+}
+
+// A table of contents that names the same bytes again and again would ask for memory without end.
+TEST(Npz, EntriesThatOverlapAreRefused) {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "bomb.npz";
+  write_file(path, small_npz(20));
+  tests::expect_refusal("overlap", [&] { read_npz(path); });
 }
 
 TEST(DenseNet, OddSizesAreRefused) {

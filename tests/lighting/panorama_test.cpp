@@ -95,10 +95,14 @@ TEST(PanoramaFiles, WhatIsNoPanoramaIsRefusedWithASentence) {
   write_file(folder / "text.exr", std::string_view("not a panorama"));
   write_hdr(folder / "square.hdr", RadianceMap(16, 16));
   write_hdr(folder / "black.hdr", RadianceMap(32, 16));
+  const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";  // of pixels that take gigabytes and are not there
+  write_file(folder / "huge_square.hdr", std::string_view(head + "-Y 16384 +X 16384\n"));
+  write_file(folder / "huge.hdr", std::string_view(head + "-Y 8192 +X 16384\n" + std::string(1 << 20, '\2')));
   for (const auto& [file, words] :
        {std::pair("missing.hdr", "missing.hdr"), std::pair("a.jpg", "neither .hdr nor .exr"),
         std::pair("text.hdr", "not a Radiance"), std::pair("text.exr", "text.exr"),
-        std::pair("square.hdr", "twice as wide"), std::pair("black.hdr", "black")}) {
+        std::pair("square.hdr", "twice as wide"), std::pair("huge_square.hdr", "twice as wide"),
+        std::pair("huge.hdr", "cut off"), std::pair("black.hdr", "black")}) {
     const std::string path = folder / file;  // clang 14 captures no structured binding
     tests::expect_refusal(words, [&] { read_panorama(path); });
   }

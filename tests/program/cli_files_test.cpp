@@ -148,6 +148,10 @@ TEST_F(CliFiles, NoTwoOutputsHaveOneName) {
   expect_refused("room --width 16 --samples 1 -o " + path("a.hdr") + " --picture " + path("a.hdr"), twice);
   expect_refused("room --width 16 --samples 1 -o " + path("a.hdr") + " --picture " + path("a_depth.npy"), twice);
   EXPECT_FALSE(fs::exists(path("x")) || fs::exists(path("a.hdr")));
+  const std::string run_to = "run '" + tiny_scene() + "' --out ", both = "a file is no folder";
+  expect_refused(run_to + path("new") + " --record " + path("new"), both);
+  expect_refused(run_to + path("new/inner") + " --record " + path("new"), both);
+  EXPECT_FALSE(fs::exists(path("new"))) << "refused before the work";
 }
 
 TEST_F(CliFiles, AnOutputBehindALinkKeepsTheLink) {
@@ -458,6 +462,58 @@ TEST_F(CliFiles, CtrlCIsAnsweredWithinASecond) {
     for (const auto& entry : fs::directory_iterator(folder))
       EXPECT_EQ(entry.path().string().find(".unfinished."), std::string::npos) << entry.path();
   }
+}
+
+// One thread has noticed Ctrl-C when the other is still in the middle of a long task.
+TEST_F(CliFiles, OneOfSeveralThreadsDoesNotAnswerForAll) {
+  if (k_patient) GTEST_SKIP() << "its picture takes long to make";
+  const auto write_room = [&](const std::string& name, int height) {
+    host::RadianceMap room(2 * height, height);
+    for (size_t i = 0; i < room.rgb.size(); ++i) room.rgb[i] = i % 9999 == 0 ? 90.0f : 0.3f;
+    host::write_hdr(path(name), room);
+  };
+  write_room("a.hdr", 4096);
+  write_room("b.hdr", 512);
+  std::string command = "dataset " + path("a.hdr") + " --threads 2 -o " + path("out");
+  for (int copy = 0; copy < 200; ++copy) {
+    command += " " + path("b" + std::to_string(copy) + ".hdr");
+    fs::create_hard_link(path("b.hdr"), path("b" + std::to_string(copy) + ".hdr"));
+  }
+  Running program = start(command);
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  program.interrupt();
+  double seconds = 0;
+  EXPECT_EQ(program.wait(&seconds), 130) << read(path("stderr"));
+  EXPECT_LT(seconds, k_limit_s);
+  EXPECT_NE(read(path("stderr")).find("sandglass: interrupted"), std::string::npos);
+}
+
+// ffmpeg is another process, with its own half-written file.
+TEST_F(CliFiles, AnEndedProgramEndsTheFilm) {
+  if (k_patient) GTEST_SKIP() << "its pictures take long to draw";
+  fs::create_directories(folder / "bin");
+  const std::string slow = write("bin/ffmpeg",
+                                 "#!/bin/sh\n"
+                                 "[ \"$1\" = -version ] && exit 0\n"
+                                 "for last; do :; done\n"
+                                 "echo half > \"$last\"\n"
+                                 "echo $$ > \"${0%/*}/pid\"\n"
+                                 "exec sleep 60\n");
+  fs::permissions(slow, fs::perms::owner_all);
+  const std::string before = std::getenv("PATH");
+  ::setenv("PATH", (path("bin") + ":" + before).c_str(), 1);
+  Running program = start("run '" + tiny_scene() + "' --out " + path("out"));
+  ::setenv("PATH", before.c_str(), 1);
+  for (int look = 0; look < 3000 && read(path("bin/pid")).empty(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  ASSERT_FALSE(read(path("bin/pid")).empty()) << "no film was begun";
+  program.interrupt();
+  double seconds = 0;
+  EXPECT_EQ(program.wait(&seconds), 130);
+  EXPECT_LT(seconds, k_limit_s);
+  EXPECT_EQ(::kill(std::stoi(read(path("bin/pid"))), 0), -1) << "ffmpeg goes on";
+  for (const auto& entry : fs::directory_iterator(path("out")))
+    EXPECT_EQ(entry.path().string().find(".unfinished."), std::string::npos) << entry.path();
 }
 
 TEST_F(CliFiles, AnInterruptedCommandSaysWhatItLeaves) {
