@@ -69,8 +69,8 @@ void say(std::string_view sentence) {
   if (write(STDERR_FILENO, sentence.data(), sentence.size()) < 0) return;  // nobody listens
 }
 
-// The command has not asked interrupted() since Ctrl-C: a library is at work, a file is being read, a step takes long, or
-// one of several tasks beside each other does.
+// The command has not asked interrupted() since Ctrl-C: a library is at work, a file is being read, a step takes long,
+// or one of several tasks beside each other does.
 void on_patience_over(int) {
   if (seen_flag != 0) return;
   if (keepers > 0) {

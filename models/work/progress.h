@@ -39,14 +39,14 @@ struct Progress {
 std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s,
                           uint64_t first = 0);
 
-// After this call Ctrl-C (or SIGTERM) sets a flag. The work asks for it and ends. If the command does not notice within a
-// second, the program ends there with exit code 130, or, while results are being kept, says that a step is finished
+// After this call Ctrl-C (or SIGTERM) sets a flag. The work asks for it and ends. If the command does not notice within
+// a second, the program ends there with exit code 130, or, while results are being kept, says that a step is finished
 // first. A second Ctrl-C ends it at once. Neither leaves a half-written file.
 void listen_for_interrupt();
 bool interrupted();
 
-// Lives while a thread does one of several tasks beside each other. That one of them asks does not mean that the command
-// has noticed: another may still be in the middle of a long one.
+// Lives while a thread does one of several tasks beside each other. That one of them asks does not mean that the
+// command has noticed: another may still be in the middle of a long one.
 struct OneOfSeveral {
   OneOfSeveral();
   ~OneOfSeveral();

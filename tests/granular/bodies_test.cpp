@@ -281,8 +281,8 @@ TEST(HardCase, AThousandTimesHeavierThanSand) {
   EXPECT_LE(standard.softness, k_rigid);
 }
 
-// A tower of cubes on the floor, ball on ball, the uppermost of another density than those of sand's that carry it, three
-// seconds after it was put there.
+// A tower of cubes on the floor, ball on ball, the uppermost of another density than those of sand's that carry it,
+// three seconds after it was put there.
 struct Tower {
   double height;   // the least height of the uppermost cube's centre in the last half second
   double moved;    // by how much that height changed meanwhile, in radii
@@ -321,8 +321,8 @@ Tower tower(int cubes, float density) {
 }
 
 // Of equal or falling density it stays where it was put. Up to 8 times as heavy, the uppermost stands, but slides until
-// its balls lie between those below: 2 - sqrt(2) radii lower an interface, and as far aside as its lattice is wide. The
-// control is far heavier: it pushes apart what carries it.
+// its balls lie between those below: 2 - sqrt(2) radii lower an interface, and two balls aside at most. The control is
+// far heavier: it pushes apart what carries it.
 TEST(Bodies, UpToEightTimesAsHeavyTheyCarryEachOther) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "the kernels are compared there to the bit";
   for (const int cubes : {2, 3})

@@ -23,8 +23,8 @@ using sandglass::test::thread_cpu_ns;
 
 constexpr int k_recovery_frames = 16;
 
-// 14,280 particles with grains. Until they sleep, that is more than the budget allows. Each frame must keep the law on the
-// scene's clock. What it took in CPU time is returned.
+// 14,280 particles with grains. Until they sleep, that is more than the budget allows. Each frame must keep the law on
+// the scene's clock. What it took in CPU time is returned.
 FramesAndControl run(uint64_t budget_ns, int frames, uint32_t hogs, bool control) {
   std::atomic<bool> stop{false};
   std::vector<std::thread> load;

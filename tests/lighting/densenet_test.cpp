@@ -11,8 +11,8 @@
 namespace sandglass::host {
 namespace {
 
-// A small file of this kind, written by hand: an uncompressed zip with the arrays a (2 floats) and b (3 bytes). Its table
-// of contents may name each of them several times.
+// A small file of this kind, written by hand: an uncompressed zip with the arrays a (2 floats) and b (3 bytes). Its
+// table of contents may name each of them several times.
 std::string small_npz(uint32_t times = 1) {
   const auto little = [](uint32_t value, int bytes) {
     std::string text;
