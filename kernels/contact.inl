@@ -166,6 +166,10 @@ SANDGLASS_INLINE void weigh_contacts(const ContactArgs* a, Float omega, ContactS
 }
 
 // Pushes particles out of the colliders one after another: their displacement while solving, else their position.
+//
+// What is deeper in a collider than this sub-step's own motion leaves it with the collider's velocity plus a limited
+// speed (leave_max): a collider that jumped, or that appeared in sand, throws nothing. Since a push always undoes the
+// motion into the collider, a particle gets no deeper into the last collider that pushes it, whatever the others did.
 template <bool k_solve>
 SANDGLASS_INLINE void leave_colliders(const ContactArgs* a, const ContactTerms& t, Float position[3],
                                       Float displacement[3]) {
@@ -193,8 +197,9 @@ SANDGLASS_INLINE void leave_colliders(const ContactArgs* a, const ContactTerms& 
     const Float along = dot3(rx, ry, rz, surface.nx, surface.ny, surface.nz);
     const Float tangent[3] = {rx - along * surface.nx, ry - along * surface.ny, rz - along * surface.nz};
     const Float t2 = dot3(tangent[0], tangent[1], tangent[2], tangent[0], tangent[1], tangent[2]);
-    const Float grip = friction_grip(t, t2, depth, hit);
-    for (int k = 0; k < 3; ++k) displacement[k] = displacement[k] + keep(hit, depth * normal[k] + grip * tangent[k]);
+    const Float push = minimum(depth, maximum(along + broadcast(a->leave_max), broadcast(0.0f)));
+    const Float grip = friction_grip(t, t2, push, hit);
+    for (int k = 0; k < 3; ++k) displacement[k] = displacement[k] + keep(hit, push * normal[k] + grip * tangent[k]);
   }
 }
 

@@ -120,6 +120,7 @@ struct ContactArgs {
   float displacement_max;  // CFL limit of one sub-step, metres
   const ColliderFrame* colliders;
   uint32_t collider_count;
+  float leave_max;  // metres a sub-step: how much faster than a collider what is deep in it leaves it
   float radius;
   int32_t bodies;  // 1: masses may differ, and particles of one body ignore each other
   // Metres. A particle that moves further in this sub-step and touches a sleeper marks its own group.

@@ -16,6 +16,9 @@ constexpr float k_lift_gravities = 2.0f;
 // need n g dt to carry n layers, and stay far below the limit up to 100 of them.
 constexpr float k_separation_units = 0.9f;
 
+// Of the speed of separation of a pair, what a collider may add to its own.
+constexpr float k_leave_share = 0.25f;
+
 // Sand under a heavy body carries its weight as so many layers more, up to a density ratio of this: sand that may be
 // driven apart faster is thrown about by bodies a thousand times as dense.
 constexpr float k_heaviest_counted = 5.0f;
@@ -119,7 +122,9 @@ ContactArgs contact_args(const Granular& g) {
   const float densest = g.bodies.densest;
   const float heaviest = densest < 1.0f ? 1.0f : (densest < k_heaviest_counted ? densest : k_heaviest_counted);
   a.stick = sticking_share(g.desc.static_friction);
-  a.separation_max = k_separation_units * heaviest * granular_speed_scale(g) * dt;
+  const float separation = k_separation_units * granular_speed_scale(g) * dt;
+  a.separation_max = heaviest * separation;
+  a.leave_max = k_leave_share * separation;
   const bool first = s.phase == SubstepPhase::predict || (solve && !pairs && s.pass == 0);
   a.scale = first ? dt : 1.0f;
   const float dithered = 1.0f + k_dither * (static_cast<float>(static_cast<int32_t>(s.dither)) * 0x1p-31f);

@@ -155,7 +155,7 @@ struct Pass {
     args.weight_linear = -0.15f, args.weight_cubic = 0.0045f, args.lift_max = 2e-5f, args.up[1] = 1.0f;
     args.scale = args.step = step, args.gravity[1] = -9.81f * step * step;
     args.displacement_max = 1.0f;
-    args.bodies = 1, args.last = 1;
+    args.bodies = 1, args.last = 1, args.leave_max = 3e-5f;
     args.wake_displacement = 1e-4f, args.touched = touched.data();
     args.colliders = colliders.data(), args.collider_count = static_cast<uint32_t>(colliders.size());
   }

@@ -124,7 +124,7 @@ void mix(Cluster* c) {
 }
 
 constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_lift = 2e-5,
-                 k_wake = 1e-4, k_separation = 4e-4, k_stick = 0.4;
+                 k_wake = 1e-4, k_separation = 4e-4, k_leave = 3e-4, k_stick = 0.4;
 
 // One pass for particle i: (4.14-4.27) of the dissertation averaged by (4.37), then the floor y = -0.004.
 // *runs_into_sleeper tells whether it touches a sleeper.
@@ -166,8 +166,9 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
   // The part that the weighting adds raises a particle by at most k_lift.
   const double omega = std::min(1.0, k_omega / std::max(contacts, 1)), rise = omega * lift.y;
   Vector move = moved(i) + omega * (sum + std::min(1.0, k_lift / std::max(rise, 1e-30)) * lift);
-  const double depth = k_cluster_radius - (at(c.records[i].position).y + move.y + 0.004);
-  if (depth > 0) {
+  const double inside = k_cluster_radius - (at(c.records[i].position).y + move.y + 0.004);
+  const double depth = solve ? std::min(inside, std::max(k_leave - move.y, 0.0)) : inside;  // that is undone
+  if (inside > 0) {
     if (solve) {
       const Vector t = {-move.x, 0, -move.z};
       move = move + (length(t) <= k_static * depth ? 1.0 : std::min(1.0, k_kinetic * depth / length(t))) * t;
@@ -208,6 +209,7 @@ void check_contact(uint32_t n, bool solve) {
   args.scale = static_cast<float>(k_step), args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
   args.step = static_cast<float>(k_step);
   args.last = 0;
+  args.leave_max = static_cast<float>(k_leave);
   args.displacement_max = 1.0f;
   args.bodies = 1;
   args.wake_displacement = static_cast<float>(k_wake);
@@ -404,6 +406,7 @@ void check_complete_motion(uint32_t n) {
   args.radius = k_cluster_radius;
   args.static_friction = static_cast<float>(k_static), args.kinetic_friction = static_cast<float>(k_kinetic);
   args.step = static_cast<float>(k_step), args.displacement_max = static_cast<float>(k_most);
+  args.leave_max = static_cast<float>(k_leave);
   args.colliders = &floor, args.collider_count = 1;
   std::vector<Particle> first;
   for (const Kernels* kernels : tables()) {
@@ -412,11 +415,14 @@ void check_complete_motion(uint32_t n) {
     ContactExtent extent = {};
     kernels->complete_motion(&args, 0, n, &extent);
     double fastest = 0.0;
+    uint32_t deep = 0;  // deeper in the floor than they may leave it in one step
     for (uint32_t i = 0; i < n; ++i) {
       const Particle& before = cluster.records[i];
       Vector move = is_awake(before) ? at(before.velocity) : Vector{};
-      const double depth = k_cluster_radius - (at(before.position).y + move.y + 0.5 * cluster.side);
-      if (is_awake(before) && depth > 0) {
+      const double inside = k_cluster_radius - (at(before.position).y + move.y + 0.5 * cluster.side);
+      const double depth = std::min(inside, std::max(k_leave - move.y, 0.0));
+      deep += is_awake(before) && depth < inside ? 1u : 0u;
+      if (is_awake(before) && inside > 0) {
         const Vector t = {-move.x, 0, -move.z};
         move = move + (length(t) <= k_static * depth ? 1.0 : std::min(1.0, k_kinetic * depth / length(t))) * t;
         move.y += depth;
@@ -427,6 +433,7 @@ void check_complete_motion(uint32_t n) {
       fastest = std::max(fastest, length(at(all[i].velocity)));
     }
     ASSERT_NEAR(std::sqrt(static_cast<double>(extent.speed_squared)), fastest, 1e-5);
+    if (n >= 16) ASSERT_GT(deep, 0u);
     const std::vector<Particle> moved(all.begin(), all.begin() + n);
     if (first.empty()) first = moved;
     ASSERT_TRUE(same_bits(moved, first)) << sandglass_isa_name(kernels->isa);
