@@ -12,6 +12,8 @@ namespace {
 
 constexpr float k_collider_speed = 1e4f;   // metres or radians a second, along each axis
 constexpr double k_way_resolution = 1e-6;  // metres or radians; what is shorter counts as none
+constexpr float k_gone_seconds = 0.25f;    // after so long, one that is not passed is no longer recognised by its place
+constexpr float k_recognised = 0.25f;      // metres that a collider may have gone since it was last passed
 
 bool normalise(float q[4]) {
   const float length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -21,37 +23,102 @@ bool normalise(float q[4]) {
   return true;
 }
 
-bool same(const sandglass_collider& a, const sandglass_collider& b) {
-  bool equal = a.shape == b.shape && a.field == b.field;
-  for (int k = 0; k < 3; ++k) {
-    equal = equal && a.position[k] == b.position[k] && a.size[k] == b.size[k];
-    equal = equal && b.linear_velocity[k] == 0.0f && b.angular_velocity[k] == 0.0f;
-  }
-  for (int k = 0; k < 4; ++k) equal = equal && a.rotation[k] == b.rotation[k];
-  return equal;
+// ---- recognising
+
+Pose pose_of(const sandglass_collider& c) {
+  Pose p;
+  __builtin_memcpy(p.position, c.position, sizeof p.position);
+  __builtin_memcpy(p.rotation, c.rotation, sizeof p.rotation);
+  __builtin_memcpy(p.size, c.size, sizeof p.size);
+  return p;
 }
 
-// About half of what a point of the collider can have travelled between two poses: half the shift, and half the arc of
-// a point as far from the centre as the sizes reach. A half-space has no size, so its turning does not count.
-float half_travel(const sandglass_collider& a, const sandglass_collider& b) {
-  float shift2 = 0.0f, turn2 = 0.0f, extent2 = 0.0f;
+Placement placement_of(const sandglass_collider& c) {
+  Placement p;
+  p.pose = pose_of(c);
+  __builtin_memcpy(p.linear, c.linear_velocity, sizeof p.linear);
+  __builtin_memcpy(p.angular, c.angular_velocity, sizeof p.angular);
+  return p;
+}
+
+void place(sandglass_collider* c, const Placement& p) {
+  __builtin_memcpy(c->position, p.pose.position, sizeof p.pose.position);
+  __builtin_memcpy(c->rotation, p.pose.rotation, sizeof p.pose.rotation);
+  __builtin_memcpy(c->size, p.pose.size, sizeof p.pose.size);
+  __builtin_memcpy(c->linear_velocity, p.linear, sizeof p.linear);
+  __builtin_memcpy(c->angular_velocity, p.angular, sizeof p.angular);
+}
+
+bool equal3(const float a[3], const float b[3]) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+
+bool free_slot(const Colliders& c, uint32_t slot, const sandglass_collider& now) {
+  const KnownCollider& known = c.known[slot];
+  return known.used != 0 && c.seen_by[slot] == SeenBy::none && known.shape == now.shape && known.id == now.id;
+}
+
+bool equal_pose(const KnownCollider& known, const sandglass_collider& now) {
+  const Pose& told = known.pose.told;
+  return equal3(told.position, now.position) && equal3(told.size, now.size) && same_turn(told.rotation, now.rotation);
+}
+
+// Square of about how far a collider has gone since it was known.
+float apart2(const KnownCollider& known, const sandglass_collider& now) {
+  const Pose& told = known.pose.told;
+  float sum = 0.0f;
   for (int k = 0; k < 3; ++k) {
-    shift2 += (b.position[k] - a.position[k]) * (b.position[k] - a.position[k]);
-    extent2 += b.size[k] * b.size[k];
+    const float way = now.position[k] - told.position[k], more = now.size[k] - told.size[k];
+    sum += (now.shape == SANDGLASS_SHAPE_HALF_SPACE ? 0.0f : way * way + more * more);
   }
-  for (int k = 0; k < 4; ++k) turn2 += (b.rotation[k] - a.rotation[k]) * (b.rotation[k] - a.rotation[k]);
-  return 0.5f * __builtin_sqrtf(shift2) + __builtin_sqrtf(turn2 * extent2);
+  if (now.shape != SANDGLASS_SHAPE_HALF_SPACE) return sum;
+  // A half-space may have slid along itself: what counts is how its plane lies.
+  HoldRule at = {};
+  for (int k = 0; k < 3; ++k) at.low[k] = at.high[k] = now.position[k];
+  const float way = surface_way(now.shape, told, pose_of(now), at);
+  return way * way;
+}
+
+bool recognisable(const KnownCollider& known, const sandglass_collider& now) {
+  return known.absent < k_gone_seconds && apart2(known, now) <= k_recognised * k_recognised;
+}
+
+// The slot of a collider, by id or by an equal pose; k_no_slot: neither.
+uint32_t slot_by_identity(const Colliders& c, uint32_t capacity, const sandglass_collider& now, uint32_t place) {
+  uint32_t found = k_no_slot;
+  for (uint32_t slot = 0; slot < capacity; ++slot) {
+    if (!free_slot(c, slot, now) || (now.id == 0 && !equal_pose(c.known[slot], now))) continue;
+    if (c.known[slot].place == place) return slot;
+    if (found == k_no_slot) found = slot;
+  }
+  return found;
+}
+
+// By its place in the list, else the nearest; else a slot for a new one, if need be of one that is not passed any more.
+uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_collider& now, uint32_t place) {
+  uint32_t nearest = k_no_slot;
+  float nearest2 = 0.0f;
+  for (uint32_t slot = 0; slot < capacity; ++slot) {
+    if (!free_slot(c, slot, now) || !recognisable(c.known[slot], now)) continue;
+    if (c.known[slot].place == place && equal3(c.known[slot].pose.told.size, now.size)) return slot;
+    const float way2 = apart2(c.known[slot], now);
+    if (nearest == k_no_slot || way2 < nearest2) nearest = slot, nearest2 = way2;
+  }
+  if (nearest != k_no_slot) return nearest;
+  uint32_t oldest = k_no_slot;
+  for (uint32_t slot = 0; slot < capacity; ++slot) {
+    if (c.known[slot].used == 0) return slot;
+    if (c.seen_by[slot] != SeenBy::none || c.known[slot].absent == 0.0f) continue;
+    if (oldest == k_no_slot || c.known[slot].absent > c.known[oldest].absent) oldest = slot;
+  }
+  return oldest;
 }
 
 // Whether `now` continues `before`, which was a frame of `step` seconds ago: it has not jumped.
-bool continues(const sandglass_collider& before, const sandglass_collider& now, double step, float margin) {
-  if (before.shape != now.shape || before.field != now.field) return false;
+bool continues(const Placement& before, const Placement& now, double step, float margin) {
   float way2 = 0.0f, speed2 = 0.0f;
   for (int k = 0; k < 3; ++k) {
-    if (before.size[k] != now.size[k]) return false;
-    const float way = now.position[k] - before.position[k];
-    const float a = __builtin_fabsf(before.linear_velocity[k]), b = __builtin_fabsf(now.linear_velocity[k]);
-    way2 += way * way, speed2 += (a + b) * (a + b);
+    const float way = now.pose.position[k] - before.pose.position[k];
+    const float speed = __builtin_fabsf(before.linear[k]) + __builtin_fabsf(now.linear[k]);
+    way2 += way * way, speed2 += speed * speed;
   }
   return __builtin_sqrtf(way2) <= static_cast<float>(step) * __builtin_sqrtf(speed2) + margin;
 }
@@ -64,93 +131,256 @@ float spread(float left, double owed, float now, double step, double debt) {
   return static_cast<float>(velocity < most ? (velocity > -most ? velocity : -most) : most);
 }
 
+// ---- a frame's colliders
+
+// Metres a second that a point of it moves at, at most; of a half-space, one metre away.
+float fastness(const sandglass_collider& c) {
+  float v2 = 0.0f, w2 = 0.0f, reach2 = c.shape == SANDGLASS_SHAPE_HALF_SPACE ? 1.0f : 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    v2 += c.linear_velocity[k] * c.linear_velocity[k], w2 += c.angular_velocity[k] * c.angular_velocity[k];
+    if (c.shape != SANDGLASS_SHAPE_HALF_SPACE) reach2 += c.size[k] * c.size[k];
+  }
+  return __builtin_sqrtf(v2) + __builtin_sqrtf(w2 * reach2);
+}
+
+// Whether a pushes before b: the faster first. Equal ones are told apart by their shapes and poses, not by their places.
+bool pushes_before(const sandglass_collider& a, const sandglass_collider& b) {
+  const float va = fastness(a), vb = fastness(b);
+  if (va != vb) return va > vb;
+  if (a.shape != b.shape) return a.shape > b.shape;
+  for (int k = 0; k < 3; ++k)
+    if (a.position[k] != b.position[k]) return a.position[k] < b.position[k];
+  for (int k = 0; k < 3; ++k)
+    if (a.size[k] != b.size[k]) return a.size[k] < b.size[k];
+  for (int k = 0; k < 4; ++k)
+    if (a.rotation[k] != b.rotation[k]) return a.rotation[k] < b.rotation[k];
+  return false;
+}
+
+// The slots that particles see first, each part in the order in which they push.
+void order(Colliders* c, uint32_t capacity) {
+  c->count = 0;
+  constexpr SeenBy k_parts[] = {SeenBy::all, SeenBy::grains};
+  for (const SeenBy part : k_parts) {
+    const uint32_t first = c->count;
+    for (uint32_t slot = 0; slot < capacity; ++slot) {
+      if (c->seen_by[slot] != part) continue;
+      uint32_t at = c->count++;
+      for (; at > first && pushes_before(c->of_slot[slot], c->given[at - 1]); --at) c->given[at] = c->given[at - 1];
+      c->given[at] = c->of_slot[slot];
+    }
+    if (part == SeenBy::all) c->solid_count = c->count;
+  }
+}
+
+HoldRule hold_rule(const Granular& g) {
+  HoldRule rule;
+  rule.band = g.desc.collider_band;
+  for (int k = 0; k < 3; ++k) {
+    rule.low[k] = g.particles.low[k] - g.desc.particle_radius;
+    rule.high[k] = g.particles.high[k] + g.desc.particle_radius;
+  }
+  rule.leave_speed = contacts_leave_speed(g);
+  return rule;
+}
+
+// What sand meets of a collider in this frame.
+void hold_slot(Granular* g, uint32_t slot, const sandglass_collider& now, double owed, const HoldRule& rule) {
+  Colliders& c = g->colliders;
+  KnownCollider& known = c.known[slot];
+  const double step = static_cast<double>(g->time.frame_step), debt = g->time.debt;
+  const bool same_one = known.used != 0 && known.id == now.id && known.shape == now.shape && recognisable(known, now);
+  const Placement before = known.pose.held;
+  if (!same_one) hold_anew(&known.pose, placement_of(now));
+  else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g->time.frame_step, rule);
+  known.used = 1, known.id = now.id, known.shape = now.shape, known.grains_only = now.grains_only, known.absent = 0.0f;
+  c.fields[slot] = now.field;
+  c.of_slot[slot] = now;
+  if (same_one && owed >= k_time_resolution && debt >= k_time_resolution &&
+      continues(before, known.pose.held, step, g->desc.particle_radius)) {
+    Placement& held = known.pose.held;
+    for (int k = 0; k < 3; ++k) {
+      held.linear[k] = spread(before.linear[k], owed, held.linear[k], step, debt);
+      held.angular[k] = spread(before.angular[k], owed, held.angular[k], step, debt);
+    }
+  }
+  place(&c.of_slot[slot], known.pose.held);
+  c.seen_by[slot] = now.grains_only != 0 ? SeenBy::grains : SeenBy::all;
+}
+
+// ---- what sleepers have seen
+
+bool visible(const Colliders& c, const ColliderWatch& watch, uint32_t slot) {
+  return c.seen_by[slot] == SeenBy::all || (&watch == &c.for_grains && c.seen_by[slot] == SeenBy::grains);
+}
+
+// Whether a slot is as it was seen, and stands still.
+bool same(const Colliders& c, const ColliderWatch& watch, uint32_t slot) {
+  const SeenCollider& seen = watch.seen[slot];
+  const bool is = visible(c, watch, slot);
+  if (!is || seen.present == 0) return !is && seen.present == 0;
+  const sandglass_collider& now = c.of_slot[slot];
+  for (int k = 0; k < 3; ++k) {
+    if (now.linear_velocity[k] != 0.0f || now.angular_velocity[k] != 0.0f) return false;
+  }
+  const Pose pose = pose_of(now);
+  return seen.shape == now.shape && (watch.fields[slot] == nullptr || watch.fields[slot] == now.field) &&
+         __builtin_memcmp(&pose, &seen.pose, sizeof pose) == 0;
+}
+
+// About half of what a point of the collider can have travelled between two poses: half the shift, and half the arc of
+// a point as far from the centre as the sizes reach. A half-space has no size, so its turning does not count.
+float half_travel(const Pose& a, const Pose& b) {
+  float shift2 = 0.0f, turn2 = 0.0f, extent2 = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    shift2 += (b.position[k] - a.position[k]) * (b.position[k] - a.position[k]);
+    extent2 += b.size[k] * b.size[k];
+  }
+  for (int k = 0; k < 4; ++k) turn2 += (b.rotation[k] - a.rotation[k]) * (b.rotation[k] - a.rotation[k]);
+  return 0.5f * __builtin_sqrtf(shift2) + __builtin_sqrtf(turn2 * extent2);
+}
+
+// Where a collider was seen. Its field may be gone by now: a box of the field's reach stands for it.
+void pose_seen(const SeenCollider& seen, ColliderFrame* frame) {
+  sandglass_collider c = {};
+  c.shape = seen.shape == SANDGLASS_SHAPE_FIELD ? SANDGLASS_SHAPE_BOX : seen.shape;
+  place(&c, {seen.pose, {0, 0, 0}, {0, 0, 0}});
+  colliders_pose(&c, 1, 0.0f, frame);
+}
+
 }  // namespace
 
 void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* layout) {
   const uint64_t capacity = d.collider_capacity;
+  c->known = layout_region<KnownCollider>(layout, "granular.known_colliders", capacity);
+  c->fields = layout_region<const sandglass_field*>(layout, "granular.collider_fields", capacity);
+  c->of_slot = layout_region<sandglass_collider>(layout, "granular.colliders_by_slot", capacity);
+  c->seen_by = layout_region<SeenBy>(layout, "granular.colliders_seen_by", capacity);
   c->given = layout_region<sandglass_collider>(layout, "granular.colliders", capacity);
+  c->slot_of_place = layout_region<uint32_t>(layout, "granular.collider_slots", capacity);
   c->substep_frames = layout_region<ColliderFrame>(layout, "granular.substep_colliders", capacity);
   c->sweep_frames = layout_region<ColliderFrame>(layout, "granular.sweep_colliders", capacity);
-  c->solid.before = layout_region<sandglass_collider>(layout, "granular.colliders_before", capacity);
-  c->all.before = layout_region<sandglass_collider>(layout, "granular.sweep_colliders_before", capacity);
-  c->solid.moved.frames = layout_region<ColliderFrame>(layout, "granular.moved_colliders", 2 * capacity);
-  c->solid.moved.margins = layout_region<float>(layout, "granular.moved_margins", 2 * capacity);
-  c->all.moved.frames = layout_region<ColliderFrame>(layout, "granular.sweep_moved", 2 * capacity);
-  c->all.moved.margins = layout_region<float>(layout, "granular.sweep_moved_margins", 2 * capacity);
+  ColliderWatch* const watches[] = {&c->for_particles, &c->for_grains};
+  for (ColliderWatch* watch : watches) {
+    const bool grains = watch == &c->for_grains;
+    watch->seen =
+        layout_region<SeenCollider>(layout, grains ? "granular.grains_saw" : "granular.particles_saw", capacity);
+    watch->fields = layout_region<const sandglass_field*>(
+        layout, grains ? "granular.grains_saw_fields" : "granular.particles_saw_fields", capacity);
+    watch->moved.frames = layout_region<ColliderFrame>(
+        layout, grains ? "granular.sweep_moved" : "granular.moved_colliders", 2 * capacity);
+    watch->moved.margins =
+        layout_region<float>(layout, grains ? "granular.sweep_moved_margins" : "granular.moved_margins", 2 * capacity);
+  }
 }
 
-void colliders_reset(Colliders* c) {
+void colliders_reset(Colliders* c, const sandglass_granular_desc& d) {
   c->count = c->solid_count = c->substep_count = c->sweep_count = 0;
-  c->solid.before_count = c->solid.moved.count = 0;
-  c->all.before_count = 0;
-  c->adopts = false;
+  c->waits = false;
+  ColliderWatch* const watches[] = {&c->for_particles, &c->for_grains};
+  for (uint32_t slot = 0; slot < d.collider_capacity; ++slot) {
+    c->known[slot] = {};
+    c->seen_by[slot] = SeenBy::none;
+    for (ColliderWatch* watch : watches)
+      watch->seen[slot] = {}, watch->fields[slot] = nullptr, watch->moved.count = 0;
+  }
 }
 
 void colliders_take(Granular* g, const sandglass_frame_input& input, double owed) {
   Colliders& c = g->colliders;
-  const uint32_t before_count = c.adopts || owed < k_time_resolution ? 0 : c.count;
-  const double step = static_cast<double>(g->time.frame_step), debt = g->time.debt;
-  c.count = 0;
+  const uint32_t capacity = g->desc.collider_capacity;
+  const HoldRule rule = hold_rule(*g);
+  for (uint32_t slot = 0; slot < capacity; ++slot) {
+    c.seen_by[slot] = SeenBy::none;
+    if (c.known[slot].used != 0 && !(c.waits && input.collider_count == 0)) c.known[slot].absent += g->time.frame_step;
+  }
+  // Those that are certain first, so that none of the others takes their slot.
   for (int pass = 0; pass < 2; ++pass) {
-    const bool grains_only = pass == 1;
+    uint32_t place = 0;
     for (uint32_t i = 0; i < input.collider_count; ++i) {
-      if ((input.colliders[i].grains_only != 0) != grains_only) continue;
       sandglass_collider now;
-      if (c.count == g->desc.collider_capacity || !collider_accept(input.colliders[i], &now)) {
-        ++g->counts.ignored_colliders;
+      if (place == capacity || !collider_accept(input.colliders[i], &now)) {
+        g->counts.ignored_colliders += pass == 0 ? 1u : 0u;
         continue;
       }
-      sandglass_collider* given = &c.given[c.count];
-      if (c.count < before_count && debt >= k_time_resolution &&
-          continues(*given, now, step, g->desc.particle_radius)) {
-        for (int k = 0; k < 3; ++k) {
-          now.linear_velocity[k] = spread(given->linear_velocity[k], owed, now.linear_velocity[k], step, debt);
-          now.angular_velocity[k] = spread(given->angular_velocity[k], owed, now.angular_velocity[k], step, debt);
-        }
-      }
-      *given = now, ++c.count;
+      uint32_t& slot = c.slot_of_place[place++];
+      if (pass == 1 && slot != k_no_slot) continue;
+      slot = pass == 0 ? slot_by_identity(c, capacity, now, place - 1) : slot_by_place(c, capacity, now, place - 1);
+      if (slot == k_no_slot) continue;
+      hold_slot(g, slot, now, owed, rule);
+      c.known[slot].place = place - 1, c.known[slot].listed = i;
     }
-    if (!grains_only) c.solid_count = c.count;
   }
+  if (input.collider_count != 0) c.waits = false;
+  order(&c, capacity);
 }
 
 void colliders_find_moved(Granular* g) {
-  Colliders& c = g->colliders;
-  c.solid.moved.count = 0;
-  if (c.adopts) {
-    watch_remember(&c.solid, c.given, c.solid_count);
-    watch_remember(&c.all, c.given, c.count);
-    c.adopts = false;
-  }
-  if (g->sleep.awake_count < g->particles.count)
-    watch_find_moved(&c.solid, c.given, c.solid_count, neighbours_reach(*g));
-  const bool touch = c.solid.moved.count != 0;
+  ColliderWatch& watch = g->colliders.for_particles;
+  watch.moved.count = 0;
+  if (g->colliders.waits) return;
+  if (g->sleep.awake_count < g->particles.count) watch_find_moved(*g, &watch, neighbours_reach(*g));
+  const bool touch = watch.moved.count != 0;
   substep_set_due(g, SubstepPhase::touch, touch);
-  if (!touch) watch_remember(&c.solid, c.given, c.solid_count);
+  if (!touch) watch_remember(g, &watch);
 }
 
-void watch_remember(ColliderWatch* watch, const sandglass_collider* now, uint32_t count) {
-  watch->before_count = count;
-  for (uint32_t c = 0; c < count; ++c) watch->before[c] = now[c];
+void colliders_settle(Granular* g) {
+  Colliders& c = g->colliders;
+  c.waits = true;
+  for (uint32_t slot = 0; slot < g->desc.collider_capacity; ++slot)
+    c.fields[slot] = c.for_particles.fields[slot] = c.for_grains.fields[slot] = nullptr, c.seen_by[slot] = SeenBy::none;
 }
 
-void watch_find_moved(ColliderWatch* watch, const sandglass_collider* now, uint32_t count, float margin) {
-  const sandglass_collider* before = watch->before;
+void colliders_move(Granular* g, const float rotation[4], const float shift[3]) {
+  Colliders& c = g->colliders;
+  for (uint32_t slot = 0; slot < g->desc.collider_capacity; ++slot) {
+    hold_move(&c.known[slot].pose, rotation, shift);
+    pose_move(&c.for_particles.seen[slot].pose, rotation, shift);
+    pose_move(&c.for_grains.seen[slot].pose, rotation, shift);
+  }
+}
+
+void watch_remember(Granular* g, ColliderWatch* watch) {
+  const Colliders& c = g->colliders;
+  for (uint32_t slot = 0; slot < g->desc.collider_capacity; ++slot) {
+    watch->seen[slot] = {};
+    watch->fields[slot] = nullptr;
+    if (!visible(c, *watch, slot)) continue;
+    watch->seen[slot] = {1, c.of_slot[slot].shape, pose_of(c.of_slot[slot])};
+    watch->fields[slot] = c.of_slot[slot].field;
+  }
+}
+
+void watch_find_moved(const Granular& g, ColliderWatch* watch, float margin) {
+  const Colliders& c = g.colliders;
   MovedColliders& moved = watch->moved;
   moved.count = 0;
-  for (uint32_t c = 0; c < count || c < watch->before_count; ++c) {
-    const bool is = c < count, was = c < watch->before_count;
-    if (is && was && same(before[c], now[c])) continue;
-    const float reach = margin + (is && was ? half_travel(before[c], now[c]) : 0.0f);
-    if (is) colliders_pose(&now[c], 1, 0.0f, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
-    if (was) colliders_pose(&before[c], 1, 0.0f, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
+  for (uint32_t slot = 0; !c.waits && slot < g.desc.collider_capacity; ++slot) {
+    if (same(c, *watch, slot)) continue;
+    const SeenCollider& seen = watch->seen[slot];
+    const bool is = visible(c, *watch, slot), was = seen.present != 0;
+    const float reach = margin + (is && was ? half_travel(seen.pose, pose_of(c.of_slot[slot])) : 0.0f);
+    if (is) colliders_pose(&c.of_slot[slot], 1, 0.0f, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
+    if (was) pose_seen(seen, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
   }
 }
 
-bool watch_changed(const ColliderWatch& watch, const sandglass_collider* now, uint32_t count) {
-  bool changed = count != watch.before_count;
-  for (uint32_t c = 0; !changed && c < count; ++c) changed = !same(watch.before[c], now[c]);
+bool watch_changed(const Granular& g, const ColliderWatch& watch) {
+  bool changed = false;
+  for (uint32_t slot = 0; !g.colliders.waits && !changed && slot < g.desc.collider_capacity; ++slot)
+    changed = !same(g.colliders, watch, slot);
   return changed;
+}
+
+bool collider_held(const Granular& g, uint32_t index, sandglass_collider* held) {
+  const Colliders& c = g.colliders;
+  for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot) {
+    if (c.seen_by[slot] == SeenBy::none || c.known[slot].listed != index) continue;
+    *held = c.of_slot[slot];
+    return true;
+  }
+  return false;
 }
 
 bool collider_accept(const sandglass_collider& collider, sandglass_collider* accepted) {

@@ -1,13 +1,38 @@
-// Colliders on their way through a frame: checked once, posed at the instant at which a sub-step ends, and compared
-// with those of earlier frames, because sand sleeps on them.
+// Colliders on their way through a frame: checked once, recognised, held still (held_pose.h), posed at the instant at
+// which a sub-step ends, and compared with those of earlier frames, because sand sleeps on them.
+//
+// A collider is recognised from frame to frame by its id, else by an equal pose, else by its place in the list, else as
+// the nearest of its shape. It then has a slot, by which all else knows it. So the order of the list means nothing, and
+// one that comes and goes changes nothing for the others.
 #pragma once
 
 #include "kernels/kernels.h"
 #include "runtime/core/layout.h"
+#include "runtime/granular/held_pose.h"
 
 namespace sandglass {
 
 struct Granular;
+
+// What a slot knows of its collider. Saved as it is.
+struct KnownCollider {
+  uint32_t used;
+  uint32_t id;
+  uint32_t place, listed;  // in the last list: among the usable colliders, among all
+  sandglass_shape shape;
+  int32_t grains_only;
+  float absent;  // seconds since it was last passed
+  HeldPose pose;
+};
+
+// A collider as sleepers saw it. Saved as it is, without the field.
+struct SeenCollider {
+  uint32_t present;
+  sandglass_shape shape;
+  Pose pose;
+};
+
+enum class SeenBy : uint8_t { none, grains, all };
 
 // Colliders that moved, appeared or went away: where they were and where they are.
 struct MovedColliders {
@@ -16,45 +41,57 @@ struct MovedColliders {
   uint32_t count;
 };
 
-// The colliders as sleepers last saw them, and what has changed since.
+// The colliders as sleepers last saw them, by slot, and what has changed since.
 struct ColliderWatch {
-  sandglass_collider* before;
-  uint32_t before_count;
+  SeenCollider* seen;
+  const sandglass_field** fields;  // to compare; null: not known, because the scene was restored
   MovedColliders moved;
 };
 
 struct Colliders {
-  sandglass_collider* given;      // of this frame, those that particles see first, with the velocities of their ways
-  ColliderFrame* substep_frames;  // posed for the sub-step
-  ColliderFrame* sweep_frames;    // posed for the grains' sweep
+  KnownCollider* known;            // one a slot
+  const sandglass_field** fields;  // of this frame, one a slot
+  sandglass_collider* of_slot;     // of this frame, as sand meets them, one a slot
+  SeenBy* seen_by;                 // in this frame, one a slot
+  sandglass_collider* given;       // of this frame, as sand meets them, in the order in which they push
+  uint32_t* slot_of_place;         // of the usable colliders of this frame's list
+  ColliderFrame* substep_frames;   // posed for the sub-step
+  ColliderFrame* sweep_frames;     // posed for the grains' sweep
   // How many were posed. A step that goes on in the next frame ends with the colliders with which it began.
   uint32_t substep_count, sweep_count;
   uint32_t count;
-  uint32_t solid_count;  // those that particles see
-  ColliderWatch solid;   // for the particles
-  ColliderWatch all;     // for the grains
-  bool adopts;           // the next frame's count as seen: nothing has moved
+  uint32_t solid_count;  // those that particles see; they come first
+  ColliderWatch for_particles, for_grains;
+  bool waits;  // after saving or restoring: as long as no collider is passed, the planes are not found yet
 };
+constexpr uint32_t k_no_slot = ~0u;
 
 void colliders_layout(Colliders* colliders, const sandglass_granular_desc& desc, Layout* layout);
-void colliders_reset(Colliders* colliders);
+void colliders_reset(Colliders* colliders, const sandglass_granular_desc& desc);
 
 // Takes a frame's colliders. Counts those that it leaves out. owed: the time debt, in seconds, before the frame's time
 // step was added. Sand that owes time has not gone the whole of the last frames' way yet. So a collider goes what is
 // left of its way, and this frame's, spread over all the simulated time left: one that stops has not jumped, and in
 // slow motion it is faster than the app says, as it is on the screen.
+//
+// The fastest push first. The last one to push is not entered: a hand presses no sand through the table.
 void colliders_take(Granular* granular, const sandglass_frame_input& input, double owed);
 // Finds what has changed for the particles since they were last woken; a change makes the touch phase due.
 void colliders_find_moved(Granular* granular);
+// After saving or restoring, and when the scene was moved by rotation * p + shift.
+void colliders_settle(Granular* granular);
+void colliders_move(Granular* granular, const float rotation[4], const float shift[3]);
 
-// `now` are the colliders that sleepers have seen.
-void watch_remember(ColliderWatch* watch, const sandglass_collider* now, uint32_t count);
+// The colliders of this frame are those that sleepers have seen.
+void watch_remember(Granular* granular, ColliderWatch* watch);
 // Fills watch->moved. margin: metres around a collider that count as near.
-void watch_find_moved(ColliderWatch* watch, const sandglass_collider* now, uint32_t count, float margin);
-bool watch_changed(const ColliderWatch& watch, const sandglass_collider* now, uint32_t count);
+void watch_find_moved(const Granular& granular, ColliderWatch* watch, float margin);
+bool watch_changed(const Granular& granular, const ColliderWatch& watch);
 
 // Finite, with positive sizes and a usable rotation? Writes the collider with its rotation normalised.
 bool collider_accept(const sandglass_collider& collider, sandglass_collider* accepted);
+// The collider of the last frame's list at this index as sand meets it. False: it was left out, or there was none.
+bool collider_held(const Granular& granular, uint32_t index, sandglass_collider* held);
 
 // Poses each collider as it was `before` seconds before the end of the frame, going back along its velocities.
 void colliders_pose(const sandglass_collider* colliders, uint32_t count, float before, ColliderFrame* frames);

@@ -122,9 +122,8 @@ ContactArgs contact_args(const Granular& g) {
   const float densest = g.bodies.densest;
   const float heaviest = densest < 1.0f ? 1.0f : (densest < k_heaviest_counted ? densest : k_heaviest_counted);
   a.stick = sticking_share(g.desc.static_friction);
-  const float separation = k_separation_units * granular_speed_scale(g) * dt;
-  a.separation_max = heaviest * separation;
-  a.leave_max = k_leave_share * separation;
+  a.separation_max = k_separation_units * heaviest * granular_speed_scale(g) * dt;
+  a.leave_max = contacts_leave_speed(g) * dt;
   const bool first = s.phase == SubstepPhase::predict || (solve && !pairs && s.pass == 0);
   a.scale = first ? dt : 1.0f;
   const float dithered = 1.0f + k_dither * (static_cast<float>(static_cast<int32_t>(s.dither)) * 0x1p-31f);
@@ -144,6 +143,8 @@ ContactArgs contact_args(const Granular& g) {
 }
 
 }  // namespace
+
+float contacts_leave_speed(const Granular& g) { return k_leave_share * k_separation_units * granular_speed_scale(g); }
 
 bool solves_pairs(const Granular& g) { return g.desc.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP; }
 

@@ -45,8 +45,8 @@ bool wake_grains(Granular* g, uint32_t group) {
     set_asleep(&points[l], true);
   }
   const uint32_t left = g->grains.count - group * k_lane_group;
-  const WakeArgs args = {points, left < k_lane_group ? left : k_lane_group, g->colliders.all.moved.frames,
-                         g->colliders.all.moved.margins, g->colliders.all.moved.count};
+  const WakeArgs args = {points, left < k_lane_group ? left : k_lane_group, g->colliders.for_grains.moved.frames,
+                         g->colliders.for_grains.moved.margins, g->colliders.for_grains.moved.count};
   uint32_t woken = 0;
   g->kernels->wake_near(&args, 0, args.sleeper_count, &woken);
   for (uint32_t l = 0; l < args.sleeper_count; ++l) {
@@ -88,16 +88,16 @@ void grain_sleep_settle(Granular* g) {
 
 void grain_sleep_skip_time(Granular* g) {
   if (!g->grain_sleep.all_asleep || g->grain_sleep.wakes || g->sweep.phase != SweepPhase::idle) return;
-  if (watch_changed(g->colliders.all, g->colliders.given, g->colliders.count)) g->grain_sleep.all_asleep = false;
+  if (watch_changed(*g, g->colliders.for_grains)) g->grain_sleep.all_asleep = false;
   else g->time.grain_lag = 0.0;
 }
 
 void grain_sleep_begin_triage(Granular* g) {
   g->grain_sleep.group_count = g->grain_sleep.still_groups = 0;
   g->grain_sleep.waking = g->grain_sleep.wakes;
-  ColliderWatch& watch = g->colliders.all;
-  watch_find_moved(&watch, g->colliders.given, g->colliders.count, g->desc.grain_radius);
-  watch_remember(&watch, g->colliders.given, g->colliders.count);
+  ColliderWatch& watch = g->colliders.for_grains;
+  watch_find_moved(*g, &watch, g->desc.grain_radius);
+  if (!g->colliders.waits) watch_remember(g, &watch);
 }
 
 uint32_t grain_sleep_items(const Granular& g) {
@@ -119,9 +119,9 @@ bool grain_sleep_run_triage(Granular* g) {
     ++g->grain_sleep.still_groups;
     if (follows && !motion_near(g->motion.grid, tile->position, tile->radius)) set_asleep(tile, true);
   }
-  if (g->colliders.all.moved.count != 0) {
-    const WakeArgs args = {g->grain_sleep.tiles, end, g->colliders.all.moved.frames, g->colliders.all.moved.margins,
-                           g->colliders.all.moved.count};
+  if (g->colliders.for_grains.moved.count != 0) {
+    const WakeArgs args = {g->grain_sleep.tiles, end, g->colliders.for_grains.moved.frames,
+                           g->colliders.for_grains.moved.margins, g->colliders.for_grains.moved.count};
     uint32_t woken = 0;
     g->kernels->wake_near(&args, begin / k_lane_group * k_lane_group, end, &woken);
   }

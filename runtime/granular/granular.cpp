@@ -82,6 +82,7 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
     return "granular.reference.blend must be a SANDGLASS_BLEND value.";
   if (outside(d.sleep_after, 0.0f, 5.0f)) return "granular.sleep_after must be 0 (never) to 5 seconds.";
   if (outside(d.refine_step, 1e-4f, 0.1f)) return "granular.refine_step must be 0.0001 to 0.1 seconds.";
+  if (outside(d.collider_band, 0.0f, 0.1f)) return "granular.collider_band must be 0 (off) to 0.1 metres.";
   return nullptr;
 }
 
@@ -128,16 +129,21 @@ void granular_configure(Granular* g, const sandglass_scene_desc& desc, const Ker
 bool gravity_fits(const float gravity[3]) { return length_of(gravity) <= k_gravity_max; }
 
 void granular_set_gravity(Granular* g, const float gravity[3]) {
-  float change[3];
-  for (int k = 0; k < 3; ++k) g->gravity[k] = gravity[k], change[k] = gravity[k] - g->resting_gravity[k];
+  for (int k = 0; k < 3; ++k) g->gravity[k] = gravity[k];
   g->gravity_length = length_of(gravity);
   const sandglass_granular_desc& d = g->desc;
   const float pull = g->gravity_length > 0.1f ? g->gravity_length : 9.81f;  // weightless scenes keep the Earth's step
   Substep& s = g->substep;
   s.longest = d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
   s.shortest = d.substep_min > 0.0f ? d.substep_min : 0.25f * s.longest;
+  granular_feel_gravity(g);
+}
+
+void granular_feel_gravity(Granular* g) {
+  float change[3];
+  for (int k = 0; k < 3; ++k) change[k] = g->gravity[k] - g->resting_gravity[k];
   if (!(length_of(change) > k_gravity_wakes * g->gravity_length)) return;
-  for (int k = 0; k < 3; ++k) g->resting_gravity[k] = gravity[k];
+  for (int k = 0; k < 3; ++k) g->resting_gravity[k] = g->gravity[k];
   if (g->sleep.awake_count != g->particles.count) sleep_wake_all(g);
   grain_sleep_wake_all(&g->grain_sleep);
 }
@@ -152,7 +158,7 @@ void granular_reset(Granular* g) {
   flow_reset(&g->flow, g->desc);
   grains_reset(&g->grains);
   grain_sleep_reset(&g->grain_sleep);
-  colliders_reset(&g->colliders);
+  colliders_reset(&g->colliders, g->desc);
   time_reset(&g->time);
   substep_reset(&g->substep);
   sweep_reset(&g->sweep);
@@ -176,8 +182,7 @@ void granular_settle(Granular* g) {
   motion_begin_here(g);
   sweep_forget(&g->sweep);
   grain_sleep_settle(g);
-  for (int k = 0; k < 3; ++k) g->resting_gravity[k] = g->gravity[k];
-  g->colliders.adopts = true;
+  colliders_settle(g);
   particles_seal(g);
 }
 

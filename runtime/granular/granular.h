@@ -108,8 +108,10 @@ void granular_configure(Granular* granular, const sandglass_scene_desc& desc, co
 
 // Whether it is finite and not too large.
 bool gravity_fits(const float gravity[3]);
-// Gravity, and the sub-steps that go with it. Wakes what sleeps where gravity has changed by enough.
+// Gravity, and the sub-steps that go with it. Sleepers feel it.
 void granular_set_gravity(Granular* granular, const float gravity[3]);
+// Wakes what sleeps where gravity differs by enough from that under which it fell asleep.
+void granular_feel_gravity(Granular* granular);
 
 // To the state without material. The description and the regions are in place.
 void granular_reset(Granular* granular);

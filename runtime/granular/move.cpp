@@ -83,6 +83,9 @@ sandglass_status granular_move(Granular* g, const float rotation[4], const float
   motion_begin_here(g);
   move_items(motion, boundary, g->boundary.count);
   boundary_sort(g, g->boundary.count);
+  colliders_move(g, accepted.rotation, motion.shift);
+  motion.turn(g->resting_gravity);  // what rests has turned under gravity
+  granular_feel_gravity(g);
   return accept(reason);
 }
 

@@ -12,7 +12,7 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t k_magic = 0x73676473;  // "sgds"
-constexpr uint32_t k_version = 2;
+constexpr uint32_t k_version = 3;
 
 struct Header {
   uint32_t magic, version;
@@ -20,7 +20,7 @@ struct Header {
   uint64_t checksum;  // FNV-1a over what follows the header
   uint32_t particles, free_particles, grains, free_grains, boundary, bodies, body_particles, emitters;
   float particle_radius;
-  uint32_t reserved;
+  uint32_t colliders;  // slots
 };
 
 // The numbers of the state that a restored scene cannot work out again.
@@ -29,7 +29,8 @@ struct Scalars {
   FlowCounts flow;
   float low[3], high[3];
   float speed_max, frame_step, densest_body, builds_per_substep;
-  uint32_t bounds_known, awake, dither, reserved;
+  float resting_gravity[3];
+  uint32_t bounds_known, awake, dither;
 };
 
 Scalars scalars_of(const Granular& g) {
@@ -42,6 +43,7 @@ Scalars scalars_of(const Granular& g) {
   s.builds_per_substep = g.neighbours.builds_per_substep;
   s.bounds_known = g.particles.bounds_known ? 1 : 0, s.awake = g.sleep.awake_count;
   s.dither = g.substep.dither;
+  for (int k = 0; k < 3; ++k) s.resting_gravity[k] = g.resting_gravity[k];
   return s;
 }
 
@@ -54,6 +56,7 @@ void take_scalars(Granular* g, const Scalars& s) {
   g->neighbours.builds_per_substep = s.builds_per_substep;
   g->particles.bounds_known = s.bounds_known != 0, g->sleep.awake_count = s.awake;
   g->substep.dither = s.dither;
+  for (int k = 0; k < 3; ++k) g->resting_gravity[k] = s.resting_gravity[k];
 }
 
 Header header_of(const Granular& g) {
@@ -64,6 +67,11 @@ Header header_of(const Granular& g) {
   h.boundary = g.boundary.count, h.bodies = g.bodies.count, h.body_particles = g.bodies.particle_count;
   h.emitters = g.desc.emitter_capacity;
   h.particle_radius = g.desc.particle_radius;
+  for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot) {
+    const bool seen =
+        g.colliders.for_particles.seen[slot].present != 0 || g.colliders.for_grains.seen[slot].present != 0;
+    if (g.colliders.known[slot].used != 0 || seen) h.colliders = slot + 1;
+  }
   return h;
 }
 
@@ -82,6 +90,9 @@ void for_arrays(Granular* g, const Header& h, Scalars* scalars, const Visit& vis
   visit(g->bodies.rows, h.body_particles * sizeof(uint32_t));
   visit(g->bodies.numbers, h.body_particles * sizeof(uint32_t));
   visit(g->flow.emitter_states, h.emitters * sizeof(EmitterState));
+  visit(g->colliders.known, h.colliders * sizeof(KnownCollider));
+  visit(g->colliders.for_particles.seen, h.colliders * sizeof(SeenCollider));
+  visit(g->colliders.for_grains.seen, h.colliders * sizeof(SeenCollider));
 }
 
 uint64_t size_of(Granular* g, const Header& h) {
@@ -137,7 +148,7 @@ bool sound_scalars(const Granular& g, const Header& h, const Scalars& s) {
   const double lag_bound = h.grains != 0 && h.particles != 0 ? k_time_resolution : k_lag_bound;
   if (!within(s.debt, 0.0, 1.0) || !(s.slipped >= 0.0) || !within(s.grain_lag, 0.0, lag_bound)) return false;
   if (!is_finite(s.speed_max) || !within(s.frame_step, 0.0f, 1.0f) || !within(s.densest_body, 0.0f, 1e3f)) return false;
-  if (!within(s.builds_per_substep, 0.0f, k_builds_bound)) return false;
+  if (!within(s.builds_per_substep, 0.0f, k_builds_bound) || !gravity_fits(s.resting_gravity)) return false;
   // What has run out of a nozzle comes at once when it is restored: no more than a second's.
   const float fastest = g.desc.courant * g.desc.particle_radius / g.substep.shortest;
   const double most = static_cast<double>((fastest < 100.0f ? fastest : 100.0f) + 4.0f * g.desc.particle_radius);
@@ -184,6 +195,40 @@ bool sound_body(const Granular& g, const RigidBody& body, uint32_t number, uint3
   return true;
 }
 
+bool sound_pose(const Pose& p, sandglass_shape shape) {
+  const float* q = p.rotation;
+  // A moved scene may take colliders that nobody passes any more beyond the bound.
+  constexpr float k_far = 1e6f;
+  const uint32_t sizes = shape == SANDGLASS_SHAPE_CAPSULE ? 2 : shape >= SANDGLASS_SHAPE_BOX ? 3 : shape;
+  for (uint32_t k = 0; k < sizes; ++k) {
+    if (!(p.size[k] > 0.0f)) return false;
+  }
+  return all_within(p.position, 3, -k_far, k_far) && all_within(p.size, 3, -k_far, k_far) &&
+         within(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 0.99f, 1.01f);
+}
+
+bool sound_shape(sandglass_shape shape) {
+  return shape >= SANDGLASS_SHAPE_HALF_SPACE && shape <= SANDGLASS_SHAPE_FIELD;
+}
+
+bool sound_known(const KnownCollider& known) {
+  if (known.used == 0) return true;
+  const HeldPose& p = known.pose;
+  constexpr float k_speed = 2e4f, k_way = 1e6f, k_long = 1e9f;
+  const Pose* poses[] = {&p.held.pose, &p.told, &p.start, &p.stand};
+  bool good = known.used == 1 && sound_shape(known.shape) && p.follows <= 1 && within(known.absent, 0.0f, k_long);
+  for (const Pose* pose : poses) good = good && sound_pose(*pose, known.shape);
+  good = good && all_within(p.held.linear, 3, -k_speed, k_speed) && all_within(p.held.angular, 3, -k_speed, k_speed);
+  good = good && all_within(p.run, 6, -k_way, k_way);
+  const float times[] = {p.since_turn, p.since_velocity, p.age, p.stood};
+  good = good && all_within(times, 4, 0.0f, k_long);
+  return good;
+}
+
+bool sound_seen(const SeenCollider& seen) {
+  return seen.present == 0 || (seen.present == 1 && sound_shape(seen.shape) && sound_pose(seen.pose, seen.shape));
+}
+
 // Everything that is used as an index, or that something else is computed from. Runs on the restored arrays; a scene
 // that fails is reset.
 bool sound(Granular* g, const Header& h, const Scalars& s) {
@@ -202,6 +247,11 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
   }
   for (uint32_t i = 0; i < h.grains; ++i) {
     if (!within(g->grains.records[i].still_sweeps, 0.0f, 1e9f)) return false;
+  }
+  for (uint32_t slot = 0; slot < h.colliders; ++slot) {
+    const Colliders& c = g->colliders;
+    if (!sound_known(c.known[slot]) || !sound_seen(c.for_particles.seen[slot]) || !sound_seen(c.for_grains.seen[slot]))
+      return false;
   }
   uint32_t slots = 0, awake = 0, in_bodies = 0;
   for (uint32_t b = 0; b < h.bodies; ++b) {
@@ -265,8 +315,7 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
                   "sandglass_scene_restore: the data has the format of another version of the library: save again with "
                   "this one.");
   const sandglass_granular_desc& d = g->desc;
-  if (h.bytes != bytes || h.reserved != 0 ||
-      hash_bytes(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
+  if (h.bytes != bytes || hash_bytes(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
     return refuse(reason,
                   "sandglass_scene_restore: the bytes are cut or damaged: pass all that sandglass_scene_save wrote.");
   if (h.particle_radius != d.particle_radius)
@@ -275,7 +324,8 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
         "sandglass_scene_restore: the scene was saved with another granular.particle_radius: create it with that one.");
   if (static_cast<uint64_t>(h.particles) + h.free_particles > d.particle_capacity ||
       static_cast<uint64_t>(h.grains) + h.free_grains > d.grain_capacity || h.boundary > d.boundary_capacity ||
-      h.bodies > d.body_capacity || h.body_particles > d.body_particle_capacity || h.emitters > d.emitter_capacity) {
+      h.bodies > d.body_capacity || h.body_particles > d.body_particle_capacity || h.emitters > d.emitter_capacity ||
+      h.colliders > d.collider_capacity) {
     return refuse(
         reason, SANDGLASS_ERROR_CAPACITY,
         "sandglass_scene_restore: the saved scene holds more than this one has room for: raise its capacities.");
@@ -301,6 +351,7 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
     take_scalars(g, s);
     boundary_sort(g, h.boundary);
     granular_settle(g);
+    granular_feel_gravity(g);
   }
   return accept(reason);
 }

@@ -156,7 +156,7 @@ void sleep_skip_time(Granular* g) {
 bool sleep_run_touch(Granular* g) {
   uint32_t& cursor = g->substep.cursor;
   const uint32_t count = g->particles.count, end = count - cursor < g->unit ? count : cursor + g->unit;
-  const MovedColliders& moved = g->colliders.solid.moved;
+  const MovedColliders& moved = g->colliders.for_particles.moved;
   const WakeArgs args = {as_sleepers(g->particles.records[0]), count, moved.frames, moved.margins, moved.count};
   uint32_t woken = 0;
   g->kernels->wake_near(&args, cursor, end, &woken);
@@ -166,7 +166,7 @@ bool sleep_run_touch(Granular* g) {
   }
   cursor = end;
   if (end < count) return false;
-  watch_remember(&g->colliders.solid, g->colliders.given, g->colliders.solid_count);
+  watch_remember(g, &g->colliders.for_particles);
   return true;
 }
 

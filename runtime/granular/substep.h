@@ -61,6 +61,8 @@ void substep_abandon(Granular* granular);
 // Whether contacts are solved pair by pair. The other scheme is the source's.
 bool solves_pairs(const Granular& granular);
 // The passes (contacts.cpp).
+// Metres a second that what is deep in a collider may leave it with, besides the collider's own velocity.
+float contacts_leave_speed(const Granular& granular);
 void contacts_begin(Granular* granular);
 // One unit of a pass. True once the pass is complete.
 bool contacts_run(Granular* granular);

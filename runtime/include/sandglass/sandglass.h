@@ -134,6 +134,10 @@ typedef struct sandglass_granular_desc {
 
   /* The scheme that results are compared with. Apps leave it alone. */
   sandglass_reference_scheme reference;
+
+  /* Metres, 0..0.1: a collider whose surface, where sand is, is told less than this away from where it is held does not
+   * move. See sandglass_collider. 0: every pose is taken as it is told. Default: 0.003, above the noise of a tracker. */
+  float collider_band;
 } sandglass_granular_desc;
 
 /* ------------------------------------------------------------------------------------------------ quality */
@@ -465,6 +469,9 @@ typedef struct sandglass_collider {
   /* For SANDGLASS_SHAPE_FIELD: it must stay valid during the frame (field.h). Walls thinner than two steps of a grain,
    * 2 * refine_step * speed, let fast grains through: make containers SANDGLASS_SOLID_OUTSIDE. */
   const struct sandglass_field* field;
+  /* Any number but 0 that stays with the collider from frame to frame, and that no other in the list has. 0: it is
+   * recognised by its pose and its place. See above. */
+  uint32_t id;
 } sandglass_collider;
 
 /* Where removed particles and grains are said to be: (0, SANDGLASS_REMOVED_Y, 0), beyond every far plane. */

@@ -1,0 +1,65 @@
+// The pose that sand meets in place of the one that the app tells. A tracker's pose is never twice the same: a floor that
+// trembles by a tenth of a millimetre would shake a heap flat, and one that is corrected would throw it.
+//
+//   held      as long as the told surface, where sand is, stays within a band of the held one, nothing moves
+//   follows   a pose that stays beyond the band for some frames is followed all the way, smoothly and never further
+//             behind than the band, with the velocity of that way; it is held again once it has stood for a while
+//   believed  where the app tells a velocity that keeps its direction, pose and velocity are taken as told
+//
+// What counts is the surface, not the numbers: a half-space may slide along itself, and a box that grows keeps the faces
+// that sand lies on. Lengths are metres.
+#pragma once
+
+#include "kernels/kernels.h"
+
+namespace sandglass {
+
+struct Pose {
+  float position[3], rotation[4], size[3];
+};
+
+// What a collider is told to be, or is held to be.
+struct Placement {
+  Pose pose;
+  float linear[3], angular[3];  // velocities, m/s and rad/s
+};
+
+// State that is saved as it is.
+struct HeldPose {
+  Placement held;
+  Pose told;             // in the last frame
+  Pose start;            // while it follows: `held` when the told pose last changed
+  Pose stand;            // while it follows: where it stands if it stands
+  float run[6];          // the way that told velocities went lately: shift and arc
+  float since_turn;      // seconds since they turned back
+  float since_velocity;  // seconds without one
+  float age;             // seconds since the told pose changed
+  float stood;           // seconds near `stand`
+  uint32_t moved;        // frames with a velocity since there was none
+  uint32_t beyond;       // frames in a row in which the told surface was beyond the band
+  uint32_t follows;      // 1: it follows
+};
+
+// What the rule depends on besides the poses.
+struct HoldRule {
+  float band;             // 0: every pose is taken as told
+  float low[3], high[3];  // the box that holds the sand
+  float leave_speed;      // m/s: at which sand leaves a collider that jumped
+};
+
+// A collider that was not known before is where it is told to be.
+void hold_anew(HeldPose* pose, const Placement& told);
+// A frame of `step` seconds, above 0. told.pose.rotation has length 1.
+void hold(HeldPose* pose, sandglass_shape shape, const Placement& told, float step, const HoldRule& rule);
+
+// When the scene is moved: p becomes rotation * p + shift.
+void pose_move(Pose* pose, const float rotation[4], const float shift[3]);
+void hold_move(HeldPose* pose, const float rotation[4], const float shift[3]);
+
+// How far the surface of `to` is from that of `from`, at most, where sand is.
+float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const HoldRule& rule);
+
+// The same turn up to the sign and the noise of a quaternion.
+bool same_turn(const float a[4], const float b[4]);
+
+}  // namespace sandglass
