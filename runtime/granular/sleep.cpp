@@ -13,11 +13,17 @@ constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d)
 // radius.
 constexpr float k_stir_radii = 0.05f;
 
+// A carrier is slow where it moves on less than this within sleep_after, in units of what counts as moving on. What is
+// carried faster wakes its neighbours by moving on.
+constexpr float k_slow_carrier = 3.0f;
+constexpr float k_touch_radii = 0.1f;        // what is nearer than this, in radii, is in contact
+constexpr uint16_t k_carried_contacts = 40;  // contacts from the carrier that are kept awake: more than piles are high
+
 Particle* particle_at(const Granular& g, uint32_t i) { return &g.particles.records[0][i]; }
 
 void drop_anchor(Anchor* anchor, const float position[3]) {
   for (int k = 0; k < 3; ++k) anchor->position[k] = position[k];
-  anchor->quiet = 0;
+  anchor->quiet = anchor->carried = 0;
 }
 
 // Squared distance from where the particle last moved on or woke.
@@ -81,6 +87,52 @@ void fall_asleep(Granular* g, uint32_t i) {
   put_to_sleep(p);
   g->sleep.anchors[number_of(*p)].quiet = k_asleep;
   --g->sleep.awake_count;
+}
+
+// Marks what a slow carrier touches.
+void find_carried(Granular* g, uint32_t group) {
+  const float r = g->desc.particle_radius;
+  const float slow = k_slow_carrier * k_rest_radii * r / g->desc.sleep_after;
+  for (uint32_t c = 0; c < g->colliders.substep_count; ++c) {
+    const ColliderFrame& carrier = g->colliders.substep_frames[c];
+    const float *v = carrier.linear, *w = carrier.angular;
+    const float v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2], w2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+    if (w2 == 0.0f && (v2 == 0.0f || v2 > slow * slow)) continue;
+    alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group] = {};
+    const Particle* p = particle_at(*g, group * k_lane_group);
+    for (uint32_t l = 0; l < k_lane_group; ++l)
+      for (int k = 0; k < 3; ++k) points[l].position[k] = p[l].position[k];
+    const SurfaceArgs args = {points, &carrier};
+    uint32_t unused = 0;
+    g->kernels->surface_at(&args, 0, k_lane_group, &unused);
+    for (uint32_t l = 0; l < k_lane_group; ++l) {
+      if (!is_awake(p[l]) || points[l].distance > (1.0f + k_touch_radii) * r) continue;
+      float at[3];
+      for (int k = 0; k < 3; ++k) at[k] = p[l].position[k] - carrier.position[k];
+      const float u[3] = {v[0] + w[1] * at[2] - w[2] * at[1], v[1] + w[2] * at[0] - w[0] * at[2],
+                          v[2] + w[0] * at[1] - w[1] * at[0]};
+      const float u2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+      if (u2 > 0.0f && u2 <= slow * slow) g->sleep.anchors[number_of(p[l])].carried = k_carried_contacts;
+    }
+  }
+}
+
+// What a carried particle touches is carried too, up to so many contacts from the carrier, and wakes.
+void carry_neighbours(Granular* g, uint32_t i, uint16_t carried) {
+  uint32_t count;
+  const uint32_t* row = neighbours_of(g, i, &count);
+  const float near = (2.0f + k_touch_radii) * g->desc.particle_radius;
+  const float* at = particle_at(*g, i)->position;
+  for (uint32_t s = 0; s < count; ++s) {
+    if (row[s] >= g->particles.count) continue;
+    const Particle& other = *particle_at(*g, row[s]);
+    float apart2 = 0.0f;
+    for (int k = 0; k < 3; ++k) apart2 += (other.position[k] - at[k]) * (other.position[k] - at[k]);
+    if (apart2 > near * near) continue;
+    wake_if_asleep(g, row[s]);
+    uint16_t& theirs = g->sleep.anchors[number_of(other)].carried;
+    if (theirs < carried) theirs = carried;
+  }
 }
 
 }  // namespace
@@ -210,16 +262,23 @@ bool sleep_run_sleep(Granular* g) {
   const uint32_t end = items - cursor < g->unit ? items : cursor + g->unit;
   for (uint32_t at = cursor; at < end; at += k_lane_group) {
     const uint32_t group = g->sleep.active_groups[at / k_lane_group];
+    find_carried(g, group);
     for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
       const Particle& p = *particle_at(*g, i);
       if (!is_awake(p)) continue;
       Anchor& anchor = g->sleep.anchors[number_of(p)];
+      const uint16_t carried = anchor.carried;
       if (moved2(*g, p) > limit2) {
         drop_anchor(&anchor, p.position);
         wake_neighbours(g, i);
+      } else if (carried != 0) {
+        anchor.quiet = 0;
       } else if (++anchor.quiet >= patience && !in_body(p)) {
         fall_asleep(g, i);
       }
+      if (carried == 0) continue;
+      anchor.carried = carried - 1;
+      if (carried > 1) carry_neighbours(g, i, carried - 1);
     }
     leave_if_asleep(g, group);
   }

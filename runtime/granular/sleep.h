@@ -7,6 +7,8 @@
 //   wake    after each sub-step: a fast neighbour that is away from where it last rested runs into it
 //   sleep   every 20 ms of simulated time: a neighbour has moved on, by more than the distance that counts as rest
 //   body    another particle of its rigid body wakes
+//   carrier a collider that moves slowly, a belt or a lift, keeps awake what lies on it: else the upper sand would sleep
+//           and stay behind, since no neighbour of it moves on within sleep_after
 // So a pile wakes shell by shell from where it was disturbed, as fast as the disturbance travels, and no further. A
 // particle that trembles around one place does sleep: what counts is where it is. Outside a frame everything wakes when
 // material is removed, the boundary is set or the friction changes.
@@ -30,10 +32,11 @@ enum class GroupState : uint8_t { asleep, active, waking };
 // Where a particle last moved on, and for how long it has stayed near. Kept by the particle's number.
 struct Anchor {
   float position[3];
-  uint32_t quiet;      // checks in a row that found it near; k_asleep: it sleeps
+  uint16_t quiet;      // checks in a row that found it near; k_asleep: it sleeps
+  uint16_t carried;    // contacts from it that a slow carrier still keeps awake
   uint32_t body_slot;  // of a body's particle: its place in the arrays of Bodies
 };
-constexpr uint32_t k_asleep = ~0u;
+constexpr uint16_t k_asleep = 0xffff;
 
 struct Sleep {
   uint32_t* active_groups;   // numbers of the groups that the passes run over
