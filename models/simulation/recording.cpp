@@ -18,8 +18,8 @@ constexpr uint32_t k_grains_only = 0x100;  // a flag in the number of a collider
 
 // The line ends in it reveal a transfer in text mode.
 constexpr uint8_t k_magic[8] = {'S', 'G', 'R', 'E', 'C', '\r', '\n', 0x1a};
-// Version 2 has the stage of shadows, version 3 also the stage of light.
-constexpr uint32_t k_version = 3;
+// Version 2 has the stage of shadows, version 3 also the stage of light, version 4 the ids of colliders.
+constexpr uint32_t k_version = 4;
 constexpr uint32_t k_oldest_version = 2;  // still read
 constexpr size_t k_prologue_bytes = sizeof(k_magic) + sizeof(uint32_t);
 constexpr size_t k_record_head_bytes = 2 * sizeof(uint32_t);
@@ -113,6 +113,7 @@ bool transfer_frame(auto* io, RecordedFrame* frame) {
     collider.grains_only = (shape & k_grains_only) != 0 ? 1 : 0;
     io->floats(collider.position, 3), io->floats(collider.rotation, 4), io->floats(collider.size, 3);
     io->floats(collider.linear_velocity, 3), io->floats(collider.angular_velocity, 3);
+    if (io->version >= 4) io->u32(collider.id);
   }
   sandglass_plan& plan = frame->plan;
   plan.struct_size = sizeof plan;

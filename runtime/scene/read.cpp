@@ -45,6 +45,11 @@ void sandglass_granular_grains(const sandglass_scene* scene, float* positions, f
   copy_items(g.grains.records, g.grains.count, g.flow.free_grains, g.flow.free_grain_count, positions, velocities);
 }
 
+int32_t sandglass_granular_held_collider(const sandglass_scene* scene, uint32_t index, sandglass_collider* held) {
+  if (scene == nullptr || held == nullptr) return 0;
+  return collider_held(scene->granular, index, held) ? 1 : 0;
+}
+
 sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index) {
   sandglass_body_pose pose = {};
   pose.rotation[3] = 1.0f;

@@ -202,6 +202,7 @@ void Nulls::scenes() {
   sandglass_body_pose pose = sandglass_granular_body_pose(s, 0);
   sandglass_collider collider = {};
   row(NAMED(sandglass_body_box_collider), "", &pose, half, point, &collider);
+  row(NAMED(sandglass_granular_held_collider), "", s, 0u, &collider);
   row(NAMED(sandglass_rotation_about), "", low, 1.0f, points);
   covered_.insert("sandglass_granular_body_pose"), ++cases_;
   pose = sandglass_granular_body_pose(nullptr, 0);

@@ -24,7 +24,7 @@ CLAIM(parallel, sizeof(sandglass_parallel) == 2 * sizeof(void*));
 CLAIM(trace, sizeof(sandglass_trace) == 3 * sizeof(void*));
 CLAIM(log, sizeof(sandglass_log) == 2 * sizeof(void*));
 CLAIM(grain, sizeof(sandglass_grain) == 4 * 4);
-CLAIM(collider, sizeof(sandglass_collider) == 4 + 4 * (3 + 4 + 3 + 3 + 3) + 4 + sizeof(void*));
+CLAIM(collider, sizeof(sandglass_collider) == 4 + 4 * (3 + 4 + 3 + 3 + 3) + 4 + 2 * sizeof(void*));
 CLAIM(plan_run, sizeof(sandglass_plan_run) == 8);
 CLAIM(plan, sizeof(sandglass_plan) == 12 + 8 * SANDGLASS_PLAN_RUNS);
 CLAIM(stage_report, sizeof(sandglass_stage_report) == 16);

@@ -62,6 +62,7 @@ public struct sandglass_granular_desc {
   public float particle_radius, grain_radius, static_friction, kinetic_friction, height_weighting;
   public float courant, substep_max, substep_min, list_skin, sleep_after, refine_step;
   public sandglass_reference_scheme reference;
+  public float collider_band;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -119,6 +120,7 @@ public unsafe struct sandglass_collider {
   public fixed float angular_velocity[3];
   public int grains_only;
   public IntPtr field;
+  public uint id;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -470,6 +472,7 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern void sandglass_body_default(out sandglass_body body);
   [DllImport(k_library)] public static extern int sandglass_granular_add_body(IntPtr scene, ref sandglass_body body, out uint index, out IntPtr reason);
   [DllImport(k_library)] public static extern sandglass_body_pose sandglass_granular_body_pose(IntPtr scene, uint index);
+  [DllImport(k_library)] public static extern int sandglass_granular_held_collider(IntPtr scene, uint index, out sandglass_collider held);
   [DllImport(k_library)] public static extern int sandglass_body_box_count(float[] half_extents, float particle_radius, out uint count, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_body_box(float[] half_extents, float particle_radius, float[] position, float[] rotation, float density, float* points, uint capacity, out sandglass_body body, out IntPtr reason);
   [DllImport(k_library)] public static extern void sandglass_body_box_collider(ref sandglass_body_pose pose, float[] half_extents, float[] rotation, out sandglass_collider collider);

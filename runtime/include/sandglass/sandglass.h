@@ -240,7 +240,8 @@ SANDGLASS_API void sandglass_scene_reset(sandglass_scene* scene);
  * then there is none. The rotation is a quaternion (x, y, z, w) of any length above 0; the translation is in metres.
  *
  * It serves AR relocalisation, and shifting the origin before coordinates grow large. Gravity stays as it is. Pass the
- * colliders of the next frame moved in the same way: they count as unmoved, so what is asleep stays asleep. Fails with
+ * colliders of the next frame moved in the same way: then what is asleep stays asleep, unless the move has tilted it by
+ * more than 1.1 degrees against gravity. Fails with
  * INVALID_ARGUMENT, also when something would leave SANDGLASS_COORDINATE_LIMIT; nothing was moved then. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotation[4],
                                                                         const float translation[3],
@@ -251,8 +252,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_move(sandglas
  *
  * Sand that is asleep wakes up where gravity has changed by more than 2 % of its length (a turn by 1.1 degrees) since
  * what sleeps was last woken by it. So the noise of a sensor wakes nothing, and a slow turn does. sandglass_scene_reset
- * brings the description's gravity back. Saved bytes do not hold gravity: set it before sandglass_scene_restore. Fails
- * with INVALID_ARGUMENT; gravity stays as it was then. */
+ * brings the description's gravity back. Saved bytes do not hold gravity, only that under which sand sleeps: where it
+ * differs from the scene's, what rests wakes. Fails with INVALID_ARGUMENT; gravity stays as it was then. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_set_gravity(sandglass_scene* scene,
                                                                                const float gravity[3],
                                                                                const char** reason);
@@ -262,8 +263,8 @@ SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
 
 /* Saves the scene to `data`, for an app that goes to the background. *written is the number of bytes.
  *
- * The bytes hold the material and the time. They do not hold the description, gravity, friction, colliders, hooks, or
- * the costs that the governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of
+ * The bytes hold the material, the time, and where colliders were held. They do not hold the description, gravity,
+ * friction, hooks, or the costs that the governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of
  * their own, and are not saved. The bytes are the same on every instruction set, in little-endian order. The scene
  * itself finishes the step of its grains that is under way, and drops an unfinished sub-step.
  *
@@ -279,6 +280,9 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_save(sandglas
 
 /* Restores a scene from saved bytes. Its description must have the same particle_radius and enough capacity. With other
  * capacities of particles or grains the scene runs on, but not to the same bits: particles are then sorted otherwise.
+ *
+ * Where gravity or the colliders of the first frame that has any differ from those that sand came to rest with, it wakes.
+ * Frames without colliders mean that the planes are not found yet: what rests waits. The same holds after saving.
  *
  * The bytes need not be trusted: they are checked. Fails with INVALID_ARGUMENT (the bytes are damaged, or from another
  * version of the format) and CAPACITY (there is not enough room). The scene is then as it was. There is one exception:
@@ -443,14 +447,31 @@ enum {
 };
 
 /* A collider: a solid that sand cannot enter, and that the app moves. Its pose is that at the *end* of the frame's time
- * step; during the step it moves with the given velocities. So a hand with a velocity pushes sand, and one without
- * merely displaces it. A collider that jumps into sand pushes it out no faster than (4.45) allows. Friction is the
- * material's.
+ * step; during the step it moves with its velocities. Friction is the material's. The order of the list means nothing.
+ *
+ * Gentle. What is deep in a collider, because it jumped, grew or appeared in sand, leaves it with the collider's own
+ * velocity plus at most 0.225 sqrt(2 g r), 0.1 m/s for r = 1 cm. A collider that stands is not entered, whatever another
+ * presses into it: of two, the slower one holds.
+ *
+ * Held. The pose that a tracker tells is never twice the same. A collider does not move, and what sleeps on it does not
+ * wake, as long as its surface, where sand is, is told less than granular.collider_band away from where it is held. A
+ * half-space may slide along itself, and a box that grows keeps the faces that sand lies on. A pose that stays beyond the
+ * band for 3 frames is followed, all the way and never more than the band behind, with the velocity of that way: a hand
+ * that has poses alone pushes, and a single jump does not throw. It is held again once it has stood for 1.5 seconds.
+ * sandglass_granular_held_collider tells where it is held.
+ *
+ * Velocities, where the app tells them, are believed once they have kept their direction for 4 frames or have run further
+ * than twice the band; then pose and velocities are taken as they are. Those that only shake a pose within the band are
+ * noise. A collider that comes new with a velocity is believed at once.
+ *
+ * Identity. A collider is recognised from frame to frame by its `id`; without one by an equal pose, else by its place in
+ * the list, else as the nearest of its shape within 0.25 m. One that is not found again, or was left out for more than
+ * 0.25 s, is new: it is where it is told to be.
  *
  * With time debt, sand has not yet gone through the way that the collider was given. Then the collider goes what is left
  * of it, and the new frame's, evenly over the simulated time that is left: it does not jump where it stops, and in slow
- * motion it is faster than its velocity says, as it is on the screen. That needs the same collider in the same place of
- * the list from frame to frame; one of another shape, or far from where it was, is taken as it is given. */
+ * motion it is faster than its velocity says, as it is on the screen. One that is far from where it was is taken as it
+ * is given. */
 typedef struct sandglass_collider {
   /* What `size` means. */
   sandglass_shape shape;
@@ -473,6 +494,12 @@ typedef struct sandglass_collider {
    * recognised by its pose and its place. See above. */
   uint32_t id;
 } sandglass_collider;
+
+/* The collider at this place of the last frame's list as sand met it, in *held: pose, sizes and velocities. What is told
+ * and what is held differ by up to granular.collider_band, more while a pose is not followed yet. Returns 1; 0, and *held
+ * stays as it was, where there was no such collider, or it was left out. */
+SANDGLASS_API int32_t sandglass_granular_held_collider(const sandglass_scene* scene, uint32_t index,
+                                                       sandglass_collider* held);
 
 /* Where removed particles and grains are said to be: (0, SANDGLASS_REMOVED_Y, 0), beyond every far plane. */
 #define SANDGLASS_REMOVED_Y (-1e6f)

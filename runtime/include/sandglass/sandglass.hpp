@@ -298,6 +298,10 @@ class Scene {
     status.code = sandglass_granular_add_body(get(), &body, index, &status.reason);
     return status;
   }
+  // See sandglass_granular_held_collider.
+  bool held_collider(uint32_t index, sandglass_collider* held) const {
+    return sandglass_granular_held_collider(get(), index, held) != 0;
+  }
   // See sandglass_granular_body_pose.
   sandglass_body_pose body_pose(uint32_t index) const { return sandglass_granular_body_pose(get(), index); }
   // See sandglass_granular_set_boundary.
