@@ -214,8 +214,10 @@ bool visible(const Colliders& c, const ColliderWatch& watch, uint32_t slot) {
   return c.seen_by[slot] == SeenBy::all || (&watch == &c.for_grains && c.seen_by[slot] == SeenBy::grains);
 }
 
-// Whether a slot is as it was seen, and stands still.
-bool same(const Colliders& c, const ColliderWatch& watch, uint32_t slot) {
+// Whether a slot is as it was seen, and stands still. A box that grew is, where sand is.
+bool same(const Granular& g, const ColliderWatch& watch, uint32_t slot) {
+  constexpr float k_rounding = 1e-6f;  // metres
+  const Colliders& c = g.colliders;
   const SeenCollider& seen = watch.seen[slot];
   const bool is = visible(c, watch, slot);
   if (!is || seen.present == 0) return !is && seen.present == 0;
@@ -224,8 +226,10 @@ bool same(const Colliders& c, const ColliderWatch& watch, uint32_t slot) {
     if (now.linear_velocity[k] != 0.0f || now.angular_velocity[k] != 0.0f) return false;
   }
   const Pose pose = pose_of(now);
-  return seen.shape == now.shape && (watch.fields[slot] == nullptr || watch.fields[slot] == now.field) &&
-         __builtin_memcmp(&pose, &seen.pose, sizeof pose) == 0;
+  if (seen.shape != now.shape || (watch.fields[slot] != nullptr && watch.fields[slot] != now.field)) return false;
+  if (__builtin_memcmp(&pose, &seen.pose, sizeof pose) == 0) return true;
+  return now.shape == SANDGLASS_SHAPE_BOX && !equal3(pose.size, seen.pose.size) &&
+         surface_way(now.shape, seen.pose, pose, hold_rule(g)) < k_rounding;
 }
 
 // About half of what a point of the collider can have travelled between two poses: half the shift, and half the arc of
@@ -357,7 +361,7 @@ void watch_find_moved(const Granular& g, ColliderWatch* watch, float margin) {
   MovedColliders& moved = watch->moved;
   moved.count = 0;
   for (uint32_t slot = 0; !c.waits && slot < g.desc.collider_capacity; ++slot) {
-    if (same(c, *watch, slot)) continue;
+    if (same(g, *watch, slot)) continue;
     const SeenCollider& seen = watch->seen[slot];
     const bool is = visible(c, *watch, slot), was = seen.present != 0;
     const float reach = margin + (is && was ? half_travel(seen.pose, pose_of(c.of_slot[slot])) : 0.0f);
@@ -369,7 +373,7 @@ void watch_find_moved(const Granular& g, ColliderWatch* watch, float margin) {
 bool watch_changed(const Granular& g, const ColliderWatch& watch) {
   bool changed = false;
   for (uint32_t slot = 0; !g.colliders.waits && !changed && slot < g.desc.collider_capacity; ++slot)
-    changed = !same(g.colliders, watch, slot);
+    changed = !same(g, watch, slot);
   return changed;
 }
 

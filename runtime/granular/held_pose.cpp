@@ -4,17 +4,24 @@ namespace sandglass {
 
 namespace {
 
-constexpr uint32_t k_beyond_frames =
-    3;  // fewer are outliers: at 1 mm of noise a pose in fifty is beyond a band of 3 mm
-constexpr float k_follow_seconds = 0.25f;     // a pose that follows closes its distance in about this time
-constexpr float k_stand_seconds = 1.5f;       // near one place for so long is standing
-constexpr float k_stand_bands = 1.0f / 3.0f;  // and this near: a lift of 0.7 mm/s does not stand
-constexpr float k_way_seconds = 0.25f;        // told velocities are remembered for about this time
-constexpr uint32_t k_moved_frames = 4;        // noise runs in one direction for so long once in sixty times
-constexpr float k_still_seconds = 0.1f;  // a tracker may be slower than the frames: a pose as old as this has stopped
-constexpr float k_slowest = 1e-4f;           // m/s; what is slower does not move
-constexpr float k_run_bands = 2.0f;      // what shakes within the band never runs further in one direction
-constexpr float k_leave_frame = 1.0f / 60.0f;  // seconds in which a collider may gain the speed at which sand leaves it
+// Frames in a row; fewer are outliers. At 1 mm of noise a pose in fifty is beyond a band of 3 mm.
+constexpr uint32_t k_beyond_frames = 3;
+// A pose that follows closes its distance in about this time.
+constexpr float k_follow_seconds = 0.25f;
+// What stays so near to one place for so long stands. A lift of 0.7 mm/s does not.
+constexpr float k_stand_seconds = 1.5f, k_stand_bands = 1.0f / 3.0f;
+// Told velocities are remembered for about this time.
+constexpr float k_way_seconds = 0.25f;
+// Noise runs in one direction for so many frames once in sixty times.
+constexpr uint32_t k_moved_frames = 4;
+// What shakes within the band never runs further in one direction, in bands.
+constexpr float k_run_bands = 2.0f;
+// A tracker may be slower than the frames: a pose that is as old as this has stopped.
+constexpr float k_still_seconds = 0.1f;
+// Metres a second; what is slower does not move.
+constexpr float k_slowest = 1e-4f;
+// Seconds in which a collider may gain the speed at which sand leaves it.
+constexpr float k_leave_frame = 1.0f / 60.0f;
 
 struct Vector {
   float x, y, z;
