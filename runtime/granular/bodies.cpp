@@ -86,7 +86,7 @@ void match(Granular* g, RigidBody* body) {
   for (int k = 0; k < 3; ++k) {
     m.shift[k] /= n, m.stabilised[k] /= n;
     sound = sound && is_finite(m.shift[k]) && is_finite(m.spin[k]) &&
-            __builtin_fabs(body->center[k] + m.shift[k]) < 0.5 * static_cast<double>(k_coordinate_bound);
+            __builtin_fabs(body->center[k] + m.shift[k]) < 0.75 * static_cast<double>(k_coordinate_bound);
   }
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) m.a[3 * i + j] -= m.shift[i] * m.offset[j], sound = sound && is_finite(m.a[3 * i + j]);

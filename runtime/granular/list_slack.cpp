@@ -72,6 +72,7 @@ uint32_t gather_row(Granular* g, const Blocks& blocks, uint32_t row) {
       DisplacementBox box = boxes[x];
       for (uint32_t i = begin; i < end; ++i) {
         const Particle& p = g->particles.records[0][i];
+        if (has_departed(p)) continue;
         const Quad seen = {n.positions[0][i], n.positions[1][i], n.positions[2][i], 0.0f};
         const Quad moved = (three_of(p.position) - seen) + dt * three_of(p.velocity);
         include(&box, moved, moved);

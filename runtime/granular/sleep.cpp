@@ -79,6 +79,7 @@ void leave_if_asleep(Granular* g, uint32_t group) {
 void fall_asleep(Granular* g, uint32_t i) {
   Particle* p = particle_at(*g, i);
   put_to_sleep(p);
+  bounds_include(&g->sleep.resting, p->position);
   g->sleep.anchors[number_of(*p)].quiet = k_asleep;
   --g->sleep.awake_count;
 }
@@ -96,6 +97,7 @@ void sleep_layout(Sleep* s, const sandglass_granular_desc& d, uint32_t rows, Lay
 void sleep_reset(Sleep* s) {
   s->active_count = s->awake_count = s->waking_count = 0;
   s->next_check = 0.0;
+  s->resting = k_nowhere;
 }
 
 void sleep_add(Sleep* s, uint32_t number, const float position[3]) {
@@ -115,12 +117,13 @@ void sleep_put_one(Granular* g, uint32_t index) {
   leave_if_asleep(g, index / k_lane_group);
 }
 
-bool sleep_sort_group(Granular* g, uint32_t group, uint32_t* awake_count) {
+bool sleep_sort_group(Granular* g, uint32_t group, uint32_t* awake_count, Bounds* resting) {
   const uint32_t first = group * k_lane_group;
   uint32_t lanes = 0;
   for (uint32_t i = first; i < first + k_lane_group; ++i) {
     const Particle& p = *particle_at(*g, i);
     lanes += is_awake(p) ? 1u : 0u;
+    if (is_asleep(p)) bounds_include(resting, p.position);
     if (g->bodies.count != 0 && in_body(p) && !is_inert(p)) bodies_note_row(g, i);
   }
   *awake_count += lanes;
@@ -193,7 +196,7 @@ bool sleep_run_wake(Granular* g) {
     for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
       const Particle& p = *particle_at(*g, i);
       const float* v = p.velocity;
-      if (!is_awake(p) || !(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > speed2)) continue;
+      if (!is_awake(p) || has_departed(p) || !(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > speed2)) continue;
       if (moved2(*g, p) > stir2) wake_neighbours(g, i);
     }
   }
@@ -216,7 +219,7 @@ bool sleep_run_sleep(Granular* g) {
       Anchor& anchor = g->sleep.anchors[number_of(p)];
       if (moved2(*g, p) > limit2) {
         drop_anchor(&anchor, p.position);
-        wake_neighbours(g, i);
+        if (!has_departed(p)) wake_neighbours(g, i);
       } else if (++anchor.quiet >= patience && !in_body(p)) {
         fall_asleep(g, i);
       }

@@ -17,6 +17,7 @@
 
 #include "kernels/particle.h"
 #include "runtime/core/layout.h"
+#include "runtime/granular/particles.h"
 
 namespace sandglass {
 
@@ -41,9 +42,11 @@ struct Sleep {
   uint8_t* touched;          // one a group: 1 where the last sub-step saw a particle run into a sleeper
   Anchor* anchors;           // one a number
   uint32_t active_count;
-  uint32_t awake_count;   // particles
-  uint32_t waking_count;  // groups
-  double next_check;      // simulated time of the next look
+  uint32_t awake_count;     // particles
+  uint32_t waking_count;    // groups
+  double next_check;        // simulated time of the next look
+  Bounds resting;           // holds what sleeps; too wide where some has woken since lists were built
+  Bounds resting_in_lists;  // while they are built
 };
 
 void sleep_layout(Sleep* sleep, const sandglass_granular_desc& desc, uint32_t rows, Layout* layout);
@@ -57,8 +60,8 @@ void sleep_wake_all(Granular* granular);
 void sleep_put_one(Granular* granular, uint32_t index);
 
 // While the lists are built: whether all of a group sleep. If so, every array gets the group as it is. Adds its awake
-// particles to *awake_count.
-bool sleep_sort_group(Granular* granular, uint32_t group, uint32_t* awake_count);
+// particles to *awake_count, and the others to *resting.
+bool sleep_sort_group(Granular* granular, uint32_t group, uint32_t* awake_count, Bounds* resting);
 // active_groups from group_states.
 void sleep_collect_groups(Granular* granular);
 // The particles of the active groups, whole groups.
