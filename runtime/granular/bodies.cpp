@@ -229,9 +229,12 @@ void bodies_put_to_sleep(Granular* g, uint32_t patience) {
   for (uint32_t b = 0; b < g->bodies.count; ++b) {
     const RigidBody& body = g->bodies.all[b];
     if (!awake(*g, body)) continue;
-    bool quiet = true;
+    bool quiet = true, touches = false;
     for (uint32_t slot = body.first; slot < body.first + body.count; ++slot)
       quiet = quiet && g->sleep.anchors[g->bodies.numbers[slot]].quiet >= patience;
+    for (uint32_t slot = body.first; quiet && !touches && slot < body.first + body.count; ++slot)
+      touches = sleep_may_rest(g, g->bodies.rows[slot]);
+    quiet = quiet && touches;
     for (uint32_t slot = body.first; quiet && slot < body.first + body.count; ++slot)
       sleep_put_one(g, g->bodies.rows[slot]);
     if (!quiet) continue;

@@ -7,7 +7,11 @@ namespace sandglass {
 
 namespace {
 
-constexpr float k_rest_radii = 0.1f;        // moving further than this is moving on
+constexpr float k_rest_radii = 0.1f;  // moving further than this is moving on
+// What flies stays within h of one place for at most (1 + sqrt 2) sqrt(2 h / g): it passes there, turns h above, and is h
+// below soon after. So in a time t it moves on by more than 0.0858 g t^2, however large it is.
+constexpr float k_flight_share = 0.08f;
+constexpr float k_touch_gap_radii = 0.1f;   // what is nearer is touched
 constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d)
 // Jammed particles, under a heavy body say, tremble faster than the wake speed, but stay within a hundredth of a
 // radius.
@@ -205,9 +209,41 @@ bool sleep_run_wake(Granular* g) {
 
 // ---- sleep: who has stayed near its anchor, and who has moved on
 
+bool sleep_may_rest(Granular* g, uint32_t i) {
+  if (!(g->gravity_length > 0.0f)) return true;
+  const Particle& p = *particle_at(*g, i);
+  const float r = g->desc.particle_radius, gap = k_touch_gap_radii * r, near2 = (2.0f * r + gap) * (2.0f * r + gap);
+  if (has_departed(p)) return false;  // its list is old
+  uint32_t count;
+  const uint32_t* row = neighbours_of(g, i, &count);
+  for (uint32_t s = 0; s < count; ++s) {
+    const Particle& other = *particle_at(*g, row[s]);
+    if (in_body(p) && body_of(p) == body_of(other)) continue;
+    float apart2 = 0.0f;
+    for (int k = 0; k < 3; ++k) apart2 += (other.position[k] - p.position[k]) * (other.position[k] - p.position[k]);
+    if (apart2 < near2) return true;
+  }
+  alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group] = {};
+  for (uint32_t c = 0; c < g->colliders.substep_count; ++c) {
+    const SurfaceArgs args = {points, &g->colliders.substep_frames[c]};
+    for (int k = 0; k < 3; ++k) points[0].position[k] = p.position[k];
+    uint32_t unused = 0;
+    g->kernels->surface_at(&args, 0, k_lane_group, &unused);
+    if (points[0].distance < r + gap) return true;
+  }
+  return false;
+}
+
+// What is farther from where it was has moved on, metres.
+static float rest_limit(const Granular& g) {
+  const float limit = k_rest_radii * g.desc.particle_radius, time = g.desc.sleep_after;
+  const float flight = k_flight_share * g.gravity_length * time * time;
+  return g.gravity_length > 0.0f && flight < limit ? flight : limit;
+}
+
 bool sleep_run_sleep(Granular* g) {
   uint32_t& cursor = g->substep.cursor;
-  const float limit = k_rest_radii * g->desc.particle_radius, limit2 = limit * limit;
+  const float limit = rest_limit(*g), limit2 = limit * limit;
   const uint32_t patience = to_whole<uint32_t>(g->desc.sleep_after * static_cast<float>(1.0 / k_sleep_period));
   const uint32_t items = sleep_active_items(*g);
   const uint32_t end = items - cursor < g->unit ? items : cursor + g->unit;
@@ -220,7 +256,7 @@ bool sleep_run_sleep(Granular* g) {
       if (moved2(*g, p) > limit2) {
         drop_anchor(&anchor, p.position);
         if (!has_departed(p)) wake_neighbours(g, i);
-      } else if (++anchor.quiet >= patience && !in_body(p)) {
+      } else if (++anchor.quiet >= patience && !in_body(p) && sleep_may_rest(g, i)) {
         fall_asleep(g, i);
       }
     }

@@ -1,6 +1,6 @@
-// Sleep of the particles. A particle that has stayed near one place for sleep_after seconds stops and falls asleep. Its
-// neighbours then see a thing of infinite mass. Record groups (16 records) in which all sleep are left out of every
-// pass, so resting sand costs almost nothing.
+// Sleep of the particles. A particle that has stayed near one place for sleep_after seconds, and touches something where
+// there is gravity, stops and falls asleep. Its neighbours then see a thing of infinite mass. Record groups (16 records)
+// in which all sleep are left out of every pass, so resting sand costs almost nothing.
 //
 // What wakes a particle in a frame:
 //   touch   a collider that moved, appeared or went away comes or was within reach
@@ -56,6 +56,9 @@ void sleep_reset(Sleep* sleep);
 void sleep_add(Sleep* sleep, uint32_t number, const float position[3]);
 // Everything wakes. Only outside a frame.
 void sleep_wake_all(Granular* granular);
+// Whether the particle with this index touches a particle, not of its own body, the boundary or a collider. Without
+// gravity all may rest.
+bool sleep_may_rest(Granular* granular, uint32_t index);
 // Puts the particle with this index to sleep. The rest of its body must follow.
 void sleep_put_one(Granular* granular, uint32_t index);
 

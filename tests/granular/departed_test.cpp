@@ -1,4 +1,5 @@
-// What has left: it costs nothing while it falls, is removed once it has fallen far, and stands in no move's way.
+// What has left: it costs nothing while it falls, is removed once it has fallen far, and stands in no move's way. And
+// sleep needs a contact: nothing hangs in the air.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -243,6 +244,71 @@ TEST(Departed, TheSameOnEveryInstructionSetAndUnitSizeAndAfterARestore) {
     EXPECT_GT(spill.report.removed_particles, 10u);
     return spill.scene.hash();
   });
+}
+
+// ---- sleep needs a contact
+
+// The longest that a particle in the air is within 10 % of r of one place: the rule before took that for rest.
+double longest_stay(double radius) { return (1 + std::sqrt(2.0)) * std::sqrt(2 * 0.1 * radius / k_gravity); }
+
+// The most awake and the fewest awake of a particle or body thrown up, until it is back at half its height.
+uint32_t fewest_awake(float radius, float sleep_after, const std::vector<float>& points, bool body) {
+  sandglass_scene_desc desc = description(8);
+  desc.granular.particle_radius = radius, desc.granular.sleep_after = sleep_after;
+  desc.granular.body_capacity = 1, desc.granular.body_particle_capacity = 8;
+  GranularScene scene(desc);
+  scene.add_floor();
+  const float speed = 4 * std::sqrt(radius);
+  std::vector<float> velocities(points.size(), 0.0f);
+  for (size_t i = 1; i < points.size(); i += 3) velocities[i] = speed;
+  if (body) scene.add_body(points, 1, {0, speed, 0});
+  else scene.add(points, velocities);
+  uint32_t fewest = ~0u;
+  const int frames = static_cast<int>(2 * static_cast<double>(speed) / k_gravity / static_cast<double>(k_frame));
+  for (int i = 0; i < frames; ++i) fewest = std::min(fewest, scene.frame(k_frame).awake);
+  return fewest;
+}
+
+TEST(Sleep, NothingFallsAsleepInTheAir) {
+  EXPECT_GT(longest_stay(10), 0.5);  // the control: by the rule before these did
+  EXPECT_GT(longest_stay(3), 0.5);
+  EXPECT_GT(longest_stay(0.01), 0.02);
+  for (const bool body : {false, true}) {
+    for (const float radius : {1.0f, 3.0f, 10.0f}) {
+      EXPECT_EQ(fewest_awake(radius, 0.5f, {0, 5 * radius, 0}, body), 1u) << radius;
+      // Two that touch each other fly as one does.
+      EXPECT_EQ(fewest_awake(radius, 0.5f, {0, 5 * radius, 0, 0, 7 * radius, 0}, body), 2u) << radius;
+    }
+    for (const float after : {0.02f, 0.04f, 0.06f, 0.1f})
+      EXPECT_EQ(fewest_awake(k_radius, after, {0, 5 * k_radius, 0}, body), 1u) << after;
+  }
+}
+
+TEST(Sleep, WhatTouchesAFloorABoxTheBoundaryOrSandSleepsAndSoDoesWhatFloatsWithoutGravity) {
+  const auto awake_at_last = [](GranularScene* scene) {
+    sandglass_frame_report report = {};
+    for (int i = 0; i < 180; ++i) report = scene->frame(k_frame);
+    return report.awake;
+  };
+  for (const float radius : {0.01f, 1.0f, 10.0f}) {
+    sandglass_scene_desc desc = description(2, 0, 1);
+    desc.granular.particle_radius = radius;
+    GranularScene floor(desc), box(desc), boundary(desc), alone(desc);
+    floor.add_floor();
+    box.colliders = {table(10 * radius)};
+    const float sample[3] = {0, -radius, 0};
+    const char* reason = nullptr;
+    ASSERT_EQ(sandglass_granular_set_boundary(boundary.scene.get(), sample, 1, &reason), SANDGLASS_OK) << reason;
+    for (GranularScene* scene : {&floor, &box}) scene->add({0, radius, 0, 0, 3 * radius, 0});
+    boundary.add({0, radius, 0});
+    alone.add({0, 5 * radius, 0});
+    for (GranularScene* scene : {&floor, &box, &boundary}) EXPECT_EQ(awake_at_last(scene), 0u) << radius;
+    EXPECT_EQ(awake_at_last(&alone), 1u) << radius;  // the control
+    desc.gravity[1] = 0;
+    GranularScene floats(desc);
+    floats.add({0, 5 * radius, 0});
+    EXPECT_EQ(awake_at_last(&floats), 0u) << radius;
+  }
 }
 
 }  // namespace
