@@ -127,8 +127,11 @@ bool sleep_sort_group(Granular* g, uint32_t group, uint32_t* awake_count, Bounds
   for (uint32_t i = first; i < first + k_lane_group; ++i) {
     const Particle& p = *particle_at(*g, i);
     lanes += is_awake(p) ? 1u : 0u;
-    if (is_asleep(p)) bounds_include(resting, p.position);
     if (g->bodies.count != 0 && in_body(p) && !is_inert(p)) bodies_note_row(g, i);
+  }
+  for (uint32_t i = first; lanes != k_lane_group && i < first + k_lane_group; ++i) {
+    const Particle& p = *particle_at(*g, i);
+    if (is_asleep(p)) bounds_include(resting, p.position);
   }
   *awake_count += lanes;
   g->sleep.group_states[group] = lanes != 0 ? GroupState::active : GroupState::asleep;
