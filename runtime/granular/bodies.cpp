@@ -155,6 +155,7 @@ void apply(Granular* g, uint32_t slot) {
     const double displacement = m.shift[k] + turn[k];
     position[k] = static_cast<float>(body.center[k] + offset[k]);
     velocity[k] = body.linear[k] + static_cast<float>(spin[k]);
+    if (has_departed(*next)) continue;
     const float moved = static_cast<float>(displacement);
     e.displacement_low[k] = moved < e.displacement_low[k] ? moved : e.displacement_low[k];
     e.displacement_high[k] = moved > e.displacement_high[k] ? moved : e.displacement_high[k];

@@ -26,7 +26,7 @@ struct BodySpan {
   bool below;
 };
 
-constexpr uint32_t k_fast_most = 128;
+constexpr uint32_t k_fast_most = 64;
 
 struct Departed {
   uint32_t count;      // particles, as the last look found

@@ -229,6 +229,26 @@ TEST(Move, LosesWhatHasLeftAndRefusesToLoseAnythingElse) {
   EXPECT_EQ(scene.scene.move({0, 0, 0, 1}, {0, -990.0f, 0}).code, SANDGLASS_ERROR_INVALID_ARGUMENT);  // what rests
 }
 
+TEST(Departed, ABodyThatFallsBesideATableDrivesNobodyAndFallsFreely) {
+  sandglass_scene_desc desc = description(64);
+  desc.granular.body_capacity = 1, desc.granular.body_particle_capacity = 27;
+  desc.granular.lowest = 0;
+  GranularScene scene(desc);
+  scene.colliders = {table(0.24f)};
+  std::vector<float> points = lattice(3, 3, 3, 2 * k_radius, k_radius);
+  for (size_t i = 0; i < points.size(); i += 3) points[i] += 0.3f;
+  const uint32_t body = scene.add_body(points);
+  const float from = scene.scene.body_pose(body).position[1];
+  uint32_t builds = 0, substeps = 0;
+  for (int i = 0; i < 120; ++i) {
+    const sandglass_frame_report report = scene.frame(k_frame);
+    builds += report.list_builds, substeps = std::max(substeps, report.substeps);
+  }
+  EXPECT_LE(substeps, calm_substeps(0.01));
+  EXPECT_LE(builds, 2u);
+  EXPECT_NEAR(static_cast<double>(scene.scene.body_pose(body).position[1] - from), -2 * k_gravity, 0.02);
+}
+
 TEST(Departed, TheSameOnEveryInstructionSetAndUnitSizeAndAfterARestore) {
   expect_one_hash({64, 1024}, [](sandglass_isa isa, uint32_t unit_items) {
     sandglass_scene_desc desc = description(1000, 3000);

@@ -115,7 +115,7 @@ typedef struct sandglass_granular_desc {
 
   /* C of (4.45), above 0, at most 1. Default: 0.5, as in the dissertation. A particle that can reach nothing within the
    * frame counts neither for (4.45) nor for the neighbour lists, and no speed is too high for it: what falls below
-   * everything, and up to 128 fast ones elsewhere. */
+   * everything, and up to 64 fast ones elsewhere. */
   float courant;
   /* Seconds, 0.000001..0.1: the longest sub-step. 0, the default, means 0.01742 sqrt(r/g), for which the default scheme
    * was calibrated. */
