@@ -11,6 +11,8 @@ constexpr float k_rest_radii = 0.1f;  // moving further than this is moving on
 // What flies stays within h of one place for at most (1 + sqrt 2) sqrt(2 h / g): it passes there, turns h above, and is h
 // below soon after. So in a time t it moves on by more than 0.0858 g t^2, however large it is.
 constexpr float k_flight_share = 0.08f;
+// One check finds a particle that turned in the air where it was 20 ms ago.
+constexpr uint32_t k_checks_least = 2;
 constexpr float k_touch_gap_radii = 0.1f;   // what is nearer is touched
 constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d)
 // Jammed particles, under a heavy body say, tremble faster than the wake speed, but stay within a hundredth of a
@@ -247,7 +249,8 @@ static float rest_limit(const Granular& g) {
 bool sleep_run_sleep(Granular* g) {
   uint32_t& cursor = g->substep.cursor;
   const float limit = rest_limit(*g), limit2 = limit * limit;
-  const uint32_t patience = to_whole<uint32_t>(g->desc.sleep_after * static_cast<float>(1.0 / k_sleep_period));
+  const uint32_t checks = to_whole<uint32_t>(g->desc.sleep_after * static_cast<float>(1.0 / k_sleep_period));
+  const uint32_t patience = checks > k_checks_least ? checks : k_checks_least;
   const uint32_t items = sleep_active_items(*g);
   const uint32_t end = items - cursor < g->unit ? items : cursor + g->unit;
   for (uint32_t at = cursor; at < end; at += k_lane_group) {

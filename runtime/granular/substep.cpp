@@ -293,6 +293,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   const float due = g.neighbours.valid ? 0.5f : 1.0f;
   const uint64_t builds = to_whole<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps) + due);
   uint32_t n = 0;
+  if (departed_due(g)) entries[n++] = {k_unit_departed, departed_items(g)};
   entries[n++] = {k_unit_slack, 2 * builds * count};
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};
   entries[n++] = {k_unit_lists, builds * active};

@@ -117,6 +117,10 @@ TEST(Departed, AFastParticleThatReachesNothingDrivesNobody) {
   }
   EXPECT_LE(substeps, calm_substeps(0.01));
   EXPECT_LE(builds, 4u);
+  // The rule before holds for a flow: more than 64 of them.
+  GranularScene flow = heap();
+  for (int i = 0; i < 65; ++i) flow.add({0.5f + 0.2f * static_cast<float>(i), 0.3f, 0.0f}, {20.0f, 12.0f, 0.0f});
+  EXPECT_GT(flow.frame(k_frame).substeps, 2 * calm_substeps(0.01));
   const std::vector<float> at = scene.positions();
   EXPECT_NEAR(static_cast<double>(at[at.size() - 3]), 40.3, 0.05);
   EXPECT_NEAR(static_cast<double>(at[at.size() - 2]), 0.3 + 24.0 - 2 * k_gravity, 0.05);
@@ -299,8 +303,10 @@ TEST(Sleep, NothingFallsAsleepInTheAir) {
       // Two that touch each other fly as one does.
       EXPECT_EQ(fewest_awake(radius, 0.5f, {0, 5 * radius, 0, 0, 7 * radius, 0}, body), 2u) << radius;
     }
-    for (const float after : {0.02f, 0.04f, 0.06f, 0.1f})
+    for (const float after : {0.02f, 0.03f, 0.04f, 0.06f, 0.1f}) {
       EXPECT_EQ(fewest_awake(k_radius, after, {0, 5 * k_radius, 0}, body), 1u) << after;
+      EXPECT_EQ(fewest_awake(k_radius, after, {0, 5 * k_radius, 0, 0, 7 * k_radius, 0}, body), 2u) << after;
+    }
   }
 }
 

@@ -129,7 +129,7 @@ typedef struct sandglass_granular_desc {
 
   /* Seconds, 0..5: particles that stay within 10 % of r of one place for so long fall asleep, and cost nothing until
    * something touches them. Where there is gravity, only what touches something may sleep, and what is so large that it
-   * could turn in the air within that distance has less. 0 means never. Default: 0.5. */
+   * could turn in the air within that distance has less. Below 0.04 counts as 0.04; 0 means never. Default: 0.5. */
   float sleep_after;
   /* Seconds, 0.0001..0.1: the longest step of the grains, Delta t_hr: how often lambda is applied. Default: 0.008, as
    * in the dissertation. */
