@@ -46,20 +46,23 @@ void pose_both(const Granular& g, uint32_t c, ColliderFrame frames[2]) {
   colliders_pose(&g.colliders.given[c], 1, static_cast<float>(g.time.debt), &frames[1]);
 }
 
-void include_solid(Granular* g, const ColliderFrame& c) {
-  Departed& d = g->departed;
-  float low[3], high[3];
+Bounds box_of(const ColliderFrame& c) {
+  Bounds box;
   for (int k = 0; k < 3; ++k) {
-    const float way[3] = {k == 0 ? 1.0f : 0.0f, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f};
-    const float back[3] = {-way[0], -way[1], -way[2]};
-    low[k] = c.position[k] - reach_along(c, back), high[k] = c.position[k] + reach_along(c, way);
+    float way[3] = {0.0f, 0.0f, 0.0f};
+    way[k] = 1.0f, box.high[k] = c.position[k] + reach_along(c, way);
+    way[k] = -1.0f, box.low[k] = c.position[k] - reach_along(c, way);
   }
-  bounds_include(&d.solids, low), bounds_include(&d.solids, high);
+  return box;
+}
+
+void include_solid(Granular* g, const ColliderFrame& c) {
+  g->departed.bounded = true;
   if (!(g->gravity_length > 0.0f)) return;
   const float inverse = 1.0f / g->gravity_length;
   const float down[3] = {g->gravity[0] * inverse, g->gravity[1] * inverse, g->gravity[2] * inverse};
   const float depth = depth_of(*g, c.position) + reach_along(c, down);
-  d.bottom = depth > d.bottom ? depth : d.bottom;
+  g->departed.bottom = depth > g->departed.bottom ? depth : g->departed.bottom;
 }
 
 // Where sand from a nozzle may be at the end of a frame.
@@ -67,7 +70,7 @@ void include_nozzles(Granular* g) {
   const float time = static_cast<float>(g->time.debt);
   for (uint32_t e = 0; e < g->flow.emitter_count; ++e) {
     const sandglass_emitter& nozzle = g->flow.emitters[e];
-    bounds_include(&g->departed.solids, nozzle.position,
+    bounds_include(&g->departed.still, nozzle.position,
                    nozzle.radius + time * (nozzle.speed + time * g->gravity_length));
   }
 }
@@ -175,29 +178,36 @@ void look_at(Granular* g, uint32_t i) {
   ++d.fast_count;
 }
 
-// Those of the fast ones that can reach nothing depart.
+// Whether a way leads near a collider, which goes from one pose to the other.
+bool meets(const Way& way, const ColliderFrame poses[2], float margin) {
+  if (poses[0].shape != SANDGLASS_SHAPE_HALF_SPACE) {
+    Bounds box = box_of(poses[0]);
+    bounds_join(&box, box_of(poses[1]));
+    return meets(way, box, margin);
+  }
+  for (int pose = 0; pose < 2; ++pose) {
+    const float* normal = poses[pose].axes[1];
+    const float plane = dot(normal, poses[pose].position) + margin;
+    if (dot(normal, way.from) < plane || dot(normal, way.to) < plane) return true;
+  }
+  return false;
+}
+
+// Those of the fast ones that can reach nothing depart, where there is something to depart from.
 void judge_fast(Granular* g) {
   Departed& d = g->departed;
   const uint32_t count = d.fast_count <= k_fast_most ? d.fast_count : k_fast_most;
   // The others may go as far as lists reach.
   const float margin = 2.0f * neighbours_reach(*g) + fall_of(*g);
   Bounds there = d.others;
-  bounds_join(&there, d.solids), bounds_join(&there, g->sleep.resting);
-  const bool few = d.fast_count <= k_fast_most && !is_empty(there);
+  bounds_join(&there, d.still), bounds_join(&there, g->sleep.resting);
+  const bool few = d.fast_count <= k_fast_most && (!is_empty(there) || d.bounded);
   bool reaches[k_fast_most];
   for (uint32_t f = 0; f < count; ++f) reaches[f] = !few || meets(way_of(*g, d.fast[f]), there, margin);
   for (uint32_t c = 0; few && c < g->colliders.solid_count; ++c) {
-    if (g->colliders.given[c].shape != SANDGLASS_SHAPE_HALF_SPACE) continue;
-    ColliderFrame frames[2];
-    pose_both(*g, c, frames);
-    for (uint32_t f = 0; f < count; ++f) {
-      const Way way = way_of(*g, d.fast[f]);
-      for (const ColliderFrame& frame : frames) {
-        const float* normal = frame.axes[1];
-        const float plane = dot(normal, frame.position) + margin;
-        reaches[f] = reaches[f] || dot(normal, way.from) < plane || dot(normal, way.to) < plane;
-      }
-    }
+    ColliderFrame poses[2];
+    pose_both(*g, c, poses);
+    for (uint32_t f = 0; f < count; ++f) reaches[f] = reaches[f] || meets(way_of(*g, d.fast[f]), poses, margin);
   }
   for (uint32_t f = 0; few && f < count; ++f) {
     const Way way = way_of(*g, d.fast[f]);
@@ -277,8 +287,8 @@ void departed_forget(Granular* g) {
 void departed_begin_frame(Granular* g) {
   Departed& d = g->departed;
   d.open = true, d.falls = g->gravity_length > 0.0f;
-  d.solids = g->boundary.bounds;
-  d.bottom = -k_endless;
+  d.still = g->boundary.bounds;
+  d.bottom = -k_endless, d.bounded = false;
   for (uint32_t c = 0; c < g->colliders.solid_count; ++c) {
     ColliderFrame frames[2];
     pose_both(*g, c, frames);

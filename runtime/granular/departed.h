@@ -5,7 +5,7 @@
 //
 //   below   where it falls, lower than all that is there, with nothing under it. What falls there together keeps the
 //           contacts that its lists know.
-//   beside  where it is fast, and its way clear of the box that holds all the others, of all colliders, and of the ways
+//   beside  where it is fast, and its way clear of the box that holds all the others, of each collider, and of the ways
 //           of the other fast ones. That is for few: from k_fast_most on they are a flow.
 //
 // What comes back counts again before it touches anything: lists are built then. What has fallen by `lowest`, or is
@@ -37,9 +37,10 @@ struct Departed {
   // Of the frame. Depths are along gravity, metres from the origin.
   bool falls;        // there is something to fall from, and no half-space under it
   bool open;         // no collider fills all space beyond it
+  bool bounded;      // a collider has an end
   float bottom;      // depth of the lowest thing that is there
   float gone_depth;  // what is deeper is taken out
-  Bounds solids;     // holds the bounded colliders, the nozzles and the boundary
+  Bounds still;      // holds the boundary, and the nozzles with what leaves them
   // Of the look under way.
   BodySpan* spans;  // one a body
   float below;      // depth from which on sand has departed

@@ -109,6 +109,10 @@ GranularScene heap() {
 
 TEST(Departed, AFastParticleThatReachesNothingDrivesNobody) {
   GranularScene scene = heap();
+  sandglass_collider ball = sandglass::sphere(20, 2, 0, 1);  // over which it flies: a box around all would hold it
+  scene.colliders.insert(scene.colliders.begin(), ball);
+  ball.position[1] = 14;
+  scene.colliders.insert(scene.colliders.begin(), ball);
   scene.add({0.3f, 0.3f, 0.0f}, {20.0f, 12.0f, 0.0f});  // up and away
   uint32_t builds = 0, substeps = 0;
   for (int i = 0; i < 120; ++i) {
