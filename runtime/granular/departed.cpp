@@ -65,16 +65,6 @@ void include_solid(Granular* g, const ColliderFrame& c) {
   g->departed.bottom = depth > g->departed.bottom ? depth : g->departed.bottom;
 }
 
-// Where sand from a nozzle may be at the end of a frame.
-void include_nozzles(Granular* g) {
-  const float time = static_cast<float>(g->time.debt);
-  for (uint32_t e = 0; e < g->flow.emitter_count; ++e) {
-    const sandglass_emitter& nozzle = g->flow.emitters[e];
-    bounds_include(&g->departed.still, nozzle.position,
-                   nozzle.radius + time * (nozzle.speed + time * g->gravity_length));
-  }
-}
-
 // A fast particle's way: where it begins and ends, and its velocity on average.
 struct Way {
   float from[3], to[3], velocity[3];
@@ -200,7 +190,7 @@ void judge_fast(Granular* g) {
   // The others may go as far as lists reach.
   const float margin = 2.0f * neighbours_reach(*g) + fall_of(*g);
   Bounds there = d.others;
-  bounds_join(&there, d.still), bounds_join(&there, g->sleep.resting);
+  bounds_join(&there, g->boundary.bounds), bounds_join(&there, g->sleep.resting);
   const bool few = d.fast_count <= k_fast_most && (!is_empty(there) || d.bounded);
   bool reaches[k_fast_most];
   for (uint32_t f = 0; f < count; ++f) reaches[f] = !few || meets(way_of(*g, d.fast[f]), there, margin);
@@ -287,7 +277,6 @@ void departed_forget(Granular* g) {
 void departed_begin_frame(Granular* g) {
   Departed& d = g->departed;
   d.open = true, d.falls = g->gravity_length > 0.0f;
-  d.still = g->boundary.bounds;
   d.bottom = -k_endless, d.bounded = false;
   for (uint32_t c = 0; c < g->colliders.solid_count; ++c) {
     ColliderFrame frames[2];
@@ -305,7 +294,6 @@ void departed_begin_frame(Granular* g) {
     d.bottom = depth > d.bottom ? depth : d.bottom;
     d.falls = d.bottom > -k_endless;
   }
-  include_nozzles(g);
   const float reach = neighbours_reach(*g), most = g->desc.lowest > reach ? g->desc.lowest : reach;
   d.gone_depth = g->desc.lowest > 0.0f ? d.bottom + most : k_endless;
 }

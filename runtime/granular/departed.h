@@ -40,7 +40,6 @@ struct Departed {
   bool bounded;      // a collider has an end
   float bottom;      // depth of the lowest thing that is there
   float gone_depth;  // what is deeper is taken out
-  Bounds still;      // holds the boundary, and the nozzles with what leaves them
   // Of the look under way.
   BodySpan* spans;  // one a body
   float below;      // depth from which on sand has departed

@@ -138,8 +138,8 @@ typedef struct sandglass_granular_desc {
   /* The scheme that results are compared with. Apps leave it alone. */
   sandglass_reference_scheme reference;
 
-  /* Metres, 0..2000: what falls so far is removed, particles and grains. It counts along gravity, as it is now, from the
-   * lowest point of this frame's bounded colliders, of the boundary particles and of the sand that is asleep. Nothing is
+  /* Metres, 0..2000: what falls so far is removed, particles and grains. It counts along gravity, as it is now, from
+   * the lowest point of this frame's bounded colliders, of the boundary particles and of what is asleep. Nothing is
    * removed where none of these is there, without gravity, or over a half-space that rises less than 84 degrees. What
    * flies beyond SANDGLASS_COORDINATE_LIMIT is removed wherever it is. 0: only that. Default: 20. */
   float lowest;
@@ -660,7 +660,7 @@ typedef struct sandglass_frame_report {
   uint32_t awake_grains;
   /* Neighbours beyond the capacity of a list (32), summed over the list builds of the frame. 0 in any packing. */
   uint32_t dropped_contacts;
-  /* Particles and grains that were found not finite, or beyond twice the coordinate limit, and put to rest inside it. */
+  /* Particles and grains that were found not finite, or beyond twice the coordinate limit, and put to rest inside. */
   uint32_t quarantined;
   /* Colliders, emitters and sinks that were left out: not finite, without size, or beyond their capacity. */
   uint32_t ignored_colliders;
