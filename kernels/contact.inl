@@ -42,8 +42,8 @@ SANDGLASS_INLINE void part_coincident(const uint32_t* first, const uint32_t* sec
 
 // Particles of one rigid body do not touch each other: the upper bits of the number name the body.
 SANDGLASS_INLINE Mask same_body(Float a, Float b) {
-  const Int body = as_int(a) & broadcast(static_cast<int32_t>(~k_number_mask));
-  return and_not(body == (as_int(b) & broadcast(static_cast<int32_t>(~k_number_mask))), body == broadcast(0));
+  const Int body = as_int(a) & broadcast(static_cast<int32_t>(k_body_mask));
+  return and_not(body == (as_int(b) & broadcast(static_cast<int32_t>(k_body_mask))), body == broadcast(0));
 }
 
 // What is the same for all particles of a pass.
@@ -242,7 +242,8 @@ SANDGLASS_INLINE Mask sound_only(Float move[3]) {
   return sound;
 }
 
-// After the last pass: moves the particles from i on, by no more than the CFL limit, and gives them their velocity.
+// After the last pass: moves the particles from i on, by no more than the CFL limit, and gives them their velocity. The
+// limit is not for those that have departed, and the extrema are not of them.
 SANDGLASS_INLINE void put_moved(const ContactArgs* a, uint32_t i, const Float* self, Mask live, Mask wakes,
                                 Float move[3], ContactExtrema* seen, ContactExtent* extent) {
   const Mask sound = sound_only(move);
@@ -250,7 +251,11 @@ SANDGLASS_INLINE void put_moved(const ContactArgs* a, uint32_t i, const Float* s
   Float out[k_record_floats];
   out[k_mobility] = self[k_mobility], out[k_identity] = self[k_identity];
   const Float zero = broadcast(0.0f), limit = broadcast(a->displacement_max), step = broadcast(a->step);
-  const Mask fast = limit * limit < move2;
+  Mask fast = limit * limit < move2, counted = live;
+  if (a->departed != 0) {
+    const Mask stays = (as_int(self[k_identity]) & broadcast(static_cast<int32_t>(k_departed))) == broadcast(0);
+    fast = fast & stays, counted = live & stays;
+  }
   if (any(fast)) {
     const Float slow = select(fast, limit / square_root(maximum(move2, broadcast(1e-30f))), broadcast(1.0f));
     for (int k = 0; k < 3; ++k) move[k] = move[k] * slow;
@@ -277,15 +282,15 @@ SANDGLASS_INLINE void put_moved(const ContactArgs* a, uint32_t i, const Float* s
     a->touched[i / k_lane_group] = 1;
     extent->touched = 1;
   }
-  seen->speed2 = maximum(keep(live, move2 / (step * step)), seen->speed2);
-  const bool whole = all(live);
+  seen->speed2 = maximum(keep(counted, move2 / (step * step)), seen->speed2);
+  const bool whole = all(counted);
   for (int k = 0; k < 3; ++k) {
     const Float low = minimum(out[k], seen->low[k]), high = maximum(out[k], seen->high[k]);
     const Float move_low = minimum(move[k], seen->move_low[k]), move_high = maximum(move[k], seen->move_high[k]);
-    seen->low[k] = whole ? low : select(live, low, seen->low[k]);
-    seen->high[k] = whole ? high : select(live, high, seen->high[k]);
-    seen->move_low[k] = whole ? move_low : select(live, move_low, seen->move_low[k]);
-    seen->move_high[k] = whole ? move_high : select(live, move_high, seen->move_high[k]);
+    seen->low[k] = whole ? low : select(counted, low, seen->low[k]);
+    seen->high[k] = whole ? high : select(counted, high, seen->high[k]);
+    seen->move_low[k] = whole ? move_low : select(counted, move_low, seen->move_low[k]);
+    seen->move_high[k] = whole ? move_high : select(counted, move_high, seen->move_high[k]);
   }
   store_records(floats_of(a->out + i), out);
 }

@@ -118,6 +118,7 @@ struct ContactArgs {
   int32_t last;            // 1: write x + displacement and velocity; 0: x and displacement
   float step;              // dt
   float displacement_max;  // CFL limit of one sub-step, metres
+  int32_t departed;        // 1: some particles have departed
   const ColliderFrame* colliders;
   uint32_t collider_count;
   float leave_max;  // metres a sub-step: how much faster than a collider what is deep in it leaves it
@@ -128,7 +129,7 @@ struct ContactArgs {
   uint8_t* touched;  // one for each group: 1 where it is marked
 };
 
-// What a range of the last pass saw. Extrema are exact, so they combine in any order.
+// What a range of the last pass saw, of what has not departed. Extrema are exact, so they combine in any order.
 struct ContactExtent {
   float speed_squared;
   float low[3], high[3];                            // positions

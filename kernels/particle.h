@@ -15,8 +15,10 @@
 namespace sandglass {
 
 constexpr uint32_t k_record_floats = 8;
-constexpr uint32_t k_number_mask = 0x00ffffff;
+constexpr uint32_t k_number_mask = 0x007fffff;
+constexpr uint32_t k_departed = 0x00800000;
 constexpr uint32_t k_body_shift = 24;
+constexpr uint32_t k_body_mask = 0xff000000;
 constexpr uint32_t k_inert_identity = ~0u;
 // Metres. An inert particle has this coordinate along every axis. It pads vectors and neighbour rows, and nothing
 // touches it.
@@ -27,7 +29,8 @@ struct alignas(32) Particle {
   float mobility;     // state and inverse mass, see above
   // Between sub-steps the velocity in m/s; between the passes of one sub-step its displacement so far, in metres.
   float velocity[3];
-  // The number by which the app knows it; in the bits above k_number_mask the number of its rigid body, 0 for sand.
+  // The number by which the app knows it; k_departed, where it can reach nothing (runtime/granular/departed.h); in
+  // k_body_mask the number of its rigid body, 0 for sand.
   uint32_t identity;
 };
 
@@ -138,8 +141,12 @@ static inline void set_free_fall(Particle* p, float share) { p->mobility = share
 static inline uint32_t number_of(const Particle& p) { return p.identity & k_number_mask; }
 // 0: sand. Rigid bodies count from 1.
 static inline uint32_t body_of(const Particle& p) { return p.identity >> k_body_shift; }
-static inline bool in_body(const Particle& p) { return p.identity > k_number_mask; }
+static inline bool in_body(const Particle& p) { return p.identity >> k_body_shift != 0; }
 static inline bool is_inert(const Particle& p) { return p.identity == k_inert_identity; }
+static inline bool has_departed(const Particle& p) { return (p.identity & k_departed) != 0; }
+static inline void set_departed(Particle* p, bool departed) {
+  p->identity = (p->identity & ~k_departed) | (departed ? k_departed : 0);
+}
 static inline void join_body(Particle* p, uint32_t body, float inverse_mass) {
   p->identity = number_of(*p) | (body << k_body_shift);
   p->mobility = inverse_mass;

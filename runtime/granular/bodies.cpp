@@ -86,7 +86,7 @@ void match(Granular* g, RigidBody* body) {
   for (int k = 0; k < 3; ++k) {
     m.shift[k] /= n, m.stabilised[k] /= n;
     sound = sound && is_finite(m.shift[k]) && is_finite(m.spin[k]) &&
-            __builtin_fabs(body->center[k] + m.shift[k]) < 0.5 * static_cast<double>(k_coordinate_bound);
+            __builtin_fabs(body->center[k] + m.shift[k]) < 0.75 * static_cast<double>(k_coordinate_bound);
   }
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) m.a[3 * i + j] -= m.shift[i] * m.offset[j], sound = sound && is_finite(m.a[3 * i + j]);
@@ -155,6 +155,7 @@ void apply(Granular* g, uint32_t slot) {
     const double displacement = m.shift[k] + turn[k];
     position[k] = static_cast<float>(body.center[k] + offset[k]);
     velocity[k] = body.linear[k] + static_cast<float>(spin[k]);
+    if (has_departed(*next)) continue;
     const float moved = static_cast<float>(displacement);
     e.displacement_low[k] = moved < e.displacement_low[k] ? moved : e.displacement_low[k];
     e.displacement_high[k] = moved > e.displacement_high[k] ? moved : e.displacement_high[k];
@@ -229,9 +230,12 @@ void bodies_put_to_sleep(Granular* g, uint32_t patience) {
   for (uint32_t b = 0; b < g->bodies.count; ++b) {
     const RigidBody& body = g->bodies.all[b];
     if (!awake(*g, body)) continue;
-    bool quiet = true;
+    bool quiet = true, touches = false;
     for (uint32_t slot = body.first; slot < body.first + body.count; ++slot)
       quiet = quiet && g->sleep.anchors[g->bodies.numbers[slot]].quiet >= patience;
+    for (uint32_t slot = body.first; quiet && !touches && slot < body.first + body.count; ++slot)
+      touches = sleep_may_rest(g, g->bodies.rows[slot]);
+    quiet = quiet && touches;
     for (uint32_t slot = body.first; quiet && slot < body.first + body.count; ++slot)
       sleep_put_one(g, g->bodies.rows[slot]);
     if (!quiet) continue;

@@ -18,17 +18,13 @@ void boundary_sort(Granular* g, uint32_t count) {
   Boundary& boundary = g->boundary;
   Particles& p = g->particles;
   boundary.count = count;
+  boundary.bounds = k_nowhere;
   if (count != 0) {
     Particle* sorted = boundary_particles(*g);
     Particle* unsorted = p.records[1] + p.rows;
     __builtin_memcpy(unsorted, sorted, count * sizeof(Particle));
-    float low[3], high[3];
-    for (int k = 0; k < 3; ++k) low[k] = high[k] = unsorted[0].position[k];
-    for (uint32_t i = 0; i < count; ++i) {
-      const float* at = unsorted[i].position;
-      for (int k = 0; k < 3; ++k) low[k] = at[k] < low[k] ? at[k] : low[k], high[k] = at[k] > high[k] ? at[k] : high[k];
-    }
-    cell_sort_begin(&boundary.sort, neighbours_reach(*g), low, high, 2);
+    for (uint32_t i = 0; i < count; ++i) bounds_include(&boundary.bounds, unsorted[i].position);
+    cell_sort_begin(&boundary.sort, neighbours_reach(*g), boundary.bounds.low, boundary.bounds.high, 2);
     const SortTarget target = {
         as_records(sorted), {boundary.positions[0], boundary.positions[1], boundary.positions[2]}, false};
     while (boundary.sort.phase != k_sort_done)

@@ -3,6 +3,7 @@
 
 #include "runtime/core/layout.h"
 #include "runtime/granular/cell_sort.h"
+#include "runtime/granular/particles.h"
 
 namespace sandglass {
 
@@ -11,6 +12,7 @@ struct Granular;
 struct Boundary {
   float* positions[3];  // x, y and z in sorted order
   CellSort sort;
+  Bounds bounds;
   uint32_t count;
 };
 

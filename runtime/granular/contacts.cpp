@@ -134,6 +134,7 @@ ContactArgs contact_args(const Granular& g) {
   a.last = s.phase == SubstepPhase::complete || (solve && s.pass + 1 == s.iterations) ? 1 : 0;
   a.step = dt;
   a.displacement_max = g.desc.courant * g.desc.particle_radius;
+  a.departed = g.departed.count != 0 ? 1 : 0;
   a.colliders = g.colliders.substep_frames;
   a.collider_count = g.colliders.substep_count;
   a.wake_displacement = sleep_wake_speed(g) * dt;

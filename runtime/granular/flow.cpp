@@ -157,8 +157,25 @@ void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_
   if (fine.count != 0) flush(g, &fine, true);
 }
 
-// Takes particle i out; the last one moves into its place.
-void remove_particle(Granular* g, uint32_t i) {
+// Removes what lies inside the shapes, and if `going` what is gone (departed.h), from the group that begins at `first`. Goes through it from its end, so what
+// moves into a gap comes from behind the group. Returns how many were removed.
+template <class Remove>
+uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* count, uint32_t first,
+                     const ColliderFrame* shapes, uint32_t shape_count, bool going, const Remove& remove) {
+  uint8_t inside[k_lane_group];
+  uint32_t found = 0, removed = 0;
+  const InsideArgs args = {records, *count, shapes, shape_count, inside};
+  const uint32_t left = *count - first, lanes = left < k_lane_group ? left : k_lane_group;
+  g.kernels->find_inside(&args, first, first + k_lane_group, &found);
+  for (uint32_t l = lanes; (found != 0 || going) && l-- > 0;) {
+    if ((inside[l] != 0 || (going && departed_is_gone(g, records[first + l].position))) && remove(first + l)) ++removed;
+  }
+  return removed;
+}
+
+}  // namespace
+
+void flow_remove_particle(Granular* g, uint32_t i) {
   Particle* gap = &g->particles.records[0][i];
   g->flow.free_particles[g->flow.free_particle_count++] = number_of(*gap);
   if (is_awake(*gap)) --g->sleep.awake_count;
@@ -168,38 +185,20 @@ void remove_particle(Granular* g, uint32_t i) {
   if (in_body(*gap)) bodies_note_row(g, i);
 }
 
-void remove_grain(Granular* g, uint32_t i) {
+void flow_remove_grain(Granular* g, uint32_t i) {
   Grain* gap = &g->grains.records[i];
   g->flow.free_grains[g->flow.free_grain_count++] = gap->number;
   const uint32_t last = --g->grains.count;
   *gap = g->grains.records[last];
 }
 
-// Removes what lies inside the shapes from the group that begins at `first`. Goes through it from its end, so what
-// moves into a gap comes from behind the group. Returns how many were removed.
-template <class Remove>
-uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* count, uint32_t first,
-                     const ColliderFrame* shapes, uint32_t shape_count, const Remove& remove) {
-  uint8_t inside[k_lane_group];
-  uint32_t found = 0, removed = 0;
-  const InsideArgs args = {records, *count, shapes, shape_count, inside};
-  const uint32_t left = *count - first, lanes = left < k_lane_group ? left : k_lane_group;
-  g.kernels->find_inside(&args, first, first + k_lane_group, &found);
-  for (uint32_t l = lanes; found != 0 && l-- > 0;) {
-    if (inside[l] != 0 && remove(first + l)) ++removed;
-  }
-  return removed;
-}
-
 // Particles of sleeping groups may have moved to others. The next list build finds out which groups sleep.
-void after_removal(Granular* g) {
+void flow_after_removal(Granular* g) {
   g->neighbours.valid = false;
   substep_set_due(g, SubstepPhase::wake, false);
   g->sleep.waking_count = 0;
   particles_seal(g);
 }
-
-}  // namespace
 
 void flow_layout(Flow* f, const sandglass_granular_desc& d, Layout* layout) {
   f->free_particles = layout_region<uint32_t>(layout, "granular.free_particles", d.particle_capacity);
@@ -276,15 +275,15 @@ bool flow_run_drain(Granular* g) {
     const uint32_t first = g->sleep.active_groups[g->sleep.active_count - 1 - at / k_lane_group] * k_lane_group;
     if (first >= g->particles.count) continue;
     removed += drain_group(*g, as_records(g->particles.records[0]), &g->particles.count, first, g->flow.sinks,
-                           g->flow.sink_count, [g](uint32_t i) {
+                           g->flow.sink_count, g->departed.gone, [g](uint32_t i) {
                              const Particle& p = g->particles.records[0][i];
                              if (in_body(p) || !is_awake(p)) return false;
-                             remove_particle(g, i);
+                             flow_remove_particle(g, i);
                              return true;
                            });
   }
   g->flow.counts.removed_particles += removed;
-  if (removed != 0) after_removal(g);
+  if (removed != 0) flow_after_removal(g);
   g->substep.cursor = end;
   return end >= items;
 }
@@ -297,8 +296,8 @@ bool flow_run_grain_drain(Granular* g) {
     const uint32_t first = g->grain_sleep.groups[g->grain_sleep.group_count - 1 - at / k_lane_group] * k_lane_group;
     if (first >= g->grains.count) continue;
     removed += drain_group(*g, as_records(g->grains.records), &g->grains.count, first, g->flow.sinks,
-                           g->flow.sink_count, [g](uint32_t i) {
-                             remove_grain(g, i);
+                           g->flow.sink_count, g->departed.grains_go, [g](uint32_t i) {
+                             flow_remove_grain(g, i);
                              return true;
                            });
   }
@@ -324,20 +323,20 @@ sandglass_status granular_remove(Granular* g, const sandglass_collider* region, 
   uint32_t removed = 0, removed_grains = 0;
   for (uint32_t group = (g->particles.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
     removed += drain_group(*g, as_records(g->particles.records[0]), &g->particles.count, group * k_lane_group, &shape,
-                           1, [g](uint32_t i) {
+                           1, false, [g](uint32_t i) {
                              if (in_body(g->particles.records[0][i])) return false;
-                             remove_particle(g, i);
+                             flow_remove_particle(g, i);
                              return true;
                            });
   }
   for (uint32_t group = (g->grains.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
     removed_grains += drain_group(*g, as_records(g->grains.records), &g->grains.count, group * k_lane_group, &shape, 1,
-                                  [g](uint32_t i) {
-                                    remove_grain(g, i);
+                                  false, [g](uint32_t i) {
+                                    flow_remove_grain(g, i);
                                     return true;
                                   });
   }
-  if (g->desc.particle_capacity != 0) after_removal(g);
+  if (g->desc.particle_capacity != 0) flow_after_removal(g);
   if (removed_grains != 0) sweep_grains_removed(g);
   g->flow.counts.removed_particles += removed;
   g->flow.counts.removed_grains += removed_grains;

@@ -45,12 +45,18 @@ void flow_reset(Flow* flow, const sandglass_granular_desc& desc);
 uint32_t flow_take_particle_number(Flow* flow, uint32_t count);
 uint32_t flow_take_grain_number(Flow* flow, uint32_t count);
 
+// Takes particle i or grain i out; the last one moves into its place.
+void flow_remove_particle(Granular* granular, uint32_t i);
+void flow_remove_grain(Granular* granular, uint32_t i);
+// After particles were taken out: indices mean others now.
+void flow_after_removal(Granular* granular);
+
 // Takes a frame's emitters and sinks. Counts those that it leaves out.
 void flow_take(Granular* granular, const sandglass_frame_input& input);
 // Lets the emitters pour for so many seconds of simulated time.
 void flow_emit(Granular* granular, double seconds);
 
-// Units that empty the sinks. True once all is done.
+// Units that empty the sinks, and take out what is gone. True once all is done.
 bool flow_run_drain(Granular* granular);
 bool flow_run_grain_drain(Granular* granular);
 

@@ -83,6 +83,8 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (outside(d.sleep_after, 0.0f, 5.0f)) return "granular.sleep_after must be 0 (never) to 5 seconds.";
   if (outside(d.refine_step, 1e-4f, 0.1f)) return "granular.refine_step must be 0.0001 to 0.1 seconds.";
   if (outside(d.collider_band, 0.0f, 0.1f)) return "granular.collider_band must be 0 (off) to 0.1 metres.";
+  if (outside(d.lowest, 0.0f, 2.0f * SANDGLASS_COORDINATE_LIMIT))
+    return "granular.lowest must be 0 (never) to 2000 metres.";
   return nullptr;
 }
 
@@ -109,6 +111,7 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   sleep_layout(&g->sleep, d, g->particles.rows, layout);
   boundary_layout(&g->boundary, d, layout);
   bodies_layout(&g->bodies, d, layout);
+  departed_layout(&g->departed, d, layout);
   flow_layout(&g->flow, d, layout);
   grains_layout(&g->grains, d, g->particles.rows, layout);
   motion_layout(&g->motion, d, layout);
@@ -154,6 +157,8 @@ void granular_reset(Granular* g) {
   neighbours_reset(&g->neighbours, g->substep.longest);
   sleep_reset(&g->sleep);
   g->boundary.count = 0;
+  g->boundary.bounds = k_nowhere;
+  departed_reset(&g->departed);
   bodies_reset(&g->bodies);
   flow_reset(&g->flow, g->desc);
   grains_reset(&g->grains);
@@ -179,6 +184,7 @@ void granular_settle(Granular* g) {
   pair_colours_forget(&g->colours);
   g->time.interval_debt = 0.0;
   g->sleep.waking_count = 0;
+  departed_forget(g);
   motion_begin_here(g);
   sweep_forget(&g->sweep);
   grain_sleep_settle(g);
@@ -194,6 +200,7 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   time_take(g, input->time_step);
   colliders_take(g, *input, owed);
   flow_take(g, *input);
+  departed_begin_frame(g);
   colliders_find_moved(g);
   sleep_skip_time(g);
 }

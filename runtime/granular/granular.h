@@ -12,6 +12,7 @@
 #include "runtime/granular/bodies.h"
 #include "runtime/granular/boundary.h"
 #include "runtime/granular/colliders.h"
+#include "runtime/granular/departed.h"
 #include "runtime/granular/flow.h"
 #include "runtime/granular/grain_sleep.h"
 #include "runtime/granular/grains.h"
@@ -50,6 +51,7 @@ enum : uint32_t {
   k_unit_triage,
   k_unit_bodies,
   k_unit_drain,
+  k_unit_departed,
   k_granular_kinds
 };
 
@@ -81,6 +83,7 @@ struct Granular {
   Boundary boundary;
   Bodies bodies;
   Sleep sleep;
+  Departed departed;
   Substep substep;
 
   // The grains.

@@ -50,7 +50,8 @@ struct Blocks {
 Blocks blocks_of(const Grid& grid) { return {{grid.bits[0] - 1, grid.bits[1] - 1, grid.bits[2] - 1}}; }
 
 // Where the particles of one row of blocks will be after the sub-step that is about to begin, from where the lists saw
-// them. Returns how many they are.
+// them. Returns how many they are. What has departed is in no window.
+template <bool k_some_departed>
 uint32_t gather_row(Granular* g, const Blocks& blocks, uint32_t row) {
   const Neighbours& n = g->neighbours;
   const Grid& grid = n.sort.grid;
@@ -72,6 +73,7 @@ uint32_t gather_row(Granular* g, const Blocks& blocks, uint32_t row) {
       DisplacementBox box = boxes[x];
       for (uint32_t i = begin; i < end; ++i) {
         const Particle& p = g->particles.records[0][i];
+        if (k_some_departed && has_departed(p)) continue;
         const Quad seen = {n.positions[0][i], n.positions[1][i], n.positions[2][i], 0.0f};
         const Quad moved = (three_of(p.position) - seen) + dt * three_of(p.velocity);
         include(&box, moved, moved);
@@ -128,7 +130,8 @@ bool list_slack_run(Granular* g, float* metres) {
   uint32_t& cursor = g->substep.cursor;
   for (uint32_t done = 0; cursor < end && done < g->unit; ++cursor) {
     done += blocks.row_length();
-    if (s.step == k_gather) done += gather_row(g, blocks, cursor);
+    if (s.step == k_gather)
+      done += g->departed.count != 0 ? gather_row<true>(g, blocks, cursor) : gather_row<false>(g, blocks, cursor);
     else measure_row(&s, blocks, cursor);
   }
   if (cursor < end) return false;

@@ -26,17 +26,36 @@ struct Motion {
   }
 };
 
-template <class Item>
-bool stays_within(const Motion& motion, const Item* items, uint32_t count) {
-  for (uint32_t i = 0; i < count; ++i) {
-    const float* at = items[i].position;
-    float p[3] = {at[0], at[1], at[2]};
-    motion.move(p);
-    for (const float c : p) {
-      if (!(__builtin_fabsf(c) <= SANDGLASS_COORDINATE_LIMIT)) return false;
-    }
+bool stays_within(const Motion& motion, const float position[3]) {
+  float p[3] = {position[0], position[1], position[2]};
+  motion.move(p);
+  for (const float c : p) {
+    if (!(__builtin_fabsf(c) <= SANDGLASS_COORDINATE_LIMIT)) return false;
   }
   return true;
+}
+
+// What leaves the limit must have left the scene before.
+template <class Item>
+bool all_stay(const Granular& g, const Motion& motion, const Item* items, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!stays_within(motion, items[i].position) && !departed_has_left(g, items[i])) return false;
+  }
+  return true;
+}
+
+void remove_leaving(Granular* g, const Motion& motion) {
+  uint64_t particles = 0, grains = 0;
+  for (uint32_t i = g->particles.count; i-- > 0;) {
+    const Particle& p = g->particles.records[0][i];
+    if (!stays_within(motion, p.position) && !in_body(p)) flow_remove_particle(g, i), ++particles;
+  }
+  for (uint32_t i = g->grains.count; i-- > 0;) {
+    if (!stays_within(motion, g->grains.records[i].position)) flow_remove_grain(g, i), ++grains;
+  }
+  if (particles != 0) flow_after_removal(g);
+  if (grains != 0) sweep_grains_removed(g);
+  g->flow.counts.removed_particles += particles, g->flow.counts.removed_grains += grains;
 }
 
 template <class Item>
@@ -69,17 +88,19 @@ sandglass_status granular_move(Granular* g, const float rotation[4], const float
   for (int k = 0; k < 3; ++k) motion.shift[k] = accepted.position[k];
   for (int k = 0; k < 4; ++k) motion.rotation[k] = static_cast<double>(accepted.rotation[k]);
   Particle* boundary = boundary_particles(*g);
-  if (!stays_within(motion, g->particles.records[0], g->particles.count) ||
-      !stays_within(motion, g->grains.records, g->grains.count) || !stays_within(motion, boundary, g->boundary.count)) {
+  if (!all_stay(*g, motion, g->particles.records[0], g->particles.count) ||
+      !all_stay(*g, motion, g->grains.records, g->grains.count) || !all_stay(*g, motion, boundary, g->boundary.count)) {
     return refuse(reason, k_moved_too_far);
   }
   granular_settle(g);
+  remove_leaving(g, motion);
   move_items(motion, g->particles.records[0], g->particles.count);
   if (g->grains.count != 0) move_items(motion, g->grains.records, g->grains.count);
   for (uint32_t i = 0; i < g->particles.count + g->flow.free_particle_count; ++i)
     motion.move(g->sleep.anchors[i].position);
   for (uint32_t b = 0; b < g->bodies.count; ++b) bodies_move(&g->bodies, b, motion.rotation, motion.shift);
   particles_find_bounds(&g->particles);
+  departed_forget(g);
   motion_begin_here(g);
   move_items(motion, boundary, g->boundary.count);
   boundary_sort(g, g->boundary.count);

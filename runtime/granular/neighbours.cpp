@@ -15,6 +15,7 @@ constexpr float k_near_radii = 2.1f;
 // all displacements. Where something stands still, there is no common motion, and the box is made to hold its place
 // too.
 float spread_of(const Granular& g, const ContactExtent& e) {
+  if (e.displacement_low[0] > e.displacement_high[0]) return 0.0f;  // all that moved has departed
   float sum = 0.0f;
   for (int k = 0; k < 3; ++k) {
     float half = 0.5f * (e.displacement_high[k] - e.displacement_low[k]);
@@ -52,11 +53,13 @@ struct ListTask {
   Granular* g;
   ListArgs args;
   uint32_t dropped[k_pieces], awake[k_pieces];
+  Bounds resting[k_pieces];
 
   void run(uint32_t piece, uint32_t begin, uint32_t end) {
     uint32_t from = begin, lost = 0, lanes = 0;
     for (uint32_t i = begin; i < end; i += k_lane_group) {
-      const bool asleep = sleep_sort_group(g, i / k_lane_group, &lanes), listed = !asleep || args.halves != 0;
+      const bool asleep = sleep_sort_group(g, i / k_lane_group, &lanes, &resting[piece]),
+                 listed = !asleep || args.halves != 0;
       g->neighbours.listed[i / k_lane_group] = listed ? 1 : 0;
       if (listed) continue;
       if (from < i) g->kernels->neighbour_lists(&args, from, i, &lost), dropped[piece] += lost;
@@ -131,15 +134,18 @@ bool neighbours_run_sort(Granular* g) {
 }
 
 bool neighbours_run_lists(Granular* g) {
-  ListTask task = {g, list_args(*g), {}, {}};
+  ListTask task = {g, list_args(*g), {}, {}, {}};
+  for (Bounds& resting : task.resting) resting = k_nowhere;
   const uint32_t count = g->particles.count, cursor = g->substep.cursor;
-  if (cursor == 0) g->sleep.awake_count = 0;
+  if (cursor == 0) g->sleep.awake_count = 0, g->sleep.resting_in_lists = k_nowhere;
   const uint32_t end = count - cursor < g->unit ? count : cursor + g->unit;
   granular_split(*g, cursor, end, &task);
   for (const uint32_t dropped : task.dropped) g->counts.dropped_contacts += dropped;
   for (const uint32_t awake : task.awake) g->sleep.awake_count += awake;
+  for (const Bounds& resting : task.resting) bounds_join(&g->sleep.resting_in_lists, resting);
   g->substep.cursor = end;
   if (end < count) return false;
+  g->sleep.resting = g->sleep.resting_in_lists;
   g->neighbours.valid = true;
   g->neighbours.slack = g->desc.list_skin * g->desc.particle_radius;
   ++g->counts.list_builds;

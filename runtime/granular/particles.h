@@ -8,6 +8,24 @@ namespace sandglass {
 
 struct Granular;
 
+// A box around points, metres. Empty: low above high.
+struct Bounds {
+  float low[3], high[3];
+};
+constexpr Bounds k_nowhere = {{3e38f, 3e38f, 3e38f}, {-3e38f, -3e38f, -3e38f}};
+
+static inline bool is_empty(const Bounds& b) { return b.low[0] > b.high[0]; }
+static inline void bounds_join(Bounds* b, const Bounds& other) {
+  for (int k = 0; k < 3; ++k) {
+    b->low[k] = other.low[k] < b->low[k] ? other.low[k] : b->low[k];
+    b->high[k] = other.high[k] > b->high[k] ? other.high[k] : b->high[k];
+  }
+}
+// A ball.
+static inline void bounds_include(Bounds* b, const float at[3], float radius = 0.0f) {
+  bounds_join(b, {{at[0] - radius, at[1] - radius, at[2] - radius}, {at[0] + radius, at[1] + radius, at[2] + radius}});
+}
+
 struct Particles {
   // [0]: the state after the last complete sub-step. [1]: what the next one writes. [2]: only where a sub-step has more
   // than one pass. Each array holds the particles sorted by cell, padding, the boundary, and at last an inert particle.

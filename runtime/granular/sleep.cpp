@@ -7,7 +7,13 @@ namespace sandglass {
 
 namespace {
 
-constexpr float k_rest_radii = 0.1f;        // moving further than this is moving on
+constexpr float k_rest_radii = 0.1f;  // moving further than this is moving on
+// What flies stays within h of one place for at most (1 + sqrt 2) sqrt(2 h / g): it passes there, turns h above, and is h
+// below soon after. So in a time t it moves on by more than 0.0858 g t^2, however large it is.
+constexpr float k_flight_share = 0.08f;
+// One check finds a particle that turned in the air where it was 20 ms ago.
+constexpr uint32_t k_checks_least = 2;
+constexpr float k_touch_gap_radii = 0.1f;   // what is nearer is touched
 constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d)
 // Jammed particles, under a heavy body say, tremble faster than the wake speed, but stay within a hundredth of a
 // radius.
@@ -16,7 +22,6 @@ constexpr float k_stir_radii = 0.05f;
 // A carrier is slow where it moves on less than this within sleep_after, in units of what counts as moving on. What is
 // carried faster wakes its neighbours by moving on.
 constexpr float k_slow_carrier = 3.0f;
-constexpr float k_touch_radii = 0.1f;        // what is nearer than this, in radii, is in contact
 constexpr uint16_t k_carried_contacts = 40;  // contacts from the carrier that are kept awake: more than piles are high
 
 Particle* particle_at(const Granular& g, uint32_t i) { return &g.particles.records[0][i]; }
@@ -85,6 +90,7 @@ void leave_if_asleep(Granular* g, uint32_t group) {
 void fall_asleep(Granular* g, uint32_t i) {
   Particle* p = particle_at(*g, i);
   put_to_sleep(p);
+  bounds_include(&g->sleep.resting, p->position);
   g->sleep.anchors[number_of(*p)].quiet = k_asleep;
   --g->sleep.awake_count;
 }
@@ -106,7 +112,7 @@ void find_carried(Granular* g, uint32_t group) {
     uint32_t unused = 0;
     g->kernels->surface_at(&args, 0, k_lane_group, &unused);
     for (uint32_t l = 0; l < k_lane_group; ++l) {
-      if (!is_awake(p[l]) || points[l].distance > (1.0f + k_touch_radii) * r) continue;
+      if (!is_awake(p[l]) || points[l].distance > (1.0f + k_touch_gap_radii) * r) continue;
       float at[3];
       for (int k = 0; k < 3; ++k) at[k] = p[l].position[k] - carrier.position[k];
       const float u[3] = {v[0] + w[1] * at[2] - w[2] * at[1], v[1] + w[2] * at[0] - w[0] * at[2],
@@ -121,7 +127,7 @@ void find_carried(Granular* g, uint32_t group) {
 void carry_neighbours(Granular* g, uint32_t i, uint16_t carried) {
   uint32_t count;
   const uint32_t* row = neighbours_of(g, i, &count);
-  const float near = (2.0f + k_touch_radii) * g->desc.particle_radius;
+  const float near = (2.0f + k_touch_gap_radii) * g->desc.particle_radius;
   const float* at = particle_at(*g, i)->position;
   for (uint32_t s = 0; s < count; ++s) {
     if (row[s] >= g->particles.count) continue;
@@ -148,6 +154,7 @@ void sleep_layout(Sleep* s, const sandglass_granular_desc& d, uint32_t rows, Lay
 void sleep_reset(Sleep* s) {
   s->active_count = s->awake_count = s->waking_count = 0;
   s->next_check = 0.0;
+  s->resting = k_nowhere;
 }
 
 void sleep_add(Sleep* s, uint32_t number, const float position[3]) {
@@ -167,13 +174,17 @@ void sleep_put_one(Granular* g, uint32_t index) {
   leave_if_asleep(g, index / k_lane_group);
 }
 
-bool sleep_sort_group(Granular* g, uint32_t group, uint32_t* awake_count) {
+bool sleep_sort_group(Granular* g, uint32_t group, uint32_t* awake_count, Bounds* resting) {
   const uint32_t first = group * k_lane_group;
   uint32_t lanes = 0;
   for (uint32_t i = first; i < first + k_lane_group; ++i) {
     const Particle& p = *particle_at(*g, i);
     lanes += is_awake(p) ? 1u : 0u;
     if (g->bodies.count != 0 && in_body(p) && !is_inert(p)) bodies_note_row(g, i);
+  }
+  for (uint32_t i = first; lanes != k_lane_group && i < first + k_lane_group; ++i) {
+    const Particle& p = *particle_at(*g, i);
+    if (is_asleep(p)) bounds_include(resting, p.position);
   }
   *awake_count += lanes;
   g->sleep.group_states[group] = lanes != 0 ? GroupState::active : GroupState::asleep;
@@ -245,7 +256,7 @@ bool sleep_run_wake(Granular* g) {
     for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
       const Particle& p = *particle_at(*g, i);
       const float* v = p.velocity;
-      if (!is_awake(p) || !(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > speed2)) continue;
+      if (!is_awake(p) || has_departed(p) || !(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > speed2)) continue;
       if (moved2(*g, p) > stir2) wake_neighbours(g, i);
     }
   }
@@ -254,10 +265,43 @@ bool sleep_run_wake(Granular* g) {
 
 // ---- sleep: who has stayed near its anchor, and who has moved on
 
+bool sleep_may_rest(Granular* g, uint32_t i) {
+  if (!(g->gravity_length > 0.0f)) return true;
+  const Particle& p = *particle_at(*g, i);
+  const float r = g->desc.particle_radius, gap = k_touch_gap_radii * r, near2 = (2.0f * r + gap) * (2.0f * r + gap);
+  if (has_departed(p)) return false;  // its list is old
+  uint32_t count;
+  const uint32_t* row = neighbours_of(g, i, &count);
+  for (uint32_t s = 0; s < count; ++s) {
+    const Particle& other = *particle_at(*g, row[s]);
+    if (in_body(p) && body_of(p) == body_of(other)) continue;
+    float apart2 = 0.0f;
+    for (int k = 0; k < 3; ++k) apart2 += (other.position[k] - p.position[k]) * (other.position[k] - p.position[k]);
+    if (apart2 < near2) return true;
+  }
+  alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group] = {};
+  for (uint32_t c = 0; c < g->colliders.substep_count; ++c) {
+    const SurfaceArgs args = {points, &g->colliders.substep_frames[c]};
+    for (int k = 0; k < 3; ++k) points[0].position[k] = p.position[k];
+    uint32_t unused = 0;
+    g->kernels->surface_at(&args, 0, k_lane_group, &unused);
+    if (points[0].distance < r + gap) return true;
+  }
+  return false;
+}
+
+// What is farther from where it was has moved on, metres.
+static float rest_limit(const Granular& g) {
+  const float limit = k_rest_radii * g.desc.particle_radius, time = g.desc.sleep_after;
+  const float flight = k_flight_share * g.gravity_length * time * time;
+  return g.gravity_length > 0.0f && flight < limit ? flight : limit;
+}
+
 bool sleep_run_sleep(Granular* g) {
   uint32_t& cursor = g->substep.cursor;
-  const float limit = k_rest_radii * g->desc.particle_radius, limit2 = limit * limit;
-  const uint32_t patience = to_whole<uint32_t>(g->desc.sleep_after * static_cast<float>(1.0 / k_sleep_period));
+  const float limit = rest_limit(*g), limit2 = limit * limit;
+  const uint32_t checks = to_whole<uint32_t>(g->desc.sleep_after * static_cast<float>(1.0 / k_sleep_period));
+  const uint32_t patience = checks > k_checks_least ? checks : k_checks_least;
   const uint32_t items = sleep_active_items(*g);
   const uint32_t end = items - cursor < g->unit ? items : cursor + g->unit;
   for (uint32_t at = cursor; at < end; at += k_lane_group) {
@@ -270,15 +314,15 @@ bool sleep_run_sleep(Granular* g) {
       const uint16_t carried = anchor.carried;
       if (moved2(*g, p) > limit2) {
         drop_anchor(&anchor, p.position);
-        wake_neighbours(g, i);
+        if (!has_departed(p)) wake_neighbours(g, i);
       } else if (carried != 0) {
         anchor.quiet = 0;
-      } else if (++anchor.quiet >= patience && !in_body(p)) {
+      } else if (++anchor.quiet >= patience && !in_body(p) && sleep_may_rest(g, i)) {
         fall_asleep(g, i);
       }
       if (carried == 0) continue;
       anchor.carried = carried - 1;
-      if (carried > 1) carry_neighbours(g, i, carried - 1);
+      if (carried > 1 && !has_departed(p)) carry_neighbours(g, i, carried - 1);
     }
     leave_if_asleep(g, group);
   }

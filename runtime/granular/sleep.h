@@ -1,6 +1,6 @@
-// Sleep of the particles. A particle that has stayed near one place for sleep_after seconds stops and falls asleep. Its
-// neighbours then see a thing of infinite mass. Record groups (16 records) in which all sleep are left out of every
-// pass, so resting sand costs almost nothing.
+// Sleep of the particles. A particle that has stayed near one place for sleep_after seconds, and touches something where
+// there is gravity, stops and falls asleep. Its neighbours then see a thing of infinite mass. Record groups (16 records)
+// in which all sleep are left out of every pass, so resting sand costs almost nothing.
 //
 // What wakes a particle in a frame:
 //   touch   a collider that moved, appeared or went away comes or was within reach
@@ -19,6 +19,7 @@
 
 #include "kernels/particle.h"
 #include "runtime/core/layout.h"
+#include "runtime/granular/particles.h"
 
 namespace sandglass {
 
@@ -44,9 +45,11 @@ struct Sleep {
   uint8_t* touched;          // one a group: 1 where the last sub-step saw a particle run into a sleeper
   Anchor* anchors;           // one a number
   uint32_t active_count;
-  uint32_t awake_count;   // particles
-  uint32_t waking_count;  // groups
-  double next_check;      // simulated time of the next look
+  uint32_t awake_count;     // particles
+  uint32_t waking_count;    // groups
+  double next_check;        // simulated time of the next look
+  Bounds resting;           // holds what sleeps; too wide where some has woken since lists were built
+  Bounds resting_in_lists;  // while they are built
 };
 
 void sleep_layout(Sleep* sleep, const sandglass_granular_desc& desc, uint32_t rows, Layout* layout);
@@ -56,12 +59,15 @@ void sleep_reset(Sleep* sleep);
 void sleep_add(Sleep* sleep, uint32_t number, const float position[3]);
 // Everything wakes. Only outside a frame.
 void sleep_wake_all(Granular* granular);
+// Whether the particle with this index touches a particle, not of its own body, the boundary or a collider. Without
+// gravity all may rest.
+bool sleep_may_rest(Granular* granular, uint32_t index);
 // Puts the particle with this index to sleep. The rest of its body must follow.
 void sleep_put_one(Granular* granular, uint32_t index);
 
 // While the lists are built: whether all of a group sleep. If so, every array gets the group as it is. Adds its awake
-// particles to *awake_count.
-bool sleep_sort_group(Granular* granular, uint32_t group, uint32_t* awake_count);
+// particles to *awake_count, and the others to *resting.
+bool sleep_sort_group(Granular* granular, uint32_t group, uint32_t* awake_count, Bounds* resting);
 // active_groups from group_states.
 void sleep_collect_groups(Granular* granular);
 // The particles of the active groups, whole groups.

@@ -35,6 +35,7 @@ SubstepPhase upcoming(const Granular& g, uint32_t level) {
   if (s.phase != SubstepPhase::idle) return s.phase;
   if ((s.due & bit(SubstepPhase::touch)) != 0) return SubstepPhase::touch;
   if (s.interval_left == 0 && (g.time.debt < k_time_resolution || time_awaits_grains(g))) return SubstepPhase::idle;
+  if (s.interval_left == 0 && departed_due(g)) return SubstepPhase::departed;
   if (!time_plan_substep(g, level).stale) return first_pass(g);
   return neighbours_doubt(g) ? SubstepPhase::slack : SubstepPhase::sort;
 }
@@ -61,6 +62,7 @@ SubstepPhase after(Granular* g, SubstepPhase done) {
   Substep& s = g->substep;
   switch (done) {
     case SubstepPhase::idle:
+    case SubstepPhase::departed:
       return SubstepPhase::idle;
     case SubstepPhase::slack:
       if (neighbours_stale(*g, s.level, s.length)) return begin_sort(g);
@@ -116,6 +118,7 @@ void begin(Granular* g, uint32_t level) {
   if (s.interval_left == 0 && g->flow.emitter_count != 0) flow_emit(g, time_interval(*g));
   const SubstepPlan plan = time_plan_substep(*g, level);
   if (s.interval_left == 0) g->time.interval_debt = g->time.debt - plan.interval;
+  g->departed.known = false;  // of the next interval
   s.interval_left = plan.count;
   s.length = plan.substep;
   s.iterations = level_iterations(k_ladder[level], g->desc.reference.solver_iterations);
@@ -155,7 +158,7 @@ void complete(Granular* g) {
   substep_set_due(g, SubstepPhase::wake, s.extent.touched != 0);
   if (g->time.simulated < g->sleep.next_check - k_time_resolution) return;
   substep_set_due(g, SubstepPhase::sleep, g->desc.sleep_after > 0.0f);
-  substep_set_due(g, SubstepPhase::drain, g->flow.sink_count != 0);
+  substep_set_due(g, SubstepPhase::drain, g->flow.sink_count != 0 || g->departed.gone);
   g->sleep.next_check = g->time.simulated + k_sleep_period;
 }
 
@@ -169,6 +172,7 @@ struct PhaseUnit {
 // One a phase.
 constexpr PhaseUnit k_units[] = {
     {k_unit_kind_none, ""},
+    {k_unit_departed, "granular.departed"},
     {k_unit_slack, "granular.slack"},
     {k_unit_particle_sort, "granular.sort"},
     {k_unit_lists, "granular.lists"},
@@ -200,6 +204,8 @@ uint32_t items_left(const Granular& g, SubstepPhase phase) {
       return (pair_count(g.colours) - cursor + k_pairs_an_item - 1) / k_pairs_an_item;
     case SubstepPhase::slack:
       return g.particles.count;
+    case SubstepPhase::departed:
+      return departed_items(g) - cursor;
     case SubstepPhase::lists:
     case SubstepPhase::colours:
     case SubstepPhase::touch:
@@ -233,6 +239,8 @@ bool run_unit(Granular* g, SubstepPhase phase) {
   switch (phase) {
     case SubstepPhase::idle:
       return true;
+    case SubstepPhase::departed:
+      return departed_run(g);
     case SubstepPhase::slack:
       return neighbours_run_measuring(g);
     case SubstepPhase::sort:
@@ -268,7 +276,8 @@ void run(void* state, uint32_t level) {
   Granular* g = static_cast<Granular*>(state);
   output_restart(&g->output);  // emitters and sinks change what was written
   if (g->substep.phase == SubstepPhase::idle) {
-    if ((g->substep.due & bit(SubstepPhase::touch)) != 0) enter(g, SubstepPhase::touch);
+    const SubstepPhase first = upcoming(*g, level);
+    if (first == SubstepPhase::touch || first == SubstepPhase::departed) enter(g, first);
     else begin(g, level);
   }
   const SubstepPhase phase = g->substep.phase;
@@ -284,6 +293,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   const float due = g.neighbours.valid ? 0.5f : 1.0f;
   const uint64_t builds = to_whole<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps) + due);
   uint32_t n = 0;
+  if (departed_due(g)) entries[n++] = {k_unit_departed, departed_items(g)};
   entries[n++] = {k_unit_slack, 2 * builds * count};
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};
   entries[n++] = {k_unit_lists, builds * active};

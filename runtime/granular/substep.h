@@ -12,9 +12,10 @@ namespace sandglass {
 
 struct Granular;
 
-// In the order in which they run. Those from touch on run only where they are due.
+// In the order in which they run. The first, and those from touch on, run only where they are due.
 enum class SubstepPhase : uint32_t {
   idle,        // between sub-steps
+  departed,    // before an interval: what can reach nothing in it
   slack,       // what the lists are still good for
   sort,        // the particles by cell, where the lists are stale
   lists,       // new neighbour lists

@@ -60,7 +60,7 @@ SweepPhase after(Granular* g, SweepPhase done) {
       return SweepPhase::refine;
     case SweepPhase::refine:
       complete(g);
-      return g->flow.sink_count != 0 ? SweepPhase::drain : SweepPhase::idle;
+      return departed_takes_grains(g) || g->flow.sink_count != 0 ? SweepPhase::drain : SweepPhase::idle;
     case SweepPhase::drain:
       return SweepPhase::idle;
   }

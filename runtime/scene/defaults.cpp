@@ -18,6 +18,7 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.sleep_after = 0.5f;
   g.refine_step = 0.008f;
   g.collider_band = 0.003f;
+  g.lowest = 20.0f;
   g.reference.scheme = SANDGLASS_SCHEME_SMALL_STEP;
   g.reference.blend = SANDGLASS_BLEND_CONTINUOUS;
   g.reference.solver_iterations = 1;

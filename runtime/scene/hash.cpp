@@ -28,7 +28,7 @@ uint64_t sandglass_scene_hash(const sandglass_scene* scene) {
   uint64_t hash = 0;
   for (uint32_t i = 0; i < g.particles.count; ++i) {
     const Particle& p = g.particles.records[0][i];
-    hash += item_hash(k_hashed_particle, p.identity, p.position, p.velocity);
+    hash += item_hash(k_hashed_particle, p.identity & ~k_departed, p.position, p.velocity);
   }
   for (uint32_t i = 0; i < g.grains.count; ++i) {
     const Grain& grain = g.grains.records[i];

@@ -62,7 +62,7 @@ public struct sandglass_granular_desc {
   public float particle_radius, grain_radius, static_friction, kinetic_friction, height_weighting;
   public float courant, substep_max, substep_min, list_skin, sleep_after, refine_step;
   public sandglass_reference_scheme reference;
-  public float collider_band;
+  public float collider_band, lowest;
 }
 
 [StructLayout(LayoutKind.Sequential)]

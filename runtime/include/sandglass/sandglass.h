@@ -113,7 +113,9 @@ typedef struct sandglass_granular_desc {
    * sub-step. In AVERAGED it lifts a particle by at most twice that. So nothing flies up at an impact. */
   float height_weighting;
 
-  /* C of (4.45), above 0, at most 1. Default: 0.5, as in the dissertation. */
+  /* C of (4.45), above 0, at most 1. Default: 0.5, as in the dissertation. A particle that can reach nothing within the
+   * frame counts neither for (4.45) nor for the neighbour lists, and no speed is too high for it: what falls below
+   * everything, and up to 64 fast ones elsewhere. */
   float courant;
   /* Seconds, 0.000001..0.1: the longest sub-step. 0, the default, means 0.01742 sqrt(r/g), for which the default scheme
    * was calibrated. */
@@ -126,7 +128,8 @@ typedef struct sandglass_granular_desc {
   float list_skin;
 
   /* Seconds, 0..5: particles that stay within 10 % of r of one place for so long fall asleep, and cost nothing until
-   * something touches them. 0 means never. Default: 0.5. */
+   * something touches them. Where there is gravity, only what touches something may sleep, and what is so large that it
+   * could turn in the air within that distance has less. Below 0.04 counts as 0.04; 0 means never. Default: 0.5. */
   float sleep_after;
   /* Seconds, 0.0001..0.1: the longest step of the grains, Delta t_hr: how often lambda is applied. Default: 0.008, as
    * in the dissertation. */
@@ -138,6 +141,11 @@ typedef struct sandglass_granular_desc {
   /* Metres, 0..0.1: a collider whose surface, where sand is, is told less than this away from where it is held does not
    * move. See sandglass_collider. 0: every pose is taken as it is told. Default: 0.003, above the noise of a tracker. */
   float collider_band;
+  /* Metres, 0..2000: what falls so far is removed, particles and grains. It counts along gravity, as it is now, from
+   * the lowest point of this frame's bounded colliders, of the boundary particles and of what is asleep. Nothing is
+   * removed where none of these is there, without gravity, or over a half-space that rises less than 84 degrees. What
+   * flies beyond SANDGLASS_COORDINATE_LIMIT is removed wherever it is. 0: only that. Default: 20. */
+  float lowest;
 } sandglass_granular_desc;
 
 /* ------------------------------------------------------------------------------------------------ quality */
@@ -241,8 +249,9 @@ SANDGLASS_API void sandglass_scene_reset(sandglass_scene* scene);
  *
  * It serves AR relocalisation, and shifting the origin before coordinates grow large. Gravity stays as it is. Pass the
  * colliders of the next frame moved in the same way: then what is asleep stays asleep, unless the move has tilted it by
- * more than 1.1 degrees against gravity. Fails with
- * INVALID_ARGUMENT, also when something would leave SANDGLASS_COORDINATE_LIMIT; nothing was moved then. */
+ * more than 1.1 degrees against gravity. Fails with INVALID_ARGUMENT, also when something would leave
+ * SANDGLASS_COORDINATE_LIMIT; nothing was moved then. Sand that has fallen below everything or flown away, and would leave
+ * the limit, is removed instead. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotation[4],
                                                                         const float translation[3],
                                                                         const char** reason);
@@ -684,7 +693,7 @@ typedef struct sandglass_frame_report {
   uint32_t awake_grains;
   /* Neighbours beyond the capacity of a list (32), summed over the list builds of the frame. 0 in any packing. */
   uint32_t dropped_contacts;
-  /* Particles and grains that were found not finite, or beyond the coordinate limit, and put to rest inside it. */
+  /* Particles and grains that were found not finite, or beyond twice the coordinate limit, and put to rest inside. */
   uint32_t quarantined;
   /* Colliders, emitters and sinks that were left out: not finite, without size, or beyond their capacity. */
   uint32_t ignored_colliders;
@@ -694,11 +703,12 @@ typedef struct sandglass_frame_report {
   uint32_t grain_numbers;
   /* What emitters added since create or reset. */
   uint64_t emitted_particles, emitted_grains;
-  /* What sinks and sandglass_granular_remove took away since create or reset. */
+  /* What sinks and sandglass_granular_remove took away since create or reset, and what fell by granular.lowest or left
+   * the coordinate limit. */
   uint64_t removed_particles, removed_grains;
   /* Particles that emitters had no room for. */
   uint64_t denied_particles;
-  /* m/s: the fastest particle in the last sub-step. */
+  /* m/s: the fastest particle in the last sub-step, of those that can reach something. */
   float speed_max;
   /* Textures, over all shadows and lights, that are not yet those of their lights; and ambient shadows that are not yet
    * those of their cells. */
