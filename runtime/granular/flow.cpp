@@ -17,8 +17,9 @@ constexpr float k_layer = 0.81649658f;    // sqrt(2/3)
 // them, sqrt(3) of it: that is less than what the lattice leaves them, so no pair overlaps from the start.
 constexpr float k_jitter_radii = 0.005f;
 static_assert(2.0f * 1.7320508f * k_jitter_radii < k_spacing_radii - 2.0f);
-constexpr float k_back_radii = 0.5f;  // that a particle may step back
-constexpr uint32_t k_batch = 64;      // sites added at once, from the stack
+constexpr float k_back_radii = k_spacing_radii * k_layer;  // that a particle may step back: to the next layer
+constexpr float k_clear_radii = 0.9f;  // from a particle's centre to a collider, where its place is free
+constexpr uint32_t k_batch = 64;       // sites added at once, from the stack
 
 // The next number of the sequence that an emitter's jitter is drawn from.
 uint64_t next_seed(uint64_t seed) { return mix_bits(seed + k_random_step); }
@@ -52,12 +53,13 @@ void find_axes(Nozzle* nozzle) {
   __builtin_memcpy(nozzle->axes, posed.axes, sizeof nozzle->axes);
 }
 
-// Sites of a layer: rows of a triangular lattice within the nozzle, every layer shifted against the last. Calls take(x,
-// z).
+// Sites of a layer: rows of a triangular lattice within the nozzle, every other layer in the hollows of the last. Calls
+// take(x, z).
 template <class Take>
-void for_sites(const sandglass_emitter& e, float radius, uint32_t layer, const Take& take) {
+void for_sites(const sandglass_emitter& e, float radius, uint32_t layer, const float shift[2], const Take& take) {
   const float a = k_spacing_radii * radius, reach = e.radius;
-  const float shift_x = layer % 2 == 0 ? 0.0f : 0.5f * a, shift_z = layer % 2 == 0 ? 0.0f : a * k_row / 3.0f;
+  const float shift_x = shift[0] + (layer % 2 == 0 ? 0.0f : 0.5f * a);
+  const float shift_z = shift[1] + (layer % 2 == 0 ? 0.0f : a * k_row / 3.0f);
   const int32_t rows = to_whole<int32_t>(reach / (a * k_row)) + 2, columns = to_whole<int32_t>(reach / a) + 2;
   for (int32_t j = -rows; j <= rows; ++j) {
     for (int32_t i = -columns; i <= columns; ++i) {
@@ -70,18 +72,19 @@ void for_sites(const sandglass_emitter& e, float radius, uint32_t layer, const T
 
 // Sites of a layer on their way into the scene.
 struct Sites {
-  Record at[k_batch];
+  SurfacePoint at[k_batch];
   uint64_t seeds[k_batch];  // what is drawn for the grains of each
-  float back[k_batch];      // metres to step back; above k_back_radii radii: its place is taken
+  float back[k_batch];      // metres to step back
+  bool taken[k_batch];
   uint32_t count;
 };
 
 // The layer to which they belong.
 struct Layer {
   const Nozzle* nozzle;
-  float way[3];         // unit vector; what leaves the nozzle goes this way
-  float since;          // seconds since it left the nozzle
-  float gone, drop[3];  // metres that it has come since, and the vector by which it has fallen
+  float way[3];   // unit vector; what leaves the nozzle goes this way
+  float since;    // seconds since it left the nozzle
+  float drop[3];  // by which it has fallen since
 };
 
 // Particles or grains to add.
@@ -156,35 +159,54 @@ void step_back_from(const Granular& g, Sites* sites, const Layer& layer, const C
   }
 }
 
-void find_room(const Granular& g, Sites* sites, const Layer& layer) {
+// A place is taken where a particle would still reach into a collider once it has gone on by a radius. So a nozzle may
+// lie in a collider's surface.
+void avoid_colliders(const Granular& g, Sites* sites, const Layer& layer) {
   const float r = g.desc.particle_radius;
-  // A place is taken where the particle would still be inside a collider when it has gone on by a radius.
-  uint8_t inside[k_batch];
-  uint32_t found = 0;
-  for (uint32_t s = 0; s < sites->count; ++s)
-    for (int k = 0; k < 3; ++k) sites->at[s].position[k] += r * layer.way[k];
-  const InsideArgs args = {sites->at, sites->count, g.colliders.substep_frames, g.colliders.substep_count, inside};
-  g.kernels->find_inside(&args, 0, k_batch, &found);
+  const uint32_t end = (sites->count + k_lane_group - 1) / k_lane_group * k_lane_group;
+  const auto go_on = [&](float by) {
+    for (uint32_t s = 0; s < sites->count; ++s)
+      for (int k = 0; k < 3; ++k) sites->at[s].position[k] += by * layer.way[k];
+  };
+  go_on(r);
+  for (uint32_t s = sites->count; s < end; ++s) sites->at[s] = sites->at[0];  // whole vectors
+  for (uint32_t c = 0; c < g.colliders.substep_count; ++c) {
+    const SurfaceArgs args = {sites->at, &g.colliders.substep_frames[c]};
+    uint32_t unused;
+    g.kernels->surface_at(&args, 0, end, &unused);
+    for (uint32_t s = 0; s < sites->count; ++s)
+      sites->taken[s] = sites->taken[s] || sites->at[s].distance < k_clear_radii * r;
+  }
+  go_on(-r);
+}
+
+// Moves the sites to where they overlap nothing, or finds that there is no such place.
+void find_room(const Granular& g, Sites* sites, const Layer& layer) {
+  const float most = k_back_radii * g.desc.particle_radius;
   sandglass_collider box = {};
   box.shape = SANDGLASS_SHAPE_BOX, box.rotation[3] = 1.0f;
   for (int k = 0; k < 3; ++k) {
     float low = 3e38f, high = -3e38f;
     for (uint32_t s = 0; s < sites->count; ++s) {
-      float& c = sites->at[s].position[k];
-      c -= r * layer.way[k];
+      const float c = sites->at[s].position[k];
       low = c < low ? c : low, high = c > high ? c : high;
     }
-    box.position[k] = 0.5f * (low + high), box.size[k] = 0.5f * (high - low) + (2.0f + k_back_radii) * r;
+    box.position[k] = 0.5f * (low + high), box.size[k] = 0.5f * (high - low) + 2.0f * g.desc.particle_radius + most;
   }
-  for (uint32_t s = 0; s < sites->count; ++s) sites->back[s] = inside[s] != 0 ? 2.0f * k_back_radii * r : 0.0f;
+  for (uint32_t s = 0; s < sites->count; ++s) sites->back[s] = 0.0f;
   ColliderFrame about;
   colliders_pose(&box, 1, 0.0f, &about);
   step_back_from(g, sites, layer, about, as_records(g.particles.records[0]), g.particles.count);
   step_back_from(g, sites, layer, about, as_records(boundary_particles(g)), g.boundary.count);
+  for (uint32_t s = 0; s < sites->count; ++s) {
+    sites->taken[s] = sites->back[s] > most;
+    for (int k = 0; k < 3; ++k) sites->at[s].position[k] -= sites->back[s] * layer.way[k];
+  }
+  avoid_colliders(g, sites, layer);
 }
 
 // The grains of a particle that has come to `at`. `seed` is where the sequence of its numbers goes on.
-void emit_grains(Granular* g, const Layer& layer, const Record& at, uint64_t seed, Batch* batch) {
+void emit_grains(Granular* g, const Layer& layer, const SurfacePoint& at, uint64_t seed, Batch* batch) {
   const sandglass_emitter& e = layer.nozzle->emitter;
   const float r = g->desc.particle_radius;
   // A grain is no more than this before or after its particle, so that gravity turns none of them round.
@@ -207,22 +229,41 @@ void emit_grains(Granular* g, const Layer& layer, const Record& at, uint64_t see
   }
 }
 
+// Where the nozzle has moved aside, the lattice stays behind.
+void follow_lattice(const Granular& g, EmitterState* state, Nozzle* nozzle) {
+  const float* here = nozzle->emitter.position;
+  const float a = k_spacing_radii * g.desc.particle_radius, row = a * k_row;
+  float x = 0.0f, z = 0.0f;
+  for (int k = 0; k < 3 && state->layer != 0; ++k) {
+    x += (state->origin[k] - here[k]) * nozzle->axes[0][k];
+    z += (state->origin[k] - here[k]) * nozzle->axes[2][k];
+  }
+  // To the nearest point of the lattice.
+  const float rows = static_cast<float>(floor_whole(z / row + 0.5f));
+  x -= 0.5f * a * rows, z -= row * rows;
+  x -= a * static_cast<float>(floor_whole(x / a + 0.5f));
+  nozzle->shift[0] = x, nozzle->shift[1] = z;
+  for (int k = 0; k < 3; ++k) state->origin[k] = here[k] + x * nozzle->axes[0][k] + z * nozzle->axes[2][k];
+}
+
+bool has_room(const Granular& g, const sandglass_emitter& e, uint32_t particles) {
+  const uint64_t grains = static_cast<uint64_t>(particles) * e.grains_per_particle;
+  return particles <= g.desc.particle_capacity - g.particles.count && grains <= g.desc.grain_capacity - g.grains.count;
+}
+
 void emit_sites(Granular* g, Sites* sites, const Layer& layer) {
-  const float most = k_back_radii * g->desc.particle_radius;
+  const sandglass_emitter& e = layer.nozzle->emitter;
+  const bool room = has_room(*g, e, sites->count);  // a shifted layer may have some more
   Batch batch;
   batch.count = 0;
   find_room(*g, sites, layer);
+  float velocity[3];
+  for (int k = 0; k < 3; ++k) velocity[k] = e.speed * layer.way[k] + layer.since * g->gravity[k];
   uint32_t free = 0;
   for (uint32_t s = 0; s < sites->count; ++s) {
-    if (!(sites->back[s] <= most)) continue;
-    Record& at = sites->at[free];
-    float velocity[3];
-    for (int k = 0; k < 3; ++k) {
-      at.position[k] = sites->at[s].position[k] - sites->back[s] * layer.way[k];
-      velocity[k] = layer.nozzle->emitter.speed * layer.way[k] + layer.since * g->gravity[k];
-    }
-    sites->seeds[free++] = sites->seeds[s];
-    put(g, &batch, false, at.position, velocity);
+    if (!room || sites->taken[s]) continue;
+    sites->at[free] = sites->at[s], sites->seeds[free] = sites->seeds[s];
+    put(g, &batch, false, sites->at[free++].position, velocity);
   }
   if (batch.count != 0) flush(g, &batch, false);
   deny(g, sites->count - free);
@@ -235,12 +276,8 @@ void emit_sites(Granular* g, Sites* sites, const Layer& layer) {
 void emit_layer(Granular* g, const Nozzle& nozzle, uint64_t number, float gone) {
   const sandglass_emitter& e = nozzle.emitter;
   const uint32_t index = static_cast<uint32_t>(number), count = nozzle.sites[index % 2];
-  const uint64_t grains = static_cast<uint64_t>(count) * e.grains_per_particle;
-  if (count > g->desc.particle_capacity - g->particles.count || grains > g->desc.grain_capacity - g->grains.count) {
-    deny(g, count);
-    return;
-  }
-  Layer layer = {&nozzle, {}, gone / e.speed, gone, {}};
+  if (!has_room(*g, e, count)) return deny(g, count);
+  Layer layer = {&nozzle, {}, gone / e.speed, {}};
   for (int k = 0; k < 3; ++k) {
     layer.way[k] = -nozzle.axes[1][k];
     layer.drop[k] = 0.5f * layer.since * layer.since * g->gravity[k];
@@ -248,8 +285,8 @@ void emit_layer(Granular* g, const Nozzle& nozzle, uint64_t number, float gone) 
   Sites sites;
   sites.count = 0;
   uint64_t seed = next_seed(number);
-  for_sites(e, g->desc.particle_radius, index, [&](float x, float z) {
-    Record& at = sites.at[sites.count];
+  for_sites(e, g->desc.particle_radius, index, nozzle.shift, [&](float x, float z) {
+    SurfacePoint& at = sites.at[sites.count];
     for (int k = 0; k < 3; ++k) {
       seed = next_seed(seed);
       at.position[k] = e.position[k] + x * nozzle.axes[0][k] + gone * layer.way[k] + z * nozzle.axes[2][k] +
@@ -337,7 +374,7 @@ void flow_take(Granular* g, const sandglass_frame_input& input) {
       continue;
     }
     Nozzle& nozzle = g->flow.nozzles[g->flow.emitter_count++];
-    nozzle = {accepted, {}, {0, 0}};
+    nozzle = {accepted, {}, {0.0f, 0.0f}, {0, 0}};
     find_axes(&nozzle);
   }
   // An emitter that is no longer passed starts from nothing when it comes back.
@@ -389,10 +426,12 @@ void flow_emit(Granular* g) {
     Nozzle& nozzle = g->flow.nozzles[e];
     for (; is_due(state, distance); ++state.layer) {
       state.run = state.layer == 0 ? 0.0 : state.run - distance;
-      // Every other layer is the same. Counted once in a frame: one that finds no room costs nothing more.
+      follow_lattice(*g, &state, &nozzle);
+      // Counted once in a frame: a layer that finds no room costs nothing more.
       uint32_t& sites = nozzle.sites[state.layer % 2];
+      const float unshifted[2] = {0.0f, 0.0f};
       if (sites == 0)
-        for_sites(nozzle.emitter, g->desc.particle_radius, state.layer, [&sites](float, float) { ++sites; });
+        for_sites(nozzle.emitter, g->desc.particle_radius, state.layer, unshifted, [&](float, float) { ++sites; });
       emit_layer(g, nozzle, (static_cast<uint64_t>(e) << 32) | state.layer, static_cast<float>(state.run));
     }
   }

@@ -5,8 +5,8 @@
 // sorts nor chooses what to refine. So nothing about a jet depends on the length of a frame. What comes later than its
 // moment comes as far from the nozzle and as fast as it would be by then.
 //
-// A layer follows the one before it at the distance of the lattice, if that is where free flight would have taken it. A
-// jet that has been slowed is not there. Sand placed into it would be driven back, the next layer into that, and the
+// A layer goes on with the lattice of the one before it, as far as that has fallen and the nozzle has moved aside since.
+// A jet that touched something is elsewhere. Sand placed into it would be driven back, the next layer into that, and the
 // jet would spray. So each particle steps back to where it overlaps nothing; if that is too far, it is left out.
 //
 // Numbers of removed items are used again, the last removed first.
@@ -22,13 +22,14 @@ struct Granular;
 struct EmitterState {
   double run;       // metres that sand has come since the last layer, by the speeds of the time
   uint32_t layer;   // layers so far
-  uint32_t unused;  // what is saved has no gap
+  float origin[3];  // a point of the last layer's lattice, where the layer left the nozzle, world, metres
 };
 
 struct Nozzle {
   sandglass_emitter emitter;  // with the speed that it has, and a rotation of length 1
   float axes[3][3];           // local x, y, z in the world
-  uint32_t sites[2];          // of an even and of an odd layer; 0: not counted yet
+  float shift[2];             // of the coming layer's lattice along x and z, metres
+  uint32_t sites[2];          // of an even and of an odd layer that is not shifted; 0: not counted yet
 };
 
 // Since the scene was created or reset.
