@@ -19,7 +19,27 @@ constexpr float k_jitter_radii = 0.005f;
 static_assert(2.0f * 1.7320508f * k_jitter_radii < k_spacing_radii - 2.0f);
 constexpr float k_back_radii = k_spacing_radii * k_layer;  // that a particle may step back: to the next layer
 constexpr float k_clear_radii = 0.9f;  // from a particle's centre to a collider, where its place is free
-constexpr uint32_t k_batch = 64;       // sites added at once, from the stack
+constexpr uint32_t k_batch = 64;       // sites added at once
+
+}  // namespace
+
+// Sites of a layer on their way into the scene.
+struct Sites {
+  SurfacePoint at[k_batch];
+  uint64_t seeds[k_batch];  // what is drawn for the grains of each
+  float back[k_batch];      // metres to step back
+  bool taken[k_batch];
+  uint32_t count;
+  ColliderFrame box;  // what may be in their way has its centre in here
+};
+
+// Particles or grains to add.
+struct Batch {
+  float positions[3 * k_batch], velocities[3 * k_batch];
+  uint32_t count;
+};
+
+namespace {
 
 // The next number of the sequence that an emitter's jitter is drawn from.
 uint64_t next_seed(uint64_t seed) { return mix_bits(seed + k_random_step); }
@@ -70,27 +90,12 @@ void for_sites(const sandglass_emitter& e, float radius, uint32_t layer, const f
   }
 }
 
-// Sites of a layer on their way into the scene.
-struct Sites {
-  SurfacePoint at[k_batch];
-  uint64_t seeds[k_batch];  // what is drawn for the grains of each
-  float back[k_batch];      // metres to step back
-  bool taken[k_batch];
-  uint32_t count;
-};
-
-// The layer to which they belong.
+// Of which layer sites are.
 struct Layer {
   const Nozzle* nozzle;
   float way[3];   // unit vector; what leaves the nozzle goes this way
   float since;    // seconds since it left the nozzle
   float drop[3];  // by which it has fallen since
-};
-
-// Particles or grains to add.
-struct Batch {
-  float positions[3 * k_batch], velocities[3 * k_batch];
-  uint32_t count;
 };
 
 void deny(Granular* g, uint32_t particles) {
@@ -145,11 +150,10 @@ void step_back(Sites* sites, const Layer& layer, const float particle[3], float 
   }
 }
 
-// The sites step back from those of `count` records that are inside the box about them.
-void step_back_from(const Granular& g, Sites* sites, const Layer& layer, const ColliderFrame& box,
-                    const Record* records, uint32_t count) {
+// The sites step back from those of `count` records that are in their way.
+void step_back_from(const Granular& g, Sites* sites, const Layer& layer, const Record* records, uint32_t count) {
   uint8_t inside[k_lane_group];
-  const InsideArgs args = {records, count, &box, 1, inside};
+  const InsideArgs args = {records, count, &sites->box, 1, inside};
   for (uint32_t first = 0; first < count; first += k_lane_group) {
     uint32_t found = 0;
     g.kernels->find_inside(&args, first, first + k_lane_group, &found);
@@ -183,21 +187,22 @@ void avoid_colliders(const Granular& g, Sites* sites, const Layer& layer) {
 // Moves the sites to where they overlap nothing, or finds that there is no such place.
 void find_room(const Granular& g, Sites* sites, const Layer& layer) {
   const float most = k_back_radii * g.desc.particle_radius;
-  sandglass_collider box = {};
-  box.shape = SANDGLASS_SHAPE_BOX, box.rotation[3] = 1.0f;
+  ColliderFrame& box = sites->box;
+  box = {};
+  box.shape = SANDGLASS_SHAPE_BOX;
   for (int k = 0; k < 3; ++k) {
     float low = 3e38f, high = -3e38f;
     for (uint32_t s = 0; s < sites->count; ++s) {
       const float c = sites->at[s].position[k];
       low = c < low ? c : low, high = c > high ? c : high;
     }
+    box.axes[k][k] = 1.0f;
     box.position[k] = 0.5f * (low + high), box.size[k] = 0.5f * (high - low) + 2.0f * g.desc.particle_radius + most;
   }
   for (uint32_t s = 0; s < sites->count; ++s) sites->back[s] = 0.0f;
-  ColliderFrame about;
-  colliders_pose(&box, 1, 0.0f, &about);
-  step_back_from(g, sites, layer, about, as_records(g.particles.records[0]), g.particles.count);
-  step_back_from(g, sites, layer, about, as_records(boundary_particles(g)), g.boundary.count);
+  find_extent(&box);
+  step_back_from(g, sites, layer, as_records(g.particles.records[0]), g.particles.count);
+  step_back_from(g, sites, layer, as_records(boundary_particles(g)), g.boundary.count);
   for (uint32_t s = 0; s < sites->count; ++s) {
     sites->taken[s] = sites->back[s] > most;
     for (int k = 0; k < 3; ++k) sites->at[s].position[k] -= sites->back[s] * layer.way[k];
@@ -254,8 +259,8 @@ bool has_room(const Granular& g, const sandglass_emitter& e, uint32_t particles)
 void emit_sites(Granular* g, Sites* sites, const Layer& layer) {
   const sandglass_emitter& e = layer.nozzle->emitter;
   const bool room = has_room(*g, e, sites->count);  // a shifted layer may have some more
-  Batch batch;
-  batch.count = 0;
+  Batch* batch = g->flow.batch;
+  batch->count = 0;
   find_room(*g, sites, layer);
   float velocity[3];
   for (int k = 0; k < 3; ++k) velocity[k] = e.speed * layer.way[k] + layer.since * g->gravity[k];
@@ -263,12 +268,12 @@ void emit_sites(Granular* g, Sites* sites, const Layer& layer) {
   for (uint32_t s = 0; s < sites->count; ++s) {
     if (!room || sites->taken[s]) continue;
     sites->at[free] = sites->at[s], sites->seeds[free] = sites->seeds[s];
-    put(g, &batch, false, sites->at[free++].position, velocity);
+    put(g, batch, false, sites->at[free++].position, velocity);
   }
-  if (batch.count != 0) flush(g, &batch, false);
+  if (batch->count != 0) flush(g, batch, false);
   deny(g, sites->count - free);
-  for (uint32_t s = 0; s < free; ++s) emit_grains(g, layer, sites->at[s], sites->seeds[s], &batch);
-  if (batch.count != 0) flush(g, &batch, true);
+  for (uint32_t s = 0; s < free; ++s) emit_grains(g, layer, sites->at[s], sites->seeds[s], batch);
+  if (batch->count != 0) flush(g, batch, true);
   sites->count = 0;
 }
 
@@ -282,7 +287,7 @@ void emit_layer(Granular* g, const Nozzle& nozzle, uint64_t number, float gone) 
     layer.way[k] = -nozzle.axes[1][k];
     layer.drop[k] = 0.5f * layer.since * layer.since * g->gravity[k];
   }
-  Sites sites;
+  Sites& sites = *g->flow.sites;
   sites.count = 0;
   uint64_t seed = next_seed(number);
   for_sites(e, g->desc.particle_radius, index, nozzle.shift, [&](float x, float z) {
@@ -346,6 +351,8 @@ void flow_layout(Flow* f, const sandglass_granular_desc& d, Layout* layout) {
   f->free_particles = layout_region<uint32_t>(layout, "granular.free_particles", d.particle_capacity);
   f->free_grains = layout_region<uint32_t>(layout, "granular.free_grains", d.grain_capacity);
   f->nozzles = layout_region<Nozzle>(layout, "granular.nozzles", d.emitter_capacity);
+  f->sites = layout_region<Sites>(layout, "granular.sites", d.emitter_capacity != 0 ? 1 : 0);
+  f->batch = layout_region<Batch>(layout, "granular.batch", d.emitter_capacity != 0 ? 1 : 0);
   f->emitter_states = layout_region<EmitterState>(layout, "granular.emitter_states", d.emitter_capacity);
   f->sinks = layout_region<ColliderFrame>(layout, "granular.sinks", d.sink_capacity);
 }

@@ -32,6 +32,9 @@ struct Nozzle {
   uint32_t sites[2];          // of an even and of an odd layer that is not shifted; 0: not counted yet
 };
 
+struct Sites;
+struct Batch;
+
 // Since the scene was created or reset.
 struct FlowCounts {
   uint64_t emitted_particles, emitted_grains, removed_particles, removed_grains;
@@ -44,6 +47,8 @@ struct Flow {
   uint32_t free_particle_count, free_grain_count;
   Nozzle* nozzles;  // of this frame
   EmitterState* emitter_states;
+  Sites* sites;          // of the layer that comes
+  Batch* batch;          // of it, what is added next
   ColliderFrame* sinks;  // of this frame
   uint32_t emitter_count, sink_count;
   FlowCounts counts;
