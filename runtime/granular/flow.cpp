@@ -19,7 +19,9 @@ constexpr float k_jitter_radii = 0.005f;
 static_assert(2.0f * 1.7320508f * k_jitter_radii < k_spacing_radii - 2.0f);
 constexpr float k_back_radii = k_spacing_radii * k_layer;  // that a particle may step back: to the next layer
 constexpr float k_clear_radii = 0.9f;  // from a particle's centre to a collider, where its place is free
-constexpr uint32_t k_batch = 64;       // sites added at once
+// That a lattice off the nozzle's middle comes back from layer to layer, about what gravity parts two layers by.
+constexpr float k_centring_radii = 0.02f;
+constexpr uint32_t k_batch = 64;  // sites added at once
 
 }  // namespace
 
@@ -234,7 +236,8 @@ void emit_grains(Granular* g, const Layer& layer, const SurfacePoint& at, uint64
   }
 }
 
-// Where the nozzle has moved aside, the lattice stays behind.
+// Where the nozzle has moved aside, the lattice stays behind, and comes back to its middle in small steps: a nozzle that
+// stands still pours as much everywhere.
 void follow_lattice(const Granular& g, EmitterState* state, Nozzle* nozzle) {
   const float* here = nozzle->emitter.position;
   const float a = k_spacing_radii * g.desc.particle_radius, row = a * k_row;
@@ -247,6 +250,9 @@ void follow_lattice(const Granular& g, EmitterState* state, Nozzle* nozzle) {
   const float rows = static_cast<float>(floor_whole(z / row + 0.5f));
   x -= 0.5f * a * rows, z -= row * rows;
   x -= a * static_cast<float>(floor_whole(x / a + 0.5f));
+  const float off = __builtin_sqrtf(x * x + z * z), step = k_centring_radii * g.desc.particle_radius;
+  const float left = off > step ? 1.0f - step / off : 0.0f;
+  x *= left, z *= left;
   nozzle->shift[0] = x, nozzle->shift[1] = z;
   for (int k = 0; k < 3; ++k) state->origin[k] = here[k] + x * nozzle->axes[0][k] + z * nozzle->axes[2][k];
 }

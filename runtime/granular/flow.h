@@ -5,9 +5,9 @@
 // sorts nor chooses what to refine. So nothing about a jet depends on the length of a frame. What comes later than its
 // moment comes as far from the nozzle and as fast as it would be by then.
 //
-// A layer goes on with the lattice of the one before it, as far as that has fallen and the nozzle has moved aside since.
-// A jet that touched something is elsewhere. Sand placed into it would be driven back, the next layer into that, and the
-// jet would spray. So each particle steps back to where it overlaps nothing; if that is too far, it is left out.
+// A layer goes on with the lattice of the one before it, also where the nozzle has moved aside. But a jet that touched
+// something is not where free fall has it. Sand placed into it would be driven back, the next layer into that, and the
+// jet would spray. So each particle steps back to where it overlaps nothing. If that is too far, it is left out.
 //
 // Numbers of removed items are used again, the last removed first.
 #pragma once
