@@ -13,6 +13,7 @@ import { k_module, k_module_threads, k_scene, k_chair_shadow } from "./data.mjs"
 
 const k_step = k_scene.frame_step, k_radius = k_scene.granular.particle_radius;
 const k_pour = { radius: 4 * k_radius, speed: 0.8, grains_per_particle: 16 };
+const k_layer = 16;          // particles of a layer of that nozzle at most
 const k_pour_height = 0.3;   // metres above what is touched
 const k_hand = 6 * k_radius; // radius of the sphere that pushes
 const k_hand_speed = 1;      // m/s at most, so that a finger that jumps does not hit the sand
@@ -245,7 +246,8 @@ class Page {
 
   // A finger pours and nothing comes: said once, until it is lifted.
   tellFull({ denied_particles }) {
-    const nothing = this.at !== null && this.tool === "pour" && denied_particles > this.denied;
+    const full = this.particles() + k_layer > this.scene.desc.granular.particle_capacity;  // or else something is in the way
+    const nothing = full && this.at !== null && this.tool === "pour" && denied_particles > this.denied;
     if (nothing && !this.saidFull) say(`${this.full()}. Press "Start again" to clear it.`);
     this.saidFull = this.at !== null && (this.saidFull || nothing), this.denied = denied_particles;
   }

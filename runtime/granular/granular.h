@@ -62,7 +62,7 @@ struct FrameCounts {
   uint32_t quarantined;       // particles and grains that were not finite or out of bounds
   // What the frame was given and could not use.
   uint32_t ignored_colliders, ignored_emitters, ignored_sinks;
-  uint32_t denied_particles;  // for which emitters found no room
+  uint32_t denied_particles;  // for which emitters found no room or no free place
 };
 
 struct Granular {

@@ -159,14 +159,33 @@ void motion_configure(ParticleMotion* m, const sandglass_granular_desc& d) {
   m->grid.gain = wider * wider * wider;
 }
 
+// Seconds since the last sweep's snapshot, and since that of the sweep under way.
+static void since_snapshots(const Granular& g, float since[2]) {
+  const bool under_way = g.sweep.phase != SweepPhase::idle && g.sweep.phase != SweepPhase::snapshot;
+  since[0] = static_cast<float>(g.time.grain_lag);
+  since[1] = under_way ? static_cast<float>(g.time.grain_lag - g.sweep.time) : since[0];
+}
+
 void motion_add(Granular* g, uint32_t number, const float position[3], const float velocity[3]) {
   if (g->desc.grain_capacity == 0) return;
-  const bool under_way = g->sweep.phase != SweepPhase::idle && g->sweep.phase != SweepPhase::snapshot;
-  const float since_start = static_cast<float>(g->time.grain_lag);
-  const float since_end = under_way ? static_cast<float>(g->time.grain_lag - g->sweep.time) : since_start;
+  float since[2];
+  since_snapshots(*g, since);
   for (int k = 0; k < 3; ++k) {
-    g->motion.starts[number].position[k] = position[k] - since_start * velocity[k];
-    g->motion.ends[number].position[k] = position[k] - since_end * velocity[k];
+    g->motion.starts[number].position[k] = position[k] - since[0] * velocity[k];
+    g->motion.ends[number].position[k] = position[k] - since[1] * velocity[k];
+  }
+}
+
+void motion_fall(Granular* g, uint32_t first) {
+  if (g->desc.grain_capacity == 0) return;
+  float since[2];
+  since_snapshots(*g, since);
+  for (uint32_t i = first; i < g->particles.count; ++i) {
+    const uint32_t number = number_of(g->particles.records[0][i]);
+    for (int k = 0; k < 3; ++k) {
+      g->motion.starts[number].position[k] += 0.5f * since[0] * since[0] * g->gravity[k];
+      g->motion.ends[number].position[k] += 0.5f * since[1] * since[1] * g->gravity[k];
+    }
   }
 }
 

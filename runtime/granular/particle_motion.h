@@ -35,6 +35,8 @@ float motion_free_fall(const float at_end[3], const float mean[3], const float g
 
 // A particle that is added, as if it had come this way with its velocity.
 void motion_add(Granular* granular, uint32_t number, const float position[3], const float velocity[3]);
+// The particles from the row `first` on, which were just added, have fallen freely on their way.
+void motion_fall(Granular* granular, uint32_t first);
 // What the particles do from now on is what the next sweep covers. The grains lag behind by nothing.
 void motion_begin_here(Granular* granular);
 // The sweep under way is complete.

@@ -153,7 +153,9 @@ bool sound_scalars(const Granular& g, const Header& h, const Scalars& s) {
   const float fastest = g.desc.courant * g.desc.particle_radius / g.substep.shortest;
   const double most = static_cast<double>((fastest < 100.0f ? fastest : 100.0f) + 4.0f * g.desc.particle_radius);
   for (uint32_t e = 0; e < h.emitters; ++e) {
-    if (!within(g.flow.emitter_states[e].run, 0.0, most)) return false;
+    const EmitterState& state = g.flow.emitter_states[e];
+    if (!within(state.run, 0.0, most) || !all_within(state.origin, 3, -k_coordinate_bound, k_coordinate_bound))
+      return false;
   }
   return true;
 }

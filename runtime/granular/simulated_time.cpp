@@ -51,6 +51,7 @@ void time_pay(Granular* g) {
   t.simulated += paid;
   if (g->grains.count != 0) t.grain_lag += paid;
   t.debt -= paid;
+  flow_pass_time(&g->flow, paid);
   if (g->substep.interval_left != 0) return;
   // The rounding of the parts does not add up: at the end of an interval the debt is what it was meant to be.
   t.simulated += t.debt - t.interval_debt;

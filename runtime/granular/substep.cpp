@@ -36,6 +36,7 @@ SubstepPhase upcoming(const Granular& g, uint32_t level) {
   if ((s.due & bit(SubstepPhase::touch)) != 0) return SubstepPhase::touch;
   if (s.interval_left == 0 && (g.time.debt < k_time_resolution || time_awaits_grains(g))) return SubstepPhase::idle;
   if (s.interval_left == 0 && departed_due(g)) return SubstepPhase::departed;
+  if (flow_is_due(g)) return SubstepPhase::sort;
   if (!time_plan_substep(g, level).stale) return first_pass(g);
   return neighbours_doubt(g) ? SubstepPhase::slack : SubstepPhase::sort;
 }
@@ -115,8 +116,12 @@ void enter(Granular* g, SubstepPhase phase) {
 
 void begin(Granular* g, uint32_t level) {
   Substep& s = g->substep;
-  if (s.interval_left == 0 && g->flow.emitter_count != 0) flow_emit(g, time_interval(*g));
-  const SubstepPlan plan = time_plan_substep(*g, level);
+  if (s.interval_left == 0) {
+    // As fast as what comes within the interval.
+    const float speed = flow_speed(g->flow);
+    if (speed > g->particles.speed_max) g->particles.speed_max = speed;
+  }
+  SubstepPlan plan = time_plan_substep(*g, level);
   if (s.interval_left == 0) g->time.interval_debt = g->time.debt - plan.interval;
   g->departed.known = false;  // of the next interval
   s.interval_left = plan.count;
@@ -128,6 +133,10 @@ void begin(Granular* g, uint32_t level) {
                  g->colliders.substep_frames);
   g->colliders.substep_count = g->colliders.solid_count;
   s.level = level;
+  if (flow_is_due(*g)) {
+    flow_emit(g);
+    plan.stale = neighbours_stale(*g, level, s.length);
+  }
   if (plan.stale && neighbours_doubt(*g)) {
     neighbours_begin_measuring(g);
     return enter(g, SubstepPhase::slack);

@@ -50,7 +50,8 @@ void log_frame(const sandglass_scene& scene) {
       {counts.ignored_sinks,
        "granular: a sink was left out: a number of it is out of range, or it is beyond sink_capacity."},
       {counts.denied_particles,
-       "granular: an emitter poured less than it should: raise particle_capacity or grain_capacity, or pass a sink."},
+       "granular: an emitter poured less than it should: raise particle_capacity or grain_capacity, pass a sink, or "
+       "clear the place before its nozzle."},
   };
   for (const auto& event : events)
     if (event.count != 0) log.write(log.user, event.sentence);

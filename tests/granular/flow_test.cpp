@@ -106,7 +106,7 @@ TEST(Emitter, WithoutRoomALayerIsLeftOutAndCounted) {
   for (int frame = 0; frame < 60; ++frame) report = flow.frame();
   EXPECT_STREQ(flow.said,
                "granular: an emitter poured less than it should: raise particle_capacity or grain_capacity, "
-               "or pass a sink.");
+               "pass a sink, or clear the place before its nozzle.");
   EXPECT_LE(report.particles, 100u);
   EXPECT_GT(report.particles, 80u);
   EXPECT_GT(report.denied_particles, 100u);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint32_t k_sand_most = 400, k_body_particles = 125, k_bodies = 3, k_emitters = 2, k_grains_each = 8;
 constexpr uint32_t k_particles_most = 700, k_colliders = 6;
-constexpr float k_fastest = 3.0f, k_ahead = 1.0f / 3.0f;  // m/s, of nozzles; seconds before one that must be free
+constexpr float k_fastest = 3.0f;  // m/s, of nozzles
 constexpr double k_pi = 3.14159265358979323846;
 
 }  // namespace
@@ -170,13 +170,11 @@ void RandomScene::add_colliders() {
         samples.push_back(p);
     ::accept(scene.set_boundary(samples));
   }
-  const float pull = std::hypot(desc.gravity[0], desc.gravity[1], desc.gravity[2]);
-  const float free = k_ahead * (k_fastest + 0.5f * pull * k_ahead);
   for (uint32_t i = one_in(3) ? 1 + random_.below(k_emitters) : 0; i > 0; --i) {
     const float place[2] = {r_ * between(-10, 10), r_ * between(-10, 10)};
     const float radius = r_ * between(1, 6), speed = between(0.05, k_fastest);
     const uint32_t each = random_.below(k_grains_each);
-    emitters_.push_back(emitter(place[0], height_ + 20 * r_ + free, place[1], radius, speed,
+    emitters_.push_back(emitter(place[0], height_ + r_ * between(-20, 40), place[1], radius, speed,
                                 desc.granular.grain_capacity == 0 ? 0 : each));
   }
   if (one_in(4)) sinks_.push_back(box(r_ * between(-15, 15), 0, 0, 6 * r_, 4 * r_, 6 * r_));

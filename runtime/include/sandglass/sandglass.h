@@ -558,12 +558,15 @@ typedef struct sandglass_plan {
 
 /* A nozzle that pours sand for as long as it is passed to frames. It pours layers of a hexagonal lattice with the
  * density of packed sand, one whenever the layer before has gone far enough: about 0.5 R^2 speed / r^3 particles a
- * second, with R the nozzle's radius and r that of a particle. A layer for which there is no room is left out, counted
- * and logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever. What
- * leaves the nozzle during a frame falls from its own moment on, so a jet stretches without gaps at any frame rate.
+ * second, with R the nozzle's radius and r that of a particle. Every layer comes at its own moment. So a jet is the
+ * same at any frame rate, and stretches without gaps. A layer for which there is no room is left out, counted and
+ * logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever.
  *
- * Keep the space before the nozzle free, for as far as sand flies and falls in a third of a second: what is poured in a
- * long frame appears that far away, whatever is in between, and below a floor if that is nearer. */
+ * No particle comes where it would overlap another one or a collider. One whose place is not free comes up to 1.65 r
+ * behind it, against the jet. If that is not enough, or if its surface would be more than 0.1 r inside a collider once
+ * it has gone on by r, it is left out, counted and logged. So a nozzle that is blocked pauses, in part or wholly, and
+ * what it pours into is not thrown about. Keep 2 r before the nozzle free of colliders. Where a nozzle is moved, sand
+ * does not take its velocity over. */
 typedef struct sandglass_emitter {
   /* Of the nozzle's centre, world, metres. */
   float position[3];
@@ -706,7 +709,7 @@ typedef struct sandglass_frame_report {
   /* What sinks and sandglass_granular_remove took away since create or reset, and what fell by granular.lowest or left
    * the coordinate limit. */
   uint64_t removed_particles, removed_grains;
-  /* Particles that emitters had no room for. */
+  /* Particles that emitters left out: for want of capacity, or because something was in their place. */
   uint64_t denied_particles;
   /* m/s: the fastest particle in the last sub-step, of those that can reach something. */
   float speed_max;
