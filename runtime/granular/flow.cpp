@@ -157,17 +157,6 @@ void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_
   if (fine.count != 0) flush(g, &fine, true);
 }
 
-// Takes particle i out; the last one moves into its place.
-void remove_particle(Granular* g, uint32_t i) {
-  Particle* gap = &g->particles.records[0][i];
-  g->flow.free_particles[g->flow.free_particle_count++] = number_of(*gap);
-  if (is_awake(*gap)) --g->sleep.awake_count;
-  const uint32_t last = --g->particles.count;
-  if (i == last) return;
-  *gap = g->particles.records[0][last];
-  if (in_body(*gap)) bodies_note_row(g, i);
-}
-
 void remove_grain(Granular* g, uint32_t i) {
   Grain* gap = &g->grains.records[i];
   g->flow.free_grains[g->flow.free_grain_count++] = gap->number;
@@ -191,15 +180,26 @@ uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* c
   return removed;
 }
 
+}  // namespace
+
+void flow_remove_particle(Granular* g, uint32_t i) {
+  Particle* gap = &g->particles.records[0][i];
+  g->flow.free_particles[g->flow.free_particle_count++] = number_of(*gap);
+  if (is_awake(*gap)) --g->sleep.awake_count;
+  const uint32_t last = --g->particles.count;
+  if (i == last) return;
+  *gap = g->particles.records[0][last];
+  if (in_body(*gap)) bodies_note_row(g, i);
+}
+
 // Particles of sleeping groups may have moved to others. The next list build finds out which groups sleep.
-void after_removal(Granular* g) {
+void flow_after_removal(Granular* g) {
   g->neighbours.valid = false;
   substep_set_due(g, SubstepPhase::wake, false);
   g->sleep.waking_count = 0;
+  sweep_particles_changed(g);
   particles_seal(g);
 }
-
-}  // namespace
 
 void flow_layout(Flow* f, const sandglass_granular_desc& d, Layout* layout) {
   f->free_particles = layout_region<uint32_t>(layout, "granular.free_particles", d.particle_capacity);
@@ -234,8 +234,9 @@ void flow_take(Granular* g, const sandglass_frame_input& input) {
       ++g->flow.emitter_count;
     }
   }
-  // An emitter that is no longer passed starts from nothing when it comes back.
-  for (uint32_t e = g->flow.emitter_count; e < g->desc.emitter_capacity; ++e) g->flow.emitter_states[e] = {};
+  // An emitter that is no longer passed starts from nothing when it comes back. A pause is not long enough to forget.
+  for (uint32_t e = g->flow.emitter_count; e < g->desc.emitter_capacity && !time_paused(*g); ++e)
+    g->flow.emitter_states[e] = {};
   g->flow.sink_count = 0;
   for (uint32_t s = 0; s < input.sink_count; ++s) {
     sandglass_collider accepted;
@@ -271,6 +272,7 @@ bool flow_run_drain(Granular* g) {
   const uint32_t items = sleep_active_items(*g);
   const uint32_t end = items - g->substep.cursor < g->unit ? items : g->substep.cursor + g->unit;
   uint32_t removed = 0;
+  if (g->substep.cursor == 0) bodies_begin_drain(&g->bodies);
   // From the last group to the first, so the particle that fills a gap has been looked at.
   for (uint32_t at = g->substep.cursor; at < end; at += k_lane_group) {
     const uint32_t first = g->sleep.active_groups[g->sleep.active_count - 1 - at / k_lane_group] * k_lane_group;
@@ -278,15 +280,18 @@ bool flow_run_drain(Granular* g) {
     removed += drain_group(*g, as_records(g->particles.records[0]), &g->particles.count, first, g->flow.sinks,
                            g->flow.sink_count, [g](uint32_t i) {
                              const Particle& p = g->particles.records[0][i];
-                             if (in_body(p) || !is_awake(p)) return false;
-                             remove_particle(g, i);
+                             if (!is_awake(p)) return false;
+                             if (in_body(p)) return bodies_note_inside(&g->bodies, body_of(p) - 1), false;
+                             flow_remove_particle(g, i);
                              return true;
                            });
   }
   g->flow.counts.removed_particles += removed;
-  if (removed != 0) after_removal(g);
+  if (removed != 0) flow_after_removal(g);
   g->substep.cursor = end;
-  return end >= items;
+  if (end < items) return false;
+  bodies_drain(g);
+  return true;
 }
 
 bool flow_run_grain_drain(Granular* g) {
@@ -326,7 +331,7 @@ sandglass_status granular_remove(Granular* g, const sandglass_collider* region, 
     removed += drain_group(*g, as_records(g->particles.records[0]), &g->particles.count, group * k_lane_group, &shape,
                            1, [g](uint32_t i) {
                              if (in_body(g->particles.records[0][i])) return false;
-                             remove_particle(g, i);
+                             flow_remove_particle(g, i);
                              return true;
                            });
   }
@@ -337,7 +342,7 @@ sandglass_status granular_remove(Granular* g, const sandglass_collider* region, 
                                     return true;
                                   });
   }
-  if (g->desc.particle_capacity != 0) after_removal(g);
+  if (g->desc.particle_capacity != 0) flow_after_removal(g);
   if (removed_grains != 0) sweep_grains_removed(g);
   g->flow.counts.removed_particles += removed;
   g->flow.counts.removed_grains += removed_grains;

@@ -25,6 +25,7 @@ struct EmitterState {
 struct FlowCounts {
   uint64_t emitted_particles, emitted_grains, removed_particles, removed_grains;
   uint64_t denied_particles;  // that found no room
+  uint64_t removed_bodies;
 };
 
 struct Flow {
@@ -44,6 +45,11 @@ void flow_reset(Flow* flow, const sandglass_granular_desc& desc);
 // The number of a new item, where there are `count` of its kind already.
 uint32_t flow_take_particle_number(Flow* flow, uint32_t count);
 uint32_t flow_take_grain_number(Flow* flow, uint32_t count);
+
+// Takes particle i out; the last one moves into its place.
+void flow_remove_particle(Granular* granular, uint32_t i);
+// After particles were taken out: indices mean others now.
+void flow_after_removal(Granular* granular);
 
 // Takes a frame's emitters and sinks. Counts those that it leaves out.
 void flow_take(Granular* granular, const sandglass_frame_input& input);
