@@ -131,8 +131,9 @@ void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state, doub
   uint32_t index = 0;
   for (const Body& body : scene.bodies) {
     if (body.rigid == 0.0) continue;
+    const bool there = sandglass_granular_has_body(state, index) != 0;  // no sink has taken it
     const sandglass_body_pose pose = sandglass_granular_body_pose(state, index++);
-    if (body.shape != BodyShape::box && body.shape != BodyShape::sphere) continue;
+    if (!there || (body.shape != BodyShape::box && body.shape != BodyShape::sphere)) continue;
     sandglass_collider shape = {};
     shape.shape = body.shape == BodyShape::box ? SANDGLASS_SHAPE_BOX : SANDGLASS_SHAPE_SPHERE;
     shape.grains_only = 1;

@@ -1,69 +1,19 @@
 #include "runtime/granular/bodies.h"
 
 #include "runtime/core/finite.h"
-#include "runtime/core/refuse.h"
 #include "runtime/granular/granular.h"
+#include "runtime/granular/rigid_motion.h"
 #include "runtime/granular/rotation.h"
 
 namespace sandglass {
 
 namespace {
 
-struct Vector {
-  double x, y, z;
-};
-
-Vector cross(const Vector& a, const Vector& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-// (R - 1) r for the rotation by q: exact to the last bits of small turns.
-Vector turned_by(const double q[4], const Vector& r) {
-  const Vector v = {q[0], q[1], q[2]};
-  const Vector t = cross(v, r);
-  const Vector u = cross(v, {t.x + q[3] * r.x, t.y + q[3] * r.y, t.z + q[3] * r.z});
-  return {2.0 * u.x, 2.0 * u.y, 2.0 * u.z};
-}
-
-Vector rotated(const double q[4], const Vector& r) {
-  const Vector t = turned_by(q, r);
-  return {r.x + t.x, r.y + t.y, r.z + t.z};
-}
-
-Vector rest_of(const Bodies& bodies, uint32_t slot) {
-  const float* p = bodies.rest_shape + 3ull * slot;
-  return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
-}
+Vector rest_of(const Bodies& bodies, uint32_t slot) { return to_vector(bodies.rest_shape + 3ull * slot); }
 
 // A body sleeps and wakes as a whole: its first particle tells.
 bool awake(const Granular& g, const RigidBody& body) {
-  return is_awake(g.particles.records[0][g.bodies.rows[body.first]]);
-}
-
-// The w with (tr(S) - S) w = l, for the spread S = sum of r r^T. A straight body has no inertia about its own axis. A
-// billionth more of the trace on the diagonal keeps the equation solvable, and no spin comes out about that axis,
-// because none went in.
-void angular_velocity(const double spread[9], const double l[3], double w[3]) {
-  const double trace = spread[0] + spread[4] + spread[8];
-  double m[9];
-  for (int i = 0; i < 9; ++i) m[i] = -spread[i];
-  for (int i = 0; i < 9; i += 4) m[i] += trace * (1.0 + 1e-9);
-  const double c[3] = {m[4] * m[8] - m[5] * m[7], m[5] * m[6] - m[3] * m[8], m[3] * m[7] - m[4] * m[6]};
-  const double det = m[0] * c[0] + m[1] * c[1] + m[2] * c[2];
-  w[0] = w[1] = w[2] = 0.0;
-  if (!(det > 1e-300)) return;  // a point
-  const double inverse[9] = {c[0], m[2] * m[7] - m[1] * m[8], m[1] * m[5] - m[2] * m[4],
-                             c[1], m[0] * m[8] - m[2] * m[6], m[2] * m[3] - m[0] * m[5],
-                             c[2], m[1] * m[6] - m[0] * m[7], m[0] * m[4] - m[1] * m[3]};
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) w[i] += inverse[3 * i + j] * l[j] / det;
-}
-
-void multiply(const double t[4], const double r[4], double q[4]) {
-  q[0] = t[3] * r[0] + t[0] * r[3] + t[1] * r[2] - t[2] * r[1];
-  q[1] = t[3] * r[1] + t[1] * r[3] + t[2] * r[0] - t[0] * r[2];
-  q[2] = t[3] * r[2] + t[2] * r[3] + t[0] * r[1] - t[1] * r[0];
-  q[3] = t[3] * r[3] - t[0] * r[0] - t[1] * r[1] - t[2] * r[2];
+  return body.count != 0 && is_awake(g.particles.records[0][g.bodies.rows[body.first]]);
 }
 
 // The spread of the turned body.
@@ -144,9 +94,7 @@ void apply(Granular* g, uint32_t slot) {
   const Vector now = rotated(body.rotation, rest_of(g->bodies, slot));
   const double back[4] = {-m.turn[0], -m.turn[1], -m.turn[2], m.turn[3]};
   const Vector turned = turned_by(back, now);  // the turn of this sub-step, backward
-  const Vector spun = cross({static_cast<double>(body.angular[0]), static_cast<double>(body.angular[1]),
-                             static_cast<double>(body.angular[2])},
-                            now);
+  const Vector spun = cross(to_vector(body.angular), now);
   const double offset[3] = {now.x, now.y, now.z}, turn[3] = {-turned.x, -turned.y, -turned.z};
   const double spin[3] = {spun.x, spun.y, spun.z};
   ContactExtent& e = g->substep.extent;
@@ -173,6 +121,7 @@ void bodies_layout(Bodies* b, const sandglass_granular_desc& d, Layout* layout) 
   b->rest_shape = layout_region<float>(layout, "granular.body_rest", 3ull * d.body_particle_capacity);
   b->rows = layout_region<uint32_t>(layout, "granular.body_rows", d.body_particle_capacity);
   b->numbers = layout_region<uint32_t>(layout, "granular.body_numbers", d.body_particle_capacity);
+  b->inside = layout_region<uint32_t>(layout, "granular.bodies_inside", d.body_capacity);
 }
 
 void bodies_reset(Bodies* b) {
@@ -226,6 +175,19 @@ bool bodies_run(Granular* g) {
   return g->bodies.cursor == g->bodies.count;
 }
 
+void bodies_begin_drain(Bodies* b) {
+  for (uint32_t index = 0; index < b->count; ++index) b->inside[index] = 0;
+}
+
+void bodies_note_inside(Bodies* b, uint32_t index) { ++b->inside[index]; }
+
+void bodies_drain(Granular* g) {
+  for (uint32_t index = g->bodies.count; index-- > 0;) {
+    const RigidBody& body = g->bodies.all[index];
+    if (body.count != 0 && g->bodies.inside[index] == body.count) bodies_remove(g, index);
+  }
+}
+
 void bodies_put_to_sleep(Granular* g, uint32_t patience) {
   for (uint32_t b = 0; b < g->bodies.count; ++b) {
     const RigidBody& body = g->bodies.all[b];
@@ -243,87 +205,28 @@ void bodies_put_to_sleep(Granular* g, uint32_t patience) {
   }
 }
 
-sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint32_t* index, const char** reason) {
-  if (desc == nullptr)
-    return refuse(reason, "sandglass_granular_add_body: body is NULL: pass a body filled by sandglass_body_default.");
-  if (desc->struct_size != sizeof *desc)
-    return refuse(
-        reason,
-        "sandglass_granular_add_body: body.struct_size is not this library's: fill it with sandglass_body_default.");
-  if (desc->particle_count == 0)
-    return refuse(reason, "sandglass_granular_add_body: body.particle_count is 0: a body needs at least one particle.");
-  if (desc->particle_positions == nullptr)
-    return refuse(reason,
-                  "sandglass_granular_add_body: body.particle_positions is NULL: pass 3 floats for each particle.");
-  if (!(desc->density_ratio >= 1e-3f && desc->density_ratio <= 1e3f))
-    return refuse(reason, "sandglass_granular_add_body: density_ratio must be 0.001 to 1000.");
-  for (int k = 0; k < 3; ++k) {
-    if (!(__builtin_fabsf(desc->linear_velocity[k]) <= 1e4f && __builtin_fabsf(desc->angular_velocity[k]) <= 1e4f))
-      return refuse(reason, "sandglass_granular_add_body: a velocity is not finite or above 10000 m/s or rad/s.");
-  }
-  if (g->bodies.count == g->desc.body_capacity ||
-      desc->particle_count > g->desc.body_particle_capacity - g->bodies.particle_count)
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "sandglass_granular_add_body: more bodies or body particles than granular.body_capacity and "
-                  "body_particle_capacity have room for: raise them.");
-  const uint32_t first_record = g->particles.count;
-  const sandglass_status added =
-      granular_add(g, desc->particle_positions, nullptr, desc->particle_count, nullptr, nullptr, 0, reason);
-  if (added != SANDGLASS_OK) return added;
-
-  RigidBody& body = g->bodies.all[g->bodies.count];
-  body = {};
-  body.first = g->bodies.particle_count;
-  body.count = desc->particle_count;
-  body.rotation[3] = 1.0;
-  for (uint32_t i = 0; i < body.count; ++i)
-    for (int k = 0; k < 3; ++k) body.center[k] += static_cast<double>(desc->particle_positions[3ull * i + k]);
-  for (int k = 0; k < 3; ++k) {
-    body.center[k] /= body.count;
-    body.linear[k] = desc->linear_velocity[k], body.angular[k] = desc->angular_velocity[k];
-  }
-  const Vector spin = {static_cast<double>(body.angular[0]), static_cast<double>(body.angular[1]),
-                       static_cast<double>(body.angular[2])};
-  float speed2_most = 0.0f;
-  for (uint32_t i = 0; i < body.count; ++i) {
-    const uint32_t slot = body.first + i;
-    Particle* p = &g->particles.records[0][first_record + i];
-    for (int k = 0; k < 3; ++k)
-      g->bodies.rest_shape[3ull * slot + k] = static_cast<float>(static_cast<double>(p->position[k]) - body.center[k]);
-    g->bodies.rows[slot] = first_record + i;
-    g->bodies.numbers[slot] = number_of(*p);
-    g->sleep.anchors[number_of(*p)].body_slot = slot;
-    join_body(p, g->bodies.count + 1, 1.0f / desc->density_ratio);
-    const Vector turning = cross(spin, rest_of(g->bodies, slot));
-    float* v = p->velocity;
-    v[0] = body.linear[0] + static_cast<float>(turning.x);
-    v[1] = body.linear[1] + static_cast<float>(turning.y);
-    v[2] = body.linear[2] + static_cast<float>(turning.z);
-    const float speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    speed2_most = speed2 > speed2_most ? speed2 : speed2_most;
-  }
-  const float speed = __builtin_sqrtf(speed2_most);
-  g->particles.speed_max = speed > g->particles.speed_max ? speed : g->particles.speed_max;
-  g->bodies.particle_count += body.count;
-  if (desc->density_ratio > g->bodies.densest) g->bodies.densest = desc->density_ratio;
-  if (index != nullptr) *index = g->bodies.count;
-  ++g->bodies.count;
-  return SANDGLASS_OK;
-}
-
 void bodies_place(const Bodies& bodies, const RigidBody& body, uint32_t slot, float position[3]) {
   const Vector r = rotated(body.rotation, rest_of(bodies, slot));
   const double offset[3] = {r.x, r.y, r.z};
   for (int k = 0; k < 3; ++k) position[k] = static_cast<float>(body.center[k] + offset[k]);
 }
 
+void bodies_set_velocities(Granular* g, const RigidBody& body) {
+  for (uint32_t slot = body.first; slot < body.first + body.count; ++slot) {
+    Particle* p = &g->particles.records[0][g->bodies.rows[slot]];
+    const Vector turning = cross(to_vector(body.angular), rotated(body.rotation, rest_of(g->bodies, slot)));
+    p->velocity[0] = body.linear[0] + static_cast<float>(turning.x);
+    p->velocity[1] = body.linear[1] + static_cast<float>(turning.y);
+    p->velocity[2] = body.linear[2] + static_cast<float>(turning.z);
+    particles_include(&g->particles, p->position, p->velocity);
+  }
+}
+
 void bodies_move(Bodies* bodies, uint32_t index, const double rotation[4], const float shift[3]) {
   RigidBody& body = bodies->all[index];
+  if (body.count == 0) return;
   const Vector c = rotated(rotation, {body.center[0], body.center[1], body.center[2]});
-  const Vector v = rotated(rotation, {static_cast<double>(body.linear[0]), static_cast<double>(body.linear[1]),
-                                      static_cast<double>(body.linear[2])});
-  const Vector w = rotated(rotation, {static_cast<double>(body.angular[0]), static_cast<double>(body.angular[1]),
-                                      static_cast<double>(body.angular[2])});
+  const Vector v = rotated(rotation, to_vector(body.linear)), w = rotated(rotation, to_vector(body.angular));
   const double center[3] = {c.x, c.y, c.z}, linear[3] = {v.x, v.y, v.z}, angular[3] = {w.x, w.y, w.z};
   double q[4];
   multiply(rotation, body.rotation, q);
@@ -333,16 +236,6 @@ void bodies_move(Bodies* bodies, uint32_t index, const double rotation[4], const
     body.linear[k] = static_cast<float>(linear[k]);
     body.angular[k] = static_cast<float>(angular[k]);
   }
-}
-
-void granular_body_pose(const Granular& g, uint32_t index, sandglass_body_pose* pose) {
-  const RigidBody& body = g.bodies.all[index];
-  for (int k = 0; k < 3; ++k) {
-    pose->position[k] = static_cast<float>(body.center[k]);
-    pose->linear_velocity[k] = body.linear[k];
-    pose->angular_velocity[k] = body.angular[k];
-  }
-  for (int k = 0; k < 4; ++k) pose->rotation[k] = static_cast<float>(body.rotation[k]);
 }
 
 }  // namespace sandglass

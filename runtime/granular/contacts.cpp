@@ -123,7 +123,7 @@ ContactArgs contact_args(const Granular& g) {
   const float heaviest = densest < 1.0f ? 1.0f : (densest < k_heaviest_counted ? densest : k_heaviest_counted);
   a.stick = sticking_share(g.desc.static_friction);
   a.separation_max = k_separation_units * heaviest * granular_speed_scale(g) * dt;
-  a.leave_max = contacts_leave_speed(g) * dt;
+  a.leave_max = heaviest * contacts_leave_speed(g) * dt;
   const bool first = s.phase == SubstepPhase::predict || (solve && !pairs && s.pass == 0);
   a.scale = first ? dt : 1.0f;
   const float dithered = 1.0f + k_dither * (static_cast<float>(static_cast<int32_t>(s.dither)) * 0x1p-31f);

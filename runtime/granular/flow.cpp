@@ -349,6 +349,7 @@ void flow_after_removal(Granular* g) {
   g->neighbours.valid = false;
   substep_set_due(g, SubstepPhase::wake, false);
   g->sleep.waking_count = 0;
+  sweep_particles_changed(g);
   particles_seal(g);
 }
 
@@ -389,8 +390,9 @@ void flow_take(Granular* g, const sandglass_frame_input& input) {
     nozzle = {accepted, {}, {0.0f, 0.0f}, {0, 0}};
     find_axes(&nozzle);
   }
-  // An emitter that is no longer passed starts from nothing when it comes back.
-  for (uint32_t e = g->flow.emitter_count; e < g->desc.emitter_capacity; ++e) g->flow.emitter_states[e] = {};
+  // An emitter that is no longer passed starts from nothing when it comes back. A pause is not long enough to forget.
+  for (uint32_t e = g->flow.emitter_count; e < g->desc.emitter_capacity && !time_paused(*g); ++e)
+    g->flow.emitter_states[e] = {};
   g->flow.sink_count = 0;
   for (uint32_t s = 0; s < input.sink_count; ++s) {
     sandglass_collider accepted;
@@ -453,6 +455,7 @@ bool flow_run_drain(Granular* g) {
   const uint32_t items = sleep_active_items(*g);
   const uint32_t end = items - g->substep.cursor < g->unit ? items : g->substep.cursor + g->unit;
   uint32_t removed = 0;
+  if (g->substep.cursor == 0) bodies_begin_drain(&g->bodies);
   // From the last group to the first, so the particle that fills a gap has been looked at.
   for (uint32_t at = g->substep.cursor; at < end; at += k_lane_group) {
     const uint32_t first = g->sleep.active_groups[g->sleep.active_count - 1 - at / k_lane_group] * k_lane_group;
@@ -460,7 +463,8 @@ bool flow_run_drain(Granular* g) {
     removed += drain_group(*g, as_records(g->particles.records[0]), &g->particles.count, first, g->flow.sinks,
                            g->flow.sink_count, g->departed.gone, [g](uint32_t i) {
                              const Particle& p = g->particles.records[0][i];
-                             if (in_body(p) || !is_awake(p)) return false;
+                             if (!is_awake(p)) return false;
+                             if (in_body(p)) return bodies_note_inside(&g->bodies, body_of(p) - 1), false;
                              flow_remove_particle(g, i);
                              return true;
                            });
@@ -468,7 +472,9 @@ bool flow_run_drain(Granular* g) {
   g->flow.counts.removed_particles += removed;
   if (removed != 0) flow_after_removal(g);
   g->substep.cursor = end;
-  return end >= items;
+  if (end < items) return false;
+  bodies_drain(g);
+  return true;
 }
 
 bool flow_run_grain_drain(Granular* g) {

@@ -39,6 +39,7 @@ struct Batch;
 struct FlowCounts {
   uint64_t emitted_particles, emitted_grains, removed_particles, removed_grains;
   uint64_t denied_particles;  // that found no room or no free place
+  uint64_t removed_bodies;
 };
 
 struct Flow {

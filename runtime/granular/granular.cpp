@@ -200,6 +200,7 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   time_take(g, input->time_step);
   colliders_take(g, *input, owed);
   flow_take(g, *input);
+  if (time_paused(*g)) return;
   departed_begin_frame(g);
   colliders_find_moved(g);
   sleep_skip_time(g);
@@ -253,7 +254,7 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     for (uint64_t i = 0; i < particle_count; ++i)
       add_particle(g, particles + 3 * i, particle_velocities == nullptr ? k_at_rest : particle_velocities + 3 * i);
     g->neighbours.valid = false;
-    sweep_particles_added(g);
+    sweep_particles_changed(g);
     particles_seal(g);
   }
   if (grain_count != 0) {

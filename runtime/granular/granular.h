@@ -138,6 +138,10 @@ sandglass_status granular_restore(Granular* granular, const void* data, uint64_t
 sandglass_status granular_move(Granular* granular, const float rotation[4], const float translation[3],
                                const char** reason);
 
+// The first particle on a ray (ray.cpp).
+void granular_ray(const Granular& granular, const float origin[3], const float direction[3], float reach,
+                  sandglass_ray_hit* hit);
+
 // Pieces that a work unit is cut into at most.
 constexpr uint32_t k_pieces = 8;
 

@@ -258,8 +258,10 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
   uint32_t slots = 0, awake = 0, in_bodies = 0;
   for (uint32_t b = 0; b < h.bodies; ++b) {
     const RigidBody& body = g->bodies.all[b];
-    if (body.first != slots || body.count == 0 || body.count > h.body_particles - slots) return false;
-    if (!sound_body(*g, body, b + 1, h.particles)) return false;
+    const RigidBody none = {};
+    if (body.count == 0 && (b + 1 == h.bodies || __builtin_memcmp(&body, &none, sizeof none) != 0)) return false;
+    if (body.count > h.body_particles - slots || body.first > h.body_particles - body.count) return false;
+    if (body.count != 0 && !sound_body(*g, body, b + 1, h.particles)) return false;
     slots += body.count;
   }
   if (slots != h.body_particles) return false;

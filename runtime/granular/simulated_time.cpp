@@ -1,6 +1,7 @@
 #include "runtime/granular/simulated_time.h"
 
 #include "kernels/whole.h"
+#include "runtime/core/finite.h"
 #include "runtime/granular/granular.h"
 #include "runtime/granular/ladder.h"
 
@@ -28,7 +29,8 @@ void time_reset(SimulatedTime* t) {
 
 void time_take(Granular* g, float asked) {
   SimulatedTime& t = g->time;
-  const float step = asked > 0.0f ? (asked < k_longest_step ? asked : k_longest_step) : 0.0f;  // NaN: 0
+  const float some = is_finite(asked) && asked > 0.0f ? asked : 0.0f;
+  const float step = some < k_longest_step ? some : k_longest_step;
   const double most = k_frames_made_up * static_cast<double>(step);
   t.frame_step = step;
   t.debt += static_cast<double>(step);
@@ -44,6 +46,8 @@ void time_take(Granular* g, float asked) {
     t.interval_debt = most;
   }
 }
+
+bool time_paused(const Granular& g) { return !(g.time.frame_step > 0.0f); }
 
 void time_pay(Granular* g) {
   SimulatedTime& t = g->time;

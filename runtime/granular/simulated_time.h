@@ -12,7 +12,7 @@ constexpr double k_time_resolution = 1e-9;  // seconds; a shorter debt counts as
 
 // All in seconds.
 struct SimulatedTime {
-  float frame_step;      // the app's time step
+  float frame_step;      // the app's time step; 0: a pause
   double debt;           // simulated time to make up
   double interval_debt;  // the debt once the interval under way is complete
   double slipped;        // was asked for and is not made up any more: slow motion
@@ -32,6 +32,8 @@ void time_reset(SimulatedTime* time);
 
 // Adds a frame's time step to the debt.
 void time_take(Granular* granular, float step);
+// Whether the frame is a pause: whatever is owed, the particles and the grains do nothing.
+bool time_paused(const Granular& granular);
 // A sub-step is complete: pays its part of the debt.
 void time_pay(Granular* granular);
 // Pays the whole debt at once, while all sleep.

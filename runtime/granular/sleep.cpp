@@ -1,6 +1,7 @@
 #include "runtime/granular/sleep.h"
 
 #include "kernels/whole.h"
+#include "runtime/core/finite.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -157,10 +158,23 @@ void sleep_reset(Sleep* s) {
   s->resting = k_nowhere;
 }
 
+void sleep_begin_rest(Sleep* s, uint32_t number, const float position[3]) {
+  drop_anchor(&s->anchors[number], position);
+}
+
 void sleep_add(Sleep* s, uint32_t number, const float position[3]) {
   s->anchors[number].body_slot = 0;
-  drop_anchor(&s->anchors[number], position);
+  sleep_begin_rest(s, number, position);
   ++s->awake_count;
+}
+
+void sleep_wake_box(Granular* g, const float low[3], const float high[3]) {
+  for (uint32_t i = 0; i < g->particles.count; ++i) {
+    const float* p = particle_at(*g, i)->position;
+    bool inside = true;
+    for (int k = 0; k < 3; ++k) inside = inside && within(p[k], low[k], high[k]);
+    if (inside) wake_if_asleep(g, i);
+  }
 }
 
 void sleep_wake_all(Granular* g) {

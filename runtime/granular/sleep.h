@@ -57,6 +57,10 @@ void sleep_reset(Sleep* sleep);
 
 // A particle that was added under this number is awake.
 void sleep_add(Sleep* sleep, uint32_t number, const float position[3]);
+// The particle with this number begins to rest here. It must be awake.
+void sleep_begin_rest(Sleep* sleep, uint32_t number, const float position[3]);
+// What lies in the box wakes, bodies as a whole. The lists must be built anew then.
+void sleep_wake_box(Granular* granular, const float low[3], const float high[3]);
 // Everything wakes. Only outside a frame.
 void sleep_wake_all(Granular* granular);
 // Whether the particle with this index touches a particle, not of its own body, the boundary or a collider. Without

@@ -230,7 +230,7 @@ uint32_t items_left(const Granular& g, SubstepPhase phase) {
 
 bool next(const void* state, uint32_t level, WorkUnit* unit) {
   const Granular& g = *static_cast<const Granular*>(state);
-  if (g.particles.count == 0 && g.flow.emitter_count == 0) return false;
+  if (time_paused(g) || (g.particles.count == 0 && g.flow.emitter_count == 0)) return false;
   // A snapshot under way reads the state in several units and must find it unchanged.
   if (g.sweep.phase == SweepPhase::snapshot) return false;
   const SubstepPhase phase = upcoming(g, level);
@@ -295,7 +295,7 @@ void run(void* state, uint32_t level) {
 
 uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   const Granular& g = *static_cast<const Granular*>(state);
-  if (g.particles.count == 0 || g.time.debt < k_time_resolution) return 0;
+  if (time_paused(g) || g.particles.count == 0 || g.time.debt < k_time_resolution) return 0;
   const uint64_t substeps = time_substeps(g, g.time.debt, level), count = g.particles.count;
   const uint64_t active = g.neighbours.valid ? sleep_active_items(g) : count;
   // A pile that lies still builds no lists.

@@ -202,6 +202,7 @@ void complete(Granular* g) {
 
 bool next(const void* state, uint32_t, WorkUnit* unit) {
   const Granular& g = *static_cast<const Granular*>(state);
+  if (time_paused(g)) return false;
   const uint32_t left = refine_items(g) - g.sweep.cursor;
   unit->items = left < g.unit ? left : g.unit;
   switch (g.sweep.phase) {
@@ -283,7 +284,7 @@ void run(void* state, uint32_t level) {
 uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   const Granular& g = *static_cast<const Granular*>(state);
   const SimulatedTime& t = g.time;
-  if (g.grains.count == 0) return 0;
+  if (time_paused(g) || g.grains.count == 0) return 0;
   uint64_t sweeps = 0;
   if (t.debt >= k_time_resolution || t.grain_lag >= k_time_resolution) {
     sweeps =
@@ -325,7 +326,7 @@ bool sweep_takes_grains(const Granular& g) {
   return g.sweep.phase == SweepPhase::idle || g.sweep.phase == SweepPhase::refine || g.sweep.phase == SweepPhase::drain;
 }
 
-void sweep_particles_added(Granular* g) {
+void sweep_particles_changed(Granular* g) {
   if (g->sweep.phase == SweepPhase::snapshot) g->sweep.phase = SweepPhase::idle;
 }
 

@@ -51,7 +51,7 @@ void sweep_finish(Granular* granular);
 // Whether grains may be added: no phase is under way that would have to begin again.
 bool sweep_takes_grains(const Granular& granular);
 // What material that comes and goes means for the sweep under way.
-void sweep_particles_added(Granular* granular);
+void sweep_particles_changed(Granular* granular);
 void sweep_grains_added(Granular* granular, uint32_t count);
 void sweep_grains_removed(Granular* granular);
 

@@ -27,6 +27,29 @@ sandglass_status sandglass_granular_add_body(sandglass_scene* scene, const sandg
   return granular_add_body(&scene->granular, body, index, reason);
 }
 
+sandglass_status sandglass_granular_remove_body(sandglass_scene* scene, uint32_t index, const char** reason) {
+  if (scene == nullptr) return refuse(reason, k_no_scene);
+  return granular_remove_body(&scene->granular, index, reason);
+}
+
+sandglass_status sandglass_granular_set_body(sandglass_scene* scene, uint32_t index, const sandglass_body_pose* pose,
+                                             const char** reason) {
+  if (scene == nullptr) return refuse(reason, k_no_scene);
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = granular_set_body(&scene->granular, index, pose, reason);
+  floating_point_restore(saved);
+  return status;
+}
+
+sandglass_status sandglass_granular_push_body(sandglass_scene* scene, uint32_t index, const float impulse[3],
+                                              const float point[3], const char** reason) {
+  if (scene == nullptr) return refuse(reason, k_no_scene);
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = granular_push_body(&scene->granular, index, impulse, point, reason);
+  floating_point_restore(saved);
+  return status;
+}
+
 sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene, const float* positions, uint32_t count,
                                                  const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);

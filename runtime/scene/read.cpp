@@ -1,4 +1,5 @@
-// Reading the state by number: positions and velocities of particles and grains, poses of bodies.
+// Reading the state: positions and velocities of particles and grains and poses of bodies by number, and what a ray
+// hits.
 #include "runtime/scene/scene.h"
 
 namespace sandglass {
@@ -53,6 +54,17 @@ int32_t sandglass_granular_held_collider(const sandglass_scene* scene, uint32_t 
 sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index) {
   sandglass_body_pose pose = {};
   pose.rotation[3] = 1.0f;
-  if (scene != nullptr && index < scene->granular.bodies.count) granular_body_pose(scene->granular, index, &pose);
+  if (sandglass_granular_has_body(scene, index) != 0) granular_body_pose(scene->granular, index, &pose);
   return pose;
+}
+
+int32_t sandglass_granular_has_body(const sandglass_scene* scene, uint32_t index) {
+  return scene != nullptr && bodies_has(scene->granular.bodies, index) ? 1 : 0;
+}
+
+int32_t sandglass_granular_ray(const sandglass_scene* scene, const float origin[3], const float direction[3],
+                               float reach, sandglass_ray_hit* hit) {
+  if (scene == nullptr || origin == nullptr || direction == nullptr || hit == nullptr) return 0;
+  granular_ray(scene->granular, origin, direction, reach, hit);
+  return hit->what != SANDGLASS_HIT_NOTHING ? 1 : 0;
 }

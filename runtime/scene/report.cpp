@@ -27,6 +27,7 @@ void report_scene(const sandglass_scene& scene, sandglass_frame_report* report) 
   report->emitted_grains = g.flow.counts.emitted_grains;
   report->removed_particles = g.flow.counts.removed_particles;
   report->removed_grains = g.flow.counts.removed_grains;
+  report->removed_bodies = g.flow.counts.removed_bodies;
   report->denied_particles = g.flow.counts.denied_particles;
   report->speed_max = g.particles.speed_max;
 }

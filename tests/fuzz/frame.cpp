@@ -23,7 +23,11 @@ enum Action : uint32_t {
   k_boundary = 64,
   k_light = 128,
   k_reset = 256,
-  k_replay = 512
+  k_replay = 512,
+  k_set_body = 1024,
+  k_push_body = 2048,
+  k_remove_body = 4096,
+  k_ray = 8192
 };
 
 // What one frame is given, and what is called before it, without a pointer that means anything: the fuzzer changes it.
@@ -43,6 +47,8 @@ struct Turn {
                                             sandglass::emitter(0.2f, 0.4f, 0.0f, 0.012f, 0.8f, 4)};
   sandglass_body body = sandglass::body();
   sandglass_camera_image image = sandglass::camera_image();
+  sandglass_body_pose pose = {{0.1f, 0.01f, 0}, {0, 0, 0, 1}, {}, {}};
+  uint32_t body_index = 0;
 };
 struct Input {
   Turn turns[2];
@@ -135,6 +141,12 @@ std::vector<int32_t> act(World* world, const Turn& t) {
   call(k_remove, [&] { return sandglass_granular_remove(scene, &region, nullptr, nullptr, &reason); });
   call(k_move, [&] { return sandglass_scene_move(scene, t.rotation, t.translation, &reason); });
   call(k_boundary, [&] { return sandglass_granular_set_boundary(scene, t.points, k_points, &reason); });
+  call(k_set_body, [&] { return sandglass_granular_set_body(scene, t.body_index, &t.pose, &reason); });
+  call(k_push_body, [&] { return sandglass_granular_push_body(scene, t.body_index, t.speeds, t.points, &reason); });
+  call(k_remove_body, [&] { return sandglass_granular_remove_body(scene, t.body_index, &reason); });
+  sandglass_ray_hit hit = {};
+  const int32_t any = sandglass_granular_ray(scene, t.points, t.translation, t.gravity[1], &hit);
+  if (t.actions & k_ray) statuses.push_back(any), statuses.push_back(static_cast<int32_t>(hit.index));
   call(k_light, [&] { return sandglass_pile_shadow_set_light(world->pile.get(), t.light, &reason); });
   if (t.actions & k_reset) world->scene.scene.reset();
   return statuses;

@@ -203,6 +203,12 @@ void Nulls::scenes() {
   sandglass_collider collider = {};
   row(NAMED(sandglass_body_box_collider), "", &pose, half, point, &collider);
   row(NAMED(sandglass_granular_held_collider), "", s, 0u, &collider);
+  row(NAMED(sandglass_granular_set_body), "", s, 0u, &pose);
+  row(NAMED(sandglass_granular_push_body), "point", s, 0u, low, point);
+  sandglass_ray_hit hit = {};
+  row(NAMED(sandglass_granular_ray), "", s, point, low, 1.0f, &hit);
+  row(NAMED(sandglass_granular_has_body), "", s, 0u);
+  row(NAMED(sandglass_granular_remove_body), "", s, 0u);
   row(NAMED(sandglass_rotation_about), "", low, 1.0f, points);
   covered_.insert("sandglass_granular_body_pose"), ++cases_;
   pose = sandglass_granular_body_pose(nullptr, 0);

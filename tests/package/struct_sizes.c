@@ -49,6 +49,8 @@ CLAIM(light_filament, sizeof(sandglass_light_filament) == 4 * (1 + 3 + 3 + 1 + 2
 CLAIM(light_arkit, sizeof(sandglass_light_arkit) == 4 * (1 + 3 + 1 + 4 + 1 + 1 + 27));
 CLAIM(light_arcore, sizeof(sandglass_light_arcore) == 4 * (1 + 3 + 3 + 27));
 CLAIM(light_unity, sizeof(sandglass_light_unity) == 4 * (1 + 3 + 4 + 3 + 1 + 27));
+CLAIM(hit, sizeof(sandglass_hit) == 4);
+CLAIM(ray_hit, sizeof(sandglass_ray_hit) == 4 * (1 + 1 + 1 + 3 + 3));
 CLAIM(plan_first, offsetof(sandglass_plan, struct_size) == 0);
 
 const uint32_t c99_struct_sizes[] = {sizeof(sandglass_scene_desc), sizeof(sandglass_frame_input),

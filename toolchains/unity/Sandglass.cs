@@ -111,6 +111,15 @@ public unsafe struct sandglass_body_pose {
 }
 
 [StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_ray_hit {
+  public int what;
+  public uint index;
+  public float distance;
+  public fixed float point[3];
+  public fixed float normal[3];
+}
+
+[StructLayout(LayoutKind.Sequential)]
 public unsafe struct sandglass_collider {
   public int shape;
   public fixed float position[3];
@@ -195,6 +204,7 @@ public struct sandglass_frame_report {
   public float speed_max;
   public uint pending_shadows, shadow_age, light_valid, light_changed, light_age, light_units_left, ignored_images;
   public sandglass_plan plan;
+  public ulong removed_bodies;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -430,6 +440,7 @@ public static unsafe class Native {
                    SANDGLASS_LEVEL_COARSER = 3, SANDGLASS_LEVEL_SLOW_MOTION = 4, SANDGLASS_LEVEL_COUNT = 5;
   public const int SANDGLASS_SHAPE_HALF_SPACE = 0, SANDGLASS_SHAPE_SPHERE = 1, SANDGLASS_SHAPE_CAPSULE = 2,
                    SANDGLASS_SHAPE_BOX = 3, SANDGLASS_SHAPE_FIELD = 4;
+  public const int SANDGLASS_HIT_NOTHING = 0, SANDGLASS_HIT_SAND = 1, SANDGLASS_HIT_BODY = 2;
   public const int SANDGLASS_STAGE_GRANULAR = 0, SANDGLASS_STAGE_LIGHTING = 1, SANDGLASS_STAGE_SHADOW = 2,
                    SANDGLASS_STAGE_REFINE = 3, SANDGLASS_STAGE_OUTPUT = 4, SANDGLASS_STAGE_COUNT = 5;
   public const int SANDGLASS_PLAN_RUNS = 48;
@@ -473,6 +484,11 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_granular_add_body(IntPtr scene, ref sandglass_body body, out uint index, out IntPtr reason);
   [DllImport(k_library)] public static extern sandglass_body_pose sandglass_granular_body_pose(IntPtr scene, uint index);
   [DllImport(k_library)] public static extern int sandglass_granular_held_collider(IntPtr scene, uint index, out sandglass_collider held);
+  [DllImport(k_library)] public static extern int sandglass_granular_has_body(IntPtr scene, uint index);
+  [DllImport(k_library)] public static extern int sandglass_granular_remove_body(IntPtr scene, uint index, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_granular_set_body(IntPtr scene, uint index, ref sandglass_body_pose pose, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_granular_push_body(IntPtr scene, uint index, float[] impulse, float[] point, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_granular_ray(IntPtr scene, float[] origin, float[] direction, float reach, out sandglass_ray_hit hit);
   [DllImport(k_library)] public static extern int sandglass_body_box_count(float[] half_extents, float particle_radius, out uint count, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_body_box(float[] half_extents, float particle_radius, float[] position, float[] rotation, float density, float* points, uint capacity, out sandglass_body body, out IntPtr reason);
   [DllImport(k_library)] public static extern void sandglass_body_box_collider(ref sandglass_body_pose pose, float[] half_extents, float[] rotation, out sandglass_collider collider);

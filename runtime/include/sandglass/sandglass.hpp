@@ -304,6 +304,33 @@ class Scene {
   }
   // See sandglass_granular_body_pose.
   sandglass_body_pose body_pose(uint32_t index) const { return sandglass_granular_body_pose(get(), index); }
+  // See sandglass_granular_has_body.
+  bool has_body(uint32_t index) const { return sandglass_granular_has_body(get(), index) != 0; }
+  // See sandglass_granular_remove_body.
+  Status remove_body(uint32_t index) {
+    Status status;
+    status.code = sandglass_granular_remove_body(get(), index, &status.reason);
+    return status;
+  }
+  // See sandglass_granular_set_body.
+  Status set_body(uint32_t index, const sandglass_body_pose& pose) {
+    Status status;
+    status.code = sandglass_granular_set_body(get(), index, &pose, &status.reason);
+    return status;
+  }
+  // At a point of the world, 3 floats such as sandglass_ray_hit::point, by default the centre of mass: see
+  // sandglass_granular_push_body.
+  Status push_body(uint32_t index, const std::array<float, 3>& impulse, const float* point = nullptr) {
+    Status status;
+    status.code = sandglass_granular_push_body(get(), index, impulse.data(), point, &status.reason);
+    return status;
+  }
+  // See sandglass_granular_ray. `what` is SANDGLASS_HIT_NOTHING where nothing was hit.
+  sandglass_ray_hit ray(const std::array<float, 3>& origin, const std::array<float, 3>& direction, float reach) const {
+    sandglass_ray_hit hit{};
+    sandglass_granular_ray(get(), origin.data(), direction.data(), reach, &hit);
+    return hit;
+  }
   // See sandglass_granular_set_boundary.
   Status set_boundary(Points samples) {
     Status status;
