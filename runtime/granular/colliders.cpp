@@ -184,27 +184,28 @@ HoldRule hold_rule(const Granular& g) {
   return rule;
 }
 
-// What sand meets of a collider in this frame.
+// What sand meets of a collider in this frame. owed: see colliders_take; 0 where what is left of its way is not known.
 void hold_slot(Granular* g, uint32_t slot, const sandglass_collider& now, double owed, const HoldRule& rule) {
   Colliders& c = g->colliders;
   KnownCollider& known = c.known[slot];
   const double step = static_cast<double>(g->time.frame_step), debt = g->time.debt;
   const bool same_one = known.used != 0 && known.id == now.id && known.shape == now.shape && recognisable(known, now);
-  const Placement before = known.pose.held;
+  const bool continued = same_one && known.absent <= g->time.frame_step;
+  const Placement before = placement_of(c.of_slot[slot]);
   if (!same_one) hold_anew(&known.pose, placement_of(now));
   else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g->time.frame_step, rule);
   known.used = 1, known.id = now.id, known.shape = now.shape, known.grains_only = now.grains_only, known.absent = 0.0f;
   c.fields[slot] = now.field;
-  c.of_slot[slot] = now;
-  if (same_one && owed >= k_time_resolution && debt >= k_time_resolution &&
-      continues(before, known.pose.held, step, g->desc.particle_radius)) {
-    Placement& held = known.pose.held;
+  Placement met = known.pose.held;
+  if (continued && owed >= k_time_resolution && debt >= k_time_resolution &&
+      continues(before, met, step, g->desc.particle_radius)) {
     for (int k = 0; k < 3; ++k) {
-      held.linear[k] = spread(before.linear[k], owed, held.linear[k], step, debt);
-      held.angular[k] = spread(before.angular[k], owed, held.angular[k], step, debt);
+      met.linear[k] = spread(before.linear[k], owed, met.linear[k], step, debt);
+      met.angular[k] = spread(before.angular[k], owed, met.angular[k], step, debt);
     }
   }
-  place(&c.of_slot[slot], known.pose.held);
+  c.of_slot[slot] = now;
+  place(&c.of_slot[slot], met);
   c.seen_by[slot] = now.grains_only != 0 ? SeenBy::grains : SeenBy::all;
 }
 
@@ -285,8 +286,7 @@ void colliders_reset(Colliders* c, const sandglass_granular_desc& d) {
   for (uint32_t slot = 0; slot < d.collider_capacity; ++slot) {
     c->known[slot] = {};
     c->seen_by[slot] = SeenBy::none;
-    for (ColliderWatch* watch : watches)
-      watch->seen[slot] = {}, watch->fields[slot] = nullptr, watch->moved.count = 0;
+    for (ColliderWatch* watch : watches) watch->seen[slot] = {}, watch->fields[slot] = nullptr, watch->moved.count = 0;
   }
 }
 
@@ -294,6 +294,7 @@ void colliders_take(Granular* g, const sandglass_frame_input& input, double owed
   Colliders& c = g->colliders;
   const uint32_t capacity = g->desc.collider_capacity;
   const HoldRule rule = hold_rule(*g);
+  if (c.waits) owed = 0.0;  // what is left of ways is not saved
   for (uint32_t slot = 0; slot < capacity; ++slot) {
     c.seen_by[slot] = SeenBy::none;
     if (c.known[slot].used != 0 && !(c.waits && input.collider_count == 0)) c.known[slot].absent += g->time.frame_step;

@@ -16,7 +16,8 @@ constexpr float k_lift_gravities = 2.0f;
 // need n g dt to carry n layers, and stay far below the limit up to 100 of them.
 constexpr float k_separation_units = 0.9f;
 
-// Of the speed of separation of a pair, what a collider may add to its own.
+// Of the speed of separation of a pair, what a collider may add to its own. What dense bodies press into it must come
+// out faster: times the square of the density that counts, or it never comes to rest under them.
 constexpr float k_leave_share = 0.25f;
 
 // Sand under a heavy body carries its weight as so many layers more, up to a density ratio of this: sand that may be
@@ -123,7 +124,7 @@ ContactArgs contact_args(const Granular& g) {
   const float heaviest = densest < 1.0f ? 1.0f : (densest < k_heaviest_counted ? densest : k_heaviest_counted);
   a.stick = sticking_share(g.desc.static_friction);
   a.separation_max = k_separation_units * heaviest * granular_speed_scale(g) * dt;
-  a.leave_max = heaviest * contacts_leave_speed(g) * dt;
+  a.leave_max = heaviest * heaviest * contacts_leave_speed(g) * dt;
   const bool first = s.phase == SubstepPhase::predict || (solve && !pairs && s.pass == 0);
   a.scale = first ? dt : 1.0f;
   const float dithered = 1.0f + k_dither * (static_cast<float>(static_cast<int32_t>(s.dither)) * 0x1p-31f);

@@ -16,6 +16,8 @@ constexpr float k_way_seconds = 0.25f;
 constexpr uint32_t k_moved_frames = 4;
 // What shakes within the band never runs further in one direction, in bands.
 constexpr float k_run_bands = 2.0f;
+// A pose that is taken as told from now on catches up in about this time, and is there when it is this near, in metres.
+constexpr float k_catch_up_seconds = 0.05f, k_caught_up = 1e-4f;
 // A tracker may be slower than the frames: a pose that is as old as this has stopped.
 constexpr float k_still_seconds = 0.1f;
 // Metres a second; what is slower does not move.
@@ -214,6 +216,31 @@ void begin_following(HeldPose* p) {
   p->age = p->stood = 0.0f;
 }
 
+void multiply(const float a[4], const float b[4], float q[4]) {
+  const Vector u = {a[0], a[1], a[2]}, v = {b[0], b[1], b[2]}, c = cross(u, v);
+  q[0] = a[3] * v.x + b[3] * u.x + c.x, q[1] = a[3] * v.y + b[3] * u.y + c.y, q[2] = a[3] * v.z + b[3] * u.z + c.z;
+  q[3] = a[3] * b[3] - (u.x * v.x + u.y * v.y + u.z * v.z);
+}
+
+// Pose and velocities as told. What was not believed before has been left behind, and catches up smoothly.
+void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, float step,
+          const HoldRule& rule) {
+  const Pose was_held = p->held.pose;
+  p->held = told;
+  if (rule.band <= 0.0f || surface_way(shape, was_held, was_told, rule) <= k_caught_up) return;
+  Pose behind = was_held;  // as far from the told pose as it was in the last frame
+  const float* w = was_told.rotation;
+  const float back[4] = {-w[0], -w[1], -w[2], w[3]};
+  float turn[4];
+  multiply(told.pose.rotation, back, turn);
+  multiply(turn, was_held.rotation, behind.rotation);
+  for (int k = 0; k < 3; ++k) behind.position[k] += told.pose.position[k] - was_told.position[k];
+  p->held.pose = between(behind, told.pose, step / (k_catch_up_seconds + step));
+  float shift[3], arc[3];
+  motion_between(behind, p->held.pose, shift, arc);
+  for (int k = 0; k < 3; ++k) p->held.linear[k] += shift[k] / step, p->held.angular[k] += arc[k] / step;
+}
+
 void follow(HeldPose* p, sandglass_shape shape, bool changed, float reach, float step, const HoldRule& rule) {
   Placement& held = p->held;
   p->age += step;
@@ -304,7 +331,7 @@ void hold_anew(HeldPose* p, const Placement& told) {
   p->since_velocity = k_still_seconds;
   // What comes with a velocity is believed, until it turns back.
   for (int k = 0; k < 3; ++k)
-    if (told.linear[k] != 0.0f || told.angular[k] != 0.0f) p->moved = k_moved_frames;
+    if (told.linear[k] != 0.0f || told.angular[k] != 0.0f) p->moved = k_moved_frames, p->believed = 1;
 }
 
 void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, const HoldRule& rule) {
@@ -312,14 +339,18 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
   float with = 0.0f;
   for (int k = 0; k < 4; ++k) with += told.pose.rotation[k] * p->held.pose.rotation[k];
   for (float& c : told.pose.rotation) c = with < 0.0f ? -c : c;  // q and -q are one turn
-  const bool changed = !same_pose(told.pose, p->told);
+  const Pose was_told = p->told;
+  bool changed = !same_pose(told.pose, was_told);
   p->told = told.pose;
   const float reach = reach_of(shape, told.pose, rule);
   if (rule.band <= 0.0f || believes(p, told, reach, step, rule.band)) {
-    p->held = told;
+    take(p, shape, told, was_told, step, rule);
+    p->believed = 1;
     begin_following(p);
     return;
   }
+  if (p->believed != 0) stop(p);
+  p->believed = 0;
   if (p->follows == 0) {
     stop(p);
     if (surface_way(shape, p->held.pose, told.pose, rule) < rule.band) {
@@ -329,6 +360,7 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
     }
     if (++p->beyond < k_beyond_frames) return;
     begin_following(p);
+    changed = true;
   }
   follow(p, shape, changed, reach, step, rule);
 }

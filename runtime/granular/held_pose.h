@@ -38,6 +38,7 @@ struct HeldPose {
   uint32_t moved;        // frames with a velocity since there was none
   uint32_t beyond;       // frames in a row in which the told surface was beyond the band
   uint32_t follows;      // 1: it follows
+  uint32_t believed;     // 1: it was taken as told
 };
 
 // What the rule depends on besides the poses.

@@ -237,6 +237,14 @@ double top_of(const Poured& poured) {
   return static_cast<double>(top - poured.pour.floor);
 }
 
+// Of the centres, above the floor.
+double lowest_of(const Poured& poured) {
+  const std::vector<float> p = poured.scene.positions();
+  float lowest = 1e9f;
+  for (size_t i = 1; i < p.size(); i += 3) lowest = std::min(lowest, p[i]);
+  return static_cast<double>(lowest - poured.pour.floor);
+}
+
 // 630 particles land at random places: the rms of their distances from the axis is known to 1 / sqrt(2 * 630) = 3 %.
 // Where the topmost of them lies differs by layers.
 TEST(Jet, LeavesTheSamePileAtEveryFrameRate) {
@@ -263,6 +271,7 @@ TEST(Jet, LeavesTheSamePileAtEveryFrameRate) {
 
 // Sand that is in its own way is driven apart by no more than 0.9 sqrt(g d), the speed at which pairs separate.
 TEST(Jet, ThatIsBlockedNeitherSpraysNorThrows) {
+  int controls = 0, buried = 0;
   for (const float radius : {0.002f, 0.01f}) {
     const double separation = 0.9 * std::sqrt(k_gravity * 2.0 * static_cast<double>(radius));
     for (const float speed : {0.8f, 2.0f, 5.0f}) {
@@ -277,14 +286,16 @@ TEST(Jet, ThatIsBlockedNeitherSpraysNorThrows) {
               << radius << " m, " << speed << " m/s, " << below << " r, " << rate << " Hz";
           EXPECT_EQ(poured.report.particles > 20, below > 2.0f) << "below that is no room for one";
           EXPECT_TRUE(below > 10.0f || poured.report.denied_particles > 0);
+          EXPECT_GE(lowest_of(poured), 0.0) << "nothing is in the floor";
           if (below > 1.0f) continue;
           Poured control(pour, Rule::before);
           control.run(0.05f);
-          EXPECT_GT(static_cast<double>(control.fastest), free + separation) << "the control";
+          ++controls, buried += lowest_of(control) < 0.0 ? 1 : 0;
         }
       }
     }
   }
+  EXPECT_GT(2 * buried, controls) << "the control";
 }
 
 TEST(Jet, FromANozzleInsideAColliderWaitsUntilItIsFree) {
