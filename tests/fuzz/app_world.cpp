@@ -133,9 +133,11 @@ struct Watch {
   // J/kg, summed over the particles; heights from `zero`.
   double energy(double zero) const {
     double sum = 0;
-    for (size_t i = 0; i < w.positions.size(); ++i)
-      if (w.present[i] != 0)
-        sum += 0.5 * dot(w.velocities[i], w.velocities[i]) + length(w.gravity) * (height(w.positions[i]) - zero);
+    for (size_t i = 0; i < w.positions.size(); ++i) {
+      if (w.present[i] == 0) continue;
+      const double speed2 = dot(w.velocities[i], w.velocities[i]), lift = height(w.positions[i]) - zero;
+      sum += (i < w.in_bodies ? w.body_mass : 1) * (0.5 * speed2 + length(w.gravity) * lift);
+    }
     return sum;
   }
 
@@ -185,7 +187,7 @@ struct Watch {
 
 void run(World* w) {
   Watch watch = {*w, {}, 0, 1.0, {}};
-  const double most_frames = 4 * k_moving * w->rate;  // in slow motion fewer seconds pass
+  const double most_frames = 2 * k_moving * w->rate;  // in slow motion fewer seconds pass
   while (w->simulated < k_moving && w->frames < most_frames) {
     w->act();
     if (w->begins_anew) watch.begin();
