@@ -14,6 +14,7 @@ constexpr float k_collider_speed = 1e4f;   // metres or radians a second, along 
 constexpr double k_way_resolution = 1e-6;  // metres or radians; what is shorter counts as none
 constexpr float k_gone_seconds = 0.25f;    // after so long, one that is not passed is no longer recognised by its place
 constexpr float k_recognised = 0.25f;      // metres that a collider may have gone since it was last passed
+constexpr float k_in_place = 0.003f;       // metres; at its place in the list, one that is so near is the same
 
 bool normalise(float q[4]) {
   const float length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -81,26 +82,28 @@ bool recognisable(const KnownCollider& known, const sandglass_collider& now) {
   return known.absent < k_gone_seconds && apart2(known, now) <= k_recognised * k_recognised;
 }
 
-// The slot of a collider, by id or by an equal pose; k_no_slot: neither.
+// The slot of a collider, by id or by an equal pose, the last passed if there are several; k_no_slot: neither.
 uint32_t slot_by_identity(const Colliders& c, uint32_t capacity, const sandglass_collider& now, uint32_t place) {
   uint32_t found = k_no_slot;
   for (uint32_t slot = 0; slot < capacity; ++slot) {
     if (!free_slot(c, slot, now) || (now.id == 0 && !equal_pose(c.known[slot], now))) continue;
-    if (c.known[slot].place == place) return slot;
-    if (found == k_no_slot) found = slot;
+    if (found == k_no_slot || c.known[slot].absent < c.known[found].absent ||
+        (c.known[slot].absent == c.known[found].absent && c.known[slot].place == place))
+      found = slot;
   }
   return found;
 }
 
-// By its place in the list, else the nearest; else a slot for a new one, if need be of one that is not passed any more.
+// By its place in the list where it lies near, else the nearest; else a slot for a new one, if need be of one that is not passed any more.
 uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_collider& now, uint32_t place) {
   uint32_t nearest = k_no_slot;
   float nearest2 = 0.0f;
   for (uint32_t slot = 0; slot < capacity; ++slot) {
     if (!free_slot(c, slot, now) || !recognisable(c.known[slot], now)) continue;
-    if (c.known[slot].place == place && equal3(c.known[slot].pose.told.size, now.size)) return slot;
     const float way2 = apart2(c.known[slot], now);
-    if (nearest == k_no_slot || way2 < nearest2) nearest = slot, nearest2 = way2;
+    const bool in_place = c.known[slot].place == place;
+    if (in_place && way2 <= k_in_place * k_in_place) return slot;
+    if (nearest == k_no_slot || way2 < nearest2 || (way2 == nearest2 && in_place)) nearest = slot, nearest2 = way2;
   }
   if (nearest != k_no_slot) return nearest;
   uint32_t oldest = k_no_slot;
