@@ -218,7 +218,7 @@ bool visible(const Colliders& c, const ColliderWatch& watch, uint32_t slot) {
   return c.seen_by[slot] == SeenBy::all || (&watch == &c.for_grains && c.seen_by[slot] == SeenBy::grains);
 }
 
-// Whether a slot is as it was seen, and stands still. A box that grew is, where sand is.
+// Whether a slot is as it was seen, and stands still. A box may have changed where no sand is.
 bool same(const Granular& g, const ColliderWatch& watch, uint32_t slot) {
   constexpr float k_rounding = 1e-6f;  // metres
   const Colliders& c = g.colliders;
@@ -232,8 +232,7 @@ bool same(const Granular& g, const ColliderWatch& watch, uint32_t slot) {
   const Pose pose = pose_of(now);
   if (seen.shape != now.shape || (watch.fields[slot] != nullptr && watch.fields[slot] != now.field)) return false;
   if (__builtin_memcmp(&pose, &seen.pose, sizeof pose) == 0) return true;
-  return now.shape == SANDGLASS_SHAPE_BOX && !equal3(pose.size, seen.pose.size) &&
-         surface_way(now.shape, seen.pose, pose, hold_rule(g)) < k_rounding;
+  return now.shape == SANDGLASS_SHAPE_BOX && way_of_box(seen.pose, pose, hold_rule(g)) < k_rounding;
 }
 
 // About half of what a point of the collider can have travelled between two poses: half the shift, and half the arc of
