@@ -94,15 +94,17 @@ uint32_t slot_by_identity(const Colliders& c, uint32_t capacity, const sandglass
   return found;
 }
 
-// By its place in the list where it lies near, else the nearest; else a slot for a new one, if need be of one that is not passed any more.
-uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_collider& now, uint32_t place) {
+// By its place in the list where it lies near, else the nearest, and of two that are near the one that was passed in the
+// last frame; else a slot for a new one, if need be of one that is not passed any more.
+uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_collider& now, uint32_t place,
+                       float step) {
   uint32_t nearest = k_no_slot;
   float nearest2 = 0.0f;
   for (uint32_t slot = 0; slot < capacity; ++slot) {
     if (!free_slot(c, slot, now) || !recognisable(c.known[slot], now)) continue;
-    const float way2 = apart2(c.known[slot], now);
-    const bool in_place = c.known[slot].place == place;
-    if (in_place && way2 <= k_in_place * k_in_place) return slot;
+    const bool in_place = c.known[slot].place == place, passed = c.known[slot].absent <= step;
+    const float near2 = k_in_place * k_in_place, way2 = apart2(c.known[slot], now) + (passed ? 0.0f : near2);
+    if (in_place && passed && way2 <= near2) return slot;
     if (nearest == k_no_slot || way2 < nearest2 || (way2 == nearest2 && in_place)) nearest = slot, nearest2 = way2;
   }
   if (nearest != k_no_slot) return nearest;
@@ -312,7 +314,8 @@ void colliders_take(Granular* g, const sandglass_frame_input& input, double owed
       }
       uint32_t& slot = c.slot_of_place[place++];
       if (pass == 1 && slot != k_no_slot) continue;
-      slot = pass == 0 ? slot_by_identity(c, capacity, now, place - 1) : slot_by_place(c, capacity, now, place - 1);
+      slot = pass == 0 ? slot_by_identity(c, capacity, now, place - 1)
+                       : slot_by_place(c, capacity, now, place - 1, g->time.frame_step);
       if (slot == k_no_slot) continue;
       hold_slot(g, slot, now, owed, rule);
       c.known[slot].place = place - 1, c.known[slot].listed = i;
