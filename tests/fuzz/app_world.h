@@ -103,8 +103,8 @@ struct World {
     random = random_stream(seed, 0);
     for (size_t i = sizeof seed; i < sizeof bytes; ++i) {
       // Of the flags three in eight are set, so that worlds differ.
-      const uint64_t drawn = random.next(), few = drawn >> 8 & (drawn >> 16 | (drawn >> 24 & drawn >> 32));
-      if (i >= size) bytes[i] = static_cast<uint8_t>(i < offsetof(Settings, plane) ? drawn : few);
+      const uint64_t bits = random.next(), few = bits >> 8 & (bits >> 16 | (bits >> 24 & bits >> 32));
+      if (i >= size) bytes[i] = static_cast<uint8_t>(i < offsetof(Settings, plane) ? bits : few);
     }
     std::memcpy(&set, bytes, sizeof set);
     random = random_stream(seed, 1);
@@ -167,6 +167,9 @@ struct World {
   // stays within the band.
   void stop() {
     sd = (set.list & restless) != 0 ? std::fmin(sd, 0.0001) : 0.0;
+    // Also where sand has rolled to: farther away the same angle is a longer way.
+    for (size_t i = 0; i < positions.size(); ++i)
+      if (present[i] != 0) reach = std::fmax(reach, length(positions[i] - drawn.p));
     lost_frames = empty_frames = 0, travel = belt_speed = {}, turn_rate = 0, next_correction = 1e9;
     move_ground(0);
     // A hand stays if sand has room between it and all else.
