@@ -152,7 +152,7 @@ float fastness(const sandglass_collider& c) {
 bool pushes_before(const sandglass_collider& a, const sandglass_collider& b) {
   const float va = fastness(a), vb = fastness(b);
   if (va != vb) return va > vb;
-  if (a.shape != b.shape) return a.shape > b.shape;
+  if (a.shape != b.shape) return a.shape < b.shape;
   for (int k = 0; k < 3; ++k)
     if (a.position[k] != b.position[k]) return a.position[k] < b.position[k];
   for (int k = 0; k < 3; ++k)
