@@ -14,6 +14,7 @@ constexpr float k_collider_speed = 1e4f;   // metres or radians a second, along 
 constexpr double k_way_resolution = 1e-6;  // metres or radians; what is shorter counts as none
 constexpr float k_gone_seconds = 0.25f;    // after so long, one that is not passed is no longer recognised by its place
 constexpr float k_recognised = 0.25f;      // metres that a collider may have gone since it was last passed
+constexpr float k_in_place = 0.003f;       // metres; at its place in the list, one that is so near is the same
 
 bool normalise(float q[4]) {
   const float length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -81,26 +82,30 @@ bool recognisable(const KnownCollider& known, const sandglass_collider& now) {
   return known.absent < k_gone_seconds && apart2(known, now) <= k_recognised * k_recognised;
 }
 
-// The slot of a collider, by id or by an equal pose; k_no_slot: neither.
+// The slot of a collider, by id or by an equal pose, the last passed if there are several; k_no_slot: neither.
 uint32_t slot_by_identity(const Colliders& c, uint32_t capacity, const sandglass_collider& now, uint32_t place) {
   uint32_t found = k_no_slot;
   for (uint32_t slot = 0; slot < capacity; ++slot) {
     if (!free_slot(c, slot, now) || (now.id == 0 && !equal_pose(c.known[slot], now))) continue;
-    if (c.known[slot].place == place) return slot;
-    if (found == k_no_slot) found = slot;
+    if (found == k_no_slot || c.known[slot].absent < c.known[found].absent ||
+        (c.known[slot].absent == c.known[found].absent && c.known[slot].place == place))
+      found = slot;
   }
   return found;
 }
 
-// By its place in the list, else the nearest; else a slot for a new one, if need be of one that is not passed any more.
-uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_collider& now, uint32_t place) {
+// By its place in the list where it lies near, else the nearest, and of two that are near the one that was passed in the
+// last frame; else a slot for a new one, if need be of one that is not passed any more.
+uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_collider& now, uint32_t place,
+                       float step) {
   uint32_t nearest = k_no_slot;
   float nearest2 = 0.0f;
   for (uint32_t slot = 0; slot < capacity; ++slot) {
     if (!free_slot(c, slot, now) || !recognisable(c.known[slot], now)) continue;
-    if (c.known[slot].place == place && equal3(c.known[slot].pose.told.size, now.size)) return slot;
-    const float way2 = apart2(c.known[slot], now);
-    if (nearest == k_no_slot || way2 < nearest2) nearest = slot, nearest2 = way2;
+    const bool in_place = c.known[slot].place == place, passed = c.known[slot].absent <= step;
+    const float near2 = k_in_place * k_in_place, way2 = apart2(c.known[slot], now) + (passed ? 0.0f : near2);
+    if (in_place && passed && way2 <= near2) return slot;
+    if (nearest == k_no_slot || way2 < nearest2 || (way2 == nearest2 && in_place)) nearest = slot, nearest2 = way2;
   }
   if (nearest != k_no_slot) return nearest;
   uint32_t oldest = k_no_slot;
@@ -215,7 +220,7 @@ bool visible(const Colliders& c, const ColliderWatch& watch, uint32_t slot) {
   return c.seen_by[slot] == SeenBy::all || (&watch == &c.for_grains && c.seen_by[slot] == SeenBy::grains);
 }
 
-// Whether a slot is as it was seen, and stands still. A box that grew is, where sand is.
+// Whether a slot is as it was seen, and stands still. A box may have changed where no sand is.
 bool same(const Granular& g, const ColliderWatch& watch, uint32_t slot) {
   constexpr float k_rounding = 1e-6f;  // metres
   const Colliders& c = g.colliders;
@@ -229,8 +234,7 @@ bool same(const Granular& g, const ColliderWatch& watch, uint32_t slot) {
   const Pose pose = pose_of(now);
   if (seen.shape != now.shape || (watch.fields[slot] != nullptr && watch.fields[slot] != now.field)) return false;
   if (__builtin_memcmp(&pose, &seen.pose, sizeof pose) == 0) return true;
-  return now.shape == SANDGLASS_SHAPE_BOX && !equal3(pose.size, seen.pose.size) &&
-         surface_way(now.shape, seen.pose, pose, hold_rule(g)) < k_rounding;
+  return now.shape == SANDGLASS_SHAPE_BOX && way_of_box(seen.pose, pose, hold_rule(g)) < k_rounding;
 }
 
 // About half of what a point of the collider can have travelled between two poses: half the shift, and half the arc of
@@ -310,7 +314,8 @@ void colliders_take(Granular* g, const sandglass_frame_input& input, double owed
       }
       uint32_t& slot = c.slot_of_place[place++];
       if (pass == 1 && slot != k_no_slot) continue;
-      slot = pass == 0 ? slot_by_identity(c, capacity, now, place - 1) : slot_by_place(c, capacity, now, place - 1);
+      slot = pass == 0 ? slot_by_identity(c, capacity, now, place - 1)
+                       : slot_by_place(c, capacity, now, place - 1, g->time.frame_step);
       if (slot == k_no_slot) continue;
       hold_slot(g, slot, now, owed, rule);
       c.known[slot].place = place - 1, c.known[slot].listed = i;

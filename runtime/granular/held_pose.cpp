@@ -46,8 +46,11 @@ float maximum(float a, float b) { return a > b ? a : b; }
 
 bool same_pose(const Pose& a, const Pose& b) { return __builtin_memcmp(&a, &b, sizeof a) == 0; }
 
-bool same_size(const Pose& a, const Pose& b) {
-  return a.size[0] == b.size[0] && a.size[1] == b.size[1] && a.size[2] == b.size[2];
+// By how much the sizes differ at most.
+float grown(const Pose& from, const Pose& to) {
+  float most = 0.0f;
+  for (int k = 0; k < 3; ++k) most = maximum(most, __builtin_fabsf(to.size[k] - from.size[k]));
+  return most;
 }
 
 // As far as points of the shape are from its position; of a half-space, as far as sand is.
@@ -286,8 +289,7 @@ float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const
     const Vector a = rotated(from.rotation, {0, 1, 0}), b = rotated(to.rotation, {0, 1, 0});
     return way_of_face({a, dot(from.position, a)}, {b, dot(to.position, b)}, rule.low, rule.high);
   }
-  const bool resized = !same_size(from, to);
-  if (shape == SANDGLASS_SHAPE_BOX && resized) return way_of_faces(from, to, low, high);
+  if (shape == SANDGLASS_SHAPE_BOX && grown(from, to) > rule.band) return way_of_faces(from, to, low, high);
   const float back[4] = {-from.rotation[0], -from.rotation[1], -from.rotation[2], from.rotation[3]};
   for_corners(low, high, [&](const float at[3]) {
     const Vector r = {at[0] - from.position[0], at[1] - from.position[1], at[2] - from.position[2]};
@@ -297,8 +299,7 @@ float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const
                           turned.z - r.z + (to.position[2] - from.position[2])};
     most = maximum(most, length3(way));
   });
-  for (int k = 0; resized && k < 3; ++k) most = maximum(most, __builtin_fabsf(to.size[k] - from.size[k]));
-  return most;
+  return maximum(most, grown(from, to));
 }
 
 void pose_move(Pose* p, const float rotation[4], const float shift[3]) {
@@ -321,6 +322,12 @@ void hold_move(HeldPose* p, const float rotation[4], const float shift[3]) {
     const Vector turned = rotated(rotation, {v[0], v[1], v[2]});
     v[0] = turned.x, v[1] = turned.y, v[2] = turned.z;
   }
+}
+
+float way_of_box(const Pose& from, const Pose& to, const HoldRule& rule) {
+  float low[3], high[3];
+  near_box(SANDGLASS_SHAPE_BOX, from, rule, low, high);
+  return way_of_faces(from, to, low, high);
 }
 
 void hold_anew(HeldPose* p, const Placement& told) {
@@ -355,7 +362,7 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
     stop(p);
     if (surface_way(shape, p->held.pose, told.pose, rule) < rule.band) {
       p->beyond = 0;
-      if (shape == SANDGLASS_SHAPE_BOX && !same_size(p->held.pose, told.pose)) take_free_faces(p, rule);
+      if (shape == SANDGLASS_SHAPE_BOX && grown(p->held.pose, told.pose) > rule.band) take_free_faces(p, rule);
       return;
     }
     if (++p->beyond < k_beyond_frames) return;

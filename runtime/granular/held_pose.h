@@ -60,6 +60,9 @@ void hold_move(HeldPose* pose, const float rotation[4], const float shift[3]);
 // How far the surface of `to` is from that of `from`, at most, where sand is.
 float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const HoldRule& rule);
 
+// The same of a box as if it had grown: only of faces that sand is in front of.
+float way_of_box(const Pose& from, const Pose& to, const HoldRule& rule);
+
 // The same turn up to the sign and the noise of a quaternion.
 bool same_turn(const float a[4], const float b[4]);
 

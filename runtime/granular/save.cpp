@@ -218,7 +218,8 @@ bool sound_known(const KnownCollider& known) {
   const HeldPose& p = known.pose;
   constexpr float k_speed = 2e4f, k_way = 1e6f, k_long = 1e9f;
   const Pose* poses[] = {&p.held.pose, &p.told, &p.start, &p.stand};
-  bool good = known.used == 1 && sound_shape(known.shape) && p.follows <= 1 && p.believed <= 1 && within(known.absent, 0.0f, k_long);
+  bool good = known.used == 1 && sound_shape(known.shape) && p.follows <= 1 && p.believed <= 1 &&
+              within(known.absent, 0.0f, k_long);
   for (const Pose* pose : poses) good = good && sound_pose(*pose, known.shape);
   good = good && all_within(p.held.linear, 3, -k_speed, k_speed) && all_within(p.held.angular, 3, -k_speed, k_speed);
   good = good && all_within(p.run, 6, -k_way, k_way);

@@ -9,6 +9,9 @@ namespace sandglass {
 namespace {
 
 constexpr float k_rest_radii = 0.1f;  // moving further than this is moving on
+// Of a rigid body. Friction holds the particles that touch, not the others, so on a slope a body creeps by some
+// 2 g dt sin(slope), for ever.
+constexpr float k_body_rest_radii = 0.3f;
 // What flies stays within h of one place for at most (1 + sqrt 2) sqrt(2 h / g): it passes there, turns h above, and is h
 // below soon after. So in a time t it moves on by more than 0.0858 g t^2, however large it is.
 constexpr float k_flight_share = 0.08f;
@@ -29,7 +32,16 @@ Particle* particle_at(const Granular& g, uint32_t i) { return &g.particles.recor
 
 void drop_anchor(Anchor* anchor, const float position[3]) {
   for (int k = 0; k < 3; ++k) anchor->position[k] = position[k];
-  anchor->quiet = anchor->carried = 0;
+  anchor->quiet = 0;
+}
+
+// The particle moves on, and with it all of its body: else its particles would never be quiet at one time.
+void move_on(Granular* g, const Particle& p) {
+  drop_anchor(&g->sleep.anchors[number_of(p)], p.position);
+  if (!in_body(p)) return;
+  const RigidBody& body = g->bodies.all[body_of(p) - 1];
+  for (uint32_t slot = body.first; slot < body.first + body.count; ++slot)
+    drop_anchor(&g->sleep.anchors[g->bodies.numbers[slot]], particle_at(*g, g->bodies.rows[slot])->position);
 }
 
 // Squared distance from where the particle last moved on or woke.
@@ -164,6 +176,7 @@ void sleep_begin_rest(Sleep* s, uint32_t number, const float position[3]) {
 
 void sleep_add(Sleep* s, uint32_t number, const float position[3]) {
   s->anchors[number].body_slot = 0;
+  s->anchors[number].carried = 0;
   sleep_begin_rest(s, number, position);
   ++s->awake_count;
 }
@@ -305,15 +318,15 @@ bool sleep_may_rest(Granular* g, uint32_t i) {
 }
 
 // What is farther from where it was has moved on, metres.
-static float rest_limit(const Granular& g) {
-  const float limit = k_rest_radii * g.desc.particle_radius, time = g.desc.sleep_after;
+static float rest_limit(const Granular& g, float radii) {
+  const float limit = radii * g.desc.particle_radius, time = g.desc.sleep_after;
   const float flight = k_flight_share * g.gravity_length * time * time;
   return g.gravity_length > 0.0f && flight < limit ? flight : limit;
 }
 
 bool sleep_run_sleep(Granular* g) {
   uint32_t& cursor = g->substep.cursor;
-  const float limit = rest_limit(*g), limit2 = limit * limit;
+  const float limit = rest_limit(*g, k_rest_radii), body_limit = rest_limit(*g, k_body_rest_radii);
   const uint32_t checks = to_whole<uint32_t>(g->desc.sleep_after * static_cast<float>(1.0 / k_sleep_period));
   const uint32_t patience = checks > k_checks_least ? checks : k_checks_least;
   const uint32_t items = sleep_active_items(*g);
@@ -326,8 +339,9 @@ bool sleep_run_sleep(Granular* g) {
       if (!is_awake(p)) continue;
       Anchor& anchor = g->sleep.anchors[number_of(p)];
       const uint16_t carried = anchor.carried;
-      if (moved2(*g, p) > limit2) {
-        drop_anchor(&anchor, p.position);
+      const float most = in_body(p) ? body_limit : limit;
+      if (moved2(*g, p) > most * most) {
+        move_on(g, p);
         if (!has_departed(p)) wake_neighbours(g, i);
       } else if (carried != 0) {
         anchor.quiet = 0;

@@ -153,11 +153,11 @@ void complete(Granular* g) {
   particles_swap(&p);
   g->counts.quarantined += s.extent.quarantined;
   p.speed_max = __builtin_sqrtf(s.extent.speed_squared);
-  const bool all = g->sleep.awake_count == p.count;  // sleepers hold the bounds where they were
   for (int k = 0; k < 3; ++k) {
     if (s.extent.low[k] > s.extent.high[k]) continue;
-    if (all || s.extent.low[k] < p.low[k]) p.low[k] = s.extent.low[k];
-    if (all || s.extent.high[k] > p.high[k]) p.high[k] = s.extent.high[k];
+    const Bounds& resting = g->sleep.resting;
+    p.low[k] = s.extent.low[k] < resting.low[k] ? s.extent.low[k] : resting.low[k];
+    p.high[k] = s.extent.high[k] > resting.high[k] ? s.extent.high[k] : resting.high[k];
   }
   neighbours_wear(g);
   --s.interval_left;

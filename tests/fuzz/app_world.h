@@ -103,8 +103,8 @@ struct World {
     random = random_stream(seed, 0);
     for (size_t i = sizeof seed; i < sizeof bytes; ++i) {
       // Of the flags three in eight are set, so that worlds differ.
-      const uint64_t drawn = random.next(), few = drawn >> 8 & (drawn >> 16 | (drawn >> 24 & drawn >> 32));
-      if (i >= size) bytes[i] = static_cast<uint8_t>(i < offsetof(Settings, plane) ? drawn : few);
+      const uint64_t bits = random.next(), few = bits >> 8 & (bits >> 16 | (bits >> 24 & bits >> 32));
+      if (i >= size) bytes[i] = static_cast<uint8_t>(i < offsetof(Settings, plane) ? bits : few);
     }
     std::memcpy(&set, bytes, sizeof set);
     random = random_stream(seed, 1);
@@ -167,6 +167,9 @@ struct World {
   // stays within the band.
   void stop() {
     sd = (set.list & restless) != 0 ? std::fmin(sd, 0.0001) : 0.0;
+    // Also where sand has rolled to: farther away the same angle is a longer way.
+    for (size_t i = 0; i < positions.size(); ++i)
+      if (present[i] != 0) reach = std::fmax(reach, length(positions[i] - drawn.p));
     lost_frames = empty_frames = 0, travel = belt_speed = {}, turn_rate = 0, next_correction = 1e9;
     move_ground(0);
     // A hand stays if sand has room between it and all else.
@@ -226,6 +229,7 @@ struct World {
   sandglass_frame_report report = frame_report();
   Vec3 gravity = {0, -9.81, 0};
   double simulated = 0, step_done = 0;  // seconds; of the last frame
+  double body_mass = 1;                 // of a body's particle over that of sand
   uint32_t frames = 0, in_bodies = 0;
   // Of this frame: the speed of what moves, and the highest nozzle. Jumps have none: they are the tracker's.
   double fastest = 0;
@@ -289,7 +293,8 @@ struct World {
   }
 
   void make_scene() {
-    desc = description(320);
+    // Small particles take many sub-steps.
+    desc = description(96 + set.radius * 160u / 255u);
     sandglass_granular_desc& g = desc.granular;
     g.particle_radius = static_cast<float>(r), g.collider_capacity = 32, g.emitter_capacity = 2, g.sink_capacity = 1;
     g.body_capacity = 1, g.body_particle_capacity = 27;
@@ -305,18 +310,19 @@ struct World {
     if ((set.calls & turns) != 0) scene_pose = Pose{anywhere(2, -2, 2)} * turned(anywhere(2, -2, 2));
     set_gravity(gravity);
     const float spacing = 2.02f * g.particle_radius;
-    const uint32_t wide = 3 + random.below(4), high = 1 + random.below(closed ? 4 : 7);
+    const uint32_t wide = 3 + random.below(3), high = 1 + random.below(closed ? 3 : 6) * g.particle_capacity / 256;
     const auto placed = [&](std::vector<float> points, double rise) {
       const double middle = 0.5 * (wide - 1) * static_cast<double>(spacing);
       for (size_t i = 0; i < points.size(); i += 3)
         to_floats(scene_pose(ground(host::from_floats(&points[i]) + Vec3{-middle, rise, -middle})), &points[i]);
       return points;
     };
-    if ((set.list & body) != 0) {
+    // Sand that is poured into a body stays in it: the header asks for free space.
+    if ((set.list & body) != 0 && set.nozzle == 0) {
       const auto box = placed(lattice(3, 3, 3, spacing, g.particle_radius), (2.1 * high + 2) * r);
       sandglass_body b = sandglass::body();
       b.particle_positions = box.data(), b.particle_count = in_bodies = 27;
-      b.density_ratio = static_cast<float>(log_between(1, 4));
+      body_mass = log_between(1, 4), b.density_ratio = static_cast<float>(body_mass);
       must(scene.add_body(b));
     }
     must(scene.add(placed(lattice(wide, high, wide, spacing, g.particle_radius), 0)));
