@@ -528,9 +528,9 @@ enum {
  * was behind them it makes up with a time constant of 0.05 s. Velocities below 0.1 mm/s, or that only shake a pose
  * within the band, are noise. A collider that comes new with a velocity is believed at once.
  *
- * Identity. A collider is recognised from frame to frame by its `id`; without one by an equal pose, else by its place
- * in the list, else as the nearest of its shape. One that is not recognised, that went more than 0.25 m in a frame, or
- * that was left out for 0.25 s, is new: it is where it is told to be.
+ * Identity. A collider is recognised from frame to frame by its `id`; without one by an equal pose, else as the nearest
+ * of its shape. Its place in the list decides between those that are equally near. One that is not recognised, that went
+ * more than 0.25 m in a frame, or that was left out for 0.25 s, is new: it is where it is told to be.
  *
  * With time debt, sand has not yet gone through the way that the collider was given. Then the collider goes what is
  * left of it, and the new frame's, evenly over the simulated time that is left: it does not jump where it stops, and in
@@ -555,7 +555,7 @@ typedef struct sandglass_collider {
    * 2 * refine_step * speed, let fast grains through: make containers SANDGLASS_SOLID_OUTSIDE. */
   const struct sandglass_field* field;
   /* Any number that stays with the collider from frame to frame, and that no other in the list has. 0: it has none, and
-   * is recognised by pose and place. Sinks and regions need none. */
+   * is recognised by its pose. Sinks and regions need none. */
   uint32_t id;
 } sandglass_collider;
 
