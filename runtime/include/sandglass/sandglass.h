@@ -529,8 +529,8 @@ enum {
  * within the band, are noise. A collider that comes new with a velocity is believed at once.
  *
  * Identity. A collider is recognised from frame to frame by its `id`; without one by an equal pose, else as the nearest
- * of its shape. Its place in the list decides between those that are equally near. One that is not recognised, that went
- * more than 0.25 m in a frame, or that was left out for 0.25 s, is new: it is where it is told to be.
+ * of its shape. Its place in the list decides between those that are equally near. One that is not recognised, that
+ * went more than 0.25 m in a frame, or that was left out for 0.25 s, is new: it is where it is told to be.
  *
  * With time debt, sand has not yet gone through the way that the collider was given. Then the collider goes what is
  * left of it, and the new frame's, evenly over the simulated time that is left: it does not jump where it stops, and in
@@ -560,9 +560,9 @@ typedef struct sandglass_collider {
 } sandglass_collider;
 
 /* The collider at this place of the last frame's list, counted from 0, as sand met it, in *held: pose, sizes and
- * velocities. It differs from what was told by up to granular.collider_band, by more until a jump is followed. Returns 1
- * where there is one. Else, where the collider was left out, and from a save, restore or reset until the next frame, it
- * returns 0, and *held stays as it was. */
+ * velocities. It differs from what was told by up to granular.collider_band, by more until a jump is followed. Returns
+ * 1 where there is one. Else, where the collider was left out, and from a save, restore or reset until the next frame,
+ * it returns 0, and *held stays as it was. */
 SANDGLASS_API int32_t sandglass_granular_held_collider(const sandglass_scene* scene, uint32_t index,
                                                        sandglass_collider* held);
 
