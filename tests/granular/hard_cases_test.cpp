@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <vector>
 
 #include "kernels/particle.h"
 #include "tests/granular/granular_scene.h"
@@ -121,14 +122,14 @@ TEST(HardCase, ADamagedParticleIsQuarantinedWithinOneFrame) {
     scene.add_floor();
     scene.add(lattice(8, 6, 8, 0.0204f, 0.0102f));
     scene.frame(k_frame);
-    sandglass_region regions[64];
-    const uint32_t count = sandglass_scene_regions(scene.scene.get(), regions, 64);
+    std::vector<sandglass_region> regions(sandglass_scene_regions(scene.scene.get(), nullptr, 0));
+    sandglass_scene_regions(scene.scene.get(), regions.data(), static_cast<uint32_t>(regions.size()));
     bool found = false;
-    for (uint32_t i = 0; i < count; ++i) {
-      if (std::strcmp(regions[i].name, "granular.particles") != 0 &&
-          std::strcmp(regions[i].name, "granular.particles_next") != 0)
+    for (const sandglass_region& region : regions) {
+      if (std::strcmp(region.name, "granular.particles") != 0 &&
+          std::strcmp(region.name, "granular.particles_next") != 0)
         continue;
-      auto* particles = reinterpret_cast<sandglass::Particle*>(block.get() + regions[i].offset);
+      auto* particles = reinterpret_cast<sandglass::Particle*>(block.get() + region.offset);
       particles[100].position[1] = damage;  // in whichever buffer holds the state
       found = true;
     }

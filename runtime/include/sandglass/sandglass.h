@@ -113,9 +113,9 @@ typedef struct sandglass_granular_desc {
    * sub-step. In AVERAGED it lifts a particle by at most twice that. So nothing flies up at an impact. */
   float height_weighting;
 
-  /* C of (4.45), above 0, at most 1. Default: 0.5, as in the dissertation. A particle that can reach nothing within the
-   * frame counts neither for (4.45) nor for the neighbour lists, and no speed is too high for it: what falls below
-   * everything, and up to 64 fast ones elsewhere. */
+  /* C of (4.45), above 0, at most 1. Default: 0.5, as in the dissertation. Particles that can reach nothing within the
+   * frame count neither for (4.45) nor for the neighbour lists, and are not slowed: all that fall below everything, and
+   * fast ones elsewhere, as long as there are at most 64. */
   float courant;
   /* Seconds, 0.000001..0.1: the longest sub-step. 0, the default, means 0.01742 sqrt(r/g), for which the default scheme
    * was calibrated. */
@@ -128,8 +128,9 @@ typedef struct sandglass_granular_desc {
   float list_skin;
 
   /* Seconds, 0..5: particles that stay within 10 % of r of one place for so long fall asleep, and cost nothing until
-   * something touches them. Where there is gravity, only what touches something may sleep, and what is so large that it
-   * could turn in the air within that distance has less. Below 0.04 counts as 0.04; 0 means never. Default: 0.5. */
+   * something touches them. Where there is gravity, only what touches something falls asleep, and the distance is at
+   * most 0.08 g sleep_after^2, which is less than a flight takes. What is above 0 and below 0.04 counts as 0.04. 0
+   * means never. Default: 0.5. */
   float sleep_after;
   /* Seconds, 0.0001..0.1: the longest step of the grains, Delta t_hr: how often lambda is applied. Default: 0.008, as
    * in the dissertation. */
@@ -138,13 +139,15 @@ typedef struct sandglass_granular_desc {
   /* The scheme that results are compared with. Apps leave it alone. */
   sandglass_reference_scheme reference;
 
-  /* Metres, 0..0.1: a collider whose surface, where sand is, is told less than this away from where it is held does not
-   * move. See sandglass_collider. 0: every pose is taken as it is told. Default: 0.003, above the noise of a tracker. */
+  /* Metres, 0..0.1: a collider does not move while its surface, where sand is, is told less than this away from where
+   * it is held; see sandglass_collider. 0: every pose is taken as told. Default: 0.003, above the noise of a
+   * tracker. */
   float collider_band;
-  /* Metres, 0..2000: what falls so far is removed, particles and grains. It counts along gravity, as it is now, from
-   * the lowest point of this frame's bounded colliders, of the boundary particles and of what is asleep. Nothing is
-   * removed where none of these is there, without gravity, or over a half-space that rises less than 84 degrees. What
-   * flies beyond SANDGLASS_COORDINATE_LIMIT is removed wherever it is. 0: only that. Default: 20. */
+  /* Metres, 0..2000: what falls so far is removed: particles, grains, and rigid bodies that are wholly so low. It
+   * counts along gravity, as it is now, from the lowest point of this frame's bounded colliders, of the boundary
+   * particles and of what is asleep. Nothing is removed where none of these is there, without gravity, or over a
+   * half-space that rises less than 84 degrees. What flies beyond SANDGLASS_COORDINATE_LIMIT is removed wherever it is.
+   * 0: only that. Default: 20. */
   float lowest;
 } sandglass_granular_desc;
 
@@ -159,8 +162,8 @@ enum {
   SANDGLASS_LEVEL_KEEP_LISTS = 1,
   /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. */
   SANDGLASS_LEVEL_COARSE = 2,
-  /* Sub-steps are twice as long. AVERAGED with several iterations: half of them. Grains are pushed to an even density in
-   * one sweep of four instead of two. */
+  /* Sub-steps are twice as long. AVERAGED with several iterations: half of them. Grains are pushed to an even density
+   * in one sweep of four instead of two. */
   SANDGLASS_LEVEL_COARSER = 3,
   /* As much simulated time as fits. The rest is the time debt: frame_report.time_debt. */
   SANDGLASS_LEVEL_SLOW_MOTION = 4,
@@ -240,8 +243,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_create(const 
                                                                           uint64_t bytes, sandglass_scene** scene,
                                                                           const char** reason);
 
-/* Puts the scene back to the state just after create: no material, no boundary, time zero, the description's gravity and
- * friction. The governor forgets the costs that it measured. */
+/* Puts the scene back to the state just after create: no material, no boundary, no collider known, time zero, the
+ * description's gravity and friction. The governor forgets the costs that it measured. */
 SANDGLASS_API void sandglass_scene_reset(sandglass_scene* scene);
 
 /* Moves everything in the scene rigidly: p becomes rotation * p + translation, and velocities turn. Either may be NULL:
@@ -250,8 +253,8 @@ SANDGLASS_API void sandglass_scene_reset(sandglass_scene* scene);
  * It serves AR relocalisation, and shifting the origin before coordinates grow large. Gravity stays as it is. Pass the
  * colliders of the next frame moved in the same way: then what is asleep stays asleep, unless the move has tilted it by
  * more than 1.1 degrees against gravity. Fails with INVALID_ARGUMENT, also when something would leave
- * SANDGLASS_COORDINATE_LIMIT; nothing was moved then. Sand that has fallen below everything or flown away, and would leave
- * the limit, is removed instead. */
+ * SANDGLASS_COORDINATE_LIMIT; nothing was moved then. But sand that has fallen below everything or flown away is
+ * removed where it would leave the limit. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotation[4],
                                                                         const float translation[3],
                                                                         const char** reason);
@@ -261,8 +264,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_move(sandglas
  *
  * Sand that is asleep wakes up where gravity has changed by more than 2 % of its length (a turn by 1.1 degrees) since
  * what sleeps was last woken by it. So the noise of a sensor wakes nothing, and a slow turn does. sandglass_scene_reset
- * brings the description's gravity back. Saved bytes do not hold gravity, only that under which sand sleeps: where it
- * differs from the scene's, what rests wakes. Fails with INVALID_ARGUMENT; gravity stays as it was then. */
+ * brings the description's gravity back. Saved bytes hold the gravity that sand sleeps under, not the scene's: set it
+ * before sandglass_scene_restore. Fails with INVALID_ARGUMENT; gravity stays as it was then. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_set_gravity(sandglass_scene* scene,
                                                                                const float gravity[3],
                                                                                const char** reason);
@@ -272,10 +275,11 @@ SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
 
 /* Saves the scene to `data`, for an app that goes to the background. *written is the number of bytes.
  *
- * The bytes hold the material, the time, and where colliders were held. They do not hold the description, gravity,
- * friction, hooks, or the costs that the governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of
- * their own, and are not saved. The bytes are the same on every instruction set, in little-endian order. The scene
- * itself finishes the step of its grains that is under way, and drops an unfinished sub-step.
+ * The bytes hold the material, the time, where colliders were held, and the gravity that sand sleeps under. They do not
+ * hold the description, the scene's gravity, friction, fields, hooks, or the costs that the governor measured. Shadows,
+ * pile shadows and lights are no part of a scene: they have blocks of their own, and are not saved. The bytes are the
+ * same on every instruction set, in little-endian order. The scene itself finishes the step of its grains that is under
+ * way, and drops an unfinished sub-step.
  *
  * The scene and one of the same description that is restored from the bytes then stay equal to the bit, given the same
  * input and the same executed plans. Without a clock every frame runs all its work, so the plans are the same. A plan
@@ -290,8 +294,9 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_save(sandglas
 /* Restores a scene from saved bytes. Its description must have the same particle_radius and enough capacity. With other
  * capacities of particles or grains the scene runs on, but not to the same bits: particles are then sorted otherwise.
  *
- * Where gravity or the colliders of the first frame that has any differ from those that sand came to rest with, it wakes.
- * Frames without colliders mean that the planes are not found yet: what rests waits. The same holds after saving.
+ * What rests wakes where gravity, or the colliders of the first frame that has any, differ from those that it came to
+ * rest with. Frames before that one mean that the planes are not found yet: what rests waits. Both hold for the scene
+ * that was saved, too, from the save on.
  *
  * The bytes need not be trusted: they are checked. Fails with INVALID_ARGUMENT (the bytes are damaged, or from another
  * version of the format) and CAPACITY (there is not enough room). The scene is then as it was. There is one exception:
@@ -369,7 +374,7 @@ typedef struct sandglass_body {
 SANDGLASS_API void sandglass_body_default(sandglass_body* body);
 
 /* Adds a body. *index, which is optional, is its number: the lowest that no body has, counted from 0. Its particles
- * also appear in sandglass_granular_particles, as sand that is added now would. Overlap is resolved as by
+ * appear in sandglass_granular_particles like sand that is added now. Overlap is resolved as by
  * sandglass_granular_set_body. Fails with CAPACITY, and with INVALID_ARGUMENT: a body without particles, or a number
  * out of range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_add_body(sandglass_scene* scene,
@@ -391,26 +396,26 @@ typedef struct sandglass_body_pose {
 /* The pose of a body now: draw its mesh with it. An index that no body has returns the identity pose at the origin. */
 SANDGLASS_API sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index);
 
-/* 1 if a body has this index, else 0: it was never added, or it was removed, by the app or by a sink. */
+/* 1 if a body has this index, else 0: none was added, or it was removed by the app, by a sink or by granular.lowest. */
 SANDGLASS_API int32_t sandglass_granular_has_body(const sandglass_scene* scene, uint32_t index);
 
-/* Removes a body. The other bodies keep their numbers. Its number is free for the next sandglass_granular_add_body, and
- * so are those of its particles, and its room. What lies within 2r + list_skin * r of the box around the centres of its
- * particles wakes up. It counts in report.removed_bodies, and its particles in removed_particles. Fails with
+/* Removes a body, between frames. The other bodies keep their numbers. Its number, those of its particles, and its room
+ * are free for the next sandglass_granular_add_body. What lies within 2r + list_skin * r of the box around the centres
+ * of its particles wakes up. It counts in report.removed_bodies, and its particles in removed_particles. Fails with
  * INVALID_ARGUMENT: no body has this index. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_remove_body(sandglass_scene* scene,
                                                                                   uint32_t index, const char** reason);
 
-/* Puts a body somewhere else, from one moment to the next, with these velocities: velocities at most 10,000 along each
- * axis, a rotation of any length above 0. It may be called before every frame, to drag a body: give the velocity of the
- * way then, so that the body pushes what it meets.
+/* Puts a body somewhere else, from one moment to the next, with these velocities: at most 10,000 m/s and rad/s along
+ * each axis. The rotation has any length above 0. It may be called before every frame, to drag a body: give the
+ * velocity of the way then, so that the body pushes what it meets.
  *
  * The body wakes up, and so does what is near it, at the old place and at the new one, as for removing. Overlap with
- * sand and bodies is resolved gently, as for sandglass_granular_add: they part at no more than 0.9 sqrt(2 g r) a pair,
+ * sand and bodies is resolved gently, as for sandglass_granular_add: a pair parts at no more than 0.9 sqrt(2 g r),
  * times the density_ratio of the densest body where that is 1 to 5. Sand or another body that would be caught between
- * particles of this one is put beside it, along an axis of the world that does not point down; what stands there is not
- * asked, so keep clear of thin walls. Neighbour lists are built anew in the next frame. Beside 14,000 particles the call
- * takes some 0.1 ms on a workstation, and 12 ms where a body of 1,000 is put into the midst of them.
+ * particles of this one is put beside it, along an axis of the world that does not point down. What stands there is not
+ * looked at, so keep clear of thin walls. Neighbour lists are built anew in the next frame. Beside 14,000 particles the
+ * call takes some 0.1 ms on a workstation, and 12 ms where a body of 1,000 is put into the midst of them.
  *
  * Fails with INVALID_ARGUMENT: no body has this index, a number out of range, or one of its particles would lie beyond
  * SANDGLASS_COORDINATE_LIMIT. */
@@ -420,18 +425,18 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_body(s
 
 /* Pushes a body at a point, as a finger that flicks it does.
  *
- * `impulse` is a vector in m/s, for the library knows no kilograms: it is the impulse over the mass of the body. The
- * velocity of the centre of mass changes by exactly this vector, whatever the body's mass is. An app that has an
- * impulse in N s divides it by the mass in kg. `point` is in world coordinates, metres, on the body or not. NULL: the
- * centre of mass, so the body does not turn. With c the centre of mass and r the particles' places relative to it:
+ * `impulse` is the impulse over the mass of the body, a vector in m/s along the world's axes: the velocity of the
+ * centre of mass changes by it, whatever the mass is. An app that has an impulse in N s divides it by the mass in kg.
+ * `point` is in the world, metres, on the body or not. It is optional; NULL is the centre of mass, and the body does
+ * not turn. With c the centre of mass and r the particles' places relative to it:
  *
  *     linear  += impulse
  *     angular += J^-1 ((point - c) x impulse)        J = mean over the particles of (|r|^2 - r r^T)
  *
- * J is the inertia over the mass. Particles do not turn, so a body whose particles lie on a line, or that has only one,
- * does not spin about that line. The body and what is near it wake up, as for removing. Neighbour lists are built anew
- * in the next frame. Fails with INVALID_ARGUMENT: no body has this index, a number is not finite, the point is beyond
- * SANDGLASS_COORDINATE_LIMIT, or the body would be faster than 10,000 m/s or rad/s along an axis. */
+ * J is the inertia over the mass. Particles do not turn, so a body whose particles lie on a line does not spin about
+ * that line, and one of a single particle not at all. The body and what is near it wake up. Neighbour lists are built
+ * anew in the next frame. Fails with INVALID_ARGUMENT: no body has this index, a number is not finite, the point is
+ * beyond SANDGLASS_COORDINATE_LIMIT, or the body would be faster than 10,000 m/s or rad/s along an axis. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_push_body(sandglass_scene* scene, uint32_t index,
                                                                                 const float impulse[3],
                                                                                 const float point[3],
@@ -504,30 +509,33 @@ enum {
 
 /* A collider: a solid that sand cannot enter, and that the app moves. Its pose is that at the *end* of the frame's time
  * step; during the step it moves with its velocities. Friction is the material's. The order of the list means nothing.
+ * An app may pass what it knows: poses alone, with velocities 0, are enough.
  *
  * Gentle. What is deep in a collider, because it jumped, grew or appeared in sand, leaves it with the collider's own
- * velocity plus at most 0.225 sqrt(2 g r), 0.1 m/s for r = 1 cm. A collider that stands is not entered, whatever another
- * presses into it: of two, the slower one holds.
+ * velocity plus at most 0.225 sqrt(2 g r), 0.1 m/s for r = 1 cm. Where a body is denser than sand, that speed is times
+ * the square of the highest density_ratio, counted up to 5. Of two colliders that press sand into each other the slower
+ * one holds: it is not entered.
  *
  * Held. The pose that a tracker tells is never twice the same. A collider does not move, and what sleeps on it does not
- * wake, as long as its surface, where sand is, is told less than granular.collider_band away from where it is held. A
- * half-space may slide along itself, and a box that grows keeps the faces that sand lies on. A pose that stays beyond the
- * band for 3 frames is followed, all the way and never more than the band behind, with the velocity of that way: a hand
- * that has poses alone pushes, and a single jump does not throw. It is held again once it has stood for 1.5 seconds.
- * sandglass_granular_held_collider tells where it is held.
+ * wake, while its surface, where sand is, is told less than granular.collider_band away from where it is held. A
+ * half-space may slide along itself, and a box that grows keeps the faces that sand lies on. A pose that stays beyond
+ * the band for 3 frames is followed, all the way and never more than the band behind, with the velocity of that way: a
+ * hand that has poses alone pushes, and a single jump does not throw. The collider is held again once it has stood for
+ * 1.5 s. sandglass_granular_held_collider tells where it is held.
  *
- * Velocities, where the app tells them, are believed once they have kept their direction for 4 frames or have run further
- * than twice the band; then pose and velocities are taken as they are. Those that only shake a pose within the band are
- * noise. A collider that comes new with a velocity is believed at once.
+ * Velocities that the app tells are believed once they have kept their direction for 4 frames, or for 0.25 s after they
+ * turned back, or have led further than twice the band. Then pose and velocities are taken as told; what the collider
+ * was behind them it makes up with a time constant of 0.05 s. Velocities below 0.1 mm/s, or that only shake a pose
+ * within the band, are noise. A collider that comes new with a velocity is believed at once.
  *
- * Identity. A collider is recognised from frame to frame by its `id`; without one by an equal pose, else by its place in
- * the list, else as the nearest of its shape within 0.25 m. One that is not found again, or was left out for more than
- * 0.25 s, is new: it is where it is told to be.
+ * Identity. A collider is recognised from frame to frame by its `id`; without one by an equal pose, else as the nearest
+ * of its shape. Its place in the list decides between those that are equally near. One that is not recognised, that
+ * went more than 0.25 m in a frame, or that was left out for 0.25 s, is new: it is where it is told to be.
  *
- * With time debt, sand has not yet gone through the way that the collider was given. Then the collider goes what is left
- * of it, and the new frame's, evenly over the simulated time that is left: it does not jump where it stops, and in slow
- * motion it is faster than its velocity says, as it is on the screen. One that is far from where it was is taken as it
- * is given. */
+ * With time debt, sand has not yet gone through the way that the collider was given. Then the collider goes what is
+ * left of it, and the new frame's, evenly over the simulated time that is left: it does not jump where it stops, and in
+ * slow motion it is faster than its velocity says, as it is on the screen. One that is far from where it was is taken
+ * as it is given. */
 typedef struct sandglass_collider {
   /* What `size` means. */
   sandglass_shape shape;
@@ -546,14 +554,15 @@ typedef struct sandglass_collider {
   /* For SANDGLASS_SHAPE_FIELD: it must stay valid during the frame (field.h). Walls thinner than two steps of a grain,
    * 2 * refine_step * speed, let fast grains through: make containers SANDGLASS_SOLID_OUTSIDE. */
   const struct sandglass_field* field;
-  /* Any number but 0 that stays with the collider from frame to frame, and that no other in the list has. 0: it is
-   * recognised by its pose and its place. See above. */
+  /* Any number that stays with the collider from frame to frame, and that no other in the list has. 0: it has none, and
+   * is recognised by its pose. Sinks and regions need none. */
   uint32_t id;
 } sandglass_collider;
 
-/* The collider at this place of the last frame's list as sand met it, in *held: pose, sizes and velocities. What is told
- * and what is held differ by up to granular.collider_band, more while a pose is not followed yet. Returns 1; 0, and *held
- * stays as it was, where there was no such collider, or it was left out. */
+/* The collider at this place of the last frame's list, counted from 0, as sand met it, in *held: pose, sizes and
+ * velocities. It differs from what was told by up to granular.collider_band, by more until a jump is followed. Returns
+ * 1 where there is one. Else, where the collider was left out, and from a save, restore or reset until the next frame,
+ * it returns 0, and *held stays as it was. */
 SANDGLASS_API int32_t sandglass_granular_held_collider(const sandglass_scene* scene, uint32_t index,
                                                        sandglass_collider* held);
 
@@ -605,15 +614,15 @@ typedef struct sandglass_plan {
 
 /* A nozzle that pours sand for as long as it is passed to frames. It pours layers of a hexagonal lattice with the
  * density of packed sand, one whenever the layer before has gone far enough: about 0.5 R^2 speed / r^3 particles a
- * second, with R the nozzle's radius and r that of a particle. Every layer comes at its own moment. So a jet is the
+ * second, with R the nozzle's radius and r that of a particle. Every layer comes at its own moment, so a jet is the
  * same at any frame rate, and stretches without gaps. A layer for which there is no room is left out, counted and
  * logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever.
  *
  * No particle comes where it would overlap another one or a collider. One whose place is not free comes up to 1.65 r
  * behind it, against the jet. If that is not enough, or if its surface would be more than 0.1 r inside a collider once
  * it has gone on by r, it is left out, counted and logged. So a nozzle that is blocked pauses, in part or wholly, and
- * what it pours into is not thrown about. Keep 2 r before the nozzle free of colliders. Where a nozzle is moved, sand
- * does not take its velocity over. */
+ * what it pours into is not thrown about. Keep 2 r before the nozzle free of colliders. Sand does not take over the
+ * velocity of a nozzle that is moved. */
 typedef struct sandglass_emitter {
   /* Of the nozzle's centre, world, metres. */
   float position[3];
@@ -631,10 +640,10 @@ typedef struct sandglass_emitter {
 typedef struct sandglass_frame_input {
   uint32_t struct_size;
   /* Seconds of simulated time to advance; at most 0.1 is taken. Where it is not finite or not above 0, the frame is a
-   * pause: no particle, grain or body moves, nothing is poured or drained, wakes or falls asleep, whatever is owed.
-   * Time debt and grain_lag stay, and frames after the pause make them up by the rules of sandglass_scene_frame.
-   * Colliders may be moved meanwhile: what moved counts when time goes on. Grains are written, lights and shadows go
-   * on. What an app calls between frames works as ever; a save still finishes the step of its grains. */
+   * pause: no particle, grain or body moves, nothing is poured or drained, nothing wakes or falls asleep, however much
+   * time is owed. Time debt and grain_lag stay, and frames after the pause make them up. Colliders may be moved
+   * meanwhile: that counts when time goes on. Grains are written, lights and shadows go on. Calls between frames work
+   * as ever; a save still finishes the step of the grains. */
   float time_step;
   /* Nanoseconds that the frame may take by the scene's clock. 0 runs the mandatory part only. */
   uint64_t budget_ns;
@@ -650,11 +659,10 @@ typedef struct sandglass_frame_input {
   uint32_t emitter_count;
   /* Emitters that are not usable or beyond emitter_capacity are left out, and reported. */
   const sandglass_emitter* emitters;
-  /* Shapes that remove the sand whose centres come inside, and the rigid bodies that are wholly inside: the centre of
-   * each of its particles in any sink. The body is removed as by sandglass_granular_remove_body: ask
-   * sandglass_granular_has_body where report.removed_bodies has changed. They are checked every 20 ms of simulated
-   * time; velocities mean nothing. Sand and bodies that are asleep stay until they wake. Sinks that are not usable or
-   * beyond sink_capacity are left out, and reported. */
+  /* Shapes that remove the sand whose centres come inside, and the rigid bodies all of whose particles' centres do. A
+   * body goes as by sandglass_granular_remove_body: ask sandglass_granular_has_body where report.removed_bodies has
+   * changed. They are checked every 20 ms of simulated time; velocities mean nothing. Sand and bodies that are asleep
+   * stay until they wake. Sinks that are not usable or beyond sink_capacity are left out, and reported. */
   const sandglass_collider* sinks;
   /* How many sinks there are. */
   uint32_t sink_count;
@@ -758,8 +766,8 @@ typedef struct sandglass_frame_report {
   uint32_t grain_numbers;
   /* What emitters added since create or reset. */
   uint64_t emitted_particles, emitted_grains;
-  /* What sinks, sandglass_granular_remove and sandglass_granular_remove_body took away since create or reset, and what
-   * fell by granular.lowest or left the coordinate limit. */
+  /* What sinks, sandglass_granular_remove and sandglass_granular_remove_body took away since create or reset, what fell
+   * by granular.lowest, and what left the coordinate limit. */
   uint64_t removed_particles, removed_grains;
   /* Particles that emitters left out: for want of capacity, or because something was in their place. */
   uint64_t denied_particles;
@@ -782,8 +790,8 @@ typedef struct sandglass_frame_report {
   uint32_t ignored_images;
   /* What was executed: record it to replay the frame. */
   sandglass_plan plan;
-  /* Rigid bodies that sinks and sandglass_granular_remove_body took away since create or reset. Their particles count
-   * in removed_particles. */
+  /* Rigid bodies that sinks, sandglass_granular_remove_body and granular.lowest took away since create or reset. Their
+   * particles count in removed_particles. */
   uint64_t removed_bodies;
 } sandglass_frame_report;
 
@@ -819,11 +827,11 @@ SANDGLASS_API void sandglass_granular_grains(const sandglass_scene* scene, float
 typedef int32_t sandglass_hit;
 enum { SANDGLASS_HIT_NOTHING = 0, SANDGLASS_HIT_SAND = 1, SANDGLASS_HIT_BODY = 2 };
 
-/* Where a ray meets the sand. */
+/* Where a ray meets sand or a body. */
 typedef struct sandglass_ray_hit {
   /* What it hit; with NOTHING, all that follows is 0. */
   sandglass_hit what;
-  /* SAND: the number of the particle. BODY: the index of the body. */
+  /* SAND: the number of the particle, as in sandglass_granular_particles. BODY: the index of the body. */
   uint32_t index;
   /* From the origin, metres. 0: the ray begins inside a particle. */
   float distance;
@@ -835,14 +843,14 @@ typedef struct sandglass_ray_hit {
 } sandglass_ray_hit;
 
 /* The first particle, of sand or of a body, awake or asleep, that a ray meets: from a finger on the screen to a place
- * on the sand. Returns 1 where it meets one within `reach` metres, else 0; *hit is written in both cases. The direction
- * may have any length above 0. 0 also where origin or direction is not finite, the direction has no length, or reach is
- * not above 0; INFINITY is a reach.
+ * on the sand. Origin and direction are in the world; the direction has any length above 0. Returns 1 where the ray
+ * meets one within `reach` metres, which may be INFINITY. Else it returns 0, also where origin or direction is not
+ * finite, the direction has no length, or reach is not above 0. *hit is written in both cases.
  *
  * Particles are spheres of radius r, as physics sees them now: between two of them a ray goes deeper. Where two are
  * equally near, the lower number counts. Grains, colliders and boundary particles are not hit. For a normal of the heap
- * rather than of one sphere, take the mean over some rays about the first. It looks at every particle once: some 30
- * microseconds for 14,000 on a workstation. */
+ * rather than of one sphere, take the mean over some rays about the first. The call looks at every particle once: some
+ * 30 microseconds for 14,000 on a workstation. */
 SANDGLASS_API int32_t sandglass_granular_ray(const sandglass_scene* scene, const float origin[3],
                                              const float direction[3], float reach, sandglass_ray_hit* hit);
 
