@@ -295,6 +295,7 @@ void colliders_reset(Colliders* c, const sandglass_granular_desc& d) {
 }
 
 void colliders_take(Granular* g, const sandglass_frame_input& input, double owed) {
+  if (g->desc.particle_capacity == 0) return;
   Colliders& c = g->colliders;
   const uint32_t capacity = g->desc.collider_capacity;
   const HoldRule rule = hold_rule(*g);

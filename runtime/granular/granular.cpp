@@ -103,7 +103,10 @@ static void sweep_space_layout(Granular* g, const sandglass_granular_desc& d, La
 
 void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layout) {
   g->desc = d;
-  if (d.particle_capacity == 0) return;
+  if (d.particle_capacity == 0) {  // nothing meets a collider
+    g->desc.collider_capacity = 0;
+    return;
+  }
   particles_layout(&g->particles, d, layout);
   neighbours_layout(&g->neighbours, g->particles.rows, layout);
   list_slack_layout(&g->slack, g->neighbours.sort, layout);

@@ -116,6 +116,8 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
               scene.create_in(scene_desc, scene_block.get(), scene_need);
   sandglass_frame_input input = sandglass::frame_input();
   input.light = light, input.camera = &image;
+  const sandglass_collider floor = sandglass::floor_at(0.0f);  // which nothing meets: there is no sand
+  input.colliders = &floor, input.collider_count = 1;
   sandglass_frame_report report;
   uint32_t changes = 0;
   for (uint32_t frame = 0; fine && frame < 90; ++frame) {
