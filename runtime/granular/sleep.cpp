@@ -9,6 +9,8 @@ namespace sandglass {
 namespace {
 
 constexpr float k_rest_radii = 0.1f;  // moving further than this is moving on
+// Metres; below it the distance shrinks with the root of the radius, as the speed does at which sand creeps in a corner.
+constexpr float k_rest_radius = 0.01f;
 // Of a rigid body. Friction holds the particles that touch, not the others, so on a slope a body creeps by some
 // 2 g dt sin(slope), for ever.
 constexpr float k_body_rest_radii = 0.3f;
@@ -108,10 +110,18 @@ void fall_asleep(Granular* g, uint32_t i) {
   --g->sleep.awake_count;
 }
 
+// What is farther from where it was has moved on, metres.
+float rest_limit(const Granular& g, float radii) {
+  const float r = g.desc.particle_radius, time = g.desc.sleep_after;
+  const float limit = radii * __builtin_sqrtf(r * (r > k_rest_radius ? r : k_rest_radius));
+  const float flight = k_flight_share * g.gravity_length * time * time;
+  return g.gravity_length > 0.0f && flight < limit ? flight : limit;
+}
+
 // Marks what a slow carrier touches.
 void find_carried(Granular* g, uint32_t group) {
   const float r = g->desc.particle_radius;
-  const float slow = k_slow_carrier * k_rest_radii * r / g->desc.sleep_after;
+  const float slow = k_slow_carrier * rest_limit(*g, k_rest_radii) / g->desc.sleep_after;
   for (uint32_t c = 0; c < g->colliders.substep_count; ++c) {
     const ColliderFrame& carrier = g->colliders.substep_frames[c];
     const float *v = carrier.linear, *w = carrier.angular;
@@ -315,13 +325,6 @@ bool sleep_may_rest(Granular* g, uint32_t i) {
     if (points[0].distance < r + gap) return true;
   }
   return false;
-}
-
-// What is farther from where it was has moved on, metres.
-static float rest_limit(const Granular& g, float radii) {
-  const float limit = radii * g.desc.particle_radius, time = g.desc.sleep_after;
-  const float flight = k_flight_share * g.gravity_length * time * time;
-  return g.gravity_length > 0.0f && flight < limit ? flight : limit;
 }
 
 bool sleep_run_sleep(Granular* g) {

@@ -31,8 +31,15 @@ Recording small_recording() {
     frame.budget_ns = 4000000 + f;
     frame.colliders.resize(f);
     for (sandglass_collider& collider : frame.colliders) {
-      collider = {SANDGLASS_SHAPE_BOX, {1, 2, 3}, {0, 0, 0, 1}, {0.1f, 0.2f, 0.3f}, {-1, -0.0f, 1e-40f},
-                  {4, 5, 6},           0,         nullptr};
+      collider = {SANDGLASS_SHAPE_BOX,
+                  {1, 2, 3},
+                  {0, 0, 0, 1},
+                  {0.1f, 0.2f, 0.3f},
+                  {-1, -0.0f, 1e-40f},
+                  {4, 5, 6},
+                  0,
+                  nullptr,
+                  7 + f};
       collider.position[0] =
           std::numeric_limits<float>::quiet_NaN();  // an app may have passed it, so a replay must too
     }

@@ -436,7 +436,9 @@ void check_complete_motion(uint32_t n) {
       if (!departed) fastest = std::max(fastest, length(at(all[i].velocity)));
     }
     ASSERT_NEAR(std::sqrt(static_cast<double>(extent.speed_squared)), fastest, 1e-5);
-    if (n >= 16) ASSERT_GT(deep, 0u);
+    if (n >= 16) {
+      ASSERT_GT(deep, 0u);
+    }
     const std::vector<Particle> moved(all.begin(), all.begin() + n);
     if (first.empty()) first = moved;
     ASSERT_TRUE(same_bits(moved, first)) << sandglass_isa_name(kernels->isa);
