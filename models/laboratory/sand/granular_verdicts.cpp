@@ -207,7 +207,7 @@ void janssen(Table& t) {
 
 void angles(Table& t) {
   constexpr double k_radius_d = 8.0, k_aspect = 1.2;
-  constexpr uint64_t k_seeds = 2;
+  constexpr uint64_t k_seeds = 4;  // two leave an angle uncertain by more than it rises between rough coefficients
   double least_rise = 1e30, before = 0.0;
   for (int tenth = 1; tenth <= 10; ++tenth) {
     const double mu = 0.1 * tenth;
@@ -272,7 +272,7 @@ struct Group {
 constexpr Group k_groups[] = {
     {"particle", one_particle, 0, true},  {"rest", rest, 0, true},           {"momentum", momentum, 0, true},
     {"refinement", refinement, 0, true},  {"hard", hard, 0, true},           {"far", far_end, 500, true},
-    {"column", column, 4900, false},      {"janssen", janssen, 2200, false}, {"repose", angles, 5500, false},
+    {"column", column, 4900, false},      {"janssen", janssen, 2200, false}, {"repose", angles, 11000, false},
     {"beverloo", beverloo, 10500, false},
 };
 constexpr uint64_t k_group_cost = 100;  // what each group costs beside its frames, counted in frames
