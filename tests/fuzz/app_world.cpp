@@ -12,6 +12,7 @@
 // bodies, which cannot obey two colliders that press them.
 #include "tests/fuzz/app_world.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 namespace sandglass::fuzz {
@@ -167,7 +168,8 @@ struct Watch {
       if (!soon && w.simulated > landed + k_soon) {
         soon = true;
         check_depth();
-        check_sleep(k_soon, w.report.particles < 20 ? 1 : w.report.particles / 20);
+        // A few in the edge of two walls creep on, as friction with one slips while it holds on to the other.
+        check_sleep(k_soon, std::max(5u, w.report.particles / 20));
       }
       if (exact && w.simulated > next) {
         // The solver's own corrections move a particle by a hundredth of r in a second at most.
