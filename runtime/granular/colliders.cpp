@@ -417,6 +417,7 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
     if (!(collider.size[k] > 0.0f && collider.size[k] <= k_coordinate_bound)) return false;
   }
   *accepted = collider;
+  for (uint32_t k = sizes; k < 3; ++k) accepted->size[k] = 0.0f;  // what means nothing is not compared
   if (field) {  // as far as its points are from its origin: turning moves them by that
     float low[3], high[3];
     sandglass_field_bounds(collider.field, low, high);

@@ -171,8 +171,9 @@ void motion_between(const Pose& from, const Pose& to, float shift[3], float turn
 
 // A velocity of a collider's own way. It may drop at once, and gain only so much: a single jump is no motion.
 void gain(float velocity[3], const float way[3], float seconds, float most) {
+  constexpr float k_none = 1e-9f;  // metres or radians
   const float length = length3(way);
-  if (!(length > k_slowest * seconds * 1e-3f)) {
+  if (!(length > k_none)) {
     for (int k = 0; k < 3; ++k) velocity[k] = 0.0f;
     return;
   }
@@ -311,7 +312,11 @@ void pose_move(Pose* p, const float rotation[4], const float shift[3]) {
                            s * t - (a.x * b.x + a.y * b.y + a.z * b.z)};
   const float moved[3] = {at.x + shift[0], at.y + shift[1], at.z + shift[2]};
   for (int k = 0; k < 3; ++k) p->position[k] = moved[k];
-  for (int k = 0; k < 4; ++k) p->rotation[k] = turned[k];
+  // Rounding must not add up over a million moves.
+  const float length2 = turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2] + turned[3] * turned[3];
+  const float scale =
+      length2 > 0.5f && __builtin_fabsf(length2 - 1.0f) > 1e-6f ? 1.0f / __builtin_sqrtf(length2) : 1.0f;
+  for (int k = 0; k < 4; ++k) p->rotation[k] = scale * turned[k];
 }
 
 void hold_move(HeldPose* p, const float rotation[4], const float shift[3]) {

@@ -350,9 +350,19 @@ TEST(Identity, APlaceInTheListIsNone) {
   lost.position[0] = std::nanf("");
   for (float& q : turned.rotation) q = -q;
   noisy.rotation[1] = 1e-7f, noisy.rotation[3] = 1.000001f;
-  const std::vector<sandglass_collider> lists[] = {{table, floor},       {floor, table},       {hand, table, floor},
-                                                   {table, floor, hand}, {lost, floor, table}, {turned, floor},
-                                                   {noisy, floor},       {table, hand, floor}};
+  const auto floor_with = [&](float unused) {
+    sandglass_collider c = floor;
+    c.size[0] = c.size[2] = unused;  // means nothing for a half-space
+    return c;
+  };
+  const std::vector<sandglass_collider> lists[] = {{table, floor},
+                                                   {floor, table},
+                                                   {hand, table, floor},
+                                                   {table, floor, hand},
+                                                   {lost, floor, table},
+                                                   {turned, floor},
+                                                   {noisy, floor_with(std::nanf(""))},
+                                                   {table, hand, floor}};
   heap.scene.colliders = lists[0];
   heap.run(1.0f);
   for (int f = 0; f < 240; ++f) {
