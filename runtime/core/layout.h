@@ -22,8 +22,9 @@ struct Layout {
 // to that alignment, so a kernel may touch whole vectors at its end.
 template <class T>
 T* layout_region(Layout* layout, const char* name, uint64_t count) {
+  const uint64_t size = sizeof(T);  // NOLINT(bugprone-sizeof-expression): some regions hold pointers
   const uint64_t bytes =
-      (count * sizeof(T) + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT;
+      (count * size + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT;
   const uint64_t offset = layout->size;
   layout->size += bytes;
   if (bytes == 0) return nullptr;
