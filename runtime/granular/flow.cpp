@@ -309,8 +309,8 @@ void emit_layer(Granular* g, const Nozzle& nozzle, uint64_t number, float gone) 
   if (sites.count != 0) emit_sites(g, &sites, layer);
 }
 
-// Removes what lies inside the shapes, and if `going` what is gone (departed.h), from the group that begins at `first`. Goes through it from its end, so what
-// moves into a gap comes from behind the group. Returns how many were removed.
+// Removes what lies inside the shapes, and if `going` what is gone (departed.h), from the group that begins at `first`.
+// Goes through it from its end, so what moves into a gap comes from behind the group. Returns how many were removed.
 template <class Remove>
 uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* count, uint32_t first,
                      const ColliderFrame* shapes, uint32_t shape_count, bool going, const Remove& remove) {
