@@ -233,7 +233,7 @@ bool same(const Granular& g, const ColliderWatch& watch, uint32_t slot) {
   }
   const Pose pose = pose_of(now);
   if (seen.shape != now.shape || (watch.fields[slot] != nullptr && watch.fields[slot] != now.field)) return false;
-  if (__builtin_memcmp(&pose, &seen.pose, sizeof pose) == 0) return true;
+  if (same_pose(pose, seen.pose)) return true;
   return now.shape == SANDGLASS_SHAPE_BOX && way_of_box(seen.pose, pose, hold_rule(g)) < k_rounding;
 }
 

@@ -44,8 +44,6 @@ float length3(const float v[3]) { return __builtin_sqrtf(v[0] * v[0] + v[1] * v[
 float minimum(float a, float b) { return a < b ? a : b; }
 float maximum(float a, float b) { return a > b ? a : b; }
 
-bool same_pose(const Pose& a, const Pose& b) { return __builtin_memcmp(&a, &b, sizeof a) == 0; }
-
 // By how much the sizes differ at most.
 float grown(const Pose& from, const Pose& to) {
   float most = 0.0f;
@@ -272,6 +270,13 @@ void follow(HeldPose* p, sandglass_shape shape, bool changed, float reach, float
 }
 
 }  // namespace
+
+bool same_pose(const Pose& a, const Pose& b) {
+  bool same = true;
+  for (int k = 0; k < 3; ++k) same = same && a.position[k] == b.position[k] && a.size[k] == b.size[k];
+  for (int k = 0; k < 4; ++k) same = same && a.rotation[k] == b.rotation[k];
+  return same;
+}
 
 bool same_turn(const float a[4], const float b[4]) {
   const float with = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3], noise = 1e-10f;  // an angle of 3e-5 rad

@@ -63,6 +63,7 @@ float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const
 // The same of a box as if it had grown: only of faces that sand is in front of.
 float way_of_box(const Pose& from, const Pose& to, const HoldRule& rule);
 
+bool same_pose(const Pose& a, const Pose& b);
 // The same turn up to the sign and the noise of a quaternion.
 bool same_turn(const float a[4], const float b[4]);
 
