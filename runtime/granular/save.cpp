@@ -166,6 +166,17 @@ bool at_rest(const RigidBody& body) {
   return true;
 }
 
+// What a removed body leaves: nothing but zeros.
+bool is_hole(const RigidBody& body) {
+  double most = static_cast<double>(body.first);
+  for (int k = 0; k < 3; ++k) {
+    const float moves = __builtin_fabsf(body.linear[k]) + __builtin_fabsf(body.angular[k]);
+    most += __builtin_fabs(body.center[k]) + static_cast<double>(moves);
+  }
+  for (int k = 0; k < 4; ++k) most += __builtin_fabs(body.rotation[k]);
+  return most == 0.0;  // not for NaN
+}
+
 // A body is a unit quaternion and particles that are where its pose says, all awake or all asleep, and at rest then.
 bool sound_body(const Granular& g, const RigidBody& body, uint32_t number, uint32_t particles) {
   double length2 = 0.0;
@@ -259,8 +270,7 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
   uint32_t slots = 0, awake = 0, in_bodies = 0;
   for (uint32_t b = 0; b < h.bodies; ++b) {
     const RigidBody& body = g->bodies.all[b];
-    const RigidBody none = {};
-    if (body.count == 0 && (b + 1 == h.bodies || __builtin_memcmp(&body, &none, sizeof none) != 0)) return false;
+    if (body.count == 0 && (b + 1 == h.bodies || !is_hole(body))) return false;
     if (body.count > h.body_particles - slots || body.first > h.body_particles - body.count) return false;
     if (body.count != 0 && !sound_body(*g, body, b + 1, h.particles)) return false;
     slots += body.count;
