@@ -199,8 +199,7 @@ void hold_slot(Granular* g, uint32_t slot, const sandglass_collider& now, double
   const Placement before = placement_of(c.of_slot[slot]);
   if (!same_one) hold_anew(&known.pose, placement_of(now));
   else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g->time.frame_step, rule);
-  known.used = 1, known.id = now.id, known.shape = now.shape, known.grains_only = now.grains_only, known.absent = 0.0f;
-  c.fields[slot] = now.field;
+  known.used = 1, known.id = now.id, known.shape = now.shape, known.absent = 0.0f;
   Placement met = known.pose.held;
   if (continued && owed >= k_time_resolution && debt >= k_time_resolution &&
       continues(before, met, step, g->desc.particle_radius)) {
@@ -262,7 +261,6 @@ void pose_seen(const SeenCollider& seen, ColliderFrame* frame) {
 void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* layout) {
   const uint64_t capacity = d.collider_capacity;
   c->known = layout_region<KnownCollider>(layout, "granular.known_colliders", capacity);
-  c->fields = layout_region<const sandglass_field*>(layout, "granular.collider_fields", capacity);
   c->of_slot = layout_region<sandglass_collider>(layout, "granular.colliders_by_slot", capacity);
   c->seen_by = layout_region<SeenBy>(layout, "granular.colliders_seen_by", capacity);
   c->given = layout_region<sandglass_collider>(layout, "granular.colliders", capacity);
@@ -340,7 +338,7 @@ void colliders_settle(Granular* g) {
   Colliders& c = g->colliders;
   c.waits = true;
   for (uint32_t slot = 0; slot < g->desc.collider_capacity; ++slot)
-    c.fields[slot] = c.for_particles.fields[slot] = c.for_grains.fields[slot] = nullptr, c.seen_by[slot] = SeenBy::none;
+    c.for_particles.fields[slot] = c.for_grains.fields[slot] = nullptr, c.seen_by[slot] = SeenBy::none;
 }
 
 void colliders_move(Granular* g, const float rotation[4], const float shift[3]) {

@@ -20,7 +20,6 @@ struct KnownCollider {
   uint32_t id;
   uint32_t place, listed;  // in the last list: among the usable colliders, among all
   sandglass_shape shape;
-  int32_t grains_only;
   float absent;  // seconds since it was last passed
   HeldPose pose;
 };
@@ -49,14 +48,13 @@ struct ColliderWatch {
 };
 
 struct Colliders {
-  KnownCollider* known;            // one a slot
-  const sandglass_field** fields;  // of this frame, one a slot
-  sandglass_collider* of_slot;     // of this frame, as sand meets them, one a slot
-  SeenBy* seen_by;                 // in this frame, one a slot
-  sandglass_collider* given;       // of this frame, as sand meets them, in the order in which they push
-  uint32_t* slot_of_place;         // of the usable colliders of this frame's list
-  ColliderFrame* substep_frames;   // posed for the sub-step
-  ColliderFrame* sweep_frames;     // posed for the grains' sweep
+  KnownCollider* known;           // one a slot
+  sandglass_collider* of_slot;    // of this frame, as sand meets them, one a slot
+  SeenBy* seen_by;                // in this frame, one a slot
+  sandglass_collider* given;      // of this frame, as sand meets them, in the order in which they push
+  uint32_t* slot_of_place;        // of the usable colliders of this frame's list
+  ColliderFrame* substep_frames;  // posed for the sub-step
+  ColliderFrame* sweep_frames;    // posed for the grains' sweep
   // How many were posed. A step that goes on in the next frame ends with the colliders with which it began.
   uint32_t substep_count, sweep_count;
   uint32_t count;
