@@ -8,6 +8,7 @@ namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/grid_cells.inl"
 #include "kernels/motion_grid.inl"
 #include "kernels/neighbour_lists.inl"
+#include "kernels/own_particle.inl"
 #include "kernels/pairs.inl"
 #include "kernels/pile_light.inl"
 #include "kernels/pile_sky.inl"

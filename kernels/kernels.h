@@ -176,8 +176,8 @@ struct InsideArgs {
 
 // The particles' motion on the nodes of a grid that exists where there are particles, in blocks. A node holds what the
 // particles within the support radius give it. As a record: the sum of their weights W, the sum of W u, the position of
-// the nearest one, and the sum of W times the share of free fall.
-constexpr uint32_t k_node_weight = 0, k_node_momentum = 1, k_node_nearest = 4, k_node_free = 7;
+// the nearest one, and that one's place in the snapshot, as a float: it is below 2^24.
+constexpr uint32_t k_node_weight = 0, k_node_momentum = 1, k_node_nearest = 4, k_node_number = 7;
 constexpr uint32_t k_node_largest = 8;  // W of the nearest one, while particles are added; not in the record
 constexpr uint32_t k_block_planes = 9;
 constexpr uint32_t k_block_side = 4;       // nodes of its own that a block has along an axis
@@ -266,6 +266,7 @@ struct RefineArgs {
   uint32_t grain_count;
   const uint32_t* groups;  // the range is of items: item i is lane i % 16 of grain group groups[i / 16]
   uint8_t* still;          // one for each group: 1 once every grain of it has kept still for still_sweeps
+  float speed_scale;       // metres a second: sqrt(g d)
   float still_distance;    // metres that a still grain may move in a sweep, per axis
   float still_sweeps;
   float support;     // h = 3r

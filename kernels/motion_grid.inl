@@ -1,7 +1,7 @@
 // The motion of the particles on the nodes of a sparse grid, from which the grains read it.
 //
-// A particle adds its weight W and its momentum W u to every node within reach, and W times its share of free fall. It
-// becomes the node's nearest particle where it is. Lane = node, and a node takes the particles in their order, so the
+// A particle adds its weight W and its momentum W u to every node within reach. It becomes the node's nearest particle
+// where it is. Lane = node, and a node takes the particles in their order, so the
 // lane count does not change a sum. The grid is made of blocks of 4 x 4 x 4 nodes, which exist where there are
 // particles. An open hash table finds a block by its coordinates.
 
@@ -10,7 +10,7 @@ SANDGLASS_INLINE void clear_block(float* planes) {
   const Float zero = broadcast(0.0f), far = broadcast(k_inert_position);
   for (uint32_t c = 0; c < k_block_nodes; c += k_width) {
     for (uint32_t plane = 0; plane < k_block_planes; ++plane)
-      store(planes + plane * k_block_nodes + c, plane >= k_node_nearest && plane < k_node_free ? far : zero);
+      store(planes + plane * k_block_nodes + c, plane >= k_node_nearest && plane < k_node_number ? far : zero);
   }
 }
 
@@ -44,7 +44,7 @@ SANDGLASS_INLINE uint32_t take_block(MotionGrid* grid, const int32_t at[3]) {
 // Adds a particle to the nodes of a block that lie from `low` to `high`, which count from the block's first node.
 SANDGLASS_INLINE void add_to_block(const MotionGrid* grid, const MotionBlock& block, float* planes,
                                    const int32_t low[3], const int32_t high[3], const float position[3],
-                                   const float velocity[3], float free_share) {
+                                   const float velocity[3], float index) {
   constexpr uint32_t k_rows = k_width < k_block_side ? 1 : k_width / k_block_side;  // of nodes that a vector holds
   const Float zero = broadcast(0.0f), h2 = broadcast(grid->reach * grid->reach), gain = broadcast(grid->gain),
               inverse = broadcast(1.0f / (grid->reach * grid->reach)), spacing = broadcast(grid->spacing);
@@ -77,10 +77,8 @@ SANDGLASS_INLINE void add_to_block(const MotionGrid* grid, const MotionBlock& bl
           store(momentum, load(momentum) + weight * broadcast(velocity[k]));
         }
         store(node, load(node) + weight);
-        if (free_share != 0.0f) {
-          float* free = node + k_node_free * k_block_nodes;
-          store(free, load(free) + weight * broadcast(free_share));
-        }
+        float* number = node + k_node_number * k_block_nodes;
+        store(number, select(nearer, broadcast(index), load(number)));
         store(node + k_node_largest * k_block_nodes, maximum(weight, largest));
       }
     }
@@ -128,7 +126,7 @@ static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t 
           }
           if (moves) grid->blocks[number].state |= k_block_moves;
           add_to_block(grid, grid->blocks[number], grid->planes + static_cast<uint64_t>(number) * k_block_floats, low,
-                       high, position, particle.velocity, free_fall(particle));
+                       high, position, particle.velocity, static_cast<float>(i));
         }
       }
     }

@@ -7,7 +7,6 @@
 // operations, which round monotonically, and the weight is max(0, (h^2 - d^2)/h^2)^3. So neither the lane count nor the
 // grouping changes a sum.
 
-constexpr float k_weight_inside = 2.0f;     // the sum of weights in a pile is about 3
 constexpr uint32_t k_candidates_max = 512;  // gathered before they are added up: 2 KB of stack
 
 struct Flow {
@@ -15,6 +14,11 @@ struct Flow {
   Float free;     // the sum of W times the share of free fall
   Float push[3];  // metres
 };
+
+SANDGLASS_INLINE Flow no_flow() {
+  const Float zero = broadcast(0.0f);
+  return {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
+}
 
 SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index, uint32_t n, Float x, Float y, Float z,
                                       Flow* flow) {
@@ -56,7 +60,7 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, const Float p
   const Float h2 = broadcast(a->support * a->support), zero = broadcast(0.0f);
   alignas(64) uint32_t index[k_candidates_max + 2 * k_lane_group];
   uint32_t n = 0;
-  Flow sum = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
+  Flow sum = no_flow();
   for (int32_t cz = first[2]; cz <= last[2]; ++cz) {
     for (int32_t cy = first[1]; cy <= last[1]; ++cy) {
       const uint32_t row =
@@ -99,6 +103,7 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, const Float p
 // Arguments in every lane: made once, because compilers do not know that what is stored is none of them.
 struct Fixed {
   GridPlace grid;
+  OwnUnits own;
   Float push, push_max, step, steps, still_distance, still_sweeps;
   Float fast;  // metres a second, squared, from which a grain takes its steps one by one
   bool pushes;
@@ -106,7 +111,7 @@ struct Fixed {
 
 SANDGLASS_INLINE Fixed fixed_of(const RefineArgs* a) {
   Fixed f = {};
-  if (a->motion != nullptr) f.grid = place_of(a->motion);
+  if (a->motion != nullptr) f.grid = place_of(a->motion), f.own = own_units_of(a);
   f.push = broadcast(a->push), f.push_max = broadcast(a->push_max), f.pushes = a->push != 0.0f;
   f.step = broadcast(a->step), f.steps = broadcast(static_cast<float>(a->steps));
   f.still_distance = broadcast(a->still_distance), f.still_sweeps = broadcast(a->still_sweeps);
@@ -169,22 +174,22 @@ SANDGLASS_INLINE void corner_shares(const Float local[3], Float share[8]) {
 // What the corners' other halves say.
 struct Nearest {
   Float squared;  // distance
-  Float free;     // the sum of W times the share of free fall
+  Float number;   // in the snapshot
 };
 
-// To the nearest of the particles that are nearest to the corners; h^2 at most. Of these one is the nearest to the
+// The nearest of the particles that are nearest to the corners, if it is within h. Of these one is the nearest to the
 // grain, but for rare ties.
-SANDGLASS_INLINE Nearest read_nearest(const float* const* records, const Float position[3], const Float share[8],
-                                      Float most) {
-  Nearest sum = {most, broadcast(0.0f)};
+SANDGLASS_INLINE Nearest read_nearest(const float* const* records, const Float position[3], Float h2) {
+  Nearest nearest = {h2, broadcast(0.0f)};
   for (int corner = 0; corner < 8; ++corner) {
     Float node[4];
     load_quads(records, k_corners[corner] + k_node_nearest, node);
     const Float dx = node[0] - position[0], dy = node[1] - position[1], dz = node[2] - position[2];
-    sum.squared = minimum(dx * dx + dy * dy + dz * dz, sum.squared);
-    sum.free = sum.free + share[corner] * node[3];
+    const Float squared = dx * dx + dy * dy + dz * dz;
+    nearest.number = select(squared < nearest.squared, node[3], nearest.number);
+    nearest.squared = minimum(squared, nearest.squared);
   }
-  return sum;
+  return nearest;
 }
 
 // Where lanes read. Lanes that are in no block read anything.
@@ -233,28 +238,19 @@ SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const Bloc
   }
 }
 
-// 1 at a and below, 0 at b and above, smooth between.
-SANDGLASS_INLINE Float fade(Float value, float a, float b) {
-  const Float t =
-      at_most(at_least((broadcast(b) - value) * broadcast(1.0f / (b - a)), broadcast(0.0f)), broadcast(1.0f));
-  return t * t * (broadcast(3.0f) - broadcast(2.0f) * t);
-}
-
 // The share of the push that a grain takes: all inside the pile, near a particle, and around a lone particle, as far
 // as its weight reaches. It fades where each of these ends, so that no grain is pushed by a jump.
-SANDGLASS_INLINE Float push_share(const RefineArgs* a, const Flow& sum, Float nearest) {
+SANDGLASS_INLINE Float push_share(const RefineArgs* a, const Flow& sum, Float nearest, Float lone) {
   const Float one = broadcast(1.0f);
   const Float within = one - fade(sum.weight, 0.8f * k_weight_inside, k_weight_inside);
   const Float near = fade(nearest * broadcast(1.0f / (a->push_reach * a->push_reach)), 0.7f, 1.3f);
-  const Mask alone = sum.weight <= broadcast(0.0f);
-  const Float lone = one - fade(sum.largest / select(alone, one, sum.weight), 0.6f, 0.8f);
   return maximum(maximum(within, near), lone * (one - fade(sum.weight, 0.0f, 0.02f)));
 }
 
 // The sums at the lanes that `lanes` holds, between the nodes of the grid. Leaves in `lanes` those that the grid has no
 // room for. True: all lanes are inside the pile, where nothing flies freely.
 SANDGLASS_INLINE bool read_flow(const RefineArgs* a, const Fixed& fixed, Mask* lanes, const Float at_lanes[3],
-                                LastBlock* last, Flow* flow) {
+                                LastBlock* last, Flow* flow, Own* own) {
   const MotionGrid* grid = a->motion;
   const Float zero = broadcast(0.0f);
   const BlockPlace place = place_in_block(fixed.grid, *lanes, at_lanes);
@@ -282,19 +278,20 @@ SANDGLASS_INLINE bool read_flow(const RefineArgs* a, const Fixed& fixed, Mask* l
     for (int k = 0; k < 3; ++k) flow->push[k] = sum.push[k];
     return true;
   }
-  Float share = broadcast(1.0f);  // of the push
+  const Float one = broadcast(1.0f);
+  Float share = one;  // of the push
   if (any(and_not(known, inside))) {
     Float position[3];
     for (int k = 0; k < 3; ++k) position[k] = at_lanes[k] - fixed.grid.origin[k];
     const Float h2 = broadcast(grid->support * grid->support);
-    const Nearest nearest = read_nearest(places.records, position, corner_share, h2);
+    const Nearest nearest = read_nearest(places.records, position, h2);
+    read_own(a, fixed.own, and_not(known, inside) & (nearest.squared < h2), nearest.number, at_lanes, own);
     const Float t = at_least((h2 - nearest.squared) * broadcast(1.0f / (grid->support * grid->support)), zero);
     sum.largest = select(inside, zero, t * t * t);
-    // Where all of them fell freely the share is 1, although W of the nearest one may be more than the sum.
-    sum.free = select(inside, zero, nearest.free / select(sum.weight <= zero, broadcast(1.0f), sum.weight));
     sum.weight = maximum(sum.weight, sum.largest);
-    sum.free = sum.free * sum.weight;
-    if (fixed.pushes) share = push_share(a, sum, nearest.squared);
+    sum.free = own->free * sum.weight;
+    own->lone = one - fade(sum.largest / select(sum.weight <= zero, one, sum.weight), 0.6f, 0.8f);
+    if (fixed.pushes) share = push_share(a, sum, nearest.squared, own->lone);
   }
   flow->weight = keep(known, sum.weight);
   flow->x = keep(known, sum.x);
@@ -388,6 +385,7 @@ SANDGLASS_INLINE Mask sound_places(Mask lanes, const Float position[3]) {
 // As many grains as there are lanes, on their way through a sweep.
 struct Grains {
   Float position[3], velocity[3];
+  Float number;  // its bits
   Mask inside;   // lanes that hold a grain
   Mask settled;  // still for long enough, and nothing around them moves: they stay where they are
 };
@@ -396,7 +394,7 @@ struct Grains {
 SANDGLASS_INLINE Grains copy_of(const Grains& g) {
   Grains copy;
   for (int k = 0; k < 3; ++k) copy.position[k] = g.position[k], copy.velocity[k] = g.velocity[k];
-  copy.inside = g.inside, copy.settled = g.settled;
+  copy.number = g.number, copy.inside = g.inside, copy.settled = g.settled;
   return copy;
 }
 
@@ -405,12 +403,18 @@ struct Following {
   Float average[3], lambda;
 };
 
-// `deep`: nothing flies freely, by the continuous rule; the one as printed has no grid.
-SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Flow& flow, bool deep, Grains* g) {
+// `deep`: nothing flies freely, by the continuous rule. `fixed`: null by the rule as printed, which knows no own
+// particles.
+SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Fixed* fixed, const Flow& flow, const Own& own,
+                                          bool deep, Grains* g) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
   Following f = {{flow.x * inverse, flow.y * inverse, flow.z * inverse}, zero};
-  if (!deep) f.lambda = free_flight(a, flow);
+  if (!deep) {
+    f.lambda = free_flight(a, flow);
+    if (fixed != nullptr && any(own.known))
+      stay_with_own(fixed->own, own, flow.weight, g->number, f.average, g->velocity);
+  }
   if (any(g->settled)) {
     g->settled = g->settled & (f.average[0] == zero) & (f.average[1] == zero) & (f.average[2] == zero);
     for (int k = 0; k < 3; ++k) g->position[k] = select(g->settled, g->position[k], g->position[k] + flow.push[k]);
@@ -494,11 +498,12 @@ SANDGLASS_APART void leave_colliders(const RefineArgs* a, Grains* g) {
 // With a grid: one look-up for all steps. What is rare works on a copy, so that the grains can stay in registers.
 SANDGLASS_INLINE void follow(const RefineArgs* a, const Fixed& fixed, LastBlock* last, Grains* g) {
   const Float zero = broadcast(0.0f);
-  Flow flow = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
+  Flow flow = no_flow();
+  Own own = nobodys_own();
   Mask left = sound_places(g->inside, g->position);
   bool deep = false;
   if (any(left)) {
-    deep = read_flow(a, fixed, &left, g->position, last, &flow);
+    deep = read_flow(a, fixed, &left, g->position, last, &flow, &own);
     if (!deep && any(left)) {  // the grid has no room there
       Flow gathered = {flow.weight, flow.x, flow.y, flow.z, flow.largest, flow.free, {zero, zero, zero}};
       const Float position[3] = {g->position[0], g->position[1], g->position[2]};
@@ -507,7 +512,7 @@ SANDGLASS_INLINE void follow(const RefineArgs* a, const Fixed& fixed, LastBlock*
       flow.largest = gathered.largest, flow.free = gathered.free;
     }
   }
-  const Following f = find_following(a, flow, deep, g);
+  const Following f = find_following(a, &fixed, flow, own, deep, g);
   const Float before =
       g->velocity[0] * g->velocity[0] + g->velocity[1] * g->velocity[1] + g->velocity[2] * g->velocity[2];
   const Float now = f.average[0] * f.average[0] + f.average[1] * f.average[1] + f.average[2] * f.average[2];
@@ -528,11 +533,10 @@ SANDGLASS_INLINE void follow(const RefineArgs* a, const Fixed& fixed, LastBlock*
 
 // Without one: a look-up for each step.
 SANDGLASS_APART void follow_particles(const RefineArgs* a, Grains* g) {
-  const Float zero = broadcast(0.0f);
   for (uint32_t s = 0; s < a->steps; ++s) {
-    Flow flow = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
+    Flow flow = no_flow();
     gather_all(a, sound_places(g->inside, g->position), g->position, &flow);
-    take_step(a, find_following(a, flow, false, g), g);
+    take_step(a, find_following(a, nullptr, flow, nobodys_own(), false, g), g);
     keep_outside(a, g->inside, g->position, g->velocity);
   }
 }
@@ -572,6 +576,7 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
       for (int k = 0; k < 3; ++k) g.position[k] = grain[k], g.velocity[k] = grain[k_vx + k];
       g.inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
       g.settled = fixed.still_sweeps <= grain[k_still_sweeps];
+      g.number = grain[k_number];
       if (k_by_grid) follow(a, fixed, &last, &g);
       else follow_particles(a, &g);
       quarantined += put_back(grain, &g);

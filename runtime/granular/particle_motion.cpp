@@ -47,7 +47,7 @@ void copy_nodes(const MotionGrid& grid, uint32_t from, uint32_t to, const uint32
       for (uint32_t x = 0; x < counts[0]; ++x, ++node, record += k_record_floats) {
         for (uint32_t c = 0; c < k_record_floats; ++c)
           record[c] = from != k_no_block                       ? node[c * k_block_nodes]
-                      : c >= k_node_nearest && c < k_node_free ? k_inert_position
+                      : c >= k_node_nearest && c < k_node_number ? k_inert_position
                                                                : 0.0f;
       }
     }

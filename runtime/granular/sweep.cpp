@@ -163,6 +163,7 @@ bool run_refine(Granular* g) {
   a.groups = g->grain_sleep.groups;
   a.still = g->grain_sleep.still;
   a.still_distance = k_still_speed_units * granular_speed_scale(*g) * static_cast<float>(g->sweep.time);
+  a.speed_scale = granular_speed_scale(*g);
   a.still_sweeps = k_patience_sweeps;
   a.support = k_support_radii * g->desc.particle_radius;
   // Down the density's gradient by 0.3 h^2 |grad| / density for h = a cell of half a particle radius, but slower than

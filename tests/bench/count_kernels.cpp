@@ -289,7 +289,7 @@ void refine(const Kernels& kernels, const ColliderFrame& beside, Motion* motion)
   args.grains = grains.data(), args.grain_count = k_items;
   args.groups = pile.groups.data(), args.still = still_groups.data();
   args.still_distance = 1e-4f, args.still_sweeps = 4.0f;
-  args.support = 3 * k_radius, args.step = 0.008f, args.steps = 2, args.gravity[1] = -9.81f;
+  args.support = 3 * k_radius, args.step = 0.008f, args.steps = 2, args.gravity[1] = -9.81f, args.speed_scale = 0.443f;
   args.push = 0.15f * k_radius, args.push_max = 0.1f * k_radius, args.push_reach = 1.2f * k_radius;
   if (motion != nullptr) motion->fill(kernels, &pile), args.motion = &motion->grid;
   args.weight_at_radius = 512.0f / 729.0f;

@@ -54,11 +54,12 @@ struct Node {
     for (uint32_t i = 0; i < particles.count; ++i) {
       const Vector u = at(particles.records[i].velocity), p = at(particles.records[i].position) - 0.02 * u;
       const double d2 = dot(p - x, p - x), w = 1.728 * std::pow(std::max(0.0, 1 - d2 / 6.25e-4), 3);
-      weight += w, momentum = momentum + w * u, free += w * static_cast<double>(free_fall(particles.records[i]));
-      if (w > largest) largest = w, nearest = p;
+      weight += w, momentum = momentum + w * u;
+      if (w > largest) largest = w, nearest = p, number = i;
     }
   }
-  double weight = 0, largest = 0, free = 0;
+  double weight = 0, largest = 0;
+  uint32_t number = 0;
   Vector momentum, nearest = {1e6, 1e6, 1e6};
 };
 
@@ -97,11 +98,13 @@ void sandglass::tests::check_scatter_motion(uint32_t n) {
         const float* record = grid.nodes + (b * k_block_records + r) * k_record_floats;
         ASSERT_NEAR(record[k_node_weight], node.weight, 2e-5) << sandglass_isa_name(kernels->isa);
         ASSERT_LT(length(at(record + k_node_momentum) - node.momentum), 2e-5);
-        ASSERT_NEAR(record[k_node_free], node.free, 2e-5);
         if (node.largest > 1e-6) {
           // Another particle may be as near.
           const double d = length(origin + at(record + k_node_nearest) - x), least = length(node.nearest - x);
           ASSERT_NEAR(d, least, 1e-6) << r;
+          const Particle& named = sand.records[static_cast<uint32_t>(record[k_node_number])];
+          const Vector start = at(named.position) - 0.02 * at(named.velocity);
+          ASSERT_NEAR(length(start - x), least, 1e-6) << r;
         }
         if (place[0] < 4 && place[1] < 4 && place[2] < 4) added += static_cast<double>(record[k_node_weight]);
       }
@@ -234,6 +237,7 @@ struct Refinement {
     }
     count = n;
     args.support = 3 * k_cluster_radius;
+    args.speed_scale = std::sqrt(2 * 9.81f * k_cluster_radius);
     args.step = 0.004f, args.steps = 1;
     args.gravity[1] = -9.81f;
     args.source_rule = source_rule ? 1 : 0;
@@ -252,7 +256,7 @@ struct Refinement {
     args.snapshot = snapshot.records.data();
     for (int k = 0; k < 3; ++k) args.positions[k] = snapshot.axes[k].data();
     args.grains = moved.data();
-    if (motion) motion->fill(kernels, particles), args.motion = &motion->grid;
+    if (motion) motion->fill(kernels, particles), args.motion = &motion->grid, args.snapshot = particles.records.data();
     if (args.push != 0.0f) motion->measure_density(kernels, grains, count);
     RefineExtent extent = {};
     kernels.refine_grains(&args, 0, count, &extent);
@@ -273,6 +277,7 @@ struct Refinement {
 struct Sums {
   double weight = 0, largest = 0, nearest2 = 9e-4;  // squared distance of the nearest particle, h^2 at most
   double falling = 0;                               // the share of the weight that falls freely
+  const Particle* own = nullptr;                    // the nearest, as the nodes know it
   Vector flow;
 };
 
@@ -303,10 +308,12 @@ Sums sums_of_nodes(const Cluster& particles, Vector x) {
     const double share =
         (1 - std::abs(apart.x) / 0.015) * (1 - std::abs(apart.y) / 0.015) * (1 - std::abs(apart.z) / 0.015);
     const Node node(particles, corner);
-    s.weight += share * node.weight, s.flow = s.flow + share * node.momentum, s.falling += share * node.free;
-    s.nearest2 = std::min(s.nearest2, dot(node.nearest - x, node.nearest - x));
+    s.weight += share * node.weight, s.flow = s.flow + share * node.momentum;
+    const double squared = dot(node.nearest - x, node.nearest - x);
+    if (squared < s.nearest2) s.nearest2 = squared, s.own = &particles.records[node.number];
   }
-  if (s.weight > 0) s.falling /= s.weight;
+  if (s.weight >= 2) s.own = nullptr;
+  if (s.own != nullptr) s.falling = static_cast<double>(free_fall(*s.own));
   s.largest = std::pow(1 - s.nearest2 / 9e-4, 3);
   s.weight = std::max(s.weight, s.largest);
   return s;
@@ -350,6 +357,24 @@ Vector push_at(const RefineArgs& args, const Sums& s, Vector x) {
   return std::max({1 - fade(s.weight, 1.6, 2), fade(s.nearest2 / (reach * reach), 0.7, 1.3), lone}) * push;
 }
 
+// A grain stays with its own particle: changes the mean velocity and its own one.
+void stay_with_own(const Sums& s, Vector x, Vector* mean, Vector* own) {
+  constexpr double time = 0.004, gravity = 9.81, radius = 0.01;
+  const double scale = std::sqrt(2 * gravity * radius);
+  const Vector u = at(s.own->velocity), offset = x - (at(s.own->position) - time * u), down = {0, -1, 0};
+  const double near = fade(length(offset) / radius, 2.2, 2.45);
+  *mean = *mean + (near * (1 - fade(length(u - *mean) / scale, 0.15, 0.4)) * fade(s.weight, 1.8, 2)) * (u - *mean);
+  Vector away = *own + time * gravity * down - u;
+  const double slow = fade(length(u) / scale, 0.1, 0.3);
+  away = away - std::clamp(dot(away, down), 0.0, scale * (0.03 + 0.1 * slow)) * down;
+  const double stretch = 1.5 * gravity * length(offset) / std::max(length(u), 1e-3);
+  const double flies = static_cast<double>(free_fall(*s.own)) * fade((length(away) - stretch) / scale, 0.05, 0.15);
+  const double lone = 1 - fade(s.largest / s.weight, 0.6, 0.8);
+  const double spreads =
+      lone * fade(length(away) / scale, 0.2, 0.5) * fade(length(offset + time * away) / radius, 0.6, 1.1);
+  *own = *own - (near * (1 - std::max(flies, spreads))) * away;
+}
+
 }  // namespace
 
 void sandglass::tests::check_refine_grains(uint32_t n) {
@@ -378,8 +403,10 @@ void sandglass::tests::check_refine_grains(uint32_t n) {
           lambda = std::max({(1 - largest) * few, 1 - fade(ratio, 0.5, 0.7), sums.falling * fade(weight, 1.6, 2.0)});
         }
         if (weight == 0) lambda = 1;
-        const Vector fall = v + 0.004 * Vector{0, -9.81, 0};
-        const Vector expected = weight > 0 ? ((1 - lambda) / weight) * sums.flow + lambda * fall : fall;
+        Vector mean = weight > 0 ? (1 / weight) * sums.flow : Vector{}, own = v;
+        if (sums.own != nullptr) stay_with_own(sums, x, &mean, &own);
+        const Vector fall = own + 0.004 * Vector{0, -9.81, 0};
+        const Vector expected = weight > 0 ? (1 - lambda) * mean + lambda * fall : fall;
         const Vector push = rule == k_pushed ? push_at(refinement.args, sums, x) : Vector{};
         pushed += length(push) > 1e-5 ? 1 : 0;
         ASSERT_LT(length(at(all[i].velocity) - expected), 2e-5) << sandglass_isa_name(kernels->isa) << " grain " << i;
