@@ -64,19 +64,14 @@ TEST(Placement, AHeapThatIsDrawnAThirdTooSmallFails) {
   EXPECT_GT(placed.wrong, 17.0) << "the loosest limit";
 }
 
-TEST(Placement, OfAShiftByACellOneLayerIsInTheWrongCell) {
+TEST(Placement, TellsWhatIsDrawnBesideAndWhatIsFarAway) {
   const std::vector<float> particles = block();
-  std::vector<float> grains = grains_in_balls(particles);
-  for (size_t i = 0; i < grains.size(); i += 3) grains[i] += static_cast<float>(4.0 * k_radius);
+  std::vector<float> beside = grains_in_balls(particles), far = beside;
+  for (size_t i = 0; i < beside.size(); i += 3) beside[i] += static_cast<float>(4.0 * k_radius);
   // 4 r of 32 r. The noise of the number of grains in a cell is subtracted, but the layers at the ends have none.
-  EXPECT_NEAR(measure_placement(particles, grains, k_radius, 2).wrong, 12.5, 1.5);
-}
-
-TEST(Placement, StrayGrainsAreBeyond) {
-  const std::vector<float> particles = block();
-  std::vector<float> grains = grains_in_balls(particles);
-  for (size_t i = 0; i < grains.size(); i += 30) grains[i] += 1.0f;  // every tenth
-  EXPECT_NEAR(measure_placement(particles, grains, k_radius, 2).beyond, 10.0, 0.01);
+  EXPECT_NEAR(measure_placement(particles, beside, k_radius, 2).wrong, 12.5, 1.5);
+  for (size_t i = 0; i < far.size(); i += 30) far[i] += 1.0f;  // every tenth
+  EXPECT_NEAR(measure_placement(particles, far, k_radius, 2).beyond, 10.0, 0.01);
 }
 
 TEST(Evenness, IsThatOfTheFormulaAtRandomAndOnALattice) {

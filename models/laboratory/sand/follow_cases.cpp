@@ -20,8 +20,6 @@ namespace {
 
 enum class Pace { full, coarser, slow };  // all work, quality level 3, and slow motion at that level
 
-// ---------------------------------------------------------------------------------------------------- the scenes
-
 SceneFile at_60_frames(double radius) {
   SceneFile scene;
   scene.frame_step = 1.0 / 60.0, scene.particle_radius = radius;
@@ -119,8 +117,6 @@ const FollowScene k_scenes[] = {
     {"source", "source, pour", pour_10, 6.0, 0.5, 2.8, 6, Pace::full, true},
 };
 
-// ---------------------------------------------------------------------------------------------------- a run
-
 struct Followed {
   Placement flow, end;  // flow: the means
   GrainMoves moves;
@@ -191,8 +187,6 @@ Followed follow(const FollowScene& what, uint64_t seed, sandglass_isa isa, const
                                  static_cast<double>(desc.granular.grain_radius), 5);
   return result;
 }
-
-// ---------------------------------------------------------------------------------------------------- the claims
 
 void judge(const FollowScene& scene, const Followed& f, std::vector<Verdict>* rows) {
   constexpr double k_reported = std::numeric_limits<double>::infinity();
