@@ -40,4 +40,14 @@ struct CellGrid {
   }
 };
 
+// Calls visit(index, squared distance) for every point less than `reach` away from p. The grid is of these points.
+template <class Visit>
+void within(const CellGrid& grid, std::span<const float> xyz, Vec3 p, double reach, Visit visit) {
+  grid.near(p, reach, [&](uint32_t i) {
+    const Vec3 apart = from_floats(&xyz[3 * size_t{i}]) - p;
+    const double squared = dot(apart, apart);
+    if (squared < reach * reach) visit(i, squared);
+  });
+}
+
 }  // namespace sandglass::host

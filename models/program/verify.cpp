@@ -1,5 +1,5 @@
 // `sandglass verify SUITE`: measures claims against their truth, and wrong settings that must fail them. Here are the
-// options of the suites, what the suites share, and the suite of sand.
+// options of the suites, what the suites share, and the suites of sand.
 #include "models/program/verify.h"
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 #include "models/files/atomic_file.h"
 #include "models/files/command_files.h"
 #include "models/files/failure.h"
+#include "models/laboratory/sand/follow_cases.h"
 #include "models/laboratory/sand/granular_plots.h"
 #include "models/laboratory/sand/physics_cases.h"
 #include "models/program/command_line.h"
@@ -96,14 +97,34 @@ void expect_quick(const std::vector<std::string>& cases) {
                    "Leave --quick out, or name quick cases: " + list_of(quick, "or"));
 }
 
-void write_granular_folder(const std::string& folder, const VerdictTable& table) {
-  write_verdicts(folder, table.rows);
-  std::string drawn;
-  for (const GranularPlot& plot : granular_plots(table.curves)) {
-    write_png(folder + "/" + plot.name + ".png", draw_plot(plot.plot));
-    drawn += ", " + plot.name + ".png";
+// Prints the table, and writes it where it is asked for, with the curves. Returns the exit code.
+int tell_sand(const VerifyOptions& options, const char* suite, const std::string& isa_name, const VerdictTable& table) {
+  print_verdicts(table.rows);
+  const uint32_t failed = count_failed(table.rows);
+  std::printf("%zu rows, %u failed\n", table.rows.size(), failed);
+  if (!options.json.empty())
+    write_file(options.json, measurements_json(measurements_of(suite, isa_name, 1, table.rows)));
+  if (!options.out.empty()) {
+    write_verdicts(options.out, table.rows);
+    std::string drawn;
+    for (const GranularPlot& plot : granular_plots(table.curves)) {
+      write_png(options.out + "/" + plot.name + ".png", draw_plot(plot.plot));
+      drawn += ", " + plot.name + ".png";
+    }
+    std::printf("%s: verify.md%s\n", options.out.c_str(), drawn.c_str());
   }
-  std::printf("%s: verify.md%s\n", folder.c_str(), drawn.c_str());
+  return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : k_exit_done;
+}
+
+// Shows the progress of a table as it is made.
+template <class Make>
+auto with_progress(const Make& make) {
+  Progress progress("verifying", 1);
+  return make([&](uint64_t done, uint64_t total) {
+    progress.total(total);
+    progress.done(done);
+    return !interrupted();
+  });
 }
 
 std::string kernels_of(sandglass_isa isa) {
@@ -124,6 +145,14 @@ Options verify_granular_options(VerifyOptions& o) {
   return {standard("all", {"--case", &o.cases, "NAMES", "Only these cases", one_of(verdict_groups())}),
           {"--quick", &o.quick, "", "Only the cases that take seconds"},
           {"--out", &o.out, "FOLDER", "Write the table and its curves into this folder"},
+          isa_option(o.isa),
+          json_option(o.json)};
+}
+
+Options verify_follow_options(VerifyOptions& o) {
+  return {standard("all", {"--case", &o.cases, "NAMES", "Only these scenes", one_of(follow_groups())}),
+          seed_option(o.seed, "How the sand of every scene is turned, and where its grains are"),
+          {"--out", &o.out, "FOLDER", "Write the table into this folder"},
           isa_option(o.isa),
           json_option(o.json)};
 }
@@ -180,28 +209,26 @@ int verify_granular_command(const VerifyOptions& options) {
   if (!options.out.empty()) begin_folder(options.out, {"verify.md", "runout.png", "discharge.png"});
   const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa)};
   const std::string isa_name = kernels_of(choice.isa);
+  return tell_sand(options, "granular", isa_name,
+                   with_progress([&](const auto& progress) { return granular_verdicts(choice, progress); }));
+}
+
+int verify_follow_command(const VerifyOptions& options) {
+  if (!options.out.empty()) begin_folder(options.out, {"verify.md"});
+  const sandglass_isa isa = find_isa(options.isa);
+  const std::string isa_name = kernels_of(isa);
   VerdictTable table;
-  {
-    Progress progress("verifying", 1);
-    table = granular_verdicts(choice, [&](uint64_t done, uint64_t total) {
-      progress.total(total);
-      progress.done(done);
-      return !interrupted();
-    });
-  }
-  print_verdicts(table.rows);
-  const uint32_t failed = count_failed(table.rows);
-  std::printf("%zu rows, %u failed\n", table.rows.size(), failed);
-  if (!options.json.empty())
-    write_file(options.json, measurements_json(measurements_of("granular", isa_name, 1, table.rows)));
-  if (!options.out.empty()) write_granular_folder(options.out, table);
-  return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : k_exit_done;
+  table.rows =
+      with_progress([&](const auto& progress) { return follow_verdicts(options.cases, options.seed, isa, progress); });
+  return tell_sand(options, "follow", isa_name, table);
 }
 
 std::vector<Command> verify_suites() {
   return {
       command<VerifyOptions>("granular", "Sand: friction, piles, flow, momentum, hard cases", verify_granular_options,
                              verify_granular_command),
+      command<VerifyOptions>("follow", "Grains: whether what is drawn is where the particles are, and moves with them",
+                             verify_follow_options, verify_follow_command),
       command<VerifyOptions>("lighting", "Light: estimates against labels and baselines", verify_lighting_options,
                              verify_lighting_command),
       command<VerifyOptions>("room", "Rooms: the light as a session has seen it, against the light that is there",

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "models/geometry/cell_grid.h"
+#include "models/work/random.h"
 
 namespace sandglass::host {
 
@@ -109,6 +110,42 @@ Pile measure_pile(std::span<const float> positions, double radius) {
   if (n >= 3.0 && determinant > 0.0)
     pile.angle_deg = std::atan(-(n * sum_xy - sum_x * sum_y) / determinant) * 180.0 / std::numbers::pi;
   return pile;
+}
+
+Evenness measure_evenness(std::span<const float> particles, std::span<const float> grains, double radius,
+                          double grain_radius, uint64_t seed) {
+  constexpr uint32_t k_spheres = 2000, k_fewest = 200, k_tries = 200'000;
+  constexpr uint32_t k_all_octants = 255;
+  const double probe = 0.7 * radius, about = 3.0 * radius;
+  const CellGrid solid(particles, about), fine(grains, probe);
+  const uint32_t count = static_cast<uint32_t>(particles.size() / 3);
+  Random random = {seed};
+  double sum = 0.0, squares = 0.0;
+  Evenness even;
+  for (uint32_t tries = 0; count > 0 && even.spheres < k_spheres && tries < k_tries; ++tries) {
+    Vec3 at = from_floats(&particles[3 * size_t{random.below(count)}]);
+    for (double* coordinate : {&at.x, &at.y, &at.z}) *coordinate += radius * (2.0 * random.uniform() - 1.0);
+    uint32_t octants = 0, number = 0;
+    within(solid, particles, at, about, [&](uint32_t i, double) {
+      const float* p = &particles[3 * size_t{i}];
+      octants |= 1u << ((p[0] > at.x) + 2 * (p[1] > at.y) + 4 * (p[2] > at.z));
+    });
+    if (octants != k_all_octants) continue;
+    within(fine, grains, at, probe, [&](uint32_t, double) { ++number; });
+    sum += number, squares += static_cast<double>(number) * number, ++even.spheres;
+  }
+  if (even.spheres < k_fewest || sum == 0.0) return even;
+  even.variation = std::sqrt(squares / sum - sum / even.spheres);
+  std::vector<double> nearest;
+  for (uint32_t i = 0; i < grains.size() / 3; ++i) {
+    double least = probe * probe;
+    within(fine, grains, from_floats(&grains[3 * size_t{i}]), probe, [&](uint32_t j, double squared) {
+      if (j != i) least = std::min(least, squared);
+    });
+    nearest.push_back(std::sqrt(least) / grain_radius);
+  }
+  even.nearest = quantile(nearest, 0.5);
+  return even;
 }
 
 double speed_rms(std::span<const float> velocities) {

@@ -1,4 +1,4 @@
-// Measures a simulated pile: overlap between particles, angle of repose, run-out. It computes in double on plain arrays
+// Measures a simulated pile: overlap between particles, angle of repose, run-out, how evenly grains lie. It computes in double on plain arrays
 // and has its own neighbour search, so it does not rely on the library that it measures.
 #pragma once
 
@@ -36,6 +36,17 @@ struct Pile {
   double angle_deg = 0.0;  // 0 when the line has fewer than three rings
 };
 Pile measure_pile(std::span<const float> positions, double radius);
+
+// How evenly grains lie inside a pile.
+//   Variation: of the number of grains in spheres of 0.7 r, over that of random points, whose variance is their mean. The
+//   spheres are at random places with particles on all sides within 3 r.
+//   Nearest: the median distance of a grain's nearest neighbour, in grain radii. One that is 0.7 r away counts as that.
+struct Evenness {
+  double variation = 0.0, nearest = 0.0;
+  uint32_t spheres = 0;  // 2000 where the pile has so much of an inside; with fewer than 200 both numbers are 0
+};
+Evenness measure_evenness(std::span<const float> particles, std::span<const float> grains, double radius,
+                          double grain_radius, uint64_t seed);
 
 // The root mean square of the speeds; 3 floats per particle.
 double speed_rms(std::span<const float> velocities);

@@ -2,93 +2,17 @@
 // in a small sphere varies less than that of random points, and neighbours keep a distance.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <random>
-#include <unordered_map>
 
+#include "models/simulation/metrics.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {
 
+using sandglass::host::Evenness;
+
 constexpr float k_radius = 0.01f;
-constexpr float k_probe = 0.7f * k_radius;  // radius of the spheres in which grains are counted
-
-struct Evenness {
-  double variation;  // of the number in a sphere, over that of as many random points
-  double nearest;    // median distance of the nearest neighbour, grain radii
-};
-
-// Points by cell, so that those near a place are found.
-class Cells {
- public:
-  Cells(const std::vector<float>& points, float edge) : points_(points), edge_(edge) {
-    for (size_t i = 0; i < points.size(); i += 3) cells_[key(&points[i], 0, 0, 0)].push_back(i);
-  }
-  // Calls visit(squared distance, point) for the points within an edge, and some others.
-  template <class Visit>
-  void near(const float* at, const Visit& visit) const {
-    for (int c = 0; c < 27; ++c) {
-      const auto cell = cells_.find(key(at, c % 3 - 1, c / 3 % 3 - 1, c / 9 - 1));
-      if (cell == cells_.end()) continue;
-      for (const size_t i : cell->second) {
-        double squared = 0;
-        for (size_t k = 0; k < 3; ++k) squared += std::pow(static_cast<double>(points_[i + k] - at[k]), 2);
-        visit(squared, &points_[i]);
-      }
-    }
-  }
-
- private:
-  uint64_t key(const float* at, int x, int y, int z) const {
-    const auto along = [&](int k, int beside) {
-      return static_cast<uint64_t>(static_cast<int64_t>(std::floor(at[k] / edge_)) + beside + (1 << 20));
-    };
-    return along(0, x) << 42 | along(1, y) << 21 | along(2, z);
-  }
-  const std::vector<float>& points_;
-  float edge_;
-  std::unordered_map<uint64_t, std::vector<size_t>> cells_;
-};
-
-// Spheres inside: with particles on all sides within 3 r, and away from the floor.
-Evenness evenness(const std::vector<float>& particles, const std::vector<float>& grains, double grain_radius) {
-  const Cells about(particles, 3.0f * k_radius), near(grains, k_probe);
-  std::mt19937 random(5);
-  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
-  std::vector<double> numbers;
-  for (int tries = 0; numbers.size() < 2000 && tries < 200000; ++tries) {
-    const float* particle = &particles[random() % (particles.size() / 3) * 3];
-    const float at[3] = {particle[0] + k_radius * unit(random), particle[1] + k_radius * unit(random),
-                         particle[2] + k_radius * unit(random)};
-    if (at[1] < 1.5f * k_radius) continue;
-    uint32_t sides = 0;
-    about.near(at, [&](double squared, const float* p) {
-      if (squared < 9e-4) sides |= 1u << ((p[0] > at[0]) + 2 * (p[1] > at[1]) + 4 * (p[2] > at[2]));
-    });
-    if (sides != 255) continue;
-    double number = 0;
-    near.near(at, [&](double squared, const float*) { number += std::sqrt(squared) < static_cast<double>(k_probe); });
-    numbers.push_back(number);
-  }
-  EXPECT_EQ(numbers.size(), 2000u);
-  double mean = 0, variance = 0;
-  for (const double n : numbers) mean += n / 2000;
-  for (const double n : numbers) variance += (n - mean) * (n - mean) / 2000;
-  std::vector<double> nearest;
-  for (size_t i = 0; i < grains.size(); i += 3) {
-    double least = static_cast<double>(k_probe) * static_cast<double>(k_probe);
-    near.near(&grains[i], [&](double squared, const float* p) {
-      if (p != &grains[i]) least = std::min(least, squared);
-    });
-    nearest.push_back(std::sqrt(least) / grain_radius);
-  }
-  std::nth_element(nearest.begin(), nearest.begin() + nearest.size() / 2, nearest.end());
-  std::printf("variation %.2f of random points, nearest %.2f radii\n", std::sqrt(variance / mean),
-              nearest[nearest.size() / 2]);
-  return {std::sqrt(variance / mean), nearest[nearest.size() / 2]};  // of random points the variance is the mean
-}
 
 // For full quality, for quality level 3, and for slow motion.
 enum class Budget { plenty, coarser, slow };
@@ -131,7 +55,10 @@ Evenness heap(float edge, uint32_t blend, Budget budget = Budget::plenty) {
   EXPECT_EQ(frames > 180, budget == Budget::slow) << "no slow motion: it took no more than 90 frames";
   std::vector<float> drawn;
   for (const sandglass_grain& g : scene.grains) drawn.insert(drawn.end(), g.position, g.position + 3);
-  return evenness(scene.positions(), drawn, static_cast<double>(desc.granular.grain_radius));
+  const Evenness even = sandglass::host::measure_evenness(scene.positions(), drawn, static_cast<double>(k_radius),
+                                                          static_cast<double>(desc.granular.grain_radius), 5);
+  EXPECT_EQ(even.spheres, 2000u);
+  return even;
 }
 
 TEST(EvenDensity, GrainsOfAHeapAtRestLieMoreEvenlyThanAtRandom) {

@@ -256,7 +256,7 @@ TEST_F(CliFiles, AFolderIsTakenBeforeTheWork) {
   fs::create_directories(out);
   const std::string room = panorama("rooms/room.hdr", 20), network = write("random.light", random_network());
   const std::string panoramas = " --panoramas " + room + " --network " + network;
-  std::vector<std::string> commands = {"verify granular --quick", "bench ladder --frames 10000",
+  std::vector<std::string> commands = {"verify granular --quick", "verify follow", "bench ladder --frames 10000",
                                        "verify lighting --samples 0" + panoramas};
   if (k_embree) commands.push_back("verify room" + panoramas), commands.push_back("verify shot" + panoramas);
   if (k_bake) commands.push_back("bench shadow");
@@ -429,7 +429,8 @@ TEST_F(CliFiles, CtrlCIsAnsweredWithinASecond) {
       {"run " + path("fill.json"), 200},
       {endless(), 200},
       {endless() + "--threads 2 --record " + path("r.sgrec"), 200},
-      {"verify granular", 300}};
+      {"verify granular", 300},
+      {"verify follow", 300}};
   // It asks after every frame, and an emulated one of 14,280 particles takes half a minute.
   if (*SANDGLASS_EMULATOR == '\0') cases.push_back({"bench granular", 300});
   if (k_embree) cases.push_back({"room --width 4096 --samples 64" + out + ".hdr", 300});

@@ -138,7 +138,7 @@ TEST_F(Cli, ASuiteTakesItsOptionsAlone) {
           expect_refused(suite + " " + option + " 3",
                          "unknown option \"" + option + "\" of \"" + suite + "\": it belongs to ");
   }
-  EXPECT_EQ(options.size(), k_bake ? 10u : 9u);  // a suite that is left out has no options
+  EXPECT_EQ(options.size(), k_bake ? 11u : 10u);  // a suite that is left out has no options
   EXPECT_EQ(options["bench granular"], (Names{"--threads", "--frames", "--peers", "--isa", "--json"}));
   EXPECT_EQ(options["bench machine"], (Names{"--json"}));
   EXPECT_EQ(options["bench growth"], (Names{"--threads", "--isa", "--json"}));
@@ -154,7 +154,7 @@ fly --treads 2 | unknown command "fly". | sandglass --help
 --verison | unknown option "--verison". Did you mean "--version"? | sandglass --help
 quantise --images 3 | unknown command "quantise". Did you mean "quantise-light"? | sandglass --help
 bench granlar --treads 1 | unknown suite "granlar" of "bench". Did you mean "granular"? | sandglass bench --help
-verify --json f granular | unknown option "--json" of "verify": it belongs to "verify granular", "verify lighting", "verify room" and "verify shot". Leave it out. | sandglass verify --help
+verify --json f granular | unknown option "--json" of "verify": it belongs to "verify granular", "verify follow", "verify lighting", "verify room" and "verify shot". Leave it out. | sandglass verify --help
 bench granular --treads 1,2 | unknown option "--treads" of "bench granular". Did you mean "--threads"? | sandglass bench granular --help
 bench granular --treads 1 --frame 0 | unknown option "--treads" of "bench granular". Did you mean "--threads"? | sandglass bench granular --help
 bench granular --frames 0 --treads 1 | cannot use "--frames" of "bench granular": "0" is not a whole number from 1 to 10000. | sandglass bench granular --help
@@ -173,7 +173,7 @@ run demo --budget-ms nan | cannot use "--budget-ms" of "run": "nan" is not a num
 run demo --threads 1.5 | cannot use "--threads" of "run": "1.5" is not a whole number from 1 to 256. | sandglass run --help
 run demo --record a --replay b | cannot start "run": --record excludes --replay. | sandglass run --help
 run shot --fov 70 | cannot start "run": --fov requires --photo. | sandglass run --help
-verify | "verify" needs a suite: granular, lighting, room or shot. | sandglass verify --help
+verify | "verify" needs a suite: granular, follow, lighting, room or shot. | sandglass verify --help
 dataset x | cannot start "dataset": --output is required. | sandglass dataset --help
 )");
   for (std::string line; std::getline(cases, line);) {
@@ -235,7 +235,7 @@ TEST_F(Cli, RefusesNumbersThatAreNone) {
       {"--budget-ms", "run demo"},         {"--frames", "run demo"},
       {"--fov", "run shot --photo a.png"}, {"--distance", "sample box --surface" + out},
       {"--views", "verify lighting"},      {"--seed", "verify lighting"},
-      {"--threads", "verify shot"},
+      {"--seed", "verify follow"},         {"--threads", "verify shot"},
   };
   const auto refused = [&](const std::string& command, const std::string& option, const std::string& value) {
     const bool left_out = !k_bake && (command.starts_with("bake") || command == "bench shadow");
