@@ -5,7 +5,7 @@
 // where there is none. So outside a pile's inside, and up to some two particle radii from its particle, of a grain's
 // own flight is kept
 // * that it sinks slowly towards what carries it;
-// * along a falling jet, the difference that a steady jet has. In one the speed grows by g / |u| a metre along it, so that
+// * along a falling jet, up to 1.25 times the difference that a steady jet has. In one the speed grows by g / |u| a metre along it, so that
 //   a grain that is ahead of its particle is the faster one and the jet does not part into bands. A grain that followed
 //   the mean velocities of whole sweeps lags by what half a sweep of gravity adds, and is not pushed forward;
 // and all else is that of the particle. About a lone particle it is drawn back from further away, some grains nearer to
@@ -85,11 +85,11 @@ SANDGLASS_INLINE void keep_flight(const OwnUnits& units, const Own& own, Float a
   if (any(zero < own.free)) {
     const Float inverse = broadcast(1.0f) / at_least(speed, broadcast(1e-6f));
     const Float falls = own.free * dot3(units.gravity, own.velocity) * inverse;
-    // Of what starts to fall nothing is known yet: the difference is at most half of its speed.
-    const Float most = half * speed;
-    const Float ahead = dot3(own.offset, own.velocity) * inverse / maximum(speed, half * units.speed);
-    const Float steady = maximum(minimum(falls * ahead, most), zero - most);
     const Float lag = half * units.time * maximum(falls, zero), along = dot3(away, own.velocity) * inverse;
+    // By its speed when the sweep began. Of what starts to fall nothing is known: the difference is at most half of it.
+    const Float began = maximum(speed - lag, half * units.speed), most = half * speed;
+    const Float ahead = dot3(own.offset, own.velocity) * inverse;
+    const Float steady = maximum(minimum(broadcast(1.25f) * falls * ahead / began, most), zero - most);
     const Float stretch = minimum(maximum(along, minimum(steady, zero) - lag), maximum(steady, zero)) * inverse;
     for (int k = 0; k < 3; ++k) away[k] = away[k] - stretch * own.velocity[k];
   }

@@ -11,10 +11,12 @@
 #include "kernels/kernels.h"
 #include "tests/granular/granular_scene.h"
 #include "tests/motion_arrays.h"
+#include "tests/own_particle_rule.h"
 
 namespace {
 
 using namespace sandglass;
+using namespace sandglass::tests;
 
 constexpr float k_radius = 0.01f, k_support = 3 * k_radius, k_grain_radius = 0.35f * k_radius, k_friction = 0.14f;
 constexpr double k_frame = 1.0 / 60.0, k_gravity = 9.81;
@@ -22,15 +24,6 @@ constexpr int k_frames = 30, k_shots = 15;  // of the particles in a frame
 constexpr double k_step = k_frame / 3;      // of the grains, for which the blend is meant
 constexpr float k_down[3] = {0.0f, static_cast<float>(-k_gravity), 0.0f};
 const std::vector<int> k_compared = {12, 30};  // frames
-
-struct Vector {
-  double x = 0, y = 0, z = 0;
-};
-Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vector operator*(double s, Vector a) { return {s * a.x, s * a.y, s * a.z}; }
-double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vector at(const float* p) { return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}; }
 
 using Shot = std::vector<Vector>;  // where the particles are
 
@@ -55,6 +48,7 @@ std::vector<Shot> record() {
 
 struct Follower {
   Vector x, v;
+  uint32_t number = 0;
 };
 
 std::vector<Follower> grains_of_the_block() {
@@ -62,7 +56,8 @@ std::vector<Follower> grains_of_the_block() {
   std::vector<Follower> grains;
   for (double y = 0.012; y < 0.2; y += k_edge)
     for (double z = -0.095; z < 0.1; z += k_edge)
-      for (double x = -0.095; x < 0.1; x += k_edge) grains.push_back({{x, y, z}, {}});
+      for (double x = -0.095; x < 0.1; x += k_edge)
+        grains.push_back({{x, y, z}, {}, static_cast<uint32_t>(grains.size())});
   return grains;
 }
 
@@ -101,11 +96,6 @@ class Flow {
   std::vector<std::vector<uint32_t>> cells_;
 };
 
-double fade(double value, double a, double b) {
-  const double t = std::clamp((b - value) / (b - a), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
-
 double free_flight(double weight, double largest) {
   if (weight <= 0) return 1;
   const double few = fade(largest, 512.0 / 729 - 0.1, 512.0 / 729 + 0.1) * fade(weight, 1.2, 2.0);
@@ -122,22 +112,6 @@ void keep_above_floor(Follower* grain) {
   grain->v = {left * grain->v.x, 0, left * grain->v.z};
 }
 
-// A grain stays with its own particle, unless it is deep inside (kernels/refine.inl). Here nothing falls freely.
-void stay_with_own(double weight, double largest, Vector u, Vector offset, double time, Vector* mean, Vector* own) {
-  const double scale = std::sqrt(2 * k_gravity * static_cast<double>(k_radius));
-  const Vector down = {0, -1, 0};
-  const auto length = [](Vector a) { return std::sqrt(dot(a, a)); };
-  const double near = fade(length(offset) / static_cast<double>(k_radius), 2.2, 2.45);
-  *mean = *mean + (near * (1 - fade(length(u - *mean) / scale, 0.15, 0.4)) * fade(weight, 1.8, 2)) * (u - *mean);
-  Vector away = *own + time * k_gravity * down - u;
-  const double slow = fade(length(u) / scale, 0.1, 0.3);
-  away = away - std::clamp(dot(away, down), 0.0, scale * (0.03 + 0.1 * slow)) * down;
-  const double lone = 1 - fade(largest / weight, 0.6, 0.8);
-  const double spreads = lone * fade(length(away) / scale, 0.2, 0.5) *
-                         fade(length(offset + time * away) / static_cast<double>(k_radius), 0.6, 1.1);
-  *own = *own - (near * (1 - spreads)) * away;
-}
-
 // Moves the grains by `time`. `ahead`: they look the particles up where they will be after this share of it.
 void sweep(std::vector<Follower>* grains, const Flow& flow, double time, double ahead) {
   for (Follower& grain : *grains) {
@@ -148,7 +122,11 @@ void sweep(std::vector<Follower>* grains, const Flow& flow, double time, double 
     // The blend acts once a step; a smaller step has its part of it.
     const double lambda = std::pow(free_flight(weight, largest), time / k_step);
     Vector average = weight > 0 ? 1 / weight * momentum : Vector{};
-    if (weight > 0 && weight < 2) stay_with_own(weight, largest, *own, offset, time, &average, &grain.v);
+    if (weight > 0 && weight < 2) {
+      const OwnParticle kept = {*own, offset, 0, 1 - fade(largest / weight, 0.6, 0.8)};  // here nothing falls freely
+      stay_with_own({static_cast<double>(k_radius), time, time, {0, -k_gravity, 0}}, kept, weight, grain.number,
+                    &average, &grain.v);
+    }
     grain.v = (1 - lambda) * average + lambda * (grain.v + Vector{0, -k_gravity * time, 0});
     grain.x = grain.x + time * grain.v;
     keep_above_floor(&grain);

@@ -11,6 +11,7 @@
 
 #include "tests/kernels/oracles.h"
 #include "tests/motion_arrays.h"
+#include "tests/own_particle_rule.h"
 
 namespace {
 
@@ -320,11 +321,6 @@ Sums sums_of_nodes(const Cluster& particles, Vector x) {
 }
 
 // 1 at a and below, 0 at b and above.
-double fade(double value, double a, double b) {
-  const double t = std::clamp((b - value) / (b - a), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
-
 // Down the gradient of the density, which is read linearly between the centres of cells: all of it inside the pile,
 // near a particle, and around a lone one as far as its weight reaches.
 Vector push_at(const RefineArgs& args, const Sums& s, Vector x) {
@@ -357,22 +353,12 @@ Vector push_at(const RefineArgs& args, const Sums& s, Vector x) {
   return std::max({1 - fade(s.weight, 1.6, 2), fade(s.nearest2 / (reach * reach), 0.7, 1.3), lone}) * push;
 }
 
-// A grain stays with its own particle: changes the mean velocity and its own one.
-void stay_with_own(const Sums& s, Vector x, Vector* mean, Vector* own) {
-  constexpr double time = 0.004, gravity = 9.81, radius = 0.01;
-  const double scale = std::sqrt(2 * gravity * radius);
-  const Vector u = at(s.own->velocity), offset = x - (at(s.own->position) - time * u), down = {0, -1, 0};
-  const double near = fade(length(offset) / radius, 2.2, 2.45);
-  *mean = *mean + (near * (1 - fade(length(u - *mean) / scale, 0.15, 0.4)) * fade(s.weight, 1.8, 2)) * (u - *mean);
-  Vector away = *own + time * gravity * down - u;
-  const double slow = fade(length(u) / scale, 0.1, 0.3);
-  away = away - std::clamp(dot(away, down), 0.0, scale * (0.03 + 0.1 * slow)) * down;
-  const double stretch = 1.5 * gravity * length(offset) / std::max(length(u), 1e-3);
-  const double flies = static_cast<double>(free_fall(*s.own)) * fade((length(away) - stretch) / scale, 0.05, 0.15);
-  const double lone = 1 - fade(s.largest / s.weight, 0.6, 0.8);
-  const double spreads =
-      lone * fade(length(away) / scale, 0.2, 0.5) * fade(length(offset + time * away) / radius, 0.6, 1.1);
-  *own = *own - (near * (1 - std::max(flies, spreads))) * away;
+// That of the grain with this number, which is at x.
+void follow_own(const Sums& s, Vector x, uint32_t number, Vector* mean, Vector* velocity) {
+  const Vector u = at(s.own->velocity);
+  const OwnParticle own = {u, x - (at(s.own->position) - 0.004 * u), static_cast<double>(free_fall(*s.own)),
+                           1 - fade(s.largest / s.weight, 0.6, 0.8)};
+  stay_with_own({0.01, 0.004, 0.004, {0, -9.81, 0}}, own, s.weight, number, mean, velocity);
 }
 
 }  // namespace
@@ -404,7 +390,7 @@ void sandglass::tests::check_refine_grains(uint32_t n) {
         }
         if (weight == 0) lambda = 1;
         Vector mean = weight > 0 ? (1 / weight) * sums.flow : Vector{}, own = v;
-        if (sums.own != nullptr) stay_with_own(sums, x, &mean, &own);
+        if (sums.own != nullptr) follow_own(sums, x, all[i].number, &mean, &own);
         const Vector fall = own + 0.004 * Vector{0, -9.81, 0};
         const Vector expected = weight > 0 ? (1 - lambda) * mean + lambda * fall : fall;
         const Vector push = rule == k_pushed ? push_at(refinement.args, sums, x) : Vector{};

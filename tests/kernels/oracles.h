@@ -10,6 +10,7 @@
 
 #include "kernels/kernels.h"
 #include "runtime/granular/cell_sort.h"
+#include "tests/vector.h"
 
 namespace sandglass::tests {
 
@@ -23,21 +24,6 @@ inline std::vector<const Kernels*> tables() {
     if (const Kernels* kernels = select_kernels(isa)) all.push_back(kernels);
   }
   return all;
-}
-
-struct Vector {
-  double x = 0, y = 0, z = 0;
-};
-inline Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vector operator*(double s, Vector a) { return {s * a.x, s * a.y, s * a.z}; }
-inline double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline double length(Vector a) { return std::sqrt(dot(a, a)); }
-inline Vector at(const float* p) {
-  return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
-}
-inline void set(float* p, Vector a) {
-  p[0] = static_cast<float>(a.x), p[1] = static_cast<float>(a.y), p[2] = static_cast<float>(a.z);
 }
 
 // A moving particle or a grain.
