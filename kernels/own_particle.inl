@@ -90,13 +90,14 @@ SANDGLASS_INLINE void keep_flight(const OwnUnits& units, const Own& own, Float a
     const Float began = maximum(speed - lag, half * units.speed), most = half * speed;
     const Float ahead = dot3(own.offset, own.velocity) * inverse;
     const Float steady = maximum(minimum(broadcast(1.25f) * falls * ahead / began, most), zero - most);
-    const Float stretch = minimum(maximum(along, minimum(steady, zero) - lag), maximum(steady, zero)) * inverse;
+    const Float slower = minimum(steady, zero) - lag, faster = maximum(steady, zero);
+    const Float stretch = minimum(maximum(along, slower), faster) * inverse;
     for (int k = 0; k < 3; ++k) away[k] = away[k] - stretch * own.velocity[k];
   }
   // So slowly that it does not fall into a pile on which its particle lands.
   const Float slow = fade(units.per_speed * speed, 0.1f, 0.3f);
-  const Float sinks =
-      minimum(maximum(dot3(away, units.way), zero), units.speed * (broadcast(0.03f) + broadcast(0.05f) * slow));
+  const Float sinks = minimum(maximum(dot3(away, units.way), zero),
+                              units.speed * (broadcast(0.01f) + broadcast(0.03f) * slow + broadcast(0.02f) * own.free));
   for (int k = 0; k < 3; ++k) away[k] = away[k] - sinks * units.way[k];
 }
 

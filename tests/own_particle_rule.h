@@ -34,7 +34,7 @@ inline Vector without_flight(const OwnRule& rule, const OwnParticle& own, double
   const double lag = 0.5 * rule.time * std::max(falls, 0.0), began = std::max(speed - lag, 0.5 * scale);
   const double steady = std::clamp(1.25 * falls * dot(own.offset, ahead) / began, -0.5 * speed, 0.5 * speed);
   away = away - std::clamp(dot(away, ahead), std::min(steady, 0.0) - lag, std::max(steady, 0.0)) * ahead;
-  const double sinks_most = scale * (0.03 + 0.05 * fade(speed / scale, 0.1, 0.3));
+  const double sinks_most = scale * (0.01 + 0.03 * fade(speed / scale, 0.1, 0.3) + 0.02 * own.free);
   return away - std::clamp(dot(away, down), 0.0, sinks_most) * down;
 }
 
