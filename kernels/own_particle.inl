@@ -5,9 +5,10 @@
 // where there is none. So outside a pile's inside, and up to some two particle radii from its particle, of a grain's
 // own flight is kept
 // * that it sinks slowly towards what carries it;
-// * along a falling jet, up to 1.25 times the difference that a steady jet has. In one the speed grows by g / |u| a metre along it, so that
-//   a grain that is ahead of its particle is the faster one and the jet does not part into bands. A grain that followed
-//   the mean velocities of whole sweeps lags by what half a sweep of gravity adds, and is not pushed forward;
+// * along a falling jet, up to 1.25 times the difference that a steady jet has. In one the speed grows by g / |u| a metre
+//   along it, so that a grain that is ahead of its particle is the faster one and the jet does not part into bands. A
+//   grain that followed the mean velocities of whole sweeps lags by what half a sweep of gravity adds, and is not pushed
+//   forward;
 // and all else is that of the particle. About a lone particle it is drawn back from further away, some grains nearer to
 // it than others, so that what one particle stands for has a soft edge. Speeds are in units of sqrt(g d), distances in
 // particle radii. The constants were chosen with pours and a small hourglass (`sandglass verify follow` has more).
