@@ -22,6 +22,8 @@ constexpr float k_catch_up_seconds = 0.05f, k_caught_up = 1e-4f;
 constexpr float k_still_seconds = 0.1f;
 // Metres a second; what is slower does not move.
 constexpr float k_slowest = 1e-4f;
+// What a told velocity lacks of the pose's way, in shares of it. Of a hand that turns or brakes it is less.
+constexpr float k_untold_share = 0.25f;
 // Seconds in which a collider may gain the speed at which sand leaves it.
 constexpr float k_leave_frame = 1.0f / 60.0f;
 
@@ -224,12 +226,32 @@ void multiply(const float a[4], const float b[4], float q[4]) {
   q[3] = a[3] * b[3] - (u.x * v.x + u.y * v.y + u.z * v.z);
 }
 
+// Adds to a told velocity what it does not tell of the pose's way: of a belt that is lifted, the lift. Of the velocity,
+// so much is the pose's as goes with its way; of a belt that stays in place nothing.
+void add_untold(float velocity[3], const float before[3], const float way[3], float step, float most) {
+  float with = 0.0f, told2 = 0.0f;
+  for (int k = 0; k < 3; ++k) with += way[k] * velocity[k] * step, told2 += velocity[k] * velocity[k] * step * step;
+  const float share = told2 > 0.0f ? minimum(maximum(with / told2, 0.0f), 1.0f) : 0.0f;
+  float rest[3], untold[3];
+  for (int k = 0; k < 3; ++k) rest[k] = way[k] - share * step * velocity[k], untold[k] = before[k];
+  if (!(length3(rest) > k_untold_share * length3(way))) return;
+  gain(untold, rest, step, most);
+  for (int k = 0; k < 3; ++k) velocity[k] += untold[k];
+}
+
 // Pose and velocities as told. What was not believed before has been left behind, and catches up smoothly.
-void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, float step,
+void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, float reach, float step,
           const HoldRule& rule) {
-  const Pose was_held = p->held.pose;
+  const Placement before = p->held;
+  const Pose was_held = before.pose;
   p->held = told;
-  if (rule.band <= 0.0f || surface_way(shape, was_held, was_told, rule) <= k_caught_up) return;
+  if (rule.band <= 0.0f) return;
+  float shift[3], arc[3];
+  motion_between(was_told, told.pose, shift, arc);
+  const float most = rule.leave_speed * minimum(step / k_leave_frame, 1.0f);
+  add_untold(p->held.linear, before.linear, shift, step, most);
+  add_untold(p->held.angular, before.angular, arc, step, most / maximum(reach, 1e-6f));
+  if (surface_way(shape, was_held, was_told, rule) <= k_caught_up) return;
   Pose behind = was_held;  // as far from the told pose as it was in the last frame
   const float* w = was_told.rotation;
   const float back[4] = {-w[0], -w[1], -w[2], w[3]};
@@ -238,7 +260,6 @@ void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose&
   multiply(turn, was_held.rotation, behind.rotation);
   for (int k = 0; k < 3; ++k) behind.position[k] += told.pose.position[k] - was_told.position[k];
   p->held.pose = between(behind, told.pose, step / (k_catch_up_seconds + step));
-  float shift[3], arc[3];
   motion_between(behind, p->held.pose, shift, arc);
   for (int k = 0; k < 3; ++k) p->held.linear[k] += shift[k] / step, p->held.angular[k] += arc[k] / step;
 }
@@ -361,7 +382,7 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
   p->told = told.pose;
   const float reach = reach_of(shape, told.pose, rule);
   if (rule.band <= 0.0f || believes(p, told, reach, step, rule.band)) {
-    take(p, shape, told, was_told, step, rule);
+    take(p, shape, told, was_told, reach, step, rule);
     p->believed = 1;
     begin_following(p);
     return;

@@ -192,6 +192,17 @@ TEST(Gentle, NothingIsPressedThroughATable) {
   EXPECT_LT(lowest_of(0.01f, false, 100.0f), 0.0f) << "the control";
 }
 
+// A belt that tells how its surface runs, but not that it is lifted. The control takes the poses as they are told.
+TEST(Gentle, ABeltThatIsLiftedLiftsItsSand) {
+  for (const float band : {0.003f, 0.0f}) {
+    Heap heap(0.002f, Ground::half_space, band);
+    heap.ground().linear_velocity[0] = 0.1f;
+    for (int f = 0; f < 60; ++f) heap.ground().position[1] += 0.1f * k_frame, heap.frame();
+    const bool above = heap.went(1) > 0.1 - 0.002;
+    EXPECT_EQ(above, band > 0.0f) << heap.went(1);
+  }
+}
+
 // ---- colliders are held still
 
 // Ten seconds of a tracker's noise, without velocities or with those of its poses.
