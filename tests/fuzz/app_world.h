@@ -170,6 +170,8 @@ struct World {
     // Also where sand has rolled to: farther away the same angle is a longer way.
     for (size_t i = 0; i < positions.size(); ++i)
       if (present[i] != 0) reach = std::fmax(reach, length(positions[i] - drawn.p));
+    // What has no pose is left out: it goes away and comes back.
+    set.hand &= static_cast<uint8_t>(~not_a_number);
     lost_frames = empty_frames = 0, travel = belt_speed = {}, turn_rate = 0, next_correction = 1e9;
     move_ground(0);
     // A hand stays if sand has room between it and all else.
