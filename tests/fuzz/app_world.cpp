@@ -159,7 +159,7 @@ struct Watch {
     w.stop();
     w.stand();
     check(1 / w.rate);
-    const bool exact = (w.set.list & (restless | far_hand)) == 0;
+    const bool exact = (w.set.list & (restless | far_hand)) == 0;  // else sleepers may wake yet
     const double landed = w.simulated + until_landed();
     double next = landed + 2, before = -1, zero = 0;
     for (bool soon = false; w.simulated < landed + k_late;) {
@@ -171,7 +171,7 @@ struct Watch {
         // A few in the edge of two walls creep on, as friction with one slips while it holds on to the other.
         check_sleep(k_soon, std::max(5u, w.report.particles / 20));
       }
-      if (exact && w.simulated > next) {
+      if (w.simulated > next) {
         // The solver's own corrections move a particle by a hundredth of r in a second at most.
         const double after = energy(zero), slack = 0.01 * w.r * length(w.gravity) * w.report.particles;
         if (before >= 0 && after > 1.01 * before + slack)
