@@ -168,8 +168,7 @@ struct Watch {
       if (!soon && w.simulated > landed + k_soon) {
         soon = true;
         check_depth();
-        // A few in the edge of two walls creep on, as friction with one slips while it holds on to the other.
-        check_sleep(k_soon, std::max(5u, w.report.particles / 20));
+        check_sleep(k_soon, w.report.particles / 20);
       }
       if (w.simulated > next) {
         // The solver's own corrections move a particle by a hundredth of r in a second at most.
