@@ -204,8 +204,8 @@ TEST(Gentle, ABeltThatIsLiftedLiftsItsSand) {
 }
 
 // In a right-angled edge that is rolled about itself the walls bear sqrt 2 cos(roll) of the weight together. So sand
-// slides from tan(tilt) = mu sqrt 2 cos(roll) on, at most 12.7 degrees; it crept, at up to g dt, from 5 degrees on. The control is
-// steeper.
+// slides from tan(tilt) = mu sqrt 2 cos(roll) on, at most 12.7 degrees. It crept at up to g dt from 5 degrees on. The
+// control is steeper.
 TEST(Gentle, SandInAnEdgeIsHeldByBothWalls) {
   constexpr float k_quarter = 0.78539816f;  // 45 degrees
   for (const float share : {0.3f, 0.6f, 0.9f, 1.1f}) {
