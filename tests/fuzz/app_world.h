@@ -208,12 +208,14 @@ struct World {
     const uint32_t numbers = report.particle_numbers;
     std::vector<float> p(3ull * numbers, SANDGLASS_REMOVED_Y), v(p.size());
     sandglass_granular_particles(scene.get(), p.data(), v.data());
-    positions.resize(numbers), velocities.resize(numbers), present.resize(numbers);
+    positions.resize(numbers), velocities.resize(numbers), present.resize(numbers), away.resize(numbers);
     const Pose back = scene_pose.inverse();
     for (size_t i = 0; i < numbers; ++i) {
-      present[i] = p[3 * i + 1] != SANDGLASS_REMOVED_Y;
       positions[i] = back(host::from_floats(&p[3 * i])), velocities[i] = back.turn(host::from_floats(&v[3 * i]));
-      present[i] = present[i] && !has_left(positions[i]);
+      const bool there = p[3 * i + 1] != SANDGLASS_REMOVED_Y, out = there && has_left(positions[i]);
+      // What had left and comes back, as gravity has turned, is as fast as its fall elsewhere.
+      if (away[i] != 0 && there && !out) moves_at(length(velocities[i]));
+      away[i] = out, present[i] = there && !out;
     }
   }
 
@@ -247,7 +249,7 @@ struct World {
   double thick = 0, cavity = 0;
   Vec3 extent, slide;  // of a table: half its edges, the middle
   std::vector<Vec3> positions, velocities;
-  std::vector<char> present;
+  std::vector<char> present, away;
 
  private:
   struct Hand {
