@@ -216,7 +216,7 @@ void add_untold(float velocity[3], const float before[3], const float way[3], fl
   for (int k = 0; k < 3; ++k) with += way[k] * velocity[k] * step, told2 += velocity[k] * velocity[k] * step * step;
   const float share = told2 > 0.0f ? minimum(maximum(with / told2, 0.0f), 1.0f) : 0.0f;
   float rest[3], untold[3];
-  for (int k = 0; k < 3; ++k) rest[k] = way[k] - share * step * velocity[k], untold[k] = before[k];
+  for (int k = 0; k < 3; ++k) rest[k] = way[k] - share * step * velocity[k], untold[k] = before[k] - velocity[k];
   if (!(length3(rest) > k_untold_share * length3(way))) return;
   gain(untold, rest, step, most);
   for (int k = 0; k < 3; ++k) velocity[k] += untold[k];
