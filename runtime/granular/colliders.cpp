@@ -207,11 +207,12 @@ void hold_slot(Granular* g, uint32_t slot, const sandglass_collider& now, double
   else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g->time.frame_step, rule);
   known.used = 1, known.id = now.id, known.shape = now.shape, known.absent = 0.0f;
   Placement met = known.pose.held;
-  if (continued && owed >= k_time_resolution && debt >= k_time_resolution &&
-      continues(before, met, step, g->desc.particle_radius)) {
+  if (owed >= k_time_resolution && debt >= k_time_resolution) {
+    // Of one that jumped nothing is left: else it would come from as far away as it goes in all of the time debt.
+    const double left = continued && continues(before, met, step, g->desc.particle_radius) ? owed : 0.0;
     for (int k = 0; k < 3; ++k) {
-      met.linear[k] = spread(before.linear[k], owed, met.linear[k], step, debt);
-      met.angular[k] = spread(before.angular[k], owed, met.angular[k], step, debt);
+      met.linear[k] = spread(before.linear[k], left, met.linear[k], step, debt);
+      met.angular[k] = spread(before.angular[k], left, met.angular[k], step, debt);
     }
   }
   c.of_slot[slot] = now;
