@@ -402,7 +402,8 @@ struct World {
     }
     if ((set.hand & swells) != 0) {
       constexpr double k_swelling = 0.02;  // m/s
-      const double by = std::fmod(simulated, 2.0) < 1.0 ? k_swelling * real : -k_swelling * real;
+      // In real time: in slow motion a hand would grow larger than the case.
+      const double by = std::fmod(frames / rate, 2.0) < 1.0 ? k_swelling * real : -k_swelling * real;
       s.size = {std::fmax(s.size.x + by, 0.004), std::fmax(s.size.y + by, 0.004), std::fmax(s.size.z + by, 0.004)};
       speed += 2 * k_swelling;  // sqrt(3) at the corner of a box
     }
