@@ -188,7 +188,8 @@ struct Watch {
         // A few may still slide on a slope hardly steeper than friction, or creep in the edge of a field.
         check_sleep(k_soon, std::max(5u, w.report.particles / 20));
       }
-      if (w.simulated > next) {
+      // A held pose that is nearly its band away from a restless one may still be corrected.
+      if ((w.set.list & restless) == 0 && w.simulated > next) {
         // The solver's own corrections move a particle by a hundredth of r in a second at most.
         const double after = energy(zero), slack = 0.01 * w.r * length(w.gravity) * w.report.particles;
         if (before >= 0 && !is_in_body() && after > 1.01 * before + slack)
