@@ -52,8 +52,20 @@ SANDGLASS_INLINE Surface field_surface(const ColliderFrame& c, Float x, Float y,
     gradient[k] = select(beyond, outward * out[k], gradient[k]);
     length2 = length2 + gradient[k] * gradient[k];
   }
-  // Without a gradient, as on a ridge, the normal is local y, as at the centre of a sphere.
-  const Mask steep = broadcast(1e-12f) < length2;
+  // Without a gradient, as on a ridge, the normal is local y, as at the centre of a sphere. With solid around the grid it
+  // leads to the middle: in a container's corner, and on an edge of the grid, nodes are equally deep.
+  const Float flat = broadcast(1e-12f);
+  if (grid.outward < 0.0f && !all(flat < length2)) {
+    const Mask keeps = flat < length2;
+    length2 = zero;
+    for (int k = 0; k < 3; ++k) {
+      const Float middle = broadcast(0.5f * static_cast<float>(grid.counts[k] - 1));
+      const Float inward = (middle - (cell[k] + share[k])) * broadcast(grid.spacing) - out[k];
+      gradient[k] = select(keeps, gradient[k], inward);
+      length2 = length2 + gradient[k] * gradient[k];
+    }
+  }
+  const Mask steep = flat < length2;
   const Float scale = one / square_root(select(steep, length2, one));
   for (int k = 0; k < 3; ++k) gradient[k] = select(steep, gradient[k] * scale, k == 1 ? one : zero);
   Float n[3];

@@ -148,8 +148,14 @@ float fastness(const sandglass_collider& c) {
   return __builtin_sqrtf(v2) + __builtin_sqrtf(w2 * reach2);
 }
 
-// Whether a pushes before b: the faster first. Equal ones are told apart by their shapes and poses, not by their places.
+// Whether a pushes before b: the smaller first, of equal ones the faster. A table that is followed may for a while be
+// faster than the hand that presses on it. Equal ones are told apart by their shapes and poses, not by their places.
 bool pushes_before(const sandglass_collider& a, const sandglass_collider& b) {
+  const bool endless = a.shape == SANDGLASS_SHAPE_HALF_SPACE, other_endless = b.shape == SANDGLASS_SHAPE_HALF_SPACE;
+  if (endless != other_endless) return other_endless;
+  float a2 = 0.0f, b2 = 0.0f;
+  for (int k = 0; k < 3; ++k) a2 += a.size[k] * a.size[k], b2 += b.size[k] * b.size[k];
+  if (a2 != b2) return a2 < b2;
   const float va = fastness(a), vb = fastness(b);
   if (va != vb) return va > vb;
   if (a.shape != b.shape) return a.shape < b.shape;
@@ -201,11 +207,12 @@ void hold_slot(Granular* g, uint32_t slot, const sandglass_collider& now, double
   else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g->time.frame_step, rule);
   known.used = 1, known.id = now.id, known.shape = now.shape, known.absent = 0.0f;
   Placement met = known.pose.held;
-  if (continued && owed >= k_time_resolution && debt >= k_time_resolution &&
-      continues(before, met, step, g->desc.particle_radius)) {
+  if (owed >= k_time_resolution && debt >= k_time_resolution) {
+    // Of one that jumped nothing is left: else it would come from as far away as it goes in all of the time debt.
+    const double left = continued && continues(before, met, step, g->desc.particle_radius) ? owed : 0.0;
     for (int k = 0; k < 3; ++k) {
-      met.linear[k] = spread(before.linear[k], owed, met.linear[k], step, debt);
-      met.angular[k] = spread(before.angular[k], owed, met.angular[k], step, debt);
+      met.linear[k] = spread(before.linear[k], left, met.linear[k], step, debt);
+      met.angular[k] = spread(before.angular[k], left, met.angular[k], step, debt);
     }
   }
   c.of_slot[slot] = now;

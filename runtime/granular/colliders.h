@@ -72,7 +72,7 @@ void colliders_reset(Colliders* colliders, const sandglass_granular_desc& desc);
 // left of its way, and this frame's, spread over all the simulated time left: one that stops has not jumped, and in
 // slow motion it is faster than the app says, as it is on the screen.
 //
-// The fastest push first. The last one to push is not entered: a hand presses no sand through the table.
+// The smallest push first. The last one to push is not entered: a hand presses no sand through the table.
 void colliders_take(Granular* granular, const sandglass_frame_input& input, double owed);
 // Finds what has changed for the particles since they were last woken; a change makes the touch phase due.
 void colliders_find_moved(Granular* granular);

@@ -1,5 +1,7 @@
 #include "runtime/granular/held_pose.h"
 
+#include "runtime/granular/rigid_motion.h"
+
 namespace sandglass {
 
 namespace {
@@ -22,24 +24,12 @@ constexpr float k_catch_up_seconds = 0.05f, k_caught_up = 1e-4f;
 constexpr float k_still_seconds = 0.1f;
 // Metres a second; what is slower does not move.
 constexpr float k_slowest = 1e-4f;
+// What a told velocity lacks of the pose's way, in shares of it. Of a hand that turns or brakes it is less.
+constexpr float k_untold_share = 0.25f;
 // Seconds in which a collider may gain the speed at which sand leaves it.
 constexpr float k_leave_frame = 1.0f / 60.0f;
 
-struct Vector {
-  float x, y, z;
-};
-
-Vector cross(const Vector& a, const Vector& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-Vector rotated(const float q[4], const Vector& v) {
-  const Vector u = {q[0], q[1], q[2]}, t = cross(u, v);
-  const Vector w = cross(u, {t.x + q[3] * v.x, t.y + q[3] * v.y, t.z + q[3] * v.z});
-  return {v.x + 2.0f * w.x, v.y + 2.0f * w.y, v.z + 2.0f * w.z};
-}
-
-float dot(const float a[3], const Vector& b) { return a[0] * b.x + a[1] * b.y + a[2] * b.z; }
+float dot(const float a[3], const FloatVector& b) { return a[0] * b.x + a[1] * b.y + a[2] * b.z; }
 float length3(const float v[3]) { return __builtin_sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 float minimum(float a, float b) { return a < b ? a : b; }
 float maximum(float a, float b) { return a > b ? a : b; }
@@ -84,11 +74,12 @@ void for_corners(const float low[3], const float high[3], const Visit& visit) {
 
 // The face of a box along its axis `axis`, up or down it: n . x = offset.
 struct Face {
-  Vector n;
+  FloatVector n;
   float offset;
 };
 Face face_of(const Pose& pose, int axis, float side) {
-  const Vector n = rotated(pose.rotation, {axis == 0 ? side : 0.0f, axis == 1 ? side : 0.0f, axis == 2 ? side : 0.0f});
+  const FloatVector n =
+      rotated(pose.rotation, {axis == 0 ? side : 0.0f, axis == 1 ? side : 0.0f, axis == 2 ? side : 0.0f});
   return {n, dot(pose.position, n) + pose.size[axis]};
 }
 
@@ -159,7 +150,7 @@ Pose between(const Pose& from, const Pose& to, float share) {
 // Shift and turn from one pose to another; the turn to first order, about the world's axes.
 void motion_between(const Pose& from, const Pose& to, float shift[3], float turn[3]) {
   const float *a = from.rotation, *b = to.rotation;
-  const Vector v = cross({b[0], b[1], b[2]}, {a[0], a[1], a[2]});
+  const FloatVector v = cross(FloatVector{b[0], b[1], b[2]}, {a[0], a[1], a[2]});
   const float w[3] = {v.x, v.y, v.z};
   for (int k = 0; k < 3; ++k) {
     shift[k] = to.position[k] - from.position[k];
@@ -218,18 +209,32 @@ void begin_following(HeldPose* p) {
   p->age = p->stood = 0.0f;
 }
 
-void multiply(const float a[4], const float b[4], float q[4]) {
-  const Vector u = {a[0], a[1], a[2]}, v = {b[0], b[1], b[2]}, c = cross(u, v);
-  q[0] = a[3] * v.x + b[3] * u.x + c.x, q[1] = a[3] * v.y + b[3] * u.y + c.y, q[2] = a[3] * v.z + b[3] * u.z + c.z;
-  q[3] = a[3] * b[3] - (u.x * v.x + u.y * v.y + u.z * v.z);
+// Adds to a told velocity what it does not tell of the pose's way: of a belt that is lifted, the lift. Of the velocity,
+// so much is the pose's as goes with its way; of a belt that stays in place nothing.
+void add_untold(float velocity[3], const float before[3], const float way[3], float step, float most) {
+  float with = 0.0f, told2 = 0.0f;
+  for (int k = 0; k < 3; ++k) with += way[k] * velocity[k] * step, told2 += velocity[k] * velocity[k] * step * step;
+  const float share = told2 > 0.0f ? minimum(maximum(with / told2, 0.0f), 1.0f) : 0.0f;
+  float rest[3], untold[3];
+  for (int k = 0; k < 3; ++k) rest[k] = way[k] - share * step * velocity[k], untold[k] = before[k] - velocity[k];
+  if (!(length3(rest) > k_untold_share * length3(way))) return;
+  gain(untold, rest, step, most);
+  for (int k = 0; k < 3; ++k) velocity[k] += untold[k];
 }
 
 // Pose and velocities as told. What was not believed before has been left behind, and catches up smoothly.
-void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, float step,
+void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, float reach, float step,
           const HoldRule& rule) {
-  const Pose was_held = p->held.pose;
+  const Placement before = p->held;
+  const Pose was_held = before.pose;
   p->held = told;
-  if (rule.band <= 0.0f || surface_way(shape, was_held, was_told, rule) <= k_caught_up) return;
+  if (rule.band <= 0.0f) return;
+  float shift[3], arc[3];
+  motion_between(was_told, told.pose, shift, arc);
+  const float most = rule.leave_speed * minimum(step / k_leave_frame, 1.0f);
+  add_untold(p->held.linear, before.linear, shift, step, most);
+  add_untold(p->held.angular, before.angular, arc, step, most / maximum(reach, 1e-6f));
+  if (surface_way(shape, was_held, was_told, rule) <= k_caught_up) return;
   Pose behind = was_held;  // as far from the told pose as it was in the last frame
   const float* w = was_told.rotation;
   const float back[4] = {-w[0], -w[1], -w[2], w[3]};
@@ -238,7 +243,6 @@ void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose&
   multiply(turn, was_held.rotation, behind.rotation);
   for (int k = 0; k < 3; ++k) behind.position[k] += told.pose.position[k] - was_told.position[k];
   p->held.pose = between(behind, told.pose, step / (k_catch_up_seconds + step));
-  float shift[3], arc[3];
   motion_between(behind, p->held.pose, shift, arc);
   for (int k = 0; k < 3; ++k) p->held.linear[k] += shift[k] / step, p->held.angular[k] += arc[k] / step;
 }
@@ -292,14 +296,14 @@ float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const
   float low[3], high[3], most = 0.0f;
   near_box(shape, from, rule, low, high);
   if (shape == SANDGLASS_SHAPE_HALF_SPACE) {
-    const Vector a = rotated(from.rotation, {0, 1, 0}), b = rotated(to.rotation, {0, 1, 0});
+    const FloatVector a = rotated(from.rotation, {0, 1, 0}), b = rotated(to.rotation, {0, 1, 0});
     return way_of_face({a, dot(from.position, a)}, {b, dot(to.position, b)}, rule.low, rule.high);
   }
   if (shape == SANDGLASS_SHAPE_BOX && grown(from, to) > rule.band) return way_of_faces(from, to, low, high);
   const float back[4] = {-from.rotation[0], -from.rotation[1], -from.rotation[2], from.rotation[3]};
   for_corners(low, high, [&](const float at[3]) {
-    const Vector r = {at[0] - from.position[0], at[1] - from.position[1], at[2] - from.position[2]};
-    const Vector turned = rotated(to.rotation, rotated(back, r));
+    const FloatVector r = {at[0] - from.position[0], at[1] - from.position[1], at[2] - from.position[2]};
+    const FloatVector turned = rotated(to.rotation, rotated(back, r));
     const float way[3] = {turned.x - r.x + (to.position[0] - from.position[0]),
                           turned.y - r.y + (to.position[1] - from.position[1]),
                           turned.z - r.z + (to.position[2] - from.position[2])};
@@ -309,12 +313,9 @@ float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const
 }
 
 void pose_move(Pose* p, const float rotation[4], const float shift[3]) {
-  const Vector at = rotated(rotation, {p->position[0], p->position[1], p->position[2]});
-  const Vector a = {rotation[0], rotation[1], rotation[2]};
-  const Vector b = {p->rotation[0], p->rotation[1], p->rotation[2]}, c = cross(a, b);
-  const float s = rotation[3], t = p->rotation[3];
-  const float turned[4] = {s * b.x + t * a.x + c.x, s * b.y + t * a.y + c.y, s * b.z + t * a.z + c.z,
-                           s * t - (a.x * b.x + a.y * b.y + a.z * b.z)};
+  const FloatVector at = rotated(rotation, {p->position[0], p->position[1], p->position[2]});
+  float turned[4];
+  multiply(rotation, p->rotation, turned);
   const float moved[3] = {at.x + shift[0], at.y + shift[1], at.z + shift[2]};
   for (int k = 0; k < 3; ++k) p->position[k] = moved[k];
   // Rounding must not add up over a million moves.
@@ -329,7 +330,7 @@ void hold_move(HeldPose* p, const float rotation[4], const float shift[3]) {
   for (Pose* pose : poses) pose_move(pose, rotation, shift);
   float* const vectors[] = {p->held.linear, p->held.angular, p->run, p->run + 3};
   for (float* v : vectors) {
-    const Vector turned = rotated(rotation, {v[0], v[1], v[2]});
+    const FloatVector turned = rotated(rotation, {v[0], v[1], v[2]});
     v[0] = turned.x, v[1] = turned.y, v[2] = turned.z;
   }
 }
@@ -361,7 +362,7 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
   p->told = told.pose;
   const float reach = reach_of(shape, told.pose, rule);
   if (rule.band <= 0.0f || believes(p, told, reach, step, rule.band)) {
-    take(p, shape, told, was_told, step, rule);
+    take(p, shape, told, was_told, reach, step, rule);
     p->believed = 1;
     begin_following(p);
     return;

@@ -1,30 +1,35 @@
-// The arithmetic of rigid bodies, in double: vectors, rotations by unit quaternions (x, y, z, w), and inertia.
+// The arithmetic of rigid motion: vectors, rotations by unit quaternions (x, y, z, w), and inertia. Bodies take doubles.
 #pragma once
 
 namespace sandglass {
 
-struct Vector {
-  double x, y, z;
+template <class Real>
+struct VectorOf {
+  Real x, y, z;
 };
+using Vector = VectorOf<double>;
+using FloatVector = VectorOf<float>;
 
 inline Vector to_vector(const float v[3]) {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
-inline Vector cross(const Vector& a, const Vector& b) {
+template <class Real>
+VectorOf<Real> cross(const VectorOf<Real>& a, const VectorOf<Real>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 // (R - 1) r for the rotation by q: exact to the last bits of small turns.
-inline Vector turned_by(const double q[4], const Vector& r) {
-  const Vector v = {q[0], q[1], q[2]};
-  const Vector t = cross(v, r);
-  const Vector u = cross(v, {t.x + q[3] * r.x, t.y + q[3] * r.y, t.z + q[3] * r.z});
-  return {2.0 * u.x, 2.0 * u.y, 2.0 * u.z};
+template <class Real>
+VectorOf<Real> turned_by(const Real q[4], const VectorOf<Real>& r) {
+  const VectorOf<Real> v = {q[0], q[1], q[2]}, t = cross(v, r);
+  const VectorOf<Real> u = cross(v, {t.x + q[3] * r.x, t.y + q[3] * r.y, t.z + q[3] * r.z});
+  return {Real{2} * u.x, Real{2} * u.y, Real{2} * u.z};
 }
 
-inline Vector rotated(const double q[4], const Vector& r) {
-  const Vector t = turned_by(q, r);
+template <class Real>
+VectorOf<Real> rotated(const Real q[4], const VectorOf<Real>& r) {
+  const VectorOf<Real> t = turned_by(q, r);
   return {r.x + t.x, r.y + t.y, r.z + t.z};
 }
 
@@ -48,7 +53,8 @@ inline void angular_velocity(const double spread[9], const double l[3], double w
 }
 
 // The rotation by r and then by t.
-inline void multiply(const double t[4], const double r[4], double q[4]) {
+template <class Real>
+void multiply(const Real t[4], const Real r[4], Real q[4]) {
   q[0] = t[3] * r[0] + t[0] * r[3] + t[1] * r[2] - t[2] * r[1];
   q[1] = t[3] * r[1] + t[1] * r[3] + t[2] * r[0] - t[0] * r[2];
   q[2] = t[3] * r[2] + t[2] * r[3] + t[0] * r[1] - t[1] * r[0];

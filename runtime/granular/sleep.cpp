@@ -46,12 +46,15 @@ void move_on(Granular* g, const Particle& p) {
     drop_anchor(&g->sleep.anchors[g->bodies.numbers[slot]], particle_at(*g, g->bodies.rows[slot])->position);
 }
 
+float apart2(const float a[3], const float b[3]) {
+  float sum = 0.0f;
+  for (int k = 0; k < 3; ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
+  return sum;
+}
+
 // Squared distance from where the particle last moved on or woke.
 float moved2(const Granular& g, const Particle& p) {
-  const float* anchor = g.sleep.anchors[number_of(p)].position;
-  float sum = 0.0f;
-  for (int k = 0; k < 3; ++k) sum += (p.position[k] - anchor[k]) * (p.position[k] - anchor[k]);
-  return sum;
+  return apart2(p.position, g.sleep.anchors[number_of(p)].position);
 }
 
 // Particle i, whose state is awake already, counts as awake from now on.
@@ -151,13 +154,10 @@ void carry_neighbours(Granular* g, uint32_t i, uint16_t carried) {
   uint32_t count;
   const uint32_t* row = neighbours_of(g, i, &count);
   const float near = (2.0f + k_touch_gap_radii) * g->desc.particle_radius;
-  const float* at = particle_at(*g, i)->position;
   for (uint32_t s = 0; s < count; ++s) {
     if (row[s] >= g->particles.count) continue;
     const Particle& other = *particle_at(*g, row[s]);
-    float apart2 = 0.0f;
-    for (int k = 0; k < 3; ++k) apart2 += (other.position[k] - at[k]) * (other.position[k] - at[k]);
-    if (apart2 > near * near) continue;
+    if (apart2(other.position, particle_at(*g, i)->position) > near * near) continue;
     wake_if_asleep(g, row[s]);
     uint16_t& theirs = g->sleep.anchors[number_of(other)].carried;
     if (theirs < carried) theirs = carried;
@@ -312,9 +312,7 @@ bool sleep_may_rest(Granular* g, uint32_t i) {
   for (uint32_t s = 0; s < count; ++s) {
     const Particle& other = *particle_at(*g, row[s]);
     if (in_body(p) && body_of(p) == body_of(other)) continue;
-    float apart2 = 0.0f;
-    for (int k = 0; k < 3; ++k) apart2 += (other.position[k] - p.position[k]) * (other.position[k] - p.position[k]);
-    if (apart2 < near2) return true;
+    if (apart2(other.position, p.position) < near2) return true;
   }
   alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group] = {};
   for (uint32_t c = 0; c < g->colliders.substep_count; ++c) {

@@ -230,7 +230,8 @@ uint32_t items_left(const Granular& g, SubstepPhase phase) {
 
 bool next(const void* state, uint32_t level, WorkUnit* unit) {
   const Granular& g = *static_cast<const Granular*>(state);
-  if (time_paused(g) || (g.particles.count == 0 && g.flow.emitter_count == 0)) return false;
+  // What has begun ends, though the last particle is gone and the nozzle closed.
+  if (time_paused(g) || (g.particles.count == 0 && g.flow.emitter_count == 0 && substep_idle(g))) return false;
   // A snapshot under way reads the state in several units and must find it unchanged.
   if (g.sweep.phase == SweepPhase::snapshot) return false;
   const SubstepPhase phase = upcoming(g, level);

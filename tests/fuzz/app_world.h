@@ -50,7 +50,7 @@ enum HandBits {
 };
 enum Nozzle { above = 1, in_ground = 2, in_hand = 4, fast = 8 };
 enum Calls { moves = 1, saves = 2, restores = 4, fresh = 8, old = 16, not_found = 32, removes = 64, turns = 128 };
-enum List { order = 1, sign = 2, far_hand = 4, restless = 8, body = 16, sink = 32 };
+enum List { order = 1, sign = 2, far_hand = 4, restless = 8, body = 16, sink = 32, ids = 64 };
 
 struct Settings {
   uint8_t seed[4];
@@ -61,13 +61,15 @@ struct Settings {
   uint8_t plane, hand, nozzle, calls, list;
 };
 
-constexpr double k_longest = 0.1;  // seconds of a frame that the library takes
-constexpr double k_floor = 0.75;   // m, from a table down to the floor
+constexpr double k_longest = 0.1;                           // seconds of a frame that the library takes
+constexpr double k_floor = 0.75;                            // m, from a table down to the floor
+constexpr uint32_t k_second_plane = 20, k_first_hand = 21;  // ids; those of the ground count from 1
 
 struct Solid {
   sandglass_shape shape;
   Pose pose;
   Vec3 size = {}, velocity = {}, spin = {};
+  uint32_t id = 0;  // in worlds with ids
 
   // Metres from the surface, below 0 inside; in a room, which is solid beyond `size`, above 0.
   double distance(Vec3 world) const {
@@ -170,6 +172,9 @@ struct World {
     // Also where sand has rolled to: farther away the same angle is a longer way.
     for (size_t i = 0; i < positions.size(); ++i)
       if (present[i] != 0) reach = std::fmax(reach, length(positions[i] - drawn.p));
+    // What has no pose is left out: it goes away and comes back.
+    set.hand &= static_cast<uint8_t>(~not_a_number);
+    stands_still = true;
     lost_frames = empty_frames = 0, travel = belt_speed = {}, turn_rate = 0, next_correction = 1e9;
     move_ground(0);
     // A hand stays if sand has room between it and all else.
@@ -203,12 +208,14 @@ struct World {
     const uint32_t numbers = report.particle_numbers;
     std::vector<float> p(3ull * numbers, SANDGLASS_REMOVED_Y), v(p.size());
     sandglass_granular_particles(scene.get(), p.data(), v.data());
-    positions.resize(numbers), velocities.resize(numbers), present.resize(numbers);
+    positions.resize(numbers), velocities.resize(numbers), present.resize(numbers), away.resize(numbers);
     const Pose back = scene_pose.inverse();
     for (size_t i = 0; i < numbers; ++i) {
-      present[i] = p[3 * i + 1] != SANDGLASS_REMOVED_Y;
       positions[i] = back(host::from_floats(&p[3 * i])), velocities[i] = back.turn(host::from_floats(&v[3 * i]));
-      present[i] = present[i] && !has_left(positions[i]);
+      const bool there = p[3 * i + 1] != SANDGLASS_REMOVED_Y, out = there && has_left(positions[i]);
+      // What had left and comes back, as gravity has turned, is as fast as its fall elsewhere.
+      if (away[i] != 0 && there && !out) moves_at(length(velocities[i]));
+      away[i] = out, present[i] = there && !out;
     }
   }
 
@@ -242,7 +249,7 @@ struct World {
   double thick = 0, cavity = 0;
   Vec3 extent, slide;  // of a table: half its edges, the middle
   std::vector<Vec3> positions, velocities;
-  std::vector<char> present;
+  std::vector<char> present, away;
 
  private:
   struct Hand {
@@ -333,6 +340,7 @@ struct World {
     for (uint32_t i = (set.hand & one) + (set.hand >> 1 & one); i > 0; --i) {
       const double size = std::fmin(std::fmax(log_between(0.008, 0.06), r), closed ? cavity / 3 : 1.0);
       Hand hand = {{static_cast<sandglass_shape>(1 + random.below(3)), {ground(anywhere(0.2, 0.1, 0.3))}}, {}, {}};
+      hand.solid.id = i == one ? k_first_hand : 0;  // the other has none
       hand.solid.size = {size, size * between(0.3, 1), size * between(0.3, 1)}, hand.axis = anywhere(1, 0.1, 1);
       hands.push_back(hand);
     }
@@ -394,7 +402,8 @@ struct World {
     }
     if ((set.hand & swells) != 0) {
       constexpr double k_swelling = 0.02;  // m/s
-      const double by = std::fmod(simulated, 2.0) < 1.0 ? k_swelling * real : -k_swelling * real;
+      // In real time: in slow motion a hand would grow larger than the case.
+      const double by = std::fmod(frames / rate, 2.0) < 1.0 ? k_swelling * real : -k_swelling * real;
       s.size = {std::fmax(s.size.x + by, 0.004), std::fmax(s.size.y + by, 0.004), std::fmax(s.size.z + by, 0.004)};
       speed += 2 * k_swelling;  // sqrt(3) at the corner of a box
     }
@@ -407,9 +416,10 @@ struct World {
 
   std::vector<Solid> ground_solids() const {
     std::vector<Solid> made;
+    uint32_t id = 0;
     const auto add = [&](sandglass_shape shape, Vec3 place, Vec3 size) {
       made.push_back(
-          {shape, drawn * Pose{place}, size, told_velocity + cross(told_spin, drawn.turn(place)), told_spin});
+          {shape, drawn * Pose{place}, size, told_velocity + cross(told_spin, drawn.turn(place)), told_spin, ++id});
     };
     const double a = cavity, t = 0.5 * thick, b = a + 2 * t;
     if (kind == k_plane) add(SANDGLASS_SHAPE_HALF_SPACE, slide, {});
@@ -434,6 +444,8 @@ struct World {
     to_floats(pose.p, c.position), to_floats(scene_pose.turn(s.velocity), c.linear_velocity);
     to_floats(scene_pose.turn(s.spin), c.angular_velocity);
     if (s.size.x > 0) to_floats(s.size, c.size);
+    // An anchor may be lost for a frame.
+    if ((set.list & ids) != 0) c.id = !stands_still && one_in(50) ? 0 : s.id;
     c.field = s.shape == SANDGLASS_SHAPE_FIELD ? field.get() : nullptr;
     return c;
   }
@@ -448,6 +460,7 @@ struct World {
     for (const Solid& s : solids) colliders.push_back(given(s));
     if (second_plane && !solids.empty()) {
       Solid again = solids[0];
+      again.id = k_second_plane;
       again.pose = Pose{noise()} * again.pose;
       colliders.push_back(given(again));
     }
@@ -508,7 +521,7 @@ struct World {
   Vec3 travel, belt_speed, axis, told_velocity, told_spin;
   double reach = 0, tilt_left = 0.035, turn_rate = 0, next_correction = 0.5, scene_time = 0;
   uint32_t lost_frames = 0, empty_frames = 0;
-  bool second_plane = false, restored = false;
+  bool second_plane = false, restored = false, stands_still = false;
   std::vector<Hand> hands;
   std::vector<sandglass_emitter> nozzles;
   std::vector<sandglass_collider> colliders;

@@ -369,4 +369,20 @@ TEST(Field, NothingPassesAContainersWallAtAnySpeed) {
   }
 }
 
+// In a corner nodes are equally deep: no gradient leads out. Sand comes there when a room's pose was lost for a while.
+// The control is a room that is gone.
+TEST(Field, SandComesBackFromACornerOfAContainer) {
+  const Distance room = box_distance(0.1, 0.1, 0.1);
+  const FunctionField walls([&](const float* p) { return -room(p); }, 0.12f, 0.12f, 0.12f, 0.01,
+                            SANDGLASS_SOLID_OUTSIDE);
+  for (const bool there : {true, false}) {
+    GranularScene scene(description(1));
+    accept(scene.scene.set_gravity({-3.2f, 7.2f, 5.8f}));  // into the corner
+    scene.add({-0.17f, 0.19f, 0.18f});
+    if (there) scene.colliders.push_back(walls.collider());
+    for (int frame = 0; frame < 500; ++frame) scene.frame(0.02f);
+    EXPECT_EQ(room(scene.positions().data()) < 0.0, there) << room(scene.positions().data());
+  }
+}
+
 }  // namespace

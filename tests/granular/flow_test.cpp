@@ -98,6 +98,31 @@ TEST(Sink, WhatComesIsThereOrGoneAndNumbersAreUsedAgain) {
   EXPECT_GT(report.removed_grains, 2400u);
 }
 
+// The budget ends in the midst of a sub-step; then the nozzle closes, and the sink has taken all.
+TEST(Sink, TimeGoesOnWhenNothingIsLeft) {
+  uint64_t now = 0;
+  sandglass_scene_desc desc = description(64);
+  desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
+  desc.clock = {[](void* user) { return *static_cast<uint64_t*>(user); }, &now};
+  desc.trace = {nullptr, [](void* user, const char*) { *static_cast<uint64_t*>(user) += 20'000; }, &now};
+  const sandglass_emitter nozzle = sandglass::emitter(0.0f, 0.5f, 0.0f, 0.01f, 0.3f, 0);
+  const sandglass_collider everywhere = sandglass::floor_at(1.0f);
+  uint32_t emptied = 0;
+  for (int frames = 1; frames <= 40; ++frames) {
+    GranularScene scene(desc);
+    sandglass_frame_input input = scene.input(k_frame, 500'000);
+    input.emitters = &nozzle, input.sinks = &everywhere, input.emitter_count = input.sink_count = 1;
+    sandglass_frame_report report = {};
+    for (int frame = 0; frame < frames; ++frame) report = scene.run(input);
+    emptied += report.particles == 0 && report.emitted_particles != 0 ? 1 : 0;
+    input.emitter_count = 0, input.budget_ns = ~0ull >> 1;
+    const double before = report.simulated_time;
+    for (int frame = 0; frame < 10; ++frame) report = scene.run(input);
+    EXPECT_GT(report.simulated_time, before + 9 * static_cast<double>(k_frame)) << frames;
+  }
+  EXPECT_GT(emptied, 0u);
+}
+
 TEST(Emitter, WithoutRoomALayerIsLeftOutAndCounted) {
   Flow flow(100, 2);
   flow.drains = false;

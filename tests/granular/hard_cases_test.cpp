@@ -112,6 +112,22 @@ TEST(HardCase, AWallThatStopsUnderTimeDebtThrowsNothing) {
   EXPECT_LE(stopped, most);
 }
 
+// Under a time debt a wall jumps by 50 mm and tells 1 m/s. It goes the new frame's way of 20 mm in all of the time left.
+// The control is its velocity as told: that is further.
+TEST(HardCase, AWallThatJumpsUnderTimeDebtComesFromNearby) {
+  WallScene wall;
+  sandglass_frame_report report = {};
+  for (int frame = 0; frame < 6; ++frame) report = wall.push(0.0f, k_frame, wall.enough / 8);
+  const double debt = std::fmin(report.time_debt + static_cast<double>(k_frame), 0.04);  // two frames' at most
+  wall.scene.colliders[1].position[0] += 0.05f;
+  wall.scene.colliders[1].linear_velocity[0] = 1.0f;
+  wall.scene.frame(k_frame, wall.enough / 8);
+  sandglass_collider met = {};
+  ASSERT_TRUE(wall.scene.scene.held_collider(1, &met));
+  EXPECT_LE(static_cast<double>(met.linear_velocity[0]) * debt, 1.01 * static_cast<double>(k_frame));
+  EXPECT_GT(1.0 * debt, 1.5 * static_cast<double>(k_frame)) << "the control";
+}
+
 TEST(HardCase, ADamagedParticleIsQuarantinedWithinOneFrame) {
   for (const float damage : {k_nan, k_infinity}) {
     const sandglass_scene_desc desc = description(384);

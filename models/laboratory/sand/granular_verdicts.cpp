@@ -246,7 +246,6 @@ void hard(Table& t) {
     std::snprintf(name, sizeof name, "height weighting k=%g", k);
     t.claim(name, "m/s", 0.0, weighting_speed(desc, k), 1.0);
   }
-  t.claim("collider teleported into sand", "of CFL", 0.0, teleport_speed(desc), 1.001);
   const double strange[] = {0.0, -1.0, std::nan(""), -std::numeric_limits<double>::infinity()}, huge[] = {1e9};
   t.claim("time steps 0, -1, NaN, -Inf", "s", 0.0, simulated_time(desc, strange), 0.0);
   t.claim("time step 1e9 s", "s", 0.1, simulated_time(desc, huge), 1e-6);

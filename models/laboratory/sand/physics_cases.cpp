@@ -348,23 +348,6 @@ double projectile_depth(const sandglass_scene_desc& desc) {
   return sound(simulation.particle_positions(), depth);
 }
 
-double teleport_speed(const sandglass_scene_desc& desc) {
-  const double r = desc.granular.particle_radius;
-  Simulation simulation(with_room(desc, 384));
-  simulation.add(bed(r), {});
-  const float middle = static_cast<float>(8.0 * r), side = static_cast<float>(4.0 * r);
-  const sandglass_collider colliders[2] = {cpp::floor_at(0.0f),
-                                           cpp::box(middle, static_cast<float>(5.0 * r), middle, side, side, side)};
-  for (int frame = 0; frame < 20; ++frame) simulation.frame(k_frame, k_no_budget, {colliders, 1});
-  double fastest = 0.0;
-  for (int frame = 0; frame < 50; ++frame) {
-    const sandglass_frame_report report = simulation.frame(k_frame, k_no_budget, colliders);
-    const double limit = desc.granular.courant * r / std::max<double>(report.substep, 1e-9);
-    fastest = std::max(fastest, report.speed_max / limit);
-  }
-  return sound(simulation.particle_positions(), fastest);
-}
-
 double weighting_speed(sandglass_scene_desc desc, double k) {
   desc.granular.height_weighting = static_cast<float>(k);
   Simulation simulation(with_room(desc, 384));

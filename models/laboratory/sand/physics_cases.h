@@ -79,9 +79,6 @@ Stack stack(const sandglass_scene_desc& desc, uint32_t count, double seconds);
 // One particle shot at 40 m/s through a bed at the floor: how far the lowest particle is below where it may be, in r.
 double projectile_depth(const sandglass_scene_desc& desc);
 
-// A collider put into a bed at once: the fastest particle over the CFL limit.
-double teleport_speed(const sandglass_scene_desc& desc);
-
 // A bed at this height weighting: fastest particle in the last 0.4 s of two, m/s.
 double weighting_speed(sandglass_scene_desc desc, double k);
 
