@@ -114,6 +114,12 @@ TEST(GrainMoves, TellsAJumpFromAWayWithTheParticles) {
   EXPECT_NEAR(moves.slow_way(), 0.8, 1e-4) << "what goes with the sand does not count";
 }
 
+TEST(Follow, DrawnSandIsWhereTheParticlesAre) {
+  for (const Verdict& row :
+       follow_verdicts({"knot", "tilt"}, 0, SANDGLASS_ISA_AUTOMATIC, [](uint64_t, uint64_t) { return true; }))
+    EXPECT_TRUE(row.pass) << row.name << ": " << row.result;
+}
+
 TEST(Follow, TheRuleAsPrintedFailsAsItMust) {
   const std::vector<Verdict> rows =
       follow_verdicts({"source"}, 0, SANDGLASS_ISA_AUTOMATIC, [](uint64_t, uint64_t) { return true; });
