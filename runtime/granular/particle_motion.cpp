@@ -46,9 +46,9 @@ void copy_nodes(const MotionGrid& grid, uint32_t from, uint32_t to, const uint32
       const float* node = planes + (z * k_block_side + y) * k_block_side;
       for (uint32_t x = 0; x < counts[0]; ++x, ++node, record += k_record_floats) {
         for (uint32_t c = 0; c < k_record_floats; ++c)
-          record[c] = from != k_no_block                       ? node[c * k_block_nodes]
+          record[c] = from != k_no_block                         ? node[c * k_block_nodes]
                       : c >= k_node_nearest && c < k_node_number ? k_inert_position
-                                                               : 0.0f;
+                                                                 : 0.0f;
       }
     }
   }
