@@ -83,7 +83,8 @@ SANDGLASS_INLINE Float dot3(const Float a[3], const Float b[3]) { return a[0] * 
 SANDGLASS_INLINE void keep_flight(const OwnUnits& units, const Own& own, Float away[3]) {
   const Float zero = broadcast(0.0f), half = broadcast(0.5f);
   const Float speed = square_root(dot3(own.velocity, own.velocity));
-  if (any(zero < own.free)) {
+  const Mask flies = zero < own.free;
+  if (any(flies)) {
     const Float inverse = broadcast(1.0f) / at_least(speed, broadcast(1e-6f));
     const Float falls = own.free * dot3(units.gravity, own.velocity) * inverse;
     const Float lag = half * units.time * maximum(falls, zero), along = dot3(away, own.velocity) * inverse;
@@ -93,7 +94,7 @@ SANDGLASS_INLINE void keep_flight(const OwnUnits& units, const Own& own, Float a
     const Float steady = maximum(minimum(broadcast(1.25f) * falls * ahead / began, most), zero - most);
     const Float slower = minimum(steady, zero) - lag, faster = maximum(steady, zero);
     const Float stretch = minimum(maximum(along, slower), faster) * inverse;
-    for (int k = 0; k < 3; ++k) away[k] = away[k] - stretch * own.velocity[k];
+    for (int k = 0; k < 3; ++k) away[k] = select(flies, away[k] - stretch * own.velocity[k], away[k]);
   }
   // So slowly that it does not fall into a pile on which its particle lands.
   const Float slow = fade(units.per_speed * speed, 0.1f, 0.3f);
@@ -123,10 +124,11 @@ SANDGLASS_INLINE void stay_with_own(const OwnUnits& units, const Own& own, Float
     mean[k] = select(own.known, mean[k] + parts * apart[k], mean[k]);
     velocity[k] = select(own.known, velocity[k] - near * away[k], velocity[k]);
   }
-  if (!any(broadcast(0.0f) < own.lone)) return;
+  const Mask lone = own.known & (broadcast(0.0f) < own.lone);
+  if (!any(lone)) return;
   // 0.7 to 1.3, by the last four bits of its number.
   const Float nearer = broadcast(0.7f) + broadcast(0.04f) * to_float(as_int(number) & broadcast(15));
   const Float back = near * own.lone * (one - own.free) * (one - fade(radii * nearer, 1.2f, 1.6f)) * broadcast(0.1f) *
                      units.speed / at_least(distance, broadcast(1e-6f));
-  for (int k = 0; k < 3; ++k) velocity[k] = select(own.known, velocity[k] - back * own.offset[k], velocity[k]);
+  for (int k = 0; k < 3; ++k) velocity[k] = select(lone, velocity[k] - back * own.offset[k], velocity[k]);
 }

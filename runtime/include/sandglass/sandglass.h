@@ -535,8 +535,8 @@ enum {
  *
  * With time debt, sand has not yet gone through the way that the collider was given. Then the collider goes what is
  * left of it, and the new frame's, evenly over the simulated time that is left: it does not jump where it stops, and in
- * slow motion it is faster than its velocity says, as it is on the screen. Of one that is far from where it was, nothing
- * is left. */
+ * slow motion it is faster than its velocity says, as it is on the screen. A collider that is far from where it was has
+ * nothing left to go. */
 typedef struct sandglass_collider {
   /* What `size` means. */
   sandglass_shape shape;
