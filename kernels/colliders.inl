@@ -103,12 +103,6 @@ SANDGLASS_INLINE bool far_from(const ColliderFrame& c, const Float position[3], 
   return all(broadcast(reach * reach) < dot3(x, y, z, x, y, z));
 }
 
-SANDGLASS_INLINE bool stands_still(const ColliderFrame& c) {
-  bool still = true;
-  for (int k = 0; k < 3; ++k) still = still && c.linear[k] == 0.0f && c.angular[k] == 0.0f;
-  return still;
-}
-
 // Velocity of the collider's material at a point, m/s.
 SANDGLASS_INLINE void collider_velocity(const ColliderFrame& c, Float px, Float py, Float pz, Float v[3]) {
   const Float x = px - broadcast(c.position[0]), y = py - broadcast(c.position[1]), z = pz - broadcast(c.position[2]);

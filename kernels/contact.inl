@@ -173,10 +173,6 @@ SANDGLASS_INLINE void weigh_contacts(const ContactArgs* a, Float omega, ContactS
 template <bool k_solve>
 SANDGLASS_INLINE void leave_colliders(const ContactArgs* a, const ContactTerms& t, Float position[3],
                                       Float displacement[3]) {
-  const Float zero = broadcast(0.0f);
-  // Of what stands still: how far it has pushed, and what its friction took. In the edge between two walls that is for
-  // both together: against the first alone, most of it would go into the slip that the second wall ends.
-  Float load = zero, held[3] = {zero, zero, zero};
   for (uint32_t c = 0; c < a->collider_count; ++c) {
     const ColliderFrame& collider = a->colliders[c];
     const Float px = position[0] + displacement[0], py = position[1] + displacement[1],
@@ -184,22 +180,13 @@ SANDGLASS_INLINE void leave_colliders(const ContactArgs* a, const ContactTerms& 
     const Float place[3] = {px, py, pz};
     if (far_from(collider, place, a->radius)) continue;
     const Surface surface = collider_surface(collider, px, py, pz);
-    Float depth = broadcast(a->radius) - surface.distance;
-    const Mask hit = zero < depth;
+    const Float depth = broadcast(a->radius) - surface.distance;
+    const Mask hit = broadcast(0.0f) < depth;
     if (!any(hit)) continue;
     const Float normal[3] = {surface.nx, surface.ny, surface.nz};
     if (!k_solve) {
       for (int k = 0; k < 3; ++k) position[k] = position[k] + keep(hit, depth * normal[k]);
       continue;
-    }
-    const bool still = stands_still(collider);
-    const Mask between = hit & (zero < load);
-    if (still && any(between)) {
-      for (int k = 0; k < 3; ++k) {
-        const Float back = keep(between, held[k]);
-        displacement[k] = displacement[k] - back, depth = depth + back * normal[k];
-      }
-      depth = maximum(depth, zero);
     }
     Float v[3];
     collider_velocity(collider, px, py, pz, v);
@@ -210,15 +197,9 @@ SANDGLASS_INLINE void leave_colliders(const ContactArgs* a, const ContactTerms& 
     const Float along = dot3(rx, ry, rz, surface.nx, surface.ny, surface.nz);
     const Float tangent[3] = {rx - along * surface.nx, ry - along * surface.ny, rz - along * surface.nz};
     const Float t2 = dot3(tangent[0], tangent[1], tangent[2], tangent[0], tangent[1], tangent[2]);
-    const Float push = minimum(depth, maximum(along + broadcast(a->leave_max), zero));
-    const Float pushed = still ? push + keep(between, load) : push;
-    const Float grip = friction_grip(t, t2, pushed, hit);
-    for (int k = 0; k < 3; ++k) {
-      const Float friction = grip * tangent[k];
-      displacement[k] = displacement[k] + keep(hit, push * normal[k] + friction);
-      if (still) held[k] = select(hit, friction, held[k]);
-    }
-    if (still) load = select(hit, pushed, load);
+    const Float push = minimum(depth, maximum(along + broadcast(a->leave_max), broadcast(0.0f)));
+    const Float grip = friction_grip(t, t2, push, hit);
+    for (int k = 0; k < 3; ++k) displacement[k] = displacement[k] + keep(hit, push * normal[k] + grip * tangent[k]);
   }
 }
 

@@ -185,7 +185,8 @@ struct Watch {
       if (!soon && w.simulated > landed + k_soon) {
         soon = true;
         check_depth();
-        // A few may still slide on a slope hardly steeper than friction, or creep in the edge of a field.
+        // A few may still slide on a slope hardly steeper than friction, or creep in the edge of two walls or of a
+        // field, as friction with one slips while it holds on to the other.
         check_sleep(k_soon, std::max(5u, w.report.particles / 20));
       }
       // A held pose that is nearly its band away from a restless one may still be corrected.

@@ -203,29 +203,6 @@ TEST(Gentle, ABeltThatIsLiftedLiftsItsSand) {
   }
 }
 
-// In a right-angled edge that is rolled about itself the walls bear sqrt 2 cos(roll) of the weight together. So sand
-// slides from tan(tilt) = mu sqrt 2 cos(roll) on, at most 12.7 degrees. It crept at up to g dt from 5 degrees on. The
-// control is steeper.
-TEST(Gentle, SandInAnEdgeIsHeldByBothWalls) {
-  constexpr float k_quarter = 0.78539816f;  // 45 degrees
-  for (const float share : {0.3f, 0.6f, 0.9f, 1.1f}) {
-    for (const float roll : {0.0f, 0.3f, -0.5f}) {
-      sandglass_scene_desc desc = description(1);
-      const float tilt = share * std::atan(desc.granular.static_friction * std::sqrt(2.0f) * std::cos(roll));
-      desc.gravity[1] = -9.81f * std::cos(tilt), desc.gravity[2] = 9.81f * std::sin(tilt);
-      GranularScene scene(desc);
-      for (const float side : {-k_quarter, k_quarter}) {
-        sandglass_collider wall = sandglass::floor_at(0);
-        wall.rotation[2] = std::sin(0.5f * (side + roll)), wall.rotation[3] = std::cos(0.5f * (side + roll));
-        scene.colliders.push_back(wall);
-      }
-      scene.add({-0.01f * std::sqrt(2.0f) * std::sin(roll), 0.01f * std::sqrt(2.0f) * std::cos(roll), 0.0f});
-      for (int f = 0; f < 120; ++f) scene.frame(k_frame);
-      EXPECT_EQ(scene.positions()[2] < 1e-4f, share < 1.0f) << share << " " << roll << " " << scene.positions()[2];
-    }
-  }
-}
-
 // ---- colliders are held still
 
 // Ten seconds of a tracker's noise, without velocities or with those of its poses.
