@@ -1,9 +1,9 @@
 // The motion of the particles on the nodes of a sparse grid, from which the grains read it.
 //
 // A particle adds its weight W and its momentum W u to every node within reach. It becomes the node's nearest particle
-// where it is. Lane = node, and a node takes the particles in their order, so the
-// lane count does not change a sum. The grid is made of blocks of 4 x 4 x 4 nodes, which exist where there are
-// particles. An open hash table finds a block by its coordinates.
+// where it is. Lane = node, and a node takes the particles in their order, so the lane count does not change a sum. The
+// grid is made of blocks of 4 x 4 x 4 nodes, which exist where there are particles. An open hash table finds a block by
+// its coordinates.
 
 // Sets the planes of a new block: no weight, and the nearest particle far from everything.
 SANDGLASS_INLINE void clear_block(float* planes) {
