@@ -278,6 +278,7 @@ struct RefineArgs {
   float gravity[3];
   float fall;              // metres a second that gravity adds in all steps
   int32_t source_rule;     // 1: (4.44) as printed
+  int32_t own_particles;   // 0: with a motion grid, grains follow means alone
   float weight_at_radius;  // W(r)
   const ColliderFrame* colliders;
   uint32_t collider_count;

@@ -412,7 +412,7 @@ SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Fixed* fixe
   Following f = {{flow.x * inverse, flow.y * inverse, flow.z * inverse}, zero};
   if (!deep) {
     f.lambda = free_flight(a, flow);
-    if (fixed != nullptr && any(own.known))
+    if (fixed != nullptr && a->own_particles != 0 && any(own.known))
       stay_with_own(fixed->own, own, flow.weight, g->number, f.average, g->velocity);
   }
   if (any(g->settled)) {

@@ -78,7 +78,7 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (d.substep_min > 0.0f && d.substep_max > 0.0f && d.substep_min > d.substep_max)
     return "granular.substep_min must not exceed substep_max.";
   if (outside(d.list_skin, 0.1f, 1.0f)) return "granular.list_skin must be 0.1 to 1 particle radius.";
-  if (d.reference.blend != SANDGLASS_BLEND_CONTINUOUS && d.reference.blend != SANDGLASS_BLEND_SOURCE)
+  if (d.reference.blend < SANDGLASS_BLEND_CONTINUOUS || d.reference.blend > SANDGLASS_BLEND_MEANS)
     return "granular.reference.blend must be a SANDGLASS_BLEND value.";
   if (outside(d.sleep_after, 0.0f, 5.0f)) return "granular.sleep_after must be 0 (never) to 5 seconds.";
   if (outside(d.refine_step, 1e-4f, 0.1f)) return "granular.refine_step must be 0.0001 to 0.1 seconds.";

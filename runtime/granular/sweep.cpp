@@ -175,6 +175,7 @@ bool run_refine(Granular* g) {
   a.steps = g->sweep.steps;
   a.fall = g->gravity_length * static_cast<float>(g->sweep.time);
   a.source_rule = source_rule(*g) ? 1 : 0;
+  a.own_particles = g->desc.reference.blend == SANDGLASS_BLEND_CONTINUOUS ? 1 : 0;
   a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
   a.colliders = g->colliders.sweep_frames;
   a.collider_count = g->colliders.sweep_count;

@@ -242,6 +242,7 @@ struct Refinement {
     args.step = 0.004f, args.steps = 1;
     args.gravity[1] = -9.81f;
     args.source_rule = source_rule ? 1 : 0;
+    args.own_particles = 1;
     args.weight_at_radius = 512.0f / 729.0f;
     args.grain_radius = 0.003f;
     args.grain_count = n;
@@ -364,11 +365,12 @@ void follow_own(const Sums& s, Vector x, uint32_t number, Vector* mean, Vector* 
 }  // namespace
 
 void sandglass::tests::check_refine_grains(uint32_t n) {
-  enum Rule { k_source, k_particles, k_grid, k_pushed };
-  for (const Rule rule : {k_source, k_particles, k_grid, k_pushed}) {
+  enum Rule { k_source, k_particles, k_means, k_grid, k_pushed };
+  for (const Rule rule : {k_source, k_particles, k_means, k_grid, k_pushed}) {
     const bool source_rule = rule == k_source;
     Refinement refinement(n, source_rule, false);
-    if (rule >= k_grid) refinement.motion = std::make_unique<Motion>();
+    if (rule >= k_means) refinement.motion = std::make_unique<Motion>();
+    if (rule == k_means) refinement.args.own_particles = 0;
     if (rule == k_pushed)
       refinement.args.push = 0.0015f, refinement.args.push_max = 0.001f, refinement.args.push_reach = 0.012f;
     uint32_t pushed = 0;
@@ -378,7 +380,7 @@ void sandglass::tests::check_refine_grains(uint32_t n) {
       for (uint32_t i = 0; i < n; ++i) {
         const Vector x = at(refinement.grains[i].position), v = at(refinement.grains[i].velocity);
         const Sums sums =
-            rule >= k_grid ? sums_of_nodes(refinement.particles, x) : sums_of_particles(refinement.particles, x);
+            rule >= k_means ? sums_of_nodes(refinement.particles, x) : sums_of_particles(refinement.particles, x);
         const double weight = sums.weight, largest = sums.largest;
         const double radius_weight = 512.0 / 729.0, ratio = weight > 0 ? largest / weight : 0;
         double lambda;
@@ -390,7 +392,7 @@ void sandglass::tests::check_refine_grains(uint32_t n) {
         }
         if (weight == 0) lambda = 1;
         Vector mean = weight > 0 ? (1 / weight) * sums.flow : Vector{}, own = v;
-        if (sums.own != nullptr) follow_own(sums, x, all[i].number, &mean, &own);
+        if (sums.own != nullptr && rule >= k_grid) follow_own(sums, x, all[i].number, &mean, &own);
         const Vector fall = own + 0.004 * Vector{0, -9.81, 0};
         const Vector expected = weight > 0 ? (1 - lambda) * mean + lambda * fall : fall;
         const Vector push = rule == k_pushed ? push_at(refinement.args, sums, x) : Vector{};

@@ -52,9 +52,12 @@ enum { SANDGLASS_SCHEME_SMALL_STEP = 0, SANDGLASS_SCHEME_AVERAGED = 1 };
  * particles' displacements, and keep an even density. Among particles that fall freely they fall on their own.
  *
  * SOURCE: (4.44) as printed, once every refine_step. Lambda jumps from 0.298 to 0, and grains pop; they gather around
- * the particles. It costs several times as much. */
+ * the particles. It costs several times as much.
+ *
+ * MEANS: CONTINUOUS, but a grain in free flight knows no particle of its own. It does not turn where its particle hits
+ * something, and sand is drawn where none is. */
 typedef int32_t sandglass_blend;
-enum { SANDGLASS_BLEND_CONTINUOUS = 0, SANDGLASS_BLEND_SOURCE = 1 };
+enum { SANDGLASS_BLEND_CONTINUOUS = 0, SANDGLASS_BLEND_SOURCE = 1, SANDGLASS_BLEND_MEANS = 2 };
 
 /* How one sub-step is solved. An app leaves this struct as sandglass_scene_desc_default filled it: every measured
  * number and the quality ladder hold for these defaults. Its other values are the solver of the dissertation as printed
