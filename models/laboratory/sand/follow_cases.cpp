@@ -237,9 +237,9 @@ struct Judge {
     claim("slow grain's way", "r", 0.0, f.moves.slow_way(), 1.0);
     if (f.even.variation > 0.0) {
       // At 2 they touch; without a push it is below 1.2.
-      const bool even = scene.variation > 0.0;
-      row("variation inside", "of random", 0.0, f.even.variation, even ? scene.variation : full ? k_reported : 1.0);
-      row("nearest grain", "grain radii", 2.0, f.even.nearest, even ? k_near : full ? k_reported : 0.8);
+      const bool even = scene.variation > 0.0, least = settles();
+      row("variation inside", "of random", 0.0, f.even.variation, even ? scene.variation : least ? 1.0 : k_reported);
+      row("nearest grain", "grain radii", 2.0, f.even.nearest, even ? k_near : least ? 0.8 : k_reported);
     }
     if (std::string(scene.group) == "wake") claim("awake before", "particles", 0.0, f.awake, 0.0);
     if (scene.pace == Pace::slow) claim("time it takes", "times", 1.0, f.slowness, k_reported);
