@@ -11,7 +11,7 @@
 //   forward;
 // and all else is that of the particle. About a lone particle it is drawn back from further away, some grains nearer to
 // it than others, so that what one particle stands for has a soft edge. Speeds are in units of sqrt(g d), distances in
-// particle radii. The constants were chosen with pours and a small hourglass (`sandglass verify follow` has more).
+// particle radii. The constants were chosen with pours and a small hourglass (`sandglass_lab verify follow` has more).
 
 constexpr float k_weight_inside = 2.0f;  // the sum of weights in a pile is about 3
 

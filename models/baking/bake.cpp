@@ -12,7 +12,6 @@
 #include "models/baking/quantise.h"
 #include "models/baking/shadow_runner.h"
 #include "models/files/atomic_file.h"
-#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/work/progress.h"
 #include "models/work/random.h"
@@ -196,14 +195,14 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   report.ms_adaptive = ms_per_texture(bytes, SANDGLASS_SHADOW_ADAPTIVE, geometry.polar_max);
   if (!picture.empty()) write_png(picture, shadow_picture(geometry, caster, bytes, pool, rooms));
   write_file(output, bytes);
-  if (kept) remove_output(checkpoint);
+  if (kept) std::remove(checkpoint.c_str());
   return report;
 }
 
 BakeReport bake_ambient_only(const Mesh& mesh, const std::string& name, const BakeSettings& settings,
                              const std::string& output, const std::string& picture) {
   BakeReport report;
-  const std::string old = read_output(output, "shadow", k_asset_limit);
+  const std::string old = read_file(output, "shadow", k_asset_limit);
   ShadowFile file =
       read_shadow_file({reinterpret_cast<const uint8_t*>(old.data()), old.size()}, stand_on_plane(mesh, name), output);
   std::vector<Picture> rooms;

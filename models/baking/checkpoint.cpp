@@ -86,7 +86,7 @@ void save_checkpoint(const std::string& path, uint64_t key, const TrainingSet& s
 bool load_checkpoint(const std::string& path, uint64_t key, TrainingSet* set, TrainingState* state) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return false;
-  const std::string bytes = read_output(path, "checkpoint");
+  const std::string bytes = read_file(path, "checkpoint");
   Reader r = {bytes};
   char magic[8] = {};
   uint64_t stored_key = 0, stored_hash = 0;

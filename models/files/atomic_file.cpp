@@ -14,7 +14,6 @@
 #include <memory>
 #include <system_error>
 
-#include "models/files/command_files.h"
 #include "models/files/failure.h"
 
 namespace sandglass::host {
@@ -34,8 +33,7 @@ Writing writing[k_writers];
 
 }  // namespace
 
-UnfinishedFile::UnfinishedFile(const std::string& path) : place_(k_writers) {
-  const std::string name = unfinished_name(path);
+UnfinishedFile::UnfinishedFile(const std::string& name) : place_(k_writers) {
   if (name.size() >= sizeof Writing::name) return;
   for (size_t i = 0; i < k_writers && place_ == k_writers; ++i)
     if (!writing[i].taken.exchange(true)) place_ = i;
@@ -49,7 +47,10 @@ UnfinishedFile::~UnfinishedFile() {
 
 void remove_unfinished() {
   for (const Writing& file : writing)
-    if (file.named) unlink(file.name);
+    if (file.named && unlink(file.name) != 0 && (errno == EISDIR || errno == EPERM) && fork() == 0) {  // of a folder
+      execlp("rm", "rm", "-rf", "--", file.name, nullptr);
+      _exit(1);
+    }
 }
 
 namespace {
@@ -100,9 +101,8 @@ void require_writable(const std::string& path) {
 
 void write_file(const std::string& path, std::string_view content) {
   require_writable(path);
-  note_output(path);
   const std::string unfinished = unfinished_name(path);
-  const UnfinishedFile listed(path);
+  const UnfinishedFile listed(unfinished);
   std::FILE* file = std::fopen(unfinished.c_str(), "wb");
   bool good = file != nullptr;
   if (good) {
@@ -120,7 +120,7 @@ void write_file(const std::string& path, std::span<const uint8_t> content) {
   write_file(path, std::string_view(reinterpret_cast<const char*>(content.data()), content.size()));
 }
 
-static std::string content_of(const std::string& path, const std::string& kind, uint64_t limit, bool input) {
+std::string read_file(const std::string& path, const std::string& kind, uint64_t limit) {
   const auto fail = [&](const std::string& why, const char* remedy) {
     return cannot("read " + kind, path, why, remedy);
   };
@@ -136,7 +136,6 @@ static std::string content_of(const std::string& path, const std::string& kind, 
     return fail("it has more than " + std::to_string(limit >> 20) + " MiB", "Name a smaller file");
   };
   if (static_cast<uint64_t>(status.st_size) > limit) throw too_large();
-  if (input) note_input(path);
   std::string content;
   content.reserve(static_cast<size_t>(status.st_size));
   char buffer[65536];
@@ -147,14 +146,6 @@ static std::string content_of(const std::string& path, const std::string& kind, 
     if (content.size() > limit) throw too_large();  // the file grows, or does not tell its size
   }
   return content;
-}
-
-std::string read_file(const std::string& path, const std::string& kind, uint64_t limit) {
-  return content_of(path, kind, limit, true);
-}
-
-std::string read_output(const std::string& path, const std::string& kind, uint64_t limit) {
-  return content_of(path, kind, limit, false);
 }
 
 void make_folder(const std::string& path) {

@@ -21,10 +21,10 @@ void write_file(const std::string& path, std::span<const uint8_t> content);
 std::string unfinished_name(const std::string& path);
 void finish_file(const std::string& path);
 
-// Lives while a file is written under that name: then a Ctrl-C that ends the program removes it.
+// Lives while a file or a folder has that name: then a Ctrl-C that ends the program removes it.
 class UnfinishedFile {
  public:
-  explicit UnfinishedFile(const std::string& path);
+  explicit UnfinishedFile(const std::string& name);
   ~UnfinishedFile();
   UnfinishedFile(const UnfinishedFile&) = delete;
   UnfinishedFile& operator=(const UnfinishedFile&) = delete;
@@ -41,9 +41,6 @@ constexpr uint64_t k_text_limit = uint64_t{16} << 20, k_asset_limit = uint64_t{2
 // Reads the whole file. Throws a Failure that names it. `kind` is what the file should be, for example "scene". Only
 // ordinary files of at most `limit` bytes are read: no pipe, device or folder.
 std::string read_file(const std::string& path, const std::string& kind, uint64_t limit = k_file_limit);
-
-// The same for a file that the command will replace, such as a checkpoint: it is no input of the command.
-std::string read_output(const std::string& path, const std::string& kind, uint64_t limit = k_file_limit);
 
 // Removes the files that write_file has not finished. A signal handler that is about to end the program may call it.
 void remove_unfinished();

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace sandglass::host {
 
@@ -31,6 +32,16 @@ inline std::string message(const std::string& verb, const std::string& which, st
     reason += '.';
   }
   return "cannot " + verb + " \"" + which + "\": " + reason;
+}
+
+inline std::string in_quotes(const std::string& text) { return '"' + text + '"'; }
+
+// "a, b or c", where `last` is "or".
+inline std::string list_of(const std::vector<std::string>& names, const std::string& last) {
+  std::string list;
+  for (size_t i = 0; i < names.size(); ++i)
+    list += (i == 0 ? "" : i + 1 < names.size() ? ", " : " " + last + " ") + names[i];
+  return list;
 }
 
 inline Failure cannot(const std::string& verb, const std::string& which, const std::string& why,

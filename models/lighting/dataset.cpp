@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "models/files/atomic_file.h"
-#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/lighting/light_picture.h"
@@ -105,6 +104,11 @@ std::vector<Excerpt> excerpts_of(const std::string& path, const Location& locati
 
 }  // namespace
 
+std::string data_folder() {
+  const char* data = std::getenv("SANDGLASS_DATA_DIR");
+  return data == nullptr ? "" : data;
+}
+
 std::vector<std::string> find_panoramas(const std::vector<std::string>& paths) {
   std::vector<std::string> found;
   const auto is_panorama = [](const fs::path& p) { return p.extension() == ".hdr" || p.extension() == ".exr"; };
@@ -170,11 +174,6 @@ Location location_of(const std::string& panorama, const std::string& manifest_te
   throw Failure("cannot read the manifest: it has no line for \"" + file + "\". Add one with its group and fold.");
 }
 
-static bool holds_entries(const std::string& folder) {
-  std::error_code error;
-  return fs::exists(folder, error) && !fs::is_empty(folder, error);
-}
-
 DatasetSummary make_dataset(const DatasetOptions& options) {
   const std::vector<std::string> panoramas = find_panoramas(options.panoramas);
   refuse_equal_stems(panoramas);
@@ -184,11 +183,6 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
     if (!fs::exists(panorama)) throw cannot("read", panorama, "the panorama does not exist", "Check the path");
     locations.push_back(location_of(panorama, manifest_text));
   }
-  // The lock comes before the question for images, so that no other process puts some there in between.
-  begin_folder(options.folder, {"manifest.csv", "sheet.png"});
-  claim_folder(options.folder + "/images");
-  if (holds_entries(options.folder + "/images"))
-    throw cannot("write into", options.folder, "it holds the images of an earlier run", "Remove them, or name another");
   std::vector<std::vector<Excerpt>> results(panoramas.size());
   // The tiles of the sheet are spread evenly over all excerpts.
   const size_t excerpts = panoramas.size() * k_excerpts, tiles = std::min<size_t>(options.tiles, excerpts);
@@ -226,7 +220,6 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
 }
 
 std::vector<std::string> images_of_dataset(const std::string& folder) {
-  require_complete(folder);
   const std::string path = folder + "/manifest.csv", text = read_file(path, "list of images", k_text_limit);
   std::vector<std::string> images;
   const auto rows = rows_of(text);

@@ -25,6 +25,9 @@ struct DatasetOptions {
   uint32_t tiles = 32;  // tiles of the contact sheet
 };
 
+// The folder that SANDGLASS_DATA_DIR names; empty where it names none.
+std::string data_folder();
+
 struct DatasetSummary {
   size_t panoramas = 0, excerpts = 0, without_direction = 0;
 };

@@ -3,6 +3,7 @@
 #include "models/files/failure.h"
 
 #include <array>
+#include <filesystem>
 #include <map>
 
 #include "runtime/core/math.h"
@@ -261,6 +262,17 @@ MeshResult make_named(const std::string& name) {
   std::string list;
   for (const std::string& known : mesh_names()) list += (list.empty() ? "" : ", ") + known;
   return {{}, {}, message("make", name, "no generated mesh has this name", "Take one of " + list)};
+}
+
+MeshResult named_mesh(const std::string& name_or_file) {
+  MeshResult result = make_named(name_or_file);
+  if (result) return result;
+  if (std::error_code error; !std::filesystem::exists(name_or_file, error))
+    throw cannot("find", name_or_file, "no file and no generated mesh has this name",
+                 "Name a mesh file, or " + list_of(mesh_names(), "or"));
+  result = load_mesh(name_or_file);
+  if (!result) throw Failure(result.error);
+  return result;
 }
 
 }  // namespace sandglass::host

@@ -61,4 +61,7 @@ const std::vector<std::string>& mesh_names();
 // A generated mesh of 0.1 to 0.3 m; the chair has the size of a chair. Any other name gives an error sentence.
 MeshResult make_named(const std::string& name);
 
+// That, or the mesh of a file. A Failure says what cannot be read.
+MeshResult named_mesh(const std::string& name_or_file);
+
 }  // namespace sandglass::host

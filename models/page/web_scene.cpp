@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "models/files/atomic_file.h"
-#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/phones/phone.h"
 #include "models/report/report_page.h"
@@ -135,8 +134,6 @@ int main(int count, char** arguments) try {
   const bool with_counts = count == 4 && std::string_view(arguments[3]) == "--counted";
   if (count != 3 && !with_counts)
     return std::fprintf(stderr, "web_scene NAME FILE [--counted]: a scene, and where it is written\n"), 2;
-  sandglass::host::watch_files();
-  sandglass::host::claim_output(arguments[2]);
   const std::string text = sandglass::host::web_scene(arguments[1], with_counts).dump();
   sandglass::host::write_file(arguments[2], std::string_view(text));
   return 0;

@@ -5,11 +5,10 @@
 
 #include "models/baking/bake.h"
 #include "models/files/atomic_file.h"
-#include "models/files/command_files.h"
-#include "models/laboratory/measurement_json.h"
+#include "models/files/measurement_json.h"
+#include "models/lighting/dataset.h"
+#include "models/mesh/generated.h"
 #include "models/program/commands.h"
-#include "models/program/nearest_name.h"
-#include "models/program/verify.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
@@ -146,9 +145,7 @@ int bake_command(const BakeOptions& given) {
   s.plane = options.plane == "fixed" ? PlaneRule::fixed : PlaneRule::fitted;
   if (options.picture.empty()) options.picture = options.output + ".png";
   if (options.no_picture) options.picture.clear();
-  claim_output(options.output);
-  if (!options.ambient_only) claim_output(options.output + ".checkpoint", true);
-  if (!options.picture.empty()) claim_output(options.picture);
+  if (!options.picture.empty()) require_writable(options.picture);
   const Mesh mesh = named_mesh(options.mesh).mesh;
   s.ambient.data = data_folder();
   const KeepingResults in_the_checkpoint;

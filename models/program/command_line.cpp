@@ -1,5 +1,5 @@
-// Three things meet CLI11 here: the commands' options, its help, and what it lacks: the first wrong word in the order
-// typed is named, with the nearest right one.
+// The commands' options and their help meet CLI11 here, and what every program does around a command: bad input of any
+// kind ends as one sentence on stderr.
 #include "models/program/command_line.h"
 
 #include <CLI/CLI.hpp>
@@ -7,14 +7,19 @@
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
-#include <set>
+#include <filesystem>
+#include <new>
+#include <optional>
 
-#include "models/files/command_files.h"
+#include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/program/nearest_name.h"
+#include "models/files/output_folder.h"
+#include "models/work/progress.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {
+
+namespace fs = std::filesystem;
 
 // ----------------------------------------------------------------------------------------------- values of options
 
@@ -27,7 +32,7 @@ ValueRule whole_number(uint64_t low, uint64_t high) {
     std::from_chars(text.data(), text.data() + text.size(), value);
     return std::to_string(value) == text && value >= low && value <= high;
   };
-  return {holds, open ? "" : range, "a whole number from " + range, {}};
+  return {holds, open ? "" : range, "a whole number from " + range};
 }
 
 // CLI::Range compares so that NaN is in every range.
@@ -39,7 +44,7 @@ ValueRule number(double low, double high) {
     const double value = std::strtod(text.c_str(), &end);
     return !text.empty() && *end == '\0' && value >= low && value <= high;
   };
-  return {holds, range, std::string("a number from ") + range, {}};
+  return {holds, range, std::string("a number from ") + range};
 }
 
 ValueRule one_of(const std::vector<std::string>& names) {
@@ -47,13 +52,15 @@ ValueRule one_of(const std::vector<std::string>& names) {
     return std::find(names.begin(), names.end(), text) != names.end();
   };
   const std::string all = list_of(names, "or");
-  return {holds, all, all, names};
+  return {holds, all, all};
 }
 
 CommandOption required(CommandOption option) { return option.required = true, option; }
 CommandOption standard(const char* text, CommandOption option) { return option.standard = text, option; }
 CommandOption by_commas(CommandOption option) { return option.by_commas = true, option; }
-CommandOption writes(CommandOption option) { return option.writes = true, option; }
+CommandOption writes(CommandOption option) { return option.output = CommandOption::Output::file, option; }
+CommandOption fills(CommandOption option) { return option.output = CommandOption::Output::folder, option; }
+CommandOption fills_partly(CommandOption option) { return option.output = CommandOption::Output::partly, option; }
 CommandOption needs(const char* other, CommandOption option) { return option.needs = other, option; }
 CommandOption excludes(const char* other, CommandOption option) { return option.excludes = other, option; }
 
@@ -78,14 +85,15 @@ CommandOption seed_option(uint64_t& seed, const char* help) {
 
 namespace {
 
-using Names = std::vector<std::string>;
-
 // The words up to a command, each followed by a space, such as "bench granular ".
 std::string path(const CLI::App& at) {
   return at.get_parent() == nullptr ? "" : path(*at.get_parent()) + at.get_name() + " ";
 }
 std::string named(const CLI::App& at) { return in_quotes(path(at).substr(0, path(at).size() - 1)); }
 std::string of(const CLI::App& at) { return at.get_parent() == nullptr ? "" : " of " + named(at); }
+std::string name_of(const CLI::App& at) {
+  return at.get_parent() == nullptr ? at.get_name() : name_of(*at.get_parent());
+}
 
 // What CLI11 would do by templates, which are slow to compile: the text of a value goes to the target, or is refused.
 bool take(const std::string& text, std::string* value) { return *value = text, true; }
@@ -139,7 +147,7 @@ void declare(const CommandOption& option, CLI::App* command) {
     declared->check(CLI::Validator(
         [rule](const std::string& text) {
           if (rule.holds(text)) return std::string();
-          return in_quotes(text) + " is not " + rule.wanted + "." + suggestion(text, rule.names);
+          return in_quotes(text) + " is not " + rule.wanted + ".";
         },
         rule.range));
   else if (std::holds_alternative<std::string*>(option.target) ||
@@ -148,6 +156,61 @@ void declare(const CommandOption& option, CLI::App* command) {
         CLI::Validator([](const std::string& text) { return std::string(text.empty() ? k_empty : ""); }, ""));
   if (option.standard != nullptr) declared->default_str(option.standard);
   declared->required(option.required);
+}
+
+// Whether two names are of one file, or will be.
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code error;
+  if (fs::exists(a, error) && fs::exists(b, error)) return fs::equivalent(a, b, error);
+  return fs::weakly_canonical(fs::absolute(a), error) == fs::weakly_canonical(fs::absolute(b), error);
+}
+
+// Throws a Failure where an output cannot be written, or has the name of what the command reads or writes besides.
+void check_outputs(const Command& command) {
+  using Output = CommandOption::Output;
+  const auto paths_of = [](const CommandOption& option) {
+    std::vector<std::string> paths;
+    if (option.rule.holds != nullptr) return paths;
+    if (const auto* one = std::get_if<std::string*>(&option.target)) paths = {**one};
+    if (const auto* several = std::get_if<std::vector<std::string>*>(&option.target)) paths = **several;
+    std::erase(paths, "");
+    return paths;
+  };
+  for (const CommandOption& written : command.options) {
+    if (written.output == Output::none) continue;
+    for (const std::string& path : paths_of(written)) {
+      if (written.output == Output::file) require_writable(path);
+      for (const CommandOption& other : command.options)
+        for (const std::string& named : paths_of(other))
+          if (&other == &written || !same_file(path, named)) continue;
+          else if (other.output == Output::none)
+            throw cannot("write", path, "the same command reads it", "Write somewhere else");
+          else throw cannot("write", path, "two outputs of the command have this name", "Give each a name of its own");
+    }
+  }
+}
+
+// Runs the command. Its folder of outputs appears whole.
+int run_checked(const Command& command) {
+  check_outputs(command);
+  std::optional<OutputFolder> folder;
+  std::string wanted;
+  bool partly = false;
+  for (const CommandOption& option : command.options) {
+    const auto* path = std::get_if<std::string*>(&option.target);
+    if (path == nullptr || (*path)->empty()) continue;
+    if (option.output != CommandOption::Output::folder && option.output != CommandOption::Output::partly) continue;
+    wanted = **path;
+    partly = option.output == CommandOption::Output::partly;
+    folder.emplace(wanted);
+    **path = folder->path();
+  }
+  const int exit_code = command.run();
+  if (!folder) return exit_code;
+  if (exit_code == k_exit_interrupted && !partly) return exit_code;
+  folder->keep();
+  std::printf("written to     %s\n", wanted.c_str());
+  return exit_code;
 }
 
 void declare(const Command& command, const char* group, CLI::App* above, int* exit_code) {
@@ -165,10 +228,7 @@ void declare(const Command& command, const char* group, CLI::App* above, int* ex
   declared->allow_extras(!why.empty())->callback([=] {
     if (!why.empty()) throw Failure("cannot run " + named(*declared) + ": " + why);
     if (!command.run) return;
-    for (const CommandOption& option : command.options)
-      if (const auto* file = std::get_if<std::string*>(&option.target); option.writes && !(*file)->empty())
-        claim_output(**file);
-    *exit_code = command.run();
+    *exit_code = run_checked(command);
   });
 }
 
@@ -219,132 +279,56 @@ class Formatter : public CLI::Formatter {
   }
 };
 
-void format_help(CLI::App& program) {
-  program.formatter(std::make_shared<Formatter>("COMMAND", 18));
-  program.get_help_ptr()->group("");
-  program.get_option("--version")->group("");
-  program.footer(
-      "The options of each: sandglass COMMAND --help\n"
-      "Version: sandglass --version. Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 130 interrupted.\n"
-      "Begin with: sandglass run demo --out out");
-  for (CLI::App* command : program.get_subcommands({})) {
+void format_help(const char* begin_with, CLI::App* program) {
+  const std::string name = program->get_name();
+  program->formatter(std::make_shared<Formatter>("COMMAND", 18));
+  program->get_help_ptr()->group("");
+  program->get_option("--version")->group("");
+  program->footer("The options of each: " + name + " COMMAND --help\nVersion: " + name +
+                  " --version. Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 130 interrupted.\n" +
+                  "Begin with: " + name + " " + begin_with);
+  for (CLI::App* command : program->get_subcommands({})) {
     const bool has_suites = !command->get_subcommands({}).empty();
     command->formatter(std::make_shared<Formatter>("SUITE", has_suites ? 12 : 28));
     command->footer("");
     for (CLI::App* suite : command->get_subcommands({})) suite->formatter(std::make_shared<Formatter>("", 28));
     if (!has_suites) continue;
     command->get_help_ptr()->group("");
-    command->footer("The options of each: sandglass " + command->get_name() + " SUITE --help");
+    command->footer("The options of each: " + name + " " + command->get_name() + " SUITE --help");
   }
-}
-
-// -------------------------------------------------------------------------------------------------------- mistakes
-
-Names names_below(const CLI::App& at) {
-  Names names;
-  for (const CLI::App* below : at.get_subcommands({})) names.push_back(below->get_name());
-  return names;
-}
-
-std::string unknown_option(const CLI::App& at, const std::string& name) {
-  Names suites, names;
-  const CLI::App* above = at.get_parent();
-  if (above != nullptr && above->get_parent() == nullptr) above = &at;
-  if (above != nullptr)
-    for (const CLI::App* suite : above->get_subcommands({}))
-      if (suite->get_option_no_throw(name) != nullptr) suites.push_back(named(*suite));
-  const std::string what = "unknown option " + in_quotes(name) + of(at);
-  if (!suites.empty()) return what + ": it belongs to " + list_of(suites, "and") + ". Leave it out.";
-  for (const CLI::Option* option : at.get_options({}))
-    for (const std::string& each : option->get_lnames()) names.push_back("--" + each);
-  return what + "." + suggestion(name, names);
-}
-
-// A word that starts with a minus is an option, but a minus before a digit begins a number.
-bool is_option(const std::string& word) {
-  return word.size() > 1 && word[0] == '-' && (word[1] < '0' || word[1] > '9');
-}
-
-// What is wrong with the option, which is the word before `next`. Moves `next` behind the option's values.
-std::string mistake_of_option(const CLI::App& at, const Names& words, size_t* next,
-                              std::set<const CLI::Option*>* given) {
-  const std::string& word = words[*next - 1];
-  const bool is_long = word.starts_with("--");
-  const std::string name = is_long ? word.substr(0, word.find('=')) : word.substr(0, 2);
-  const CLI::Option* option = at.get_option_no_throw(name);
-  if (option == nullptr) return unknown_option(at, is_long ? name : word);
-  const std::string which = in_quotes(option->get_name()) + of(at);
-  const int least = option->get_items_expected_min(), most = option->get_items_expected_max();
-  if (most == 0) return word.size() > name.size() ? which + " takes no value: write it alone." : "";
-  if (!given->insert(option).second && most == 1) return which + " is given twice. Give it once.";
-  if (word == name + "=") return "cannot use " + which + ": " + k_empty;
-  int values = word.size() > name.size() ? 1 : 0;
-  while (values < most && *next < words.size() && !is_option(words[*next])) ++values, ++*next;
-  if (values >= least) return "";
-  const std::string type = option->get_type_name();
-  return which + " needs a value: write " + in_quotes(option->get_name() + " " + type.substr(0, type.find(':'))) + ".";
-}
-
-// The first mistake in the names of commands and options, or an empty string. Cuts off the words behind it, and those
-// behind --help. CLI11 checks the values, and which options must or must not stand together.
-std::string first_mistake(const CLI::App*& at, Names* words) {
-  std::set<const CLI::Option*> given;
-  std::string mistake;
-  int arguments = 0;  // how many more may be given
-  for (size_t next = 0; next < words->size();) {
-    const std::string word = (*words)[next++];
-    const std::vector<const CLI::App*> below = at->get_subcommands({});
-    const auto found = std::find_if(below.begin(), below.end(), [&](auto* app) { return app->get_name() == word; });
-    if (at->get_allow_extras() || word == "--") return "";
-    if (is_option(word)) mistake = mistake_of_option(*at, *words, &next, &given);
-    else if (found != below.end())
-      for (const CLI::Option* option : (at = *found)->get_options({}))
-        arguments += option->get_positional() ? option->get_items_expected_max() : 0;
-    else if (!below.empty())
-      mistake = (at->get_parent() == nullptr ? "unknown command " : "unknown suite ") + in_quotes(word) + of(*at) +
-                "." + suggestion(word, names_below(*at));
-    else if (--arguments < 0) mistake = "unknown argument " + in_quotes(word) + of(*at) + ". Leave it out.";
-    if (mistake.empty() && word != "-h" && word != "--help") continue;
-    words->resize(next);
-    return mistake;
-  }
-  if (at->get_require_subcommand_min() == 0) return "";
-  return named(*at) + " needs a suite: " + list_of(names_below(*at), "or") + ".";
 }
 
 void parse(CLI::App& program, int argc, char** argv) {
-  Names words(argv + 1, argv + argc);
-  const CLI::App* at = &program;
-  const std::string mistake = first_mistake(at, &words);
-  const std::string see = " See: sandglass " + path(*at) + "--help.";
-  std::reverse(words.begin(), words.end());  // as CLI11 expects them
   try {
-    program.parse(std::move(words));
+    program.parse(argc, argv);
   } catch (const CLI::Success&) {
     throw;
-  } catch (const CLI::ValidationError& error) {  // "--frames: why"
-    const std::string text = error.what();
-    const size_t colon = text.find(": ");
-    throw Failure("cannot use " + in_quotes(text.substr(0, colon)) + of(*at) + text.substr(colon) + see);
   } catch (const CLI::ParseError& error) {
-    throw Failure((mistake.empty() ? "cannot start " + named(*at) + ": " + error.what() + "." : mistake) + see);
+    const CLI::App* at = &program;
+    while (!at->get_subcommands().empty()) at = at->get_subcommands().back();
+    const std::string text = error.what(), see = " See: " + name_of(*at) + " " + path(*at) + "--help.";
+    const size_t colon = text.find(": ");
+    if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr)  // "--frames: why"
+      throw Failure("cannot use " + in_quotes(text.substr(0, colon)) + of(*at) + text.substr(colon) + see);
+    throw Failure("cannot start " + (at == &program ? in_quotes(at->get_name()) : named(*at)) + ": " + text + "." +
+                  see);
   }
 }
 
-}  // namespace
-
-int run_command_line(const std::vector<CommandGroup>& groups, int argc, char** argv) {
-  CLI::App program("Sandglass: sand, light and shadow inside a fixed slice of every frame", "sandglass");
-  program.set_version_flag("--version", "sandglass " + std::to_string(SANDGLASS_VERSION_MAJOR) + "." +
+// Runs the command that is asked for and returns its exit code. A wrong command line is a Failure, and then nothing
+// runs.
+int run_command(const Program& what, int argc, char** argv) {
+  CLI::App program(what.help, what.name);
+  program.set_version_flag("--version", std::string(what.name) + " " + std::to_string(SANDGLASS_VERSION_MAJOR) + "." +
                                             std::to_string(SANDGLASS_VERSION_MINOR) + "." +
                                             std::to_string(SANDGLASS_VERSION_PATCH));
   program.set_help_flag("-h,--help", "Print this help");
   program.option_defaults()->always_capture_default()->disable_flag_override();
   program.require_subcommand(0, 1);
   int exit_code = 0;
-  for (const CommandGroup& group : groups)
+  for (const CommandGroup& group : what.groups)
     for (const Command& command : group.commands) declare(command, group.name, &program, &exit_code);
-  format_help(program);
+  format_help(what.begin_with, &program);
   try {
     parse(program, argc, argv);
   } catch (const CLI::Success& help) {
@@ -352,6 +336,31 @@ int run_command_line(const std::vector<CommandGroup>& groups, int argc, char** a
   }
   if (program.get_subcommands().empty()) std::fputs(program.help().c_str(), stdout);
   return exit_code;
+}
+
+}  // namespace
+
+int run_program(const Program& program, int argc, char** argv) {
+  const auto say = [&](const std::string& sentence) {
+    std::fprintf(stderr, "%s: %s\n", program.name, sentence.c_str());
+  };
+  try {
+    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // what was said before Ctrl-C is not lost
+    listen_for_interrupt();
+    const int exit_code = run_command(program, argc, argv);
+    // What a command says is a result too, and a full disk may be behind it.
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw cannot("write", "standard output", "the disk is full or failing", "Send it elsewhere");
+    if (exit_code == k_exit_interrupted) say("interrupted.");
+    return exit_code;
+  } catch (const std::bad_alloc&) {
+    say("cannot go on: this machine has too little memory for what was asked. Ask for less.");
+  } catch (const std::filesystem::filesystem_error& error) {
+    say(message("read", error.path1().string(), error.code().message(), "Check its permissions and the disk"));
+  } catch (const std::exception& error) {
+    say(error.what());
+  }
+  return k_exit_bad_input;
 }
 
 }  // namespace sandglass::host

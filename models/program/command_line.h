@@ -1,4 +1,4 @@
-// The commands of the program as data: what each takes on the command line, and which function it runs.
+// The commands of a program as data: what each takes on the command line, and which function it runs.
 // command_line.cpp gives them to CLI11. No other source includes CLI11, because it is slow to compile.
 #pragma once
 
@@ -11,12 +11,14 @@
 
 namespace sandglass::host {
 
+// Bad input, a Failure, is the program's exit code 2.
+constexpr int k_exit_done = 0, k_exit_check_failed = 1, k_exit_bad_input = 2, k_exit_interrupted = 130;
+
 // What the text of a value must be. `range` is for the help, "1 to 256"; `wanted` for messages, "a whole number from 1
-// to 256". A message about a value that is none of `names` suggests the nearest of them.
+// to 256".
 struct ValueRule {
   std::function<bool(const std::string&)> holds;  // empty: any text
   std::string range, wanted;
-  std::vector<std::string> names;
 };
 ValueRule whole_number(uint64_t low, uint64_t high);
 ValueRule number(double low, double high);
@@ -35,12 +37,16 @@ struct CommandOption {
   const char* standard = nullptr;                    // the default as the help says it; null: the target's
   const char *needs = nullptr, *excludes = nullptr;  // other options of the command
   bool required = false, by_commas = false;          // by_commas: the values of a list are separated by commas
-  bool writes = false;                               // the value is a file that the command writes
+  // Of a value that the command writes: a file; or a folder, which is new or empty, and of which the command gets
+  // another name until its work is done (output_folder.h). `partly`: a folder that Ctrl-C leaves shorter, but whole.
+  enum class Output { none, file, folder, partly } output = Output::none;
 };
 CommandOption required(CommandOption option);
 CommandOption standard(const char* text, CommandOption option);
 CommandOption by_commas(CommandOption option);
 CommandOption writes(CommandOption option);
+CommandOption fills(CommandOption option);
+CommandOption fills_partly(CommandOption option);
 CommandOption needs(const char* other, CommandOption option);
 CommandOption excludes(const char* other, CommandOption option);
 
@@ -70,15 +76,17 @@ Command command(const char* name, const char* help, std::vector<CommandOption> (
   return {name, help, options(*values), [=] { return run(*values); }};
 }
 
-// Runs the command that is asked for and returns its exit code. A wrong command line is a Failure, and then nothing
-// runs. The first wrong word in the order typed is named, with the nearest right one.
-int run_command_line(const std::vector<CommandGroup>& groups, int argc, char** argv);
+struct Program {
+  const char *name, *help, *begin_with;  // begin_with: what somebody who is new types first
+  std::vector<CommandGroup> groups;
+};
+
+// All of main(): runs the command that is asked for and returns the exit code. Bad input of any kind ends as one
+// sentence on stderr.
+int run_program(const Program& program, int argc, char** argv);
 
 // What a command that needs Embree says where that is missing.
 constexpr const char* k_no_ray_tracer =
     "this build has no ray tracer. Install Embree and Eigen, configure and build again.";
-
-std::vector<Command> bench_suites();   // bench.cpp
-std::vector<Command> verify_suites();  // verify.cpp
 
 }  // namespace sandglass::host

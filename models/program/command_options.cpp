@@ -1,18 +1,12 @@
-// The program, and every command on its command line: the options with their units, ranges and defaults.
+// The program `sandglass`, and every command on its command line: the options with their units, ranges and defaults.
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <new>
 #include <thread>
 
-#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/mesh/generated.h"
 #include "models/phones/phone.h"
 #include "models/program/command_line.h"
 #include "models/program/commands.h"
-#include "models/program/nearest_name.h"
-#include "models/work/progress.h"
 #ifdef SANDGLASS_HAVE_VIEW
 #include "models/view/window.h"
 #endif
@@ -41,7 +35,7 @@ ValueRule made_up_room() {
     double azimuth_deg = 0;
     return read_made_up_room(text, &seed, &azimuth_deg);
   };
-  return {holds, "SEED:AZIMUTH", "SEED:AZIMUTH in whole degrees, such as 35:90", {}};
+  return {holds, "SEED:AZIMUTH", "SEED:AZIMUTH in whole degrees, such as 35:90"};
 }
 
 Options run_options(RunOptions& o) {
@@ -75,7 +69,7 @@ Options run_options(RunOptions& o) {
       excludes("--clock",
                standard("", {"--as", &o.as, "CORE", "Estimate the times of a phone's core from counted instructions",
                              one_of(phone_core_names())})),
-      {"--out", &o.out, "FOLDER", "Write reports, contact sheet, frames and film into this folder"},
+      fills_partly({"--out", &o.out, "FOLDER", "Write reports, contact sheet, frames and film into this new folder"}),
       {"--plain", &o.plain, "", "Draw without label, ruler and checker, in warmer colours"},
       writes({"--record", &o.record, "FILE", "Write what every frame was given and did to this file"}),
       excludes("--record", {"--replay", &o.replay, "FILE", "Repeat the run of such a file, to the bit"}),
@@ -116,7 +110,7 @@ Options view_options(ViewOptions& o) {
 Options light_options(LightOptions& o) {
   return {
       required({"IMAGES", &o.images, "", "PNG or JPEG files"}),
-      output(o.folder, "FOLDER", "Write a JSON file and a picture for each image into this folder"),
+      fills(output(o.folder, "FOLDER", "Write a JSON file and a picture for each image into this new folder")),
       {"--fov", &o.fov_deg, "DEGREES", "Field of view across the diagonal, degrees", number(10, 170)},
       {"--turn", &o.turn_deg, "DEGREES",
        "Clockwise turn that makes the images upright after their own EXIF orientation, degrees",
@@ -139,7 +133,7 @@ ValueRule angle(int low, int high) {
     double value = 0;
     return read_degrees(text, &value) && value >= low && value <= high;
   };
-  return {holds, range, "an angle from " + range + ", such as 20deg", {}};
+  return {holds, range, "an angle from " + range + ", such as 20deg"};
 }
 
 ValueRule shape_of_network() {
@@ -147,13 +141,13 @@ ValueRule shape_of_network() {
     NetworkShape shape;
     return read_shape(text, &shape);
   };
-  return {holds, "8x1 to 256x8", "WIDTHxLAYERS with 8 to 256 neurons and 1 to 8 layers, such as 128x2", {}};
+  return {holds, "8x1 to 256x8", "WIDTHxLAYERS with 8 to 256 neurons and 1 to 8 layers, such as 128x2"};
 }
 
 ValueRule texels_of_ambient() {
   const ValueRule number = whole_number(0, 256);
   const auto holds = [=](const std::string& text) { return number.holds(text) && std::stoi(text) % 16 == 0; };
-  return {holds, number.range, "a multiple of 16 from 0 to 256", {}};
+  return {holds, number.range, "a multiple of 16 from 0 to 256"};
 }
 
 Options bake_options(BakeOptions& o) {
@@ -162,7 +156,7 @@ Options bake_options(BakeOptions& o) {
   s.threads = std::max(1u, std::thread::hardware_concurrency());
   return {
       required({"MESH", &o.mesh, "", "A mesh file (y up, metres), or the name of a generated mesh"}),
-      output(o.output, "FILE", "Write the shadow to this file"),
+      output_file(o.output, "Write the shadow to this file"),
       {"--size", &o.size, "WxL", "Size of the network: neurons a layer, and layers after the first",
        shape_of_network()},
       {"--angle", &o.angle, "ANGLE", "Angular diameter of the light", angle(1, 60)},
@@ -207,7 +201,7 @@ Options sample_options(SampleOptions& o) {
                     &o.distance,
                     "METRES",
                     "Least distance between two points, metres",
-                    {above_zero, "above 0", "a number above 0", {}}}),
+                    {above_zero, "above 0", "a number above 0"}}),
       seed_option(o.seed, "Equal seeds give equal points"),
       writes({"--picture", &o.picture, "FILE", "Also draw the points, .png"}),
       output_file(o.output, "Write the points to this file, .ply"),
@@ -229,7 +223,7 @@ Options room_options(RoomOptions& o) {
 Options dataset_options(DatasetOptions& o) {
   return {
       required({"PANORAMAS", &o.panoramas, "", k_panoramas}),
-      output(o.folder, "FOLDER", "Write images, manifest.csv and sheet.png into this folder"),
+      fills(output(o.folder, "FOLDER", "Write images, manifest.csv and sheet.png into this new folder")),
       {"--manifest", &o.manifest, "FILE",
        "CSV with the columns file, group and fold: which panoramas show the same place"},
       seed_option(o.seed, "Equal seeds give equal views"),
@@ -306,41 +300,16 @@ std::vector<CommandGroup> commands() {
         command<LightFeaturesOptions>("light-features", "Write what the lighting network's heads see",
                                       light_features_options, light_features_command),
         command<QuantiseLightOptions>("quantise-light", "Turn the trained lighting network into bytes",
-                                      quantise_light_options, quantise_light_command)}},
-      {"Measure and check",
-       {{"bench", "Measure the speed of this machine, with the errors of the same run", {}, {}, bench_suites()},
-        {"verify", "Check every claim of accuracy; exit code 1 if one fails", {}, {}, verify_suites()}}}};
+                                      quantise_light_options, quantise_light_command)}}};
 }
 
 }  // namespace
 
 }  // namespace sandglass::host
 
-// Bad input of any kind ends here as one sentence on stderr and exit code 2.
 int main(int argc, char** argv) {
   using namespace sandglass::host;
-  try {
-    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // what was said before Ctrl-C is not lost
-    listen_for_interrupt();
-    watch_files();
-    const int exit_code = run_command_line(commands(), argc, argv);
-    // What a command says is a result too, and a full disk may be behind it.
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-      throw cannot("write", "standard output", "the disk is full or failing", "Send it elsewhere");
-    if (exit_code == k_exit_done || exit_code == k_exit_check_failed) finish_folders();
-    const std::string left = leave_folders();
-    if (exit_code == k_exit_interrupted) std::fprintf(stderr, "sandglass: interrupted; %s.\n", left.c_str());
-    return exit_code;
-  } catch (const std::bad_alloc&) {
-    std::fputs("sandglass: cannot go on: this machine has too little memory for what was asked. Ask for less.\n",
-               stderr);
-  } catch (const std::filesystem::filesystem_error& error) {
-    const Failure failure =
-        cannot("read", error.path1().string(), error.code().message(), "Check its permissions and the disk");
-    std::fprintf(stderr, "sandglass: %s\n", failure.what());
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "sandglass: %s\n", error.what());
-  }
-  leave_folders();
-  return k_exit_bad_input;
+  return run_program({"sandglass", "Sandglass: sand, light and shadow inside a fixed slice of every frame",
+                      "run demo --out out", commands()},
+                     argc, argv);
 }

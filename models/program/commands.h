@@ -7,14 +7,12 @@
 #include <vector>
 
 #include "models/lighting/dataset.h"
+#include "models/program/command_line.h"
 #ifdef SANDGLASS_HAVE_BAKE
 #include "models/baking/bake.h"
 #endif
 
 namespace sandglass::host {
-
-// Bad input, a Failure, is the program's exit code 2.
-constexpr int k_exit_done = 0, k_exit_check_failed = 1, k_exit_bad_input = 2, k_exit_interrupted = 130;
 
 struct RunOptions {
   std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, out;

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "models/files/atomic_file.h"
-#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/lighting/light_picture.h"
@@ -54,10 +53,6 @@ int light_command(const LightOptions& options) {
   for (const std::string& path : options.images) pictures.push_back(read_picture(path));
   const std::string sheet_path = (fs::path(options.folder) / "sheet.png").string();
   const std::vector<std::string> outputs = outputs_of(options);
-  std::vector<std::string> files = {"sheet.png"};
-  for (const std::string& output : outputs)
-    for (const char* extension : {".png", ".json"}) files.push_back(fs::path(output + extension).filename().string());
-  begin_folder(options.folder, files);
   Progress progress("estimating light", pictures.size());
   std::vector<Picture> sheet;
   for (size_t i = 0; i < pictures.size() && !interrupted(); ++i) {

@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
-#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/files/npy.h"
@@ -103,7 +102,7 @@ static Vec3 exposure_of(const Room& room, uint32_t threads) {
 // One procedural room as a panorama, its depth, and a picture for the eye.
 int room_command(const RoomOptions& options) {
   const std::string stem = without_extension(options.output), depth = stem + "_depth.npy";
-  if (!options.output.ends_with(".jpg")) claim_output(depth);
+  if (!options.output.ends_with(".jpg")) require_writable(depth);
   if (options.width % 2 != 0)
     throw cannot("use --width", std::to_string(options.width), "a panorama is half as high as wide",
                  "Give an even number");

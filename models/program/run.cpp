@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <numbers>
 
-#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/work/progress.h"
 #include "platform/clock.h"
@@ -32,10 +31,6 @@ Run::Run(const RunOptions& options, uint32_t finest_level)
   if (options_.budget_ms >= 0.0) scene_.budget_ms = options_.budget_ms;
   const sandglass_isa isa = find_isa(options_.isa);
   load_replay();
-  if (!options_.out.empty()) {
-    begin_folder(options_.out, result_files());
-    claim_folder(frames_folder(options_.out));
-  }
   replace_shadow();
   take_shot();
   const LoadedMeshes meshes(scene_, options_.mesh);
@@ -70,7 +65,11 @@ void Run::load_replay() {
   if (recording_.frames.empty())
     throw cannot("replay", options_.replay, "the recording holds no frame", "Record the run again");
   const size_t frames = recording_.frames.size();
-  scene_.frames = static_cast<uint32_t>(options_.frames > 0 ? std::min<size_t>(options_.frames, frames) : frames);
+  if (options_.frames > frames)
+    throw cannot("replay", options_.replay, "it holds " + std::to_string(frames) + " frames",
+                 "Ask for no more by --frames");
+  if (recording_.scene_name != scene_.name) throw of_another_scene();
+  scene_.frames = static_cast<uint32_t>(options_.frames > 0 ? options_.frames : frames);
 }
 
 void Run::expect_start(uint64_t start_hash) {
@@ -78,11 +77,15 @@ void Run::expect_start(uint64_t start_hash) {
     recording_.scene_name = scene_.name;
     recording_.start_hash = start_hash;
   } else if (recording_.start_hash != start_hash) {
-    throw cannot("replay", options_.replay,
-                 "it was recorded from scene \"" + recording_.scene_name + "\" in another state than scene \"" +
-                     scene_.name + "\" starts in",
-                 "Name that scene and the same --mesh");
+    throw of_another_scene();
   }
+}
+
+Failure Run::of_another_scene() const {
+  return cannot("replay", options_.replay,
+                "it was recorded from scene \"" + recording_.scene_name + "\" in another state than scene \"" +
+                    scene_.name + "\" starts in",
+                "Name that scene and the same --mesh");
 }
 
 void Run::replace_shadow() {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "models/compositing/shot.h"
+#include "models/files/failure.h"
 #include "models/phones/phone.h"
 #include "models/program/commands.h"
 #include "models/report/pictures.h"
@@ -23,9 +24,6 @@
 #include "platform/virtual_clock.h"
 
 namespace sandglass::host {
-
-// The files that `run --out` writes into its folder, beside the frames of the film.
-std::vector<std::string> result_files();
 
 class Run {
  public:
@@ -46,6 +44,7 @@ class Run {
  private:
   void load_replay();
   void expect_start(uint64_t start_hash);
+  Failure of_another_scene() const;
   void replace_shadow();
   void take_shot();
   sandglass_scene_desc describe(const Material& material, sandglass_isa isa);

@@ -5,7 +5,6 @@
 #include <thread>
 
 #include "models/files/atomic_file.h"
-#include "models/files/command_files.h"
 #include "models/program/commands.h"
 #include "models/program/run.h"
 #include "models/work/progress.h"
@@ -55,18 +54,14 @@ std::vector<std::vector<std::string>> scene_facts(const SceneFile& scene) {
 
 }  // namespace
 
-std::vector<std::string> result_files() {
-  return {"report.csv",     "trace.json", "summary.json", "summary.txt",   "report.html", "contact_sheet.png",
-          "last_frame.png", "film.mp4",   "film.gif",     "composite.png", "truth.png",   "shot.png"};
-}
-
 uint32_t Run::drawing_threads() const {
   constexpr uint32_t k_at_most = 8;
   return std::min(std::max(1u, std::thread::hardware_concurrency()), k_at_most);
 }
 
 void Run::finish(uint64_t hash) {
-  if (!options_.record.empty()) {
+  // One that ends early is not what was asked for, and an older file may have that name.
+  if (!options_.record.empty() && !report_.interrupted) {
     recording_.final_hash = hash;
     save_recording(recording_, options_.record);
   }
@@ -80,13 +75,9 @@ void Run::finish(uint64_t hash) {
   if (shot_) describe_light(&paths, set.threads);
   const std::string page = (fs::path(options_.out) / "report.html").string();
   write_file(page, report_page(report_, page_content(paths.figures)));
-  if (!report_.interrupted) remove_unwritten(options_.out, result_files());
-  if (!paths.film.empty()) std::printf("film           %s\n", paths.film.c_str());
-  std::printf("last frame     %s\n", paths.last.c_str());
-  std::printf("contact sheet  %s\n", paths.sheet.c_str());
-  for (const char* file : {"trace.json", "report.csv", "summary.json", "summary.txt"})
-    std::printf("report         %s\n", (fs::path(options_.out) / file).string().c_str());
-  std::printf("page           %s\n", page.c_str());
+  std::printf("pictures       contact_sheet.png, last_frame.png, the frames%s\n",
+              paths.film.empty() ? "" : " and a film");
+  std::puts("page           report.html; its numbers are in report.csv, trace.json, summary.json and summary.txt");
 }
 
 PictureSet Run::picture_set() const {
@@ -141,7 +132,7 @@ std::vector<PageFigure> Run::beside_truth(uint32_t threads) {
   const std::string sheet = (fs::path(options_.out) / "shot.png").string();
   sheet_ = shot_->sheet(lead, beside, truth);
   write_png(sheet, *sheet_);
-  std::printf("               %s\n", sheet.c_str());
+  std::puts("               shot.png");
   return figures;
 }
 

@@ -6,7 +6,6 @@
 
 #include "models/compositing/shot.h"
 #include "models/files/atomic_file.h"
-#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/program/run.h"
@@ -35,7 +34,6 @@ int run_rooms(const RunOptions& options) {
   if (!options.photo.empty() || !options.record.empty() || !options.replay.empty())
     throw Failure(
         "cannot use \"--rooms\" with --photo, --record or --replay: each of those is of one run. Leave one out.");
-  if (!options.out.empty()) begin_folder(options.out, {"rooms.jpg"});
   std::vector<Picture> sheets;
   for (const std::string& room : options.rooms) {
     RunOptions one = options;
@@ -43,6 +41,7 @@ int run_rooms(const RunOptions& options) {
     std::string name = "room_" + room;
     std::replace(name.begin(), name.end(), ':', '_');
     if (!options.out.empty()) one.out = (fs::path(options.out) / name).string();
+    if (!one.out.empty()) make_folder(one.out);
     Run run(one);
     run.execute();
     const uint64_t hash = run.hash();
@@ -54,7 +53,7 @@ int run_rooms(const RunOptions& options) {
   if (sheets.empty()) return k_exit_done;
   const std::string rows = (fs::path(options.out) / "rooms.jpg").string();
   write_file(rows, jpeg_file(one_below_the_other(sheets), k_rows_quality));
-  std::printf("rooms          %s\n", rows.c_str());
+  std::puts("rooms          rooms.jpg");
   return k_exit_done;
 }
 

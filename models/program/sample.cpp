@@ -10,7 +10,6 @@
 #include "models/mesh/generated.h"
 #include "models/mesh/ply.h"
 #include "models/program/commands.h"
-#include "models/program/nearest_name.h"
 #include "models/work/progress.h"
 #include "sandglass/sandglass.hpp"
 

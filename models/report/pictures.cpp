@@ -15,7 +15,6 @@
 #include <filesystem>
 
 #include "models/files/atomic_file.h"
-#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/simulation/scene_file.h"
@@ -107,11 +106,10 @@ std::string write_film(const PictureSet& set, const std::vector<Picture>& small,
     const std::string film = (fs::path(set.folder) / "film.mp4").string(), unfinished = unfinished_name(film);
     char command_rate[32];
     std::snprintf(command_rate, sizeof command_rate, "%.6g", rate);
-    const UnfinishedFile listed(film);
+    const UnfinishedFile listed(unfinished);
     if (run_ffmpeg({"-v", "error", "-y", "-framerate", command_rate, "-i",
                     (fs::path(frames_folder) / "frame_%06d.png").string(), "-pix_fmt", "yuv420p", "-movflags",
                     "+faststart", unfinished})) {
-      note_output(film);
       finish_file(film);
       return film;
     }
@@ -221,8 +219,6 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
   if (!set.film || interrupted()) return paths;
   const std::string folder = frames_folder(set.folder);
   make_folder(folder);
-  for (size_t i = total; remove_output((fs::path(folder) / frame_name(i)).string()); ++i) {
-  }  // removes the frames of an earlier, longer run
   std::vector<Picture> small;
   for (size_t i = 0; i < total; ++i) {
     if (interrupted()) return paths;

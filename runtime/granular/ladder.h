@@ -1,7 +1,7 @@
 // The quality ladder: what a frame gives up, in order, when its budget does not hold everything. A level includes what
 // the levels before it gave up. The governor takes the first one whose predicted cost fits.
 //
-// The order is that of the measured errors (sandglass bench ladder): the guarantee of the neighbour lists first, which
+// The order is that of the measured errors (sandglass_lab bench ladder): the guarantee of the neighbour lists first, which
 // on a collapsing column changes no percentile of the overlap, only single impacts; then the length of the sub-steps,
 // whose error grows with its square; simulated time last. Twice the sub-step is the end: beyond it, impacts overlap by
 // half a radius.

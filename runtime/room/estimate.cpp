@@ -318,7 +318,7 @@ void room_estimate(const Room& room, const RoomModel& model, const double positi
   fill_struct(&out, sizeof out, light);
 }
 
-// Each value lies in the middle of those that `sandglass verify room` prints for the folds of places.
+// Each value lies in the middle of those that `sandglass_lab verify room` prints for the folds of places.
 extern const RoomModel k_room_model = {.boost = 3.6,
                                        .fill = 1.65,
                                        .fill_below = 0.5,

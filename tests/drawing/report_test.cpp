@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "models/files/failure.h"
-#include "models/laboratory/measurement_json.h"
+#include "models/files/measurement_json.h"
 #include "models/report/report_page.h"
 
 namespace sandglass::host {

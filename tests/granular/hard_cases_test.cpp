@@ -1,5 +1,5 @@
 // What must not break a scene: an impact, capacities, damaged memory, traps. More hard cases are in
-// models/laboratory/sand/physics_cases.h, which tests/laboratory/verify_test.cpp asserts.
+// tests/laboratory/sand/physics_cases.h, which tests/laboratory/verify_test.cpp asserts.
 #include <gtest/gtest.h>
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
 #include <fenv.h>

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "models/laboratory/sand/follow_cases.h"
-#include "models/laboratory/sand/follow_measures.h"
 #include "models/simulation/metrics.h"
 #include "models/work/random.h"
+#include "tests/laboratory/sand/follow_cases.h"
+#include "tests/laboratory/sand/follow_measures.h"
 
 namespace sandglass::host {
 namespace {

@@ -2,7 +2,7 @@
 // every quality level. It does not measure costs, because they depend on the machine.
 #include <gtest/gtest.h>
 
-#include "models/laboratory/sand/granular_bench.h"
+#include "tests/laboratory/sand/granular_bench.h"
 
 namespace sandglass::host {
 namespace {

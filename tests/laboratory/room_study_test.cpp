@@ -4,10 +4,10 @@
 #include <cmath>
 #include <filesystem>
 
-#include "models/laboratory/light/lighting_floor.h"
-#include "models/laboratory/room/room_study.h"
 #include "models/mesh/generated.h"
 #include "models/rooms/panorama_file.h"
+#include "tests/laboratory/light/lighting_floor.h"
+#include "tests/laboratory/room/room_study.h"
 #include "tests/temporary_folder.h"
 
 namespace sandglass::host {

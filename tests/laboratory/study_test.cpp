@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <limits>
 
-#include "models/laboratory/shot/shot_study.h"
-#include "models/laboratory/shot/verify_shot.h"
 #include "models/rooms/panorama_file.h"
+#include "tests/laboratory/shot/shot_study.h"
+#include "tests/laboratory/shot/verify_shot.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"
 

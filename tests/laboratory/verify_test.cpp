@@ -8,11 +8,11 @@
 #include <string>
 
 #include "models/drawing/plot.h"
-#include "models/laboratory/sand/apparatus.h"
-#include "models/laboratory/sand/flow_cases.h"
-#include "models/laboratory/sand/granular_plots.h"
-#include "models/laboratory/sand/granular_verdicts.h"
 #include "models/simulation/metrics.h"
+#include "tests/laboratory/sand/apparatus.h"
+#include "tests/laboratory/sand/flow_cases.h"
+#include "tests/laboratory/sand/granular_plots.h"
+#include "tests/laboratory/sand/granular_verdicts.h"
 
 namespace sandglass::host {
 namespace {

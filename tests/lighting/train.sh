@@ -160,7 +160,7 @@ assert np.allclose(bright, gain, rtol=1e-5) and np.array_equal(light_data.label_
 print("resumed as unbroken:", whole["log"][-1])
 PY
 # The evaluation reads the table of estimates. Made-up rooms of three places prove nothing, so any verdict will do.
-"$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
+"${program%/*}/sandglass_lab" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
   --estimates "$folder/whole/fold_1_estimates.csv" >"$folder/verify.log" || [[ $? == 1 ]]
 grep -q "direction against" "$folder/verify.log"
 # The plain float network in C++ gives PyTorch's estimates for 56 excerpts.
@@ -175,7 +175,7 @@ done
 "$python" "$train" "$folder/others_set" -o "$folder/fifty" --cache "$folder/cache_others" --epochs 0 --copies 1 --test-fold 1 --cpu \
   --weights "$folder/whole/weights.npz" >"$folder/fifty.log"
 rm "$folder/others/room_0.hdr"
-"$program" verify lighting --panoramas "$folder/others" --manifest "$folder/others.csv" --samples 0 \
+"${program%/*}/sandglass_lab" verify lighting --panoramas "$folder/others" --manifest "$folder/others.csv" --samples 0 \
   --network "$folder/whole/weights.npz" --out "$folder/float" >"$folder/float.log" || [[ $? == 1 ]]
 "$python" - "$folder" <<'PY'
 import sys
@@ -208,7 +208,7 @@ quantised "$folder/fitted.npz" "$folder/fitted.light" --keep-float >>"$folder/tr
 "$program" inspect "$folder/fitted.light" | grep -q "float copy   yes"
 "$program" light-features "$folder/fitted.light" "$folder/set" --mirror -o "$folder/again.npy" >/dev/null
 cmp "$folder/set.npy" "$folder/again.npy"  # the heads do not change the trunk
-"$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
+"${program%/*}/sandglass_lab" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
   --network "$folder/fitted.light" --out "$folder/bytes" >"$folder/bytes.log" || [[ $? == 1 ]]
 grep -q "camera turns by 90 deg" "$folder/bytes.log"
 "$python" - "$folder" <<'PY'

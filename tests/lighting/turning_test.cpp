@@ -1,5 +1,5 @@
 // A camera that turns in a panorama: its pose against the pictures, and the measure of wander against closed forms.
-#include "models/laboratory/light/turning_camera.h"
+#include "tests/laboratory/light/turning_camera.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // The evaluation of lighting: baselines on images with a known answer, the bootstrap against the normal distribution,
 // and the whole evaluation on rooms with one lamp each. There the labels as estimates must beat every baseline, and
 // mirrored labels must not.
-#include "models/laboratory/light/verify_lighting.h"
+#include "tests/laboratory/light/verify_lighting.h"
 
 #include <gtest/gtest.h>
 

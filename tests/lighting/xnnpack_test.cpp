@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "models/files/npy.h"
-#include "models/laboratory/light/lighting_bench.h"
 #include "models/work/random.h"
 #include "platform/virtual_clock.h"
 #include "platform/xnnpack.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/counting_allocator.h"
+#include "tests/laboratory/light/lighting_bench.h"
 #include "tests/lighting/float_network.h"
 #include "tests/lighting/light_fixture.h"
 #include "tests/lighting/network_checks.h"

@@ -29,12 +29,17 @@ struct Outcome {
   std::string out, err;
 };
 
+// Suites of the laboratory are its own program's.
+inline std::string command_line(const std::string& arguments) {
+  const bool laboratory = arguments.starts_with("verify ") || arguments.starts_with("bench ");
+  return std::string(SANDGLASS_EMULATOR) + " '" + (laboratory ? SANDGLASS_LAB : SANDGLASS_PROGRAM) + "' " + arguments;
+}
+
 // The program while it runs.
 class Running {
  public:
   Running(const std::string& arguments, const std::string& out, const std::string& err) {
-    const std::string command = std::string("exec ") + SANDGLASS_EMULATOR + " '" + SANDGLASS_PROGRAM + "' " +
-                                arguments + " >'" + out + "' 2>'" + err + "'";
+    const std::string command = "exec " + command_line(arguments) + " >'" + out + "' 2>'" + err + "'";
     child_ = ::fork();
     if (child_ == 0) {
       ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
@@ -92,17 +97,16 @@ class Cli : public ::testing::Test {
     return text.str();
   }
   Outcome run(const std::string& arguments) const {
-    const std::string command = std::string(SANDGLASS_EMULATOR) + " '" + SANDGLASS_PROGRAM + "' " + arguments + " >'" +
-                                path("stdout") + "' 2>'" + path("stderr") + "'";
+    const std::string command = command_line(arguments) + " >'" + path("stdout") + "' 2>'" + path("stderr") + "'";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(path("stdout")), read(path("stderr"))};
   }
-  // Expects exit code 2 and one line on stderr. It starts with "sandglass: ", contains `named` and ends in a full stop.
+  // Expects exit code 2 and one line on stderr. It starts with the program's name, contains `named` and ends in a full stop.
   void expect_refused(const std::string& arguments, const std::string& named) const {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.out << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_TRUE(outcome.err.starts_with("sandglass: ") && outcome.err.ends_with(".\n")) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("sandglass") && outcome.err.ends_with(".\n")) << outcome.err;
     EXPECT_NE(outcome.err.find(named), std::string::npos) << outcome.err;
     EXPECT_EQ(outcome.out.find("hash"), std::string::npos);
   }

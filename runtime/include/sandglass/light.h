@@ -30,7 +30,7 @@
  *
  * An app that knows the tone curve of its camera does better to light in radiance. It multiplies both lights by
  * Y(inverse of the curve at a) / Y(a), multiplies shadows onto the camera's image through the inverse, and applies the
- * curve over all at the end. The error is then 0.0206 instead of 0.0230 (RMSE over 20 views, `sandglass verify shot`).
+ * curve over all at the end. The error is then 0.0206 instead of 0.0230 (RMSE over 20 views, `sandglass_lab verify shot`).
  *
  * Units, errors and the rule for NULL: see types.h. */
 #ifndef SANDGLASS_LIGHT_H
@@ -145,7 +145,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_camera_check(const 
 
 /* What computes the network. All back ends read the same file, in work units that are equally small.
  *
- * OWN (the default): the project's own kernels. By `sandglass bench lighting` on x86 with AVX-512 they are three times
+ * OWN (the default): the project's own kernels. By `sandglass_lab bench lighting` on x86 with AVX-512 they are three times
  * faster than XNNPACK of 2022 in bytes, with the same results to the bit, and five times faster than XNNPACK in float.
  *
  * XNNPACK_F32 and XNNPACK_INT8: Google's kernels, in float and in bytes, in builds configured with

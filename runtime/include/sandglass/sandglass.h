@@ -174,7 +174,7 @@ enum {
   SANDGLASS_LEVEL_COUNT = 5
 };
 
-/* What a quality level costs and what its error is. The numbers come from `sandglass bench ladder`: a collapsing column
+/* What a quality level costs and what its error is. The numbers come from `sandglass_lab bench ladder`: a collapsing column
  * of 14,280 particles and 228,480 grains over two seconds. Costs are relative to the full quality in the same run. */
 typedef struct sandglass_level {
   uint32_t struct_size;

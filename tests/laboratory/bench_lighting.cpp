@@ -1,0 +1,99 @@
+// `sandglass_lab bench lighting`: time, memory and error of one estimate of the lighting network, by every back end.
+#include <cstdio>
+
+#include "models/files/atomic_file.h"
+#include "models/lighting/excerpts.h"
+#include "models/work/progress.h"
+#include "tests/laboratory/bench.h"
+#include "tests/laboratory/light/lighting_bench.h"
+#include "tests/laboratory/room/room_bench.h"
+
+namespace sandglass::host {
+
+namespace {
+
+void print_and_keep(const LightingBench& result, Bench* bench) {
+  std::printf("%-13s %8s %8s %9s %11s %13s %17s %10s\n", "case", "ms", "GMAC/s", "of peak", "arena, MiB", "activations",
+              "longest unit, ms", "to float");
+  for (const LightingBenchRow& r : result.rows) {
+    char to_float[32] = "-";
+    if (result.compared) std::snprintf(to_float, sizeof to_float, "%5.2f deg, %.4f", r.angle_deg, r.difference);
+    std::printf("%-13s %8.2f %8.1f %8.1f%% %11.2f %9.2f MiB %17.3f %s\n", r.name.c_str(), r.ms, r.gmac_per_s,
+                100 * r.fraction, r.arena_bytes / (1 << 20), r.activations / (1 << 20), r.longest_unit_ms, to_float);
+    bench->keep(r.name, "ms", "ms", r.ms);
+    bench->keep(r.name, "gmac_per_s", "GMAC/s", r.gmac_per_s);
+    bench->keep(r.name, "fraction_of_peak", "1", r.fraction);
+    bench->keep(r.name, "arena_bytes", "B", r.arena_bytes);
+    bench->keep(r.name, "longest_unit_ms", "ms", r.longest_unit_ms);
+    if (r.activations > 0) bench->keep(r.name, "activation_bytes", "B", r.activations);
+    if (result.compared) {
+      bench->keep(r.name, "angle_to_f32", "deg", r.angle_deg);
+      bench->keep(r.name, "difference_to_f32", "1", r.difference);
+    }
+    for (const LightingBenchRow::Part& part : r.parts) bench->keep(r.name, ("ms_" + part.name).c_str(), "ms", part.ms);
+  }
+}
+
+void print_and_keep_images(const LightingBench& result, Bench* bench) {
+  std::puts("image to 256 x 192, all of it in its frame:");
+  for (const LightingImageRow& r : result.images) {
+    std::printf("%-15s %6.2f ms in %3u units, %5.2f ms a megapixel, longest unit %.3f ms\n", r.name.c_str(), r.ms,
+                r.units, r.ms / r.megapixels, r.longest_unit_ms);
+    bench->keep("image_" + r.name, "ms", "ms", r.ms);
+    bench->keep("image_" + r.name, "longest_unit_ms", "ms", r.longest_unit_ms);
+  }
+}
+
+void print_operators(const LightingBench& result) {
+  std::puts("by kind of operator, ms:");
+  for (const LightingBenchRow& r : result.rows) {
+    std::printf("%-13s", r.name.c_str());
+    for (const LightingBenchRow::Part& part : r.parts) std::printf(" %s %.2f ", part.name.c_str(), part.ms);
+    std::puts("");
+  }
+  constexpr size_t k_a_line = 8;
+  const size_t prefix = std::string("light.").size();
+  std::puts("own kernels, by operator, us:");
+  for (size_t i = 0; i < result.layers.size(); ++i)
+    std::printf("%s%s %.0f",
+                i == 0              ? ""
+                : i % k_a_line == 0 ? "\n"
+                                    : ", ",
+                result.layers[i].name.c_str() + prefix, 1e3 * result.layers[i].ms);
+  std::puts("");
+}
+
+void print_and_keep(const RoomBench& room, Bench* bench) {
+  std::printf("\n%-26s %8s %8s %12s\n", "room, 640 x 480", "ms", "units", "longest, us");
+  for (const RoomBenchRow& r : room.rows) {
+    std::printf("%-26s %8.3f %8u %12.1f\n", r.name.c_str(), r.ms, r.units, r.unit_us);
+    bench->keep("room, " + r.name, "ms", "ms", r.ms, 1, "portable");
+    if (r.units > 0) bench->keep("room, " + r.name, "longest_unit_us", "us", r.unit_us, 1, "portable");
+  }
+  std::printf("%.1f KiB\n", static_cast<double>(room.bytes) / 1024);
+}
+
+}  // namespace
+
+void bench_lighting(const BenchOptions& options, Bench* bench) {
+  const bool shipped = options.network.empty();
+  const std::string asset = shipped ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.network;
+  const std::string content = read_file(asset, "lighting network", k_asset_limit);
+  std::vector<Excerpt> excerpts;
+  if (shipped) excerpts = read_excerpts(SANDGLASS_LIGHTING_DIR "/excerpts");
+  LightingBench result;
+  with_progress("measuring", [&](const Progressed& go_on) {
+    result = bench_lighting(std::span(reinterpret_cast<const uint8_t*>(content.data()), content.size()), asset,
+                            bench->isa, excerpts, go_on);
+  });
+  print_and_keep(result, bench);
+  if (result.compared)
+    std::puts(shipped ? "to float: medians over 56 excerpts of made-up rooms, against the float network behind the file"
+                      : "to float: of one image, against xnnpack_f32");
+  print_and_keep_images(result, bench);
+  print_operators(result);
+  if (!result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
+  if (!interrupted()) print_and_keep(bench_room(), bench);
+}
+
+}  // namespace sandglass::host

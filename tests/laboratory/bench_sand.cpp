@@ -1,0 +1,242 @@
+// The suites of sand: `sandglass_lab bench granular`, `ladder` and `growth`. They run the column of 14,280 particles and
+// 228,480 grains.
+#include <algorithm>
+#include <cstdio>
+#include <thread>
+
+#include "models/drawing/plot.h"
+#include "models/files/atomic_file.h"
+#include "models/simulation/metrics.h"
+#include "models/work/progress.h"
+#include "tests/laboratory/bench.h"
+#include "tests/laboratory/sand/peer_bullet.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr uint32_t k_peer_frames = 5;     // other engines take seconds a frame
+constexpr uint32_t k_search_threads = 4;  // the search needs only errors, which do not depend on threads
+
+// Runs other engines, and ours for as many frames. In these the column still stands.
+void run_peers(const SceneTable& table, const SceneFile& column, const Bench& bench) {
+  if (!bullet_available()) {
+    std::puts(
+        "column14k/bullet: left out, this build has no Bullet. Install libbullet-dev, configure and build again.");
+    return;
+  }
+  table.row("column14k/bullet, 5 frames", 1, k_peer_frames, "bullet",
+            [&](const BenchStep& step) { return bench_bullet(column, k_peer_frames, step); });
+  table.row("column14k/default, 5 frames", 1, k_peer_frames, bench.isa_name,
+            [&](const BenchStep& step) { return bench_scene(column, bench.isa, 1, k_peer_frames, false, step); });
+}
+
+EqualError search_equal_error(const SceneFile& column, double p99, sandglass_isa isa, uint32_t frames) {
+  constexpr uint32_t k_runs_at_most = 16;  // for all bisections; fewer if a cheap setting is found early
+  const uint32_t threads = std::min(k_search_threads, std::max(1u, std::thread::hardware_concurrency()));
+  Progress progress("searching source_equal_error", k_runs_at_most * frames);
+  uint32_t frame = 0;
+  return find_equal_error(column, p99, isa, threads, frames, [&] {
+    progress.done(++frame);
+    return !interrupted();
+  });
+}
+
+// The ladder: one series of the error-time plane.
+struct Curve {
+  const char* name;
+  Colour colour;
+  PlotSeries::Mark mark;
+  bool line;
+  std::vector<BenchRow> rows;
+};
+
+struct Curves {
+  Curve source_3 = {"source, 3 iterations", {110, 110, 120}, PlotSeries::Mark::ring, true, {}};
+  Curve source_7 = {"source, 7 iterations", {60, 60, 66}, PlotSeries::Mark::square, true, {}};
+  Curve small = {"small steps, one iteration", {28, 110, 150}, PlotSeries::Mark::disk, true, {}};
+  Curve levels = {"levels of the ladder", {196, 98, 16}, PlotSeries::Mark::disk, false, {}};
+};
+
+Curves measure_curves(const SceneTable& table, const SceneFile& column, uint32_t threads, uint32_t frames) {
+  Curves curves;
+  for (uint32_t level = 0; level < SANDGLASS_LEVEL_SLOW_MOTION && !interrupted(); ++level)
+    curves.levels.rows.push_back(table.row("level " + std::to_string(level) + ", " + sandglass_level_name(level),
+                                           column, threads, frames, level));
+  for (const uint32_t steps : {24u, 32u, 48u, 64u, 96u, 128u})
+    if (!interrupted())
+      curves.small.rows.push_back(
+          table.row("small steps " + std::to_string(steps), small_steps(column, steps), threads, frames));
+  for (const uint32_t steps : {8u, 16u, 32u, 64u})
+    for (const uint32_t iterations : {3u, 7u})
+      if (!interrupted())
+        (iterations == 7 ? curves.source_7 : curves.source_3)
+            .rows.push_back(table.row("source " + std::to_string(steps) + " x (" + std::to_string(iterations) + " + 1)",
+                                      source_scheme(column, steps, iterations), threads, frames));
+  return curves;
+}
+
+void draw(const Curves& curves, const std::string& folder) {
+  Plot overlap, angle;
+  overlap.title = "Error against time: column of 14,280 particles";
+  overlap.x = angle.x = {"solver, ms a frame", 5.0, 200.0, true};
+  overlap.y = {"P99 of the overlap, % of r", 0.04, 100.0, true};
+  angle.title = "Angle of the pile against time";
+  angle.y = {"angle, degrees", 0.0, 40.0, false};
+  overlap.legend_right = false, angle.legend_right = true;
+  for (const Curve* curve : {&curves.source_3, &curves.source_7, &curves.small, &curves.levels}) {
+    PlotSeries series;
+    series.name = curve->name, series.colour = curve->colour, series.mark = curve->mark, series.line = curve->line;
+    for (const BenchRow& point : curve->rows)
+      series.x.push_back(point.ms_solver), series.y.push_back(100.0 * point.overlap_p99);
+    overlap.series.push_back(series);
+    series.y.clear();
+    for (const BenchRow& point : curve->rows) series.y.push_back(point.angle_deg);
+    angle.series.push_back(series);
+  }
+  write_png(folder + "/ladder.png", draw_plot(overlap));
+  write_png(folder + "/ladder_angle.png", draw_plot(angle));
+  std::puts("plots          ladder.png, ladder_angle.png");
+}
+
+std::string rounded(const char* format, double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+// A literal of type float.
+std::string literal(double value, int digits) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return std::string(text) + (std::string(text).find_first_of(".e") == std::string::npos ? ".0f" : "f");
+}
+
+// The ladder's numbers as the library ships them (ladder_measured.inc), and as a table for people (ladder.md).
+void write_levels(const std::vector<BenchRow>& levels, const std::string& folder) {
+  std::string code =
+      "// Written by ./sg ladder. A row for each quality level: cost of the solver and of the refinement, P99 and mean "
+      "of the\n// overlap, angle of the pile in degrees.\n";
+  std::string table =
+      "| quality level | solver | refinement | overlap P99 | mean | angle |\n|---|---|---|---|---|---|\n";
+  for (uint32_t level = 0; level <= levels.size(); ++level) {
+    const bool slow_motion = level == levels.size();
+    const BenchRow& row = slow_motion ? levels.back() : levels[level];
+    const double solver = row.ms_solver / levels[0].ms_solver, refine = row.ms_refine / levels[0].ms_refine;
+    const std::string costs = slow_motion ? "as much as fits | " : rounded("%.2f | ", solver) + rounded("%.2f", refine);
+    if (!slow_motion)
+      code += "{" + literal(solver, 2) + ", " + literal(refine, 2) + ", " + literal(row.overlap_p99, 2) + ", " +
+              literal(row.overlap_mean, 2) + ", " + literal(row.angle_deg, 3) + "},\n";
+    table += "| " + std::to_string(level) + " " + sandglass_level_name(level) + " | " + costs + " | " +
+             rounded("%.2g %% | ", 100.0 * row.overlap_p99) + rounded("%.2g %% | ", 100.0 * row.overlap_mean) +
+             rounded("%.0f° |\n", row.angle_deg);
+  }
+  write_file(folder + "/ladder_measured.inc", code);
+  write_file(folder + "/ladder.md", table);
+}
+
+constexpr uint32_t k_growth_frames = 50;
+
+// One value for each size of the scene.
+struct Growth {
+  std::vector<double> particles, solver, grains, refine, items, bytes;
+};
+
+void measure_size(const SceneFile& scene, const std::string& name, uint32_t threads, Bench* bench, Growth* growth) {
+  BenchRow result;
+  {
+    Progress progress(name + ", " + std::to_string(threads) + "T", k_growth_frames);
+    uint32_t frame = 0;
+    result = bench_scene(scene, bench->isa, threads, k_growth_frames, true, [&] {
+      progress.done(++frame);
+      return !interrupted();
+    });
+  }
+  if (interrupted()) return;
+  const double items = result.particles + result.grains, bytes = static_cast<double>(result.bytes);
+  growth->particles.push_back(result.particles), growth->solver.push_back(result.ms_solver);
+  growth->grains.push_back(result.grains), growth->refine.push_back(result.ms_refine);
+  growth->items.push_back(items), growth->bytes.push_back(bytes);
+  std::printf("%9u %9u %2u %12.2f %14.0f %11.2f %13.1f %10.1f\n", result.particles, result.grains, threads,
+              result.ms_solver, 1e6 * result.ms_solver / result.particles, result.ms_refine,
+              1e6 * result.ms_refine / result.grains, bytes / items);
+  std::fflush(stdout);
+  bench->keep(name, "ms_solver", "ms", result.ms_solver, threads);
+  bench->keep(name, "ms_refine", "ms", result.ms_refine, threads);
+  bench->keep(name, "bytes", "B", bytes, threads);
+}
+
+void measure_growth(uint32_t threads, Bench* bench) {
+  const SceneFile column = load_scene("column14k");
+  Growth growth;
+  for (const auto& [count, each] :
+       {std::pair{1000u, 10u}, {3000u, 16u}, {10000u, 16u}, {30000u, 16u}, {100000u, 20u}}) {
+    measure_size(scaled_column(column, count, each), "growth " + std::to_string(count), threads, bench, &growth);
+    if (interrupted()) return;
+  }
+  const double of_solver = fitted_exponent(growth.particles, growth.solver);
+  const double of_refine = fitted_exponent(growth.grains, growth.refine);
+  const double of_bytes = fitted_exponent(growth.items, growth.bytes);
+  std::printf("grows with the power  %.2f (solver), %.2f (refinement), %.2f (bytes), %u thread%s\n", of_solver,
+              of_refine, of_bytes, threads, threads == 1 ? "" : "s");
+  bench->keep("growth", "exponent_solver", "1", of_solver, threads);
+  bench->keep("growth", "exponent_refine", "1", of_refine, threads);
+  bench->keep("growth", "exponent_bytes", "1", of_bytes, threads);
+}
+
+}  // namespace
+
+// The column with the default scheme, with the dissertation's scheme, and with the dissertation's scheme at an equal
+// error.
+void bench_granular(const BenchOptions& options, Bench* bench) {
+  constexpr uint32_t k_source_steps = 16, k_source_iterations = 7;  // algorithm 4 as the dissertation runs it
+  const SceneFile column = load_scene("column14k");
+  const SceneTable table(bench);
+  BenchRow standard;
+  for (const uint32_t threads : options.threads) {
+    standard = table.row("column14k/default", column, threads, options.frames);
+    table.row("column14k/source", source_scheme(column, k_source_steps, k_source_iterations), threads, options.frames);
+    if (interrupted()) return;
+  }
+  if (options.peers) run_peers(table, column, *bench);
+  if (interrupted()) return;
+  const EqualError equal = search_equal_error(column, standard.overlap_p99, bench->isa, options.frames);
+  if (interrupted()) return;
+  if (!equal.found) {
+    std::printf(
+        "column14k/source_equal_error: no setting of the dissertation's scheme up to 256 steps x 7 iterations reaches "
+        "a P99 of %.4f %% r\n",
+        100.0 * standard.overlap_p99);
+    return;
+  }
+  for (const uint32_t threads : options.threads)
+    table.row("column14k/source_equal_error", source_scheme(column, equal.steps, equal.iterations), threads,
+              options.frames);
+  std::printf("source_equal_error is %u steps x %u iterations (+ 1 stabilisation)\n", equal.steps, equal.iterations);
+  bench->keep("column14k/source_equal_error", "steps", "1/frame", equal.steps, options.threads[0]);
+  bench->keep("column14k/source_equal_error", "iterations", "1/step", equal.iterations, options.threads[0]);
+}
+
+// The error-time plane. It has every level of the quality ladder, the default scheme with other sub-steps, and the
+// dissertation's scheme.
+void bench_ladder(const BenchOptions& options, Bench* bench) {
+  const SceneFile column = load_scene("column14k");
+  const SceneTable table(bench);
+  Curves curves;
+  for (const uint32_t threads : options.threads)
+    if (!interrupted()) curves = measure_curves(table, column, threads, options.frames);
+  if (options.out.empty() || interrupted()) return;
+  draw(curves, options.out);
+  write_levels(curves.levels.rows, options.out);
+}
+
+// How time and memory grow with the scene. A column collapses for its first second. Its sizes go from 1,000 particles
+// and 10,000 grains to 100,000 particles and two million grains.
+void bench_growth(const BenchOptions& options, Bench* bench) {
+  std::printf("%9s %9s %2s %12s %14s %11s %13s %10s\n", "particles", "grains", "T", "solver, ms", "ns a particle",
+              "refine, ms", "ns a grain", "bytes/item");
+  for (const uint32_t threads : options.threads)
+    if (!interrupted()) measure_growth(threads, bench);
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,98 @@
+// `sandglass_lab bench shadow`: time and error of one shadow texture, for every way of computing it, and what the textures
+// of a pile cost.
+#include <cstdio>
+
+#include "models/files/atomic_file.h"
+#include "models/files/failure.h"
+#include "models/mesh/generated.h"
+#include "models/work/progress.h"
+#include "tests/laboratory/bench.h"
+#include "tests/laboratory/shadow/pile_bench.h"
+#include "tests/laboratory/shadow/shadow_bench.h"
+#include "tests/laboratory/shadow/shadow_curves.h"
+
+namespace sandglass::host {
+
+namespace {
+
+std::vector<NamedShadow> read_shadows(const BenchOptions& options) {
+  std::vector<NamedShadow> files;
+  for (const std::string& path :
+       options.assets.empty() ? std::vector{std::string(SANDGLASS_SHADOWS_DIR) + "/chair.shadow"} : options.assets) {
+    const std::string content = read_file(path, "baked shadow", k_asset_limit);
+    files.push_back({path, {content.begin(), content.end()}});
+  }
+  return files;
+}
+
+void print_and_keep(const std::vector<ShadowBenchRow>& rows, Bench* bench) {
+  std::printf("%-18s %8s %10s %8s %9s %10s %9s %10s %8s %9s %10s\n", "case", "ms", "+ encoding", "GMAC/s", "of peak",
+              "RMSE (f32)", "max (f32)", "RMSE truth", "P99.9", "max", "evaluated");
+  for (const ShadowBenchRow& r : rows) {
+    std::printf("%-18s %8.2f %10.2f %8.1f %8.1f%% %10.4f %9.3f %10.4f %8.3f %9.3f %8.1f %%\n", r.name.c_str(), r.ms,
+                r.ms + r.ms_encoding, r.gmac_per_s, 100 * r.fraction, r.rmse, r.worst, r.rmse_truth, r.p999_truth,
+                r.worst_truth, 100 * r.evaluated);
+    bench->keep(r.name, "ms", "ms", r.ms);
+    bench->keep(r.name, "ms_with_encoding", "ms", r.ms + r.ms_encoding);
+    bench->keep(r.name, "gmac_per_s", "GMAC/s", r.gmac_per_s);
+    bench->keep(r.name, "fraction_of_peak", "1", r.fraction);
+    bench->keep(r.name, "rmse", "1", r.rmse);
+    bench->keep(r.name, "worst", "1", r.worst);
+    bench->keep(r.name, "rmse_truth", "1", r.rmse_truth);
+    bench->keep(r.name, "p999_truth", "1", r.p999_truth);
+    bench->keep(r.name, "worst_truth", "1", r.worst_truth);
+    bench->keep(r.name, "evaluated", "1", r.evaluated);
+  }
+}
+
+void print_and_keep(const std::vector<PileBenchRow>& rows, Bench* bench) {
+  std::printf("\n%-18s %8s %8s %12s %9s\n", "sand, 128 texels", "ms", "units", "longest, us", "KiB");
+  for (const PileBenchRow& r : rows) {
+    const double kib = static_cast<double>(r.bytes) / 1024;
+    std::printf("%-18s %8.2f %8u %12.1f %9.0f\n", r.name.c_str(), r.ms, r.units, r.unit_us, kib);
+    bench->keep(r.name, "ms", "ms", r.ms);
+    bench->keep(r.name, "longest_unit_us", "us", r.unit_us);
+    bench->keep(r.name, "bytes", "B", static_cast<double>(r.bytes));
+  }
+}
+
+void draw_curves(const BenchOptions& options, const std::vector<NamedShadow>& files, const Mesh& mesh, Bench* bench) {
+  std::vector<ShadowCurve> curves;
+  with_progress("measuring curves",
+                [&](const Progressed& go_on) { curves = measure_shadow_curves(files, mesh, bench->isa, go_on); });
+  if (curves.empty()) return;
+  for (const ShadowCurve& curve : curves)
+    for (const ShadowCurvePoint& point : curve.points) {
+      const std::string name = curve.name + "/" + point.name;
+      std::printf("%-24s %8.2f ms, RMSE in the world %.4f\n", name.c_str(), point.ms, point.rmse);
+      bench->keep(name, "ms", "ms", point.ms);
+      bench->keep(name, "rmse_truth", "1", point.rmse);
+    }
+  write_png(options.out + "/shadow_curves.png", draw_plot(shadow_curve_plot(curves, options.mesh)));
+  std::puts("plot           shadow_curves.png");
+}
+
+}  // namespace
+
+void bench_shadow(const BenchOptions& options, Bench* bench) {
+  if (options.assets.size() > 1 && options.out.empty())
+    throw cannot("measure", options.assets[1], "shadows after the first are only drawn", "Name a folder with --out");
+  const std::vector<NamedShadow> files = read_shadows(options);
+  const Mesh mesh = named_mesh(options.mesh).mesh;
+  ShadowBench result;
+  with_progress("measuring", [&](const Progressed& go_on) {
+    result = bench_shadow(files[0].bytes, files[0].name, mesh, bench->isa, options.thresholds, go_on);
+  });
+  print_and_keep(result.rows, bench);
+  if (result.ambient_ms > 0) {
+    std::printf("ambient shadow     %8.3f ms; RMSE %.4f in made-up rooms, by its file\n", result.ambient_ms,
+                result.ambient_rmse);
+    bench->keep("ambient", "ms", "ms", result.ambient_ms);
+    bench->keep("ambient", "rmse_truth", "1", result.ambient_rmse);
+  }
+  if (!interrupted() && !result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
+  if (!interrupted()) print_and_keep(bench_pile_shadow(bench->isa), bench);
+  if (!options.out.empty() && !interrupted()) draw_curves(options, files, mesh, bench);
+}
+
+}  // namespace sandglass::host

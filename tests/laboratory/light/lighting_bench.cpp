@@ -1,0 +1,221 @@
+#include "tests/laboratory/light/lighting_bench.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/files/aligned_bytes.h"
+#include "models/files/failure.h"
+#include "models/lighting/light_runner.h"
+#include "models/lighting/room_light.h"
+#include "models/rooms/excerpt.h"
+#include "models/work/progress.h"
+#include "models/work/random.h"
+#include "runtime/light/backends.h"
+#include "runtime/light/camera_image.h"
+#include "sandglass/sandglass.hpp"
+#include "tests/laboratory/cpu_time.h"
+#include "tests/laboratory/machine_peak.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr uint32_t k_repeats = 25;
+constexpr uint32_t k_width = 256, k_height = 192;
+constexpr double k_macs = 2.549e9;  // with pooling before the transitions' convolutions, and with the heads
+
+// A picture made from a formula: a wall with a lamp on it, whose light falls off.
+Picture wall_with_a_lamp() {
+  Picture picture(k_width, k_height, {0, 0, 0});
+  for (uint32_t y = 0; y < k_height; ++y)
+    for (uint32_t x = 0; x < k_width; ++x) {
+      const double u = x - 0.7 * k_width, v = y - 0.2 * k_height, square = u * u + v * v;
+      const double grain = 0.05 * (random_unit(uint64_t{y} * k_width + x) - 0.5);
+      const double shade = 0.15 + 0.5 / (1 + square / 6000) + (square < 200 ? 1 : 0) + grain;
+      for (uint32_t c = 0; c < 3; ++c)
+        picture.rgb[3 * (size_t{y} * k_width + x) + c] =
+            static_cast<uint8_t>(255 * std::clamp(shade * (1 - 0.12 * c), 0.0, 1.0));
+    }
+  return picture;
+}
+
+// Without a camera pose, directions are in the world's axes: x right, y up, z backward.
+LightValues values_of(const sandglass_light_estimate& e) {
+  return {e.direction[0], -e.direction[1], -e.direction[2], e.light[0],   e.light[1],
+          e.light[2],     e.ambient[0],    e.ambient[1],    e.ambient[2], e.contrast};
+}
+
+void add_part(LightingBenchRow* row, const std::string& name, double ms) {
+  for (LightingBenchRow::Part& part : row->parts)
+    if (part.name == name) {
+      part.ms += ms;
+      return;
+    }
+  row->parts.push_back({name, ms});
+}
+
+// The best time of each of `units` work units, which are run in order after `begin`. After Ctrl-C it is that of fewer
+// repeats.
+template <class Begin, class Run>
+std::vector<double> best_ms_of_units(uint32_t units, Begin begin, Run run) {
+  std::vector<double> best(units, 1e30);
+  for (uint32_t repeat = 0; repeat < k_repeats && !(repeat > 0 && interrupted()); ++repeat) {
+    begin();
+    double from = cpu_ms_now();
+    for (uint32_t unit = 0; unit < units; ++unit) {
+      run(unit);
+      const double now = cpu_ms_now();
+      best[unit] = std::min(best[unit], now - from);
+      from = now;
+    }
+  }
+  return best;
+}
+
+// Measures every work unit, so that each kind of operator gets its share.
+void measure_units(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
+                   sandglass_light_backend backend, std::span<const uint8_t> rgb, LightingBenchRow* row,
+                   std::vector<LightingBenchRow::Part>* layers) {
+  LightRunner runner(file, name, isa, k_width, k_height, backend);
+  LightNetwork* net = runner.network();
+  const std::vector<double> best = best_ms_of_units(
+      net->units, [&] { begin_light_network(net, rgb.data()); }, [&](uint32_t unit) { run_light_unit(net, unit); });
+  row->longest_unit_ms = *std::max_element(best.begin(), best.end());
+  for (uint32_t first = 0; first < net->units; first = light_operator_end(*net, first)) {
+    double sum = 0;
+    for (uint32_t unit = first; unit < light_operator_end(*net, first); ++unit) sum += best[unit];
+    const std::string kind = light_unit(*net, first).name;
+    if (layers != nullptr) layers->push_back({kind, sum});
+    add_part(row, kind.substr(kind.find('.') + 1), sum);
+  }
+}
+
+struct ImageCase {
+  const char* name;
+  sandglass_camera_format format;
+  uint32_t width, height;
+};
+// The images that phones hand to apps, a phone's photograph, and the widest image that is accepted. The last one has
+// the highest boxes that are read.
+constexpr ImageCase k_images[] = {{"640x480_nv12", SANDGLASS_CAMERA_NV12, 640, 480},
+                                  {"1920x1440_nv12", SANDGLASS_CAMERA_NV12, 1920, 1440},
+                                  {"4032x3024_rgba", SANDGLASS_CAMERA_RGBA, 4032, 3024},
+                                  {"16384x3072_rgb", SANDGLASS_CAMERA_RGB, SANDGLASS_CAMERA_SIDE_LIMIT, 3072}};
+
+LightingImageRow measure_image(const ImageCase& c) {
+  const bool yuv = c.format == SANDGLASS_CAMERA_NV12;
+  const uint32_t pixel = c.format == SANDGLASS_CAMERA_RGBA ? 4 : yuv ? 1 : 3, stride = pixel * c.width;
+  std::vector<uint8_t> planes(size_t{stride} * c.height * (yuv ? 3 : 2) / 2);  // NV12's chroma adds half
+  if (!yuv) planes.resize(size_t{stride} * c.height);
+  for (size_t i = 0; i < planes.size(); ++i) planes[i] = static_cast<uint8_t>(i * 2654435761u >> 13);
+  sandglass_camera_image image;
+  sandglass_camera_image_default(&image);
+  image.format = c.format, image.width = c.width, image.height = c.height;
+  image.planes[0] = planes.data(), image.strides[0] = stride;
+  if (yuv) image.planes[1] = planes.data() + size_t{stride} * c.height, image.strides[1] = stride;
+  image.focal_x = sandglass_camera_focal(c.width, c.width * 3 / 4, 85);
+  image.focal_y = sandglass_camera_focal(c.height * 4 / 3, c.height, 85);
+  image.centre_x = 0.5f * static_cast<float>(c.width - 1), image.centre_y = 0.5f * static_cast<float>(c.height - 1);
+  const CameraBlocks blocks = camera_blocks(image);
+  std::vector<uint8_t> rgb(size_t{3} * k_width * k_height);
+  std::vector<uint32_t> sums(k_camera_sums);
+  const auto resample = [&](uint32_t unit) {
+    resample_camera_block(image, camera_block(image, blocks, unit), rgb.data(), sums.data());
+  };
+  LightingImageRow row = {c.name, 1e-6 * c.width * c.height, blocks.count, 0, 0};
+  for (const double ms : best_ms_of_units(
+           blocks.count, [] {}, resample))
+    row.ms += ms, row.longest_unit_ms = std::max(row.longest_unit_ms, ms);
+  return row;
+}
+
+// Measures the time of an estimate as an app would see it. Returns false if this build lacks the back end.
+bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_light_backend choice,
+             const std::vector<Picture>& images, LightingBenchRow* row) {
+  const LightBackend* backend = nullptr;
+  if (!find_light_backend(choice, &backend, nullptr)) return false;
+  const AlignedBytes aligned(file);
+  sandglass_light_desc desc = light_desc();
+  desc.asset = aligned.data(), desc.asset_bytes = file.size();
+  desc.isa = isa, desc.backend = choice;
+  desc.smoothing = desc.interval = 0;
+  Light light;
+  if (const Status status = light.create(desc); !status) throw cannot("read", name, status.reason);
+  uint64_t bytes = 0;
+  if (sandglass_light_bytes(&desc, &bytes, nullptr) != SANDGLASS_OK) return false;  // cannot be
+  row->arena_bytes = static_cast<double>(bytes + (backend == nullptr ? 0 : backend->bytes_beside()));
+  row->ms = 1e30;
+  for (const Picture& picture : images) {
+    if (interrupted()) return true;
+    const sandglass_camera_image image = camera_image_of(picture, k_excerpt_fov_deg);
+    for (uint32_t repeat = 0; repeat < (&picture == &images[0] ? k_repeats : 1); ++repeat) {
+      if (sandglass_light_set_image(light.get(), &image, nullptr, nullptr) != SANDGLASS_OK) return false;  // cannot be
+      const double begin = cpu_ms_now();
+      sandglass_light_run(light.get(), UINT32_MAX);
+      row->ms = std::min(row->ms, cpu_ms_now() - begin);
+    }
+    sandglass_light_estimate latest = light.estimated();
+    sandglass_light_get_latest(light.get(), &latest);  // the filter rejects what contradicts the image before
+    row->estimates.push_back(values_of(latest));
+  }
+  return true;
+}
+
+}  // namespace
+
+LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
+                             const std::vector<Excerpt>& excerpts,
+                             const std::function<bool(uint32_t done, uint32_t total)>& go_on) {
+  struct Case {
+    const char* name;
+    sandglass_light_backend backend;
+  };
+  constexpr Case k_cases[] = {{"int8", SANDGLASS_LIGHT_BACKEND_OWN},
+                              {"xnnpack_f32", SANDGLASS_LIGHT_BACKEND_XNNPACK_F32},
+                              {"xnnpack_int8", SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8}};
+  constexpr uint32_t k_steps = std::size(k_cases) + 1;
+  const MachinePeak peak = measure_machine_peak();
+  LightingBench bench;
+  bench.int8_peak = peak.int8_gmac_per_s, bench.f32_peak = peak.f32_gmac_per_s;
+  const LightBackend* xnnpack = nullptr;
+  bench.has_xnnpack = find_light_backend(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
+  for (const ImageCase& c : k_images) {
+    const LightingImageRow row = measure_image(c);
+    if (interrupted()) return bench;
+    bench.images.push_back(row);
+  }
+  if (!go_on(1, k_steps)) return bench;
+  std::vector<Picture> images;
+  std::vector<LightValues> truth;
+  for (const Excerpt& excerpt : excerpts) {
+    images.emplace_back(k_width, k_height, Colour{0, 0, 0}).rgb = excerpt.rgb;
+    truth.push_back(excerpt.values);
+  }
+  if (images.empty()) images.push_back(wall_with_a_lamp());
+  for (const Case& c : k_cases) {
+    const bool own = c.backend == SANDGLASS_LIGHT_BACKEND_OWN;
+    LightingBenchRow row;
+    row.name = c.name;
+    if (!measure(file, name, isa, c.backend, images, &row)) break;
+    measure_units(file, name, isa, c.backend, images[0].rgb, &row, own ? &bench.layers : nullptr);
+    if (interrupted()) return bench;
+    if (own) row.activations = static_cast<double>(light_activation_bytes(k_width, k_height));
+    const double fastest =
+        c.backend == SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 ? peak.f32_gmac_per_s : peak.int8_gmac_per_s;
+    row.gmac_per_s = k_macs / row.ms * 1e-6;
+    row.fraction = fastest > 0 ? row.gmac_per_s / fastest : 0;
+    bench.rows.push_back(row);
+    if (!go_on(static_cast<uint32_t>(bench.rows.size()) + 1, k_steps)) return bench;
+  }
+  if (truth.empty() && bench.rows.size() == std::size(k_cases)) truth = bench.rows[1].estimates;
+  bench.compared = !truth.empty();
+  if (bench.compared)
+    for (LightingBenchRow& row : bench.rows) {
+      const LightDifference off = median_difference(row.estimates, truth);
+      row.angle_deg = off.angle_deg, row.difference = off.other;
+    }
+  go_on(k_steps, k_steps);
+  return bench;
+}
+
+}  // namespace sandglass::host

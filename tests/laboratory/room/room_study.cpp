@@ -1,0 +1,309 @@
+#include "tests/laboratory/room/room_study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr const char* k_true_cells = "the true light in cells";
+
+// The network's estimate is one input, except where nothing was seen.
+sandglass_room_light light_at(const StudiedPlace& p, const Room& room, const RoomModel& model) {
+  sandglass_room_light light = {};
+  light.struct_size = sizeof light;
+  const double at[3] = {p.place.x, p.place.y, p.place.z};
+  room_estimate(room, model, at, !p.estimates.empty() && room.images != 0 ? &p.network : nullptr, &light);
+  return light;
+}
+
+const RoomModel& model_at(const StudiedPlace& p, const std::vector<RoomModel>& models) {
+  return models[p.fold >= 0 ? static_cast<size_t>(p.fold) % models.size() : 0];
+}
+
+Vec3 mean_direction(const Cells& cells) {
+  Vec3 sum;
+  for (uint32_t i = 0; i < k_light_cells; ++i) sum = sum + cell_direction(i, 0.5, 0.5) * cells[i];
+  return normalised(sum);
+}
+
+double angle_deg(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180.0 / std::numbers::pi; }
+
+// What is fitted, as numbers that may take any value.
+constexpr int k_numbers = 3, k_level_numbers = 3;
+std::array<double, k_numbers> numbers_of(const RoomModel& m) {
+  return {std::log(m.boost), std::log(m.fill), std::log(m.network)};
+}
+RoomModel model_of(const std::array<double, k_numbers>& x, RoomModel m) {
+  m.boost = std::exp(x[0]), m.fill = std::exp(x[1]), m.network = std::exp(x[2]);
+  return m;
+}
+std::array<double, k_level_numbers> level_numbers_of(const RoomModel& m) {
+  return {std::log(m.albedo), m.floor_trust, m.unseen_level};
+}
+RoomModel level_model_of(const std::array<double, k_level_numbers>& x, RoomModel m) {
+  m.albedo = std::exp(x[0]), m.floor_trust = std::clamp(x[1], 0.0, 1.0), m.unseen_level = x[2];
+  return m;
+}
+
+// Coordinates in turns, with steps that shrink.
+template <size_t N, class Cost>
+std::array<double, N> descend(std::array<double, N> x, const Cost& cost) {
+  std::array<double, N> step;
+  step.fill(0.3);
+  double best = cost(x);
+  for (int round = 0; round < 9; ++round)
+    for (size_t i = 0; i < N; ++i) {
+      bool moved = false;
+      for (const double sign : {1.0, -1.0}) {
+        std::array<double, N> tried = x;
+        tried[i] += sign * step[i];
+        const double there = cost(tried);
+        if (!(there < best)) continue;
+        best = there, x = tried, moved = true;
+        break;
+      }
+      step[i] *= moved ? 1.2 : 0.5;
+    }
+  return x;
+}
+
+double level_error(const StudiedPlace& place, size_t session, const sandglass_room_light& light) {
+  const Vec3 e = {light.irradiance[0], light.irradiance[1], light.irradiance[2]};
+  return std::log(luminance(e) / (luminance(place.light.irradiance) * place.sessions[session].exposure));
+}
+
+Cells mirrored(const Cells& cells) {
+  Cells out;
+  for (uint32_t i = 0; i < k_light_cells; ++i) out[i] = cells[mirrored_cell(i)];
+  return out;
+}
+
+// What each session makes known at each place.
+using Lights = std::vector<std::vector<sandglass_room_light>>;
+
+Lights lights_of(const RoomStudy& study, const std::vector<RoomModel>& models, ThreadPool* pool) {
+  Lights lights(study.places.size());
+  pool->run(static_cast<uint32_t>(lights.size()), [&](uint32_t i) {
+    const StudiedPlace& place = study.places[i];
+    for (const SeenRoom& seen : place.sessions)
+      lights[i].push_back(light_at(place, seen.room, model_at(place, models)));
+  });
+  return lights;
+}
+
+std::vector<Way> ways_of(const RoomStudy& study, const Lights& lights) {
+  const auto light_in = [&study, &lights](Session session, size_t away = 0) {
+    return [&study, &lights, session, away](const StudiedPlace& p) -> const sandglass_room_light& {
+      const auto index = static_cast<size_t>(&p - study.places.data());
+      return lights[(index + away) % lights.size()][static_cast<size_t>(session)];
+    };
+  };
+  const auto label = [](const StudiedPlace& p) { return p.label; };
+  const auto estimate = [](const StudiedPlace& p) { return p.estimates.front(); };
+  std::vector<Way> ways = {no_shadow(study), ambient_occlusion(study)};
+  ways.push_back(one_light(study, "one light, the true label", label, 0.0));
+  ways.push_back(one_light(study, "the true label and ambient occlusion", label, 1.0));
+  if (!study.places.front().estimates.empty()) {
+    ways.push_back(one_light(study, "one light, by the network from an image", estimate, 0.0));
+    ways.push_back(one_light(study, "the network's and ambient occlusion", estimate, 1.0));
+  }
+  for (const Session session : k_sessions) ways.push_back(in_room(study, session_name(session), light_in(session)));
+  ways.push_back(in_cells(study, k_true_cells, [](const StudiedPlace& p) { return p.light.cells; }));
+  ways.push_back(in_cells(
+      study, "control: a full turn, mirrored",
+      [turn = light_in(Session::full_turn)](const StudiedPlace& p) { return mirrored(cells_of(turn(p), false)); },
+      true));
+  ways.push_back(in_cells(
+      study, "control: a full turn in another room",
+      [turn = light_in(Session::full_turn, study.places.size() / 2)](const StudiedPlace& p) {
+        return cells_of(turn(p), false);
+      },
+      true));
+  return ways;
+}
+
+SessionRow session_row(const RoomStudy& study, const std::vector<RoomModel>& models, const Lights& lights,
+                       Session session) {
+  const auto index = static_cast<size_t>(session);
+  const auto over_places = [&](const std::function<double(const StudiedPlace&, const sandglass_room_light&)>& measure) {
+    return interval_of(by_location(study, [&](const StudiedPlace& p) {
+      return measure(p, lights[static_cast<size_t>(&p - study.places.data())][index]);
+    }));
+  };
+  SessionRow row;
+  row.name = session_name(session);
+  row.seen =
+      over_places([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.seen); });
+  row.direction_deg = over_places([](const StudiedPlace& p, const sandglass_room_light& l) {
+    return angle_deg(mean_direction(cells_of(l, false)), mean_direction(p.light.cells));
+  });
+  row.level = over_places(
+      [&](const StudiedPlace& p, const sandglass_room_light& l) { return std::fabs(level_error(p, index, l)); });
+  row.level_bias =
+      over_places([&](const StudiedPlace& p, const sandglass_room_light& l) { return level_error(p, index, l); });
+  const auto level_where = [&](Known known) {
+    return interval_of(by_location(study, [&](const StudiedPlace& p) {
+      const Room room = with_known(p.sessions[index], p.parts, known);
+      return std::fabs(level_error(p, index, light_at(p, room, model_at(p, models))));
+    }));
+  };
+  row.level_clipped_known = level_where(Known::clipped_light);
+  row.level_unseen_known = level_where(Known::unseen_parts);
+  row.main_share = over_places([](const StudiedPlace&, const sandglass_room_light& l) {
+                     return static_cast<double>(l.main_share);
+                   }).mean;
+  row.clipped = over_places([](const StudiedPlace&, const sandglass_room_light& l) {
+                  return static_cast<double>(l.clipped);
+                }).mean;
+  return row;
+}
+
+}  // namespace
+
+RoomModel fit_room_model(const RoomStudy& study, int left_out, ThreadPool* pool) {
+  const RoomModel start = k_room_model;
+  const auto total = [&](const RoomModel& model, const auto& cost_of) {
+    std::vector<double> sums(study.places.size(), 0.0);
+    pool->run(static_cast<uint32_t>(study.places.size()), [&](uint32_t i) {
+      const StudiedPlace& place = study.places[i];
+      if (left_out >= 0 && place.fold == left_out) return;
+      for (size_t s = 1; s < place.sessions.size(); ++s)
+        sums[i] += cost_of(place, s, light_at(place, place.sessions[s].room, model));
+    });
+    double sum = 0;
+    for (const double s : sums) sum += s;
+    return sum;
+  };
+  const auto floor = [](const StudiedPlace& place, size_t, const sandglass_room_light& light) {
+    double sum = 0;
+    for (const FloorObject::Quadratic& object : place.objects) sum += object.error(cells_of(light, false));
+    return sum;
+  };
+  const auto surface = [&study](const StudiedPlace& place, size_t, const sandglass_room_light& light) {
+    double sum = 0;
+    for (size_t o = 0; o < place.lit.size(); ++o) sum += error_of(surface_in((*study.objects)[o], light), place.lit[o]);
+    return sum;
+  };
+  const auto level = [](const StudiedPlace& place, size_t session, const sandglass_room_light& light) {
+    return std::fabs(level_error(place, session, light));
+  };
+  RoomModel fitted =
+      model_of(descend(numbers_of(start), [&](const auto& x) { return total(model_of(x, start), floor); }), start);
+  fitted.fill_below = std::exp(descend(std::array<double, 1>{std::log(fitted.fill_below)}, [&](const auto& x) {
+    RoomModel tried = fitted;
+    tried.fill_below = std::exp(x[0]);
+    return total(tried, surface);
+  })[0]);
+  return level_model_of(
+      descend(level_numbers_of(fitted), [&](const auto& x) { return total(level_model_of(x, fitted), level); }),
+      fitted);
+}
+
+RoomTable room_table(const RoomStudy& study, const std::vector<RoomModel>& models, ThreadPool* pool) {
+  const Lights lights = lights_of(study, models, pool);
+  RoomTable table;
+  table.drawn = drawn_rows(study, ways_of(study, lights));
+  for (const Session session : k_sessions) table.sessions.push_back(session_row(study, models, lights, session));
+  const std::vector<double> zenith = by_location(study, [](const StudiedPlace& p) {
+    return angle_deg(Vec3{0, 1, 0}, mean_direction(p.light.cells));
+  });
+  table.zenith_deg = interval_of(zenith).mean, table.places = zenith.size();
+  return table;
+}
+
+RoomStudy rooms_in(const RoomStudy& study, const std::string& part) {
+  RoomStudy some = {study.objects, {}};
+  for (const StudiedPlace& place : study.places)
+    if (place.panorama.find(part) != std::string::npos) some.places.push_back(place);
+  return some;
+}
+
+std::string sessions_markdown(const RoomTable& table) {
+  std::string text =
+      "| session | seen | direction of the floor's light, degrees | level, \\|log ratio\\| | log ratio | "
+      "level, were clipped light known | were the unseen known | main share | clipped |\n"
+      "|---|---|---|---|---|---|---|---|---|\n";
+  for (const SessionRow& row : table.sessions)
+    text += "| " + row.name + " | " + number_text("%.2f", row.seen.mean) + " | " +
+            number_text("%.1f [%.1f, %.1f]", row.direction_deg.mean, row.direction_deg.low, row.direction_deg.high) +
+            " | " + number_text("%.2f [%.2f, %.2f]", row.level.mean, row.level.low, row.level.high) + " | " +
+            number_text("%+.2f", row.level_bias.mean) + " | " + number_text("%.2f", row.level_clipped_known.mean) +
+            " | " + number_text("%.2f", row.level_unseen_known.mean) + " | " + number_text("%.2f", row.main_share) +
+            " | " + number_text("%.2f", row.clipped) + " |\n";
+  return text + "| the zenith | | " + number_text("%.1f", table.zenith_deg) + " | | | | | | |\n";
+}
+
+std::string conditions_markdown(const std::vector<Condition>& conditions) {
+  const std::string ways[] = {"no shadow",
+                              "the true label and ambient occlusion",
+                              session_name(Session::nothing),
+                              session_name(Session::table),
+                              session_name(Session::glance),
+                              session_name(Session::full_turn),
+                              session_name(Session::full_turn_short),
+                              k_true_cells};
+  std::string text = "| of ambient occlusion's error |", line = "|---|";
+  for (const Condition& condition : conditions) text += " " + condition.name + " |", line += "---|";
+  text += "\n" + line + "\n";
+  const auto add_row = [&](const std::string& name, const auto& cell) {
+    text += "| " + name + " |";
+    for (const Condition& condition : conditions) text += " " + cell(condition.table) + " |";
+    text += "\n";
+  };
+  add_row("places", [](const RoomTable& t) { return std::to_string(t.places); });
+  add_row("ambient occlusion, error", [](const RoomTable& t) {
+    return number_text("%.4f", row_of(t.drawn, "ambient occlusion alone").floor.mean);
+  });
+  for (const std::string& way : ways)
+    add_row(way, [&](const RoomTable& t) { return number_text("%.2f", row_of(t.drawn, way).share_of_ambient); });
+  add_row("a full turn, against ambient occlusion", [](const RoomTable& t) {
+    const Interval& i = row_of(t.drawn, session_name(Session::full_turn)).against_ambient;
+    return number_text("%+.4f [%+.4f, %+.4f]", i.mean, i.low, i.high);
+  });
+  const auto turn = [](const RoomTable& t) -> const SessionRow& {
+    return t.sessions[static_cast<size_t>(Session::full_turn)];
+  };
+  add_row("a full turn, direction, degrees",
+          [&](const RoomTable& t) { return number_text("%.1f", turn(t).direction_deg.mean); });
+  add_row("a full turn, level, \\|log ratio\\|",
+          [&](const RoomTable& t) { return number_text("%.2f", turn(t).level.mean); });
+  return text;
+}
+
+std::vector<Verdict> room_verdicts(const std::vector<Condition>& conditions) {
+  std::vector<Verdict> rows;
+  const auto below = [&](const std::string& group, const std::string& name, double result, double limit,
+                         const std::string& unit, bool control = false) {
+    rows.push_back({group, name, unit, 0.0, result, limit, control ? !(result <= limit) : result <= limit, control});
+  };
+  const RoomTable& table = conditions.front().table;
+  const auto of_session = [](const RoomTable& t, Session s) -> const DrawnRow& {
+    return row_of(t.drawn, session_name(s));
+  };
+  below("floor", k_true_cells, row_of(table.drawn, k_true_cells).share_of_ambient, 0.5, "of AO");
+  below("floor", "nothing seen, against no shadow", of_session(table, Session::nothing).against_none.high, 0.0,
+        "upper end");
+  below("floor", "nothing seen, against AO", of_session(table, Session::nothing).against_ambient.high, 0.001,
+        "upper end");
+  below("floor", "one image, against AO", of_session(table, Session::table).against_ambient.high, 0.001, "upper end");
+  below("floor", "a glance up, against AO", of_session(table, Session::glance).against_ambient.high, 0.0, "upper end");
+  below("floor", "a full turn", of_session(table, Session::full_turn).share_of_ambient, 0.75, "of AO");
+  for (const Condition& condition : conditions)
+    below(condition.name, "a full turn, against AO",
+          of_session(condition.table, Session::full_turn).against_ambient.high, 0.0, "upper end");
+  below("direction", "a full turn", table.sessions[static_cast<size_t>(Session::full_turn)].direction_deg.mean, 15.0,
+        "degrees");
+  const double level = table.sessions[static_cast<size_t>(Session::full_turn)].level.mean;
+  rows.push_back({"level", "a full turn (the aim is 0.35)", "|log ratio|", 0.0, level,
+                  std::numeric_limits<double>::infinity(), true, false});
+  for (const DrawnRow& row : table.drawn)
+    if (row.control) below("floor", row.name, row.against_ambient.mean, 0.0, "mean", true);
+  return rows;
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,52 @@
+// Held against rays: the floor beside an object and the object's surface, drawn in the light of a room as far as a
+// session has seen it, beside what an app could draw instead. Each place's rows are computed with constants that were
+// fitted on other places.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/work/thread_pool.h"
+#include "tests/laboratory/room/floor_rows.h"
+#include "tests/laboratory/sand/granular_verdicts.h"
+
+namespace sandglass::host {
+
+constexpr int k_room_folds = 5;
+// The constants that draw the floor best in all places but those of the fold: the mean over sessions, objects and
+// places; -1: in all places. Then those that give the best level.
+RoomModel fit_room_model(const RoomStudy& study, int left_out, ThreadPool* pool);
+
+// What a session makes known.
+struct SessionRow {
+  std::string name;
+  Interval seen, direction_deg, level, level_bias;   // |log ratio| and log ratio of the floor's irradiance
+  Interval level_clipped_known, level_unseen_known;  // |log ratio|, were it known what these send out
+  double main_share = 0.0, clipped = 0.0;
+};
+
+struct RoomTable {
+  size_t places = 0;
+  std::vector<DrawnRow> drawn;
+  std::vector<SessionRow> sessions;
+  double zenith_deg = 0.0;  // from the true direction of the floor's light to the zenith
+};
+
+// `models`: by fold, 0..k_room_folds - 1, or one for all.
+RoomTable room_table(const RoomStudy& study, const std::vector<RoomModel>& models, ThreadPool* pool);
+
+// The same table under a condition: another place of the object, some of the rooms.
+struct Condition {
+  std::string name;
+  RoomTable table;
+};
+// The places whose panorama has `part` in its path.
+RoomStudy rooms_in(const RoomStudy& study, const std::string& part);
+
+std::string sessions_markdown(const RoomTable& table);
+// The first condition is that of the verdicts.
+std::string conditions_markdown(const std::vector<Condition>& conditions);
+// What the table must show.
+std::vector<Verdict> room_verdicts(const std::vector<Condition>& conditions);
+
+}  // namespace sandglass::host

@@ -1,0 +1,126 @@
+#include "tests/laboratory/room/studied_places.h"
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+
+#include "models/lighting/dataset.h"
+#include "models/lighting/labels.h"
+#include "models/mesh/generated.h"
+#include "models/rooms/excerpt.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/progress.h"
+#include "runtime/core/random.h"
+
+namespace sandglass::host {
+
+namespace {
+
+OneLight true_label(const RadianceMap& panorama, double azimuth, double radius) {
+  const View view = {0.5 * std::numbers::pi, azimuth};
+  const LightLabels labels = labels_of(warp(panorama, view, radius, 512, 256), {0, 1, 0}, greatest_luminance(panorama));
+  return {ViewRotation(view).to_panorama(labels.direction),
+          labels.has_direction ? labels.contrast * labels.concentration : 0.0};
+}
+
+// A panorama as sessions see it.
+RadianceMap coarse_panorama(const std::string& file) {
+  RadianceMap panorama = read_panorama(file);
+  fill_tripod(&panorama);
+  return halved(panorama);
+}
+
+double azimuth_of(uint32_t index, const RoomStudyOptions& options) {
+  return 2.0 * std::numbers::pi * index / options.azimuths;
+}
+
+}  // namespace
+
+std::vector<FloorObject> study_objects(const std::string& data_folder, ThreadPool* pool) {
+  std::vector<std::pair<std::string, Mesh>> meshes = {{"chair", make_named("chair").mesh}};
+  const std::string armadillo = data_folder + "/meshes/armadillo.obj";
+  if (!data_folder.empty() && std::filesystem::exists(armadillo))
+    meshes.emplace_back("armadillo", load_mesh(armadillo).mesh);
+  meshes.emplace_back("trefoil", make_named("trefoil").mesh);
+  meshes.emplace_back("bucket", make_named("bucket").mesh);
+  std::vector<FloorObject> objects;
+  for (const auto& [name, mesh] : meshes) objects.emplace_back(name, mesh, objects.size() + 1, pool);
+  return objects;
+}
+
+RadianceMap halved(const RadianceMap& map) {
+  RadianceMap half(map.width / 2, map.height / 2);
+  for (int v = 0; v < half.height; ++v)
+    for (int u = 0; u < half.width; ++u)
+      half.set(u, v,
+               (map.colour(2 * u, 2 * v) + map.colour(2 * u + 1, 2 * v) + map.colour(2 * u, 2 * v + 1) +
+                map.colour(2 * u + 1, 2 * v + 1)) *
+                   0.25);
+  return half;
+}
+
+StudiedPlace place_in(const RadianceMap& panorama, double azimuth, double radius,
+                      const std::vector<FloorObject>& objects) {
+  StudiedPlace place;
+  place.place = Vec3{std::cos(azimuth), 0, std::sin(azimuth)} * radius;
+  place.light = true_light(panorama, place.place), place.parts = true_parts(panorama);
+  place.label = true_label(panorama, azimuth, radius);
+  for (const FloorObject& object : objects) {
+    place.truths.push_back(object.truth(place.light));
+    place.lit.push_back(object.lit(place.light));
+  }
+  return place;
+}
+
+RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std::vector<FloorObject>> objects) {
+  RoomStudy study = {std::move(objects), {}};
+  const std::string manifest = read_locations(options.manifest);
+  const std::vector<std::string>& files = options.panoramas;
+  Progress progress("looking around", files.size());
+  std::optional<RoomLight> network;
+  if (!options.network.empty()) network.emplace(options.network);
+  ThreadPool pool(options.threads);
+  for (size_t i = 0; i < files.size() && !interrupted(); ++i) {
+    const RadianceMap coarse = coarse_panorama(files[i]);
+    const Location location = location_of(files[i], manifest);
+    const auto seed_of = [&](uint32_t a) { return mix_bits(options.seed + 1000 * i + a); };
+    std::vector<StudiedPlace> places(options.azimuths);
+    pool.run(options.azimuths, [&](uint32_t a) {
+      const double azimuth = azimuth_of(a, options);
+      places[a] = place_in(coarse, azimuth, options.place, *study.objects);
+      places[a].panorama = files[i], places[a].location = location.name, places[a].fold = location.fold;
+      for (const FloorObject& object : *study.objects) places[a].objects.push_back(object.quadratic(places[a].light));
+      for (const Session session : k_sessions)
+        places[a].sessions.push_back(look_around(coarse, session, {azimuth, options.exposure_known, seed_of(a)}));
+    });
+    for (uint32_t a = 0; a < options.azimuths && network; ++a) {
+      const sandglass_light_estimate e =
+          estimate_of_table(coarse, {azimuth_of(a, options), true, seed_of(a)}, &*network);
+      places[a].network = e;
+      places[a].estimates = {{Vec3{e.direction[0], e.direction[1], e.direction[2]}, static_cast<double>(e.contrast)}};
+    }
+    for (StudiedPlace& place : places) study.places.push_back(std::move(place));
+    progress.done(i + 1);
+  }
+  return study;
+}
+
+RoomStudy moved(const RoomStudy& study, const RoomStudyOptions& options) {
+  RoomStudy there = study;
+  ThreadPool pool(options.threads);
+  Progress progress("moving the objects", options.panoramas.size());
+  for (size_t i = 0; i < options.panoramas.size() && !interrupted(); ++i) {
+    const RadianceMap coarse = coarse_panorama(options.panoramas[i]);
+    pool.run(options.azimuths, [&](uint32_t a) {
+      StudiedPlace& place = there.places[i * options.azimuths + a];
+      const StudiedPlace light = place_in(coarse, azimuth_of(a, options), options.place, *there.objects);
+      place.place = light.place, place.light = light.light, place.label = light.label;
+      place.truths = light.truths, place.lit = light.lit, place.objects.clear();
+    });
+    progress.done(i + 1);
+  }
+  return there;
+}
+
+}  // namespace sandglass::host

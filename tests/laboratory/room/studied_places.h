@@ -1,0 +1,78 @@
+// Places in panoramas that shadows are judged at: the light that is there, what the floor beside each object and the
+// object's surface receive of it, and what a session of an app has seen.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "models/work/thread_pool.h"
+#include "tests/laboratory/interval.h"
+#include "tests/laboratory/room/floor.h"
+#include "tests/laboratory/room/session.h"
+
+namespace sandglass::host {
+
+// The chair, the armadillo where the data folder has one, and two made by formula.
+std::vector<FloorObject> study_objects(const std::string& data_folder, ThreadPool* pool);
+
+// A light as the sole one: its direction in the panorama's frame, and its share of the floor's irradiance.
+struct OneLight {
+  Vec3 direction;
+  double share = 0.0;
+};
+
+// One panorama, one azimuth: the object stands ahead of the camera there.
+struct StudiedPlace {
+  std::string panorama, location;
+  int fold = -1;
+  Vec3 place;
+  TrueLight light;
+  OneLight label;                               // the true label (5.1), as seen from the object
+  std::vector<std::vector<float>> truths, lit;  // the floor's ratio and the surface, of each object
+  // Where sessions are asked for: those of k_sessions, and each object's error in any cells.
+  std::vector<SeenRoom> sessions;
+  std::vector<FloorObject::Quadratic> objects;
+  PartRadiance parts;                     // the panorama's, of all directions
+  std::vector<OneLight> estimates;        // of one light, from an image
+  sandglass_light_estimate network = {};  // the network's, as it gives it
+};
+
+struct RoomStudy {
+  std::shared_ptr<const std::vector<FloorObject>> objects;
+  std::vector<StudiedPlace> places;
+};
+
+// What needs no camera. `radius` is where the object stands, in radii ahead of the camera.
+StudiedPlace place_in(const RadianceMap& panorama, double azimuth, double radius,
+                      const std::vector<FloorObject>& objects);
+
+RadianceMap halved(const RadianceMap& map);
+
+struct RoomStudyOptions {
+  std::vector<std::string> panoramas;  // files
+  std::string manifest;                // places and folds; empty: each panorama is its own place
+  std::string network;                 // of the estimate of one light; empty: there is none
+  double place = 0.25;                 // of the object, in radii ahead of the camera
+  uint32_t azimuths = 4;               // sessions begin at so many azimuths of each panorama
+  bool exposure_known = true;          // whether the app says how images were exposed
+  uint64_t seed = 1;
+  uint32_t threads = 1;
+};
+
+// Throws a Failure for a file that is no panorama. Stops early, with what it has, when it is interrupted.
+RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std::vector<FloorObject>> objects);
+// The same sessions beside objects that stand at `options.place`; nothing to fit constants with. `study` is of the same
+// panoramas and azimuths.
+RoomStudy moved(const RoomStudy& study, const RoomStudyOptions& options);
+
+// The mean of a measure over each place, by its location.
+template <class Measure>
+std::vector<double> by_location(const RoomStudy& study, const Measure& measure) {
+  std::vector<std::pair<std::string, double>> values;
+  for (const StudiedPlace& place : study.places) values.emplace_back(place.location, measure(place));
+  return place_means(values);
+}
+
+}  // namespace sandglass::host

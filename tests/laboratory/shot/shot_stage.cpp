@@ -1,0 +1,40 @@
+#include "tests/laboratory/shot/shot_stage.h"
+
+#include "models/compositing/shot.h"
+#include "models/simulation/scene_meshes.h"
+#include "models/simulation/scene_shadows.h"
+#include "models/simulation/simulation.h"
+
+namespace sandglass::host {
+
+constexpr uint32_t k_settling_frames = 75;  // 1.5 s: the knot has become a pile
+
+ShotStage::ShotStage() : scene(load_scene("shot")) {
+  const LoadedMeshes meshes(scene, "");
+  const Material material = fill_scene(&scene, meshes.bodies());
+  const CollisionFields fields(&scene, "");
+  Simulation simulation(describe_filled(scene, material));
+  simulation.add(material);
+  for (uint32_t frame = 0; frame < k_settling_frames; ++frame)
+    simulation.frame(scene.frame_step, UINT64_MAX, colliders_over_frame(scene, frame));
+  particles = simulation.particle_positions(), grains = simulation.grain_positions();
+  grain_radius = drawn_grain_radius(scene.particle_radius, static_cast<uint32_t>(particles.size() / 3),
+                                    static_cast<uint32_t>(grains.size() / 3));
+  object = standing_object(scene, "");
+}
+
+std::unique_ptr<PileShadow> ShotStage::pile_for(Vec3 towards, Sand of) const {
+  auto pile = std::make_unique<PileShadow>(*scene.pile_shadow, SANDGLASS_ISA_AUTOMATIC);
+  pile->set_light(towards);
+  const std::vector<float>& spheres = of == Sand::grains ? grains : particles;
+  sandglass_pile_shadow_run(pile->handle(), spheres.data(), static_cast<uint32_t>(spheres.size() / 3),
+                            of == Sand::grains ? grain_radius : static_cast<float>(scene.particle_radius), ~0u);
+  return pile;
+}
+
+SceneShadows ShotStage::shadows_for(const ShotLight& light) const {
+  return complete_shadows(scene, SANDGLASS_ISA_AUTOMATIC, 0, colliders_over_frame(scene, 0), grains, grain_radius,
+                          light);
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,230 @@
+// `sandglass_lab verify SUITE`: measures claims against their truth, and wrong settings that must fail them. Here are the
+// options of the suites, what the suites share, and the suites of sand.
+#include "tests/laboratory/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "models/files/atomic_file.h"
+#include "models/files/failure.h"
+#include "models/program/command_line.h"
+#include "models/simulation/simulation.h"
+#include "models/work/progress.h"
+#include "tests/laboratory/sand/follow_cases.h"
+#include "tests/laboratory/sand/granular_plots.h"
+#include "tests/laboratory/sand/physics_cases.h"
+
+namespace sandglass::host {
+
+namespace {
+
+const char* outcome_of(const Verdict& v) {
+  if (v.control) return v.pass ? "fails, as it must" : "PASSES, but must fail";
+  if (!v.pass) return "FAIL";
+  return std::isinf(v.limit) ? "reported" : "pass";
+}
+
+std::string number_text(double value) {
+  char text[32];
+  if (std::isinf(value)) return "";
+  std::snprintf(text, sizeof text, "%.5g", value);
+  return text;
+}
+
+std::string table_markdown(const std::vector<Verdict>& rows) {
+  std::string text = "| case | claim | truth | result | limit | unit | |\n|---|---|---|---|---|---|---|\n";
+  for (const Verdict& v : rows)
+    text += "| " + v.group + " | " + v.name + " | " + number_text(v.truth) + " | " + number_text(v.result) + " | " +
+            number_text(v.limit) + " | " + v.unit + " | " + outcome_of(v) + " |\n";
+  return text;
+}
+
+}  // namespace
+
+void print_verdicts(const std::vector<Verdict>& rows) {
+  std::printf("%-11s %-32s %11s %11s %11s  %-11s %s\n", "case", "claim", "truth", "result", "limit", "unit", "");
+  for (const Verdict& v : rows)
+    std::printf("%-11s %-32s %11s %11s %11s  %-11s %s\n", v.group.c_str(), v.name.c_str(), number_text(v.truth).c_str(),
+                number_text(v.result).c_str(), number_text(v.limit).c_str(), v.unit.c_str(), outcome_of(v));
+}
+
+void write_verdicts(const std::string& folder, const std::vector<Verdict>& rows) {
+  write_file(folder + "/verify.md", table_markdown(rows));
+}
+
+uint32_t count_failed(const std::vector<Verdict>& rows) {
+  uint32_t failed = 0;
+  for (const Verdict& v : rows) failed += v.pass ? 0 : 1;
+  return failed;
+}
+
+std::vector<Measurement> measurements_of(const std::string& suite, const std::string& isa, uint32_t threads,
+                                         const std::vector<Verdict>& rows) {
+  std::vector<Measurement> measurements;
+  for (const Verdict& v : rows) {
+    Measurement m;
+    m.suite = suite, m.scene = v.name, m.metric = "result", m.unit = v.unit, m.isa = isa, m.value = v.result;
+    m.threads = threads, m.judgement = Measurement::Judgement{v.truth, v.limit, v.pass, v.control};
+    measurements.push_back(m);
+  }
+  return measurements;
+}
+
+Failure no_panoramas(const std::string& what) {
+  return Failure("cannot check " + what +
+                 ": no panoramas are named. Name .hdr or .exr files, or folders of them, with " +
+                 "--panoramas, or the data folder in SANDGLASS_DATA_DIR.");
+}
+
+namespace {
+
+// Refuses --quick for a slow case that is named. It would be left out, and so pass without a check.
+void expect_quick(const std::vector<std::string>& cases) {
+  const std::vector<std::string> quick = quick_verdict_groups();
+  for (const std::string& name : cases)
+    if (std::find(quick.begin(), quick.end(), name) == quick.end())
+      throw cannot("check", name, "it takes minutes, and --quick leaves such cases out",
+                   "Leave --quick out, or name quick cases: " + list_of(quick, "or"));
+}
+
+// Prints the table, and writes it where it is asked for, with the curves. Returns the exit code.
+int tell_sand(const VerifyOptions& options, const char* suite, const std::string& isa_name, const VerdictTable& table) {
+  print_verdicts(table.rows);
+  const uint32_t failed = count_failed(table.rows);
+  std::printf("%zu rows, %u failed\n", table.rows.size(), failed);
+  if (!options.json.empty())
+    write_file(options.json, measurements_json(measurements_of(suite, isa_name, 1, table.rows)));
+  if (!options.out.empty()) {
+    write_verdicts(options.out, table.rows);
+    std::string drawn;
+    for (const GranularPlot& plot : granular_plots(table.curves)) {
+      write_png(options.out + "/" + plot.name + ".png", draw_plot(plot.plot));
+      drawn += ", " + plot.name + ".png";
+    }
+    std::printf("verify.md%s\n", drawn.c_str());
+  }
+  return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : k_exit_done;
+}
+
+// Shows the progress of a table as it is made.
+template <class Make>
+auto with_progress(const Make& make) {
+  Progress progress("verifying", 1);
+  return make([&](uint64_t done, uint64_t total) {
+    progress.total(total);
+    progress.done(done);
+    return !interrupted();
+  });
+}
+
+std::string kernels_of(sandglass_isa isa) {
+  sandglass_scene_desc desc = physics_desc(0.6);
+  desc.isa = isa;
+  desc.granular.particle_capacity = 1;
+  return sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
+}
+
+using Options = std::vector<CommandOption>;
+
+CommandOption panoramas(VerifyOptions& o) {
+  return standard("the interiors of SANDGLASS_DATA_DIR",
+                  {"--panoramas", &o.panoramas, "FILES", "Files that end in .hdr or .exr, or folders of them"});
+}
+
+Options verify_granular_options(VerifyOptions& o) {
+  return {standard("all", {"--case", &o.cases, "NAMES", "Only these cases", one_of(verdict_groups())}),
+          {"--quick", &o.quick, "", "Only the cases that take seconds"},
+          fills({"--out", &o.out, "FOLDER", "Write the table and its curves into this new folder"}),
+          isa_option(o.isa),
+          json_option(o.json)};
+}
+
+Options verify_follow_options(VerifyOptions& o) {
+  return {standard("all", {"--case", &o.cases, "NAMES", "Only these scenes", one_of(follow_groups())}),
+          seed_option(o.seed, "How the sand of every scene is turned, and where its grains are"),
+          fills({"--out", &o.out, "FOLDER", "Write the table into this new folder"}), isa_option(o.isa),
+          json_option(o.json)};
+}
+
+Options verify_lighting_options(VerifyOptions& o) {
+  return {
+      panoramas(o),
+      {"--manifest", &o.manifest, "FILE",
+       "CSV with the columns file, group and fold: which panoramas show the same place"},
+      standard("the shipped one for --panoramas",
+               {"--network", &o.network, "FILE", "Network that estimates, run as in an app; of a file .npz in float"}),
+      excludes("--network",
+               standard("the cross-validated ones for SANDGLASS_DATA_DIR",
+                        {"--estimates", &o.estimates, "FILE", "Estimates of all views, as train.py writes them"})),
+      {"--object", &o.object, "MESH", "Object that is lit: a mesh file, or the name of a generated mesh"},
+      {"--views", &o.views, "N", "Views of each panorama", whole_number(1, 8)},
+      {"--samples", &o.samples, "N", "Paths a pixel; 0 renders nothing", whole_number(0, 4096)},
+      fills({"--out", &o.out, "FOLDER", "Write tables and pictures into this new folder"}),
+      isa_option(o.isa),
+      threads_option(o.threads),
+      json_option(o.json)};
+}
+
+Options verify_room_options(VerifyOptions& o) {
+  return {standard("the interiors and studios of SANDGLASS_DATA_DIR",
+                   {"--panoramas", &o.panoramas, "FILES", "Files that end in .hdr or .exr, or folders of them"}),
+          {"--manifest", &o.manifest, "FILE",
+           "CSV with the columns file, group and fold: which panoramas show the same place"},
+          standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates one light"}),
+          {"--quick", &o.quick, "", "The shipped constants, which saw these places; a quarter of the sessions"},
+          {"--pictures", &o.pictures, "", "Also the whole pictures of verify shot: every claim in one table"},
+          fills({"--out", &o.out, "FOLDER", "Write the tables into this new folder"}),
+          seed_option(o.seed, "How the phone sways"),
+          threads_option(o.threads),
+          json_option(o.json)};
+}
+
+Options verify_shot_options(VerifyOptions& o) {
+  return {panoramas(o),
+          {"--manifest", &o.manifest, "FILE",
+           "CSV with the columns file, group and fold: which panoramas show the same place"},
+          standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates the light"}),
+          {"--quick", &o.quick, "", "Fewer rays: minutes, with errors that are a little larger"},
+          seed_option(o.seed, "Where the cameras look, and how the phone sways"),
+          fills({"--out", &o.out, "FOLDER", "Write the table and pictures into this new folder"}),
+          threads_option(o.threads),
+          json_option(o.json)};
+}
+
+}  // namespace
+
+int verify_granular_command(const VerifyOptions& options) {
+  if (options.quick) expect_quick(options.cases);
+  const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa)};
+  const std::string isa_name = kernels_of(choice.isa);
+  return tell_sand(options, "granular", isa_name,
+                   with_progress([&](const auto& progress) { return granular_verdicts(choice, progress); }));
+}
+
+int verify_follow_command(const VerifyOptions& options) {
+  const sandglass_isa isa = find_isa(options.isa);
+  const std::string isa_name = kernels_of(isa);
+  VerdictTable table;
+  table.rows =
+      with_progress([&](const auto& progress) { return follow_verdicts(options.cases, options.seed, isa, progress); });
+  return tell_sand(options, "follow", isa_name, table);
+}
+
+std::vector<Command> verify_suites() {
+  return {
+      command<VerifyOptions>("granular", "Sand: friction, piles, flow, momentum, hard cases", verify_granular_options,
+                             verify_granular_command),
+      command<VerifyOptions>("follow", "Grains: whether what is drawn is where the particles are, and moves with them",
+                             verify_follow_options, verify_follow_command),
+      command<VerifyOptions>("lighting", "Light: estimates against labels and baselines", verify_lighting_options,
+                             verify_lighting_command),
+      command<VerifyOptions>("room", "Rooms: the light as a session has seen it, against the light that is there",
+                             verify_room_options, verify_room_command),
+      command<VerifyOptions>("shot", "Whole pictures: composites against path traced truth", verify_shot_options,
+                             verify_shot_command),
+  };
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,46 @@
+// What the suites of `sandglass_lab verify` share: claims as a table on the terminal, as Markdown and for --json.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "models/files/failure.h"
+#include "models/files/measurement_json.h"
+#include "models/program/command_line.h"
+#include "tests/laboratory/sand/granular_verdicts.h"
+
+namespace sandglass::host {
+
+// Of all suites; verify.cpp says which takes what.
+struct VerifyOptions {
+  std::string json, out, isa = "automatic", manifest, estimates, network, object = "trefoil";
+  std::vector<std::string> cases, panoramas;
+  bool quick = false, pictures = false;
+  int views = 8, samples = 48;
+  uint64_t seed = 0;
+  uint32_t threads = 1;
+};
+
+// One function a suite (verify.cpp ...); each returns the exit code.
+int verify_granular_command(const VerifyOptions& options);
+int verify_follow_command(const VerifyOptions& options);
+int verify_lighting_command(const VerifyOptions& options);
+int verify_room_command(const VerifyOptions& options);
+int verify_shot_command(const VerifyOptions& options);
+std::vector<Command> verify_suites();
+
+// Composites beside their truth, in the same panoramas: the rows of `verify shot`. Empty where it was interrupted.
+std::vector<Verdict> check_pictures(const VerifyOptions& options);
+
+void print_verdicts(const std::vector<Verdict>& rows);
+// Writes verify.md into the folder.
+void write_verdicts(const std::string& folder, const std::vector<Verdict>& rows);
+uint32_t count_failed(const std::vector<Verdict>& rows);
+std::vector<Measurement> measurements_of(const std::string& suite, const std::string& isa, uint32_t threads,
+                                         const std::vector<Verdict>& rows);
+
+// The Failure of a suite that was given none: it would check nothing, and pass.
+Failure no_panoramas(const std::string& what);
+
+}  // namespace sandglass::host

@@ -1,0 +1,113 @@
+// `sandglass_lab verify room`: the light of rooms as sessions have seen them, against the light that is there.
+#include <cstdio>
+#include <memory>
+
+#include "models/files/atomic_file.h"
+#include "models/files/failure.h"
+#include "models/lighting/dataset.h"
+#include "models/program/command_line.h"
+#include "models/work/progress.h"
+#include "tests/laboratory/verify.h"
+#ifdef SANDGLASS_HAVE_EMBREE
+#include "tests/laboratory/room/room_study.h"
+#endif
+
+namespace sandglass::host {
+
+#ifndef SANDGLASS_HAVE_EMBREE
+
+int verify_room_command(const VerifyOptions&) {
+  throw Failure("cannot check rooms: this build lacks Embree. Install it, configure and build again.");
+}
+
+#else
+
+namespace {
+
+void print_model(const char* name, const RoomModel& m) {
+  std::printf(
+      "%s: boost %.3f, fill %.3f, network %.3f, fill_below %.3f, albedo %.3f, floor_trust %.3f, unseen_level %.3f\n",
+      name, m.boost, m.fill, m.network, m.fill_below, m.albedo, m.floor_trust, m.unseen_level);
+}
+
+// Constants for each fold of places, fitted to the others; the shipped ones where it must be quick.
+std::vector<RoomModel> models_of(const RoomStudy& study, bool quick, ThreadPool* pool) {
+  if (quick) return {k_room_model};
+  std::vector<RoomModel> models;
+  Progress progress("fitting", k_room_folds);
+  for (int fold = 0; fold < k_room_folds && !interrupted(); ++fold) {
+    models.push_back(fit_room_model(study, fold, pool));
+    progress.done(static_cast<uint64_t>(fold) + 1);
+  }
+  for (size_t fold = 0; fold < models.size(); ++fold)
+    print_model(("without fold " + std::to_string(fold)).c_str(), models[fold]);
+  print_model("shipped", k_room_model);
+  return models;
+}
+
+// The same sessions under other conditions, with the constants of the first.
+std::vector<Condition> conditions_of(RoomStudyOptions options, const RoomStudy& study,
+                                     const std::vector<RoomModel>& models, ThreadPool* pool) {
+  std::vector<Condition> conditions = {{"all rooms", room_table(study, models, pool)}};
+  for (const auto& [name, part] : {std::pair("interiors", "/indoor/"), std::pair("studios", "/studio/")}) {
+    const RoomStudy some = rooms_in(study, part);
+    if (!some.places.empty() && some.places.size() < study.places.size())
+      conditions.push_back({name, room_table(some, models, pool)});
+  }
+  options.place = 0.8;
+  const RoomStudy far = moved(study, options);
+  if (interrupted()) return conditions;
+  conditions.push_back({"object at 0.8 radii", room_table(far, models, pool)});
+  options.place = RoomStudyOptions().place, options.exposure_known = false;
+  const RoomStudy untold = study_rooms(options, study.objects);
+  if (!interrupted()) conditions.push_back({"exposure untold", room_table(untold, models, pool)});
+  return conditions;
+}
+
+}  // namespace
+
+int verify_room_command(const VerifyOptions& options) {
+  RoomStudyOptions study_options;
+  if (options.panoramas.empty() && data_folder().empty()) throw no_panoramas("rooms");
+  study_options.panoramas = options.panoramas.empty()
+                                ? find_panoramas({data_folder() + "/hdri/indoor", data_folder() + "/hdri/studio"})
+                                : find_panoramas(options.panoramas);
+  refuse_equal_stems(study_options.panoramas);
+  study_options.manifest =
+      options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;
+  study_options.network = options.network.empty() ? SANDGLASS_LIGHTS_DIR "/room.light" : options.network;
+  study_options.azimuths = options.quick ? 1 : 4;
+  study_options.seed = options.seed + 1, study_options.threads = options.threads;
+  ThreadPool pool(options.threads);
+  const RoomStudy study = study_rooms(
+      study_options, std::make_shared<const std::vector<FloorObject> >(study_objects(data_folder(), &pool)));
+  if (interrupted()) return k_exit_interrupted;
+  const std::vector<RoomModel> models = models_of(study, options.quick, &pool);
+  if (interrupted()) return k_exit_interrupted;
+  const std::vector<Condition> conditions = conditions_of(study_options, study, models, &pool);
+  if (interrupted()) return k_exit_interrupted;
+
+  const RoomTable& table = conditions.front().table;
+  const std::string markdown =
+      drawn_markdown(study, table.drawn) + "\n" + sessions_markdown(table) + "\n" + conditions_markdown(conditions);
+  std::printf("%zu places\n\n%s\n", table.places, markdown.c_str());
+  std::vector<Verdict> verdicts = room_verdicts(conditions);
+  if (options.pictures) {
+    for (const Verdict& row : check_pictures(options)) verdicts.push_back(row);
+    if (interrupted()) return k_exit_interrupted;
+  }
+  print_verdicts(verdicts);
+  const uint32_t failed = count_failed(verdicts);
+  std::printf("%zu rows, %u failed\n", verdicts.size(), failed);
+  if (!options.json.empty())
+    write_file(options.json, measurements_json(measurements_of("room", "automatic", options.threads, verdicts)));
+  if (!options.out.empty()) {
+    write_verdicts(options.out, verdicts);
+    write_file(options.out + "/rooms.md", markdown);
+  }
+  return failed > 0 ? k_exit_check_failed : k_exit_done;
+}
+
+#endif
+
+}  // namespace sandglass::host
