@@ -1,5 +1,4 @@
-// 8-bit sRGB pictures: an array of pixels, a 5x7 bitmap font for labels, a grid of pictures, and PNG, JPEG and animated
-// GIF files.
+// 8-bit sRGB pictures: an array of pixels, a 5x7 bitmap font for labels, a grid of pictures, and PNG and JPEG files.
 #pragma once
 
 #include <cstdint>
@@ -54,8 +53,5 @@ void write_png(const std::string& path, const Picture& picture);
 
 // The bytes of a JPEG file; quality 1..100. For pictures of sand it has a tenth of the PNG's size.
 std::vector<uint8_t> jpeg_file(const Picture& picture, int quality);
-
-// Writes an animated GIF with a fixed 6x6x6 palette and ordered dither. It is coarse, but it needs no ffmpeg.
-void write_gif(const std::string& path, std::span<const Picture> frames, int centiseconds_per_frame);
 
 }  // namespace sandglass::host

@@ -60,7 +60,7 @@ class Run {
   PictureSet picture_set() const;
   void describe_light(PicturePaths* paths, uint32_t threads);
   std::vector<PageFigure> beside_truth(uint32_t threads);
-  PageContent page_content(std::vector<PageFigure> figures) const;
+  PageFacts conditions(uint64_t hash) const;
 
   const RunOptions& options_;
   const uint32_t finest_level_;
