@@ -123,16 +123,27 @@ void draw_text(Picture* picture, int x, int y, int scale, std::string_view text,
   }
 }
 
-Picture halved(const Picture& picture) {
-  Picture half(picture.width / 2, picture.height / 2, {0, 0, 0});
-  for (int y = 0; y < half.height; ++y)
-    for (int x = 0; x < half.width; ++x)
-      for (int c = 0; c < 3; ++c)
-        half.at(x, y)[c] =
-            static_cast<uint8_t>((picture.at(2 * x, 2 * y)[c] + picture.at(2 * x + 1, 2 * y)[c] +
-                                  picture.at(2 * x, 2 * y + 1)[c] + picture.at(2 * x + 1, 2 * y + 1)[c] + 2) /
-                                 4);
-  return half;
+void paste(Picture* onto, const Picture& picture, int left, int top) {
+  for (int y = 0; y < picture.height; ++y)
+    std::copy_n(picture.at(0, y), 3 * static_cast<size_t>(picture.width), onto->at(left, top + y));
+}
+
+Picture scaled(const Picture& picture, int width, int height) {
+  Picture out(width, height, {0, 0, 0});
+  const auto from = [](int at, int of, int to) { return static_cast<int>(static_cast<int64_t>(at) * of / to); };
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const int x0 = from(x, picture.width, width), x1 = std::max(x0 + 1, from(x + 1, picture.width, width));
+      const int y0 = from(y, picture.height, height), y1 = std::max(y0 + 1, from(y + 1, picture.height, height));
+      const int64_t count = static_cast<int64_t>(x1 - x0) * (y1 - y0);
+      for (int c = 0; c < 3; ++c) {
+        int64_t sum = 0;
+        for (int v = y0; v < y1; ++v)
+          for (int u = x0; u < x1; ++u) sum += picture.at(u, v)[c];
+        out.at(x, y)[c] = static_cast<uint8_t>((sum + count / 2) / count);
+      }
+    }
+  return out;
 }
 
 Picture picture_grid(std::span<const Picture> pictures, int columns, int gap) {
@@ -142,8 +153,7 @@ Picture picture_grid(std::span<const Picture> pictures, int columns, int gap) {
   Picture grid(columns * width + (columns + 1) * gap, rows * height + (rows + 1) * gap, {255, 255, 255});
   for (int i = 0; i < static_cast<int>(pictures.size()); ++i) {
     const int left = gap + i % columns * (width + gap), top = gap + i / columns * (height + gap);
-    for (int y = 0; y < height; ++y)
-      std::copy_n(pictures[static_cast<size_t>(i)].at(0, y), width * 3, grid.at(left, top + y));
+    paste(&grid, pictures[static_cast<size_t>(i)], left, top);
   }
   return grid;
 }
@@ -175,8 +185,7 @@ static void expect_readable(const PictureHead& head, const std::string& path) {
                  "Scale it down");
 }
 
-// The picture as it was seen, from how it is stored (PictureHead::orientation).
-static Picture upright(Picture stored, int orientation) {
+Picture upright(Picture stored, int orientation) {
   if (orientation == 1) return stored;
   const bool across = orientation >= 5;  // rows become columns
   const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;

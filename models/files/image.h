@@ -37,11 +37,18 @@ int text_width(int scale, std::string_view text);
 
 void fill_rectangle(Picture* picture, int x, int y, int width, int height, Colour colour);
 
+// Copies a picture into another, in which it must lie wholly.
+void paste(Picture* onto, const Picture& picture, int left, int top);
+
 // A grid of pictures of equal size, with `gap` white pixels between and around them.
 Picture picture_grid(std::span<const Picture> pictures, int columns, int gap);
 
-// The mean of 2 x 2 pixels. A last odd row or column is left out.
-Picture halved(const Picture& picture);
+// The picture in another size: by means over boxes, or by the nearest pixel.
+Picture scaled(const Picture& picture, int width, int height);
+
+// The picture as it is seen where EXIF gives this orientation, 1 to 8: 6, 3 and 8 turn it clockwise by 90, 180 and 270
+// degrees.
+Picture upright(Picture stored, int orientation);
 
 // Reads a PNG or JPEG picture as 8-bit sRGB, upright: EXIF says how the camera was held. Grey becomes colour, and 16 bits
 // become 8. A Failure names the file and what it is instead.
