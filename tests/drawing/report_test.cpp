@@ -157,16 +157,6 @@ TEST(Report, TheRecorderPairsNestedUnits) {
   EXPECT_GE(recorder.events[1].end_ns, recorder.events[0].end_ns);
 }
 
-TEST(ReportPage, Base64IsThatOfRfc4648) {
-  const auto encoded = [](const std::string& text) { return base64({text.begin(), text.end()}); };
-  EXPECT_EQ(encoded(""), "");
-  EXPECT_EQ(encoded("f"), "Zg==");
-  EXPECT_EQ(encoded("fo"), "Zm8=");
-  EXPECT_EQ(encoded("foo"), "Zm9v");
-  EXPECT_EQ(encoded("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(encoded("\xff\xfe\xfd"), "//79");
-}
-
 TEST(ReportPage, TextStaysTextAndWhatIsNoPictureIsRefused) {
   RunReport run = example();
   run.scene = "</script><b>&@CSV@";
