@@ -52,7 +52,6 @@ class Run {
   void begin_report();
   void take_snapshot(uint32_t frame, std::vector<sandglass_collider> colliders);
 
-  FrameLight light_of(uint32_t frame) const;
   void light_shadows(uint32_t frame);  // turns them to the frame's light
   sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders);
 

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "models/compositing/shot.h"
 #include "models/files/atomic_file.h"
 #include "models/files/command_files.h"
 #include "models/files/failure.h"
@@ -53,7 +52,7 @@ int run_rooms(const RunOptions& options) {
   }
   if (sheets.empty()) return k_exit_done;
   const std::string rows = (fs::path(options.out) / "rooms.jpg").string();
-  write_file(rows, jpeg_file(one_below_the_other(sheets), k_rows_quality));
+  write_file(rows, jpeg_file(picture_grid(sheets, 1, 0), k_rows_quality));
   std::printf("rooms          %s\n", rows.c_str());
   return k_exit_done;
 }

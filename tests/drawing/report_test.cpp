@@ -33,9 +33,6 @@ RunReport example() {
     row.report.particles = 7;
     row.begin_ns = i * 20'000'000;
     row.wall_ms = 5.0, row.cpu_ms = 4.0;
-    if (i > 60)
-      row.light = {true, {0.6, 0.8, 0.0}, i > 70, {1.5, 1.25, 1.0}, {0.25, 0.5, 0.75}, 0.625, i > 80 ? 0.875 : -1.0};
-    row.report.light_changed = i == 81;
     run.frames.push_back(row);
     run.units.push_back({"granular.solve", row.begin_ns, row.begin_ns + 1000});
     run.units.push_back({"shadow.tile", row.begin_ns + 2000, row.begin_ns + 2500});
@@ -102,26 +99,6 @@ TEST(Report, CsvHasOneRowAFrameAndAsManyFieldsAsItsHeader) {
   EXPECT_EQ(rows, 101u);
   EXPECT_EQ(header.substr(0, 40), "frame,level,budget_ms,elapsed_ms,mandato");
   EXPECT_NE(line, header);
-}
-
-TEST(Report, CsvSaysOfTheLightWhatIsKnown) {
-  std::istringstream csv(report_csv(example()));
-  std::string line;
-  const auto ends = [&](const std::string& with) {
-    return line.size() >= with.size() && line.substr(line.size() - with.size()) == with;
-  };
-  std::getline(csv, line);
-  EXPECT_TRUE(
-      ends(",shadow_age,light_x,light_y,light_z,light_r,light_g,light_b,ambient_r,ambient_g,ambient_b,contrast,"
-           "confidence,light_changed,light_units_left"));
-  const std::string direction = ",0.600000,0.800000,0.000000",
-                    colours = ",1.500000,1.250000,1.000000,0.250000,0.500000,0.750000,0.625000";
-  for (int frame = 1; std::getline(csv, line); ++frame)
-    EXPECT_TRUE(ends(frame <= 60   ? ",0,,,,,,,,,,,,0,0"
-                     : frame <= 70 ? direction + ",,,,,,,,,0,0"
-                     : frame <= 80 ? direction + colours + ",,0,0"
-                                   : direction + colours + ",0.875000," + (frame == 81 ? "1" : "0") + ",0"))
-        << line;
 }
 
 TEST(Report, TraceIsChromeTraceJsonWithOneTrackAStage) {
