@@ -15,11 +15,6 @@ namespace {
 constexpr Colour k_paper = {250, 250, 248}, k_ink = {24, 28, 34}, k_unseen = {176, 178, 182}, k_line = {150, 152, 156};
 constexpr int k_gap = 12, k_caption = 26, k_text = 2;  // pixels, and their size in the font's pixels
 
-void paste(Picture* onto, const Picture& picture, int left, int top) {
-  for (int y = 0; y < picture.height; ++y)
-    std::copy_n(picture.at(0, y), 3 * static_cast<size_t>(picture.width), onto->at(left, top + y));
-}
-
 // The sphere around the session from outside, seen along `towards` and from a little above: each part in the colour that
 // was seen there, grey where nothing was.
 void draw_globe(Picture* picture, const sandglass::Room& room, double exposure, Vec3 towards, int left, int top,
@@ -51,23 +46,15 @@ void draw_globe(Picture* picture, const sandglass::Room& room, double exposure, 
 
 }  // namespace
 
-Picture one_below_the_other(std::span<const Picture> pictures) {
-  int height = 0, top = 0;
-  for (const Picture& picture : pictures) height += picture.height;
-  Picture all(pictures.empty() ? 0 : pictures.front().width, height, k_paper);
-  for (const Picture& picture : pictures) {
-    paste(&all, picture, 0, top);
-    top += picture.height;
-  }
-  return all;
-}
-
 Picture Shot::sheet(const Drawn& lead, std::span<const Drawn> beside, const RadianceMap& truth) const {
   const Picture large = developed_as_seen(lead.picture, 2);
   std::vector<std::pair<std::string, Picture>> small;
-  for (const Drawn& other : beside) small.emplace_back(other.name, halved(developed_as_seen(other.picture, 3)));
-  small.emplace_back("truth, path traced", halved(developed_as_seen(truth, 1)));
   const int cell_width = large.width / 2, cell_height = large.height / 2;
+  const auto cell = [&](const RadianceMap& shown, uint64_t seed) {
+    return scaled(developed_as_seen(shown, seed), cell_width, cell_height);
+  };
+  for (const Drawn& other : beside) small.emplace_back(other.name, cell(other.picture, 3));
+  small.emplace_back("truth, path traced", cell(truth, 1));
   const auto columns = static_cast<int>(small.size() + 1) / 2;
   const int globe = seen_ ? 132 : 0, strip = seen_ ? globe + k_gap : 0;
   Picture sheet(large.width + columns * (cell_width + k_gap) + 2 * k_gap,

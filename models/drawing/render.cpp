@@ -12,7 +12,6 @@
 #include "models/tracing/directions.h"
 #include "models/tracing/sphere_caster.h"
 #include "models/work/thread_pool.h"
-#include "runtime/granular/field.h"
 
 namespace sandglass::host {
 
@@ -134,27 +133,6 @@ bool hit_capsule(double radius, double half, Vec3 o, Vec3 d, SurfaceHit* hit) {
   return true;
 }
 
-// The field's value alone, for marching. The library's own look-up also finds the normal and is made for many points at
-// once.
-double field_value(const FieldGrid& grid, Vec3 p) {
-  const double at[3] = {p.x, p.y, p.z};
-  uint32_t cell[3];
-  float f[3];
-  for (int k = 0; k < 3; ++k) {
-    const double last = static_cast<double>(grid.counts[k] - 1);
-    const double t =
-        std::clamp((at[k] - static_cast<double>(grid.low[k])) * static_cast<double>(grid.inverse_spacing), 0.0, last);
-    cell[k] = std::min(static_cast<uint32_t>(t), grid.counts[k] - 2);
-    f[k] = static_cast<float>(t - cell[k]);
-  }
-  const size_t row = grid.counts[0], plane = row * grid.counts[1];
-  const float* v = grid.values + cell[0] + row * cell[1] + plane * cell[2];
-  const auto along = [&](const float* from) { return from[0] + f[0] * (from[1] - from[0]); };
-  const float low = along(v) + f[1] * (along(v + row) - along(v));
-  const float high = along(v + plane) + f[1] * (along(v + plane + row) - along(v + plane));
-  return static_cast<double>(low + f[2] * (high - low));
-}
-
 // Marches along the ray by the field's distances. A container is seen from outside through its front: the ray hits the
 // wall behind the free space.
 bool hit_field(const sandglass_field* field, Vec3 o, Vec3 d, SurfaceHit* hit) {
@@ -177,12 +155,11 @@ bool hit_field(const sandglass_field* field, Vec3 o, Vec3 d, SurfaceHit* hit) {
   for (int step = 0; step < k_steps && t < hit->distance; ++step) {
     const Vec3 p = o + d * t, local = p - middle;
     if (std::fabs(local.x) > half.x || std::fabs(local.y) > half.y || std::fabs(local.z) > half.z) return false;
-    const double distance = field_value(field->grid, p);
+    float point[3], normal[3];
+    to_floats(p, point);
+    const double distance = static_cast<double>(sandglass_field_distance(field, point, normal));
     if (!free && distance > 2.0 * least) free = true;
     if (free && distance < least) {
-      float point[3], normal[3];
-      to_floats(p, point);
-      sandglass_field_distance(field, point, normal);
       // A hit counts only against the normal. So a ray that begins on the surface leaves it and goes on to the far
       // side.
       if (dot(from_floats(normal), d) < 0.0) {

@@ -1,5 +1,5 @@
 // An app in augmented reality. The camera looks around a room. In the light that it has seen stand a chair and a heap
-// of sand on the real floor, lit, with soft and sharp shadows: 4 ms a frame. The phone is made up; copy the rest.
+// of sand on the real floor, lit, with soft and sharp shadows: 4 ms a frame. The camera is made up; copy the rest.
 #include <cmath>
 #include <cstdio>
 
@@ -7,28 +7,24 @@
 #include "sandglass/sandglass.hpp"
 
 int main(int argc, char** argv) {
-  if (argc != 4) return std::fputs("usage: camera_app chair.shadow saved.room last_frame.ppm\n", stderr), 2;
-  MadeUpPhone phone;
-  const MadeUpPhone::Asset baked = MadeUpPhone::asset(argv[1]), saved = MadeUpPhone::asset(argv[2]);
+  if (argc != 3) return std::fputs("usage: camera_app chair.shadow saved.room\n", stderr), 2;
+  const Asset baked(argv[1]), saved(argv[2]);
   sandglass::Room room;  // an earlier session may have looked around already
   sandglass::Status status = room.create();
   if (saved.bytes > 0) status = room.restore(saved.words.data(), saved.bytes);
   if (!status) return std::fprintf(stderr, "%s: %s\n", argv[2], status.reason), 1;
-
-  // The chair's shadows, and how the points of its mesh see the room past the chair itself.
+  // The chair's shadows, and how the points of its mesh see the room past the chair itself: here one, on its seat.
   sandglass_shadow_desc shadow_desc = sandglass::shadow_desc();
   shadow_desc.asset = baked.words.data(), shadow_desc.asset_bytes = baked.bytes;
-  sandglass_shadow_info chair{};
   sandglass::Shadow shadow;
-  status = sandglass::inspect_shadow(shadow_desc.asset, shadow_desc.asset_bytes, &chair);
-  if (status) status = shadow.create(shadow_desc), shadow.run();  // a shadow from the first frame on
-  if (status) status = sandglass::shadow_surface(shadow_desc, phone.chair, phone.chair_normals, &phone.chair_transfer);
+  std::vector<float> seat = {0, 0.46f, 0}, normal = {0, 1, 0}, transfer;  // nine for each point
+  status = shadow.create(shadow_desc), shadow.run();                      // a shadow from the first frame on
+  if (status) status = sandglass::shadow_surface(shadow_desc, seat, normal, &transfer);
   if (!status) return std::fprintf(stderr, "%s: %s\n", argv[1], status.reason), 1;
-
   // Sand: particles that collide, grains that are drawn, and the shadow that they cast.
-  const float r = 0.01f, turn = 0.4f, x = chair.half_x + 0.3f;
+  const float r = 0.01f, turn = 0.4f;
   auto everywhere = [](const float*) { return true; };
-  const sandglass::Box box{{x - 0.08f, r, 0.0f}, {x + 0.08f, 0.2f, 0.16f}};
+  const sandglass::Box box{{0.24f, r, 0.0f}, {0.4f, 0.2f, 0.16f}};
   std::vector<float> particles, grains;
   status = sandglass::sample_lattice(box, 2 * r, everywhere, &particles);
   if (status) status = sandglass::sample_volume(box, 0.7f * r, everywhere, &grains);
@@ -38,7 +34,6 @@ int main(int argc, char** argv) {
   desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
   desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
   sandglass_pile_shadow_desc pile_desc = sandglass::pile_shadow_desc();  // one square metre around the origin
-  for (float* corner : {pile_desc.low, pile_desc.high}) corner[0] += x;
   pile_desc.sky_texels = 64;
   sandglass::Scene scene;
   sandglass::PileShadow pile;
@@ -52,11 +47,14 @@ int main(int argc, char** argv) {
   input.time_step = 1.0f / 60.0f, input.budget_ns = 4'000'000, input.colliders = &floor, input.collider_count = 1;
   input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
   input.shadows = shadows, input.shadow_count = 1, input.pile_shadow = pile.get(), input.room = room.get();
+  MadeUpCamera camera;
   const float place[3] = {0, 0, 0};                                  // of the chair
   sandglass_room_light light = room.light_at(place), known = light;  // before any image: what is usual in a room
+  const float rotation[4] = {0, std::sin(turn / 2), 0, std::cos(turn / 2)};
+  float sh[27], green = 0.0f;
   int hints = 0, short_images = 0;
-  for (int frame = 0; status && frame < MadeUpPhone::k_frames; ++frame) {
-    input.camera = phone.next_image();  // NULL where the camera, slower than the display, has no new one
+  for (int frame = 0; status && frame < MadeUpCamera::k_frames; ++frame) {
+    input.camera = camera.next_image();  // NULL where the camera, slower than the display, has no new one
     const float s = std::sin(turn), c = std::cos(turn), *d = light.main_direction;
     status = shadow.set_light({c * d[0] - s * d[2], d[1], s * d[0] + c * d[2]});  // the light in the chair's frame
     if (status) status = shadow.set_cells(light.ambient_cells, turn);
@@ -65,15 +63,18 @@ int main(int argc, char** argv) {
     if (status) status = scene.frame(input);
     if (input.camera != nullptr) known = room.light_at(place);
     sandglass_room_light_fade(&light, &known, input.time_step);  // no shadow jumps
-    phone.draw({light, turn, shadow.ambient(), shadow.texture(), pile.sky(), pile.texture()}, drawn, r);
-    if (known.seen < 0.5f) phone.draw_arrow(known.look), ++hints;  // "please look there"
-    if (known.clipped > 0.02f && frame % 16 == 0) phone.expose_shortly(), ++short_images;
+    // Draw here: `drawn`; the camera's image times what shadow.ambient(), shadow.texture(), pile.sky(), pile.texture()
+    // leave of it; the chair, as a vertex shader does: nine products a colour (runtime/shadow/README.md).
+    if (status) status.code = sandglass_shadow_turn_harmonics(light.sh, rotation, sh, &status.reason);
+    if (known.seen < 0.5f) ++hints;  // show an arrow to known.look: "please look there"
+    if (known.clipped > 0.02f && frame % 16 == 0) camera.expose_shortly(), ++short_images;
   }
+  for (size_t j = 0; status && j < 9; ++j) green += light.white * transfer[j] * sh[3 * j + 1];  // of the seat
   std::vector<std::byte> kept;
   if (status) status = room.save(&kept);
   if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;
-  std::printf("seen %.2f, main light (%.2f %.2f %.2f) with %.2f of the floor's %.2f; %d hints, %d short images\n",
+  std::printf("seen %.2f, main (%.2f %.2f %.2f), %.2f of the floor's %.2f; %d hints, %d short images; seat %.2f\n",
               light.seen, light.main_direction[0], light.main_direction[1], light.main_direction[2], light.main_share,
-              light.irradiance[1] * light.white, hints, short_images);
-  return MadeUpPhone::save(argv[2], kept.data(), kept.size()) && phone.save_picture(argv[3]) ? 0 : 1;
+              light.irradiance[1] * light.white, hints, short_images, green);
+  return save(argv[2], kept) ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-// Pixels, letters and files. stb makes and reads PNG and JPEG. The GIF writer is here: it is the format's plain LZW.
+// Pixels, letters and files. stb makes and reads PNG and JPEG.
 #include "models/files/image.h"
 
 #include <stb_image_write.h>
@@ -123,16 +123,27 @@ void draw_text(Picture* picture, int x, int y, int scale, std::string_view text,
   }
 }
 
-Picture halved(const Picture& picture) {
-  Picture half(picture.width / 2, picture.height / 2, {0, 0, 0});
-  for (int y = 0; y < half.height; ++y)
-    for (int x = 0; x < half.width; ++x)
-      for (int c = 0; c < 3; ++c)
-        half.at(x, y)[c] =
-            static_cast<uint8_t>((picture.at(2 * x, 2 * y)[c] + picture.at(2 * x + 1, 2 * y)[c] +
-                                  picture.at(2 * x, 2 * y + 1)[c] + picture.at(2 * x + 1, 2 * y + 1)[c] + 2) /
-                                 4);
-  return half;
+void paste(Picture* onto, const Picture& picture, int left, int top) {
+  for (int y = 0; y < picture.height; ++y)
+    std::copy_n(picture.at(0, y), 3 * static_cast<size_t>(picture.width), onto->at(left, top + y));
+}
+
+Picture scaled(const Picture& picture, int width, int height) {
+  Picture out(width, height, {0, 0, 0});
+  const auto from = [](int at, int of, int to) { return static_cast<int>(static_cast<int64_t>(at) * of / to); };
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const int x0 = from(x, picture.width, width), x1 = std::max(x0 + 1, from(x + 1, picture.width, width));
+      const int y0 = from(y, picture.height, height), y1 = std::max(y0 + 1, from(y + 1, picture.height, height));
+      const int64_t count = static_cast<int64_t>(x1 - x0) * (y1 - y0);
+      for (int c = 0; c < 3; ++c) {
+        int64_t sum = 0;
+        for (int v = y0; v < y1; ++v)
+          for (int u = x0; u < x1; ++u) sum += picture.at(u, v)[c];
+        out.at(x, y)[c] = static_cast<uint8_t>((sum + count / 2) / count);
+      }
+    }
+  return out;
 }
 
 Picture picture_grid(std::span<const Picture> pictures, int columns, int gap) {
@@ -142,8 +153,7 @@ Picture picture_grid(std::span<const Picture> pictures, int columns, int gap) {
   Picture grid(columns * width + (columns + 1) * gap, rows * height + (rows + 1) * gap, {255, 255, 255});
   for (int i = 0; i < static_cast<int>(pictures.size()); ++i) {
     const int left = gap + i % columns * (width + gap), top = gap + i / columns * (height + gap);
-    for (int y = 0; y < height; ++y)
-      std::copy_n(pictures[static_cast<size_t>(i)].at(0, y), width * 3, grid.at(left, top + y));
+    paste(&grid, pictures[static_cast<size_t>(i)], left, top);
   }
   return grid;
 }
@@ -175,8 +185,7 @@ static void expect_readable(const PictureHead& head, const std::string& path) {
                  "Scale it down");
 }
 
-// The picture as it was seen, from how it is stored (PictureHead::orientation).
-static Picture upright(Picture stored, int orientation) {
+Picture upright(Picture stored, int orientation) {
   if (orientation == 1) return stored;
   const bool across = orientation >= 5;  // rows become columns
   const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
@@ -243,107 +252,6 @@ std::vector<uint8_t> jpeg_file(const Picture& picture, int quality) {
       stbi_write_jpg_to_func(append, &file, picture.width, picture.height, 3, picture.rgb.data(), quality) == 0)
     throw cannot("encode", "JPEG", "the picture has no pixel", "Make it larger");
   return file;
-}
-
-// ------------------------------------------------------------------------------------------------ GIF
-
-namespace {
-
-constexpr int k_levels = 6;     // per channel: 6^3 = 216 of the palette's 256 colours
-constexpr int k_code_bits = 8;  // LZW starts with one bit more
-constexpr int k_clear = 1 << k_code_bits, k_end = k_clear + 1, k_first_free = k_clear + 2;
-constexpr int k_code_limit = 4096;  // limit of the format
-constexpr int k_block_limit = 255;  // bytes of a data block, limit of the format
-constexpr int k_bayer[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
-
-void put16(std::vector<uint8_t>* file, int value) {
-  file->push_back(static_cast<uint8_t>(value & 255));
-  file->push_back(static_cast<uint8_t>(value >> 8));
-}
-
-std::vector<uint8_t> palette_indices(const Picture& picture) {
-  std::vector<uint8_t> indices;
-  indices.reserve(picture.rgb.size() / 3);
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      int index = 0;
-      for (int channel = 0; channel < 3; ++channel) {
-        const int scaled = picture.at(x, y)[channel] * (k_levels - 1) * 16 / 255;  // sixteenths of a level
-        index = index * k_levels + std::min((scaled + k_bayer[y & 3][x & 3]) / 16, k_levels - 1);
-      }
-      indices.push_back(static_cast<uint8_t>(index));
-    }
-  return indices;
-}
-
-void put_lzw(std::vector<uint8_t>* file, std::span<const uint8_t> indices) {
-  std::vector<uint8_t> bytes;
-  uint32_t pending = 0;
-  int pending_bits = 0, width = k_code_bits + 1, next_code = k_first_free;
-  const auto put = [&](int code) {
-    pending |= static_cast<uint32_t>(code) << pending_bits;
-    for (pending_bits += width; pending_bits >= 8; pending_bits -= 8, pending >>= 8)
-      bytes.push_back(static_cast<uint8_t>(pending & 255));
-  };
-  std::vector<int16_t> table(static_cast<size_t>(k_code_limit) * 256, -1);
-  put(k_clear);
-  int prefix = indices[0];
-  for (size_t i = 1; i < indices.size(); ++i) {
-    int16_t& known = table[static_cast<size_t>(prefix) * 256 + indices[i]];
-    if (known >= 0) {
-      prefix = known;
-      continue;
-    }
-    put(prefix);
-    if (next_code < k_code_limit) {
-      if (next_code == 1 << width) ++width;
-      known = static_cast<int16_t>(next_code++);
-    } else {
-      put(k_clear);
-      std::fill(table.begin(), table.end(), static_cast<int16_t>(-1));
-      width = k_code_bits + 1;
-      next_code = k_first_free;
-    }
-    prefix = indices[i];
-  }
-  put(prefix);
-  put(k_end);
-  if (pending_bits > 0) bytes.push_back(static_cast<uint8_t>(pending & 255));
-  file->push_back(k_code_bits);
-  for (size_t at = 0; at < bytes.size(); at += k_block_limit) {
-    const size_t count = std::min<size_t>(k_block_limit, bytes.size() - at);
-    file->push_back(static_cast<uint8_t>(count));
-    file->insert(file->end(), bytes.begin() + static_cast<ptrdiff_t>(at),
-                 bytes.begin() + static_cast<ptrdiff_t>(at + count));
-  }
-  file->push_back(0);
-}
-
-}  // namespace
-
-void write_gif(const std::string& path, std::span<const Picture> frames, int centiseconds_per_frame) {
-  if (frames.empty()) throw cannot("write", path, "the film has no picture", "Run at least one frame");
-  const int width = frames[0].width, height = frames[0].height;
-  std::vector<uint8_t> file = {'G', 'I', 'F', '8', '9', 'a'};
-  put16(&file, width);
-  put16(&file, height);
-  file.insert(file.end(), {0xF7, 0, 0});  // global palette of 256 colours
-  for (int i = 0; i < 256; ++i)
-    for (const int level : {i / 36 % k_levels, i / k_levels % k_levels, i % k_levels})
-      file.push_back(static_cast<uint8_t>(level * 255 / (k_levels - 1)));
-  file.insert(file.end(),
-              {0x21, 0xFF, 11, 'N', 'E', 'T', 'S', 'C', 'A', 'P', 'E', '2', '.', '0', 3, 1, 0, 0, 0});  // repeat
-  for (const Picture& frame : frames) {
-    file.insert(file.end(), {0x21, 0xF9, 4, 0});
-    put16(&file, centiseconds_per_frame);
-    file.insert(file.end(), {0, 0, 0x2C, 0, 0, 0, 0});
-    put16(&file, width);
-    put16(&file, height);
-    file.push_back(0);
-    put_lzw(&file, palette_indices(frame));
-  }
-  file.push_back(0x3B);
-  write_file(path, file);
 }
 
 }  // namespace sandglass::host

@@ -1,5 +1,4 @@
-// 8-bit sRGB pictures: an array of pixels, a 5x7 bitmap font for labels, a grid of pictures, and PNG, JPEG and animated
-// GIF files.
+// 8-bit sRGB pictures: an array of pixels, a 5x7 bitmap font for labels, a grid of pictures, and PNG and JPEG files.
 #pragma once
 
 #include <cstdint>
@@ -38,11 +37,18 @@ int text_width(int scale, std::string_view text);
 
 void fill_rectangle(Picture* picture, int x, int y, int width, int height, Colour colour);
 
+// Copies a picture into another, in which it must lie wholly.
+void paste(Picture* onto, const Picture& picture, int left, int top);
+
 // A grid of pictures of equal size, with `gap` white pixels between and around them.
 Picture picture_grid(std::span<const Picture> pictures, int columns, int gap);
 
-// The mean of 2 x 2 pixels. A last odd row or column is left out.
-Picture halved(const Picture& picture);
+// The picture in another size: by means over boxes, or by the nearest pixel.
+Picture scaled(const Picture& picture, int width, int height);
+
+// The picture as it is seen where EXIF gives this orientation, 1 to 8: 6, 3 and 8 turn it clockwise by 90, 180 and 270
+// degrees.
+Picture upright(Picture stored, int orientation);
 
 // Reads a PNG or JPEG picture as 8-bit sRGB, upright: EXIF says how the camera was held. Grey becomes colour, and 16 bits
 // become 8. A Failure names the file and what it is instead.
@@ -54,8 +60,5 @@ void write_png(const std::string& path, const Picture& picture);
 
 // The bytes of a JPEG file; quality 1..100. For pictures of sand it has a tenth of the PNG's size.
 std::vector<uint8_t> jpeg_file(const Picture& picture, int quality);
-
-// Writes an animated GIF with a fixed 6x6x6 palette and ordered dither. It is coarse, but it needs no ffmpeg.
-void write_gif(const std::string& path, std::span<const Picture> frames, int centiseconds_per_frame);
 
 }  // namespace sandglass::host

@@ -60,7 +60,7 @@ LightLabels labels_of(const RadianceMap& panorama, Vec3 up, double white) {
   return labels;
 }
 
-Vec3 environment_at(const LightLabels& labels, Vec3 direction) {
+static Vec3 environment_at(const LightLabels& labels, Vec3 direction) {
   const Vec3 a = labels.ambient, c = labels.light;
   const double lobe = std::exp(k_gaussian_sharpness * (dot(labels.direction, direction) - 1.0));
   return {1.0 - (1.0 - lobe * c.x) * (1.0 - a.x), 1.0 - (1.0 - lobe * c.y) * (1.0 - a.y),

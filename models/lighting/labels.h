@@ -32,7 +32,5 @@ LightLabels labels_of(const RadianceMap& panorama, Vec3 up, double white);
 // The parameters as a panorama for the eye (5.27 - 5.29): a spherical Gaussian of the light's colour about its
 // direction, with sharpness 2 pi and the ambient colour blended over it.
 RadianceMap environment_of(const LightLabels& labels, int width, int height);
-// The same in one direction.
-Vec3 environment_at(const LightLabels& labels, Vec3 direction);
 
 }  // namespace sandglass::host

@@ -174,7 +174,6 @@ function program(gl, vertex, fragment) {
   return { made, at: (name) => at.get(name) ?? (at.set(name, gl.getUniformLocation(made, name)), at.get(name)) };
 }
 
-const minus = (a, b) => a.map((x, i) => x - b[i]);
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
 const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);

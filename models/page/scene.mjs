@@ -1,5 +1,4 @@
 // Builds a scene in the module from what web_scene writes, and runs its frames as the program does.
-import { constants } from "./sandglass.mjs";
 
 export const unpacked = (text, Type) => {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
@@ -95,5 +94,3 @@ export class SandScene {
 
   hash() { return "0x" + this.sand.sandglass_scene_hash(this.handle).toString(16).padStart(16, "0"); }
 }
-
-export { constants };

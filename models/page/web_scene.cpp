@@ -65,7 +65,7 @@ Json collider(const ColliderTrack& track, const CollisionFields& fields, const s
                     {"high", plan.box.max},
                     {"spacing", plan.spacing},
                     {"band", plan.band}};
-    out["shadow"] = track.shadow, out["height"] = track.size.y;
+    out["height"] = track.size.y;
   }
   return out;
 }

@@ -7,9 +7,6 @@
 #include "models/phones/phone.h"
 #include "models/program/command_line.h"
 #include "models/program/commands.h"
-#ifdef SANDGLASS_HAVE_VIEW
-#include "models/view/window.h"
-#endif
 
 namespace sandglass::host {
 
@@ -84,28 +81,6 @@ Options budget_options(BudgetOptions& o) {
       standard(k_scene, {"--frames", &o.frames, "N", "Frames to run", whole_number(1, 100'000'000)}),
   };
 }
-
-#ifdef SANDGLASS_HAVE_VIEW
-Options view_options(ViewOptions& o) {
-  LiveOptions& live = o.live;
-  return {
-      required({"SCENE", &live.scene, "", k_scene_argument}),
-      {"--mesh", &live.mesh, "FILE", k_body_mesh},
-      {"--collider-mesh", &live.collider_mesh, "FILE", k_collider_mesh},
-      standard(k_scene, {"--budget-ms", &live.budget_ms, "MS", "Budget of a frame, ms", number(0.1, 1000)}),
-      threads_option(live.threads),
-      isa_option(live.isa),
-      {"--width", &o.width, "N", "Width of the window, pixels", whole_number(320, 8192)},
-      {"--height", &o.height, "N", "Height of the window, pixels", whole_number(240, 8192)},
-      standard("until the window is closed",
-               {"--frames", &o.frames, "N", "End after this many frames, each 1/60 s of the scene",
-                whole_number(1, 1'000'000)}),
-      needs("--frames", writes({"--screenshot", &o.screenshot, "FILE", "Write the last frame to this file, .png"})),
-      needs("--frames", {"--script", &o.script, "EVENTS",
-                         "Mouse and keys by frame: \"10 down P; 60 up P; 61 cursor 400 300; 61 press right\""}),
-  };
-}
-#endif
 
 Options light_options(LightOptions& o) {
   return {
@@ -254,24 +229,6 @@ Options quantise_light_options(QuantiseLightOptions& o) {
   };
 }
 
-Command view() {
-  const char *name = "view", *help = "Show a running scene in a window";
-#ifdef SANDGLASS_HAVE_VIEW
-  return command<ViewOptions>(name, help, view_options, [](const ViewOptions& o) {
-    view_scene(o);
-    return k_exit_done;
-  });
-#else
-  return {
-      name,
-      help,
-      {},
-      {},
-      {},
-      "this build has no viewer. Install libglfw3-dev and libepoxy-dev (Debian's names), configure and build again."};
-#endif
-}
-
 Command bake() {
   const char *name = "bake", *help = "Train the soft shadow of a mesh";
 #ifdef SANDGLASS_HAVE_BAKE
@@ -287,7 +244,7 @@ std::vector<CommandGroup> commands() {
        {command<RunOptions>("run", "Run a scene under its budget, report on it and draw it", run_options, run_command),
         command<BudgetOptions>("budget", "Estimate the budget that a scene needs on a phone, at each quality level",
                                budget_options, budget_command),
-        view(), command<LightOptions>("light", "Estimate the light of photographs", light_options, light_command),
+        command<LightOptions>("light", "Estimate the light of photographs", light_options, light_command),
         command<InspectOptions>("inspect",
                                 "Say what a file is: a recording, a shadow, a lighting network, a scene or a mesh",
                                 inspect_options, inspect_command)}},

@@ -17,19 +17,8 @@ namespace sandglass::host {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr size_t k_sheet_rows = 24;  // pictures on the sheet
-
-// The picture, turned clockwise by quarters of a turn.
-Picture turned(const Picture& picture, uint32_t degrees) {
-  Picture out = picture;
-  for (uint32_t quarter = 0; quarter < degrees / 90; ++quarter) {
-    Picture next(out.height, out.width, {0, 0, 0});
-    for (int y = 0; y < out.height; ++y)
-      for (int x = 0; x < out.width; ++x) std::copy_n(out.at(x, y), 3, next.at(out.height - 1 - y, x));
-    out = std::move(next);
-  }
-  return out;
-}
+constexpr size_t k_sheet_rows = 24;        // pictures on the sheet
+constexpr int k_turned[4] = {1, 6, 3, 8};  // EXIF's orientations, by quarters of a turn
 
 // The names of the outputs, without extensions. If photographs in several folders have the same name, theirs differ.
 std::vector<std::string> outputs_of(const LightOptions& options) {
@@ -67,7 +56,7 @@ int light_command(const LightOptions& options) {
     }
     const sandglass_light_estimate e = in_camera_frame(world);
     const std::string name = fs::path(outputs[i]).filename().string();
-    const Picture drawn = light_picture(turned(pictures[i], options.turn_deg), e, name);
+    const Picture drawn = light_picture(upright(pictures[i], k_turned[options.turn_deg / 90]), e, name);
     write_png(outputs[i] + ".png", drawn);
     write_file(outputs[i] + ".json",
                light_estimate_json(options.images[i], options.fov_deg, options.turn_deg, e, world));

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <numbers>
 
 #include "models/files/failure.h"
 #include "models/work/progress.h"
@@ -169,26 +168,6 @@ uint64_t Run::hash() const {
   return sandglass_scene_hash(simulation_->handle()) + shadows_->hash() + of_pile + of_room;
 }
 
-// The light with which the frame is drawn.
-FrameLight Run::light_of(uint32_t frame) const {
-  FrameLight light;
-  const auto put = [](Vec3 from, double(&to)[3]) { to[0] = from.x, to[1] = from.y, to[2] = from.z; };
-  if (scene_.light) {
-    light.known = true;
-    put(normalised(scene_.light->towards(static_cast<double>(frame) / scene_.frames)), light.towards);
-  }
-  if (!shot_) return light;
-  // What a white surface shows that faces the main light, and what a white floor shows of the rest.
-  const ShotLight& now = shot_->light(frame).object;
-  const double share = static_cast<double>(now.main_share);
-  light.known = light.coloured = true;
-  put(mean_direction_of(now), light.towards);
-  put(main_by_cosine(now, main_direction_of(now)), light.light);
-  put(irradiance_of(now) * ((1.0 - share) / std::numbers::pi), light.ambient);
-  light.contrast = share, light.confidence = static_cast<double>(now.seen);
-  return light;
-}
-
 void Run::light_shadows(uint32_t frame) {
   if (!shot_ && !scene_.light) return;
   if (!shot_) {
@@ -254,7 +233,6 @@ void Run::execute() {
     row.report = advance(frame, &colliders);
     row.cpu_ms = static_cast<double>(cpu.now_ns(cpu.user) - cpu_from) * 1e-6;
     row.wall_ms = static_cast<double>(recorder_.now_ns() - row.begin_ns) * 1e-6;
-    row.light = light_of(frame);
     report_.frames.push_back(row);
     if (!options_.record.empty())
       recording_.frames.push_back(

@@ -51,7 +51,6 @@ class Run {
   void begin_report();
   void take_snapshot(uint32_t frame, std::vector<sandglass_collider> colliders);
 
-  FrameLight light_of(uint32_t frame) const;
   void light_shadows(uint32_t frame);  // turns them to the frame's light
   sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders);
 
@@ -59,7 +58,7 @@ class Run {
   PictureSet picture_set() const;
   void describe_light(PicturePaths* paths, uint32_t threads);
   std::vector<PageFigure> beside_truth(uint32_t threads);
-  PageContent page_content(std::vector<PageFigure> figures) const;
+  PageFacts conditions(uint64_t hash) const;
 
   const RunOptions& options_;
   const uint32_t finest_level_;

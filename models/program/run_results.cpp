@@ -34,24 +34,6 @@ void write_reports(const std::string& folder, const RunReport& report) {
   }
 }
 
-// Rows for the page's table.
-std::vector<std::vector<std::string>> scene_facts(const SceneFile& scene) {
-  const auto text = [](double value, const char* unit) {
-    char words[48];
-    std::snprintf(words, sizeof words, "%.6g %s", value, unit);
-    return std::string(words);
-  };
-  const sandglass_granular_desc& g = scene.granular;
-  return {{"file", fs::path(scene.source).filename().string()},
-          {"frame step", text(1e3 * scene.frame_step, "ms of simulated time")},
-          {"budget a frame", text(scene.budget_ms, "ms")},
-          {"particle radius", text(1e3 * scene.particle_radius, "mm")},
-          {"friction, static and kinetic",
-           text(static_cast<double>(g.static_friction), "and ") + text(static_cast<double>(g.kinetic_friction), "")},
-          {"bodies, colliders", std::to_string(scene.bodies.size()) + " and " + std::to_string(scene.colliders.size())},
-          {"seed", std::to_string(scene.seed)}};
-}
-
 }  // namespace
 
 uint32_t Run::drawing_threads() const {
@@ -74,7 +56,7 @@ void Run::finish(uint64_t hash) {
   PicturePaths paths = draw_pictures(set, snapshots_);
   if (shot_) describe_light(&paths, set.threads);
   const std::string page = (fs::path(options_.out) / "report.html").string();
-  write_file(page, report_page(report_, page_content(paths.figures)));
+  write_file(page, report_page(report_, paths.figures, conditions(hash)));
   std::printf("pictures       contact_sheet.png, last_frame.png, the frames%s\n",
               paths.film.empty() ? "" : " and a film");
   std::puts("page           report.html; its numbers are in report.csv, trace.json, summary.json and summary.txt");
@@ -120,14 +102,13 @@ std::vector<PageFigure> Run::beside_truth(uint32_t threads) {
   const ImageFile traced = picture("truth.png", truth, 1), composite = picture("composite.png", lead.picture, 2);
   const std::string errors = shot_errors_text(shot_errors(truth, lead.picture));
   std::printf("beside truth   %-20s  %s\n", lead.name.c_str(), errors.c_str());
-  std::vector<PageFigure> figures = {
-      {"Composite and truth", errors, composite, traced, "composite", "path traced", false}};
+  std::vector<PageFigure> figures = {{"Composite and truth", errors, composite, traced, "composite", "path traced"}};
   for (const Shot::Drawn& other : beside) {
     const std::string text = shot_errors_text(shot_errors(truth, other.picture));
     std::printf("               %-20s  %s\n", other.name.c_str(), text.c_str());
     figures.push_back({"Instead: " + other.name, text,
                        jpeg_file(shot_->developed_as_seen(other.picture, 3), k_figure_quality), composite, other.name,
-                       "composite", false});
+                       "composite"});
   }
   const std::string sheet = (fs::path(options_.out) / "shot.png").string();
   sheet_ = shot_->sheet(lead, beside, truth);
@@ -136,22 +117,27 @@ std::vector<PageFigure> Run::beside_truth(uint32_t threads) {
   return figures;
 }
 
-PageContent Run::page_content(std::vector<PageFigure> figures) const {
-  PageContent content;
-  content.figures = std::move(figures);
-  content.tables.push_back({"Scene", "", {}, scene_facts(scene_)});
-  content.tables.push_back({"Machine", "", {}, machine_facts()});
-  if (shot_ && shot_->truth() && shot_->source() != LightSource::truth && !report_.frames.empty()) {
-    LightSeries truth = {"truth", {}};
-    const Vec3 d = mean_direction_of(shot_->truth()->object);
-    for (const FrameRow& row : {report_.frames.front(), report_.frames.back()}) {
-      LightSample sample;
-      sample.time = row.report.simulated_time, sample.direction = {d.x, d.y, d.z};
-      truth.samples.push_back(sample);
-    }
-    content.light.push_back(std::move(truth));
-  }
-  return content;
+// What the run was given and what it ended in, for the page.
+PageFacts Run::conditions(uint64_t hash) const {
+  const auto text = [](const char* format, double a, double b = 0.0) {
+    char words[64];
+    std::snprintf(words, sizeof words, format, a, b);
+    return std::string(words);
+  };
+  char final_hash[32];
+  std::snprintf(final_hash, sizeof final_hash, "0x%016llx", static_cast<unsigned long long>(hash));
+  const sandglass_granular_desc& g = scene_.granular;
+  PageFacts facts = {{"hash", final_hash},
+                     {"file", fs::path(scene_.source).filename().string()},
+                     {"frame step", text("%.6g ms of simulated time", 1e3 * scene_.frame_step)},
+                     {"particle radius", text("%.6g mm", 1e3 * scene_.particle_radius)},
+                     {"friction, static and kinetic", text("%.6g and %.6g", static_cast<double>(g.static_friction),
+                                                           static_cast<double>(g.kinetic_friction))},
+                     {"bodies and colliders",
+                      std::to_string(scene_.bodies.size()) + " and " + std::to_string(scene_.colliders.size())},
+                     {"seed", std::to_string(scene_.seed)}};
+  for (const auto& fact : machine_facts()) facts.push_back(fact);
+  return facts;
 }
 
 int Run::exit_code(uint64_t hash) const {

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "models/compositing/shot.h"
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
@@ -52,7 +51,7 @@ int run_rooms(const RunOptions& options) {
   }
   if (sheets.empty()) return k_exit_done;
   const std::string rows = (fs::path(options.out) / "rooms.jpg").string();
-  write_file(rows, jpeg_file(one_below_the_other(sheets), k_rows_quality));
+  write_file(rows, jpeg_file(picture_grid(sheets, 1, 0), k_rows_quality));
   std::puts("rooms          rooms.jpg");
   return k_exit_done;
 }

@@ -100,58 +100,47 @@ bool run_ffmpeg(std::vector<std::string> arguments) {
   return status == 0;
 }
 
-std::string write_film(const PictureSet& set, const std::vector<Picture>& small, const std::string& frames_folder) {
-  const double rate = 1.0 / set.seconds_per_snapshot;
-  if (run_ffmpeg({"-version"})) {
-    const std::string film = (fs::path(set.folder) / "film.mp4").string(), unfinished = unfinished_name(film);
-    char command_rate[32];
-    std::snprintf(command_rate, sizeof command_rate, "%.6g", rate);
-    const UnfinishedFile listed(unfinished);
-    if (run_ffmpeg({"-v", "error", "-y", "-framerate", command_rate, "-i",
-                    (fs::path(frames_folder) / "frame_%06d.png").string(), "-pix_fmt", "yuv420p", "-movflags",
-                    "+faststart", unfinished})) {
-      finish_file(film);
-      return film;
-    }
-    std::remove(unfinished.c_str());
-    if (interrupted()) return "";
-    // This ffmpeg may have no H.264 encoder; the GIF remains.
+// Makes the film of the frames. Its path; empty where there is none.
+std::string write_film(const PictureSet& set, const std::string& frames_folder) {
+  const std::string film = (fs::path(set.folder) / "film.mp4").string(), unfinished = unfinished_name(film);
+  char rate[32];
+  std::snprintf(rate, sizeof rate, "%.6g", 1.0 / set.seconds_per_snapshot);
+  const UnfinishedFile listed(unfinished);
+  if (run_ffmpeg({"-v", "error", "-y", "-framerate", rate, "-i", (fs::path(frames_folder) / "frame_%06d.png").string(),
+                  "-pix_fmt", "yuv420p", "-movflags", "+faststart", unfinished})) {
+    finish_file(film);
+    return film;
   }
-  const std::string film = (fs::path(set.folder) / "film.gif").string();
-  write_gif(film, small, std::max(2, static_cast<int>(std::lround(100.0 * set.seconds_per_snapshot))));
-  return film;
+  std::remove(unfinished.c_str());
+  if (!interrupted())
+    std::fprintf(stderr,
+                 "sandglass: note: no film, which needs ffmpeg with an H.264 encoder. Its frames are in \"%s\".\n",
+                 frames_folder.c_str());
+  return "";
 }
 
 }  // namespace
 
 // The figures of the report's page. `particles` is null when the sheet has none.
-static std::vector<PageFigure> page_figures(const PictureSet& set, const std::vector<Snapshot>& snapshots,
-                                            const SceneView& view, const Picture& first, const Picture& last,
-                                            const Picture* particles, const Picture& sheet) {
-  const Snapshot &begin = snapshots.front(), &end = snapshots.back();
+static std::vector<PageFigure> page_figures(const std::vector<Snapshot>& snapshots, const Picture& first,
+                                            const Picture& last, const Picture* particles, const Picture& sheet) {
   const ImageFile last_file = jpeg_file(last, k_page_quality);
   char moments[96];
-  std::snprintf(moments, sizeof moments, "The scene at %.2f s and at %.2f s.", begin.time, end.time);
+  std::snprintf(moments, sizeof moments, "The scene at %.2f s and at %.2f s.", snapshots.front().time,
+                snapshots.back().time);
   std::vector<PageFigure> figures = {
-      {"First and last frame", moments, jpeg_file(first, k_page_quality), last_file, "first", "last", false}};
-  if (!end.shadows.object.empty()) {
-    Snapshot bare = end;
-    for (std::vector<FloorShadow>* of : {&bare.shadows.object, &bare.shadows.ambient})
-      for (FloorShadow& shadow : *of) shadow.opacity = 0.0;
-    const Picture without = draw(set, bare, view, false, k_cell_width, k_cell_height);
-    figures.push_back({"The standing object's shadow", "One texture on the floor, computed within the frames' budget.",
-                       jpeg_file(without, k_page_quality), last_file, "without", "with", false});
-  }
+      {"First and last frame", moments, jpeg_file(first, k_page_quality), last_file, "first", "last"}};
   if (particles != nullptr)
     figures.push_back({"What is simulated, what is drawn",
                        "Particles carry contacts and friction; grains are carried along by them.",
-                       jpeg_file(*particles, k_page_quality), last_file, "particles", "grains", false});
-  PageFigure all;
-  all.title = "Contact sheet";
-  all.caption = "The run from left to right and top to bottom; where there are grains, the last row shows particles.";
-  all.picture = jpeg_file(sheet, k_sheet_quality);
-  all.wide = figures.size() % 2 == 0;  // with an odd number it fills the last row of pairs
-  figures.push_back(std::move(all));
+                       jpeg_file(*particles, k_page_quality), last_file, "particles", "grains"});
+  figures.push_back(
+      {"Contact sheet",
+       "The run from left to right and top to bottom; where there are grains, the last row shows particles.",
+       jpeg_file(sheet, k_sheet_quality),
+       {},
+       "",
+       ""});
   return figures;
 }
 
@@ -212,22 +201,19 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
   paths.last = (fs::path(set.folder) / "last_frame.png").string();
   write_png(paths.last, draw(set, snapshots.back(), view, false, k_large_width, k_large_height));
   progress.done(++drawn);
-  paths.figures = page_figures(set, snapshots, view, film_picture(0), film_picture(total - 1),
+  paths.figures = page_figures(snapshots, film_picture(0), film_picture(total - 1),
                                snapshots[0].grains.empty() ? nullptr : &cells.back(), sheet);
   progress.done(++drawn);
 
   if (!set.film || interrupted()) return paths;
   const std::string folder = frames_folder(set.folder);
   make_folder(folder);
-  std::vector<Picture> small;
   for (size_t i = 0; i < total; ++i) {
     if (interrupted()) return paths;
-    const Picture& picture = film_picture(i);
-    write_png((fs::path(folder) / frame_name(i)).string(), picture);
-    small.push_back(halved(picture));
+    write_png((fs::path(folder) / frame_name(i)).string(), film_picture(i));
     film[i] = {};
   }
-  paths.film = write_film(set, small, folder);
+  paths.film = write_film(set, folder);
   return paths;
 }
 

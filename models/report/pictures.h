@@ -1,6 +1,6 @@
 // Pictures of a run: a contact sheet (twelve moments of the grains, below them four of the particles), a large picture
-// of the last frame, pairs for the report's page, the film's frames as PNG, and the film. The film is an MP4 made by
-// the program ffmpeg, or a GIF without it. One fixed camera serves the whole run.
+// of the last frame, pairs for the report's page, the film's frames as PNG, and the film, an MP4, where the program
+// ffmpeg is there to make it. One fixed camera serves the whole run.
 #pragma once
 
 #include <cstdint>
@@ -39,8 +39,8 @@ struct PictureSet {
 };
 
 struct PicturePaths {
-  std::string sheet, last, film;  // film: empty without a film and after Ctrl-C
-  // First and last frame, without and with shadow, particles and grains; the sheet.
+  std::string sheet, last, film;  // film: empty without a film, without ffmpeg, and after Ctrl-C
+  // First and last frame; particles and grains; the sheet.
   std::vector<PageFigure> figures;
 };
 

@@ -95,7 +95,6 @@ Summary summarise(const std::vector<FrameRow>& frames) {
     if (r.elapsed_ns > promised && r.elapsed_ns - promised > r.last_unit_ns) ++summary.beyond_guarantee;
     if (r.level >= summary.level_frames.size()) summary.level_frames.resize(r.level + 1, 0);
     ++summary.level_frames[r.level];
-    summary.level_worst = std::max(summary.level_worst, r.level);
     summary.dropped_contacts += r.dropped_contacts;
     summary.quarantined += r.quarantined;
     summary.ignored_colliders += r.ignored_colliders;
@@ -120,8 +119,7 @@ std::string report_csv(const RunReport& report) {
     for (const char* column : {"_ms,", "_units,", "_denied,"}) text += std::string(stage_name(stage)) + column;
   text +=
       "simulated_s,debt_s,grain_lag_s,substep_s,substeps,list_builds,particles,grains,dropped_contacts,quarantined,"
-      "ignored_colliders,speed_max,clock_fault,pending_shadows,shadow_age,light_x,light_y,light_z,light_r,light_g,"
-      "light_b,ambient_r,ambient_g,ambient_b,contrast,confidence,light_changed,light_units_left\n";
+      "ignored_colliders,speed_max,clock_fault,pending_shadows,shadow_age,light_changed,light_units_left\n";
   for (const FrameRow& row : report.frames) {
     const sandglass_frame_report& r = row.report;
     add(&text, "%llu,%u,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f", static_cast<unsigned long long>(r.frame), r.level,
@@ -129,20 +127,10 @@ std::string report_csv(const RunReport& report) {
         row.cpu_ms);
     for (const sandglass_stage_report& stage : r.stages)
       add(&text, ",%.6f,%u,%u", ms(stage.elapsed_ns), stage.units, stage.denied);
-    add(&text, ",%.6f,%.6f,%.6f,%.9f,%u,%u,%u,%u,%u,%u,%u,%.6g,%u,%u,%u", r.simulated_time, r.time_debt,
+    add(&text, ",%.6f,%.6f,%.6f,%.9f,%u,%u,%u,%u,%u,%u,%u,%.6g,%u,%u,%u,%u,%u\n", r.simulated_time, r.time_debt,
         static_cast<double>(r.grain_lag), static_cast<double>(r.substep), r.substeps, r.list_builds, r.particles,
         r.grains, r.dropped_contacts, r.quarantined, r.ignored_colliders, static_cast<double>(r.speed_max),
-        r.clock_fault, r.pending_shadows, r.shadow_age);
-    const FrameLight& l = row.light;
-    const auto cell = [&](bool known, double value) {
-      if (known) add(&text, ",%.6f", value);
-      else text += ',';
-    };
-    for (const double value : l.towards) cell(l.known, value);
-    for (const double value : l.light) cell(l.coloured, value);
-    for (const double value : l.ambient) cell(l.coloured, value);
-    cell(l.coloured, l.contrast), cell(l.confidence >= 0.0, l.confidence);
-    add(&text, ",%u,%u\n", r.light_changed, r.light_units_left);
+        r.clock_fault, r.pending_shadows, r.shadow_age, r.light_changed, r.light_units_left);
   }
   return text;
 }
@@ -199,9 +187,8 @@ void add_row(std::string* text, const char* name, const Distribution& d, double 
   add(text, " %9.3f\n", d.max * factor);
 }
 
-}  // namespace
-
-std::string report_headline(const RunReport& report) {
+// Frames, sand, kernels, threads, clock and memory, in one line.
+std::string headline(const RunReport& report) {
   const size_t count = report.frames.size();
   std::string text;
   add(&text, "%zu frames%s, %u particles, %u grains; %s kernels, %u thread%s, %s clock, %.1f MiB", count,
@@ -210,6 +197,8 @@ std::string report_headline(const RunReport& report) {
       report.threads == 1 ? "" : "s", report.clock.c_str(), static_cast<double>(report.memory_bytes) / 1048576.0);
   return text;
 }
+
+}  // namespace
 
 std::string estimate_text(const PhoneEstimate& e) {
   std::string text;
@@ -224,7 +213,7 @@ std::string report_summary_text(const RunReport& report) {
   const Summary s = summarise(report.frames);
   const size_t count = report.frames.size();
   std::string text;
-  text += report.scene + ": " + report_headline(report) + "\n";
+  text += report.scene + ": " + headline(report) + "\n";
   add_head(&text, s.elapsed);
   const PhoneEstimate& e = report.estimate;
   add_row(&text, e.core.empty() ? "budget used" : "budget used, estimate", s.elapsed);

@@ -12,21 +12,11 @@
 
 namespace sandglass::host {
 
-// The light of a frame, in world coordinates. Unknown values leave their cells of the CSV empty.
-struct FrameLight {
-  bool known = false;                        // whether the direction is known
-  double towards[3] = {};                    // unit vector towards the light
-  bool coloured = false;                     // whether the colours and the contrast are known
-  double light[3] = {}, ambient[3] = {};     // linear; `light` includes its strength (light.h)
-  double contrast = 0.0, confidence = -1.0;  // confidence below 0: not known
-};
-
 struct FrameRow {
   sandglass_frame_report report;
   uint64_t begin_ns = 0;  // wall time since the run began
   double wall_ms = 0.0;
   double cpu_ms = 0.0;  // of the thread that ran the frame
-  FrameLight light;
 };
 
 struct UnitEvent {
@@ -82,12 +72,11 @@ Distribution distribution(std::vector<double> values);
 struct Summary {
   Distribution elapsed, wall, cpu, stages[SANDGLASS_STAGE_COUNT];
   double budget_ms = 0.0;
-  uint32_t misses = 0;            // frames whose time by the scene's clock is above their budget
-  double worst_overrun_ms = 0.0;  // elapsed - budget; 0 without a miss
-  uint32_t beyond_guarantee = 0;  // frames with elapsed > max(budget, mandatory) + last work unit
-  double time_debt = 0.0;         // seconds, at the end
-  double simulated_time = 0.0;    // seconds
-  uint32_t level_worst = 0;
+  uint32_t misses = 0;                 // frames whose time by the scene's clock is above their budget
+  double worst_overrun_ms = 0.0;       // elapsed - budget; 0 without a miss
+  uint32_t beyond_guarantee = 0;       // frames with elapsed > max(budget, mandatory) + last work unit
+  double time_debt = 0.0;              // seconds, at the end
+  double simulated_time = 0.0;         // seconds
   std::vector<uint32_t> level_frames;  // frames at each quality level
   uint64_t dropped_contacts = 0, quarantined = 0, ignored_colliders = 0;
   uint32_t clock_faults = 0;
@@ -98,16 +87,13 @@ const char* stage_name(sandglass_stage stage);  // "granular", "lighting", "shad
 std::string level_text(uint32_t level);         // its number and name
 
 // One row per frame. Names of times in milliseconds end with _ms, of times in simulated seconds with _s. speed_max is
-// in m/s. Counts have no unit. light_x, _y and _z point towards the light in the world. light_r, _g, _b, ambient_r, _g,
-// _b, contrast and confidence are as in light.h; the light's colour includes its strength. Cells of an unknown light
-// are empty.
+// in m/s. Counts have no unit.
 std::string report_csv(const RunReport& report);
 std::string report_trace(const RunReport& report);
 // Upper quantiles that too few frames tell are null in JSON, and have no column in the text.
 std::string report_summary_json(const RunReport& report);
 std::string report_summary_text(const RunReport& report);
 std::string estimate_text(const PhoneEstimate& estimate);  // what it is and is not, in one sentence
-std::string report_headline(const RunReport& report);  // frames, sand, kernels, threads, clock and memory, in one line
 
 // The light of a photograph. Both directions point towards the light. In the camera's axes x is right, y down and z
 // forward. In the world's axes, for a level camera that looks along -z, x is right and y is up.

@@ -26,77 +26,43 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-std::string image_url(const ImageFile& file, const std::string& title) {
-  constexpr uint8_t k_png[] = {0x89, 'P', 'N', 'G'}, k_jpeg[] = {0xff, 0xd8, 0xff};
-  const auto begins = [&](const auto& signature) {
-    return file.size() >= std::size(signature) && std::equal(std::begin(signature), std::end(signature), file.begin());
+std::string image_html(const ImageFile& file, const std::string& title, const char* attributes = "") {
+  const auto begins = [&](std::string_view signature) {
+    return file.size() >= signature.size() &&
+           std::equal(signature.begin(), signature.end(), file.begin(),
+                      [](char a, uint8_t b) { return static_cast<uint8_t>(a) == b; });
   };
-  const char* type = begins(k_png) ? "png" : begins(k_jpeg) ? "jpeg" : nullptr;
+  const char* type = begins("\x89PNG") ? "png" : begins("\xff\xd8\xff") ? "jpeg" : nullptr;
   if (type == nullptr) throw cannot("show", title, "the figure is neither a PNG nor a JPEG file", "Write it as one");
-  return std::string("data:image/") + type + ";base64," + base64(file);
+  return "<img" + std::string(attributes) + " alt=\"" + title + "\" src=\"data:image/" + type + ";base64," +
+         base64(file) + "\">";
 }
 
 std::string figure_html(const PageFigure& figure) {
   const std::string title = escaped(figure.title), left = escaped(figure.picture_label),
                     right = escaped(figure.other_label);
-  std::string html = figure.wide ? "<figure class=\"wide\">" : "<figure>";
-  if (figure.other.empty()) {
-    html += "<img alt=\"" + title + "\" src=\"" + image_url(figure.picture, figure.title) + "\">";
-  } else {
-    html += "<div class=\"compare\"><img class=\"after\" alt=\"" + title + ": " + right + "\" src=\"" +
-            image_url(figure.other, figure.title) + "\"><img class=\"before\" alt=\"" + title + ": " + left +
-            "\" src=\"" + image_url(figure.picture, figure.title) + "\"><span class=\"tag left\">" + left +
-            "</span><span class=\"tag right\">" + right + "</span><span class=\"knob\" aria-hidden=\"true\">&#8596;" +
-            "</span><input type=\"range\" min=\"0\" max=\"100\" step=\"0.5\" value=\"50\" data-before=\"" + left +
-            "\" aria-label=\"" + title + ": how much of '" + left + "' is seen beside '" + right + "'\"></div>";
-  }
+  std::string html = figure.other.empty()
+                         ? "<figure class=\"wide\">" + image_html(figure.picture, title)
+                         : "<figure><div class=\"compare\">" + image_html(figure.other, title + ": " + right) +
+                               image_html(figure.picture, title + ": " + left, " class=\"before\"");
+  if (!figure.other.empty())
+    html += "<span>" + left + "</span><span class=\"right\">" + right + "</span><input type=\"range\" step=\"0.5\" " +
+            "aria-label=\"" + title + ": how much of '" + left + "' is seen beside '" + right + "'\"></div>";
   return html + "<figcaption><b>" + title + "</b> " + escaped(figure.caption) + "</figcaption></figure>\n";
 }
 
-std::string table_html(const PageTable& table) {
-  std::string html = "<section><h2>" + escaped(table.title) + "</h2>";
-  if (!table.caption.empty()) html += "<p class=\"how\">" + escaped(table.caption) + "</p>";
-  html += table.head.empty() ? "<div class=\"scroll\"><table class=\"facts\">" : "<div class=\"scroll\"><table>";
-  if (!table.head.empty()) {
-    html += "<thead><tr>";
-    for (const std::string& cell : table.head) html += "<th scope=\"col\">" + escaped(cell) + "</th>";
-    html += "</tr></thead>";
-  }
-  html += "<tbody>";
-  for (const auto& row : table.rows) {
-    html += "<tr>";
-    for (const std::string& cell : row) html += "<td>" + escaped(cell) + "</td>";
-    html += "</tr>";
-  }
-  return html + "</tbody></table></div></section>\n";
+std::string level_names() {
+  std::string names;
+  for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level)
+    names += (level == 0 ? "" : "|") + escaped(level_text(level));
+  return names;
 }
 
-PageTable stage_table(const Summary& summary) {
-  PageTable table;
-  table.title = "Milliseconds a frame";
-  table.head = {"", "mean", "median"};
-  const Distribution& all = summary.elapsed;
-  for (const auto& [name, value] :
-       {std::pair{"95 %", all.p95}, std::pair{"99 %", all.p99}, std::pair{"99.9 %", all.p999}})
-    if (value) table.head.emplace_back(name);
-  table.head.emplace_back("longest");
-  const auto add = [&](const std::string& name, const Distribution& d) {
-    std::vector<std::string> row = {name};
-    for (const std::optional<double>& value :
-         {std::optional(d.mean), std::optional(d.p50), d.p95, d.p99, d.p999, std::optional(d.max)}) {
-      if (!value) continue;
-      char cell[32];
-      std::snprintf(cell, sizeof cell, "%.3f", *value);
-      row.emplace_back(cell);
-    }
-    table.rows.push_back(std::move(row));
-  };
-  add("by the scene's clock", summary.elapsed);
-  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
-    if (summary.stages[stage].max > 0.0) add(std::string("· ") + stage_name(stage), summary.stages[stage]);
-  add("wall time", summary.wall);
-  add("CPU time of the calling thread", summary.cpu);
-  return table;
+std::string estimate_data(const PhoneEstimate& e) {
+  if (e.core.empty()) return "";
+  char data[96];
+  std::snprintf(data, sizeof data, " data-fastest=\"%g\" data-slowest=\"%g\"", e.low, e.high);
+  return data;
 }
 
 }  // namespace
@@ -117,54 +83,41 @@ std::string base64(const std::vector<uint8_t>& bytes) {
   return text;
 }
 
-std::vector<std::vector<std::string>> machine_facts() {
-  std::vector<std::vector<std::string>> facts;
+PageFacts machine_facts() {
+  PageFacts facts;
   std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);)
-    if (line.rfind("model name", 0) == 0 && line.find(": ") != std::string::npos) {
-      facts.push_back({"processor", line.substr(line.find(": ") + 2)});
-      break;
-    }
-  facts.push_back({"hardware threads", std::to_string(std::thread::hardware_concurrency())});
+  for (std::string line; facts.empty() && std::getline(info, line);)
+    if (line.rfind("model name", 0) == 0 && line.find(": ") != std::string::npos)
+      facts.emplace_back("processor", line.substr(line.find(": ") + 2));
+  facts.emplace_back("hardware threads", std::to_string(std::thread::hardware_concurrency()));
 #if defined(__clang__)
-  facts.push_back({"compiler", "clang " __clang_version__});
+  facts.emplace_back("compiler", "clang " __clang_version__);
 #elif defined(__GNUC__)
-  facts.push_back({"compiler", "g++ " __VERSION__});
+  facts.emplace_back("compiler", "g++ " __VERSION__);
 #endif
   return facts;
 }
 
-std::string report_page(const RunReport& report, const PageContent& content) {
-  std::string pictures, tables = table_html(stage_table(summarise(report.frames)));
-  for (const PageFigure& figure : content.figures) pictures += figure_html(figure);
-  if (!pictures.empty())
-    pictures =
-        "<section><h2>Pictures</h2><p class=\"how\">Drag over a pair, or focus it and use the arrow keys, to "
-        "compare.</p><div class=\"pictures\">\n" +
-        pictures + "</div></section>";
-  for (const PageTable& table : content.tables) tables += table_html(table);
-
-  const std::pair<std::string_view, std::string> parts[] = {
-      {"TITLE", escaped(content.title.empty() ? report.scene : content.title)},
-      {"LEAD", escaped(report_headline(report))},
-      {"PICTURES", pictures},
-      {"TABLES", tables},
-      {"DATA", report_page_data(report, content)}};
-  std::string page;
-  for (std::string_view rest = k_report_page_template; !rest.empty();) {
-    const size_t at = rest.find('@');
-    page += rest.substr(0, at);
-    if (at == std::string_view::npos) break;
-    rest.remove_prefix(at + 1);
-    const auto part = std::find_if(std::begin(parts), std::end(parts), [&](const auto& p) {
-      return rest.substr(0, p.first.size()) == p.first && rest.substr(p.first.size(), 1) == "@";
-    });
-    if (part == std::end(parts)) {
-      page += '@';  // it belongs to a rule of the style sheet
-      continue;
-    }
-    page += part->second;
-    rest.remove_prefix(part->first.size() + 1);
+std::string report_page(const RunReport& report, const std::vector<PageFigure>& figures, const PageFacts& conditions) {
+  std::string pictures, facts;
+  for (const PageFigure& figure : figures) pictures += figure_html(figure);
+  for (const auto& [name, value] : conditions)
+    facts += "<tr><td>" + escaped(name) + "</td><td>" + escaped(value) + "</td></tr>\n";
+  const std::string title = escaped(report.scene);
+  // From the last to the first: no name is looked for in what was put in.
+  const std::pair<std::string_view, std::string> parts[] = {{"@CSV@", report_csv(report)},
+                                                            {"@CONDITIONS@", facts},
+                                                            {"@PICTURES@", pictures},
+                                                            {"@ESTIMATE@", estimate_data(report.estimate)},
+                                                            {"@LEVELS@", level_names()},
+                                                            {"@SUMMARY@", escaped(report_summary_text(report))},
+                                                            {"@TITLE@", title},
+                                                            {"@TITLE@", title}};
+  std::string page = k_report_page_template;
+  size_t at = page.size();
+  for (const auto& [name, content] : parts) {
+    at = page.rfind(name, at - 1);
+    page.replace(at, name.size(), content);
   }
   return page;
 }

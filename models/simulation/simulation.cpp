@@ -43,11 +43,6 @@ void Simulation::add(const Material& material) {
   output_.resize(grains_);
 }
 
-void Simulation::restart(const Material& material) {
-  particles_ = grains_ = 0;
-  add(material);
-}
-
 void Simulation::add(std::span<const float> particles, std::span<const float> velocities) {
   Material material;
   material.particle_positions.assign(particles.begin(), particles.end());

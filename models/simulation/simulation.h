@@ -39,12 +39,6 @@ class Simulation {
     light_ = light, room_ = room, image_ = image;
   }
 
-  // Fills the scene as at the start. The scene must have been reset with sandglass_scene_reset.
-  void restart(const Material& material);
-
-  // The grains as the last frame wrote them, at the instant that its output_lag asked for.
-  std::span<const sandglass_grain> output() const { return output_; }
-
   // Each call refreshes its array. It holds 3 floats per item, for all items that were added or emitted.
   const std::vector<float>& particle_positions();
   const std::vector<float>& particle_velocities();

@@ -90,19 +90,6 @@ TEST(Photograph, IsUprightHoweverTheCameraWasHeld) {
     }
 }
 
-TEST(Photograph, DamagedExifChangesNothing) {
-  const tests::TemporaryFolder folder;
-  const std::string good = exif(6);
-  for (size_t length = 4; length < good.size(); ++length) {
-    std::string cut = good.substr(0, length);
-    cut[2] = static_cast<char>((length - 2) >> 8), cut[3] = static_cast<char>((length - 2) & 255);
-    write_file(folder / "p.jpg", std::string_view(jpeg_with(cut)));
-    EXPECT_EQ(read_picture(folder / "p.jpg").width, length < good.size() - 4 ? 64 : 32) << length;
-  }
-  write_file(folder / "p.jpg", std::string_view(jpeg_with(exif(9))));
-  EXPECT_EQ(read_picture(folder / "p.jpg").width, 64);
-}
-
 TEST(Photograph, GreyAndSixteenBitsAreReadAsColour) {
   const tests::TemporaryFolder folder;
   write_file(folder / "grey.png", std::string_view(png_of(2, 1, 8, 0, std::string("\0\x28\xC8", 3))));
@@ -128,25 +115,6 @@ TEST(Photograph, AColourThatThePaletteLacksIsBlack) {
   }
   write_file(folder / "p.png", std::string_view(png_of(4, 1, 8, 3, rows, palette.substr(1))));
   EXPECT_NE(reason_of(folder / "p.png").find("damaged"), std::string::npos) << "a palette of a colour and a half";
-}
-
-// The segments of this marker, from its two bytes to its end.
-std::string without_segments(std::string file, char marker) {
-  for (size_t at = file.find({'\xFF', marker}); at != std::string::npos; at = file.find({'\xFF', marker}, at)) {
-    const size_t length =
-        static_cast<size_t>(static_cast<uint8_t>(file[at + 2])) << 8 | static_cast<uint8_t>(file[at + 3]);
-    file.erase(at, 2 + length);
-  }
-  return file;
-}
-
-TEST(Photograph, AJpegWithoutItsTablesOrItsPixelsIsRefused) {
-  const tests::TemporaryFolder folder;
-  const std::string whole = jpeg_with("");
-  write_file(folder / "t.jpg", std::string_view(without_segments(whole, '\xC4')));
-  EXPECT_NE(reason_of(folder / "t.jpg").find("a table of codes is missing"), std::string::npos);
-  write_file(folder / "p.jpg", std::string_view(whole.substr(0, whole.find("\xFF\xDA")) + "\xFF\xD9"));
-  EXPECT_NE(reason_of(folder / "p.jpg").find("it has no pixels"), std::string::npos);
 }
 
 // What phones keep behind a picture's end, such as a film, looks like anything, tables of codes too.

@@ -1,15 +1,11 @@
-// Pictures are the right way up. Shadows fall away from the sun and touch the thing that casts them. Files decode.
+// Pictures are the right way up. Shadows fall away from the sun and touch the thing that casts them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 
 #include "models/drawing/render.h"
-#include "models/files/failure.h"
 #include "models/files/image.h"
-#include "models/report/pictures.h"
 #include "models/tracing/sphere_caster.h"
 #include "sandglass/sandglass.hpp"
 
@@ -68,7 +64,7 @@ TEST(Render, IsNotUpsideDown) {
 }
 
 TEST(Render, TheShadowFallsAwayFromTheSunAndBeginsAtTheFoot) {
-  const Stage stage;
+  Stage stage;
   const Picture picture = stage.draw();
   // The sun stands to the left and in front, so the shadow lies to the right and behind.
   const double shadow = stage.brightness(picture, {0.13, 0.0, -0.05}),
@@ -76,14 +72,8 @@ TEST(Render, TheShadowFallsAwayFromTheSunAndBeginsAtTheFoot) {
   EXPECT_LT(shadow, 0.8 * lit);
   // No gap of light between the ball and its shadow.
   EXPECT_LT(stage.brightness(picture, {0.07, 0.0, 0.02}), 0.8 * lit);
-}
-
-TEST(Render, WithoutTheBallThereIsNoShadow) {
-  Stage stage;
-  const Picture with = stage.draw();
   stage.view.spheres = {};
-  const Picture without = stage.draw();
-  EXPECT_LT(stage.brightness(with, {0.13, 0.0, -0.05}), stage.brightness(without, {0.13, 0.0, -0.05}) - 15.0);
+  EXPECT_GT(stage.brightness(stage.draw(), {0.13, 0.0, -0.05}), shadow + 15.0) << "without the ball there is none";
 }
 
 TEST(Render, RepeatsToTheByteOnAnyNumberOfThreads) {
@@ -107,33 +97,6 @@ TEST(Render, DrawsEveryColliderWhereItIs) {
   }
 }
 
-// The distance from a tube with a bottom and an open top. Its outline lies in the half plane (r, y).
-float tube_distance(const float p[3]) {
-  const double r = std::hypot(p[0], p[2]), y = p[1];
-  const auto rectangle = [&](double low_r, double high_r, double low_y, double high_y) {
-    const double out_r = std::max(low_r - r, r - high_r), out_y = std::max(low_y - y, y - high_y);
-    return std::hypot(std::max(out_r, 0.0), std::max(out_y, 0.0)) + std::min(std::max(out_r, out_y), 0.0);
-  };
-  return static_cast<float>(std::min(rectangle(0.06, 0.10, -0.2, 0.2), rectangle(-1.0, 0.10, -0.2, -0.16)));
-}
-
-// The bottom of the tube sees (r/depth)^2 = 3 % of the sky. The renderer's own rule adds 12 % of the rest. The rim sees
-// the whole sky and the sun. Rays that begin on a wall must find the opposite wall.
-TEST(Render, TheBottomOfAHollowFieldIsDark) {
-  cpp::Field field;
-  ASSERT_TRUE(field.from_function({{-0.14f, -0.24f, -0.14f}, {0.14f, 0.24f, 0.14f}}, 0.01f, SANDGLASS_SOLID_INSIDE,
-                                  [](const float* p) { return tube_distance(p); }));
-  Stage stage;
-  stage.view.spheres = {};
-  const sandglass_collider tube = cpp::field_at(field, 0, 0, 0);
-  stage.view.colliders = {&tube, 1};
-  stage.view.camera.eye = {0.0, 1.2, 0.02};
-  stage.view.camera.target = {0.0, 0.0, 0.0};
-  const Picture picture = stage.draw();
-  const auto linear = [&](Vec3 point) { return std::pow(stage.brightness(picture, point) / 255.0, 2.2); };
-  EXPECT_LT(linear({0.0, -0.16, 0.0}), (0.12 + 0.88 * 0.03) * linear({-0.08, 0.2, 0.0}));
-}
-
 TEST(Render, SurvivesNoSphereAndSpheresThatAreNotFinite) {
   Stage stage;
   stage.ball = {NAN, 0.0f, 0.0f, 0.0f, 0.1f, 0.0f, INFINITY, 0.0f, 0.0f};
@@ -141,19 +104,6 @@ TEST(Render, SurvivesNoSphereAndSpheresThatAreNotFinite) {
   EXPECT_EQ(stage.draw(true).rgb.size(), static_cast<size_t>(k_width * k_height * 3));
   stage.view.spheres = {};
   EXPECT_EQ(stage.draw(true).rgb.size(), static_cast<size_t>(k_width * k_height * 3));
-}
-
-TEST(SphereCaster, HitsTheNearerSphereAtTheAnalyticDistance) {
-  const std::vector<float> two = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, -3.0f};
-  const SphereCaster caster(two, 0.5f);
-  SphereHit hit;
-  hit.distance = 100.0;
-  ASSERT_TRUE(caster.closest({0.3, 0.0, 5.0}, {0.0, 0.0, -1.0}, &hit));
-  EXPECT_EQ(hit.index, 0u);
-  EXPECT_NEAR(hit.distance, 4.6, 1e-4);
-  EXPECT_FALSE(caster.occluded({0.6, 0.0, 5.0}, {0.0, 0.0, -1.0}, 100.0));
-  EXPECT_TRUE(caster.occluded({0.3, 0.0, 5.0}, {0.0, 0.0, -1.0}, 100.0));
-  EXPECT_FALSE(caster.occluded({0.3, 0.0, 5.0}, {0.0, 0.0, -1.0}, 4.0));
 }
 
 TEST(SphereCaster, EachSphereHasItsSize) {
@@ -168,23 +118,9 @@ TEST(SphereCaster, EachSphereHasItsSize) {
   ASSERT_TRUE(caster.closest({0.6, 0.0, 5.0}, {0.0, 0.0, -1.0}, &hit));
   EXPECT_EQ(hit.index, 1u);
   EXPECT_NEAR(hit.distance, 7.2, 1e-4);  // sqrt(1^2 - 0.6^2) = 0.8
-}
-
-TEST(Grains, DifferInSizeAndHaveFaces) {
-  constexpr uint32_t k_count = 2000;
-  double sum = 0.0, flat = 0.0;
-  for (uint32_t i = 0; i < k_count; ++i) {
-    const double size = grain_size(i);
-    EXPECT_TRUE(size >= 0.75 && size <= 1.2) << size;
-    sum += size;
-    // A face turns a normal by at most its rim, whose cosine is 0.75 or more. Its middle is turned by nothing.
-    const double turned = dot(grain_normal(i, {0, 1, 0}), Vec3{0, 1, 0});
-    EXPECT_GE(turned, 0.75);
-    flat += turned < 0.9999 ? 1 : 0;
-  }
-  EXPECT_NEAR(sum / k_count, 0.975, 0.01);  // uniform: its deviation 0.13 over the root of 2,000 is 0.003
-  // Seven faces cover (1 - 0.85) / 2 of the sphere each, on the average: together 1 - (1 - 0.075)^7 = 0.42 of it.
-  EXPECT_NEAR(flat / k_count, 0.42, 0.05);
+  EXPECT_TRUE(caster.occluded({0.2, 0.0, 5.0}, {0.0, 0.0, -1.0}, 100.0));
+  EXPECT_FALSE(caster.occluded({0.2, 0.0, 5.0}, {0.0, 0.0, -1.0}, 4.0));
+  EXPECT_FALSE(caster.occluded({1.1, 0.0, 5.0}, {0.0, 0.0, -1.0}, 100.0));
 }
 
 TEST(AutomaticCamera, FramesEveryBox) {
@@ -204,53 +140,6 @@ TEST(AutomaticCamera, FramesEveryBox) {
       widest = std::max({widest, std::fabs(at.x - 200.0) / 200.0, std::fabs(at.y - 150.0) / 150.0});
     }
   EXPECT_GT(widest, 0.7);
-}
-
-// The sheet shows every tenth of 111 snapshots. If only one of these has sand, the drawing begins. If only the others
-// have sand, there is nothing to draw.
-TEST(Pictures, WithoutAFilmNothingButTheMomentsOfTheSheetIsLookedAt) {
-  struct Stopped {};
-  std::vector<uint32_t> painted;
-  const auto draw = [&](const std::function<bool(uint32_t frame)>& has_sand) {
-    std::vector<Snapshot> snapshots(111);
-    for (uint32_t frame = 0; frame <= 110; ++frame) {
-      snapshots[frame].frame = frame;
-      snapshots[frame].grains.assign(3, has_sand(frame) ? 0.1f : std::numeric_limits<float>::quiet_NaN());
-    }
-    painted.clear();
-    PictureSet set;
-    set.film = false;
-    set.painter = [&](const Snapshot& snapshot, int width, int height, uint32_t) {
-      painted.push_back(snapshot.frame);
-      if (painted.size() == 12) throw Stopped{};
-      return Picture(width, height, {90, 90, 90});
-    };
-    draw_pictures(set, snapshots);
-  };
-  for (uint32_t moment = 0; moment <= 110; moment += 10) {
-    EXPECT_THROW(draw([&](uint32_t frame) { return frame == moment; }), Stopped);
-    EXPECT_EQ(painted, (std::vector<uint32_t>{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110}));
-  }
-  EXPECT_THROW(draw([](uint32_t frame) { return frame % 10 != 0; }), Failure);
-}
-
-TEST(Image, TextIsDrawnAndClipped) {
-  Picture picture(20, 12, {255, 255, 255});
-  draw_text(&picture, 1, 1, 1, "1", {0, 0, 0});
-  EXPECT_EQ(picture.at(3, 1)[0], 0);  // the stroke of the one
-  EXPECT_EQ(picture.at(1, 1)[0], 255);
-  draw_text(&picture, 15, 8, 3, "8W%", {0, 0, 0});  // lies mostly outside, so it only checks clipping
-}
-
-TEST(Image, GridKeepsOrder) {
-  const Picture pictures[] = {Picture(4, 3, {1, 1, 1}), Picture(4, 3, {2, 2, 2}), Picture(4, 3, {3, 3, 3})};
-  const Picture grid = picture_grid(pictures, 2, 1);
-  EXPECT_EQ(grid.width, 11);
-  EXPECT_EQ(grid.height, 9);
-  EXPECT_EQ(grid.at(1, 1)[0], 1);
-  EXPECT_EQ(grid.at(6, 1)[0], 2);
-  EXPECT_EQ(grid.at(1, 5)[0], 3);
-  EXPECT_EQ(grid.at(6, 5)[0], 255);
 }
 
 // The bytes are those of the curve of IEC 61966-2-1, rounded. Values within 1e-9 of a half are left out.

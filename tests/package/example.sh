@@ -55,26 +55,24 @@ example_shadow_alone() {
 }
 
 example_camera_app() {
-  local picture=$output/camera_app.ppm source=$root/models/examples/camera_app.cpp room=$output/camera_app.room folder
+  local source=$root/models/examples/camera_app.cpp room=$output/camera_app.room folder
   rm -f "$room"
-  run "$shadow" "$room" "$picture"
-  # The made-up phone's lamp is at (1.6, 2.6, 0.2) m above the chair: (0.52, 0.85, 0.07). It is found by short images, and
-  # casts a shadow; before, the app asks its user to look around.
+  run "$shadow" "$room"
+  # The made-up camera's lamp is at (1.6, 2.6, 0.2) m above the chair: (0.52, 0.85, 0.07). It is found by short images, and
+  # casts a shadow; before, the app asks its user to look around. The chair's back keeps light from its seat, which else
+  # shows what an open floor does: its irradiance over pi.
   holds 'n[1] > 0.8 && n[2] > 0.4 && n[3] > 0.7 && n[4]^2 < 0.04 && n[5] > 0.05 && n[7] > 0 && n[8] > 0'
-  # A PPM of 320 x 240 with more colours than floor and wall have: chair, shadow and sand.
-  (($(stat -c %s "$picture") == 15 + 3 * 320 * 240)) || fail "$picture is not the picture"
-  (($(tail -c +16 "$picture" | od -An -v -tx1 -w3 | sort -u | wc -l) > 400)) || fail "$picture shows nothing"
+  holds 'n[9] > 0.5 * n[6] / 3.1416 && n[9] < 0.97 * n[6] / 3.1416'
   # The room that was saved is known from the first frame on.
-  run "$shadow" "$room" "$picture"
+  run "$shadow" "$room"
   holds 'n[1] > 0.8 && n[5] > 0.05 && n[7] == 0'
   # What is no shadow, no room, no file or a folder is refused with its sentence.
   folder=$output/folder
   mkdir -p "$folder"
-  refuses "$source" "$source" "$room" "$picture.not"
-  refuses "$source" "$shadow" "$source" "$picture.not"
-  refuses "$source.missing" "$source.missing" "$room" "$picture.not"
-  refuses "$folder" "$folder" "$room" "$picture.not"
-  [[ ! -e $picture.not ]]
+  refuses "$source" "$source" "$room"
+  refuses "$source" "$shadow" "$source"
+  refuses "$source.missing" "$source.missing" "$room"
+  refuses "$folder" "$folder" "$room"
 }
 
 lines=$(cat "$root/models/examples/$name".c* | wc -l)

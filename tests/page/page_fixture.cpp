@@ -1,7 +1,6 @@
 // Writes the page and the CSV of a run in which every number is known into the folder that the argument names.
 // page_test.py looks at them in a browser. Frame i takes 1 + i/25 ms of a budget of 4 ms, so the frames after number 75
 // miss it. Every stage has its own share. Quality levels are 0, 1 and 4 in turn.
-#include <cmath>
 #include <cstdio>
 #include <exception>
 
@@ -17,7 +16,6 @@ constexpr uint32_t k_frames = 120;
 RunReport known_run() {
   RunReport run;
   run.scene = "known <run> & \"page\"", run.isa = "scalar", run.clock = "virtual", run.memory_bytes = 3 << 20;
-  run.light = "estimate";
   for (uint32_t i = 1; i <= k_frames; ++i) {
     FrameRow row = {};
     sandglass_frame_report& r = row.report;
@@ -28,18 +26,7 @@ RunReport known_run() {
       left -= left / 2;
     }
     r.level = i <= 60 ? 0 : i <= 100 ? 1 : 4;
-    r.time_debt = i > 100 ? 1e-4 * (i - 100) : 0.0;
     r.particles = 10, r.grains = 160;
-    r.simulated_time = 0.02 * i;
-    // The light begins beside the zenith and moves past the north into the west. Before the third frame there is none.
-    const double polar = 0.01 * i, azimuth = 2.0 + 0.02 * i;
-    row.light.known = row.light.coloured = i > 2;
-    row.light.towards[0] = std::sin(polar) * std::cos(azimuth), row.light.towards[1] = std::cos(polar);
-    row.light.towards[2] = std::sin(polar) * std::sin(azimuth);
-    row.light.light[0] = 1.0, row.light.light[1] = 0.9, row.light.light[2] = 0.8;
-    for (double& value : row.light.ambient) value = 0.002 * i;
-    row.light.contrast = 0.25 + 0.005 * i;
-    if (i > 10) row.light.confidence = 1.0 - 0.005 * i;
     row.wall_ms = 6.0, row.cpu_ms = 0.03 * i;
     run.frames.push_back(row);
   }
@@ -72,18 +59,13 @@ int main(int argc, char** argv) {
   try {
     make_folder(argv[1]);
     const RunReport run = known_run();
-    PageContent content;
-    content.figures = {
-        {"Pair", "Red before blue.", plain(argv[1], {200, 0, 0}), plain(argv[1], {0, 0, 200}), "red", "blue", false},
-        {"Single", "</script> is text.", jpeg_file(Picture(320, 240, {0, 150, 0}), 90), {}, "", "", true}};
-    content.tables = {{"Errors", "One view.", {"view", "RMSE"}, {{"1", "0.125"}}}, {"Facts", "", {}, {{"seed", "7"}}}};
-    LightSeries labels = {"labels", {}};
-    for (const double time : {0.02, 0.02 * k_frames}) labels.samples.push_back({time, {1.0, 1.0, 0.0}, {-1}, {-1}});
-    content.light = {labels};
+    const std::vector<PageFigure> figures = {
+        {"Pair", "Red before blue.", plain(argv[1], {200, 0, 0}), plain(argv[1], {0, 0, 200}), "red", "blue"},
+        {"Single", "</script> is text.", jpeg_file(Picture(320, 240, {0, 150, 0}), 90), {}, "", ""}};
     write_file(std::string(argv[1]) + "/report.csv", report_csv(run));
-    write_file(std::string(argv[1]) + "/report.html", report_page(run, content));
-    write_file(std::string(argv[1]) + "/long.html", report_page(long_run(), {}));
-    write_file(std::string(argv[1]) + "/empty.html", report_page({}, {}));
+    write_file(std::string(argv[1]) + "/report.html", report_page(run, figures, {{"hash", "0x<7>"}}));
+    write_file(std::string(argv[1]) + "/long.html", report_page(long_run(), {}, {}));
+    write_file(std::string(argv[1]) + "/empty.html", report_page({}, {}, {}));
   } catch (const std::exception& error) {
     return std::fprintf(stderr, "page_fixture: %s\n", error.what()), 2;
   }

@@ -57,7 +57,7 @@ TEST_F(Cli, OutWritesReportsAndPictures) {
   for (const char* file : {"contact_sheet.png", "last_frame.png", "frames/frame_000000.png", "trace.json", "report.csv",
                            "summary.json", "summary.txt", "report.html"})
     EXPECT_GT(fs::file_size(folder / "out" / file), 100u) << file;
-  EXPECT_TRUE(fs::exists(folder / "out" / "film.mp4") || fs::exists(folder / "out" / "film.gif"));
+  EXPECT_NE(fs::exists(folder / "out" / "film.mp4"), outcome.err.find("needs ffmpeg") != std::string::npos);
   const std::string csv = read(path("out/report.csv"));
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3);
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder / "out"))
@@ -71,7 +71,7 @@ TEST_F(Cli, EstimatesAPhonesFrameAndTheBudgetThatASceneNeeds) {
   ASSERT_EQ(as.code, 0) << as.err;
   EXPECT_NE(as.out.find("Estimated, not measured"), std::string::npos) << as.out;
   EXPECT_NE(as.out.find("at its slowest"), std::string::npos) << as.out;
-  EXPECT_NE(read(path("as/report.html")).find("\"fastest_factor\""), std::string::npos);
+  EXPECT_NE(read(path("as/report.html")).find("data-fastest="), std::string::npos);
   const Outcome again = run("run " + scene + " --as cortex-a78 --budget-ms 4 --isa scalar");
   EXPECT_EQ(again.out.substr(again.out.find("hash")), as.out.substr(as.out.find("hash")));
 
