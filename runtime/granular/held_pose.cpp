@@ -230,15 +230,17 @@ void add_untold(float velocity[3], const float before[3], const float way[3], fl
 void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, float reach, float step,
           const HoldRule& rule) {
   const Placement before = p->held;
-  const Pose was_held = before.pose;
   p->held = told;
   if (rule.band <= 0.0f) return;
   float shift[3], arc[3];
   motion_between(was_told, told.pose, shift, arc);
   add_untold(p->held.linear, before.linear, shift, step, 1.0f, rule);
   add_untold(p->held.angular, before.angular, arc, step, maximum(reach, 1e-6f), rule);
-  if (surface_way(shape, was_held, was_told, rule) <= k_caught_up) return;
-  Pose behind = was_held;  // as far from the told pose as it was in the last frame
+  // As far from the told pose as it was in the last frame, but of one that had jumped no further than the band.
+  const float lag = surface_way(shape, before.pose, was_told, rule);
+  if (lag <= k_caught_up) return;
+  const Pose was_held = lag > rule.band ? between(was_told, before.pose, rule.band / lag) : before.pose;
+  Pose behind = was_held;
   const float* w = was_told.rotation;
   const float back[4] = {-w[0], -w[1], -w[2], w[3]};
   float turn[4];

@@ -346,6 +346,19 @@ TEST(Held, ALiftByNoisyPosesAloneCarries) {
   }
 }
 
+// A floor that tells its velocity, and jumped just before: in a scene that is restored, it was elsewhere.
+TEST(Held, WhatJumpsAndIsBelievedThrowsNothing) {
+  Heap heap(0.026f);
+  heap.ground().position[1] = 0.2f;
+  double fastest = 0.0;
+  for (int f = 0; f < 30; ++f) {
+    heap.ground().position[1] += 0.3f * k_frame, heap.ground().linear_velocity[1] = 0.3f;
+    heap.frame();
+    fastest = std::max(fastest, static_cast<double>(heap.report.speed_max));
+  }
+  EXPECT_LE(fastest, 0.3 + gentle(0.026, 0.0));
+}
+
 TEST(Held, AnHourglassTurnedByPosesAloneTurnsItsSand) {
   sandglass::Field field;
   accept(field.from_function({{-0.12f, -0.12f, -0.12f}, {0.12f, 0.12f, 0.12f}}, 0.01f, SANDGLASS_SOLID_OUTSIDE,
