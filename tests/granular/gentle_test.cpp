@@ -438,6 +438,24 @@ TEST(Identity, AnIdKeepsACollidersPose) {
   }
 }
 
+// The ids of two equal walls are lost for a frame, of one after the other: neither is taken for the other.
+TEST(Identity, WhatWentAwayIsNotFoundElsewhere) {
+  Heap heap(0.01f, Ground::box);
+  sandglass_collider other = heap.ground();
+  other.position[1] -= 0.2f;
+  heap.scene.colliders.push_back(other);
+  for (uint32_t lost = 0; lost < 2; ++lost) {
+    for (uint32_t i = 0; i < 2; ++i) heap.scene.colliders[i].id = 7 + i;
+    heap.frame();
+    heap.scene.colliders[lost].id = 0;
+    heap.frame();
+    sandglass_collider held = {};
+    ASSERT_TRUE(heap.scene.scene.held_collider(lost, &held));
+    EXPECT_NEAR(static_cast<double>(held.position[1]), static_cast<double>(heap.scene.colliders[lost].position[1]),
+                1e-6);
+  }
+}
+
 // ---- slow carriers
 
 // A heap that wakes creeps. It does so whichever way the carrier goes, so half of the difference of two ways is what was
