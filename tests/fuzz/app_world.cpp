@@ -67,11 +67,24 @@ struct Watch {
     return std::count_if(w.solids.begin(), w.solids.end(), touches) > 1;
   }
 
-  // How many creep in the edge of two walls, see below; a body does as a whole.
-  uint32_t in_edges() const {
+  // Whether it touches a surface that is steeper than a friction of 0.16 holds it on, 9 degrees.
+  bool is_on_slope(Vec3 p) const {
+    const double way = 0.01 * w.r;
+    for (const Solid& s : w.solids) {
+      const double d = s.distance(p);
+      const Vec3 n = {s.distance(p + Vec3{way, 0, 0}) - d, s.distance(p + Vec3{0, way, 0}) - d,
+                      s.distance(p + Vec3{0, 0, way}) - d};
+      if (d < w.r + k_band && -dot(n, w.gravity) < 0.988 * length(n) * length(w.gravity)) return true;
+    }
+    return false;
+  }
+
+  // How many slide on a slope, or creep in the edge of two walls or of a field, as friction with one slips while it holds
+  // on to the other. They may do so for good; a body does as a whole.
+  uint32_t sliding() const {
     uint32_t sand = 0, body = 0;
     for (size_t i = 0; i < w.positions.size(); ++i) {
-      if (w.present[i] == 0 || length(w.velocities[i]) == 0 || !is_pinched(w.positions[i])) continue;
+      if (w.present[i] == 0 || length(w.velocities[i]) == 0 || !is_on_slope(w.positions[i])) continue;
       i < w.in_bodies ? body = w.in_bodies : ++sand;
     }
     return sand + body;
@@ -201,9 +214,7 @@ struct Watch {
       if (!soon && w.simulated > landed + k_soon) {
         soon = true;
         check_depth();
-        // A few may still slide on a slope hardly steeper than friction, or creep in the edge of two walls or of a
-        // field, as friction with one slips while it holds on to the other. Those may never end.
-        if (!is_in_body()) check_sleep(k_soon, std::max({5u, w.report.particles / 20, in_edges()}));
+        if (!is_in_body()) check_sleep(k_soon, std::max({5u, w.report.particles / 20, sliding()}));
       }
       // A held pose that is nearly its band away from a restless one may still be corrected.
       if ((w.set.list & restless) == 0 && w.simulated > next) {
@@ -218,7 +229,7 @@ struct Watch {
       }
       if (exact && soon && w.report.awake == 0 && w.simulated > landed + k_soon + 2) return;
     }
-    check_sleep(k_late, in_edges());
+    check_sleep(k_late, sliding());
   }
 };
 
