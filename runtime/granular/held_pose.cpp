@@ -160,8 +160,8 @@ void motion_between(const Pose& from, const Pose& to, float shift[3], float turn
   }
 }
 
-// A velocity of a collider's own way, in which the poses' noise is smoothed: what makes less than the band in this frame.
-// It gains only so much: a single jump is no motion. Of a turn a point at `lever` counts.
+// A velocity of a collider's own way, in which the poses' noise is smoothed: what makes less than the band in this
+// frame. It gains only so much: a single jump is no motion. Of a turn a point at `lever` counts.
 void gain(float velocity[3], const float way[3], float seconds, float lever, const HoldRule& rule) {
   constexpr float k_none = 1e-9f;  // m/s or rad/s
   float next[3], lacks[3], along = 0.0f;

@@ -79,8 +79,8 @@ struct Watch {
     return false;
   }
 
-  // How many slide on a slope, or creep in the edge of two walls or of a field, as friction with one slips while it holds
-  // on to the other. They may do so for good; a body does as a whole.
+  // How many slide on a slope, or creep in the edge of two walls or of a field, as friction with one slips while it
+  // holds on to the other. They may do so for good; a body does as a whole.
   uint32_t sliding() const {
     uint32_t sand = 0, body = 0;
     for (size_t i = 0; i < w.positions.size(); ++i) {

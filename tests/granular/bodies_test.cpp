@@ -246,8 +246,8 @@ TEST(Bodies, UpToEightTimesAsHeavyTheyComeToRestOnSand) {
     }
 }
 
-// Height weighting lifts what meets, and no more: what sand and a body have gained to the side would drive the body about
-// for as long as it holds the sand between its particles.
+// Height weighting lifts what meets, and no more: what sand and a body have gained to the side would drive the body
+// about for as long as it holds the sand between its particles.
 TEST(Bodies, WhatMeetsABodyPushesItNowhereAside) {
   for (const float density : {1.0f, 4.0f})
     for (const float aside : {-0.015f, 0.004f, 0.012f}) {
