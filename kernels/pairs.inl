@@ -36,6 +36,18 @@ SANDGLASS_INLINE Float pair_lift(const ContactArgs* a, const Float* self, const 
   return lift * select(room < rise, room / maximum(rise, tiny), one);
 }
 
+// The lift of a pair adds momentum along its normal. Of pairs with a body only the upright part is kept: sand that is
+// caught between particles of a body would drive it over the floor, at metres a second.
+SANDGLASS_INLINE void level_lift(const ContactArgs* a, Mask of_body, const Float normal[3], Float lift, Float mine[3],
+                                 Float others[3]) {
+  const Float up[3] = {broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2])};
+  const Float rise = dot3(normal[0], normal[1], normal[2], up[0], up[1], up[2]);
+  for (int k = 0; k < 3; ++k) {
+    const Float aside = keep(of_body, lift * (normal[k] - rise * up[k]));
+    mine[k] = mine[k] + aside, others[k] = others[k] + aside;
+  }
+}
+
 // Marks the groups of some particles. One copy: it is rare.
 SANDGLASS_APART void mark_groups(const ContactArgs* a, Mask which, const uint32_t* particles, uint32_t* touched) {
   alignas(64) float flags[k_lane_group];
@@ -77,11 +89,14 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, c
   Float self[k_record_floats];
   load_records(particles, first, 1, self);
   Float others_mobility = self[k_mobility] + r[k_mobility];
+  Mask of_body = zero < zero;
   if (a->bodies != 0) {
     Float other[k_record_floats];
     load_records(particles, second, 1, other);
     others_mobility = other[k_mobility];
     touch = and_not(touch, same_body(self[k_identity], other[k_identity]));
+    const Int bodies = as_int(self[k_identity]) | as_int(other[k_identity]);
+    of_body = and_not(touch, (bodies & broadcast(static_cast<int32_t>(k_body_mask))) == broadcast(0));
   }
   const Float my_mass = maximum(self[k_mobility], zero);  // inverse masses; sleepers do not yield
   const Float others_mass = k_fixed ? zero : maximum(others_mobility, zero);
@@ -112,6 +127,7 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, c
     mine[k] = zero - keep(touch, (share + lift) * normal + share * tangential);
     others[k] = keep(touch, (others_share - lift) * normal + others_share * tangential);
   }
+  if (!k_fixed && a->bodies != 0) level_lift(a, of_body, n, lift * push, mine, others);
   subtract_displacements(particles, first, mine);
   if (!k_fixed) subtract_displacements(particles, second, others);
 

@@ -13,7 +13,8 @@ namespace {
 constexpr float k_collider_speed = 1e4f;   // metres or radians a second, along each axis
 constexpr double k_way_resolution = 1e-6;  // metres or radians; what is shorter counts as none
 constexpr float k_gone_seconds = 0.25f;    // after so long, one that is not passed is no longer recognised by its place
-constexpr float k_recognised = 0.25f;      // metres that a collider may have gone since it was last passed
+constexpr float k_recognised = 0.25f;      // metres that a collider may have gone since the last frame
+constexpr float k_found_again = 0.01f;     // and that one without an id may, if it was not passed then
 constexpr float k_in_place = 0.003f;       // metres; at its place in the list, one that is so near is the same
 
 bool normalise(float q[4]) {
@@ -78,8 +79,9 @@ float apart2(const KnownCollider& known, const sandglass_collider& now) {
   return way * way;
 }
 
-bool recognisable(const KnownCollider& known, const sandglass_collider& now) {
-  return known.absent < k_gone_seconds && apart2(known, now) <= k_recognised * k_recognised;
+bool recognisable(const KnownCollider& known, const sandglass_collider& now, float step) {
+  const float most = now.id != 0 || known.absent <= step ? k_recognised : k_found_again;
+  return known.absent < k_gone_seconds && apart2(known, now) <= most * most;
 }
 
 // The slot of a collider, by id or by an equal pose, the last passed if there are several; k_no_slot: neither.
@@ -101,7 +103,7 @@ uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_co
   uint32_t nearest = k_no_slot;
   float nearest2 = 0.0f;
   for (uint32_t slot = 0; slot < capacity; ++slot) {
-    if (!free_slot(c, slot, now) || !recognisable(c.known[slot], now)) continue;
+    if (!free_slot(c, slot, now) || !recognisable(c.known[slot], now, step)) continue;
     const bool in_place = c.known[slot].place == place, passed = c.known[slot].absent <= step;
     const float near2 = k_in_place * k_in_place, way2 = apart2(c.known[slot], now) + (passed ? 0.0f : near2);
     if (in_place && passed && way2 <= near2) return slot;
@@ -200,7 +202,8 @@ void hold_slot(Granular* g, uint32_t slot, const sandglass_collider& now, double
   Colliders& c = g->colliders;
   KnownCollider& known = c.known[slot];
   const double step = static_cast<double>(g->time.frame_step), debt = g->time.debt;
-  const bool same_one = known.used != 0 && known.id == now.id && known.shape == now.shape && recognisable(known, now);
+  const bool same_one =
+      known.used != 0 && known.id == now.id && known.shape == now.shape && recognisable(known, now, g->time.frame_step);
   const bool continued = same_one && known.absent <= g->time.frame_step;
   const Placement before = placement_of(c.of_slot[slot]);
   if (!same_one) hold_anew(&known.pose, placement_of(now));

@@ -2,8 +2,9 @@
 // which a sub-step ends, and compared with those of earlier frames, because sand sleeps on them.
 //
 // A collider is recognised from frame to frame by its id, else by an equal pose, else by its place in the list, else as
-// the nearest of its shape. It then has a slot, by which all else knows it. So the order of the list means nothing, and
-// one that comes and goes changes nothing for the others.
+// the nearest of its shape; one that was not passed in the last frame only about where it was. It then has a slot, by
+// which all else knows it. So the order of the list means nothing, and one that comes and goes changes nothing for the
+// others.
 #pragma once
 
 #include "kernels/kernels.h"

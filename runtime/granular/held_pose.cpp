@@ -26,6 +26,8 @@ constexpr float k_still_seconds = 0.1f;
 constexpr float k_slowest = 1e-4f;
 // What a told velocity lacks of the pose's way, in shares of it. Of a hand that turns or brakes it is less.
 constexpr float k_untold_share = 0.25f;
+// A followed velocity is smoothed over about this time.
+constexpr float k_smooth_seconds = 0.1f;
 // Seconds in which a collider may gain the speed at which sand leaves it.
 constexpr float k_leave_frame = 1.0f / 60.0f;
 
@@ -158,19 +160,20 @@ void motion_between(const Pose& from, const Pose& to, float shift[3], float turn
   }
 }
 
-// A velocity of a collider's own way. It may drop at once, and gain only so much: a single jump is no motion.
-void gain(float velocity[3], const float way[3], float seconds, float most) {
-  constexpr float k_none = 1e-9f;  // metres or radians
-  const float length = length3(way);
-  if (!(length > k_none)) {
-    for (int k = 0; k < 3; ++k) velocity[k] = 0.0f;
-    return;
-  }
-  const float speed = length / seconds;
-  float along = 0.0f;
-  for (int k = 0; k < 3; ++k) along += velocity[k] * way[k] / length;
-  const float limit = maximum(along, 0.0f) + most;
-  for (int k = 0; k < 3; ++k) velocity[k] = way[k] / length * minimum(speed, limit);
+// A velocity of a collider's own way, in which the poses' noise is smoothed: what makes less than the band in this
+// frame. It gains only so much: a single jump is no motion. Of a turn a point at `lever` counts.
+void gain(float velocity[3], const float way[3], float seconds, float lever, const HoldRule& rule) {
+  constexpr float k_none = 1e-9f;  // m/s or rad/s
+  float next[3], lacks[3], along = 0.0f;
+  for (int k = 0; k < 3; ++k) lacks[k] = way[k] / seconds - velocity[k];
+  const float noise = rule.band / (seconds * lever),
+              most = rule.leave_speed / lever * minimum(seconds / k_leave_frame, 1.0f);
+  const float share = maximum(seconds / (k_smooth_seconds + seconds), 1.0f - noise / (length3(lacks) + k_none));
+  for (int k = 0; k < 3; ++k) next[k] = velocity[k] + share * lacks[k];
+  const float speed = length3(next) + k_none;
+  for (int k = 0; k < 3; ++k) along += velocity[k] * next[k] / speed;
+  const float scale = minimum(1.0f, (maximum(along, 0.0f) + most) / speed);
+  for (int k = 0; k < 3; ++k) velocity[k] = scale * next[k];
 }
 
 // Whether the told velocities are motion: they have run further than what shakes within the band can, or kept their
@@ -211,14 +214,15 @@ void begin_following(HeldPose* p) {
 
 // Adds to a told velocity what it does not tell of the pose's way: of a belt that is lifted, the lift. Of the velocity,
 // so much is the pose's as goes with its way; of a belt that stays in place nothing.
-void add_untold(float velocity[3], const float before[3], const float way[3], float step, float most) {
+void add_untold(float velocity[3], const float before[3], const float way[3], float step, float lever,
+                const HoldRule& rule) {
   float with = 0.0f, told2 = 0.0f;
   for (int k = 0; k < 3; ++k) with += way[k] * velocity[k] * step, told2 += velocity[k] * velocity[k] * step * step;
   const float share = told2 > 0.0f ? minimum(maximum(with / told2, 0.0f), 1.0f) : 0.0f;
   float rest[3], untold[3];
   for (int k = 0; k < 3; ++k) rest[k] = way[k] - share * step * velocity[k], untold[k] = before[k] - velocity[k];
   if (!(length3(rest) > k_untold_share * length3(way))) return;
-  gain(untold, rest, step, most);
+  gain(untold, rest, step, lever, rule);
   for (int k = 0; k < 3; ++k) velocity[k] += untold[k];
 }
 
@@ -226,16 +230,17 @@ void add_untold(float velocity[3], const float before[3], const float way[3], fl
 void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, float reach, float step,
           const HoldRule& rule) {
   const Placement before = p->held;
-  const Pose was_held = before.pose;
   p->held = told;
   if (rule.band <= 0.0f) return;
   float shift[3], arc[3];
   motion_between(was_told, told.pose, shift, arc);
-  const float most = rule.leave_speed * minimum(step / k_leave_frame, 1.0f);
-  add_untold(p->held.linear, before.linear, shift, step, most);
-  add_untold(p->held.angular, before.angular, arc, step, most / maximum(reach, 1e-6f));
-  if (surface_way(shape, was_held, was_told, rule) <= k_caught_up) return;
-  Pose behind = was_held;  // as far from the told pose as it was in the last frame
+  add_untold(p->held.linear, before.linear, shift, step, 1.0f, rule);
+  add_untold(p->held.angular, before.angular, arc, step, maximum(reach, 1e-6f), rule);
+  // As far from the told pose as it was in the last frame, but of one that had jumped no further than the band.
+  const float lag = surface_way(shape, before.pose, was_told, rule);
+  if (lag <= k_caught_up) return;
+  const Pose was_held = lag > rule.band ? between(was_told, before.pose, rule.band / lag) : before.pose;
+  Pose behind = was_held;
   const float* w = was_told.rotation;
   const float back[4] = {-w[0], -w[1], -w[2], w[3]};
   float turn[4];
@@ -260,9 +265,8 @@ void follow(HeldPose* p, sandglass_shape shape, bool changed, float reach, float
   if (behind > rule.band) next = between(p->told, next, rule.band / behind);
   float shift[3], turn[3];
   motion_between(p->start, next, shift, turn);
-  const float most = rule.leave_speed * minimum(seconds / k_leave_frame, 1.0f);
-  gain(held.linear, shift, seconds, most);
-  gain(held.angular, turn, seconds, most / maximum(reach, 1e-6f));
+  gain(held.linear, shift, seconds, 1.0f, rule);
+  gain(held.angular, turn, seconds, maximum(reach, 1e-6f), rule);
   held.pose = p->start = next;
   p->age = 0.0f;
   const bool moves = surface_way(shape, p->stand, next, rule) > k_stand_bands * rule.band;

@@ -3,7 +3,8 @@
 //
 //   held      as long as the told surface, where sand is, stays within a band of the held one, nothing moves
 //   follows   a pose that stays beyond the band for some frames is followed all the way, smoothly and never further
-//             behind than the band, with the velocity of that way; it is held again once it has stood for a while
+//             behind than the band, with the velocity of that way without its noise; it is held again once it has stood
+//             for a while
 //   believed  where the app tells a velocity that keeps its direction, pose and velocity are taken as told
 //
 // What counts is the surface, not the numbers: a half-space may slide along itself, and a box that grows keeps the faces

@@ -246,6 +246,24 @@ TEST(Bodies, UpToEightTimesAsHeavyTheyComeToRestOnSand) {
     }
 }
 
+// Height weighting lifts what meets, and no more: what sand and a body have gained to the side would drive the body
+// about for as long as it holds the sand between its particles.
+TEST(Bodies, WhatMeetsABodyPushesItNowhereAside) {
+  for (const float density : {1.0f, 4.0f})
+    for (const float aside : {-0.015f, 0.004f, 0.012f}) {
+      GranularScene scene(with_bodies(1, 27));
+      scene.add({aside, 0.0f, 0.005f});
+      scene.add_body(shifted(brick(3, 3, 3), 0.0f, 0.03f, 0.0f), density, {0.0f, -1.0f, 0.0f});
+      for (int frame = 0; frame < 10; ++frame) scene.frame(k_frame);
+      const std::vector<float> v = scene.velocities();
+      float gained[3] = {v[0], v[1], v[2]};
+      for (size_t i = 3; i < v.size(); ++i) gained[i % 3] += density * v[i];
+      EXPECT_GT(std::fabs(v[0]), 0.001f) << "they met";
+      EXPECT_NEAR(gained[0], 0.0f, 1e-4f) << density << " at " << aside;
+      EXPECT_NEAR(gained[2], 0.0f, 1e-4f) << density << " at " << aside;
+    }
+}
+
 // With the default sub-steps a heavier one keeps the sand apart, but in some places it throws sand or does not come to
 // rest: the control. With sub-steps half as long it does neither anywhere.
 TEST(Bodies, TwentyTimesAsHeavyTheyNeedHalfTheSubStep) {

@@ -315,11 +315,13 @@ PairOracle pair_oracle(const Particle& a, const Particle& b) {
   // The lift ends where the two rise by k_lift on average.
   const double rise = overlap * lift * n.y, room = std::max(0.0, k_lift - 0.5 * (a.velocity[1] + b.velocity[1]));
   if (rise > room) lift *= room / rise;
+  // With a body it is upright.
+  const Vector raised = (lift * overlap) * (in_body(a) || in_body(b) ? Vector{0.0, n.y, 0.0} : n);
   const Vector t = k_stick * (relative - along * n);
   const double limit = std::fabs(overlap);
   const double grip = length(t) <= k_static * limit ? 1.0 : std::min(1.0, k_kinetic * limit / length(t));
-  result.a = k_omega * (((share + lift) * overlap) * n + (share * grip) * t);
-  result.b = -k_omega * (((1 - share - lift) * overlap) * n + ((1 - share) * grip) * t);
+  result.a = k_omega * ((share * overlap) * n + raised + (share * grip) * t);
+  result.b = -k_omega * (((1 - share) * overlap) * n - raised + ((1 - share) * grip) * t);
   return result;
 }
 

@@ -363,10 +363,10 @@ typedef struct sandglass_body {
   /* The mass of a particle of the body over that of a particle of sand, 0.001..1000. Default: 1. Up to 8, with the
    * default sub-steps, body and sand stay apart and come to rest. Above that, sand that the body falls on may be thrown
    * up, and takes seconds longer to rest; half of the default substep_max is enough up to 20. Above 20, sand that the
-   * body squeezes may end inside it, unless substep_max is far shorter. A stack of two or three bodies, none denser
-   * than those below, does not move. It also stands if the uppermost is up to 8 times as dense, though bodies that were
-   * put ball on ball slide by up to two diameters until they lie in the hollows. One that is 100 times as dense pushes
-   * apart what carries it. */
+   * body squeezes may end inside it, unless substep_max is far shorter; so may, at any density, single particles on a
+   * bare floor that a body falls onto. A stack of two or three bodies, none denser than those below, does not move. It
+   * also stands if the uppermost is up to 8 times as dense, though bodies that were put ball on ball slide by up to two
+   * diameters until they lie in the hollows. One that is 100 times as dense pushes apart what carries it. */
   float density_ratio;
   /* m/s, of the centre of mass, at most 10,000 along each axis. */
   float linear_velocity[3];
