@@ -2,10 +2,9 @@
 // each of its pointers NULL. Functions with a status refuse it and name the argument; functions that return nothing do
 // nothing; functions that return a value return the neutral one. What the header calls optional is accepted.
 //
-// The names of the arguments come from the headers, which also say whether the table is complete.
+// The names of the arguments come from the headers (header_facts.py), which also say whether the table is complete.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -26,17 +25,7 @@
 
 namespace {
 
-// ------------------------------------------------------------------------------------------------ the headers
-
 bool in_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
-
-// The name that a declarator such as "const float position[3]" or "uint32_t sandglass_version" ends in.
-std::string last_word(std::string text) {
-  text.resize(std::min(text.find('['), text.size()));
-  size_t begin = text.size();
-  while (begin > 0 && in_word(text[begin - 1])) --begin;
-  return text.substr(begin);
-}
 
 bool has_word(const char* said, const std::string& word) {
   const std::string sentence = said != nullptr ? said : "";
@@ -46,26 +35,9 @@ bool has_word(const char* said, const std::string& word) {
 }
 
 // The arguments of each function that has a pointer among them.
-std::map<std::string, std::vector<std::string>> functions_with_pointers() {
-  std::map<std::string, std::vector<std::string>> functions;
-  for (const auto& entry : std::filesystem::directory_iterator(SANDGLASS_HEADERS)) {
-    if (entry.path().extension() != ".h") continue;
-    std::string text;
-    std::ifstream file(entry.path());
-    for (std::string line; std::getline(file, line);)
-      if (line[0] != '#') text += line + '\n';
-    for (size_t at; (at = text.find("/*")) != std::string::npos;) text.erase(at, text.find("*/", at) + 2 - at);
-    for (size_t at = 0; (at = text.find("SANDGLASS_API", at)) != std::string::npos; ++at) {
-      const size_t open = text.find('(', at), close = text.find(';', at) - 1;
-      const std::string list = text.substr(open + 1, close - open - 1);
-      if (list.find_first_of("*[") == std::string::npos) continue;
-      std::vector<std::string>& arguments = functions[last_word(text.substr(at, open - at))];
-      for (size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1)
-        end = list.find(',', begin), arguments.push_back(last_word(list.substr(begin, end - begin)));
-    }
-  }
-  return functions;
-}
+const std::map<std::string, std::vector<std::string>> k_functions = {
+#include "arguments.inc"
+};
 
 // ------------------------------------------------------------------------------------------------ the table
 
@@ -107,8 +79,8 @@ class Nulls : public ::testing::Test {
   void without_each(const char* name, bool refuses, const char* optional, const std::vector<void*>& pointers,
                     int (*call)(const void* row), const void* of) {
     covered_.insert(name);
-    const auto function = functions_.find(name);
-    ASSERT_NE(function, functions_.end()) << name << " is not in the headers";
+    const auto function = k_functions.find(name);
+    ASSERT_NE(function, k_functions.end()) << name << " is not in the headers";
     ASSERT_EQ(function->second.size(), pointers.size()) << name;
     for (size_t i = 0; i < pointers.size(); ++i) {
       if (pointers[i] == nullptr) continue;
@@ -157,7 +129,6 @@ class Nulls : public ::testing::Test {
   void shadows();
   void pile_shadows();
 
-  const std::map<std::string, std::vector<std::string>> functions_ = functions_with_pointers();
   std::set<std::string> covered_;
   int cases_ = 0;
 
@@ -452,7 +423,7 @@ TEST_F(Nulls, EveryFunctionRefusesOrIgnoresEachOfItsPointers) {
   rooms();
   shadows();
   pile_shadows();
-  for (const auto& [name, arguments] : functions_)
+  for (const auto& [name, arguments] : k_functions)
     EXPECT_EQ(covered_.count(name), 1u) << name << " is not in the table";
   std::printf("%zu functions, %d cases\n", covered_.size(), cases_);
   EXPECT_GT(cases_, 200);
