@@ -3,7 +3,7 @@
 
 Writes to OUTPUT_FOLDER:
   layout.c        a claim for each size and offset, for every language that has the headers
-  arguments.inc   the names of the arguments of each function that has a pointer among them, for null_test.cpp
+  arguments.inc   the names of the arguments of each function that has a pointer among them, for arguments_test.cpp
 """
 import pathlib
 import sys

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sandglass/sandglass.hpp"
-#include "tests/filled_struct.h"
+#include "tests/package/filled_struct.h"
 
 namespace {
 

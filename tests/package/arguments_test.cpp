@@ -1,6 +1,11 @@
-// The one rule for NULL, stated at the top of sandglass.h, in every public function: the table below calls each with
-// each of its pointers NULL. Functions with a status refuse it and name the argument; functions that return nothing do
-// nothing; functions that return a value return the neutral one. What the header calls optional is accepted.
+// Three rules of types.h, in every public function that they concern. The table below calls each function once with good
+// arguments; from that follow
+//   - NULL for each of its pointers: functions with a status refuse it and name the argument; functions that return
+//     nothing do nothing; functions that return a value return the neutral one. What the header calls optional is
+//     accepted,
+//   - every size of a struct that it fills: nothing beyond struct_size is written,
+//   - a block in which it makes something: one too small or not aligned is refused, and nothing is touched; one of the
+//     size announced suffices, and no byte outside is touched.
 //
 // The names of the arguments come from the headers (header_facts.py), which also say whether the table is complete.
 #include <gtest/gtest.h>
@@ -22,6 +27,8 @@
 #include <vector>
 
 #include "sandglass/sandglass.hpp"
+#include "tests/guarded_block.h"
+#include "tests/package/filled_struct.h"
 
 namespace {
 
@@ -51,7 +58,13 @@ void* pointer_at(T** place) {
 }
 void* pointer_at(const void*) { return nullptr; }
 
-class Nulls : public ::testing::Test {
+// Filled whole, or read and written: those are no answers to a struct_size.
+bool fills_within_size(const std::string& name) {
+  return name.find("_default") == std::string::npos && name != "sandglass_body_box" &&
+         name != "sandglass_room_light_fade" && name != "sandglass_scene_frame";  // of that: owner_types_test.cpp
+}
+
+class Arguments : public ::testing::Test {
  protected:
   // A function with arguments of which only the NULL is wrong. `optional`: those that may be NULL. The argument
   // `reason`, which every function with a status has, is added.
@@ -69,11 +82,71 @@ class Nulls : public ::testing::Test {
         else if constexpr (k_refuses) return std::apply(function, arguments);
         else return std::apply(function, arguments) != R{} ? 1 : 0;
       };
+      SCOPED_TRACE(name);
+      const auto accepted = [&] { return call() == SANDGLASS_OK || !k_refuses; };
+      sizes(name, arguments, std::index_sequence_for<P...>(), k_refuses, accepted, call);
       without_each(
           name, k_refuses, optional, pointers, [](const void* row) { return (*static_cast<decltype(call)*>(row))(); },
           &call);
     }
   }
+
+  template <class... P, size_t... I, class Accepted, class Call>
+  void sizes(const std::string& name, std::tuple<P...>& arguments, std::index_sequence<I...>, bool refuses,
+             const Accepted& accepted, const Call& call) {
+    (struct_size(name, &std::get<I>(arguments), refuses, accepted), ...);
+    if constexpr (sizeof...(I) > 4) {
+      // The block stands before its size, the place for what is made before `reason`.
+      constexpr size_t k_made = sizeof...(I) - 2;
+      using Types = std::tuple<P...>;
+      if constexpr (std::is_same_v<std::tuple_element_t<k_made - 2, Types>, void*> &&
+                    std::is_same_v<std::tuple_element_t<k_made - 1, Types>, uint64_t>)
+        block_size(&std::get<k_made - 2>(arguments), &std::get<k_made - 1>(arguments), *std::get<k_made>(arguments),
+                   call);
+    }
+  }
+
+  template <class T, class Accepted>
+  void struct_size(const std::string& name, T** place, bool refuses, const Accepted& accepted) {
+    if constexpr (!std::is_const_v<T> && requires(T & filled) { filled.struct_size; }) {
+      if (!fills_within_size(name)) return;
+      T* const good = *place;
+      const auto fill = [&](T* filled) {
+        *place = filled;
+        return accepted();
+      };
+      sandglass::tests::expect_filled_within_its_size<T>(fill, refuses);
+      *place = good;
+      ++filled_;
+    }
+  }
+  template <class Accepted>
+  void struct_size(const std::string&, const void*, bool, const Accepted&) {}
+
+  template <class Handle, class Call>
+  void block_size(void** place, uint64_t* size, Handle* const& made, const Call& call) {
+    const uint64_t announced = *size;
+    void* const good = *place;
+    Handle* const before = made;
+    sandglass::test::GuardedBlock block(announced);
+    *place = block.data();
+    for (const uint64_t less : {uint64_t{0}, uint64_t{1}, announced / 2, announced - 64, announced - 1}) {
+      *size = less;
+      EXPECT_EQ(call(), SANDGLASS_ERROR_MEMORY_TOO_SMALL) << less;
+    }
+    *size = announced, *place = block.data() + 8;
+    EXPECT_EQ(call(), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
+    EXPECT_TRUE(block.untouched());
+    EXPECT_EQ(made, before);
+    *place = block.data();
+    EXPECT_EQ(call(), SANDGLASS_OK);
+    EXPECT_TRUE(block.guards_intact());
+    *place = good;
+    ++blocks_;
+  }
+
+  template <class Call>
+  void block_size(void**, uint64_t*, uint64_t, const Call&) {}  // saves bytes, and makes nothing
 
   // Calls once for each of the pointers, with that one NULL. The call returns a status, or whether a value is not 0.
   void without_each(const char* name, bool refuses, const char* optional, const std::vector<void*>& pointers,
@@ -130,7 +203,7 @@ class Nulls : public ::testing::Test {
   void pile_shadows();
 
   std::set<std::string> covered_;
-  int cases_ = 0;
+  int cases_ = 0, filled_ = 0, blocks_ = 0;
 
   sandglass_scene_desc desc;
   sandglass::Scene scene;
@@ -141,7 +214,7 @@ class Nulls : public ::testing::Test {
   float point[4] = {0.0f, 0.5f, 0.0f, 1.0f}, low[3] = {-0.1f, -0.1f, -0.1f}, high[3] = {0.1f, 0.1f, 0.1f};
 };
 
-void Nulls::scenes() {
+void Arguments::scenes() {
   sandglass_scene* const s = scene.get();
   sandglass_scene* made = nullptr;
   row(NAMED(sandglass_scene_bytes), "", &desc, &need);
@@ -203,7 +276,7 @@ constexpr sandglass_mesh k_mesh = {k_vertices, 4, k_indices, 4};
 int in_ball(void*, const float p[3]) { return p[0] * p[0] + p[1] * p[1] + p[2] * p[2] < 0.0064f ? 1 : 0; }
 float from_plane(void*, const float p[3]) { return std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - 0.05f; }
 
-void Nulls::sampling() {
+void Arguments::sampling() {
   std::vector<float> points(3 * 4096);
   sandglass_sample_options options;
   row(NAMED(sandglass_sample_options_default), "", &options);
@@ -219,7 +292,7 @@ void Nulls::sampling() {
   row(NAMED(sandglass_mesh_inside_bytes), "", &k_mesh, rule, &need);
   const sandglass::Block block = sandglass::allocate_block(1 << 20);
   sandglass_mesh_inside* inside = nullptr;
-  row(NAMED(sandglass_mesh_inside_create), "", &k_mesh, rule, block.get(), uint64_t{1 << 20}, &inside);
+  row(NAMED(sandglass_mesh_inside_create), "", &k_mesh, rule, block.get(), need, &inside);
   row(NAMED(sandglass_mesh_inside_test), "", inside, point);
 
   for (int k = 0; k < 3; ++k) low[k] = -0.1f, high[k] = 0.1f;
@@ -241,23 +314,22 @@ void Nulls::sampling() {
   row(NAMED(sandglass_sample_spectrum), "", points.data(), 8u, 10.0f, 1u, 8u, 0, &number);
 }
 
-void Nulls::fields() {
+void Arguments::fields() {
   for (int k = 0; k < 3; ++k) low[k] = -0.1f, high[k] = 0.1f;
   const sandglass_solid solid = SANDGLASS_SOLID_INSIDE;
   row(NAMED(sandglass_field_bytes), "", low, high, 0.01f, &need);
-  const uint64_t room = 1 << 20;
-  const sandglass::Block block = sandglass::allocate_block(room);
+  const sandglass::Block block = sandglass::allocate_block(need);
   sandglass_field* field = nullptr;
   row(NAMED(sandglass_field_from_mesh), "inside_user", &k_mesh, in_ball, point, low, high, 0.01f, 0.05f, solid,
-      block.get(), room, &field);
-  row(NAMED(sandglass_field_from_function), "user", low, high, 0.01f, solid, from_plane, point, block.get(), room,
+      block.get(), need, &field);
+  row(NAMED(sandglass_field_from_function), "user", low, high, 0.01f, solid, from_plane, point, block.get(), need,
       &field);
   float normal[3];
   row(NAMED(sandglass_field_distance), "normal", field, point, normal);
   row(NAMED(sandglass_field_bounds), "bounds_min bounds_max", field, low, high);
 }
 
-void Nulls::lights() {
+void Arguments::lights() {
   uint64_t file_bytes = 0;
   const std::vector<uint64_t> file = file_of(SANDGLASS_ROOM_LIGHT, &file_bytes);
   sandglass_light_desc desc_of = sandglass::light_desc();
@@ -286,6 +358,7 @@ void Nulls::lights() {
   row(NAMED(sandglass_camera_orientation), "", matrix, sh);
   row(NAMED(sandglass_light_run), "", light, 1u);
   row(NAMED(sandglass_light_units_left), "", light);
+  sandglass_light_run(light, UINT32_MAX);  // so that there is an estimate to read
   sandglass_light_estimate estimate = {};
   estimate.struct_size = sizeof estimate;
   row(NAMED(sandglass_light_get_latest), "", light, &estimate);
@@ -306,7 +379,7 @@ void Nulls::lights() {
   sandglass_light_release(light);
 }
 
-void Nulls::rooms() {
+void Arguments::rooms() {
   sandglass_room_desc desc_of = sandglass::room_desc();
   row(NAMED(sandglass_room_bytes), "", &desc_of, &need);
   ASSERT_EQ(sandglass_room_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
@@ -352,7 +425,7 @@ void Nulls::rooms() {
   row(NAMED(sandglass_room_hash), "", room);
 }
 
-void Nulls::shadows() {
+void Arguments::shadows() {
   uint64_t file_bytes = 0;
   const std::vector<uint64_t> file = file_of(SANDGLASS_CHAIR_SHADOW, &file_bytes);
   sandglass_shadow_desc desc_of = sandglass::shadow_desc();
@@ -374,11 +447,16 @@ void Nulls::shadows() {
   row(NAMED(sandglass_shadow_units_left), "", shadow);
   sandglass_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
-  row(NAMED(sandglass_shadow_get_texture), "", shadow, 0u, &texture);
+  while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
+  }
+  for (const uint32_t light : {0u, 1u})  // the second does not exist
+    row(NAMED(sandglass_shadow_get_texture), "", shadow, light, &texture);
   std::vector<float> cells(SANDGLASS_LIGHT_CELLS), transfer(9), sh(27), turned(27);
   row(NAMED(sandglass_shadow_set_cells), "", shadow, cells.data(), 0.0f);
   sandglass_shadow_ambient ambient = {};
   ambient.struct_size = sizeof ambient;
+  while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
+  }
   row(NAMED(sandglass_shadow_get_ambient), "", shadow, &ambient);
   row(NAMED(sandglass_shadow_surface), "normals", file.data(), file_bytes, point, high, 1u, transfer.data());
   row(NAMED(sandglass_shadow_turn_harmonics), "", sh.data(), point, turned.data());
@@ -389,7 +467,7 @@ void Nulls::shadows() {
   row(NAMED(sandglass_shadow_isa), "", shadow);
 }
 
-void Nulls::pile_shadows() {
+void Arguments::pile_shadows() {
   sandglass_pile_shadow_desc desc_of = sandglass::pile_shadow_desc();
   desc_of.sky_texels = 64;
   row(NAMED(sandglass_pile_shadow_bytes), "", &desc_of, &need);
@@ -404,6 +482,8 @@ void Nulls::pile_shadows() {
   row(NAMED(sandglass_pile_shadow_set_cells), "", shadow, cells);
   row(NAMED(sandglass_pile_shadow_refresh), "", shadow);
   row(NAMED(sandglass_pile_shadow_run), "", shadow, point, 1u, 0.01f, 1u);
+  while (sandglass_pile_shadow_run(shadow, point, 1, 0.01f, UINT32_MAX) > 0) {
+  }
   sandglass_pile_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
   row(NAMED(sandglass_pile_shadow_get_texture), "", shadow, &texture);
@@ -415,7 +495,7 @@ void Nulls::pile_shadows() {
   row(NAMED(sandglass_pile_shadow_hash), "", shadow);
 }
 
-TEST_F(Nulls, EveryFunctionRefusesOrIgnoresEachOfItsPointers) {
+TEST_F(Arguments, EveryFunctionKeepsTheThreeRules) {
   scenes();
   sampling();
   fields();
@@ -425,12 +505,14 @@ TEST_F(Nulls, EveryFunctionRefusesOrIgnoresEachOfItsPointers) {
   pile_shadows();
   for (const auto& [name, arguments] : k_functions)
     EXPECT_EQ(covered_.count(name), 1u) << name << " is not in the table";
-  std::printf("%zu functions, %d cases\n", covered_.size(), cases_);
+  std::printf("%zu functions, %d cases; %d structs; %d blocks\n", covered_.size(), cases_, filled_, blocks_);
   EXPECT_GT(cases_, 200);
+  EXPECT_GT(filled_, 15);
+  EXPECT_EQ(blocks_, 8);
 }
 
 // The same for pointers within structs: refused by name.
-TEST_F(Nulls, PointersWithinStructsFollowTheRule) {
+TEST_F(Arguments, PointersWithinStructsFollowTheRule) {
   const auto names = [this](const char* what, sandglass_status status) {
     EXPECT_EQ(status, SANDGLASS_ERROR_INVALID_ARGUMENT) << what;
     EXPECT_NE(std::string(reason).find(what), std::string::npos) << reason;
@@ -463,7 +545,7 @@ TEST_F(Nulls, PointersWithinStructsFollowTheRule) {
 }
 
 // What is left out is logged as what it is.
-TEST_F(Nulls, TheLogNamesTheKindThatWasLeftOut) {
+TEST_F(Arguments, TheLogNamesTheKindThatWasLeftOut) {
   std::vector<std::string> said;
   const auto write = [](void* user, const char* sentence) {
     static_cast<std::vector<std::string>*>(user)->push_back(sentence);
