@@ -24,24 +24,13 @@ public struct Vector4 {
   public static Vector4 operator *(float scale, Vector4 v) { return v; }
   public static implicit operator Vector4(Vector3 v) { return new Vector4(); }
 }
-public struct Quaternion {
-  public float x, y, z, w;
-  public Quaternion(float x, float y, float z, float w) { this.x = x; this.y = y; this.z = z; this.w = w; }
-}
-public struct Color {
-  public Color(float r, float g, float b, float a) {}
-  public Color gamma { get { return this; } }
-}
+public struct Quaternion { public float x, y, z, w; }
 public struct Bounds { public Bounds(Vector3 centre, Vector3 size) {} }
 public class Transform {
   public Vector3 position { get; set; }
   public Quaternion rotation { get; set; }
 }
 public class MonoBehaviour { public Transform transform { get { return null; } } }
-public sealed class Light : MonoBehaviour {
-  public Color color { get; set; }
-  public float intensity { get; set; }
-}
 public enum ScreenOrientation { Portrait = 1, PortraitUpsideDown = 2, LandscapeLeft = 3, LandscapeRight = 4 }
 public static class Screen { public static ScreenOrientation orientation { get; set; } }
 public sealed class RangeAttribute : Attribute { public RangeAttribute(float low, float high) {} }

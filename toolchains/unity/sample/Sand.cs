@@ -15,7 +15,6 @@ using UnityEngine.XR.ARSubsystems;
 public unsafe class Sand : MonoBehaviour {
   public Material material;  // of Sand.shader
   public ARCameraManager cameraManager;
-  public Light sun;  // the scene's directional light
   // Lower it when the device warns, for example by the warning level of Adaptive Performance.
   [Range(0, 1)] public float thermalHeadroom = 1;
 
@@ -159,7 +158,8 @@ public unsafe class Sand : MonoBehaviour {
     Draw((int)report.grain_numbers, Light());
   }
 
-  // The room's light at the sand comes in softly. It is set on Unity's own light, for whatever else the app draws.
+  // The room's light at the sand, which comes in softly. For what else the app draws, set it on Unity's directional light
+  // and its ambient probe, too.
   sandglass_light_unity Light() {
     var known = new sandglass_room_light();
     known.struct_size = (uint)sizeof(sandglass_room_light);
@@ -177,9 +177,6 @@ public unsafe class Sand : MonoBehaviour {
     float scale = exposure > 0 && shown.white > 0 ? exposure * shown.white : 1;
     unity.intensity *= scale;
     for (int i = 0; i < 27; ++i) unity.sh[i] *= scale;
-    sun.transform.rotation = new Quaternion(unity.rotation[0], unity.rotation[1], unity.rotation[2], unity.rotation[3]);
-    sun.color = new Color(unity.colour[0], unity.colour[1], unity.colour[2], 1).gamma;
-    sun.intensity = unity.intensity;
     return unity;
   }
 
