@@ -58,6 +58,23 @@ void* pointer_at(T** place) {
 }
 void* pointer_at(const void*) { return nullptr; }
 
+// A struct that an app hands over to be filled.
+template <class T>
+T sized() {
+  T empty = {};
+  empty.struct_size = sizeof empty;
+  return empty;
+}
+
+// A camera's image, and what its rows lie in.
+const std::vector<uint8_t> k_pixels(3 * 64 * 48, 100);
+sandglass_camera_image grey_image() {
+  sandglass_camera_image image = sandglass::camera_image();
+  image.width = 64, image.height = 48, image.planes[0] = k_pixels.data(), image.strides[0] = 3 * 64;
+  image.focal_x = image.focal_y = 60.0f;
+  return image;
+}
+
 // Filled whole, or read and written: those are no answers to a struct_size.
 bool fills_within_size(const std::string& name) {
   return name.find("_default") == std::string::npos && name != "sandglass_body_box" &&
@@ -134,8 +151,11 @@ class Arguments : public ::testing::Test {
       *size = less;
       EXPECT_EQ(call(), SANDGLASS_ERROR_MEMORY_TOO_SMALL) << less;
     }
-    *size = announced, *place = block.data() + 8;
-    EXPECT_EQ(call(), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
+    *size = announced;
+    for (size_t offset = 1; offset < SANDGLASS_BLOCK_ALIGNMENT; ++offset) {
+      *place = block.data() + offset;
+      EXPECT_EQ(call(), SANDGLASS_ERROR_MEMORY_ALIGNMENT) << offset;
+    }
     EXPECT_TRUE(block.untouched());
     EXPECT_EQ(made, before);
     *place = block.data();
@@ -334,8 +354,7 @@ void Arguments::lights() {
   const std::vector<uint64_t> file = file_of(SANDGLASS_ROOM_LIGHT, &file_bytes);
   sandglass_light_desc desc_of = sandglass::light_desc();
   desc_of.asset = file.data(), desc_of.asset_bytes = file_bytes;
-  sandglass_light_info info = {};
-  info.struct_size = sizeof info;
+  auto info = sized<sandglass_light_info>();
   row(NAMED(sandglass_light_inspect), "", file.data(), file_bytes, &info);
   row(NAMED(sandglass_light_bytes), "", &desc_of, &need);
   ASSERT_EQ(sandglass_light_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
@@ -346,10 +365,7 @@ void Arguments::lights() {
   ASSERT_NE(light, nullptr);
   row(NAMED(sandglass_light_reset), "", light);
   row(NAMED(sandglass_light_turn), "", light, point);
-  std::vector<uint8_t> pixels(3 * 64 * 48, 100);
-  sandglass_camera_image image = sandglass::camera_image();
-  image.width = 64, image.height = 48, image.planes[0] = pixels.data(), image.strides[0] = 3 * 64;
-  image.focal_x = image.focal_y = 60.0f;
+  sandglass_camera_image image = grey_image();
   row(NAMED(sandglass_camera_check), "", &image);
   row(NAMED(sandglass_light_set_image), "taken", light, &image, &count);
   row(NAMED(sandglass_camera_image_default), "", &image);
@@ -359,8 +375,7 @@ void Arguments::lights() {
   row(NAMED(sandglass_light_run), "", light, 1u);
   row(NAMED(sandglass_light_units_left), "", light);
   sandglass_light_run(light, UINT32_MAX);  // so that there is an estimate to read
-  sandglass_light_estimate estimate = {};
-  estimate.struct_size = sizeof estimate;
+  auto estimate = sized<sandglass_light_estimate>();
   row(NAMED(sandglass_light_get_latest), "", light, &estimate);
   row(NAMED(sandglass_light_get), "", light, &estimate);
   sandglass_light_get(light, &estimate);
@@ -368,10 +383,9 @@ void Arguments::lights() {
   row(NAMED(sandglass_light_isa), "", light);
   const sandglass_light_model model = SANDGLASS_LIGHT_MODEL_WHOLE;
   row(NAMED(sandglass_light_harmonics), "", &estimate, model, sh);
-  sandglass_light_filament filament = {};
-  sandglass_light_arkit arkit = {};
-  sandglass_light_unity unity = {};
-  filament.struct_size = sizeof filament, arkit.struct_size = sizeof arkit, unity.struct_size = sizeof unity;
+  auto filament = sized<sandglass_light_filament>();
+  auto arkit = sized<sandglass_light_arkit>();
+  auto unity = sized<sandglass_light_unity>();
   row(NAMED(sandglass_light_to_filament), "", &estimate, model, 30.0f, &filament);
   row(NAMED(sandglass_light_to_arkit), "", &estimate, model, &arkit);
   row(NAMED(sandglass_light_to_unity), "", &estimate, model, &unity);
@@ -388,29 +402,22 @@ void Arguments::rooms() {
   row(NAMED(sandglass_room_create), "", &desc_of, block.get(), need, &room);
   row(NAMED(sandglass_room_desc_default), "", &desc_of);
   ASSERT_NE(room, nullptr);
-  std::vector<uint8_t> pixels(3 * 64 * 48, 100);
-  sandglass_camera_image image = sandglass::camera_image();
-  image.width = 64, image.height = 48, image.planes[0] = pixels.data(), image.strides[0] = 3 * 64;
-  image.focal_x = image.focal_y = 60.0f;
+  sandglass_camera_image image = grey_image();
   row(NAMED(sandglass_room_set_image), "taken", room, &image, &count);
   const float level[4] = {0, 0, 0, 1};
   row(NAMED(sandglass_room_move), "", room, level, point);
-  sandglass_light_estimate estimate = {};
-  estimate.struct_size = sizeof estimate;
-  sandglass_room_light light = {};
-  light.struct_size = sizeof light;
+  auto estimate = sized<sandglass_light_estimate>();
+  auto light = sized<sandglass_room_light>();
   row(NAMED(sandglass_room_get), "estimate", room, point, &estimate, &light);
   sandglass_room_light shown = light;
   row(NAMED(sandglass_room_light_fade), "", &shown, &light, 0.1f);
   ASSERT_EQ(sandglass_room_get(room, point, nullptr, &light, nullptr), SANDGLASS_OK);
   const sandglass_light_model model = SANDGLASS_LIGHT_MODEL_WHOLE;
   float sh[27];
-  sandglass_light_filament filament = {};
-  sandglass_light_arkit arkit = {};
-  sandglass_light_arcore arcore = {};
-  sandglass_light_unity unity = {};
-  filament.struct_size = sizeof filament, arkit.struct_size = sizeof arkit;
-  arcore.struct_size = sizeof arcore, unity.struct_size = sizeof unity;
+  auto filament = sized<sandglass_light_filament>();
+  auto arkit = sized<sandglass_light_arkit>();
+  auto arcore = sized<sandglass_light_arcore>();
+  auto unity = sized<sandglass_light_unity>();
   row(NAMED(sandglass_room_harmonics), "", &light, model, sh);
   row(NAMED(sandglass_room_to_filament), "", &light, model, 30.0f, &filament);
   row(NAMED(sandglass_room_to_arkit), "", &light, model, &arkit);
@@ -430,8 +437,7 @@ void Arguments::shadows() {
   const std::vector<uint64_t> file = file_of(SANDGLASS_CHAIR_SHADOW, &file_bytes);
   sandglass_shadow_desc desc_of = sandglass::shadow_desc();
   desc_of.asset = file.data(), desc_of.asset_bytes = file_bytes;
-  sandglass_shadow_info info = {};
-  info.struct_size = sizeof info;
+  auto info = sized<sandglass_shadow_info>();
   row(NAMED(sandglass_shadow_inspect), "", file.data(), file_bytes, &info);
   row(NAMED(sandglass_shadow_bytes), "", &desc_of, &need);
   ASSERT_EQ(sandglass_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
@@ -445,16 +451,14 @@ void Arguments::shadows() {
   sandglass_shadow* const with_null[] = {shadow, nullptr};
   EXPECT_EQ(sandglass_shadow_run(with_null, 2, 1), 0u);
   row(NAMED(sandglass_shadow_units_left), "", shadow);
-  sandglass_shadow_texture texture = {};
-  texture.struct_size = sizeof texture;
+  auto texture = sized<sandglass_shadow_texture>();
   while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
   }
   for (const uint32_t light : {0u, 1u})  // the second does not exist
     row(NAMED(sandglass_shadow_get_texture), "", shadow, light, &texture);
   std::vector<float> cells(SANDGLASS_LIGHT_CELLS), transfer(9), sh(27), turned(27);
   row(NAMED(sandglass_shadow_set_cells), "", shadow, cells.data(), 0.0f);
-  sandglass_shadow_ambient ambient = {};
-  ambient.struct_size = sizeof ambient;
+  auto ambient = sized<sandglass_shadow_ambient>();
   while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
   }
   row(NAMED(sandglass_shadow_get_ambient), "", shadow, &ambient);
@@ -484,11 +488,9 @@ void Arguments::pile_shadows() {
   row(NAMED(sandglass_pile_shadow_run), "", shadow, point, 1u, 0.01f, 1u);
   while (sandglass_pile_shadow_run(shadow, point, 1, 0.01f, UINT32_MAX) > 0) {
   }
-  sandglass_pile_shadow_texture texture = {};
-  texture.struct_size = sizeof texture;
+  auto texture = sized<sandglass_pile_shadow_texture>();
   row(NAMED(sandglass_pile_shadow_get_texture), "", shadow, &texture);
-  sandglass_pile_shadow_sky sky = {};
-  sky.struct_size = sizeof sky;
+  auto sky = sized<sandglass_pile_shadow_sky>();
   row(NAMED(sandglass_pile_shadow_get_sky), "", shadow, &sky);
   uint8_t visibility[1];
   row(NAMED(sandglass_pile_shadow_light_grains), "", shadow, point, 1u, 0.01f, visibility);
