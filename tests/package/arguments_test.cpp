@@ -1,5 +1,5 @@
-// Three rules of types.h, in every public function that they concern. The table below calls each function once with good
-// arguments; from that follow
+// Three rules of types.h, in every public function that they concern. The table below gives each function good
+// arguments; from those follow
 //   - NULL for each of its pointers: functions with a status refuse it and name the argument; functions that return
 //     nothing do nothing; functions that return a value return the neutral one. What the header calls optional is
 //     accepted,

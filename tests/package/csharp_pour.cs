@@ -27,8 +27,9 @@ static unsafe class Pour {
     byte* reason;
     sandglass_scene* scene;
     Check(Native.sandglass_scene_bytes(&desc, &bytes, &reason), reason);
-    IntPtr memory = Marshal.AllocHGlobal((IntPtr)((long)bytes + Native.SANDGLASS_BLOCK_ALIGNMENT));
-    long block = (memory.ToInt64() + Native.SANDGLASS_BLOCK_ALIGNMENT - 1) / Native.SANDGLASS_BLOCK_ALIGNMENT * Native.SANDGLASS_BLOCK_ALIGNMENT;
+    const long alignment = Native.SANDGLASS_BLOCK_ALIGNMENT;
+    IntPtr memory = Marshal.AllocHGlobal((IntPtr)((long)bytes + alignment));
+    long block = (memory.ToInt64() + alignment - 1) / alignment * alignment;
     Check(Native.sandglass_scene_create(&desc, (void*)block, bytes, &scene, &reason), reason);
     fixed (float* positions = particles)
       Check(Native.sandglass_granular_add(scene, positions, null, desc.granular.particle_capacity, null, null, 0, &reason), reason);

@@ -55,7 +55,8 @@ public unsafe class Sand : MonoBehaviour {
     fixed (sandglass_scene** made = &scene) Check(Native.sandglass_scene_create(&desc, block, sceneBytes, made, &reason), reason);
     fixed (sandglass_room** made = &room)
       Check(Native.sandglass_room_create(&roomDesc, block + Aligned(sceneBytes), roomBytes, made, &reason), reason);
-    grains = new GraphicsBuffer(GraphicsBuffer.Target.Structured, GraphicsBuffer.UsageFlags.LockBufferForWrite, Grains, sizeof(sandglass_grain));
+    grains = new GraphicsBuffer(GraphicsBuffer.Target.Structured, GraphicsBuffer.UsageFlags.LockBufferForWrite, Grains,
+                                sizeof(sandglass_grain));
     cameraManager.frameReceived += Received;
   }
 
