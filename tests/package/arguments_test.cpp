@@ -58,6 +58,12 @@ void* pointer_at(T** place) {
 }
 void* pointer_at(const void*) { return nullptr; }
 
+// Whether a struct says how large it is.
+template <class T, class = void>
+constexpr bool k_sized = false;
+template <class T>
+constexpr bool k_sized<T, std::void_t<decltype(static_cast<T*>(nullptr)->struct_size)>> = true;
+
 // A struct that an app hands over to be filled.
 template <class T>
 T sized() {
@@ -125,7 +131,7 @@ class Arguments : public ::testing::Test {
 
   template <class T, class Accepted>
   void struct_size(const std::string& name, T** place, bool refuses, const Accepted& accepted) {
-    if constexpr (!std::is_const_v<T> && requires(T & filled) { filled.struct_size; }) {
+    if constexpr (!std::is_const_v<T> && k_sized<T>) {
       if (!fills_within_size(name)) return;
       T* const good = *place;
       const auto fill = [&](T* filled) {
