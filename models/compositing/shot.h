@@ -54,9 +54,6 @@ SceneShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_
 // A picture as the camera hands it out: as blurred as the room behind it is, with the noise of a small sensor.
 Picture developed(const RadianceMap& shown, double blur_pixels, uint64_t seed);
 
-// Pictures of equal width, one below the other.
-Picture one_below_the_other(std::span<const Picture> pictures);
-
 class Shot {
  public:
   Shot(const SceneFile& scene, const ShotOptions& options);

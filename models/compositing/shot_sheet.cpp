@@ -51,17 +51,6 @@ void draw_globe(Picture* picture, const sandglass::Room& room, double exposure, 
 
 }  // namespace
 
-Picture one_below_the_other(std::span<const Picture> pictures) {
-  int height = 0, top = 0;
-  for (const Picture& picture : pictures) height += picture.height;
-  Picture all(pictures.empty() ? 0 : pictures.front().width, height, k_paper);
-  for (const Picture& picture : pictures) {
-    paste(&all, picture, 0, top);
-    top += picture.height;
-  }
-  return all;
-}
-
 Picture Shot::sheet(const Drawn& lead, std::span<const Drawn> beside, const RadianceMap& truth) const {
   const Picture large = developed_as_seen(lead.picture, 2);
   std::vector<std::pair<std::string, Picture>> small;

@@ -9,7 +9,6 @@
 #include "models/lighting/labels.h"
 #include "models/lighting/lit_view.h"
 #include "models/rooms/excerpt.h"
-#include "models/rooms/probe_scene.h"
 
 namespace sandglass::host {
 
@@ -17,8 +16,9 @@ namespace {
 
 constexpr Colour k_black = {0, 0, 0}, k_white = {255, 255, 255};
 constexpr int k_tile_height = 288, k_text_height = 14;
-constexpr double k_reflectance = 0.7;  // the reflectance of the floor and the matt ball
-constexpr int k_rays = 3;              // rays along each side of a pixel
+constexpr double k_reflectance = 0.7;      // the reflectance of the floor and the matt ball
+constexpr double k_half_angle_deg = 10.0;  // of the soft directional light
+constexpr int k_rays = 3;                  // rays along each side of a pixel
 
 void draw_line(Picture* picture, double x0, double y0, double x1, double y1, Colour colour, int thick) {
   const int steps = 1 + static_cast<int>(2.0 * std::hypot(x1 - x0, y1 - y0));
@@ -64,7 +64,7 @@ struct Scene {
       const double distance = length(to);
       const double radius = std::asin(std::min(1.0, 1.0 / distance));
       const double apart = std::acos(std::clamp(dot(to, light) / distance, -1.0, 1.0));
-      share *= 1.0 - shared_part(k_light_half_angle_deg * std::numbers::pi / 180.0, radius, apart);
+      share *= 1.0 - shared_part(k_half_angle_deg * std::numbers::pi / 180.0, radius, apart);
     }
     return share;
   }

@@ -35,15 +35,6 @@ CommandOption output(std::string& file, const char* type, const char* help) {
 }
 CommandOption output_file(std::string& file, const char* help) { return writes(output(file, "FILE", help)); }
 
-ValueRule made_up_room() {
-  const auto holds = [](const std::string& text) {
-    uint32_t seed = 0;
-    double azimuth_deg = 0;
-    return read_made_up_room(text, &seed, &azimuth_deg);
-  };
-  return {holds, "SEED:AZIMUTH", "SEED:AZIMUTH in whole degrees, such as 35:90", {}};
-}
-
 Options run_options(RunOptions& o) {
   return {
       required({"SCENE", &o.scene, "", k_scene_argument}),
@@ -59,10 +50,6 @@ Options run_options(RunOptions& o) {
                               {"--photo", &o.photo, "FILE", "For a shot: a photograph behind the scene, PNG or JPEG"})),
       needs("--photo", standard("", {"--fov", &o.fov_deg, "DEGREES",
                                      "Field of view of --photo across the diagonal, degrees", number(5, 150)})),
-      excludes("--panorama", by_commas(standard("", {"--rooms", &o.rooms, "LIST",
-                                                     "For a shot: made-up rooms, separated by commas, a run and a row "
-                                                     "of FOLDER/rooms.jpg each, without film",
-                                                     made_up_room()}))),
       {"--light", &o.light, "KIND",
        "For a shot: the room as a session sees it, the truth, one light by the network, or nothing known",
        one_of({"room", "truth", "estimate", "nothing"})},

@@ -24,10 +24,7 @@ struct RunOptions {
   double fov_deg = 0.0;
   bool plain = false;
   std::string as;  // a core of models/phones, or empty
-  // "SEED:AZIMUTH", for a shot: made-up rooms in place of the scene's, one run each.
-  std::vector<std::string> rooms;
 };
-bool read_made_up_room(const std::string& text, uint32_t* seed, double* azimuth_deg);
 int run_command(const RunOptions& options);
 
 struct BudgetOptions {

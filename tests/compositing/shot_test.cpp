@@ -195,16 +195,6 @@ TEST(Surroundings, PhotographsKeepTheirFieldOfView) {
   }
 }
 
-TEST(ShotSheet, RoomsStandOneBelowTheOtherInTheirOrder) {
-  const Picture rooms[] = {Picture(3, 2, {10, 20, 30}), Picture(3, 1, {200, 100, 50})};
-  const Picture all = one_below_the_other(rooms);
-  ASSERT_EQ(all.width, 3);
-  ASSERT_EQ(all.height, 3);
-  const uint8_t first[] = {10, 20, 30}, second[] = {200, 100, 50};
-  for (int x = 0; x < 3; ++x)
-    for (int y = 0; y < 3; ++y) EXPECT_TRUE(std::equal(all.at(x, y), all.at(x, y) + 3, y < 2 ? first : second));
-}
-
 SceneFile shot_scene() { return load_scene("shot"); }
 
 // A session looks around in a room with one lamp. Light comes in from what is usual, nothing jumps, and at the end the
