@@ -111,7 +111,7 @@ TEST_F(Cli, EveryCommandAndSuiteHasHelp) {
   EXPECT_EQ(without_argument.code, 0);
   EXPECT_LT(std::count(without_argument.out.begin(), without_argument.out.end(), '\n'), 25);
   const std::vector<std::string> commands = listed("");
-  EXPECT_EQ(commands.size(), 13u);
+  EXPECT_EQ(commands.size(), 12u);
   for (const std::string& command : commands) {
     const Outcome help = run(command + " --help");
     EXPECT_EQ(help.code, 0) << command;
@@ -152,7 +152,7 @@ TEST_F(Cli, NamesTheFirstWrongWordAndTheNearestRightOne) {
   std::istringstream cases(R"(bnech granular | unknown command "bnech". Did you mean "bench"? | sandglass --help
 fly --treads 2 | unknown command "fly". | sandglass --help
 --verison | unknown option "--verison". Did you mean "--version"? | sandglass --help
-quantise --images 3 | unknown command "quantise". Did you mean "quantise-light"? | sandglass --help
+light-feature --images 3 | unknown command "light-feature". Did you mean "light-features"? | sandglass --help
 bench granlar --treads 1 | unknown suite "granlar" of "bench". Did you mean "granular"? | sandglass bench --help
 verify --json f granular | unknown option "--json" of "verify": it belongs to "verify granular", "verify follow", "verify lighting", "verify room" and "verify shot". Leave it out. | sandglass verify --help
 bench granular --treads 1,2 | unknown option "--treads" of "bench granular". Did you mean "--threads"? | sandglass bench granular --help
@@ -221,16 +221,25 @@ TEST_F(Cli, AVerificationThatWouldCheckNothingIsRefused) {
 TEST_F(Cli, RefusesNumbersThatAreNone) {
   const std::string out = " -o '" + path("out") + "' ";
   const std::pair<const char*, std::string> commands[] = {
-      {"--angle", "bake chair" + out},     {"--max-polar", "bake chair" + out},
-      {"--rate", "bake chair" + out},      {"--size", "bake chair" + out},
-      {"--seed", "bake chair" + out},      {"--threads", "bench granular"},
-      {"--thresholds", "bench shadow"},    {"--tiles", "dataset a.hdr" + out},
-      {"--seed", "dataset a.hdr" + out},   {"--fov", "light a.png" + out},
-      {"--turn", "light a.png" + out},     {"--images", "quantise-light a.npz --calibrate a" + out},
-      {"--samples", "room" + out},         {"--seed", "room" + out},
-      {"--budget-ms", "run demo"},         {"--frames", "run demo"},
-      {"--fov", "run shot --photo a.png"}, {"--distance", "sample box --surface" + out},
-      {"--threads", "verify lighting"},    {"--seed", "verify follow"},
+      {"--angle", "bake chair" + out},
+      {"--max-polar", "bake chair" + out},
+      {"--rate", "bake chair" + out},
+      {"--size", "bake chair" + out},
+      {"--seed", "bake chair" + out},
+      {"--threads", "bench granular"},
+      {"--thresholds", "bench shadow"},
+      {"--tiles", "dataset a.hdr" + out},
+      {"--seed", "dataset a.hdr" + out},
+      {"--fov", "light a.png" + out},
+      {"--turn", "light a.png" + out},
+      {"--samples", "room" + out},
+      {"--seed", "room" + out},
+      {"--budget-ms", "run demo"},
+      {"--frames", "run demo"},
+      {"--fov", "run shot --photo a.png"},
+      {"--distance", "sample box --surface" + out},
+      {"--threads", "verify lighting"},
+      {"--seed", "verify follow"},
       {"--threads", "verify shot"},
   };
   const auto refused = [&](const std::string& command, const std::string& option, const std::string& value) {
@@ -512,20 +521,6 @@ TEST_F(Cli, PanoramasAreToldApartByTheirNames) {
   const std::string made = read(path("out/manifest.csv"));
   EXPECT_NE(made.find("hall.hdr,b,2"), std::string::npos) << made;
   EXPECT_NE(made.find("room.hdr,a,1"), std::string::npos) << made;
-}
-
-// An earlier data set in the same folder has left images that the manifest does not name. They do not count.
-TEST_F(Cli, QuantisesByTheManifest) {
-  fs::create_directories(folder / "set" / "images");
-  const host::Picture excerpt(256, 192, {90, 120, 40});
-  for (const char* name : {"a_0", "a_1", "b_0", "b_1"})
-    host::write_png(path("set/images/" + std::string(name) + ".png"), excerpt);
-  const std::string command = "quantise-light none.npz --calibrate " + path("set") + " -o " + path("x.light");
-  expect_refused(command, "manifest.csv");
-  write("set/manifest.csv", "image,panorama\nimages/a_0.png,a.hdr\nimages/a_1.png,a.hdr\n");
-  expect_refused(command, "fewer than 4");
-  write("set/manifest.csv", "image\nimages/a_0.png\nimages/a_1.png\nimages/b_0.png\nimages/b_1.png\n");
-  expect_refused(command, "none.npz");
 }
 
 // Without arguments, `verify lighting` takes the data folder's interiors and studios, place by place, with their
