@@ -26,15 +26,6 @@ CommandOption output(std::string& file, const char* type, const char* help) {
 }
 CommandOption output_file(std::string& file, const char* help) { return writes(output(file, "FILE", help)); }
 
-ValueRule made_up_room() {
-  const auto holds = [](const std::string& text) {
-    uint32_t seed = 0;
-    double azimuth_deg = 0;
-    return read_made_up_room(text, &seed, &azimuth_deg);
-  };
-  return {holds, "SEED:AZIMUTH", "SEED:AZIMUTH in whole degrees, such as 35:90"};
-}
-
 Options run_options(RunOptions& o) {
   return {
       required({"SCENE", &o.scene, "", k_scene_argument}),
@@ -50,10 +41,6 @@ Options run_options(RunOptions& o) {
                               {"--photo", &o.photo, "FILE", "For a shot: a photograph behind the scene, PNG or JPEG"})),
       needs("--photo", standard("", {"--fov", &o.fov_deg, "DEGREES",
                                      "Field of view of --photo across the diagonal, degrees", number(5, 150)})),
-      excludes("--panorama", by_commas(standard("", {"--rooms", &o.rooms, "LIST",
-                                                     "For a shot: made-up rooms, separated by commas, a run and a row "
-                                                     "of FOLDER/rooms.jpg each, without film",
-                                                     made_up_room()}))),
       {"--light", &o.light, "KIND",
        "For a shot: the room as a session sees it, the truth, one light by the network, or nothing known",
        one_of({"room", "truth", "estimate", "nothing"})},
@@ -216,19 +203,6 @@ Options light_features_options(LightFeaturesOptions& o) {
   };
 }
 
-Options quantise_light_options(QuantiseLightOptions& o) {
-  return {
-      required({"WEIGHTS", &o.weights, "", "The trained network, as train.py exports it, .npz"}),
-      required({"--calibrate", &o.folders, "FOLDERS",
-                "Folders that `sandglass dataset` made; without --measure half of their images measure the error"}),
-      {"--measure", &o.measured, "FOLDERS", "Folders of other places, whose images measure the error"},
-      output_file(o.output, "Write the network to this file"),
-      {"--name", &o.name, "NAME", "Name of the network, kept in the file"},
-      {"--images", &o.images, "N", "Images that calibrate, and as many that measure", whole_number(2, 10000)},
-      {"--keep-float", &o.keep_float, "", "Keep the float network in the file, 30 MB more, for XNNPACK in float"},
-  };
-}
-
 Command bake() {
   const char *name = "bake", *help = "Train the soft shadow of a mesh";
 #ifdef SANDGLASS_HAVE_BAKE
@@ -255,9 +229,7 @@ std::vector<CommandGroup> commands() {
         command<DatasetOptions>("dataset", "Cut camera images and light labels out of HDR panoramas", dataset_options,
                                 dataset_command),
         command<LightFeaturesOptions>("light-features", "Write what the lighting network's heads see",
-                                      light_features_options, light_features_command),
-        command<QuantiseLightOptions>("quantise-light", "Turn the trained lighting network into bytes",
-                                      quantise_light_options, quantise_light_command)}}};
+                                      light_features_options, light_features_command)}}};
 }
 
 }  // namespace

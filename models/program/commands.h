@@ -22,10 +22,7 @@ struct RunOptions {
   double fov_deg = 0.0;
   bool plain = false;
   std::string as;  // a core of models/phones, or empty
-  // "SEED:AZIMUTH", for a shot: made-up rooms in place of the scene's, one run each.
-  std::vector<std::string> rooms;
 };
-bool read_made_up_room(const std::string& text, uint32_t* seed, double* azimuth_deg);
 int run_command(const RunOptions& options);
 
 struct BudgetOptions {
@@ -72,14 +69,6 @@ struct LightFeaturesOptions {
   bool mirror = false;
 };
 int light_features_command(const LightFeaturesOptions& options);
-
-struct QuantiseLightOptions {
-  std::string weights, output, name = "lighting";
-  std::vector<std::string> folders, measured;
-  uint32_t images = 96;
-  bool keep_float = false;
-};
-int quantise_light_command(const QuantiseLightOptions& options);
 
 #ifdef SANDGLASS_HAVE_BAKE
 struct BakeOptions {

@@ -159,7 +159,6 @@ TEST_F(CliFiles, WhatIsNoFileOfASensibleSizeIsRefusedAtOnce) {
       "dataset " + path("pipe.hdr") + out,
       "dataset " + path("pipe.exr") + out,
       "dataset " + panorama("room.hdr", 20) + " --manifest /dev/zero" + out,
-      "quantise-light /dev/zero --calibrate " + folder.string() + out,
       "light-features " + path("huge.light") + " " + folder.string() + out,
   };
   for (const std::string& command : commands) {

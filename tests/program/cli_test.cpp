@@ -177,7 +177,7 @@ TEST_F(Cli, AVerificationThatWouldCheckNothingIsRefused) {
         "verify granular --quick --case " + std::string(slow),
         "it takes minutes, and --quick leaves such cases out. Leave --quick out, or name quick cases: particle, "
         "rest, momentum, refinement, hard or far.");
-  for (const char* suite : {"verify shot", "verify lighting --samples 0"})
+  for (const char* suite : {"verify shot", "verify lighting"})
     expect_refused(suite, "no panoramas are named. Name .hdr or .exr files");
   fs::create_directories(folder / "none");
   expect_refused("verify shot --panoramas '" + path("none") + "'", "no .hdr or .exr");
@@ -187,17 +187,26 @@ TEST_F(Cli, AVerificationThatWouldCheckNothingIsRefused) {
 TEST_F(Cli, RefusesNumbersThatAreNone) {
   const std::string out = " -o '" + path("out") + "' ";
   const std::pair<const char*, std::string> commands[] = {
-      {"--angle", "bake chair" + out},     {"--max-polar", "bake chair" + out},
-      {"--rate", "bake chair" + out},      {"--size", "bake chair" + out},
-      {"--seed", "bake chair" + out},      {"--threads", "bench granular"},
-      {"--thresholds", "bench shadow"},    {"--tiles", "dataset a.hdr" + out},
-      {"--seed", "dataset a.hdr" + out},   {"--fov", "light a.png" + out},
-      {"--turn", "light a.png" + out},     {"--images", "quantise-light a.npz --calibrate a" + out},
-      {"--samples", "room" + out},         {"--seed", "room" + out},
-      {"--budget-ms", "run demo"},         {"--frames", "run demo"},
-      {"--fov", "run shot --photo a.png"}, {"--distance", "sample box --surface" + out},
-      {"--views", "verify lighting"},      {"--seed", "verify lighting"},
-      {"--seed", "verify follow"},         {"--threads", "verify shot"},
+      {"--angle", "bake chair" + out},
+      {"--max-polar", "bake chair" + out},
+      {"--rate", "bake chair" + out},
+      {"--size", "bake chair" + out},
+      {"--seed", "bake chair" + out},
+      {"--threads", "bench granular"},
+      {"--thresholds", "bench shadow"},
+      {"--tiles", "dataset a.hdr" + out},
+      {"--seed", "dataset a.hdr" + out},
+      {"--fov", "light a.png" + out},
+      {"--turn", "light a.png" + out},
+      {"--samples", "room" + out},
+      {"--seed", "room" + out},
+      {"--budget-ms", "run demo"},
+      {"--frames", "run demo"},
+      {"--fov", "run shot --photo a.png"},
+      {"--distance", "sample box --surface" + out},
+      {"--threads", "verify lighting"},
+      {"--seed", "verify follow"},
+      {"--threads", "verify shot"},
   };
   const auto refused = [&](const std::string& command, const std::string& option, const std::string& value) {
     const bool left_out = !k_bake && (command.starts_with("bake") || command == "bench shadow");
@@ -294,12 +303,6 @@ TEST_F(Cli, RunsShotsOfFiles) {
   const std::string later =
       light_of("--panorama '" + path("room.hdr") + "' --later '" + path("dark.hdr") + "' --light truth");
   EXPECT_NE(later.substr(later.find("hash")), panorama.substr(panorama.find("hash"))) << "the lamps went off";
-  // The scene's own room, named, is the same run; looked at from elsewhere it has another light.
-  const Outcome own = run("run shot --frames 2 --clock virtual");
-  const std::string hash = own.out.substr(own.out.find("hash 0x"));
-  const std::string rooms = light_of("--rooms 35:90,35:0");
-  EXPECT_NE(rooms.find(hash), std::string::npos) << rooms;
-  EXPECT_NE(rooms.substr(rooms.rfind("hash 0x")), hash);
   // A frame's time is the library's. It leaves out the made-up camera's image, which takes some 9 ms. Beside the work
   // units it has only colliders and lights.
   const Outcome timed = run("run shot --frames 4 --light estimate --panorama '" + path("room.hdr") + "'");
@@ -336,11 +339,6 @@ TEST_F(Cli, RefusesBadShots) {
   expect_refused("run shot --fov 70", "--photo");
   expect_refused("run shot --photo " + photo + " --fov 70 --panorama " + room, "excludes");
   expect_refused("run shot --photo " + photo + " --fov 70 --light truth", "truth");
-  for (const char* bad : {"35", "35:", ":90", "35:360", "35:-9", "+3:90", "35:90:1", "x:90"})
-    expect_refused(std::string("run shot --rooms ") + bad, "SEED:AZIMUTH");
-  expect_refused("run shot --rooms 35:90 --panorama " + room, "excludes");
-  expect_refused("run shot --rooms 35:90 --photo " + photo + " --fov 70", "--photo");
-  expect_refused("run demo --rooms 35:90", "no shot");
   expect_refused("run shot --light moon", "moon");
   expect_refused("run shot --network '" + path("missing.light") + "'", "missing.light");
   expect_refused("run shot --network " + room, "room.hdr\": ");
@@ -470,7 +468,7 @@ TEST_F(Cli, RoomsAndPanoramasBadInputIsOneSentence) {
 TEST_F(Cli, PanoramasAreToldApartByTheirNames) {
   const std::string one = panorama("x/room.hdr", 20), same = panorama("y/room.hdr", 20, 0.5);
   const std::string two = panorama("x/hall.hdr", 20, 0.3), out = " -o " + path("out");
-  for (const char* command : {"dataset ", "verify lighting --samples 0 --panoramas "}) {
+  for (const char* command : {"dataset ", "verify lighting --panoramas "}) {
     const std::string to = command == std::string("dataset ") ? out : "";
     const std::string all = command + path("x") + to + " --manifest ";
     expect_refused(command + path("x") + " " + path("y") + to, "\"" + same + "\": \"" + one + "\" has the same name");
@@ -491,43 +489,26 @@ TEST_F(Cli, PanoramasAreToldApartByTheirNames) {
   EXPECT_NE(made.find("room.hdr,a,1"), std::string::npos) << made;
 }
 
-// An earlier data set in the same folder has left images that the manifest does not name. They do not count.
-TEST_F(Cli, QuantisesByTheManifest) {
-  fs::create_directories(folder / "set" / "images");
-  const host::Picture excerpt(256, 192, {90, 120, 40});
-  for (const char* name : {"a_0", "a_1", "b_0", "b_1"})
-    host::write_png(path("set/images/" + std::string(name) + ".png"), excerpt);
-  const std::string command = "quantise-light none.npz --calibrate " + path("set") + " -o " + path("x.light");
-  expect_refused(command, "manifest.csv");
-  write("set/manifest.csv", "image,panorama\nimages/a_0.png,a.hdr\nimages/a_1.png,a.hdr\n");
-  expect_refused(command, "fewer than 4");
-  write("set/manifest.csv", "image\nimages/a_0.png\nimages/a_1.png\nimages/b_0.png\nimages/b_1.png\n");
-  expect_refused(command, "none.npz");
-}
-
 // Without arguments, `verify lighting` takes the data folder's interiors and studios, place by place, with their
 // cross-validated estimates.
 TEST_F(Cli, VerifiesLightingOnTheDataFolder) {
   panorama("hdri/indoor/vestibule_1k.hdr", 20), panorama("hdri/studio/studio_small_05_1k.hdr", 40);
   write("manifest.csv", "file,group,fold\nvestibule_1k.hdr,a,1\nstudio_small_05_1k.hdr,b,2\n");
   ::setenv("SANDGLASS_DATA_DIR", folder.c_str(), 1);
-  const Outcome whole = run("verify lighting --samples 0");
+  const Outcome whole = run("verify lighting");
   ::unsetenv("SANDGLASS_DATA_DIR");
   EXPECT_LE(whole.code, 1) << whole.err;  // made-up panoramas under real names prove nothing
-  EXPECT_NE(whole.out.find("16 views of 2 panoramas"), std::string::npos) << whole.out;
   EXPECT_NE(whole.out.find("cross_validated_estimates.csv"), std::string::npos) << whole.out;
   EXPECT_NE(whole.out.find("direction against mean light, 97.5 %"), std::string::npos) << whole.out;
-  const std::string row = whole.out.substr(whole.out.find("\nestimate"));
-  EXPECT_NE(row.substr(0, row.find('\n', 1)).find("-        -        -        -        -"), std::string::npos) << row;
   // For panoramas that are named, it takes the shipped network. It says at once if the network was fitted to them. The
   // manifest then stops it, before the network has run some hundred times.
   panorama("named/vestibule_1k.hdr", 20), panorama("named/elsewhere.hdr", 40);
   const std::string manifest = " --manifest " + write("other.csv", "file,group,fold\nother.hdr,a,1\n");
-  const Outcome known = run("verify lighting --samples 0 --panoramas " + path("named") + manifest);
+  const Outcome known = run("verify lighting --panoramas " + path("named") + manifest);
   EXPECT_EQ(known.code, 2) << known.err;
   EXPECT_EQ(known.out.find("1 of 2 panoramas are of places that the network was fitted to"), 0u) << known.out;
   fs::remove(path("named/vestibule_1k.hdr"));
-  EXPECT_EQ(run("verify lighting --samples 0 --panoramas " + path("named") + manifest).out, "");
+  EXPECT_EQ(run("verify lighting --panoramas " + path("named") + manifest).out, "");
 }
 
 // A network of random numbers knows nothing about light, but its answers are written like those of any other.
