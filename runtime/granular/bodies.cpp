@@ -1,9 +1,8 @@
 #include "runtime/granular/bodies.h"
 
 #include "runtime/core/finite.h"
+#include "runtime/core/rigid_motion.h"
 #include "runtime/granular/granular.h"
-#include "runtime/granular/rigid_motion.h"
-#include "runtime/granular/rotation.h"
 
 namespace sandglass {
 

@@ -1,8 +1,8 @@
 // What the app does to rigid bodies between frames: adds, removes, places and pushes them, and asks where they are.
 #include "runtime/core/finite.h"
 #include "runtime/core/refuse.h"
+#include "runtime/core/rigid_motion.h"
 #include "runtime/granular/granular.h"
-#include "runtime/granular/rigid_motion.h"
 
 namespace sandglass {
 

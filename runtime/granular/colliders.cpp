@@ -3,7 +3,7 @@
 #include "runtime/granular/colliders.h"
 
 #include "runtime/core/finite.h"
-#include "runtime/granular/field.h"
+#include "runtime/field/field.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {

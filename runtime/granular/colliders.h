@@ -8,8 +8,8 @@
 #pragma once
 
 #include "kernels/kernels.h"
+#include "runtime/core/held_pose.h"
 #include "runtime/core/layout.h"
-#include "runtime/granular/held_pose.h"
 
 namespace sandglass {
 
