@@ -1,5 +1,4 @@
-#include "runtime/granular/bodies.h"
-
+// Rigid bodies: the motion that fits what the contacts did to their particles.
 #include "runtime/core/finite.h"
 #include "runtime/core/rigid_motion.h"
 #include "runtime/granular/granular.h"

@@ -1,7 +1,7 @@
+// The solids on their way through a frame. world.h has the rules.
+//
 // Rotations by angular velocity use the first-order quaternion step, renormalised. So there is no sine or cosine in a
 // hashed path. The error is angle^3 / 12: 7e-4 rad for a turn of 0.2 rad within one frame.
-#include "runtime/granular/colliders.h"
-
 #include "runtime/core/finite.h"
 #include "runtime/field/field.h"
 #include "runtime/granular/granular.h"

@@ -1,5 +1,4 @@
-#include "runtime/granular/departed.h"
-
+// What can reach nothing any more, and so drives nothing.
 #include "runtime/granular/granular.h"
 
 namespace sandglass {

@@ -1,5 +1,4 @@
-#include "runtime/granular/flow.h"
-
+// What comes and goes: emitters pour, sinks drain. world.h has the rules.
 #include "kernels/whole.h"
 #include "runtime/core/finite.h"
 #include "runtime/core/random.h"
@@ -309,7 +308,7 @@ void emit_layer(Granular* g, const Nozzle& nozzle, uint64_t number, float gone) 
   if (sites.count != 0) emit_sites(g, &sites, layer);
 }
 
-// Removes what lies inside the shapes, and if `going` what is gone (departed.h), from the group that begins at `first`.
+// Removes what lies inside the shapes, and if `going` what is gone (departed.cpp), from the group that begins at `first`.
 // Goes through it from its end, so what moves into a gap comes from behind the group. Returns how many were removed.
 template <class Remove>
 uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* count, uint32_t first,

@@ -1,4 +1,4 @@
-// Checks, layout and reset of the parts, the beginning of a frame, and the material that the app adds.
+// The whole, put together from its parts: checks, layout, reset, settling, and the beginning of a frame.
 #include "runtime/granular/granular.h"
 
 #include "runtime/core/finite.h"
@@ -20,15 +20,6 @@ constexpr float k_shortest_substep = 1e-6f;
 constexpr float k_gravity_max = 1000.0f;  // m/s^2
 // The share of gravity's length by which it may change before what sleeps wakes: a turn by 1.1 degrees.
 constexpr float k_gravity_wakes = 0.02f;
-
-constexpr float k_at_rest[3] = {0.0f, 0.0f, 0.0f};
-
-constexpr float k_speed_limit = 1e4f;  // m/s that material may be added with
-
-// The coordinates of `count` positions or velocities.
-bool items_within(const float* values, uint32_t count, float limit) {
-  return all_within(values, 3ull * count, -limit, limit);
-}
 
 float length_of(const float v[3]) { return __builtin_sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
@@ -207,88 +198,6 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   departed_begin_frame(g);
   colliders_find_moved(g);
   sleep_skip_time(g);
-}
-
-namespace {
-
-void add_particle(Granular* g, const float position[3], const float velocity[3]) {
-  Particles& p = g->particles;
-  const uint32_t number = flow_take_particle_number(&g->flow, p.count);
-  p.records[0][p.count++] = moving_particle(position, velocity, number);
-  sleep_add(&g->sleep, number, position);
-  particles_include(&p, position, velocity);
-  motion_add(g, number, position, velocity);
-}
-
-void add_grain(Granular* g, const float position[3], const float velocity[3]) {
-  Grains& grains = g->grains;
-  const uint32_t number = flow_take_grain_number(&g->flow, grains.count);
-  grains.records[grains.count++] = moving_grain(position, velocity, number);
-}
-
-}  // namespace
-
-sandglass_status granular_add(Granular* g, const float* particles, const float* particle_velocities,
-                              uint32_t particle_count, const float* grains, const float* grain_velocities,
-                              uint32_t grain_count, const char** reason) {
-  if ((particle_count != 0 && particles == nullptr) || (grain_count != 0 && grains == nullptr)) {
-    return refuse(
-        reason, "particle_positions or grain_positions is NULL but its count is above 0: pass 3 floats for each item.");
-  }
-  if (particle_count > g->desc.particle_capacity - g->particles.count) {
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "more particles than granular.particle_capacity has room for: raise it.");
-  }
-  if (grain_count > g->desc.grain_capacity - g->grains.count) {
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.");
-  }
-  if (!items_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
-      !items_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
-    return refuse(reason,
-                  "a position is not finite or more than 1000 m from the scene origin: move the "
-                  "origin nearer.");
-  }
-  if ((particle_velocities != nullptr && !items_within(particle_velocities, particle_count, k_speed_limit)) ||
-      (grain_velocities != nullptr && !items_within(grain_velocities, grain_count, k_speed_limit))) {
-    return refuse(reason, "a velocity is not finite or above 10000 m/s: check where it comes from.");
-  }
-  if (particle_count != 0) {
-    substep_abandon(g);
-    for (uint64_t i = 0; i < particle_count; ++i)
-      add_particle(g, particles + 3 * i, particle_velocities == nullptr ? k_at_rest : particle_velocities + 3 * i);
-    g->neighbours.valid = false;
-    sweep_particles_changed(g);
-    particles_seal(g);
-  }
-  if (grain_count != 0) {
-    if (g->grains.count == 0) motion_begin_here(g);
-    for (uint64_t i = 0; i < grain_count; ++i)
-      add_grain(g, grains + 3 * i, grain_velocities == nullptr ? k_at_rest : grain_velocities + 3 * i);
-    sweep_grains_added(g, grain_count);
-  }
-  return accept(reason);
-}
-
-sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
-  if (count != 0 && positions == nullptr) {
-    return refuse(
-        reason,
-        "sandglass_granular_set_boundary: positions is NULL but count is above 0: pass 3 floats for each sample.");
-  }
-  if (count > g->desc.boundary_capacity) {
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.");
-  }
-  if (!items_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
-    return refuse(
-        reason,
-        "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin: "
-        "move the origin nearer.");
-  }
-  sleep_wake_all(g);
-  for (uint32_t i = 0; i < count; ++i) boundary_particles(*g)[i] = fixed_particle(positions + 3ull * i, i);
-  boundary_sort(g, count);
-  return accept(reason);
 }
 
 }  // namespace sandglass

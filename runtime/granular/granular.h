@@ -1,31 +1,15 @@
 // Granular material: the state of a scene's sand, put together from its parts, and what the scene does with it.
 //
-//   particles   physics          [sort, lists], contacts, bodies           substep.h   Alg. 4, in sub-steps
-//   grains      what is drawn    snapshot, [sort], refine                  sweep.h     (4.39-4.44), in sweeps
-//   output      grains into the app's buffer                               output.h    mandatory, at the end of a frame
+//   particles   physics          [sort, lists], contacts, bodies           substep.cpp   Alg. 4, in sub-steps
+//   grains      what is drawn    snapshot, [sort], refine                  sweep.cpp     (4.39-4.44), in sweeps
+//   output      grains into the app's buffer                               grains.cpp    mandatory, at the end of a frame
 //
 // Each of the three is a stage: a sequence of work units, after each of which a frame may end. A part lays out its own
 // memory, resets itself, and lives in the header and source that are named after it. A function that needs several
 // parts takes the whole Granular.
 #pragma once
 
-#include "runtime/granular/bodies.h"
-#include "runtime/granular/boundary.h"
-#include "runtime/granular/colliders.h"
-#include "runtime/granular/departed.h"
-#include "runtime/granular/flow.h"
-#include "runtime/granular/grain_sleep.h"
 #include "runtime/granular/grains.h"
-#include "runtime/granular/list_slack.h"
-#include "runtime/granular/neighbours.h"
-#include "runtime/granular/output.h"
-#include "runtime/granular/pair_colours.h"
-#include "runtime/granular/particle_motion.h"
-#include "runtime/granular/particles.h"
-#include "runtime/granular/simulated_time.h"
-#include "runtime/granular/sleep.h"
-#include "runtime/granular/substep.h"
-#include "runtime/granular/sweep.h"
 
 namespace sandglass {
 
@@ -131,14 +115,14 @@ void granular_settle(Granular* granular);
 // Takes a frame's input: colliders, emitters, sinks and time.
 void granular_begin_frame(Granular* granular, const sandglass_frame_input* input);
 
-// Saving and restoring (save.cpp); moving (move.cpp).
+// Saving and restoring (save.cpp); moving (edit.cpp).
 uint64_t granular_save_bytes(const Granular& granular);
 sandglass_status granular_save(Granular* granular, void* data, uint64_t bytes, uint64_t* written, const char** reason);
 sandglass_status granular_restore(Granular* granular, const void* data, uint64_t bytes, const char** reason);
 sandglass_status granular_move(Granular* granular, const float rotation[4], const float translation[3],
                                const char** reason);
 
-// The first particle on a ray (ray.cpp).
+// The first particle on a ray (particles.cpp).
 void granular_ray(const Granular& granular, const float origin[3], const float direction[3], float reach,
                   sandglass_ray_hit* hit);
 

@@ -1,5 +1,4 @@
-#include "runtime/granular/sleep.h"
-
+// Who rests: which particles sleep, and what wakes them. solver.h has the rules.
 #include "kernels/whole.h"
 #include "runtime/core/finite.h"
 #include "runtime/granular/granular.h"

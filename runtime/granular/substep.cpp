@@ -1,11 +1,10 @@
+// The particles' machine: which phase of a sub-step follows which.
+//
 // A sub-step predicts, resolves the contacts pair by pair, and completes the motion with the colliders. In the source's
 // scheme a pass does all of that at once. Passes over particles run over the record groups that hold an awake one
-// (sleep.h).
-#include "runtime/granular/substep.h"
-
+// (Sleep, in solver.h).
 #include "kernels/whole.h"
 #include "runtime/granular/granular.h"
-#include "runtime/granular/ladder.h"
 
 namespace sandglass {
 

@@ -1,5 +1,4 @@
-#include "runtime/granular/sweep.h"
-
+// The grains' machine: which phase of a sweep follows which.
 #include "kernels/whole.h"
 #include "runtime/granular/granular.h"
 

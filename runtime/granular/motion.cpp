@@ -1,5 +1,4 @@
-#include "runtime/granular/particle_motion.h"
-
+// The particles' motion on a grid, for the grains to read.
 #include "kernels/whole.h"
 #include "runtime/core/random.h"
 #include "runtime/granular/granular.h"

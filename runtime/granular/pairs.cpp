@@ -1,5 +1,4 @@
-#include "runtime/granular/pair_colours.h"
-
+// Each contact once: pairs from the neighbour lists, in colours.
 #include "runtime/granular/granular.h"
 
 namespace sandglass {

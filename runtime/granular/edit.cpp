@@ -1,10 +1,219 @@
-// What the app does to rigid bodies between frames: adds, removes, places and pushes them, and asks where they are.
+// What the app does to the sand between frames: adds it, sets the boundary, moves the scene, and adds, places, pushes and
+// removes rigid bodies.
 #include "runtime/core/finite.h"
 #include "runtime/core/refuse.h"
 #include "runtime/core/rigid_motion.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
+
+// ---- Adding sand
+
+namespace {
+
+constexpr float k_at_rest[3] = {0.0f, 0.0f, 0.0f};
+
+constexpr float k_speed_limit = 1e4f;  // m/s that material may be added with
+
+// The coordinates of `count` positions or velocities.
+bool items_within(const float* values, uint32_t count, float limit) {
+  return all_within(values, 3ull * count, -limit, limit);
+}
+
+void add_particle(Granular* g, const float position[3], const float velocity[3]) {
+  Particles& p = g->particles;
+  const uint32_t number = flow_take_particle_number(&g->flow, p.count);
+  p.records[0][p.count++] = moving_particle(position, velocity, number);
+  sleep_add(&g->sleep, number, position);
+  particles_include(&p, position, velocity);
+  motion_add(g, number, position, velocity);
+}
+
+void add_grain(Granular* g, const float position[3], const float velocity[3]) {
+  Grains& grains = g->grains;
+  const uint32_t number = flow_take_grain_number(&g->flow, grains.count);
+  grains.records[grains.count++] = moving_grain(position, velocity, number);
+}
+
+}  // namespace
+
+sandglass_status granular_add(Granular* g, const float* particles, const float* particle_velocities,
+                              uint32_t particle_count, const float* grains, const float* grain_velocities,
+                              uint32_t grain_count, const char** reason) {
+  if ((particle_count != 0 && particles == nullptr) || (grain_count != 0 && grains == nullptr)) {
+    return refuse(
+        reason, "particle_positions or grain_positions is NULL but its count is above 0: pass 3 floats for each item.");
+  }
+  if (particle_count > g->desc.particle_capacity - g->particles.count) {
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "more particles than granular.particle_capacity has room for: raise it.");
+  }
+  if (grain_count > g->desc.grain_capacity - g->grains.count) {
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.");
+  }
+  if (!items_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
+      !items_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
+    return refuse(reason,
+                  "a position is not finite or more than 1000 m from the scene origin: move the "
+                  "origin nearer.");
+  }
+  if ((particle_velocities != nullptr && !items_within(particle_velocities, particle_count, k_speed_limit)) ||
+      (grain_velocities != nullptr && !items_within(grain_velocities, grain_count, k_speed_limit))) {
+    return refuse(reason, "a velocity is not finite or above 10000 m/s: check where it comes from.");
+  }
+  if (particle_count != 0) {
+    substep_abandon(g);
+    for (uint64_t i = 0; i < particle_count; ++i)
+      add_particle(g, particles + 3 * i, particle_velocities == nullptr ? k_at_rest : particle_velocities + 3 * i);
+    g->neighbours.valid = false;
+    sweep_particles_changed(g);
+    particles_seal(g);
+  }
+  if (grain_count != 0) {
+    if (g->grains.count == 0) motion_begin_here(g);
+    for (uint64_t i = 0; i < grain_count; ++i)
+      add_grain(g, grains + 3 * i, grain_velocities == nullptr ? k_at_rest : grain_velocities + 3 * i);
+    sweep_grains_added(g, grain_count);
+  }
+  return accept(reason);
+}
+
+// ---- The boundary
+
+sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
+  if (count != 0 && positions == nullptr) {
+    return refuse(
+        reason,
+        "sandglass_granular_set_boundary: positions is NULL but count is above 0: pass 3 floats for each sample.");
+  }
+  if (count > g->desc.boundary_capacity) {
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.");
+  }
+  if (!items_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
+    return refuse(
+        reason,
+        "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin: "
+        "move the origin nearer.");
+  }
+  sleep_wake_all(g);
+  for (uint32_t i = 0; i < count; ++i) boundary_particles(*g)[i] = fixed_particle(positions + 3ull * i, i);
+  boundary_sort(g, count);
+  return accept(reason);
+}
+
+// ---- Moving the scene
+//
+// A scene that is moved rigidly, when the app's coordinates change under it.
+
+namespace {
+
+constexpr char k_moved_too_far[] =
+    "sandglass_scene_move: the move would leave the coordinate limit, 1000 m from the scene origin; nothing "
+    "was moved.";
+
+struct Motion {
+  float axes[3][3];  // images of x, y, z
+  float shift[3];
+  double rotation[4];
+
+  void turn(float v[3]) const {
+    const float x = v[0], y = v[1], z = v[2];
+    for (int k = 0; k < 3; ++k) v[k] = x * axes[0][k] + y * axes[1][k] + z * axes[2][k];
+  }
+  void move(float p[3]) const {
+    turn(p);
+    for (int k = 0; k < 3; ++k) p[k] += shift[k];
+  }
+};
+
+bool stays_within(const Motion& motion, const float position[3]) {
+  float p[3] = {position[0], position[1], position[2]};
+  motion.move(p);
+  for (const float c : p) {
+    if (!(__builtin_fabsf(c) <= SANDGLASS_COORDINATE_LIMIT)) return false;
+  }
+  return true;
+}
+
+// What leaves the limit must have left the scene before.
+template <class Item>
+bool all_stay(const Granular& g, const Motion& motion, const Item* items, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!stays_within(motion, items[i].position) && !departed_has_left(g, items[i])) return false;
+  }
+  return true;
+}
+
+void remove_leaving(Granular* g, const Motion& motion) {
+  uint64_t particles = 0, grains = 0;
+  for (uint32_t i = g->particles.count; i-- > 0;) {
+    const Particle& p = g->particles.records[0][i];
+    if (!stays_within(motion, p.position) && !in_body(p)) flow_remove_particle(g, i), ++particles;
+  }
+  for (uint32_t i = g->grains.count; i-- > 0;) {
+    if (!stays_within(motion, g->grains.records[i].position)) flow_remove_grain(g, i), ++grains;
+  }
+  if (particles != 0) flow_after_removal(g);
+  if (grains != 0) sweep_grains_removed(g);
+  g->flow.counts.removed_particles += particles, g->flow.counts.removed_grains += grains;
+}
+
+template <class Item>
+void move_items(const Motion& motion, Item* items, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i) {
+    motion.move(items[i].position);
+    motion.turn(items[i].velocity);
+  }
+}
+
+}  // namespace
+
+sandglass_status granular_move(Granular* g, const float rotation[4], const float translation[3], const char** reason) {
+  sandglass_collider frame = {}, accepted;
+  frame.rotation[3] = 1.0f;
+  for (int k = 0; rotation != nullptr && k < 4; ++k) frame.rotation[k] = rotation[k];
+  for (int k = 0; translation != nullptr && k < 3; ++k) {
+    frame.position[k] = translation[k];
+    if (is_finite(translation[k]) && __builtin_fabsf(translation[k]) > k_coordinate_bound)
+      return refuse(reason, k_moved_too_far);
+  }
+  if (!collider_accept(frame, &accepted))
+    return refuse(reason,
+                  "sandglass_scene_move: rotation or translation is not finite, or the rotation has no length.");
+  if (g->desc.particle_capacity == 0) return accept(reason);
+  ColliderFrame posed;
+  colliders_pose(&accepted, 1, 0.0f, &posed);
+  Motion motion;
+  __builtin_memcpy(motion.axes, posed.axes, sizeof motion.axes);
+  for (int k = 0; k < 3; ++k) motion.shift[k] = accepted.position[k];
+  for (int k = 0; k < 4; ++k) motion.rotation[k] = static_cast<double>(accepted.rotation[k]);
+  Particle* boundary = boundary_particles(*g);
+  if (!all_stay(*g, motion, g->particles.records[0], g->particles.count) ||
+      !all_stay(*g, motion, g->grains.records, g->grains.count) || !all_stay(*g, motion, boundary, g->boundary.count)) {
+    return refuse(reason, k_moved_too_far);
+  }
+  granular_settle(g);
+  remove_leaving(g, motion);
+  move_items(motion, g->particles.records[0], g->particles.count);
+  if (g->grains.count != 0) move_items(motion, g->grains.records, g->grains.count);
+  for (uint32_t i = 0; i < g->particles.count + g->flow.free_particle_count; ++i)
+    motion.move(g->sleep.anchors[i].position);
+  for (uint32_t b = 0; b < g->bodies.count; ++b) bodies_move(&g->bodies, b, motion.rotation, motion.shift);
+  particles_find_bounds(&g->particles);
+  departed_forget(g);
+  motion_begin_here(g);
+  move_items(motion, boundary, g->boundary.count);
+  boundary_sort(g, g->boundary.count);
+  colliders_move(g, accepted.rotation, motion.shift);
+  motion.turn(g->resting_gravity);  // what rests has turned under gravity
+  granular_feel_gravity(g);
+  return accept(reason);
+}
+
+// ---- Rigid bodies
+//
+// What the app does to rigid bodies between frames: adds, removes, places and pushes them, and asks where they are.
 
 namespace {
 
