@@ -15,6 +15,8 @@ struct Granular;
 //
 // The grains: what is drawn. They follow a snapshot of the particles.
 
+constexpr float k_support_radii = 3.0f;  // h = 3r
+
 // A copy of the particles for a sweep. While the sweep goes on, the particles go on too.
 struct Snapshot {
   Particle* particles;  // in sorted order
@@ -34,6 +36,17 @@ void grains_layout(Grains* grains, const sandglass_granular_desc& desc, uint32_t
 // What a sort of the grains needs besides them. Nothing is kept there from sort to sort.
 void grains_sort_layout(Grains* grains, const sandglass_granular_desc& desc, Layout* layout);
 void grains_reset(Grains* grains);
+void grains_restore(Grains* grains, const SavedScene& saved);
+void grains_move(Grains* grains, const SceneMove& move);
+void grains_append(Grains* grains, const float position[3], const float velocity[3], uint32_t number);
+// Takes grain i out; the last one moves into its place.
+void grains_remove(Grains* grains, uint32_t i);
+
+// The sorts of a sweep, in units. A `run` function is true once its sort is done.
+void grains_begin_snapshot(Grains* grains, const Granular& granular);
+bool grains_run_snapshot(Grains* grains, const Granular& granular);
+void grains_begin_sort(Grains* grains, const Granular& granular);
+bool grains_run_sort(Grains* grains, const Granular& granular);
 
 // ---- GrainSleep (grains.cpp)
 //
@@ -63,15 +76,22 @@ void grain_sleep_reset(GrainSleep* sleep);
 // Every grain wakes in the next sweep, group by group.
 void grain_sleep_wake_all(GrainSleep* sleep);
 // Nothing is remembered of which groups keep still, and nothing is left to wake. Between sweeps.
-void grain_sleep_settle(Granular* granular);
+void grain_sleep_settle(GrainSleep* sleep, const Granular& granular);
 
-// Grains that all sleep on sleeping particles have nothing to follow, unless a collider has changed.
-void grain_sleep_skip_time(Granular* granular);
+// The grains are in another order; `count` of them came, as the last ones; or some were taken out.
+void grain_sleep_regrouped(GrainSleep* sleep);
+void grain_sleep_added(GrainSleep* sleep, const Granular& granular, uint32_t count);
+void grain_sleep_removed(GrainSleep* sleep);
+// A sweep is complete. at_rest: it refined no grain, and all particles sleep.
+void grain_sleep_followed(GrainSleep* sleep, bool at_rest);
+
+// Whether grains that all sleep on sleeping particles have nothing to follow. A collider that has changed ends that.
+bool grain_sleep_skips_time(GrainSleep* sleep, const Granular& granular);
 
 // The phases of a sweep. A `run` function is true once its phase is done.
 uint32_t grain_sleep_items(const Granular& granular);  // of the next unit
-void grain_sleep_begin_triage(Granular* granular);
-bool grain_sleep_run_triage(Granular* granular);
+void grain_sleep_begin_triage(GrainSleep* sleep);
+bool grain_sleep_run_triage(GrainSleep* sleep, const Granular& granular, uint32_t* cursor);
 
 // ---- Output (grains.cpp)
 //
@@ -86,7 +106,10 @@ void output_begin_frame(Output* output, const sandglass_frame_input* input);
 // What was written is out of date.
 void output_restart(Output* output);
 
-Stage granular_output_stage(Granular* granular);
+// The stage (granular.cpp).
+bool output_next(const Granular& granular, WorkUnit* unit);
+void output_run(Output* output, const Granular& granular);
+uint32_t output_forecast(const Granular& granular, Forecast* entries);
 
 // ---- ParticleMotion (motion.cpp)
 //
@@ -118,25 +141,27 @@ void motion_configure(ParticleMotion* motion, const sandglass_granular_desc& des
 float motion_free_fall(const float at_end[3], const float mean[3], const float gravity[3], float time);
 
 // A particle that is added, as if it had come this way with its velocity.
-void motion_add(Granular* granular, uint32_t number, const float position[3], const float velocity[3]);
+void motion_add(const ParticleMotion& motion, const Granular& granular, uint32_t number, const float position[3],
+                const float velocity[3]);
 // The particles from the row `first` on, which were just added, have fallen freely on their way.
-void motion_fall(Granular* granular, uint32_t first);
+void motion_fall(const ParticleMotion& motion, const Granular& granular, uint32_t first);
 // What the particles do from now on is what the next sweep covers. The grains lag behind by nothing.
-void motion_begin_here(Granular* granular);
+void motion_begin_here(const ParticleMotion& motion, const Granular& granular);
 // The sweep under way is complete.
-void motion_complete(Granular* granular);
+void motion_complete(ParticleMotion* motion);
 
 // The phases of a sweep. A `run` function runs a unit, and is true once its phase is done.
 // `time`: simulated, seconds.
 void motion_begin(ParticleMotion* motion, double time);
-// Empties the part of the table of blocks that goes with the items from `begin` to `end` of `all`.
-void motion_clear(MotionGrid* grid, uint32_t begin, uint32_t end, uint32_t all);
+// The velocity of a particle in the snapshot becomes the mean one since the last sweep. The table of blocks is emptied
+// along with that.
+bool motion_measure(ParticleMotion* motion, const Granular& granular, uint32_t* cursor);
 uint32_t motion_items(const Granular& granular);                        // of the next unit
 uint64_t motion_items_of_a_sweep(const Granular& granular, bool even);  // as many blocks as the last sweep had
-bool motion_run_scatter(Granular* granular);
-bool motion_run_join(Granular* granular);
-bool motion_run_count(Granular* granular);
-bool motion_run_smooth(Granular* granular);
+bool motion_run_scatter(ParticleMotion* motion, const Granular& granular, uint32_t* cursor);
+bool motion_run_join(ParticleMotion* motion, const Granular& granular, uint32_t* cursor);
+bool motion_run_count(ParticleMotion* motion, const Granular& granular, uint32_t* cursor);
+bool motion_run_smooth(ParticleMotion* motion, const Granular& granular, uint32_t* cursor);
 
 // A block that has all its own nodes gets its records.
 void motion_join(MotionGrid* grid, uint32_t number);
@@ -193,7 +218,7 @@ void sweep_finish(Granular* granular);
 // Whether grains may be added: no phase is under way that would have to begin again.
 bool sweep_takes_grains(const Granular& granular);
 // What material that comes and goes means for the sweep under way.
-void sweep_particles_changed(Granular* granular);
+void sweep_particles_changed(Sweep* sweep);
 void sweep_grains_added(Granular* granular, uint32_t count);
 void sweep_grains_removed(Granular* granular);
 

@@ -100,7 +100,6 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   }
   particles_layout(&g->particles, d, layout);
   neighbours_layout(&g->neighbours, g->particles.rows, layout);
-  list_slack_layout(&g->slack, g->neighbours.sort, layout);
   if (solves_pairs(*g)) pair_colours_layout(&g->colours, d, g->particles.rows, layout);
   sleep_layout(&g->sleep, d, g->particles.rows, layout);
   boundary_layout(&g->boundary, d, layout);
@@ -130,9 +129,9 @@ void granular_set_gravity(Granular* g, const float gravity[3]) {
   g->gravity_length = length_of(gravity);
   const sandglass_granular_desc& d = g->desc;
   const float pull = g->gravity_length > 0.1f ? g->gravity_length : 9.81f;  // weightless scenes keep the Earth's step
-  Substep& s = g->substep;
-  s.longest = d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
-  s.shortest = d.substep_min > 0.0f ? d.substep_min : 0.25f * s.longest;
+  const float longest =
+      d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
+  substep_set_limits(&g->substep, longest, d.substep_min > 0.0f ? d.substep_min : 0.25f * longest);
   granular_feel_gravity(g);
 }
 
@@ -140,9 +139,18 @@ void granular_feel_gravity(Granular* g) {
   float change[3];
   for (int k = 0; k < 3; ++k) change[k] = g->gravity[k] - g->resting_gravity[k];
   if (!(length_of(change) > k_gravity_wakes * g->gravity_length)) return;
-  for (int k = 0; k < 3; ++k) g->resting_gravity[k] = g->gravity[k];
-  if (g->sleep.awake_count != g->particles.count) sleep_wake_all(g);
+  granular_set_resting_gravity(g, g->gravity);
+  if (g->sleep.awake_count != g->particles.count) granular_wake_all(g);
   grain_sleep_wake_all(&g->grain_sleep);
+}
+
+void granular_set_resting_gravity(Granular* g, const float gravity[3]) {
+  for (int k = 0; k < 3; ++k) g->resting_gravity[k] = gravity[k];
+}
+
+void granular_take_friction(Granular* g, float static_friction, float kinetic_friction) {
+  g->desc.static_friction = static_friction;
+  g->desc.kinetic_friction = kinetic_friction;
 }
 
 void granular_reset(Granular* g) {
@@ -150,8 +158,7 @@ void granular_reset(Granular* g) {
   particles_reset(&g->particles);
   neighbours_reset(&g->neighbours, g->substep.longest);
   sleep_reset(&g->sleep);
-  g->boundary.count = 0;
-  g->boundary.bounds = k_nowhere;
+  boundary_reset(&g->boundary);
   departed_reset(&g->departed);
   bodies_reset(&g->bodies);
   flow_reset(&g->flow, g->desc);
@@ -160,10 +167,11 @@ void granular_reset(Granular* g) {
   colliders_reset(&g->colliders, g->desc);
   time_reset(&g->time);
   substep_reset(&g->substep);
+  contacts_reset(&g->contacts);
   sweep_reset(&g->sweep);
   output_restart(&g->output);
   g->counts = {};
-  particles_seal(g);
+  granular_seal(g);
 }
 
 void granular_settle(Granular* g) {
@@ -171,19 +179,20 @@ void granular_settle(Granular* g) {
   sweep_finish(g);
   substep_abandon(g);
   sweep_finish(g);  // where it ended a sub-step with bodies, grains follow once more
-  substep_forget(&g->substep);
+  substep_reset(&g->substep);
+  contacts_forget(&g->contacts);
   neighbours_learn(&g->neighbours, g->counts.list_builds, g->counts.substeps);
   g->counts = {};
   neighbours_forget(&g->neighbours, g->substep.longest);
   pair_colours_forget(&g->colours);
-  g->time.interval_debt = 0.0;
-  g->sleep.waking_count = 0;
-  departed_forget(g);
-  motion_begin_here(g);
+  time_forget_interval(&g->time);
+  sleep_forget_waking(&g->sleep);
+  granular_forget_departed(g);
+  motion_begin_here(g->motion, *g);
   sweep_forget(&g->sweep);
-  grain_sleep_settle(g);
-  colliders_settle(g);
-  particles_seal(g);
+  grain_sleep_settle(&g->grain_sleep, *g);
+  colliders_settle(&g->colliders, *g);
+  granular_seal(g);
 }
 
 void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
@@ -191,13 +200,90 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   g->counts = {};
   output_begin_frame(&g->output, input);
   const double owed = g->time.debt;
-  time_take(g, input->time_step);
-  colliders_take(g, *input, owed);
-  flow_take(g, *input);
+  time_take(&g->time, *g, input->time_step);
+  colliders_take(&g->colliders, *g, *input, owed, &g->counts);
+  flow_take(&g->flow, *g, *input, &g->counts);
   if (time_paused(*g)) return;
-  departed_begin_frame(g);
-  colliders_find_moved(g);
-  sleep_skip_time(g);
+  departed_begin_frame(&g->departed, *g);
+  const bool touch = colliders_find_moved(&g->colliders, *g);
+  if (!g->colliders.waits) substep_set_due(&g->substep, SubstepPhase::touch, touch);
+  granular_skip_time(g);
+}
+
+void granular_skip_time(Granular* g) {
+  const bool asleep = g->sleep.awake_count == 0 && (g->neighbours.valid || g->particles.count == 0);
+  if (!asleep || g->flow.emitter_count != 0 || !substep_idle(*g)) return;
+  time_skip(&g->time, *g);
+  substep_end_interval(&g->substep);
+  particles_stand(&g->particles);
+  neighbours_stand(&g->neighbours);
+  if (grain_sleep_skips_time(&g->grain_sleep, *g)) time_grains_followed(&g->time);
+}
+
+void granular_pour(Granular* g) {
+  const Inlet inlet = {
+      g, [](void* scene, const float* positions, const float* velocities, uint32_t particles, uint32_t grains) {
+        Granular* to = static_cast<Granular*>(scene);
+        if (granular_add(to, positions, velocities, particles, positions, velocities, grains, nullptr) != SANDGLASS_OK)
+          return false;
+        motion_fall(to->motion, *to, to->particles.count - particles);
+        return true;
+      }};
+  flow_emit(&g->flow, *g, inlet, &g->counts);
+}
+
+void granular_wake_all(Granular* g) {
+  substep_abandon(g);
+  sleep_wake_all(&g->sleep, *g);
+  neighbours_invalidate(&g->neighbours);
+}
+
+void granular_forget_departed(Granular* g) {
+  departed_reset(&g->departed);
+  sleep_find_resting(&g->sleep, *g);
+  particles_recall(&g->particles);
+}
+
+void granular_seal(Granular* g) {
+  particles_seal(g->particles);
+  neighbours_seal(g->neighbours, g->particles);
+}
+
+void granular_take_out_particle(Granular* g, uint32_t i) {
+  const Particle& gone = g->particles.records[0][i];
+  flow_free_particle_number(&g->flow, number_of(gone));
+  if (is_awake(gone)) sleep_removed(&g->sleep);
+  particles_remove(&g->particles, i);
+  if (i < g->particles.count && in_body(g->particles.records[0][i])) bodies_note_row(*g, i);
+}
+
+void granular_take_out_grain(Granular* g, uint32_t i) {
+  flow_free_grain_number(&g->flow, g->grains.records[i].number);
+  grains_remove(&g->grains, i);
+}
+
+// Particles of sleeping groups may have moved to others. The next list build finds out which groups sleep.
+void granular_after_removal(Granular* g) {
+  neighbours_invalidate(&g->neighbours);
+  substep_set_due(&g->substep, SubstepPhase::wake, false);
+  sleep_forget_waking(&g->sleep);
+  sweep_particles_changed(&g->sweep);
+  granular_seal(g);
+}
+
+// The whole output runs, at the end of each frame.
+Stage granular_output_stage(Granular* granular) {
+  const auto next = [](const void* state, uint32_t, WorkUnit* unit) {
+    return output_next(*static_cast<const Granular*>(state), unit);
+  };
+  const auto run = [](void* state, uint32_t) {
+    Granular* g = static_cast<Granular*>(state);
+    output_run(&g->output, *g);
+  };
+  const auto forecast = [](const void* state, uint32_t, Forecast* entries) {
+    return output_forecast(*static_cast<const Granular*>(state), entries);
+  };
+  return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f};
 }
 
 }  // namespace sandglass

@@ -37,11 +37,20 @@ void particles_swap(Particles* p) {
   p->records[0] = state;
 }
 
-void particles_copy_to_all(Particles* p, uint32_t first, uint32_t count) {
+void particles_copy_to_all(const Particles& p, uint32_t first, uint32_t count) {
   for (int b = 1; b < 3; ++b) {
-    if (p->records[b] != nullptr)
-      __builtin_memcpy(p->records[b] + first, p->records[0] + first, count * sizeof(Particle));
+    if (p.records[b] != nullptr) __builtin_memcpy(p.records[b] + first, p.records[0] + first, count * sizeof(Particle));
   }
+}
+
+void particles_append(Particles* p, const float position[3], const float velocity[3], uint32_t number) {
+  p->records[0][p->count++] = moving_particle(position, velocity, number);
+  particles_include(p, position, velocity);
+}
+
+void particles_remove(Particles* p, uint32_t i) {
+  const uint32_t last = --p->count;
+  if (i != last) p->records[0][i] = p->records[0][last];
 }
 
 void particles_include(Particles* p, const float position[3], const float velocity[3]) {
@@ -66,13 +75,54 @@ void particles_find_bounds(Particles* p) {
   }
 }
 
-void particles_seal(Granular* g) {
-  Particles& p = g->particles;
+void particles_move(Particles* p, const SceneMove& move) {
+  for (uint32_t i = 0; i < p->count; ++i) {
+    move.move(p->records[0][i].position);
+    move.turn(p->records[0][i].velocity);
+  }
+  particles_find_bounds(p);
+}
+
+void particles_restore(Particles* p, const SavedScene& s) {
+  p->count = s.particles;
+  for (int k = 0; k < 3; ++k) p->low[k] = s.state.low[k], p->high[k] = s.state.high[k];
+  p->speed_max = s.state.speed_max;
+  p->bounds_known = s.state.bounds_known != 0;
+}
+
+void particles_recall(Particles* p) {
+  for (uint32_t i = 0; i < p->count; ++i) {
+    Particle* one = &p->records[0][i];
+    if (has_departed(*one)) particles_include(p, one->position, one->velocity);
+    set_departed(one, false);
+  }
+}
+
+void particles_take_extent(Particles* p, const ContactExtent& e, const Bounds& resting) {
+  p->speed_max = __builtin_sqrtf(e.speed_squared);
+  for (int k = 0; k < 3; ++k) {
+    if (e.low[k] > e.high[k]) continue;
+    p->low[k] = e.low[k] < resting.low[k] ? e.low[k] : resting.low[k];
+    p->high[k] = e.high[k] > resting.high[k] ? e.high[k] : resting.high[k];
+  }
+}
+
+void particles_narrow(Particles* p, const Bounds& all, float speed_max) {
+  for (int k = 0; k < 3 && !is_empty(all); ++k) p->low[k] = all.low[k], p->high[k] = all.high[k];
+  p->speed_max = speed_max;
+}
+
+void particles_expect_speed(Particles* p, float speed) {
+  if (speed > p->speed_max) p->speed_max = speed;
+}
+
+void particles_stand(Particles* p) { p->speed_max = 0.0f; }
+
+void particles_seal(const Particles& p) {
   for (uint32_t i = p.count; i < p.rows && i < p.count + k_array_slack; ++i) {
     for (Particle* records : p.records) {
       if (records != nullptr) records[i] = inert_particle();
     }
-    neighbours_clear_row(&g->neighbours, i, p.inert);
   }
 }
 
@@ -88,26 +138,40 @@ void boundary_layout(Boundary* b, const sandglass_granular_desc& d, Layout* layo
 
 Particle* boundary_particles(const Granular& g) { return g.particles.records[0] + g.particles.rows; }
 
-void boundary_sort(Granular* g, uint32_t count) {
-  Boundary& boundary = g->boundary;
-  Particles& p = g->particles;
+void boundary_reset(Boundary* boundary) {
+  boundary->count = 0;
+  boundary->bounds = k_nowhere;
+}
+
+void boundary_sort(Boundary* own, const Granular& g, uint32_t count) {
+  Boundary& boundary = *own;
+  const Particles& p = g.particles;
   boundary.count = count;
   boundary.bounds = k_nowhere;
   if (count != 0) {
-    Particle* sorted = boundary_particles(*g);
+    Particle* sorted = boundary_particles(g);
     Particle* unsorted = p.records[1] + p.rows;
     __builtin_memcpy(unsorted, sorted, count * sizeof(Particle));
     for (uint32_t i = 0; i < count; ++i) bounds_include(&boundary.bounds, unsorted[i].position);
-    cell_sort_begin(&boundary.sort, neighbours_reach(*g), boundary.bounds.low, boundary.bounds.high, 2);
+    cell_sort_begin(&boundary.sort, neighbours_reach(g), boundary.bounds.low, boundary.bounds.high, 2);
     const SortTarget target = {
         as_records(sorted), {boundary.positions[0], boundary.positions[1], boundary.positions[2]}, false};
     while (boundary.sort.phase != k_sort_done)
-      cell_sort_run(&boundary.sort, *g->kernels, as_records(unsorted), count, g->unit, target);
-    particles_copy_to_all(&p, p.rows, count);
+      cell_sort_run(&boundary.sort, *g.kernels, as_records(unsorted), count, g.unit, target);
+    particles_copy_to_all(p, p.rows, count);
   }
   for (Particle* records : p.records) {
     if (records != nullptr) records[p.inert] = inert_particle();
   }
+}
+
+void boundary_move(Boundary* boundary, const Granular& g, const SceneMove& move) {
+  Particle* const particles = boundary_particles(g);
+  for (uint32_t i = 0; i < boundary->count; ++i) {
+    move.move(particles[i].position);
+    move.turn(particles[i].velocity);
+  }
+  boundary_sort(boundary, g, boundary->count);
 }
 
 // ---- CellSort

@@ -98,15 +98,32 @@ void particles_reset(Particles* particles);
 // What records[1] holds becomes the state.
 void particles_swap(Particles* particles);
 // The same for all arrays: `count` particles from `first` on, as the state has them.
-void particles_copy_to_all(Particles* particles, uint32_t first, uint32_t count);
+void particles_copy_to_all(const Particles& particles, uint32_t first, uint32_t count);
+// A particle that was not there before. Its bounds and its speed count.
+void particles_append(Particles* particles, const float position[3], const float velocity[3], uint32_t number);
+// Takes particle i out; the last one moves into its place.
+void particles_remove(Particles* particles, uint32_t i);
 
 // Widens the bounds and the greatest speed to hold this particle.
 void particles_include(Particles* particles, const float position[3], const float velocity[3]);
 // The bounds of the particles as they are.
 void particles_find_bounds(Particles* particles);
+void particles_move(Particles* particles, const SceneMove& move);
+void particles_restore(Particles* particles, const SavedScene& saved);
+
+// What has departed counts again.
+void particles_recall(Particles* particles);
+// The bounds and the greatest speed of a sub-step, besides what rests.
+void particles_take_extent(Particles* particles, const ContactExtent& extent, const Bounds& resting);
+// What counts has this speed and, where they are not empty, these bounds.
+void particles_narrow(Particles* particles, const Bounds& all, float speed_max);
+// Something as fast as this comes.
+void particles_expect_speed(Particles* particles, float speed);
+// All stand still.
+void particles_stand(Particles* particles);
 
 // Puts inert particles behind the last one, so that kernels may process whole vectors.
-void particles_seal(Granular* granular);
+void particles_seal(const Particles& particles);
 
 // ---- Boundary (particles.cpp)
 //
@@ -120,70 +137,12 @@ struct Boundary {
 };
 
 void boundary_layout(Boundary* boundary, const sandglass_granular_desc& desc, Layout* layout);
+void boundary_reset(Boundary* boundary);
+void boundary_move(Boundary* boundary, const Granular& granular, const SceneMove& move);
 // The boundary's particles among those of the state.
 Particle* boundary_particles(const Granular& granular);
 // Sorts the `count` particles that stand there.
-void boundary_sort(Granular* granular, uint32_t count);
-
-// ---- Neighbours (neighbours.cpp)
-//
-// Neighbour lists: which particles may touch in the next sub-steps, and how long that stays true.
-//
-// A list holds every pair that was closer than 2r + skin when it was built. It stays complete while no pair has
-// approached by more than the skin, so lists are rebuilt by motion, not after a fixed number of sub-steps. Motion that
-// all share does not count: half the range of the displacements bounds how far any particle strays from their mean, and
-// a falling body needs no rebuild. Once the motion of the sub-steps has used up the skin, what is left of it is
-// measured, place by place (ListSlack).
-
-struct Neighbours {
-  CellSort sort;             // of the particles
-  float* positions[3];       // x, y and z of the particles in sorted order, as the last build saw them
-  uint32_t* lists;           // k_list_slots record indices a particle
-  uint8_t* counts;           // used slots a particle
-  uint8_t* near_counts;      // of them, near ones
-  uint8_t* listed;           // one a group: 1 where the particles have lists
-  bool halves;               // every pair is in one list only
-  bool valid;                // false: the lists must be rebuilt before the next sub-step
-  float slack;               // metres by which pairs may still approach before the lists are stale
-  bool measured;             // the slack is that of a measurement, and no sub-step has run since
-  float last_spread;         // metres; half the range of the last sub-step's displacements
-  float last_substep;        // seconds; its length
-  float builds_per_substep;  // recent average, for the forecast
-};
-
-void neighbours_layout(Neighbours* neighbours, uint32_t rows, Layout* layout);
-void neighbours_reset(Neighbours* neighbours, float substep);
-// Forgets what the lists were good for: the particles start as if they had just been added.
-void neighbours_forget(Neighbours* neighbours, float substep);
-
-// How far apart two particles of a list were at most when it was built, metres.
-float neighbours_reach(const Granular& granular);
-
-// Whether a sub-step of this length may need pairs that the lists lack, for all that is known.
-bool neighbours_stale(const Granular& granular, uint32_t level, float substep);
-// What the answer to that is worth: true where the slack can be measured.
-bool neighbours_doubt(const Granular& granular);
-// Measuring it, in units. True once it is done.
-void neighbours_begin_measuring(Granular* granular);
-bool neighbours_run_measuring(Granular* granular);
-
-// Rebuilding, in units: sort, then lists. A `run` function is true once its phase is done.
-void neighbours_begin_sort(Granular* granular);
-bool neighbours_run_sort(Granular* granular);
-bool neighbours_run_lists(Granular* granular);
-
-// Whole lists of the particles [begin, end), from the grid of the last build. Returns how many neighbours had no room.
-uint32_t neighbours_build(Granular* granular, uint32_t begin, uint32_t end);
-// The whole list of particle i.
-const uint32_t* neighbours_of(Granular* granular, uint32_t i, uint32_t* count);
-
-// After a sub-step: uses up the slack by its motion.
-void neighbours_wear(Granular* granular);
-// At the start of a frame: what the last frame taught about how often lists are rebuilt.
-void neighbours_learn(Neighbours* neighbours, uint32_t builds, uint32_t substeps);
-
-// An empty list that points at the inert particle.
-void neighbours_clear_row(Neighbours* neighbours, uint32_t row, uint32_t inert);
+void boundary_sort(Boundary* boundary, const Granular& granular, uint32_t count);
 
 // ---- ListSlack (neighbours.cpp)
 //
@@ -213,10 +172,81 @@ struct ListSlack {
   float widest2;  // squared diagonal of the widest window
 };
 
-void list_slack_layout(ListSlack* slack, const CellSort& sort, Layout* layout);
-void list_slack_begin(ListSlack* slack);
-// Measuring, in units. True once it is done: *metres may then still be closed.
-bool list_slack_run(Granular* granular, float* metres);
+// ---- Neighbours (neighbours.cpp)
+//
+// Neighbour lists: which particles may touch in the next sub-steps, and how long that stays true.
+//
+// A list holds every pair that was closer than 2r + skin when it was built. It stays complete while no pair has
+// approached by more than the skin, so lists are rebuilt by motion, not after a fixed number of sub-steps. Motion that
+// all share does not count: half the range of the displacements bounds how far any particle strays from their mean, and
+// a falling body needs no rebuild. Once the motion of the sub-steps has used up the skin, what is left of it is
+// measured, place by place (ListSlack).
+
+struct Neighbours {
+  CellSort sort;             // of the particles
+  float* positions[3];       // x, y and z of the particles in sorted order, as the last build saw them
+  uint32_t* lists;           // k_list_slots record indices a particle
+  uint8_t* counts;           // used slots a particle
+  uint8_t* near_counts;      // of them, near ones
+  uint8_t* listed;           // one a group: 1 where the particles have lists
+  bool halves;               // every pair is in one list only
+  bool valid;                // false: the lists must be rebuilt before the next sub-step
+  float slack;               // metres by which pairs may still approach before the lists are stale
+  bool measured;             // the slack is that of a measurement, and no sub-step has run since
+  float last_spread;         // metres; half the range of the last sub-step's displacements
+  float last_substep;        // seconds; its length
+  float builds_per_substep;  // recent average, for the forecast
+  ListSlack measurement;
+};
+
+void neighbours_layout(Neighbours* neighbours, uint32_t rows, Layout* layout);
+void neighbours_reset(Neighbours* neighbours, float substep);
+// Forgets what the lists were good for: the particles start as if they had just been added.
+void neighbours_forget(Neighbours* neighbours, float substep);
+
+// How far apart two particles of a list were at most when it was built, metres.
+float neighbours_reach(const Granular& granular);
+
+// Whether a sub-step of this length may need pairs that the lists lack, for all that is known.
+bool neighbours_stale(const Granular& granular, uint32_t level, float substep);
+// What the answer to that is worth: true where the slack can be measured.
+bool neighbours_doubt(const Granular& granular);
+// Measuring it, in units. True once it is done.
+void neighbours_begin_measuring(Neighbours* neighbours);
+bool neighbours_run_measuring(Neighbours* neighbours, const Granular& granular, uint32_t* cursor);
+
+// What a unit of building lists has seen.
+struct ListsSeen {
+  uint32_t dropped;  // neighbours that had no room
+  uint32_t awake;    // particles
+  Bounds resting;    // of the others
+};
+
+// Rebuilding, in units: sort, after which the particles are swapped, then lists. A `run` function is true once its phase
+// is done.
+void neighbours_begin_sort(Neighbours* neighbours, const Granular& granular);
+bool neighbours_run_sort(Neighbours* neighbours, const Granular& granular);
+bool neighbours_run_lists(Neighbours* neighbours, const Granular& granular, uint32_t* cursor, ListsSeen* seen);
+// The lists must be rebuilt: the records are not what they were built from.
+void neighbours_invalidate(Neighbours* neighbours);
+
+// Whole lists of the particles [begin, end), from the grid of the last build. Returns how many neighbours had no room.
+uint32_t neighbours_build(const Granular& granular, uint32_t begin, uint32_t end);
+// The same for a group that has had none.
+uint32_t neighbours_build_group(const Granular& granular, uint32_t group);
+// The whole list of particle i.
+const uint32_t* neighbours_of(const Granular& granular, uint32_t i, uint32_t* count);
+
+// After a sub-step: uses up the slack by its motion.
+void neighbours_wear(Neighbours* neighbours, const Granular& granular);
+// Nothing moves.
+void neighbours_stand(Neighbours* neighbours);
+void neighbours_restore(Neighbours* neighbours, const SavedScene& saved);
+// At the start of a frame: what the last frame taught about how often lists are rebuilt.
+void neighbours_learn(Neighbours* neighbours, uint32_t builds, uint32_t substeps);
+
+// Empty lists, which point at the inert particle, for the inert particles behind the last one.
+void neighbours_seal(const Neighbours& neighbours, const Particles& particles);
 
 // ---- PairColours (pairs.cpp)
 //
@@ -253,7 +283,7 @@ void pair_colours_layout(PairColours* colours, const sandglass_granular_desc& de
 // The lists have changed: colours must be found again before the next pass.
 void pair_colours_forget(PairColours* colours);
 // Colouring, in units. True once it is done.
-bool pair_colours_run(Granular* granular);
+bool pair_colours_run(PairColours* colours, const Granular& granular, uint32_t* cursor, FrameCounts* counts);
 
 // Part of a pass: pairs [begin, end) of one run. Pair p is lane p % 16 of group groups[p / 16].
 struct PairPiece {

@@ -38,15 +38,22 @@ struct SubstepPlan {
 };
 
 void time_reset(SimulatedTime* time);
+void time_restore(SimulatedTime* time, const SavedScene& saved);
 
 // Adds a frame's time step to the debt.
-void time_take(Granular* granular, float step);
+void time_take(SimulatedTime* time, const Granular& granular, float step);
 // Whether the frame is a pause: whatever is owed, the particles and the grains do nothing.
 bool time_paused(const Granular& granular);
 // A sub-step is complete: pays its part of the debt.
-void time_pay(Granular* granular);
+void time_pay(SimulatedTime* time, const Granular& granular);
 // Pays the whole debt at once, while all sleep.
-void time_skip(Granular* granular);
+void time_skip(SimulatedTime* time, const Granular& granular);
+// An interval of so many seconds begins. Between frames there may be none.
+void time_begin_interval(SimulatedTime* time, double interval);
+void time_forget_interval(SimulatedTime* time);
+// The grains have followed through so many seconds, or have nothing to follow.
+void time_grains_followed(SimulatedTime* time, double seconds);
+void time_grains_followed(SimulatedTime* time);
 
 // The next interval: equal parts of the debt, at most a frame long; with the dissertation's rule at most refine_step.
 double time_interval(const Granular& granular);
@@ -117,36 +124,62 @@ struct Substep {
   uint32_t level;           // quality level at which the sub-step began
   uint32_t due;             // phases that must run before the next sub-step begins: bit 1 << phase
   uint32_t cursor;          // next item of the phase
-  uint32_t pass;            // of the stabilisation or of the solver
-  uint32_t iterations;      // passes of the solver
   uint32_t interval_left;   // sub-steps left in the interval, this one included
   float length;             // seconds
   float longest, shortest;  // seconds; what the scheme allows
-  uint32_t dither;          // phase of the sequence by which gravity varies (contacts.cpp)
-  ContactExtent extent;     // what the last pass has seen so far
 };
 
+// Nothing may be under way.
 void substep_reset(Substep* substep);
-// As after a reset, but what varies gravity goes on. Nothing may be under way.
-void substep_forget(Substep* substep);
+void substep_set_limits(Substep* substep, float longest, float shortest);
+// While all sleep there is no interval.
+void substep_end_interval(Substep* substep);
 Stage granular_particle_stage(Granular* granular);
 
 // Nothing is under way and nothing is due.
 bool substep_idle(const Granular& granular);
-void substep_set_due(Granular* granular, SubstepPhase phase, bool due);
+void substep_set_due(Substep* substep, SubstepPhase phase, bool due);
 // Before material changes: the sub-step under way starts again from the last state, or ends where bodies have already
 // moved.
 void substep_abandon(Granular* granular);
 
+// ---- Contacts (contacts.cpp)
+//
+// The passes of a sub-step over the particles: what the contact kernels are given, and what they have seen.
+
+// Of a pass that has seen no particle.
+constexpr ContactExtent k_extent_of_none = {
+    0.0f, {3e38f, 3e38f, 3e38f}, {-3e38f, -3e38f, -3e38f}, {3e38f, 3e38f, 3e38f}, {-3e38f, -3e38f, -3e38f}, 0, 0};
+
+struct Contacts {
+  uint32_t pass;         // of the stabilisation or of the solver
+  uint32_t iterations;   // passes of the solver
+  uint32_t dither;       // phase of the sequence by which gravity varies
+  ContactExtent extent;  // what the last pass has seen so far
+};
+
 // Whether contacts are solved pair by pair. The other scheme is the source's.
 bool solves_pairs(const Granular& granular);
-// The passes (contacts.cpp).
 // Metres a second that what is deep in a collider may leave it with, besides the collider's own velocity.
 float contacts_leave_speed(const Granular& granular);
-void contacts_begin(Granular* granular);
+
+void contacts_reset(Contacts* contacts);
+void contacts_restore(Contacts* contacts, const SavedScene& saved);
+// As after a reset, but what varies gravity goes on.
+void contacts_forget(Contacts* contacts);
+// So many passes of the solver.
+void contacts_begin(Contacts* contacts, uint32_t iterations);
+// Nothing is seen yet.
+void contacts_clear_extent(Contacts* contacts);
 // One unit of a pass. True once the pass is complete.
-bool contacts_run(Granular* granular);
-bool contacts_run_pairs(Granular* granular);
+bool contacts_run(Contacts* contacts, const Granular& granular, uint32_t* cursor);
+bool contacts_run_pairs(Contacts* contacts, const Granular& granular, uint32_t* cursor);
+// The next pass begins. False: there are only `passes` of them, and what comes next begins with its first.
+bool contacts_next_pass(Contacts* contacts, uint32_t passes);
+// Others have moved particles too.
+void contacts_include(Contacts* contacts, const ContactExtent& extent);
+// The sub-step is complete.
+void contacts_complete(Contacts* contacts, FrameCounts* counts);
 
 // ---- Bodies (bodies.cpp)
 //
@@ -188,46 +221,46 @@ struct Bodies {
   uint32_t cursor, particle;
   bool moves;
   BodyMatch match;
+  ContactExtent extent;  // of the particles that the phase has moved
 };
 
 void bodies_layout(Bodies* bodies, const sandglass_granular_desc& desc, Layout* layout);
 void bodies_reset(Bodies* bodies);
-
-sandglass_status granular_add_body(Granular* granular, const sandglass_body* body, uint32_t* index,
-                                   const char** reason);
-sandglass_status granular_remove_body(Granular* granular, uint32_t index, const char** reason);
-sandglass_status granular_set_body(Granular* granular, uint32_t index, const sandglass_body_pose* pose,
-                                   const char** reason);
-sandglass_status granular_push_body(Granular* granular, uint32_t index, const float impulse[3], const float* point,
-                                    const char** reason);
-void granular_body_pose(const Granular& granular, uint32_t index, sandglass_body_pose* pose);
+void bodies_restore(Bodies* bodies, const SavedScene& saved);
 
 bool bodies_has(const Bodies& bodies, uint32_t index);
-// Takes the body out, with its particles. No phase of the bodies may be under way.
-void bodies_remove(Granular* granular, uint32_t index);
+bool bodies_awake(const Granular& granular, const RigidBody& body);
+// The number of a body that is added. capacity: there is none.
+uint32_t bodies_free_number(const Bodies& bodies, uint32_t capacity);
+// A body of the particles from this row on, at rest around their middle, with velocities but without theirs.
+void bodies_add(Bodies* bodies, const Granular& granular, uint32_t number, const sandglass_body& body,
+                uint32_t first_row);
+// Takes the body out. Its particles are gone. No phase of the bodies may be under way.
+void bodies_remove(Bodies* bodies, const Granular& granular, uint32_t index);
+// The body is elsewhere or has other velocities. Its particles are where they were.
+void bodies_set(Bodies* bodies, uint32_t index, const RigidBody& changed);
 // Gives the particles of a body the velocities that its own say.
-void bodies_set_velocities(Granular* granular, const RigidBody& body);
+void bodies_spread_velocities(const Granular& granular, const RigidBody& body);
 // Where the pose of a body puts the particle of a slot.
 void bodies_place(const Bodies& bodies, const RigidBody& body, uint32_t slot, float position[3]);
-void bodies_move(Bodies* bodies, uint32_t index, const double rotation[4], const float shift[3]);
+// The body falls asleep with its particles.
+void bodies_stop(Bodies* bodies, uint32_t index);
+void bodies_move(Bodies* bodies, const SceneMove& move);
 
 // The phase of a sub-step. False: no body is awake.
-bool bodies_begin(Granular* granular);
-uint32_t bodies_items(const Granular& granular);  // of the next unit
-bool bodies_run(Granular* granular);              // true once all are done
+bool bodies_begin(Bodies* bodies, const Granular& granular);
+uint32_t bodies_items(const Granular& granular);                                 // of the next unit
+bool bodies_run(Bodies* bodies, const Granular& granular, FrameCounts* counts);  // true once all are done
 
 // Where the particles of bodies are after sorting: of all, and of the particle with this index.
-void bodies_find_rows(Granular* granular);
-void bodies_note_row(Granular* granular, uint32_t index);
+void bodies_find_rows(const Granular& granular);
+void bodies_note_row(const Granular& granular, uint32_t index);
 
 // Sinks take the bodies of which they hold every particle. The drain notes each awake particle of body `index` that it
 // finds inside.
-void bodies_begin_drain(Bodies* bodies);
-void bodies_note_inside(Bodies* bodies, uint32_t index);
-void bodies_drain(Granular* granular);
-
-// Bodies whose particles have all kept still for `patience` checks fall asleep.
-void bodies_put_to_sleep(Granular* granular, uint32_t patience);
+void bodies_begin_drain(const Bodies& bodies);
+void bodies_note_inside(const Bodies& bodies, uint32_t index);
+bool bodies_all_inside(const Bodies& bodies, uint32_t index);
 
 // ---- Sleep (sleep.cpp)
 //
@@ -278,37 +311,50 @@ struct Sleep {
 
 void sleep_layout(Sleep* sleep, const sandglass_granular_desc& desc, uint32_t rows, Layout* layout);
 void sleep_reset(Sleep* sleep);
+void sleep_restore(Sleep* sleep, const SavedScene& saved);
+// Of so many numbers.
+void sleep_move(Sleep* sleep, uint32_t numbers, const SceneMove& move);
 
 // A particle that was added under this number is awake.
 void sleep_add(Sleep* sleep, uint32_t number, const float position[3]);
 // The particle with this number begins to rest here. It must be awake.
 void sleep_begin_rest(Sleep* sleep, uint32_t number, const float position[3]);
+// The particle with this number has this slot of Bodies.
+void sleep_set_body_slot(Sleep* sleep, uint32_t number, uint32_t slot);
+// A particle was taken out that was awake.
+void sleep_removed(Sleep* sleep);
 // What lies in the box wakes, bodies as a whole. The lists must be built anew then.
-void sleep_wake_box(Granular* granular, const float low[3], const float high[3]);
-// Everything wakes. Only outside a frame.
-void sleep_wake_all(Granular* granular);
-// Whether the particle with this index touches a particle, not of its own body, the boundary or a collider. Without
-// gravity all may rest.
-bool sleep_may_rest(Granular* granular, uint32_t index);
-// Puts the particle with this index to sleep. The rest of its body must follow.
-void sleep_put_one(Granular* granular, uint32_t index);
+void sleep_wake_box(Sleep* sleep, const Granular& granular, const float low[3], const float high[3]);
+// Everything wakes. Only outside a frame, and the lists must be built anew.
+void sleep_wake_all(Sleep* sleep, const Granular& granular);
+// Which groups wake is found out by the next build of lists.
+void sleep_forget_waking(Sleep* sleep);
+// Finds what rests, and who is awake.
+void sleep_find_resting(Sleep* sleep, const Granular& granular);
+void sleep_recount(Sleep* sleep, const Granular& granular);
 
-// While the lists are built: whether all of a group sleep. If so, every array gets the group as it is. Adds its awake
-// particles to *awake_count, and the others to *resting.
-bool sleep_sort_group(Granular* granular, uint32_t group, uint32_t* awake_count, Bounds* resting);
-// active_groups from group_states.
-void sleep_collect_groups(Granular* granular);
+// While the lists are built, who is awake is counted anew: unit by unit.
+void sleep_begin_count(Sleep* sleep);
+void sleep_count(Sleep* sleep, uint32_t awake, const Bounds& resting);
+void sleep_end_count(Sleep* sleep, const Granular& granular);
+// Whether all of a group sleep. If so, every array gets the group as it is. Adds its awake particles to *awake_count,
+// and the others to *resting.
+bool sleep_sort_group(const Granular& granular, uint32_t group, uint32_t* awake_count, Bounds* resting);
 // The particles of the active groups, whole groups.
 uint32_t sleep_active_items(const Granular& granular);
 
-// While all sleep, time passes without sub-steps.
-void sleep_skip_time(Granular* granular);
+// Whether the next look at who falls asleep is due. If so, the one after it comes a period later.
+bool sleep_check_due(Sleep* sleep, const Granular& granular);
 
-// The phases. Each function runs a unit and is true once its phase is done.
-bool sleep_run_touch(Granular* granular);
-bool sleep_run_wake(Granular* granular);
-bool sleep_run_sleep(Granular* granular);
-bool sleep_run_wake_lists(Granular* granular);
+// The phases. Each function runs a unit and is true once its phase is done. Those that fall asleep stop their bodies.
+bool sleep_run_touch(Sleep* sleep, const Granular& granular, uint32_t* cursor);
+bool sleep_run_wake(Sleep* sleep, const Granular& granular, uint32_t* cursor);
+bool sleep_run_sleep(Sleep* sleep, const Granular& granular, uint32_t* cursor);
+bool sleep_run_wake_lists(Sleep* sleep, const Granular& granular, uint32_t* cursor, FrameCounts* counts);
+// Bodies whose particles have all kept still fall asleep: whether this one does.
+bool sleep_put_body(Sleep* sleep, const Granular& granular, const RigidBody& body);
+// Who sleeps has changed: which groups the passes run over.
+void sleep_collect_groups(Sleep* sleep, const Granular& granular);
 
 // sqrt(g d) in m/s, for the diameter d. Weightless scenes take the Earth's gravity.
 float granular_speed_scale(const Granular& granular);
@@ -358,24 +404,26 @@ struct Departed {
   float others_speed2, fast_speed2;
   uint32_t found, fast_count;
   uint32_t fast[k_fast_most];
+  bool narrow;    // it ended with other bounds and another speed for the others
   bool returned;  // one that had departed has not any more
 };
 
 void departed_layout(Departed* departed, const sandglass_granular_desc& desc, Layout* layout);
 void departed_reset(Departed* departed);
-// Nothing has departed, for all that is known. Finds what rests.
-void departed_forget(Granular* granular);
-
 // Takes a frame's colliders and gravity.
-void departed_begin_frame(Granular* granular);
+void departed_begin_frame(Departed* departed, const Granular& granular);
+// An interval begins: the look was for it.
+void departed_begin_interval(Departed* departed);
 
 // The phase before an interval.
 bool departed_due(const Granular& granular);
 uint32_t departed_items(const Granular& granular);
-bool departed_run(Granular* granular);
+bool departed_run(Departed* departed, const Granular& granular, uint32_t* cursor);
+// What the look that is done says of the particles that have not departed. False: nothing new.
+bool departed_narrows(const Departed& departed, const Granular& granular, Bounds* all, float* speed_max);
 
 // After a sweep: whether grains are to be looked for that are gone.
-bool departed_takes_grains(Granular* granular);
+bool departed_takes_grains(Departed* departed, const Granular& granular);
 // Whether it has left what is there, so that a move may lose it. Rigid bodies and the boundary never have.
 bool departed_has_left(const Granular& granular, const Particle& particle);
 bool departed_has_left(const Granular& granular, const Grain& grain);

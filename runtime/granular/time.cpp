@@ -27,14 +27,20 @@ void time_reset(SimulatedTime* t) {
   t->debt = t->interval_debt = t->slipped = t->simulated = t->grain_lag = 0.0;
 }
 
-void time_take(Granular* g, float asked) {
-  SimulatedTime& t = g->time;
+void time_restore(SimulatedTime* t, const SavedScene& s) {
+  t->debt = s.state.debt, t->slipped = s.state.slipped, t->simulated = s.state.simulated,
+  t->grain_lag = s.state.grain_lag;
+  t->frame_step = s.state.frame_step;
+}
+
+void time_take(SimulatedTime* time, const Granular& g, float asked) {
+  SimulatedTime& t = *time;
   const float some = is_finite(asked) && asked > 0.0f ? asked : 0.0f;
   const float step = some < k_longest_step ? some : k_longest_step;
   const double most = k_frames_made_up * static_cast<double>(step);
   t.frame_step = step;
   t.debt += static_cast<double>(step);
-  if (g->substep.interval_left == 0) {
+  if (g.substep.interval_left == 0) {
     if (step > 0.0f && t.debt > most) t.slipped += t.debt - most, t.debt = most;
     return;
   }
@@ -49,31 +55,41 @@ void time_take(Granular* g, float asked) {
 
 bool time_paused(const Granular& g) { return !(g.time.frame_step > 0.0f); }
 
-void time_pay(Granular* g) {
-  SimulatedTime& t = g->time;
-  const double paid = static_cast<double>(g->substep.length);
+void time_pay(SimulatedTime* time, const Granular& g) {
+  SimulatedTime& t = *time;
+  const double paid = static_cast<double>(g.substep.length);
   t.simulated += paid;
-  if (g->grains.count != 0) t.grain_lag += paid;
+  if (g.grains.count != 0) t.grain_lag += paid;
   t.debt -= paid;
-  flow_pass_time(&g->flow, paid);
-  if (g->substep.interval_left != 0) return;
+  if (g.substep.interval_left != 0) return;
   // The rounding of the parts does not add up: at the end of an interval the debt is what it was meant to be.
   t.simulated += t.debt - t.interval_debt;
   t.debt = t.interval_debt;
   if (t.debt < k_time_resolution) t.debt = 0.0;
 }
 
-void time_skip(Granular* g) {
-  SimulatedTime& t = g->time;
+void time_skip(SimulatedTime* time, const Granular& g) {
+  SimulatedTime& t = *time;
   t.simulated += t.debt;
-  if (g->grains.count != 0) {
+  if (g.grains.count != 0) {
     // Around sleepers grains only come to rest: what they cannot follow now they need not.
-    const double limit = time_lag_limit(*g);
+    const double limit = time_lag_limit(g);
     t.grain_lag += t.debt;
     if (t.grain_lag > limit) t.grain_lag = limit;
   }
   t.debt = t.interval_debt = 0.0;
 }
+
+void time_begin_interval(SimulatedTime* t, double interval) { t->interval_debt = t->debt - interval; }
+
+void time_forget_interval(SimulatedTime* t) { t->interval_debt = 0.0; }
+
+void time_grains_followed(SimulatedTime* t, double seconds) {
+  t->grain_lag -= seconds;
+  if (t->grain_lag < k_time_resolution) t->grain_lag = 0.0;
+}
+
+void time_grains_followed(SimulatedTime* t) { t->grain_lag = 0.0; }
 
 double time_interval(const Granular& g) {
   const double longest = g.desc.reference.blend == SANDGLASS_BLEND_SOURCE && g.desc.grain_capacity != 0

@@ -10,6 +10,24 @@
 namespace sandglass {
 
 struct Granular;
+struct FrameCounts;
+struct SavedScene;
+
+// A rigid move of the scene: p becomes rotation * p + shift.
+struct SceneMove {
+  float axes[3][3];  // images of x, y, z
+  float shift[3];
+  double rotation[4];
+
+  void turn(float v[3]) const {
+    const float x = v[0], y = v[1], z = v[2];
+    for (int k = 0; k < 3; ++k) v[k] = x * axes[0][k] + y * axes[1][k] + z * axes[2][k];
+  }
+  void move(float p[3]) const {
+    turn(p);
+    for (int k = 0; k < 3; ++k) p[k] += shift[k];
+  }
+};
 
 // ---- Colliders (colliders.cpp)
 //
@@ -80,17 +98,22 @@ void colliders_reset(Colliders* colliders, const sandglass_granular_desc& desc);
 // slow motion it is faster than the app says, as it is on the screen.
 //
 // The smallest push first. The last one to push is not entered: a hand presses no sand through the table.
-void colliders_take(Granular* granular, const sandglass_frame_input& input, double owed);
-// Finds what has changed for the particles since they were last woken; a change makes the touch phase due.
-void colliders_find_moved(Granular* granular);
+void colliders_take(Colliders* colliders, const Granular& granular, const sandglass_frame_input& input, double owed,
+                    FrameCounts* counts);
+// Finds what has changed for the particles since they were last woken. A change makes the touch phase due; after it they
+// have seen the colliders as they are.
+bool colliders_find_moved(Colliders* colliders, const Granular& granular);
+void colliders_seen_by_particles(Colliders* colliders, const Granular& granular);
+// The same for the grains, which see them at once.
+void colliders_find_moved_for_grains(Colliders* colliders, const Granular& granular);
+// Poses them as they are `before` seconds before the end of the frame.
+void colliders_begin_substep(Colliders* colliders, float before);
+void colliders_begin_sweep(Colliders* colliders, float before);
 // After saving or restoring, and when the scene was moved by rotation * p + shift.
-void colliders_settle(Granular* granular);
-void colliders_move(Granular* granular, const float rotation[4], const float shift[3]);
+void colliders_settle(Colliders* colliders, const Granular& granular);
+void colliders_move(Colliders* colliders, const Granular& granular, const SceneMove& move);
 
-// The colliders of this frame are those that sleepers have seen.
-void watch_remember(Granular* granular, ColliderWatch* watch);
-// Fills watch->moved. margin: metres around a collider that count as near.
-void watch_find_moved(const Granular& granular, ColliderWatch* watch, float margin);
+// Whether a collider has moved, appeared or gone away since sleepers saw it.
 bool watch_changed(const Granular& granular, const ColliderWatch& watch);
 
 // Finite, with positive sizes and a usable rotation? Writes the collider with its rotation normalised.
@@ -155,32 +178,38 @@ struct Flow {
 void flow_layout(Flow* flow, const sandglass_granular_desc& desc, Layout* layout);
 void flow_reset(Flow* flow, const sandglass_granular_desc& desc);
 
-// The number of a new item, where there are `count` of its kind already.
+void flow_restore(Flow* flow, const SavedScene& saved);
+
+// The number of a new item, where there are `count` of its kind already; a number that is free again.
 uint32_t flow_take_particle_number(Flow* flow, uint32_t count);
 uint32_t flow_take_grain_number(Flow* flow, uint32_t count);
-
-// Takes particle i or grain i out; the last one moves into its place.
-void flow_remove_particle(Granular* granular, uint32_t i);
-void flow_remove_grain(Granular* granular, uint32_t i);
-// After particles were taken out: indices mean others now.
-void flow_after_removal(Granular* granular);
+void flow_free_particle_number(Flow* flow, uint32_t number);
+void flow_free_grain_number(Flow* flow, uint32_t number);
 
 // Takes a frame's emitters and sinks. Counts those that it leaves out.
-void flow_take(Granular* granular, const sandglass_frame_input& input);
+void flow_take(Flow* flow, const Granular& granular, const sandglass_frame_input& input, FrameCounts* counts);
 // So many seconds of simulated time have passed.
 void flow_pass_time(Flow* flow, double seconds);
 // Whether a layer comes before the next sub-step.
 bool flow_is_due(const Granular& granular);
 // m/s of the fastest emitter; 0 without one.
 float flow_speed(const Flow& flow);
+// Lets so many particles, or so many grains, into the scene. False: one was beyond the coordinate limit, and none came.
+struct Inlet {
+  void* scene;
+  bool (*let_in)(void* scene, const float* positions, const float* velocities, uint32_t particles, uint32_t grains);
+};
 // Lets in the layers that are due. The colliders are those of the coming sub-step.
-void flow_emit(Granular* granular);
+void flow_emit(Flow* flow, const Granular& granular, const Inlet& inlet, FrameCounts* counts);
 
-// Units that empty the sinks, and take out what is gone. True once all is done.
-bool flow_run_drain(Granular* granular);
-bool flow_run_grain_drain(Granular* granular);
-
-sandglass_status granular_remove(Granular* granular, const sandglass_collider* region, uint32_t* particles,
-                                 uint32_t* grains, const char** reason);
+// Which of a group's items lie inside the shapes, from the last to the first: then what moves into the gap of one that is
+// taken out has been looked at. Returns how many.
+uint32_t flow_find_inside(const Granular& granular, const Record* records, uint32_t count, uint32_t first,
+                          const ColliderFrame* shapes, uint32_t shape_count, uint32_t found[k_lane_group]);
+// The same of what the frame's sinks or the void take: sand that is awake, and grains. Bodies note what of them is inside.
+uint32_t flow_find_leaving_particles(const Granular& granular, uint32_t first, uint32_t found[k_lane_group]);
+uint32_t flow_find_leaving_grains(const Granular& granular, uint32_t first, uint32_t found[k_lane_group]);
+// So many were taken out.
+void flow_count_removed(Flow* flow, uint64_t particles, uint64_t grains, uint64_t bodies);
 
 }  // namespace sandglass

@@ -1,29 +1,29 @@
 #!/usr/bin/env python3
-"""Each part of Granular is changed by the file that owns it. Prints the writes into another part's fields, and how many there are.
+"""Each part of Granular is changed by the file that owns it. Prints the writes into another part's fields.
 
-    owners.py FOLDER
+    owners.py FOLDER [FILE...]
 
 The headers say who owns what: below "// ---- Type (file.cpp)" stand the types of file.cpp, and a member of Granular that has no such
-type is granular.cpp's. Faults are, in any other file:
+type is granular.cpp's. Faults are, in any other file of the folder and in each FILE:
   g->part.field = ..., and += and the like, ++ and --
-  Part& p = g->part.field, without const, and &g->part.field
+  Part& p = g->part.field and Part* p = &g->part.field without const, and &g->part.field as an argument
   Granular* without const, but in the files that put the whole together (WHOLE)
-The particles' and grains' records are what all of them work on, so whoever may write them does.
+The records of particles and grains are what all of them work on.
 """
 import pathlib
 import re
 import sys
 
 WHOLE = {"granular", "edit", "substep", "sweep"}
-RECORDS = r"(particles\.records|grains\.records)\b"
+RECORDS = r"(particles\.records|grains\.records|grains\.snapshot\.particles)\b"
 PART = r"\b(?:g|granular)(?:->|\.)(?P<part>\w+)"
 FIELD = r"(?:(?:->|\.)\w+|\[[^][]*(?:\[[^][]*\][^][]*)*\])"
 FAULTS = [
     PART + FIELD + r"*\s*(?:[-+*/|&^]|<<|>>)?=(?!=)",
     r"(?:\+\+|--)\s*" + PART + FIELD + "*",
     PART + FIELD + r"*\s*(?:\+\+|--)",
-    r"^\s*(?!const\b)[\w:]+\s*& \w+ = " + PART,
-    r"(?<!&)&" + PART + FIELD + "+",
+    r"^\s*(?!const\b)\w+[&*] \w+ = &?" + PART + FIELD + "*",
+    r"[(,] ?&g->(?P<part>\w+)" + FIELD + "+",
 ]
 
 
@@ -55,6 +55,6 @@ def faults(path, files):
 
 
 folder = pathlib.Path(sys.argv[1])
-found = [fault for path in sorted(folder.glob("*.cpp")) for fault in faults(path, owners(folder))]
-print("\n".join(found + [f"{len(found)} faults"]))
-sys.exit(len(found) != 0)
+paths = sorted(folder.glob("*.cpp")) + [pathlib.Path(name) for name in sys.argv[2:]]
+found = [fault for path in paths for fault in faults(path, owners(folder))]
+sys.exit("\n".join(found + [f"{len(found)} faults"]) if found else None)
