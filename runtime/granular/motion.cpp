@@ -1,5 +1,4 @@
-#include "runtime/granular/particle_motion.h"
-
+// The particles' motion on a grid, for the grains to read.
 #include "kernels/whole.h"
 #include "runtime/core/random.h"
 #include "runtime/granular/granular.h"
@@ -9,7 +8,6 @@ namespace sandglass {
 namespace {
 
 constexpr float k_spacing_radii = 1.5f;
-constexpr float k_support_radii = 3.0f;
 // Reading linearly between nodes widens a weight: its variance along an axis grows by up to spacing^2 / 6. That of
 // (1 - d^2/h^2)^3 is h^2 / 11. The reach makes up for 0.7 of it: with that the grains follow best.
 constexpr float k_reach_radii = 2.472f;  // sqrt(3^2 - 11 * 0.7 * 1.5^2 / 6)
@@ -166,41 +164,42 @@ static void since_snapshots(const Granular& g, float since[2]) {
   since[1] = under_way ? static_cast<float>(g.time.grain_lag - g.sweep.time) : since[0];
 }
 
-void motion_add(Granular* g, uint32_t number, const float position[3], const float velocity[3]) {
-  if (g->desc.grain_capacity == 0) return;
+void motion_add(const ParticleMotion& m, const Granular& g, uint32_t number, const float position[3],
+                const float velocity[3]) {
+  if (g.desc.grain_capacity == 0) return;
   float since[2];
-  since_snapshots(*g, since);
+  since_snapshots(g, since);
   for (int k = 0; k < 3; ++k) {
-    g->motion.starts[number].position[k] = position[k] - since[0] * velocity[k];
-    g->motion.ends[number].position[k] = position[k] - since[1] * velocity[k];
+    m.starts[number].position[k] = position[k] - since[0] * velocity[k];
+    m.ends[number].position[k] = position[k] - since[1] * velocity[k];
   }
 }
 
-void motion_fall(Granular* g, uint32_t first) {
-  if (g->desc.grain_capacity == 0) return;
+void motion_fall(const ParticleMotion& m, const Granular& g, uint32_t first) {
+  if (g.desc.grain_capacity == 0) return;
   float since[2];
-  since_snapshots(*g, since);
-  for (uint32_t i = first; i < g->particles.count; ++i) {
-    const uint32_t number = number_of(g->particles.records[0][i]);
+  since_snapshots(g, since);
+  for (uint32_t i = first; i < g.particles.count; ++i) {
+    const uint32_t number = number_of(g.particles.records[0][i]);
     for (int k = 0; k < 3; ++k) {
-      g->motion.starts[number].position[k] += 0.5f * since[0] * since[0] * g->gravity[k];
-      g->motion.ends[number].position[k] += 0.5f * since[1] * since[1] * g->gravity[k];
+      m.starts[number].position[k] += 0.5f * since[0] * since[0] * g.gravity[k];
+      m.ends[number].position[k] += 0.5f * since[1] * since[1] * g.gravity[k];
     }
   }
 }
 
-void motion_begin_here(Granular* g) {
-  if (g->desc.grain_capacity == 0) return;
-  for (uint32_t i = 0; i < g->particles.count; ++i) {
-    const Particle& p = g->particles.records[0][i];
-    for (int k = 0; k < 3; ++k) g->motion.starts[number_of(p)].position[k] = p.position[k];
+void motion_begin_here(const ParticleMotion& m, const Granular& g) {
+  if (g.desc.grain_capacity == 0) return;
+  for (uint32_t i = 0; i < g.particles.count; ++i) {
+    const Particle& p = g.particles.records[0][i];
+    for (int k = 0; k < 3; ++k) m.starts[number_of(p)].position[k] = p.position[k];
   }
 }
 
-void motion_complete(Granular* g) {
-  Place* starts = g->motion.ends;
-  g->motion.ends = g->motion.starts;
-  g->motion.starts = starts;
+void motion_complete(ParticleMotion* m) {
+  Place* starts = m->ends;
+  m->ends = m->starts;
+  m->starts = starts;
 }
 
 float motion_free_fall(const float at_end[3], const float mean[3], const float gravity[3], float time) {
@@ -229,9 +228,31 @@ void motion_begin(ParticleMotion* m, double time) {
   m->grid.overflowed = m->grid.moving = 0;
 }
 
-void motion_clear(MotionGrid* grid, uint32_t begin, uint32_t end, uint32_t all) {
+// Empties the part of the table of blocks that goes with the items from `begin` to `end` of `all`.
+static void clear_slots(MotionGrid* grid, uint32_t begin, uint32_t end, uint32_t all) {
   const uint64_t slots = uint64_t{grid->slot_mask} + 1;
   for (uint64_t slot = slots * begin / all; slot < slots * end / all; ++slot) grid->slots[slot] = 0;
+}
+
+bool motion_measure(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
+  const uint32_t all = g.sweep.particles, begin = *cursor;
+  const uint32_t end = all - begin < g.unit ? all : begin + g.unit;
+  const float inverse = static_cast<float>(1.0 / g.sweep.time);
+  for (uint32_t i = begin; i < end; ++i) {
+    Particle* p = &g.grains.snapshot.particles[i];
+    const Place& start = m->starts[number_of(*p)];
+    Place* here = &m->ends[number_of(*p)];
+    float mean[3];
+    for (int k = 0; k < 3; ++k) {
+      here->position[k] = p->position[k];
+      mean[k] = (p->position[k] - start.position[k]) * inverse;
+    }
+    set_free_fall(p, motion_free_fall(p->velocity, mean, g.gravity, static_cast<float>(g.sweep.time)));
+    for (int k = 0; k < 3; ++k) p->velocity[k] = mean[k];
+  }
+  clear_slots(&m->grid, begin, end, all);
+  *cursor = end;
+  return end >= all;
 }
 
 // What a phase has left is cut into equal units: a rest of a few items would look dear for what it does.
@@ -267,37 +288,36 @@ uint64_t motion_items_of_a_sweep(const Granular& g, bool even) {
          (even ? blocks * k_items_per_smooth + g.grains.count : 0);
 }
 
-bool motion_run_scatter(Granular* g) {
-  const uint32_t all = g->sweep.particles, begin = g->sweep.cursor, end = begin + motion_part(*g, k_items_per_particle);
-  const ScatterMotionArgs args = {&g->motion.grid, g->grains.snapshot.particles, end,
-                                  static_cast<float>(g->sweep.time)};
+bool motion_run_scatter(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
+  const uint32_t all = g.sweep.particles, begin = *cursor, end = begin + motion_part(g, k_items_per_particle);
+  const ScatterMotionArgs args = {&m->grid, g.grains.snapshot.particles, end, static_cast<float>(g.sweep.time)};
   uint32_t unused = 0;
-  g->kernels->scatter_motion(&args, begin, end, &unused);
-  g->sweep.cursor = end;
+  g.kernels->scatter_motion(&args, begin, end, &unused);
+  *cursor = end;
   return end >= all;
 }
 
-bool motion_run_count(Granular* g) {
-  const uint32_t all = g->grains.count, begin = g->sweep.cursor, end = begin + motion_part(*g, 1);
-  const CountGrainsArgs args = {&g->motion.grid, g->grains.records, all};
+bool motion_run_count(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
+  const uint32_t all = g.grains.count, begin = *cursor, end = begin + motion_part(g, 1);
+  const CountGrainsArgs args = {&m->grid, g.grains.records, all};
   uint32_t unused = 0;
-  g->kernels->count_grains(&args, begin, end, &unused);
-  g->sweep.cursor = end;
+  g.kernels->count_grains(&args, begin, end, &unused);
+  *cursor = end;
   return end >= all;
 }
 
-bool motion_run_smooth(Granular* g) {
-  const uint32_t end = g->sweep.cursor + motion_part(*g, k_items_per_smooth);
-  for (uint32_t number = g->sweep.cursor; number < end; ++number) motion_smooth(g->motion.grid, number);
-  g->sweep.cursor = end;
-  return end >= g->motion.grid.block_count;
+bool motion_run_smooth(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
+  const uint32_t end = *cursor + motion_part(g, k_items_per_smooth);
+  for (uint32_t number = *cursor; number < end; ++number) motion_smooth(m->grid, number);
+  *cursor = end;
+  return end >= m->grid.block_count;
 }
 
-bool motion_run_join(Granular* g) {
-  const uint32_t end = g->sweep.cursor + motion_part(*g, k_items_per_join);
-  for (uint32_t number = g->sweep.cursor; number < end; ++number) motion_join(&g->motion.grid, number);
-  g->sweep.cursor = end;
-  return end >= g->motion.grid.block_count;
+bool motion_run_join(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
+  const uint32_t end = *cursor + motion_part(g, k_items_per_join);
+  for (uint32_t number = *cursor; number < end; ++number) motion_join(&m->grid, number);
+  *cursor = end;
+  return end >= m->grid.block_count;
 }
 
 bool motion_near(const MotionGrid& grid, const float position[3], float radius) {

@@ -3,6 +3,7 @@
 #include "runtime/core/finite.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
+#include "runtime/core/rigid_motion.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass {
@@ -106,11 +107,7 @@ void sandglass_body_box_collider(const sandglass_body_pose* pose, const float ha
   *collider = {};
   collider->shape = SANDGLASS_SHAPE_BOX;
   const float none[4] = {0.0f, 0.0f, 0.0f, 1.0f};
-  const float *t = pose->rotation, *r = rotation != nullptr ? rotation : none;  // r first, then t
-  collider->rotation[0] = t[3] * r[0] + t[0] * r[3] + t[1] * r[2] - t[2] * r[1];
-  collider->rotation[1] = t[3] * r[1] + t[1] * r[3] + t[2] * r[0] - t[0] * r[2];
-  collider->rotation[2] = t[3] * r[2] + t[2] * r[3] + t[0] * r[1] - t[1] * r[0];
-  collider->rotation[3] = t[3] * r[3] - t[0] * r[0] - t[1] * r[1] - t[2] * r[2];
+  multiply(pose->rotation, rotation != nullptr ? rotation : none, collider->rotation);
   for (int k = 0; k < 3; ++k) {
     collider->position[k] = pose->position[k];
     collider->size[k] = half_extents[k];

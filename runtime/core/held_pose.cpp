@@ -1,6 +1,6 @@
-#include "runtime/granular/held_pose.h"
+#include "runtime/core/held_pose.h"
 
-#include "runtime/granular/rigid_motion.h"
+#include "runtime/core/rigid_motion.h"
 
 namespace sandglass {
 

@@ -1,11 +1,11 @@
-#include "runtime/granular/simulated_time.h"
-
+// How much time is simulated, in how many parts, and what is given up where time is short.
 #include "kernels/whole.h"
 #include "runtime/core/finite.h"
 #include "runtime/granular/granular.h"
-#include "runtime/granular/ladder.h"
 
 namespace sandglass {
+
+// ---- SimulatedTime
 
 namespace {
 
@@ -27,14 +27,20 @@ void time_reset(SimulatedTime* t) {
   t->debt = t->interval_debt = t->slipped = t->simulated = t->grain_lag = 0.0;
 }
 
-void time_take(Granular* g, float asked) {
-  SimulatedTime& t = g->time;
+void time_restore(SimulatedTime* t, const SavedScene& s) {
+  t->debt = s.state.debt, t->slipped = s.state.slipped, t->simulated = s.state.simulated,
+  t->grain_lag = s.state.grain_lag;
+  t->frame_step = s.state.frame_step;
+}
+
+void time_take(SimulatedTime* time, const Granular& g, float asked) {
+  SimulatedTime& t = *time;
   const float some = is_finite(asked) && asked > 0.0f ? asked : 0.0f;
   const float step = some < k_longest_step ? some : k_longest_step;
   const double most = k_frames_made_up * static_cast<double>(step);
   t.frame_step = step;
   t.debt += static_cast<double>(step);
-  if (g->substep.interval_left == 0) {
+  if (g.substep.interval_left == 0) {
     if (step > 0.0f && t.debt > most) t.slipped += t.debt - most, t.debt = most;
     return;
   }
@@ -49,31 +55,41 @@ void time_take(Granular* g, float asked) {
 
 bool time_paused(const Granular& g) { return !(g.time.frame_step > 0.0f); }
 
-void time_pay(Granular* g) {
-  SimulatedTime& t = g->time;
-  const double paid = static_cast<double>(g->substep.length);
+void time_pay(SimulatedTime* time, const Granular& g) {
+  SimulatedTime& t = *time;
+  const double paid = static_cast<double>(g.substep.length);
   t.simulated += paid;
-  if (g->grains.count != 0) t.grain_lag += paid;
+  if (g.grains.count != 0) t.grain_lag += paid;
   t.debt -= paid;
-  flow_pass_time(&g->flow, paid);
-  if (g->substep.interval_left != 0) return;
+  if (g.substep.interval_left != 0) return;
   // The rounding of the parts does not add up: at the end of an interval the debt is what it was meant to be.
   t.simulated += t.debt - t.interval_debt;
   t.debt = t.interval_debt;
   if (t.debt < k_time_resolution) t.debt = 0.0;
 }
 
-void time_skip(Granular* g) {
-  SimulatedTime& t = g->time;
+void time_skip(SimulatedTime* time, const Granular& g) {
+  SimulatedTime& t = *time;
   t.simulated += t.debt;
-  if (g->grains.count != 0) {
+  if (g.grains.count != 0) {
     // Around sleepers grains only come to rest: what they cannot follow now they need not.
-    const double limit = time_lag_limit(*g);
+    const double limit = time_lag_limit(g);
     t.grain_lag += t.debt;
     if (t.grain_lag > limit) t.grain_lag = limit;
   }
   t.debt = t.interval_debt = 0.0;
 }
+
+void time_begin_interval(SimulatedTime* t, double interval) { t->interval_debt = t->debt - interval; }
+
+void time_forget_interval(SimulatedTime* t) { t->interval_debt = 0.0; }
+
+void time_grains_followed(SimulatedTime* t, double seconds) {
+  t->grain_lag -= seconds;
+  if (t->grain_lag < k_time_resolution) t->grain_lag = 0.0;
+}
+
+void time_grains_followed(SimulatedTime* t) { t->grain_lag = 0.0; }
 
 double time_interval(const Granular& g) {
   const double longest = g.desc.reference.blend == SANDGLASS_BLEND_SOURCE && g.desc.grain_capacity != 0
@@ -119,6 +135,53 @@ bool time_awaits_grains(const Granular& g) {
   const bool owes = t.debt >= k_time_resolution && g.desc.reference.blend != SANDGLASS_BLEND_SOURCE;
   if (!owes || g.sweep.phase != SweepPhase::idle) return true;
   return t.grain_lag + time_interval(g) > 1.0001 * k_frames_in_sweep * static_cast<double>(t.frame_step);
+}
+
+// ---- The quality ladder
+
+namespace {
+
+struct Measured {
+  float cost_solver, cost_refine, overlap_p99, overlap_mean, angle_degrees;
+};
+
+constexpr Measured k_measured[] = {
+#include "runtime/granular/ladder_measured.inc"
+};
+constexpr uint32_t k_measured_levels = sizeof k_measured / sizeof k_measured[0];
+static_assert(k_measured_levels == SANDGLASS_LEVEL_SLOW_MOTION, "slow motion has the numbers of the level before it");
+
+constexpr bool each_gives_up_accuracy_for_time() {
+  for (uint32_t level = 1; level < k_measured_levels; ++level) {
+    const Measured &better = k_measured[level - 1], &cheaper = k_measured[level];
+    if (cheaper.cost_solver > better.cost_solver || cheaper.overlap_p99 < better.overlap_p99) return false;
+  }
+  return true;
+}
+static_assert(each_gives_up_accuracy_for_time(), "a level that is both dearer and worse than another has no use");
+
+constexpr sandglass_level told(const char* name, uint32_t measured) {
+  const Measured& m = k_measured[measured];
+  return {sizeof(sandglass_level), name, m.cost_solver, m.cost_refine, m.overlap_p99, m.overlap_mean, m.angle_degrees};
+}
+
+}  // namespace
+
+const QualityLevel k_ladder[SANDGLASS_LEVEL_COUNT] = {
+    {1.0f, 1.0f, told("full", 0)},
+    {2.0f, 1.0f, told("lists kept longer", 1)},
+    {2.0f, 4.0f / 3.0f, told("sub-steps 4/3 as long", 2)},
+    {2.0f, 2.0f, told("sub-steps twice as long", 3)},
+    {2.0f, 2.0f, told("slow motion", 3)},
+};
+
+uint32_t level_iterations(const QualityLevel& level, uint32_t iterations) {
+  const uint32_t fewer = to_whole<uint32_t>(static_cast<float>(iterations) / level.coarsening + 0.5f);
+  return iterations <= 1 || fewer == 0 ? 1 : fewer;
+}
+
+float level_substep(const QualityLevel& level, uint32_t iterations, float longest) {
+  return iterations <= 1 ? longest * level.coarsening : longest;
 }
 
 }  // namespace sandglass

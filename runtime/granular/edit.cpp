@@ -1,10 +1,235 @@
-// What the app does to rigid bodies between frames: adds, removes, places and pushes them, and asks where they are.
+// What the app does to the sand between frames: adds and removes it, sets the boundary and friction, moves the scene, adds,
+// places, pushes and removes rigid bodies, saves and restores.
 #include "runtime/core/finite.h"
 #include "runtime/core/refuse.h"
+#include "runtime/core/rigid_motion.h"
 #include "runtime/granular/granular.h"
-#include "runtime/granular/rigid_motion.h"
 
 namespace sandglass {
+
+// ---- Adding sand
+
+namespace {
+
+constexpr float k_at_rest[3] = {0.0f, 0.0f, 0.0f};
+
+constexpr float k_speed_limit = 1e4f;  // m/s that material may be added with
+
+// The coordinates of `count` positions or velocities.
+bool items_within(const float* values, uint32_t count, float limit) {
+  return all_within(values, 3ull * count, -limit, limit);
+}
+
+void add_particle(Granular* g, const float position[3], const float velocity[3]) {
+  const uint32_t number = flow_take_particle_number(&g->flow, g->particles.count);
+  particles_append(&g->particles, position, velocity, number);
+  sleep_add(&g->sleep, number, position);
+  motion_add(g->motion, *g, number, position, velocity);
+}
+
+void add_grain(Granular* g, const float position[3], const float velocity[3]) {
+  grains_append(&g->grains, position, velocity, flow_take_grain_number(&g->flow, g->grains.count));
+}
+
+}  // namespace
+
+sandglass_status granular_add(Granular* g, const float* particles, const float* particle_velocities,
+                              uint32_t particle_count, const float* grains, const float* grain_velocities,
+                              uint32_t grain_count, const char** reason) {
+  if ((particle_count != 0 && particles == nullptr) || (grain_count != 0 && grains == nullptr)) {
+    return refuse(
+        reason, "particle_positions or grain_positions is NULL but its count is above 0: pass 3 floats for each item.");
+  }
+  if (particle_count > g->desc.particle_capacity - g->particles.count) {
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "more particles than granular.particle_capacity has room for: raise it.");
+  }
+  if (grain_count > g->desc.grain_capacity - g->grains.count) {
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.");
+  }
+  if (!items_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
+      !items_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
+    return refuse(reason,
+                  "a position is not finite or more than 1000 m from the scene origin: move the "
+                  "origin nearer.");
+  }
+  if ((particle_velocities != nullptr && !items_within(particle_velocities, particle_count, k_speed_limit)) ||
+      (grain_velocities != nullptr && !items_within(grain_velocities, grain_count, k_speed_limit))) {
+    return refuse(reason, "a velocity is not finite or above 10000 m/s: check where it comes from.");
+  }
+  if (particle_count != 0) {
+    substep_abandon(g);
+    for (uint64_t i = 0; i < particle_count; ++i)
+      add_particle(g, particles + 3 * i, particle_velocities == nullptr ? k_at_rest : particle_velocities + 3 * i);
+    neighbours_invalidate(&g->neighbours);
+    sweep_particles_changed(&g->sweep);
+    granular_seal(g);
+  }
+  if (grain_count != 0) {
+    if (g->grains.count == 0) motion_begin_here(g->motion, *g);
+    for (uint64_t i = 0; i < grain_count; ++i)
+      add_grain(g, grains + 3 * i, grain_velocities == nullptr ? k_at_rest : grain_velocities + 3 * i);
+    sweep_grains_added(g, grain_count);
+  }
+  return accept(reason);
+}
+
+// ---- Removing sand
+
+sandglass_status granular_remove(Granular* g, const sandglass_collider* region, uint32_t* particles, uint32_t* grains,
+                                 const char** reason) {
+  sandglass_collider accepted;
+  if (region == nullptr) return refuse(reason, "sandglass_granular_remove: region is NULL: pass the shape to empty.");
+  if (!collider_accept(*region, &accepted)) {
+    return refuse(
+        reason,
+        "sandglass_granular_remove: region is not a usable shape: its numbers must be finite, its position within "
+        "the coordinate limit, its sizes above 0, its rotation not zero, and its field made by this library.");
+  }
+  ColliderFrame shape;
+  colliders_pose(&accepted, 1, 0.0f, &shape);
+  granular_wake_all(g);
+  uint32_t removed = 0, removed_grains = 0, found[k_lane_group];
+  for (uint32_t group = (g->particles.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
+    const uint32_t inside = flow_find_inside(*g, as_records(g->particles.records[0]), g->particles.count,
+                                             group * k_lane_group, &shape, 1, found);
+    for (uint32_t k = 0; k < inside; ++k) {
+      if (in_body(g->particles.records[0][found[k]])) continue;
+      granular_take_out_particle(g, found[k]);
+      ++removed;
+    }
+  }
+  for (uint32_t group = (g->grains.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
+    const uint32_t inside =
+        flow_find_inside(*g, as_records(g->grains.records), g->grains.count, group * k_lane_group, &shape, 1, found);
+    for (uint32_t k = 0; k < inside; ++k) granular_take_out_grain(g, found[k]);
+    removed_grains += inside;
+  }
+  if (g->desc.particle_capacity != 0) granular_after_removal(g);
+  if (removed_grains != 0) sweep_grains_removed(g);
+  flow_count_removed(&g->flow, removed, removed_grains, 0);
+  if (particles != nullptr) *particles = removed;
+  if (grains != nullptr) *grains = removed_grains;
+  return accept(reason);
+}
+
+// ---- The boundary, and friction
+
+sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
+  if (count != 0 && positions == nullptr) {
+    return refuse(
+        reason,
+        "sandglass_granular_set_boundary: positions is NULL but count is above 0: pass 3 floats for each sample.");
+  }
+  if (count > g->desc.boundary_capacity) {
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.");
+  }
+  if (!items_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
+    return refuse(
+        reason,
+        "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin: "
+        "move the origin nearer.");
+  }
+  granular_wake_all(g);
+  for (uint32_t i = 0; i < count; ++i) boundary_particles(*g)[i] = fixed_particle(positions + 3ull * i, i);
+  boundary_sort(&g->boundary, *g, count);
+  return accept(reason);
+}
+
+void granular_set_friction(Granular* g, float static_friction, float kinetic_friction) {
+  granular_take_friction(g, static_friction, kinetic_friction);
+  granular_wake_all(g);
+}
+
+// ---- Moving the scene
+//
+// A scene that is moved rigidly, when the app's coordinates change under it.
+
+namespace {
+
+constexpr char k_moved_too_far[] =
+    "sandglass_scene_move: the move would leave the coordinate limit, 1000 m from the scene origin; nothing "
+    "was moved.";
+
+bool stays_within(const SceneMove& move, const float position[3]) {
+  float p[3] = {position[0], position[1], position[2]};
+  move.move(p);
+  for (const float c : p) {
+    if (!(__builtin_fabsf(c) <= SANDGLASS_COORDINATE_LIMIT)) return false;
+  }
+  return true;
+}
+
+// What leaves the limit must have left the scene before.
+template <class Item>
+bool all_stay(const Granular& g, const SceneMove& move, const Item* items, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!stays_within(move, items[i].position) && !departed_has_left(g, items[i])) return false;
+  }
+  return true;
+}
+
+void remove_leaving(Granular* g, const SceneMove& move) {
+  uint64_t particles = 0, grains = 0;
+  for (uint32_t i = g->particles.count; i-- > 0;) {
+    const Particle& p = g->particles.records[0][i];
+    if (!stays_within(move, p.position) && !in_body(p)) granular_take_out_particle(g, i), ++particles;
+  }
+  for (uint32_t i = g->grains.count; i-- > 0;) {
+    if (!stays_within(move, g->grains.records[i].position)) granular_take_out_grain(g, i), ++grains;
+  }
+  if (particles != 0) granular_after_removal(g);
+  if (grains != 0) sweep_grains_removed(g);
+  flow_count_removed(&g->flow, particles, grains, 0);
+}
+
+}  // namespace
+
+sandglass_status granular_move(Granular* g, const float rotation[4], const float translation[3], const char** reason) {
+  sandglass_collider frame = {}, accepted;
+  frame.rotation[3] = 1.0f;
+  for (int k = 0; rotation != nullptr && k < 4; ++k) frame.rotation[k] = rotation[k];
+  for (int k = 0; translation != nullptr && k < 3; ++k) {
+    frame.position[k] = translation[k];
+    if (is_finite(translation[k]) && __builtin_fabsf(translation[k]) > k_coordinate_bound)
+      return refuse(reason, k_moved_too_far);
+  }
+  if (!collider_accept(frame, &accepted))
+    return refuse(reason,
+                  "sandglass_scene_move: rotation or translation is not finite, or the rotation has no length.");
+  if (g->desc.particle_capacity == 0) return accept(reason);
+  ColliderFrame posed;
+  colliders_pose(&accepted, 1, 0.0f, &posed);
+  SceneMove move;
+  __builtin_memcpy(move.axes, posed.axes, sizeof move.axes);
+  for (int k = 0; k < 3; ++k) move.shift[k] = accepted.position[k];
+  for (int k = 0; k < 4; ++k) move.rotation[k] = static_cast<double>(accepted.rotation[k]);
+  Particle* boundary = boundary_particles(*g);
+  if (!all_stay(*g, move, g->particles.records[0], g->particles.count) ||
+      !all_stay(*g, move, g->grains.records, g->grains.count) || !all_stay(*g, move, boundary, g->boundary.count)) {
+    return refuse(reason, k_moved_too_far);
+  }
+  granular_settle(g);
+  remove_leaving(g, move);
+  particles_move(&g->particles, move);
+  grains_move(&g->grains, move);
+  sleep_move(&g->sleep, g->particles.count + g->flow.free_particle_count, move);
+  bodies_move(&g->bodies, move);
+  granular_forget_departed(g);
+  motion_begin_here(g->motion, *g);
+  boundary_move(&g->boundary, *g, move);
+  colliders_move(&g->colliders, *g, move);
+  float resting[3] = {g->resting_gravity[0], g->resting_gravity[1], g->resting_gravity[2]};
+  move.turn(resting);  // what rests has turned under gravity
+  granular_set_resting_gravity(g, resting);
+  granular_feel_gravity(g);
+  return accept(reason);
+}
+
+// ---- Rigid bodies
+//
+// What the app does to rigid bodies between frames: adds, removes, places and pushes them, and asks where they are.
 
 namespace {
 
@@ -42,14 +267,23 @@ Box box_around(const Granular& g, const RigidBody& body, float margin) {
 // What is within reach of that box wakes, and so does the body.
 void wake_around(Granular* g, const RigidBody& body) {
   const Box box = box_around(*g, body, neighbours_reach(*g));
-  sleep_wake_box(g, box.low, box.high);
-  g->neighbours.valid = false;
+  sleep_wake_box(&g->sleep, *g, box.low, box.high);
+  neighbours_invalidate(&g->neighbours);
+}
+
+// The particles of a body have the velocities that its own say.
+void spread_velocities(Granular* g, const RigidBody& body) {
+  bodies_spread_velocities(*g, body);
+  for (uint32_t slot = body.first; slot < body.first + body.count; ++slot) {
+    const Particle& p = g->particles.records[0][g->bodies.rows[slot]];
+    particles_include(&g->particles, p.position, p.velocity);
+  }
 }
 
 // An awake particle was put somewhere else: it rests anew from there, and no grain follows it.
 void went_nowhere(Granular* g, const Particle& p) {
   sleep_begin_rest(&g->sleep, number_of(p), p.position);
-  motion_add(g, number_of(p), p.position, p.velocity);
+  motion_add(g->motion, *g, number_of(p), p.position, p.velocity);
   particles_include(&g->particles, p.position, p.velocity);
 }
 
@@ -114,8 +348,11 @@ void put_beside(Granular* g, const RigidBody& body, const uint32_t* rows, uint32
     shift[axis] = static_cast<float>(sign * way);
   }
   const Particle& first = g->particles.records[0][rows[0]];
-  if (in_body(first))
-    for (int k = 0; k < 3; ++k) g->bodies.all[body_of(first) - 1].center[k] += static_cast<double>(shift[k]);
+  if (in_body(first)) {
+    RigidBody moved = g->bodies.all[body_of(first) - 1];
+    for (int k = 0; k < 3; ++k) moved.center[k] += static_cast<double>(shift[k]);
+    bodies_set(&g->bodies, body_of(first) - 1, moved);
+  }
   for (uint32_t i = 0; i < count; ++i) {
     Particle* p = &g->particles.records[0][rows[i]];
     for (int k = 0; k < 3; ++k) p->position[k] += shift[k];
@@ -145,7 +382,7 @@ void free_caught(Granular* g, const RigidBody& body) {
   for (uint32_t i = 0; i < g->particles.count; ++i) {
     const Particle& sand = g->particles.records[0][i];
     if (in_body(sand) || !caught_at(i)) continue;
-    if (is_asleep(sand)) sleep_wake_box(g, sand.position, sand.position);
+    if (is_asleep(sand)) sleep_wake_box(&g->sleep, *g, sand.position, sand.position);
     put_beside(g, body, &i, 1);
   }
 }
@@ -177,8 +414,6 @@ Vector spin_of_push(const Granular& g, const RigidBody& body, const Vector& arm,
 
 }  // namespace
 
-bool bodies_has(const Bodies& bodies, uint32_t index) { return index < bodies.count && bodies.all[index].count != 0; }
-
 sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint32_t* index, const char** reason) {
   if (desc == nullptr)
     return refuse(reason, "sandglass_granular_add_body: body is NULL: pass a body filled by sandglass_body_default.");
@@ -195,8 +430,7 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
     return refuse(reason, "sandglass_granular_add_body: density_ratio must be 0.001 to 1000.");
   if (!speeds_fit(desc->linear_velocity, desc->angular_velocity))
     return refuse(reason, "sandglass_granular_add_body: a velocity is not finite or above 10000 m/s or rad/s.");
-  uint32_t number = 0;
-  while (number < g->bodies.count && g->bodies.all[number].count != 0) ++number;
+  const uint32_t number = bodies_free_number(g->bodies, g->desc.body_capacity);
   if (number == g->desc.body_capacity ||
       desc->particle_count > g->desc.body_particle_capacity - g->bodies.particle_count)
     return refuse(reason, SANDGLASS_ERROR_CAPACITY,
@@ -207,62 +441,28 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
       granular_add(g, desc->particle_positions, nullptr, desc->particle_count, nullptr, nullptr, 0, reason);
   if (added != SANDGLASS_OK) return added;
 
-  RigidBody& body = g->bodies.all[number];
-  body = {};
-  body.first = g->bodies.particle_count;
-  body.count = desc->particle_count;
-  body.rotation[3] = 1.0;
-  for (uint32_t i = 0; i < body.count; ++i)
-    for (int k = 0; k < 3; ++k) body.center[k] += static_cast<double>(desc->particle_positions[3ull * i + k]);
-  for (int k = 0; k < 3; ++k) {
-    body.center[k] /= body.count;
-    body.linear[k] = desc->linear_velocity[k], body.angular[k] = desc->angular_velocity[k];
+  bodies_add(&g->bodies, *g, number, *desc, first_record);
+  const RigidBody& body = g->bodies.all[number];
+  for (uint32_t slot = body.first; slot < body.first + body.count; ++slot) {
+    sleep_set_body_slot(&g->sleep, g->bodies.numbers[slot], slot);
+    join_body(&g->particles.records[0][g->bodies.rows[slot]], number + 1, 1.0f / desc->density_ratio);
   }
-  for (uint32_t i = 0; i < body.count; ++i) {
-    const uint32_t slot = body.first + i;
-    Particle* p = &g->particles.records[0][first_record + i];
-    for (int k = 0; k < 3; ++k)
-      g->bodies.rest_shape[3ull * slot + k] = static_cast<float>(static_cast<double>(p->position[k]) - body.center[k]);
-    g->bodies.rows[slot] = first_record + i;
-    g->bodies.numbers[slot] = number_of(*p);
-    g->sleep.anchors[number_of(*p)].body_slot = slot;
-    join_body(p, number + 1, 1.0f / desc->density_ratio);
-  }
-  bodies_set_velocities(g, body);
-  g->bodies.particle_count += body.count;
-  if (desc->density_ratio > g->bodies.densest) g->bodies.densest = desc->density_ratio;
+  spread_velocities(g, body);
   if (index != nullptr) *index = number;
-  if (number == g->bodies.count) ++g->bodies.count;
   free_caught(g, body);
   return SANDGLASS_OK;
 }
 
-void bodies_remove(Granular* g, uint32_t index) {
-  Bodies& b = g->bodies;
-  const RigidBody gone = b.all[index];
+void granular_take_out_body(Granular* g, uint32_t index) {
+  const RigidBody gone = g->bodies.all[index];
   wake_around(g, gone);
-  for (uint32_t slot = gone.first; slot < gone.first + gone.count; ++slot) flow_remove_particle(g, b.rows[slot]);
-  // The slots behind it close the gap.
-  b.particle_count -= gone.count;
-  for (uint32_t to = gone.first; to < b.particle_count; ++to) {
-    const uint32_t from = to + gone.count;
-    for (int k = 0; k < 3; ++k) b.rest_shape[3ull * to + k] = b.rest_shape[3ull * from + k];
-    b.rows[to] = b.rows[from], b.numbers[to] = b.numbers[from];
-    g->sleep.anchors[b.numbers[to]].body_slot = to;
-  }
-  b.all[index] = {};
-  while (b.count != 0 && b.all[b.count - 1].count == 0) --b.count;
-  b.densest = 0.0f;
-  for (uint32_t i = 0; i < b.count; ++i) {
-    RigidBody& other = b.all[i];
-    if (other.count == 0) continue;
-    if (other.first > gone.first) other.first -= gone.count;
-    const float density = 1.0f / inverse_mass(g->particles.records[0][b.rows[other.first]]);
-    if (density > b.densest) b.densest = density;
-  }
-  g->flow.counts.removed_particles += gone.count;
-  ++g->flow.counts.removed_bodies;
-  flow_after_removal(g);
+  for (uint32_t slot = gone.first; slot < gone.first + gone.count; ++slot)
+    granular_take_out_particle(g, g->bodies.rows[slot]);
+  bodies_remove(&g->bodies, *g, index);
+  for (uint32_t slot = gone.first; slot < g->bodies.particle_count; ++slot)
+    sleep_set_body_slot(&g->sleep, g->bodies.numbers[slot], slot);
+  flow_count_removed(&g->flow, gone.count, 0, 1);
+  granular_after_removal(g);
 }
 
 sandglass_status granular_remove_body(Granular* g, uint32_t index, const char** reason) {
@@ -270,7 +470,7 @@ sandglass_status granular_remove_body(Granular* g, uint32_t index, const char** 
     return refuse(reason,
                   "sandglass_granular_remove_body: no body has this index: pass that of a body that was added.");
   substep_abandon(g);
-  bodies_remove(g, index);
+  granular_take_out_body(g, index);
   return accept(reason);
 }
 
@@ -305,15 +505,15 @@ sandglass_status granular_set_body(Granular* g, uint32_t index, const sandglass_
   }
   substep_abandon(g);
   wake_around(g, placed);  // where its particles still are
-  g->bodies.all[index] = placed;
+  bodies_set(&g->bodies, index, placed);
   for (uint32_t slot = placed.first; slot < placed.first + placed.count; ++slot)
     bodies_place(g->bodies, placed, slot, g->particles.records[0][g->bodies.rows[slot]].position);
-  bodies_set_velocities(g, placed);
+  spread_velocities(g, placed);
   for (uint32_t slot = placed.first; slot < placed.first + placed.count; ++slot)
     went_nowhere(g, g->particles.records[0][g->bodies.rows[slot]]);
   wake_around(g, placed);
   free_caught(g, placed);
-  sweep_particles_changed(g);
+  sweep_particles_changed(&g->sweep);
   return accept(reason);
 }
 
@@ -328,7 +528,7 @@ sandglass_status granular_push_body(Granular* g, uint32_t index, const float imp
     return refuse(reason,
                   "sandglass_granular_push_body: impulse or point is not finite, or the point is more than 1000 m from "
                   "the scene origin.");
-  RigidBody& body = g->bodies.all[index];
+  const RigidBody& body = g->bodies.all[index];
   Vector arm = {};
   if (point != nullptr) {
     const Vector p = to_vector(point);
@@ -351,9 +551,11 @@ sandglass_status granular_push_body(Granular* g, uint32_t index, const float imp
         "less, or nearer to its centre.");
   substep_abandon(g);  // which may end a sub-step: then the body has new velocities
   add_push();
-  for (int k = 0; k < 3; ++k) body.linear[k] = linear[k], body.angular[k] = angular[k];
+  RigidBody pushed = body;
+  for (int k = 0; k < 3; ++k) pushed.linear[k] = linear[k], pushed.angular[k] = angular[k];
+  bodies_set(&g->bodies, index, pushed);
   wake_around(g, body);
-  bodies_set_velocities(g, body);
+  spread_velocities(g, body);
   return accept(reason);
 }
 
@@ -365,6 +567,41 @@ void granular_body_pose(const Granular& g, uint32_t index, sandglass_body_pose* 
     pose->angular_velocity[k] = body.angular[k];
   }
   for (int k = 0; k < 4; ++k) pose->rotation[k] = static_cast<float>(body.rotation[k]);
+}
+
+// ---- Saving and restoring
+
+sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t* written, const char** reason) {
+  if (data == nullptr || written == nullptr)
+    return refuse(reason,
+                  "sandglass_scene_save: data or written is NULL: pass the memory and where to store its length.");
+  granular_settle(g);
+  return saved_write(*g, data, bytes, written, reason);
+}
+
+sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes, const char** reason) {
+  const sandglass_status status = saved_check(*g, data, bytes, reason);
+  if (status != SANDGLASS_OK) return status;
+  granular_reset(g);
+  if (g->desc.particle_capacity == 0) return accept(reason);
+  SavedScene saved;
+  if (!saved_read(*g, data, &saved)) {
+    granular_reset(g);
+    return refuse(reason, "sandglass_scene_restore: the data contradicts itself; the scene was reset.");
+  }
+  particles_restore(&g->particles, saved);
+  flow_restore(&g->flow, saved);
+  grains_restore(&g->grains, saved);
+  bodies_restore(&g->bodies, saved);
+  time_restore(&g->time, saved);
+  sleep_restore(&g->sleep, saved);
+  neighbours_restore(&g->neighbours, saved);
+  contacts_restore(&g->contacts, saved);
+  granular_set_resting_gravity(g, saved.state.resting_gravity);
+  boundary_sort(&g->boundary, *g, saved.boundary);
+  granular_settle(g);
+  granular_feel_gravity(g);
+  return accept(reason);
 }
 
 }  // namespace sandglass

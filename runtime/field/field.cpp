@@ -1,7 +1,7 @@
 // Signed distances on a grid. From a mesh: every triangle writes its exact distance to the nodes within the band. From
 // there distances spread node by node, in two passes over the 26 neighbours; they are never below the truth and at most
 // 13 % above it. An inside test gives the sign. There is no memory but the field's own.
-#include "runtime/granular/field.h"
+#include "runtime/field/field.h"
 
 #include "kernels/whole.h"
 #include "runtime/core/finite.h"

@@ -2,7 +2,7 @@
 // 1987). Other than a polar decomposition it is a proper rotation for every input. Other than an iteration from the
 // last rotation it does not stall at a half turn. Jacobi's method finds all four eigenvectors with + - * / and sqrt
 // alone.
-#include "runtime/granular/rotation.h"
+#include "runtime/core/rigid_motion.h"
 
 namespace sandglass {
 

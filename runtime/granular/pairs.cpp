@@ -1,5 +1,4 @@
-#include "runtime/granular/pair_colours.h"
-
+// Each contact once: pairs from the neighbour lists, in colours.
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -41,12 +40,12 @@ bool put_pair(PairColours* c, uint32_t run, uint32_t i, uint32_t j) {
 }
 
 // Colours the near pairs of particle i, or the others. Returns how many pairs had no place.
-uint32_t colour_class(Granular* g, uint32_t i, bool far, uint32_t slot, uint32_t end) {
-  PairColours& c = g->colours;
-  const Neighbours& n = g->neighbours;
+uint32_t colour_class(PairColours* own, const Granular& g, uint32_t i, bool far, uint32_t slot, uint32_t end) {
+  PairColours& c = *own;
+  const Neighbours& n = g.neighbours;
   const uint8_t* const listed = n.listed;
   const uint32_t* const row = n.lists + static_cast<uint64_t>(i) * k_list_slots;
-  const uint32_t rows = g->particles.rows, first_run = run_of(0, far, false);
+  const uint32_t rows = g.particles.rows, first_run = run_of(0, far, false);
   uint32_t* const taken = c.taken[far];
   uint32_t mine = taken[i], dropped = 0;
   for (uint32_t s = slot; s < end; ++s) {
@@ -65,18 +64,17 @@ uint32_t colour_class(Granular* g, uint32_t i, bool far, uint32_t slot, uint32_t
   return dropped;
 }
 
-uint32_t colour_row(Granular* g, uint32_t i) {
-  const uint32_t count = g->neighbours.counts[i], nears = g->neighbours.near_counts[i];
-  return colour_class(g, i, false, 0, nears) + colour_class(g, i, true, nears, count);
+uint32_t colour_row(PairColours* c, const Granular& g, uint32_t i) {
+  const uint32_t count = g.neighbours.counts[i], nears = g.neighbours.near_counts[i];
+  return colour_class(c, g, i, false, 0, nears) + colour_class(c, g, i, true, nears, count);
 }
 
 // Fills the last group of each run with pairs that never touch: the inert particle and one of the last pair, which no
 // other thread writes.
-void fill_runs(Granular* g) {
-  PairColours& c = g->colours;
+void fill_runs(PairColours* own, uint32_t inert) {
+  PairColours& c = *own;
   for (const uint32_t end : c.ends) {
-    for (uint32_t at = end; at % k_lane_group != 0; ++at)
-      c.first[at] = g->particles.inert, c.second[at] = c.second[at - 1];
+    for (uint32_t at = end; at % k_lane_group != 0; ++at) c.first[at] = inert, c.second[at] = c.second[at - 1];
   }
 }
 
@@ -114,28 +112,27 @@ void pair_colours_forget(PairColours* c) {
   c->step = k_clear;
 }
 
-bool pair_colours_run(Granular* g) {
-  PairColours& c = g->colours;
-  uint32_t& cursor = g->substep.cursor;
-  const uint32_t count = g->particles.count, begin = cursor, end = count - begin < g->unit ? count : begin + g->unit;
+bool pair_colours_run(PairColours* own, const Granular& g, uint32_t* cursor, FrameCounts* counts) {
+  PairColours& c = *own;
+  const uint32_t count = g.particles.count, begin = *cursor, end = count - begin < g.unit ? count : begin + g.unit;
   if (c.step == k_clear) {
     for (uint32_t* const taken : c.taken) __builtin_memset(taken + begin, 0, (end - begin) * sizeof *taken);
   }
   uint32_t dropped = 0;
   for (uint32_t i = begin; c.step == k_colour && i < end; ++i) {
-    if (g->neighbours.listed[i / k_lane_group] != 0) dropped += colour_row(g, i);
+    if (g.neighbours.listed[i / k_lane_group] != 0) dropped += colour_row(&c, g, i);
   }
-  g->counts.dropped_contacts += dropped;
-  cursor = end;
+  counts->dropped_contacts += dropped;
+  *cursor = end;
   if (end < count) return false;
-  cursor = 0;
+  *cursor = 0;
   if (c.step == k_clear) {
     for (uint32_t& last : c.ends) last = 0;
     c.group_count = 0;
     c.step = k_colour;
     return false;
   }
-  fill_runs(g);
+  fill_runs(&c, g.particles.inert);
   order_groups(&c);
   c.step = k_clear;
   return c.ready = true;
