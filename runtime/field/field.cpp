@@ -5,6 +5,7 @@
 
 #include "kernels/whole.h"
 #include "runtime/core/finite.h"
+#include "runtime/core/hash.h"
 #include "runtime/core/refuse.h"
 #include "runtime/sampling/arguments.h"
 
@@ -105,6 +106,9 @@ sandglass_status finish(const Nodes& n, sandglass_solid solid, void* block, sand
   grid.inverse_spacing = 1.0f / n.spacing;
   grid.outward = inside ? 1.0f : -1.0f;
   grid.border = border;
+  const uint64_t nodes = static_cast<uint64_t>(n.counts[0]) * n.counts[1] * n.counts[2];
+  const float place[4] = {n.low[0], n.low[1], n.low[2], n.spacing};
+  header->version = hash_bytes(n.values, nodes * sizeof(float), hash_bytes(place, sizeof place)) | 1;
   *field = header;
   return accept(reason);
 }

@@ -230,6 +230,8 @@ bool visible(const Colliders& c, const ColliderWatch& watch, uint32_t slot) {
   return c.seen_by[slot] == SeenBy::all || (&watch == &c.for_grains && c.seen_by[slot] == SeenBy::grains);
 }
 
+uint64_t version_of(const sandglass_collider& c) { return c.shape == SANDGLASS_SHAPE_FIELD ? c.field->version : 0; }
+
 // Whether a slot is as it was seen, and stands still. A box may have changed where no sand is.
 bool same(const Granular& g, const ColliderWatch& watch, uint32_t slot) {
   constexpr float k_rounding = 1e-6f;  // metres
@@ -242,7 +244,7 @@ bool same(const Granular& g, const ColliderWatch& watch, uint32_t slot) {
     if (now.linear_velocity[k] != 0.0f || now.angular_velocity[k] != 0.0f) return false;
   }
   const Pose pose = pose_of(now);
-  if (seen.shape != now.shape || (watch.fields[slot] != nullptr && watch.fields[slot] != now.field)) return false;
+  if (seen.shape != now.shape || (watch.fields[slot] != 0 && watch.fields[slot] != version_of(now))) return false;
   if (same_pose(pose, seen.pose)) return true;
   return now.shape == SANDGLASS_SHAPE_BOX && way_of_box(seen.pose, pose, hold_rule(g)) < k_rounding;
 }
@@ -272,10 +274,10 @@ void remember(const Granular& g, ColliderWatch* watch) {
   const Colliders& c = g.colliders;
   for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot) {
     watch->seen[slot] = {};
-    watch->fields[slot] = nullptr;
+    watch->fields[slot] = 0;
     if (!visible(c, *watch, slot)) continue;
     watch->seen[slot] = {1, c.of_slot[slot].shape, pose_of(c.of_slot[slot])};
-    watch->fields[slot] = c.of_slot[slot].field;
+    watch->fields[slot] = version_of(c.of_slot[slot]);
   }
 }
 
@@ -291,6 +293,28 @@ void find_moved(const Granular& g, ColliderWatch* watch, float margin) {
     const float reach = margin + (is && was ? half_travel(seen.pose, pose_of(c.of_slot[slot])) : 0.0f);
     if (is) colliders_pose(&c.of_slot[slot], 1, 0.0f, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
     if (was) pose_seen(seen, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
+  }
+}
+
+bool same_grid(const FieldGrid& a, const FieldGrid& b) {
+  bool same = a.values == b.values;
+  for (int k = 0; k < 3; ++k) same = same && a.counts[k] == b.counts[k];
+  return same;
+}
+
+// A field that is not passed any longer may be gone, while a step that meets it is under way. A ball of no size, far from
+// everything, takes its place.
+void drop_gone_fields(const Colliders& c, ColliderFrame* frames, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i) {
+    bool there = frames[i].shape != SANDGLASS_SHAPE_FIELD;
+    for (uint32_t k = 0; k < c.count && !there; ++k)
+      there = c.given[k].shape == SANDGLASS_SHAPE_FIELD && same_grid(frames[i].field, c.given[k].field->grid);
+    if (there) continue;
+    sandglass_collider nothing = {};
+    nothing.shape = SANDGLASS_SHAPE_SPHERE;
+    nothing.position[1] = -k_coordinate_bound;
+    nothing.rotation[3] = 1.0f;
+    colliders_pose(&nothing, 1, 0.0f, &frames[i]);
   }
 }
 
@@ -310,7 +334,7 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
     const bool grains = watch == &c->for_grains;
     watch->seen =
         layout_region<SeenCollider>(layout, grains ? "granular.grains_saw" : "granular.particles_saw", capacity);
-    watch->fields = layout_region<const sandglass_field*>(
+    watch->fields = layout_region<uint64_t>(
         layout, grains ? "granular.grains_saw_fields" : "granular.particles_saw_fields", capacity);
     watch->moved.frames = layout_region<ColliderFrame>(
         layout, grains ? "granular.sweep_moved" : "granular.moved_colliders", 2 * capacity);
@@ -326,7 +350,7 @@ void colliders_reset(Colliders* c, const sandglass_granular_desc& d) {
   for (uint32_t slot = 0; slot < d.collider_capacity; ++slot) {
     c->known[slot] = {};
     c->seen_by[slot] = SeenBy::none;
-    for (ColliderWatch* watch : watches) watch->seen[slot] = {}, watch->fields[slot] = nullptr, watch->moved.count = 0;
+    for (ColliderWatch* watch : watches) watch->seen[slot] = {}, watch->fields[slot] = 0, watch->moved.count = 0;
   }
 }
 
@@ -361,6 +385,9 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
   }
   if (input.collider_count != 0) c.waits = false;
   order(&c, capacity);
+  drop_gone_fields(c, c.substep_frames, c.substep_count);
+  drop_gone_fields(c, c.sweep_frames, c.sweep_count);
+  drop_gone_fields(c, c.for_grains.moved.frames, c.for_grains.moved.count);
 }
 
 bool colliders_find_moved(Colliders* c, const Granular& g) {
@@ -394,7 +421,7 @@ void colliders_settle(Colliders* colliders, const Granular& g) {
   Colliders& c = *colliders;
   c.waits = true;
   for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot)
-    c.for_particles.fields[slot] = c.for_grains.fields[slot] = nullptr, c.seen_by[slot] = SeenBy::none;
+    c.for_particles.fields[slot] = c.for_grains.fields[slot] = 0, c.seen_by[slot] = SeenBy::none;
 }
 
 void colliders_move(Colliders* colliders, const Granular& g, const SceneMove& move) {

@@ -575,6 +575,9 @@ sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t
   if (data == nullptr || written == nullptr)
     return refuse(reason,
                   "sandglass_scene_save: data or written is NULL: pass the memory and where to store its length.");
+  if (bytes < granular_save_bytes(*g))  // before anything changes
+    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
+                  "sandglass_scene_save: bytes is less than the scene needs: ask sandglass_scene_save_bytes.");
   granular_settle(g);
   return saved_write(*g, data, bytes, written, reason);
 }

@@ -94,8 +94,9 @@ static void sweep_space_layout(Granular* g, const sandglass_granular_desc& d, La
 
 void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layout) {
   g->desc = d;
-  if (d.particle_capacity == 0) {  // nothing meets a collider
-    g->desc.collider_capacity = 0;
+  if (d.particle_capacity == 0) {  // nothing meets a collider, is poured, or drains
+    g->desc.collider_capacity = g->desc.emitter_capacity = g->desc.sink_capacity = 0;
+    g->desc.body_capacity = g->desc.body_particle_capacity = 0;
     return;
   }
   particles_layout(&g->particles, d, layout);

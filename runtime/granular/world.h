@@ -68,7 +68,7 @@ struct MovedColliders {
 // The colliders as sleepers last saw them, by slot, and what has changed since.
 struct ColliderWatch {
   SeenCollider* seen;
-  const sandglass_field** fields;  // to compare; null: not known, because the scene was restored
+  uint64_t* fields;  // versions, to compare; 0: not known, because the scene was restored
   MovedColliders moved;
 };
 

@@ -236,4 +236,17 @@ TEST(Output, LagsByTheTimeAskedFor) {
       EXPECT_NEAR(flow.scene.grains[i].position[k], newest[i].position[k] - 0.004f * velocities[3 * i + k], 1e-7);
 }
 
+// Without particles nothing drains, whatever room a scene has for sinks.
+TEST(Sink, OfASceneWithoutParticlesIsIgnored) {
+  sandglass_scene_desc desc = description(0);
+  desc.granular.sink_capacity = desc.granular.emitter_capacity = 2;
+  GranularScene scene(desc);
+  sandglass_frame_input input = scene.input(0.01f);
+  const sandglass_collider sink = sandglass::sphere(0, 0, 0, 1);
+  const sandglass_emitter nozzle = sandglass::emitter(0, 1, 0, 0.1f, 1, 0);
+  input.sinks = &sink, input.sink_count = 1;
+  input.emitters = &nozzle, input.emitter_count = 1;
+  for (int frame = 0; frame < 3; ++frame) EXPECT_EQ(scene.run(input).ignored_colliders, 2u) << "the nozzle, too";
+}
+
 }  // namespace

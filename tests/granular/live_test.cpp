@@ -125,6 +125,23 @@ void expect_alike(World* a, World* b) {
   }
 }
 
+TEST(Save, ARefusedOneChangesNothingAndTheBytesAreNeverMoreThanSaid) {
+  World live;
+  live.fill();
+  for (int i = 0; i < 60; ++i) live.frame(i % 3 == 0 ? 20'000 : ~0ull >> 1);
+  for (int i = 0; i < 40; ++i) {
+    live.frame(20'000);  // in the middle of a sub-step and of a sweep
+    const uint64_t bytes = sandglass_scene_save_bytes(live.scene.scene.get()), before = live.scene.hash();
+    Bytes data(bytes);
+    uint64_t written = 0;
+    ASSERT_EQ(sandglass_scene_save(live.scene.scene.get(), data.data(), bytes - 1, &written, nullptr),
+              SANDGLASS_ERROR_MEMORY_TOO_SMALL);
+    ASSERT_EQ(live.scene.hash(), before) << i;
+    ASSERT_EQ(sandglass_scene_save(live.scene.scene.get(), data.data(), bytes, &written, nullptr), SANDGLASS_OK);
+    ASSERT_LE(written, bytes);
+  }
+}
+
 TEST(Restore, WhatTheSceneDidBeforeIsForgotten) {
   World live, other, used;
   live.fill();

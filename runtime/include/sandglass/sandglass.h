@@ -274,7 +274,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_set_gravity(s
                                                                                const float gravity[3],
                                                                                const char** reason);
 
-/* How many bytes sandglass_scene_save would write now. */
+/* How many bytes sandglass_scene_save would write now, at most: it finishes a step of the grains that is under way, in
+ * which some may leave. */
 SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
 
 /* Saves the scene to `data`, for an app that goes to the background. *written is the number of bytes.
