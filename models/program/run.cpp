@@ -97,26 +97,22 @@ void Run::replace_shadow() {
 }
 
 void Run::take_shot() {
-  const bool asked = !options_.panorama.empty() || !options_.photo.empty() || !options_.light.empty() ||
-                     !options_.network.empty() || !options_.rooms.empty();
+  const bool asked = !options_.panorama.empty() || !options_.photo.empty() || !options_.light.empty();
   if (!scene_.shot && asked)
-    throw cannot("use --panorama, --photo, --rooms, --light or --network with", scene_.source, "the scene is no shot",
+    throw cannot("use --panorama, --photo or --light with", scene_.source, "the scene is no shot",
                  "Leave them out, or run a shot, such as \"shot\"");
   if (!scene_.shot) return;
-  if (!options_.network.empty() && options_.light == name_of(LightSource::truth))
-    throw Failure("cannot use \"--network\" with \"--light truth\": nothing is estimated. Leave one of them out.");
   if (!options_.collider_mesh.empty() && options_.asset.empty())
     throw Failure(
         "cannot use \"--object\" without \"--asset\": the object needs its own shadow. Bake it with sandglass bake and "
         "name it with --asset.");
-  if (!options_.rooms.empty()) read_made_up_room(options_.rooms.front(), &scene_.shot->room, &scene_.shot->azimuth_deg);
   ShotOptions o;
   o.panorama = options_.panorama, o.later = options_.later, o.photo = options_.photo,
   o.photo_fov_deg = options_.fov_deg;
   o.mesh = options_.collider_mesh, o.folder = options_.out, o.threads = drawing_threads();
   for (const LightSource source : {LightSource::room, LightSource::truth, LightSource::estimate, LightSource::nothing})
     if (options_.light == name_of(source)) o.light = source;
-  o.network = options_.network, o.isa = find_isa(options_.isa);
+  o.isa = find_isa(options_.isa);
   shot_.emplace(scene_, o);
 }
 
@@ -249,7 +245,6 @@ void Run::execute() {
 }
 
 int run_command(const RunOptions& options) {
-  if (!options.rooms.empty()) return run_rooms(options);
   Run run(options);
   run.execute();
   const uint64_t hash = run.hash();

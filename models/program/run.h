@@ -37,8 +37,6 @@ class Run {
   void finish(uint64_t hash);
   int exit_code(uint64_t hash) const;
   const RunReport& report() const { return report_; }
-  // Of a shot beside its truth, after `finish`.
-  const std::optional<Picture>& sheet() const { return sheet_; }
   const PhoneClock* phone() const { return phone_ ? &*phone_ : nullptr; }
 
  private:
@@ -74,11 +72,7 @@ class Run {
   std::optional<Shot> shot_;
   RunReport report_;
   std::vector<Snapshot> snapshots_;
-  std::optional<Picture> sheet_;
   Recording recording_;  // --replay: what to execute; --record: what was executed
 };
-
-// `run --rooms`: a run in each of the rooms, into a folder of its own, and their sheets one below the other.
-int run_rooms(const RunOptions& options);
 
 }  // namespace sandglass::host

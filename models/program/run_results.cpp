@@ -70,7 +70,7 @@ PictureSet Run::picture_set() const {
   set.camera = scene_.camera;
   set.threads = drawing_threads();
   set.plain = options_.plain;
-  set.film = !report_.interrupted && options_.rooms.empty();
+  set.film = !report_.interrupted;
   if (shot_)
     set.painter = [this](const Snapshot& snapshot, int width, int height, uint32_t threads) {
       return shot_->paint(snapshot, width, height, threads);
@@ -111,8 +111,7 @@ std::vector<PageFigure> Run::beside_truth(uint32_t threads) {
                        "composite"});
   }
   const std::string sheet = (fs::path(options_.out) / "shot.png").string();
-  sheet_ = shot_->sheet(lead, beside, truth);
-  write_png(sheet, *sheet_);
+  write_png(sheet, shot_->sheet(lead, beside, truth));
   std::puts("               shot.png");
   return figures;
 }

@@ -99,9 +99,6 @@ TEST(Progress, SaysHowLongItWillTake) {
   EXPECT_EQ(progress_line("working", 25, 100, 5.0), "working 25/100 (25 %), 15 s left");
   EXPECT_EQ(progress_line("working", 0, 100, 5.0), "working 0/100 (0 %)");
   EXPECT_EQ(progress_line("working", 100, 100, 5.0), "working 100/100 (100 %)");
-  // The work resumed at 60. Ten steps took 5 s, so the 30 that are left take 15 s.
-  EXPECT_EQ(progress_line("working", 70, 100, 5.0, 60), "working 70/100 (70 %), 15 s left");
-  EXPECT_EQ(progress_line("working", 60, 100, 5.0, 60), "working 60/100 (60 %)");
 }
 
 TEST(Progress, IsSilentForTwoSecondsAndThenWritesPlainLinesNowAndThen) {
