@@ -12,9 +12,10 @@ namespace sandglass::host {
 namespace fs = std::filesystem;
 
 OutputFolder::OutputFolder(const std::string& path) : path_(path) {
-  while (path_.size() > 1 && path_.ends_with('/')) path_.pop_back();
   if (path_.empty()) return;
   std::error_code error;
+  path_ = fs::weakly_canonical(fs::absolute(path), error).string();
+  if (path_.ends_with('/')) path_.pop_back();
   if (fs::exists(path_, error) && !(fs::is_directory(path_, error) && fs::is_empty(path_, error)))
     throw cannot("write into", path_, "it is there already", "Remove it, or name a new folder");
   const std::string filled = path_ + ".unfinished." + std::to_string(getpid());

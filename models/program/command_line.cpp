@@ -215,7 +215,7 @@ int run_checked(const Command& command) {
   if (!folder) return exit_code;
   if (exit_code == k_exit_interrupted && !partly) return exit_code;
   folder->keep();
-  std::printf("written to     %s\n", wanted.c_str());
+  std::fprintf(stderr, "written to %s\n", wanted.c_str());
   return exit_code;
 }
 

@@ -96,6 +96,12 @@ __attribute__((noinline)) bool move(Room* room, const float rotation[4], const f
   return true;
 }
 
+uint64_t block_bytes() {
+  Layout layout;
+  (void)layout_region<sandglass_room>(&layout, "room", 1);
+  return layout.size;
+}
+
 }  // namespace
 
 extern const RoomFunctions k_room_functions = {begin_frame, end_frame};
@@ -113,9 +119,7 @@ sandglass_status sandglass_room_bytes(const sandglass_room_desc* desc, uint64_t*
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store the number of bytes");
   const sandglass_status status = check(desc, reason);
   if (status != SANDGLASS_OK) return status;
-  Layout layout;
-  (void)layout_region<sandglass_room>(&layout, "room", 1);
-  *bytes = layout.size;
+  *bytes = block_bytes();
   return accept(reason);
 }
 
@@ -123,7 +127,7 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
                                        sandglass_room** room, const char** reason) {
   if (room == nullptr) return refuse(reason, "room is NULL: pass where to store the room");
   sandglass_status status = check(desc, reason);
-  if (status == SANDGLASS_OK) status = check_block(block, bytes, sizeof(sandglass_room), reason);
+  if (status == SANDGLASS_OK) status = check_block(block, bytes, block_bytes(), reason);
   if (status != SANDGLASS_OK) return status;
   auto* owner = static_cast<sandglass_room*>(block);
   owner->functions = &k_room_functions;

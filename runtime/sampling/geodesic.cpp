@@ -105,8 +105,9 @@ void offer(Geodesic* g, uint32_t vertex, double d, bool queue) {
 // are windows out of reach, and windows whose far end is reached sooner from one of the edge's vertices along the edge:
 // then every point of the window is.
 void cross_edge(Geodesic* g, uint32_t h, const Frame& frame, double from, double to, Planar source, double sigma,
-                uint32_t depth) {
-  if (!(to > from) || depth > g->surface.mesh->triangle_count) return;
+                uint32_t depth, bool forked) {
+  const bool forks = g->surface.mate[g->surface.mate[h]] != h;
+  if (!(to > from) || depth > g->surface.mesh->triangle_count || (forks && forked)) return;
   const double slack = 1e-12 * g->radius;
   const double nearest = hypotenuse(clamp(source.x, from, to) - source.x, source.y);
   if (!(sigma + nearest < g->radius)) return;
@@ -115,7 +116,7 @@ void cross_edge(Geodesic* g, uint32_t h, const Frame& frame, double from, double
   if (sigma + hypotenuse(from - source.x, source.y) > end + (frame.length - from) + slack) return;
   for (uint32_t m = g->surface.mate[h]; m != h; m = g->surface.mate[m]) {
     if (g->stack_count >= g->stack_capacity) return;
-    Window window = {from, to, source.x, source.y, sigma, m, depth};
+    Window window = {from, to, source.x, source.y, sigma, m, depth & 0x7FFFFFFFu, forks || forked ? 1u : 0u};
     if (start_of(g->surface, m) != start_of(g->surface, h)) {
       window.from = frame.length - to;
       window.to = frame.length - from;
@@ -167,7 +168,8 @@ void cross_triangle(Geodesic* g, const Window& w, bool queue) {
     const double dx = -c.x, dy = -c.y, inverse = far.length > 0 ? 1 / far.length : 0;
     const double sx = w.x - c.x, sy = -w.y - c.y;
     const Planar source = {(sx * dx + sy * dy) * inverse, absolute(sx * dy - sy * dx) * inverse};
-    cross_edge(g, left, far, far.length * (1 - far_end), far.length * (1 - near_end), source, w.sigma, w.depth + 1);
+    cross_edge(g, left, far, far.length * (1 - far_end), far.length * (1 - near_end), source, w.sigma, w.depth + 1,
+               w.forked != 0);
   }
   if (sees_all || w.to > split) {
     const Frame far = frame_of(*g, right);  // from the end of h to the apex
@@ -177,7 +179,7 @@ void cross_triangle(Geodesic* g, const Window& w, bool queue) {
     const double dx = c.x - l, dy = c.y, inverse = far.length > 0 ? 1 / far.length : 0;
     const double sx = w.x - l, sy = -w.y;
     const Planar source = {(sx * dx + sy * dy) * inverse, absolute(sx * dy - sy * dx) * inverse};
-    cross_edge(g, right, far, far.length * near_end, far.length * far_end, source, w.sigma, w.depth + 1);
+    cross_edge(g, right, far, far.length * near_end, far.length * far_end, source, w.sigma, w.depth + 1, w.forked != 0);
   }
 }
 
@@ -199,7 +201,7 @@ void light_triangle(Geodesic* g, Vector source, double sigma, uint32_t triangle)
 
 void light_across(Geodesic* g, Vector source, double sigma, uint32_t h) {
   const Frame frame = frame_of(*g, h);
-  cross_edge(g, h, frame, 0, frame.length, unfold(frame, source), sigma, 1);
+  cross_edge(g, h, frame, 0, frame.length, unfold(frame, source), sigma, 1, false);
 }
 
 // ---------------------------------------------------------------- the three phases

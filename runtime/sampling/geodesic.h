@@ -8,8 +8,9 @@
 // dominates are dropped after Xin and Wang 2009.)
 //
 // Every length found is that of a real path, so a distance is never too small. On manifold meshes it is never too large
-// either: the stack of windows has room for every triangle that a shortest path can cross. Nothing is refused here;
-// the arguments were checked before.
+// either: the stack of windows has room for every triangle that a shortest path can cross. An edge of three or more
+// triangles forks a window; between two vertices a path goes straight over one such edge at most, or windows would
+// multiply without end. Nothing is refused here; the arguments were checked before.
 #pragma once
 
 #include "runtime/sampling/candidates.h"
@@ -18,11 +19,12 @@
 namespace sandglass {
 
 struct Window {
-  double from, to;     // stretch of the half-edge, metres from its start
-  double x, y;         // the unfolded source: along the half-edge, and behind it (y >= 0)
-  double sigma;        // metres before the source
-  uint32_t half_edge;  // of the triangle that is entered
-  uint32_t depth;      // triangles crossed
+  double from, to;      // stretch of the half-edge, metres from its start
+  double x, y;          // the unfolded source: along the half-edge, and behind it (y >= 0)
+  double sigma;         // metres before the source
+  uint32_t half_edge;   // of the triangle that is entered
+  uint32_t depth : 31;  // triangles crossed
+  uint32_t forked : 1;  // an edge of three or more triangles, too
 };
 
 // The candidates that are asked for, in one list a triangle.

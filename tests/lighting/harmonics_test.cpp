@@ -13,7 +13,6 @@
 
 #include "models/lighting/labels.h"
 #include "models/rooms/panorama.h"
-#include "tests/filled_struct.h"
 #include "tests/reason.h"
 
 namespace sandglass {
@@ -300,21 +299,6 @@ TEST(Renderers, WhatIsWrongIsRefusedWithASentence) {
   EXPECT_EQ(f.sh[0] + a.sh[0] + u.sh[0], 0.0f) << "a refused call must not fill its result";
   u.struct_size = sizeof u, e.struct_size = 4;
   expect_refused("estimate.struct_size", [&](const char** why) { return sandglass_light_to_unity(&e, 0, &u, why); });
-}
-
-// In a struct of an older or a newer header, the memory beyond its struct_size is the app's.
-TEST(Renderers, StructsOfOtherHeadersAreFilledAsFarAsTheyReach) {
-  const sandglass_light_estimate e = estimate_of(k_directions[0]);
-  const auto whole = SANDGLASS_LIGHT_MODEL_WHOLE;
-  tests::expect_filled_within_its_size<sandglass_light_filament>(
-      [&](sandglass_light_filament* f) {
-        return sandglass_light_to_filament(&e, whole, 30.0f, f, nullptr) == SANDGLASS_OK;
-      },
-      true);
-  tests::expect_filled_within_its_size<sandglass_light_arkit>(
-      [&](sandglass_light_arkit* a) { return sandglass_light_to_arkit(&e, whole, a, nullptr) == SANDGLASS_OK; }, true);
-  tests::expect_filled_within_its_size<sandglass_light_unity>(
-      [&](sandglass_light_unity* u) { return sandglass_light_to_unity(&e, whole, u, nullptr) == SANDGLASS_OK; }, true);
 }
 
 // Of an estimate of a newer header, the fields that this one knows are read.

@@ -13,7 +13,6 @@
 #include "platform/virtual_clock.h"
 #include "runtime/core/random.h"
 #include "runtime/light/camera_image.h"
-#include "tests/filled_struct.h"
 #include "tests/guarded_block.h"
 #include "tests/int8_kernels.h"
 #include "tests/lighting/light_fixture.h"
@@ -45,20 +44,6 @@ TEST(Light, NeedsExactlyTheBytesThatItAsksFor) {
   ASSERT_EQ(sandglass_light_set_image(light, &picture.image, nullptr, nullptr), SANDGLASS_OK);
   sandglass_light_run(light, UINT32_MAX);
   EXPECT_TRUE(block.guards_intact());
-}
-
-TEST(Light, FillsNoByteBeyondTheCallersStructs) {
-  LiveLight live;
-  const TestImage picture(1);
-  live.estimate(picture.image);
-  for (const auto get : {sandglass_light_get, sandglass_light_get_latest})
-    expect_filled_within_its_size<sandglass_light_estimate>(
-        [&](sandglass_light_estimate* estimate) { return get(live.get(), estimate), true; }, false);
-  expect_filled_within_its_size<sandglass_light_info>(
-      [&](sandglass_light_info* info) {
-        return sandglass_light_inspect(random_light().data(), random_light().bytes, info, nullptr) == SANDGLASS_OK;
-      },
-      true);
 }
 
 TEST(Light, BeforeTheFirstEstimateItComesFromAboveAndIsNotValid) {

@@ -95,19 +95,6 @@ TEST(BlockSizes, RegionsLieInTheBlockInOrderAndAligned) {
   EXPECT_EQ(end, sandglass::Scene::bytes(desc)) << "regions are left out: raise k_region_capacity";
 }
 
-TEST(BlockSizes, MisalignedBlockIsRefusedAndUntouched) {
-  const sandglass_scene_desc desc = small_scene();
-  const uint64_t bytes = sandglass::Scene::bytes(desc);
-  GuardedBlock memory(bytes + SANDGLASS_BLOCK_ALIGNMENT);
-  for (size_t offset = 1; offset < SANDGLASS_BLOCK_ALIGNMENT; ++offset) {
-    sandglass_scene* scene = nullptr;
-    EXPECT_EQ(sandglass_scene_create(&desc, memory.data() + offset, bytes, &scene, nullptr),
-              SANDGLASS_ERROR_MEMORY_ALIGNMENT)
-        << offset;
-  }
-  EXPECT_TRUE(memory.untouched());
-}
-
 TEST(BlockSizes, LeavingTheMaterialOutLeavesItsMemoryOut) {
   sandglass_scene_desc desc = small_scene();
   const uint64_t with = sandglass::Scene::bytes(desc);

@@ -1,6 +1,5 @@
-// Writes a C file with one claim for every struct's size, every field's offset and size, and every constant of
-// Sandglass.cs. The target's C compiler compiles it against the headers. Also lists what is mirrored, which the script
-// compares with the headers.
+// Writes a claim in C for every struct's size, every field's offset and size, and every constant of Sandglass.cs. The
+// target's C compiler compiles them against the headers.
 using System;
 using System.Reflection;
 using System.Runtime.InteropServices;
@@ -14,12 +13,11 @@ static class Layout {
   }
 
   static void Main() {
-    Console.WriteLine("#include <stddef.h>\n#include \"sandglass/sandglass.h\"\n#include \"sandglass/field.h\"\n#include \"sandglass/pile_shadow.h\"\n#include \"sandglass/shadow.h\"\n#include \"sandglass/light.h\"\n#include \"sandglass/room.h\"");
     foreach (Type type in typeof(Native).Assembly.GetTypes()) {
-      if (!type.IsValueType || !type.Name.StartsWith("sandglass_")) continue;
-      Console.WriteLine("/* mirrored {0} */", type.Name);
+      FieldInfo[] fields = type.GetFields(BindingFlags.Instance | BindingFlags.Public);
+      if (!type.IsValueType || !type.Name.StartsWith("sandglass_") || fields.Length == 0) continue;
       Claim("sizeof(" + type.Name + ") == " + Marshal.SizeOf(type), "size of " + type.Name);
-      foreach (FieldInfo field in type.GetFields(BindingFlags.Instance | BindingFlags.Public)) {
+      foreach (FieldInfo field in fields) {
         object[] renamed = field.GetCustomAttributes(typeof(CNameAttribute), false);
         string name = renamed.Length == 0 ? field.Name : ((CNameAttribute)renamed[0]).Name;
         Claim("offsetof(" + type.Name + ", " + name + ") == " + Marshal.OffsetOf(type, field.Name), type.Name + "." + name);
@@ -27,10 +25,9 @@ static class Layout {
       }
     }
     foreach (FieldInfo field in typeof(Native).GetFields(BindingFlags.Static | BindingFlags.Public)) {
-      if (field.IsLiteral) Claim(field.Name + " == " + field.GetRawConstantValue(), field.Name);
-    }
-    foreach (MethodInfo method in typeof(Native).GetMethods(BindingFlags.Static | BindingFlags.Public)) {
-      if (method.Name.StartsWith("sandglass_")) Console.WriteLine("/* mirrored {0} */", method.Name);
+      if (!field.IsLiteral) continue;
+      string cast = field.FieldType == typeof(float) ? "(int)" : "";  // C claims whole numbers
+      Claim(cast + field.Name + " == " + field.GetRawConstantValue(), field.Name);
     }
   }
 

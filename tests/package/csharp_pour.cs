@@ -5,7 +5,7 @@ using System.Runtime.InteropServices;
 using Sandglass;
 
 static unsafe class Pour {
-  static void Check(int status, IntPtr reason) {
+  static void Check(int status, byte* reason) {
     if (status != Native.SANDGLASS_OK) throw new Exception(Native.Text(Native.sandglass_status_name(status)) + ": " + Native.Text(reason));
   }
 
@@ -19,35 +19,37 @@ static unsafe class Pour {
           foreach (int cell in new[] {x, y + 1, z}) particles[at++] = 2.0f * r * cell;
 
     sandglass_scene_desc desc;
-    Native.sandglass_scene_desc_default(out desc);
+    Native.sandglass_scene_desc_default(&desc);
     desc.granular.particle_radius = r;
     desc.granular.particle_capacity = (uint)(particles.Length / 3);
     desc.granular.collider_capacity = 1;
     ulong bytes;
-    IntPtr reason, scene;
-    Check(Native.sandglass_scene_bytes(ref desc, out bytes, out reason), reason);
-    IntPtr memory = Marshal.AllocHGlobal((IntPtr)((long)bytes + Native.SANDGLASS_BLOCK_ALIGNMENT));
-    IntPtr block = (IntPtr)((memory.ToInt64() + Native.SANDGLASS_BLOCK_ALIGNMENT - 1) / Native.SANDGLASS_BLOCK_ALIGNMENT *
-                            Native.SANDGLASS_BLOCK_ALIGNMENT);
-    Check(Native.sandglass_scene_create(ref desc, block, bytes, out scene, out reason), reason);
-    Check(Native.sandglass_granular_add(scene, particles, null, (uint)(particles.Length / 3), null, null, 0, out reason), reason);
+    byte* reason;
+    sandglass_scene* scene;
+    Check(Native.sandglass_scene_bytes(&desc, &bytes, &reason), reason);
+    const long alignment = Native.SANDGLASS_BLOCK_ALIGNMENT;
+    IntPtr memory = Marshal.AllocHGlobal((IntPtr)((long)bytes + alignment));
+    long block = (memory.ToInt64() + alignment - 1) / alignment * alignment;
+    Check(Native.sandglass_scene_create(&desc, (void*)block, bytes, &scene, &reason), reason);
+    fixed (float* positions = particles)
+      Check(Native.sandglass_granular_add(scene, positions, null, desc.granular.particle_capacity, null, null, 0, &reason), reason);
 
     var floor = new sandglass_collider();
     floor.shape = Native.SANDGLASS_SHAPE_HALF_SPACE;
     floor.rotation[3] = 1.0f;
     sandglass_frame_input input;
-    Native.sandglass_frame_input_default(out input);
+    Native.sandglass_frame_input_default(&input);
     input.time_step = 1.0f / 60.0f;
     input.budget_ns = 4000000;
     input.colliders = &floor;
     input.collider_count = 1;
     var report = new sandglass_frame_report();
-    report.struct_size = (uint)Marshal.SizeOf(typeof(sandglass_frame_report));
-    for (int frame = 0; frame < 60; ++frame) Check(Native.sandglass_scene_frame(scene, ref input, ref report, out reason), reason);
+    report.struct_size = (uint)sizeof(sandglass_frame_report);
+    for (int frame = 0; frame < 60; ++frame) Check(Native.sandglass_scene_frame(scene, &input, &report, &reason), reason);
     Console.WriteLine("{0} particles, {1} kernels, fastest {2:F3} m/s", report.particles,
                       Native.Text(Native.sandglass_isa_name(Native.sandglass_scene_isa(scene))), report.speed_max);
     Console.WriteLine("hash 0x{0:x16}", Native.sandglass_scene_hash(scene));
     Marshal.FreeHGlobal(memory);
-    return report.struct_size == Marshal.SizeOf(typeof(sandglass_frame_report)) && report.frame == 60 ? 0 : 1;
+    return report.struct_size == sizeof(sandglass_frame_report) && report.frame == 60 ? 0 : 1;
   }
 }

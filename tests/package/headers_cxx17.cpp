@@ -1,9 +1,11 @@
-// The public headers in the oldest C++ that they promise, without exceptions and RTTI.
+// The public headers in the oldest C++ that they promise, without exceptions and RTTI, with the layout that C has.
 #include "sandglass/field.h"
 #include "sandglass/light.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/room.h"
 #include "sandglass/sandglass.hpp"
 #include "sandglass/shadow.h"
+// Claims for every size and offset, which C99 fulfils too.
+#include "layout.c"
 
 static_assert(__cplusplus == 201703L, "this file is meant for C++17");

@@ -1,16 +1,15 @@
 #!/usr/bin/env bash
 # Which symbols the archive may need from outside, and that it does nothing before main.
 #
-#   symbols.sh archive libsandglass.a   after merging all members: every undefined symbol is on the list below, and there are no
-#                                       global constructors or destructors and no thread-local storage
-#   symbols.sh members libsandglass.a   the same for an archive of another system, whose members this one's linker cannot merge
+#   symbols.sh archive libsandglass.a   every symbol that no member defines is on the list below, and there are no global
+#                                       constructors or destructors and no thread-local storage
 #   symbols.sh isa OBJECTS...           each table_<isa>.cpp.o defines external symbols of its own namespace only. One that it
 #                                       shares with another object (an inline function, say) could be kept by the linker in this
 #                                       object's version, and run on a CPU without those instructions.
 #   symbols.sh exported SHARED_LIBRARY INCLUDE_FOLDER
 #                                       a plug-in made of the whole archive exports the functions of the headers and no other
 #
-# NM, LD and READELF name the tools of the target; one that fails or says nothing is a failure of the test, not a clean
+# NM and READELF name the tools of the target; one that fails or says nothing is a failure of the test, not a clean
 # archive. WITH_XNNPACK=1: the archive was configured to ask for XNNPACK.
 set -euo pipefail
 
@@ -57,25 +56,14 @@ look_at() {
 }
 
 archive() {
-  local merged undefined defined sections also='^$'
+  local undefined defined sections also='^$'
   [[ ${WITH_XNNPACK:-0} == 0 ]] || also='^xnn_[a-z0-9_]+$'
-  merged=$(mktemp)
-  trap 'rm -f "$merged"' RETURN
-  "$LD" -r --whole-archive "$1" -o "$merged"
   # An archive may need nothing. That the tool finds defined symbols shows that it works.
-  defined=$(said_by "what $1 defines" "$NM" --defined-only "$merged")
-  undefined=$("$NM" -u "$merged" | awk '{print $2}')
-  sections=$(said_by "the sections of $1" "$READELF" -SW "$merged")
-  look_at "$undefined" "$sections" "$also"
-}
-
-members() {
-  local undefined defined sections
   defined=$(said_by "what $1 defines" "$NM" --defined-only -j "$1")
   undefined=$("$NM" -u -j "$1")
   sections=$(said_by "the sections of $1" "$READELF" --sections "$1")
   undefined=$(comm -23 <(grep -vE ':$|^$' <<<"$undefined" | sort -u) <(grep -vE ':$|^$' <<<"$defined" | sort -u))
-  look_at "$undefined" "$sections" '^$'
+  look_at "$undefined" "$sections" "$also"
 }
 
 isa() {

@@ -172,6 +172,49 @@ TEST(Geodesic, turns_at_an_inner_corner) {
   EXPECT_GT(bent, 100);
 }
 
+// Windows that fork at every edge would multiply without end: of 13 triangles on the same three vertices the search took
+// eight seconds.
+TEST(Geodesic, ends_where_many_triangles_share_their_edges) {
+  constexpr uint32_t k_pages = 64;
+  host::Mesh book, heap;
+  book.vertices = heap.vertices = {0, 0, 0, 1, 0, 0};
+  heap.vertices.insert(heap.vertices.end(), {0.5f, 0.2f, 0});
+  for (uint32_t page = 0; page < k_pages; ++page) {
+    const float angle = 6.2831853f * static_cast<float>(page) / k_pages;
+    book.vertices.insert(book.vertices.end(), {0.5f, 0.2f * std::cos(angle), 0.2f * std::sin(angle)});
+    book.indices.insert(book.indices.end(), {0, 1, 2 + page});
+    heap.indices.insert(heap.indices.end(), {0, 1, 2});
+  }
+  const std::vector<Candidate> in_book = random_targets(book, 300, 7), in_heap = random_targets(heap, 300, 7);
+  // Two pages unfold into a rhombus, in which every path is straight.
+  Surface(book, in_book).measure({in_book.data(), 20}, 3, [&](const float* p, const float* q, double found) {
+    const double dy = std::hypot(p[1] - q[1], p[2] - q[2]);
+    const double up = std::hypot(p[1], p[2]), down = std::hypot(q[1], q[2]);
+    const bool same_page = dy < std::fabs(up - down) + 1e-6;
+    ASSERT_NEAR(found, std::hypot(p[0] - q[0], same_page ? up - down : up + down), 1e-6);
+  });
+  // In the heap a path stays on its sheet or goes over one of three edges: by the best point of it, as the way is convex.
+  Surface(heap, in_heap).measure({in_heap.data(), 20}, 3, [&](const float* p, const float* q, double found) {
+    constexpr double k_corners[4][2] = {{0, 0}, {1, 0}, {0.5, 0.2}, {0, 0}};
+    double over = 1e9;
+    for (int edge = 0; edge < 3; ++edge) {
+      const double *a = k_corners[edge], *b = k_corners[edge + 1];
+      const auto way = [&](double t) {
+        const double x = a[0] + t * (b[0] - a[0]), y = a[1] + t * (b[1] - a[1]);
+        return std::hypot(p[0] - x, p[1] - y) + std::hypot(q[0] - x, q[1] - y);
+      };
+      double low = 0, high = 1;
+      for (int step = 0; step < 80; ++step) {
+        const double left = low + (high - low) / 3, right = high - (high - low) / 3;
+        (way(left) < way(right) ? high : low) = way(left) < way(right) ? right : left;
+      }
+      over = std::min(over, way(low));
+    }
+    const double straight = std::hypot(p[0] - q[0], p[1] - q[1]);
+    ASSERT_LT(std::min(std::fabs(found - straight), std::fabs(found - over)), 1e-6);
+  });
+}
+
 TEST(Geodesic, sampling_keeps_the_two_sides_of_a_thin_sheet_apart) {
   const host::Mesh sheet = folded_sheet(12);
   const float distance = 0.05f;  // more than twice the gap

@@ -12,7 +12,6 @@
 #include "runtime/core/hash.h"
 #include "runtime/shadow/cells.h"
 #include "sandglass/sandglass.hpp"
-#include "tests/filled_struct.h"
 #include "tests/int8_kernels.h"
 #include "tests/shadow/shadow_fixture.h"
 
@@ -269,31 +268,6 @@ TEST(AmbientShadow, TheHashCoversIt) {
   EXPECT_EQ(sandglass_shadow_hash(one.shadow), sandglass_shadow_hash(other.shadow));
   other.mixed(only(4));
   EXPECT_NE(sandglass_shadow_hash(one.shadow), sandglass_shadow_hash(other.shadow));
-}
-
-TEST(AmbientShadow, EveryBlockThatIsTooSmallIsRefusedUntouched) {
-  const AssetFile file = make_shadow_file(shape(16, 1));
-  const sandglass_shadow_desc desc = describe(file);
-  uint64_t need = 0;
-  ASSERT_EQ(sandglass_shadow_bytes(&desc, &need, nullptr), SANDGLASS_OK);
-  test::GuardedBlock block(need);
-  sandglass_shadow* shadow = nullptr;
-  EXPECT_EQ(sandglass_shadow_create(&desc, block.data(), need - 1, &shadow, nullptr), SANDGLASS_ERROR_MEMORY_TOO_SMALL);
-  EXPECT_TRUE(block.untouched());
-  EXPECT_EQ(sandglass_shadow_create(&desc, block.data(), need, &shadow, nullptr), SANDGLASS_OK);
-  while (sandglass_shadow_run(&shadow, 1, 100) > 0) {
-  }
-  EXPECT_TRUE(block.guards_intact());
-}
-
-TEST(AmbientShadow, FillsNoByteBeyondTheCallersStruct) {
-  Ambient shadow(make_shadow_file(shape()));
-  expect_filled_within_its_size<sandglass_shadow_ambient>(
-      [&](sandglass_shadow_ambient* ambient) {
-        sandglass_shadow_get_ambient(shadow.shadow, ambient);
-        return true;
-      },
-      false);
 }
 
 // The nearest point in double, by looking at all of them; among those at one place the one with the nearest normal.

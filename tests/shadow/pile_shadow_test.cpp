@@ -14,7 +14,6 @@
 #include "models/tracing/sphere_caster.h"
 #include "runtime/shadow/pile.h"
 #include "sandglass/sandglass.hpp"
-#include "tests/filled_struct.h"
 #include "tests/guarded_block.h"
 #include "tests/reason.h"
 #include "tests/shadow/pile_fixture.h"
@@ -352,16 +351,6 @@ TEST(PileShadow, RefusesWithASentence) {
   ASSERT_EQ(t.valid, 1u);
   EXPECT_TRUE(std::all_of(t.coverage, t.coverage + 128 * 128, [](uint8_t c) { return c == 0; }));
   EXPECT_TRUE(block.guards_intact());
-}
-
-TEST(PileShadow, FillsNoByteBeyondTheCallersTexture) {
-  sandglass::PileShadow shadow = lit({40, 90});
-  sandglass::tests::expect_filled_within_its_size<sandglass_pile_shadow_texture>(
-      [&](sandglass_pile_shadow_texture* texture) {
-        sandglass_pile_shadow_get_texture(shadow.get(), texture);
-        return true;
-      },
-      false);
 }
 
 // A pile of sand slides and comes to rest. The shadow's units stand beside all of the sand's work.

@@ -17,7 +17,6 @@
 #include "models/tracing/sphere_caster.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/sandglass.hpp"
-#include "tests/filled_struct.h"
 #include "tests/guarded_block.h"
 #include "tests/reason.h"
 #include "tests/shadow/pile_fixture.h"
@@ -520,17 +519,6 @@ TEST(PileSky, FillsItsBlockAndNoMore) {
     EXPECT_TRUE(block.guards_intact());
     std::printf("sky_texels %3u: %llu bytes\n", sky, static_cast<unsigned long long>(bytes));
   }
-}
-
-TEST(PileSky, FillsNoByteBeyondTheCallersStruct) {
-  sandglass::PileShadow shadow;
-  ASSERT_TRUE(shadow.create(description()));
-  sandglass::tests::expect_filled_within_its_size<sandglass_pile_shadow_sky>(
-      [&](sandglass_pile_shadow_sky* sky) {
-        sandglass_pile_shadow_get_sky(shadow.get(), sky);
-        return true;
-      },
-      false);
 }
 
 }  // namespace

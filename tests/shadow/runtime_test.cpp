@@ -8,7 +8,6 @@
 
 #include "runtime/asset/shadow_asset.h"
 #include "runtime/core/hash.h"
-#include "tests/filled_struct.h"
 #include "tests/int8_kernels.h"
 #include "tests/reason.h"
 #include "tests/shadow/shadow_fixture.h"
@@ -243,41 +242,6 @@ TEST(Shadow, WeightsAtTheLimitsAgreeOnEverySet) {
     for (const sandglass_isa isa : int8_sets())
       EXPECT_EQ(texture_of(file, isa, SANDGLASS_SHADOW_ADAPTIVE), expected) << isa;
   }
-}
-
-TEST(Shadow, EveryBlockThatIsTooSmallIsRefusedUntouched) {
-  const AssetFile file = make_shadow_file({32, 1, 2, 1, 1});
-  const sandglass_shadow_desc desc = describe(file);
-  uint64_t need = 0;
-  ASSERT_EQ(sandglass_shadow_bytes(&desc, &need, nullptr), SANDGLASS_OK);
-  test::GuardedBlock block(need);
-  sandglass_shadow* shadow = nullptr;
-  for (const uint64_t bytes : {uint64_t{0}, uint64_t{1}, need / 2, need - 64, need - 1}) {
-    EXPECT_EQ(sandglass_shadow_create(&desc, block.data(), bytes, &shadow, nullptr), SANDGLASS_ERROR_MEMORY_TOO_SMALL);
-    EXPECT_TRUE(block.untouched());
-  }
-  EXPECT_EQ(sandglass_shadow_create(&desc, block.data() + 4, need, &shadow, nullptr), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
-  EXPECT_TRUE(block.untouched());
-  EXPECT_EQ(sandglass_shadow_create(&desc, block.data(), need, &shadow, nullptr), SANDGLASS_OK);
-  EXPECT_TRUE(block.guards_intact());
-}
-
-TEST(Shadow, FillsNoByteBeyondTheCallersStructs) {
-  const AssetFile file = make_shadow_file(k_network);
-  LiveShadow shadow(describe(file));
-  shadow.shade(0.5f, 1, 0.25f);
-  for (const uint32_t light : {0u, 1u})  // the second light does not exist
-    expect_filled_within_its_size<sandglass_shadow_texture>(
-        [&](sandglass_shadow_texture* texture) {
-          sandglass_shadow_get_texture(shadow.shadow, light, texture);
-          return true;
-        },
-        false);
-  expect_filled_within_its_size<sandglass_shadow_info>(
-      [&](sandglass_shadow_info* info) {
-        return sandglass_shadow_inspect(file.data(), file.bytes, info, nullptr) == SANDGLASS_OK;
-      },
-      true);
 }
 
 // Each texel is the mean of the 2 x 2 that it covers, or a bilinear interpolation at its centre; both in double.

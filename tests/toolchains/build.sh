@@ -42,7 +42,7 @@ cmake --build "$output/build" -j "${CMAKE_BUILD_PARALLEL_LEVEL:-2}" -- --quiet
 archive=$output/build/runtime/libsandglass.a
 members=$(ar t "$archive" | wc -l)
 echo "$members objects in the archive"
-NM=$(command -v llvm-nm) READELF=$(command -v llvm-readobj) bash "$source/tests/package/symbols.sh" members "$archive"
+NM=$(command -v llvm-nm) READELF=$(command -v llvm-readobj) bash "$source/tests/package/symbols.sh" archive "$archive"
 
 # Symbols that an app's own library would export without being asked, and therefore keep.
 if [[ $preset == android ]]; then

@@ -1,69 +1,52 @@
 #!/usr/bin/env bash
-# Compiles the native part of a sample app for its own target, against stand-in headers. Nothing is linked or run.
-# `java` compiles the Android sample's Java in the same way, compares its native methods with those of the C++, and runs
-# the activity through its life.
-#   samples.sh android|java|ios|unity SOURCE_FOLDER OUTPUT_FOLDER
+# Compiles a sample for its own target. Nothing is linked or run. The headers of JNI and OpenGL ES are the real ones; of
+# Apple's and Unity's interfaces there are stand-ins. Shaders go through the reference compiler, which must refuse a
+# fault too.
+#   samples.sh android|ios|unity SOURCE_FOLDER OUTPUT_FOLDER SANDGLASS_CS
 # The C++ library's headers are those of Debian's cross compiler, which clang reads for either target.
 set -euo pipefail
 platform=$1 source=$2 output=$3
-mkdir -p "$output"
+rm -rf "$output" && mkdir -p "$output/headers"
 stand_ins=$source/tests/toolchains/stand_ins
 sample=$source/toolchains/$platform/sample
 cross=/usr/aarch64-linux-gnu/include
-library=(-nostdinc++ -D_GNU_SOURCE)
-for folder in "$cross"/c++/*/ "$cross"/c++/*/aarch64-linux-gnu "$cross"; do library+=(-isystem "$folder"); done
-ours=(-I "$source/runtime/include" -I "$source/toolchains/sample" -fsyntax-only -Wall -Wextra -Werror)
+flags=(-nostdinc++ -D_GNU_SOURCE)
+for folder in "$cross"/c++/*/ "$cross"/c++/*/aarch64-linux-gnu "$cross"; do flags+=(-isystem "$folder"); done
+flags+=(-isystem "$output/headers" -I "$source/runtime/include" -I "$source/toolchains/sample" -std=c++20 -fsyntax-only -Wall -Wextra -Werror)
 
-# files FOLDER TEXT: splits a text into its files; a line `//// PATH` begins each.
-files() {
-  rm -rf "$1"
-  awk -v folder="$1" '/^\/\/\/\/ / {file = folder "/" $2; dir = file; sub("/[^/]*$", "", dir); system("mkdir -p " dir); next} file {print > file}' "$2"
+# shader KIND FILE [GLSLANG_OPTION...]: FILE must compile, and must not without its last brace.
+shader() {
+  glslangValidator -S "$1" "${@:3}" "$2"
+  tac "$2" | sed '0,/}/s/}//' | tac >"$2.fault"
+  if glslangValidator -S "$1" "${@:3}" "$2.fault" >/dev/null; then echo "a shader with a fault was accepted"; exit 1; fi
 }
-# forward FOLDER HEADER NAME...: headers of these names that include HEADER and nothing else.
-forward() {
-  local name
-  for name in "${@:3}"; do
-    mkdir -p "$(dirname "$1/$name")"
-    echo "#include <$2>" >"$1/$name"
-  done
-}
-# optimised FILE TEXT: FILE must have TEXT, which makes every build optimise the kernels.
-optimised() {
-  grep -q -- "$2" "$1" || { echo "$1 does not set $2: a debug build would run unoptimised kernels"; exit 1; }
-}
-
-android_headers=(-isystem "$stand_ins/sample_android" -isystem "$output/headers")
-forward "$output/headers" filament/stand_in.h math/{mat4,vec3,vec4}.h utils/{Entity,EntityManager}.h \
-  filament/{Camera,ColorGrading,Engine,IndexBuffer,IndirectLight,LightManager,Material,MaterialInstance,RenderableManager,Renderer}.h \
-  filament/{Scene,SwapChain,Texture,TextureSampler,ToneMapper,TransformManager,VertexBuffer,View,Viewport}.h
 
 case $platform in
   android)
-    optimised "$sample/app/build.gradle" "'-DCMAKE_BUILD_TYPE=RelWithDebInfo'"
-    clang++ --target=aarch64-linux-android24 -std=c++20 "${library[@]}" "${android_headers[@]}" "${ours[@]}" \
-      "$sample/app/src/main/cpp/sample.cpp" ;;
-  java)
-    android=$source/toolchains/android/sample/app/src/main java=$output/java
-    files "$java/stand_ins" "$stand_ins/android.java"
-    files "$java/test" "$source/tests/toolchains/android_threads.java"
-    mapfile -t platform_classes < <(find "$java/stand_ins" -name '*.java')
-    # -h writes the declarations, which the C++ must match.
-    javac -Xlint:all,-serial -Werror -d "$java/classes" -h "$java/jni" "${platform_classes[@]}" "$android"/java/org/sandglass/sample/*.java
-    clang++ --target=aarch64-linux-android24 -std=c++20 "${library[@]}" "${android_headers[@]}" "${ours[@]}" \
-      -include "$java/jni/org_sandglass_sample_Native.h" "$android/cpp/sample.cpp"
-    diff <(grep -oE 'Java_[A-Za-z_]+' "$java/jni/org_sandglass_sample_Native.h" | sort -u) \
-      <(grep -oE 'Java_[A-Za-z_]+' "$android/cpp/sample.cpp" | sort -u) || { echo "Native.java (<) and sample.cpp (>) differ"; exit 1; }
-    javac -cp "$java/classes" -d "$java/run" "$android/java/org/sandglass/sample/MainActivity.java" "$java"/test/org/sandglass/sample/*.java
-    timeout 60 java -cp "$java/run:$java/classes" -XX:TieredStopAtLevel=1 org.sandglass.sample.Lives ;;
+    # Java declares what it calls, and C++ must define that and no more.
+    javac -Xlint:all -Werror -d "$output" -h "$output" "$sample/Sand.java"
+    ln -s /usr/include/{GLES3,KHR} "$output/headers"
+    jdk=$(dirname "$(dirname "$(readlink -f "$(command -v javac)")")")
+    clang++ --target=aarch64-linux-android24 "${flags[@]}" -isystem "$jdk/include" -isystem "$jdk/include/linux" \
+      -include "$output/org_sandglass_sample_Sand.h" "$sample/sand.cpp"
+    diff <(grep -oE 'Java_[A-Za-z_]+' "$output/org_sandglass_sample_Sand.h" | sort -u) <(grep -oE 'Java_[A-Za-z_]+' "$sample/sand.cpp" | sort -u) ||
+      { echo "Sand.java (<) and sand.cpp (>) differ"; exit 1; }
+    for kind in vertex fragment; do
+      awk -v kind="k_${kind}_shader" '/^\)glsl"/ {on = 0} on {print} index($0, kind "[]") {on = 1; print "#version 300 es"}' "$sample/sand.cpp" >"$output/$kind"
+      shader "${kind:0:4}" "$output/$kind"
+    done ;;
   ios)
-    optimised "$sample/CMakeLists.txt" "XCODE_SCHEME_LAUNCH_CONFIGURATION Release"
-    forward "$output/headers" apple_stand_in.h {ARKit/ARKit,CoreVideo/CoreVideo,Metal/Metal,MetalKit/MetalKit,UIKit/UIKit}.h
-    apple=(--target=arm64-apple-ios15 -fobjc-arc -fblocks -U__nonnull -Wno-objc-root-class
-      -isystem "$stand_ins/sample_ios" -isystem "$output/headers")
-    clang++ "${apple[@]}" -std=c++20 "${library[@]}" "${ours[@]}" -I "$sample" "$sample/SandViewController.mm"
-    clang "${apple[@]}" -std=c11 -isystem "$cross" "${ours[@]}" -I "$sample" "$sample/main.m" ;;
+    mkdir -p "$output/headers"/{ARKit,MetalKit,simd}
+    for header in ARKit/ARKit MetalKit/MetalKit simd/simd; do echo '#include <apple.h>' >"$output/headers/$header.h"; done
+    clang++ --target=arm64-apple-ios15 -fobjc-arc -fblocks -U__nonnull -isystem "$stand_ins" "${flags[@]}" "$sample/SandRenderer.mm"
+    for name in $(grep -oE '@"[a-z_]+_(vertex|fragment)"' "$sample/SandRenderer.mm" | tr -d '@"'); do
+      grep -qE "^(vertex|fragment) [A-Za-z0-9]+ $name\(" "$sample/Grains.metal" || { echo "no Metal function $name"; exit 1; }
+    done ;;
   unity)
-    mcs -unsafe -warnaserror -nowarn:0649 -target:library -out:"$output/sample.dll" "$source/toolchains/unity/Sandglass.cs" \
-      "$sample/Sand.cs" "$sample/RoomLight.cs" "$stand_ins/UnityEngine.cs" ;;
+    mcs -unsafe -warnaserror -nowarn:0649 -target:library -out:"$output/sample.dll" "$4" "$sample/Sand.cs" "$stand_ins/UnityEngine.cs"
+    { echo '#define fixed4 float4'
+      echo 'float4x4 UNITY_MATRIX_V, UNITY_MATRIX_P;'
+      awk '/CGPROGRAM/ {on = 1; next} /ENDCG/ {on = 0} on && !/#pragma|UnityCG.cginc/' "$sample/Sand.shader"; } >"$output/Sand.hlsl"
+    for kind in vertex fragment; do shader "${kind:0:4}" "$output/Sand.hlsl" -D -V -e "$kind" -o "$output/$kind.spv"; done ;;
 esac
 echo "$platform: compiles"

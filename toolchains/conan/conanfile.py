@@ -24,8 +24,8 @@ class SandglassRecipe(ConanFile):
 
     def export_sources(self):
         checkout = os.path.join(self.recipe_folder, "..", "..")
-        for part in ("CMakeLists.txt", "LICENSE", "platform/*", "kernels/*", "runtime/*", "toolchains/cmake/*", "toolchains/unity/*",
-                     "toolchains/android/*", "toolchains/ios/*"):
+        for part in ("CMakeLists.txt", "LICENSE", "platform/*", "kernels/*", "runtime/*", "toolchains/cmake/*", "toolchains/bindings/*",
+                     "toolchains/unity/*", "toolchains/android/*", "toolchains/ios/*"):
             copy(self, part, checkout, self.export_sources_folder)
 
     def layout(self):

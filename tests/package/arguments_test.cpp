@@ -1,0 +1,577 @@
+// Three rules of types.h, in every public function that they concern. The table below gives each function good
+// arguments; from those follow
+//   - NULL for each of its pointers: functions with a status refuse it and name the argument; functions that return
+//     nothing do nothing; functions that return a value return the neutral one. What the header calls optional is
+//     accepted,
+//   - every size of a struct that it fills: nothing beyond struct_size is written,
+//   - a block in which it makes something: one too small or not aligned is refused, and nothing is touched; one of the
+//     size announced suffices, and no byte outside is touched.
+//
+// The names of the arguments come from the headers (header_facts.py), which also say whether the table is complete.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "sandglass/sandglass.hpp"
+#include "tests/guarded_block.h"
+#include "tests/package/filled_struct.h"
+
+namespace {
+
+bool in_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+bool has_word(const char* said, const std::string& word) {
+  const std::string sentence = said != nullptr ? said : "";
+  for (size_t at = 0; (at = sentence.find(word, at)) != std::string::npos; ++at)
+    if ((at == 0 || !in_word(sentence[at - 1])) && !in_word(sentence.c_str()[at + word.size()])) return true;
+  return false;
+}
+
+// The arguments of each function that has a pointer among them.
+const std::map<std::string, std::vector<std::string>> k_functions = {
+#include "arguments.inc"
+};
+
+// ------------------------------------------------------------------------------------------------ the table
+
+// A function with its name.
+#define NAMED(function) #function, function
+
+// Where a pointer stands; null for anything else.
+template <class T>
+void* pointer_at(T** place) {
+  return place;
+}
+void* pointer_at(const void*) { return nullptr; }
+
+// Whether a struct says how large it is.
+template <class T, class = void>
+constexpr bool k_sized = false;
+template <class T>
+constexpr bool k_sized<T, std::void_t<decltype(static_cast<T*>(nullptr)->struct_size)>> = true;
+
+// A struct that an app hands over to be filled.
+template <class T>
+T sized() {
+  T empty = {};
+  empty.struct_size = sizeof empty;
+  return empty;
+}
+
+// A camera's image, and what its rows lie in.
+const std::vector<uint8_t> k_pixels(3 * 64 * 48, 100);
+sandglass_camera_image grey_image() {
+  sandglass_camera_image image = sandglass::camera_image();
+  image.width = 64, image.height = 48, image.planes[0] = k_pixels.data(), image.strides[0] = 3 * 64;
+  image.focal_x = image.focal_y = 60.0f;
+  return image;
+}
+
+// Filled whole, or read and written: those are no answers to a struct_size.
+bool fills_within_size(const std::string& name) {
+  return name.find("_default") == std::string::npos && name != "sandglass_body_box" &&
+         name != "sandglass_room_light_fade" && name != "sandglass_scene_frame";  // of that: owner_types_test.cpp
+}
+
+class Arguments : public ::testing::Test {
+ protected:
+  // A function with arguments of which only the NULL is wrong. `optional`: those that may be NULL. The argument
+  // `reason`, which every function with a status has, is added.
+  template <class R, class... P, class... A>
+  void row(const char* name, R (*function)(P...), const char* optional, A... given) {
+    constexpr bool k_refuses = (std::is_same_v<P, const char**> || ...);
+    if constexpr (k_refuses && sizeof...(A) + 1 == sizeof...(P)) {
+      row(name, function, optional, given..., &reason);
+    } else {
+      std::tuple<P...> arguments(given...);
+      std::vector<void*> pointers;
+      std::apply([&](auto&... each) { (pointers.push_back(pointer_at(&each)), ...); }, arguments);
+      const auto call = [&]() -> int {
+        if constexpr (std::is_void_v<R>) return std::apply(function, arguments), 0;
+        else if constexpr (k_refuses) return std::apply(function, arguments);
+        else return std::apply(function, arguments) != R{} ? 1 : 0;
+      };
+      SCOPED_TRACE(name);
+      const auto accepted = [&] { return call() == SANDGLASS_OK || !k_refuses; };
+      sizes(name, arguments, std::index_sequence_for<P...>(), k_refuses, accepted, call);
+      without_each(
+          name, k_refuses, optional, pointers, [](const void* row) { return (*static_cast<decltype(call)*>(row))(); },
+          &call);
+    }
+  }
+
+  template <class... P, size_t... I, class Accepted, class Call>
+  void sizes(const std::string& name, std::tuple<P...>& arguments, std::index_sequence<I...>, bool refuses,
+             const Accepted& accepted, const Call& call) {
+    (struct_size(name, &std::get<I>(arguments), refuses, accepted), ...);
+    if constexpr (sizeof...(I) > 4) {
+      // The block stands before its size, the place for what is made before `reason`.
+      constexpr size_t k_made = sizeof...(I) - 2;
+      using Types = std::tuple<P...>;
+      if constexpr (std::is_same_v<std::tuple_element_t<k_made - 2, Types>, void*> &&
+                    std::is_same_v<std::tuple_element_t<k_made - 1, Types>, uint64_t>)
+        block_size(&std::get<k_made - 2>(arguments), &std::get<k_made - 1>(arguments), *std::get<k_made>(arguments),
+                   call);
+    }
+  }
+
+  template <class T, class Accepted>
+  void struct_size(const std::string& name, T** place, bool refuses, const Accepted& accepted) {
+    if constexpr (!std::is_const_v<T> && k_sized<T>) {
+      if (!fills_within_size(name)) return;
+      T* const good = *place;
+      const auto fill = [&](T* filled) {
+        *place = filled;
+        return accepted();
+      };
+      sandglass::tests::expect_filled_within_its_size<T>(fill, refuses);
+      *place = good;
+      ++filled_;
+    }
+  }
+  template <class Accepted>
+  void struct_size(const std::string&, const void*, bool, const Accepted&) {}
+
+  template <class Handle, class Call>
+  void block_size(void** place, uint64_t* size, Handle* const& made, const Call& call) {
+    const uint64_t announced = *size;
+    void* const good = *place;
+    Handle* const before = made;
+    sandglass::test::GuardedBlock block(announced);
+    *place = block.data();
+    for (const uint64_t less : {uint64_t{0}, uint64_t{1}, announced / 2, announced - 64, announced - 1}) {
+      *size = less;
+      EXPECT_EQ(call(), SANDGLASS_ERROR_MEMORY_TOO_SMALL) << less;
+    }
+    *size = announced;
+    for (size_t offset = 1; offset < SANDGLASS_BLOCK_ALIGNMENT; ++offset) {
+      *place = block.data() + offset;
+      EXPECT_EQ(call(), SANDGLASS_ERROR_MEMORY_ALIGNMENT) << offset;
+    }
+    EXPECT_TRUE(block.untouched());
+    EXPECT_EQ(made, before);
+    *place = block.data();
+    EXPECT_EQ(call(), SANDGLASS_OK);
+    EXPECT_TRUE(block.guards_intact());
+    *place = good;
+    ++blocks_;
+  }
+
+  template <class Call>
+  void block_size(void**, uint64_t*, uint64_t, const Call&) {}  // saves bytes, and makes nothing
+
+  // Calls once for each of the pointers, with that one NULL. The call returns a status, or whether a value is not 0.
+  void without_each(const char* name, bool refuses, const char* optional, const std::vector<void*>& pointers,
+                    int (*call)(const void* row), const void* of) {
+    covered_.insert(name);
+    const auto function = k_functions.find(name);
+    ASSERT_NE(function, k_functions.end()) << name << " is not in the headers";
+    ASSERT_EQ(function->second.size(), pointers.size()) << name;
+    for (size_t i = 0; i < pointers.size(); ++i) {
+      if (pointers[i] == nullptr) continue;
+      const std::string& argument = function->second[i];
+      const bool accepted = has_word(optional, argument) || argument == "reason";
+      void* good;
+      std::memcpy(&good, pointers[i], sizeof good);
+      std::memset(pointers[i], 0, sizeof good);
+      reason = nullptr;
+      const int returned = call(of);
+      std::memcpy(pointers[i], &good, sizeof good);
+      ++cases_;
+      SCOPED_TRACE(std::string(name) + " without " + argument + (reason != nullptr ? reason : ""));
+      if (!refuses) {
+        EXPECT_TRUE(accepted || returned == 0);
+        continue;
+      }
+      EXPECT_EQ(returned, accepted ? SANDGLASS_OK : SANDGLASS_ERROR_INVALID_ARGUMENT);
+      EXPECT_TRUE(accepted || (has_word(reason, argument) && has_word(reason, "NULL")));
+    }
+  }
+
+  void SetUp() override {
+    desc = sandglass::scene_desc();
+    desc.granular.particle_capacity = desc.granular.grain_capacity = desc.granular.boundary_capacity = 64;
+    desc.granular.body_capacity = 8, desc.granular.body_particle_capacity = 32;
+    ASSERT_TRUE(scene.create(desc));
+    ASSERT_EQ(sandglass_scene_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
+    spare = sandglass::allocate_block(bytes);
+  }
+
+  // A file in words, as the library wants it aligned.
+  static std::vector<uint64_t> file_of(const std::string& path, uint64_t* bytes) {
+    *bytes = std::filesystem::file_size(path);
+    std::vector<uint64_t> words(*bytes / 8 + 1);
+    std::ifstream(path, std::ios::binary)
+        .read(reinterpret_cast<char*>(words.data()), static_cast<std::streamsize>(*bytes));
+    return words;
+  }
+
+  void scenes();
+  void sampling();
+  void fields();
+  void lights();
+  void rooms();
+  void shadows();
+  void pile_shadows();
+
+  std::set<std::string> covered_;
+  int cases_ = 0, filled_ = 0, blocks_ = 0;
+
+  sandglass_scene_desc desc;
+  sandglass::Scene scene;
+  uint64_t bytes = 0, need = 0;
+  uint32_t count = 0, other = 0;
+  const char* reason = nullptr;
+  sandglass::Block spare;
+  float point[4] = {0.0f, 0.5f, 0.0f, 1.0f}, low[3] = {-0.1f, -0.1f, -0.1f}, high[3] = {0.1f, 0.1f, 0.1f};
+};
+
+void Arguments::scenes() {
+  sandglass_scene* const s = scene.get();
+  sandglass_scene* made = nullptr;
+  row(NAMED(sandglass_scene_bytes), "", &desc, &need);
+  row(NAMED(sandglass_scene_create), "", &desc, spare.get(), bytes, &made);
+  row(NAMED(sandglass_scene_desc_default), "", &desc);
+  row(NAMED(sandglass_scene_reset), "", s);
+  row(NAMED(sandglass_scene_set_gravity), "", s, low);
+  row(NAMED(sandglass_scene_move), "rotation translation", s, point, low);
+  std::vector<uint8_t> saved(1 << 20);
+  uint64_t written = 0;
+  row(NAMED(sandglass_scene_save_bytes), "", s);
+  row(NAMED(sandglass_scene_save), "", s, saved.data(), uint64_t{saved.size()}, &written);
+  row(NAMED(sandglass_scene_restore), "", s, saved.data(), written);
+  sandglass_region region;
+  row(NAMED(sandglass_scene_regions), "regions", s, &region, 1u);
+  row(NAMED(sandglass_scene_isa), "", s);
+  row(NAMED(sandglass_scene_hash), "", s);
+  row(NAMED(sandglass_granular_add), "particle_velocities grain_velocities", s, point, low, 1u, point, low, 1u);
+  const sandglass_collider ball = sandglass::sphere(5.0f, 5.0f, 5.0f, 0.1f);
+  row(NAMED(sandglass_granular_remove), "particles grains", s, &ball, &count, &other);
+  sandglass_body body = sandglass::body();
+  body.particle_positions = point, body.particle_count = 1;
+  row(NAMED(sandglass_granular_add_body), "index", s, &body, &count);
+  row(NAMED(sandglass_body_default), "", &body);
+  const float half[3] = {0.02f, 0.02f, 0.02f};
+  float points[64 * 3];
+  row(NAMED(sandglass_body_box_count), "", half, 0.01f, &count);
+  row(NAMED(sandglass_body_box), "rotation", half, 0.01f, low, point, 1.0f, points, 64u, &body);
+  sandglass_body_pose pose = sandglass_granular_body_pose(s, 0);
+  sandglass_collider collider = {};
+  row(NAMED(sandglass_body_box_collider), "", &pose, half, point, &collider);
+  row(NAMED(sandglass_granular_held_collider), "", s, 0u, &collider);
+  row(NAMED(sandglass_granular_set_body), "", s, 0u, &pose);
+  row(NAMED(sandglass_granular_push_body), "point", s, 0u, low, point);
+  sandglass_ray_hit hit = {};
+  row(NAMED(sandglass_granular_ray), "", s, point, low, 1.0f, &hit);
+  row(NAMED(sandglass_granular_has_body), "", s, 0u);
+  row(NAMED(sandglass_granular_remove_body), "", s, 0u);
+  row(NAMED(sandglass_rotation_about), "", low, 1.0f, points);
+  covered_.insert("sandglass_granular_body_pose"), ++cases_;
+  pose = sandglass_granular_body_pose(nullptr, 0);
+  EXPECT_EQ(pose.rotation[3], 1.0f);
+  EXPECT_EQ(pose.position[1], 0.0f);
+  row(NAMED(sandglass_granular_set_boundary), "", s, low, 1u);
+  row(NAMED(sandglass_granular_set_friction), "", s, 0.2f, 0.2f);
+  sandglass_frame_input input = sandglass::frame_input();
+  sandglass_frame_report report = sandglass::frame_report();
+  row(NAMED(sandglass_frame_input_default), "", &input);
+  input.time_step = 0.01f;
+  row(NAMED(sandglass_scene_frame), "report", s, &input, &report);
+  row(NAMED(sandglass_granular_particles), "", s, points, points);
+  row(NAMED(sandglass_granular_grains), "", s, points, points);
+}
+
+constexpr float k_vertices[] = {0, -0.05f, 0, 0.05f, 0, 0, 0, 0, 0.05f, 0, 0.05f, 0};
+constexpr uint32_t k_indices[] = {0, 1, 2, 3, 2, 1, 0, 3, 1, 0, 2, 3};
+constexpr sandglass_mesh k_mesh = {k_vertices, 4, k_indices, 4};
+
+int in_ball(void*, const float p[3]) { return p[0] * p[0] + p[1] * p[1] + p[2] * p[2] < 0.0064f ? 1 : 0; }
+float from_plane(void*, const float p[3]) { return std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - 0.05f; }
+
+void Arguments::sampling() {
+  std::vector<float> points(3 * 4096);
+  sandglass_sample_options options;
+  row(NAMED(sandglass_sample_options_default), "", &options);
+  sandglass_sample_options_default(&options);
+  row(NAMED(sandglass_sample_disk), "", 1.0f, 8u, points.data());
+  row(NAMED(sandglass_sample_sphere), "", 1.0f, 8u, points.data());
+  row(NAMED(sandglass_sample_ring), "", 1.0f, 0.5f, 1.0f, 8u, points.data());
+  row(NAMED(sandglass_mesh_bounds), "", &k_mesh, low, high);
+  double number = 0.0;
+  row(NAMED(sandglass_mesh_area), "", &k_mesh, &number);
+  row(NAMED(sandglass_mesh_winding_number), "", &k_mesh, point, &number);
+  const sandglass_inside_rule rule = SANDGLASS_INSIDE_WINDING;
+  row(NAMED(sandglass_mesh_inside_bytes), "", &k_mesh, rule, &need);
+  const sandglass::Block block = sandglass::allocate_block(1 << 20);
+  sandglass_mesh_inside* inside = nullptr;
+  row(NAMED(sandglass_mesh_inside_create), "", &k_mesh, rule, block.get(), need, &inside);
+  row(NAMED(sandglass_mesh_inside_test), "", inside, point);
+
+  for (int k = 0; k < 3; ++k) low[k] = -0.1f, high[k] = 0.1f;
+  const float d = 0.02f;
+  const sandglass::Block scratch = sandglass::allocate_block(1 << 22);
+  row(NAMED(sandglass_sample_surface_capacity), "options", &k_mesh, d, &options, &count);
+  row(NAMED(sandglass_sample_surface_bytes), "options", &k_mesh, d, &options, 4096u, &need);
+  row(NAMED(sandglass_sample_surface), "options", &k_mesh, d, &options, scratch.get(), uint64_t{1 << 22}, points.data(),
+      4096u, &count);
+  row(NAMED(sandglass_sample_volume_capacity), "", low, high, d, &count);
+  row(NAMED(sandglass_sample_volume_bytes), "", low, high, d, 4096u, &need);
+  row(NAMED(sandglass_sample_volume), "inside_user options", low, high, d, in_ball, points.data(), &options,
+      scratch.get(), uint64_t{1 << 22}, points.data(), 4096u, &count);
+  row(NAMED(sandglass_sample_lattice_capacity), "", low, high, d, &count);
+  row(NAMED(sandglass_sample_lattice_bytes), "", low, high, d, &need);
+  row(NAMED(sandglass_sample_lattice), "inside_user options", low, high, d, in_ball, points.data(), &options,
+      scratch.get(), uint64_t{1 << 22}, points.data(), 4096u, &count);
+  row(NAMED(sandglass_sample_power), "", points.data(), 8u, point, &number);
+  row(NAMED(sandglass_sample_spectrum), "", points.data(), 8u, 10.0f, 1u, 8u, 0, &number);
+}
+
+void Arguments::fields() {
+  for (int k = 0; k < 3; ++k) low[k] = -0.1f, high[k] = 0.1f;
+  const sandglass_solid solid = SANDGLASS_SOLID_INSIDE;
+  row(NAMED(sandglass_field_bytes), "", low, high, 0.01f, &need);
+  const sandglass::Block block = sandglass::allocate_block(need);
+  sandglass_field* field = nullptr;
+  row(NAMED(sandglass_field_from_mesh), "inside_user", &k_mesh, in_ball, point, low, high, 0.01f, 0.05f, solid,
+      block.get(), need, &field);
+  row(NAMED(sandglass_field_from_function), "user", low, high, 0.01f, solid, from_plane, point, block.get(), need,
+      &field);
+  float normal[3];
+  row(NAMED(sandglass_field_distance), "normal", field, point, normal);
+  row(NAMED(sandglass_field_bounds), "bounds_min bounds_max", field, low, high);
+}
+
+void Arguments::lights() {
+  uint64_t file_bytes = 0;
+  const std::vector<uint64_t> file = file_of(SANDGLASS_ROOM_LIGHT, &file_bytes);
+  sandglass_light_desc desc_of = sandglass::light_desc();
+  desc_of.asset = file.data(), desc_of.asset_bytes = file_bytes;
+  auto info = sized<sandglass_light_info>();
+  row(NAMED(sandglass_light_inspect), "", file.data(), file_bytes, &info);
+  row(NAMED(sandglass_light_bytes), "", &desc_of, &need);
+  ASSERT_EQ(sandglass_light_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
+  const sandglass::Block block = sandglass::allocate_block(need);
+  sandglass_light* light = nullptr;
+  row(NAMED(sandglass_light_create), "", &desc_of, block.get(), need, &light);
+  row(NAMED(sandglass_light_desc_default), "", &desc_of);
+  ASSERT_NE(light, nullptr);
+  row(NAMED(sandglass_light_reset), "", light);
+  row(NAMED(sandglass_light_turn), "", light, point);
+  sandglass_camera_image image = grey_image();
+  row(NAMED(sandglass_camera_check), "", &image);
+  row(NAMED(sandglass_light_set_image), "taken", light, &image, &count);
+  row(NAMED(sandglass_camera_image_default), "", &image);
+  float sh[27];
+  const float matrix[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  row(NAMED(sandglass_camera_orientation), "", matrix, sh);
+  row(NAMED(sandglass_light_run), "", light, 1u);
+  row(NAMED(sandglass_light_units_left), "", light);
+  sandglass_light_run(light, UINT32_MAX);  // so that there is an estimate to read
+  auto estimate = sized<sandglass_light_estimate>();
+  row(NAMED(sandglass_light_get_latest), "", light, &estimate);
+  row(NAMED(sandglass_light_get), "", light, &estimate);
+  sandglass_light_get(light, &estimate);
+  row(NAMED(sandglass_light_hash), "", light);
+  row(NAMED(sandglass_light_isa), "", light);
+  const sandglass_light_model model = SANDGLASS_LIGHT_MODEL_WHOLE;
+  row(NAMED(sandglass_light_harmonics), "", &estimate, model, sh);
+  auto filament = sized<sandglass_light_filament>();
+  auto arkit = sized<sandglass_light_arkit>();
+  auto unity = sized<sandglass_light_unity>();
+  row(NAMED(sandglass_light_to_filament), "", &estimate, model, 30.0f, &filament);
+  row(NAMED(sandglass_light_to_arkit), "", &estimate, model, &arkit);
+  row(NAMED(sandglass_light_to_unity), "", &estimate, model, &unity);
+  row(NAMED(sandglass_light_release), "", light);
+  sandglass_light_release(light);
+}
+
+void Arguments::rooms() {
+  sandglass_room_desc desc_of = sandglass::room_desc();
+  row(NAMED(sandglass_room_bytes), "", &desc_of, &need);
+  ASSERT_EQ(sandglass_room_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
+  const sandglass::Block block = sandglass::allocate_block(need);
+  sandglass_room* room = nullptr;
+  row(NAMED(sandglass_room_create), "", &desc_of, block.get(), need, &room);
+  row(NAMED(sandglass_room_desc_default), "", &desc_of);
+  ASSERT_NE(room, nullptr);
+  sandglass_camera_image image = grey_image();
+  row(NAMED(sandglass_room_set_image), "taken", room, &image, &count);
+  const float level[4] = {0, 0, 0, 1};
+  row(NAMED(sandglass_room_move), "", room, level, point);
+  auto estimate = sized<sandglass_light_estimate>();
+  auto light = sized<sandglass_room_light>();
+  row(NAMED(sandglass_room_get), "estimate", room, point, &estimate, &light);
+  sandglass_room_light shown = light;
+  row(NAMED(sandglass_room_light_fade), "", &shown, &light, 0.1f);
+  ASSERT_EQ(sandglass_room_get(room, point, nullptr, &light, nullptr), SANDGLASS_OK);
+  const sandglass_light_model model = SANDGLASS_LIGHT_MODEL_WHOLE;
+  float sh[27];
+  auto filament = sized<sandglass_light_filament>();
+  auto arkit = sized<sandglass_light_arkit>();
+  auto arcore = sized<sandglass_light_arcore>();
+  auto unity = sized<sandglass_light_unity>();
+  row(NAMED(sandglass_room_harmonics), "", &light, model, sh);
+  row(NAMED(sandglass_room_to_filament), "", &light, model, 30.0f, &filament);
+  row(NAMED(sandglass_room_to_arkit), "", &light, model, &arkit);
+  row(NAMED(sandglass_room_to_arcore), "", &light, model, &arcore);
+  row(NAMED(sandglass_room_to_unity), "", &light, model, &unity);
+  row(NAMED(sandglass_room_save_bytes), "", room);
+  const uint64_t saved_bytes = sandglass_room_save_bytes(room);
+  std::vector<uint64_t> saved(saved_bytes / 8);
+  row(NAMED(sandglass_room_save), "", room, static_cast<void*>(saved.data()), saved_bytes);
+  row(NAMED(sandglass_room_restore), "", room, static_cast<const void*>(saved.data()), saved_bytes);
+  row(NAMED(sandglass_room_reset), "", room);
+  row(NAMED(sandglass_room_hash), "", room);
+}
+
+void Arguments::shadows() {
+  uint64_t file_bytes = 0;
+  const std::vector<uint64_t> file = file_of(SANDGLASS_CHAIR_SHADOW, &file_bytes);
+  sandglass_shadow_desc desc_of = sandglass::shadow_desc();
+  desc_of.asset = file.data(), desc_of.asset_bytes = file_bytes;
+  auto info = sized<sandglass_shadow_info>();
+  row(NAMED(sandglass_shadow_inspect), "", file.data(), file_bytes, &info);
+  row(NAMED(sandglass_shadow_bytes), "", &desc_of, &need);
+  ASSERT_EQ(sandglass_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
+  const sandglass::Block block = sandglass::allocate_block(need);
+  sandglass_shadow* shadow = nullptr;
+  row(NAMED(sandglass_shadow_create), "", &desc_of, block.get(), need, &shadow);
+  row(NAMED(sandglass_shadow_desc_default), "", &desc_of);
+  ASSERT_NE(shadow, nullptr);
+  row(NAMED(sandglass_shadow_set_light), "", shadow, 0u, point, 1.0f);
+  row(NAMED(sandglass_shadow_run), "", &shadow, 1u, 1u);
+  sandglass_shadow* const with_null[] = {shadow, nullptr};
+  EXPECT_EQ(sandglass_shadow_run(with_null, 2, 1), 0u);
+  row(NAMED(sandglass_shadow_units_left), "", shadow);
+  auto texture = sized<sandglass_shadow_texture>();
+  while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
+  }
+  for (const uint32_t light : {0u, 1u})  // the second does not exist
+    row(NAMED(sandglass_shadow_get_texture), "", shadow, light, &texture);
+  std::vector<float> cells(SANDGLASS_LIGHT_CELLS), transfer(9), sh(27), turned(27);
+  row(NAMED(sandglass_shadow_set_cells), "", shadow, cells.data(), 0.0f);
+  auto ambient = sized<sandglass_shadow_ambient>();
+  while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
+  }
+  row(NAMED(sandglass_shadow_get_ambient), "", shadow, &ambient);
+  row(NAMED(sandglass_shadow_surface), "normals", file.data(), file_bytes, point, high, 1u, transfer.data());
+  row(NAMED(sandglass_shadow_turn_harmonics), "", sh.data(), point, turned.data());
+  std::vector<uint8_t> coverage(256 * 256);
+  row(NAMED(sandglass_shadow_resample), "", shadow, 0u, 128u, coverage.data());
+  row(NAMED(sandglass_shadow_combine), "", shadow, 64u, coverage.data(), low, high);
+  row(NAMED(sandglass_shadow_hash), "", shadow);
+  row(NAMED(sandglass_shadow_isa), "", shadow);
+}
+
+void Arguments::pile_shadows() {
+  sandglass_pile_shadow_desc desc_of = sandglass::pile_shadow_desc();
+  desc_of.sky_texels = 64;
+  row(NAMED(sandglass_pile_shadow_bytes), "", &desc_of, &need);
+  ASSERT_EQ(sandglass_pile_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
+  const sandglass::Block block = sandglass::allocate_block(need);
+  sandglass_pile_shadow* shadow = nullptr;
+  row(NAMED(sandglass_pile_shadow_create), "", &desc_of, block.get(), need, &shadow);
+  row(NAMED(sandglass_pile_shadow_desc_default), "", &desc_of);
+  ASSERT_NE(shadow, nullptr);
+  row(NAMED(sandglass_pile_shadow_set_light), "", shadow, point);
+  const float cells[SANDGLASS_LIGHT_CELLS] = {};
+  row(NAMED(sandglass_pile_shadow_set_cells), "", shadow, cells);
+  row(NAMED(sandglass_pile_shadow_refresh), "", shadow);
+  row(NAMED(sandglass_pile_shadow_run), "", shadow, point, 1u, 0.01f, 1u);
+  while (sandglass_pile_shadow_run(shadow, point, 1, 0.01f, UINT32_MAX) > 0) {
+  }
+  auto texture = sized<sandglass_pile_shadow_texture>();
+  row(NAMED(sandglass_pile_shadow_get_texture), "", shadow, &texture);
+  auto sky = sized<sandglass_pile_shadow_sky>();
+  row(NAMED(sandglass_pile_shadow_get_sky), "", shadow, &sky);
+  uint8_t visibility[1];
+  row(NAMED(sandglass_pile_shadow_light_grains), "", shadow, point, 1u, 0.01f, visibility);
+  row(NAMED(sandglass_pile_shadow_hash), "", shadow);
+}
+
+TEST_F(Arguments, EveryFunctionKeepsTheThreeRules) {
+  scenes();
+  sampling();
+  fields();
+  lights();
+  rooms();
+  shadows();
+  pile_shadows();
+  for (const auto& [name, arguments] : k_functions)
+    EXPECT_EQ(covered_.count(name), 1u) << name << " is not in the table";
+  std::printf("%zu functions, %d cases; %d structs; %d blocks\n", covered_.size(), cases_, filled_, blocks_);
+  EXPECT_GT(cases_, 200);
+  EXPECT_GT(filled_, 15);
+  EXPECT_EQ(blocks_, 8);
+}
+
+// The same for pointers within structs: refused by name.
+TEST_F(Arguments, PointersWithinStructsFollowTheRule) {
+  const auto names = [this](const char* what, sandglass_status status) {
+    EXPECT_EQ(status, SANDGLASS_ERROR_INVALID_ARGUMENT) << what;
+    EXPECT_NE(std::string(reason).find(what), std::string::npos) << reason;
+  };
+  sandglass_body body = sandglass::body();
+  body.particle_count = 1;
+  names("particle_positions", sandglass_granular_add_body(scene.get(), &body, nullptr, &reason));
+  body.particle_positions = point, body.particle_count = 0;
+  names("particle_count", sandglass_granular_add_body(scene.get(), &body, nullptr, &reason));
+  sandglass_mesh mesh = k_mesh;
+  mesh.vertices = nullptr;
+  names("vertices", sandglass_mesh_bounds(&mesh, low, high, &reason));
+  mesh = k_mesh, mesh.indices = nullptr;
+  names("indices", sandglass_mesh_bounds(&mesh, low, high, &reason));
+  const sandglass_shadow_desc shadow_desc = sandglass::shadow_desc();
+  names("asset", sandglass_shadow_bytes(&shadow_desc, &need, &reason));
+  const sandglass_light_desc light_desc = sandglass::light_desc();
+  names("asset", sandglass_light_bytes(&light_desc, &need, &reason));
+  const auto frame_with = [&](uint32_t sandglass_frame_input::*counter) {
+    sandglass_frame_input input = sandglass::frame_input();
+    input.*counter = 1;
+    return sandglass_scene_frame(scene.get(), &input, nullptr, &reason);
+  };
+  names("input.shadows", frame_with(&sandglass_frame_input::shadow_count));
+  names("input.colliders", frame_with(&sandglass_frame_input::collider_count));
+  names("input.emitters", frame_with(&sandglass_frame_input::emitter_count));
+  names("input.sinks", frame_with(&sandglass_frame_input::sink_count));
+  // The number of samples is beyond the capacity too: what is NULL is said first.
+  names("positions", sandglass_granular_set_boundary(scene.get(), nullptr, 1000000, &reason));
+}
+
+// What is left out is logged as what it is.
+TEST_F(Arguments, TheLogNamesTheKindThatWasLeftOut) {
+  std::vector<std::string> said;
+  const auto write = [](void* user, const char* sentence) {
+    static_cast<std::vector<std::string>*>(user)->push_back(sentence);
+  };
+  desc.log = {write, &said};
+  ASSERT_TRUE(scene.create(desc));
+  const char* const kinds[3] = {"a collider", "an emitter", "a sink"};
+  for (int kind = 0; kind < 3; ++kind) {
+    sandglass_frame_input input = sandglass::frame_input();
+    const sandglass_collider flat{};  // no shape at all: every number is 0
+    const sandglass_emitter closed{};
+    input.colliders = input.sinks = &flat, input.emitters = &closed;
+    *std::array{&input.collider_count, &input.emitter_count, &input.sink_count}[static_cast<size_t>(kind)] = 1;
+    said.clear();
+    EXPECT_TRUE(scene.frame(input));
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_NE(said[0].find(kinds[kind]), std::string::npos) << said[0];
+  }
+}
+
+}  // namespace

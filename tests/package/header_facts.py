@@ -1,0 +1,18 @@
+#!/usr/bin/env python3
+"""What tests take from the public headers: python3 header_facts.py INCLUDE_FOLDER OUTPUT_FOLDER POINTER_BYTES
+
+Writes to OUTPUT_FOLDER:
+  layout.c        a claim for each size and offset, for every language that has the headers
+  arguments.inc   the names of the arguments of each function that has a pointer among them, for arguments_test.cpp
+"""
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "toolchains/bindings"))
+from headers import Headers  # noqa: E402
+
+headers, output = Headers(sys.argv[1]), pathlib.Path(sys.argv[2])
+(output / "layout.c").write_text(headers.claims(int(sys.argv[3])))
+rows = [f'{{"{name}", {{{", ".join(chr(34) + item.name + chr(34) for item in function.parameters)}}}}},\n'
+        for name, function in headers.functions.items() if any(item.pointer for item in function.parameters)]
+(output / "arguments.inc").write_text("".join(rows))

@@ -1,0 +1,136 @@
+// Once for every displayed frame, in 4 ms, the library writes the grains straight into a shared Metal buffer, and
+// gathers the room's light from ARKit's image. Three buffers take turns, so that the GPU never reads what the library
+// writes. Build it optimised in debug builds too: kernels without optimisation miss every budget.
+#import "SandRenderer.h"
+
+#include <string.h>
+
+#include "sand.h"
+#include "shader_types.h"
+
+static const int k_buffers = 3;
+
+// The share of the budget that the device can sustain, from the four states that iOS tells.
+static float thermal_headroom(void) {
+  switch (NSProcessInfo.processInfo.thermalState) {
+    case NSProcessInfoThermalStateNominal:
+    case NSProcessInfoThermalStateFair:
+      return 1.0f;
+    case NSProcessInfoThermalStateSerious:
+      return 0.5f;
+    default:
+      return 0.25f;
+  }
+}
+
+// How long and how sensitively an image was exposed, as sandglass_camera_image.exposure wants it: seconds times ISO /
+// 100. 0 before iOS 16, which does not tell the ISO; exposureOffset is no gain but how far the camera is from the
+// brightness that it aims at. From iOS 16 on an app can expose shortly by configurableCaptureDeviceForPrimaryCamera.
+static float exposure_of(ARFrame *frame) {
+  if (@available(iOS 16.0, *)) {
+    NSNumber *time = frame.exifData[@"ExposureTime"];
+    NSArray<NSNumber *> *iso = frame.exifData[@"ISOSpeedRatings"];
+    return iso.firstObject == nil ? 0.0f : time.floatValue * iso.firstObject.floatValue / 100.0f;
+  }
+  return 0.0f;
+}
+
+// The camera's image as the library reads it, valid while the pixel buffer is locked. It has two planes and is stored
+// in landscape; the library finds from the pose which way is up.
+static sandglass_camera_image camera_image(ARFrame *frame) {
+  CVPixelBufferRef pixels = frame.capturedImage;
+  sandglass_camera_image image = sandglass::camera_image();
+  image.format = SANDGLASS_CAMERA_NV12;
+  CFTypeRef matrix = CVBufferCopyAttachment(pixels, kCVImageBufferYCbCrMatrixKey, NULL);
+  if (matrix != NULL) {
+    if (CFEqual(matrix, kCVImageBufferYCbCrMatrix_ITU_R_709_2)) image.range = SANDGLASS_YUV_FULL_709;
+    CFRelease(matrix);
+  }
+  image.width = static_cast<uint32_t>(CVPixelBufferGetWidthOfPlane(pixels, 0));
+  image.height = static_cast<uint32_t>(CVPixelBufferGetHeightOfPlane(pixels, 0));
+  for (size_t plane = 0; plane < 2; ++plane) {
+    image.planes[plane] = static_cast<const uint8_t *>(CVPixelBufferGetBaseAddressOfPlane(pixels, plane));
+    image.strides[plane] = static_cast<uint32_t>(CVPixelBufferGetBytesPerRowOfPlane(pixels, plane));
+  }
+  const simd_float3x3 intrinsics = frame.camera.intrinsics;
+  image.focal_x = intrinsics.columns[0].x, image.focal_y = intrinsics.columns[1].y;
+  image.centre_x = intrinsics.columns[2].x, image.centre_y = intrinsics.columns[2].y;
+  float matrix_to_world[16];
+  const simd_float4x4 transform = frame.camera.transform;
+  memcpy(matrix_to_world, &transform, sizeof matrix_to_world);
+  sandglass_camera_orientation(matrix_to_world, image.orientation);
+  for (int k = 0; k < 3; ++k) image.position[k] = matrix_to_world[12 + k];
+  image.exposure = exposure_of(frame);
+  image.turn_deg = SANDGLASS_TURN_FROM_POSE;
+  image.timestamp_ns = static_cast<uint64_t>(1e9 * frame.timestamp);
+  return image;
+}
+
+static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1], v[2], 0); }
+
+@implementation SandRenderer {
+  sample::Sand _sand;
+  id<MTLRenderPipelineState> _pipeline;
+  id<MTLBuffer> _grains[k_buffers];
+  dispatch_semaphore_t _free;
+  int _turn;
+  NSTimeInterval _last;
+}
+
+// The view's attachment encodes: MTLPixelFormatBGRA8Unorm_sRGB. It has a depth buffer, and less than before passes.
+- (instancetype)initWithView:(MTKView *)view {
+  if (!(self = [super init])) return nil;
+  if (!_sand.create()) return nil;  // the status has the reason: log it
+  id<MTLLibrary> library = [view.device newDefaultLibrary];
+  MTLRenderPipelineDescriptor *descriptor = [[MTLRenderPipelineDescriptor alloc] init];
+  descriptor.vertexFunction = [library newFunctionWithName:@"grain_vertex"];
+  descriptor.fragmentFunction = [library newFunctionWithName:@"grain_fragment"];
+  descriptor.colorAttachments[0].pixelFormat = view.colorPixelFormat;
+  descriptor.depthAttachmentPixelFormat = view.depthStencilPixelFormat;
+  _pipeline = [view.device newRenderPipelineStateWithDescriptor:descriptor error:NULL];
+  for (int i = 0; i < k_buffers; ++i)
+    _grains[i] = [view.device newBufferWithLength:sample::k_grains * sizeof(sandglass_grain) options:MTLResourceStorageModeShared];
+  _free = dispatch_semaphore_create(k_buffers);
+  return self;
+}
+
+- (void)pour:(ARRaycastResult *)hit {
+  const simd_float4 place = hit.worldTransform.columns[3];
+  const float point[3] = {place.x, place.y, place.z};
+  _sand.pour(point);
+}
+
+- (void)encode:(ARFrame *)frame into:(id<MTLCommandBuffer>)commands with:(id<MTLRenderCommandEncoder>)encoder view:(MTKView *)view
+       upright:(UIInterfaceOrientation)upright {
+  dispatch_semaphore_wait(_free, DISPATCH_TIME_FOREVER);
+  id<MTLBuffer> grains = _grains[_turn];
+  _turn = (_turn + 1) % k_buffers;
+  const float step = _last > 0.0 ? static_cast<float>(frame.timestamp - _last) : 0.0f;
+  _last = frame.timestamp;
+  CVPixelBufferLockBaseAddress(frame.capturedImage, kCVPixelBufferLock_ReadOnly);
+  const sandglass_camera_image seen = camera_image(frame);
+  const sandglass_frame_report report = _sand.frame(step, thermal_headroom(), static_cast<sandglass_grain *>(grains.contents), &seen);
+  CVPixelBufferUnlockBaseAddress(frame.capturedImage, kCVPixelBufferLock_ReadOnly);
+
+  const simd_float4x4 projection = [frame.camera projectionMatrixForOrientation:upright viewportSize:view.bounds.size zNear:0.05 zFar:50];
+  const sample::Shading shading = _sand.shading();
+  ShaderFrame constants;
+  constants.view_from_world = [frame.camera viewMatrixForOrientation:upright];
+  constants.clip_from_world = simd_mul(projection, constants.view_from_world);
+  constants.to_light = vector(shading.to_light), constants.sun = vector(shading.sun), constants.ambient = vector(shading.ambient);
+  constants.origin = vector(_sand.origin());
+  constants.pixels_at_one_metre =  // the radius of a grain is 0.35 of a particle's
+      0.35f * sample::k_particle_radius * projection.columns[1].y * static_cast<float>(view.drawableSize.height);
+  [encoder setRenderPipelineState:_pipeline];
+  [encoder setVertexBytes:&constants length:sizeof constants atIndex:0];
+  [encoder setFragmentBytes:&constants length:sizeof constants atIndex:0];
+  [encoder setVertexBuffer:grains offset:0 atIndex:1];
+  if (report.grain_numbers > 0) [encoder drawPrimitives:MTLPrimitiveTypePoint vertexStart:0 vertexCount:report.grain_numbers];
+  dispatch_semaphore_t released = _free;
+  [commands addCompletedHandler:^(id<MTLCommandBuffer> finished) {
+    (void)finished;
+    dispatch_semaphore_signal(released);
+  }];
+}
+
+@end

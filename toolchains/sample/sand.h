@@ -1,0 +1,102 @@
+// What an app on a phone calls, the same on every system. `create` makes all memory that the library ever uses. `frame`
+// pours sand, reads the camera's image for the light of the room, and writes the grains straight into a buffer of the
+// GPU, in one budget. models/examples/camera_app.cpp adds shadows and hints where to look.
+//
+// The world is that of the AR session: metres, y up, as Sandglass has it. Grains are given relative to `origin`.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "sandglass/sandglass.hpp"
+
+namespace sample {
+
+constexpr float k_particle_radius = 0.01f;
+constexpr uint32_t k_particles = 1500, k_grains = 8 * k_particles;  // as much as a phone simulates in the budget
+constexpr uint64_t k_budget_ns = 4'000'000;
+
+// The light of the room for a grain, linear RGB: what one that faces the main light reflects of it, and what one that
+// faces up reflects of all other light.
+struct Shading {
+  float to_light[3], sun[3], ambient[3];
+};
+
+class Sand {
+ public:
+  sandglass::Status create() {
+    sandglass_scene_desc desc = sandglass::scene_desc();
+    desc.clock = sandglass_clock_system();
+    desc.trace = sandglass_trace_system();  // seen in Perfetto, or in Instruments
+    desc.granular.particle_radius = k_particle_radius;
+    desc.granular.particle_capacity = k_particles, desc.granular.grain_capacity = k_grains;
+    desc.granular.collider_capacity = desc.granular.emitter_capacity = 1;
+    sandglass::Status status = scene_.create(desc);
+    if (status) status = room_.create();
+    if (status) light_ = known_ = room_.light_at(origin_);  // what is usual in a room
+    return status;
+  }
+
+  // From now on sand falls onto this point of a real table, which a ray of the AR session hit. What lay elsewhere goes.
+  void pour(const float point[3]) {
+    for (int k = 0; k < 3; ++k) origin_[k] = point[k];
+    scene_.reset();
+    pouring_ = 1;
+  }
+
+  // One frame, `seconds` after the last one. `headroom` is the share of the budget that the device can sustain.
+  // `grains` is a mapped buffer of k_grains items, or null: then nothing is written. `camera` is the newest image, or
+  // null; it is read in this call only. Draw report.grain_numbers grains; removed ones lie beyond every far plane.
+  sandglass_frame_report frame(float seconds, float headroom, sandglass_grain* grains,
+                               const sandglass_camera_image* camera) {
+    const sandglass_collider floor = sandglass::floor_at(0.0f);
+    const sandglass_emitter nozzle = sandglass::emitter(0.0f, 0.3f, 0.0f, 0.03f, 0.5f, k_grains / k_particles);
+    sandglass_frame_input input = sandglass::frame_input();
+    input.time_step = seconds;
+    input.budget_ns = k_budget_ns;
+    input.thermal_headroom = headroom;
+    input.colliders = &floor, input.collider_count = 1;
+    input.emitters = &nozzle, input.emitter_count = pouring_;
+    input.grains = grains, input.grain_capacity = k_grains;
+    input.room = room_.get(), input.camera = camera;
+    sandglass_frame_report report = sandglass::frame_report();
+    if (!scene_.frame(input, &report))
+      report = sandglass::frame_report();  // an image in an unknown layout, for example
+    if (camera != nullptr) known_ = room_.light_at(origin_), exposure_ = camera->exposure;
+    sandglass_room_light_fade(&light_, &known_, seconds);  // light comes and goes softly
+    return report;
+  }
+
+  Shading shading() const {
+    // Radiance in the scale of the image on the screen, where the system tells exposures.
+    const float scale = exposure_ > 0.0f && light_.white > 0.0f ? exposure_ * light_.white : 1.0f;
+    sandglass_light_filament of = {};
+    of.struct_size = sizeof of;
+    Shading shading = {};
+    if (sandglass_room_to_filament(&light_, SANDGLASS_LIGHT_MODEL_AMBIENT, scale, &of, nullptr) != SANDGLASS_OK)
+      return shading;
+    for (int k = 0; k < 3; ++k) {
+      const float up =
+          of.sh[k] + of.sh[3 + k] - of.sh[18 + k] - of.sh[24 + k];  // the harmonics at the normal (0, 1, 0)
+      shading.to_light[k] = -of.direction[k];
+      shading.sun[k] = of.intensity / std::numbers::pi_v<float> * of.colour[k];
+      shading.ambient[k] = of.sh_intensity * std::fmax(up, 0.0f);
+    }
+    return shading;
+  }
+
+  const float* origin() const { return origin_; }  // in the session's world
+  // What was seen, to save for a later session. It holds in the same world frame alone: after ARKit has relocalised to
+  // the world map that was saved with it, or after sandglass_room_move from one persistent anchor to the same.
+  sandglass::Room& room() { return room_; }
+
+ private:
+  sandglass::Scene scene_;
+  sandglass::Room room_;
+  sandglass_room_light known_ = {}, light_ = {};  // now, and as it is drawn on its way there
+  float origin_[3] = {}, exposure_ = 0.0f;
+  uint32_t pouring_ = 0;
+};
+
+}  // namespace sample
