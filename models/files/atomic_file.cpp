@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -46,11 +47,15 @@ UnfinishedFile::~UnfinishedFile() {
 }
 
 void remove_unfinished() {
-  for (const Writing& file : writing)
-    if (file.named && unlink(file.name) != 0 && (errno == EISDIR || errno == EPERM) && fork() == 0) {  // of a folder
+  for (const Writing& file : writing) {
+    if (!file.named || unlink(file.name) == 0 || (errno != EISDIR && errno != EPERM)) continue;
+    const pid_t child = fork();  // it is a folder
+    if (child == 0) {
       execlp("rm", "rm", "-rf", "--", file.name, nullptr);
       _exit(1);
     }
+    if (child > 0) waitpid(child, nullptr, 0);
+  }
 }
 
 namespace {

@@ -10,9 +10,17 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 1 3 2\n
 printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 2 0\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >"$work/meshes/open cone.obj"
 echo 'no mesh' >"$work/meshes/broken.obj"
 
-# bake LOG [OPTIONS [PROGRAM]]
+# A program that dies in its first try at an object, like a machine that is switched off.
+cat >"$work/mortal" <<MORTAL
+#!/usr/bin/env bash
+if [[ \$* == *tetrahedron* && -e "$work/mortality" ]]; then rm "$work/mortality"; kill -9 \$\$; fi
+exec "$program" "\$@"
+MORTAL
+chmod +x "$work/mortal"
+
+# bake LOG [OPTIONS]
 bake() {
-  snakemake -s "$snakefile" -d "$work" --cores 2 --nocolor --config meshes="$work/meshes" out="$work/out" program="${3:-$program}" \
+  snakemake -s "$snakefile" -d "$work" --cores 2 --nocolor --config meshes="$work/meshes" out="$work/out" program="$work/mortal" \
     threads=1 options="--quick --size 16x1 --ambient-texels 16 ${2:-}" >"$work/$1.log" 2>&1
 }
 holds() { grep -q "$1" "$2" || { cat "$work"/*.log "$2"; echo "no line has: $1"; exit 1; }; }
@@ -22,15 +30,9 @@ holds() { grep -q "$1" "$2" || { cat "$work"/*.log "$2"; echo "no line has: $1";
 [[ -z $(ls "$work"/out/*.json "$work"/out/summary.txt 2>/dev/null) ]] || { echo "a wrong option refused objects"; exit 1; }
 holds sizes "$work/out/tetrahedron.log"
 
-# A program that dies in its first try at an object, like a machine that is switched off.
-cat >"$work/mortal" <<MORTAL
-#!/usr/bin/env bash
-if [[ \$* == *tetrahedron* && ! -e "$work/died" ]]; then touch "$work/died"; kill -9 \$\$; fi
-exec "$program" "\$@"
-MORTAL
-chmod +x "$work/mortal"
-bake first "" "$work/mortal" || { cat "$work/first.log"; exit 1; }
-[[ -e $work/died ]] || { echo "nothing was killed"; exit 1; }
+touch "$work/mortality"
+bake first || { cat "$work/first.log"; exit 1; }
+[[ ! -e $work/mortality ]] || { echo "nothing was killed"; exit 1; }
 for name in tetrahedron "open cone"; do
   [[ -s $work/out/$name.shadow && -s $work/out/$name.shadow.png ]] || { echo "$name was not baked"; exit 1; }
   holds "^$name .* 4/4 " "$work/out/summary.txt"  # and how many lights its errors are of
