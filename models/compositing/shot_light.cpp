@@ -119,13 +119,6 @@ ShotLight scaled(ShotLight light, double factor) {
   return light;
 }
 
-ShotLight mixed(const ShotLight& shadow, const ShotLight& shading) {
-  ShotLight light = shadow;
-  std::copy_n(shading.sh, 27, light.sh);
-  std::copy_n(shading.irradiance, 3, light.irradiance);
-  return light;
-}
-
 ShotLight mirrored(const ShotLight& light) {
   ShotLight out = light;
   for (uint32_t i = 0; i < k_light_cells; ++i) {

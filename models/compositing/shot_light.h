@@ -46,8 +46,6 @@ ShotLight one_light(const sandglass_light_estimate& estimate);
 
 // The light times a factor, with another level or from another scale.
 ShotLight scaled(ShotLight light, double factor);
-// The light with the shares (of the shadows) of one and the brightness (harmonics, level) of another.
-ShotLight mixed(const ShotLight& shadow, const ShotLight& shading);
 // As if the room were seen in a mirror across the plane z = 0.
 ShotLight mirrored(const ShotLight& light);
 // The mean light: shares and harmonics as parts of the floor's irradiance, with the geometric mean of the level.

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "models/files/failure.h"
-#include "models/rooms/probe_scene.h"
+#include "models/rooms/probe_light.h"
 #include "models/tracing/directions.h"
 #include "models/tracing/embree_scene.h"
 #include "models/tracing/sphere_caster.h"
@@ -105,19 +105,6 @@ struct ShotPicture::State {
   bool blocked(Vec3 origin, Vec3 direction, double limit) const {
     return object.occluded(origin, direction, limit) || grains.occluded(origin, direction, limit);
   }
-
-  // The share of a surface's irradiance by a cap of light that the grains leave; points^2 stratified rays.
-  double open_share(Vec3 start, Vec3 normal, Vec3 towards, double half_angle, int points) const {
-    double all = 0.0, open = 0.0;
-    for (int i = 0; i < points * points; ++i) {
-      const Vec3 d =
-          cap_direction(towards, std::cos(half_angle), (i % points + 0.5) / points, (i / points + 0.5) / points);
-      const double cosine = std::max(0.0, dot(d, normal));
-      all += cosine;
-      if (cosine > 0.0 && !grains.occluded(start, d, k_far)) open += cosine;
-    }
-    return all > 0.0 ? open / all : 1.0;
-  }
 };
 
 namespace {
@@ -135,7 +122,7 @@ Vec3 floor_reflectance(const Surroundings& room, const ShotCamera& camera, const
   }
   for (int i = 0; i < k_rays; ++i) {
     const double second = random.uniform(), first = random.uniform();  // one order for every compiler
-    irradiance = irradiance + floor_light.sample({0, 1, 0}, first, second).weight * (1.0 / k_rays);
+    irradiance = irradiance + floor_light.sample(first, second).weight * (1.0 / k_rays);
   }
   const auto ratio = [](double b, double e) { return e > 0.0 ? std::clamp(k_pi * b / e, 0.02, 0.9) : 0.5; };
   return {ratio(radiance.x, irradiance.x), ratio(radiance.y, irradiance.y), ratio(radiance.z, irradiance.z)};
@@ -270,14 +257,13 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
       above.set(u, v, up > 0.0 ? above.colour(u, v) : Vec3{});
       on_floor.set(u, v, on_floor.colour(u, v) * std::max(up, 0.0));
     }
-  const ProbeLight environment = ProbeLight::environment(above, rotation);
-  const ProbeLight floor_light = ProbeLight::environment(on_floor, rotation);
+  const ProbeLight environment(above, rotation), floor_light(on_floor, rotation);
   const Vec3 reflectance = floor_reflectance(room, camera, floor_light);
   RadianceMap picture(options.width, options.height);
   // The irradiance that one ray of the room's light brings. *open gets what it would bring with nothing in its way.
   const auto direct = [&](Vec3 start, Vec3 normal, Surface surface, double a, double b, Vec3* open) {
     const bool floor = surface == Surface::floor;
-    const ProbeLight::Sample s = (floor ? floor_light : environment).sample(normal, a, b);
+    const ProbeLight::Sample s = (floor ? floor_light : environment).sample(a, b);
     const double cosine = floor ? 1.0 : dot(s.direction, normal);
     if (cosine <= 0.0) return Vec3{};
     if (open != nullptr) *open = s.weight * cosine;
@@ -342,22 +328,6 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
   return picture;
 }
 
-double ShotPicture::grains_leave(double x, double z, Vec3 towards, double half_angle, int points) const {
-  return state_->open_share({x, k_lift, z}, {0, 1, 0}, towards, half_angle, points);
-}
-
-double ShotPicture::grain_lit(double x, double z, Vec3 towards, double half_angle, int points, double* facing) const {
-  const Vec3 down = {0, -1, 0}, above = {x, k_above, z};
-  SphereHit hit;
-  hit.distance = k_above;
-  *facing = 0.0;
-  if (!state_->grains.closest(above, down, &hit)) return 1.0;
-  const float* c = state_->centres.data() + 3 * static_cast<size_t>(hit.index);
-  const Vec3 point = above + down * hit.distance, normal = normalised(point - Vec3{c[0], c[1], c[2]});
-  *facing = std::max(0.0, dot(normal, towards));
-  return state_->open_share(point + normal * k_lift, normal, towards, half_angle, points);
-}
-
 #else
 
 struct ShotPicture::State {};
@@ -369,8 +339,6 @@ RadianceMap ShotPicture::composite(const Surroundings&, const ShotCamera&, const
   return {};
 }
 RadianceMap ShotPicture::truth(const Surroundings&, const ShotCamera&, const ShotPictureOptions&) const { return {}; }
-double ShotPicture::grains_leave(double, double, Vec3, double, int) const { return 1.0; }
-double ShotPicture::grain_lit(double, double, Vec3, double, int, double*) const { return 1.0; }
 
 #endif
 

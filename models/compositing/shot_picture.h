@@ -62,13 +62,6 @@ class ShotPicture {
   // Surroundings must have a truth.
   RadianceMap truth(const Surroundings& room, const ShotCamera& camera, const ShotPictureOptions& options) const;
 
-  // The share of a level floor's irradiance at (x, 0, z) that the grains alone leave. The light is a cap of half angle
-  // `half_angle` about `towards`; points^2 stratified rays.
-  double grains_leave(double x, double z, Vec3 towards, double half_angle, int points) const;
-  // The same for the surface of the grain that is seen from above at (x, z). *facing: its cosine to `towards`; 0 if
-  // there is no grain or it faces away.
-  double grain_lit(double x, double z, Vec3 towards, double half_angle, int points, double* facing) const;
-
  private:
   struct State;
   std::unique_ptr<State> state_;

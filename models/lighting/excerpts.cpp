@@ -1,14 +1,33 @@
 #include "models/lighting/excerpts.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <sstream>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
+#include "models/simulation/metrics.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {
+
+LightDifference median_difference(std::span<const LightValues> a, std::span<const LightValues> b) {
+  std::vector<double> angles, others;
+  for (size_t k = 0; k < a.size(); ++k) {
+    double dot = 0, lengths[2] = {}, most = 0;
+    for (size_t i = 0; i < 3; ++i) {
+      const double x = static_cast<double>(a[k][i]), y = static_cast<double>(b[k][i]);
+      dot += x * y, lengths[0] += x * x, lengths[1] += y * y;
+    }
+    for (size_t i = 3; i < a[k].size(); ++i) most = std::max(most, static_cast<double>(std::fabs(a[k][i] - b[k][i])));
+    angles.push_back(std::acos(std::clamp(dot / std::sqrt(lengths[0] * lengths[1]), -1.0, 1.0)) * 180 /
+                     std::numbers::pi);
+    others.push_back(most);
+  }
+  return {quantile(angles, 0.5), quantile(others, 0.5)};
+}
 
 std::vector<Excerpt> read_excerpts(const std::string& folder, size_t step) {
   const std::string table = folder + "/estimates.csv";

@@ -2,14 +2,26 @@
 // made-up rooms, on which the network was neither trained nor calibrated.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "models/lighting/light_net.h"
+#include "runtime/light/network.h"
 
 namespace sandglass::host {
+
+// The unit direction in the camera's frame, light, ambient, contrast.
+using LightValues = std::array<float, k_light_heads>;
+
+// Medians over images, with a[i] compared to b[i]: of the angle between the directions, and of the greatest difference
+// among the colours' channels and the contrast.
+struct LightDifference {
+  double angle_deg, other;
+};
+LightDifference median_difference(std::span<const LightValues> a, std::span<const LightValues> b);
 
 struct Excerpt {
   std::string name;

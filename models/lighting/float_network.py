@@ -3,8 +3,7 @@
 
 The trunk is the pretrained DenseNet-121 with lanes (train.py --initial --lanes). The heads are in excerpts/heads.npz: 160 of the
 512 latent units carry the ten ridge regressions, with 16 equal copies of each. The other units have no effect. PyTorch 1.13 drew
-them from seed 1. Every array equals, bit for bit, the one from which `sandglass quantise-light` made the shipped bytes. With the
-calibration of MODEL_CARD.md it makes the same file again.
+them from seed 1. Every array equals, bit for bit, the one from which the shipped bytes were made (MODEL_CARD.md).
 
   float_network.py weights PRETRAINED.npz WEIGHTS.npz
       Puts trunk and heads together, as train.py exports a network. PRETRAINED is densenet121_imagenet_keras_fp32.npz.

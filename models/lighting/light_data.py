@@ -19,7 +19,7 @@ GROUPS = (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 10))  # columns of the
 
 
 def fail(sentence):
-    sys.exit(f"train.py: {sentence}")
+    sys.exit(f"{os.path.basename(sys.argv[0])}: {sentence}")
 
 
 def save(path, write):

@@ -187,19 +187,6 @@ Options light_features_options(LightFeaturesOptions& o) {
   };
 }
 
-Options quantise_light_options(QuantiseLightOptions& o) {
-  return {
-      required({"WEIGHTS", &o.weights, "", "The trained network, as train.py exports it, .npz"}),
-      required({"--calibrate", &o.folders, "FOLDERS",
-                "Folders that `sandglass dataset` made; without --measure half of their images measure the error"}),
-      {"--measure", &o.measured, "FOLDERS", "Folders of other places, whose images measure the error"},
-      output_file(o.output, "Write the network to this file"),
-      {"--name", &o.name, "NAME", "Name of the network, kept in the file"},
-      {"--images", &o.images, "N", "Images that calibrate, and as many that measure", whole_number(2, 10000)},
-      {"--keep-float", &o.keep_float, "", "Keep the float network in the file, 30 MB more, for XNNPACK in float"},
-  };
-}
-
 Command bake() {
   const char *name = "bake", *help = "Train the soft shadow of a mesh";
 #ifdef SANDGLASS_HAVE_BAKE
@@ -226,9 +213,7 @@ std::vector<CommandGroup> commands() {
         command<DatasetOptions>("dataset", "Cut camera images and light labels out of HDR panoramas", dataset_options,
                                 dataset_command),
         command<LightFeaturesOptions>("light-features", "Write what the lighting network's heads see",
-                                      light_features_options, light_features_command),
-        command<QuantiseLightOptions>("quantise-light", "Turn the trained lighting network into bytes",
-                                      quantise_light_options, quantise_light_command)}}};
+                                      light_features_options, light_features_command)}}};
 }
 
 }  // namespace

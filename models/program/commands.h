@@ -70,14 +70,6 @@ struct LightFeaturesOptions {
 };
 int light_features_command(const LightFeaturesOptions& options);
 
-struct QuantiseLightOptions {
-  std::string weights, output, name = "lighting";
-  std::vector<std::string> folders, measured;
-  uint32_t images = 96;
-  bool keep_float = false;
-};
-int quantise_light_command(const QuantiseLightOptions& options);
-
 #ifdef SANDGLASS_HAVE_BAKE
 struct BakeOptions {
   std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", json;

@@ -1,9 +1,9 @@
+// The solids on their way through a frame. world.h has the rules.
+//
 // Rotations by angular velocity use the first-order quaternion step, renormalised. So there is no sine or cosine in a
 // hashed path. The error is angle^3 / 12: 7e-4 rad for a turn of 0.2 rad within one frame.
-#include "runtime/granular/colliders.h"
-
 #include "runtime/core/finite.h"
-#include "runtime/granular/field.h"
+#include "runtime/field/field.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -198,21 +198,22 @@ HoldRule hold_rule(const Granular& g) {
 }
 
 // What sand meets of a collider in this frame. owed: see colliders_take; 0 where what is left of its way is not known.
-void hold_slot(Granular* g, uint32_t slot, const sandglass_collider& now, double owed, const HoldRule& rule) {
-  Colliders& c = g->colliders;
+void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const sandglass_collider& now, double owed,
+               const HoldRule& rule) {
+  Colliders& c = *colliders;
   KnownCollider& known = c.known[slot];
-  const double step = static_cast<double>(g->time.frame_step), debt = g->time.debt;
+  const double step = static_cast<double>(g.time.frame_step), debt = g.time.debt;
   const bool same_one =
-      known.used != 0 && known.id == now.id && known.shape == now.shape && recognisable(known, now, g->time.frame_step);
-  const bool continued = same_one && known.absent <= g->time.frame_step;
+      known.used != 0 && known.id == now.id && known.shape == now.shape && recognisable(known, now, g.time.frame_step);
+  const bool continued = same_one && known.absent <= g.time.frame_step;
   const Placement before = placement_of(c.of_slot[slot]);
   if (!same_one) hold_anew(&known.pose, placement_of(now));
-  else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g->time.frame_step, rule);
+  else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g.time.frame_step, rule);
   known.used = 1, known.id = now.id, known.shape = now.shape, known.absent = 0.0f;
   Placement met = known.pose.held;
   if (owed >= k_time_resolution && debt >= k_time_resolution) {
     // Of one that jumped nothing is left: else it would come from as far away as it goes in all of the time debt.
-    const double left = continued && continues(before, met, step, g->desc.particle_radius) ? owed : 0.0;
+    const double left = continued && continues(before, met, step, g.desc.particle_radius) ? owed : 0.0;
     for (int k = 0; k < 3; ++k) {
       met.linear[k] = spread(before.linear[k], left, met.linear[k], step, debt);
       met.angular[k] = spread(before.angular[k], left, met.angular[k], step, debt);
@@ -266,6 +267,33 @@ void pose_seen(const SeenCollider& seen, ColliderFrame* frame) {
   colliders_pose(&c, 1, 0.0f, frame);
 }
 
+// The colliders of this frame are those that sleepers have seen.
+void remember(const Granular& g, ColliderWatch* watch) {
+  const Colliders& c = g.colliders;
+  for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot) {
+    watch->seen[slot] = {};
+    watch->fields[slot] = nullptr;
+    if (!visible(c, *watch, slot)) continue;
+    watch->seen[slot] = {1, c.of_slot[slot].shape, pose_of(c.of_slot[slot])};
+    watch->fields[slot] = c.of_slot[slot].field;
+  }
+}
+
+// Fills watch->moved. margin: metres around a collider that count as near.
+void find_moved(const Granular& g, ColliderWatch* watch, float margin) {
+  const Colliders& c = g.colliders;
+  MovedColliders& moved = watch->moved;
+  moved.count = 0;
+  for (uint32_t slot = 0; !c.waits && slot < g.desc.collider_capacity; ++slot) {
+    if (same(g, *watch, slot)) continue;
+    const SeenCollider& seen = watch->seen[slot];
+    const bool is = visible(c, *watch, slot), was = seen.present != 0;
+    const float reach = margin + (is && was ? half_travel(seen.pose, pose_of(c.of_slot[slot])) : 0.0f);
+    if (is) colliders_pose(&c.of_slot[slot], 1, 0.0f, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
+    if (was) pose_seen(seen, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
+  }
+}
+
 }  // namespace
 
 void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* layout) {
@@ -302,15 +330,16 @@ void colliders_reset(Colliders* c, const sandglass_granular_desc& d) {
   }
 }
 
-void colliders_take(Granular* g, const sandglass_frame_input& input, double owed) {
-  if (g->desc.particle_capacity == 0) return;
-  Colliders& c = g->colliders;
-  const uint32_t capacity = g->desc.collider_capacity;
-  const HoldRule rule = hold_rule(*g);
+void colliders_take(Colliders* colliders, const Granular& g, const sandglass_frame_input& input, double owed,
+                    FrameCounts* counts) {
+  if (g.desc.particle_capacity == 0) return;
+  Colliders& c = *colliders;
+  const uint32_t capacity = g.desc.collider_capacity;
+  const HoldRule rule = hold_rule(g);
   if (c.waits) owed = 0.0;  // what is left of ways is not saved
   for (uint32_t slot = 0; slot < capacity; ++slot) {
     c.seen_by[slot] = SeenBy::none;
-    if (c.known[slot].used != 0 && !(c.waits && input.collider_count == 0)) c.known[slot].absent += g->time.frame_step;
+    if (c.known[slot].used != 0 && !(c.waits && input.collider_count == 0)) c.known[slot].absent += g.time.frame_step;
   }
   // Those that are certain first, so that none of the others takes their slot.
   for (int pass = 0; pass < 2; ++pass) {
@@ -318,15 +347,15 @@ void colliders_take(Granular* g, const sandglass_frame_input& input, double owed
     for (uint32_t i = 0; i < input.collider_count; ++i) {
       sandglass_collider now;
       if (place == capacity || !collider_accept(input.colliders[i], &now)) {
-        g->counts.ignored_colliders += pass == 0 ? 1u : 0u;
+        counts->ignored_colliders += pass == 0 ? 1u : 0u;
         continue;
       }
       uint32_t& slot = c.slot_of_place[place++];
       if (pass == 1 && slot != k_no_slot) continue;
       slot = pass == 0 ? slot_by_identity(c, capacity, now, place - 1)
-                       : slot_by_place(c, capacity, now, place - 1, g->time.frame_step);
+                       : slot_by_place(c, capacity, now, place - 1, g.time.frame_step);
       if (slot == k_no_slot) continue;
-      hold_slot(g, slot, now, owed, rule);
+      hold_slot(&c, g, slot, now, owed, rule);
       c.known[slot].place = place - 1, c.known[slot].listed = i;
     }
   }
@@ -334,54 +363,48 @@ void colliders_take(Granular* g, const sandglass_frame_input& input, double owed
   order(&c, capacity);
 }
 
-void colliders_find_moved(Granular* g) {
-  ColliderWatch& watch = g->colliders.for_particles;
+bool colliders_find_moved(Colliders* c, const Granular& g) {
+  ColliderWatch& watch = c->for_particles;
   watch.moved.count = 0;
-  if (g->colliders.waits) return;
-  if (g->sleep.awake_count < g->particles.count) watch_find_moved(*g, &watch, neighbours_reach(*g));
+  if (c->waits) return false;
+  if (g.sleep.awake_count < g.particles.count) find_moved(g, &watch, neighbours_reach(g));
   const bool touch = watch.moved.count != 0;
-  substep_set_due(g, SubstepPhase::touch, touch);
-  if (!touch) watch_remember(g, &watch);
+  if (!touch) remember(g, &watch);
+  return touch;
 }
 
-void colliders_settle(Granular* g) {
-  Colliders& c = g->colliders;
+void colliders_seen_by_particles(Colliders* c, const Granular& g) { remember(g, &c->for_particles); }
+
+void colliders_find_moved_for_grains(Colliders* c, const Granular& g) {
+  find_moved(g, &c->for_grains, g.desc.grain_radius);
+  if (!c->waits) remember(g, &c->for_grains);
+}
+
+void colliders_begin_substep(Colliders* c, float before) {
+  colliders_pose(c->given, c->solid_count, before, c->substep_frames);
+  c->substep_count = c->solid_count;
+}
+
+void colliders_begin_sweep(Colliders* c, float before) {
+  colliders_pose(c->given, c->count, before, c->sweep_frames);
+  c->sweep_count = c->count;
+}
+
+void colliders_settle(Colliders* colliders, const Granular& g) {
+  Colliders& c = *colliders;
   c.waits = true;
-  for (uint32_t slot = 0; slot < g->desc.collider_capacity; ++slot)
+  for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot)
     c.for_particles.fields[slot] = c.for_grains.fields[slot] = nullptr, c.seen_by[slot] = SeenBy::none;
 }
 
-void colliders_move(Granular* g, const float rotation[4], const float shift[3]) {
-  Colliders& c = g->colliders;
-  for (uint32_t slot = 0; slot < g->desc.collider_capacity; ++slot) {
-    hold_move(&c.known[slot].pose, rotation, shift);
-    pose_move(&c.for_particles.seen[slot].pose, rotation, shift);
-    pose_move(&c.for_grains.seen[slot].pose, rotation, shift);
-  }
-}
-
-void watch_remember(Granular* g, ColliderWatch* watch) {
-  const Colliders& c = g->colliders;
-  for (uint32_t slot = 0; slot < g->desc.collider_capacity; ++slot) {
-    watch->seen[slot] = {};
-    watch->fields[slot] = nullptr;
-    if (!visible(c, *watch, slot)) continue;
-    watch->seen[slot] = {1, c.of_slot[slot].shape, pose_of(c.of_slot[slot])};
-    watch->fields[slot] = c.of_slot[slot].field;
-  }
-}
-
-void watch_find_moved(const Granular& g, ColliderWatch* watch, float margin) {
-  const Colliders& c = g.colliders;
-  MovedColliders& moved = watch->moved;
-  moved.count = 0;
-  for (uint32_t slot = 0; !c.waits && slot < g.desc.collider_capacity; ++slot) {
-    if (same(g, *watch, slot)) continue;
-    const SeenCollider& seen = watch->seen[slot];
-    const bool is = visible(c, *watch, slot), was = seen.present != 0;
-    const float reach = margin + (is && was ? half_travel(seen.pose, pose_of(c.of_slot[slot])) : 0.0f);
-    if (is) colliders_pose(&c.of_slot[slot], 1, 0.0f, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
-    if (was) pose_seen(seen, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
+void colliders_move(Colliders* colliders, const Granular& g, const SceneMove& move) {
+  float rotation[4];
+  for (int k = 0; k < 4; ++k) rotation[k] = static_cast<float>(move.rotation[k]);
+  Colliders& c = *colliders;
+  for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot) {
+    hold_move(&c.known[slot].pose, rotation, move.shift);
+    pose_move(&c.for_particles.seen[slot].pose, rotation, move.shift);
+    pose_move(&c.for_grains.seen[slot].pose, rotation, move.shift);
   }
 }
 

@@ -34,6 +34,8 @@ constexpr float k_stick = 0.25f, k_stick_friction = 0.6f;
 // and its rounding has the same sign as long as the velocity's exponent stays: 5,000 sub-steps drifted by up to 8e-5 of
 // the way, varied ones by less than 1e-5 (measured for 40 to 200 sub-steps of 20 ms).
 constexpr float k_dither = 1.0f / 1024.0f;
+// 2^32 over the golden ratio: every stretch of the sequence averages to nothing.
+constexpr uint32_t k_dither_stride = 2654435769u;
 
 struct PassTask {
   const Kernels* kernels;
@@ -67,20 +69,6 @@ struct PairTask {
   }
 };
 
-void merge_extent(ContactExtent* into, const ContactExtent& from) {
-  into->speed_squared = from.speed_squared > into->speed_squared ? from.speed_squared : into->speed_squared;
-  into->quarantined += from.quarantined;
-  into->touched |= from.touched;
-  for (int k = 0; k < 3; ++k) {
-    into->low[k] = from.low[k] < into->low[k] ? from.low[k] : into->low[k];
-    into->high[k] = from.high[k] > into->high[k] ? from.high[k] : into->high[k];
-    into->displacement_low[k] =
-        from.displacement_low[k] < into->displacement_low[k] ? from.displacement_low[k] : into->displacement_low[k];
-    into->displacement_high[k] =
-        from.displacement_high[k] > into->displacement_high[k] ? from.displacement_high[k] : into->displacement_high[k];
-  }
-}
-
 // Arrays that a pass reads and writes. The first reads the state; the last writes records[1], which then becomes the
 // state; those between alternate.
 void choose_arrays(const Granular& g, uint32_t pass, uint32_t passes, ContactArgs* a) {
@@ -97,13 +85,14 @@ float sticking_share(float friction) {
 
 ContactArgs contact_args(const Granular& g) {
   const Substep& s = g.substep;
+  const Contacts& c = g.contacts;
   const bool solve = s.phase != SubstepPhase::stabilise, pairs = solves_pairs(g);
   const uint32_t stabilisations = g.desc.reference.stabilisation_iterations;
   const float dt = s.length;
   ContactArgs a = {};
   // Pairs are solved in place.
-  const uint32_t pass = pairs ? 0 : s.pass, passes = pairs ? 1 : s.iterations;
-  choose_arrays(g, solve ? stabilisations + pass : s.pass, stabilisations + passes, &a);
+  const uint32_t pass = pairs ? 0 : c.pass, passes = pairs ? 1 : c.iterations;
+  choose_arrays(g, solve ? stabilisations + pass : c.pass, stabilisations + passes, &a);
   if (s.phase == SubstepPhase::complete) a.in = a.out;
   a.groups = g.sleep.active_groups;
   a.lists = g.neighbours.lists;
@@ -118,21 +107,21 @@ ContactArgs contact_args(const Granular& g) {
   a.weight_linear = -0.25f * k;
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
   const float weight = g.gravity_length * dt * dt;
-  a.lift_max = pairs ? weight : k_lift_gravities * weight / static_cast<float>(s.iterations);
+  a.lift_max = pairs ? weight : k_lift_gravities * weight / static_cast<float>(c.iterations);
   a.inverse_relaxation = 1.0f / g.desc.reference.relaxation;
   const float densest = g.bodies.densest;
   const float heaviest = densest < 1.0f ? 1.0f : (densest < k_heaviest_counted ? densest : k_heaviest_counted);
   a.stick = sticking_share(g.desc.static_friction);
   a.separation_max = k_separation_units * heaviest * granular_speed_scale(g) * dt;
   a.leave_max = heaviest * heaviest * contacts_leave_speed(g) * dt;
-  const bool first = s.phase == SubstepPhase::predict || (solve && !pairs && s.pass == 0);
+  const bool first = s.phase == SubstepPhase::predict || (solve && !pairs && c.pass == 0);
   a.scale = first ? dt : 1.0f;
-  const float dithered = 1.0f + k_dither * (static_cast<float>(static_cast<int32_t>(s.dither)) * 0x1p-31f);
-  for (int c = 0; c < 3; ++c) {
-    a.up[c] = g.gravity_length > 0.0f ? -g.gravity[c] / g.gravity_length : 0.0f;
-    a.gravity[c] = first ? dithered * g.gravity[c] * dt * dt : 0.0f;
+  const float dithered = 1.0f + k_dither * (static_cast<float>(static_cast<int32_t>(c.dither)) * 0x1p-31f);
+  for (int axis = 0; axis < 3; ++axis) {
+    a.up[axis] = g.gravity_length > 0.0f ? -g.gravity[axis] / g.gravity_length : 0.0f;
+    a.gravity[axis] = first ? dithered * g.gravity[axis] * dt * dt : 0.0f;
   }
-  a.last = s.phase == SubstepPhase::complete || (solve && s.pass + 1 == s.iterations) ? 1 : 0;
+  a.last = s.phase == SubstepPhase::complete || (solve && c.pass + 1 == c.iterations) ? 1 : 0;
   a.step = dt;
   a.displacement_max = g.desc.courant * g.desc.particle_radius;
   a.departed = g.departed.count != 0 ? 1 : 0;
@@ -150,51 +139,81 @@ float contacts_leave_speed(const Granular& g) { return k_leave_share * k_separat
 
 bool solves_pairs(const Granular& g) { return g.desc.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP; }
 
-void contacts_begin(Granular* g) {
-  ContactExtent& e = g->substep.extent;
-  g->substep.cursor = g->substep.pass = 0;
-  e.speed_squared = 0.0f;
-  e.quarantined = e.touched = 0;
+void contacts_reset(Contacts* c) {
+  contacts_forget(c);
+  c->dither = 0;
+}
+
+void contacts_restore(Contacts* c, const SavedScene& s) { c->dither = s.state.dither; }
+
+void contacts_forget(Contacts* c) { c->pass = 0; }
+
+void contacts_begin(Contacts* c, uint32_t iterations) { c->iterations = iterations; }
+
+void contacts_clear_extent(Contacts* c) {
+  c->pass = 0;
+  c->extent = k_extent_of_none;
+}
+
+void contacts_include(Contacts* c, const ContactExtent& from) {
+  ContactExtent* into = &c->extent;
+  into->speed_squared = from.speed_squared > into->speed_squared ? from.speed_squared : into->speed_squared;
+  into->quarantined += from.quarantined;
+  into->touched |= from.touched;
   for (int k = 0; k < 3; ++k) {
-    e.low[k] = e.displacement_low[k] = 3e38f;
-    e.high[k] = e.displacement_high[k] = -3e38f;
+    into->low[k] = from.low[k] < into->low[k] ? from.low[k] : into->low[k];
+    into->high[k] = from.high[k] > into->high[k] ? from.high[k] : into->high[k];
+    into->displacement_low[k] =
+        from.displacement_low[k] < into->displacement_low[k] ? from.displacement_low[k] : into->displacement_low[k];
+    into->displacement_high[k] =
+        from.displacement_high[k] > into->displacement_high[k] ? from.displacement_high[k] : into->displacement_high[k];
   }
 }
 
-bool contacts_run(Granular* g) {
-  Substep& s = g->substep;
+bool contacts_run(Contacts* c, const Granular& g, uint32_t* cursor) {
   PassTask task = {};
-  task.kernels = g->kernels;
-  task.phase = s.phase;
-  task.args = contact_args(*g);
-  const uint32_t items = sleep_active_items(*g);
-  const uint32_t end = items - s.cursor < g->unit ? items : s.cursor + g->unit;
-  for (ContactExtent& e : task.extents) e = s.extent, e.quarantined = e.touched = 0;
-  granular_split(*g, s.cursor, end, &task);
+  task.kernels = g.kernels;
+  task.phase = g.substep.phase;
+  task.args = contact_args(g);
+  const uint32_t items = sleep_active_items(g);
+  const uint32_t end = items - *cursor < g.unit ? items : *cursor + g.unit;
+  for (ContactExtent& e : task.extents) e = c->extent, e.quarantined = e.touched = 0;
+  granular_split(g, *cursor, end, &task);
   if (task.args.last != 0) {
-    for (const ContactExtent& e : task.extents) merge_extent(&s.extent, e);
+    for (const ContactExtent& e : task.extents) contacts_include(c, e);
   }
-  s.cursor = end;
+  *cursor = end;
   return end >= items;
 }
 
-bool contacts_run_pairs(Granular* g) {
-  Substep& s = g->substep;
+bool contacts_run_pairs(Contacts* c, const Granular& g, uint32_t* cursor) {
   PairTask task = {};
-  task.kernel = g->kernels->contact_pairs;
-  task.args = {g->particles.records[1], g->colours.first, g->colours.second, g->colours.groups, 0, contact_args(*g)};
+  task.kernel = g.kernels->contact_pairs;
+  task.args = {g.particles.records[1], g.colours.first, g.colours.second, g.colours.groups, 0, contact_args(g)};
   // Always in the same order. Every other pass backward makes forces alternate between sub-steps by 15 %. That shakes
   // the sand: friction then carries only what creeps, and the floor of a tube bore 0.72 of the weight, not 0.21.
-  const uint32_t all = pair_count(g->colours);
-  for (uint32_t left = pair_unit(g->colours, g->unit); left != 0 && s.cursor < all;) {
-    const PairPiece piece = pair_piece(g->colours, s.cursor, left);
+  const uint32_t all = pair_count(g.colours);
+  for (uint32_t left = pair_unit(g.colours, g.unit); left != 0 && *cursor < all;) {
+    const PairPiece piece = pair_piece(g.colours, *cursor, left);
     task.args.fixed = piece.fixed ? 1 : 0;
-    granular_split(*g, piece.begin, piece.end, &task);
-    s.cursor += piece.end - piece.begin;
+    granular_split(g, piece.begin, piece.end, &task);
+    *cursor += piece.end - piece.begin;
     left -= piece.end - piece.begin;
   }
-  for (const uint32_t touched : task.touched) s.extent.touched |= touched;
-  return s.cursor >= all;
+  for (const uint32_t touched : task.touched) c->extent.touched |= touched;
+  return *cursor >= all;
+}
+
+bool contacts_next_pass(Contacts* c, uint32_t passes) {
+  if (++c->pass < passes) return true;
+  c->pass = 0;
+  return false;
+}
+
+void contacts_complete(Contacts* c, FrameCounts* counts) {
+  counts->quarantined += c->extent.quarantined;
+  ++counts->substeps;
+  c->dither += k_dither_stride;
 }
 
 }  // namespace sandglass

@@ -1,5 +1,4 @@
-#include "runtime/granular/departed.h"
-
+// What can reach nothing any more, and so drives nothing.
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -56,13 +55,13 @@ Bounds box_of(const ColliderFrame& c) {
   return box;
 }
 
-void include_solid(Granular* g, const ColliderFrame& c) {
-  g->departed.bounded = true;
-  if (!(g->gravity_length > 0.0f)) return;
-  const float inverse = 1.0f / g->gravity_length;
-  const float down[3] = {g->gravity[0] * inverse, g->gravity[1] * inverse, g->gravity[2] * inverse};
-  const float depth = depth_of(*g, c.position) + reach_along(c, down);
-  g->departed.bottom = depth > g->departed.bottom ? depth : g->departed.bottom;
+void include_solid(Departed* departed, const Granular& g, const ColliderFrame& c) {
+  departed->bounded = true;
+  if (!(g.gravity_length > 0.0f)) return;
+  const float inverse = 1.0f / g.gravity_length;
+  const float down[3] = {g.gravity[0] * inverse, g.gravity[1] * inverse, g.gravity[2] * inverse};
+  const float depth = depth_of(g, c.position) + reach_along(c, down);
+  departed->bottom = depth > departed->bottom ? depth : departed->bottom;
 }
 
 // A fast particle's way: where it begins and ends, and its velocity on average.
@@ -103,9 +102,9 @@ bool meets(const Way& a, const Way& b, float time, float distance) {
   return dot(apart, apart) < distance * distance;
 }
 
-void mark(Granular* g, uint32_t i, bool departs) {
-  Departed& d = g->departed;
-  Particle* p = &g->particles.records[0][i];
+void mark(Departed* departed, const Granular& g, uint32_t i, bool departs) {
+  Departed& d = *departed;
+  Particle* p = &g.particles.records[0][i];
   d.returned = d.returned || (has_departed(*p) && !departs);
   d.found += departs ? 1u : 0u;
   set_departed(p, departs);
@@ -119,25 +118,25 @@ void count_in(Departed* d, const Particle& p) {
 
 // ---- the bodies' spans, and what is below all
 
-void measure_slot(Granular* g, uint32_t slot) {
-  if (!g->departed.falls) return;
-  const Particle& p = g->particles.records[0][g->bodies.rows[slot]];
-  BodySpan* span = &g->departed.spans[body_of(p) - 1];
-  const float depth = depth_of(*g, p.position);
+void measure_slot(Departed* departed, const Granular& g, uint32_t slot) {
+  if (!departed->falls) return;
+  const Particle& p = g.particles.records[0][g.bodies.rows[slot]];
+  BodySpan* span = &departed->spans[body_of(p) - 1];
+  const float depth = depth_of(g, p.position);
   span->top = depth < span->top ? depth : span->top, span->bottom = depth > span->bottom ? depth : span->bottom;
 }
 
 // A body that is not wholly below the others is something that sand may lie on.
-void find_below(Granular* g) {
-  Departed& d = g->departed;
-  const float margin = neighbours_reach(*g);
+void find_below(Departed* departed, const Granular& g) {
+  Departed& d = *departed;
+  const float margin = neighbours_reach(g);
   d.below = d.falls ? d.bottom + margin : k_endless;
   for (bool again = d.falls; again;) {
     again = false;
-    for (uint32_t b = 0; b < g->bodies.count; ++b) {
+    for (uint32_t b = 0; b < g.bodies.count; ++b) {
       BodySpan& span = d.spans[b];
       if (!span.below) continue;
-      span.below = span.top > d.below && dot(g->bodies.all[b].linear, g->gravity) >= 0.0f;
+      span.below = span.top > d.below && dot(g.bodies.all[b].linear, g.gravity) >= 0.0f;
       if (span.below) continue;
       again = true;
       if (span.bottom + margin > d.below) d.below = span.bottom + margin;
@@ -147,24 +146,24 @@ void find_below(Granular* g) {
 
 // ---- the particles
 
-void look_at(Granular* g, uint32_t i) {
-  Departed& d = g->departed;
-  const Particle& p = g->particles.records[0][i];
+void look_at(Departed* departed, const Granular& g, uint32_t i) {
+  Departed& d = *departed;
+  const Particle& p = g.particles.records[0][i];
   if (!is_awake(p)) return;
-  d.gone = d.gone || departed_is_gone(*g, p.position);
+  d.gone = d.gone || departed_is_gone(g, p.position);
   const bool below = in_body(p) ? d.falls && d.spans[body_of(p) - 1].below
-                                : d.falls && depth_of(*g, p.position) > d.below && dot(p.velocity, g->gravity) >= 0.0f;
-  if (below) return mark(g, i, true);
-  const float reach = neighbours_reach(*g) - fall_of(*g), speed2 = dot(p.velocity, p.velocity);
+                                : d.falls && depth_of(g, p.position) > d.below && dot(p.velocity, g.gravity) >= 0.0f;
+  if (below) return mark(departed, g, i, true);
+  const float reach = neighbours_reach(g) - fall_of(g), speed2 = dot(p.velocity, p.velocity);
   const bool fast = d.open && !in_body(p) && !(reach > 0.0f && speed2 * d.horizon * d.horizon <= reach * reach);
   if (!fast) {
-    mark(g, i, false);
+    mark(departed, g, i, false);
     return count_in(&d, p);
   }
   d.fast_speed2 = speed2 > d.fast_speed2 ? speed2 : d.fast_speed2;
   bounds_include(&d.fast_ones, p.position);
   if (d.fast_count < k_fast_most) d.fast[d.fast_count] = i;
-  else mark(g, i, false);
+  else mark(departed, g, i, false);
   ++d.fast_count;
 }
 
@@ -184,30 +183,30 @@ bool meets(const Way& way, const ColliderFrame poses[2], float margin) {
 }
 
 // Those of the fast ones that can reach nothing depart, where there is something to depart from.
-void judge_fast(Granular* g) {
-  Departed& d = g->departed;
+void judge_fast(Departed* departed, const Granular& g) {
+  Departed& d = *departed;
   const uint32_t count = d.fast_count <= k_fast_most ? d.fast_count : k_fast_most;
   // The others may go as far as lists reach.
-  const float margin = 2.0f * neighbours_reach(*g) + fall_of(*g);
+  const float margin = 2.0f * neighbours_reach(g) + fall_of(g);
   Bounds there = d.others;
-  bounds_join(&there, g->boundary.bounds), bounds_join(&there, g->sleep.resting);
+  bounds_join(&there, g.boundary.bounds), bounds_join(&there, g.sleep.resting);
   const bool few = d.fast_count <= k_fast_most && (!is_empty(there) || d.bounded);
   bool reaches[k_fast_most];
-  for (uint32_t f = 0; f < count; ++f) reaches[f] = !few || meets(way_of(*g, d.fast[f]), there, margin);
-  for (uint32_t c = 0; few && c < g->colliders.solid_count; ++c) {
+  for (uint32_t f = 0; f < count; ++f) reaches[f] = !few || meets(way_of(g, d.fast[f]), there, margin);
+  for (uint32_t c = 0; few && c < g.colliders.solid_count; ++c) {
     ColliderFrame poses[2];
-    pose_both(*g, c, poses);
-    for (uint32_t f = 0; f < count; ++f) reaches[f] = reaches[f] || meets(way_of(*g, d.fast[f]), poses, margin);
+    pose_both(g, c, poses);
+    for (uint32_t f = 0; f < count; ++f) reaches[f] = reaches[f] || meets(way_of(g, d.fast[f]), poses, margin);
   }
   for (uint32_t f = 0; few && f < count; ++f) {
-    const Way way = way_of(*g, d.fast[f]);
+    const Way way = way_of(g, d.fast[f]);
     for (uint32_t other = 0; other < f; ++other) {
-      if (meets(way, way_of(*g, d.fast[other]), d.horizon, neighbours_reach(*g))) reaches[f] = reaches[other] = true;
+      if (meets(way, way_of(g, d.fast[other]), d.horizon, neighbours_reach(g))) reaches[f] = reaches[other] = true;
     }
   }
   for (uint32_t f = 0; f < count; ++f) {
-    mark(g, d.fast[f], !reaches[f]);
-    if (reaches[f]) count_in(&d, g->particles.records[0][d.fast[f]]);
+    mark(departed, g, d.fast[f], !reaches[f]);
+    if (reaches[f]) count_in(&d, g.particles.records[0][d.fast[f]]);
   }
   if (d.fast_count <= k_fast_most) return;
   d.others_speed2 = d.fast_speed2 > d.others_speed2 ? d.fast_speed2 : d.others_speed2;
@@ -223,29 +222,22 @@ bool beyond(const Granular& g, const Particles& p) {
   return g.departed.falls && depth_of(g, all) > g.departed.gone_depth;
 }
 
-void complete(Granular* g) {
-  Departed& d = g->departed;
-  Particles& p = g->particles;
-  judge_fast(g);
+void complete(Departed* departed, const Granular& g) {
+  Departed& d = *departed;
+  judge_fast(departed, g);
   d.known = true;
-  if (d.found != 0 || d.count != 0 || beyond(*g, p)) {
-    Bounds all = d.others;
-    bounds_join(&all, g->sleep.resting);
-    for (int k = 0; k < 3 && !is_empty(all); ++k) p.low[k] = all.low[k], p.high[k] = all.high[k];
-    p.speed_max = __builtin_sqrtf(d.others_speed2);
-  }
+  d.narrow = d.found != 0 || d.count != 0 || beyond(g, g.particles);
   d.count = d.found;
-  if (d.returned) g->neighbours.valid = false;
 }
 
-void begin_look(Granular* g) {
-  Departed& d = g->departed;
-  d.horizon = static_cast<float>(time_interval(*g));
+void begin_look(Departed* departed, const Granular& g) {
+  Departed& d = *departed;
+  d.horizon = static_cast<float>(time_interval(g));
   d.others = d.fast_ones = k_nowhere;
   d.others_speed2 = d.fast_speed2 = 0.0f;
   d.found = d.fast_count = 0;
-  d.returned = d.gone = false;
-  for (uint32_t b = 0; b < g->bodies.count; ++b) d.spans[b] = {k_endless, -k_endless, true};
+  d.returned = d.gone = d.narrow = false;
+  for (uint32_t b = 0; b < g.bodies.count; ++b) d.spans[b] = {k_endless, -k_endless, true};
 }
 
 uint32_t whole_groups(uint32_t count) { return (count + k_lane_group - 1) / k_lane_group * k_lane_group; }
@@ -263,40 +255,31 @@ void departed_reset(Departed* d) {
   d->next_grains = 0.0;
 }
 
-void departed_forget(Granular* g) {
-  departed_reset(&g->departed);
-  g->sleep.resting = k_nowhere;
-  for (uint32_t i = 0; i < g->particles.count; ++i) {
-    Particle* p = &g->particles.records[0][i];
-    if (is_asleep(*p)) bounds_include(&g->sleep.resting, p->position);
-    if (has_departed(*p)) particles_include(&g->particles, p->position, p->velocity);
-    set_departed(p, false);
-  }
-}
-
-void departed_begin_frame(Granular* g) {
-  Departed& d = g->departed;
-  d.open = true, d.falls = g->gravity_length > 0.0f;
+void departed_begin_frame(Departed* departed, const Granular& g) {
+  Departed& d = *departed;
+  d.open = true, d.falls = g.gravity_length > 0.0f;
   d.bottom = -k_endless, d.bounded = false;
-  for (uint32_t c = 0; c < g->colliders.solid_count; ++c) {
+  for (uint32_t c = 0; c < g.colliders.solid_count; ++c) {
     ColliderFrame frames[2];
-    pose_both(*g, c, frames);
+    pose_both(g, c, frames);
     for (const ColliderFrame& frame : frames) {
       if (fills_space(frame)) d.open = d.falls = false;
-      if (frame.shape != SANDGLASS_SHAPE_HALF_SPACE) include_solid(g, frame);
-      else if (-dot(frame.axes[1], g->gravity) > k_floor_rise * g->gravity_length) d.falls = false;
+      if (frame.shape != SANDGLASS_SHAPE_HALF_SPACE) include_solid(departed, g, frame);
+      else if (-dot(frame.axes[1], g.gravity) > k_floor_rise * g.gravity_length) d.falls = false;
     }
   }
   if (d.falls) {
-    Bounds still = g->boundary.bounds;
-    bounds_join(&still, g->sleep.resting);
-    const float depth = depth_of(*g, still);
+    Bounds still = g.boundary.bounds;
+    bounds_join(&still, g.sleep.resting);
+    const float depth = depth_of(g, still);
     d.bottom = depth > d.bottom ? depth : d.bottom;
     d.falls = d.bottom > -k_endless;
   }
-  const float reach = neighbours_reach(*g), most = g->desc.lowest > reach ? g->desc.lowest : reach;
-  d.gone_depth = g->desc.lowest > 0.0f ? d.bottom + most : k_endless;
+  const float reach = neighbours_reach(g), most = g.desc.lowest > reach ? g.desc.lowest : reach;
+  d.gone_depth = g.desc.lowest > 0.0f ? d.bottom + most : k_endless;
 }
+
+void departed_begin_interval(Departed* d) { d->known = false; }
 
 bool departed_due(const Granular& g) {
   const Departed& d = g.departed;
@@ -311,29 +294,36 @@ uint32_t departed_items(const Granular& g) {
   return slots_of(g) + (g.neighbours.valid ? sleep_active_items(g) : whole_groups(g.particles.count));
 }
 
-bool departed_run(Granular* g) {
-  Departed& d = g->departed;
-  uint32_t& cursor = g->substep.cursor;
-  const uint32_t items = departed_items(*g), slots = slots_of(*g);
-  const uint32_t end = items - cursor < g->unit ? items : cursor + g->unit;
-  if (cursor == 0) begin_look(g);
-  for (; cursor < end && cursor < slots; cursor += k_lane_group) {
-    for (uint32_t slot = cursor; slot < cursor + k_lane_group && slot < g->bodies.particle_count; ++slot)
-      measure_slot(g, slot);
+bool departed_run(Departed* departed, const Granular& g, uint32_t* cursor) {
+  Departed& d = *departed;
+  const uint32_t items = departed_items(g), slots = slots_of(g);
+  const uint32_t end = items - *cursor < g.unit ? items : *cursor + g.unit;
+  if (*cursor == 0) begin_look(departed, g);
+  for (; *cursor < end && *cursor < slots; *cursor += k_lane_group) {
+    for (uint32_t slot = *cursor; slot < *cursor + k_lane_group && slot < g.bodies.particle_count; ++slot)
+      measure_slot(departed, g, slot);
   }
-  if (cursor == slots) find_below(g);
-  for (; cursor < end; cursor += k_lane_group) {
-    const uint32_t group = (cursor - slots) / k_lane_group;
-    const uint32_t first = (g->neighbours.valid ? g->sleep.active_groups[group] : group) * k_lane_group;
-    for (uint32_t i = first; i < first + k_lane_group && i < g->particles.count; ++i) look_at(g, i);
+  if (*cursor == slots) find_below(departed, g);
+  for (; *cursor < end; *cursor += k_lane_group) {
+    const uint32_t group = (*cursor - slots) / k_lane_group;
+    const uint32_t first = (g.neighbours.valid ? g.sleep.active_groups[group] : group) * k_lane_group;
+    for (uint32_t i = first; i < first + k_lane_group && i < g.particles.count; ++i) look_at(departed, g, i);
     // A flow that has nothing to depart from, and that nothing has departed from, is not looked at any further.
-    if (!d.falls && d.count == 0 && d.found == 0 && d.fast_count > k_fast_most && !beyond(*g, g->particles)) {
+    if (!d.falls && d.count == 0 && d.found == 0 && d.fast_count > k_fast_most && !beyond(g, g.particles)) {
       d.known = true;
       return true;
     }
   }
-  if (cursor < items) return false;
-  complete(g);
+  if (*cursor < items) return false;
+  complete(departed, g);
+  return true;
+}
+
+bool departed_narrows(const Departed& d, const Granular& g, Bounds* all, float* speed_max) {
+  if (!d.narrow) return false;
+  *all = d.others;
+  bounds_join(all, g.sleep.resting);
+  *speed_max = __builtin_sqrtf(d.others_speed2);
   return true;
 }
 
@@ -357,11 +347,11 @@ bool departed_has_left(const Granular& g, const Grain& grain) {
   return alone || is_below_all(g, grain.position);
 }
 
-bool departed_takes_grains(Granular* g) {
+bool departed_takes_grains(Departed* departed, const Granular& g) {
   constexpr double k_period = 0.1;  // seconds of simulated time: grains that fell alone are looked for less often
-  Departed& d = g->departed;
-  d.grains_go = d.gone || (d.falls && !(g->time.simulated < d.next_grains));
-  if (d.grains_go) d.next_grains = g->time.simulated + k_period;
+  Departed& d = *departed;
+  d.grains_go = d.gone || (d.falls && !(g.time.simulated < d.next_grains));
+  if (d.grains_go) d.next_grains = g.time.simulated + k_period;
   return d.grains_go;
 }
 

@@ -1,9 +1,7 @@
-#include "runtime/granular/flow.h"
-
+// What comes and goes: emitters pour, sinks drain. world.h has the rules.
 #include "kernels/whole.h"
 #include "runtime/core/finite.h"
 #include "runtime/core/random.h"
-#include "runtime/core/refuse.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -100,30 +98,35 @@ struct Layer {
   float drop[3];  // by which it has fallen since
 };
 
-void deny(Granular* g, uint32_t particles) {
-  g->flow.counts.denied_particles += particles;
-  g->counts.denied_particles += particles;
+// Where a layer goes.
+struct Pouring {
+  Flow* flow;
+  const Inlet* inlet;
+  FrameCounts* counts;
+};
+
+void deny(const Pouring& to, uint32_t particles) {
+  to.flow->counts.denied_particles += particles;
+  to.counts->denied_particles += particles;
 }
 
-void flush(Granular* g, Batch* batch, bool grains) {
+void flush(const Pouring& to, Batch* batch, bool grains) {
   // Room was checked for the whole layer. What can still fail is a site beyond the coordinate limit.
   const uint32_t particles = grains ? 0 : batch->count, fine = grains ? batch->count : 0;
-  const sandglass_status status = granular_add(g, batch->positions, batch->velocities, particles, batch->positions,
-                                               batch->velocities, fine, nullptr);
+  const bool came = to.inlet->let_in(to.inlet->scene, batch->positions, batch->velocities, particles, fine);
   batch->count = 0;
-  if (status != SANDGLASS_OK) {
-    deny(g, particles);
+  if (!came) {
+    deny(to, particles);
     return;
   }
-  motion_fall(g, g->particles.count - particles);
-  g->flow.counts.emitted_particles += particles;
-  g->flow.counts.emitted_grains += fine;
+  to.flow->counts.emitted_particles += particles;
+  to.flow->counts.emitted_grains += fine;
 }
 
-void put(Granular* g, Batch* batch, bool grains, const float position[3], const float velocity[3]) {
+void put(const Pouring& to, Batch* batch, bool grains, const float position[3], const float velocity[3]) {
   for (uint32_t k = 0; k < 3; ++k)
     batch->positions[3 * batch->count + k] = position[k], batch->velocities[3 * batch->count + k] = velocity[k];
-  if (++batch->count == k_batch) flush(g, batch, grains);
+  if (++batch->count == k_batch) flush(to, batch, grains);
 }
 
 // What left the nozzle `since` seconds ago has fallen freely since: the position and the velocity are given as they would
@@ -213,13 +216,14 @@ void find_room(const Granular& g, Sites* sites, const Layer& layer) {
 }
 
 // The grains of a particle that has come to `at`. `seed` is where the sequence of its numbers goes on.
-void emit_grains(Granular* g, const Layer& layer, const SurfacePoint& at, uint64_t seed, Batch* batch) {
+void emit_grains(const Pouring& to, const Granular& g, const Layer& layer, const SurfacePoint& at, uint64_t seed,
+                 Batch* batch) {
   const sandglass_emitter& e = layer.nozzle->emitter;
-  const float r = g->desc.particle_radius;
+  const float r = g.desc.particle_radius;
   // A grain is no more than this before or after its particle, so that gravity turns none of them round.
-  const float most = e.speed / (g->gravity_length > 0.0f ? g->gravity_length : 1e-6f);
+  const float most = e.speed / (g.gravity_length > 0.0f ? g.gravity_length : 1e-6f);
   // Grains that are behind the particles catch up with the next sweep.
-  const float lag = static_cast<float>(g->time.grain_lag);
+  const float lag = static_cast<float>(g.time.grain_lag);
   for (uint32_t grain = 0; grain < e.grains_per_particle;) {
     float offset[3], length2 = 0.0f, along = 0.0f, position[3], velocity[3];
     for (float& o : offset) seed = next_seed(seed), o = symmetric(seed), length2 += o * o;
@@ -230,8 +234,8 @@ void emit_grains(Granular* g, const Layer& layer, const SurfacePoint& at, uint64
       position[k] = at.position[k] - layer.drop[k] - lag * velocity[k] + r * offset[k];
     }
     const float earlier = along / e.speed;
-    fall(*g, layer.since - lag + (earlier < -most ? -most : earlier > most ? most : earlier), position, velocity);
-    put(g, batch, true, position, velocity);
+    fall(g, layer.since - lag + (earlier < -most ? -most : earlier > most ? most : earlier), position, velocity);
+    put(to, batch, true, position, velocity);
     ++grain;
   }
 }
@@ -262,95 +266,96 @@ bool has_room(const Granular& g, const sandglass_emitter& e, uint32_t particles)
   return particles <= g.desc.particle_capacity - g.particles.count && grains <= g.desc.grain_capacity - g.grains.count;
 }
 
-void emit_sites(Granular* g, Sites* sites, const Layer& layer) {
+void emit_sites(const Pouring& to, const Granular& g, Sites* sites, const Layer& layer) {
   const sandglass_emitter& e = layer.nozzle->emitter;
-  const bool room = has_room(*g, e, sites->count);  // a shifted layer may have some more
-  Batch* batch = g->flow.batch;
+  const bool room = has_room(g, e, sites->count);  // a shifted layer may have some more
+  Batch* batch = to.flow->batch;
   batch->count = 0;
-  find_room(*g, sites, layer);
+  find_room(g, sites, layer);
   float velocity[3];
-  for (int k = 0; k < 3; ++k) velocity[k] = e.speed * layer.way[k] + layer.since * g->gravity[k];
+  for (int k = 0; k < 3; ++k) velocity[k] = e.speed * layer.way[k] + layer.since * g.gravity[k];
   uint32_t free = 0;
   for (uint32_t s = 0; s < sites->count; ++s) {
     if (!room || sites->taken[s]) continue;
     sites->at[free] = sites->at[s], sites->seeds[free] = sites->seeds[s];
-    put(g, batch, false, sites->at[free++].position, velocity);
+    put(to, batch, false, sites->at[free++].position, velocity);
   }
-  if (batch->count != 0) flush(g, batch, false);
-  deny(g, sites->count - free);
-  for (uint32_t s = 0; s < free; ++s) emit_grains(g, layer, sites->at[s], sites->seeds[s], batch);
-  if (batch->count != 0) flush(g, batch, true);
+  if (batch->count != 0) flush(to, batch, false);
+  deny(to, sites->count - free);
+  for (uint32_t s = 0; s < free; ++s) emit_grains(to, g, layer, sites->at[s], sites->seeds[s], batch);
+  if (batch->count != 0) flush(to, batch, true);
   sites->count = 0;
 }
 
 // `number` names the layer: of all layers of all emitters.
-void emit_layer(Granular* g, const Nozzle& nozzle, uint64_t number, float gone) {
+void emit_layer(const Pouring& to, const Granular& g, const Nozzle& nozzle, uint64_t number, float gone) {
   const sandglass_emitter& e = nozzle.emitter;
   const uint32_t index = static_cast<uint32_t>(number), count = nozzle.sites[index % 2];
-  if (!has_room(*g, e, count)) return deny(g, count);
+  if (!has_room(g, e, count)) return deny(to, count);
   Layer layer = {&nozzle, {}, gone / e.speed, {}};
   for (int k = 0; k < 3; ++k) {
     layer.way[k] = -nozzle.axes[1][k];
-    layer.drop[k] = 0.5f * layer.since * layer.since * g->gravity[k];
+    layer.drop[k] = 0.5f * layer.since * layer.since * g.gravity[k];
   }
-  Sites& sites = *g->flow.sites;
+  Sites& sites = *to.flow->sites;
   sites.count = 0;
   uint64_t seed = next_seed(number);
-  for_sites(e, g->desc.particle_radius, index, nozzle.shift, [&](float x, float z) {
+  for_sites(e, g.desc.particle_radius, index, nozzle.shift, [&](float x, float z) {
     SurfacePoint& at = sites.at[sites.count];
     for (int k = 0; k < 3; ++k) {
       seed = next_seed(seed);
       at.position[k] = e.position[k] + x * nozzle.axes[0][k] + gone * layer.way[k] + z * nozzle.axes[2][k] +
-                       k_jitter_radii * g->desc.particle_radius * symmetric(seed) + layer.drop[k];
+                       k_jitter_radii * g.desc.particle_radius * symmetric(seed) + layer.drop[k];
     }
     sites.seeds[sites.count] = mix_bits(seed);
-    if (++sites.count == k_batch) emit_sites(g, &sites, layer);
+    if (++sites.count == k_batch) emit_sites(to, g, &sites, layer);
   });
-  if (sites.count != 0) emit_sites(g, &sites, layer);
+  if (sites.count != 0) emit_sites(to, g, &sites, layer);
 }
 
-// Removes what lies inside the shapes, and if `going` what is gone (departed.h), from the group that begins at `first`.
-// Goes through it from its end, so what moves into a gap comes from behind the group. Returns how many were removed.
-template <class Remove>
-uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* count, uint32_t first,
-                     const ColliderFrame* shapes, uint32_t shape_count, bool going, const Remove& remove) {
+// What lies inside the shapes, or if `going` is gone (departed.cpp), of the group that begins at `first`.
+uint32_t find_leaving(const Granular& g, const Record* records, uint32_t count, uint32_t first,
+                      const ColliderFrame* shapes, uint32_t shape_count, bool going, uint32_t leaving[k_lane_group]) {
   uint8_t inside[k_lane_group];
-  uint32_t found = 0, removed = 0;
-  const InsideArgs args = {records, *count, shapes, shape_count, inside};
-  const uint32_t left = *count - first, lanes = left < k_lane_group ? left : k_lane_group;
+  uint32_t found = 0, leave = 0;
+  const InsideArgs args = {records, count, shapes, shape_count, inside};
+  const uint32_t left = count - first, lanes = left < k_lane_group ? left : k_lane_group;
   g.kernels->find_inside(&args, first, first + k_lane_group, &found);
   for (uint32_t l = lanes; (found != 0 || going) && l-- > 0;) {
-    if ((inside[l] != 0 || (going && departed_is_gone(g, records[first + l].position))) && remove(first + l)) ++removed;
+    if (inside[l] != 0 || (going && departed_is_gone(g, records[first + l].position))) leaving[leave++] = first + l;
   }
-  return removed;
+  return leave;
 }
 
 }  // namespace
 
-void flow_remove_particle(Granular* g, uint32_t i) {
-  Particle* gap = &g->particles.records[0][i];
-  g->flow.free_particles[g->flow.free_particle_count++] = number_of(*gap);
-  if (is_awake(*gap)) --g->sleep.awake_count;
-  const uint32_t last = --g->particles.count;
-  if (i == last) return;
-  *gap = g->particles.records[0][last];
-  if (in_body(*gap)) bodies_note_row(g, i);
+uint32_t flow_find_inside(const Granular& g, const Record* records, uint32_t count, uint32_t first,
+                          const ColliderFrame* shapes, uint32_t shape_count, uint32_t found[k_lane_group]) {
+  return find_leaving(g, records, count, first, shapes, shape_count, false, found);
 }
 
-void flow_remove_grain(Granular* g, uint32_t i) {
-  Grain* gap = &g->grains.records[i];
-  g->flow.free_grains[g->flow.free_grain_count++] = gap->number;
-  const uint32_t last = --g->grains.count;
-  *gap = g->grains.records[last];
+uint32_t flow_find_leaving_particles(const Granular& g, uint32_t first, uint32_t found[k_lane_group]) {
+  const uint32_t count = find_leaving(g, as_records(g.particles.records[0]), g.particles.count, first, g.flow.sinks,
+                                      g.flow.sink_count, g.departed.gone, found);
+  uint32_t sand = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    const Particle& p = g.particles.records[0][found[k]];
+    if (!is_awake(p)) continue;
+    if (in_body(p)) bodies_note_inside(g.bodies, body_of(p) - 1);
+    else found[sand++] = found[k];
+  }
+  return sand;
 }
 
-// Particles of sleeping groups may have moved to others. The next list build finds out which groups sleep.
-void flow_after_removal(Granular* g) {
-  g->neighbours.valid = false;
-  substep_set_due(g, SubstepPhase::wake, false);
-  g->sleep.waking_count = 0;
-  sweep_particles_changed(g);
-  particles_seal(g);
+uint32_t flow_find_leaving_grains(const Granular& g, uint32_t first, uint32_t found[k_lane_group]) {
+  return find_leaving(g, as_records(g.grains.records), g.grains.count, first, g.flow.sinks, g.flow.sink_count,
+                      g.departed.grains_go, found);
+}
+
+void flow_count_removed(Flow* f, uint64_t particles, uint64_t grains, uint64_t bodies) {
+  f->counts.removed_particles += particles;
+  f->counts.removed_grains += grains;
+  f->counts.removed_bodies += bodies;
 }
 
 void flow_layout(Flow* f, const sandglass_granular_desc& d, Layout* layout) {
@@ -369,6 +374,15 @@ void flow_reset(Flow* f, const sandglass_granular_desc& d) {
   for (uint32_t e = 0; e < d.emitter_capacity; ++e) f->emitter_states[e] = {};
 }
 
+void flow_restore(Flow* f, const SavedScene& s) {
+  f->free_particle_count = s.free_particles, f->free_grain_count = s.free_grains;
+  f->counts = s.state.flow;
+}
+
+void flow_free_particle_number(Flow* f, uint32_t number) { f->free_particles[f->free_particle_count++] = number; }
+
+void flow_free_grain_number(Flow* f, uint32_t number) { f->free_grains[f->free_grain_count++] = number; }
+
 // Numbers in use and free ones together are 0, 1, 2, ...; without free ones the next is the count.
 uint32_t flow_take_particle_number(Flow* f, uint32_t count) {
   return f->free_particle_count != 0 ? f->free_particles[--f->free_particle_count] : count;
@@ -378,28 +392,27 @@ uint32_t flow_take_grain_number(Flow* f, uint32_t count) {
   return f->free_grain_count != 0 ? f->free_grains[--f->free_grain_count] : count;
 }
 
-void flow_take(Granular* g, const sandglass_frame_input& input) {
-  g->flow.emitter_count = 0;
+void flow_take(Flow* f, const Granular& g, const sandglass_frame_input& input, FrameCounts* counts) {
+  f->emitter_count = 0;
   for (uint32_t e = 0; e < input.emitter_count; ++e) {
     sandglass_emitter accepted;
-    if (g->flow.emitter_count == g->desc.emitter_capacity || !accept(*g, input.emitters[e], &accepted)) {
-      ++g->counts.ignored_emitters;
+    if (f->emitter_count == g.desc.emitter_capacity || !accept(g, input.emitters[e], &accepted)) {
+      ++counts->ignored_emitters;
       continue;
     }
-    Nozzle& nozzle = g->flow.nozzles[g->flow.emitter_count++];
+    Nozzle& nozzle = f->nozzles[f->emitter_count++];
     nozzle = {accepted, {}, {0.0f, 0.0f}, {0, 0}};
     find_axes(&nozzle);
   }
   // An emitter that is no longer passed starts from nothing when it comes back. A pause is not long enough to forget.
-  for (uint32_t e = g->flow.emitter_count; e < g->desc.emitter_capacity && !time_paused(*g); ++e)
-    g->flow.emitter_states[e] = {};
-  g->flow.sink_count = 0;
+  for (uint32_t e = f->emitter_count; e < g.desc.emitter_capacity && !time_paused(g); ++e) f->emitter_states[e] = {};
+  f->sink_count = 0;
   for (uint32_t s = 0; s < input.sink_count; ++s) {
     sandglass_collider accepted;
-    if (g->flow.sink_count == g->desc.sink_capacity || !collider_accept(input.sinks[s], &accepted)) {
-      ++g->counts.ignored_sinks;
+    if (f->sink_count == g.desc.sink_capacity || !collider_accept(input.sinks[s], &accepted)) {
+      ++counts->ignored_sinks;
     } else {
-      colliders_pose(&accepted, 1, 0.0f, &g->flow.sinks[g->flow.sink_count++]);
+      colliders_pose(&accepted, 1, 0.0f, &f->sinks[f->sink_count++]);
     }
   }
 }
@@ -433,105 +446,23 @@ float flow_speed(const Flow& f) {
   return fastest;
 }
 
-void flow_emit(Granular* g) {
-  const double distance = layer_distance(*g);
-  for (uint32_t e = 0; e < g->flow.emitter_count; ++e) {
-    EmitterState& state = g->flow.emitter_states[e];
-    Nozzle& nozzle = g->flow.nozzles[e];
+void flow_emit(Flow* f, const Granular& g, const Inlet& inlet, FrameCounts* counts) {
+  const Pouring to = {f, &inlet, counts};
+  const double distance = layer_distance(g);
+  for (uint32_t e = 0; e < f->emitter_count; ++e) {
+    EmitterState& state = f->emitter_states[e];
+    Nozzle& nozzle = f->nozzles[e];
     for (; is_due(state, distance); ++state.layer) {
       state.run = state.layer == 0 ? 0.0 : state.run - distance;
-      follow_lattice(*g, &state, &nozzle);
+      follow_lattice(g, &state, &nozzle);
       // Counted once in a frame: a layer that finds no room costs nothing more.
       uint32_t& sites = nozzle.sites[state.layer % 2];
       const float unshifted[2] = {0.0f, 0.0f};
       if (sites == 0)
-        for_sites(nozzle.emitter, g->desc.particle_radius, state.layer, unshifted, [&](float, float) { ++sites; });
-      emit_layer(g, nozzle, (static_cast<uint64_t>(e) << 32) | state.layer, static_cast<float>(state.run));
+        for_sites(nozzle.emitter, g.desc.particle_radius, state.layer, unshifted, [&](float, float) { ++sites; });
+      emit_layer(to, g, nozzle, (static_cast<uint64_t>(e) << 32) | state.layer, static_cast<float>(state.run));
     }
   }
-}
-
-bool flow_run_drain(Granular* g) {
-  const uint32_t items = sleep_active_items(*g);
-  const uint32_t end = items - g->substep.cursor < g->unit ? items : g->substep.cursor + g->unit;
-  uint32_t removed = 0;
-  if (g->substep.cursor == 0) bodies_begin_drain(&g->bodies);
-  // From the last group to the first, so the particle that fills a gap has been looked at.
-  for (uint32_t at = g->substep.cursor; at < end; at += k_lane_group) {
-    const uint32_t first = g->sleep.active_groups[g->sleep.active_count - 1 - at / k_lane_group] * k_lane_group;
-    if (first >= g->particles.count) continue;
-    removed += drain_group(*g, as_records(g->particles.records[0]), &g->particles.count, first, g->flow.sinks,
-                           g->flow.sink_count, g->departed.gone, [g](uint32_t i) {
-                             const Particle& p = g->particles.records[0][i];
-                             if (!is_awake(p)) return false;
-                             if (in_body(p)) return bodies_note_inside(&g->bodies, body_of(p) - 1), false;
-                             flow_remove_particle(g, i);
-                             return true;
-                           });
-  }
-  g->flow.counts.removed_particles += removed;
-  if (removed != 0) flow_after_removal(g);
-  g->substep.cursor = end;
-  if (end < items) return false;
-  bodies_drain(g);
-  return true;
-}
-
-bool flow_run_grain_drain(Granular* g) {
-  const uint32_t items = g->grain_sleep.group_count * k_lane_group;
-  const uint32_t end = items - g->sweep.cursor < g->unit ? items : g->sweep.cursor + g->unit;
-  uint32_t removed = 0;
-  for (uint32_t at = g->sweep.cursor; at < end; at += k_lane_group) {
-    const uint32_t first = g->grain_sleep.groups[g->grain_sleep.group_count - 1 - at / k_lane_group] * k_lane_group;
-    if (first >= g->grains.count) continue;
-    removed += drain_group(*g, as_records(g->grains.records), &g->grains.count, first, g->flow.sinks,
-                           g->flow.sink_count, g->departed.grains_go, [g](uint32_t i) {
-                             flow_remove_grain(g, i);
-                             return true;
-                           });
-  }
-  g->flow.counts.removed_grains += removed;
-  if (removed != 0) g->grain_sleep.groups_changed = true;
-  g->sweep.cursor = end;
-  return end >= items;
-}
-
-sandglass_status granular_remove(Granular* g, const sandglass_collider* region, uint32_t* particles, uint32_t* grains,
-                                 const char** reason) {
-  sandglass_collider accepted;
-  if (region == nullptr) return refuse(reason, "sandglass_granular_remove: region is NULL: pass the shape to empty.");
-  if (!collider_accept(*region, &accepted)) {
-    return refuse(
-        reason,
-        "sandglass_granular_remove: region is not a usable shape: its numbers must be finite, its position within "
-        "the coordinate limit, its sizes above 0, its rotation not zero, and its field made by this library.");
-  }
-  ColliderFrame shape;
-  colliders_pose(&accepted, 1, 0.0f, &shape);
-  sleep_wake_all(g);
-  uint32_t removed = 0, removed_grains = 0;
-  for (uint32_t group = (g->particles.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
-    removed += drain_group(*g, as_records(g->particles.records[0]), &g->particles.count, group * k_lane_group, &shape,
-                           1, false, [g](uint32_t i) {
-                             if (in_body(g->particles.records[0][i])) return false;
-                             flow_remove_particle(g, i);
-                             return true;
-                           });
-  }
-  for (uint32_t group = (g->grains.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
-    removed_grains += drain_group(*g, as_records(g->grains.records), &g->grains.count, group * k_lane_group, &shape, 1,
-                                  false, [g](uint32_t i) {
-                                    flow_remove_grain(g, i);
-                                    return true;
-                                  });
-  }
-  if (g->desc.particle_capacity != 0) flow_after_removal(g);
-  if (removed_grains != 0) sweep_grains_removed(g);
-  g->flow.counts.removed_particles += removed;
-  g->flow.counts.removed_grains += removed_grains;
-  if (particles != nullptr) *particles = removed;
-  if (grains != nullptr) *grains = removed_grains;
-  return accept(reason);
 }
 
 }  // namespace sandglass

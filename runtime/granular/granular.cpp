@@ -1,4 +1,4 @@
-// Checks, layout and reset of the parts, the beginning of a frame, and the material that the app adds.
+// The whole, put together from its parts: checks, layout, reset, settling, and the beginning of a frame.
 #include "runtime/granular/granular.h"
 
 #include "runtime/core/finite.h"
@@ -20,15 +20,6 @@ constexpr float k_shortest_substep = 1e-6f;
 constexpr float k_gravity_max = 1000.0f;  // m/s^2
 // The share of gravity's length by which it may change before what sleeps wakes: a turn by 1.1 degrees.
 constexpr float k_gravity_wakes = 0.02f;
-
-constexpr float k_at_rest[3] = {0.0f, 0.0f, 0.0f};
-
-constexpr float k_speed_limit = 1e4f;  // m/s that material may be added with
-
-// The coordinates of `count` positions or velocities.
-bool items_within(const float* values, uint32_t count, float limit) {
-  return all_within(values, 3ull * count, -limit, limit);
-}
 
 float length_of(const float v[3]) { return __builtin_sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
@@ -109,7 +100,6 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   }
   particles_layout(&g->particles, d, layout);
   neighbours_layout(&g->neighbours, g->particles.rows, layout);
-  list_slack_layout(&g->slack, g->neighbours.sort, layout);
   if (solves_pairs(*g)) pair_colours_layout(&g->colours, d, g->particles.rows, layout);
   sleep_layout(&g->sleep, d, g->particles.rows, layout);
   boundary_layout(&g->boundary, d, layout);
@@ -139,9 +129,9 @@ void granular_set_gravity(Granular* g, const float gravity[3]) {
   g->gravity_length = length_of(gravity);
   const sandglass_granular_desc& d = g->desc;
   const float pull = g->gravity_length > 0.1f ? g->gravity_length : 9.81f;  // weightless scenes keep the Earth's step
-  Substep& s = g->substep;
-  s.longest = d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
-  s.shortest = d.substep_min > 0.0f ? d.substep_min : 0.25f * s.longest;
+  const float longest =
+      d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
+  substep_set_limits(&g->substep, longest, d.substep_min > 0.0f ? d.substep_min : 0.25f * longest);
   granular_feel_gravity(g);
 }
 
@@ -149,9 +139,18 @@ void granular_feel_gravity(Granular* g) {
   float change[3];
   for (int k = 0; k < 3; ++k) change[k] = g->gravity[k] - g->resting_gravity[k];
   if (!(length_of(change) > k_gravity_wakes * g->gravity_length)) return;
-  for (int k = 0; k < 3; ++k) g->resting_gravity[k] = g->gravity[k];
-  if (g->sleep.awake_count != g->particles.count) sleep_wake_all(g);
+  granular_set_resting_gravity(g, g->gravity);
+  if (g->sleep.awake_count != g->particles.count) granular_wake_all(g);
   grain_sleep_wake_all(&g->grain_sleep);
+}
+
+void granular_set_resting_gravity(Granular* g, const float gravity[3]) {
+  for (int k = 0; k < 3; ++k) g->resting_gravity[k] = gravity[k];
+}
+
+void granular_take_friction(Granular* g, float static_friction, float kinetic_friction) {
+  g->desc.static_friction = static_friction;
+  g->desc.kinetic_friction = kinetic_friction;
 }
 
 void granular_reset(Granular* g) {
@@ -159,8 +158,7 @@ void granular_reset(Granular* g) {
   particles_reset(&g->particles);
   neighbours_reset(&g->neighbours, g->substep.longest);
   sleep_reset(&g->sleep);
-  g->boundary.count = 0;
-  g->boundary.bounds = k_nowhere;
+  boundary_reset(&g->boundary);
   departed_reset(&g->departed);
   bodies_reset(&g->bodies);
   flow_reset(&g->flow, g->desc);
@@ -169,10 +167,11 @@ void granular_reset(Granular* g) {
   colliders_reset(&g->colliders, g->desc);
   time_reset(&g->time);
   substep_reset(&g->substep);
+  contacts_reset(&g->contacts);
   sweep_reset(&g->sweep);
   output_restart(&g->output);
   g->counts = {};
-  particles_seal(g);
+  granular_seal(g);
 }
 
 void granular_settle(Granular* g) {
@@ -180,19 +179,20 @@ void granular_settle(Granular* g) {
   sweep_finish(g);
   substep_abandon(g);
   sweep_finish(g);  // where it ended a sub-step with bodies, grains follow once more
-  substep_forget(&g->substep);
+  substep_reset(&g->substep);
+  contacts_forget(&g->contacts);
   neighbours_learn(&g->neighbours, g->counts.list_builds, g->counts.substeps);
   g->counts = {};
   neighbours_forget(&g->neighbours, g->substep.longest);
   pair_colours_forget(&g->colours);
-  g->time.interval_debt = 0.0;
-  g->sleep.waking_count = 0;
-  departed_forget(g);
-  motion_begin_here(g);
+  time_forget_interval(&g->time);
+  sleep_forget_waking(&g->sleep);
+  granular_forget_departed(g);
+  motion_begin_here(g->motion, *g);
   sweep_forget(&g->sweep);
-  grain_sleep_settle(g);
-  colliders_settle(g);
-  particles_seal(g);
+  grain_sleep_settle(&g->grain_sleep, *g);
+  colliders_settle(&g->colliders, *g);
+  granular_seal(g);
 }
 
 void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
@@ -200,95 +200,90 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   g->counts = {};
   output_begin_frame(&g->output, input);
   const double owed = g->time.debt;
-  time_take(g, input->time_step);
-  colliders_take(g, *input, owed);
-  flow_take(g, *input);
+  time_take(&g->time, *g, input->time_step);
+  colliders_take(&g->colliders, *g, *input, owed, &g->counts);
+  flow_take(&g->flow, *g, *input, &g->counts);
   if (time_paused(*g)) return;
-  departed_begin_frame(g);
-  colliders_find_moved(g);
-  sleep_skip_time(g);
+  departed_begin_frame(&g->departed, *g);
+  const bool touch = colliders_find_moved(&g->colliders, *g);
+  if (!g->colliders.waits) substep_set_due(&g->substep, SubstepPhase::touch, touch);
+  granular_skip_time(g);
 }
 
-namespace {
-
-void add_particle(Granular* g, const float position[3], const float velocity[3]) {
-  Particles& p = g->particles;
-  const uint32_t number = flow_take_particle_number(&g->flow, p.count);
-  p.records[0][p.count++] = moving_particle(position, velocity, number);
-  sleep_add(&g->sleep, number, position);
-  particles_include(&p, position, velocity);
-  motion_add(g, number, position, velocity);
+void granular_skip_time(Granular* g) {
+  const bool asleep = g->sleep.awake_count == 0 && (g->neighbours.valid || g->particles.count == 0);
+  if (!asleep || g->flow.emitter_count != 0 || !substep_idle(*g)) return;
+  time_skip(&g->time, *g);
+  substep_end_interval(&g->substep);
+  particles_stand(&g->particles);
+  neighbours_stand(&g->neighbours);
+  if (grain_sleep_skips_time(&g->grain_sleep, *g)) time_grains_followed(&g->time);
 }
 
-void add_grain(Granular* g, const float position[3], const float velocity[3]) {
-  Grains& grains = g->grains;
-  const uint32_t number = flow_take_grain_number(&g->flow, grains.count);
-  grains.records[grains.count++] = moving_grain(position, velocity, number);
+void granular_pour(Granular* g) {
+  const Inlet inlet = {
+      g, [](void* scene, const float* positions, const float* velocities, uint32_t particles, uint32_t grains) {
+        Granular* to = static_cast<Granular*>(scene);
+        if (granular_add(to, positions, velocities, particles, positions, velocities, grains, nullptr) != SANDGLASS_OK)
+          return false;
+        motion_fall(to->motion, *to, to->particles.count - particles);
+        return true;
+      }};
+  flow_emit(&g->flow, *g, inlet, &g->counts);
 }
 
-}  // namespace
-
-sandglass_status granular_add(Granular* g, const float* particles, const float* particle_velocities,
-                              uint32_t particle_count, const float* grains, const float* grain_velocities,
-                              uint32_t grain_count, const char** reason) {
-  if ((particle_count != 0 && particles == nullptr) || (grain_count != 0 && grains == nullptr)) {
-    return refuse(
-        reason, "particle_positions or grain_positions is NULL but its count is above 0: pass 3 floats for each item.");
-  }
-  if (particle_count > g->desc.particle_capacity - g->particles.count) {
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "more particles than granular.particle_capacity has room for: raise it.");
-  }
-  if (grain_count > g->desc.grain_capacity - g->grains.count) {
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.");
-  }
-  if (!items_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
-      !items_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
-    return refuse(reason,
-                  "a position is not finite or more than 1000 m from the scene origin: move the "
-                  "origin nearer.");
-  }
-  if ((particle_velocities != nullptr && !items_within(particle_velocities, particle_count, k_speed_limit)) ||
-      (grain_velocities != nullptr && !items_within(grain_velocities, grain_count, k_speed_limit))) {
-    return refuse(reason, "a velocity is not finite or above 10000 m/s: check where it comes from.");
-  }
-  if (particle_count != 0) {
-    substep_abandon(g);
-    for (uint64_t i = 0; i < particle_count; ++i)
-      add_particle(g, particles + 3 * i, particle_velocities == nullptr ? k_at_rest : particle_velocities + 3 * i);
-    g->neighbours.valid = false;
-    sweep_particles_changed(g);
-    particles_seal(g);
-  }
-  if (grain_count != 0) {
-    if (g->grains.count == 0) motion_begin_here(g);
-    for (uint64_t i = 0; i < grain_count; ++i)
-      add_grain(g, grains + 3 * i, grain_velocities == nullptr ? k_at_rest : grain_velocities + 3 * i);
-    sweep_grains_added(g, grain_count);
-  }
-  return accept(reason);
+void granular_wake_all(Granular* g) {
+  substep_abandon(g);
+  sleep_wake_all(&g->sleep, *g);
+  neighbours_invalidate(&g->neighbours);
 }
 
-sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
-  if (count != 0 && positions == nullptr) {
-    return refuse(
-        reason,
-        "sandglass_granular_set_boundary: positions is NULL but count is above 0: pass 3 floats for each sample.");
-  }
-  if (count > g->desc.boundary_capacity) {
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.");
-  }
-  if (!items_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
-    return refuse(
-        reason,
-        "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin: "
-        "move the origin nearer.");
-  }
-  sleep_wake_all(g);
-  for (uint32_t i = 0; i < count; ++i) boundary_particles(*g)[i] = fixed_particle(positions + 3ull * i, i);
-  boundary_sort(g, count);
-  return accept(reason);
+void granular_forget_departed(Granular* g) {
+  departed_reset(&g->departed);
+  sleep_find_resting(&g->sleep, *g);
+  particles_recall(&g->particles);
+}
+
+void granular_seal(Granular* g) {
+  particles_seal(g->particles);
+  neighbours_seal(g->neighbours, g->particles);
+}
+
+void granular_take_out_particle(Granular* g, uint32_t i) {
+  const Particle& gone = g->particles.records[0][i];
+  flow_free_particle_number(&g->flow, number_of(gone));
+  if (is_awake(gone)) sleep_removed(&g->sleep);
+  particles_remove(&g->particles, i);
+  if (i < g->particles.count && in_body(g->particles.records[0][i])) bodies_note_row(*g, i);
+}
+
+void granular_take_out_grain(Granular* g, uint32_t i) {
+  flow_free_grain_number(&g->flow, g->grains.records[i].number);
+  grains_remove(&g->grains, i);
+}
+
+// Particles of sleeping groups may have moved to others. The next list build finds out which groups sleep.
+void granular_after_removal(Granular* g) {
+  neighbours_invalidate(&g->neighbours);
+  substep_set_due(&g->substep, SubstepPhase::wake, false);
+  sleep_forget_waking(&g->sleep);
+  sweep_particles_changed(&g->sweep);
+  granular_seal(g);
+}
+
+// The whole output runs, at the end of each frame.
+Stage granular_output_stage(Granular* granular) {
+  const auto next = [](const void* state, uint32_t, WorkUnit* unit) {
+    return output_next(*static_cast<const Granular*>(state), unit);
+  };
+  const auto run = [](void* state, uint32_t) {
+    Granular* g = static_cast<Granular*>(state);
+    output_run(&g->output, *g);
+  };
+  const auto forecast = [](const void* state, uint32_t, Forecast* entries) {
+    return output_forecast(*static_cast<const Granular*>(state), entries);
+  };
+  return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f};
 }
 
 }  // namespace sandglass

@@ -1,31 +1,19 @@
 // Granular material: the state of a scene's sand, put together from its parts, and what the scene does with it.
 //
-//   particles   physics          [sort, lists], contacts, bodies           substep.h   Alg. 4, in sub-steps
-//   grains      what is drawn    snapshot, [sort], refine                  sweep.h     (4.39-4.44), in sweeps
-//   output      grains into the app's buffer                               output.h    mandatory, at the end of a frame
+//   particles   physics          [sort, lists], contacts, bodies           substep.cpp   Alg. 4, in sub-steps
+//   grains      what is drawn    snapshot, [sort], refine                  sweep.cpp     (4.39-4.44), in sweeps
+//   output      grains into the app's buffer                               grains.cpp    mandatory, at the end of a frame
 //
 // Each of the three is a stage: a sequence of work units, after each of which a frame may end. A part lays out its own
 // memory, resets itself, and lives in the header and source that are named after it. A function that needs several
 // parts takes the whole Granular.
+//
+// A part changes only its own fields: its functions take the part as a pointer and the rest as `const Granular&`. So what
+// one part does to another is a call, made where the whole is put together: in granular.cpp, edit.cpp and the two
+// machines, substep.cpp and sweep.cpp (tests/granular/owners.py). All of them work on the records of particles and grains.
 #pragma once
 
-#include "runtime/granular/bodies.h"
-#include "runtime/granular/boundary.h"
-#include "runtime/granular/colliders.h"
-#include "runtime/granular/departed.h"
-#include "runtime/granular/flow.h"
-#include "runtime/granular/grain_sleep.h"
 #include "runtime/granular/grains.h"
-#include "runtime/granular/list_slack.h"
-#include "runtime/granular/neighbours.h"
-#include "runtime/granular/output.h"
-#include "runtime/granular/pair_colours.h"
-#include "runtime/granular/particle_motion.h"
-#include "runtime/granular/particles.h"
-#include "runtime/granular/simulated_time.h"
-#include "runtime/granular/sleep.h"
-#include "runtime/granular/substep.h"
-#include "runtime/granular/sweep.h"
 
 namespace sandglass {
 
@@ -55,7 +43,7 @@ enum : uint32_t {
   k_granular_kinds
 };
 
-// Of the frame under way.
+// Of the frame under way. Each part counts what it sees.
 struct FrameCounts {
   uint32_t substeps, list_builds;
   uint32_t dropped_contacts;  // neighbours for which a list had no room
@@ -64,6 +52,11 @@ struct FrameCounts {
   uint32_t ignored_colliders, ignored_emitters, ignored_sinks;
   uint32_t denied_particles;  // for which emitters found no room or no free place
 };
+
+static inline void count_lists(FrameCounts* counts, uint32_t dropped, bool built) {
+  counts->dropped_contacts += dropped;
+  counts->list_builds += built ? 1u : 0u;
+}
 
 struct Granular {
   // As the app described it.
@@ -78,13 +71,13 @@ struct Granular {
   // The particles.
   Particles particles;
   Neighbours neighbours;
-  ListSlack slack;
   PairColours colours;
   Boundary boundary;
   Bodies bodies;
   Sleep sleep;
   Departed departed;
   Substep substep;
+  Contacts contacts;
 
   // The grains.
   Grains grains;
@@ -113,16 +106,13 @@ void granular_configure(Granular* granular, const sandglass_scene_desc& desc, co
 bool gravity_fits(const float gravity[3]);
 // Gravity, and the sub-steps that go with it. Sleepers feel it.
 void granular_set_gravity(Granular* granular, const float gravity[3]);
-// Wakes what sleeps where gravity differs by enough from that under which it fell asleep.
+// Wakes what sleeps where gravity differs by enough from that under which it fell asleep, and what that was.
 void granular_feel_gravity(Granular* granular);
+void granular_set_resting_gravity(Granular* granular, const float gravity[3]);
+void granular_take_friction(Granular* granular, float static_friction, float kinetic_friction);
 
 // To the state without material. The description and the regions are in place.
 void granular_reset(Granular* granular);
-
-sandglass_status granular_add(Granular* granular, const float* particles, const float* particle_velocities,
-                              uint32_t particle_count, const float* grains, const float* grain_velocities,
-                              uint32_t grain_count, const char** reason);
-sandglass_status granular_set_boundary(Granular* granular, const float* positions, uint32_t count, const char** reason);
 
 // Between frames: the grains' sweep is finished, the sub-step under way is abandoned or ended, and lists and orders
 // that can be found again are forgotten. Nothing is remembered then that a restored scene would not know.
@@ -130,17 +120,75 @@ void granular_settle(Granular* granular);
 
 // Takes a frame's input: colliders, emitters, sinks and time.
 void granular_begin_frame(Granular* granular, const sandglass_frame_input* input);
+// While all sleep, time passes without sub-steps.
+void granular_skip_time(Granular* granular);
+// Lets in the layers that are due.
+void granular_pour(Granular* granular);
 
-// Saving and restoring (save.cpp); moving (move.cpp).
-uint64_t granular_save_bytes(const Granular& granular);
-sandglass_status granular_save(Granular* granular, void* data, uint64_t bytes, uint64_t* written, const char** reason);
-sandglass_status granular_restore(Granular* granular, const void* data, uint64_t bytes, const char** reason);
+// Everything wakes. Only outside a frame.
+void granular_wake_all(Granular* granular);
+// Nothing has departed, for all that is known. Finds what rests.
+void granular_forget_departed(Granular* granular);
+// Puts inert particles with empty lists behind the last one, so that kernels may process whole vectors.
+void granular_seal(Granular* granular);
+
+// Takes particle i, grain i or a body with its particles out. The last one moves into its place. No phase of the bodies
+// may be under way.
+void granular_take_out_particle(Granular* granular, uint32_t i);
+void granular_take_out_grain(Granular* granular, uint32_t i);
+void granular_take_out_body(Granular* granular, uint32_t index);
+// After particles were taken out: indices mean others now.
+void granular_after_removal(Granular* granular);
+
+// What the app does between frames (edit.cpp).
+sandglass_status granular_add(Granular* granular, const float* particles, const float* particle_velocities,
+                              uint32_t particle_count, const float* grains, const float* grain_velocities,
+                              uint32_t grain_count, const char** reason);
+sandglass_status granular_remove(Granular* granular, const sandglass_collider* region, uint32_t* particles,
+                                 uint32_t* grains, const char** reason);
+sandglass_status granular_set_boundary(Granular* granular, const float* positions, uint32_t count, const char** reason);
+void granular_set_friction(Granular* granular, float static_friction, float kinetic_friction);
 sandglass_status granular_move(Granular* granular, const float rotation[4], const float translation[3],
                                const char** reason);
+sandglass_status granular_add_body(Granular* granular, const sandglass_body* body, uint32_t* index,
+                                   const char** reason);
+sandglass_status granular_remove_body(Granular* granular, uint32_t index, const char** reason);
+sandglass_status granular_set_body(Granular* granular, uint32_t index, const sandglass_body_pose* pose,
+                                   const char** reason);
+sandglass_status granular_push_body(Granular* granular, uint32_t index, const float impulse[3], const float* point,
+                                    const char** reason);
+void granular_body_pose(const Granular& granular, uint32_t index, sandglass_body_pose* pose);
+sandglass_status granular_save(Granular* granular, void* data, uint64_t bytes, uint64_t* written, const char** reason);
+sandglass_status granular_restore(Granular* granular, const void* data, uint64_t bytes, const char** reason);
 
-// The first particle on a ray (ray.cpp).
+// The numbers of the state that a restored scene cannot work out again. Saved as they are.
+struct SavedState {
+  double debt, slipped, simulated, grain_lag, next_check;
+  FlowCounts flow;
+  float low[3], high[3];
+  float speed_max, frame_step, densest_body, builds_per_substep;
+  float resting_gravity[3];
+  uint32_t bounds_known, awake, dither;
+};
+// A saved scene besides its arrays.
+struct SavedScene {
+  uint32_t particles, free_particles, grains, free_grains, boundary, bodies, body_particles;
+  SavedState state;
+};
+uint64_t granular_save_bytes(const Granular& granular);
+// A settled scene as bytes, and back (save.cpp): whether the bytes are those of a scene that this one has room for, and
+// then their arrays and numbers. False: they contradict each other.
+sandglass_status saved_write(const Granular& granular, void* data, uint64_t bytes, uint64_t* written,
+                             const char** reason);
+sandglass_status saved_check(const Granular& granular, const void* data, uint64_t bytes, const char** reason);
+bool saved_read(const Granular& granular, const void* data, SavedScene* saved);
+
+// The first particle on a ray (particles.cpp).
 void granular_ray(const Granular& granular, const float origin[3], const float direction[3], float reach,
                   sandglass_ray_hit* hit);
+
+// The output's stage. The others stand in solver.h and grains.h.
+Stage granular_output_stage(Granular* granular);
 
 // Pieces that a work unit is cut into at most.
 constexpr uint32_t k_pieces = 8;

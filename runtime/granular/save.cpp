@@ -23,18 +23,8 @@ struct Header {
   uint32_t colliders;  // slots
 };
 
-// The numbers of the state that a restored scene cannot work out again.
-struct Scalars {
-  double debt, slipped, simulated, grain_lag, next_check;
-  FlowCounts flow;
-  float low[3], high[3];
-  float speed_max, frame_step, densest_body, builds_per_substep;
-  float resting_gravity[3];
-  uint32_t bounds_known, awake, dither;
-};
-
-Scalars scalars_of(const Granular& g) {
-  Scalars s = {};
+SavedState state_of(const Granular& g) {
+  SavedState s = {};
   s.debt = g.time.debt, s.slipped = g.time.slipped, s.simulated = g.time.simulated, s.grain_lag = g.time.grain_lag;
   s.next_check = g.sleep.next_check;
   s.flow = g.flow.counts;
@@ -42,21 +32,9 @@ Scalars scalars_of(const Granular& g) {
   s.speed_max = g.particles.speed_max, s.frame_step = g.time.frame_step, s.densest_body = g.bodies.densest;
   s.builds_per_substep = g.neighbours.builds_per_substep;
   s.bounds_known = g.particles.bounds_known ? 1 : 0, s.awake = g.sleep.awake_count;
-  s.dither = g.substep.dither;
+  s.dither = g.contacts.dither;
   for (int k = 0; k < 3; ++k) s.resting_gravity[k] = g.resting_gravity[k];
   return s;
-}
-
-void take_scalars(Granular* g, const Scalars& s) {
-  g->time.debt = s.debt, g->time.slipped = s.slipped, g->time.simulated = s.simulated, g->time.grain_lag = s.grain_lag;
-  g->sleep.next_check = s.next_check;
-  g->flow.counts = s.flow;
-  for (int k = 0; k < 3; ++k) g->particles.low[k] = s.low[k], g->particles.high[k] = s.high[k];
-  g->particles.speed_max = s.speed_max, g->time.frame_step = s.frame_step, g->bodies.densest = s.densest_body;
-  g->neighbours.builds_per_substep = s.builds_per_substep;
-  g->particles.bounds_known = s.bounds_known != 0, g->sleep.awake_count = s.awake;
-  g->substep.dither = s.dither;
-  for (int k = 0; k < 3; ++k) g->resting_gravity[k] = s.resting_gravity[k];
 }
 
 Header header_of(const Granular& g) {
@@ -77,27 +55,27 @@ Header header_of(const Granular& g) {
 
 // The one walk over the arrays: counts, copies out or copies in.
 template <class Visit>
-void for_arrays(Granular* g, const Header& h, Scalars* scalars, const Visit& visit) {
-  visit(scalars, sizeof *scalars);
-  visit(g->particles.records[0], h.particles * sizeof(Particle));
-  visit(g->sleep.anchors, (static_cast<uint64_t>(h.particles) + h.free_particles) * sizeof(Anchor));
-  visit(g->flow.free_particles, h.free_particles * sizeof(uint32_t));
-  visit(g->grains.records, h.grains * sizeof(Grain));
-  visit(g->flow.free_grains, h.free_grains * sizeof(uint32_t));
-  visit(g->particles.records[0] == nullptr ? nullptr : boundary_particles(*g), h.boundary * sizeof(Particle));
-  visit(g->bodies.all, h.bodies * sizeof(RigidBody));
-  visit(g->bodies.rest_shape, 3ull * h.body_particles * sizeof(float));
-  visit(g->bodies.rows, h.body_particles * sizeof(uint32_t));
-  visit(g->bodies.numbers, h.body_particles * sizeof(uint32_t));
-  visit(g->flow.emitter_states, h.emitters * sizeof(EmitterState));
-  visit(g->colliders.known, h.colliders * sizeof(KnownCollider));
-  visit(g->colliders.for_particles.seen, h.colliders * sizeof(SeenCollider));
-  visit(g->colliders.for_grains.seen, h.colliders * sizeof(SeenCollider));
+void for_arrays(const Granular& g, const Header& h, SavedState* state, const Visit& visit) {
+  visit(state, sizeof *state);
+  visit(g.particles.records[0], h.particles * sizeof(Particle));
+  visit(g.sleep.anchors, (static_cast<uint64_t>(h.particles) + h.free_particles) * sizeof(Anchor));
+  visit(g.flow.free_particles, h.free_particles * sizeof(uint32_t));
+  visit(g.grains.records, h.grains * sizeof(Grain));
+  visit(g.flow.free_grains, h.free_grains * sizeof(uint32_t));
+  visit(g.particles.records[0] == nullptr ? nullptr : boundary_particles(g), h.boundary * sizeof(Particle));
+  visit(g.bodies.all, h.bodies * sizeof(RigidBody));
+  visit(g.bodies.rest_shape, 3ull * h.body_particles * sizeof(float));
+  visit(g.bodies.rows, h.body_particles * sizeof(uint32_t));
+  visit(g.bodies.numbers, h.body_particles * sizeof(uint32_t));
+  visit(g.flow.emitter_states, h.emitters * sizeof(EmitterState));
+  visit(g.colliders.known, h.colliders * sizeof(KnownCollider));
+  visit(g.colliders.for_particles.seen, h.colliders * sizeof(SeenCollider));
+  visit(g.colliders.for_grains.seen, h.colliders * sizeof(SeenCollider));
 }
 
-uint64_t size_of(Granular* g, const Header& h) {
+uint64_t size_of(const Granular& g, const Header& h) {
   uint64_t bytes = sizeof(Header);
-  Scalars unused;
+  SavedState unused;
   for_arrays(g, h, &unused, [&bytes](const void*, uint64_t count) { bytes += count; });
   return bytes;
 }
@@ -133,7 +111,7 @@ bool sound_numbers(const Item* items, uint32_t count, const uint32_t* free, uint
   return true;
 }
 
-bool sound_scalars(const Granular& g, const Header& h, const Scalars& s) {
+bool sound_state(const Granular& g, const Header& h, const SavedState& s) {
   const double times[] = {s.debt, s.slipped, s.simulated, s.grain_lag, s.next_check};
   for (const double t : times) {
     if (!is_finite(t)) return false;
@@ -245,41 +223,40 @@ bool sound_seen(const SeenCollider& seen) {
 
 // Everything that is used as an index, or that something else is computed from. Runs on the restored arrays; a scene
 // that fails is reset.
-bool sound(Granular* g, const Header& h, const Scalars& s) {
-  if (!sound_scalars(*g, h, s)) return false;
-  if (!sound_motion(g->particles.records[0], h.particles) || !sound_motion(g->grains.records, h.grains)) return false;
-  if (!sound_motion(boundary_particles(*g), h.boundary)) return false;
+bool sound(const Granular& g, const Header& h, const SavedState& s) {
+  if (!sound_state(g, h, s)) return false;
+  if (!sound_motion(g.particles.records[0], h.particles) || !sound_motion(g.grains.records, h.grains)) return false;
+  if (!sound_motion(boundary_particles(g), h.boundary)) return false;
   // The lists are invalid by now: their memory serves for marks. The keys of the last sort do for the grains.
-  if (!sound_numbers(g->particles.records[0], h.particles, g->flow.free_particles, h.free_particles,
-                     g->neighbours.lists))
+  if (!sound_numbers(g.particles.records[0], h.particles, g.flow.free_particles, h.free_particles, g.neighbours.lists))
     return false;
   if (h.grains + static_cast<uint64_t>(h.free_grains) != 0 &&
-      !sound_numbers(g->grains.records, h.grains, g->flow.free_grains, h.free_grains, g->grains.sort.keys))
+      !sound_numbers(g.grains.records, h.grains, g.flow.free_grains, h.free_grains, g.grains.sort.keys))
     return false;
   for (uint32_t i = 0; i < h.boundary; ++i) {
-    if (!is_fixed(boundary_particles(*g)[i])) return false;
+    if (!is_fixed(boundary_particles(g)[i])) return false;
   }
   for (uint32_t i = 0; i < h.grains; ++i) {
-    if (!within(g->grains.records[i].still_sweeps, 0.0f, 1e9f)) return false;
+    if (!within(g.grains.records[i].still_sweeps, 0.0f, 1e9f)) return false;
   }
   for (uint32_t slot = 0; slot < h.colliders; ++slot) {
-    const Colliders& c = g->colliders;
+    const Colliders& c = g.colliders;
     if (!sound_known(c.known[slot]) || !sound_seen(c.for_particles.seen[slot]) || !sound_seen(c.for_grains.seen[slot]))
       return false;
   }
   uint32_t slots = 0, awake = 0, in_bodies = 0;
   for (uint32_t b = 0; b < h.bodies; ++b) {
-    const RigidBody& body = g->bodies.all[b];
+    const RigidBody& body = g.bodies.all[b];
     if (body.count == 0 && (b + 1 == h.bodies || !is_hole(body))) return false;
     if (body.count > h.body_particles - slots || body.first > h.body_particles - body.count) return false;
-    if (body.count != 0 && !sound_body(*g, body, b + 1, h.particles)) return false;
+    if (body.count != 0 && !sound_body(g, body, b + 1, h.particles)) return false;
     slots += body.count;
   }
   if (slots != h.body_particles) return false;
   for (uint32_t i = 0; i < h.particles; ++i) {
-    const Particle& p = g->particles.records[0][i];
+    const Particle& p = g.particles.records[0][i];
     if (!within(inverse_mass(p), 1e-4f, 1e4f)) return false;
-    if (is_asleep(p) != (g->sleep.anchors[number_of(p)].quiet == k_asleep)) return false;
+    if (is_asleep(p) != (g.sleep.anchors[number_of(p)].quiet == k_asleep)) return false;
     awake += is_awake(p) ? 1u : 0u;
     in_bodies += in_body(p) ? 1u : 0u;
   }
@@ -288,22 +265,15 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
 
 }  // namespace
 
-uint64_t granular_save_bytes(const Granular& granular) {
-  Granular g = granular;  // the walk takes pointers; nothing is written
-  return size_of(&g, header_of(g));
-}
+uint64_t granular_save_bytes(const Granular& g) { return size_of(g, header_of(g)); }
 
-sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t* written, const char** reason) {
-  if (data == nullptr || written == nullptr)
-    return refuse(reason,
-                  "sandglass_scene_save: data or written is NULL: pass the memory and where to store its length.");
-  granular_settle(g);
-  Header h = header_of(*g);
+sandglass_status saved_write(const Granular& g, void* data, uint64_t bytes, uint64_t* written, const char** reason) {
+  Header h = header_of(g);
   h.bytes = size_of(g, h);
   if (bytes < h.bytes)
     return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
                   "sandglass_scene_save: bytes is less than the scene needs: ask sandglass_scene_save_bytes.");
-  Scalars s = scalars_of(*g);
+  SavedState s = state_of(g);
   uint8_t* to = static_cast<uint8_t*>(data) + sizeof h;
   for_arrays(g, h, &s, [&to](const void* from, uint64_t count) {
     if (to != nullptr && from != nullptr) __builtin_memcpy(to, from, count);
@@ -315,7 +285,7 @@ sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t
   return accept(reason);
 }
 
-sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes, const char** reason) {
+sandglass_status saved_check(const Granular& g, const void* data, uint64_t bytes, const char** reason) {
   Header h;
   if (data == nullptr)
     return refuse(reason, "sandglass_scene_restore: data is NULL: pass the bytes that sandglass_scene_save wrote.");
@@ -329,7 +299,7 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
     return refuse(reason,
                   "sandglass_scene_restore: the data has the format of another version of the library: save again with "
                   "this one.");
-  const sandglass_granular_desc& d = g->desc;
+  const sandglass_granular_desc& d = g.desc;
   if (h.bytes != bytes || hash_bytes(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
     return refuse(reason,
                   "sandglass_scene_restore: the bytes are cut or damaged: pass all that sandglass_scene_save wrote.");
@@ -348,27 +318,20 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
   if (size_of(g, h) != bytes)
     return refuse(reason,
                   "sandglass_scene_restore: the bytes are cut or damaged: pass all that sandglass_scene_save wrote.");
-  granular_reset(g);
-  if (d.particle_capacity != 0) {
-    Scalars s = {};
-    const uint8_t* from = static_cast<const uint8_t*>(data) + sizeof h;
-    for_arrays(g, h, &s, [&from](void* to, uint64_t count) {
-      if (to != nullptr && from != nullptr) __builtin_memcpy(to, from, count);
-      from += count;
-    });
-    if (!sound(g, h, s)) {
-      granular_reset(g);
-      return refuse(reason, "sandglass_scene_restore: the data contradicts itself; the scene was reset.");
-    }
-    g->particles.count = h.particles, g->flow.free_particle_count = h.free_particles;
-    g->grains.count = h.grains, g->flow.free_grain_count = h.free_grains;
-    g->bodies.count = h.bodies, g->bodies.particle_count = h.body_particles;
-    take_scalars(g, s);
-    boundary_sort(g, h.boundary);
-    granular_settle(g);
-    granular_feel_gravity(g);
-  }
   return accept(reason);
+}
+
+bool saved_read(const Granular& g, const void* data, SavedScene* saved) {
+  Header h;
+  __builtin_memcpy(&h, data, sizeof h);
+  SavedState s = {};
+  const uint8_t* from = static_cast<const uint8_t*>(data) + sizeof h;
+  for_arrays(g, h, &s, [&from](void* to, uint64_t count) {
+    if (to != nullptr && from != nullptr) __builtin_memcpy(to, from, count);
+    from += count;
+  });
+  *saved = {h.particles, h.free_particles, h.grains, h.free_grains, h.boundary, h.bodies, h.body_particles, s};
+  return sound(g, h, s);
 }
 
 }  // namespace sandglass

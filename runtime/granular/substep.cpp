@@ -1,18 +1,14 @@
+// The particles' machine: which phase of a sub-step follows which.
+//
 // A sub-step predicts, resolves the contacts pair by pair, and completes the motion with the colliders. In the source's
 // scheme a pass does all of that at once. Passes over particles run over the record groups that hold an awake one
-// (sleep.h).
-#include "runtime/granular/substep.h"
-
+// (Sleep, in solver.h).
 #include "kernels/whole.h"
 #include "runtime/granular/granular.h"
-#include "runtime/granular/ladder.h"
 
 namespace sandglass {
 
 namespace {
-
-// 2^32 over the golden ratio: every stretch of the sequence averages to nothing.
-constexpr uint32_t k_dither_stride = 2654435769u;
 
 // Pairs a particle, for the forecast before they are known.
 constexpr uint64_t k_pairs_expected = 5;
@@ -54,121 +50,170 @@ SubstepPhase first_due(const Granular& g) {
 void complete(Granular* g);
 
 SubstepPhase begin_sort(Granular* g) {
-  neighbours_begin_sort(g);
+  neighbours_begin_sort(&g->neighbours, *g);
+  pair_colours_forget(&g->colours);
   return SubstepPhase::sort;
+}
+
+// What the particles do that have not departed.
+void end_look(Granular* g) {
+  Bounds all;
+  float speed_max;
+  if (departed_narrows(g->departed, *g, &all, &speed_max)) particles_narrow(&g->particles, all, speed_max);
+  if (g->departed.returned) neighbours_invalidate(&g->neighbours);
+}
+
+SubstepPhase begin_passes(Granular* g) {
+  contacts_clear_extent(&g->contacts);
+  return first_pass(*g);
+}
+
+// Bodies whose particles have all kept still fall asleep.
+void put_bodies_to_sleep(Granular* g) {
+  for (uint32_t b = 0; b < g->bodies.count; ++b) {
+    if (sleep_put_body(&g->sleep, *g, g->bodies.all[b])) bodies_stop(&g->bodies, b);
+  }
+}
+
+// Sinks take the bodies of which they hold every particle.
+void drain_bodies(Granular* g) {
+  for (uint32_t index = g->bodies.count; index-- > 0;) {
+    if (bodies_all_inside(g->bodies, index)) granular_take_out_body(g, index);
+  }
 }
 
 // The phase that follows `done`, whose last unit has run.
 SubstepPhase after(Granular* g, SubstepPhase done) {
-  Substep& s = g->substep;
   switch (done) {
     case SubstepPhase::idle:
+      return SubstepPhase::idle;
     case SubstepPhase::departed:
+      end_look(g);
       return SubstepPhase::idle;
     case SubstepPhase::slack:
-      if (neighbours_stale(*g, s.level, s.length)) return begin_sort(g);
-      contacts_begin(g);
-      return first_pass(*g);
+      return neighbours_stale(*g, g->substep.level, g->substep.length) ? begin_sort(g) : begin_passes(g);
     case SubstepPhase::sort:
+      particles_swap(&g->particles);
       return SubstepPhase::lists;
     case SubstepPhase::lists:
     case SubstepPhase::colours:
-      contacts_begin(g);
-      return first_pass(*g);
+      return begin_passes(g);
     case SubstepPhase::stabilise:
-      if (++s.pass < g->desc.reference.stabilisation_iterations) return SubstepPhase::stabilise;
-      s.pass = 0;
-      return solving(*g);
+      return contacts_next_pass(&g->contacts, g->desc.reference.stabilisation_iterations) ? done : solving(*g);
     case SubstepPhase::predict:
       return pair_count(g->colours) != 0 ? SubstepPhase::pairs : SubstepPhase::complete;
     case SubstepPhase::pairs:
-      return ++s.pass < s.iterations ? SubstepPhase::pairs : SubstepPhase::complete;
+      return contacts_next_pass(&g->contacts, g->contacts.iterations) ? done : SubstepPhase::complete;
     case SubstepPhase::solve:
-      if (++s.pass < s.iterations) return SubstepPhase::solve;
+      if (contacts_next_pass(&g->contacts, g->contacts.iterations)) return done;
       [[fallthrough]];
     case SubstepPhase::complete:
-      s.pass = 0;
-      if (bodies_begin(g)) return SubstepPhase::bodies;
+      if (bodies_begin(&g->bodies, *g)) return SubstepPhase::bodies;
       complete(g);
       return first_due(*g);
     case SubstepPhase::bodies:
+      contacts_include(&g->contacts, g->bodies.extent);
       complete(g);
       return first_due(*g);
     case SubstepPhase::touch:
-    case SubstepPhase::wake:
+      colliders_seen_by_particles(&g->colliders, *g);
+      break;
     case SubstepPhase::sleep:
+      put_bodies_to_sleep(g);
+      sleep_collect_groups(&g->sleep, *g);
+      break;
     case SubstepPhase::drain:
-      s.due &= ~bit(done);
-      return first_due(*g);
+      drain_bodies(g);
+      break;
+    case SubstepPhase::wake:
+      break;
     case SubstepPhase::wake_lists:
-      return first_due(*g);
+      pair_colours_forget(&g->colours);
+      sleep_collect_groups(&g->sleep, *g);
+      break;
   }
-  return SubstepPhase::idle;
+  substep_set_due(&g->substep, done, false);
+  return first_due(*g);
 }
 
 void enter(Granular* g, SubstepPhase phase) {
   g->substep.phase = phase;
   g->substep.cursor = 0;
-  if (phase == SubstepPhase::idle) sleep_skip_time(g);
+  if (phase == SubstepPhase::idle) granular_skip_time(g);
 }
 
 // ---- a sub-step's begin and end
 
 void begin(Granular* g, uint32_t level) {
   Substep& s = g->substep;
-  if (s.interval_left == 0) {
-    // As fast as what comes within the interval.
-    const float speed = flow_speed(g->flow);
-    if (speed > g->particles.speed_max) g->particles.speed_max = speed;
-  }
+  // As fast as what comes within the interval.
+  if (s.interval_left == 0) particles_expect_speed(&g->particles, flow_speed(g->flow));
   SubstepPlan plan = time_plan_substep(*g, level);
-  if (s.interval_left == 0) g->time.interval_debt = g->time.debt - plan.interval;
-  g->departed.known = false;  // of the next interval
+  if (s.interval_left == 0) time_begin_interval(&g->time, plan.interval);
+  departed_begin_interval(&g->departed);
   s.interval_left = plan.count;
   s.length = plan.substep;
-  s.iterations = level_iterations(k_ladder[level], g->desc.reference.solver_iterations);
+  contacts_begin(&g->contacts, level_iterations(k_ladder[level], g->desc.reference.solver_iterations));
   // Seconds between the end of this sub-step and the end of the frame, where the colliders' poses are given.
   const double before_end = g->time.debt - static_cast<double>(s.length);
-  colliders_pose(g->colliders.given, g->colliders.solid_count, before_end > 0.0 ? static_cast<float>(before_end) : 0.0f,
-                 g->colliders.substep_frames);
-  g->colliders.substep_count = g->colliders.solid_count;
+  colliders_begin_substep(&g->colliders, before_end > 0.0 ? static_cast<float>(before_end) : 0.0f);
   s.level = level;
   if (flow_is_due(*g)) {
-    flow_emit(g);
+    granular_pour(g);
     plan.stale = neighbours_stale(*g, level, s.length);
   }
   if (plan.stale && neighbours_doubt(*g)) {
-    neighbours_begin_measuring(g);
+    neighbours_begin_measuring(&g->neighbours);
     return enter(g, SubstepPhase::slack);
   }
-  if (plan.stale) return enter(g, begin_sort(g));
-  contacts_begin(g);
-  enter(g, first_pass(*g));
+  enter(g, plan.stale ? begin_sort(g) : begin_passes(g));
 }
 
 // The last pass has written records[1], and the bodies have corrected it: that is the state now.
 void complete(Granular* g) {
   Substep& s = g->substep;
-  Particles& p = g->particles;
-  particles_swap(&p);
-  g->counts.quarantined += s.extent.quarantined;
-  p.speed_max = __builtin_sqrtf(s.extent.speed_squared);
-  for (int k = 0; k < 3; ++k) {
-    if (s.extent.low[k] > s.extent.high[k]) continue;
-    const Bounds& resting = g->sleep.resting;
-    p.low[k] = s.extent.low[k] < resting.low[k] ? s.extent.low[k] : resting.low[k];
-    p.high[k] = s.extent.high[k] > resting.high[k] ? s.extent.high[k] : resting.high[k];
-  }
-  neighbours_wear(g);
+  particles_swap(&g->particles);
+  particles_take_extent(&g->particles, g->contacts.extent, g->sleep.resting);
+  neighbours_wear(&g->neighbours, *g);
   --s.interval_left;
-  ++g->counts.substeps;
-  s.dither += k_dither_stride;
-  time_pay(g);
-  substep_set_due(g, SubstepPhase::wake, s.extent.touched != 0);
-  if (g->time.simulated < g->sleep.next_check - k_time_resolution) return;
-  substep_set_due(g, SubstepPhase::sleep, g->desc.sleep_after > 0.0f);
-  substep_set_due(g, SubstepPhase::drain, g->flow.sink_count != 0 || g->departed.gone);
-  g->sleep.next_check = g->time.simulated + k_sleep_period;
+  contacts_complete(&g->contacts, &g->counts);
+  time_pay(&g->time, *g);
+  flow_pass_time(&g->flow, static_cast<double>(s.length));
+  substep_set_due(&s, SubstepPhase::wake, g->contacts.extent.touched != 0);
+  if (!sleep_check_due(&g->sleep, *g)) return;
+  substep_set_due(&s, SubstepPhase::sleep, g->desc.sleep_after > 0.0f);
+  substep_set_due(&s, SubstepPhase::drain, g->flow.sink_count != 0 || g->departed.gone);
+}
+
+// ---- two phases that several parts have a share in
+
+bool run_lists(Granular* g) {
+  ListsSeen seen;
+  if (g->substep.cursor == 0) sleep_begin_count(&g->sleep);
+  const bool done = neighbours_run_lists(&g->neighbours, *g, &g->substep.cursor, &seen);
+  sleep_count(&g->sleep, seen.awake, seen.resting);
+  if (done) sleep_end_count(&g->sleep, *g);
+  count_lists(&g->counts, seen.dropped, done);
+  return done;
+}
+
+bool run_drain(Granular* g) {
+  const uint32_t items = sleep_active_items(*g);
+  const uint32_t end = items - g->substep.cursor < g->unit ? items : g->substep.cursor + g->unit;
+  uint32_t removed = 0, found[k_lane_group];
+  if (g->substep.cursor == 0) bodies_begin_drain(g->bodies);
+  // From the last group to the first, so the particle that fills a gap has been looked at.
+  for (uint32_t at = g->substep.cursor; at < end; at += k_lane_group) {
+    const uint32_t first = g->sleep.active_groups[g->sleep.active_count - 1 - at / k_lane_group] * k_lane_group;
+    if (first >= g->particles.count) continue;
+    const uint32_t leaving = flow_find_leaving_particles(*g, first, found);
+    for (uint32_t k = 0; k < leaving; ++k) granular_take_out_particle(g, found[k]);
+    removed += leaving;
+  }
+  flow_count_removed(&g->flow, removed, 0, 0);
+  if (removed != 0) granular_after_removal(g);
+  g->substep.cursor = end;
+  return end >= items;
 }
 
 // ---- the stage
@@ -246,38 +291,39 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
 
 // Runs the phase's next unit. True once its last one has run.
 bool run_unit(Granular* g, SubstepPhase phase) {
+  uint32_t* cursor = &g->substep.cursor;
   switch (phase) {
     case SubstepPhase::idle:
       return true;
     case SubstepPhase::departed:
-      return departed_run(g);
+      return departed_run(&g->departed, *g, cursor);
     case SubstepPhase::slack:
-      return neighbours_run_measuring(g);
+      return neighbours_run_measuring(&g->neighbours, *g, cursor);
     case SubstepPhase::sort:
-      return neighbours_run_sort(g);
+      return neighbours_run_sort(&g->neighbours, *g);
     case SubstepPhase::lists:
-      return neighbours_run_lists(g);
+      return run_lists(g);
     case SubstepPhase::colours:
-      return pair_colours_run(g);
+      return pair_colours_run(&g->colours, *g, cursor, &g->counts);
     case SubstepPhase::stabilise:
     case SubstepPhase::solve:
     case SubstepPhase::predict:
     case SubstepPhase::complete:
-      return contacts_run(g);
+      return contacts_run(&g->contacts, *g, cursor);
     case SubstepPhase::pairs:
-      return contacts_run_pairs(g);
+      return contacts_run_pairs(&g->contacts, *g, cursor);
     case SubstepPhase::bodies:
-      return bodies_run(g);
+      return bodies_run(&g->bodies, *g, &g->counts);
     case SubstepPhase::touch:
-      return sleep_run_touch(g);
+      return sleep_run_touch(&g->sleep, *g, cursor);
     case SubstepPhase::wake:
-      return sleep_run_wake(g);
+      return sleep_run_wake(&g->sleep, *g, cursor);
     case SubstepPhase::sleep:
-      return sleep_run_sleep(g);
+      return sleep_run_sleep(&g->sleep, *g, cursor);
     case SubstepPhase::drain:
-      return flow_run_drain(g);
+      return run_drain(g);
     case SubstepPhase::wake_lists:
-      return sleep_run_wake_lists(g);
+      return sleep_run_wake_lists(&g->sleep, *g, cursor, &g->counts);
   }
   return true;
 }
@@ -326,36 +372,35 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
 }  // namespace
 
 void substep_reset(Substep* s) {
-  substep_forget(s);
-  s->dither = 0;
-}
-
-void substep_forget(Substep* s) {
   s->phase = SubstepPhase::idle;
-  s->due = s->cursor = s->pass = s->interval_left = 0;
+  s->due = s->cursor = s->interval_left = 0;
   s->length = s->longest;
 }
 
+void substep_set_limits(Substep* s, float longest, float shortest) {
+  s->longest = longest;
+  s->shortest = shortest;
+}
+
+void substep_end_interval(Substep* s) { s->interval_left = 0; }
+
 bool substep_idle(const Granular& g) { return g.substep.phase == SubstepPhase::idle && g.substep.due == 0; }
 
-void substep_set_due(Granular* g, SubstepPhase phase, bool due) {
-  if (due) g->substep.due |= bit(phase);
-  else g->substep.due &= ~bit(phase);
+void substep_set_due(Substep* s, SubstepPhase phase, bool due) {
+  if (due) s->due |= bit(phase);
+  else s->due &= ~bit(phase);
 }
 
 void substep_abandon(Granular* g) {
   Substep& s = g->substep;
   while (s.phase == SubstepPhase::bodies) {
-    if (bodies_run(g)) enter(g, after(g, s.phase));
+    if (bodies_run(&g->bodies, *g, &g->counts)) enter(g, after(g, s.phase));
   }
   if (s.phase == SubstepPhase::colours) pair_colours_forget(&g->colours);
   if (s.phase == SubstepPhase::sort || s.phase == SubstepPhase::lists) {
-    g->neighbours.valid = false;  // the records may have moved already
-    bodies_find_rows(g);
-    // The lists count the awake as they are built.
-    g->sleep.awake_count = 0;
-    for (uint32_t i = 0; i < g->particles.count; ++i)
-      g->sleep.awake_count += is_awake(g->particles.records[0][i]) ? 1u : 0u;
+    neighbours_invalidate(&g->neighbours);  // the records may have moved already
+    bodies_find_rows(*g);
+    sleep_recount(&g->sleep, *g);  // the lists count the awake as they are built
   }
   s.phase = SubstepPhase::idle;
   s.due &= bit(SubstepPhase::touch);

@@ -1,5 +1,4 @@
-#include "runtime/granular/sweep.h"
-
+// The grains' machine: which phase of a sweep follows which.
 #include "kernels/whole.h"
 #include "runtime/granular/granular.h"
 
@@ -7,8 +6,6 @@ namespace sandglass {
 
 namespace {
 
-constexpr float k_support_radii = 3.0f;       // h = 3r
-constexpr float k_grain_cell_radii = 1.3f;    // coarser: more vectors lie in several blocks of the motion grid
 constexpr float k_sweeps_per_sort = 4.0f;     // grains move a fraction of a cell between sorts
 constexpr float k_sort_next = 1e9f;           // sweeps since the last sort, where the next sweep must sort
 constexpr float k_still_speed_units = 0.25f;  // of sqrt(g d): between sleepers grains creep on, slower than that
@@ -25,12 +22,13 @@ bool pushes_next(const Granular& g, uint32_t level) {
 bool pushes(const Granular& g) { return g.sweep.since_push == 0; }
 
 void begin_sort(Granular* g);
+void begin_triage(Granular* g);
 void complete(Granular* g);
 
 // What follows when the grains are in order: with the dissertation's rule every step looks the particles up.
 SweepPhase read_motion(Granular* g) {
   if (!source_rule(*g)) return SweepPhase::scatter;
-  grain_sleep_begin_triage(g);
+  begin_triage(g);
   return SweepPhase::triage;
 }
 
@@ -49,18 +47,18 @@ SweepPhase after(Granular* g, SweepPhase done) {
       return SweepPhase::join;
     case SweepPhase::join:
       if (pushes(*g)) return SweepPhase::count;
-      grain_sleep_begin_triage(g);
+      begin_triage(g);
       return SweepPhase::triage;
     case SweepPhase::count:
       return SweepPhase::smooth;
     case SweepPhase::smooth:
-      grain_sleep_begin_triage(g);
+      begin_triage(g);
       return SweepPhase::triage;
     case SweepPhase::triage:
       return SweepPhase::refine;
     case SweepPhase::refine:
       complete(g);
-      return departed_takes_grains(g) || g->flow.sink_count != 0 ? SweepPhase::drain : SweepPhase::idle;
+      return departed_takes_grains(&g->departed, *g) || g->flow.sink_count != 0 ? SweepPhase::drain : SweepPhase::idle;
     case SweepPhase::drain:
       return SweepPhase::idle;
   }
@@ -76,7 +74,7 @@ void enter(Granular* g, SweepPhase phase) {
 
 void begin(Granular* g, uint32_t level) {
   g->sweep.since_push = pushes_next(*g, level) ? 0 : g->sweep.since_push + 1;
-  SimulatedTime& t = g->time;
+  const SimulatedTime& t = g->time;
   const double count = t.grain_lag / static_cast<double>(g->desc.refine_step);
   const uint32_t whole = to_whole<uint32_t>(count);
   uint32_t steps = count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
@@ -84,58 +82,26 @@ void begin(Granular* g, uint32_t level) {
   g->sweep.time = t.grain_lag;
   g->sweep.steps = steps;
   g->sweep.step = static_cast<float>(t.grain_lag / steps);
-  cell_sort_begin(&g->grains.snapshot.sort, k_support_radii * g->desc.particle_radius, g->particles.low,
-                  g->particles.high, 3);
+  grains_begin_snapshot(&g->grains, *g);
   motion_begin(&g->motion, t.simulated);
-  colliders_pose(g->colliders.given, g->colliders.count, static_cast<float>(t.debt), g->colliders.sweep_frames);
-  g->colliders.sweep_count = g->colliders.count;
-}
-
-// The velocity of a particle in the snapshot becomes the mean one since the last sweep. The table of blocks is emptied
-// along with that.
-bool measure(Granular* g) {
-  const uint32_t all = g->sweep.particles, begin = g->sweep.cursor;
-  const uint32_t end = all - begin < g->unit ? all : begin + g->unit;
-  const float inverse = static_cast<float>(1.0 / g->sweep.time);
-  for (uint32_t i = begin; i < end; ++i) {
-    Particle* p = &g->grains.snapshot.particles[i];
-    const Place& start = g->motion.starts[number_of(*p)];
-    Place* here = &g->motion.ends[number_of(*p)];
-    float mean[3];
-    for (int k = 0; k < 3; ++k) {
-      here->position[k] = p->position[k];
-      mean[k] = (p->position[k] - start.position[k]) * inverse;
-    }
-    set_free_fall(p, motion_free_fall(p->velocity, mean, g->gravity, static_cast<float>(g->sweep.time)));
-    for (int k = 0; k < 3; ++k) p->velocity[k] = mean[k];
-  }
-  motion_clear(&g->motion.grid, begin, end, all);
-  g->sweep.cursor = end;
-  return end >= all;
+  colliders_begin_sweep(&g->colliders, static_cast<float>(t.debt));
 }
 
 bool run_snapshot(Granular* g) {
-  Snapshot& s = g->grains.snapshot;
-  if (s.sort.phase == k_sort_done) return measure(g);
-  const SortTarget target = {as_records(s.particles), {s.positions[0], s.positions[1], s.positions[2]}, true};
-  cell_sort_run(&s.sort, *g->kernels, as_records(g->particles.records[0]), g->particles.count, g->unit, target);
-  if (s.sort.phase != k_sort_done) return false;
+  if (g->grains.snapshot.sort.phase == k_sort_done) return motion_measure(&g->motion, *g, &g->sweep.cursor);
+  if (!grains_run_snapshot(&g->grains, *g)) return false;
   g->sweep.particles = g->particles.count;
   return source_rule(*g);
 }
 
 void begin_sort(Granular* g) {
   g->sweep.sweeps_since_sort = 0.0f;
-  cell_sort_begin(&g->grains.sort, k_grain_cell_radii * g->desc.particle_radius, g->particles.low, g->particles.high,
-                  2);
+  grains_begin_sort(&g->grains, *g);
 }
 
-bool run_sort(Granular* g) {
-  Grains& grains = g->grains;
-  const SortTarget in_place = {as_records(grains.records), {nullptr, nullptr, nullptr}, false};
-  g->grain_sleep.groups_changed = true;
-  cell_sort_run(&grains.sort, *g->kernels, in_place.records, grains.count, g->unit, in_place);
-  return grains.sort.phase == k_sort_done;
+void begin_triage(Granular* g) {
+  grain_sleep_begin_triage(&g->grain_sleep);
+  colliders_find_moved_for_grains(&g->colliders, *g);
 }
 
 float minimum_of(float a, float b) { return a < b ? a : b; }
@@ -149,55 +115,70 @@ struct RefineTask {
 
 uint32_t refine_items(const Granular& g) { return g.grain_sleep.group_count * k_lane_group; }
 
-bool run_refine(Granular* g) {
-  const Snapshot& snapshot = g->grains.snapshot;
+bool run_refine(const Granular& g, uint32_t* cursor, FrameCounts* counts) {
+  const Snapshot& snapshot = g.grains.snapshot;
   RefineTask task = {};
-  task.kernels = g->kernels;
+  task.kernels = g.kernels;
   RefineArgs& a = task.args;
   a.grid = snapshot.sort.grid;
   a.snapshot = snapshot.particles;
-  for (int k = 0; k < 3; ++k) a.positions[k] = snapshot.positions[k], a.gravity[k] = g->gravity[k];
-  a.motion = source_rule(*g) ? nullptr : &g->motion.grid;
-  a.grains = g->grains.records;
-  a.grain_count = g->grains.count;
-  a.groups = g->grain_sleep.groups;
-  a.still = g->grain_sleep.still;
-  a.still_distance = k_still_speed_units * granular_speed_scale(*g) * static_cast<float>(g->sweep.time);
-  a.speed_scale = granular_speed_scale(*g);
+  for (int k = 0; k < 3; ++k) a.positions[k] = snapshot.positions[k], a.gravity[k] = g.gravity[k];
+  a.motion = source_rule(g) ? nullptr : &g.motion.grid;
+  a.grains = g.grains.records;
+  a.grain_count = g.grains.count;
+  a.groups = g.grain_sleep.groups;
+  a.still = g.grain_sleep.still;
+  a.still_distance = k_still_speed_units * granular_speed_scale(g) * static_cast<float>(g.sweep.time);
+  a.speed_scale = granular_speed_scale(g);
   a.still_sweeps = k_patience_sweeps;
-  a.support = k_support_radii * g->desc.particle_radius;
+  a.support = k_support_radii * g.desc.particle_radius;
   // Down the density's gradient by 0.3 h^2 |grad| / density for h = a cell of half a particle radius, but slower than
   // what counts as still.
-  a.push = pushes(*g) ? 0.15f * g->desc.particle_radius : 0.0f;
-  a.push_max = minimum_of(0.1f * g->desc.particle_radius, 0.5f * a.still_distance);
-  a.push_reach = 1.2f * g->desc.particle_radius;
-  a.step = g->sweep.step;
-  a.steps = g->sweep.steps;
-  a.fall = g->gravity_length * static_cast<float>(g->sweep.time);
-  a.source_rule = source_rule(*g) ? 1 : 0;
-  a.own_particles = g->desc.reference.blend == SANDGLASS_BLEND_CONTINUOUS ? 1 : 0;
+  a.push = pushes(g) ? 0.15f * g.desc.particle_radius : 0.0f;
+  a.push_max = minimum_of(0.1f * g.desc.particle_radius, 0.5f * a.still_distance);
+  a.push_reach = 1.2f * g.desc.particle_radius;
+  a.step = g.sweep.step;
+  a.steps = g.sweep.steps;
+  a.fall = g.gravity_length * static_cast<float>(g.sweep.time);
+  a.source_rule = source_rule(g) ? 1 : 0;
+  a.own_particles = g.desc.reference.blend == SANDGLASS_BLEND_CONTINUOUS ? 1 : 0;
   a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
-  a.colliders = g->colliders.sweep_frames;
-  a.collider_count = g->colliders.sweep_count;
-  a.grain_radius = g->desc.grain_radius;
-  a.friction = g->desc.kinetic_friction;
-  uint32_t& cursor = g->sweep.cursor;
+  a.colliders = g.colliders.sweep_frames;
+  a.collider_count = g.colliders.sweep_count;
+  a.grain_radius = g.desc.grain_radius;
+  a.friction = g.desc.kinetic_friction;
+  const uint32_t items = refine_items(g);
+  const uint32_t end = items - *cursor < g.unit ? items : *cursor + g.unit;
+  granular_split(g, *cursor, end, &task);
+  for (const RefineExtent& e : task.extents) counts->quarantined += e.quarantined;
+  *cursor = end;
+  return end >= items;
+}
+
+bool run_drain(Granular* g) {
   const uint32_t items = refine_items(*g);
-  const uint32_t end = items - cursor < g->unit ? items : cursor + g->unit;
-  granular_split(*g, cursor, end, &task);
-  for (const RefineExtent& e : task.extents) g->counts.quarantined += e.quarantined;
-  cursor = end;
+  const uint32_t end = items - g->sweep.cursor < g->unit ? items : g->sweep.cursor + g->unit;
+  uint32_t removed = 0, found[k_lane_group];
+  for (uint32_t at = g->sweep.cursor; at < end; at += k_lane_group) {
+    const uint32_t group = g->grain_sleep.groups[g->grain_sleep.group_count - 1 - at / k_lane_group];
+    if (group * k_lane_group >= g->grains.count) continue;
+    const uint32_t leaving = flow_find_leaving_grains(*g, group * k_lane_group, found);
+    for (uint32_t k = 0; k < leaving; ++k) granular_take_out_grain(g, found[k]);
+    removed += leaving;
+  }
+  flow_count_removed(&g->flow, 0, removed, 0);
+  if (removed != 0) grain_sleep_regrouped(&g->grain_sleep);
+  g->sweep.cursor = end;
   return end >= items;
 }
 
 // All groups that were listed have followed.
 void complete(Granular* g) {
   const uint32_t items = refine_items(*g);
-  motion_complete(g);
-  g->time.grain_lag -= g->sweep.time;
-  if (g->time.grain_lag < k_time_resolution) g->time.grain_lag = 0.0;
+  motion_complete(&g->motion);
+  time_grains_followed(&g->time, g->sweep.time);
   g->sweep.sweeps_since_sort += static_cast<float>(items) / static_cast<float>(g->grains.count);
-  g->grain_sleep.all_asleep = items == 0 && g->sleep.awake_count == 0;
+  grain_sleep_followed(&g->grain_sleep, items == 0 && g->sleep.awake_count == 0);
 }
 
 // ---- the stage
@@ -253,21 +234,22 @@ bool run_unit(Granular* g, SweepPhase phase) {
     case SweepPhase::snapshot:
       return run_snapshot(g);
     case SweepPhase::sort:
-      return run_sort(g);
+      grain_sleep_regrouped(&g->grain_sleep);
+      return grains_run_sort(&g->grains, *g);
     case SweepPhase::scatter:
-      return motion_run_scatter(g);
+      return motion_run_scatter(&g->motion, *g, &g->sweep.cursor);
     case SweepPhase::join:
-      return motion_run_join(g);
+      return motion_run_join(&g->motion, *g, &g->sweep.cursor);
     case SweepPhase::count:
-      return motion_run_count(g);
+      return motion_run_count(&g->motion, *g, &g->sweep.cursor);
     case SweepPhase::smooth:
-      return motion_run_smooth(g);
+      return motion_run_smooth(&g->motion, *g, &g->sweep.cursor);
     case SweepPhase::triage:
-      return grain_sleep_run_triage(g);
+      return grain_sleep_run_triage(&g->grain_sleep, *g, &g->sweep.cursor);
     case SweepPhase::refine:
-      return run_refine(g);
+      return run_refine(*g, &g->sweep.cursor, &g->counts);
     case SweepPhase::drain:
-      return flow_run_grain_drain(g);
+      return run_drain(g);
   }
   return true;
 }
@@ -328,22 +310,19 @@ bool sweep_takes_grains(const Granular& g) {
   return g.sweep.phase == SweepPhase::idle || g.sweep.phase == SweepPhase::refine || g.sweep.phase == SweepPhase::drain;
 }
 
-void sweep_particles_changed(Granular* g) {
-  if (g->sweep.phase == SweepPhase::snapshot) g->sweep.phase = SweepPhase::idle;
+void sweep_particles_changed(Sweep* s) {
+  if (s->phase == SweepPhase::snapshot) s->phase = SweepPhase::idle;
 }
 
 void sweep_grains_added(Granular* g, uint32_t count) {
   if (!sweep_takes_grains(*g)) g->sweep.phase = SweepPhase::idle;
-  for (uint32_t group = (g->grains.count - count) / k_lane_group; group * k_lane_group < g->grains.count; ++group)
-    g->grain_sleep.still[group] = 0;
   g->sweep.sweeps_since_sort = k_sort_next;
-  g->grain_sleep.all_asleep = false;
+  grain_sleep_added(&g->grain_sleep, *g, count);
 }
 
 void sweep_grains_removed(Granular* g) {
-  g->grain_sleep.groups_changed = true;
   g->sweep.phase = SweepPhase::idle;
-  g->grain_sleep.all_asleep = false;
+  grain_sleep_removed(&g->grain_sleep);
 }
 
 // A unit of grains becomes mandatory when the particles wait for them: whatever the budget, one of the two goes on.

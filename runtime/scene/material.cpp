@@ -62,9 +62,7 @@ sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float s
   if (!within(static_friction, 0.0f, 10.0f) || !within(kinetic_friction, 0.0f, 10.0f)) {
     return refuse(reason, "sandglass_granular_set_friction: both coefficients must be 0 to 10.");
   }
-  scene->granular.desc.static_friction = static_friction;
-  scene->granular.desc.kinetic_friction = kinetic_friction;
-  sleep_wake_all(&scene->granular);
+  granular_set_friction(&scene->granular, static_friction, kinetic_friction);
   return accept(reason);
 }
 

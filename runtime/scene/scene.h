@@ -3,6 +3,7 @@
 //   defaults.cpp         descriptions and inputs as an app starts from
 //   create.cpp           check the description, lay out the block, begin and reset
 //   material.cpp         what the app adds, removes, changes and moves between frames
+//   box_body.cpp         a box as a rigid body
 //   save.cpp             to bytes and back
 //   frame.cpp            one frame: the stages, under the governor
 //   report.cpp           what a frame did, told to the app

@@ -6,14 +6,12 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace sandglass;
-  constexpr const char* k_extensions[] = {".png", ".jpg", ".hdr", ".npz", ".npy", ".exr"};
+  constexpr const char* k_extensions[] = {".png", ".jpg", ".hdr", ".npy", ".exr"};
   fuzz::read_as_file(data, size, k_extensions, [](const std::string& path) {
     if (path.ends_with(".hdr") || path.ends_with(".exr")) {
       const host::RadianceMap map = host::read_panorama(path);
       fuzz::expect(map.rgb.size() == 3 * static_cast<size_t>(map.width) * static_cast<size_t>(map.height));
       for (const float value : map.rgb) fuzz::expect(std::isfinite(value));
-    } else if (path.ends_with(".npz")) {
-      (void)host::read_npz(path);
     } else if (path.ends_with(".npy")) {
       (void)host::read_npy(path);
     } else {

@@ -1,5 +1,5 @@
 // The sort by cell in place: the order of the sort that copies, and never a record lost or doubled on the way.
-#include "runtime/granular/cell_sort.h"
+#include "runtime/granular/particles.h"
 
 #include <gtest/gtest.h>
 

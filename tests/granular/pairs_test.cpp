@@ -151,7 +151,7 @@ uint32_t missed_pairs(uint32_t level) {
   uint32_t missed = 0, measured = 0;
   for (int step = 0; step < 120; ++step) {
     scene.frame(g.substep.longest * 0.999f);
-    measured += g.slack.widest2 > 0.0f ? 1 : 0;
+    measured += g.neighbours.measurement.widest2 > 0.0f ? 1 : 0;
     const std::map<Pair, int> pairs = pairs_of(g);
     for (uint32_t i = 0; i < g.particles.count; ++i) {
       for (uint32_t j = i + 1; j < g.particles.count; ++j) {

@@ -1,5 +1,5 @@
 // The nearest rotation against singular values found independently. The best trace is s1 + s2 + sign(det A) s3.
-#include "runtime/granular/rotation.h"
+#include "runtime/core/rigid_motion.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "kernels/kernels.h"
-#include "runtime/granular/cell_sort.h"
+#include "runtime/granular/particles.h"
 #include "tests/vector.h"
 
 namespace sandglass::tests {

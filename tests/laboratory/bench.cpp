@@ -130,20 +130,17 @@ Options growth_options(BenchOptions& o) { return {thread_counts(o), isa_option(o
 
 #ifdef SANDGLASS_HAVE_BAKE
 Options shadow_options(BenchOptions& o) {
-  return {by_commas(standard("the shipped chair",
-                             {"--asset", &o.assets, "FILES",
-                              "Baked shadows, separated by commas: the first is measured, --out draws all of them"})),
-          {"--mesh", &o.mesh, "MESH", "The mesh that they were baked from: a file, or a generated mesh's name"},
+  return {standard("the shipped chair", {"--asset", &o.asset, "FILE", "A baked shadow"}),
+          {"--mesh", &o.mesh, "MESH", "The mesh that it was baked from: a file, or a generated mesh's name"},
           by_commas({"--thresholds", &o.thresholds, "LIST", "More thresholds of the adaptive mode, separated by commas",
                      whole_number(0, 255)}),
-          fills({"--out", &o.out, "FOLDER", "Draw error against time into this new folder"}),
           isa_option(o.isa),
           json_option(o.json)};
 }
 #endif
 
 Options lighting_options(BenchOptions& o) {
-  return {standard("the shipped one", {"--asset", &o.network, "FILE", "The network"}), isa_option(o.isa),
+  return {standard("the shipped one", {"--asset", &o.asset, "FILE", "The network"}), isa_option(o.isa),
           json_option(o.json)};
 }
 

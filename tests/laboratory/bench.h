@@ -16,8 +16,7 @@ namespace sandglass::host {
 
 // Of all suites; bench.cpp says which takes what.
 struct BenchOptions {
-  std::string json, out, isa = "automatic", mesh = "chair", network;
-  std::vector<std::string> assets;
+  std::string json, out, isa = "automatic", mesh = "chair", asset;
   uint32_t frames = 100;
   bool peers = false;
   std::vector<uint32_t> threads = {1}, thresholds;

@@ -76,8 +76,8 @@ void print_and_keep(const RoomBench& room, Bench* bench) {
 }  // namespace
 
 void bench_lighting(const BenchOptions& options, Bench* bench) {
-  const bool shipped = options.network.empty();
-  const std::string asset = shipped ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.network;
+  const bool shipped = options.asset.empty();
+  const std::string asset = shipped ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.asset;
   const std::string content = read_file(asset, "lighting network", k_asset_limit);
   std::vector<Excerpt> excerpts;
   if (shipped) excerpts = read_excerpts(SANDGLASS_LIGHTING_DIR "/excerpts");

@@ -3,27 +3,14 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
-#include "models/files/failure.h"
-#include "models/mesh/generated.h"
 #include "models/work/progress.h"
 #include "tests/laboratory/bench.h"
 #include "tests/laboratory/shadow/pile_bench.h"
 #include "tests/laboratory/shadow/shadow_bench.h"
-#include "tests/laboratory/shadow/shadow_curves.h"
 
 namespace sandglass::host {
 
 namespace {
-
-std::vector<NamedShadow> read_shadows(const BenchOptions& options) {
-  std::vector<NamedShadow> files;
-  for (const std::string& path :
-       options.assets.empty() ? std::vector{std::string(SANDGLASS_SHADOWS_DIR) + "/chair.shadow"} : options.assets) {
-    const std::string content = read_file(path, "baked shadow", k_asset_limit);
-    files.push_back({path, {content.begin(), content.end()}});
-  }
-  return files;
-}
 
 void print_and_keep(const std::vector<ShadowBenchRow>& rows, Bench* bench) {
   std::printf("%-18s %8s %10s %8s %9s %10s %9s %10s %8s %9s %10s\n", "case", "ms", "+ encoding", "GMAC/s", "of peak",
@@ -56,32 +43,16 @@ void print_and_keep(const std::vector<PileBenchRow>& rows, Bench* bench) {
   }
 }
 
-void draw_curves(const BenchOptions& options, const std::vector<NamedShadow>& files, const Mesh& mesh, Bench* bench) {
-  std::vector<ShadowCurve> curves;
-  with_progress("measuring curves",
-                [&](const Progressed& go_on) { curves = measure_shadow_curves(files, mesh, bench->isa, go_on); });
-  if (curves.empty()) return;
-  for (const ShadowCurve& curve : curves)
-    for (const ShadowCurvePoint& point : curve.points) {
-      const std::string name = curve.name + "/" + point.name;
-      std::printf("%-24s %8.2f ms, RMSE in the world %.4f\n", name.c_str(), point.ms, point.rmse);
-      bench->keep(name, "ms", "ms", point.ms);
-      bench->keep(name, "rmse_truth", "1", point.rmse);
-    }
-  write_png(options.out + "/shadow_curves.png", draw_plot(shadow_curve_plot(curves, options.mesh)));
-  std::puts("plot           shadow_curves.png");
-}
-
 }  // namespace
 
 void bench_shadow(const BenchOptions& options, Bench* bench) {
-  if (options.assets.size() > 1 && options.out.empty())
-    throw cannot("measure", options.assets[1], "shadows after the first are only drawn", "Name a folder with --out");
-  const std::vector<NamedShadow> files = read_shadows(options);
+  const std::string asset = options.asset.empty() ? SANDGLASS_SHADOWS_DIR "/chair.shadow" : options.asset;
+  const std::string content = read_file(asset, "baked shadow", k_asset_limit);
   const Mesh mesh = named_mesh(options.mesh).mesh;
   ShadowBench result;
   with_progress("measuring", [&](const Progressed& go_on) {
-    result = bench_shadow(files[0].bytes, files[0].name, mesh, bench->isa, options.thresholds, go_on);
+    result = bench_shadow({reinterpret_cast<const uint8_t*>(content.data()), content.size()}, asset, mesh, bench->isa,
+                          options.thresholds, go_on);
   });
   print_and_keep(result.rows, bench);
   if (result.ambient_ms > 0) {
@@ -92,7 +63,6 @@ void bench_shadow(const BenchOptions& options, Bench* bench) {
   }
   if (!interrupted() && !result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
   if (!interrupted()) print_and_keep(bench_pile_shadow(bench->isa), bench);
-  if (!options.out.empty() && !interrupted()) draw_curves(options, files, mesh, bench);
 }
 
 }  // namespace sandglass::host

@@ -6,7 +6,6 @@
 
 #include "models/mesh/generated.h"
 #include "models/rooms/panorama_file.h"
-#include "tests/laboratory/light/lighting_floor.h"
 #include "tests/laboratory/room/room_study.h"
 #include "tests/temporary_folder.h"
 
@@ -55,7 +54,7 @@ RoomStudy study_of(const std::vector<RadianceMap>& rooms, const TemporaryFolder&
 TEST(RoomStudy, InAnEvenRoomAmbientOcclusionIsTheTruth) {
   const TemporaryFolder folder;
   const RoomStudy study = study_of({room_with_lamp(0, 0.5)}, folder);
-  const RoomTable table = room_table(study, {k_room_model}, &single());
+  const RoomTable table = room_table(study, &single());
   EXPECT_LT(row_of(table.drawn, "ambient occlusion alone").floor.mean, 0.005);
   EXPECT_LT(row_of(table.drawn, "the true light in cells").floor.mean, 0.005);
   for (const Session session : k_sessions)
@@ -71,7 +70,7 @@ TEST(RoomStudy, ALampIsDrawnTheBetterTheMoreWasSeen) {
   const TemporaryFolder folder;
   const double radiance = 0.5 * std::sqrt(2.0) / std::pow(std::sin(6.0 * 3.14159265358979 / 180.0), 2);
   const RoomStudy study = study_of({room_with_lamp(100, radiance), room_with_lamp(250, radiance)}, folder);
-  const RoomTable table = room_table(study, {k_room_model}, &single());
+  const RoomTable table = room_table(study, &single());
   const double ambient = row_of(table.drawn, "ambient occlusion alone").floor.mean;
   EXPECT_LT(row_of(table.drawn, "the true light in cells").floor.mean, 0.6 * ambient);
   const double everything = row_of(table.drawn, session_name(Session::everything)).floor.mean;
@@ -86,46 +85,6 @@ TEST(RoomStudy, ALampIsDrawnTheBetterTheMoreWasSeen) {
   // The label is the lamp: half of the light. Alone it leaves the rest unshaded; with ambient occlusion nearly nothing.
   EXPECT_LT(row_of(table.drawn, "one light, the true label").floor.mean, row_of(table.drawn, "no shadow").floor.mean);
   EXPECT_LT(row_of(table.drawn, "the true label and ambient occlusion").floor.mean, 0.6 * ambient);
-}
-
-// Two rooms with a lamp that gives half of the light, each seen from two sides. The true lamp as an estimate draws a
-// better floor than ambient occlusion; its mirror image and the other room's lamp do not. A mirrored estimate breaks the
-// controls.
-TEST(LightingFloor, ATrueEstimateDrawsABetterFloorThanItsControls) {
-  const TemporaryFolder folder;
-  const double radiance = 0.5 * std::sqrt(2.0) / std::pow(std::sin(6.0 * 3.14159265358979 / 180.0), 2);
-  const auto verdicts_of = [&](double side) {
-    LightingVerdicts verdicts;
-    verdicts.has_estimate = verdicts.has[0] = verdicts.has[1] = true;
-    for (const double azimuth : {100.0, 220.0}) {
-      const std::string path = folder / ("lamp_" + std::to_string(static_cast<int>(azimuth)) + ".hdr");
-      write_hdr(path, room_with_lamp(azimuth, radiance));
-      verdicts.pictures.emplace_back(1, 1, Colour{});
-      const double a = azimuth * 3.14159265358979 / 180.0, half = std::sqrt(0.5);
-      for (const double from : {0.3, 2.0}) {
-        LightView view;
-        view.path = view.location = path, view.view = {1.6, from};
-        // As the object sees it, a quarter of the room's radius ahead of the camera.
-        const Vec3 seen = normalised(Vec3{half * std::cos(a), half, half * std::sin(a)} -
-                                     Vec3{std::cos(from), 0, std::sin(from)} * 0.25);
-        LightLabels lamp = {
-            rotated_to_camera(ViewRotation(view.view).to_rotated(seen)), {1, 1, 1}, {1, 1, 1}, 0.5, true};
-        lamp.direction.x *= side;
-        for (LightLabels& light : view.lights) light = lamp;
-        verdicts.views.push_back(view);
-      }
-    }
-    return verdicts;
-  };
-  const auto objects = std::make_shared<const std::vector<FloorObject>>(1, pole());
-  const LightingFloor right = lighting_floor(verdicts_of(1), objects, 1);
-  const DrawnRow& estimate = row_of(right.rows, "estimate and ambient occlusion");
-  EXPECT_LT(estimate.share_of_ambient, 0.7);
-  EXPECT_NEAR(estimate.floor.mean, row_of(right.rows, "true label and ambient occlusion").floor.mean, 0.01);
-  for (const Verdict& v : floor_verdicts(right.rows)) EXPECT_TRUE(v.pass) << v.name << " " << v.result;
-  int broken = 0;
-  for (const Verdict& v : floor_verdicts(lighting_floor(verdicts_of(-1), objects, 1).rows)) broken += v.pass ? 0 : 1;
-  EXPECT_GE(broken, 1);
 }
 
 // Sessions do not depend on where the object stands; its light does.
@@ -144,9 +103,7 @@ TEST(RoomStudy, MovedObjectsAreLitAsInAStudyThatBeginsThere) {
     EXPECT_EQ(carried.places[i].truths, there.places[i].truths);
     EXPECT_EQ(carried.places[i].lit, there.places[i].lit);
   }
-  const std::vector<RoomModel> models = {k_room_model};
-  EXPECT_EQ(sessions_markdown(room_table(carried, models, &single())),
-            sessions_markdown(room_table(there, models, &single())));
+  EXPECT_EQ(sessions_markdown(room_table(carried, &single())), sessions_markdown(room_table(there, &single())));
 }
 
 // Light from everywhere: every point of a box receives what the floor does, and the first harmonic alone is that light.

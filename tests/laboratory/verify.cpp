@@ -149,22 +149,16 @@ Options verify_follow_options(VerifyOptions& o) {
 }
 
 Options verify_lighting_options(VerifyOptions& o) {
-  return {
-      panoramas(o),
-      {"--manifest", &o.manifest, "FILE",
-       "CSV with the columns file, group and fold: which panoramas show the same place"},
-      standard("the shipped one for --panoramas",
-               {"--network", &o.network, "FILE", "Network that estimates, run as in an app; of a file .npz in float"}),
-      excludes("--network",
-               standard("the cross-validated ones for SANDGLASS_DATA_DIR",
-                        {"--estimates", &o.estimates, "FILE", "Estimates of all views, as train.py writes them"})),
-      {"--object", &o.object, "MESH", "Object that is lit: a mesh file, or the name of a generated mesh"},
-      {"--views", &o.views, "N", "Views of each panorama", whole_number(1, 8)},
-      {"--samples", &o.samples, "N", "Paths a pixel; 0 renders nothing", whole_number(0, 4096)},
-      fills({"--out", &o.out, "FOLDER", "Write tables and pictures into this new folder"}),
-      isa_option(o.isa),
-      threads_option(o.threads),
-      json_option(o.json)};
+  return {panoramas(o),
+          {"--manifest", &o.manifest, "FILE",
+           "CSV with the columns file, group and fold: which panoramas show the same place"},
+          standard("the shipped one for --panoramas", {"--network", &o.network, "FILE", "Network that estimates"}),
+          excludes("--network",
+                   standard("the cross-validated ones for SANDGLASS_DATA_DIR",
+                            {"--estimates", &o.estimates, "FILE", "Estimates of all views, as train.py writes them"})),
+          fills({"--out", &o.out, "FOLDER", "Write the table into this new folder"}),
+          threads_option(o.threads),
+          json_option(o.json)};
 }
 
 Options verify_room_options(VerifyOptions& o) {
@@ -173,7 +167,7 @@ Options verify_room_options(VerifyOptions& o) {
           {"--manifest", &o.manifest, "FILE",
            "CSV with the columns file, group and fold: which panoramas show the same place"},
           standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates one light"}),
-          {"--quick", &o.quick, "", "The shipped constants, which saw these places; a quarter of the sessions"},
+          {"--quick", &o.quick, "", "A quarter of the sessions"},
           {"--pictures", &o.pictures, "", "Also the whole pictures of verify shot: every claim in one table"},
           fills({"--out", &o.out, "FOLDER", "Write the tables into this new folder"}),
           seed_option(o.seed, "How the phone sways"),
@@ -188,7 +182,7 @@ Options verify_shot_options(VerifyOptions& o) {
           standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates the light"}),
           {"--quick", &o.quick, "", "Fewer rays: minutes, with errors that are a little larger"},
           seed_option(o.seed, "Where the cameras look, and how the phone sways"),
-          fills({"--out", &o.out, "FOLDER", "Write the table and pictures into this new folder"}),
+          fills({"--out", &o.out, "FOLDER", "Write the table into this new folder"}),
           threads_option(o.threads),
           json_option(o.json)};
 }

@@ -14,10 +14,9 @@ namespace sandglass::host {
 
 // Of all suites; verify.cpp says which takes what.
 struct VerifyOptions {
-  std::string json, out, isa = "automatic", manifest, estimates, network, object = "trefoil";
+  std::string json, out, isa = "automatic", manifest, estimates, network;
   std::vector<std::string> cases, panoramas;
   bool quick = false, pictures = false;
-  int views = 8, samples = 48;
   uint64_t seed = 0;
   uint32_t threads = 1;
 };

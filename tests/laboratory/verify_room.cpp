@@ -24,43 +24,21 @@ int verify_room_command(const VerifyOptions&) {
 
 namespace {
 
-void print_model(const char* name, const RoomModel& m) {
-  std::printf(
-      "%s: boost %.3f, fill %.3f, network %.3f, fill_below %.3f, albedo %.3f, floor_trust %.3f, unseen_level %.3f\n",
-      name, m.boost, m.fill, m.network, m.fill_below, m.albedo, m.floor_trust, m.unseen_level);
-}
-
-// Constants for each fold of places, fitted to the others; the shipped ones where it must be quick.
-std::vector<RoomModel> models_of(const RoomStudy& study, bool quick, ThreadPool* pool) {
-  if (quick) return {k_room_model};
-  std::vector<RoomModel> models;
-  Progress progress("fitting", k_room_folds);
-  for (int fold = 0; fold < k_room_folds && !interrupted(); ++fold) {
-    models.push_back(fit_room_model(study, fold, pool));
-    progress.done(static_cast<uint64_t>(fold) + 1);
-  }
-  for (size_t fold = 0; fold < models.size(); ++fold)
-    print_model(("without fold " + std::to_string(fold)).c_str(), models[fold]);
-  print_model("shipped", k_room_model);
-  return models;
-}
-
-// The same sessions under other conditions, with the constants of the first.
-std::vector<Condition> conditions_of(RoomStudyOptions options, const RoomStudy& study,
-                                     const std::vector<RoomModel>& models, ThreadPool* pool) {
-  std::vector<Condition> conditions = {{"all rooms", room_table(study, models, pool)}};
+// The same sessions under other conditions.
+std::vector<Condition> conditions_of(RoomStudyOptions options, const RoomStudy& study, ThreadPool* pool) {
+  std::vector<Condition> conditions = {{"all rooms", room_table(study, pool)}};
   for (const auto& [name, part] : {std::pair("interiors", "/indoor/"), std::pair("studios", "/studio/")}) {
     const RoomStudy some = rooms_in(study, part);
     if (!some.places.empty() && some.places.size() < study.places.size())
-      conditions.push_back({name, room_table(some, models, pool)});
+      conditions.push_back({name, room_table(some, pool)});
   }
   options.place = 0.8;
   const RoomStudy far = moved(study, options);
   if (interrupted()) return conditions;
-  conditions.push_back({"object at 0.8 radii", room_table(far, models, pool)});
+  conditions.push_back({"object at 0.8 radii", room_table(far, pool)});
   options.place = RoomStudyOptions().place, options.exposure_known = false;
   const RoomStudy untold = study_rooms(options, study.objects);
-  if (!interrupted()) conditions.push_back({"exposure untold", room_table(untold, models, pool)});
+  if (!interrupted()) conditions.push_back({"exposure untold", room_table(untold, pool)});
   return conditions;
 }
 
@@ -82,9 +60,7 @@ int verify_room_command(const VerifyOptions& options) {
   const RoomStudy study = study_rooms(
       study_options, std::make_shared<const std::vector<FloorObject> >(study_objects(data_folder(), &pool)));
   if (interrupted()) return k_exit_interrupted;
-  const std::vector<RoomModel> models = models_of(study, options.quick, &pool);
-  if (interrupted()) return k_exit_interrupted;
-  const std::vector<Condition> conditions = conditions_of(study_options, study, models, &pool);
+  const std::vector<Condition> conditions = conditions_of(study_options, study, &pool);
   if (interrupted()) return k_exit_interrupted;
 
   const RoomTable& table = conditions.front().table;

@@ -4,17 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "models/files/atomic_file.h"
-#include "models/files/npy.h"
-#include "models/lighting/light_net.h"
 #include "tests/lighting/network_checks.h"
 
 namespace sandglass::host {
@@ -45,29 +39,6 @@ TEST(Excerpts, TheShippedBytesSayWhatPyTorchSaysInFloat) {
   const LightDifference shifted = median_difference(bytes, floats);
   EXPECT_GT(shifted.angle_deg, 2.0);
   EXPECT_GT(shifted.other, 0.02);
-}
-
-// The file has the heads in float, as PyTorch has them: the table was made with the weights of this file.
-TEST(Excerpts, TheHeadsOfTheShippedBytesAreThoseOfTheFloatNetwork) {
-  const auto arrays = read_npz(k_folder + "/heads.npz");
-  const std::vector<float>&spread = arrays.at("spread").values, &bias = arrays.at("bias").values;
-  LightRunner runner(shipped(), "room.light");
-  const LightAsset& asset = runner.asset();
-  constexpr size_t k_copies = 16;  // copies of each regression among the latent units
-  for (size_t o = 0; o < k_heads; ++o) {
-    EXPECT_EQ(asset.heads_bias[o], bias[o]);
-    for (size_t i = 0; i < k_latent; ++i)
-      ASSERT_EQ(asset.heads_weights[o * k_latent + i], i / k_copies == o ? spread[o] : 0.0f) << o << " " << i;
-  }
-}
-
-// Run by float_network.sh, which makes the weights.
-TEST(Excerpts, TheFloatNetworkInCppIsPyTorchs) {
-  const char* weights = std::getenv("SANDGLASS_FLOAT_WEIGHTS");
-  if (weights == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_WEIGHTS is not set to what float_network.py wrote";
-  const LightNet net = light_net_of(read_npz(weights));
-  tests::expect_pytorch(
-      k_folder, [&](const std::vector<uint8_t>& rgb) { return light_of(net, features_of(net.trunk, rgb, 256, 192)); });
 }
 
 }  // namespace

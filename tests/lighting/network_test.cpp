@@ -1,12 +1,11 @@
-// The lighting network at run time: equal to the naive network of bytes to the bit, close to the float network, equal
-// on every instruction set and in every order that is allowed, and within its memory.
+// The lighting network at run time: equal to the naive network of bytes to the bit, equal on every instruction set and in
+// every order that is allowed, and within its memory. excerpts_test.cpp compares it with the float network.
 #include "runtime/light/network.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "models/files/aligned_bytes.h"
 #include "models/lighting/light_runner.h"
@@ -14,7 +13,6 @@
 #include "runtime/light/heads.h"
 #include "tests/guarded_block.h"
 #include "tests/lighting/network_checks.h"
-#include "tests/lighting/reference_classifier.h"
 
 namespace sandglass::host {
 namespace {
@@ -130,16 +128,6 @@ TEST(LightNetwork, HeadsMeanWhatTheyShould) {
   const LightOutputs nowhere = light_outputs_of(std::array<double, k_light_heads>{}.data());
   EXPECT_EQ(nowhere.direction[1], -1.0f);
   for (const double t : {-3.0, -1e-3, 0.0, 2.0}) EXPECT_NEAR(elu(t), t > 0 ? t : std::expm1(t), 1e-15);
-}
-
-// The pretrained classifier in bytes, calibrated on the images that it is tested on: its 1024 features and the class.
-TEST(LightNetwork, ClassifiesTheReferenceImagesAsTheFloatNetworkDoes) {
-  const char* folder = std::getenv("SANDGLASS_DATA_DIR");
-  if (folder == nullptr) GTEST_SKIP() << "SANDGLASS_DATA_DIR is not set";
-  if (SANDGLASS_EMULATED) GTEST_SKIP() << "it takes minutes under emulation";
-  const ReferenceClassifier classifier(folder);
-  LightRunner runner(classifier.file(), "classifier", SANDGLASS_ISA_AUTOMATIC, k_reference_side, k_reference_side);
-  classifier.expect_reference(&runner);
 }
 
 }  // namespace

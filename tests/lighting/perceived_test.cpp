@@ -1,5 +1,5 @@
-// The perceived errors against values that their papers give: the ends of the scale, the knee, and a picture computed
-// by hand.
+// The errors of pictures against numbers computed by hand, and the perceived ones against values that their papers give:
+// the ends of the scale and the knee.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -64,6 +64,19 @@ TEST(StructuralSimilarity, EndsAndTheConstantTerm) {
   // The negative of a structure is worse than no structure.
   const RadianceMap inverse = with_square(0.4, 0.2, 20, 8), none = with_square(0.3, 0.3, 20, 8);
   EXPECT_LT(structural_similarity(square, inverse), structural_similarity(square, none));
+}
+
+TEST(ImageErrors, ByHand) {
+  RadianceMap truth(2, 1), picture(2, 1);
+  truth.set(0, 0, {1, 0, 0}), truth.set(1, 0, {0, 2, 0});
+  picture.set(0, 0, {0, 1, 0}), picture.set(1, 0, {0, 2, 0});
+  const ImageErrors e = compare(truth, picture);
+  EXPECT_NEAR(e.rmse, std::sqrt(2.0 / 6.0), 1e-12);
+  EXPECT_NEAR(e.relative, std::sqrt(2.0 / 5.0), 1e-12);
+  EXPECT_NEAR(e.scale_invariant, std::sqrt((5.0 - 4.0 * 4.0 / 5.0) / 6.0), 1e-12);
+  EXPECT_NEAR(e.logarithmic, std::sqrt(2.0 * std::log(2.0) * std::log(2.0) / 6.0), 1e-12);
+  EXPECT_NEAR(e.angle_deg, 45.0, 1e-12);
+  EXPECT_EQ(compare(truth, truth).rmse, 0.0);
 }
 
 }  // namespace

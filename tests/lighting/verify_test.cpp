@@ -6,12 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "models/files/failure.h"
+#include "tests/laboratory/interval.h"
 #include "models/lighting/lit_view.h"
-#include "models/mesh/generated.h"
 #include "models/rooms/panorama_file.h"
 #include "runtime/core/random.h"
 #include "tests/lighting/made_panorama.h"
@@ -82,9 +81,6 @@ TEST(Estimates, TableIsReadAndWhatIsNoTableIsRefused) {
   EXPECT_DOUBLE_EQ(made.ambient.x, 0.4);
   EXPECT_DOUBLE_EQ(made.contrast, 0.7);
   EXPECT_THROW(table(image, "a_1"), Failure);
-  const std::string two = std::string(k_header) + "a_0.png,0,-2,0\na_1.png,0,-2,0\nb_c_0.png,1,0,0\n";
-  EXPECT_EQ(panoramas_of_estimates(two), (std::set<std::string>{"a", "b_c"}));
-  EXPECT_TRUE(panoramas_of_estimates(k_header).empty());
   const auto refused = [](const char* words, const std::string& csv) {
     tests::expect_refusal(words, [&] { estimates_of_csv(csv, "made up"); });
   };
@@ -109,8 +105,7 @@ class Verify : public ::testing::Test {
       });
       write_hdr(folder_ / ("place_" + std::to_string(i) + ".hdr"), map);
     }
-    options_.panoramas = {folder_.path.string()};
-    options_.views = 3, options_.samples = 0, options_.threads = 2;
+    options_.panoramas = {folder_.path.string()}, options_.threads = 2;
   }
 
   // The labels themselves, in place of a network's estimates.
@@ -124,8 +119,8 @@ class Verify : public ::testing::Test {
       return made;
     };
   }
-  const Verdict& row(const LightingVerdicts& verdicts, const std::string& name) const {
-    for (const Verdict& v : verdicts.rows)
+  const Verdict& row(const std::vector<Verdict>& verdicts, const std::string& name) const {
+    for (const Verdict& v : verdicts)
       if (v.name == name) return v;
     throw Failure("no row '" + name + "'");
   }
@@ -136,30 +131,24 @@ class Verify : public ::testing::Test {
 
 TEST_F(Verify, LabelsBeatEveryBaselineAndMirroredLabelsDoNot) {
   options_.estimator = labels(1.0);
-  const LightingVerdicts right = verify_lighting(options_);
-  ASSERT_EQ(right.views.size(), 18u);
-  ASSERT_EQ(right.pictures.size(), 6u);
-  for (const LightView& view : right.views) EXPECT_NEAR(view.errors[1].angle_deg, 0.0, 1e-6);
-  for (const Verdict& v : right.rows) EXPECT_TRUE(v.pass) << v.name << " " << v.result;
-  options_.estimator = estimates_of_csv(estimates_csv(right), "written");
-  for (const LightView& view : verify_lighting(options_).views) EXPECT_NEAR(view.errors[1].angle_deg, 0.0, 1e-3);
+  const std::vector<Verdict> right = verify_lighting(options_);
+  for (const Verdict& v : right) EXPECT_TRUE(v.pass) << v.name << " " << v.result;
+  EXPECT_NEAR(row(right, "estimate: direction, 90 %").result, 0.0, 1e-6);
   options_.estimator = labels(-1.0);
-  const LightingVerdicts wrong = verify_lighting(options_);
+  const std::vector<Verdict> wrong = verify_lighting(options_);
   EXPECT_FALSE(row(wrong, "direction against mean light, 97.5 %").pass);
+  EXPECT_FALSE(row(wrong, "control: mirrored, direction beyond the estimate's, 2.5 %").pass);
   EXPECT_TRUE(row(wrong, "contrast against mean light, 97.5 %").pass) << "a mirror image has the contrast of the room";
 }
 
 // "No worse" is a claim: an estimate whose ambient colour is off by a fifth more than grey world's fails it, though one
 // that is off by a twentieth more does not.
 TEST_F(Verify, ALittleWorseIsNotNoWorse) {
-  options_.estimator = labels(1.0);
-  const LightingVerdicts right = verify_lighting(options_);
-  std::map<std::string, double> grey;
-  for (const LightView& view : right.views) grey[view.name] = view.errors[static_cast<size_t>(Contender::grey)].ambient;
   for (const auto& [share, no_worse] : {std::pair{0.5, true}, {1.05, true}, {1.2, false}, {2.0, false}}) {
-    options_.estimator = [&, exact = labels(1.0), times = share](const Picture& image, const std::string& name) {
+    options_.estimator = [exact = labels(1.0), times = share](const Picture& image, const std::string& name) {
       LightLabels made = exact(image, name);
-      const double off = times * grey.at(name);
+      const Vec3 grey = grey_world(image, 0.5).ambient, d = grey - made.ambient;
+      const double off = times * (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z)) / 3.0;
       made.ambient = made.ambient + Vec3{off, off, off};
       return made;
     };
@@ -167,40 +156,11 @@ TEST_F(Verify, ALittleWorseIsNotNoWorse) {
   }
 }
 
-TEST_F(Verify, WithoutAnEstimatorThereAreNoClaims) {
-  const LightingVerdicts verdicts = verify_lighting(options_);
-  EXPECT_TRUE(verdicts.rows.empty());
-  const std::string table = lighting_table(verdicts);
-  EXPECT_EQ(table.find("estimate"), std::string::npos);
-  EXPECT_NE(table.find("mean light"), std::string::npos);
-  // One line for the header, and one for the labels and each of three baselines of each panorama.
-  const std::string csv = lighting_csv(verdicts);
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 6 * 4);
-}
-
 TEST_F(Verify, OnePlaceHasNoMeanLight) {
   options_.panoramas = {folder_ / "place_2.hdr"};
-  EXPECT_EQ(lighting_table(verify_lighting(options_)).find("mean light"), std::string::npos);
-}
-
-#ifdef SANDGLASS_HAVE_EMBREE
-// With true labels in a room that they describe well, the rendered pictures differ from the truth only by the shape of
-// the lamp and by noise. The baselines' pictures differ more. No number of threads changes a bit.
-TEST_F(Verify, RenderedLabelsAreNearTheTruth) {
-  options_.object = make_icosphere(0.5f, 2);
-  options_.samples = 8, options_.views = 1;
   options_.estimator = labels(1.0);
-  const LightingVerdicts one = verify_lighting(options_);
-  options_.threads = 1;
-  EXPECT_EQ(lighting_csv(one), lighting_csv(verify_lighting(options_)));
-  double labels = 0.0, mean = 0.0;
-  for (const LightView& view : one.views) {
-    EXPECT_EQ(view.errors[0].image.rmse, view.errors[1].image.rmse);
-    labels += view.errors[0].image.scale_invariant, mean += view.errors[2].image.scale_invariant;
-  }
-  EXPECT_LT(labels, mean);
+  for (const Verdict& v : verify_lighting(options_)) EXPECT_EQ(v.name.find("mean light"), std::string::npos) << v.name;
 }
-#endif
 
 }  // namespace
 }  // namespace sandglass::host

@@ -1,6 +1,6 @@
 // The back ends with the installed XNNPACK. In float they give the file's network without any rounding, or the float
 // network that the file has. In bytes they give what the library's own kernels give. Units are small, an estimate over
-// frames calls no malloc, and the reference images are recognised. The same holds on ARM, under emulation.
+// frames calls no malloc. The same holds on ARM, under emulation.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,17 +11,15 @@
 #include <iterator>
 #include <vector>
 
-#include "models/files/npy.h"
+#include "models/lighting/light_runner.h"
 #include "models/work/random.h"
 #include "platform/virtual_clock.h"
 #include "platform/xnnpack.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/counting_allocator.h"
-#include "tests/laboratory/light/lighting_bench.h"
 #include "tests/lighting/float_network.h"
 #include "tests/lighting/light_fixture.h"
 #include "tests/lighting/network_checks.h"
-#include "tests/lighting/reference_classifier.h"
 
 namespace sandglass::host {
 namespace {
@@ -98,16 +96,6 @@ TEST_P(XnnpackInBytes, IsTheOwnNetworkButForItsRounding) {
   std::printf("root mean square of 1024 features' differences: %.2g of their range\n", rms);
 }
 
-// A bench that is stopped early must not report that the rest is not installed, or that it differs by nothing.
-TEST(Xnnpack, AnInterruptedBenchKnowsWhatTheBuildHas) {
-  // Stops after the images and the first back end.
-  const LightingBench bench = bench_lighting(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC,
-                                             {}, [](uint32_t done, uint32_t) { return done < 2; });
-  EXPECT_EQ(bench.rows.size(), 1u);
-  EXPECT_TRUE(bench.has_xnnpack);
-  EXPECT_FALSE(bench.compared);
-}
-
 TEST(Xnnpack, UnitsAreAsSmallAsTheOwnAndMayRunInAnyOrder) {
   LightRunner runner(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC, 256, 192,
                      SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
@@ -116,30 +104,13 @@ TEST(Xnnpack, UnitsAreAsSmallAsTheOwnAndMayRunInAnyOrder) {
   if (!SANDGLASS_EMULATED) tests::expect_any_order(&runner, noise(256, 192));
 }
 
-// The classifier in bytes, computed in float, is as close to its float original as the rounding of the weights allows.
-// With the float network in the file it is the original.
-TEST(Xnnpack, ClassifiesTheReferenceImagesAsTheFloatNetworkDoes) {
-  const char* folder = std::getenv("SANDGLASS_DATA_DIR");
-  if (folder == nullptr) GTEST_SKIP() << "SANDGLASS_DATA_DIR is not set";
-  if (SANDGLASS_EMULATED) GTEST_SKIP() << "it takes minutes under emulation";
-  const ReferenceClassifier classifier(folder);
-  for (const sandglass_light_backend backend :
-       {SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8}) {
-    LightRunner runner(classifier.file(), "classifier", SANDGLASS_ISA_AUTOMATIC, k_reference_side, k_reference_side,
-                       backend);
-    classifier.expect_reference(&runner);
-  }
-  LightRunner runner(classifier.float_file(), "classifier", SANDGLASS_ISA_AUTOMATIC, k_reference_side, k_reference_side,
-                     SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
-  classifier.expect_float_reference(&runner);
-}
-
-// Run by float_network.sh, which makes the weights.
+// Run by float_network.sh, which makes the file.
 TEST(Xnnpack, InFloatIsPyTorchs) {
-  const char* weights = std::getenv("SANDGLASS_FLOAT_WEIGHTS");
-  if (weights == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_WEIGHTS is not set to what float_network.py wrote";
-  LightRunner runner(light_file_bytes(tests::float_file(light_net_of(read_npz(weights)))), "room in float",
-                     SANDGLASS_ISA_AUTOMATIC, 256, 192, SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+  const char* path = std::getenv("SANDGLASS_FLOAT_NETWORK");
+  if (path == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_NETWORK is not set to what `quantise.py --keep-float` wrote";
+  std::ifstream made(path, std::ios::binary);
+  LightRunner runner(std::vector<uint8_t>(std::istreambuf_iterator<char>(made), {}), path, SANDGLASS_ISA_AUTOMATIC, 256,
+                     192, SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
   tests::expect_pytorch(SANDGLASS_EXCERPTS_DIR,
                         [&](const std::vector<uint8_t>& rgb) { return tests::values_of(runner.run(rgb)); });
 }

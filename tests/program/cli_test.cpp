@@ -453,7 +453,31 @@ TEST_F(Cli, AVerificationOfNoPanoramasIsRefused) {
   expect_refusals(R"(
 verify shot | no panoramas are named. Name .hdr or .exr files
 verify shot --panoramas none | no .hdr or .exr
+verify lighting | no panoramas are named. Name .hdr or .exr files
 )");
+}
+
+// Without arguments, `verify lighting` takes the data folder's interiors and studios, place by place, with their
+// cross-validated estimates. For panoramas that are named it takes the shipped network, and says at once if that was
+// fitted to them. The manifest then stops it, before the network has run some hundred times.
+TEST_F(Cli, VerifiesLightingOnTheDataFolder) {
+  panorama("hdri/indoor/vestibule_1k.hdr", 20);
+  panorama("hdri/studio/studio_small_05_1k.hdr", 40);
+  write("manifest.csv", "file,group,fold\nvestibule_1k.hdr,a,1\nstudio_small_05_1k.hdr,b,2\n");
+  ::setenv("SANDGLASS_DATA_DIR", folder.c_str(), 1);
+  const Outcome whole = run("verify lighting");
+  ::unsetenv("SANDGLASS_DATA_DIR");
+  EXPECT_LE(whole.code, 1) << whole.err;  // made-up panoramas under real names prove nothing
+  for (const char* words : {"cross_validated_estimates.csv", "direction against mean light, 97.5 %"})
+    EXPECT_NE(whole.out.find(words), std::string::npos) << whole.out;
+  panorama("named/vestibule_1k.hdr", 20);
+  panorama("named/elsewhere.hdr", 40);
+  write("other.csv", "file,group,fold\nother.hdr,a,1\n");
+  const Outcome known = run("verify lighting --panoramas named --manifest other.csv");
+  EXPECT_EQ(known.code, 2) << known.err;
+  EXPECT_TRUE(known.out.starts_with("1 of 2 panoramas are of places that the network was fitted to")) << known.out;
+  fs::remove(folder / "named/vestibule_1k.hdr");
+  EXPECT_EQ(run("verify lighting --panoramas named --manifest other.csv").out, "");
 }
 
 }  // namespace

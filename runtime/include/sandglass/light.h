@@ -158,7 +158,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_camera_check(const 
  * xnn_initialize keeps the allocator of its first caller in the process. So an app that calls it too must create its
  * light before. Create and release such lights on one thread at a time.
  *
- * A file holds the network in bytes, and may hold it in float too (`sandglass quantise-light --keep-float`, 30 MB more;
+ * A file holds the network in bytes, and may hold it in float too (`models/lighting/quantise.py --keep-float`, 30 MB more;
  * the shipped file does not). Only XNNPACK_F32 reads the float network, and is then within 1e-3 of it. Without it,
  * XNNPACK_F32 computes with the weights that the bytes stand for and rounds nothing in between. That is as far from the
  * network as it was trained as the rounding of the weights is. */

@@ -187,37 +187,6 @@ std::vector<float> FloorObject::drawn(const Cells& cells, double share, Vec3 dir
   return ratio;
 }
 
-FloorObject::Quadratic FloorObject::quadratic(const TrueLight& light) const {
-  Quadratic q = {};
-  const std::vector<float> ratio = truth(light);
-  for (size_t texel = 0; texel < ratio.size(); ++texel) {
-    const float* row = hidden_cells_.data() + texel * k_light_cells;
-    const double lost = 1 - static_cast<double>(ratio[texel]);
-    for (uint32_t i = 0; i < k_light_cells; ++i) {
-      if (row[i] == 0.0f) continue;
-      const double a = static_cast<double>(row[i]);
-      q.mixed[i] += a * lost;
-      for (uint32_t j = 0; j < k_light_cells; ++j) q.square[i * k_light_cells + j] += a * static_cast<double>(row[j]);
-    }
-    q.constant += lost * lost;
-  }
-  const auto texels = static_cast<double>(ratio.size());
-  for (double& x : q.square) x /= texels;
-  for (double& x : q.mixed) x /= texels;
-  q.constant /= texels;
-  return q;
-}
-
-double FloorObject::Quadratic::error(const Cells& cells) const {
-  double sum = constant;
-  for (uint32_t i = 0; i < k_light_cells; ++i) {
-    double row = 0;
-    for (uint32_t j = 0; j < k_light_cells; ++j) row += square[i * k_light_cells + j] * cells[j];
-    sum += cells[i] * (row - 2 * mixed[i]);
-  }
-  return std::sqrt(std::max(sum, 0.0));
-}
-
 double error_of(const std::vector<float>& drawn, const std::vector<float>& truth) {
   double sum = 0;
   for (size_t i = 0; i < drawn.size(); ++i) {

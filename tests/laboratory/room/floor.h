@@ -52,15 +52,6 @@ class FloorObject {
   // What is drawn in `cells` (all shares beside 1 are light that nothing hides), less `share` times the shadow of a
   // round light of 20 degrees in `direction`.
   std::vector<float> drawn(const Cells& cells, double share = 0.0, Vec3 direction = {0, 1, 0}) const;
-  // The mean square of drawn(cells) - truth is cells . square . cells - 2 cells . mixed + constant.
-  struct Quadratic {
-    std::array<double, k_light_cells * k_light_cells> square;
-    Cells mixed;
-    double constant;
-    double error(const Cells& cells) const;
-  };
-  Quadratic quadratic(const TrueLight& light) const;
-
   // The irradiance of points of its surface, which the object itself may hide, beside that of the level floor.
   std::vector<float> lit(const TrueLight& light) const;
   // The same in the light of nine harmonics of luminance, by each point's own nine numbers, as a baked file holds them.

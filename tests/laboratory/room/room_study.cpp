@@ -13,16 +13,12 @@ namespace {
 constexpr const char* k_true_cells = "the true light in cells";
 
 // The network's estimate is one input, except where nothing was seen.
-sandglass_room_light light_at(const StudiedPlace& p, const Room& room, const RoomModel& model) {
+sandglass_room_light light_at(const StudiedPlace& p, const Room& room) {
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
   const double at[3] = {p.place.x, p.place.y, p.place.z};
-  room_estimate(room, model, at, !p.estimates.empty() && room.images != 0 ? &p.network : nullptr, &light);
+  room_estimate(room, k_room_model, at, !p.estimates.empty() && room.images != 0 ? &p.network : nullptr, &light);
   return light;
-}
-
-const RoomModel& model_at(const StudiedPlace& p, const std::vector<RoomModel>& models) {
-  return models[p.fold >= 0 ? static_cast<size_t>(p.fold) % models.size() : 0];
 }
 
 Vec3 mean_direction(const Cells& cells) {
@@ -32,45 +28,6 @@ Vec3 mean_direction(const Cells& cells) {
 }
 
 double angle_deg(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180.0 / std::numbers::pi; }
-
-// What is fitted, as numbers that may take any value.
-constexpr int k_numbers = 3, k_level_numbers = 3;
-std::array<double, k_numbers> numbers_of(const RoomModel& m) {
-  return {std::log(m.boost), std::log(m.fill), std::log(m.network)};
-}
-RoomModel model_of(const std::array<double, k_numbers>& x, RoomModel m) {
-  m.boost = std::exp(x[0]), m.fill = std::exp(x[1]), m.network = std::exp(x[2]);
-  return m;
-}
-std::array<double, k_level_numbers> level_numbers_of(const RoomModel& m) {
-  return {std::log(m.albedo), m.floor_trust, m.unseen_level};
-}
-RoomModel level_model_of(const std::array<double, k_level_numbers>& x, RoomModel m) {
-  m.albedo = std::exp(x[0]), m.floor_trust = std::clamp(x[1], 0.0, 1.0), m.unseen_level = x[2];
-  return m;
-}
-
-// Coordinates in turns, with steps that shrink.
-template <size_t N, class Cost>
-std::array<double, N> descend(std::array<double, N> x, const Cost& cost) {
-  std::array<double, N> step;
-  step.fill(0.3);
-  double best = cost(x);
-  for (int round = 0; round < 9; ++round)
-    for (size_t i = 0; i < N; ++i) {
-      bool moved = false;
-      for (const double sign : {1.0, -1.0}) {
-        std::array<double, N> tried = x;
-        tried[i] += sign * step[i];
-        const double there = cost(tried);
-        if (!(there < best)) continue;
-        best = there, x = tried, moved = true;
-        break;
-      }
-      step[i] *= moved ? 1.2 : 0.5;
-    }
-  return x;
-}
 
 double level_error(const StudiedPlace& place, size_t session, const sandglass_room_light& light) {
   const Vec3 e = {light.irradiance[0], light.irradiance[1], light.irradiance[2]};
@@ -86,12 +43,11 @@ Cells mirrored(const Cells& cells) {
 // What each session makes known at each place.
 using Lights = std::vector<std::vector<sandglass_room_light>>;
 
-Lights lights_of(const RoomStudy& study, const std::vector<RoomModel>& models, ThreadPool* pool) {
+Lights lights_of(const RoomStudy& study, ThreadPool* pool) {
   Lights lights(study.places.size());
   pool->run(static_cast<uint32_t>(lights.size()), [&](uint32_t i) {
     const StudiedPlace& place = study.places[i];
-    for (const SeenRoom& seen : place.sessions)
-      lights[i].push_back(light_at(place, seen.room, model_at(place, models)));
+    for (const SeenRoom& seen : place.sessions) lights[i].push_back(light_at(place, seen.room));
   });
   return lights;
 }
@@ -127,8 +83,7 @@ std::vector<Way> ways_of(const RoomStudy& study, const Lights& lights) {
   return ways;
 }
 
-SessionRow session_row(const RoomStudy& study, const std::vector<RoomModel>& models, const Lights& lights,
-                       Session session) {
+SessionRow session_row(const RoomStudy& study, const Lights& lights, Session session) {
   const auto index = static_cast<size_t>(session);
   const auto over_places = [&](const std::function<double(const StudiedPlace&, const sandglass_room_light&)>& measure) {
     return interval_of(by_location(study, [&](const StudiedPlace& p) {
@@ -149,7 +104,7 @@ SessionRow session_row(const RoomStudy& study, const std::vector<RoomModel>& mod
   const auto level_where = [&](Known known) {
     return interval_of(by_location(study, [&](const StudiedPlace& p) {
       const Room room = with_known(p.sessions[index], p.parts, known);
-      return std::fabs(level_error(p, index, light_at(p, room, model_at(p, models))));
+      return std::fabs(level_error(p, index, light_at(p, room)));
     }));
   };
   row.level_clipped_known = level_where(Known::clipped_light);
@@ -165,50 +120,11 @@ SessionRow session_row(const RoomStudy& study, const std::vector<RoomModel>& mod
 
 }  // namespace
 
-RoomModel fit_room_model(const RoomStudy& study, int left_out, ThreadPool* pool) {
-  const RoomModel start = k_room_model;
-  const auto total = [&](const RoomModel& model, const auto& cost_of) {
-    std::vector<double> sums(study.places.size(), 0.0);
-    pool->run(static_cast<uint32_t>(study.places.size()), [&](uint32_t i) {
-      const StudiedPlace& place = study.places[i];
-      if (left_out >= 0 && place.fold == left_out) return;
-      for (size_t s = 1; s < place.sessions.size(); ++s)
-        sums[i] += cost_of(place, s, light_at(place, place.sessions[s].room, model));
-    });
-    double sum = 0;
-    for (const double s : sums) sum += s;
-    return sum;
-  };
-  const auto floor = [](const StudiedPlace& place, size_t, const sandglass_room_light& light) {
-    double sum = 0;
-    for (const FloorObject::Quadratic& object : place.objects) sum += object.error(cells_of(light, false));
-    return sum;
-  };
-  const auto surface = [&study](const StudiedPlace& place, size_t, const sandglass_room_light& light) {
-    double sum = 0;
-    for (size_t o = 0; o < place.lit.size(); ++o) sum += error_of(surface_in((*study.objects)[o], light), place.lit[o]);
-    return sum;
-  };
-  const auto level = [](const StudiedPlace& place, size_t session, const sandglass_room_light& light) {
-    return std::fabs(level_error(place, session, light));
-  };
-  RoomModel fitted =
-      model_of(descend(numbers_of(start), [&](const auto& x) { return total(model_of(x, start), floor); }), start);
-  fitted.fill_below = std::exp(descend(std::array<double, 1>{std::log(fitted.fill_below)}, [&](const auto& x) {
-    RoomModel tried = fitted;
-    tried.fill_below = std::exp(x[0]);
-    return total(tried, surface);
-  })[0]);
-  return level_model_of(
-      descend(level_numbers_of(fitted), [&](const auto& x) { return total(level_model_of(x, fitted), level); }),
-      fitted);
-}
-
-RoomTable room_table(const RoomStudy& study, const std::vector<RoomModel>& models, ThreadPool* pool) {
-  const Lights lights = lights_of(study, models, pool);
+RoomTable room_table(const RoomStudy& study, ThreadPool* pool) {
+  const Lights lights = lights_of(study, pool);
   RoomTable table;
   table.drawn = drawn_rows(study, ways_of(study, lights));
-  for (const Session session : k_sessions) table.sessions.push_back(session_row(study, models, lights, session));
+  for (const Session session : k_sessions) table.sessions.push_back(session_row(study, lights, session));
   const std::vector<double> zenith = by_location(study, [](const StudiedPlace& p) {
     return angle_deg(Vec3{0, 1, 0}, mean_direction(p.light.cells));
   });

@@ -1,6 +1,5 @@
 // Held against rays: the floor beside an object and the object's surface, drawn in the light of a room as far as a
-// session has seen it, beside what an app could draw instead. Each place's rows are computed with constants that were
-// fitted on other places.
+// session has seen it, beside what an app could draw instead. The constants are the shipped ones (k_room_model).
 #pragma once
 
 #include <string>
@@ -11,11 +10,6 @@
 #include "tests/laboratory/sand/granular_verdicts.h"
 
 namespace sandglass::host {
-
-constexpr int k_room_folds = 5;
-// The constants that draw the floor best in all places but those of the fold: the mean over sessions, objects and
-// places; -1: in all places. Then those that give the best level.
-RoomModel fit_room_model(const RoomStudy& study, int left_out, ThreadPool* pool);
 
 // What a session makes known.
 struct SessionRow {
@@ -32,8 +26,7 @@ struct RoomTable {
   double zenith_deg = 0.0;  // from the true direction of the floor's light to the zenith
 };
 
-// `models`: by fold, 0..k_room_folds - 1, or one for all.
-RoomTable room_table(const RoomStudy& study, const std::vector<RoomModel>& models, ThreadPool* pool);
+RoomTable room_table(const RoomStudy& study, ThreadPool* pool);
 
 // The same table under a condition: another place of the object, some of the rooms.
 struct Condition {

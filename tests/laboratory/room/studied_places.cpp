@@ -24,6 +24,17 @@ OneLight true_label(const RadianceMap& panorama, double azimuth, double radius) 
           labels.has_direction ? labels.contrast * labels.concentration : 0.0};
 }
 
+RadianceMap halved(const RadianceMap& map) {
+  RadianceMap half(map.width / 2, map.height / 2);
+  for (int v = 0; v < half.height; ++v)
+    for (int u = 0; u < half.width; ++u)
+      half.set(u, v,
+               (map.colour(2 * u, 2 * v) + map.colour(2 * u + 1, 2 * v) + map.colour(2 * u, 2 * v + 1) +
+                map.colour(2 * u + 1, 2 * v + 1)) *
+                   0.25);
+  return half;
+}
+
 // A panorama as sessions see it.
 RadianceMap coarse_panorama(const std::string& file) {
   RadianceMap panorama = read_panorama(file);
@@ -47,17 +58,6 @@ std::vector<FloorObject> study_objects(const std::string& data_folder, ThreadPoo
   std::vector<FloorObject> objects;
   for (const auto& [name, mesh] : meshes) objects.emplace_back(name, mesh, objects.size() + 1, pool);
   return objects;
-}
-
-RadianceMap halved(const RadianceMap& map) {
-  RadianceMap half(map.width / 2, map.height / 2);
-  for (int v = 0; v < half.height; ++v)
-    for (int u = 0; u < half.width; ++u)
-      half.set(u, v,
-               (map.colour(2 * u, 2 * v) + map.colour(2 * u + 1, 2 * v) + map.colour(2 * u, 2 * v + 1) +
-                map.colour(2 * u + 1, 2 * v + 1)) *
-                   0.25);
-  return half;
 }
 
 StudiedPlace place_in(const RadianceMap& panorama, double azimuth, double radius,
@@ -89,8 +89,7 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std
     pool.run(options.azimuths, [&](uint32_t a) {
       const double azimuth = azimuth_of(a, options);
       places[a] = place_in(coarse, azimuth, options.place, *study.objects);
-      places[a].panorama = files[i], places[a].location = location.name, places[a].fold = location.fold;
-      for (const FloorObject& object : *study.objects) places[a].objects.push_back(object.quadratic(places[a].light));
+      places[a].panorama = files[i], places[a].location = location.name;
       for (const Session session : k_sessions)
         places[a].sessions.push_back(look_around(coarse, session, {azimuth, options.exposure_known, seed_of(a)}));
     });
@@ -116,7 +115,7 @@ RoomStudy moved(const RoomStudy& study, const RoomStudyOptions& options) {
       StudiedPlace& place = there.places[i * options.azimuths + a];
       const StudiedPlace light = place_in(coarse, azimuth_of(a, options), options.place, *there.objects);
       place.place = light.place, place.light = light.light, place.label = light.label;
-      place.truths = light.truths, place.lit = light.lit, place.objects.clear();
+      place.truths = light.truths, place.lit = light.lit;
     });
     progress.done(i + 1);
   }

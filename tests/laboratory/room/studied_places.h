@@ -26,17 +26,14 @@ struct OneLight {
 // One panorama, one azimuth: the object stands ahead of the camera there.
 struct StudiedPlace {
   std::string panorama, location;
-  int fold = -1;
   Vec3 place;
   TrueLight light;
   OneLight label;                               // the true label (5.1), as seen from the object
   std::vector<std::vector<float>> truths, lit;  // the floor's ratio and the surface, of each object
-  // Where sessions are asked for: those of k_sessions, and each object's error in any cells.
-  std::vector<SeenRoom> sessions;
-  std::vector<FloorObject::Quadratic> objects;
-  PartRadiance parts;                     // the panorama's, of all directions
-  std::vector<OneLight> estimates;        // of one light, from an image
-  sandglass_light_estimate network = {};  // the network's, as it gives it
+  std::vector<SeenRoom> sessions;               // those of k_sessions
+  PartRadiance parts;                           // the panorama's, of all directions
+  std::vector<OneLight> estimates;              // of one light, from an image
+  sandglass_light_estimate network = {};        // the network's, as it gives it
 };
 
 struct RoomStudy {
@@ -47,8 +44,6 @@ struct RoomStudy {
 // What needs no camera. `radius` is where the object stands, in radii ahead of the camera.
 StudiedPlace place_in(const RadianceMap& panorama, double azimuth, double radius,
                       const std::vector<FloorObject>& objects);
-
-RadianceMap halved(const RadianceMap& map);
 
 struct RoomStudyOptions {
   std::vector<std::string> panoramas;  // files

@@ -17,19 +17,11 @@ ShotStage::ShotStage() : scene(load_scene("shot")) {
   simulation.add(material);
   for (uint32_t frame = 0; frame < k_settling_frames; ++frame)
     simulation.frame(scene.frame_step, UINT64_MAX, colliders_over_frame(scene, frame));
-  particles = simulation.particle_positions(), grains = simulation.grain_positions();
-  grain_radius = drawn_grain_radius(scene.particle_radius, static_cast<uint32_t>(particles.size() / 3),
-                                    static_cast<uint32_t>(grains.size() / 3));
+  grains = simulation.grain_positions();
+  grain_radius =
+      drawn_grain_radius(scene.particle_radius, static_cast<uint32_t>(simulation.particle_positions().size() / 3),
+                         static_cast<uint32_t>(grains.size() / 3));
   object = standing_object(scene, "");
-}
-
-std::unique_ptr<PileShadow> ShotStage::pile_for(Vec3 towards, Sand of) const {
-  auto pile = std::make_unique<PileShadow>(*scene.pile_shadow, SANDGLASS_ISA_AUTOMATIC);
-  pile->set_light(towards);
-  const std::vector<float>& spheres = of == Sand::grains ? grains : particles;
-  sandglass_pile_shadow_run(pile->handle(), spheres.data(), static_cast<uint32_t>(spheres.size() / 3),
-                            of == Sand::grains ? grain_radius : static_cast<float>(scene.particle_radius), ~0u);
-  return pile;
 }
 
 SceneShadows ShotStage::shadows_for(const ShotLight& light) const {
