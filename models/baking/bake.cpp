@@ -52,7 +52,6 @@ double ms_per_texture(const std::vector<uint8_t>& file, sandglass_shadow_mode mo
 LightGeometry light_geometry(const Mesh& mesh, const std::string& name, const BakeSettings& settings) {
   LightGeometry geometry;
   geometry.object = stand_on_plane(mesh, name);
-  geometry.plane = settings.plane;
   geometry.half_angle = 0.5 * settings.angular_diameter * k_degree;
   geometry.polar_max = settings.polar_max * k_degree;
   return geometry;

@@ -12,7 +12,6 @@ namespace sandglass::host {
 
 struct BakeSettings {
   NetworkShape shape;
-  PlaneRule plane = PlaneRule::fitted;
   double angular_diameter = 20, polar_max = 70;  // degrees
   uint64_t seed = 1;
   uint32_t threads = 1;

@@ -72,15 +72,15 @@ Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOpt
   const sandglass_mesh surface = view(mesh);
   const float distance = static_cast<float>(options.distance);
   const sandglass_inside_rule rule = report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
-  if (!report.watertight())
-    std::fprintf(stderr, "sandglass: note: \"%s\" is not watertight (%s): the winding number decides what is inside\n",
-                 options.mesh.c_str(), describe_faults(report).c_str());
   cpp::Box box;
   cpp::Status bounded;
   bounded.code = sandglass_mesh_bounds(&surface, box.min, box.max, &bounded.reason);
   expect(bounded, options);
   if (!has_volume(mesh, box))
     throw cannot("sample", options.mesh, "it encloses no volume", "Take \"surface\", or a mesh that is a solid");
+  if (!report.watertight())
+    std::fprintf(stderr, "sandglass: note: \"%s\" is not watertight (%s): the winding number decides what is inside\n",
+                 options.mesh.c_str(), describe_faults(report).c_str());
   cpp::MeshInside inside;
   expect(inside.create(surface, rule), options);
   Points points;
