@@ -1,5 +1,4 @@
-// From a mesh to a baked shadow: trace, train, round, validate, write. An interrupted bake leaves a checkpoint beside
-// the output. A bake that resumes from it ends in the same bytes.
+// From a mesh to a baked shadow: trace, train, round, validate, write. An interrupted bake writes nothing.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +12,6 @@ namespace sandglass::host {
 
 struct BakeSettings {
   NetworkShape shape;
-  PlaneRule plane = PlaneRule::fitted;
   double angular_diameter = 20, polar_max = 70;  // degrees
   uint64_t seed = 1;
   uint32_t threads = 1;
@@ -22,7 +20,6 @@ struct BakeSettings {
   uint32_t steps = 400'000;  // training steps in float
   uint32_t quantised_steps = 10'000;
   uint32_t batch = 2048;
-  double rate = 3e-3;  // learning rate at the start
   uint32_t validation_lights = 1000;
   bool keep_float = false;  // the file also holds the float network, for measurements
   AmbientSettings ambient;
@@ -32,7 +29,7 @@ struct BakeReport {
   bool interrupted = false;
   Validation validation;
   struct Stage {
-    double seconds = 0, cpu_seconds = 0;  // of this run only; CPU time of all threads
+    double seconds = 0, cpu_seconds = 0;  // CPU time of all threads
   };
   Stage tracing, training, rounding, validating;  // rounding: the steps with rounded weights
   Stage ambient_stage;
@@ -41,14 +38,12 @@ struct BakeReport {
   double ms_full = 0, ms_adaptive = 0;  // CPU time of one texture on this machine (median)
 };
 
+// A rough bake of some seconds: a hundredth of the steps and rays, to see whether the mesh and its light are what was meant.
+void make_quick(BakeSettings* settings);
+
 // `picture` is the path of a PNG to write; empty: no picture. Throws a Failure with a sentence.
 BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& settings, const std::string& output,
-                const std::string& picture, bool resume);
-
-// Adds the ambient shadow and the surface to the file `output` that was baked for this mesh, or makes them anew. Its
-// network stays as it is.
-BakeReport bake_ambient_only(const Mesh& mesh, const std::string& name, const BakeSettings& settings,
-                             const std::string& output, const std::string& picture);
+                const std::string& picture);
 
 // The light and the plane of a mesh, from the settings. The benchmark traces its truth with the same geometry.
 LightGeometry light_geometry(const Mesh& mesh, const std::string& name, const BakeSettings& settings);

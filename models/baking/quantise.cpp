@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/files/aligned_bytes.h"
-#include "models/files/failure.h"
 #include "runtime/asset/file.h"
 #include "runtime/asset/shadow_asset.h"
 #include "runtime/asset/shadow_generated.h"
@@ -16,7 +14,6 @@ namespace {
 
 constexpr double k_bias_limit = 1 << 24;
 constexpr uint16_t k_default_side = 128;  // in shadow.fbs
-constexpr double k_same_size = 1e-5;      // of the object: what two readings of one mesh may differ by
 
 ByteLayer quantise_layer(const float* weights, const float* bias, uint32_t inputs, uint32_t outputs, double step_in,
                          double step_out) {
@@ -99,44 +96,7 @@ flatbuffers::Offset<asset::Surface> write_surface(const SurfacePart& part, const
   return builder->EndTable(start);
 }
 
-ByteLayer byte_layer(const AssetLayer& layer, uint32_t inputs, uint32_t outputs) {
-  return {{layer.weights, layer.weights + inputs * outputs},
-          {layer.bias, layer.bias + outputs},
-          {layer.multiplier, layer.multiplier + outputs}};
-}
-
 }  // namespace
-
-ShadowFile read_shadow_file(std::span<const uint8_t> bytes, const StandingObject& object, const std::string& name) {
-  const AlignedBytes aligned(bytes);
-  ShadowAsset asset;
-  const char* reason = nullptr;
-  if (open_shadow_asset(aligned.data(), aligned.size(), &asset, &reason) != SANDGLASS_OK)
-    throw cannot("read", name, reason);
-  const double sizes[3] = {object.box.half_x, object.box.half_z, object.box.height};
-  const double baked[3] = {asset.box.half_x, asset.box.half_z, asset.box.height};
-  for (size_t i = 0; i < 3; ++i)
-    if (std::fabs(sizes[i] * object.scale - baked[i]) > k_same_size * object.scale ||
-        std::fabs(object.origin[i] - asset.origin[i]) > k_same_size * object.scale)
-      throw cannot("add to", name, "it was baked for an object of another size or place",
-                   "Name the mesh that it was baked for");
-  ShadowFile file;
-  file.name = asset.name;
-  file.geometry = {object, asset.plane, 0.5 * asset.angular_diameter, asset.polar_max};
-  ByteNetwork& network = file.network;
-  network.shape = {asset.width, asset.layers};
-  network.first_weights.assign(asset.first_weights, asset.first_weights + asset.inputs() * asset.width);
-  network.first_bias.assign(asset.first_bias, asset.first_bias + asset.width);
-  network.first_step = asset.first_step;
-  for (uint32_t i = 0; i < asset.layers; ++i)
-    network.layers.push_back(byte_layer(asset.layer[i], asset.width, asset.width));
-  network.last = byte_layer(asset.last, asset.width, 1);
-  file.rmse_float = static_cast<double>(asset.rmse_float), file.rmse_int8 = static_cast<double>(asset.rmse_int8);
-  file.validated_lights = asset.validated_lights, file.seed = asset.seed;
-  if (asset.float_parameters != nullptr)
-    file.float_parameters.assign(asset.float_parameters, asset.float_parameters + asset.float_parameter_count);
-  return file;
-}
 
 std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file) {
   flatbuffers::FlatBufferBuilder builder(1 << 16);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -46,10 +45,6 @@ struct ShadowFile {
 
 // The bytes of the file: a FlatBuffer, then its checksum.
 std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file);
-
-// The content of a file that was baked for `object`. Throws a Failure when it is no such file; `name` is what the
-// sentence calls it.
-ShadowFile read_shadow_file(std::span<const uint8_t> bytes, const StandingObject& object, const std::string& name);
 
 // Appends the checksum to a FlatBuffer's bytes.
 void append_checksum(std::vector<uint8_t>* bytes);

@@ -26,7 +26,6 @@ struct TrainingPlan {
   uint64_t seed = 1;
 };
 
-// Everything that a resumed training needs.
 struct TrainingState {
   uint32_t step = 0;
   FloatNetwork network;   // the network in training

@@ -23,36 +23,8 @@ TrainingSet::Texel TrainingSet::texel(uint64_t index) const {
           static_cast<uint32_t>(index / side % side * stride + pick / stride)};
 }
 
-bool trace_training_set(const LightGeometry& geometry, const ShadowCaster& caster, ThreadPool& pool,
-                        const std::function<bool(uint32_t)>& go_on, TrainingSet* set) {
-  const uint32_t count = set->cells() * set->cells(), lights = static_cast<uint32_t>(set->lights.size());
-  constexpr uint32_t k_group = 8;   // lights at a time; threads wait for each other once per group
-  constexpr uint32_t k_part = 512;  // texels that a thread takes at a time
-  const uint32_t parts = (count + k_part - 1) / k_part;
-  std::vector<float> values(size_t{k_group} * count);
-  for (uint32_t done = static_cast<uint32_t>(set->values.size() / count); done < lights;) {
-    const uint32_t group = std::min(k_group, lights - done);
-    pool.run(group * parts, [&](uint32_t task) {
-      const uint32_t light = done + task / parts, begin = task % parts * k_part, end = std::min(count, begin + k_part);
-      std::vector<uint32_t> uv;
-      for (uint32_t i = begin; i < end; ++i) {
-        const TrainingSet::Texel texel = set->texel(uint64_t{light} * count + i);
-        uv.insert(uv.end(), {texel.u, texel.v});
-      }
-      const Direction& direction = set->lights[light];
-      caster.texels(geometry.rectangle(direction), direction, light, set->size, set->size, uv.data(), end - begin,
-                    &values[size_t{task / parts} * count + begin]);
-    });
-    for (size_t i = 0; i < size_t{group} * count; ++i)
-      set->values.push_back(static_cast<uint16_t>(std::lround(values[i] * 65535.0f)));
-    done += group;
-    if (!go_on(done) && done < lights) return false;
-  }
-  find_penumbra(set);
-  return true;
-}
-
-void find_penumbra(TrainingSet* set) {
+// Fills `penumbra` and `in_penumbra`.
+static void find_penumbra(TrainingSet* set) {
   set->penumbra.clear();
   set->in_penumbra.assign(set->values.size(), false);
   const uint32_t side = set->cells();
@@ -74,6 +46,35 @@ void find_penumbra(TrainingSet* set) {
         set->in_penumbra[index] = true;
       }
   }
+}
+
+bool trace_training_set(const LightGeometry& geometry, const ShadowCaster& caster, ThreadPool& pool,
+                        const std::function<bool(uint32_t)>& go_on, TrainingSet* set) {
+  const uint32_t count = set->cells() * set->cells(), lights = static_cast<uint32_t>(set->lights.size());
+  constexpr uint32_t k_group = 8;   // lights at a time; threads wait for each other once per group
+  constexpr uint32_t k_part = 512;  // texels that a thread takes at a time
+  const uint32_t parts = (count + k_part - 1) / k_part;
+  std::vector<float> values(size_t{k_group} * count);
+  for (uint32_t done = 0; done < lights;) {
+    const uint32_t group = std::min(k_group, lights - done);
+    pool.run(group * parts, [&](uint32_t task) {
+      const uint32_t light = done + task / parts, begin = task % parts * k_part, end = std::min(count, begin + k_part);
+      std::vector<uint32_t> uv;
+      for (uint32_t i = begin; i < end; ++i) {
+        const TrainingSet::Texel texel = set->texel(uint64_t{light} * count + i);
+        uv.insert(uv.end(), {texel.u, texel.v});
+      }
+      const Direction& direction = set->lights[light];
+      caster.texels(geometry.rectangle(direction), direction, light, set->size, set->size, uv.data(), end - begin,
+                    &values[size_t{task / parts} * count + begin]);
+    });
+    for (size_t i = 0; i < size_t{group} * count; ++i)
+      set->values.push_back(static_cast<uint16_t>(std::lround(values[i] * 65535.0f)));
+    done += group;
+    if (!go_on(done) && done < lights) return false;
+  }
+  find_penumbra(set);
+  return true;
 }
 
 }  // namespace sandglass::host

@@ -40,12 +40,9 @@ struct TrainingSet {
   double transparency(uint64_t index) const { return values[index] * (1.0 / 65535); }
 };
 
-// Traces the lights in order, beginning after those that `set` already holds. After every few lights it calls `go_on`
-// with the number done. When `go_on` returns false, it stops and returns false; `set` then holds whole lights only.
+// Traces the lights in order. After every few it calls `go_on` with the number done. When that returns false, it stops
+// and returns false.
 bool trace_training_set(const LightGeometry& geometry, const ShadowCaster& caster, ThreadPool& pool,
                         const std::function<bool(uint32_t)>& go_on, TrainingSet* set);
-
-// Fills `penumbra` and `in_penumbra`.
-void find_penumbra(TrainingSet* set);
 
 }  // namespace sandglass::host

@@ -36,17 +36,12 @@ Surroundings surroundings_of(const SceneFile& scene, const ShotOptions& options,
   return captured(scene, options.panorama, standing, k_object_insertion, *camera);
 }
 
-std::string network_of(const ShotOptions& options) {
-  return options.network.empty() ? shipped_light_network() : options.network;
-}
-
 // This runs before anything is traced, so a mistake is reported at once.
 LightSource source_of(const ShotOptions& options) {
   if (options.light == LightSource::truth && !options.photo.empty())
     throw Failure("cannot use \"--light truth\": a photograph has none. Take another --light, or a --panorama.");
-  if (options.light == LightSource::estimate && network_of(options).empty())
-    throw Failure(
-        "cannot estimate light: no lighting network is shipped here. Name one with --network, or take --light room.");
+  if (options.light == LightSource::estimate && shipped_light_network().empty())
+    throw Failure("cannot estimate light: no lighting network is shipped here. Take --light room.");
   return options.light;
 }
 
@@ -217,8 +212,8 @@ Shot::Shot(const SceneFile& scene, const ShotOptions& options)
       camera_(*scene.camera),
       object_(standing_object(scene, options.mesh)),
       source_(source_of(options)),
-      network_(network_of(options).empty() ? nullptr
-                                           : std::make_unique<LightEstimate>(network_of(options), options.isa)),
+      network_(shipped_light_network().empty() ? nullptr
+                                               : std::make_unique<LightEstimate>(shipped_light_network(), options.isa)),
       surroundings_(surroundings_of(scene, options, standing_track(scene).position, &camera_)),
       isa_(options.isa) {
   if (surroundings_.has_truth()) {

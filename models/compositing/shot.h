@@ -28,7 +28,6 @@ struct ShotOptions {
   double photo_fov_deg = 0.0;   // diagonal
   std::string mesh;             // of the standing object; empty: the scene's
   LightSource light = LightSource::room;
-  std::string network;  // a lighting network's file; empty: the shipped one, if there is one
   sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC;
   std::string folder;  // keeps the room's panorama; may be empty
   uint32_t threads = 1;

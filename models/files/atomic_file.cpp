@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -46,11 +47,15 @@ UnfinishedFile::~UnfinishedFile() {
 }
 
 void remove_unfinished() {
-  for (const Writing& file : writing)
-    if (file.named && unlink(file.name) != 0 && (errno == EISDIR || errno == EPERM) && fork() == 0) {  // of a folder
+  for (const Writing& file : writing) {
+    if (!file.named || unlink(file.name) == 0 || (errno != EISDIR && errno != EPERM)) continue;
+    const pid_t child = fork();  // it is a folder
+    if (child == 0) {
       execlp("rm", "rm", "-rf", "--", file.name, nullptr);
       _exit(1);
     }
+    if (child > 0) waitpid(child, nullptr, 0);
+  }
 }
 
 namespace {
@@ -97,6 +102,16 @@ void require_writable(const std::string& path) {
   if (!has_name || unfinished.type() == fs::file_type::none || !fs::is_directory(folder, error) ||
       access(folder.c_str(), W_OK | X_OK) != 0)
     throw cannot("write", path, "its folder is missing, full or may not be written to", "Check the folder");
+}
+
+void require_space(const std::string& path) {
+  constexpr uintmax_t k_least = 1 << 20;
+  std::error_code error;
+  fs::path folder = fs::absolute(behind_links(path), error).parent_path();
+  while (!fs::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
+  const fs::space_info disk = fs::space(folder, error);
+  if (!error && disk.available < k_least)
+    throw cannot("write", path, "the disk has less than 1 MiB left", "Make room, or name another");
 }
 
 void write_file(const std::string& path, std::string_view content) {

@@ -1,24 +1,24 @@
-// Writes measurements with nlohmann-json. The keys keep the order in which a reader wants them.
+// See measurement_json.h. The keys have the order in which a reader wants them.
 #include "models/files/measurement_json.h"
 
-#include <nlohmann/json.hpp>
+#include "models/files/json.h"
 
 namespace sandglass::host {
 
 std::string measurements_json(const std::vector<Measurement>& measurements) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  std::vector<Json> list;
   for (const Measurement& m : measurements) {
-    nlohmann::ordered_json entry = {{"suite", m.suite}, {"case", m.scene}, {"metric", m.metric},  {"value", m.value},
-                                    {"unit", m.unit},   {"isa", m.isa},    {"threads", m.threads}};
+    std::vector<Json::Member> entry = {{"suite", m.suite}, {"case", m.scene}, {"metric", m.metric},  {"value", m.value},
+                                       {"unit", m.unit},   {"isa", m.isa},    {"threads", m.threads}};
     if (m.judgement) {
-      entry["truth"] = m.judgement->truth;
-      entry["limit"] = m.judgement->limit;
-      entry["pass"] = m.judgement->pass;
-      if (m.judgement->control) entry["control"] = true;
+      entry.emplace_back("truth", m.judgement->truth);
+      entry.emplace_back("limit", m.judgement->limit);
+      entry.emplace_back("pass", m.judgement->pass);
+      if (m.judgement->control) entry.emplace_back("control", true);
     }
-    list.push_back(std::move(entry));
+    list.push_back(Json::object(entry));
   }
-  return list.dump(1) + "\n";
+  return Json::list(list).text() + "\n";
 }
 
 }  // namespace sandglass::host

@@ -102,7 +102,6 @@ void print(const AmbientReport& r) {
 
 void print_network(const BakeReport& r) {
   const Validation& v = r.validation;
-  if (v.lights == 0) return;
   std::printf("%u unseen lights      RMSE mean       max  PSNR (dB)     SSIM  16x16 block\n", v.lights);
   print("float", v.network_float);
   print("int8", v.network_int8);
@@ -136,30 +135,21 @@ bool read_shape(const std::string& text, NetworkShape* shape) {
          shape->width <= 256 && shape->layers >= 1 && shape->layers <= 8;
 }
 
-int bake_command(const BakeOptions& given) {
-  BakeOptions options = given;
-  BakeSettings& s = options.settings;
+int bake_command(const BakeOptions& options) {
+  BakeSettings s = options.settings;
   read_shape(options.size, &s.shape);
   read_degrees(options.angle, &s.angular_diameter);
   read_degrees(options.polar, &s.polar_max);
-  s.plane = options.plane == "fixed" ? PlaneRule::fixed : PlaneRule::fitted;
-  if (options.picture.empty()) options.picture = options.output + ".png";
-  if (options.no_picture) options.picture.clear();
-  if (!options.picture.empty()) require_writable(options.picture);
-  const Mesh mesh = named_mesh(options.mesh).mesh;
+  if (options.quick) make_quick(&s);
   s.ambient.data = data_folder();
-  const KeepingResults in_the_checkpoint;
-  const BakeReport report = options.ambient_only
-                                ? bake_ambient_only(mesh, options.mesh, s, options.output, options.picture)
-                                : bake(mesh, options.mesh, s, options.output, options.picture, options.resume);
-  if (report.interrupted) {
-    std::puts(options.ambient_only ? "interrupted; the file is as it was"
-                                   : "interrupted; to go on, repeat the command with --resume");
-    return k_exit_interrupted;
-  }
+  const std::string picture = options.output + ".png";
+  require_writable(picture);
+  const Mesh mesh = named_mesh(options.mesh).mesh;
+  const BakeReport report = bake(mesh, options.mesh, s, options.output, picture);
+  if (report.interrupted) return k_exit_interrupted;
   print(report, s);
   std::printf("%s: %llu bytes\n", options.output.c_str(), static_cast<unsigned long long>(report.file_bytes));
-  if (!options.picture.empty()) std::printf("picture: %s\n", options.picture.c_str());
+  std::printf("picture: %s\n", picture.c_str());
   if (!options.json.empty()) write_file(options.json, measurements(report, s));
   return k_exit_done;
 }

@@ -54,27 +54,24 @@ int budget_command(const BudgetOptions& options) {
       "Estimated from counted NEON instructions, not measured. Times are for a stated range of instructions a "
       "cycle.\n");
   std::printf("\n%-32s %21s", "quality level", told ? "M instructions, 99.9 %" : "M instructions, most");
-  std::vector<const PhoneCore*> cores;
-  for (const PhoneCore& core : phone_cores())
-    if (options.as.empty() || options.as == core.name) cores.push_back(&core);
-  for (const PhoneCore* core : cores) std::printf("  %16s", core->name);
+  for (const PhoneCore& core : phone_cores()) std::printf("  %16s", core.name);
   std::printf("\n");
   for (uint32_t level = 0; level < levels.size(); ++level) {
     std::printf("%-32s %10.1f %11.1f", level_text(level).c_str(), levels[level].mean * 1e-6, levels[level].most * 1e-6);
-    for (const PhoneCore* core : cores) {
+    for (const PhoneCore& core : phone_cores()) {
       char cell[48];
       std::snprintf(cell, sizeof cell, "%.1f to %.1f ms",
-                    core->ms(levels[level].most, core->ipc_high) / k_used_of_a_budget,
-                    core->ms(levels[level].most, core->ipc_low) / k_used_of_a_budget);
+                    core.ms(levels[level].most, core.ipc_high) / k_used_of_a_budget,
+                    core.ms(levels[level].most, core.ipc_low) / k_used_of_a_budget);
       std::printf("  %16s", cell);
     }
     std::printf("\n");
   }
   std::printf("\nA budget in which %s do all their work, with a tenth that the governor keeps free.\n",
               told ? "99.9 % of the frames" : "all of these frames");
-  for (const PhoneCore* core : cores)
-    std::printf("%s: %.1f GHz, %.1f to %.1f instructions a cycle; %s\n", core->name, core->ghz, core->ipc_low,
-                core->ipc_high, core->why);
+  for (const PhoneCore& core : phone_cores())
+    std::printf("%s: %.1f GHz, %.1f to %.1f instructions a cycle; %s\n", core.name, core.ghz, core.ipc_low,
+                core.ipc_high, core.why);
   for (const auto& [name, units] : guessed)
     std::printf("not counted, taken as 20,000 instructions each: %s, %llu units\n", name.c_str(),
                 static_cast<unsigned long long>(units));

@@ -137,7 +137,13 @@ CLI::Option* declare(const CommandOption& option, bool* value, CLI::App* command
   return command->add_flag(option.names, *value, option.help);
 }
 
-constexpr const char* k_empty = "its value is empty. Give it one, or leave it out.";
+// What is wrong with a text that no rule is for; empty if nothing is.
+std::string fault_of(const std::string& text) {
+  if (text.empty()) return "its value is empty. Give it one, or leave it out.";
+  if (text.starts_with("--"))
+    return in_quotes(text) + " is an option, so the value is missing. A file of that name is \"./" + text + "\".";
+  return "";
+}
 
 void declare(const CommandOption& option, CLI::App* command) {
   CLI::Option* declared = std::visit([&](auto* value) { return declare(option, value, command); }, option.target);
@@ -152,8 +158,7 @@ void declare(const CommandOption& option, CLI::App* command) {
         rule.range));
   else if (std::holds_alternative<std::string*>(option.target) ||
            std::holds_alternative<std::vector<std::string>*>(option.target))
-    declared->check(
-        CLI::Validator([](const std::string& text) { return std::string(text.empty() ? k_empty : ""); }, ""));
+    declared->check(CLI::Validator([](const std::string& text) { return fault_of(text); }, ""));
   if (option.standard != nullptr) declared->default_str(option.standard);
   declared->required(option.required);
 }
@@ -180,6 +185,7 @@ void check_outputs(const Command& command) {
     if (written.output == Output::none) continue;
     for (const std::string& path : paths_of(written)) {
       if (written.output == Output::file) require_writable(path);
+      require_space(path);
       for (const CommandOption& other : command.options)
         for (const std::string& named : paths_of(other))
           if (&other == &written || !same_file(path, named)) continue;

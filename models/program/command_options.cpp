@@ -44,7 +44,6 @@ Options run_options(RunOptions& o) {
       {"--light", &o.light, "KIND",
        "For a shot: the room as a session sees it, the truth, one light by the network, or nothing known",
        one_of({"room", "truth", "estimate", "nothing"})},
-      standard(k_shipped, {"--network", &o.network, "FILE", "For a shot: the lighting network"}),
       threads_option(o.threads),
       isa_option(o.isa),
       {"--clock", &o.clock, "KIND",
@@ -64,7 +63,6 @@ Options budget_options(BudgetOptions& o) {
   return {
       required({"SCENE", &o.scene, "", k_scene_argument}),
       {"--mesh", &o.mesh, "FILE", k_body_mesh},
-      standard("all", {"--as", &o.as, "CORE", "Only this core", one_of(phone_core_names())}),
       standard(k_scene, {"--frames", &o.frames, "N", "Frames to run", whole_number(1, 100'000'000)}),
   };
 }
@@ -113,37 +111,22 @@ ValueRule texels_of_ambient() {
 }
 
 Options bake_options(BakeOptions& o) {
-  constexpr uint64_t k_most_steps = 100'000'000;
   BakeSettings& s = o.settings;
   s.threads = std::max(1u, std::thread::hardware_concurrency());
   return {
       required({"MESH", &o.mesh, "", "A mesh file (y up, metres), or the name of a generated mesh"}),
-      output_file(o.output, "Write the shadow to this file"),
+      output_file(o.output, "Write the shadow to this file, and beside it FILE.png: truth, result and difference"),
       {"--size", &o.size, "WxL", "Size of the network: neurons a layer, and layers after the first",
        shape_of_network()},
       {"--angle", &o.angle, "ANGLE", "Angular diameter of the light", angle(1, 60)},
       {"--max-polar", &o.polar, "ANGLE", "Largest angle of the light from the zenith", angle(1, 84)},
-      {"--plane", &o.plane, "KIND", "Square of the plane: fitted to each light, or one fixed for all",
-       one_of({"fitted", "fixed"})},
       seed_option(s.seed, "Equal seeds give equal files on CPUs of one instruction set"),
       standard("all of this machine", threads_option(s.threads)),
-      {"--steps", &s.steps, "N", "Steps of training", whole_number(1, k_most_steps)},
-      {"--quantised-steps", &s.quantised_steps, "N", "Further steps with rounded weights",
-       whole_number(0, k_most_steps)},
-      {"--rate", &s.rate, "X", "Learning rate at the start", number(1e-5, 1)},
-      {"--textures", &s.textures, "N", "Rays, as many as for this many whole textures", whole_number(1, 3000)},
-      {"--validation-lights", &s.validation_lights, "N", "Unseen lights that the error is measured on",
-       whole_number(1, 100'000)},
+      {"--quick", &o.quick, "", "A rough shadow in seconds, to see whether mesh and light are what was meant"},
       {"--ambient-texels", &s.ambient.texels, "N",
        "Texels a side of the ambient shadow, in steps of 16; 0: leave it and the surface out", texels_of_ambient()},
-      {"--ambient-only", &o.ambient_only, "",
-       "Train nothing: make the ambient shadow and the surface of the file that -o names anew"},
-      standard("OUTPUT.png", {"--picture", &o.picture, "FILE",
-                              "Draw truth, result and difference for four lights and two rooms to this file, .png"}),
-      {"--no-picture", &o.no_picture, "", "Draw no picture"},
       json_option(o.json),
       {"--keep-float", &s.keep_float, "", "Keep the float network in the file, for `bench shadow`"},
-      {"--resume", &o.resume, "", "Go on where an interrupted bake of the same command stopped"},
   };
 }
 #endif
@@ -156,14 +139,15 @@ Options sample_options(SampleOptions& o) {
   };
   return {
       required({"MESH", &o.mesh, "", "A mesh file, or " + list_of(mesh_names(), "or")}),
-      {"--surface", &o.surface, "", "Poisson disk samples on the surface of MESH"},
-      {"--volume", &o.volume, "", "Poisson disk samples in the volume of MESH"},
-      {"--lattice", &o.lattice, "", "Hexagonal close packing in the volume of MESH"},
-      standard("", {"--distance",
-                    &o.distance,
-                    "METRES",
-                    "Least distance between two points, metres",
-                    {above_zero, "above 0", "a number above 0"}}),
+      required(
+          {"WHERE", &o.where, "",
+           "Poisson disk samples on its surface, or in its volume, or a lattice in its volume: the densest packing",
+           one_of({"surface", "volume", "lattice"})}),
+      required(standard("", {"--distance",
+                             &o.distance,
+                             "METRES",
+                             "Least distance between two points, metres",
+                             {above_zero, "above 0", "a number above 0"}})),
       seed_option(o.seed, "Equal seeds give equal points"),
       writes({"--picture", &o.picture, "FILE", "Also draw the points, .png"}),
       output_file(o.output, "Write the points to this file, .ply"),
@@ -219,9 +203,9 @@ std::vector<CommandGroup> commands() {
         command<BudgetOptions>("budget", "Estimate the budget that a scene needs on a phone, at each quality level",
                                budget_options, budget_command),
         command<LightOptions>("light", "Estimate the light of photographs", light_options, light_command),
-        command<InspectOptions>("inspect",
-                                "Say what a file is: a recording, a shadow, a lighting network, a scene or a mesh",
-                                inspect_options, inspect_command)}},
+        command<InspectOptions>(
+            "inspect", "Say what a file is: a recording, a shadow, a lighting network, a scene, a picture or a mesh",
+            inspect_options, inspect_command)}},
       {"Make what an app loads",
        {bake(), command<SampleOptions>("sample", "Fill or cover a mesh with points", sample_options, sample_command)}},
       {"Train the lighting network",

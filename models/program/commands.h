@@ -16,7 +16,7 @@ namespace sandglass::host {
 
 struct RunOptions {
   std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, out;
-  std::string panorama, later, photo, asset, light, network;
+  std::string panorama, later, photo, asset, light;
   uint32_t frames = 0, threads = 1;  // frames 0: the scene's
   double budget_ms = -1.0;           // below 0: the scene's
   double fov_deg = 0.0;
@@ -26,8 +26,8 @@ struct RunOptions {
 int run_command(const RunOptions& options);
 
 struct BudgetOptions {
-  std::string scene, mesh, as;  // as: one core; empty: all
-  uint32_t frames = 0;          // 0: the scene's
+  std::string scene, mesh;
+  uint32_t frames = 0;  // 0: the scene's
 };
 int budget_command(const BudgetOptions& options);
 
@@ -45,9 +45,9 @@ struct InspectOptions {
 int inspect_command(const InspectOptions& options);
 
 struct SampleOptions {
-  std::string mesh;                                       // a file, or the name of a generated mesh
-  bool surface = false, volume = false, lattice = false;  // which one is asked for
-  double distance = 0;                                    // metres
+  std::string mesh;     // a file, or the name of a generated mesh
+  std::string where;    // "surface", "volume" or "lattice"
+  double distance = 0;  // metres
   uint64_t seed = 1;
   std::string picture, output;
 };
@@ -72,9 +72,9 @@ int light_features_command(const LightFeaturesOptions& options);
 
 #ifdef SANDGLASS_HAVE_BAKE
 struct BakeOptions {
-  std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", plane = "fitted", picture, json;
+  std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", json;
   BakeSettings settings;
-  bool resume = false, no_picture = false, ambient_only = false;
+  bool quick = false;
 };
 int bake_command(const BakeOptions& options);
 bool read_degrees(const std::string& text, double* value);      // "20" or "20deg"

@@ -1,5 +1,5 @@
 // `sandglass inspect FILE`: says what a file is, by its content. It is a recording, a baked shadow, a lighting network,
-// a scene, or otherwise a mesh.
+// a scene, a picture, a panorama or a mesh.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -8,8 +8,11 @@
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
+#include "models/files/image.h"
+#include "models/files/picture_head.h"
 #include "models/mesh/mesh.h"
 #include "models/program/commands.h"
+#include "models/rooms/panorama_file.h"
 #include "models/simulation/recording.h"
 #include "models/simulation/scene_file.h"
 #include "models/simulation/scene_fill.h"
@@ -27,6 +30,7 @@ namespace {
 constexpr char k_recording_magic[] = "SGREC";   // the first bytes of models/simulation/recording.h's format
 constexpr char k_shadow_identifier[] = "SGSH";  // bytes 4..7 of a file by runtime/asset/shadow.fbs
 constexpr char k_light_identifier[] = "SGLN";   // bytes 4..7 of a file by runtime/asset/light.fbs
+constexpr char k_exr_magic[] = "\x76\x2f\x31\x01";
 
 void inspect_recording(const std::string& path, const std::string&) {
   const Recording recording = load_recording(path);
@@ -72,7 +76,7 @@ void inspect_shadow_file(const std::string& path, const std::string& content) {
     std::printf("  ambient      %u components of %u x %u texels, %g m a side, RMSE %.4f in made-up rooms\n",
                 info.ambient_components, info.ambient_texels, info.ambient_texels,
                 2 * static_cast<double>(info.ambient_half), static_cast<double>(info.ambient_rmse));
-  else std::printf("  ambient      none: bake it again with --ambient-only\n");
+  else std::printf("  ambient      none: it was baked without\n");
   std::printf("  surface      %u points\n", info.surface_vertices);
   std::printf("  float copy   %s\n  memory       %llu bytes\n", info.float_parameters > 0 ? "yes" : "no",
               static_cast<unsigned long long>(memory));
@@ -125,8 +129,25 @@ void inspect_scene(const std::string& path, const std::string& mesh) {
     std::printf("    %-30s %12llu\n", region.name, static_cast<unsigned long long>(region.bytes));
 }
 
-void inspect_mesh(const std::string& path, const std::string&) {
+void inspect_picture(const std::string& path, const std::string&) {
+  const Picture picture = read_picture(path);
+  std::printf("picture, %d x %d pixels\n", picture.width, picture.height);
+}
+
+void inspect_panorama(const std::string& path, const std::string&) {
+  const RadianceMap map = read_panorama(path);
+  std::printf("panorama, %d x %d pixels\n  brightest    %.4g\n", map.width, map.height, greatest_luminance(map));
+}
+
+void inspect_mesh(const std::string& path, const std::string& content) {
   const MeshResult loaded = load_mesh(path);
+  constexpr const char* k_endings[] = {".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".dae", ".fbx"};
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (!loaded && std::find(std::begin(k_endings), std::end(k_endings), ending) == std::end(k_endings)) {
+    if (picture_head(content).kind == PictureHead::Kind::other) return inspect_picture(path, content);
+    throw cannot("inspect", path, "it is no recording, shadow, lighting network, scene, picture, panorama or mesh",
+                 "Name one of those");
+  }
   if (!loaded) throw Failure(loaded.error);
   const Mesh& mesh = loaded.mesh;
   float low[3] = {}, high[3] = {};
@@ -174,10 +195,14 @@ int inspect_command(const InspectOptions& options) {
   if (is_file && content.empty()) throw cannot("inspect", file, "the file is empty", "Name another");
   const size_t first = content.find_first_not_of(" \t\r\n");
   const auto has_identifier = [&](const char* name) { return content.size() > 8 && content.compare(4, 4, name) == 0; };
+  const PictureHead::Kind picture = picture_head(content).kind;
   void (*of_kind)(const std::string& file, const std::string& content) = inspect_mesh;
   if (content.starts_with(k_recording_magic)) of_kind = inspect_recording;
   else if (has_identifier(k_shadow_identifier)) of_kind = inspect_shadow_file;
   else if (has_identifier(k_light_identifier)) of_kind = inspect_light;
+  else if (picture == PictureHead::Kind::png || picture == PictureHead::Kind::jpeg) of_kind = inspect_picture;
+  else if (content.starts_with("#?RADIANCE") || content.starts_with("#?RGBE") || content.starts_with(k_exr_magic))
+    of_kind = inspect_panorama;
   else if (!is_file || (first != std::string::npos && content[first] == '{')) of_kind = inspect_scene;
   if (!mesh.empty() && of_kind != inspect_scene)
     throw cannot("use --mesh with", file, "the file is no scene", "Leave --mesh out");

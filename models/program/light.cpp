@@ -1,4 +1,5 @@
 // `sandglass light IMAGE... -o DIR`: the light of photographs, as numbers and as pictures.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <set>
@@ -18,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr size_t k_sheet_rows = 24;        // pictures on the sheet
+constexpr uint8_t k_black = 8;             // of 255: all of a picture that was taken through a covered lens
 constexpr int k_turned[4] = {1, 6, 3, 8};  // EXIF's orientations, by quarters of a turn
 
 // The names of the outputs, without extensions. If photographs in several folders have the same name, theirs differ.
@@ -39,7 +41,12 @@ int light_command(const LightOptions& options) {
   RoomLight light(options.network);
   // A photograph that cannot be read is reported before anything is written.
   std::vector<Picture> pictures;
-  for (const std::string& path : options.images) pictures.push_back(read_picture(path));
+  for (const std::string& path : options.images) {
+    pictures.push_back(read_picture(path));
+    const std::vector<uint8_t>& rgb = pictures.back().rgb;
+    if (std::all_of(rgb.begin(), rgb.end(), [](uint8_t value) { return value <= k_black; }))
+      throw cannot("estimate the light of", path, "it is black everywhere", "Take a photograph that shows something");
+  }
   const std::string sheet_path = (fs::path(options.folder) / "sheet.png").string();
   const std::vector<std::string> outputs = outputs_of(options);
   Progress progress("estimating light", pictures.size());

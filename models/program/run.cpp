@@ -97,14 +97,11 @@ void Run::replace_shadow() {
 }
 
 void Run::take_shot() {
-  const bool asked =
-      !options_.panorama.empty() || !options_.photo.empty() || !options_.light.empty() || !options_.network.empty();
+  const bool asked = !options_.panorama.empty() || !options_.photo.empty() || !options_.light.empty();
   if (!scene_.shot && asked)
-    throw cannot("use --panorama, --photo, --light or --network with", scene_.source, "the scene is no shot",
+    throw cannot("use --panorama, --photo or --light with", scene_.source, "the scene is no shot",
                  "Leave them out, or run a shot, such as \"shot\"");
   if (!scene_.shot) return;
-  if (!options_.network.empty() && options_.light == name_of(LightSource::truth))
-    throw Failure("cannot use \"--network\" with \"--light truth\": nothing is estimated. Leave one of them out.");
   if (!options_.collider_mesh.empty() && options_.asset.empty())
     throw Failure(
         "cannot use \"--object\" without \"--asset\": the object needs its own shadow. Bake it with sandglass bake and "
@@ -115,7 +112,7 @@ void Run::take_shot() {
   o.mesh = options_.collider_mesh, o.folder = options_.out, o.threads = drawing_threads();
   for (const LightSource source : {LightSource::room, LightSource::truth, LightSource::estimate, LightSource::nothing})
     if (options_.light == name_of(source)) o.light = source;
-  o.network = options_.network, o.isa = find_isa(options_.isa);
+  o.isa = find_isa(options_.isa);
   shot_.emplace(scene_, o);
 }
 

@@ -1,5 +1,6 @@
-// `sandglass sample MESH --surface|--volume|--lattice --distance L -o FILE.ply`: points on a mesh's surface or in its
+// `sandglass sample MESH surface|volume|lattice --distance L -o FILE.ply`: points on a mesh's surface or in its
 // volume, as a PLY file and a picture.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -22,6 +23,17 @@ using Points = std::vector<float>;
 
 void expect(const cpp::Status& status, const SampleOptions& options) {
   if (!status) throw cannot("sample", options.mesh, status.reason);
+}
+
+// The volume about the first corner: 0 for any flat sheet, closed or not, wherever it lies.
+bool has_volume(const Mesh& mesh, const cpp::Box& box) {
+  constexpr double k_none = 1e-9;  // of the cube that the mesh fits into
+  Mesh moved = mesh;
+  for (size_t i = 0; i < moved.vertices.size(); ++i) moved.vertices[i] -= mesh.vertices[i % 3];
+  double longest = 0;
+  for (size_t axis = 0; axis < 3; ++axis)
+    longest = std::max(longest, static_cast<double>(box.max[axis]) - static_cast<double>(box.min[axis]));
+  return std::fabs(signed_volume(moved)) > k_none * longest * longest * longest;
 }
 
 struct ProgressRelay {
@@ -60,17 +72,19 @@ Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOpt
   const sandglass_mesh surface = view(mesh);
   const float distance = static_cast<float>(options.distance);
   const sandglass_inside_rule rule = report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
-  if (!report.watertight())
-    std::fprintf(stderr, "sandglass: note: \"%s\" is not watertight (%s): the winding number decides what is inside\n",
-                 options.mesh.c_str(), describe_faults(report).c_str());
   cpp::Box box;
   cpp::Status bounded;
   bounded.code = sandglass_mesh_bounds(&surface, box.min, box.max, &bounded.reason);
   expect(bounded, options);
+  if (!has_volume(mesh, box))
+    throw cannot("sample", options.mesh, "it encloses no volume", "Take \"surface\", or a mesh that is a solid");
+  if (!report.watertight())
+    std::fprintf(stderr, "sandglass: note: \"%s\" is not watertight (%s): the winding number decides what is inside\n",
+                 options.mesh.c_str(), describe_faults(report).c_str());
   cpp::MeshInside inside;
   expect(inside.create(surface, rule), options);
   Points points;
-  if (options.lattice) {
+  if (options.where == "lattice") {
     expect(cpp::sample_lattice(box, distance, std::ref(inside), &points), options);
     return points;
   }
@@ -84,40 +98,30 @@ Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOpt
 
 // Draws the points as balls. Those of a volume touch; those of a surface have a little room.
 void write_picture(const SampleOptions& options, const Points& points) {
-  if (points.empty()) throw cannot("draw", options.picture, "there are no points", "Sample at a smaller distance");
   RenderOptions drawing;
   drawing.width = drawing.height = 960, drawing.scale = false;
   SceneView view;
   view.spheres = points;
-  view.radius = static_cast<float>(options.distance) * (options.volume || options.lattice ? 0.5f : 0.45f);
+  view.radius = static_cast<float>(options.distance) * (options.where == "surface" ? 0.45f : 0.5f);
   for (size_t i = 0; i < points.size(); i += 3) view.bounds.add(from_floats(&points[i]));
   view.camera = automatic_camera({&view.bounds, 1}, 1.0);
   write_png(options.picture, render(view, drawing));
 }
 
-void check(const SampleOptions& options) {
-  const int kinds = options.surface + options.volume + options.lattice;
-  if (kinds != 1)
-    throw Failure("\"sample\" needs one of --surface, --volume and --lattice, and " + std::to_string(kinds) +
-                  " are given. See: sandglass sample --help.");
-  if (options.distance <= 0)
-    throw Failure(
-        "\"sample\" needs \"--distance METRES\": the least distance between two points. See: sandglass sample --help.");
-}
-
 }  // namespace
 
 int sample_command(const SampleOptions& options) {
-  check(options);
   try {
     const MeshResult loaded = named_mesh(options.mesh);
-    const Points points =
-        options.surface ? sample_surface(loaded.mesh, options) : sample_inside(loaded.mesh, loaded.report, options);
+    const Points points = options.where == "surface" ? sample_surface(loaded.mesh, options)
+                                                     : sample_inside(loaded.mesh, loaded.report, options);
+    if (points.empty())
+      throw cannot("sample", options.mesh, "no point lies in it", "Make --distance smaller, or close the mesh");
     if (const std::string error = write_points_ply(options.output, points); !error.empty()) throw Failure(error);
     if (!options.picture.empty()) write_picture(options, points);
-    const char* where = options.surface  ? "on the surface of"
-                        : options.volume ? "in the volume of"
-                                         : "of a lattice in the volume of";
+    const char* where = options.where == "surface"  ? "on the surface of"
+                        : options.where == "volume" ? "in the volume of"
+                                                    : "of a lattice in the volume of";
     std::printf("%zu points %s %s, distance %g m, written to %s\n", points.size() / 3, where, options.mesh.c_str(),
                 options.distance, options.output.c_str());
   } catch (const std::bad_alloc&) {

@@ -375,8 +375,16 @@ Camera read_camera(Reader reader) {
 
 SceneFile parse_scene(const std::string& text, const std::string& source) {
   json file;
+  std::vector<std::set<std::string>> names;  // of every object that is open
+  const auto refuse_twice = [&](int, json::parse_event_t event, const json& parsed) {
+    if (event == json::parse_event_t::object_start) names.emplace_back();
+    if (event == json::parse_event_t::object_end) names.pop_back();
+    if (event == json::parse_event_t::key && !names.back().insert(parsed.get<std::string>()).second)
+      throw cannot("read", source, "one object has " + in_quotes(parsed.get<std::string>()) + " twice", "Remove one");
+    return true;
+  };
   try {
-    file = json::parse(text);
+    file = json::parse(text, refuse_twice);
   } catch (const json::parse_error& error) {
     size_t line = 1;
     for (size_t i = 0; i + 1 < error.byte && i < text.size(); ++i) line += text[i] == '\n';

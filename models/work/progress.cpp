@@ -19,22 +19,21 @@ constexpr auto k_quiet = 2s;               // shorter work shows nothing
 constexpr auto k_terminal_period = 100ms;  // between two updates of the line on a terminal
 constexpr auto k_log_period = 5s;          // between two lines in a log
 
-std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s, uint64_t first) {
+std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s) {
   char text[160];
   const double share = total == 0 ? 1.0 : static_cast<double>(count) / static_cast<double>(total);
   int used =
       std::snprintf(text, sizeof text, "%s %llu/%llu (%.0f %%)", what.c_str(), static_cast<unsigned long long>(count),
                     static_cast<unsigned long long>(total), share * 100.0);
-  if (count > first && count < total && used > 0 && used < static_cast<int>(sizeof text))
+  if (count > 0 && count < total && used > 0 && used < static_cast<int>(sizeof text))
     std::snprintf(text + used, sizeof text - static_cast<size_t>(used), ", %.0f s left",
-                  elapsed_s * static_cast<double>(total - count) / static_cast<double>(count - first));
+                  elapsed_s * static_cast<double>(total - count) / static_cast<double>(count));
   return text;
 }
 
-Progress::Progress(std::string what, uint64_t total, std::FILE* stream, uint64_t first)
+Progress::Progress(std::string what, uint64_t total, std::FILE* stream)
     : what_(std::move(what)),
       total_(total),
-      first_(first),
       stream_(stream),
       terminal_(stream != nullptr && isatty(fileno(stream)) != 0) {
   start_ = std::chrono::steady_clock::now();
@@ -50,7 +49,7 @@ void Progress::done(uint64_t count) { done_at(count, std::chrono::steady_clock::
 void Progress::done_at(uint64_t count, Time now) {
   if (stream_ == nullptr || now < next_) return;
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const std::string line = progress_line(what_, count, total_, elapsed, first_);
+  const std::string line = progress_line(what_, count, total_, elapsed);
   std::fprintf(stream_, terminal_ ? "\r%s\033[K" : "%s\n", line.c_str());
   std::fflush(stream_);
   shown_ = true;

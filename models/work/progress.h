@@ -13,9 +13,8 @@ namespace sandglass::host {
 struct Progress {
   using Time = std::chrono::steady_clock::time_point;
 
-  // `what` is for example "simulating". If `stream` is null, nothing is shown. `first` is how much an interrupted run
-  // did before. Only the work of this run counts for the time left.
-  Progress(std::string what, uint64_t total, std::FILE* stream = stderr, uint64_t first = 0);
+  // `what` is for example "simulating". If `stream` is null, nothing is shown.
+  Progress(std::string what, uint64_t total, std::FILE* stream = stderr);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -27,17 +26,15 @@ struct Progress {
 
  private:
   std::string what_;
-  uint64_t total_, first_;
+  uint64_t total_;
   std::FILE* stream_;
   bool terminal_;
   bool shown_ = false;
   Time start_, next_;
 };
 
-// For example "simulating 120/200 (60 %), 3 s left". The time is left out while nothing beyond `first` is done, and at
-// the end.
-std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s,
-                          uint64_t first = 0);
+// For example "simulating 120/200 (60 %), 3 s left". The time is left out at the start and at the end.
+std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s);
 
 // After this call Ctrl-C (or SIGTERM) sets a flag. The work asks for it and ends. If the command does not notice within
 // a second, the program ends there with exit code 130, or, while results are being kept, says that a step is finished
@@ -54,7 +51,7 @@ struct OneOfSeveral {
   OneOfSeveral& operator=(const OneOfSeveral&) = delete;
 };
 
-// Lives while Ctrl-C should not lose what was computed: the frames of a run, the training of a bake.
+// Lives while Ctrl-C should not lose what was computed: the frames of a run.
 struct KeepingResults {
   KeepingResults();
   ~KeepingResults();

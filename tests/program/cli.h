@@ -1,7 +1,7 @@
 // The program as a script sees it, for the tests of this folder: exit code, output, one line on stderr when it refuses.
+// It runs in a folder of the test's own, so commands name their files without one.
 #pragma once
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -9,13 +9,14 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <thread>
 
+#include "models/files/image.h"
 #include "models/lighting/light_file.h"
 #include "models/rooms/panorama_file.h"
 #include "tests/temporary_folder.h"
@@ -32,14 +33,15 @@ struct Outcome {
 // Suites of the laboratory are its own program's.
 inline std::string command_line(const std::string& arguments) {
   const bool laboratory = arguments.starts_with("verify ") || arguments.starts_with("bench ");
-  return std::string(SANDGLASS_EMULATOR) + " '" + (laboratory ? SANDGLASS_LAB : SANDGLASS_PROGRAM) + "' " + arguments;
+  return std::string(SANDGLASS_EMULATOR) + " '" + (laboratory ? SANDGLASS_LAB : SANDGLASS_PROGRAM) + "' " + arguments +
+         " >stdout 2>stderr";
 }
 
 // The program while it runs.
 class Running {
  public:
-  Running(const std::string& arguments, const std::string& out, const std::string& err) {
-    const std::string command = "exec " + command_line(arguments) + " >'" + out + "' 2>'" + err + "'";
+  Running(const fs::path& folder, const std::string& arguments) {
+    const std::string command = "cd '" + folder.string() + "' && exec " + command_line(arguments);
     child_ = ::fork();
     if (child_ == 0) {
       ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
@@ -47,19 +49,33 @@ class Running {
     }
   }
   ~Running() {
-    if (child_ > 0) ::kill(child_, SIGKILL), ::waitpid(child_, nullptr, 0);
+    if (child_ <= 0) return;
+    ::kill(child_, SIGKILL);
+    ::waitpid(child_, nullptr, 0);
   }
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;
 
-  // False when the program ends, or 30 s pass, before the file is there.
-  bool makes(const fs::path& file) const {
-    for (const auto from = Clock::now(); Clock::now() - from < std::chrono::seconds(30);) {
-      if (fs::exists(file)) return true;
-      if (::kill(child_, 0) != 0) return false;
+  // Waits until something holds. False when the program ends, or a minute passes, before that.
+  template <class Condition>
+  bool reaches(const Condition& holds) const {
+    for (const auto from = Clock::now(); Clock::now() - from < std::chrono::minutes(1);) {
+      if (holds()) return true;
+      siginfo_t ended = {};
+      if (::waitid(P_PID, static_cast<id_t>(child_), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 || ended.si_pid != 0)
+        return holds();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return false;
+  }
+  // Waits until it has used so much CPU time: then it is in the middle of its work, on a busy machine too.
+  bool works(double seconds) const {
+    return reaches([&] {
+      clockid_t clock;
+      timespec used = {};
+      if (::clock_getcpuclockid(child_, &clock) != 0 || ::clock_gettime(clock, &used) != 0) return false;
+      return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec) >= seconds;
+    });
   }
   void interrupt() {
     ::kill(child_, SIGINT);
@@ -86,29 +102,54 @@ class Cli : public ::testing::Test {
   const fs::path& folder = place.path;
   void SetUp() override { ::unsetenv("SANDGLASS_DATA_DIR"); }  // a test that needs a data folder makes one
 
-  std::string path(const std::string& name) const { return place / name; }
-  std::string write(const std::string& name, const std::string& content) const {
-    std::ofstream(path(name), std::ios::binary) << content;
-    return path(name);
+  void write(const std::string& name, const std::string& content) const {
+    fs::create_directories((folder / name).parent_path());
+    std::ofstream(folder / name, std::ios::binary) << content;
   }
-  static std::string read(const std::string& file) {
+  std::string read(const std::string& name) const {
     std::ostringstream text;
-    text << std::ifstream(file, std::ios::binary).rdbuf();
+    text << std::ifstream(folder / name, std::ios::binary).rdbuf();
     return text.str();
   }
-  Outcome run(const std::string& arguments) const {
-    const std::string command = command_line(arguments) + " >'" + path("stdout") + "' 2>'" + path("stderr") + "'";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(path("stdout")), read(path("stderr"))};
+  bool exists(const std::string& name) const { return fs::exists(folder / name); }
+  // What lies in the folder, without what the test's own calls write.
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& entry : fs::directory_iterator(folder)) all.push_back(entry.path().filename().string());
+    std::erase_if(all, [](const std::string& name) { return name == "stdout" || name == "stderr"; });
+    std::sort(all.begin(), all.end());
+    return all;
   }
-  // Expects exit code 2 and one line on stderr. It starts with the program's name, contains `named` and ends in a full stop.
+  Outcome run(const std::string& arguments) const {
+    const int status = std::system(("cd '" + folder.string() + "' && " + command_line(arguments)).c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("stdout"), read("stderr")};
+  }
+  Outcome done(const std::string& arguments) const {
+    Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 0) << arguments << "\n" << outcome.err;
+    return outcome;
+  }
+  // Expects exit code 2 and one line on stderr. It starts with the program's name, contains `named` and ends in a full
+  // stop.
   void expect_refused(const std::string& arguments, const std::string& named) const {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.out << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     EXPECT_TRUE(outcome.err.starts_with("sandglass") && outcome.err.ends_with(".\n")) << outcome.err;
-    EXPECT_NE(outcome.err.find(named), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find(named), std::string::npos) << arguments << "\n" << named << "\n" << outcome.err;
     EXPECT_EQ(outcome.out.find("hash"), std::string::npos);
+  }
+  // Each line of the table is a command and what its refusal says, "run nowhere | no file". No command leaves a file, or
+  // changes one.
+  void expect_refusals(const std::string& table) const {
+    const std::vector<std::string> before = names();
+    std::istringstream lines(table);
+    for (std::string line; std::getline(lines, line);) {
+      const size_t bar = line.find(" | ");
+      if (bar == std::string::npos) continue;
+      expect_refused(line.substr(0, bar), line.substr(bar + 3));
+      EXPECT_EQ(names(), before) << line;
+    }
   }
   // The names that a command's help lists: commands, suites, or options.
   std::vector<std::string> listed(const std::string& command) const {
@@ -119,28 +160,31 @@ class Cli : public ::testing::Test {
     return names;
   }
   // A small room with a lamp in a column of its panorama.
-  std::string panorama(const std::string& name, int lamp, double blue = 0.2) const {
+  void panorama(const std::string& name, int lamp, double blue = 0.2) const {
     host::RadianceMap map(64, 32);
     for (int v = 0; v < 32; ++v)
       for (int u = 0; u < 64; ++u) map.set(u, v, {0.3, 0.4, u == lamp && v == 5 ? 90.0 : blue});
     fs::create_directories((folder / name).parent_path());
-    host::write_hdr(path(name), map);
-    return path(name);
+    host::write_hdr(place / name, map);
   }
-  std::string tiny_scene(const std::string& more = "") const {
-    return write(
-        "tiny.json",
-        R"({"frames": 3, "particle_radius": 0.01, )" + more +
-            R"("bodies": [{"shape": "box", "size": [0.06, 0.08, 0.06], "grains": 200, "position": [0, 0.02, 0]}],
+  void photograph(const std::string& name, host::Colour colour = {90, 120, 40}, int width = 64) const {
+    host::write_png(place / name, host::Picture(width, std::max(1, width * 3 / 4), colour));
+  }
+  // The scene tiny.json; `more` are further keys of it.
+  void tiny_scene(const std::string& more = "", const std::string& name = "tiny.json") const {
+    write(name,
+          R"({"frames": 3, "particle_radius": 0.01, )" + more +
+              R"("bodies": [{"shape": "box", "size": [0.06, 0.08, 0.06], "grains": 200, "position": [0, 0.02, 0]}],
                                   "colliders": [{"shape": "half_space"}]})");
   }
-  // The content of a lighting network of random numbers.
-  static std::string random_network() {
-    const std::vector<uint8_t> bytes = host::light_file_bytes(host::random_light_file(3));
-    return {bytes.begin(), bytes.end()};
+  void mesh_scene() const {
+    write("mesh.json", R"({"frames": 2, "particle_radius": 0.01, "bodies": [{"shape": "mesh", "size": 0.1}]})");
   }
-  std::string mesh_scene() const {
-    return write("mesh.json", R"({"frames": 2, "particle_radius": 0.01, "bodies": [{"shape": "mesh", "size": 0.1}]})");
+  // random.light, a lighting network of random numbers; and its content.
+  std::string random_network() const {
+    const std::vector<uint8_t> bytes = host::light_file_bytes(host::random_light_file(3));
+    write("random.light", {bytes.begin(), bytes.end()});
+    return {bytes.begin(), bytes.end()};
   }
 };
 
