@@ -70,8 +70,10 @@ def check_the_rest(browser, rows):
     for word in ('known <run> & "page"', "</script> is text.", "0x<7>", "budget used", "45 of 120 frames over it"):
         check(word in text, f"'{word}' is not on the page")
     row = rows[-1]
-    read = browser.ask(f"""document.querySelector('#timeline rect[data-frame="{row["frame"]}"]').parentElement.querySelector('title').textContent""")
-    for word in (f"frame {row['frame']}: {float(row['elapsed_ms']):.3f} of 4 ms", f"shadow {float(row['shadow_ms']):.3f} ms, {row['shadow_units']} units"):
+    bar = f"""document.querySelector('#timeline rect[data-frame="{row["frame"]}"]').parentElement"""
+    read = browser.ask(f"{bar}.querySelector('title').textContent")
+    for word in (f"frame {row['frame']}: {float(row['elapsed_ms']):.3f} of 4 ms",
+                 f"shadow {float(row['shadow_ms']):.3f} ms, {row['shadow_units']} units"):
         check(word in read, f"pointing at a bar says: {read}")
     unnamed = browser.ask("""[...document.querySelectorAll('svg, img, input')].filter(e =>
         !(e.getAttribute('aria-label') || e.alt)).length""")
