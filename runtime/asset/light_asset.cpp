@@ -21,7 +21,7 @@ constexpr uint32_t k_tables_limit = 2 + k_dense_blocks + 4 * k_dense_layer_count
 
 constexpr AssetRefusals k_refusals = {
     "asset is NULL: pass the bytes of a lighting network's file",
-    "the file is not a lighting network: name one that `sandglass quantise-light` wrote",
+    "the file is not a lighting network: name one that models/lighting/quantise.py wrote",
     "the lighting file is damaged or cut off (its checksum differs): copy it again"};
 
 // The numbers, if there are `count` and all lie in -limit..limit; else null.
