@@ -386,12 +386,16 @@ TEST(Field, SandComesBackFromACornerOfAContainer) {
   }
 }
 
+struct alignas(64) Line {
+  uint8_t bytes[64];
+};
+
 // A table of `height`, made in the given memory.
-const sandglass_field* table_in(std::vector<uint64_t>* memory, float height) {
+const sandglass_field* table_in(std::vector<Line>* memory, float height) {
   const sandglass::Box box{{-0.3f, -0.3f, -0.3f}, {0.3f, 0.3f, 0.3f}};
   uint64_t bytes = 0;
   accept({sandglass_field_bytes(box.min, box.max, 0.02f, &bytes, nullptr), nullptr});
-  memory->assign(bytes / 8 + 8, 0);
+  memory->assign(bytes / sizeof(Line) + 1, {});
   const auto distance = [](void* user, const float* p) {
     return std::fmax(std::fmax(std::fabs(p[0]) - 0.25f, std::fabs(p[2]) - 0.25f),
                      std::fabs(p[1] + 0.12f) - (0.12f + *static_cast<float*>(user)));
@@ -412,7 +416,7 @@ sandglass_collider collider_of(const sandglass_field* field) {
 // Pointers are the same: what a field holds decides.
 TEST(Field, RebuiltInTheSameMemoryWakesWhatRestedOnIt) {
   for (const bool lower : {false, true}) {
-    std::vector<uint64_t> memory;
+    std::vector<Line> memory;
     GranularScene scene(description(200));
     scene.add(lattice(4, 3, 4, 0.0202f, 0.01f));
     scene.colliders.push_back(collider_of(table_in(&memory, 0.0f)));
@@ -432,7 +436,7 @@ TEST(Field, IsNotReadOnceItIsNoLongerPassed) {
   sandglass_scene_desc desc = description(400, 1600);
   desc.clock = sandglass::virtual_clock(&clock);
   desc.unit_items = 64;
-  std::vector<uint64_t> memory;
+  std::vector<Line> memory;
   GranularScene scene(desc);
   const std::vector<float> sand = lattice(6, 5, 6, 0.0202f, 0.01f);
   scene.add(sand, {}, grains_about(sand, 0.004f));
