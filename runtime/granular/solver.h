@@ -400,6 +400,7 @@ struct Departed {
   BodySpan* spans;  // one a body
   float below;      // depth from which on sand has departed
   float horizon;    // seconds
+  float reach;      // metres that a particle may go in that time, besides its fall, and not be fast
   Bounds others, fast_ones;
   float others_speed2, fast_speed2;
   uint32_t found, fast_count;
