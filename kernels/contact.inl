@@ -11,7 +11,7 @@
 // half of a correction this particle takes. One side takes more by what the other takes less, so every contact lifts
 // the pair. That lift carries the layers above. It must not exceed their weight, or towers jump and impacts throw. So
 // the sum that weighting adds to a particle is limited to a multiple of gravity's own displacement (lift_max).
-SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Float nz) {
+SANDGLASS_INLINE Float height_share(const ContactLaw* a, Float nx, Float ny, Float nz) {
   const Float c = dot3(nx, ny, nz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
   return c * (broadcast(a->weight_linear) + broadcast(a->weight_cubic) * (c * c));
 }
@@ -47,20 +47,36 @@ SANDGLASS_INLINE Mask same_body(Float a, Float b) {
 }
 
 // What is the same for all particles of a pass.
-struct ContactTerms {
-  Float scale, gravity[3];
-  Float diameter, diameter2;
+struct FrictionTerms {
   Float static2, kinetic;  // the static coefficient squared; the kinetic one
-  Float omega, stick;
+};
+struct ContactTerms {
+  Float diameter, diameter2;
+  Float omega;
+  FrictionTerms friction;
+};
+struct StepTerms {
+  Float scale, gravity[3];
 };
 
-SANDGLASS_INLINE ContactTerms contact_terms(const ContactArgs* a) {
+template <class Args>
+SANDGLASS_INLINE FrictionTerms friction_terms(const Args* a) {
+  return {broadcast(a->static_friction * a->static_friction), broadcast(a->kinetic_friction)};
+}
+
+SANDGLASS_INLINE ContactTerms contact_terms(const ContactLaw* a) {
   ContactTerms t;
+  t.diameter = broadcast(a->diameter), t.diameter2 = t.diameter * t.diameter;
+  t.omega = broadcast(a->relaxation);
+  t.friction = friction_terms(a);
+  return t;
+}
+
+template <class Args>
+SANDGLASS_INLINE StepTerms step_terms(const Args* a) {
+  StepTerms t;
   t.scale = broadcast(a->scale);
   for (int k = 0; k < 3; ++k) t.gravity[k] = broadcast(a->gravity[k]);
-  t.diameter = broadcast(a->diameter), t.diameter2 = t.diameter * t.diameter;
-  t.static2 = broadcast(a->static_friction * a->static_friction), t.kinetic = broadcast(a->kinetic_friction);
-  t.omega = broadcast(a->relaxation), t.stick = broadcast(a->stick);
   return t;
 }
 
@@ -74,7 +90,7 @@ struct ContactSum {
 
 // How much of a tangential displacement t friction takes against a normal correction of this length. It sticks while
 // |t| <= mu_s |normal|; else it slides with mu_k |normal| / |t|, at most 1 (4.24-4.27).
-SANDGLASS_INLINE Float friction_grip(const ContactTerms& c, Float t2, Float normal, Mask touch) {
+SANDGLASS_INLINE Float friction_grip(const FrictionTerms& c, Float t2, Float normal, Mask touch) {
   const Float one = broadcast(1.0f);
   const Mask slides = c.static2 * (normal * normal) < t2;
   if (!any(slides & touch)) return one;
@@ -84,32 +100,32 @@ SANDGLASS_INLINE Float friction_grip(const ContactTerms& c, Float t2, Float norm
 
 // Goes through the lists of the particles from i on.
 template <bool k_solve>
-SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactTerms& t, uint32_t i, const Float* self,
-                                            Float pull) {
+SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const ContactTerms& t, const StepTerms& step,
+                                            uint32_t i, const Float* self, Float pull) {
   const Float zero = broadcast(0.0f), half = broadcast(0.5f), one = broadcast(1.0f), tiny = broadcast(1e-30f);
   const Float w = self[k_mobility];
   const Mask moves = zero < w;
-  const bool weighted = a->weight_linear != 0.0f;
+  const bool weighted = a->law.weight_linear != 0.0f;
   ContactSum sum = {zero, zero, zero, zero, zero, zero, zero, zero < zero};
   uint32_t slots = 0;
   for (uint32_t l = 0; l < k_width; ++l) slots = a->counts[i + l] > slots ? a->counts[i + l] : slots;
   const uint32_t* row = a->lists + static_cast<uint64_t>(i) * k_list_slots;
   for (uint32_t s = 0; s < slots; ++s) {
     Float other[k_record_floats];
-    load_records(floats_of(a->in), row + s, k_list_slots, other);
+    load_records(floats_of(a->end.in), row + s, k_list_slots, other);
     Float rx = zero, ry = zero, rz = zero;  // relative displacement (correction to 4.17)
     Float ex = other[k_x] - self[k_x], ey = other[k_y] - self[k_y], ez = other[k_z] - self[k_z];
     const Mask free = zero < other[k_mobility];
     if (k_solve) {
       const Float relative_pull = keep(free, one) - pull;
-      rx = t.scale * (other[k_vx] - self[k_vx]) + t.gravity[0] * relative_pull;
-      ry = t.scale * (other[k_vy] - self[k_vy]) + t.gravity[1] * relative_pull;
-      rz = t.scale * (other[k_vz] - self[k_vz]) + t.gravity[2] * relative_pull;
+      rx = step.scale * (other[k_vx] - self[k_vx]) + step.gravity[0] * relative_pull;
+      ry = step.scale * (other[k_vy] - self[k_vy]) + step.gravity[1] * relative_pull;
+      rz = step.scale * (other[k_vz] - self[k_vz]) + step.gravity[2] * relative_pull;
       ex = ex + rx, ey = ey + ry, ez = ez + rz;
     }
     const Float d2 = dot3(ex, ey, ez, ex, ey, ez);
     Mask touch = d2 < t.diameter2;
-    if (a->bodies != 0) touch = and_not(touch, same_body(self[k_identity], other[k_identity]));
+    if (a->law.bodies != 0) touch = and_not(touch, same_body(self[k_identity], other[k_identity]));
     if (!any(touch)) continue;
     const Float d = square_root(maximum(d2, tiny));  // no lane divides by zero, touching or not
     const Float inverse = one / d;
@@ -124,8 +140,8 @@ SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactT
     // Share of the correction: all of it against what does not move or is asleep, else by inverse mass.
     Float mine = select(free, half, one);
     Float lift = zero;
-    if (weighted) lift = height_share(a, nx, ny, nz);
-    if (a->bodies != 0 && any(touch & free & ((w < other[k_mobility]) | (other[k_mobility] < w)))) {
+    if (weighted) lift = height_share(&a->law, nx, ny, nz);
+    if (a->law.bodies != 0 && any(touch & free & ((w < other[k_mobility]) | (other[k_mobility] < w)))) {
       const Mask unequal = moves & free & ((w < other[k_mobility]) | (other[k_mobility] < w));
       const Float heavy = w * (half + lift), light = other[k_mobility] * (half - lift);
       const Float share = w / select(unequal, w + other[k_mobility], one);
@@ -142,7 +158,7 @@ SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactT
     if (k_solve) {
       const Float along = dot3(rx, ry, rz, nx, ny, nz);
       const Float tx = mine * (rx - along * nx), ty = mine * (ry - along * ny), tz = mine * (rz - along * nz);
-      const Float grip = friction_grip(t, dot3(tx, ty, tz, tx, ty, tz), push, touch);
+      const Float grip = friction_grip(t.friction, dot3(tx, ty, tz, tx, ty, tz), push, touch);
       cx = cx + grip * tx, cy = cy + grip * ty, cz = cz + grip * tz;
     }
     sum.x = sum.x + keep(touch, cx), sum.y = sum.y + keep(touch, cy), sum.z = sum.z + keep(touch, cz);
@@ -153,7 +169,7 @@ SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactT
 }
 
 // The correction that the contacts of a particle give: averaged, with a limit on what height weighting adds.
-SANDGLASS_INLINE void weigh_contacts(const ContactArgs* a, Float omega, ContactSum* sum) {
+SANDGLASS_INLINE void weigh_contacts(const ContactLaw* a, Float omega, ContactSum* sum) {
   const Float one = broadcast(1.0f), tiny = broadcast(1e-30f);
   const Float factor = minimum(omega / maximum(sum->contacts, one), one);
   sum->x = factor * sum->x, sum->y = factor * sum->y, sum->z = factor * sum->z;
@@ -171,7 +187,7 @@ SANDGLASS_INLINE void weigh_contacts(const ContactArgs* a, Float omega, ContactS
 // speed (leave_max): a collider that jumped, or that appeared in sand, throws nothing. Since a push always undoes the
 // motion into the collider, a particle gets no deeper into the last collider that pushes it, whatever the others did.
 template <bool k_solve>
-SANDGLASS_INLINE void leave_colliders(const ContactArgs* a, const ContactTerms& t, Float position[3],
+SANDGLASS_INLINE void leave_colliders(const CompleteArgs* a, const FrictionTerms& t, Float position[3],
                                       Float displacement[3]) {
   for (uint32_t c = 0; c < a->collider_count; ++c) {
     const ColliderFrame& collider = a->colliders[c];
@@ -223,7 +239,7 @@ SANDGLASS_INLINE ContactExtrema no_extrema() {
 }
 
 // After a pass of the stabilisation, which moves the start positions only. A move beyond the CFL limit is left out.
-SANDGLASS_INLINE void put_stabilised(const ContactArgs* a, const Float* self, Mask moves, const Float position[3],
+SANDGLASS_INLINE void put_stabilised(const CompleteArgs* a, const Float* self, Mask moves, const Float position[3],
                                      Float* out) {
   const Float mx = position[0] - self[k_x], my = position[1] - self[k_y], mz = position[2] - self[k_z];
   const Float m2 = dot3(mx, my, mz, mx, my, mz);
@@ -243,9 +259,9 @@ SANDGLASS_INLINE Mask sound_only(Float move[3]) {
 }
 
 // After the last pass: moves the particles from i on, by no more than the CFL limit, and gives them their velocity. The
-// limit is not for those that have departed, and the extrema are not of them.
-SANDGLASS_INLINE void put_moved(const ContactArgs* a, uint32_t i, const Float* self, Mask live, Mask wakes,
-                                Float move[3], ContactExtrema* seen, ContactExtent* extent) {
+// limit is not for those that have departed, and the extrema are not of them. Returns the squares of the ways.
+SANDGLASS_INLINE Float put_moved(const CompleteArgs* a, uint32_t i, const Float* self, Mask live, Float move[3],
+                                 ContactExtrema* seen) {
   const Mask sound = sound_only(move);
   Float move2 = dot3(move[0], move[1], move[2], move[0], move[1], move[2]);
   Float out[k_record_floats];
@@ -278,10 +294,6 @@ SANDGLASS_INLINE void put_moved(const ContactArgs* a, uint32_t i, const Float* s
       out[k_vx + k] = select(bad, zero, out[k_vx + k]);
     }
   }
-  if (any(wakes & live & (broadcast(a->wake_displacement * a->wake_displacement) < move2))) {
-    a->touched[i / k_lane_group] = 1;
-    extent->touched = 1;
-  }
   seen->speed2 = maximum(keep(counted, move2 / (step * step)), seen->speed2);
   const bool whole = all(counted);
   for (int k = 0; k < 3; ++k) {
@@ -293,6 +305,7 @@ SANDGLASS_INLINE void put_moved(const ContactArgs* a, uint32_t i, const Float* s
     seen->move_high[k] = whole ? move_high : select(counted, move_high, seen->move_high[k]);
   }
   store_records(floats_of(a->out + i), out);
+  return move2;
 }
 
 SANDGLASS_INLINE void put_extrema(const ContactExtrema& seen, ContactExtent* extent) {
@@ -306,9 +319,12 @@ SANDGLASS_INLINE void put_extrema(const ContactExtrema& seen, ContactExtent* ext
 }
 
 template <bool k_solve>
-SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_t end, ContactExtent* extent) {
+SANDGLASS_INLINE void contact_pass(const AveragedArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {
+  const ContactLaw* const law = &args->law;
+  const CompleteArgs* const a = &args->end;
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
-  const ContactTerms terms = contact_terms(a);
+  const ContactTerms terms = contact_terms(law);
+  const StepTerms step = step_terms(args);
   ContactExtrema seen = no_extrema();
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t i = a->groups[item / k_lane_group] * k_lane_group + item % k_lane_group;
@@ -318,13 +334,13 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
     const Float pull = keep(moves, one);  // gravity acts on what moves
     Float position[3] = {self[k_x], self[k_y], self[k_z]};
     Float move[3] = {zero, zero, zero};  // over the sub-step so far
-    for (int k = 0; k_solve && k < 3; ++k) move[k] = terms.scale * self[k_vx + k] + terms.gravity[k] * pull;
+    for (int k = 0; k_solve && k < 3; ++k) move[k] = step.scale * self[k_vx + k] + step.gravity[k] * pull;
 
-    ContactSum sum = gather_contacts<k_solve>(a, terms, i, self, pull);
-    weigh_contacts(a, terms.omega, &sum);
+    ContactSum sum = gather_contacts<k_solve>(args, terms, step, i, self, pull);
+    weigh_contacts(law, terms.omega, &sum);
     Float* corrected = k_solve ? move : position;
     corrected[0] = corrected[0] + sum.x, corrected[1] = corrected[1] + sum.y, corrected[2] = corrected[2] + sum.z;
-    leave_colliders<k_solve>(a, terms, position, move);
+    leave_colliders<k_solve>(a, terms.friction, position, move);
 
     Float out[k_record_floats];
     out[k_mobility] = self[k_mobility], out[k_identity] = self[k_identity];
@@ -336,21 +352,25 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
     const Mask inside =
         lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->particle_count));
     const Mask live = inside & moves;
-    if (a->last != 0) {
-      put_moved(a, i, self, live, sum.wakes, move, &seen, extent);
+    if (args->last != 0) {
+      const Float move2 = put_moved(a, i, self, live, move, &seen);
+      if (any(sum.wakes & live & (broadcast(law->wake_displacement * law->wake_displacement) < move2))) {
+        law->touched[i / k_lane_group] = 1;
+        extent->touched = 1;
+      }
       continue;
     }
     sound_only(move);
     for (int k = 0; k < 3; ++k) out[k] = self[k], out[k_vx + k] = keep(live, move[k]);
     store_records(floats_of(a->out + i), out);
   }
-  if (k_solve && a->last != 0) put_extrema(seen, extent);
+  if (k_solve && args->last != 0) put_extrema(seen, extent);
 }
 
-static void contact_stabilise(const ContactArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {
+static void contact_stabilise(const AveragedArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {
   contact_pass<false>(args, begin, end, extent);
 }
 
-static void contact_solve(const ContactArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {
+static void contact_solve(const AveragedArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {
   contact_pass<true>(args, begin, end, extent);
 }

@@ -91,17 +91,8 @@ static inline void find_extent(ColliderFrame* frame) {
   }
 }
 
-// A pass over particles. contact_stabilise and contact_solve are Jacobi passes: contacts and friction from the positions
-// before the pass, then colliders. predict_motion and complete_motion are what comes before and after contact_pairs;
-// they need no lists. Reads `in`, writes `out`. The range is of items: item i is lane i % 16 of record group
-// groups[i / 16].
-struct ContactArgs {
-  const Particle* in;
-  Particle* out;
-  const uint32_t* groups;
-  const uint32_t* lists;
-  const uint8_t* counts;
-  uint32_t particle_count;  // lanes from here on are padding
+// What a contact of two particles does, by either scheme.
+struct ContactLaw {
   float diameter;
   float static_friction, kinetic_friction;
   float relaxation;                   // omega
@@ -109,24 +100,49 @@ struct ContactArgs {
   // Metres. Jacobi: height weighting lifts a particle by no more in this pass. Pairs: it lifts no pair that rises faster
   // in this sub-step.
   float lift_max;
-  // Of pairs: 1 / omega, and in metres what a pair may be driven apart by in a sub-step.
-  float inverse_relaxation, separation_max;
-  float stick;  // of pairs: the share of the slip that friction takes in a sub-step as long as it sticks
   float up[3];
-  float scale;  // displacement = scale * u + gravity * w: (time step, g dt^2) in the first pass, (1, 0) later
-  float gravity[3];
-  int32_t last;            // 1: write x + displacement and velocity; 0: x and displacement
-  float step;              // dt
-  float displacement_max;  // CFL limit of one sub-step, metres
-  int32_t departed;        // 1: some particles have departed
-  const ColliderFrame* colliders;
-  uint32_t collider_count;
-  float leave_max;  // metres a sub-step: how much faster than a collider what is deep in it leaves it
-  float radius;
   int32_t bodies;  // 1: masses may differ, and particles of one body ignore each other
   // Metres. A particle that moves further in this sub-step and touches a sleeper marks its own group.
   float wake_displacement;
   uint8_t* touched;  // one for each group: 1 where it is marked
+};
+
+// A pass over particles reads `in` and writes `out`. The range is of items: item i is lane i % 16 of record group
+// groups[i / 16]. predict_motion and complete_motion are what comes before and after contact_pairs; they need no lists.
+struct PredictArgs {
+  const Particle* in;
+  Particle* out;
+  const uint32_t* groups;
+  float scale;  // displacement = scale * u + gravity * w: the time step, and g dt^2
+  float gravity[3];
+};
+
+// How a sub-step ends: colliders, limits, and the new state.
+struct CompleteArgs {
+  const Particle* in;
+  Particle* out;
+  const uint32_t* groups;
+  uint32_t particle_count;  // lanes from here on are padding
+  float radius;
+  float static_friction, kinetic_friction;  // of colliders
+  float step;                               // dt
+  float displacement_max;                   // CFL limit of one sub-step, metres
+  float leave_max;   // metres a sub-step: how much faster than a collider what is deep in it leaves it
+  int32_t departed;  // 1: some particles have departed
+  uint32_t collider_count;
+  const ColliderFrame* colliders;
+};
+
+// contact_stabilise and contact_solve are Jacobi passes: contacts and friction from the positions before the pass, then
+// colliders.
+struct AveragedArgs {
+  ContactLaw law;
+  CompleteArgs end;
+  const uint32_t* lists;
+  const uint8_t* counts;
+  float scale;  // as of PredictArgs in the first pass; (1, 0) later
+  float gravity[3];
+  int32_t last;  // 1: write x + displacement and velocity; 0: x and displacement
 };
 
 // What a range of the last pass saw, of what has not departed. Extrema are exact, so they combine in any order.
@@ -140,13 +156,15 @@ struct ContactExtent {
 
 // One Gauss-Seidel pass over contacts in pairs. The range is of pairs, in which no particle that may be written comes
 // twice; pairs with the inert record fill it up to a multiple of 16. Pair p is lane p % 16 of group groups[p / 16].
-// predict_motion has written the particles, complete_motion goes over them afterwards; both take ContactArgs, of the
-// first pass and of the last.
+// predict_motion has written the particles, complete_motion goes over them afterwards.
 struct PairArgs {
+  ContactLaw law;
   Particle* particles;  // at the start of the sub-step, with their displacement since then
   const uint32_t *first, *second, *groups;
-  int32_t fixed;        // 1: the second particle of each pair is one of the boundary, and is never written
-  ContactArgs contact;  // radii, friction, weighting, up and limits; its arrays are not used
+  int32_t fixed;  // 1: the second particle of each pair is one of the boundary, and is never written
+  // 1 / omega, and in metres what a pair may be driven apart by in a sub-step.
+  float inverse_relaxation, separation_max;
+  float stick;  // the share of the slip that friction takes in a sub-step as long as it sticks
 };
 
 // Wakes the sleepers near colliders: those whose distance to a collider is below its margin and their own radius

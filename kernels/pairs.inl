@@ -6,9 +6,9 @@
 // holds its position at the start of the sub-step and its displacement since then, as between Jacobi passes
 // (contact.inl).
 
-static void predict_motion(const ContactArgs* a, uint32_t begin, uint32_t end, uint32_t* unused) {
+static void predict_motion(const PredictArgs* a, uint32_t begin, uint32_t end, uint32_t* unused) {
   (void)unused;
-  const ContactTerms terms = contact_terms(a);
+  const StepTerms terms = step_terms(a);
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t i = a->groups[item / k_lane_group] * k_lane_group + item % k_lane_group;
     Float r[k_record_floats];
@@ -22,7 +22,7 @@ static void predict_motion(const ContactArgs* a, uint32_t begin, uint32_t end, u
 // What height weighting adds to the share of the first particle of a pair: see height_share. It lifts both particles.
 // Each contact of a tower would then lift what is above it. So the lift only brakes a fall: it ends where the pair
 // rises, on average, by as much as gravity takes in a sub-step (lift_max).
-SANDGLASS_INLINE Float pair_lift(const ContactArgs* a, const Float* self, const Float* relative, const Float normal[3],
+SANDGLASS_INLINE Float pair_lift(const ContactLaw* a, const Float* self, const Float* relative, const Float normal[3],
                                  Float overlap, Float share, Float first_mass, Float second_mass) {
   const Float zero = broadcast(0.0f), half = broadcast(0.5f), one = broadcast(1.0f), tiny = broadcast(1e-30f);
   const Float up[3] = {broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2])};
@@ -38,7 +38,7 @@ SANDGLASS_INLINE Float pair_lift(const ContactArgs* a, const Float* self, const 
 
 // The lift of a pair adds momentum along its normal. Of pairs with a body only the upright part is kept: sand that is
 // caught between particles of a body would drive it over the floor, at metres a second.
-SANDGLASS_INLINE void level_lift(const ContactArgs* a, Mask of_body, const Float normal[3], Float lift, Float mine[3],
+SANDGLASS_INLINE void level_lift(const ContactLaw* a, Mask of_body, const Float normal[3], Float lift, Float mine[3],
                                  Float others[3]) {
   const Float up[3] = {broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2])};
   const Float rise = dot3(normal[0], normal[1], normal[2], up[0], up[1], up[2]);
@@ -49,7 +49,7 @@ SANDGLASS_INLINE void level_lift(const ContactArgs* a, Mask of_body, const Float
 }
 
 // Marks the groups of some particles. One copy: it is rare.
-SANDGLASS_APART void mark_groups(const ContactArgs* a, Mask which, const uint32_t* particles, uint32_t* touched) {
+SANDGLASS_APART void mark_groups(const ContactLaw* a, Mask which, const uint32_t* particles, uint32_t* touched) {
   alignas(64) float flags[k_lane_group];
   store(flags, keep(which, broadcast(1.0f)));
   for (uint32_t l = 0; l < k_width; ++l) {
@@ -60,12 +60,18 @@ SANDGLASS_APART void mark_groups(const ContactArgs* a, Mask which, const uint32_
 }
 
 // Marks the groups of particles that run into a sleeper faster than the wake speed, as far as this pass can tell.
-SANDGLASS_INLINE void note_sleepers(const ContactArgs* a, Mask wakes, const uint32_t* mover, const Float* moved,
+SANDGLASS_INLINE void note_sleepers(const ContactLaw* a, Mask wakes, const uint32_t* mover, const Float* moved,
                                     uint32_t* touched) {
   const Float limit = broadcast(a->wake_displacement * a->wake_displacement);
   const Mask fast = wakes & (limit < dot3(moved[0], moved[1], moved[2], moved[0], moved[1], moved[2]));
   if (any(fast)) mark_groups(a, fast, mover, touched);
 }
+
+// What is the same for all pairs of a pass.
+struct PairTerms {
+  ContactTerms contact;
+  Float inverse_relaxation, separation_max, stick;
+};
 
 // Pairs of one range that touch. A pass goes over many that do not: most vectors would hold one or two that do.
 struct Touching {
@@ -76,9 +82,9 @@ struct Touching {
 
 // One vector of pairs that touch: the first `count` lanes.
 template <bool k_fixed>
-SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, const uint32_t* first,
+SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const PairTerms& t, const uint32_t* first,
                                   const uint32_t* second, uint32_t count, uint32_t* touched) {
-  const ContactArgs* a = &args->contact;
+  const ContactLaw* a = &args->law;
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), tiny = broadcast(1e-30f);
   float* particles = floats_of(args->particles);
   Float r[k_record_floats];  // of the second particle relative to the first
@@ -110,17 +116,17 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, c
   if (any(coincident)) part_coincident(first, second, 1, coincident, &n[0], &n[1], &n[2]);
   // The speed at which an overlap drives a pair apart is limited; the rest of the overlap goes in later sub-steps.
   const Float along = dot3(r[k_vx], r[k_vy], r[k_vz], n[0], n[1], n[2]);
-  const Float overlap =
-      maximum(d - t.diameter, broadcast(a->inverse_relaxation) * minimum(along - broadcast(a->separation_max), zero));
+  const Float overlap = maximum(d - t.contact.diameter, t.inverse_relaxation * minimum(along - t.separation_max, zero));
   const Float slip[3] = {t.stick * (r[k_vx] - along * n[0]), t.stick * (r[k_vy] - along * n[1]),
                          t.stick * (r[k_vz] - along * n[2])};
   const Float grip =
-      t.omega * friction_grip(t, dot3(slip[0], slip[1], slip[2], slip[0], slip[1], slip[2]), overlap, touch);
+      t.contact.omega *
+      friction_grip(t.contact.friction, dot3(slip[0], slip[1], slip[2], slip[0], slip[1], slip[2]), overlap, touch);
   const Float share = k_fixed ? one : my_mass / maximum(masses, tiny), others_share = one - share;
   Float lift = zero;
   if (!k_fixed && a->weight_linear != 0.0f) lift = pair_lift(a, self, r, n, overlap, share, my_mass, others_mass);
   // What the particles' displacements lose. `overlap` is negative.
-  const Float push = t.omega * overlap;
+  const Float push = t.contact.omega * overlap;
   Float mine[3], others[3];
   for (int k = 0; k < 3; ++k) {
     const Float normal = push * n[k], tangential = grip * slip[k];
@@ -141,7 +147,7 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, c
 
 // Solves whole vectors and keeps the rest; at the end, the rest too.
 template <bool k_fixed>
-SANDGLASS_APART void solve_touching(const PairArgs* args, const ContactTerms& t, Touching* pairs, bool all,
+SANDGLASS_APART void solve_touching(const PairArgs* args, const PairTerms& t, Touching* pairs, bool all,
                                     uint32_t* touched) {
   const uint32_t count = pairs->count;
   // Behind the last pair come copies of it that do nothing.
@@ -156,7 +162,8 @@ SANDGLASS_APART void solve_touching(const PairArgs* args, const ContactTerms& t,
 }
 
 static void contact_pairs(const PairArgs* args, uint32_t begin, uint32_t end, uint32_t* touched) {
-  const ContactTerms terms = contact_terms(&args->contact);
+  const PairTerms terms = {contact_terms(&args->law), broadcast(args->inverse_relaxation),
+                           broadcast(args->separation_max), broadcast(args->stick)};
   Touching pairs;
   pairs.count = 0;
   const auto solve = [&](bool all) {
@@ -171,7 +178,7 @@ static void contact_pairs(const PairArgs* args, uint32_t begin, uint32_t end, ui
     for (const uint32_t* const behind = first + k_lane_group; first < behind; first += k_width, second += k_width) {
       Float apart[3];
       load_approaches(floats_of(args->particles), first, second, apart);
-      const Mask touch = dot3(apart[0], apart[1], apart[2], apart[0], apart[1], apart[2]) < terms.diameter2;
+      const Mask touch = dot3(apart[0], apart[1], apart[2], apart[0], apart[1], apart[2]) < terms.contact.diameter2;
       if (__builtin_expect(!any(touch), 1)) continue;
       compress_store(pairs.first + count, load(first), touch);
       count += compress_store(pairs.second + count, load(second), touch);
@@ -182,9 +189,9 @@ static void contact_pairs(const PairArgs* args, uint32_t begin, uint32_t end, ui
   if (pairs.count != 0) solve(true);
 }
 
-static void complete_motion(const ContactArgs* a, uint32_t begin, uint32_t end, ContactExtent* extent) {
+static void complete_motion(const CompleteArgs* a, uint32_t begin, uint32_t end, ContactExtent* extent) {
   const Float zero = broadcast(0.0f);
-  const ContactTerms terms = contact_terms(a);
+  const FrictionTerms terms = friction_terms(a);
   ContactExtrema seen = no_extrema();
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t i = a->groups[item / k_lane_group] * k_lane_group + item % k_lane_group;
@@ -195,7 +202,7 @@ static void complete_motion(const ContactArgs* a, uint32_t begin, uint32_t end, 
     leave_colliders<true>(a, terms, position, move);
     const Mask inside =
         lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->particle_count));
-    put_moved(a, i, self, inside & (zero < self[k_mobility]), zero < zero, move, &seen, extent);
+    (void)put_moved(a, i, self, inside & (zero < self[k_mobility]), move, &seen);
   }
   put_extrema(seen, extent);
 }

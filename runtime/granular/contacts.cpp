@@ -37,26 +37,24 @@ constexpr float k_dither = 1.0f / 1024.0f;
 // 2^32 over the golden ratio: every stretch of the sequence averages to nothing.
 constexpr uint32_t k_dither_stride = 2654435769u;
 
-struct PassTask {
-  const Kernels* kernels;
-  SubstepPhase phase;
-  ContactArgs args;
-  ContactExtent extents[k_pieces];
-
-  void run(uint32_t piece, uint32_t begin, uint32_t end) {
-    uint32_t unused;
-    switch (phase) {
-      case SubstepPhase::stabilise:
-        return kernels->contact_stabilise(&args, begin, end, &extents[piece]);
-      case SubstepPhase::predict:
-        return kernels->predict_motion(&args, begin, end, &unused);
-      case SubstepPhase::complete:
-        return kernels->complete_motion(&args, begin, end, &extents[piece]);
-      default:
-        return kernels->contact_solve(&args, begin, end, &extents[piece]);
-    }
-  }
+// A pass over particles.
+template <class Args, class Result>
+struct Pass {
+  void (*kernel)(const Args* args, uint32_t begin, uint32_t end, Result* result);
+  Args args;
+  Result results[k_pieces];
+  void run(uint32_t piece, uint32_t begin, uint32_t end) { kernel(&args, begin, end, &results[piece]); }
 };
+
+// Runs a unit of it. True once the pass is complete.
+template <class Args, class Result>
+bool run_unit(const Granular& g, uint32_t* cursor, Pass<Args, Result>* pass) {
+  const uint32_t items = sleep_active_items(g);
+  const uint32_t end = items - *cursor < g.unit ? items : *cursor + g.unit;
+  granular_split(g, *cursor, end, pass);
+  *cursor = end;
+  return end >= items;
+}
 
 struct PairTask {
   contact_pairs_function kernel;
@@ -69,36 +67,20 @@ struct PairTask {
   }
 };
 
-// Arrays that a pass reads and writes. The first reads the state; the last writes records[1], which then becomes the
-// state; those between alternate.
-void choose_arrays(const Granular& g, uint32_t pass, uint32_t passes, ContactArgs* a) {
-  Particle* const* records = g.particles.records;
-  const uint32_t after = passes - 1 - pass;  // passes that follow
-  a->out = records[after % 2 == 0 ? 1 : 2];
-  a->in = pass == 0 ? records[0] : records[after % 2 == 0 ? 2 : 1];
-}
-
 float sticking_share(float friction) {
   const float share = k_stick * friction / k_stick_friction;
   return share < k_stick ? k_stick : (share < 1.0f ? share : 1.0f);
 }
 
-ContactArgs contact_args(const Granular& g) {
-  const Substep& s = g.substep;
-  const Contacts& c = g.contacts;
-  const bool solve = s.phase != SubstepPhase::stabilise, pairs = solves_pairs(g);
-  const uint32_t stabilisations = g.desc.reference.stabilisation_iterations;
-  const float dt = s.length;
-  ContactArgs a = {};
-  // Pairs are solved in place.
-  const uint32_t pass = pairs ? 0 : c.pass, passes = pairs ? 1 : c.iterations;
-  choose_arrays(g, solve ? stabilisations + pass : c.pass, stabilisations + passes, &a);
-  if (s.phase == SubstepPhase::complete) a.in = a.out;
-  a.groups = g.sleep.active_groups;
-  a.lists = g.neighbours.lists;
-  a.counts = g.neighbours.counts;
-  a.particle_count = g.particles.count;
-  a.radius = g.desc.particle_radius;
+// Of dense bodies, as far as it counts.
+float heaviest(const Granular& g) {
+  const float densest = g.bodies.densest;
+  return densest < 1.0f ? 1.0f : (densest < k_heaviest_counted ? densest : k_heaviest_counted);
+}
+
+ContactLaw contact_law(const Granular& g) {
+  const float dt = g.substep.length;
+  ContactLaw a = {};
   a.diameter = 2.0f * g.desc.particle_radius;
   a.static_friction = g.desc.static_friction;
   a.kinetic_friction = g.desc.kinetic_friction;
@@ -107,30 +89,94 @@ ContactArgs contact_args(const Granular& g) {
   a.weight_linear = -0.25f * k;
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
   const float weight = g.gravity_length * dt * dt;
-  a.lift_max = pairs ? weight : k_lift_gravities * weight / static_cast<float>(c.iterations);
-  a.inverse_relaxation = 1.0f / g.desc.reference.relaxation;
-  const float densest = g.bodies.densest;
-  const float heaviest = densest < 1.0f ? 1.0f : (densest < k_heaviest_counted ? densest : k_heaviest_counted);
-  a.stick = sticking_share(g.desc.static_friction);
-  a.separation_max = k_separation_units * heaviest * granular_speed_scale(g) * dt;
-  a.leave_max = heaviest * heaviest * contacts_leave_speed(g) * dt;
-  const bool first = s.phase == SubstepPhase::predict || (solve && !pairs && c.pass == 0);
-  a.scale = first ? dt : 1.0f;
-  const float dithered = 1.0f + k_dither * (static_cast<float>(static_cast<int32_t>(c.dither)) * 0x1p-31f);
-  for (int axis = 0; axis < 3; ++axis) {
+  a.lift_max = solves_pairs(g) ? weight : k_lift_gravities * weight / static_cast<float>(g.contacts.iterations);
+  for (int axis = 0; axis < 3; ++axis)
     a.up[axis] = g.gravity_length > 0.0f ? -g.gravity[axis] / g.gravity_length : 0.0f;
-    a.gravity[axis] = first ? dithered * g.gravity[axis] * dt * dt : 0.0f;
-  }
-  a.last = s.phase == SubstepPhase::complete || (solve && c.pass + 1 == c.iterations) ? 1 : 0;
-  a.step = dt;
+  a.bodies = g.bodies.count != 0 ? 1 : 0;
+  a.wake_displacement = sleep_wake_speed(g) * dt;
+  a.touched = g.sleep.touched;
+  return a;
+}
+
+// Gravity's displacement in a sub-step along an axis.
+float pull_of(const Granular& g, int axis) {
+  const float dt = g.substep.length;
+  const float dithered = 1.0f + k_dither * (static_cast<float>(static_cast<int32_t>(g.contacts.dither)) * 0x1p-31f);
+  return dithered * g.gravity[axis] * dt * dt;
+}
+
+// A pass reads one array and writes another. The first reads the state; the last writes records[1], which then becomes
+// the state; those between alternate. Pairs are solved in place.
+struct Arrays {
+  const Particle* in;
+  Particle* out;
+};
+Arrays arrays_of(const Granular& g) {
+  const Contacts& c = g.contacts;
+  const bool pairs = solves_pairs(g), stabilises = g.substep.phase == SubstepPhase::stabilise;
+  const uint32_t stabilisations = g.desc.reference.stabilisation_iterations;
+  const uint32_t pass = stabilises ? c.pass : stabilisations + (pairs ? 0 : c.pass);
+  const uint32_t after = stabilisations + (pairs ? 1 : c.iterations) - 1 - pass;  // passes that follow
+  Particle* const* records = g.particles.records;
+  return {pass == 0 ? records[0] : records[after % 2 == 0 ? 2 : 1], records[after % 2 == 0 ? 1 : 2]};
+}
+
+PredictArgs predict_args(const Granular& g) {
+  const Arrays arrays = arrays_of(g);
+  PredictArgs a = {arrays.in, arrays.out, g.sleep.active_groups, g.substep.length, {}};
+  for (int axis = 0; axis < 3; ++axis) a.gravity[axis] = pull_of(g, axis);
+  return a;
+}
+
+CompleteArgs complete_args(const Granular& g, const Particle* in, Particle* out) {
+  CompleteArgs a = {};
+  a.in = in, a.out = out;
+  a.groups = g.sleep.active_groups;
+  a.particle_count = g.particles.count;
+  a.radius = g.desc.particle_radius;
+  a.static_friction = g.desc.static_friction;
+  a.kinetic_friction = g.desc.kinetic_friction;
+  a.step = g.substep.length;
   a.displacement_max = g.desc.courant * g.desc.particle_radius;
+  a.leave_max = heaviest(g) * heaviest(g) * contacts_leave_speed(g) * g.substep.length;
   a.departed = g.departed.count != 0 ? 1 : 0;
   a.colliders = g.colliders.substep_frames;
   a.collider_count = g.colliders.substep_count;
-  a.wake_displacement = sleep_wake_speed(g) * dt;
-  a.touched = g.sleep.touched;
-  a.bodies = g.bodies.count != 0 ? 1 : 0;
   return a;
+}
+
+AveragedArgs averaged_args(const Granular& g) {
+  const bool solves = g.substep.phase == SubstepPhase::solve, first = solves && g.contacts.pass == 0;
+  const Arrays arrays = arrays_of(g);
+  AveragedArgs a = {};
+  a.law = contact_law(g);
+  a.end = complete_args(g, arrays.in, arrays.out);
+  a.lists = g.neighbours.lists;
+  a.counts = g.neighbours.counts;
+  a.scale = first ? g.substep.length : 1.0f;
+  for (int axis = 0; axis < 3; ++axis) a.gravity[axis] = first ? pull_of(g, axis) : 0.0f;
+  a.last = solves && g.contacts.pass + 1 == g.contacts.iterations ? 1 : 0;
+  return a;
+}
+
+PairArgs pair_args(const Granular& g) {
+  PairArgs a = {};
+  a.law = contact_law(g);
+  a.particles = g.particles.records[1];
+  a.first = g.colours.first, a.second = g.colours.second, a.groups = g.colours.groups;
+  a.inverse_relaxation = 1.0f / g.desc.reference.relaxation;
+  a.separation_max = k_separation_units * heaviest(g) * granular_speed_scale(g) * g.substep.length;
+  a.stick = sticking_share(g.desc.static_friction);
+  return a;
+}
+
+// A unit of a pass that may be the last one. What it sees counts then.
+template <class Args>
+bool run_seeing(Contacts* c, const Granular& g, uint32_t* cursor, Pass<Args, ContactExtent>* pass, bool last) {
+  for (ContactExtent& e : pass->results) e = c->extent, e.quarantined = e.touched = 0;
+  const bool done = run_unit(g, cursor, pass);
+  for (uint32_t piece = 0; last && piece < k_pieces; ++piece) contacts_include(c, pass->results[piece]);
+  return done;
 }
 
 }  // namespace
@@ -171,25 +217,25 @@ void contacts_include(Contacts* c, const ContactExtent& from) {
 }
 
 bool contacts_run(Contacts* c, const Granular& g, uint32_t* cursor) {
-  PassTask task = {};
-  task.kernels = g.kernels;
-  task.phase = g.substep.phase;
-  task.args = contact_args(g);
-  const uint32_t items = sleep_active_items(g);
-  const uint32_t end = items - *cursor < g.unit ? items : *cursor + g.unit;
-  for (ContactExtent& e : task.extents) e = c->extent, e.quarantined = e.touched = 0;
-  granular_split(g, *cursor, end, &task);
-  if (task.args.last != 0) {
-    for (const ContactExtent& e : task.extents) contacts_include(c, e);
+  if (g.substep.phase == SubstepPhase::predict) {
+    Pass<PredictArgs, uint32_t> pass = {g.kernels->predict_motion, predict_args(g), {}};
+    return run_unit(g, cursor, &pass);
   }
-  *cursor = end;
-  return end >= items;
+  if (g.substep.phase == SubstepPhase::complete) {
+    Particle* const particles = arrays_of(g).out;
+    Pass<CompleteArgs, ContactExtent> pass = {g.kernels->complete_motion, complete_args(g, particles, particles), {}};
+    return run_seeing(c, g, cursor, &pass, true);
+  }
+  const bool solves = g.substep.phase == SubstepPhase::solve;
+  Pass<AveragedArgs, ContactExtent> pass = {
+      solves ? g.kernels->contact_solve : g.kernels->contact_stabilise, averaged_args(g), {}};
+  return run_seeing(c, g, cursor, &pass, pass.args.last != 0);
 }
 
 bool contacts_run_pairs(Contacts* c, const Granular& g, uint32_t* cursor) {
   PairTask task = {};
   task.kernel = g.kernels->contact_pairs;
-  task.args = {g.particles.records[1], g.colours.first, g.colours.second, g.colours.groups, 0, contact_args(g)};
+  task.args = pair_args(g);
   // Always in the same order. Every other pass backward makes forces alternate between sub-steps by 15 %. That shakes
   // the sand: friction then carries only what creeps, and the floor of a tube bore 0.72 of the weight, not 0.21.
   const uint32_t all = pair_count(g.colours);

@@ -154,8 +154,8 @@ void look_at(Departed* departed, const Granular& g, uint32_t i) {
   const bool below = in_body(p) ? d.falls && d.spans[body_of(p) - 1].below
                                 : d.falls && depth_of(g, p.position) > d.below && dot(p.velocity, g.gravity) >= 0.0f;
   if (below) return mark(departed, g, i, true);
-  const float reach = neighbours_reach(g) - fall_of(g), speed2 = dot(p.velocity, p.velocity);
-  const bool fast = d.open && !in_body(p) && !(reach > 0.0f && speed2 * d.horizon * d.horizon <= reach * reach);
+  const float speed2 = dot(p.velocity, p.velocity);
+  const bool fast = d.open && !in_body(p) && !(d.reach > 0.0f && speed2 * d.horizon * d.horizon <= d.reach * d.reach);
   if (!fast) {
     mark(departed, g, i, false);
     return count_in(&d, p);
@@ -233,6 +233,7 @@ void complete(Departed* departed, const Granular& g) {
 void begin_look(Departed* departed, const Granular& g) {
   Departed& d = *departed;
   d.horizon = static_cast<float>(time_interval(g));
+  d.reach = neighbours_reach(g) - fall_of(g);
   d.others = d.fast_ones = k_nowhere;
   d.others_speed2 = d.fast_speed2 = 0.0f;
   d.found = d.fast_count = 0;
@@ -299,13 +300,14 @@ bool departed_run(Departed* departed, const Granular& g, uint32_t* cursor) {
   const uint32_t items = departed_items(g), slots = slots_of(g);
   const uint32_t end = items - *cursor < g.unit ? items : *cursor + g.unit;
   if (*cursor == 0) begin_look(departed, g);
-  for (; *cursor < end && *cursor < slots; *cursor += k_lane_group) {
-    for (uint32_t slot = *cursor; slot < *cursor + k_lane_group && slot < g.bodies.particle_count; ++slot)
+  uint32_t at = *cursor;
+  for (; at < end && at < slots; at += k_lane_group) {
+    for (uint32_t slot = at; slot < at + k_lane_group && slot < g.bodies.particle_count; ++slot)
       measure_slot(departed, g, slot);
   }
-  if (*cursor == slots) find_below(departed, g);
-  for (; *cursor < end; *cursor += k_lane_group) {
-    const uint32_t group = (*cursor - slots) / k_lane_group;
+  if (at == slots) find_below(departed, g);
+  for (; at < end; at += k_lane_group) {
+    const uint32_t group = (at - slots) / k_lane_group;
     const uint32_t first = (g.neighbours.valid ? g.sleep.active_groups[group] : group) * k_lane_group;
     for (uint32_t i = first; i < first + k_lane_group && i < g.particles.count; ++i) look_at(departed, g, i);
     // A flow that has nothing to depart from, and that nothing has departed from, is not looked at any further.
@@ -314,7 +316,8 @@ bool departed_run(Departed* departed, const Granular& g, uint32_t* cursor) {
       return true;
     }
   }
-  if (*cursor < items) return false;
+  *cursor = at;
+  if (at < items) return false;
   complete(departed, g);
   return true;
 }

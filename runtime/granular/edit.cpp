@@ -1,5 +1,5 @@
-// What the app does to the sand between frames: adds and removes it, sets the boundary and friction, moves the scene, adds,
-// places, pushes and removes rigid bodies, saves and restores.
+// What the app does to the sand between frames: adds and removes it, sets the boundary and friction, moves the scene,
+// adds, places, pushes and removes rigid bodies, saves and restores.
 #include "runtime/core/finite.h"
 #include "runtime/core/refuse.h"
 #include "runtime/core/rigid_motion.h"

@@ -1,16 +1,16 @@
 // Granular material: the state of a scene's sand, put together from its parts, and what the scene does with it.
 //
-//   particles   physics          [sort, lists], contacts, bodies           substep.cpp   Alg. 4, in sub-steps
-//   grains      what is drawn    snapshot, [sort], refine                  sweep.cpp     (4.39-4.44), in sweeps
-//   output      grains into the app's buffer                               grains.cpp    mandatory, at the end of a frame
+//   particles   physics          [sort, lists], contacts, bodies     substep.cpp   Alg. 4, in sub-steps
+//   grains      what is drawn    snapshot, [sort], refine            sweep.cpp     (4.39-4.44), in sweeps
+//   output      grains into the app's buffer                         grains.cpp    mandatory, at the end of a frame
 //
-// Each of the three is a stage: a sequence of work units, after each of which a frame may end. A part lays out its own
-// memory, resets itself, and lives in the header and source that are named after it. A function that needs several
-// parts takes the whole Granular.
+// Each of the three is a stage: a sequence of work units, after each of which a frame may end. Four headers hold the
+// parts in layers; a part is a section there, which names the source file of the part.
 //
-// A part changes only its own fields: its functions take the part as a pointer and the rest as `const Granular&`. So what
-// one part does to another is a call, made where the whole is put together: in granular.cpp, edit.cpp and the two
-// machines, substep.cpp and sweep.cpp (tests/granular/owners.py). All of them work on the records of particles and grains.
+// A part lays out its own memory, resets itself and changes only itself: its functions take it as a pointer and the
+// rest as `const Granular&`. So what one part does to another is a call, made where the whole is put together: here, in
+// edit.cpp, and in the two machines, substep.cpp and sweep.cpp (tests/granular/owners.py). The records of particles and
+// grains are what all of them work on.
 #pragma once
 
 #include "runtime/granular/grains.h"
@@ -106,9 +106,11 @@ void granular_configure(Granular* granular, const sandglass_scene_desc& desc, co
 bool gravity_fits(const float gravity[3]);
 // Gravity, and the sub-steps that go with it. Sleepers feel it.
 void granular_set_gravity(Granular* granular, const float gravity[3]);
-// Wakes what sleeps where gravity differs by enough from that under which it fell asleep, and what that was.
+// Wakes what sleeps where gravity differs by enough from that under which it fell asleep.
 void granular_feel_gravity(Granular* granular);
+// What sleeps fell asleep under this gravity.
 void granular_set_resting_gravity(Granular* granular, const float gravity[3]);
+// Friction from now on. Wakes nobody.
 void granular_take_friction(Granular* granular, float static_friction, float kinetic_friction);
 
 // To the state without material. The description and the regions are in place.
@@ -175,9 +177,9 @@ struct SavedScene {
   uint32_t particles, free_particles, grains, free_grains, boundary, bodies, body_particles;
   SavedState state;
 };
+// Of a settled scene (save.cpp): its length in bytes; the bytes; whether bytes are those of a scene that this one has room
+// for; and then its arrays and numbers from them. False: they contradict each other.
 uint64_t granular_save_bytes(const Granular& granular);
-// A settled scene as bytes, and back (save.cpp): whether the bytes are those of a scene that this one has room for, and
-// then their arrays and numbers. False: they contradict each other.
 sandglass_status saved_write(const Granular& granular, void* data, uint64_t bytes, uint64_t* written,
                              const char** reason);
 sandglass_status saved_check(const Granular& granular, const void* data, uint64_t bytes, const char** reason);

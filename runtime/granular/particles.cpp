@@ -1,6 +1,4 @@
 // Particles and the boundary: where the records are, in which order, and the first of them on a ray.
-#include "runtime/granular/particles.h"
-
 #include "kernels/whole.h"
 #include "runtime/core/finite.h"
 #include "runtime/granular/granular.h"

@@ -52,9 +52,7 @@ float apart2(const float a[3], const float b[3]) {
 }
 
 // Squared distance from where the particle last moved on or woke.
-float moved2(const Granular& g, const Particle& p) {
-  return apart2(p.position, g.sleep.anchors[number_of(p)].position);
-}
+float moved2(const Sleep& sleep, const Particle& p) { return apart2(p.position, sleep.anchors[number_of(p)].position); }
 
 // Particle i, whose state is awake already, counts as awake from now on.
 void begin_waking_one(Sleep* sleep, const Granular& g, uint32_t i) {
@@ -321,7 +319,7 @@ bool sleep_run_wake(Sleep* sleep, const Granular& g, uint32_t* cursor) {
       const Particle& p = *particle_at(g, i);
       const float* v = p.velocity;
       if (!is_awake(p) || has_departed(p) || !(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > speed2)) continue;
-      if (moved2(g, p) > stir2) wake_neighbours(sleep, g, i);
+      if (moved2(*sleep, p) > stir2) wake_neighbours(sleep, g, i);
     }
   }
   return *cursor >= sleep->active_count;
@@ -373,7 +371,7 @@ bool sleep_run_sleep(Sleep* sleep, const Granular& g, uint32_t* cursor) {
       Anchor& anchor = sleep->anchors[number_of(p)];
       const uint16_t carried = anchor.carried;
       const float most = in_body(p) ? body_limit : limit;
-      if (moved2(g, p) > most * most) {
+      if (moved2(*sleep, p) > most * most) {
         move_on(sleep, g, p);
         if (!has_departed(p)) wake_neighbours(sleep, g, i);
       } else if (carried != 0) {

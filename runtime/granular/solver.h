@@ -90,7 +90,7 @@ extern const QualityLevel k_ladder[SANDGLASS_LEVEL_COUNT];
 uint32_t level_iterations(const QualityLevel& level, uint32_t iterations);
 float level_substep(const QualityLevel& level, uint32_t iterations, float longest);
 
-// ---- Substep (substep.cpp, contacts.cpp)
+// ---- Substep (substep.cpp)
 //
 // The particles' stage: simulated time in equal sub-steps, each a sequence of phases, each phase a sequence of units.
 // One machine says which phase follows which (substep.cpp).
@@ -230,9 +230,9 @@ void bodies_restore(Bodies* bodies, const SavedScene& saved);
 
 bool bodies_has(const Bodies& bodies, uint32_t index);
 bool bodies_awake(const Granular& granular, const RigidBody& body);
-// The number of a body that is added. capacity: there is none.
+// The lowest free number of a body; `capacity` where none is free.
 uint32_t bodies_free_number(const Bodies& bodies, uint32_t capacity);
-// A body of the particles from this row on, at rest around their middle, with velocities but without theirs.
+// Adds a body of the particles from this row on. Their records stay: who adds it lets them join, with its velocities.
 void bodies_add(Bodies* bodies, const Granular& granular, uint32_t number, const sandglass_body& body,
                 uint32_t first_row);
 // Takes the body out. Its particles are gone. No phase of the bodies may be under way.
@@ -400,6 +400,7 @@ struct Departed {
   BodySpan* spans;  // one a body
   float below;      // depth from which on sand has departed
   float horizon;    // seconds
+  float reach;      // metres that a particle may go in that time, besides its fall, and not be fast
   Bounds others, fast_ones;
   float others_speed2, fast_speed2;
   uint32_t found, fast_count;

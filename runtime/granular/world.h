@@ -31,8 +31,8 @@ struct SceneMove {
 
 // ---- Colliders (colliders.cpp)
 //
-// Colliders on their way through a frame: checked once, recognised, held still (runtime/core/held_pose.h), posed at the instant at
-// which a sub-step ends, and compared with those of earlier frames, because sand sleeps on them.
+// Colliders on their way through a frame: checked once, recognised, held still (runtime/core/held_pose.h), posed at the
+// instant at which a sub-step ends, and compared with those of earlier frames, because sand sleeps on them.
 //
 // A collider is recognised from frame to frame by its id, else by an equal pose, else by its place in the list, else as
 // the nearest of its shape; one that was not passed in the last frame only about where it was. It then has a slot, by
@@ -177,7 +177,6 @@ struct Flow {
 
 void flow_layout(Flow* flow, const sandglass_granular_desc& desc, Layout* layout);
 void flow_reset(Flow* flow, const sandglass_granular_desc& desc);
-
 void flow_restore(Flow* flow, const SavedScene& saved);
 
 // The number of a new item, where there are `count` of its kind already; a number that is free again.
@@ -202,11 +201,12 @@ struct Inlet {
 // Lets in the layers that are due. The colliders are those of the coming sub-step.
 void flow_emit(Flow* flow, const Granular& granular, const Inlet& inlet, FrameCounts* counts);
 
-// Which of a group's items lie inside the shapes, from the last to the first: then what moves into the gap of one that is
-// taken out has been looked at. Returns how many.
+// Which of a group's items lie inside the shapes, from the last to the first: then what moves into the gap of one that
+// is taken out has been looked at. Returns how many.
 uint32_t flow_find_inside(const Granular& granular, const Record* records, uint32_t count, uint32_t first,
                           const ColliderFrame* shapes, uint32_t shape_count, uint32_t found[k_lane_group]);
-// The same of what the frame's sinks or the void take: sand that is awake, and grains. Bodies note what of them is inside.
+// The same of what the frame's sinks or the void take: sand that is awake, and grains. Bodies note what of them is
+// inside.
 uint32_t flow_find_leaving_particles(const Granular& granular, uint32_t first, uint32_t found[k_lane_group]);
 uint32_t flow_find_leaving_grains(const Granular& granular, uint32_t first, uint32_t found[k_lane_group]);
 // So many were taken out.

@@ -27,11 +27,11 @@ METRICS = {
     "sand": [
         ("contacts per particle and sub-step", r"::(predict_motion|contact_pairs|solve_touching<\w+>|complete_motion)\(", "particle_iterations"),
         ("neighbour_lists per particle and build", r"::(neighbour_lists|find_ranges)\(", "particle_builds"),
-        ("colours and slack per particle and build", r"::(pair_colours_run|colour_class|list_slack_run|gather_row|measure_row)\(", "particle_builds"),
+        ("colours and slack per particle and build", r"::(pair_colours_run|colour_class|neighbours_run_measuring|list_slack_run|gather_row|measure_row)\(", "particle_builds"),
         ("refine_grains per grain and sweep", r"::refine_grains\(", "grain_sweeps"),
         ("scatter_motion and join per particle and sweep", r"::scatter_motion\(|::motion_join\(", "particle_sweeps"),
         ("count_grains and smooth per grain and sweep", r"::count_grains\(|::motion_smooth\(", "grain_sweeps"),
-        ("output per grain", r"::run_output\(", "grains_written"),
+        ("output per grain", r"::output_run\(", "grains_written"),
         ("whole frame, 60 Hz", None, "frames"),
     ],
     "sand_fine": [

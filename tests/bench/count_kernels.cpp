@@ -146,34 +146,38 @@ struct Pass {
       : out(k_items + k_slack), touched(pile.groups.size()), colliders(1, still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0)) {
     constexpr float step = 3e-4f;
     if (beside != nullptr) colliders.push_back(*beside);
-    args.in = pile.records.data(), args.out = out.data();
-    args.groups = pile.groups.data(), args.lists = pile.lists.data(), args.counts = pile.counts.data();
-    args.particle_count = k_items;
-    args.radius = k_radius, args.diameter = 2 * k_radius;
-    args.static_friction = args.kinetic_friction = 0.14f;
-    args.relaxation = 0.3f, args.inverse_relaxation = 1.0f / 0.3f, args.separation_max = 4e-4f, args.stick = 0.25f;
-    args.weight_linear = -0.15f, args.weight_cubic = 0.0045f, args.lift_max = 2e-5f, args.up[1] = 1.0f;
-    args.scale = args.step = step, args.gravity[1] = -9.81f * step * step;
-    args.displacement_max = 1.0f;
-    args.bodies = 1, args.last = 1, args.leave_max = 3e-5f;
-    args.wake_displacement = 1e-4f, args.touched = touched.data();
-    args.colliders = colliders.data(), args.collider_count = static_cast<uint32_t>(colliders.size());
+    law.diameter = 2 * k_radius;
+    law.static_friction = law.kinetic_friction = 0.14f;
+    law.relaxation = 0.3f, law.weight_linear = -0.15f, law.weight_cubic = 0.0045f, law.lift_max = 2e-5f;
+    law.up[1] = 1.0f, law.bodies = 1, law.wake_displacement = 1e-4f, law.touched = touched.data();
+    predict = {pile.records.data(), out.data(), pile.groups.data(), step, {0.0f, -9.81f * step * step, 0.0f}};
+    complete.in = pile.records.data(), complete.out = out.data(), complete.groups = pile.groups.data();
+    complete.particle_count = k_items, complete.radius = k_radius, complete.step = step;
+    complete.static_friction = complete.kinetic_friction = 0.14f;
+    complete.displacement_max = 1.0f, complete.leave_max = 3e-5f;
+    complete.colliders = colliders.data(), complete.collider_count = static_cast<uint32_t>(colliders.size());
+    averaged.law = law, averaged.end = complete;
+    averaged.lists = pile.lists.data(), averaged.counts = pile.counts.data(), averaged.last = 1;
+    averaged.scale = step, averaged.gravity[1] = predict.gravity[1];
   }
   Pile pile;
   Records<Particle> out;
   std::vector<uint8_t> touched;
   std::vector<ColliderFrame> colliders;
-  ContactArgs args = {};
+  ContactLaw law = {};
+  PredictArgs predict = {};
+  CompleteArgs complete = {};
+  AveragedArgs averaged = {};
 };
 
-void work_contact_stabilise(const Kernels& kernels) { count(kernels.contact_stabilise, Pass(nullptr).args); }
-void work_contact_solve(const Kernels& kernels) { count(kernels.contact_solve, Pass(nullptr).args); }
+void work_contact_stabilise(const Kernels& kernels) { count(kernels.contact_stabilise, Pass(nullptr).averaged); }
+void work_contact_solve(const Kernels& kernels) { count(kernels.contact_solve, Pass(nullptr).averaged); }
 void work_contact_solve_beside_a_field(const Kernels& kernels) {
   const Field field;
-  count(kernels.contact_solve, Pass(&field.frame).args);
+  count(kernels.contact_solve, Pass(&field.frame).averaged);
 }
-void work_predict_motion(const Kernels& kernels) { count(kernels.predict_motion, Pass(nullptr).args); }
-void work_complete_motion(const Kernels& kernels) { count(kernels.complete_motion, Pass(nullptr).args); }
+void work_predict_motion(const Kernels& kernels) { count(kernels.predict_motion, Pass(nullptr).predict); }
+void work_complete_motion(const Kernels& kernels) { count(kernels.complete_motion, Pass(nullptr).complete); }
 
 // As many pairs of the lists as there are items. No two of a lane group share a particle. Every third touches.
 void work_contact_pairs(const Kernels& kernels) {
@@ -181,7 +185,7 @@ void work_contact_pairs(const Kernels& kernels) {
   Pile& pile = pass.pile;
   std::vector<uint32_t> first(k_items, k_items), second(k_items, k_items), filled(k_items / k_lane_group);
   for (uint32_t i = 0; i < k_items; ++i) {
-    for (int k = 0; k < 3; ++k) pile.records[i].velocity[k] *= pass.args.step;
+    for (int k = 0; k < 3; ++k) pile.records[i].velocity[k] *= pass.complete.step;
     for (uint32_t n = 0; n < pile.counts[i]; ++n) {
       const uint32_t j = pile.lists[i * k_list_slots + n];
       if (j < i) continue;
@@ -199,7 +203,8 @@ void work_contact_pairs(const Kernels& kernels) {
   }
   std::vector<uint32_t> groups(filled.size());
   for (uint32_t at = 0; at < groups.size(); ++at) groups[at] = at;
-  const PairArgs args = {pile.records.data(), first.data(), second.data(), groups.data(), 0, pass.args};
+  const PairArgs args = {pass.law, pile.records.data(), first.data(), second.data(), groups.data(),
+                         0,        1.0f / 0.3f,         4e-4f,        0.25f};
   count(kernels.contact_pairs, args);
 }
 

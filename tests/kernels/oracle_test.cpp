@@ -195,32 +195,33 @@ void check_contact(uint32_t n, bool solve) {
   floor.shape = SANDGLASS_SHAPE_HALF_SPACE;
   floor.position[1] = -0.004f;
   for (int k = 0; k < 3; ++k) floor.axes[k][k] = 1.0f;
-  ContactArgs args = {};
-  args.in = cluster.records.data();
+  AveragedArgs args = {};
+  args.end.in = cluster.records.data();
   args.lists = lists.data(), args.counts = counts.data();
-  args.particle_count = n;
-  args.radius = k_cluster_radius, args.diameter = 2 * k_cluster_radius;
-  args.static_friction = static_cast<float>(k_static), args.kinetic_friction = static_cast<float>(k_kinetic);
-  args.relaxation = static_cast<float>(k_omega);
-  args.weight_linear = static_cast<float>(-k_weight / 4),
-  args.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
-  args.lift_max = static_cast<float>(k_lift);
-  args.up[1] = 1.0f;
+  args.end.particle_count = n;
+  args.end.radius = k_cluster_radius, args.law.diameter = 2 * k_cluster_radius;
+  args.law.static_friction = args.end.static_friction = static_cast<float>(k_static);
+  args.law.kinetic_friction = args.end.kinetic_friction = static_cast<float>(k_kinetic);
+  args.law.relaxation = static_cast<float>(k_omega);
+  args.law.weight_linear = static_cast<float>(-k_weight / 4),
+  args.law.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
+  args.law.lift_max = static_cast<float>(k_lift);
+  args.law.up[1] = 1.0f;
   args.scale = static_cast<float>(k_step), args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
-  args.step = static_cast<float>(k_step);
+  args.end.step = static_cast<float>(k_step);
   args.last = 0;
-  args.leave_max = static_cast<float>(k_leave);
-  args.displacement_max = 1.0f;
-  args.bodies = 1;
-  args.wake_displacement = static_cast<float>(k_wake);
-  args.colliders = &floor, args.collider_count = 1;
+  args.end.leave_max = static_cast<float>(k_leave);
+  args.end.displacement_max = 1.0f;
+  args.law.bodies = 1;
+  args.law.wake_displacement = static_cast<float>(k_wake);
+  args.end.colliders = &floor, args.end.collider_count = 1;
   std::vector<uint32_t> groups(cluster.rows / k_lane_group);
   for (uint32_t g = 0; g < groups.size(); ++g) groups[g] = g;
-  args.groups = groups.data();
+  args.end.groups = groups.data();
   std::vector<Particle> first;
   for (const Kernels* kernels : tables()) {
     std::vector<Particle> out(cluster.inert + k_slack);
-    args.out = out.data();
+    args.end.out = out.data();
     ContactExtent extent = {};
     (solve ? kernels->contact_solve : kernels->contact_stabilise)(&args, 0, n, &extent);
     const std::vector<Particle> all(out.begin(), out.begin() + n);
@@ -239,7 +240,7 @@ void check_contact(uint32_t n, bool solve) {
     // The kernel runs as the last pass. It marks the groups in which a fast particle runs into a sleeper, and no
     // others.
     std::vector<uint8_t> touched(groups.size(), 0);
-    args.touched = touched.data();
+    args.law.touched = touched.data();
     args.last = 1;
     kernels->contact_solve(&args, 0, n, &extent);
     args.last = 0;
@@ -271,8 +272,8 @@ void check_predict_motion(uint32_t n) {
   Cluster cluster(n, 0, 0.6, 29);
   mix(&cluster);
   const std::vector<uint32_t> groups = all_groups(cluster);
-  ContactArgs args = {};
-  args.in = cluster.records.data(), args.groups = groups.data(), args.particle_count = n;
+  PredictArgs args = {};
+  args.in = cluster.records.data(), args.groups = groups.data();
   args.scale = static_cast<float>(k_step), args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
   std::vector<Particle> first;
   for (const Kernels* kernels : tables()) {
@@ -346,11 +347,11 @@ void check_contact_pairs(uint32_t n) {
     for (size_t at = 0; at < groups.size(); ++at) groups[at] = static_cast<uint32_t>(groups.size() - 1 - at);
     PairArgs args = {};
     args.first = first.data(), args.second = second.data(), args.groups = groups.data(), args.fixed = fixed ? 1 : 0;
-    ContactArgs& c = args.contact;
+    ContactLaw& c = args.law;
     c.diameter = 2 * k_cluster_radius;
     c.static_friction = static_cast<float>(k_static), c.kinetic_friction = static_cast<float>(k_kinetic);
-    c.relaxation = static_cast<float>(k_omega), c.inverse_relaxation = static_cast<float>(1.0 / k_omega);
-    c.separation_max = static_cast<float>(k_separation), c.stick = static_cast<float>(k_stick);
+    c.relaxation = static_cast<float>(k_omega), args.inverse_relaxation = static_cast<float>(1.0 / k_omega);
+    args.separation_max = static_cast<float>(k_separation), args.stick = static_cast<float>(k_stick);
     c.lift_max = static_cast<float>(k_lift);
     c.weight_linear = static_cast<float>(-k_weight / 4);
     c.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
@@ -404,7 +405,7 @@ void check_complete_motion(uint32_t n) {
   // It takes some of the particles by a little, so that it does not drive them beyond the limit.
   floor.position[1] = static_cast<float>(-0.5 * cluster.side);
   const std::vector<uint32_t> groups = all_groups(cluster);
-  ContactArgs args = {};
+  CompleteArgs args = {};
   args.groups = groups.data(), args.particle_count = n;
   args.radius = k_cluster_radius;
   args.static_friction = static_cast<float>(k_static), args.kinetic_friction = static_cast<float>(k_kinetic);
