@@ -113,8 +113,7 @@ std::string write_film(const PictureSet& set, const std::string& frames_folder) 
   }
   std::remove(unfinished.c_str());
   if (!interrupted())
-    std::fprintf(stderr,
-                 "sandglass: note: no film, which needs ffmpeg with an H.264 encoder. Its frames are there.\n");
+    std::fprintf(stderr, "sandglass: note: no film, which needs ffmpeg with an H.264 encoder. Its frames are there.\n");
   return "";
 }
 

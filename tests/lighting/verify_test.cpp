@@ -9,10 +9,10 @@
 #include <numbers>
 
 #include "models/files/failure.h"
-#include "tests/laboratory/interval.h"
 #include "models/lighting/lit_view.h"
 #include "models/rooms/panorama_file.h"
 #include "runtime/core/random.h"
+#include "tests/laboratory/interval.h"
 #include "tests/lighting/made_panorama.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"
