@@ -69,19 +69,4 @@ TEST(Plane, FixedSquareHasTheSourcesSideLength) {
   EXPECT_EQ(r.high_x, r.high_z);
 }
 
-TEST(Plane, FittedRectangleIsNeverLargerThanTheFixedSquare) {
-  const ShadowBox box = {0.3, 0.3, 0.8};
-  const double reach = std::tan(70 * k_degree + k_half_angle);
-  for (double polar = 0; polar <= 70; polar += 10) {
-    double light[3];
-    direction(polar * k_degree, 0.7, light);
-    const ShadowRectangle f = shadow_rectangle(box, PlaneRule::fitted, light, std::sin(k_half_angle), reach);
-    const ShadowRectangle s = shadow_rectangle(box, PlaneRule::fixed, light, std::sin(k_half_angle), reach);
-    EXPECT_LE(s.low_x, f.low_x + 1e-9);
-    EXPECT_LE(s.low_z, f.low_z + 1e-9);
-    EXPECT_GE(s.high_x, f.high_x - 1e-9);
-    EXPECT_GE(s.high_z, f.high_z - 1e-9);
-  }
-}
-
 }  // namespace
