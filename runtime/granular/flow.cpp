@@ -113,7 +113,7 @@ void deny(const Pouring& to, uint32_t particles) {
 void flush(const Pouring& to, Batch* batch, bool grains) {
   // Room was checked for the whole layer. What can still fail is a site beyond the coordinate limit.
   const uint32_t particles = grains ? 0 : batch->count, fine = grains ? batch->count : 0;
-  const bool came = to.inlet->let_in(to.inlet->scene, batch->positions, batch->velocities, particles, fine);
+  const bool came = inlet_let_in(*to.inlet, batch->positions, batch->velocities, particles, fine);
   batch->count = 0;
   if (!came) {
     deny(to, particles);

@@ -221,17 +221,16 @@ void granular_skip_time(Granular* g) {
   if (grain_sleep_skips_time(&g->grain_sleep, *g)) time_grains_followed(&g->time);
 }
 
-void granular_pour(Granular* g) {
-  const Inlet inlet = {
-      g, [](void* scene, const float* positions, const float* velocities, uint32_t particles, uint32_t grains) {
-        Granular* to = static_cast<Granular*>(scene);
-        if (granular_add(to, positions, velocities, particles, positions, velocities, grains, nullptr) != SANDGLASS_OK)
-          return false;
-        motion_fall(to->motion, *to, to->particles.count - particles);
-        return true;
-      }};
-  flow_emit(&g->flow, *g, inlet, &g->counts);
+bool inlet_let_in(const Inlet& inlet, const float* positions, const float* velocities, uint32_t particles,
+                  uint32_t grains) {
+  Granular* g = static_cast<Granular*>(inlet.scene);
+  if (granular_add(g, positions, velocities, particles, positions, velocities, grains, nullptr) != SANDGLASS_OK)
+    return false;
+  motion_fall(g->motion, *g, g->particles.count - particles);
+  return true;
 }
+
+void granular_pour(Granular* g) { flow_emit(&g->flow, *g, {g}, &g->counts); }
 
 void granular_wake_all(Granular* g) {
   substep_abandon(g);
@@ -261,6 +260,20 @@ void granular_take_out_particle(Granular* g, uint32_t i) {
 void granular_take_out_grain(Granular* g, uint32_t i) {
   flow_free_grain_number(&g->flow, g->grains.records[i].number);
   grains_remove(&g->grains, i);
+}
+
+uint32_t granular_drain_particles(Granular* g, uint32_t first) {
+  uint32_t found[k_lane_group];
+  const uint32_t count = flow_find_leaving_particles(*g, first, found);
+  for (uint32_t k = 0; k < count; ++k) granular_take_out_particle(g, found[k]);
+  return count;
+}
+
+uint32_t granular_drain_grains(Granular* g, uint32_t first) {
+  uint32_t found[k_lane_group];
+  const uint32_t count = flow_find_leaving_grains(*g, first, found);
+  for (uint32_t k = 0; k < count; ++k) granular_take_out_grain(g, found[k]);
+  return count;
 }
 
 // Particles of sleeping groups may have moved to others. The next list build finds out which groups sleep.

@@ -139,6 +139,9 @@ void granular_seal(Granular* granular);
 void granular_take_out_particle(Granular* granular, uint32_t i);
 void granular_take_out_grain(Granular* granular, uint32_t i);
 void granular_take_out_body(Granular* granular, uint32_t index);
+// What sinks or the void take of the group that begins at `first`. Returns how many.
+uint32_t granular_drain_particles(Granular* granular, uint32_t first);
+uint32_t granular_drain_grains(Granular* granular, uint32_t first);
 // After particles were taken out: indices mean others now.
 void granular_after_removal(Granular* granular);
 

@@ -82,6 +82,11 @@ void drain_bodies(Granular* g) {
   }
 }
 
+void end_bodies(Granular* g) {
+  contacts_include(&g->contacts, g->bodies.extent);
+  complete(g);
+}
+
 // The phase that follows `done`, whose last unit has run.
 SubstepPhase after(Granular* g, SubstepPhase done) {
   switch (done) {
@@ -112,8 +117,7 @@ SubstepPhase after(Granular* g, SubstepPhase done) {
       complete(g);
       return first_due(*g);
     case SubstepPhase::bodies:
-      contacts_include(&g->contacts, g->bodies.extent);
-      complete(g);
+      end_bodies(g);
       return first_due(*g);
     case SubstepPhase::touch:
       colliders_seen_by_particles(&g->colliders, *g);
@@ -200,15 +204,12 @@ bool run_lists(Granular* g) {
 bool run_drain(Granular* g) {
   const uint32_t items = sleep_active_items(*g);
   const uint32_t end = items - g->substep.cursor < g->unit ? items : g->substep.cursor + g->unit;
-  uint32_t removed = 0, found[k_lane_group];
+  uint32_t removed = 0;
   if (g->substep.cursor == 0) bodies_begin_drain(g->bodies);
   // From the last group to the first, so the particle that fills a gap has been looked at.
   for (uint32_t at = g->substep.cursor; at < end; at += k_lane_group) {
     const uint32_t first = g->sleep.active_groups[g->sleep.active_count - 1 - at / k_lane_group] * k_lane_group;
-    if (first >= g->particles.count) continue;
-    const uint32_t leaving = flow_find_leaving_particles(*g, first, found);
-    for (uint32_t k = 0; k < leaving; ++k) granular_take_out_particle(g, found[k]);
-    removed += leaving;
+    if (first < g->particles.count) removed += granular_drain_particles(g, first);
   }
   flow_count_removed(&g->flow, removed, 0, 0);
   if (removed != 0) granular_after_removal(g);
@@ -394,7 +395,9 @@ void substep_set_due(Substep* s, SubstepPhase phase, bool due) {
 void substep_abandon(Granular* g) {
   Substep& s = g->substep;
   while (s.phase == SubstepPhase::bodies) {
-    if (bodies_run(&g->bodies, *g, &g->counts)) enter(g, after(g, s.phase));
+    if (!bodies_run(&g->bodies, *g, &g->counts)) continue;
+    end_bodies(g);
+    enter(g, first_due(*g));
   }
   if (s.phase == SubstepPhase::colours) pair_colours_forget(&g->colours);
   if (s.phase == SubstepPhase::sort || s.phase == SubstepPhase::lists) {

@@ -158,13 +158,10 @@ bool run_refine(const Granular& g, uint32_t* cursor, FrameCounts* counts) {
 bool run_drain(Granular* g) {
   const uint32_t items = refine_items(*g);
   const uint32_t end = items - g->sweep.cursor < g->unit ? items : g->sweep.cursor + g->unit;
-  uint32_t removed = 0, found[k_lane_group];
+  uint32_t removed = 0;
   for (uint32_t at = g->sweep.cursor; at < end; at += k_lane_group) {
-    const uint32_t group = g->grain_sleep.groups[g->grain_sleep.group_count - 1 - at / k_lane_group];
-    if (group * k_lane_group >= g->grains.count) continue;
-    const uint32_t leaving = flow_find_leaving_grains(*g, group * k_lane_group, found);
-    for (uint32_t k = 0; k < leaving; ++k) granular_take_out_grain(g, found[k]);
-    removed += leaving;
+    const uint32_t first = g->grain_sleep.groups[g->grain_sleep.group_count - 1 - at / k_lane_group] * k_lane_group;
+    if (first < g->grains.count) removed += granular_drain_grains(g, first);
   }
   flow_count_removed(&g->flow, 0, removed, 0);
   if (removed != 0) grain_sleep_regrouped(&g->grain_sleep);

@@ -193,11 +193,13 @@ void flow_pass_time(Flow* flow, double seconds);
 bool flow_is_due(const Granular& granular);
 // m/s of the fastest emitter; 0 without one.
 float flow_speed(const Flow& flow);
-// Lets so many particles, or so many grains, into the scene. False: one was beyond the coordinate limit, and none came.
+// The way into the scene for what flow has prepared: so many particles, or so many grains (granular.cpp). False: one was
+// beyond the coordinate limit, and none came.
 struct Inlet {
   void* scene;
-  bool (*let_in)(void* scene, const float* positions, const float* velocities, uint32_t particles, uint32_t grains);
 };
+bool inlet_let_in(const Inlet& inlet, const float* positions, const float* velocities, uint32_t particles,
+                  uint32_t grains);
 // Lets in the layers that are due. The colliders are those of the coming sub-step.
 void flow_emit(Flow* flow, const Granular& granular, const Inlet& inlet, FrameCounts* counts);
 
