@@ -26,7 +26,6 @@ constexpr Vec3 k_object = {0.60, 0.44, 0.30};  // reflectance: varnished wood
 constexpr double k_depth_dark = 0.9;           // how fast it darkens below the sand's surface, as the library's own
 constexpr double k_deepest = 1.5;              // radii below the surface at which a grain is still seen
 constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; no shadow falls beyond
-constexpr double k_above = 2.0;                // metres, higher than any sand
 constexpr int k_bounces = 3;
 constexpr uint64_t k_composite_stream = 41, k_truth_stream = 42, k_floor_stream = 43;
 
