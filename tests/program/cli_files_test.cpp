@@ -45,7 +45,7 @@ class CliFiles : public Cli {
     program.interrupt();
     double seconds = 0;
     EXPECT_EQ(program.wait(&seconds), 130) << command << "\n" << read("stderr");
-    EXPECT_LT(seconds, k_patient ? 20 * k_answer_s : k_answer_s + startup) << command.substr(0, 60);
+    EXPECT_LT(seconds, k_patient ? 10 * k_answer_s : k_answer_s + startup) << command.substr(0, 60);
     EXPECT_NE(read("stderr").find("interrupted"), std::string::npos) << command;
     expect_nothing_unfinished();
   }
@@ -276,7 +276,7 @@ TEST_F(CliFiles, TheSecondCtrlCEndsAtOnce) {
   program.interrupt();
   double seconds = 0;
   EXPECT_EQ(program.wait(&seconds), -SIGINT);
-  EXPECT_LT(seconds, k_patient ? 10 * k_answer_s : k_answer_s);
+  EXPECT_LT(seconds, k_patient ? 5 * k_answer_s : k_answer_s);
   EXPECT_EQ(names(), std::vector<std::string>{"tiny.json"});
 }
 
