@@ -7,7 +7,7 @@
 // operations, which round monotonically, and the weight is max(0, (h^2 - d^2)/h^2)^3. So neither the lane count nor the
 // grouping changes a sum.
 
-constexpr uint32_t k_candidates_max = 448;  // gathered before they are added up: 2 KB of stack with their slack
+constexpr uint32_t k_candidates_max = 512;  // gathered before they are added up: 2 KB of stack
 
 struct Flow {
   Float weight, x, y, z, largest;
