@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <string>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "models/lighting/light_file.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/governor/machine_control.h"
+#include "tests/measured.h"
 
 namespace {
 
@@ -32,6 +32,7 @@ constexpr bool k_as_it_ships = false;
 using sandglass::host::AlignedBytes;
 using sandglass::test::FramesAndControl;
 using sandglass::test::largest_that_counts;
+using sandglass::test::measured;
 using sandglass::test::thread_cpu_ns;
 
 // A clock that moves by the median cost of every unit, in microseconds, from a run of the shot on the development
@@ -163,8 +164,8 @@ struct Everything {
 // What a run showed. The light turns by a degree a frame, so that both shadows always have work. The sand falls,
 // spreads and comes to rest.
 struct Law {
-  double debt = 0, last_debt = 0;    // time debt in seconds: the most at the end of a frame, and that of the last frame
-  int owing = 0, longest_owing = 0;  // frames with time debt: all, and the most in a row
+  double debt = 0, last_debt = 0;  // time debt in seconds: the most at the end of a frame, and that of the last frame
+  int owing = 0;                   // frames with time debt
   int textures = 0, first_light = 0;
   uint32_t worst_level = 0;
   FramesAndControl frames;
@@ -176,7 +177,6 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
   Everything all(k_all, units);
   Law law;
   std::vector<uint64_t> spent;
-  int owing = 0;
   float last_azimuth = 1e9f;
   for (int i = 0; i < k_frames; ++i) {
     const uint64_t before = thread_cpu_ns();
@@ -191,21 +191,19 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
       if (control) law.frames.lost_ns.push_back(sandglass::test::lost_to_the_machine_ns(spent.back()));
     }
     law.last_debt = report.time_debt, law.debt = std::max(law.debt, report.time_debt);
-    owing = report.time_debt > 0 ? owing + 1 : 0;
-    law.owing += owing > 0 ? 1 : 0, law.longest_owing = std::max(law.longest_owing, owing);
+    law.owing += report.time_debt > 0 ? 1 : 0;
     law.worst_level = std::max(law.worst_level, report.level);
     if (law.first_light == 0 && report.light_valid != 0) law.first_light = i + 1;
     const sandglass_shadow_texture t = all.shadow.texture();
     if (t.valid != 0 && t.light[0] != last_azimuth) ++law.textures, last_azimuth = t.light[0];
   }
-  std::printf(
-      "budget %.0f ms%s: all frames but one within %.2f ms of CPU time, worst quality level %u, a fresh shadow every "
-      "%.1f frames, first light in frame %d; %d frames with time debt, at most %.1f ms and %d in a row, the last one "
-      "%.1f ms\n",
-      1e-6 * static_cast<double>(budget_ns), units != nullptr ? ", units' own clock" : "",
-      1e-6 * static_cast<double>(largest_that_counts(spent)), law.worst_level,
-      static_cast<double>(k_frames) / std::max(1, law.textures), law.first_light, law.owing, 1e3 * law.debt,
-      law.longest_owing, 1e3 * law.last_debt);
+  const std::string name = std::to_string(budget_ns / 1'000'000) + (units != nullptr ? " ms by units" : " ms");
+  measured(name, "all_but_one_within_ms", 1e-6 * static_cast<double>(largest_that_counts(spent)));
+  measured(name, "worst_level", law.worst_level);
+  measured(name, "frames_a_shadow", static_cast<double>(k_frames) / std::max(1, law.textures));
+  measured(name, "first_light", law.first_light);
+  measured(name, "owing_frames", law.owing);
+  measured(name, "debt_ms", 1e3 * law.debt);
   return law;
 }
 
@@ -260,8 +258,6 @@ TEST(ShotBudget, FourMillisecondsHold) {
   const double simulated = k_frames * k_step - slow.last_debt;
   const Costs costs = costs_of_sand(half.scale, static_cast<int>(simulated / k_step));
   const double explained = k_step * spent / (costs.particles + costs.sweep / 2);
-  std::printf("simulated %.2f s; the costs explain %.2f s, and %.2f s with a sweep each frame\n", simulated, explained,
-              k_step * spent / (costs.particles + costs.sweep));
   EXPECT_GE(simulated, 0.9 * std::min(explained, k_frames * k_step));
   expect_law(4'000'000, {slow.last_debt, slow.debt, k_frames / 4, 28});
 }

@@ -161,9 +161,11 @@ void measure_size(const SceneFile& scene, const std::string& name, uint32_t thre
               result.ms_solver, 1e6 * result.ms_solver / result.particles, result.ms_refine,
               1e6 * result.ms_refine / result.grains, bytes / items);
   std::fflush(stdout);
-  bench->keep(name, "ms_solver", "ms", result.ms_solver, threads);
-  bench->keep(name, "ms_refine", "ms", result.ms_refine, threads);
-  bench->keep(name, "bytes", "B", bytes, threads);
+  bench->keep(name, "particles", "1", result.particles, threads);
+  bench->keep(name, "grains", "1", result.grains, threads);
+  bench->keep(name, "ns_a_particle", "ns", 1e6 * result.ms_solver / result.particles, threads);
+  bench->keep(name, "ns_a_grain", "ns", 1e6 * result.ms_refine / result.grains, threads);
+  bench->keep(name, "bytes_an_item", "B", bytes / items, threads);
 }
 
 void measure_growth(uint32_t threads, Bench* bench) {
@@ -209,12 +211,15 @@ void bench_granular(const BenchOptions& options, Bench* bench) {
         100.0 * standard.overlap_p99);
     return;
   }
+  BenchRow source;
   for (const uint32_t threads : options.threads)
-    table.row("column14k/source_equal_error", source_scheme(column, equal.steps, equal.iterations), threads,
-              options.frames);
+    source = table.row("column14k/source_equal_error", source_scheme(column, equal.steps, equal.iterations), threads,
+                       options.frames);
   std::printf("source_equal_error is %u steps x %u iterations (+ 1 stabilisation)\n", equal.steps, equal.iterations);
   bench->keep("column14k/source_equal_error", "steps", "1/frame", equal.steps, options.threads[0]);
   bench->keep("column14k/source_equal_error", "iterations", "1/step", equal.iterations, options.threads[0]);
+  bench->keep("column14k/source_equal_error", "default_takes", "1", standard.ms_solver / source.ms_solver,
+              options.threads[0]);
 }
 
 // The error-time plane. It has every level of the quality ladder, the default scheme with other sub-steps, and the

@@ -39,7 +39,8 @@ void print_and_keep(const std::vector<PileBenchRow>& rows, Bench* bench) {
     std::printf("%-18s %8.2f %8u %12.1f %9.0f\n", r.name.c_str(), r.ms, r.units, r.unit_us, kib);
     bench->keep(r.name, "ms", "ms", r.ms);
     bench->keep(r.name, "longest_unit_us", "us", r.unit_us);
-    bench->keep(r.name, "bytes", "B", static_cast<double>(r.bytes));
+    bench->keep(r.name, "units", "1", r.units);
+    bench->keep(r.name, "kib", "KiB", kib);
   }
 }
 

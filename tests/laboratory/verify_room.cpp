@@ -75,8 +75,11 @@ int verify_room_command(const VerifyOptions& options) {
   print_verdicts(verdicts);
   const uint32_t failed = count_failed(verdicts);
   std::printf("%zu rows, %u failed\n", verdicts.size(), failed);
-  if (!options.json.empty())
-    write_file(options.json, measurements_json(measurements_of("room", "automatic", options.threads, verdicts)));
+  if (!options.json.empty()) {
+    std::vector<Measurement> all = measurements_of("room", "automatic", options.threads, verdicts);
+    for (const Measurement& m : room_measurements(conditions)) all.push_back(m);
+    write_file(options.json, measurements_json(all));
+  }
   if (!options.out.empty()) {
     write_verdicts(options.out, verdicts);
     write_file(options.out + "/rooms.md", markdown);

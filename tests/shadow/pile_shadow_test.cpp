@@ -15,6 +15,7 @@
 #include "runtime/shadow/pile.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/guarded_block.h"
+#include "tests/measured.h"
 #include "tests/reason.h"
 #include "tests/shadow/pile_fixture.h"
 
@@ -23,6 +24,7 @@ namespace {
 using namespace sandglass::tests;
 using sandglass::host::SphereCaster;
 using sandglass::host::Vec3;
+using sandglass::test::measured;
 
 constexpr double k_degree = std::numbers::pi / 180.0;
 constexpr float k_radius = 0.01f;  // of particles
@@ -118,8 +120,9 @@ void expect_truth(const char* what, const std::vector<float>& sand, const Light&
   EXPECT_LT(error.rmse, limit) << what << " at " << light.polar_deg;
   EXPECT_GT(error.without, 4 * error.rmse)
       << what << " at " << light.polar_deg << ": the error without a shadow must be larger";
-  std::printf("%s, light at %g degrees: RMSE %.4f, of no shadow %.4f, %d points\n", what, light.polar_deg, error.rmse,
-              error.without, error.points);
+  const std::string name = std::string(what) + ", light at " + std::to_string(static_cast<int>(light.polar_deg));
+  measured(name, "rmse", error.rmse);
+  measured(name, "without", error.without);
 }
 
 TEST(PileShadow, IsWhatRaysSay) {
@@ -237,11 +240,9 @@ TEST(PileShadow, OfAThinLayerIsTrueToAHundredth) {
         const double error = shown / static_cast<double>(points.size()) - open_share(light.polar_deg, coverage);
         EXPECT_NEAR(error, 0, 0.01) << per_texel << " coverage " << coverage << " light " << light.polar_deg;
         worst = std::max(worst, std::fabs(error));
-        std::printf("radius %.3f texels, coverage %.2f, light %2.0f degrees: visibility %+.4f\n", per_texel, coverage,
-                    light.polar_deg, error);
       }
     }
-  std::printf("thin layers: at most %.4f\n", worst);
+  measured("thin layers", "worst", worst);
 }
 
 // ---- bounds

@@ -18,6 +18,7 @@
 #include "sandglass/pile_shadow.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/guarded_block.h"
+#include "tests/measured.h"
 #include "tests/reason.h"
 #include "tests/shadow/pile_fixture.h"
 
@@ -26,6 +27,7 @@ namespace {
 using sandglass::host::SphereCaster;
 using sandglass::host::SphereHit;
 using sandglass::host::Vec3;
+using sandglass::test::measured;
 using namespace sandglass::tests;
 using Cells = std::array<float, SANDGLASS_LIGHT_CELLS>;
 
@@ -242,7 +244,8 @@ Errors errors_of(const Sand& sand, const Cells& truth, const Cells& drawn) {
 void expect_half(const std::string& what, const Error& error) {
   ASSERT_GT(error.count, 50) << what;
   EXPECT_LT(error.rmse, 0.5 * error.without) << what;
-  std::printf("%-40s RMSE %.4f, left out %.4f, %d points\n", what.c_str(), error.rmse, error.without, error.count);
+  measured(what, "rmse", error.rmse);
+  measured(what, "without", error.without);
 }
 
 // ---- truth
@@ -302,7 +305,8 @@ TEST(PileSky, OfScatteredGrainsUnderOneBrightCellIsRightOnAverage) {
     }
     error.finish();
     EXPECT_LE(error.rmse, (cell < 16 ? 0.5 : 1.0) * error.without) << cell;
-    std::printf("scattered grains, patches, cell %u: RMSE %.4f, left out %.4f\n", cell, error.rmse, error.without);
+    measured("scattered grains, patches, cell " + std::to_string(cell), "of_leaving_it_out",
+             error.rmse / error.without);
   }
 }
 
@@ -517,7 +521,6 @@ TEST(PileSky, FillsItsBlockAndNoMore) {
     for (const float x : sand) wide.push_back(3 * x);
     sandglass_pile_shadow_run(handle, wide.data(), static_cast<uint32_t>(wide.size() / 3), 3 * k_grain, 1000000);
     EXPECT_TRUE(block.guards_intact());
-    std::printf("sky_texels %3u: %llu bytes\n", sky, static_cast<unsigned long long>(bytes));
   }
 }
 

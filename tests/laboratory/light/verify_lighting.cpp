@@ -131,6 +131,7 @@ std::vector<Verdict> judge(const std::vector<JudgedView>& views, bool with_mean,
       const Interval d = paired(views, quantity, k_estimate, baseline, seed);
       const std::string name = std::string(quantity.name) + " against " + k_names[baseline];
       report(name + ", mean", quantity.unit, d.mean);
+      report(name + ", 2.5 %", quantity.unit, d.low);
       const double limit = quantity.must_win ? 0.0 : k_equivalent * mean_of(errors_of(views, quantity, baseline));
       rows.push_back({"lighting", name + ", 97.5 %", quantity.unit, 0.0, d.high, limit, d.high < limit, false});
     }

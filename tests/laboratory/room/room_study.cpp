@@ -191,6 +191,37 @@ std::string conditions_markdown(const std::vector<Condition>& conditions) {
   return text;
 }
 
+std::vector<Measurement> room_measurements(const std::vector<Condition>& conditions) {
+  std::vector<Measurement> all;
+  const auto keep = [&](const std::string& name, const std::string& metric, double value, const char* unit = "1") {
+    Measurement m;
+    m.suite = "room", m.scene = name, m.metric = metric, m.unit = unit, m.isa = "automatic", m.value = value;
+    all.push_back(m);
+  };
+  const auto keep_interval = [&](const std::string& name, const std::string& metric, const Interval& interval) {
+    keep(name, metric, interval.mean);
+    keep(name, metric + "_low", interval.low);
+    keep(name, metric + "_high", interval.high);
+  };
+  for (const Condition& condition : conditions) {
+    const std::string where = &condition == &conditions.front() ? "" : ", " + condition.name;
+    for (const DrawnRow& row : condition.table.drawn) {
+      keep_interval(row.name + where, "floor", row.floor);
+      keep(row.name + where, "of_ambient_occlusion", row.share_of_ambient);
+      keep_interval(row.name + where, "against_ambient_occlusion", row.against_ambient);
+      if (row.shading) keep_interval(row.name + where, "shading", *row.shading);
+    }
+    for (const SessionRow& row : condition.table.sessions) {
+      keep_interval(row.name + where, "direction_deg", row.direction_deg);
+      keep_interval(row.name + where, "level", row.level);
+      keep(row.name + where, "level_clipped_known", row.level_clipped_known.mean);
+      keep(row.name + where, "level_unseen_known", row.level_unseen_known.mean);
+      keep(row.name + where, "seen", row.seen.mean);
+    }
+  }
+  return all;
+}
+
 std::vector<Verdict> room_verdicts(const std::vector<Condition>& conditions) {
   std::vector<Verdict> rows;
   const auto below = [&](const std::string& group, const std::string& name, double result, double limit,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "models/files/measurement_json.h"
 #include "models/work/thread_pool.h"
 #include "tests/laboratory/room/floor_rows.h"
 #include "tests/laboratory/sand/granular_verdicts.h"
@@ -41,5 +42,7 @@ std::string sessions_markdown(const RoomTable& table);
 std::string conditions_markdown(const std::vector<Condition>& conditions);
 // What the table must show.
 std::vector<Verdict> room_verdicts(const std::vector<Condition>& conditions);
+// The numbers of the tables, for --json.
+std::vector<Measurement> room_measurements(const std::vector<Condition>& conditions);
 
 }  // namespace sandglass::host

@@ -248,12 +248,13 @@ struct Judge {
   void compare(const Followed& f, const Followed& means) {
     constexpr double k_much = 8.0;  // %
     if (scene.pace != Pace::full) {
-      row("bare, flow", "of means'", 0.0, f.flow.bare / means.flow.bare, 0.5);
-      row("bare, end", "of means'", 0.0, f.end.bare / means.end.bare, 0.5);
+      row("bare, flow, of means'", "", 0.0, f.flow.bare / means.flow.bare, 0.5);
+      row("bare, end, of means'", "", 0.0, f.end.bare / means.end.bare, 0.5);
       return;
     }
-    row("wrong cell, flow", "of means'", 0.0, f.flow.wrong / means.flow.wrong, means.flow.wrong > k_much ? 0.5 : 0.65);
-    row("jumps", "of means'", 0.0, f.moves.jumps_per_million() / means.moves.jumps_per_million(), 0.25);
+    row("wrong cell, flow, of means'", "", 0.0, f.flow.wrong / means.flow.wrong,
+        means.flow.wrong > k_much ? 0.5 : 0.65);
+    row("jumps, of means'", "", 0.0, f.moves.jumps_per_million() / means.moves.jumps_per_million(), 0.25);
     const std::string group = scene.group;
     if (group == "pour" || group == "glass") control(means);
   }

@@ -23,6 +23,7 @@ constexpr uint64_t k_azimuth_stream = 61;
 // What an app could draw. The mean light is that of all other places: brightness and harmonics.
 enum Variant {
   k_no_shadow,        // mean light, nothing falls on the floor: an app without any estimate
+  k_ambient,          // the same with the ambient shadows of an even sky
   k_turn,             // the room as a session has seen it in a full turn
   k_truth,            // the true light, in cells and nine harmonics
   k_no_shadow_level,  // the mean light at the true level: what the ambient shadow is worth, without the level's error
@@ -32,6 +33,7 @@ enum Variant {
   k_variants
 };
 constexpr const char* k_names[k_variants] = {"no shadow, mean light",
+                                             "ambient shadow alone, mean light",
                                              "a full turn",
                                              "the true light in cells",
                                              "no shadow, mean light at the true level",
@@ -120,6 +122,7 @@ void measure(const ShotVerdictOptions& options, const ShotStage& stage, const Sh
   const ShotLight level = scaled(mean, level_of(view.truth) / level_of(mean));
   const ShotLight& other = (*views)[(index + views->size() / 2) % views->size()].turn;
   draw(k_no_shadow, mean, CastShadow::none);
+  draw(k_ambient, mean);
   draw(k_turn, view.turn);
   draw(k_truth, view.truth);
   draw(k_no_shadow_level, level, CastShadow::none);
@@ -147,6 +150,18 @@ std::vector<Verdict> judge(const std::vector<ShotView>& views) {
   const auto against = [&](Variant first, Variant second, Metric metric) {
     return over_places([&](const ShotView& view) { return view.errors[first][metric] - view.errors[second][metric]; });
   };
+  const auto tell = [&](Variant first, Variant second) {
+    for (const Metric metric : {k_rmse, k_similarity, k_flip}) {
+      const Interval d = against(first, second, metric);
+      const std::string name = std::string(k_names[first]) + " less " + k_names[second] + ", " + k_metric_names[metric];
+      rows.push_back({"whole picture", name, "", 0.0, d.mean, k_infinity, true, false});
+      rows.push_back({"whole picture", name + ", half", "", 0.0, 0.5 * (d.high - d.low), k_infinity, true, false});
+    }
+  };
+  tell(k_turn, k_no_shadow);
+  tell(k_turn, k_ambient);
+  tell(k_mirrored, k_turn);
+  tell(k_other_room, k_turn);
   const auto must_win = [&](Variant first, Variant second, Metric metric) {
     const double result = against(first, second, metric).high;
     rows.push_back({"whole picture",
