@@ -191,7 +191,7 @@ std::vector<float> ShadowCaster::texture(const ShadowRectangle& rectangle, const
 std::vector<Direction> ring_directions(double polar_max, uint32_t count) {
   std::vector<float> points(3 * size_t{count});
   const char* reason = nullptr;
-  if (sandglass_sample_ring(1.0f, 0.0f, static_cast<float>(polar_max), count, points.data(), &reason) != SANDGLASS_OK)
+  if (sandglass_sample_ring(1.0f, 0.0f, static_cast<float>(polar_max), points.data(), count, &reason) != SANDGLASS_OK)
     throw cannot("choose", "lights", reason);
   std::vector<Direction> directions(count);
   for (size_t i = 0; i < count; ++i) {

@@ -57,8 +57,8 @@ int main(void) {
   sandglass_granular_particles(scene, positions[0], NULL);
   float top = 0;
   for (int i = 0; i < PARTICLES; ++i) top = positions[i][1] > top ? positions[i][1] : top;
-  printf("%u particles after %.1f s: the pile is %.3f m high, the fastest particle has %.3f m/s\n", report.particles,
-         report.simulated_time, (double)top, (double)report.speed_max);
+  printf("%u particles after %.1f s: the pile is %.3f m high, the fastest particle has %.3f m/s\n", report.sand.particles,
+         report.time.simulated, (double)top, (double)report.sand.speed_max);
   free(memory); /* the block is the scene: there is nothing else to destroy */
   return 0;
 }

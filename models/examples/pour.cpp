@@ -31,6 +31,6 @@ int main() {
   }
   if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;
   std::printf("%u particles, %u grains, %s kernels: last frame %.2f of 4 ms, quality level %s, time debt %.3f s\n",
-              report.particles, report.grains, sandglass_isa_name(scene.isa()),
-              1e-6 * static_cast<double>(report.elapsed_ns), sandglass_level_name(report.level), report.time_debt);
+              report.sand.particles, report.sand.grains, sandglass_isa_name(scene.isa()),
+              1e-6 * static_cast<double>(report.time.elapsed_ns), sandglass_level_name(report.level), report.time.debt);
 }

@@ -25,11 +25,11 @@ export async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) 
   for (let frame = 0; frame < frames; ++frame) {
     await pauses.perhaps(shown, frame / frames);
     const report = scene.frame(k_scene.frame_step, 1e6);
-    ms += report.elapsed_ns / 1e6;
+    ms += report.time.elapsed_ns / 1e6;
     report.stages.forEach((stage, i) => { stages[i] += stage.elapsed_ns / 1e6; });
   }
-  const result = { hash: scene.hash(), ms: ms / frames, stages: stages.map((sum) => sum / frames), grains: scene.report.grains,
-    particles: scene.report.particles, threads: sand.threads, isa: sand.sandglass_isa_name(sand.sandglass_scene_isa(scene.handle)) };
+  const result = { hash: scene.hash(), ms: ms / frames, stages: stages.map((sum) => sum / frames), grains: scene.report.sand.grains,
+    particles: scene.report.sand.particles, threads: sand.threads, isa: sand.sandglass_isa_name(sand.sandglass_scene_isa(scene.handle)) };
   scene.destroy();
   return result;
 }

@@ -208,7 +208,7 @@ class Page {
     scene.input.set({ pile_shadow, shadows, shadow_count });
     this.scene.destroy();
     sand.free(plan);
-    this.scene = scene, this.recorded = [...recording.frames], this.recordedHash = undefined, this.added = [], this.denied = scene.report.denied_particles;
+    this.scene = scene, this.recorded = [...recording.frames], this.recordedHash = undefined, this.added = [], this.denied = scene.report.sand.denied_particles;
     sand.sandglass_pile_shadow_refresh(this.pile);
     if (hash !== recording.hash) throw new Error(`The recording ends in ${hash} here and in ${recording.hash} where it was made. Please report this.`);
     return hash;
@@ -238,8 +238,8 @@ class Page {
       if (this.gravity.some((x, k) => x !== this.given[k])) this.setGravity(scene, this.given = [...this.gravity]), this.tipped = true;
       const first = this.placeWalls(scene), emitters = this.act(first), report = scene.frame(k_step, budget, emitters);
       this.record(emitters, report.plan, first);
-      this.tellFull(report);
-      this.spent.push({ ms: report.elapsed_ns / 1e6, stages: report.stages.map((stage) => stage.elapsed_ns / 1e6), budget });
+      this.tellFull(report.sand);
+      this.spent.push({ ms: report.time.elapsed_ns / 1e6, stages: report.stages.map((stage) => stage.elapsed_ns / 1e6), budget });
       if (this.spent.length > k_seconds_at_most / k_step) this.spent.shift();
     }
   }
@@ -253,7 +253,7 @@ class Page {
   }
 
   // What was added since the last frame is in no report yet.
-  particles() { return this.scene.report.particles + this.added.reduce((sum, { particles }) => sum + particles.length / 3, 0); }
+  particles() { return this.scene.report.sand.particles + this.added.reduce((sum, { particles }) => sum + particles.length / 3, 0); }
   full() { return `The table is full: ${counted(this.particles())} of ${counted(this.scene.desc.granular.particle_capacity)} particles are there`; }
 
   // The library's shadows, as textures of the painter.
@@ -287,7 +287,7 @@ class Page {
   }
 
   draw() {
-    const { sand, scene, painter } = this, count = scene.report.grain_numbers;
+    const { sand, scene, painter } = this, count = scene.report.sand.grain_numbers;
     this.takeTextures();
     painter.draw(this.camera, sand.floats(scene.grains, 4 * count), count, scene.desc.granular.grain_radius);
   }
@@ -308,8 +308,8 @@ class Page {
     };
     by("short").textContent = `${ms.toFixed(1)} of ${budget} ms`;
     by("numbers").replaceChildren(...[...parts.map(([name, colour, part]) => row(name, `${part.toFixed(2)} ms`, colour)),
-      row("quality level", `${report.level} ${this.sand.sandglass_level_name(report.level)}`), row("time debt", `${report.time_debt.toFixed(2)} s`),
-      row("grains", `${report.grains} of ${report.particles} particles`), ...this.tellLight(row)].flat());
+      row("quality level", `${report.level} ${this.sand.sandglass_level_name(report.level)}`), row("time debt", `${report.time.debt.toFixed(2)} s`),
+      row("grains", `${report.sand.grains} of ${report.sand.particles} particles`), ...this.tellLight(row)].flat());
   }
 
   // What the camera knows of the room's light, and in augmented reality how far from the device's it is.
@@ -326,7 +326,7 @@ class Page {
     this.sand.sandglass_scene_reset(this.scene.handle);
     this.sand.sandglass_pile_shadow_refresh(this.pile);
     this.scene.frames = 0, this.scene.fill();
-    this.scene.report.set({ particles: 0, grains: 0, grain_numbers: 0, denied_particles: 0 }), this.denied = 0;
+    this.scene.report.sand.set({ particles: 0, grains: 0, grain_numbers: 0, denied_particles: 0 }), this.denied = 0;
     this.recorded = [], this.added = [], this.recordedHash = undefined;
     this.given = [...k_scene.gravity], this.tipped = false;
   }
@@ -409,7 +409,7 @@ async function begin() {
     }
     before = now;
     if (now - told > 250) page.tell(), told = now;
-    if (page.scene.report.grains > 0) document.documentElement.dataset.sand ??= Math.round(performance.now());
+    if (page.scene.report.sand.grains > 0) document.documentElement.dataset.sand ??= Math.round(performance.now());
     requestAnimationFrame(frame);
   };
   requestAnimationFrame(frame);

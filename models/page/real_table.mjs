@@ -82,7 +82,7 @@ export class RealTable {
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     if (!this.table) return;
-    const count = scene.report.grain_numbers;
+    const count = scene.report.sand.grain_numbers;
     painter.uploadGrains(page.sand.floats(scene.grains, 4 * count));
     for (const view of pose.views) {
       const matrix = Float32Array.from(view.transform.inverse.matrix), port = layer.getViewport(view), at = view.transform.position;

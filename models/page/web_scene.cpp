@@ -91,8 +91,8 @@ Json counted(const SceneFile& scene, const Material& material) {
   double ms = 0.0;
   for (uint32_t frame = 0; frame < scene.frames; ++frame) {
     simulation.flow(flow_over_frame(scene, frame * scene.frame_step));
-    ms += 1e-6 * static_cast<double>(
-                     simulation.frame(scene.frame_step, UINT64_MAX, colliders_over_frame(scene, frame)).elapsed_ns);
+    const auto report = simulation.frame(scene.frame_step, UINT64_MAX, colliders_over_frame(scene, frame));
+    ms += 1e-6 * static_cast<double>(report.time.elapsed_ns);
   }
   std::vector<Json> cores;
   for (const PhoneCore& core : phone_cores())

@@ -44,7 +44,8 @@ int budget_command(const BudgetOptions& options) {
     guessed = run.phone()->guessed();
     scene = run.report().scene, frames = run.report().frames.size();
     if (frames == 0) break;
-    particles = run.report().frames.back().report.particles, grains = run.report().frames.back().report.grains;
+    const sandglass_sand_report& sand = run.report().frames.back().report.sand;
+    particles = sand.particles, grains = sand.grains;
   }
   if (interrupted()) return k_exit_interrupted;
 

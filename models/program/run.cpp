@@ -232,7 +232,7 @@ void Run::execute() {
     report_.frames.push_back(row);
     if (!options_.record.empty())
       recording_.frames.push_back(
-          {static_cast<float>(scene_.frame_step), row.report.budget_ns, colliders, row.report.plan});
+          {static_cast<float>(scene_.frame_step), row.report.time.budget_ns, colliders, row.report.plan});
     if (!options_.out.empty() && ((frame + 1) % step == 0 || frame + 1 == scene_.frames))
       take_snapshot(frame + 1, colliders);
     progress.done(frame + 1);

@@ -83,27 +83,27 @@ Summary summarise(const std::vector<FrameRow>& frames) {
   std::vector<double> elapsed, wall, cpu, stages[SANDGLASS_STAGE_COUNT];
   for (const FrameRow& row : frames) {
     const sandglass_frame_report& r = row.report;
-    elapsed.push_back(ms(r.elapsed_ns));
+    elapsed.push_back(ms(r.time.elapsed_ns));
     wall.push_back(row.wall_ms);
     cpu.push_back(row.cpu_ms);
     for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) stages[stage].push_back(ms(r.stages[stage].elapsed_ns));
-    if (r.elapsed_ns > r.budget_ns) {
+    if (r.time.elapsed_ns > r.time.budget_ns) {
       ++summary.misses;
-      summary.worst_overrun_ms = std::max(summary.worst_overrun_ms, ms(r.elapsed_ns - r.budget_ns));
+      summary.worst_overrun_ms = std::max(summary.worst_overrun_ms, ms(r.time.elapsed_ns - r.time.budget_ns));
     }
-    const uint64_t promised = std::max(r.budget_ns, r.mandatory_ns);
-    if (r.elapsed_ns > promised && r.elapsed_ns - promised > r.last_unit_ns) ++summary.beyond_guarantee;
+    const uint64_t promised = std::max(r.time.budget_ns, r.time.mandatory_ns);
+    if (r.time.elapsed_ns > promised && r.time.elapsed_ns - promised > r.time.last_unit_ns) ++summary.beyond_guarantee;
     if (r.level >= summary.level_frames.size()) summary.level_frames.resize(r.level + 1, 0);
     ++summary.level_frames[r.level];
-    summary.dropped_contacts += r.dropped_contacts;
-    summary.quarantined += r.quarantined;
-    summary.ignored_colliders += r.ignored_colliders;
-    summary.clock_faults += r.clock_fault;
+    summary.dropped_contacts += r.sand.dropped_contacts;
+    summary.quarantined += r.sand.quarantined;
+    summary.ignored += r.sand.ignored_colliders + r.sand.ignored_emitters + r.sand.ignored_sinks;
+    summary.clock_faults += r.time.clock_fault;
   }
   if (!frames.empty()) {
-    summary.budget_ms = ms(frames.back().report.budget_ns);
-    summary.time_debt = frames.back().report.time_debt;
-    summary.simulated_time = frames.back().report.simulated_time;
+    summary.budget_ms = ms(frames.back().report.time.budget_ns);
+    summary.time_debt = frames.back().report.time.debt;
+    summary.simulated_time = frames.back().report.time.simulated;
   }
   summary.elapsed = distribution(std::move(elapsed));
   summary.wall = distribution(std::move(wall));
@@ -119,18 +119,20 @@ std::string report_csv(const RunReport& report) {
     for (const char* column : {"_ms,", "_units,", "_denied,"}) text += std::string(stage_name(stage)) + column;
   text +=
       "simulated_s,debt_s,grain_lag_s,substep_s,substeps,list_builds,particles,grains,dropped_contacts,quarantined,"
-      "ignored_colliders,speed_max,clock_fault,pending_shadows,shadow_age,light_changed,light_units_left\n";
+      "ignored_colliders,ignored_emitters,ignored_sinks,speed_max,clock_fault,shadows_pending,shadows_calls_behind,"
+      "estimate_changed,estimate_units_left\n";
   for (const FrameRow& row : report.frames) {
     const sandglass_frame_report& r = row.report;
     add(&text, "%llu,%u,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f", static_cast<unsigned long long>(r.frame), r.level,
-        ms(r.budget_ns), ms(r.elapsed_ns), ms(r.mandatory_ns), ms(r.last_unit_ns), ms(r.longest_unit_ns), row.wall_ms,
-        row.cpu_ms);
+        ms(r.time.budget_ns), ms(r.time.elapsed_ns), ms(r.time.mandatory_ns), ms(r.time.last_unit_ns),
+        ms(r.time.longest_unit_ns), row.wall_ms, row.cpu_ms);
     for (const sandglass_stage_report& stage : r.stages)
       add(&text, ",%.6f,%u,%u", ms(stage.elapsed_ns), stage.units, stage.denied);
-    add(&text, ",%.6f,%.6f,%.6f,%.9f,%u,%u,%u,%u,%u,%u,%u,%.6g,%u,%u,%u,%u,%u\n", r.simulated_time, r.time_debt,
-        static_cast<double>(r.grain_lag), static_cast<double>(r.substep), r.substeps, r.list_builds, r.particles,
-        r.grains, r.dropped_contacts, r.quarantined, r.ignored_colliders, static_cast<double>(r.speed_max),
-        r.clock_fault, r.pending_shadows, r.shadow_age, r.light_changed, r.light_units_left);
+    add(&text, ",%.6f,%.6f,%.6f,%.9f,%u,%u,%u,%u,%u,%u,%u,%u,%u,%.6g,%u,%u,%u,%u,%u\n", r.time.simulated, r.time.debt,
+        static_cast<double>(r.sand.grain_lag), static_cast<double>(r.sand.substep), r.sand.substeps, r.sand.list_builds,
+        r.sand.particles, r.sand.grains, r.sand.dropped_contacts, r.sand.quarantined, r.sand.ignored_colliders,
+        r.sand.ignored_emitters, r.sand.ignored_sinks, static_cast<double>(r.sand.speed_max), r.time.clock_fault,
+        r.shadows.pending, r.shadows.calls_behind, r.estimate.changed, r.estimate.units_left);
   }
   return text;
 }
@@ -155,12 +157,12 @@ std::string report_trace(const RunReport& report) {
     add(&events,
         ",\n{\"ph\":\"X\",\"pid\":1,\"tid\":1,\"name\":\"frame "
         "%llu\",\"ts\":%.3f,\"dur\":%.3f,\"args\":{\"level\":%u,\"substeps\":%u}}",
-        static_cast<unsigned long long>(r.frame), at, row.wall_ms * 1e3, r.level, r.substeps);
+        static_cast<unsigned long long>(r.frame), at, row.wall_ms * 1e3, r.level, r.sand.substeps);
     add(&events,
         ",\n{\"ph\":\"C\",\"pid\":1,\"name\":\"time (ms)\",\"ts\":%.3f,\"args\":{\"budget\":%.6f,\"elapsed\":%.6f}}",
-        at, ms(r.budget_ns), ms(r.elapsed_ns));
+        at, ms(r.time.budget_ns), ms(r.time.elapsed_ns));
     add(&events, ",\n{\"ph\":\"C\",\"pid\":1,\"name\":\"debt (ms)\",\"ts\":%.3f,\"args\":{\"debt\":%.6f}}", at,
-        r.time_debt * 1e3);
+        r.time.debt * 1e3);
     add(&events, ",\n{\"ph\":\"C\",\"pid\":1,\"name\":\"level\",\"ts\":%.3f,\"args\":{\"level\":%u}}", at, r.level);
   }
   add(&text, "{\"ph\":\"M\",\"pid\":1,\"name\":\"process_name\",\"args\":{\"name\":\"sandglass\"}}");
@@ -192,8 +194,8 @@ std::string headline(const RunReport& report) {
   const size_t count = report.frames.size();
   std::string text;
   add(&text, "%zu frames%s, %u particles, %u grains; %s kernels, %u thread%s, %s clock, %.1f MiB", count,
-      report.interrupted ? " (interrupted)" : "", count == 0 ? 0 : report.frames.back().report.particles,
-      count == 0 ? 0 : report.frames.back().report.grains, report.isa.c_str(), report.threads,
+      report.interrupted ? " (interrupted)" : "", count == 0 ? 0 : report.frames.back().report.sand.particles,
+      count == 0 ? 0 : report.frames.back().report.sand.grains, report.isa.c_str(), report.threads,
       report.threads == 1 ? "" : "s", report.clock.c_str(), static_cast<double>(report.memory_bytes) / 1048576.0);
   return text;
 }
@@ -231,10 +233,10 @@ std::string report_summary_text(const RunReport& report) {
   for (uint32_t level = 0; level < s.level_frames.size(); ++level)
     if (s.level_frames[level] > 0) add(&text, " %s x %u", level_text(level).c_str(), s.level_frames[level]);
   add(&text, "\n");
-  if (s.dropped_contacts + s.quarantined + s.ignored_colliders + s.clock_faults > 0)
-    add(&text, "  dropped contacts %llu, quarantined %llu, ignored colliders %llu, clock faults %u\n",
+  if (s.dropped_contacts + s.quarantined + s.ignored + s.clock_faults > 0)
+    add(&text, "  dropped contacts %llu, quarantined %llu, left out %llu, clock faults %u\n",
         static_cast<unsigned long long>(s.dropped_contacts), static_cast<unsigned long long>(s.quarantined),
-        static_cast<unsigned long long>(s.ignored_colliders), s.clock_faults);
+        static_cast<unsigned long long>(s.ignored), s.clock_faults);
   return text;
 }
 

@@ -78,7 +78,7 @@ struct Summary {
   double time_debt = 0.0;              // seconds, at the end
   double simulated_time = 0.0;         // seconds
   std::vector<uint32_t> level_frames;  // frames at each quality level
-  uint64_t dropped_contacts = 0, quarantined = 0, ignored_colliders = 0;
+  uint64_t dropped_contacts = 0, quarantined = 0, ignored = 0;  // the last: colliders, emitters, sinks
   uint32_t clock_faults = 0;
 };
 Summary summarise(const std::vector<FrameRow>& frames);

@@ -39,8 +39,8 @@ std::string report_summary_json(const RunReport& report) {
       {"light", report.light},
       {"interrupted", report.interrupted},
       {"frames", report.frames.size()},
-      {"particles", report.frames.empty() ? 0 : report.frames.back().report.particles},
-      {"grains", report.frames.empty() ? 0 : report.frames.back().report.grains},
+      {"particles", report.frames.empty() ? 0 : report.frames.back().report.sand.particles},
+      {"grains", report.frames.empty() ? 0 : report.frames.back().report.sand.grains},
       {"memory_bytes", report.memory_bytes},
       {"budget_ms", s.budget_ms},
       {"elapsed_ms", json_of(s.elapsed)},
@@ -56,7 +56,7 @@ std::string report_summary_json(const RunReport& report) {
       {"frames_at_level", Json::object(levels)},
       {"dropped_contacts", s.dropped_contacts},
       {"quarantined", s.quarantined},
-      {"ignored_colliders", s.ignored_colliders}};
+      {"ignored", s.ignored}};
   file.insert(file.end(), more.begin(), more.end());
   return Json::object(file).text() + "\n";
 }

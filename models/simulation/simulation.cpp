@@ -82,7 +82,7 @@ sandglass_frame_report Simulation::frame(sandglass_frame_input input) {
   report.struct_size = sizeof report;
   const char* reason = nullptr;
   require(sandglass_scene_frame(scene_, &input, &report, &reason), reason);
-  particles_ = report.particle_numbers, grains_ = report.grain_numbers;
+  particles_ = report.sand.particle_numbers, grains_ = report.sand.grain_numbers;
   output_.resize(grains_);
   return report;
 }

@@ -30,7 +30,7 @@ struct ThreadPool::State {
   std::condition_variable wake;
   std::atomic<uint32_t> generation{0}, next{0}, inside{0}, asleep{0};
   std::atomic<bool> quit{false};
-  void (*task)(void*, uint32_t) = nullptr;
+  sandglass_task_function task = nullptr;
   void* context = nullptr;
   uint32_t count = 0;
 
@@ -60,7 +60,7 @@ struct ThreadPool::State {
     }
   }
 
-  static void run(void* user, void (*task)(void*, uint32_t), void* context, uint32_t count) {
+  static void run(void* user, sandglass_task_function task, void* context, uint32_t count) {
     State* s = static_cast<State*>(user);
     s->task = task;
     s->context = context;

@@ -109,7 +109,7 @@ uint64_t read_difference(Frame* frame) {
   const uint64_t difference = reading - frame->reading;
   frame->reading = reading;
   if (difference < k_jump_ns) return difference;
-  frame->report->clock_fault = 1;
+  frame->report->time.clock_fault = 1;
   forget_spreads(frame->governor);
   return k_time_max;
 }
@@ -173,7 +173,7 @@ uint64_t run_unit(Frame* frame, uint32_t index, const WorkUnit& unit) {
 
   const uint64_t duration = account(frame, unit);
   report->stages[index].elapsed_ns += duration;
-  if (duration > report->longest_unit_ns) report->longest_unit_ns = duration;
+  if (duration > report->time.longest_unit_ns) report->time.longest_unit_ns = duration;
   if (frame->timed && unit.kind < k_unit_kinds) {
     frame->kinds_run |= 1ull << unit.kind;
     frame->governor->kinds[unit.kind].frames_denied = 0;
@@ -195,14 +195,14 @@ bool fits(Frame* frame, uint64_t cost) {
   if (add(add(told, frame->unseen), needed) <= frame->budget) return true;
   // Would the clock alone have said yes? Then it stands still, unless it is merely coarse.
   const bool clock_agrees = add(told, needed) > frame->budget;
-  if (!clock_agrees && (told == 0 || frame->unseen_units >= k_frozen_units)) frame->report->clock_fault = 1;
+  if (!clock_agrees && (told == 0 || frame->unseen_units >= k_frozen_units)) frame->report->time.clock_fault = 1;
   return false;
 }
 
 bool admitted(Frame* frame, const WorkUnit& unit) {
   if (!frame->timed) return true;
   if (frame->optional_units >= k_optional_units_max) {
-    frame->report->clock_fault = 1;
+    frame->report->time.clock_fault = 1;
     return false;
   }
   if (!fits(frame, 1)) return false;  // no time at all: says nothing about the kind
@@ -324,11 +324,8 @@ void remember_denials(Governor* governor, const Frame& frame) {
 }
 
 void clear_report(sandglass_frame_report* report, uint64_t budget) {
-  report->budget_ns = report->target_ns = budget;
-  report->elapsed_ns = report->mandatory_ns = report->last_unit_ns = report->longest_unit_ns = 0;
-  report->clock_fault = 0;
-  for (sandglass_stage_report& stage : report->stages) stage = {};
-  report->plan = {};
+  *report = {};
+  report->time.budget_ns = report->time.target_ns = budget;
   report->plan.struct_size = sizeof(sandglass_plan);
 }
 
@@ -456,9 +453,9 @@ bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_coun
     WorkUnit unit;
     report->stages[i].denied = offers(frame, i, &unit) ? 1 : 0;
   }
-  report->elapsed_ns = frame.elapsed;
-  report->mandatory_ns = frame.elapsed - optional_ns;
-  report->last_unit_ns = add(last_mandatory, governor->closing_excess_ns);
+  report->time.elapsed_ns = frame.elapsed;
+  report->time.mandatory_ns = frame.elapsed - optional_ns;
+  report->time.last_unit_ns = add(last_mandatory, governor->closing_excess_ns);
   return complete;
 }
 

@@ -277,7 +277,7 @@ void output_run(Output* output, const Granular& g) {
   OutputTask task = {g.grains.records,
                      g.flow.free_grains,
                      g.grains.count,
-                     static_cast<uint8_t*>(output->input->grains),
+                     reinterpret_cast<uint8_t*>(output->input->grains),
                      output->input->grain_stride,
                      output_count(g),
                      lag};

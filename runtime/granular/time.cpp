@@ -142,7 +142,7 @@ bool time_awaits_grains(const Granular& g) {
 namespace {
 
 struct Measured {
-  float cost_solver, cost_refine, overlap_p99, overlap_mean, angle_degrees;
+  float cost_solver, cost_refine, overlap_p99, overlap_mean, angle_deg;
 };
 
 constexpr Measured k_measured[] = {
@@ -162,7 +162,7 @@ static_assert(each_gives_up_accuracy_for_time(), "a level that is both dearer an
 
 constexpr sandglass_level told(const char* name, uint32_t measured) {
   const Measured& m = k_measured[measured];
-  return {sizeof(sandglass_level), name, m.cost_solver, m.cost_refine, m.overlap_p99, m.overlap_mean, m.angle_degrees};
+  return {sizeof(sandglass_level), name, m.cost_solver, m.cost_refine, m.overlap_p99, m.overlap_mean, m.angle_deg};
 }
 
 }  // namespace

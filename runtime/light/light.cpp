@@ -227,7 +227,7 @@ sandglass_status sandglass_light_turn(sandglass_light* light, const float rotati
   return accept(reason);
 }
 
-sandglass_status sandglass_light_set_image(sandglass_light* light, const sandglass_camera_image* image, uint32_t* taken,
+sandglass_status sandglass_light_set_image(sandglass_light* light, const sandglass_camera_image* image, int32_t* taken,
                                            const char** reason) {
   if (light == nullptr) return refuse(reason, "light is NULL: pass the light that sandglass_light_create made");
   const sandglass_status status = check_camera_image(image, reason);

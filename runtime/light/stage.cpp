@@ -138,10 +138,11 @@ void end_frame(sandglass_light* owner, sandglass_frame_report* report) {
     drop_image(light);
     light->phase = LightPhase::idle;
   }
-  report->light_valid = light->filter.accepted != 0 ? 1 : 0;
-  report->light_changed = light->changed ? 1 : 0;
-  report->light_age = light->estimates != 0 ? static_cast<uint32_t>(light->frame - light->estimate_frame) : 0;
-  report->light_units_left = sandglass_light_units_left(owner);
+  report->estimate.valid = light->filter.accepted != 0 ? 1 : 0;
+  report->estimate.changed = light->changed ? 1 : 0;
+  report->estimate.frames_behind =
+      light->estimates != 0 ? static_cast<uint32_t>(light->frame - light->estimate_frame) : 0;
+  report->estimate.units_left = sandglass_light_units_left(owner);
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ void sandglass_room_reset(sandglass_room* room) {
   if (room != nullptr) room_reset(&room->room);
 }
 
-sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_camera_image* image, uint32_t* taken,
+sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_camera_image* image, int32_t* taken,
                                           const char** reason) {
   if (taken != nullptr) *taken = 0;
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");

@@ -53,9 +53,10 @@ using namespace sandglass;
 
 uint64_t sandglass_room_save_bytes(const sandglass_room* room) { return room == nullptr ? 0 : sizeof(SavedRoom); }
 
-sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, uint64_t bytes, const char** reason) {
-  if (owner == nullptr || data == nullptr)
-    return refuse(reason, "sandglass_room_save: room or data is NULL: pass the room and the memory to write to.");
+sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, uint64_t bytes, uint64_t* written,
+                                     const char** reason) {
+  if (owner == nullptr || data == nullptr || written == nullptr)
+    return refuse(reason, "sandglass_room_save: room, data or written is NULL: pass the room and where to write to.");
   if (bytes < sizeof(SavedRoom))
     return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
                   "sandglass_room_save: bytes is less than the room needs: ask sandglass_room_save_bytes.");
@@ -75,6 +76,7 @@ sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, ui
   put(offsetof(SavedRoom, parts), room.parts, sizeof room.parts);
   const uint64_t checksum = checksum_of(data);
   put(offsetof(SavedRoom, checksum), &checksum, sizeof checksum);
+  *written = sizeof(SavedRoom);
   return accept(reason);
 }
 

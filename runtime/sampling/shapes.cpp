@@ -70,7 +70,7 @@ using namespace sandglass;
 
 extern "C" {
 
-sandglass_status sandglass_sample_disk(float radius, uint32_t count, float* points, const char** reason) {
+sandglass_status sandglass_sample_disk(float radius, float* points, uint32_t count, const char** reason) {
   if (const sandglass_status status = check_shape(radius, count, points, reason)) return status;
   for (uint32_t i = 1; i <= count; ++i) {
     const double r = static_cast<double>(radius) * square_root((i - 0.5) / (count - 0.5));
@@ -83,14 +83,14 @@ sandglass_status sandglass_sample_disk(float radius, uint32_t count, float* poin
   return accept(reason);
 }
 
-sandglass_status sandglass_sample_sphere(float radius, uint32_t count, float* points, const char** reason) {
+sandglass_status sandglass_sample_sphere(float radius, float* points, uint32_t count, const char** reason) {
   if (const sandglass_status status = check_shape(radius, count, points, reason)) return status;
   for (uint32_t i = 1; i <= count; ++i)
     place_on_sphere(static_cast<double>(radius), i, static_cast<double>(count), points + 3ull * (i - 1));
   return accept(reason);
 }
 
-sandglass_status sandglass_sample_ring(float radius, float theta_a, float theta_b, uint32_t count, float* points,
+sandglass_status sandglass_sample_ring(float radius, float theta_a, float theta_b, float* points, uint32_t count,
                                        const char** reason) {
   if (const sandglass_status status = check_shape(radius, count, points, reason)) return status;
   if (!(theta_a >= 0 && theta_a < theta_b && theta_b <= static_cast<float>(k_pi)))

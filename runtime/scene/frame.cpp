@@ -78,11 +78,11 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
 
   const uint64_t target = governor_target(input->budget_ns, input->thermal_headroom);
   const bool ran = governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);
-  report->budget_ns = input->budget_ns;
+  report->time.budget_ns = input->budget_ns;
   lighting_end_frame(lighting, report);
   shadow_end_frame(shadows, report);
   if (refused_image != nullptr) {
-    report->ignored_images = 1;
+    report->estimate.ignored_images = 1;
     if (scene->desc.log.write != nullptr) scene->desc.log.write(scene->desc.log.user, refused_image);
   }
   return ran;
@@ -97,7 +97,7 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
                                        sandglass_frame_report* report, const char** reason) {
   const sandglass_status status = check(scene, input, report, reason);
   if (status != SANDGLASS_OK) return status;
-  sandglass_frame_report done = {};
+  sandglass_frame_report done;  // the governor clears it
   ++scene->frame;
   const FloatingPointControl saved = floating_point_enter();
   const bool ran = run_frame(scene, input, &done);

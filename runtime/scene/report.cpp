@@ -6,30 +6,32 @@ namespace sandglass {
 void report_scene(const sandglass_scene& scene, sandglass_frame_report* report) {
   const Granular& g = scene.granular;
   report->frame = scene.frame;
-  report->simulated_time = g.time.simulated;
+  report->time.simulated = g.time.simulated;
   const double debt = g.time.debt + g.time.slipped;
-  report->time_debt = debt > k_time_resolution ? debt : 0.0;
-  report->grain_lag = g.grains.count == 0 ? 0.0f : static_cast<float>(g.time.grain_lag);
-  report->substep = g.substep.length;
-  report->substeps = g.counts.substeps;
-  report->list_builds = g.counts.list_builds;
-  report->particles = g.particles.count;
-  report->awake = g.sleep.awake_count;
-  report->grains = g.grains.count;
+  report->time.debt = debt > k_time_resolution ? debt : 0.0;
+  report->sand.grain_lag = g.grains.count == 0 ? 0.0f : static_cast<float>(g.time.grain_lag);
+  report->sand.substep = g.substep.length;
+  report->sand.substeps = g.counts.substeps;
+  report->sand.list_builds = g.counts.list_builds;
+  report->sand.particles = g.particles.count;
+  report->sand.awake = g.sleep.awake_count;
+  report->sand.grains = g.grains.count;
   const uint32_t awake_grains = g.grain_sleep.group_count * k_lane_group;
-  report->awake_grains = awake_grains < g.grains.count ? awake_grains : g.grains.count;
-  report->dropped_contacts = g.counts.dropped_contacts;
-  report->quarantined = g.counts.quarantined;
-  report->ignored_colliders = g.counts.ignored_colliders + g.counts.ignored_emitters + g.counts.ignored_sinks;
-  report->particle_numbers = g.particles.count + g.flow.free_particle_count;
-  report->grain_numbers = g.grains.count + g.flow.free_grain_count;
-  report->emitted_particles = g.flow.counts.emitted_particles;
-  report->emitted_grains = g.flow.counts.emitted_grains;
-  report->removed_particles = g.flow.counts.removed_particles;
-  report->removed_grains = g.flow.counts.removed_grains;
-  report->removed_bodies = g.flow.counts.removed_bodies;
-  report->denied_particles = g.flow.counts.denied_particles;
-  report->speed_max = g.particles.speed_max;
+  report->sand.awake_grains = awake_grains < g.grains.count ? awake_grains : g.grains.count;
+  report->sand.dropped_contacts = g.counts.dropped_contacts;
+  report->sand.quarantined = g.counts.quarantined;
+  report->sand.ignored_colliders = g.counts.ignored_colliders;
+  report->sand.ignored_emitters = g.counts.ignored_emitters;
+  report->sand.ignored_sinks = g.counts.ignored_sinks;
+  report->sand.particle_numbers = g.particles.count + g.flow.free_particle_count;
+  report->sand.grain_numbers = g.grains.count + g.flow.free_grain_count;
+  report->sand.emitted_particles = g.flow.counts.emitted_particles;
+  report->sand.emitted_grains = g.flow.counts.emitted_grains;
+  report->sand.removed_particles = g.flow.counts.removed_particles;
+  report->sand.removed_grains = g.flow.counts.removed_grains;
+  report->sand.removed_bodies = g.flow.counts.removed_bodies;
+  report->sand.denied_particles = g.flow.counts.denied_particles;
+  report->sand.speed_max = g.particles.speed_max;
 }
 
 void log_frame(const sandglass_scene& scene) {

@@ -172,7 +172,7 @@ void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_shad
       out.high[axis] = static_cast<float>(s.origin[2 * axis] + a.half);
     }
     out.completed = a.completed;
-    out.age = ambient_waits(a) ? static_cast<uint32_t>(a.calls - a.front_call) : 0;
+    out.calls_behind = ambient_waits(a) ? static_cast<uint32_t>(a.calls - a.front_call) : 0;
   }
   fill_struct(&out, sizeof out, ambient);
 }

@@ -184,7 +184,7 @@ void fill_texture(const Shadow& s, uint32_t light, sandglass_shadow_texture* out
     texture.opacity = l.opacity;
     texture.beyond = l.beyond ? 1 : 0;
     const bool under_way = s.phase != ShadowPhase::idle && s.active == light;
-    texture.age = l.pending || under_way ? static_cast<uint32_t>(l.calls - t.light_call) : 0;
+    texture.calls_behind = l.pending || under_way ? static_cast<uint32_t>(l.calls - t.light_call) : 0;
     texture.evaluated = t.evaluated;
   }
   fill_struct(&texture, sizeof texture, out);

@@ -217,7 +217,7 @@ void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sand
   for (uint32_t axis = 0; axis < 2; ++axis) texture.low[axis] = p.low[axis], texture.high[axis] = p.high[axis];
   texture.opacity = p.opacity;
   const bool stale = ((p.asked | p.making) & k_ask_light) != 0;
-  texture.age = stale ? static_cast<uint32_t>(p.frame - p.front.frame) : 0;
+  texture.frames_behind = stale ? static_cast<uint32_t>(p.frame - p.front.frame) : 0;
   fill_struct(&texture, sizeof texture, out);
 }
 
@@ -255,7 +255,7 @@ void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglas
   for (uint32_t axis = 0; axis < 2; ++axis) sky.low[axis] = p.low[axis], sky.high[axis] = p.high[axis];
   sky.height_texels = s.texels != 0 ? p.texels : 0, sky.height = s.front.top;
   const bool stale = ((p.asked | p.making) & k_ask_sky) != 0;
-  sky.age = stale && s.texels != 0 ? static_cast<uint32_t>(p.frame - s.front.frame) : 0;
+  sky.frames_behind = stale && s.texels != 0 ? static_cast<uint32_t>(p.frame - s.front.frame) : 0;
   fill_struct(&sky, sizeof sky, out);
 }
 

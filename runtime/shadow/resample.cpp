@@ -83,7 +83,7 @@ __attribute__((noinline)) void combine(const Shadow& s, uint32_t size, uint8_t* 
 
 using namespace sandglass;
 
-sandglass_status sandglass_shadow_resample(const sandglass_shadow* shadow, uint32_t light, uint32_t size, uint8_t* out,
+sandglass_status sandglass_shadow_resample(const sandglass_shadow* shadow, uint32_t light, uint8_t* out, uint32_t size,
                                            const char** reason) {
   if (shadow == nullptr || out == nullptr)
     return refuse(reason, "shadow or coverage is NULL: pass the shadow and room for size * size bytes");
@@ -110,7 +110,7 @@ sandglass_status sandglass_shadow_resample(const sandglass_shadow* shadow, uint3
   return accept(reason);
 }
 
-sandglass_status sandglass_shadow_combine(const sandglass_shadow* shadow, uint32_t size, uint8_t* coverage,
+sandglass_status sandglass_shadow_combine(const sandglass_shadow* shadow, uint8_t* coverage, uint32_t size,
                                           float low[2], float high[2], const char** reason) {
   if (shadow == nullptr || coverage == nullptr || low == nullptr || high == nullptr)
     return refuse(

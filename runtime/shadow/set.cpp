@@ -131,8 +131,8 @@ void report_set(const ShadowSet& set, sandglass_frame_report* report) {
       oldest = calls > oldest ? calls : oldest;
     }
   }
-  report->pending_shadows = pending;
-  report->shadow_age = static_cast<uint32_t>(oldest);
+  report->shadows.pending = pending;
+  report->shadows.calls_behind = static_cast<uint32_t>(oldest);
 }
 
 }  // namespace

@@ -71,18 +71,18 @@ int main(int argument_count, char** arguments) {
   counting_begins();
   for (int frame = 0; status && frame < counted_frames; ++frame) {
     status = scene.frame(input, &report);
-    iterations += static_cast<uint64_t>(report.substeps) * report.awake;
-    builds += static_cast<uint64_t>(report.list_builds) * report.awake;
-    sweeps += report.awake_grains, particle_sweeps += report.particles;
+    iterations += static_cast<uint64_t>(report.sand.substeps) * report.sand.awake;
+    builds += static_cast<uint64_t>(report.sand.list_builds) * report.sand.awake;
+    sweeps += report.sand.awake_grains, particle_sweeps += report.sand.particles;
   }
   counting_ends();
   if (!status) return fail(status);
   std::printf(
       "isa %s\nparticles %u\ngrains %u\nframes %d\nparticle_iterations %llu\nparticle_builds %llu\ngrain_sweeps %llu\n"
       "particle_sweeps %llu\n",
-      sandglass_isa_name(scene.isa()), report.particles, report.grains, counted_frames,
+      sandglass_isa_name(scene.isa()), report.sand.particles, report.sand.grains, counted_frames,
       static_cast<unsigned long long>(iterations), static_cast<unsigned long long>(builds),
       static_cast<unsigned long long>(sweeps), static_cast<unsigned long long>(particle_sweeps));
   std::printf("hash 0x%016llx\n", static_cast<unsigned long long>(scene.hash()));
-  return report.quarantined == 0 ? 0 : 1;
+  return report.sand.quarantined == 0 ? 0 : 1;
 }

@@ -182,18 +182,20 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
     const uint64_t before = thread_cpu_ns();
     const sandglass_frame_report report = all.frame(budget_ns, 0.8, 0.0174533 * i);
     spent.push_back(thread_cpu_ns() - before);
-    EXPECT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
+    EXPECT_LE(report.time.elapsed_ns,
+              std::max(report.time.budget_ns, report.time.mandatory_ns) + report.time.last_unit_ns);
     if (units == nullptr) {
       // 200 us for setting two lights and for the call around the units.
-      const uint64_t allowed =
-          std::max(budget_ns, report.mandatory_ns) + std::max(report.longest_unit_ns, report.last_unit_ns) + 200'000;
+      const uint64_t allowed = std::max(budget_ns, report.time.mandatory_ns) +
+                               std::max(report.time.longest_unit_ns, report.time.last_unit_ns) + 200'000;
       law.frames.over_ns.push_back(spent.back() > allowed ? spent.back() - allowed : 0);
       if (control) law.frames.lost_ns.push_back(sandglass::test::lost_to_the_machine_ns(spent.back()));
     }
-    law.last_debt = report.time_debt, law.debt = std::max(law.debt, report.time_debt);
-    law.owing += report.time_debt > 0 ? 1 : 0;
+    law.last_debt = report.time.debt;
+    law.debt = std::max(law.debt, report.time.debt);
+    law.owing += report.time.debt > 0 ? 1 : 0;
     law.worst_level = std::max(law.worst_level, report.level);
-    if (law.first_light == 0 && report.light_valid != 0) law.first_light = i + 1;
+    if (law.first_light == 0 && report.estimate.valid != 0) law.first_light = i + 1;
     const sandglass_shadow_texture t = all.shadow.texture();
     if (t.valid != 0 && t.light[0] != last_azimuth) ++law.textures, last_azimuth = t.light[0];
   }
@@ -242,7 +244,7 @@ Costs costs_of_sand(uint64_t scale, int frames) {
   UnitClock clock;
   clock.scale = scale;
   Everything sand(k_grains, &clock, SANDGLASS_LEVEL_COARSER);
-  for (int i = 0; i < frames; ++i) EXPECT_EQ(sand.frame(1'000'000'000, 0.8, 0).time_debt, 0.0);
+  for (int i = 0; i < frames; ++i) EXPECT_EQ(sand.frame(1'000'000'000, 0.8, 0).time.debt, 0.0);
   return {static_cast<double>(clock.spent_ns["granular"]) / frames,
           static_cast<double>(clock.spent_ns["refine"]) / frames};
 }
@@ -275,7 +277,7 @@ TEST(ShotBudget, NoFrameHasTimeDebtWhereTheBudgetFits) {
   UnitClock alone;
   Everything light(k_light, &alone);
   int frames = 0;
-  while (light.frame(8'000'000, 0.8, 0).light_valid == 0 && frames < 100) ++frames;
+  while (light.frame(8'000'000, 0.8, 0).estimate.valid == 0 && frames < 100) ++frames;
   const double estimate_ns = static_cast<double>(alone.spent_ns["light"]);
   EXPECT_LE(law.first_light, 1 + std::ceil(estimate_ns / (0.2 * 7e6)));
 }

@@ -270,9 +270,9 @@ struct EstimatedTurn {
   // said.
   FollowedLight follow(uint32_t frame) {
     shot->begin(frame);
-    uint32_t taken = 0;
+    int32_t taken = 0;
     EXPECT_EQ(sandglass_light_set_image(shot->estimator(), shot->image(), &taken, nullptr), SANDGLASS_OK);
-    EXPECT_EQ(taken, 1u) << frame;
+    EXPECT_EQ(taken, 1) << frame;
     while (sandglass_light_run(shot->estimator(), 1000) != 0) {
     }
     FollowedLight light = {};

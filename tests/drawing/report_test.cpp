@@ -25,13 +25,13 @@ RunReport example() {
   for (uint64_t i = 1; i <= 101; ++i) {
     FrameRow row = {};
     row.report.frame = i;
-    row.report.budget_ns = 4'000'000;
-    row.report.elapsed_ns = i == 101 ? 6'000'000 : i * 40'000;
-    row.report.last_unit_ns = 50'000;
+    row.report.time.budget_ns = 4'000'000;
+    row.report.time.elapsed_ns = i == 101 ? 6'000'000 : i * 40'000;
+    row.report.time.last_unit_ns = 50'000;
     row.report.level = i > 50 ? 1 : 0;
-    row.report.stages[SANDGLASS_STAGE_GRANULAR] = {10, 0, row.report.elapsed_ns / 2};
-    row.report.time_debt = 0.001 * static_cast<double>(i);
-    row.report.particles = 7;
+    row.report.stages[SANDGLASS_STAGE_GRANULAR] = {10, 0, row.report.time.elapsed_ns / 2};
+    row.report.time.debt = 0.001 * static_cast<double>(i);
+    row.report.sand.particles = 7;
     row.begin_ns = i * 20'000'000;
     row.wall_ms = 5.0, row.cpu_ms = 4.0;
     run.frames.push_back(row);
@@ -71,7 +71,7 @@ TEST(Report, APercentileNeedsTenFramesBeyondIt) {
     RunReport run;
     for (uint64_t i = 1; i <= frames; ++i) {
       run.frames.emplace_back();
-      run.frames.back().report.elapsed_ns = i * 1'000'000;
+      run.frames.back().report.time.elapsed_ns = i * 1'000'000;
     }
     const nlohmann::json times = nlohmann::json::parse(report_summary_json(run)).at("elapsed_ms");
     const std::string text = report_summary_text(run);

@@ -172,7 +172,8 @@ struct Watch {
   void check_sleep(double seconds_still, uint32_t allowed) {
     uint32_t there = 0;
     for (const char is : w.present) there += is != 0;
-    const uint32_t left = w.report.particles - there, awake = w.report.awake > left ? w.report.awake - left : 0;
+    const uint32_t left = w.report.sand.particles - there,
+                   awake = w.report.sand.awake > left ? w.report.sand.awake - left : 0;
     if (awake > allowed)
       found("sleep: %u of %u are awake %.0f s after the last has landed", awake, there, seconds_still);
   }
@@ -214,12 +215,12 @@ struct Watch {
       if (!soon && w.simulated > landed + k_soon) {
         soon = true;
         check_depth();
-        if (!is_in_body()) check_sleep(k_soon, std::max({5u, w.report.particles / 20, sliding()}));
+        if (!is_in_body()) check_sleep(k_soon, std::max({5u, w.report.sand.particles / 20, sliding()}));
       }
       // A held pose that is nearly its band away from a restless one may still be corrected.
       if ((w.set.list & restless) == 0 && w.simulated > next) {
         // The solver's own corrections move a particle by a hundredth of r in a second at most.
-        const double after = energy(zero), slack = 0.01 * w.r * length(w.gravity) * w.report.particles;
+        const double after = energy(zero), slack = 0.01 * w.r * length(w.gravity) * w.report.sand.particles;
         if (before >= 0 && !is_in_body() && after > 1.01 * before + slack)
           found("energy: %.4g J/kg, a second later %.4g J/kg", before, after);
         zero = 1e9;
@@ -227,7 +228,7 @@ struct Watch {
           if (w.present[i] != 0) zero = std::fmin(zero, height(w.positions[i]) - w.r);
         before = energy(zero), next = w.simulated + 1;
       }
-      if (exact && soon && w.report.awake == 0 && w.simulated > landed + k_soon + 2) return;
+      if (exact && soon && w.report.sand.awake == 0 && w.simulated > landed + k_soon + 2) return;
     }
     check_sleep(k_late, sliding());
   }

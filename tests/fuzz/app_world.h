@@ -137,7 +137,7 @@ struct World {
       must(scene.restore(saved));
       // An app finds its planes later. Sand falls by 11 cm until then at most.
       if ((set.calls & not_found) != 0) empty_frames = random.below(static_cast<uint32_t>(0.15 * rate));
-      report.particle_numbers = desc.granular.particle_capacity, begins_anew = restored = true;
+      report.sand.particle_numbers = desc.granular.particle_capacity, begins_anew = restored = true;
     }
     if ((set.calls & removes) != 0 && one_in(200)) must(scene.remove(ball(anywhere(5 * r, 0, 5 * r), 4 * r)));
     if ((set.plane & lost) != 0 && one_in(200)) lost_frames = 1 + random.below(static_cast<uint32_t>(0.1 * rate));
@@ -158,10 +158,10 @@ struct World {
     move_ground(step);
     for (Hand& hand : hands) move_hand(&hand, real, step);
     list_colliders();
-    const uint64_t removed = report.removed_particles;
+    const uint64_t removed = report.sand.removed_particles;
     frame(step, true);
     // A number that was given up may already be another particle's.
-    sides_known = sides_known && report.removed_particles == removed;
+    sides_known = sides_known && report.sand.removed_particles == removed;
     return step;
   }
 
@@ -205,7 +205,7 @@ struct World {
 
   // Positions and velocities by number; a removed one is not `present`.
   void read() {
-    const uint32_t numbers = report.particle_numbers;
+    const uint32_t numbers = report.sand.particle_numbers;
     std::vector<float> p(3ull * numbers, SANDGLASS_REMOVED_Y), v(p.size());
     sandglass_granular_particles(scene.get(), p.data(), v.data());
     positions.resize(numbers), velocities.resize(numbers), present.resize(numbers), away.resize(numbers);
@@ -333,7 +333,7 @@ struct World {
       must(scene.add_body(b));
     }
     must(scene.add(placed(lattice(wide, high, wide, spacing, g.particle_radius), 0)));
-    report.particle_numbers = in_bodies + wide * high * wide;
+    report.sand.particle_numbers = in_bodies + wide * high * wide;
   }
 
   void make_hands() {
@@ -509,8 +509,8 @@ struct World {
     if ((set.list & sink) != 0 && pours) input.sinks = &drain, input.sink_count = 1;
     must(scene.frame(input, &report));
     // A restored scene counts from another time.
-    step_done = restored ? std::fmin(step, k_longest) : report.simulated_time - scene_time;
-    scene_time = report.simulated_time, simulated += step_done, restored = false, ++frames;
+    step_done = restored ? std::fmin(step, k_longest) : report.time.simulated - scene_time;
+    scene_time = report.time.simulated, simulated += step_done, restored = false, ++frames;
   }
 
   Random random = {0};

@@ -119,10 +119,10 @@ void try_shapes(const Request& r, float* points) {
   Outcome ok;
   const uint32_t count = r.count > k_points_most ? 0 : r.count;
   for (int shape = 0; shape < 3; ++shape) {
-    const int32_t status = shape == 0 ? sandglass_sample_disk(r.radius, count, points, &ok.reason)
+    const int32_t status = shape == 0 ? sandglass_sample_disk(r.radius, points, count, &ok.reason)
                            : shape == 1
-                               ? sandglass_sample_sphere(r.radius, count, points, &ok.reason)
-                               : sandglass_sample_ring(r.radius, r.theta[0], r.theta[1], count, points, &ok.reason);
+                               ? sandglass_sample_sphere(r.radius, points, count, &ok.reason)
+                               : sandglass_sample_ring(r.radius, r.theta[0], r.theta[1], points, count, &ok.reason);
     if (!ok(status)) continue;
     expect_finite(points, 3 * count);
     if (r.bins > 64 || r.directions > 64) continue;

@@ -52,7 +52,7 @@ struct Turn {
 };
 struct Input {
   Turn turns[2];
-  sandglass_plan plan = {sizeof(sandglass_plan), 0, 2, {{SANDGLASS_STAGE_GRANULAR, 5}, {SANDGLASS_STAGE_REFINE, 7}}};
+  sandglass_plan plan = {sizeof(sandglass_plan), 0, {{SANDGLASS_STAGE_GRANULAR, 5}, {SANDGLASS_STAGE_REFINE, 7}}, 2};
 };
 
 Input edited(const uint8_t* data, size_t size) {
@@ -176,7 +176,8 @@ int32_t run(World* world, Turn* t, const sandglass_plan* plan, sandglass_frame_r
   input.colliders = t->colliders, input.collider_count = t->collider_count % (k_colliders + 1);
   input.emitters = t->emitters, input.emitter_count = t->emitter_count % (k_emitters + 1);
   input.sinks = &t->sink, input.sink_count = t->sink_count % 2;
-  input.output_lag = t->output_lag, input.grains = world->grains, input.grain_stride = t->grain_stride;
+  input.output_lag = t->output_lag, input.grain_stride = t->grain_stride;
+  input.grains = reinterpret_cast<sandglass_grain*>(world->grains);
   const uint64_t stride = t->grain_stride < sizeof(sandglass_grain) ? sizeof(sandglass_grain) : t->grain_stride;
   input.grain_capacity = static_cast<uint32_t>(std::min<uint64_t>(t->grain_capacity, k_grain_bytes / stride));
   input.pile_shadow = world->pile.get(), input.room = world->room.get(), input.camera = &image;
@@ -192,10 +193,11 @@ int32_t run(World* world, Turn* t, const sandglass_plan* plan, sandglass_frame_r
 
 void check(World* world, const sandglass_frame_report& report) {
   using sandglass::fuzz::expect;
-  if (report.clock_fault == 0 && report.elapsed_ns > report.last_unit_ns)
-    expect(report.elapsed_ns - report.last_unit_ns <= std::max(report.target_ns, report.mandatory_ns));
-  expect(std::isfinite(report.simulated_time) && std::isfinite(report.time_debt) && std::isfinite(report.speed_max));
-  world->scene.particle_count = report.particle_numbers;
+  const sandglass_time_report& t = report.time;
+  if (t.clock_fault == 0 && t.elapsed_ns > t.last_unit_ns)
+    expect(t.elapsed_ns - t.last_unit_ns <= std::max(t.target_ns, t.mandatory_ns));
+  expect(std::isfinite(t.simulated) && std::isfinite(t.debt) && std::isfinite(report.sand.speed_max));
+  world->scene.particle_count = report.sand.particle_numbers;
   for (const float x : world->scene.positions()) expect(std::fabs(x) <= k_far || x == SANDGLASS_REMOVED_Y);
 }
 

@@ -79,9 +79,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (!taken) return 0;
   for (int i = 0; i < 2; ++i) {
     const sandglass_frame_report a = run_frame(&scalar), b = run_frame(&other);
-    fuzz::expect(a.particles == b.particles && a.awake == b.awake);
+    fuzz::expect(a.sand.particles == b.sand.particles && a.sand.awake == b.sand.awake);
     fuzz::expect(scalar.hash() == other.hash());
-    scalar.particle_count = a.particle_numbers;
+    scalar.particle_count = a.sand.particle_numbers;
     for (const float x : scalar.positions()) fuzz::expect(std::fabs(x) <= 4000.0f || x == SANDGLASS_REMOVED_Y);
   }
   std::vector<std::byte> again;

@@ -110,19 +110,19 @@ Outcome run_case(const Case& which) {
     if (which.prepare != nullptr) which.prepare(&scene, frame);
     governor_frame(&run.governor, run.stages, 3, k_budget_ns, nullptr, &run.report);
 
-    const uint64_t bound = std::max(report.budget_ns, report.mandatory_ns);
-    const uint64_t one_unit = report.last_unit_ns - governor.closing_excess_ns;
+    const uint64_t bound = std::max(report.time.budget_ns, report.time.mandatory_ns);
+    const uint64_t one_unit = report.time.last_unit_ns - governor.closing_excess_ns;
     const uint64_t true_elapsed = scene.true_ns - scene.frame_start_ns;
-    outcome.law_broken += report.elapsed_ns > bound + report.last_unit_ns;
+    outcome.law_broken += report.time.elapsed_ns > bound + report.time.last_unit_ns;
     outcome.law_broken_strict +=
-        !scene.output_disturbed && !scene.unforeseeable && report.elapsed_ns > bound + one_unit;
+        !scene.output_disturbed && !scene.unforeseeable && report.time.elapsed_ns > bound + one_unit;
     outcome.excess_frames += governor.closing_excess_ns > 0;
-    outcome.over_budget += report.elapsed_ns > report.budget_ns;
+    outcome.over_budget += report.time.elapsed_ns > report.time.budget_ns;
     if (!which.clock_lies) {
       const uint64_t closing_undisturbed = k_output_units * (k_cost_ns[k_output] * scene.scale_percent / 100);
       const bool last_unit_real =
           one_unit == scene.last_cost[0] || one_unit == scene.last_cost[1] || one_unit == scene.last_cost[2];
-      outcome.ledger_differs += report.elapsed_ns != true_elapsed || !last_unit_real;
+      outcome.ledger_differs += report.time.elapsed_ns != true_elapsed || !last_unit_real;
       // The disturbance alone makes the excess. The reserve was never too small from the start. (In the first frame
       // the reserve is not known yet.)
       outcome.ledger_differs += !scene.unforeseeable && governor.closing_excess_ns > 0 &&
@@ -132,8 +132,8 @@ Outcome run_case(const Case& which) {
     // frame is late by at most one work unit.
     const uint64_t longest_true = k_cost_ns[k_neighbours] * scene.scale_percent / 100;
     outcome.true_law_broken += which.clock_lies && true_elapsed > k_budget_ns + longest_true;
-    outcome.faults += report.clock_fault;
-    outcome.false_faults += report.clock_fault != 0 && !scene.disturbed;
+    outcome.faults += report.time.clock_fault;
+    outcome.false_faults += report.time.clock_fault != 0 && !scene.disturbed;
     outcome.plan_hash = hash_plan(outcome.plan_hash, report.plan);
 
     since_disturbance = scene.disturbed ? 0 : since_disturbance + 1;

@@ -108,14 +108,15 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
       ASSERT_TRUE(governor_frame(&governor, stages, 3, budget, nullptr, &report));
 
       const uint64_t elapsed = scene.now_ns - start;
-      if (report.clock_fault == 0) {
-        ASSERT_EQ(report.elapsed_ns, elapsed);
+      if (report.time.clock_fault == 0) {
+        ASSERT_EQ(report.time.elapsed_ns, elapsed);
         for (uint32_t i = 0; i < 3; ++i) ASSERT_EQ(report.stages[i].elapsed_ns, scene.run_ns[i]);
       }
-      ASSERT_LE(report.elapsed_ns, std::max(budget, report.mandatory_ns) + report.last_unit_ns) << "seed " << seed;
+      ASSERT_LE(report.time.elapsed_ns, std::max(budget, report.time.mandatory_ns) + report.time.last_unit_ns)
+          << "seed " << seed;
       ASSERT_LE(governor.closing_excess_ns, scene.run_ns[2]);
       ASSERT_EQ(scene.stages[2].done, scene.stages[2].units);
-      ASSERT_TRUE(budget != 0 || report.elapsed_ns == report.mandatory_ns);
+      ASSERT_TRUE(budget != 0 || report.time.elapsed_ns == report.time.mandatory_ns);
       // A stage that nothing blocks has done its mandatory work units, or all of its work units if it had fewer.
       for (uint32_t i = 0; i < 2; ++i) {
         if (scene.stages[i].gate != 0) continue;
@@ -143,13 +144,14 @@ TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
     run.frame();
     ASSERT_EQ(run.scene.outputs_this_frame, k_output_units);
     ASSERT_GE(report.stages[0].units, 4u);
-    ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
+    ASSERT_LE(report.time.elapsed_ns,
+              std::max(report.time.budget_ns, report.time.mandatory_ns) + report.time.last_unit_ns);
   }
   // The clock is right again. 16 frames later the scene fills its budget again.
   run.scene.show = nullptr;
   for (uint32_t frame = 0; frame < 17; ++frame) run.frame();
-  EXPECT_GE(report.elapsed_ns * 10, k_budget_ns * 9);
-  EXPECT_LE(report.elapsed_ns, k_budget_ns);
+  EXPECT_GE(report.time.elapsed_ns * 10, k_budget_ns * 9);
+  EXPECT_LE(report.time.elapsed_ns, k_budget_ns);
   EXPECT_GT(report.stages[k_refinement].units, 0u);
 }
 
@@ -163,7 +165,7 @@ TEST(LawProperty, AClockThatNeverRanEndsFramesAtTheUnitCap) {
     ASSERT_LE(run.report.stages[0].units + run.report.stages[1].units, 64u + 4u);
     ASSERT_GT(run.report.stages[1].units, 0u);
     ASSERT_EQ(run.report.stages[2].units, k_output_units);
-    ASSERT_EQ(run.report.clock_fault, 1u);
+    ASSERT_EQ(run.report.time.clock_fault, 1u);
   }
 }
 
@@ -175,7 +177,7 @@ TEST(LawProperty, AClockThatCrawlsEndsFramesAtTheUnitLimit) {
     run.frame();
     EXPECT_LE(run.report.stages[0].units + run.report.stages[1].units, 65536u + 4u);
   }
-  EXPECT_EQ(run.report.clock_fault, 1u);
+  EXPECT_EQ(run.report.time.clock_fault, 1u);
 }
 
 }  // namespace

@@ -84,8 +84,8 @@ TEST(Plan, WithoutAClockEverythingRunsAtFullQualityAndNoTimeIsReported) {
   EXPECT_TRUE(lists.frame({3, 2, 1}, 0, 1, 0.5f));
   EXPECT_EQ(lists.log, "aaabbc");
   EXPECT_EQ(lists.report.level, 0u);
-  EXPECT_EQ(lists.report.elapsed_ns, 0u);
-  EXPECT_EQ(lists.report.clock_fault, 0u);
+  EXPECT_EQ(lists.report.time.elapsed_ns, 0u);
+  EXPECT_EQ(lists.report.time.clock_fault, 0u);
   EXPECT_EQ(lists.report.stages[0].denied, 0u);
 }
 
@@ -94,8 +94,8 @@ TEST(Plan, ZeroBudgetRunsTheMandatoryPartOnly) {
   lists.learn();
   lists.frame({5, 5, 2}, 0, 2, 1.0f);
   EXPECT_EQ(lists.log, "aacc");
-  EXPECT_EQ(lists.report.mandatory_ns, 4 * k_list_unit_ns);
-  EXPECT_EQ(lists.report.elapsed_ns, lists.report.mandatory_ns);
+  EXPECT_EQ(lists.report.time.mandatory_ns, 4 * k_list_unit_ns);
+  EXPECT_EQ(lists.report.time.elapsed_ns, lists.report.time.mandatory_ns);
   EXPECT_EQ(lists.report.stages[0].denied, 1u);
   EXPECT_EQ(lists.report.stages[1].denied, 1u);
 }
@@ -176,8 +176,8 @@ TEST(Plan, ReplayExecutesExactlyThePlanWhateverTheClock) {
       ASSERT_EQ(std::memcmp(&replayed->report.plan, &recorded.report.plan, sizeof(sandglass_plan)), 0);
       ASSERT_EQ(replayed->report.level, recorded.report.level);
     }
-    ASSERT_EQ(other_clock.report.elapsed_ns, other_clock.scene.true_ns - other_clock.scene.frame_start_ns);
-    ASSERT_EQ(no_clock.report.elapsed_ns, 0u);
+    ASSERT_EQ(other_clock.report.time.elapsed_ns, other_clock.scene.true_ns - other_clock.scene.frame_start_ns);
+    ASSERT_EQ(no_clock.report.time.elapsed_ns, 0u);
   }
 }
 
@@ -240,7 +240,7 @@ TEST(Plan, TheFirstFrameLearnsWhatTheOutputCosts) {
   // 40 work units fit into 4 ms. Two of them are output. The second output unit and the last unit of work each need a
   // margin of a quarter, which costs one more.
   EXPECT_GE(lists.report.stages[0].units, 40u - 2 - 1);
-  EXPECT_LE(lists.report.elapsed_ns, 4000000u);
+  EXPECT_LE(lists.report.time.elapsed_ns, 4000000u);
   EXPECT_TRUE(lists.frame({100, 0, 2}, 4000000, 0, 1.0f));
   EXPECT_EQ(lists.log.front(), 'a') << "the output's cost is known by now";
 }

@@ -61,9 +61,9 @@ Kept run_frames(const Distribution& distribution, const PredictorPolicy& policy,
       run.scene.scale_percent = phase < 600 ? 100 + phase / 12 : frame % 6000 < 1200 ? 100 : 150 - (phase - 600) / 12;
     }
     run.frame();
-    late += run.report.elapsed_ns > k_budget_ns;
-    used += static_cast<double>(run.report.elapsed_ns) / k_budget_ns;
-    EXPECT_LE(run.report.elapsed_ns, k_budget_ns + run.report.last_unit_ns);
+    late += run.report.time.elapsed_ns > k_budget_ns;
+    used += static_cast<double>(run.report.time.elapsed_ns) / k_budget_ns;
+    EXPECT_LE(run.report.time.elapsed_ns, k_budget_ns + run.report.time.last_unit_ns);
   }
   return {static_cast<double>(late) / static_cast<double>(frames), used / static_cast<double>(frames)};
 }

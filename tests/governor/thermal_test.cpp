@@ -27,8 +27,8 @@ Steady run_steady(float headroom) {
   for (uint32_t frame = 0; frame < 10 * k_settled; ++frame) {
     run.frame(target);
     if (frame < k_settled) continue;
-    EXPECT_LE(run.report.elapsed_ns, target) << "constant cost must never overrun";
-    steady.optional_ns += run.report.elapsed_ns - run.report.mandatory_ns;
+    EXPECT_LE(run.report.time.elapsed_ns, target) << "constant cost must never overrun";
+    steady.optional_ns += run.report.time.elapsed_ns - run.report.time.mandatory_ns;
     steady.units += run.scene.stage_units[0] + run.scene.stage_units[1];
   }
   return steady;
@@ -90,11 +90,11 @@ const std::vector<sandglass_frame_report>& frames_of(Phone phone) {
 TEST(ThermalHeadroom, AWarmingPhoneNeverMissesItsTarget) {
   const std::vector<sandglass_frame_report>& warming = frames_of(Phone::warms);
   for (size_t f = 0; f < warming.size(); ++f) {
-    const sandglass_frame_report& r = warming[f];
-    EXPECT_EQ(r.budget_ns, k_warm_budget_ns);
-    EXPECT_EQ(r.target_ns, governor_target(r.budget_ns, headroom_at(f)));
-    EXPECT_LE(r.elapsed_ns, std::max(r.target_ns, r.mandatory_ns) + r.last_unit_ns) << "frame " << f;
-    EXPECT_LE(r.elapsed_ns, r.budget_ns) << "frame " << f;
+    const sandglass_time_report& t = warming[f].time;
+    EXPECT_EQ(t.budget_ns, k_warm_budget_ns);
+    EXPECT_EQ(t.target_ns, governor_target(t.budget_ns, headroom_at(f)));
+    EXPECT_LE(t.elapsed_ns, std::max(t.target_ns, t.mandatory_ns) + t.last_unit_ns) << "frame " << f;
+    EXPECT_LE(t.elapsed_ns, t.budget_ns) << "frame " << f;
   }
 }
 

@@ -208,7 +208,7 @@ OnSand cube_on_sand(float density, float aside, uint32_t substeps) {
   OnSand result = {};
   for (int frame = 0; frame < k_frames; ++frame) {
     if (frame == k_frames - k_half_second) before = scene.positions();
-    result.awake = scene.frame(k_frame).awake;
+    result.awake = scene.frame(k_frame).sand.awake;
     const std::vector<float> p = scene.positions();
     for (size_t i = 1; i < p.size(); i += 3) {
       EXPECT_TRUE(std::isfinite(p[i]));
@@ -363,11 +363,11 @@ TEST(Bodies, SleepAndWakeAsAWhole) {
   scene.add_body(shifted(brick(4, 4, 4), k_radius, k_radius, k_radius));
   sandglass_frame_report report = {};
   for (int frame = 0; frame < 100; ++frame) report = scene.frame(k_frame);
-  ASSERT_EQ(report.awake, 0u);
+  ASSERT_EQ(report.sand.awake, 0u);
   const std::vector<float> rest = scene.positions();
   scene.add({-0.3f, 0.03f, 0.03f}, {4.0f, 0.0f, 0.0f});
   uint32_t most = 0;
-  for (int frame = 0; frame < 10; ++frame) most = std::max(most, scene.frame(k_frame).awake);
+  for (int frame = 0; frame < 10; ++frame) most = std::max(most, scene.frame(k_frame).sand.awake);
   EXPECT_EQ(most, 65u);
   EXPECT_LE(softness(rest, scene.positions(), 0, 64), k_rigid);
 }

@@ -34,8 +34,8 @@ std::vector<float> block(uint32_t x, uint32_t y, uint32_t z, float at_x = 0.0f, 
 
 sandglass_frame_report until_asleep(GranularScene* scene) {
   sandglass_frame_report report = scene->frame(k_frame);
-  for (int frame = 0; frame < 500 && report.awake != 0; ++frame) report = scene->frame(k_frame);
-  EXPECT_EQ(report.awake, 0u);
+  for (int frame = 0; frame < 500 && report.sand.awake != 0; ++frame) report = scene->frame(k_frame);
+  EXPECT_EQ(report.sand.awake, 0u);
   return report;
 }
 
@@ -67,10 +67,10 @@ TEST(BodyCalls, NumbersAndRoomAreUsedAgainForEver) {
     for (const auto& [index, body] : present) ASSERT_EQ(scene.scene.body_pose(index).position[1], body.second);
   }
   const sandglass_frame_report report = scene.frame(0.0f);
-  EXPECT_EQ(report.particles, used);
-  EXPECT_LE(report.particle_numbers, 100u);
-  EXPECT_EQ(report.removed_bodies, removed);
-  EXPECT_EQ(report.removed_particles, removed_particles);
+  EXPECT_EQ(report.sand.particles, used);
+  EXPECT_LE(report.sand.particle_numbers, 100u);
+  EXPECT_EQ(report.sand.removed_bodies, removed);
+  EXPECT_EQ(report.sand.removed_particles, removed_particles);
   EXPECT_GT(std::min(refused, removed), 3000u);
 }
 
@@ -88,7 +88,7 @@ TEST(BodyCalls, WhatIsNearWakesAtBothPlacesAndNothingElse) {
     sandglass_body_pose pose = scene.scene.body_pose(0);
     pose.position[0] += 1.0f, pose.position[1] += k_spacing;
     accept(moved ? scene.scene.set_body(0, pose) : scene.scene.remove_body(0));
-    EXPECT_EQ(scene.frame(1e-4f).awake, moved ? 125u : 25u);
+    EXPECT_EQ(scene.frame(1e-4f).sand.awake, moved ? 125u : 25u);
     for (int frame = 0; frame < 25; ++frame) scene.frame(k_frame);
     const std::vector<float> after = scene.positions();
     for (size_t i = 75; i < 100; ++i) EXPECT_LT(after[3 * i + 1], before[3 * i + 1] - 1.5f * k_spacing) << i;
@@ -139,9 +139,9 @@ TEST(BodyCalls, ABodyPutIntoSandPartsItGently) {
     else accept(scene.scene.set_body(0, {{0.1f, 0.05f, 0.1f}, {0, 0, 0, 1}, {}, {}}));
     double fastest = 0.0;
     for (int frame = 0; frame < 50; ++frame)
-      fastest = std::max(fastest, static_cast<double>(scene.frame(k_frame).speed_max));
+      fastest = std::max(fastest, static_cast<double>(scene.frame(k_frame).sand.speed_max));
     EXPECT_LT(fastest, limit);
-    EXPECT_LT(limit, 0.1 * 0.01 / static_cast<double>(scene.frame(k_frame).substep));
+    EXPECT_LT(limit, 0.1 * 0.01 / static_cast<double>(scene.frame(k_frame).sand.substep));
     until_asleep(&scene);
   }
 }
@@ -159,9 +159,9 @@ TEST(BodyCalls, ABodyPutIntoAnotherPartsFromItGently) {
       pose.position[0] += x, pose.position[1] += y;
       accept(scene.scene.set_body(1, pose));
       for (int frame = 0; frame < 100; ++frame)
-        EXPECT_LT(scene.frame(k_frame).speed_max, 0.9 * std::sqrt(9.81 * 0.02) + std::sqrt(2 * 9.81 * 0.08))
+        EXPECT_LT(scene.frame(k_frame).sand.speed_max, 0.9 * std::sqrt(9.81 * 0.02) + std::sqrt(2 * 9.81 * 0.08))
             << x << ' ' << y;
-      EXPECT_EQ(until_asleep(&scene).particles, 128u);
+      EXPECT_EQ(until_asleep(&scene).sand.particles, 128u);
       const sandglass_body_pose a = scene.scene.body_pose(0), b = scene.scene.body_pose(1);
       EXPECT_GT(std::hypot(a.position[0] - b.position[0], a.position[1] - b.position[1], a.position[2] - b.position[2]),
                 0.07f);
@@ -183,7 +183,8 @@ TEST(BodyCalls, ADraggedBodyPushesWhatItMeets) {
     for (float way = 0.0f; way < 0.6f; way += speed / 60.0f) {
       if (dragged) pose.position[0] += speed / 60.0f;
       accept(scene.scene.set_body(0, pose));
-      EXPECT_LT(scene.frame(1.0f / 60.0f).speed_max, speed + 0.9 * std::sqrt(9.81 * 0.02) + std::sqrt(2 * 9.81 * 0.1));
+      EXPECT_LT(scene.frame(1.0f / 60.0f).sand.speed_max,
+                speed + 0.9 * std::sqrt(9.81 * 0.02) + std::sqrt(2 * 9.81 * 0.1));
     }
     accept(scene.scene.remove_body(0));
     until_asleep(&scene);
@@ -264,12 +265,12 @@ TEST(BodyCalls, ASinkTakesWhatIsWhollyInsideAndAwake) {
     }
     return report;
   };
-  EXPECT_EQ(drained().removed_bodies, 0u) << "all sleep";
+  EXPECT_EQ(drained().sand.removed_bodies, 0u) << "all sleep";
   for (const uint32_t index : {1u, 2u}) accept(scene.scene.push_body(index, {0.0f, 0.01f, 0.0f}));
   const sandglass_frame_report report = drained();
-  EXPECT_EQ(report.removed_bodies, 1u);
-  EXPECT_EQ(report.removed_particles, 27u);
-  EXPECT_EQ(report.particles, 54u);
+  EXPECT_EQ(report.sand.removed_bodies, 1u);
+  EXPECT_EQ(report.sand.removed_particles, 27u);
+  EXPECT_EQ(report.sand.particles, 54u);
   const std::array<bool, 4> there = {true, false, true, false};
   for (uint32_t index = 0; index < 4; ++index) EXPECT_EQ(scene.scene.has_body(index), there[index]);
   EXPECT_EQ(scene.scene.body_pose(1).position[0], 0.0f);
@@ -349,7 +350,7 @@ TEST(BodyCalls, TheSameOnEveryInstructionSetAndUnitSize) {
       if (frame == 10) accept(scene.scene.set_body(1, {{0.03f, 0.2f, 0.03f}, {1, 0, 0, 2}, {0, -1, 0}, {3, 0, 0}}));
       if (frame == 20) accept(scene.scene.remove_body(0));
     }
-    EXPECT_EQ(report.removed_bodies, 2u) << "one into the sink";
+    EXPECT_EQ(report.sand.removed_bodies, 2u) << "one into the sink";
     return scene.hash();
   });
 }

@@ -43,8 +43,8 @@ void expect_drained(GranularScene* scene, const std::function<double(const float
   ASSERT_GE(count, 300u);
   for (int frame = 0; frame < frames; ++frame) {
     const sandglass_frame_report report = scene->frame(0.02f);
-    ASSERT_EQ(report.particles, count);
-    ASSERT_EQ(report.grains, 8 * count);
+    ASSERT_EQ(report.sand.particles, count);
+    ASSERT_EQ(report.sand.grains, 8 * count);
     const std::vector<float> p = scene->positions();
     for (size_t i = 0; i < p.size(); i += 3) ASSERT_GT(wall(&p[i]), nearest) << "a particle, frame " << frame;
     for (const sandglass_grain& g : scene->grains) ASSERT_GT(wall(g.position), 0.0) << "a grain, frame " << frame;

@@ -31,8 +31,8 @@ Cost cost_of(int frames, const Frame& frame) {
   Cost cost;
   for (int i = 0; i < frames; ++i) {
     const sandglass_frame_report report = frame();
-    cost.substeps = std::max(cost.substeps, static_cast<double>(report.substeps));
-    cost.builds += report.list_builds / static_cast<double>(frames);
+    cost.substeps = std::max(cost.substeps, static_cast<double>(report.sand.substeps));
+    cost.builds += report.sand.list_builds / static_cast<double>(frames);
   }
   return cost;
 }
@@ -57,7 +57,7 @@ struct Spill {
     return cost_of(frames, [&] { return report = frame(); });
   }
   std::vector<float> heights() const {
-    std::vector<float> at(3 * report.particle_numbers), y;
+    std::vector<float> at(3 * report.sand.particle_numbers), y;
     sandglass_granular_particles(scene.scene.get(), at.data(), nullptr);
     for (size_t i = 1; i < at.size(); i += 3)
       if (at[i] != SANDGLASS_REMOVED_Y) y.push_back(at[i]);
@@ -105,9 +105,9 @@ GranularScene heap() {
   GranularScene scene(description(600));
   scene.add(lattice(8, 4, 8, 2.02f * k_radius, k_radius));
   scene.add_floor();
-  for (int i = 0; i < 400 && scene.frame(k_frame).awake != 0; ++i) {
+  for (int i = 0; i < 400 && scene.frame(k_frame).sand.awake != 0; ++i) {
   }
-  EXPECT_EQ(scene.frame(k_frame).awake, 0u);
+  EXPECT_EQ(scene.frame(k_frame).sand.awake, 0u);
   return scene;
 }
 
@@ -124,7 +124,7 @@ TEST(Departed, AFastParticleThatReachesNothingDrivesNobody) {
   // The rule before holds for a flow: more than 64 of them.
   GranularScene flow = heap();
   for (int i = 0; i < 65; ++i) flow.add({0.5f + 0.2f * static_cast<float>(i), 0.3f, 0.0f}, {20.0f, 12.0f, 0.0f});
-  EXPECT_GT(flow.frame(k_frame).substeps, 2 * calm_substeps(0.01));
+  EXPECT_GT(flow.frame(k_frame).sand.substeps, 2 * calm_substeps(0.01));
   const std::vector<float> at = scene.positions();
   EXPECT_NEAR(static_cast<double>(at[at.size() - 3]), 40.3, 0.05);
   EXPECT_NEAR(static_cast<double>(at[at.size() - 2]), 0.3 + 24.0 - 2 * k_gravity, 0.05);
@@ -146,10 +146,10 @@ TEST(Departed, AFastParticleThatReachesSandObeysTheCourantLimitThere) {
         speed * static_cast<double>(k_frame);
     if (!reaches || speed < 15.0) continue;
     met = true;
-    EXPECT_LE(static_cast<double>(report.substep) * speed, 0.5 * 0.01 * 1.001);
+    EXPECT_LE(static_cast<double>(report.sand.substep) * speed, 0.5 * 0.01 * 1.001);
   }
   EXPECT_TRUE(met);
-  EXPECT_GT(scene.frame(k_frame).awake, 0u);  // and it woke the heap
+  EXPECT_GT(scene.frame(k_frame).sand.awake, 0u);  // and it woke the heap
 }
 
 TEST(Departed, TwoFastParticlesThatMeetInTheAirCollide) {
@@ -171,16 +171,16 @@ TEST(Lowest, WhatFellSoFarIsRemovedWithItsGrainsAndCounted) {
   const float bottom = -0.04f;
   spill.run(180);
   spill.pours = false;
-  EXPECT_GT(spill.report.removed_particles, 100u);
-  EXPECT_GT(spill.report.removed_grains, 100u);
+  EXPECT_GT(spill.report.sand.removed_particles, 100u);
+  EXPECT_GT(spill.report.sand.removed_grains, 100u);
   // At 8 m/s a check every 20 ms is up to 16 cm late; what is there is above.
   for (const float y : spill.heights()) EXPECT_GT(y, bottom - 3.2f);
   spill.run(240);
-  EXPECT_EQ(spill.report.awake, 0u);
-  EXPECT_EQ(spill.report.substeps, 0u);
-  EXPECT_EQ(spill.report.particles + spill.report.removed_particles, spill.report.emitted_particles);
-  EXPECT_EQ(spill.report.grains + spill.report.removed_grains, spill.report.emitted_grains);
-  EXPECT_GT(spill.report.particles, 20u);  // what lies on the table stays
+  EXPECT_EQ(spill.report.sand.awake, 0u);
+  EXPECT_EQ(spill.report.sand.substeps, 0u);
+  EXPECT_EQ(spill.report.sand.particles + spill.report.sand.removed_particles, spill.report.sand.emitted_particles);
+  EXPECT_EQ(spill.report.sand.grains + spill.report.sand.removed_grains, spill.report.sand.emitted_grains);
+  EXPECT_GT(spill.report.sand.particles, 20u);  // what lies on the table stays
 }
 
 // How many of two particles beside a table are left after 3 s of falling, 44 m.
@@ -194,7 +194,7 @@ uint32_t left_after_a_fall(float lowest, const std::vector<sandglass_collider>& 
   scene.add({0.3f, 0.0f, 0.0f, 0.3f, 0.0f, 0.3f}, {0, 0, 0, 0, 0, 0});
   sandglass_frame_report report = {};
   for (int i = 0; i < 180; ++i) report = scene.frame(k_frame);
-  return report.particles;
+  return report.sand.particles;
 }
 
 TEST(Lowest, HoldsOnlyWhereThereIsSomethingToFallFromAndNothingUnderIt) {
@@ -217,11 +217,11 @@ TEST(Lowest, BeyondTheCoordinateLimitNothingHangsInTheAir) {
   sandglass_frame_report report = {};
   for (int i = 0; i < 60; ++i) {
     report = scene.frame(k_frame);
-    ASSERT_EQ(report.quarantined, 0u);
+    ASSERT_EQ(report.sand.quarantined, 0u);
   }
-  EXPECT_EQ(report.particles, 1u);
-  EXPECT_EQ(report.removed_particles, 1u);
-  EXPECT_EQ(report.removed_grains, 1u);
+  EXPECT_EQ(report.sand.particles, 1u);
+  EXPECT_EQ(report.sand.removed_particles, 1u);
+  EXPECT_EQ(report.sand.removed_grains, 1u);
 }
 
 TEST(Move, LosesWhatHasLeftAndRefusesToLoseAnythingElse) {
@@ -265,7 +265,7 @@ TEST(Departed, TheSameOnEveryInstructionSetAndUnitSizeAndAfterARestore) {
     accept(again.scene.scene.restore(bytes));
     spill.run(30), again.run(30);
     EXPECT_EQ(spill.scene.hash(), again.scene.hash());
-    EXPECT_GT(spill.report.removed_particles, 10u);
+    EXPECT_GT(spill.report.sand.removed_particles, 10u);
     return spill.scene.hash();
   });
 }
@@ -289,7 +289,7 @@ uint32_t fewest_awake(float radius, float sleep_after, const std::vector<float>&
   else scene.add(points, velocities);
   uint32_t fewest = ~0u;
   const int frames = static_cast<int>(2 * static_cast<double>(speed) / k_gravity / static_cast<double>(k_frame));
-  for (int i = 0; i < frames; ++i) fewest = std::min(fewest, scene.frame(k_frame).awake);
+  for (int i = 0; i < frames; ++i) fewest = std::min(fewest, scene.frame(k_frame).sand.awake);
   return fewest;
 }
 
@@ -314,7 +314,7 @@ TEST(Sleep, WhatTouchesAFloorABoxTheBoundaryOrSandSleepsAndSoDoesWhatFloatsWitho
   const auto awake_at_last = [](GranularScene* scene) {
     sandglass_frame_report report = {};
     for (int i = 0; i < 180; ++i) report = scene->frame(k_frame);
-    return report.awake;
+    return report.sand.awake;
   };
   for (const float radius : {0.01f, 1.0f, 10.0f}) {
     sandglass_scene_desc desc = description(2, 0, 1);

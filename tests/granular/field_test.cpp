@@ -127,7 +127,7 @@ TEST(Field, RefusesWhatMakesNoSense) {
   GranularScene scene(description(1));
   scene.add({0.0f, 1.0f, 0.0f});
   scene.colliders.push_back(sandglass::field_at({}, 0.0f, 0.0f, 0.0f));
-  EXPECT_EQ(scene.frame(0.02f).ignored_colliders, 1u);
+  EXPECT_EQ(scene.frame(0.02f).sand.ignored_colliders, 1u);
 }
 
 using Distance = std::function<double(const float*)>;
@@ -421,7 +421,7 @@ TEST(Field, RebuiltInTheSameMemoryWakesWhatRestedOnIt) {
     scene.add(lattice(4, 3, 4, 0.0202f, 0.01f));
     scene.colliders.push_back(collider_of(table_in(&memory, 0.0f)));
     for (int frame = 0; frame < 400; ++frame) scene.frame(1.0f / 60.0f);
-    ASSERT_EQ(scene.frame(1.0f / 60.0f).awake, 0u);
+    ASSERT_EQ(scene.frame(1.0f / 60.0f).sand.awake, 0u);
     const double before = static_cast<double>(scene.positions()[1]);
     scene.colliders[0] = collider_of(table_in(&memory, lower ? -0.1f : 0.0f));
     for (int frame = 0; frame < 60; ++frame) scene.frame(1.0f / 60.0f);
@@ -444,7 +444,7 @@ TEST(Field, IsNotReadOnceItIsNoLongerPassed) {
   for (int frame = 0; frame < 200; ++frame) {
     const bool there = frame % 2 == 0;
     scene.colliders.assign(there ? 1 : 0, there ? collider_of(table_in(&memory, 0.0f)) : sandglass_collider{});
-    starved += scene.frame(1.0f / 60.0f, 30'000 + 1'000 * static_cast<uint64_t>(frame)).time_debt > 0.0 ? 1 : 0;
+    starved += scene.frame(1.0f / 60.0f, 30'000 + 1'000 * static_cast<uint64_t>(frame)).time.debt > 0.0 ? 1 : 0;
     memory = {};
     const std::vector<float> p = scene.positions();
     for (const float x : p) ASSERT_LT(std::fabs(x), 100.0f) << frame;

@@ -50,7 +50,7 @@ struct Heap {
     for (size_t i = 0; i < points.size(); i += 3) points[i] -= 7.0f * r, points[i + 2] -= 7.0f * r;
     scene.add(points);
     scene.colliders.push_back(ground_of(kind, r, field));
-    for (int f = 0; f < 1200 && (f == 0 || report.awake != 0); ++f) frame();
+    for (int f = 0; f < 1200 && (f == 0 || report.sand.awake != 0); ++f) frame();
     at_rest = scene.positions();
   }
 
@@ -103,7 +103,7 @@ TEST(Gentle, ACorrectedFloorLiftsSandByTheCorrection) {
         for (int f = 0; f < 90; ++f) {
           heap.frame();
           highest = std::max(highest, heap.top()),
-          fastest = std::max(fastest, static_cast<double>(heap.report.speed_max));
+          fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
         }
         const double lift = static_cast<double>(up) + 14.0 * static_cast<double>(r * tilt);
         EXPECT_LE(highest, top + lift + 0.2 * static_cast<double>(r)) << r << " m, up " << up << " m, by " << tilt;
@@ -123,7 +123,7 @@ TEST(Gentle, AFloorThatIsLoweredDropsSandByThatMuch) {
       heap.ground().position[1] = -down;
       double fastest = 0.0;
       for (int f = 0; f < 90; ++f)
-        heap.frame(), fastest = std::max(fastest, static_cast<double>(heap.report.speed_max));
+        heap.frame(), fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
       EXPECT_LE(fastest, gentle(static_cast<double>(r), static_cast<double>(down)));
       if (down > 0.003f) {
         EXPECT_NEAR(heap.went(1), static_cast<double>(-down), 0.5 * static_cast<double>(r));
@@ -153,7 +153,7 @@ TEST(Gentle, AHandThatAppearsOrGrowsInSandPushesItAside) {
     for (int f = 0; f < 60; ++f) {
       if (grows) heap.scene.colliders[1].size[0] = 0.01f + 0.0005f * static_cast<float>(f + 1);
       heap.frame();
-      fastest = std::max(fastest, static_cast<double>(heap.report.speed_max));
+      fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
     }
     EXPECT_LE(fastest, gentle(0.01, 0.04)) << (grows ? "grows" : "appears");
   }
@@ -223,14 +223,14 @@ TEST(Held, AFloorThatTremblesLeavesTheHeapAsleep) {
   for (const float r : {0.002f, 0.01f, 0.05f}) {
     for (const Ground kind : {Ground::half_space, Ground::box, Ground::field}) {
       Heap heap(r, kind);
-      ASSERT_EQ(heap.report.awake, 0u);
+      ASSERT_EQ(heap.report.sand.awake, 0u);
       const double top = heap.top();
       for (const bool velocities : {false, true}) {
         for (const float noise : {2e-5f, 1e-4f, 3e-4f, 1e-3f}) {
           shake(&heap, noise, velocities, 10.0f);
           EXPECT_GE(heap.top(), noise > 5e-4f ? 0.95 * top : top) << r << " m, noise " << noise;
           if (noise < 5e-4f) {
-            EXPECT_EQ(heap.report.awake, 0u) << r << " m, noise " << noise;
+            EXPECT_EQ(heap.report.sand.awake, 0u) << r << " m, noise " << noise;
           }
         }
       }
@@ -250,7 +250,7 @@ TEST(Held, WhatCountsIsTheSurfaceWhereSandIs) {
   for (int f = 0; f < 120; ++f) {
     heap.ground().position[0] = slide(random), heap.ground().position[2] = slide(random);
     heap.frame();
-    ASSERT_EQ(heap.report.awake, 0u) << "a plane slides along itself";
+    ASSERT_EQ(heap.report.sand.awake, 0u) << "a plane slides along itself";
   }
   heap.ground().position[0] = 2.0f, heap.ground().position[2] = 0.0f;
   heap.ground().rotation[2] = std::sin(0.5f * 0.0052f);
@@ -268,7 +268,7 @@ TEST(Held, ATableThatGrowsWakesNothing) {
     heap.ground().position[0] = grown, heap.ground().size[0] = 0.6f + grown;
     heap.ground().position[1] = -0.02f + (f / 20 % 2 != 0 ? 0.001f : 0.0f);
     heap.frame();
-    ASSERT_EQ(heap.report.awake, 0u) << f;
+    ASSERT_EQ(heap.report.sand.awake, 0u) << f;
   }
   sandglass_collider held = {};
   ASSERT_TRUE(heap.scene.scene.held_collider(0, &held));
@@ -282,7 +282,7 @@ TEST(Held, OneOutlierIsNotFollowed) {
   for (int f = 0; f < 200; ++f) {
     heap.ground().position[1] = f % 10 == 0 ? 0.05f : f % 10 == 1 ? -0.02f : 0.0f;
     heap.frame();
-    ASSERT_EQ(heap.report.awake, 0u) << f;
+    ASSERT_EQ(heap.report.sand.awake, 0u) << f;
   }
 }
 
@@ -296,7 +296,7 @@ TEST(Held, AHandByPosesAlonePushes) {
       heap.scene.colliders[1].position[0] = -0.3f + 0.3f * static_cast<float>(f) / rate;
       heap.scene.colliders[1].linear_velocity[0] = velocity ? 0.3f : 0.0f;
       heap.frame(1.0f / rate);
-      fastest = std::max(fastest, static_cast<double>(heap.report.speed_max));
+      fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
     }
     EXPECT_LE(fastest, 0.3 + gentle(0.01, 0.04));
     const std::vector<float> p = heap.scene.positions();
@@ -354,7 +354,7 @@ TEST(Held, WhatJumpsAndIsBelievedThrowsNothing) {
   for (int f = 0; f < 30; ++f) {
     heap.ground().position[1] += 0.3f * k_frame, heap.ground().linear_velocity[1] = 0.3f;
     heap.frame();
-    fastest = std::max(fastest, static_cast<double>(heap.report.speed_max));
+    fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
   }
   EXPECT_LE(fastest, 0.3 + gentle(0.026, 0.0));
 }
@@ -411,12 +411,12 @@ TEST(Identity, APlaceInTheListIsNone) {
   for (int f = 0; f < 240; ++f) {
     heap.scene.colliders = lists[f / (f < 120 ? 1 : 15) % 8];
     heap.frame();
-    ASSERT_EQ(heap.report.awake, 0u) << f;
+    ASSERT_EQ(heap.report.sand.awake, 0u) << f;
   }
   sandglass_collider near = sandglass::sphere(0.0f, 0.05f, 0.0f, 0.05f);
   heap.scene.colliders = {near, table, floor};
   heap.frame();
-  EXPECT_GT(heap.report.awake, 0u) << "the control: a hand that comes into the sand";
+  EXPECT_GT(heap.report.sand.awake, 0u) << "the control: a hand that comes into the sand";
 }
 
 // Two equal tables change places, and are told apart by their ids alone.
@@ -430,7 +430,7 @@ TEST(Identity, AnIdKeepsACollidersPose) {
     heap.run(4.0f);
     heap.scene.colliders = {other, table};
     heap.run(1.0f);
-    EXPECT_EQ(heap.report.awake, 0u);
+    EXPECT_EQ(heap.report.sand.awake, 0u);
     sandglass_collider held = {};
     ASSERT_TRUE(heap.scene.scene.held_collider(0, &held));
     EXPECT_NEAR(static_cast<double>(held.position[1]), static_cast<double>(other.position[1]), 1e-6);
@@ -526,7 +526,7 @@ TEST(Adopted, SandIsRestoredOntoTheFloorThatIsThere) {
       later.scene.colliders = {sandglass::floor_at(floor)};
       double fastest = 0.0;
       for (int f = 0; f < 480; ++f)
-        later.frame(), fastest = std::max(fastest, static_cast<double>(later.report.speed_max));
+        later.frame(), fastest = std::max(fastest, static_cast<double>(later.report.sand.speed_max));
       EXPECT_NEAR(later.went(1), static_cast<double>(floor), 0.003) << floor;
       EXPECT_LE(fastest, gentle(0.01, std::fabs(static_cast<double>(floor)))) << floor;
       if (floor == 0.0f) {
@@ -553,7 +553,7 @@ TEST(Adopted, AnotherGravityWakesWhatRests) {
   accept(heap.scene.scene.move(turn, {0.0f, 0.0f, 0.0f}));
   for (int k = 0; k < 4; ++k) heap.ground().rotation[k] = turn[static_cast<size_t>(k)];
   heap.frame();
-  EXPECT_EQ(heap.report.awake, heap.report.particles);
+  EXPECT_EQ(heap.report.sand.awake, heap.report.sand.particles);
 }
 
 }  // namespace

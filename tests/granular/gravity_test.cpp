@@ -61,7 +61,7 @@ GranularScene filled_box(sandglass_scene_desc desc, bool with_grains) {
 
 void settle(GranularScene* scene) {
   uint32_t awake = 1;
-  for (int frame = 0; frame < 400 && awake != 0; ++frame) awake = scene->frame(k_frame).awake;
+  for (int frame = 0; frame < 400 && awake != 0; ++frame) awake = scene->frame(k_frame).sand.awake;
   ASSERT_EQ(awake, 0u);
 }
 
@@ -82,7 +82,7 @@ TEST(Gravity, SandInATippedBoxFlowsToTheNewLowSide) {
   EXPECT_LT(std::fabs(mean(level, 0)), 0.5 * share * std::tan((k_tilt - k_repose) * k_degree)) << "not level before";
   for (const double side : {1.0, -1.0}) {
     accept(box.scene.set_gravity(tipped(side * k_tilt)));
-    EXPECT_EQ(box.frame(k_frame).awake, box.particle_count);
+    EXPECT_EQ(box.frame(k_frame).sand.awake, box.particle_count);
     settle(&box);
     const double moved = side * mean(box.positions(), 0);
     EXPECT_GT(moved, share * std::tan((k_tilt - k_repose) * k_degree));
@@ -96,11 +96,11 @@ TEST(Gravity, ATremblingHandWakesNobodyAndASlowTurnDoes) {
   const uint64_t before = box.hash();
   for (int frame = 0; frame < 20; ++frame) {
     accept(box.scene.set_gravity(tipped(frame % 2 == 0 ? 1.0 : -1.0)));
-    EXPECT_EQ(box.frame(k_frame).awake, 0u) << frame;
+    EXPECT_EQ(box.frame(k_frame).sand.awake, 0u) << frame;
   }
   EXPECT_EQ(box.hash(), before);
   accept(box.scene.set_gravity(tipped(1.3)));
-  EXPECT_EQ(box.frame(k_frame).awake, box.particle_count);
+  EXPECT_EQ(box.frame(k_frame).sand.awake, box.particle_count);
 }
 
 // Grains that lie on the floor away from all particles slide from rest, slowed by friction alone.
@@ -113,12 +113,12 @@ TEST(Gravity, GrainsThatLieAloneSlide) {
   scene.add({0.0f, k_radius, 0.0f}, {}, grains);
   sandglass_frame_report report = {};
   for (int frame = 0; frame < 200; ++frame) report = scene.frame(k_frame);
-  ASSERT_EQ(report.awake + report.awake_grains, 0u);
+  ASSERT_EQ(report.sand.awake + report.sand.awake_grains, 0u);
   const std::vector<sandglass_grain> before = scene.grains;
   accept(scene.scene.set_gravity(tipped(30.0)));
   constexpr int k_frames = 10;
   for (int frame = 0; frame < k_frames; ++frame) report = scene.frame(k_frame);
-  EXPECT_GT(report.awake_grains, 0u);
+  EXPECT_GT(report.sand.awake_grains, 0u);
   const double friction = static_cast<double>(desc.granular.kinetic_friction), seconds = k_frames * 0.02;
   const double slid =
       0.5 * 9.81 * (std::sin(30.0 * k_degree) - friction * std::cos(30.0 * k_degree)) * seconds * seconds;
@@ -158,7 +158,7 @@ TEST(Gravity, ATiltUnderAShortBudgetIsReplayed) {
   for (int frame = 0; frame < 40; ++frame) {
     accept(recorded.scene.set_gravity(of_frame(frame)));
     const sandglass_frame_report report = recorded.frame(k_frame, 2'000'000);
-    debt = report.time_debt;
+    debt = report.time.debt;
     accept(replayed.scene.set_gravity(of_frame(frame)));
     replayed.frame(k_frame, 0, &report.plan);
     ASSERT_EQ(replayed.hash(), recorded.hash()) << frame;

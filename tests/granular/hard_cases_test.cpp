@@ -44,7 +44,7 @@ TEST(HardCase, AnImpactThrowsNothing) {
   scene.add(body, down);
   double lowest = 1e9, rise = 0.0, fastest = 0.0;
   for (int frame = 0; frame < 60; ++frame) {
-    fastest = std::max(fastest, static_cast<double>(scene.frame(k_frame).speed_max));
+    fastest = std::max(fastest, static_cast<double>(scene.frame(k_frame).sand.speed_max));
     double height = 0.0;
     const std::vector<float> p = scene.positions();
     for (size_t i = 1; i < p.size(); i += 3) height += static_cast<double>(p[i]) / count;
@@ -68,7 +68,7 @@ struct WallScene {
     scene.add_floor();
     scene.add(lattice(8, 8, 8, 0.0202f, 0.01f));
     scene.colliders.push_back(sandglass::box(-0.07f, 0.1f, 0.08f, 0.05f, 0.1f, 0.2f));
-    for (int frame = 0; frame < 20; ++frame) enough = scene.frame(k_frame).elapsed_ns;
+    for (int frame = 0; frame < 20; ++frame) enough = scene.frame(k_frame).time.elapsed_ns;
   }
   // A frame in which the wall goes on at this speed.
   sandglass_frame_report push(float speed, float seconds, uint64_t budget) {
@@ -92,18 +92,18 @@ TEST(HardCase, AWallThatStopsUnderTimeDebtThrowsNothing) {
   for (int frame = 0; frame < 16; ++frame) {
     const bool moves = frame < 10;
     const sandglass_frame_report report = wall.push(moves ? k_speed : 0.0f, k_frame, wall.enough / 2);
-    if (frame == 0) simulated -= report.simulated_time;
-    if (frame == 9) simulated += report.simulated_time;
-    EXPECT_GT(report.time_debt, 0.0) << frame;
+    if (frame == 0) simulated -= report.time.simulated;
+    if (frame == 9) simulated += report.time.simulated;
+    EXPECT_GT(report.time.debt, 0.0) << frame;
     float& fastest = moves ? pushing : stopped;
-    fastest = std::max(fastest, report.speed_max);
+    fastest = std::max(fastest, report.sand.speed_max);
   }
   const float share = static_cast<float>(simulated / (9 * static_cast<double>(k_frame)));
   EXPECT_LT(share, 0.9f);
   WallScene free;
   float most = 0.0f;
   for (int frame = 0; frame < 10; ++frame)
-    most = std::max(most, free.push(k_speed / share, k_frame * share, ~uint64_t{0} >> 1).speed_max);
+    most = std::max(most, free.push(k_speed / share, k_frame * share, ~uint64_t{0} >> 1).sand.speed_max);
   std::printf("%.2f of the time simulated; fastest %.2f m/s, after the stop %.2f m/s; without time debt %.2f m/s\n",
               static_cast<double>(share), static_cast<double>(pushing), static_cast<double>(stopped),
               static_cast<double>(most));
@@ -118,7 +118,7 @@ TEST(HardCase, AWallThatJumpsUnderTimeDebtComesFromNearby) {
   WallScene wall;
   sandglass_frame_report report = {};
   for (int frame = 0; frame < 6; ++frame) report = wall.push(0.0f, k_frame, wall.enough / 8);
-  const double debt = std::fmin(report.time_debt + static_cast<double>(k_frame), 0.04);  // two frames' at most
+  const double debt = std::fmin(report.time.debt + static_cast<double>(k_frame), 0.04);  // two frames' at most
   wall.scene.colliders[1].position[0] += 0.05f;
   wall.scene.colliders[1].linear_velocity[0] = 1.0f;
   wall.scene.frame(k_frame, wall.enough / 8);
@@ -150,8 +150,8 @@ TEST(HardCase, ADamagedParticleIsQuarantinedWithinOneFrame) {
       found = true;
     }
     ASSERT_TRUE(found);
-    EXPECT_GE(scene.frame(k_frame).quarantined, 1u);
-    for (int frame = 0; frame < 20; ++frame) EXPECT_EQ(scene.frame(k_frame).quarantined, 0u);
+    EXPECT_GE(scene.frame(k_frame).sand.quarantined, 1u);
+    for (int frame = 0; frame < 20; ++frame) EXPECT_EQ(scene.frame(k_frame).sand.quarantined, 0u);
     for (const float x : scene.positions()) ASSERT_LE(std::fabs(x), 50.0f);
     for (const float v : scene.velocities()) ASSERT_TRUE(std::isfinite(v));
   }
@@ -160,9 +160,9 @@ TEST(HardCase, ADamagedParticleIsQuarantinedWithinOneFrame) {
 TEST(HardCase, AnEmptySceneRunsAndAFullOneRefusesAndStaysAsItIs) {
   GranularScene scene(description(27, 8));
   scene.add_floor();
-  EXPECT_EQ(scene.frame(k_frame).particles, 0u);
+  EXPECT_EQ(scene.frame(k_frame).sand.particles, 0u);
   scene.add(lattice(3, 3, 3, 0.0204f, 0.0102f));
-  EXPECT_EQ(scene.frame(k_frame).particles, 27u);
+  EXPECT_EQ(scene.frame(k_frame).sand.particles, 27u);
   const uint64_t hash = scene.hash();
   const std::array<float, 3> one = {0.0f, 1.0f, 0.0f}, broken = {0.0f, k_nan, 0.0f}, far = {0.0f, 1001.0f, 0.0f};
   EXPECT_EQ(scene.scene.add(one).code, SANDGLASS_ERROR_CAPACITY);
@@ -196,7 +196,7 @@ TEST(HardCase, CollidersThatMakeNoSenseAreLeftOut) {
   scene.colliders[2].rotation[3] = 0.0f;
   scene.colliders[3] = sandglass::sphere(0.0f, 0.0f, 0.0f, -1.0f);
   scene.colliders[4].shape = 77;
-  EXPECT_EQ(scene.frame(k_frame).ignored_colliders, 4u);
+  EXPECT_EQ(scene.frame(k_frame).sand.ignored_colliders, 4u);
   for (const float x : scene.positions()) EXPECT_TRUE(std::isfinite(x));
 }
 

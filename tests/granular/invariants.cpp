@@ -12,16 +12,17 @@ bool finite(const float* v) { return std::isfinite(v[0]) && std::isfinite(v[1]) 
 }  // namespace
 
 std::string Invariants::broken(const sandglass_frame_report& report) {
-  const uint64_t late = report.elapsed_ns > report.last_unit_ns ? report.elapsed_ns - report.last_unit_ns : 0;
-  if (report.clock_fault == 0 && late > std::max(report.target_ns, report.mandatory_ns)) return "the law of the budget";
-  if (report.quarantined != 0) return "something was quarantined";
-  if (report.particles != s_.particles_added + report.emitted_particles - report.removed_particles)
+  const sandglass_time_report& t = report.time;
+  const uint64_t late = t.elapsed_ns > t.last_unit_ns ? t.elapsed_ns - t.last_unit_ns : 0;
+  if (t.clock_fault == 0 && late > std::max(t.target_ns, t.mandatory_ns)) return "the law of the budget";
+  if (report.sand.quarantined != 0) return "something was quarantined";
+  if (report.sand.particles != s_.particles_added + report.sand.emitted_particles - report.sand.removed_particles)
     return "particles were lost or made";
-  if (report.grains != s_.grains_added + report.emitted_grains - report.removed_grains)
+  if (report.sand.grains != s_.grains_added + report.sand.emitted_grains - report.sand.removed_grains)
     return "grains were lost or made";
-  if (std::fabs(report.simulated_time + report.time_debt - s_.asked) > 1e-6 * (1.0 + s_.asked))
+  if (std::fabs(report.time.simulated + report.time.debt - s_.asked) > 1e-6 * (1.0 + s_.asked))
     return "the ledger of time";
-  if (!(report.time_debt >= 0.0) || !(report.grain_lag >= 0.0f)) return "a debt below 0";
+  if (!(report.time.debt >= 0.0) || !(report.sand.grain_lag >= 0.0f)) return "a debt below 0";
   if (!s_.block.guards_intact() || !s_.drawn.guards_intact()) return "a byte outside was touched";
   const std::string sand = particles(report);
   return sand.empty() ? grains(report) : sand;
@@ -29,15 +30,15 @@ std::string Invariants::broken(const sandglass_frame_report& report) {
 
 std::string Invariants::particles(const sandglass_frame_report& report) {
   const sandglass_granular_desc& g = s_.desc.granular;
-  positions_.resize(3ull * report.particle_numbers), velocities_.resize(3ull * report.particle_numbers);
+  positions_.resize(3ull * report.sand.particle_numbers), velocities_.resize(3ull * report.sand.particle_numbers);
   sandglass_granular_particles(s_.scene.get(), positions_.data(), velocities_.data());
   // The limit of a pass, on which a body's rotation comes. Sand of the app or of a nozzle has its own speed at first. The
   // report's sub-step may have just begun: speeds are then of the one before.
-  const float substep = substep_before_ > 0.0f ? std::min(report.substep, substep_before_) : report.substep;
-  substep_before_ = report.substep;
+  const float substep = substep_before_ > 0.0f ? std::min(report.sand.substep, substep_before_) : report.sand.substep;
+  substep_before_ = report.sand.substep;
   const double fastest = 1.001 * static_cast<double>(g.courant * g.particle_radius) / static_cast<double>(substep);
   const float low = g.particle_radius * (1.0f - 1e-3f);
-  for (uint32_t i = 0; i < report.particle_numbers; ++i) {
+  for (uint32_t i = 0; i < report.sand.particle_numbers; ++i) {
     const float *p = &positions_[3 * i], *v = &velocities_[3 * i];
     if (!finite(p) || !finite(v)) return "particle " + std::to_string(i) + " is not finite";
     if (p[1] == SANDGLASS_REMOVED_Y) continue;
@@ -45,7 +46,7 @@ std::string Invariants::particles(const sandglass_frame_report& report) {
     if (p[1] < (body ? -g.particle_radius : low) && !(body && !s_.bodies_have_floor))
       return "particle " + std::to_string(i) + " is below the floor, y = " + std::to_string(p[1]) + " m";
     const double speed = std::hypot(static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2]));
-    if (report.substeps != 0 && speed > (body ? 3.0 * fastest : std::max(fastest, k_given_speed))) {
+    if (report.sand.substeps != 0 && speed > (body ? 3.0 * fastest : std::max(fastest, k_given_speed))) {
       return "particle " + std::to_string(i) + " is too fast: " + std::to_string(speed) + " of " +
              std::to_string(fastest) + " m/s";
     }
@@ -54,10 +55,10 @@ std::string Invariants::particles(const sandglass_frame_report& report) {
 }
 
 std::string Invariants::grains(const sandglass_frame_report& report) {
-  positions_.resize(3ull * report.grain_numbers), velocities_.resize(3ull * report.grain_numbers);
-  if (report.grain_numbers == 0) return "";
+  positions_.resize(3ull * report.sand.grain_numbers), velocities_.resize(3ull * report.sand.grain_numbers);
+  if (report.sand.grain_numbers == 0) return "";
   sandglass_granular_grains(s_.scene.get(), positions_.data(), velocities_.data());
-  for (uint32_t i = 0; i < report.grain_numbers; ++i) {
+  for (uint32_t i = 0; i < report.sand.grain_numbers; ++i) {
     const float *p = &positions_[3 * i], *v = &velocities_[3 * i];
     if (!finite(p) || !finite(v)) return "grain " + std::to_string(i) + " is not finite";
     if (s_.grains_have_floor && p[1] != SANDGLASS_REMOVED_Y && p[1] < 0.0f)

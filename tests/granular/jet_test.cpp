@@ -120,9 +120,9 @@ struct Poured {
       emitter.position[2] = pour.moved * static_cast<float>(time);
       input.emitters = &emitter, input.emitter_count = pours && rule == Rule::emitter ? 1 : 0;
       report = scene.run(input);
-      scene.particle_count = report.particle_numbers;
+      scene.particle_count = report.sand.particle_numbers;
       time += static_cast<double>(step);
-      fastest = std::max(fastest, report.speed_max);
+      fastest = std::max(fastest, report.sand.speed_max);
     }
   }
 
@@ -204,10 +204,10 @@ TEST(Jet, IsTheSameAtEveryFrameRate) {
         EXPECT_LE(shape.width, static_cast<double>(n.nozzle) / std::sqrt(2.0) + static_cast<double>(n.radius)) << name;
         EXPECT_LE(shape.off, 0.01 * static_cast<double>(speed)) << name;
         EXPECT_LE(shape.widest, 1.02) << name;
-        EXPECT_EQ(jet.report.denied_particles, 0u) << name;
+        EXPECT_EQ(jet.report.sand.denied_particles, 0u) << name;
         // As many layers as have come out, the first at once; one may be due in the last sub-step.
         const double pair = static_cast<double>(sites_of(jet.pour, 0).size() + sites_of(jet.pour, 1).size()) / 2.0;
-        EXPECT_NEAR(static_cast<double>(jet.report.particles), (gone + 0.5) * 0.5 * pair, pair) << name;
+        EXPECT_NEAR(static_cast<double>(jet.report.sand.particles), (gone + 0.5) * 0.5 * pair, pair) << name;
       }
     }
   }
@@ -284,8 +284,8 @@ TEST(Jet, ThatIsBlockedNeitherSpraysNorThrows) {
           poured.run(0.2f);
           EXPECT_LE(static_cast<double>(poured.fastest), free + separation)
               << radius << " m, " << speed << " m/s, " << below << " r, " << rate << " Hz";
-          EXPECT_EQ(poured.report.particles > 20, below > 2.0f) << "below that is no room for one";
-          EXPECT_TRUE(below > 10.0f || poured.report.denied_particles > 0);
+          EXPECT_EQ(poured.report.sand.particles > 20, below > 2.0f) << "below that is no room for one";
+          EXPECT_TRUE(below > 10.0f || poured.report.sand.denied_particles > 0);
           EXPECT_GE(lowest_of(poured), 0.0) << "nothing is in the floor";
           if (below > 1.0f) continue;
           Poured control(pour, Rule::before);
@@ -302,12 +302,13 @@ TEST(Jet, FromANozzleInsideAColliderWaitsUntilItIsFree) {
   Poured poured({0.01f, 0.03f, 1.0f, 60.0f});
   poured.scene.colliders.push_back(sandglass::sphere(0.0f, 0.0f, 0.0f, 0.1f));
   poured.run(0.5f);
-  EXPECT_EQ(poured.report.particles, 0u);
-  EXPECT_GT(poured.report.denied_particles, 50u);
+  EXPECT_EQ(poured.report.sand.particles, 0u);
+  EXPECT_GT(poured.report.sand.denied_particles, 50u);
   poured.scene.colliders.clear();
   poured.run(0.5f);
   EXPECT_LE(shape_of(poured).off, 0.01);
-  EXPECT_NEAR(static_cast<double>(poured.report.particles), static_cast<double>(poured.report.denied_particles), 20.0);
+  EXPECT_NEAR(static_cast<double>(poured.report.sand.particles),
+              static_cast<double>(poured.report.sand.denied_particles), 20.0);
 }
 
 // A nozzle that moves aside, lies or points up: the layers fall apart less or not at all. Nothing is lost, and contacts
@@ -326,10 +327,10 @@ TEST(Jet, KeepsItsRateFromANozzleThatIsMovedOrTurned) {
       const double a = 2.02 * 0.01, reach = 0.03,
                    rim = 0.5 * (2.0 * reach / a) / (reach * reach / (a * a * std::sqrt(0.75)));
       const double volume = M_PI * reach * reach * (0.5 * static_cast<double>(pour.speed) + layer_of(pour));
-      EXPECT_NEAR(static_cast<double>(poured.report.emitted_particles) / (volume * std::sqrt(2.0) / (a * a * a)), 1.0,
-                  rim);
-      EXPECT_LE(static_cast<double>(poured.report.denied_particles),
-                0.02 * static_cast<double>(poured.report.emitted_particles))
+      EXPECT_NEAR(static_cast<double>(poured.report.sand.emitted_particles) / (volume * std::sqrt(2.0) / (a * a * a)),
+                  1.0, rim);
+      EXPECT_LE(static_cast<double>(poured.report.sand.denied_particles),
+                0.02 * static_cast<double>(poured.report.sand.emitted_particles))
           << pour.speed << " " << pour.turned << " " << rate;
       double lowest = 0.0;
       const std::vector<float> p = poured.scene.positions();
@@ -358,10 +359,10 @@ TEST(Jet, StretchesWithoutGaps) {
       sandglass_frame_input input = scene.input(1.0f / rate);
       input.emitters = &emitter, input.emitter_count = 1;
       const sandglass_frame_report report = scene.run(input);
-      scene.particle_count = report.particle_numbers;
+      scene.particle_count = report.sand.particle_numbers;
       if (frame < first) continue;  // the first of it have fallen to the end of what is measured
-      const double per_second = report.grains * static_cast<double>(rate) / frame;
-      const Jet jet = measure({scene.grains.begin(), scene.grains.begin() + report.grain_numbers}, per_second);
+      const double per_second = report.sand.grains * static_cast<double>(rate) / frame;
+      const Jet jet = measure({scene.grains.begin(), scene.grains.begin() + report.sand.grain_numbers}, per_second);
       const Jet control = measure(carried(scene.positions()), per_second);
       if (frame == frames)
         std::printf(

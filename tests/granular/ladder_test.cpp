@@ -49,11 +49,11 @@ struct Counted {
     // the grains apart, from level 3 on one in four. So the dearer one of two frames counts, of the two that do nothing
     // else; from level 3 on neither pushes.
     sandglass_frame_report last = settled;
-    settled.elapsed_ns = ~0ull;
+    settled.time.elapsed_ns = ~0ull;
     for (int frame = 0; frame < 12; ++frame) {
       const sandglass_frame_report report = scene.frame(k_frame);
-      const sandglass_frame_report& dearer = report.elapsed_ns < last.elapsed_ns ? last : report;
-      if (frame != 0 && dearer.elapsed_ns < settled.elapsed_ns) settled = dearer;
+      const sandglass_frame_report& dearer = report.time.elapsed_ns < last.time.elapsed_ns ? last : report;
+      if (frame != 0 && dearer.time.elapsed_ns < settled.time.elapsed_ns) settled = dearer;
       last = report;
     }
   }
@@ -71,7 +71,7 @@ TEST(Ladder, EachLevelHasItsBudget) {
   double cost[SANDGLASS_LEVEL_COUNT] = {}, sweep = 0;
   for (uint32_t level = 0; level < SANDGLASS_LEVEL_SLOW_MOTION; ++level) {
     const Counted counted(level);
-    cost[level] = static_cast<double>(counted.settled.elapsed_ns);
+    cost[level] = static_cast<double>(counted.settled.time.elapsed_ns);
     sweep = static_cast<double>(counted.settled.stages[SANDGLASS_STAGE_REFINE].elapsed_ns);
     ASSERT_EQ(counted.settled.level, level);
   }
@@ -100,9 +100,9 @@ TEST(Ladder, EachLevelHasItsBudget) {
     }
     // Before the last level there is no slow motion: the time debt stays below two frames.
     if (budget > 1.25 * cost[SANDGLASS_LEVEL_COARSER]) {
-      EXPECT_LE(report.time_debt, 2.0 * static_cast<double>(k_frame));
+      EXPECT_LE(report.time.debt, 2.0 * static_cast<double>(k_frame));
     }
-    debt = report.time_debt;
+    debt = report.time.debt;
   }
   for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level) {
     if (level == SANDGLASS_LEVEL_KEEP_LISTS) continue;  // a pile that lies still builds no lists
@@ -137,17 +137,17 @@ TEST(Ladder, GrainsAreNeverLeftBehind) {
     scene.add(block, {}, grains_about(block, 0.004f));
     scene.add_floor();
     sandglass_frame_report report = {};
-    for (int frame = 0; report.simulated_time < k_simulated && frame < 3000; ++frame) {
+    for (int frame = 0; report.time.simulated < k_simulated && frame < 3000; ++frame) {
       report = scene.frame(k_frame, budget);
-      ASSERT_LE(report.grain_lag, 2.001f * k_frame) << "budget " << budget << ", frame " << frame;
+      ASSERT_LE(report.sand.grain_lag, 2.001f * k_frame) << "budget " << budget << ", frame " << frame;
     }
-    const double frames_simulated = report.simulated_time / static_cast<double>(k_frame);
+    const double frames_simulated = report.time.simulated / static_cast<double>(k_frame);
     const double covered = budget > 1'000'000 ? 1.0 : 2.0;
     EXPECT_NEAR(clock.triages, frames_simulated / covered, 1.0) << budget;
-    EXPECT_GE(report.simulated_time, k_simulated) << "budget " << budget << ": time must go on";
+    EXPECT_GE(report.time.simulated, k_simulated) << "budget " << budget << ": time must go on";
     report = scene.frame(k_frame);  // with time for all: the grains catch up
     const double distance = mean_distance_to_particles(scene.grains, scene.positions());
-    EXPECT_LT(report.grain_lag, 1e-6f);
+    EXPECT_LT(report.sand.grain_lag, 1e-6f);
     std::printf("budget %g ms: mean distance %.3f r\n", 1e-6 * static_cast<double>(budget),
                 distance / static_cast<double>(k_radius));
     EXPECT_LE(distance, 2.0 * static_cast<double>(k_radius)) << "budget " << budget;
@@ -166,8 +166,8 @@ TEST(Ladder, WithoutAClockTheFinestLevelRuns) {
     for (int frame = 0; frame < 20; ++frame) {
       const sandglass_frame_report report = scene.frame(k_frame);
       ASSERT_EQ(report.level, level);
-      ASSERT_EQ(report.time_debt, 0.0);
-      substeps[level] += report.substeps, lists[level] += report.list_builds;
+      ASSERT_EQ(report.time.debt, 0.0);
+      substeps[level] += report.sand.substeps, lists[level] += report.sand.list_builds;
     }
   }
   const auto ratio = [](uint32_t a, uint32_t b) { return static_cast<double>(a) / b; };
@@ -195,7 +195,7 @@ TEST(Ladder, TheAveragedSchemeIteratesLess) {
     scene.add(lattice(6, 6, 6, 0.0205f, k_radius));
     scene.add_floor();
     for (int frame = 0; frame < 30; ++frame) {
-      ASSERT_EQ(scene.frame(k_frame).substeps, 16u);
+      ASSERT_EQ(scene.frame(k_frame).sand.substeps, 16u);
       const std::vector<float> p = scene.positions();
       for (size_t i = 0; i < scene.particle_count; ++i)
         for (size_t j = 0; j < i; ++j)
@@ -239,8 +239,8 @@ TEST(Ladder, EveryLevelIsStable) {
     float fastest = 0.0f;
     for (int frame = 0; frame < 100; ++frame) {
       const sandglass_frame_report report = drop.frame(k_frame);
-      fastest = std::max(fastest, report.speed_max);
-      ASSERT_EQ(report.quarantined, 0u);
+      fastest = std::max(fastest, report.sand.speed_max);
+      ASSERT_EQ(report.sand.quarantined, 0u);
     }
     // One elastic pair could throw a particle at twice the speed of impact.
     EXPECT_LT(fastest, 2.0f * k_speed) << sandglass_level_name(level);

@@ -86,9 +86,9 @@ TEST(Save, TheSavedSceneAndTheRestoredOneRunOnAlike) {
       EXPECT_EQ(other.scene.hash(), live.scene.hash());
       for (int i = 0; i < 12; ++i) {
         const sandglass_frame_report a = live.frame(), b = other.frame();
-        ASSERT_EQ(a.simulated_time, b.simulated_time);
-        ASSERT_EQ(a.awake, b.awake);
-        ASSERT_EQ(a.emitted_grains, b.emitted_grains);
+        ASSERT_EQ(a.time.simulated, b.time.simulated);
+        ASSERT_EQ(a.sand.awake, b.sand.awake);
+        ASSERT_EQ(a.sand.emitted_grains, b.sand.emitted_grains);
       }
       EXPECT_EQ(other.scene.hash(), live.scene.hash()) << frames << " frames, " << starved << " starved";
       const sandglass_body_pose a = live.scene.scene.body_pose(0), b = other.scene.scene.body_pose(0);
@@ -193,7 +193,7 @@ TEST(Save, RestoresOnAnotherInstructionSetAndIntoALargerScene) {
   ASSERT_EQ(other.restore(data), SANDGLASS_OK);
   for (int i = 0; i < 10; ++i) other.frame();
   // Grids depend on capacities, and the order of sums depends on grids. So the material is equal, but not every bit.
-  EXPECT_EQ(other.frame().particles, live.frame().particles);
+  EXPECT_EQ(other.frame().sand.particles, live.frame().sand.particles);
 }
 
 TEST(Restore, EveryTruncationAndEveryFlippedByteIsAnErrorAndChangesNothing) {
@@ -271,13 +271,13 @@ TEST(Restore, SpeedsThatNoBodyHasAreRefused) {
   EXPECT_EQ(other.restore(repaired(data)), SANDGLASS_ERROR_INVALID_ARGUMENT);
 
   live.scene.add_floor();
-  for (int i = 0; i < 500 && live.scene.frame(k_frame).awake != 0; ++i) {
+  for (int i = 0; i < 500 && live.scene.frame(k_frame).sand.awake != 0; ++i) {
   }
   data = live.save();
   const float rest[3] = {};
   ASSERT_EQ(std::memcmp(&data[at], rest, sizeof rest), 0);
   ASSERT_EQ(other.restore(data), SANDGLASS_OK);
-  EXPECT_EQ(other.scene.frame(k_frame).awake, 0u);
+  EXPECT_EQ(other.scene.frame(k_frame).sand.awake, 0u);
   std::memcpy(&data[at], velocity, sizeof velocity);
   EXPECT_EQ(other.restore(repaired(data)), SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
@@ -305,7 +305,7 @@ TEST(Restore, NoForgedNumberThrowsAnythingOut) {
     }
     ++ran;
     for (int i = 0; i < 2; ++i) other.frame();
-    other.scene.particle_count = other.frame().particles;
+    other.scene.particle_count = other.frame().sand.particles;
     for (const float x : other.scene.positions())
       ASSERT_LE(std::fabs(x), 4.0f * SANDGLASS_COORDINATE_LIMIT) << value << " at byte " << at;
     ASSERT_EQ(other.restore(other.save()), SANDGLASS_OK) << value << " at byte " << at;
@@ -342,7 +342,7 @@ TEST(Move, EverythingMovesAlikeAndGoesOnAlike) {
   World world;
   world.fill();
   for (int i = 0; i < 10; ++i) world.frame();
-  world.scene.particle_count = world.frame().particle_numbers;
+  world.scene.particle_count = world.frame().sand.particle_numbers;
   const std::vector<float> p = world.scene.positions(), v = world.scene.velocities();
   const sandglass_body_pose before = world.scene.scene.body_pose(0);
   accept(world.scene.scene.move(turn, {3.0f, 1.0f, -2.0f}));
@@ -364,13 +364,13 @@ TEST(Move, WhatSleepsGoesOnSleeping) {
   const std::vector<float> bed = lattice(10, 3, 10, 2.02f * k_radius, k_radius);
   scene.add(bed, {}, bed);
   scene.add_floor();
-  for (int i = 0; i < 300 && scene.frame(k_frame).awake != 0; ++i) {
+  for (int i = 0; i < 300 && scene.frame(k_frame).sand.awake != 0; ++i) {
   }
-  ASSERT_EQ(scene.frame(k_frame).awake, 0u);
+  ASSERT_EQ(scene.frame(k_frame).sand.awake, 0u);
   accept(scene.scene.move(k_unturned, {10.0f, 2.0f, 0.0f}));
   scene.colliders[0] = sandglass::floor_at(2.0f);
-  EXPECT_EQ(scene.frame(k_frame).awake, 0u);
-  EXPECT_EQ(scene.frame(k_frame).substeps, 0u);
+  EXPECT_EQ(scene.frame(k_frame).sand.awake, 0u);
+  EXPECT_EQ(scene.frame(k_frame).sand.substeps, 0u);
 }
 
 TEST(Move, RefusesToLoseAnything) {

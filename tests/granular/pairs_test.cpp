@@ -118,7 +118,7 @@ TEST(Pairs, EachOnceWhileSandFallsAsleepAndWakes) {
   uint32_t partly = 0;
   for (int frame = 0; frame < 200; ++frame) {
     if (frame == 120) scene.add({0.1f, 0.4f, 0.1f}, {0.0f, -4.0f, 0.0f});
-    const uint32_t awake = scene.frame(k_frame).awake;
+    const uint32_t awake = scene.frame(k_frame).sand.awake;
     if (awake == 0 || !g.colours.ready || !g.neighbours.valid) continue;
     if (awake == g.particles.count && frame % 10 != 0) continue;
     partly += awake < g.particles.count ? 1 : 0;

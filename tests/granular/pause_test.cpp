@@ -39,7 +39,7 @@ struct Falling {
     input.emitters = &nozzle, input.emitter_count = 1;
     input.sinks = &sink, input.sink_count = 1;
     const sandglass_frame_report report = scene.run(input);
-    scene.particle_count = report.particle_numbers;
+    scene.particle_count = report.sand.particle_numbers;
     return report;
   }
 
@@ -68,14 +68,14 @@ TEST(Pause, NothingMovesAndTheDebtIsMadeUpAsIfThereHadBeenNone) {
       ASSERT_EQ(std::memcmp(drawn.data(), paused.scene.grains.data(), drawn.size() * sizeof drawn[0]), 0) << step;
       const sandglass_body_pose now = paused.scene.scene.body_pose(0);
       ASSERT_EQ(std::memcmp(&now, &pose, sizeof now), 0);
-      ASSERT_EQ(report.simulated_time, before.simulated_time);
-      ASSERT_EQ(report.time_debt, before.time_debt);
-      ASSERT_EQ(report.grain_lag, before.grain_lag);
-      ASSERT_EQ(report.emitted_particles, before.emitted_particles);
+      ASSERT_EQ(report.time.simulated, before.time.simulated);
+      ASSERT_EQ(report.time.debt, before.time.debt);
+      ASSERT_EQ(report.sand.grain_lag, before.sand.grain_lag);
+      ASSERT_EQ(report.sand.emitted_particles, before.sand.emitted_particles);
       ASSERT_EQ(report.stages[SANDGLASS_STAGE_GRANULAR].units + report.stages[SANDGLASS_STAGE_REFINE].units, 0u);
       ASSERT_EQ(report.stages[SANDGLASS_STAGE_GRANULAR].denied, 0u);
     }
-    most_debt = std::max(most_debt, before.time_debt), most_lag = std::max(most_lag, before.grain_lag);
+    most_debt = std::max(most_debt, before.time.debt), most_lag = std::max(most_lag, before.sand.grain_lag);
   }
   EXPECT_GT(most_debt, 2.0 * static_cast<double>(k_frame)) << "nothing was owed";
   EXPECT_GT(most_lag, 0.0f) << "no grain was behind";
@@ -112,9 +112,9 @@ TEST(Pause, WhatMovesInItWakesSandWhenTimeGoesOn) {
   scene.add(lattice(5, 3, 5, 0.0202f, 0.01f));
   for (int frame = 0; frame < 200; ++frame) scene.frame(k_frame);
   scene.colliders[0].position[1] = -0.05f;
-  for (const float step : k_pauses) EXPECT_EQ(scene.frame(step).awake, 0u);
+  for (const float step : k_pauses) EXPECT_EQ(scene.frame(step).sand.awake, 0u);
   uint32_t awake = 0;
-  for (int frame = 0; frame < 3; ++frame) awake = scene.frame(k_frame).awake;  // fewer frames are an outlier
+  for (int frame = 0; frame < 3; ++frame) awake = scene.frame(k_frame).sand.awake;  // fewer frames are an outlier
   EXPECT_EQ(awake, 75u);
 }
 

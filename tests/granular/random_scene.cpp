@@ -40,7 +40,7 @@ void RandomScene::unit_ends(void* user, const char*) {
 }
 
 // In a random order, some calls twice, some not at all.
-void RandomScene::pool(void* user, void (*task)(void*, uint32_t), void* context, uint32_t count) {
+void RandomScene::pool(void* user, sandglass_task_function task, void* context, uint32_t count) {
   RandomScene* s = static_cast<RandomScene*>(user);
   for (uint32_t i = 0; i < count; ++i) task(context, s->pool_random_.below(count));
 }
@@ -278,7 +278,7 @@ sandglass_frame_input RandomScene::next_input() {
   input.colliders = colliders_.data(), input.collider_count = static_cast<uint32_t>(colliders_.size());
   input.emitters = emitters_.data(), input.emitter_count = one_in(10) ? 0 : static_cast<uint32_t>(emitters_.size());
   input.sinks = sinks_.data(), input.sink_count = static_cast<uint32_t>(sinks_.size());
-  input.grains = drawn.bytes() == 0 ? nullptr : drawn.data();
+  input.grains = drawn.bytes() == 0 ? nullptr : reinterpret_cast<sandglass_grain*>(drawn.data());
   input.grain_capacity = static_cast<uint32_t>(drawn.bytes() / sizeof(sandglass_grain));
   input.output_lag = one_in(6) ? between(0, 0.1) : 0.0f;
   input.pile_shadow = pile_.get();

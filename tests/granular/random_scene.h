@@ -36,7 +36,7 @@ struct RandomScene : WatchedScene {
   float draw_step();
 
   static uint64_t now(void* user);
-  static void pool(void* user, void (*task)(void*, uint32_t), void* context, uint32_t count);
+  static void pool(void* user, sandglass_task_function task, void* context, uint32_t count);
   static void unit_begins(void*, const char*) {}
   static void unit_ends(void* user, const char*);
 

@@ -107,7 +107,7 @@ TEST(Ray, SeesParticlesAwakeOrAsleepAndNothingElse) {
   const auto straight_down = [&] { return scene.scene.ray({0.0f, 1.0f, 0.0f}, {0, -1, 0}, 5.0f); };
   EXPECT_NEAR(straight_down().distance, 0.98, 1e-6);
   for (int frame = 0; frame < 200; ++frame) scene.frame(0.02f);
-  ASSERT_EQ(scene.frame(0.02f).awake, 0u);
+  ASSERT_EQ(scene.frame(0.02f).sand.awake, 0u);
   EXPECT_NEAR(straight_down().distance, 0.98, 1e-3);
   EXPECT_EQ(scene.scene.ray({0.5f, 1.0f, 0.5f}, {0, -1, 0}, 5.0f).what, SANDGLASS_HIT_NOTHING) << "the floor";
 }

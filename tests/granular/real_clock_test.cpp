@@ -47,14 +47,15 @@ FramesAndControl run(uint64_t budget_ns, int frames, uint32_t hogs, bool control
     const uint64_t before = thread_cpu_ns();
     const sandglass_frame_report report = scene.frame(0.02f, budget_ns);
     const uint64_t spent = thread_cpu_ns() - before;
-    EXPECT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
+    EXPECT_LE(report.time.elapsed_ns,
+              std::max(report.time.budget_ns, report.time.mandatory_ns) + report.time.last_unit_ns);
     // The test allows the frame's longest work unit and 100 us more. The 100 us are for the call around the work units
     // and for interrupts that are charged to the thread. The last work unit includes the time by which writing the
     // grains took longer than predicted (sandglass_scene_frame).
-    const uint64_t allowed = budget_ns + std::max(report.longest_unit_ns, report.last_unit_ns) + 100'000;
+    const uint64_t allowed = budget_ns + std::max(report.time.longest_unit_ns, report.time.last_unit_ns) + 100'000;
     result.over_ns.push_back(spent > allowed ? spent - allowed : 0);
-    const bool left_unused = 10 * report.elapsed_ns < 9 * budget_ns && report.time_debt > debt;
-    debt = report.time_debt;
+    const bool left_unused = 10 * report.time.elapsed_ns < 9 * budget_ns && report.time.debt > debt;
+    debt = report.time.debt;
     unused += left_unused, unused_in_a_row = left_unused ? unused_in_a_row + 1 : 0;
     longest_unused = std::max(longest_unused, unused_in_a_row);
     if (control) result.lost_ns.push_back(sandglass::test::lost_to_the_machine_ns(spent));

@@ -58,7 +58,7 @@ TEST(Determinism, AMissingInstructionSetIsUnsupportedAndAnUnknownNumberInvalid) 
 }
 
 // A pool that starts new threads for every call. It is slow, and its order is as random as the system makes it.
-void run_on_threads(void*, void (*task)(void*, uint32_t), void* context, uint32_t count) {
+void run_on_threads(void*, sandglass_task_function task, void* context, uint32_t count) {
   std::vector<std::thread> threads;
   for (uint32_t t = 0; t < 4; ++t) {
     threads.emplace_back([=] {
@@ -68,7 +68,7 @@ void run_on_threads(void*, void (*task)(void*, uint32_t), void* context, uint32_
   for (std::thread& thread : threads) thread.join();
 }
 
-void run_backward(void*, void (*task)(void*, uint32_t), void* context, uint32_t count) {
+void run_backward(void*, sandglass_task_function task, void* context, uint32_t count) {
   for (uint32_t i = count; i-- > 0;) task(context, i);
 }
 
@@ -89,29 +89,28 @@ TEST(Determinism, PoolAndUnitSizeDoNotShow) {
 
 // Grains are moved in place, so a piece that ran twice would show.
 TEST(Determinism, APoolThatDoesNotKeepItsWordDoesNoHarm) {
-  using Pool = void (*)(void*, void (*)(void*, uint32_t), void*, uint32_t);
-  const Pool faulty[] = {[](void*, void (*)(void*, uint32_t), void*, uint32_t) {},
-                         [](void*, void (*task)(void*, uint32_t), void* context, uint32_t count) {
-                           for (uint32_t i = 1; i < count; i += 2) task(context, i);
-                         },
-                         [](void*, void (*task)(void*, uint32_t), void* context, uint32_t count) {
-                           for (uint32_t i = 0; i < 2 * count; ++i) task(context, i / 2);
-                           for (uint32_t i = count; i-- > 0;) task(context, i);
-                         },
-                         [](void*, void (*task)(void*, uint32_t), void* context, uint32_t count) {
-                           for (uint32_t i = 0; i < 3 * count; ++i) task(context, i);
-                           task(context, ~0u);
-                         },
-                         [](void* random, void (*task)(void*, uint32_t), void* context, uint32_t count) {
-                           for (uint32_t i = 0; i < count; ++i)
-                             task(context, static_cast<sandglass::Random*>(random)->below(count));
-                         }};
+  const sandglass_parallel_function faulty[] = {
+      [](void*, sandglass_task_function, void*, uint32_t) {},
+      [](void*, sandglass_task_function task, void* context, uint32_t count) {
+        for (uint32_t i = 1; i < count; i += 2) task(context, i);
+      },
+      [](void*, sandglass_task_function task, void* context, uint32_t count) {
+        for (uint32_t i = 0; i < 2 * count; ++i) task(context, i / 2);
+        for (uint32_t i = count; i-- > 0;) task(context, i);
+      },
+      [](void*, sandglass_task_function task, void* context, uint32_t count) {
+        for (uint32_t i = 0; i < 3 * count; ++i) task(context, i);
+        task(context, ~0u);
+      },
+      [](void* random, sandglass_task_function task, void* context, uint32_t count) {
+        for (uint32_t i = 0; i < count; ++i) task(context, static_cast<sandglass::Random*>(random)->below(count));
+      }};
   sandglass_scene_desc desc = description(k_particles, k_grains);
   desc.unit_items = 4096;
   const uint64_t alone = run(desc, 4);
   sandglass::Random random{1};
   desc.parallel.user = &random;
-  for (const Pool pool : faulty) {
+  for (const sandglass_parallel_function pool : faulty) {
     desc.parallel.run = pool;
     EXPECT_EQ(run(desc, 4), alone) << "pool " << &pool - faulty;
   }
@@ -128,10 +127,10 @@ TEST(Determinism, AShortBudgetIsKeptReportedAndReplayed) {
   double debt = 0.0;
   for (int frame = 0; frame < 30; ++frame) {
     const sandglass_frame_report report = recorded.frame(k_frame, 2'000'000);
-    const uint64_t bound = std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns;
-    EXPECT_LE(report.elapsed_ns, bound);
-    EXPECT_GE(report.time_debt, debt) << "time is not made up for while the budget stays too short";
-    debt = report.time_debt;
+    const uint64_t bound = std::max(report.time.budget_ns, report.time.mandatory_ns) + report.time.last_unit_ns;
+    EXPECT_LE(report.time.elapsed_ns, bound);
+    EXPECT_GE(report.time.debt, debt) << "time is not made up for while the budget stays too short";
+    debt = report.time.debt;
     plans.push_back(report.plan);
   }
   EXPECT_GT(debt, 0.1);
@@ -178,7 +177,7 @@ TEST(Determinism, AStepEndsWithTheCollidersWithWhichItBegan) {
     for (int frame = 0; frame < 60; ++frame) {
       scene.colliders = {floor};
       if (frame % 2 == 1) scene.colliders = {floor, far, far};
-      went_on |= scene.frame(k_frame, 0).substeps == 0;
+      went_on |= scene.frame(k_frame, 0).sand.substeps == 0;
     }
     EXPECT_TRUE(went_on);
     hashes[used_before] = scene.hash();

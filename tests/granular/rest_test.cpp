@@ -27,8 +27,8 @@ GranularScene sleeping_bed(uint32_t wide, float sleep_after = 0.5f) {
   bed.add(loose_bed(wide));
   bed.add_floor();
   for (int frame = 0; frame < 400; ++frame)
-    if (bed.frame(k_frame).awake == 0) break;
-  EXPECT_TRUE(bed.frame(k_frame).awake == 0 || sleep_after == 0.0f);
+    if (bed.frame(k_frame).sand.awake == 0) break;
+  EXPECT_TRUE(bed.frame(k_frame).sand.awake == 0 || sleep_after == 0.0f);
   return bed;
 }
 
@@ -36,17 +36,17 @@ TEST(Sleep, ARestingBedSleepsAndThenTimePassesWithoutSubsteps) {
   GranularScene bed = sleeping_bed(16);
   const uint64_t before = bed.hash();
   const sandglass_frame_report report = bed.frame(k_frame);
-  EXPECT_EQ(report.awake, 0u);
-  EXPECT_EQ(report.substeps, 0u);
+  EXPECT_EQ(report.sand.awake, 0u);
+  EXPECT_EQ(report.sand.substeps, 0u);
   EXPECT_EQ(report.stages[SANDGLASS_STAGE_GRANULAR].units, 0u);
-  EXPECT_DOUBLE_EQ(report.time_debt, 0.0);
+  EXPECT_DOUBLE_EQ(report.time.debt, 0.0);
   EXPECT_EQ(bed.hash(), before);
 }
 
 TEST(Sleep, NeverWhenSwitchedOff) {
   GranularScene bed = sleeping_bed(6, 0.0f);
-  EXPECT_EQ(bed.frame(k_frame).awake, bed.particle_count);
-  EXPECT_GT(bed.frame(k_frame).substeps, 0u);
+  EXPECT_EQ(bed.frame(k_frame).sand.awake, bed.particle_count);
+  EXPECT_GT(bed.frame(k_frame).sand.substeps, 0u);
 }
 
 TEST(Sleep, AHandWakesWhatItTouchesAndNothingElse) {
@@ -61,7 +61,7 @@ TEST(Sleep, AHandWakesWhatItTouchesAndNothingElse) {
       for (float& v : moving.linear_velocity) v = 0.0f;
       moving.linear_velocity[axis] = speed;
       moving.position[axis] += speed * k_frame;
-      most = std::max(most, bed.frame(k_frame).awake);
+      most = std::max(most, bed.frame(k_frame).sand.awake);
     }
   };
   move(1, -0.1f, 20);  // down into the sand, then along
@@ -98,7 +98,7 @@ TEST(Sleep, AFallingParticleWakesWhatItHits) {
   const std::vector<float> before = bed.positions();
   bed.add({0.15f, 0.5f, 0.15f}, {0.0f, -3.0f, 0.0f});
   uint32_t most = 0;
-  for (int frame = 0; frame < 10; ++frame) most = std::max(most, bed.frame(k_frame).awake);
+  for (int frame = 0; frame < 10; ++frame) most = std::max(most, bed.frame(k_frame).sand.awake);
   EXPECT_GT(most, 4u);
   EXPECT_LT(most, bed.particle_count / 2);
 }
@@ -117,14 +117,14 @@ TEST(Sleep, SandUnderAHeavyBodySleeps) {
   for (size_t i = 1; i < cube.size(); i += 3) cube[i] += 2.1f * k_radius * k_high;
   scene.add_body(cube, 8.0f);
   uint32_t awake = 1;
-  for (int frame = 0; frame < 500 && awake != 0; ++frame) awake = scene.frame(k_frame).awake;
+  for (int frame = 0; frame < 500 && awake != 0; ++frame) awake = scene.frame(k_frame).sand.awake;
   EXPECT_EQ(awake, 0u);
 }
 
 TEST(Sleep, NewFrictionWakesAll) {
   GranularScene bed = sleeping_bed(8);
   accept(bed.scene.set_friction(0.1f, 0.1f));
-  EXPECT_EQ(bed.frame(k_frame).awake, bed.particle_count);
+  EXPECT_EQ(bed.frame(k_frame).sand.awake, bed.particle_count);
 }
 
 TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
@@ -136,13 +136,13 @@ TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
   sandglass_frame_report report = {};
   for (int frame = 0; frame < 600; ++frame) {
     report = bed.frame(k_frame);
-    if (report.awake + report.awake_grains == 0) break;
+    if (report.sand.awake + report.sand.awake_grains == 0) break;
   }
-  ASSERT_EQ(report.awake, 0u);
-  ASSERT_EQ(report.awake_grains, 0u);
+  ASSERT_EQ(report.sand.awake, 0u);
+  ASSERT_EQ(report.sand.awake_grains, 0u);
   report = bed.frame(k_frame);
   EXPECT_EQ(report.stages[SANDGLASS_STAGE_REFINE].units, 0u);
-  EXPECT_EQ(report.grain_lag, 0.0f);
+  EXPECT_EQ(report.sand.grain_lag, 0.0f);
 
   const std::vector<sandglass_grain> before = bed.grains;
   bed.colliders.push_back(sandglass::sphere(0.4f, 0.1f, 0.4f, 0.03f));
@@ -150,10 +150,10 @@ TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
   uint32_t most = 0;
   for (int frame = 0; frame < 17; ++frame) {
     bed.colliders.back().position[1] -= 0.1f * k_frame;
-    most = std::max(most, bed.frame(k_frame).awake_grains);
+    most = std::max(most, bed.frame(k_frame).sand.awake_grains);
   }
   EXPECT_GT(most, 0u);
-  EXPECT_LT(most, report.grains / 3);
+  EXPECT_LT(most, report.sand.grains / 3);
   uint32_t moved = 0;
   for (size_t i = 0; i < before.size(); ++i) {
     const double dx = static_cast<double>(before[i].position[0]) - 0.4,
@@ -177,7 +177,7 @@ TEST(Sleep, TheSameOnEveryInstructionSetAndUnitSize) {
     bed.add(particles, {}, grains_about(particles, 0.5f * k_radius));
     bed.add_floor();
     bool slept = false;
-    for (int frame = 0; frame < 150; ++frame) slept = bed.frame(k_frame).awake < 400 || slept;
+    for (int frame = 0; frame < 150; ++frame) slept = bed.frame(k_frame).sand.awake < 400 || slept;
     bed.add({0.15f, 0.3f, 0.15f}, {0.0f, -3.0f, 0.0f});
     for (int frame = 0; frame < 20; ++frame) bed.frame(k_frame);
     EXPECT_TRUE(slept);

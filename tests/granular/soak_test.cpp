@@ -112,12 +112,12 @@ TEST(Soak, MillionFramesOfASmallHourglass) {
   uint64_t compare_until = 0, slept = 0;
   for (uint64_t frame = 0; frame < frames; ++frame) {
     const sandglass_frame_report report = run.frame(frame);
-    ASSERT_EQ(report.particles, glass.count()) << "frame " << frame;
-    ASSERT_EQ(report.grains, k_grains_per_particle * glass.count()) << "frame " << frame;
-    ASSERT_EQ(report.quarantined, 0u) << "frame " << frame;
-    ASSERT_EQ(report.dropped_contacts, 0u) << "frame " << frame;
-    ASSERT_EQ(report.time_debt, 0.0) << "frame " << frame;
-    slept += report.awake == 0 ? 1 : 0;
+    ASSERT_EQ(report.sand.particles, glass.count()) << "frame " << frame;
+    ASSERT_EQ(report.sand.grains, k_grains_per_particle * glass.count()) << "frame " << frame;
+    ASSERT_EQ(report.sand.quarantined, 0u) << "frame " << frame;
+    ASSERT_EQ(report.sand.dropped_contacts, 0u) << "frame " << frame;
+    ASSERT_EQ(report.time.debt, 0.0) << "frame " << frame;
+    slept += report.sand.awake == 0 ? 1 : 0;
     if (frame < compare_until) {
       again.frame(frame);
       if ((frame + 1) % 50 == 0) {

@@ -77,7 +77,9 @@ class Stretch : public WatchedScene {
       const Status status = scene.frame(input, &report);
       std::string what = status ? invariants.broken(report) : status.reason;
       if (what.empty() && !shadow_.block.guards_intact()) what = "a byte outside the shadow's block was touched";
-      if (what.empty() && report.ignored_colliders + report.ignored_images != 0) what = "something was left out";
+      const sandglass_sand_report& sand = report.sand;
+      const uint32_t ignored = sand.ignored_colliders + sand.ignored_emitters + sand.ignored_sinks;
+      if (what.empty() && ignored + report.estimate.ignored_images != 0) what = "something was left out";
       if (what.empty()) what = outside(report);
       if (!what.empty()) return "frame " + std::to_string(frame) + ": " + what;
       for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) units[stage] += report.stages[stage].units;
@@ -217,7 +219,8 @@ class Stretch : public WatchedScene {
     input.colliders = colliders_.data(), input.collider_count = static_cast<uint32_t>(colliders_.size());
     input.emitters = &nozzle_, input.emitter_count = frame / 120 % 3 == 0 ? 1 : 0;
     input.sinks = &drain_, input.sink_count = 1;
-    input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
+    input.grains = reinterpret_cast<sandglass_grain*>(drawn.data());
+    input.grain_capacity = desc.granular.grain_capacity;
     input.shadows = &shadow_.shadow, input.shadow_count = 1;
     input.pile_shadow = pile_.get(), input.light = light_.get(), input.room = room_.get(), input.camera = &image_;
     return input;
@@ -225,9 +228,9 @@ class Stretch : public WatchedScene {
 
   // What a wall lets through, were it only a rounding.
   std::string outside(const sandglass_frame_report& report) {
-    positions_.resize(3ull * report.particle_numbers);
+    positions_.resize(3ull * report.sand.particle_numbers);
     sandglass_granular_particles(scene.get(), positions_.data(), nullptr);
-    for (uint32_t i = 0; i < report.particle_numbers; ++i) {
+    for (uint32_t i = 0; i < report.sand.particle_numbers; ++i) {
       const float* p = &positions_[3 * size_t{i}];
       if (p[1] == SANDGLASS_REMOVED_Y) continue;
       if (std::max(std::fabs(p[0]), std::fabs(p[2])) > k_wall - k_r * (1.0f - 1e-3f))

@@ -18,7 +18,7 @@ TEST(LadderTable, IsWhatTheColumnMeasures) {
     // The collapse is chaotic. Sums in another order move its percentiles by a few per cent.
     EXPECT_NEAR(row.overlap_p99, static_cast<double>(told.overlap_p99), 0.1 * row.overlap_p99) << told.name;
     EXPECT_NEAR(row.overlap_mean, static_cast<double>(told.overlap_mean), 0.1 * row.overlap_mean) << told.name;
-    EXPECT_NEAR(row.angle_deg, static_cast<double>(told.angle_degrees), 2.5) << told.name;
+    EXPECT_NEAR(row.angle_deg, static_cast<double>(told.angle_deg), 2.5) << told.name;
     EXPECT_GT(row.overlap_p99, 0.9 * before) << "a quality level must be no better than the one above it";
     before = row.overlap_p99;
   }

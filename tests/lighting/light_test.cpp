@@ -158,16 +158,16 @@ TEST(Light, ImagesComeNoMoreOftenThanTheInterval) {
   TestImage picture(3);
   const auto offer = [&](uint64_t time_ns) {
     picture.image.timestamp_ns = time_ns;
-    uint32_t taken = 7;
+    int32_t taken = 7;
     EXPECT_EQ(sandglass_light_set_image(live.get(), &picture.image, &taken, nullptr), SANDGLASS_OK);
     return taken;
   };
-  EXPECT_EQ(offer(1'000'000'000), 1u);
-  EXPECT_EQ(offer(2'000'000'000), 0u);  // an estimate is in progress
+  EXPECT_EQ(offer(1'000'000'000), 1);
+  EXPECT_EQ(offer(2'000'000'000), 0);  // an estimate is in progress
   live.finish();
-  EXPECT_EQ(offer(1'000'000'000), 0u);  // the same image
-  EXPECT_EQ(offer(1'249'000'000), 0u);
-  EXPECT_EQ(offer(1'250'000'000), 1u);
+  EXPECT_EQ(offer(1'000'000'000), 0);  // the same image
+  EXPECT_EQ(offer(1'249'000'000), 0);
+  EXPECT_EQ(offer(1'250'000'000), 1);
 }
 
 TEST(Light, ResetForgetsAndTurnTurns) {
@@ -258,11 +258,11 @@ TEST(LightInput, ABadImageIsRefusedAndChangesNothing) {
   const uint64_t before = sandglass_light_hash(live.get());
   TestImage picture(1);
   picture.image.focal_x = NAN;
-  uint32_t taken = 9;
+  int32_t taken = 9;
   for (const sandglass_camera_image* image : {&picture.image, static_cast<sandglass_camera_image*>(nullptr)})
     expect_refused(image == nullptr ? "NULL" : "focal",
                    [&](const char** reason) { return sandglass_light_set_image(live.get(), image, &taken, reason); });
-  EXPECT_EQ(taken, 9u);
+  EXPECT_EQ(taken, 9);
   EXPECT_EQ(sandglass_light_hash(live.get()), before);
   EXPECT_EQ(sandglass_light_units_left(live.get()), 0u);
 }
@@ -391,23 +391,23 @@ TEST(LightFrame, ABudgetOfNothingStillBringsTheEstimate) {
   sandglass_frame_report report = frame(sand, live.get(), &picture.image, 0);
   std::fill(picture.bytes.begin(), picture.bytes.end(), uint8_t{0});
   EXPECT_GT(report.stages[SANDGLASS_STAGE_LIGHTING].units, 1u);
-  EXPECT_EQ(report.light_valid, 0u);
-  uint32_t left = report.light_units_left, frames = 1;
+  EXPECT_EQ(report.estimate.valid, 0u);
+  uint32_t left = report.estimate.units_left, frames = 1;
   EXPECT_GT(left, 100u);
   for (; left > 0; ++frames) {
     report = frame(sand, live.get(), &picture.image, 0);  // images during an estimate are ignored
     ASSERT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 1u);
-    ASSERT_EQ(report.light_units_left, left - 1);
-    left = report.light_units_left;
-    ASSERT_EQ(report.light_changed, left == 0 ? 1u : 0u);
+    ASSERT_EQ(report.estimate.units_left, left - 1);
+    left = report.estimate.units_left;
+    ASSERT_EQ(report.estimate.changed, left == 0 ? 1u : 0u);
   }
-  EXPECT_EQ(report.light_valid, 1u);
-  EXPECT_EQ(report.light_age, frames - 1);
+  EXPECT_EQ(report.estimate.valid, 1u);
+  EXPECT_EQ(report.estimate.frames_behind, frames - 1);
   EXPECT_EQ(sandglass_light_hash(live.get()), sandglass_light_hash(expected.get()));
   report = frame(sand, live.get(), nullptr, 0);
   EXPECT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 0u);
-  EXPECT_EQ(report.light_age, frames);
-  EXPECT_EQ(report.light_changed, 0u);
+  EXPECT_EQ(report.estimate.frames_behind, frames);
+  EXPECT_EQ(report.estimate.changed, 0u);
 }
 
 // Beside falling sand, the budget law holds, estimates keep arriving, sand is not starved, and the recorded plans give
@@ -425,12 +425,13 @@ TEST(LightFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
     picture.image.timestamp_ns = f * 16'666'667 + 1;
     const sandglass_frame_report report = frame(sand, live.get(), &picture.image, 4'000'000);
     ASSERT_EQ(sand.status, SANDGLASS_OK);
-    ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns) << f;
+    const sandglass_time_report& t = report.time;
+    ASSERT_LE(t.elapsed_ns, std::max(t.budget_ns, t.mandatory_ns) + t.last_unit_ns) << f;
     with_light += report.stages[SANDGLASS_STAGE_LIGHTING].units > 1;
     with_grains += report.stages[SANDGLASS_STAGE_REFINE].units > 0;
-    changes += report.light_changed;
+    changes += report.estimate.changed;
     // The timestamp changes only with the estimate.
-    ASSERT_EQ(live.estimated().timestamp_ns != timestamp, report.light_changed != 0);
+    ASSERT_EQ(live.estimated().timestamp_ns != timestamp, report.estimate.changed != 0);
     timestamp = live.estimated().timestamp_ns;
     frame(again, again_light.get(), &picture.image, 4'000'000, &report.plan);
     ASSERT_EQ(again.status, SANDGLASS_OK) << f;
@@ -447,10 +448,10 @@ TEST(LightFrame, WithoutAClockTheEstimateIsDoneInItsFrame) {
   SandScene sand;
   const TestImage picture(6);
   const sandglass_frame_report report = frame(sand, live.get(), &picture.image, 1);
-  EXPECT_EQ(report.light_valid, 1u);
-  EXPECT_EQ(report.light_changed, 1u);
-  EXPECT_EQ(report.light_units_left, 0u);
-  EXPECT_EQ(report.light_age, 0u);
+  EXPECT_EQ(report.estimate.valid, 1u);
+  EXPECT_EQ(report.estimate.changed, 1u);
+  EXPECT_EQ(report.estimate.units_left, 0u);
+  EXPECT_EQ(report.estimate.frames_behind, 0u);
 }
 
 TEST(LightFrame, ABadImageIsLeftOutAndReported) {
@@ -462,7 +463,7 @@ TEST(LightFrame, ABadImageIsLeftOutAndReported) {
   const uint64_t before = sandglass_light_hash(live.get());
   const sandglass_frame_report report = frame(sand, live.get(), &picture.image, 1'000'000);
   EXPECT_EQ(sand.status, SANDGLASS_OK);
-  EXPECT_EQ(report.ignored_images, 1u);
+  EXPECT_EQ(report.estimate.ignored_images, 1u);
   EXPECT_NE(said.find("focal"), std::string::npos) << said;
   EXPECT_EQ(sandglass_light_hash(live.get()), before);
 }

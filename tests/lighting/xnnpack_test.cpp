@@ -166,8 +166,9 @@ TEST_P(XnnpackInFrames, AnEstimateTakesSeveralAndNoMemory) {
     do {
       ASSERT_TRUE(scene.frame(input, &report));
       input.camera = nullptr;
-      ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
-    } while (report.light_changed == 0 && ++frames < 100);
+      ASSERT_LE(report.time.elapsed_ns,
+                std::max(report.time.budget_ns, report.time.mandatory_ns) + report.time.last_unit_ns);
+    } while (report.estimate.changed == 0 && ++frames < 100);
     EXPECT_EQ(stop_counting_allocations(), 0u);
     EXPECT_EQ(xnnpack_region_used(), used);
     EXPECT_GE(frames, 3u);

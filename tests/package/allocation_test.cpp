@@ -18,7 +18,7 @@ constexpr uint32_t k_particles = k_side * k_side * k_side;
 constexpr uint32_t k_grains = 4 * k_particles;
 constexpr uint64_t k_half_budget_ns = 300'000;
 
-void on_this_thread(void*, void (*task)(void* context, uint32_t index), void* context, uint32_t count) {
+void on_this_thread(void*, sandglass_task_function task, void* context, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) task(context, i);
 }
 void ignore(void*, const char*) {}
@@ -87,7 +87,7 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
   const uint64_t calls = sandglass::host::stop_counting_allocations();
   EXPECT_TRUE(fine);
   EXPECT_EQ(calls, 0u);
-  EXPECT_EQ(report.particles, k_particles);
+  EXPECT_EQ(report.sand.particles, k_particles);
 }
 
 // The light's stage from its creation on: images, units and estimates, in frames of a scene without sand.
@@ -125,7 +125,7 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
     // Mostly the time of a frame; every 30th time as much as an estimate takes on any machine.
     input.budget_ns = frame % 30 == 29 ? 3'600'000'000'000u : frame % 3 * 4'000'000u;
     fine = bool(scene.frame(input, &report));
-    changes += report.light_changed;
+    changes += report.estimate.changed;
   }
   sandglass_light_estimate estimate;
   estimate.struct_size = sizeof estimate;

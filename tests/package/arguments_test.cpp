@@ -235,6 +235,7 @@ class Arguments : public ::testing::Test {
   sandglass::Scene scene;
   uint64_t bytes = 0, need = 0;
   uint32_t count = 0, other = 0;
+  int32_t taken = 0;
   const char* reason = nullptr;
   sandglass::Block spare;
   float point[4] = {0.0f, 0.5f, 0.0f, 1.0f}, low[3] = {-0.1f, -0.1f, -0.1f}, high[3] = {0.1f, 0.1f, 0.1f};
@@ -307,9 +308,9 @@ void Arguments::sampling() {
   sandglass_sample_options options;
   row(NAMED(sandglass_sample_options_default), "", &options);
   sandglass_sample_options_default(&options);
-  row(NAMED(sandglass_sample_disk), "", 1.0f, 8u, points.data());
-  row(NAMED(sandglass_sample_sphere), "", 1.0f, 8u, points.data());
-  row(NAMED(sandglass_sample_ring), "", 1.0f, 0.5f, 1.0f, 8u, points.data());
+  row(NAMED(sandglass_sample_disk), "", 1.0f, points.data(), 8u);
+  row(NAMED(sandglass_sample_sphere), "", 1.0f, points.data(), 8u);
+  row(NAMED(sandglass_sample_ring), "", 1.0f, 0.5f, 1.0f, points.data(), 8u);
   row(NAMED(sandglass_mesh_bounds), "", &k_mesh, low, high);
   double number = 0.0;
   row(NAMED(sandglass_mesh_area), "", &k_mesh, &number);
@@ -373,7 +374,7 @@ void Arguments::lights() {
   row(NAMED(sandglass_light_turn), "", light, point);
   sandglass_camera_image image = grey_image();
   row(NAMED(sandglass_camera_check), "", &image);
-  row(NAMED(sandglass_light_set_image), "taken", light, &image, &count);
+  row(NAMED(sandglass_light_set_image), "taken", light, &image, &taken);
   row(NAMED(sandglass_camera_image_default), "", &image);
   float sh[27];
   const float matrix[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -409,7 +410,7 @@ void Arguments::rooms() {
   row(NAMED(sandglass_room_desc_default), "", &desc_of);
   ASSERT_NE(room, nullptr);
   sandglass_camera_image image = grey_image();
-  row(NAMED(sandglass_room_set_image), "taken", room, &image, &count);
+  row(NAMED(sandglass_room_set_image), "taken", room, &image, &taken);
   const float level[4] = {0, 0, 0, 1};
   row(NAMED(sandglass_room_move), "", room, level, point);
   auto estimate = sized<sandglass_light_estimate>();
@@ -432,7 +433,7 @@ void Arguments::rooms() {
   row(NAMED(sandglass_room_save_bytes), "", room);
   const uint64_t saved_bytes = sandglass_room_save_bytes(room);
   std::vector<uint64_t> saved(saved_bytes / 8);
-  row(NAMED(sandglass_room_save), "", room, static_cast<void*>(saved.data()), saved_bytes);
+  row(NAMED(sandglass_room_save), "", room, static_cast<void*>(saved.data()), saved_bytes, &need);
   row(NAMED(sandglass_room_restore), "", room, static_cast<const void*>(saved.data()), saved_bytes);
   row(NAMED(sandglass_room_reset), "", room);
   row(NAMED(sandglass_room_hash), "", room);
@@ -471,8 +472,8 @@ void Arguments::shadows() {
   row(NAMED(sandglass_shadow_surface), "normals", file.data(), file_bytes, point, high, 1u, transfer.data());
   row(NAMED(sandglass_shadow_turn_harmonics), "", sh.data(), point, turned.data());
   std::vector<uint8_t> coverage(256 * 256);
-  row(NAMED(sandglass_shadow_resample), "", shadow, 0u, 128u, coverage.data());
-  row(NAMED(sandglass_shadow_combine), "", shadow, 64u, coverage.data(), low, high);
+  row(NAMED(sandglass_shadow_resample), "", shadow, 0u, coverage.data(), 128u);
+  row(NAMED(sandglass_shadow_combine), "", shadow, coverage.data(), 64u, low, high);
   row(NAMED(sandglass_shadow_hash), "", shadow);
   row(NAMED(sandglass_shadow_isa), "", shadow);
 }

@@ -67,7 +67,7 @@ TEST(BlockSizes, AtTheNeedItSucceedsAndStaysInside) {
   input.time_step = 1.0f / 60.0f;
   input.colliders = colliders;
   input.collider_count = 2;
-  input.grains = output.data();
+  input.grains = reinterpret_cast<sandglass_grain*>(output.data());
   input.grain_capacity = 54;
   for (int frame = 0; frame < 120; ++frame) ASSERT_TRUE(scene.frame(input));
 

@@ -46,8 +46,8 @@ static unsafe class Pour {
     var report = new sandglass_frame_report();
     report.struct_size = (uint)sizeof(sandglass_frame_report);
     for (int frame = 0; frame < 60; ++frame) Check(Native.sandglass_scene_frame(scene, &input, &report, &reason), reason);
-    Console.WriteLine("{0} particles, {1} kernels, fastest {2:F3} m/s", report.particles,
-                      Native.Text(Native.sandglass_isa_name(Native.sandglass_scene_isa(scene))), report.speed_max);
+    Console.WriteLine("{0} particles, {1} kernels, fastest {2:F3} m/s", report.sand.particles,
+                      Native.Text(Native.sandglass_isa_name(Native.sandglass_scene_isa(scene))), report.sand.speed_max);
     Console.WriteLine("hash 0x{0:x16}", Native.sandglass_scene_hash(scene));
     Marshal.FreeHGlobal(memory);
     return report.struct_size == sizeof(sandglass_frame_report) && report.frame == 60 ? 0 : 1;

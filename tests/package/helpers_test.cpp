@@ -111,7 +111,7 @@ TEST(BoxBody, TheColliderAtItsPoseFitsItsParticles) {
   for (int frame = 0; frame < 30; ++frame) ASSERT_TRUE(scene.frame(input));
   const sandglass_collider collider = box.collider(scene.body_pose(index));
   EXPECT_EQ(collider.shape, SANDGLASS_SHAPE_BOX);
-  EXPECT_EQ(collider.grains_only, 1);
+  EXPECT_EQ(collider.grains_only, 1u);
   EXPECT_LT(collider.position[1], 0.5f) << "it fell";
   std::vector<float> now(box.particles.size());
   sandglass_granular_particles(scene.get(), now.data(), nullptr);

@@ -36,7 +36,7 @@ uint64_t fall(sandglass::Scene& scene) {
   input.collider_count = 1;
   sandglass_frame_report report = sandglass::frame_report();
   for (int frame = 0; frame < 30; ++frame) EXPECT_TRUE(scene.frame(input, &report));
-  EXPECT_EQ(report.particles, 2u);
+  EXPECT_EQ(report.sand.particles, 2u);
   return scene.hash();
 }
 

@@ -104,7 +104,7 @@ def report(browser, field):
 def check_pours(browser, page):
     """Where the finger is, there are more grains afterwards than before."""
     browser.ask("sandglassPage.page.again()")
-    near = """(() => {{ const {{page}} = sandglassPage, n = page.scene.report.grain_numbers, g = page.sand.floats(page.scene.grains, 4 * n);
+    near = """(() => {{ const {{page}} = sandglassPage, n = page.scene.report.sand.grain_numbers, g = page.sand.floats(page.scene.grains, 4 * n);
         let count = 0;
         for (let i = 0; i < n; ++i) count += g[4 * i + 3] >= 0 && Math.hypot(g[4 * i] - {0}, g[4 * i + 2] - {1}) < 0.06;
         return count; }})()"""
@@ -131,7 +131,7 @@ def check_pushes(browser, at):
     wait_until(browser, "sandglassPage.page.pushing !== null")
     browser.ask(f"sandglassPage.page.at = [{at[0]}, 0, {at[2]}]")
     wait_until(browser, f"Math.hypot(sandglassPage.page.pushing[0] - {at[0]}, sandglassPage.page.pushing[2] - {at[2]}) < 0.01")
-    wait_until(browser, f"""(() => {{ const {{page}} = sandglassPage, n = page.scene.report.grain_numbers, g = page.sand.floats(page.scene.grains, 4 * n),
+    wait_until(browser, f"""(() => {{ const {{page}} = sandglassPage, n = page.scene.report.sand.grain_numbers, g = page.sand.floats(page.scene.grains, 4 * n),
         p = page.pushing; let count = 0;
         for (let i = 0; i < n; ++i) count += g[4 * i + 3] >= 0 && Math.hypot(g[4 * i] - p[0], g[4 * i + 1] - p[1], g[4 * i + 2] - p[2]) < 0.03;
         return count; }})() === 0""")
@@ -156,7 +156,7 @@ def check_keyboard(browser):
 def check_tilt(browser):
     """The phone is tipped to its right, and the sand's middle goes there; sliders and keys do the same."""
     hold = lambda beta, gamma: browser.call("DeviceOrientation.setDeviceOrientationOverride", alpha=0, beta=beta, gamma=gamma)
-    middle = """(() => { const {page} = sandglassPage, n = page.scene.report.grain_numbers, g = page.sand.floats(page.scene.grains, 4 * n);
+    middle = """(() => { const {page} = sandglassPage, n = page.scene.report.sand.grain_numbers, g = page.sand.floats(page.scene.grains, 4 * n);
         let sum = 0, count = 0;
         for (let i = 0; i < n; ++i) if (g[4 * i + 3] >= 0) sum += page.camera.axes().right.reduce((s, x, k) => s + x * g[4 * i + k], 0), ++count;
         return sum / count; })()"""
@@ -185,7 +185,7 @@ def check_camera(browser, work):
     # What the chair leaves of the light from all around, which follows where that light comes from.
     left = """(() => { const {sand, object, seenTexture: seen} = sandglassPage.page;
         sand.sandglass_shadow_get_ambient(object, seen);
-        return seen.age > 0 ? 0 : sand.bytes(seen.visibility, seen.side ** 2).reduce((sum, x, i) => (sum * 31 + x + i) % 1000003, 1); })()"""
+        return seen.calls_behind > 0 ? 0 : sand.bytes(seen.visibility, seen.side ** 2).reduce((sum, x, i) => (sum * 31 + x + i) % 1000003, 1); })()"""
     wait_until(browser, f"{left} !== 0")
     slid, even = browser.ask(light), browser.ask(left)
     browser.ask("document.getElementById('camera').click()")
@@ -282,12 +282,12 @@ def check_meshes(browser):
     most = 19 * (1 + 0.8) * 75 / 60 / (1.6 * 0.006) + 2
     counts = []
     for name, text in (("mesh.obj", TETRAHEDRON), ("mesh.gltf", gltf_tetrahedron())):
-        before = report(browser, "particles")
+        before = report(browser, "sand.particles")
         said = drop(browser, name, text)
         check("particles of" in said, f"the mesh was not taken: {said}")
         counts.append(particles_of(said))
         run_frames(browser, 2)
-        check(report(browser, "particles") >= before + counts[-1], "the mesh's particles are not there")
+        check(report(browser, "sand.particles") >= before + counts[-1], "the mesh's particles are not there")
         check(before <= most + sum(counts[:-1]), f"the test pours {before} particles and counted on {most}")
     check(counts[0] == counts[1] > 200, f"the same mesh has {counts} particles")
     return counts[0]
@@ -296,7 +296,7 @@ def check_meshes(browser):
 def check_full_table(browser, needed):
     """Meshes are dropped until there is no room. Then the page says so in the user's words, and so it does to a finger that pours."""
     capacity, grains, there = browser.ask("""(({desc, report}) => [desc.granular.particle_capacity, desc.granular.grain_capacity,
-        report.particles])(sandglassPage.page.scene)""")
+        report.sand.particles])(sandglassPage.page.scene)""")
     check(grains >= 16 * capacity, "grains may find no room where their particles do")
     fit = (capacity - there) // needed
     for k in range(fit):
@@ -307,7 +307,7 @@ def check_full_table(browser, needed):
     full = f"The table is full: {there + fit * needed:,} of {capacity:,} particles are there"
     said, wanted = drop(browser, "mesh.obj", TETRAHEDRON), f'{full}, and the mesh needs {needed:,}. Press "{button}", then drop it again.'
     check(said == wanted, f"a mesh without room is answered: {said}")
-    print(f"{fit} meshes of {needed} particles fit beside {there}; {report(browser, 'particles')} particles after it")
+    print(f"{fit} meshes of {needed} particles fit beside {there}; {report(browser, 'sand.particles')} particles after it")
     browser.ask("document.getElementById('says').textContent = '', document.getElementById('budget').max = 1e4")
     set_budget(browser, 1e4)
     run_frames(browser, 60, "page.at = [0.2, 0, 0.2]", until="document.getElementById('says').textContent")
@@ -347,9 +347,9 @@ def check_reduced_motion(browser):
     browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
     browser.ask("sandglassPage.page.measuring = true; sandglassPage.page.again()")
     run_frames(browser, 30)
-    check(report(browser, "particles") == 0, "sand pours by itself")
+    check(report(browser, "sand.particles") == 0, "sand pours by itself")
     run_frames(browser, 60, "page.at = [0.2, 0, 0.2]")
-    check(report(browser, "particles") > 0, "a finger does not pour")
+    check(report(browser, "sand.particles") > 0, "a finger does not pour")
     browser.call("Emulation.setEmulatedMedia", features=[])
     browser.ask("sandglassPage.page.at = null; sandglassPage.page.measuring = false")
 
@@ -407,7 +407,7 @@ def check_threads(browser, url, wanted):
     wait_until(browser, "document.documentElement.dataset.sand")
     check(browser.ask("crossOriginIsolated") is True, "the server's page is not cross-origin isolated")
     check(browser.ask("sandglassPage.page.sand.threads") == THREADS, "the page has no pool")
-    wait_until(browser, "sandglassPage.page.scene.report.particles > 300 && sandglassPage.page.sand.helped > 0")
+    wait_until(browser, "sandglassPage.page.scene.report.sand.particles > 300 && sandglassPage.page.sand.helped > 0")
     browser.ask("sandglassPage.page.measuring = true")
     browser.ask(f"void sandglassPage.fixedRun({THREADS_FRAMES}).then(r => {{ window.ran = r; }})")
     wait_until(browser, "window.ran", 900)
@@ -433,8 +433,8 @@ def main():
         browser.open(page)
         wait_until(browser, "document.documentElement.dataset.sand")
         print("first sand after", browser.ask("document.documentElement.dataset.sand"), "ms;", page.stat().st_size, "bytes")
-        wait_until(browser, "sandglassPage.page.scene.report.particles > 300")
-        check(report(browser, "clock_fault") == 0, "the browser's clock counts as broken")
+        wait_until(browser, "sandglassPage.page.scene.report.sand.particles > 300")
+        check(report(browser, "time.clock_fault") == 0, "the browser's clock counts as broken")
         at = check_pours(browser, page)
         if pictures:
             time.sleep(5)

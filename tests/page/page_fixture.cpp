@@ -19,14 +19,14 @@ RunReport known_run() {
   for (uint32_t i = 1; i <= k_frames; ++i) {
     FrameRow row = {};
     sandglass_frame_report& r = row.report;
-    r.frame = i, r.budget_ns = 4'000'000, r.elapsed_ns = 1'000'000 + 40'000 * i, r.last_unit_ns = 3'000'000;
-    uint64_t left = r.elapsed_ns;
+    uint64_t left = 1'000'000 + 40'000 * i;
+    r.frame = i, r.time.budget_ns = 4'000'000, r.time.elapsed_ns = left, r.time.last_unit_ns = 3'000'000;
     for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) {
       r.stages[stage] = {i + stage, 0, left / 2};  // the rest is time between the units
       left -= left / 2;
     }
     r.level = i <= 60 ? 0 : i <= 100 ? 1 : 4;
-    r.particles = 10, r.grains = 160;
+    r.sand.particles = 10, r.sand.grains = 160;
     row.wall_ms = 6.0, row.cpu_ms = 0.03 * i;
     run.frames.push_back(row);
   }
@@ -39,7 +39,8 @@ RunReport long_run() {
   const FrameRow row = run.frames[0];
   run.frames.assign(3000, row);
   for (uint32_t i = 0; i < run.frames.size(); ++i) run.frames[i].report.frame = i + 1;
-  run.frames[1233].report.elapsed_ns = run.frames[1233].report.stages[SANDGLASS_STAGE_GRANULAR].elapsed_ns = 3'900'000;
+  sandglass_frame_report& late = run.frames[1233].report;
+  late.time.elapsed_ns = late.stages[SANDGLASS_STAGE_GRANULAR].elapsed_ns = 3'900'000;
   return run;
 }
 

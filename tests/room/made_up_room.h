@@ -113,9 +113,9 @@ class MadeUpRoom {
     show(p.image);
   }
   void show(const sandglass_camera_image& image) {
-    uint32_t taken = 0;
+    int32_t taken = 0;
     ASSERT_EQ(sandglass_room_set_image(room_, &image, &taken, nullptr), SANDGLASS_OK);
-    ASSERT_EQ(taken, 1u);
+    ASSERT_EQ(taken, 1);
   }
   void look_everywhere(const Radiance& radiance, double exposure = 1.0) {
     for (int elevation = -80; elevation <= 80; elevation += 40)

@@ -68,9 +68,9 @@ TEST(RoomHash, IsOneOnEveryMachine) {
   for (int i = 0; i < k_images; ++i) {
     const std::vector<uint8_t> bytes = picture(static_cast<uint64_t>(i));
     const sandglass_camera_image image = image_of(bytes, i);
-    uint32_t taken = 0;
+    int32_t taken = 0;
     ASSERT_EQ(sandglass_room_set_image(room, &image, &taken, nullptr), SANDGLASS_OK);
-    ASSERT_EQ(taken, 1u);
+    ASSERT_EQ(taken, 1);
   }
   EXPECT_EQ(hash_of(room), k_golden) << std::hex << hash_of(room);
 }

@@ -319,9 +319,9 @@ TEST(RoomLight, PassesOverImagesThatComeTooSoon) {
   alignas(64) static uint8_t block[16384];
   sandglass_room* room = nullptr;
   ASSERT_EQ(sandglass_room_create(&desc, block, sizeof block, &room, nullptr), SANDGLASS_OK);
-  uint32_t taken = 0;
+  int32_t taken = 0;
   const uint64_t times_ms[] = {1, 50, 100, 102, 150, 250};
-  const uint32_t expected[] = {1, 0, 0, 1, 0, 1};
+  const int32_t expected[] = {1, 0, 0, 1, 0, 1};
   for (int i = 0; i < 6; ++i) {
     const Photograph p = photograph([](Direction) { return 0.3; }, 0, 0, 1, times_ms[i] * 1'000'000);
     ASSERT_EQ(sandglass_room_set_image(room, &p.image, &taken, nullptr), SANDGLASS_OK);

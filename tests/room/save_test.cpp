@@ -23,7 +23,9 @@ Saved save(const sandglass_room* room) {
   Saved saved;
   saved.bytes = sandglass_room_save_bytes(room);
   saved.words.resize((saved.bytes + 7) / 8);
-  EXPECT_EQ(sandglass_room_save(room, saved.data(), saved.bytes, nullptr), SANDGLASS_OK);
+  uint64_t written = 0;
+  EXPECT_EQ(sandglass_room_save(room, saved.data(), saved.bytes, &written, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(written, saved.bytes);
   return saved;
 }
 

@@ -45,9 +45,9 @@ TEST(Golden, mesh) { expect_hash("mesh", knot().vertices, k_golden_mesh); }
 
 TEST(Golden, shapes) {
   Points points(9000);
-  ASSERT_EQ(sandglass_sample_disk(1, 1000, points.data(), nullptr), SANDGLASS_OK);
-  ASSERT_EQ(sandglass_sample_sphere(1, 1000, points.data() + 3000, nullptr), SANDGLASS_OK);
-  ASSERT_EQ(sandglass_sample_ring(1, 0.2f, 0.9f, 1000, points.data() + 6000, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_sample_disk(1, points.data(), 1000, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_sample_sphere(1, points.data() + 3000, 1000, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_sample_ring(1, 0.2f, 0.9f, points.data() + 6000, 1000, nullptr), SANDGLASS_OK);
   expect_hash("shapes", points, k_golden_shapes);
 }
 

@@ -16,7 +16,7 @@ TEST(Disk, follows_3_4_and_3_5) {
   const uint32_t count = 5000;
   Points points(3 * count);
   const char* reason = nullptr;
-  ASSERT_EQ(sandglass_sample_disk(2.0f, count, points.data(), &reason), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_sample_disk(2.0f, points.data(), count, &reason), SANDGLASS_OK);
   for (uint32_t i = 1; i <= count; ++i) {
     const long double r = 2 * std::sqrt((i - 0.5L) / (count - 0.5L)), phi = k_golden_angle * i;
     ASSERT_NEAR(points[3 * i - 3], static_cast<double>(r * std::cos(phi)), 2e-7) << i;
@@ -29,7 +29,7 @@ TEST(Sphere, follows_3_8_and_3_9) {
   for (uint32_t count : {1u, 2u, 3u, 1000u, 4001u}) {
     Points points(3 * count);
     const char* reason = nullptr;
-    ASSERT_EQ(sandglass_sample_sphere(1.0f, count, points.data(), &reason), SANDGLASS_OK);
+    ASSERT_EQ(sandglass_sample_sphere(1.0f, points.data(), count, &reason), SANDGLASS_OK);
     for (uint32_t i = 1; i <= count; ++i) {
       const long double theta = std::acos((count + 1.0L - 2.0L * i) / count), phi = k_golden_angle * i;
       ASSERT_NEAR(points[3 * i - 3], static_cast<double>(std::sin(theta) * std::cos(phi)), 2e-7);
@@ -55,7 +55,7 @@ void check_ring(float a, float b, uint32_t wanted, RingSweep* sweep) {
   // The array has room for one more point, as a guard: exactly `wanted` points are written.
   Points points(3 * (wanted + 1), -7.0f);
   const char* reason = nullptr;
-  ASSERT_EQ(sandglass_sample_ring(1.0f, a, b, wanted, points.data(), &reason), SANDGLASS_OK)
+  ASSERT_EQ(sandglass_sample_ring(1.0f, a, b, points.data(), wanted, &reason), SANDGLASS_OK)
       << a << " " << b << " " << wanted << ": " << reason;
   for (uint32_t i = 0; i < wanted; ++i) {
     const double x = points[3 * i], y = points[3 * i + 1], z = points[3 * i + 2];
@@ -89,8 +89,8 @@ TEST(Ring, has_exactly_the_wanted_points_all_inside) {
 TEST(Ring, is_the_sphere_when_it_spans_everything) {
   Points ring(300), sphere(300);
   const char* reason = nullptr;
-  ASSERT_EQ(sandglass_sample_ring(1.0f, 0.0f, 3.14159274f, 100, ring.data(), &reason), SANDGLASS_OK);
-  ASSERT_EQ(sandglass_sample_sphere(1.0f, 100, sphere.data(), &reason), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_sample_ring(1.0f, 0.0f, 3.14159274f, ring.data(), 100, &reason), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_sample_sphere(1.0f, sphere.data(), 100, &reason), SANDGLASS_OK);
   EXPECT_EQ(ring, sphere);
 }
 
@@ -99,7 +99,7 @@ TEST(Ring, spreads_evenly_over_its_area) {
   const uint32_t count = 2000;
   Points points(3 * count);
   const char* reason = nullptr;
-  ASSERT_EQ(sandglass_sample_ring(1.0f, 0.3f, 1.1f, count, points.data(), &reason), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_sample_ring(1.0f, 0.3f, 1.1f, points.data(), count, &reason), SANDGLASS_OK);
   std::vector<double> heights;
   for (uint32_t i = 0; i < count; ++i)
     heights.push_back((points[3 * i + 1] - std::cos(1.1)) / (std::cos(0.3) - std::cos(1.1)));
@@ -110,13 +110,13 @@ TEST(Shapes, refuse_what_is_no_shape) {
   Points points(30);
   const char* reason = nullptr;
   const float nan = std::nanf("");
-  const sandglass_status statuses[] = {sandglass_sample_disk(nan, 10, points.data(), &reason),
-                                       sandglass_sample_sphere(-1.0f, 10, points.data(), &reason),
-                                       sandglass_sample_sphere(1.0f, 0, points.data(), &reason),
-                                       sandglass_sample_ring(1.0f, 0.5f, 0.5f, 10, points.data(), &reason),
-                                       sandglass_sample_ring(1.0f, nan, 0.5f, 10, points.data(), &reason),
-                                       sandglass_sample_ring(1.0f, 0.5f, 3.2f, 10, points.data(), &reason),
-                                       sandglass_sample_ring(1.0f, 0.0f, 1e-7f, 1000, points.data(), &reason)};
+  const sandglass_status statuses[] = {sandglass_sample_disk(nan, points.data(), 10, &reason),
+                                       sandglass_sample_sphere(-1.0f, points.data(), 10, &reason),
+                                       sandglass_sample_sphere(1.0f, points.data(), 0, &reason),
+                                       sandglass_sample_ring(1.0f, 0.5f, 0.5f, points.data(), 10, &reason),
+                                       sandglass_sample_ring(1.0f, nan, 0.5f, points.data(), 10, &reason),
+                                       sandglass_sample_ring(1.0f, 0.5f, 3.2f, points.data(), 10, &reason),
+                                       sandglass_sample_ring(1.0f, 0.0f, 1e-7f, points.data(), 1000, &reason)};
   for (const sandglass_status status : statuses) EXPECT_EQ(status, SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(reason, nullptr);
   EXPECT_EQ(points, Points(30));

@@ -119,13 +119,13 @@ TEST(AmbientShadow, OneUnitAFrameGivesTheSameTextureLater) {
   EXPECT_EQ(left, 4u);  // of 4096 texels
   for (; left > 0; ++units) {
     EXPECT_EQ(pieces.texture(), before);  // the old texture stays complete
-    EXPECT_EQ(pieces.now().age, 1u);
+    EXPECT_EQ(pieces.now().calls_behind, 1u);
     EXPECT_EQ(pieces.now().completed, 1u);
     ASSERT_EQ(pieces.run(1), 1u);
     ASSERT_EQ(sandglass_shadow_units_left(pieces.shadow), --left);
   }
   EXPECT_EQ(pieces.texture(), expected);
-  EXPECT_EQ(pieces.now().age, 0u);
+  EXPECT_EQ(pieces.now().calls_behind, 0u);
   EXPECT_EQ(pieces.now().completed, 2u);
   EXPECT_EQ(pieces.run(1), 0u);
 }
@@ -172,7 +172,7 @@ TEST(AmbientShadow, AChangeThatNoTexelCanShowStartsNoTexture) {
   q[9] -= 0.9f / 255;
   shadow.cells(q);
   EXPECT_EQ(shadow.run(1), 0u);
-  EXPECT_EQ(shadow.now().age, 0u);
+  EXPECT_EQ(shadow.now().calls_behind, 0u);
   q[6] += 0.2f / 255;  // the changes add up since the texture that is shown
   shadow.cells(q);
   EXPECT_EQ(shadow.run(1), 1u);
@@ -256,7 +256,7 @@ TEST(AmbientShadow, IsMadeInTheFramesOfAScene) {
   shadow.cells(rising());
   ASSERT_EQ(sandglass_scene_frame(scene.get(), &input, &report, &reason), SANDGLASS_OK) << reason;
   EXPECT_EQ(shadow.now().completed, 1u);  // without a clock a frame does all that there is
-  EXPECT_EQ(report.pending_shadows, 0u);
+  EXPECT_EQ(report.shadows.pending, 0u);
   Ambient alone(make_shadow_file(shape()));
   EXPECT_EQ(shadow.texture(), alone.mixed(rising()));
 }

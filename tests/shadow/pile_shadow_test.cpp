@@ -372,12 +372,12 @@ TEST(PileShadow, FollowsTheSandOfAScene) {
   for (int frame = 0; frame < 600 && rested < 10; ++frame) {
     falling.frame();
     worked += units != 0 ? 1 : 0;
-    rested = falling.report.awake == 0 && units == 0 ? rested + 1 : 0;
+    rested = falling.report.sand.awake == 0 && units == 0 ? rested + 1 : 0;
   }
   EXPECT_EQ(rested, 10u) << "the shadow and the light of sand at rest must cost nothing";
   EXPECT_GT(worked, 10u);
   EXPECT_EQ(shadow.texture().valid & shadow.sky().valid, 1u);
-  EXPECT_EQ(shadow.texture().age | shadow.sky().age, 0u);
+  EXPECT_EQ(shadow.texture().frames_behind | shadow.sky().frames_behind, 0u);
   // The textures that the frames made are those that the positions give.
   std::vector<float> positions(sand.size());
   sandglass_granular_particles(falling.scene.get(), positions.data(), nullptr);

@@ -93,7 +93,7 @@ TEST(Shadow, OneUnitAFrameGivesTheSameTextureLater) {
     const std::vector<uint8_t> before = shadow.coverage();
     shadow.light(0.5f, 1, 0.25f);
     uint32_t frames = 0;
-    while (shadow.texture().age > 0 || frames == 0) {
+    while (shadow.texture().calls_behind > 0 || frames == 0) {
       ASSERT_EQ(shadow.coverage(), before);  // the old texture stays complete
       const uint32_t left = sandglass_shadow_units_left(shadow.shadow);
       ASSERT_GT(left, 0u);
@@ -117,11 +117,11 @@ TEST(Shadow, ALightThatNeverStopsStillGetsTextures) {
     shadow.light(std::sin(0.02f * static_cast<float>(frame)), 1, 0.3f);
     if (frame == 0) most_units = sandglass_shadow_units_left(shadow.shadow);  // units of one texture
     sandglass_shadow_run(&shadow.shadow, 1, k_units_a_frame);
-    oldest = std::max(oldest, shadow.texture().age);
+    oldest = std::max(oldest, shadow.texture().calls_behind);
     if (shadow.coverage() != last) ++changes, last = shadow.coverage();
   }
   EXPECT_GT(changes, 10u);
-  EXPECT_GT(shadow.texture().age, 0u);
+  EXPECT_GT(shadow.texture().calls_behind, 0u);
   // A texture is as old as its own making when it arrives, and is shown while the next one is made. Two may share a
   // frame.
   const uint32_t frames = (most_units + k_units_a_frame - 1) / k_units_a_frame;
@@ -256,7 +256,7 @@ TEST(Shadow, ResamplingIsTheMeanOrBilinear) {
   };
   for (const uint32_t size : {128u, 256u, 512u}) {
     std::vector<uint8_t> out(size * size);
-    ASSERT_EQ(sandglass_shadow_resample(shadow.shadow, 0, size, out.data(), nullptr), SANDGLASS_OK);
+    ASSERT_EQ(sandglass_shadow_resample(shadow.shadow, 0, out.data(), size, nullptr), SANDGLASS_OK);
     for (uint32_t v = 0; v < size; ++v)
       for (uint32_t u = 0; u < size; ++u) {
         const double expected = bilinear(texel, (u + 0.5) * k_size / size - 0.5, (v + 0.5) * k_size / size - 0.5);
@@ -264,7 +264,7 @@ TEST(Shadow, ResamplingIsTheMeanOrBilinear) {
       }
   }
   uint8_t byte = 0;
-  EXPECT_EQ(sandglass_shadow_resample(shadow.shadow, 0, 64, &byte, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_shadow_resample(shadow.shadow, 0, &byte, 64, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
 }  // namespace

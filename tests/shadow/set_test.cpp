@@ -39,7 +39,7 @@ TEST(ShadowSet, EveryLightHasTheTextureThatItWouldHaveAlone) {
     LiveShadow alone(describe(file));
     alone.shade(0.3f * static_cast<float>(l), 1, -0.4f);
     EXPECT_EQ(all.coverage(l), alone.coverage()) << l;
-    EXPECT_EQ(all.texture(l).age, 0u);
+    EXPECT_EQ(all.texture(l).calls_behind, 0u);
   }
   EXPECT_EQ(all.texture(3).valid, 0u);
   EXPECT_EQ(all.texture(3).coverage, nullptr);
@@ -61,7 +61,7 @@ TEST(ShadowSet, TheGreatestVisibleChangeComesFirst) {
   std::vector<uint32_t> order;        // 2 * object + light, as they arrive
   while (sandglass_shadow_run(both, 2, 1) > 0)
     for (uint32_t i = 0; i < 4; ++i)
-      if (lives[i / 2]->texture(i % 2).age == 0 && std::find(order.begin(), order.end(), i) == order.end())
+      if (lives[i / 2]->texture(i % 2).calls_behind == 0 && std::find(order.begin(), order.end(), i) == order.end())
         order.push_back(i);
   EXPECT_EQ(order, (std::vector<uint32_t>{3, 0, 1, 2}));
 }
@@ -77,7 +77,7 @@ TEST(ShadowSet, AWeakLightWaitsButDoesNotStarve) {
     const float turn = 0.5f * static_cast<float>(++frames);
     set_light(shadow, 0, std::cos(turn), std::sin(turn), 9), set_light(shadow, 1, 0.1f, 0, 1);
     sandglass_shadow_run(&shadow.shadow, 1, two_textures / 4);  // a texture every second frame
-  } while (shadow.texture(1).age > 0 && frames < 2000);
+  } while (shadow.texture(1).calls_behind > 0 && frames < 2000);
   EXPECT_GT(frames, 100u);
   EXPECT_LT(frames, 1000u);
 }
@@ -88,7 +88,7 @@ TEST(ShadowSet, ALightThatSetsIsNotWaitedFor) {
   shadow.light(0, -1, 0);
   EXPECT_EQ(sandglass_shadow_units_left(shadow.shadow), 0u);
   EXPECT_EQ(shadow.texture().opacity, 0);
-  EXPECT_EQ(shadow.texture().age, 0u);
+  EXPECT_EQ(shadow.texture().calls_behind, 0u);
 }
 
 // Two objects with networks of two sizes, one refined and one in full, two lights each. The forecast at any moment is
@@ -175,7 +175,7 @@ TEST(ShadowSet, CombinedLightsAreWeightedByTheirIrradiance) {
   constexpr uint32_t k_out = 100;
   std::vector<uint8_t> out(k_out * k_out);
   float low[2], high[2];
-  ASSERT_EQ(sandglass_shadow_combine(shadow.shadow, k_out, out.data(), low, high, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_shadow_combine(shadow.shadow, out.data(), k_out, low, high, nullptr), SANDGLASS_OK);
   const double weight[3] = {2, 1, 0.5};
   double worst = 0;
   for (uint32_t v = 0; v < k_out; ++v)
@@ -198,8 +198,8 @@ TEST(ShadowSet, CombinedLightsAreWeightedByTheirIrradiance) {
     }
   EXPECT_LT(worst, 0.5 + 2.5);  // rounding, and places in steps of 1/256 of a texel between neighbours up to 255 apart
   uint8_t byte = 0;
-  EXPECT_EQ(sandglass_shadow_combine(shadow.shadow, 0, &byte, low, high, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_shadow_combine(shadow.shadow, 1025, &byte, low, high, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_shadow_combine(shadow.shadow, &byte, 0, low, high, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_shadow_combine(shadow.shadow, &byte, 1025, low, high, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
 // A light without a texture yet counts as unshaded. Here only one part in ten is known to be in shadow.
@@ -214,8 +214,8 @@ TEST(ShadowSet, ALightWithoutATextureYetIsCombinedAsUnshaded) {
   constexpr uint32_t k_out = 100;
   std::vector<uint8_t> alone(k_out * k_out), together(k_out * k_out);
   float low[2][2], high[2][2];
-  ASSERT_EQ(sandglass_shadow_combine(one.shadow, k_out, alone.data(), low[0], high[0], nullptr), SANDGLASS_OK);
-  ASSERT_EQ(sandglass_shadow_combine(two.shadow, k_out, together.data(), low[1], high[1], nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_shadow_combine(one.shadow, alone.data(), k_out, low[0], high[0], nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_shadow_combine(two.shadow, together.data(), k_out, low[1], high[1], nullptr), SANDGLASS_OK);
   for (int axis = 0; axis < 2; ++axis) {
     EXPECT_EQ(low[0][axis], low[1][axis]);
     EXPECT_EQ(high[0][axis], high[1][axis]);
@@ -223,7 +223,7 @@ TEST(ShadowSet, ALightWithoutATextureYetIsCombinedAsUnshaded) {
   EXPECT_GT(*std::max_element(alone.begin(), alone.end()), 200);
   for (uint32_t i = 0; i < k_out * k_out; ++i) ASSERT_NEAR(together[i], 0.1 * alone[i], 0.55) << i;  // both are rounded
   two.finish();
-  ASSERT_EQ(sandglass_shadow_combine(two.shadow, k_out, together.data(), low[1], high[1], nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_shadow_combine(two.shadow, together.data(), k_out, low[1], high[1], nullptr), SANDGLASS_OK);
   EXPECT_GT(*std::max_element(together.begin(), together.end()), 100);  // the strong light's shadow
 }
 
@@ -249,10 +249,10 @@ TEST(ShadowFrame, ABudgetOfNothingStillBringsTheTexture) {
   for (bool done = false; !done && frames < 2000; ++frames) {
     const sandglass_frame_report report = frame(sand, {shadow.shadow}, 0);
     ASSERT_EQ(report.stages[SANDGLASS_STAGE_SHADOW].units, 1u);
-    ASSERT_EQ(report.pending_shadows, shadow.texture().age > 0 ? 1u : 0u);
-    done = report.pending_shadows == 0;
+    ASSERT_EQ(report.shadows.pending, shadow.texture().calls_behind > 0 ? 1u : 0u);
+    done = report.shadows.pending == 0;
     if (!done) {
-      ASSERT_EQ(report.shadow_age, 1u);
+      ASSERT_EQ(report.shadows.calls_behind, 1u);
       ASSERT_EQ(shadow.texture().valid, 0u);
     }
   }
@@ -277,11 +277,12 @@ TEST(ShadowFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
     for (LiveShadow* s : {&a, &b, &a2, &b2}) set_light(*s, 0, turn, 0.1f), set_light(*s, 1, -0.3f, turn, 0.5f);
     const sandglass_frame_report report = frame(sand, {a.shadow, b.shadow}, 4'000'000);
     ASSERT_EQ(sand.status, SANDGLASS_OK);
-    ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns) << f;
+    const sandglass_time_report& t = report.time;
+    ASSERT_LE(t.elapsed_ns, std::max(t.budget_ns, t.mandatory_ns) + t.last_unit_ns) << f;
     with_shadow += report.stages[SANDGLASS_STAGE_SHADOW].units > 1;
     with_grains += report.stages[SANDGLASS_STAGE_REFINE].units > 0;
-    arrived += a.texture(0).age == 0;
-    simulated = report.simulated_time;
+    arrived += a.texture(0).calls_behind == 0;
+    simulated = report.time.simulated;
     frame(again, {a2.shadow, b2.shadow}, 4'000'000, &report.plan);
     ASSERT_EQ(again.status, SANDGLASS_OK) << f;
     ASSERT_EQ(again.scene.hash(), sand.scene.hash()) << f;
@@ -341,7 +342,7 @@ TEST(ShadowFrame, WithoutAClockEveryTextureIsDoneInItsFrame) {
   LiveShadow shadow(describe_lights(make_shadow_file(k_network), 2));
   SandScene sand;
   set_light(shadow, 0, 0.2f, 0), set_light(shadow, 1, 0, 0.5f);
-  EXPECT_EQ(frame(sand, {shadow.shadow}, 1).pending_shadows, 0u);
+  EXPECT_EQ(frame(sand, {shadow.shadow}, 1).shadows.pending, 0u);
   EXPECT_EQ(shadow.texture(0).valid + shadow.texture(1).valid, 2u);
 }
 

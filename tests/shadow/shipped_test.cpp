@@ -99,7 +99,7 @@ TEST(ShippedChair, TwoLightsAddUpAsRayTracingSays) {
   constexpr uint32_t k_out = 96;
   std::vector<uint8_t> combined(k_out * k_out);
   float low[2], high[2];
-  ASSERT_EQ(sandglass_shadow_combine(shadow.get(), k_out, combined.data(), low, high, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_shadow_combine(shadow.get(), combined.data(), k_out, low, high, nullptr), SANDGLASS_OK);
 
   const StandingObject& object = chair.geometry.object;
   const ShadowRectangle rectangle = {(static_cast<double>(low[0]) - object.origin[0]) / object.scale,

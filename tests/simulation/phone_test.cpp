@@ -54,7 +54,7 @@ struct PhoneScene {
   }
   double frame_ms() {
     EXPECT_TRUE(scene.frame(input, &report));
-    return 1e-6 * static_cast<double>(report.elapsed_ns);
+    return 1e-6 * static_cast<double>(report.time.elapsed_ns);
   }
 };
 

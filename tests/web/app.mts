@@ -21,13 +21,13 @@ const report = sand.make("sandglass_frame_report");
 for (let frame = 0; frame < 90; ++frame) sand.sandglass_scene_frame(scene, input, report);
 
 let lowest = Infinity, highest = -Infinity;
-const floats = sand.floats(grains, 4 * report.grain_numbers);
+const floats = sand.floats(grains, 4 * report.sand.grain_numbers);
 for (let i = 1; i < floats.length; i += 4) lowest = Math.min(lowest, floats[i]), highest = Math.max(highest, floats[i]);
-console.log(`${report.grains} grains of ${report.particles} particles from ${lowest.toFixed(3)} to ${highest.toFixed(3)} m`);
-if (report.grains < 1000 || report.grains !== 8 * report.particles) throw new Error("the nozzle does not pour");
+console.log(`${report.sand.grains} grains of ${report.sand.particles} particles from ${lowest.toFixed(3)} to ${highest.toFixed(3)} m`);
+if (report.sand.grains < 1000 || report.sand.grains !== 8 * report.sand.particles) throw new Error("the nozzle does not pour");
 if (lowest < 0 || highest > 0.41) throw new Error("the sand is not between floor and nozzle");
 // 400 particles are soon poured; what there is no room for is counted and logged.
-if (report.denied_particles === 0 || !told.some((sentence) => sentence.includes("raise particle_capacity"))) throw new Error(`the log says ${told}`);
+if (report.sand.denied_particles === 0 || !told.some((sentence) => sentence.includes("raise particle_capacity"))) throw new Error(`the log says ${told}`);
 
 // What C refuses is thrown, in the library's words; nothing is left allocated.
 let refused = "";

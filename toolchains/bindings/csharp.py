@@ -2,8 +2,8 @@
 """The C API in C#, for Unity and any other .NET: python3 csharp.py INCLUDE_FOLDER Sandglass.cs
 
 One to one, by one rule. A pointer in C is a pointer here, and NULL is null; a handle is a pointer to an empty struct. An enumeration is an
-int. A callback is a delegate as an argument, and an IntPtr as a field. An array of structs or pointers becomes fields: the address of the
-first, name_0, is that of the array.
+int. A callback is a delegate as an argument of a function, else an IntPtr. An array of structs or pointers becomes fields: the address of
+the first, name_0, is that of the array.
 """
 import html
 import pathlib
@@ -75,8 +75,9 @@ def parameters(headers, items):
 
 
 def delegate(headers, name, callback):
+    given = [item._replace(base="") if item.callback else item for item in callback.parameters]
     return ("[UnmanagedFunctionPointer(CallingConvention.Cdecl)]\n"
-            f"public unsafe delegate {spelled(headers, callback.returns)} {name}({parameters(headers, callback.parameters)});\n\n")
+            f"public unsafe delegate {spelled(headers, callback.returns)} {name}({parameters(headers, given)});\n\n")
 
 
 def field(headers, item):
@@ -93,8 +94,6 @@ def csharp(headers):
     out += [f"public struct {name} {{}}\n\n" for name in headers.handles]
     out += [delegate(headers, name, callback) for name, callback in headers.callbacks.items()]
     for name, struct in headers.structs.items():
-        out += [delegate(headers, f"{name}_{item.name}", item.callback) for item in struct.fields
-                if item.callback and item.base not in headers.callbacks]
         out.append(f"{doc(struct.comment, '')}[StructLayout(LayoutKind.Sequential)]\npublic unsafe struct {name} {{\n")
         out += [doc(item.comment, "  ") + field(headers, item) for item in struct.fields] + ["}\n\n"]
     out.append(NATIVE)

@@ -47,7 +47,7 @@ class Sand {
 
   // One frame, `seconds` after the last one. `headroom` is the share of the budget that the device can sustain.
   // `grains` is a mapped buffer of k_grains items, or null: then nothing is written. `camera` is the newest image, or
-  // null; it is read in this call only. Draw report.grain_numbers grains; removed ones lie beyond every far plane.
+  // null; it is read in this call only. Draw report.sand.grain_numbers grains; removed ones lie beyond every far plane.
   sandglass_frame_report frame(float seconds, float headroom, sandglass_grain* grains,
                                const sandglass_camera_image* camera) {
     const sandglass_collider floor = sandglass::floor_at(0.0f);

@@ -301,7 +301,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_turn(sandglas
  * Fails like sandglass_camera_check. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_set_image(sandglass_light* light,
                                                                              const sandglass_camera_image* image,
-                                                                             uint32_t* taken, const char** reason);
+                                                                             int32_t* taken, const char** reason);
 
 /* Runs at most `units` work units, of some tens of microseconds each; returns how many it ran. Fewer than `units` means
  * that there is no image left to estimate. */

@@ -106,18 +106,18 @@ typedef struct sandglass_pile_shadow_texture {
   uint32_t struct_size;
   /* 0: no texture was completed yet; all coverage is 0. */
   uint32_t valid;
-  /* Along a side. */
-  uint32_t texels;
   /* On the floor: texels x texels bytes, row v along z, column u along x. Stable until units are run again. */
   const uint8_t* coverage;
   /* On the upper surface of the sand, where there is any; NULL when the description left it out. */
   const uint8_t* on_sand;
+  /* Along a side. */
+  uint32_t texels;
   /* The rectangle of the description, world, metres. */
   float low[2], high[2];
   /* 1; less for a light more than 70 degrees from the zenith; 0 at and below the horizon. */
   float opacity;
   /* Frames since the one that the texture was begun in. 0: nothing has changed since. */
-  uint32_t age;
+  uint32_t frames_behind;
 } sandglass_pile_shadow_texture;
 
 /* Fills *texture; set texture->struct_size before. */
@@ -136,13 +136,13 @@ typedef struct sandglass_pile_shadow_sky {
   uint32_t struct_size;
   /* 0: no texture was completed yet; nothing is hidden. */
   uint32_t valid;
-  /* Along a side; 0 and NULL textures where desc.sky_texels was 0. */
-  uint32_t texels;
   /* On the floor: texels x texels bytes, row v along z, column u along x; 255 where the sand hides none of the light of
    * the cells. Stable until units are run again, like those below. */
   const uint8_t* floor;
   /* On the upper surface of the sand; where there is none, as on the floor. */
   const uint8_t* on_sand;
+  /* Along a side; 0 and NULL textures where desc.sky_texels was 0. */
+  uint32_t texels;
   /* The height of the sand's surface over the floor, on desc.texels x desc.texels bytes: 255 is `height` metres. */
   const uint8_t* heights;
   /* Along a side of `heights`. */
@@ -152,7 +152,7 @@ typedef struct sandglass_pile_shadow_sky {
   /* The rectangle of the description, world, metres. */
   float low[2], high[2];
   /* Frames since the one that the texture was begun in. 0: nothing has changed since. */
-  uint32_t age;
+  uint32_t frames_behind;
 } sandglass_pile_shadow_sky;
 
 /* Fills *sky; set sky->struct_size before. */

@@ -76,11 +76,11 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_create(const s
 /* Forgets all that was seen: for a new room. */
 SANDGLASS_API void sandglass_room_reset(sandglass_room* room);
 
-/* Without a scene: takes an image in, whole, unless `interval` has not passed. *taken, which is optional, says whether
- * it was. Fails like sandglass_camera_check. */
+/* Without a scene: takes an image in, whole, unless `interval` has not passed. *taken, which is optional, is 1 if it
+ * was, else 0. Fails like sandglass_camera_check. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_image(sandglass_room* room,
                                                                             const struct sandglass_camera_image* image,
-                                                                            uint32_t* taken, const char** reason);
+                                                                            int32_t* taken, const char** reason);
 
 /* The room turns and moves with the world's frame, as sandglass_scene_move does: x becomes rotation * x + translation.
  * Gravity stays where it is, so the rotation must be one about the y axis. Fails with INVALID_ARGUMENT: a rotation that
@@ -147,10 +147,11 @@ SANDGLASS_API void sandglass_room_light_fade(sandglass_room_light* shown, const 
 /* The bytes that sandglass_room_save writes. */
 SANDGLASS_API uint64_t sandglass_room_save_bytes(const sandglass_room* room);
 
-/* Writes what was seen, so that a later session in the same world frame need not look around again. Fails with
- * MEMORY_TOO_SMALL; nothing was written then. An image under way is left out. */
+/* Writes what was seen, so that a later session in the same world frame need not look around again. *written is the
+ * number of bytes. Fails with MEMORY_TOO_SMALL; nothing was written then. An image under way is left out. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_save(const sandglass_room* room, void* data,
-                                                                       uint64_t bytes, const char** reason);
+                                                                       uint64_t bytes, uint64_t* written,
+                                                                       const char** reason);
 
 /* Reads what sandglass_room_save wrote; the bytes may come from anywhere. What was seen is then as old as it was when
  * it was saved. Fails with INVALID_ARGUMENT: the bytes are no saved room, of another version, damaged, or hold a number

@@ -33,13 +33,13 @@ extern "C" {
  * sunflower pattern r_i = radius sqrt((i - 1/2)/(count - 1/2)), phi_i = golden angle * i, i = 1..count (3.4, 3.5). The
  * last point lies on the rim. `points` takes 3 * count floats. Fails with INVALID_ARGUMENT: count is 0 or above 2^30,
  * or the radius is not finite or not above 0. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_disk(float radius, uint32_t count, float* points,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_disk(float radius, float* points, uint32_t count,
                                                                          const char** reason);
 
 /* Spreads `count` points evenly over the sphere of `radius` metres around the origin: cos(theta_i) = (count + 1 -
  * 2i)/count, phi_i = golden angle * i, i = 1..count (3.8, 3.9). `points` takes 3 * count floats. Fails with
  * INVALID_ARGUMENT: count is 0 or above 2^30, or the radius is not finite or not above 0. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_sphere(float radius, uint32_t count, float* points,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_sphere(float radius, float* points, uint32_t count,
                                                                            const char** reason);
 
 /* Spreads exactly `count` points evenly over the ring theta_a <= theta <= theta_b of the sphere of `radius` metres.
@@ -51,7 +51,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_sphere(float
  * nearest to pi counts as pi), a ring so thin that the whole sphere would have more than 2^40 points, a count of 0 or
  * above 2^30, or a radius that is not finite or not above 0. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_ring(float radius, float theta_a, float theta_b,
-                                                                         uint32_t count, float* points,
+                                                                         float* points, uint32_t count,
                                                                          const char** reason);
 
 /* -------------------------------------------------------------------------------- meshes */

@@ -169,7 +169,7 @@ enum {
   /* Sub-steps are twice as long. AVERAGED with several iterations: half of them. Grains are pushed to an even density
    * in one sweep of four instead of two. */
   SANDGLASS_LEVEL_COARSER = 3,
-  /* As much simulated time as fits. The rest is the time debt: frame_report.time_debt. */
+  /* As much simulated time as fits. The rest is the time debt: report.time.debt. */
   SANDGLASS_LEVEL_SLOW_MOTION = 4,
   SANDGLASS_LEVEL_COUNT = 5
 };
@@ -189,7 +189,7 @@ typedef struct sandglass_level {
   /* The same overlap: its mean over the pairs, mean over the frames. */
   float overlap_mean;
   /* The slope of the pile at the end, degrees. */
-  float angle_degrees;
+  float angle_deg;
 } sandglass_level;
 
 /* What a quality level costs, and its error. NULL beyond the last level. Slow motion has the errors of the level before
@@ -357,10 +357,10 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_remove(san
  * out of it. */
 typedef struct sandglass_body {
   uint32_t struct_size;
-  /* How many particles the body has. */
-  uint32_t particle_count;
   /* 3 floats each, world, metres, within SANDGLASS_COORDINATE_LIMIT. Needed until the body is added. */
   const float* particle_positions;
+  /* How many particles the body has. */
+  uint32_t particle_count;
   /* The mass of a particle of the body over that of a particle of sand, 0.001..1000. Default: 1. Up to 8, with the
    * default sub-steps, body and sand stay apart and come to rest. Above that, sand that the body falls on may be thrown
    * up, and takes seconds longer to rest; half of the default substep_max is enough up to 20. Above 20, sand that the
@@ -406,8 +406,8 @@ SANDGLASS_API int32_t sandglass_granular_has_body(const sandglass_scene* scene, 
 
 /* Removes a body, between frames. The other bodies keep their numbers. Its number, those of its particles, and its room
  * are free for the next sandglass_granular_add_body. What lies within 2r + list_skin * r of the box around the centres
- * of its particles wakes up. It counts in report.removed_bodies, and its particles in removed_particles. Fails with
- * INVALID_ARGUMENT: no body has this index. */
+ * of its particles wakes up. report.sand counts it in removed_bodies, and its particles in removed_particles. Fails
+ * with INVALID_ARGUMENT: no body has this index. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_remove_body(sandglass_scene* scene,
                                                                                   uint32_t index, const char** reason);
 
@@ -555,7 +555,7 @@ typedef struct sandglass_collider {
   /* World, rad/s, about `position`, at most 10,000 about each axis. */
   float angular_velocity[3];
   /* 1: particles do not see it. For the shape of a rigid body, whose particles stand for it. */
-  int32_t grains_only;
+  uint32_t grains_only;
   /* For SANDGLASS_SHAPE_FIELD: it must stay valid during the frame (field.h). Walls thinner than two steps of a grain,
    * 2 * refine_step * speed, let fast grains through: make containers SANDGLASS_SOLID_OUTSIDE. */
   const struct sandglass_field* field;
@@ -611,10 +611,10 @@ typedef struct sandglass_plan {
   uint32_t struct_size;
   /* The quality level. */
   uint32_t level;
-  /* How many of `runs` are used. */
-  uint32_t run_count;
   /* In the order in which they ran. */
   sandglass_plan_run runs[SANDGLASS_PLAN_RUNS];
+  /* How many of `runs` are used. */
+  uint32_t run_count;
 } sandglass_plan;
 
 /* A nozzle that pours sand for as long as it is passed to frames. It pours layers of a hexagonal lattice with the
@@ -660,23 +660,23 @@ typedef struct sandglass_frame_input {
   const sandglass_collider* colliders;
   /* How many colliders there are. */
   uint32_t collider_count;
-  /* How many emitters there are. */
-  uint32_t emitter_count;
   /* Emitters that are not usable or beyond emitter_capacity are left out, and reported. */
   const sandglass_emitter* emitters;
+  /* How many emitters there are. */
+  uint32_t emitter_count;
   /* Shapes that remove the sand whose centres come inside, and the rigid bodies all of whose particles' centres do. A
-   * body goes as by sandglass_granular_remove_body: ask sandglass_granular_has_body where report.removed_bodies has
-   * changed. They are checked every 20 ms of simulated time; velocities mean nothing. Sand and bodies that are asleep
-   * stay until they wake. Sinks that are not usable or beyond sink_capacity are left out, and reported. */
+   * body goes as by sandglass_granular_remove_body: ask sandglass_granular_has_body where report.sand.removed_bodies
+   * has changed. They are checked every 20 ms of simulated time; velocities mean nothing. Sand and bodies that are
+   * asleep stay until they wake. Sinks that are not usable or beyond sink_capacity are left out, and reported. */
   const sandglass_collider* sinks;
   /* How many sinks there are. */
   uint32_t sink_count;
   /* Seconds, 0..0.1: grains are written where they were so long before the time of the state, for displays faster than
    * the simulation. 0: the newest. */
   float output_lag;
-  /* Receives one sandglass_grain for each number that a grain has or had: report.grain_numbers of them, but no more
-   * than grain_capacity. Draw those whose speed is not below 0. NULL: none wanted. */
-  void* grains;
+  /* Receives one sandglass_grain for each number that a grain has or had: report.sand.grain_numbers of them, but no
+   * more than grain_capacity. Draw those whose speed is not below 0. NULL: none wanted. */
+  sandglass_grain* grains;
   /* Bytes from one item to the next: a multiple of 4, at least sizeof(sandglass_grain), which is the default. */
   uint32_t grain_stride;
   /* How many items fit. */
@@ -715,13 +715,8 @@ typedef struct sandglass_stage_report {
   uint64_t elapsed_ns;
 } sandglass_stage_report;
 
-/* What a frame did. Times are by the scene's clock. runtime/README.md says how to read it. */
-typedef struct sandglass_frame_report {
-  uint32_t struct_size;
-  /* The quality level: 0 is full; see sandglass_level_name. */
-  uint32_t level;
-  /* Frames since create or reset, this one included. */
-  uint64_t frame;
+/* The time of a frame: what it took by the scene's clock, and how far simulated time has come. */
+typedef struct sandglass_time_report {
   /* The budget that the frame was given. */
   uint64_t budget_ns;
   /* budget_ns times thermal_headroom: the target duration of a performance hint session. */
@@ -736,81 +731,100 @@ typedef struct sandglass_frame_report {
   uint64_t longest_unit_ns;
   /* 1: the clock went backward, stood still or jumped, and the frame ended at its cap of work units. */
   uint32_t clock_fault;
-  /* What each sandglass_stage did. */
-  sandglass_stage_report stages[SANDGLASS_STAGE_COUNT];
   /* Seconds simulated since create or reset. */
-  double simulated_time;
+  double simulated;
   /* Seconds that were asked for since then and not simulated. Later frames make up two frames' worth; what is beyond
    * that is given up and stays in this sum. 0: no slow motion. */
-  double time_debt;
+  double debt;
+} sandglass_time_report;
+
+/* The sand and the rigid bodies after a frame, what the frame did and left out, and totals since create or reset. */
+typedef struct sandglass_sand_report {
+  /* Particles in the scene, and those of them that are not asleep. */
+  uint32_t particles, awake;
+  /* Grains in the scene, and those of the last pass over them that were not asleep, in whole groups of 16. */
+  uint32_t grains, awake_grains;
+  /* Numbers given out so far: the length of what sandglass_granular_particles writes, and sandglass_granular_grains. */
+  uint32_t particle_numbers, grain_numbers;
   /* Seconds by which the oldest grain is behind the particles. Never ten frames: simulated time slows before. */
   float grain_lag;
   /* Seconds: the length of the last sub-step. */
   float substep;
-  /* Sub-steps that were completed in this frame. */
-  uint32_t substeps;
-  /* Neighbour lists that were built in this frame. */
-  uint32_t list_builds;
-  /* Particles in the scene. */
-  uint32_t particles;
-  /* Particles that are not asleep. */
-  uint32_t awake;
-  /* Grains in the scene. */
-  uint32_t grains;
-  /* Grains of the last pass over the grains that were not asleep, in whole groups of 16. */
-  uint32_t awake_grains;
+  /* m/s: the fastest particle in the last sub-step, of those that can reach something. */
+  float speed_max;
+  /* Sub-steps that were completed in this frame, and neighbour lists that were built. */
+  uint32_t substeps, list_builds;
   /* Neighbours beyond the capacity of a list (32), summed over the list builds of the frame. 0 in any packing. */
   uint32_t dropped_contacts;
   /* Particles and grains that were found not finite, or beyond twice the coordinate limit, and put to rest inside. */
   uint32_t quarantined;
-  /* Colliders, emitters and sinks that were left out: not finite, without size, or beyond their capacity. */
-  uint32_t ignored_colliders;
-  /* Numbers given out so far: the length of what sandglass_granular_particles writes. */
-  uint32_t particle_numbers;
-  /* The same for sandglass_granular_grains. */
-  uint32_t grain_numbers;
-  /* What emitters added since create or reset. */
+  /* What this frame left out: not finite, without size, or beyond its capacity. */
+  uint32_t ignored_colliders, ignored_emitters, ignored_sinks;
+  /* What emitters added in all. */
   uint64_t emitted_particles, emitted_grains;
-  /* What sinks, sandglass_granular_remove and sandglass_granular_remove_body took away since create or reset, what fell
-   * by granular.lowest, and what left the coordinate limit. */
-  uint64_t removed_particles, removed_grains;
   /* Particles that emitters left out: for want of capacity, or because something was in their place. */
   uint64_t denied_particles;
-  /* m/s: the fastest particle in the last sub-step, of those that can reach something. */
-  float speed_max;
+  /* What sinks, sandglass_granular_remove and sandglass_granular_remove_body took away in all, what fell by
+   * granular.lowest, and what left the coordinate limit. The particles of bodies count among the particles. */
+  uint64_t removed_particles, removed_grains, removed_bodies;
+} sandglass_sand_report;
+
+/* The shadows of objects that were in the input. */
+typedef struct sandglass_shadow_report {
   /* Textures, over all shadows and lights, that are not yet those of their lights; and ambient shadows that are not yet
    * those of their cells. */
-  uint32_t pending_shadows;
+  uint32_t pending;
   /* Calls of set_light since the oldest texture of a light among them was begun. */
-  uint32_t shadow_age;
-  /* 1: input.light has an estimate. */
-  uint32_t light_valid;
+  uint32_t calls_behind;
+} sandglass_shadow_report;
+
+/* The estimate of input.light, and the camera's image. */
+typedef struct sandglass_estimate_report {
+  /* 1: there is one. */
+  uint32_t valid;
   /* 1: it changed in this frame. */
-  uint32_t light_changed;
+  uint32_t changed;
   /* Frames with this light since the frame that brought the image of its last estimate. */
-  uint32_t light_age;
+  uint32_t frames_behind;
   /* Work units left of the estimate under way. */
-  uint32_t light_units_left;
+  uint32_t units_left;
   /* 1: input.camera cannot be used. sandglass_camera_check and the log hook say why. */
   uint32_t ignored_images;
+} sandglass_estimate_report;
+
+/* What a frame did: a group for each capability, which is all 0 where the frame has none of it. runtime/README.md says
+ * how to read it. */
+typedef struct sandglass_frame_report {
+  uint32_t struct_size;
+  /* The quality level: 0 is full; see sandglass_level_name. */
+  uint32_t level;
+  /* Frames since create or reset, this one included. */
+  uint64_t frame;
   /* What was executed: record it to replay the frame. */
   sandglass_plan plan;
-  /* Rigid bodies that sinks, sandglass_granular_remove_body and granular.lowest took away since create or reset. Their
-   * particles count in removed_particles. */
-  uint64_t removed_bodies;
+  /* How long it took. */
+  sandglass_time_report time;
+  /* What each sandglass_stage did. */
+  sandglass_stage_report stages[SANDGLASS_STAGE_COUNT];
+  /* The material. */
+  sandglass_sand_report sand;
+  /* Those of objects. */
+  sandglass_shadow_report shadows;
+  /* Of the light. */
+  sandglass_estimate_report estimate;
 } sandglass_frame_report;
 
 /* Advances the scene by one frame. Simulated time moves on by input->time_step plus the time debt of earlier frames, as
  * far as the budget admits; without a time step it is a pause, and nothing moves. At most two frames' worth of debt is
- * made up; the rest is given up, as slow motion, and stays counted in time_debt. After the call, positions are valid
- * and grains are written, whatever the budget was.
+ * made up; the rest is given up, as slow motion, and stays counted in report.time.debt. After the call, positions are
+ * valid and grains are written, whatever the budget was.
  *
  * `report` is optional. The frame does not fail for lack of time: it degrades, along the quality ladder, and the report
  * says so. So its status need not be looked at once an app works. It fails with INVALID_ARGUMENT: NULL, a wrong or
  * unset struct_size, a grain_stride that is not usable, an array that is NULL while its count is above 0, or NULL among
- * the shadows; nothing was changed. It fails with
- * REPLAY: input->plan is malformed, and nothing was changed; or the plan asks for a work unit that this state does not
- * offer. Then the frame ended there: the scene is valid, but it is not the recorded one. Reset it.
+ * the shadows; nothing was changed. It fails with REPLAY: input->plan is malformed, and nothing was changed; or the
+ * plan asks for a work unit that this state does not offer. Then the frame ended there: the scene is valid, but it is
+ * not the recorded one. Reset it.
  *
  * Guarantee, for a clock that runs: elapsed_ns <= max(target_ns, mandatory_ns) + last_unit_ns. A frame is at most one
  * work unit late, plus what writing the grains, which comes last and is always done, took beyond its own prediction. */
@@ -821,11 +835,11 @@ SANDGLASS_API sandglass_status sandglass_scene_frame(sandglass_scene* scene, con
 
 /* Copies the present particles by number: the order in which they were added, except that new ones take over the
  * numbers of removed ones. `positions` (metres) and `velocities` (m/s) are optional; each takes 3 floats for each of
- * report.particle_numbers items. Removed particles are at SANDGLASS_REMOVED_Y, at rest. For tests and tools, not for
- * every frame. */
+ * report.sand.particle_numbers items. Removed particles are at SANDGLASS_REMOVED_Y, at rest. For tests and tools, not
+ * for every frame. */
 SANDGLASS_API void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities);
 
-/* The same for grains: report.grain_numbers items. */
+/* The same for grains: report.sand.grain_numbers items. */
 SANDGLASS_API void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities);
 
 /* What a ray can hit. */

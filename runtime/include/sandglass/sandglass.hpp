@@ -53,6 +53,13 @@ struct [[nodiscard]] Status {
   // See sandglass_status_name.
   const char* name() const { return sandglass_status_name(code); }
 };
+// What a function of the C API that returns a status says.
+template <class Function, class... Arguments>
+Status call(Function function, Arguments... arguments) {
+  Status status;
+  status.code = function(arguments..., &status.reason);
+  return status;
+}
 
 // A view of points or vectors, three floats each, in memory that the app keeps for the duration of the call. Made
 // from a pointer and a number of points, or from any contiguous container of floats (a trailing incomplete point is
@@ -128,6 +135,15 @@ struct Owned {
     block = std::move(made_in);
     handle = made;
     return status;
+  }
+  // The same, of what a description needs.
+  template <class Desc, class Bytes, class Create>
+  Status create(const Desc& desc, Bytes bytes_of, Create create_in) {
+    uint64_t need = 0;
+    if (const Status status = call(bytes_of, &desc, &need); !status) return status;
+    return create(need, [&](void* in, uint64_t bytes, Handle** made, const char** reason) {
+      return create_in(&desc, in, bytes, made, reason);
+    });
   }
 };
 
@@ -247,21 +263,14 @@ class Scene {
   // Allocates the scene's block, once and for all, and makes the scene in it. An existing scene is replaced on success
   // and kept on failure. Fails like sandglass_scene_create, or with MEMORY_TOO_SMALL when the heap has no such block.
   Status create(const sandglass_scene_desc& desc) {
-    Status status;
-    uint64_t need = 0;
-    status.code = sandglass_scene_bytes(&desc, &need, &status.reason);
-    if (!status) return status;
-    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_scene** scene, const char** reason) {
-      return sandglass_scene_create(&desc, block, bytes, scene, reason);
-    });
+    return owned_.create(desc, sandglass_scene_bytes, sandglass_scene_create);
   }
 
   // Makes the scene in a block of the app, aligned to SANDGLASS_BLOCK_ALIGNMENT, which must outlive it.
   Status create_in(const sandglass_scene_desc& desc, void* block, uint64_t bytes) {
-    Status status = check_version();
-    if (!status) return status;
     sandglass_scene* scene = nullptr;
-    status.code = sandglass_scene_create(&desc, block, bytes, &scene, &status.reason);
+    Status status = check_version();
+    if (status) status = call(sandglass_scene_create, &desc, block, bytes, &scene);
     if (!status) return status;
     owned_.block.reset();
     owned_.handle = scene;
@@ -288,15 +297,11 @@ class Scene {
   }
   // Removes the sand inside a shape; the counts may be null.
   Status remove(const sandglass_collider& region, uint32_t* particles = nullptr, uint32_t* grains = nullptr) {
-    Status status;
-    status.code = sandglass_granular_remove(get(), &region, particles, grains, &status.reason);
-    return status;
+    return call(sandglass_granular_remove, get(), &region, particles, grains);
   }
   // Adds a rigid body; *index, which may be null, is its number.
   Status add_body(const sandglass_body& body, uint32_t* index = nullptr) {
-    Status status;
-    status.code = sandglass_granular_add_body(get(), &body, index, &status.reason);
-    return status;
+    return call(sandglass_granular_add_body, get(), &body, index);
   }
   // See sandglass_granular_held_collider.
   bool held_collider(uint32_t index, sandglass_collider* held) const {
@@ -307,23 +312,15 @@ class Scene {
   // See sandglass_granular_has_body.
   bool has_body(uint32_t index) const { return sandglass_granular_has_body(get(), index) != 0; }
   // See sandglass_granular_remove_body.
-  Status remove_body(uint32_t index) {
-    Status status;
-    status.code = sandglass_granular_remove_body(get(), index, &status.reason);
-    return status;
-  }
+  Status remove_body(uint32_t index) { return call(sandglass_granular_remove_body, get(), index); }
   // See sandglass_granular_set_body.
   Status set_body(uint32_t index, const sandglass_body_pose& pose) {
-    Status status;
-    status.code = sandglass_granular_set_body(get(), index, &pose, &status.reason);
-    return status;
+    return call(sandglass_granular_set_body, get(), index, &pose);
   }
   // At a point of the world, 3 floats such as sandglass_ray_hit::point, by default the centre of mass: see
   // sandglass_granular_push_body.
   Status push_body(uint32_t index, const std::array<float, 3>& impulse, const float* point = nullptr) {
-    Status status;
-    status.code = sandglass_granular_push_body(get(), index, impulse.data(), point, &status.reason);
-    return status;
+    return call(sandglass_granular_push_body, get(), index, impulse.data(), point);
   }
   // See sandglass_granular_ray. `what` is SANDGLASS_HIT_NOTHING where nothing was hit.
   sandglass_ray_hit ray(const std::array<float, 3>& origin, const std::array<float, 3>& direction, float reach) const {
@@ -333,52 +330,37 @@ class Scene {
   }
   // See sandglass_granular_set_boundary.
   Status set_boundary(Points samples) {
-    Status status;
-    status.code = sandglass_granular_set_boundary(get(), samples.xyz, samples.count, &status.reason);
-    return status;
+    return call(sandglass_granular_set_boundary, get(), samples.xyz, samples.count);
   }
   // See sandglass_granular_set_friction.
   Status set_friction(float static_friction, float kinetic_friction) {
-    Status status;
-    status.code = sandglass_granular_set_friction(get(), static_friction, kinetic_friction, &status.reason);
-    return status;
+    return call(sandglass_granular_set_friction, get(), static_friction, kinetic_friction);
   }
 
   // One frame; see sandglass_scene_frame. `report` may be null.
   Status frame(const sandglass_frame_input& input, sandglass_frame_report* report = nullptr) {
-    Status status;
     if (report != nullptr) report->struct_size = sizeof *report;
-    status.code = sandglass_scene_frame(get(), &input, report, &status.reason);
-    return status;
+    return call(sandglass_scene_frame, get(), &input, report);
   }
 
   // Moves everything rigidly: see sandglass_scene_move.
   Status move(const Rotation& rotation, const std::array<float, 3>& translation) {
-    Status status;
-    status.code = sandglass_scene_move(get(), rotation.data(), translation.data(), &status.reason);
-    return status;
+    return call(sandglass_scene_move, get(), rotation.data(), translation.data());
   }
   // See sandglass_scene_set_gravity.
   Status set_gravity(const std::array<float, 3>& gravity) {
-    Status status;
-    status.code = sandglass_scene_set_gravity(get(), gravity.data(), &status.reason);
-    return status;
+    return call(sandglass_scene_set_gravity, get(), gravity.data());
   }
   // The state as bytes, and back: see sandglass_scene_save.
   Status save(std::vector<std::byte>* data) {
-    Status status;
     uint64_t written = 0;
     data->resize(static_cast<std::size_t>(sandglass_scene_save_bytes(get())));
-    status.code = sandglass_scene_save(get(), data->data(), data->size(), &written, &status.reason);
+    const Status status = call(sandglass_scene_save, get(), data->data(), data->size(), &written);
     data->resize(static_cast<std::size_t>(written));
     return status;
   }
   // See sandglass_scene_restore.
-  Status restore(const void* data, uint64_t bytes) {
-    Status status;
-    status.code = sandglass_scene_restore(get(), data, bytes, &status.reason);
-    return status;
-  }
+  Status restore(const void* data, uint64_t bytes) { return call(sandglass_scene_restore, get(), data, bytes); }
   // The same, from what save wrote.
   Status restore(const std::vector<std::byte>& data) { return restore(data.data(), data.size()); }
 
@@ -489,13 +471,7 @@ class Room {
   // Allocates the block, once and for all. Fails like sandglass_room_create, or with MEMORY_TOO_SMALL when the heap has
   // no such block; an existing room is then kept.
   Status create(const sandglass_room_desc& desc = room_desc()) {
-    Status status;
-    uint64_t need = 0;
-    status.code = sandglass_room_bytes(&desc, &need, &status.reason);
-    if (!status) return status;
-    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_room** room, const char** reason) {
-      return sandglass_room_create(&desc, block, bytes, room, reason);
-    });
+    return owned_.create(desc, sandglass_room_bytes, sandglass_room_create);
   }
 
   // True once create has succeeded.
@@ -505,9 +481,7 @@ class Room {
 
   // See sandglass_room_set_image.
   Status set_image(const sandglass_camera_image& image) {
-    Status status;
-    status.code = sandglass_room_set_image(get(), &image, nullptr, &status.reason);
-    return status;
+    return call(sandglass_room_set_image, get(), &image, nullptr);
   }
   // The light at a place; `estimate` may be NULL. Where the room is not created or the place is not finite, the light
   // has struct_size 0. See sandglass_room_get.
@@ -519,23 +493,18 @@ class Room {
   }
   // See sandglass_room_move.
   Status move(const Rotation& rotation, const float translation[3]) {
-    Status status;
-    status.code = sandglass_room_move(get(), rotation.data(), translation, &status.reason);
-    return status;
+    return call(sandglass_room_move, get(), rotation.data(), translation);
   }
   // See sandglass_room_save.
   Status save(std::vector<std::byte>* data) const {
-    Status status;
+    uint64_t written = 0;
     data->resize(static_cast<std::size_t>(sandglass_room_save_bytes(get())));
-    status.code = sandglass_room_save(get(), data->data(), data->size(), &status.reason);
+    const Status status = call(sandglass_room_save, get(), data->data(), data->size(), &written);
+    data->resize(static_cast<std::size_t>(written));
     return status;
   }
   // See sandglass_room_restore.
-  Status restore(const void* data, uint64_t bytes) {
-    Status status;
-    status.code = sandglass_room_restore(get(), data, bytes, &status.reason);
-    return status;
-  }
+  Status restore(const void* data, uint64_t bytes) { return call(sandglass_room_restore, get(), data, bytes); }
   // The same, from what save wrote.
   Status restore(const std::vector<std::byte>& data) { return restore(data.data(), data.size()); }
   // See sandglass_room_reset.
@@ -567,13 +536,7 @@ class Shadow {
   // Allocates the block, once and for all. Fails like sandglass_shadow_create, or with MEMORY_TOO_SMALL when the heap
   // has no such block; an existing shadow is then kept.
   Status create(const sandglass_shadow_desc& desc) {
-    Status status;
-    uint64_t need = 0;
-    status.code = sandglass_shadow_bytes(&desc, &need, &status.reason);
-    if (!status) return status;
-    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_shadow** shadow, const char** reason) {
-      return sandglass_shadow_create(&desc, block, bytes, shadow, reason);
-    });
+    return owned_.create(desc, sandglass_shadow_bytes, sandglass_shadow_create);
   }
 
   // True once create has succeeded.
@@ -583,9 +546,7 @@ class Shadow {
 
   // The direction towards a light in the object's frame: see sandglass_shadow_set_light.
   Status set_light(const std::array<float, 3>& direction, float irradiance = 1.0f, uint32_t light = 0) {
-    Status status;
-    status.code = sandglass_shadow_set_light(get(), light, direction.data(), irradiance, &status.reason);
-    return status;
+    return call(sandglass_shadow_set_light, get(), light, direction.data(), irradiance);
   }
   // Without a scene: runs at most `units` work units, by default all; returns how many it ran.
   uint32_t run(uint32_t units = UINT32_MAX) {
@@ -601,15 +562,11 @@ class Shadow {
   }
   // The light of the room: see sandglass_shadow_set_cells.
   Status set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells, float yaw = 0.0f) {
-    Status status;
-    status.code = sandglass_shadow_set_cells(get(), cells.data(), yaw, &status.reason);
-    return status;
+    return call(sandglass_shadow_set_cells, get(), cells.data(), yaw);
   }
   // The same, for the arrays of sandglass_room_light.
   Status set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS], float yaw = 0.0f) {
-    Status status;
-    status.code = sandglass_shadow_set_cells(get(), cells, yaw, &status.reason);
-    return status;
+    return call(sandglass_shadow_set_cells, get(), cells, yaw);
   }
   // See sandglass_shadow_get_ambient.
   sandglass_shadow_ambient ambient() const {
@@ -627,10 +584,8 @@ class Shadow {
 
 // What a baked file says of itself. Fails like sandglass_shadow_inspect.
 inline Status inspect_shadow(const void* asset, uint64_t asset_bytes, sandglass_shadow_info* info) {
-  Status status;
   info->struct_size = sizeof *info;
-  status.code = sandglass_shadow_inspect(asset, asset_bytes, info, &status.reason);
-  return status;
+  return call(sandglass_shadow_inspect, asset, asset_bytes, info);
 }
 
 // How the vertices of the app's mesh see the room past the object itself, nine floats each: see
@@ -657,13 +612,7 @@ class PileShadow {
   // Allocates the block, once and for all. Fails like sandglass_pile_shadow_create, or with MEMORY_TOO_SMALL when the
   // heap has no such block; an existing shadow is then kept.
   Status create(const sandglass_pile_shadow_desc& desc) {
-    Status status;
-    uint64_t need = 0;
-    status.code = sandglass_pile_shadow_bytes(&desc, &need, &status.reason);
-    if (!status) return status;
-    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_pile_shadow** shadow, const char** reason) {
-      return sandglass_pile_shadow_create(&desc, block, bytes, shadow, reason);
-    });
+    return owned_.create(desc, sandglass_pile_shadow_bytes, sandglass_pile_shadow_create);
   }
 
   // True once create has succeeded.
@@ -673,21 +622,15 @@ class PileShadow {
 
   // See sandglass_pile_shadow_set_light.
   Status set_light(const std::array<float, 3>& direction) {
-    Status status;
-    status.code = sandglass_pile_shadow_set_light(get(), direction.data(), &status.reason);
-    return status;
+    return call(sandglass_pile_shadow_set_light, get(), direction.data());
   }
   // See sandglass_pile_shadow_set_cells.
   Status set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells) {
-    Status status;
-    status.code = sandglass_pile_shadow_set_cells(get(), cells.data(), &status.reason);
-    return status;
+    return call(sandglass_pile_shadow_set_cells, get(), cells.data());
   }
   // The same, for the arrays of sandglass_room_light.
   Status set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS]) {
-    Status status;
-    status.code = sandglass_pile_shadow_set_cells(get(), cells, &status.reason);
-    return status;
+    return call(sandglass_pile_shadow_set_cells, get(), cells);
   }
   // See sandglass_pile_shadow_refresh.
   void refresh() { sandglass_pile_shadow_refresh(get()); }

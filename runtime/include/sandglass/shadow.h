@@ -175,7 +175,7 @@ typedef struct sandglass_shadow_texture {
   /* 1: the present light lies beyond polar_max. */
   uint32_t beyond;
   /* Calls of set_light since the one that the texture was begun for. 0: it is that of the present light. */
-  uint32_t age;
+  uint32_t calls_behind;
   /* Texels that the network was asked for. */
   uint32_t evaluated;
 } sandglass_shadow_texture;
@@ -189,8 +189,8 @@ SANDGLASS_API void sandglass_shadow_get_texture(const sandglass_shadow* shadow, 
  * (interpolated). `coverage` takes size * size bytes. Fails with INVALID_ARGUMENT: another size, or a number that no
  * light has. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_resample(const sandglass_shadow* shadow,
-                                                                             uint32_t light, uint32_t size,
-                                                                             uint8_t* coverage, const char** reason);
+                                                                             uint32_t light, uint8_t* coverage,
+                                                                             uint32_t size, const char** reason);
 
 /* Writes all lights of an object together, without its ambient shadow, for apps that draw one texture an object.
  * `size`: 1..1024 texels along a side; `coverage` takes size * size bytes. The rectangle low..high, which it returns,
@@ -200,7 +200,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_resample(con
  * until its first texture is complete. Transparencies nu then add up as sum(E nu) / sum(E). It takes about a
  * millisecond a light at size 256, so call it when a texture has changed. Fails with INVALID_ARGUMENT: another size. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_combine(const sandglass_shadow* shadow,
-                                                                            uint32_t size, uint8_t* coverage,
+                                                                            uint8_t* coverage, uint32_t size,
                                                                             float low[2], float high[2],
                                                                             const char** reason);
 
@@ -235,7 +235,7 @@ typedef struct sandglass_shadow_ambient {
   /* x and z of the square's corners in the coordinates of the mesh, metres, on the plane y = origin[1]. */
   float low[2], high[2];
   /* Calls of set_cells since the one that the texture was begun for. 0: it is that of the present cells. */
-  uint32_t age;
+  uint32_t calls_behind;
   /* Textures that were completed so far. The bytes have changed when this has. */
   uint32_t completed;
 } sandglass_shadow_ambient;

@@ -3,18 +3,21 @@
  *
  * sandglass.h and every header beside it include this one; an app need not.
  *
- * Units. SI: metres, seconds, kilograms, radians. The world frame is right-handed with y up. Quaternions are
- * (x, y, z, w). All numbers are `float` where nothing else is said. Positions are relative to a scene origin that the
- * app chooses. Keep them within SANDGLASS_COORDINATE_LIMIT of it.
+ * Units. SI: metres, seconds, kilograms, radians. A name that ends in _ns or _deg is of nanoseconds or degrees. The
+ * world frame is right-handed with y up. Quaternions are (x, y, z, w). All numbers are `float` where nothing else is
+ * said. Positions are relative to a scene origin that the app chooses. Keep them within SANDGLASS_COORDINATE_LIMIT of
+ * it. An array is a pointer, then its count. Truth values in structs are `uint32_t`, 1 or 0.
  *
- * Errors. A function that can fail returns a sandglass_status and takes `reason`, which may be NULL. On failure it
- * stores one static sentence in *reason: what is wrong, where, and what to do. On success it stores NULL there. A
- * function that fails has changed nothing, except where its comment says so.
+ * Results. A function returns a status, a value or nothing.
+ *   - Only one with a status can fail. It takes `reason`, which may be NULL. On failure it stores one static sentence
+ *     in *reason: what is wrong, where, and what to do. On success it stores NULL there. A function that fails has
+ *     changed nothing, except where its comment says so.
+ *   - Where there is no value to return, it is the neutral one: 0, NULL, or the identity pose. A function that answers
+ *     yes or no returns 1 or 0 as an `int32_t`.
  *
  * NULL. One rule holds for every pointer that is not documented as optional:
  *   - A function that returns a status refuses NULL with SANDGLASS_ERROR_INVALID_ARGUMENT; *reason names the argument.
- *   - A function that returns nothing does nothing.
- *   - A function that returns a value returns the neutral one: 0, NULL, or the identity pose.
+ *   - A function that returns nothing does nothing; one that returns a value returns the neutral one.
  * `reason` is always optional. So is the `user` pointer of a callback. An array may be NULL when its count is 0.
  * This header does not protect an app from a pointer that is neither NULL nor valid.
  *
@@ -39,10 +42,11 @@
  *       - In a struct that the library owns (sandglass_level), struct_size says which fields exist.
  *   - sandglass_granular_desc is the last member of sandglass_scene_desc and grows with it, at its end only.
  *   - All other structs are frozen from 1.0 on: sandglass_clock, _parallel, _trace, _log, _reference_scheme, _region,
- *     _collider, _body_pose, _emitter, _grain, _plan_run, _stage_report, _ray_hit and _mesh keep their size and fields,
- *     because they stand in arrays, in other structs or by value. What they lack then comes as a new struct and a new
- *     function. Before 1.0 a minor version may add a field at the end, 0 of which means what held before
- *     (sandglass_collider.id): fill such a struct with zeros first.
+ *     _collider, _body_pose, _emitter, _grain, _plan_run, _stage_report, _ray_hit, _mesh and the groups of a report
+ *     (_time_report, _sand_report, _shadow_report, _estimate_report) keep their size and fields, because they stand in
+ *     arrays, in other structs or by value. What they lack then comes as a new struct and a new function; what a group
+ *     lacks, as a new group at the end of its report. Before 1.0 a minor version may add a field at the end, 0 of which
+ *     means what held before (sandglass_collider.id): fill such a struct with zeros first.
  *
  * Enumerations are 32-bit integers; new values are added at the end. */
 #ifndef SANDGLASS_TYPES_H
@@ -132,12 +136,14 @@ SANDGLASS_API const char* sandglass_status_name(sandglass_status status);
 
 /* ------------------------------------------------------------------------------------------------ hooks */
 
-/* A clock. now_ns returns nanoseconds since any origin and should not go backward. If it does, nothing breaks: the
- * frame ends at its cap of work units, with a valid state. now_ns == NULL means "no clock": every frame runs all its
- * work. */
+/* Nanoseconds since any origin. */
+typedef uint64_t (*sandglass_clock_function)(void* user);
+
+/* A clock. It should not go backward. If it does, nothing breaks: the frame ends at its cap of work units, with a valid
+ * state. now_ns == NULL means "no clock": every frame runs all its work. */
 typedef struct sandglass_clock {
-  /* Nanoseconds since any origin. */
-  uint64_t (*now_ns)(void* user);
+  /* The time now. */
+  sandglass_clock_function now_ns;
   /* Handed to now_ns. */
   void* user;
 } sandglass_clock;
@@ -146,27 +152,30 @@ typedef struct sandglass_clock {
  * hands in: toolchains/web/sandglass.mjs takes performance.now(). */
 SANDGLASS_API sandglass_clock sandglass_clock_system(void);
 
-/* A worker pool of the app. `run` must call task(context, index) once for each index in 0..count-1, on any threads and
- * in any order, and return when all calls have returned. Results do not depend on it. run == NULL: the calling thread
- * does everything.
+/* A part of a piece of work. */
+typedef void (*sandglass_task_function)(void* context, uint32_t index);
+/* Calls task(context, index) once for each index below count, on any threads, in any order, and waits for all. */
+typedef void (*sandglass_parallel_function)(void* user, sandglass_task_function task, void* context, uint32_t count);
+
+/* A worker pool of the app. Results do not depend on it. run == NULL: the calling thread does everything.
  *
  * A pool that leaves calls out, repeats one that it has begun, or makes one with an index beyond count - 1 does no harm:
  * what is missing runs on the calling thread, the rest does nothing. What is not protected: a pool that returns while a
  * call still runs or is still to come, or that makes two calls with one index at the same moment. */
 typedef struct sandglass_parallel {
-  /* Calls task(context, index) for each index in 0..count-1. */
-  void (*run)(void* user, void (*task)(void* context, uint32_t index), void* context, uint32_t count);
+  /* Runs a piece of work. */
+  sandglass_parallel_function run;
   /* Handed to run. */
   void* user;
 } sandglass_parallel;
 
-/* A profiling hook. `begin` and `end` bracket every work unit; `name` is a static string such as "granular.solve".
- * Either may be NULL. They are called on the thread that called sandglass_scene_frame. */
+/* Is told the name of a work unit, a static string such as "granular.solve". */
+typedef void (*sandglass_trace_function)(void* user, const char* name);
+
+/* A profiling hook, on the thread that called sandglass_scene_frame. Either function may be NULL. */
 typedef struct sandglass_trace {
-  /* Called before a work unit. */
-  void (*begin)(void* user, const char* name);
-  /* Called after it. */
-  void (*end)(void* user, const char* name);
+  /* Called before every work unit, and after it. */
+  sandglass_trace_function begin, end;
   /* Handed to both. */
   void* user;
 } sandglass_trace;
@@ -176,11 +185,13 @@ typedef struct sandglass_trace {
  * are NULL. Call it once, before the scenes are created: on Apple the system makes a log object for the process. */
 SANDGLASS_API sandglass_trace sandglass_trace_system(void);
 
-/* A log hook. It receives static sentences about what an app developer should know: a capacity was reached, a particle
- * was quarantined. `write` may be NULL. It is called at most once per kind of event and frame. */
+/* Receives a sentence, which is static. */
+typedef void (*sandglass_log_function)(void* user, const char* sentence);
+
+/* A log hook: what an app developer should know, such as that a capacity was reached or a particle was quarantined. */
 typedef struct sandglass_log {
-  /* Receives the sentence, which is static. */
-  void (*write)(void* user, const char* sentence);
+  /* May be NULL. Called at most once per kind of event and frame. */
+  sandglass_log_function write;
   /* Handed to write. */
   void* user;
 } sandglass_log;

@@ -242,7 +242,7 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
     sandglass_frame_report report = simulation.frame(input);
     const uint32_t settle_frames = frames_in(setting.settle_seconds);
     for (uint32_t frame = 0; frame < settle_frames; ++frame) report = simulation.frame(input), step();
-    const uint64_t start = report.removed_particles;
+    const uint64_t start = report.sand.removed_particles;
     // Beverloo's law predicts how long it takes until enough particles have come out.
     const double expected =
         0.58 * curve.packing * std::sqrt(k_gravity) * std::pow((orifice_d - k_beverloo_k) * d, 2.5) / sphere_volume(r);
@@ -251,9 +251,9 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
     std::array<double, k_quarters> rates;
     point.head_d = 1e30;
     for (double& rate : rates) {
-      const uint64_t before = report.removed_particles;
+      const uint64_t before = report.sand.removed_particles;
       for (uint32_t frame = 0; frame < frames; ++frame) report = simulation.frame(input), step();
-      rate = static_cast<double>(report.removed_particles - before) / (frames * k_frame);
+      rate = static_cast<double>(report.sand.removed_particles - before) / (frames * k_frame);
       // The bed's height: how high particles lie at a distance of 12 d to 16 d from the axis.
       const std::vector<float> bed = present(&simulation);
       std::vector<double> heights;
@@ -263,7 +263,7 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
       }
       point.head_d = std::min(point.head_d, quantile(heights, 0.98) / d);
     }
-    point.rate = static_cast<double>(report.removed_particles - start) / (frames * k_quarters * k_frame);
+    point.rate = static_cast<double>(report.sand.removed_particles - start) / (frames * k_quarters * k_frame);
     for (const double rate : rates) point.unsteady = std::max(point.unsteady, std::fabs(rate / point.rate - 1.0));
     const double opening = (orifice_d - k_beverloo_k) * d;
     point.coefficient = point.rate * sphere_volume(r) / (curve.packing * std::sqrt(k_gravity) * std::pow(opening, 2.5));
@@ -304,12 +304,12 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
     for (int look = 0; look < k_looks; ++look) {
       sink();
       // A contact's force is its overlap divided by the square of the sub-step's length.
-      const double substep = static_cast<double>(simulation.frame(k_frame, k_no_budget, colliders).substep);
+      const double substep = static_cast<double>(simulation.frame(k_frame, k_no_budget, colliders).sand.substep);
       step();
       // One sub-step without the floor: how far the sand sinks below it is how far the floor would have lifted it.
       piston.position[1] += static_cast<float>(substep) * piston.linear_velocity[1];
       const sandglass_frame_report report = simulation.frame(substep, k_no_budget, {colliders, 1});
-      if (report.substeps != 1)
+      if (report.sand.substeps != 1)
         throw cannot("measure", "load", "the sub-step that measures it was split", "Report this");
       double lifted = 0.0;
       for (size_t i = 1; i < simulation.particle_positions().size(); i += 3) {

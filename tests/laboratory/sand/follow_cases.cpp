@@ -176,10 +176,10 @@ Followed follow(const FollowScene& what, sandglass_blend blend, uint64_t seed, s
     simulation.flow(flow_over_frame(scene, time));
     const sandglass_frame_report report = simulation.frame(
         scene.frame_step, what.pace == Pace::slow ? k_short_budget : k_no_budget, colliders_over_frame(scene, frames));
-    time = report.simulated_time;
+    time = report.time.simulated;
     result.moves.frame(simulation.particle_positions(), simulation.grain_positions(), scene.particle_radius,
                        scene.frame_step);
-    if (time < what.flow_from - k_way) result.awake = report.awake;
+    if (time < what.flow_from - k_way) result.awake = report.sand.awake;
     if (looks < k_looks && time >= what.flow_from + looks * (what.flow_to - what.flow_from) / (k_looks - 1)) {
       const Placement here = look();
       for (double Placement::*part :

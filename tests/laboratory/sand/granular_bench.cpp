@@ -37,7 +37,7 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
   for (uint32_t frame = 0; frame < frames; ++frame) {
     const sandglass_frame_report report =
         simulation.frame(scene.frame_step, UINT64_MAX, colliders_over_frame(scene, frame));
-    row.ms_per_frame += static_cast<double>(report.elapsed_ns) * 1e-6;
+    row.ms_per_frame += static_cast<double>(report.time.elapsed_ns) * 1e-6;
     row.ms_solver += static_cast<double>(report.stages[SANDGLASS_STAGE_GRANULAR].elapsed_ns) * 1e-6;
     row.ms_refine += static_cast<double>(report.stages[SANDGLASS_STAGE_REFINE].elapsed_ns) * 1e-6;
     overlap.add(measure_overlap(simulation.particle_positions(), scene.particle_radius));

@@ -37,7 +37,7 @@ double free_fall_error(const sandglass_scene_desc& desc) {
   double x = 0.0, y = 0.0, fall_speed = 0.0, worst = 0.0;
   for (uint32_t frame = 0; frame < frames_in(1.0); ++frame) {
     const sandglass_frame_report report = simulation.frame(k_frame, k_no_budget, {});
-    const double n = report.substeps, dt = n > 0.0 ? static_cast<double>(static_cast<float>(k_frame)) / n : 0.0;
+    const double n = report.sand.substeps, dt = n > 0.0 ? static_cast<double>(static_cast<float>(k_frame)) / n : 0.0;
     x += 0.5 * n * dt;
     y -= n * dt * fall_speed + k_gravity * dt * dt * n * (n + 1.0) / 2.0;
     fall_speed += n * dt * k_gravity;
@@ -54,7 +54,7 @@ double sliding_distance(const sandglass_scene_desc& desc, double* substep) {
   const sandglass_collider floor = plane_with_slope(0.0);
   *substep = 0.0;
   for (uint32_t frame = 0; frame < frames_in(2.0); ++frame)
-    *substep = std::max<double>(*substep, simulation.frame(k_frame, k_no_budget, {&floor, 1}).substep);
+    *substep = std::max<double>(*substep, simulation.frame(k_frame, k_no_budget, {&floor, 1}).sand.substep);
   return simulation.particle_positions()[0];
 }
 
@@ -152,7 +152,7 @@ Cloud free_cloud(const sandglass_scene_desc& desc) {
   simulation.add(positions, velocities);
   uint64_t steps = 0;
   for (uint32_t frame = 0; frame < frames_in(k_seconds); ++frame)
-    steps += simulation.frame(k_frame, k_no_budget, {}).substeps;
+    steps += simulation.frame(k_frame, k_no_budget, {}).sand.substeps;
   const std::vector<float>& after = simulation.particle_velocities();
   double change[3] = {}, size = 0.0;
   Cloud cloud;
@@ -360,7 +360,7 @@ double weighting_speed(sandglass_scene_desc desc, double k) {
   double late = 0.0;
   for (int frame = 0; frame < 100; ++frame) {
     const sandglass_frame_report report = simulation.frame(k_frame, k_no_budget, {&floor, 1});
-    if (frame >= 80 && report.substeps > 0) late = std::max<double>(late, report.speed_max);
+    if (frame >= 80 && report.sand.substeps > 0) late = std::max<double>(late, report.sand.speed_max);
   }
   return sound(simulation.particle_positions(), late);
 }
@@ -370,7 +370,7 @@ double simulated_time(const sandglass_scene_desc& desc, std::span<const double> 
   simulation.add(bed(desc.granular.particle_radius), {});
   const sandglass_collider floor = cpp::floor_at(0.0f);
   double time = 0.0;
-  for (const double step : time_steps) time = simulation.frame(step, k_no_budget, {&floor, 1}).simulated_time;
+  for (const double step : time_steps) time = simulation.frame(step, k_no_budget, {&floor, 1}).time.simulated;
   return sound(simulation.particle_positions(), time);
 }
 

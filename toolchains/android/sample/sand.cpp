@@ -141,8 +141,8 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_frame(JNIEnv* env, jclass,
       step, s->performance.headroom(seconds), static_cast<sandglass_grain*>(grains), s->seen ? &s->image : nullptr);
   s->seen = false;
   glUnmapBuffer(GL_ARRAY_BUFFER);
-  s->performance.report(report.target_ns, report.elapsed_ns);
-  draw(*s, static_cast<GLsizei>(report.grain_numbers), of_projection, of_view, static_cast<float>(height));
+  s->performance.report(report.time.target_ns, report.time.elapsed_ns);
+  draw(*s, static_cast<GLsizei>(report.sand.grain_numbers), of_projection, of_view, static_cast<float>(height));
 }
 
 JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_destroy(JNIEnv*, jclass, jlong handle) {

@@ -125,7 +125,7 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   [encoder setVertexBytes:&constants length:sizeof constants atIndex:0];
   [encoder setFragmentBytes:&constants length:sizeof constants atIndex:0];
   [encoder setVertexBuffer:grains offset:0 atIndex:1];
-  if (report.grain_numbers > 0) [encoder drawPrimitives:MTLPrimitiveTypePoint vertexStart:0 vertexCount:report.grain_numbers];
+  if (report.sand.grain_numbers > 0) [encoder drawPrimitives:MTLPrimitiveTypePoint vertexStart:0 vertexCount:report.sand.grain_numbers];
   dispatch_semaphore_t released = _free;
   [commands addCompletedHandler:^(id<MTLCommandBuffer> finished) {
     (void)finished;

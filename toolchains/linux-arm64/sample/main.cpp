@@ -34,8 +34,8 @@ int main() {
   for (int frame = 0; status && frame < 60; ++frame) status = scene.frame(input, &report);
   if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;
 
-  std::printf("%u particles, %s kernels, %.2f s, fastest %.3f m/s\nhash 0x%016" PRIx64 "\n", report.particles,
-              sandglass_isa_name(scene.isa()), report.simulated_time, static_cast<double>(report.speed_max),
+  std::printf("%u particles, %s kernels, %.2f s, fastest %.3f m/s\nhash 0x%016" PRIx64 "\n", report.sand.particles,
+              sandglass_isa_name(scene.isa()), report.time.simulated, static_cast<double>(report.sand.speed_max),
               scene.hash());
-  return report.particles == particles.size() / 3 && report.quarantined == 0 ? 0 : 1;
+  return report.sand.particles == particles.size() / 3 && report.sand.quarantined == 0 ? 0 : 1;
 }

@@ -156,7 +156,7 @@ public unsafe class Sand : MonoBehaviour {
     grains.UnlockBufferAfterWrite<sandglass_grain>(Grains);
     if (taken) held.Dispose();
     Check(status, reason);
-    Draw((int)report.grain_numbers, Light());
+    Draw((int)report.sand.grain_numbers, Light());
   }
 
   // The room's light at the sand, which comes in softly. For what else the app draws, set it on Unity's directional light
