@@ -468,7 +468,7 @@ void Arguments::shadows() {
   while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
   }
   row(NAMED(sandglass_shadow_get_ambient), "", shadow, &ambient);
-  row(NAMED(sandglass_shadow_surface), "normals", file.data(), file_bytes, point, high, 1u, transfer.data());
+  row(NAMED(sandglass_shadow_transfer), "normals", file.data(), file_bytes, point, high, 1u, transfer.data());
   row(NAMED(sandglass_shadow_turn_harmonics), "", sh.data(), point, turned.data());
   std::vector<uint8_t> coverage(256 * 256);
   row(NAMED(sandglass_shadow_resample), "", shadow, 0u, 128u, coverage.data());

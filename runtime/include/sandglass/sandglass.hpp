@@ -634,18 +634,18 @@ inline Status inspect_shadow(const void* asset, uint64_t asset_bytes, sandglass_
 }
 
 // How the vertices of the app's mesh see the room past the object itself, nine floats each: see
-// sandglass_shadow_surface. The file is that of `desc`. Fails like the C function, and where there is not one normal for
+// sandglass_shadow_transfer. The file is that of `desc`. Fails like the C function, and where there is not one normal for
 // each position; *transfer is then empty.
-inline Status shadow_surface(const sandglass_shadow_desc& desc, Points positions, Points normals,
-                             std::vector<float>* transfer) {
+inline Status shadow_transfer(const sandglass_shadow_desc& desc, Points positions, Points normals,
+                              std::vector<float>* transfer) {
   Status status;
   transfer->resize(9 * static_cast<std::size_t>(positions.count));
   if (positions.count != normals.count) {
     status.code = SANDGLASS_ERROR_INVALID_ARGUMENT;
     status.reason = "positions and normals are not equally many: pass one normal for each position";
   } else {
-    status.code = sandglass_shadow_surface(desc.asset, desc.asset_bytes, positions.xyz, normals.xyz, positions.count,
-                                           transfer->data(), &status.reason);
+    status.code = sandglass_shadow_transfer(desc.asset, desc.asset_bytes, positions.xyz, normals.xyz, positions.count,
+                                            transfer->data(), &status.reason);
   }
   if (!status) transfer->clear();
   return status;
