@@ -76,7 +76,7 @@ ShotPictureOptions compared(uint32_t threads) {
   return options;
 }
 
-// sandglass_shadow_surface of every corner of every triangle, by its own normal: creases stay sharp.
+// sandglass_shadow_transfer of every corner of every triangle, by its own normal: creases stay sharp.
 std::vector<float> surface_of(const ColliderTrack& track, const Mesh& mesh) {
   const std::string path = find_shadow(track.shadow);
   const AlignedBytes file = read_aligned(path, "baked shadow");
@@ -97,8 +97,8 @@ std::vector<float> surface_of(const ColliderTrack& track, const Mesh& mesh) {
   }
   std::vector<float> transfer(3 * places.size());
   const char* reason = nullptr;
-  if (sandglass_shadow_surface(file.data(), file.size(), places.data(), normals.data(),
-                               static_cast<uint32_t>(places.size() / 3), transfer.data(), &reason) != SANDGLASS_OK)
+  if (sandglass_shadow_transfer(file.data(), file.size(), places.data(), normals.data(),
+                                static_cast<uint32_t>(places.size() / 3), transfer.data(), &reason) != SANDGLASS_OK)
     throw cannot("read", path, reason);
   return transfer;
 }

@@ -36,7 +36,7 @@ enum class CastShadow { textures, none, hard };
 struct LitObject {
   Mesh mesh;                            // in the scene's frame, standing on y = 0
   Quaternion rotation = k_no_rotation;  // from its own frame
-  // sandglass_shadow_surface of the three corners of each triangle: nine numbers a corner. Empty: the object does not
+  // sandglass_shadow_transfer of the three corners of each triangle: nine numbers a corner. Empty: the object does not
   // know what it hides from itself, and is lit by its normals.
   std::vector<float> transfer;
 };

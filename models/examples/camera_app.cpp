@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   sandglass::Shadow shadow;
   std::vector<float> seat = {0, 0.46f, 0}, normal = {0, 1, 0}, transfer;  // nine for each point
   status = shadow.create(shadow_desc), shadow.run();                      // a shadow from the first frame on
-  if (status) status = sandglass::shadow_surface(shadow_desc, seat, normal, &transfer);
+  if (status) status = sandglass::shadow_transfer(shadow_desc, seat, normal, &transfer);
   if (!status) return std::fprintf(stderr, "%s: %s\n", argv[1], status.reason), 1;
   // Sand: particles that collide, grains that are drawn, and the shadow that they cast.
   const float r = 0.01f, turn = 0.4f;

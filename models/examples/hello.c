@@ -39,8 +39,8 @@ int main(void) {
     positions[i][1] = 0.02f * (float)layer + 0.2f;
     positions[i][2] = 0.02f * (float)(i / SIDE % SIDE) + 0.01f * (float)(layer % 2);
   }
-  if (sandglass_granular_add(scene, positions[0], NULL, PARTICLES, NULL, NULL, 0, &reason) != SANDGLASS_OK)
-    return fail(reason);
+  const sandglass_points sand = {positions[0], NULL, PARTICLES};
+  if (sandglass_granular_add(scene, &sand, NULL, &reason) != SANDGLASS_OK) return fail(reason);
 
   /* Frames: 60 a second, above a floor at height 0. */
   sandglass_collider ground = {.shape = SANDGLASS_SHAPE_HALF_SPACE, .rotation = {0, 0, 0, 1}};

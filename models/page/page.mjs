@@ -1,6 +1,6 @@
 // The page: a table with a chair, sand that a finger pours and pushes, and what a frame takes.
 import { load, constants } from "./sandglass.mjs";
-import { SandScene, unpacked } from "./scene.mjs";
+import { SandScene, addPoints, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
 import { standing } from "./obj.mjs";
 import { RoomLight, lightOfSky } from "./room_light.mjs";
@@ -215,7 +215,8 @@ class Page {
   }
 
   playFrame(scene, { emitters, colliders, level, runs, gravity, tipped, added }, plan, step) {
-    for (const { particles, grains } of added ?? []) this.addSand(scene, Float32Array.from(particles), Float32Array.from(grains));
+    for (const { particles, grains } of added ?? [])
+      addPoints(this.sand, scene.handle, { positions: Float32Array.from(particles) }, { positions: Float32Array.from(grains) });
     if (gravity && gravity.some((x, k) => x !== this.given[k])) this.setGravity(scene, this.given = gravity);
     this.tipped = tipped === true;
     const first = this.placeWalls(scene);
@@ -348,7 +349,7 @@ class Page {
     const random = () => (seed = (seed * 1664525 + 1013904223) >>> 0) / 2 ** 32 - 0.5;
     for (let i = 0; i < particles.length; i += 3) particles[i] += this.mark[0], particles[i + 1] += k_mesh_above, particles[i + 2] += this.mark[2];
     for (let i = 0; i < grains.length; ++i) grains[i] = particles[3 * Math.floor(i / 3 / k_pour.grains_per_particle) + i % 3] + 2 * k_radius * random();
-    this.addSand(this.scene, particles, grains);
+    addPoints(this.sand, this.scene.handle, { positions: particles }, { positions: grains });
     this.added.push({ particles: [...particles], grains: [...grains] });
     return count;
   }
@@ -358,24 +359,20 @@ class Page {
     const { sand } = this, blocks = [], keep = (block) => { blocks.push(block); return block; };
     try {
       const mesh = keep(sand.make("sandglass_mesh", { vertices: keep(sand.put(vertices)), vertex_count: vertices.length / 3, indices: keep(sand.put(indices)), triangle_count: indices.length / 3 }));
-      const low = keep(sand.allocate(12)), high = keep(sand.allocate(12)), out = keep(sand.allocate(8)), spacing = 2.02 * k_radius;
-      sand.sandglass_mesh_bounds(mesh, low, high);
-      const inside = keep(sand.create("sandglass_mesh_inside", mesh, constants.SANDGLASS_INSIDE_WINDING));
-      const test = sand.pointer("sandglass_mesh_inside_test"), word = () => new Uint32Array(sand.memory.buffer, out, 1)[0];
-      sand.sandglass_sample_lattice_capacity(low, high, spacing, out);
+      const desc = keep(sand.make("sandglass_sample_desc")), out = keep(sand.allocate(8)), word = () => new Uint32Array(sand.memory.buffer, out, 1)[0];
+      sand.sandglass_sample_desc_default(desc);
+      sand.sandglass_mesh_bounds(mesh, desc.bounds_min.byteOffset, desc.bounds_max.byteOffset);
+      desc.set({ method: constants.SANDGLASS_SAMPLE_LATTICE, distance: 2.02 * k_radius, inside: sand.pointer("sandglass_mesh_inside_test"),
+        inside_user: keep(sand.create("sandglass_mesh_inside", mesh, constants.SANDGLASS_INSIDE_WINDING)) });
+      sand.sandglass_sample_capacity(desc, out);
       const capacity = word();
-      sand.sandglass_sample_lattice_bytes(low, high, spacing, out);
+      sand.sandglass_sample_bytes(desc, capacity, out);
       const scratch = word(), block = keep(sand.allocate(scratch)), points = keep(sand.allocate(12 * capacity));
-      sand.sandglass_sample_lattice(low, high, spacing, test, inside, 0, block, scratch, points, capacity, out);
+      sand.sandglass_sample_points(desc, block, scratch, points, capacity, out);
       return sand.floats(points, 3 * word()).slice();
     } finally {
       for (const block of blocks) sand.free(block);
     }
-  }
-
-  addSand(scene, particles, grains) {
-    const { sand } = this, p = sand.put(particles), g = sand.put(grains);
-    try { sand.sandglass_granular_add(scene.handle, p, 0, particles.length / 3, g, 0, grains.length / 3); } finally { sand.free(p), sand.free(g); }
   }
 
   place(event) {

@@ -5,7 +5,7 @@ export const unpacked = (text, Type) => {
   return new Type(bytes.buffer);
 };
 
-// The field of a mesh, made by the library, and its block. Throws the library's sentence.
+// The field of a mesh, made by the library. Throws the library's sentence.
 export function makeField(sand, plan) {
   const vertices = unpacked(plan.vertices, Float32Array), indices = unpacked(plan.indices, Uint32Array);
   const mesh = sand.make("sandglass_mesh", {
@@ -13,17 +13,20 @@ export function makeField(sand, plan) {
     indices: sand.put(indices), triangle_count: indices.length / 3,
   });
   const inside = sand.create("sandglass_mesh_inside", mesh, plan.rule);
-  const low = sand.put(Float32Array.from(plan.low)), high = sand.put(Float32Array.from(plan.high));
-  const out = sand.allocate(8);
-  sand.sandglass_field_bytes(low, high, plan.spacing, out);
-  const bytes = Number(new BigUint64Array(sand.memory.buffer, out, 1)[0]);
-  const block = sand.allocate(bytes);
-  sand.sandglass_field_from_mesh(mesh, sand.pointer("sandglass_mesh_inside_test"), inside, low, high, plan.spacing,
-    plan.band, plan.solid, block, bytes, out);
-  const field = new Uint32Array(sand.memory.buffer, out, 1)[0];
-  sand.destroy(inside);
-  for (const used of [mesh.vertices, mesh.indices, mesh, low, high, out]) sand.free(used);
-  return { field, block };
+  const desc = sand.make("sandglass_field_desc", { solid: plan.solid, bounds_min: plan.low, bounds_max: plan.high, spacing: plan.spacing,
+    band: plan.band, mesh, inside: sand.pointer("sandglass_mesh_inside_test"), inside_user: inside });
+  const field = sand.create("sandglass_field", desc);
+  for (const used of [mesh.vertices, mesh.indices, mesh, inside, desc]) sand.free(used);
+  return field;
+}
+
+// Adds typed arrays of particles and grains: { positions, velocities } of each; without velocities they are at rest.
+export function addPoints(sand, scene, ...particlesAndGrains) {
+  const made = particlesAndGrains.map(({ positions, velocities }) => sand.make("sandglass_points",
+    { positions: sand.put(positions), velocities: velocities && sand.put(velocities), count: positions.length / 3 }));
+  try { sand.sandglass_granular_add(scene, ...made); } finally {
+    for (const points of made) for (const used of [points.positions, points.velocities, points]) sand.free(used);
+  }
 }
 
 // With the module's pool, if it has one. `changes` are fields of sandglass_granular_desc that differ from the file's; `isa` is a sandglass_isa.
@@ -40,11 +43,10 @@ export class SandScene {
 
     // The file's colliders come first, then as many more as were asked for.
     this.colliders = sand.array("sandglass_collider", file.colliders.length + colliders);
-    this.blocks = [];  // of the fields
+    this.fields = [];
     file.colliders.forEach(({ shape, position, rotation, size, field }, i) => {
-      const made = field ? makeField(sand, field) : { field: 0, block: 0 };
-      this.colliders[i].set({ shape, position, rotation, size, field: made.field });
-      this.blocks.push(made.block);
+      this.fields.push(field ? makeField(sand, field) : 0);
+      this.colliders[i].set({ shape, position, rotation, size, field: this.fields[i] });
     });
     this.emitters = sand.array("sandglass_emitter", Math.max(1, desc.granular.emitter_capacity));
     this.grains = sand.allocate(16 * Math.max(1, desc.granular.grain_capacity));
@@ -58,12 +60,9 @@ export class SandScene {
 
   fill() {
     const { sand, file } = this;
-    const arrays = ["particles", "particle_velocities", "grains", "grain_velocities"].map((name) => unpacked(file[name], Float32Array));
-    if (arrays[0].length + arrays[2].length === 0) return;
-    const [particles, velocities, grains, grain_velocities] = arrays.map((array) => sand.put(array));
-    sand.sandglass_granular_add(this.handle, particles, velocities, arrays[0].length / 3, grains, grain_velocities,
-      arrays[2].length / 3);
-    for (const block of [particles, velocities, grains, grain_velocities]) sand.free(block);
+    const array = (name) => unpacked(file[name], Float32Array);
+    addPoints(sand, this.handle, { positions: array("particles"), velocities: array("particle_velocities") },
+      { positions: array("grains"), velocities: array("grain_velocities") });
   }
 
   // The file's emitters that are on when the coming frame begins. Gives how many.
@@ -87,9 +86,9 @@ export class SandScene {
 
   // Gives all memory back.
   destroy() {
-    const { sand, handle, desc, colliders, emitters, grains, input, report, blocks } = this;
+    const { sand, handle, desc, colliders, emitters, grains, input, report, fields } = this;
     sand.destroy(handle);
-    for (const used of [desc, colliders, emitters, grains, input, report, ...blocks]) sand.free(used);
+    for (const used of [desc, colliders, emitters, grains, input, report, ...fields]) sand.free(used);
   }
 
   hash() { return "0x" + this.sand.sandglass_scene_hash(this.handle).toString(16).padStart(16, "0"); }

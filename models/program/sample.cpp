@@ -52,19 +52,19 @@ sandglass_mesh view(const Mesh& mesh) {
   return {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
 }
 
-sandglass_sample_options how_to_sample(const SampleOptions& options, ProgressRelay* relay) {
-  sandglass_sample_options how;
-  sandglass_sample_options_default(&how);
+sandglass_sample_desc how_to_sample(const SampleOptions& options, ProgressRelay* relay) {
+  sandglass_sample_desc how = sandglass::sample_desc();
   how.seed = options.seed;
-  how.progress = ProgressRelay::report, how.user = relay;
+  how.progress = ProgressRelay::report;
+  how.progress_user = relay;
   return how;
 }
 
 Points sample_surface(const Mesh& mesh, const SampleOptions& options) {
   ProgressRelay relay = {"sampling the surface", 0};
-  const sandglass_sample_options how = how_to_sample(options, &relay);
   Points points;
-  expect(cpp::sample_surface(view(mesh), static_cast<float>(options.distance), &points, &how), options);
+  expect(cpp::sample_surface(view(mesh), static_cast<float>(options.distance), &points, how_to_sample(options, &relay)),
+         options);
   return points;
 }
 
@@ -91,8 +91,7 @@ Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOpt
   const double volume = std::fabs(signed_volume(mesh)), cube = options.distance * options.distance * options.distance;
   const double expected = k_poisson_per_cube * volume / cube + 1;
   ProgressRelay relay = {"sampling the volume", static_cast<uint64_t>(expected < 1e18 ? expected : 1e18)};
-  const sandglass_sample_options how = how_to_sample(options, &relay);
-  expect(cpp::sample_volume(box, distance, std::ref(inside), &points, &how), options);
+  expect(cpp::sample_volume(box, distance, std::ref(inside), &points, how_to_sample(options, &relay)), options);
   return points;
 }
 

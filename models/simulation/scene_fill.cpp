@@ -128,10 +128,9 @@ Points lattice_points(const UnitBody& body, double distance) {
 Points poisson_points(const UnitBody& body, double distance, uint64_t seed) {
   expect_possible(body, distance, k_grain_limit, "grains");
   Points points;
-  sandglass_sample_options options;
-  sandglass_sample_options_default(&options);
-  options.seed = seed;
-  body.require(cpp::sample_volume(body.box, static_cast<float>(distance), std::ref(body.inside), &points, &options));
+  sandglass_sample_desc desc = sample_desc();
+  desc.seed = seed;
+  body.require(cpp::sample_volume(body.box, static_cast<float>(distance), std::ref(body.inside), &points, desc));
   return points;
 }
 

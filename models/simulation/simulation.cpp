@@ -24,10 +24,11 @@ Simulation::Simulation(const sandglass_scene_desc& desc) {
 
 void Simulation::add(const Material& material) {
   const char* reason = nullptr;
-  require(sandglass_granular_add(scene_, material.particle_positions.data(), material.particle_velocities.data(),
-                                 material.particles(), material.grain_positions.data(),
-                                 material.grain_velocities.data(), material.grains(), &reason),
-          reason);
+  const sandglass_points particles = {material.particle_positions.data(), material.particle_velocities.data(),
+                                      material.particles()},
+                         grains = {material.grain_positions.data(), material.grain_velocities.data(),
+                                   material.grains()};
+  require(sandglass_granular_add(scene_, &particles, &grains, &reason), reason);
   for (const RigidSample& sample : material.rigid) {
     sandglass_body body;
     sandglass_body_default(&body);

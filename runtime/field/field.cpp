@@ -18,10 +18,19 @@ constexpr uint64_t k_header =
     (sizeof(sandglass_field) + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT;
 constexpr float k_far = 1e30f;
 
-// Counts the nodes of the box. Null, or a sentence that says what is wrong.
-const char* measure(const float low[3], const float high[3], float spacing, uint32_t counts[3]) {
-  if (low == nullptr || high == nullptr)
-    return "sandglass_field: bounds_min or bounds_max is NULL: pass the corners of the box.";
+// Counts the nodes of the box. Null, or a sentence that says what is wrong; the mesh is not looked into.
+const char* measure(const sandglass_field_desc* desc, uint32_t counts[3]) {
+  if (desc == nullptr || desc->struct_size != sizeof *desc)
+    return "sandglass_field: desc is NULL or its struct_size is wrong: start from sandglass_field_desc_default.";
+  if (desc->solid != SANDGLASS_SOLID_INSIDE && desc->solid != SANDGLASS_SOLID_OUTSIDE)
+    return "sandglass_field: solid must be a SANDGLASS_SOLID value.";
+  if ((desc->mesh == nullptr) == (desc->distance == nullptr))
+    return "sandglass_field: mesh and distance are both NULL, or neither is: pass one of them.";
+  if (desc->mesh != nullptr && desc->inside == nullptr)
+    return "sandglass_field: inside is NULL: pass sandglass_mesh_inside_test, or a function of yours.";
+  if (!(desc->band >= 0.0f && desc->band <= SANDGLASS_COORDINATE_LIMIT))
+    return "sandglass_field: band must be 0 to 1000 metres.";
+  const float *low = desc->bounds_min, *high = desc->bounds_max, spacing = desc->spacing;
   if (!(spacing >= 1e-5f && spacing <= 100.0f)) return "sandglass_field: spacing must be 0.00001 to 100 metres.";
   double nodes = 1.0;
   for (int k = 0; k < 3; ++k) {
@@ -57,18 +66,9 @@ struct Nodes {
   }
 };
 
-sandglass_status begin(const float low[3], const float high[3], float spacing, sandglass_solid solid, void* block,
-                       uint64_t bytes, sandglass_field** field, Nodes* nodes, const char** reason) {
-  if (const char* sentence = measure(low, high, spacing, nodes->counts)) return refuse(reason, sentence);
-  if (solid != SANDGLASS_SOLID_INSIDE && solid != SANDGLASS_SOLID_OUTSIDE)
-    return refuse(reason, "sandglass_field: solid must be a SANDGLASS_SOLID value.");
-  if (field == nullptr) return refuse(reason, "sandglass_field: field is NULL: pass where to store the field.");
-  const sandglass_status usable = check_block(block, bytes, bytes_of(nodes->counts), reason);
-  if (usable != SANDGLASS_OK) return usable;
-  nodes->values = reinterpret_cast<float*>(static_cast<uint8_t*>(block) + k_header);
-  for (int k = 0; k < 3; ++k) nodes->low[k] = low[k];
-  nodes->spacing = spacing;
-  return SANDGLASS_OK;
+sandglass_status check(const sandglass_field_desc* desc, uint32_t counts[3], const char** reason) {
+  if (const char* sentence = measure(desc, counts)) return refuse(reason, sentence);
+  return desc->mesh != nullptr ? check_mesh(desc->mesh, reason) : accept(reason);
 }
 
 // Writes the header once the values are there. Finds the border and refuses a surface that leaves the box.
@@ -201,63 +201,26 @@ void spread(const Nodes& n, bool forward) {
   }
 }
 
-}  // namespace
-
-}  // namespace sandglass
-
-using namespace sandglass;
-
-sandglass_status sandglass_field_bytes(const float bounds_min[3], const float bounds_max[3], float spacing,
-                                       uint64_t* bytes, const char** reason) {
-  uint32_t counts[3];
-  if (const char* sentence = measure(bounds_min, bounds_max, spacing, counts)) return refuse(reason, sentence);
-  if (bytes == nullptr) return refuse(reason, "sandglass_field_bytes: bytes is NULL: pass where to store the size.");
-  *bytes = bytes_of(counts);
-  return accept(reason);
-}
-
-sandglass_status sandglass_field_from_function(const float bounds_min[3], const float bounds_max[3], float spacing,
-                                               sandglass_solid solid, sandglass_distance distance, void* user,
-                                               void* block, uint64_t bytes, sandglass_field** field,
-                                               const char** reason) {
-  Nodes n = {};
-  const sandglass_status status = begin(bounds_min, bounds_max, spacing, solid, block, bytes, field, &n, reason);
-  if (status != SANDGLASS_OK) return status;
-  if (distance == nullptr)
-    return refuse(reason, "sandglass_field_from_function: distance is NULL: pass the function that gives distances.");
+void ask_function(const Nodes& n, const sandglass_field_desc& desc) {
   for (uint32_t k = 0; k < n.counts[2]; ++k) {
     for (uint32_t j = 0; j < n.counts[1]; ++j) {
       for (uint32_t i = 0; i < n.counts[0]; ++i) {
         float point[3];
         n.place(i, j, k, point);
-        n.values[n.at(i, j, k)] = distance(user, point);
+        n.values[n.at(i, j, k)] = desc.distance(desc.distance_user, point);
       }
     }
   }
-  return finish(n, solid, block, field, reason);
 }
 
-sandglass_status sandglass_field_from_mesh(const sandglass_mesh* mesh, sandglass_inside inside, void* inside_user,
-                                           const float bounds_min[3], const float bounds_max[3], float spacing,
-                                           float band, sandglass_solid solid, void* block, uint64_t bytes,
-                                           sandglass_field** field, const char** reason) {
-  Nodes n = {};
-  float low[3], high[3];
-  sandglass_status status = sandglass_mesh_bounds(mesh, low, high, reason);  // checks the mesh too
-  if (status != SANDGLASS_OK) return status;
-  status = begin(bounds_min, bounds_max, spacing, solid, block, bytes, field, &n, reason);
-  if (status != SANDGLASS_OK) return status;
-  if (inside == nullptr)
-    return refuse(
-        reason, "sandglass_field_from_mesh: inside is NULL: pass sandglass_mesh_inside_test, or a function of yours.");
-  if (!(band >= 0.0f && band <= SANDGLASS_COORDINATE_LIMIT))
-    return refuse(reason, "sandglass_field_from_mesh: band must be 0 to 1000 metres.");
-  const float reach = band > 2.0f * spacing ? band : 2.0f * spacing;
+void measure_mesh(const Nodes& n, const sandglass_field_desc& desc) {
+  const sandglass_mesh& mesh = *desc.mesh;
+  const float reach = desc.band > 2.0f * n.spacing ? desc.band : 2.0f * n.spacing;
   const uint64_t count = static_cast<uint64_t>(n.counts[0]) * n.counts[1] * n.counts[2];
   for (uint64_t i = 0; i < count; ++i) n.values[i] = k_far;
-  for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+  for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
     const float* corners[3];
-    for (int v = 0; v < 3; ++v) corners[v] = mesh->vertices + 3ull * mesh->indices[3ull * t + v];
+    for (int v = 0; v < 3; ++v) corners[v] = mesh.vertices + 3ull * mesh.indices[3ull * t + v];
     write_triangle(n, corners, reach);
   }
   // Beyond the band the triangles that reached a node need not be the nearest: those nodes are left to the passes.
@@ -272,12 +235,45 @@ sandglass_status sandglass_field_from_mesh(const sandglass_mesh* mesh, sandglass
       for (uint32_t i = 0; i < n.counts[0]; ++i) {
         float point[3];
         n.place(i, j, k, point);
-        const bool is_inside = inside(inside_user, point) != 0;
-        if (is_inside == (solid == SANDGLASS_SOLID_INSIDE)) n.values[n.at(i, j, k)] = -n.values[n.at(i, j, k)];
+        const bool is_inside = desc.inside(desc.inside_user, point) != 0;
+        if (is_inside == (desc.solid == SANDGLASS_SOLID_INSIDE)) n.values[n.at(i, j, k)] = -n.values[n.at(i, j, k)];
       }
     }
   }
-  return finish(n, solid, block, field, reason);
+}
+
+}  // namespace
+
+}  // namespace sandglass
+
+using namespace sandglass;
+
+void sandglass_field_desc_default(sandglass_field_desc* desc) {
+  if (desc == nullptr) return;
+  *desc = {};
+  desc->struct_size = sizeof *desc;
+}
+
+sandglass_status sandglass_field_bytes(const sandglass_field_desc* desc, uint64_t* bytes, const char** reason) {
+  uint32_t counts[3];
+  if (const sandglass_status status = check(desc, counts, reason)) return status;
+  if (bytes == nullptr) return refuse(reason, "sandglass_field_bytes: bytes is NULL: pass where to store the size.");
+  *bytes = bytes_of(counts);
+  return accept(reason);
+}
+
+sandglass_status sandglass_field_create(const sandglass_field_desc* desc, void* block, uint64_t bytes,
+                                        sandglass_field** field, const char** reason) {
+  Nodes n = {};
+  if (const sandglass_status status = check(desc, n.counts, reason)) return status;
+  if (field == nullptr) return refuse(reason, "sandglass_field: field is NULL: pass where to store the field.");
+  if (const sandglass_status status = check_block(block, bytes, bytes_of(n.counts), reason)) return status;
+  n.values = reinterpret_cast<float*>(static_cast<uint8_t*>(block) + k_header);
+  for (int k = 0; k < 3; ++k) n.low[k] = desc->bounds_min[k];
+  n.spacing = desc->spacing;
+  if (desc->mesh != nullptr) measure_mesh(n, *desc);
+  else ask_function(n, *desc);
+  return finish(n, desc->solid, block, field, reason);
 }
 
 float sandglass_field_distance(const sandglass_field* field, const float point[3], float normal[3]) {

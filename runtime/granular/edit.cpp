@@ -33,43 +33,44 @@ void add_grain(Granular* g, const float position[3], const float velocity[3]) {
 
 }  // namespace
 
-sandglass_status granular_add(Granular* g, const float* particles, const float* particle_velocities,
-                              uint32_t particle_count, const float* grains, const float* grain_velocities,
-                              uint32_t grain_count, const char** reason) {
-  if ((particle_count != 0 && particles == nullptr) || (grain_count != 0 && grains == nullptr)) {
+sandglass_status granular_add(Granular* g, const sandglass_points& particles, const sandglass_points& grains,
+                              const char** reason) {
+  if ((particles.count != 0 && particles.positions == nullptr) || (grains.count != 0 && grains.positions == nullptr)) {
     return refuse(
-        reason, "particle_positions or grain_positions is NULL but its count is above 0: pass 3 floats for each item.");
+        reason,
+        "particles.positions or grains.positions is NULL but its count is above 0: pass 3 floats for each item.");
   }
-  if (particle_count > g->desc.particle_capacity - g->particles.count) {
+  if (particles.count > g->desc.particle_capacity - g->particles.count) {
     return refuse(reason, SANDGLASS_ERROR_CAPACITY,
                   "more particles than granular.particle_capacity has room for: raise it.");
   }
-  if (grain_count > g->desc.grain_capacity - g->grains.count) {
+  if (grains.count > g->desc.grain_capacity - g->grains.count) {
     return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.");
   }
-  if (!items_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
-      !items_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
+  if (!items_within(particles.positions, particles.count, SANDGLASS_COORDINATE_LIMIT) ||
+      !items_within(grains.positions, grains.count, SANDGLASS_COORDINATE_LIMIT)) {
     return refuse(reason,
                   "a position is not finite or more than 1000 m from the scene origin: move the "
                   "origin nearer.");
   }
-  if ((particle_velocities != nullptr && !items_within(particle_velocities, particle_count, k_speed_limit)) ||
-      (grain_velocities != nullptr && !items_within(grain_velocities, grain_count, k_speed_limit))) {
+  if ((particles.velocities != nullptr && !items_within(particles.velocities, particles.count, k_speed_limit)) ||
+      (grains.velocities != nullptr && !items_within(grains.velocities, grains.count, k_speed_limit))) {
     return refuse(reason, "a velocity is not finite or above 10000 m/s: check where it comes from.");
   }
-  if (particle_count != 0) {
+  const auto velocity = [](const sandglass_points& points, uint64_t i) {
+    return points.velocities == nullptr ? k_at_rest : points.velocities + 3 * i;
+  };
+  if (particles.count != 0) {
     substep_abandon(g);
-    for (uint64_t i = 0; i < particle_count; ++i)
-      add_particle(g, particles + 3 * i, particle_velocities == nullptr ? k_at_rest : particle_velocities + 3 * i);
+    for (uint64_t i = 0; i < particles.count; ++i) add_particle(g, particles.positions + 3 * i, velocity(particles, i));
     neighbours_invalidate(&g->neighbours);
     sweep_particles_changed(&g->sweep);
     granular_seal(g);
   }
-  if (grain_count != 0) {
+  if (grains.count != 0) {
     if (g->grains.count == 0) motion_begin_here(g->motion, *g);
-    for (uint64_t i = 0; i < grain_count; ++i)
-      add_grain(g, grains + 3 * i, grain_velocities == nullptr ? k_at_rest : grain_velocities + 3 * i);
-    sweep_grains_added(g, grain_count);
+    for (uint64_t i = 0; i < grains.count; ++i) add_grain(g, grains.positions + 3 * i, velocity(grains, i));
+    sweep_grains_added(g, grains.count);
   }
   return accept(reason);
 }
@@ -437,8 +438,7 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
                   "sandglass_granular_add_body: more bodies or body particles than granular.body_capacity and "
                   "body_particle_capacity have room for: raise them.");
   const uint32_t first_record = g->particles.count;
-  const sandglass_status added =
-      granular_add(g, desc->particle_positions, nullptr, desc->particle_count, nullptr, nullptr, 0, reason);
+  const sandglass_status added = granular_add(g, {desc->particle_positions, nullptr, desc->particle_count}, {}, reason);
   if (added != SANDGLASS_OK) return added;
 
   bodies_add(&g->bodies, *g, number, *desc, first_record);

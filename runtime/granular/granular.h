@@ -146,9 +146,8 @@ uint32_t granular_drain_grains(Granular* granular, uint32_t first);
 void granular_after_removal(Granular* granular);
 
 // What the app does between frames (edit.cpp).
-sandglass_status granular_add(Granular* granular, const float* particles, const float* particle_velocities,
-                              uint32_t particle_count, const float* grains, const float* grain_velocities,
-                              uint32_t grain_count, const char** reason);
+sandglass_status granular_add(Granular* granular, const sandglass_points& particles, const sandglass_points& grains,
+                              const char** reason);
 sandglass_status granular_remove(Granular* granular, const sandglass_collider* region, uint32_t* particles,
                                  uint32_t* grains, const char** reason);
 sandglass_status granular_set_boundary(Granular* granular, const float* positions, uint32_t count, const char** reason);

@@ -28,45 +28,20 @@ sandglass_status check_mesh(const sandglass_mesh* mesh, const char** reason) {
   return accept(reason);
 }
 
-sandglass_status check_box(const float bounds_min[3], const float bounds_max[3], const char** reason) {
-  if (bounds_min == nullptr || bounds_max == nullptr)
-    return refuse(reason, "bounds_min or bounds_max is NULL: pass the volume's bounding box");
+sandglass_status check_volume(const sandglass_sample_desc& desc, const char** reason) {
   for (int k = 0; k < 3; ++k)
-    if (!is_coordinate(bounds_min[k]) || !is_coordinate(bounds_max[k]) || bounds_min[k] > bounds_max[k])
-      return refuse(
-          reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-          "the bounding box is inverted, not finite or beyond SANDGLASS_COORDINATE_LIMIT: see sandglass_mesh_bounds");
-  return accept(reason);
-}
-
-sandglass_status check_distance(float distance, const char** reason) {
-  if (!is_finite(distance) || !(distance > 0))
-    return refuse(reason, "distance is not a finite number above 0: give it in metres");
-  return accept(reason);
-}
-
-sandglass_status check_options(const sandglass_sample_options* options, sandglass_sample_options* resolved,
-                               const char** reason) {
-  sandglass_sample_options_default(resolved);
-  if (options == nullptr) return accept(reason);
-  if (options->struct_size != sizeof(sandglass_sample_options))
-    return refuse(reason, "options.struct_size is wrong: start from sandglass_sample_options_default");
-  if (options->tries < 1 || options->tries > 1000)
-    return refuse(reason, "options.tries is not in 1..1000: 30 is a good value");
-  if (options->metric != SANDGLASS_METRIC_EUCLIDEAN && options->metric != SANDGLASS_METRIC_GEODESIC)
-    return refuse(reason, "options.metric is none of sandglass_metric: use EUCLIDEAN or GEODESIC");
-  *resolved = *options;
+    if (!is_coordinate(desc.bounds_min[k]) || !is_coordinate(desc.bounds_max[k]) ||
+        desc.bounds_min[k] > desc.bounds_max[k])
+      return refuse(reason,
+                    "desc.bounds_min and desc.bounds_max are inverted, not finite or beyond "
+                    "SANDGLASS_COORDINATE_LIMIT: see sandglass_mesh_bounds");
+  if (desc.inside == nullptr) return refuse(reason, "desc.inside is NULL: pass an inside test");
   return accept(reason);
 }
 
 }  // namespace sandglass
 
 extern "C" {
-
-void sandglass_sample_options_default(sandglass_sample_options* options) {
-  if (options == nullptr) return;
-  *options = {sizeof(sandglass_sample_options), 30, 1, SANDGLASS_METRIC_EUCLIDEAN, nullptr, nullptr};
-}
 
 sandglass_status sandglass_mesh_bounds(const sandglass_mesh* mesh, float bounds_min[3], float bounds_max[3],
                                        const char** reason) {

@@ -14,10 +14,7 @@ constexpr double k_axis_cell_limit = 1 << 20;
 
 // Each returns SANDGLASS_OK, or refuses.
 sandglass_status check_mesh(const sandglass_mesh* mesh, const char** reason);
-sandglass_status check_box(const float bounds_min[3], const float bounds_max[3], const char** reason);
-sandglass_status check_distance(float distance, const char** reason);
-// *resolved: the options, or the defaults where `options` is NULL.
-sandglass_status check_options(const sandglass_sample_options* options, sandglass_sample_options* resolved,
-                               const char** reason);
+// The box and the inside test of a volume.
+sandglass_status check_volume(const sandglass_sample_desc& desc, const char** reason);
 
 }  // namespace sandglass

@@ -73,7 +73,7 @@ sandglass_status sandglass_mesh_inside_create(const sandglass_mesh* mesh, sandgl
   return accept(reason);
 }
 
-int sandglass_mesh_inside_test(void* user, const float point[3]) {
+int32_t sandglass_mesh_inside_test(void* user, const float point[3]) {
   const auto* inside = static_cast<const sandglass_mesh_inside*>(user);
   if (inside == nullptr || point == nullptr) return 0;
   for (int k = 0; k < 3; ++k)

@@ -4,6 +4,7 @@
 #include "runtime/core/layout.h"
 #include "runtime/core/math.h"
 #include "runtime/sampling/arguments.h"
+#include "runtime/sampling/methods.h"
 
 namespace sandglass {
 namespace {
@@ -19,16 +20,14 @@ struct Lattice {
 
 // Alg. 3, lines 1-3. Where the extent is a whole number of spacings there is one more site than the ceiling of the
 // dissertation gives: the last layer lies on the far face of the box, which belongs to the box.
-sandglass_status measure(const float bounds_min[3], const float bounds_max[3], float distance, Lattice* lattice,
-                         const char** reason) {
-  if (const sandglass_status status = check_box(bounds_min, bounds_max, reason)) return status;
-  if (const sandglass_status status = check_distance(distance, reason)) return status;
-  lattice->distance = static_cast<double>(distance);
+sandglass_status measure(const sandglass_sample_desc& desc, Lattice* lattice, const char** reason) {
+  if (const sandglass_status status = check_volume(desc, reason)) return status;
+  lattice->distance = static_cast<double>(desc.distance);
   const double spacing[3] = {1, square_root(6.0) / 3, square_root(3.0) / 2};
   double total = 1;
   for (int k = 0; k < 3; ++k) {
-    lattice->origin[k] = static_cast<double>(bounds_min[k]);
-    lattice->far[k] = static_cast<double>(bounds_max[k]);
+    lattice->origin[k] = static_cast<double>(desc.bounds_min[k]);
+    lattice->far[k] = static_cast<double>(desc.bounds_max[k]);
     const double sites = (lattice->far[k] - lattice->origin[k]) / (spacing[k] * lattice->distance);
     total *= sites + 1;
     if (!(total <= static_cast<double>(k_point_limit)))
@@ -58,70 +57,35 @@ bool place_site(const Lattice& lattice, uint64_t index, float point[3]) {
 }
 
 }  // namespace
-}  // namespace sandglass
 
-using namespace sandglass;
-
-extern "C" {
-
-sandglass_status sandglass_sample_lattice_capacity(const float bounds_min[3], const float bounds_max[3], float distance,
-                                                   uint32_t* capacity, const char** reason) {
+sandglass_status sample_on_lattice(const sandglass_sample_desc& desc, SampleCall* call, const char** reason) {
   Lattice lattice;
-  if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &lattice, reason)) return status;
-  if (capacity == nullptr) return refuse(reason, "capacity is NULL: pass room for a number");
-  *capacity = static_cast<uint32_t>(lattice.total);
-  return accept(reason);
-}
-
-sandglass_status sandglass_sample_lattice_bytes(const float bounds_min[3], const float bounds_max[3], float distance,
-                                                uint64_t* bytes, const char** reason) {
-  Lattice lattice;
-  if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &lattice, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass room for a number");
-  Layout layout;
-  lay_out(&layout, lattice);
-  *bytes = layout.size;
-  return accept(reason);
-}
-
-sandglass_status sandglass_sample_lattice(const float bounds_min[3], const float bounds_max[3], float distance,
-                                          sandglass_inside inside, void* inside_user,
-                                          const sandglass_sample_options* options, void* scratch,
-                                          uint64_t scratch_bytes, float* points, uint32_t capacity, uint32_t* count,
-                                          const char** reason) {
-  if (count == nullptr) return refuse(reason, "count is NULL: pass room for a number");
-  *count = 0;
-  Lattice lattice;
-  sandglass_sample_options resolved;
-  if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &lattice, reason)) return status;
-  if (const sandglass_status status = check_options(options, &resolved, reason)) return status;
-  if (inside == nullptr || points == nullptr)
-    return refuse(reason, "inside or points is NULL: pass an inside test and room for 3*capacity floats");
+  if (const sandglass_status status = measure(desc, &lattice, reason)) return status;
+  call->enough = static_cast<uint32_t>(lattice.total);
   Layout size;
   lay_out(&size, lattice);
-  if (const sandglass_status status = check_block(scratch, scratch_bytes, size.size, reason)) return status;
+  call->bytes = size.size;
+  if (call->points == nullptr) return accept(reason);
+  if (const sandglass_status status = check_block(call->scratch, call->scratch_bytes, call->bytes, reason))
+    return status;
 
   Layout layout;
-  layout.base = static_cast<uint8_t*>(scratch);
+  layout.base = static_cast<uint8_t*>(call->scratch);
   uint64_t* bits = lay_out(&layout, lattice);
   for (uint64_t word = 0; word < (lattice.total + 63) / 64; ++word) bits[word] = 0;
   uint64_t found = 0;
   float point[3];
   for (uint64_t index = 0; index < lattice.total; ++index) {
-    if (resolved.progress != nullptr && index % k_progress_interval == 0 && index > 0)
-      resolved.progress(resolved.user, index, lattice.total);
-    if (!place_site(lattice, index, point) || inside(inside_user, point) == 0) continue;
+    if (desc.progress != nullptr && index % k_progress_interval == 0 && index > 0)
+      desc.progress(desc.progress_user, index, lattice.total);
+    if (!place_site(lattice, index, point) || desc.inside(desc.inside_user, point) == 0) continue;
     bits[index / 64] |= 1ull << (index % 64);
     ++found;
   }
-  if (found > capacity)
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "more samples than capacity: see sandglass_sample_lattice_capacity, or enlarge distance");
-  uint64_t written = 0;
+  if (found > call->capacity) return refuse(reason, SANDGLASS_ERROR_CAPACITY, k_beyond_capacity);
   for (uint64_t index = 0; index < lattice.total; ++index)
-    if (bits[index / 64] >> (index % 64) & 1) place_site(lattice, index, points + 3 * written++);
-  *count = static_cast<uint32_t>(found);
+    if (bits[index / 64] >> (index % 64) & 1) place_site(lattice, index, call->points + 3ull * call->count++);
   return accept(reason);
 }
 
-}  // extern "C"
+}  // namespace sandglass

@@ -10,6 +10,7 @@
 #include "runtime/sampling/arguments.h"
 #include "runtime/sampling/candidate_grid.h"
 #include "runtime/sampling/geodesic.h"
+#include "runtime/sampling/methods.h"
 
 namespace sandglass {
 namespace {
@@ -17,9 +18,7 @@ namespace {
 constexpr uint32_t k_progress_interval = 1024;  // samples
 
 struct SurfaceNeed {
-  const sandglass_mesh* mesh;
-  float distance;
-  sandglass_sample_options options;
+  const sandglass_sample_desc& desc;
   double area;
   float bounds_min[3], bounds_max[3];
   uint32_t candidates;
@@ -35,17 +34,14 @@ struct SurfaceMemory {
   Geodesic geodesic;
 };
 
-sandglass_status measure(const sandglass_mesh* mesh, float distance, const sandglass_sample_options* options,
-                         SurfaceNeed* need, const char** reason) {
+sandglass_status measure(SurfaceNeed* need, const char** reason) {
+  const sandglass_mesh* mesh = need->desc.mesh;
+  const float distance = need->desc.distance;
   if (const sandglass_status status = sandglass_mesh_bounds(mesh, need->bounds_min, need->bounds_max, reason))
     return status;
-  if (const sandglass_status status = check_distance(distance, reason)) return status;
-  if (const sandglass_status status = check_options(options, &need->options, reason)) return status;
-  need->mesh = mesh;
-  need->distance = distance;
   need->area = sum_areas(*mesh, nullptr);
   if (!(need->area > 0)) return refuse(reason, "the mesh's triangles have no area: check its vertices");
-  const double candidates = candidate_count(need->area, distance, need->options.tries);
+  const double candidates = candidate_count(need->area, distance, need->desc.tries);
   if (!(candidates <= k_point_limit))
     return refuse(reason, "distance is too small: more than 2^30 candidates; enlarge it or shrink the mesh");
   for (int k = 0; k < 3; ++k) {
@@ -63,27 +59,27 @@ sandglass_status measure(const sandglass_mesh* mesh, float distance, const sandg
 SurfaceMemory lay_out(Layout* layout, const SurfaceNeed& need) {
   const uint64_t buckets = 1ull << need.bucket_bits;
   SurfaceMemory memory = {};
-  memory.running = layout_region<double>(layout, "sampling.surface.running", need.mesh->triangle_count);
+  memory.running = layout_region<double>(layout, "sampling.surface.running", need.desc.mesh->triangle_count);
   memory.grid.first = layout_region<uint32_t>(layout, "sampling.surface.first", buckets);
   memory.grid.live = layout_region<uint32_t>(layout, "sampling.surface.live", buckets);
   memory.grid.records = layout_region<Candidate>(layout, "sampling.surface.records", need.candidates);
   memory.samples = layout_region<uint32_t>(layout, "sampling.surface.samples", need.capacity);
   memory.active = layout_region<uint32_t>(layout, "sampling.surface.active", need.capacity);
-  if (need.options.metric == SANDGLASS_METRIC_GEODESIC)
-    memory.geodesic = lay_out_geodesic(layout, need.mesh, need.candidates);
+  if (need.desc.metric == SANDGLASS_METRIC_GEODESIC)
+    memory.geodesic = lay_out_geodesic(layout, need.desc.mesh, need.candidates);
   return memory;
 }
 
 void fill_grid(const SurfaceNeed& need, SurfaceMemory* memory) {
   CandidateGrid& grid = memory->grid;
   for (int k = 0; k < 3; ++k) grid.origin[k] = static_cast<double>(need.bounds_min[k]);
-  grid.cells_per_metre = cells_per_metre(need.distance);
+  grid.cells_per_metre = cells_per_metre(need.desc.distance);
   grid.bucket_bits = need.bucket_bits;
-  sum_areas(*need.mesh, memory->running);
+  sum_areas(*need.desc.mesh, memory->running);
   const uint32_t buckets = 1u << need.bucket_bits;
   for (uint32_t b = 0; b < buckets; ++b) grid.live[b] = 0;
 
-  CandidateStream stream = candidate_stream(*need.mesh, memory->running, need.area, need.options.seed);
+  CandidateStream stream = candidate_stream(*need.desc.mesh, memory->running, need.area, need.desc.seed);
   for (uint32_t i = 0; i < need.candidates; ++i) ++grid.live[bucket_of(grid, draw_candidate(&stream).position)];
   uint32_t start = 0;
   for (uint32_t b = 0; b < buckets; ++b) {
@@ -91,7 +87,7 @@ void fill_grid(const SurfaceNeed& need, SurfaceMemory* memory) {
     grid.first[b] = grid.live[b] = start;
     start += size;
   }
-  stream = candidate_stream(*need.mesh, memory->running, need.area, need.options.seed);
+  stream = candidate_stream(*need.desc.mesh, memory->running, need.area, need.desc.seed);
   for (uint32_t i = 0; i < need.candidates; ++i) {
     const Candidate candidate = draw_candidate(&stream);
     grid.records[grid.live[bucket_of(grid, candidate.position)]++] = candidate;
@@ -129,7 +125,7 @@ uint32_t retire_geodesic(SurfaceRun* run, const Candidate& sample, const uint32_
   for (uint32_t n = 0; n < bucket_count; ++n)
     for (uint32_t i = grid.first[buckets[n]]; i < grid.live[buckets[n]]; ++i)
       if (distance_squared(grid.records[i].position, sample.position) < run->distance_squared) add_near(geodesic, i);
-  const double distance = static_cast<double>(run->need.distance);
+  const double distance = static_cast<double>(run->need.desc.distance);
   measure_near(geodesic, sample.position, sample.triangle, distance);
   // Backwards: what is swapped into a retired place comes from further back, where all is decided.
   uint32_t retired = 0;
@@ -152,11 +148,11 @@ bool take_sample(SurfaceRun* run, uint32_t bucket, uint32_t record) {
   const Candidate candidate = memory.grid.records[sample];
   uint32_t buckets[27];
   const uint32_t bucket_count = neighbour_buckets(memory.grid, candidate.position, buckets);
-  run->retired += 1 + (run->need.options.metric == SANDGLASS_METRIC_GEODESIC
+  run->retired += 1 + (run->need.desc.metric == SANDGLASS_METRIC_GEODESIC
                            ? retire_geodesic(run, candidate, buckets, bucket_count)
                            : retire_euclidean(run, candidate, buckets, bucket_count));
-  if (run->need.options.progress != nullptr && run->sample_count % k_progress_interval == 0)
-    run->need.options.progress(run->need.options.user, run->retired, run->need.candidates);
+  if (run->need.desc.progress != nullptr && run->sample_count % k_progress_interval == 0)
+    run->need.desc.progress(run->need.desc.progress_user, run->retired, run->need.candidates);
   return true;
 }
 
@@ -193,63 +189,31 @@ bool sample_all(SurfaceRun* run) {
 }
 
 }  // namespace
-}  // namespace sandglass
 
-using namespace sandglass;
-
-extern "C" {
-
-sandglass_status sandglass_sample_surface_capacity(const sandglass_mesh* mesh, float distance,
-                                                   const sandglass_sample_options* options, uint32_t* capacity,
-                                                   const char** reason) {
-  SurfaceNeed need;
-  if (const sandglass_status status = measure(mesh, distance, options, &need, reason)) return status;
-  if (capacity == nullptr) return refuse(reason, "capacity is NULL: pass room for a number");
-  *capacity = need.candidates;
-  return accept(reason);
-}
-
-sandglass_status sandglass_sample_surface_bytes(const sandglass_mesh* mesh, float distance,
-                                                const sandglass_sample_options* options, uint32_t capacity,
-                                                uint64_t* bytes, const char** reason) {
-  SurfaceNeed need;
-  if (const sandglass_status status = measure(mesh, distance, options, &need, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass room for a number");
-  need.capacity = capacity < need.candidates ? capacity : need.candidates;
-  Layout layout;
-  lay_out(&layout, need);
-  *bytes = layout.size;
-  return accept(reason);
-}
-
-sandglass_status sandglass_sample_surface(const sandglass_mesh* mesh, float distance,
-                                          const sandglass_sample_options* options, void* scratch,
-                                          uint64_t scratch_bytes, float* points, uint32_t capacity, uint32_t* count,
-                                          const char** reason) {
-  if (count == nullptr) return refuse(reason, "count is NULL: pass room for a number");
-  *count = 0;
-  SurfaceNeed need;
-  if (const sandglass_status status = measure(mesh, distance, options, &need, reason)) return status;
-  if (points == nullptr) return refuse(reason, "points is NULL: pass room for 3*capacity floats");
-  need.capacity = capacity < need.candidates ? capacity : need.candidates;
+sandglass_status sample_on_surface(const sandglass_sample_desc& desc, SampleCall* call, const char** reason) {
+  SurfaceNeed need = {desc, 0, {}, {}, 0, 0, 0};
+  if (const sandglass_status status = measure(&need, reason)) return status;
+  need.capacity = call->capacity < need.candidates ? call->capacity : need.candidates;
+  call->enough = need.candidates;
   Layout size;
   lay_out(&size, need);
-  if (const sandglass_status status = check_block(scratch, scratch_bytes, size.size, reason)) return status;
+  call->bytes = size.size;
+  if (call->points == nullptr) return accept(reason);
+  if (const sandglass_status status = check_block(call->scratch, call->scratch_bytes, call->bytes, reason))
+    return status;
 
   Layout layout;
-  layout.base = static_cast<uint8_t*>(scratch);
+  layout.base = static_cast<uint8_t*>(call->scratch);
   SurfaceMemory memory = lay_out(&layout, need);
   fill_grid(need, &memory);
-  if (need.options.metric == SANDGLASS_METRIC_GEODESIC) build_geodesic(&memory.geodesic, memory.grid.records);
-  const double l = static_cast<double>(distance);
-  SurfaceRun run = {need, memory, random_stream(need.options.seed, k_stream_growth), l * l, 0, 0, 0};
-  if (!sample_all(&run))
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "more samples than capacity: see sandglass_sample_surface_capacity, or enlarge distance");
+  if (desc.metric == SANDGLASS_METRIC_GEODESIC) build_geodesic(&memory.geodesic, memory.grid.records);
+  const double l = static_cast<double>(desc.distance);
+  SurfaceRun run = {need, memory, random_stream(desc.seed, k_stream_growth), l * l, 0, 0, 0};
+  if (!sample_all(&run)) return refuse(reason, SANDGLASS_ERROR_CAPACITY, k_beyond_capacity);
   for (uint32_t i = 0; i < run.sample_count; ++i)
-    for (int k = 0; k < 3; ++k) points[3ull * i + k] = memory.grid.records[memory.samples[i]].position[k];
-  *count = run.sample_count;
+    for (int k = 0; k < 3; ++k) call->points[3ull * i + k] = memory.grid.records[memory.samples[i]].position[k];
+  call->count = run.sample_count;
   return accept(reason);
 }
 
-}  // extern "C"
+}  // namespace sandglass

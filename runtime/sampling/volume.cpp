@@ -9,6 +9,7 @@
 #include "kernels/whole.h"
 #include "runtime/core/layout.h"
 #include "runtime/sampling/arguments.h"
+#include "runtime/sampling/methods.h"
 
 namespace sandglass {
 namespace {
@@ -42,11 +43,9 @@ double packing_bound(const CellGrid& grid) {
   return bound;
 }
 
-sandglass_status measure(const float bounds_min[3], const float bounds_max[3], float distance, CellGrid* grid,
-                         const char** reason) {
-  if (const sandglass_status status = check_box(bounds_min, bounds_max, reason)) return status;
-  if (const sandglass_status status = check_distance(distance, reason)) return status;
-  if (!make_cell_grid(bounds_min, bounds_max, distance, grid) || !(packing_bound(*grid) < 0xFFFFFFFEu))
+sandglass_status measure(const sandglass_sample_desc& desc, CellGrid* grid, const char** reason) {
+  if (const sandglass_status status = check_volume(desc, reason)) return status;
+  if (!make_cell_grid(desc.bounds_min, desc.bounds_max, desc.distance, grid) || !(packing_bound(*grid) < 0xFFFFFFFEu))
     return refuse(reason, "distance is too small: more than 2^30 cells of it in the bounding box; enlarge it");
   return accept(reason);
 }
@@ -54,12 +53,10 @@ sandglass_status measure(const float bounds_min[3], const float bounds_max[3], f
 struct VolumeRun {
   const CellGrid& grid;
   const VolumeMemory& memory;
-  sandglass_sample_options options;
-  sandglass_inside inside;
-  void* inside_user;
+  const sandglass_sample_desc& desc;
   Random random;
   double distance, distance_squared;
-  uint32_t capacity, count, active_count;
+  uint32_t capacity, count = 0, active_count = 0;
 };
 
 uint64_t cell_index(const CellGrid& grid, uint32_t x, uint32_t y, uint32_t z) {
@@ -97,7 +94,7 @@ bool in_box(const CellGrid& grid, const float point[3]) {
 }
 
 bool fits(const VolumeRun& run, const float point[3]) {
-  return in_box(run.grid, point) && !conflicts(run, point) && run.inside(run.inside_user, point) != 0;
+  return in_box(run.grid, point) && !conflicts(run, point) && run.desc.inside(run.desc.inside_user, point) != 0;
 }
 
 bool take_sample(VolumeRun* run, const float point[3]) {
@@ -112,8 +109,8 @@ bool take_sample(VolumeRun* run, const float point[3]) {
   run->memory.next[sample] = *head;
   *head = sample;
   run->memory.active[run->active_count++] = sample;
-  if (run->options.progress != nullptr && run->count % k_progress_interval == 0)
-    run->options.progress(run->options.user, run->count, 0);
+  if (run->desc.progress != nullptr && run->count % k_progress_interval == 0)
+    run->desc.progress(run->desc.progress_user, run->count, 0);
   return true;
 }
 
@@ -123,7 +120,7 @@ bool grow(VolumeRun* run) {
     const uint32_t chosen = run->random.below(run->active_count);
     const float* centre = run->memory.positions + 3ull * run->memory.active[chosen];
     bool found = false;
-    for (uint32_t k = 0; k < run->options.tries && !found; ++k) {
+    for (uint32_t k = 0; k < run->desc.tries && !found; ++k) {
       const Offset offset = draw_in_shell(&run->random, run->distance);
       const float point[3] = {static_cast<float>(static_cast<double>(centre[0]) + offset.x),
                               static_cast<float>(static_cast<double>(centre[1]) + offset.y),
@@ -150,7 +147,7 @@ bool sample_all(VolumeRun* run) {
   for (cell[2] = 0; cell[2] < grid.cells[2]; ++cell[2])
     for (cell[1] = 0; cell[1] < grid.cells[1]; ++cell[1])
       for (cell[0] = 0; cell[0] < grid.cells[0]; ++cell[0]) {
-        draw_probe(grid, run->options.seed, cell, point);
+        draw_probe(grid, run->desc.seed, cell, point);
         if (!seed_and_grow(run, point)) return false;
       }
   for (uint32_t i = 0; i < k_lone_probes && run->count == 0; ++i) {
@@ -177,68 +174,26 @@ bool make_cell_grid(const float bounds_min[3], const float bounds_max[3], float 
   return total <= static_cast<double>(k_point_limit);
 }
 
-}  // namespace sandglass
-
-using namespace sandglass;
-
-extern "C" {
-
-sandglass_status sandglass_sample_volume_capacity(const float bounds_min[3], const float bounds_max[3], float distance,
-                                                  uint32_t* capacity, const char** reason) {
+sandglass_status sample_in_volume(const sandglass_sample_desc& desc, SampleCall* call, const char** reason) {
   CellGrid grid;
-  if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &grid, reason)) return status;
-  if (capacity == nullptr) return refuse(reason, "capacity is NULL: pass room for a number");
-  *capacity = to_whole<uint32_t>(packing_bound(grid)) + 1;
-  return accept(reason);
-}
-
-sandglass_status sandglass_sample_volume_bytes(const float bounds_min[3], const float bounds_max[3], float distance,
-                                               uint32_t capacity, uint64_t* bytes, const char** reason) {
-  CellGrid grid;
-  if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &grid, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass room for a number");
-  Layout layout;
-  lay_out(&layout, grid, capacity);
-  *bytes = layout.size;
-  return accept(reason);
-}
-
-sandglass_status sandglass_sample_volume(const float bounds_min[3], const float bounds_max[3], float distance,
-                                         sandglass_inside inside, void* inside_user,
-                                         const sandglass_sample_options* options, void* scratch, uint64_t scratch_bytes,
-                                         float* points, uint32_t capacity, uint32_t* count, const char** reason) {
-  if (count == nullptr) return refuse(reason, "count is NULL: pass room for a number");
-  *count = 0;
-  CellGrid grid;
-  sandglass_sample_options resolved;
-  if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &grid, reason)) return status;
-  if (const sandglass_status status = check_options(options, &resolved, reason)) return status;
-  if (inside == nullptr || points == nullptr)
-    return refuse(reason, "inside or points is NULL: pass an inside test and room for 3*capacity floats");
+  if (const sandglass_status status = measure(desc, &grid, reason)) return status;
+  call->enough = to_whole<uint32_t>(packing_bound(grid)) + 1;
   Layout size;
-  lay_out(&size, grid, capacity);
-  if (const sandglass_status status = check_block(scratch, scratch_bytes, size.size, reason)) return status;
+  lay_out(&size, grid, call->capacity);
+  call->bytes = size.size;
+  if (call->points == nullptr) return accept(reason);
+  if (const sandglass_status status = check_block(call->scratch, call->scratch_bytes, call->bytes, reason))
+    return status;
 
   Layout layout;
-  layout.base = static_cast<uint8_t*>(scratch);
-  const VolumeMemory memory = lay_out(&layout, grid, capacity);
-  VolumeRun run = {grid,
-                   memory,
-                   resolved,
-                   inside,
-                   inside_user,
-                   random_stream(resolved.seed, k_stream_growth),
-                   grid.edge,
-                   grid.edge * grid.edge,
-                   capacity,
-                   0,
-                   0};
-  if (!sample_all(&run))
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "more samples than capacity: see sandglass_sample_volume_capacity, or enlarge distance");
-  for (uint64_t i = 0; i < 3ull * run.count; ++i) points[i] = memory.positions[i];
-  *count = run.count;
+  layout.base = static_cast<uint8_t*>(call->scratch);
+  const VolumeMemory memory = lay_out(&layout, grid, call->capacity);
+  VolumeRun run = {
+      grid, memory, desc, random_stream(desc.seed, k_stream_growth), grid.edge, grid.edge * grid.edge, call->capacity};
+  if (!sample_all(&run)) return refuse(reason, SANDGLASS_ERROR_CAPACITY, k_beyond_capacity);
+  for (uint64_t i = 0; i < 3ull * run.count; ++i) call->points[i] = memory.positions[i];
+  call->count = run.count;
   return accept(reason);
 }
 
-}  // extern "C"
+}  // namespace sandglass

@@ -6,13 +6,12 @@
 
 using namespace sandglass;
 
-sandglass_status sandglass_granular_add(sandglass_scene* scene, const float* particle_positions,
-                                        const float* particle_velocities, uint32_t particle_count,
-                                        const float* grain_positions, const float* grain_velocities,
-                                        uint32_t grain_count, const char** reason) {
+sandglass_status sandglass_granular_add(sandglass_scene* scene, const sandglass_points* particles,
+                                        const sandglass_points* grains, const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
-  return granular_add(&scene->granular, particle_positions, particle_velocities, particle_count, grain_positions,
-                      grain_velocities, grain_count, reason);
+  const sandglass_points none = {};
+  return granular_add(&scene->granular, particles != nullptr ? *particles : none, grains != nullptr ? *grains : none,
+                      reason);
 }
 
 sandglass_status sandglass_granular_remove(sandglass_scene* scene, const sandglass_collider* region,

@@ -124,8 +124,8 @@ __attribute__((noinline)) void look_up_surface(const SurfaceAsset& surface, cons
 
 using namespace sandglass;
 
-sandglass_status sandglass_shadow_surface(const void* bytes, uint64_t size, const float* positions,
-                                          const float* normals, uint32_t count, float* transfer, const char** reason) {
+sandglass_status sandglass_shadow_transfer(const void* bytes, uint64_t size, const float* positions,
+                                           const float* normals, uint32_t count, float* transfer, const char** reason) {
   if (count != 0 && (positions == nullptr || transfer == nullptr))
     return refuse(reason, "positions or transfer is NULL: pass 3 floats a vertex, and room for 9 a vertex");
   if (!all_finite(positions, uint64_t{3} * count) || (normals != nullptr && !all_finite(normals, uint64_t{3} * count)))

@@ -130,9 +130,8 @@ std::vector<int32_t> act(World* world, const Turn& t) {
   call(k_gravity, [&] { return sandglass_scene_set_gravity(scene, t.gravity, &reason); });
   call(k_friction,
        [&] { return sandglass_granular_set_friction(scene, t.static_friction, t.kinetic_friction, &reason); });
-  call(k_add, [&] {
-    return sandglass_granular_add(scene, t.points, t.speeds, k_points, t.points, t.speeds, k_points, &reason);
-  });
+  const sandglass_points points = {t.points, t.speeds, k_points};
+  call(k_add, [&] { return sandglass_granular_add(scene, &points, &points, &reason); });
   sandglass_body body = t.body;
   body.struct_size = sizeof body, body.particle_positions = t.points, body.particle_count %= k_points + 1;
   call(k_add_body, [&] { return sandglass_granular_add_body(scene, &body, nullptr, &reason); });

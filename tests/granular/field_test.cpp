@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "models/mesh/generated.h"
 #include "platform/virtual_clock.h"
@@ -89,16 +90,18 @@ float ball_distance(void* user, const float p[3]) { return static_cast<float>(le
 float no_distance(void*, const float*) { return NAN; }
 
 TEST(Field, RefusesWhatMakesNoSense) {
-  const float low[3] = {-0.15f, -0.15f, -0.15f}, high[3] = {0.15f, 0.15f, 0.15f};
+  sandglass_field_desc ball = sandglass::field_desc();
+  for (int k = 0; k < 3; ++k) ball.bounds_min[k] = -0.15f, ball.bounds_max[k] = 0.15f;
+  ball.spacing = 0.01f, ball.distance = ball_distance;
   uint64_t bytes = 0;
-  ASSERT_EQ(sandglass_field_bytes(low, high, 0.01f, &bytes, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_field_bytes(&ball, &bytes, nullptr), SANDGLASS_OK);
   sandglass::test::GuardedBlock block(bytes);
   // What is made, in a part of the block. By default it is a ball.
   struct Made {
     sandglass_status expected = SANDGLASS_ERROR_INVALID_ARGUMENT;
     float spacing = 0.01f, radius = 0.1f;
     sandglass_solid solid = SANDGLASS_SOLID_INSIDE;
-    sandglass_distance distance = ball_distance;
+    sandglass_distance_function distance = ball_distance;
     uint64_t left_out = 0, offset = 0;
     bool turned = false;
   };
@@ -115,10 +118,10 @@ TEST(Field, RefusesWhatMakesNoSense) {
     sandglass_field* field = nullptr;
     const char* reason = nullptr;
     float radius = c.radius;
-    EXPECT_EQ(
-        sandglass_field_from_function(c.turned ? high : low, c.turned ? low : high, c.spacing, c.solid, c.distance,
-                                      &radius, block.data() + c.offset, bytes - c.left_out, &field, &reason),
-        c.expected)
+    sandglass_field_desc desc = ball;
+    desc.spacing = c.spacing, desc.solid = c.solid, desc.distance = c.distance, desc.distance_user = &radius;
+    if (c.turned) std::swap(desc.bounds_min, desc.bounds_max);
+    EXPECT_EQ(sandglass_field_create(&desc, block.data() + c.offset, bytes - c.left_out, &field, &reason), c.expected)
         << "case " << &c - cases;
     EXPECT_EQ(reason == nullptr, c.expected == SANDGLASS_OK);
     EXPECT_TRUE(block.guards_intact());
@@ -392,18 +395,18 @@ struct alignas(64) Line {
 
 // A table of `height`, made in the given memory.
 const sandglass_field* table_in(std::vector<Line>* memory, float height) {
-  const sandglass::Box box{{-0.3f, -0.3f, -0.3f}, {0.3f, 0.3f, 0.3f}};
-  uint64_t bytes = 0;
-  accept({sandglass_field_bytes(box.min, box.max, 0.02f, &bytes, nullptr), nullptr});
-  memory->assign(bytes / sizeof(Line) + 1, {});
-  const auto distance = [](void* user, const float* p) {
+  sandglass_field_desc desc = sandglass::field_desc();
+  for (int k = 0; k < 3; ++k) desc.bounds_min[k] = -0.3f, desc.bounds_max[k] = 0.3f;
+  desc.spacing = 0.02f, desc.distance_user = &height;
+  desc.distance = [](void* user, const float* p) {
     return std::fmax(std::fmax(std::fabs(p[0]) - 0.25f, std::fabs(p[2]) - 0.25f),
                      std::fabs(p[1] + 0.12f) - (0.12f + *static_cast<float*>(user)));
   };
+  uint64_t bytes = 0;
+  accept({sandglass_field_bytes(&desc, &bytes, nullptr), nullptr});
+  memory->assign(bytes / sizeof(Line) + 1, {});
   sandglass_field* field = nullptr;
-  const sandglass_status made = sandglass_field_from_function(box.min, box.max, 0.02f, SANDGLASS_SOLID_INSIDE, distance,
-                                                              &height, memory->data(), bytes, &field, nullptr);
-  EXPECT_EQ(made, SANDGLASS_OK);
+  EXPECT_EQ(sandglass_field_create(&desc, memory->data(), bytes, &field, nullptr), SANDGLASS_OK);
   return field;
 }
 

@@ -10,7 +10,9 @@ namespace {
 
 uint32_t points_in(const std::vector<float>& coordinates) { return static_cast<uint32_t>(coordinates.size() / 3); }
 
-const float* data_or_null(const std::vector<float>& values) { return values.empty() ? nullptr : values.data(); }
+sandglass_points as_points(const std::vector<float>& positions, const std::vector<float>& velocities) {
+  return {positions.data(), velocities.empty() ? nullptr : velocities.data(), points_in(positions)};
+}
 
 }  // namespace
 
@@ -20,9 +22,9 @@ void accept(const sandglass::Status& status) {
 
 void GranularScene::add(const std::vector<float>& particles, const std::vector<float>& velocities,
                         const std::vector<float>& fine, const std::vector<float>& fine_velocities) {
+  const sandglass_points sand = as_points(particles, velocities), grain_points = as_points(fine, fine_velocities);
   sandglass::Status status;
-  status.code = sandglass_granular_add(scene.get(), particles.data(), data_or_null(velocities), points_in(particles),
-                                       fine.data(), data_or_null(fine_velocities), points_in(fine), &status.reason);
+  status.code = sandglass_granular_add(scene.get(), &sand, &grain_points, &status.reason);
   accept(status);
   particle_count += points_in(particles);
   grains.resize(grains.size() + points_in(fine));

@@ -175,8 +175,8 @@ TEST(HardCase, ParticlesThatMakeNoSenseAreRefusedAndTheLastPlaceCounts) {
   GranularScene scene(description(1));
   const auto status_of = [&](const std::vector<float>& at, const float* velocity) {
     const char* reason = nullptr;
-    const sandglass_status status = sandglass_granular_add(
-        scene.scene.get(), at.data(), velocity, static_cast<uint32_t>(at.size() / 3), nullptr, nullptr, 0, &reason);
+    const sandglass_points points = {at.data(), velocity, static_cast<uint32_t>(at.size() / 3)};
+    const sandglass_status status = sandglass_granular_add(scene.scene.get(), &points, nullptr, &reason);
     EXPECT_EQ(reason == nullptr, status == SANDGLASS_OK);
     return status;
   };

@@ -119,9 +119,10 @@ void RandomScene::add_sand(uint32_t most) {
     for (uint32_t g = 0; g < each; ++g)
       for (uint32_t k = 0; k < 3; ++k) grains.push_back(p[k] + r_ * between(-0.5, 0.5));
   }
+  const sandglass_points sand = {particles.data(), velocities.data(), count},
+                         fine = {grains.data(), nullptr, count * each};
   Status status;
-  status.code = sandglass_granular_add(scene.get(), particles.data(), velocities.data(), count, grains.data(), nullptr,
-                                       count * each, &status.reason);
+  status.code = sandglass_granular_add(scene.get(), &sand, &fine, &status.reason);
   if (status.code == SANDGLASS_ERROR_CAPACITY) return;
   ::accept(status);
   particles_added += count, grains_added += count * each;

@@ -83,7 +83,7 @@ sandglass_camera_image grey_image() {
 
 // Filled whole, or read and written: those are no answers to a struct_size.
 bool fills_within_size(const std::string& name) {
-  return name.find("_default") == std::string::npos && name != "sandglass_body_box" &&
+  return name.find("_default") == std::string::npos && name != "sandglass_box_body" &&
          name != "sandglass_room_light_fade" && name != "sandglass_scene_frame";  // of that: owner_types_test.cpp
 }
 
@@ -259,20 +259,24 @@ void Arguments::scenes() {
   row(NAMED(sandglass_scene_regions), "regions", s, &region, 1u);
   row(NAMED(sandglass_scene_isa), "", s);
   row(NAMED(sandglass_scene_hash), "", s);
-  row(NAMED(sandglass_granular_add), "particle_velocities grain_velocities", s, point, low, 1u, point, low, 1u);
+  const sandglass_points sand = {point, low, 1};
+  row(NAMED(sandglass_granular_add), "particles grains", s, &sand, &sand);
   const sandglass_collider ball = sandglass::sphere(5.0f, 5.0f, 5.0f, 0.1f);
   row(NAMED(sandglass_granular_remove), "particles grains", s, &ball, &count, &other);
   sandglass_body body = sandglass::body();
   body.particle_positions = point, body.particle_count = 1;
   row(NAMED(sandglass_granular_add_body), "index", s, &body, &count);
   row(NAMED(sandglass_body_default), "", &body);
-  const float half[3] = {0.02f, 0.02f, 0.02f};
   float points[64 * 3];
-  row(NAMED(sandglass_body_box_count), "", half, 0.01f, &count);
-  row(NAMED(sandglass_body_box), "rotation", half, 0.01f, low, point, 1.0f, points, 64u, &body);
+  sandglass_box_desc box = sandglass::box_desc();
+  row(NAMED(sandglass_box_desc_default), "", &box);
+  for (float& half : box.half_extents) half = 0.02f;
+  box.particle_radius = 0.01f;
+  row(NAMED(sandglass_box_count), "", &box, &count);
+  row(NAMED(sandglass_box_body), "", &box, points, 64u, &body);
   sandglass_body_pose pose = sandglass_granular_body_pose(s, 0);
   sandglass_collider collider = {};
-  row(NAMED(sandglass_body_box_collider), "", &pose, half, point, &collider);
+  row(NAMED(sandglass_box_collider), "", &box, &pose, &collider);
   row(NAMED(sandglass_granular_held_collider), "", s, 0u, &collider);
   row(NAMED(sandglass_granular_set_body), "", s, 0u, &pose);
   row(NAMED(sandglass_granular_push_body), "point", s, 0u, low, point);
@@ -300,14 +304,13 @@ constexpr float k_vertices[] = {0, -0.05f, 0, 0.05f, 0, 0, 0, 0, 0.05f, 0, 0.05f
 constexpr uint32_t k_indices[] = {0, 1, 2, 3, 2, 1, 0, 3, 1, 0, 2, 3};
 constexpr sandglass_mesh k_mesh = {k_vertices, 4, k_indices, 4};
 
-int in_ball(void*, const float p[3]) { return p[0] * p[0] + p[1] * p[1] + p[2] * p[2] < 0.0064f ? 1 : 0; }
+int32_t in_ball(void*, const float p[3]) { return p[0] * p[0] + p[1] * p[1] + p[2] * p[2] < 0.0064f ? 1 : 0; }
 float from_plane(void*, const float p[3]) { return std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - 0.05f; }
 
 void Arguments::sampling() {
   std::vector<float> points(3 * 4096);
-  sandglass_sample_options options;
-  row(NAMED(sandglass_sample_options_default), "", &options);
-  sandglass_sample_options_default(&options);
+  sandglass_sample_desc sample = sandglass::sample_desc();
+  row(NAMED(sandglass_sample_desc_default), "", &sample);
   row(NAMED(sandglass_sample_disk), "", 1.0f, points.data(), 8u);
   row(NAMED(sandglass_sample_sphere), "", 1.0f, points.data(), 8u);
   row(NAMED(sandglass_sample_ring), "", 1.0f, 0.5f, 1.0f, points.data(), 8u);
@@ -322,35 +325,29 @@ void Arguments::sampling() {
   row(NAMED(sandglass_mesh_inside_create), "", &k_mesh, rule, block.get(), need, &inside);
   row(NAMED(sandglass_mesh_inside_test), "", inside, point);
 
-  for (int k = 0; k < 3; ++k) low[k] = -0.1f, high[k] = 0.1f;
-  const float d = 0.02f;
+  for (int k = 0; k < 3; ++k) sample.bounds_min[k] = -0.1f, sample.bounds_max[k] = 0.1f;
+  sample.distance = 0.02f, sample.mesh = &k_mesh, sample.inside = in_ball;
   const sandglass::Block scratch = sandglass::allocate_block(1 << 22);
-  row(NAMED(sandglass_sample_surface_capacity), "options", &k_mesh, d, &options, &count);
-  row(NAMED(sandglass_sample_surface_bytes), "options", &k_mesh, d, &options, 4096u, &need);
-  row(NAMED(sandglass_sample_surface), "options", &k_mesh, d, &options, scratch.get(), uint64_t{1 << 22}, points.data(),
-      4096u, &count);
-  row(NAMED(sandglass_sample_volume_capacity), "", low, high, d, &count);
-  row(NAMED(sandglass_sample_volume_bytes), "", low, high, d, 4096u, &need);
-  row(NAMED(sandglass_sample_volume), "inside_user options", low, high, d, in_ball, points.data(), &options,
-      scratch.get(), uint64_t{1 << 22}, points.data(), 4096u, &count);
-  row(NAMED(sandglass_sample_lattice_capacity), "", low, high, d, &count);
-  row(NAMED(sandglass_sample_lattice_bytes), "", low, high, d, &need);
-  row(NAMED(sandglass_sample_lattice), "inside_user options", low, high, d, in_ball, points.data(), &options,
-      scratch.get(), uint64_t{1 << 22}, points.data(), 4096u, &count);
-  row(NAMED(sandglass_sample_power), "", points.data(), 8u, point, &number);
-  row(NAMED(sandglass_sample_spectrum), "", points.data(), 8u, 10.0f, 1u, 8u, 0, &number);
+  for (; sample.method <= SANDGLASS_SAMPLE_LATTICE; ++sample.method) {
+    row(NAMED(sandglass_sample_capacity), "", &sample, &count);
+    row(NAMED(sandglass_sample_bytes), "", &sample, 4096u, &need);
+    row(NAMED(sandglass_sample_points), "", &sample, scratch.get(), uint64_t{1 << 22}, points.data(), 4096u, &count);
+  }
 }
 
 void Arguments::fields() {
-  for (int k = 0; k < 3; ++k) low[k] = -0.1f, high[k] = 0.1f;
-  const sandglass_solid solid = SANDGLASS_SOLID_INSIDE;
-  row(NAMED(sandglass_field_bytes), "", low, high, 0.01f, &need);
+  sandglass_field_desc from_mesh = sandglass::field_desc();
+  row(NAMED(sandglass_field_desc_default), "", &from_mesh);
+  for (int k = 0; k < 3; ++k) from_mesh.bounds_min[k] = -0.1f, from_mesh.bounds_max[k] = 0.1f;
+  from_mesh.spacing = 0.01f, from_mesh.band = 0.05f;
+  sandglass_field_desc from_function = from_mesh;
+  from_mesh.mesh = &k_mesh, from_mesh.inside = in_ball;
+  from_function.distance = from_plane;
+  row(NAMED(sandglass_field_bytes), "", &from_mesh, &need);
   const sandglass::Block block = sandglass::allocate_block(need);
   sandglass_field* field = nullptr;
-  row(NAMED(sandglass_field_from_mesh), "inside_user", &k_mesh, in_ball, point, low, high, 0.01f, 0.05f, solid,
-      block.get(), need, &field);
-  row(NAMED(sandglass_field_from_function), "user", low, high, 0.01f, solid, from_plane, point, block.get(), need,
-      &field);
+  for (const sandglass_field_desc* from : {&from_mesh, &from_function})
+    row(NAMED(sandglass_field_create), "", from, block.get(), need, &field);
   float normal[3];
   row(NAMED(sandglass_field_distance), "normal", field, point, normal);
   row(NAMED(sandglass_field_bounds), "bounds_min bounds_max", field, low, high);
@@ -469,7 +466,7 @@ void Arguments::shadows() {
   while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
   }
   row(NAMED(sandglass_shadow_get_ambient), "", shadow, &ambient);
-  row(NAMED(sandglass_shadow_surface), "normals", file.data(), file_bytes, point, high, 1u, transfer.data());
+  row(NAMED(sandglass_shadow_transfer), "normals", file.data(), file_bytes, point, high, 1u, transfer.data());
   row(NAMED(sandglass_shadow_turn_harmonics), "", sh.data(), point, turned.data());
   std::vector<uint8_t> coverage(256 * 256);
   row(NAMED(sandglass_shadow_resample), "", shadow, 0u, coverage.data(), 128u);
@@ -536,6 +533,20 @@ TEST_F(Arguments, PointersWithinStructsFollowTheRule) {
   names("vertices", sandglass_mesh_bounds(&mesh, low, high, &reason));
   mesh = k_mesh, mesh.indices = nullptr;
   names("indices", sandglass_mesh_bounds(&mesh, low, high, &reason));
+  sandglass_sample_desc sample = sandglass::sample_desc();
+  sample.distance = 0.1f;
+  names("mesh", sandglass_sample_capacity(&sample, &count, &reason));
+  sample.method = SANDGLASS_SAMPLE_VOLUME;
+  names("inside", sandglass_sample_capacity(&sample, &count, &reason));
+  sandglass_field_desc field = sandglass::field_desc();
+  names("distance", sandglass_field_bytes(&field, &need, &reason));
+  field.mesh = &k_mesh;
+  names("inside", sandglass_field_bytes(&field, &need, &reason));
+  field.distance = from_plane;
+  names("neither", sandglass_field_bytes(&field, &need, &reason));
+  const sandglass_points nowhere = {nullptr, nullptr, 1};
+  names("particles.positions", sandglass_granular_add(scene.get(), &nowhere, nullptr, &reason));
+  names("grains.positions", sandglass_granular_add(scene.get(), nullptr, &nowhere, &reason));
   const sandglass_shadow_desc shadow_desc = sandglass::shadow_desc();
   names("asset", sandglass_shadow_bytes(&shadow_desc, &need, &reason));
   const sandglass_light_desc light_desc = sandglass::light_desc();

@@ -31,8 +31,10 @@ static unsafe class Pour {
     IntPtr memory = Marshal.AllocHGlobal((IntPtr)((long)bytes + alignment));
     long block = (memory.ToInt64() + alignment - 1) / alignment * alignment;
     Check(Native.sandglass_scene_create(&desc, (void*)block, bytes, &scene, &reason), reason);
-    fixed (float* positions = particles)
-      Check(Native.sandglass_granular_add(scene, positions, null, desc.granular.particle_capacity, null, null, 0, &reason), reason);
+    fixed (float* positions = particles) {
+      var sand = new sandglass_points { positions = positions, count = desc.granular.particle_capacity };
+      Check(Native.sandglass_granular_add(scene, &sand, null, &reason), reason);
+    }
 
     var floor = new sandglass_collider();
     floor.shape = Native.SANDGLASS_SHAPE_HALF_SPACE;

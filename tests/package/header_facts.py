@@ -4,6 +4,7 @@
 Writes to OUTPUT_FOLDER:
   layout.c        a claim for each size and offset, for every language that has the headers
   arguments.inc   the names of the arguments of each function that has a pointer among them, for arguments_test.cpp
+It refuses headers in which a function has more than 7 parameters.
 """
 import pathlib
 import sys
@@ -13,6 +14,8 @@ from headers import Headers  # noqa: E402
 
 headers, output = Headers(sys.argv[1]), pathlib.Path(sys.argv[2])
 (output / "layout.c").write_text(headers.claims(int(sys.argv[3])))
+if wide := [name for name, function in headers.functions.items() if len(function.parameters) > 7]:
+    sys.exit(f"more than 7 parameters, so these take a desc struct: {', '.join(wide)}")
 rows = [f'{{"{name}", {{{", ".join(chr(34) + item.name + chr(34) for item in function.parameters)}}}}},\n'
         for name, function in headers.functions.items() if any(item.pointer for item in function.parameters)]
 (output / "arguments.inc").write_text("".join(rows))

@@ -130,17 +130,25 @@ TEST(BoxBody, TheColliderAtItsPoseFitsItsParticles) {
 TEST(BoxBody, ABoxThatHoldsNoParticleOrTooManyIsRefused) {
   uint32_t count = 7;
   const char* reason = nullptr;
-  const float thin[3] = {0.05f, 0.009f, 0.05f}, huge[3] = {10, 10, 10}, broken[3] = {0.05f, NAN, 0.05f};
-  for (const float* half : {thin, huge, broken}) {
-    reason = nullptr;
-    EXPECT_EQ(sandglass_body_box_count(half, k_radius, &count, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-    EXPECT_NE(reason, nullptr);
+  sandglass_box_desc desc = sandglass::box_desc();
+  desc.particle_radius = k_radius;
+  for (const float half : {0.009f, 10.0f, NAN, 0.02f}) {
+    for (float& extent : desc.half_extents) extent = half;
+    const bool good = half == 0.02f;
+    EXPECT_EQ(sandglass_box_count(&desc, &count, &reason), good ? SANDGLASS_OK : SANDGLASS_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(reason == nullptr, good);
   }
-  const float half[3] = {0.02f, 0.02f, 0.02f}, at[3] = {0, 0, 0};
+  EXPECT_EQ(count, 8u);
   float points[3 * 8];
   sandglass_body body;
-  EXPECT_EQ(sandglass_body_box(half, k_radius, at, nullptr, 1, points, 7, &body, &reason), SANDGLASS_ERROR_CAPACITY);
-  EXPECT_EQ(sandglass_body_box(half, k_radius, at, nullptr, 1, points, 8, &body, &reason), SANDGLASS_OK);
+  EXPECT_EQ(sandglass_box_body(&desc, points, 7, &body, &reason), SANDGLASS_ERROR_CAPACITY);
+  EXPECT_EQ(sandglass_box_body(&desc, points, 8, &body, &reason), SANDGLASS_OK);
+  for (float* const number : {&desc.density, &desc.position[1], &desc.rotation[2]}) {
+    const float good = *number;
+    *number = NAN;
+    EXPECT_EQ(sandglass_box_count(&desc, &count, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+    *number = good;
+  }
 }
 
 TEST(Converters, AnEstimateThatIsNotFiniteIsRefused) {

@@ -218,10 +218,10 @@ TEST(Geodesic, ends_where_many_triangles_share_their_edges) {
 TEST(Geodesic, sampling_keeps_the_two_sides_of_a_thin_sheet_apart) {
   const host::Mesh sheet = folded_sheet(12);
   const float distance = 0.05f;  // more than twice the gap
-  sandglass_sample_options options = options_with_seed(4);
-  const Points euclidean = sample_surface(sheet, distance, options);
-  options.metric = SANDGLASS_METRIC_GEODESIC;
-  const Points geodesic = sample_surface(sheet, distance, options);
+  sandglass_sample_desc desc = desc_with_seed(4);
+  const Points euclidean = sample_surface(sheet, distance, desc);
+  desc.metric = SANDGLASS_METRIC_GEODESIC;
+  const Points geodesic = sample_surface(sheet, distance, desc);
 
   double least = 1;
   for (size_t i = 0; i < geodesic.size(); i += 3)

@@ -38,7 +38,7 @@ Points sample_knot(sandglass_inside_rule rule, float distance, bool random) {
   const sandglass::MeshInside inside = inside_of(knot(), rule);
   const auto test = [&](const float* p) { return inside(p); };
   if (!random) return sample_lattice(bounds_of(knot()), distance, test);
-  return sample_volume(bounds_of(knot()), distance, test, options_with_seed(42));
+  return sample_volume(bounds_of(knot()), distance, test, desc_with_seed(42));
 }
 
 TEST(Golden, mesh) { expect_hash("mesh", knot().vertices, k_golden_mesh); }
@@ -51,14 +51,12 @@ TEST(Golden, shapes) {
   expect_hash("shapes", points, k_golden_shapes);
 }
 
-TEST(Golden, surface) {
-  expect_hash("surface", sample_surface(knot(), 0.004f, options_with_seed(42)), k_golden_surface);
-}
+TEST(Golden, surface) { expect_hash("surface", sample_surface(knot(), 0.004f, desc_with_seed(42)), k_golden_surface); }
 
 TEST(Golden, geodesic) {
-  sandglass_sample_options options = options_with_seed(42);
-  options.metric = SANDGLASS_METRIC_GEODESIC;
-  expect_hash("geodesic", sample_surface(knot(), 0.006f, options), k_golden_geodesic);
+  sandglass_sample_desc desc = desc_with_seed(42);
+  desc.metric = SANDGLASS_METRIC_GEODESIC;
+  expect_hash("geodesic", sample_surface(knot(), 0.006f, desc), k_golden_geodesic);
 }
 
 TEST(Golden, volume) { expect_hash("volume", sample_knot(SANDGLASS_INSIDE_PARITY, 0.006f, true), k_golden_volume); }

@@ -2,9 +2,9 @@
 // capacity, alignment and bad arguments.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include "models/mesh/generated.h"
@@ -14,7 +14,6 @@
 namespace sandglass::test {
 namespace {
 
-const float k_low[3] = {0, 0, 0}, k_high[3] = {1, 1, 1};
 constexpr float k_distance = 0.1f;
 constexpr float k_mark = -77.0f;
 constexpr uint32_t k_plenty = 5000;
@@ -23,14 +22,11 @@ constexpr sandglass_status k_invalid = SANDGLASS_ERROR_INVALID_ARGUMENT;
 // A sampler with its memory.
 struct Run {
   const char* name;
-  std::function<sandglass_status(uint32_t capacity, uint64_t* bytes, const char** reason)> ask_bytes;
-  std::function<sandglass_status(void* scratch, uint64_t bytes, float* points, uint32_t capacity, uint32_t* count,
-                                 const char** reason)>
-      sample;
+  sandglass_sample_desc desc;
 
   uint64_t bytes(uint32_t capacity) const {
     uint64_t need = 0;
-    EXPECT_EQ(ask_bytes(capacity, &need, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(sandglass_sample_bytes(&desc, capacity, &need, nullptr), SANDGLASS_OK);
     return need;
   }
   // The points of a run that must succeed.
@@ -38,7 +34,9 @@ struct Run {
     Points points(3 * capacity);
     uint32_t count = 0;
     const char* reason = "not cleared";
-    EXPECT_EQ(sample(scratch->data(), scratch->bytes(), points.data(), capacity, &count, &reason), SANDGLASS_OK);
+    EXPECT_EQ(
+        sandglass_sample_points(&desc, scratch->data(), scratch->bytes(), points.data(), capacity, &count, &reason),
+        SANDGLASS_OK);
     EXPECT_EQ(reason, nullptr);
     EXPECT_TRUE(scratch->guards_intact());
     points.resize(3 * count);
@@ -49,7 +47,7 @@ struct Run {
     Points points(3 * k_plenty, k_mark);
     uint32_t count = 99;
     const char* reason = nullptr;
-    EXPECT_EQ(sample(scratch, bytes, points.data(), capacity, &count, &reason), expected);
+    EXPECT_EQ(sandglass_sample_points(&desc, scratch, bytes, points.data(), capacity, &count, &reason), expected);
     EXPECT_NE(reason, nullptr);
     EXPECT_EQ(count, 0u);
     EXPECT_EQ(points, Points(3 * k_plenty, k_mark));
@@ -61,27 +59,22 @@ const host::Mesh& ball() {
   return mesh;
 }
 
-Run surface_run(const char* name, sandglass_metric metric) {
-  sandglass_sample_options options = options_with_seed(1);
-  options.metric = metric;
-  const sandglass_mesh mesh = view(ball());
-  return {name, [=](auto... out) { return sandglass_sample_surface_bytes(&mesh, k_distance, &options, out...); },
-          [=](auto... out) { return sandglass_sample_surface(&mesh, k_distance, &options, out...); }};
+// Of a ball's surface or of the unit cube.
+sandglass_sample_desc desc_of(sandglass_sample_method method) {
+  static const sandglass_mesh mesh = view(ball());
+  sandglass_sample_desc desc = desc_with_seed(1);
+  desc.method = method;
+  desc.distance = k_distance;
+  desc.mesh = &mesh;
+  for (float& edge : desc.bounds_max) edge = 1;
+  desc.inside = [](void*, const float*) { return int32_t{1}; };
+  return desc;
 }
 
-int all(void*, const float*) { return 1; }
-
-Run volume_run() {
-  return {
-      "volume", [](auto... out) { return sandglass_sample_volume_bytes(k_low, k_high, k_distance, out...); },
-      [](auto... out) { return sandglass_sample_volume(k_low, k_high, k_distance, all, nullptr, nullptr, out...); }};
-}
-
-Run lattice_run() {
-  return {
-      "lattice",
-      [](uint32_t, auto... out) { return sandglass_sample_lattice_bytes(k_low, k_high, k_distance, out...); },
-      [](auto... out) { return sandglass_sample_lattice(k_low, k_high, k_distance, all, nullptr, nullptr, out...); }};
+Run geodesic_run() {
+  Run run = {"geodesic", desc_of(SANDGLASS_SAMPLE_SURFACE)};
+  run.desc.metric = SANDGLASS_METRIC_GEODESIC;
+  return run;
 }
 
 class Memory : public testing::TestWithParam<Run> {};
@@ -110,9 +103,9 @@ TEST_P(Memory, one_byte_less_or_a_wrong_alignment_is_refused_and_nothing_touched
 }
 
 INSTANTIATE_TEST_SUITE_P(Samplers, Memory,
-                         testing::Values(surface_run("surface", SANDGLASS_METRIC_EUCLIDEAN),
-                                         surface_run("geodesic", SANDGLASS_METRIC_GEODESIC), volume_run(),
-                                         lattice_run()),
+                         testing::Values(Run{"surface", desc_of(SANDGLASS_SAMPLE_SURFACE)}, geodesic_run(),
+                                         Run{"volume", desc_of(SANDGLASS_SAMPLE_VOLUME)},
+                                         Run{"lattice", desc_of(SANDGLASS_SAMPLE_LATTICE)}),
                          [](const auto& instance) { return std::string(instance.param.name); });
 
 TEST(InsideMemory, needs_exactly_the_named_bytes) {
@@ -151,49 +144,60 @@ TEST(Arguments, bad_meshes_are_refused_everywhere) {
     bad.push_back({poisoned[i].data(), 3, indices.data(), 1});
   }
   const float place[3] = {0, 0, 0};
+  sandglass_sample_desc desc = desc_of(SANDGLASS_SAMPLE_SURFACE);
+  uint32_t capacity = 0;
   for (size_t i = 0; i < bad.size(); ++i) {
     const sandglass_mesh* mesh = &bad[i];
     float low[3], high[3];
     double number = 0;
     uint64_t bytes = 0;
-    uint32_t capacity = 0;
     const char* reason = nullptr;
     EXPECT_EQ(sandglass_mesh_bounds(mesh, low, high, &reason), k_invalid) << i;
     EXPECT_NE(reason, nullptr);
     EXPECT_EQ(sandglass_mesh_area(mesh, &number, nullptr), k_invalid) << i;
     EXPECT_EQ(sandglass_mesh_winding_number(mesh, place, &number, nullptr), k_invalid) << i;
     EXPECT_EQ(sandglass_mesh_inside_bytes(mesh, SANDGLASS_INSIDE_PARITY, &bytes, nullptr), k_invalid) << i;
-    EXPECT_EQ(sandglass_sample_surface_capacity(mesh, 0.1f, nullptr, &capacity, nullptr), k_invalid) << i;
+    desc.mesh = mesh;
+    EXPECT_EQ(sandglass_sample_capacity(&desc, &capacity, nullptr), k_invalid) << i;
   }
   const sandglass_mesh flat = {vertices.data(), 3, line.data(), 1};
-  uint32_t capacity = 0;
-  EXPECT_EQ(sandglass_sample_surface_capacity(&flat, 0.1f, nullptr, &capacity, nullptr), k_invalid);
+  desc.mesh = &flat;
+  EXPECT_EQ(sandglass_sample_capacity(&desc, &capacity, nullptr), k_invalid);
 }
 
-TEST(Arguments, bad_distances_boxes_and_options_are_refused) {
-  const sandglass_mesh mesh = view(ball());
+TEST(Arguments, every_field_out_of_range_is_refused) {
   const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
-  uint32_t capacity = 0;
-  uint64_t bytes = 0;
-  for (float distance : {nan, infinity, 0.0f, -1.0f, 1e-9f, 1e-38f}) {
+  const auto refused = [](const sandglass_sample_desc& desc) {
+    uint32_t capacity = 0;
+    uint64_t bytes = 0;
     const char* reason = nullptr;
-    EXPECT_EQ(sandglass_sample_surface_capacity(&mesh, distance, nullptr, &capacity, &reason), k_invalid) << distance;
+    EXPECT_EQ(sandglass_sample_capacity(&desc, &capacity, &reason), k_invalid);
     EXPECT_NE(reason, nullptr);
-    EXPECT_EQ(sandglass_sample_volume_capacity(k_low, k_high, distance, &capacity, &reason), k_invalid) << distance;
-    EXPECT_EQ(sandglass_sample_lattice_bytes(k_low, k_high, distance, &bytes, &reason), k_invalid) << distance;
-  }
-  const float boxes[4][3] = {{nan, 1, 1}, {1, infinity, 1}, {1, 1, -1}, {1, 1001, 1}};
-  for (const auto& high : boxes) {
-    EXPECT_EQ(sandglass_sample_volume_capacity(k_low, high, 0.1f, &capacity, nullptr), k_invalid);
-    EXPECT_EQ(sandglass_sample_lattice_capacity(k_low, high, 0.1f, &capacity, nullptr), k_invalid);
-  }
-  for (int field = 0; field < 4; ++field) {
-    sandglass_sample_options options = options_with_seed(1);
-    if (field == 0) options.struct_size = 4;
-    if (field == 1) options.tries = 0;
-    if (field == 2) options.tries = 1001;
-    if (field == 3) options.metric = 2;
-    EXPECT_EQ(sandglass_sample_surface_capacity(&mesh, 0.1f, &options, &capacity, nullptr), k_invalid) << field;
+    EXPECT_EQ(sandglass_sample_bytes(&desc, k_plenty, &bytes, nullptr), k_invalid);
+  };
+  for (int method = 0; method < 3; ++method) {
+    SCOPED_TRACE(method);
+    const sandglass_sample_desc good = desc_of(method);
+    for (const float distance : {nan, infinity, 0.0f, -1.0f, 1e-9f, 1e-38f}) {
+      sandglass_sample_desc desc = good;
+      desc.distance = distance;
+      refused(desc);
+    }
+    const float boxes[4][3] = {{nan, 1, 1}, {1, infinity, 1}, {1, 1, -1}, {1, 1001, 1}};
+    for (const auto& high : boxes) {
+      sandglass_sample_desc desc = good;
+      std::copy(high, high + 3, desc.bounds_max);
+      if (method != SANDGLASS_SAMPLE_SURFACE) refused(desc);
+    }
+    for (int field = 0; field < 5; ++field) {
+      sandglass_sample_desc desc = good;
+      if (field == 0) desc.struct_size = 4;
+      if (field == 1) desc.tries = 0;
+      if (field == 2) desc.tries = 1001;
+      if (field == 3) desc.metric = 2;
+      if (field == 4) desc.method = 3;
+      refused(desc);
+    }
   }
 }
 
@@ -203,9 +207,9 @@ TEST(Arguments, progress_is_told_and_never_beyond_the_total) {
     uint64_t last = 0;
     bool ordered = true;
   } told;
-  sandglass_sample_options options = options_with_seed(1);
-  options.user = &told;
-  options.progress = [](void* user, uint64_t done, uint64_t total) {
+  sandglass_sample_desc desc = desc_with_seed(1);
+  desc.progress_user = &told;
+  desc.progress = [](void* user, uint64_t done, uint64_t total) {
     auto* t = static_cast<Told*>(user);
     t->ordered = t->ordered && done >= t->last && (total == 0 || done <= total);
     t->last = done;
@@ -213,8 +217,8 @@ TEST(Arguments, progress_is_told_and_never_beyond_the_total) {
   };
   for (const bool surface : {true, false}) {
     told = {};
-    if (surface) sample_surface(ball(), 0.02f, options);
-    else sample_volume(k_unit_box, 0.05f, everywhere, options);
+    if (surface) sample_surface(ball(), 0.02f, desc);
+    else sample_volume(k_unit_box, 0.05f, everywhere, desc);
     EXPECT_GT(told.calls, 1);
     EXPECT_TRUE(told.ordered);
   }

@@ -35,11 +35,10 @@ host::Mesh unit_square() {
   return square;
 }
 
-sandglass_sample_options options_with_seed(uint64_t seed) {
-  sandglass_sample_options options;
-  sandglass_sample_options_default(&options);
-  options.seed = seed;
-  return options;
+sandglass_sample_desc desc_with_seed(uint64_t seed) {
+  sandglass_sample_desc desc = sandglass::sample_desc();
+  desc.seed = seed;
+  return desc;
 }
 
 bool everywhere(const float*) { return true; }
@@ -50,16 +49,16 @@ void accept(const sandglass::Status& status) { EXPECT_TRUE(status) << status.rea
 
 }  // namespace
 
-Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_options& options) {
+Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_desc& desc) {
   Points points;
-  accept(sandglass::sample_surface(view(mesh), distance, &points, &options));
+  accept(sandglass::sample_surface(view(mesh), distance, &points, desc));
   return points;
 }
 
 Points sample_volume(const sandglass::Box& box, float distance, const Inside& inside,
-                     const sandglass_sample_options& options) {
+                     const sandglass_sample_desc& desc) {
   Points points;
-  accept(sandglass::sample_volume(box, distance, inside, &points, &options));
+  accept(sandglass::sample_volume(box, distance, inside, &points, desc));
   return points;
 }
 

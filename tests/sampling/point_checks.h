@@ -22,15 +22,15 @@ host::Mesh joined(const host::Mesh& a, const host::Mesh& b);
 host::Mesh unit_square();  // in the plane y = 0
 host::Mesh moved(host::Mesh mesh, float x, float y, float z);
 
-sandglass_sample_options options_with_seed(uint64_t seed);
+sandglass_sample_desc desc_with_seed(uint64_t seed);
 
 using Inside = std::function<bool(const float*)>;
 bool everywhere(const float point[3]);
 
 // Each fails the test on any error.
-Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_options& options);
+Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_desc& desc);
 Points sample_volume(const sandglass::Box& box, float distance, const Inside& inside,
-                     const sandglass_sample_options& options);
+                     const sandglass_sample_desc& desc);
 Points sample_lattice(const sandglass::Box& box, float distance, const Inside& inside);
 sandglass::MeshInside inside_of(const host::Mesh& mesh, sandglass_inside_rule rule);
 sandglass::Box bounds_of(const host::Mesh& mesh);

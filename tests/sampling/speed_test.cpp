@@ -45,8 +45,7 @@ void expect_linear(const char* name, const Sample& sample, float coarse, float f
 TEST(Speed, surface_is_linear) {
   const host::Mesh knot = host::make_trefoil();
   expect_linear(
-      "surface", [&](float distance) { return sample_surface(knot, distance, options_with_seed(1)); }, 0.00164f,
-      0.00082f);
+      "surface", [&](float distance) { return sample_surface(knot, distance, desc_with_seed(1)); }, 0.00164f, 0.00082f);
 }
 
 TEST(Speed, volume_of_a_mesh_is_linear) {
@@ -54,16 +53,16 @@ TEST(Speed, volume_of_a_mesh_is_linear) {
   const sandglass::MeshInside inside = inside_of(knot, SANDGLASS_INSIDE_PARITY);
   const auto test = [&](const float* p) { return inside(p); };
   expect_linear(
-      "knot", [&](float distance) { return sample_volume(bounds_of(knot), distance, test, options_with_seed(1)); },
+      "knot", [&](float distance) { return sample_volume(bounds_of(knot), distance, test, desc_with_seed(1)); },
       0.0029f, 0.00182f);
 }
 
 TEST(Speed, geodesic_is_linear) {
   const host::Mesh knot = host::make_trefoil(0.1f, 0.018f, 200, 16);
-  sandglass_sample_options options = options_with_seed(1);
-  options.metric = SANDGLASS_METRIC_GEODESIC;
+  sandglass_sample_desc desc = desc_with_seed(1);
+  desc.metric = SANDGLASS_METRIC_GEODESIC;
   expect_linear(
-      "geodesic", [&](float distance) { return sample_surface(knot, distance, options); }, 0.006f, 0.003f);
+      "geodesic", [&](float distance) { return sample_surface(knot, distance, desc); }, 0.006f, 0.003f);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ TEST(Surface, keeps_the_least_distance_and_is_maximal) {
   const host::Mesh mesh = host::make_torus(0.1f, 0.04f, 60, 30);
   const float distance = 0.006f;
   for (uint64_t seed : {1ull, 2ull, 12345678901234567ull}) {
-    const Points samples = sample_surface(mesh, distance, options_with_seed(seed));
+    const Points samples = sample_surface(mesh, distance, desc_with_seed(seed));
     EXPECT_GE(least_distance(samples, distance), static_cast<double>(distance));
     expect_maximal(samples, candidates_of(mesh, distance, seed), distance);
   }
@@ -46,7 +46,7 @@ TEST(Surface, reaches_parts_further_apart_than_two_distances) {
   const float leg[3] = {0.02f, 0.3f, 0.02f};
   const host::Mesh legs = joined(moved(host::make_box(leg), -0.5f, 0, 0), moved(host::make_box(leg), 0.5f, 0, 0));
   const float distance = 0.01f;
-  const Points samples = sample_surface(legs, distance, options_with_seed(3));
+  const Points samples = sample_surface(legs, distance, desc_with_seed(3));
   size_t left = 0, right = 0;
   for (size_t i = 0; i < samples.size(); i += 3) (samples[i] < 0 ? left : right) += 1;
   // Two equal boxes: their counts differ by chance only, by a few per cent of about 170.
@@ -57,7 +57,7 @@ TEST(Surface, reaches_parts_further_apart_than_two_distances) {
 
 TEST(Surface, lies_on_the_surface) {
   const float size[3] = {0.2f, 0.3f, 0.4f};
-  const Points samples = sample_surface(host::make_box(size), 0.02f, options_with_seed(1));
+  const Points samples = sample_surface(host::make_box(size), 0.02f, desc_with_seed(1));
   ASSERT_GT(samples.size(), 300u);
   for (size_t i = 0; i < samples.size(); i += 3) {
     double off = 1;
@@ -75,7 +75,7 @@ TEST(Surface, fills_the_plane_as_densely_as_random_packing_does) {
   // jams at a coverage of 0.547, which is 0.547/(pi/4) = 0.697 (Feder 1980). Finite candidates give a little less, the
   // rim a little more.
   const float distance = 0.02f;
-  const Points samples = sample_surface(unit_square(), distance, options_with_seed(1));
+  const Points samples = sample_surface(unit_square(), distance, desc_with_seed(1));
   const double density = static_cast<double>(samples.size() / 3) * distance * distance;
   EXPECT_GT(density, 0.62);
   EXPECT_LT(density, 0.75);
@@ -102,7 +102,7 @@ TEST(Surface, weighs_triangles_by_area) {
 
 TEST(Surface, gives_a_tiny_object_one_sample) {
   const float size[3] = {0.001f, 0.001f, 0.001f};
-  EXPECT_EQ(sample_surface(host::make_box(size), 0.1f, options_with_seed(1)).size(), 3u);
+  EXPECT_EQ(sample_surface(host::make_box(size), 0.1f, desc_with_seed(1)).size(), 3u);
 }
 
 }  // namespace

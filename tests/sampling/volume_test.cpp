@@ -86,14 +86,14 @@ TEST(Volume, keeps_the_least_distance_and_is_maximal) {
   const Inside ball = inside_balls({{{0.1f, 0.2f, -0.3f}, 0.5f}});
   const sandglass::Box box = {{-0.4f, -0.3f, -0.8f}, {0.6f, 0.7f, 0.2f}};
   for (uint64_t seed : {1ull, 99ull})
-    expect_maximal(sample_volume(box, 0.05f, ball, options_with_seed(seed)), box, 0.05f, seed, ball);
+    expect_maximal(sample_volume(box, 0.05f, ball, desc_with_seed(seed)), box, 0.05f, seed, ball);
 }
 
 TEST(Volume, reaches_parts_further_apart_than_two_distances) {
   const Balls balls = {{{-1, 0, 0}, 0.2f}, {{1, 0, 0}, 0.2f}, {{0, 0, 1}, 0.03f}};
   const sandglass::Box box = {{-1.2f, -0.2f, -0.2f}, {1.2f, 0.2f, 1.03f}};
   const float distance = 0.04f;
-  const Points samples = sample_volume(box, distance, inside_balls(balls), options_with_seed(2));
+  const Points samples = sample_volume(box, distance, inside_balls(balls), desc_with_seed(2));
   const PointLookup lookup(samples, 0.25);
   for (const Ball& ball : balls) EXPECT_LE(lookup.nearest(ball.centre), 1.1 * distance);
   expect_maximal(samples, box, distance, 2, inside_balls(balls));
@@ -103,7 +103,7 @@ TEST(Volume, leaves_no_large_hole) {
   // At other places than the probes: growth with 30 tries leaves no place much further than l from a sample. The places
   // are random; 2 % of them may lie in small holes that 30 tries miss.
   const float distance = 0.06f;
-  const Points samples = sample_volume(k_unit_box, distance, everywhere, options_with_seed(1));
+  const Points samples = sample_volume(k_unit_box, distance, everywhere, desc_with_seed(1));
   // Random sequential packing of balls jams at a coverage of 0.384, which is 0.733 points per distance^3 (Torquato
   // 2006). 30 tries give less, and the faces of the box add some.
   const double density = static_cast<double>(samples.size() / 3) * std::pow(static_cast<double>(distance), 3);
@@ -126,12 +126,12 @@ TEST(Volume, leaves_no_large_hole) {
 TEST(Volume, finds_an_object_that_no_probe_hits) {
   // There is one cell and one probe. The ball is 0.4 % of the box.
   const Inside ball = inside_balls({{{0.02f, 0.03f, -0.01f}, 0.1f}});
-  EXPECT_EQ(sample_volume({{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}}, 1.5f, ball, options_with_seed(1)).size(), 3u);
+  EXPECT_EQ(sample_volume({{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}}, 1.5f, ball, desc_with_seed(1)).size(), 3u);
 }
 
 TEST(Volume, of_nothing_is_no_points) {
   EXPECT_TRUE(sample_volume(
-                  k_unit_box, 0.2f, [](const float*) { return false; }, options_with_seed(1))
+                  k_unit_box, 0.2f, [](const float*) { return false; }, desc_with_seed(1))
                   .empty());
 }
 
@@ -143,7 +143,7 @@ TEST(Volume, asks_inside_only_within_the_box) {
     for (int k = 0; k < 3; ++k) outside += p[k] < box.min[k] || p[k] > box.max[k];
     return true;
   };
-  const Points samples = sample_volume(box, 0.1f, inside, options_with_seed(1));
+  const Points samples = sample_volume(box, 0.1f, inside, desc_with_seed(1));
   EXPECT_GT(samples.size(), 0u);
   EXPECT_EQ(outside, 0u);
   // A try is tested for conflicts first, so each point that is asked for and is inside becomes a sample.

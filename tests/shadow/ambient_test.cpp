@@ -307,8 +307,8 @@ TEST(ShadowSurface, GivesEachVertexTheCoefficientsOfTheNearestPoint) {
   }
   const uint32_t count = static_cast<uint32_t>(expected.size());
   std::vector<float> transfer(9 * count + 1, 7.0f);
-  ASSERT_EQ(sandglass_shadow_surface(file.data(), file.bytes, positions.data(), normals.data(), count, transfer.data(),
-                                     nullptr),
+  ASSERT_EQ(sandglass_shadow_transfer(file.data(), file.bytes, positions.data(), normals.data(), count, transfer.data(),
+                                      nullptr),
             SANDGLASS_OK);
   EXPECT_EQ(transfer[9 * count], 7.0f);
   for (uint32_t i = 0; i < count; ++i)
@@ -320,17 +320,17 @@ TEST(ShadowSurface, RefusesNumbersThatAreNoPlacesAndFilesWithoutASurface) {
   const AssetFile file = make_shadow_file(shape()), old = make_shadow_file({32, 1, 2, 1, 4});
   float place[3] = {}, transfer[9];
   const char* reason = nullptr;
-  EXPECT_EQ(sandglass_shadow_surface(old.data(), old.bytes, place, nullptr, 1, transfer, &reason),
+  EXPECT_EQ(sandglass_shadow_transfer(old.data(), old.bytes, place, nullptr, 1, transfer, &reason),
             SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(std::string(reason).find("bake it again"), std::string::npos);
-  EXPECT_EQ(sandglass_shadow_surface(file.data(), file.bytes, nullptr, nullptr, 0, nullptr, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(sandglass_shadow_transfer(file.data(), file.bytes, nullptr, nullptr, 0, nullptr, nullptr), SANDGLASS_OK);
   place[1] = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(sandglass_shadow_surface(file.data(), file.bytes, place, nullptr, 1, transfer, nullptr),
+  EXPECT_EQ(sandglass_shadow_transfer(file.data(), file.bytes, place, nullptr, 1, transfer, nullptr),
             SANDGLASS_ERROR_INVALID_ARGUMENT);
   const float good[3] = {};
-  EXPECT_EQ(sandglass_shadow_surface(file.data(), file.bytes, good, place, 1, transfer, nullptr),
+  EXPECT_EQ(sandglass_shadow_transfer(file.data(), file.bytes, good, place, 1, transfer, nullptr),
             SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_shadow_surface(file.data(), file.bytes, good, good, 1, transfer, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(sandglass_shadow_transfer(file.data(), file.bytes, good, good, 1, transfer, nullptr), SANDGLASS_OK);
 }
 
 // The basis of sandglass_light_estimate.sh, written out from light.h.

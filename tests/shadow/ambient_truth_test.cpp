@@ -267,8 +267,8 @@ TEST(SurfaceTruth, ShadesTheChairAsRaysDoAndBetterThanWithoutVisibility) {
     for (const double x : {p.position.x, p.position.y, p.position.z}) positions.push_back(static_cast<float>(x));
     for (const double x : {p.normal.x, p.normal.y, p.normal.z}) normals.push_back(static_cast<float>(x));
   }
-  ASSERT_EQ(sandglass_shadow_surface(chair.aligned.data(), chair.bytes.size(), positions.data(), normals.data(),
-                                     static_cast<uint32_t>(points.size()), transfer.data(), nullptr),
+  ASSERT_EQ(sandglass_shadow_transfer(chair.aligned.data(), chair.bytes.size(), positions.data(), normals.data(),
+                                      static_cast<uint32_t>(points.size()), transfer.data(), nullptr),
             SANDGLASS_OK);
   double squares[2] = {}, level = 0;
   for (uint64_t seed = 1; seed <= 3; ++seed) {

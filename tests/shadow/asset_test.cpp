@@ -97,7 +97,7 @@ TEST(ShadowAsset, ChangedBytesBehindARightChecksumNeverCrash) {
       sandglass_shadow_run(&shadow.shadow, 1, 3);
       ASSERT_TRUE(shadow.block.guards_intact());
       float transfer[9];
-      (void)sandglass_shadow_surface(file.data(), file.bytes, transfer, transfer + 3, 1, transfer, nullptr);
+      (void)sandglass_shadow_transfer(file.data(), file.bytes, transfer, transfer + 3, 1, transfer, nullptr);
     }
   EXPECT_GT(accepted, 0);
 }

@@ -35,12 +35,8 @@ desc.gravity.set([NaN, 0, 0]);
 try { sand.create("sandglass_scene", desc); } catch (error) { refused = String(error); }
 if (!refused.includes("gravity")) throw new Error(`refused with: ${refused}`);
 // A JavaScript function as a C callback: a ball in a box of one metre.
-const low = sand.put(new Float32Array(3)), high = sand.put(new Float32Array([1, 1, 1])), out = sand.allocate(8);
-sand.sandglass_field_bytes(low, high, 0.125, out);
-const bytes = Number(new BigUint64Array(sand.memory.buffer, out, 1)[0]);
 const distance = sand.pointer((user, at) => Math.hypot(...sand.floats(at, 3).map((x) => x - 0.5)) - 0.25, "fii");
-sand.sandglass_field_from_function(low, high, 0.125, constants.SANDGLASS_SOLID_INSIDE, distance, 0, sand.allocate(bytes), bytes, out);
-const field = new Uint32Array(sand.memory.buffer, out, 1)[0];
+const field = sand.create("sandglass_field", sand.make("sandglass_field_desc", { bounds_max: [1, 1, 1], spacing: 0.125, distance }));
 const middle = sand.put(new Float32Array([0.5, 0.5, 0.5]));
 if (sand.sandglass_field_distance(field, middle, 0) !== -0.25) throw new Error("the field differs");
 const memory = sand.memory.buffer.byteLength;

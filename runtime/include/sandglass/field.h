@@ -26,41 +26,55 @@ enum { SANDGLASS_SOLID_INSIDE = 0, SANDGLASS_SOLID_OUTSIDE = 1 };
 /* A field, in a block of the app. */
 typedef struct sandglass_field sandglass_field;
 
-/* The number of bytes of a field over the box bounds_min..bounds_max (metres), with nodes `spacing` metres apart. The
- * box is enlarged to whole spacings. Spacing is 0.00001..100; there are at most 2^24 nodes.
+/* The signed distance of a point from a surface, metres, above 0 in free space. `user` is handed through. */
+typedef float (*sandglass_distance_function)(void* user, const float point[3]);
+
+/* What a field is made from: a mesh with an inside test, or a function that is asked at every node, for exact shapes
+ * that are no mesh, such as a silo with a hole.
  *
  * With a spacing of one particle radius, a surface whose radius of curvature R is several spacings is followed to
- * spacing^2 / (8 R). Flat walls thicker than one spacing have no holes, whatever their angle; thinner ones may. Fails
- * with INVALID_ARGUMENT: a box or spacing out of range, or too many nodes. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_field_bytes(const float bounds_min[3],
-                                                                         const float bounds_max[3], float spacing,
+ * spacing^2 / (8 R). Flat walls thicker than one spacing have no holes, whatever their angle; thinner ones may. */
+typedef struct sandglass_field_desc {
+  uint32_t struct_size;
+  /* Default: SANDGLASS_SOLID_INSIDE. */
+  sandglass_solid solid;
+  /* The corners of a box that leaves a margin around the surface, metres. It is enlarged to whole spacings. Needed. */
+  float bounds_min[3], bounds_max[3];
+  /* Between two nodes, metres, 0.00001..100; there are at most 2^24 nodes. Needed. */
+  float spacing;
+  /* Metres, 0..1000: distances from a mesh are exact up to this far from the surface, and at most 13 % too large
+   * beyond. Less than two spacings is taken as two. Give it the diameter of a particle or more. Default: 0. */
+  float band;
+  /* NULL, the default, or the surface. */
+  const sandglass_mesh* mesh;
+  /* A mesh needs it: it decides the side. Use sandglass_mesh_inside_test with a prepared mesh as `inside_user`. */
+  sandglass_inside_function inside;
+  /* Handed to inside. */
+  void* inside_user;
+  /* Needed where there is no mesh, else NULL, the default. It may underestimate distances far from the surface. */
+  sandglass_distance_function distance;
+  /* Handed to distance. */
+  void* distance_user;
+} sandglass_field_desc;
+
+/* Fills *desc with the defaults: solid inside; no box, spacing and surface yet. */
+SANDGLASS_API void sandglass_field_desc_default(sandglass_field_desc* desc);
+
+/* The exact number of bytes that sandglass_field_create needs. Fails with INVALID_ARGUMENT: a field out of range, too
+ * many nodes, the mesh, or not exactly one of mesh and distance. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_field_bytes(const sandglass_field_desc* desc,
                                                                          uint64_t* bytes, const char** reason);
 
-/* The signed distance of a point from a surface, metres, above 0 in free space. */
-typedef float (*sandglass_distance)(void* user, const float point[3]);
-
-/* Makes a field by asking a function at every node: for exact shapes that are no mesh, such as a silo with a hole. The
- * function may underestimate distances far from the surface. `block` must be aligned to SANDGLASS_BLOCK_ALIGNMENT and
- * hold sandglass_field_bytes; it is the field.
+/* Makes a field in the app's block, aligned to SANDGLASS_BLOCK_ALIGNMENT; the block is the field. The mesh's arrays may
+ * go. From a mesh it takes time in proportion to the number of triangles times band^3 / spacing^3, and one inside test
+ * a node.
  *
- * Fails with MEMORY_TOO_SMALL, MEMORY_ALIGNMENT, and INVALID_ARGUMENT: an argument out of range, a distance that is not
- * finite, a surface that crosses the faces of the box (leave a margin), or no node that is solid, or none that is free
- * (the surface lies between the nodes: make the spacing smaller). The block may have been written to then. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_field_from_function(
-    const float bounds_min[3], const float bounds_max[3], float spacing, sandglass_solid solid,
-    sandglass_distance distance, void* user, void* block, uint64_t bytes, sandglass_field** field, const char** reason);
-
-/* Makes a field from a mesh. Distances are exact up to `band` metres from the surface, and at most 13 % too large
- * beyond. `band` is 0..1000; less than two spacings is taken as two. Give it the diameter of a particle or more.
- * `inside` decides the side: use sandglass_mesh_inside_test with a prepared mesh as `inside_user`. The box must leave a
- * margin around the surface.
- *
- * It takes time in proportion to the number of triangles times band^3 / spacing^3, and one inside test a node. Fails
- * like sandglass_field_from_function. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_field_from_mesh(
-    const sandglass_mesh* mesh, sandglass_inside inside, void* inside_user, const float bounds_min[3],
-    const float bounds_max[3], float spacing, float band, sandglass_solid solid, void* block, uint64_t bytes,
-    sandglass_field** field, const char** reason);
+ * Fails like sandglass_field_bytes, with MEMORY_TOO_SMALL, MEMORY_ALIGNMENT, and with INVALID_ARGUMENT also for a
+ * distance that is not finite, a surface that crosses the faces of the box, or no node that is solid, or none that is
+ * free (the surface lies between the nodes: make the spacing smaller). The block may have been written to then. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_field_create(const sandglass_field_desc* desc, void* block,
+                                                                          uint64_t bytes, sandglass_field** field,
+                                                                          const char** reason);
 
 /* The distance that sand sees at a point of the field's own coordinates, metres. `normal` is optional: it receives the
  * direction in which the distance grows, of length 1. A coordinate beyond 1e6 m counts as 1e6 m. A point that is not

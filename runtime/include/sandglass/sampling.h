@@ -4,11 +4,9 @@
  * nothing is allocated, no thread is started, and for equal arguments (the seed is one of them) the same bits come out
  * of every compiler and instruction set.
  *
- * Memory. An algorithm that needs working memory has three functions:
- *     sandglass_sample_X_capacity   a number of points that is always enough for the output,
- *     sandglass_sample_X_bytes      the exact working memory that a run with a given output capacity needs,
- *     sandglass_sample_X            the run.
- * `scratch` must be aligned to SANDGLASS_BLOCK_ALIGNMENT. After the call it belongs to the app again.
+ * Memory. sandglass_sample_points works in memory of the app. For the same description, sandglass_sample_capacity names
+ * a number of points that is always enough, and sandglass_sample_bytes the exact working memory of a run with a given
+ * capacity. `scratch` must be aligned to SANDGLASS_BLOCK_ALIGNMENT. After the call it belongs to the app again.
  *
  * Points are 3 floats each, tightly packed: x0 y0 z0 x1 ... After a failure *count is 0, *reason says what is wrong,
  * and the output array is as it was. Angles are in radians: the polar angle theta from +y, the azimuth phi from +x
@@ -96,7 +94,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_mesh_winding_number
 /* Says whether a point lies in a volume: not 0 means inside. `user` is handed through. It must give the same answer for
  * the same point. sandglass_mesh_inside_test is such a test; an app may bring its own, an analytic shape for
  * example. */
-typedef int (*sandglass_inside)(void* user, const float point[3]);
+typedef int32_t (*sandglass_inside_function)(void* user, const float point[3]);
 
 /* How a prepared mesh decides.
  *
@@ -131,12 +129,51 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_mesh_inside_create(
                                                                                 sandglass_mesh_inside** inside,
                                                                                 const char** reason);
 
-/* 1 if `point` lies in the mesh, else 0, also for a point that is not finite. `inside` is a sandglass_mesh_inside*. The
- * signature is that of sandglass_inside, so that it can be handed to the samplers with the object as `user`. Any number
- * of threads may test at the same time. */
-SANDGLASS_API int sandglass_mesh_inside_test(void* inside, const float point[3]);
+/* 1 if `point` lies in the mesh, else 0, also for a point that is not finite. `inside` is a sandglass_mesh_inside*. It
+ * is a sandglass_inside_function, so that it can be handed to a sampler with the object as `inside_user`. Any number of
+ * threads may test at the same time. */
+SANDGLASS_API int32_t sandglass_mesh_inside_test(void* inside, const float point[3]);
 
-/* -------------------------------------------------------------------------------- options */
+/* -------------------------------------------------------------------------------- surfaces and volumes */
+
+/* How points are chosen. */
+typedef int32_t sandglass_sample_method;
+enum {
+  /* On the surface of `mesh`, no two closer than `distance`, in blue-noise distribution (Alg. 1).
+   *
+   * max(tries, tries * A / (pi distance^2)) candidates are drawn evenly over the area A (3.15 to 3.21). Alg. 1 is
+   * corrected: growth from one seed never reaches parts further away than 2 * distance. Here it starts again from a
+   * remaining candidate until none is left, so every candidate is closer than `distance` to a sample. Expect about 0.7
+   * A / distance^2 points. Time is linear in candidates and triangles.
+   *
+   * The capacity that is always enough is the number of candidates. Working memory: about 20 bytes a candidate, 8 a
+   * point of capacity and 8 a triangle; with GEODESIC about 35, 8 and 170. Refused: the mesh, an area of 0, more than
+   * 2^30 candidates, or more than 2^20 cells along one axis of the box. */
+  SANDGLASS_SAMPLE_SURFACE = 0,
+  /* In a volume, no two closer than `distance`, in blue-noise distribution (Alg. 2). The volume is where `inside` says
+   * so within the box bounds_min..bounds_max. `inside` is called once for each point that is tried and far enough from
+   * all samples.
+   *
+   * (3.29) is corrected: a try lies at r = distance * cuberoot(1 + 7 rho) from its sample, which is uniform in the
+   * shell between one and two distances. Alg. 2 is corrected: growth starts again from probes, one at a random place in
+   * each cell (of edge `distance`) of the box. So separate parts are reached, and every probe inside is closer than
+   * `distance` to a sample. A volume that no probe hits is looked for with 1000 more; if these miss it too, there are 0
+   * points. Expect about 0.6 points per distance^3, more in thin shapes; random packing jams at 0.73.
+   *
+   * The capacity that is always enough is the densest packing of spheres that the box could hold. Working memory: 4
+   * bytes a cell of the box, and 20 a point of capacity. Refused: a box that is not finite, inverted or beyond
+   * SANDGLASS_COORDINATE_LIMIT, or more than 2^30 cells. */
+  SANDGLASS_SAMPLE_VOLUME = 1,
+  /* The sites of a hexagonal close packing in such a volume, in layers along y: Alg. 3 with (3.33). `inside` is called
+   * once for each site within the box.
+   *
+   * Neighbours are exactly `distance` apart, to float rounding; a site in the interior has twelve. Alg. 3 is corrected:
+   * the lattice starts at bounds_min, not at the origin.
+   *
+   * The capacity that is always enough is the sites of the box. Working memory: one bit a site. Refused: such a box, or
+   * more than 2^30 sites. */
+  SANDGLASS_SAMPLE_LATTICE = 2
+};
 
 /* How the distance between two points is measured.
  *
@@ -147,138 +184,57 @@ SANDGLASS_API int sandglass_mesh_inside_test(void* inside, const float point[3])
 typedef int32_t sandglass_metric;
 enum { SANDGLASS_METRIC_EUCLIDEAN = 0, SANDGLASS_METRIC_GEODESIC = 1 };
 
-/* What surface and volume sampling may be told besides. */
-typedef struct sandglass_sample_options {
+/* Called now and then with the work that is done and the work that there is (0: unknown), in a unit of the method:
+ * candidates settled (SURFACE), points found (VOLUME), sites tested (LATTICE). `user` is handed through. */
+typedef void (*sandglass_progress_function)(void* user, uint64_t done, uint64_t total);
+
+/* Which points are wanted. */
+typedef struct sandglass_sample_desc {
   uint32_t struct_size;
+  /* Default: SURFACE. */
+  sandglass_sample_method method;
+  /* Between two points, metres, above 0. Needed. */
+  float distance;
   /* N_t of Alg. 1 and 2, 1..1000. Default: 30; the dissertation gives no value. */
   uint32_t tries;
   /* Any number; equal seeds give equal points. Default: 1. */
   uint64_t seed;
-  /* For surface sampling only. Default: EUCLIDEAN. */
+  /* SURFACE only. Default: EUCLIDEAN. */
   sandglass_metric metric;
-  /* May be NULL, the default. Called now and then with the work that is done and the work that there is (0: unknown),
-   * in a unit of the algorithm: candidates settled (surface), points found (volume), lattice sites tested (lattice). */
-  void (*progress)(void* user, uint64_t done, uint64_t total);
+  /* VOLUME and LATTICE: the corners of a box that holds the volume, metres. See sandglass_mesh_bounds. */
+  float bounds_min[3], bounds_max[3];
+  /* SURFACE needs it. */
+  const sandglass_mesh* mesh;
+  /* VOLUME and LATTICE need it. */
+  sandglass_inside_function inside;
+  /* Handed to inside. */
+  void* inside_user;
+  /* May be NULL, the default. */
+  sandglass_progress_function progress;
   /* Handed to progress. */
-  void* user;
-} sandglass_sample_options;
+  void* progress_user;
+} sandglass_sample_desc;
 
-/* Fills *options with the defaults: seed 1, 30 tries, Euclidean distance, no progress calls. */
-SANDGLASS_API void sandglass_sample_options_default(sandglass_sample_options* options);
+/* Fills *desc with the defaults: SURFACE, 30 tries, seed 1, Euclidean distance, no progress calls; no mesh, box and
+ * distance yet. */
+SANDGLASS_API void sandglass_sample_desc_default(sandglass_sample_desc* desc);
 
-/* -------------------------------------------------------------------------------- surface, Poisson disk */
+/* How many points are always enough. All three functions fail with INVALID_ARGUMENT: a field out of range, and what the
+ * method refuses, for example a distance that is too small for its limits. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_capacity(const sandglass_sample_desc* desc,
+                                                                             uint32_t* capacity, const char** reason);
 
-/* Points on the surface of a mesh, no two closer than `distance` metres, in blue-noise distribution (Alg. 1).
- *
- * max(tries, tries * A / (pi distance^2)) candidates are drawn evenly over the area A (3.15 to 3.21). Alg. 1 is
- * corrected: growth from one seed never reaches parts further away than 2 * distance. Here it starts again from a
- * remaining candidate until none is left, so every candidate is closer than `distance` to a sample. Expect about 0.7 A
- * / distance^2 points. Time is linear in candidates and triangles.
- *
- * sandglass_sample_surface_capacity: the number of candidates. `options` is optional, here and below: NULL means the
- * defaults. All three fail with INVALID_ARGUMENT: the mesh, an area of 0, a distance that is not finite, not above 0,
- * or so small that it would take more than 2^30 candidates or more than 2^20 cells along one axis of the box; the
- * options. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status
-sandglass_sample_surface_capacity(const sandglass_mesh* mesh, float distance, const sandglass_sample_options* options,
-                                  uint32_t* capacity, const char** reason);
-
-/* The working memory of sandglass_sample_surface: about 20 bytes a candidate, 8 a point of capacity and 8 a triangle;
- * with GEODESIC about 35, 8 and 170. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status
-sandglass_sample_surface_bytes(const sandglass_mesh* mesh, float distance, const sandglass_sample_options* options,
-                               uint32_t capacity, uint64_t* bytes, const char** reason);
-
-/* The run: `points` takes 3 * capacity floats, *count is how many points it found. Fails also with MEMORY_TOO_SMALL,
- * MEMORY_ALIGNMENT, and CAPACITY: there are more samples than `capacity`. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_surface(const sandglass_mesh* mesh, float distance,
-                                                                            const sandglass_sample_options* options,
-                                                                            void* scratch, uint64_t scratch_bytes,
-                                                                            float* points, uint32_t capacity,
-                                                                            uint32_t* count, const char** reason);
-
-/* -------------------------------------------------------------------------------- volume, Poisson disk */
-
-/* Points in a volume, no two closer than `distance` metres, in blue-noise distribution (Alg. 2).
- *
- * The volume is where `inside` says so within the box bounds_min..bounds_max. `inside` is called once for each point
- * that is tried and far enough from all samples. (3.29) is corrected: a try lies at r = distance * cuberoot(1 + 7 rho)
- * from its sample, which is uniform in the shell between one and two distances. Alg. 2 is corrected: growth starts
- * again from probes, one at a random place in each cell (of edge `distance`) of the box. So separate parts are reached,
- * and every probe inside is closer than `distance` to a sample. Expect about 0.6 points per distance^3, more in thin
- * shapes; random packing jams at 0.73.
- *
- * sandglass_sample_volume_capacity: the densest packing of spheres that the box could hold. All three fail with
- * INVALID_ARGUMENT: a box that is not finite, inverted or beyond SANDGLASS_COORDINATE_LIMIT, a distance that is not
- * finite, not above 0, or so small that the box has more than 2^30 cells; the options. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_volume_capacity(const float bounds_min[3],
-                                                                                    const float bounds_max[3],
-                                                                                    float distance, uint32_t* capacity,
-                                                                                    const char** reason);
-
-/* The working memory of sandglass_sample_volume: 4 bytes a cell of the box, and 20 a point of capacity. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_volume_bytes(const float bounds_min[3],
-                                                                                 const float bounds_max[3],
-                                                                                 float distance, uint32_t capacity,
-                                                                                 uint64_t* bytes, const char** reason);
-
-/* The run: `points` takes 3 * capacity floats, *count is how many points it found. `options` is optional: NULL means
- * the defaults. A volume that no probe hits is looked for with 1000 more; if these miss it too, *count is 0 and the
- * status is OK. Fails also with MEMORY_TOO_SMALL, MEMORY_ALIGNMENT, and CAPACITY: there are more samples than
- * `capacity`. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status
-sandglass_sample_volume(const float bounds_min[3], const float bounds_max[3], float distance, sandglass_inside inside,
-                        void* inside_user, const sandglass_sample_options* options, void* scratch,
-                        uint64_t scratch_bytes, float* points, uint32_t capacity, uint32_t* count, const char** reason);
-
-/* -------------------------------------------------------------------------------- volume, HCP lattice */
-
-/* The sites of a hexagonal close packing in a volume, in layers along y: Alg. 3 with (3.33).
- *
- * Neighbours are exactly `distance` metres apart, to float rounding; a site in the interior has twelve. Alg. 3 is
- * corrected: the lattice starts at bounds_min, not at the origin. `inside` is called once for each site within the box.
- *
- * sandglass_sample_lattice_capacity: the sites of the box. All three fail with INVALID_ARGUMENT like
- * sandglass_sample_volume, the limit being 2^30 sites. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_lattice_capacity(const float bounds_min[3],
-                                                                                     const float bounds_max[3],
-                                                                                     float distance, uint32_t* capacity,
-                                                                                     const char** reason);
-
-/* The working memory of sandglass_sample_lattice: one bit a site. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_lattice_bytes(const float bounds_min[3],
-                                                                                  const float bounds_max[3],
-                                                                                  float distance, uint64_t* bytes,
-                                                                                  const char** reason);
-
-/* The run: `points` takes 3 * capacity floats, *count is how many sites lie inside. `options` is optional; only its
- * progress call is used. Fails also with MEMORY_TOO_SMALL, MEMORY_ALIGNMENT, and CAPACITY: there are more samples than
- * `capacity`. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_lattice(
-    const float bounds_min[3], const float bounds_max[3], float distance, sandglass_inside inside, void* inside_user,
-    const sandglass_sample_options* options, void* scratch, uint64_t scratch_bytes, float* points, uint32_t capacity,
-    uint32_t* count, const char** reason);
-
-/* -------------------------------------------------------------------------------- spectrum */
-
-/* Gives the power |F|^2/count of a point set at one spatial frequency (cycles per metre), F as in (3.1) with k_FT = 1.
- * White noise has an expected power of 1 at every frequency but 0. Fails with INVALID_ARGUMENT: a count of 0, a number
- * that is not finite, or a phase of more than 1e9 cycles. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_power(const float* points, uint32_t count,
-                                                                          const float frequency[3], double* power,
+/* The working memory of a run with room for `capacity` points. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_bytes(const sandglass_sample_desc* desc,
+                                                                          uint32_t capacity, uint64_t* bytes,
                                                                           const char** reason);
 
-/* Gives the radial mean of the power spectrum. power[b] is the mean power over `directions` evenly spread directions at
- * the frequency (b + 1/2) * frequency_max/bins, cycles per metre, b = 0..bins-1. `power` takes `bins` doubles. If
- * `planar` is not 0, the directions lie in the plane y = 0 (for points of a flat sheet), else in all of space.
- *
- * Blue noise of distance l has next to no power well below 1/l. The mean of the outline of the whole set shows up below
- * about 1/(its size): leave those bins out. Fails with INVALID_ARGUMENT like sandglass_sample_power, and for bins or
- * directions of 0 or above 65536. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_spectrum(const float* points, uint32_t count,
-                                                                             float frequency_max, uint32_t bins,
-                                                                             uint32_t directions, int32_t planar,
-                                                                             double* power, const char** reason);
+/* The run: `points` takes 3 * capacity floats, *count is how many points it found. Fails also with MEMORY_TOO_SMALL,
+ * MEMORY_ALIGNMENT, and CAPACITY: there are more points than `capacity`. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_points(const sandglass_sample_desc* desc,
+                                                                           void* scratch, uint64_t scratch_bytes,
+                                                                           float* points, uint32_t capacity,
+                                                                           uint32_t* count, const char** reason);
 
 #ifdef __cplusplus
 } /* extern "C" */

@@ -10,7 +10,7 @@
  *   1. fills a sandglass_scene_desc (start from sandglass_scene_desc_default),
  *   2. asks sandglass_scene_bytes how much memory that scene needs,
  *   3. hands one block of that size to sandglass_scene_create,
- *   4. adds material (sandglass_granular_add), sampled by sandglass_sample_* or its own,
+ *   4. adds material (sandglass_granular_add), sampled by sandglass_sample_points or its own,
  *   5. calls sandglass_scene_frame once a frame, with colliders, a time step and a budget in nanoseconds.
  *
  * After step 3 the library allocates nothing, starts no thread, takes no lock and reads no clock but the one that it
@@ -329,15 +329,25 @@ SANDGLASS_API sandglass_isa sandglass_scene_isa(const sandglass_scene* scene);
 
 /* ------------------------------------------------------------------------------------------- adding and removing */
 
-/* Adds particles and grains. Positions are 3 floats each, metres. Velocities are 3 floats each, m/s, at most 10,000
- * along each axis; NULL means at rest. Either count may be 0.
+/* Particles or grains to add, in the app's arrays of 3 floats each. */
+typedef struct sandglass_points {
+  /* Metres. */
+  const float* positions;
+  /* m/s, at most 10,000 along each axis. NULL: at rest. */
+  const float* velocities;
+  /* How many there are; may be 0. */
+  uint32_t count;
+} sandglass_points;
+
+/* Adds particles and grains. Either may be NULL: none.
  *
- * Particles should start 2r or more apart (sandglass_sample_lattice). Overlap is resolved, gently. Fails with CAPACITY,
+ * Particles should start 2r or more apart (SANDGLASS_SAMPLE_LATTICE). Overlap is resolved, gently. Fails with CAPACITY,
  * and with INVALID_ARGUMENT: a coordinate is not finite or beyond SANDGLASS_COORDINATE_LIMIT, or a velocity is out of
  * range. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_add(
-    sandglass_scene* scene, const float* particle_positions, const float* particle_velocities, uint32_t particle_count,
-    const float* grain_positions, const float* grain_velocities, uint32_t grain_count, const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_add(sandglass_scene* scene,
+                                                                          const sandglass_points* particles,
+                                                                          const sandglass_points* grains,
+                                                                          const char** reason);
 
 struct sandglass_collider;
 
@@ -352,7 +362,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_remove(san
 /* A rigid body: particles that keep their shape (shape matching, 4.28 to 4.36). Sand pushes it, and it pushes sand.
  *
  * Its particles are spheres of the material's radius. Sample the body like sand, on a lattice or by Poisson disk, so
- * that a particle stands for the same volume; or make a box (sandglass_body_box). A body may also be one or two
+ * that a particle stands for the same volume; or make a box (sandglass_box_body). A body may also be one or two
  * particles, a line or a plane of them. Bodies do not carry grains: pass a collider with the body's pose to keep grains
  * out of it. */
 typedef struct sandglass_body {
@@ -447,38 +457,47 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_push_body(
                                                                                 const float point[3],
                                                                                 const char** reason);
 
-/* How many particles a box has as a rigid body. `half_extents`: half its edges along x, y and z in metres, each at
- * least particle_radius and at most SANDGLASS_COORDINATE_LIMIT. Fails with INVALID_ARGUMENT: a number out of range, or
- * more than 2^20 particles. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_body_box_count(const float half_extents[3],
-                                                                            float particle_radius, uint32_t* count,
-                                                                            const char** reason);
+/* A box as a rigid body. Its particles (sandglass_box_body), the collider that keeps grains out of it
+ * (sandglass_box_collider) and the mesh of a box of these half extents fit each other: the particles form a regular
+ * lattice, at most 2r apart, and the outermost touch the faces of the box from inside. */
+typedef struct sandglass_box_desc {
+  uint32_t struct_size;
+  /* Half the edges along x, y and z, metres, each at least particle_radius and at most SANDGLASS_COORDINATE_LIMIT. */
+  float half_extents[3];
+  /* r of the scene, metres, 0.0001..10. */
+  float particle_radius;
+  /* Of the centre, world, metres. Default: the origin. */
+  float position[3];
+  /* Turns the box about its centre, (x, y, z, w), of any length above 0. Default: no turn. */
+  float rotation[4];
+  /* Over that of packed sand. Default: 1. */
+  float density;
+} sandglass_box_desc;
 
-/* Makes a box as a rigid body. Its particles, the collider that keeps grains out of it (sandglass_body_box_collider)
- * and the mesh of a box of these half extents fit each other: the particles form a regular lattice, at most 2r apart,
- * and the outermost touch the faces of the box from inside.
- *
- * It writes the particles of a box with its centre at `position` to `points`, 3 floats each, and fills *body for
- * sandglass_granular_add_body. `rotation`, a quaternion (x, y, z, w), turns the box about its centre; NULL: it is not
- * turned. `density` is that of the box over that of packed sand: body->density_ratio is the value that gives the whole
- * box that mass, whatever its lattice. body->particle_positions is `points`. `capacity`: how many particles fit into
- * `points`. Fails like sandglass_body_box_count, with INVALID_ARGUMENT also for a position, density or rotation that is
- * not finite and for a rotation without length, and with CAPACITY. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_body_box(const float half_extents[3],
-                                                                      float particle_radius, const float position[3],
-                                                                      const float rotation[4], float density,
-                                                                      float* points, uint32_t capacity,
-                                                                      sandglass_body* body, const char** reason);
+/* Fills *desc with the defaults: at the origin, not turned, density 1; no extents and no radius yet. */
+SANDGLASS_API void sandglass_box_desc_default(sandglass_box_desc* desc);
+
+/* How many particles a box has. Fails with INVALID_ARGUMENT: a field out of range or not finite, or more than 2^20
+ * particles. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_box_count(const sandglass_box_desc* desc, uint32_t* count,
+                                                                       const char** reason);
+
+/* Writes the particles of a box to `points`, 3 floats each, and fills *body for sandglass_granular_add_body:
+ * body->particle_positions is `points`, and body->density_ratio the value that gives the whole box the mass of its
+ * volume times its density, whatever its lattice. `capacity`: how many particles fit into `points`. Fails like
+ * sandglass_box_count, and with CAPACITY. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_box_body(const sandglass_box_desc* desc, float* points,
+                                                                      uint32_t capacity, sandglass_body* body,
+                                                                      const char** reason);
 
 /* The collider of a box body at a pose: pass it in frame_input.colliders to keep grains out of the box. Its position
  * and rotation are also where the mesh of the box is drawn. The pose is that before the frame, and the collider has the
- * body's velocities, so grains meet the box where it was one frame ago. `rotation` is the one that the box was made
- * with; NULL: it was not turned. */
-SANDGLASS_API void sandglass_body_box_collider(const sandglass_body_pose* pose, const float half_extents[3],
-                                               const float rotation[4], struct sandglass_collider* collider);
+ * body's velocities, so grains meet the box where it was one frame ago. */
+SANDGLASS_API void sandglass_box_collider(const sandglass_box_desc* desc, const sandglass_body_pose* pose,
+                                          struct sandglass_collider* collider);
 
 /* Replaces the static boundary particles: fixed spheres of the particles' radius, samples of a surface
- * (sandglass_sample_surface with a distance of at most 2r). Particles collide with them; grains do not see them.
+ * (SANDGLASS_SAMPLE_SURFACE with a distance of at most 2r). Particles collide with them; grains do not see them.
  * `positions`: 3 floats each, metres. Fails with CAPACITY, and with INVALID_ARGUMENT: a coordinate is not finite or
  * beyond SANDGLASS_COORDINATE_LIMIT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene,

@@ -14,6 +14,7 @@
 #ifndef SANDGLASS_SANDGLASS_HPP
 #define SANDGLASS_SANDGLASS_HPP
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -164,7 +165,21 @@ inline sandglass_frame_report frame_report() {
   return report;
 }
 
-// A body with its defaults and struct_size filled in.
+inline sandglass_sample_desc sample_desc() {
+  sandglass_sample_desc desc;
+  sandglass_sample_desc_default(&desc);
+  return desc;
+}
+inline sandglass_field_desc field_desc() {
+  sandglass_field_desc desc;
+  sandglass_field_desc_default(&desc);
+  return desc;
+}
+inline sandglass_box_desc box_desc() {
+  sandglass_box_desc desc;
+  sandglass_box_desc_default(&desc);
+  return desc;
+}
 inline sandglass_body body() {
   sandglass_body body;
   sandglass_body_default(&body);
@@ -217,37 +232,40 @@ inline sandglass_emitter emitter(float x, float y, float z, float radius, float 
   return e;
 }
 
-// A box as a rigid body, by sandglass_body_box: its particles, what Scene::add_body takes, and the box's collider.
+// A box as a rigid body, by sandglass_box_body: its particles, what Scene::add_body takes, and the box's collider.
 struct BoxBody {
   // Three floats each, metres.
   std::vector<float> particles;
   // What Scene::add_body takes.
   sandglass_body body{};
-  // That it was made with, metres.
-  std::array<float, 3> half_extents{};
-  Rotation rotation{0.0f, 0.0f, 0.0f, 1.0f};  // that it was made with
+  // What it was made from.
+  sandglass_box_desc desc{};
 
   // The box at a pose: keeps grains out, and says where its mesh is drawn.
   sandglass_collider collider(const sandglass_body_pose& pose) const {
     sandglass_collider c{};
-    sandglass_body_box_collider(&pose, half_extents.data(), rotation.data(), &c);
+    sandglass_box_collider(&desc, &pose, &c);
     return c;
   }
 };
 
 // Fills *box; its body.particle_positions point into box->particles. `density` over that of packed sand. Fails like
-// sandglass_body_box.
+// sandglass_box_body.
 inline Status box_body(const std::array<float, 3>& half_extents, float particle_radius,
                        const std::array<float, 3>& position, float density, BoxBody* box,
                        const Rotation& rotation = {0.0f, 0.0f, 0.0f, 1.0f}) {
+  sandglass_box_desc& desc = box->desc = box_desc();
+  std::copy(half_extents.begin(), half_extents.end(), desc.half_extents);
+  std::copy(position.begin(), position.end(), desc.position);
+  std::copy(rotation.begin(), rotation.end(), desc.rotation);
+  desc.particle_radius = particle_radius;
+  desc.density = density;
   Status status;
   uint32_t count = 0;
-  status.code = sandglass_body_box_count(half_extents.data(), particle_radius, &count, &status.reason);
+  status.code = sandglass_box_count(&desc, &count, &status.reason);
   if (!status) return status;
   box->particles.resize(3 * static_cast<std::size_t>(count));
-  box->half_extents = half_extents, box->rotation = rotation;
-  status.code = sandglass_body_box(half_extents.data(), particle_radius, position.data(), rotation.data(), density,
-                                   box->particles.data(), count, &box->body, &status.reason);
+  status.code = sandglass_box_body(&desc, box->particles.data(), count, &box->body, &status.reason);
   return status;
 }
 
@@ -290,9 +308,9 @@ class Scene {
 
   // Adds particles and grains at rest. For moving ones: sandglass_granular_add(get(), ...).
   Status add(Points particles, Points grains = {}) {
+    const sandglass_points sand = {particles.xyz, nullptr, particles.count}, fine = {grains.xyz, nullptr, grains.count};
     Status status;
-    status.code = sandglass_granular_add(get(), particles.xyz, nullptr, particles.count, grains.xyz, nullptr,
-                                         grains.count, &status.reason);
+    status.code = sandglass_granular_add(get(), &sand, &fine, &status.reason);
     return status;
   }
   // Removes the sand inside a shape; the counts may be null.
@@ -589,18 +607,18 @@ inline Status inspect_shadow(const void* asset, uint64_t asset_bytes, sandglass_
 }
 
 // How the vertices of the app's mesh see the room past the object itself, nine floats each: see
-// sandglass_shadow_surface. The file is that of `desc`. Fails like the C function, and where there is not one normal for
-// each position; *transfer is then empty.
-inline Status shadow_surface(const sandglass_shadow_desc& desc, Points positions, Points normals,
-                             std::vector<float>* transfer) {
+// sandglass_shadow_transfer. The file is that of `desc`. Fails like the C function, and where there is not one normal
+// for each position; *transfer is then empty.
+inline Status shadow_transfer(const sandglass_shadow_desc& desc, Points positions, Points normals,
+                              std::vector<float>* transfer) {
   Status status;
   transfer->resize(9 * static_cast<std::size_t>(positions.count));
   if (positions.count != normals.count) {
     status.code = SANDGLASS_ERROR_INVALID_ARGUMENT;
     status.reason = "positions and normals are not equally many: pass one normal for each position";
   } else {
-    status.code = sandglass_shadow_surface(desc.asset, desc.asset_bytes, positions.xyz, normals.xyz, positions.count,
-                                           transfer->data(), &status.reason);
+    status.code = sandglass_shadow_transfer(desc.asset, desc.asset_bytes, positions.xyz, normals.xyz, positions.count,
+                                            transfer->data(), &status.reason);
   }
   if (!status) transfer->clear();
   return status;
@@ -676,73 +694,62 @@ struct Box {
 
 // Each fills *points, three floats a point, and allocates the result and the working memory for the duration of the
 // call. `inside` is anything that can be called with a const float[3] and says whether that point lies in the volume.
-// Fails like the C function of the same name; *points is then empty.
-
-// What all of them share: working memory, room for the result, the run, and the result cut to its length.
-template <class Run>
-Status sample_into(std::vector<float>* points, uint32_t capacity, uint64_t scratch_bytes, Run run) {
-  const Block scratch = allocate_block(scratch_bytes);
+// `desc` holds what else is not the default: seed, tries, metric, progress. Fails like sandglass_sample_points; *points
+// is then empty.
+inline Status sample_points(const sandglass_sample_desc& desc, std::vector<float>* points) {
+  points->clear();
+  Status status;
+  uint64_t bytes = 0;
+  uint32_t capacity = 0;
+  uint32_t count = 0;
+  status.code = sandglass_sample_capacity(&desc, &capacity, &status.reason);
+  if (status) status.code = sandglass_sample_bytes(&desc, capacity, &bytes, &status.reason);
+  if (!status) return status;
+  const Block scratch = allocate_block(bytes);
   if (scratch == nullptr) return no_memory();
   points->resize(3 * static_cast<std::size_t>(capacity));
-  uint32_t count = 0;
-  Status status;
-  status.code = run(scratch.get(), points->data(), &count, &status.reason);
-  points->resize(3 * static_cast<std::size_t>(status ? count : 0));
+  status.code = sandglass_sample_points(&desc, scratch.get(), bytes, points->data(), capacity, &count, &status.reason);
+  points->resize(3 * static_cast<std::size_t>(count));
   return status;
 }
 
-// Anything callable as the C API's function pointer and its user pointer.
+// What the two volumes share.
 template <class Inside>
-int call_inside(void* inside, const float point[3]) {
-  return (*static_cast<Inside*>(inside))(point) ? 1 : 0;
+Status sample_inside(const Box& box, float distance, Inside inside, sandglass_sample_desc desc,
+                     std::vector<float>* points) {
+  std::copy(box.min, box.min + 3, desc.bounds_min);
+  std::copy(box.max, box.max + 3, desc.bounds_max);
+  desc.distance = distance;
+  desc.inside = [](void* test, const float point[3]) -> int32_t {
+    return (*static_cast<Inside*>(test))(point) ? 1 : 0;
+  };
+  desc.inside_user = &inside;
+  return sample_points(desc, points);
 }
 
 // Sites of a hexagonal close packing: how a volume is filled with particles (distance 2r).
 template <class Inside>
-Status sample_lattice(const Box& box, float distance, Inside inside, std::vector<float>* points) {
-  points->clear();
-  Status status;
-  uint64_t bytes = 0;
-  uint32_t capacity = 0;
-  status.code = sandglass_sample_lattice_capacity(box.min, box.max, distance, &capacity, &status.reason);
-  if (status) status.code = sandglass_sample_lattice_bytes(box.min, box.max, distance, &bytes, &status.reason);
-  if (!status) return status;
-  return sample_into(points, capacity, bytes, [&](void* scratch, float* out, uint32_t* count, const char** reason) {
-    return sandglass_sample_lattice(box.min, box.max, distance, call_inside<Inside>, &inside, nullptr, scratch, bytes,
-                                    out, capacity, count, reason);
-  });
+Status sample_lattice(const Box& box, float distance, Inside inside, std::vector<float>* points,
+                      sandglass_sample_desc desc = sample_desc()) {
+  desc.method = SANDGLASS_SAMPLE_LATTICE;
+  return sample_inside(box, distance, inside, desc, points);
 }
 
-// A Poisson-disk (blue-noise) set in a volume: how it is filled with grains. `options` null: the defaults.
+// A Poisson-disk (blue-noise) set in a volume: how it is filled with grains.
 template <class Inside>
 Status sample_volume(const Box& box, float distance, Inside inside, std::vector<float>* points,
-                     const sandglass_sample_options* options = nullptr) {
-  points->clear();
-  Status status;
-  uint64_t bytes = 0;
-  uint32_t capacity = 0;
-  status.code = sandglass_sample_volume_capacity(box.min, box.max, distance, &capacity, &status.reason);
-  if (status) status.code = sandglass_sample_volume_bytes(box.min, box.max, distance, capacity, &bytes, &status.reason);
-  if (!status) return status;
-  return sample_into(points, capacity, bytes, [&](void* scratch, float* out, uint32_t* count, const char** reason) {
-    return sandglass_sample_volume(box.min, box.max, distance, call_inside<Inside>, &inside, options, scratch, bytes,
-                                   out, capacity, count, reason);
-  });
+                     sandglass_sample_desc desc = sample_desc()) {
+  desc.method = SANDGLASS_SAMPLE_VOLUME;
+  return sample_inside(box, distance, inside, desc, points);
 }
 
-// A Poisson-disk set on a mesh's surface: boundary particles of a scanned room, say. `options` null: the defaults.
+// A Poisson-disk set on a mesh's surface: boundary particles of a scanned room, say.
 inline Status sample_surface(const sandglass_mesh& mesh, float distance, std::vector<float>* points,
-                             const sandglass_sample_options* options = nullptr) {
-  points->clear();
-  Status status;
-  uint64_t bytes = 0;
-  uint32_t capacity = 0;
-  status.code = sandglass_sample_surface_capacity(&mesh, distance, options, &capacity, &status.reason);
-  if (status) status.code = sandglass_sample_surface_bytes(&mesh, distance, options, capacity, &bytes, &status.reason);
-  if (!status) return status;
-  return sample_into(points, capacity, bytes, [&](void* scratch, float* out, uint32_t* count, const char** reason) {
-    return sandglass_sample_surface(&mesh, distance, options, scratch, bytes, out, capacity, count, reason);
-  });
+                             sandglass_sample_desc desc = sample_desc()) {
+  desc.method = SANDGLASS_SAMPLE_SURFACE;
+  desc.mesh = &mesh;
+  desc.distance = distance;
+  return sample_points(desc, points);
 }
 
 // ----------------------------------------------------------------------------------------------------------------
@@ -777,26 +784,38 @@ class MeshInside {
 // A signed-distance field and its block: what a collider of SANDGLASS_SHAPE_FIELD points to. Movable, not copyable.
 class Field {
  public:
-  // `distance_of` is anything that can be called with a const float[3] and gives the distance from the surface. Fails
-  // like sandglass_field_from_function, or with MEMORY_TOO_SMALL when the heap has no such block.
+  // Allocates the block, once and for all. Fails like sandglass_field_create, or with MEMORY_TOO_SMALL.
+  Status create(const sandglass_field_desc& desc) {
+    Status status;
+    uint64_t need = 0;
+    status.code = sandglass_field_bytes(&desc, &need, &status.reason);
+    if (!status) return status;
+    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_field** field, const char** reason) {
+      return sandglass_field_create(&desc, block, bytes, field, reason);
+    });
+  }
+  // `distance_of` is anything that can be called with a const float[3] and gives the distance from the surface.
   template <class Distance>
   Status from_function(const Box& box, float spacing, sandglass_solid solid, Distance distance_of) {
-    return create(box, spacing, [&](void* block, uint64_t bytes, sandglass_field** field, const char** reason) {
-      return sandglass_field_from_function(box.min, box.max, spacing, solid, call_distance<Distance>, &distance_of,
-                                           block, bytes, field, reason);
-    });
+    sandglass_field_desc desc = over(box, spacing, solid);
+    desc.distance = [](void* distance, const float point[3]) -> float {
+      return (*static_cast<Distance*>(distance))(point);
+    };
+    desc.distance_user = &distance_of;
+    return create(desc);
   }
-  // From a mesh and the inside test that was prepared from it. Fails like sandglass_field_from_mesh, or with
-  // MEMORY_TOO_SMALL when the heap has no such block.
+  // From a mesh and the inside test that was prepared from it.
   Status from_mesh(const sandglass_mesh& mesh, const MeshInside& inside, const Box& box, float spacing, float band,
                    sandglass_solid solid) {
-    return create(box, spacing, [&](void* block, uint64_t bytes, sandglass_field** field, const char** reason) {
-      return sandglass_field_from_mesh(&mesh, sandglass_mesh_inside_test, inside.get(), box.min, box.max, spacing, band,
-                                       solid, block, bytes, field, reason);
-    });
+    sandglass_field_desc desc = over(box, spacing, solid);
+    desc.band = band;
+    desc.mesh = &mesh;
+    desc.inside = sandglass_mesh_inside_test;
+    desc.inside_user = inside.get();
+    return create(desc);
   }
 
-  // True once one of the two above has succeeded.
+  // True once one of the three above has succeeded.
   explicit operator bool() const { return get() != nullptr; }
   // The handle: sandglass_collider::field.
   sandglass_field* get() const { return owned_.handle; }
@@ -804,16 +823,13 @@ class Field {
   float distance(const float point[3]) const { return sandglass_field_distance(get(), point, nullptr); }
 
  private:
-  template <class Distance>
-  static float call_distance(void* distance, const float point[3]) {
-    return (*static_cast<Distance*>(distance))(point);
-  }
-  template <class Make>
-  Status create(const Box& box, float spacing, Make make) {
-    Status status;
-    uint64_t need = 0;
-    status.code = sandglass_field_bytes(box.min, box.max, spacing, &need, &status.reason);
-    return status ? owned_.create(need, make) : status;
+  static sandglass_field_desc over(const Box& box, float spacing, sandglass_solid solid) {
+    sandglass_field_desc desc = field_desc();
+    std::copy(box.min, box.min + 3, desc.bounds_min);
+    std::copy(box.max, box.max + 3, desc.bounds_max);
+    desc.spacing = spacing;
+    desc.solid = solid;
+    return desc;
   }
 
   Owned<sandglass_field> owned_;

@@ -111,8 +111,8 @@ typedef struct sandglass_shadow_info {
   /* Root mean square error of the share of light that is left, against ray tracing, over rooms that it was not fitted
    * to. */
   float ambient_rmse;
-  /* Points of the surface that sandglass_shadow_surface looks up: vertices, those at creases several times. 0: the file
-   * has none. */
+  /* Points of the surface that sandglass_shadow_transfer looks up: vertices, those at creases several times. 0: the
+   * file has none. */
   uint32_t surface_vertices;
 } sandglass_shadow_info;
 
@@ -253,10 +253,10 @@ SANDGLASS_API void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, 
  *
  * Fails like sandglass_shadow_inspect, and with INVALID_ARGUMENT: a number that is not finite, or a file without a
  * surface (info.surface_vertices is 0). */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_surface(const void* asset, uint64_t asset_bytes,
-                                                                            const float* positions,
-                                                                            const float* normals, uint32_t count,
-                                                                            float* transfer, const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_transfer(const void* asset, uint64_t asset_bytes,
+                                                                             const float* positions,
+                                                                             const float* normals, uint32_t count,
+                                                                             float* transfer, const char** reason);
 
 /* The harmonics of a room as an object sees them that is turned by `rotation` (object to world, any length above 0).
  * Both arrays are interleaved (r0 g0 b0 ...), as in sandglass_light_estimate.sh; they may be the same. Fails with

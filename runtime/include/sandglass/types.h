@@ -42,11 +42,11 @@
  *       - In a struct that the library owns (sandglass_level), struct_size says which fields exist.
  *   - sandglass_granular_desc is the last member of sandglass_scene_desc and grows with it, at its end only.
  *   - All other structs are frozen from 1.0 on: sandglass_clock, _parallel, _trace, _log, _reference_scheme, _region,
- *     _collider, _body_pose, _emitter, _grain, _plan_run, _stage_report, _ray_hit, _mesh and the groups of a report
- *     (_time_report, _sand_report, _shadow_report, _estimate_report) keep their size and fields, because they stand in
- *     arrays, in other structs or by value. What they lack then comes as a new struct and a new function; what a group
- *     lacks, as a new group at the end of its report. Before 1.0 a minor version may add a field at the end, 0 of which
- *     means what held before (sandglass_collider.id): fill such a struct with zeros first.
+ *     _collider, _body_pose, _emitter, _grain, _plan_run, _stage_report, _ray_hit, _mesh, _points and the groups of a
+ *     report (_time_report, _sand_report, _shadow_report, _estimate_report) keep their size and fields, because they
+ *     stand in arrays, in other structs or by value. What they lack then comes as a new struct and a new function; what
+ *     a group lacks, as a new group at the end of its report. Before 1.0 a minor version may add a field at the end, 0
+ *     of which means what held before (sandglass_collider.id): fill such a struct with zeros first.
  *
  * Enumerations are 32-bit integers; new values are added at the end. */
 #ifndef SANDGLASS_TYPES_H

@@ -15,7 +15,7 @@ int main(int count, char** arguments) {
   if (sandglass_shadow_create(&desc, arguments, (uint64_t)count, &shadow, &reason) != SANDGLASS_OK) return 1;
   if (sandglass_shadow_set_light(shadow, 0, up, 1.0f, &reason) != SANDGLASS_OK) return 1;
   if (sandglass_shadow_set_cells(shadow, cells, 0.0f, &reason) != SANDGLASS_OK) return 1;
-  if (sandglass_shadow_surface(arguments, (uint64_t)count, up, up, 1, transfer, &reason) != SANDGLASS_OK) return 1;
+  if (sandglass_shadow_transfer(arguments, (uint64_t)count, up, up, 1, transfer, &reason) != SANDGLASS_OK) return 1;
   if (sandglass_shadow_turn_harmonics(sh, upright, sh, &reason) != SANDGLASS_OK) return 1;
   sandglass_shadow_run(&shadow, 1, 8);
   ambient.struct_size = sizeof ambient;
