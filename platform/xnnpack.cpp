@@ -159,7 +159,7 @@ xnn_status set_up(const XnnpackOperator& op, const void* in, void* out) {
 XnnpackOperator* refuse(const char** reason) {
   if (reason != nullptr)
     *reason = g_full
-                  ? "the region that XNNPACK draws on is full: release another light, or build with a greater "
+                  ? "the region that XNNPACK draws on is full: release another estimator, or build with a greater "
                     "SANDGLASS_XNNPACK_REGION_MIB"
                   : "this XNNPACK does not have the operators of this back end for this CPU: choose another back end";
   return nullptr;
@@ -204,7 +204,7 @@ bool xnnpack_begin(const char** reason) {
   (void)xnn_delete_operator(probe);
   return ours ||
          fail(
-             "the app initialised XNNPACK first, so that its memory has no bound here: create the light before, or "
+             "the app initialised XNNPACK first, so that its memory has no bound here: create the estimator before, or "
              "choose the project's own back end");
 }
 

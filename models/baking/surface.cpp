@@ -8,7 +8,7 @@
 
 #include "models/tracing/directions.h"
 #include "models/work/random.h"
-#include "runtime/light/harmonics.h"
+#include "runtime/core/harmonics.h"
 
 namespace sandglass::host {
 namespace {

@@ -14,7 +14,7 @@ namespace {
 
 // The picture's camera sees more than the picture shows. Its image has the size and the field of view that the network
 // expects.
-constexpr int k_width = SANDGLASS_LIGHT_WIDTH, k_height = SANDGLASS_LIGHT_HEIGHT;
+constexpr int k_width = SANDGLASS_ESTIMATOR_WIDTH, k_height = SANDGLASS_ESTIMATOR_HEIGHT;
 constexpr double k_focal = 174.60936017108344;  // in pixels; the image's diagonal spans 85 degrees
 
 // A photograph is seen as it is.
@@ -89,7 +89,7 @@ ShotLight SeenLight::follow(Vec3 standing, double seconds, const sandglass_light
   now.struct_size = sizeof now;
   const char* reason = nullptr;
   require(sandglass_room_get(room_, place, estimate, &now, &reason), reason);
-  sandglass_room_light_fade(shown, &now, static_cast<float>(seconds));
+  sandglass_room_fade(shown, &now, static_cast<float>(seconds));
   return scaled(*shown, static_cast<double>(shown->white) * exposure_);
 }
 

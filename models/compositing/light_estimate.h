@@ -26,7 +26,7 @@ class LightEstimate {
   // Runs the estimate of the image taken last to its end.
   void finish() { light_.follow(taken_.image); }
 
-  sandglass_light* handle() const { return light_.handle(); }
+  sandglass_estimator* handle() const { return light_.handle(); }
   sandglass_light_estimate now() const { return light_.now().filtered; }
   bool valid() const { return now().valid != 0; }
   ShotLight light() const { return scaled(one_light(now()), scale_); }

@@ -7,7 +7,7 @@
 #include "models/lighting/room_light.h"
 #include "models/rooms/excerpt.h"
 #include "models/work/random.h"
-#include "sandglass/light.h"
+#include "sandglass/camera.h"
 
 namespace sandglass::host {
 

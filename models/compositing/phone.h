@@ -9,7 +9,7 @@
 #include "models/compositing/shot_camera.h"
 #include "models/files/image.h"
 #include "models/rooms/panorama.h"
-#include "sandglass/light.h"
+#include "sandglass/camera.h"
 
 namespace sandglass::host {
 

@@ -68,7 +68,7 @@ class Shot {
   void begin(uint32_t frame);
   const PlacedLight& light(uint32_t frame) const;
   // What the frame is given; null where there is none.
-  sandglass_light* estimator() const { return network_ ? network_->handle() : nullptr; }
+  sandglass_estimator* estimator() const { return network_ ? network_->handle() : nullptr; }
   sandglass_room* room() const { return seen_ ? seen_->handle() : nullptr; }
   const sandglass_camera_image* image() const { return image_; }
   const std::optional<PlacedLight>& truth() const { return truth_; }  // none of a photograph

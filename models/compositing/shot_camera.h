@@ -5,7 +5,7 @@
 #include "models/geometry/camera.h"
 #include "models/geometry/vec3.h"
 #include "models/simulation/scene_file.h"
-#include "sandglass/light.h"
+#include "sandglass/camera.h"
 
 namespace sandglass::host {
 

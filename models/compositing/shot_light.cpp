@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "models/baking/light_cells.h"
-#include "runtime/light/harmonics.h"
+#include "runtime/core/harmonics.h"
+#include "runtime/renderers/lighting.h"
 
 namespace sandglass::host {
 

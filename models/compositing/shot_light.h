@@ -8,7 +8,7 @@
 #include "models/geometry/vec3.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama.h"
-#include "sandglass/light.h"
+#include "sandglass/estimate.h"
 #include "sandglass/room.h"
 
 namespace sandglass::host {
@@ -41,7 +41,7 @@ ShotLight light_of(const RadianceMap& panorama, View view);
 // One light and nothing else, as the app draws it that knows of no more: a share of the floor's irradiance is the
 // opacity of its shadow, the rest comes from all sides and hides nothing.
 ShotLight one_light(Vec3 towards, double share, Vec3 irradiance);
-// What the network of light.h says.
+// What the network of estimate.h says.
 ShotLight one_light(const sandglass_light_estimate& estimate);
 
 // The light times a factor, with another level or from another scale.

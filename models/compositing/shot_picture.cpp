@@ -10,9 +10,9 @@
 #include "models/tracing/embree_scene.h"
 #include "models/tracing/sphere_caster.h"
 #include "models/work/thread_pool.h"
+#include "runtime/core/harmonics.h"
 #include "runtime/core/random.h"
-#include "runtime/light/harmonics.h"
-#include "sandglass/shadow.h"
+#include "sandglass/renderers.h"
 
 namespace sandglass::host {
 
@@ -195,7 +195,7 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
   const Vec3 towards = main_direction_of(light.object);
   float sh[3 * k_harmonics], turn[4];
   for (size_t k = 0; k < 4; ++k) turn[k] = static_cast<float>(state_->standing.rotation[k]);
-  if (sandglass_shadow_turn_harmonics(light.object.sh, turn, sh, nullptr) != SANDGLASS_OK)
+  if (sandglass_harmonics_turn(light.object.sh, turn, sh, nullptr) != SANDGLASS_OK)
     throw cannot("turn", "light", "its harmonics are not finite");
   const auto blocked = [&](Vec3 start) { return towards.y > 0.0 && state_->blocked(start, towards, k_far); };
   const auto floor_left = [&](const Hit& hit) {

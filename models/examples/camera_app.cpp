@@ -62,10 +62,10 @@ int main(int argc, char** argv) {
     if (status) status = pile.set_cells(light.ambient_cells);
     if (status) status = scene.frame(input);
     if (input.camera != nullptr) known = room.light_at(place);
-    sandglass_room_light_fade(&light, &known, input.time_step);  // no shadow jumps
+    sandglass_room_fade(&light, &known, input.time_step);  // no shadow jumps
     // Draw here: `drawn`; the camera's image times what shadow.ambient(), shadow.texture(), pile.sky(), pile.texture()
     // leave of it; the chair, as a vertex shader does: nine products a colour (runtime/shadow/README.md).
-    if (status) status.code = sandglass_shadow_turn_harmonics(light.sh, rotation, sh, &status.reason);
+    if (status) status.code = sandglass_harmonics_turn(light.sh, rotation, sh, &status.reason);
     if (known.seen < 0.5f) ++hints;  // show an arrow to known.look: "please look there"
     if (known.clipped > 0.02f && frame % 16 == 0) camera.expose_shortly(), ++short_images;
   }

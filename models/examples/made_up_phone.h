@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "sandglass/light.h"
+#include "sandglass/camera.h"
 
 // A file in 8-byte words, as the library wants it aligned. It has no bytes where it cannot be read.
 struct Asset {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/light/network.h"
+#include "runtime/estimate/network.h"
 
 namespace sandglass::host {
 

@@ -7,7 +7,7 @@
 
 #include "models/files/image.h"
 #include "models/geometry/vec3.h"
-#include "sandglass/light.h"
+#include "sandglass/estimate.h"
 
 namespace sandglass::host {
 

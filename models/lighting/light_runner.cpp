@@ -1,12 +1,12 @@
 #include "models/lighting/light_runner.h"
 
 #include "models/files/failure.h"
-#include "runtime/light/backends.h"
+#include "runtime/estimate/backends.h"
 
 namespace sandglass::host {
 
 LightRunner::LightRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, uint32_t width,
-                         uint32_t height, sandglass_light_backend choice)
+                         uint32_t height, sandglass_estimator_backend choice)
     : file_(file) {
   LightAsset asset;
   const char* reason = nullptr;

@@ -8,7 +8,7 @@
 
 #include "models/files/aligned_bytes.h"
 #include "models/work/block.h"
-#include "runtime/light/network.h"
+#include "runtime/estimate/network.h"
 
 namespace sandglass::host {
 
@@ -17,7 +17,7 @@ class LightRunner {
   // `file` is as light_file_bytes makes it; a Failure names anything else. Sides are 32 to 256, in steps of 32.
   LightRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC,
               uint32_t width = 256, uint32_t height = 192,
-              sandglass_light_backend backend = SANDGLASS_LIGHT_BACKEND_OWN);
+              sandglass_estimator_backend backend = SANDGLASS_ESTIMATOR_BACKEND_OWN);
   ~LightRunner() { release_light_network(network_); }
   LightRunner(const LightRunner&) = delete;
   LightRunner& operator=(const LightRunner&) = delete;

@@ -6,28 +6,28 @@ namespace sandglass::host {
 
 RoomLight::RoomLight(const std::string& path, bool filter, sandglass_isa isa)
     : file_(read_aligned(path, "lighting network")) {
-  sandglass_light_desc desc;
-  sandglass_light_desc_default(&desc);
+  sandglass_estimator_desc desc;
+  sandglass_estimator_desc_default(&desc);
   desc.isa = isa, desc.asset = file_.data(), desc.asset_bytes = file_.size();
   if (!filter) desc.interval = desc.smoothing = 0.0f;
   const char* reason = nullptr;
   uint64_t need = 0;
-  if (sandglass_light_bytes(&desc, &need, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
+  if (sandglass_estimator_bytes(&desc, &need, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
   block_ = new_block(need, "the lighting network", "close other programs");
-  if (sandglass_light_create(&desc, block_.get(), need, &light_, &reason) != SANDGLASS_OK)
+  if (sandglass_estimator_create(&desc, block_.get(), need, &light_, &reason) != SANDGLASS_OK)
     throw cannot("read", path, reason);
 }
 
 sandglass_light_estimate RoomLight::estimate(const sandglass_camera_image& image) {
-  sandglass_light_reset(light_);
+  sandglass_estimator_reset(light_);
   return follow(image).filtered;
 }
 
 FollowedLight RoomLight::follow(const sandglass_camera_image& image) {
   const char* reason = nullptr;
-  if (sandglass_light_set_image(light_, &image, nullptr, &reason) != SANDGLASS_OK)
+  if (sandglass_estimator_set_image(light_, &image, nullptr, &reason) != SANDGLASS_OK)
     throw cannot("read", "camera image", reason);
-  while (sandglass_light_run(light_, 1000) != 0) {
+  while (sandglass_estimator_run(light_, 1000) != 0) {
   }
   return now();
 }
@@ -35,8 +35,8 @@ FollowedLight RoomLight::follow(const sandglass_camera_image& image) {
 FollowedLight RoomLight::now() const {
   FollowedLight light = {};
   light.filtered.struct_size = light.latest.struct_size = sizeof(sandglass_light_estimate);
-  sandglass_light_get(light_, &light.filtered);
-  sandglass_light_get_latest(light_, &light.latest);
+  sandglass_estimator_get(light_, &light.filtered);
+  sandglass_estimator_get_latest(light_, &light.latest);
   return light;
 }
 

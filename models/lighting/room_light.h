@@ -7,7 +7,7 @@
 #include "models/files/aligned_bytes.h"
 #include "models/files/image.h"
 #include "models/work/block.h"
-#include "sandglass/light.h"
+#include "sandglass/estimate.h"
 
 namespace sandglass::host {
 
@@ -27,12 +27,12 @@ class RoomLight {
   FollowedLight follow(const sandglass_camera_image& image);
   // The light and the newest estimate, of the images so far.
   FollowedLight now() const;
-  sandglass_light* handle() const { return light_; }
+  sandglass_estimator* handle() const { return light_; }
 
  private:
   AlignedBytes file_;
   Block block_;
-  sandglass_light* light_ = nullptr;
+  sandglass_estimator* light_ = nullptr;
 };
 
 // The picture as a camera's image, which refers to the picture's bytes. `diagonal_deg` is the field of view across the

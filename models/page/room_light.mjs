@@ -6,7 +6,7 @@ const k_image = 160;          // pixels along the longer side: the parts of the 
 const k_diagonal = 75;        // degrees, of the cameras of phones; a browser does not tell
 const k_every_ms = 250;
 
-// Irradiance over pi as the library's polynomial (sandglass_light_filament.sh): nine colours.
+// Irradiance over pi as the library's polynomial (sandglass_filament_light.sh): nine colours.
 export function lightOfSky(sun, sky, ground) {
   const ambient = new Float32Array(27);
   for (let k = 0; k < 3; ++k) ambient[k] = (sky[k] + ground[k]) / 2, ambient[3 + k] = (sky[k] - ground[k]) / 2;
@@ -32,7 +32,7 @@ export class RoomLight {
     this.pixels = sand.allocate(4 * k_image * k_image), this.words = sand.allocate(64);
     this.now = sand.make("sandglass_room_light"), this.shown = sand.make("sandglass_room_light");
     this.shown.struct_size = 0;
-    this.filament = sand.make("sandglass_light_filament");
+    this.lighting = sand.make("sandglass_lighting"), this.filament = sand.make("sandglass_filament_light");
     this.get();
   }
 
@@ -69,9 +69,10 @@ export class RoomLight {
 
   // What is shown moves towards what is known. In the painter's terms.
   follow(seconds) {
-    const { sand, shown, filament } = this;
-    sand.sandglass_room_light_fade(shown, this.now, Math.max(0, seconds));
-    sand.sandglass_room_to_filament(shown, constants.SANDGLASS_LIGHT_MODEL_AMBIENT, 1, filament);
+    const { sand, shown, lighting, filament } = this;
+    sand.sandglass_room_fade(shown, this.now, Math.max(0, seconds));
+    sand.sandglass_lighting_of_room(shown, lighting);
+    sand.sandglass_lighting_to_filament(lighting, constants.SANDGLASS_LIGHTING_AMBIENT, 1, filament);
     return { toLight: [...shown.main_direction], sun: [...filament.colour].map((x) => x * filament.intensity / Math.PI), ambient: filament.sh.slice() };
   }
 }

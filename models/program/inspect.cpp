@@ -20,7 +20,7 @@
 #include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
 #include "runtime/asset/light_asset.h"
-#include "sandglass/light.h"
+#include "sandglass/estimate.h"
 #include "sandglass/shadow.h"
 
 namespace sandglass::host {
@@ -87,11 +87,11 @@ void inspect_light(const std::string& path, const std::string& content) {
   LightAsset asset;
   const char* reason = nullptr;
   if (open_light_asset(file.data(), file.size(), &asset, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
-  sandglass_light_desc desc;
-  sandglass_light_desc_default(&desc);
+  sandglass_estimator_desc desc;
+  sandglass_estimator_desc_default(&desc);
   desc.asset = file.data(), desc.asset_bytes = file.size();
   uint64_t memory = 0;
-  if (sandglass_light_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
+  if (sandglass_estimator_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
   std::printf("lighting network '%s', version %u\n  trained on   %u images, calibrated on %u\n", asset.name,
               k_light_asset_version, asset.training_images, asset.calibration_images);
   std::printf("  int8         %.2f degrees and %.4f of a colour from float, medians\n",

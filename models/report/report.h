@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sandglass/light.h"
+#include "sandglass/estimate.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {

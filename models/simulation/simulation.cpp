@@ -69,7 +69,7 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   input.shadows = shadows.data();
   input.shadow_count = static_cast<uint32_t>(shadows.size());
   input.pile_shadow = pile_shadow_;
-  input.light = light_, input.room = room_, input.camera = image_;
+  input.estimator = light_, input.room = room_, input.camera = image_;
   return frame(input);
 }
 

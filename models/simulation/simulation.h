@@ -35,7 +35,7 @@ class Simulation {
   void cast(sandglass_pile_shadow* shadow) { pile_shadow_ = shadow; }
 
   // Sets the light to estimate, the room to see, and the image for both, from the next frame on; null: none.
-  void see(sandglass_light* light, sandglass_room* room, const sandglass_camera_image* image) {
+  void see(sandglass_estimator* light, sandglass_room* room, const sandglass_camera_image* image) {
     light_ = light, room_ = room, image_ = image;
   }
 
@@ -54,7 +54,7 @@ class Simulation {
   uint64_t bytes_ = 0;
   Flow flow_;
   sandglass_pile_shadow* pile_shadow_ = nullptr;
-  sandglass_light* light_ = nullptr;
+  sandglass_estimator* light_ = nullptr;
   sandglass_room* room_ = nullptr;
   const sandglass_camera_image* image_ = nullptr;
   uint32_t particles_ = 0, grains_ = 0;

@@ -9,14 +9,14 @@
 //
 // A floor shadow is linear in the cells. So the shadow of least expected squared error is the one drawn in the expected
 // light. Where nothing was seen that is an even sky, and the shadow is soft; a guess of one light is not.
+#include "sandglass/estimate.h"
 #include "kernels/whole.h"
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/finite.h"
+#include "runtime/core/harmonics.h"
+#include "runtime/core/luminance.h"
 #include "runtime/core/math.h"
-#include "runtime/light/harmonics.h"
-#include "runtime/light/luminance.h"
 #include "runtime/room/room.h"
-#include "sandglass/light.h"
 
 namespace sandglass {
 

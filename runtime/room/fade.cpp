@@ -72,7 +72,7 @@ __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass
 
 using namespace sandglass;
 
-void sandglass_room_light_fade(sandglass_room_light* shown, const sandglass_room_light* now, float seconds) {
+void sandglass_room_fade(sandglass_room_light* shown, const sandglass_room_light* now, float seconds) {
   if (shown == nullptr || now == nullptr || now->struct_size < sizeof *now) return;
   if (shown->struct_size < sizeof *shown) {
     *shown = *now;

@@ -4,9 +4,9 @@
 //
 // Where the points lie within a part changes from image to image, so that a lamp smaller than a part is met in the end.
 #include "kernels/whole.h"
+#include "runtime/core/luminance.h"
 #include "runtime/core/math.h"
-#include "runtime/light/luminance.h"
-#include "runtime/light/turn.h"
+#include "runtime/core/turn.h"
 #include "runtime/room/room.h"
 
 namespace sandglass {

@@ -9,8 +9,8 @@
 #include "runtime/core/layout.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
-#include "runtime/light/turn.h"
-#include "sandglass/light.h"
+#include "runtime/core/turn.h"
+#include "sandglass/estimate.h"
 
 namespace sandglass {
 
@@ -56,7 +56,7 @@ Stage begin_frame(sandglass_room* owner, const sandglass_camera_image* image, co
   bool taken = false;
   if (image != nullptr) {
     const char* reason = nullptr;
-    if (check_camera_image(image, &reason) != SANDGLASS_OK) *refused = reason;
+    if (sandglass_camera_check(image, &reason) != SANDGLASS_OK) *refused = reason;
     else taken = room_take_image(&owner->room, *image);
   }
   return {owner, next, run, forecast, k_room_kinds, taken ? room_units_left(owner->room) : 0, 1.0f};
@@ -147,7 +147,7 @@ sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_
                                           const char** reason) {
   if (taken != nullptr) *taken = 0;
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
-  const sandglass_status status = check_camera_image(image, reason);
+  const sandglass_status status = sandglass_camera_check(image, reason);
   if (status != SANDGLASS_OK) return status;
   const FloatingPointControl saved = floating_point_enter();
   const bool took = take_whole(&room->room, *image);
@@ -180,7 +180,7 @@ sandglass_status sandglass_room_get(const sandglass_room* room, const float posi
     return refuse(reason, "position is not finite or beyond 1000 m: pass where the object stands");
   if (estimate != nullptr && (estimate->struct_size < sizeof *estimate || !all_finite(estimate->direction, 3) ||
                               !within(estimate->confidence, 0.0f, 1.0f) || !within(estimate->contrast, 0.0f, 1.0f)))
-    return refuse(reason, "estimate is not one of sandglass_light_get: pass it as it was filled, or NULL");
+    return refuse(reason, "estimate is not one of sandglass_estimator_get: pass it as it was filled, or NULL");
   const FloatingPointControl saved = floating_point_enter();
   estimate_at(room->room, position, estimate, light);
   floating_point_restore(saved);

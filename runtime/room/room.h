@@ -13,9 +13,9 @@
 
 #include <cstdint>
 
+#include "runtime/camera/camera_image.h"
 #include "runtime/core/governor.h"
 #include "runtime/core/light_cells.h"
-#include "runtime/light/camera_image.h"
 #include "sandglass/room.h"
 
 namespace sandglass {
@@ -75,7 +75,7 @@ void room_place(const Room& room, const double world[3], double sphere[3]);
 double room_memory(const Room& room, const RoomPart& part);
 
 void room_reset(Room* room);
-// Takes an image that has passed check_camera_image, if one is due. The image must stay until the units have run.
+// Takes an image that has passed sandglass_camera_check, if one is due. The image must stay until the units have run.
 bool room_take_image(Room* room, const CameraImage& image);
 uint32_t room_units_left(const Room& room);
 void room_run_unit(Room* room);

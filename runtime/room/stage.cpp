@@ -34,7 +34,7 @@ Stage lighting_stage(FrameLighting* lighting, const sandglass_camera_image* imag
   sandglass_room* room = lighting->room;
   lighting->parts[k_room] =
       room == nullptr ? stage_without_work(k_room_kinds) : room->functions->begin_frame(room, image, refused);
-  lighting->parts[k_network] = light_stage(lighting->light, image, refused);
+  lighting->parts[k_network] = estimator_stage(lighting->estimator, image, refused);
   assign_kinds(lighting->parts, 2);
   const Stage& network = lighting->parts[k_network];
   const uint32_t mandatory = lighting->parts[k_room].mandatory_units + network.mandatory_units;
@@ -43,7 +43,7 @@ Stage lighting_stage(FrameLighting* lighting, const sandglass_camera_image* imag
 
 void lighting_end_frame(const FrameLighting& lighting, sandglass_frame_report* report) {
   if (lighting.room != nullptr) lighting.room->functions->end_frame(lighting.room);
-  light_end_frame(lighting.light, report);
+  estimator_end_frame(lighting.estimator, report);
 }
 
 }  // namespace sandglass

@@ -65,7 +65,7 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   Granular* granular = &scene->granular;
   granular_begin_frame(granular, input);
   const char* refused_image = nullptr;
-  FrameLighting lighting = {input->room, input->light};
+  FrameLighting lighting = {input->room, input->estimator};
   FrameShadows shadows = {{input->shadows, input->shadow_count}, input->pile_shadow};
   Stage stages[SANDGLASS_STAGE_COUNT] = {
       granular_particle_stage(granular),
@@ -108,5 +108,5 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
   return ran ? accept(reason)
              : refuse(reason, SANDGLASS_ERROR_REPLAY,
                       "input.plan asks for a work unit that this state does not offer: replay from the state it was "
-                      "recorded in, that of the shadows and the light in the input included.");
+                      "recorded in, that of the shadows, the estimator and the room in the input included.");
 }

@@ -60,13 +60,13 @@ Answer shadow(const AlignedBytes& file, sandglass_isa isa) {
 // The light as the API makes it, with its network on the smallest image.
 Answer light(const std::vector<uint8_t>& file, sandglass_isa isa) {
   const AlignedBytes aligned(file);
-  sandglass_light_desc desc = sandglass::light_desc();
+  sandglass_estimator_desc desc = sandglass::estimator_desc();
   desc.isa = isa, desc.asset = aligned.data(), desc.asset_bytes = aligned.size();
   Answer answer;
-  sandglass::Light made;
+  sandglass::Estimator made;
   answer.status = made.create(desc);
   if (!answer.status) return answer;
-  answer.isa = sandglass_light_isa(made.get());
+  answer.isa = sandglass_estimator_isa(made.get());
   sandglass::host::LightRunner runner(file, "random", isa, 32, 32);
   std::vector<uint8_t> rgb(size_t{3} * 32 * 32);
   for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = static_cast<uint8_t>(37 * i);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sandglass/light.h"
+#include "sandglass/camera.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/bench/counting.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "runtime/scene/scene.h"
-#include "sandglass/light.h"
+#include "sandglass/estimate.h"
 #include "sandglass/room.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/bench/counting.h"
@@ -66,10 +66,10 @@ int main(int argument_count, char** arguments) {
   sandglass_shadow_desc shadow_desc = sandglass::shadow_desc();
   shadow_desc.asset = of_shadow.words.data(), shadow_desc.asset_bytes = of_shadow.bytes;
   sandglass::Shadow shadow;
-  sandglass_light_desc light_desc;
-  sandglass_light_desc_default(&light_desc);
+  sandglass_estimator_desc light_desc;
+  sandglass_estimator_desc_default(&light_desc);
   light_desc.asset = of_light.words.data(), light_desc.asset_bytes = of_light.bytes;
-  sandglass::Light light;
+  sandglass::Estimator light;
   sandglass::cpp::Room room;
   if (!scene.create(desc) || !scene.add(particles, grains) || !pile.create(pile_desc) || !shadow.create(shadow_desc) ||
       !light.create(light_desc) || !room.create())
@@ -93,7 +93,7 @@ int main(int argument_count, char** arguments) {
   input.colliders = colliders, input.collider_count = 2;
   input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
   input.shadows = shadows, input.shadow_count = 1, input.pile_shadow = pile.get();
-  input.light = light.get(), input.room = room.get(), input.camera = &image;
+  input.estimator = light.get(), input.room = room.get(), input.camera = &image;
 
   std::vector<Lap> laps;
   laps.reserve(1u << 18);

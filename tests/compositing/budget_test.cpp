@@ -114,10 +114,10 @@ struct Everything {
     }
     if ((stages & k_light) != 0) {
       network = AlignedBytes(light_file_bytes(sandglass::host::random_light_file(7)));
-      sandglass_light_desc d = sandglass::light_desc();
+      sandglass_estimator_desc d = sandglass::estimator_desc();
       d.asset = network.data(), d.asset_bytes = network.size();
       EXPECT_TRUE(light.create(d));
-      EXPECT_EQ(sandglass_light_bytes(&d, &light_bytes, nullptr), SANDGLASS_OK);
+      EXPECT_EQ(sandglass_estimator_bytes(&d, &light_bytes, nullptr), SANDGLASS_OK);
       pixels.resize(3 * 640 * 480);
       for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(i * 7 / 31 ^ i >> 9);
       image = sandglass::camera_image();
@@ -144,7 +144,7 @@ struct Everything {
     input.shadows = shadows, input.shadow_count = shadow ? 1 : 0;
     input.pile_shadow = pile.get();
     image.timestamp_ns += 16'666'667;
-    input.light = light.get(), input.camera = light ? &image : nullptr;
+    input.estimator = light.get(), input.camera = light ? &image : nullptr;
     sandglass_frame_report report = sandglass::frame_report();
     EXPECT_TRUE(scene.frame(input, &report));
     return report;
@@ -155,7 +155,7 @@ struct Everything {
   std::vector<sandglass_grain> drawn;
   sandglass::Shadow shadow;
   sandglass::PileShadow pile;
-  sandglass::Light light;
+  sandglass::Estimator light;
   AlignedBytes network;
   std::vector<uint8_t> pixels;
   sandglass_camera_image image = {};

@@ -271,14 +271,14 @@ struct EstimatedTurn {
   FollowedLight follow(uint32_t frame) {
     shot->begin(frame);
     int32_t taken = 0;
-    EXPECT_EQ(sandglass_light_set_image(shot->estimator(), shot->image(), &taken, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(sandglass_estimator_set_image(shot->estimator(), shot->image(), &taken, nullptr), SANDGLASS_OK);
     EXPECT_EQ(taken, 1) << frame;
-    while (sandglass_light_run(shot->estimator(), 1000) != 0) {
+    while (sandglass_estimator_run(shot->estimator(), 1000) != 0) {
     }
     FollowedLight light = {};
     light.filtered.struct_size = light.latest.struct_size = sizeof(sandglass_light_estimate);
-    sandglass_light_get(shot->estimator(), &light.filtered);
-    sandglass_light_get_latest(shot->estimator(), &light.latest);
+    sandglass_estimator_get(shot->estimator(), &light.filtered);
+    sandglass_estimator_get_latest(shot->estimator(), &light.latest);
     return light;
   }
 };
@@ -287,7 +287,7 @@ Vec3 direction_of(const sandglass_light_estimate& e) { return {e.direction[0], e
 double between_deg(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / k_pi; }
 constexpr double k_step_limit_deg = 30;  // the filter's documented limit for one estimate
 
-// The filter's law (light.h): a step goes the share a of the way from the light to the newest estimate, both in the
+// The filter's law (estimate.h): a step goes the share a of the way from the light to the newest estimate, both in the
 // world. A control that leaves out the pose, so that estimates are in the camera's axes, breaks the law.
 TEST(Shot, AnEstimatedLightFollowsTheFiltersLawWhileTheCameraTurns) {
   if (shipped_light_network().empty()) GTEST_SKIP() << "no lighting network";

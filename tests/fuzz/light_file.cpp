@@ -47,14 +47,14 @@ struct Estimate {
 
 Estimate estimate_of(const tests::AssetFile& file, sandglass_isa isa, bool run) {
   Estimate estimate;
-  sandglass_light_desc desc = light_desc();
+  sandglass_estimator_desc desc = estimator_desc();
   desc.asset = file.data(), desc.asset_bytes = file.bytes, desc.isa = isa;
-  Light light;
+  Estimator light;
   static const tests::TestImage image(3);
   if (!light.create(desc) || !run || !light.estimate(image.image)) return estimate;
-  sandglass_light_run(light.get(), UINT32_MAX);
-  sandglass_light_get_latest(light.get(), &estimate.light);
-  estimate.made = true, estimate.hash = sandglass_light_hash(light.get());
+  sandglass_estimator_run(light.get(), UINT32_MAX);
+  sandglass_estimator_get_latest(light.get(), &estimate.light);
+  estimate.made = true, estimate.hash = sandglass_estimator_hash(light.get());
   return estimate;
 }
 

@@ -117,7 +117,7 @@ class Stretch : public WatchedScene {
   }
 
   void create_light_and_shadows(sandglass_isa isa) {
-    sandglass_light_desc light = describe_light();
+    sandglass_estimator_desc light = describe_light();
     light.isa = isa, light.interval = 8.0f;  // two estimates in a stretch
     ::accept(light_.create(light));
     ::accept(room_.create());
@@ -222,7 +222,7 @@ class Stretch : public WatchedScene {
     input.grains = reinterpret_cast<sandglass_grain*>(drawn.data());
     input.grain_capacity = desc.granular.grain_capacity;
     input.shadows = &shadow_.shadow, input.shadow_count = 1;
-    input.pile_shadow = pile_.get(), input.light = light_.get(), input.room = room_.get(), input.camera = &image_;
+    input.pile_shadow = pile_.get(), input.estimator = light_.get(), input.room = room_.get(), input.camera = &image_;
     return input;
   }
 
@@ -253,7 +253,7 @@ class Stretch : public WatchedScene {
   uint64_t clock_ns_ = 0, unit_ns_ = 30'000;
   LiveShadow shadow_;
   PileShadow pile_;
-  Light light_;
+  Estimator light_;
   Room room_;
   std::vector<uint8_t> pixels_;
   sandglass_camera_image image_ = {};

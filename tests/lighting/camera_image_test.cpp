@@ -1,6 +1,6 @@
 // The network's input against a camera model in double that turns rays, and so shares no method with the library's
 // boxes per axis.
-#include "runtime/light/camera_image.h"
+#include "runtime/estimate/resample.h"
 
 #include <gtest/gtest.h>
 
@@ -282,11 +282,11 @@ TEST(CameraImage, BeyondTheCamerasViewIsTheEdgesColour) {
 
 TEST(CameraImage, WhatIsWrongIsRefusedWithASentence) {
   const Camera good(SANDGLASS_CAMERA_NV12, 64, 48, 0, 1);
-  EXPECT_EQ(check_camera_image(&good.image, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(sandglass_camera_check(&good.image, nullptr), SANDGLASS_OK);
   const auto refused = [&](const char* words, void (*spoil)(CameraImage&)) {
     CameraImage image = good.image;
     spoil(image);
-    tests::expect_refused(words, [&](const char** reason) { return check_camera_image(&image, reason); });
+    tests::expect_refused(words, [&](const char** reason) { return sandglass_camera_check(&image, reason); });
   };
   refused("struct_size", [](CameraImage& i) { i.struct_size = 0; });
   refused("2 x 2", [](CameraImage& i) { i.width = i.height = 1; });
@@ -306,6 +306,46 @@ TEST(CameraImage, WhatIsWrongIsRefusedWithASentence) {
   refused("format", [](CameraImage& i) { i.format = 9; });
   refused("format", [](CameraImage& i) { i.format = -1; });
   refused("range", [](CameraImage& i) { i.range = 9; });
+}
+
+// The vector v turned by a unit quaternion.
+host::Vec3 turned(const float q[4], host::Vec3 v) {
+  const host::Vec3 u = {q[0], q[1], q[2]};
+  const auto cross = [](host::Vec3 a, host::Vec3 b) {
+    return host::Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  };
+  const host::Vec3 t = cross(u, v) * 2.0;
+  return v + t * q[3] + cross(u, t);
+}
+
+TEST(CameraPose, MatricesBecomeQuaternionsThatTurnTheSameWay) {
+  const float half = std::sqrt(0.5f);
+  // Columns: where the camera's x, y and z axes point in the world.
+  const float matrices[4][16] = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1},
+                                 {0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1},
+                                 {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1},
+                                 {half, half, 0, 0, 0, 0, 1, 0, half, -half, 0, 0, 0, 0, 0, 1}};
+  for (const auto& m : matrices) {
+    float q[4];
+    ASSERT_EQ(sandglass_camera_orientation(m, q), 1);
+    for (int axis = 0; axis < 3; ++axis) {
+      const host::Vec3 unit = {axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0};
+      const host::Vec3 expected = {m[4 * axis], m[4 * axis + 1], m[4 * axis + 2]};
+      EXPECT_NEAR(host::length(turned(q, unit) - expected), 0.0, 1e-6);
+    }
+  }
+  float q[4];
+  const float mirror[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1};
+  const float broken[16] = {NAN, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  EXPECT_EQ(sandglass_camera_orientation(mirror, q), 0);
+  EXPECT_EQ(sandglass_camera_orientation(broken, q), 0);
+  EXPECT_EQ(q[3], 1.0f);
+}
+
+TEST(CameraPose, FocalLengthOfAFieldOfView) {
+  EXPECT_NEAR(sandglass_camera_focal(256, 192, 85.0f), 160.0 / std::tan(42.5 * std::numbers::pi / 180), 1e-4);
+  EXPECT_EQ(sandglass_camera_focal(256, 192, 180.0f), 0.0f);
+  EXPECT_EQ(sandglass_camera_focal(256, 192, NAN), 0.0f);
 }
 
 }  // namespace

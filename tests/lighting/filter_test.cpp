@@ -1,6 +1,6 @@
 // The temporal filter against the law that the header states: its step response in numbers, what it rejects, and what
 // it accepts.
-#include "runtime/light/filter.h"
+#include "runtime/estimate/filter.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "runtime/core/random.h"
-#include "sandglass/light.h"
+#include "sandglass/estimate.h"
 
 namespace sandglass {
 namespace {
@@ -27,8 +27,8 @@ LightSample at(double degrees, double level = 0.5) {
 // A filter with the default law, and the time of its last estimate.
 struct Filter : LightFilter {
   Filter() : LightFilter{} {
-    sandglass_light_desc desc;
-    sandglass_light_desc_default(&desc);
+    sandglass_estimator_desc desc;
+    sandglass_estimator_desc_default(&desc);
     law = {desc.smoothing, desc.interval, desc.turn_limit, desc.outlier_angle, desc.outlier_level};
     light_filter_reset(this);
   }

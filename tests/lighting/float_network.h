@@ -164,7 +164,7 @@ inline void expect_float_network(const std::vector<uint8_t>& rgb, uint32_t width
   file.float_parameters = net.parameters();
   ASSERT_EQ(file.float_parameters.size(), k_light_float_parameters);
   host::LightRunner runner(host::light_file_bytes(file), "random", SANDGLASS_ISA_AUTOMATIC, width, height,
-                           SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+                           SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32);
   const host::LightValues values = values_of(runner.run(rgb));
   const std::vector<float> features = runner.features();
   const std::vector<double> truth = features_of(net, rgb, static_cast<int>(width), static_cast<int>(height));

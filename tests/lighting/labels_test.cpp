@@ -197,6 +197,9 @@ TEST(Labels, EnvironmentIsBrightestTowardsTheLight) {
   const Vec3 towards = look_up(map, labels.direction), away = look_up(map, labels.direction * -1.0);
   EXPECT_NEAR(towards.x, 1.0 - 0.1 * 0.8, 2e-3);  // screen blend of light and ambient (5.29)
   EXPECT_NEAR(away.z, 0.4, 2e-3);
+  const Vec3 aside = labels.direction * 0.9 + normalised(Vec3{0.5, -0.4, 0}) * std::sqrt(0.19);  // a cosine of 0.9
+  const double lobe = std::exp(2.0 * k_pi * -0.1);                                               // (5.27)
+  EXPECT_NEAR(look_up(map, aside).y, 1.0 - (1.0 - 0.8 * lobe) * (1.0 - 0.3), 0.015);             // half a pixel: 0.011
 }
 
 TEST(Depth, InsertionRadius) {

@@ -12,7 +12,7 @@
 
 #include "models/files/atomic_file.h"
 #include "models/lighting/light_file.h"
-#include "runtime/light/network.h"
+#include "runtime/estimate/network.h"
 #include "sandglass/shadow.h"
 #include "tests/asset_file.h"
 #include "tests/guarded_block.h"

@@ -10,8 +10,8 @@ const AssetFile& random_light() {
   return file;
 }
 
-sandglass_light_desc describe_light() {
-  sandglass_light_desc desc = light_desc();
+sandglass_estimator_desc describe_light() {
+  sandglass_estimator_desc desc = estimator_desc();
   desc.asset = random_light().data();
   desc.asset_bytes = random_light().bytes;
   return desc;

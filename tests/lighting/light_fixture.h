@@ -14,7 +14,7 @@ namespace sandglass::tests {
 // The file of the random network; the same for every caller.
 const AssetFile& random_light();
 
-sandglass_light_desc describe_light();
+sandglass_estimator_desc describe_light();
 
 // An image, RGB by default: smooth blobs of colour that differ for every seed, seen by the network's own camera.
 struct TestImage {
@@ -24,11 +24,11 @@ struct TestImage {
 };
 
 // A light on the random network.
-struct LiveLight : Light {
-  explicit LiveLight(const sandglass_light_desc& desc = describe_light()) { EXPECT_TRUE(create(desc)); }
-  void estimate(const sandglass_camera_image& image) { EXPECT_TRUE(Light::estimate(image)); }
+struct LiveLight : Estimator {
+  explicit LiveLight(const sandglass_estimator_desc& desc = describe_light()) { EXPECT_TRUE(create(desc)); }
+  void estimate(const sandglass_camera_image& image) { EXPECT_TRUE(Estimator::estimate(image)); }
   // Runs what is left of an estimate.
-  void finish() { sandglass_light_run(get(), UINT32_MAX); }
+  void finish() { sandglass_estimator_run(get(), UINT32_MAX); }
 };
 
 }  // namespace sandglass::tests

@@ -12,7 +12,7 @@
 #include "models/rooms/panorama.h"
 #include "platform/virtual_clock.h"
 #include "runtime/core/random.h"
-#include "runtime/light/camera_image.h"
+#include "runtime/estimate/resample.h"
 #include "tests/guarded_block.h"
 #include "tests/int8_kernels.h"
 #include "tests/lighting/light_fixture.h"
@@ -27,26 +27,27 @@ using host::Vec3;
 
 constexpr uint64_t k_period_ns = 300'000'000;
 
-TEST(Light, NeedsExactlyTheBytesThatItAsksFor) {
-  const sandglass_light_desc desc = describe_light();
+TEST(Estimator, NeedsExactlyTheBytesThatItAsksFor) {
+  const sandglass_estimator_desc desc = describe_light();
   uint64_t need = 0;
-  ASSERT_EQ(sandglass_light_bytes(&desc, &need, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_estimator_bytes(&desc, &need, nullptr), SANDGLASS_OK);
   test::GuardedBlock block(need);
-  sandglass_light* light = nullptr;
+  sandglass_estimator* light = nullptr;
   for (const uint64_t bytes : {need - 1, need / 2, uint64_t{64}, uint64_t{0}})
-    EXPECT_EQ(sandglass_light_create(&desc, block.data(), bytes, &light, nullptr), SANDGLASS_ERROR_MEMORY_TOO_SMALL)
+    EXPECT_EQ(sandglass_estimator_create(&desc, block.data(), bytes, &light, nullptr), SANDGLASS_ERROR_MEMORY_TOO_SMALL)
         << bytes;
-  EXPECT_EQ(sandglass_light_create(&desc, block.data() + 8, need, &light, nullptr), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
+  EXPECT_EQ(sandglass_estimator_create(&desc, block.data() + 8, need, &light, nullptr),
+            SANDGLASS_ERROR_MEMORY_ALIGNMENT);
   EXPECT_EQ(light, nullptr);
   EXPECT_TRUE(block.untouched());
-  ASSERT_EQ(sandglass_light_create(&desc, block.data(), need, &light, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_estimator_create(&desc, block.data(), need, &light, nullptr), SANDGLASS_OK);
   const TestImage picture(1);
-  ASSERT_EQ(sandglass_light_set_image(light, &picture.image, nullptr, nullptr), SANDGLASS_OK);
-  sandglass_light_run(light, UINT32_MAX);
+  ASSERT_EQ(sandglass_estimator_set_image(light, &picture.image, nullptr, nullptr), SANDGLASS_OK);
+  sandglass_estimator_run(light, UINT32_MAX);
   EXPECT_TRUE(block.guards_intact());
 }
 
-TEST(Light, BeforeTheFirstEstimateItComesFromAboveAndIsNotValid) {
+TEST(Estimator, BeforeTheFirstEstimateItComesFromAboveAndIsNotValid) {
   const LiveLight live;
   const sandglass_light_estimate e = live.estimated();
   EXPECT_EQ(e.valid, 0u);
@@ -55,11 +56,11 @@ TEST(Light, BeforeTheFirstEstimateItComesFromAboveAndIsNotValid) {
   EXPECT_EQ(e.strength, 0.0f);
   EXPECT_EQ(e.confidence, 0.0f);
   EXPECT_NEAR(e.sh[0], 0.5 * std::sqrt(4.0 * std::numbers::pi), 1e-6);
-  EXPECT_EQ(sandglass_light_units_left(live.get()), 0u);
+  EXPECT_EQ(sandglass_estimator_units_left(live.get()), 0u);
 }
 
 // Run one unit at a time: the old estimate stays until the last unit, and the result is that of a single call.
-TEST(Light, UnitByUnitIsTheSameAsAllAtOnce) {
+TEST(Estimator, UnitByUnitIsTheSameAsAllAtOnce) {
   LiveLight whole, parts;
   TestImage first(1), second(2);
   first.image.timestamp_ns = k_period_ns, second.image.timestamp_ns = 2 * k_period_ns;
@@ -67,21 +68,21 @@ TEST(Light, UnitByUnitIsTheSameAsAllAtOnce) {
   const sandglass_light_estimate before = parts.estimated();
   EXPECT_EQ(before.valid, 1u);
   EXPECT_EQ(before.timestamp_ns, k_period_ns);
-  ASSERT_EQ(sandglass_light_set_image(parts.get(), &second.image, nullptr, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_estimator_set_image(parts.get(), &second.image, nullptr, nullptr), SANDGLASS_OK);
   std::fill(second.bytes.begin(), second.bytes.end(), uint8_t{0});  // the library must not read it after the call
-  uint32_t left = sandglass_light_units_left(parts.get());
+  uint32_t left = sandglass_estimator_units_left(parts.get());
   EXPECT_GT(left, 100u);
   for (; left > 0; --left) {
     const sandglass_light_estimate now = parts.estimated();
     ASSERT_EQ(std::memcmp(&now, &before, sizeof now), 0) << left;
-    ASSERT_EQ(sandglass_light_units_left(parts.get()), left);
-    ASSERT_EQ(sandglass_light_run(parts.get(), 1), 1u);
+    ASSERT_EQ(sandglass_estimator_units_left(parts.get()), left);
+    ASSERT_EQ(sandglass_estimator_run(parts.get(), 1), 1u);
   }
-  EXPECT_EQ(sandglass_light_run(parts.get(), 1), 0u);
+  EXPECT_EQ(sandglass_estimator_run(parts.get(), 1), 0u);
   TestImage same(2);
   same.image.timestamp_ns = 2 * k_period_ns;
   whole.estimate(same.image);
-  EXPECT_EQ(sandglass_light_hash(whole.get()), sandglass_light_hash(parts.get()));
+  EXPECT_EQ(sandglass_estimator_hash(whole.get()), sandglass_estimator_hash(parts.get()));
   EXPECT_EQ(parts.estimated().estimates, 2u);
 }
 
@@ -89,8 +90,8 @@ Vec3 vector_of(const float* v) { return {v[0], v[1], v[2]}; }
 
 // With the identity pose the camera looks along -z, y up: the network's (x, y down, z) is the world's (x, -y, -z). If a
 // turned camera sees the same image, the light is turned with it.
-TEST(Light, TheCamerasTurnIsTakenOut) {
-  sandglass_light_desc desc = describe_light();
+TEST(Estimator, TheCamerasTurnIsTakenOut) {
+  sandglass_estimator_desc desc = describe_light();
   desc.smoothing = 0.0f;
   LiveLight live(desc);
   TestImage picture(5);
@@ -108,7 +109,7 @@ TEST(Light, TheCamerasTurnIsTakenOut) {
 
 // For any pose and turn, a world direction that the sensor sees in upright coordinates comes back. The quarter turn is
 // done here on the screen: clockwise, right becomes down and down becomes left.
-TEST(Light, StoredTurnedAndUprightPosesGiveOneWorld) {
+TEST(Estimator, StoredTurnedAndUprightPosesGiveOneWorld) {
   Random random = random_stream(11, 1);
   for (int trial = 0; trial < 40; ++trial) {
     TestImage picture(1);
@@ -153,13 +154,13 @@ TEST(Light, StoredTurnedAndUprightPosesGiveOneWorld) {
   EXPECT_NEAR(world[2], -0.8, 1e-9);
 }
 
-TEST(Light, ImagesComeNoMoreOftenThanTheInterval) {
+TEST(Estimator, ImagesComeNoMoreOftenThanTheInterval) {
   LiveLight live;
   TestImage picture(3);
   const auto offer = [&](uint64_t time_ns) {
     picture.image.timestamp_ns = time_ns;
     int32_t taken = 7;
-    EXPECT_EQ(sandglass_light_set_image(live.get(), &picture.image, &taken, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(sandglass_estimator_set_image(live.get(), &picture.image, &taken, nullptr), SANDGLASS_OK);
     return taken;
   };
   EXPECT_EQ(offer(1'000'000'000), 1);
@@ -170,35 +171,35 @@ TEST(Light, ImagesComeNoMoreOftenThanTheInterval) {
   EXPECT_EQ(offer(1'250'000'000), 1);
 }
 
-TEST(Light, ResetForgetsAndTurnTurns) {
+TEST(Estimator, ResetForgetsAndTurnTurns) {
   LiveLight live, fresh;
   TestImage picture(3);
   live.estimate(picture.image);
   const Vec3 before = vector_of(live.estimated().direction);
   const float quarter[4] = {0.0f, 0.0f, 2.0f, 2.0f};  // about z, of any length
-  ASSERT_EQ(sandglass_light_turn(live.get(), quarter, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_estimator_turn(live.get(), quarter, nullptr), SANDGLASS_OK);
   const Vec3 after = vector_of(live.estimated().direction);
   EXPECT_NEAR(host::length(after - Vec3{-before.y, before.x, before.z}), 0.0, 1e-6);
   const float none[4] = {};
-  EXPECT_EQ(sandglass_light_turn(live.get(), none, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  sandglass_light_reset(live.get());
+  EXPECT_EQ(sandglass_estimator_turn(live.get(), none, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  sandglass_estimator_reset(live.get());
   EXPECT_EQ(live.estimated().valid, 0u);
   live.estimate(picture.image), fresh.estimate(picture.image);
-  EXPECT_EQ(sandglass_light_hash(live.get()), sandglass_light_hash(fresh.get()));
+  EXPECT_EQ(sandglass_estimator_hash(live.get()), sandglass_estimator_hash(fresh.get()));
 }
 
 // Quaternions of any length work, also those whose squares overflow or vanish in float. Turning the world during an
 // estimate gives the same as turning the finished estimate.
-TEST(Light, PosesAndTurnsOfAnyLengthTurnTheImageUnderWay) {
+TEST(Estimator, PosesAndTurnsOfAnyLengthTurnTheImageUnderWay) {
   const auto turned_at_length = [](float length, bool under_way) {
     LiveLight live;
     TestImage picture(3);
     const float pose[4] = {0.5f * length, 0.1f * length, -0.3f * length, 0.8f * length};
     const float turn[4] = {-0.2f * length, 0.6f * length, 0.4f * length, 0.7f * length};
     std::copy_n(pose, 4, picture.image.orientation);
-    EXPECT_EQ(sandglass_light_set_image(live.get(), &picture.image, nullptr, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(sandglass_estimator_set_image(live.get(), &picture.image, nullptr, nullptr), SANDGLASS_OK);
     if (!under_way) live.finish();
-    EXPECT_EQ(sandglass_light_turn(live.get(), turn, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(sandglass_estimator_turn(live.get(), turn, nullptr), SANDGLASS_OK);
     live.finish();
     EXPECT_EQ(live.estimated().valid, 1u);
     return vector_of(live.estimated().direction);
@@ -216,11 +217,11 @@ TEST(Light, PosesAndTurnsOfAnyLengthTurnTheImageUnderWay) {
 TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
   const auto refused = [](const std::string& words, auto&& spoil,
                           sandglass_status status = SANDGLASS_ERROR_INVALID_ARGUMENT) {
-    sandglass_light_desc desc = describe_light();
+    sandglass_estimator_desc desc = describe_light();
     spoil(desc);
     uint64_t bytes = 0;
     expect_refused(
-        words, [&](const char** reason) { return sandglass_light_bytes(&desc, &bytes, reason); }, status);
+        words, [&](const char** reason) { return sandglass_estimator_bytes(&desc, &bytes, reason); }, status);
     EXPECT_EQ(bytes, 0u);
   };
   refused("struct_size", [](auto& d) { d.struct_size = 3; });
@@ -237,14 +238,14 @@ TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
   refused(
       "isa", [](auto& d) { d.isa = 99; }, k_unsupported);
   refused(
-      "not one of sandglass_light_backend", [](auto& d) { d.backend = -1; }, k_unsupported);
+      "not one of sandglass_estimator_backend", [](auto& d) { d.backend = -1; }, k_unsupported);
   refused(
-      "SANDGLASS_LIGHT_BACKEND_OWN", [](auto& d) { d.backend = 1 + SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8; },
+      "SANDGLASS_ESTIMATOR_BACKEND_OWN", [](auto& d) { d.backend = 1 + SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_INT8; },
       k_unsupported);
   if (!SANDGLASS_WITH_XNNPACK)
     refused(
-        "SANDGLASS_XNNPACK=ON", [](auto& d) { d.backend = SANDGLASS_LIGHT_BACKEND_XNNPACK_F32; }, k_unsupported);
-  sandglass_light_release(nullptr);  // as after a refusal, when there is nothing to release
+        "SANDGLASS_XNNPACK=ON", [](auto& d) { d.backend = SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32; }, k_unsupported);
+  sandglass_estimator_release(nullptr);  // as after a refusal, when there is nothing to release
   // Another kind of asset: the identifier of a shadow with a right checksum.
   AssetFile shadow = random_light();
   std::memcpy(shadow.data() + 4, "SGSH", 4);
@@ -255,16 +256,17 @@ TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
 // camera_image_test.cpp has what else is wrong with an image.
 TEST(LightInput, ABadImageIsRefusedAndChangesNothing) {
   LiveLight live;
-  const uint64_t before = sandglass_light_hash(live.get());
+  const uint64_t before = sandglass_estimator_hash(live.get());
   TestImage picture(1);
   picture.image.focal_x = NAN;
   int32_t taken = 9;
   for (const sandglass_camera_image* image : {&picture.image, static_cast<sandglass_camera_image*>(nullptr)})
-    expect_refused(image == nullptr ? "NULL" : "focal",
-                   [&](const char** reason) { return sandglass_light_set_image(live.get(), image, &taken, reason); });
+    expect_refused(image == nullptr ? "NULL" : "focal", [&](const char** reason) {
+      return sandglass_estimator_set_image(live.get(), image, &taken, reason);
+    });
   EXPECT_EQ(taken, 9);
-  EXPECT_EQ(sandglass_light_hash(live.get()), before);
-  EXPECT_EQ(sandglass_light_units_left(live.get()), 0u);
+  EXPECT_EQ(sandglass_estimator_hash(live.get()), before);
+  EXPECT_EQ(sandglass_estimator_units_left(live.get()), 0u);
 }
 
 void expect_usable(const sandglass_light_estimate& e) {
@@ -328,13 +330,13 @@ TEST(LightInput, AHugeImageIsReadWhereItShouldBe) {
 // The hash of a filtered estimate from an RGB image; then that of a second one, from a turned NV12 image with a pose.
 struct TwoHashes {
   explicit TwoHashes(sandglass_isa isa) {
-    sandglass_light_desc desc = describe_light();
+    sandglass_estimator_desc desc = describe_light();
     desc.isa = isa;
     live.emplace(desc);
     picture.image.timestamp_ns = k_period_ns;
     live->estimate(picture.image);
   }
-  uint64_t first() const { return sandglass_light_hash(live->get()); }
+  uint64_t first() const { return sandglass_estimator_hash(live->get()); }
   uint64_t second() {
     std::vector<uint8_t> luma(640 * 480), chroma(640 * 240);
     Random random = random_stream(5, 5);
@@ -371,10 +373,10 @@ TEST(LightHash, IsOneOnEveryInstructionSetAndCompiler) {
 
 // ------------------------------------------------------------------------------------------------------- in the frame
 
-sandglass_frame_report frame(SandScene& sand, sandglass_light* light, const sandglass_camera_image* image,
+sandglass_frame_report frame(SandScene& sand, sandglass_estimator* light, const sandglass_camera_image* image,
                              uint64_t budget_ns, const sandglass_plan* plan = nullptr) {
   sandglass_frame_input input = frame_input();
-  input.light = light, input.camera = image;
+  input.estimator = light, input.camera = image;
   return sand.frame(input, budget_ns, plan);
 }
 
@@ -403,7 +405,7 @@ TEST(LightFrame, ABudgetOfNothingStillBringsTheEstimate) {
   }
   EXPECT_EQ(report.estimate.valid, 1u);
   EXPECT_EQ(report.estimate.frames_behind, frames - 1);
-  EXPECT_EQ(sandglass_light_hash(live.get()), sandglass_light_hash(expected.get()));
+  EXPECT_EQ(sandglass_estimator_hash(live.get()), sandglass_estimator_hash(expected.get()));
   report = frame(sand, live.get(), nullptr, 0);
   EXPECT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 0u);
   EXPECT_EQ(report.estimate.frames_behind, frames);
@@ -436,7 +438,7 @@ TEST(LightFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
     frame(again, again_light.get(), &picture.image, 4'000'000, &report.plan);
     ASSERT_EQ(again.status, SANDGLASS_OK) << f;
     ASSERT_EQ(again.scene.hash(), sand.scene.hash()) << f;
-    ASSERT_EQ(sandglass_light_hash(again_light.get()), sandglass_light_hash(live.get())) << f;
+    ASSERT_EQ(sandglass_estimator_hash(again_light.get()), sandglass_estimator_hash(live.get())) << f;
   }
   EXPECT_GT(with_light, 5u);
   EXPECT_GT(with_grains, frames / 8);
@@ -460,12 +462,12 @@ TEST(LightFrame, ABadImageIsLeftOutAndReported) {
   SandScene sand({}, {[](void* user, const char* sentence) { *static_cast<std::string*>(user) = sentence; }, &said});
   TestImage picture(6);
   picture.image.focal_x = NAN;
-  const uint64_t before = sandglass_light_hash(live.get());
+  const uint64_t before = sandglass_estimator_hash(live.get());
   const sandglass_frame_report report = frame(sand, live.get(), &picture.image, 1'000'000);
   EXPECT_EQ(sand.status, SANDGLASS_OK);
   EXPECT_EQ(report.estimate.ignored_images, 1u);
   EXPECT_NE(said.find("focal"), std::string::npos) << said;
-  EXPECT_EQ(sandglass_light_hash(live.get()), before);
+  EXPECT_EQ(sandglass_estimator_hash(live.get()), before);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ inline std::vector<uint8_t> noise(int width, int height) {
 }
 
 // What a network's file gives for an image.
-inline std::vector<float> features_of(const host::LightFile& file, sandglass_light_backend backend,
+inline std::vector<float> features_of(const host::LightFile& file, sandglass_estimator_backend backend,
                                       const std::vector<uint8_t>& rgb, int width, int height) {
   host::LightRunner runner(host::light_file_bytes(file), "network", SANDGLASS_ISA_AUTOMATIC,
                            static_cast<uint32_t>(width), static_cast<uint32_t>(height), backend);

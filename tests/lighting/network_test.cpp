@@ -1,6 +1,6 @@
 // The lighting network at run time: equal to the naive network of bytes to the bit, equal on every instruction set and in
 // every order that is allowed, and within its memory. excerpts_test.cpp compares it with the float network.
-#include "runtime/light/network.h"
+#include "runtime/estimate/network.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "models/files/aligned_bytes.h"
 #include "models/lighting/light_runner.h"
 #include "runtime/core/hash.h"
-#include "runtime/light/heads.h"
+#include "runtime/estimate/heads.h"
 #include "tests/guarded_block.h"
 #include "tests/lighting/network_checks.h"
 

@@ -21,13 +21,13 @@ constexpr int k_width = 32, k_height = 64;
 
 std::vector<uint8_t> noise() { return tests::noise(k_width, k_height); }
 
-std::vector<float> features_of(sandglass_light_backend backend) {
+std::vector<float> features_of(sandglass_estimator_backend backend) {
   return tests::features_of(random_light_file(7), backend, noise(), k_width, k_height);
 }
 
 TEST(XnnpackStandIn, OperatorsAreCreatedReshapedSetUpAndRunInThisOrder) {
   xnnpack_stand_in::g_asked_count = 0;
-  features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+  features_of(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32);
   ASSERT_LT(xnnpack_stand_in::g_asked_count, xnnpack_stand_in::k_call_capacity);
   ASSERT_EQ(xnnpack_stand_in::g_asked[0].call, Call::initialize);
   std::map<const void*, std::string> life;  // one letter for each call of an operator; addresses are used again
@@ -55,7 +55,7 @@ TEST(XnnpackStandIn, OperatorsAreCreatedReshapedSetUpAndRunInThisOrder) {
 }
 
 TEST(XnnpackStandIn, InFloatIsTheFileWithoutRounding) {
-  tests::expect_unrounded(random_light_file(7), features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32), noise(), k_width,
+  tests::expect_unrounded(random_light_file(7), features_of(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32), noise(), k_width,
                           k_height);
 }
 
@@ -64,7 +64,7 @@ TEST(XnnpackStandIn, InFloatIsTheFloatNetworkOfAFileThatHasIt) {
 }
 
 TEST(XnnpackStandIn, InBytesIsTheOwnNetworkToTheBit) {
-  EXPECT_EQ(features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8), features_of(SANDGLASS_LIGHT_BACKEND_OWN));
+  EXPECT_EQ(features_of(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_INT8), features_of(SANDGLASS_ESTIMATOR_BACKEND_OWN));
 }
 
 TEST(XnnpackStandIn, ItsRegionBoundsWhatItTakes) {
@@ -72,7 +72,7 @@ TEST(XnnpackStandIn, ItsRegionBoundsWhatItTakes) {
   const auto another = [&] {
     lights.push_back(std::make_unique<LightRunner>(light_file_bytes(random_light_file(7)), "random",
                                                    SANDGLASS_ISA_AUTOMATIC, k_width, k_height,
-                                                   SANDGLASS_LIGHT_BACKEND_XNNPACK_F32));
+                                                   SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32));
   };
   another();
   const uint64_t used = xnnpack_region_used();
@@ -89,7 +89,7 @@ TEST(XnnpackStandIn, ItsRegionBoundsWhatItTakes) {
 TEST(XnnpackStandIn, WhatItDoesNotHaveIsRefused) {
   xnnpack_stand_in::g_create_failures = 1;  // the probe
   for (int i = 0; i < 2; ++i) {
-    const std::string said = tests::refusal_of([] { features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32); });
+    const std::string said = tests::refusal_of([] { features_of(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32); });
     EXPECT_NE(said.find("does not have the operators"), std::string::npos) << said;
     EXPECT_EQ(xnnpack_region_used(), 0u);
     xnnpack_stand_in::g_create_failures = 1;
@@ -99,10 +99,10 @@ TEST(XnnpackStandIn, WhatItDoesNotHaveIsRefused) {
 
 TEST(XnnpackStandIn, AnAppThatWasFirstIsToldSo) {
   xnnpack_stand_in::g_app_was_first = true;
-  const std::string said = tests::refusal_of([] { features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8); });
+  const std::string said = tests::refusal_of([] { features_of(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_INT8); });
   EXPECT_NE(said.find("initialised XNNPACK first"), std::string::npos) << said << ": memory without a bound";
   xnnpack_stand_in::g_app_was_first = false;
-  EXPECT_EQ(features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8).size(), size_t{k_light_features});
+  EXPECT_EQ(features_of(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_INT8).size(), size_t{k_light_features});
 }
 
 }  // namespace

@@ -31,7 +31,8 @@ using tests::noise;
 TEST(Xnnpack, InFloatIsTheFileWithoutRounding) {
   const LightFile file = random_light_file(7);
   const std::vector<uint8_t> rgb = noise(k_width, k_height);
-  tests::expect_unrounded(file, tests::features_of(file, SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, rgb, k_width, k_height),
+  tests::expect_unrounded(file,
+                          tests::features_of(file, SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32, rgb, k_width, k_height),
                           rgb, k_width, k_height);
 }
 
@@ -43,7 +44,7 @@ TEST(Xnnpack, InBytesDoesNotReadTheFloatNetwork) {
   const std::vector<uint8_t> rgb = noise(k_width, k_height);
   LightFile file = random_light_file(7);
   const auto features_of = [&] {
-    return tests::features_of(file, SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8, rgb, k_width, k_height);
+    return tests::features_of(file, SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_INT8, rgb, k_width, k_height);
   };
   const std::vector<float> expected = features_of();
   file.float_parameters.assign(k_light_float_parameters, 0.5f);
@@ -59,7 +60,7 @@ TEST(Xnnpack, ForgedFloatNetworksSayNumbers) {
     for (size_t i = 0; i < file.float_parameters.size(); ++i)
       file.float_parameters[i] = random_unit(i) < share ? k_light_float_limit : -k_light_float_limit;
     LightRunner runner(light_file_bytes(file), "forged", SANDGLASS_ISA_AUTOMATIC, 32, 32,
-                       SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+                       SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32);
     for (const float value : tests::values_of(runner.run(rgb))) EXPECT_TRUE(value >= -1 && value <= 1) << value;
     for (const float feature : runner.features()) ASSERT_TRUE(std::isfinite(feature)) << feature;
   }
@@ -74,14 +75,14 @@ TEST_P(XnnpackInBytes, IsTheOwnNetworkButForItsRounding) {
   std::ifstream shipped(SANDGLASS_LIGHTS_DIR "/room.light", std::ios::binary);
   const std::vector<uint8_t> file = GetParam() ? std::vector<uint8_t>(std::istreambuf_iterator<char>(shipped), {})
                                                : light_file_bytes(random_light_file(7));
-  const auto features_of = [&](sandglass_light_backend backend) {
+  const auto features_of = [&](sandglass_estimator_backend backend) {
     LightRunner runner(file, "network", SANDGLASS_ISA_AUTOMATIC, k_width, k_height, backend);
     runner.run(rgb);
     return runner.features();
   };
   LightRunner runner(file, "network", SANDGLASS_ISA_AUTOMATIC, k_width, k_height);
-  const std::vector<float> own = features_of(SANDGLASS_LIGHT_BACKEND_OWN),
-                           features = features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8);
+  const std::vector<float> own = features_of(SANDGLASS_ESTIMATOR_BACKEND_OWN),
+                           features = features_of(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_INT8);
   double square = 0;
   for (size_t i = 0; i < own.size(); ++i) {
     const double scale = 255 * static_cast<double>(runner.asset().feature_scale[i]);
@@ -91,14 +92,14 @@ TEST_P(XnnpackInBytes, IsTheOwnNetworkButForItsRounding) {
   const double rms = std::sqrt(square / static_cast<double>(own.size()));
   EXPECT_LE(rms, 0.01);
 #if defined(__x86_64__)
-  EXPECT_EQ(own, features) << "README and light.h say: to the bit";
+  EXPECT_EQ(own, features) << "README and estimate.h say: to the bit";
 #endif
   std::printf("root mean square of 1024 features' differences: %.2g of their range\n", rms);
 }
 
 TEST(Xnnpack, UnitsAreAsSmallAsTheOwnAndMayRunInAnyOrder) {
   LightRunner runner(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC, 256, 192,
-                     SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+                     SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32);
   const LightNetwork& net = *runner.network();
   for (uint32_t unit = 0; unit < net.units; ++unit) EXPECT_LE(light_unit(net, unit).items, k_light_unit_macs / 1000);
   if (!SANDGLASS_EMULATED) tests::expect_any_order(&runner, noise(256, 192));
@@ -110,7 +111,7 @@ TEST(Xnnpack, InFloatIsPyTorchs) {
   if (path == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_NETWORK is not set to what `quantise.py --keep-float` wrote";
   std::ifstream made(path, std::ios::binary);
   LightRunner runner(std::vector<uint8_t>(std::istreambuf_iterator<char>(made), {}), path, SANDGLASS_ISA_AUTOMATIC, 256,
-                     192, SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+                     192, SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32);
   tests::expect_pytorch(SANDGLASS_EXCERPTS_DIR,
                         [&](const std::vector<uint8_t>& rgb) { return tests::values_of(runner.run(rgb)); });
 }
@@ -124,25 +125,26 @@ uint64_t weights() {
 }
 
 // As in an app: chosen in the description, and run in frames with a small budget.
-class XnnpackInFrames : public testing::TestWithParam<sandglass_light_backend> {};
+class XnnpackInFrames : public testing::TestWithParam<sandglass_estimator_backend> {};
 INSTANTIATE_TEST_SUITE_P(, XnnpackInFrames,
-                         testing::Values(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8),
+                         testing::Values(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32,
+                                         SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_INT8),
                          [](const auto& backend) {
-                           return backend.param == SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 ? "F32" : "Int8";
+                           return backend.param == SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32 ? "F32" : "Int8";
                          });
 TEST_P(XnnpackInFrames, AnEstimateTakesSeveralAndNoMemory) {
   const uint64_t before = xnnpack_region_used();
   {
-    sandglass_light_desc desc = tests::describe_light();
+    sandglass_estimator_desc desc = tests::describe_light();
     desc.smoothing = 0;
-    Light own, light;
+    Estimator own, light;
     ASSERT_TRUE(own.create(desc));
     desc.backend = GetParam();
     const Status status = light.create(desc);
     ASSERT_TRUE(status) << status.reason;
     const uint64_t used = xnnpack_region_used();
     // The region holds all weights, and no second copy of them.
-    const uint64_t held = weights() * (GetParam() == SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 ? sizeof(float) : 1);
+    const uint64_t held = weights() * (GetParam() == SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32 ? sizeof(float) : 1);
     EXPECT_GT(used, before + held);
     EXPECT_LT(used, before + 3 * held / 2);
     std::printf("of the region: %.1f MiB\n", static_cast<double>(used - before) / (1 << 20));
@@ -159,7 +161,7 @@ TEST_P(XnnpackInFrames, AnEstimateTakesSeveralAndNoMemory) {
     picture.image.timestamp_ns = 5;
     sandglass_frame_input input = sandglass::frame_input();
     input.time_step = 1.0f / 60.0f, input.budget_ns = 4'000'000;
-    input.light = light.get(), input.camera = &picture.image;
+    input.estimator = light.get(), input.camera = &picture.image;
     sandglass_frame_report report = sandglass::frame_report();
     uint32_t frames = 0;
     start_counting_allocations();

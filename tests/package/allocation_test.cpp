@@ -7,7 +7,7 @@
 
 #include "models/files/aligned_bytes.h"
 #include "models/lighting/light_file.h"
-#include "sandglass/light.h"
+#include "sandglass/estimate.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/counting_allocator.h"
 
@@ -93,12 +93,12 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
 // The light's stage from its creation on: images, units and estimates, in frames of a scene without sand.
 TEST(Allocation, FramesWithLightMakeNoCall) {
   const sandglass::host::AlignedBytes file(sandglass::host::light_file_bytes(sandglass::host::random_light_file(1)));
-  sandglass_light_desc desc = sandglass::light_desc();
+  sandglass_estimator_desc desc = sandglass::estimator_desc();
   desc.asset = file.data(), desc.asset_bytes = file.size();
   sandglass_scene_desc scene_desc = sandglass::scene_desc();
   scene_desc.clock = sandglass_clock_system();
   uint64_t need = 0;
-  ASSERT_EQ(sandglass_light_bytes(&desc, &need, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_estimator_bytes(&desc, &need, nullptr), SANDGLASS_OK);
   const uint64_t scene_need = sandglass::Scene::bytes(scene_desc);
   const sandglass::Block block = sandglass::allocate_block(need), scene_block = sandglass::allocate_block(scene_need);
   std::vector<uint8_t> pixels(640 * 480 * 3 / 2, 77);
@@ -110,12 +110,12 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   image.focal_x = image.focal_y = 525.0f;
 
   sandglass::host::start_counting_allocations();
-  sandglass_light* light = nullptr;
+  sandglass_estimator* light = nullptr;
   sandglass::Scene scene;
-  bool fine = sandglass_light_create(&desc, block.get(), need, &light, nullptr) == SANDGLASS_OK &&
+  bool fine = sandglass_estimator_create(&desc, block.get(), need, &light, nullptr) == SANDGLASS_OK &&
               scene.create_in(scene_desc, scene_block.get(), scene_need);
   sandglass_frame_input input = sandglass::frame_input();
-  input.light = light, input.camera = &image;
+  input.estimator = light, input.camera = &image;
   const sandglass_collider floor = sandglass::floor_at(0.0f);  // which nothing meets: there is no sand
   input.colliders = &floor, input.collider_count = 1;
   sandglass_frame_report report;
@@ -129,7 +129,7 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   }
   sandglass_light_estimate estimate;
   estimate.struct_size = sizeof estimate;
-  sandglass_light_get(light, &estimate);
+  sandglass_estimator_get(light, &estimate);
   const uint64_t calls = sandglass::host::stop_counting_allocations();
   EXPECT_TRUE(fine);
   EXPECT_EQ(calls, 0u);

@@ -83,8 +83,8 @@ sandglass_camera_image grey_image() {
 
 // Filled whole, or read and written: those are no answers to a struct_size.
 bool fills_within_size(const std::string& name) {
-  return name.find("_default") == std::string::npos && name != "sandglass_box_body" &&
-         name != "sandglass_room_light_fade" && name != "sandglass_scene_frame";  // of that: owner_types_test.cpp
+  return name.find("_default") == std::string::npos && name != "sandglass_box_body" && name != "sandglass_room_fade" &&
+         name != "sandglass_scene_frame";  // of that: owner_types_test.cpp
 }
 
 class Arguments : public ::testing::Test {
@@ -356,45 +356,39 @@ void Arguments::fields() {
 void Arguments::lights() {
   uint64_t file_bytes = 0;
   const std::vector<uint64_t> file = file_of(SANDGLASS_ROOM_LIGHT, &file_bytes);
-  sandglass_light_desc desc_of = sandglass::light_desc();
+  sandglass_estimator_desc desc_of = sandglass::estimator_desc();
   desc_of.asset = file.data(), desc_of.asset_bytes = file_bytes;
-  auto info = sized<sandglass_light_info>();
-  row(NAMED(sandglass_light_inspect), "", file.data(), file_bytes, &info);
-  row(NAMED(sandglass_light_bytes), "", &desc_of, &need);
-  ASSERT_EQ(sandglass_light_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
+  auto info = sized<sandglass_estimator_info>();
+  row(NAMED(sandglass_estimator_inspect), "", file.data(), file_bytes, &info);
+  row(NAMED(sandglass_estimator_bytes), "", &desc_of, &need);
+  ASSERT_EQ(sandglass_estimator_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
   const sandglass::Block block = sandglass::allocate_block(need);
-  sandglass_light* light = nullptr;
-  row(NAMED(sandglass_light_create), "", &desc_of, block.get(), need, &light);
-  row(NAMED(sandglass_light_desc_default), "", &desc_of);
-  ASSERT_NE(light, nullptr);
-  row(NAMED(sandglass_light_reset), "", light);
-  row(NAMED(sandglass_light_turn), "", light, point);
+  sandglass_estimator* estimator = nullptr;
+  row(NAMED(sandglass_estimator_create), "", &desc_of, block.get(), need, &estimator);
+  row(NAMED(sandglass_estimator_desc_default), "", &desc_of);
+  ASSERT_NE(estimator, nullptr);
+  row(NAMED(sandglass_estimator_reset), "", estimator);
+  row(NAMED(sandglass_estimator_turn), "", estimator, point);
   sandglass_camera_image image = grey_image();
   row(NAMED(sandglass_camera_check), "", &image);
-  row(NAMED(sandglass_light_set_image), "taken", light, &image, &taken);
+  row(NAMED(sandglass_estimator_set_image), "taken", estimator, &image, &taken);
   row(NAMED(sandglass_camera_image_default), "", &image);
   float sh[27];
   const float matrix[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   row(NAMED(sandglass_camera_orientation), "", matrix, sh);
-  row(NAMED(sandglass_light_run), "", light, 1u);
-  row(NAMED(sandglass_light_units_left), "", light);
-  sandglass_light_run(light, UINT32_MAX);  // so that there is an estimate to read
+  row(NAMED(sandglass_estimator_run), "", estimator, 1u);
+  row(NAMED(sandglass_estimator_units_left), "", estimator);
+  sandglass_estimator_run(estimator, UINT32_MAX);  // so that there is an estimate to read
   auto estimate = sized<sandglass_light_estimate>();
-  row(NAMED(sandglass_light_get_latest), "", light, &estimate);
-  row(NAMED(sandglass_light_get), "", light, &estimate);
-  sandglass_light_get(light, &estimate);
-  row(NAMED(sandglass_light_hash), "", light);
-  row(NAMED(sandglass_light_isa), "", light);
-  const sandglass_light_model model = SANDGLASS_LIGHT_MODEL_WHOLE;
-  row(NAMED(sandglass_light_harmonics), "", &estimate, model, sh);
-  auto filament = sized<sandglass_light_filament>();
-  auto arkit = sized<sandglass_light_arkit>();
-  auto unity = sized<sandglass_light_unity>();
-  row(NAMED(sandglass_light_to_filament), "", &estimate, model, 30.0f, &filament);
-  row(NAMED(sandglass_light_to_arkit), "", &estimate, model, &arkit);
-  row(NAMED(sandglass_light_to_unity), "", &estimate, model, &unity);
-  row(NAMED(sandglass_light_release), "", light);
-  sandglass_light_release(light);
+  row(NAMED(sandglass_estimator_get_latest), "", estimator, &estimate);
+  row(NAMED(sandglass_estimator_get), "", estimator, &estimate);
+  sandglass_estimator_get(estimator, &estimate);
+  row(NAMED(sandglass_estimator_hash), "", estimator);
+  row(NAMED(sandglass_estimator_isa), "", estimator);
+  auto lighting = sized<sandglass_lighting>();
+  row(NAMED(sandglass_lighting_of_estimate), "", &estimate, &lighting);
+  row(NAMED(sandglass_estimator_release), "", estimator);
+  sandglass_estimator_release(estimator);
 }
 
 void Arguments::rooms() {
@@ -414,19 +408,22 @@ void Arguments::rooms() {
   auto light = sized<sandglass_room_light>();
   row(NAMED(sandglass_room_get), "estimate", room, point, &estimate, &light);
   sandglass_room_light shown = light;
-  row(NAMED(sandglass_room_light_fade), "", &shown, &light, 0.1f);
+  row(NAMED(sandglass_room_fade), "", &shown, &light, 0.1f);
   ASSERT_EQ(sandglass_room_get(room, point, nullptr, &light, nullptr), SANDGLASS_OK);
-  const sandglass_light_model model = SANDGLASS_LIGHT_MODEL_WHOLE;
-  float sh[27];
-  auto filament = sized<sandglass_light_filament>();
-  auto arkit = sized<sandglass_light_arkit>();
-  auto arcore = sized<sandglass_light_arcore>();
-  auto unity = sized<sandglass_light_unity>();
-  row(NAMED(sandglass_room_harmonics), "", &light, model, sh);
-  row(NAMED(sandglass_room_to_filament), "", &light, model, 30.0f, &filament);
-  row(NAMED(sandglass_room_to_arkit), "", &light, model, &arkit);
-  row(NAMED(sandglass_room_to_arcore), "", &light, model, &arcore);
-  row(NAMED(sandglass_room_to_unity), "", &light, model, &unity);
+  auto lighting = sized<sandglass_lighting>();
+  row(NAMED(sandglass_lighting_of_room), "", &light, &lighting);
+  ASSERT_EQ(sandglass_lighting_of_room(&light, &lighting, nullptr), SANDGLASS_OK);
+  const sandglass_lighting_model model = SANDGLASS_LIGHTING_WHOLE;
+  float sh[27] = {}, turned[27];
+  auto filament = sized<sandglass_filament_light>();
+  auto arkit = sized<sandglass_arkit_light>();
+  auto arcore = sized<sandglass_arcore_light>();
+  auto unity = sized<sandglass_unity_light>();
+  row(NAMED(sandglass_lighting_to_filament), "", &lighting, model, 30.0f, &filament);
+  row(NAMED(sandglass_lighting_to_arkit), "", &lighting, model, &arkit);
+  row(NAMED(sandglass_lighting_to_arcore), "", &lighting, model, &arcore);
+  row(NAMED(sandglass_lighting_to_unity), "", &lighting, model, &unity);
+  row(NAMED(sandglass_harmonics_turn), "", sh, point, turned);
   row(NAMED(sandglass_room_save_bytes), "", room);
   const uint64_t saved_bytes = sandglass_room_save_bytes(room);
   std::vector<uint64_t> saved(saved_bytes / 8);
@@ -460,14 +457,13 @@ void Arguments::shadows() {
   }
   for (const uint32_t light : {0u, 1u})  // the second does not exist
     row(NAMED(sandglass_shadow_get_texture), "", shadow, light, &texture);
-  std::vector<float> cells(SANDGLASS_LIGHT_CELLS), transfer(9), sh(27), turned(27);
+  std::vector<float> cells(SANDGLASS_LIGHT_CELLS), transfer(9);
   row(NAMED(sandglass_shadow_set_cells), "", shadow, cells.data(), 0.0f);
   auto ambient = sized<sandglass_shadow_ambient>();
   while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
   }
   row(NAMED(sandglass_shadow_get_ambient), "", shadow, &ambient);
   row(NAMED(sandglass_shadow_transfer), "normals", file.data(), file_bytes, point, high, 1u, transfer.data());
-  row(NAMED(sandglass_shadow_turn_harmonics), "", sh.data(), point, turned.data());
   std::vector<uint8_t> coverage(256 * 256);
   row(NAMED(sandglass_shadow_resample), "", shadow, 0u, coverage.data(), 128u);
   row(NAMED(sandglass_shadow_combine), "", shadow, coverage.data(), 64u, low, high);
@@ -549,8 +545,8 @@ TEST_F(Arguments, PointersWithinStructsFollowTheRule) {
   names("grains.positions", sandglass_granular_add(scene.get(), nullptr, &nowhere, &reason));
   const sandglass_shadow_desc shadow_desc = sandglass::shadow_desc();
   names("asset", sandglass_shadow_bytes(&shadow_desc, &need, &reason));
-  const sandglass_light_desc light_desc = sandglass::light_desc();
-  names("asset", sandglass_light_bytes(&light_desc, &need, &reason));
+  const sandglass_estimator_desc estimator_desc = sandglass::estimator_desc();
+  names("asset", sandglass_estimator_bytes(&estimator_desc, &need, &reason));
   const auto frame_with = [&](uint32_t sandglass_frame_input::*counter) {
     sandglass_frame_input input = sandglass::frame_input();
     input.*counter = 1;

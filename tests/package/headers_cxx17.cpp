@@ -1,7 +1,9 @@
 // The public headers in the oldest C++ that they promise, without exceptions and RTTI, with the layout that C has.
+#include "sandglass/camera.h"
+#include "sandglass/estimate.h"
 #include "sandglass/field.h"
-#include "sandglass/light.h"
 #include "sandglass/pile_shadow.h"
+#include "sandglass/renderers.h"
 #include "sandglass/room.h"
 #include "sandglass/sandglass.hpp"
 #include "sandglass/shadow.h"

@@ -1,5 +1,4 @@
-// What the API adds to the stages: the version, a rotation from axis and angle, a box body whose collider fits it, and
-// converters that refuse an estimate which is not finite.
+// What the API adds to the stages: the version, a rotation from axis and angle, a box body whose collider fits it.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -148,39 +147,6 @@ TEST(BoxBody, ABoxThatHoldsNoParticleOrTooManyIsRefused) {
     *number = NAN;
     EXPECT_EQ(sandglass_box_count(&desc, &count, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
     *number = good;
-  }
-}
-
-TEST(Converters, AnEstimateThatIsNotFiniteIsRefused) {
-  sandglass_light_estimate good = {};
-  good.struct_size = sizeof good;
-  good.direction[1] = 1.0f, good.strength = 1.0f;
-  for (int k = 0; k < 3; ++k) good.light[k] = good.ambient[k] = 0.5f;
-  const auto convert = [](const sandglass_light_estimate& estimate, const char** reason) {
-    float sh[27];
-    sandglass_light_filament filament = {};
-    sandglass_light_arkit arkit = {};
-    sandglass_light_unity unity = {};
-    filament.struct_size = sizeof filament, arkit.struct_size = sizeof arkit, unity.struct_size = sizeof unity;
-    const sandglass_light_model model = SANDGLASS_LIGHT_MODEL_WHOLE;
-    const sandglass_status all[4] = {sandglass_light_harmonics(&estimate, model, sh, reason),
-                                     sandglass_light_to_filament(&estimate, model, 30, &filament, reason),
-                                     sandglass_light_to_arkit(&estimate, model, &arkit, reason),
-                                     sandglass_light_to_unity(&estimate, model, &unity, reason)};
-    for (const sandglass_status status : all) EXPECT_EQ(status, all[0]);
-    return all[0];
-  };
-  const char* reason = nullptr;
-  EXPECT_EQ(convert(good, &reason), SANDGLASS_OK);
-  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-    for (int field = 0; field < 10; ++field) {
-      sandglass_light_estimate estimate = good;
-      float* const fields[4] = {estimate.direction, estimate.light, estimate.ambient, &estimate.strength};
-      fields[field / 3][field % 3] = bad;
-      EXPECT_EQ(convert(estimate, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT) << field;
-      ASSERT_NE(reason, nullptr);
-      EXPECT_NE(std::string(reason).find("not finite"), std::string::npos) << reason;
-    }
   }
 }
 

@@ -129,7 +129,7 @@ TEST(OwnerTypes, AMovedPileShadowKeepsItsTexture) {
 // An owner type that nothing was created in follows the rule for NULL.
 TEST(OwnerTypes, EmptyOnesRefuseOrDoNothing) {
   sandglass::Scene scene;
-  sandglass::Light light;
+  sandglass::Estimator light;
   sandglass::Shadow shadow;
   EXPECT_EQ(scene.add(k_two_particles).code, SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(scene.frame(sandglass::frame_input()).code, SANDGLASS_ERROR_INVALID_ARGUMENT);

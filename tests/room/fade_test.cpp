@@ -40,7 +40,7 @@ TEST(RoomFade, NothingJumpsInASession) {
       room.look(lamp_room(lamp, 6, on ? 30 : 0.2, 0.2), azimuth, 30, (frame % 18 == 0 ? 1.0 / 64 : 1.0) * exposure);
       now = room.light();
     }
-    sandglass_room_light_fade(&shown, &now, k_frame);
+    sandglass_room_fade(&shown, &now, k_frame);
     most_known = std::max(most_known, moved(known, now));
     most_shown = std::max(most_shown, moved(before, shown));
     ASSERT_LE(moved(before, shown), k_share * 1.01) << frame;
@@ -70,7 +70,7 @@ TEST(RoomFade, AnotherMainLightComesOutOnlyWhenTheOldOneIsGone) {
   bool gone = false;
   for (int frame = 0; frame < 10 * 60; ++frame) {
     const sandglass_room_light before = shown;
-    sandglass_room_light_fade(&shown, &to, k_frame);
+    sandglass_room_fade(&shown, &to, k_frame);
     ASSERT_LE(moved(before, shown), k_share * 1.01);
     if (angle_deg(main_of(before), main_of(shown)) < 1) continue;
     gone = true;
@@ -93,7 +93,7 @@ TEST(RoomFade, AMainLightThatMovesALittleTurns) {
   const float least = std::min(shown.main_share, now.main_share) - 0.001f;
   for (int frame = 0; frame < 5 * 60; ++frame) {
     const Direction before = main_of(shown);
-    sandglass_room_light_fade(&shown, &now, k_frame);
+    sandglass_room_fade(&shown, &now, k_frame);
     EXPECT_LT(angle_deg(before, main_of(shown)), 1.1 * k_share * apart);
     EXPECT_GE(shown.main_share, least);
   }
@@ -108,7 +108,7 @@ TEST(RoomFade, AChangeOfExposureIsFollowedAtOnce) {
   const float before = shown.irradiance[1], harmonic = shown.sh[1];
   room.look(even, 0, 0, 2.0);
   const sandglass_room_light now = room.light();
-  sandglass_room_light_fade(&shown, &now, k_frame);
+  sandglass_room_fade(&shown, &now, k_frame);
   EXPECT_NEAR(shown.irradiance[1], 2 * before, 0.02f * before);
   EXPECT_NEAR(shown.sh[1], 2 * harmonic, 0.02f * harmonic);
 }
@@ -119,7 +119,7 @@ TEST(RoomFade, WhatItCannotUseChangesNothing) {
   room.look([](Direction) { return 0.3; }, 0, 0);
   const sandglass_room_light now = room.light();
   sandglass_room_light shown = prior;
-  for (const float seconds : {NAN, INFINITY, -1.0f, 1e9f, 0.0f}) sandglass_room_light_fade(&shown, &now, seconds);
+  for (const float seconds : {NAN, INFINITY, -1.0f, 1e9f, 0.0f}) sandglass_room_fade(&shown, &now, seconds);
   EXPECT_EQ(std::memcmp(shown.cells, prior.cells, sizeof prior.cells), 0);
   EXPECT_EQ(shown.irradiance[1], prior.irradiance[1]);
   const sandglass_room_light still = shown;
@@ -127,13 +127,13 @@ TEST(RoomFade, WhatItCannotUseChangesNothing) {
     sandglass_room_light broken = now;
     *reinterpret_cast<float*>(reinterpret_cast<char*>(&broken) +
                               (reinterpret_cast<char*>(number) - reinterpret_cast<char*>(&shown))) = NAN;
-    sandglass_room_light_fade(&shown, &broken, k_frame);
+    sandglass_room_fade(&shown, &broken, k_frame);
     EXPECT_EQ(std::memcmp(&shown, &still, sizeof still), 0) << "a number that is none would stay for ever";
   }
   sandglass_room_light not_filled = {};
-  sandglass_room_light_fade(&shown, &not_filled, 1.0f);
+  sandglass_room_fade(&shown, &not_filled, 1.0f);
   EXPECT_EQ(shown.irradiance[1], prior.irradiance[1]);
-  sandglass_room_light_fade(&not_filled, &now, k_frame);  // nothing was shown: it becomes what is known
+  sandglass_room_fade(&not_filled, &now, k_frame);  // nothing was shown: it becomes what is known
   EXPECT_EQ(std::memcmp(&not_filled, &now, sizeof now), 0);
 }
 

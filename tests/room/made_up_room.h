@@ -11,7 +11,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sandglass/light.h"
+#include "sandglass/camera.h"
 #include "sandglass/room.h"
 
 namespace sandglass {

@@ -5,7 +5,7 @@
 
 #include "runtime/core/hash.h"
 #include "runtime/core/random.h"
-#include "sandglass/light.h"
+#include "sandglass/camera.h"
 #include "sandglass/room.h"
 #include "sandglass/sandglass.h"
 
@@ -49,7 +49,7 @@ uint64_t hash_of(const sandglass_room* room) {
   sandglass_room_light shown = light;
   for (int i = 0; i < 64; ++i) shown.cells[i] = shown.ambient_cells[i] = 1.0f / 64;
   shown.main_share = 0;
-  sandglass_room_light_fade(&shown, &light, 0.1f);
+  sandglass_room_fade(&shown, &light, 0.1f);
   const uint64_t hash = hash_with(sandglass_room_hash(room), hash_bytes(&light, sizeof light));
   return hash_with(hash, hash_bytes(&shown, sizeof shown));
 }

@@ -333,7 +333,7 @@ TEST(ShadowSurface, RefusesNumbersThatAreNoPlacesAndFilesWithoutASurface) {
   EXPECT_EQ(sandglass_shadow_transfer(file.data(), file.bytes, good, good, 1, transfer, nullptr), SANDGLASS_OK);
 }
 
-// The basis of sandglass_light_estimate.sh, written out from light.h.
+// The basis of sandglass_light_estimate.sh, written out from estimate.h.
 double radiance(const float* sh, uint32_t colour, const double d[3]) {
   const double x = d[0], y = d[1], z = d[2];
   const double basis[9] = {0.28209479177387814,
@@ -350,7 +350,7 @@ double radiance(const float* sh, uint32_t colour, const double d[3]) {
   return sum;
 }
 
-TEST(ShadowSurface, TurnedHarmonicsAreTheRoomAsTheObjectSeesIt) {
+TEST(Harmonics, TurnedAreTheRoomAsTheObjectSeesIt) {
   uint64_t state = 5;
   const auto next = [&] {
     state = state * 6364136223846793005ull + 1442695040888963407ull;
@@ -360,7 +360,7 @@ TEST(ShadowSurface, TurnedHarmonicsAreTheRoomAsTheObjectSeesIt) {
     float sh[27], turned[27], q[4];
     for (float& x : sh) x = static_cast<float>(next());
     for (float& x : q) x = static_cast<float>(3 * next());
-    ASSERT_EQ(sandglass_shadow_turn_harmonics(sh, q, turned, nullptr), SANDGLASS_OK);
+    ASSERT_EQ(sandglass_harmonics_turn(sh, q, turned, nullptr), SANDGLASS_OK);
     double d[3] = {next(), next(), next()};
     const double length = std::hypot(d[0], d[1], d[2]);
     for (double& x : d) x /= length;
@@ -379,9 +379,9 @@ TEST(ShadowSurface, TurnedHarmonicsAreTheRoomAsTheObjectSeesIt) {
   }
   float sh[27] = {}, turned[27] = {1};
   const float zero[4] = {}, upright[4] = {0, 0, 0, 1};
-  EXPECT_EQ(sandglass_shadow_turn_harmonics(sh, zero, turned, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_harmonics_turn(sh, zero, turned, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
   sh[5] = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(sandglass_shadow_turn_harmonics(sh, upright, turned, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_harmonics_turn(sh, upright, turned, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(turned[0], 1);
 }
 

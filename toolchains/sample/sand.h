@@ -64,17 +64,19 @@ class Sand {
     if (!scene_.frame(input, &report))
       report = sandglass::frame_report();  // an image in an unknown layout, for example
     if (camera != nullptr) known_ = room_.light_at(origin_), exposure_ = camera->exposure;
-    sandglass_room_light_fade(&light_, &known_, seconds);  // light comes and goes softly
+    sandglass_room_fade(&light_, &known_, seconds);  // light comes and goes softly
     return report;
   }
 
   Shading shading() const {
     // Radiance in the scale of the image on the screen, where the system tells exposures.
     const float scale = exposure_ > 0.0f && light_.white > 0.0f ? exposure_ * light_.white : 1.0f;
-    sandglass_light_filament of = {};
-    of.struct_size = sizeof of;
+    sandglass_lighting lighting = {};
+    sandglass_filament_light of = {};
+    lighting.struct_size = sizeof lighting, of.struct_size = sizeof of;
     Shading shading = {};
-    if (sandglass_room_to_filament(&light_, SANDGLASS_LIGHT_MODEL_AMBIENT, scale, &of, nullptr) != SANDGLASS_OK)
+    if (sandglass_lighting_of_room(&light_, &lighting, nullptr) != SANDGLASS_OK ||
+        sandglass_lighting_to_filament(&lighting, SANDGLASS_LIGHTING_AMBIENT, scale, &of, nullptr) != SANDGLASS_OK)
       return shading;
     for (int k = 0; k < 3; ++k) {
       const float up =

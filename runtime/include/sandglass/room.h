@@ -10,11 +10,11 @@
  *   2. passes room and camera image to sandglass_scene_frame (input.room, input.camera); or, without a scene, calls
  *      sandglass_room_set_image for each image,
  *   3. asks sandglass_room_get for the light at each object's place, lets what is shown fade towards it
- *      (sandglass_room_light_fade), and hands the cells to the object's shadow (sandglass_shadow_set_cells) and to that
+ *      (sandglass_room_fade), and hands the cells to the object's shadow (sandglass_shadow_set_cells) and to that
  *      of the sand (sandglass_pile_shadow_set_cells).
  *
- * It works from the first frame on: before any image the light is what is usual in a room. The network of light.h is
- * not needed; where an app has one, its estimate is one more input.
+ * It works from the first frame on: before any image the light is what is usual in a room. The network of
+ * estimate.h is not needed; where an app has one, its estimate is one more input.
  *
  * Exposure. A camera that adapts shows a dark room and a bright one alike. Fill in sandglass_camera_image.exposure
  * where the system tells it. Where it is 0, the library finds it from what the image shows again of what was seen
@@ -37,14 +37,11 @@
 #ifndef SANDGLASS_ROOM_H
 #define SANDGLASS_ROOM_H
 
-#include "sandglass/types.h"
+#include "sandglass/estimate.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-struct sandglass_camera_image;
-struct sandglass_light_estimate;
 
 /* How a room is remembered: set once, at create. */
 typedef struct sandglass_room_desc {
@@ -79,7 +76,7 @@ SANDGLASS_API void sandglass_room_reset(sandglass_room* room);
 /* Without a scene: takes an image in, whole, unless `interval` has not passed. *taken, which is optional, is 1 if it
  * was, else 0. Fails like sandglass_camera_check. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_image(sandglass_room* room,
-                                                                            const struct sandglass_camera_image* image,
+                                                                            const sandglass_camera_image* image,
                                                                             int32_t* taken, const char** reason);
 
 /* The room turns and moves with the world's frame, as sandglass_scene_move does: x becomes rotation * x + translation.
@@ -122,7 +119,7 @@ typedef struct sandglass_room_light {
 } sandglass_room_light;
 
 /* The light at `position`, metres in the world's frame: where an object stands. `estimate` is optional: that of a
- * network (light.h), whose direction says where light is to be expected among what was not seen. Set
+ * network (estimate.h), whose direction says where light is to be expected among what was not seen. Set
  * light->struct_size before.
  *
  * It reads all 512 parts: 1.4 million instructions on ARM, nearly four times what an image takes. Ask it when an object
@@ -130,7 +127,7 @@ typedef struct sandglass_room_light {
  * finite. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sandglass_room* room,
                                                                       const float position[3],
-                                                                      const struct sandglass_light_estimate* estimate,
+                                                                      const sandglass_light_estimate* estimate,
                                                                       sandglass_room_light* light, const char** reason);
 
 /* Lets light come and go softly: moves *shown, which the app keeps for each object, towards *now, which
@@ -141,8 +138,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sand
  * No cell and no share moves by more than that share of what is left: 3.3 % in a frame at 60 Hz. A main light that is
  * more than 20 degrees from the one before fades out before the new one fades in. irradiance and sh follow a change of
  * exposure at once. Does nothing where `seconds` is not in 0..3600, or *now was not filled or is not finite. */
-SANDGLASS_API void sandglass_room_light_fade(sandglass_room_light* shown, const sandglass_room_light* now,
-                                             float seconds);
+SANDGLASS_API void sandglass_room_fade(sandglass_room_light* shown, const sandglass_room_light* now, float seconds);
 
 /* The bytes that sandglass_room_save writes. */
 SANDGLASS_API uint64_t sandglass_room_save_bytes(const sandglass_room* room);

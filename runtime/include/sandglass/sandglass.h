@@ -1,9 +1,10 @@
 /* Sandglass: sand, light and shadow for augmented reality, inside a fixed slice of every frame.
  *
  * This header holds scenes and granular material, in C. It includes points in volumes and on surfaces (sampling.h) and
- * signed-distance fields (field.h). The rest of the public API stands in headers of its own: light.h (the light of the
- * room), shadow.h (the shadows of objects) and pile_shadow.h (the shadow of the sand). sandglass.hpp adds owner types
- * for C++. Units, errors, the rule for NULL, and version and ABI: see types.h, whose rules hold for all functions.
+ * signed-distance fields (field.h). The rest of the public API stands in headers of its own: camera.h (its image),
+ * estimate.h (the light of one image), room.h (the light of all images), renderers.h (light as renderers want it),
+ * shadow.h (the shadows of objects) and pile_shadow.h (the shadow of the sand). sandglass.hpp adds owner types for C++.
+ * Units, errors, the rule for NULL, and version and ABI: see types.h, whose rules hold for all functions.
  *
  * An app
  *
@@ -282,7 +283,7 @@ SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
  *
  * The bytes hold the material, the time, where colliders were held, and the gravity that sand sleeps under. They do not
  * hold the description, the scene's gravity, friction, fields, hooks, or the costs that the governor measured. Shadows,
- * pile shadows and lights are no part of a scene: they have blocks of their own, and are not saved. The bytes are the
+ * pile shadows, estimators and rooms are no part of a scene: they have blocks of their own, and are not saved. The bytes are the
  * same on every instruction set, in little-endian order. The scene itself finishes the step of its grains that is under
  * way, and drops an unfinished sub-step.
  *
@@ -513,7 +514,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_fricti
 
 /* ------------------------------------------------------------------------------------------------ frame */
 
-/* The camera's image that the light is estimated from (light.h). */
+/* The camera's image (camera.h). */
 struct sandglass_camera_image;
 
 /* The shape of a collider. */
@@ -708,17 +709,17 @@ typedef struct sandglass_frame_input {
   /* NULL, or the shadow of the sand (pile_shadow.h): of its grains where it has any, else of its particles. It and the
    * shadows of objects are brought up to date in turns. */
   struct sandglass_pile_shadow* pile_shadow;
-  /* NULL, or the light to bring up to date (light.h). One work unit a frame runs whatever the budget, more as it
+  /* NULL, or the estimator to bring up to date (estimate.h). One work unit a frame runs whatever the budget, more as it
    * admits. An image that is taken is resampled in the frame that takes it, whatever the budget. */
-  struct sandglass_light* light;
-  /* NULL, or the newest image. It is passed over while an estimate is under way, and until the light's interval has
+  struct sandglass_estimator* estimator;
+  /* NULL, or the room that the camera's images are gathered in (room.h). It takes an image when its own interval has
+   * passed; the image is then read in this frame, whatever the budget. */
+  struct sandglass_room* room;
+  /* NULL, or the newest image. The estimator passes it over while an estimate is under way, and until its interval has
    * passed. It is read in this call only. */
   const struct sandglass_camera_image* camera;
   /* NULL, or a recorded plan to execute: the clock then decides nothing. */
   const sandglass_plan* plan;
-  /* NULL, or the room that the camera's images are gathered in (room.h). It takes an image when its own interval has
-   * passed; the image is then read in this frame, whatever the budget. */
-  struct sandglass_room* room;
 } sandglass_frame_input;
 
 /* Fills *input with the defaults: nothing but thermal_headroom 1 and grain_stride sizeof(sandglass_grain). */
@@ -803,7 +804,7 @@ typedef struct sandglass_estimate_report {
   uint32_t valid;
   /* 1: it changed in this frame. */
   uint32_t changed;
-  /* Frames with this light since the frame that brought the image of its last estimate. */
+  /* Frames with this estimator since the frame that brought the image of its last estimate. */
   uint32_t frames_behind;
   /* Work units left of the estimate under way. */
   uint32_t units_left;

@@ -31,9 +31,11 @@
 #include <span>
 #endif
 
+#include "sandglass/camera.h"
+#include "sandglass/estimate.h"
 #include "sandglass/field.h"
-#include "sandglass/light.h"
 #include "sandglass/pile_shadow.h"
+#include "sandglass/renderers.h"
 #include "sandglass/room.h"
 #include "sandglass/sampling.h"
 #include "sandglass/sandglass.h"
@@ -394,11 +396,11 @@ class Scene {
 };
 
 // ----------------------------------------------------------------------------------------------------------------
-// light
+// estimate
 
-inline sandglass_light_desc light_desc() {
-  sandglass_light_desc desc;
-  sandglass_light_desc_default(&desc);
+inline sandglass_estimator_desc estimator_desc() {
+  sandglass_estimator_desc desc;
+  sandglass_estimator_desc_default(&desc);
   return desc;
 }
 inline sandglass_camera_image camera_image() {
@@ -407,71 +409,71 @@ inline sandglass_camera_image camera_image() {
   return image;
 }
 
-// The light of a room and the block it lives in. Movable, not copyable. The network's file belongs to the app, and must
+// An estimator and the block it lives in. Movable, not copyable. The network's file belongs to the app, and must
 // outlive it.
-class Light {
+class Estimator {
  public:
-  // No light yet: create makes it.
-  Light() = default;
-  // Takes the light and its block over.
-  Light(Light&&) noexcept = default;
-  // Gives back what sandglass_light_release names.
-  ~Light() { sandglass_light_release(get()); }
-  // Takes the light and its block over; the one that was here is released.
-  Light& operator=(Light&& other) noexcept {
+  // No estimator yet: create makes it.
+  Estimator() = default;
+  // Takes the estimator and its block over.
+  Estimator(Estimator&&) noexcept = default;
+  // Gives back what sandglass_estimator_release names.
+  ~Estimator() { sandglass_estimator_release(get()); }
+  // Takes the estimator and its block over; the one that was here is released.
+  Estimator& operator=(Estimator&& other) noexcept {
     if (this == &other) return *this;
-    sandglass_light_release(get());
+    sandglass_estimator_release(get());
     owned_ = std::move(other.owned_);
     return *this;
   }
 
-  // Allocates the block, once and for all. Fails like sandglass_light_create, or with MEMORY_TOO_SMALL when the heap
-  // has no such block; an existing light is then kept.
-  Status create(const sandglass_light_desc& desc) {
+  // Allocates the block, once and for all. Fails like sandglass_estimator_create, or with MEMORY_TOO_SMALL when the heap
+  // has no such block; an existing estimator is then kept.
+  Status create(const sandglass_estimator_desc& desc) {
     Status status;
     uint64_t need = 0;
-    status.code = sandglass_light_bytes(&desc, &need, &status.reason);
+    status.code = sandglass_estimator_bytes(&desc, &need, &status.reason);
     if (!status) return status;
-    Owned<sandglass_light> made;
-    status = made.create(need, [&](void* block, uint64_t bytes, sandglass_light** light, const char** reason) {
-      return sandglass_light_create(&desc, block, bytes, light, reason);
+    Owned<sandglass_estimator> made;
+    status = made.create(need, [&](void* block, uint64_t bytes, sandglass_estimator** estimator, const char** reason) {
+      return sandglass_estimator_create(&desc, block, bytes, estimator, reason);
     });
     if (!status) return status;
-    sandglass_light_release(get());
+    sandglass_estimator_release(get());
     owned_ = std::move(made);
     return status;
   }
 
   // True once create has succeeded.
   explicit operator bool() const { return get() != nullptr; }
-  // For sandglass_frame_input::light, too.
-  sandglass_light* get() const { return owned_.handle; }
+  // For sandglass_frame_input::estimator, too.
+  sandglass_estimator* get() const { return owned_.handle; }
 
   // Without a scene: takes the image if one is due, then runs units until the estimate is complete.
   Status estimate(const sandglass_camera_image& image) {
     Status status;
-    status.code = sandglass_light_set_image(get(), &image, nullptr, &status.reason);
-    if (status) sandglass_light_run(get(), UINT32_MAX);
+    status.code = sandglass_estimator_set_image(get(), &image, nullptr, &status.reason);
+    if (status) sandglass_estimator_run(get(), UINT32_MAX);
     return status;
   }
-  // See sandglass_light_get.
+  // See sandglass_estimator_get.
   sandglass_light_estimate estimated() const {
     sandglass_light_estimate now{};
     now.struct_size = sizeof now;
-    sandglass_light_get(get(), &now);
+    sandglass_estimator_get(get(), &now);
     return now;
   }
-  // See sandglass_light_turn.
+  // See sandglass_estimator_turn.
   Status turn(const Rotation& rotation) {
     Status status;
-    status.code = sandglass_light_turn(get(), rotation.data(), &status.reason);
+    status.code = sandglass_estimator_turn(get(), rotation.data(), &status.reason);
     return status;
   }
-  // See sandglass_light_reset.
-  void reset() { sandglass_light_reset(get()); }
+  // See sandglass_estimator_reset.
+  void reset() { sandglass_estimator_reset(get()); }
 
  private:
-  Owned<sandglass_light> owned_;
+  Owned<sandglass_estimator> owned_;
 };
 
 // ----------------------------------------------------------------------------------------------------------------

@@ -245,7 +245,7 @@ SANDGLASS_API void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, 
 
 /* Reads from a baked file how the vertices of the object see the room past the object itself: nine coefficients a
  * vertex. The irradiance of a vertex over pi is, for each colour, the sum of the nine products with the harmonics of
- * the room in the object's frame (sandglass_room_light.sh, turned by sandglass_shadow_turn_harmonics).
+ * the room in the object's frame (sandglass_room_light.sh, turned by sandglass_harmonics_turn of renderers.h).
  *
  * `positions`: `count` vertices of the app's own mesh, in the coordinates of the mesh that was baked, in any order.
  * Each gets the coefficients of the baked point that is nearest. `normals`: theirs, which tell the sides of a crease
@@ -257,14 +257,6 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_transfer(con
                                                                              const float* positions,
                                                                              const float* normals, uint32_t count,
                                                                              float* transfer, const char** reason);
-
-/* The harmonics of a room as an object sees them that is turned by `rotation` (object to world, any length above 0).
- * Both arrays are interleaved (r0 g0 b0 ...), as in sandglass_light_estimate.sh; they may be the same. Fails with
- * INVALID_ARGUMENT: a number that is not finite, or a rotation of length 0. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_turn_harmonics(const float sh[27],
-                                                                                   const float rotation[4],
-                                                                                   float turned[27],
-                                                                                   const char** reason);
 
 /* ------------------------------------------------------------------------------------------------ replay */
 

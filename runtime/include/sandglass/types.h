@@ -37,8 +37,8 @@
  *       - In a struct that the library fills (a report, an estimate, a texture, an info), no byte beyond struct_size is
  *         written, and struct_size then says how many were. A struct_size below 8 counts as not set: a function with a
  *         status refuses it, any other leaves the struct as it is.
- *       - A report's plan is read again when it is replayed, so it must be whole. An estimate that is converted for a
- *         renderer may be that of an older header.
+ *       - A report's plan is read again when it is replayed, so it must be whole. What is converted for a renderer
+ *         (renderers.h) may be that of an older header.
  *       - In a struct that the library owns (sandglass_level), struct_size says which fields exist.
  *   - sandglass_granular_desc is the last member of sandglass_scene_desc and grows with it, at its end only.
  *   - All other structs are frozen from 1.0 on: sandglass_clock, _parallel, _trace, _log, _reference_scheme, _region,
@@ -244,12 +244,12 @@ SANDGLASS_API int32_t sandglass_rotation_about(const float axis[3], float angle,
 /* ------------------------------------------------------------------------------------------------ handles */
 
 /* Objects that an app creates in blocks of its own and hands to sandglass_scene_frame: the shadows of one object
- * (shadow.h), the shadow that the sand casts (pile_shadow.h), the light of the room (light.h). */
+ * (shadow.h), the shadow that the sand casts (pile_shadow.h), the light of the room (estimate.h, room.h). */
 typedef struct sandglass_shadow sandglass_shadow;
 /* The shadow that the sand casts (pile_shadow.h). */
 typedef struct sandglass_pile_shadow sandglass_pile_shadow;
-/* The light of the room as a network estimates it from one image (light.h). */
-typedef struct sandglass_light sandglass_light;
+/* The light of the room as a network estimates it from one image (estimate.h). */
+typedef struct sandglass_estimator sandglass_estimator;
 /* The light of the room from all that the camera has seen (room.h). */
 typedef struct sandglass_room sandglass_room;
 

@@ -10,8 +10,8 @@
 #include "models/rooms/excerpt.h"
 #include "models/work/progress.h"
 #include "models/work/random.h"
-#include "runtime/light/backends.h"
-#include "runtime/light/camera_image.h"
+#include "runtime/estimate/backends.h"
+#include "runtime/estimate/resample.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/cpu_time.h"
 #include "tests/laboratory/machine_peak.h"
@@ -74,7 +74,7 @@ std::vector<double> best_ms_of_units(uint32_t units, Begin begin, Run run) {
 
 // Measures every work unit, so that each kind of operator gets its share.
 void measure_units(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
-                   sandglass_light_backend backend, std::span<const uint8_t> rgb, LightingBenchRow* row,
+                   sandglass_estimator_backend backend, std::span<const uint8_t> rgb, LightingBenchRow* row,
                    std::vector<LightingBenchRow::Part>* layers) {
   LightRunner runner(file, name, isa, k_width, k_height, backend);
   LightNetwork* net = runner.network();
@@ -130,32 +130,33 @@ LightingImageRow measure_image(const ImageCase& c) {
 }
 
 // Measures the time of an estimate as an app would see it. Returns false if this build lacks the back end.
-bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_light_backend choice,
-             const std::vector<Picture>& images, LightingBenchRow* row) {
+bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
+             sandglass_estimator_backend choice, const std::vector<Picture>& images, LightingBenchRow* row) {
   const LightBackend* backend = nullptr;
   if (!find_light_backend(choice, &backend, nullptr)) return false;
   const AlignedBytes aligned(file);
-  sandglass_light_desc desc = light_desc();
+  sandglass_estimator_desc desc = estimator_desc();
   desc.asset = aligned.data(), desc.asset_bytes = file.size();
   desc.isa = isa, desc.backend = choice;
   desc.smoothing = desc.interval = 0;
-  Light light;
+  Estimator light;
   if (const Status status = light.create(desc); !status) throw cannot("read", name, status.reason);
   uint64_t bytes = 0;
-  if (sandglass_light_bytes(&desc, &bytes, nullptr) != SANDGLASS_OK) return false;  // cannot be
+  if (sandglass_estimator_bytes(&desc, &bytes, nullptr) != SANDGLASS_OK) return false;  // cannot be
   row->arena_bytes = static_cast<double>(bytes + (backend == nullptr ? 0 : backend->bytes_beside()));
   row->ms = 1e30;
   for (const Picture& picture : images) {
     if (interrupted()) return true;
     const sandglass_camera_image image = camera_image_of(picture, k_excerpt_fov_deg);
     for (uint32_t repeat = 0; repeat < (&picture == &images[0] ? k_repeats : 1); ++repeat) {
-      if (sandglass_light_set_image(light.get(), &image, nullptr, nullptr) != SANDGLASS_OK) return false;  // cannot be
+      if (sandglass_estimator_set_image(light.get(), &image, nullptr, nullptr) != SANDGLASS_OK)
+        return false;  // cannot be
       const double begin = cpu_ms_now();
-      sandglass_light_run(light.get(), UINT32_MAX);
+      sandglass_estimator_run(light.get(), UINT32_MAX);
       row->ms = std::min(row->ms, cpu_ms_now() - begin);
     }
     sandglass_light_estimate latest = light.estimated();
-    sandglass_light_get_latest(light.get(), &latest);  // the filter rejects what contradicts the image before
+    sandglass_estimator_get_latest(light.get(), &latest);  // the filter rejects what contradicts the image before
     row->estimates.push_back(values_of(latest));
   }
   return true;
@@ -168,17 +169,17 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
                              const std::function<bool(uint32_t done, uint32_t total)>& go_on) {
   struct Case {
     const char* name;
-    sandglass_light_backend backend;
+    sandglass_estimator_backend backend;
   };
-  constexpr Case k_cases[] = {{"int8", SANDGLASS_LIGHT_BACKEND_OWN},
-                              {"xnnpack_f32", SANDGLASS_LIGHT_BACKEND_XNNPACK_F32},
-                              {"xnnpack_int8", SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8}};
+  constexpr Case k_cases[] = {{"int8", SANDGLASS_ESTIMATOR_BACKEND_OWN},
+                              {"xnnpack_f32", SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32},
+                              {"xnnpack_int8", SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_INT8}};
   constexpr uint32_t k_steps = std::size(k_cases) + 1;
   const MachinePeak peak = measure_machine_peak();
   LightingBench bench;
   bench.int8_peak = peak.int8_gmac_per_s, bench.f32_peak = peak.f32_gmac_per_s;
   const LightBackend* xnnpack = nullptr;
-  bench.has_xnnpack = find_light_backend(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
+  bench.has_xnnpack = find_light_backend(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
   for (const ImageCase& c : k_images) {
     const LightingImageRow row = measure_image(c);
     if (interrupted()) return bench;
@@ -193,7 +194,7 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
   }
   if (images.empty()) images.push_back(wall_with_a_lamp());
   for (const Case& c : k_cases) {
-    const bool own = c.backend == SANDGLASS_LIGHT_BACKEND_OWN;
+    const bool own = c.backend == SANDGLASS_ESTIMATOR_BACKEND_OWN;
     LightingBenchRow row;
     row.name = c.name;
     if (!measure(file, name, isa, c.backend, images, &row)) break;
@@ -201,7 +202,7 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
     if (interrupted()) return bench;
     if (own) row.activations = static_cast<double>(light_activation_bytes(k_width, k_height));
     const double fastest =
-        c.backend == SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 ? peak.f32_gmac_per_s : peak.int8_gmac_per_s;
+        c.backend == SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32 ? peak.f32_gmac_per_s : peak.int8_gmac_per_s;
     row.gmac_per_s = k_macs / row.ms * 1e-6;
     row.fraction = fastest > 0 ? row.gmac_per_s / fastest : 0;
     bench.rows.push_back(row);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "models/lighting/excerpts.h"
-#include "sandglass/light.h"
+#include "sandglass/estimate.h"
 
 namespace sandglass::host {
 

@@ -6,8 +6,8 @@
 
 #include "models/baking/truth.h"
 #include "models/tracing/embree_scene.h"
+#include "runtime/core/harmonics.h"
 #include "runtime/core/random.h"
-#include "runtime/light/harmonics.h"
 
 namespace sandglass::host {
 

@@ -4,9 +4,9 @@
 
 #include "models/work/progress.h"
 #include "models/work/random.h"
-#include "runtime/light/camera_image.h"
+#include "runtime/camera/camera_image.h"
 #include "runtime/room/room.h"
-#include "sandglass/light.h"
+#include "sandglass/camera.h"
 #include "tests/laboratory/cpu_time.h"
 
 namespace sandglass::host {

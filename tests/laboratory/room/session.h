@@ -31,7 +31,7 @@ PartRadiance true_parts(const RadianceMap& panorama);
 enum class Known { clipped_light, unseen_parts };
 Room with_known(const SeenRoom& seen, const PartRadiance& truth, Known known);
 
-// What the network of light.h makes of the one image of a table, in the panorama's frame.
+// What the network of estimate.h makes of the one image of a table, in the panorama's frame.
 sandglass_light_estimate estimate_of_table(const RadianceMap& panorama, const SessionOptions& options,
                                            RoomLight* network);
 

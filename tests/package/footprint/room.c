@@ -1,6 +1,6 @@
 /* An app that only gathers the light of a room and asks for it. */
 #include "sandglass/room.h"
-#include "sandglass/light.h"
+#include "sandglass/camera.h"
 
 int main(int count, char** arguments) {
   const float place[3] = {0, 0, 0};
@@ -16,6 +16,6 @@ int main(int count, char** arguments) {
   light.struct_size = sizeof light;
   if (sandglass_room_get(room, place, NULL, &light, &reason) != SANDGLASS_OK) return 1;
   shown = light;
-  sandglass_room_light_fade(&shown, &light, 0.016f);
+  sandglass_room_fade(&shown, &light, 0.016f);
   return shown.valid != 1;
 }

@@ -1,5 +1,6 @@
 /* An app that only shows the baked shadows of an object and shades it. */
 #include "sandglass/shadow.h"
+#include "sandglass/renderers.h"
 
 int main(int count, char** arguments) {
   const float up[3] = {0, 1, 0}, upright[4] = {0, 0, 0, 1};
@@ -16,7 +17,7 @@ int main(int count, char** arguments) {
   if (sandglass_shadow_set_light(shadow, 0, up, 1.0f, &reason) != SANDGLASS_OK) return 1;
   if (sandglass_shadow_set_cells(shadow, cells, 0.0f, &reason) != SANDGLASS_OK) return 1;
   if (sandglass_shadow_transfer(arguments, (uint64_t)count, up, up, 1, transfer, &reason) != SANDGLASS_OK) return 1;
-  if (sandglass_shadow_turn_harmonics(sh, upright, sh, &reason) != SANDGLASS_OK) return 1;
+  if (sandglass_harmonics_turn(sh, upright, sh, &reason) != SANDGLASS_OK) return 1;
   sandglass_shadow_run(&shadow, 1, 8);
   ambient.struct_size = sizeof ambient;
   sandglass_shadow_get_ambient(shadow, &ambient);

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "sandglass/light.h"
+#include "sandglass/camera.h"
 
 namespace sample {
 

@@ -161,19 +161,22 @@ public unsafe class Sand : MonoBehaviour {
 
   // The room's light at the sand, which comes in softly. For what else the app draws, set it on Unity's directional light
   // and its ambient probe, too.
-  sandglass_light_unity Light() {
+  sandglass_unity_light Light() {
     var known = new sandglass_room_light();
     known.struct_size = (uint)sizeof(sandglass_room_light);
     Vector3 place = transform.position;
     place.z = -place.z;
     byte* reason;
-    var unity = new sandglass_light_unity();
-    unity.struct_size = (uint)sizeof(sandglass_light_unity);
+    var lighting = new sandglass_lighting();
+    lighting.struct_size = (uint)sizeof(sandglass_lighting);
+    var unity = new sandglass_unity_light();
+    unity.struct_size = (uint)sizeof(sandglass_unity_light);
     Check(Native.sandglass_room_get(room, &place.x, null, &known, &reason), reason);
     fixed (sandglass_room_light* light = &shown) {
-      Native.sandglass_room_light_fade(light, &known, Time.deltaTime);
-      Check(Native.sandglass_room_to_unity(light, Native.SANDGLASS_LIGHT_MODEL_AMBIENT, &unity, &reason), reason);
+      Native.sandglass_room_fade(light, &known, Time.deltaTime);
+      Check(Native.sandglass_lighting_of_room(light, &lighting, &reason), reason);
     }
+    Check(Native.sandglass_lighting_to_unity(&lighting, Native.SANDGLASS_LIGHTING_AMBIENT, &unity, &reason), reason);
     // Radiance in the scale of the image on the screen, where the system tells exposures.
     float scale = exposure > 0 && shown.white > 0 ? exposure * shown.white : 1;
     unity.intensity *= scale;
@@ -181,7 +184,7 @@ public unsafe class Sand : MonoBehaviour {
     return unity;
   }
 
-  void Draw(int count, sandglass_light_unity light) {
+  void Draw(int count, sandglass_unity_light light) {
     float* rest = stackalloc float[3];  // of all other light, on a grain that faces up
     for (int channel = 0; channel < 3; ++channel) {
       float* of = light.sh + 9 * channel;

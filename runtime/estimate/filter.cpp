@@ -1,7 +1,7 @@
-#include "runtime/light/filter.h"
+#include "runtime/estimate/filter.h"
 
+#include "runtime/core/luminance.h"
 #include "runtime/core/math.h"
-#include "runtime/light/luminance.h"
 
 namespace sandglass {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "runtime/core/math.h"
-#include "runtime/light/network.h"
+#include "runtime/estimate/network.h"
 
 namespace sandglass {
 

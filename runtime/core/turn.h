@@ -45,4 +45,23 @@ inline void rotate(const Rotation& rotation, const double v[3], double out[3]) {
   for (int i = 0; i < 3; ++i) out[i] = rotation.m[i][0] * v[0] + rotation.m[i][1] * v[1] + rotation.m[i][2] * v[2];
 }
 
+// The quaternion of the rotation whose columns are x, y and z (Shepperd's choice of the greatest of four divisors).
+inline void quaternion_of(const double x[3], const double y[3], const double z[3], float q[4]) {
+  const double traces[4] = {x[0] - y[1] - z[2], y[1] - x[0] - z[2], z[2] - x[0] - y[1], x[0] + y[1] + z[2]};
+  int best = 3;
+  for (int i = 0; i < 3; ++i)
+    if (traces[i] > traces[best]) best = i;
+  const double twice = square_root(1.0 + traces[best]), over = 0.5 / twice;
+  const double sums[3] = {y[2] - z[1], z[0] - x[2], x[1] - y[0]};      // 4 w (x, y, z)
+  const double products[3] = {x[1] + y[0], y[2] + z[1], z[0] + x[2]};  // 4 (xy, yz, zx)
+  double out[4] = {sums[0] * over, sums[1] * over, sums[2] * over, 0.5 * twice};
+  if (best < 3) {
+    out[best] = 0.5 * twice;
+    out[(best + 1) % 3] = products[best] * over;
+    out[(best + 2) % 3] = products[(best + 2) % 3] * over;
+    out[3] = sums[best] * over;
+  }
+  for (int i = 0; i < 4; ++i) q[i] = static_cast<float>(out[i]);
+}
+
 }  // namespace sandglass

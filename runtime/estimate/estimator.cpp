@@ -1,5 +1,5 @@
-// The C API around a Light: checks, layout, and what an estimate looks like from outside. Its units are in stage.cpp.
-#include "runtime/light/light.h"
+// The C API around an Estimator: checks, layout, and what an estimate looks like from outside. Its units are in stage.cpp.
+#include "runtime/estimate/estimator.h"
 
 #include <cstring>
 
@@ -9,9 +9,9 @@
 #include "runtime/core/hash.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
-#include "runtime/light/backends.h"
-#include "runtime/light/harmonics.h"
-#include "runtime/light/turn.h"
+#include "runtime/core/turn.h"
+#include "runtime/estimate/backends.h"
+#include "runtime/estimate/radiometry.h"
 
 namespace sandglass {
 namespace {
@@ -24,10 +24,10 @@ struct Checked {
   const LightBackend* backend;
 };
 
-sandglass_status check(const sandglass_light_desc* desc, Checked* checked, const char** reason) {
-  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_light_desc_default");
+sandglass_status check(const sandglass_estimator_desc* desc, Checked* checked, const char** reason) {
+  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_estimator_desc_default");
   if (desc->struct_size != sizeof *desc)
-    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_light_desc_default");
+    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_estimator_desc_default");
   if (!(desc->interval >= 0 && desc->interval <= 60)) return refuse(reason, "desc.interval is not in 0..60 seconds");
   if (!(desc->smoothing >= 0 && desc->smoothing <= 60)) return refuse(reason, "desc.smoothing is not in 0..60 seconds");
   if (!(desc->turn_limit > 0 && desc->turn_limit <= 1e6f))
@@ -45,7 +45,7 @@ sandglass_status check(const sandglass_light_desc* desc, Checked* checked, const
 }
 
 struct Parts {
-  sandglass_light* light;
+  sandglass_estimator* estimator;
   LightMemory network;
   uint8_t* rgb;
   uint32_t* sums;
@@ -54,31 +54,31 @@ struct Parts {
 // The one walk: counts the bytes, or hands out the regions.
 Parts lay_out(const LightBackend* backend, Layout* layout) {
   Parts parts;
-  parts.light = layout_region<sandglass_light>(layout, "light", 1);
+  parts.estimator = layout_region<sandglass_estimator>(layout, "estimator", 1);
   parts.network = layout_light_network(k_light_width, k_light_height, layout, backend);
-  parts.rgb = layout_region<uint8_t>(layout, "light.image", k_rgb_bytes);
-  parts.sums = layout_region<uint32_t>(layout, "light.sums", k_camera_sums);
+  parts.rgb = layout_region<uint8_t>(layout, "estimator.image", k_rgb_bytes);
+  parts.sums = layout_region<uint32_t>(layout, "estimator.sums", k_camera_sums);
   return parts;
 }
 
 // Out of line, so that its layout does not lie on the stack beside that of build.
-__attribute__((noinline)) uint64_t size_of_light(const LightBackend* backend) {
+__attribute__((noinline)) uint64_t size_of_estimator(const LightBackend* backend) {
   Layout layout;
   (void)lay_out(backend, &layout);
   return layout.size;
 }
 
 // False: the back end cannot be had.
-__attribute__((noinline)) bool build(const Checked& checked, const sandglass_light_desc& desc, void* block,
-                                     sandglass_light** light, const char** reason) {
+__attribute__((noinline)) bool build(const Checked& checked, const sandglass_estimator_desc& desc, void* block,
+                                     sandglass_estimator** estimator, const char** reason) {
   Layout layout;
   layout.base = static_cast<uint8_t*>(block);
   const Parts parts = lay_out(checked.backend, &layout);
-  sandglass_light* owner = parts.light;
+  sandglass_estimator* owner = parts.estimator;
   if (owner == nullptr) return false;  // never: the layout has a block
   *owner = {};
-  owner->functions = &k_light_functions;
-  Light* l = &owner->light;
+  owner->functions = &k_estimator_functions;
+  Estimator* l = &owner->estimator;
   l->network = create_light_network(checked.asset, checked.kernels, checked.backend, k_light_width, k_light_height,
                                     parts.network, reason);
   if (l->network == nullptr) return false;
@@ -88,16 +88,17 @@ __attribute__((noinline)) bool build(const Checked& checked, const sandglass_lig
   l->interval_ns = to_whole<uint64_t>(interval * 1e9);
   l->filter.law = {static_cast<double>(desc.smoothing), interval, static_cast<double>(desc.turn_limit),
                    static_cast<double>(desc.outlier_angle), static_cast<double>(desc.outlier_level)};
-  light_reset(l);
-  *light = owner;
+  estimator_reset(l);
+  *estimator = owner;
   return true;
 }
 
-void describe(const Light& light, const LightSample& sample, uint64_t timestamp_ns, sandglass_light_estimate* out) {
+void describe(const Estimator& estimator, const LightSample& sample, uint64_t timestamp_ns,
+              sandglass_light_estimate* out) {
   sandglass_light_estimate estimate = {};
-  estimate.valid = light.filter.accepted != 0 ? 1 : 0;
+  estimate.valid = estimator.filter.accepted != 0 ? 1 : 0;
   estimate.timestamp_ns = timestamp_ns;
-  estimate.image_ns = light.latest_ns;
+  estimate.image_ns = estimator.latest_ns;
   for (int i = 0; i < 3; ++i) {
     estimate.direction[i] = static_cast<float>(sample.direction[i]);
     estimate.light[i] = static_cast<float>(sample.levels[k_sample_light + i]);
@@ -109,24 +110,24 @@ void describe(const Light& light, const LightSample& sample, uint64_t timestamp_
   estimate.strength =
       static_cast<float>(light_strength(sample.direction, sample.levels + k_sample_light,
                                         sample.levels + k_sample_ambient, sample.levels[k_sample_contrast]));
-  estimate.confidence = static_cast<float>(light_filter_confidence(light.filter));
-  estimate.estimates = light.estimates;
-  estimate.deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
-  estimate.rejected = light.filter.rejected;
+  estimate.confidence = static_cast<float>(light_filter_confidence(estimator.filter));
+  estimate.estimates = estimator.estimates;
+  estimate.deviation = static_cast<float>(angle_between(estimator.latest.direction, sample.direction));
+  estimate.rejected = estimator.filter.rejected;
   double sh[3 * k_harmonics];
-  light_harmonics(estimate, SANDGLASS_LIGHT_MODEL_WHOLE, sh);
+  estimate_harmonics(estimate, sh);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) estimate.sh[i] = static_cast<float>(sh[i]);
   fill_struct(&estimate, sizeof estimate, out);
 }
 
-__attribute__((noinline)) void resample_now(Light* light) {
-  while (light->phase == LightPhase::image) light_run_image(light);
+__attribute__((noinline)) void resample_now(Estimator* estimator) {
+  while (estimator->phase == EstimatorPhase::image) estimator_run_image(estimator);
 }
 
-__attribute__((noinline)) uint32_t run_units(sandglass_light* light, uint32_t units) {
+__attribute__((noinline)) uint32_t run_units(sandglass_estimator* estimator, uint32_t units) {
   WorkUnit unit;
   uint32_t done = 0;
-  while (done < units && light_next_unit(light, &unit)) light_run_unit(light), ++done;
+  while (done < units && estimator_next_unit(estimator, &unit)) estimator_run_unit(estimator), ++done;
   return done;
 }
 
@@ -135,25 +136,7 @@ __attribute__((noinline)) uint32_t run_units(sandglass_light* light, uint32_t un
 
 using namespace sandglass;
 
-void sandglass_camera_image_default(sandglass_camera_image* image) {
-  if (image == nullptr) return;
-  *image = {};
-  image->struct_size = sizeof *image;
-  image->orientation[3] = 1.0f;
-}
-
-float sandglass_camera_focal(uint32_t width, uint32_t height, float diagonal_deg) {
-  if (!(diagonal_deg >= 1.0f && diagonal_deg <= 179.0f)) return 0.0f;
-  const double w = width, h = height;
-  const SinCos half = sin_cos_turns(static_cast<double>(diagonal_deg) / 720.0);
-  return static_cast<float>(0.5 * square_root(w * w + h * h) * half.cos / half.sin);
-}
-
-sandglass_status sandglass_camera_check(const sandglass_camera_image* image, const char** reason) {
-  return check_camera_image(image, reason);
-}
-
-void sandglass_light_desc_default(sandglass_light_desc* desc) {
+void sandglass_estimator_desc_default(sandglass_estimator_desc* desc) {
   if (desc == nullptr) return;
   *desc = {};
   desc->struct_size = sizeof *desc;
@@ -164,14 +147,14 @@ void sandglass_light_desc_default(sandglass_light_desc* desc) {
   desc->outlier_level = 0.35f;
 }
 
-sandglass_status sandglass_light_inspect(const void* asset, uint64_t asset_bytes, sandglass_light_info* info,
-                                         const char** reason) {
+sandglass_status sandglass_estimator_inspect(const void* asset, uint64_t asset_bytes, sandglass_estimator_info* info,
+                                             const char** reason) {
   if (info == nullptr || !can_fill(info))
-    return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_light_info)");
+    return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_estimator_info)");
   LightAsset file;
   const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason);
   if (status != SANDGLASS_OK) return status;
-  sandglass_light_info filled = {};
+  sandglass_estimator_info filled = {};
   filled.training_images = file.training_images, filled.calibration_images = file.calibration_images;
   filled.angle_deg = file.angle_deg, filled.difference = file.difference;
   filled.data_hash = file.data_hash, filled.seed = file.seed;
@@ -179,99 +162,102 @@ sandglass_status sandglass_light_inspect(const void* asset, uint64_t asset_bytes
   return SANDGLASS_OK;
 }
 
-sandglass_status sandglass_light_bytes(const sandglass_light_desc* desc, uint64_t* bytes, const char** reason) {
+sandglass_status sandglass_estimator_bytes(const sandglass_estimator_desc* desc, uint64_t* bytes, const char** reason) {
   Checked checked;
   const sandglass_status status = check(desc, &checked, reason);
   if (status != SANDGLASS_OK) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
-  *bytes = size_of_light(checked.backend);
+  *bytes = size_of_estimator(checked.backend);
   return accept(reason);
 }
 
-sandglass_status sandglass_light_create(const sandglass_light_desc* desc, void* block, uint64_t bytes,
-                                        sandglass_light** light, const char** reason) {
+sandglass_status sandglass_estimator_create(const sandglass_estimator_desc* desc, void* block, uint64_t bytes,
+                                            sandglass_estimator** estimator, const char** reason) {
   Checked checked;
   const sandglass_status status = check(desc, &checked, reason);
   if (status != SANDGLASS_OK) return status;
-  if (light == nullptr) return refuse(reason, "light is NULL: pass where to store it");
-  const sandglass_status usable = check_block(block, bytes, size_of_light(checked.backend), reason);
+  if (estimator == nullptr) return refuse(reason, "light is NULL: pass where to store it");
+  const sandglass_status usable = check_block(block, bytes, size_of_estimator(checked.backend), reason);
   if (usable != SANDGLASS_OK) return usable;
   const FloatingPointControl saved = floating_point_enter();
-  const bool built = build(checked, *desc, block, light, reason);
+  const bool built = build(checked, *desc, block, estimator, reason);
   floating_point_restore(saved);
   return built ? accept(reason) : SANDGLASS_ERROR_UNSUPPORTED;
 }
 
-void sandglass_light_release(sandglass_light* light) {
-  if (light != nullptr) release_light_network(light->light.network);
+void sandglass_estimator_release(sandglass_estimator* estimator) {
+  if (estimator != nullptr) release_light_network(estimator->estimator.network);
 }
 
-void sandglass_light_reset(sandglass_light* light) {
-  if (light != nullptr) light_reset(&light->light);
+void sandglass_estimator_reset(sandglass_estimator* estimator) {
+  if (estimator != nullptr) estimator_reset(&estimator->estimator);
 }
 
-sandglass_status sandglass_light_turn(sandglass_light* light, const float rotation[4], const char** reason) {
-  if (light == nullptr || rotation == nullptr)
-    return refuse(reason, "light or rotation is NULL: pass the light and a quaternion (x, y, z, w)");
+sandglass_status sandglass_estimator_turn(sandglass_estimator* estimator, const float rotation[4],
+                                          const char** reason) {
+  if (estimator == nullptr || rotation == nullptr)
+    return refuse(reason, "light or rotation is NULL: pass the estimator and a quaternion (x, y, z, w)");
   Rotation turn = {};
   if (!rotation_of(rotation, &turn))
     return refuse(reason, "rotation is not finite or has no length: pass a quaternion (x, y, z, w)");
   const FloatingPointControl saved = floating_point_enter();
-  light_filter_turn(&light->light.filter, turn.m);
+  light_filter_turn(&estimator->estimator.filter, turn.m);
   double turned[3];
-  rotate(turn, light->light.latest.direction, turned);
-  for (int i = 0; i < 3; ++i) light->light.latest.direction[i] = turned[i];
+  rotate(turn, estimator->estimator.latest.direction, turned);
+  for (int i = 0; i < 3; ++i) estimator->estimator.latest.direction[i] = turned[i];
   // The image under way was taken in the world as it was: its pose turns too.
-  turn_further(rotation, light->light.image.orientation);
+  turn_further(rotation, estimator->estimator.image.orientation);
   floating_point_restore(saved);
   return accept(reason);
 }
 
-sandglass_status sandglass_light_set_image(sandglass_light* light, const sandglass_camera_image* image, int32_t* taken,
-                                           const char** reason) {
-  if (light == nullptr) return refuse(reason, "light is NULL: pass the light that sandglass_light_create made");
-  const sandglass_status status = check_camera_image(image, reason);
+sandglass_status sandglass_estimator_set_image(sandglass_estimator* estimator, const sandglass_camera_image* image,
+                                               int32_t* taken, const char** reason) {
+  if (estimator == nullptr)
+    return refuse(reason, "light is NULL: pass the estimator that sandglass_estimator_create made");
+  const sandglass_status status = sandglass_camera_check(image, reason);
   if (status != SANDGLASS_OK) return status;
   const FloatingPointControl saved = floating_point_enter();
-  const bool took = light_take_image(&light->light, *image);
-  if (took) resample_now(&light->light);
+  const bool took = estimator_take_image(&estimator->estimator, *image);
+  if (took) resample_now(&estimator->estimator);
   floating_point_restore(saved);
   if (taken != nullptr) *taken = took ? 1 : 0;
   return accept(reason);
 }
 
-uint32_t sandglass_light_run(sandglass_light* light, uint32_t units) {
-  if (light == nullptr) return 0;
+uint32_t sandglass_estimator_run(sandglass_estimator* estimator, uint32_t units) {
+  if (estimator == nullptr) return 0;
   const FloatingPointControl saved = floating_point_enter();
-  const uint32_t done = run_units(light, units);
+  const uint32_t done = run_units(estimator, units);
   floating_point_restore(saved);
   return done;
 }
 
-uint32_t sandglass_light_units_left(const sandglass_light* light) {
-  if (light == nullptr) return 0;
-  const Light& l = light->light;
-  if (l.phase == LightPhase::idle) return 0;
-  return l.phase == LightPhase::network ? l.network->units - l.cursor : light_image_units_left(l) + l.network->units;
+uint32_t sandglass_estimator_units_left(const sandglass_estimator* estimator) {
+  if (estimator == nullptr) return 0;
+  const Estimator& l = estimator->estimator;
+  if (l.phase == EstimatorPhase::idle) return 0;
+  return l.phase == EstimatorPhase::network ? l.network->units - l.cursor
+                                            : estimator_image_units_left(l) + l.network->units;
 }
 
-void sandglass_light_get(const sandglass_light* light, sandglass_light_estimate* estimate) {
-  if (light == nullptr || estimate == nullptr) return;
+void sandglass_estimator_get(const sandglass_estimator* estimator, sandglass_light_estimate* estimate) {
+  if (estimator == nullptr || estimate == nullptr) return;
   const FloatingPointControl saved = floating_point_enter();
-  describe(light->light, light->light.filter.state, light->light.changed_ns, estimate);
+  describe(estimator->estimator, estimator->estimator.filter.state, estimator->estimator.changed_ns, estimate);
   floating_point_restore(saved);
 }
 
-void sandglass_light_get_latest(const sandglass_light* light, sandglass_light_estimate* estimate) {
-  if (light == nullptr || estimate == nullptr) return;
+void sandglass_estimator_get_latest(const sandglass_estimator* estimator, sandglass_light_estimate* estimate) {
+  if (estimator == nullptr || estimate == nullptr) return;
   const FloatingPointControl saved = floating_point_enter();
-  describe(light->light, light->light.latest, light->light.latest_ns, estimate);
+  describe(estimator->estimator, estimator->estimator.latest, estimator->estimator.latest_ns, estimate);
   floating_point_restore(saved);
 }
 
-uint64_t sandglass_light_hash(const sandglass_light* light) {
-  if (light == nullptr) return 0;
-  const Light& l = light->light;
+uint64_t sandglass_estimator_hash(const sandglass_estimator* estimator) {
+  if (estimator == nullptr) return 0;
+  const Estimator& l = estimator->estimator;
   const LightFilter& f = l.filter;
   uint64_t hash = hash_bytes(l.rgb, k_rgb_bytes);
   const LightSample* const samples[3] = {&f.state, &f.outlier, &l.latest};
@@ -281,6 +267,6 @@ uint64_t sandglass_light_hash(const sandglass_light* light) {
   return hash_with(hash, hash_bytes(counts, sizeof counts));
 }
 
-sandglass_isa sandglass_light_isa(const sandglass_light* light) {
-  return light == nullptr ? SANDGLASS_ISA_AUTOMATIC : light->light.network->kernels->isa;
+sandglass_isa sandglass_estimator_isa(const sandglass_estimator* estimator) {
+  return estimator == nullptr ? SANDGLASS_ISA_AUTOMATIC : estimator->estimator.network->kernels->isa;
 }

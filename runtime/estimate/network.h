@@ -26,7 +26,7 @@
 #include "runtime/asset/light_asset.h"
 #include "runtime/core/governor.h"
 #include "runtime/core/layout.h"
-#include "sandglass/light.h"
+#include "sandglass/estimate.h"
 
 namespace sandglass {
 

@@ -1,9 +1,9 @@
-#include "runtime/light/network.h"
+#include "runtime/estimate/network.h"
 
 #include <cstring>
 
 #include "platform/check.h"
-#include "runtime/light/heads.h"
+#include "runtime/estimate/heads.h"
 
 namespace sandglass {
 namespace {

@@ -1,6 +1,6 @@
 // The temporal filter. Estimates come a few times a second, each with its error; the filter makes one light of them
 // that moves as a light does. It does not jump, and a single estimate that contradicts the others changes nothing. The
-// law is documented at sandglass_light_desc. Directions are in the world's frame, so the camera's turns are already
+// law is documented at sandglass_estimator_desc. Directions are in the world's frame, so the camera's turns are already
 // gone. Only + - * / and square roots, in double: the same bits everywhere.
 #pragma once
 

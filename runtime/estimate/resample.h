@@ -12,11 +12,12 @@
 
 #include <cstdint>
 
-#include "sandglass/light.h"
+#include "runtime/camera/camera_image.h"
+#include "sandglass/estimate.h"
 
 namespace sandglass {
 
-constexpr uint32_t k_light_width = SANDGLASS_LIGHT_WIDTH, k_light_height = SANDGLASS_LIGHT_HEIGHT;  // pixels
+constexpr uint32_t k_light_width = SANDGLASS_ESTIMATOR_WIDTH, k_light_height = SANDGLASS_ESTIMATOR_HEIGHT;  // pixels
 // Focal length of the output in pixels: half its diagonal, 160, over the tangent of 42.5 degrees.
 constexpr double k_light_focal = 174.60936017108344;
 // Sums that are kept at a time, one for each byte of a row.
@@ -24,20 +25,6 @@ constexpr uint32_t k_camera_sums = 4096;
 // Of a box with more rows than this, only the middle ones are read. That bounds the work on images of thousands of
 // rows.
 constexpr uint32_t k_camera_box_rows = 16;
-
-using CameraImage = sandglass_camera_image;
-
-// Refuses everything that may be wrong with an image, each with its own sentence. After this the passes run blind.
-sandglass_status check_camera_image(const CameraImage* image, const char** reason);
-
-// The image with its turn known: SANDGLASS_TURN_FROM_POSE is replaced by what the pose says.
-CameraImage with_turn(const CameraImage& image);
-
-// From the upright camera's frame (x right, y down, z forward) to the world's.
-void camera_to_world(const CameraImage& image, const double camera[3], double world[3]);
-
-// One pixel of the stored image, sRGB. x and y lie within it.
-void camera_pixel(const CameraImage& image, uint32_t x, uint32_t y, uint8_t rgb[3]);
 
 // A rectangle of output pixels, in the orientation of the stored image: k_light_height rows of k_light_width pixels for
 // a turn of 0 or 180 degrees, k_light_width rows of k_light_height for 90 or 270.

@@ -10,7 +10,7 @@
 
 #include "kernels/whole.h"
 #include "platform/xnnpack.h"
-#include "runtime/light/backends.h"
+#include "runtime/estimate/backends.h"
 
 namespace sandglass {
 namespace {

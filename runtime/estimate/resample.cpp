@@ -1,18 +1,13 @@
-#include "runtime/light/camera_image.h"
+#include "runtime/estimate/resample.h"
 
 #include "kernels/whole.h"
-#include "runtime/core/finite.h"
 #include "runtime/core/math.h"
-#include "runtime/core/refuse.h"
-#include "runtime/light/turn.h"
 
 namespace sandglass {
 
 namespace {
 
 constexpr int32_t k_one = 256;  // a pixel, in the fixed point of boxes
-constexpr float k_intrinsics_limit = 1e6f;
-constexpr float k_exposure_limit = 1e6f;
 constexpr uint32_t k_block_rows_most = 16;
 constexpr uint32_t k_camera_box_columns = k_camera_sums / 4;  // most pixels of a box that are read, of up to four bytes
 
@@ -132,121 +127,7 @@ void resample_row(const Plane& plane, const Box* columns, uint32_t count, const 
   }
 }
 
-uint8_t clamped_byte(int32_t value) { return static_cast<uint8_t>(value < 0 ? 0 : value > 255 ? 255 : value); }
-
-// Coefficients times 2^16: ITU-R BT.601 and BT.709, for luma over 0..255 and over 16..235 (chroma over 16..240).
-struct YuvMatrix {
-  int32_t luma_offset, luma, red_v, green_u, green_v, blue_u;
-};
-constexpr YuvMatrix k_matrices[4] = {{0, 65536, 91881, -22553, -46802, 116130},
-                                     {16, 76309, 104597, -25675, -53279, 132201},
-                                     {0, 65536, 103206, -12276, -30679, 121609},
-                                     {16, 76309, 117489, -13975, -34925, 138438}};
-
-void yuv_to_rgb(sandglass_yuv_range range, uint8_t y, uint8_t u, uint8_t v, uint8_t rgb[3]) {
-  const YuvMatrix& m = k_matrices[range];
-  const int32_t luma = (y - m.luma_offset) * m.luma + 32768, cu = u - 128, cv = v - 128;
-  // Shifts of negative numbers keep the sign (C++20).
-  rgb[0] = clamped_byte((luma + m.red_v * cv) >> 16);
-  rgb[1] = clamped_byte((luma + m.green_u * cu + m.green_v * cv) >> 16);
-  rgb[2] = clamped_byte((luma + m.blue_u * cu) >> 16);
-}
-
-bool is_yuv(sandglass_camera_format format) { return format >= SANDGLASS_CAMERA_NV12; }
-
 }  // namespace
-
-sandglass_status check_camera_image(const CameraImage* image, const char** reason) {
-  if (image == nullptr) return refuse(reason, "camera image: the image is NULL; give an image");
-  if (image->struct_size != sizeof *image)
-    return refuse(reason, "camera image: struct_size is not this library's; start from sandglass_camera_image_default");
-  if (image->format < SANDGLASS_CAMERA_RGB || image->format > SANDGLASS_CAMERA_I420)
-    return refuse(reason, "camera image: unknown format; give RGB, RGBA, NV12, NV21 or I420");
-  if (image->range < SANDGLASS_YUV_FULL_601 || image->range > SANDGLASS_YUV_VIDEO_709)
-    return refuse(reason, "camera image: unknown YUV range; give one of BT.601 or BT.709, full or video");
-  if (image->width < 2 || image->height < 2)
-    return refuse(reason, "camera image: smaller than 2 x 2 pixels; light cannot be estimated from it");
-  if (image->width > SANDGLASS_CAMERA_SIDE_LIMIT || image->height > SANDGLASS_CAMERA_SIDE_LIMIT)
-    return refuse(reason, "camera image: a side is longer than 16384 pixels; scale it down");
-  const bool yuv = is_yuv(image->format);
-  if (yuv && (image->width % 2 != 0 || image->height % 2 != 0))
-    return refuse(reason, "camera image: YUV with an odd width or height; crop it to even numbers");
-  const uint32_t planes = image->format == SANDGLASS_CAMERA_I420 ? 3 : yuv ? 2 : 1;
-  const uint32_t row_bytes[3] = {image->format == SANDGLASS_CAMERA_RGB    ? 3 * image->width
-                                 : image->format == SANDGLASS_CAMERA_RGBA ? 4 * image->width
-                                                                          : image->width,
-                                 image->format == SANDGLASS_CAMERA_I420 ? image->width / 2 : image->width,
-                                 image->width / 2};
-  for (uint32_t i = 0; i < planes; ++i) {
-    if (image->planes[i] == nullptr)
-      return refuse(reason, "camera image: a plane is NULL; give every plane of the format");
-    if (image->strides[i] < row_bytes[i])
-      return refuse(reason, "camera image: a stride is smaller than its row; strides are bytes from row to row");
-  }
-  const bool from_pose = image->turn_deg == SANDGLASS_TURN_FROM_POSE;
-  if (!from_pose && image->turn_deg != 0 && image->turn_deg != 90 && image->turn_deg != 180 && image->turn_deg != 270)
-    return refuse(reason, "camera image: the turn is not 0, 90, 180 or 270 degrees; give the sensor's orientation");
-  if (from_pose && image->pose_is_upright != 0)
-    return refuse(reason,
-                  "camera image: the pose of an upright image does not tell its turn; give the turn in degrees");
-  if (!within(image->focal_x, 1.0f, k_intrinsics_limit) || !within(image->focal_y, 1.0f, k_intrinsics_limit))
-    return refuse(
-        reason,
-        "camera image: a focal length is not a number from 1 to a million pixels; give the camera's intrinsics");
-  if (!within(image->centre_x, -k_intrinsics_limit, k_intrinsics_limit) ||
-      !within(image->centre_y, -k_intrinsics_limit, k_intrinsics_limit))
-    return refuse(reason, "camera image: the principal point is not finite; give the camera's intrinsics");
-  Rotation rotation = {};
-  if (!rotation_of(image->orientation, &rotation))
-    return refuse(reason, "camera image: the orientation is zero or not finite; give the camera's pose");
-  if (!all_within(image->position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
-    return refuse(reason, "camera image: the position is not finite or beyond 1000 m; give the camera's pose");
-  if (!within(image->exposure, 0.0f, k_exposure_limit))
-    return refuse(reason, "camera image: the exposure is not in 0..1e6; give seconds times ISO / 100, or 0");
-  return accept(reason);
-}
-
-CameraImage with_turn(const CameraImage& image) {
-  CameraImage turned = image;
-  if (image.turn_deg != SANDGLASS_TURN_FROM_POSE) return turned;
-  Rotation rotation = {};
-  (void)rotation_of(image.orientation, &rotation);
-  // The world's up in the stored image, x right and y down. The turn is right in which up has the least y.
-  const double right = rotation.m[1][0], down = -rotation.m[1][1];
-  const double upright[4] = {down, right, -down, -right};
-  uint32_t best = 0;
-  for (uint32_t quarter = 1; quarter < 4; ++quarter)
-    if (upright[quarter] < upright[best]) best = quarter;
-  turned.turn_deg = 90 * best;
-  return turned;
-}
-
-void camera_to_world(const CameraImage& image, const double camera[3], double world[3]) {
-  const uint32_t turn = image.pose_is_upright != 0 ? 0 : image.turn_deg;
-  const double x = camera[0], y = camera[1];
-  const double stored_x = turn == 90 ? y : turn == 180 ? -x : turn == 270 ? -y : x;
-  const double stored_y = turn == 90 ? -x : turn == 180 ? -y : turn == 270 ? x : y;
-  Rotation rotation = {};
-  (void)rotation_of(image.orientation, &rotation);
-  const double local[3] = {stored_x, -stored_y, -camera[2]};  // y up, looking along -z
-  rotate(rotation, local, world);
-}
-
-void camera_pixel(const CameraImage& image, uint32_t x, uint32_t y, uint8_t rgb[3]) {
-  const uint8_t* row = image.planes[0] + static_cast<uint64_t>(y) * image.strides[0];
-  if (!is_yuv(image.format)) {
-    const uint8_t* pixel = row + static_cast<uint64_t>(image.format == SANDGLASS_CAMERA_RGBA ? 4 : 3) * x;
-    for (int c = 0; c < 3; ++c) rgb[c] = pixel[c];
-    return;
-  }
-  const uint8_t* chroma = image.planes[1] + static_cast<uint64_t>(y / 2) * image.strides[1];
-  if (image.format == SANDGLASS_CAMERA_I420) {
-    const uint8_t* second = image.planes[2] + static_cast<uint64_t>(y / 2) * image.strides[2];
-    return yuv_to_rgb(image.range, row[x], chroma[x / 2], second[x / 2], rgb);
-  }
-  const uint32_t u = image.format == SANDGLASS_CAMERA_NV21 ? 1 : 0;
-  yuv_to_rgb(image.range, row[x], chroma[x / 2 * 2 + u], chroma[x / 2 * 2 + 1 - u], rgb);
-}
 
 CameraBlock whole_camera_block(const CameraImage& image) {
   const bool quarter = image.turn_deg % 180 != 0;

@@ -1,0 +1,151 @@
+#include "runtime/camera/camera_image.h"
+
+#include "runtime/core/finite.h"
+#include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
+#include "runtime/core/turn.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr float k_intrinsics_limit = 1e6f;
+constexpr float k_exposure_limit = 1e6f;
+
+}  // namespace
+
+CameraImage with_turn(const CameraImage& image) {
+  CameraImage turned = image;
+  if (image.turn_deg != SANDGLASS_TURN_FROM_POSE) return turned;
+  Rotation rotation = {};
+  (void)rotation_of(image.orientation, &rotation);
+  // The world's up in the stored image, x right and y down. The turn is right in which up has the least y.
+  const double right = rotation.m[1][0], down = -rotation.m[1][1];
+  const double upright[4] = {down, right, -down, -right};
+  uint32_t best = 0;
+  for (uint32_t quarter = 1; quarter < 4; ++quarter)
+    if (upright[quarter] < upright[best]) best = quarter;
+  turned.turn_deg = 90 * best;
+  return turned;
+}
+
+void camera_to_world(const CameraImage& image, const double camera[3], double world[3]) {
+  const uint32_t turn = image.pose_is_upright != 0 ? 0 : image.turn_deg;
+  const double x = camera[0], y = camera[1];
+  const double stored_x = turn == 90 ? y : turn == 180 ? -x : turn == 270 ? -y : x;
+  const double stored_y = turn == 90 ? -x : turn == 180 ? -y : turn == 270 ? x : y;
+  Rotation rotation = {};
+  (void)rotation_of(image.orientation, &rotation);
+  const double local[3] = {stored_x, -stored_y, -camera[2]};  // y up, looking along -z
+  rotate(rotation, local, world);
+}
+
+void camera_pixel(const CameraImage& image, uint32_t x, uint32_t y, uint8_t rgb[3]) {
+  const uint8_t* row = image.planes[0] + static_cast<uint64_t>(y) * image.strides[0];
+  if (!is_yuv(image.format)) {
+    const uint8_t* pixel = row + static_cast<uint64_t>(image.format == SANDGLASS_CAMERA_RGBA ? 4 : 3) * x;
+    for (int c = 0; c < 3; ++c) rgb[c] = pixel[c];
+    return;
+  }
+  const uint8_t* chroma = image.planes[1] + static_cast<uint64_t>(y / 2) * image.strides[1];
+  if (image.format == SANDGLASS_CAMERA_I420) {
+    const uint8_t* second = image.planes[2] + static_cast<uint64_t>(y / 2) * image.strides[2];
+    return yuv_to_rgb(image.range, row[x], chroma[x / 2], second[x / 2], rgb);
+  }
+  const uint32_t u = image.format == SANDGLASS_CAMERA_NV21 ? 1 : 0;
+  yuv_to_rgb(image.range, row[x], chroma[x / 2 * 2 + u], chroma[x / 2 * 2 + 1 - u], rgb);
+}
+
+}  // namespace sandglass
+
+using namespace sandglass;
+
+void sandglass_camera_image_default(sandglass_camera_image* image) {
+  if (image == nullptr) return;
+  *image = {};
+  image->struct_size = sizeof *image;
+  image->orientation[3] = 1.0f;
+}
+
+float sandglass_camera_focal(uint32_t width, uint32_t height, float diagonal_deg) {
+  if (!(diagonal_deg >= 1.0f && diagonal_deg <= 179.0f)) return 0.0f;
+  const double w = width, h = height;
+  const SinCos half = sin_cos_turns(static_cast<double>(diagonal_deg) / 720.0);
+  return static_cast<float>(0.5 * square_root(w * w + h * h) * half.cos / half.sin);
+}
+
+sandglass_status sandglass_camera_check(const sandglass_camera_image* image, const char** reason) {
+  if (image == nullptr) return refuse(reason, "camera image: the image is NULL; give an image");
+  if (image->struct_size != sizeof *image)
+    return refuse(reason, "camera image: struct_size is not this library's; start from sandglass_camera_image_default");
+  if (image->format < SANDGLASS_CAMERA_RGB || image->format > SANDGLASS_CAMERA_I420)
+    return refuse(reason, "camera image: unknown format; give RGB, RGBA, NV12, NV21 or I420");
+  if (image->range < SANDGLASS_YUV_FULL_601 || image->range > SANDGLASS_YUV_VIDEO_709)
+    return refuse(reason, "camera image: unknown YUV range; give one of BT.601 or BT.709, full or video");
+  if (image->width < 2 || image->height < 2)
+    return refuse(reason, "camera image: smaller than 2 x 2 pixels; light cannot be estimated from it");
+  if (image->width > SANDGLASS_CAMERA_SIDE_LIMIT || image->height > SANDGLASS_CAMERA_SIDE_LIMIT)
+    return refuse(reason, "camera image: a side is longer than 16384 pixels; scale it down");
+  const bool yuv = is_yuv(image->format);
+  if (yuv && (image->width % 2 != 0 || image->height % 2 != 0))
+    return refuse(reason, "camera image: YUV with an odd width or height; crop it to even numbers");
+  const uint32_t planes = image->format == SANDGLASS_CAMERA_I420 ? 3 : yuv ? 2 : 1;
+  const uint32_t row_bytes[3] = {image->format == SANDGLASS_CAMERA_RGB    ? 3 * image->width
+                                 : image->format == SANDGLASS_CAMERA_RGBA ? 4 * image->width
+                                                                          : image->width,
+                                 image->format == SANDGLASS_CAMERA_I420 ? image->width / 2 : image->width,
+                                 image->width / 2};
+  for (uint32_t i = 0; i < planes; ++i) {
+    if (image->planes[i] == nullptr)
+      return refuse(reason, "camera image: a plane is NULL; give every plane of the format");
+    if (image->strides[i] < row_bytes[i])
+      return refuse(reason, "camera image: a stride is smaller than its row; strides are bytes from row to row");
+  }
+  const bool from_pose = image->turn_deg == SANDGLASS_TURN_FROM_POSE;
+  if (!from_pose && image->turn_deg != 0 && image->turn_deg != 90 && image->turn_deg != 180 && image->turn_deg != 270)
+    return refuse(reason, "camera image: the turn is not 0, 90, 180 or 270 degrees; give the sensor's orientation");
+  if (from_pose && image->pose_is_upright != 0)
+    return refuse(reason,
+                  "camera image: the pose of an upright image does not tell its turn; give the turn in degrees");
+  if (!within(image->focal_x, 1.0f, k_intrinsics_limit) || !within(image->focal_y, 1.0f, k_intrinsics_limit))
+    return refuse(
+        reason,
+        "camera image: a focal length is not a number from 1 to a million pixels; give the camera's intrinsics");
+  if (!within(image->centre_x, -k_intrinsics_limit, k_intrinsics_limit) ||
+      !within(image->centre_y, -k_intrinsics_limit, k_intrinsics_limit))
+    return refuse(reason, "camera image: the principal point is not finite; give the camera's intrinsics");
+  Rotation rotation = {};
+  if (!rotation_of(image->orientation, &rotation))
+    return refuse(reason, "camera image: the orientation is zero or not finite; give the camera's pose");
+  if (!all_within(image->position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
+    return refuse(reason, "camera image: the position is not finite or beyond 1000 m; give the camera's pose");
+  if (!within(image->exposure, 0.0f, k_exposure_limit))
+    return refuse(reason, "camera image: the exposure is not in 0..1e6; give seconds times ISO / 100, or 0");
+  return accept(reason);
+}
+
+int32_t sandglass_camera_orientation(const float matrix[16], float orientation[4]) {
+  if (orientation == nullptr) return 0;
+  if (matrix == nullptr) {
+    orientation[0] = orientation[1] = orientation[2] = 0.0f, orientation[3] = 1.0f;
+    return 0;
+  }
+  constexpr double k_tolerance = 1e-3;  // of lengths and right angles
+  double axes[3][3];
+  bool fine = true;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) axes[i][j] = static_cast<double>(matrix[4 * i + j]);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j <= i; ++j) {
+      const double product = axes[i][0] * axes[j][0] + axes[i][1] * axes[j][1] + axes[i][2] * axes[j][2];
+      fine = fine && absolute(product - (i == j ? 1.0 : 0.0)) < k_tolerance;
+    }
+  const double* x = axes[0];
+  const double* y = axes[1];
+  const double turned = axes[2][0] * (x[1] * y[2] - x[2] * y[1]) + axes[2][1] * (x[2] * y[0] - x[0] * y[2]) +
+                        axes[2][2] * (x[0] * y[1] - x[1] * y[0]);
+  fine = fine && turned > 0.0;
+  if (fine) quaternion_of(axes[0], axes[1], axes[2], orientation);
+  else orientation[0] = orientation[1] = orientation[2] = 0.0f, orientation[3] = 1.0f;
+  return fine ? 1 : 0;
+}

@@ -1,0 +1,109 @@
+/* Sandglass camera: one image of the camera, as it lies in the app's memory, and where the camera looked. One image is
+ * estimated by a network (estimate.h); many are gathered into a room (room.h).
+ *
+ * The world frame is right-handed with y up, as in sandglass.h. Units, errors and the rule for NULL: see types.h. */
+#ifndef SANDGLASS_CAMERA_H
+#define SANDGLASS_CAMERA_H
+
+#include "sandglass/types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The longest side of a camera image, pixels. */
+#define SANDGLASS_CAMERA_SIDE_LIMIT 16384
+
+/* How the bytes of an image are laid out.
+ *
+ * RGB and RGBA: one plane, sRGB. NV12 and NV21: luma, then pairs of chroma at half resolution, U first in NV12, V first
+ * in NV21. I420: luma, U, V.
+ *
+ * ARCore's YUV_420_888 is NV12, NV21 or I420, by the pixel stride and order of its planes. ARKit's capturedImage is
+ * NV12. */
+typedef int32_t sandglass_camera_format;
+enum {
+  SANDGLASS_CAMERA_RGB = 0,
+  SANDGLASS_CAMERA_RGBA = 1,
+  SANDGLASS_CAMERA_NV12 = 2,
+  SANDGLASS_CAMERA_NV21 = 3,
+  SANDGLASS_CAMERA_I420 = 4
+};
+
+/* How luma and chroma become RGB: by ITU-R BT.601 or BT.709, with luma over 0..255 (FULL) or over 16..235 (VIDEO).
+ * Android's cameras give FULL_601. iOS names its matrix in the attachments of the pixel buffer. */
+typedef int32_t sandglass_yuv_range;
+enum {
+  SANDGLASS_YUV_FULL_601 = 0,
+  SANDGLASS_YUV_VIDEO_601 = 1,
+  SANDGLASS_YUV_FULL_709 = 2,
+  SANDGLASS_YUV_VIDEO_709 = 3
+};
+
+/* A `turn_deg` that lets the library choose the quarter turn by which the world's up comes nearest to the image's up.
+ * It needs a pose of the stored image. */
+#define SANDGLASS_TURN_FROM_POSE 0xffffffffu
+
+/* An image of a pinhole camera, in the app's memory, and where the camera looked.
+ *
+ * The pose is that of the image *as stored*, unless `pose_is_upright` is 1: x along its rows to the right, y up its
+ * columns, looking along -z. ArCamera_getPose and ARCamera.transform are such poses. ArCamera_getDisplayOrientedPose
+ * and the transform of Unity's AR camera are those of the upright image. Only the rotation matters: light comes from
+ * far. */
+typedef struct sandglass_camera_image {
+  uint32_t struct_size;
+  /* How its pixels are stored. */
+  sandglass_camera_format format;
+  /* For NV12, NV21 and I420. */
+  sandglass_yuv_range range;
+  /* Pixels as stored, 2..SANDGLASS_CAMERA_SIDE_LIMIT; even in NV12, NV21 and I420. */
+  uint32_t width, height;
+  /* The clockwise turn that makes the stored image upright: 0, 90, 180, 270, or SANDGLASS_TURN_FROM_POSE. */
+  uint32_t turn_deg;
+  /* As many as the format has. */
+  const uint8_t* planes[3];
+  /* Bytes from row to row of each plane, at least the bytes of a row. */
+  uint32_t strides[3];
+  /* Pixels of the stored image, 1..1e6. */
+  float focal_x, focal_y;
+  /* The principal point, pixels; the centre of the first pixel is (0, 0). */
+  float centre_x, centre_y;
+  /* Camera to world, (x, y, z, w) of any length above 0. */
+  float orientation[4];
+  /* 1: `orientation` is that of the upright image. 0: that of the stored one. */
+  uint32_t pose_is_upright;
+  /* When it was taken, by any clock that grows: the time of the filter. */
+  uint64_t timestamp_ns;
+  /* Where the camera was, world, metres. Only room.h reads it. */
+  float position[3];
+  /* How long and how sensitively the image was exposed, at least 0: seconds times ISO / 100, or any other number that
+   * is proportional to it. ARCore: SENSOR_EXPOSURE_TIME * 1e-9 * SENSOR_SENSITIVITY / 100. ARKit: exposureDuration
+   * times the ISO of the frame's EXIF data / 100. 0: unknown. Only room.h reads it. */
+  float exposure;
+} sandglass_camera_image;
+
+/* Fills *image with the defaults: RGB, no planes, turn 0, no rotation, BT.601 over 0..255, at the origin, exposure
+ * unknown. */
+SANDGLASS_API void sandglass_camera_image_default(sandglass_camera_image* image);
+
+/* The focal length, in pixels, of a camera of which only the field of view across the diagonal is known (2.15). The
+ * angle is in degrees, 1..179; 0 is returned for any other. Take ((width - 1) / 2, (height - 1) / 2) as the principal
+ * point. */
+SANDGLASS_API float sandglass_camera_focal(uint32_t width, uint32_t height, float diagonal_deg);
+
+/* The rotation of a column-major 4 x 4 matrix from camera to world (simd_float4x4, OpenGL), as (x, y, z, w). The rest
+ * of the matrix is not read. Returns 1. For a matrix that is not a rotation, to 0.001, it gives the identity and
+ * returns 0. */
+SANDGLASS_API int32_t sandglass_camera_orientation(const float matrix[16], float orientation[4]);
+
+/* Whether the library can use an image. Fails with INVALID_ARGUMENT, and says which of these it is: an unknown format
+ * or range, a side that is too short or too long, an odd side in YUV, a missing plane, a stride shorter than its row,
+ * an unknown turn, intrinsics or a pose that are not finite. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_camera_check(const sandglass_camera_image* image,
+                                                                          const char** reason);
+
+#ifdef __cplusplus
+} /* extern "C" */
+#endif
+
+#endif /* SANDGLASS_CAMERA_H */

@@ -1,0 +1,103 @@
+#include "runtime/renderers/lighting.h"
+
+#include "runtime/core/filled_struct.h"
+#include "runtime/core/finite.h"
+#include "runtime/core/harmonics.h"
+#include "runtime/core/luminance.h"
+#include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr double k_least_elevation = 0.1;
+
+bool usable(const sandglass_light_estimate& e) {
+  return is_finite(e.strength) && all_finite(e.direction, 3) && all_finite(e.light, 3) && all_finite(e.ambient, 3) &&
+         all_finite(e.sh, 3 * k_harmonics);
+}
+bool usable(const sandglass_room_light& l) {
+  return is_finite(l.main_share) && all_finite(l.main_direction, 3) && all_finite(l.main_colour, 3) &&
+         all_finite(l.irradiance, 3) && all_finite(l.sh, 3 * k_harmonics);
+}
+
+sandglass_lighting lighting_of(const sandglass_light_estimate& estimate) {
+  sandglass_lighting lighting = {};
+  const double up = static_cast<double>(estimate.direction[1]);
+  for (int c = 0; c < 3; ++c) {
+    const double even = k_pi * static_cast<double>(estimate.ambient[c]);
+    const double facing = k_pi * static_cast<double>(estimate.strength) * static_cast<double>(estimate.light[c]);
+    lighting.towards[c] = estimate.direction[c];
+    lighting.facing[c] = static_cast<float>(facing);
+    lighting.floor[c] = static_cast<float>(even + (up > 0.0 ? facing * up : 0.0));
+    lighting.ambient_sh[c] = static_cast<float>(even * 4.0 * k_harmonic_factors[0]);
+  }
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) lighting.whole_sh[i] = estimate.sh[i];
+  return lighting;
+}
+
+sandglass_lighting lighting_of(const sandglass_room_light& light) {
+  sandglass_lighting lighting = {};
+  double axis[3], polynomials[k_harmonics], facing[3];
+  for (int i = 0; i < 3; ++i) axis[i] = static_cast<double>(light.main_direction[i]);
+  harmonic_polynomials(axis, polynomials);
+  main_light_of(light, facing);
+  for (int c = 0; c < 3; ++c) {
+    lighting.towards[c] = light.main_direction[c];
+    lighting.facing[c] = static_cast<float>(k_pi * facing[c]);
+    lighting.floor[c] = light.irradiance[c];
+  }
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) {
+    const double main = k_pi * facing[i % 3] * k_harmonic_factors[i / 3] * polynomials[i / 3];
+    lighting.ambient_sh[i] = static_cast<float>(static_cast<double>(light.sh[i]) - main);
+    lighting.whole_sh[i] = light.sh[i];
+  }
+  return lighting;
+}
+
+// What both sources have in common: `null`, `size` and `number` say what is wrong with them.
+template <class Source>
+sandglass_status make(const Source* source, uint32_t least_bytes, sandglass_lighting* lighting, const char** reason,
+                      const char* null, const char* size, const char* number) {
+  if (source == nullptr || lighting == nullptr) return refuse(reason, null);
+  if (!can_fill(lighting))
+    return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_lighting)");
+  if (source->struct_size < least_bytes) return refuse(reason, size);
+  if (!usable(*source)) return refuse(reason, number);
+  sandglass_lighting filled = lighting_of(*source);
+  fill_struct(&filled, sizeof filled, lighting);
+  return accept(reason);
+}
+
+}  // namespace
+
+void main_light_of(const sandglass_room_light& light, double facing[3]) {
+  double irradiance[3];
+  for (int c = 0; c < 3; ++c) irradiance[c] = static_cast<double>(light.irradiance[c]);
+  const double up = static_cast<double>(light.main_direction[1]);
+  const double elevation = up > k_least_elevation ? up : k_least_elevation;
+  const double level = static_cast<double>(light.main_share) * luminance(irradiance) / (k_pi * elevation);
+  for (int c = 0; c < 3; ++c) facing[c] = level * static_cast<double>(light.main_colour[c]);
+}
+
+}  // namespace sandglass
+
+using namespace sandglass;
+
+sandglass_status sandglass_lighting_of_estimate(const sandglass_light_estimate* estimate, sandglass_lighting* lighting,
+                                                const char** reason) {
+  return make(
+      estimate, k_least_estimate_bytes, lighting, reason,
+      "estimate or lighting is NULL: pass an estimate of sandglass_estimator_get and the struct to fill",
+      "estimate.struct_size is not set: set it to sizeof(sandglass_light_estimate) before sandglass_estimator_get",
+      "a number of the estimate is not finite: pass an estimate as sandglass_estimator_get fills it");
+}
+
+sandglass_status sandglass_lighting_of_room(const sandglass_room_light* light, sandglass_lighting* lighting,
+                                            const char** reason) {
+  return make(light, k_least_room_light_bytes, lighting, reason,
+              "light or lighting is NULL: pass a light of sandglass_room_get and the struct to fill",
+              "light.struct_size is not set: set it to sizeof(sandglass_room_light) before sandglass_room_get",
+              "a number of the light is not finite: pass a light as sandglass_room_get fills it");
+}

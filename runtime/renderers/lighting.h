@@ -1,0 +1,17 @@
+// The two sources of a lighting: an estimate, and the light of a room.
+#pragma once
+
+#include "sandglass/renderers.h"
+
+namespace sandglass {
+
+// The sizes of a source and of a lighting in the first version of their headers. All that is read lies within.
+constexpr uint32_t k_least_estimate_bytes = 192, k_least_room_light_bytes = 688, k_least_lighting_bytes = 256;
+static_assert(k_least_estimate_bytes <= sizeof(sandglass_light_estimate));
+static_assert(k_least_room_light_bytes <= sizeof(sandglass_room_light));
+static_assert(k_least_lighting_bytes <= sizeof(sandglass_lighting));
+
+// The radiance of a white surface that faces the main light of a room, by that light alone.
+void main_light_of(const sandglass_room_light& light, double facing[3]);
+
+}  // namespace sandglass
