@@ -148,8 +148,8 @@ struct Governor {
 void governor_init(Governor* governor, sandglass_clock clock, sandglass_trace trace, uint32_t level_count);
 
 // Runs one frame over the stages. With `replay` NULL clock and budget decide. Otherwise that plan is executed, and the
-// clock is read only to report. Fills level, budget, elapsed, mandatory, last and longest unit, clock_fault, stages and
-// plan of *report. Returns false where a replayed plan is malformed or asks for a unit that its stage does not offer;
+// clock is read only to report. Clears *report, and fills in level, plan, stages, and of `time` what is the clock's.
+// Returns false where a replayed plan is malformed or asks for a unit that its stage does not offer;
 // nothing runs after that.
 //
 // Nothing runs that the plan cannot record. Where the stages alternate so often that the plan is full, the frame ends

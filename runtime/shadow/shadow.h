@@ -137,7 +137,7 @@ Stage shadow_set_stage(ShadowSet* set);
 // shadows from an app that never creates one.
 struct ShadowFunctions {
   Stage (*stage)(ShadowSet* set);
-  // Fills in report.shadows.
+  // Fills in the group `shadows`.
   void (*report)(const ShadowSet& set, sandglass_frame_report* report);
 };
 extern const ShadowFunctions k_shadow_functions;

@@ -251,8 +251,7 @@ TEST(Sink, OfASceneWithoutParticlesIsIgnored) {
   sandglass_frame_input input = scene.input(0.01f);
   const sandglass_collider sink = sandglass::sphere(0, 0, 0, 1);
   const sandglass_emitter nozzle = sandglass::emitter(0, 1, 0, 0.1f, 1, 0);
-  input.sinks = &sink, input.sink_count = 1;
-  input.emitters = &nozzle, input.emitter_count = 1;
+  input.sinks = &sink, input.emitters = &nozzle, input.sink_count = input.emitter_count = 1;
   for (int frame = 0; frame < 3; ++frame) EXPECT_EQ(left_out(scene.run(input).sand), 11u) << "the nozzle, too";
 }
 
