@@ -12,7 +12,7 @@
 #include "models/work/thread_pool.h"
 #include "runtime/core/harmonics.h"
 #include "runtime/core/random.h"
-#include "sandglass/shadow.h"
+#include "sandglass/renderers.h"
 
 namespace sandglass::host {
 
