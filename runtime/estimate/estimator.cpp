@@ -176,7 +176,7 @@ sandglass_status sandglass_estimator_create(const sandglass_estimator_desc* desc
   Checked checked;
   const sandglass_status status = check(desc, &checked, reason);
   if (status != SANDGLASS_OK) return status;
-  if (estimator == nullptr) return refuse(reason, "light is NULL: pass where to store it");
+  if (estimator == nullptr) return refuse(reason, "estimator is NULL: pass where to store it");
   const sandglass_status usable = check_block(block, bytes, size_of_estimator(checked.backend), reason);
   if (usable != SANDGLASS_OK) return usable;
   const FloatingPointControl saved = floating_point_enter();
@@ -196,7 +196,7 @@ void sandglass_estimator_reset(sandglass_estimator* estimator) {
 sandglass_status sandglass_estimator_turn(sandglass_estimator* estimator, const float rotation[4],
                                           const char** reason) {
   if (estimator == nullptr || rotation == nullptr)
-    return refuse(reason, "light or rotation is NULL: pass the estimator and a quaternion (x, y, z, w)");
+    return refuse(reason, "estimator or rotation is NULL: pass the estimator and a quaternion (x, y, z, w)");
   Rotation turn = {};
   if (!rotation_of(rotation, &turn))
     return refuse(reason, "rotation is not finite or has no length: pass a quaternion (x, y, z, w)");
@@ -214,7 +214,7 @@ sandglass_status sandglass_estimator_turn(sandglass_estimator* estimator, const 
 sandglass_status sandglass_estimator_set_image(sandglass_estimator* estimator, const sandglass_camera_image* image,
                                                int32_t* taken, const char** reason) {
   if (estimator == nullptr)
-    return refuse(reason, "light is NULL: pass the estimator that sandglass_estimator_create made");
+    return refuse(reason, "estimator is NULL: pass the estimator that sandglass_estimator_create made");
   const sandglass_status status = sandglass_camera_check(image, reason);
   if (status != SANDGLASS_OK) return status;
   const FloatingPointControl saved = floating_point_enter();
