@@ -55,8 +55,12 @@ void try_field(const Request& r, const sandglass_mesh& mesh, sandglass_mesh_insi
   uint64_t bytes = 0;
   sandglass_field_desc desc = sandglass::field_desc();
   set_box(r, &desc);
-  desc.spacing = r.spacing, desc.band = r.band, desc.solid = r.solid;
-  desc.mesh = &mesh, desc.inside = sandglass_mesh_inside_test, desc.inside_user = inside;
+  desc.spacing = r.spacing;
+  desc.band = r.band;
+  desc.solid = r.solid;
+  desc.mesh = &mesh;
+  desc.inside = sandglass_mesh_inside_test;
+  desc.inside_user = inside;
   if (!ok(sandglass_field_bytes(&desc, &bytes, &ok.reason)) || bytes > k_bytes_most) return;
   // The time grows with band^3 / spacing^3.
   if (r.band > 20 * r.spacing) return;
@@ -141,7 +145,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (ok(sandglass_mesh_winding_number(&mesh, r.point, &winding, &ok.reason))) expect(std::isfinite(winding));
   sandglass_sample_desc desc = sandglass::sample_desc();
   set_box(r, &desc);
-  desc.distance = r.distance, desc.seed = r.seed, desc.tries = r.tries, desc.metric = r.metric, desc.mesh = &mesh;
+  desc.distance = r.distance;
+  desc.seed = r.seed;
+  desc.tries = r.tries;
+  desc.metric = r.metric;
+  desc.mesh = &mesh;
   if (r.tries <= 100) try_surface(desc, points.data());
   uint64_t need = 0;
   if (!ok(sandglass_mesh_inside_bytes(&mesh, r.rule, &need, &ok.reason)) || need > k_bytes_most) return 0;
@@ -149,7 +157,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (!ok(sandglass_mesh_inside_create(&mesh, r.rule, &g_prepared, need, &inside, &ok.reason))) return 0;
   (void)sandglass_mesh_inside_test(inside, r.point);
   try_field(r, mesh, inside);
-  desc.inside = sandglass_mesh_inside_test, desc.inside_user = inside;
+  desc.inside = sandglass_mesh_inside_test;
+  desc.inside_user = inside;
   if (r.tries <= 100) try_volume(desc, points.data());
   return 0;
 }

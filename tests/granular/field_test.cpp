@@ -91,8 +91,10 @@ float no_distance(void*, const float*) { return NAN; }
 
 TEST(Field, RefusesWhatMakesNoSense) {
   sandglass_field_desc ball = sandglass::field_desc();
-  for (int k = 0; k < 3; ++k) ball.bounds_min[k] = -0.15f, ball.bounds_max[k] = 0.15f;
-  ball.spacing = 0.01f, ball.distance = ball_distance;
+  for (float& edge : ball.bounds_min) edge = -0.15f;
+  for (float& edge : ball.bounds_max) edge = 0.15f;
+  ball.spacing = 0.01f;
+  ball.distance = ball_distance;
   uint64_t bytes = 0;
   ASSERT_EQ(sandglass_field_bytes(&ball, &bytes, nullptr), SANDGLASS_OK);
   sandglass::test::GuardedBlock block(bytes);
@@ -119,7 +121,10 @@ TEST(Field, RefusesWhatMakesNoSense) {
     const char* reason = nullptr;
     float radius = c.radius;
     sandglass_field_desc desc = ball;
-    desc.spacing = c.spacing, desc.solid = c.solid, desc.distance = c.distance, desc.distance_user = &radius;
+    desc.spacing = c.spacing;
+    desc.solid = c.solid;
+    desc.distance = c.distance;
+    desc.distance_user = &radius;
     if (c.turned) std::swap(desc.bounds_min, desc.bounds_max);
     EXPECT_EQ(sandglass_field_create(&desc, block.data() + c.offset, bytes - c.left_out, &field, &reason), c.expected)
         << "case " << &c - cases;
@@ -396,8 +401,10 @@ struct alignas(64) Line {
 // A table of `height`, made in the given memory.
 const sandglass_field* table_in(std::vector<Line>* memory, float height) {
   sandglass_field_desc desc = sandglass::field_desc();
-  for (int k = 0; k < 3; ++k) desc.bounds_min[k] = -0.3f, desc.bounds_max[k] = 0.3f;
-  desc.spacing = 0.02f, desc.distance_user = &height;
+  for (float& edge : desc.bounds_min) edge = -0.3f;
+  for (float& edge : desc.bounds_max) edge = 0.3f;
+  desc.spacing = 0.02f;
+  desc.distance_user = &height;
   desc.distance = [](void* user, const float* p) {
     return std::fmax(std::fmax(std::fabs(p[0]) - 0.25f, std::fabs(p[2]) - 0.25f),
                      std::fabs(p[1] + 0.12f) - (0.12f + *static_cast<float*>(user)));

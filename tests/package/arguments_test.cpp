@@ -325,8 +325,11 @@ void Arguments::sampling() {
   row(NAMED(sandglass_mesh_inside_create), "", &k_mesh, rule, block.get(), need, &inside);
   row(NAMED(sandglass_mesh_inside_test), "", inside, point);
 
-  for (int k = 0; k < 3; ++k) sample.bounds_min[k] = -0.1f, sample.bounds_max[k] = 0.1f;
-  sample.distance = 0.02f, sample.mesh = &k_mesh, sample.inside = in_ball;
+  for (float& edge : sample.bounds_min) edge = -0.1f;
+  for (float& edge : sample.bounds_max) edge = 0.1f;
+  sample.distance = 0.02f;
+  sample.mesh = &k_mesh;
+  sample.inside = in_ball;
   const sandglass::Block scratch = sandglass::allocate_block(1 << 22);
   for (; sample.method <= SANDGLASS_SAMPLE_LATTICE; ++sample.method) {
     row(NAMED(sandglass_sample_capacity), "", &sample, &count);
@@ -338,10 +341,13 @@ void Arguments::sampling() {
 void Arguments::fields() {
   sandglass_field_desc from_mesh = sandglass::field_desc();
   row(NAMED(sandglass_field_desc_default), "", &from_mesh);
-  for (int k = 0; k < 3; ++k) from_mesh.bounds_min[k] = -0.1f, from_mesh.bounds_max[k] = 0.1f;
-  from_mesh.spacing = 0.01f, from_mesh.band = 0.05f;
+  for (float& edge : from_mesh.bounds_min) edge = -0.1f;
+  for (float& edge : from_mesh.bounds_max) edge = 0.1f;
+  from_mesh.spacing = 0.01f;
+  from_mesh.band = 0.05f;
   sandglass_field_desc from_function = from_mesh;
-  from_mesh.mesh = &k_mesh, from_mesh.inside = in_ball;
+  from_mesh.mesh = &k_mesh;
+  from_mesh.inside = in_ball;
   from_function.distance = from_plane;
   row(NAMED(sandglass_field_bytes), "", &from_mesh, &need);
   const sandglass::Block block = sandglass::allocate_block(need);
