@@ -288,6 +288,10 @@ void RandomScene::act() {
     ::accept(scene.restore(saved));
   }
   if (pile_ && one_in(4)) ::accept(pile_.set_light({between(-1, 1), 1.0f, between(-1, 1)}));
+  if (light_random_.below(40) == 0) {
+    const auto tilt = [&] { return static_cast<float>(6.0 * light_random_.uniform() - 3.0); };
+    ::accept(scene.set_gravity({tilt(), -9.81f, tilt()}));
+  }
   if (!shadow || light_random_.below(10) != 0) return;
   const float time = static_cast<float>(time_), middle[3] = {};
   shadow->light(std::cos(time), 0.8f, std::sin(time));
