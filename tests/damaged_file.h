@@ -3,29 +3,28 @@
 
 #include <gtest/gtest.h>
 
-#include <string>
-#include <string_view>
-
-#include "models/files/atomic_file.h"
-#include "tests/refusal.h"
+#include <algorithm>
+#include <cstdint>
+#include <vector>
 
 namespace sandglass::tests {
 
-// Every truncation of `whole` is refused by name. Every file with one flipped bit is refused, or read: `read` checks
-// what it has read.
-template <class Read>
-void expect_damage_refused(const std::string& whole, const std::string& path, Read&& read) {
-  for (size_t n = 0; n < whole.size(); ++n) {
-    host::write_file(path, std::string_view(whole).substr(0, n));
-    SCOPED_TRACE(n);
-    expect_refusal(path, read);
-    for (const int bit : {1, 128}) {
-      std::string flipped = whole;
-      flipped[n] = static_cast<char>(flipped[n] ^ bit);
-      host::write_file(path, flipped);
-      (void)refusal_of(read);
+// `take` says whether it takes bytes, which are a heap block of exactly their size. It takes `whole`, none of its
+// beginnings, and nothing with a flipped bit: at every byte, or at so many places.
+template <class Byte, class Take>
+void expect_only_whole_taken(const std::vector<Byte>& whole, Take&& take, size_t places = SIZE_MAX) {
+  const size_t last = whole.size() - 1;
+  places = std::min(places, last);
+  for (size_t i = 0; i <= places; ++i) {
+    const size_t at = last * i / places;
+    ASSERT_FALSE(take(std::vector<Byte>(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(at)))) << at;
+    for (const Byte bit : {Byte{1}, Byte{128}}) {
+      std::vector<Byte> flipped = whole;
+      flipped[at] ^= bit;
+      ASSERT_FALSE(take(flipped)) << "byte " << at;
     }
   }
+  EXPECT_TRUE(take(whole));
 }
 
 }  // namespace sandglass::tests

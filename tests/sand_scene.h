@@ -25,9 +25,9 @@ struct SandScene {
   }
 
   // `input` has what the frame holds beside the sand.
-  sandglass_frame_report frame(sandglass_frame_input input, uint64_t budget_ns, const sandglass_plan* plan = nullptr) {
+  sandglass_frame_report frame(sandglass_frame_input input, uint64_t budget_ns) {
     const sandglass_collider floor = floor_at(0);
-    input.time_step = 0.02f, input.budget_ns = budget_ns, input.plan = plan;
+    input.time_step = 0.02f, input.budget_ns = budget_ns;
     input.colliders = &floor, input.collider_count = 1;
     sandglass_frame_report report = frame_report();
     status = scene.frame(input, &report).code;

@@ -1,5 +1,4 @@
-// How far a picture is from its truth: the dissertation's four measures and the literature's scale-invariant one; and
-// how different the two look: structural similarity of what is displayed (Wang et al. 2004), and FLIP (Andersson et al.
+// How far a picture is from its truth, and how different the two look: structural similarity of what is displayed (Wang et al. 2004), and FLIP (Andersson et al.
 // 2020), the difference that an observer sees when flipping between them. For the latter two, pictures have equal size
 // and linear BT.709 values in 0..1; values outside are clamped, as on a display.
 #pragma once
@@ -8,15 +7,7 @@
 
 namespace sandglass::host {
 
-struct ImageErrors {
-  double rmse = 0.0;             // (5.30)
-  double relative = 0.0;         // RMSE over the root mean square of the truth (5.31, with a mean instead of a sum)
-  double scale_invariant = 0.0;  // the least RMSE over all scalings of the picture
-  double logarithmic = 0.0;      // RMSE of log(1 + value) (5.32)
-  double angle_deg = 0.0;        // mean angle between colours (5.33); black pixels have none and are left out
-};
-
-ImageErrors compare(const RadianceMap& truth, const RadianceMap& picture);
+double root_mean_square_error(const RadianceMap& truth, const RadianceMap& picture);  // (5.30)
 
 // Of the sRGB-encoded luma, with a Gaussian window of deviation 1.5 pixels; the mean over the picture. 1: no
 // difference.

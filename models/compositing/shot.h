@@ -35,8 +35,7 @@ struct ShotOptions {
 
 // How far a picture is from its truth.
 struct ShotErrors {
-  ImageErrors image;
-  double similarity = 0.0, flip = 0.0;
+  double rmse = 0.0, similarity = 0.0, flip = 0.0;
 };
 ShotErrors shot_errors(const RadianceMap& truth, const RadianceMap& picture);
 std::string shot_errors_text(const ShotErrors& errors);

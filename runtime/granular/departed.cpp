@@ -305,7 +305,7 @@ bool departed_run(Departed* departed, const Granular& g, uint32_t* cursor) {
     for (uint32_t slot = at; slot < at + k_lane_group && slot < g.bodies.particle_count; ++slot)
       measure_slot(departed, g, slot);
   }
-  if (at == slots) find_below(departed, g);
+  if (at == slots && (end > slots || end == items)) find_below(departed, g);  // once, also if a unit ended there
   for (; at < end; at += k_lane_group) {
     const uint32_t group = (at - slots) / k_lane_group;
     const uint32_t first = (g.neighbours.valid ? g.sleep.active_groups[group] : group) * k_lane_group;

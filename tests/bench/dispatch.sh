@@ -18,7 +18,7 @@ status=0
 if [[ $found == *'dotprod 1'* ]]; then expected_status=0; else expected_status=$((128 + 4)); fi
 ((status == expected_status)) || { echo "an SDOT ended with $status, not $expected_status"; exit 1; }
 
-# Asked by name, sand gets the NEON table, shadow and light get their own, all with the same bits. What the CPU lacks is
+# Asked by name, sand gets the NEON table, shadow and light get their own. What the CPU lacks is
 # refused.
 expected_choice='scalar sand scalar shadow scalar light scalar'
 expected_choice+=$'\nneon sand neon shadow neon light neon'

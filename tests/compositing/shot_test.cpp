@@ -3,19 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
 #include <numbers>
-#include <span>
 
 #include "models/compositing/shot.h"
 #include "models/compositing/shot_camera.h"
 #include "models/compositing/shot_picture.h"
 #include "models/compositing/surroundings.h"
-#include "models/files/failure.h"
 #include "models/files/image.h"
-#include "models/lighting/room_light.h"
 #include "models/mesh/generated.h"
-#include "models/mesh/ply.h"
 #include "models/rooms/panorama_file.h"
 #include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
@@ -252,97 +247,6 @@ TEST(Shot, ObjectAndSandAreEachLitWhereTheyAre) {
   EXPECT_GT(std::acos(dot(mean_direction_of(shot.light(0).object), mean_direction_of(shot.light(0).sand))), 0.06);
 }
 
-// A shot in a room with one lamp. The shipped network estimates its light, once a frame.
-struct EstimatedTurn {
-  static constexpr double k_between = 0.25;  // seconds: the light's default interval
-  Folder folder;
-  SceneFile scene = shot_scene();
-  std::unique_ptr<Shot> shot;
-  EstimatedTurn(double turn_deg, uint32_t estimates) {
-    write_hdr(folder / "lamp.hdr", lamp_room({0.5, 1.0, 0.4}, 50));
-    scene.shot->turn_deg = turn_deg, scene.shot->sway_deg = 1;
-    scene.frames = estimates, scene.frame_step = k_between;
-    ShotOptions options;
-    options.panorama = folder / "lamp.hdr", options.light = LightSource::estimate;
-    shot = std::make_unique<Shot>(scene, options);
-  }
-  // Estimates the light of the frame's image. Returns the light that the app then has, and what the network itself
-  // said.
-  FollowedLight follow(uint32_t frame) {
-    shot->begin(frame);
-    int32_t taken = 0;
-    EXPECT_EQ(sandglass_estimator_set_image(shot->estimator(), shot->image(), &taken, nullptr), SANDGLASS_OK);
-    EXPECT_EQ(taken, 1) << frame;
-    while (sandglass_estimator_run(shot->estimator(), 1000) != 0) {
-    }
-    FollowedLight light = {};
-    light.filtered.struct_size = light.latest.struct_size = sizeof(sandglass_light_estimate);
-    sandglass_estimator_get(shot->estimator(), &light.filtered);
-    sandglass_estimator_get_latest(shot->estimator(), &light.latest);
-    return light;
-  }
-};
-
-Vec3 direction_of(const sandglass_light_estimate& e) { return {e.direction[0], e.direction[1], e.direction[2]}; }
-double between_deg(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / k_pi; }
-constexpr double k_step_limit_deg = 30;  // the filter's documented limit for one estimate
-
-// The filter's law (estimate.h): a step goes the share a of the way from the light to the newest estimate, both in the
-// world. A control that leaves out the pose, so that estimates are in the camera's axes, breaks the law.
-TEST(Shot, AnEstimatedLightFollowsTheFiltersLawWhileTheCameraTurns) {
-  if (shipped_light_network().empty()) GTEST_SKIP() << "no lighting network";
-  EstimatedTurn turn(90, 18);
-  const ShotCamera rest = resting_camera(*turn.scene.camera);
-  constexpr double k_share = EstimatedTurn::k_between / (0.4 + EstimatedTurn::k_between), k_outlier_deg = 40;
-  Vec3 before;
-  double greatest = 0, off_without_pose = 0;
-  for (uint32_t frame = 0; frame <= turn.scene.frames; ++frame) {
-    const FollowedLight light = turn.follow(frame);
-    const Vec3 now = direction_of(light.filtered), said = direction_of(light.latest);
-    if (frame > 0) {
-      EXPECT_NEAR(between_deg(main_direction_of(turn.shot->light(frame).object), before), 0, 1e-3)
-          << "the light that the frame has";
-      const double share = std::max(k_share, 1.0 / (1 + frame)), step = between_deg(now, before);
-      const auto expected = [&](Vec3 newest) {
-        return std::min(k_step_limit_deg, share * between_deg(newest, before));
-      };
-      ASSERT_LT(between_deg(said, before), k_outlier_deg) << "no estimate may be rejected here";
-      EXPECT_NEAR(step, expected(said), 0.02) << frame;
-      EXPECT_LE(step, k_step_limit_deg) << frame;
-      const Vec3 without_pose = rest.to_scene(turn.shot->camera(frame).to_camera(said));
-      off_without_pose = std::max(off_without_pose, std::fabs(step - expected(without_pose)));
-      greatest = std::max(greatest, step);
-    }
-    before = now;
-  }
-  EXPECT_GT(greatest, 0.5) << "the estimates must move at all";
-  EXPECT_GT(off_without_pose, 3.0);
-}
-
-// A camera turns round between one image and the next. An app that filters in the camera's axes and turns the result
-// swings its light round.
-TEST(Shot, AnEstimatedLightIsNotSwungRoundByTheCamera) {
-  if (shipped_light_network().empty()) GTEST_SKIP() << "no lighting network";
-  EstimatedTurn turn(540, 3);
-  RoomLight alone(shipped_light_network(), true);
-  sandglass_camera_image first = {};
-  Vec3 before, swung_before;
-  double step = 0, swung_step = 0;
-  for (uint32_t frame = 0; frame <= turn.scene.frames; ++frame) {
-    const Vec3 now = direction_of(turn.follow(frame).filtered);
-    sandglass_camera_image image = *turn.shot->image();
-    if (frame == 0) first = image;
-    std::copy_n(first.orientation, 4, image.orientation);
-    const Vec3 left = direction_of(alone.follow(image).filtered);
-    const Vec3 swung = turn.shot->camera(frame).to_scene(turn.shot->camera(0).to_camera(left));
-    if (frame > 0) step = std::max(step, between_deg(now, before));
-    if (frame > 0) swung_step = std::max(swung_step, between_deg(swung, swung_before));
-    before = now, swung_before = swung;
-  }
-  EXPECT_LE(step, k_step_limit_deg);
-  EXPECT_GT(swung_step, k_step_limit_deg);
-}
-
 #ifdef SANDGLASS_HAVE_EMBREE
 
 // A cube of half a metre on the floor, which does not know what it hides from itself: nothing.
@@ -384,24 +288,6 @@ TEST(ShotTruth, AnEvenRoomStaysEven) {
   const int y = static_cast<int>(30 - 60 * rest.focal * dot(to, rest.up) / depth);
   const Vec3 top = Vec3{0.60, 0.44, 0.30} * white;
   EXPECT_NEAR(mean_of(truth, x - 3, y - 1, x + 4, y + 2), luminance(top), 0.05 * luminance(top));
-}
-
-TEST(ShotTruth, ShadowsFallAwayFromTheLampInBothPictures) {
-  for (const double side : {-1.0, 1.0}) {
-    const Surroundings room =
-        panorama_surroundings(lamp_room({side, 1, 0}, 200), "lamp", camera(), -90, {0, 0, 0}, 0.0);
-    const ShotPicture picture(cube(), {}, 0.001f);
-    ShotPictureOptions o;
-    o.width = 64, o.height = 48, o.paths = 32;
-    const ShotCamera rest = resting_camera(camera());
-    const RadianceMap truth = picture.truth(room, rest, o);
-    const RadianceMap hard = picture.composite(room, rest, labelled_light(room), {}, CastShadow::hard, o);
-    for (const RadianceMap* map : {&truth, &hard}) {
-      const double left = mean_of(*map, 12, 22, 20, 32), right = mean_of(*map, 44, 22, 52, 32);
-      if (side > 0) EXPECT_LT(left, 0.8 * right);
-      else EXPECT_LT(right, 0.8 * left);
-    }
-  }
 }
 
 // In an even room an object and a grain are as bright in the composite as traced, and as the closed form has it.
@@ -449,7 +335,7 @@ TEST(ShotComposite, TheRoomsLightIsNearerToTheTruthThanItsMirrorImage) {
   const auto error = [&](const ShotLight& light, CastShadow cast) {
     const SceneShadows shadows =
         complete_shadows(scene, SANDGLASS_ISA_AUTOMATIC, 0, colliders_over_frame(scene, 0), {}, 0.001f, light);
-    return shot_errors(truth, picture.composite(room, rest, light, shadows, cast, o)).image.rmse;
+    return shot_errors(truth, picture.composite(room, rest, light, shadows, cast, o)).rmse;
   };
   const ShotLight light = room.true_light();
   const double real = error(light, CastShadow::textures);
@@ -547,41 +433,6 @@ TEST(ShotComposite, GrainsHaveTheSandsLight) {
   EXPECT_NEAR(shown({scaled(light, 0.5), light}), shown(light), 1e-6);
 }
 
-// In an even room a grain of a pile sees the room with the upper part of the hemisphere at its normal, v = (1 + y) / 2,
-// and sand as bright as itself with the rest: it keeps v / (1 - rho (1 - v)). From above that is nearly all.
-TEST(ShotComposite, GrainsOfAPileSeeSandBelow) {
-  RadianceMap map(256, 128);
-  for (float& value : map.rgb) value = 1.0f;
-  const float size[3] = {0.1f, 0.1f, 0.1f}, grain[3] = {0, 0.3f, 0};
-  LitObject away = {make_box(size), k_no_rotation, {}};
-  for (size_t i = 0; i < away.mesh.vertices.size(); i += 3) away.mesh.vertices[i] += 50.0f;
-  ShotPictureOptions o;
-  o.width = 16, o.height = 12;
-  SceneShadows sand;
-  FloorShadow level;  // the sand is nowhere above the floor, so that nothing lies deep in it
-  level.texels = 2, level.coverage.assign(4, 0), level.low[0] = level.low[1] = -5, level.high[0] = level.high[1] = 5;
-  sand.heights = {level}, sand.most_height = 1.0;
-  const auto kept = [&](Vec3 eye, Vec3 up_to) {
-    Camera c = camera();
-    c.eye = eye, c.target = up_to, c.fov_deg = 4;
-    const Surroundings room = panorama_surroundings(map, "even", c, -90, {0, 0, 0}, 0.0);
-    const auto shown = [&](const SceneShadows& shadows) {
-      const ShotPicture picture(away, grain, 0.29f);
-      return mean_of(picture.composite(room, resting_camera(c), room.true_light(), shadows, CastShadow::textures, o), 7,
-                     5, 9, 7);
-    };
-    return shown(sand) / shown({});
-  };
-  const Vec3 rho = grain_colour(0);
-  const auto expected = [&](Vec3 outward) {
-    const double v = 0.5 * (1.0 + grain_normal(0, outward).y);
-    const auto of = [v](double r) { return v / (1.0 - (1.0 - v) * r); };
-    return luminance(product(rho, {of(rho.x), of(rho.y), of(rho.z)})) / luminance(rho);
-  };
-  EXPECT_NEAR(kept({0.01, 3, 0}, {0, 0.3, 0}), expected({0, 1, 0}), 0.01);
-  EXPECT_NEAR(kept({0, 0.3, 3}, {0, 0.3, 0}), expected({0, 0, 1}), 0.01);
-}
-
 // Two cameras that look in directions 30 degrees apart see the shadow at the same place of the floor: a point of the
 // floor loses the same light in both. With a light that turns with the camera it does not.
 TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
@@ -632,33 +483,6 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   EXPECT_LT(darkest, 0.6);
   EXPECT_LT(apart / points, 0.01);
   EXPECT_GT(swum / points, 0.05);
-}
-
-// A mesh from a file with the shadow baked from it: the program's own chair, written and read again.
-TEST(Shot, AnObjectFromAFileIsTheSameObject) {
-#ifndef SANDGLASS_HAVE_ASSIMP
-  GTEST_SKIP() << "this build has no Assimp, which reads mesh files";
-#endif
-  const Folder folder;
-  const MeshResult chair = make_named("chair");
-  ASSERT_TRUE(chair) << chair.error;
-  ASSERT_EQ(write_mesh_obj(folder / "chair.obj", chair.mesh), "");
-  const SceneFile scene = shot_scene();
-  const LitObject named = standing_object(scene, ""), read = standing_object(scene, folder / "chair.obj");
-  ShotPictureOptions o;
-  o.width = 64, o.height = 48;
-  const Surroundings room =
-      panorama_surroundings(lamp_room({0.5, 1, 0.4}, 50), "lamp", *scene.camera, 270, {0, 0, 0}, 0.0);
-  RadianceMap pictures[2];
-  for (const bool file : {false, true})
-    pictures[file] = ShotPicture(file ? read : named, {}, 0.001f)
-                         .composite(room, resting_camera(*scene.camera), labelled_light(room), {}, CastShadow::hard, o);
-  EXPECT_LT(shot_errors(pictures[0], pictures[1]).image.rmse, 2e-3);
-  // Another shape has another shadow.
-  Mesh wide = chair.mesh;
-  for (size_t i = 0; i < wide.vertices.size(); i += 3) wide.vertices[i] *= 1.2f;
-  ASSERT_EQ(write_mesh_obj(folder / "wide.obj", wide), "");
-  EXPECT_THROW(standing_object(scene, folder / "wide.obj"), Failure);
 }
 
 #endif

@@ -45,8 +45,10 @@ inline uint32_t odd_number(uint8_t which) {
   return k_values[which % std::size(k_values)];
 }
 
+constexpr size_t k_edit_bytes = 8;  // fewer bytes change nothing: a good file is taken
+
 inline void apply_edits(const uint8_t* edits, size_t size, std::vector<uint8_t>* file) {
-  constexpr size_t k_edit_bytes = 8, k_most_edits = 64;
+  constexpr size_t k_most_edits = 64;
   for (size_t i = 0; i + k_edit_bytes <= size && i < k_edit_bytes * k_most_edits && !file->empty(); i += k_edit_bytes) {
     uint32_t where;
     std::memcpy(&where, edits + i, sizeof where);

@@ -49,7 +49,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   host::Recording recording, again;
   std::string error;
   if (!host::decode_recording(file.data(), file.size(), &recording, &error)) {
-    fuzz::expect(!error.empty());
+    fuzz::expect(!error.empty() && size >= fuzz::k_edit_bytes);
     return 0;
   }
   const std::vector<uint8_t> written = host::encode_recording(recording);

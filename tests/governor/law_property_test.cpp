@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
 #include "fake_scene.h"
@@ -130,6 +131,8 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
       sandglass_frame_report replayed = {};
       ASSERT_TRUE(governor_frame(&replaying, replay_stages, 3, 0, &report.plan, &replayed));
       ASSERT_EQ(before.order, scene.order);
+      ASSERT_EQ(std::memcmp(&replayed.plan, &report.plan, sizeof report.plan), 0);
+      ASSERT_EQ(replayed.time.elapsed_ns, 0u);
     }
   }
   RecordProperty("frames", static_cast<int>(frames));

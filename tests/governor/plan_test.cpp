@@ -162,25 +162,6 @@ TEST(Plan, WhenThePlanIsFullOptionalWorkEndsAndTheOutputIsStillWritten) {
   EXPECT_EQ(again.log, lists.log);
 }
 
-TEST(Plan, ReplayExecutesExactlyThePlanWhateverTheClock) {
-  FakeRun recorded;
-  recorded.scene.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
-    return undisturbed * (50 + scene->random.below(200)) / 100;
-  };
-  FakeRun other_clock, no_clock(false);
-  for (uint32_t frame = 0; frame < 500; ++frame) {
-    ASSERT_TRUE(recorded.frame());
-    for (FakeRun* replayed : {&other_clock, &no_clock}) {
-      ASSERT_TRUE(replayed->frame(1, &recorded.report.plan));
-      ASSERT_EQ(replayed->scene.order_hash, recorded.scene.order_hash);
-      ASSERT_EQ(std::memcmp(&replayed->report.plan, &recorded.report.plan, sizeof(sandglass_plan)), 0);
-      ASSERT_EQ(replayed->report.level, recorded.report.level);
-    }
-    ASSERT_EQ(other_clock.report.time.elapsed_ns, other_clock.scene.true_ns - other_clock.scene.frame_start_ns);
-    ASSERT_EQ(no_clock.report.time.elapsed_ns, 0u);
-  }
-}
-
 TEST(Plan, ReplayTeachesThePredictorNothing) {
   Lists lists;
   lists.learn();

@@ -39,27 +39,6 @@ TEST(Clock, ThreadClockCountsWork) {
   EXPECT_GT(read(clock), start);
 }
 
-TEST(VirtualClock, MovesWhenToldAndBySteps) {
-  VirtualClock state;
-  const sandglass_clock clock = virtual_clock(&state);
-  EXPECT_EQ(read(clock), 0u);
-  state = {5, 10};
-  EXPECT_EQ(read(clock), 5u);
-  EXPECT_EQ(read(clock), 15u);
-}
-
-TEST(CpuFeatures, AreConsistentInThemselves) {
-  const CpuFeatures f = cpu_features();
-#if defined(__aarch64__)
-  EXPECT_TRUE(f.neon);
-  EXPECT_FALSE(f.avx2 || f.fma || f.avx512f || f.avx512bw || f.avx512dq || f.avx512vl || f.avx512vnni);
-#else
-  EXPECT_FALSE(f.neon || f.dotprod || f.i8mm);
-  // No processor has one of these without AVX-512 F.
-  EXPECT_TRUE(f.avx512f || !(f.avx512bw || f.avx512dq || f.avx512vl || f.avx512vnni));
-#endif
-}
-
 #if defined(__linux__) && !defined(__aarch64__)
 TEST(CpuFeatures, AgreeWithTheKernelsList) {
   std::ifstream file("/proc/cpuinfo");

@@ -1,6 +1,5 @@
-// A recording is read back as it was written, and wrong bytes are refused. The tests try every truncation, every value
-// of every byte, records that are dropped, doubled and swapped, and wrong lengths. The reader gets heap blocks of the
-// exact size, so that the address sanitizer notices any byte that is read too far.
+// A recording is read back as it was written, and wrong bytes are refused: every truncation, changed bits, and records
+// that are dropped, doubled and swapped. (Forged ones: tests/fuzz/recording.cpp.)
 #include "models/simulation/recording.h"
 
 #include <gtest/gtest.h>
@@ -9,11 +8,9 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
-#include <memory>
 
-#include "fake_scene.h"
 #include "models/files/failure.h"
-#include "runtime/core/hash.h"
+#include "tests/damaged_file.h"
 #include "tests/temporary_folder.h"
 
 namespace sandglass::host {
@@ -69,9 +66,7 @@ bool same(const Recording& a, const Recording& b) {
 }
 
 bool decodes(const std::vector<uint8_t>& bytes, Recording* recording, std::string* error) {
-  const std::unique_ptr<uint8_t[]> exact(new uint8_t[bytes.size()]);
-  std::copy(bytes.begin(), bytes.end(), exact.get());
-  return decode_recording(exact.get(), bytes.size(), recording, error);
+  return decode_recording(bytes.data(), bytes.size(), recording, error);
 }
 
 TEST(Recording, ComesBackAsItWasWritten) {
@@ -91,30 +86,15 @@ TEST(Recording, StartsWithTheDocumentedBytes) {
   EXPECT_EQ(std::memcmp(bytes.data(), expected, sizeof(expected)), 0);
 }
 
-TEST(Recording, EveryTruncationIsRefusedWithASentence) {
-  const std::vector<uint8_t> bytes = encode_recording(small_recording());
-  for (size_t length = 0; length < bytes.size(); ++length) {
+TEST(Recording, EveryTruncationAndChangedBitIsRefusedWithASentence) {
+  tests::expect_only_whole_taken(encode_recording(small_recording()), [](const std::vector<uint8_t>& bytes) {
     Recording back;
     std::string error;
-    ASSERT_FALSE(decodes({bytes.begin(), bytes.begin() + static_cast<long>(length)}, &back, &error)) << length;
-    ASSERT_NE(error.find(". "), std::string::npos) << error;  // first what is wrong, then what to do
-    ASSERT_TRUE(same(back, {})) << "a failed read changed the result";
-  }
-}
-
-TEST(Recording, EveryChangeOfAByteIsRefused) {
-  std::vector<uint8_t> bytes = encode_recording(small_recording());
-  for (size_t i = 0; i < bytes.size(); ++i) {
-    const uint8_t original = bytes[i];
-    for (uint32_t flip = 1; flip < 256; ++flip) {
-      bytes[i] = static_cast<uint8_t>(original ^ flip);
-      Recording back;
-      std::string error;
-      ASSERT_FALSE(decodes(bytes, &back, &error)) << "byte " << i << " flip " << flip;
-      ASSERT_FALSE(error.empty());
-    }
-    bytes[i] = original;
-  }
+    if (decodes(bytes, &back, &error)) return true;
+    EXPECT_NE(error.find(". "), std::string::npos) << error;  // first what is wrong, then what to do
+    EXPECT_TRUE(same(back, {})) << "a failed read changed the result";
+    return false;
+  });
 }
 
 // Where every record starts. The last entry is the end.
@@ -143,44 +123,6 @@ TEST(Recording, RecordsCannotBeDroppedDoubledSwappedOrAppended) {
   }
 }
 
-// A forger may repair the checksums. Then only lengths, counts and kinds can be checked.
-void repair_checksums(std::vector<uint8_t>* bytes, const std::vector<size_t>& starts) {
-  uint64_t sum = hash_bytes(bytes->data(), 12);
-  for (size_t i = 0; i + 1 < starts.size(); ++i) {
-    sum = hash_bytes(bytes->data() + starts[i], starts[i + 1] - 8 - starts[i], sum);
-    for (size_t b = 0; b < 8; ++b) (*bytes)[starts[i + 1] - 8 + b] = static_cast<uint8_t>(sum >> (8 * b));
-  }
-}
-
-TEST(Recording, ForgedRecordsAreAnErrorOrAValidRecording) {
-  const std::vector<uint8_t> original = encode_recording(small_recording());
-  const std::vector<size_t> starts = record_starts(original);
-  uint32_t accepted = 0;
-  for (size_t i = 12; i < original.size(); ++i) {
-    for (const uint32_t flip : {1u, 2u, 0x40u, 0x80u, 0xffu}) {
-      std::vector<uint8_t> bytes = original;
-      bytes[i] = static_cast<uint8_t>(bytes[i] ^ flip);
-      repair_checksums(&bytes, starts);
-      Recording back;
-      std::string error;
-      if (!decodes(bytes, &back, &error)) {
-        ASSERT_FALSE(error.empty());
-        continue;
-      }
-      ++accepted;
-      for (const RecordedFrame& frame : back.frames) {
-        ASSERT_LE(frame.plan.run_count, static_cast<uint32_t>(SANDGLASS_PLAN_RUNS));
-        for (uint32_t r = 0; r < frame.plan.run_count; ++r) {
-          ASSERT_LT(frame.plan.runs[r].stage, static_cast<uint32_t>(SANDGLASS_STAGE_COUNT));
-        }
-      }
-      // An accepted recording says what the bytes say. Written again, it gives the same file.
-      ASSERT_EQ(encode_recording(back), bytes);
-    }
-  }
-  EXPECT_GT(accepted, 0u);
-}
-
 TEST(Recording, GoesThroughAFileAndLeavesNothingElseBehind) {
   const tests::TemporaryFolder folder;
   const std::string path = folder / "run.sgrec";
@@ -195,31 +137,6 @@ TEST(Recording, GoesThroughAFileAndLeavesNothingElseBehind) {
   std::filesystem::remove_all(folder.path);
   EXPECT_THROW(load_recording(path), Failure);
   EXPECT_THROW(save_recording(recording, path), Failure);
-}
-
-// The purpose of recordings, with stages that only take time. A run is recorded under a disturbed clock, written, read
-// and replayed without a clock. It must end the same.
-TEST(Recording, AReadRecordingReplaysToTheSameEnd) {
-  using namespace governor_test;
-  FakeRun recorded, replayed(false);
-  recorded.scene.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
-    return undisturbed * (50 + scene->random.below(200)) / 100;
-  };
-  Recording recording;
-  for (uint32_t f = 0; f < 50; ++f) {
-    recorded.frame();
-    RecordedFrame frame;
-    frame.budget_ns = k_budget_ns;
-    frame.plan = recorded.report.plan;
-    recording.frames.push_back(frame);
-  }
-  recording.final_hash = recorded.scene.order_hash;
-
-  Recording back;
-  std::string error;
-  ASSERT_TRUE(decodes(encode_recording(recording), &back, &error)) << error;
-  for (const RecordedFrame& frame : back.frames) ASSERT_TRUE(replayed.frame(frame.budget_ns, &frame.plan));
-  EXPECT_EQ(replayed.scene.order_hash, back.final_hash);
 }
 
 }  // namespace

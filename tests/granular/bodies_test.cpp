@@ -372,21 +372,6 @@ TEST(Bodies, SleepAndWakeAsAWhole) {
   EXPECT_LE(softness(rest, scene.positions(), 0, 64), k_rigid);
 }
 
-TEST(Bodies, TheSameOnEveryInstructionSetAndUnitSize) {
-  expect_one_hash({16, 1024}, [](sandglass_isa isa, uint32_t unit) {
-    sandglass_scene_desc desc = with_bodies(343, 91);
-    desc.isa = isa;
-    desc.unit_items = unit;
-    GranularScene scene(desc);
-    scene.add(lattice(7, 7, 7, 2.02f * k_radius, k_radius));
-    scene.add_floor();
-    scene.add_body(shifted(lattice(4, 4, 4, 2.01f * k_radius, k_radius), -0.1f, 0.0f, 0.02f), 2.0f, {2.0f, 0.0f, 0.0f});
-    scene.add_body(shifted(lattice(3, 3, 3, 2.01f * k_radius, k_radius), 0.05f, 0.2f, 0.05f), 0.5f);
-    for (int frame = 0; frame < 20; ++frame) scene.frame(k_frame);
-    return scene.hash();
-  });
-}
-
 TEST(Bodies, WhatIsWrongIsRefusedAndChangesNothing) {
   GranularScene scene(with_bodies(0, 8));
   const std::vector<float> three(9, 0.1f);

@@ -332,27 +332,4 @@ TEST(BodyCalls, WhatIsWrongIsRefusedAndChangesNothing) {
   accept(scene.scene.set_body(1, good));
 }
 
-TEST(BodyCalls, TheSameOnEveryInstructionSetAndUnitSize) {
-  expect_one_hash({16, 1024}, [](sandglass_isa isa, uint32_t unit) {
-    sandglass_scene_desc desc = with_bodies(125, 3, 81);
-    desc.isa = isa, desc.unit_items = unit;
-    GranularScene scene(desc);
-    scene.add_floor();
-    scene.add(block(5, 5, 5));
-    for (const float x : {0.0f, 0.3f, 0.6f}) scene.add_body(block(3, 3, 3, x, 0.15f));
-    const sandglass_collider sink = sandglass::box(0.6f, 0.0f, 0.0f, 0.1f, 0.1f, 0.3f);
-    sandglass_frame_report report = {};
-    for (int frame = 0; frame < 30; ++frame) {
-      sandglass_frame_input input = scene.input(k_frame);
-      input.sinks = &sink, input.sink_count = 1;
-      report = scene.run(input);
-      if (frame == 5) accept(scene.scene.push_body(0, {0.5f, 1.0f, 0.1f}, scene.positions().data()));
-      if (frame == 10) accept(scene.scene.set_body(1, {{0.03f, 0.2f, 0.03f}, {1, 0, 0, 2}, {0, -1, 0}, {3, 0, 0}}));
-      if (frame == 20) accept(scene.scene.remove_body(0));
-    }
-    EXPECT_EQ(report.sand.removed_bodies, 2u) << "one into the sink";
-    return scene.hash();
-  });
-}
-
 }  // namespace

@@ -253,23 +253,6 @@ TEST(Departed, ABodyThatFallsBesideATableDrivesNobodyAndFallsFreely) {
   EXPECT_NEAR(static_cast<double>(scene.scene.body_pose(body).position[1] - from), -2 * k_gravity, 0.02);
 }
 
-TEST(Departed, TheSameOnEveryInstructionSetAndUnitSizeAndAfterARestore) {
-  expect_one_hash({64, 1024}, [](sandglass_isa isa, uint32_t unit_items) {
-    sandglass_scene_desc desc = description(1000, 3000);
-    desc.isa = isa, desc.unit_items = unit_items;
-    desc.granular.lowest = 1;
-    Spill spill(k_radius, 2, desc), again(k_radius, 2, desc);
-    spill.run(90);
-    std::vector<std::byte> bytes;
-    accept(spill.scene.scene.save(&bytes));
-    accept(again.scene.scene.restore(bytes));
-    spill.run(30), again.run(30);
-    EXPECT_EQ(spill.scene.hash(), again.scene.hash());
-    EXPECT_GT(spill.report.sand.removed_particles, 10u);
-    return spill.scene.hash();
-  });
-}
-
 // ---- sleep needs a contact
 
 // The longest that a particle in the air is within 10 % of r of one place: the rule before took that for rest.

@@ -14,13 +14,10 @@ namespace {
 constexpr float k_radius = 0.01f, k_frame = 0.02f;
 
 struct Flow {
-  Flow(uint32_t particles, uint32_t grains_per_particle, sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC,
-       uint32_t unit = 1024)
+  Flow(uint32_t particles, uint32_t grains_per_particle)
       : scene([&] {
           sandglass_scene_desc desc = description(particles, particles * grains_per_particle);
           desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
-          desc.isa = isa;
-          desc.unit_items = unit;
           desc.log = {[](void* user, const char* sentence) { *static_cast<const char**>(user) = sentence; }, &said};
           return desc;
         }()) {
@@ -214,15 +211,6 @@ TEST(Remove, TakesWhatIsInsideAndWakesTheRest) {
   EXPECT_EQ(scene.frame(k_frame).sand.particle_numbers, 1200u);
   ball.size[0] = NAN;
   EXPECT_EQ(scene.scene.remove(ball).code, SANDGLASS_ERROR_INVALID_ARGUMENT);
-}
-
-TEST(Flow, TheSameOnEveryInstructionSetAndUnitSize) {
-  expect_one_hash({32, 1024}, [](sandglass_isa isa, uint32_t unit) {
-    Flow flow(300, 3, isa, unit);
-    flow.scene.colliders.push_back(sandglass::sphere(0.0f, 0.0f, 0.0f, 0.06f));
-    for (int frame = 0; frame < 60; ++frame) flow.frame();
-    return flow.scene.hash();
-  });
 }
 
 TEST(Output, LagsByTheTimeAskedFor) {

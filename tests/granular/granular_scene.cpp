@@ -1,7 +1,5 @@
 #include "tests/granular/granular_scene.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -136,17 +134,4 @@ double distance(const std::vector<float>& a, size_t i, const std::vector<float>&
   for (size_t k = 0; k < 3; ++k)
     sum += std::pow(static_cast<double>(a[3 * i + k]) - static_cast<double>(b[3 * j + k]), 2);
   return std::sqrt(sum);
-}
-
-void expect_one_hash(std::initializer_list<uint32_t> unit_items,
-                     const std::function<uint64_t(sandglass_isa isa, uint32_t unit_items)>& run) {
-  uint64_t first = 0;
-  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_AVX512; ++isa) {
-    if (sandglass_isa_available(isa) == 0) continue;
-    for (const uint32_t items : unit_items) {
-      const uint64_t hash = run(isa, items);
-      if (first == 0) first = hash;
-      EXPECT_EQ(hash, first) << sandglass_isa_name(isa) << ", units of " << items;
-    }
-  }
 }

@@ -57,8 +57,3 @@ GranularScene loose_sand(const sandglass::Box& box, const std::function<bool(con
 
 // Distance between the points i and j.
 double distance(const std::vector<float>& a, size_t i, const std::vector<float>& b, size_t j);
-
-// Runs a scene on every instruction set that this machine has, with work units of each size. All runs must end in the
-// same hash.
-void expect_one_hash(std::initializer_list<uint32_t> unit_items,
-                     const std::function<uint64_t(sandglass_isa isa, uint32_t unit_items)>& run);

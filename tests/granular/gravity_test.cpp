@@ -1,11 +1,10 @@
 // Gravity that changes: a device that is tipped. Sand flows to the side that is low now, what sleeps wakes where the
-// change is worth it, and the bits are those of every instruction set, cut and recording.
+// change is worth it. (Replays: random_scenes_test.cpp.)
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
-#include "platform/virtual_clock.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {
@@ -124,50 +123,6 @@ TEST(Gravity, GrainsThatLieAloneSlide) {
       0.5 * 9.81 * (std::sin(30.0 * k_degree) - friction * std::cos(30.0 * k_degree)) * seconds * seconds;
   for (size_t i = 0; i < before.size(); ++i)
     EXPECT_NEAR(scene.grains[i].position[0] - before[i].position[0], slid, 0.15 * slid) << i;
-}
-
-// A turn about z that also grows shorter, so that sub-steps change.
-std::array<float, 3> of_frame(int frame) {
-  std::array<float, 3> gravity = tipped(3.0 * frame);
-  for (float& g : gravity) g *= 1.0f + 0.01f * static_cast<float>(frame);
-  return gravity;
-}
-
-TEST(Gravity, TheSameOnEveryInstructionSetAndUnitSize) {
-  expect_one_hash({64, 1024}, [](sandglass_isa isa, uint32_t unit) {
-    sandglass_scene_desc desc = description(1);
-    desc.isa = isa, desc.unit_items = unit;
-    GranularScene box = filled_box(desc, true);
-    for (int frame = 0; frame < 30; ++frame) {
-      accept(box.scene.set_gravity(of_frame(frame)));
-      box.frame(k_frame);
-    }
-    return box.hash();
-  });
-}
-
-TEST(Gravity, ATiltUnderAShortBudgetIsReplayed) {
-  sandglass::VirtualClock clock{.step_ns = 10'000};  // a budget is a number of readings
-  sandglass_scene_desc desc = description(1);
-  desc.unit_items = 64;
-  desc.clock = sandglass::virtual_clock(&clock);
-  GranularScene recorded = filled_box(desc, true);
-  desc.clock = {}, desc.isa = SANDGLASS_ISA_SCALAR;
-  GranularScene replayed = filled_box(desc, true), otherwise = filled_box(desc, true);
-  double debt = 0.0;
-  for (int frame = 0; frame < 40; ++frame) {
-    accept(recorded.scene.set_gravity(of_frame(frame)));
-    const sandglass_frame_report report = recorded.frame(k_frame, 2'000'000);
-    debt = report.time.debt;
-    accept(replayed.scene.set_gravity(of_frame(frame)));
-    replayed.frame(k_frame, 0, &report.plan);
-    ASSERT_EQ(replayed.hash(), recorded.hash()) << frame;
-    if (frame > 1) continue;
-    // The control: without the tilt the plan does not fit, or leads elsewhere.
-    const bool fits = bool(otherwise.scene.frame(otherwise.input(k_frame, 0, &report.plan)));
-    EXPECT_EQ(fits && otherwise.hash() == recorded.hash(), frame == 0) << frame;
-  }
-  EXPECT_GT(debt, 0.1) << "the budget was not short";
 }
 
 TEST(Gravity, IsSetBeforeARestoreAndGoneAfterAReset) {

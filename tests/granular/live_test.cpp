@@ -8,7 +8,7 @@
 
 #include "platform/virtual_clock.h"
 #include "runtime/core/hash.h"
-#include "runtime/core/random.h"
+#include "tests/damaged_file.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {
@@ -196,49 +196,18 @@ TEST(Save, RestoresOnAnotherInstructionSetAndIntoALargerScene) {
   EXPECT_EQ(other.frame().sand.particles, live.frame().sand.particles);
 }
 
-TEST(Restore, EveryTruncationAndEveryFlippedByteIsAnErrorAndChangesNothing) {
+TEST(Restore, EveryTruncationAndFlippedBitIsAnErrorAndChangesNothing) {
   World live, other;
   live.scene.add({0.0f, 0.1f, 0.0f, 0.05f, 0.1f, 0.0f}, {}, {0.0f, 0.1f, 0.0f});
   live.frame();
-  Bytes data = live.save();
   other.fill();
   other.frame();
   const uint64_t before = other.scene.hash();
-  for (size_t length = 0; length < data.size(); ++length) {
-    ASSERT_NE(other.restore({data.begin(), data.begin() + static_cast<std::ptrdiff_t>(length)}), SANDGLASS_OK)
-        << length;
-  }
-  for (size_t at = 0; at < data.size(); ++at) {
-    data[at] ^= std::byte{0x41};
-    ASSERT_NE(other.restore(data), SANDGLASS_OK) << at;
-    data[at] ^= std::byte{0x41};
-  }
-  EXPECT_EQ(other.scene.hash(), before);
-  EXPECT_EQ(other.restore(data), SANDGLASS_OK);
-}
-
-// Wrong bytes with a right checksum are either refused or give a scene that can run.
-TEST(Restore, BytesThatLieNeverBreakAnything) {
-  World live, other;
-  live.fill();
-  for (int i = 0; i < 5; ++i) live.frame();
-  const Bytes data = live.save();
-  sandglass::Random random{1};
-  uint32_t refused = 0;
-  for (int round = 0; round < 1000; ++round) {
-    Bytes forged = data;
-    for (int flips = 0; flips < 1 + round % 3; ++flips) {
-      const size_t at = 64 + random.below(static_cast<uint32_t>(forged.size() - 64));
-      forged[at] = static_cast<std::byte>(random.below(256));
-    }
-    if (other.restore(repaired(forged)) != SANDGLASS_OK) {
-      ++refused;
-    } else if (round % 20 == 0) {
-      for (int i = 0; i < 2; ++i) other.frame();
-    }
-  }
-  EXPECT_GT(refused, 30u);
-  EXPECT_EQ(other.restore(data), SANDGLASS_OK);
+  sandglass::tests::expect_only_whole_taken(live.save(), [&](const Bytes& bytes) {
+    if (other.restore(bytes) == SANDGLASS_OK) return true;
+    EXPECT_EQ(other.scene.hash(), before);
+    return false;
+  });
 }
 
 // Where the particles were when such grains last followed them is not in the bytes: memory of something else would
@@ -280,42 +249,6 @@ TEST(Restore, SpeedsThatNoBodyHasAreRefused) {
   EXPECT_EQ(other.scene.frame(k_frame).sand.awake, 0u);
   std::memcpy(&data[at], velocity, sizeof velocity);
   EXPECT_EQ(other.restore(repaired(data)), SANDGLASS_ERROR_INVALID_ARGUMENT);
-}
-
-// Every number of a small scene in turn becomes one that no scene holds, behind a right checksum. What is not refused
-// runs on, and nothing leaves the world: a rest shape of 1e30 m would throw its particles there.
-TEST(Restore, NoForgedNumberThrowsAnythingOut) {
-  sandglass_scene_desc desc = everything(64, 64);
-  World live(desc), other(desc);
-  std::vector<float> body = lattice(2, 1, 1, 2.01f * k_radius, k_radius);
-  live.scene.add({0.1f, 0.02f, 0.1f}, {}, {0.1f, 0.02f, 0.1f});
-  live.scene.add_body(body, 2.0f);
-  for (int i = 0; i < 5; ++i) live.frame();
-  const Bytes data = live.save();
-  const float floats[] = {NAN, INFINITY, 3e38f, -3e38f, 1e30f, 1e10f, -1e5f, 0.0f};
-  const double doubles[] = {static_cast<double>(NAN), 1e300, -1e300, 1e5, 0.0};
-  uint32_t refused = 0, ran = 0;
-  const auto attempt = [&](size_t at, const auto value) {
-    Bytes forged = data;
-    if (at + sizeof value > forged.size()) return;
-    std::memcpy(&forged[at], &value, sizeof value);
-    if (other.restore(repaired(forged)) != SANDGLASS_OK) {
-      ++refused;
-      return;
-    }
-    ++ran;
-    for (int i = 0; i < 2; ++i) other.frame();
-    other.scene.particle_count = other.frame().sand.particles;
-    for (const float x : other.scene.positions())
-      ASSERT_LE(std::fabs(x), 4.0f * SANDGLASS_COORDINATE_LIMIT) << value << " at byte " << at;
-    ASSERT_EQ(other.restore(other.save()), SANDGLASS_OK) << value << " at byte " << at;
-  };
-  for (size_t at = 64; at < data.size(); at += 4) {
-    for (const float value : floats) attempt(at, value);
-    for (const double value : doubles) attempt(at, value);
-  }
-  EXPECT_GT(refused, 100u);
-  EXPECT_GT(ran, 100u);
 }
 
 TEST(Restore, NeedsTheSameRadiusAndRoom) {

@@ -90,22 +90,6 @@ TEST(Pause, NothingMovesAndTheDebtIsMadeUpAsIfThereHadBeenNone) {
   EXPECT_EQ(whole.scene.hash(), paused.scene.hash());
 }
 
-TEST(Pause, ASceneSavedInItGoesOnAlike) {
-  Falling live(true), restored(false);
-  for (int frame = 0; frame < 10; ++frame) live.frame(k_frame, 1'500'000);
-  live.frame(0.0f, ~0ull >> 1);
-  std::vector<std::byte> saved;
-  accept(live.scene.scene.save(&saved));
-  accept(restored.scene.scene.restore(saved));
-  restored.scene.colliders = live.scene.colliders;
-  live.frame(0.0f, ~0ull >> 1);
-  for (int frame = 0; frame < 10; ++frame) {
-    const sandglass_plan plan = live.frame(k_frame, 1'500'000).plan;
-    restored.frame(k_frame, 0, &plan);
-  }
-  EXPECT_EQ(restored.scene.hash(), live.scene.hash());
-}
-
 TEST(Pause, WhatMovesInItWakesSandWhenTimeGoesOn) {
   GranularScene scene(description(75));
   scene.add_floor();

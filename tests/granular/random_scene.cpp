@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "tests/granular/granular_scene.h"
+#include "tests/lighting/light_fixture.h"
 
 namespace sandglass::tests {
 
@@ -181,14 +182,29 @@ void RandomScene::add_colliders() {
   if (one_in(4)) sinks_.push_back(box(r_ * between(-15, 15), 0, 0, 6 * r_, 4 * r_, 6 * r_));
 }
 
+// The network's weights are random, and so are those of the object's shadow.
+void RandomScene::add_light() {
+  if (!every_stage_ && light_random_.below(12) != 0) return;
+  static const AssetFile file = [] {
+    RandomShadow what;
+    what.version = 2, what.ambient_side = 16, what.components = 24;
+    return make_shadow_file(what);
+  }();
+  shadow.emplace(tests::describe(file, desc.isa));
+  sandglass_estimator_desc light = describe_light();
+  light.isa = desc.isa, light.interval = 8.0f;
+  ::accept(light_.create(light));
+}
+
 void RandomScene::add_shadows() {
-  if (one_in(6)) {
+  if (one_in(6) || every_stage_) {
     sandglass_pile_shadow_desc d = pile_shadow_desc();
-    d.texels = 32, d.sky_texels = one_in(2) ? 32 : 0, d.on_sand = random_.below(2);
+    d.isa = desc.isa, d.texels = 32, d.sky_texels = one_in(2) || every_stage_ ? 32 : 0, d.on_sand = random_.below(2);
     for (int k = 0; k < 2; ++k) d.low[k] = -20 * r_, d.high[k] = 20 * r_;
     ::accept(pile_.create(d));
   }
-  if (!one_in(6)) return;
+  add_light();
+  if (!one_in(6) && !light_) return;
   ::accept(room_.create());
   pixels_.resize(3 * 48 * 32);
   for (uint8_t& p : pixels_) p = static_cast<uint8_t>(random_.next());
@@ -202,7 +218,9 @@ void RandomScene::add_shadows() {
 RandomScene::RandomScene(uint64_t number, bool replays)
     : random_(random_stream(number, 1)),
       clock_random_(random_stream(number, 2)),
-      pool_random_(random_stream(number, 3)) {
+      pool_random_(random_stream(number, 3)),
+      light_random_(random_stream(number, 4)),
+      every_stage_(number % 8 == 0) {
   describe(replays);
   block = test::GuardedBlock(Scene::bytes(desc));
   ::accept(scene.create_in(desc, block.data(), block.bytes()));
@@ -211,7 +229,15 @@ RandomScene::RandomScene(uint64_t number, bool replays)
   add_sand(k_sand_most);
   add_colliders();
   add_shadows();
-  frames = 20 + random_.below(60);
+  frames = number % 100 == 99 ? 1000 : 20 + random_.below(60);
+}
+
+uint64_t RandomScene::hash() const {
+  uint64_t all = scene.hash();
+  for (const uint64_t part : {pile_.hash(), room_.hash(), sandglass_estimator_hash(light_.get()),
+                              shadow ? sandglass_shadow_hash(shadow->shadow) : 0})
+    all = 31 * all + part;
+  return all;
 }
 
 float RandomScene::draw_step() {
@@ -263,6 +289,16 @@ void RandomScene::act() {
     ::accept(scene.restore(saved));
   }
   if (pile_ && one_in(4)) ::accept(pile_.set_light({between(-1, 1), 1.0f, between(-1, 1)}));
+  if (light_random_.below(40) == 0) {
+    const auto tilt = [&] { return static_cast<float>(6.0 * light_random_.uniform() - 3.0); };
+    ::accept(scene.set_gravity({tilt(), -9.81f, tilt()}));
+  }
+  if (!shadow || light_random_.below(10) != 0) return;
+  const float time = static_cast<float>(time_), middle[3] = {};
+  shadow->light(std::cos(time), 0.8f, std::sin(time));
+  const sandglass_room_light seen = room_.light_at(middle);
+  if (pile_ && pile_.sky().texels > 0) ::accept(pile_.set_cells(seen.cells));
+  EXPECT_EQ(sandglass_shadow_set_cells(shadow->shadow, seen.cells, time, nullptr), SANDGLASS_OK);
 }
 
 sandglass_frame_input RandomScene::next_input() {
@@ -285,6 +321,8 @@ sandglass_frame_input RandomScene::next_input() {
   input.pile_shadow = pile_.get();
   image_.timestamp_ns += 16'666'667;
   input.room = room_.get(), input.camera = room_ ? &image_ : nullptr;
+  input.estimator = light_.get();
+  if (shadow) input.shadows = &shadow->shadow, input.shadow_count = 1;
   return input;
 }
 

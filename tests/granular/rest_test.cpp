@@ -167,22 +167,4 @@ TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
   EXPECT_GT(moved, 50u);
 }
 
-TEST(Sleep, TheSameOnEveryInstructionSetAndUnitSize) {
-  expect_one_hash({64, 1024}, [](sandglass_isa isa, uint32_t unit) {
-    sandglass_scene_desc desc = description(800, 16 * 3 * 16 * 8);
-    desc.isa = isa;
-    desc.unit_items = unit;
-    GranularScene bed(desc);
-    const std::vector<float> particles = lattice(16, 3, 16, 2.02f * k_radius, k_radius);
-    bed.add(particles, {}, grains_about(particles, 0.5f * k_radius));
-    bed.add_floor();
-    bool slept = false;
-    for (int frame = 0; frame < 150; ++frame) slept = bed.frame(k_frame).sand.awake < 400 || slept;
-    bed.add({0.15f, 0.3f, 0.15f}, {0.0f, -3.0f, 0.0f});
-    for (int frame = 0; frame < 20; ++frame) bed.frame(k_frame);
-    EXPECT_TRUE(slept);
-    return bed.hash();
-  });
-}
-
 }  // namespace

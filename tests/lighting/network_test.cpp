@@ -11,7 +11,6 @@
 #include "models/lighting/light_runner.h"
 #include "runtime/core/hash.h"
 #include "runtime/estimate/heads.h"
-#include "tests/guarded_block.h"
 #include "tests/lighting/network_checks.h"
 
 namespace sandglass::host {
@@ -92,26 +91,6 @@ TEST(LightNetwork, UnitsAreSmallAndAddUp) {
 }
 
 TEST(LightNetwork, ActivationsStayBelowTwoMegabytes) { EXPECT_LE(light_activation_bytes(256, 192), uint64_t{2} << 20); }
-
-TEST(LightNetwork, WritesNothingOutsideItsBlock) {
-  const AlignedBytes file(random_file());
-  LightAsset asset;
-  const char* reason = nullptr;
-  ASSERT_EQ(open_light_asset(file.data(), file.size(), &asset, &reason), SANDGLASS_OK) << reason;
-  for (const auto& [width, height] : {std::pair{32u, 32u}, std::pair{224u, 32u}, std::pair{32u, 256u}}) {
-    Layout size, layout;
-    layout_light_network(width, height, &size);
-    test::GuardedBlock block(size.size);
-    layout.base = block.data();
-    LightNetwork* net = create_light_network(asset, select_int8_kernels(SANDGLASS_ISA_AUTOMATIC), width, height,
-                                             layout_light_network(width, height, &layout));
-    EXPECT_EQ(layout.size, size.size);
-    const std::vector<uint8_t> rgb = random_image(width, height);
-    begin_light_network(net, rgb.data());
-    for (uint32_t unit = 0; unit < net->units; ++unit) run_light_unit(net, unit);
-    EXPECT_TRUE(block.guards_intact());
-  }
-}
 
 TEST(LightNetwork, HeadsMeanWhatTheyShould) {
   const double heads[k_light_heads] = {0.5, -1, 0.25, 2, -2, 0, 40, -40, 800, 0.75};

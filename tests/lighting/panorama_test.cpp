@@ -8,8 +8,8 @@
 
 #include "models/files/atomic_file.h"
 #include "models/rooms/panorama_file.h"
-#include "tests/damaged_file.h"
 #include "tests/lighting/made_panorama.h"
+#include "tests/refusal.h"
 #include "tests/temporary_folder.h"
 
 namespace sandglass::host {
@@ -106,17 +106,6 @@ TEST(PanoramaFiles, WhatIsNoPanoramaIsRefusedWithASentence) {
     const std::string path = folder / file;  // clang 14 captures no structured binding
     tests::expect_refusal(words, [&] { read_panorama(path); });
   }
-}
-
-TEST(PanoramaFiles, DamagedOnesAreRefusedOrRead) {
-  const tests::TemporaryFolder folder;
-  RadianceMap map(16, 8);
-  for (size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = 0.1f + static_cast<float>(i % 7);
-  write_hdr(folder / "whole.hdr", map);
-  tests::expect_damage_refused(read_file(folder / "whole.hdr", "panorama"), folder / "damaged.hdr", [&] {
-    const RadianceMap read = read_panorama(folder / "damaged.hdr");
-    EXPECT_EQ(read.width, 2 * read.height);
-  });
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 //     accepted,
 //   - every size of a struct that it fills: nothing beyond struct_size is written,
 //   - a block in which it makes something: one too small or not aligned is refused, and nothing is touched; one of the
-//     size announced suffices, and no byte outside is touched.
+//     size announced suffices, and no byte outside is touched, in what follows neither.
 //
 // The names of the arguments come from the headers (header_facts.py), which also say whether the table is complete.
 #include <gtest/gtest.h>
@@ -31,6 +31,8 @@
 #include "tests/package/filled_struct.h"
 
 namespace {
+
+using sandglass::test::GuardedBlock;
 
 bool in_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
@@ -151,12 +153,14 @@ class Arguments : public ::testing::Test {
     const uint64_t announced = *size;
     void* const good = *place;
     Handle* const before = made;
-    sandglass::test::GuardedBlock block(announced);
+    GuardedBlock block(announced);
     *place = block.data();
-    for (const uint64_t less : {uint64_t{0}, uint64_t{1}, announced / 2, announced - 64, announced - 1}) {
-      *size = less;
+    for (uint64_t less = 1; less <= announced; less += less < 4 ? 1 : announced / 12) {
+      *size = announced - less;
       EXPECT_EQ(call(), SANDGLASS_ERROR_MEMORY_TOO_SMALL) << less;
     }
+    *size = 0;
+    EXPECT_EQ(call(), SANDGLASS_ERROR_MEMORY_TOO_SMALL);
     *size = announced;
     for (size_t offset = 1; offset < SANDGLASS_BLOCK_ALIGNMENT; ++offset) {
       *place = block.data() + offset;
@@ -350,13 +354,14 @@ void Arguments::fields() {
   from_mesh.inside = in_ball;
   from_function.distance = from_plane;
   row(NAMED(sandglass_field_bytes), "", &from_mesh, &need);
-  const sandglass::Block block = sandglass::allocate_block(need);
+  GuardedBlock block(need);
   sandglass_field* field = nullptr;
   for (const sandglass_field_desc* from : {&from_mesh, &from_function})
-    row(NAMED(sandglass_field_create), "", from, block.get(), need, &field);
+    row(NAMED(sandglass_field_create), "", from, block.data(), need, &field);
   float normal[3];
   row(NAMED(sandglass_field_distance), "normal", field, point, normal);
   row(NAMED(sandglass_field_bounds), "bounds_min bounds_max", field, low, high);
+  EXPECT_TRUE(block.guards_intact());
 }
 
 void Arguments::lights() {
@@ -368,9 +373,9 @@ void Arguments::lights() {
   row(NAMED(sandglass_estimator_inspect), "", file.data(), file_bytes, &info);
   row(NAMED(sandglass_estimator_bytes), "", &desc_of, &need);
   ASSERT_EQ(sandglass_estimator_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
-  const sandglass::Block block = sandglass::allocate_block(need);
+  GuardedBlock block(need);
   sandglass_estimator* estimator = nullptr;
-  row(NAMED(sandglass_estimator_create), "", &desc_of, block.get(), need, &estimator);
+  row(NAMED(sandglass_estimator_create), "", &desc_of, block.data(), need, &estimator);
   row(NAMED(sandglass_estimator_desc_default), "", &desc_of);
   ASSERT_NE(estimator, nullptr);
   row(NAMED(sandglass_estimator_reset), "", estimator);
@@ -395,15 +400,16 @@ void Arguments::lights() {
   row(NAMED(sandglass_lighting_of_estimate), "", &estimate, &lighting);
   row(NAMED(sandglass_estimator_release), "", estimator);
   sandglass_estimator_release(estimator);
+  EXPECT_TRUE(block.guards_intact());
 }
 
 void Arguments::rooms() {
   sandglass_room_desc desc_of = sandglass::room_desc();
   row(NAMED(sandglass_room_bytes), "", &desc_of, &need);
   ASSERT_EQ(sandglass_room_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
-  const sandglass::Block block = sandglass::allocate_block(need);
+  GuardedBlock block(need);
   sandglass_room* room = nullptr;
-  row(NAMED(sandglass_room_create), "", &desc_of, block.get(), need, &room);
+  row(NAMED(sandglass_room_create), "", &desc_of, block.data(), need, &room);
   row(NAMED(sandglass_room_desc_default), "", &desc_of);
   ASSERT_NE(room, nullptr);
   sandglass_camera_image image = grey_image();
@@ -437,6 +443,7 @@ void Arguments::rooms() {
   row(NAMED(sandglass_room_restore), "", room, static_cast<const void*>(saved.data()), saved_bytes);
   row(NAMED(sandglass_room_reset), "", room);
   row(NAMED(sandglass_room_hash), "", room);
+  EXPECT_TRUE(block.guards_intact());
 }
 
 void Arguments::shadows() {
@@ -448,9 +455,9 @@ void Arguments::shadows() {
   row(NAMED(sandglass_shadow_inspect), "", file.data(), file_bytes, &info);
   row(NAMED(sandglass_shadow_bytes), "", &desc_of, &need);
   ASSERT_EQ(sandglass_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
-  const sandglass::Block block = sandglass::allocate_block(need);
+  GuardedBlock block(need);
   sandglass_shadow* shadow = nullptr;
-  row(NAMED(sandglass_shadow_create), "", &desc_of, block.get(), need, &shadow);
+  row(NAMED(sandglass_shadow_create), "", &desc_of, block.data(), need, &shadow);
   row(NAMED(sandglass_shadow_desc_default), "", &desc_of);
   ASSERT_NE(shadow, nullptr);
   row(NAMED(sandglass_shadow_set_light), "", shadow, 0u, point, 1.0f);
@@ -475,6 +482,7 @@ void Arguments::shadows() {
   row(NAMED(sandglass_shadow_combine), "", shadow, coverage.data(), 64u, low, high);
   row(NAMED(sandglass_shadow_hash), "", shadow);
   row(NAMED(sandglass_shadow_isa), "", shadow);
+  EXPECT_TRUE(block.guards_intact());
 }
 
 void Arguments::pile_shadows() {
@@ -482,9 +490,9 @@ void Arguments::pile_shadows() {
   desc_of.sky_texels = 64;
   row(NAMED(sandglass_pile_shadow_bytes), "", &desc_of, &need);
   ASSERT_EQ(sandglass_pile_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
-  const sandglass::Block block = sandglass::allocate_block(need);
+  GuardedBlock block(need);
   sandglass_pile_shadow* shadow = nullptr;
-  row(NAMED(sandglass_pile_shadow_create), "", &desc_of, block.get(), need, &shadow);
+  row(NAMED(sandglass_pile_shadow_create), "", &desc_of, block.data(), need, &shadow);
   row(NAMED(sandglass_pile_shadow_desc_default), "", &desc_of);
   ASSERT_NE(shadow, nullptr);
   row(NAMED(sandglass_pile_shadow_set_light), "", shadow, point);
@@ -501,6 +509,7 @@ void Arguments::pile_shadows() {
   uint8_t visibility[1];
   row(NAMED(sandglass_pile_shadow_light_grains), "", shadow, point, 1u, 0.01f, visibility);
   row(NAMED(sandglass_pile_shadow_hash), "", shadow);
+  EXPECT_TRUE(block.guards_intact());
 }
 
 TEST_F(Arguments, EveryFunctionKeepsTheThreeRules) {
@@ -517,6 +526,22 @@ TEST_F(Arguments, EveryFunctionKeepsTheThreeRules) {
   EXPECT_GT(cases_, 200);
   EXPECT_GT(filled_, 15);
   EXPECT_EQ(blocks_, 8);
+}
+
+TEST_F(Arguments, RegionsLieInTheBlockInOrderAndAligned) {
+  desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;  // with all that a scene can have
+  ASSERT_TRUE(scene.create(desc));
+  std::vector<sandglass_region> regions(sandglass_scene_regions(scene.get(), nullptr, 0));
+  ASSERT_FALSE(regions.empty());
+  sandglass_scene_regions(scene.get(), regions.data(), static_cast<uint32_t>(regions.size()));
+  uint64_t end = 0;
+  for (const sandglass_region& region : regions) {
+    EXPECT_STRNE(region.name, "");
+    EXPECT_EQ(region.offset % SANDGLASS_BLOCK_ALIGNMENT, 0u) << region.name;
+    EXPECT_GE(region.offset, end) << region.name;
+    end = region.offset + region.bytes;
+  }
+  EXPECT_EQ(end, sandglass::Scene::bytes(desc)) << "regions are left out: raise k_region_capacity";
 }
 
 // The same for pointers within structs: refused by name.

@@ -240,27 +240,6 @@ TEST(AmbientShadow, AFileOfVersionOneHasNone) {
   EXPECT_EQ(sandglass_shadow_hash(shadow.shadow), hash);
 }
 
-// As every other shadow: in a frame's units, counted by its report.
-TEST(AmbientShadow, IsMadeInTheFramesOfAScene) {
-  Ambient shadow(make_shadow_file(shape()));
-  cpp::Scene scene;
-  sandglass_scene_desc desc = cpp::scene_desc();
-  desc.granular.particle_capacity = desc.granular.grain_capacity = 16;
-  ASSERT_TRUE(scene.create(desc));
-  sandglass_frame_input input = cpp::frame_input();
-  input.time_step = 0.01f;
-  input.shadows = &shadow.shadow, input.shadow_count = 1;
-  sandglass_frame_report report = {};
-  report.struct_size = sizeof report;
-  const char* reason = nullptr;
-  shadow.cells(rising());
-  ASSERT_EQ(sandglass_scene_frame(scene.get(), &input, &report, &reason), SANDGLASS_OK) << reason;
-  EXPECT_EQ(shadow.now().completed, 1u);  // without a clock a frame does all that there is
-  EXPECT_EQ(report.shadows.pending, 0u);
-  Ambient alone(make_shadow_file(shape()));
-  EXPECT_EQ(shadow.texture(), alone.mixed(rising()));
-}
-
 TEST(AmbientShadow, TheHashCoversIt) {
   const AssetFile file = make_shadow_file(shape());
   Ambient one(file), other(file);

@@ -1,5 +1,4 @@
-// The runtime through its C API: one texture on every instruction set and in every division into units, difficult
-// lights, and memory to the byte.
+// The runtime through its C API: one texture on every instruction set, difficult lights. (In divided units: set_test.cpp.)
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +8,6 @@
 #include "runtime/asset/shadow_asset.h"
 #include "runtime/core/hash.h"
 #include "tests/int8_kernels.h"
-#include "tests/reason.h"
 #include "tests/shadow/shadow_fixture.h"
 
 namespace {
@@ -82,30 +80,6 @@ TEST(Shadow, CellsThatAreNotRefinedAreInterpolated) {
       const double value = bilinear(corner, u / 4.0, v / 4.0);
       ASSERT_LE(std::fabs(value - t[v * k_size + u]), 0.5) << u << " " << v;
     }
-}
-
-TEST(Shadow, OneUnitAFrameGivesTheSameTextureLater) {
-  const AssetFile file = make_shadow_file(k_network);
-  for (const sandglass_shadow_mode mode : {SANDGLASS_SHADOW_FULL, SANDGLASS_SHADOW_ADAPTIVE}) {
-    const std::vector<uint8_t> expected = texture_of(file, SANDGLASS_ISA_AUTOMATIC, mode);
-    LiveShadow shadow(describe(file, SANDGLASS_ISA_AUTOMATIC, mode));
-    shadow.shade(-1, 1, 0);
-    const std::vector<uint8_t> before = shadow.coverage();
-    shadow.light(0.5f, 1, 0.25f);
-    uint32_t frames = 0;
-    while (shadow.texture().calls_behind > 0 || frames == 0) {
-      ASSERT_EQ(shadow.coverage(), before);  // the old texture stays complete
-      const uint32_t left = sandglass_shadow_units_left(shadow.shadow);
-      ASSERT_GT(left, 0u);
-      ASSERT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 1u);
-      ASSERT_LT(sandglass_shadow_units_left(shadow.shadow), left);
-      ++frames;
-      if (sandglass_shadow_units_left(shadow.shadow) == 0) break;
-    }
-    EXPECT_GT(frames, 20u);
-    EXPECT_EQ(shadow.coverage(), expected);
-    EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 0u);
-  }
 }
 
 TEST(Shadow, ALightThatNeverStopsStillGetsTextures) {
@@ -205,15 +179,6 @@ TEST(Shadow, NothingJumpsAtTheLimit) {
   };
   EXPECT_LE(rms(beyond), 1);
   EXPECT_GT(rms(at(69)), 1);  // a difference of one degree is visible
-}
-
-TEST(Shadow, RefusesLightsWithoutDirection) {
-  LiveShadow shadow(describe(make_shadow_file(k_network)));
-  for (const auto& d : {std::array{0.0f, 0.0f, 0.0f}, std::array{NAN, 1.0f, 0.0f}, std::array{0.0f, INFINITY, 0.0f}})
-    expect_refused("direction", [&](const char** reason) {
-      return sandglass_shadow_set_light(shadow.shadow, 0, d.data(), 1, reason);
-    });
-  EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 0u);
 }
 
 TEST(Shadow, LengthOfTheLightDoesNotMatter) {

@@ -115,7 +115,7 @@ void measure(const ShotVerdictOptions& options, const ShotStage& stage, const Sh
   const auto draw = [&](Variant variant, const ShotLight& light, CastShadow cast = CastShadow::textures) {
     const ShotErrors e =
         shot_errors(truth, picture.composite(room, camera, light, stage.shadows_for(light), cast, options.picture));
-    const double errors[k_metrics] = {e.flip, 1.0 - e.similarity, e.image.rmse};
+    const double errors[k_metrics] = {e.flip, 1.0 - e.similarity, e.rmse};
     std::copy_n(errors, k_metrics, view.errors[variant]);
   };
   const ShotLight mean = mean_of_others(*views, view);
