@@ -76,12 +76,12 @@ uint64_t predict_stage(const Governor* governor, const Stage& stage, uint32_t le
   return add(sum, spread < most ? spread : most);
 }
 
-bool has_forecast(const Stage& stage, uint32_t level) {
+// Out of line: its entries are not on the stack below every unit.
+__attribute__((noinline)) bool has_forecast(const Stage& stage, uint32_t level) {
   Forecast entries[k_unit_kinds];
   const uint32_t count = stage_forecast(stage, level, entries);
-  for (uint32_t i = 0; i < count; ++i) {
+  for (uint32_t i = 0; i < count; ++i)
     if (entries[i].items != 0) return true;
-  }
   return false;
 }
 
