@@ -37,16 +37,15 @@ AmbientPart find_components(const FloorSquare& square, std::span<const float> hi
     for (Eigen::Index i = 0; i < cells; ++i)
       all(t, i) = share * static_cast<double>(hidden[static_cast<size_t>(t * cells + i)]);
   }
-  // Its right singular vectors, the last of them first.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(all.transpose() * all);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> parts(all, Eigen::ComputeThinU);
   Eigen::Index count = 1;
   while (count < static_cast<Eigen::Index>(components) &&
-         parts.eigenvalues()[cells - 1 - count] > k_least_share * k_least_share * parts.eigenvalues()[cells - 1])
+         parts.singularValues()[count] > k_least_share * parts.singularValues()[0])
     ++count;
 
   Eigen::MatrixXd bytes(size, count);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::VectorXd texture = all * parts.eigenvectors().col(cells - 1 - k);
+    const Eigen::VectorXd texture = parts.matrixU().col(k);
     const double largest = texture.cwiseAbs().maxCoeff();
     for (Eigen::Index t = 0; t < size; ++t) bytes(t, k) = largest > 0 ? std::nearbyint(127 * texture[t] / largest) : 0;
   }

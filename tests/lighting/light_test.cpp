@@ -11,6 +11,7 @@
 #include "models/rooms/panorama.h"
 #include "platform/virtual_clock.h"
 #include "runtime/core/random.h"
+#include "runtime/estimate/resample.h"
 #include "runtime/camera/camera_image.h"
 #include "tests/lighting/light_fixture.h"
 #include "tests/reason.h"
@@ -303,7 +304,7 @@ TEST(LightHash, IsOneOnEveryMachineAndCompiler) {
 
 // ------------------------------------------------------------------------------------------------------- in the frame
 
-sandglass_frame_report frame(SandScene& sand, sandglass_light* light, const sandglass_camera_image* image,
+sandglass_frame_report frame(SandScene& sand, sandglass_estimator* light, const sandglass_camera_image* image,
                              uint64_t budget_ns) {
   sandglass_frame_input input = frame_input();
   input.estimator = light, input.camera = image;
