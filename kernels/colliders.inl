@@ -47,7 +47,9 @@ SANDGLASS_INLINE Surface box(const ColliderFrame& c, Float x, Float y, Float z) 
         out[0] * broadcast(c.axes[0][k]) + out[1] * broadcast(c.axes[1][k]) + out[2] * broadcast(c.axes[2][k]);
     n[k] = select(outside, world * inverse, inside_n[k]);
   }
-  s.nx = n[0], s.ny = n[1], s.nz = n[2];
+  s.nx = n[0];
+  s.ny = n[1];
+  s.nz = n[2];
   return s;
 }
 

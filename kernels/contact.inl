@@ -66,7 +66,8 @@ SANDGLASS_INLINE FrictionTerms friction_terms(const Args* a) {
 
 SANDGLASS_INLINE ContactTerms contact_terms(const ContactLaw* a) {
   ContactTerms t;
-  t.diameter = broadcast(a->diameter), t.diameter2 = t.diameter * t.diameter;
+  t.diameter = broadcast(a->diameter);
+  t.diameter2 = t.diameter * t.diameter;
   t.omega = broadcast(a->relaxation);
   t.friction = friction_terms(a);
   return t;
@@ -121,7 +122,9 @@ SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const Contact
       rx = step.scale * (other[k_vx] - self[k_vx]) + step.gravity[0] * relative_pull;
       ry = step.scale * (other[k_vy] - self[k_vy]) + step.gravity[1] * relative_pull;
       rz = step.scale * (other[k_vz] - self[k_vz]) + step.gravity[2] * relative_pull;
-      ex = ex + rx, ey = ey + ry, ez = ez + rz;
+      ex = ex + rx;
+      ey = ey + ry;
+      ez = ez + rz;
     }
     const Float d2 = dot3(ex, ey, ez, ex, ey, ez);
     Mask touch = d2 < t.diameter2;
@@ -150,7 +153,8 @@ SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const Contact
     }
     if (weighted) {
       const Float raised = overlap * keep(free & touch, lift);
-      sum.lift_x = sum.lift_x + raised * nx, sum.lift_y = sum.lift_y + raised * ny;
+      sum.lift_x = sum.lift_x + raised * nx;
+      sum.lift_y = sum.lift_y + raised * ny;
       sum.lift_z = sum.lift_z + raised * nz;
     }
     const Float push = mine * overlap;
@@ -159,9 +163,13 @@ SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const Contact
       const Float along = dot3(rx, ry, rz, nx, ny, nz);
       const Float tx = mine * (rx - along * nx), ty = mine * (ry - along * ny), tz = mine * (rz - along * nz);
       const Float grip = friction_grip(t.friction, dot3(tx, ty, tz, tx, ty, tz), push, touch);
-      cx = cx + grip * tx, cy = cy + grip * ty, cz = cz + grip * tz;
+      cx = cx + grip * tx;
+      cy = cy + grip * ty;
+      cz = cz + grip * tz;
     }
-    sum.x = sum.x + keep(touch, cx), sum.y = sum.y + keep(touch, cy), sum.z = sum.z + keep(touch, cz);
+    sum.x = sum.x + keep(touch, cx);
+    sum.y = sum.y + keep(touch, cy);
+    sum.z = sum.z + keep(touch, cz);
     sum.contacts = sum.contacts + keep(touch, one);
     sum.wakes = sum.wakes | (touch & (other[k_mobility] < zero));
   }
@@ -172,13 +180,17 @@ SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const Contact
 SANDGLASS_INLINE void weigh_contacts(const ContactLaw* a, Float omega, ContactSum* sum) {
   const Float one = broadcast(1.0f), tiny = broadcast(1e-30f);
   const Float factor = minimum(omega / maximum(sum->contacts, one), one);
-  sum->x = factor * sum->x, sum->y = factor * sum->y, sum->z = factor * sum->z;
+  sum->x = factor * sum->x;
+  sum->y = factor * sum->y;
+  sum->z = factor * sum->z;
   if (a->weight_linear == 0.0f) return;
   const Float lx = factor * sum->lift_x, ly = factor * sum->lift_y, lz = factor * sum->lift_z;
   const Float rise = dot3(lx, ly, lz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
   const Float lift_max = broadcast(a->lift_max);
   const Float part = select(lift_max < rise, lift_max / maximum(rise, tiny), one);
-  sum->x = sum->x + part * lx, sum->y = sum->y + part * ly, sum->z = sum->z + part * lz;
+  sum->x = sum->x + part * lx;
+  sum->y = sum->y + part * ly;
+  sum->z = sum->z + part * lz;
 }
 
 // Pushes particles out of the colliders one after another: their displacement while solving, else their position.
@@ -265,12 +277,14 @@ SANDGLASS_INLINE Float put_moved(const CompleteArgs* a, uint32_t i, const Float*
   const Mask sound = sound_only(move);
   Float move2 = dot3(move[0], move[1], move[2], move[0], move[1], move[2]);
   Float out[k_record_floats];
-  out[k_mobility] = self[k_mobility], out[k_identity] = self[k_identity];
+  out[k_mobility] = self[k_mobility];
+  out[k_identity] = self[k_identity];
   const Float zero = broadcast(0.0f), limit = broadcast(a->displacement_max), step = broadcast(a->step);
   Mask fast = limit * limit < move2, counted = live;
   if (a->departed != 0) {
     const Mask stays = (as_int(self[k_identity]) & broadcast(static_cast<int32_t>(k_departed))) == broadcast(0);
-    fast = fast & stays, counted = live & stays;
+    fast = fast & stays;
+    counted = live & stays;
   }
   if (any(fast)) {
     const Float slow = select(fast, limit / square_root(maximum(move2, broadcast(1e-30f))), broadcast(1.0f));
@@ -311,7 +325,8 @@ SANDGLASS_INLINE Float put_moved(const CompleteArgs* a, uint32_t i, const Float*
 SANDGLASS_INLINE void put_extrema(const ContactExtrema& seen, ContactExtent* extent) {
   extent->speed_squared = lane_maximum(seen.speed2);
   for (int k = 0; k < 3; ++k) {
-    extent->low[k] = lane_minimum(seen.low[k]), extent->high[k] = lane_maximum(seen.high[k]);
+    extent->low[k] = lane_minimum(seen.low[k]);
+    extent->high[k] = lane_maximum(seen.high[k]);
     extent->displacement_low[k] = lane_minimum(seen.move_low[k]);
     extent->displacement_high[k] = lane_maximum(seen.move_high[k]);
   }
@@ -339,11 +354,14 @@ SANDGLASS_INLINE void contact_pass(const AveragedArgs* args, uint32_t begin, uin
     ContactSum sum = gather_contacts<k_solve>(args, terms, step, i, self, pull);
     weigh_contacts(law, terms.omega, &sum);
     Float* corrected = k_solve ? move : position;
-    corrected[0] = corrected[0] + sum.x, corrected[1] = corrected[1] + sum.y, corrected[2] = corrected[2] + sum.z;
+    corrected[0] = corrected[0] + sum.x;
+    corrected[1] = corrected[1] + sum.y;
+    corrected[2] = corrected[2] + sum.z;
     leave_colliders<k_solve>(a, terms.friction, position, move);
 
     Float out[k_record_floats];
-    out[k_mobility] = self[k_mobility], out[k_identity] = self[k_identity];
+    out[k_mobility] = self[k_mobility];
+    out[k_identity] = self[k_identity];
     if (!k_solve) {
       put_stabilised(a, self, moves, position, out);
       store_records(floats_of(a->out + i), out);

@@ -25,7 +25,9 @@ static void grid_cells(const GridCellsArgs* args, uint32_t begin, uint32_t end, 
       y = select((z & broadcast(1)) == broadcast(1), mask_y - y, y);
       x = select((y & broadcast(1)) == broadcast(1), mask_x - x, x);
     }
-    x = x & mask_x, y = y & mask_y, z = z & mask_z;
+    x = x & mask_x;
+    y = y & mask_y;
+    z = z & mask_z;
     store(args->keys + i, x | shift_left(y, shift_y) | shift_left(z, shift_z));
   }
 }

@@ -110,7 +110,8 @@ static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t 
     for (int k = 0; k < 3; ++k) {
       position[k] = particle.position[k] - a->time * particle.velocity[k] - grid->origin[k];
       const float scaled = position[k] * grid->inverse_spacing;
-      first[k] = floor_whole(scaled - reach) + 1, last[k] = floor_whole(scaled + reach);
+      first[k] = floor_whole(scaled - reach) + 1;
+      last[k] = floor_whole(scaled + reach);
     }
     const bool moves = particle.velocity[0] != 0.0f || particle.velocity[1] != 0.0f || particle.velocity[2] != 0.0f;
     if (moves) grid->moving = 1;
@@ -122,7 +123,8 @@ static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t 
           if (number == k_no_block) continue;
           for (int k = 0; k < 3; ++k) {
             const int32_t from = first[k] - 4 * at[k], to = last[k] - 4 * at[k];
-            low[k] = from > 0 ? from : 0, high[k] = to < 3 ? to : 3;
+            low[k] = from > 0 ? from : 0;
+            high[k] = to < 3 ? to : 3;
           }
           if (moves) grid->blocks[number].state |= k_block_moves;
           add_to_block(grid, grid->blocks[number], grid->planes + static_cast<uint64_t>(number) * k_block_floats, low,

@@ -98,7 +98,8 @@ SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* posi
       limit_to(k_list_slots, &others, &row->dropped);
     }
   }
-  row->near_count = nears, row->other_count = others;
+  row->near_count = nears;
+  row->other_count = others;
 }
 
 // Writes the near neighbours, then the others, then the index of the inert particle up to slot `end`.
@@ -112,7 +113,8 @@ SANDGLASS_INLINE void put_row(Row* row, Int inert, bool whole, uint32_t* out, ui
     const Mask filled = lane_index() + broadcast(static_cast<int32_t>(s)) < broadcast(static_cast<int32_t>(used));
     store(out + s, select(filled, load(row->nears + s), inert));
   }
-  *count = static_cast<uint8_t>(used), *near_count = static_cast<uint8_t>(row->near_count);
+  *count = static_cast<uint8_t>(used);
+  *near_count = static_cast<uint8_t>(row->near_count);
 }
 
 // Cells wrap around, and so may their numbers: floor_whole, which bounds them, makes lists 2 % dearer.

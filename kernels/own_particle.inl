@@ -50,10 +50,12 @@ SANDGLASS_INLINE OwnUnits own_units_of(const RefineArgs* a) {
   const float time = a->step * static_cast<float>(a->steps), inverse = strength > 0.0f ? 1.0f / strength : 0.0f;
   OwnUnits u = {};
   u.time = broadcast(time);
-  u.speed = broadcast(a->speed_scale), u.per_speed = broadcast(1.0f / a->speed_scale);
+  u.speed = broadcast(a->speed_scale);
+  u.per_speed = broadcast(1.0f / a->speed_scale);
   u.per_radius = broadcast(3.0f / a->support);
   for (int k = 0; k < 3; ++k) {
-    u.gravity[k] = broadcast(g[k]), u.way[k] = broadcast(inverse * g[k]);
+    u.gravity[k] = broadcast(g[k]);
+    u.way[k] = broadcast(inverse * g[k]);
     u.added[k] = broadcast(0.5f * (time + a->step) * g[k]);
   }
   return u;

@@ -44,7 +44,8 @@ SANDGLASS_INLINE void level_lift(const ContactLaw* a, Mask of_body, const Float 
   const Float rise = dot3(normal[0], normal[1], normal[2], up[0], up[1], up[2]);
   for (int k = 0; k < 3; ++k) {
     const Float aside = keep(of_body, lift * (normal[k] - rise * up[k]));
-    mine[k] = mine[k] + aside, others[k] = others[k] + aside;
+    mine[k] = mine[k] + aside;
+    others[k] = others[k] + aside;
   }
 }
 
@@ -157,7 +158,8 @@ SANDGLASS_APART void solve_touching(const PairArgs* args, const PairTerms& t, To
   for (uint32_t at = 0; at < end; at += k_width)
     solve_pairs<k_fixed>(args, t, pairs->first + at, pairs->second + at, count - at, touched);
   if (all) return;
-  store(pairs->first, load(pairs->first + end)), store(pairs->second, load(pairs->second + end));
+  store(pairs->first, load(pairs->first + end));
+  store(pairs->second, load(pairs->second + end));
   pairs->count = count - end;
 }
 

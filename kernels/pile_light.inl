@@ -58,7 +58,8 @@ static void pile_light(const PileLightArgs* a, uint32_t begin, uint32_t end, uin
       }
       const Float foot = broadcast(azimuth.foot), way = maximum(minimum(high, cap) - foot, shortest);
       const Float dark = minimum((reached - foot) / way, one);
-      high = minimum(high, steepest), low = maximum(low, zero);
+      high = minimum(high, steepest);
+      low = maximum(low, zero);
       const Float high_square = high * high, low_square = low * low;
       const Float from = maximum(low_square / (one + low_square), broadcast(azimuth.low));
       const Float to = minimum(high_square / (one + high_square), broadcast(azimuth.high));

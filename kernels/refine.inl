@@ -112,9 +112,13 @@ struct Fixed {
 SANDGLASS_INLINE Fixed fixed_of(const RefineArgs* a) {
   Fixed f = {};
   if (a->motion != nullptr) f.grid = place_of(a->motion), f.own = own_units_of(a);
-  f.push = broadcast(a->push), f.push_max = broadcast(a->push_max), f.pushes = a->push != 0.0f;
-  f.step = broadcast(a->step), f.steps = broadcast(static_cast<float>(a->steps));
-  f.still_distance = broadcast(a->still_distance), f.still_sweeps = broadcast(a->still_sweeps);
+  f.push = broadcast(a->push);
+  f.push_max = broadcast(a->push_max);
+  f.pushes = a->push != 0.0f;
+  f.step = broadcast(a->step);
+  f.steps = broadcast(static_cast<float>(a->steps));
+  f.still_distance = broadcast(a->still_distance);
+  f.still_sweeps = broadcast(a->still_sweeps);
   // Half a particle radius in a step, less what gravity adds.
   const float length = a->support * (1.0f / 6.0f) / a->step - a->fall;
   f.fast = broadcast(length > 0.0f ? length * length : 0.0f);
@@ -129,7 +133,8 @@ SANDGLASS_INLINE void read_push(const Fixed& fixed, const uint8_t* const* densit
   for (int k = 2; k >= 0; --k) {
     const Float scaled = inside[k] * broadcast(3.0f) + broadcast(1.5f);  // 1 is the centre of the first cell
     const Int cell = minimum(to_int(scaled), broadcast(static_cast<int32_t>(k_block_cells + 1)));
-    share[k] = scaled - to_float(cell), away[k] = one - share[k];
+    share[k] = scaled - to_float(cell);
+    away[k] = one - share[k];
     first = shift_left(first, 4) - shift_left(first, 1) + cell;
   }
   constexpr int32_t k_row = k_density_cells, k_plane = k_row * k_row;
@@ -216,7 +221,8 @@ SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const Bloc
   const Int none = broadcast(static_cast<int32_t>(k_no_block));
   alignas(64) uint32_t numbers[k_lane_group], records[k_lane_group];
   const bool one = find_blocks(grid, lanes, place, last, numbers);
-  places->known = lanes, places->lacking = and_not(lanes, lanes);
+  places->known = lanes;
+  places->lacking = and_not(lanes, lanes);
   if (one && last->number != k_no_block && grid->overflowed == 0) {
     const uint8_t* density = density_of(*grid, last->number);
     // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
@@ -274,7 +280,10 @@ SANDGLASS_INLINE bool read_flow(const RefineArgs* a, const Fixed& fixed, Mask* l
   const Mask inside = known & (broadcast(k_weight_inside) <= sum.weight);
   if (all(inside)) {
     if (fixed.pushes) read_push(fixed, places.density, place.inside, &sum);
-    flow->weight = sum.weight, flow->x = sum.x, flow->y = sum.y, flow->z = sum.z;
+    flow->weight = sum.weight;
+    flow->x = sum.x;
+    flow->y = sum.y;
+    flow->z = sum.z;
     for (int k = 0; k < 3; ++k) flow->push[k] = sum.push[k];
     return true;
   }
@@ -394,7 +403,9 @@ struct Grains {
 SANDGLASS_INLINE Grains copy_of(const Grains& g) {
   Grains copy;
   for (int k = 0; k < 3; ++k) copy.position[k] = g.position[k], copy.velocity[k] = g.velocity[k];
-  copy.number = g.number, copy.inside = g.inside, copy.settled = g.settled;
+  copy.number = g.number;
+  copy.inside = g.inside;
+  copy.settled = g.settled;
   return copy;
 }
 
@@ -508,8 +519,12 @@ SANDGLASS_INLINE void follow(const RefineArgs* a, const Fixed& fixed, LastBlock*
       Flow gathered = {flow.weight, flow.x, flow.y, flow.z, flow.largest, flow.free, {zero, zero, zero}};
       const Float position[3] = {g->position[0], g->position[1], g->position[2]};
       gather_all(a, left, position, &gathered);
-      flow.weight = gathered.weight, flow.x = gathered.x, flow.y = gathered.y, flow.z = gathered.z;
-      flow.largest = gathered.largest, flow.free = gathered.free;
+      flow.weight = gathered.weight;
+      flow.x = gathered.x;
+      flow.y = gathered.y;
+      flow.z = gathered.z;
+      flow.largest = gathered.largest;
+      flow.free = gathered.free;
     }
   }
   const Following f = find_following(a, &fixed, flow, own, deep, g);
@@ -587,7 +602,8 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
       keeps_still = and_not(keeps_still, and_not(g.inside, fixed.still_sweeps <= sweeps));
       Float moved[k_record_floats];
       for (int k = 0; k < 3; ++k) moved[k] = g.position[k], moved[k_vx + k] = g.velocity[k];
-      moved[k_number] = grain[k_number], moved[k_still_sweeps] = sweeps;
+      moved[k_number] = grain[k_number];
+      moved[k_still_sweeps] = sweeps;
       if (i + k_width > a->grain_count)
         for (uint32_t c = 0; c < k_record_floats; ++c) moved[c] = select(g.inside, moved[c], grain[c]);
       store_records(record, moved);

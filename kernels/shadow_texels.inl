@@ -40,7 +40,8 @@ static void shadow_texels(const ShadowNetwork* network, const TexelRange* range)
     for (uint32_t layer = 0; layer < net.layers; ++layer) {
       dense_layer(net.layer[layer], width, in, out);
       uint8_t* swap = in;
-      in = out, out = swap;
+      in = out;
+      out = swap;
     }
     for (uint32_t t = 0; t < k_texel_block && begin + t < range->count; ++t)
       range->coverage[begin + t] = coverage_of(net, net.last_bias + dot_row(in + t * width, net.last_weights, width));

@@ -14,9 +14,13 @@ struct MotionArrays {
     counts.resize(capacity * k_block_counts);
     uint32_t size = 1;
     while (2 * size <= slots.size()) size *= 2;
-    grid.slots = slots.data(), grid.slot_mask = size - 1;
-    grid.blocks = blocks.data(), grid.block_capacity = capacity;
-    grid.planes = planes[0].values, grid.nodes = nodes[0].values, grid.counts = counts.data();
+    grid.slots = slots.data();
+    grid.slot_mask = size - 1;
+    grid.blocks = blocks.data();
+    grid.block_capacity = capacity;
+    grid.planes = planes[0].values;
+    grid.nodes = nodes[0].values;
+    grid.counts = counts.data();
   }
 
   // What a scene does before grains are counted.

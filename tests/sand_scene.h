@@ -12,7 +12,8 @@ namespace sandglass::tests {
 struct SandScene {
   explicit SandScene(sandglass_clock clock = {}, sandglass_log log = {}) {
     sandglass_scene_desc desc = scene_desc();
-    desc.clock = clock, desc.log = log;
+    desc.clock = clock;
+    desc.log = log;
     desc.unit_items = 64;
     desc.granular.particle_capacity = desc.granular.grain_capacity = 600;
     EXPECT_TRUE(scene.create(desc));
@@ -27,8 +28,10 @@ struct SandScene {
   // `input` has what the frame holds beside the sand.
   sandglass_frame_report frame(sandglass_frame_input input, uint64_t budget_ns) {
     const sandglass_collider floor = floor_at(0);
-    input.time_step = 0.02f, input.budget_ns = budget_ns;
-    input.colliders = &floor, input.collider_count = 1;
+    input.time_step = 0.02f;
+    input.budget_ns = budget_ns;
+    input.colliders = &floor;
+    input.collider_count = 1;
     sandglass_frame_report report = frame_report();
     status = scene.frame(input, &report).code;
     return report;

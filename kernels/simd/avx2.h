@@ -115,8 +115,10 @@ SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Flo
     r[k] = _mm256_set_m128(_mm_load_ps(lanes[k + 4] + offset), _mm_load_ps(lanes[k] + offset));
   const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpackhi_ps(r[0], r[1]);
   const __m256 c = _mm256_unpacklo_ps(r[2], r[3]), d = _mm256_unpackhi_ps(r[2], r[3]);
-  out[0].v = _mm256_shuffle_ps(a, c, 0x44), out[1].v = _mm256_shuffle_ps(a, c, 0xee);
-  out[2].v = _mm256_shuffle_ps(b, d, 0x44), out[3].v = _mm256_shuffle_ps(b, d, 0xee);
+  out[0].v = _mm256_shuffle_ps(a, c, 0x44);
+  out[1].v = _mm256_shuffle_ps(a, c, 0xee);
+  out[2].v = _mm256_shuffle_ps(b, d, 0x44);
+  out[3].v = _mm256_shuffle_ps(b, d, 0xee);
 }
 #include "kernels/simd/corners.inl"
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
@@ -155,7 +157,8 @@ SANDGLASS_INLINE void load_approaches(const float* base, const uint32_t* first, 
   }
   const __m256 a0 = _mm256_unpacklo_ps(r[0], r[1]), a1 = _mm256_unpackhi_ps(r[0], r[1]);
   const __m256 a2 = _mm256_unpacklo_ps(r[2], r[3]), a3 = _mm256_unpackhi_ps(r[2], r[3]);
-  out[0].v = _mm256_shuffle_ps(a0, a2, 0x44), out[1].v = _mm256_shuffle_ps(a0, a2, 0xEE);
+  out[0].v = _mm256_shuffle_ps(a0, a2, 0x44);
+  out[1].v = _mm256_shuffle_ps(a0, a2, 0xEE);
   out[2].v = _mm256_shuffle_ps(a1, a3, 0x44);
 }
 #include "kernels/simd/displacement.inl"

@@ -121,8 +121,10 @@ SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Flo
   }
   const __m512 a = _mm512_unpacklo_ps(r[0], r[1]), b = _mm512_unpackhi_ps(r[0], r[1]);
   const __m512 c = _mm512_unpacklo_ps(r[2], r[3]), d = _mm512_unpackhi_ps(r[2], r[3]);
-  out[0].v = _mm512_shuffle_ps(a, c, 0x44), out[1].v = _mm512_shuffle_ps(a, c, 0xee);
-  out[2].v = _mm512_shuffle_ps(b, d, 0x44), out[3].v = _mm512_shuffle_ps(b, d, 0xee);
+  out[0].v = _mm512_shuffle_ps(a, c, 0x44);
+  out[1].v = _mm512_shuffle_ps(a, c, 0xee);
+  out[2].v = _mm512_shuffle_ps(b, d, 0x44);
+  out[3].v = _mm512_shuffle_ps(b, d, 0xee);
 }
 #include "kernels/simd/corners.inl"
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
@@ -188,7 +190,8 @@ SANDGLASS_INLINE void load_approaches(const float* base, const uint32_t* first, 
   }
   const __m512 a0 = _mm512_unpacklo_ps(r[0], r[1]), a1 = _mm512_unpackhi_ps(r[0], r[1]);
   const __m512 a2 = _mm512_unpacklo_ps(r[2], r[3]), a3 = _mm512_unpackhi_ps(r[2], r[3]);
-  out[0].v = _mm512_shuffle_ps(a0, a2, 0x44), out[1].v = _mm512_shuffle_ps(a0, a2, 0xEE);
+  out[0].v = _mm512_shuffle_ps(a0, a2, 0x44);
+  out[1].v = _mm512_shuffle_ps(a0, a2, 0xEE);
   out[2].v = _mm512_shuffle_ps(a1, a3, 0x44);
 }
 #include "kernels/simd/displacement.inl"

@@ -175,7 +175,8 @@ SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first,
   for (int k = 0; k < 4; ++k) {
     const float32x4x2_t p = vld1q_f32_x2(base + static_cast<uint64_t>(first[k]) * 8);
     const float32x4x2_t q = vld1q_f32_x2(base + static_cast<uint64_t>(second[k]) * 8);
-    low[k] = vsubq_f32(q.val[0], p.val[0]), high[k] = vsubq_f32(q.val[1], p.val[1]);
+    low[k] = vsubq_f32(q.val[0], p.val[0]);
+    high[k] = vsubq_f32(q.val[1], p.val[1]);
   }
   transpose(low[0], low[1], low[2], low[3], t);
   for (int c = 0; c < 4; ++c) out[c].v = t[c];

@@ -52,7 +52,8 @@ AmbientPart find_components(const FloorSquare& square, std::span<const float> hi
   const Eigen::MatrixXd mixing = (bytes.transpose() * bytes).ldlt().solve(bytes.transpose() * all);  // count x cells
 
   AmbientPart part;
-  part.components = static_cast<uint32_t>(count), part.square = square;
+  part.components = static_cast<uint32_t>(count);
+  part.square = square;
   for (Eigen::Index k = 0; k < count; ++k) {
     for (Eigen::Index i = 0; i < cells; ++i) part.mixing.push_back(static_cast<float>(mixing(k, i)));
     for (Eigen::Index t = 0; t < size; ++t) part.texels.push_back(static_cast<int8_t>(bytes(t, k)));

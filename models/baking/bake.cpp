@@ -77,7 +77,8 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   const ShadowCaster caster(geometry.object.mesh, geometry.half_angle, {}, settings.seed);
   ThreadPool pool(settings.threads);
   TrainingSet set;
-  set.size = k_native_size, set.stride = k_stride;
+  set.size = k_native_size;
+  set.stride = k_stride;
   set.lights = ring_directions(geometry.polar_max, settings.textures * k_stride * k_stride);
   TrainingState state = start_training(settings.shape, settings.seed);
   {
@@ -95,8 +96,10 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
     if (!whole) return report;
   }
   TrainingPlan plan;
-  plan.float_steps = settings.steps, plan.quantised_steps = settings.quantised_steps;
-  plan.batch = settings.batch, plan.seed = settings.seed;
+  plan.float_steps = settings.steps;
+  plan.quantised_steps = settings.quantised_steps;
+  plan.batch = settings.batch;
+  plan.seed = settings.seed;
   Trainer trainer(set, plan, pool);
   const auto train = [&](const char* what, uint32_t first, uint32_t steps, BakeReport::Stage* time) {
     const StageClock stage = {time};

@@ -45,7 +45,8 @@ bool bake_ambient(const AmbientSettings& settings, uint64_t seed, uint32_t threa
   file->ambient.rmse = report->made_up.shipped;
   if (!settings.data.empty())
     report->captured = measure_ambient(candidate, captured_environments(settings.data), seed, pool);
-  report->components = file->ambient.components, report->points = file->surface.vertices;
+  report->components = file->ambient.components;
+  report->points = file->surface.vertices;
   report->ms = ShadowRunner(bytes, "baked", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE).ambient_ms();
   if (pictures != nullptr)
     *pictures = ambient_pictures(candidate, std::span(rooms).first(std::min(k_pictures, rooms.size())), pool);

@@ -50,7 +50,8 @@ static void forward(const Batch& b, float* output) {
     z.noalias() += Constant(p, w, depth) * Constant(in, depth, b.samples);
     activate(values, count, b.clips == nullptr ? nullptr : b.clips + layer);
     p += uint64_t{w} * (depth + 1);
-    in = values, depth = w;
+    in = values;
+    depth = w;
   }
   Eigen::Map<Eigen::VectorXf> out(output, b.samples);
   out.noalias() = Constant(in, w, b.samples).transpose() * Column(p, w);
@@ -90,7 +91,8 @@ static double gradient(const Batch& b, const float* target, const float* weight,
     if (layer == 0) break;
     Matrix(other, w, b.samples).noalias() = Constant(b.parameters + at, w, w).transpose() * d;
     float* swap = delta;
-    delta = other, other = swap;
+    delta = other;
+    other = swap;
   }
   return loss;
 }

@@ -32,7 +32,8 @@ struct Directions {
           random = random_mix(random);
           const double b = (i / k_strata_side + random_unit(random)) / k_strata_side;
           const Vec3 d = cell_direction(cell, a, b);
-          x.push_back(static_cast<float>(d.x)), y.push_back(static_cast<float>(d.y));
+          x.push_back(static_cast<float>(d.x));
+          y.push_back(static_cast<float>(d.y));
           z.push_back(static_cast<float>(d.z));
         }
   }

@@ -14,8 +14,11 @@ ShadowRunner::ShadowRunner(std::span<const uint8_t> file, const std::string& nam
   const AlignedBytes aligned(file);
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
-  desc.isa = isa, desc.asset = aligned.data(), desc.asset_bytes = file.size();
-  desc.mode = mode, desc.light_tolerance = 0;
+  desc.isa = isa;
+  desc.asset = aligned.data();
+  desc.asset_bytes = file.size();
+  desc.mode = mode;
+  desc.light_tolerance = 0;
   if (threshold >= 0) desc.threshold = static_cast<uint32_t>(threshold);
   if (const cpp::Status made = shadow_.create(desc); !made) throw cannot("read", name, made.reason);
 }

@@ -112,7 +112,8 @@ void drop_buried(std::vector<SurfacePoint>* points, std::vector<float>* transfer
     std::copy(coefficients, coefficients + k_transfer, transfer->data() + k_transfer * kept);
     ++kept;
   }
-  points->resize(kept), transfer->resize(k_transfer * kept);
+  points->resize(kept);
+  transfer->resize(k_transfer * kept);
 }
 
 SurfacePart round_surface(const std::vector<SurfacePoint>& points, const std::vector<float>& transfer) {

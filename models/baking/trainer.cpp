@@ -76,7 +76,8 @@ void Trainer::Work::draw(uint32_t step_number, uint32_t first, uint32_t count, f
     if (from_edge[i]) index[i] = set.penumbra[index[i]];
     __builtin_prefetch(&set.values[index[i]]);
     const float* light = &lights[size_t{set.texel(index[i]).light} * 3 * k_light_inputs];
-    __builtin_prefetch(light), __builtin_prefetch(light + 3 * k_light_inputs - 1);
+    __builtin_prefetch(light);
+    __builtin_prefetch(light + 3 * k_light_inputs - 1);
   }
   for (uint32_t i = 0; i < count; ++i) {
     share[i] = set.in_penumbra[index[i]] ? in_edge : elsewhere;

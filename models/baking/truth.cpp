@@ -38,7 +38,8 @@ StandingObject stand_on_plane(const Mesh& mesh, const std::string& name) {
       if (!std::isfinite(x))
         throw cannot("bake", name, "it has a vertex that is not finite",
                      "Repair it in a mesh editor and export it again");
-      low[axis] = std::min(low[axis], x), high[axis] = std::max(high[axis], x);
+      low[axis] = std::min(low[axis], x);
+      high[axis] = std::max(high[axis], x);
     }
   if (mesh.indices.empty()) throw cannot("bake", name, "it has no triangles", "Export it as a surface of polygons");
 
@@ -56,7 +57,9 @@ StandingObject stand_on_plane(const Mesh& mesh, const std::string& name) {
   if (extent[0] < k_thinnest * object.scale && extent[2] < k_thinnest * object.scale)
     throw cannot("bake", name, "it is a line without width, which casts no shadow", "Name another mesh");
 
-  object.origin[0] = 0.5 * (low[0] + high[0]), object.origin[1] = low[1], object.origin[2] = 0.5 * (low[2] + high[2]);
+  object.origin[0] = 0.5 * (low[0] + high[0]);
+  object.origin[1] = low[1];
+  object.origin[2] = 0.5 * (low[2] + high[2]);
   object.box = {0.5 * extent[0] / object.scale, 0.5 * extent[2] / object.scale, extent[1] / object.scale};
   object.mesh = mesh;
   for (size_t i = 0; i < mesh.vertices.size(); ++i)
@@ -81,7 +84,9 @@ struct ShadowCaster::Scene {
 ShadowCaster::ShadowCaster(const Mesh& mesh, double half_angle, SampleCounts counts, uint64_t seed)
     : scene_(std::make_unique<Scene>(mesh)) {
   Scene& s = *scene_;
-  s.seed = seed, s.counts = counts, s.light_count = counts.light * counts.light;
+  s.seed = seed;
+  s.counts = counts;
+  s.light_count = counts.light * counts.light;
   s.set_count = s.light_count * counts.points * counts.points;
   if (counts.light % 4 != 0 || counts.points == 0)
     throw Failure(
@@ -91,7 +96,9 @@ ShadowCaster::ShadowCaster(const Mesh& mesh, double half_angle, SampleCounts cou
   // 1 - cos = 2 sin^2(half the angle) keeps the digits of small lights.
   const double sine = std::sin(0.5 * half_angle), depth = 2 * sine * sine;
   const uint32_t side = counts.light, parts = counts.points * counts.points, fine = side * counts.points;
-  s.across.resize(size_t{k_sets} * s.set_count), s.beside.resize(s.across.size()), s.along.resize(s.across.size());
+  s.across.resize(size_t{k_sets} * s.set_count);
+  s.beside.resize(s.across.size());
+  s.along.resize(s.across.size());
   std::vector<uint32_t> order(parts);
   for (uint32_t set = 0; set < k_sets; ++set)
     for (uint32_t block = 0; block < s.light_count; ++block) {
@@ -101,7 +108,8 @@ ShadowCaster::ShadowCaster(const Mesh& mesh, double half_angle, SampleCounts cou
       for (uint32_t i = 0; i < parts; ++i) {
         random = random_mix(random);
         const uint32_t other = static_cast<uint32_t>(random % (i + 1));
-        order[i] = order[other], order[other] = i;
+        order[i] = order[other];
+        order[other] = i;
       }
       for (uint32_t point = 0; point < parts; ++point) {
         random = random_mix(random);

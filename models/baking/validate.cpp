@@ -105,7 +105,11 @@ double structural_similarity(const std::vector<float>& a, const std::vector<floa
         for (uint32_t u = x; u < x + k_window; ++u) {
           const double p = static_cast<double>(a[size_t{v} * size + u]),
                        q = static_cast<double>(b[size_t{v} * size + u]);
-          sa += p, sb += q, saa += p * p, sbb += q * q, sab += p * q;
+          sa += p;
+          sb += q;
+          saa += p * p;
+          sbb += q * q;
+          sab += p * q;
         }
       const double ma = sa / k_count, mb = sb / k_count;
       const double va = saa / k_count - ma * ma, vb = sbb / k_count - mb * mb, covariance = sab / k_count - ma * mb;

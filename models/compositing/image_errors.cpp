@@ -153,7 +153,9 @@ std::vector<Vec3> seen_colours(const RadianceMap& map, double per_degree) {
   for (Plane& channel : channels) channel.resize(pixels);
   for (size_t i = 0; i < pixels; ++i) {
     const Vec3 o = opponent(displayed(map, i));
-    channels[0][i] = o.x, channels[1][i] = o.y, channels[2][i] = o.z;
+    channels[0][i] = o.x;
+    channels[1][i] = o.y;
+    channels[2][i] = o.z;
   }
   for (size_t c = 0; c < 3; ++c)
     channels[c] = sensitivity_filtered(channels[c], map.width, map.height, k_sensitivity[c], per_degree);
@@ -214,8 +216,11 @@ double structural_similarity(const RadianceMap& truth, const RadianceMap& pictur
       const Vec3 c = displayed(map, i);
       return 0.2126 * encoded(c.x) + 0.7152 * encoded(c.y) + 0.0722 * encoded(c.z);
     };
-    a[i] = luma(truth), b[i] = luma(picture);
-    aa[i] = a[i] * a[i], bb[i] = b[i] * b[i], ab[i] = a[i] * b[i];
+    a[i] = luma(truth);
+    b[i] = luma(picture);
+    aa[i] = a[i] * a[i];
+    bb[i] = b[i] * b[i];
+    ab[i] = a[i] * b[i];
   }
   for (Plane* plane : {&a, &b, &aa, &bb, &ab}) *plane = filtered(*plane, truth.width, truth.height, window, window);
   double sum = 0.0;

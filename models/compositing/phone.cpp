@@ -102,7 +102,8 @@ std::vector<SessionImage> session_images(Session session, uint64_t seed) {
       for (int ring = 0; ring < 4; ++ring)
         for (int i = 0; i < 12; ++i) {
           const double pitch[4] = {-40, 0, 40, 80};
-          add(30.0 * i, pitch[ring]), add(30.0 * i, pitch[ring], k_short);
+          add(30.0 * i, pitch[ring]);
+          add(30.0 * i, pitch[ring], k_short);
         }
       break;
   }

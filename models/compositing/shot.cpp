@@ -71,8 +71,10 @@ void require_baked_of(const ColliderTrack& track, const Mesh& standing, const st
 
 ShotPictureOptions compared(uint32_t threads) {
   ShotPictureOptions options;
-  options.width = k_compared_width, options.height = k_compared_height;
-  options.paths = k_compared_paths, options.threads = threads;
+  options.width = k_compared_width;
+  options.height = k_compared_height;
+  options.paths = k_compared_paths;
+  options.threads = threads;
   return options;
 }
 
@@ -320,7 +322,9 @@ Picture Shot::developed_as_seen(const RadianceMap& shown, uint64_t seed) const {
 
 Picture Shot::paint(const Snapshot& snapshot, int width, int height, uint32_t threads) const {
   ShotPictureOptions options;
-  options.width = width, options.height = height, options.threads = threads;
+  options.width = width;
+  options.height = height;
+  options.threads = threads;
   const RadianceMap shown =
       drawing_of(snapshot).composite(around(snapshot.frame), camera(snapshot.frame), light(snapshot.frame),
                                      snapshot.shadows, CastShadow::textures, options);

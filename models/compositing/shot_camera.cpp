@@ -40,7 +40,9 @@ ShotCamera held_camera(const Camera& camera, const ShotTrack& track, double seco
   ShotCamera shot = resting_camera(camera);
   const Quaternion turn =
       multiply(rotation_by({0, yaw, 0}), multiply(rotation_by(shot.right * pitch), rotation_by(shot.forward * roll)));
-  shot.right = rotate(turn, shot.right), shot.up = rotate(turn, shot.up), shot.forward = rotate(turn, shot.forward);
+  shot.right = rotate(turn, shot.right);
+  shot.up = rotate(turn, shot.up);
+  shot.forward = rotate(turn, shot.forward);
   return shot;
 }
 

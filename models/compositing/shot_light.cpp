@@ -23,8 +23,10 @@ std::array<double, k_harmonics> harmonics_at(Vec3 d) {
 
 ShotLight dark() {
   ShotLight light = {};
-  light.struct_size = sizeof light, light.valid = 1;
-  light.main_direction[1] = 1.0f, light.white = 1.0f;
+  light.struct_size = sizeof light;
+  light.valid = 1;
+  light.main_direction[1] = 1.0f;
+  light.white = 1.0f;
   for (float& c : light.main_colour) c = 1.0f;
   return light;
 }
@@ -93,7 +95,8 @@ ShotLight one_light(Vec3 towards, double share, Vec3 irradiance) {
   ShotLight light = dark();
   const Vec3 d = normalised(towards);
   share = d.y > 0.0 ? share : 0.0;
-  to_floats(d, light.main_direction), to_floats(irradiance, light.irradiance);
+  to_floats(d, light.main_direction);
+  to_floats(irradiance, light.irradiance);
   light.main_share = static_cast<float>(share);
   const std::array<double, k_harmonics> y = harmonics_at(d);
   for (uint32_t j = 0; j < k_harmonics; ++j) {
@@ -124,7 +127,8 @@ ShotLight mirrored(const ShotLight& light) {
   ShotLight out = light;
   for (uint32_t i = 0; i < k_light_cells; ++i) {
     const uint32_t from = mirrored_cell(i);
-    out.cells[i] = light.cells[from], out.ambient_cells[i] = light.ambient_cells[from];
+    out.cells[i] = light.cells[from];
+    out.ambient_cells[i] = light.ambient_cells[from];
   }
   out.main_direction[2] = -light.main_direction[2];
   for (const uint32_t odd : {2u, 5u, 7u})  // the polynomials with an odd power of z

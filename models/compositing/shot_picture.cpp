@@ -82,15 +82,18 @@ struct ShotPicture::State {
     }
     const EmbreeHit on_object = object.closest(origin, direction, hit.distance);
     if (on_object.found) {
-      hit.surface = Surface::object, hit.distance = static_cast<double>(on_object.distance);
+      hit.surface = Surface::object;
+      hit.distance = static_cast<double>(on_object.distance);
       hit.normal = on_object.unit_normal();
       if (dot(hit.normal, direction) > 0.0) hit.normal = hit.normal * -1.0;
-      hit.reflectance = k_object, hit.triangle = on_object.primitive;
+      hit.reflectance = k_object;
+      hit.triangle = on_object.primitive;
     }
     SphereHit on_grain;
     on_grain.distance = hit.distance;
     if (grains.closest(origin, direction, &on_grain)) {
-      hit.surface = Surface::grain, hit.distance = on_grain.distance;
+      hit.surface = Surface::grain;
+      hit.distance = on_grain.distance;
       const float* c = centres.data() + 3 * static_cast<size_t>(on_grain.index);
       const Vec3 outward = normalised(origin + direction * hit.distance - Vec3{c[0], c[1], c[2]});
       // Faces, but one size: the shadows of the sand are those of spheres of the mean radius.
@@ -296,7 +299,8 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
         const Vec3 direction = normalised(camera.ray(x + across, y + down, options.width, options.height));
         const Hit hit = state_->closest(camera.eye, direction);
         if (hit.surface == Surface::none || (hit.surface == Surface::floor && length(hit.point) > k_catcher_reach)) {
-          background = background + look_up(room.panorama, direction), ++behind;
+          background = background + look_up(room.panorama, direction);
+          ++behind;
           continue;
         }
         const Vec3 start = hit.point + hit.normal * k_lift;
@@ -307,8 +311,11 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
             arriving(start, cosine_direction(hit.normal, first, second), k_bounces - 1, &random) * k_pi;
         if (hit.surface == Surface::floor) {
           // Without what stands on it, a level floor gets no indirect light: it sends none to itself.
-          with = with + seen + indirect, without = without + open;
-          background = background + look_up(room.panorama, direction), ++caught, ++behind;
+          with = with + seen + indirect;
+          without = without + open;
+          background = background + look_up(room.panorama, direction);
+          ++caught;
+          ++behind;
         } else {
           solid = solid + product(hit.reflectance, seen + indirect) * (1.0 / k_pi);
         }

@@ -71,7 +71,8 @@ Surroundings moved(const Surroundings& surroundings, const Camera& camera, Vec3 
 Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name, const Camera& camera,
                                    double azimuth_deg, Vec3 standing, double insertion) {
   Surroundings s;
-  s.name = name, s.insertion = insertion;
+  s.name = name;
+  s.insertion = insertion;
   const Vec3 ahead = camera.target - camera.eye;
   const double turn = azimuth_deg * k_pi / 180.0 - std::atan2(ahead.z, ahead.x);
   const int w = panorama.width, shift = static_cast<int>(std::lround(turn / (2.0 * k_pi) * w));
@@ -104,7 +105,9 @@ RadianceMap traced_room(uint32_t seed, const std::string& folder, uint32_t threa
     if (RadianceMap map = read_panorama(path); map.width == k_room_width) return map;
   const Room room = make_room(seed);
   RoomRenderOptions options;
-  options.width = k_room_width, options.samples = k_room_samples, options.threads = threads;
+  options.width = k_room_width;
+  options.samples = k_room_samples;
+  options.threads = threads;
   RadianceMap map = trace_room(room, options).radiance;
   expose(&map, room.key);
   if (path.empty()) return map;

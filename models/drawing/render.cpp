@@ -339,7 +339,9 @@ struct Tracer {
       }
       sum = sum * (1.0 / (options.samples * options.samples));
       uint8_t* pixel = picture->at(x, y);
-      pixel[0] = srgb_byte(sum.x), pixel[1] = srgb_byte(sum.y), pixel[2] = srgb_byte(sum.z);
+      pixel[0] = srgb_byte(sum.x);
+      pixel[1] = srgb_byte(sum.y);
+      pixel[2] = srgb_byte(sum.z);
     }
   }
 };
@@ -478,8 +480,10 @@ Camera automatic_camera(std::span<const Bounds> boxes, double aspect) {
     for (const Vec3& corner : corners) {
       const Vec3 at = corner - camera.target;
       const double depth = distance - dot(at, towards_eye);
-      left = std::min(left, dot(at, frame.right) / depth), right = std::max(right, dot(at, frame.right) / depth);
-      bottom = std::min(bottom, dot(at, frame.up) / depth), top = std::max(top, dot(at, frame.up) / depth);
+      left = std::min(left, dot(at, frame.right) / depth);
+      right = std::max(right, dot(at, frame.right) / depth);
+      bottom = std::min(bottom, dot(at, frame.up) / depth);
+      top = std::max(top, dot(at, frame.up) / depth);
     }
     camera.target =
         camera.target + frame.right * (0.5 * (left + right) * distance) + frame.up * (0.5 * (bottom + top) * distance);

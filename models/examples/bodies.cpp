@@ -25,7 +25,8 @@ sandglass::Status run(sandglass::Scene& scene, const sandglass::BoxBody& box, in
                                     {}};
   sandglass_frame_input input = sandglass::frame_input();
   input.time_step = 1.0f / 60.0f;
-  input.colliders = colliders, input.collider_count = 6;
+  input.colliders = colliders;
+  input.collider_count = 6;
   sandglass::Status status;
   for (int frame = 0; status && frame < frames; ++frame) {
     colliders[5] = box.collider(scene.body_pose(0));  // keeps the grains out; its pose is also that of the box's mesh
@@ -47,7 +48,8 @@ int main() {
 
   sandglass_scene_desc desc = sandglass::scene_desc();
   desc.granular.particle_radius = k_radius;
-  desc.granular.body_capacity = 1, desc.granular.body_particle_capacity = box.body.particle_count;
+  desc.granular.body_capacity = 1;
+  desc.granular.body_particle_capacity = box.body.particle_count;
   desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3) + box.body.particle_count;
   desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
   desc.granular.collider_capacity = 6;

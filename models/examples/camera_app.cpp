@@ -15,10 +15,12 @@ int main(int argc, char** argv) {
   if (!status) return std::fprintf(stderr, "%s: %s\n", argv[2], status.reason), 1;
   // The chair's shadows, and how the points of its mesh see the room past the chair itself: here one, on its seat.
   sandglass_shadow_desc shadow_desc = sandglass::shadow_desc();
-  shadow_desc.asset = baked.words.data(), shadow_desc.asset_bytes = baked.bytes;
+  shadow_desc.asset = baked.words.data();
+  shadow_desc.asset_bytes = baked.bytes;
   sandglass::Shadow shadow;
   std::vector<float> seat = {0, 0.46f, 0}, normal = {0, 1, 0}, transfer;  // nine for each point
-  status = shadow.create(shadow_desc), shadow.run();                      // a shadow from the first frame on
+  status = shadow.create(shadow_desc);                                    // a shadow from the first frame on
+  shadow.run();
   if (status) status = sandglass::shadow_transfer(shadow_desc, seat, normal, &transfer);
   if (!status) return std::fprintf(stderr, "%s: %s\n", argv[1], status.reason), 1;
   // Sand: particles that collide, grains that are drawn, and the shadow that they cast.
@@ -30,7 +32,8 @@ int main(int argc, char** argv) {
   if (status) status = sandglass::sample_volume(box, 0.7f * r, everywhere, &grains);
   sandglass_scene_desc desc = sandglass::scene_desc();
   desc.clock = sandglass_clock_system();
-  desc.granular.particle_radius = r, desc.granular.collider_capacity = 1;
+  desc.granular.particle_radius = r;
+  desc.granular.collider_capacity = 1;
   desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
   desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
   sandglass_pile_shadow_desc pile_desc = sandglass::pile_shadow_desc();  // one square metre around the origin
@@ -44,9 +47,16 @@ int main(int argc, char** argv) {
   const sandglass_collider floor = sandglass::floor_at(0.0f);        // the plane that ARCore or ARKit found
   sandglass_shadow* const shadows[] = {shadow.get()};
   sandglass_frame_input input = sandglass::frame_input();
-  input.time_step = 1.0f / 60.0f, input.budget_ns = 4'000'000, input.colliders = &floor, input.collider_count = 1;
-  input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
-  input.shadows = shadows, input.shadow_count = 1, input.pile_shadow = pile.get(), input.room = room.get();
+  input.time_step = 1.0f / 60.0f;
+  input.budget_ns = 4'000'000;
+  input.colliders = &floor;
+  input.collider_count = 1;
+  input.grains = drawn.data();
+  input.grain_capacity = desc.granular.grain_capacity;
+  input.shadows = shadows;
+  input.shadow_count = 1;
+  input.pile_shadow = pile.get();
+  input.room = room.get();
   MadeUpCamera camera;
   const float place[3] = {0, 0, 0};                                  // of the chair
   sandglass_room_light light = room.light_at(place), known = light;  // before any image: what is usual in a room

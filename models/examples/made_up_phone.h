@@ -20,7 +20,8 @@ struct Asset {
     std::ostringstream file;
     file << std::ifstream(path, std::ios::binary).rdbuf();
     const std::string content = file.str();
-    words.resize(content.size() / 8 + 1), bytes = content.size();
+    words.resize(content.size() / 8 + 1);
+    bytes = content.size();
     std::copy(content.begin(), content.end(), reinterpret_cast<char*>(words.data()));
   }
   std::vector<uint64_t> words;
@@ -56,10 +57,13 @@ class MadeUpCamera {
     }
     exposure_ += 0.4f * (0.35f * k_width * k_height / static_cast<float>(sum) - exposure_);
     image_.format = SANDGLASS_CAMERA_RGB;
-    image_.width = k_width, image_.height = k_height;
-    image_.planes[0] = pixels_.data(), image_.strides[0] = 3 * k_width;
+    image_.width = k_width;
+    image_.height = k_height;
+    image_.planes[0] = pixels_.data();
+    image_.strides[0] = 3 * k_width;
     image_.focal_x = image_.focal_y = k_focal;
-    image_.centre_x = 0.5f * (k_width - 1), image_.centre_y = 0.5f * (k_height - 1);
+    image_.centre_x = 0.5f * (k_width - 1);
+    image_.centre_y = 0.5f * (k_height - 1);
     sandglass_camera_orientation(pose_, image_.orientation);
     std::copy(pose_ + 12, pose_ + 15, image_.position);
     image_.timestamp_ns = static_cast<uint64_t>(frame_) * 16'666'667u;

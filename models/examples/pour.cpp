@@ -11,7 +11,8 @@ int main() {
   desc.granular.particle_radius = 0.01f;    // metres
   desc.granular.particle_capacity = 3000;   // collide with each other
   desc.granular.grain_capacity = 8 * 3000;  // are drawn
-  desc.granular.emitter_capacity = 1, desc.granular.collider_capacity = 2;
+  desc.granular.emitter_capacity = 1;
+  desc.granular.collider_capacity = 2;
   sandglass::Scene scene;
   sandglass::Status status = scene.create(desc);  // the only allocation
 
@@ -20,13 +21,19 @@ int main() {
   sandglass_collider colliders[] = {sandglass::floor_at(0.0f), sandglass::sphere(0.0f, 0.25f, 0.0f, 0.06f)};
   std::vector<sandglass_grain> drawn(desc.granular.grain_capacity);  // an app hands over its mapped GPU buffer
   sandglass_frame_input input = sandglass::frame_input();
-  input.time_step = 1.0f / 60.0f, input.budget_ns = 4'000'000;
-  input.emitters = &nozzle, input.emitter_count = 1, input.colliders = colliders, input.collider_count = 2;
-  input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
+  input.time_step = 1.0f / 60.0f;
+  input.budget_ns = 4'000'000;
+  input.emitters = &nozzle;
+  input.emitter_count = 1;
+  input.colliders = colliders;
+  input.collider_count = 2;
+  input.grains = drawn.data();
+  input.grain_capacity = desc.granular.grain_capacity;
   sandglass_frame_report report = sandglass::frame_report();
   for (int frame = 0; status && frame < 240; ++frame) {
     const float t = 2.0f * input.time_step * static_cast<float>(frame);
-    colliders[1].position[0] = 0.1f * std::sin(t), colliders[1].linear_velocity[0] = 0.2f * std::cos(t);
+    colliders[1].position[0] = 0.1f * std::sin(t);
+    colliders[1].linear_velocity[0] = 0.2f * std::cos(t);
     status = scene.frame(input, &report);
   }
   if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;

@@ -17,7 +17,8 @@ int main(int argc, char** argv) {
   std::copy(bytes.begin(), bytes.end(), reinterpret_cast<char*>(words.data()));
 
   sandglass_shadow_desc desc = sandglass::shadow_desc();
-  desc.asset = words.data(), desc.asset_bytes = bytes.size();
+  desc.asset = words.data();
+  desc.asset_bytes = bytes.size();
   sandglass_shadow_info chair{};
   sandglass::Shadow shadow;
   sandglass::Status status = sandglass::inspect_shadow(desc.asset, desc.asset_bytes, &chair);
@@ -35,7 +36,9 @@ int main(int argc, char** argv) {
     for (int v = 0; v < texels; ++v)
       for (int u = 0; u < texels; ++u) {
         const double covered = texture.coverage[v * texels + u];
-        sum += covered, middle_x += covered * (u + 0.5) / texels, middle_z += covered * (v + 0.5) / texels;
+        sum += covered;
+        middle_x += covered * (u + 0.5) / texels;
+        middle_z += covered * (v + 0.5) / texels;
       }
     const double to_x = texture.low[0] + middle_x / sum * (texture.high[0] - texture.low[0]) - chair.origin[0];
     const double to_z = texture.low[1] + middle_z / sum * (texture.high[1] - texture.low[1]) - chair.origin[2];

@@ -108,7 +108,9 @@ void read_segment(uint32_t marker, std::string_view file, size_t size, Jpeg* jpe
   // All markers in the range begin a frame but three: tables, a reserved one, and arithmetic conditioning.
   if (marker < k_first_frame || marker > k_last_frame || marker == k_tables || marker == 0xC8 || marker == 0xCC) return;
   const Bytes frame = {content};
-  head->bits = frame.number(0, 1), head->height = frame.number(1, 2), head->width = frame.number(3, 2);
+  head->bits = frame.number(0, 1);
+  head->height = frame.number(1, 2);
+  head->width = frame.number(3, 2);
   head->components = frame.number(5, 1);
   jpeg->progressive = marker == k_progressive;
 }
@@ -156,7 +158,8 @@ PictureHead picture_head(std::string_view bytes) {
   } else {
     for (const Known& other : k_others)
       if (bytes.size() > other.at && bytes.substr(other.at).starts_with(other.magic)) {
-        head.kind = PictureHead::Kind::other, head.name = other.name;
+        head.kind = PictureHead::Kind::other;
+        head.name = other.name;
         break;
       }
   }

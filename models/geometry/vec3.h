@@ -22,7 +22,9 @@ inline Vec3 normalised(Vec3 a) { return a * (1.0 / length(a)); }
 // Converts from and to the three floats of the public API.
 inline Vec3 from_floats(const float* v) { return {v[0], v[1], v[2]}; }
 inline void to_floats(Vec3 v, float* out) {
-  out[0] = static_cast<float>(v.x), out[1] = static_cast<float>(v.y), out[2] = static_cast<float>(v.z);
+  out[0] = static_cast<float>(v.x);
+  out[1] = static_cast<float>(v.y);
+  out[2] = static_cast<float>(v.z);
 }
 
 using Quaternion = std::array<double, 4>;

@@ -171,7 +171,8 @@ LightFile random_light_file(uint64_t seed) {
   file.latent_bias = numbers(k_light_latent, -1, 1);
   file.heads_weights = numbers(size_t{k_light_heads} * k_light_latent, -0.06, 0.06);
   file.heads_bias = numbers(k_light_heads, -0.5, 0.5);
-  file.data_hash = seed, file.seed = seed;
+  file.data_hash = seed;
+  file.seed = seed;
   return file;
 }
 

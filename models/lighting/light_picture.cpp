@@ -38,7 +38,9 @@ Picture lit_ball(const sandglass_light_estimate& e) {
       const double facing = std::max(0.0, dot(Vec3{u, v, -std::sqrt(depth)}, towards));
       const Colour c = shown((vector_of(e.ambient) + vector_of(e.light) * (e.strength * facing)) * k_reflectance);
       uint8_t* pixel = picture.at(x, y);
-      pixel[0] = c.r, pixel[1] = c.g, pixel[2] = c.b;
+      pixel[0] = c.r;
+      pixel[1] = c.g;
+      pixel[2] = c.b;
     }
   return picture;
 }
@@ -48,9 +50,11 @@ Picture lit_ball(const sandglass_light_estimate& e) {
 void draw_light_arrow(Picture* picture, Vec3 d, Colour colour) {
   const double cx = 0.5 * picture->width, cy = 0.5 * picture->height, reach = 0.42 * picture->height;
   const double x = cx + reach * d.x, y = cy + reach * d.y;
-  draw_line(picture, cx, cy, x, y, k_black, 5), draw_line(picture, cx, cy, x, y, colour, 3);
+  draw_line(picture, cx, cy, x, y, k_black, 5);
+  draw_line(picture, cx, cy, x, y, colour, 3);
   const int px = static_cast<int>(x), py = static_cast<int>(y);
-  fill_rectangle(picture, px - 6, py - 6, 13, 13, k_black), fill_rectangle(picture, px - 5, py - 5, 11, 11, colour);
+  fill_rectangle(picture, px - 6, py - 6, 13, 13, k_black);
+  fill_rectangle(picture, px - 5, py - 5, 11, 11, colour);
   if (d.z < 0.0) fill_rectangle(picture, px - 2, py - 2, 5, 5, k_black);
 }
 

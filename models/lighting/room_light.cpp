@@ -8,7 +8,9 @@ RoomLight::RoomLight(const std::string& path, bool filter, sandglass_isa isa)
     : file_(read_aligned(path, "lighting network")) {
   sandglass_estimator_desc desc;
   sandglass_estimator_desc_default(&desc);
-  desc.isa = isa, desc.asset = file_.data(), desc.asset_bytes = file_.size();
+  desc.isa = isa;
+  desc.asset = file_.data();
+  desc.asset_bytes = file_.size();
   if (!filter) desc.interval = desc.smoothing = 0.0f;
   const char* reason = nullptr;
   uint64_t need = 0;
@@ -44,8 +46,10 @@ sandglass_camera_image camera_image_of(const Picture& picture, double diagonal_d
   sandglass_camera_image image;
   sandglass_camera_image_default(&image);
   image.format = SANDGLASS_CAMERA_RGB;
-  image.width = static_cast<uint32_t>(picture.width), image.height = static_cast<uint32_t>(picture.height);
-  image.planes[0] = picture.rgb.data(), image.strides[0] = 3 * image.width;
+  image.width = static_cast<uint32_t>(picture.width);
+  image.height = static_cast<uint32_t>(picture.height);
+  image.planes[0] = picture.rgb.data();
+  image.strides[0] = 3 * image.width;
   image.focal_x = image.focal_y = sandglass_camera_focal(image.width, image.height, static_cast<float>(diagonal_deg));
   image.centre_x = 0.5f * static_cast<float>(picture.width - 1);
   image.centre_y = 0.5f * static_cast<float>(picture.height - 1);
@@ -53,7 +57,8 @@ sandglass_camera_image camera_image_of(const Picture& picture, double diagonal_d
 }
 
 sandglass_light_estimate in_camera_frame(sandglass_light_estimate estimate) {
-  estimate.direction[1] = -estimate.direction[1], estimate.direction[2] = -estimate.direction[2];
+  estimate.direction[1] = -estimate.direction[1];
+  estimate.direction[2] = -estimate.direction[2];
   return estimate;
 }
 

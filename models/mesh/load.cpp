@@ -158,7 +158,8 @@ class Sender {
       const ssize_t written = write(pipe_, from, bytes);
       if (written < 0 && errno == EINTR) continue;
       if (written <= 0) _exit(1);
-      from += written, bytes -= static_cast<size_t>(written);
+      from += written;
+      bytes -= static_cast<size_t>(written);
     }
   }
   int pipe_;
@@ -213,7 +214,8 @@ MeshResult parse_apart(const std::string& path, uint64_t file_bytes) {
   if (pipe2(ends, O_CLOEXEC) != 0) return fail(path, "cannot be read: there are too many open files. Close some.");
   const pid_t child = fork();
   if (child < 0) {
-    close(ends[0]), close(ends[1]);
+    close(ends[0]);
+    close(ends[1]);
     return fail(path, "cannot be read: this machine has no room for another process. End some.");
   }
   if (child == 0) parse_and_send(path, file_bytes, ends[1]);
@@ -231,7 +233,9 @@ MeshResult parse_apart(const std::string& path, uint64_t file_bytes) {
   }
   MeshResult result;
   Receiver from = {bytes};
-  from.receive(&result.error), from.receive(&result.mesh.vertices), from.receive(&result.mesh.indices);
+  from.receive(&result.error);
+  from.receive(&result.mesh.vertices);
+  from.receive(&result.mesh.indices);
   if (status != 0 || !from.good)
     return fail(path, "is damaged so that the mesh reader did not end well. Export it again.");
   return result.error.empty() ? clean_mesh(result.mesh.vertices, result.mesh.indices, path) : result;

@@ -49,7 +49,11 @@ std::string measurements(const BakeReport& r, const BakeSettings& settings) {
   std::vector<Measurement> all;
   const auto keep = [&](const char* name, const char* metric, const char* unit, double value) {
     Measurement m;
-    m.suite = "bake", m.scene = name, m.metric = metric, m.unit = unit, m.value = value;
+    m.suite = "bake";
+    m.scene = name;
+    m.metric = metric;
+    m.unit = unit;
+    m.value = value;
     m.threads = settings.threads;
     all.push_back(m);
   };

@@ -24,7 +24,9 @@ struct LevelCost {
 
 int budget_command(const BudgetOptions& options) {
   RunOptions run_options;
-  run_options.scene = options.scene, run_options.mesh = options.mesh, run_options.frames = options.frames;
+  run_options.scene = options.scene;
+  run_options.mesh = options.mesh;
+  run_options.frames = options.frames;
   run_options.budget_ms = k_no_limit_ms;
   run_options.as = phone_cores().front().name;  // instructions are those of every core
   const PhoneCore& counted = phone_cores().front();
@@ -42,10 +44,12 @@ int budget_command(const BudgetOptions& options) {
     levels.push_back({elapsed.mean * per_ms, elapsed.p999.value_or(elapsed.max) * per_ms});
     told = elapsed.p999.has_value();
     guessed = run.phone()->guessed();
-    scene = run.report().scene, frames = run.report().frames.size();
+    scene = run.report().scene;
+    frames = run.report().frames.size();
     if (frames == 0) break;
     const sandglass_sand_report& sand = run.report().frames.back().report.sand;
-    particles = sand.particles, grains = sand.grains;
+    particles = sand.particles;
+    grains = sand.grains;
   }
   if (interrupted()) return k_exit_interrupted;
 

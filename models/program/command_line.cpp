@@ -248,7 +248,8 @@ std::string in_lines(const std::string& text) {
   for (const std::string& word : CLI::detail::split(text, ' ')) {
     if (length > 0 && length + 1 + word.size() > k_text_width) lines += '\n', length = 0;
     else if (length > 0) lines += ' ', ++length;
-    lines += word, length += word.size();
+    lines += word;
+    length += word.size();
   }
   return lines;
 }

@@ -56,7 +56,8 @@ void inspect_shadow_file(const std::string& path, const std::string& content) {
   const sandglass_shadow_info info = inspect_shadow(file, path);
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
-  desc.asset = file.data(), desc.asset_bytes = file.size();
+  desc.asset = file.data();
+  desc.asset_bytes = file.size();
   uint64_t memory = 0;
   const char* reason = nullptr;
   if (sandglass_shadow_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
@@ -89,7 +90,8 @@ void inspect_light(const std::string& path, const std::string& content) {
   if (open_light_asset(file.data(), file.size(), &asset, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
   sandglass_estimator_desc desc;
   sandglass_estimator_desc_default(&desc);
-  desc.asset = file.data(), desc.asset_bytes = file.size();
+  desc.asset = file.data();
+  desc.asset_bytes = file.size();
   uint64_t memory = 0;
   if (sandglass_estimator_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
   std::printf("lighting network '%s', version %u\n  trained on   %u images, calibrated on %u\n", asset.name,
@@ -114,7 +116,8 @@ void inspect_scene(const std::string& path, const std::string& mesh) {
   } else {
     const LoadedMeshes meshes(scene, mesh);
     const Material material = fill_scene(&scene, meshes.bodies());
-    particles = material.particles(), grains = material.grains();
+    particles = material.particles();
+    grains = material.grains();
   }
   std::printf("  particles    %u of radius %g m\n  grains       %u\n  friction     %g static, %g kinetic\n", particles,
               scene.particle_radius, grains, static_cast<double>(scene.granular.static_friction),

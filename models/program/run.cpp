@@ -109,7 +109,9 @@ void Run::take_shot() {
   ShotOptions o;
   o.panorama = options_.panorama, o.later = options_.later, o.photo = options_.photo,
   o.photo_fov_deg = options_.fov_deg;
-  o.mesh = options_.collider_mesh, o.folder = options_.out, o.threads = drawing_threads();
+  o.mesh = options_.collider_mesh;
+  o.folder = options_.out;
+  o.threads = drawing_threads();
   for (const LightSource source : {LightSource::room, LightSource::truth, LightSource::estimate, LightSource::nothing})
     if (options_.light == name_of(source)) o.light = source;
   o.isa = find_isa(options_.isa);
@@ -202,7 +204,8 @@ sandglass_frame_report Run::advance(uint32_t frame, std::vector<sandglass_collid
 
 void Run::take_snapshot(uint32_t frame, std::vector<sandglass_collider> colliders) {
   Snapshot snapshot;
-  snapshot.frame = frame, snapshot.time = frame * scene_.frame_step;
+  snapshot.frame = frame;
+  snapshot.time = frame * scene_.frame_step;
   snapshot.grains = present(simulation_->grain_positions()),
   snapshot.particles = present(simulation_->particle_positions());
   shadows_->draw(colliders, &snapshot.shadows);

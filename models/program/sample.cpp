@@ -98,7 +98,8 @@ Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOpt
 // Draws the points as balls. Those of a volume touch; those of a surface have a little room.
 void write_picture(const SampleOptions& options, const Points& points) {
   RenderOptions drawing;
-  drawing.width = drawing.height = 960, drawing.scale = false;
+  drawing.width = drawing.height = 960;
+  drawing.scale = false;
   SceneView view;
   view.spheres = points;
   view.radius = static_cast<float>(options.distance) * (options.where == "surface" ? 0.45f : 0.5f);

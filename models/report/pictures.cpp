@@ -50,8 +50,11 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& b
   view.shadows = snapshot.shadows.object;
   view.to_light = snapshot.to_light;
   RenderOptions options;
-  options.width = width, options.height = height, options.threads = set.threads;
-  options.plain = set.plain, options.scale = !set.plain;
+  options.width = width;
+  options.height = height;
+  options.threads = set.threads;
+  options.plain = set.plain;
+  options.scale = !set.plain;
   if (set.plain) options.samples = k_plain_samples;
   Picture picture =
       set.painter && !particles ? set.painter(snapshot, width, height, set.threads) : render(view, options);

@@ -73,7 +73,9 @@ Distribution distribution(std::vector<double> values) {
   const auto upper = [&](double q) {
     return tells_quantile(values.size(), q) ? std::optional(quantile(values, q)) : std::nullopt;
   };
-  d.p95 = upper(0.95), d.p99 = upper(0.99), d.p999 = upper(0.999);
+  d.p95 = upper(0.95);
+  d.p99 = upper(0.99);
+  d.p999 = upper(0.999);
   d.max = quantile(values, 1.0);
   return d;
 }

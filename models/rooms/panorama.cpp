@@ -88,7 +88,9 @@ Picture tone_mapped_picture(const RadianceMap& map, double white) {
     for (int u = 0; u < map.width; ++u) {
       const Vec3 c = tone_mapped(map.colour(u, v), white);
       uint8_t* pixel = picture.at(u, v);
-      pixel[0] = srgb_byte(c.x), pixel[1] = srgb_byte(c.y), pixel[2] = srgb_byte(c.z);
+      pixel[0] = srgb_byte(c.x);
+      pixel[1] = srgb_byte(c.y);
+      pixel[2] = srgb_byte(c.z);
     }
   return picture;
 }

@@ -31,7 +31,9 @@ struct RadianceMap {
   }
   void set(int u, int v, Vec3 c) {
     float* pixel = at(u, v);
-    pixel[0] = static_cast<float>(c.x), pixel[1] = static_cast<float>(c.y), pixel[2] = static_cast<float>(c.z);
+    pixel[0] = static_cast<float>(c.x);
+    pixel[1] = static_cast<float>(c.y);
+    pixel[2] = static_cast<float>(c.z);
   }
 };
 

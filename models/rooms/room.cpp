@@ -33,8 +33,10 @@ void build_window(RoomBuilder* b, const Wall& wall, const Opening& o, double dep
   const Vec3 up = {0.0, 1.0, 0.0}, out = wall.inward * -depth;
   const Vec3 corner = wall.origin + wall.along * o.start + up * o.sill;
   const Vec3 across = wall.along * o.width, high = up * o.height;
-  b->quad(corner, across, out, reveal), b->quad(corner + high, across, out, reveal);
-  b->quad(corner, high, out, reveal), b->quad(corner + across, high, out, reveal);
+  b->quad(corner, across, out, reveal);
+  b->quad(corner + high, across, out, reveal);
+  b->quad(corner, high, out, reveal);
+  b->quad(corner + across, high, out, reveal);
   const int columns = 1 + static_cast<int>(o.width / b->between(0.7, 1.4)), rows = b->chance(0.4) ? 2 : 1;
   for (int i = 0; i <= columns; ++i)
     b->quad(corner + out + wall.along * (i * (o.width - k_frame) / columns), wall.along * k_frame, high, frame);
@@ -49,7 +51,8 @@ void build_window(RoomBuilder* b, const Wall& wall, const Opening& o, double dep
   window.kind = Emitter::Kind::window;
   window.corner = corner;
   const bool inwards = dot(cross(across, high), wall.inward) > 0.0;
-  window.edge_a = inwards ? across : high, window.edge_b = inwards ? high : across;
+  window.edge_a = inwards ? across : high;
+  window.edge_b = inwards ? high : across;
   b->room.emitters.push_back(window);
 }
 
@@ -90,7 +93,9 @@ Sky choose_sky(RoomBuilder* b, bool day) {
   sky.skyline_seed = b->random.next();
   if (!day) {
     const Vec3 glow = colour_of_temperature(b->between(2200.0, 6000.0));
-    sky.zenith = glow * b->log_between(0.005, 0.1), sky.horizon = sky.zenith * 3.0, sky.ground = sky.zenith * 2.0;
+    sky.zenith = glow * b->log_between(0.005, 0.1);
+    sky.horizon = sky.zenith * 3.0;
+    sky.ground = sky.zenith * 2.0;
     sky.skyline = glow * b->log_between(0.01, 0.5);
     return sky;
   }
@@ -118,7 +123,8 @@ RoomMaterial wall_material(RoomBuilder* b) {
   const double bright = white ? b->between(0.5, 0.85) : b->between(0.1, 0.7);
   m.colour = b->colour({0.0, 1.0}, white ? Span{0.0, 0.12} : Span{0.1, 0.6}, bright);
   m.second = m.colour * b->between(0.6, 0.95);
-  m.pattern = Pattern::blotches, m.scale = b->between(0.5, 3.0);
+  m.pattern = Pattern::blotches;
+  m.scale = b->between(0.5, 3.0);
   if (b->chance(0.12)) m.pattern = Pattern::bricks, m.scale = b->between(0.2, 0.3), m.second = m.colour * 0.6;
   if (b->chance(0.08)) m.pattern = Pattern::planks, m.scale = b->between(0.08, 0.2), m.second = m.colour * 0.5;
   if (b->chance(0.08)) m.pattern = Pattern::stripes, m.scale = b->between(0.1, 0.5), m.second = m.colour * 0.75;

@@ -38,7 +38,8 @@ uint32_t RoomBuilder::vertex(Vec3 p) {
 
 void RoomBuilder::triangle(Vec3 a, Vec3 b, Vec3 c, int material, int emitter) {
   const uint32_t first = vertex(a);
-  vertex(b), vertex(c);
+  vertex(b);
+  vertex(c);
   room.triangles.push_back(
       {{first, first + 1, first + 2}, static_cast<uint16_t>(material), static_cast<int16_t>(emitter)});
 }
@@ -50,7 +51,10 @@ void RoomBuilder::quad(Vec3 corner, Vec3 a, Vec3 b, int material, int emitter) {
 
 int RoomBuilder::quad_emitter(Vec3 corner, Vec3 a, Vec3 b, Vec3 radiance) {
   Emitter e;
-  e.corner = corner, e.edge_a = a, e.edge_b = b, e.radiance = radiance;
+  e.corner = corner;
+  e.edge_a = a;
+  e.edge_b = b;
+  e.radiance = radiance;
   room.emitters.push_back(e);
   const int index = static_cast<int>(room.emitters.size()) - 1;
   quad(corner, a, b, material({{0.6, 0.6, 0.6}}), index);
@@ -59,7 +63,10 @@ int RoomBuilder::quad_emitter(Vec3 corner, Vec3 a, Vec3 b, Vec3 radiance) {
 
 int RoomBuilder::sphere_emitter(Vec3 centre, double radius, Vec3 radiance) {
   Emitter e;
-  e.kind = Emitter::Kind::sphere, e.centre = centre, e.radius = radius, e.radiance = radiance;
+  e.kind = Emitter::Kind::sphere;
+  e.centre = centre;
+  e.radius = radius;
+  e.radiance = radiance;
   room.emitters.push_back(e);
   const int index = static_cast<int>(room.emitters.size()) - 1;
   sphere(centre, radius, material({{0.8, 0.8, 0.8}}), index);
@@ -70,9 +77,12 @@ void RoomBuilder::box(Vec3 base, Vec3 size, double yaw, int material) {
   const Vec3 x = {std::cos(yaw), 0.0, -std::sin(yaw)}, z = {std::sin(yaw), 0.0, std::cos(yaw)};
   const Vec3 a = x * size.x, b = {0.0, size.y, 0.0}, c = z * size.z;
   const Vec3 low = base - a * 0.5 - c * 0.5;
-  quad(low, a, c, material), quad(low + b, c, a, material);
-  quad(low, b, a, material), quad(low + c, a, b, material);
-  quad(low, c, b, material), quad(low + a, b, c, material);
+  quad(low, a, c, material);
+  quad(low + b, c, a, material);
+  quad(low, b, a, material);
+  quad(low + c, a, b, material);
+  quad(low, c, b, material);
+  quad(low + a, b, c, material);
 }
 
 void RoomBuilder::cylinder(Vec3 base, double radius, double height, int sides, int material) {

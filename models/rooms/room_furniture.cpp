@@ -18,7 +18,8 @@ RoomMaterial wood(RoomBuilder* b) {
   RoomMaterial m;
   m.colour = b->colour({0.05, 0.11}, {0.3, 0.75}, b->log_between(0.05, 0.45));
   m.second = m.colour * 0.6;
-  m.pattern = Pattern::planks, m.scale = b->between(0.1, 0.4);
+  m.pattern = Pattern::planks;
+  m.scale = b->between(0.1, 0.4);
   if (b->chance(0.3)) m.coat = 0.04, m.coat_blur = b->between(0.05, 0.3);
   return m;
 }
@@ -28,7 +29,8 @@ RoomMaterial fabric(RoomBuilder* b) {
   m.colour = b->colour({0.0, 1.0}, {0.0, 0.7}, b->log_between(0.04, 0.6));
   m.second = m.colour * b->between(0.5, 0.9);
   constexpr Pattern k_patterns[] = {Pattern::plain, Pattern::blotches, Pattern::stripes, Pattern::checker};
-  m.pattern = k_patterns[b->pick(4)], m.scale = b->between(0.02, 0.3);
+  m.pattern = k_patterns[b->pick(4)];
+  m.scale = b->between(0.02, 0.3);
   return m;
 }
 
@@ -36,7 +38,8 @@ RoomMaterial lacquer(RoomBuilder* b) {
   RoomMaterial m;
   const double bright = b->log_between(0.03, 0.8), saturation = b->chance(0.5) ? 0.08 : b->between(0.2, 0.8);
   m.colour = colour_of_hue(b->between(0.0, 1.0), saturation, bright);
-  m.coat = 0.04, m.coat_blur = b->log_between(0.02, 0.3);
+  m.coat = 0.04;
+  m.coat_blur = b->log_between(0.02, 0.3);
   return m;
 }
 
@@ -132,7 +135,8 @@ void sofa(RoomBuilder* b) {
   Piece p;
   if (!against_wall(b, wide, deep, &p)) return;
   const int cloth = b->material(fabric(b)), cushion = b->material(fabric(b));
-  p.box(0, 0.08, 0, wide, 0.34, deep, cloth), p.box(0, 0.42, -0.5 * deep + 0.1, wide, 0.4, 0.2, cloth);
+  p.box(0, 0.08, 0, wide, 0.34, deep, cloth);
+  p.box(0, 0.42, -0.5 * deep + 0.1, wide, 0.4, 0.2, cloth);
   for (const double side : {-0.5, 0.5}) p.box(side * (wide - 0.16), 0.08, 0, 0.16, 0.52, deep, cloth);
   const int cushions = b->pick(4);
   for (int i = 0; i < cushions; ++i) {
@@ -146,7 +150,8 @@ void bed(RoomBuilder* b) {
   const double wide = b->between(0.9, 1.8);
   if (!against_wall(b, wide, 2.05, &p)) return;
   const int frame = b->material(wood(b)), cover = b->material(fabric(b)), pillow = b->material({{0.8, 0.79, 0.76}});
-  p.box(0, 0, 0, wide, 0.3, 2.0, frame), p.box(0, 0.3, 0.02, wide - 0.04, 0.22, 1.95, cover);
+  p.box(0, 0, 0, wide, 0.3, 2.0, frame);
+  p.box(0, 0.3, 0.02, wide - 0.04, 0.22, 1.95, cover);
   p.box(0, 0.3, -1.0, wide, b->between(0.4, 0.8), 0.05, frame);
   for (const double side : {-0.24, 0.24}) p.box(side * wide, 0.52, -0.75, 0.4 * wide, 0.12, 0.35, pillow);
 }
@@ -266,7 +271,8 @@ void furnish(RoomBuilder* b) {
     RoomMaterial art;
     art.colour = b->colour({0.0, 1.0}, {0.0, 0.8}, b->log_between(0.05, 0.7));
     art.second = b->colour({0.0, 1.0}, {0.0, 0.8}, b->log_between(0.05, 0.7));
-    art.pattern = b->chance(0.5) ? Pattern::mosaic : Pattern::blotches, art.scale = b->between(0.05, 0.4);
+    art.pattern = b->chance(0.5) ? Pattern::mosaic : Pattern::blotches;
+    art.scale = b->between(0.05, 0.4);
     const bool framed = b->chance(0.7);
     const double low = b->between(0.9, 1.5), tall = b->between(0.25, 1.0), wide = b->between(0.25, 1.4);
     hang(b, wide, tall, low, art, framed);

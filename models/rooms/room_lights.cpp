@@ -89,7 +89,8 @@ struct Lamps {
     Vec3 at;
     const double radius = b->between(0.12, 0.28), tall = b->between(1.1, 1.7), shade = b->between(0.2, 0.4);
     if (!b->place(0.6, 0.6, &at)) return;
-    b->cylinder(at, 0.15, 0.03, 10, housing), b->cylinder(at, 0.012, tall, 6, housing);
+    b->cylinder(at, 0.15, 0.03, 10, housing);
+    b->cylinder(at, 0.012, tall, 6, housing);
     const int first = count();
     b->shade(at + Vec3{0, tall - shade, 0}, radius, radius * b->between(0.6, 1.0), shade, colour);
     add(first, 0.5);

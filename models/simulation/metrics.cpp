@@ -65,7 +65,8 @@ Pile measure_pile(std::span<const float> positions, double radius) {
   if (count == 0) return pile;
   double axis_x = 0.0, axis_z = 0.0;
   for (size_t i = 0; i < count; ++i) axis_x += positions[3 * i], axis_z += positions[3 * i + 2];
-  axis_x /= static_cast<double>(count), axis_z /= static_cast<double>(count);
+  axis_x /= static_cast<double>(count);
+  axis_z /= static_cast<double>(count);
 
   struct Item {
     double distance, top;
@@ -104,7 +105,11 @@ Pile measure_pile(std::span<const float> positions, double radius) {
     }
     if (seen == 0) continue;
     const double height = height_sum / seen;
-    n += 1.0, sum_x += middle, sum_y += height, sum_xx += middle * middle, sum_xy += middle * height;
+    n += 1.0;
+    sum_x += middle;
+    sum_y += height;
+    sum_xx += middle * middle;
+    sum_xy += middle * height;
   }
   const double determinant = n * sum_xx - sum_x * sum_x;
   if (n >= 3.0 && determinant > 0.0)
@@ -132,7 +137,9 @@ Evenness measure_evenness(std::span<const float> particles, std::span<const floa
     });
     if (octants != k_all_octants) continue;
     within(fine, grains, at, probe, [&](uint32_t, double) { ++number; });
-    sum += number, squares += static_cast<double>(number) * number, ++even.spheres;
+    sum += number;
+    squares += static_cast<double>(number) * number;
+    ++even.spheres;
   }
   if (even.spheres < k_fewest || sum == 0.0) return even;
   even.variation = std::sqrt(squares / sum - sum / even.spheres);
@@ -158,7 +165,11 @@ double fitted_exponent(std::span<const double> x, std::span<const double> y) {
   double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
   for (size_t i = 0; i < x.size() && i < y.size(); ++i) {
     const double u = std::log(x[i]), v = std::log(y[i]);
-    n += 1.0, sum_x += u, sum_y += v, sum_xx += u * u, sum_xy += u * v;
+    n += 1.0;
+    sum_x += u;
+    sum_y += v;
+    sum_xx += u * u;
+    sum_xy += u * v;
   }
   return (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
 }

@@ -65,7 +65,8 @@ struct Reader {
       left = 0;
       return {};
     }
-    left -= size, at += size;
+    left -= size;
+    at += size;
     return {at - size, size};
   }
   void u32(uint32_t& value) {
@@ -75,7 +76,8 @@ struct Reader {
   }
   void u64(uint64_t& value) {
     uint32_t low, high;
-    u32(low), u32(high);
+    u32(low);
+    u32(high);
     value = low | static_cast<uint64_t>(high) << 32;
   }
   void floats(float* values, size_t count) {
@@ -98,29 +100,37 @@ struct Reader {
 
 // Each returns false when the payload is malformed.
 bool transfer_header(auto* io, auto* recording) {
-  io->u64(recording->start_hash), io->bytes(recording->scene_name), io->bytes(recording->description);
+  io->u64(recording->start_hash);
+  io->bytes(recording->scene_name);
+  io->bytes(recording->description);
   return io->ok();
 }
 
 bool transfer_frame(auto* io, RecordedFrame* frame) {
   constexpr size_t k_collider_bytes = sizeof(uint32_t) * (1 + 3 + 4 + 3 + 3 + 3);
-  io->floats(&frame->time_step, 1), io->u64(frame->budget_ns);
+  io->floats(&frame->time_step, 1);
+  io->u64(frame->budget_ns);
   io->count(frame->colliders, k_collider_bytes);
   for (sandglass_collider& collider : frame->colliders) {
     uint32_t shape = static_cast<uint32_t>(collider.shape) | (collider.grains_only != 0 ? k_grains_only : 0);
     io->u32(shape);
     collider.shape = static_cast<sandglass_shape>(shape & ~k_grains_only);
     collider.grains_only = (shape & k_grains_only) != 0 ? 1 : 0;
-    io->floats(collider.position, 3), io->floats(collider.rotation, 4), io->floats(collider.size, 3);
-    io->floats(collider.linear_velocity, 3), io->floats(collider.angular_velocity, 3);
+    io->floats(collider.position, 3);
+    io->floats(collider.rotation, 4);
+    io->floats(collider.size, 3);
+    io->floats(collider.linear_velocity, 3);
+    io->floats(collider.angular_velocity, 3);
     if (io->version >= 4) io->u32(collider.id);
   }
   sandglass_plan& plan = frame->plan;
   plan.struct_size = sizeof plan;
-  io->u32(plan.level), io->u32(plan.run_count);
+  io->u32(plan.level);
+  io->u32(plan.run_count);
   if (plan.run_count > SANDGLASS_PLAN_RUNS) return false;
   for (uint32_t i = 0; i < plan.run_count; ++i) {
-    io->u32(plan.runs[i].stage), io->u32(plan.runs[i].units);
+    io->u32(plan.runs[i].stage);
+    io->u32(plan.runs[i].units);
     // In version 2 there was no stage of light between sand and shadows, so later stages had a smaller number.
     if (io->version < 3 && plan.runs[i].stage >= SANDGLASS_STAGE_LIGHTING) ++plan.runs[i].stage;
     if (plan.runs[i].stage >= SANDGLASS_STAGE_COUNT) return false;
@@ -130,7 +140,8 @@ bool transfer_frame(auto* io, RecordedFrame* frame) {
 
 bool transfer_trailer(auto* io, uint64_t frames, auto* recording) {
   const uint64_t all = frames;
-  io->u64(frames), io->u64(recording->final_hash);
+  io->u64(frames);
+  io->u64(recording->final_hash);
   return io->ok() && frames == all;
 }
 
@@ -185,7 +196,8 @@ bool decode_recording(const uint8_t* data, size_t bytes, Recording* recording, s
     const uint8_t* start = file.at;
     uint32_t kind, size;
     uint64_t checksum;
-    file.u32(kind), file.u32(size);
+    file.u32(kind);
+    file.u32(size);
     const std::span<const uint8_t> content = file.take(size);
     if (file.short_of_bytes || file.left < k_checksum_bytes) return fail(error, "ends" + in_record(index));
     sum = hash_bytes(start, k_record_head_bytes + size, sum);

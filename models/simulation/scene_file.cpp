@@ -309,7 +309,8 @@ LightTrack read_light(Reader reader) {
       return;
     }
     const std::vector<double> ends = reader.numbers(key, 2, least, most);
-    out[0] = ends[0], out[1] = ends[1];
+    out[0] = ends[0];
+    out[1] = ends[1];
   };
   angles("polar", 0.0, 180.0, light.polar_deg);
   angles("azimuth", -3600.0, 3600.0, light.azimuth_deg);
@@ -335,7 +336,8 @@ PileShadowTrack read_pile_shadow(Reader reader) {
   const std::vector<double> low = reader.numbers("low", 2, -k_length_limit, k_length_limit);
   const std::vector<double> high = reader.numbers("high", 2, -k_length_limit, k_length_limit);
   for (size_t axis = 0; axis < 2; ++axis) {
-    track.low[axis] = low[axis], track.high[axis] = high[axis];
+    track.low[axis] = low[axis];
+    track.high[axis] = high[axis];
     if (!(high[axis] > low[axis])) reader.refuse("high", "is not above \"low\" in both coordinates");
   }
   track.texels = reader.integer("texels", track.texels, 32, 256);
@@ -419,7 +421,8 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   uint64_t particles = 0, grains = 0;
   reader.each("bodies", 1000, [&](Reader& entry) {
     const Body& body = scene.bodies.emplace_back(read_body(entry));
-    particles += body.particles + uint64_t{body.counts[0]} * body.counts[1] * body.counts[2], grains += body.grains;
+    particles += body.particles + uint64_t{body.counts[0]} * body.counts[1] * body.counts[2];
+    grains += body.grains;
   });
   if (particles > k_particle_limit)
     reader.refuse("bodies", "ask for more than " + number_text(k_particle_limit) + " particles");
@@ -583,7 +586,8 @@ sandglass_scene_desc describe_scene(const SceneFile& scene, uint32_t particles, 
   // Grains lie on the floor with the radius that they are drawn with.
   uint32_t standing_for = particles, drawn = grains;
   for (const EmitterTrack& track : scene.emitters) {
-    ++standing_for, drawn += track.emitter.grains_per_particle;
+    ++standing_for;
+    drawn += track.emitter.grains_per_particle;
     const float r = desc.granular.particle_radius, radius = track.emitter.radius;
     if (!(radius >= r && radius <= 100.0f * r))  // sandglass_emitter: the library would leave it out
       throw cannot("use", scene.source, "\"radius\" of an emitter is not 1 to 100 particle radii",

@@ -236,7 +236,8 @@ void split_box(uint32_t wanted, const double extent[3], uint64_t cells[3]) {
           double shortest = 1e30, longest = 0.0;
           for (int axis = 0; axis < 3; ++axis) {
             const double edge = extent[axis] / static_cast<double>(split[axis]);
-            shortest = std::min(shortest, edge), longest = std::max(longest, edge);
+            shortest = std::min(shortest, edge);
+            longest = std::max(longest, edge);
           }
           if (longest / shortest < best_score) {
             best_score = longest / shortest;
@@ -256,7 +257,8 @@ std::vector<Vec3> block_grains(const Body& body, const std::vector<Vec3>& sites,
     high = {std::max(high.x, site.x), std::max(high.y, site.y), std::max(high.z, site.z)};
   }
   const Vec3 half = {0.5 * distance, 0.5 * distance, 0.5 * distance};
-  low = low - half, high = high + half;
+  low = low - half;
+  high = high + half;
   const double extent[3] = {high.x - low.x, high.y - low.y, high.z - low.z};
   uint64_t cells[3] = {1, 1, 1};
   split_box(body.grains, extent, cells);
@@ -380,7 +382,8 @@ Material fill_scene(SceneFile* scene, const BodyMeshes& meshes) {
     if (scene->bodies[i].rigid > 0.0) {
       RigidSample rigid;
       rigid.density = scene->bodies[i].rigid;
-      rigid.velocity = scene->bodies[i].velocity, rigid.spin = scene->bodies[i].spin;
+      rigid.velocity = scene->bodies[i].velocity;
+      rigid.spin = scene->bodies[i].spin;
       std::vector<float> unused;
       append(filled[i].particles, {}, &rigid.positions, &unused);
       material.rigid.push_back(std::move(rigid));

@@ -117,7 +117,9 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
       require(*scene, i, bounds);
       for (int k = 0; k < 3; ++k) box.min[k] -= beyond, box.max[k] += beyond;
       plan.rule = loaded.report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
-      plan.solid = solid, plan.spacing = step, plan.band = static_cast<float>(2.0 * radius);
+      plan.solid = solid;
+      plan.spacing = step;
+      plan.band = static_cast<float>(2.0 * radius);
       cpp::MeshInside inside;
       require(*scene, i, inside.create(view, plan.rule));
       require(*scene, i, field.from_mesh(view, inside, box, step, plan.band, solid));

@@ -42,7 +42,9 @@ StandingShadows::StandingShadows(const SceneFile& scene, sandglass_isa isa) {
     const AlignedBytes file = read_aligned(path, "baked shadow");
     sandglass_shadow_desc desc;
     sandglass_shadow_desc_default(&desc);
-    desc.isa = isa, desc.asset = file.data(), desc.asset_bytes = file.size();
+    desc.isa = isa;
+    desc.asset = file.data();
+    desc.asset_bytes = file.size();
     Object object = {i, track.size.y, inspect_shadow(file, path), {}};
     if (const cpp::Status made = object.shadow.create(desc); !made) throw cannot("read", path, made.reason);
     handles_.push_back(object.shadow.get());
@@ -79,7 +81,8 @@ void StandingShadows::set_cells(const SceneFile& scene, uint32_t frame, const fl
 }
 
 void StandingShadows::draw(std::span<const sandglass_collider> colliders, SceneShadows* shadows) const {
-  shadows->object.clear(), shadows->ambient.clear();
+  shadows->object.clear();
+  shadows->ambient.clear();
   for (const Object& object : objects_) {
     if (object.collider >= colliders.size()) continue;
     const sandglass_shadow_texture texture = object.shadow.texture();
@@ -104,7 +107,8 @@ void StandingShadows::draw(std::span<const sandglass_collider> colliders, SceneS
     place(texture.low, texture.high);
     shadows->object.push_back(shadow);
     if (ambient.side == 0) continue;
-    shadow.texels = ambient.side, shadow.opacity = 1.0;
+    shadow.texels = ambient.side;
+    shadow.opacity = 1.0;
     shadow.coverage.resize(size_t{ambient.side} * ambient.side);
     for (size_t i = 0; i < shadow.coverage.size(); ++i)
       shadow.coverage[i] = static_cast<uint8_t>(255 - ambient.visibility[i]);
@@ -119,7 +123,9 @@ static void require(const cpp::Status& status) {
 
 PileShadow::PileShadow(const PileShadowTrack& track, sandglass_isa isa, uint32_t sky_texels) {
   sandglass_pile_shadow_desc desc = cpp::pile_shadow_desc();
-  desc.isa = isa, desc.texels = track.texels, desc.sky_texels = sky_texels;
+  desc.isa = isa;
+  desc.texels = track.texels;
+  desc.sky_texels = sky_texels;
   for (size_t axis = 0; axis < 2; ++axis) {
     desc.low[axis] = static_cast<float>(track.low[axis]);
     desc.high[axis] = static_cast<float>(track.high[axis]);
@@ -145,14 +151,17 @@ FloorShadow PileShadow::drawn(bool on_sand) const {
 void PileShadow::set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS]) { require(shadow_.set_cells(cells)); }
 
 void PileShadow::draw(SceneShadows* shadows) const {
-  shadows->pile = {drawn(false)}, shadows->pile_on_sand = {drawn(true)};
+  shadows->pile = {drawn(false)};
+  shadows->pile_on_sand = {drawn(true)};
   const sandglass_pile_shadow_sky sky = shadow_.sky();
   if (sky.texels == 0) return;
-  shadows->sky = {drawn_sky(false)}, shadows->sky_on_sand = {drawn_sky(true)};
+  shadows->sky = {drawn_sky(false)};
+  shadows->sky_on_sand = {drawn_sky(true)};
   FloorShadow heights = shadows->sky[0];
   heights.texels = sky.height_texels;
   heights.coverage.assign(sky.heights, sky.heights + size_t{sky.height_texels} * sky.height_texels);
-  shadows->heights = {std::move(heights)}, shadows->most_height = static_cast<double>(sky.height);
+  shadows->heights = {std::move(heights)};
+  shadows->most_height = static_cast<double>(sky.height);
 }
 
 FloorShadow PileShadow::drawn_sky(bool on_sand) const {

@@ -69,7 +69,9 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   input.shadows = shadows.data();
   input.shadow_count = static_cast<uint32_t>(shadows.size());
   input.pile_shadow = pile_shadow_;
-  input.estimator = light_, input.room = room_, input.camera = image_;
+  input.estimator = light_;
+  input.room = room_;
+  input.camera = image_;
   return frame(input);
 }
 
@@ -83,7 +85,8 @@ sandglass_frame_report Simulation::frame(sandglass_frame_input input) {
   report.struct_size = sizeof report;
   const char* reason = nullptr;
   require(sandglass_scene_frame(scene_, &input, &report, &reason), reason);
-  particles_ = report.sand.particle_numbers, grains_ = report.sand.grain_numbers;
+  particles_ = report.sand.particle_numbers;
+  grains_ = report.sand.grain_numbers;
   output_.resize(grains_);
   return report;
 }

@@ -36,7 +36,9 @@ class Simulation {
 
   // Sets the light to estimate, the room to see, and the image for both, from the next frame on; null: none.
   void see(sandglass_estimator* light, sandglass_room* room, const sandglass_camera_image* image) {
-    light_ = light, room_ = room, image_ = image;
+    light_ = light;
+    room_ = room;
+    image_ = image;
   }
 
   // Each call refreshes its array. It holds 3 floats per item, for all items that were added or emitted.

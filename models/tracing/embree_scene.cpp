@@ -23,9 +23,11 @@ void* new_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, siz
 
 RTCRay embree_ray(Vec3 origin, Vec3 direction, double limit) {
   RTCRay ray = {};
-  ray.org_x = static_cast<float>(origin.x), ray.org_y = static_cast<float>(origin.y);
+  ray.org_x = static_cast<float>(origin.x);
+  ray.org_y = static_cast<float>(origin.y);
   ray.org_z = static_cast<float>(origin.z);
-  ray.dir_x = static_cast<float>(direction.x), ray.dir_y = static_cast<float>(direction.y);
+  ray.dir_x = static_cast<float>(direction.x);
+  ray.dir_y = static_cast<float>(direction.y);
   ray.dir_z = static_cast<float>(direction.z);
   ray.tfar = static_cast<float>(limit);
   ray.mask = ~0u;
@@ -94,9 +96,14 @@ uint32_t EmbreeScene::hidden(double x, double z, const float* direction_x, const
   RTCRay16 rays = {};
   for (uint32_t i = 0; i < k_packet; ++i) {
     valid[i] = direction_y[i] > 0 ? -1 : 0;
-    rays.org_x[i] = static_cast<float>(x), rays.org_z[i] = static_cast<float>(z);
-    rays.dir_x[i] = direction_x[i], rays.dir_y[i] = direction_y[i], rays.dir_z[i] = direction_z[i];
-    rays.tnear[i] = 1e-5f, rays.tfar[i] = INFINITY, rays.mask[i] = ~0u;
+    rays.org_x[i] = static_cast<float>(x);
+    rays.org_z[i] = static_cast<float>(z);
+    rays.dir_x[i] = direction_x[i];
+    rays.dir_y[i] = direction_y[i];
+    rays.dir_z[i] = direction_z[i];
+    rays.tnear[i] = 1e-5f;
+    rays.tfar[i] = INFINITY;
+    rays.mask[i] = ~0u;
   }
   rtcOccluded16(valid, scene_, &context, &rays);
   uint32_t hidden = 0;

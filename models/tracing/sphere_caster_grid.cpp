@@ -55,7 +55,8 @@ SphereCaster::SphereCaster(std::span<const float> centres, float radius, std::sp
   for (size_t i = 0; i < sizes.size() && i < s.radii.size(); ++i) s.radii[i] *= sizes[i];
   s.cell = k_cell_in_radii * radius;
   std::vector<uint32_t> kept;
-  s.low.fill(std::numeric_limits<double>::max()), s.high.fill(std::numeric_limits<double>::lowest());
+  s.low.fill(std::numeric_limits<double>::max());
+  s.high.fill(std::numeric_limits<double>::lowest());
   for (uint32_t i = 0; i < centres.size() / 3; ++i) {
     if (!std::isfinite(centres[3 * i]) || !std::isfinite(centres[3 * i + 1]) || !std::isfinite(centres[3 * i + 2]))
       continue;
@@ -67,7 +68,8 @@ SphereCaster::SphereCaster(std::span<const float> centres, float radius, std::sp
   }
   if (kept.empty()) {
     s.start = {0, 0};
-    s.low.fill(0.0), s.high.fill(0.0);
+    s.low.fill(0.0);
+    s.high.fill(0.0);
     return;
   }
   const auto cells_along = [&](size_t axis) { return std::floor((s.high[axis] - s.low[axis]) / s.cell) + 1.0; };
@@ -93,7 +95,8 @@ bool SphereCaster::State::walk(Vec3 origin, Vec3 direction, bool any, SphereHit*
       continue;
     }
     const double a = (low[axis] - o[axis]) / d[axis], b = (high[axis] - o[axis]) / d[axis];
-    enter = std::max(enter, std::min(a, b)), leave = std::min(leave, std::max(a, b));
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
   }
   if (enter > leave) return false;
   int64_t at[3], step[3];

@@ -70,7 +70,8 @@ const char* check_clamp(const flatbuffers::Vector<uint8_t>* low, const flatbuffe
 const char* check(const asset::ClampedConvolution* file, uint32_t inputs, uint32_t outputs, AssetConvolution* out) {
   if (file == nullptr) return "the lighting file lacks a layer of its network: quantise it again";
   if (const char* fault = check_clamp(file->low(), file->high(), inputs)) return fault;
-  out->low = file->low()->data(), out->high = file->high()->data();
+  out->low = file->low()->data();
+  out->high = file->high()->data();
   return check(file->convolution(), inputs, outputs, out);
 }
 
@@ -98,7 +99,8 @@ const char* check_blocks(const asset::Light& file, LightAsset* out) {
 
 const char* check_heads(const asset::Light& file, LightAsset* out) {
   if (const char* fault = check_clamp(file.last_low(), file.last_high(), k_light_features)) return fault;
-  out->last_low = file.last_low()->data(), out->last_high = file.last_high()->data();
+  out->last_low = file.last_low()->data();
+  out->last_high = file.last_high()->data();
   out->feature_scale = numbers(file.feature_scale(), k_light_features, k_number_limit);
   out->feature_shift = numbers(file.feature_shift(), k_light_features, k_number_limit);
   out->latent_weights = weights_of(file.latent_weights(), k_light_latent * k_light_features);
@@ -142,9 +144,12 @@ sandglass_status open_light_asset(const void* bytes, uint64_t count, LightAsset*
                     "the lighting file's float network has the wrong size or holds what is not a number: quantise it "
                     "again");
   }
-  out->data_hash = file.data_hash(), out->seed = file.seed();
-  out->training_images = file.training_images(), out->calibration_images = file.calibration_images();
-  out->angle_deg = file.angle_deg(), out->difference = file.difference();
+  out->data_hash = file.data_hash();
+  out->seed = file.seed();
+  out->training_images = file.training_images();
+  out->calibration_images = file.calibration_images();
+  out->angle_deg = file.angle_deg();
+  out->difference = file.difference();
   if (!(out->angle_deg >= 0 && out->angle_deg <= 180) || !(out->difference >= 0 && out->difference <= 1))
     return refuse(reason, "the lighting file's errors are not numbers in 0..180 degrees and 0..1: quantise it again");
   return accept(reason);

@@ -109,9 +109,12 @@ sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsse
   *out = {};
   out->version = file.version();
   out->name = file.name() == nullptr ? "" : file.name()->c_str();
-  out->origin[0] = box.origin_x(), out->origin[1] = box.origin_y(), out->origin[2] = box.origin_z();
+  out->origin[0] = box.origin_x();
+  out->origin[1] = box.origin_y();
+  out->origin[2] = box.origin_z();
   out->box = {box.half_x(), box.half_z(), box.height()};
-  out->angular_diameter = box.angular_diameter(), out->polar_max = box.polar_max();
+  out->angular_diameter = box.angular_diameter();
+  out->polar_max = box.polar_max();
   out->plane = file.plane_fitted() ? PlaneRule::fitted : PlaneRule::fixed;
   for (const double x : out->origin)
     if (!within(x, -1e30, 1e30)) return refuse(reason, "the shadow file's origin is not a number: bake it again");
@@ -121,7 +124,8 @@ sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsse
       !(out->polar_max + 0.5 * out->angular_diameter <= k_horizon))
     return refuse(reason, "the shadow file's light reaches the horizon: bake it with a smaller --max-polar");
 
-  out->texel_frequencies = file.texel_frequencies(), out->light_frequencies = file.light_frequencies();
+  out->texel_frequencies = file.texel_frequencies();
+  out->light_frequencies = file.light_frequencies();
   out->width = file.width();
   if (out->texel_frequencies > k_frequencies_limit || out->light_frequencies > k_frequencies_limit)
     return refuse(reason, "the shadow file's encoding has more than 16 frequencies, which no baking writes");
@@ -144,7 +148,8 @@ sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsse
     if (const char* fault = check_layer(file.layers()->Get(i), out->width, out->width, &out->layer[i]))
       return refuse(reason, fault);
   if (const char* fault = check_layer(file.last(), out->width, 1, &out->last)) return refuse(reason, fault);
-  out->rmse_float = file.rmse_float(), out->rmse_int8 = file.rmse_int8();
+  out->rmse_float = file.rmse_float();
+  out->rmse_int8 = file.rmse_int8();
   if (!within(static_cast<double>(out->rmse_float), 0, 1) || !within(static_cast<double>(out->rmse_int8), 0, 1))
     return refuse(reason, "the shadow file's error is not a number in 0..1: bake it again");
   out->validated_lights = file.validated_lights();

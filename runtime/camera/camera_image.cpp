@@ -127,7 +127,8 @@ sandglass_status sandglass_camera_check(const sandglass_camera_image* image, con
 int32_t sandglass_camera_orientation(const float matrix[16], float orientation[4]) {
   if (orientation == nullptr) return 0;
   if (matrix == nullptr) {
-    orientation[0] = orientation[1] = orientation[2] = 0.0f, orientation[3] = 1.0f;
+    orientation[0] = orientation[1] = orientation[2] = 0.0f;
+    orientation[3] = 1.0f;
     return 0;
   }
   constexpr double k_tolerance = 1e-3;  // of lengths and right angles

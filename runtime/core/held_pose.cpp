@@ -59,7 +59,8 @@ void near_box(sandglass_shape shape, const Pose& pose, const HoldRule& rule, flo
   const float reach = reach_of(shape, pose, rule);
   bool apart = false;
   for (int k = 0; k < 3; ++k) {
-    low[k] = maximum(rule.low[k], pose.position[k] - reach), high[k] = minimum(rule.high[k], pose.position[k] + reach);
+    low[k] = maximum(rule.low[k], pose.position[k] - reach);
+    high[k] = minimum(rule.high[k], pose.position[k] + reach);
     apart = apart || low[k] > high[k];
   }
   for (int k = 0; apart && k < 3; ++k) low[k] = pose.position[k] - reach, high[k] = pose.position[k] + reach;
@@ -128,7 +129,9 @@ void take_free_faces(HeldPose* p, const HoldRule& rule) {
     const float shift = middle - dot(held.position, up.n);
     Pose& to = p->held.pose;
     to.size[axis] = half;
-    to.position[0] += shift * up.n.x, to.position[1] += shift * up.n.y, to.position[2] += shift * up.n.z;
+    to.position[0] += shift * up.n.x;
+    to.position[1] += shift * up.n.y;
+    to.position[2] += shift * up.n.z;
   }
 }
 
@@ -182,7 +185,8 @@ bool believes(HeldPose* p, const Placement& told, float reach, float step, float
   float way[6], length2 = 0.0f, run2 = 0.0f, with = 0.0f;
   for (int k = 0; k < 6; ++k) {
     way[k] = k < 3 ? told.linear[k] * step : told.angular[k - 3] * reach * step;
-    length2 += way[k] * way[k], with += way[k] * p->run[k];
+    length2 += way[k] * way[k];
+    with += way[k] * p->run[k];
   }
   if (!(length2 >= k_slowest * k_slowest * step * step)) {
     p->since_velocity += step;
@@ -335,7 +339,9 @@ void hold_move(HeldPose* p, const float rotation[4], const float shift[3]) {
   float* const vectors[] = {p->held.linear, p->held.angular, p->run, p->run + 3};
   for (float* v : vectors) {
     const FloatVector turned = rotated(rotation, {v[0], v[1], v[2]});
-    v[0] = turned.x, v[1] = turned.y, v[2] = turned.z;
+    v[0] = turned.x;
+    v[1] = turned.y;
+    v[2] = turned.z;
   }
 }
 

@@ -23,13 +23,16 @@ void rotate_pair(double m[4][4], double v[4][4], int p, int q) {
   const double c = 1.0 / __builtin_sqrt(t * t + 1.0), s = t * c;
   for (int k = 0; k < 4; ++k) {
     const double kp = m[k][p], kq = m[k][q];
-    m[k][p] = c * kp - s * kq, m[k][q] = s * kp + c * kq;
+    m[k][p] = c * kp - s * kq;
+    m[k][q] = s * kp + c * kq;
   }
   for (int k = 0; k < 4; ++k) {
     const double pk = m[p][k], qk = m[q][k];
-    m[p][k] = c * pk - s * qk, m[q][k] = s * pk + c * qk;
+    m[p][k] = c * pk - s * qk;
+    m[q][k] = s * pk + c * qk;
     const double vp = v[k][p], vq = v[k][q];
-    v[k][p] = c * vp - s * vq, v[k][q] = s * vp + c * vq;
+    v[k][p] = c * vp - s * vq;
+    v[k][q] = s * vp + c * vq;
   }
 }
 
@@ -79,7 +82,10 @@ void nearest_rotation(const double a[9], const double near[4], double q[4]) {
     length2 = found[0] * found[0] + found[1] * found[1] + found[2] * found[2] + found[3] * found[3];
   }
   const double inverse = 1.0 / __builtin_sqrt(length2);
-  q[0] = found[1] * inverse, q[1] = found[2] * inverse, q[2] = found[3] * inverse, q[3] = found[0] * inverse;
+  q[0] = found[1] * inverse;
+  q[1] = found[2] * inverse;
+  q[2] = found[3] * inverse;
+  q[3] = found[0] * inverse;
 }
 
 }  // namespace sandglass

@@ -82,7 +82,8 @@ __attribute__((noinline)) bool build(const Checked& checked, const sandglass_est
   l->network = create_light_network(checked.asset, checked.kernels, checked.backend, k_light_width, k_light_height,
                                     parts.network, reason);
   if (l->network == nullptr) return false;
-  l->rgb = parts.rgb, l->sums = parts.sums;
+  l->rgb = parts.rgb;
+  l->sums = parts.sums;
   memset(l->rgb, 0, k_rgb_bytes);
   const double interval = static_cast<double>(desc.interval);
   l->interval_ns = to_whole<uint64_t>(interval * 1e9);
@@ -155,9 +156,12 @@ sandglass_status sandglass_estimator_inspect(const void* asset, uint64_t asset_b
   const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason);
   if (status != SANDGLASS_OK) return status;
   sandglass_estimator_info filled = {};
-  filled.training_images = file.training_images, filled.calibration_images = file.calibration_images;
-  filled.angle_deg = file.angle_deg, filled.difference = file.difference;
-  filled.data_hash = file.data_hash, filled.seed = file.seed;
+  filled.training_images = file.training_images;
+  filled.calibration_images = file.calibration_images;
+  filled.angle_deg = file.angle_deg;
+  filled.difference = file.difference;
+  filled.data_hash = file.data_hash;
+  filled.seed = file.seed;
   fill_struct(&filled, sizeof filled, info);
   return SANDGLASS_OK;
 }

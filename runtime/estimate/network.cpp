@@ -223,7 +223,8 @@ __attribute__((noinline)) void average_features(LightNetwork* net) {
     }
   for (uint32_t c = 0; c < k_light_features; ++c) {
     const uint32_t average = (256 * sums[c] + pixels / 2) / pixels;
-    net->pooled_high[c] = static_cast<uint8_t>(average >> 8), net->pooled_low[c] = static_cast<uint8_t>(average);
+    net->pooled_high[c] = static_cast<uint8_t>(average >> 8);
+    net->pooled_low[c] = static_cast<uint8_t>(average);
   }
 }
 
@@ -267,7 +268,8 @@ Int8Convolution pack(const AssetConvolution& file, uint32_t inputs, uint32_t win
                      const Int8Kernels* kernels, int8_t** weights, int32_t** biases) {
   const Int8Convolution convolution = {*weights, *biases, file.multiplier, file.low, file.high, inputs, outputs};
   kernels->pack_layer(file.weights, file.bias, outputs, window * inputs, *weights, *biases);
-  *weights += uint64_t{outputs} * window * inputs, *biases += outputs;
+  *weights += uint64_t{outputs} * window * inputs;
+  *biases += outputs;
   return convolution;
 }
 
@@ -336,7 +338,8 @@ LightNetwork* create_light_network(const LightAsset& asset, const Int8Kernels* k
   net->backend = backend;
   net->kernels = kernels;
   net->asset = asset;
-  net->width = width, net->height = height;
+  net->width = width;
+  net->height = height;
   if (backend == nullptr || !backend->in_float) net->asset.float_parameters = nullptr;
   if (net->asset.float_parameters == nullptr) {
     memcpy(memory.latent, asset.latent_weights, uint64_t{k_light_latent} * k_light_features);
@@ -345,7 +348,8 @@ LightNetwork* create_light_network(const LightAsset& asset, const Int8Kernels* k
     net->features = reinterpret_cast<float*>(memory.latent);
     memset(net->features, 0, k_light_features * sizeof(float));
   }
-  net->pooled_high = memory.pooled, net->pooled_low = memory.pooled + k_light_features;
+  net->pooled_high = memory.pooled;
+  net->pooled_low = memory.pooled + k_light_features;
   list_operators(net);
   if (backend != nullptr) return backend->create(net, memory, reason) ? net : nullptr;
   create_own(net, memory);
@@ -395,7 +399,8 @@ LightFloats light_floats(const LightNetwork& network, const LightOperator& op) {
       floats.low = take(o->inputs), floats.high = take(o->inputs);
     if (o->kind == k_light_kind_head) floats.feature_scale = take(o->inputs), floats.feature_shift = take(o->inputs);
     const Shape shape = shape_of(*o);
-    floats.weights = take(shape.places * shape.outputs), floats.bias = take(shape.outputs);
+    floats.weights = take(shape.places * shape.outputs);
+    floats.bias = take(shape.outputs);
   }
   return floats;
 }

@@ -57,7 +57,8 @@ void load_clamp(const LightNetwork& net, const LightOperator& op, const uint8_t*
                 State<Value>* s) {
   if (in_float<Value>(net)) {
     const LightFloats floats = light_floats(net, op);
-    memcpy(s->low, floats.low, op.inputs * sizeof(float)), memcpy(s->high, floats.high, op.inputs * sizeof(float));
+    memcpy(s->low, floats.low, op.inputs * sizeof(float));
+    memcpy(s->high, floats.high, op.inputs * sizeof(float));
     return;
   }
   for (uint32_t c = 0; c < op.inputs; ++c) s->low[c] = value_of<Value>(low[c]), s->high[c] = value_of<Value>(high[c]);
@@ -200,7 +201,8 @@ void average_features(LightNetwork* net) {
   }
   for (uint32_t c = 0; c < k_light_features; ++c) {
     const auto steps = to_whole<uint32_t>(256.0f * sums[c] / static_cast<float>(pixels) + 0.5f);
-    net->pooled_high[c] = static_cast<uint8_t>(steps >> 8), net->pooled_low[c] = static_cast<uint8_t>(steps);
+    net->pooled_high[c] = static_cast<uint8_t>(steps >> 8);
+    net->pooled_low[c] = static_cast<uint8_t>(steps);
   }
 }
 
@@ -289,7 +291,8 @@ bool create_operators(LightNetwork* net, State<Value>* s, const char** reason) {
 template <class Value>
 void release(LightNetwork* net) {
   State<Value>* s = state_of<Value>(*net);
-  xnnpack_release(s->stem), s->stem = nullptr;
+  xnnpack_release(s->stem);
+  s->stem = nullptr;
   for (XnnpackOperator*& op : s->narrow) xnnpack_release(op), op = nullptr;
   for (XnnpackOperator*& op : s->wide) xnnpack_release(op), op = nullptr;
   for (XnnpackOperator*& op : s->transition) xnnpack_release(op), op = nullptr;
@@ -302,7 +305,8 @@ bool create(LightNetwork* net, const LightMemory& memory, const char** reason) {
   memset(static_cast<void*>(s), 0, sizeof *s);
   net->backend_state = s;
   for (uint32_t i = 0; i < 2; ++i) s->maps[i] = static_cast<Value*>(memory.maps[i]);
-  s->stem_rows = static_cast<Value*>(memory.stem), s->bottleneck = static_cast<Value*>(memory.bottleneck);
+  s->stem_rows = static_cast<Value*>(memory.stem);
+  s->bottleneck = static_cast<Value*>(memory.bottleneck);
   s->slice = static_cast<Value*>(memory.slice);
   net->even = reinterpret_cast<uint8_t*>(s->maps[0]);
   if (create_operators(net, s, reason)) return true;

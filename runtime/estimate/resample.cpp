@@ -116,7 +116,8 @@ void resample_row(const Plane& plane, const Box* columns, uint32_t count, const 
       const int32_t l = first_of(columns[end]) < low ? first_of(columns[end]) : low;
       const int32_t h = last_of(columns[end]) > high ? last_of(columns[end]) : high;
       if (h - l >= pixels) break;
-      low = l, high = h;
+      low = l;
+      high = h;
     }
     sum_rows(plane, rows, static_cast<uint32_t>(low) * plane.step, static_cast<uint32_t>(high - low + 1) * plane.step,
              sums);
@@ -196,7 +197,8 @@ uint32_t planes_of(const CameraImage& image, Plane planes[3]) {
     stored(1, 2, true, 2, 1, image.format == SANDGLASS_CAMERA_NV21 ? 1 : 0);
     return 2;
   }
-  stored(1, 1, true, 1, 1, 0), stored(2, 1, true, 1, 2, 0);
+  stored(1, 1, true, 1, 1, 0);
+  stored(2, 1, true, 1, 2, 0);
   return 3;
 }
 

@@ -27,7 +27,8 @@ void match(BodyMatch* own, const Granular& g, RigidBody* body, FrameCounts* coun
   const double n = body->count, identity[4] = {0, 0, 0, 1}, dt = static_cast<double>(g.substep.length);
   bool sound = true;
   for (int k = 0; k < 3; ++k) {
-    m.shift[k] /= n, m.stabilised[k] /= n;
+    m.shift[k] /= n;
+    m.stabilised[k] /= n;
     sound = sound && is_finite(m.shift[k]) && is_finite(m.spin[k]) &&
             __builtin_fabs(body->center[k] + m.shift[k]) < 0.75 * static_cast<double>(k_coordinate_bound);
   }
@@ -68,7 +69,9 @@ void accumulate(BodyMatch* own, const Granular& g, uint32_t slot) {
       stabilised = static_cast<double>(next.position[k]) - static_cast<double>(now.position[k]) - displacement;
     carried[k] = displacement;
     moved[k] = displacement + stabilised;
-    m.shift[k] += moved[k], m.stabilised[k] += stabilised, m.offset[k] += offset[k];
+    m.shift[k] += moved[k];
+    m.stabilised[k] += stabilised;
+    m.offset[k] += offset[k];
   }
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
@@ -76,7 +79,9 @@ void accumulate(BodyMatch* own, const Granular& g, uint32_t slot) {
       m.spread[3 * i + j] += offset[i] * offset[j];
     }
   const Vector spin = cross(r, {carried[0], carried[1], carried[2]});
-  m.spin[0] += spin.x, m.spin[1] += spin.y, m.spin[2] += spin.z;
+  m.spin[0] += spin.x;
+  m.spin[1] += spin.y;
+  m.spin[2] += spin.z;
 }
 
 void apply(ContactExtent* own, const Granular& g, uint32_t slot) {
@@ -123,7 +128,8 @@ void bodies_reset(Bodies* b) {
 }
 
 void bodies_restore(Bodies* b, const SavedScene& s) {
-  b->count = s.bodies, b->particle_count = s.body_particles;
+  b->count = s.bodies;
+  b->particle_count = s.body_particles;
   b->densest = s.state.densest_body;
 }
 
@@ -211,7 +217,8 @@ void bodies_add(Bodies* b, const Granular& g, uint32_t number, const sandglass_b
     for (int k = 0; k < 3; ++k) body.center[k] += static_cast<double>(desc.particle_positions[3ull * i + k]);
   for (int k = 0; k < 3; ++k) {
     body.center[k] /= body.count;
-    body.linear[k] = desc.linear_velocity[k], body.angular[k] = desc.angular_velocity[k];
+    body.linear[k] = desc.linear_velocity[k];
+    body.angular[k] = desc.angular_velocity[k];
   }
   for (uint32_t i = 0; i < body.count; ++i) {
     const uint32_t slot = body.first + i;
@@ -233,7 +240,8 @@ void bodies_remove(Bodies* b, const Granular& g, uint32_t index) {
   for (uint32_t to = gone.first; to < b->particle_count; ++to) {
     const uint32_t from = to + gone.count;
     for (int k = 0; k < 3; ++k) b->rest_shape[3ull * to + k] = b->rest_shape[3ull * from + k];
-    b->rows[to] = b->rows[from], b->numbers[to] = b->numbers[from];
+    b->rows[to] = b->rows[from];
+    b->numbers[to] = b->numbers[from];
   }
   b->all[index] = {};
   while (b->count != 0 && b->all[b->count - 1].count == 0) --b->count;

@@ -125,7 +125,8 @@ bool continues(const Placement& before, const Placement& now, double step, float
   for (int k = 0; k < 3; ++k) {
     const float way = now.pose.position[k] - before.pose.position[k];
     const float speed = __builtin_fabsf(before.linear[k]) + __builtin_fabsf(now.linear[k]);
-    way2 += way * way, speed2 += speed * speed;
+    way2 += way * way;
+    speed2 += speed * speed;
   }
   return __builtin_sqrtf(way2) <= static_cast<float>(step) * __builtin_sqrtf(speed2) + margin;
 }
@@ -144,7 +145,8 @@ float spread(float left, double owed, float now, double step, double debt) {
 float fastness(const sandglass_collider& c) {
   float v2 = 0.0f, w2 = 0.0f, reach2 = c.shape == SANDGLASS_SHAPE_HALF_SPACE ? 1.0f : 0.0f;
   for (int k = 0; k < 3; ++k) {
-    v2 += c.linear_velocity[k] * c.linear_velocity[k], w2 += c.angular_velocity[k] * c.angular_velocity[k];
+    v2 += c.linear_velocity[k] * c.linear_velocity[k];
+    w2 += c.angular_velocity[k] * c.angular_velocity[k];
     if (c.shape != SANDGLASS_SHAPE_HALF_SPACE) reach2 += c.size[k] * c.size[k];
   }
   return __builtin_sqrtf(v2) + __builtin_sqrtf(w2 * reach2);
@@ -209,7 +211,10 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   const Placement before = placement_of(c.of_slot[slot]);
   if (!same_one) hold_anew(&known.pose, placement_of(now));
   else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g.time.frame_step, rule);
-  known.used = 1, known.id = now.id, known.shape = now.shape, known.absent = 0.0f;
+  known.used = 1;
+  known.id = now.id;
+  known.shape = now.shape;
+  known.absent = 0.0f;
   Placement met = known.pose.held;
   if (owed >= k_time_resolution && debt >= k_time_resolution) {
     // Of one that jumped nothing is left: else it would come from as far away as it goes in all of the time debt.
@@ -380,7 +385,8 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
                        : slot_by_place(c, capacity, now, place - 1, g.time.frame_step);
       if (slot == k_no_slot) continue;
       hold_slot(&c, g, slot, now, owed, rule);
-      c.known[slot].place = place - 1, c.known[slot].listed = i;
+      c.known[slot].place = place - 1;
+      c.known[slot].listed = i;
     }
   }
   if (input.collider_count != 0) c.waits = false;

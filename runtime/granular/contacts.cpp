@@ -130,7 +130,8 @@ PredictArgs predict_args(const Granular& g) {
 
 CompleteArgs complete_args(const Granular& g, const Particle* in, Particle* out) {
   CompleteArgs a = {};
-  a.in = in, a.out = out;
+  a.in = in;
+  a.out = out;
   a.groups = g.sleep.active_groups;
   a.particle_count = g.particles.count;
   a.radius = g.desc.particle_radius;
@@ -163,7 +164,9 @@ PairArgs pair_args(const Granular& g) {
   PairArgs a = {};
   a.law = contact_law(g);
   a.particles = g.particles.records[1];
-  a.first = g.colours.first, a.second = g.colours.second, a.groups = g.colours.groups;
+  a.first = g.colours.first;
+  a.second = g.colours.second;
+  a.groups = g.colours.groups;
   a.inverse_relaxation = 1.0f / g.desc.reference.relaxation;
   a.separation_max = k_separation_units * heaviest(g) * granular_speed_scale(g) * g.substep.length;
   a.stick = sticking_share(g.desc.static_friction);

@@ -49,8 +49,10 @@ Bounds box_of(const ColliderFrame& c) {
   Bounds box;
   for (int k = 0; k < 3; ++k) {
     float way[3] = {0.0f, 0.0f, 0.0f};
-    way[k] = 1.0f, box.high[k] = c.position[k] + reach_along(c, way);
-    way[k] = -1.0f, box.low[k] = c.position[k] - reach_along(c, way);
+    way[k] = 1.0f;
+    box.high[k] = c.position[k] + reach_along(c, way);
+    way[k] = -1.0f;
+    box.low[k] = c.position[k] - reach_along(c, way);
   }
   return box;
 }
@@ -123,7 +125,8 @@ void measure_slot(Departed* departed, const Granular& g, uint32_t slot) {
   const Particle& p = g.particles.records[0][g.bodies.rows[slot]];
   BodySpan* span = &departed->spans[body_of(p) - 1];
   const float depth = depth_of(g, p.position);
-  span->top = depth < span->top ? depth : span->top, span->bottom = depth > span->bottom ? depth : span->bottom;
+  span->top = depth < span->top ? depth : span->top;
+  span->bottom = depth > span->bottom ? depth : span->bottom;
 }
 
 // A body that is not wholly below the others is something that sand may lie on.
@@ -189,7 +192,8 @@ void judge_fast(Departed* departed, const Granular& g) {
   // The others may go as far as lists reach.
   const float margin = 2.0f * neighbours_reach(g) + fall_of(g);
   Bounds there = d.others;
-  bounds_join(&there, g.boundary.bounds), bounds_join(&there, g.sleep.resting);
+  bounds_join(&there, g.boundary.bounds);
+  bounds_join(&there, g.sleep.resting);
   const bool few = d.fast_count <= k_fast_most && (!is_empty(there) || d.bounded);
   bool reaches[k_fast_most];
   for (uint32_t f = 0; f < count; ++f) reaches[f] = !few || meets(way_of(g, d.fast[f]), there, margin);
@@ -258,8 +262,10 @@ void departed_reset(Departed* d) {
 
 void departed_begin_frame(Departed* departed, const Granular& g) {
   Departed& d = *departed;
-  d.open = true, d.falls = g.gravity_length > 0.0f;
-  d.bottom = -k_endless, d.bounded = false;
+  d.open = true;
+  d.falls = g.gravity_length > 0.0f;
+  d.bottom = -k_endless;
+  d.bounded = false;
   for (uint32_t c = 0; c < g.colliders.solid_count; ++c) {
     ColliderFrame frames[2];
     pose_both(g, c, frames);

@@ -302,7 +302,8 @@ bool caught(const Granular& g, const RigidBody& body, const Vector& p) {
     if (!(distance < k_around_radii * r)) continue;
     const double inverse = distance > 0.0 ? 1.0 / distance : 0.0;
     away = {away.x + d.x * inverse, away.y + d.y * inverse, away.z + d.z * inverse};
-    around += 1.0, overlaps = overlaps || distance < k_overlap_radii * r;
+    around += 1.0;
+    overlaps = overlaps || distance < k_overlap_radii * r;
   }
   const double way2 = away.x * away.x + away.y * away.y + away.z * away.z;
   return overlaps && way2 < k_one_sided * k_one_sided * around * around;
@@ -493,7 +494,8 @@ sandglass_status granular_set_body(Granular* g, uint32_t index, const sandglass_
   for (int k = 0; k < 4; ++k) placed.rotation[k] = static_cast<double>(pose->rotation[k]) / __builtin_sqrt(length2);
   for (int k = 0; k < 3; ++k) {
     placed.center[k] = static_cast<double>(pose->position[k]);
-    placed.linear[k] = pose->linear_velocity[k], placed.angular[k] = pose->angular_velocity[k];
+    placed.linear[k] = pose->linear_velocity[k];
+    placed.angular[k] = pose->angular_velocity[k];
   }
   for (uint32_t slot = placed.first; slot < placed.first + placed.count; ++slot) {
     float at[3];

@@ -146,7 +146,8 @@ void step_back(Sites* sites, const Layer& layer, const float particle[3], float 
     float length2 = 0.0f, ahead = 0.0f;
     for (int k = 0; k < 3; ++k) {
       const float apart = particle[k] - sites->at[s].position[k];
-      length2 += apart * apart, ahead += apart * layer.way[k];
+      length2 += apart * apart;
+      ahead += apart * layer.way[k];
     }
     const float aside2 = length2 - ahead * ahead;
     if (aside2 >= touch2) continue;
@@ -199,10 +200,12 @@ void find_room(const Granular& g, Sites* sites, const Layer& layer) {
     float low = 3e38f, high = -3e38f;
     for (uint32_t s = 0; s < sites->count; ++s) {
       const float c = sites->at[s].position[k];
-      low = c < low ? c : low, high = c > high ? c : high;
+      low = c < low ? c : low;
+      high = c > high ? c : high;
     }
     box.axes[k][k] = 1.0f;
-    box.position[k] = 0.5f * (low + high), box.size[k] = 0.5f * (high - low) + 2.0f * g.desc.particle_radius + most;
+    box.position[k] = 0.5f * (low + high);
+    box.size[k] = 0.5f * (high - low) + 2.0f * g.desc.particle_radius + most;
   }
   for (uint32_t s = 0; s < sites->count; ++s) sites->back[s] = 0.0f;
   find_extent(&box);
@@ -252,12 +255,15 @@ void follow_lattice(const Granular& g, EmitterState* state, Nozzle* nozzle) {
   }
   // To the nearest point of the lattice.
   const float rows = static_cast<float>(floor_whole(z / row + 0.5f));
-  x -= 0.5f * a * rows, z -= row * rows;
+  x -= 0.5f * a * rows;
+  z -= row * rows;
   x -= a * static_cast<float>(floor_whole(x / a + 0.5f));
   const float off = __builtin_sqrtf(x * x + z * z), step = k_centring_radii * g.desc.particle_radius;
   const float left = off > step ? 1.0f - step / off : 0.0f;
-  x *= left, z *= left;
-  nozzle->shift[0] = x, nozzle->shift[1] = z;
+  x *= left;
+  z *= left;
+  nozzle->shift[0] = x;
+  nozzle->shift[1] = z;
   for (int k = 0; k < 3; ++k) state->origin[k] = here[k] + x * nozzle->axes[0][k] + z * nozzle->axes[2][k];
 }
 
@@ -277,7 +283,8 @@ void emit_sites(const Pouring& to, const Granular& g, Sites* sites, const Layer&
   uint32_t free = 0;
   for (uint32_t s = 0; s < sites->count; ++s) {
     if (!room || sites->taken[s]) continue;
-    sites->at[free] = sites->at[s], sites->seeds[free] = sites->seeds[s];
+    sites->at[free] = sites->at[s];
+    sites->seeds[free] = sites->seeds[s];
     put(to, batch, false, sites->at[free++].position, velocity);
   }
   if (batch->count != 0) flush(to, batch, false);
@@ -375,7 +382,8 @@ void flow_reset(Flow* f, const sandglass_granular_desc& d) {
 }
 
 void flow_restore(Flow* f, const SavedScene& s) {
-  f->free_particle_count = s.free_particles, f->free_grain_count = s.free_grains;
+  f->free_particle_count = s.free_particles;
+  f->free_grain_count = s.free_grains;
   f->counts = s.state.flow;
 }
 

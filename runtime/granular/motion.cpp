@@ -208,7 +208,8 @@ float motion_free_fall(const float at_end[3], const float mean[3], const float g
   float off = 0.0f, added = 0.0f;
   for (int k = 0; k < 3; ++k) {
     const float half = 0.5f * time * gravity[k], d = at_end[k] - mean[k] - half;
-    off += d * d, added += half * half;
+    off += d * d;
+    added += half * half;
   }
   const float left = k_nothing * added - off;
   if (!(left > 0.0f)) return 0.0f;  // without gravity nothing falls

@@ -34,7 +34,8 @@ bool put_pair(PairColours* c, uint32_t run, uint32_t i, uint32_t j) {
     c->runs[c->group_count] = static_cast<uint8_t>(run);
     at = k_lane_group * c->group_count++;
   }
-  c->first[at] = i, c->second[at] = j;
+  c->first[at] = i;
+  c->second[at] = j;
   c->ends[run] = at + 1;
   return true;
 }
@@ -86,7 +87,8 @@ void order_groups(PairColours* c) {
   for (uint32_t run = 0; run < k_pair_runs; ++run) {
     const uint32_t count = places[run];
     if (count != 0) c->filled[c->filled_count++] = static_cast<uint8_t>(run);
-    c->starts[run] = k_lane_group * at, places[run] = at;
+    c->starts[run] = k_lane_group * at;
+    places[run] = at;
     at += count;
   }
   c->starts[k_pair_runs] = k_lane_group * at;

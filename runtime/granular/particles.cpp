@@ -208,8 +208,10 @@ uint32_t swap_records(Record* records, uint32_t* places, uint32_t first, uint32_
       continue;
     }
     const Record moved = records[i];
-    records[i] = records[place], records[place] = moved;
-    places[i] = places[place], places[place] = place;
+    records[i] = records[place];
+    records[place] = moved;
+    places[i] = places[place];
+    places[place] = place;
   }
   return i;
 }

@@ -25,13 +25,19 @@ struct Header {
 
 SavedState state_of(const Granular& g) {
   SavedState s = {};
-  s.debt = g.time.debt, s.slipped = g.time.slipped, s.simulated = g.time.simulated, s.grain_lag = g.time.grain_lag;
+  s.debt = g.time.debt;
+  s.slipped = g.time.slipped;
+  s.simulated = g.time.simulated;
+  s.grain_lag = g.time.grain_lag;
   s.next_check = g.sleep.next_check;
   s.flow = g.flow.counts;
   for (int k = 0; k < 3; ++k) s.low[k] = g.particles.low[k], s.high[k] = g.particles.high[k];
-  s.speed_max = g.particles.speed_max, s.frame_step = g.time.frame_step, s.densest_body = g.bodies.densest;
+  s.speed_max = g.particles.speed_max;
+  s.frame_step = g.time.frame_step;
+  s.densest_body = g.bodies.densest;
   s.builds_per_substep = g.neighbours.builds_per_substep;
-  s.bounds_known = g.particles.bounds_known ? 1 : 0, s.awake = g.sleep.awake_count;
+  s.bounds_known = g.particles.bounds_known ? 1 : 0;
+  s.awake = g.sleep.awake_count;
   s.dither = g.contacts.dither;
   for (int k = 0; k < 3; ++k) s.resting_gravity[k] = g.resting_gravity[k];
   return s;
@@ -39,10 +45,15 @@ SavedState state_of(const Granular& g) {
 
 Header header_of(const Granular& g) {
   Header h = {};
-  h.magic = k_magic, h.version = k_version;
-  h.particles = g.particles.count, h.free_particles = g.flow.free_particle_count;
-  h.grains = g.grains.count, h.free_grains = g.flow.free_grain_count;
-  h.boundary = g.boundary.count, h.bodies = g.bodies.count, h.body_particles = g.bodies.particle_count;
+  h.magic = k_magic;
+  h.version = k_version;
+  h.particles = g.particles.count;
+  h.free_particles = g.flow.free_particle_count;
+  h.grains = g.grains.count;
+  h.free_grains = g.flow.free_grain_count;
+  h.boundary = g.boundary.count;
+  h.bodies = g.bodies.count;
+  h.body_particles = g.bodies.particle_count;
   h.emitters = g.desc.emitter_capacity;
   h.particle_radius = g.desc.particle_radius;
   for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot) {

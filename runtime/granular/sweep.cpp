@@ -188,36 +188,43 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
   switch (g.sweep.phase) {
     case SweepPhase::idle:
       if (!time_awaits_grains(g)) return false;
-      unit->kind = k_unit_snapshot, unit->name = "refine.snapshot";
+      unit->kind = k_unit_snapshot;
+      unit->name = "refine.snapshot";
       unit->items = g.particles.count < g.unit ? g.particles.count : g.unit;
       return true;
     case SweepPhase::snapshot:
-      unit->kind = k_unit_snapshot, unit->name = "refine.snapshot";
+      unit->kind = k_unit_snapshot;
+      unit->name = "refine.snapshot";
       unit->items = cell_sort_items(g.grains.snapshot.sort, g.particles.count, g.unit);
       if (g.grains.snapshot.sort.phase == k_sort_done)
         unit->items = g.sweep.particles - g.sweep.cursor < g.unit ? g.sweep.particles - g.sweep.cursor : g.unit;
       return true;
     case SweepPhase::sort:
-      unit->kind = k_unit_grain_sort, unit->name = "refine.sort";
+      unit->kind = k_unit_grain_sort;
+      unit->name = "refine.sort";
       unit->items = cell_sort_items(g.grains.sort, g.grains.count, g.unit);
       return true;
     case SweepPhase::scatter:
     case SweepPhase::join:
     case SweepPhase::count:
     case SweepPhase::smooth:
-      unit->kind = k_unit_motion, unit->name = "refine.motion";
+      unit->kind = k_unit_motion;
+      unit->name = "refine.motion";
       unit->items = motion_items(g);
       return true;
     case SweepPhase::triage:
-      unit->kind = k_unit_triage, unit->name = "refine.triage";
+      unit->kind = k_unit_triage;
+      unit->name = "refine.triage";
       unit->items = grain_sleep_items(g);
       return true;
     case SweepPhase::refine:
-      unit->kind = k_unit_refine, unit->name = "refine.grains";
+      unit->kind = k_unit_refine;
+      unit->name = "refine.grains";
       if (left == 0) unit->items = 1;  // all sleep: the sweep ends
       return true;
     case SweepPhase::drain:
-      unit->kind = k_unit_drain, unit->name = "refine.drain";
+      unit->kind = k_unit_drain;
+      unit->name = "refine.drain";
       return true;
   }
   return false;

@@ -68,7 +68,8 @@ Overview overview_of(const Room& room, const Memory& memory) {
   for (uint32_t i = 0; i < k_room_parts; ++i) {
     const RoomPart& part = room.parts[i];
     const double weight = memory.seen[i] * solid_angles[i / k_room_columns], y = luminance(part.radiance);
-    mean += weight * y, area += weight;
+    mean += weight * y;
+    area += weight;
     // A lamp does not colour the rest: each part counts by the root of its brightness.
     const double root = y > 0 ? weight / square_root(y) : 0;
     for (int c = 0; c < 3; ++c) colour[c] += root * static_cast<double>(part.radiance[c]);
@@ -159,7 +160,9 @@ void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3
   sums->even[cell] += facing;
   sums->seen[cell] += seen;
   for (int k = 0; k < 3; ++k) sums->moments[cell][k] += seen * world[k];
-  sums->all_even += facing, sums->all_seen += shown.seen * facing, sums->clipped += shown.clipped * seen;
+  sums->all_even += facing;
+  sums->all_seen += shown.seen * facing;
+  sums->clipped += shown.clipped * seen;
 }
 
 void sum_up(const Room& room, const Memory& memory, const RoomModel& model, const Overview& all, const Hint& hint,

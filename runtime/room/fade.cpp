@@ -63,7 +63,10 @@ __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass
   for (float& c : shown->sh) c *= scale;
   mix(shown->irradiance, now.irradiance, share);
   mix(shown->sh, now.sh, share);
-  shown->white = now.white, shown->valid = now.valid, shown->seen = now.seen, shown->clipped = now.clipped;
+  shown->white = now.white;
+  shown->valid = now.valid;
+  shown->seen = now.seen;
+  shown->clipped = now.clipped;
   memcpy(shown->look, now.look, sizeof now.look);
 }
 

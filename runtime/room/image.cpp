@@ -77,7 +77,8 @@ bool may_be_seen(const RoomView& view, const SinCos& elevation, uint32_t column)
   direction_of(elevation, azimuth_of(column + 0.5), direction);
   for (int k = 0; k < 3; ++k) {
     const double v = direction[k] - view.position[k];
-    squared += v * v, along += v * view.to_camera[2][k];
+    squared += v * v;
+    along += v * view.to_camera[2][k];
   }
   return along >= view.most_cosine * square_root(squared);
 }
@@ -95,7 +96,8 @@ bool pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint
   const double v =
       static_cast<double>(view.image.focal_y) * c[1] / c[2] + static_cast<double>(view.image.centre_y) + 0.5;
   if (!(u >= 0 && u < view.image.width && v >= 0 && v < view.image.height)) return false;
-  *x = to_whole<uint32_t>(u), *y = to_whole<uint32_t>(v);
+  *x = to_whole<uint32_t>(u);
+  *y = to_whole<uint32_t>(v);
   return true;
 }
 

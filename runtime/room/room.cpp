@@ -18,7 +18,9 @@ void room_reset(Room* room) {
   const double radius = room->radius, half_life = room->half_life;
   const uint64_t interval_ns = room->interval_ns;
   __builtin_memset(static_cast<void*>(room), 0, sizeof *room);
-  room->radius = radius, room->half_life = half_life, room->interval_ns = interval_ns;
+  room->radius = radius;
+  room->half_life = half_life;
+  room->interval_ns = interval_ns;
   room->scale = 1;
 }
 

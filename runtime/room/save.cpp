@@ -101,9 +101,12 @@ sandglass_status sandglass_room_restore(sandglass_room* owner, const void* data,
   if (!sound(saved)) return refuse(reason, "sandglass_room_restore: the bytes hold a number that no room has.");
   Room* room = &owner->room;
   room_reset(room);
-  room->radius = saved.radius, room->yaw = saved.yaw, room->scale = saved.scale;
+  room->radius = saved.radius;
+  room->yaw = saved.yaw;
+  room->scale = saved.scale;
   for (int k = 0; k < 3; ++k) room->centre[k] = saved.centre[k];
-  room->images = saved.images, room->exposure_known = saved.exposure_known != 0;
+  room->images = saved.images;
+  room->exposure_known = saved.exposure_known != 0;
   room->view.stamp = saved.stamp;
   memcpy(room->parts, saved.parts, sizeof room->parts);
   return accept(reason);

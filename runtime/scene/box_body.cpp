@@ -89,7 +89,8 @@ sandglass_status sandglass_box_body(const sandglass_box_desc* desc, float* point
   const double radius = static_cast<double>(desc->particle_radius);
   for (int k = 0; k < 3; ++k) {
     const double half = static_cast<double>(desc->half_extents[k]), reach = counts[k] > 1 ? half - radius : 0.0;
-    first[k] = -reach, step[k] = counts[k] > 1 ? 2.0 * reach / (counts[k] - 1) : 0.0;
+    first[k] = -reach;
+    step[k] = counts[k] > 1 ? 2.0 * reach / (counts[k] - 1) : 0.0;
     volume *= 2.0 * half;
   }
   for (uint32_t i = 0; i < all; ++i) {

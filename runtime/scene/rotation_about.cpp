@@ -4,7 +4,8 @@
 
 int32_t sandglass_rotation_about(const float axis[3], float angle, float rotation[4]) {
   if (rotation == nullptr) return 0;
-  rotation[0] = rotation[1] = rotation[2] = 0.0f, rotation[3] = 1.0f;
+  rotation[0] = rotation[1] = rotation[2] = 0.0f;
+  rotation[3] = 1.0f;
   if (axis == nullptr) return 0;
   double direction[3], squared = 0.0;
   for (int k = 0; k < 3; ++k) direction[k] = static_cast<double>(axis[k]), squared += direction[k] * direction[k];

@@ -41,16 +41,20 @@ void begin_texture(AmbientShadow* ambient) {
     const int64_t weight = floor_index(sum * ambient->weight_scale + 0.5);
     ambient->weights[k] = static_cast<int16_t>(weight < -32767 ? -32767 : weight > 32767 ? 32767 : weight);
   }
-  ambient->pending = false, ambient->under_way = true;
+  ambient->pending = false;
+  ambient->under_way = true;
   ambient->cursor = 0;
   ambient->begun_call = ambient->calls;
 }
 
 void end_texture(AmbientShadow* ambient) {
   uint8_t* const swap = ambient->front;
-  ambient->front = ambient->back, ambient->back = swap;
+  ambient->front = ambient->back;
+  ambient->back = swap;
   ambient->front_call = ambient->begun_call;
-  ambient->under_way = false, ambient->valid = true, ambient->gives_way = true;
+  ambient->under_way = false;
+  ambient->valid = true;
+  ambient->gives_way = true;
   ++ambient->completed;
 }
 
@@ -86,7 +90,8 @@ void ambient_lay_out(const AmbientAsset& asset, Layout* layout, AmbientShadow* a
   const uint64_t components = even(asset.components), texels = uint64_t{asset.side} * asset.side;
   int8_t* const copy = layout_region<int8_t>(layout, "shadow.ambient.components", components * texels);
   float* const mixing = layout_region<float>(layout, "shadow.ambient.mixing", components * SANDGLASS_LIGHT_CELLS);
-  ambient->components.texels = copy, ambient->mixing = mixing;
+  ambient->components.texels = copy;
+  ambient->mixing = mixing;
   ambient->weights = layout_region<int16_t>(layout, "shadow.ambient.weights", components);
   ambient->front = layout_region<uint8_t>(layout, "shadow.ambient.front", texels);
   ambient->back = layout_region<uint8_t>(layout, "shadow.ambient.back", texels);
@@ -100,7 +105,8 @@ void ambient_lay_out(const AmbientAsset& asset, Layout* layout, AmbientShadow* a
 
 void ambient_create(const AmbientAsset& asset, AmbientShadow* ambient) {
   if (asset.components == 0) return;
-  ambient->side = asset.side, ambient->half = asset.half;
+  ambient->side = asset.side;
+  ambient->half = asset.half;
   ambient->components.size = static_cast<uint32_t>(texels_of(*ambient));
   ambient->components.count = even(asset.components);
   ambient->components.weights = ambient->weights;

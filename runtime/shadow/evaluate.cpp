@@ -44,7 +44,8 @@ void end_texture(Shadow* s) {
   s->back.valid = true;
   ShadowTexture& front = s->lights[s->active].front;
   const ShadowTexture swap = front;
-  front = s->back, s->back = swap;
+  front = s->back;
+  s->back = swap;
   s->phase = ShadowPhase::idle;
   s->cursor = 0;
 }
@@ -175,7 +176,9 @@ void shadow_set_light(Shadow* s, uint32_t number, const double unit_vector[3], f
     l.opacity = fade > 0 ? static_cast<float>(fade < 1 ? fade : 1) : 0.0f;
     // Straight down it has no azimuth, and no shadow.
     const double scale = flat > 0 ? s->polar_sine / flat : 0;
-    light[0] = flat > 0 ? light[0] * scale : s->polar_sine, light[1] = s->polar_cosine, light[2] *= scale;
+    light[0] = flat > 0 ? light[0] * scale : s->polar_sine;
+    light[1] = s->polar_cosine;
+    light[2] *= scale;
   }
   if (l.beyond && !(l.opacity > 0)) {  // there is nothing to see
     l.pending = false;
@@ -267,7 +270,8 @@ ShadowWork shadow_work_left(const Shadow& s, bool likely) {
     return likely && last.valid ? (last.evaluated - all) / k_new_texels : k_cells * k_cells;
   };
   const auto whole = [&](uint32_t light) {
-    rows += k_table_rows, texels += all;
+    rows += k_table_rows;
+    texels += all;
     if (!full) decide += 2 * k_cells, refine += cells_of(light);
   };
   switch (s.phase) {
@@ -278,10 +282,13 @@ ShadowWork shadow_work_left(const Shadow& s, bool likely) {
       rows -= s.cursor;
       break;
     case ShadowPhase::coarse:
-      texels += all - s.cursor, decide += 2 * k_cells, refine += cells_of(s.active);
+      texels += all - s.cursor;
+      decide += 2 * k_cells;
+      refine += cells_of(s.active);
       break;
     case ShadowPhase::decide:
-      decide += 2 * k_cells - s.cursor, refine += cells_of(s.active);
+      decide += 2 * k_cells - s.cursor;
+      refine += cells_of(s.active);
       break;
     case ShadowPhase::refine:
       refine += s.refined_count - s.cursor;

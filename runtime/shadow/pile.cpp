@@ -147,7 +147,9 @@ void cut_light(Pile* p) {
     double cosine, sine, weight;
     if (round) {
       const SinCos turn = sin_cos_turns((k + 0.5) / count);
-      cosine = turn.cos, sine = turn.sin, weight = 1;
+      cosine = turn.cos;
+      sine = turn.sin;
+      weight = 1;
     } else {
       const double widest = p->half_sine / flat;
       sine = widest * ((2.0 * k + 1.0) / count - 1.0);
@@ -157,7 +159,8 @@ void cut_light(Pile* p) {
     double low = 0, high = 0;
     if (!elevations(flat, up, cosine, p->half_cosine, &low, &high)) continue;
     PileAzimuth& azimuth = p->azimuths[p->azimuth_count++];
-    azimuth.low = static_cast<float>(low), azimuth.high = static_cast<float>(high);
+    azimuth.low = static_cast<float>(low);
+    azimuth.high = static_cast<float>(high);
     azimuth.weight = static_cast<float>(weight);
     const double cap = low + k_cap_share * (high - low);
     azimuth.foot = static_cast<float>(square_root(low / (1 - low)));
@@ -172,8 +175,10 @@ void cut_light(Pile* p) {
 }
 
 void begin(Pile* p) {
-  p->phase = PilePhase::columns, p->cursor = p->sphere_row = 0;
-  p->making = pile_wanted(*p), p->asked &= ~p->making;
+  p->phase = PilePhase::columns;
+  p->cursor = p->sphere_row = 0;
+  p->making = pile_wanted(*p);
+  p->asked &= ~p->making;
   p->back.frame = p->frame;
   if ((p->making & k_ask_sky) != 0) sky_begin(p);
   for (uint32_t axis = 0; axis < 3; ++axis) p->made_for[axis] = p->light[axis];
@@ -220,7 +225,9 @@ void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage)
     args.sand_rows[side] = p->sand_rows[side], args.sand_columns[side] = p->sand_columns[side];
   args.receivers = receivers;
   args.on_floor = receivers == p->nothing ? 1 : 0;
-  args.azimuths = p->azimuths, args.azimuth_count = p->azimuth_count, args.steps = p->steps;
+  args.azimuths = p->azimuths;
+  args.azimuth_count = p->azimuth_count;
+  args.steps = p->steps;
   args.inverse_total = p->inverse_total;
   args.shares = p->shares;
   uint32_t unused = 0;
@@ -254,7 +261,8 @@ void run_rows(Pile* p) {
     return;
   }
   const PileTexture swap = p->front;
-  p->front = p->back, p->back = swap;
+  p->front = p->back;
+  p->back = swap;
   p->valid = true;
   p->making &= ~k_ask_light;
   p->phase = p->making != 0 ? PilePhase::levels : PilePhase::idle;
@@ -273,7 +281,8 @@ void run_sky(Pile* p) {
   p->cursor = 0;
   s->back.top = p->top;
   const SkyTexture swap = s->front;
-  s->front = s->back, s->back = swap;
+  s->front = s->back;
+  s->back = swap;
   s->valid = true;
   p->making = 0;
   p->phase = PilePhase::idle;
@@ -334,7 +343,8 @@ PileReach pile_reach(const Pile& p, const float* centre, float radius) {
   float from[2], to[2];
   for (uint32_t axis = 0; axis < 2; ++axis) {
     const float middle = (centre[2 * axis] - p.low[axis]) / p.texel[axis], half = radius / p.texel[axis];
-    from[axis] = middle - half - 0.5f, to[axis] = middle + half - 0.5f;
+    from[axis] = middle - half - 0.5f;
+    to[axis] = middle + half - 0.5f;
     if (!(from[axis] < n && to[axis] >= 0)) return reach;
   }
   for (uint32_t axis = 0; axis < 2; ++axis) {  // what is converted lies from 0 to n

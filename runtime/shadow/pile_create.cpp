@@ -54,7 +54,8 @@ sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* l
   Pile nowhere = {};
   Pile* p = owner == nullptr ? &nowhere : &owner->pile;
   if (owner != nullptr) *owner = {};
-  p->texels = desc.texels, p->pitch = static_cast<uint32_t>(pitch);
+  p->texels = desc.texels;
+  p->pitch = static_cast<uint32_t>(pitch);
   p->tops = layout_region<float>(layout, "pile_shadow.tops", columns);
   p->bottoms = layout_region<float>(layout, "pile_shadow.bottoms", columns);
   p->fills = layout_region<float>(layout, "pile_shadow.fills", columns);
@@ -79,15 +80,19 @@ __attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, voi
   owner->functions = &k_pile_functions;
   Pile* p = &owner->pile;
   p->kernels = select_pile_kernels(desc.isa);
-  p->tops += k_lane_group, p->bottoms += k_lane_group, p->fills += k_lane_group;
+  p->tops += k_lane_group;
+  p->bottoms += k_lane_group;
+  p->fills += k_lane_group;
   for (uint32_t i = 0; i < p->texels + k_lane_group; ++i) p->nothing[i] = p->receivers[i] = p->shares[i] = 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
-    p->low[axis] = desc.low[axis], p->high[axis] = desc.high[axis];
+    p->low[axis] = desc.low[axis];
+    p->high[axis] = desc.high[axis];
     p->texel[axis] = (desc.high[axis] - desc.low[axis]) / static_cast<float>(desc.texels);
   }
   p->height = desc.floor;
   const SinCos half = sin_cos_turns(0.25 / k_pi * static_cast<double>(desc.angular_diameter));
-  p->half_sine = half.sin, p->half_cosine = half.cos;
+  p->half_sine = half.sin;
+  p->half_cosine = half.cos;
   p->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
   p->light[1] = 1;
   memset(p->front.floor, 0, uint64_t{p->texels} * p->texels);
@@ -110,7 +115,8 @@ __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direc
     const double fade = (0.5 * k_pi - polar) / (0.5 * k_pi - k_polar_max);
     p->opacity = fade > 0 ? static_cast<float>(fade) : 0.0f;
     const SinCos most = sin_cos_turns(k_polar_max / (2 * k_pi));
-    light[0] = flat > 0 ? light[0] * (most.sin / flat) : most.sin, light[1] = most.cos;
+    light[0] = flat > 0 ? light[0] * (most.sin / flat) : most.sin;
+    light[1] = most.cos;
     light[2] = flat > 0 ? light[2] * (most.sin / flat) : 0;
   }
   double chord = 0;
@@ -213,7 +219,8 @@ void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sand
   sandglass_pile_shadow_texture texture = {};
   texture.valid = p.valid ? 1 : 0;
   texture.texels = p.texels;
-  texture.coverage = p.front.floor, texture.on_sand = p.front.sand;
+  texture.coverage = p.front.floor;
+  texture.on_sand = p.front.sand;
   for (uint32_t axis = 0; axis < 2; ++axis) texture.low[axis] = p.low[axis], texture.high[axis] = p.high[axis];
   texture.opacity = p.opacity;
   const bool stale = ((p.asked | p.making) & k_ask_light) != 0;
@@ -251,9 +258,12 @@ void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglas
   sandglass_pile_shadow_sky sky = {};
   sky.valid = s.valid ? 1 : 0;
   sky.texels = s.texels;
-  sky.floor = s.front.floor, sky.on_sand = s.front.sand, sky.heights = s.front.heights;
+  sky.floor = s.front.floor;
+  sky.on_sand = s.front.sand;
+  sky.heights = s.front.heights;
   for (uint32_t axis = 0; axis < 2; ++axis) sky.low[axis] = p.low[axis], sky.high[axis] = p.high[axis];
-  sky.height_texels = s.texels != 0 ? p.texels : 0, sky.height = s.front.top;
+  sky.height_texels = s.texels != 0 ? p.texels : 0;
+  sky.height = s.front.top;
   const bool stale = ((p.asked | p.making) & k_ask_sky) != 0;
   sky.frames_behind = stale && s.texels != 0 ? static_cast<uint32_t>(p.frame - s.front.frame) : 0;
   fill_struct(&sky, sizeof sky, out);

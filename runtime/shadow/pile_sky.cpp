@@ -102,7 +102,9 @@ LevelRow row_at(const PileSky& s, const Extent& sand, uint32_t level, int32_t fi
 
 void put(PileSky* s, uint64_t row, int32_t u, const Column& column) {
   const int64_t at = static_cast<int64_t>(row * s->pitch) + u;
-  s->tops[at] = column.top, s->bottoms[at] = column.bottom, s->fills[at] = column.fill;
+  s->tops[at] = column.top;
+  s->bottoms[at] = column.bottom;
+  s->fills[at] = column.fill;
   if (column.fill > 0 && column.bottom > 0) s->in_air[row] = 1;
 }
 
@@ -199,7 +201,8 @@ void gather_steps(Pile* pile, uint32_t row, PileSkyArgs* args) {
     if (!has_light(s.sectors[k])) continue;
     PileSector* out = &s.row_sectors[args->sector_count];
     *out = s.sectors[k];
-    out->first_step = count, out->in_air = 0;
+    out->first_step = count;
+    out->in_air = 0;
     for (uint32_t i = 0; i < k_sky_steps; ++i) {
       const SkyStep& step = s.walks[k * k_sky_steps + i];
       const int32_t first = static_cast<int32_t>(row) + step.rows, wide = static_cast<int32_t>(window(step.level));
@@ -222,9 +225,14 @@ void light_row(Pile* p, uint32_t row) {
   const uint64_t at = uint64_t{row} * n;
   uint8_t *floor = s->back.floor + at, *sand = s->back.sand + at;
   PileSkyArgs args = {};
-  args.tops = s->tops, args.bottoms = s->bottoms, args.fills = s->fills;
-  args.steps = s->steps, args.sectors = s->row_sectors, args.cap = k_cap;
-  args.receivers = s->nothing, args.lights = s->lights;
+  args.tops = s->tops;
+  args.bottoms = s->bottoms;
+  args.fills = s->fills;
+  args.steps = s->steps;
+  args.sectors = s->row_sectors;
+  args.cap = k_cap;
+  args.receivers = s->nothing;
+  args.lights = s->lights;
   gather_steps(p, row, &args);
   uint32_t unused = 0;
   p->kernels->pile_sky(&args, 0, n, &unused);
@@ -277,7 +285,8 @@ uint32_t unit_end(const PileSky& s, uint32_t items, uint32_t cursor, uint32_t ro
 }  // namespace
 
 void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
-  s->texels = texels, s->joined = joined;
+  s->texels = texels;
+  s->joined = joined;
   if (texels == 0) return;
   s->pitch = texels + k_before + k_after;
   uint32_t rows = 0;
@@ -311,7 +320,9 @@ void sky_build(Pile* p) {
   for (uint64_t i = 0; i < columns; ++i)
     s->tops[i] = k_no_sand.top, s->bottoms[i] = k_no_sand.bottom, s->fills[i] = k_no_sand.fill;
   constexpr uint32_t k_first = k_lane_group + k_before;  // row 0, column 0
-  s->tops += k_first, s->bottoms += k_first, s->fills += k_first;
+  s->tops += k_first;
+  s->bottoms += k_first;
+  s->fills += k_first;
   for (uint32_t u = 0; u < s->texels; ++u) s->nothing[u] = s->receivers[u] = s->lights[u] = 0;
   for (uint32_t k = 0; k < k_cell_sectors; ++k) place_steps(*p, k, s->walks + k * k_sky_steps);
   for (uint32_t i = 0; i < k_light_cells; ++i)

@@ -36,7 +36,8 @@ void missing_from_steps(const Pile& p, const PileStep* steps, uint32_t count, co
     uint32_t reach = 1;
     while (reach < count && top * static_cast<double>(steps[reach].inverse_distance) > slope) ++reach;
     const double rest = radius * radius * shadow_beyond_outline(square_root(square)) / texel - share * (reach - 1);
-    sum += rest, positive += rest > 0 ? rest : 0;
+    sum += rest;
+    positive += rest > 0 ? rest : 0;
     missing[i] = rest > 0 ? rest : 0;
     met += reach > 1 ? 1 : 0;
   }

@@ -50,7 +50,8 @@ __attribute__((noinline)) void combine(const Shadow& s, uint32_t size, uint8_t* 
     irradiance += static_cast<double>(s.lights[i].irradiance);
     if (!shades(s.lights[i])) continue;
     const ShadowRectangle& r = s.lights[i].front.rectangle;
-    all.low_x = r.low_x < all.low_x ? r.low_x : all.low_x, all.low_z = r.low_z < all.low_z ? r.low_z : all.low_z;
+    all.low_x = r.low_x < all.low_x ? r.low_x : all.low_x;
+    all.low_z = r.low_z < all.low_z ? r.low_z : all.low_z;
     all.high_x = r.high_x > all.high_x ? r.high_x : all.high_x;
     all.high_z = r.high_z > all.high_z ? r.high_z : all.high_z;
   }
@@ -74,8 +75,10 @@ __attribute__((noinline)) void combine(const Shadow& s, uint32_t size, uint8_t* 
       out[v * size + u] = to_whole<uint8_t>(sum < 255 ? sum : 255);
     }
   }
-  low[0] = static_cast<float>(all.low_x + s.origin[0]), low[1] = static_cast<float>(all.low_z + s.origin[2]);
-  high[0] = static_cast<float>(all.high_x + s.origin[0]), high[1] = static_cast<float>(all.high_z + s.origin[2]);
+  low[0] = static_cast<float>(all.low_x + s.origin[0]);
+  low[1] = static_cast<float>(all.low_z + s.origin[2]);
+  high[0] = static_cast<float>(all.high_x + s.origin[0]);
+  high[1] = static_cast<float>(all.high_z + s.origin[2]);
 }
 
 }  // namespace

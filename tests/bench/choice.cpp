@@ -22,8 +22,10 @@ int main(int argument_count, char** arguments) try {
     sandglass_estimator_desc of_light = sandglass::estimator_desc();
     sandglass_pile_shadow_desc of_pile = sandglass::pile_shadow_desc();
     of_scene.isa = of_shadow.isa = of_light.isa = of_pile.isa = isa;
-    of_shadow.asset = shadow_file.data(), of_shadow.asset_bytes = shadow_file.size();
-    of_light.asset = light_file.data(), of_light.asset_bytes = light_file.size();
+    of_shadow.asset = shadow_file.data();
+    of_shadow.asset_bytes = shadow_file.size();
+    of_light.asset = light_file.data();
+    of_light.asset_bytes = light_file.size();
     sandglass::Scene scene;
     sandglass::Shadow shadow;
     sandglass::Estimator light;

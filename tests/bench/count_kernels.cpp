@@ -83,7 +83,9 @@ struct Sorted {
       : records(k_items + k_slack), starts(4096 + k_slack), keys(k_items + k_slack) {
     for (std::vector<float>& axis : axes) axis.resize(k_items + k_slack, k_inert_position);
     const float low[3] = {0, 0, 0}, high[3] = {Pile::side, Pile::side, Pile::side};
-    sort.cells_max = 4096, sort.starts = starts.data(), sort.keys = keys.data();
+    sort.cells_max = 4096;
+    sort.starts = starts.data();
+    sort.keys = keys.data();
     cell_sort_begin(&sort, cell, low, high, bits_min);
     const SortTarget target = {as_records(records.data()), {axes[0].data(), axes[1].data(), axes[2].data()}, false};
     while (sort.phase != k_sort_done)
@@ -98,7 +100,8 @@ struct Sorted {
 ColliderFrame still(sandglass_shape shape, float size, float height) {
   ColliderFrame frame = {};
   frame.shape = shape;
-  frame.position[0] = frame.position[2] = 0.5f * Pile::side, frame.position[1] = height;
+  frame.position[0] = frame.position[2] = 0.5f * Pile::side;
+  frame.position[1] = height;
   for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f, frame.size[k] = size;
   return frame;
 }
@@ -135,8 +138,11 @@ void work_neighbour_lists(const Kernels& kernels) {
   args.grid = sorted.sort.grid;
   for (int k = 0; k < 3; ++k) args.positions[k] = sorted.axes[k].data();
   args.inert = k_items;
-  args.reach_squared = Pile::reach * Pile::reach, args.near_squared = 4.4f * k_radius * k_radius;
-  args.lists = pile.lists.data(), args.counts = pile.counts.data(), args.near_counts = near_counts.data();
+  args.reach_squared = Pile::reach * Pile::reach;
+  args.near_squared = 4.4f * k_radius * k_radius;
+  args.lists = pile.lists.data();
+  args.counts = pile.counts.data();
+  args.near_counts = near_counts.data();
   count(kernels.neighbour_lists, args);
 }
 
@@ -148,17 +154,33 @@ struct Pass {
     if (beside != nullptr) colliders.push_back(*beside);
     law.diameter = 2 * k_radius;
     law.static_friction = law.kinetic_friction = 0.14f;
-    law.relaxation = 0.3f, law.weight_linear = -0.15f, law.weight_cubic = 0.0045f, law.lift_max = 2e-5f;
-    law.up[1] = 1.0f, law.bodies = 1, law.wake_displacement = 1e-4f, law.touched = touched.data();
+    law.relaxation = 0.3f;
+    law.weight_linear = -0.15f;
+    law.weight_cubic = 0.0045f;
+    law.lift_max = 2e-5f;
+    law.up[1] = 1.0f;
+    law.bodies = 1;
+    law.wake_displacement = 1e-4f;
+    law.touched = touched.data();
     predict = {pile.records.data(), out.data(), pile.groups.data(), step, {0.0f, -9.81f * step * step, 0.0f}};
-    complete.in = pile.records.data(), complete.out = out.data(), complete.groups = pile.groups.data();
-    complete.particle_count = k_items, complete.radius = k_radius, complete.step = step;
+    complete.in = pile.records.data();
+    complete.out = out.data();
+    complete.groups = pile.groups.data();
+    complete.particle_count = k_items;
+    complete.radius = k_radius;
+    complete.step = step;
     complete.static_friction = complete.kinetic_friction = 0.14f;
-    complete.displacement_max = 1.0f, complete.leave_max = 3e-5f;
-    complete.colliders = colliders.data(), complete.collider_count = static_cast<uint32_t>(colliders.size());
-    averaged.law = law, averaged.end = complete;
-    averaged.lists = pile.lists.data(), averaged.counts = pile.counts.data(), averaged.last = 1;
-    averaged.scale = step, averaged.gravity[1] = predict.gravity[1];
+    complete.displacement_max = 1.0f;
+    complete.leave_max = 3e-5f;
+    complete.colliders = colliders.data();
+    complete.collider_count = static_cast<uint32_t>(colliders.size());
+    averaged.law = law;
+    averaged.end = complete;
+    averaged.lists = pile.lists.data();
+    averaged.counts = pile.counts.data();
+    averaged.last = 1;
+    averaged.scale = step;
+    averaged.gravity[1] = predict.gravity[1];
   }
   Pile pile;
   Records<Particle> out;
@@ -196,7 +218,8 @@ void work_contact_pairs(const Kernels& kernels) {
         for (uint32_t l = 0; free && l < filled[g]; ++l)
           free = ours[l] != i && ours[l] != j && others[l] != i && others[l] != j;
         if (!free) continue;
-        ours[filled[g]] = i, others[filled[g]++] = j;
+        ours[filled[g]] = i;
+        others[filled[g]++] = j;
         break;
       }
     }
@@ -289,17 +312,29 @@ void refine(const Kernels& kernels, const ColliderFrame& beside, Motion* motion)
   Records<Grain> grains = grains_of_the_pile();
   std::vector<uint8_t> still_groups(pile.groups.size());
   RefineArgs args = {};
-  args.grid = snapshot.sort.grid, args.snapshot = snapshot.records.data();
+  args.grid = snapshot.sort.grid;
+  args.snapshot = snapshot.records.data();
   for (int k = 0; k < 3; ++k) args.positions[k] = snapshot.axes[k].data();
-  args.grains = grains.data(), args.grain_count = k_items;
-  args.groups = pile.groups.data(), args.still = still_groups.data();
-  args.still_distance = 1e-4f, args.still_sweeps = 4.0f;
-  args.support = 3 * k_radius, args.step = 0.008f, args.steps = 2, args.gravity[1] = -9.81f, args.speed_scale = 0.443f;
-  args.push = 0.15f * k_radius, args.push_max = 0.1f * k_radius, args.push_reach = 1.2f * k_radius;
+  args.grains = grains.data();
+  args.grain_count = k_items;
+  args.groups = pile.groups.data();
+  args.still = still_groups.data();
+  args.still_distance = 1e-4f;
+  args.still_sweeps = 4.0f;
+  args.support = 3 * k_radius;
+  args.step = 0.008f;
+  args.steps = 2;
+  args.gravity[1] = -9.81f;
+  args.speed_scale = 0.443f;
+  args.push = 0.15f * k_radius;
+  args.push_max = 0.1f * k_radius;
+  args.push_reach = 1.2f * k_radius;
   if (motion != nullptr) motion->fill(kernels, &pile), args.motion = &motion->grid;
   args.weight_at_radius = 512.0f / 729.0f;
-  args.colliders = &beside, args.collider_count = 1;
-  args.grain_radius = 0.35f * k_radius, args.friction = 0.14f;
+  args.colliders = &beside;
+  args.collider_count = 1;
+  args.grain_radius = 0.35f * k_radius;
+  args.friction = 0.14f;
   count(kernels.refine_grains, args);
 }
 
@@ -333,13 +368,20 @@ void work_pile_light(const Kernels& kernels) {
                                    200.0f / static_cast<float>(s + 1)};
   }
   PileLightArgs args = {};
-  args.tops = tops.data() + k_lane_group, args.bottoms = bottoms.data() + k_lane_group;
+  args.tops = tops.data() + k_lane_group;
+  args.bottoms = bottoms.data() + k_lane_group;
   args.fills = fills.data() + k_lane_group;
-  args.pitch = pitch, args.row = rows / 2;
-  args.sand_rows[1] = rows - 1, args.sand_columns[1] = static_cast<int32_t>(k_items) - 1;
-  args.receivers = receivers.data(), args.azimuths = azimuths, args.azimuth_count = azimuth_count, args.steps = steps;
+  args.pitch = pitch;
+  args.row = rows / 2;
+  args.sand_rows[1] = rows - 1;
+  args.sand_columns[1] = static_cast<int32_t>(k_items) - 1;
+  args.receivers = receivers.data();
+  args.azimuths = azimuths;
+  args.azimuth_count = azimuth_count;
+  args.steps = steps;
   args.on_floor = 1;
-  args.inverse_total = 1.0f / (0.6f * azimuth_count), args.shares = shares.data();
+  args.inverse_total = 1.0f / (0.6f * azimuth_count);
+  args.shares = shares.data();
   count(kernels.pile_light, args);
 }
 
@@ -360,9 +402,15 @@ void work_pile_sky(const Kernels& kernels) {
                              200.0f / static_cast<float>(s + 1)};
   }
   PileSkyArgs args = {};
-  args.tops = tops.data(), args.bottoms = bottoms.data(), args.fills = fills.data();
-  args.steps = steps, args.sectors = sectors, args.sector_count = sector_count, args.cap = 2.0f;
-  args.receivers = receivers.data(), args.lights = lights.data();
+  args.tops = tops.data();
+  args.bottoms = bottoms.data();
+  args.fills = fills.data();
+  args.steps = steps;
+  args.sectors = sectors;
+  args.sector_count = sector_count;
+  args.cap = 2.0f;
+  args.receivers = receivers.data();
+  args.lights = lights.data();
   count(kernels.pile_sky, args);
 }
 

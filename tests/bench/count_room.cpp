@@ -21,10 +21,15 @@ int main(int argument_count, char** arguments) {
   for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(64 + 120 * unit());
   sandglass_camera_image image;
   sandglass_camera_image_default(&image);
-  image.format = SANDGLASS_CAMERA_NV12, image.width = k_width, image.height = k_height;
-  image.planes[0] = bytes.data(), image.planes[1] = bytes.data() + size_t{k_width} * k_height;
+  image.format = SANDGLASS_CAMERA_NV12;
+  image.width = k_width;
+  image.height = k_height;
+  image.planes[0] = bytes.data();
+  image.planes[1] = bytes.data() + size_t{k_width} * k_height;
   image.strides[0] = image.strides[1] = k_width;
-  image.focal_x = image.focal_y = 520.0f, image.centre_x = 319.5f, image.centre_y = 239.5f;
+  image.focal_x = image.focal_y = 520.0f;
+  image.centre_x = 319.5f;
+  image.centre_y = 239.5f;
   image.exposure = what == "image_untold" ? 0.0f : 1.0f;
   sandglass::cpp::Room room;
   if (!room.create()) return 2;

@@ -62,8 +62,10 @@ int main(int argument_count, char** arguments) {
   sandglass_frame_input input = sandglass::frame_input();
   input.time_step = 1e-6f * static_cast<float>(argument(4, 16667));
   input.budget_ns = ~0ull;
-  input.colliders = colliders, input.collider_count = 2;
-  input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
+  input.colliders = colliders;
+  input.collider_count = 2;
+  input.grains = drawn.data();
+  input.grain_capacity = desc.granular.grain_capacity;
 
   sandglass_frame_report report = sandglass::frame_report();
   for (int frame = 0; status && frame < settling_frames; ++frame) status = scene.frame(input, &report);
@@ -73,7 +75,8 @@ int main(int argument_count, char** arguments) {
     status = scene.frame(input, &report);
     iterations += static_cast<uint64_t>(report.sand.substeps) * report.sand.awake;
     builds += static_cast<uint64_t>(report.sand.list_builds) * report.sand.awake;
-    sweeps += report.sand.awake_grains, particle_sweeps += report.sand.particles;
+    sweeps += report.sand.awake_grains;
+    particle_sweeps += report.sand.particles;
   }
   counting_ends();
   if (!status) return fail(status);

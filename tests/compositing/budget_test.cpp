@@ -64,7 +64,9 @@ struct UnitClock {
     ASSERT_NE(cost, k_costs.end()) << "no cost of " << name;
     const uint64_t ns = clock->scale * static_cast<uint64_t>(1e3 * cost->second);
     const std::string word = cost->first.substr(0, cost->first.find('.'));
-    clock->now_ns += ns, clock->spent_ns[word] += ns, ++clock->units[word];
+    clock->now_ns += ns;
+    clock->spent_ns[word] += ns;
+    ++clock->units[word];
   }
 };
 
@@ -102,7 +104,8 @@ struct Everything {
     if ((stages & k_shadow) != 0) {
       const AlignedBytes file = sandglass::host::read_aligned(SANDGLASS_SHADOWS_DIR "/chair.shadow", "baked shadow");
       sandglass_shadow_desc d = sandglass::shadow_desc();
-      d.asset = file.data(), d.asset_bytes = file.size();
+      d.asset = file.data();
+      d.asset_bytes = file.size();
       EXPECT_TRUE(shadow.create(d));
       EXPECT_EQ(sandglass_shadow_bytes(&d, &shadow_bytes, nullptr), SANDGLASS_OK);
     }
@@ -115,16 +118,20 @@ struct Everything {
     if ((stages & k_light) != 0) {
       network = AlignedBytes(light_file_bytes(sandglass::host::random_light_file(7)));
       sandglass_estimator_desc d = sandglass::estimator_desc();
-      d.asset = network.data(), d.asset_bytes = network.size();
+      d.asset = network.data();
+      d.asset_bytes = network.size();
       EXPECT_TRUE(light.create(d));
       EXPECT_EQ(sandglass_estimator_bytes(&d, &light_bytes, nullptr), SANDGLASS_OK);
       pixels.resize(3 * 640 * 480);
       for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(i * 7 / 31 ^ i >> 9);
       image = sandglass::camera_image();
-      image.width = 640, image.height = 480;
-      image.planes[0] = pixels.data(), image.strides[0] = 3 * 640;
+      image.width = 640;
+      image.height = 480;
+      image.planes[0] = pixels.data();
+      image.strides[0] = 3 * 640;
       image.focal_x = image.focal_y = sandglass_camera_focal(640, 480, 80);
-      image.centre_x = 319.5f, image.centre_y = 239.5f;
+      image.centre_x = 319.5f;
+      image.centre_y = 239.5f;
     }
     bytes += shadow_bytes + pile_bytes + light_bytes;
   }
@@ -138,13 +145,18 @@ struct Everything {
     sandglass_shadow* const shadows[] = {shadow.get()};
     const sandglass_collider floor = sandglass::floor_at(0);
     sandglass_frame_input input = sandglass::frame_input();
-    input.time_step = 1.0f / 60, input.budget_ns = budget_ns;
-    input.colliders = &floor, input.collider_count = 1;
-    input.grains = drawn.data(), input.grain_capacity = static_cast<uint32_t>(drawn.size());
-    input.shadows = shadows, input.shadow_count = shadow ? 1 : 0;
+    input.time_step = 1.0f / 60;
+    input.budget_ns = budget_ns;
+    input.colliders = &floor;
+    input.collider_count = 1;
+    input.grains = drawn.data();
+    input.grain_capacity = static_cast<uint32_t>(drawn.size());
+    input.shadows = shadows;
+    input.shadow_count = shadow ? 1 : 0;
     input.pile_shadow = pile.get();
     image.timestamp_ns += 16'666'667;
-    input.estimator = light.get(), input.camera = light ? &image : nullptr;
+    input.estimator = light.get();
+    input.camera = light ? &image : nullptr;
     sandglass_frame_report report = sandglass::frame_report();
     EXPECT_TRUE(scene.frame(input, &report));
     return report;

@@ -25,7 +25,9 @@ constexpr double k_pi = std::numbers::pi;
 
 Camera camera() {
   Camera c;
-  c.eye = {0, 1.5, 2}, c.target = {0, 0.2, 0}, c.fov_deg = 45;
+  c.eye = {0, 1.5, 2};
+  c.target = {0, 0.2, 0};
+  c.fov_deg = 45;
   return c;
 }
 
@@ -42,7 +44,8 @@ RadianceMap lamp_room(Vec3 towards, double bright, double even = 0.2) {
 
 TEST(ShotCamera, TurnsWithoutMovingAndKeepsItsAxes) {
   ShotTrack track;
-  track.turn_deg = 90, track.sway_deg = 1;
+  track.turn_deg = 90;
+  track.sway_deg = 1;
   const ShotCamera rest = resting_camera(camera());
   for (int frame = 0; frame <= 100; ++frame) {
     const ShotCamera held = held_camera(camera(), track, 0.02 * frame, frame / 100.0);
@@ -68,7 +71,8 @@ TEST(Surroundings, AzimuthIsWhereTheCameraLooks) {
   const double azimuth = 200 * k_pi / 180;
   const Camera c = [] {
     Camera level;
-    level.eye = {0, 1.5, 2}, level.target = {0, 1.5, 0};
+    level.eye = {0, 1.5, 2};
+    level.target = {0, 1.5, 0};
     return level;
   }();
   const Surroundings room =
@@ -228,7 +232,8 @@ TEST(Shot, ObjectAndSandAreEachLitWhereTheyAre) {
   write_hdr(folder / "lamp.hdr", lamp_room({0.8, 0.6, 0.4}, 20, 1e-4));
   const SceneFile scene = load_scene("carried");
   ShotOptions options;
-  options.panorama = folder / "lamp.hdr", options.light = LightSource::truth;
+  options.panorama = folder / "lamp.hdr";
+  options.light = LightSource::truth;
   const Shot shot(scene, options);
   const RadianceMap& seen = shot.surroundings().panorama;
   Vec3 lamp;
@@ -274,7 +279,9 @@ TEST(ShotTruth, AnEvenRoomStaysEven) {
   const Surroundings room = panorama_surroundings(even, "even", camera(), -90, {0, 0, 0}, 0.8);
   const ShotPicture picture(cube(), {}, 0.001f);
   ShotPictureOptions o;
-  o.width = 80, o.height = 60, o.paths = 64;
+  o.width = 80;
+  o.height = 60;
+  o.paths = 64;
   const RadianceMap truth = picture.truth(room, resting_camera(camera()), o);
   const double white = 0.5 * room.exposure;
   EXPECT_NEAR(white, 0.2, 1e-6) << "the camera's key";
@@ -298,7 +305,9 @@ TEST(ShotComposite, ObjectAndGrainsAreAsBrightAsTraced) {
   const float grain[3] = {0.4f, 0.6f, 0.4f};
   const ShotPicture picture(cube(), grain, 0.1f);
   ShotPictureOptions o;
-  o.width = 80, o.height = 60, o.paths = 256;
+  o.width = 80;
+  o.height = 60;
+  o.paths = 256;
   const ShotCamera rest = resting_camera(camera());
   const RadianceMap made = picture.composite(room, rest, room.true_light(), {}, CastShadow::textures, o),
                     truth = picture.truth(room, rest, o);
@@ -327,7 +336,10 @@ TEST(ShotComposite, TheRoomsLightIsNearerToTheTruthThanItsMirrorImage) {
   ASSERT_FALSE(object.transfer.empty()) << "the shipped chair knows what it hides from itself";
   const ShotPicture picture(object, {}, 0.001f);
   ShotPictureOptions o;
-  o.width = 120, o.height = 90, o.paths = 128, o.threads = 2;
+  o.width = 120;
+  o.height = 90;
+  o.paths = 128;
+  o.threads = 2;
   const Surroundings room =
       panorama_surroundings(lamp_room({0.6, 1, -0.5}, 40), "lamp", *scene.camera, 270, {0, 0, 0}, 0.0);
   const ShotCamera rest = resting_camera(*scene.camera);
@@ -363,17 +375,24 @@ TEST(ShotComposite, AnUmbraIsAsDarkAsTraced) {
   for (size_t i = 1; i < plate.mesh.vertices.size(); i += 3) plate.mesh.vertices[i] += 0.8f;
   const ShotPicture picture(plate, {}, 0.001f);
   ShotPictureOptions o;
-  o.width = 80, o.height = 60, o.paths = 512, o.threads = 2;
+  o.width = 80;
+  o.height = 60;
+  o.paths = 512;
+  o.threads = 2;
   Camera c = camera();
-  c.target = {0, 0, 0}, c.fov_deg = 10;  // a pixel covers half a centimetre of the floor
+  c.target = {0, 0, 0};  // a pixel covers half a centimetre of the floor
+  c.fov_deg = 10;
   const ShotCamera rest_camera = resting_camera(c);
   const double truth = mean_of(picture.truth(room, rest_camera, o), 39, 29, 42, 32);
   const auto made = [&](CastShadow cast, const SceneShadows& shadows) {
     return mean_of(picture.composite(room, rest_camera, light, shadows, cast, o), 39, 29, 42, 32);
   };
   FloorShadow whole;
-  whole.texels = 2, whole.coverage.assign(4, 255), whole.half_angle = 0.17;
-  whole.low[0] = whole.low[1] = -5, whole.high[0] = whole.high[1] = 5;
+  whole.texels = 2;
+  whole.coverage.assign(4, 255);
+  whole.half_angle = 0.17;
+  whole.low[0] = whole.low[1] = -5;
+  whole.high[0] = whole.high[1] = 5;
   SceneShadows shadows;
   shadows.object = {whole};
   const double umbra = (1 - share) * room.exposure;
@@ -389,15 +408,19 @@ TEST(ShotComposite, AmbientShadowsTakeNothingOfTheMainLight) {
       panorama_surroundings(lamp_room({0, 1, 0}, 100, 1.0), "lamp", camera(), -90, {0, 0, 0}, 0.0);
   const ShotLight light = one_light({0, 1, 0}, 0.4, irradiance_of(room.true_light()));
   FloorShadow half;
-  half.texels = 2, half.low[0] = half.low[1] = -5, half.high[0] = half.high[1] = 5;
+  half.texels = 2;
+  half.low[0] = half.low[1] = -5;
+  half.high[0] = half.high[1] = 5;
   half.coverage.assign(4, 153);  // 0.6: all that is not the main light's
   Camera c = camera();
-  c.target = {0, 0, 0}, c.fov_deg = 10;
+  c.target = {0, 0, 0};
+  c.fov_deg = 10;
   const float far_below[3] = {0.1f, 0.1f, 0.1f};
   LitObject away = {make_box(far_below), k_no_rotation, {}};
   for (size_t i = 0; i < away.mesh.vertices.size(); i += 3) away.mesh.vertices[i] += 50.0f;
   ShotPictureOptions o;
-  o.width = 16, o.height = 12;
+  o.width = 16;
+  o.height = 12;
   const auto shown = [&](const SceneShadows& shadows) {
     return mean_of(ShotPicture(away, {}, 0.001f)
                        .composite(room, resting_camera(c), light, shadows, CastShadow::textures, o),
@@ -418,12 +441,14 @@ TEST(ShotComposite, GrainsHaveTheSandsLight) {
       panorama_surroundings(lamp_room({0, 1, 0}, 100, 1.0), "lamp", camera(), -90, {0, 0, 0}, 0.0);
   const ShotLight light = scaled(room.true_light(), 0.05);
   Camera c = camera();
-  c.target = {0, 0, 0}, c.fov_deg = 10;
+  c.target = {0, 0, 0};
+  c.fov_deg = 10;
   const float size[3] = {0.1f, 0.1f, 0.1f}, grain[3] = {0, 0, 0};
   LitObject away = {make_box(size), k_no_rotation, {}};
   for (float& x : away.mesh.vertices) x += 50.0f;
   ShotPictureOptions o;
-  o.width = 16, o.height = 12;
+  o.width = 16;
+  o.height = 12;
   const auto shown = [&](const PlacedLight& lights) {
     return mean_of(
         ShotPicture(away, grain, 0.3f).composite(room, resting_camera(c), lights, {}, CastShadow::textures, o), 6, 4,
@@ -440,12 +465,15 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   const LitObject object = standing_object(scene, "");
   const ShotPicture picture(object, {}, 0.001f);
   ShotPictureOptions o;
-  o.width = 320, o.height = 240, o.threads = 2;
+  o.width = 320;
+  o.height = 240;
+  o.threads = 2;
   const Surroundings room =
       panorama_surroundings(lamp_room({0.5, 1, 0.4}, 50), "lamp", *scene.camera, 270, {0, 0, 0}, 0.0);
   const ShotLight light = labelled_light(room);
   ShotTrack track;
-  track.turn_deg = 30, track.sway_deg = 0;
+  track.turn_deg = 30;
+  track.sway_deg = 0;
   const ShotCamera cameras[] = {held_camera(*scene.camera, track, 0, 0), held_camera(*scene.camera, track, 0, 1)};
   const auto left = [&](const ShotCamera& held, Vec3 towards) {
     StandingShadows standing(scene, SANDGLASS_ISA_AUTOMATIC);
@@ -474,7 +502,9 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
     for (double z = -1.0; z < 0.5; z += 0.02) {
       const double a = first(x, z), b = second(x, z), c = swimming(x, z);
       if (a < 0 || b < 0 || a > 0.97) continue;  // not seen by both, or lit
-      apart += std::fabs(a - b), swum += std::fabs(a - c), ++points;
+      apart += std::fabs(a - b);
+      swum += std::fabs(a - c);
+      ++points;
       darkest = std::min(darkest, a);
     }
   ASSERT_GT(points, 300);

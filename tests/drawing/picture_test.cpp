@@ -29,7 +29,11 @@ struct Stage {
   }
   Picture draw(bool scale = false) const {
     RenderOptions options;
-    options.width = k_width, options.height = k_height, options.samples = 3, options.threads = 2, options.scale = scale;
+    options.width = k_width;
+    options.height = k_height;
+    options.samples = 3;
+    options.threads = 2;
+    options.scale = scale;
     return render(view, options);
   }
   const uint8_t* pixel(const Picture& picture, Vec3 point) const {
@@ -79,8 +83,10 @@ TEST(Render, TheShadowFallsAwayFromTheSunAndBeginsAtTheFoot) {
 TEST(Render, RepeatsToTheByteOnAnyNumberOfThreads) {
   const Stage stage;
   RenderOptions one, three;
-  one.width = three.width = 64, one.height = three.height = 48;
-  one.threads = 1, three.threads = 3;
+  one.width = three.width = 64;
+  one.height = three.height = 48;
+  one.threads = 1;
+  three.threads = 3;
   EXPECT_EQ(render(stage.view, one).rgb, render(stage.view, three).rgb);
 }
 
@@ -89,7 +95,9 @@ TEST(Render, DrawsEveryColliderWhereItIs) {
     Stage stage;
     stage.view.spheres = {};
     sandglass_collider colliders[2] = {stage.floor, cpp::collider(shape, 0, 0.1f, 0)};
-    colliders[1].size[0] = 0.1f, colliders[1].size[1] = 0.05f, colliders[1].size[2] = 0.1f;
+    colliders[1].size[0] = 0.1f;
+    colliders[1].size[1] = 0.05f;
+    colliders[1].size[2] = 0.1f;
     stage.view.colliders = colliders;
     const Picture picture = stage.draw();
     const uint8_t* pixel = stage.pixel(picture, {0.0, 0.1, 0.0});
@@ -125,8 +133,10 @@ TEST(SphereCaster, EachSphereHasItsSize) {
 
 TEST(AutomaticCamera, FramesEveryBox) {
   Bounds boxes[2];
-  boxes[0].add({-0.1, 0.5, -0.1}), boxes[0].add({0.1, 0.9, 0.1});
-  boxes[1].add({-0.8, 0.0, -0.5}), boxes[1].add({0.6, 0.1, 0.7});
+  boxes[0].add({-0.1, 0.5, -0.1});
+  boxes[0].add({0.1, 0.9, 0.1});
+  boxes[1].add({-0.8, 0.0, -0.5});
+  boxes[1].add({0.6, 0.1, 0.7});
   const Camera camera = automatic_camera(boxes, 4.0 / 3.0);
   double widest = 0.0;
   for (const Bounds& box : boxes)

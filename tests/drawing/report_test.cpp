@@ -21,7 +21,9 @@ namespace {
 // 100 frames within a budget of 4 ms, each 0.04 ms longer than the one before, then one of 6 ms.
 RunReport example() {
   RunReport run;
-  run.scene = "example", run.isa = "scalar", run.clock = "real";
+  run.scene = "example";
+  run.isa = "scalar";
+  run.clock = "real";
   for (uint64_t i = 1; i <= 101; ++i) {
     FrameRow row = {};
     row.report.frame = i;
@@ -33,7 +35,8 @@ RunReport example() {
     row.report.time.debt = 0.001 * static_cast<double>(i);
     row.report.sand.particles = 7;
     row.begin_ns = i * 20'000'000;
-    row.wall_ms = 5.0, row.cpu_ms = 4.0;
+    row.wall_ms = 5.0;
+    row.cpu_ms = 4.0;
     run.frames.push_back(row);
     run.units.push_back({"granular.solve", row.begin_ns, row.begin_ns + 1000});
     run.units.push_back({"shadow.tile", row.begin_ns + 2000, row.begin_ns + 2500});
@@ -173,7 +176,8 @@ TEST(Measurements, AreFlatObjectsAsScriptsExpectThem) {
   Measurement time, claim;
   time.suite = "granular", time.scene = "column14k/default", time.metric = "ms_per_frame", time.unit = "ms",
   time.isa = "avx2";
-  time.value = 24.5, time.threads = 2;
+  time.value = 24.5;
+  time.threads = 2;
   claim = time;
   claim.judgement = Measurement::Judgement{1.0, 0.5, true, true};
   const nlohmann::json list = nlohmann::json::parse(measurements_json({time, claim}));

@@ -57,9 +57,11 @@ struct Watch {
     Second& now = seconds[second % 5];
     for (size_t i = 0; i < w.positions.size(); ++i) {
       if (w.present[i] == 0) continue;
-      now.reaches(w.positions[i]), now.fastest = std::fmax(now.fastest, length(w.velocities[i]));
+      now.reaches(w.positions[i]);
+      now.fastest = std::fmax(now.fastest, length(w.velocities[i]));
     }
-    inside.clear(), w.begins_anew = false;
+    inside.clear();
+    w.begins_anew = false;
   }
 
   bool is_pinched(Vec3 p) const {
@@ -116,11 +118,13 @@ struct Watch {
     slowness = std::fmax(1.0, slowness + 0.1 * (std::fmin(slow, 100.0) - slowness));
     while (second < static_cast<uint64_t>(w.simulated)) seconds[++second % 5] = {};
     Second& now = seconds[second % 5];
-    now.fastest = std::fmax(now.fastest, w.fastest * (w.set.budget >= 128 ? 3 * slowness : 1.0)), w.fastest = 0;
+    now.fastest = std::fmax(now.fastest, w.fastest * (w.set.budget >= 128 ? 3 * slowness : 1.0));
+    w.fastest = 0;
     for (const Vec3& place : w.nozzle_places) now.reaches(place);
     Second all;
     for (const Second& s : seconds) {
-      all.fastest = std::fmax(all.fastest, s.fastest), all.pinched = std::fmax(all.pinched, s.pinched);
+      all.fastest = std::fmax(all.fastest, s.fastest);
+      all.pinched = std::fmax(all.pinched, s.pinched);
       if (s.low.x < 1e9) all.reaches(s.low), all.reaches(s.high);
     }
     const Vec3 g = w.gravity;
@@ -226,7 +230,8 @@ struct Watch {
         zero = 1e9;
         for (size_t i = 0; i < w.positions.size(); ++i)
           if (w.present[i] != 0) zero = std::fmin(zero, height(w.positions[i]) - w.r);
-        before = energy(zero), next = w.simulated + 1;
+        before = energy(zero);
+        next = w.simulated + 1;
       }
       if (exact && soon && w.report.sand.awake == 0 && w.simulated > landed + k_soon + 2) return;
     }

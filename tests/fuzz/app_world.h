@@ -111,9 +111,13 @@ struct World {
     std::memcpy(&set, bytes, sizeof set);
     random = random_stream(seed, 1);
     constexpr double k_noise[] = {0, 0.00002, 0.0001, 0.0003, 0.001};
-    r = 0.002 * std::pow(25.0, set.radius / 255.0), sd = k_noise[set.noise % 5];
-    rate = 30.0 * std::pow(8.0, (set.rate & 63) / 63.0), pace = 0.02 * std::pow(100.0, set.pace / 255.0);
-    kind = set.ground % k_grounds, closed = kind >= k_room, thin = kind != k_plane && kind != k_room;
+    r = 0.002 * std::pow(25.0, set.radius / 255.0);
+    sd = k_noise[set.noise % 5];
+    rate = 30.0 * std::pow(8.0, (set.rate & 63) / 63.0);
+    pace = 0.02 * std::pow(100.0, set.pace / 255.0);
+    kind = set.ground % k_grounds;
+    closed = kind >= k_room;
+    thin = kind != k_plane && kind != k_room;
     make_ground();
     make_scene();
     make_hands();
@@ -137,7 +141,8 @@ struct World {
       must(scene.restore(saved));
       // An app finds its planes later. Sand falls by 11 cm until then at most.
       if ((set.calls & not_found) != 0) empty_frames = random.below(static_cast<uint32_t>(0.15 * rate));
-      report.sand.particle_numbers = desc.granular.particle_capacity, begins_anew = restored = true;
+      report.sand.particle_numbers = desc.granular.particle_capacity;
+      begins_anew = restored = true;
     }
     if ((set.calls & removes) != 0 && one_in(200)) must(scene.remove(ball(anywhere(5 * r, 0, 5 * r), 4 * r)));
     if ((set.plane & lost) != 0 && one_in(200)) lost_frames = 1 + random.below(static_cast<uint32_t>(0.1 * rate));
@@ -175,7 +180,10 @@ struct World {
     // What has no pose is left out: it goes away and comes back.
     set.hand &= static_cast<uint8_t>(~not_a_number);
     stands_still = true;
-    lost_frames = empty_frames = 0, travel = belt_speed = {}, turn_rate = 0, next_correction = 1e9;
+    lost_frames = empty_frames = 0;
+    travel = belt_speed = {};
+    turn_rate = 0;
+    next_correction = 1e9;
     move_ground(0);
     // A hand stays if sand has room between it and all else.
     std::vector<Solid> others = ground_solids();
@@ -208,14 +216,19 @@ struct World {
     const uint32_t numbers = report.sand.particle_numbers;
     std::vector<float> p(3ull * numbers, SANDGLASS_REMOVED_Y), v(p.size());
     sandglass_granular_particles(scene.get(), p.data(), v.data());
-    positions.resize(numbers), velocities.resize(numbers), present.resize(numbers), away.resize(numbers);
+    positions.resize(numbers);
+    velocities.resize(numbers);
+    present.resize(numbers);
+    away.resize(numbers);
     const Pose back = scene_pose.inverse();
     for (size_t i = 0; i < numbers; ++i) {
-      positions[i] = back(host::from_floats(&p[3 * i])), velocities[i] = back.turn(host::from_floats(&v[3 * i]));
+      positions[i] = back(host::from_floats(&p[3 * i]));
+      velocities[i] = back.turn(host::from_floats(&v[3 * i]));
       const bool there = p[3 * i + 1] != SANDGLASS_REMOVED_Y, out = there && has_left(positions[i]);
       // What had left and comes back, as gravity has turned, is as fast as its fall elsewhere.
       if (away[i] != 0 && there && !out) moves_at(length(velocities[i]));
-      away[i] = out, present[i] = there && !out;
+      away[i] = out;
+      present[i] = there && !out;
     }
   }
 
@@ -281,7 +294,8 @@ struct World {
   // say which way is out: a correction is at most a quarter of a wall, a lift takes half a second for one.
   void make_ground() {
     thick = std::fmax(between(2.5, 5) * r, std::fmax(20 * sd, between(0.015, 0.05)));
-    cavity = 9 * r + 0.04, reach = closed ? 3 * cavity : 0.15 + 10 * r;
+    cavity = 9 * r + 0.04;
+    reach = closed ? 3 * cavity : 0.15 + 10 * r;
     extent = {between(0.3, 0.6) + 12 * r, 0.5 * thick, between(0.3, 0.6) + 12 * r};
     if (one_in(3)) slide.x = extent.x - between(1, 5) * r;  // sand lies at the edge
     // Sand of the default friction, 0.16, slides from 9 degrees on: 2 for this, 2 for corrections, 2 for gravity.
@@ -303,10 +317,15 @@ struct World {
     // Small particles take many sub-steps.
     desc = description(96 + set.radius * 160u / 255u);
     sandglass_granular_desc& g = desc.granular;
-    g.particle_radius = static_cast<float>(r), g.collider_capacity = 32, g.emitter_capacity = 2, g.sink_capacity = 1;
-    g.body_capacity = 1, g.body_particle_capacity = 27;
+    g.particle_radius = static_cast<float>(r);
+    g.collider_capacity = 32;
+    g.emitter_capacity = 2;
+    g.sink_capacity = 1;
+    g.body_capacity = 1;
+    g.body_particle_capacity = 27;
     if (set.budget >= 128) {
-      desc.unit_items = 64, unit_ns = 10'000 + random.below(40'000);
+      desc.unit_items = 64;
+      unit_ns = 10'000 + random.below(40'000);
       desc.clock = {[](void* user) { return static_cast<World*>(user)->clock_ns; }, this};
       desc.trace = {
           nullptr,
@@ -328,8 +347,10 @@ struct World {
     if ((set.list & body) != 0 && set.nozzle == 0) {
       const auto box = placed(lattice(3, 3, 3, spacing, g.particle_radius), (2.1 * high + 2) * r);
       sandglass_body b = sandglass::body();
-      b.particle_positions = box.data(), b.particle_count = in_bodies = 27;
-      body_mass = log_between(1, 4), b.density_ratio = static_cast<float>(body_mass);
+      b.particle_positions = box.data();
+      b.particle_count = in_bodies = 27;
+      body_mass = log_between(1, 4);
+      b.density_ratio = static_cast<float>(body_mass);
       must(scene.add_body(b));
     }
     must(scene.add(placed(lattice(wide, high, wide, spacing, g.particle_radius), 0)));
@@ -341,7 +362,8 @@ struct World {
       const double size = std::fmin(std::fmax(log_between(0.008, 0.06), r), closed ? cavity / 3 : 1.0);
       Hand hand = {{static_cast<sandglass_shape>(1 + random.below(3)), {ground(anywhere(0.2, 0.1, 0.3))}}, {}, {}};
       hand.solid.id = i == one ? k_first_hand : 0;  // the other has none
-      hand.solid.size = {size, size * between(0.3, 1), size * between(0.3, 1)}, hand.axis = anywhere(1, 0.1, 1);
+      hand.solid.size = {size, size * between(0.3, 1), size * between(0.3, 1)};
+      hand.axis = anywhere(1, 0.1, 1);
       hands.push_back(hand);
     }
     for (const int which : {above | 0, in_ground | in_hand}) {
@@ -360,7 +382,8 @@ struct World {
     if ((set.plane & tilts) != 0) {
       const double angle = std::fmin(tilt_left, 0.5 * left / std::fmax(reach, closed || !thin ? 0.0 : length(extent)));
       ground = ground * turned(normalised(anywhere(1, 0, 0) + Vec3{1e-3, 0, 0}) * angle);
-      tilt_left -= angle, left *= 0.5;
+      tilt_left -= angle;
+      left *= 0.5;
     }
     if ((set.plane & jumps) != 0) ground.p.y += one_in(2) ? left : -left;
     if ((set.plane & grows) != 0)
@@ -378,7 +401,8 @@ struct World {
     ground = ground * turned(axis * (by * turn_rate / length(axis)));
     if (by > 0) moves_at(length(travel) + turn_rate * reach);
     drawn = Pose{noise()} * ground * turned({sd * normal() / reach, 0, 0});
-    told_velocity = ground.turn(belt_speed), told_spin = {};
+    told_velocity = ground.turn(belt_speed);
+    told_spin = {};
     if ((set.plane & told) != 0 && real > 0 && frames > 0) {
       told_velocity = told_velocity + (drawn.p - before) * (1 / real);
       told_spin = ground.turn(axis) * (by / real * turn_rate / length(axis));
@@ -397,7 +421,8 @@ struct World {
     double speed = pace;
     Vec3 spin;
     if ((set.hand & spins) != 0) {
-      spin = normalised(hand->axis) * std::fmin(pace / length(s.size), 5.0), speed += length(spin) * length(s.size);
+      spin = normalised(hand->axis) * std::fmin(pace / length(s.size), 5.0);
+      speed += length(spin) * length(s.size);
       s.pose = Pose{s.pose.p} * turned(spin * real) * Pose{{}, s.pose.q};
     }
     if ((set.hand & swells) != 0) {
@@ -410,7 +435,8 @@ struct World {
     if ((set.hand & leaps) != 0 && one_in(100)) s.pose.p = ground(anywhere(0.1 + 4 * r, 0, 0.1));
     if ((set.hand & flickers) != 0 && one_in(40)) hand->here = !hand->here;
     const bool says = (set.hand & hands_told) != 0;
-    s.velocity = says ? velocity : Vec3{}, s.spin = says ? spin : Vec3{};
+    s.velocity = says ? velocity : Vec3{};
+    s.spin = says ? spin : Vec3{};
     if (step > 0) moves_at(speed * std::fmax(1.0, real / std::fmin(step, k_longest)));
   }
 
@@ -441,7 +467,8 @@ struct World {
     const Pose pose = scene_pose * s.pose;
     const double flip = (set.list & sign) != 0 && one_in(2) ? -1.0 : 1.0;
     for (size_t k = 0; k < 4; ++k) c.rotation[k] = static_cast<float>(flip * pose.q[k]);
-    to_floats(pose.p, c.position), to_floats(scene_pose.turn(s.velocity), c.linear_velocity);
+    to_floats(pose.p, c.position);
+    to_floats(scene_pose.turn(s.velocity), c.linear_velocity);
     to_floats(scene_pose.turn(s.spin), c.angular_velocity);
     if (s.size.x > 0) to_floats(s.size, c.size);
     // An anchor may be lost for a frame.
@@ -477,7 +504,8 @@ struct World {
     // A hand that nothing can touch comes and goes, at the front.
     if ((set.list & far_hand) != 0 && empty_frames == 0 && one_in(2))
       colliders.insert(colliders.begin(), ball({2 + extent.x, 2, 0.1 * normal()}, 0.05));
-    lost_frames -= lost_frames > 0, empty_frames -= empty_frames > 0;
+    lost_frames -= lost_frames > 0;
+    empty_frames -= empty_frames > 0;
   }
 
   void set_gravity(Vec3 g) {
@@ -489,9 +517,11 @@ struct World {
 
   void frame(double step, bool pours) {
     sandglass_frame_input input = frame_input();
-    input.time_step = static_cast<float>(step), input.budget_ns = ~0ull >> 1;
+    input.time_step = static_cast<float>(step);
+    input.budget_ns = ~0ull >> 1;
     if (set.budget >= 128 && pours) input.budget_ns = static_cast<uint64_t>(log_between(3e5, 1e7));
-    input.colliders = colliders.data(), input.collider_count = static_cast<uint32_t>(colliders.size());
+    input.colliders = colliders.data();
+    input.collider_count = static_cast<uint32_t>(colliders.size());
     nozzle_places.clear();
     std::vector<sandglass_emitter> open;
     for (sandglass_emitter e : nozzles) {
@@ -504,13 +534,17 @@ struct World {
       moves_at(static_cast<double>(e.speed));
       open.push_back(e);
     }
-    input.emitters = open.data(), input.emitter_count = static_cast<uint32_t>(open.size());
+    input.emitters = open.data();
+    input.emitter_count = static_cast<uint32_t>(open.size());
     const sandglass_collider drain = ball({8 * r, 0, 0}, 3 * r);
     if ((set.list & sink) != 0 && pours) input.sinks = &drain, input.sink_count = 1;
     must(scene.frame(input, &report));
     // A restored scene counts from another time.
     step_done = restored ? std::fmin(step, k_longest) : report.time.simulated - scene_time;
-    scene_time = report.time.simulated, simulated += step_done, restored = false, ++frames;
+    scene_time = report.time.simulated;
+    simulated += step_done;
+    restored = false;
+    ++frames;
   }
 
   Random random = {0};

@@ -132,7 +132,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const Request base;
   static std::vector<float> points(3 * k_points_most);
   Request r = sandglass::fuzz::edited(base, data, size);
-  r.vertex_count %= k_corners + 1, r.triangle_count %= k_triangles + 1;
+  r.vertex_count %= k_corners + 1;
+  r.triangle_count %= k_triangles + 1;
   const sandglass_mesh mesh = {r.vertices, r.vertex_count, r.indices, r.triangle_count};
   try_shapes(r, points.data());
 

@@ -59,8 +59,10 @@ Input edited(const uint8_t* data, size_t size) {
   static const Input base = [] {
     Input input;
     for (Turn& turn : input.turns) {
-      turn.image.width = turn.image.height = 16, turn.image.strides[0] = 48;
-      turn.image.focal_x = turn.image.focal_y = 12, turn.image.centre_x = turn.image.centre_y = 7.5f;
+      turn.image.width = turn.image.height = 16;
+      turn.image.strides[0] = 48;
+      turn.image.focal_x = turn.image.focal_y = 12;
+      turn.image.centre_x = turn.image.centre_y = 7.5f;
       turn.image.timestamp_ns = &turn == input.turns ? 1'000'000'000 : 2'000'000'000;
     }
     return input;
@@ -73,7 +75,8 @@ struct World {
   explicit World(sandglass_isa kernels, bool clocked)
       : scene([&] {
           sandglass_scene_desc desc = description(64, 128, 16);
-          desc.granular.body_capacity = 2, desc.granular.body_particle_capacity = 20;
+          desc.granular.body_capacity = 2;
+          desc.granular.body_particle_capacity = 20;
           desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
           desc.isa = kernels;
           if (clocked) desc.clock = {now, this}, desc.trace = {nullptr, unit_ends, this};
@@ -90,7 +93,9 @@ struct World {
     scene.add(block, {}, grains_about(block, 0.004f));
     scene.add_body(body, 2.0f);
     sandglass_pile_shadow_desc shadow = sandglass::pile_shadow_desc();
-    shadow.texels = 32, shadow.sky_texels = 32, shadow.isa = isa;
+    shadow.texels = 32;
+    shadow.sky_texels = 32;
+    shadow.isa = isa;
     accept(pile.create(shadow));
     accept(room.create());
     clock_ns = 0;
@@ -133,7 +138,9 @@ std::vector<int32_t> act(World* world, const Turn& t) {
   const sandglass_points points = {t.points, t.speeds, k_points};
   call(k_add, [&] { return sandglass_granular_add(scene, &points, &points, &reason); });
   sandglass_body body = t.body;
-  body.struct_size = sizeof body, body.particle_positions = t.points, body.particle_count %= k_points + 1;
+  body.struct_size = sizeof body;
+  body.particle_positions = t.points;
+  body.particle_count %= k_points + 1;
   call(k_add_body, [&] { return sandglass_granular_add_body(scene, &body, nullptr, &reason); });
   sandglass_collider region = t.colliders[1];
   region.field = nullptr;
@@ -171,17 +178,26 @@ int32_t run(World* world, Turn* t, const sandglass_plan* plan, sandglass_frame_r
   t->sink.field = bowl.get();
   const sandglass_camera_image image = image_of(*t);
   sandglass_frame_input input = sandglass::frame_input();
-  input.time_step = t->time_step, input.budget_ns = t->budget_ns, input.thermal_headroom = t->headroom;
-  input.colliders = t->colliders, input.collider_count = t->collider_count % (k_colliders + 1);
-  input.emitters = t->emitters, input.emitter_count = t->emitter_count % (k_emitters + 1);
-  input.sinks = &t->sink, input.sink_count = t->sink_count % 2;
-  input.output_lag = t->output_lag, input.grain_stride = t->grain_stride;
+  input.time_step = t->time_step;
+  input.budget_ns = t->budget_ns;
+  input.thermal_headroom = t->headroom;
+  input.colliders = t->colliders;
+  input.collider_count = t->collider_count % (k_colliders + 1);
+  input.emitters = t->emitters;
+  input.emitter_count = t->emitter_count % (k_emitters + 1);
+  input.sinks = &t->sink;
+  input.sink_count = t->sink_count % 2;
+  input.output_lag = t->output_lag;
+  input.grain_stride = t->grain_stride;
   input.grains = reinterpret_cast<sandglass_grain*>(world->grains);
   const uint64_t stride = t->grain_stride < sizeof(sandglass_grain) ? sizeof(sandglass_grain) : t->grain_stride;
   input.grain_capacity = static_cast<uint32_t>(std::min<uint64_t>(t->grain_capacity, k_grain_bytes / stride));
-  input.pile_shadow = world->pile.get(), input.room = world->room.get(), input.camera = &image;
+  input.pile_shadow = world->pile.get();
+  input.room = world->room.get();
+  input.camera = &image;
   input.plan = plan;
-  world->clock_ns += t->jump_ns, world->unit_ns = t->unit_ns;
+  world->clock_ns += t->jump_ns;
+  world->unit_ns = t->unit_ns;
   const char* reason = nullptr;
   const uint64_t before = world->scene.hash();
   const int32_t status = sandglass_scene_frame(world->scene.scene.get(), &input, report, &reason);
@@ -209,7 +225,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const sandglass_isa isa = sandglass::fuzz::other_kernels(data, size);
   World& other = worlds.try_emplace(isa, isa, false).first->second;
   Input input = edited(data, size);
-  scalar.begin(), other.begin();
+  scalar.begin();
+  other.begin();
   for (Turn& turn : input.turns) {
     expect(act(&scalar, turn) == act(&other, turn));
     sandglass_frame_report a = {}, b = {};

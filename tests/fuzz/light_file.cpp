@@ -19,7 +19,8 @@ constexpr size_t k_of_which_one_runs = 64;  // an estimate takes a hundred times
 // between seeds.
 std::vector<uint8_t> network(uint64_t seed, bool with_floats) {
   host::LightFile file = host::random_light_file(seed);
-  file.angle_deg = 12.0f, file.difference = 0.25f;
+  file.angle_deg = 12.0f;
+  file.difference = 0.25f;
   constexpr uint32_t k_floats[] = {0x3e010101, 0x3f020202, 0x40030303};
   if (with_floats) file.float_parameters.assign(k_light_float_parameters, std::bit_cast<float>(k_floats[seed % 3]));
   return host::light_file_bytes(file);
@@ -48,14 +49,17 @@ struct Estimate {
 Estimate estimate_of(const tests::AssetFile& file, sandglass_isa isa, bool run) {
   Estimate estimate;
   sandglass_estimator_desc desc = estimator_desc();
-  desc.asset = file.data(), desc.asset_bytes = file.bytes, desc.isa = isa;
+  desc.asset = file.data();
+  desc.asset_bytes = file.bytes;
+  desc.isa = isa;
   Estimator light;
   static const tests::TestImage image(3);
   estimate.taken = static_cast<bool>(light.create(desc));
   if (!estimate.taken || !run || !light.estimate(image.image)) return estimate;
   sandglass_estimator_run(light.get(), UINT32_MAX);
   sandglass_estimator_get_latest(light.get(), &estimate.light);
-  estimate.made = true, estimate.hash = sandglass_estimator_hash(light.get());
+  estimate.made = true;
+  estimate.hash = sandglass_estimator_hash(light.get());
   return estimate;
 }
 

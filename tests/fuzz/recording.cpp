@@ -10,14 +10,20 @@ using namespace sandglass;
 
 std::vector<uint8_t> base_file() {
   host::Recording recording;
-  recording.scene_name = "scene", recording.start_hash = 1, recording.final_hash = 2, recording.description = {1, 2, 3};
+  recording.scene_name = "scene";
+  recording.start_hash = 1;
+  recording.final_hash = 2;
+  recording.description = {1, 2, 3};
   for (int i = 0; i < 3; ++i) {
     host::RecordedFrame frame;
-    frame.time_step = 0.02f, frame.budget_ns = 4000000;
+    frame.time_step = 0.02f;
+    frame.budget_ns = 4000000;
     frame.colliders.resize(static_cast<size_t>(i));
     for (sandglass_collider& collider : frame.colliders) collider.rotation[3] = 1.0f;
-    frame.plan.struct_size = sizeof frame.plan, frame.plan.run_count = 2;
-    frame.plan.runs[0] = {SANDGLASS_STAGE_GRANULAR, 5}, frame.plan.runs[1] = {SANDGLASS_STAGE_REFINE, 7};
+    frame.plan.struct_size = sizeof frame.plan;
+    frame.plan.run_count = 2;
+    frame.plan.runs[0] = {SANDGLASS_STAGE_GRANULAR, 5};
+    frame.plan.runs[1] = {SANDGLASS_STAGE_REFINE, 7};
     recording.frames.push_back(frame);
   }
   return host::encode_recording(recording);

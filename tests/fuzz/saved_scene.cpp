@@ -15,7 +15,8 @@ constexpr size_t k_header_bytes = 64, k_bytes_at = 8, k_checksum_at = 16;
 
 sandglass_scene_desc describe_world(sandglass_isa isa) {
   sandglass_scene_desc desc = description(64, 128, 16);
-  desc.granular.body_capacity = 2, desc.granular.body_particle_capacity = 20;
+  desc.granular.body_capacity = 2;
+  desc.granular.body_particle_capacity = 20;
   desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
   desc.isa = isa;
   return desc;
@@ -25,10 +26,14 @@ sandglass_frame_report run_frame(GranularScene* scene) {
   const sandglass_collider floor = sandglass::floor_at(0.0f), sink = sandglass::floor_at(-0.5f);
   const sandglass_emitter emitter = sandglass::emitter(-0.2f, 0.4f, 0.0f, 0.012f, 0.8f, 4);
   sandglass_frame_input input = scene->input(k_frame);
-  input.grains = nullptr, input.grain_capacity = 0;
-  input.colliders = &floor, input.collider_count = 1;
-  input.emitters = &emitter, input.emitter_count = 1;
-  input.sinks = &sink, input.sink_count = 1;
+  input.grains = nullptr;
+  input.grain_capacity = 0;
+  input.colliders = &floor;
+  input.collider_count = 1;
+  input.emitters = &emitter;
+  input.emitter_count = 1;
+  input.sinks = &sink;
+  input.sink_count = 1;
   return scene->run(input);
 }
 

@@ -29,8 +29,14 @@ uint64_t hash_of_texture(const tests::AssetFile& file, sandglass_isa isa, bool* 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const tests::AssetFile base = [] {
     tests::RandomShadow what;
-    what.width = 8, what.layers = 1, what.texel_frequencies = 1, what.light_frequencies = 1;
-    what.version = 2, what.ambient_side = 16, what.components = 2, what.surface_vertices = 9;
+    what.width = 8;
+    what.layers = 1;
+    what.texel_frequencies = 1;
+    what.light_frequencies = 1;
+    what.version = 2;
+    what.ambient_side = 16;
+    what.components = 2;
+    what.surface_vertices = 9;
     return tests::make_shadow_file(what);
   }();
   std::vector<uint8_t> bytes(base.data(), base.data() + base.bytes);

@@ -77,7 +77,8 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
     Stage stages[3];
     for (uint32_t i = 0; i < 3; ++i) {
       RandomStage& stage = scene.stages[i];
-      stage.scene = &scene, stage.index = i;
+      stage.scene = &scene;
+      stage.index = i;
       stage.kinds = 1 + static_cast<uint32_t>(random.below(4));
       stage.gate = static_cast<uint32_t>(random.below(6));
       stage.base_ns = uint64_t{1} << (6 + random.below(14));

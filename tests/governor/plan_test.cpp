@@ -68,7 +68,9 @@ struct Lists {
   // A frame in which the stages offer so many work units.
   bool frame(const std::array<uint32_t, 3>& units, uint64_t budget_ns, uint32_t mandatory, float share,
              const sandglass_plan* replay = nullptr) {
-    first.units = units[0], second.units = units[1], output.units = units[2];
+    first.units = units[0];
+    second.units = units[1];
+    output.units = units[2];
     first.done = second.done = output.done = 0;
     const Stage stages[3] = {list_stage(&first, mandatory, share), list_stage(&second, 0, 1.0f),
                              list_stage(&output, k_all_units, 1.0f)};

@@ -85,7 +85,9 @@ TEST(Bodies, ATumblingBrickKeepsItsAngularMomentum) {
       for (size_t k = 0; k < 3; ++k)
         r[k] = static_cast<double>(p[3 * i + k]) - static_cast<double>(pose.position[k]),
         u[k] = static_cast<double>(v[3 * i + k]);
-      sum[0] += r[1] * u[2] - r[2] * u[1], sum[1] += r[2] * u[0] - r[0] * u[2], sum[2] += r[0] * u[1] - r[1] * u[0];
+      sum[0] += r[1] * u[2] - r[2] * u[1];
+      sum[1] += r[2] * u[0] - r[0] * u[2];
+      sum[2] += r[0] * u[1] - r[1] * u[0];
       sum[3] += 0.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     }
     return sum;
@@ -183,7 +185,9 @@ void add_walls(GranularScene* scene, float low, float high) {
   } walls[] = {{low, 0, 0, -half}, {high, 0, 0, half}, {0, low, half, 0}, {0, high, -half, 0}};
   for (const auto& wall : walls) {
     sandglass_collider plane = sandglass::collider(SANDGLASS_SHAPE_HALF_SPACE, wall.x, 0.0f, wall.z);
-    plane.rotation[0] = wall.around_x, plane.rotation[2] = wall.around_z, plane.rotation[3] = half;
+    plane.rotation[0] = wall.around_x;
+    plane.rotation[2] = wall.around_z;
+    plane.rotation[3] = half;
     scene->colliders.push_back(plane);
   }
 }

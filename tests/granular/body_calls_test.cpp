@@ -20,7 +20,8 @@ constexpr float k_radius = 0.01f, k_frame = 0.02f, k_spacing = 2.01f * k_radius;
 
 sandglass_scene_desc with_bodies(uint32_t sand, uint32_t bodies, uint32_t in_bodies) {
   sandglass_scene_desc desc = description(sand + in_bodies);
-  desc.granular.body_capacity = bodies, desc.granular.body_particle_capacity = in_bodies;
+  desc.granular.body_capacity = bodies;
+  desc.granular.body_particle_capacity = in_bodies;
   desc.granular.sink_capacity = 1;
   return desc;
 }
@@ -58,11 +59,14 @@ TEST(BodyCalls, NumbersAndRoomAreUsedAgainForEver) {
       auto gone = std::next(present.begin(), random.below(static_cast<uint32_t>(present.size())));
       accept(scene.scene.remove_body(gone->first));
       EXPECT_FALSE(scene.scene.has_body(gone->first));
-      used -= gone->second.first, removed_particles += gone->second.first, ++removed;
+      used -= gone->second.first;
+      removed_particles += gone->second.first;
+      ++removed;
       present.erase(gone);
     } else {
       ASSERT_EQ(scene.add_body(points), lowest);
-      present[lowest] = {count, points[1]}, used += count;
+      present[lowest] = {count, points[1]};
+      used += count;
     }
     for (const auto& [index, body] : present) ASSERT_EQ(scene.scene.body_pose(index).position[1], body.second);
   }
@@ -86,7 +90,8 @@ TEST(BodyCalls, WhatIsNearWakesAtBothPlacesAndNothingElse) {
     until_asleep(&scene);
     const std::vector<float> before = scene.positions();
     sandglass_body_pose pose = scene.scene.body_pose(0);
-    pose.position[0] += 1.0f, pose.position[1] += k_spacing;
+    pose.position[0] += 1.0f;
+    pose.position[1] += k_spacing;
     accept(moved ? scene.scene.set_body(0, pose) : scene.scene.remove_body(0));
     EXPECT_EQ(scene.frame(1e-4f).sand.awake, moved ? 125u : 25u);
     for (int frame = 0; frame < 25; ++frame) scene.frame(k_frame);
@@ -153,10 +158,12 @@ TEST(BodyCalls, ABodyPutIntoAnotherPartsFromItGently) {
     for (const float y : {0.0f, 0.03f}) {
       GranularScene scene(with_bodies(0, 2, 128));
       scene.add_floor();
-      scene.add_body(block(4, 4, 4)), scene.add_body(block(4, 4, 4, 2.0f));
+      scene.add_body(block(4, 4, 4));
+      scene.add_body(block(4, 4, 4, 2.0f));
       until_asleep(&scene);
       sandglass_body_pose pose = scene.scene.body_pose(0);
-      pose.position[0] += x, pose.position[1] += y;
+      pose.position[0] += x;
+      pose.position[1] += y;
       accept(scene.scene.set_body(1, pose));
       for (int frame = 0; frame < 100; ++frame)
         EXPECT_LT(scene.frame(k_frame).sand.speed_max, 0.9 * std::sqrt(9.81 * 0.02) + std::sqrt(2 * 9.81 * 0.08))
@@ -179,7 +186,8 @@ TEST(BodyCalls, ADraggedBodyPushesWhatItMeets) {
     scene.add(block(20, 4, 10));
     until_asleep(&scene);
     sandglass_body_pose pose = scene.scene.body_pose(0);
-    pose.position[2] = 0.09f, pose.linear_velocity[0] = dragged ? speed : 0.0f;
+    pose.position[2] = 0.09f;
+    pose.linear_velocity[0] = dragged ? speed : 0.0f;
     for (float way = 0.0f; way < 0.6f; way += speed / 60.0f) {
       if (dragged) pose.position[0] += speed / 60.0f;
       accept(scene.scene.set_body(0, pose));
@@ -260,7 +268,8 @@ TEST(BodyCalls, ASinkTakesWhatIsWhollyInsideAndAwake) {
     sandglass_frame_report report = {};
     for (int frame = 0; frame < 5; ++frame) {
       sandglass_frame_input input = scene.input(k_frame);
-      input.sinks = &sink, input.sink_count = 1;
+      input.sinks = &sink;
+      input.sink_count = 1;
       report = scene.run(input);
     }
     return report;
@@ -282,7 +291,8 @@ TEST(BodyCalls, ASinkTakesWhatIsWhollyInsideAndAwake) {
 // something is refused.
 TEST(BodyCalls, HolesAreSavedAndRestored) {
   GranularScene scene(with_bodies(0, 4, 100)), other(with_bodies(0, 4, 100));
-  scene.add_floor(), other.add_floor();
+  scene.add_floor();
+  other.add_floor();
   for (const float x : {0.0f, 0.2f, 0.4f, 0.6f}) scene.add_body(block(2, 3, 2, x, 0.1f));
   for (const uint32_t index : {0u, 1u}) accept(scene.scene.remove_body(index));
   scene.add_body(block(3, 3, 3, -0.5f, 0.1f), 2.0f);  // number 0, the last slots; 1 stays free
@@ -301,7 +311,8 @@ TEST(BodyCalls, HolesAreSavedAndRestored) {
 
 TEST(BodyCalls, WhatIsWrongIsRefusedAndChangesNothing) {
   GranularScene scene(with_bodies(0, 2, 16));
-  scene.add_body(block(2, 2, 2)), scene.add_body(block(2, 2, 2, 1.0f));
+  scene.add_body(block(2, 2, 2));
+  scene.add_body(block(2, 2, 2, 1.0f));
   accept(scene.scene.remove_body(0));
   const uint64_t before = scene.hash();
   const sandglass_body_pose good = scene.scene.body_pose(1);

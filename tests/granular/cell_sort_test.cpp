@@ -26,7 +26,9 @@ std::vector<Grain> scattered_grains() {
 
 struct Sort {
   Sort() : starts(k_cells + k_array_slack), keys(k_count + k_array_slack) {
-    sort.cells_max = k_cells, sort.starts = starts.data(), sort.keys = keys.data();
+    sort.cells_max = k_cells;
+    sort.starts = starts.data();
+    sort.keys = keys.data();
     const float low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
     cell_sort_begin(&sort, 0.2f, low, high, 3);
   }

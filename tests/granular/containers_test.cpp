@@ -112,10 +112,13 @@ TEST(Container, ABucketLiftsItsSandAndTipsItOut) {
   double height = 0.0, angle = 0.0;
   const auto run = [&](int frames, double up, double turn) {
     for (int frame = 0; frame < frames; ++frame) {
-      height += 0.02 * up, angle += 0.02 * turn;
+      height += 0.02 * up;
+      angle += 0.02 * turn;
       sandglass_collider& c = scene.colliders[1];
-      c.position[1] = static_cast<float>(height), c.linear_velocity[1] = static_cast<float>(up);
-      c.rotation[2] = static_cast<float>(std::sin(angle / 2)), c.rotation[3] = static_cast<float>(std::cos(angle / 2));
+      c.position[1] = static_cast<float>(height);
+      c.linear_velocity[1] = static_cast<float>(up);
+      c.rotation[2] = static_cast<float>(std::sin(angle / 2));
+      c.rotation[3] = static_cast<float>(std::cos(angle / 2));
       c.angular_velocity[2] = static_cast<float>(turn);
       scene.frame(0.02f);
       for (const sandglass_grain& g : scene.grains) ASSERT_GT(g.position[1], -k_radius) << "under the floor";

@@ -19,7 +19,8 @@ double calm_substeps(double radius) { return std::ceil(k_frame / (0.01742 * std:
 sandglass_collider table(float width) {
   sandglass_collider box = sandglass::sphere(0, -width / 12, 0, 1);
   box.shape = SANDGLASS_SHAPE_BOX;
-  box.size[0] = box.size[2] = 0.5f * width, box.size[1] = width / 12;
+  box.size[0] = box.size[2] = 0.5f * width;
+  box.size[1] = width / 12;
   return box;
 }
 
@@ -42,7 +43,8 @@ Cost cost_of(int frames, const Frame& frame) {
 struct Spill {
   explicit Spill(float radius = k_radius, uint32_t grains = 0, sandglass_scene_desc desc = description(3000, 24000))
       : scene([&] {
-          desc.granular.particle_radius = radius, desc.granular.emitter_capacity = 1;
+          desc.granular.particle_radius = radius;
+          desc.granular.emitter_capacity = 1;
           return desc;
         }()),
         nozzle(sandglass::emitter(0, 40 * radius, 0, 5 * radius, 5 * std::sqrt(radius), grains)) {
@@ -50,7 +52,8 @@ struct Spill {
   }
   sandglass_frame_report frame() {
     sandglass_frame_input input = scene.input(k_frame);
-    input.emitters = &nozzle, input.emitter_count = pours ? 1 : 0;
+    input.emitters = &nozzle;
+    input.emitter_count = pours ? 1 : 0;
     return scene.run(input);
   }
   Cost run(int frames) {
@@ -239,7 +242,8 @@ TEST(Move, LosesWhatHasLeftAndRefusesToLoseAnythingElse) {
 
 TEST(Departed, ABodyThatFallsBesideATableDrivesNobodyAndFallsFreely) {
   sandglass_scene_desc desc = description(64);
-  desc.granular.body_capacity = 1, desc.granular.body_particle_capacity = 27;
+  desc.granular.body_capacity = 1;
+  desc.granular.body_particle_capacity = 27;
   desc.granular.lowest = 0;
   GranularScene scene(desc);
   scene.colliders = {table(0.24f)};
@@ -261,8 +265,10 @@ double longest_stay(double radius) { return (1 + std::sqrt(2.0)) * std::sqrt(2 *
 // The most awake and the fewest awake of a particle or body thrown up, until it is back at half its height.
 uint32_t fewest_awake(float radius, float sleep_after, const std::vector<float>& points, bool body) {
   sandglass_scene_desc desc = description(8);
-  desc.granular.particle_radius = radius, desc.granular.sleep_after = sleep_after;
-  desc.granular.body_capacity = 1, desc.granular.body_particle_capacity = 8;
+  desc.granular.particle_radius = radius;
+  desc.granular.sleep_after = sleep_after;
+  desc.granular.body_capacity = 1;
+  desc.granular.body_particle_capacity = 8;
   GranularScene scene(desc);
   scene.add_floor();
   const float speed = 4 * std::sqrt(radius);

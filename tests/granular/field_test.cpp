@@ -123,8 +123,7 @@ TEST(Field, RefusesWhatMakesNoSense) {
     desc.distance = c.distance;
     desc.distance_user = &radius;
     if (c.turned) std::swap(desc.bounds_min, desc.bounds_max);
-    EXPECT_EQ(sandglass_field_create(&desc, block.data(), bytes, &field, &reason), c.expected)
-        << "case " << &c - cases;
+    EXPECT_EQ(sandglass_field_create(&desc, block.data(), bytes, &field, &reason), c.expected) << "case " << &c - cases;
     EXPECT_EQ(reason == nullptr, c.expected == SANDGLASS_OK);
     EXPECT_TRUE(block.guards_intact());
   }
@@ -186,7 +185,8 @@ TEST(Field, OfATorusFollowFromSpacingAndCurvature) {
       const double error = std::hypot(static_cast<double>(normal[0]) - n[0], static_cast<double>(normal[1]) - n[1],
                                       static_cast<double>(normal[2]) - n[2]);
       ASSERT_LT(error, 2 * diagonal * std::hypot(around, along) + 1e-4);
-      worst = std::max(worst, std::fabs(distance - truth)), worst_normal = std::max(worst_normal, error);
+      worst = std::max(worst, std::fabs(distance - truth));
+      worst_normal = std::max(worst_normal, error);
     });
     RecordProperty("distance_" + std::to_string(h), std::to_string(worst));
     RecordProperty("normal_" + std::to_string(h), std::to_string(worst_normal));
@@ -284,15 +284,20 @@ TEST(Field, AMovingFieldCarriesAsTheAnalyticBoxDoes) {
     sandglass_collider block = made.collider();
     if (analytic != 0) {
       block.shape = SANDGLASS_SHAPE_BOX;
-      block.size[0] = block.size[2] = 0.2f, block.size[1] = 0.05f;
+      block.size[0] = block.size[2] = 0.2f;
+      block.size[1] = 0.05f;
     }
-    block.linear_velocity[0] = 0.2f, block.linear_velocity[1] = 0.1f, block.angular_velocity[1] = 0.8f;
+    block.linear_velocity[0] = 0.2f;
+    block.linear_velocity[1] = 0.1f;
+    block.angular_velocity[1] = 0.8f;
     scene.colliders.push_back(block);
     for (int frame = 1; frame <= 50; ++frame) {
       const double t = 0.02 * frame, half = 0.5 * 0.8 * t;
       sandglass_collider& c = scene.colliders[0];
-      c.position[0] = static_cast<float>(0.2 * t), c.position[1] = static_cast<float>(0.1 * t);
-      c.rotation[1] = static_cast<float>(std::sin(half)), c.rotation[3] = static_cast<float>(std::cos(half));
+      c.position[0] = static_cast<float>(0.2 * t);
+      c.position[1] = static_cast<float>(0.1 * t);
+      c.rotation[1] = static_cast<float>(std::sin(half));
+      c.rotation[3] = static_cast<float>(std::cos(half));
       scene.frame(0.02f);
     }
     ends[analytic] = scene.positions();

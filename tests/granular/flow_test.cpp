@@ -27,8 +27,10 @@ struct Flow {
 
   sandglass_frame_report frame() {
     sandglass_frame_input input = scene.input(k_frame);
-    input.emitters = &emitter, input.emitter_count = pours ? 1 : 0;
-    input.sinks = &sink, input.sink_count = drains ? 1 : 0;
+    input.emitters = &emitter;
+    input.emitter_count = pours ? 1 : 0;
+    input.sinks = &sink;
+    input.sink_count = drains ? 1 : 0;
     const sandglass_frame_report report = scene.run(input);
     scene.particle_count = report.sand.particle_numbers;
     return report;
@@ -108,11 +110,14 @@ TEST(Sink, TimeGoesOnWhenNothingIsLeft) {
   for (int frames = 1; frames <= 40; ++frames) {
     GranularScene scene(desc);
     sandglass_frame_input input = scene.input(k_frame, 500'000);
-    input.emitters = &nozzle, input.sinks = &everywhere, input.emitter_count = input.sink_count = 1;
+    input.emitters = &nozzle;
+    input.sinks = &everywhere;
+    input.emitter_count = input.sink_count = 1;
     sandglass_frame_report report = {};
     for (int frame = 0; frame < frames; ++frame) report = scene.run(input);
     emptied += report.sand.particles == 0 && report.sand.emitted_particles != 0 ? 1 : 0;
-    input.emitter_count = 0, input.budget_ns = ~0ull >> 1;
+    input.emitter_count = 0;
+    input.budget_ns = ~0ull >> 1;
     const double before = report.time.simulated;
     for (int frame = 0; frame < 10; ++frame) report = scene.run(input);
     EXPECT_GT(report.time.simulated, before + 9 * static_cast<double>(k_frame)) << frames;
@@ -145,7 +150,8 @@ TEST(Emitter, LayersThatFindNoRoomCostNothing) {
   GranularScene scene(desc);
   const std::vector<sandglass_emitter> nozzles(64, sandglass::emitter(0.0f, 0.5f, 0.0f, 0.01f, 100.0f, 0));
   sandglass_frame_input input = scene.input(0.1f);
-  input.emitters = nozzles.data(), input.emitter_count = 64;
+  input.emitters = nozzles.data();
+  input.emitter_count = 64;
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_GT(scene.run(input).sand.denied_particles, 1'000'000'000u);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
@@ -172,7 +178,8 @@ TEST(Emitter, WhatMakesNoSenseIsLeftOutAndReported) {
   EXPECT_EQ(ignored([](sandglass_emitter* e) { e->grains_per_particle = 65; }), 10u);
   flow.sink.position[0] = INFINITY;
   EXPECT_EQ(ignored([](sandglass_emitter*) {}), 1u);
-  flow.drains = false, flow.scene.colliders.assign(1, flow.sink);
+  flow.drains = false;
+  flow.scene.colliders.assign(1, flow.sink);
   EXPECT_EQ(ignored([](sandglass_emitter*) {}), 100u);
 }
 
@@ -239,7 +246,9 @@ TEST(Sink, OfASceneWithoutParticlesIsIgnored) {
   sandglass_frame_input input = scene.input(0.01f);
   const sandglass_collider sink = sandglass::sphere(0, 0, 0, 1);
   const sandglass_emitter nozzle = sandglass::emitter(0, 1, 0, 0.1f, 1, 0);
-  input.sinks = &sink, input.emitters = &nozzle, input.sink_count = input.emitter_count = 1;
+  input.sinks = &sink;
+  input.emitters = &nozzle;
+  input.sink_count = input.emitter_count = 1;
   for (int frame = 0; frame < 3; ++frame) EXPECT_EQ(left_out(scene.run(input).sand), 11u) << "the nozzle, too";
 }
 

@@ -27,7 +27,8 @@ sandglass_collider ground_of(Ground kind, float radius, const sandglass::Field& 
   if (kind == Ground::field) return sandglass::field_at(field, 0, 0, 0);
   sandglass_collider box = sandglass::sphere(0, -2.0f * radius, 0, wide);
   box.shape = SANDGLASS_SHAPE_BOX;
-  box.size[0] = box.size[2] = wide, box.size[1] = 2.0f * radius;
+  box.size[0] = box.size[2] = wide;
+  box.size[1] = 2.0f * radius;
   return box;
 }
 
@@ -35,7 +36,8 @@ struct Heap {
   explicit Heap(float radius, Ground kind = Ground::half_space, float band = 0.003f, float sleep_after = 0.5f)
       : r(radius), scene([&] {
           sandglass_scene_desc desc = description(300);
-          desc.granular.particle_radius = radius, desc.granular.collider_band = band;
+          desc.granular.particle_radius = radius;
+          desc.granular.collider_band = band;
           desc.granular.sleep_after = sleep_after;
           return desc;
         }()) {
@@ -216,7 +218,8 @@ void shake(Heap* heap, float noise, bool velocities, float seconds) {
     heap->ground().linear_velocity[1] = velocities ? (heap->ground().position[1] - before) / k_frame : 0.0f;
     heap->frame();
   }
-  heap->ground().position[1] = middle, heap->ground().linear_velocity[1] = 0.0f;
+  heap->ground().position[1] = middle;
+  heap->ground().linear_velocity[1] = 0.0f;
 }
 
 TEST(Held, AFloorThatTremblesLeavesTheHeapAsleep) {
@@ -248,11 +251,13 @@ TEST(Held, WhatCountsIsTheSurfaceWhereSandIs) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> slide(-3.0f, 3.0f);
   for (int f = 0; f < 120; ++f) {
-    heap.ground().position[0] = slide(random), heap.ground().position[2] = slide(random);
+    heap.ground().position[0] = slide(random);
+    heap.ground().position[2] = slide(random);
     heap.frame();
     ASSERT_EQ(heap.report.sand.awake, 0u) << "a plane slides along itself";
   }
-  heap.ground().position[0] = 2.0f, heap.ground().position[2] = 0.0f;
+  heap.ground().position[0] = 2.0f;
+  heap.ground().position[2] = 0.0f;
   heap.ground().rotation[2] = std::sin(0.5f * 0.0052f);
   heap.run(2.0f);
   sandglass_collider held = {};
@@ -265,7 +270,8 @@ TEST(Held, ATableThatGrowsWakesNothing) {
   Heap heap(0.01f, Ground::box);
   for (int f = 0; f < 300; ++f) {
     const float grown = 0.02f * static_cast<float>(f / 20);
-    heap.ground().position[0] = grown, heap.ground().size[0] = 0.6f + grown;
+    heap.ground().position[0] = grown;
+    heap.ground().size[0] = 0.6f + grown;
     heap.ground().position[1] = -0.02f + (f / 20 % 2 != 0 ? 0.001f : 0.0f);
     heap.frame();
     ASSERT_EQ(heap.report.sand.awake, 0u) << f;
@@ -352,7 +358,8 @@ TEST(Held, WhatJumpsAndIsBelievedThrowsNothing) {
   heap.ground().position[1] = 0.2f;
   double fastest = 0.0;
   for (int f = 0; f < 30; ++f) {
-    heap.ground().position[1] += 0.3f * k_frame, heap.ground().linear_velocity[1] = 0.3f;
+    heap.ground().position[1] += 0.3f * k_frame;
+    heap.ground().linear_velocity[1] = 0.3f;
     heap.frame();
     fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
   }
@@ -369,7 +376,8 @@ TEST(Held, AnHourglassTurnedByPosesAloneTurnsItsSand) {
   for (int f = 0; f < 180; ++f) scene.frame(k_frame);
   for (int f = 1; f <= 240; ++f) {
     const float angle = 3.14159265f * std::min(1.0f, static_cast<float>(f) / 120.0f);
-    scene.colliders[0].rotation[2] = std::sin(0.5f * angle), scene.colliders[0].rotation[3] = std::cos(0.5f * angle);
+    scene.colliders[0].rotation[2] = std::sin(0.5f * angle);
+    scene.colliders[0].rotation[3] = std::cos(0.5f * angle);
     scene.colliders[0].position[1] = 0.05f * std::sin(angle);  // carried on an arc
     scene.frame(k_frame);
     for (size_t i = 0; i < 3 * scene.particle_count; i += 3) {
@@ -392,7 +400,8 @@ TEST(Identity, APlaceInTheListIsNone) {
   sandglass_collider lost = hand, turned = table, noisy = table;
   lost.position[0] = std::nanf("");
   for (float& q : turned.rotation) q = -q;
-  noisy.rotation[1] = 1e-7f, noisy.rotation[3] = 1.000001f;
+  noisy.rotation[1] = 1e-7f;
+  noisy.rotation[3] = 1.000001f;
   const auto floor_with = [&](float unused) {
     sandglass_collider c = floor;
     c.size[0] = c.size[2] = unused;  // means nothing for a half-space

@@ -20,8 +20,10 @@ std::array<float, 3> tipped(double degrees) {
 
 sandglass_collider wall(float x, float z, float turn_x, float turn_z) {
   sandglass_collider made = sandglass::floor_at(0.0f);
-  made.position[0] = x, made.position[2] = z;
-  made.rotation[0] = turn_x * std::sqrt(0.5f), made.rotation[2] = turn_z * std::sqrt(0.5f);
+  made.position[0] = x;
+  made.position[2] = z;
+  made.rotation[0] = turn_x * std::sqrt(0.5f);
+  made.rotation[2] = turn_z * std::sqrt(0.5f);
   made.rotation[3] = std::sqrt(0.5f);
   return made;
 }

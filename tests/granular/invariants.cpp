@@ -30,7 +30,8 @@ std::string Invariants::broken(const sandglass_frame_report& report) {
 
 std::string Invariants::particles(const sandglass_frame_report& report) {
   const sandglass_granular_desc& g = s_.desc.granular;
-  positions_.resize(3ull * report.sand.particle_numbers), velocities_.resize(3ull * report.sand.particle_numbers);
+  positions_.resize(3ull * report.sand.particle_numbers);
+  velocities_.resize(3ull * report.sand.particle_numbers);
   sandglass_granular_particles(s_.scene.get(), positions_.data(), velocities_.data());
   // The limit of a pass, on which a body's rotation comes. Sand of the app or of a nozzle has its own speed at first. The
   // report's sub-step may have just begun: speeds are then of the one before.
@@ -55,7 +56,8 @@ std::string Invariants::particles(const sandglass_frame_report& report) {
 }
 
 std::string Invariants::grains(const sandglass_frame_report& report) {
-  positions_.resize(3ull * report.sand.grain_numbers), velocities_.resize(3ull * report.sand.grain_numbers);
+  positions_.resize(3ull * report.sand.grain_numbers);
+  velocities_.resize(3ull * report.sand.grain_numbers);
   if (report.sand.grain_numbers == 0) return "";
   sandglass_granular_grains(s_.scene.get(), positions_.data(), velocities_.data());
   for (uint32_t i = 0; i < report.sand.grain_numbers; ++i) {

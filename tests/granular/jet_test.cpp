@@ -102,11 +102,13 @@ struct Poured {
   explicit Poured(const Pour& what, Rule by = Rule::emitter)
       : pour(what), rule(by), scene([&] {
           sandglass_scene_desc desc = description(12000);
-          desc.granular.particle_radius = what.radius, desc.granular.emitter_capacity = 1;
+          desc.granular.particle_radius = what.radius;
+          desc.granular.emitter_capacity = 1;
           return desc;
         }()) {
     emitter = sandglass::emitter(0, 0, 0, what.nozzle, what.speed, 0);
-    emitter.rotation[2] = std::sin(0.5f * what.turned), emitter.rotation[3] = std::cos(0.5f * what.turned);
+    emitter.rotation[2] = std::sin(0.5f * what.turned);
+    emitter.rotation[3] = std::cos(0.5f * what.turned);
     if (what.floor > -50.0f) scene.add_floor(what.floor);
   }
 
@@ -118,7 +120,8 @@ struct Poured {
       if (pours && rule == Rule::before) add_layers(step);
       sandglass_frame_input input = scene.input(step);
       emitter.position[2] = pour.moved * static_cast<float>(time);
-      input.emitters = &emitter, input.emitter_count = pours && rule == Rule::emitter ? 1 : 0;
+      input.emitters = &emitter;
+      input.emitter_count = pours && rule == Rule::emitter ? 1 : 0;
       report = scene.run(input);
       scene.particle_count = report.sand.particle_numbers;
       time += static_cast<double>(step);
@@ -290,7 +293,8 @@ TEST(Jet, ThatIsBlockedNeitherSpraysNorThrows) {
           if (below > 1.0f) continue;
           Poured control(pour, Rule::before);
           control.run(0.05f);
-          ++controls, buried += lowest_of(control) < 0.0 ? 1 : 0;
+          ++controls;
+          buried += lowest_of(control) < 0.0 ? 1 : 0;
         }
       }
     }
@@ -345,7 +349,8 @@ TEST(Jet, StretchesWithoutGaps) {
   const auto run = [](float rate) {
     SCOPED_TRACE(rate);
     sandglass_scene_desc desc = description(1000, 1000 * k_grains_per_particle);
-    desc.granular.particle_radius = k_radius, desc.granular.grain_radius = k_grain_radius;
+    desc.granular.particle_radius = k_radius;
+    desc.granular.grain_radius = k_grain_radius;
     desc.granular.emitter_capacity = 1;
     GranularScene scene(desc);
     const sandglass_emitter emitter = sandglass::emitter(0.0f, 0.0f, 0.0f, k_nozzle, k_speed, k_grains_per_particle);
@@ -357,7 +362,8 @@ TEST(Jet, StretchesWithoutGaps) {
     const int frames = static_cast<int>(0.5f * rate), first = static_cast<int>(0.35f * rate);
     for (int frame = 1; frame <= frames; ++frame) {
       sandglass_frame_input input = scene.input(1.0f / rate);
-      input.emitters = &emitter, input.emitter_count = 1;
+      input.emitters = &emitter;
+      input.emitter_count = 1;
       const sandglass_frame_report report = scene.run(input);
       scene.particle_count = report.sand.particle_numbers;
       if (frame < first) continue;  // the first of it have fallen to the end of what is measured

@@ -87,7 +87,8 @@ TEST(Ladder, EachLevelHasItsBudget) {
       report = counted.scene.frame(k_frame, static_cast<uint64_t>(budget));
       if (frame < 10) continue;
       reached[report.level] = true;
-      best = std::min(best, report.level), worst = std::max(worst, report.level);
+      best = std::min(best, report.level);
+      worst = std::max(worst, report.level);
     }
     for (const uint32_t level :
          {uint32_t{SANDGLASS_LEVEL_FULL}, uint32_t{SANDGLASS_LEVEL_COARSE}, uint32_t{SANDGLASS_LEVEL_COARSER}}) {
@@ -167,7 +168,8 @@ TEST(Ladder, WithoutAClockTheFinestLevelRuns) {
       const sandglass_frame_report report = scene.frame(k_frame);
       ASSERT_EQ(report.level, level);
       ASSERT_EQ(report.time.debt, 0.0);
-      substeps[level] += report.sand.substeps, lists[level] += report.sand.list_builds;
+      substeps[level] += report.sand.substeps;
+      lists[level] += report.sand.list_builds;
     }
   }
   const auto ratio = [](uint32_t a, uint32_t b) { return static_cast<double>(a) / b; };
@@ -188,7 +190,8 @@ TEST(Ladder, TheAveragedSchemeIteratesLess) {
     sandglass_scene_desc desc = description(216);
     desc.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;
     desc.granular.reference.relaxation = 1.0f;
-    desc.granular.reference.solver_iterations = 7, desc.granular.reference.stabilisation_iterations = 1;
+    desc.granular.reference.solver_iterations = 7;
+    desc.granular.reference.stabilisation_iterations = 1;
     desc.granular.substep_max = desc.granular.substep_min = 0.02f / 16 * 1.00001f;
     desc.finest_level = level;
     GranularScene scene(desc);

@@ -49,10 +49,14 @@ struct World {
     const sandglass_collider floor = sandglass::floor_at(0.0f), sink = sandglass::floor_at(-0.5f);
     const sandglass_emitter emitter = sandglass::emitter(-0.2f, 0.4f, 0.0f, 0.025f, 0.8f, 4);
     sandglass_frame_input input = scene.input(k_frame, budget);
-    input.grains = nullptr, input.grain_capacity = 0;
-    input.colliders = &floor, input.collider_count = 1;
-    input.emitters = &emitter, input.emitter_count = 1;
-    input.sinks = &sink, input.sink_count = 1;
+    input.grains = nullptr;
+    input.grain_capacity = 0;
+    input.colliders = &floor;
+    input.collider_count = 1;
+    input.emitters = &emitter;
+    input.emitter_count = 1;
+    input.sinks = &sink;
+    input.sink_count = 1;
     return scene.run(input);
   }
 
@@ -120,7 +124,8 @@ void spoil(sandglass_scene* scene) {
 void expect_alike(World* a, World* b) {
   EXPECT_EQ(a->save(), b->save());
   for (int i = 0; i < 12; ++i) {
-    a->frame(), b->frame();
+    a->frame();
+    b->frame();
     ASSERT_EQ(a->save(), b->save()) << "frame " << i;
   }
 }
@@ -164,7 +169,8 @@ TEST(Reset, IsTheStateAfterCreate) {
   used.frame(20'000);
   spoil(used.scene.scene.get());
   used.scene.scene.reset();
-  used.fill(), fresh.fill();
+  used.fill();
+  fresh.fill();
   expect_alike(&used, &fresh);
 }
 

@@ -18,7 +18,8 @@ struct Falling {
       : scene([&] {
           sandglass_scene_desc desc = description(2000, 4000);
           desc.unit_items = 128;
-          desc.granular.body_capacity = 1, desc.granular.body_particle_capacity = 8;
+          desc.granular.body_capacity = 1;
+          desc.granular.body_particle_capacity = 8;
           desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
           if (clocked) desc.clock = sandglass::virtual_clock(&clock);
           return desc;
@@ -36,8 +37,10 @@ struct Falling {
     if (step > 0.0f && std::isfinite(step)) scene.colliders[1].position[0] += step * 0.5f;
     scene.colliders[1].linear_velocity[0] = 0.5f;
     sandglass_frame_input input = scene.input(step, budget_ns, plan);
-    input.emitters = &nozzle, input.emitter_count = 1;
-    input.sinks = &sink, input.sink_count = 1;
+    input.emitters = &nozzle;
+    input.emitter_count = 1;
+    input.sinks = &sink;
+    input.sink_count = 1;
     const sandglass_frame_report report = scene.run(input);
     scene.particle_count = report.sand.particle_numbers;
     return report;
@@ -75,7 +78,8 @@ TEST(Pause, NothingMovesAndTheDebtIsMadeUpAsIfThereHadBeenNone) {
       ASSERT_EQ(report.stages[SANDGLASS_STAGE_GRANULAR].units + report.stages[SANDGLASS_STAGE_REFINE].units, 0u);
       ASSERT_EQ(report.stages[SANDGLASS_STAGE_GRANULAR].denied, 0u);
     }
-    most_debt = std::max(most_debt, before.time.debt), most_lag = std::max(most_lag, before.sand.grain_lag);
+    most_debt = std::max(most_debt, before.time.debt);
+    most_lag = std::max(most_lag, before.sand.grain_lag);
   }
   EXPECT_GT(most_debt, 2.0 * static_cast<double>(k_frame)) << "nothing was owed";
   EXPECT_GT(most_lag, 0.0f) << "no grain was behind";

@@ -54,8 +54,11 @@ void RandomScene::describe(bool replays) {
   g.particle_capacity = k_particles_most + k_bodies * k_body_particles;
   g.grain_capacity = one_in(3) ? 0 : k_particles_most * k_grains_each;
   g.boundary_capacity = 64;
-  g.body_capacity = k_bodies, g.body_particle_capacity = k_bodies * k_body_particles;
-  g.emitter_capacity = k_emitters, g.sink_capacity = 1, g.collider_capacity = k_colliders + 1;
+  g.body_capacity = k_bodies;
+  g.body_particle_capacity = k_bodies * k_body_particles;
+  g.emitter_capacity = k_emitters;
+  g.sink_capacity = 1;
+  g.collider_capacity = k_colliders + 1;
   if (one_in(2)) {
     g.static_friction = one_in(5) ? between(0, 10) : between(0, 1);
     g.kinetic_friction = one_in(5) ? between(0, 10) : between(0, 1);
@@ -126,7 +129,8 @@ void RandomScene::add_sand(uint32_t most) {
   status.code = sandglass_granular_add(scene.get(), &sand, &fine, &status.reason);
   if (status.code == SANDGLASS_ERROR_CAPACITY) return;
   ::accept(status);
-  particles_added += count, grains_added += count * each;
+  particles_added += count;
+  grains_added += count * each;
   height_ += spacing * static_cast<float>(count / (side * side) + 1);
 }
 
@@ -156,12 +160,14 @@ void RandomScene::add_colliders() {
     c.grains_only = one_in(8) ? 1 : 0;
     grains_have_floor = grains_have_floor && c.grains_only == 0;
     Motion motion = {};
-    motion.phase = between(0, 6), motion.rate = log_between(0.5, 20);
+    motion.phase = between(0, 6);
+    motion.rate = log_between(0.5, 20);
     for (uint32_t k = 0; k < 3; ++k) {
       motion.start[k] = c.position[k];
       motion.amplitude[k] = one_in(2) ? 0.0f : r_ * between(-10, 10);
     }
-    colliders_.push_back(c), motions_.push_back(motion);
+    colliders_.push_back(c);
+    motions_.push_back(motion);
   }
   bodies_have_floor = colliders_.empty();
   colliders_.push_back(floor_at(0.0f));  // the last
@@ -187,19 +193,25 @@ void RandomScene::add_light() {
   if (!every_stage_ && light_random_.below(12) != 0) return;
   static const AssetFile file = [] {
     RandomShadow what;
-    what.version = 2, what.ambient_side = 16, what.components = 24;
+    what.version = 2;
+    what.ambient_side = 16;
+    what.components = 24;
     return make_shadow_file(what);
   }();
   shadow.emplace(tests::describe(file, desc.isa));
   sandglass_estimator_desc light = describe_light();
-  light.isa = desc.isa, light.interval = 8.0f;
+  light.isa = desc.isa;
+  light.interval = 8.0f;
   ::accept(light_.create(light));
 }
 
 void RandomScene::add_shadows() {
   if (one_in(6) || every_stage_) {
     sandglass_pile_shadow_desc d = pile_shadow_desc();
-    d.isa = desc.isa, d.texels = 32, d.sky_texels = one_in(2) || every_stage_ ? 32 : 0, d.on_sand = random_.below(2);
+    d.isa = desc.isa;
+    d.texels = 32;
+    d.sky_texels = one_in(2) || every_stage_ ? 32 : 0;
+    d.on_sand = random_.below(2);
     for (int k = 0; k < 2; ++k) d.low[k] = -20 * r_, d.high[k] = 20 * r_;
     ::accept(pile_.create(d));
   }
@@ -209,10 +221,13 @@ void RandomScene::add_shadows() {
   pixels_.resize(3 * 48 * 32);
   for (uint8_t& p : pixels_) p = static_cast<uint8_t>(random_.next());
   image_ = camera_image();
-  image_.width = 48, image_.height = 32;
-  image_.planes[0] = pixels_.data(), image_.strides[0] = 3 * 48;
+  image_.width = 48;
+  image_.height = 32;
+  image_.planes[0] = pixels_.data();
+  image_.strides[0] = 3 * 48;
   image_.focal_x = image_.focal_y = sandglass_camera_focal(48, 32, 80);
-  image_.centre_x = 23.5f, image_.centre_y = 15.5f;
+  image_.centre_x = 23.5f;
+  image_.centre_y = 15.5f;
 }
 
 RandomScene::RandomScene(uint64_t number, bool replays)
@@ -312,15 +327,19 @@ sandglass_frame_input RandomScene::next_input() {
                     : one_in(4) ? random_.next() >> random_.below(64)
                                 : 1'000'000 + random_.below(8'000'000);
   input.thermal_headroom = one_in(10) ? between(-0.5, 1.5) : 1.0f;
-  input.colliders = colliders_.data(), input.collider_count = static_cast<uint32_t>(colliders_.size());
-  input.emitters = emitters_.data(), input.emitter_count = one_in(10) ? 0 : static_cast<uint32_t>(emitters_.size());
-  input.sinks = sinks_.data(), input.sink_count = static_cast<uint32_t>(sinks_.size());
+  input.colliders = colliders_.data();
+  input.collider_count = static_cast<uint32_t>(colliders_.size());
+  input.emitters = emitters_.data();
+  input.emitter_count = one_in(10) ? 0 : static_cast<uint32_t>(emitters_.size());
+  input.sinks = sinks_.data();
+  input.sink_count = static_cast<uint32_t>(sinks_.size());
   input.grains = drawn.bytes() == 0 ? nullptr : reinterpret_cast<sandglass_grain*>(drawn.data());
   input.grain_capacity = static_cast<uint32_t>(drawn.bytes() / sizeof(sandglass_grain));
   input.output_lag = one_in(6) ? between(0, 0.1) : 0.0f;
   input.pile_shadow = pile_.get();
   image_.timestamp_ns += 16'666'667;
-  input.room = room_.get(), input.camera = room_ ? &image_ : nullptr;
+  input.room = room_.get();
+  input.camera = room_ ? &image_ : nullptr;
   input.estimator = light_.get();
   if (shadow) input.shadows = &shadow->shadow, input.shadow_count = 1;
   return input;

@@ -113,7 +113,9 @@ TEST(RandomScenes, AForgottenFloorIsFound) {
   for (uint32_t frame = 0; frame < 200; ++frame) {
     const double asked = s.asked;
     sandglass_frame_input input = s.next_input();
-    input.collider_count = 0, input.time_step = 0.02f, input.budget_ns = ~0ull >> 1;
+    input.collider_count = 0;
+    input.time_step = 0.02f;
+    input.budget_ns = ~0ull >> 1;
     s.asked = asked + static_cast<double>(input.time_step);
     sandglass_frame_report report = frame_report();
     ASSERT_TRUE(s.scene.frame(input, &report));

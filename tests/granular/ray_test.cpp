@@ -20,7 +20,8 @@ int nearest_sphere(const std::vector<float>& p, const std::array<float, 3>& o, c
     Real b = 0, c = -Real{k_radius} * Real{k_radius};  // t^2 - 2 b t + c = 0
     for (size_t k = 0; k < 3; ++k) {
       const Real to = Real{p[i + k]} - Real{o[k]};
-      b += to * Real{d[k]} / length, c += to * to;
+      b += to * Real{d[k]} / length;
+      c += to * to;
     }
     const Real t = b - std::sqrt(b * b - c);  // not a number: past it
     if (t >= 0 && (found < 0 || t < *nearest)) found = static_cast<int>(i / 3), *nearest = t;
@@ -32,10 +33,13 @@ int nearest_sphere(const std::vector<float>& p, const std::array<float, 3>& o, c
 // The count of each answer shows that all three were tried.
 TEST(Ray, FindsTheFirstSphereOnItsWay) {
   sandglass_scene_desc desc = description(2084);
-  desc.granular.body_capacity = 2, desc.granular.body_particle_capacity = 148;
+  desc.granular.body_capacity = 2;
+  desc.granular.body_particle_capacity = 148;
   GranularScene scene(desc);
   std::vector<float> sand = lattice(22, 4, 22, 0.03f, 0.4f), body = lattice(12, 1, 12, 0.0201f, 0.6f);
-  scene.add_body(lattice(2, 1, 2, 0.0201f, 0.8f)), scene.add_body(body), scene.add(sand);
+  scene.add_body(lattice(2, 1, 2, 0.0201f, 0.8f));
+  scene.add_body(body);
+  scene.add(sand);
   const std::vector<float> p = scene.positions();
   sandglass::Random random{11};
   const auto number = [&] { return static_cast<float>(random.below(20001)) / 10000.0f - 1.0f; };

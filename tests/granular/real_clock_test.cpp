@@ -56,7 +56,8 @@ FramesAndControl run(uint64_t budget_ns, int frames, uint32_t hogs, bool control
     result.over_ns.push_back(spent > allowed ? spent - allowed : 0);
     const bool left_unused = 10 * report.time.elapsed_ns < 9 * budget_ns && report.time.debt > debt;
     debt = report.time.debt;
-    unused += left_unused, unused_in_a_row = left_unused ? unused_in_a_row + 1 : 0;
+    unused += left_unused;
+    unused_in_a_row = left_unused ? unused_in_a_row + 1 : 0;
     longest_unused = std::max(longest_unused, unused_in_a_row);
     if (control) result.lost_ns.push_back(sandglass::test::lost_to_the_machine_ns(spent));
   }

@@ -64,7 +64,8 @@ void run_backward(void*, sandglass_task_function task, void* context, uint32_t c
 
 // With the averaged scheme.
 uint64_t averaged(sandglass_scene_desc desc) {
-  desc.granular.particle_capacity = k_particles, desc.granular.grain_capacity = k_grains;
+  desc.granular.particle_capacity = k_particles;
+  desc.granular.grain_capacity = k_grains;
   desc.granular.reference = {SANDGLASS_SCHEME_AVERAGED, SANDGLASS_BLEND_SOURCE, 3, 2, 1.0f};
   return run(desc, 12);
 }
@@ -72,7 +73,8 @@ uint64_t averaged(sandglass_scene_desc desc) {
 // A bed falls asleep and is hit.
 uint64_t woken(sandglass_scene_desc desc) {
   const std::vector<float> bed = lattice(16, 3, 16, 0.0202f, 0.01f);
-  desc.granular.particle_capacity = 800, desc.granular.grain_capacity = 16 * 3 * 16 * 8;
+  desc.granular.particle_capacity = 800;
+  desc.granular.grain_capacity = 16 * 3 * 16 * 8;
   GranularScene scene(desc);
   scene.add(bed, {}, grains_about(bed, 0.005f));
   scene.add_floor();
@@ -89,8 +91,12 @@ uint64_t woken(sandglass_scene_desc desc) {
 // goes on from what the first one saves.
 uint64_t everything(sandglass_scene_desc desc) {
   sandglass_granular_desc& g = desc.granular;
-  g.particle_capacity = 1400, g.grain_capacity = 6000, g.lowest = 0.3f;
-  g.body_capacity = 3, g.body_particle_capacity = 81, g.emitter_capacity = g.sink_capacity = 1;
+  g.particle_capacity = 1400;
+  g.grain_capacity = 6000;
+  g.lowest = 0.3f;
+  g.body_capacity = 3;
+  g.body_particle_capacity = 81;
+  g.emitter_capacity = g.sink_capacity = 1;
   GranularScene first(desc), second(desc);
   const std::vector<float> sand = lattice(7, 4, 7, 0.0203f, 0.01f);
   for (GranularScene* scene : {&first, &second})
@@ -109,9 +115,12 @@ uint64_t everything(sandglass_scene_desc desc) {
     const float turn = 0.01f * static_cast<float>(frame);
     accept(scene->scene.set_gravity({9.81f * std::sin(turn), -9.81f * (1.0f + turn), 0.0f}));
     sandglass_frame_input input = scene->input(k_frame);
-    input.grains = nullptr, input.grain_capacity = 0;
-    input.emitters = &nozzle, input.emitter_count = 1;
-    input.sinks = &sink, input.sink_count = 1;
+    input.grains = nullptr;
+    input.grain_capacity = 0;
+    input.emitters = &nozzle;
+    input.emitter_count = 1;
+    input.sinks = &sink;
+    input.sink_count = 1;
     report = scene->run(input);
   };
   for (int frame = 0; frame < 20; ++frame) {
@@ -212,7 +221,8 @@ TEST(Plans, AStepEndsWithTheCollidersWithWhichItBegan) {
       scene.colliders.assign(3, ball);
       scene.frame(k_frame);
       scene.scene.reset();
-      scene.colliders.clear(), scene.grains.clear();
+      scene.colliders.clear();
+      scene.grains.clear();
       scene.particle_count = 0;
     }
     fill(&scene);

@@ -29,8 +29,11 @@ void fall_in_part(Cluster* particles) {
 // A motion grid whose reach is round numbers.
 struct Motion : MotionArrays {
   explicit Motion(uint32_t capacity = 1000) : MotionArrays(capacity) {
-    grid.spacing = 0.015f, grid.inverse_spacing = 1.0f / grid.spacing;
-    grid.support = 0.03f, grid.reach = 0.025f, grid.gain = 1.728f;
+    grid.spacing = 0.015f;
+    grid.inverse_spacing = 1.0f / grid.spacing;
+    grid.support = 0.03f;
+    grid.reach = 0.025f;
+    grid.gain = 1.728f;
     const float origin[3] = {0.004f, -0.011f, 0.023f};
     for (int k = 0; k < 3; ++k) grid.origin[k] = origin[k];
   }
@@ -55,7 +58,8 @@ struct Node {
     for (uint32_t i = 0; i < particles.count; ++i) {
       const Vector u = at(particles.records[i].velocity), p = at(particles.records[i].position) - 0.02 * u;
       const double d2 = dot(p - x, p - x), w = 1.728 * std::pow(std::max(0.0, 1 - d2 / 6.25e-4), 3);
-      weight += w, momentum = momentum + w * u;
+      weight += w;
+      momentum = momentum + w * u;
       if (w > largest) largest = w, nearest = p, number = i;
     }
   }
@@ -239,7 +243,8 @@ struct Refinement {
     count = n;
     args.support = 3 * k_cluster_radius;
     args.speed_scale = std::sqrt(2 * 9.81f * k_cluster_radius);
-    args.step = 0.004f, args.steps = 1;
+    args.step = 0.004f;
+    args.steps = 1;
     args.gravity[1] = -9.81f;
     args.source_rule = source_rule ? 1 : 0;
     args.own_particles = 1;
@@ -248,8 +253,10 @@ struct Refinement {
     args.grain_count = n;
     for (uint32_t g = 0; g * k_lane_group < n; ++g) groups.push_back(g);
     still.resize(groups.size());
-    args.groups = groups.data(), args.still = still.data();
-    args.still_distance = 0.004f, args.still_sweeps = 2.0f;
+    args.groups = groups.data();
+    args.still = still.data();
+    args.still_distance = 0.004f;
+    args.still_sweeps = 2.0f;
   }
   std::vector<Grain> run(const Kernels& kernels) {
     Sorted snapshot(particles.records.data(), 200, 3 * k_cluster_radius, kernels, 3);
@@ -288,7 +295,8 @@ Sums sums_of_particles(const Cluster& particles, Vector x) {
   for (uint32_t j = 0; j < particles.count; ++j) {
     const double d = length(at(particles.records[j].position) - x);
     const double w = std::pow(std::max(0.0, 1 - d * d / 9e-4), 3);
-    s.weight += w, s.largest = std::max(s.largest, w);
+    s.weight += w;
+    s.largest = std::max(s.largest, w);
     s.falling += w * static_cast<double>(free_fall(particles.records[j]));
     s.flow = s.flow + w * at(particles.records[j].velocity);
   }
@@ -310,7 +318,8 @@ Sums sums_of_nodes(const Cluster& particles, Vector x) {
     const double share =
         (1 - std::abs(apart.x) / 0.015) * (1 - std::abs(apart.y) / 0.015) * (1 - std::abs(apart.z) / 0.015);
     const Node node(particles, corner);
-    s.weight += share * node.weight, s.flow = s.flow + share * node.momentum;
+    s.weight += share * node.weight;
+    s.flow = s.flow + share * node.momentum;
     const double squared = dot(node.nearest - x, node.nearest - x);
     if (squared < s.nearest2) s.nearest2 = squared, s.own = &particles.records[node.number];
   }
@@ -432,7 +441,8 @@ TEST(Refinement, GrainsLeaveABoxOnAllItsSides) {
   for (const Kernels* kernels : tables()) {
     Refinement refinement(n, false, true);
     refinement.motion = std::make_unique<Motion>();
-    refinement.args.colliders = &slab, refinement.args.collider_count = 1;
+    refinement.args.colliders = &slab;
+    refinement.args.collider_count = 1;
     refinement.args.gravity[1] = 0.0f;
     for (uint32_t i = 0; i < n; ++i) {
       const int side = static_cast<int>(i / 16), to[3] = {side % 3 - 1, side / 3 % 3 - 1, side / 9 - 1};
@@ -456,7 +466,9 @@ TEST(Colliders, ExtentsHoldTheWholeCollider) {
   const Vector axes[3] = {{0.48, 0.6, -0.64}, {0.8, 0, 0.6}, {0.36, -0.8, -0.48}};  // orthonormal
   ColliderFrame c = {};
   for (int k = 0; k < 3; ++k) set(c.axes[k], axes[k]);
-  c.size[0] = 0.03f, c.size[1] = 0.1f, c.size[2] = 0.004f;
+  c.size[0] = 0.03f;
+  c.size[1] = 0.1f;
+  c.size[2] = 0.004f;
   for (const sandglass_shape shape : {SANDGLASS_SHAPE_SPHERE, SANDGLASS_SHAPE_CAPSULE, SANDGLASS_SHAPE_BOX}) {
     c.shape = shape;
     find_extent(&c);
@@ -493,7 +505,8 @@ TEST(Refinement, AStillGrainAmongSleepersStaysAndOthersCountTheirStillSweeps) {
       refinement.grains[i].still_sweeps = i % 3 == 0 ? 2.0f : 0.0f;
       set(refinement.grains[i].velocity, {});
     }
-    refinement.grains[40].position[0] = 5.0f, refinement.grains[40].velocity[1] = -4.0f;
+    refinement.grains[40].position[0] = 5.0f;
+    refinement.grains[40].velocity[1] = -4.0f;
     const std::vector<Grain> all = refinement.run(*kernels);
     for (uint32_t i = 0; i < n; ++i) {
       const double moved = length(at(all[i].position) - at(refinement.grains[i].position));

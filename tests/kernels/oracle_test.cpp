@@ -62,13 +62,18 @@ void check_neighbour_lists(uint32_t n) {
     std::vector<uint32_t> lists(uint64_t{cluster.rows} * k_list_slots);
     std::vector<uint8_t> counts(cluster.rows), near_counts(cluster.rows);
     ListArgs args = {};
-    args.grid = moving.sort.grid, args.boundary_grid = fixed.sort.grid;
+    args.grid = moving.sort.grid;
+    args.boundary_grid = fixed.sort.grid;
     for (int k = 0; k < 3; ++k)
       args.positions[k] = moving.axes[k].data(), args.boundary_positions[k] = fixed.axes[k].data();
-    args.boundary_count = n, args.boundary_first = cluster.rows, args.inert = cluster.inert;
+    args.boundary_count = n;
+    args.boundary_first = cluster.rows;
+    args.inert = cluster.inert;
     args.reach_squared = reach * reach;
     args.near_squared = 0.021f * 0.021f;
-    args.lists = lists.data(), args.counts = counts.data(), args.near_counts = near_counts.data();
+    args.lists = lists.data();
+    args.counts = counts.data();
+    args.near_counts = near_counts.data();
     uint32_t dropped = 0;
     kernels->neighbour_lists(&args, 0, n, &dropped);
     EXPECT_EQ(dropped, 0u);
@@ -100,7 +105,9 @@ void check_neighbour_lists(uint32_t n) {
     // Halves: of the moving neighbours those that come later, in the same order; all of the boundary.
     std::vector<uint32_t> halves(lists.size());
     std::vector<uint8_t> half_counts(cluster.rows);
-    args.halves = 1, args.lists = halves.data(), args.counts = half_counts.data();
+    args.halves = 1;
+    args.lists = halves.data();
+    args.counts = half_counts.data();
     kernels->neighbour_lists(&args, 0, n, &dropped);
     for (uint32_t i = 0; i < n; ++i) {
       std::vector<uint32_t> later;
@@ -197,9 +204,11 @@ void check_contact(uint32_t n, bool solve) {
   for (int k = 0; k < 3; ++k) floor.axes[k][k] = 1.0f;
   AveragedArgs args = {};
   args.end.in = cluster.records.data();
-  args.lists = lists.data(), args.counts = counts.data();
+  args.lists = lists.data();
+  args.counts = counts.data();
   args.end.particle_count = n;
-  args.end.radius = k_cluster_radius, args.law.diameter = 2 * k_cluster_radius;
+  args.end.radius = k_cluster_radius;
+  args.law.diameter = 2 * k_cluster_radius;
   args.law.static_friction = args.end.static_friction = static_cast<float>(k_static);
   args.law.kinetic_friction = args.end.kinetic_friction = static_cast<float>(k_kinetic);
   args.law.relaxation = static_cast<float>(k_omega);
@@ -207,14 +216,16 @@ void check_contact(uint32_t n, bool solve) {
   args.law.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
   args.law.lift_max = static_cast<float>(k_lift);
   args.law.up[1] = 1.0f;
-  args.scale = static_cast<float>(k_step), args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
+  args.scale = static_cast<float>(k_step);
+  args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
   args.end.step = static_cast<float>(k_step);
   args.last = 0;
   args.end.leave_max = static_cast<float>(k_leave);
   args.end.displacement_max = 1.0f;
   args.law.bodies = 1;
   args.law.wake_displacement = static_cast<float>(k_wake);
-  args.end.colliders = &floor, args.end.collider_count = 1;
+  args.end.colliders = &floor;
+  args.end.collider_count = 1;
   std::vector<uint32_t> groups(cluster.rows / k_lane_group);
   for (uint32_t g = 0; g < groups.size(); ++g) groups[g] = g;
   args.end.groups = groups.data();
@@ -273,8 +284,10 @@ void check_predict_motion(uint32_t n) {
   mix(&cluster);
   const std::vector<uint32_t> groups = all_groups(cluster);
   PredictArgs args = {};
-  args.in = cluster.records.data(), args.groups = groups.data();
-  args.scale = static_cast<float>(k_step), args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
+  args.in = cluster.records.data();
+  args.groups = groups.data();
+  args.scale = static_cast<float>(k_step);
+  args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
   std::vector<Particle> first;
   for (const Kernels* kernels : tables()) {
     std::vector<Particle> out(cluster.inert + k_slack);
@@ -334,7 +347,8 @@ void check_contact_pairs(uint32_t n) {
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     std::vector<uint32_t> first(2 * n + k_slack, cluster.inert), second = first;
     for (uint32_t q = 0; q < n; ++q) {
-      first[q] = 2 * q, second[q] = fixed ? cluster.rows + q : 2 * q + 1;
+      first[q] = 2 * q;
+      second[q] = fixed ? cluster.rows + q : 2 * q + 1;
       // Two of three pairs touch. All have displacements as large as those of a sub-step.
       Particle &a = cluster.records[first[q]], &b = cluster.records[second[q]];
       const Vector way = {unit(random), unit(random), unit(random)};
@@ -346,12 +360,18 @@ void check_contact_pairs(uint32_t n) {
     std::vector<uint32_t> groups((n + k_lane_group - 1) / k_lane_group);
     for (size_t at = 0; at < groups.size(); ++at) groups[at] = static_cast<uint32_t>(groups.size() - 1 - at);
     PairArgs args = {};
-    args.first = first.data(), args.second = second.data(), args.groups = groups.data(), args.fixed = fixed ? 1 : 0;
+    args.first = first.data();
+    args.second = second.data();
+    args.groups = groups.data();
+    args.fixed = fixed ? 1 : 0;
     ContactLaw& c = args.law;
     c.diameter = 2 * k_cluster_radius;
-    c.static_friction = static_cast<float>(k_static), c.kinetic_friction = static_cast<float>(k_kinetic);
-    c.relaxation = static_cast<float>(k_omega), args.inverse_relaxation = static_cast<float>(1.0 / k_omega);
-    args.separation_max = static_cast<float>(k_separation), args.stick = static_cast<float>(k_stick);
+    c.static_friction = static_cast<float>(k_static);
+    c.kinetic_friction = static_cast<float>(k_kinetic);
+    c.relaxation = static_cast<float>(k_omega);
+    args.inverse_relaxation = static_cast<float>(1.0 / k_omega);
+    args.separation_max = static_cast<float>(k_separation);
+    args.stick = static_cast<float>(k_stick);
     c.lift_max = static_cast<float>(k_lift);
     c.weight_linear = static_cast<float>(-k_weight / 4);
     c.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
@@ -362,7 +382,8 @@ void check_contact_pairs(uint32_t n) {
     for (const Kernels* kernels : tables()) {
       std::vector<Particle> all = cluster.records;
       std::vector<uint8_t> touched(cluster.rows / k_lane_group, 0), expected_touched = touched;
-      args.particles = all.data(), c.touched = touched.data();
+      args.particles = all.data();
+      c.touched = touched.data();
       uint32_t any_touched = 0;
       kernels->contact_pairs(&args, 0, (n + k_lane_group - 1) / k_lane_group * k_lane_group, &any_touched);
       uint32_t touching = 0;
@@ -406,12 +427,16 @@ void check_complete_motion(uint32_t n) {
   floor.position[1] = static_cast<float>(-0.5 * cluster.side);
   const std::vector<uint32_t> groups = all_groups(cluster);
   CompleteArgs args = {};
-  args.groups = groups.data(), args.particle_count = n;
+  args.groups = groups.data();
+  args.particle_count = n;
   args.radius = k_cluster_radius;
-  args.static_friction = static_cast<float>(k_static), args.kinetic_friction = static_cast<float>(k_kinetic);
-  args.step = static_cast<float>(k_step), args.displacement_max = static_cast<float>(k_most);
+  args.static_friction = static_cast<float>(k_static);
+  args.kinetic_friction = static_cast<float>(k_kinetic);
+  args.step = static_cast<float>(k_step);
+  args.displacement_max = static_cast<float>(k_most);
   args.leave_max = static_cast<float>(k_leave);
-  args.colliders = &floor, args.collider_count = 1;
+  args.colliders = &floor;
+  args.collider_count = 1;
   args.departed = n % 2 == 0 ? 1 : 0;
   std::vector<Particle> first;
   for (const Kernels* kernels : tables()) {
@@ -456,8 +481,11 @@ void check_wake_near(uint32_t n) {
   ColliderFrame colliders[2] = {};
   for (ColliderFrame& c : colliders)
     for (int k = 0; k < 3; ++k) c.axes[k][k] = 1.0f;
-  colliders[0].shape = SANDGLASS_SHAPE_SPHERE, colliders[0].size[0] = 0.02f, colliders[0].position[0] = 0.01f;
-  colliders[1].shape = SANDGLASS_SHAPE_HALF_SPACE, colliders[1].position[1] = -0.03f;
+  colliders[0].shape = SANDGLASS_SHAPE_SPHERE;
+  colliders[0].size[0] = 0.02f;
+  colliders[0].position[0] = 0.01f;
+  colliders[1].shape = SANDGLASS_SHAPE_HALF_SPACE;
+  colliders[1].position[1] = -0.03f;
   const float margins[2] = {0.005f, 0.012f};
   std::vector<Sleeper> sleepers(cluster.inert + k_slack);
   std::memcpy(sleepers.data(), cluster.records.data(), sleepers.size() * sizeof(Sleeper));
@@ -491,8 +519,11 @@ void check_find_inside(uint32_t n) {
   ColliderFrame shapes[2] = {};
   for (ColliderFrame& c : shapes)
     for (int k = 0; k < 3; ++k) c.axes[k][k] = 1.0f;
-  shapes[0].shape = SANDGLASS_SHAPE_SPHERE, shapes[0].size[0] = 0.015f, shapes[0].position[2] = 0.02f;
-  shapes[1].shape = SANDGLASS_SHAPE_HALF_SPACE, shapes[1].position[1] = -0.01f;
+  shapes[0].shape = SANDGLASS_SHAPE_SPHERE;
+  shapes[0].size[0] = 0.015f;
+  shapes[0].position[2] = 0.02f;
+  shapes[1].shape = SANDGLASS_SHAPE_HALF_SPACE;
+  shapes[1].position[1] = -0.01f;
   for (const Kernels* kernels : tables()) {
     std::vector<uint8_t> inside(cluster.rows, 7);
     const InsideArgs args = {as_records(cluster.records.data()), n, shapes, 2, inside.data()};
@@ -542,7 +573,9 @@ void check_surface_at(uint32_t n) {
   for (size_t i = 0; i < values.size(); ++i) values[i] = 0.01f * std::sin(0.7f * static_cast<float>(i));
   ColliderFrame frame = {};
   frame.shape = SANDGLASS_SHAPE_FIELD;
-  frame.axes[0][1] = 1.0f, frame.axes[1][0] = -1.0f, frame.axes[2][2] = 1.0f;
+  frame.axes[0][1] = 1.0f;
+  frame.axes[1][0] = -1.0f;
+  frame.axes[2][2] = 1.0f;
   frame.position[0] = 0.01f;
   for (const float outward : {1.0f, -1.0f}) {
     frame.field = {values.data(), {7, 6, 5}, {-0.03f, -0.025f, -0.02f}, 0.01f, 100.0f, outward, outward * 0.002f};
@@ -613,14 +646,22 @@ void check_pile_light_of(uint32_t n, uint32_t on_floor) {
   for (const Kernels* kernels : tables()) {
     std::vector<float> shares(padded);
     PileLightArgs args = {};
-    args.tops = tops.data() + k_lane_group, args.bottoms = bottoms.data() + k_lane_group;
+    args.tops = tops.data() + k_lane_group;
+    args.bottoms = bottoms.data() + k_lane_group;
     args.fills = fills.data() + k_lane_group;
-    args.pitch = pitch, args.row = 2;
-    args.sand_rows[0] = 0, args.sand_rows[1] = rows - 1;
-    args.sand_columns[0] = 0, args.sand_columns[1] = static_cast<int32_t>(n) - 1;
-    args.receivers = receivers.data(), args.azimuths = azimuths, args.azimuth_count = 2, args.steps = steps.data();
+    args.pitch = pitch;
+    args.row = 2;
+    args.sand_rows[0] = 0;
+    args.sand_rows[1] = rows - 1;
+    args.sand_columns[0] = 0;
+    args.sand_columns[1] = static_cast<int32_t>(n) - 1;
+    args.receivers = receivers.data();
+    args.azimuths = azimuths;
+    args.azimuth_count = 2;
+    args.steps = steps.data();
     args.on_floor = on_floor;
-    args.inverse_total = static_cast<float>(1 / total), args.shares = shares.data();
+    args.inverse_total = static_cast<float>(1 / total);
+    args.shares = shares.data();
     uint32_t unused = 0;
     kernels->pile_light(&args, 0, padded, &unused);
     for (uint32_t i = 0; i < n; ++i) {
@@ -703,7 +744,8 @@ void check_pile_sky(uint32_t n) {
       shares[k][ring] = 0.08 * unit(random);
       sectors[k].bends[ring] = static_cast<float>(shares[k][ring] - (ring > 0 ? shares[k][ring - 1] : 0.0));
     }
-    sectors[k].first_step = k * steps_each, sectors[k].last_step = (k + 1) * steps_each;
+    sectors[k].first_step = k * steps_each;
+    sectors[k].last_step = (k + 1) * steps_each;
     sectors[k].in_air = k + 1 < sector_count;
     for (uint32_t s = 0; s < steps_each; ++s) {
       const uint32_t row = k + 1 < sector_count ? s % rows : rows - 1;
@@ -716,9 +758,15 @@ void check_pile_sky(uint32_t n) {
   for (const Kernels* kernels : tables()) {
     std::vector<float> lights(padded);
     PileSkyArgs args = {};
-    args.tops = tops.data(), args.bottoms = bottoms.data(), args.fills = fills.data();
-    args.steps = steps.data(), args.sectors = sectors, args.sector_count = sector_count, args.cap = 2.0f;
-    args.receivers = receivers.data(), args.lights = lights.data();
+    args.tops = tops.data();
+    args.bottoms = bottoms.data();
+    args.fills = fills.data();
+    args.steps = steps.data();
+    args.sectors = sectors;
+    args.sector_count = sector_count;
+    args.cap = 2.0f;
+    args.receivers = receivers.data();
+    args.lights = lights.data();
     uint32_t unused = 0;
     kernels->pile_sky(&args, 0, padded, &unused);
     for (uint32_t i = 0; i < n; ++i) {

@@ -32,13 +32,15 @@ Item item_at(Vector position, Vector velocity, uint32_t number);
 template <>
 inline Particle item_at(Vector position, Vector velocity, uint32_t number) {
   float x[3], v[3];
-  set(x, position), set(v, velocity);
+  set(x, position);
+  set(v, velocity);
   return moving_particle(x, v, number);
 }
 template <>
 inline Grain item_at(Vector position, Vector velocity, uint32_t number) {
   float x[3], v[3];
-  set(x, position), set(v, velocity);
+  set(x, position);
+  set(v, velocity);
   return moving_grain(x, v, number);
 }
 
@@ -86,9 +88,12 @@ inline double distance(const Particle& a, const Particle& b) {
 struct Sorted {
   Sorted(const Particle* source, uint32_t n, float cell, const Kernels& kernels, uint32_t bits_min)
       : records(n + k_slack) {
-    starts.resize(4096 + k_slack), keys.resize(n + k_slack);
+    starts.resize(4096 + k_slack);
+    keys.resize(n + k_slack);
     for (auto& axis : axes) axis.resize(n + k_slack);
-    sort.cells_max = 4096, sort.starts = starts.data(), sort.keys = keys.data();
+    sort.cells_max = 4096;
+    sort.starts = starts.data();
+    sort.keys = keys.data();
     float low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
     for (uint32_t i = 0; i < n; ++i) {
       for (int k = 0; k < 3; ++k)

@@ -119,7 +119,8 @@ TEST(Particle, AndGrainAreEightLanes) {
   const Particle p = moving_particle(k_position, k_velocity, 7);
   const Grain g = moving_grain(k_position, k_velocity, 7);
   float lanes[2][k_record_floats];
-  std::memcpy(lanes[0], &p, sizeof p), std::memcpy(lanes[1], &g, sizeof g);
+  std::memcpy(lanes[0], &p, sizeof p);
+  std::memcpy(lanes[1], &g, sizeof g);
   for (const float(&record)[k_record_floats] : lanes) {
     EXPECT_EQ(record[k_y], k_position[1]);
     EXPECT_EQ(record[k_vz], k_velocity[2]);

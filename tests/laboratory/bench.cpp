@@ -27,7 +27,11 @@ void Bench::keep(const std::string& scene, const char* metric, const char* unit,
                  const std::string& kernels) {
   if (!keeping_) keeping_.emplace();
   Measurement m;
-  m.suite = suite, m.scene = scene, m.metric = metric, m.unit = unit, m.value = value;
+  m.suite = suite;
+  m.scene = scene;
+  m.metric = metric;
+  m.unit = unit;
+  m.value = value;
   m.isa = kernels.empty() ? isa_name : kernels;
   m.threads = threads;
   measurements.push_back(m);

@@ -83,10 +83,14 @@ void draw(const Curves& curves, const std::string& folder) {
   overlap.y = {"P99 of the overlap, % of r", 0.04, 100.0, true};
   angle.title = "Angle of the pile against time";
   angle.y = {"angle, degrees", 0.0, 40.0, false};
-  overlap.legend_right = false, angle.legend_right = true;
+  overlap.legend_right = false;
+  angle.legend_right = true;
   for (const Curve* curve : {&curves.source_3, &curves.source_7, &curves.small, &curves.levels}) {
     PlotSeries series;
-    series.name = curve->name, series.colour = curve->colour, series.mark = curve->mark, series.line = curve->line;
+    series.name = curve->name;
+    series.colour = curve->colour;
+    series.mark = curve->mark;
+    series.line = curve->line;
     for (const BenchRow& point : curve->rows)
       series.x.push_back(point.ms_solver), series.y.push_back(100.0 * point.overlap_p99);
     overlap.series.push_back(series);
@@ -154,9 +158,12 @@ void measure_size(const SceneFile& scene, const std::string& name, uint32_t thre
   }
   if (interrupted()) return;
   const double items = result.particles + result.grains, bytes = static_cast<double>(result.bytes);
-  growth->particles.push_back(result.particles), growth->solver.push_back(result.ms_solver);
-  growth->grains.push_back(result.grains), growth->refine.push_back(result.ms_refine);
-  growth->items.push_back(items), growth->bytes.push_back(bytes);
+  growth->particles.push_back(result.particles);
+  growth->solver.push_back(result.ms_solver);
+  growth->grains.push_back(result.grains);
+  growth->refine.push_back(result.ms_refine);
+  growth->items.push_back(items);
+  growth->bytes.push_back(bytes);
   std::printf("%9u %9u %2u %12.2f %14.0f %11.2f %13.1f %10.1f\n", result.particles, result.grains, threads,
               result.ms_solver, 1e6 * result.ms_solver / result.particles, result.ms_refine,
               1e6 * result.ms_refine / result.grains, bytes / items);

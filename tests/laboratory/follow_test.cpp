@@ -100,14 +100,18 @@ TEST(GrainMoves, TellsAJumpFromAWayWithTheParticles) {
   };
   GrainMoves moves;
   moves.frame(particles, grains, k_radius, k_seconds);
-  go(&particles, 0.1), go(&grains, 0.1);  // 0.06 m/s: slow
+  go(&particles, 0.1);  // 0.06 m/s: slow
+  go(&grains, 0.1);
   moves.frame(particles, grains, k_radius, k_seconds);
   EXPECT_EQ(moves.jumps_per_million(), 0.0);
-  go(&particles, 0.1), grains[0] += static_cast<float>(0.8 * k_radius);
+  go(&particles, 0.1);
+  grains[0] += static_cast<float>(0.8 * k_radius);
   moves.frame(particles, grains, k_radius, k_seconds);
   EXPECT_NEAR(moves.slow_way(), 0.8, 1e-4);
   EXPECT_EQ(moves.jumps_per_million(), 0.0) << "less than 1 r beyond";
-  go(&particles, 2.0), go(&grains, 2.0), grains[0] += static_cast<float>(1.1 * k_radius);
+  go(&particles, 2.0);
+  go(&grains, 2.0);
+  grains[0] += static_cast<float>(1.1 * k_radius);
   moves.frame(particles, grains, k_radius, k_seconds);
   // One of the moves above 0.3 r: all grains' last one, and the first grain's before it.
   EXPECT_NEAR(moves.jumps_per_million(), 1e6 / (k_side * k_side * k_side + 1), 1e-6);

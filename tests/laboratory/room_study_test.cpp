@@ -91,7 +91,8 @@ TEST(RoomStudy, ALampIsDrawnTheBetterTheMoreWasSeen) {
 TEST(RoomStudy, MovedObjectsAreLitAsInAStudyThatBeginsThere) {
   const TemporaryFolder folder;
   RoomStudyOptions options;
-  options.panoramas = {folder / "room.hdr"}, options.azimuths = 2;
+  options.panoramas = {folder / "room.hdr"};
+  options.azimuths = 2;
   write_hdr(options.panoramas.front(), room_with_lamp(100.0, 20.0));
   const auto objects = std::make_shared<const std::vector<FloorObject>>(1, pole());
   const RoomStudy near = study_rooms(options, objects);
@@ -127,7 +128,10 @@ TEST(RoomStudy, ItsLimitsAreHeldByGoodRowsAndBrokenByBadOnes) {
   RoomTable table;
   const auto add = [&](const std::string& name, double share, Interval none, Interval ambient, bool control = false) {
     DrawnRow row;
-    row.name = name, row.share_of_ambient = share, row.against_none = none, row.against_ambient = ambient;
+    row.name = name;
+    row.share_of_ambient = share;
+    row.against_none = none;
+    row.against_ambient = ambient;
     row.control = control;
     table.drawn.push_back(row);
   };

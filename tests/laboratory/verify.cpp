@@ -65,8 +65,14 @@ std::vector<Measurement> measurements_of(const std::string& suite, const std::st
   std::vector<Measurement> measurements;
   for (const Verdict& v : rows) {
     Measurement m;
-    m.suite = suite, m.scene = v.name, m.metric = "result", m.unit = v.unit, m.isa = isa, m.value = v.result;
-    m.threads = threads, m.judgement = Measurement::Judgement{v.truth, v.limit, v.pass, v.control};
+    m.suite = suite;
+    m.scene = v.name;
+    m.metric = "result";
+    m.unit = v.unit;
+    m.isa = isa;
+    m.value = v.result;
+    m.threads = threads;
+    m.judgement = Measurement::Judgement{v.truth, v.limit, v.pass, v.control};
     measurements.push_back(m);
   }
   return measurements;

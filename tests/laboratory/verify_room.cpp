@@ -36,7 +36,8 @@ std::vector<Condition> conditions_of(RoomStudyOptions options, const RoomStudy& 
   const RoomStudy far = moved(study, options);
   if (interrupted()) return conditions;
   conditions.push_back({"object at 0.8 radii", room_table(far, pool)});
-  options.place = RoomStudyOptions().place, options.exposure_known = false;
+  options.place = RoomStudyOptions().place;
+  options.exposure_known = false;
   const RoomStudy untold = study_rooms(options, study.objects);
   if (!interrupted()) conditions.push_back({"exposure untold", room_table(untold, pool)});
   return conditions;
@@ -55,7 +56,8 @@ int verify_room_command(const VerifyOptions& options) {
       options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;
   study_options.network = options.network.empty() ? SANDGLASS_LIGHTS_DIR "/room.light" : options.network;
   study_options.azimuths = options.quick ? 1 : 4;
-  study_options.seed = options.seed + 1, study_options.threads = options.threads;
+  study_options.seed = options.seed + 1;
+  study_options.threads = options.threads;
   ThreadPool pool(options.threads);
   const RoomStudy study = study_rooms(
       study_options, std::make_shared<const std::vector<FloorObject> >(study_objects(data_folder(), &pool)));

@@ -27,7 +27,8 @@ std::vector<Verdict> check_pictures(const VerifyOptions& options) {
   shots.panoramas = chosen_panoramas(options);
   shots.network = options.network.empty() ? shipped_light_network() : options.network;
   if (options.quick) shots.picture.samples = 3, shots.picture.paths = 96;
-  shots.picture.threads = options.threads, shots.seed = options.seed;
+  shots.picture.threads = options.threads;
+  shots.seed = options.seed;
   shots.manifest =
       options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;
   if (shots.network.empty()) std::printf("no lighting network: without estimates\n");

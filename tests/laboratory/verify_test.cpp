@@ -85,7 +85,9 @@ Spot spot(const Picture& picture, Colour colour) {
     for (int x = 0; x < picture.width; ++x) {
       const uint8_t* p = picture.at(x, y);
       if (p[0] != colour.r || p[1] != colour.g || p[2] != colour.b) continue;
-      s.x += x, s.y += y, ++s.count;
+      s.x += x;
+      s.y += y;
+      ++s.count;
     }
   if (s.count > 0) s.x /= s.count, s.y /= s.count;
   return s;
@@ -97,7 +99,9 @@ TEST(Plot, MarksLieWhereTheirNumbersAre) {
     plot.x = {"x", 1.0, 100.0, logarithmic};
     plot.y = {"y", 1.0, 100.0, logarithmic};
     PlotSeries series;
-    series.x = {x}, series.y = {y}, series.colour = {255, 0, 0};
+    series.x = {x};
+    series.y = {y};
+    series.colour = {255, 0, 0};
     plot.series = {series};
     return spot(draw_plot(plot), {255, 0, 0});
   };
@@ -114,7 +118,8 @@ TEST(Plot, MarksLieWhereTheirNumbersAre) {
 TEST(Plot, OnlyCurvesWithPointsAreDrawn) {
   EXPECT_TRUE(granular_plots({}).empty());
   GranularCurves curves;
-  curves.aspects = {1.0, 2.0}, curves.runouts = {1.4, 2.3};
+  curves.aspects = {1.0, 2.0};
+  curves.runouts = {1.4, 2.3};
   const std::vector<GranularPlot> plots = granular_plots(curves);
   ASSERT_EQ(plots.size(), 1u);
   EXPECT_EQ(plots[0].name, "runout");

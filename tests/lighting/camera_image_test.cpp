@@ -28,9 +28,13 @@ struct Camera {
 
   Camera(sandglass_camera_format format, uint32_t width, uint32_t height, uint32_t padding, uint64_t seed) {
     sandglass_camera_image_default(&image);
-    image.format = format, image.width = width, image.height = height;
-    image.focal_x = 0.8f * static_cast<float>(width), image.focal_y = 0.83f * static_cast<float>(width);
-    image.centre_x = 0.47f * static_cast<float>(width), image.centre_y = 0.52f * static_cast<float>(height);
+    image.format = format;
+    image.width = width;
+    image.height = height;
+    image.focal_x = 0.8f * static_cast<float>(width);
+    image.focal_y = 0.83f * static_cast<float>(width);
+    image.centre_x = 0.47f * static_cast<float>(width);
+    image.centre_y = 0.52f * static_cast<float>(height);
     const bool planar = format == SANDGLASS_CAMERA_I420, yuv = format >= SANDGLASS_CAMERA_NV12;
     const uint32_t rows[3] = {height, height / 2, height / 2};
     const uint32_t widths[3] = {format == SANDGLASS_CAMERA_RGB    ? 3 * width
@@ -80,7 +84,8 @@ double reference(const Camera& camera, int i, int j, int c) {
     for (int p = static_cast<int>(u0); p < u1; ++p) {
       const double w = (std::min<double>(p + 1, u1) - std::max<double>(p, u0)) *
                        (std::min<double>(q + 1, v1) - std::max<double>(q, v0));
-      sum += w * camera.channel(p, q, c), area += w;
+      sum += w * camera.channel(p, q, c);
+      area += w;
     }
   return sum / area;
 }
@@ -196,7 +201,8 @@ TEST(CameraImage, YuvLayoutsOfOnePictureAgreeAndPaddingIsNotRead) {
 TEST(CameraImage, ChromaIsNotShifted) {
   Camera camera(SANDGLASS_CAMERA_I420, 256, 192, 0, 1);
   camera.image.focal_x = camera.image.focal_y = static_cast<float>(k_light_focal);
-  camera.image.centre_x = 127.5f, camera.image.centre_y = 95.5f;
+  camera.image.centre_x = 127.5f;
+  camera.image.centre_y = 95.5f;
   std::fill(camera.bytes[0].begin(), camera.bytes[0].end(), static_cast<uint8_t>(128));
   std::fill(camera.bytes[1].begin(), camera.bytes[1].end(), static_cast<uint8_t>(128));
   for (size_t y = 0; y < 96; ++y)
@@ -238,7 +244,8 @@ TEST(CameraImage, NoBlockReadsMoreThanItMay) {
     image.width = trial % 4 == 0 ? SANDGLASS_CAMERA_SIDE_LIMIT
                                  : static_cast<uint32_t>(length(2.0, SANDGLASS_CAMERA_SIDE_LIMIT)) & ~1u;
     image.height = static_cast<uint32_t>(length(2.0, SANDGLASS_CAMERA_SIDE_LIMIT)) & ~1u;
-    image.focal_x = static_cast<float>(length(1.0, 1e6)), image.focal_y = static_cast<float>(length(1.0, 1e6));
+    image.focal_x = static_cast<float>(length(1.0, 1e6));
+    image.focal_y = static_cast<float>(length(1.0, 1e6));
     image.turn_deg = 90 * random.below(4);
     const CameraBlocks blocks = camera_blocks(image);
     const CameraBlock whole = whole_camera_block(image);
@@ -269,13 +276,15 @@ TEST(CameraImage, NoBlockReadsMoreThanItMay) {
 TEST(CameraImage, BeyondTheCamerasViewIsTheEdgesColour) {
   Camera camera(SANDGLASS_CAMERA_RGB, 64, 48, 0, 4);
   camera.image.focal_x = camera.image.focal_y = 200.0f;  // far narrower than the network's view
-  camera.image.centre_x = 31.5f, camera.image.centre_y = 23.5f;
+  camera.image.centre_x = 31.5f;
+  camera.image.centre_y = 23.5f;
   const std::vector<uint8_t> rgb = camera.resampled();
   for (int c = 0; c < 3; ++c) {
     EXPECT_EQ(rgb[static_cast<size_t>(c)], camera.channel(0, 0, c));
     EXPECT_EQ(rgb[k_bytes - 3 + static_cast<size_t>(c)], camera.channel(63, 47, c));
   }
-  camera.image.centre_x = 9e5f, camera.image.centre_y = -9e5f;  // looks past the whole image
+  camera.image.centre_x = 9e5f;  // looks past the whole image
+  camera.image.centre_y = -9e5f;
   const std::vector<uint8_t> beside = camera.resampled();
   for (size_t i = 0; i < k_bytes; ++i) ASSERT_EQ(beside[i], camera.channel(63, 0, static_cast<int>(i % 3)));
 }

@@ -124,7 +124,8 @@ TEST(LightFilter, DisagreementDoesNotLockItUp) {
 // that of the input.
 TEST(LightFilter, NoiseShrinksAsThatOfAFirstOrderFilter) {
   Filter f;
-  f.law.outlier_angle = std::numbers::pi, f.law.turn_limit = 1e6;
+  f.law.outlier_angle = std::numbers::pi;
+  f.law.turn_limit = 1e6;
   Random random = random_stream(3, 1);
   double sum = 0.0, input = 0.0;
   constexpr int k_estimates = 5000;

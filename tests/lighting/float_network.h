@@ -32,7 +32,12 @@ struct FloatNetwork {
     std::vector<float> all = border;
     const auto add = [&](const std::vector<float>& more) { all.insert(all.end(), more.begin(), more.end()); };
     for (const FloatConvolution& c : convolutions) add(c.low), add(c.high), add(c.weights), add(c.bias);
-    add(last.low), add(last.high), add(scale), add(shift), add(latent), add(latent_bias);
+    add(last.low);
+    add(last.high);
+    add(scale);
+    add(shift);
+    add(latent);
+    add(latent_bias);
     return all;
   }
 };
@@ -56,7 +61,8 @@ inline FloatNetwork random_float_network(uint64_t seed) {
     FloatConvolution c = {size, inputs, outputs, {}, {}, {}, {}};
     const int places = size * size * inputs;
     if (clamped) clamps(inputs, &c);
-    c.weights = numbers(places * outputs, gain * std::sqrt(3.0 / places)), c.bias = numbers(outputs, 0.5 * k_maps);
+    c.weights = numbers(places * outputs, gain * std::sqrt(3.0 / places));
+    c.bias = numbers(outputs, 0.5 * k_maps);
     for (int i = 0; clamped && i < inputs; ++i)
       if (random.uniform() < 0.04)
         for (int o = 0; o < outputs; ++o) c.weights[static_cast<size_t>(o * inputs + i)] = 0;
@@ -76,8 +82,10 @@ inline FloatNetwork random_float_network(uint64_t seed) {
     channels /= 2;
   }
   clamps(channels, &net.last);
-  net.scale = numbers(channels, 1 / k_maps), net.shift = numbers(channels, 0.5);
-  net.latent = numbers(channels * k_light_latent, 0.05), net.latent_bias = numbers(k_light_latent, 0.5);
+  net.scale = numbers(channels, 1 / k_maps);
+  net.shift = numbers(channels, 0.5);
+  net.latent = numbers(channels * k_light_latent, 0.05);
+  net.latent_bias = numbers(k_light_latent, 0.5);
   return net;
 }
 

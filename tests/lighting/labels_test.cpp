@@ -52,7 +52,9 @@ TEST(Views, SpreadAsAskedAndNeverClose) {
       ASSERT_GE(views[i].phi, -k_pi / 2.0);
       ASSERT_LT(views[i].phi, 1.5 * k_pi);
       const double tilt = views[i].theta - k_pi / 2.0;
-      sum += tilt, squares += tilt * tilt, ++count;
+      sum += tilt;
+      squares += tilt * tilt;
+      ++count;
       for (size_t j = 0; j < i; ++j)
         ASSERT_GE(std::hypot(views[i].theta - views[j].theta, std::remainder(views[i].phi - views[j].phi, 2 * k_pi)),
                   10.0 * k_degree);
@@ -87,7 +89,9 @@ TEST(Excerpt, ShowsDirectionsWhereTheCameraModelPutsThem) {
     for (int v = 0; v < image.height; ++v)
       for (int u = 0; u < image.width; ++u) {
         const double w = luminance(image.colour(u, v));
-        x += w * u, y += w * v, weight += w;
+        x += w * u;
+        y += w * v;
+        weight += w;
       }
     const double focal = focal_length(image.width, image.height, k_excerpt_fov_deg);
     EXPECT_NEAR(x / weight, 127.5 + 0.3 * focal, 0.5);

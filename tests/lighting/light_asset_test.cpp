@@ -140,11 +140,13 @@ TEST(LightAsset, WrongNumbersBehindARightChecksumAreRefused) {
       {"float network", [](host::LightFile* f) { f->float_parameters = {1}; }},
       {"float network",
        [&](host::LightFile* f) {
-         f->float_parameters.assign(k_light_float_parameters, 0), f->float_parameters.back() = nan;
+         f->float_parameters.assign(k_light_float_parameters, 0);
+         f->float_parameters.back() = nan;
        }},
       {"float network",
        [](host::LightFile* f) {
-         f->float_parameters.assign(k_light_float_parameters, 0), f->float_parameters.front() = -1.1e9f;
+         f->float_parameters.assign(k_light_float_parameters, 0);
+         f->float_parameters.front() = -1.1e9f;
        }},
   };
   for (const Case& c : cases) {

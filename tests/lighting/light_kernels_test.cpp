@@ -27,7 +27,8 @@ host::ByteConvolution random_convolution(Integers* random, uint32_t inputs, uint
   }
   for (uint32_t i = 0; i < inputs; ++i) {
     const auto a = static_cast<uint8_t>(random->next(0, 255)), b = static_cast<uint8_t>(random->next(0, 255));
-    c.low.push_back(extreme ? uint8_t{0} : std::min(a, b)), c.high.push_back(extreme ? uint8_t{255} : std::max(a, b));
+    c.low.push_back(extreme ? uint8_t{0} : std::min(a, b));
+    c.high.push_back(extreme ? uint8_t{255} : std::max(a, b));
   }
   return c;
 }

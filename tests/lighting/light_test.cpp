@@ -10,9 +10,9 @@
 
 #include "models/rooms/panorama.h"
 #include "platform/virtual_clock.h"
+#include "runtime/camera/camera_image.h"
 #include "runtime/core/random.h"
 #include "runtime/estimate/resample.h"
-#include "runtime/camera/camera_image.h"
 #include "tests/lighting/light_fixture.h"
 #include "tests/reason.h"
 #include "tests/sand_scene.h"
@@ -77,7 +77,8 @@ TEST(Estimator, StoredTurnedAndUprightPosesGiveOneWorld) {
     double across = host::dot(d, right), down = -host::dot(d, up);
     for (uint32_t quarter = 0; quarter < image.turn_deg / 90; ++quarter) {
       const double was = across;
-      across = -down, down = was;
+      across = -down;
+      down = was;
     }
     const double upright[3] = {across, down, -host::dot(d, back)};
     double world[3];
@@ -92,12 +93,14 @@ TEST(Estimator, StoredTurnedAndUprightPosesGiveOneWorld) {
     for (uint32_t turn = 0; turn < 360; turn += 90) {
       if (v < least) least = v, best = turn;
       const double was = u;
-      u = -v, v = was;
+      u = -v;
+      v = was;
     }
     EXPECT_EQ(with_turn(unknown).turn_deg, best);
   }
   TestImage picture(1);
-  picture.image.turn_deg = 90, picture.image.pose_is_upright = 1;
+  picture.image.turn_deg = 90;
+  picture.image.pose_is_upright = 1;
   const double ahead_right[3] = {0.6, 0.0, 0.8};
   double world[3];
   camera_to_world(picture.image, ahead_right, world);
@@ -135,7 +138,8 @@ TEST(Estimator, ResetForgetsAndTurnTurns) {
   EXPECT_EQ(sandglass_estimator_turn(live.get(), none, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
   sandglass_estimator_reset(live.get());
   EXPECT_EQ(live.estimated().valid, 0u);
-  live.estimate(picture.image), fresh.estimate(picture.image);
+  live.estimate(picture.image);
+  fresh.estimate(picture.image);
   EXPECT_EQ(sandglass_estimator_hash(live.get()), sandglass_estimator_hash(fresh.get()));
 }
 
@@ -260,7 +264,9 @@ TEST(LightInput, AHugeImageIsReadWhereItShouldBe) {
   for (uint32_t y = 0; y < k_height; ++y)
     for (uint32_t x = 0; x < k_width; ++x) {
       uint8_t* p = ramp.bytes.data() + 3 * (size_t{y} * k_width + x);
-      p[0] = static_cast<uint8_t>(255 * y / k_height), p[1] = static_cast<uint8_t>(255 * x / k_width), p[2] = 90;
+      p[0] = static_cast<uint8_t>(255 * y / k_height);
+      p[1] = static_cast<uint8_t>(255 * x / k_width);
+      p[2] = 90;
     }
   ramp.image.focal_x = static_cast<float>(k_light_focal * k_width / 256.0);
   ramp.image.focal_y = static_cast<float>(k_light_focal * k_height / 192.0);
@@ -291,12 +297,17 @@ TEST(LightHash, IsOneOnEveryMachineAndCompiler) {
     for (uint8_t& b : *plane) b = static_cast<uint8_t>(random.below(256));
   sandglass_camera_image image = picture.image;
   image.format = SANDGLASS_CAMERA_NV12;
-  image.width = 640, image.height = 480;
-  image.planes[0] = luma.data(), image.planes[1] = chroma.data();
+  image.width = 640;
+  image.height = 480;
+  image.planes[0] = luma.data();
+  image.planes[1] = chroma.data();
   image.strides[0] = image.strides[1] = 640;
-  image.focal_x = image.focal_y = 525.0f, image.centre_x = 319.5f, image.centre_y = 239.5f;
+  image.focal_x = image.focal_y = 525.0f;
+  image.centre_x = 319.5f;
+  image.centre_y = 239.5f;
   image.turn_deg = 90;
-  image.orientation[0] = 0.3f, image.orientation[2] = -0.6f;
+  image.orientation[0] = 0.3f;
+  image.orientation[2] = -0.6f;
   image.timestamp_ns = 2 * k_period_ns;
   live.estimate(image);
   EXPECT_EQ(sandglass_estimator_hash(live.get()), 5541727358863979531u);
@@ -307,7 +318,8 @@ TEST(LightHash, IsOneOnEveryMachineAndCompiler) {
 sandglass_frame_report frame(SandScene& sand, sandglass_estimator* light, const sandglass_camera_image* image,
                              uint64_t budget_ns) {
   sandglass_frame_input input = frame_input();
-  input.estimator = light, input.camera = image;
+  input.estimator = light;
+  input.camera = image;
   return sand.frame(input, budget_ns);
 }
 

@@ -49,7 +49,8 @@ TEST(Flip, SeesWhatTheEyeSees) {
   for (int y = 0; y < fine.height; ++y)
     for (int x = 0; x < fine.width; ++x) {
       const double f = (x + y) % 2 == 0 ? 0.15 : 0.25, c = (x / 16 + y / 16) % 2 == 0 ? 0.15 : 0.25;
-      fine.set(x, y, {f, f, f}), coarse.set(x, y, {c, c, c});
+      fine.set(x, y, {f, f, f});
+      coarse.set(x, y, {c, c, c});
     }
   EXPECT_LT(flip(plain, fine), 0.5 * flip(plain, coarse));
 }

@@ -34,14 +34,17 @@ RoomBuilder floor_below_window(Vec3 corner, double side) {
   RoomBuilder b = bare_floor();
   Emitter window;
   window.kind = Emitter::Kind::window;
-  window.corner = corner, window.edge_a = {side, 0, 0}, window.edge_b = {0, 0, side};
+  window.corner = corner;
+  window.edge_a = {side, 0, 0};
+  window.edge_b = {0, 0, side};
   b.room.emitters.push_back(window);
   return b;
 }
 
 Vec3 straight_down(const Room& room, int samples) {
   RoomRenderOptions options;
-  options.width = 32, options.samples = samples;
+  options.width = 32;
+  options.samples = samples;
   const RadianceMap map = trace_room(room, options).radiance;
   Vec3 mean;
   for (int u = 0; u < map.width; ++u) mean = mean + map.colour(u, map.height - 1) * (1.0 / map.width);
@@ -90,7 +93,8 @@ TEST(RoomTracer, IntegratingSphere) {
   b.sphere({2, 2, 2}, wall, b.material({{reflectance, reflectance, reflectance}}));
   b.sphere_emitter({2, 2, 2}, lamp, {1000, 1000, 1000});
   RoomRenderOptions options;
-  options.width = 32, options.samples = 256;
+  options.width = 32;
+  options.samples = 256;
   const RadianceMap map = trace_room(b.room, options).radiance;
   // Above the eye is the wall: flux / area, reflected again and again, less the part that the lamp absorbs.
   const double flux = k_pi * 1000 * 4 * k_pi * lamp * lamp, area = 4 * k_pi * wall * wall;
@@ -108,7 +112,8 @@ TEST(RoomTracer, DepthIsThatOfTheRoomAndRightIsMinusX) {
   b.box({2, 0, 2.5}, {4, 3, 5}, 0.0, b.material({}));
   b.sphere_emitter({0.3, 1, 2}, 0.1, {50, 50, 50});  // at -x of the eye
   RoomRenderOptions options;
-  options.width = 64, options.samples = 16;
+  options.width = 64;
+  options.samples = 16;
   const RoomPanorama made = trace_room(b.room, options);
   const auto depth_at = [&](Vec3 direction) {
     const PanoramaPlace place = panorama_place(direction, 64, 32);
@@ -127,7 +132,8 @@ TEST(RoomTracer, DepthIsThatOfTheRoomAndRightIsMinusX) {
 TEST(Rooms, SameSeedSameBitsOnAnyNumberOfThreads) {
   for (const uint64_t seed : {3u, 5u}) {
     RoomRenderOptions options;
-    options.width = 32, options.samples = 4;
+    options.width = 32;
+    options.samples = 4;
     const RoomPanorama one = trace_room(make_room(seed), options);
     options.threads = 3;
     const RoomPanorama three = trace_room(make_room(seed), options);
@@ -141,7 +147,8 @@ TEST(Rooms, OneSeedIsOneRoomWithEveryCompiler) {
   size_t triangles = 0, materials = 0;
   for (uint64_t seed = 0; seed < 20; ++seed) {
     const Room room = make_room(seed);
-    triangles += room.triangles.size(), materials += room.materials.size();
+    triangles += room.triangles.size();
+    materials += room.materials.size();
   }
   EXPECT_EQ(triangles, 55154u);  // as g++ and clang++ make them
   EXPECT_EQ(materials, 1223u);
@@ -149,7 +156,8 @@ TEST(Rooms, OneSeedIsOneRoomWithEveryCompiler) {
 
 TEST(Rooms, AreClosedLitAndDiffer) {
   RoomRenderOptions options;
-  options.width = 32, options.samples = 4;
+  options.width = 32;
+  options.samples = 4;
   double last_width = 0.0;
   for (uint64_t seed = 100; seed < 140; ++seed) {
     const Room room = make_room(seed);

@@ -39,7 +39,8 @@ TEST(IntervalOfPlaces, IntervalOfManyPlacesIsTheNormalLaws) {
   for (int i = 0; i < k_places; ++i) {
     const double value = random.uniform() - 0.3;
     differences.emplace_back("place " + std::to_string(i), value);
-    sum += value, square += value * value;
+    sum += value;
+    square += value * value;
   }
   const double mean = sum / k_places, deviation = std::sqrt(square / k_places - mean * mean);
   const double half = 1.959964 * deviation / std::sqrt(static_cast<double>(k_places));
@@ -105,7 +106,8 @@ class Verify : public ::testing::Test {
       });
       write_hdr(folder_ / ("place_" + std::to_string(i) + ".hdr"), map);
     }
-    options_.panoramas = {folder_.path.string()}, options_.threads = 2;
+    options_.panoramas = {folder_.path.string()};
+    options_.threads = 2;
   }
 
   // The labels themselves, in place of a network's estimates.

@@ -160,8 +160,10 @@ TEST_P(XnnpackInFrames, AnEstimateTakesSeveralAndNoMemory) {
     tests::TestImage picture(4);
     picture.image.timestamp_ns = 5;
     sandglass_frame_input input = sandglass::frame_input();
-    input.time_step = 1.0f / 60.0f, input.budget_ns = 4'000'000;
-    input.estimator = light.get(), input.camera = &picture.image;
+    input.time_step = 1.0f / 60.0f;
+    input.budget_ns = 4'000'000;
+    input.estimator = light.get();
+    input.camera = &picture.image;
     sandglass_frame_report report = sandglass::frame_report();
     uint32_t frames = 0;
     start_counting_allocations();

@@ -94,7 +94,8 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
 TEST(Allocation, FramesWithLightMakeNoCall) {
   const sandglass::host::AlignedBytes file(sandglass::host::light_file_bytes(sandglass::host::random_light_file(1)));
   sandglass_estimator_desc desc = sandglass::estimator_desc();
-  desc.asset = file.data(), desc.asset_bytes = file.size();
+  desc.asset = file.data();
+  desc.asset_bytes = file.size();
   sandglass_scene_desc scene_desc = sandglass::scene_desc();
   scene_desc.clock = sandglass_clock_system();
   uint64_t need = 0;
@@ -104,8 +105,10 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   std::vector<uint8_t> pixels(640 * 480 * 3 / 2, 77);
   sandglass_camera_image image = sandglass::camera_image();
   image.format = SANDGLASS_CAMERA_NV12;
-  image.width = 640, image.height = 480;
-  image.planes[0] = pixels.data(), image.planes[1] = pixels.data() + 640 * 480;
+  image.width = 640;
+  image.height = 480;
+  image.planes[0] = pixels.data();
+  image.planes[1] = pixels.data() + 640 * 480;
   image.strides[0] = image.strides[1] = 640;
   image.focal_x = image.focal_y = 525.0f;
 
@@ -115,9 +118,11 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   bool fine = sandglass_estimator_create(&desc, block.get(), need, &light, nullptr) == SANDGLASS_OK &&
               scene.create_in(scene_desc, scene_block.get(), scene_need);
   sandglass_frame_input input = sandglass::frame_input();
-  input.estimator = light, input.camera = &image;
+  input.estimator = light;
+  input.camera = &image;
   const sandglass_collider floor = sandglass::floor_at(0.0f);  // which nothing meets: there is no sand
-  input.colliders = &floor, input.collider_count = 1;
+  input.colliders = &floor;
+  input.collider_count = 1;
   sandglass_frame_report report;
   uint32_t changes = 0;
   for (uint32_t frame = 0; fine && frame < 90; ++frame) {

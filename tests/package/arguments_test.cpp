@@ -78,7 +78,10 @@ T sized() {
 const std::vector<uint8_t> k_pixels(3 * 64 * 48, 100);
 sandglass_camera_image grey_image() {
   sandglass_camera_image image = sandglass::camera_image();
-  image.width = 64, image.height = 48, image.planes[0] = k_pixels.data(), image.strides[0] = 3 * 64;
+  image.width = 64;
+  image.height = 48;
+  image.planes[0] = k_pixels.data();
+  image.strides[0] = 3 * 64;
   image.focal_x = image.focal_y = 60.0f;
   return image;
 }
@@ -209,7 +212,8 @@ class Arguments : public ::testing::Test {
   void SetUp() override {
     desc = sandglass::scene_desc();
     desc.granular.particle_capacity = desc.granular.grain_capacity = desc.granular.boundary_capacity = 64;
-    desc.granular.body_capacity = 8, desc.granular.body_particle_capacity = 32;
+    desc.granular.body_capacity = 8;
+    desc.granular.body_particle_capacity = 32;
     ASSERT_TRUE(scene.create(desc));
     ASSERT_EQ(sandglass_scene_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
     spare = sandglass::allocate_block(bytes);
@@ -268,7 +272,8 @@ void Arguments::scenes() {
   const sandglass_collider ball = sandglass::sphere(5.0f, 5.0f, 5.0f, 0.1f);
   row(NAMED(sandglass_granular_remove), "particles grains", s, &ball, &count, &other);
   sandglass_body body = sandglass::body();
-  body.particle_positions = point, body.particle_count = 1;
+  body.particle_positions = point;
+  body.particle_count = 1;
   row(NAMED(sandglass_granular_add_body), "index", s, &body, &count);
   row(NAMED(sandglass_body_default), "", &body);
   float points[64 * 3];
@@ -289,7 +294,8 @@ void Arguments::scenes() {
   row(NAMED(sandglass_granular_has_body), "", s, 0u);
   row(NAMED(sandglass_granular_remove_body), "", s, 0u);
   row(NAMED(sandglass_rotation_about), "", low, 1.0f, points);
-  covered_.insert("sandglass_granular_body_pose"), ++cases_;
+  covered_.insert("sandglass_granular_body_pose");
+  ++cases_;
   pose = sandglass_granular_body_pose(nullptr, 0);
   EXPECT_EQ(pose.rotation[3], 1.0f);
   EXPECT_EQ(pose.position[1], 0.0f);
@@ -368,7 +374,8 @@ void Arguments::lights() {
   uint64_t file_bytes = 0;
   const std::vector<uint64_t> file = file_of(SANDGLASS_ROOM_LIGHT, &file_bytes);
   sandglass_estimator_desc desc_of = sandglass::estimator_desc();
-  desc_of.asset = file.data(), desc_of.asset_bytes = file_bytes;
+  desc_of.asset = file.data();
+  desc_of.asset_bytes = file_bytes;
   auto info = sized<sandglass_estimator_info>();
   row(NAMED(sandglass_estimator_inspect), "", file.data(), file_bytes, &info);
   row(NAMED(sandglass_estimator_bytes), "", &desc_of, &need);
@@ -450,7 +457,8 @@ void Arguments::shadows() {
   uint64_t file_bytes = 0;
   const std::vector<uint64_t> file = file_of(SANDGLASS_CHAIR_SHADOW, &file_bytes);
   sandglass_shadow_desc desc_of = sandglass::shadow_desc();
-  desc_of.asset = file.data(), desc_of.asset_bytes = file_bytes;
+  desc_of.asset = file.data();
+  desc_of.asset_bytes = file_bytes;
   auto info = sized<sandglass_shadow_info>();
   row(NAMED(sandglass_shadow_inspect), "", file.data(), file_bytes, &info);
   row(NAMED(sandglass_shadow_bytes), "", &desc_of, &need);
@@ -553,12 +561,14 @@ TEST_F(Arguments, PointersWithinStructsFollowTheRule) {
   sandglass_body body = sandglass::body();
   body.particle_count = 1;
   names("particle_positions", sandglass_granular_add_body(scene.get(), &body, nullptr, &reason));
-  body.particle_positions = point, body.particle_count = 0;
+  body.particle_positions = point;
+  body.particle_count = 0;
   names("particle_count", sandglass_granular_add_body(scene.get(), &body, nullptr, &reason));
   sandglass_mesh mesh = k_mesh;
   mesh.vertices = nullptr;
   names("vertices", sandglass_mesh_bounds(&mesh, low, high, &reason));
-  mesh = k_mesh, mesh.indices = nullptr;
+  mesh = k_mesh;
+  mesh.indices = nullptr;
   names("indices", sandglass_mesh_bounds(&mesh, low, high, &reason));
   sandglass_sample_desc sample = sandglass::sample_desc();
   sample.distance = 0.1f;
@@ -604,7 +614,8 @@ TEST_F(Arguments, TheLogNamesTheKindThatWasLeftOut) {
     sandglass_frame_input input = sandglass::frame_input();
     const sandglass_collider flat{};  // no shape at all: every number is 0
     const sandglass_emitter closed{};
-    input.colliders = input.sinks = &flat, input.emitters = &closed;
+    input.colliders = input.sinks = &flat;
+    input.emitters = &closed;
     *std::array{&input.collider_count, &input.emitter_count, &input.sink_count}[static_cast<size_t>(kind)] = 1;
     said.clear();
     EXPECT_TRUE(scene.frame(input));

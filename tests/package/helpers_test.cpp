@@ -96,7 +96,8 @@ TEST(BoxBody, ItWeighsAsMuchAsItsVolumeOfSandTimesItsDensity) {
 TEST(BoxBody, TheColliderAtItsPoseFitsItsParticles) {
   const std::array<float, 3> half = {0.04f, 0.02f, 0.03f};
   sandglass::BoxBody box = make_box(half, {0.1f, 1.0f, -0.2f}, 1.0f, sandglass::rotation_about(1, 2, 3, 0.7f));
-  box.body.angular_velocity[0] = 3.0f, box.body.angular_velocity[2] = -2.0f;
+  box.body.angular_velocity[0] = 3.0f;
+  box.body.angular_velocity[2] = -2.0f;
   sandglass_scene_desc desc = sandglass::scene_desc();
   desc.granular.particle_capacity = desc.granular.body_particle_capacity = box.body.particle_count;
   desc.granular.body_capacity = 1;

@@ -15,19 +15,27 @@ constexpr uint32_t k_frames = 120;
 
 RunReport known_run() {
   RunReport run;
-  run.scene = "known <run> & \"page\"", run.isa = "scalar", run.clock = "virtual", run.memory_bytes = 3 << 20;
+  run.scene = "known <run> & \"page\"";
+  run.isa = "scalar";
+  run.clock = "virtual";
+  run.memory_bytes = 3 << 20;
   for (uint32_t i = 1; i <= k_frames; ++i) {
     FrameRow row = {};
     sandglass_frame_report& r = row.report;
     uint64_t left = 1'000'000 + 40'000 * i;
-    r.frame = i, r.time.budget_ns = 4'000'000, r.time.elapsed_ns = left, r.time.last_unit_ns = 3'000'000;
+    r.frame = i;
+    r.time.budget_ns = 4'000'000;
+    r.time.elapsed_ns = left;
+    r.time.last_unit_ns = 3'000'000;
     for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) {
       r.stages[stage] = {i + stage, 0, left / 2};  // the rest is time between the units
       left -= left / 2;
     }
     r.level = i <= 60 ? 0 : i <= 100 ? 1 : 4;
-    r.sand.particles = 10, r.sand.grains = 160;
-    row.wall_ms = 6.0, row.cpu_ms = 0.03 * i;
+    r.sand.particles = 10;
+    r.sand.grains = 160;
+    row.wall_ms = 6.0;
+    row.cpu_ms = 0.03 * i;
     run.frames.push_back(row);
   }
   return run;

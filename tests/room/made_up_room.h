@@ -65,10 +65,13 @@ inline Photograph photograph(const Radiance& radiance, double azimuth_deg, doubl
         p.bytes[3 * (v * k_width + u) + static_cast<uint32_t>(c)] = static_cast<uint8_t>(std::lround(255 * coded));
     }
   sandglass_camera_image_default(&p.image);
-  p.image.width = k_width, p.image.height = k_height;
-  p.image.planes[0] = p.bytes.data(), p.image.strides[0] = 3 * k_width;
+  p.image.width = k_width;
+  p.image.height = k_height;
+  p.image.planes[0] = p.bytes.data();
+  p.image.strides[0] = 3 * k_width;
   p.image.focal_x = p.image.focal_y = static_cast<float>(k_focal);
-  p.image.centre_x = 47.5f, p.image.centre_y = 63.5f;
+  p.image.centre_x = 47.5f;
+  p.image.centre_y = 63.5f;
   const float columns[16] = {static_cast<float>(right.x),
                              static_cast<float>(right.y),
                              static_cast<float>(right.z),
@@ -96,7 +99,8 @@ class MadeUpRoom {
   explicit MadeUpRoom(float half_life = 1e6f) : memory_(16384 + 64) {
     sandglass_room_desc desc;
     sandglass_room_desc_default(&desc);
-    desc.half_life = half_life, desc.interval = 0;
+    desc.half_life = half_life;
+    desc.interval = 0;
     uint64_t bytes = 0;
     EXPECT_EQ(sandglass_room_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
     EXPECT_LE(bytes, 16384u);

@@ -73,7 +73,8 @@ sandglass_light_estimate estimate_of(Direction d) {
   e.valid = 1;
   const double v[3] = {d.x, d.y, d.z}, light[3] = {0.9, 0.7, 0.4};
   for (size_t i = 0; i < 3; ++i) {
-    e.direction[i] = static_cast<float>(v[i]), e.light[i] = static_cast<float>(light[i]);
+    e.direction[i] = static_cast<float>(v[i]);
+    e.light[i] = static_cast<float>(light[i]);
     e.ambient[i] = static_cast<float>(k_sky[i]);
   }
   e.strength = 2.5f;
@@ -391,7 +392,8 @@ void expect_checked(const Given& good, const Fields& fields, float (*first)(cons
     return status;
   };
   Given newer = good, unset = good;
-  newer.struct_size += 40, unset.struct_size = 8;
+  newer.struct_size += 40;
+  unset.struct_size = 8;
   EXPECT_EQ(call(&good, nullptr), SANDGLASS_OK);
   EXPECT_EQ(call(&newer, nullptr), SANDGLASS_OK);
   expect_refused("NULL", [&](const char** why) { return call(nullptr, why); });

@@ -27,14 +27,20 @@ sandglass_camera_image image_of(const std::vector<uint8_t>& bytes, int i) {
   sandglass_camera_image image;
   sandglass_camera_image_default(&image);
   image.format = SANDGLASS_CAMERA_NV12;
-  image.width = 64, image.height = 48;
-  image.planes[0] = bytes.data(), image.planes[1] = bytes.data() + 64 * 48;
+  image.width = 64;
+  image.height = 48;
+  image.planes[0] = bytes.data();
+  image.planes[1] = bytes.data() + 64 * 48;
   image.strides[0] = image.strides[1] = 64;
-  image.focal_x = 50.0f, image.focal_y = 51.0f, image.centre_x = 31.0f, image.centre_y = 24.0f;
+  image.focal_x = 50.0f;
+  image.focal_y = 51.0f;
+  image.centre_x = 31.0f;
+  image.centre_y = 24.0f;
   image.orientation[0] = 0.125f * static_cast<float>(i % 3 - 1);
   image.orientation[1] = 0.25f * static_cast<float>(i % 7 - 3);
   image.orientation[3] = 1.0f;
-  image.position[0] = 0.0625f * static_cast<float>(i), image.position[2] = -0.125f * static_cast<float>(i % 4);
+  image.position[0] = 0.0625f * static_cast<float>(i);
+  image.position[2] = -0.125f * static_cast<float>(i % 4);
   image.timestamp_ns = 1 + 150'000'000ull * static_cast<uint64_t>(i);
   return image;
 }
@@ -68,7 +74,9 @@ TEST(RoomHash, IsOneOnEveryMachineAndInFramesOfAScene) {
         continue;
       }
       sandglass_frame_input input = cpp::frame_input();
-      input.room = room.get(), input.camera = &image, input.time_step = 1.0f / 60;
+      input.room = room.get();
+      input.camera = &image;
+      input.time_step = 1.0f / 60;
       sandglass_frame_report report = cpp::frame_report();
       ASSERT_TRUE(scene.frame(input, &report));
       // One unit looks at 64 of 512 parts; an image whose exposure is not told is looked at twice, all but the first.

@@ -139,8 +139,11 @@ TEST(RoomLight, EveryTurnOfTheSensorSaysTheSame) {
             bytes[3 * (sy * stored_width + sx) + c] = upright.bytes[3 * (y * width + x) + c];
         }
       sandglass_camera_image image = upright.image;
-      image.planes[0] = bytes.data(), image.strides[0] = 3 * stored_width;
-      image.width = stored_width, image.height = stored_height, image.turn_deg = turn;
+      image.planes[0] = bytes.data();
+      image.strides[0] = 3 * stored_width;
+      image.width = stored_width;
+      image.height = stored_height;
+      image.turn_deg = turn;
       image.centre_x = 0.5f * static_cast<float>(stored_width - 1);
       image.centre_y = 0.5f * static_cast<float>(stored_height - 1);
       image.pose_is_upright = pose_is_upright;
@@ -161,7 +164,8 @@ TEST(RoomLight, EveryTurnOfTheSensorSaysTheSame) {
       const sandglass_room_light light = room.light();
       for (int i = 0; i < 64; ++i) EXPECT_NEAR(light.cells[i], expected.cells[i], 0.02 * expected.cells[i] + 1e-4);
       // The control: without the turn the picture lies on its side.
-      image.turn_deg = 0, image.pose_is_upright = 0;
+      image.turn_deg = 0;
+      image.pose_is_upright = 0;
       for (int k = 0; k < 4; ++k) image.orientation[k] = upright.image.orientation[k];
       MadeUpRoom wrong;
       wrong.show(image);
@@ -347,7 +351,8 @@ TEST(RoomLight, RefusesWhatItCannotUse) {
   Photograph p = photograph([](Direction) { return 0.3; }, 0, 0, 1, 1);
   p.image.exposure = NAN;
   EXPECT_EQ(sandglass_room_set_image(room.handle(), &p.image, nullptr, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  p.image.exposure = 1, p.image.position[1] = INFINITY;
+  p.image.exposure = 1;
+  p.image.position[1] = INFINITY;
   EXPECT_EQ(sandglass_room_set_image(room.handle(), &p.image, nullptr, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
@@ -358,7 +363,8 @@ TEST(RoomLight, RefusesWhatItCannotUse) {
 // A network's estimate of a light from there, of which it is sure.
 sandglass_light_estimate sure_of(Direction d) {
   sandglass_light_estimate estimate = {};
-  estimate.struct_size = sizeof estimate, estimate.valid = 1;
+  estimate.struct_size = sizeof estimate;
+  estimate.valid = 1;
   const double axes[3] = {d.x, d.y, d.z};
   for (int k = 0; k < 3; ++k) estimate.direction[k] = static_cast<float>(axes[k]);
   estimate.confidence = estimate.contrast = 1;

@@ -138,7 +138,9 @@ TEST(Geodesic, of_a_fine_sphere_is_the_great_circle) {
     double dot = 0, a = 0, b = 0;
     for (int k = 0; k < 3; ++k) {
       const double x = p[k], y = q[k];
-      dot += x * y, a += x * x, b += y * y;
+      dot += x * y;
+      a += x * x;
+      b += y * y;
     }
     const double truth = std::acos(std::min(1.0, dot / std::sqrt(a * b)));
     if (truth < 1.4 && truth > 0.01) worst = std::max(worst, std::fabs(found / truth - 1));

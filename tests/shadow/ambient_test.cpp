@@ -29,7 +29,10 @@ constexpr uint64_t k_golden = 0x6d0cb9242644581aull;
 
 RandomShadow shape(uint32_t side = 128, uint32_t components = 23) {
   RandomShadow what = {32, 1, 2, 1, 4};
-  what.version = 2, what.ambient_side = side, what.components = components, what.surface_vertices = 6;
+  what.version = 2;
+  what.ambient_side = side;
+  what.components = components;
+  what.surface_vertices = 6;
   return what;
 }
 
@@ -243,7 +246,8 @@ TEST(AmbientShadow, AFileOfVersionOneHasNone) {
 TEST(AmbientShadow, TheHashCoversIt) {
   const AssetFile file = make_shadow_file(shape());
   Ambient one(file), other(file);
-  one.mixed(only(3)), other.mixed(only(3));
+  one.mixed(only(3));
+  other.mixed(only(3));
   EXPECT_EQ(sandglass_shadow_hash(one.shadow), sandglass_shadow_hash(other.shadow));
   other.mixed(only(4));
   EXPECT_NE(sandglass_shadow_hash(one.shadow), sandglass_shadow_hash(other.shadow));
@@ -351,7 +355,8 @@ TEST(Harmonics, TurnedAreTheRoomAsTheObjectSeesIt) {
       for (int i = 0; i < 3; ++i) out[i] = u[(i + 1) % 3] * b[(i + 2) % 3] - u[(i + 2) % 3] * b[(i + 1) % 3];
     };
     double once[3], twice[3], world[3];
-    cross(d, once), cross(once, twice);
+    cross(d, once);
+    cross(once, twice);
     for (int i = 0; i < 3; ++i) world[i] = d[i] + 2 * u[3] * once[i] + 2 * twice[i];
     for (uint32_t colour = 0; colour < 3; ++colour)
       ASSERT_NEAR(radiance(turned, colour, d), radiance(sh, colour, world), 1e-5) << trial;

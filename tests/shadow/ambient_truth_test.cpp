@@ -248,7 +248,8 @@ TEST(SurfaceTruth, PointsLieEverywhereAndNoneIsBuried) {
     EXPECT_GT(chair.asset.surface.transfer[k_transfer * i], 0) << i;
   std::vector<SurfacePoint> points(3);
   std::vector<float> transfer(3 * k_transfer, 0.1f);
-  points[1].position = {1, 2, 3}, points[2].position = {4, 5, 6};
+  points[1].position = {1, 2, 3};
+  points[2].position = {4, 5, 6};
   transfer[k_transfer] = 0.005f, transfer[2 * k_transfer + 8] = 0.7f;
   drop_buried(&points, &transfer);
   ASSERT_EQ(points.size(), 2u);
@@ -307,7 +308,8 @@ TEST(SurfaceTruth, ShadesTheChairAsRaysDoAndBetterThanWithoutVisibility) {
       values.push_back({traced, baked, open});
     }
     for (const auto& [traced, baked, open] : values) {
-      squares[0] += std::pow((baked - traced) / mean, 2), squares[1] += std::pow((open - traced) / mean, 2);
+      squares[0] += std::pow((baked - traced) / mean, 2);
+      squares[1] += std::pow((open - traced) / mean, 2);
       level += 1;
     }
   }

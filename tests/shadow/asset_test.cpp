@@ -21,7 +21,10 @@ constexpr RandomShadow k_small = {4, 1, 1, 1, 5};
 // The same with an ambient shadow and a surface.
 RandomShadow with_ambient() {
   RandomShadow what = k_small;
-  what.version = 2, what.ambient_side = 16, what.components = 3, what.surface_vertices = 5;
+  what.version = 2;
+  what.ambient_side = 16;
+  what.components = 3;
+  what.surface_vertices = 5;
   return what;
 }
 

@@ -26,9 +26,13 @@ class Bake : public ::testing::Test {
 BakeSettings tiny() {
   BakeSettings settings;
   settings.shape = {16, 1};
-  settings.textures = 1, settings.steps = 20, settings.quantised_steps = 10, settings.batch = 512;
+  settings.textures = 1;
+  settings.steps = 20;
+  settings.quantised_steps = 10;
+  settings.batch = 512;
   settings.validation_lights = 4;
-  settings.ambient.texels = 16, settings.ambient.rooms = 1;
+  settings.ambient.texels = 16;
+  settings.ambient.rooms = 1;
   return settings;
 }
 

@@ -36,7 +36,9 @@ struct Oracle {
     for (int16_t& x : columns) x = static_cast<int16_t>(next(-reach, reach));
     for (int16_t& x : rows) x = static_cast<int16_t>(next(-reach, reach));
     for (uint32_t layer = 0; layer < c.layers; ++layer) {
-      weights.emplace_back(c.width * c.width), bias.emplace_back(c.width), multiplier.emplace_back(c.width);
+      weights.emplace_back(c.width * c.width);
+      bias.emplace_back(c.width);
+      multiplier.emplace_back(c.width);
       for (int8_t& w : weights.back())
         w = static_cast<int8_t>(c.extreme ? (next(0, 3) == 0 ? -127 : 127) : next(-127, 127));
       for (int32_t& b : bias.back()) b = static_cast<int32_t>(next(-20000, 20000));
@@ -78,7 +80,8 @@ TEST(ShadowKernels, EveryTableEqualsTheOracleForEveryCountOfTexels) {
     std::vector<uint8_t> expected;
     constexpr uint32_t k_most = 2 * k_texel_block + 1;
     for (uint32_t i = 0; i < k_most; ++i) {
-      u.push_back(static_cast<uint16_t>(i * 37 % 256)), v.push_back(static_cast<uint16_t>(i * 101 % 256));
+      u.push_back(static_cast<uint16_t>(i * 37 % 256));
+      v.push_back(static_cast<uint16_t>(i * 101 % 256));
       expected.push_back(oracle.texel(u[i], v[i]));
     }
     Aligned columns(oracle.columns), rows(oracle.rows);

@@ -45,8 +45,10 @@ struct SandOnTheFloor {
   explicit SandOnTheFloor(sandglass_scene_desc desc) {
     desc.granular.collider_capacity = 1;
     EXPECT_TRUE(scene.create(desc));
-    input.time_step = 1.0f / 60.0f, input.budget_ns = UINT64_MAX;
-    input.colliders = &floor, input.collider_count = 1;
+    input.time_step = 1.0f / 60.0f;
+    input.budget_ns = UINT64_MAX;
+    input.colliders = &floor;
+    input.collider_count = 1;
   }
   void frame() { EXPECT_TRUE(scene.frame(input, &report)); }
 };

@@ -107,10 +107,12 @@ Error error_of(const std::vector<float>& spheres, const Light& light, uint32_t t
       if (under) continue;
       const double truth = traced(caster, point, light), shown = 1 - t.coverage[v * texels + u] / 255.0;
       if (truth > 0.999 && shown > 0.999) continue;
-      error.rmse += (truth - shown) * (truth - shown), error.without += (1 - truth) * (1 - truth);
+      error.rmse += (truth - shown) * (truth - shown);
+      error.without += (1 - truth) * (1 - truth);
       ++error.points;
     }
-  error.rmse = std::sqrt(error.rmse / error.points), error.without = std::sqrt(error.without / error.points);
+  error.rmse = std::sqrt(error.rmse / error.points);
+  error.without = std::sqrt(error.without / error.points);
   return error;
 }
 
@@ -198,7 +200,8 @@ double open_share(double polar_deg, double coverage) {
                    sine = std::sqrt(1 - cosine * cosine), turn = 2 * std::numbers::pi * (j + 0.5) / k_turns;
       const double up =
           cosine * std::cos(polar_deg * k_degree) + sine * std::cos(turn) * std::sin(polar_deg * k_degree);
-      all += up, open += up * std::exp(-coverage / std::numbers::pi * area(up));
+      all += up;
+      open += up * std::exp(-coverage / std::numbers::pi * area(up));
     }
   return open / all;
 }
@@ -353,7 +356,8 @@ TEST(PileShadow, RefusesWithASentence) {
 TEST(PileShadow, FollowsTheSandOfAScene) {
   sandglass_scene_desc desc = sandglass::scene_desc();
   const std::vector<float> sand = pile();
-  desc.granular.particle_capacity = static_cast<uint32_t>(sand.size() / 3), desc.granular.collider_capacity = 1;
+  desc.granular.particle_capacity = static_cast<uint32_t>(sand.size() / 3);
+  desc.granular.collider_capacity = 1;
   const uint64_t bytes = sandglass::Scene::bytes(desc);
   sandglass_pile_shadow_desc with_sky = description();
   with_sky.sky_texels = 64;

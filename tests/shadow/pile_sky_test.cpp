@@ -51,7 +51,8 @@ Cells turned(const Cells& cells, const std::function<uint32_t(uint32_t)>& sector
 
 sandglass_pile_shadow_desc description(uint32_t sky = k_sky) {
   sandglass_pile_shadow_desc desc = sandglass::pile_shadow_desc();
-  desc.texels = k_texels, desc.sky_texels = sky;
+  desc.texels = k_texels;
+  desc.sky_texels = sky;
   return desc;
 }
 
@@ -195,7 +196,9 @@ struct Error {
   double rmse = 0, without = 0;  // of the light, with the texture and with nothing hidden
   int count = 0;
   void add(double truth, double shown) {
-    rmse += (shown - truth) * (shown - truth), without += (1 - truth) * (1 - truth), ++count;
+    rmse += (shown - truth) * (shown - truth);
+    without += (1 - truth) * (1 - truth);
+    ++count;
   }
   void finish() { rmse = std::sqrt(rmse / count), without = std::sqrt(without / count); }
 };
@@ -237,7 +240,9 @@ Errors errors_of(const Sand& sand, const Cells& truth, const Cells& drawn) {
   std::vector<uint8_t> shown(sand.grains.size());
   shadow.light_grains(centres, k_grain, shown.data());
   for (size_t i = 0; i < shown.size(); ++i) errors.grains.add(lit(sand.grains[i].truth.light, truth), shown[i] / 255.0);
-  errors.floor.finish(), errors.seen.finish(), errors.grains.finish();
+  errors.floor.finish();
+  errors.seen.finish();
+  errors.grains.finish();
   return errors;
 }
 
@@ -433,10 +438,12 @@ TEST(PileSky, MakesOnlyWhatIsAskedFor) {
   EXPECT_EQ(shadow.run(sand, k_grain), 0u) << "nothing has changed";
 
   Cells cells = even_sky();
-  cells[7] += 0.002f, cells[50] -= 0.002f;
+  cells[7] += 0.002f;
+  cells[50] -= 0.002f;
   ASSERT_TRUE(shadow.set_cells(cells));
   EXPECT_EQ(shadow.run(sand, k_grain), 0u) << "a change below one step of a byte";
-  cells[7] += 0.004f, cells[50] -= 0.004f;
+  cells[7] += 0.004f;
+  cells[50] -= 0.004f;
   ASSERT_TRUE(shadow.set_cells(cells));
   EXPECT_EQ(shadow.run(sand, k_grain), of_sky) << "the cells ask for their texture only";
 

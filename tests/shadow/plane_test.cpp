@@ -14,7 +14,9 @@ constexpr double k_degree = k_pi / 180;
 constexpr double k_half_angle = 10 * k_degree;
 
 void direction(double polar, double azimuth, double out[3]) {
-  out[0] = std::sin(polar) * std::cos(azimuth), out[1] = std::cos(polar), out[2] = std::sin(polar) * std::sin(azimuth);
+  out[0] = std::sin(polar) * std::cos(azimuth);
+  out[1] = std::cos(polar);
+  out[2] = std::sin(polar) * std::sin(azimuth);
 }
 
 // The rectangle on the plane that the rays of the rim through the corners span.

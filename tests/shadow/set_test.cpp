@@ -72,12 +72,14 @@ TEST(ShadowSet, TheGreatestVisibleChangeComesFirst) {
 // a radian. Its change of 1/100 grows by an eighth with every call and has to reach 9/20.
 TEST(ShadowSet, AWeakLightWaitsButDoesNotStarve) {
   LiveShadow shadow(describe_lights(make_shadow_file(k_network), 2));
-  set_light(shadow, 0, 1, 0, 9), set_light(shadow, 1, 0, 0, 1);
+  set_light(shadow, 0, 1, 0, 9);
+  set_light(shadow, 1, 0, 0, 1);
   const uint32_t two_textures = sandglass_shadow_run(&shadow.shadow, 1, 100'000);
   uint32_t frames = 0;
   do {
     const float turn = 0.5f * static_cast<float>(++frames);
-    set_light(shadow, 0, std::cos(turn), std::sin(turn), 9), set_light(shadow, 1, 0.1f, 0, 1);
+    set_light(shadow, 0, std::cos(turn), std::sin(turn), 9);
+    set_light(shadow, 1, 0.1f, 0, 1);
     sandglass_shadow_run(&shadow.shadow, 1, two_textures / 4);  // a texture every second frame
   } while (shadow.texture(1).calls_behind > 0 && frames < 2000);
   EXPECT_GT(frames, 100u);
@@ -119,7 +121,8 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
     for (WorkUnit unit; stage.next(&set, 0, &unit); stage.run(&set, 0)) {
       Forecast entries[k_unit_kinds];
       const uint32_t count = stage.forecast(&set, 0, entries);
-      foreseen.emplace_back(), spent.push_back(total);
+      foreseen.emplace_back();
+      spent.push_back(total);
       for (uint32_t i = 0; i < count; ++i) {
         EXPECT_TRUE(entries[i].spread);
         foreseen.back()[entries[i].kind] += entries[i].items;
@@ -176,7 +179,9 @@ TEST(ShadowSet, RefusesLightsThatItCannotUse) {
 // double.
 TEST(ShadowSet, CombinedLightsAreWeightedByTheirIrradiance) {
   LiveShadow shadow(describe_lights(make_shadow_file(k_network), 3));
-  set_light(shadow, 0, 0.5f, 0.1f, 2), set_light(shadow, 1, -0.6f, 0.4f, 1), set_light(shadow, 2, 9.0f, 0, 0.5f);
+  set_light(shadow, 0, 0.5f, 0.1f, 2);
+  set_light(shadow, 1, -0.6f, 0.4f, 1);
+  set_light(shadow, 2, 9.0f, 0, 0.5f);
   shadow.finish();
   ASSERT_EQ(shadow.texture(2).beyond, 1u);  // at atan 9 = 83.7 degrees the light has faded
   constexpr uint32_t k_out = 100;
@@ -214,7 +219,8 @@ TEST(ShadowSet, ALightWithoutATextureYetIsCombinedAsUnshaded) {
   const AssetFile file = make_shadow_file(k_network);
   LiveShadow one(describe(file)), two(describe_lights(file, 2));
   one.shade(0.5f, 1, 0.1f);
-  set_light(two, 0, 0.5f, 0.1f, 1), two.finish();
+  set_light(two, 0, 0.5f, 0.1f, 1);
+  two.finish();
   set_light(two, 1, -0.6f, 0.4f, 9);
   ASSERT_EQ(two.texture(1).valid, 0u);
   ASSERT_EQ(two.texture(1).opacity, 1.0f);
@@ -238,7 +244,8 @@ TEST(ShadowSet, ALightWithoutATextureYetIsCombinedAsUnshaded) {
 
 sandglass_frame_report frame(SandScene& sand, const std::vector<sandglass_shadow*>& shadows, uint64_t budget_ns) {
   sandglass_frame_input input = frame_input();
-  input.shadows = shadows.data(), input.shadow_count = static_cast<uint32_t>(shadows.size());
+  input.shadows = shadows.data();
+  input.shadow_count = static_cast<uint32_t>(shadows.size());
   return sand.frame(input, budget_ns);
 }
 

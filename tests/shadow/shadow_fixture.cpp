@@ -147,7 +147,10 @@ std::vector<sandglass_isa> golden_sets() {
 sandglass_shadow_desc describe(const AssetFile& file, sandglass_isa isa, sandglass_shadow_mode mode) {
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
-  desc.asset = file.data(), desc.asset_bytes = file.bytes, desc.isa = isa, desc.mode = mode;
+  desc.asset = file.data();
+  desc.asset_bytes = file.bytes;
+  desc.isa = isa;
+  desc.mode = mode;
   return desc;
 }
 

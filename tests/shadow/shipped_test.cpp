@@ -31,7 +31,8 @@ struct Chair {
     EXPECT_EQ(open_shadow_asset(aligned.data(), bytes.size(), &asset, &reason), SANDGLASS_OK) << reason;
     geometry.object = stand_on_plane(make_chair(), "chair");
     geometry.plane = asset.plane;
-    geometry.half_angle = 0.5 * asset.angular_diameter, geometry.polar_max = asset.polar_max;
+    geometry.half_angle = 0.5 * asset.angular_diameter;
+    geometry.polar_max = asset.polar_max;
     network = {{asset.width, asset.layers},
                {asset.float_parameters, asset.float_parameters + asset.float_parameter_count}};
     caster = std::make_unique<ShadowCaster>(geometry.object.mesh, geometry.half_angle, SampleCounts{}, 99);
@@ -87,7 +88,9 @@ TEST(ShippedChair, TwoLightsAddUpAsRayTracingSays) {
   const double irradiance[2] = {2, 1};
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
-  desc.asset = chair.aligned.data(), desc.asset_bytes = chair.bytes.size(), desc.light_count = 2;
+  desc.asset = chair.aligned.data();
+  desc.asset_bytes = chair.bytes.size();
+  desc.light_count = 2;
   cpp::Shadow shadow;
   ASSERT_TRUE(shadow.create(desc));
   for (uint32_t l = 0; l < 2; ++l) {

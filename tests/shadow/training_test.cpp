@@ -26,9 +26,11 @@ struct Ball {
 
   Ball() {
     geometry.object = stand_on_plane(make_icosphere(0.1f, 3), "ball");
-    geometry.half_angle = 10 * k_degree, geometry.polar_max = 40 * k_degree;
+    geometry.half_angle = 10 * k_degree;
+    geometry.polar_max = 40 * k_degree;
     caster = std::make_unique<ShadowCaster>(geometry.object.mesh, geometry.half_angle, SampleCounts{2, 4}, 1);
-    set.size = k_native_size, set.stride = 8;
+    set.size = k_native_size;
+    set.stride = 8;
     set.lights = ring_directions(geometry.polar_max, 200);
     ThreadPool pool(2);
     trace_training_set(
@@ -69,7 +71,8 @@ TEST(ShadowTraining, GradientIsTheSlopeOfTheLoss) {
     const double down = loss(&ignored);
     network.parameters[i] = kept;
     const double slope = (up - down) / (2 * static_cast<double>(step));
-    difference += std::pow(slope - static_cast<double>(gradient[i]), 2), length += slope * slope;
+    difference += std::pow(slope - static_cast<double>(gradient[i]), 2);
+    length += slope * slope;
   }
   EXPECT_LT(std::sqrt(difference), 0.02 * std::sqrt(length));
 }
@@ -99,7 +102,9 @@ TEST(ShadowTraining, NoUnseenLightIsATrainedOne) {
 
 TEST(ShadowTraining, LearnsABallAndTheBytesFollow) {
   TrainingPlan plan;
-  plan.float_steps = 3000, plan.quantised_steps = 500, plan.batch = 1024;
+  plan.float_steps = 3000;
+  plan.quantised_steps = 500;
+  plan.batch = 1024;
   ThreadPool pool(2);
   Trainer trainer(ball().set, plan, pool);
   TrainingState state = start_training({32, 2}, plan.seed);

@@ -45,12 +45,16 @@ struct PhoneScene {
     EXPECT_TRUE(scene.create(desc));
     EXPECT_TRUE(scene.add(particles, grains));
     clock.follow(scene.get());
-    colliders[1].shape = SANDGLASS_SHAPE_BOX, colliders[1].position[0] = 0.2f;
+    colliders[1].shape = SANDGLASS_SHAPE_BOX;
+    colliders[1].position[0] = 0.2f;
     for (float& side : colliders[1].size) side = 0.08f;
     drawn.resize(desc.granular.grain_capacity);
-    input.time_step = 0.016667f, input.budget_ns = ~0ull;
-    input.colliders = colliders, input.collider_count = 2;
-    input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
+    input.time_step = 0.016667f;
+    input.budget_ns = ~0ull;
+    input.colliders = colliders;
+    input.collider_count = 2;
+    input.grains = drawn.data();
+    input.grain_capacity = desc.granular.grain_capacity;
   }
   double frame_ms() {
     EXPECT_TRUE(scene.frame(input, &report));

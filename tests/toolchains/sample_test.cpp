@@ -56,7 +56,8 @@ struct Planes {
 TEST(CameraPlanes, EveryLayoutOfOneImageIsTheSameImageAndAnotherIsRefused) {
   const Planes planes;
   sandglass_camera_image image = sandglass::camera_image();
-  image.width = k_width, image.height = k_height;
+  image.width = k_width;
+  image.height = k_height;
   image.focal_x = image.focal_y = 150.0f;
   // The hash of what the library keeps of the image.
   const auto kept = [&](const uint8_t* u, const uint8_t* v, int32_t pixel, sandglass_camera_format expected) {

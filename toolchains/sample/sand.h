@@ -30,7 +30,8 @@ class Sand {
     desc.clock = sandglass_clock_system();
     desc.trace = sandglass_trace_system();  // seen in Perfetto, or in Instruments
     desc.granular.particle_radius = k_particle_radius;
-    desc.granular.particle_capacity = k_particles, desc.granular.grain_capacity = k_grains;
+    desc.granular.particle_capacity = k_particles;
+    desc.granular.grain_capacity = k_grains;
     desc.granular.collider_capacity = desc.granular.emitter_capacity = 1;
     sandglass::Status status = scene_.create(desc);
     if (status) status = room_.create();
@@ -56,10 +57,14 @@ class Sand {
     input.time_step = seconds;
     input.budget_ns = k_budget_ns;
     input.thermal_headroom = headroom;
-    input.colliders = &floor, input.collider_count = 1;
-    input.emitters = &nozzle, input.emitter_count = pouring_;
-    input.grains = grains, input.grain_capacity = k_grains;
-    input.room = room_.get(), input.camera = camera;
+    input.colliders = &floor;
+    input.collider_count = 1;
+    input.emitters = &nozzle;
+    input.emitter_count = pouring_;
+    input.grains = grains;
+    input.grain_capacity = k_grains;
+    input.room = room_.get();
+    input.camera = camera;
     sandglass_frame_report report = sandglass::frame_report();
     if (!scene_.frame(input, &report))
       report = sandglass::frame_report();  // an image in an unknown layout, for example
@@ -73,7 +78,8 @@ class Sand {
     const float scale = exposure_ > 0.0f && light_.white > 0.0f ? exposure_ * light_.white : 1.0f;
     sandglass_lighting lighting = {};
     sandglass_filament_light of = {};
-    lighting.struct_size = sizeof lighting, of.struct_size = sizeof of;
+    lighting.struct_size = sizeof lighting;
+    of.struct_size = sizeof of;
     Shading shading = {};
     if (sandglass_lighting_of_room(&light_, &lighting, nullptr) != SANDGLASS_OK ||
         sandglass_lighting_to_filament(&lighting, SANDGLASS_LIGHTING_AMBIENT, scale, &of, nullptr) != SANDGLASS_OK)

@@ -30,7 +30,9 @@ static uint32_t take_part(void) {
 // last saw it.
 void EXPORTED(sandglass_web_pool_run)(void* user, void (*task)(void*, uint32_t), void* context, uint32_t count) {
   (void)user;
-  work = task, work_context = context, items = count;
+  work = task;
+  work_context = context;
+  items = count;
   __atomic_store_n(&next, 0, __ATOMIC_SEQ_CST);
   add(&generation, 1);
   if (read(&asleep) != 0) __builtin_wasm_memory_atomic_notify((int32_t*)&generation, UINT32_MAX);

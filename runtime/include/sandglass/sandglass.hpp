@@ -203,7 +203,9 @@ inline Rotation rotation_about(float x, float y, float z, float angle) {
 inline sandglass_collider collider(sandglass_shape shape, float x, float y, float z) {
   sandglass_collider c{};
   c.shape = shape;
-  c.position[0] = x, c.position[1] = y, c.position[2] = z;
+  c.position[0] = x;
+  c.position[1] = y;
+  c.position[2] = z;
   c.rotation[3] = 1.0f;
   c.size[0] = c.size[1] = c.size[2] = 1.0f;
   return c;
@@ -216,21 +218,28 @@ inline sandglass_collider sphere(float x, float y, float z, float radius) {
 }
 inline sandglass_collider capsule(float x, float y, float z, float radius, float half_length) {
   sandglass_collider c = collider(SANDGLASS_SHAPE_CAPSULE, x, y, z);
-  c.size[0] = radius, c.size[1] = half_length;
+  c.size[0] = radius;
+  c.size[1] = half_length;
   return c;
 }
 inline sandglass_collider box(float x, float y, float z, float half_x, float half_y, float half_z) {
   sandglass_collider c = collider(SANDGLASS_SHAPE_BOX, x, y, z);
-  c.size[0] = half_x, c.size[1] = half_y, c.size[2] = half_z;
+  c.size[0] = half_x;
+  c.size[1] = half_y;
+  c.size[2] = half_z;
   return c;
 }
 
 // A nozzle that pours straight down. Metres, m/s.
 inline sandglass_emitter emitter(float x, float y, float z, float radius, float speed, uint32_t grains_per_particle) {
   sandglass_emitter e{};
-  e.position[0] = x, e.position[1] = y, e.position[2] = z;
+  e.position[0] = x;
+  e.position[1] = y;
+  e.position[2] = z;
   e.rotation[3] = 1.0f;
-  e.radius = radius, e.speed = speed, e.grains_per_particle = grains_per_particle;
+  e.radius = radius;
+  e.speed = speed;
+  e.grains_per_particle = grains_per_particle;
   return e;
 }
 

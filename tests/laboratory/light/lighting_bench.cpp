@@ -110,12 +110,16 @@ LightingImageRow measure_image(const ImageCase& c) {
   for (size_t i = 0; i < planes.size(); ++i) planes[i] = static_cast<uint8_t>(i * 2654435761u >> 13);
   sandglass_camera_image image;
   sandglass_camera_image_default(&image);
-  image.format = c.format, image.width = c.width, image.height = c.height;
-  image.planes[0] = planes.data(), image.strides[0] = stride;
+  image.format = c.format;
+  image.width = c.width;
+  image.height = c.height;
+  image.planes[0] = planes.data();
+  image.strides[0] = stride;
   if (yuv) image.planes[1] = planes.data() + size_t{stride} * c.height, image.strides[1] = stride;
   image.focal_x = sandglass_camera_focal(c.width, c.width * 3 / 4, 85);
   image.focal_y = sandglass_camera_focal(c.height * 4 / 3, c.height, 85);
-  image.centre_x = 0.5f * static_cast<float>(c.width - 1), image.centre_y = 0.5f * static_cast<float>(c.height - 1);
+  image.centre_x = 0.5f * static_cast<float>(c.width - 1);
+  image.centre_y = 0.5f * static_cast<float>(c.height - 1);
   const CameraBlocks blocks = camera_blocks(image);
   std::vector<uint8_t> rgb(size_t{3} * k_width * k_height);
   std::vector<uint32_t> sums(k_camera_sums);
@@ -136,8 +140,10 @@ bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_i
   if (!find_light_backend(choice, &backend, nullptr)) return false;
   const AlignedBytes aligned(file);
   sandglass_estimator_desc desc = estimator_desc();
-  desc.asset = aligned.data(), desc.asset_bytes = file.size();
-  desc.isa = isa, desc.backend = choice;
+  desc.asset = aligned.data();
+  desc.asset_bytes = file.size();
+  desc.isa = isa;
+  desc.backend = choice;
   desc.smoothing = desc.interval = 0;
   Estimator light;
   if (const Status status = light.create(desc); !status) throw cannot("read", name, status.reason);
@@ -177,7 +183,8 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
   constexpr uint32_t k_steps = std::size(k_cases) + 1;
   const MachinePeak peak = measure_machine_peak();
   LightingBench bench;
-  bench.int8_peak = peak.int8_gmac_per_s, bench.f32_peak = peak.f32_gmac_per_s;
+  bench.int8_peak = peak.int8_gmac_per_s;
+  bench.f32_peak = peak.f32_gmac_per_s;
   const LightBackend* xnnpack = nullptr;
   bench.has_xnnpack = find_light_backend(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
   for (const ImageCase& c : k_images) {
@@ -213,7 +220,8 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
   if (bench.compared)
     for (LightingBenchRow& row : bench.rows) {
       const LightDifference off = median_difference(row.estimates, truth);
-      row.angle_deg = off.angle_deg, row.difference = off.other;
+      row.angle_deg = off.angle_deg;
+      row.difference = off.other;
     }
   go_on(k_steps, k_steps);
   return bench;

@@ -96,14 +96,18 @@ bool mean_light(const std::vector<JudgedView>& all, const Location& location, Li
   for (const JudgedView& other : all) {
     if (other.location.name == location.name || (location.fold >= 0 && other.location.fold == location.fold)) continue;
     const LightLabels& l = other.labels;
-    mean->direction = mean->direction + l.direction, mean->light = mean->light + l.light;
-    mean->ambient = mean->ambient + l.ambient, mean->contrast += l.contrast;
+    mean->direction = mean->direction + l.direction;
+    mean->light = mean->light + l.light;
+    mean->ambient = mean->ambient + l.ambient;
+    mean->contrast += l.contrast;
     ++count;
   }
   if (count == 0 || length(mean->direction) <= 0.0) return false;
   const double share = 1.0 / static_cast<double>(count);
-  mean->direction = normalised(mean->direction), mean->light = mean->light * share;
-  mean->ambient = mean->ambient * share, mean->contrast *= share;
+  mean->direction = normalised(mean->direction);
+  mean->light = mean->light * share;
+  mean->ambient = mean->ambient * share;
+  mean->contrast *= share;
   mean->has_direction = true;
   return true;
 }
@@ -195,9 +199,12 @@ LightLabels brightest_region(const Picture& image, double contrast) {
       const Vec3 colour = pixel_of(image, x, y);
       if (luminance(colour) >= k_bright_share * greatest) {
         const Vec3 ray = {(x - 0.5 * (image.width - 1)) / focal, (y - 0.5 * (image.height - 1)) / focal, 1.0};
-        direction = direction + normalised(ray), light = light + colour, bright += 1.0;
+        direction = direction + normalised(ray);
+        light = light + colour;
+        bright += 1.0;
       } else {
-        ambient = ambient + colour, rest += 1.0;
+        ambient = ambient + colour;
+        rest += 1.0;
       }
     }
   return {normalised(direction), light * (1.0 / bright), ambient * (1.0 / std::max(rest, 1.0)), contrast, true};
@@ -225,8 +232,10 @@ std::vector<Verdict> verify_lighting(const LightingVerdictOptions& options) {
     for (size_t k = 0; k < k_excerpts && !interrupted(); ++k) {
       LitView cut = panorama.cut(all[k]);
       JudgedView& view = views[i * k_excerpts + k];
-      view.name = stem_of(panoramas[i]) + "_" + std::to_string(k), view.location = location_of(panoramas[i], manifest);
-      view.image = std::move(cut.image), view.labels = cut.labels;
+      view.name = stem_of(panoramas[i]) + "_" + std::to_string(k);
+      view.location = location_of(panoramas[i], manifest);
+      view.image = std::move(cut.image);
+      view.labels = cut.labels;
     }
   });
   bool with_mean = true;

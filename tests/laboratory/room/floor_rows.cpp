@@ -81,7 +81,8 @@ std::vector<DrawnRow> drawn_rows(const RoomStudy& study, const std::vector<Way>&
   std::vector<double> none, ambient;  // by place
   for (const Way& way : ways) {
     DrawnRow row;
-    row.name = way.name, row.control = way.control;
+    row.name = way.name;
+    row.control = way.control;
     std::vector<double> floor, shading;
     for (size_t o = 0; o < objects; ++o) {
       const std::vector<double> errors =

@@ -21,14 +21,19 @@ class Turn {
   Turn() : pixels_(size_t{3} * k_width * k_height) {
     for (size_t i = 0; i < pixels_.size(); ++i) pixels_[i] = static_cast<uint8_t>(64 + 120 * random_unit(i));
     sandglass_camera_image_default(&image_);
-    image_.width = k_width, image_.height = k_height, image_.planes[0] = pixels_.data();
-    image_.strides[0] = 3 * k_width, image_.focal_x = image_.focal_y = 520.0f;
-    image_.centre_x = 319.5f, image_.centre_y = 239.5f;
+    image_.width = k_width;
+    image_.height = k_height;
+    image_.planes[0] = pixels_.data();
+    image_.strides[0] = 3 * k_width;
+    image_.focal_x = image_.focal_y = 520.0f;
+    image_.centre_x = 319.5f;
+    image_.centre_y = 239.5f;
   }
   const sandglass_camera_image& at(uint32_t i, bool told) {
     const float axis[3] = {0, 1, 0};
     (void)sandglass_rotation_about(axis, 0.2618f * static_cast<float>(i), image_.orientation);
-    image_.timestamp_ns = 1 + 200'000'000ull * i, image_.exposure = told ? 1.0f : 0.0f;
+    image_.timestamp_ns = 1 + 200'000'000ull * i;
+    image_.exposure = told ? 1.0f : 0.0f;
     return image_;
   }
 
@@ -49,10 +54,14 @@ RoomBenchRow measured(const std::string& name, bool told, Turn* turn, Room* room
       for (; room->phase != RoomPhase::idle; ++units) {
         room_run_unit(room);
         const double now = cpu_ms_now();
-        sum += now - from, longest = std::max(longest, now - from), from = now;
+        sum += now - from;
+        longest = std::max(longest, now - from);
+        from = now;
       }
       if (i == 0 || sum >= row.ms) continue;  // the first image finds no exposure
-      row.ms = sum, row.unit_us = 1e3 * longest, row.units = units;
+      row.ms = sum;
+      row.unit_us = 1e3 * longest;
+      row.units = units;
     }
   }
   return row;
@@ -63,7 +72,9 @@ RoomBenchRow measured(const std::string& name, bool told, Turn* turn, Room* room
 RoomBench bench_room() {
   Turn turn;
   Room room = {};
-  room.radius = 3, room.half_life = 180, room.interval_ns = 100'000'000;
+  room.radius = 3;
+  room.half_life = 180;
+  room.interval_ns = 100'000'000;
   RoomBench bench = {{}, sizeof(sandglass_room)};
   bench.rows.push_back(measured("image, exposure told", true, &turn, &room));
   bench.rows.push_back(measured("image, exposure not told", false, &turn, &room));

@@ -128,7 +128,8 @@ RoomTable room_table(const RoomStudy& study, ThreadPool* pool) {
   const std::vector<double> zenith = by_location(study, [](const StudiedPlace& p) {
     return angle_deg(Vec3{0, 1, 0}, mean_direction(p.light.cells));
   });
-  table.zenith_deg = interval_of(zenith).mean, table.places = zenith.size();
+  table.zenith_deg = interval_of(zenith).mean;
+  table.places = zenith.size();
   return table;
 }
 
@@ -195,7 +196,12 @@ std::vector<Measurement> room_measurements(const std::vector<Condition>& conditi
   std::vector<Measurement> all;
   const auto keep = [&](const std::string& name, const std::string& metric, double value, const char* unit = "1") {
     Measurement m;
-    m.suite = "room", m.scene = name, m.metric = metric, m.unit = unit, m.isa = "automatic", m.value = value;
+    m.suite = "room";
+    m.scene = name;
+    m.metric = metric;
+    m.unit = unit;
+    m.isa = "automatic";
+    m.value = value;
     all.push_back(m);
   };
   const auto keep_interval = [&](const std::string& name, const std::string& metric, const Interval& interval) {

@@ -9,7 +9,9 @@ namespace sandglass::host {
 SeenRoom look_around(const RadianceMap& panorama, Session session, const SessionOptions& options) {
   SeenRoom seen = {};
   Room* room = &seen.room;
-  room->radius = 1.0, room->half_life = 1e6, room->interval_ns = 0;
+  room->radius = 1.0;
+  room->half_life = 1e6;
+  room->interval_ns = 0;
   room_reset(room);
   uint64_t time_ns = 0;
   for (const SessionImage& image : session_images(session, options.seed)) {

@@ -64,7 +64,8 @@ StudiedPlace place_in(const RadianceMap& panorama, double azimuth, double radius
                       const std::vector<FloorObject>& objects) {
   StudiedPlace place;
   place.place = Vec3{std::cos(azimuth), 0, std::sin(azimuth)} * radius;
-  place.light = true_light(panorama, place.place), place.parts = true_parts(panorama);
+  place.light = true_light(panorama, place.place);
+  place.parts = true_parts(panorama);
   place.label = true_label(panorama, azimuth, radius);
   for (const FloorObject& object : objects) {
     place.truths.push_back(object.truth(place.light));
@@ -89,7 +90,8 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std
     pool.run(options.azimuths, [&](uint32_t a) {
       const double azimuth = azimuth_of(a, options);
       places[a] = place_in(coarse, azimuth, options.place, *study.objects);
-      places[a].panorama = files[i], places[a].location = location.name;
+      places[a].panorama = files[i];
+      places[a].location = location.name;
       for (const Session session : k_sessions)
         places[a].sessions.push_back(look_around(coarse, session, {azimuth, options.exposure_known, seed_of(a)}));
     });
@@ -114,8 +116,11 @@ RoomStudy moved(const RoomStudy& study, const RoomStudyOptions& options) {
     pool.run(options.azimuths, [&](uint32_t a) {
       StudiedPlace& place = there.places[i * options.azimuths + a];
       const StudiedPlace light = place_in(coarse, azimuth_of(a, options), options.place, *there.objects);
-      place.place = light.place, place.light = light.light, place.label = light.label;
-      place.truths = light.truths, place.lit = light.lit;
+      place.place = light.place;
+      place.light = light.light;
+      place.label = light.label;
+      place.truths = light.truths;
+      place.lit = light.lit;
     });
     progress.done(i + 1);
   }

@@ -234,9 +234,12 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
     sandglass_frame_input input = cpp::frame_input();
     input.time_step = static_cast<float>(k_frame);
     input.budget_ns = k_no_budget;
-    input.colliders = &collider, input.collider_count = 1;
-    input.emitters = &emitter, input.emitter_count = 1;
-    input.sinks = &sink, input.sink_count = 1;
+    input.colliders = &collider;
+    input.collider_count = 1;
+    input.emitters = &emitter;
+    input.emitter_count = 1;
+    input.sinks = &sink;
+    input.sink_count = 1;
     Discharge point;
     point.orifice_d = orifice_d;
     sandglass_frame_report report = simulation.frame(input);
@@ -269,7 +272,11 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
     point.coefficient = point.rate * sphere_volume(r) / (curve.packing * std::sqrt(k_gravity) * std::pow(opening, 2.5));
     curve.coefficient += point.coefficient / static_cast<double>(setting.orifices_d.size());
     const double x = std::log(opening), y = std::log(std::max(point.rate, 1e-9));
-    n += 1.0, sum_x += x, sum_y += y, sum_xx += x * x, sum_xy += x * y;
+    n += 1.0;
+    sum_x += x;
+    sum_y += y;
+    sum_xx += x * x;
+    sum_xy += x * y;
     curve.points.push_back(point);
   }
   if (n >= 2.0) curve.exponent = (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);

@@ -22,7 +22,8 @@ enum class Pace { full, coarser, slow };  // all work, quality level 3, and slow
 
 SceneFile at_60_frames(double radius) {
   SceneFile scene;
-  scene.frame_step = 1.0 / 60.0, scene.particle_radius = radius;
+  scene.frame_step = 1.0 / 60.0;
+  scene.particle_radius = radius;
   scene.granular = cpp::scene_desc().granular;
   return scene;
 }
@@ -43,9 +44,11 @@ SceneFile pour(double radius, double nozzle, double height) {
 // A block of 1,560 particles, rough enough to stay a heap after it has collapsed.
 SceneFile heap(uint32_t grains = 27'000) {
   SceneFile scene = at_60_frames(0.01);
-  scene.granular.static_friction = 0.6f, scene.granular.kinetic_friction = 0.55f;
+  scene.granular.static_friction = 0.6f;
+  scene.granular.kinetic_friction = 0.55f;
   Body& block = scene.bodies.emplace_back();
-  block.size = {0.2, 0.2, 0.2}, block.grains = grains;
+  block.size = {0.2, 0.2, 0.2};
+  block.grains = grains;
   scene.colliders.emplace_back();
   return scene;
 }
@@ -53,7 +56,9 @@ SceneFile heap(uint32_t grains = 27'000) {
 // A ball or capsule goes along x.
 SceneFile pushed(SceneFile scene, sandglass_shape shape, Vec3 size, Vec3 from, double speed, double start, double end) {
   ColliderTrack& hand = scene.colliders.emplace_back();
-  hand.shape = shape, hand.size = size, hand.position = from;
+  hand.shape = shape;
+  hand.size = size;
+  hand.position = from;
   hand.motion = {{start, end, {speed, 0.0, 0.0}, {}}};
   return scene;
 }
@@ -71,11 +76,13 @@ SceneFile tilted_heap() {
 SceneFile small_glass() {
   SceneFile scene = at_60_frames(0.0035);
   Body& sand = scene.bodies.emplace_back();
-  sand.shape = BodyShape::revolved, sand.grains = 40'000;
+  sand.shape = BodyShape::revolved;
+  sand.grains = 40'000;
   sand.profile = {{0, 0.012}, {0.0165, 0.012}, {0.05, 0.045}, {0.062, 0.075}, {0, 0.075}};
   sand.size.y = 0.075 - 0.012;
   ColliderTrack& glass = scene.colliders.emplace_back();
-  glass.shape = SANDGLASS_SHAPE_FIELD, glass.solid_outside = true;
+  glass.shape = SANDGLASS_SHAPE_FIELD;
+  glass.solid_outside = true;
   glass.profile = {{0, -0.13},      {0.05, -0.13}, {0.065, -0.115}, {0.065, -0.06}, {0.0175, -0.007},
                    {0.0175, 0.007}, {0.065, 0.06}, {0.065, 0.115},  {0.05, 0.13},   {0, 0.13}};
   return scene;

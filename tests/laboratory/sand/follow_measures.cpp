@@ -109,7 +109,8 @@ void GrainMoves::frame(Points particles, Points grains, double radius, double se
     if (slow && most < k_slow * seconds) slow_way_ = std::max(slow_way_, own / radius);
   }
   before_ = std::move(grains_);
-  particles_.assign(particles.begin(), particles.end()), grains_.assign(grains.begin(), grains.end());
+  particles_.assign(particles.begin(), particles.end());
+  grains_.assign(grains.begin(), grains.end());
 }
 
 }  // namespace sandglass::host

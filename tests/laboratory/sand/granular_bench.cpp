@@ -32,7 +32,8 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
 
   BenchRow row;
   row.bytes = simulation.bytes();
-  row.particles = material.particles(), row.grains = material.grains();
+  row.particles = material.particles();
+  row.grains = material.grains();
   OverlapOverRun overlap;
   for (uint32_t frame = 0; frame < frames; ++frame) {
     const sandglass_frame_report report =

@@ -14,11 +14,15 @@ template <class Law>
 PlotSeries law(const char* name, double low, double high, Colour colour, bool dashed, const Law& value) {
   constexpr int k_points = 120;
   PlotSeries series;
-  series.name = name, series.colour = colour, series.line = true, series.dashed = dashed;
+  series.name = name;
+  series.colour = colour;
+  series.line = true;
+  series.dashed = dashed;
   series.mark = PlotSeries::Mark::none;
   for (int i = 0; i <= k_points; ++i) {
     const double x = low * std::pow(high / low, static_cast<double>(i) / k_points);
-    series.x.push_back(x), series.y.push_back(value(x));
+    series.x.push_back(x);
+    series.y.push_back(value(x));
   }
   return series;
 }
@@ -26,7 +30,11 @@ PlotSeries law(const char* name, double low, double high, Colour colour, bool da
 PlotSeries points(const char* name, const std::vector<double>& x, const std::vector<double>& y, Colour colour,
                   PlotSeries::Mark mark) {
   PlotSeries series;
-  series.name = name, series.x = x, series.y = y, series.colour = colour, series.mark = mark;
+  series.name = name;
+  series.x = x;
+  series.y = y;
+  series.colour = colour;
+  series.mark = mark;
   return series;
 }
 

@@ -152,7 +152,8 @@ void column(Table& t) {
     std::snprintf(name, sizeof name, "column a=%g", aspect);
     const bool gated = aspect != 0.75 && aspect != 1.5 && aspect != 4.0;
     t.claim(name, "R0", law, runout, gated ? 0.25 * law : k_reported);
-    curves.aspects.push_back(aspect), curves.runouts.push_back(runout);
+    curves.aspects.push_back(aspect);
+    curves.runouts.push_back(runout);
     if (aspect > k_high_end) continue;
     (aspect < k_low_end ? low_a : high_a).push_back(aspect);
     (aspect < k_low_end ? low_r : high_r).push_back(runout);
@@ -165,7 +166,8 @@ void column(Table& t) {
     setting.aspect = aspect;
     const double runout = mean_runout(t.with_friction(k_slippery_mu), setting, k_seeds), law = lube_runout(aspect);
     if (aspect == 0.5) t.control("column a=0.5, mu=0.05", "R0", law, runout, 0.25 * law);
-    curves.wrong_aspects.push_back(aspect), curves.wrong_runouts.push_back(runout);
+    curves.wrong_aspects.push_back(aspect);
+    curves.wrong_runouts.push_back(runout);
   }
   t.control("column exponent, mu=0.05", "", 1.0, fitted_exponent(curves.wrong_aspects, curves.wrong_runouts), 0.15);
   t.control("column a=1, mu=0.6", "R0", lube_runout(1.0), mean_runout(t.with_friction(k_rough_mu), {}, 1),
@@ -187,7 +189,8 @@ void beverloo(Table& t) {
   t.claim("head over orifice, least", "h/D", 3.0, head, 1.0);
   t.report("discharge coefficient C", "", 0.58, curve.coefficient);
   t.table->curves.discharge = curve;
-  setting.enough_particles = 3000.0, setting.measure_seconds = 4.0;  // its rate need not be steady
+  setting.enough_particles = 3000.0;  // its rate need not be steady
+  setting.measure_seconds = 4.0;
   const DischargeCurve wrong = discharge(t.coarse(), setting, t.step);
   t.control("discharge exponent, coarse", "", 2.5, wrong.exponent, 0.15);
   t.table->curves.wrong_discharge = wrong;

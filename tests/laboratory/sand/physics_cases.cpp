@@ -82,7 +82,9 @@ RestingPile resting_pile(const sandglass_scene_desc& desc) {
   scene.granular = desc.granular;
   Body column;
   column.shape = BodyShape::lattice;
-  column.counts[0] = 10, column.counts[1] = 12, column.counts[2] = 10;
+  column.counts[0] = 10;
+  column.counts[1] = 12;
+  column.counts[2] = 10;
   column.jitter = 0.01;
   column.grains = 9600;
   column.grain_grid = true;
@@ -240,7 +242,8 @@ double threshold_jump(const sandglass_scene_desc& desc) {
     }
     jump = largest / d;
     if (worst + 1 >= starts.size()) break;
-    low = starts[worst], high = starts[worst + 1];
+    low = starts[worst];
+    high = starts[worst + 1];
   }
   return jump;
 }

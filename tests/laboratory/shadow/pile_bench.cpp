@@ -35,7 +35,8 @@ void require(const cpp::Status& status) {
 
 PileBenchRow measured(const std::vector<float>& grains, sandglass_isa isa, uint32_t sky_texels) {
   sandglass_pile_shadow_desc desc = cpp::pile_shadow_desc();
-  desc.isa = isa, desc.sky_texels = sky_texels;
+  desc.isa = isa;
+  desc.sky_texels = sky_texels;
   PileBenchRow row;
   require({sandglass_pile_shadow_bytes(&desc, &row.bytes, nullptr), nullptr});
   cpp::PileShadow shadow;
@@ -52,9 +53,11 @@ PileBenchRow measured(const std::vector<float>& grains, sandglass_isa isa, uint3
       const double from = cpu_ms_now();
       more = shadow.run(grains, k_radius, 1) != 0;
       const double spent = cpu_ms_now() - from;
-      sum += spent, most = std::max(most, spent);
+      sum += spent;
+      most = std::max(most, spent);
     }
-    row.ms = std::min(row.ms, sum), longest.push_back(most);
+    row.ms = std::min(row.ms, sum);
+    longest.push_back(most);
   }
   const size_t middle = longest.size() / 2;
   std::nth_element(longest.begin(), longest.begin() + static_cast<ptrdiff_t>(middle), longest.end());

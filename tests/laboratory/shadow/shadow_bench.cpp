@@ -52,7 +52,8 @@ struct Samples {
   double rmse = 0, rmse_truth = 0, worst = 0, macs = 0, evaluated = 0;
 
   void judge(const std::vector<float>& values, const std::vector<float>& reference, const std::vector<float>& truth) {
-    rmse += host::rmse(values, reference), rmse_truth += host::rmse(values, truth);
+    rmse += host::rmse(values, reference);
+    rmse_truth += host::rmse(values, truth);
     for (size_t i = 0; i < values.size(); ++i) {
       worst = std::max(worst, static_cast<double>(std::fabs(values[i] - reference[i])));
       differences.push_back(std::fabs(values[i] - truth[i]));
@@ -63,11 +64,14 @@ struct Samples {
     ShadowBenchRow r;
     r.name = name;
     std::vector<double> times = ms, times_encoding = ms_encoding;
-    r.ms = quantile(times, 0.5), r.ms_encoding = quantile(times_encoding, 0.5);
+    r.ms = quantile(times, 0.5);
+    r.ms_encoding = quantile(times_encoding, 0.5);
     r.gmac_per_s = macs / k_lights / r.ms * 1e-6;
     r.fraction = peak > 0 ? r.gmac_per_s / peak : 0;
     r.evaluated = evaluated > 0 ? evaluated / k_lights / k_texels : 1;
-    r.rmse = rmse / k_lights, r.rmse_truth = rmse_truth / k_lights, r.worst = worst;
+    r.rmse = rmse / k_lights;
+    r.rmse_truth = rmse_truth / k_lights;
+    r.worst = worst;
     std::vector<float> sorted = differences;
     std::sort(sorted.begin(), sorted.end());
     r.p999_truth = static_cast<double>(sorted[sorted.size() - 1 - sorted.size() / 1000]);
@@ -92,7 +96,8 @@ BakedShadow open_baked_shadow(std::span<const uint8_t> file, const std::string& 
   LightGeometry& geometry = baked.geometry;
   geometry.object = stand_on_plane(mesh, name);
   geometry.plane = asset.plane;
-  geometry.half_angle = 0.5 * asset.angular_diameter, geometry.polar_max = asset.polar_max;
+  geometry.half_angle = 0.5 * asset.angular_diameter;
+  geometry.polar_max = asset.polar_max;
   baked.ambient_rmse = static_cast<double>(asset.ambient.rmse);
   const double scale = geometry.object.scale;
   if (std::fabs(geometry.object.box.height * scale - asset.box.height) > 1e-4 * scale ||

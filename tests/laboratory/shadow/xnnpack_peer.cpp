@@ -95,8 +95,10 @@ XnnpackPeer::XnnpackPeer(const FloatNetwork& network, const std::vector<float>& 
   check(xnn_initialize(nullptr));
   const NetworkShape& shape = network.shape;
   s.width = shape.width;
-  s.a.resize(size_t{k_rows} * shape.width + XNN_EXTRA_BYTES), s.b = s.a;
-  s.ba.resize(size_t{k_rows} * shape.width + XNN_EXTRA_BYTES), s.bb = s.ba;
+  s.a.resize(size_t{k_rows} * shape.width + XNN_EXTRA_BYTES);
+  s.b = s.a;
+  s.ba.resize(size_t{k_rows} * shape.width + XNN_EXTRA_BYTES);
+  s.bb = s.ba;
   float step = k_input_step;
   int8_t zero = 0;
   const auto add = [&](const float* weights, const float* bias, uint32_t inputs, uint32_t outputs, float clip) {
@@ -121,7 +123,8 @@ XnnpackPeer::XnnpackPeer(const FloatNetwork& network, const std::vector<float>& 
       check(xnnpack_create_operator(&xnn_create_fully_connected_nc_qs8, &op, inputs, outputs, inputs, outputs, zero,
                                     step, kernel_step, bytes.data(), biases.data(), last ? int8_t{0} : k_zero, out_step,
                                     int8_t{-128}, int8_t{127}, 0u));
-      step = out_step, zero = k_zero;
+      step = out_step;
+      zero = k_zero;
     }
     s.operators.push_back(op);
   };

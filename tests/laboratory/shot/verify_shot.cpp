@@ -59,7 +59,8 @@ std::vector<ShotView> planned_views(const ShotVerdictOptions& options) {
   std::vector<ShotView> views(options.panoramas.size());
   for (size_t i = 0; i < views.size(); ++i) {
     read_panorama(options.panoramas[i]);
-    views[i].file = options.panoramas[i], views[i].name = stem_of(options.panoramas[i]);
+    views[i].file = options.panoramas[i];
+    views[i].name = stem_of(options.panoramas[i]);
     views[i].place = location_of(options.panoramas[i], manifest).name;
     views[i].azimuth_deg = 360.0 * random_stream(i, k_azimuth_stream + options.seed).uniform();
   }

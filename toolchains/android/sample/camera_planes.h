@@ -18,13 +18,16 @@ inline bool set_yuv_planes(const uint8_t* const planes[3], const int32_t row_str
     return false;
   if (pixel_strides[1] == 1) {
     image->format = SANDGLASS_CAMERA_I420;
-    image->planes[1] = u, image->planes[2] = v;
+    image->planes[1] = u;
+    image->planes[2] = v;
   } else if (pixel_strides[1] == 2 && same_rows && v == u + 1) {
     image->format = SANDGLASS_CAMERA_NV12;
-    image->planes[1] = u, image->planes[2] = nullptr;
+    image->planes[1] = u;
+    image->planes[2] = nullptr;
   } else if (pixel_strides[1] == 2 && same_rows && u == v + 1) {
     image->format = SANDGLASS_CAMERA_NV21;
-    image->planes[1] = v, image->planes[2] = nullptr;
+    image->planes[1] = v;
+    image->planes[2] = nullptr;
   } else {
     return false;
   }

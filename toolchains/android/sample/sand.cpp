@@ -114,10 +114,13 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_image(JNIEnv* env, jcl
   const int32_t rows[3] = {of_planes[0], of_planes[2], of_planes[4]};
   const int32_t pixels[3] = {of_planes[1], of_planes[3], of_planes[5]};
   s->image = sandglass::camera_image();
-  s->image.width = static_cast<uint32_t>(width), s->image.height = static_cast<uint32_t>(height);
+  s->image.width = static_cast<uint32_t>(width);
+  s->image.height = static_cast<uint32_t>(height);
   s->image.timestamp_ns = static_cast<uint64_t>(timestamp_ns);
-  s->image.focal_x = of_lens[0], s->image.focal_y = of_lens[1];
-  s->image.centre_x = of_lens[2], s->image.centre_y = of_lens[3];
+  s->image.focal_x = of_lens[0];
+  s->image.focal_y = of_lens[1];
+  s->image.centre_x = of_lens[2];
+  s->image.centre_y = of_lens[3];
   for (int k = 0; k < 4; ++k) s->image.orientation[k] = of_pose[k];
   for (int k = 0; k < 3; ++k) s->image.position[k] = of_pose[4 + k];
   s->image.exposure = exposure;
