@@ -14,6 +14,9 @@ constexpr double k_frames_made_up = 2.0;  // an older debt becomes slow motion
 // With time debt a sweep covers up to so many frames. It costs the same whatever time it covers.
 constexpr double k_frames_in_sweep = 2.0;
 
+// Of an interval. Where the shortest sub-step would need more, sub-steps are longer, or no frame would end.
+constexpr uint32_t k_substeps_most = 10000;
+
 // Rounded up; but a hair above a whole number is that number: 20 ms in steps of 20/64 ms are 64.
 uint32_t whole_parts(double count) {
   const uint32_t whole = to_whole<uint32_t>(count);
@@ -108,7 +111,8 @@ uint32_t time_substeps(const Granular& g, double interval, uint32_t level) {
     limit = courant < limit ? courant : limit;
     limit = limit < g.substep.shortest ? g.substep.shortest : limit;
   }
-  return whole_parts(interval / static_cast<double>(limit));
+  const uint32_t count = whole_parts(interval / static_cast<double>(limit));
+  return count < k_substeps_most ? count : k_substeps_most;
 }
 
 SubstepPlan time_plan_substep(const Granular& g, uint32_t level) {

@@ -238,4 +238,15 @@ TEST(HardCase, SubStepsHaveALowerBound) {
   }
 }
 
+// A frame that nothing else bounds ends: a tenth of a second in microseconds would take ten times as long.
+TEST(HardCase, AFrameHasAtMostTenThousandSubSteps) {
+  sandglass_scene_desc desc = description(8);
+  desc.granular.substep_max = 1e-6f;
+  GranularScene scene(desc);
+  scene.add({0.0f, 1.0f, 0.0f});
+  const sandglass_frame_report report = scene.frame(0.1f);
+  EXPECT_EQ(report.sand.substeps, 10000u);
+  EXPECT_NEAR(report.time.simulated, 0.1, 1e-6);
+}
+
 }  // namespace

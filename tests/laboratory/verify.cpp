@@ -142,6 +142,7 @@ CommandOption panoramas(VerifyOptions& o) {
 Options verify_granular_options(VerifyOptions& o) {
   return {standard("all", {"--case", &o.cases, "NAMES", "Only these cases", one_of(verdict_groups())}),
           {"--quick", &o.quick, "", "Only the cases that take seconds"},
+          seed_option(o.seed, "Where the poured sand begins"),
           fills({"--out", &o.out, "FOLDER", "Write the table and its curves into this new folder"}),
           isa_option(o.isa),
           json_option(o.json)};
@@ -162,6 +163,7 @@ Options verify_lighting_options(VerifyOptions& o) {
           excludes("--network",
                    standard("the cross-validated ones for SANDGLASS_DATA_DIR",
                             {"--estimates", &o.estimates, "FILE", "Estimates of all views, as train.py writes them"})),
+          seed_option(o.seed, "Where the cameras look"),
           fills({"--out", &o.out, "FOLDER", "Write the table into this new folder"}),
           threads_option(o.threads),
           json_option(o.json)};
@@ -173,6 +175,8 @@ Options verify_room_options(VerifyOptions& o) {
           {"--manifest", &o.manifest, "FILE",
            "CSV with the columns file, group and fold: which panoramas show the same place"},
           standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates one light"}),
+          standard("chair, armadillo, trefoil and bucket",
+                   {"--mesh", &o.meshes, "MESHES", "Objects on the floor: files, or names of generated meshes"}),
           {"--quick", &o.quick, "", "A quarter of the sessions"},
           {"--pictures", &o.pictures, "", "Also the whole pictures of verify shot: every claim in one table"},
           fills({"--out", &o.out, "FOLDER", "Write the tables into this new folder"}),
@@ -197,7 +201,7 @@ Options verify_shot_options(VerifyOptions& o) {
 
 int verify_granular_command(const VerifyOptions& options) {
   if (options.quick) expect_quick(options.cases);
-  const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa)};
+  const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa), options.seed};
   const std::string isa_name = kernels_of(choice.isa);
   return tell_sand(options, "granular", isa_name,
                    with_progress([&](const auto& progress) { return granular_verdicts(choice, progress); }));

@@ -15,7 +15,7 @@ namespace sandglass::host {
 // Of all suites; verify.cpp says which takes what.
 struct VerifyOptions {
   std::string json, out, isa = "automatic", manifest, estimates, network;
-  std::vector<std::string> cases, panoramas;
+  std::vector<std::string> cases, panoramas, meshes;
   bool quick = false, pictures = false;
   uint64_t seed = 0;
   uint32_t threads = 1;

@@ -78,6 +78,7 @@ int verify_lighting_command(const VerifyOptions& options) {
   const LightingVerdictOptions lighting = {.panoramas = sources.panoramas,
                                            .manifest = sources.manifest,
                                            .estimator = estimator_of(sources),
+                                           .seed = options.seed + 1,
                                            .threads = options.threads};
   tell_of_training(sources);
   const std::vector<Verdict> rows = verify_lighting(lighting);

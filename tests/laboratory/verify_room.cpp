@@ -59,8 +59,8 @@ int verify_room_command(const VerifyOptions& options) {
   study_options.seed = options.seed + 1;
   study_options.threads = options.threads;
   ThreadPool pool(options.threads);
-  const RoomStudy study = study_rooms(
-      study_options, std::make_shared<const std::vector<FloorObject> >(study_objects(data_folder(), &pool)));
+  const RoomStudy study = study_rooms(study_options, std::make_shared<const std::vector<FloorObject> >(
+                                                         study_objects(options.meshes, data_folder(), &pool)));
   if (interrupted()) return k_exit_interrupted;
   const std::vector<Condition> conditions = conditions_of(study_options, study, &pool);
   if (interrupted()) return k_exit_interrupted;

@@ -122,7 +122,7 @@ typedef struct sandglass_granular_desc {
    * fast ones elsewhere, as long as there are at most 64. */
   float courant;
   /* Seconds, 0.000001..0.1: the longest sub-step. 0, the default, means 0.01742 sqrt(r/g), for which the default scheme
-   * was calibrated. */
+   * was calibrated. Where a frame's time step would take more than 10,000 sub-steps, they are longer. */
   float substep_max;
   /* Seconds, 0.000001..substep_max: the shortest sub-step that (4.45) may ask for. Faster particles are slowed to
    * courant * r / substep_min. 0, the default, means substep_max / 4. */

@@ -7,6 +7,7 @@
 
 #include "models/lighting/dataset.h"
 #include "models/lighting/labels.h"
+#include "models/lighting/lit_view.h"
 #include "models/mesh/generated.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
@@ -48,15 +49,17 @@ double azimuth_of(uint32_t index, const RoomStudyOptions& options) {
 
 }  // namespace
 
-std::vector<FloorObject> study_objects(const std::string& data_folder, ThreadPool* pool) {
-  std::vector<std::pair<std::string, Mesh>> meshes = {{"chair", make_named("chair").mesh}};
-  const std::string armadillo = data_folder + "/meshes/armadillo.obj";
-  if (!data_folder.empty() && std::filesystem::exists(armadillo))
-    meshes.emplace_back("armadillo", load_mesh(armadillo).mesh);
-  meshes.emplace_back("trefoil", make_named("trefoil").mesh);
-  meshes.emplace_back("bucket", make_named("bucket").mesh);
+std::vector<FloorObject> study_objects(const std::vector<std::string>& named, const std::string& data_folder,
+                                       ThreadPool* pool) {
+  std::vector<std::string> names = named;
+  if (names.empty()) {
+    names = {"chair", "trefoil", "bucket"};
+    const std::string armadillo = data_folder + "/meshes/armadillo.obj";
+    if (!data_folder.empty() && std::filesystem::exists(armadillo)) names.insert(names.begin() + 1, armadillo);
+  }
   std::vector<FloorObject> objects;
-  for (const auto& [name, mesh] : meshes) objects.emplace_back(name, mesh, objects.size() + 1, pool);
+  for (const std::string& name : names)
+    objects.emplace_back(stem_of(name), named_mesh(name).mesh, objects.size() + 1, pool);
   return objects;
 }
 

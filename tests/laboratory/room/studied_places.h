@@ -15,7 +15,8 @@
 namespace sandglass::host {
 
 // The chair, the armadillo where the data folder has one, and two made by formula.
-std::vector<FloorObject> study_objects(const std::string& data_folder, ThreadPool* pool);
+std::vector<FloorObject> study_objects(const std::vector<std::string>& named, const std::string& data_folder,
+                                       ThreadPool* pool);
 
 // A light as the sole one: its direction in the panorama's frame, and its share of the floor's irradiance.
 struct OneLight {

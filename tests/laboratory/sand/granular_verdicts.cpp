@@ -25,6 +25,7 @@ struct Table {
   CaseStep step;
   VerdictTable* table;
   std::string group;
+  uint64_t seed;
 
   // NaN is never within the limit.
   static bool within(double result, double truth, double limit) { return std::fabs(result - truth) <= limit; }
@@ -137,7 +138,8 @@ void column(Table& t) {
   double packing = 0.0;
   const auto mean_runout = [&](const sandglass_scene_desc& desc, CollapseSetting setting, uint64_t seeds) {
     double sum = 0.0;
-    for (setting.seed = 1; setting.seed <= seeds; ++setting.seed) {
+    for (uint64_t seed = 1; seed <= seeds; ++seed) {
+      setting.seed = 1000 * t.seed + seed;
       const Collapse one = collapse(desc, setting, t.step);
       sum += one.runout / static_cast<double>(seeds);
       packing = std::max(packing, one.packing);
@@ -216,7 +218,7 @@ void angles(Table& t) {
     const double mu = 0.1 * tenth;
     double angle = 0.0;
     for (uint64_t seed = 1; seed <= k_seeds; ++seed)
-      angle += repose(t.with_friction(mu), k_radius_d, k_aspect, seed, t.step) / k_seeds;
+      angle += repose(t.with_friction(mu), k_radius_d, k_aspect, 1000 * t.seed + seed, t.step) / k_seeds;
     char name[40];
     std::snprintf(name, sizeof name, "repose mu=%.1f", mu);
     t.report(name, "deg", std::atan(mu) * 57.29577951308232, angle);
@@ -313,7 +315,7 @@ VerdictTable granular_verdicts(const VerdictChoice& choice, const std::function<
       within = std::min(within + weight(*group), cost);
       if (!progress(before + within, total)) throw Stopped();
     };
-    Table rows{choice.isa, step, &table, group->name};
+    Table rows{choice.isa, step, &table, group->name, choice.seed};
     try {
       group->run(rows);
     } catch (const Stopped&) {

@@ -35,6 +35,7 @@ struct VerdictChoice {
   std::vector<std::string> groups;  // empty: all
   bool quick = false;               // of these, those of a second or two
   sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC;
+  uint64_t seed = 0;  // of what is poured
 };
 
 // The names of the groups, in the order in which they run.

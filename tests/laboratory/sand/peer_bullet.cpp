@@ -99,8 +99,7 @@ BenchRow bench_bullet(SceneFile scene, uint32_t frames, const BenchStep& step) {
   for (uint32_t frame = 0; frame < frames; ++frame) {
     const auto from = std::chrono::steady_clock::now();
     for (int i = 0; i < parts; ++i) engine.world.stepSimulation(part, 0);  // 0: exactly this step
-    row.ms_per_frame += std::chrono::duration < double;
-    std::milli > (std::chrono::steady_clock::now() - from).count();
+    row.ms_per_frame += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
     for (uint32_t i = 0; i < count; ++i) {
       const btVector3& at = engine.bodies[first + i]->getWorldTransform().getOrigin();
       for (int k = 0; k < 3; ++k)
