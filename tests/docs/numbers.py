@@ -42,7 +42,7 @@ MEASUREMENTS = {
     'bakes': {mesh: f'build/host/bin/sandglass bake {mesh.replace(" ", "_")} --threads 2 -o out/numbers.shadow'
               for mesh in ('chair', 'armadillo', 'trefoil knot', 'wicker chair', 'bucket')},
 }
-NUMBER = r'[-+−]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?'
+NUMBER = r'[-+−]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?'
 
 
 class Numbers:
@@ -84,22 +84,22 @@ def shown(value, like):
     text = f'{value:,.{decimals}f}' if ',' in like or abs(value) >= 10000 else f'{value:.{decimals}f}'
     if float(text.replace(',', '')) == 0.0:
         text = text.lstrip('-')
-    elif like[0] == '+' or (like[0] == '−' and value > 0):
-        text = ('+' if value > 0 else '') + text
+    if text[0] != '-' and (like[0] == '+' or (like[0] == '−' and value > 0)):
+        text = '+' + text
     return text.replace('-', '−') if '−' in like else text
 
 
 def cell_of(numbers, table, case, columns, cell, where):
     """A cell with the measured numbers in place of its first ones."""
-    values = []
-    for column in columns.split('+'):
-        name, _, metric = column.rpartition('!')
-        row, _, metric = metric.partition('#') if '*' in metric else (case, '', metric)
-        values.append(numbers.value(name or table, row.replace('*', case), metric or 'result', where))
-    values = iter(values)
+    columns = iter(columns.split('+'))
 
     def next_value(m):
-        value = next(values, None)
+        column = next(columns, None)
+        if column is None:
+            return m[0]
+        name, _, metric = column.rpartition('!')
+        row, _, metric = metric.partition('#') if '*' in metric else (case, '', metric)
+        value = numbers.value(name or table, row.replace('*', case), metric or 'result', where)
         return m[0] if value is None else shown(value, m[0])
 
     return re.sub(NUMBER, next_value, cell)
@@ -123,13 +123,13 @@ def render(numbers, path, text, full):
             held = True
         elif not line.startswith(('|', '<!--')):
             table, held = '', False
-        cells = line.split(' | ')
-        row = re.search(r'<!--([^#|\s]+)-->', cells[0]) if line.startswith('|') and table else None
+        cells = re.split(r'(?<!\\)\|', line)
+        row = re.search(r'<!--([^#|\s]+)-->', cells[1]) if line.startswith('|') and table else None
         if row:
-            for k, column in enumerate(columns[:len(cells) - 1], 1):
-                if column and '<!--' not in cells[k] and re.search(NUMBER, cells[k]):
+            for k, column in enumerate(columns[:len(cells) - 3], 2):
+                if column and '<!--' not in cells[k]:
                     cells[k] = cell_of(numbers, table, row[1], column, cells[k], where)
-            line = ' | '.join(cells)
+            line = '|'.join(cells)
         elif full and not held and re.match(r'\|(?!---).*\d\.\d', line) and '<!--' not in line and lines[i + 1][:4] != '|---':
             numbers.faults.append(f'{where}: no measurement gives these numbers: {line}')
         lines[i] = line
