@@ -15,7 +15,7 @@ struct AssetFile {
   uint64_t bytes = 0;
 
   explicit AssetFile(std::span<const uint8_t> content) : words(content.size() / 8 + 1), bytes(content.size()) {
-    std::memcpy(words.data(), content.data(), content.size());
+    if (bytes > 0) std::memcpy(words.data(), content.data(), content.size());
   }
   uint8_t* data() { return reinterpret_cast<uint8_t*>(words.data()); }
   const uint8_t* data() const { return reinterpret_cast<const uint8_t*>(words.data()); }
