@@ -14,15 +14,17 @@ bytes() {
   "$SIZE" "$1" | awk 'NR == 2 {print $1 + $2}'
 }
 
-if [[ ! $figure =~ ^[0-9]+$ ]]; then
+number='^[0-9]+([.][0-9])?$'
+if [[ ! $figure =~ $number ]]; then
   row=$figure
   figure=$(awk -F ' *[|] *' -v row="$row" '$2 == row {print $3}' "$README")
-  [[ $figure =~ ^[0-9]+$ ]] || { echo "README has no figure for '$row': '$figure'"; exit 1; }
+  [[ $figure =~ $number ]] || { echo "README has no figure for '$row': '$figure'"; exit 1; }
 fi
 all=$(bytes "$app")
 none=$(bytes "$empty")
 weight=$((all - none))
-limit=$((figure * 1024 * 5 / 4))
+claimed=$(awk -v kib="$figure" 'BEGIN {printf "%d", 1024 * kib}')
+limit=$((claimed * 5 / 4))
 printf '%s: %d bytes of code and constants (%d KiB), limit %d\n' "$capability" "$weight" $(((weight + 512) / 1024)) "$limit"
 if "$NM" -C "$app" | grep -E "$forbidden" >&2; then
   echo "a capability that the app does not use was linked: the symbols above"
@@ -34,7 +36,7 @@ if [[ $app == *.so ]] && "$NM" -D --defined-only "$app" | grep sandglass_ >&2; t
 fi
 ((weight <= limit)) || { echo "heavier than the limit, a quarter above $figure KiB"; exit 1; }
 if [[ -n ${ROUNDING-} ]]; then
-  wrong=$((weight - figure * 1024))
-  ((${wrong#-} * 100 <= figure * 1024 * ROUNDING)) ||
+  wrong=$((weight - claimed))
+  ((${wrong#-} * 100 <= claimed * ROUNDING)) ||
     { echo "the figure of $figure KiB is wrong by more than $ROUNDING %: $(((weight + 512) / 1024)) KiB"; exit 1; }
 fi
