@@ -12,7 +12,6 @@ int main() {
   desc.granular.particle_capacity = 3000;   // collide with each other
   desc.granular.grain_capacity = 8 * 3000;  // are drawn
   desc.granular.emitter_capacity = 1;
-  desc.granular.collider_capacity = 2;
   sandglass::Scene scene;
   sandglass::Status status = scene.create(desc);  // the only allocation
 
@@ -20,9 +19,7 @@ int main() {
   const sandglass_emitter nozzle = sandglass::emitter(0.0f, 0.5f, 0.0f, 0.04f, 0.5f, 8);
   sandglass_collider colliders[] = {sandglass::floor_at(0.0f), sandglass::sphere(0.0f, 0.25f, 0.0f, 0.06f)};
   std::vector<sandglass_grain> drawn(desc.granular.grain_capacity);  // an app hands over its mapped GPU buffer
-  sandglass_frame_input input = sandglass::frame_input();
-  input.time_step = 1.0f / 60.0f;
-  input.budget_ns = 4'000'000;
+  sandglass_frame_input input = sandglass::frame_input(1.0f / 60.0f, 4'000'000);
   input.emitters = &nozzle;
   input.emitter_count = 1;
   input.colliders = colliders;

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# An example that apps are to copy: at most 90 lines, it runs, and its output holds what its head claims.
+# An example that apps are to copy: at most 80 lines, it runs, and its output holds what its head claims.
 #   example.sh NAME SOURCE_FOLDER OUTPUT_FOLDER PROGRAM...
 set -euo pipefail
 name=$1 root=$2 output=$3
@@ -76,5 +76,5 @@ example_camera_app() {
 }
 
 lines=$(cat "$root/models/examples/$name".c* | wc -l)
-((lines > 0 && lines <= 90)) || fail "it has $lines lines; an example must have 1 to 90"
+((lines > 0 && lines <= 80)) || fail "it has $lines lines; an example must have 1 to 80"
 "example_$name"

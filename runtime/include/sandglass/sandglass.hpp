@@ -156,9 +156,11 @@ inline sandglass_scene_desc scene_desc() {
   sandglass_scene_desc_default(&desc);
   return desc;
 }
-inline sandglass_frame_input frame_input() {
+inline sandglass_frame_input frame_input(float time_step = 0.0f, uint64_t budget_ns = 0) {
   sandglass_frame_input input;
   sandglass_frame_input_default(&input);
+  input.time_step = time_step;
+  input.budget_ns = budget_ns;
   return input;
 }
 inline sandglass_frame_report frame_report() {
@@ -548,9 +550,11 @@ class Room {
 // ----------------------------------------------------------------------------------------------------------------
 // shadows
 
-inline sandglass_shadow_desc shadow_desc() {
+inline sandglass_shadow_desc shadow_desc(const void* asset = nullptr, uint64_t bytes = 0) {
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
+  desc.asset = asset;
+  desc.asset_bytes = bytes;
   return desc;
 }
 inline sandglass_pile_shadow_desc pile_shadow_desc() {
