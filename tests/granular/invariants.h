@@ -41,6 +41,7 @@ class Invariants {
 
  private:
   std::string particles(const sandglass_frame_report& report);
+  bool alone(uint32_t particle, uint32_t count) const;
   std::string grains(const sandglass_frame_report& report);
 
   const WatchedScene& s_;
