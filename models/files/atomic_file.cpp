@@ -104,6 +104,16 @@ void require_writable(const std::string& path) {
     throw cannot("write", path, "its folder is missing, full or may not be written to", "Check the folder");
 }
 
+void require_space(const std::string& path) {
+  constexpr uintmax_t k_least = 1 << 20;
+  std::error_code error;
+  fs::path folder = fs::absolute(behind_links(path), error).parent_path();
+  while (!fs::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
+  const fs::space_info disk = fs::space(folder, error);
+  if (!error && disk.available < k_least)
+    throw cannot("write", path, "the disk has less than 1 MiB left", "Make room, or name another");
+}
+
 void write_file(const std::string& path, std::string_view content) {
   require_writable(path);
   const std::string unfinished = unfinished_name(path);

@@ -12,6 +12,9 @@ namespace sandglass::host {
 // before long work whose result goes to `path`.
 void require_writable(const std::string& path);
 
+// Throws a Failure where the disk is as good as full: less than a MiB is left. Only long work needs to ask.
+void require_space(const std::string& path);
+
 // A symbolic link stays, and the file that it names is written.
 void write_file(const std::string& path, std::string_view content);
 void write_file(const std::string& path, std::span<const uint8_t> content);

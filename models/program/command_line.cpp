@@ -185,6 +185,7 @@ void check_outputs(const Command& command) {
     if (written.output == Output::none) continue;
     for (const std::string& path : paths_of(written)) {
       if (written.output == Output::file) require_writable(path);
+      require_space(path);
       for (const CommandOption& other : command.options)
         for (const std::string& named : paths_of(other))
           if (&other == &written || !same_file(path, named)) continue;

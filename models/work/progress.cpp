@@ -19,9 +19,6 @@ constexpr auto k_quiet = 2s;               // shorter work shows nothing
 constexpr auto k_terminal_period = 100ms;  // between two updates of the line on a terminal
 constexpr auto k_log_period = 5s;          // between two lines in a log
 
-namespace {
-
-// For example "simulating 120/200 (60 %), 3 s left". The time is left out at the start and at the end.
 std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s) {
   char text[160];
   const double share = total == 0 ? 1.0 : static_cast<double>(count) / static_cast<double>(total);
@@ -33,8 +30,6 @@ std::string progress_line(const std::string& what, uint64_t count, uint64_t tota
                   elapsed_s * static_cast<double>(total - count) / static_cast<double>(count));
   return text;
 }
-
-}  // namespace
 
 Progress::Progress(std::string what, uint64_t total, std::FILE* stream)
     : what_(std::move(what)),
@@ -49,8 +44,9 @@ Progress::~Progress() {
   if (shown_ && terminal_) std::fputs("\r\033[K", stream_);
 }
 
-void Progress::done(uint64_t count) {
-  const Time now = std::chrono::steady_clock::now();
+void Progress::done(uint64_t count) { done_at(count, std::chrono::steady_clock::now()); }
+
+void Progress::done_at(uint64_t count, Time now) {
   if (stream_ == nullptr || now < next_) return;
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const std::string line = progress_line(what_, count, total_, elapsed);

@@ -21,6 +21,8 @@ struct Progress {
 
   void total(uint64_t count) { total_ = count; }
   void done(uint64_t count);
+  // The same at a given time, for the tests.
+  void done_at(uint64_t count, Time now);
 
  private:
   std::string what_;
@@ -30,6 +32,9 @@ struct Progress {
   bool shown_ = false;
   Time start_, next_;
 };
+
+// For example "simulating 120/200 (60 %), 3 s left". The time is left out at the start and at the end.
+std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s);
 
 // After this call Ctrl-C (or SIGTERM) sets a flag. The work asks for it and ends. If the command does not notice within
 // a second, the program ends there with exit code 130, or, while results are being kept, says that a step is finished

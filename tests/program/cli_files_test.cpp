@@ -115,6 +115,20 @@ run tiny.json --out tiny.json/inner | make folder
   EXPECT_EQ(read("a.ply").substr(0, 3), "ply");
 }
 
+TEST_F(CliFiles, AFullDiskIsToldBeforeTheWork) {
+  fs::create_directories(folder / "full");
+  const auto mounted = [&](const std::string& command) {
+    return std::system(("cd '" + folder.string() + "' && unshare -rm sh -c \"mount -t tmpfs -o size=64k none full && " +
+                        command + "\" 2>>stderr")
+                           .c_str());
+  };
+  if (mounted("true") != 0) GTEST_SKIP() << "nobody may mount a small disk here";
+  for (const char* output : {"tiny.json --record full/x", "tiny.json --out full/new/x"}) {
+    EXPECT_NE(mounted(command_line("run " + std::string(output))), 0);
+    EXPECT_NE(read("stderr").find("the disk has less than 1 MiB left. Make room"), std::string::npos) << read("stderr");
+  }
+}
+
 // It is filled under another name beside, which goes when nothing comes of it.
 TEST_F(CliFiles, AFolderAppearsWhole) {
   mesh_scene();
@@ -221,7 +235,7 @@ TEST_F(CliFiles, CtrlCIsAnsweredWithinASecond) {
                                        "light --network random.light -o out_light" + photographs,
                                        "dataset rooms -o out_set",
                                        "verify follow",
-                                       "bench lighting"};
+                                       "bench lighting --asset random.light"};
   if (k_embree) commands.emplace_back("room --width 4096 --samples 64 -o out.hdr");
   if (k_bake) commands.insert(commands.end(), {"bake chair -o out.shadow", "bench shadow"});
   for (const std::string& command : commands) expect_answered(command, 0.1);

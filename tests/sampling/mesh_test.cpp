@@ -73,6 +73,52 @@ TEST(Generated, have_the_volumes_of_their_shapes) {
               std::pow(2 * k_pi / 32, 2) / 3);
 }
 
+double frustum(double height, double r, double s) { return k_pi * height * (r * r + r * s + s * s) / 3; }
+
+TEST(Generated, revolved_ones_have_the_volumes_of_their_frusta) {
+  // Every cross-section is a regular polygon with sin(a)/a of its circle's area, a = 2 pi/sides.
+  constexpr uint32_t k_sides = 60;
+  const double angle = 2 * k_pi / k_sides, share = std::sin(angle) / angle;
+  const double slope = (0.10 - 0.07) / 0.20, rim = 0.07 + slope * 0.18;
+  const double bucket = frustum(0.18, 0.07, rim) + k_pi * 0.02 * 0.11 * 0.11 - frustum(0.19, 0.06, 0.09);
+  EXPECT_NEAR(host::signed_volume(host::make_revolved(host::bucket_profile(0.2, 0.07, 0.1, 0.01), k_sides)) / bucket,
+              share, 1e-5);
+  const double silo =
+      frustum(0.1, 0.03, 0.09) + k_pi * 0.2 * 0.09 * 0.09 - frustum(0.1, 0.02, 0.08) - k_pi * 0.2 * 0.08 * 0.08;
+  EXPECT_NEAR(host::signed_volume(host::make_revolved(host::silo_profile(0.3, 0.08, 0.1, 0.02, 0.01), k_sides)) / silo,
+              share, 1e-5);
+}
+
+TEST(Generated, hourglass_has_the_volume_that_Pappus_gives_its_outline) {
+  // pi times the integral of r^2, each bulb in closed form: a half cosine, then a quarter ellipse offset by f.
+  constexpr double k_height = 0.3, k_bulb = 0.08, k_neck = 0.02;
+  const double m = (k_bulb + k_neck) / 2, w = (k_bulb - k_neck) / 2, curve = 0.375 * k_height;
+  const double f = 0.6 * k_bulb, e = 0.4 * k_bulb, end = 0.125 * k_height;
+  const double truth = 2 * k_pi * (curve * (m * m + w * w / 2) + end * (f * f + f * e * k_pi / 2 + e * e * 2 / 3));
+  const double angle = 2 * k_pi / 128, share = std::sin(angle) / angle;
+  double last = 1;
+  for (const uint32_t steps : {8u, 16u, 32u}) {
+    const host::Mesh mesh = host::make_revolved(host::hourglass_profile(k_height, k_bulb, k_neck, steps), 128);
+    const double error = std::fabs(host::signed_volume(mesh) / (share * truth) - 1);
+    EXPECT_LT(error, 0.3 * last) << "the error of chords must fall with their length squared; steps " << steps;
+    last = error;
+  }
+  EXPECT_LT(last, 5e-4);
+}
+
+TEST(Generated, hourglass_outline_lies_on_its_radius_and_mirrors) {
+  const host::Profile profile = host::hourglass_profile(0.3, 0.08, 0.02, 20);
+  double least = 1;
+  for (size_t i = 1; i + 1 < profile.size(); ++i) {
+    const auto [r, y] = profile[i];
+    EXPECT_NEAR(host::hourglass_radius(0.3, 0.08, 0.02, y), r, 1e-6);
+    EXPECT_NEAR(profile[profile.size() - 1 - i][1], 0.3 - y, 1e-12);
+    least = std::min(least, r);
+  }
+  EXPECT_EQ(least, 0.02);
+  EXPECT_EQ(host::hourglass_radius(0.3, 0.08, 0.02, 0.31), 0);
+}
+
 TEST(Generated, unknown_name_is_a_sentence) {
   const host::MeshResult result = host::make_named("klein-bottle");
   EXPECT_FALSE(result);

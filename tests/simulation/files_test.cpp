@@ -114,6 +114,36 @@ TEST(Interrupt, OneOfSeveralTasksDoesNotAnswerForAll) {
   EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 130);
 }
 
+TEST(Progress, SaysHowLongItWillTake) {
+  EXPECT_EQ(progress_line("working", 25, 100, 5.0), "working 25/100 (25 %), 15 s left");
+  EXPECT_EQ(progress_line("working", 0, 100, 5.0), "working 0/100 (0 %)");
+  EXPECT_EQ(progress_line("working", 100, 100, 5.0), "working 100/100 (100 %)");
+}
+
+TEST(Progress, IsSilentForTwoSecondsAndThenWritesPlainLinesNowAndThen) {
+  std::FILE* file = std::tmpfile();
+  ASSERT_NE(file, nullptr);
+  {
+    Progress progress("working", 100, file);
+    const auto now = std::chrono::steady_clock::now();
+    progress.done_at(1, now + 500ms);
+    progress.done_at(5, now + 1900ms);
+    EXPECT_EQ(std::ftell(file), 0);
+    progress.done_at(10, now + 3s);
+    progress.done_at(11, now + 4s);
+    progress.done_at(50, now + 10s);
+  }
+  std::rewind(file);
+  char text[400] = {};
+  const size_t length = std::fread(text, 1, sizeof text - 1, file);
+  std::fclose(file);
+  const std::string written(text, length);
+  EXPECT_EQ(std::count(written.begin(), written.end(), '\n'), 2);
+  EXPECT_NE(written.find("working 10/100"), std::string::npos) << written;
+  EXPECT_NE(written.find("working 50/100"), std::string::npos) << written;
+  EXPECT_EQ(written.find('\r'), std::string::npos);
+}
+
 TEST(ThreadPool, OneThreadNeedsNoPool) {
   ThreadPool pool(1);
   EXPECT_EQ(pool.hook().run, nullptr);
