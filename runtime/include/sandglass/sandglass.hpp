@@ -168,7 +168,6 @@ inline sandglass_frame_report frame_report() {
   report.struct_size = sizeof report;
   return report;
 }
-
 inline sandglass_sample_desc sample_desc() {
   sandglass_sample_desc desc;
   sandglass_sample_desc_default(&desc);
