@@ -515,6 +515,68 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   EXPECT_GT(swum / points, 0.05);
 }
 
+TEST(ShotTruth, ShadowsFallAwayFromTheLampInBothPictures) {
+  for (const double side : {-1.0, 1.0}) {
+    const Surroundings room =
+        panorama_surroundings(lamp_room({side, 1, 0}, 200), "lamp", camera(), -90, {0, 0, 0}, 0.0);
+    const ShotPicture picture(cube(), {}, 0.001f);
+    ShotPictureOptions o;
+    o.width = 64;
+    o.height = 48;
+    o.paths = 32;
+    const ShotCamera rest = resting_camera(camera());
+    const RadianceMap truth = picture.truth(room, rest, o);
+    const RadianceMap hard = picture.composite(room, rest, labelled_light(room), {}, CastShadow::hard, o);
+    for (const RadianceMap* map : {&truth, &hard}) {
+      const double left = mean_of(*map, 12, 22, 20, 32), right = mean_of(*map, 44, 22, 52, 32);
+      if (side > 0) EXPECT_LT(left, 0.8 * right);
+      else EXPECT_LT(right, 0.8 * left);
+    }
+  }
+}
+
+// In an even room a grain of a pile sees the room with the upper part of the hemisphere at its normal, v = (1 + y) / 2,
+// and sand as bright as itself with the rest: it keeps v / (1 - rho (1 - v)). From above that is nearly all.
+TEST(ShotComposite, GrainsOfAPileSeeSandBelow) {
+  RadianceMap map(256, 128);
+  for (float& value : map.rgb) value = 1.0f;
+  const float size[3] = {0.1f, 0.1f, 0.1f}, grain[3] = {0, 0.3f, 0};
+  LitObject away = {make_box(size), k_no_rotation, {}};
+  for (size_t i = 0; i < away.mesh.vertices.size(); i += 3) away.mesh.vertices[i] += 50.0f;
+  ShotPictureOptions o;
+  o.width = 16;
+  o.height = 12;
+  SceneShadows sand;
+  FloorShadow level;  // the sand is nowhere above the floor, so that nothing lies deep in it
+  level.texels = 2;
+  level.coverage.assign(4, 0);
+  level.low[0] = level.low[1] = -5;
+  level.high[0] = level.high[1] = 5;
+  sand.heights = {level};
+  sand.most_height = 1.0;
+  const auto kept = [&](Vec3 eye, Vec3 up_to) {
+    Camera c = camera();
+    c.eye = eye;
+    c.target = up_to;
+    c.fov_deg = 4;
+    const Surroundings room = panorama_surroundings(map, "even", c, -90, {0, 0, 0}, 0.0);
+    const auto shown = [&](const SceneShadows& shadows) {
+      const ShotPicture picture(away, grain, 0.29f);
+      return mean_of(picture.composite(room, resting_camera(c), room.true_light(), shadows, CastShadow::textures, o), 7,
+                     5, 9, 7);
+    };
+    return shown(sand) / shown({});
+  };
+  const Vec3 rho = grain_colour(0);
+  const auto expected = [&](Vec3 outward) {
+    const double v = 0.5 * (1.0 + grain_normal(0, outward).y);
+    const auto of = [v](double r) { return v / (1.0 - (1.0 - v) * r); };
+    return luminance(product(rho, {of(rho.x), of(rho.y), of(rho.z)})) / luminance(rho);
+  };
+  EXPECT_NEAR(kept({0.01, 3, 0}, {0, 0.3, 0}), expected({0, 1, 0}), 0.01);
+  EXPECT_NEAR(kept({0, 0.3, 3}, {0, 0.3, 0}), expected({0, 0, 1}), 0.01);
+}
+
 #endif
 
 }  // namespace

@@ -216,6 +216,42 @@ TEST(Restore, EveryTruncationAndFlippedBitIsAnErrorAndChangesNothing) {
   });
 }
 
+// Every number of a small scene in turn becomes one that no scene holds, behind a right checksum. What is not refused
+// runs on, and nothing leaves the world: a rest shape of 1e30 m would throw its particles there.
+TEST(Restore, NoForgedNumberThrowsAnythingOut) {
+  sandglass_scene_desc desc = everything(64, 64);
+  World live(desc), other(desc);
+  std::vector<float> body = lattice(2, 1, 1, 2.01f * k_radius, k_radius);
+  live.scene.add({0.1f, 0.02f, 0.1f}, {}, {0.1f, 0.02f, 0.1f});
+  live.scene.add_body(body, 2.0f);
+  for (int i = 0; i < 5; ++i) live.frame();
+  const Bytes data = live.save();
+  const float floats[] = {NAN, INFINITY, 3e38f, -3e38f, 1e30f, 1e10f, -1e5f, 0.0f};
+  const double doubles[] = {static_cast<double>(NAN), 1e300, -1e300, 1e5, 0.0};
+  uint32_t refused = 0, ran = 0;
+  const auto attempt = [&](size_t at, const auto value) {
+    Bytes forged = data;
+    if (at + sizeof value > forged.size()) return;
+    std::memcpy(&forged[at], &value, sizeof value);
+    if (other.restore(repaired(forged)) != SANDGLASS_OK) {
+      ++refused;
+      return;
+    }
+    ++ran;
+    for (int i = 0; i < 2; ++i) other.frame();
+    other.scene.particle_count = other.frame().sand.particles;
+    for (const float x : other.scene.positions())
+      ASSERT_LE(std::fabs(x), 4.0f * SANDGLASS_COORDINATE_LIMIT) << value << " at byte " << at;
+    ASSERT_EQ(other.restore(other.save()), SANDGLASS_OK) << value << " at byte " << at;
+  };
+  for (size_t at = 64; at < data.size(); at += 4) {
+    for (const float value : floats) attempt(at, value);
+    for (const double value : doubles) attempt(at, value);
+  }
+  EXPECT_GT(refused, 100u);
+  EXPECT_GT(ran, 100u);
+}
+
 // Where the particles were when such grains last followed them is not in the bytes: memory of something else would
 // decide where they go.
 TEST(Restore, GrainsThatLagAreRefused) {

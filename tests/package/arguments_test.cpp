@@ -550,6 +550,8 @@ TEST_F(Arguments, RegionsLieInTheBlockInOrderAndAligned) {
     end = region.offset + region.bytes;
   }
   EXPECT_EQ(end, sandglass::Scene::bytes(desc)) << "regions are left out: raise k_region_capacity";
+  desc.granular.particle_capacity = desc.granular.grain_capacity = desc.granular.boundary_capacity = 0;
+  EXPECT_LT(sandglass::Scene::bytes(desc), end / 2) << "what is not wanted has no memory";
 }
 
 // The same for pointers within structs: refused by name.

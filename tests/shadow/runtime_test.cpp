@@ -8,6 +8,7 @@
 #include "runtime/asset/shadow_asset.h"
 #include "runtime/core/hash.h"
 #include "tests/int8_kernels.h"
+#include "tests/reason.h"
 #include "tests/shadow/shadow_fixture.h"
 
 namespace {
@@ -179,6 +180,15 @@ TEST(Shadow, NothingJumpsAtTheLimit) {
   };
   EXPECT_LE(rms(beyond), 1);
   EXPECT_GT(rms(at(69)), 1);  // a difference of one degree is visible
+}
+
+TEST(Shadow, RefusesLightsWithoutDirection) {
+  LiveShadow shadow(describe(make_shadow_file(k_network)));
+  for (const auto& d : {std::array{0.0f, 0.0f, 0.0f}, std::array{NAN, 1.0f, 0.0f}, std::array{0.0f, INFINITY, 0.0f}})
+    expect_refused("direction", [&](const char** reason) {
+      return sandglass_shadow_set_light(shadow.shadow, 0, d.data(), 1, reason);
+    });
+  EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 0u);
 }
 
 TEST(Shadow, LengthOfTheLightDoesNotMatter) {
