@@ -35,36 +35,46 @@ using sandglass::test::largest_that_counts;
 using sandglass::test::measured;
 using sandglass::test::thread_cpu_ns;
 
-// A clock that moves by the median cost of every unit, in microseconds, from a run of the shot on the development
-// machine; by the mean of pairs, whose units differ in size. The particles' costs are from a run on a busy machine,
-// divided by 1.38, as much as the light's units took longer there; that of departed is by its instructions, in
-// proportion to complete. Counts the units.
+// A clock that moves by the mean cost of every unit, in microseconds, from a run of the shot at 4 ms in which nothing
+// falls asleep; the three that only sleepers need are from one in which they do. All are divided by 1.4, as much as the
+// units of light and shadow took longer than on the development machine. It counts the units. Where the scene keeps its
+// own clock, it tells how much slower this machine is, by the units of light and shadow, which are always full.
 struct UnitClock {
   uint64_t now_ns = 0;
-  uint64_t scale = 1;
+  double scale = 1;
+  bool is_scenes = true;
+  uint64_t begun_ns = 0, real_ns = 0, full_ns = 0;  // of those units: CPU time, and what they cost here
   std::map<std::string, uint64_t> units, spent_ns;  // by the first word of their names
+  double slowness() const { return static_cast<double>(real_ns) / static_cast<double>(std::max<uint64_t>(1, full_ns)); }
   static uint64_t now(void* user) { return static_cast<UnitClock*>(user)->now_ns; }
-  static void begin(void*, const char*) {}
+  static void begin(void* user, const char*) {
+    UnitClock* clock = static_cast<UnitClock*>(user);
+    if (!clock->is_scenes) clock->begun_ns = thread_cpu_ns();
+  }
   static void end(void* user, const char* name) {
     static const std::map<std::string, double> k_costs = {
-        {"granular.colours", 13.9}, {"granular.complete", 2.4},    {"granular.departed", 3.3},
-        {"granular.lists", 69.5},   {"granular.pairs", 8.8},       {"granular.predict", 1.3},
-        {"granular.rest", 11.6},    {"granular.slack", 4.4},       {"granular.sort", 2.2},
-        {"granular.wake", 0.3},     {"granular.wake_lists", 5.4},  {"light.1x1", 12.1},
-        {"light.3x3", 10.4},        {"light.heads", 47.0},         {"light.image", 57.5},
-        {"light.pool", 40.0},       {"light.stem", 12.3},          {"light.transition", 13.5},
-        {"output.grains", 5.7},     {"pile_shadow.columns", 26.9}, {"pile_shadow.floor", 2.8},
-        {"pile_shadow.sand", 3.3},  {"pile_shadow.levels", 4.4},   {"pile_shadow.sky", 10.5},
-        {"refine.grains", 17.0},    {"refine.motion", 8.7},        {"refine.snapshot", 1.3},
-        {"refine.sort", 2.4},       {"refine.triage", 5.3},        {"shadow.ambient", 8.7},
-        {"shadow.coarse", 13.2},    {"shadow.decide", 11.4},       {"shadow.refine", 12.8},
-        {"shadow.rows", 7.3}};
+        {"granular.colours", 11.1}, {"granular.complete", 3.3},   {"granular.departed", 6.1},
+        {"granular.lists", 33.8},   {"granular.pairs", 8.6},      {"granular.predict", 2.1},
+        {"granular.rest", 22.9},    {"granular.slack", 3.0},      {"granular.sort", 2.6},
+        {"granular.wake", 1.3},     {"granular.wake_lists", 5.0}, {"light.1x1", 10.9},
+        {"light.3x3", 9.4},         {"light.heads", 37.2},        {"light.image", 64.3},
+        {"light.pool", 32.1},       {"light.stem", 10.3},         {"light.transition", 12.6},
+        {"output.grains", 3.1},     {"pile_shadow.columns", 8.1}, {"pile_shadow.floor", 8.1},
+        {"pile_shadow.sand", 9.1},  {"pile_shadow.levels", 5.1},  {"pile_shadow.sky", 15.4},
+        {"refine.grains", 22.5},    {"refine.motion", 10.9},      {"refine.snapshot", 4.4},
+        {"refine.sort", 2.6},       {"refine.triage", 45.9},      {"shadow.ambient", 9.4},
+        {"shadow.coarse", 11.9},    {"shadow.decide", 7.2},       {"shadow.refine", 11.7},
+        {"shadow.rows", 10.9}};
     UnitClock* clock = static_cast<UnitClock*>(user);
     const auto cost = k_costs.find(name);
     ASSERT_NE(cost, k_costs.end()) << "no cost of " << name;
-    const uint64_t ns = clock->scale * static_cast<uint64_t>(1e3 * cost->second);
+    const uint64_t ns = static_cast<uint64_t>(1e3 * clock->scale * cost->second);
     const std::string word = cost->first.substr(0, cost->first.find('.'));
     clock->now_ns += ns;
+    if (!clock->is_scenes && (word == "light" || word == "shadow")) {
+      clock->real_ns += thread_cpu_ns() - clock->begun_ns;
+      clock->full_ns += ns;
+    }
     clock->spent_ns[word] += ns;
     ++clock->units[word];
   }
@@ -90,9 +100,12 @@ struct Everything {
     sandglass_scene_desc desc = sandglass::scene_desc();
     desc.finest_level = finest_level;
     desc.clock = sandglass::clock_thread_cpu();
-    if (units != nullptr) desc.clock = {UnitClock::now, units}, desc.trace = {UnitClock::begin, UnitClock::end, units};
-    // That clock takes as long for a unit of few items as for a full one, so nothing sleeps.
-    if (units != nullptr) desc.granular.sleep_after = 0.0f;
+    if (units != nullptr) desc.trace = {UnitClock::begin, UnitClock::end, units};
+    if (units != nullptr && units->is_scenes) {
+      desc.clock = {UnitClock::now, units};
+      // That clock takes as long for a unit of few items as for a full one, so nothing sleeps.
+      desc.granular.sleep_after = 0.0f;
+    }
     desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
     desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
     desc.granular.collider_capacity = 1;
@@ -180,13 +193,16 @@ struct Law {
   int owing = 0;                   // frames with time debt
   int textures = 0, first_light = 0;
   uint32_t worst_level = 0;
+  double slowness = 0;  // of this machine
   FramesAndControl frames;
 };
 constexpr int k_frames = 400;
 constexpr double k_step = 1.0 / 60;
 
 Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
-  Everything all(k_all, units);
+  UnitClock beside;
+  beside.is_scenes = false;
+  Everything all(k_all, units != nullptr ? units : &beside);
   Law law;
   std::vector<uint64_t> spent;
   float last_azimuth = 1e9f;
@@ -211,6 +227,7 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
     const sandglass_shadow_texture t = all.shadow.texture();
     if (t.valid != 0 && t.light[0] != last_azimuth) ++law.textures, last_azimuth = t.light[0];
   }
+  law.slowness = beside.slowness();
   const std::string name = std::to_string(budget_ns / 1'000'000) + (units != nullptr ? " ms by units" : " ms");
   measured(name, "all_but_one_within_ms", 1e-6 * static_cast<double>(largest_that_counts(spent)));
   measured(name, "worst_level", law.worst_level);
@@ -222,22 +239,35 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
 }
 
 // What a run on the real clock must reach with the optimised library. A moment that the machine takes away can spoil
-// it.
+// it. The law is for machines at most half as fast as the development machine; of a slower one no more is asked than
+// the work units' own clock reaches that runs as much slower, and half as much again: a busy machine takes more of sand,
+// which lives in memory, than of light.
 struct Least {
   double last_debt, debt;
   int textures, first_light;
 };
 
-void expect_law(uint64_t budget_ns, const Least& least) {
+Least on_this_machine(uint64_t budget_ns, const Least& least, double slowness) {
+  UnitClock slow;
+  slow.scale = 1.5 * slowness;
+  if (slow.scale <= 2) return least;
+  const Law law = run(budget_ns, false, &slow);
+  return {std::max(least.last_debt, law.last_debt), std::max(least.debt, law.debt),
+          std::min(least.textures, law.textures), std::max(least.first_light, law.first_light)};
+}
+
+void expect_law(uint64_t budget_ns, const Least& asked) {
   Law law;
+  Least least = asked;
   sandglass::test::expect_law_on_a_shared_machine([&](bool control) {
     law = run(budget_ns, control);
+    least = on_this_machine(budget_ns, asked, law.slowness);
     law.frames.held = !k_as_it_ships || (law.last_debt <= least.last_debt && law.debt <= least.debt &&
                                          law.textures >= least.textures && law.first_light <= least.first_light);
     return law.frames;
   });
   if (!k_as_it_ships) return;
-  EXPECT_LE(law.last_debt, least.last_debt);
+  EXPECT_LE(law.last_debt, least.last_debt) << "on a machine " << law.slowness << " times as slow";
   EXPECT_LE(law.debt, least.debt);
   EXPECT_GE(law.textures, least.textures);
   EXPECT_LE(law.first_light, least.first_light);
@@ -252,7 +282,7 @@ struct Costs {
   double particles, sweep;
 };
 
-Costs costs_of_sand(uint64_t scale, int frames) {
+Costs costs_of_sand(double scale, int frames) {
   UnitClock clock;
   clock.scale = scale;
   Everything sand(k_grains, &clock, SANDGLASS_LEVEL_COARSER);
