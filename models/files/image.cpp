@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
@@ -210,16 +211,40 @@ static void fill_palette(const PictureHead& head, std::string* file) {
   for (size_t i = 0; i < 4; ++i) (*file)[head.palette - 8 + i] = static_cast<char>(length >> (24 - 8 * i));
 }
 
+// Cameras leave bytes between a picture's data and its end, and stb stops at the first 0xFF among them. They are made
+// zeros, up to the next marker that a picture may have there, and it reads again. PNGs that Xcode made have red and blue
+// exchanged and colours multiplied by their alpha, unless stb is asked to look.
+static uint8_t* decoded(std::string* content, int* width, int* height) {
+  constexpr int k_attempts = 16;
+  constexpr std::string_view k_markers = "\xC4\xD9\xDA\xDB\xDD\xFE";  // tables, end, scan, tables, interval, comment
+  stbi_convert_iphone_png_to_rgb(1);
+  stbi_set_unpremultiply_on_load(1);
+  for (int attempt = 0; attempt < k_attempts; ++attempt) {
+    int channels = 0;
+    stbi__context context;
+    stbi__start_mem(&context, reinterpret_cast<const uint8_t*>(content->data()), static_cast<int>(content->size()));
+    uint8_t* pixels = stbi__load_and_postprocess_8bit(&context, width, height, &channels, 3);
+    if (pixels != nullptr || std::strcmp(stbi_failure_reason(), "unknown marker") != 0) return pixels;
+    const size_t at = static_cast<size_t>(context.img_buffer - context.img_buffer_original) - 2;
+    size_t next = at + 2;
+    const auto is_marker = [&] {
+      return (*content)[next] == '\xFF' && k_markers.find((*content)[next + 1]) != std::string_view::npos;
+    };
+    while (next + 1 < content->size() && !is_marker()) ++next;
+    if (next + 1 >= content->size()) return nullptr;
+    std::fill(content->begin() + static_cast<std::ptrdiff_t>(at), content->begin() + static_cast<std::ptrdiff_t>(next),
+              '\0');
+  }
+  return nullptr;
+}
+
 Picture read_picture(const std::string& path) {
   std::string content = read_file(path, "picture", k_asset_limit);
   const PictureHead head = picture_head(content);
   expect_readable(head, path);
   fill_palette(head, &content);
-  int channels = 0;
   Picture picture;
-  uint8_t* pixels =
-      stbi_load_from_memory(reinterpret_cast<const uint8_t*>(content.data()), static_cast<int>(content.size()),
-                            &picture.width, &picture.height, &channels, 3);
+  uint8_t* pixels = decoded(&content, &picture.width, &picture.height);
   if (pixels == nullptr) throw cannot("read", path, "it is cut off or damaged", "Copy or export it again");
   const size_t bytes = 3 * static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
   picture.rgb.assign(pixels, pixels + bytes);

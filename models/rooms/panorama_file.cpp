@@ -36,13 +36,6 @@ void check_shape(const std::string& path, int64_t width, int64_t height) {
                "Export it as equirectangular");
 }
 
-std::string extension_of(const std::string& path) {
-  const size_t dot = path.find_last_of('.');
-  std::string extension = dot == std::string::npos ? "" : path.substr(dot);
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
 // Reads Radiance's format. It has lines of text, an empty line, the size, and then rows with four bytes a pixel. The
 // four planes of a row are packed in runs (old files do not pack them). stb_image is not used, because its release in
 // Debian 12 never returns from a file that was cut off.
@@ -59,6 +52,7 @@ struct HdrReader {
     if (end == std::string::npos) damaged("ends within its header");
     std::string text = bytes.substr(at, end - at);
     at = end + 1;
+    if (text.ends_with('\r')) text.pop_back();
     return text;
   }
   uint8_t byte() {
@@ -76,20 +70,44 @@ struct HdrReader {
       }
     }
   }
+  // As files before 1991 have them: 1 1 1 n is no pixel, but n more of the last one; of several in a row, each counts
+  // 256 times as much as the one before. The first pixel is in the row already.
+  void repeated_pixels(std::vector<uint8_t>* row) {
+    uint64_t shift = 0;
+    for (size_t at_pixel = 0; at_pixel < row->size();) {
+      uint8_t* p = row->data() + at_pixel;
+      for (size_t i = 0; at_pixel > 0 && i < 4; ++i) p[i] = byte();
+      if (p[0] != 1 || p[1] != 1 || p[2] != 1) {
+        shift = 0;
+        at_pixel += 4;
+        continue;
+      }
+      const uint64_t count = uint64_t{p[3]} << shift;
+      if (at_pixel == 0 || count > (row->size() - at_pixel) / 4) damaged("has a run that does not fit its row");
+      for (uint64_t i = 0; i < count; ++i, at_pixel += 4)
+        std::memcpy(row->data() + at_pixel, row->data() + at_pixel - 4, 4);
+      shift += 8;
+    }
+  }
   RadianceMap read() {
-    const std::string kind = line();
-    if (kind != "#?RADIANCE" && kind != "#?RGBE") damaged("is not a Radiance file");
-    for (std::string text = line(); !text.empty(); text = line())
-      if (text.rfind("FORMAT=", 0) == 0 && text != "FORMAT=32-bit_rle_rgbe") damaged("is not in RGB");
+    if (!line().starts_with("#?")) damaged("is not a Radiance file");
+    double exposure = 1.0;  // the product of its lines: what the numbers were multiplied by
+    for (std::string text = line(); !text.empty(); text = line()) {
+      if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe") damaged("is not in RGB");
+      if (text.starts_with("EXPOSURE=")) exposure *= std::strtod(text.c_str() + std::strlen("EXPOSURE="), nullptr);
+    }
+    if (!(exposure > 1e-30 && exposure < 1e30)) damaged("has an EXPOSURE that is no number above 0");
     int width = 0, height = 0;
+    char rows = 0, columns = 0;
     const std::string size = line();
-    if (std::sscanf(size.c_str(), "-Y %d +X %d", &height, &width) != 2 || width < 1 || height < 1 || width > k_widest ||
-        height > k_widest)
+    if (std::sscanf(size.c_str(), "%cY %d %cX %d", &rows, &height, &columns, &width) != 4 || width < 1 || height < 1 ||
+        width > k_widest || height > k_widest || (rows != '-' && rows != '+') || (columns != '-' && columns != '+'))
       damaged("has an unknown size line (\"" + size.substr(0, 40) + "\")");
     check_shape(path, width, height);
     // Before memory is taken for pixels that the file cannot hold.
     constexpr size_t k_least_bytes_of_run = 2, k_longest_run = 127;
-    const size_t shortest_row = 4 * k_least_bytes_of_run * static_cast<size_t>(width) / k_longest_run;
+    const size_t shortest_row =
+        std::min<size_t>(4 * k_least_bytes_of_run * static_cast<size_t>(width) / k_longest_run, 12);  // 1 1 1 n twice
     if (bytes.size() - at < shortest_row * static_cast<size_t>(height)) damaged("is cut off");
     RadianceMap map(width, height);
     std::vector<uint8_t> row(4 * static_cast<size_t>(width));
@@ -98,12 +116,13 @@ struct HdrReader {
       if (width >= 8 && width < 32768 && row[0] == 2 && row[1] == 2 && row[2] * 256 + row[3] == width) {
         for (int channel = 0; channel < 4; ++channel) packed_column(&row, channel, width);
       } else {
-        for (size_t i = 4; i < row.size(); ++i) row[i] = byte();
+        repeated_pixels(&row);
       }
       for (int u = 0; u < width; ++u) {
         const uint8_t* p = row.data() + 4 * u;
-        const double scale = p[3] > 0 ? std::ldexp(1.0, p[3] - 136) : 0.0;
-        map.set(u, v, {p[0] * scale, p[1] * scale, p[2] * scale});
+        const double scale = p[3] > 0 ? std::ldexp(1.0, p[3] - 136) / exposure : 0.0;
+        map.set(columns == '+' ? u : width - 1 - u, rows == '-' ? v : height - 1 - v,
+                {p[0] * scale, p[1] * scale, p[2] * scale});
       }
     }
     return map;
@@ -129,27 +148,35 @@ class MemoryStream : public Imf::IStream {
   uint64_t at_ = 0;
 };
 
-RadianceMap decode_exr(const std::string& path) {
+RadianceMap decode_exr(const std::string& path, const std::string& bytes) {
   try {
-    const std::string bytes = read_file(path, "panorama");
     MemoryStream stream(path, bytes);
     Imf::InputFile file(stream);
-    const Imath::Box2i window = file.header().dataWindow();
-    const int64_t width = int64_t{window.max.x} - window.min.x + 1, height = int64_t{window.max.y} - window.min.y + 1;
-    if (width > k_widest || height > k_widest)
+    // Stitchers and renderers store a part of the picture, or more than it: what is not stored is black.
+    const Imath::Box2i window = file.header().dataWindow(), picture = file.header().displayWindow();
+    const auto width_of = [](const Imath::Box2i& box) { return int64_t{box.max.x} - box.min.x + 1; };
+    const auto height_of = [](const Imath::Box2i& box) { return int64_t{box.max.y} - box.min.y + 1; };
+    if (std::max({width_of(window), height_of(window), width_of(picture), height_of(picture)}) > k_widest)
       throw cannot("read", path, "it is wider than " + std::to_string(k_widest) + " pixels", "Scale it down");
-    check_shape(path, width, height);
+    check_shape(path, width_of(picture), height_of(picture));
     for (const char* channel : {"R", "G", "B"})
       if (file.header().channels().findChannel(channel) == nullptr)
         throw cannot("read", path, std::string("it has no channel ") + channel, "Export it with R, G and B");
-    RadianceMap map(static_cast<int>(width), static_cast<int>(height));
+    const int width = static_cast<int>(width_of(window)), height = static_cast<int>(height_of(window));
+    RadianceMap stored(width, height);
     Imf::FrameBuffer buffer;
     const char* names[] = {"R", "G", "B"};
     for (size_t k = 0; k < 3; ++k)
-      buffer.insert(names[k], Imf::Slice::Make(Imf::FLOAT, map.rgb.data() + k, window, 3 * sizeof(float),
+      buffer.insert(names[k], Imf::Slice::Make(Imf::FLOAT, stored.rgb.data() + k, window, 3 * sizeof(float),
                                                3 * sizeof(float) * static_cast<size_t>(width)));
     file.setFrameBuffer(buffer);
     file.readPixels(window.min.y, window.max.y);
+    RadianceMap map(static_cast<int>(width_of(picture)), static_cast<int>(height_of(picture)));
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u) {
+        const int x = window.min.x + u - picture.min.x, y = window.min.y + v - picture.min.y;
+        if (x >= 0 && y >= 0 && x < map.width && y < map.height) map.set(x, y, stored.colour(u, v));
+      }
     return map;
   } catch (const Failure&) {
     throw;
@@ -158,7 +185,7 @@ RadianceMap decode_exr(const std::string& path) {
   }
 }
 #else
-RadianceMap decode_exr(const std::string& path) {
+RadianceMap decode_exr(const std::string& path, const std::string&) {
   throw cannot("read", path, "this build does not read OpenEXR", "Convert it to .hdr");
 }
 #endif
@@ -188,12 +215,10 @@ bool reads_exr() {
 
 RadianceMap read_panorama(const std::string& path) {
   RadianceMap map;
-  const std::string extension = extension_of(path);
-  if (extension == ".hdr") {
-    const std::string bytes = read_file(path, "panorama");
-    map = HdrReader{path, bytes}.read();
-  } else if (extension == ".exr") map = decode_exr(path);
-  else throw cannot("read", path, "it is neither .hdr nor .exr", "Convert it to one of them");
+  const std::string bytes = read_file(path, "panorama");
+  if (bytes.starts_with("#?")) map = HdrReader{path, bytes}.read();
+  else if (bytes.starts_with("\x76\x2f\x31\x01")) map = decode_exr(path, bytes);
+  else throw cannot("read", path, "it is neither Radiance .hdr nor OpenEXR", "Convert it to one of them");
   check_shape(path, map.width, map.height);
   for (float& value : map.rgb) {
     if (!std::isfinite(value))

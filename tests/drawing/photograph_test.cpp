@@ -128,6 +128,35 @@ TEST(Photograph, WhatLiesBehindItsEndChangesNothing) {
   EXPECT_NE(reason_of(folder / "before.jpg").find("a table of codes is too long"), std::string::npos);
 }
 
+// As cameras of drones leave them.
+TEST(Photograph, BytesBeforeItsEndChangeNothing) {
+  using namespace std::string_literals;
+  const tests::TemporaryFolder folder;
+  const std::string whole = jpeg_with("");
+  write_file(folder / "p.jpg", std::string_view(whole));
+  for (const std::string& between : {"\0\0\xFF\0\0\0\xFF\0"s, "\xFF\x55\x12\xFF\xFF\0"s, std::string(5000, '\0')}) {
+    std::string longer = whole;
+    write_file(folder / "longer.jpg", std::string_view(longer.insert(whole.size() - 2, between)));
+    EXPECT_EQ(read_picture(folder / "longer.jpg").rgb, read_picture(folder / "p.jpg").rgb);
+  }
+}
+
+// Xcode rewrites PNGs: a chunk more, no frame around the compressed data, blue before red, and colours times alpha.
+TEST(Photograph, APngThatXcodeRewroteHasItsColours) {
+  const tests::TemporaryFolder folder;
+  std::string file = png_of(2, 1, 8, 6, std::string("\0\x0A\x14\x1E\xFF\x10\x20\x30\x80", 9));
+  const size_t frame = file.find("\x78\x01\x01");
+  file.erase(frame, 2);
+  file[frame - 5] = static_cast<char>(file[frame - 5] - 6);  // the chunk has neither its head nor its checksum
+  file.erase(file.find("IEND") - 12, 4);
+  file.insert(8, big_endian(4, 4) + "CgBI" + big_endian(0x50002006, 4) + big_endian(0, 4));
+  write_file(folder / "x.png", std::string_view(file));
+  // The second pixel is half as opaque: its colours were twice as bright, to the rounding of a byte.
+  EXPECT_EQ(read_picture(folder / "x.png").rgb,
+            (std::vector<uint8_t>{30, 20, 10, (0x30 * 255 + 0x40) / 0x80, (0x20 * 255 + 0x40) / 0x80,
+                                  (0x10 * 255 + 0x40) / 0x80}));
+}
+
 TEST(Photograph, WhatIsNotReadIsNamed) {
   const tests::TemporaryFolder folder;
   const auto said_of = [&](const std::string& content) {

@@ -89,6 +89,54 @@ TEST(PanoramaFiles, HdrRoundTrip) {
     }
 }
 
+// One bright pixel in an even room, in the ways in which programs write Radiance files.
+TEST(PanoramaFiles, EveryKindOfHdrShowsTheSame) {
+  constexpr int k_width = 64, k_height = 32, k_u = 48, k_v = 8;
+  const std::string even("\x40\x80\xC0\x80", 4), lamp("\x80\x80\x80\x88", 4);  // .25 .5 .75, and 128
+  const auto pixels = [&](bool mirrored, bool upside_down, const auto& repeated) {
+    std::string all;
+    for (int v = 0; v < k_height; ++v)
+      for (int u = 0, run = 0; u < k_width; u += run) {
+        const bool is_row = v == (upside_down ? k_height - 1 - k_v : k_v);
+        const int at = mirrored ? k_width - 1 - k_u : k_u;
+        run = is_row && u <= at ? (u == at ? 1 : at - u) : k_width - u;
+        all += repeated(is_row && u == at ? lamp : even, run);
+      }
+    return all;
+  };
+  const auto plain = [](const std::string& pixel, int count) {
+    std::string all;
+    for (int i = 0; i < count; ++i) all += pixel;
+    return all;
+  };
+  const auto old_runs = [](const std::string& pixel, int count) {
+    return count == 1 ? pixel : pixel + "\1\1\1" + static_cast<char>(count - 1);
+  };
+  const std::string format = "FORMAT=32-bit_rle_rgbe\n", size = "\n-Y 32 +X 64\n", whole = pixels(false, false, plain);
+  struct Kind {
+    const char* name;
+    std::string file;
+    double exposure;
+  };
+  const Kind kinds[] = {{"plain", "#?RADIANCE\n" + format + size + whole, 1},
+                        {"old runs", "#?RADIANCE\n" + format + size + pixels(false, false, old_runs), 1},
+                        {"returns", "#?RADIANCE\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 32 +X 64\r\n" + whole, 1},
+                        {"another program", "#?AUTOPANO\n" + format + size + whole, 1},
+                        {"exposures", "#?RGBE\nEXPOSURE=4\n" + format + "EXPOSURE= 0.5\n" + size + whole, 2},
+                        {"upwards", "#?RADIANCE\n" + format + "\n+Y 32 +X 64\n" + pixels(false, true, plain), 1},
+                        {"leftwards", "#?RADIANCE\n" + format + "\n-Y 32 -X 64\n" + pixels(true, false, plain), 1}};
+  const tests::TemporaryFolder folder;
+  for (const Kind& kind : kinds) {
+    SCOPED_TRACE(kind.name);
+    write_file(folder / "kind.hdr", std::string_view(kind.file));
+    const RadianceMap map = read_panorama(folder / "kind.hdr");
+    for (int v = 0; v < k_height; ++v)
+      for (int u = 0; u < k_width; ++u)
+        expect_near(map.colour(u, v),
+                    (u == k_u && v == k_v ? Vec3{128, 128, 128} : Vec3{.25, .5, .75}) * (1 / kind.exposure), 0.0);
+  }
+}
+
 TEST(PanoramaFiles, WhatIsNoPanoramaIsRefusedWithASentence) {
   const tests::TemporaryFolder folder;
   write_file(folder / "text.hdr", std::string_view("not a panorama\n"));
@@ -99,8 +147,8 @@ TEST(PanoramaFiles, WhatIsNoPanoramaIsRefusedWithASentence) {
   write_file(folder / "huge_square.hdr", std::string_view(head + "-Y 16384 +X 16384\n"));
   write_file(folder / "huge.hdr", std::string_view(head + "-Y 8192 +X 16384\n" + std::string(1 << 20, '\2')));
   for (const auto& [file, words] :
-       {std::pair("missing.hdr", "missing.hdr"), std::pair("a.jpg", "neither .hdr nor .exr"),
-        std::pair("text.hdr", "not a Radiance"), std::pair("text.exr", "text.exr"),
+       {std::pair("missing.hdr", "missing.hdr"), std::pair("a.jpg", "a.jpg"),
+        std::pair("text.hdr", "neither Radiance .hdr nor OpenEXR"), std::pair("text.exr", "text.exr"),
         std::pair("square.hdr", "twice as wide"), std::pair("huge_square.hdr", "twice as wide"),
         std::pair("huge.hdr", "cut off"), std::pair("black.hdr", "black")}) {
     const std::string path = folder / file;  // clang 14 captures no structured binding
