@@ -137,9 +137,10 @@ void place(LitObject* object, const Quaternion& from, Vec3 at, const Quaternion&
 
 }  // namespace
 
-LitObject standing_object(const SceneFile& scene, const std::string& file) {
+LitObject standing_object(const SceneFile& scene, const MeshFile& mesh_file) {
+  const std::string& file = mesh_file.path;
   const ColliderTrack& track = standing_track(scene);
-  MeshResult loaded = file.empty() ? make_named(track.mesh) : load_mesh(file);
+  MeshResult loaded = file.empty() ? make_named(track.mesh) : load_mesh(mesh_file);
   if (!loaded) throw Failure(loaded.error);
   stand_mesh(&loaded.mesh, track.size.y, file);
   require_baked_of(track, loaded.mesh, file.empty() ? track.mesh : file);

@@ -26,7 +26,7 @@ struct ShotOptions {
   std::string panorama, photo;  // a file, or empty: the scene's room
   std::string later;            // the room from the middle of the run on, such as with a lamp switched off
   double photo_fov_deg = 0.0;   // diagonal
-  std::string mesh;             // of the standing object; empty: the scene's
+  MeshFile mesh;                // of the standing object; empty: the scene's
   LightSource light = LightSource::room;
   sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC;
   std::string folder;  // keeps the room's panorama; may be empty
@@ -42,7 +42,7 @@ std::string shot_errors_text(const ShotErrors& errors);
 
 // The scene's first standing object. If `file` is not empty, it replaces the mesh that the scene names. A Failure says
 // that the shadow was baked from another shape.
-LitObject standing_object(const SceneFile& scene, const std::string& file);
+LitObject standing_object(const SceneFile& scene, const MeshFile& file = {});
 
 // The shadows that the scene's standing object and these grains cast in a light, complete, as a frame has them.
 SceneShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_t frame,

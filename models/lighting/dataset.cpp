@@ -184,8 +184,9 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
     locations.push_back(location_of(panorama, manifest_text));
   }
   std::vector<std::vector<Excerpt>> results(panoramas.size());
+  constexpr size_t k_tiles = 32;
   // The tiles of the sheet are spread evenly over all excerpts.
-  const size_t excerpts = panoramas.size() * k_excerpts, tiles = std::min<size_t>(options.tiles, excerpts);
+  const size_t excerpts = panoramas.size() * k_excerpts, tiles = std::min<size_t>(k_tiles, excerpts);
   std::vector<std::vector<bool>> with_tile(panoramas.size(), std::vector<bool>(k_excerpts));
   for (size_t i = 0; i < tiles; ++i) {
     const size_t at = i * excerpts / tiles;

@@ -22,7 +22,6 @@ struct DatasetOptions {
   std::string manifest;  // a .csv with the columns file, group, fold; empty: each file is its own location
   uint64_t seed = 1;
   uint32_t threads = 1;
-  uint32_t tiles = 32;  // tiles of the contact sheet
 };
 
 // The folder that SANDGLASS_DATA_DIR names; empty where it names none.

@@ -251,28 +251,26 @@ const std::vector<std::string>& mesh_names() {
 
 MeshResult make_named(const std::string& name) {
   const float cube[3] = {0.1f, 0.1f, 0.1f};
-  if (name == "trefoil") return {make_trefoil(), {}, ""};
-  if (name == "torus") return {make_torus(0.1f, 0.04f, 96, 48), {}, ""};
-  if (name == "box") return {make_box(cube), {}, ""};
-  if (name == "sphere") return {make_icosphere(0.1f, 4), {}, ""};
-  if (name == "hourglass") return {make_revolved(hourglass_profile(0.3, 0.08, 0.02, 48), 96), {}, ""};
-  if (name == "bucket") return {make_revolved(bucket_profile(0.2, 0.07, 0.1, 0.01), 96), {}, ""};
-  if (name == "silo") return {make_revolved(silo_profile(0.3, 0.08, 0.1, 0.02, 0.01), 96), {}, ""};
-  if (name == "chair") return {make_chair(), {}, ""};
+  if (name == "trefoil") return {make_trefoil(), {}, "", {}};
+  if (name == "torus") return {make_torus(0.1f, 0.04f, 96, 48), {}, "", {}};
+  if (name == "box") return {make_box(cube), {}, "", {}};
+  if (name == "sphere") return {make_icosphere(0.1f, 4), {}, "", {}};
+  if (name == "hourglass") return {make_revolved(hourglass_profile(0.3, 0.08, 0.02, 48), 96), {}, "", {}};
+  if (name == "bucket") return {make_revolved(bucket_profile(0.2, 0.07, 0.1, 0.01), 96), {}, "", {}};
+  if (name == "silo") return {make_revolved(silo_profile(0.3, 0.08, 0.1, 0.02, 0.01), 96), {}, "", {}};
+  if (name == "chair") return {make_chair(), {}, "", {}};
   std::string list;
   for (const std::string& known : mesh_names()) list += (list.empty() ? "" : ", ") + known;
-  return {{}, {}, message("make", name, "no generated mesh has this name", "Take one of " + list)};
+  return {{}, {}, message("make", name, "no generated mesh has this name", "Take one of " + list), {}};
 }
 
-MeshResult named_mesh(const std::string& name_or_file) {
-  MeshResult result = make_named(name_or_file);
+MeshResult named_mesh(const MeshFile& name_or_file) {
+  MeshResult result = make_named(name_or_file.path);
   if (result) return result;
-  if (std::error_code error; !std::filesystem::exists(name_or_file, error))
-    throw cannot("find", name_or_file, "no file and no generated mesh has this name",
+  if (std::error_code error; !std::filesystem::exists(name_or_file.path, error))
+    throw cannot("find", name_or_file.path, "no file and no generated mesh has this name",
                  "Name a mesh file, or " + list_of(mesh_names(), "or"));
-  result = load_mesh(name_or_file);
-  if (!result) throw Failure(result.error);
-  return result;
+  return load_mesh_for_command(name_or_file);
 }
 
 }  // namespace sandglass::host

@@ -62,6 +62,6 @@ const std::vector<std::string>& mesh_names();
 MeshResult make_named(const std::string& name);
 
 // That, or the mesh of a file. A Failure says what cannot be read.
-MeshResult named_mesh(const std::string& name_or_file);
+MeshResult named_mesh(const MeshFile& name_or_file);
 
 }  // namespace sandglass::host

@@ -52,10 +52,15 @@ void count_edges(const Mesh& mesh, MeshReport* report) {
     report->non_manifold_edges += count > 2;
     report->inconsistent_edges += count == 2 && forward != 1;
     report->odd_edges += count % 2;
+    report->unbalanced_edges += 2 * forward != count;
   }
 }
 
 }  // namespace
+
+sandglass_inside_rule inside_rule(const MeshReport& report) {
+  return report.watertight() && !report.oriented() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
+}
 
 std::string describe_faults(const MeshReport& report) {
   std::string text;
@@ -79,21 +84,23 @@ MeshResult clean_mesh(const std::vector<float>& vertices, const std::vector<uint
   };
   if (vertices.size() < 9 || indices.size() < 3) return fail("has no triangles. Export it as a surface of polygons.");
   const size_t vertex_count = vertices.size() / 3;
-  for (size_t i = 0; i < vertices.size(); ++i)
-    if (!std::isfinite(vertices[i]))
-      return fail("has a vertex that is not finite (vertex " + std::to_string(i / 3) +
-                  "). Repair it in a mesh editor and export it again.");
-  for (size_t i = 0; i < indices.size(); ++i)
+  std::vector<bool> is_used(vertex_count, false);
+  for (size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] >= vertex_count)
       return fail("has a triangle (" + std::to_string(i / 3) + ") with index " + std::to_string(indices[i]) +
                   ", but only " + std::to_string(vertex_count) + " vertices. Export it again.");
-
+    is_used[indices[i]] = true;
+  }
   std::vector<uint32_t> merged(vertex_count);
   std::unordered_map<std::array<float, 3>, uint32_t, PositionHash> known;
   known.reserve(vertex_count);
   for (uint32_t v = 0; v < vertex_count; ++v) {
+    if (!is_used[v]) continue;
     // Adding 0 turns -0 into 0, so that equal positions have equal bytes.
     const std::array<float, 3> p = {vertices[3 * v] + 0.0f, vertices[3 * v + 1] + 0.0f, vertices[3 * v + 2] + 0.0f};
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
+      return fail("has a vertex that is not finite (vertex " + std::to_string(v) +
+                  "). Repair it in a mesh editor and export it again.");
     const auto [entry, is_new] = known.emplace(p, result.mesh.vertex_count());
     merged[v] = entry->second;
     if (is_new) result.mesh.vertices.insert(result.mesh.vertices.end(), p.begin(), p.end());
@@ -109,6 +116,7 @@ MeshResult clean_mesh(const std::vector<float>& vertices, const std::vector<uint
     result.mesh.indices.insert(result.mesh.indices.end(), {a, b, c});
   }
   if (result.mesh.indices.empty()) return fail("has only degenerate triangles. Export it again at a larger scale.");
+  turn_outward(&result.mesh, &result.report);
   count_edges(result.mesh, &result.report);
   return result;
 }

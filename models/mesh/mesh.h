@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "sandglass/sampling.h"
+
 namespace sandglass::host {
 
 struct Mesh {
@@ -25,11 +27,20 @@ struct MeshReport {
   uint32_t non_manifold_edges = 0;    // belong to three or more triangles
   uint32_t inconsistent_edges = 0;    // belong to two triangles that run the same way
   uint32_t odd_edges = 0;             // belong to an odd number of triangles
+  uint32_t unbalanced_edges = 0;      // triangles run along them more often one way than the other
+  uint32_t parts = 0;                 // sets of triangles that hang together by edges
+  uint32_t turned_parts = 0;          // were inside out; turned
 
   // Without odd edges every line crosses the surface an even number of times, so parity tells inside from outside.
   bool watertight() const { return odd_edges == 0; }
+  // Where all neighbours agree, winding numbers tell too, and parts may overlap.
+  bool oriented() const { return unbalanced_edges == 0; }
   bool manifold() const { return boundary_edges == 0 && non_manifold_edges == 0 && inconsistent_edges == 0; }
 };
+
+// How to tell its inside: by winding numbers, so that closed parts may overlap, or by parity where the triangles of a
+// closed surface do not agree on its outside.
+sandglass_inside_rule inside_rule(const MeshReport& report);
 
 // One line about a mesh's faults; empty if there are none.
 std::string describe_faults(const MeshReport& report);
@@ -37,21 +48,39 @@ std::string describe_faults(const MeshReport& report);
 struct MeshResult {
   Mesh mesh;
   MeshReport report;
-  std::string error;  // empty: the mesh is good to use
+  std::string error;                 // empty: the mesh is good to use
+  std::vector<std::string> remarks;  // what a user should know of the file, each to stand behind its name
 
   explicit operator bool() const { return error.empty(); }
 };
 
-// Checks raw arrays, merges vertices of equal position, drops triangles with two equal corners, and counts edges.
-// `name` is what an error sentence calls the mesh. It refuses a mesh without vertices or (remaining) triangles,
-// coordinates that are not finite, and indices out of range.
+// Checks raw arrays, keeps the vertices that triangles use and merges those of equal position, drops triangles with two
+// equal corners, turns closed parts that are inside out, and counts edges. `name` is what an error sentence calls the
+// mesh. It refuses a mesh without (remaining) triangles, corners that are not finite, and indices out of range.
 MeshResult clean_mesh(const std::vector<float>& vertices, const std::vector<uint32_t>& indices,
                       const std::string& name);
 
-// Reads any format that Assimp knows, applies all transforms of the file, then cleans. It refuses, with one sentence, a
-// file that is missing, empty, not a mesh or cut off, and whatever clean_mesh refuses. A build without Assimp refuses
-// every file.
-MeshResult load_mesh(const std::string& path);
+// parts.cpp: turns the parts that are inside out, and counts them and all parts.
+void turn_outward(Mesh* mesh, MeshReport* report);
+
+// What a file without units leaves open: how many metres its unit has, and which axis is up.
+struct MeshUnits {
+  double metres = 1.0;
+  bool z_up = false;
+};
+struct MeshFile {
+  std::string path;  // empty: none
+  MeshUnits units;
+  MeshFile(std::string file = "", MeshUnits of = {}) : path(std::move(file)), units(of) {}
+};
+
+// Reads glTF, OBJ, PLY, STL and OFF, told by their content, and FBX and Collada where the build has Assimp; applies all
+// transforms of the file; cleans. It refuses, with one sentence, a file that is missing, empty, cut off, of another
+// format or wrong, and whatever clean_mesh refuses.
+MeshResult load_mesh(const MeshFile& file);
+
+// The same for a command: a Failure says what is wrong, and what a user should know is printed to stderr.
+MeshResult load_mesh_for_command(const MeshFile& file);
 
 // The enclosed volume in m^3, by the divergence theorem. It is negative for a mesh turned inside out.
 double signed_volume(const Mesh& mesh);

@@ -104,11 +104,11 @@ Json counted(const SceneFile& scene, const Material& material) {
 
 Json web_scene(const std::string& name, bool with_counts) {
   SceneFile scene = load_scene(name);
-  const LoadedMeshes meshes(scene, "");
+  const LoadedMeshes meshes(scene);
   const Material material = fill_scene(&scene, meshes.bodies());
   if (!material.rigid.empty() || !scene.sinks.empty())
     throw cannot("write for the web", scene.source, "it has rigid bodies or sinks", "Take a scene of sand alone");
-  const CollisionFields fields(&scene, "");
+  const CollisionFields fields(&scene);
   const sandglass_scene_desc desc = describe_filled(scene, material);
   std::vector<Json> colliders, emitters;
   for (const ColliderTrack& track : scene.colliders) colliders.push_back(collider(track, fields, scene.source));

@@ -148,7 +148,7 @@ int bake_command(const BakeOptions& options) {
   s.ambient.data = data_folder();
   const std::string picture = options.output + ".png";
   require_writable(picture);
-  const Mesh mesh = named_mesh(options.mesh).mesh;
+  const Mesh mesh = named_mesh({options.mesh, options.as_mesh.units()}).mesh;
   const BakeReport report = bake(mesh, options.mesh, s, options.output, picture);
   if (report.interrupted) return k_exit_interrupted;
   print(report, s);

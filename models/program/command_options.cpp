@@ -26,11 +26,21 @@ CommandOption output(std::string& file, const char* type, const char* help) {
 }
 CommandOption output_file(std::string& file, const char* help) { return writes(output(file, "FILE", help)); }
 
+CommandOption scale_option(MeshOptions& o) {
+  return {"--scale", &o.scale, "METRES", "Metres of a mesh file's unit, such as 0.001 for millimetres",
+          number(1e-9, 1e9)};
+}
+CommandOption up_option(MeshOptions& o) {
+  return {"--up", &o.up, "AXIS", "Which axis of a mesh file points up", one_of({"y", "z"})};
+}
+
 Options run_options(RunOptions& o) {
   return {
       required({"SCENE", &o.scene, "", k_scene_argument}),
       {"--mesh", &o.mesh, "FILE", k_body_mesh},
       {"--object,--collider-mesh", &o.collider_mesh, "FILE", k_collider_mesh},
+      scale_option(o.as_mesh),
+      up_option(o.as_mesh),
       standard(k_scene, {"--asset", &o.asset, "FILE", "Baked shadow of that object"}),
       standard(k_scene, {"--frames", &o.frames, "N", "Frames to run", whole_number(1, 100'000'000)}),
       standard(k_scene, {"--budget-ms", &o.budget_ms, "MS", "Budget of a frame, ms", number(0, 1e6)}),
@@ -82,7 +92,8 @@ Options light_options(LightOptions& o) {
 Options inspect_options(InspectOptions& o) {
   return {
       required({"FILE", &o.file, "", "The file, or the name of a shipped scene"}),
-      {"--mesh", &o.mesh, "FILE", "For a scene: mesh of its bodies of shape \"mesh\""},
+      scale_option(o.as_mesh),
+      up_option(o.as_mesh),
   };
 }
 
@@ -114,7 +125,9 @@ Options bake_options(BakeOptions& o) {
   BakeSettings& s = o.settings;
   s.threads = std::max(1u, std::thread::hardware_concurrency());
   return {
-      required({"MESH", &o.mesh, "", "A mesh file (y up, metres), or the name of a generated mesh"}),
+      required({"MESH", &o.mesh, "", "A mesh file, or the name of a generated mesh"}),
+      scale_option(o.as_mesh),
+      up_option(o.as_mesh),
       output_file(o.output, "Write the shadow to this file, and beside it FILE.png: truth, result and difference"),
       {"--size", &o.size, "WxL", "Size of the network: neurons a layer, and layers after the first",
        shape_of_network()},
@@ -148,6 +161,8 @@ Options sample_options(SampleOptions& o) {
                              "METRES",
                              "Least distance between two points, metres",
                              {above_zero, "above 0", "a number above 0"}})),
+      scale_option(o.as_mesh),
+      up_option(o.as_mesh),
       seed_option(o.seed, "Equal seeds give equal points"),
       writes({"--picture", &o.picture, "FILE", "Also draw the points, .png"}),
       output_file(o.output, "Write the points to this file, .ply"),
@@ -173,7 +188,6 @@ Options dataset_options(DatasetOptions& o) {
       {"--manifest", &o.manifest, "FILE",
        "CSV with the columns file, group and fold: which panoramas show the same place"},
       seed_option(o.seed, "Equal seeds give equal views"),
-      {"--tiles", &o.tiles, "N", "Images on the contact sheet", whole_number(0, UINT64_MAX)},
       threads_option(o.threads),
   };
 }

@@ -7,12 +7,20 @@
 #include <vector>
 
 #include "models/lighting/dataset.h"
+#include "models/mesh/mesh.h"
 #include "models/program/command_line.h"
 #ifdef SANDGLASS_HAVE_BAKE
 #include "models/baking/bake.h"
 #endif
 
 namespace sandglass::host {
+
+// What --scale and --up say of mesh files.
+struct MeshOptions {
+  double scale = 1.0;
+  std::string up = "y";
+  MeshUnits units() const { return {scale, up == "z"}; }
+};
 
 struct RunOptions {
   std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, out;
@@ -21,6 +29,7 @@ struct RunOptions {
   double budget_ms = -1.0;           // below 0: the scene's
   double fov_deg = 0.0;
   bool plain = false;
+  MeshOptions as_mesh;
   std::string as;  // a core of models/phones, or empty
 };
 int run_command(const RunOptions& options);
@@ -40,7 +49,8 @@ struct LightOptions {
 int light_command(const LightOptions& options);
 
 struct InspectOptions {
-  std::string file, mesh;
+  std::string file;
+  MeshOptions as_mesh;
 };
 int inspect_command(const InspectOptions& options);
 
@@ -50,6 +60,7 @@ struct SampleOptions {
   double distance = 0;  // metres
   uint64_t seed = 1;
   std::string picture, output;
+  MeshOptions as_mesh;
 };
 int sample_command(const SampleOptions& options);
 
@@ -74,6 +85,7 @@ int light_features_command(const LightFeaturesOptions& options);
 struct BakeOptions {
   std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", json;
   BakeSettings settings;
+  MeshOptions as_mesh;
   bool quick = false;
 };
 int bake_command(const BakeOptions& options);

@@ -10,7 +10,7 @@
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/files/picture_head.h"
-#include "models/mesh/mesh.h"
+#include "models/mesh/readers.h"
 #include "models/program/commands.h"
 #include "models/rooms/panorama_file.h"
 #include "models/simulation/recording.h"
@@ -102,7 +102,7 @@ void inspect_light(const std::string& path, const std::string& content) {
               static_cast<unsigned long long>(memory));
 }
 
-void inspect_scene(const std::string& path, const std::string& mesh) {
+void inspect_scene(const std::string& path) {
   SceneFile scene = load_scene(path);
   const bool needs_mesh =
       std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const Body& b) { return b.shape == BodyShape::mesh; });
@@ -110,11 +110,11 @@ void inspect_scene(const std::string& path, const std::string& mesh) {
               scene.name.c_str(), scene.frames, scene.frame_step * 1e3, scene.budget_ms, scene.bodies.size(),
               scene.colliders.size());
   uint32_t particles = 0, grains = 0;
-  if (needs_mesh && mesh.empty()) {
+  if (needs_mesh) {
     for (const Body& body : scene.bodies) particles += body.particles, grains += body.grains;
-    std::printf("  filled with  a mesh file that --mesh names; the counts below are the wanted ones\n");
+    std::printf("  filled with  a mesh file that `run --mesh` names; the counts below are the wanted ones\n");
   } else {
-    const LoadedMeshes meshes(scene, mesh);
+    const LoadedMeshes meshes(scene);
     const Material material = fill_scene(&scene, meshes.bodies());
     particles = material.particles();
     grains = material.grains();
@@ -142,15 +142,8 @@ void inspect_panorama(const std::string& path, const std::string&) {
   std::printf("panorama, %d x %d pixels\n  brightest    %.4g\n", map.width, map.height, greatest_luminance(map));
 }
 
-void inspect_mesh(const std::string& path, const std::string& content) {
-  const MeshResult loaded = load_mesh(path);
-  constexpr const char* k_endings[] = {".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".dae", ".fbx"};
-  const std::string ending = std::filesystem::path(path).extension().string();
-  if (!loaded && std::find(std::begin(k_endings), std::end(k_endings), ending) == std::end(k_endings)) {
-    if (picture_head(content).kind == PictureHead::Kind::other) return inspect_picture(path, content);
-    throw cannot("inspect", path, "it is no recording, shadow, lighting network, scene, picture, panorama or mesh",
-                 "Name one of those");
-  }
+void inspect_mesh(const MeshFile& file) {
+  const MeshResult loaded = load_mesh(file);
   if (!loaded) throw Failure(loaded.error);
   const Mesh& mesh = loaded.mesh;
   float low[3] = {}, high[3] = {};
@@ -161,9 +154,13 @@ void inspect_mesh(const std::string& path, const std::string& content) {
       high[axis] = std::max(high[axis], mesh.vertices[i]);
     }
   }
+  double size[3];
+  for (size_t axis = 0; axis < 3; ++axis) size[axis] = static_cast<double>(high[axis]) - static_cast<double>(low[axis]);
   const double volume = signed_volume(mesh);
   const std::string faults = describe_faults(loaded.report);
   std::printf("mesh\n  vertices     %u\n  triangles    %u\n", mesh.vertex_count(), mesh.triangle_count());
+  std::printf("  parts        %u\n  size         %g x %g (up) x %g m\n", loaded.report.parts, size[0], size[1],
+              size[2]);
   std::printf("  bounds       [%g, %g, %g] to [%g, %g, %g]\n", static_cast<double>(low[0]), static_cast<double>(low[1]),
               static_cast<double>(low[2]), static_cast<double>(high[0]), static_cast<double>(high[1]),
               static_cast<double>(high[2]));
@@ -175,6 +172,7 @@ void inspect_mesh(const std::string& path, const std::string& content) {
                                                    : "inward",
               volume);
   if (!faults.empty()) std::printf("  faults       %s\n", faults.c_str());
+  for (const std::string& remark : loaded.remarks) std::printf("  note         %s\n", remark.c_str());
 }
 
 }  // namespace
@@ -187,29 +185,36 @@ static uint64_t limit_of(const std::string& file) {
   std::ifstream(file, std::ios::binary).read(head, sizeof head);
   const std::string_view identifier(head + 4, 4);
   if (identifier == k_shadow_identifier || identifier == k_light_identifier) return k_asset_limit;
-  return head[0] == '{' ? k_text_limit : k_file_limit;
+  return k_file_limit;
 }
 
 int inspect_command(const InspectOptions& options) {
-  const auto& [file, mesh] = options;  // only scenes use the mesh
+  const std::string& file = options.file;
   std::error_code error;
   const bool is_file = std::filesystem::exists(file, error);
   const std::string content = is_file ? read_file(file, "file", limit_of(file)) : "";
   if (is_file && content.empty()) throw cannot("inspect", file, "the file is empty", "Name another");
-  const size_t first = content.find_first_not_of(" \t\r\n");
   const auto has_identifier = [&](const char* name) { return content.size() > 8 && content.compare(4, 4, name) == 0; };
   const PictureHead::Kind picture = picture_head(content).kind;
-  void (*of_kind)(const std::string& file, const std::string& content) = inspect_mesh;
+  const MeshFormat mesh_kind = mesh_format(content);
+  const size_t first = content.find_first_not_of(" \t\r\n");
+  const bool is_text_of_braces = first != std::string::npos && content[first] == '{';
+  const bool is_scene = !is_file || (is_text_of_braces && mesh_kind.kind == MeshFormat::none);
+  void (*of_kind)(const std::string& file, const std::string& content) = nullptr;
   if (content.starts_with(k_recording_magic)) of_kind = inspect_recording;
   else if (has_identifier(k_shadow_identifier)) of_kind = inspect_shadow_file;
   else if (has_identifier(k_light_identifier)) of_kind = inspect_light;
   else if (picture == PictureHead::Kind::png || picture == PictureHead::Kind::jpeg) of_kind = inspect_picture;
-  else if (content.starts_with("#?RADIANCE") || content.starts_with("#?RGBE") || content.starts_with(k_exr_magic))
-    of_kind = inspect_panorama;
-  else if (!is_file || (first != std::string::npos && content[first] == '{')) of_kind = inspect_scene;
-  if (!mesh.empty() && of_kind != inspect_scene)
-    throw cannot("use --mesh with", file, "the file is no scene", "Leave --mesh out");
-  of_kind(file, of_kind == inspect_scene ? mesh : content);
+  else if (content.starts_with("#?") || content.starts_with(k_exr_magic)) of_kind = inspect_panorama;
+  else if (picture == PictureHead::Kind::other && mesh_kind.kind == MeshFormat::none) of_kind = inspect_picture;
+  if (of_kind != nullptr) of_kind(file, content);
+  else if (is_scene) inspect_scene(file);
+  else if (mesh_kind.kind != MeshFormat::none) inspect_mesh({file, options.as_mesh.units()});
+  else
+    throw cannot(
+        "inspect", file,
+        "it " + mesh_kind.is_instead + ", and no recording, shadow, lighting network, scene, picture or panorama",
+        "Name one of those; export meshes as glTF, OBJ, PLY or STL");
   return k_exit_done;
 }
 

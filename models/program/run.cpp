@@ -32,10 +32,10 @@ Run::Run(const RunOptions& options, uint32_t finest_level)
   load_replay();
   replace_shadow();
   take_shot();
-  const LoadedMeshes meshes(scene_, options_.mesh);
+  const LoadedMeshes meshes(scene_, {options_.mesh, options_.as_mesh.units()});
   if (!meshes.note().empty()) std::fprintf(stderr, "sandglass: note: %s\n", meshes.note().c_str());
   const Material material = fill_scene(&scene_, meshes.bodies());
-  fields_.emplace(&scene_, options_.collider_mesh);
+  fields_.emplace(&scene_, MeshFile(options_.collider_mesh, options_.as_mesh.units()));
   simulation_.emplace(describe(material, isa));
   if (phone_) phone_->follow(simulation_->handle());
   simulation_->add(material);
@@ -109,7 +109,7 @@ void Run::take_shot() {
   ShotOptions o;
   o.panorama = options_.panorama, o.later = options_.later, o.photo = options_.photo,
   o.photo_fov_deg = options_.fov_deg;
-  o.mesh = options_.collider_mesh;
+  o.mesh = {options_.collider_mesh, options_.as_mesh.units()};
   o.folder = options_.out;
   o.threads = drawing_threads();
   for (const LightSource source : {LightSource::room, LightSource::truth, LightSource::estimate, LightSource::nothing})

@@ -71,7 +71,7 @@ Points sample_surface(const Mesh& mesh, const SampleOptions& options) {
 Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOptions& options) {
   const sandglass_mesh surface = view(mesh);
   const float distance = static_cast<float>(options.distance);
-  const sandglass_inside_rule rule = report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
+  const sandglass_inside_rule rule = inside_rule(report);
   cpp::Box box;
   cpp::Status bounded;
   bounded.code = sandglass_mesh_bounds(&surface, box.min, box.max, &bounded.reason);
@@ -112,7 +112,7 @@ void write_picture(const SampleOptions& options, const Points& points) {
 
 int sample_command(const SampleOptions& options) {
   try {
-    const MeshResult loaded = named_mesh(options.mesh);
+    const MeshResult loaded = named_mesh({options.mesh, options.as_mesh.units()});
     const Points points = options.where == "surface" ? sample_surface(loaded.mesh, options)
                                                      : sample_inside(loaded.mesh, loaded.report, options);
     if (points.empty())

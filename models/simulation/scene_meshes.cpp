@@ -1,4 +1,4 @@
-// A closed surface is filled by ray parity, an open one by winding number. A surface that is not closed and has edges
+// A surface is filled by winding number, or by parity where a closed one is not oriented. A surface that is not closed and has edges
 // of three or more triangles is refused: neither rule says what is inside it. The field of a revolved outline samples
 // its exact distance at every node. The field of a mesh comes from the library's own builder.
 #include "models/simulation/scene_meshes.h"
@@ -14,7 +14,8 @@ static sandglass_mesh view_of(const Mesh& mesh) {
   return {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
 }
 
-LoadedMeshes::LoadedMeshes(const SceneFile& scene, const std::string& mesh_path) {
+LoadedMeshes::LoadedMeshes(const SceneFile& scene, const MeshFile& mesh) {
+  const std::string& mesh_path = mesh.path;
   const auto asked_for = [&](BodyShape shape) {
     return std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const Body& body) { return body.shape == shape; });
   };
@@ -25,8 +26,7 @@ LoadedMeshes::LoadedMeshes(const SceneFile& scene, const std::string& mesh_path)
   if (mesh_path.empty()) return;
   if (!asked_for(BodyShape::mesh))
     throw cannot("use --mesh with", scene.source, "the scene has no body of shape \"mesh\"", "Leave --mesh out");
-  MeshResult loaded = load_mesh(mesh_path);
-  if (!loaded) throw Failure(loaded.error);
+  MeshResult loaded = load_mesh_for_command(mesh);
   const MeshReport& report = loaded.report;
   if (!report.watertight() && report.non_manifold_edges > 0)
     throw cannot("fill", mesh_path,
@@ -37,7 +37,7 @@ LoadedMeshes::LoadedMeshes(const SceneFile& scene, const std::string& mesh_path)
     note_ = "\"" + mesh_path + "\" is open (" + std::to_string(report.boundary_edges) +
             " boundary edges). It is filled where its winding number is at least one half.";
   argument_ = std::move(loaded.mesh);
-  bodies_.argument = {view_of(argument_), report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING};
+  bodies_.argument = {view_of(argument_), inside_rule(report)};
 }
 
 namespace {
@@ -67,7 +67,8 @@ void stand_mesh(Mesh* mesh, double height, const std::string& name) {
   for (size_t v = 0; v < vertices.size(); ++v) vertices[v] = (vertices[v] - middle[v % 3]) * scale;
 }
 
-CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path) {
+CollisionFields::CollisionFields(SceneFile* scene, const MeshFile& mesh) {
+  const std::string& mesh_path = mesh.path;
   const auto is_mesh = [](const ColliderTrack& track) {
     return track.shape == SANDGLASS_SHAPE_FIELD && track.profile.empty();
   };
@@ -76,10 +77,7 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
     throw cannot("use --collider-mesh with", scene->source, "the scene has no collider of shape \"mesh\"",
                  "Leave --collider-mesh out");
   MeshResult argument;
-  if (!mesh_path.empty()) {
-    argument = load_mesh(mesh_path);
-    if (!argument) throw Failure(argument.error);
-  }
+  if (!mesh_path.empty()) argument = load_mesh_for_command(mesh);
   const double radius = scene->particle_radius;
   for (size_t i = 0; i < scene->colliders.size(); ++i) {
     ColliderTrack& track = scene->colliders[i];
@@ -116,7 +114,7 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
       bounds.code = sandglass_mesh_bounds(&view, box.min, box.max, &bounds.reason);
       require(*scene, i, bounds);
       for (int k = 0; k < 3; ++k) box.min[k] -= beyond, box.max[k] += beyond;
-      plan.rule = loaded.report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
+      plan.rule = inside_rule(loaded.report);
       plan.solid = solid;
       plan.spacing = step;
       plan.band = static_cast<float>(2.0 * radius);

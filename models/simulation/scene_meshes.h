@@ -16,7 +16,7 @@ class LoadedMeshes {
  public:
   // Throws a Failure for a mesh that cannot be read, for a mesh without a defined inside, and for --mesh when no body
   // asks for it.
-  LoadedMeshes(const SceneFile& scene, const std::string& mesh_path);
+  LoadedMeshes(const SceneFile& scene, const MeshFile& mesh = {});
   LoadedMeshes(const LoadedMeshes&) = delete;
   LoadedMeshes& operator=(const LoadedMeshes&) = delete;
 
@@ -45,8 +45,8 @@ struct FieldPlan {
 class CollisionFields {
  public:
   // Builds the fields and sets them in the scene's collider tracks. They stay valid as long as this object.
-  // `mesh_path` is the file of --collider-mesh, or empty. A Failure names what is missing or cannot be built.
-  CollisionFields(SceneFile* scene, const std::string& mesh_path);
+  // `mesh` is the file of --collider-mesh, or empty. A Failure names what is missing or cannot be built.
+  CollisionFields(SceneFile* scene, const MeshFile& mesh = {});
 
   // The mesh that a field was made of, or the turned outline; null for a field that is not of this scene.
   const Mesh* mesh_of(const sandglass_field* field) const;

@@ -332,7 +332,7 @@ TEST(ShotComposite, ObjectAndGrainsAreAsBrightAsTraced) {
 // without shadows, and than in the light of the mirrored room.
 TEST(ShotComposite, TheRoomsLightIsNearerToTheTruthThanItsMirrorImage) {
   const SceneFile scene = shot_scene();
-  const LitObject object = standing_object(scene, "");
+  const LitObject object = standing_object(scene);
   ASSERT_FALSE(object.transfer.empty()) << "the shipped chair knows what it hides from itself";
   const ShotPicture picture(object, {}, 0.001f);
   ShotPictureOptions o;
@@ -462,7 +462,7 @@ TEST(ShotComposite, GrainsHaveTheSandsLight) {
 // floor loses the same light in both. With a light that turns with the camera it does not.
 TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   const SceneFile scene = shot_scene();
-  const LitObject object = standing_object(scene, "");
+  const LitObject object = standing_object(scene);
   const ShotPicture picture(object, {}, 0.001f);
   ShotPictureOptions o;
   o.width = 320;

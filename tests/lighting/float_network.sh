@@ -34,7 +34,7 @@ for name in ("bird", "parrot", "cat"):
 PY
 [[ $# == 4 ]] || exit 0
 for seed in 1 2; do "$program" room --seed $seed --width 64 --samples 4 -o "$folder/rooms_$seed.hdr" >/dev/null; done
-"$program" dataset "$folder" -o "$folder/set" --tiles 0 >/dev/null
+"$program" dataset "$folder" -o "$folder/set" >/dev/null
 # So few images calibrate badly; but the float network beside the bytes is whole.
 "$python" "$models/quantise.py" "$folder/weights.npz" --calibrate "$folder/set" --images 8 --keep-float --program "$program" \
   -o "$folder/float.light" || [[ $? == 1 ]]

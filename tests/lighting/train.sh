@@ -15,8 +15,8 @@ for seed in 1 2 3; do
   "$program" room --seed $seed --width 64 --samples 4 -o "$folder/rooms/room_$seed.hdr" >/dev/null
 done
 printf 'file,group,fold\nroom_1.hdr,a,1\nroom_2.hdr,b,2\nroom_3.hdr,c,3\n' >"$folder/groups.csv"
-"$program" dataset "$folder/rooms" -o "$folder/set" --manifest "$folder/groups.csv" --tiles 1 >/dev/null
-"$program" dataset "$folder/rooms" -o "$folder/more" --manifest "$folder/groups.csv" --tiles 1 --seed 2 >/dev/null
+"$program" dataset "$folder/rooms" -o "$folder/set" --manifest "$folder/groups.csv" >/dev/null
+"$program" dataset "$folder/rooms" -o "$folder/more" --manifest "$folder/groups.csv" --seed 2 >/dev/null
 
 run() {
   "$python" "$models/train.py" "$folder/set" --views "$folder/more" -o "$1" --cache "$folder/cache" --epochs 3 --batch 8 --copies 2 \

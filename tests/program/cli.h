@@ -188,11 +188,6 @@ class Cli : public ::testing::Test {
   }
 };
 
-#ifdef SANDGLASS_HAVE_ASSIMP
-constexpr bool k_assimp = true;
-#else
-constexpr bool k_assimp = false;
-#endif
 #ifdef SANDGLASS_HAVE_EMBREE
 constexpr bool k_embree = true;  // Embree traces rooms
 #else

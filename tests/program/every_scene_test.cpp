@@ -88,7 +88,7 @@ TEST_P(EveryScene, RunsWithoutTrapsAndRepeatsOnAnotherInstructionSet) {
   }
   const LoadedMeshes meshes(scene, mesh);
   const Material material = fill_scene(&scene, meshes.bodies());
-  const CollisionFields fields(&scene, "");
+  const CollisionFields fields(&scene);
   sandglass_scene_desc desc = describe_filled(scene, material);
   const Purpose* purpose = std::find_if(std::begin(k_purposes), std::end(k_purposes),
                                         [](const Purpose& p) { return p.scene == GetParam(); });

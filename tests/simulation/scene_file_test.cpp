@@ -177,7 +177,7 @@ TEST(SceneFill, MeetsTheWantedNumbersAndKeepsParticlesApart) {
       R"({"particle_radius": 0.01,
           "bodies": [{"shape": "trefoil", "particles": 800, "grains": 5000, "position": [0, 0.1, 0]}]})",
       "test.json");
-  const LoadedMeshes meshes(scene, "");
+  const LoadedMeshes meshes(scene);
   const Material material = fill_scene(&scene, meshes.bodies());
   EXPECT_NEAR(material.particles(), 800.0, 8.0);
   EXPECT_NEAR(material.grains(), 5000.0, 50.0);
@@ -211,7 +211,7 @@ TEST(SceneFill, IsTheSameToTheBitEveryTime) {
         R"({"particle_radius": 0.02, "bodies": [{"shape": "trefoil", "size": 0.6, "grains": 2000, "jitter": 0.01,
             "rotation": {"axis": [1, 2, 3], "degrees": 40}}]})",
         "test.json");
-    const LoadedMeshes meshes(scene, "");
+    const LoadedMeshes meshes(scene);
     return fill_scene(&scene, meshes.bodies());
   };
   const Material first = fill(), second = fill();

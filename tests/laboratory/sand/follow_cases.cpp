@@ -157,9 +157,9 @@ Followed follow(const FollowScene& what, sandglass_blend blend, uint64_t seed, s
   constexpr double k_slowest = 20.0, k_way = 0.4;  // times the scene's own time; seconds that a hand takes to the sand
   SceneFile scene = what.make();
   turn(&scene, seed);
-  const LoadedMeshes meshes(scene, "");
+  const LoadedMeshes meshes(scene);
   const Material material = fill_scene(&scene, meshes.bodies());
-  const CollisionFields fields(&scene, "");
+  const CollisionFields fields(&scene);
   sandglass_scene_desc desc = describe_scene(scene, material.particles(), material.grains());
   desc.isa = isa;
   desc.granular.reference.blend = blend;

@@ -10,9 +10,9 @@ namespace sandglass::host {
 constexpr uint32_t k_settling_frames = 75;  // 1.5 s: the knot has become a pile
 
 ShotStage::ShotStage() : scene(load_scene("shot")) {
-  const LoadedMeshes meshes(scene, "");
+  const LoadedMeshes meshes(scene);
   const Material material = fill_scene(&scene, meshes.bodies());
-  const CollisionFields fields(&scene, "");
+  const CollisionFields fields(&scene);
   Simulation simulation(describe_filled(scene, material));
   simulation.add(material);
   for (uint32_t frame = 0; frame < k_settling_frames; ++frame)
@@ -21,7 +21,7 @@ ShotStage::ShotStage() : scene(load_scene("shot")) {
   grain_radius =
       drawn_grain_radius(scene.particle_radius, static_cast<uint32_t>(simulation.particle_positions().size() / 3),
                          static_cast<uint32_t>(grains.size() / 3));
-  object = standing_object(scene, "");
+  object = standing_object(scene);
 }
 
 SceneShadows ShotStage::shadows_for(const ShotLight& light) const {

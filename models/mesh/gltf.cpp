@@ -1,0 +1,688 @@
+// glTF 2.0: the triangles of the default scene, in metres with y up, as the format defines where they stand: nodes, the
+// default pose of skins and morphs, and instances. Buffers may be quantised, sparse, or packed by meshoptimizer or Draco.
+// Every number of the file is checked before it is used.
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "models/geometry/vec3.h"
+#include "models/mesh/packed.h"
+#include "models/mesh/readers.h"
+
+namespace sandglass::host {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr uint32_t k_magic = 0x46546c67, k_json = 0x4e4f534a, k_binary = 0x004e4942;
+constexpr int k_triangles = 4, k_strip = 5, k_fan = 6;
+
+// Extensions that a file may require, because they are read here or change nothing that a collider or a shadow is of.
+bool is_known(const std::string& name) {
+  constexpr const char* k_read[] = {"KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing",
+                                    "KHR_draco_mesh_compression"};
+  constexpr const char* k_appearance[] = {
+      "KHR_texture_transform", "KHR_texture_basisu", "KHR_lights_punctual", "KHR_animation_pointer",
+      "KHR_xmp_json_ld",       "EXT_texture_webp",   "EXT_texture_avif",    "EXT_texture_astc",
+      "MSFT_texture_dds",      "MSFT_lod",           "EXT_lights_ies",      "EXT_lights_image_based",
+      "KHR_techniques_webgl"};
+  const auto is = [&](const char* other) { return name == other; };
+  if (!reads_draco() && name == "KHR_draco_mesh_compression") return false;
+  return std::any_of(std::begin(k_read), std::end(k_read), is) || name.starts_with("KHR_materials_") ||
+         std::any_of(std::begin(k_appearance), std::end(k_appearance), is);
+}
+
+// Column by column: four rows are not kept, the last of them is 0 0 0 1.
+struct Placement {
+  Vec3 x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1}, origin;
+
+  Vec3 direction(Vec3 v) const { return x * v.x + y * v.y + z * v.z; }
+  Vec3 place(Vec3 v) const { return direction(v) + origin; }
+  Placement operator*(const Placement& b) const {
+    return {direction(b.x), direction(b.y), direction(b.z), place(b.origin)};
+  }
+  bool is_mirrored() const { return dot(cross(x, y), z) < 0; }
+};
+
+Placement placement_of(const double* m) {
+  return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
+}
+
+Placement placement_of(Vec3 translation, const Quaternion& rotation, Vec3 scale) {
+  return {rotate(rotation, {scale.x, 0, 0}), rotate(rotation, {0, scale.y, 0}), rotate(rotation, {0, 0, scale.z}),
+          translation};
+}
+
+std::string percent_decoded(const std::string& text) {
+  std::string out;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto is_digit = [&](size_t k) {
+      return k < text.size() && std::isxdigit(static_cast<unsigned char>(text[k]));
+    };
+    if (text[i] == '%' && is_digit(i + 1) && is_digit(i + 2)) {
+      out += static_cast<char>(std::stoi(text.substr(i + 1, 2), nullptr, 16));
+      i += 2;
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
+std::string base64_decoded(std::string_view text) {
+  constexpr std::string_view k_digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::array<int8_t, 256> value;
+  value.fill(-1);
+  for (size_t i = 0; i < k_digits.size(); ++i) value[static_cast<uint8_t>(k_digits[i])] = static_cast<int8_t>(i);
+  std::string out;
+  uint32_t bits = 0, count = 0;
+  for (const char digit : text) {
+    const int8_t v = value[static_cast<uint8_t>(digit)];
+    if (v < 0) continue;  // the end, or white space
+    bits = bits << 6 | static_cast<uint32_t>(v);
+    if ((count += 6) >= 8) out += static_cast<char>(bits >> (count -= 8) & 255);
+  }
+  return out;
+}
+
+class Gltf {
+ public:
+  Gltf(const FileBeside& beside, FileMesh* mesh) : beside_(beside), mesh_(*mesh) {}
+
+  std::string read(std::string_view file) {
+    if (open(file) && is_readable() && find_parents() && add_scene()) count_left_out();
+    return error_;
+  }
+
+ private:
+  // One sentence: the first fault.
+  bool fail(const std::string& what, const std::string& help = "Export it again") {
+    if (error_.empty()) error_ = what + ". " + help + ".";
+    return false;
+  }
+
+  /* ---- numbers and lists of the description ---- */
+
+  static const Json* find(const Json& in, const char* key) {
+    if (!in.is_object()) return nullptr;
+    const auto found = in.find(key);
+    return found == in.end() ? nullptr : &*found;
+  }
+  static const Json* find(const Json& in, const char* extension, const char* key) {
+    const Json* all = find(in, "extensions");
+    const Json* one = all != nullptr ? find(*all, extension) : nullptr;
+    return one == nullptr || key == nullptr ? one : find(*one, key);
+  }
+  static size_t size_of(const Json* list) { return list != nullptr && list->is_array() ? list->size() : 0; }
+
+  // A whole number; what is left out keeps its value.
+  template <class Number>
+  bool whole(const Json& in, const char* key, Number* value, double most = 4294967295.0) {
+    const Json* found = find(in, key);
+    if (found == nullptr) return true;
+    const double number = found->is_number() ? found->get<double>() : -1.0;
+    if (!(number >= 0.0 && number <= most && number == std::floor(number)))
+      return fail(std::string("has a \"") + key + "\" that is no whole number in its range");
+    *value = static_cast<Number>(number);
+    return true;
+  }
+  template <size_t count>
+  bool numbers(const Json& in, const char* key, std::array<double, count>* values) {
+    const Json* found = find(in, key);
+    if (found == nullptr) return true;
+    bool good = size_of(found) == count;
+    for (size_t i = 0; good && i < count; ++i) {
+      good = (*found)[i].is_number();
+      if (good) (*values)[i] = (*found)[i].template get<double>();
+    }
+    return good || fail(std::string("has a \"") + key + "\" that is no list of " + std::to_string(count) + " numbers");
+  }
+  // Item `index` of a list of the file.
+  const Json* item(const char* list, size_t index) {
+    const Json* items = find(file_, list);
+    if (index < size_of(items) && (*items)[index].is_object()) return &(*items)[index];
+    fail(std::string("names number ") + std::to_string(index) + " of its \"" + list + "\", which is not there");
+    return nullptr;
+  }
+
+  /* ---- the file ---- */
+
+  bool open(std::string_view file) {
+    const auto number = [&](size_t at) {
+      uint32_t value = 0;
+      if (at + 4 <= file.size()) std::memcpy(&value, file.data() + at, 4);
+      return value;
+    };
+    if (number(0) != k_magic) return parse(file);
+    if (number(4) != 2) return fail("is of glTF version " + std::to_string(number(4)), "Export it as glTF 2.0");
+    const uint32_t told = number(8);
+    if (told > file.size())
+      return fail("ends after " + std::to_string(file.size()) + " of " + std::to_string(told) + " bytes",
+                  "Copy or export it again");
+    bool has_description = false;
+    for (size_t at = 12; at + 8 <= told;) {
+      const uint32_t length = number(at), kind = number(at + 4);
+      if (length > told - at - 8) return fail("ends within a chunk", "Copy or export it again");
+      const std::string_view chunk = file.substr(at + 8, length);
+      if (kind == k_json && !has_description) {
+        has_description = true;
+        if (!parse(chunk)) return false;
+      }
+      if (kind == k_binary && !binary_) binary_ = chunk;
+      at += 8 + length;
+    }
+    return has_description || fail("has no description");
+  }
+  bool parse(std::string_view text) {
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    while (!text.empty() && text.back() == '\0') text.remove_suffix(1);
+    file_ = Json::parse(text.begin(), text.end(), nullptr, false);
+    return file_.is_object() || fail("has a description that is no JSON", "Copy or export it again");
+  }
+  bool is_readable() {
+    const Json* asset = find(file_, "asset");
+    const Json* version = asset != nullptr ? find(*asset, "version") : nullptr;
+    if (version == nullptr || !version->is_string()) return fail("says no version of glTF");
+    const std::string is = version->get<std::string>();
+    if (!is.starts_with("2.")) return fail("is of glTF version " + is, "Export it as glTF 2.0");
+    const Json* required = find(file_, "extensionsRequired");
+    for (size_t i = 0; i < size_of(required); ++i) {
+      const std::string name = (*required)[i].is_string() ? (*required)[i].get<std::string>() : "";
+      if (!is_known(name))
+        return fail("requires the extension \"" + name + "\", which is not read here", "Export it without");
+    }
+    return true;
+  }
+
+  /* ---- buffers ---- */
+
+  bool buffer(size_t index, std::string_view* bytes) {
+    const Json* described = item("buffers", index);
+    uint64_t length = 0;
+    if (described == nullptr || !whole(*described, "byteLength", &length, 1e15)) return false;
+    const Json* uri = find(*described, "uri");
+    if (uri == nullptr && index == 0 && binary_) {
+      *bytes = *binary_;
+    } else {
+      if (uri == nullptr || !uri->is_string()) return fail("has a buffer without data");
+      auto known = buffers_.find(index);
+      if (known == buffers_.end()) {
+        std::string content;
+        if (!load(uri->get<std::string>(), &content)) return false;
+        known = buffers_.emplace(index, std::move(content)).first;
+      }
+      *bytes = known->second;
+    }
+    if (bytes->size() < length)
+      return fail(
+          "has a buffer that ends after " + std::to_string(bytes->size()) + " of " + std::to_string(length) + " bytes",
+          "Copy or export it again");
+    *bytes = bytes->substr(0, length);
+    return true;
+  }
+  bool load(const std::string& uri, std::string* content) {
+    constexpr std::string_view k_base64 = ";base64,";
+    if (uri.starts_with("data:")) {
+      const size_t comma = uri.find(',');
+      if (comma == std::string::npos) return fail("has a buffer that is damaged");
+      const bool is_base64 = comma >= 7 && std::string_view(uri).substr(comma - 7, 8) == k_base64;
+      *content =
+          is_base64 ? base64_decoded(std::string_view(uri).substr(comma + 1)) : percent_decoded(uri.substr(comma + 1));
+      return true;
+    }
+    if (beside_(uri, content) || beside_(percent_decoded(uri), content)) return true;
+    return fail("needs the file \"" + percent_decoded(uri) + "\" beside it, which cannot be read",
+                "Put it there, or export it as .glb, in one file");
+  }
+  // The bytes of a view, decoded.
+  bool view(size_t index, std::string_view* bytes, size_t* stride) {
+    const Json* described = item("bufferViews", index);
+    if (described == nullptr || !whole(*described, "byteStride", stride, 252)) return false;
+    const Json* packed = find(*described, "EXT_meshopt_compression", nullptr);
+    const Json& where = packed != nullptr ? *packed : *described;
+    size_t number = 0;
+    uint64_t offset = 0, length = 0;
+    std::string_view all;
+    if (!whole(where, "buffer", &number) || !whole(where, "byteOffset", &offset, 1e15) ||
+        !whole(where, "byteLength", &length, 1e15) || !buffer(number, &all))
+      return false;
+    if (offset > all.size() || length > all.size() - offset)
+      return fail("has a buffer view that reaches beyond its buffer");
+    *bytes = all.substr(offset, length);
+    if (packed == nullptr) return true;
+    auto known = unpacked_.find(index);
+    if (known == unpacked_.end()) {
+      MeshoptView asked;
+      const Json* mode = find(*packed, "mode");
+      const Json* filter = find(*packed, "filter");
+      if (!whole(*packed, "count", &asked.count, k_items_of_file) || !whole(*packed, "byteStride", &asked.stride, 256))
+        return false;
+      if (mode != nullptr && mode->is_string()) asked.mode = mode->get<std::string>();
+      if (filter != nullptr && filter->is_string()) asked.filter = filter->get<std::string>();
+      std::string content;
+      if (!unpack_meshopt(*bytes, asked, &content))
+        return fail("has data packed by meshoptimizer that are damaged", "Pack it again");
+      known = unpacked_.emplace(index, std::move(content)).first;
+    }
+    size_t packed_stride = 0;
+    if (!whole(*packed, "byteStride", &packed_stride, 256)) return false;
+    *bytes = known->second;
+    *stride = packed_stride;
+    return true;
+  }
+
+  /* ---- accessors ---- */
+
+  struct Type {
+    uint32_t code = 5126;  // float
+    size_t bytes() const { return code <= 5121 ? 1 : code <= 5123 ? 2 : 4; }
+    bool is_good() const { return (code >= 5120 && code <= 5123) || code == 5125 || code == 5126; }
+    double read(const char* at, bool normalised) const {
+      const auto as = [at](auto value) {
+        std::memcpy(&value, at, sizeof value);
+        return value;
+      };
+      const auto scaled = [normalised](double value, double most) {
+        return normalised ? std::max(value / most, -1.0) : value;
+      };
+      switch (code) {
+        case 5120:
+          return scaled(as(int8_t{}), 127);
+        case 5121:
+          return scaled(as(uint8_t{}), 255);
+        case 5122:
+          return scaled(as(int16_t{}), 32767);
+        case 5123:
+          return scaled(as(uint16_t{}), 65535);
+        case 5125:
+          return as(uint32_t{});
+        default:
+          return static_cast<double>(as(float{}));
+      }
+    }
+  };
+
+  // `count` items of `parts` numbers each.
+  bool elements(const Json& where, Type type, bool normalised, size_t parts, size_t count, std::vector<double>* out) {
+    size_t number = 0, stride = 0;
+    uint64_t offset = 0;
+    std::string_view bytes;
+    if (!whole(where, "bufferView", &number) || !whole(where, "byteOffset", &offset, 1e15) ||
+        !view(number, &bytes, &stride))
+      return false;
+    const size_t size = parts * type.bytes();
+    if (stride == 0) stride = size;
+    if (stride < size || (count > 0 && (offset > bytes.size() || stride * (count - 1) + size > bytes.size() - offset)))
+      return fail("has an accessor that reaches beyond its data");
+    out->resize(parts * count);
+    for (size_t i = 0; i < count; ++i)
+      for (size_t k = 0; k < parts; ++k)
+        (*out)[parts * i + k] = type.read(bytes.data() + offset + stride * i + k * type.bytes(), normalised);
+    return true;
+  }
+
+  bool accessor(size_t index, size_t parts, std::vector<double>* out) {
+    const Json* a = item("accessors", index);
+    Type type;
+    size_t count = 0;
+    if (a == nullptr || !whole(*a, "componentType", &type.code) || !whole(*a, "count", &count, k_items_of_file))
+      return false;
+    const Json* kind = find(*a, "type");
+    const char* wanted = parts == 1 ? "SCALAR" : parts == 3 ? "VEC3" : parts == 4 ? "VEC4" : "MAT4";
+    if (!type.is_good() || kind == nullptr || *kind != wanted) return fail("has an accessor of the wrong type");
+    const Json* normalised = find(*a, "normalized");
+    const bool is_normalised = normalised != nullptr && normalised->is_boolean() && normalised->get<bool>();
+    numbers_ += parts * count;  // a list may be read many times over
+    if (numbers_ > 16 * k_items_of_file) return fail("has more than 500 million numbers", "Simplify it");
+    out->assign(parts * count, 0.0);
+    if (find(*a, "bufferView") != nullptr && !elements(*a, type, is_normalised, parts, count, out)) return false;
+    const Json* sparse = find(*a, "sparse");
+    if (sparse == nullptr) return true;
+    const Json* places = find(*sparse, "indices");
+    const Json* values = find(*sparse, "values");
+    size_t changed = 0;
+    Type place_type;
+    std::vector<double> at, value;
+    if (places == nullptr || values == nullptr || !whole(*sparse, "count", &changed, static_cast<double>(count)) ||
+        !whole(*places, "componentType", &place_type.code) || !place_type.is_good())
+      return fail("has a sparse accessor that is incomplete");
+    if (!elements(*places, place_type, false, 1, changed, &at) ||
+        !elements(*values, type, is_normalised, parts, changed, &value))
+      return false;
+    for (size_t i = 0; i < changed; ++i) {
+      if (!(at[i] >= 0 && at[i] < static_cast<double>(count)))
+        return fail("has a sparse accessor that changes what is not there");
+      std::copy_n(&value[parts * i], parts, &(*out)[parts * static_cast<size_t>(at[i])]);
+    }
+    return true;
+  }
+
+  /* ---- meshes ---- */
+
+  // The attributes of a primitive, from its accessors or from what Draco packed.
+  struct Source {
+    const Json& primitive;
+    const Json* packed_names = nullptr;
+    DracoMesh packed;
+  };
+  bool attribute(const Source& from, const std::string& name, size_t parts, std::vector<double>* out) {
+    const Json* names = find(from.primitive, "attributes");
+    const Json* number = from.packed_names != nullptr ? find(*from.packed_names, name.c_str()) : nullptr;
+    if (number != nullptr) {
+      uint32_t id = 0;
+      if (!whole(*from.packed_names, name.c_str(), &id)) return false;
+      return draco_attribute(from.packed, id, parts, out) ||
+             fail("has data packed by Draco that are damaged", "Pack it again");
+    }
+    out->clear();
+    if (names == nullptr || find(*names, name.c_str()) == nullptr) return true;
+    size_t index = 0;
+    return whole(*names, name.c_str(), &index) && accessor(index, parts, out);
+  }
+  bool corners(const Source& from, size_t vertices, std::vector<uint32_t>* out) {
+    if (from.packed_names != nullptr) {
+      draco_triangles(from.packed, out);
+    } else if (find(from.primitive, "indices") != nullptr) {
+      size_t index = 0;
+      std::vector<double> listed;
+      if (!whole(from.primitive, "indices", &index) || !accessor(index, 1, &listed)) return false;
+      for (const double i : listed) out->push_back(i >= 0 && i < 4294967295.0 ? static_cast<uint32_t>(i) : 0xffffffffu);
+    } else {
+      for (uint32_t i = 0; i < vertices; ++i) out->push_back(i);
+    }
+    for (const uint32_t corner : *out)
+      if (corner >= vertices)
+        return fail("has a triangle with vertex " + std::to_string(corner) + ", but only " + std::to_string(vertices));
+    return true;
+  }
+
+  bool add_morphs(const Json& primitive, const std::vector<double>& weights, std::vector<double>* places) {
+    const Json* targets = find(primitive, "targets");
+    for (size_t t = 0; t < std::min(size_of(targets), weights.size()); ++t) {
+      if (weights[t] == 0.0 || find((*targets)[t], "POSITION") == nullptr) continue;
+      size_t index = 0;
+      std::vector<double> moves;
+      if (!whole((*targets)[t], "POSITION", &index) || !accessor(index, 3, &moves)) return false;
+      if (moves.size() != places->size()) return fail("has a morph target of another size than its mesh");
+      for (size_t i = 0; i < moves.size(); ++i) (*places)[i] += weights[t] * moves[i];
+    }
+    return true;
+  }
+
+  // Where each vertex goes by the joints that hold it.
+  bool skinned(const Source& from, const std::vector<Placement>& joints, size_t vertices, std::vector<Placement>* out) {
+    std::vector<double> total(vertices, 0.0);
+    out->assign(vertices, {{}, {}, {}, {}});
+    for (int set = 0;; ++set) {
+      std::vector<double> names, weights;
+      const std::string number = std::to_string(set);
+      if (!attribute(from, "JOINTS_" + number, 4, &names) || !attribute(from, "WEIGHTS_" + number, 4, &weights))
+        return false;
+      if (names.empty() && weights.empty()) break;
+      if (names.size() != 4 * vertices || weights.size() != 4 * vertices)
+        return fail("has a skin of another size than its mesh");
+      for (size_t i = 0; i < names.size(); ++i) {
+        if (weights[i] == 0.0) continue;
+        if (!(names[i] >= 0 && names[i] < static_cast<double>(joints.size())))
+          return fail("has a skin with a joint that is not there");
+        const Placement& joint = joints[static_cast<size_t>(names[i])];
+        Placement& sum = (*out)[i / 4];
+        sum = {sum.x + joint.x * weights[i], sum.y + joint.y * weights[i], sum.z + joint.z * weights[i],
+               sum.origin + joint.origin * weights[i]};
+        total[i / 4] += weights[i];
+      }
+    }
+    for (size_t v = 0; v < vertices; ++v) {
+      if (!(total[v] > 0)) return fail("has a vertex whose skin weighs nothing");
+      const double s = 1 / total[v];
+      Placement& p = (*out)[v];
+      p = {p.x * s, p.y * s, p.z * s, p.origin * s};
+    }
+    return true;
+  }
+
+  // `joints`: nothing for a mesh without a skin, which stands at each of `places`.
+  bool add_primitive(const Json& primitive, const std::vector<double>& weights, const std::vector<Placement>& places,
+                     const std::vector<Placement>& joints) {
+    int mode = k_triangles;
+    if (!whole(primitive, "mode", &mode, 6)) return false;
+    if (mode < k_triangles) {
+      ++mesh_.left_out[mode == 0 ? "sets of points" : "sets of lines"];
+      return true;
+    }
+    Source from = {primitive, nullptr, {}};
+    if (const Json* packed = reads_draco() ? find(primitive, "KHR_draco_mesh_compression", nullptr) : nullptr) {
+      size_t number = 0, stride = 0;
+      std::string_view bytes;
+      from.packed_names = find(*packed, "attributes");
+      if (from.packed_names == nullptr || !whole(*packed, "bufferView", &number) || !view(number, &bytes, &stride))
+        return fail("has data packed by Draco that are incomplete");
+      if (!unpack_draco(bytes, &from.packed)) return fail("has data packed by Draco that are damaged", "Pack it again");
+      mode = k_triangles;
+    }
+    std::vector<double> own;
+    std::vector<uint32_t> listed;
+    if (!attribute(from, "POSITION", 3, &own)) return false;
+    const size_t vertices = own.size() / 3;
+    if (!corners(from, vertices, &listed) || !add_morphs(primitive, weights, &own)) return false;
+    std::vector<Placement> held;
+    if (!joints.empty() && !skinned(from, joints, vertices, &held)) return false;
+    const size_t triangles = mode == k_triangles ? listed.size() / 3 : listed.size() < 3 ? 0 : listed.size() - 2;
+    for (const Placement& place : places) {
+      const size_t first = mesh_.vertices.size() / 3;
+      if (first + vertices > k_items_of_file || mesh_.indices.size() + 3 * triangles > k_items_of_file)
+        return fail("has more than 33 million vertices or corners", "Simplify it");
+      for (size_t v = 0; v < vertices; ++v) {
+        const Vec3 p = (held.empty() ? place : held[v]).place({own[3 * v], own[3 * v + 1], own[3 * v + 2]});
+        mesh_.vertices.insert(mesh_.vertices.end(), {p.x, p.y, p.z});
+      }
+      for (size_t t = 0; t < triangles; ++t) {
+        // A strip turns every second triangle; a mirrored one is seen from its other side.
+        std::array<size_t, 3> at = {3 * t, 3 * t + 1, 3 * t + 2};
+        if (mode == k_strip) at = {t, t + 1 + t % 2, t + 2 - t % 2};
+        if (mode == k_fan) at = {0, t + 1, t + 2};
+        if ((held.empty() ? place : held[listed[at[0]]]).is_mirrored()) std::swap(at[1], at[2]);
+        for (const size_t k : at) mesh_.indices.push_back(static_cast<uint32_t>(first + listed[k]));
+      }
+    }
+    return true;
+  }
+
+  /* ---- the scene ---- */
+
+  // Every node has at most one node above it; a chain that never ends at a root is refused.
+  bool find_parents() {
+    const Json* nodes = find(file_, "nodes");
+    parents_.assign(size_of(nodes), k_none);
+    for (size_t n = 0; n < parents_.size(); ++n) {
+      const Json* children = find((*nodes)[n], "children");
+      for (size_t c = 0; c < size_of(children); ++c) {
+        const Json& child = (*children)[c];
+        const double number = child.is_number() ? child.get<double>() : -1;
+        if (!(number >= 0 && number < static_cast<double>(parents_.size())))
+          return fail("has a node below another that is not there");
+        size_t* parent = &parents_[static_cast<size_t>(number)];
+        if (*parent != k_none) return fail("has a node that stands below two others");
+        *parent = n;
+      }
+    }
+    placements_.assign(parents_.size(), std::nullopt);
+    return true;
+  }
+  bool own_placement(const Json& node, Placement* placement) {
+    std::array<double, 3> translation = {0, 0, 0}, scale = {1, 1, 1};
+    std::array<double, 4> rotation = {0, 0, 0, 1};
+    std::array<double, 16> matrix;
+    if (find(node, "matrix") != nullptr) {
+      if (!numbers(node, "matrix", &matrix)) return false;
+      *placement = placement_of(matrix.data());
+      return true;
+    }
+    if (!numbers(node, "translation", &translation) || !numbers(node, "rotation", &rotation) ||
+        !numbers(node, "scale", &scale))
+      return false;
+    *placement =
+        placement_of({translation[0], translation[1], translation[2]}, rotation, {scale[0], scale[1], scale[2]});
+    return true;
+  }
+  // With those of the nodes above it.
+  bool placement(size_t node, Placement* out) {
+    std::vector<size_t> chain;
+    size_t at = node;
+    while (at != k_none && !placements_[at]) {
+      chain.push_back(at);
+      if (chain.size() > parents_.size()) return fail("has a node that stands below itself");
+      at = parents_[at];
+    }
+    Placement above = at == k_none ? Placement{} : *placements_[at];
+    for (size_t i = chain.size(); i-- > 0;) {
+      const Json* described = item("nodes", chain[i]);
+      Placement own;
+      if (described == nullptr || !own_placement(*described, &own)) return false;
+      above = above * own;
+      placements_[chain[i]] = above;
+    }
+    *out = above;
+    return true;
+  }
+
+  bool instances(const Json& node, const Placement& place, std::vector<Placement>* out) {
+    const Json* attributes = find(node, "EXT_mesh_gpu_instancing", "attributes");
+    if (attributes == nullptr) {
+      *out = {place};
+      return true;
+    }
+    std::vector<double> translations, rotations, scales;
+    const auto read = [&](const char* name, size_t parts, std::vector<double>* values) {
+      size_t index = 0;
+      return find(*attributes, name) == nullptr || (whole(*attributes, name, &index) && accessor(index, parts, values));
+    };
+    if (!read("TRANSLATION", 3, &translations) || !read("ROTATION", 4, &rotations) || !read("SCALE", 3, &scales))
+      return false;
+    const size_t count = std::max({translations.size() / 3, rotations.size() / 4, scales.size() / 3});
+    const auto fits = [count](const std::vector<double>& values, size_t parts) {
+      return values.empty() || values.size() == parts * count;
+    };
+    if (!fits(translations, 3) || !fits(rotations, 4) || !fits(scales, 3))
+      return fail("has instances with lists of different lengths");
+    for (size_t i = 0; i < count; ++i) {
+      const auto three = [i](const std::vector<double>& v, Vec3 none) {
+        return v.empty() ? none : Vec3{v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+      };
+      Quaternion turn = k_no_rotation;
+      if (!rotations.empty())
+        turn =
+            normalised(Quaternion{rotations[4 * i], rotations[4 * i + 1], rotations[4 * i + 2], rotations[4 * i + 3]});
+      out->push_back(place * placement_of(three(translations, {}), turn, three(scales, {1, 1, 1})));
+    }
+    return true;
+  }
+
+  bool joints_of(const Json& node, std::vector<Placement>* joints) {
+    size_t number = 0;
+    if (find(node, "skin") == nullptr) return true;
+    if (!whole(node, "skin", &number)) return false;
+    const Json* skin = item("skins", number);
+    const Json* names = skin != nullptr ? find(*skin, "joints") : nullptr;
+    if (size_of(names) == 0) return fail("has a skin without joints");
+    std::vector<double> inverse;
+    if (find(*skin, "inverseBindMatrices") != nullptr) {
+      size_t index = 0;
+      if (!whole(*skin, "inverseBindMatrices", &index) || !accessor(index, 16, &inverse)) return false;
+      if (inverse.size() < 16 * names->size()) return fail("has a skin with fewer matrices than joints");
+    }
+    for (size_t j = 0; j < names->size(); ++j) {
+      const double joint = (*names)[j].is_number() ? (*names)[j].get<double>() : -1;
+      if (!(joint >= 0 && joint < static_cast<double>(parents_.size())))
+        return fail("has a skin with a joint that is not there");
+      Placement place;
+      if (!placement(static_cast<size_t>(joint), &place)) return false;
+      joints->push_back(inverse.empty() ? place : place * placement_of(&inverse[16 * j]));
+    }
+    return true;
+  }
+
+  bool add_node(size_t number) {
+    const Json* node = item("nodes", number);
+    if (node == nullptr) return false;
+    if (find(*node, "mesh") == nullptr) return true;
+    size_t index = 0;
+    Placement place;
+    std::vector<Placement> places, joints;
+    if (!whole(*node, "mesh", &index) || !placement(number, &place) || !instances(*node, place, &places) ||
+        !joints_of(*node, &joints))
+      return false;
+    const Json* described = item("meshes", index);
+    if (described == nullptr) return false;
+    const Json* listed = find(*node, "weights") != nullptr ? find(*node, "weights") : find(*described, "weights");
+    std::vector<double> weights;
+    for (size_t i = 0; i < size_of(listed); ++i)
+      weights.push_back((*listed)[i].is_number() ? (*listed)[i].get<double>() : 0.0);
+    const Json* primitives = find(*described, "primitives");
+    for (size_t p = 0; p < size_of(primitives); ++p)
+      if (!add_primitive((*primitives)[p], weights, places, joints)) return false;
+    return true;
+  }
+
+  bool add_scene() {
+    std::vector<size_t> open;
+    if (find(file_, "scenes") == nullptr) {
+      for (size_t n = 0; n < parents_.size(); ++n)
+        if (parents_[n] == k_none) open.push_back(n);
+    } else {
+      size_t index = 0;
+      if (!whole(file_, "scene", &index)) return false;
+      const Json* scene = item("scenes", index);
+      if (scene == nullptr) return false;
+      const Json* roots = find(*scene, "nodes");
+      for (size_t i = 0; i < size_of(roots); ++i) {
+        const double root = (*roots)[i].is_number() ? (*roots)[i].get<double>() : -1;
+        if (!(root >= 0 && root < static_cast<double>(parents_.size())))
+          return fail("has a scene with a node that is not there");
+        open.push_back(static_cast<size_t>(root));
+      }
+    }
+    std::reverse(open.begin(), open.end());
+    std::vector<bool> is_done(parents_.size(), false);
+    while (!open.empty()) {
+      const size_t node = open.back();
+      open.pop_back();
+      if (is_done[node]) return fail("has a node that stands in its scene twice");
+      is_done[node] = true;
+      if (!add_node(node)) return false;
+      const Json* children = find((*find(file_, "nodes"))[node], "children");
+      for (size_t c = size_of(children); c-- > 0;) open.push_back(static_cast<size_t>((*children)[c].get<double>()));
+    }
+    return true;
+  }
+
+  void count_left_out() {
+    for (const char* name : {"materials", "animations", "cameras"})
+      if (const size_t count = size_of(find(file_, name))) mesh_.left_out[name] += count;
+    if (const size_t count = size_of(find(file_, "KHR_lights_punctual", "lights"))) mesh_.left_out["lights"] += count;
+  }
+
+  static constexpr size_t k_none = SIZE_MAX;
+  const FileBeside& beside_;
+  FileMesh& mesh_;
+  std::string error_;
+  Json file_;
+  size_t numbers_ = 0;
+  std::optional<std::string_view> binary_;
+  std::map<size_t, std::string> buffers_, unpacked_;
+  std::vector<size_t> parents_;
+  std::vector<std::optional<Placement>> placements_;
+};
+
+}  // namespace
+
+std::string read_gltf(std::string_view file, const FileBeside& beside, FileMesh* mesh) {
+  return Gltf(beside, mesh).read(file);
+}
+
+}  // namespace sandglass::host
