@@ -14,8 +14,7 @@ namespace sandglass::host {
 bool unpack_meshopt(std::string_view packed, const MeshoptView& view, std::string* bytes) {
   const auto* data = reinterpret_cast<const unsigned char*>(packed.data());
   const auto [count, stride] = std::pair(view.count, view.stride);
-  constexpr size_t k_most_of_a_byte = 256;  // more than any of the codecs makes of one
-  if (count * stride / k_most_of_a_byte > packed.size()) return false;
+  if (!could_be_unpacked(packed.size(), view)) return false;
   bytes->assign(count * stride, '\0');
   // The library asserts what a file may break.
   if (view.mode == "ATTRIBUTES") {

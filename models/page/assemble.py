@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Puts the page into one file: python3 assemble.py NPM_FOLDER SCENE_JSON SHADOW OUTPUT
+"""Puts the page into one file: python3 assemble.py NPM_FOLDER PAGE_FOLDER SCENE_JSON SHADOW OUTPUT
 
 The modules are joined in the order of their imports, without import and export, into the page's one script. The
 library, compressed, without and with threads, the scene and the baked shadow go in as text. The page then needs nothing
@@ -31,14 +31,15 @@ def joined(paths):
 
 
 def main():
-    npm, scene, shadow, output = map(pathlib.Path, sys.argv[1:])
+    npm, parts, scene, shadow, output = map(pathlib.Path, sys.argv[1:])
     here = pathlib.Path(__file__).parent
-    packed = {name: zlib.compress((npm / file).read_bytes(), 9) for name, file in (("k_module", "sandglass.wasm"), ("k_module_threads", "sandglass-threads.wasm"))}
+    modules = {"k_module": npm / "sandglass.wasm", "k_module_threads": npm / "sandglass-threads.wasm", "k_mesh_module": parts / "mesh_reader.wasm"}
+    packed = {name: zlib.compress(file.read_bytes(), 9) for name, file in modules.items()}
     packed["k_chair_shadow"] = shadow.read_bytes()
     data = "".join(f"const {name} = \"{base64.b64encode(content).decode()}\";\n" for name, content in packed.items())
     data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
-    own = ("elements", "scene", "painter", "obj", "gltf", "link", "tilt", "room_light", "real_table", "measure", "controls", "page")
-    script = joined([npm / "abi.mjs", npm / "sandglass.mjs", *(here / f"{name}.mjs" for name in own)])
+    own = ("elements", "scene", "painter", "mesh_file", "link", "tilt", "room_light", "real_table", "measure", "controls", "page")
+    script = joined([npm / "abi.mjs", npm / "sandglass.mjs", parts / "meshopt_decoder.mjs", *(here / f"{name}.mjs" for name in own)])
     page = (here / "page.html").read_text().replace("@MODULES@", data + script)
     if "</script" in (data + script):
         sys.exit("assemble.py: a module holds the end of a script")

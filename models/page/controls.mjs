@@ -1,6 +1,4 @@
 // What fingers, keys, buttons and files do.
-import { readObj } from "./obj.mjs";
-import { readGltf } from "./gltf.mjs";
 import { toLink, fromLink } from "./link.mjs";
 import { followDevice } from "./tilt.mjs";
 import { CameraImages } from "./room_light.mjs";
@@ -96,8 +94,7 @@ export async function play(page, recording) {
 
 async function take(page, file) {
   if (/\.json$/i.test(file.name)) return play(page, await file.text().then(JSON.parse).catch(() => null));
-  if (!/\.(obj|gltf|glb)$/i.test(file.name)) throw new Error(`"${file.name}" is neither a mesh nor a recording. Export the mesh as OBJ or glTF.`);
-  const mesh = /\.obj$/i.test(file.name) ? readObj(await file.text()) : readGltf(new Uint8Array(await file.arrayBuffer()));
+  const mesh = (await page.readMesh())(new Uint8Array(await file.arrayBuffer()), file.name);
   say(`${counted(page.addMesh(mesh))} particles of "${file.name}".`);
 }
 

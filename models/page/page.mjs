@@ -2,14 +2,14 @@
 import { load, constants } from "./sandglass.mjs";
 import { SandScene, addPoints, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
-import { standing } from "./obj.mjs";
+import { meshReader, standing } from "./mesh_file.mjs";
 import { RoomLight, lightOfSky } from "./room_light.mjs";
 import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom, cellsOfTable } from "./tilt.mjs";
 import { fromLink } from "./link.mjs";
 import { fixedRun, k_stages, Pauses } from "./measure.mjs";
 import { listen, play } from "./controls.mjs";
 import { by, say, counted } from "./elements.mjs";
-import { k_module, k_module_threads, k_scene, k_chair_shadow } from "./data.mjs";
+import { k_module, k_module_threads, k_mesh_module, k_scene, k_chair_shadow } from "./data.mjs";
 
 const k_step = k_scene.frame_step, k_radius = k_scene.granular.particle_radius;
 const k_pour = { radius: 4 * k_radius, speed: 0.8, grains_per_particle: 16 };
@@ -331,6 +331,9 @@ class Page {
     this.recorded = [], this.added = [], this.recordedHash = undefined;
     this.given = [...k_scene.gravity], this.tipped = false;
   }
+
+  // The reader of mesh files; it is compiled when the first one comes.
+  readMesh() { return this.meshReader ??= inflated(k_mesh_module).then(meshReader); }
 
   // A mesh as sand: its volume on the library's lattice, above the mark. One that takes too much sand is made smaller.
   addMesh(read) {

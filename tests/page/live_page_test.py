@@ -57,7 +57,7 @@ def native_hash(sandglass, frames):
 def assemble(web_scene, npm, work):
     scene, page = work / "page.json", work / "sandglass.html"
     subprocess.run([web_scene, ROOT / "models/page/page.json", scene, "--counted"], check=True)
-    subprocess.run([sys.executable, ROOT / "models/page/assemble.py", npm, scene, ROOT / "models/shadows/chair.shadow", page], check=True)
+    subprocess.run([sys.executable, ROOT / "models/page/assemble.py", npm, pathlib.Path(npm).parent / "page", scene, ROOT / "models/shadows/chair.shadow", page], check=True)
     return page
 
 
