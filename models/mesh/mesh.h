@@ -85,6 +85,9 @@ MeshResult load_mesh_for_command(const MeshFile& file);
 // The enclosed volume in m^3, by the divergence theorem. It is negative for a mesh turned inside out.
 double signed_volume(const Mesh& mesh);
 
+// In m^2.
+double surface_area(const Mesh& mesh);
+
 // The same surface with no edge longer than `longest`: the longest edge of a triangle is halved until none is.
 // Triangles that share an edge share its middle.
 Mesh with_short_edges(const Mesh& mesh, double longest);

@@ -85,6 +85,7 @@ class Ply {
                    std::to_string(mesh_.vertices.size() / 3) + ". Export it again.";
         }
         for (size_t k = 0; is_vertex && k < 3; ++k) mesh_.vertices.push_back(row[place[k]]);
+        if (is_text_) end_line();
       }
       if (!is_vertex && !is_face && !is_strip && element.count > 0)
         mesh_.left_out["rows of \"" + element.name + "\""] += element.count;
@@ -167,6 +168,14 @@ class Ply {
            : type == 'f' ? as(float{})
                          : as(double{});
     return true;
+  }
+  // A row has a line of its own. Some programs write more into it than their header says.
+  void end_line() {
+    const size_t end = std::min(file_.find('\n', at_), file_.size());
+    Words words = {file_.substr(at_, end - at_)};
+    for (std::string_view word = words.next(); !word.empty(); word = words.next())
+      ++mesh_.left_out["values that its header does not name"];
+    at_ = end;
   }
   std::string broken(size_t row, const Element& element) const {
     const char* what = element.name == "vertex" ? "vertices" : element.name == "face" ? "faces" : "rows";

@@ -197,6 +197,10 @@ Options verify_shot_options(VerifyOptions& o) {
           json_option(o.json)};
 }
 
+Options verify_files_options(VerifyOptions& o) {
+  return {required({"FOLDER", &o.folder, "", "Mesh files, also in folders of it"}), json_option(o.json)};
+}
+
 }  // namespace
 
 int verify_granular_command(const VerifyOptions& options) {
@@ -228,6 +232,8 @@ std::vector<Command> verify_suites() {
                              verify_room_options, verify_room_command),
       command<VerifyOptions>("shot", "Whole pictures: composites against path traced truth", verify_shot_options,
                              verify_shot_command),
+      command<VerifyOptions>("files", "Mesh files of a folder: as the program reads them, and as trimesh does",
+                             verify_files_options, verify_files_command),
   };
 }
 

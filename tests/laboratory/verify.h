@@ -14,7 +14,7 @@ namespace sandglass::host {
 
 // Of all suites; verify.cpp says which takes what.
 struct VerifyOptions {
-  std::string json, out, isa = "automatic", manifest, estimates, network;
+  std::string json, out, isa = "automatic", manifest, estimates, network, folder;
   std::vector<std::string> cases, panoramas, meshes;
   bool quick = false, pictures = false;
   uint64_t seed = 0;
@@ -27,6 +27,7 @@ int verify_follow_command(const VerifyOptions& options);
 int verify_lighting_command(const VerifyOptions& options);
 int verify_room_command(const VerifyOptions& options);
 int verify_shot_command(const VerifyOptions& options);
+int verify_files_command(const VerifyOptions& options);
 std::vector<Command> verify_suites();
 
 // Composites beside their truth, in the same panoramas: the rows of `verify shot`. Empty where it was interrupted.
