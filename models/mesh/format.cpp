@@ -100,7 +100,7 @@ std::string read_mesh(MeshFormat::Kind kind, std::string_view file, const FileBe
 }
 
 MeshResult finished_mesh(FileMesh file, const MeshUnits& units, const std::string& name) {
-  constexpr double k_small = 0.01, k_large = 20, k_steps = 1e4;  // metres; of the size
+  constexpr double k_steps = 1e4;  // that floats must have across the mesh
   std::vector<double>& v = file.vertices;
   std::array<double, 3> low, high;
   low.fill(std::numeric_limits<double>::infinity());
@@ -135,14 +135,6 @@ MeshResult finished_mesh(FileMesh file, const MeshUnits& units, const std::strin
   }
   MeshResult result = clean_mesh(std::vector<float>(v.begin(), v.end()), file.indices, name);
   if (!result) return result;
-  if (size < k_small || size > k_large) {
-    char buffer[160];
-    std::snprintf(
-        buffer, sizeof buffer,
-        "its longest side has %.3g m. If that is wrong, say its unit with --scale, such as 0.001 for millimetres",
-        size);
-    remarks.push_back(buffer);
-  }
   std::string left_out;
   for (const auto& [what, count] : file.left_out)
     left_out += (left_out.empty() ? "" : ", ") + what + " (" + std::to_string(count) + ")";

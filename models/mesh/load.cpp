@@ -1,4 +1,5 @@
 // Mesh files of the program: by the readers beside it, and FBX and Collada by Assimp.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -8,6 +9,20 @@
 #include "models/mesh/readers.h"
 
 namespace sandglass::host {
+
+// A size that is rarely meant.
+static void remark_size(MeshResult* result) {
+  constexpr double k_small = 0.01, k_large = 20;  // metres
+  const auto [low, high] = box_of(result->mesh);
+  double size = 0;
+  for (size_t k = 0; k < 3; ++k) size = std::max(size, static_cast<double>(high[k]) - static_cast<double>(low[k]));
+  if (size >= k_small && size <= k_large) return;
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      "its longest side has %.3g m. If that is wrong, say its unit with --scale, such as 0.001 for millimetres", size);
+  result->remarks.emplace_back(text);
+}
 
 MeshResult load_mesh(const MeshFile& file) {
   const std::string& path = file.path;
@@ -36,7 +51,9 @@ MeshResult load_mesh(const MeshFile& file) {
     const std::string error =
         is_assimps ? read_by_assimp(path, content.size(), &mesh) : read_mesh(format.kind, content, beside, &mesh);
     if (!error.empty()) return fail(error);
-    return finished_mesh(std::move(mesh), file.units, path);
+    MeshResult result = finished_mesh(std::move(mesh), file.units, path);
+    if (result) remark_size(&result);
+    return result;
   } catch (const Failure& failure) {
     MeshResult result;
     result.error = failure.what();

@@ -133,6 +133,17 @@ double signed_volume(const Mesh& mesh) {
   return sum / 6;
 }
 
+MeshBox box_of(const Mesh& mesh) {
+  MeshBox box;
+  box.low.fill(INFINITY);
+  box.high.fill(-INFINITY);
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    box.low[i % 3] = std::min(box.low[i % 3], mesh.vertices[i]);
+    box.high[i % 3] = std::max(box.high[i % 3], mesh.vertices[i]);
+  }
+  return box;
+}
+
 double surface_area(const Mesh& mesh) {
   double sum = 0;
   for (size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {

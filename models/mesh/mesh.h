@@ -2,6 +2,7 @@
 // in the result, not exceptions.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -84,6 +85,12 @@ MeshResult load_mesh_for_command(const MeshFile& file);
 
 // The enclosed volume in m^3, by the divergence theorem. It is negative for a mesh turned inside out.
 double signed_volume(const Mesh& mesh);
+
+// The least box around it.
+struct MeshBox {
+  std::array<float, 3> low, high;
+};
+MeshBox box_of(const Mesh& mesh);
 
 // In m^2.
 double surface_area(const Mesh& mesh);

@@ -96,15 +96,13 @@ class Ply {
  private:
   std::string read_header() {
     bool has_format = false;
+    // As its first line ends: the data may begin with any byte.
+    const std::string_view line_end = file_.substr(3, 2) == "\r\n" ? "\r\n" : file_.substr(3, 1);
     for (;;) {
-      const size_t end = file_.find('\n', at_);
-      // Some programs end their lines with a return alone.
-      const size_t back = file_.find('\r', at_);
-      const bool is_alone = back < end && back + 1 != end;
-      const size_t line_end = std::min(end, back);
-      if (line_end == std::string_view::npos) return "ends within its header. Copy or export it again.";
-      Words words = {file_.substr(at_, line_end - at_)};
-      at_ = (is_alone || back == std::string_view::npos || back > end ? line_end : end) + 1;
+      const size_t end = file_.find(line_end, at_);
+      if (end == std::string_view::npos) return "ends within its header. Copy or export it again.";
+      Words words = {file_.substr(at_, end - at_)};
+      at_ = end + line_end.size();
       const std::string_view keyword = words.next(), first = words.next(), second = words.next();
       if (keyword == "end_header") break;
       if (keyword == "format") {
@@ -171,7 +169,7 @@ class Ply {
   }
   // A row has a line of its own. Some programs write more into it than their header says.
   void end_line() {
-    const size_t end = std::min(file_.find('\n', at_), file_.size());
+    const size_t end = std::min(file_.find_first_of("\r\n", at_), file_.size());
     Words words = {file_.substr(at_, end - at_)};
     for (std::string_view word = words.next(); !word.empty(); word = words.next())
       ++mesh_.left_out["values that its header does not name"];

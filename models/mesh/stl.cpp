@@ -29,8 +29,11 @@ std::string read_text(std::string_view file, FileMesh* mesh) {
   size_t facets = 0, corners = 0;
   bool is_open = false, is_in_facet = false;
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+    // A name may hold any words.
+    const auto skip_line = [&] { words.at = std::min(file.find_first_of("\r\n", words.at), file.size()); };
     if (is_word(word, "solid") && !is_open) {
       is_open = true;
+      skip_line();
     } else if (is_word(word, "facet") && is_open) {
       is_in_facet = true;
       corners = 0;
@@ -55,8 +58,7 @@ std::string read_text(std::string_view file, FileMesh* mesh) {
       ++facets;
     } else if (is_word(word, "endsolid")) {
       is_open = false;
-      const size_t end = file.find('\n', words.at);  // its name may hold any words
-      words.at = end == std::string_view::npos ? file.size() : end;
+      skip_line();
     }
   }
   if (is_open) return "ends after " + std::to_string(facets) + " facets without \"endsolid\". Copy or export it again.";

@@ -1,6 +1,7 @@
 // Text of numbers and words, as mesh files hold it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -26,11 +27,9 @@ struct Words {
     out->clear();
     if (at >= text.size()) return false;
     for (bool goes_on = true; goes_on && at < text.size();) {
-      size_t end = text.find('\n', at);
-      if (end == std::string_view::npos) end = text.size();
+      const size_t end = std::min(text.find_first_of("\r\n", at), text.size());  // old programs write returns alone
       std::string_view part = text.substr(at, end - at);
-      at = end + 1;
-      if (part.ends_with('\r')) part.remove_suffix(1);
+      at = end + (text.substr(end, 2) == "\r\n" ? 2 : 1);
       size_t comment = part.find('#');  // "-1.#IND" is none: it is how some programs write what is no number
       while (comment != std::string_view::npos && comment > 0 && part[comment - 1] != ' ' && part[comment - 1] != '\t')
         comment = part.find('#', comment + 1);

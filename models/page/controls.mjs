@@ -95,7 +95,7 @@ export async function play(page, recording) {
 async function take(page, file) {
   if (/\.json$/i.test(file.name)) return play(page, await file.text().then(JSON.parse).catch(() => null));
   const mesh = (await page.readMesh())(new Uint8Array(await file.arrayBuffer()), file.name);
-  say(`${counted(page.addMesh(mesh))} particles of "${file.name}".`);
+  say(`${counted(page.addMesh(mesh))} particles of "${file.name}".${mesh.remarks && ` Note: ${mesh.remarks}.`}`);
 }
 
 async function share(page) {

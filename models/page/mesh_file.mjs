@@ -1,7 +1,7 @@
 // Mesh files, by the program's own readers (mesh_reader.cpp).
 import { MeshoptDecoder } from "./meshopt_decoder.mjs";
 
-// A function that takes the bytes of a file and its name, and gives its vertices and indices or throws what is wrong with
+// A function that takes the bytes of a file and its name, and gives its vertices, indices and remarks or throws what is wrong with
 // it. `module` is mesh_reader.wasm.
 export async function meshReader(module) {
   await MeshoptDecoder.ready;
@@ -24,7 +24,7 @@ export async function meshReader(module) {
     try {
       const wrong = text(exports.mesh_read(at, file.length, called));
       if (wrong) throw new Error(wrong[0].toUpperCase() + wrong.slice(1));
-      return { vertices: new Float32Array(memory.buffer, exports.mesh_vertices(), 3 * exports.mesh_vertex_count()).slice(),
+      return { remarks: text(exports.mesh_remarks()), vertices: new Float32Array(memory.buffer, exports.mesh_vertices(), 3 * exports.mesh_vertex_count()).slice(),
         indices: new Uint32Array(memory.buffer, exports.mesh_indices(), 3 * exports.mesh_triangle_count()).slice() };
     } finally { exports.free(at), exports.free(called); }
   };

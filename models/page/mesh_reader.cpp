@@ -40,6 +40,13 @@ EXPORTED("mesh_read") const char* mesh_read(const char* bytes, size_t size, cons
   else result.error = message("read", name, "it " + error);
   return result.error.c_str();
 }
+// What a user should know of it, in one line.
+EXPORTED("mesh_remarks") const char* mesh_remarks() {
+  static std::string all;
+  all.clear();
+  for (const std::string& remark : result.remarks) all += (all.empty() ? "" : "; ") + remark;
+  return all.c_str();
+}
 EXPORTED("mesh_vertices") const float* mesh_vertices() { return result.mesh.vertices.data(); }
 EXPORTED("mesh_vertex_count") uint32_t mesh_vertex_count() { return result.mesh.vertex_count(); }
 EXPORTED("mesh_indices") const uint32_t* mesh_indices() { return result.mesh.indices.data(); }

@@ -146,14 +146,7 @@ void inspect_mesh(const MeshFile& file) {
   const MeshResult loaded = load_mesh(file);
   if (!loaded) throw Failure(loaded.error);
   const Mesh& mesh = loaded.mesh;
-  float low[3] = {}, high[3] = {};
-  for (size_t axis = 0; axis < 3; ++axis) {
-    low[axis] = high[axis] = mesh.vertices[axis];
-    for (size_t i = axis; i < mesh.vertices.size(); i += 3) {
-      low[axis] = std::min(low[axis], mesh.vertices[i]);
-      high[axis] = std::max(high[axis], mesh.vertices[i]);
-    }
-  }
+  const auto [low, high] = box_of(mesh);
   double size[3];
   for (size_t axis = 0; axis < 3; ++axis) size[axis] = static_cast<double>(high[axis]) - static_cast<double>(low[axis]);
   const double volume = signed_volume(mesh);

@@ -91,11 +91,17 @@ struct HdrReader {
   }
   RadianceMap read() {
     if (!line().starts_with("#?")) damaged("is not a Radiance file");
-    double exposure = 1.0;  // the product of its lines: what the numbers were multiplied by
+    // What the numbers were multiplied by: the products of these lines.
+    double exposure = 1.0;
+    Vec3 correction = {1.0, 1.0, 1.0};
     for (std::string text = line(); !text.empty(); text = line()) {
       if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe") damaged("is not in RGB");
       if (text.starts_with("EXPOSURE=")) exposure *= std::strtod(text.c_str() + std::strlen("EXPOSURE="), nullptr);
+      Vec3 c;
+      if (std::sscanf(text.c_str(), "COLORCORR= %lf %lf %lf", &c.x, &c.y, &c.z) == 3)
+        correction = {correction.x * c.x, correction.y * c.y, correction.z * c.z};
     }
+    if (!(luminance(correction) > 1e-30 && luminance(correction) < 1e30)) damaged("has a COLORCORR that is no colour");
     if (!(exposure > 1e-30 && exposure < 1e30)) damaged("has an EXPOSURE that is no number above 0");
     int width = 0, height = 0;
     char rows = 0, columns = 0;
@@ -122,7 +128,7 @@ struct HdrReader {
         const uint8_t* p = row.data() + 4 * u;
         const double scale = p[3] > 0 ? std::ldexp(1.0, p[3] - 136) / exposure : 0.0;
         map.set(columns == '+' ? u : width - 1 - u, rows == '-' ? v : height - 1 - v,
-                {p[0] * scale, p[1] * scale, p[2] * scale});
+                {p[0] * scale / correction.x, p[1] * scale / correction.y, p[2] * scale / correction.z});
       }
     }
     return map;

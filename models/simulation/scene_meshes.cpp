@@ -54,12 +54,7 @@ void require(const SceneFile& scene, size_t index, const cpp::Status& status) {
 
 void stand_mesh(Mesh* mesh, double height, const std::string& name) {
   std::vector<float>& vertices = mesh->vertices;
-  float low[3], high[3];
-  for (size_t axis = 0; axis < 3; ++axis) {
-    low[axis] = high[axis] = vertices[axis];
-    for (size_t v = axis; v < vertices.size(); v += 3)
-      low[axis] = std::min(low[axis], vertices[v]), high[axis] = std::max(high[axis], vertices[v]);
-  }
+  const auto [low, high] = box_of(*mesh);
   if (!(high[1] > low[1]))
     throw cannot("stand", name, "the mesh is flat, and a collider needs a height", "Turn it: y is up");
   const float scale = static_cast<float>(height) / (high[1] - low[1]);

@@ -50,13 +50,7 @@ std::vector<Told> told_by_trimesh(const std::string& folder) {
 Told told_here(const std::string& folder, const std::string& name) {
   const MeshResult read = load_mesh((std::filesystem::path(folder) / name).string());
   Told told = {name, read.error, {}};
-  std::array<float, 3> low, high;
-  low.fill(INFINITY);
-  high.fill(-INFINITY);
-  for (size_t i = 0; i < read.mesh.vertices.size(); ++i) {
-    low[i % 3] = std::min(low[i % 3], read.mesh.vertices[i]);
-    high[i % 3] = std::max(high[i % 3], read.mesh.vertices[i]);
-  }
+  const auto [low, high] = box_of(read.mesh);
   for (size_t k = 0; k < 3; ++k) told.value[k] = static_cast<double>(high[k]) - static_cast<double>(low[k]);
   told.has_volume = read.report.watertight() && read.report.oriented();
   told.value[3] = surface_area(read.mesh);

@@ -2,6 +2,10 @@
 // volumes follow from how each file is made. The page's reader runs the same table: this test leaves it as files, with
 // cases.json, in the folder that SANDGLASS_MESH_KINDS names.
 #include <gtest/gtest.h>
+#ifdef SANDGLASS_HAVE_DRACO
+#include <draco/compression/encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
+#endif
 #ifdef SANDGLASS_HAVE_MESHOPTIMIZER
 #include <meshoptimizer.h>
 #endif
@@ -108,6 +112,29 @@ GltfMaker quantised(bool packed) {
   g.node({{"mesh", g.mesh(g.accessor(view, 5123, 8, "VEC3"), g.triangles(cube_triangles()))}, {"scale", {s, s, s}}});
   return g;
 }
+
+#ifdef SANDGLASS_HAVE_DRACO
+GltfMaker packed_by_draco() {
+  GltfMaker g;
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(12);
+  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const std::vector<uint16_t> corners = cube_triangles();
+  for (uint32_t t = 0; t < 12; ++t)
+    builder.SetAttributeValuesForFace(position, draco::FaceIndex(t), k_corners[corners[3 * t]].data(),
+                                      k_corners[corners[3 * t + 1]].data(), k_corners[corners[3 * t + 2]].data());
+  draco::EncoderBuffer packed;
+  EXPECT_TRUE(draco::Encoder().EncodeMeshToBuffer(*builder.Finalize(), &packed).ok());
+  g.require("KHR_draco_mesh_compression");
+  const size_t view = g.view({packed.data(), packed.size()});
+  // Accessors without data say the counts.
+  const size_t places = g.add("accessors", {{"componentType", 5126}, {"count", 8}, {"type", "VEC3"}});
+  const size_t indices = g.add("accessors", {{"componentType", 5123}, {"count", 36}, {"type", "SCALAR"}});
+  const Json extension = {{"KHR_draco_mesh_compression", {{"bufferView", view}, {"attributes", {{"POSITION", 0}}}}}};
+  g.node({{"mesh", g.mesh(places, indices, {{"extensions", extension}})}});
+  return g;
+}
+#endif
 
 GltfMaker normalised() {
   GltfMaker g;
@@ -261,6 +288,12 @@ std::string ply_strips() {
          bytes_of<int32_t>({20, 2, 0, 3, 1, 7, 5, 6, 4, 2, 0, -1, 2, 3, 6, 7, -1, 0, 4, 1, 5});
 }
 
+std::string returns_alone(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  return text;
+}
+std::string ply_data() { return ply_binary(false).substr(ply_head("binary_little_endian").size()); }
+
 std::vector<Kind> other_kinds() {
   const std::string places = obj_places(), faces = obj_faces();
   Kind loose = good("loose.obj", places + "v 0 40 0\nv 0 -30 0\nl 9 10\np 9\n" + faces);
@@ -296,10 +329,12 @@ std::vector<Kind> other_kinds() {
       good("slashes.obj", places + obj_faces("//")),
       good("slash.obj", places + obj_faces("/")),
       good("lines_go_on.obj", places + replaced(faces, " 4 3", " \\\n4 3")),
+      good("returns.obj", returns_alone(places + faces)),
       bad("msvc_nan.obj", replaced(places, "v 0", "v -1.#IND") + faces, "-1.#IND"),
       bad("index.obj", places + "f 1 2 9\n", "9"),
       bad("cut.obj", places + faces + "f 1 3", "cut off"),
       good("plain.ply", ply_text()),
+      good("returns.ply", returns_alone(ply_head("binary_little_endian")) + ply_data()),
       good("little.ply", ply_binary(false)),
       good("big.ply", ply_binary(true)),
       good("newline.ply", ply_newline()),
@@ -309,6 +344,7 @@ std::vector<Kind> other_kinds() {
       good("plain.stl", stl_binary()),
       good("text.stl", stl_text()),
       good("shouted.stl", shouted),
+      good("named.stl", replaced(stl_text(), "solid cube", "solid facet vertex endfacet")),
       behind,
       bad("cut.stl", stl_binary().substr(0, 84 + 50 * 6), "ends after 6 of 12 triangles"),
       bad("cut_text.stl", stl_text().substr(0, stl_text().size() - 14), "without \"endsolid\""),
@@ -336,12 +372,17 @@ std::vector<Kind> assimp_kinds() {
 
 std::vector<Kind> all_kinds() {
   std::vector<Kind> all = gltf_kinds();
+#ifdef SANDGLASS_HAVE_DRACO
+  all.push_back(with(packed_by_draco(), "draco.glb", {1, 1, 1}, 1, 12));
+  all.back().is_pages = false;
+#endif
   for (const auto& more : {other_kinds(), assimp_kinds()}) all.insert(all.end(), more.begin(), more.end());
   return all;
 }
 
 // The share of a grid of points in the mesh's box that lie inside, times the box.
-double filled_volume(const host::MeshResult& read, const Box& box) {
+double filled_volume(const host::MeshResult& read) {
+  const host::MeshBox box = host::box_of(read.mesh);
   const sandglass_mesh view = {read.mesh.vertices.data(), read.mesh.vertex_count(), read.mesh.indices.data(),
                                read.mesh.triangle_count()};
   MeshInside inside;
@@ -352,21 +393,12 @@ double filled_volume(const host::MeshResult& read, const Box& box) {
     float p[3];
     const int at[] = {i % k_points, i / k_points % k_points, i / k_points / k_points};
     for (int k = 0; k < 3; ++k)
-      p[k] = box.min[k] + (box.max[k] - box.min[k]) * (static_cast<float>(at[k]) + 0.5f) / k_points;
+      p[k] = box.low[k] + (box.high[k] - box.low[k]) * (static_cast<float>(at[k]) + 0.5f) / k_points;
     within += inside(p) ? 1 : 0;
   }
   double volume = static_cast<double>(within) / (k_points * k_points * k_points);
-  for (int k = 0; k < 3; ++k) volume *= static_cast<double>(box.max[k] - box.min[k]);
+  for (int k = 0; k < 3; ++k) volume *= static_cast<double>(box.high[k] - box.low[k]);
   return volume;
-}
-
-Box box_of(const host::Mesh& mesh) {
-  Box box = {{1e30f, 1e30f, 1e30f}, {-1e30f, -1e30f, -1e30f}};
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    box.min[i % 3] = std::min(box.min[i % 3], mesh.vertices[i]);
-    box.max[i % 3] = std::max(box.max[i % 3], mesh.vertices[i]);
-  }
-  return box;
 }
 
 std::string written(const std::filesystem::path& folder, const std::string& name, const std::string& bytes) {
@@ -388,10 +420,10 @@ void expect_kind(const Kind& kind, const std::string& path) {
   ASSERT_TRUE(read) << read.error;
   EXPECT_EQ(read.mesh.triangle_count(), kind.triangles);
   EXPECT_GT(host::signed_volume(read.mesh), 0);
-  const Box box = box_of(read.mesh);
-  for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(box.max[k] - box.min[k], kind.size[k], 1e-4f * kind.size[k]) << k;
+  const host::MeshBox box = host::box_of(read.mesh);
+  for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(box.high[k] - box.low[k], kind.size[k], 1e-4f * kind.size[k]) << k;
   // Half of the points' faces may lie on the wrong side of a slope.
-  EXPECT_NEAR(filled_volume(read, box), kind.volume, 0.04 * kind.volume);
+  EXPECT_NEAR(filled_volume(read), kind.volume, 0.04 * kind.volume);
   std::string remarks;
   for (const std::string& remark : read.remarks) remarks += remark + "; ";
   if (kind.remark.empty()) EXPECT_EQ(remarks, "");
