@@ -231,7 +231,7 @@ std::string requiring(const char* extension) {
 std::vector<Kind> gltf_kinds() {
   GltfMaker lit = plain();
   lit.file["materials"] = {{{"name", "a"}}, {{"name", "b"}}};
-  lit.file["animations"] = {Json::object()};
+  lit.file["animations"] = Json::array({Json::object()});
   Kind counted = good("counted.glb", lit.glb());
   counted.remark = "animations (1), materials (2)";
   Kind beside = with(two_parts({2, 0, 0}, true), "inside_out_beside.glb", {2.75f, 1, 1}, 1.125, 24);
