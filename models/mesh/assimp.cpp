@@ -33,7 +33,7 @@ namespace sandglass::host {
 
 namespace {
 
-// Gives Assimp the files that it asks for, such as the parts of a glTF. It reads none by itself, so all are ordinary
+// Gives Assimp the files that it asks for, such as the parts of an FBX. It reads none by itself, so all are ordinary
 // files of a bounded size that no output replaces.
 class CheckedFiles : public Assimp::IOSystem {
  public:

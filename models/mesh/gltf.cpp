@@ -37,7 +37,7 @@ bool is_known(const std::string& name) {
          std::any_of(std::begin(k_appearance), std::end(k_appearance), is);
 }
 
-// Column by column: four rows are not kept, the last of them is 0 0 0 1.
+// Column by column. The last row is 0 0 0 1 and not kept.
 struct Placement {
   Vec3 x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1}, origin;
 
@@ -495,20 +495,28 @@ class Gltf {
 
   /* ---- the scene ---- */
 
+  // A list of nodes' numbers; none where it is left out.
+  bool nodes_of(const Json& in, const char* key, std::vector<size_t>* nodes) {
+    const Json* listed = find(in, key);
+    for (size_t i = 0; i < size_of(listed); ++i) {
+      const double number = (*listed)[i].is_number() ? (*listed)[i].get<double>() : -1;
+      if (!(number >= 0 && number < static_cast<double>(parents_.size())))
+        return fail(std::string("names a node in its \"") + key + "\" that is not there");
+      nodes->push_back(static_cast<size_t>(number));
+    }
+    return true;
+  }
+
   // Every node has at most one node above it; a chain that never ends at a root is refused.
   bool find_parents() {
     const Json* nodes = find(file_, "nodes");
     parents_.assign(size_of(nodes), k_none);
     for (size_t n = 0; n < parents_.size(); ++n) {
-      const Json* children = find((*nodes)[n], "children");
-      for (size_t c = 0; c < size_of(children); ++c) {
-        const Json& child = (*children)[c];
-        const double number = child.is_number() ? child.get<double>() : -1;
-        if (!(number >= 0 && number < static_cast<double>(parents_.size())))
-          return fail("has a node below another that is not there");
-        size_t* parent = &parents_[static_cast<size_t>(number)];
-        if (*parent != k_none) return fail("has a node that stands below two others");
-        *parent = n;
+      std::vector<size_t> children;
+      if (!nodes_of((*nodes)[n], "children", &children)) return false;
+      for (const size_t child : children) {
+        if (parents_[child] != k_none) return fail("has a node that stands below two others");
+        parents_[child] = n;
       }
     }
     placements_.assign(parents_.size(), std::nullopt);
@@ -526,8 +534,8 @@ class Gltf {
     if (!numbers(node, "translation", &translation) || !numbers(node, "rotation", &rotation) ||
         !numbers(node, "scale", &scale))
       return false;
-    *placement =
-        placement_of({translation[0], translation[1], translation[2]}, rotation, {scale[0], scale[1], scale[2]});
+    *placement = placement_of({translation[0], translation[1], translation[2]}, normalised(Quaternion(rotation)),
+                              {scale[0], scale[1], scale[2]});
     return true;
   }
   // With those of the nodes above it.
@@ -588,20 +596,18 @@ class Gltf {
     if (find(node, "skin") == nullptr) return true;
     if (!whole(node, "skin", &number)) return false;
     const Json* skin = item("skins", number);
-    const Json* names = skin != nullptr ? find(*skin, "joints") : nullptr;
-    if (size_of(names) == 0) return fail("has a skin without joints");
+    std::vector<size_t> nodes;
+    if (skin == nullptr || !nodes_of(*skin, "joints", &nodes)) return false;
+    if (nodes.empty()) return fail("has a skin without joints");
     std::vector<double> inverse;
     if (find(*skin, "inverseBindMatrices") != nullptr) {
       size_t index = 0;
       if (!whole(*skin, "inverseBindMatrices", &index) || !accessor(index, 16, &inverse)) return false;
-      if (inverse.size() < 16 * names->size()) return fail("has a skin with fewer matrices than joints");
+      if (inverse.size() < 16 * nodes.size()) return fail("has a skin with fewer matrices than joints");
     }
-    for (size_t j = 0; j < names->size(); ++j) {
-      const double joint = (*names)[j].is_number() ? (*names)[j].get<double>() : -1;
-      if (!(joint >= 0 && joint < static_cast<double>(parents_.size())))
-        return fail("has a skin with a joint that is not there");
+    for (size_t j = 0; j < nodes.size(); ++j) {
       Placement place;
-      if (!placement(static_cast<size_t>(joint), &place)) return false;
+      if (!placement(nodes[j], &place)) return false;
       joints->push_back(inverse.empty() ? place : place * placement_of(&inverse[16 * j]));
     }
     return true;
@@ -638,14 +644,7 @@ class Gltf {
       size_t index = 0;
       if (!whole(file_, "scene", &index)) return false;
       const Json* scene = item("scenes", index);
-      if (scene == nullptr) return false;
-      const Json* roots = find(*scene, "nodes");
-      for (size_t i = 0; i < size_of(roots); ++i) {
-        const double root = (*roots)[i].is_number() ? (*roots)[i].get<double>() : -1;
-        if (!(root >= 0 && root < static_cast<double>(parents_.size())))
-          return fail("has a scene with a node that is not there");
-        open.push_back(static_cast<size_t>(root));
-      }
+      if (scene == nullptr || !nodes_of(*scene, "nodes", &open)) return false;
     }
     std::reverse(open.begin(), open.end());
     std::vector<bool> is_done(parents_.size(), false);
@@ -655,8 +654,9 @@ class Gltf {
       if (is_done[node]) return fail("has a node that stands in its scene twice");
       is_done[node] = true;
       if (!add_node(node)) return false;
-      const Json* children = find((*find(file_, "nodes"))[node], "children");
-      for (size_t c = size_of(children); c-- > 0;) open.push_back(static_cast<size_t>((*children)[c].get<double>()));
+      std::vector<size_t> children;
+      nodes_of((*find(file_, "nodes"))[node], "children", &children);
+      open.insert(open.end(), children.rbegin(), children.rend());
     }
     return true;
   }

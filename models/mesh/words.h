@@ -54,7 +54,7 @@ inline bool number_of(std::string_view word, double* number) {
   return end == text.c_str() + text.size() && std::isfinite(*number);
 }
 
-// "line 12 has "-1.#IND" where a number must stand. Export it again."
+// "has "-1.#IND" in line 12 where a number must stand. Export it again."
 inline std::string no_number(std::string_view word, size_t line) {
   const std::string what = word.empty() ? "nothing" : "\"" + std::string(word.substr(0, 20)) + "\"";
   return "has " + what + " in line " + std::to_string(line) + " where a number must stand. Export it again.";

@@ -1,5 +1,5 @@
-// A surface is filled by winding number, or by parity where a closed one is not oriented. A surface that is not closed and has edges
-// of three or more triangles is refused: neither rule says what is inside it. The field of a revolved outline samples
+// A surface is filled by winding number, or by parity where a closed one is not oriented. A surface that is not closed
+// and has edges of three or more triangles is refused: neither rule says what is inside it. The field of a revolved outline samples
 // its exact distance at every node. The field of a mesh comes from the library's own builder.
 #include "models/simulation/scene_meshes.h"
 

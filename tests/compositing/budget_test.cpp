@@ -239,8 +239,8 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
 }
 
 // What a run on the real clock must reach with the optimised library. A moment that the machine takes away can spoil
-// it. The law is for machines at most half as fast as the development machine; of a slower one no more is asked than
-// the work units' own clock reaches that runs as much slower, and half as much again: a busy machine takes more of sand,
+// it. Where the machine is more than a third slower than the development machine, no more is asked than the work
+// units' own clock reaches that runs as much slower, and half as much again: a busy machine takes more of sand,
 // which lives in memory, than of light.
 struct Least {
   double last_debt, debt;
