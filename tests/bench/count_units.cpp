@@ -10,8 +10,7 @@
 #include "runtime/scene/scene.h"
 #include "sandglass/estimate.h"
 #include "sandglass/room.h"
-#include "sandglass/sandglass.hpp"
-#include "tests/bench/counting.h"
+#include "tests/bench/counted_sand.h"
 
 namespace {
 
@@ -34,32 +33,12 @@ struct Asset {
   }
 };
 
-void fill(std::vector<float>* particles, std::vector<float>* grains) {
-  const float r = 0.01f, edge = 0.0068f;
-  const sandglass::Box box{{-0.10f, r, -0.10f}, {0.10f, 0.21f, 0.10f}};
-  const sandglass::Status made = sandglass::sample_lattice(
-      box, 2.02f * r, [](const float*) { return true; }, particles);
-  if (!made) std::fprintf(stderr, "%s\n", made.reason);
-  CountingRandom random;
-  for (float y = r; y < 0.21f; y += edge)
-    for (float z = -0.1f; z < 0.1f; z += edge)
-      for (float x = -0.1f; x < 0.1f; x += edge)
-        for (const float at : {x, y, z}) grains->push_back(at + 0.5f * edge * random());
-}
-
 }  // namespace
 
 int main(int argument_count, char** arguments) {
   if (argument_count < 3) return std::fprintf(stderr, "count_units SHADOW_FILE LIGHT_FILE\n"), 2;
   const Asset of_shadow(arguments[1]), of_light(arguments[2]);
-  std::vector<float> particles, grains;
-  fill(&particles, &grains);
-  sandglass_scene_desc desc = sandglass::scene_desc();
-  desc.granular.particle_radius = 0.01f;
-  desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
-  desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
-  desc.granular.collider_capacity = 2;
-  sandglass::Scene scene;
+  CountedSand sand;
   sandglass_pile_shadow_desc pile_desc = sandglass::pile_shadow_desc();
   pile_desc.sky_texels = 64;
   sandglass::PileShadow pile;
@@ -73,8 +52,8 @@ int main(int argument_count, char** arguments) {
   light_desc.asset_bytes = of_light.bytes;
   sandglass::Estimator light;
   sandglass::cpp::Room room;
-  if (!scene.create(desc) || !scene.add(particles, grains) || !pile.create(pile_desc) || !shadow.create(shadow_desc) ||
-      !light.create(light_desc) || !room.create())
+  if (!sand.status || !pile.create(pile_desc) || !shadow.create(shadow_desc) || !light.create(light_desc) ||
+      !room.create())
     return std::fprintf(stderr, "count_units: cannot create the scene\n"), 2;
 
   std::vector<uint8_t> bytes(size_t{k_width} * k_height * 3 / 2, 120);
@@ -90,19 +69,9 @@ int main(int argument_count, char** arguments) {
   image.centre_x = 319.5f;
   image.centre_y = 239.5f;
 
-  sandglass_collider colliders[2] = {sandglass::floor_at(0.0f), sandglass::floor_at(0.0f)};
-  colliders[1].shape = SANDGLASS_SHAPE_BOX;
-  colliders[1].position[0] = 0.2f;
-  for (float& side : colliders[1].size) side = 0.08f;
-  std::vector<sandglass_grain> drawn(desc.granular.grain_capacity);
   sandglass_shadow* shadows[] = {shadow.get()};
-  sandglass_frame_input input = sandglass::frame_input();
+  sandglass_frame_input& input = sand.input;
   input.time_step = 1.0f / 60;
-  input.budget_ns = ~0ull;
-  input.colliders = colliders;
-  input.collider_count = 2;
-  input.grains = drawn.data();
-  input.grain_capacity = desc.granular.grain_capacity;
   input.shadows = shadows;
   input.shadow_count = 1;
   input.pile_shadow = pile.get();
@@ -112,19 +81,18 @@ int main(int argument_count, char** arguments) {
 
   std::vector<Lap> laps;
   laps.reserve(1u << 18);
-  scene.get()->governor.observer = {[](void* user, const sandglass::WorkUnit& unit) {
-                                      static_cast<std::vector<Lap>*>(user)->push_back({unit.name, unit.items});
-                                      counting_laps();
-                                    },
-                                    &laps};
-  sandglass_frame_report report = sandglass::frame_report();
+  sand.scene.get()->governor.observer = {[](void* user, const sandglass::WorkUnit& unit) {
+                                           static_cast<std::vector<Lap>*>(user)->push_back({unit.name, unit.items});
+                                           counting_laps();
+                                         },
+                                         &laps};
   for (int frame = 0; frame < k_settling_frames + k_counted_frames; ++frame) {
     const float turn = 0.02f * static_cast<float>(frame);
     image.timestamp_ns = 1 + 200'000'000ull * static_cast<uint64_t>(frame);
     if (!pile.set_light({0.5f + turn, 0.7f, 0.2f}) || !shadow.set_light({0.3f + turn, 1.0f, 0.2f})) return 2;
     laps.push_back({"app", 0});
     counting_laps();
-    if (!scene.frame(input, &report)) return 2;
+    if (!sand.scene.frame(input, &sand.report)) return 2;
     laps.push_back({"frame", 0});
     counting_laps();
   }

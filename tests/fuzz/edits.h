@@ -95,13 +95,6 @@ Plain edited(const Plain& base, const uint8_t* edits, size_t size) {
   return changed;
 }
 
-// The same bytes as the C++ interface takes them.
-inline std::vector<std::byte> as_bytes(const std::vector<uint8_t>& file) {
-  std::vector<std::byte> bytes;
-  for (const uint8_t byte : file) bytes.push_back(std::byte{byte});
-  return bytes;
-}
-
 // Ends the program so that the fuzzer keeps the input.
 inline void expect(bool holds) {
   if (!holds) __builtin_trap();

@@ -1,7 +1,7 @@
 // A mesh of any bytes, as a file or as arrays: it is refused by a sentence, or all of its indices are within it and it is
 // finite. The readers of FBX and Collada run in a process of their own and are left out.
 #include "models/mesh/readers.h"
-#include "tests/fuzz/read_file.h"
+#include "tests/fuzz/edits.h"
 
 namespace {
 

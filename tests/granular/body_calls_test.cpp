@@ -33,13 +33,6 @@ std::vector<float> block(uint32_t x, uint32_t y, uint32_t z, float at_x = 0.0f, 
   return points;
 }
 
-sandglass_frame_report until_asleep(GranularScene* scene) {
-  sandglass_frame_report report = scene->frame(k_frame);
-  for (int frame = 0; frame < 500 && report.sand.awake != 0; ++frame) report = scene->frame(k_frame);
-  EXPECT_EQ(report.sand.awake, 0u);
-  return report;
-}
-
 // Bodies of 1 to 40 particles come and go 10,000 times. There is room for exactly 100 particles: one that fits is never
 // refused, and one particle more always is. All that are there keep their numbers and their places.
 TEST(BodyCalls, NumbersAndRoomAreUsedAgainForEver) {

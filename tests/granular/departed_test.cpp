@@ -108,9 +108,7 @@ GranularScene heap() {
   GranularScene scene(description(600));
   scene.add(lattice(8, 4, 8, 2.02f * k_radius, k_radius));
   scene.add_floor();
-  for (int i = 0; i < 400 && scene.frame(k_frame).sand.awake != 0; ++i) {
-  }
-  EXPECT_EQ(scene.frame(k_frame).sand.awake, 0u);
+  until_asleep(&scene, k_frame);
   return scene;
 }
 

@@ -160,43 +160,6 @@ Distance box_distance(double x, double y, double z) {
   };
 }
 
-// The distance from a torus has the curvatures 1/rho and cos/(distance from the axis), where rho is the distance from
-// the ring. Trilinear interpolation errs by at most spacing^2/8 times their sum. Its gradient errs by at most the
-// cell's diagonal times the Hessian's norm, and by twice that once normalised. Both take the worst place within the
-// cell.
-TEST(Field, OfATorusFollowFromSpacingAndCurvature) {
-  constexpr double k_major = 0.1, k_minor = 0.04;
-  const Distance torus = [](const float* p) { return std::hypot(std::hypot(p[0], p[2]) - k_major, p[1]) - k_minor; };
-  double last = 0.0;
-  for (const double h : {0.01, 0.005, 0.0025}) {
-    const double diagonal = std::sqrt(3.0) * h;
-    const FunctionField made(torus, 0.2f, 0.1f, 0.2f, h, SANDGLASS_SOLID_INSIDE);
-    double worst = 0.0, worst_normal = 0.0;
-    for_points(made.box, 20000, [&](const float* p) {
-      const double truth = torus(p), axis = std::hypot(p[0], p[2]), rho = truth + k_minor;
-      if (std::fabs(truth) > 0.015 || axis < 0.03) return;
-      const double around = 1 / (rho - diagonal), along = 1 / (axis - diagonal);
-      float normal[3];
-      const double distance = static_cast<double>(sandglass_field_distance(made.field.get(), p, normal));
-      ASSERT_NEAR(distance, truth, h * h / 8 * (around + along) + 1e-6);
-      const double ring = (axis - k_major) / rho / axis;
-      const double n[3] = {ring * static_cast<double>(p[0]), static_cast<double>(p[1]) / rho,
-                           ring * static_cast<double>(p[2])};
-      const double error = std::hypot(static_cast<double>(normal[0]) - n[0], static_cast<double>(normal[1]) - n[1],
-                                      static_cast<double>(normal[2]) - n[2]);
-      ASSERT_LT(error, 2 * diagonal * std::hypot(around, along) + 1e-4);
-      worst = std::max(worst, std::fabs(distance - truth));
-      worst_normal = std::max(worst_normal, error);
-    });
-    RecordProperty("distance_" + std::to_string(h), std::to_string(worst));
-    RecordProperty("normal_" + std::to_string(h), std::to_string(worst_normal));
-    if (last > 0.0) {
-      EXPECT_NEAR(last / worst, 4.0, 1.0) << "second order";
-    }
-    last = worst;
-  }
-}
-
 // Beside a flat face nothing is lost. Across an edge, the slope of the function is at most 1, so interpolation errs by
 // at most sqrt(3)/2 spacings, the weighted distance of a cell's corners.
 TEST(Field, OfABoxAreExactAtFacesAndBelowACellAtEdges) {

@@ -43,34 +43,6 @@ struct Flow {
   bool pours = true, drains = true;
 };
 
-TEST(Emitter, PoursAtTheRateOfItsLattice) {
-  Flow flow(20000, 0);
-  flow.drains = false;
-  sandglass_frame_report report = {};
-  for (int frame = 0; frame < 100; ++frame) report = flow.frame();
-  // Packed spheres at spacing a: a unit volume has sqrt(2) / a^3 of them. The nozzle passes a volume of pi R^2 v a
-  // second. The number of sites in a disk differs from its area by the rim, a row of 2 pi R / a sites, half counted.
-  const double a = 2.02 * 0.01, area = M_PI * 0.04 * 0.04;
-  const double expected = area * 1.0 * 2.0 * std::sqrt(2.0) / (a * a * a);
-  const double rim = 0.5 * (2 * M_PI * 0.04 / a) / (area / (a * a * std::sqrt(0.75)));
-  EXPECT_NEAR(static_cast<double>(report.sand.emitted_particles) / expected, 1.0, rim);
-  EXPECT_EQ(report.sand.particles, report.sand.emitted_particles);
-  EXPECT_EQ(report.sand.denied_particles, 0u);
-}
-
-TEST(Emitter, PouredParticlesDoNotOverlapAndStartWithTheSpeed) {
-  Flow flow(2000, 0);
-  flow.drains = false;
-  flow.frame();
-  const std::vector<float> p = flow.scene.positions(), v = flow.scene.velocities();
-  ASSERT_GT(p.size(), 30u);
-  for (size_t i = 0; i < p.size(); i += 3) {
-    EXPECT_LE(std::hypot(p[i], p[i + 2]), 0.041f);
-    EXPECT_LT(v[i + 1], -0.9f);
-    for (size_t j = 0; j < i; j += 3) EXPECT_GE(distance(p, i / 3, p, j / 3), 0.0199);
-  }
-}
-
 TEST(Sink, WhatComesIsThereOrGoneAndNumbersAreUsedAgain) {
   Flow flow(600, 4);
   flow.scene.colliders.push_back(sandglass::floor_at(-10.0f));
@@ -189,9 +161,7 @@ TEST(Remove, TakesWhatIsInsideAndWakesTheRest) {
   const std::vector<float> bed = lattice(20, 3, 20, 2.02f * k_radius, k_radius);
   scene.add(bed, {}, bed);
   scene.add_floor();
-  uint32_t awake = 1;
-  for (int frame = 0; frame < 500 && awake != 0; ++frame) awake = scene.frame(k_frame).sand.awake;
-  ASSERT_EQ(awake, 0u);
+  until_asleep(&scene);
   const std::vector<float> before = scene.positions();
   sandglass_collider ball = sandglass::sphere(0.2f, 0.0f, 0.2f, 0.08f);
   uint32_t expected = 0, removed = 0, grains = 0;

@@ -93,9 +93,9 @@ double gentle(double radius, double correction) {
 
 // ---- part by part
 
-TEST(Gentle, ACorrectedFloorLiftsSandByTheCorrection) {
+TEST(Gentle, ACorrectedFloorMovesSandByTheCorrection) {
   for (const float r : {0.002f, 0.01f, 0.05f}) {
-    for (const float up : {0.001f, 0.005f, 0.05f}) {
+    for (const float up : {-0.05f, -0.005f, -0.001f, 0.001f, 0.005f, 0.05f}) {
       for (const float tilt : {0.0f, 0.035f}) {  // 2 degrees
         Heap heap(r);
         const double top = heap.top();
@@ -107,28 +107,13 @@ TEST(Gentle, ACorrectedFloorLiftsSandByTheCorrection) {
           highest = std::max(highest, heap.top()),
           fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
         }
-        const double lift = static_cast<double>(up) + 14.0 * static_cast<double>(r * tilt);
+        const double most = 14.0 * static_cast<double>(r * tilt), lift = static_cast<double>(std::max(up, 0.0f)) + most;
         EXPECT_LE(highest, top + lift + 0.2 * static_cast<double>(r)) << r << " m, up " << up << " m, by " << tilt;
-        EXPECT_LE(fastest, gentle(static_cast<double>(r), lift)) << r << " m, up " << up << " m, by " << tilt;
-        if (up > 0.003f) {
+        EXPECT_LE(fastest, gentle(static_cast<double>(r), static_cast<double>(std::fabs(up)) + most))
+            << r << " m, up " << up << " m, by " << tilt;
+        if (std::fabs(up) > 0.003f) {
           EXPECT_NEAR(heap.went(1), static_cast<double>(up), 0.5 * static_cast<double>(r)) << r << " " << up;
         }
-      }
-    }
-  }
-}
-
-TEST(Gentle, AFloorThatIsLoweredDropsSandByThatMuch) {
-  for (const float r : {0.002f, 0.01f, 0.05f}) {
-    for (const float down : {0.001f, 0.005f, 0.05f}) {
-      Heap heap(r);
-      heap.ground().position[1] = -down;
-      double fastest = 0.0;
-      for (int f = 0; f < 90; ++f)
-        heap.frame(), fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
-      EXPECT_LE(fastest, gentle(static_cast<double>(r), static_cast<double>(down)));
-      if (down > 0.003f) {
-        EXPECT_NEAR(heap.went(1), static_cast<double>(-down), 0.5 * static_cast<double>(r));
       }
     }
   }
@@ -145,20 +130,6 @@ TEST(Gentle, ControlAFloorWithTheSpeedOfTheRuleBeforeThrows) {
   double highest = 0.0;
   for (int f = 0; f < 60; ++f) heap.frame(), highest = std::max(highest, heap.top());
   EXPECT_GT(highest, top + 0.1);
-}
-
-TEST(Gentle, AHandThatAppearsOrGrowsInSandPushesItAside) {
-  for (const bool grows : {false, true}) {
-    Heap heap(0.01f);
-    heap.scene.colliders.push_back(sandglass::sphere(0.0f, 0.02f, 0.0f, grows ? 0.01f : 0.04f));
-    double fastest = 0.0;
-    for (int f = 0; f < 60; ++f) {
-      if (grows) heap.scene.colliders[1].size[0] = 0.01f + 0.0005f * static_cast<float>(f + 1);
-      heap.frame();
-      fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
-    }
-    EXPECT_LE(fastest, gentle(0.01, 0.04)) << (grows ? "grows" : "appears");
-  }
 }
 
 // A hand presses sand against a table of twice the radius and more, in both orders of the list. Of two colliders the
@@ -192,17 +163,6 @@ TEST(Gentle, NothingIsPressedThroughATable) {
     EXPECT_EQ(table_first, hash) << "the order of the list means something";
   }
   EXPECT_LT(lowest_of(0.01f, false, 100.0f), 0.0f) << "the control";
-}
-
-// A belt that tells how its surface runs, but not that it is lifted. The control takes the poses as they are told.
-TEST(Gentle, ABeltThatIsLiftedLiftsItsSand) {
-  for (const float band : {0.003f, 0.0f}) {
-    Heap heap(0.002f, Ground::half_space, band);
-    heap.ground().linear_velocity[0] = 0.1f;
-    for (int f = 0; f < 60; ++f) heap.ground().position[1] += 0.1f * k_frame, heap.frame();
-    const bool above = heap.went(1) > 0.1 - 0.002;
-    EXPECT_EQ(above, band > 0.0f) << heap.went(1);
-  }
 }
 
 // ---- colliders are held still
@@ -337,96 +297,7 @@ TEST(Held, ALiftByPosesAloneIsFollowedEvenly) {
   }
 }
 
-// At 137 Hz a millimetre of noise is 0.2 m/s from frame to frame, and the lift's own way less.
-TEST(Held, ALiftByNoisyPosesAloneCarries) {
-  for (const float r : {0.0024f, 0.01f}) {
-    Heap heap(r, Ground::box);
-    std::mt19937 random(1);
-    std::normal_distribution<float> normal(0.0f, 0.001f);
-    const float bottom = heap.ground().position[1];
-    for (int f = 1; f <= 274; ++f) {
-      heap.ground().position[1] = bottom + 0.09f * static_cast<float>(f) / 137.0f + normal(random);
-      heap.frame(1.0f / 137.0f);
-    }
-    EXPECT_GE(heap.went(1), 0.9 * 0.18) << r;
-  }
-}
-
-// A floor that tells its velocity, and jumped just before: in a scene that is restored, it was elsewhere.
-TEST(Held, WhatJumpsAndIsBelievedThrowsNothing) {
-  Heap heap(0.026f);
-  heap.ground().position[1] = 0.2f;
-  double fastest = 0.0;
-  for (int f = 0; f < 30; ++f) {
-    heap.ground().position[1] += 0.3f * k_frame;
-    heap.ground().linear_velocity[1] = 0.3f;
-    heap.frame();
-    fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
-  }
-  EXPECT_LE(fastest, 0.3 + gentle(0.026, 0.0));
-}
-
-TEST(Held, AnHourglassTurnedByPosesAloneTurnsItsSand) {
-  sandglass::Field field;
-  accept(field.from_function({{-0.12f, -0.12f, -0.12f}, {0.12f, 0.12f, 0.12f}}, 0.01f, SANDGLASS_SOLID_OUTSIDE,
-                             [](const float* p) { return 0.09f - std::hypot(p[0], p[1], p[2]); }));
-  GranularScene scene(description(300));
-  scene.add(loose_points({{-0.05f, -0.05f, -0.05f}, {0.05f, 0.05f, 0.05f}}, [](const float*) { return true; }));
-  scene.colliders.push_back(sandglass::field_at(field, 0, 0, 0));
-  for (int f = 0; f < 180; ++f) scene.frame(k_frame);
-  for (int f = 1; f <= 240; ++f) {
-    const float angle = 3.14159265f * std::min(1.0f, static_cast<float>(f) / 120.0f);
-    scene.colliders[0].rotation[2] = std::sin(0.5f * angle);
-    scene.colliders[0].rotation[3] = std::cos(0.5f * angle);
-    scene.colliders[0].position[1] = 0.05f * std::sin(angle);  // carried on an arc
-    scene.frame(k_frame);
-    for (size_t i = 0; i < 3 * scene.particle_count; i += 3) {
-      const std::vector<float> p = scene.positions();
-      const float* c = scene.colliders[0].position;
-      ASSERT_LT(std::hypot(p[i] - c[0], p[i + 1] - c[1], p[i + 2] - c[2]), 0.09f) << "sand is outside the glass";
-    }
-  }
-  sandglass_collider held = {};
-  ASSERT_TRUE(scene.scene.held_collider(0, &held));
-  EXPECT_NEAR(static_cast<double>(std::fabs(held.rotation[2])), 1.0, 1e-4);
-}
-
 // ---- identity
-
-TEST(Identity, APlaceInTheListIsNone) {
-  Heap heap(0.01f, Ground::box);
-  const sandglass_collider table = heap.ground(), floor = sandglass::floor_at(-0.7f),
-                           hand = sandglass::sphere(2, 0, 0, 0.05f);
-  sandglass_collider lost = hand, turned = table, noisy = table;
-  lost.position[0] = std::nanf("");
-  for (float& q : turned.rotation) q = -q;
-  noisy.rotation[1] = 1e-7f;
-  noisy.rotation[3] = 1.000001f;
-  const auto floor_with = [&](float unused) {
-    sandglass_collider c = floor;
-    c.size[0] = c.size[2] = unused;  // means nothing for a half-space
-    return c;
-  };
-  const std::vector<sandglass_collider> lists[] = {{table, floor},
-                                                   {floor, table},
-                                                   {hand, table, floor},
-                                                   {table, floor, hand},
-                                                   {lost, floor, table},
-                                                   {turned, floor},
-                                                   {noisy, floor_with(std::nanf(""))},
-                                                   {table, hand, floor}};
-  heap.scene.colliders = lists[0];
-  heap.run(1.0f);
-  for (int f = 0; f < 240; ++f) {
-    heap.scene.colliders = lists[f / (f < 120 ? 1 : 15) % 8];
-    heap.frame();
-    ASSERT_EQ(heap.report.sand.awake, 0u) << f;
-  }
-  sandglass_collider near = sandglass::sphere(0.0f, 0.05f, 0.0f, 0.05f);
-  heap.scene.colliders = {near, table, floor};
-  heap.frame();
-  EXPECT_GT(heap.report.sand.awake, 0u) << "the control: a hand that comes into the sand";
-}
 
 // Two equal tables change places, and are told apart by their ids alone.
 TEST(Identity, AnIdKeepsACollidersPose) {
@@ -444,24 +315,6 @@ TEST(Identity, AnIdKeepsACollidersPose) {
     ASSERT_TRUE(heap.scene.scene.held_collider(0, &held));
     EXPECT_NEAR(static_cast<double>(held.position[1]), static_cast<double>(other.position[1]), 1e-6);
     EXPECT_EQ(held.id, ids ? 9u : 0u);
-  }
-}
-
-// The ids of two equal walls are lost for a frame, of one after the other: neither is taken for the other.
-TEST(Identity, WhatWentAwayIsNotFoundElsewhere) {
-  Heap heap(0.01f, Ground::box);
-  sandglass_collider other = heap.ground();
-  other.position[1] -= 0.2f;
-  heap.scene.colliders.push_back(other);
-  for (uint32_t lost = 0; lost < 2; ++lost) {
-    for (uint32_t i = 0; i < 2; ++i) heap.scene.colliders[i].id = 7 + i;
-    heap.frame();
-    heap.scene.colliders[lost].id = 0;
-    heap.frame();
-    sandglass_collider held = {};
-    ASSERT_TRUE(heap.scene.scene.held_collider(lost, &held));
-    EXPECT_NEAR(static_cast<double>(held.position[1]), static_cast<double>(heap.scene.colliders[lost].position[1]),
-                1e-6);
   }
 }
 

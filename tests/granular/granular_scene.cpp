@@ -72,6 +72,14 @@ std::vector<float> GranularScene::velocities() const {
   return values;
 }
 
+sandglass_frame_report until_asleep(GranularScene* scene, float time_step) {
+  for (int frame = 0; frame < 500; ++frame) {
+    const sandglass_frame_report report = scene->frame(time_step);
+    if (report.sand.awake == 0) return report;
+  }
+  throw std::runtime_error("the sand does not fall asleep");
+}
+
 sandglass_scene_desc description(uint32_t particles, uint32_t grains, uint32_t boundary) {
   sandglass_scene_desc desc = sandglass::scene_desc();
   desc.granular.particle_capacity = particles;

@@ -39,6 +39,9 @@ struct GranularScene {
   uint32_t particle_count = 0;
 };
 
+// Frames until all sand sleeps; the last one's report. Throws after 500 frames.
+sandglass_frame_report until_asleep(GranularScene* scene, float time_step = 0.02f);
+
 // The defaults with room for this much, without a clock: every frame does all of its work.
 sandglass_scene_desc description(uint32_t particles, uint32_t grains = 0, uint32_t boundary = 0);
 

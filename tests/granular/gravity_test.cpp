@@ -50,20 +50,12 @@ std::vector<float> loose_fill() {
   return points;
 }
 
-GranularScene filled_box(sandglass_scene_desc desc, bool with_grains) {
+GranularScene filled_box() {
   const std::vector<float> particles = loose_fill();
-  desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
-  desc.granular.grain_capacity = with_grains ? 8 * desc.granular.particle_capacity : 0;
-  GranularScene box(desc);
+  GranularScene box(description(static_cast<uint32_t>(particles.size() / 3)));
   add_box(&box);
-  box.add(particles, {}, with_grains ? grains_about(particles, 0.4f * k_radius) : std::vector<float>{});
+  box.add(particles);
   return box;
-}
-
-void settle(GranularScene* scene) {
-  uint32_t awake = 1;
-  for (int frame = 0; frame < 400 && awake != 0; ++frame) awake = scene->frame(k_frame).sand.awake;
-  ASSERT_EQ(awake, 0u);
 }
 
 double mean(const std::vector<float>& positions, size_t axis) {
@@ -75,8 +67,8 @@ double mean(const std::vector<float>& positions, size_t axis) {
 // A surface of slope s in a box of width w, filled to the height h, moves the centre of mass by w^2 tan(s) / 12 h. Sand
 // comes to lie level with gravity, up to its angle of repose: s is between the tilt less that angle, and the tilt.
 TEST(Gravity, SandInATippedBoxFlowsToTheNewLowSide) {
-  GranularScene box = filled_box(description(1), false);
-  settle(&box);
+  GranularScene box = filled_box();
+  until_asleep(&box);
   const std::vector<float> level = box.positions();
   const double height = 2.0 * mean(level, 1), share = static_cast<double>(k_width * k_width) / (12.0 * height);
   constexpr double k_tilt = 45.0, k_repose = 30.0;
@@ -84,7 +76,7 @@ TEST(Gravity, SandInATippedBoxFlowsToTheNewLowSide) {
   for (const double side : {1.0, -1.0}) {
     accept(box.scene.set_gravity(tipped(side * k_tilt)));
     EXPECT_EQ(box.frame(k_frame).sand.awake, box.particle_count);
-    settle(&box);
+    until_asleep(&box);
     const double moved = side * mean(box.positions(), 0);
     EXPECT_GT(moved, share * std::tan((k_tilt - k_repose) * k_degree));
     EXPECT_LT(moved, share * std::tan(k_tilt * k_degree));
@@ -92,8 +84,8 @@ TEST(Gravity, SandInATippedBoxFlowsToTheNewLowSide) {
 }
 
 TEST(Gravity, ATremblingHandWakesNobodyAndASlowTurnDoes) {
-  GranularScene box = filled_box(description(1), false);
-  settle(&box);
+  GranularScene box = filled_box();
+  until_asleep(&box);
   const uint64_t before = box.hash();
   for (int frame = 0; frame < 20; ++frame) {
     accept(box.scene.set_gravity(tipped(frame % 2 == 0 ? 1.0 : -1.0)));
@@ -125,41 +117,6 @@ TEST(Gravity, GrainsThatLieAloneSlide) {
       0.5 * 9.81 * (std::sin(30.0 * k_degree) - friction * std::cos(30.0 * k_degree)) * seconds * seconds;
   for (size_t i = 0; i < before.size(); ++i)
     EXPECT_NEAR(scene.grains[i].position[0] - before[i].position[0], slid, 0.15 * slid) << i;
-}
-
-TEST(Gravity, IsSetBeforeARestoreAndGoneAfterAReset) {
-  GranularScene box = filled_box(description(1), true);
-  settle(&box);
-  for (int frame = 0; frame < 5; ++frame) {  // the last change is too small to wake what sleeps
-    accept(box.scene.set_gravity(tipped(frame < 4 ? 4.0 : 4.5)));
-    box.frame(k_frame);
-  }
-  std::vector<std::byte> data;
-  accept(box.scene.save(&data));
-  GranularScene restored = filled_box(description(1), true);
-  accept(restored.scene.set_gravity(tipped(4.5)));
-  accept(restored.scene.restore(data));
-  for (int frame = 0; frame < 20; ++frame) box.frame(k_frame), restored.frame(k_frame);
-  EXPECT_EQ(restored.hash(), box.hash());
-
-  GranularScene fresh = filled_box(description(1), true);
-  restored.scene.reset();
-  const std::vector<float> particles = loose_fill();
-  restored.add(particles, {}, grains_about(particles, 0.4f * k_radius));
-  for (int frame = 0; frame < 5; ++frame) fresh.frame(k_frame), restored.frame(k_frame);
-  EXPECT_EQ(restored.hash(), fresh.hash());
-}
-
-TEST(Gravity, WhatIsNotFiniteIsRefusedAndChangesNothing) {
-  GranularScene box = filled_box(description(1), false), fresh = filled_box(description(1), false);
-  for (const std::array<float, 3>& wrong :
-       {std::array<float, 3>{0.0f, NAN, 0.0f}, {INFINITY, 0.0f, 0.0f}, {600.0f, 600.0f, 600.0f}}) {
-    const sandglass::Status status = box.scene.set_gravity(wrong);
-    EXPECT_EQ(status.code, SANDGLASS_ERROR_INVALID_ARGUMENT);
-    EXPECT_STREQ(status.reason, "sandglass_scene_set_gravity: gravity must be finite and at most 1000 m/s^2.");
-  }
-  for (int frame = 0; frame < 3; ++frame) box.frame(k_frame), fresh.frame(k_frame);
-  EXPECT_EQ(box.hash(), fresh.hash());
 }
 
 }  // namespace

@@ -112,22 +112,9 @@ TEST(Ladder, EachLevelHasItsBudget) {
   EXPECT_GT(debt, 2.0 * static_cast<double>(k_frame)) << "at the last level there is slow motion";
 }
 
-double mean_distance_to_particles(const std::vector<sandglass_grain>& grains, const std::vector<float>& particles) {
-  double sum = 0.0;
-  for (const sandglass_grain& grain : grains) {
-    double nearest = 1e9;
-    for (size_t i = 0; i < particles.size(); i += 3)
-      nearest =
-          std::min<double>(nearest, std::hypot(grain.position[0] - particles[i], grain.position[1] - particles[i + 1],
-                                               grain.position[2] - particles[i + 2]));
-    sum += nearest;
-  }
-  return sum / static_cast<double>(grains.size());
-}
-
 // Grains lag at most two frames behind the particles. If they cannot follow, time slows for both. A sweep is one pass of
-// the refinement over all grains: without time debt one each frame, in slow motion one in two frames' time. In the end
-// the grains lie within a diameter of the particles.
+// the refinement over all grains: without time debt one each frame, in slow motion one in two frames' time. (Where the
+// grains are then: follow_test.cpp.)
 TEST(Ladder, GrainsAreNeverLeftBehind) {
   constexpr double k_simulated = 0.4;  // seconds: a fall of 10 cm takes 0.14, the block then spreads
   for (const uint64_t budget : {~uint64_t{0} >> 1, uint64_t{1'000'000}, uint64_t{300'000}, uint64_t{0}}) {
@@ -147,11 +134,7 @@ TEST(Ladder, GrainsAreNeverLeftBehind) {
     EXPECT_NEAR(clock.triages, frames_simulated / covered, 1.0) << budget;
     EXPECT_GE(report.time.simulated, k_simulated) << "budget " << budget << ": time must go on";
     report = scene.frame(k_frame);  // with time for all: the grains catch up
-    const double distance = mean_distance_to_particles(scene.grains, scene.positions());
     EXPECT_LT(report.sand.grain_lag, 1e-6f);
-    std::printf("budget %g ms: mean distance %.3f r\n", 1e-6 * static_cast<double>(budget),
-                distance / static_cast<double>(k_radius));
-    EXPECT_LE(distance, 2.0 * static_cast<double>(k_radius)) << "budget " << budget;
   }
 }
 

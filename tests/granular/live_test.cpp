@@ -1,13 +1,11 @@
-// Saving, restoring and moving a running scene.
+// Saving, restoring and moving a running scene. (Forged bytes: tests/fuzz/saved_scene.cpp.)
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <string>
 
 #include "platform/virtual_clock.h"
-#include "runtime/core/hash.h"
 #include "tests/damaged_file.h"
 #include "tests/granular/granular_scene.h"
 
@@ -76,16 +74,20 @@ struct World {
   GranularScene scene;
 };
 
+// With another gravity than at first: the second change is too small to wake what sleeps.
 TEST(Save, TheSavedSceneAndTheRestoredOneRunOnAlike) {
   for (const int frames : {0, 40}) {
     // A budget of twenty units or fewer leaves the scene in the middle of a sub-step and of a sweep.
     for (const int starved : {0, 1, 7}) {
       World live;
       live.fill();
+      accept(live.scene.scene.set_gravity({0.7f, -9.8f, 0.0f}));
       for (int i = 0; i < frames; ++i) live.frame();
+      accept(live.scene.scene.set_gravity({0.8f, -9.8f, 0.0f}));
       for (int i = 0; i < starved; ++i) live.frame(20'000);
       const Bytes data = live.save();
       World other;
+      accept(other.scene.scene.set_gravity({0.8f, -9.8f, 0.0f}));
       ASSERT_EQ(other.restore(data), SANDGLASS_OK);
       EXPECT_EQ(other.scene.hash(), live.scene.hash());
       for (int i = 0; i < 12; ++i) {
@@ -100,15 +102,6 @@ TEST(Save, TheSavedSceneAndTheRestoredOneRunOnAlike) {
       EXPECT_EQ(other.save(), live.save());
     }
   }
-}
-
-constexpr size_t k_header = 64;
-
-// With the checksum that its content has.
-Bytes repaired(Bytes bytes) {
-  const uint64_t sum = sandglass::hash_bytes(&bytes[k_header], bytes.size() - k_header);
-  std::memcpy(&bytes[16], &sum, sizeof sum);
-  return bytes;
 }
 
 // Not a number, in all memory that a scene holds besides its first region.
@@ -216,83 +209,6 @@ TEST(Restore, EveryTruncationAndFlippedBitIsAnErrorAndChangesNothing) {
   });
 }
 
-// Every number of a small scene in turn becomes one that no scene holds, behind a right checksum. What is not refused
-// runs on, and nothing leaves the world: a rest shape of 1e30 m would throw its particles there.
-TEST(Restore, NoForgedNumberThrowsAnythingOut) {
-  sandglass_scene_desc desc = everything(64, 64);
-  World live(desc), other(desc);
-  std::vector<float> body = lattice(2, 1, 1, 2.01f * k_radius, k_radius);
-  live.scene.add({0.1f, 0.02f, 0.1f}, {}, {0.1f, 0.02f, 0.1f});
-  live.scene.add_body(body, 2.0f);
-  for (int i = 0; i < 5; ++i) live.frame();
-  const Bytes data = live.save();
-  const float floats[] = {NAN, INFINITY, 3e38f, -3e38f, 1e30f, 1e10f, -1e5f, 0.0f};
-  const double doubles[] = {static_cast<double>(NAN), 1e300, -1e300, 1e5, 0.0};
-  uint32_t refused = 0, ran = 0;
-  const auto attempt = [&](size_t at, const auto value) {
-    Bytes forged = data;
-    if (at + sizeof value > forged.size()) return;
-    std::memcpy(&forged[at], &value, sizeof value);
-    if (other.restore(repaired(forged)) != SANDGLASS_OK) {
-      ++refused;
-      return;
-    }
-    ++ran;
-    for (int i = 0; i < 2; ++i) other.frame();
-    other.scene.particle_count = other.frame().sand.particles;
-    for (const float x : other.scene.positions())
-      ASSERT_LE(std::fabs(x), 4.0f * SANDGLASS_COORDINATE_LIMIT) << value << " at byte " << at;
-    ASSERT_EQ(other.restore(other.save()), SANDGLASS_OK) << value << " at byte " << at;
-  };
-  for (size_t at = 64; at < data.size(); at += 4) {
-    for (const float value : floats) attempt(at, value);
-    for (const double value : doubles) attempt(at, value);
-  }
-  EXPECT_GT(refused, 100u);
-  EXPECT_GT(ran, 100u);
-}
-
-// Where the particles were when such grains last followed them is not in the bytes: memory of something else would
-// decide where they go.
-TEST(Restore, GrainsThatLagAreRefused) {
-  World live, other;
-  live.fill();
-  Bytes data = live.save();
-  constexpr size_t k_grain_lag = k_header + 3 * sizeof(double);  // save.cpp: Scalars
-  const double lag = 0.008;
-  std::memcpy(&data[k_grain_lag], &lag, sizeof lag);
-  EXPECT_EQ(other.restore(repaired(data)), SANDGLASS_ERROR_INVALID_ARGUMENT);
-}
-
-// A body's speed that overflows when it is turned, and one of a body that sleeps.
-TEST(Restore, SpeedsThatNoBodyHasAreRefused) {
-  World live, other;
-  const std::vector<float> points = lattice(3, 3, 3, 2.01f * k_radius, k_radius);
-  const float velocity[3] = {0.03125f, 0.0f, -0.015625f};
-  live.scene.add_body(points, 1.0f, {velocity[0], velocity[1], velocity[2]});
-  Bytes data = live.save();
-  const auto* first = reinterpret_cast<const std::byte*>(velocity);
-  const auto found =
-      std::search(data.begin() + static_cast<ptrdiff_t>(data.size() / 2), data.end(), first, first + sizeof velocity);
-  ASSERT_NE(found, data.end());
-  const size_t at = static_cast<size_t>(found - data.begin());
-  EXPECT_EQ(other.restore(repaired(data)), SANDGLASS_OK);
-  const float forged[3] = {3e38f, 0.0f, 3e38f};
-  std::memcpy(&data[at], forged, sizeof forged);
-  EXPECT_EQ(other.restore(repaired(data)), SANDGLASS_ERROR_INVALID_ARGUMENT);
-
-  live.scene.add_floor();
-  for (int i = 0; i < 500 && live.scene.frame(k_frame).sand.awake != 0; ++i) {
-  }
-  data = live.save();
-  const float rest[3] = {};
-  ASSERT_EQ(std::memcmp(&data[at], rest, sizeof rest), 0);
-  ASSERT_EQ(other.restore(data), SANDGLASS_OK);
-  EXPECT_EQ(other.scene.frame(k_frame).sand.awake, 0u);
-  std::memcpy(&data[at], velocity, sizeof velocity);
-  EXPECT_EQ(other.restore(repaired(data)), SANDGLASS_ERROR_INVALID_ARGUMENT);
-}
-
 TEST(Restore, NeedsTheSameRadiusAndRoom) {
   World live;
   live.fill();
@@ -303,10 +219,6 @@ TEST(Restore, NeedsTheSameRadiusAndRoom) {
   desc.granular.particle_radius = 0.02f;
   World coarse(desc);
   EXPECT_EQ(coarse.restore(data), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  uint64_t written = 0;
-  Bytes tight(data.size() - 1);
-  EXPECT_EQ(sandglass_scene_save(live.scene.scene.get(), tight.data(), tight.size(), &written, nullptr),
-            SANDGLASS_ERROR_MEMORY_TOO_SMALL);
 }
 
 constexpr sandglass::Rotation k_unturned = {0.0f, 0.0f, 0.0f, 1.0f};
@@ -339,9 +251,7 @@ TEST(Move, WhatSleepsGoesOnSleeping) {
   const std::vector<float> bed = lattice(10, 3, 10, 2.02f * k_radius, k_radius);
   scene.add(bed, {}, bed);
   scene.add_floor();
-  for (int i = 0; i < 300 && scene.frame(k_frame).sand.awake != 0; ++i) {
-  }
-  ASSERT_EQ(scene.frame(k_frame).sand.awake, 0u);
+  until_asleep(&scene);
   accept(scene.scene.move(k_unturned, {10.0f, 2.0f, 0.0f}));
   scene.colliders[0] = sandglass::floor_at(2.0f);
   EXPECT_EQ(scene.frame(k_frame).sand.awake, 0u);

@@ -206,37 +206,4 @@ TEST(Plans, APlanThatDoesNotFitIsRefused) {
   EXPECT_THROW(scene.frame(k_frame, 0, &plan), std::runtime_error);
 }
 
-// Work units of a millisecond and no budget: every frame goes on in the midst of a step.
-TEST(Plans, AStepEndsWithTheCollidersWithWhichItBegan) {
-  uint64_t now_ns = 0;
-  sandglass_scene_desc desc = description(k_particles, k_grains);
-  desc.clock = {[](void* user) { return *static_cast<uint64_t*>(user); }, &now_ns};
-  desc.trace = {nullptr, [](void* user, const char*) { *static_cast<uint64_t*>(user) += 1'000'000; }, &now_ns};
-  uint64_t hashes[2];
-  for (const bool used_before : {false, true}) {
-    GranularScene scene(desc);
-    if (used_before) {  // what memory held before must not show
-      fill(&scene);
-      const sandglass_collider ball = sandglass::sphere(0.0f, 0.05f, 0.0f, 0.1f);
-      scene.colliders.assign(3, ball);
-      scene.frame(k_frame);
-      scene.scene.reset();
-      scene.colliders.clear();
-      scene.grains.clear();
-      scene.particle_count = 0;
-    }
-    fill(&scene);
-    const sandglass_collider floor = scene.colliders.front(), far = sandglass::sphere(50.0f, 0.0f, 0.0f, 0.1f);
-    bool went_on = false;
-    for (int frame = 0; frame < 60; ++frame) {
-      scene.colliders = {floor};
-      if (frame % 2 == 1) scene.colliders = {floor, far, far};
-      went_on |= scene.frame(k_frame, 0).sand.substeps == 0;
-    }
-    EXPECT_TRUE(went_on);
-    hashes[used_before] = scene.hash();
-  }
-  EXPECT_EQ(hashes[0], hashes[1]);
-}
-
 }  // namespace

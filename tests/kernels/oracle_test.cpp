@@ -133,6 +133,37 @@ void mix(Cluster* c) {
 constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_lift = 2e-5,
                  k_wake = 1e-4, k_separation = 4e-4, k_leave = 3e-4, k_stick = 0.4;
 
+ContactLaw contact_law() {
+  ContactLaw law = {};
+  law.diameter = 2 * k_cluster_radius;
+  law.static_friction = static_cast<float>(k_static);
+  law.kinetic_friction = static_cast<float>(k_kinetic);
+  law.relaxation = static_cast<float>(k_omega);
+  law.weight_linear = static_cast<float>(-k_weight / 4);
+  law.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
+  law.lift_max = static_cast<float>(k_lift);
+  law.up[1] = 1.0f;
+  law.bodies = 1;
+  law.wake_displacement = static_cast<float>(k_wake);
+  return law;
+}
+
+// A collider that is not turned.
+ColliderFrame upright(sandglass_shape shape, Vector place, float size = 0.0f) {
+  ColliderFrame frame = {};
+  frame.shape = shape;
+  set(frame.position, place);
+  frame.size[0] = size;
+  for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f;
+  return frame;
+}
+
+std::vector<uint32_t> all_groups(const Cluster& cluster) {
+  std::vector<uint32_t> groups(cluster.rows / k_lane_group);
+  for (uint32_t g = 0; g < groups.size(); ++g) groups[g] = g;
+  return groups;
+}
+
 // One pass for particle i: (4.14-4.27) of the dissertation averaged by (4.37), then the floor y = -0.004.
 // *runs_into_sleeper tells whether it touches a sleeper.
 Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_sleeper) {
@@ -198,36 +229,25 @@ void check_contact(uint32_t n, bool solve) {
       }
     }
   }
-  ColliderFrame floor = {};
-  floor.shape = SANDGLASS_SHAPE_HALF_SPACE;
-  floor.position[1] = -0.004f;
-  for (int k = 0; k < 3; ++k) floor.axes[k][k] = 1.0f;
+  const ColliderFrame floor = upright(SANDGLASS_SHAPE_HALF_SPACE, {0, -0.004, 0});
   AveragedArgs args = {};
+  args.law = contact_law();
   args.end.in = cluster.records.data();
   args.lists = lists.data();
   args.counts = counts.data();
   args.end.particle_count = n;
   args.end.radius = k_cluster_radius;
-  args.law.diameter = 2 * k_cluster_radius;
-  args.law.static_friction = args.end.static_friction = static_cast<float>(k_static);
-  args.law.kinetic_friction = args.end.kinetic_friction = static_cast<float>(k_kinetic);
-  args.law.relaxation = static_cast<float>(k_omega);
-  args.law.weight_linear = static_cast<float>(-k_weight / 4),
-  args.law.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
-  args.law.lift_max = static_cast<float>(k_lift);
-  args.law.up[1] = 1.0f;
+  args.end.static_friction = static_cast<float>(k_static);
+  args.end.kinetic_friction = static_cast<float>(k_kinetic);
   args.scale = static_cast<float>(k_step);
   args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
   args.end.step = static_cast<float>(k_step);
   args.last = 0;
   args.end.leave_max = static_cast<float>(k_leave);
   args.end.displacement_max = 1.0f;
-  args.law.bodies = 1;
-  args.law.wake_displacement = static_cast<float>(k_wake);
   args.end.colliders = &floor;
   args.end.collider_count = 1;
-  std::vector<uint32_t> groups(cluster.rows / k_lane_group);
-  for (uint32_t g = 0; g < groups.size(); ++g) groups[g] = g;
+  const std::vector<uint32_t> groups = all_groups(cluster);
   args.end.groups = groups.data();
   std::vector<Particle> first;
   for (const Kernels* kernels : tables()) {
@@ -272,12 +292,6 @@ void check_contact_solve(uint32_t n) { check_contact(n, true); }
 void check_contact_stabilise(uint32_t n) { check_contact(n, false); }
 
 // ---- predict_motion, contact_pairs, complete_motion
-
-std::vector<uint32_t> all_groups(const Cluster& cluster) {
-  std::vector<uint32_t> groups(cluster.rows / k_lane_group);
-  for (uint32_t g = 0; g < groups.size(); ++g) groups[g] = g;
-  return groups;
-}
 
 void check_predict_motion(uint32_t n) {
   Cluster cluster(n, 0, 0.6, 29);
@@ -364,26 +378,16 @@ void check_contact_pairs(uint32_t n) {
     args.second = second.data();
     args.groups = groups.data();
     args.fixed = fixed ? 1 : 0;
-    ContactLaw& c = args.law;
-    c.diameter = 2 * k_cluster_radius;
-    c.static_friction = static_cast<float>(k_static);
-    c.kinetic_friction = static_cast<float>(k_kinetic);
-    c.relaxation = static_cast<float>(k_omega);
+    args.law = contact_law();
     args.inverse_relaxation = static_cast<float>(1.0 / k_omega);
     args.separation_max = static_cast<float>(k_separation);
     args.stick = static_cast<float>(k_stick);
-    c.lift_max = static_cast<float>(k_lift);
-    c.weight_linear = static_cast<float>(-k_weight / 4);
-    c.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
-    c.up[1] = 1.0f;
-    c.bodies = 1;
-    c.wake_displacement = static_cast<float>(k_wake);
     std::vector<Particle> all_first;
     for (const Kernels* kernels : tables()) {
       std::vector<Particle> all = cluster.records;
       std::vector<uint8_t> touched(cluster.rows / k_lane_group, 0), expected_touched = touched;
       args.particles = all.data();
-      c.touched = touched.data();
+      args.law.touched = touched.data();
       uint32_t any_touched = 0;
       kernels->contact_pairs(&args, 0, (n + k_lane_group - 1) / k_lane_group * k_lane_group, &any_touched);
       uint32_t touching = 0;
@@ -420,11 +424,8 @@ void check_complete_motion(uint32_t n) {
     if (is_awake(cluster.records[i])) set(cluster.records[i].velocity, 4e-4 * at(cluster.records[i].velocity));
     set_departed(&cluster.records[i], i % 5 == 0);
   }
-  ColliderFrame floor = {};
-  floor.shape = SANDGLASS_SHAPE_HALF_SPACE;
-  for (int k = 0; k < 3; ++k) floor.axes[k][k] = 1.0f;
   // It takes some of the particles by a little, so that it does not drive them beyond the limit.
-  floor.position[1] = static_cast<float>(-0.5 * cluster.side);
+  const ColliderFrame floor = upright(SANDGLASS_SHAPE_HALF_SPACE, {0, -0.5 * cluster.side, 0});
   const std::vector<uint32_t> groups = all_groups(cluster);
   CompleteArgs args = {};
   args.groups = groups.data();
@@ -478,14 +479,8 @@ void check_complete_motion(uint32_t n) {
 void check_wake_near(uint32_t n) {
   Cluster cluster(n, 0, 0.3, 41);
   mix(&cluster);
-  ColliderFrame colliders[2] = {};
-  for (ColliderFrame& c : colliders)
-    for (int k = 0; k < 3; ++k) c.axes[k][k] = 1.0f;
-  colliders[0].shape = SANDGLASS_SHAPE_SPHERE;
-  colliders[0].size[0] = 0.02f;
-  colliders[0].position[0] = 0.01f;
-  colliders[1].shape = SANDGLASS_SHAPE_HALF_SPACE;
-  colliders[1].position[1] = -0.03f;
+  const ColliderFrame colliders[2] = {upright(SANDGLASS_SHAPE_SPHERE, {0.01, 0, 0}, 0.02f),
+                                      upright(SANDGLASS_SHAPE_HALF_SPACE, {0, -0.03, 0})};
   const float margins[2] = {0.005f, 0.012f};
   std::vector<Sleeper> sleepers(cluster.inert + k_slack);
   std::memcpy(sleepers.data(), cluster.records.data(), sleepers.size() * sizeof(Sleeper));
@@ -516,14 +511,8 @@ void check_wake_near(uint32_t n) {
 
 void check_find_inside(uint32_t n) {
   Cluster cluster(n, 0, 0.3, 43);
-  ColliderFrame shapes[2] = {};
-  for (ColliderFrame& c : shapes)
-    for (int k = 0; k < 3; ++k) c.axes[k][k] = 1.0f;
-  shapes[0].shape = SANDGLASS_SHAPE_SPHERE;
-  shapes[0].size[0] = 0.015f;
-  shapes[0].position[2] = 0.02f;
-  shapes[1].shape = SANDGLASS_SHAPE_HALF_SPACE;
-  shapes[1].position[1] = -0.01f;
+  const ColliderFrame shapes[2] = {upright(SANDGLASS_SHAPE_SPHERE, {0, 0, 0.02}, 0.015f),
+                                   upright(SANDGLASS_SHAPE_HALF_SPACE, {0, -0.01, 0})};
   for (const Kernels* kernels : tables()) {
     std::vector<uint8_t> inside(cluster.rows, 7);
     const InsideArgs args = {as_records(cluster.records.data()), n, shapes, 2, inside.data()};

@@ -18,25 +18,6 @@ using namespace sandglass;
 
 constexpr float k_position[3] = {0.1f, 0.2f, 0.3f}, k_velocity[3] = {1.0f, -2.0f, 3.0f};
 
-TEST(Whole, TruncatesWhatFitsAndEndsAtTheNearestThatDoes) {
-  EXPECT_EQ(to_whole<int32_t>(2.9f), 2);
-  EXPECT_EQ(to_whole<int32_t>(-2.9f), -2);
-  EXPECT_EQ(to_whole<uint32_t>(-0.9), 0u);
-  EXPECT_EQ(to_whole<uint8_t>(255.9), 255);
-  EXPECT_EQ(to_whole<int32_t>(2147483520.0f), 2147483520);  // the last float below 2^31
-  EXPECT_EQ(to_whole<int32_t>(2147483648.0f), INT32_MAX);
-  EXPECT_EQ(to_whole<int32_t>(-2147483648.0f), INT32_MIN);
-  EXPECT_EQ(to_whole<int32_t>(-3e38f), INT32_MIN);
-  EXPECT_EQ(to_whole<int32_t>(INFINITY), INT32_MAX);
-  EXPECT_EQ(to_whole<int32_t>(NAN), 0);
-  EXPECT_EQ(to_whole<uint32_t>(-1e30), 0u);
-  EXPECT_EQ(to_whole<uint32_t>(4294967295.5), UINT32_MAX);
-  EXPECT_EQ(to_whole<uint32_t>(4294967296.0), UINT32_MAX);
-  EXPECT_EQ(to_whole<uint64_t>(18446744073709551616.0), UINT64_MAX);
-  EXPECT_EQ(to_whole<int64_t>(-9223372036854775808.0), INT64_MIN);
-  EXPECT_EQ(to_whole<int64_t>(static_cast<double>(NAN)), 0);
-}
-
 // Powers of two and their neighbours, both signs, what is not finite, and the smallest numbers.
 template <class Real>
 std::vector<Real> special_values() {

@@ -109,47 +109,6 @@ TEST(Geodesic, of_a_folded_sheet_is_that_of_the_sheet_rolled_flat) {
   EXPECT_GT(compared, 2000);
 }
 
-TEST(Geodesic, of_a_cube_is_the_shortest_over_its_nets) {
-  // From near the middle of the top face to a point of a side face at depth t and lateral offset u, with u well below
-  // 1/2 - t, the shortest path crosses their common edge: flat, the two faces are one rectangle.
-  const float size[3] = {1, 1, 1};
-  const host::Mesh cube = host::make_box(size);
-  std::vector<Candidate> targets = random_targets(cube, 3000, 2), tops = random_targets(cube, 2000, 3);
-  std::erase_if(targets, [](const Candidate& c) {
-    const float* p = c.position;
-    return std::fabs(p[0]) <= 0.4999f || 0.5 - static_cast<double>(p[1]) >= 0.45 - std::fabs(p[2]);
-  });
-  std::erase_if(tops, [](const Candidate& c) {
-    return c.position[1] <= 0.4999f || std::fabs(c.position[0]) >= 0.05f || std::fabs(c.position[2]) >= 0.05f;
-  });
-  ASSERT_GT(targets.size(), 100u);
-  ASSERT_GT(tops.size(), 0u);
-  Surface(cube, targets).measure(tops, 3, [](const float* top, const float* q, double found) {
-    const double along = 0.5 - (q[0] > 0 ? 1.0 : -1.0) * top[0] + 0.5 - static_cast<double>(q[1]);
-    ASSERT_NEAR(found, std::hypot(along, static_cast<double>(q[2]) - top[2]), 1e-6);
-  });
-}
-
-TEST(Geodesic, of_a_fine_sphere_is_the_great_circle) {
-  const host::Mesh sphere = host::make_icosphere(1, 4);
-  const std::vector<Candidate> targets = random_targets(sphere, 300, 4);
-  double worst = 0;
-  Surface(sphere, targets).measure({targets.data(), 10}, 1.5, [&](const float* p, const float* q, double found) {
-    double dot = 0, a = 0, b = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double x = p[k], y = q[k];
-      dot += x * y;
-      a += x * x;
-      b += y * y;
-    }
-    const double truth = std::acos(std::min(1.0, dot / std::sqrt(a * b)));
-    if (truth < 1.4 && truth > 0.01) worst = std::max(worst, std::fabs(found / truth - 1));
-  });
-  // Edges are about 0.07 long. Chords and faces lie below the sphere by at most (edge)^2/8 of the radius, which
-  // shortens the path.
-  EXPECT_LT(worst, 0.07 * 0.07 / 4);
-}
-
 TEST(Geodesic, turns_at_an_inner_corner) {
   // An L of three unit squares: from one arm to the other the shortest path bends at the inner corner (1, 1).
   host::Mesh plate;

@@ -130,24 +130,6 @@ TEST(Inside, parity_is_right_in_the_planes_of_a_turned_notched_block) {
   }
 }
 
-TEST(Inside, tree_agrees_with_the_exact_winding_number) {
-  const host::Mesh knot = host::make_trefoil(0.1f, 0.018f, 120, 16);
-  const sandglass_mesh mesh = view(knot);
-  const sandglass::MeshInside inside = inside_of(knot, SANDGLASS_INSIDE_WINDING);
-  const Points points = random_points(1500, 21, 0.14, 0.14);
-  int in = 0;
-  for (size_t i = 0; i < points.size(); i += 3) {
-    double winding = -1;
-    const char* reason = nullptr;
-    ASSERT_EQ(sandglass_mesh_winding_number(&mesh, &points[i], &winding, &reason), SANDGLASS_OK);
-    // For a closed mesh that does not cross itself the number is 0 or 1, up to rounding.
-    ASSERT_LT(std::min(std::fabs(winding), std::fabs(winding - 1)), 1e-9);
-    ASSERT_EQ(inside(&points[i]), winding > 0.5);
-    in += winding > 0.5;
-  }
-  EXPECT_GT(in, 30);
-}
-
 // The largest error of the tree's number at random points, against the sum over all triangles.
 double worst_tree_error(const host::Mesh& mesh, int count, double reach) {
   const sandglass_mesh surface = view(mesh);
@@ -229,19 +211,6 @@ TEST(Inside, prepared_block_does_not_need_the_mesh_any_more) {
   const float in[3] = {0.1f, 0, 0}, out[3] = {0, 0, 0};
   EXPECT_TRUE(parity(in) && winding(in));
   EXPECT_FALSE(parity(out) || winding(out));
-}
-
-TEST(Inside, both_rules_agree_on_the_trefoil) {
-  const host::Mesh knot = host::make_trefoil();
-  const sandglass::MeshInside parity = inside_of(knot, SANDGLASS_INSIDE_PARITY),
-                              winding = inside_of(knot, SANDGLASS_INSIDE_WINDING);
-  const Points points = random_points(50000, 31, 0.14, 0.14);
-  int in = 0;
-  for (size_t i = 0; i < points.size(); i += 3) {
-    ASSERT_EQ(parity(&points[i]), winding(&points[i]));
-    in += parity(&points[i]);
-  }
-  EXPECT_GT(in, 1500);
 }
 
 #ifdef SANDGLASS_HAVE_EMBREE

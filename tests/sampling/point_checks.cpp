@@ -12,29 +12,6 @@ sandglass_mesh view(const host::Mesh& mesh) {
   return {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
 }
 
-host::Mesh joined(const host::Mesh& a, const host::Mesh& b) {
-  host::Mesh both = a;
-  both.vertices.insert(both.vertices.end(), b.vertices.begin(), b.vertices.end());
-  for (uint32_t i : b.indices) both.indices.push_back(i + a.vertex_count());
-  return both;
-}
-
-host::Mesh moved(host::Mesh mesh, float x, float y, float z) {
-  for (size_t i = 0; i < mesh.vertices.size(); i += 3) {
-    mesh.vertices[i] += x;
-    mesh.vertices[i + 1] += y;
-    mesh.vertices[i + 2] += z;
-  }
-  return mesh;
-}
-
-host::Mesh unit_square() {
-  host::Mesh square;
-  square.vertices = {0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1};
-  square.indices = {0, 2, 1, 0, 3, 2};
-  return square;
-}
-
 sandglass_sample_desc desc_with_seed(uint64_t seed) {
   sandglass_sample_desc desc = sandglass::sample_desc();
   desc.seed = seed;

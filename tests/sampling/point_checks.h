@@ -18,9 +18,6 @@ namespace sandglass::test {
 using Points = std::vector<float>;  // x, y, z of each point
 
 sandglass_mesh view(const host::Mesh& mesh);
-host::Mesh joined(const host::Mesh& a, const host::Mesh& b);
-host::Mesh unit_square();  // in the plane y = 0
-host::Mesh moved(host::Mesh mesh, float x, float y, float z);
 
 sandglass_sample_desc desc_with_seed(uint64_t seed);
 

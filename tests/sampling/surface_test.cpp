@@ -44,7 +44,13 @@ TEST(Surface, keeps_the_least_distance_and_is_maximal) {
 
 TEST(Surface, reaches_parts_further_apart_than_two_distances) {
   const float leg[3] = {0.02f, 0.3f, 0.02f};
-  const host::Mesh legs = joined(moved(host::make_box(leg), -0.5f, 0, 0), moved(host::make_box(leg), 0.5f, 0, 0));
+  const host::Mesh box = host::make_box(leg);
+  host::Mesh legs;
+  for (const float aside : {-0.5f, 0.5f}) {
+    for (const uint32_t i : box.indices) legs.indices.push_back(i + legs.vertex_count());
+    for (size_t i = 0; i < box.vertices.size(); ++i)
+      legs.vertices.push_back(box.vertices[i] + (i % 3 == 0 ? aside : 0.0f));
+  }
   const float distance = 0.01f;
   const Points samples = sample_surface(legs, distance, desc_with_seed(3));
   size_t left = 0, right = 0;
@@ -75,7 +81,10 @@ TEST(Surface, fills_the_plane_as_densely_as_random_packing_does) {
   // jams at a coverage of 0.547, which is 0.547/(pi/4) = 0.697 (Feder 1980). Finite candidates give a little less, the
   // rim a little more.
   const float distance = 0.02f;
-  const Points samples = sample_surface(unit_square(), distance, desc_with_seed(1));
+  host::Mesh square;
+  square.vertices = {0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1};
+  square.indices = {0, 2, 1, 0, 3, 2};
+  const Points samples = sample_surface(square, distance, desc_with_seed(1));
   const double density = static_cast<double>(samples.size() / 3) * distance * distance;
   EXPECT_GT(density, 0.62);
   EXPECT_LT(density, 0.75);

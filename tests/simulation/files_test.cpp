@@ -39,12 +39,6 @@ TEST(Npy, RoundTrip) {
   EXPECT_EQ(read_npy(folder / "c.npy").shape, (std::vector<uint64_t>{0, 3}));
 }
 
-TEST(Npy, DataStartAtAMultipleOf64) {
-  const tests::TemporaryFolder folder;
-  write_npy(folder / "a.npy", std::vector<float>(3), 1, 3);
-  EXPECT_EQ((fs::file_size(folder / "a.npy") - 12) % 64, 0u);
-}
-
 TEST(Npy, RefusesATruncatedFile) {
   const tests::TemporaryFolder folder;
   write_npy(folder / "a.npy", std::vector<float>(30), 10, 3);
@@ -93,25 +87,6 @@ TEST(AtomicFile, ASecondCtrlCLeavesNothingHalfWritten) {
   close(reader);
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) << status;
   EXPECT_TRUE(fs::is_empty(folder.path)) << pipe;
-}
-
-// One thread has noticed Ctrl-C while another is still in the middle of a long task: the program ends all the same.
-TEST(Interrupt, OneOfSeveralTasksDoesNotAnswerForAll) {
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    listen_for_interrupt();
-    std::raise(SIGINT);
-    {
-      const OneOfSeveral task;
-      if (!interrupted()) _exit(3);
-    }
-    for (const auto from = std::chrono::steady_clock::now(); std::chrono::steady_clock::now() - from < 20s;) pause();
-    _exit(4);
-  }
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 130);
 }
 
 TEST(Progress, SaysHowLongItWillTake) {
