@@ -123,11 +123,9 @@ Options granular_options(BenchOptions& o) {
 }
 
 Options ladder_options(BenchOptions& o) {
-  return {
-      thread_counts(o), frames(o),
-      fills({"--out", &o.out, "FOLDER",
-             "Draw error against time into this new folder, and write the levels' table, of the last thread count"}),
-      isa_option(o.isa), json_option(o.json)};
+  return {thread_counts(o), frames(o),
+          fills({"--out", &o.out, "FOLDER", "Write the levels' table, of the last thread count, into this new folder"}),
+          isa_option(o.isa), json_option(o.json)};
 }
 
 Options growth_options(BenchOptions& o) { return {thread_counts(o), isa_option(o.isa), json_option(o.json)}; }

@@ -13,7 +13,6 @@
 #include "models/simulation/simulation.h"
 #include "models/work/progress.h"
 #include "tests/laboratory/sand/follow_cases.h"
-#include "tests/laboratory/sand/granular_plots.h"
 #include "tests/laboratory/sand/physics_cases.h"
 
 namespace sandglass::host {
@@ -33,14 +32,6 @@ std::string number_text(double value) {
   return text;
 }
 
-std::string table_markdown(const std::vector<Verdict>& rows) {
-  std::string text = "| case | claim | truth | result | limit | unit | |\n|---|---|---|---|---|---|---|\n";
-  for (const Verdict& v : rows)
-    text += "| " + v.group + " | " + v.name + " | " + number_text(v.truth) + " | " + number_text(v.result) + " | " +
-            number_text(v.limit) + " | " + v.unit + " | " + outcome_of(v) + " |\n";
-  return text;
-}
-
 }  // namespace
 
 void print_verdicts(const std::vector<Verdict>& rows) {
@@ -48,10 +39,6 @@ void print_verdicts(const std::vector<Verdict>& rows) {
   for (const Verdict& v : rows)
     std::printf("%-11s %-32s %11s %11s %11s  %-11s %s\n", v.group.c_str(), v.name.c_str(), number_text(v.truth).c_str(),
                 number_text(v.result).c_str(), number_text(v.limit).c_str(), v.unit.c_str(), outcome_of(v));
-}
-
-void write_verdicts(const std::string& folder, const std::vector<Verdict>& rows) {
-  write_file(folder + "/verify.md", table_markdown(rows));
 }
 
 uint32_t count_failed(const std::vector<Verdict>& rows) {
@@ -95,22 +82,13 @@ void expect_quick(const std::vector<std::string>& cases) {
                    "Leave --quick out, or name quick cases: " + list_of(quick, "or"));
 }
 
-// Prints the table, and writes it where it is asked for, with the curves. Returns the exit code.
-int tell_sand(const VerifyOptions& options, const char* suite, const std::string& isa_name, const VerdictTable& table) {
-  print_verdicts(table.rows);
-  const uint32_t failed = count_failed(table.rows);
-  std::printf("%zu rows, %u failed\n", table.rows.size(), failed);
-  if (!options.json.empty())
-    write_file(options.json, measurements_json(measurements_of(suite, isa_name, 1, table.rows)));
-  if (!options.out.empty()) {
-    write_verdicts(options.out, table.rows);
-    std::string drawn;
-    for (const GranularPlot& plot : granular_plots(table.curves)) {
-      write_png(options.out + "/" + plot.name + ".png", draw_plot(plot.plot));
-      drawn += ", " + plot.name + ".png";
-    }
-    std::printf("verify.md%s\n", drawn.c_str());
-  }
+// Prints the table, and writes it where it is asked for. Returns the exit code.
+int tell_sand(const VerifyOptions& options, const char* suite, const std::string& isa_name,
+              const std::vector<Verdict>& rows) {
+  print_verdicts(rows);
+  const uint32_t failed = count_failed(rows);
+  std::printf("%zu rows, %u failed\n", rows.size(), failed);
+  if (!options.json.empty()) write_file(options.json, measurements_json(measurements_of(suite, isa_name, 1, rows)));
   return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : k_exit_done;
 }
 
@@ -143,15 +121,13 @@ Options verify_granular_options(VerifyOptions& o) {
   return {standard("all", {"--case", &o.cases, "NAMES", "Only these cases", one_of(verdict_groups())}),
           {"--quick", &o.quick, "", "Only the cases that take seconds"},
           seed_option(o.seed, "Where the poured sand begins"),
-          fills({"--out", &o.out, "FOLDER", "Write the table and its curves into this new folder"}),
           isa_option(o.isa),
           json_option(o.json)};
 }
 
 Options verify_follow_options(VerifyOptions& o) {
   return {standard("all", {"--case", &o.cases, "NAMES", "Only these scenes", one_of(follow_groups())}),
-          seed_option(o.seed, "How the sand of every scene is turned, and where its grains are"),
-          fills({"--out", &o.out, "FOLDER", "Write the table into this new folder"}), isa_option(o.isa),
+          seed_option(o.seed, "How the sand of every scene is turned, and where its grains are"), isa_option(o.isa),
           json_option(o.json)};
 }
 
@@ -164,7 +140,6 @@ Options verify_lighting_options(VerifyOptions& o) {
                    standard("the cross-validated ones for SANDGLASS_DATA_DIR",
                             {"--estimates", &o.estimates, "FILE", "Estimates of all views, as train.py writes them"})),
           seed_option(o.seed, "Where the cameras look"),
-          fills({"--out", &o.out, "FOLDER", "Write the table into this new folder"}),
           threads_option(o.threads),
           json_option(o.json)};
 }
@@ -178,8 +153,6 @@ Options verify_room_options(VerifyOptions& o) {
           standard("chair, armadillo, trefoil and bucket",
                    {"--mesh", &o.meshes, "MESHES", "Objects on the floor: files, or names of generated meshes"}),
           {"--quick", &o.quick, "", "A quarter of the sessions"},
-          {"--pictures", &o.pictures, "", "Also the whole pictures of verify shot: every claim in one table"},
-          fills({"--out", &o.out, "FOLDER", "Write the tables into this new folder"}),
           seed_option(o.seed, "How the phone sways"),
           threads_option(o.threads),
           json_option(o.json)};
@@ -192,7 +165,6 @@ Options verify_shot_options(VerifyOptions& o) {
           standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates the light"}),
           {"--quick", &o.quick, "", "Fewer rays: minutes, with errors that are a little larger"},
           seed_option(o.seed, "Where the cameras look, and how the phone sways"),
-          fills({"--out", &o.out, "FOLDER", "Write the table into this new folder"}),
           threads_option(o.threads),
           json_option(o.json)};
 }
@@ -214,10 +186,9 @@ int verify_granular_command(const VerifyOptions& options) {
 int verify_follow_command(const VerifyOptions& options) {
   const sandglass_isa isa = find_isa(options.isa);
   const std::string isa_name = kernels_of(isa);
-  VerdictTable table;
-  table.rows =
-      with_progress([&](const auto& progress) { return follow_verdicts(options.cases, options.seed, isa, progress); });
-  return tell_sand(options, "follow", isa_name, table);
+  return tell_sand(options, "follow", isa_name, with_progress([&](const auto& progress) {
+                     return follow_verdicts(options.cases, options.seed, isa, progress);
+                   }));
 }
 
 std::vector<Command> verify_suites() {

@@ -1,4 +1,4 @@
-// What the suites of `sandglass_lab verify` share: claims as a table on the terminal, as Markdown and for --json.
+// What the suites of `sandglass_lab verify` share: claims as a table on the terminal and for --json.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ namespace sandglass::host {
 
 // Of all suites; verify.cpp says which takes what.
 struct VerifyOptions {
-  std::string json, out, isa = "automatic", manifest, estimates, network, folder;
+  std::string json, isa = "automatic", manifest, estimates, network, folder;
   std::vector<std::string> cases, panoramas, meshes;
-  bool quick = false, pictures = false;
+  bool quick = false;
   uint64_t seed = 0;
   uint32_t threads = 1;
 };
@@ -30,12 +30,7 @@ int verify_shot_command(const VerifyOptions& options);
 int verify_files_command(const VerifyOptions& options);
 std::vector<Command> verify_suites();
 
-// Composites beside their truth, in the same panoramas: the rows of `verify shot`. Empty where it was interrupted.
-std::vector<Verdict> check_pictures(const VerifyOptions& options);
-
 void print_verdicts(const std::vector<Verdict>& rows);
-// Writes verify.md into the folder.
-void write_verdicts(const std::string& folder, const std::vector<Verdict>& rows);
 uint32_t count_failed(const std::vector<Verdict>& rows);
 std::vector<Measurement> measurements_of(const std::string& suite, const std::string& isa, uint32_t threads,
                                          const std::vector<Verdict>& rows);

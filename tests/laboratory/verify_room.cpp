@@ -69,11 +69,7 @@ int verify_room_command(const VerifyOptions& options) {
   const std::string markdown =
       drawn_markdown(study, table.drawn) + "\n" + sessions_markdown(table) + "\n" + conditions_markdown(conditions);
   std::printf("%zu places\n\n%s\n", table.places, markdown.c_str());
-  std::vector<Verdict> verdicts = room_verdicts(conditions);
-  if (options.pictures) {
-    for (const Verdict& row : check_pictures(options)) verdicts.push_back(row);
-    if (interrupted()) return k_exit_interrupted;
-  }
+  const std::vector<Verdict> verdicts = room_verdicts(conditions);
   print_verdicts(verdicts);
   const uint32_t failed = count_failed(verdicts);
   std::printf("%zu rows, %u failed\n", verdicts.size(), failed);
@@ -81,10 +77,6 @@ int verify_room_command(const VerifyOptions& options) {
     std::vector<Measurement> all = measurements_of("room", "automatic", options.threads, verdicts);
     for (const Measurement& m : room_measurements(conditions)) all.push_back(m);
     write_file(options.json, measurements_json(all));
-  }
-  if (!options.out.empty()) {
-    write_verdicts(options.out, verdicts);
-    write_file(options.out + "/rooms.md", markdown);
   }
   return failed > 0 ? k_exit_check_failed : k_exit_done;
 }

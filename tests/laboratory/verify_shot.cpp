@@ -22,7 +22,7 @@ std::vector<std::string> chosen_panoramas(const VerifyOptions& options) {
 
 }  // namespace
 
-std::vector<Verdict> check_pictures(const VerifyOptions& options) {
+int verify_shot_command(const VerifyOptions& options) {
   ShotVerdictOptions shots;
   shots.panoramas = chosen_panoramas(options);
   shots.network = options.network.empty() ? shipped_light_network() : options.network;
@@ -32,18 +32,16 @@ std::vector<Verdict> check_pictures(const VerifyOptions& options) {
   shots.manifest =
       options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;
   if (shots.network.empty()) std::printf("no lighting network: without estimates\n");
-  Progress progress("compositing and tracing views", shots.panoramas.size());
-  return verify_shots(shots, [&](size_t done) {
-    progress.done(done);
-    return !interrupted();
-  });
-}
-
-int verify_shot_command(const VerifyOptions& options) {
-  const std::vector<Verdict> rows = check_pictures(options);
+  std::vector<Verdict> rows;
+  {
+    Progress progress("compositing and tracing views", shots.panoramas.size());
+    rows = verify_shots(shots, [&](size_t done) {
+      progress.done(done);
+      return !interrupted();
+    });
+  }
   if (interrupted()) return k_exit_interrupted;
   print_verdicts(rows);
-  if (!options.out.empty()) write_verdicts(options.out, rows);
   if (!options.json.empty())
     write_file(options.json, measurements_json(measurements_of("shot", "automatic", options.threads, rows)));
   return count_failed(rows) > 0 ? k_exit_check_failed : k_exit_done;

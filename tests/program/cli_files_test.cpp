@@ -157,7 +157,6 @@ TEST_F(CliFiles, AFolderAppearsWhole) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3);
   expect_refusals(R"(
 run tiny.json --out out | it is there already
-verify granular --quick --out out | it is there already
 bench ladder --out out | it is there already
 )");
   EXPECT_EQ(read("out/report.csv"), csv);
@@ -169,7 +168,7 @@ bench ladder --out out | it is there already
   EXPECT_NE(read("stdout").find("interrupted after"), std::string::npos) << read("stdout");
   EXPECT_NE(read("stderr").find("sandglass: interrupted; reports and sheet of "), std::string::npos);
   EXPECT_TRUE(exists("out_run/report.html") && exists("out_run/contact_sheet.png"));
-  expect_answered("verify granular --out out_suite", 0.2);
+  expect_answered("bench ladder --out out_suite", 0.2);
   EXPECT_EQ(names(), (std::vector<std::string>{"mesh.json", "out", "out_run", "sand\xe9.json", "tiny.json"}));
 }
 

@@ -430,14 +430,10 @@ dataset x -o out --manifest typo.csv | "hall.hdr"
 
 // -------------------------------------------------------------------------------------------------------- laboratory
 
-TEST_F(Cli, VerifiesAChosenCaseAndWritesItsTable) {
-  const std::string out = done("verify granular --case refinement --out out").out;
-  EXPECT_NE(out.find("7 rows, 0 failed"), std::string::npos) << out;
-  const std::string markdown = read("out/verify.md");
-  EXPECT_EQ(std::count(markdown.begin(), markdown.end(), '\n'), 9);
-  EXPECT_NE(markdown.find("| refinement | uniform field reproduced |"), std::string::npos);
-  EXPECT_NE(markdown.find("fails, as it must"), std::string::npos);
-  EXPECT_FALSE(exists("out/runout.png")) << "no curve without its case";
+TEST_F(Cli, VerifiesAChosenCase) {
+  const std::string out = done("verify granular --case refinement").out;
+  for (const char* words : {"7 rows, 0 failed", "refinement  uniform field reproduced", "fails, as it must"})
+    EXPECT_NE(out.find(words), std::string::npos) << out;
 }
 
 // A verification that would check nothing must not pass.

@@ -56,13 +56,6 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
 // A factor just above 1 on the exact share of the frame, so that rounding does not add a step.
 constexpr double k_rounding = 1.0 + 1e-5;
 
-SceneFile small_steps(const SceneFile& scene, uint32_t steps) {
-  SceneFile changed = scene;
-  changed.granular.substep_max = static_cast<float>(scene.frame_step / steps * k_rounding);
-  changed.granular.substep_min = 0.0f;
-  return changed;
-}
-
 SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t grains_per_particle) {
   SceneFile changed = column;
   Body& body = changed.bodies.at(0);

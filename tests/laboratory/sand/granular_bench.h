@@ -29,9 +29,6 @@ using BenchStep = std::function<bool()>;
 BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint32_t frames, bool with_grains,
                      const BenchStep& step, uint32_t level = SANDGLASS_LEVEL_FULL);
 
-// The default scheme with `steps` sub-steps a frame.
-SceneFile small_steps(const SceneFile& scene, uint32_t steps);
-
 // The column with about so many particles, of the same proportions, and `grains_per_particle` grains each.
 SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t grains_per_particle);
 

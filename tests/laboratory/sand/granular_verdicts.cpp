@@ -23,7 +23,7 @@ struct Stopped {};
 struct Table {
   sandglass_isa isa;
   CaseStep step;
-  VerdictTable* table;
+  std::vector<Verdict>* rows;
   std::string group;
   uint64_t seed;
 
@@ -31,10 +31,10 @@ struct Table {
   static bool within(double result, double truth, double limit) { return std::fabs(result - truth) <= limit; }
 
   void claim(const std::string& name, const char* unit, double truth, double result, double limit) {
-    table->rows.push_back({group, name, unit, truth, result, limit, within(result, truth, limit), false});
+    rows->push_back({group, name, unit, truth, result, limit, within(result, truth, limit), false});
   }
   void control(const std::string& name, const char* unit, double truth, double result, double limit) {
-    table->rows.push_back({group, name, unit, truth, result, limit, !within(result, truth, limit), true});
+    rows->push_back({group, name, unit, truth, result, limit, !within(result, truth, limit), true});
   }
   void report(const std::string& name, const char* unit, double truth, double result) {
     claim(name, unit, truth, result, k_reported);
@@ -130,11 +130,10 @@ void refinement(Table& t) {
 }
 
 void column(Table& t) {
-  GranularCurves& curves = t.table->curves;
   constexpr double k_low_end = 1.7;   // the aspect ratio at which the law's exponent changes from 1 to 1/2
   constexpr double k_high_end = 5.0;  // the exponent is fitted up to here
   constexpr uint64_t k_seeds = 2;
-  std::vector<double> low_a, low_r, high_a, high_r;
+  std::vector<double> low_a, low_r, high_a, high_r, wrong_a, wrong_r;
   double packing = 0.0;
   const auto mean_runout = [&](const sandglass_scene_desc& desc, CollapseSetting setting, uint64_t seeds) {
     double sum = 0.0;
@@ -154,8 +153,6 @@ void column(Table& t) {
     std::snprintf(name, sizeof name, "column a=%g", aspect);
     const bool gated = aspect != 0.75 && aspect != 1.5 && aspect != 4.0;
     t.claim(name, "R0", law, runout, gated ? 0.25 * law : k_reported);
-    curves.aspects.push_back(aspect);
-    curves.runouts.push_back(runout);
     if (aspect > k_high_end) continue;
     (aspect < k_low_end ? low_a : high_a).push_back(aspect);
     (aspect < k_low_end ? low_r : high_r).push_back(runout);
@@ -168,10 +165,10 @@ void column(Table& t) {
     setting.aspect = aspect;
     const double runout = mean_runout(t.with_friction(k_slippery_mu), setting, k_seeds), law = lube_runout(aspect);
     if (aspect == 0.5) t.control("column a=0.5, mu=0.05", "R0", law, runout, 0.25 * law);
-    curves.wrong_aspects.push_back(aspect);
-    curves.wrong_runouts.push_back(runout);
+    wrong_a.push_back(aspect);
+    wrong_r.push_back(runout);
   }
-  t.control("column exponent, mu=0.05", "", 1.0, fitted_exponent(curves.wrong_aspects, curves.wrong_runouts), 0.15);
+  t.control("column exponent, mu=0.05", "", 1.0, fitted_exponent(wrong_a, wrong_r), 0.15);
   t.control("column a=1, mu=0.6", "R0", lube_runout(1.0), mean_runout(t.with_friction(k_rough_mu), {}, 1),
             0.25 * lube_runout(1.0));
 }
@@ -190,12 +187,9 @@ void beverloo(Table& t) {
   for (const Discharge& point : curve.points) head = std::min(head, point.head_d / point.orifice_d);
   t.claim("head over orifice, least", "h/D", 3.0, head, 1.0);
   t.report("discharge coefficient C", "", 0.58, curve.coefficient);
-  t.table->curves.discharge = curve;
   setting.enough_particles = 3000.0;  // its rate need not be steady
   setting.measure_seconds = 4.0;
-  const DischargeCurve wrong = discharge(t.coarse(), setting, t.step);
-  t.control("discharge exponent, coarse", "", 2.5, wrong.exponent, 0.15);
-  t.table->curves.wrong_discharge = wrong;
+  t.control("discharge exponent, coarse", "", 2.5, discharge(t.coarse(), setting, t.step).exponent, 0.15);
 }
 
 void janssen(Table& t) {
@@ -298,8 +292,9 @@ std::vector<std::string> quick_verdict_groups() {
   return names;
 }
 
-VerdictTable granular_verdicts(const VerdictChoice& choice, const std::function<bool(uint64_t, uint64_t)>& progress) {
-  VerdictTable table;
+std::vector<Verdict> granular_verdicts(const VerdictChoice& choice,
+                                       const std::function<bool(uint64_t, uint64_t)>& progress) {
+  std::vector<Verdict> rows;
   std::vector<const Group*> chosen;
   for (const Group& group : k_groups) {
     const bool named = choice.groups.empty() ||
@@ -315,16 +310,16 @@ VerdictTable granular_verdicts(const VerdictChoice& choice, const std::function<
       within = std::min(within + weight(*group), cost);
       if (!progress(before + within, total)) throw Stopped();
     };
-    Table rows{choice.isa, step, &table, group->name, choice.seed};
+    Table table{choice.isa, step, &rows, group->name, choice.seed};
     try {
-      group->run(rows);
+      group->run(table);
     } catch (const Stopped&) {
       break;
     }
     before += cost;
     if (!progress(before, total)) break;
   }
-  return table;
+  return rows;
 }
 
 }  // namespace sandglass::host

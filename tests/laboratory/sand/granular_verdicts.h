@@ -20,17 +20,6 @@ struct Verdict {
   bool pass = false, control = false;
 };
 
-// What the curves are drawn from.
-struct GranularCurves {
-  std::vector<double> aspects, runouts, wrong_aspects, wrong_runouts;
-  DischargeCurve discharge, wrong_discharge;
-};
-
-struct VerdictTable {
-  std::vector<Verdict> rows;
-  GranularCurves curves;
-};
-
 struct VerdictChoice {
   std::vector<std::string> groups;  // empty: all
   bool quick = false;               // of these, those of a second or two
@@ -45,6 +34,6 @@ std::vector<std::string> quick_verdict_groups();
 
 // `progress(done, total)` in units of about a frame of a thousand particles, after every frame; when it returns false,
 // what is complete so far is returned.
-VerdictTable granular_verdicts(const VerdictChoice& choice, const std::function<bool(uint64_t, uint64_t)>& progress);
+std::vector<Verdict> granular_verdicts(const VerdictChoice& choice, const std::function<bool(uint64_t, uint64_t)>& progress);
 
 }  // namespace sandglass::host
