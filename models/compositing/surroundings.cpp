@@ -7,7 +7,6 @@
 
 #include "models/compositing/phone.h"
 #include "models/files/image.h"
-#include "models/lighting/labels.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
 #include "models/rooms/room_render.h"
@@ -133,13 +132,6 @@ Surroundings photo_surroundings(const std::string& path, double diagonal_fov_deg
   const double shown = std::min<double>(s.photo.height, s.photo.width / k_picture_aspect);
   camera->fov_deg = 360.0 / k_pi * std::atan(0.5 * shown / s.photo_focal);
   return s;
-}
-
-ShotLight labelled_light(const Surroundings& s) {
-  const ViewRotation rotation(s.view);
-  const LightLabels labels = labels_of(s.warped, rotation.to_rotated({0, 1, 0}), greatest_luminance(s.panorama));
-  return one_light(rotation.to_panorama(labels.direction),
-                   labels.has_direction ? labels.contrast * labels.concentration : 0.0, irradiance_of(s.true_light()));
 }
 
 ShotLight arbitrary_light(const ShotCamera& camera, Vec3 irradiance) {

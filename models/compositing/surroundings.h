@@ -52,10 +52,6 @@ Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_
 // view. Pictures are 4 : 3 and show what fits of a photograph of another shape.
 Surroundings photo_surroundings(const std::string& path, double diagonal_fov_deg, Camera* camera);
 
-// The label of the panorama at the object (labels.h): its direction, and its share of the floor's light as far as one
-// direction stands for it; with the true level. What a perfect network would say.
-ShotLight labelled_light(const Surroundings& surroundings);
-
 // A light of 0.7 from the upper left behind the camera, which an app draws that knows nothing of the room.
 ShotLight arbitrary_light(const ShotCamera& camera, Vec3 irradiance);
 

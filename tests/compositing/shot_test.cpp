@@ -83,34 +83,6 @@ TEST(Surroundings, AzimuthIsWhereTheCameraLooks) {
   EXPECT_LT(room.seen(rest, rest.forward * -1.0).x, 0.3);
 }
 
-TEST(Surroundings, LabelsPointAtTheLampAndHaveTheFloorsLight) {
-  const Vec3 lamp = normalised(Vec3{1, 1.2, 0.3});
-  const Surroundings room = panorama_surroundings(lamp_room(lamp, 50), "lamp", camera(), -90, {0, 0, 0}, 0.0);
-  const ShotLight light = labelled_light(room), truth = room.true_light();
-  EXPECT_GT(dot(main_direction_of(light), lamp), std::cos(2 * k_pi / 180));
-  EXPECT_NEAR(luminance(irradiance_of(light)), luminance(irradiance_of(truth)), 1e-6);
-  // The lamp's share of the level floor's irradiance, and its mean direction's length (1 + cos 10) / 2.
-  const double solid = k_pi * std::pow(std::sin(10 * k_pi / 180), 2) * lamp.y;
-  const double share = 49.8 * solid / (49.8 * solid + 0.2 * k_pi);
-  EXPECT_NEAR(light.main_share, share * 0.5 * (1 + std::cos(10 * k_pi / 180)), 0.03) << "through the tone curve (5.3)";
-}
-
-// Two equal lamps, 40 degrees from the zenith on opposite sides. The labelled direction is up, and only the part of
-// their light that a lamp there would give casts a shadow.
-TEST(Surroundings, LampsOnTwoSidesCastAWeakerShadow) {
-  const double polar = 40 * k_pi / 180;
-  RadianceMap map = lamp_room({std::sin(polar), std::cos(polar), 0}, 50);
-  const RadianceMap other = lamp_room({-std::sin(polar), std::cos(polar), 0}, 50);
-  const auto label = [](RadianceMap of) {
-    return labelled_light(panorama_surroundings(std::move(of), "lamps", camera(), -90, {0, 0, 0}, 0.0));
-  };
-  const double alone = static_cast<double>(label(map).main_share);
-  for (size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = std::max(map.rgb[i], other.rgb[i]);
-  const ShotLight light = label(map);
-  EXPECT_GT(light.main_direction[1], 0.999f);
-  EXPECT_NEAR(light.main_share, std::cos(polar) * (2 * alone / (1 + alone)), 0.03);
-}
-
 // An even room gives every cell the same, and a white surface is as bright as it, whichever way it faces.
 TEST(ShotLight, OfAnEvenRoomIsEven) {
   RadianceMap even(128, 64);
@@ -269,32 +241,6 @@ double mean_of(const RadianceMap& map, int x0, int y0, int x1, int y1) {
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) sum += luminance(map.colour(x, y));
   return sum / ((x1 - x0) * (y1 - y0));
-}
-
-// In a room of equal radiance everywhere, a convex object of reflectance rho that the floor does not influence has rho
-// times the radiance. The floor far from it is as bright as the room.
-TEST(ShotTruth, AnEvenRoomStaysEven) {
-  RadianceMap even(64, 32);
-  for (float& value : even.rgb) value = 0.5f;
-  const Surroundings room = panorama_surroundings(even, "even", camera(), -90, {0, 0, 0}, 0.8);
-  const ShotPicture picture(cube(), {}, 0.001f);
-  ShotPictureOptions o;
-  o.width = 80;
-  o.height = 60;
-  o.paths = 64;
-  const RadianceMap truth = picture.truth(room, resting_camera(camera()), o);
-  const double white = 0.5 * room.exposure;
-  EXPECT_NEAR(white, 0.2, 1e-6) << "the camera's key";
-  EXPECT_NEAR(mean_of(truth, 0, 0, 80, 8), white, 1e-3) << "the wall behind";
-  EXPECT_NEAR(mean_of(truth, 0, 24, 6, 34), white, 0.05) << "the floor beside";
-  // The top of the cube sees only the room: radiance rho * 0.5.
-  const ShotCamera rest = resting_camera(camera());
-  const Vec3 to = Vec3{0, 0.5, 0} - rest.eye;
-  const double depth = dot(to, rest.forward);
-  const int x = static_cast<int>(40 + 60 * rest.focal * dot(to, rest.right) / depth);
-  const int y = static_cast<int>(30 - 60 * rest.focal * dot(to, rest.up) / depth);
-  const Vec3 top = Vec3{0.60, 0.44, 0.30} * white;
-  EXPECT_NEAR(mean_of(truth, x - 3, y - 1, x + 4, y + 2), luminance(top), 0.05 * luminance(top));
 }
 
 // In an even room an object and a grain are as bright in the composite as traced, and as the closed form has it.
@@ -470,7 +416,7 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   o.threads = 2;
   const Surroundings room =
       panorama_surroundings(lamp_room({0.5, 1, 0.4}, 50), "lamp", *scene.camera, 270, {0, 0, 0}, 0.0);
-  const ShotLight light = labelled_light(room);
+  const ShotLight light = one_light({0.5, 1, 0.4}, 0.8, irradiance_of(room.true_light()));
   ShotTrack track;
   track.turn_deg = 30;
   track.sway_deg = 0;
@@ -513,26 +459,6 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   EXPECT_LT(darkest, 0.6);
   EXPECT_LT(apart / points, 0.01);
   EXPECT_GT(swum / points, 0.05);
-}
-
-TEST(ShotTruth, ShadowsFallAwayFromTheLampInBothPictures) {
-  for (const double side : {-1.0, 1.0}) {
-    const Surroundings room =
-        panorama_surroundings(lamp_room({side, 1, 0}, 200), "lamp", camera(), -90, {0, 0, 0}, 0.0);
-    const ShotPicture picture(cube(), {}, 0.001f);
-    ShotPictureOptions o;
-    o.width = 64;
-    o.height = 48;
-    o.paths = 32;
-    const ShotCamera rest = resting_camera(camera());
-    const RadianceMap truth = picture.truth(room, rest, o);
-    const RadianceMap hard = picture.composite(room, rest, labelled_light(room), {}, CastShadow::hard, o);
-    for (const RadianceMap* map : {&truth, &hard}) {
-      const double left = mean_of(*map, 12, 22, 20, 32), right = mean_of(*map, 44, 22, 52, 32);
-      if (side > 0) EXPECT_LT(left, 0.8 * right);
-      else EXPECT_LT(right, 0.8 * left);
-    }
-  }
 }
 
 // In an even room a grain of a pile sees the room with the upper part of the hemisphere at its normal, v = (1 + y) / 2,
