@@ -206,9 +206,9 @@ struct Errors {
   Error floor, seen, grains;
 };
 
-sandglass::PileShadow made(const std::vector<float>& sand, const Cells& cells, uint32_t texels = k_sky) {
+sandglass::PileShadow made(const std::vector<float>& sand, const Cells& cells) {
   sandglass::PileShadow shadow;
-  EXPECT_TRUE(shadow.create(description(texels)));
+  EXPECT_TRUE(shadow.create(description()));
   EXPECT_TRUE(shadow.set_cells(cells));
   shadow.run(sand, k_grain);
   EXPECT_EQ(shadow.sky().valid, 1u);
@@ -281,40 +281,6 @@ TEST(PileSky, IsHalfAsWrongAsLeavingItOutUnderOneBrightCell) {
     }
 }
 
-// Under one bright cell each grain has a shadow of its own, smaller than a texel. The texture is right for what a patch
-// of 4 cm gets in all. Under a high cell it is no worse than no texture.
-TEST(PileSky, OfScatteredGrainsUnderOneBrightCellIsRightOnAverage) {
-  if (SANDGLASS_EMULATED) GTEST_SKIP() << "millions of rays";
-  constexpr int k_patches = 6, k_points = 8;
-  const std::vector<float> grains = scattered();
-  const SphereCaster caster(grains, k_grain);
-  std::vector<std::vector<Receiver>> patches;
-  for (int patch = 0; patch < k_patches * k_patches; ++patch) {
-    std::vector<Receiver> points;
-    for (int i = 0; i < k_points * k_points; ++i) {
-      const double x = 0.04 * (patch % k_patches - 3 + (i % k_points + 0.5) / k_points);
-      const double z = 0.04 * (patch / k_patches - 3 + (i / k_points + 0.5) / k_points);
-      if (!caster.occluded({x, 0, z}, k_up, 2 * double{k_grain})) points.push_back(floor_point(caster, x, z));
-    }
-    patches.push_back(points);
-  }
-  for (const uint32_t cell : {0u, 5u, 11u, 18u, 25u, 39u, 53u}) {
-    const sandglass::PileShadow shadow = made(grains, one_bright(cell));
-    const sandglass_pile_shadow_sky sky = shadow.sky();
-    Error error;
-    for (const std::vector<Receiver>& points : patches) {
-      double truth = 0, shown = 0;
-      for (const Receiver& r : points)
-        truth += lit(r.truth.light, one_bright(cell)), shown += sampled(sky.floor, sky.texels, sky, r.at);
-      error.add(truth / static_cast<double>(points.size()), shown / static_cast<double>(points.size()));
-    }
-    error.finish();
-    EXPECT_LE(error.rmse, (cell < 16 ? 0.5 : 1.0) * error.without) << cell;
-    measured("scattered grains, patches, cell " + std::to_string(cell), "of_leaving_it_out",
-             error.rmse / error.without);
-  }
-}
-
 // Negative controls: the same light from another side.
 TEST(PileSky, MirroredOrTurnedLightFails) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "millions of rays";
@@ -327,46 +293,6 @@ TEST(PileSky, MirroredOrTurnedLightFails) {
     EXPECT_GT(errors.floor.rmse, 0.8 * errors.floor.without);
     EXPECT_GT(errors.grains.rmse, 0.6 * errors.grains.without);
   }
-}
-
-// Where the light of one cell is hidden from the floor around a tower.
-TEST(PileSky, CellsLieWhereTypesSays) {
-  const std::vector<float> tower = grains_in([](const float* p) { return std::hypot(p[0], p[2]) < 0.03f; });
-  for (uint32_t sector = 0; sector < 16; ++sector) {
-    sandglass::PileShadow shadow;
-    ASSERT_TRUE(shadow.create(description()));
-    ASSERT_TRUE(shadow.set_cells(one_bright(sector)));  // of the lowest ring
-    shadow.run(tower, k_grain);
-    const sandglass_pile_shadow_sky sky = shadow.sky();
-    const auto at = [&](double turns) {  // 20 cm from the tower
-      const double turn = 2 * std::numbers::pi * turns;
-      return sampled(sky.floor, sky.texels, sky,
-                     {static_cast<float>(0.2 * std::cos(turn)), 0, static_cast<float>(0.2 * std::sin(turn))});
-    };
-    const double towards = (sector + 0.5) / 16;
-    EXPECT_LT(at(towards + 0.5), 0.4) << "behind the tower, sector " << sector;
-    EXPECT_GT(at(towards), 0.99) << "before the tower, sector " << sector;
-    EXPECT_GT(at(towards + 0.25), 0.99) << "beside the tower, sector " << sector;
-  }
-}
-
-TEST(PileSky, GrainsInGapsAreDarker) {
-  sandglass::PileShadow shadow;
-  ASSERT_TRUE(shadow.create(description()));
-  const std::vector<float> sand = heap();
-  shadow.run(sand, k_grain);
-  const sandglass_pile_shadow_sky sky = shadow.sky();
-  const std::array<float, 3> above = {0.03f, 0, 0.02f};
-  const float top = static_cast<float>(sampled(sky.heights, sky.height_texels, sky, above)) * sky.height;
-  EXPECT_NEAR(top, (0.16f - std::hypot(0.03f, 0.02f)) / 1.8f, 2 * k_grain);
-  std::vector<float> centres;
-  for (int i = 0; i < 6; ++i)
-    centres.insert(centres.end(), {above[0], top - static_cast<float>(i) * k_grain, above[2]});
-  uint8_t light[6];
-  shadow.light_grains(centres, k_grain, light);
-  EXPECT_GT(light[0], 220);
-  for (int i = 2; i < 6; ++i) EXPECT_LT(light[i], light[i - 1]) << i;
-  EXPECT_LT(light[5], 70);
 }
 
 // The formula that the header and the README's shader state.
@@ -408,19 +334,6 @@ TEST(PileSky, OneHashForAllKernelsAndAllDivisions) {
     }
   }
   EXPECT_EQ(first, 6673195605050295366ull) << "of shadow and sky, the same on every machine";
-}
-
-TEST(PileSky, KeepsNothingOfTheSandBefore) {
-  std::vector<float> sand = wall();
-  const std::vector<float> before = heap();
-  sandglass::PileShadow fresh = made(sand, even_sky()), used;
-  ASSERT_TRUE(used.create(description()));
-  ASSERT_TRUE(used.set_cells(even_sky()));
-  used.run(before, k_grain);
-  EXPECT_NE(used.hash(), fresh.hash());
-  used.refresh();
-  used.run(sand, k_grain);
-  EXPECT_EQ(used.hash(), fresh.hash());
 }
 
 // Counts the units that asking for something takes.

@@ -8,7 +8,6 @@
 #include "runtime/asset/shadow_asset.h"
 #include "runtime/core/hash.h"
 #include "tests/int8_kernels.h"
-#include "tests/reason.h"
 #include "tests/shadow/shadow_fixture.h"
 
 namespace {
@@ -182,15 +181,6 @@ TEST(Shadow, NothingJumpsAtTheLimit) {
   EXPECT_GT(rms(at(69)), 1);  // a difference of one degree is visible
 }
 
-TEST(Shadow, RefusesLightsWithoutDirection) {
-  LiveShadow shadow(describe(make_shadow_file(k_network)));
-  for (const auto& d : {std::array{0.0f, 0.0f, 0.0f}, std::array{NAN, 1.0f, 0.0f}, std::array{0.0f, INFINITY, 0.0f}})
-    expect_refused("direction", [&](const char** reason) {
-      return sandglass_shadow_set_light(shadow.shadow, 0, d.data(), 1, reason);
-    });
-  EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 0u);
-}
-
 TEST(Shadow, LengthOfTheLightDoesNotMatter) {
   const AssetFile file = make_shadow_file(k_network);
   const std::vector<uint8_t> expected = texture_of(file, SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE);
@@ -198,24 +188,6 @@ TEST(Shadow, LengthOfTheLightDoesNotMatter) {
     LiveShadow shadow(describe(file));
     shadow.shade(0.5f * scale, scale, 0.25f * scale);
     EXPECT_EQ(shadow.coverage(), expected);
-  }
-}
-
-TEST(Shadow, NetworkOfZerosIsHalfShade) {
-  RandomShadow zero = k_network;
-  zero.zero = true;
-  for (const uint8_t c : texture_of(make_shadow_file(zero), SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL))
-    ASSERT_EQ(c, 128);  // 255 / 2, rounded
-}
-
-TEST(Shadow, WeightsAtTheLimitsAgreeOnEverySet) {
-  for (const uint32_t width : {32u, 196u}) {
-    RandomShadow extreme = {width, 2, 10, 4, 3, 300.0f};
-    extreme.extreme = true;
-    const AssetFile file = make_shadow_file(extreme);
-    const std::vector<uint8_t> expected = texture_of(file, SANDGLASS_ISA_SCALAR, SANDGLASS_SHADOW_ADAPTIVE);
-    for (const sandglass_isa isa : int8_sets())
-      EXPECT_EQ(texture_of(file, isa, SANDGLASS_SHADOW_ADAPTIVE), expected) << isa;
   }
 }
 

@@ -34,15 +34,10 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   const uint32_t inputs = 2 * (1 + 2 * what.texel_frequencies) + 3 * (1 + 2 * what.light_frequencies);
   const auto layer_of = [&](uint32_t outputs, float multiplier, bool hidden) {
     std::vector<int8_t> weights(what.width * outputs);
-    for (int8_t& w : weights) {
-      const double x = unit();
-      w = what.zero                ? int8_t{0}
-          : what.extreme && hidden ? (x < 0 ? int8_t{-127} : int8_t{127})
-                                   : static_cast<int8_t>(127 * x);
-    }
+    for (int8_t& w : weights) w = static_cast<int8_t>(127 * unit());
     if (hidden && what.forced_weight != 0) weights[3] = what.forced_weight;
     std::vector<int32_t> bias(outputs);
-    for (int32_t& b : bias) b = what.zero ? 0 : static_cast<int32_t>(4000 * unit());
+    for (int32_t& b : bias) b = static_cast<int32_t>(4000 * unit());
     const auto w = builder.CreateVector(weights);
     const auto b = builder.CreateVector(bias);
     const auto multipliers = builder.CreateVector(std::vector<float>(outputs, multiplier));
@@ -53,16 +48,15 @@ AssetFile make_shadow_file(const RandomShadow& what) {
     return flatbuffers::Offset<asset::Layer>(builder.EndTable(start));
   };
   std::vector<float> first(inputs * what.width), first_bias(what.width);
-  for (float& w : first) w = what.zero ? 0.0f : static_cast<float>(static_cast<double>(what.spread) * unit());
-  for (float& b : first_bias) b = what.zero ? 0.0f : static_cast<float>(unit());
+  for (float& w : first) w = static_cast<float>(static_cast<double>(what.spread) * unit());
+  for (float& b : first_bias) b = static_cast<float>(unit());
   // High frequencies have smaller weights, so that a texture has smooth parts for the adaptive mode to find.
   for (uint32_t i = 0; i < 2 * (1 + 2 * what.texel_frequencies); ++i)
     for (uint32_t c = 0; c < what.width; ++c)
       first[i * what.width + c] /= std::ldexp(1.0f, static_cast<int>(i % (1 + 2 * what.texel_frequencies)));
   if (what.forced_first != 0 || what.forced_first != what.forced_first) first[5] = what.forced_first;
   std::vector<flatbuffers::Offset<asset::Layer>> layers;
-  const float multiplier = what.extreme ? 0.0005f : 0.004f;
-  for (uint32_t i = 0; i < what.layers; ++i) layers.push_back(layer_of(what.width, multiplier, true));
+  for (uint32_t i = 0; i < what.layers; ++i) layers.push_back(layer_of(what.width, 0.004f, true));
   const auto last = layer_of(1, 0.0001f, false);
   const auto all = builder.CreateVector(layers);
   const auto first_weights = builder.CreateVector(first);

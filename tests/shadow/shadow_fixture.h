@@ -15,8 +15,6 @@ struct RandomShadow {
   uint32_t width = 32, layers = 2, texel_frequencies = 4, light_frequencies = 2;
   uint64_t seed = 1;
   float spread = 1;          // spread of the first layer's weights
-  bool zero = false;         // all weights and biases 0
-  bool extreme = false;      // hidden weights are -127 or 127
   int8_t forced_weight = 0;  // if not 0, put into the first hidden layer
   float forced_first = 0;    // if not 0 (NaN, for example), put into the first layer
   uint16_t version = 1;
