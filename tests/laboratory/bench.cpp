@@ -141,10 +141,7 @@ Options shadow_options(BenchOptions& o) {
 }
 #endif
 
-Options lighting_options(BenchOptions& o) {
-  return {standard("the shipped one", {"--asset", &o.asset, "FILE", "The network"}), isa_option(o.isa),
-          json_option(o.json)};
-}
+Options lighting_options(BenchOptions& o) { return {isa_option(o.isa), json_option(o.json)}; }
 
 Options machine_options(BenchOptions& o) { return {json_option(o.json)}; }
 

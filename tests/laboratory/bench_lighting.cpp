@@ -30,7 +30,6 @@ void print_and_keep(const LightingBench& result, Bench* bench) {
       bench->keep(r.name, "angle_to_f32", "deg", r.angle_deg);
       bench->keep(r.name, "difference_to_f32", "1", r.difference);
     }
-    for (const LightingBenchRow::Part& part : r.parts) bench->keep(r.name, ("ms_" + part.name).c_str(), "ms", part.ms);
   }
 }
 
@@ -42,25 +41,6 @@ void print_and_keep_images(const LightingBench& result, Bench* bench) {
     bench->keep("image_" + r.name, "ms", "ms", r.ms);
     bench->keep("image_" + r.name, "longest_unit_ms", "ms", r.longest_unit_ms);
   }
-}
-
-void print_operators(const LightingBench& result) {
-  std::puts("by kind of operator, ms:");
-  for (const LightingBenchRow& r : result.rows) {
-    std::printf("%-13s", r.name.c_str());
-    for (const LightingBenchRow::Part& part : r.parts) std::printf(" %s %.2f ", part.name.c_str(), part.ms);
-    std::puts("");
-  }
-  constexpr size_t k_a_line = 8;
-  const size_t prefix = std::string("light.").size();
-  std::puts("own kernels, by operator, us:");
-  for (size_t i = 0; i < result.layers.size(); ++i)
-    std::printf("%s%s %.0f",
-                i == 0              ? ""
-                : i % k_a_line == 0 ? "\n"
-                                    : ", ",
-                result.layers[i].name.c_str() + prefix, 1e3 * result.layers[i].ms);
-  std::puts("");
 }
 
 void print_and_keep(const RoomBench& room, Bench* bench) {
@@ -75,12 +55,10 @@ void print_and_keep(const RoomBench& room, Bench* bench) {
 
 }  // namespace
 
-void bench_lighting(const BenchOptions& options, Bench* bench) {
-  const bool shipped = options.asset.empty();
-  const std::string asset = shipped ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.asset;
+void bench_lighting(const BenchOptions&, Bench* bench) {
+  const std::string asset = SANDGLASS_LIGHTS_DIR "/room.light";
   const std::string content = read_file(asset, "lighting network", k_asset_limit);
-  std::vector<Excerpt> excerpts;
-  if (shipped) excerpts = read_excerpts(SANDGLASS_LIGHTING_DIR "/excerpts");
+  const std::vector<Excerpt> excerpts = read_excerpts(SANDGLASS_LIGHTING_DIR "/excerpts");
   LightingBench result;
   with_progress("measuring", [&](const Progressed& go_on) {
     result = bench_lighting(std::span(reinterpret_cast<const uint8_t*>(content.data()), content.size()), asset,
@@ -88,10 +66,8 @@ void bench_lighting(const BenchOptions& options, Bench* bench) {
   });
   print_and_keep(result, bench);
   if (result.compared)
-    std::puts(shipped ? "to float: medians over 56 excerpts of made-up rooms, against the float network behind the file"
-                      : "to float: of one image, against xnnpack_f32");
+    std::puts("to float: medians over 56 excerpts of made-up rooms, against the float network behind the file");
   print_and_keep_images(result, bench);
-  print_operators(result);
   if (!result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
   if (!interrupted()) print_and_keep(bench_room(), bench);
 }

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <vector>
 
-#include "runtime/core/random.h"
 #include "sandglass/estimate.h"
 
 namespace sandglass {
@@ -118,24 +117,6 @@ TEST(LightFilter, DisagreementDoesNotLockItUp) {
   EXPECT_FALSE(f.take(at(60.0)));
   EXPECT_FALSE(f.take(at(-60.0)));
   EXPECT_TRUE(f.take(at(120.0)));
-}
-
-// 5000 estimates with white noise of 15 degrees. The deviation after a first-order filter is sqrt(a / (2 - a)) times
-// that of the input.
-TEST(LightFilter, NoiseShrinksAsThatOfAFirstOrderFilter) {
-  Filter f;
-  f.law.outlier_angle = std::numbers::pi;
-  f.law.turn_limit = 1e6;
-  Random random = random_stream(3, 1);
-  double sum = 0.0, input = 0.0;
-  constexpr int k_estimates = 5000;
-  for (int i = 0; i < k_estimates; ++i) {
-    const double noise = 15.0 * std::sqrt(3.0) * (2.0 * random.uniform() - 1.0);
-    f.take(at(noise));
-    if (i > 50) sum += f.azimuth() * f.azimuth(), input += noise * noise;
-  }
-  const double a = 5.0 / 13.0;
-  EXPECT_NEAR(std::sqrt(sum / input), std::sqrt(a / (2.0 - a)), 0.02);
 }
 
 TEST(LightFilter, ConfidenceIsAgreement) {

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "models/files/atomic_file.h"
 #include "models/lighting/light_file.h"
 #include "runtime/estimate/network.h"
 #include "sandglass/shadow.h"
@@ -76,21 +75,6 @@ TEST(LightAsset, ReadsAFloatNetworkWhereThereIsOne) {
   ASSERT_NE(asset.float_parameters, nullptr);
   EXPECT_EQ(asset.float_parameters[k_light_float_parameters - 1], 0.25f);
   EXPECT_EQ(asset.seed, 3u);
-}
-
-// The shipped file has at most 8 MB and a trained network. By its own measurement it is close enough to the float
-// network.
-TEST(LightAsset, TheShippedNetworkIsCloseToTheFloatNetwork) {
-  const std::string content = host::read_file(std::string(SANDGLASS_LIGHTS_DIR) + "/room.light", "lighting network");
-  EXPECT_LE(content.size(), 8'000'000u);
-  AssetFile words(std::vector<uint8_t>(content.begin(), content.end()));
-  LightAsset asset;
-  const char* reason = nullptr;
-  ASSERT_EQ(open_light_asset(words.data(), words.bytes, &asset, &reason), SANDGLASS_OK) << reason;
-  EXPECT_LE(asset.angle_deg, 1.0f);
-  EXPECT_LE(asset.difference, 0.01f);
-  EXPECT_GT(asset.training_images, 0u);
-  EXPECT_GE(asset.calibration_images, 96u);
 }
 
 TEST(LightAsset, TruncationsAndChangedBitsAreRefused) {

@@ -244,7 +244,7 @@ TEST_F(CliFiles, CtrlCIsAnsweredWithinASecond) {
                                        "light --network random.light -o out_light" + photographs,
                                        "dataset rooms -o out_set",
                                        "verify follow",
-                                       "bench lighting --asset random.light"};
+                                       "bench lighting"};
   if (k_embree) commands.emplace_back("room --width 4096 --samples 64 -o out.hdr");
   if (k_bake) commands.insert(commands.end(), {"bake chair -o out.shadow", "bench shadow"});
   for (const std::string& command : commands) expect_answered(command, 0.1);

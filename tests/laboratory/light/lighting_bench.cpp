@@ -9,7 +9,6 @@
 #include "models/lighting/room_light.h"
 #include "models/rooms/excerpt.h"
 #include "models/work/progress.h"
-#include "models/work/random.h"
 #include "runtime/estimate/backends.h"
 #include "runtime/estimate/resample.h"
 #include "sandglass/sandglass.hpp"
@@ -24,34 +23,10 @@ constexpr uint32_t k_repeats = 25;
 constexpr uint32_t k_width = 256, k_height = 192;
 constexpr double k_macs = 2.549e9;  // with pooling before the transitions' convolutions, and with the heads
 
-// A picture made from a formula: a wall with a lamp on it, whose light falls off.
-Picture wall_with_a_lamp() {
-  Picture picture(k_width, k_height, {0, 0, 0});
-  for (uint32_t y = 0; y < k_height; ++y)
-    for (uint32_t x = 0; x < k_width; ++x) {
-      const double u = x - 0.7 * k_width, v = y - 0.2 * k_height, square = u * u + v * v;
-      const double grain = 0.05 * (random_unit(uint64_t{y} * k_width + x) - 0.5);
-      const double shade = 0.15 + 0.5 / (1 + square / 6000) + (square < 200 ? 1 : 0) + grain;
-      for (uint32_t c = 0; c < 3; ++c)
-        picture.rgb[3 * (size_t{y} * k_width + x) + c] =
-            static_cast<uint8_t>(255 * std::clamp(shade * (1 - 0.12 * c), 0.0, 1.0));
-    }
-  return picture;
-}
-
 // Without a camera pose, directions are in the world's axes: x right, y up, z backward.
 LightValues values_of(const sandglass_light_estimate& e) {
   return {e.direction[0], -e.direction[1], -e.direction[2], e.light[0],   e.light[1],
           e.light[2],     e.ambient[0],    e.ambient[1],    e.ambient[2], e.contrast};
-}
-
-void add_part(LightingBenchRow* row, const std::string& name, double ms) {
-  for (LightingBenchRow::Part& part : row->parts)
-    if (part.name == name) {
-      part.ms += ms;
-      return;
-    }
-  row->parts.push_back({name, ms});
 }
 
 // The best time of each of `units` work units, which are run in order after `begin`. After Ctrl-C it is that of fewer
@@ -72,22 +47,14 @@ std::vector<double> best_ms_of_units(uint32_t units, Begin begin, Run run) {
   return best;
 }
 
-// Measures every work unit, so that each kind of operator gets its share.
-void measure_units(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
-                   sandglass_estimator_backend backend, std::span<const uint8_t> rgb, LightingBenchRow* row,
-                   std::vector<LightingBenchRow::Part>* layers) {
+// The longest of the work units' best times.
+double longest_unit(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
+                    sandglass_estimator_backend backend, std::span<const uint8_t> rgb) {
   LightRunner runner(file, name, isa, k_width, k_height, backend);
   LightNetwork* net = runner.network();
   const std::vector<double> best = best_ms_of_units(
       net->units, [&] { begin_light_network(net, rgb.data()); }, [&](uint32_t unit) { run_light_unit(net, unit); });
-  row->longest_unit_ms = *std::max_element(best.begin(), best.end());
-  for (uint32_t first = 0; first < net->units; first = light_operator_end(*net, first)) {
-    double sum = 0;
-    for (uint32_t unit = first; unit < light_operator_end(*net, first); ++unit) sum += best[unit];
-    const std::string kind = light_unit(*net, first).name;
-    if (layers != nullptr) layers->push_back({kind, sum});
-    add_part(row, kind.substr(kind.find('.') + 1), sum);
-  }
+  return *std::max_element(best.begin(), best.end());
 }
 
 struct ImageCase {
@@ -183,8 +150,6 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
   constexpr uint32_t k_steps = std::size(k_cases) + 1;
   const MachinePeak peak = measure_machine_peak();
   LightingBench bench;
-  bench.int8_peak = peak.int8_gmac_per_s;
-  bench.f32_peak = peak.f32_gmac_per_s;
   const LightBackend* xnnpack = nullptr;
   bench.has_xnnpack = find_light_backend(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
   for (const ImageCase& c : k_images) {
@@ -199,15 +164,14 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
     images.emplace_back(k_width, k_height, Colour{0, 0, 0}).rgb = excerpt.rgb;
     truth.push_back(excerpt.values);
   }
-  if (images.empty()) images.push_back(wall_with_a_lamp());
   for (const Case& c : k_cases) {
-    const bool own = c.backend == SANDGLASS_ESTIMATOR_BACKEND_OWN;
     LightingBenchRow row;
     row.name = c.name;
     if (!measure(file, name, isa, c.backend, images, &row)) break;
-    measure_units(file, name, isa, c.backend, images[0].rgb, &row, own ? &bench.layers : nullptr);
+    row.longest_unit_ms = longest_unit(file, name, isa, c.backend, images[0].rgb);
     if (interrupted()) return bench;
-    if (own) row.activations = static_cast<double>(light_activation_bytes(k_width, k_height));
+    if (c.backend == SANDGLASS_ESTIMATOR_BACKEND_OWN)
+      row.activations = static_cast<double>(light_activation_bytes(k_width, k_height));
     const double fastest =
         c.backend == SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32 ? peak.f32_gmac_per_s : peak.int8_gmac_per_s;
     row.gmac_per_s = k_macs / row.ms * 1e-6;
@@ -215,14 +179,12 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
     bench.rows.push_back(row);
     if (!go_on(static_cast<uint32_t>(bench.rows.size()) + 1, k_steps)) return bench;
   }
-  if (truth.empty() && bench.rows.size() == std::size(k_cases)) truth = bench.rows[1].estimates;
-  bench.compared = !truth.empty();
-  if (bench.compared)
-    for (LightingBenchRow& row : bench.rows) {
-      const LightDifference off = median_difference(row.estimates, truth);
-      row.angle_deg = off.angle_deg;
-      row.difference = off.other;
-    }
+  bench.compared = true;
+  for (LightingBenchRow& row : bench.rows) {
+    const LightDifference off = median_difference(row.estimates, truth);
+    row.angle_deg = off.angle_deg;
+    row.difference = off.other;
+  }
   go_on(k_steps, k_steps);
   return bench;
 }

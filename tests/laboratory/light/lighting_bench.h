@@ -22,15 +22,10 @@ struct LightingBenchRow {
   double arena_bytes = 0;      // weights and activations: the block, and what XNNPACK holds of its region
   double activations = 0;      // bytes of activations; own kernels only
   double longest_unit_ms = 0;  // the largest of the work units' best times
-  // Against the float network, medians over the images; 0 if the float network's estimates are not known.
+  // Against the float network, medians over the images.
   double angle_deg = 0;                // of the direction
   double difference = 0;               // the greatest of colours and contrast
   std::vector<LightValues> estimates;  // of each image
-  struct Part {
-    std::string name;
-    double ms;
-  };
-  std::vector<Part> parts;  // by kind of operator
 };
 
 // Resampling a camera's image to what the network sees. It is mandatory in the frame that brings the image.
@@ -45,16 +40,12 @@ struct LightingImageRow {
 struct LightingBench {
   std::vector<LightingBenchRow> rows;
   std::vector<LightingImageRow> images;
-  std::vector<LightingBenchRow::Part> layers;  // of own bytes, by operator, in order
-  double int8_peak = 0, f32_peak = 0;          // GMAC/s
-  bool has_xnnpack = false;                    // in this build
-  bool compared = false;                       // to float, and not interrupted
+  bool has_xnnpack = false;  // in this build
+  bool compared = false;     // to float, and not interrupted
 };
 
 // `file`: the bytes of a lighting network's file. `excerpts`: images with the estimates of the file's float network;
-// the first one is timed. Without excerpts the image is a wall with a lamp, made from a formula, and the truth is the
-// estimate of xnnpack_f32: the float network if the file has it, else the file's weights without further rounding.
-// `go_on` gets the steps done of `total`.
+// the first one is timed. `go_on` gets the steps done of `total`.
 LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
                              const std::vector<Excerpt>& excerpts,
                              const std::function<bool(uint32_t done, uint32_t total)>& go_on);
