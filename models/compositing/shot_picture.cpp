@@ -195,15 +195,11 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
                                    const ShotPictureOptions& options) const {
   const bool textured = cast == CastShadow::textures;
   const double s = main_of(light.object);
-  const Vec3 towards = main_direction_of(light.object);
   float sh[3 * k_harmonics], turn[4];
   for (size_t k = 0; k < 4; ++k) turn[k] = static_cast<float>(state_->standing.rotation[k]);
   if (sandglass_harmonics_turn(light.object.sh, turn, sh, nullptr) != SANDGLASS_OK)
     throw cannot("turn", "light", "its harmonics are not finite");
-  const auto blocked = [&](Vec3 start) { return towards.y > 0.0 && state_->blocked(start, towards, k_far); };
   const auto floor_left = [&](const Hit& hit) {
-    if (cast == CastShadow::hard && length(hit.point) < k_catcher_reach)
-      return blocked(hit.point + hit.normal * k_lift) ? 1.0 - s : 1.0;
     if (!textured) return 1.0;
     const Left left = left_on_floor(shadows, light, hit.point.x, hit.point.z);
     return (1.0 - s) * left.ambient + s * left.main;
@@ -219,7 +215,6 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     const Vec3 all = shown_by(light.sand, hit.normal), main = main_by_cosine(light.sand, hit.normal);
     const Vec3 without = all - main_in_harmonics(light.sand, hit.normal);
     const Vec3 rest = {std::max(without.x, 0.0), std::max(without.y, 0.0), std::max(without.z, 0.0)};
-    if (cast == CastShadow::hard) return rest + main * (blocked(hit.point + hit.normal * k_lift) ? 0.0 : 1.0);
     if (!textured) return all;
     const Left left = left_on_sand(shadows, light, hit, state_->grain_radius);
     return product(rest, among_equals(left.ambient, hit.reflectance)) + main * left.main;

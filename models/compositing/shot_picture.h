@@ -28,9 +28,8 @@
 
 namespace sandglass::host {
 
-// What falls on the floor and the grains. textures: the library's. none: nothing. hard: an edge, traced to the middle
-// of the main light, and no other shadow.
-enum class CastShadow { textures, none, hard };
+// What falls on the floor and the grains. textures: the library's. none: nothing.
+enum class CastShadow { textures, none };
 
 // An object as it is lit.
 struct LitObject {

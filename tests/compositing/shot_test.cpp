@@ -343,7 +343,6 @@ TEST(ShotComposite, AnUmbraIsAsDarkAsTraced) {
   shadows.object = {whole};
   const double umbra = (1 - share) * room.exposure;
   EXPECT_NEAR(made(CastShadow::none, {}), room.exposure, 1e-3);
-  EXPECT_NEAR(made(CastShadow::hard, {}), umbra, 1e-3);
   EXPECT_NEAR(made(CastShadow::textures, shadows), umbra, 1e-3);
   EXPECT_NEAR(truth, umbra, 0.02);
 }
