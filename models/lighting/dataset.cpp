@@ -1,8 +1,8 @@
 #include "models/lighting/dataset.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <sstream>
@@ -10,7 +10,6 @@
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
-#include "models/lighting/light_picture.h"
 #include "models/lighting/lit_view.h"
 #include "models/work/progress.h"
 #include "models/work/thread_pool.h"
@@ -22,8 +21,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int k_folds = 5;
-constexpr int k_small_width = 128, k_small_height = 64;  // the panoramas below an excerpt on the sheet
-constexpr Colour k_white = {255, 255, 255};
 
 // The rows of a .csv file. Commas within quotes do not count.
 std::vector<std::vector<std::string>> rows_of(const std::string& text) {
@@ -43,41 +40,10 @@ std::vector<std::vector<std::string>> rows_of(const std::string& text) {
 
 struct Excerpt {
   std::string line;  // its line in the manifest
-  Picture tile;      // empty unless asked for
   bool has_direction;
 };
 
-Picture shrunk(const RadianceMap& map, double white) {
-  RadianceMap small(k_small_width, k_small_height);
-  const int step_u = map.width / k_small_width, step_v = map.height / k_small_height;
-  for (int v = 0; v < k_small_height; ++v)
-    for (int u = 0; u < k_small_width; ++u) {
-      Vec3 sum;
-      for (int j = 0; j < step_v; ++j)
-        for (int i = 0; i < step_u; ++i) sum = sum + tone_mapped(map.colour(u * step_u + i, v * step_v + j), white);
-      small.set(u, v, sum * (1.0 / (step_u * step_v)));
-    }
-  return picture_of(small);
-}
-
-Picture tile_of(const LitView& view, double white, const std::string& name) {
-  Picture tile(k_excerpt_width, k_excerpt_height + k_small_height, k_white);
-  paste(&tile, view.image, 0, 0);
-  const Vec3 c = view.labels.light;
-  draw_light_arrow(&tile, view.labels.direction, {srgb_byte(c.x), srgb_byte(c.y), srgb_byte(c.z)});
-  draw_text(&tile, 4, 4, 1, name, k_white);
-  char numbers[32];
-  std::snprintf(numbers, sizeof numbers, "O %.2f", view.labels.contrast);
-  draw_text(&tile, 4, 14, 1, numbers, k_white);
-  LightLabels rotated = view.labels;
-  rotated.direction = camera_to_rotated(rotated.direction);
-  paste(&tile, shrunk(view.warped, white), 0, k_excerpt_height);
-  paste(&tile, picture_of(environment_of(rotated, k_small_width, k_small_height)), k_small_width, k_excerpt_height);
-  return tile;
-}
-
-std::vector<Excerpt> excerpts_of(const std::string& path, const Location& location, const DatasetOptions& options,
-                                 const std::vector<bool>& with_tile) {
+std::vector<Excerpt> excerpts_of(const std::string& path, const Location& location, const DatasetOptions& options) {
   const LitPanorama panorama(path);
   std::vector<Excerpt> result;
   const auto views = views_of(path, options.seed);
@@ -92,12 +58,9 @@ std::vector<Excerpt> excerpts_of(const std::string& path, const Location& locati
     std::snprintf(numbers, sizeof numbers, "%d,%.6f,%.6f,%.4f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%d",
                   location.fold, view.theta, view.phi, cut.radius, d.x, d.y, d.z, c.x, c.y, c.z, a.x, a.y, a.z,
                   labels.contrast, labels.has_direction ? 1 : 0);
-    Excerpt excerpt = {
-        "images/" + name + ".png," + fs::path(path).filename().string() + "," + location.name + "," + numbers,
-        {},
-        labels.has_direction};
-    if (with_tile[k]) excerpt.tile = tile_of(cut, panorama.white(), name);
-    result.push_back(std::move(excerpt));
+    result.push_back(
+        {"images/" + name + ".png," + fs::path(path).filename().string() + "," + location.name + "," + numbers,
+         labels.has_direction});
   }
   return result;
 }
@@ -184,38 +147,26 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
     locations.push_back(location_of(panorama, manifest_text));
   }
   std::vector<std::vector<Excerpt>> results(panoramas.size());
-  constexpr size_t k_tiles = 32;
-  // The tiles of the sheet are spread evenly over all excerpts.
-  const size_t excerpts = panoramas.size() * k_excerpts, tiles = std::min<size_t>(k_tiles, excerpts);
-  std::vector<std::vector<bool>> with_tile(panoramas.size(), std::vector<bool>(k_excerpts));
-  for (size_t i = 0; i < tiles; ++i) {
-    const size_t at = i * excerpts / tiles;
-    with_tile[at / k_excerpts][at % k_excerpts] = true;
-  }
   // A panorama that cannot be read is reported before any image is written. Reading the panoramas twice costs a
   // hundredth of the time that cutting takes.
   for_all(panoramas.size(), options.threads, "reading panoramas", [&](size_t i) { LitPanorama{panoramas[i]}; });
   if (interrupted()) return {};
   make_folder(options.folder + "/images");
   for_all(panoramas.size(), options.threads, "cutting panoramas",
-          [&](size_t i) { results[i] = excerpts_of(panoramas[i], locations[i], options, with_tile[i]); });
+          [&](size_t i) { results[i] = excerpts_of(panoramas[i], locations[i], options); });
   DatasetSummary summary;
   if (interrupted()) return summary;
   std::string manifest =
       "image,panorama,location,fold,theta,phi,insertion_radius,direction_x,direction_y,direction_z,light_r,light_g,"
       "light_b,"
       "ambient_r,ambient_g,ambient_b,contrast,has_direction\n";
-  std::vector<Picture> sheet;
   for (const auto& result : results)
     for (const Excerpt& excerpt : result) {
       manifest += excerpt.line + "\n";
-      if (excerpt.tile.width > 0) sheet.push_back(excerpt.tile);
       ++summary.excerpts;
       summary.without_direction += excerpt.has_direction ? 0 : 1;
     }
   summary.panoramas = panoramas.size();
-  if (!sheet.empty())
-    write_png(options.folder + "/sheet.png", picture_grid(sheet, std::min<int>(8, static_cast<int>(sheet.size())), 4));
   write_file(options.folder + "/manifest.csv", manifest);
   return summary;
 }

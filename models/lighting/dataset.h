@@ -4,7 +4,6 @@
 //   images/NAME_K.png   256 x 192, tone mapped with the whole panorama's exposure, sRGB
 //   manifest.csv        one line for each excerpt: image, panorama, location, fold, view, insertion radius, labels
 //                       (direction in the camera's frame: x right, y down, z forward; linear colours)
-//   sheet.png           excerpts with an arrow towards the light, the warped panorama, and the labels as a panorama
 //
 // Folds follow locations, never excerpts: with one view of a place in training and another in the test, the network
 // could answer from memory.

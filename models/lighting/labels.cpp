@@ -1,8 +1,6 @@
 #include "models/lighting/labels.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 namespace sandglass::host {
 
@@ -10,7 +8,6 @@ namespace {
 
 // The least length of the mean of weighted directions. Below it there is no direction.
 constexpr double k_least_concentration = 1e-3;
-constexpr double k_gaussian_sharpness = 2.0 * std::numbers::pi;
 
 struct WeightedColour {
   Vec3 sum;
@@ -58,20 +55,6 @@ LightLabels labels_of(const RadianceMap& panorama, Vec3 up, double white) {
   const double arriving = irradiance[0] + irradiance[1];
   labels.contrast = labels.has_direction && arriving > 0.0 ? irradiance[1] / arriving : 0.0;
   return labels;
-}
-
-static Vec3 environment_at(const LightLabels& labels, Vec3 direction) {
-  const Vec3 a = labels.ambient, c = labels.light;
-  const double lobe = std::exp(k_gaussian_sharpness * (dot(labels.direction, direction) - 1.0));
-  return {1.0 - (1.0 - lobe * c.x) * (1.0 - a.x), 1.0 - (1.0 - lobe * c.y) * (1.0 - a.y),
-          1.0 - (1.0 - lobe * c.z) * (1.0 - a.z)};
-}
-
-RadianceMap environment_of(const LightLabels& labels, int width, int height) {
-  RadianceMap map(width, height);
-  for (int v = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u) map.set(u, v, environment_at(labels, panorama_direction(u, v, width, height)));
-  return map;
 }
 
 }  // namespace sandglass::host

@@ -29,8 +29,4 @@ struct LightLabels {
 // to 1: the greatest of the panorama before it was warped, so that image and labels share one exposure.
 LightLabels labels_of(const RadianceMap& panorama, Vec3 up, double white);
 
-// The parameters as a panorama for the eye (5.27 - 5.29): a spherical Gaussian of the light's colour about its
-// direction, with sharpness 2 pi and the ambient colour blended over it.
-RadianceMap environment_of(const LightLabels& labels, int width, int height);
-
 }  // namespace sandglass::host

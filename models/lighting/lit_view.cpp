@@ -17,6 +17,13 @@ namespace {
 constexpr Colour k_black = {0, 0, 0};
 constexpr int k_least_warped_width = 256;
 
+// Linear 0..1 to an sRGB picture.
+Picture picture_of(const RadianceMap& linear) {
+  Picture picture(linear.width, linear.height, k_black);
+  for (size_t i = 0; i < linear.rgb.size(); ++i) picture.rgb[i] = srgb_byte(static_cast<double>(linear.rgb[i]));
+  return picture;
+}
+
 }  // namespace
 
 uint64_t hash_of_name(const std::string& name, uint64_t seed) {
@@ -29,12 +36,6 @@ std::string stem_of(const std::string& path) { return fs::path(path).stem().stri
 
 std::array<View, k_excerpts> views_of(const std::string& path, uint64_t seed) {
   return choose_views(hash_of_name(stem_of(path), seed));
-}
-
-Picture picture_of(const RadianceMap& linear) {
-  Picture picture(linear.width, linear.height, k_black);
-  for (size_t i = 0; i < linear.rgb.size(); ++i) picture.rgb[i] = srgb_byte(static_cast<double>(linear.rgb[i]));
-  return picture;
 }
 
 LitPanorama::LitPanorama(const std::string& path) : radiance_(read_panorama(path)) {
@@ -56,13 +57,11 @@ LitView LitPanorama::cut(View view) const {
   cut.radius = insertion_radius(depth_.values, depth_.shape.empty() ? 0 : static_cast<int>(depth_.shape[1]), view);
   // More pixels than the panorama has would not add information.
   const int width = std::clamp(radiance_.width, k_least_warped_width, k_warped_width);
-  cut.warped = warp(radiance_, view, cut.radius, width, width / 2);
-  cut.labels = labels_of(cut.warped, ViewRotation(view).to_rotated({0, 1, 0}), white_);
+  const RadianceMap warped = warp(radiance_, view, cut.radius, width, width / 2);
+  cut.labels = labels_of(warped, ViewRotation(view).to_rotated({0, 1, 0}), white_);
   cut.labels.direction = rotated_to_camera(cut.labels.direction);
-  cut.image = image(view);
+  cut.image = picture_of(cut_excerpt(mapped_, view));
   return cut;
 }
-
-Picture LitPanorama::image(View view) const { return picture_of(cut_excerpt(mapped_, view)); }
 
 }  // namespace sandglass::host

@@ -1,5 +1,5 @@
 // A panorama that is ready for cutting, and a view of it as the data set and the evaluation use it: the camera's image,
-// the panorama as seen from the place where an object would be put, and the labels of its light in the camera's frame.
+// and the labels of the light at the place where an object would be put, in the camera's frame.
 #pragma once
 
 #include <array>
@@ -15,7 +15,6 @@ namespace sandglass::host {
 
 struct LitView {
   double radius;  // of the insertion point, in panorama radii
-  RadianceMap warped;
   LightLabels labels;
   Picture image;  // 256 x 192, tone mapped with the whole panorama's exposure, sRGB
 };
@@ -25,8 +24,6 @@ class LitPanorama {
   // Reads the panorama, and the depth map NAME_depth.npy beside it if there is one.
   explicit LitPanorama(const std::string& path);
   LitView cut(View view) const;
-  Picture image(View view) const;  // the camera's image alone
-  double white() const { return white_; }
 
  private:
   RadianceMap radiance_, mapped_;
@@ -41,8 +38,5 @@ uint64_t hash_of_name(const std::string& name, uint64_t seed);
 
 // The eight views of the data set, a function of the panorama's name and the seed.
 std::array<View, k_excerpts> views_of(const std::string& path, uint64_t seed);
-
-// Linear 0..1 to an sRGB picture.
-Picture picture_of(const RadianceMap& linear);
 
 }  // namespace sandglass::host

@@ -184,7 +184,7 @@ Options room_options(RoomOptions& o) {
 Options dataset_options(DatasetOptions& o) {
   return {
       required({"PANORAMAS", &o.panoramas, "", k_panoramas}),
-      fills(output(o.folder, "FOLDER", "Write images, manifest.csv and sheet.png into this new folder")),
+      fills(output(o.folder, "FOLDER", "Write images and manifest.csv into this new folder")),
       {"--manifest", &o.manifest, "FILE",
        "CSV with the columns file, group and fold: which panoramas show the same place"},
       seed_option(o.seed, "Equal seeds give equal views"),
