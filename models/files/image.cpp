@@ -186,7 +186,8 @@ static void expect_readable(const PictureHead& head, const std::string& path) {
                  "Scale it down");
 }
 
-Picture upright(Picture stored, int orientation) {
+// As it is seen where EXIF gives this orientation, 1 to 8.
+static Picture upright(Picture stored, int orientation) {
   if (orientation == 1) return stored;
   const bool across = orientation >= 5;  // rows become columns
   const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;

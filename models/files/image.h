@@ -46,10 +46,6 @@ Picture picture_grid(std::span<const Picture> pictures, int columns, int gap);
 // The picture in another size: by means over boxes, or by the nearest pixel.
 Picture scaled(const Picture& picture, int width, int height);
 
-// The picture as it is seen where EXIF gives this orientation, 1 to 8: 6, 3 and 8 turn it clockwise by 90, 180 and 270
-// degrees.
-Picture upright(Picture stored, int orientation);
-
 // Reads a PNG or JPEG picture as 8-bit sRGB, upright: EXIF says how the camera was held. Grey becomes colour, and 16 bits
 // become 8. A Failure names the file and what it is instead.
 Picture read_picture(const std::string& path);

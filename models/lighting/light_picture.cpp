@@ -6,13 +6,14 @@
 #include <cstdio>
 #include <numbers>
 
+#include "models/geometry/vec3.h"
+
 namespace sandglass::host {
 
 namespace {
 
 constexpr Colour k_black = {0, 0, 0}, k_white = {255, 255, 255};
 constexpr int k_side = 288, k_text_height = 14, k_gap = 4;  // pixels
-constexpr double k_reflectance = 0.7;                       // of the ball
 
 void draw_line(Picture* picture, double x0, double y0, double x1, double y1, Colour colour, int thick) {
   const int steps = 1 + static_cast<int>(2.0 * std::hypot(x1 - x0, y1 - y0));
@@ -24,29 +25,9 @@ void draw_line(Picture* picture, double x0, double y0, double x1, double y1, Col
   }
 }
 
-Vec3 vector_of(const float* v) { return {v[0], v[1], v[2]}; }
 Colour shown(Vec3 linear) { return {srgb_byte(linear.x), srgb_byte(linear.y), srgb_byte(linear.z)}; }
 
-// A ball as a camera far away sees it, in the light of the estimate.
-Picture lit_ball(const sandglass_light_estimate& e) {
-  Picture picture(k_side, k_side, {96, 96, 96});
-  const Vec3 towards = normalised(vector_of(e.direction));
-  for (int y = 0; y < k_side; ++y)
-    for (int x = 0; x < k_side; ++x) {
-      const double u = (2.0 * x + 1.0) / k_side - 1.0, v = (2.0 * y + 1.0) / k_side - 1.0, depth = 1.0 - u * u - v * v;
-      if (depth <= 0.0) continue;
-      const double facing = std::max(0.0, dot(Vec3{u, v, -std::sqrt(depth)}, towards));
-      const Colour c = shown((vector_of(e.ambient) + vector_of(e.light) * (e.strength * facing)) * k_reflectance);
-      uint8_t* pixel = picture.at(x, y);
-      pixel[0] = c.r;
-      pixel[1] = c.g;
-      pixel[2] = c.b;
-    }
-  return picture;
-}
-
-}  // namespace
-
+// An arrow from the middle towards the light as the camera sees it. Its tip is hollow if the light is behind the camera.
 void draw_light_arrow(Picture* picture, Vec3 d, Colour colour) {
   const double cx = 0.5 * picture->width, cy = 0.5 * picture->height, reach = 0.42 * picture->height;
   const double x = cx + reach * d.x, y = cy + reach * d.y;
@@ -58,16 +39,17 @@ void draw_light_arrow(Picture* picture, Vec3 d, Colour colour) {
   if (d.z < 0.0) fill_rectangle(picture, px - 2, py - 2, 5, 5, k_black);
 }
 
+}  // namespace
+
 Picture light_picture(const Picture& photograph, const sandglass_light_estimate& estimate, const std::string& name) {
   const int wide = std::clamp(k_side * photograph.width / photograph.height, 64, 3 * k_side);
-  const int ball = wide + k_gap, swatch = ball + k_side + k_gap, half = k_side / 2;
+  const int swatch = wide + k_gap, half = k_side / 2;
   Picture sheet(swatch + half, k_side + k_text_height, k_white);
   Picture photo = scaled(photograph, wide, k_side);
-  const Vec3 light = vector_of(estimate.light), ambient = vector_of(estimate.ambient);
-  draw_light_arrow(&photo, vector_of(estimate.direction),
+  const Vec3 light = from_floats(estimate.light), ambient = from_floats(estimate.ambient);
+  draw_light_arrow(&photo, from_floats(estimate.direction),
                    shown(light * (1.0 / std::max({light.x, light.y, light.z, 1e-6}))));
   paste(&sheet, photo, 0, k_text_height);
-  paste(&sheet, lit_ball(estimate), ball, k_text_height);
   fill_rectangle(&sheet, swatch, k_text_height, half, half, shown(light));
   fill_rectangle(&sheet, swatch, k_text_height + half, half, half, shown(ambient));
   char text[96];

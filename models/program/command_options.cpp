@@ -82,9 +82,6 @@ Options light_options(LightOptions& o) {
       required({"IMAGES", &o.images, "", "PNG or JPEG files"}),
       fills(output(o.folder, "FOLDER", "Write a JSON file and a picture for each image into this new folder")),
       {"--fov", &o.fov_deg, "DEGREES", "Field of view across the diagonal, degrees", number(10, 170)},
-      {"--turn", &o.turn_deg, "DEGREES",
-       "Clockwise turn that makes the images upright after their own EXIF orientation, degrees",
-       one_of({"0", "90", "180", "270"})},
       standard(k_shipped, {"--network", &o.network, "FILE", "The lighting network"}),
   };
 }

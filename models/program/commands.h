@@ -44,7 +44,6 @@ struct LightOptions {
   std::vector<std::string> images;
   std::string folder, network = SANDGLASS_LIGHTS_DIR "/room.light";
   double fov_deg = 75.0;
-  uint32_t turn_deg = 0;
 };
 int light_command(const LightOptions& options);
 

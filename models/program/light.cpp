@@ -18,13 +18,11 @@ namespace sandglass::host {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr size_t k_sheet_rows = 24;        // pictures on the sheet
-constexpr uint8_t k_black = 8;             // of 255: all of a picture that was taken through a covered lens
-constexpr int k_turned[4] = {1, 6, 3, 8};  // EXIF's orientations, by quarters of a turn
+constexpr uint8_t k_black = 8;  // of 255: all of a picture that was taken through a covered lens
 
 // The names of the outputs, without extensions. If photographs in several folders have the same name, theirs differ.
 std::vector<std::string> outputs_of(const LightOptions& options) {
-  std::set<std::string> names = {"sheet"};
+  std::set<std::string> names;
   std::vector<std::string> outputs;
   for (const std::string& path : options.images) {
     const std::string stem = fs::path(path).stem().string();
@@ -47,13 +45,10 @@ int light_command(const LightOptions& options) {
     if (std::all_of(rgb.begin(), rgb.end(), [](uint8_t value) { return value <= k_black; }))
       throw cannot("estimate the light of", path, "it is black everywhere", "Take a photograph that shows something");
   }
-  const std::string sheet_path = (fs::path(options.folder) / "sheet.png").string();
   const std::vector<std::string> outputs = outputs_of(options);
   Progress progress("estimating light", pictures.size());
-  std::vector<Picture> sheet;
   for (size_t i = 0; i < pictures.size() && !interrupted(); ++i) {
     sandglass_camera_image image = camera_image_of(pictures[i], options.fov_deg);
-    image.turn_deg = options.turn_deg;
     image.pose_is_upright = 1;
     sandglass_light_estimate world;
     try {
@@ -63,20 +58,15 @@ int light_command(const LightOptions& options) {
     }
     const sandglass_light_estimate e = in_camera_frame(world);
     const std::string name = fs::path(outputs[i]).filename().string();
-    const Picture drawn = light_picture(upright(pictures[i], k_turned[options.turn_deg / 90]), e, name);
-    write_png(outputs[i] + ".png", drawn);
-    write_file(outputs[i] + ".json",
-               light_estimate_json(options.images[i], options.fov_deg, options.turn_deg, e, world));
+    write_png(outputs[i] + ".png", light_picture(pictures[i], e, name));
+    write_file(outputs[i] + ".json", light_estimate_json(options.images[i], options.fov_deg, e, world));
     std::printf("%-24s towards the light %6.3f right %6.3f down %6.3f forward, contrast %.2f, light %.2f %.2f %.2f\n",
                 name.c_str(), static_cast<double>(e.direction[0]), static_cast<double>(e.direction[1]),
                 static_cast<double>(e.direction[2]), static_cast<double>(e.contrast), static_cast<double>(e.light[0]),
                 static_cast<double>(e.light[1]), static_cast<double>(e.light[2]));
-    if (sheet.size() < k_sheet_rows && (sheet.empty() || drawn.width == sheet[0].width)) sheet.push_back(drawn);
     progress.done(i + 1);
   }
-  if (interrupted()) return k_exit_interrupted;
-  if (sheet.size() > 1) write_png(sheet_path, picture_grid(sheet, 1, 4));
-  return 0;
+  return interrupted() ? k_exit_interrupted : k_exit_done;
 }
 
 }  // namespace sandglass::host

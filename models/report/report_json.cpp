@@ -61,11 +61,10 @@ std::string report_summary_json(const RunReport& report) {
   return Json::object(file).text() + "\n";
 }
 
-std::string light_estimate_json(const std::string& image, double fov_deg, uint32_t turn_deg,
-                                const sandglass_light_estimate& in_camera, const sandglass_light_estimate& in_world) {
+std::string light_estimate_json(const std::string& image, double fov_deg, const sandglass_light_estimate& in_camera,
+                                const sandglass_light_estimate& in_world) {
   const Json json = Json::object({{"image", image},
                                   {"field_of_view_deg", fov_deg},
-                                  {"turn_deg", turn_deg},
                                   {"direction_camera", in_camera.direction},
                                   {"direction_world", in_world.direction},
                                   {"light", in_camera.light},
