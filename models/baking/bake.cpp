@@ -62,7 +62,7 @@ void make_quick(BakeSettings* settings) {
   settings->steps = 2000;
   settings->quantised_steps = 200;
   settings->validation_lights = 4;
-  settings->ambient.texels = std::min(settings->ambient.texels, 32u);
+  settings->ambient.texels = 16;
   settings->ambient.rooms = 1;
 }
 

@@ -1,6 +1,5 @@
 // `sandglass bake MESH -o FILE`: the soft shadow of a mesh as a network small enough for a phone's frame.
 #include <array>
-#include <charconv>
 #include <cstdio>
 
 #include "models/baking/bake.h"
@@ -14,16 +13,6 @@
 namespace sandglass::host {
 
 namespace {
-
-// Reads the decimal number without a sign that `text` begins with. *rest gets what follows. Returns false if there is
-// no number or it is too large.
-template <class Number>
-bool number_at(std::string_view text, Number* number, std::string_view* rest) {
-  const bool digit = !text.empty() && text[0] >= '0' && text[0] <= '9';
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *number);
-  *rest = text.substr(static_cast<size_t>(end - text.data()));
-  return digit && error == std::errc();
-}
 
 void print(const char* name, const ShadowError& e) {
   std::printf("  %-14s %9.4f %9.4f %9.2f %9.4f %12.4f\n", name, e.rmse, e.rmse_max, e.psnr, e.ssim, e.block);
@@ -127,23 +116,8 @@ void print(const BakeReport& r, const BakeSettings& s) {
 
 }  // namespace
 
-bool read_degrees(const std::string& text, double* value) {
-  std::string_view unit;
-  return number_at(text, value, &unit) && (unit.empty() || unit == "deg");
-}
-
-bool read_shape(const std::string& text, NetworkShape* shape) {
-  std::string_view layers, nothing;
-  return number_at(text, &shape->width, &layers) && layers.starts_with('x') &&
-         number_at(layers.substr(1), &shape->layers, &nothing) && nothing.empty() && shape->width >= 8 &&
-         shape->width <= 256 && shape->layers >= 1 && shape->layers <= 8;
-}
-
 int bake_command(const BakeOptions& options) {
   BakeSettings s = options.settings;
-  read_shape(options.size, &s.shape);
-  read_degrees(options.angle, &s.angular_diameter);
-  read_degrees(options.polar, &s.polar_max);
   if (options.quick) make_quick(&s);
   s.ambient.data = data_folder();
   const std::string picture = options.output + ".png";

@@ -95,29 +95,6 @@ Options inspect_options(InspectOptions& o) {
 }
 
 #ifdef SANDGLASS_HAVE_BAKE
-ValueRule angle(int low, int high) {
-  const std::string range = std::to_string(low) + " to " + std::to_string(high) + " degrees";
-  const auto holds = [=](const std::string& text) {
-    double value = 0;
-    return read_degrees(text, &value) && value >= low && value <= high;
-  };
-  return {holds, range, "an angle from " + range + ", such as 20deg"};
-}
-
-ValueRule shape_of_network() {
-  const auto holds = [](const std::string& text) {
-    NetworkShape shape;
-    return read_shape(text, &shape);
-  };
-  return {holds, "8x1 to 256x8", "WIDTHxLAYERS with 8 to 256 neurons and 1 to 8 layers, such as 128x2"};
-}
-
-ValueRule texels_of_ambient() {
-  const ValueRule number = whole_number(0, 256);
-  const auto holds = [=](const std::string& text) { return number.holds(text) && std::stoi(text) % 16 == 0; };
-  return {holds, number.range, "a multiple of 16 from 0 to 256"};
-}
-
 Options bake_options(BakeOptions& o) {
   BakeSettings& s = o.settings;
   s.threads = std::max(1u, std::thread::hardware_concurrency());
@@ -126,15 +103,12 @@ Options bake_options(BakeOptions& o) {
       scale_option(o.as_mesh),
       up_option(o.as_mesh),
       output_file(o.output, "Write the shadow to this file, and beside it FILE.png: truth, result and difference"),
-      {"--size", &o.size, "WxL", "Size of the network: neurons a layer, and layers after the first",
-       shape_of_network()},
-      {"--angle", &o.angle, "ANGLE", "Angular diameter of the light", angle(1, 60)},
-      {"--max-polar", &o.polar, "ANGLE", "Largest angle of the light from the zenith", angle(1, 84)},
+      {"--size", &s.shape.width, "N", "Neurons in each layer of the network", whole_number(8, 256)},
+      {"--angle", &s.angular_diameter, "DEGREES", "Angular diameter of the light, degrees", number(1, 60)},
+      {"--max-polar", &s.polar_max, "DEGREES", "Largest angle of the light from the zenith, degrees", number(1, 84)},
       seed_option(s.seed, "Equal seeds give equal files on CPUs of one instruction set"),
       standard("all of this machine", threads_option(s.threads)),
       {"--quick", &o.quick, "", "A rough shadow in seconds, to see whether mesh and light are what was meant"},
-      {"--ambient-texels", &s.ambient.texels, "N",
-       "Texels a side of the ambient shadow, in steps of 16; 0: leave it and the surface out", texels_of_ambient()},
       json_option(o.json),
       {"--keep-float", &s.keep_float, "", "Keep the float network in the file, for `bench shadow`"},
   };

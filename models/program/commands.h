@@ -82,14 +82,12 @@ int light_features_command(const LightFeaturesOptions& options);
 
 #ifdef SANDGLASS_HAVE_BAKE
 struct BakeOptions {
-  std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", json;
+  std::string mesh, output, json;
   BakeSettings settings;
   MeshOptions as_mesh;
   bool quick = false;
 };
 int bake_command(const BakeOptions& options);
-bool read_degrees(const std::string& text, double* value);      // "20" or "20deg"
-bool read_shape(const std::string& text, NetworkShape* shape);  // "128x2"
 #endif
 
 }  // namespace sandglass::host

@@ -71,23 +71,20 @@ TEST_F(Cli, RefusesNumbersThatAreNone) {
     expect_refused(command + " " + option + " '" + value + "'", left_out ? "no ray tracer" : option.substr(2));
   };
   const std::pair<const char*, const char*> options[] = {{"--max-polar", "bake chair -o out"},
+                                                         {"--size", "bake chair -o out"},
                                                          {"--seed", "room -o out.hdr"},
                                                          {"--fov", "light a.png -o out"},
                                                          {"--samples", "room -o out.hdr"},
                                                          {"--budget-ms", "run demo"},
                                                          {"--frames", "run demo"},
-                                                         {"--distance", "sample box surface -o out"},
-                                                         {"--ambient-texels", "bake chair -o out"}};
+                                                         {"--distance", "sample box surface -o out"}};
   for (const auto& [option, command] : options)
     for (const char* value : {"nan", "-1", "1e999"}) refused(command, option, value);
   expect_refused("room -o out.hdr --seed 18446744073709551616", "--seed");
-  // 2^32 + 8, 8 - 2^32 and 2^32 + 128 become valid sizes if they are cut to 32 bits. A parser that guesses the base
-  // reads 0x14 as 20.
-  for (const char* size : {"4294967304x1", "-4294967288x1", "8x4294967297", "4294967424x2", "8x1 ", " 8x1", "8x+1",
-                           "0x8x1", "99999999999999999999999x1", "8x", "x1", "8", "8x1x1"})
+  // 2^32 + 8 and 8 - 2^32 become valid sizes if they are cut to 32 bits. A parser that guesses the base reads 0x14 as 20.
+  for (const char* size : {"4294967304", "-4294967288", "8 ", " 8", "+8", "0x14", "99999999999999999999999", "8x"})
     refused("bake chair -o out", "--size", size);
-  for (const char* angle : {"0x14", "+20", " 20", "20 deg", "20rad", "1e999", "inf", "deg", ""})
-    refused("bake chair -o out", "--angle", angle);
+  for (const char* angle : {"20 deg", "20rad", "inf", "deg", ""}) refused("bake chair -o out", "--angle", angle);
   EXPECT_TRUE(names().empty());
 }
 
@@ -300,7 +297,7 @@ run shot --object cube.obj --asset chair | another object
 TEST_F(Cli, BakesAndInspectsAShadow) {
   if (!k_bake) GTEST_SKIP() << "this build bakes no shadows: Embree or Eigen is missing";
   const std::string baked =
-      done("bake chair --quick --size 8x1 --ambient-texels 16 --threads 2 -o x.shadow --json x.json").out;
+      done("bake chair --quick --size 8 --threads 2 -o x.shadow --json x.json").out;
   for (const char* line : {"4 unseen lights", "SSIM and block: of 4 whole textures", "1 made-up"})
     EXPECT_NE(baked.find(line), std::string::npos) << line << "\n" << baked;
   for (const char* name : {"whole_textures", "rmse_occlusion"})
@@ -309,7 +306,7 @@ TEST_F(Cli, BakesAndInspectsAShadow) {
   const std::string told = done("inspect x.shadow").out;
   for (const char* line :
        {"baked shadow, version 2", "24 components of 16 x 16 texels, 3.6 m a side", "surface      2381 points",
-        "8 neurons x (1 + 1) hidden layers, 72 MAC a texel", "20 degrees wide, up to 70 degrees from the zenith",
+        "8 neurons x (1 + 2) hidden layers, 136 MAC a texel", "20 degrees wide, up to 70 degrees from the zenith",
         "fitted to the light", "over 4 unseen lights", "float copy   no"})
     EXPECT_NE(told.find(line), std::string::npos) << line << "\n" << told;
   write("cut.shadow", read("x.shadow").substr(0, 1000));

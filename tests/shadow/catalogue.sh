@@ -21,12 +21,12 @@ chmod +x "$work/mortal"
 # bake LOG [OPTIONS]
 bake() {
   snakemake -s "$snakefile" -d "$work" --cores 2 --nocolor --config meshes="$work/meshes" out="$work/out" program="$work/mortal" \
-    threads=1 options="--quick --size 16x1 --ambient-texels 16 ${2:-}" >"$work/$1.log" 2>&1
+    threads=1 options="--quick --size 16 ${2:-}" >"$work/$1.log" 2>&1
 }
 holds() { grep -q "$1" "$2" || { cat "$work"/*.log "$2"; echo "no line has: $1"; exit 1; }; }
 
 # Wrong options are not the fault of an object: the run fails, and no object counts as done.
-! bake typo "--sizes 8x1" || { echo "a wrong option passed"; exit 1; }
+! bake typo "--sizes 8" || { echo "a wrong option passed"; exit 1; }
 [[ -z $(ls "$work"/out/*.json "$work"/out/summary.txt 2>/dev/null) ]] || { echo "a wrong option refused objects"; exit 1; }
 holds sizes "$work/out/tetrahedron.log"
 
