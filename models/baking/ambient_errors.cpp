@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 
 #include "models/baking/light_cells.h"
 #include "models/baking/shadow_runner.h"
+#include "models/baking/validate.h"
 #include "models/rooms/panorama_file.h"
 #include "models/rooms/room_render.h"
 #include "models/work/random.h"
@@ -121,32 +121,17 @@ std::vector<Environment> captured_environments(const std::string& folder) {
 
 std::vector<Picture> ambient_pictures(const AmbientCandidate& candidate, std::span<const Environment> rooms,
                                       ThreadPool& pool) {
-  constexpr int k_caption = 14, k_pixels = 256;
   constexpr uint32_t k_picture_rays = 256;
-  const uint32_t side = candidate.square.side;
   std::vector<Picture> pictures;
   for (size_t r = 0; r < rooms.size(); ++r) {
     const std::vector<float> truth =
         trace_ambient(candidate.object, candidate.square, rooms[r], k_picture_rays, r, pool);
-    const std::vector<uint8_t> texture = texture_of(candidate.file, rooms[r].cells());
-    char caption[3][64];
-    std::snprintf(caption[0], sizeof caption[0], "ray traced, light of made-up room %zu", r + 1);
-    std::snprintf(caption[1], sizeof caption[1], "ambient shadow, as drawn");
-    std::snprintf(caption[2], sizeof caption[2], "difference x 8");
-    for (int column = 0; column < 3; ++column) {
-      Picture picture(k_pixels, k_pixels + k_caption, {255, 255, 255});
-      for (int y = 0; y < k_pixels; ++y)
-        for (int x = 0; x < k_pixels; ++x) {
-          const size_t texel =
-              static_cast<size_t>(y) * side / k_pixels * side + static_cast<size_t>(x) * side / k_pixels;
-          const double t = static_cast<double>(truth[texel]), drawn = texture[texel] / 255.0;
-          const double grey = column == 0 ? t : column == 1 ? drawn : 0.5 + 8 * (drawn - t);
-          uint8_t* pixel = picture.at(x, y + k_caption);
-          pixel[0] = pixel[1] = pixel[2] = static_cast<uint8_t>(255 * std::clamp(grey, 0.0, 1.0) + 0.5);
-        }
-      draw_text(&picture, 2, 3, 1, caption[column], {0, 0, 0});
-      pictures.push_back(std::move(picture));
-    }
+    std::vector<float> drawn;
+    for (const uint8_t byte : texture_of(candidate.file, rooms[r].cells())) drawn.push_back(byte / 255.0f);
+    append_compared(
+        truth, drawn, candidate.square.side,
+        {"ray traced, light of made-up room " + std::to_string(r + 1), "ambient shadow, as drawn", "difference x 8"},
+        &pictures);
   }
   return pictures;
 }

@@ -86,12 +86,7 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
     const uint32_t lights = static_cast<uint32_t>(set.lights.size());
     Progress progress("tracing", lights);
     const bool whole = trace_training_set(
-        geometry, caster, pool,
-        [&](uint32_t done) {
-          progress.done(done);
-          return !interrupted();
-        },
-        &set);
+        geometry, caster, pool, [&](uint32_t done) { return progress.goes_on(done); }, &set);
     report.interrupted = !whole;
     if (!whole) return report;
   }
@@ -123,11 +118,7 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
     Progress progress("validating", settings.validation_lights);
     const bool whole = validate(
         geometry, caster, state.float_network, bytes, settings.validation_lights, pool,
-        [&](uint32_t done) {
-          progress.done(done);
-          return !interrupted();
-        },
-        &report.validation);
+        [&](uint32_t done) { return progress.goes_on(done); }, &report.validation);
     report.interrupted = !whole;
     if (!whole) return report;
   }

@@ -21,17 +21,13 @@ bool bake_ambient(const AmbientSettings& settings, uint64_t seed, uint32_t threa
   const FloorSquare square = ambient_square(object.box, settings.texels);
   ThreadPool pool(threads);
   Progress rows("tracing the floor", square.side);
-  const std::vector<float> hidden = trace_hidden(scene, square, HiddenOf::cells, seed, pool, [&](uint32_t done) {
-    rows.done(done);
-    return !interrupted();
-  });
+  const std::vector<float> hidden =
+      trace_hidden(scene, square, HiddenOf::cells, seed, pool, [&](uint32_t done) { return rows.goes_on(done); });
   if (hidden.empty()) return false;
   std::vector<SurfacePoint> points = surface_points(object.mesh);
   Progress vertices("tracing the surface", static_cast<uint32_t>(points.size()));
-  std::vector<float> transfer = trace_transfer(points, scene, seed, pool, [&](uint32_t done) {
-    vertices.done(done);
-    return !interrupted();
-  });
+  std::vector<float> transfer =
+      trace_transfer(points, scene, seed, pool, [&](uint32_t done) { return vertices.goes_on(done); });
   if (transfer.empty()) return false;
   drop_buried(&points, &transfer);
   file->surface = round_surface(points, transfer);

@@ -169,10 +169,26 @@ bool validate(const LightGeometry& geometry, const ShadowCaster& caster, const F
   return true;
 }
 
+void append_compared(const std::vector<float>& truth, const std::vector<float>& drawn, uint32_t side,
+                     const std::array<std::string, 3>& captions, std::vector<Picture>* pictures) {
+  constexpr int k_caption = 14, k_pixels = static_cast<int>(k_size);
+  for (size_t column = 0; column < 3; ++column) {
+    Picture picture(k_pixels, k_pixels + k_caption, {255, 255, 255});
+    for (int y = 0; y < k_pixels; ++y)
+      for (int x = 0; x < k_pixels; ++x) {
+        const size_t texel = static_cast<size_t>(y) * side / k_size * side + static_cast<size_t>(x) * side / k_size;
+        const double t = static_cast<double>(truth[texel]), d = static_cast<double>(drawn[texel]);
+        const double grey = column == 0 ? t : column == 1 ? d : 0.5 + 8 * (d - t);
+        std::fill_n(picture.at(x, y + k_caption), 3, static_cast<uint8_t>(255 * std::clamp(grey, 0.0, 1.0) + 0.5));
+      }
+    draw_text(&picture, 2, 3, 1, captions[column], {0, 0, 0});
+    pictures->push_back(std::move(picture));
+  }
+}
+
 Picture shadow_picture(const LightGeometry& geometry, const ShadowCaster& caster, std::span<const uint8_t> file,
                        ThreadPool& pool, const std::vector<Picture>& more) {
   constexpr double k_share[4] = {0.05, 0.45, 0.75, 0.98}, k_azimuth[4] = {0.0, 0.8, 2.6, 4.4};
-  constexpr int k_caption = 14, k_pixels = static_cast<int>(k_size);
   ShadowRunner runner(file, "baked", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE);
   std::vector<Picture> cells;
   for (uint32_t row = 0; row < 4; ++row) {
@@ -184,25 +200,11 @@ Picture shadow_picture(const LightGeometry& geometry, const ShadowCaster& caster
     const std::vector<float> network = transparency(runner.texture(light).coverage);
     double square = 0;
     for (size_t i = 0; i < truth.size(); ++i) square += std::pow(static_cast<double>(truth[i] - network[i]), 2);
-    char caption[3][64];
-    std::snprintf(caption[0], sizeof caption[0], "ray traced, light %.0f deg from zenith", polar * 180 / k_pi);
-    std::snprintf(caption[1], sizeof caption[1], "network, int8 adaptive");
-    std::snprintf(caption[2], sizeof caption[2], "difference x 8, RMSE %.4f",
+    char traced[64], difference[64];
+    std::snprintf(traced, sizeof traced, "ray traced, light %.0f deg from zenith", polar * 180 / k_pi);
+    std::snprintf(difference, sizeof difference, "difference x 8, RMSE %.4f",
                   std::sqrt(square / static_cast<double>(truth.size())));
-    for (int column = 0; column < 3; ++column) {
-      Picture cell(k_pixels, k_pixels + k_caption, {255, 255, 255});
-      for (int y = 0; y < k_pixels; ++y)
-        for (int x = 0; x < k_pixels; ++x) {
-          const size_t i = static_cast<size_t>(y) * k_size + static_cast<size_t>(x);
-          const double t = static_cast<double>(truth[i]), n = static_cast<double>(network[i]);
-          const double grey = column == 0 ? t : column == 1 ? n : 0.5 + 8 * (n - t);
-          const uint8_t byte = static_cast<uint8_t>(255 * std::clamp(grey, 0.0, 1.0) + 0.5);
-          uint8_t* pixel = cell.at(x, y + k_caption);
-          pixel[0] = pixel[1] = pixel[2] = byte;
-        }
-      draw_text(&cell, 2, 3, 1, caption[column], {0, 0, 0});
-      cells.push_back(std::move(cell));
-    }
+    append_compared(truth, network, k_size, {traced, "network, int8 adaptive", difference}, &cells);
   }
   cells.insert(cells.end(), more.begin(), more.end());
   return picture_grid(cells, 3, 6);

@@ -1,6 +1,7 @@
 // Measures a baked shadow against ray tracing, over lights that it was not trained on (Fig. 6.8 of the dissertation).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -42,6 +43,10 @@ bool validate(const LightGeometry& geometry, const ShadowCaster& caster, const F
 // Mean structural similarity of two square textures with values in 0..1. The windows are 8 x 8 texels, one every 4
 // texels along both axes. The constants are 0.01^2 and 0.03^2.
 double structural_similarity(const std::vector<float>& a, const std::vector<float>& b, uint32_t size);
+
+// Adds three pictures: truth, what is drawn, and their difference times 8 around grey. Both have side x side texels.
+void append_compared(const std::vector<float>& truth, const std::vector<float>& drawn, uint32_t side,
+                     const std::array<std::string, 3>& captions, std::vector<Picture>* pictures);
 
 // A picture of four lights, one per row: ray tracing, the network as the runtime evaluates it, and their difference
 // times 8 around grey. Further rows of pictures follow.

@@ -44,6 +44,11 @@ Progress::~Progress() {
   if (shown_ && terminal_) std::fputs("\r\033[K", stream_);
 }
 
+bool Progress::goes_on(uint64_t count) {
+  done(count);
+  return !interrupted();
+}
+
 void Progress::done(uint64_t count) { done_at(count, std::chrono::steady_clock::now()); }
 
 void Progress::done_at(uint64_t count, Time now) {

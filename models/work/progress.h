@@ -21,6 +21,7 @@ struct Progress {
 
   void total(uint64_t count) { total_ = count; }
   void done(uint64_t count);
+  bool goes_on(uint64_t count);  // the same; false after Ctrl-C
   // The same at a given time, for the tests.
   void done_at(uint64_t count, Time now);
 
