@@ -373,25 +373,16 @@ TEST_F(Cli, LightsBadInputIsOneSentence) {
   photograph("fine.png");
   photograph("dot.png", {90, 120, 40}, 1);
   photograph("black.png", {8, 8, 8});
-  const std::string light = " -o out --network random.light";
-  expect_refusals(
-      "light fine.png -o out --network nowhere | nowhere\n"
-      "light fine.png -o out --network cut.light | cut off\n"
-      "light fine.png -o out --network text.png | not a lighting network\n"
-      "light gone.png" +
-      light +
-      " | gone.png\n"
-      "light text.png" +
-      light +
-      " | text.png\n"
-      "light ''" +
-      light +
-      " | is empty\n"
-      "light dot.png" +
-      light +
-      " | dot.png\n"
-      "light fine.png black.png" +
-      light + " | \"black.png\": it is black everywhere. Take a photograph that shows something.\n");
+  expect_refusals(R"(
+light fine.png -o out --network nowhere | nowhere
+light fine.png -o out --network cut.light | cut off
+light fine.png -o out --network text.png | not a lighting network
+light gone.png -o out --network random.light | gone.png
+light text.png -o out --network random.light | text.png
+light '' -o out --network random.light | is empty
+light dot.png -o out --network random.light | dot.png
+light fine.png black.png -o out --network random.light | "black.png": it is black everywhere. Take a photograph that shows something.
+)");
 }
 
 TEST_F(Cli, PanoramasAreToldApartByTheirNames) {
