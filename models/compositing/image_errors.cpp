@@ -63,8 +63,12 @@ Plane filtered(const Plane& plane, int width, int height, const Filter& along_x,
   return result;
 }
 
-double encoded(float value) {
-  const double linear = std::clamp(static_cast<double>(value), 0.0, 1.0);
+Vec3 displayed(const RadianceMap& map, size_t pixel) {
+  const auto value = [&](size_t c) { return std::clamp(static_cast<double>(map.rgb[3 * pixel + c]), 0.0, 1.0); };
+  return {value(0), value(1), value(2)};
+}
+
+double encoded(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
@@ -209,8 +213,8 @@ double structural_similarity(const RadianceMap& truth, const RadianceMap& pictur
   Plane a(pixels), b(pixels), aa(pixels), bb(pixels), ab(pixels);
   for (size_t i = 0; i < pixels; ++i) {
     const auto luma = [&](const RadianceMap& map) {
-      const float* c = map.rgb.data() + 3 * i;
-      return 0.2126 * encoded(c[0]) + 0.7152 * encoded(c[1]) + 0.0722 * encoded(c[2]);
+      const Vec3 c = displayed(map, i);
+      return 0.2126 * encoded(c.x) + 0.7152 * encoded(c.y) + 0.0722 * encoded(c.z);
     };
     a[i] = luma(truth);
     b[i] = luma(picture);
