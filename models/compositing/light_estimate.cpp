@@ -83,12 +83,15 @@ const sandglass_camera_image* SeenLight::take(const Surroundings& room, uint64_t
 
 ShotLight SeenLight::follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate,
                             sandglass_room_light* shown) {
-  float place[3];
-  to_floats(level(standing), place);
+  sandglass_room_place place;
+  sandglass_room_place_default(&place);
+  to_floats(level(standing), place.position);
+  place.estimate = estimate;
+  place.shown = shown;
   sandglass_room_light now = {};
   now.struct_size = sizeof now;
   const char* reason = nullptr;
-  require(sandglass_room_get(room_, place, estimate, &now, &reason), reason);
+  require(sandglass_room_get(room_, &place, &now, &reason), reason);
   sandglass_room_fade(shown, &now, static_cast<float>(seconds));
   return scaled(*shown, static_cast<double>(shown->white) * exposure_);
 }

@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
     if (status) status = pile.set_light({d[0], d[1], d[2]});
     if (status) status = pile.set_cells(light.ambient_cells);
     if (status) status = scene.frame(input);
-    if (input.camera != nullptr) known = room.light_at(place);
+    if (input.camera != nullptr) known = room.light_at(place, &light);
     sandglass_room_fade(&light, &known, input.time_step);  // no shadow jumps
     // Draw here: `drawn`; the camera's image times what ambient(), texture() and sky() of both shadows leave of it; the
     // chair, as a vertex shader does: nine products a colour (runtime/shadow/README.md).

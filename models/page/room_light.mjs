@@ -32,14 +32,15 @@ export class RoomLight {
     this.pixels = sand.allocate(4 * k_image * k_image), this.words = sand.allocate(64);
     this.now = sand.make("sandglass_room_light"), this.shown = sand.make("sandglass_room_light");
     this.shown.struct_size = 0;
+    this.place = sand.make("sandglass_room_place");
+    sand.sandglass_room_place_default(this.place);
+    this.place.shown = this.shown.address;
     this.lighting = sand.make("sandglass_lighting"), this.filament = sand.make("sandglass_filament_light");
     this.get();
   }
 
   get() {
-    const { sand, words } = this;
-    sand.floats(words, 3).fill(0);
-    sand.sandglass_room_get(this.room, words, 0, this.now);
+    this.sand.sandglass_room_get(this.room, this.place, this.now);
   }
 
   // For another frame of the world.

@@ -11,10 +11,12 @@ namespace {
 
 constexpr float k_intrinsics_limit = 1e6f;
 constexpr float k_exposure_limit = 1e6f;
+constexpr double k_turn_margin =
+    0.35;  // of the image's up: 20 degrees beyond the vertical, or beyond half a quarter turn
 
 }  // namespace
 
-CameraImage with_turn(const CameraImage& image) {
+CameraImage with_turn(const CameraImage& image, uint32_t last) {
   CameraImage turned = image;
   if (image.turn_deg != SANDGLASS_TURN_FROM_POSE) return turned;
   Rotation rotation = {};
@@ -25,8 +27,30 @@ CameraImage with_turn(const CameraImage& image) {
   uint32_t best = 0;
   for (uint32_t quarter = 1; quarter < 4; ++quarter)
     if (upright[quarter] < upright[best]) best = quarter;
-  turned.turn_deg = 90 * best;
+  const bool stays = last < 360 && upright[last / 90] < upright[best] + k_turn_margin;
+  turned.turn_deg = stays ? last : 90 * best;
   return turned;
+}
+
+CameraLayout camera_layout(const CameraImage& image) {
+  switch (image.format) {
+    case SANDGLASS_CAMERA_RGB:
+      return {1, {}, {3, 3, 3}, {0, 1, 2}};
+    case SANDGLASS_CAMERA_RGBA:
+      return {1, {}, {4, 4, 4}, {0, 1, 2}};
+    case SANDGLASS_CAMERA_BGRA:
+      return {1, {}, {4, 4, 4}, {2, 1, 0}};
+    case SANDGLASS_CAMERA_NV12:
+      return {2, {0, 1, 1}, {1, 2, 2}, {0, 0, 1}};
+    case SANDGLASS_CAMERA_NV21:
+      return {2, {0, 1, 1}, {1, 2, 2}, {0, 1, 0}};
+    case SANDGLASS_CAMERA_P010:  // of two bytes the upper one, which is stored second
+      return {2, {0, 1, 1}, {2, 4, 4}, {1, 1, 3}};
+    default: {
+      const uint32_t step = image.chroma_step == 2 ? 2 : 1;
+      return {3, {0, 1, 2}, {1, step, step}, {0, 0, 0}};
+    }
+  }
 }
 
 void camera_to_world(const CameraImage& image, const double camera[3], double world[3]) {
@@ -41,19 +65,16 @@ void camera_to_world(const CameraImage& image, const double camera[3], double wo
 }
 
 void camera_pixel(const CameraImage& image, uint32_t x, uint32_t y, uint8_t rgb[3]) {
-  const uint8_t* row = image.planes[0] + static_cast<uint64_t>(y) * image.strides[0];
-  if (!is_yuv(image.format)) {
-    const uint8_t* pixel = row + static_cast<uint64_t>(image.format == SANDGLASS_CAMERA_RGBA ? 4 : 3) * x;
-    for (int c = 0; c < 3; ++c) rgb[c] = pixel[c];
-    return;
+  const CameraLayout at = camera_layout(image);
+  const bool yuv = is_yuv(image.format);
+  uint8_t channels[3];
+  for (int c = 0; c < 3; ++c) {
+    const uint32_t plane = at.plane[c], half = plane != 0 ? 1 : 0;
+    channels[c] = image.planes[plane][static_cast<int64_t>(y >> half) * image.strides[plane] +
+                                      (x >> half) * at.step[c] + at.offset[c]];
   }
-  const uint8_t* chroma = image.planes[1] + static_cast<uint64_t>(y / 2) * image.strides[1];
-  if (image.format == SANDGLASS_CAMERA_I420) {
-    const uint8_t* second = image.planes[2] + static_cast<uint64_t>(y / 2) * image.strides[2];
-    return yuv_to_rgb(image.range, row[x], chroma[x / 2], second[x / 2], rgb);
-  }
-  const uint32_t u = image.format == SANDGLASS_CAMERA_NV21 ? 1 : 0;
-  yuv_to_rgb(image.range, row[x], chroma[x / 2 * 2 + u], chroma[x / 2 * 2 + 1 - u], rgb);
+  if (yuv) return yuv_to_rgb(image.range, channels[0], channels[1], channels[2], rgb);
+  for (int c = 0; c < 3; ++c) rgb[c] = channels[c];
 }
 
 }  // namespace sandglass
@@ -64,6 +85,7 @@ void sandglass_camera_image_default(sandglass_camera_image* image) {
   if (image == nullptr) return;
   *image = {};
   image->struct_size = sizeof *image;
+  image->turn_deg = SANDGLASS_TURN_FROM_POSE;
   image->orientation[3] = 1.0f;
 }
 
@@ -78,8 +100,8 @@ sandglass_status sandglass_camera_check(const sandglass_camera_image* image, con
   if (image == nullptr) return refuse(reason, "camera image: the image is NULL; give an image");
   if (image->struct_size != sizeof *image)
     return refuse(reason, "camera image: struct_size is not this library's; start from sandglass_camera_image_default");
-  if (image->format < SANDGLASS_CAMERA_RGB || image->format > SANDGLASS_CAMERA_I420)
-    return refuse(reason, "camera image: unknown format; give RGB, RGBA, NV12, NV21 or I420");
+  if (image->format < SANDGLASS_CAMERA_RGB || image->format > SANDGLASS_CAMERA_P010)
+    return refuse(reason, "camera image: unknown format; give RGB, RGBA, BGRA, NV12, NV21, I420 or P010");
   if (image->range < SANDGLASS_YUV_FULL_601 || image->range > SANDGLASS_YUV_VIDEO_709)
     return refuse(reason, "camera image: unknown YUV range; give one of BT.601 or BT.709, full or video");
   if (image->width < 2 || image->height < 2)
@@ -89,16 +111,19 @@ sandglass_status sandglass_camera_check(const sandglass_camera_image* image, con
   const bool yuv = is_yuv(image->format);
   if (yuv && (image->width % 2 != 0 || image->height % 2 != 0))
     return refuse(reason, "camera image: YUV with an odd width or height; crop it to even numbers");
-  const uint32_t planes = image->format == SANDGLASS_CAMERA_I420 ? 3 : yuv ? 2 : 1;
-  const uint32_t row_bytes[3] = {image->format == SANDGLASS_CAMERA_RGB    ? 3 * image->width
-                                 : image->format == SANDGLASS_CAMERA_RGBA ? 4 * image->width
-                                                                          : image->width,
-                                 image->format == SANDGLASS_CAMERA_I420 ? image->width / 2 : image->width,
-                                 image->width / 2};
-  for (uint32_t i = 0; i < planes; ++i) {
+  if (image->chroma_step > 2 || (image->chroma_step != 0 && image->format != SANDGLASS_CAMERA_I420))
+    return refuse(reason, "camera image: chroma_step is not 0, or 1 or 2 in I420; give the pixel stride of U and V");
+  if (image->mirrored > 1) return refuse(reason, "camera image: mirrored is neither 0 nor 1");
+  const CameraLayout layout = camera_layout(*image);
+  for (uint32_t i = 0; i < layout.planes; ++i) {
     if (image->planes[i] == nullptr)
       return refuse(reason, "camera image: a plane is NULL; give every plane of the format");
-    if (image->strides[i] < row_bytes[i])
+    // The last pixel of planes that lie in each other ends before its step does.
+    const uint32_t pixels = i != 0 ? image->width / 2 : image->width;
+    const bool lone = image->format == SANDGLASS_CAMERA_I420 && i != 0;
+    const int64_t row = lone ? int64_t{pixels - 1} * layout.step[i] + 1 : int64_t{pixels} * layout.step[i];
+    const int64_t stride = image->strides[i];
+    if ((stride < 0 ? -stride : stride) < row)
       return refuse(reason, "camera image: a stride is smaller than its row; strides are bytes from row to row");
   }
   const bool from_pose = image->turn_deg == SANDGLASS_TURN_FROM_POSE;
@@ -111,9 +136,13 @@ sandglass_status sandglass_camera_check(const sandglass_camera_image* image, con
     return refuse(
         reason,
         "camera image: a focal length is not a number from 1 to a million pixels; give the camera's intrinsics");
-  if (!within(image->centre_x, -k_intrinsics_limit, k_intrinsics_limit) ||
-      !within(image->centre_y, -k_intrinsics_limit, k_intrinsics_limit))
-    return refuse(reason, "camera image: the principal point is not finite; give the camera's intrinsics");
+  if (!within(image->centre_x, 0.0f, static_cast<float>(image->width - 1)) ||
+      !within(image->centre_y, 0.0f, static_cast<float>(image->height - 1)) ||
+      (image->centre_x == 0 && image->centre_y == 0))
+    return refuse(
+        reason,
+        "camera image: the principal point is outside the image or at (0, 0); give the intrinsics of this image, "
+        "in its pixels");
   Rotation rotation = {};
   if (!rotation_of(image->orientation, &rotation))
     return refuse(reason, "camera image: the orientation is zero or not finite; give the camera's pose");

@@ -10,8 +10,9 @@ namespace sandglass {
 
 using CameraImage = sandglass_camera_image;
 
-// The image with its turn known: SANDGLASS_TURN_FROM_POSE is replaced by what the pose says.
-CameraImage with_turn(const CameraImage& image);
+// The image with its turn known: SANDGLASS_TURN_FROM_POSE is replaced by what the pose says. `last` is that of the image
+// before, and stays where another is hardly better.
+CameraImage with_turn(const CameraImage& image, uint32_t last = SANDGLASS_TURN_FROM_POSE);
 
 // From the upright camera's frame (x right, y down, z forward) to the world's.
 void camera_to_world(const CameraImage& image, const double camera[3], double world[3]);
@@ -19,7 +20,16 @@ void camera_to_world(const CameraImage& image, const double camera[3], double wo
 // One pixel of the stored image, sRGB. x and y lie within it.
 void camera_pixel(const CameraImage& image, uint32_t x, uint32_t y, uint8_t rgb[3]);
 
-inline bool is_yuv(sandglass_camera_format format) { return format >= SANDGLASS_CAMERA_NV12; }
+inline bool is_yuv(sandglass_camera_format format) {
+  return format >= SANDGLASS_CAMERA_NV12 && format != SANDGLASS_CAMERA_BGRA;
+}
+
+// Where each of a pixel's three channels lies: R, G, B, or Y, U, V.
+struct CameraLayout {
+  uint32_t planes;
+  uint32_t plane[3], step[3], offset[3];  // of a channel; bytes from pixel to pixel, and from a pixel's first byte
+};
+CameraLayout camera_layout(const CameraImage& image);
 
 inline uint8_t clamped_byte(int32_t value) { return static_cast<uint8_t>(value < 0 ? 0 : value > 255 ? 255 : value); }
 

@@ -29,6 +29,7 @@ struct Estimator {
   EstimatorPhase phase;
   uint32_t cursor;      // next block of the image, or unit of the network
   CameraImage image;    // the one under way; its planes are NULL once it is resampled
+  uint32_t turn_deg;    // of the last image
   CameraBlocks blocks;  // the units of that image
   uint8_t* rgb;         // the image as the network sees it
   uint32_t* sums;       // scratch of the resampling

@@ -58,10 +58,12 @@ Box oriented_box(const Axis& axis, uint32_t index, uint32_t count, uint32_t size
 // A plane of bytes in which a pixel has one to four channels.
 struct Plane {
   const uint8_t* bytes;
-  uint32_t stride, step;  // bytes between rows and between pixels
+  int64_t stride;  // bytes between rows
+  uint32_t step;   // bytes between pixels
   uint32_t width, height;
   uint32_t channels, first;  // how many of the picture's three channels it holds, and which is the first
   uint32_t offset[3];        // bytes from the start of a pixel to each channel
+  uint32_t bytes_of_pixel;   // up to the last channel
 };
 
 // The part of pixel i that lies in the box, in 1/256.
@@ -84,7 +86,7 @@ Box middle_of(const Box& box, int32_t most) {
 // sums[i] is the weighted sum of the box's rows at byte `from` + i.
 void sum_rows(const Plane& plane, const Box& rows, uint32_t from, uint32_t count, uint32_t* sums) {
   for (int32_t y = first_of(rows); y <= last_of(rows); ++y) {
-    const uint8_t* row = plane.bytes + static_cast<uint64_t>(y) * plane.stride + from;
+    const uint8_t* row = plane.bytes + y * plane.stride + from;
     const uint32_t weight = part(rows, y);
     if (y == first_of(rows))
       for (uint32_t i = 0; i < count; ++i) sums[i] = weight * row[i];
@@ -119,8 +121,9 @@ void resample_row(const Plane& plane, const Box* columns, uint32_t count, const 
       low = l;
       high = h;
     }
-    sum_rows(plane, rows, static_cast<uint32_t>(low) * plane.step, static_cast<uint32_t>(high - low + 1) * plane.step,
-             sums);
+    // The bytes of the last pixel end with its last channel: a plane may end there, too.
+    sum_rows(plane, rows, static_cast<uint32_t>(low) * plane.step,
+             static_cast<uint32_t>(high - low) * plane.step + plane.bytes_of_pixel, sums);
     for (uint32_t c = 0; c < plane.channels; ++c)
       for (uint32_t a = begin; a < end; ++a)
         values[plane.first + c][a] = box_mean(sums + plane.offset[c], plane.step, low, columns[a], rows);
@@ -147,7 +150,8 @@ uint64_t box_pixels(float focal, uint32_t most) {
 
 CameraBlocks camera_blocks(const CameraImage& image) {
   const CameraBlock whole = whole_camera_block(image);
-  const uint64_t pixel = image.format == SANDGLASS_CAMERA_RGB ? 3 : image.format == SANDGLASS_CAMERA_RGBA ? 4 : 2;
+  const CameraLayout layout = camera_layout(image);
+  const uint64_t pixel = layout.planes == 1 ? layout.step[0] : 2 * layout.step[0];
   const uint64_t column = pixel * box_pixels(image.focal_y, k_camera_box_rows), row = column * image.width;
   CameraBlocks blocks;
   if (row <= k_camera_block_bytes) {
@@ -177,29 +181,23 @@ CameraBlock camera_block(const CameraImage& image, const CameraBlocks& blocks, u
 namespace {
 
 uint32_t planes_of(const CameraImage& image, Plane planes[3]) {
-  const uint32_t half_width = image.width / 2, half_height = image.height / 2;
-  const auto stored = [&](uint32_t i, uint32_t step, bool half, uint32_t channels, uint32_t first, uint32_t swapped) {
-    planes[i] = {image.planes[i],
-                 image.strides[i],
-                 step,
-                 half ? half_width : image.width,
-                 half ? half_height : image.height,
-                 channels,
-                 first,
-                 {swapped, 1 - swapped, 2}};
-  };
-  if (image.format == SANDGLASS_CAMERA_RGB || image.format == SANDGLASS_CAMERA_RGBA) {
-    stored(0, image.format == SANDGLASS_CAMERA_RGBA ? 4 : 3, false, 3, 0, 0);
-    return 1;
+  const CameraLayout layout = camera_layout(image);
+  for (uint32_t i = 0; i < layout.planes; ++i) {
+    const uint32_t half = i != 0 ? 1 : 0;
+    planes[i] = {image.planes[i], image.strides[i], 0, image.width >> half, image.height >> half, 0, 0, {}, 0};
   }
-  stored(0, 1, false, 1, 0, 0);
-  if (image.format != SANDGLASS_CAMERA_I420) {
-    stored(1, 2, true, 2, 1, image.format == SANDGLASS_CAMERA_NV21 ? 1 : 0);
-    return 2;
+  for (uint32_t c = 3; c-- > 0;) {
+    Plane* plane = &planes[layout.plane[c]];
+    plane->step = layout.step[c];
+    plane->first = c;
+    ++plane->channels;
   }
-  stored(1, 1, true, 1, 1, 0);
-  stored(2, 1, true, 1, 2, 0);
-  return 3;
+  for (uint32_t c = 0; c < 3; ++c) {
+    Plane* plane = &planes[layout.plane[c]];
+    plane->offset[c - plane->first] = layout.offset[c];
+    if (plane->bytes_of_pixel <= layout.offset[c]) plane->bytes_of_pixel = layout.offset[c] + 1;
+  }
+  return layout.planes;
 }
 
 }  // namespace
@@ -209,7 +207,7 @@ void resample_camera_block(const CameraImage& image, const CameraBlock& block, u
   const CameraBlock whole = whole_camera_block(image);
   const uint32_t across = whole.columns, down = whole.rows;
   // Upright x is the stored x, -y, -x, y for turns of 0, 90, 180, 270 degrees clockwise; upright y is y, x, -y, -x.
-  const bool x_backwards = image.turn_deg == 180 || image.turn_deg == 270;
+  const bool x_backwards = (image.turn_deg == 180 || image.turn_deg == 270) != (image.mirrored != 0);
   const bool y_backwards = image.turn_deg == 90 || image.turn_deg == 180;
   Plane planes[3];
   const uint32_t plane_count = planes_of(image, planes);

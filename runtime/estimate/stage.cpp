@@ -43,7 +43,8 @@ bool estimator_take_image(Estimator* estimator, const sandglass_camera_image& im
   if (estimator->phase != EstimatorPhase::idle || !due(*estimator, image.timestamp_ns)) return false;
   estimator->phase = EstimatorPhase::image;
   estimator->cursor = 0;
-  estimator->image = with_turn(image);
+  estimator->image = with_turn(image, estimator->turn_deg);
+  estimator->turn_deg = estimator->image.turn_deg;
   estimator->blocks = camera_blocks(estimator->image);
   estimator->image_frame = estimator->frame;
   return true;
@@ -86,6 +87,7 @@ void estimator_reset(Estimator* estimator) {
   drop_image(estimator);
   estimator->phase = EstimatorPhase::idle;
   estimator->cursor = 0;
+  estimator->turn_deg = SANDGLASS_TURN_FROM_POSE;
   estimator->latest = estimator->filter.state;
   estimator->latest_ns = estimator->changed_ns = estimator->taken_ns = 0;
   estimator->estimates = 0;

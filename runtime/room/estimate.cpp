@@ -7,6 +7,9 @@
 // is that of the sphere times (1 - D . x) / |q|^3, by (5.15) to (5.17) of the dissertation. A cell is the mean of X
 // over it, weighted by the cosine.
 //
+// The level counts what was seen for four times as long as the direction does: light that comes from elsewhere is
+// likelier than a room that has become as dark as an unseen one. So an object does not change while the camera rests.
+//
 // A floor shadow is linear in the cells. So the shadow of least expected squared error is the one drawn in the expected
 // light. Where nothing was seen that is an even sky, and the shadow is soft; a guess of one light is not.
 #include "sandglass/estimate.h"
@@ -28,19 +31,25 @@ constexpr double k_darkest = 1e-4;  // of the mean: keeps logarithms of black pa
 // Geometric mean before the first image, where white is 1: a level white floor is then nearly white, as it is on the
 // mean of what cameras that expose by themselves show of captured interiors.
 constexpr double k_first_level = 0.27;
-constexpr double k_lobe = 6.0;        // sharpness of the network's light: e^(6 (cos - 1))
-constexpr double k_floor_row = 5.0;   // rows below this see the floor: 33.75 degrees below the horizon or more
-constexpr double k_stands_out = 3.0;  // times the mean cell: what is beyond may be a light of its own
-constexpr double k_wide = 0.94, k_narrow = 0.99;  // mean cosine about the axis: too wide for a sharp shadow; as a lamp
+constexpr double k_lobe = 6.0;       // sharpness of the network's light: e^(6 (cos - 1))
+constexpr double k_floor_row = 5.0;  // rows below this see the floor: 33.75 degrees below the horizon or more
+constexpr double k_stands_out =
+    3.0;                            // times the mean of the cells farther away: such a cell may hold a light of its own
+constexpr double k_clearly = 1.25;  // another main light takes over where it is so many times as strong
+constexpr float k_shown = 0.01f;    // share of a main light that can be seen
+constexpr double k_wide = 0.93, k_narrow = 0.975;  // mean cosine about the axis: too wide for a sharp shadow; as a lamp
 constexpr uint32_t k_look_rows = 1, k_look_columns = 2;  // parts to each side that one look takes in
 
 // All sums over the sphere.
 struct Sums {
-  double cells[k_light_cells][3];    // irradiance of the level floor from each cell
-  double even[k_light_cells];        // the same of an even sky of radiance 1, as far as the pieces fill the cell
-  double seen[k_light_cells];        // luminance of the part of `cells` that was seen
-  double moments[k_light_cells][3];  // the same times the direction
+  double cells[k_light_cells][3];         // irradiance of the level floor from each cell
+  double even[k_light_cells];             // the same of an even sky of radiance 1, as far as the pieces fill the cell
+  double seen[k_light_cells];             // luminance of the part of `cells` that was seen
+  double moments[k_light_cells][3];       // the same times the direction
+  double even_moments[k_light_cells][3];  // `even` times the direction
   double sh[3 * k_harmonics];
+  double lasting[k_light_cells];       // luminance of `cells`, if what was seen lasts
+  double all_lasting;                  // of the even sky, the part that was seen, if that lasts
   double all_even, all_seen, clipped;  // even sky, the seen part of it; luminance that comes through clipped pixels
 };
 
@@ -51,13 +60,14 @@ struct Overview {
   double floor;      // mean luminance of what lies below; 0: not seen
 };
 
-// What counts of each part: the share that was seen, as far as it is remembered.
+// What counts of each part: the share that was seen, as far as it is remembered, or that a probe shows.
 struct Memory {
   double seen[k_room_parts];
+  double probe_scale[3];
 };
 void remember(const Room& room, Memory* memory) {
-  for (uint32_t i = 0; i < k_room_parts; ++i)
-    memory->seen[i] = static_cast<double>(room.parts[i].seen) * room_memory(room, room.parts[i]);
+  room_probe_scale(room, memory->probe_scale);
+  for (uint32_t i = 0; i < k_room_parts; ++i) (void)room_known(room, i, memory->probe_scale, &memory->seen[i]);
 }
 
 Overview overview_of(const Room& room, const Memory& memory) {
@@ -66,7 +76,8 @@ Overview overview_of(const Room& room, const Memory& memory) {
     solid_angles[row] = sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin;
   double mean = 0, area = 0, colour[3] = {}, floor = 0, floor_area = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
-    const RoomPart& part = room.parts[i];
+    double share;
+    const RoomPart part = room_known(room, i, memory.probe_scale, &share);
     const double weight = memory.seen[i] * solid_angles[i / k_room_columns], y = luminance(part.radiance);
     mean += weight * y;
     area += weight;
@@ -80,7 +91,8 @@ Overview overview_of(const Room& room, const Memory& memory) {
   const double least = k_darkest * mean / area;
   double logarithms = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
-    const RoomPart& part = room.parts[i];
+    double share;
+    const RoomPart part = room_known(room, i, memory.probe_scale, &share);
     const double weight = memory.seen[i] * solid_angles[i / k_room_columns], y = luminance(part.radiance);
     if (weight > 0) logarithms += weight * logarithm(y > least ? y : least);
   }
@@ -120,21 +132,40 @@ uint32_t cell_of(const double direction[3], double yaw) {
 
 // What a part sends out.
 struct Shown {
-  double colour[3];  // beside the geometric mean
-  double seen;       // share of the part that was seen
-  double from_seen;  // share of the luminance that comes from there
-  double clipped;    // share of the pixels that were clipped
+  double colour[3];          // beside the geometric mean
+  double seen;               // share of the part that was seen
+  double from_seen;          // share of the luminance that comes from there
+  double clipped;            // share of the pixels that were clipped
+  double lasting, luminous;  // share that was seen, if that lasts; luminance then
 };
 
-Shown shown_by(const RoomPart& part, double seen, double unseen, const RoomModel& model, const Overview& all) {
-  Shown shown = {{}, seen, 0, static_cast<double>(part.clipped)};
+// A part as it is known, and the shares of it that count as seen: now, and for the level.
+struct KnownPart {
+  RoomPart part;
+  double seen, lasting;
+};
+
+KnownPart known_part(const Room& room, const Memory& memory, uint32_t i) {
+  KnownPart known;
+  known.part = room_known(room, i, memory.probe_scale, &known.seen);
+  const double lasting =
+      static_cast<double>(room.parts[i].seen) * square_root(square_root(room_memory(room, room.parts[i])));
+  const double probe = room.probe != nullptr ? room.probe->confidence : 0;
+  known.lasting = lasting + (1 - lasting) * probe;
+  return known;
+}
+
+// `tilt`: how much more of its light comes from this piece of the part than from all of them.
+Shown shown_by(const KnownPart& known, double tilt, double unseen, const RoomModel& model, const Overview& all) {
+  Shown shown = {{}, known.seen, 0, static_cast<double>(known.part.clipped), known.lasting, 0};
   double lit[3];
   for (int c = 0; c < 3; ++c) {
-    lit[c] = seen * static_cast<double>(part.radiance[c]) * (1 + model.boost * shown.clipped) / all.level;
-    shown.colour[c] = lit[c] + (1 - seen) * unseen * all.colour[c];
+    lit[c] = static_cast<double>(known.part.radiance[c]) * (1 + model.boost * shown.clipped) * tilt / all.level;
+    shown.colour[c] = known.seen * lit[c] + (1 - known.seen) * unseen * all.colour[c];
   }
-  const double luminous = luminance(shown.colour);
-  shown.from_seen = luminous > 0 ? luminance(lit) / luminous : 0;
+  const double luminous = luminance(shown.colour), from_seen = luminance(lit);
+  shown.from_seen = luminous > 0 ? known.seen * from_seen / luminous : 0;
+  shown.luminous = known.lasting * from_seen + (1 - known.lasting) * unseen;  // the mean colour has luminance 1
   return shown;
 }
 
@@ -158,12 +189,23 @@ void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3
   for (uint32_t c = 0; c < 3; ++c) sums->cells[cell][c] += facing * shown.colour[c];
   const double seen = shown.from_seen * facing * luminance(shown.colour);
   sums->even[cell] += facing;
+  sums->lasting[cell] += facing * shown.luminous;
+  sums->all_lasting += facing * shown.lasting;
   sums->seen[cell] += seen;
-  for (int k = 0; k < 3; ++k) sums->moments[cell][k] += seen * world[k];
+  for (int k = 0; k < 3; ++k) {
+    sums->moments[cell][k] += seen * world[k];
+    sums->even_moments[cell][k] += facing * world[k];
+  }
   sums->all_even += facing;
   sums->all_seen += shown.seen * facing;
   sums->clipped += shown.clipped * seen;
 }
+
+// The pieces of a part lie at -2/3, 0 and 2/3 of the way to its edge, and at -1/2 and 1/2. Weights of 1 + k times a third
+// or a half of that move the light's middle by 4/9 k and 1/2 k; none is below 0.
+static_assert(k_row_split == 3 && k_column_split == 2);
+constexpr double k_up = 9.0 / 4 / 127, k_aside = 2.0 / 127;
+double bounded_tilt(double k) { return k < -1 ? -1 : k > 1 ? 1 : k; }
 
 void sum_up(const Room& room, const Memory& memory, const RoomModel& model, const Overview& all, const Hint& hint,
             const double at[3], Sums* sums) {
@@ -172,17 +214,26 @@ void sum_up(const Room& room, const Memory& memory, const RoomModel& model, cons
   constexpr double k_area = 2 * k_pi / k_columns * k_pi / k_rows;
   SinCos azimuths[k_columns];
   for (uint32_t i = 0; i < k_columns; ++i) azimuths[i] = sin_cos_turns((i + 0.5) / k_columns);
+  KnownPart known[k_room_columns];  // of one row
   for (uint32_t row = 0; row < k_rows; ++row) {
     const SinCos elevation = sin_cos_turns(((row + 0.5) / k_rows - 0.5) / 2);
+    // How much more of the part's area lies above its middle than below it.
+    const double middle = ((row / k_row_split + 0.5) / k_room_rows - 0.5) / 2, third = 0.5 / k_rows;
+    const double below = sin_cos_turns(middle - third).cos, above = sin_cos_turns(middle + third).cos;
+    const double upper = (above - below) / (above + below + sin_cos_turns(middle).cos);
+    for (uint32_t i = 0; i < k_room_columns && row % k_row_split == 0; ++i)
+      known[i] = known_part(room, memory, row / k_row_split * k_room_columns + i);
     for (uint32_t i = 0; i < k_columns; ++i) {
-      const uint32_t part = row / k_row_split * k_room_columns + i / k_column_split;
       const double sphere[3] = {elevation.cos * azimuths[i].cos, elevation.sin, elevation.cos * azimuths[i].sin};
       double agreement = 0;
       for (int k = 0; k < 3; ++k) agreement += sphere[k] * hint.direction[k];
       const double lobe = hint.weight > 0 ? hint.weight * exponential(k_lobe * (agreement - 1)) : 0;
       const double unseen = (sphere[1] > 0 ? model.fill : model.fill_below) * (1 + lobe);
-      add_piece(sums, turn, room.yaw, sphere, k_area * elevation.cos, at,
-                shown_by(room.parts[part], memory.seen[part], unseen, model, all));
+      const KnownPart& part = known[i / k_column_split];
+      const double up = bounded_tilt(k_up * part.part.up), aside = bounded_tilt(k_aside * part.part.aside);
+      const double tilt = (1 + up * (static_cast<int>(row % k_row_split) - 1)) / (1 + up * upper) *
+                          (1 + aside * (i % k_column_split == 0 ? -1 : 1));
+      add_piece(sums, turn, room.yaw, sphere, k_area * elevation.cos, at, shown_by(part, tilt, unseen, model, all));
     }
   }
 }
@@ -194,8 +245,13 @@ void even_out(Sums* sums) {
   for (uint32_t i = 0; i < k_light_cells; ++i) {
     if (!(sums->even[i] > 0)) continue;
     const double scale = k_cell / sums->even[i];
-    for (int c = 0; c < 3; ++c) sums->cells[i][c] *= scale, sums->moments[i][c] *= scale;
+    for (int c = 0; c < 3; ++c) {
+      sums->cells[i][c] *= scale;
+      sums->moments[i][c] *= scale;
+      sums->even_moments[i][c] *= scale;
+    }
     sums->seen[i] *= scale;
+    sums->lasting[i] *= scale;
   }
   for (uint32_t i = 0; i < k_light_cells; ++i) {
     const uint32_t first = i / k_cell_sectors * k_cell_sectors;
@@ -203,49 +259,77 @@ void even_out(Sums* sums) {
     for (uint32_t n = 0; n < k_cell_sectors && !(sums->even[from] > 0); ++n)
       from = first + (from + 1 - first) % k_cell_sectors;
     for (int c = 0; c < 3; ++c) sums->cells[i][c] = sums->cells[from][c];
+    sums->lasting[i] = sums->lasting[from];
   }
 }
 
-uint32_t neighbour(uint32_t cell, int ring, int sector) {
-  const auto r = static_cast<int>(cell / k_cell_sectors) + ring;
-  const auto s = (cell % k_cell_sectors + k_cell_sectors + static_cast<uint32_t>(sector)) % k_cell_sectors;
-  return r < 0 || r >= static_cast<int>(k_cell_rings) ? k_light_cells : static_cast<uint32_t>(r) * k_cell_sectors + s;
+// Cells that touch each other. All of the top ring meet at the zenith.
+bool touch(uint32_t a, uint32_t b) {
+  const auto rings = static_cast<int>(a / k_cell_sectors) - static_cast<int>(b / k_cell_sectors);
+  const uint32_t sectors = (a - b) % k_cell_sectors;
+  const bool beside = sectors <= 1 || sectors == k_cell_sectors - 1;
+  return rings >= -1 && rings <= 1 && (beside || (rings == 0 && a / k_cell_sectors == k_cell_rings - 1));
 }
 
-// A light of its own: what stands out of the brightest cell that was seen and of those around it. It is drawn sharp as
-// far as it is narrow.
-void find_main_light(const Sums& sums, const RoomModel& model, double total, sandglass_room_light* out) {
-  uint32_t best = 0;
-  for (uint32_t i = 1; i < k_light_cells; ++i)
-    if (sums.seen[i] > sums.seen[best]) best = i;
-  double moment[3] = {}, mass = 0, colour[3] = {}, excess[k_light_cells] = {};
-  for (int ring = -1; ring <= 1; ++ring)
-    for (int sector = -1; sector <= 1; ++sector) {
-      const uint32_t i = neighbour(best, ring, sector);
-      if (i == k_light_cells) continue;
-      const double beyond = sums.seen[i] - k_stands_out / k_light_cells * total;
-      if (!(beyond > 0)) continue;
-      excess[i] = beyond / total;
-      const double part = beyond / sums.seen[i];
-      mass += beyond;
-      for (int k = 0; k < 3; ++k) moment[k] += part * sums.moments[i][k], colour[k] += sums.cells[i][k];
-    }
-  const double length = square_root(moment[0] * moment[0] + moment[1] * moment[1] + moment[2] * moment[2]);
-  const double grey = luminance(colour);
-  if (!(mass > 0) || !(length > 0) || !(grey > 0)) return;
-  double narrow = (length / mass - k_wide) / (k_narrow - k_wide);
-  narrow = narrow < 0 ? 0 : narrow > 1 ? 1 : narrow;
-  const double share = model.sharp * narrow;
+// A light of its own: what stands out of a cell that was seen and of those that touch it.
+struct Lamp {
+  double mass, moment[3], colour[3];
+  double excess[k_light_cells];  // of each cell
+};
+
+Lamp lamp_at(const Sums& sums, uint32_t middle) {
+  constexpr double k_cell = k_pi / k_light_cells;
+  Lamp lamp = {};
+  double away = 0, count = 0;
+  for (uint32_t i = 0; i < k_light_cells; ++i)
+    if (!touch(i, middle)) away += sums.seen[i], ++count;
+  const double around = away / count;  // what a cell would hold without the lamp
   for (uint32_t i = 0; i < k_light_cells; ++i) {
-    const double taken = share * excess[i], had = static_cast<double>(out->cells[i]);
+    if (!touch(i, middle) || !(sums.seen[i] > k_stands_out * around)) continue;
+    lamp.excess[i] = sums.seen[i] - around;
+    lamp.mass += lamp.excess[i];
+    const double part = lamp.excess[i] / sums.seen[i];
+    for (int k = 0; k < 3; ++k) {
+      lamp.moment[k] += sums.moments[i][k] - around / k_cell * sums.even_moments[i][k];
+      lamp.colour[k] += part * sums.cells[i][k];
+    }
+  }
+  return lamp;
+}
+
+uint32_t brightest(const Sums& sums, const uint32_t* near) {
+  uint32_t best = near != nullptr ? *near : 0;
+  for (uint32_t i = 0; i < k_light_cells; ++i)
+    if (sums.seen[i] > sums.seen[best] && (near == nullptr || touch(i, *near))) best = i;
+  return best;
+}
+
+// The main light is drawn sharp as far as it is narrow. That which is shown stays until another is clearly stronger: of
+// two equal lamps, each new image would choose another one.
+void find_main_light(const Sums& sums, const RoomModel& model, double total, const uint32_t* shown,
+                     sandglass_room_light* out) {
+  Lamp lamp = lamp_at(sums, brightest(sums, nullptr));
+  if (shown != nullptr) {
+    const Lamp stays = lamp_at(sums, brightest(sums, shown));
+    if (lamp.mass < k_clearly * stays.mass) lamp = stays;
+  }
+  const double length =
+      square_root(lamp.moment[0] * lamp.moment[0] + lamp.moment[1] * lamp.moment[1] + lamp.moment[2] * lamp.moment[2]);
+  const double grey = luminance(lamp.colour);
+  if (!(lamp.mass > 0) || !(length > 0) || !(grey > 0)) return;
+  double narrow = (length / lamp.mass - k_wide) / (k_narrow - k_wide);
+  narrow = narrow < 0 ? 0 : narrow > 1 ? 1 : narrow;
+  const double share = model.sharp * narrow / total;
+  for (uint32_t i = 0; i < k_light_cells; ++i) {
+    const double taken = share * lamp.excess[i], had = static_cast<double>(out->cells[i]);
     out->ambient_cells[i] = static_cast<float>(had > taken ? had - taken : 0.0);
   }
   double kept = 0;
   for (const float q : out->ambient_cells) kept += static_cast<double>(q);
   out->main_share = kept < 1 ? static_cast<float>(1 - kept) : 0.0f;
   for (int k = 0; k < 3; ++k) {
-    out->main_direction[k] = static_cast<float>(moment[k] / length);
-    out->main_colour[k] = static_cast<float>(colour[k] / grey);
+    out->main_direction[k] = static_cast<float>(lamp.moment[k] / length);
+    out->main_colour[k] = static_cast<float>(lamp.colour[k] / grey);
   }
 }
 
@@ -276,48 +360,66 @@ void find_look(const Room& room, const Memory& memory, float look[3]) {
 // The irradiance of the floor in units of the last image's white, found in two ways whose logarithms are averaged: from
 // the cells, and from how bright the floor looks.
 double level_of(const Room& room, const RoomModel& model, const Overview& all, double total, double seen) {
-  const double by_cells = total * all.level / room.scale * exponential(model.unseen_level * (1 - seen));
+  const double unit = room.light / room.scale;
+  const double by_cells = total * all.level * unit * exponential(model.unseen_level * (1 - seen));
   if (!(all.floor > 0)) return by_cells;
-  const double by_floor = k_pi * all.floor / room.scale / model.albedo, weight = model.floor_trust * (1 - seen);
+  const double by_floor = k_pi * all.floor * unit / model.albedo, weight = model.floor_trust * (1 - seen);
   return exponential((1 - weight) * logarithm(by_cells) + weight * logarithm(by_floor));
+}
+
+uint32_t shown_cell(const Room& room, const float direction[3]) {
+  const double world[3] = {static_cast<double>(direction[0]), static_cast<double>(direction[1]),
+                           static_cast<double>(direction[2])};
+  double local[3];
+  room_to_sphere(room, world, local);
+  return cell_of(local, room.yaw);
 }
 
 }  // namespace
 
-// Memory and sums take 9 KiB of stack.
-void room_estimate(const Room& room, const RoomModel& model, const double position[3],
-                   const sandglass_light_estimate* network, sandglass_room_light* light) {
+// Memory and sums take 11 KiB of stack.
+void room_estimate(const Room& room, const RoomModel& model, const sandglass_room_place& place,
+                   sandglass_room_light* light) {
   double at[3] = {};
-  if (room.images != 0) room_place(room, position, at);
+  const double position[3] = {static_cast<double>(place.position[0]), static_cast<double>(place.position[1]),
+                              static_cast<double>(place.position[2])};
+  const bool is_known = room.images != 0 || (room.probe != nullptr && room.probe->confidence > 0);
+  if (is_known) room_place(room, position, at);
   Memory memory;
   remember(room, &memory);
   const Overview all = overview_of(room, memory);
   Sums sums = {};
-  sum_up(room, memory, model, all, hint_of(room, model, network), at, &sums);
+  sum_up(room, memory, model, all, hint_of(room, model, place.estimate), at, &sums);
   even_out(&sums);
-  double total = 0, colour[3] = {};
-  for (const auto& cell : sums.cells) {
-    total += luminance(cell);
-    for (int c = 0; c < 3; ++c) colour[c] += cell[c];
+  double total = 0, lasting = 0, colour[3] = {};
+  for (uint32_t i = 0; i < k_light_cells; ++i) {
+    total += luminance(sums.cells[i]);
+    lasting += sums.lasting[i];
+    for (int c = 0; c < 3; ++c) colour[c] += sums.cells[i][c];
   }
 
   sandglass_room_light out = {};
-  out.valid = room.images != 0 ? 1 : 0;
+  out.valid = is_known ? 1 : 0;
   // The total is 0 where all that was seen is black: an even sky that gives nothing.
   for (uint32_t i = 0; i < k_light_cells; ++i)
     out.cells[i] = out.ambient_cells[i] =
         total > 0 ? static_cast<float>(luminance(sums.cells[i]) / total) : k_prior_ring_shares[i / k_cell_sectors];
   out.main_direction[1] = 1;
   for (float& c : out.main_colour) c = 1;
-  if (total > 0) find_main_light(sums, model, total, &out);
-  const double seen = sums.all_seen / sums.all_even;
-  const double unit = total > 0 ? level_of(room, model, all, total, seen) / total : 0;
+  uint32_t shown = 0;
+  const bool is_shown = place.shown != nullptr && place.shown->main_share > k_shown;
+  if (is_shown) shown = shown_cell(room, place.shown->main_direction);
+  if (total > 0) find_main_light(sums, model, total, is_shown ? &shown : nullptr, &out);
+  const double level = total > 0 ? level_of(room, model, all, lasting, sums.all_lasting / sums.all_even) : 0;
+  const double unit = total > 0 ? level / total : 0;
   for (int c = 0; c < 3; ++c) out.irradiance[c] = static_cast<float>(colour[c] * unit);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) out.sh[i] = static_cast<float>(sums.sh[i] * unit);
-  out.seen = static_cast<float>(seen);
+  out.seen = static_cast<float>(sums.all_seen / sums.all_even);
   out.clipped = total > 0 ? static_cast<float>(sums.clipped / total) : 0.0f;
   find_look(room, memory, out.look);
   out.white = static_cast<float>(room.scale);
+  out.exposure_known = room.exposure_known ? 1 : 0;
+  out.unit = room.unit;
   fill_struct(&out, sizeof out, light);
 }
 

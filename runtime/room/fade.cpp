@@ -57,13 +57,16 @@ __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass
   mix(shown->cells, now.cells, share);
   mix(shown->ambient_cells, other ? now.cells : now.ambient_cells, share);
   shown->main_share += share * ((other ? 0 : now.main_share) - shown->main_share);
-  // The shown level, in the scale of the image that is now the last. Before the first image there is no scale.
-  const float scale = shown->valid != 0 && now.white > 0 ? shown->white / now.white : 1;
+  // The shown level, in the scale of the image that is now the last. Where the unit is another one, after a reset or the
+  // first exposure that was told, the picture on the screen is still the same.
+  const float scale = shown->valid != 0 && shown->unit == now.unit && now.white > 0 ? shown->white / now.white : 1;
   for (float& e : shown->irradiance) e *= scale;
   for (float& c : shown->sh) c *= scale;
   mix(shown->irradiance, now.irradiance, share);
   mix(shown->sh, now.sh, share);
   shown->white = now.white;
+  shown->exposure_known = now.exposure_known;
+  shown->unit = now.unit;
   shown->valid = now.valid;
   shown->seen = now.seen;
   shown->clipped = now.clipped;
@@ -81,6 +84,8 @@ void sandglass_room_fade(sandglass_room_light* shown, const sandglass_room_light
     *shown = *now;
     return;
   }
+  // A new room, of which there is no image yet: what is shown stays.
+  if (now->valid == 0 && shown->valid != 0) return;
   // What is shown is mixed with what was: one number that is none would stay.
   if (!within(seconds, 0.0f, 3600.0f) || !finite(*now)) return;
   const FloatingPointControl saved = floating_point_enter();

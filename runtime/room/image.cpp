@@ -13,8 +13,9 @@ namespace sandglass {
 
 namespace {
 
-constexpr uint32_t k_points = 4;          // along each side of a part
-constexpr uint32_t k_overlap_points = 2;  // the same where only the exposure is asked for
+constexpr uint32_t k_points = 4;        // along each side of a part
+constexpr uint32_t k_lamp_points = 12;  // of one that is brighter than white: a lamp is smaller than a part
+constexpr uint32_t k_vote_points = 2;   // the same where the image is only compared
 // The steps of a sequence that fills a square evenly: powers of 1 / x, where x is the root of x^3 = x + 1.
 constexpr double k_step_row = 0.7548776662466927, k_step_column = 0.5698402909980532;
 constexpr uint8_t k_white = 250;  // sRGB: a channel from here on may be clipped
@@ -22,17 +23,18 @@ constexpr double k_margin_sine = 0.5, k_margin_cosine = 0.8660254037844386;  // 
 constexpr double k_farthest = 0.8;     // radii: a camera or an object farther out counts as this far
 constexpr float k_weight_most = 8.0f;  // what is known of a part counts as no more images than these
 constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // least shares of a new image
-constexpr float k_clip_slack = 0.05f;  // a difference of clipped shares below this means nothing
-// What tells an exposure: parts that are remembered, that were hardly clipped (else they are brighter than is known),
-// and that are not black now. Black is one step of a byte: an image that is exposed for a 64th shows little more of a
-// wall.
-constexpr double k_overlap_memory = 0.3, k_overlap_clipped = 0.01, k_overlap_dark = 0.0003, k_overlap_least = 1.0;
-constexpr double k_scale_most = 1e6;
-// The light of the whole room has changed where almost all that is seen again is brighter or darker by half: in the
-// logarithm, the share of what is compared, how much is compared (parts on the horizon), and how bright a part is shown
-// at least, so that bytes do not round it.
-constexpr double k_change = 0.405, k_change_share = 0.8, k_change_least = 8.0, k_change_dark = 0.01;
-constexpr float k_radiance_most = 1e6f;  // of a part
+constexpr float k_radiance_most = 1e6f;                        // of a part
+// Time stamps closer than this are no nanoseconds, if they come so many times in a row.
+constexpr uint64_t k_shortest_ns = 1'000'000;
+constexpr uint32_t k_hasty_most = 8;
+constexpr double k_ticks = 2048;  // of a half-life, in the age of a part
+constexpr uint32_t k_oldest = 65535;
+// An image counts as taken at most a half-life after the one before; and where it is a day, the clock was another one.
+constexpr uint64_t k_day_ns = 86'400'000'000'000;
+constexpr double k_dim = 0.01;   // linear: bytes round what is darker
+constexpr double k_known = 0.3;  // share of a part from which on it counts as known
+// An image that was exposed so much shorter than the last, and is dark, is one of lamps.
+constexpr double k_short = 8.0, k_short_shows = 0.02;
 
 // sRGB to linear light, (c + 0.055) / 1.055 to the power 2.4, by Newton's fifth root: x^2.4 = x^2 (x^2)^(1/5).
 struct LinearTable {
@@ -54,12 +56,6 @@ constexpr LinearTable linear_table() {
   return table;
 }
 constexpr LinearTable k_linear = linear_table();
-
-struct Observation {
-  double colour[3] = {};  // linear, 1 is white
-  double clipped = 0;     // share of the points
-  double covered = 0;     // share of the points that are in the picture
-};
 
 double fraction(double x) { return x - static_cast<double>(floor_index(x)); }
 
@@ -101,108 +97,93 @@ bool pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint
   return true;
 }
 
-Observation observe(const RoomView& view, uint32_t images, uint32_t row, uint32_t column, uint32_t points) {
-  Observation seen;
-  const double down = fraction(images * k_step_row), across = fraction(images * k_step_column);
-  SinCos elevations[k_points], azimuths[k_points];
+// Points of a part weigh by the area that each stands for: less towards the zenith.
+RoomObservation observe(const RoomView& view, uint32_t images, uint32_t row, uint32_t column, uint32_t points) {
+  RoomObservation seen = {};
+  // Not the same in all columns: at the zenith they see the same lamp.
+  const double down = fraction((images + column) * k_step_row), across = fraction((images + column) * k_step_column);
+  SinCos elevations[k_lamp_points], azimuths[k_lamp_points];
   for (uint32_t i = 0; i < points; ++i) {
     elevations[i] = elevation_of(row + (i + down) / points);
     azimuths[i] = azimuth_of(column + (i + across) / points);
   }
-  uint32_t count = 0, white = 0;
+  double area = 0, all = 0, white = 0, light = 0, middle[2] = {}, from[2] = {};
   for (uint32_t i = 0; i < points; ++i)
     for (uint32_t j = 0; j < points; ++j) {
       double direction[3];
       direction_of(elevations[i], azimuths[j], direction);
+      const double weight = elevations[i].cos;
+      all += weight;
       uint32_t x, y;
       if (!pixel_of(view, direction, &x, &y)) continue;
       uint8_t rgb[3];
       camera_pixel(view.image, x, y, rgb);
-      for (int c = 0; c < 3; ++c) seen.colour[c] += static_cast<double>(k_linear.value[rgb[c]]);
-      white += rgb[0] >= k_white || rgb[1] >= k_white || rgb[2] >= k_white ? 1 : 0;
-      ++count;
+      double linear[3];
+      for (int c = 0; c < 3; ++c) {
+        linear[c] = static_cast<double>(k_linear.value[rgb[c]]);
+        seen.colour[c] += weight * linear[c];
+      }
+      white += rgb[0] >= k_white || rgb[1] >= k_white || rgb[2] >= k_white ? weight : 0;
+      area += weight;
+      const double shown = weight * luminance(linear), at[2] = {static_cast<double>(i), static_cast<double>(j)};
+      light += shown;
+      for (int k = 0; k < 2; ++k) {
+        middle[k] += weight * at[k];
+        from[k] += shown * at[k];
+      }
     }
-  if (count == 0) return seen;
-  for (double& c : seen.colour) c /= count;
-  seen.clipped = static_cast<double>(white) / count;
-  seen.covered = static_cast<double>(count) / (points * points);
+  if (!(area > 0)) return seen;
+  for (double& c : seen.colour) c /= area;
+  seen.clipped = white / area;
+  seen.covered = area / all;
+  if (light > 0) {
+    seen.up = 2.0 / points * (from[0] / light - middle[0] / area);
+    seen.aside = 2.0 / points * (from[1] / light - middle[1] / area);
+  }
   return seen;
-}
-
-// Whether a part is remembered well, and unclipped.
-bool is_remembered(const Room& room, const RoomPart& part) {
-  return room_memory(room, part) * static_cast<double>(part.seen) >= k_overlap_memory &&
-         static_cast<double>(part.clipped) <= k_overlap_clipped && luminance(part.radiance) > 0;
-}
-
-// The weight of such a part: its solid angle, 1 on the horizon; 0 where it is not shown whole and unclipped.
-double overlap_weight(uint32_t part, const Observation& now) {
-  if (now.covered < 1 || now.clipped > 0 || !(luminance(now.colour) > k_overlap_dark)) return 0;
-  const uint32_t row = part / k_room_columns;
-  return sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin;
-}
-
-// What one part tells of the exposure.
-void compare(Room* room, uint32_t part) {
-  if (!is_remembered(*room, room->parts[part])) return;
-  const Observation now =
-      observe(room->view, room->images, part / k_room_columns, part % k_room_columns, k_overlap_points);
-  const double weight = overlap_weight(part, now);
-  if (!(weight > 0)) return;
-  room->view.log_sum += weight * logarithm(luminance(room->parts[part].radiance) / luminance(now.colour));
-  room->view.log_weight += weight;
 }
 
 // What one part shows, into what is known of it. A part that is clipped more than before says nothing new unless it is
 // brighter; one that is clipped less says more than all that was seen before; otherwise the mean of the last images
 // moves on, faster where the light has changed.
-void learn(Room* room, uint32_t part) {
-  const Observation now = observe(room->view, room->images, part / k_room_columns, part % k_room_columns, k_points);
-  if (!(now.covered > 0)) return;
-  RoomPart* known = &room->parts[part];
-  const bool told = room->exposure_known && is_remembered(*room, *known);
-  const double compared = told ? overlap_weight(part, now) : 0;
-  const auto memory = static_cast<float>(room_memory(*room, *known));
-  const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
-  float weight = known->weight * memory;
-  weight = weight < k_weight_most ? weight : k_weight_most;
-  const float seen = known->seen * memory;
-  known->seen = seen > covered ? seen : covered;
-  known->stamp = room->view.stamp;
-  known->weight = weight + covered;
-  double colour[3];
-  for (int c = 0; c < 3; ++c) colour[c] = now.colour[c] * room->view.scale;
-  const double before = luminance(known->radiance), after = luminance(colour);
-  const bool hidden = clipped > known->clipped + k_clip_slack && after <= 1.1 * before;
-  if (weight > 0 && hidden) return;
-  float rate = covered / (weight + covered);
-  const bool clearer = clipped < known->clipped - k_clip_slack;
-  const bool changed = after > 2 * before || after < 0.5 * before;
-  const float least = covered * (clearer || room->view.renews ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
-  rate = rate > least ? rate : least;
-  for (int c = 0; c < 3; ++c) known->radiance[c] += rate * (static_cast<float>(colour[c]) - known->radiance[c]);
-  known->clipped += rate * (clipped - known->clipped);
-  if (compared > 0 && luminance(now.colour) > k_change_dark) {
-    const double darker = logarithm(before / after);
-    room->view.log_sum += compared * darker;
-    room->view.log_weight += compared;
-    if (__builtin_fabs(darker) > k_change) room->view.votes += darker > 0 ? compared : -compared;
-  }
+int8_t towards(int8_t known, double now, float rate) {
+  const double moved = known + static_cast<double>(rate) * (127.0 * now - known);
+  const int64_t whole = floor_index(moved + 0.5);
+  return static_cast<int8_t>(whole < -127 ? -127 : whole > 127 ? 127 : whole);
 }
 
-// Where the light of the room has changed, what is out of the picture has changed as much, as far as one can tell: its
-// level follows, its shares stay. What is in the picture is gathered once more and believed.
-bool follow_change(Room* room) {
-  RoomView* view = &room->view;
-  if (!room->exposure_known || view->renews || view->log_weight < k_change_least) return false;
-  if (__builtin_fabs(view->votes) < k_change_share * view->log_weight) return false;
-  const auto factor = static_cast<float>(exponential(-view->log_sum / view->log_weight));
-  for (RoomPart& part : room->parts) {
-    if (part.stamp == view->stamp) continue;  // in the picture
-    for (float& c : part.radiance) c = c * factor < k_radiance_most ? c * factor : k_radiance_most;
-  }
-  view->renews = true;
-  return true;
+void learn(Room* room, uint32_t part) {
+  RoomPart* known = &room->parts[part];
+  const double memory = room_memory(*room, *known);
+  if (room->view.lesson == RoomLesson::unknown && memory * static_cast<double>(known->seen) >= k_known) return;
+  const bool is_bright = luminance(known->radiance) * room->light > room->scale;
+  const RoomObservation now = observe(room->view, room->images, part / k_room_columns, part % k_room_columns,
+                                      is_bright ? k_lamp_points : k_points);
+  if (!(now.covered > 0)) return;
+  // What a short image shows of a wall is a step or two of a byte.
+  const double bright = luminance(known->radiance) * room->light / room->view.scale;
+  if (room_remembers(*room, *known) && bright < k_dim && luminance(now.colour) < k_dim) return;
+  const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
+  float weight = known->weight * static_cast<float>(memory);
+  weight = weight < k_weight_most ? weight : k_weight_most;
+  const float seen = known->seen * static_cast<float>(memory);
+  known->seen = seen > covered ? seen : covered;
+  known->age = 0;
+  known->weight = weight + covered;
+  double colour[3];
+  for (int c = 0; c < 3; ++c) colour[c] = now.colour[c] * room->view.scale / room->light;
+  const double before = luminance(known->radiance), after = luminance(colour);
+  const bool hidden = clipped > 2 * known->clipped && after <= 1.1 * before;
+  if (weight > 0 && hidden) return;
+  float rate = covered / (weight + covered);
+  const bool clearer = 2 * clipped < known->clipped;
+  const bool changed = after > 2 * before || after < 0.5 * before;
+  const float least = covered * (clearer ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
+  rate = rate > least ? rate : least;
+  for (int c = 0; c < 3; ++c) known->radiance[c] += rate * (room_bounded_radiance(colour[c]) - known->radiance[c]);
+  known->clipped += rate * (clipped - known->clipped);
+  known->up = towards(known->up, now.up, rate);
+  known->aside = towards(known->aside, now.aside, rate);
 }
 
 // The pose of the stored image in the sphere's frame.
@@ -217,6 +198,8 @@ void place(const Room& room, RoomView* view) {
     camera_to_world(image, upright, world);
     room_to_sphere(room, world, view->to_camera[axis]);
   }
+  if (image.mirrored != 0)
+    for (double& x : view->to_camera[0]) x = -x;
   const double position[3] = {static_cast<double>(image.position[0]), static_cast<double>(image.position[1]),
                               static_cast<double>(image.position[2])};
   room_place(room, position, view->position);
@@ -230,12 +213,25 @@ void place(const Room& room, RoomView* view) {
   view->most_cosine = cosine * k_margin_cosine - sine * k_margin_sine;
 }
 
+// All that was seen is so much older.
+void pass_time(Room* room, uint64_t step_ns) {
+  const auto tick_ns = to_whole<uint64_t>(room->half_life * (1e9 / k_ticks));
+  const uint64_t ns = room->rest_ns + step_ns, ticks = ns / tick_ns;
+  room->rest_ns = ns % tick_ns;
+  for (RoomPart& part : room->parts)
+    part.age = static_cast<uint16_t>(part.age + ticks < k_oldest ? part.age + ticks : k_oldest);
+  room->view.step = static_cast<double>(step_ns) * 1e-9;
+  room->settled += room->view.step;
+}
+
 bool due(const Room& room, uint64_t time_ns) {
   if (time_ns == 0 || room.images == 0 || time_ns < room.last_ns) return true;  // no clock, or one that restarted
   return time_ns != room.last_ns && time_ns - room.last_ns >= room.interval_ns;
 }
 
 }  // namespace
+
+double room_linear(uint8_t value) { return static_cast<double>(k_linear.value[value]); }
 
 void room_direction(double row, double column, double direction[3]) {
   direction_of(elevation_of(row), azimuth_of(column), direction);
@@ -246,6 +242,13 @@ void room_to_sphere(const Room& room, const double world[3], double sphere[3]) {
   sphere[0] = turn.cos * world[0] + turn.sin * world[2];
   sphere[1] = world[1];
   sphere[2] = turn.cos * world[2] - turn.sin * world[0];
+}
+
+void room_to_world(const Room& room, const double sphere[3], double world[3]) {
+  const SinCos turn = sin_cos_turns(room.yaw);
+  world[0] = turn.cos * sphere[0] - turn.sin * sphere[2];
+  world[1] = sphere[1];
+  world[2] = turn.sin * sphere[0] + turn.cos * sphere[2];
 }
 
 void room_place(const Room& room, const double world[3], double sphere[3]) {
@@ -259,30 +262,40 @@ void room_place(const Room& room, const double world[3], double sphere[3]) {
   room_to_sphere(room, offset, sphere);
 }
 
-double room_memory(const Room& room, const RoomPart& part) {
-  const double age = static_cast<double>(room.view.stamp) - static_cast<double>(part.stamp);
-  return age > 0 ? exponential(-0.6931471805599453 * age / room.half_life) : 1.0;
+double room_memory(const Room&, const RoomPart& part) {
+  return part.age > 0 ? exponential(-0.6931471805599453 / k_ticks * part.age) : 1.0;
+}
+
+float room_bounded_radiance(double radiance) {
+  const auto bounded = static_cast<float>(radiance);
+  return bounded < k_radiance_most ? bounded : k_radiance_most;
+}
+
+bool room_clock_is_sound(Room* room, uint64_t time_ns) {
+  const bool hasty = time_ns > room->offered_ns && time_ns - room->offered_ns < k_shortest_ns;
+  if (time_ns != room->offered_ns) room->hasty = hasty ? room->hasty + 1 : 0;
+  room->offered_ns = time_ns;
+  return room->hasty < k_hasty_most;
 }
 
 bool room_take_image(Room* room, const CameraImage& image) {
   if (room->phase != RoomPhase::idle || !due(*room, image.timestamp_ns)) return false;
-  if (room->images == 0) {
+  if (room->images == 0 && (room->probe == nullptr || !(room->probe->confidence > 0)))
     for (int k = 0; k < 3; ++k) room->centre[k] = static_cast<double>(image.position[k]);
-    room->exposure_known = image.exposure > 0;
-  }
   RoomView* view = &room->view;
   // Without a clock images count as `interval` apart; so do those of a clock that was set back, or of another session.
-  const bool clocked = room->last_ns != 0 && image.timestamp_ns > room->last_ns;
-  const uint64_t step = clocked ? image.timestamp_ns - room->last_ns : room->interval_ns;
-  if (room->images != 0) view->stamp += static_cast<float>(static_cast<double>(step) * 1e-9);
+  const uint64_t since = image.timestamp_ns - room->last_ns;
+  const bool clocked = room->last_ns != 0 && image.timestamp_ns > room->last_ns && since < k_day_ns;
+  const uint64_t step = clocked ? since : room->interval_ns;
+  const auto longest = to_whole<uint64_t>(room->half_life * 1e9);
+  if (room->images != 0) pass_time(room, step < longest ? step : longest);
   room->last_ns = image.timestamp_ns;
   view->image = with_turn(image);
-  view->log_sum = view->log_weight = view->votes = 0;
-  view->renews = false;
+  view->vote = {};
+  view->lesson = RoomLesson::all;
   place(*room, view);
-  const bool known = room->exposure_known && image.exposure > 0;
-  view->scale = known ? 1 / static_cast<double>(image.exposure) : room->scale;
-  room->phase = known || room->images == 0 ? RoomPhase::gather : RoomPhase::overlap;
+  view->scale = room->exposure_known && image.exposure > 0 ? 1 / static_cast<double>(image.exposure) : room->scale;
+  room->phase = RoomPhase::compare;
   room->cursor = 0;
   return true;
 }
@@ -290,7 +303,7 @@ bool room_take_image(Room* room, const CameraImage& image) {
 uint32_t room_units_left(const Room& room) {
   constexpr uint32_t k_units = k_room_parts / k_room_unit_parts;
   if (room.phase == RoomPhase::idle) return 0;
-  return (room.phase == RoomPhase::overlap ? 2 : 1) * k_units - room.cursor / k_room_unit_parts;
+  return (room.phase == RoomPhase::compare ? 2 : 1) * k_units - room.cursor / k_room_unit_parts;
 }
 
 void room_run_unit(Room* room) {
@@ -301,24 +314,28 @@ void room_run_unit(Room* room) {
     const SinCos elevation = elevation_of(row + 0.5);
     for (uint32_t column = 0; column < k_room_columns; ++column, ++room->cursor) {
       if (!may_be_seen(*view, elevation, column)) continue;
-      if (room->phase == RoomPhase::overlap) compare(room, room->cursor);
-      else learn(room, room->cursor);
+      if (room->phase == RoomPhase::gather) {
+        learn(room, room->cursor);
+        continue;
+      }
+      const RoomObservation now = observe(*view, room->images, row, column, k_vote_points);
+      if (now.covered > 0) room_vote(room, room->cursor, now);
     }
   }
   if (room->cursor < k_room_parts) return;
   room->cursor = 0;
-  if (room->phase == RoomPhase::overlap) {
-    if (view->log_weight >= k_overlap_least) {
-      const double scale = exponential(view->log_sum / view->log_weight);
-      view->scale = scale < 1 / k_scale_most ? 1 / k_scale_most : scale > k_scale_most ? k_scale_most : scale;
+  if (room->phase == RoomPhase::compare) {
+    room_decide(room);
+    if (view->lesson != RoomLesson::nothing) {
+      room->phase = RoomPhase::gather;
+      return;
     }
-    view->log_sum = view->log_weight = 0;
-    room->phase = RoomPhase::gather;
-    return;
+  } else {
+    const bool is_short = room->images != 0 && room->exposure_known && view->scale > k_short * room->scale &&
+                          static_cast<double>(view->vote.shown) < k_short_shows * static_cast<double>(view->vote.area);
+    if (!is_short) room->scale = view->scale;
+    ++room->images;
   }
-  if (follow_change(room)) return;
-  room->scale = view->scale;
-  ++room->images;
   for (const uint8_t*& plane : view->image.planes) plane = nullptr;
   room->phase = RoomPhase::idle;
 }

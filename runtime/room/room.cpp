@@ -14,14 +14,22 @@
 
 namespace sandglass {
 
+constexpr double k_long_ago = 1e9;  // seconds
+
 void room_reset(Room* room) {
   const double radius = room->radius, half_life = room->half_life;
   const uint64_t interval_ns = room->interval_ns;
+  const uint32_t unit = room->unit;
+  RoomProbe* const probe = room->probe;
   __builtin_memset(static_cast<void*>(room), 0, sizeof *room);
   room->radius = radius;
   room->half_life = half_life;
   room->interval_ns = interval_ns;
-  room->scale = 1;
+  room->scale = room->light = 1;
+  room->settled = k_long_ago;
+  room->unit = unit + 1;
+  room->probe = probe;
+  if (probe != nullptr) __builtin_memset(static_cast<void*>(probe), 0, sizeof *probe);
 }
 
 namespace {
@@ -35,33 +43,47 @@ sandglass_status check(const sandglass_room_desc* desc, const char** reason) {
   if (!within(desc->radius, 0.1f, 1000.0f)) return refuse(reason, "desc.radius is not in 0.1..1000 metres");
   if (!within(desc->half_life, 1.0f, 1e6f)) return refuse(reason, "desc.half_life is not in 1..1e6 seconds");
   if (!within(desc->interval, 0.0f, 60.0f)) return refuse(reason, "desc.interval is not in 0..60 seconds");
+  if (desc->probe > 1) return refuse(reason, "desc.probe is neither 0 nor 1");
   return accept(reason);
+}
+
+sandglass_status check_image(Room* room, const sandglass_camera_image* image, const char** reason) {
+  const sandglass_status status = sandglass_camera_check(image, reason);
+  if (status != SANDGLASS_OK || room_clock_is_sound(room, image->timestamp_ns)) return status;
+  return refuse(reason, "camera image: time stamps grow by less than a millisecond: give nanoseconds");
 }
 
 bool next(const void* state, uint32_t, WorkUnit* unit) {
   const Room& room = static_cast<const sandglass_room*>(state)->room;
-  if (room.phase == RoomPhase::idle) return false;
-  *unit = {0, k_room_unit_parts, "room.image"};
+  if (room.phase != RoomPhase::idle) *unit = {0, k_room_unit_parts, "room.image"};
+  else if (room_probe_units_left(room) > 0) *unit = {1, 1, "room.probe"};
+  else return false;
   return true;
 }
 
-void run(void* state, uint32_t) { room_run_unit(&static_cast<sandglass_room*>(state)->room); }
+void run(void* state, uint32_t) {
+  Room* room = &static_cast<sandglass_room*>(state)->room;
+  if (room->phase != RoomPhase::idle) room_run_unit(room);
+  else room->probe->run(room);
+}
 
 uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const Room& room = static_cast<const sandglass_room*>(state)->room;
-  if (room.phase == RoomPhase::idle) return 0;
-  entries[0] = {0, uint64_t{room_units_left(room)} * k_room_unit_parts};
-  return 1;
+  uint32_t count = 0;
+  if (room.phase != RoomPhase::idle) entries[count++] = {0, uint64_t{room_units_left(room)} * k_room_unit_parts};
+  if (room_probe_units_left(room) > 0) entries[count++] = {1, room_probe_units_left(room)};
+  return count;
 }
 
 Stage begin_frame(sandglass_room* owner, const sandglass_camera_image* image, const char** refused) {
   bool taken = false;
   if (image != nullptr) {
     const char* reason = nullptr;
-    if (sandglass_camera_check(image, &reason) != SANDGLASS_OK) *refused = reason;
+    if (check_image(&owner->room, image, &reason) != SANDGLASS_OK) *refused = reason;
     else taken = room_take_image(&owner->room, *image);
   }
-  return {owner, next, run, forecast, k_room_kinds, taken ? room_units_left(owner->room) : 0, 1.0f};
+  const uint32_t units = (taken ? room_units_left(owner->room) : 0) + room_probe_units_left(owner->room);
+  return {owner, next, run, forecast, k_room_kinds, units, 1.0f};
 }
 
 // A frame that ends early, by a broken clock or a plan, leaves an image unfinished. It is dropped, because its planes
@@ -70,6 +92,7 @@ void end_frame(sandglass_room* owner) {
   Room* room = &owner->room;
   room->phase = RoomPhase::idle;
   room->cursor = 0;
+  room_drop_probe_unit(room);
 }
 
 // Out of line: each runs between the two calls that set and restore the floating-point control.
@@ -79,11 +102,9 @@ __attribute__((noinline)) bool take_whole(Room* room, const CameraImage& image) 
   return true;
 }
 
-__attribute__((noinline)) void estimate_at(const Room& room, const float position[3],
-                                           const sandglass_light_estimate* estimate, sandglass_room_light* light) {
-  const double at[3] = {static_cast<double>(position[0]), static_cast<double>(position[1]),
-                        static_cast<double>(position[2])};
-  room_estimate(room, k_room_model, at, estimate, light);
+__attribute__((noinline)) void estimate_at(const Room& room, const sandglass_room_place& place,
+                                           sandglass_room_light* light) {
+  room_estimate(room, k_room_model, place, light);
 }
 
 __attribute__((noinline)) bool move(Room* room, const float rotation[4], const float translation[3]) {
@@ -98,10 +119,65 @@ __attribute__((noinline)) bool move(Room* room, const float rotation[4], const f
   return true;
 }
 
-uint64_t block_bytes() {
+sandglass_room* lay_out(const sandglass_room_desc& desc, Layout* layout) {
+  auto* owner = layout_region<sandglass_room>(layout, "room", 1);
+  auto* probe = layout_region<RoomProbe>(layout, "room.probe", desc.probe);
+  if (owner != nullptr) owner->room.probe = probe;
+  return owner;
+}
+
+uint64_t block_bytes(const sandglass_room_desc& desc) {
   Layout layout;
-  (void)layout_region<sandglass_room>(&layout, "room", 1);
+  (void)lay_out(desc, &layout);
   return layout.size;
+}
+
+sandglass_status begin_cube(Room* room, const sandglass_cube* cube, const char** reason) {
+  if (room->probe == nullptr) return refuse(reason, "room keeps no probe: create it with desc.probe = 1");
+  if (cube->struct_size != sizeof *cube)
+    return refuse(reason, "cube.struct_size is not that of this library: start from sandglass_cube_default");
+  if (cube->format < SANDGLASS_CUBE_RGBA8 || cube->format > SANDGLASS_CUBE_RGBA32F)
+    return refuse(reason, "cube.format is unknown: give one of sandglass_cube_format");
+  if (cube->size < 4 || cube->size > 1024) return refuse(reason, "cube.size is not in 4..1024 texels: scale it");
+  constexpr int32_t k_texel[] = {4, 4, 8, 12, 16};
+  const int32_t row = static_cast<int32_t>(cube->size) * k_texel[cube->format];
+  if (cube->stride < row && cube->stride > -row)
+    return refuse(reason, "cube.stride is shorter than a row: it is bytes from row to row");
+  for (const void* face : cube->faces)
+    if (face == nullptr) return refuse(reason, "a face of the cube is NULL: pass all six");
+  Rotation turn = {};
+  if (!rotation_of(cube->orientation, &turn)) return refuse(reason, "cube.orientation is no rotation: pass its pose");
+  if (cube->left_handed > 1 || cube->in_frame > 1 || !within(cube->exposure, 0.0f, 1e6f) ||
+      !within(cube->confidence, 0.0f, 1.0f) ||
+      !all_within(cube->position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
+    return refuse(reason, "left_handed, in_frame, exposure, confidence or position of the cube is out of range");
+  room_begin_cube(room, *cube);
+  return accept(reason);
+}
+
+sandglass_status begin_harmonics(Room* room, const sandglass_harmonics* harmonics, const char** reason) {
+  if (room->probe == nullptr) return refuse(reason, "room keeps no probe: create it with desc.probe = 1");
+  if (harmonics->struct_size != sizeof *harmonics)
+    return refuse(reason, "harmonics.struct_size is not that of this library: start from sandglass_harmonics_default");
+  if (harmonics->kind < SANDGLASS_HARMONICS_TOTAL || harmonics->kind > SANDGLASS_HARMONICS_AMBIENT)
+    return refuse(reason, "harmonics.kind is neither TOTAL nor AMBIENT");
+  if (!all_within(harmonics->sh, 27, -1e6f, 1e6f) || !all_within(harmonics->main_direction, 3, -2.0f, 2.0f) ||
+      !all_within(harmonics->main_irradiance, 3, 0.0f, 1e6f) || !within(harmonics->exposure, 0.0f, 1e6f) ||
+      !within(harmonics->confidence, 0.0f, 1.0f) || harmonics->in_frame > 1 ||
+      !all_within(harmonics->position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
+    return refuse(reason, "harmonics hold a number that is not finite or out of range");
+  room_begin_harmonics(room, *harmonics);
+  return accept(reason);
+}
+
+void forget_probe(Room* room) {
+  if (room->probe == nullptr) return;
+  room->probe->confidence = 0;
+  room_drop_probe_unit(room);
+}
+
+__attribute__((noinline)) void run_probe(Room* room) {
+  while (room_probe_units_left(*room) > 0) room->probe->run(room);
 }
 
 }  // namespace
@@ -114,14 +190,14 @@ using namespace sandglass;
 
 void sandglass_room_desc_default(sandglass_room_desc* desc) {
   if (desc == nullptr) return;
-  *desc = {sizeof *desc, 3.0f, 180.0f, 0.1f};
+  *desc = {sizeof *desc, 3.0f, 180.0f, 0.1f, 0};
 }
 
 sandglass_status sandglass_room_bytes(const sandglass_room_desc* desc, uint64_t* bytes, const char** reason) {
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store the number of bytes");
   const sandglass_status status = check(desc, reason);
   if (status != SANDGLASS_OK) return status;
-  *bytes = block_bytes();
+  *bytes = block_bytes(*desc);
   return accept(reason);
 }
 
@@ -129,9 +205,12 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
                                        sandglass_room** room, const char** reason) {
   if (room == nullptr) return refuse(reason, "room is NULL: pass where to store the room");
   sandglass_status status = check(desc, reason);
-  if (status == SANDGLASS_OK) status = check_block(block, bytes, block_bytes(), reason);
+  if (status == SANDGLASS_OK) status = check_block(block, bytes, block_bytes(*desc), reason);
   if (status != SANDGLASS_OK) return status;
-  auto* owner = static_cast<sandglass_room*>(block);
+  Layout layout;
+  layout.base = static_cast<uint8_t*>(block);
+  sandglass_room* owner = lay_out(*desc, &layout);
+  owner->room.unit = 0;
   owner->functions = &k_room_functions;
   owner->room.radius = static_cast<double>(desc->radius);
   owner->room.half_life = static_cast<double>(desc->half_life);
@@ -149,7 +228,7 @@ sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_
                                           const char** reason) {
   if (taken != nullptr) *taken = 0;
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
-  const sandglass_status status = sandglass_camera_check(image, reason);
+  const sandglass_status status = check_image(&room->room, image, reason);
   if (status != SANDGLASS_OK) return status;
   const FloatingPointControl saved = floating_point_enter();
   const bool took = take_whole(&room->room, *image);
@@ -172,21 +251,94 @@ sandglass_status sandglass_room_move(sandglass_room* room, const float rotation[
                         "rotation is not one about the y axis: gravity stays where it is; turn the world about y");
 }
 
-sandglass_status sandglass_room_get(const sandglass_room* room, const float position[3],
-                                    const sandglass_light_estimate* estimate, sandglass_room_light* light,
-                                    const char** reason) {
-  if (room == nullptr || position == nullptr || light == nullptr)
-    return refuse(reason, "room, position or light is NULL: pass the room, a place and the struct to fill");
+void sandglass_room_place_default(sandglass_room_place* place) {
+  if (place == nullptr) return;
+  *place = {};
+  place->struct_size = sizeof *place;
+}
+
+sandglass_status sandglass_room_get(const sandglass_room* room, const sandglass_room_place* place,
+                                    sandglass_room_light* light, const char** reason) {
+  if (room == nullptr || place == nullptr || light == nullptr)
+    return refuse(reason, "room, place or light is NULL: pass the room, a place and the struct to fill");
+  if (place->struct_size != sizeof *place)
+    return refuse(reason, "place.struct_size is not that of this library: start from sandglass_room_place_default");
   if (!can_fill(light)) return refuse(reason, "light.struct_size is not set: set it to sizeof(sandglass_room_light)");
-  if (!all_within(position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
-    return refuse(reason, "position is not finite or beyond 1000 m: pass where the object stands");
+  if (!all_within(place->position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
+    return refuse(reason, "place.position is not finite or beyond 1000 m: pass where the object stands");
+  const sandglass_light_estimate* estimate = place->estimate;
   if (estimate != nullptr && (estimate->struct_size < sizeof *estimate || !all_finite(estimate->direction, 3) ||
                               !within(estimate->confidence, 0.0f, 1.0f) || !within(estimate->contrast, 0.0f, 1.0f)))
-    return refuse(reason, "estimate is not one of sandglass_estimator_get: pass it as it was filled, or NULL");
+    return refuse(reason, "place.estimate is not one of sandglass_estimator_get: pass it as it was filled, or NULL");
+  const sandglass_room_light* shown = place->shown;
+  if (shown != nullptr && shown->struct_size >= sizeof *shown &&
+      (!all_within(shown->main_direction, 3, -1.01f, 1.01f) || !is_finite(shown->main_share)))
+    return refuse(reason, "place.shown holds a main light that is none: pass what sandglass_room_fade moves, or NULL");
+  sandglass_room_place at = *place;
+  if (shown != nullptr && shown->struct_size < sizeof *shown) at.shown = nullptr;  // nothing is shown yet
   const FloatingPointControl saved = floating_point_enter();
-  estimate_at(room->room, position, estimate, light);
+  estimate_at(room->room, at, light);
   floating_point_restore(saved);
   return accept(reason);
+}
+
+float sandglass_room_exposure(const sandglass_room_light* light, const sandglass_camera_image* image) {
+  if (light == nullptr || image == nullptr || light->struct_size < sizeof *light || image->struct_size != sizeof *image)
+    return 1.0f;
+  const float exposure = image->exposure * light->white;
+  return light->exposure_known != 0 && image->exposure > 0 && is_finite(exposure) ? exposure : 1.0f;
+}
+
+void sandglass_cube_default(sandglass_cube* cube) {
+  if (cube == nullptr) return;
+  *cube = {};
+  cube->struct_size = sizeof *cube;
+  cube->orientation[3] = cube->confidence = 1;
+}
+
+void sandglass_harmonics_default(sandglass_harmonics* harmonics) {
+  if (harmonics == nullptr) return;
+  *harmonics = {};
+  harmonics->struct_size = sizeof *harmonics;
+  harmonics->main_direction[1] = harmonics->confidence = 1;
+}
+
+sandglass_status sandglass_room_set_cube(sandglass_room* room, const sandglass_cube* cube, const char** reason) {
+  if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
+  if (cube == nullptr) {
+    forget_probe(&room->room);
+    return accept(reason);
+  }
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = begin_cube(&room->room, cube, reason);
+  if (status == SANDGLASS_OK && cube->in_frame == 0) run_probe(&room->room);
+  floating_point_restore(saved);
+  return status;
+}
+
+sandglass_status sandglass_room_set_harmonics(sandglass_room* room, const sandglass_harmonics* harmonics,
+                                              const char** reason) {
+  if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
+  if (harmonics == nullptr) {
+    forget_probe(&room->room);
+    return accept(reason);
+  }
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = begin_harmonics(&room->room, harmonics, reason);
+  if (status == SANDGLASS_OK && harmonics->in_frame == 0) run_probe(&room->room);
+  floating_point_restore(saved);
+  return status;
+}
+
+int32_t sandglass_room_probe_fit(const sandglass_room* room, uint32_t* turn_deg, int32_t* mirrored) {
+  if (room == nullptr || turn_deg == nullptr || mirrored == nullptr) return 0;
+  uint32_t quarters = 0;
+  bool mirror = false;
+  const RoomProbe* probe = room->room.probe;
+  if (probe == nullptr || !(probe->confidence > 0) || !room_probe_fit(room->room, &quarters, &mirror)) return 0;
+  *turn_deg = 90 * quarters;
+  *mirrored = mirror ? 1 : 0;
+  return 1;
 }
 
 uint64_t sandglass_room_hash(const sandglass_room* room) {
@@ -194,7 +346,9 @@ uint64_t sandglass_room_hash(const sandglass_room* room) {
   const Room& r = room->room;
   uint64_t hash = hash_bytes(r.parts, sizeof r.parts);
   hash = hash_with(hash, hash_bytes(r.centre, sizeof r.centre));
-  const double numbers[2] = {r.yaw, r.scale};
+  const double numbers[3] = {r.yaw, r.scale, r.light};
   hash = hash_with(hash, hash_bytes(numbers, sizeof numbers));
+  if (r.probe != nullptr && r.probe->confidence > 0)
+    hash = hash_with(hash, hash_bytes(r.probe->parts, sizeof r.probe->parts));
   return hash_with(hash, r.images);
 }

@@ -5,6 +5,8 @@
 // away. So an image taken elsewhere, and an object that stands elsewhere, see the same part in another direction.
 //
 //   image.cpp     an image into parts, unit by unit
+//   vote.cpp      what an image says of its exposure, and of the light of the whole room
+//   probe.cpp     a cube or harmonics of another system, into a layer below what the camera has seen
 //   estimate.cpp  the light at a place
 //   fade.cpp      from the light that is shown to the one that is known
 //   save.cpp      to bytes and back
@@ -25,60 +27,157 @@ constexpr uint32_t k_room_unit_parts = 64;  // what a work unit looks at
 
 // What was seen of one part of the sphere.
 struct RoomPart {
-  float radiance[3];  // the mean, linear; a lower bound where `clipped` is above 0
+  float radiance[3];  // the mean, linear, over the room's `light`; a lower bound where `clipped` is above 0
   float clipped;      // 0..1: the share of its pixels that were clipped
   float weight;       // how many images have shown it, as far as they still count
   float seen;         // 0..1: the share of it that was ever in the picture
-  float stamp;        // when it was seen last, seconds since the first image
+  uint16_t age;       // since it was seen last, in ticks: 2048 are a half-life
+  int8_t up, aside;   // where in the part its light comes from: 127 at the edge, of rows and of columns
+};
+
+// What an image shows of one part.
+struct RoomObservation {
+  double colour[3];  // linear, 1 is white
+  double clipped;    // share of the points
+  double covered;    // share of the points that are in the picture
+  double up, aside;  // where the light comes from, -1..1 from edge to edge
+};
+
+// How an image compares with what is remembered of the parts that it shows again. Weights are solid angles, 1 for a part
+// on the horizon. A ratio is that of what the image shows to what is remembered, as a logarithm.
+constexpr uint32_t k_vote_bins = 48;
+struct RoomVote {
+  float weight[k_vote_bins], sum[k_vote_bins];  // of ratios, by their size: weights, and weights times ratios
+  float brighter, darker;                       // weights of parts that are clipped or black where they should not be
+  float brighter_sum, darker_sum;               // the same times the ratio that is known at least
+  float more, less;                             // weights of what became brighter, or darker, by half or more
+  float exact, known, known_squared, error,
+      error_squared;         // weights; of logarithms of what is remembered, and of ratios
+  float red, blue;           // of ratios of red and blue, less that of green
+  float area, black, shown;  // all that is in the picture: its weight; what is black of it; luminance
+};
+
+// What an image may teach.
+enum class RoomLesson : uint32_t {
+  all,
+  unknown,  // only parts that nobody remembers
+  nothing
+};
+
+// What another system says of one part, as halves.
+struct RoomProbePart {
+  uint16_t radiance[3];  // linear, in the system's own unit; a lower bound where `clipped` is above 0
+  uint16_t clipped;      // 0..1: the share of its texels that were clipped
+};
+
+// The way from harmonics to parts.
+struct RoomHarmonics {
+  double sh[3][9], mean;                 // of a channel; mean radiance
+  double target[9], exponents[9], cost;  // Newton's method
+  double row, column, irradiance[3];     // of the main light, where it meets the sphere, in parts
+};
+
+enum class RoomProbePhase : uint32_t { idle, cube, entropy, harmonics };
+
+struct Room;
+struct RoomProbe {
+  double confidence;  // 0..1; 0: there is none
+  double scale;       // radiance of value 1; 0: unknown
+  double dark;        // what is darker tells no scale
+  double place[3];    // where it was taken, world
+  RoomProbePart parts[k_room_parts];
+  // Under way.
+  RoomProbePhase phase;
+  void (*run)(Room* room);  // set where it is begun: the linker drops it from an app that never does
+  uint32_t cursor, points;
+  double confidence_then;
+  sandglass_cube cube;
+  RoomHarmonics harmonics;
 };
 
 enum class RoomPhase : uint32_t {
   idle,
-  overlap,  // how this image is exposed, from parts that were seen before
+  compare,  // the image with what is remembered
   gather    // the image into the parts
 };
 
 // The image under way, as the gathering needs it.
 struct RoomView {
   CameraImage image;
-  double to_camera[3][3];      // from the sphere's frame to the stored image's: x right, y down, z forward
-  double position[3];          // of the camera, in the sphere's frame, in radii
-  double most_cosine;          // parts farther from the optical axis than this are not in the picture
-  double scale;                // radiance of a pixel of linear value 1
-  double log_sum, log_weight;  // of the overlap: how much brighter memory is than the image
-  double votes;                // of log_weight: what became darker less what became brighter
-  bool renews;                 // the light has changed: the image is gathered once more, and believed
-  float stamp;
+  double to_camera[3][3];  // from the sphere's frame to the stored image's: x right, y down, z forward
+  double position[3];      // of the camera, in the sphere's frame, in radii
+  double most_cosine;      // parts farther from the optical axis than this are not in the picture
+  double scale;            // radiance of a pixel of linear value 1
+  double step;             // seconds since the image before
+  RoomLesson lesson;
+  RoomVote vote;
 };
 
 struct Room {
   double radius, half_life;
-  uint64_t interval_ns, last_ns;
+  uint64_t interval_ns, last_ns;  // last_ns: of the last image that was taken
+  uint64_t offered_ns;            // of the last image that was offered
+  uint64_t rest_ns;               // of the time that ages parts: less than a tick
+  uint32_t hasty;                 // images in a row that came less than a millisecond after the one before
   uint32_t images;
-  bool exposure_known;  // by the app, since the first image
+  uint32_t unit;        // a number for the unit of radiance: another one where it was set anew
+  bool exposure_known;  // by the app, for one image at least
   double centre[3];     // of the sphere, in the world
   double yaw;           // turns: the sphere's azimuth 0 is at this azimuth of the world
-  double scale;         // of the last image
+  double scale;         // of the last image that was exposed for the room
+  double light;    // the light of the whole room, beside what it was when its parts were seen: a factor of them all
+  double usual;    // the median of votes while nothing changes: where they are taken is not all that is remembered
+  double settled;  // seconds since the light has changed
+  double doubted;  // seconds for which images have shown what no change of light explains
   RoomPhase phase;
   uint32_t cursor;  // the next part
   RoomView view;
   RoomPart parts[k_room_parts];
+  RoomProbe* probe;  // NULL in a room that keeps none
 };
 
+// sRGB to linear light.
+double room_linear(uint8_t value);
 // The directions of a part: `row` and `column` count from its first corner and may have fractions. Row 0 is below.
 void room_direction(double row, double column, double direction[3]);
 // A direction of the world in the sphere's frame.
 void room_to_sphere(const Room& room, const double world[3], double sphere[3]);
+void room_to_world(const Room& room, const double sphere[3], double world[3]);
 // A place of the world in the sphere's frame, in radii.
 void room_place(const Room& room, const double world[3], double sphere[3]);
-// What counts of a part that was seen `age` seconds ago, 0..1.
+// What counts of a part that was seen `age` ago, 0..1.
 double room_memory(const Room& room, const RoomPart& part);
+// Whether a part is remembered well, and unclipped.
+float room_bounded_radiance(double radiance);
+bool room_remembers(const Room& room, const RoomPart& part);
+// The weight of a part in a vote: its solid angle, 1 on the horizon.
+double room_part_weight(uint32_t part);
+
+// One part of an image, beside what is remembered of it; and what all of them say.
+void room_vote(Room* room, uint32_t part, const RoomObservation& now);
+void room_decide(Room* room);
 
 void room_reset(Room* room);
+// Whether time stamps can be nanoseconds. Called for every image that is offered.
+bool room_clock_is_sound(Room* room, uint64_t time_ns);
 // Takes an image that has passed sandglass_camera_check, if one is due. The image must stay until the units have run.
 bool room_take_image(Room* room, const CameraImage& image);
 uint32_t room_units_left(const Room& room);
 void room_run_unit(Room* room);
+
+// What another system knows of the light, into the probe that the room keeps, unit by unit (probe.cpp). The texels must
+// stay until the units have run; what is dropped leaves no probe.
+void room_begin_cube(Room* room, const sandglass_cube& cube);
+void room_begin_harmonics(Room* room, const sandglass_harmonics& harmonics);
+uint32_t room_probe_units_left(const Room& room);
+void room_drop_probe_unit(Room* room);
+// Radiance of the probe's value 1 in the room's unit, for each channel: as both show the same parts, or as it is told.
+void room_probe_scale(const Room& room, double scale[3]);
+// A part as camera and probe know it together, and the share of it that they know.
+RoomPart room_known(const Room& room, uint32_t part, const double scale[3], double* share);
+// The quarter turns about y, clockwise seen from above, and the mirror image by which the probe fits best to what the
+// camera has seen. False where they share too little.
+bool room_probe_fit(const Room& room, uint32_t* quarters, bool* mirrored);
 
 // What is fitted: how the light that was not seen follows from what was. See estimate.cpp.
 struct RoomModel {
@@ -93,8 +192,8 @@ struct RoomModel {
 };
 extern const RoomModel k_room_model;
 
-void room_estimate(const Room& room, const RoomModel& model, const double position[3],
-                   const sandglass_light_estimate* network, sandglass_room_light* light);
+void room_estimate(const Room& room, const RoomModel& model, const sandglass_room_place& place,
+                   sandglass_room_light* light);
 
 // Creation leaves this table in every room, and the scene calls through it. So the linker drops the room from an app
 // that never creates one.
@@ -103,7 +202,7 @@ struct RoomFunctions {
   void (*end_frame)(sandglass_room* room);
 };
 extern const RoomFunctions k_room_functions;
-constexpr uint32_t k_room_kinds = 1;
+constexpr uint32_t k_room_kinds = 2;
 
 }  // namespace sandglass
 

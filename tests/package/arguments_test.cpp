@@ -425,10 +425,15 @@ void Arguments::rooms() {
   row(NAMED(sandglass_room_move), "", room, level, point);
   auto estimate = sized<sandglass_light_estimate>();
   auto light = sized<sandglass_room_light>();
-  row(NAMED(sandglass_room_get), "estimate", room, point, &estimate, &light);
+  auto place = sized<sandglass_room_place>();
+  place.estimate = &estimate;
+  row(NAMED(sandglass_room_get), "", room, &place, &light);
+  place.estimate = nullptr;
+  row(NAMED(sandglass_room_place_default), "", &place);
+  row(NAMED(sandglass_room_exposure), "", &light, &image);
   sandglass_room_light shown = light;
   row(NAMED(sandglass_room_fade), "", &shown, &light, 0.1f);
-  ASSERT_EQ(sandglass_room_get(room, point, nullptr, &light, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_room_get(room, &place, &light, nullptr), SANDGLASS_OK);
   auto lighting = sized<sandglass_lighting>();
   row(NAMED(sandglass_lighting_of_room), "", &light, &lighting);
   ASSERT_EQ(sandglass_lighting_of_room(&light, &lighting, nullptr), SANDGLASS_OK);

@@ -125,12 +125,12 @@ class MadeUpRoom {
     for (int elevation = -80; elevation <= 80; elevation += 40)
       for (int azimuth = 0; azimuth < 360; azimuth += 30) look(radiance, azimuth, elevation, exposure);
   }
-  sandglass_room_light light(float x = 0, float y = 0, float z = 0,
-                             const sandglass_light_estimate* estimate = nullptr) const {
+  sandglass_room_light light(float x = 0, float y = 0, float z = 0, const sandglass_light_estimate* estimate = nullptr,
+                             const sandglass_room_light* shown = nullptr) const {
     sandglass_room_light out = {};
     out.struct_size = sizeof out;
-    const float place[3] = {x, y, z};
-    EXPECT_EQ(sandglass_room_get(room_, place, estimate, &out, nullptr), SANDGLASS_OK);
+    const sandglass_room_place place = {sizeof place, {x, y, z}, estimate, shown};
+    EXPECT_EQ(sandglass_room_get(room_, &place, &out, nullptr), SANDGLASS_OK);
     return out;
   }
 

@@ -48,7 +48,8 @@ class Sand {
 
   // One frame, `seconds` after the last one. `headroom` is the share of the budget that the device can sustain.
   // `grains` is a mapped buffer of k_grains items, or null: then nothing is written. `camera` is the newest image, or
-  // null; it is read in this call only. Draw report.sand.grain_numbers grains; removed ones lie beyond every far plane.
+  // null, also while the session's tracking is limited, because poses are wrong then; it is read in this call only. Draw
+  // report.sand.grain_numbers grains; removed ones lie beyond every far plane.
   sandglass_frame_report frame(float seconds, float headroom, sandglass_grain* grains,
                                const sandglass_camera_image* camera) {
     const sandglass_collider floor = sandglass::floor_at(0.0f);
@@ -68,14 +69,16 @@ class Sand {
     sandglass_frame_report report = sandglass::frame_report();
     if (!scene_.frame(input, &report))
       report = sandglass::frame_report();  // an image in an unknown layout, for example
-    if (camera != nullptr) known_ = room_.light_at(origin_), exposure_ = camera->exposure;
+    if (camera != nullptr) {
+      known_ = room_.light_at(origin_, &light_);
+      screen_ = *camera;
+    }
     sandglass_room_fade(&light_, &known_, seconds);  // light comes and goes softly
     return report;
   }
 
   Shading shading() const {
-    // Radiance in the scale of the image on the screen, where the system tells exposures.
-    const float scale = exposure_ > 0.0f && light_.white > 0.0f ? exposure_ * light_.white : 1.0f;
+    const float scale = sandglass_room_exposure(&light_, &screen_);  // of the image on the screen
     sandglass_lighting lighting = {};
     sandglass_filament_light of = {};
     lighting.struct_size = sizeof lighting;
@@ -103,7 +106,8 @@ class Sand {
   sandglass::Scene scene_;
   sandglass::Room room_;
   sandglass_room_light known_ = {}, light_ = {};  // now, and as it is drawn on its way there
-  float origin_[3] = {}, exposure_ = 0.0f;
+  sandglass_camera_image screen_ = {};  // the last image; its planes are gone
+  float origin_[3] = {};
   uint32_t pouring_ = 0;
 };
 

@@ -16,18 +16,21 @@ extern "C" {
 
 /* How the bytes of an image are laid out.
  *
- * RGB and RGBA: one plane, sRGB. NV12 and NV21: luma, then pairs of chroma at half resolution, U first in NV12, V first
- * in NV21. I420: luma, U, V.
+ * RGB, RGBA and BGRA: one plane, sRGB. NV12 and NV21: luma, then pairs of chroma at half resolution, U first in NV12, V
+ * first in NV21. I420: luma, U, V. P010: NV12 in numbers of 16 bits, of which the upper ten count; only the upper eight
+ * are read.
  *
- * ARCore's YUV_420_888 is NV12, NV21 or I420, by the pixel stride and order of its planes. ARKit's capturedImage is
- * NV12. */
+ * Android's YUV_420_888 is I420 with `chroma_step` = the pixel stride of its planes U and V, whatever their order.
+ * ARKit's capturedImage is NV12, or P010 where the app asked for HDR video. */
 typedef int32_t sandglass_camera_format;
 enum {
   SANDGLASS_CAMERA_RGB = 0,
   SANDGLASS_CAMERA_RGBA = 1,
   SANDGLASS_CAMERA_NV12 = 2,
   SANDGLASS_CAMERA_NV21 = 3,
-  SANDGLASS_CAMERA_I420 = 4
+  SANDGLASS_CAMERA_I420 = 4,
+  SANDGLASS_CAMERA_BGRA = 5,
+  SANDGLASS_CAMERA_P010 = 6
 };
 
 /* How luma and chroma become RGB: by ITU-R BT.601 or BT.709, with luma over 0..255 (FULL) or over 16..235 (VIDEO).
@@ -41,7 +44,7 @@ enum {
 };
 
 /* A `turn_deg` that lets the library choose the quarter turn by which the world's up comes nearest to the image's up.
- * It needs a pose of the stored image. */
+ * It needs a pose of the stored image. While a camera looks straight down or up, its last turn stays. */
 #define SANDGLASS_TURN_FROM_POSE 0xffffffffu
 
 /* An image of a pinhole camera, in the app's memory, and where the camera looked.
@@ -54,19 +57,25 @@ typedef struct sandglass_camera_image {
   uint32_t struct_size;
   /* How its pixels are stored. */
   sandglass_camera_format format;
-  /* For NV12, NV21 and I420. */
+  /* For NV12, NV21, I420 and P010. */
   sandglass_yuv_range range;
-  /* Pixels as stored, 2..SANDGLASS_CAMERA_SIDE_LIMIT; even in NV12, NV21 and I420. */
+  /* Pixels as stored, 2..SANDGLASS_CAMERA_SIDE_LIMIT; even in NV12, NV21, I420 and P010. */
   uint32_t width, height;
-  /* The clockwise turn that makes the stored image upright: 0, 90, 180, 270, or SANDGLASS_TURN_FROM_POSE. */
+  /* The clockwise turn that makes the stored image upright: 0, 90, 180, 270, or SANDGLASS_TURN_FROM_POSE, which is the
+   * default. */
   uint32_t turn_deg;
-  /* As many as the format has. */
+  /* The upper row of each plane, as many as the format has. */
   const uint8_t* planes[3];
-  /* Bytes from row to row of each plane, at least the bytes of a row. */
-  uint32_t strides[3];
+  /* Bytes from row to row of each plane, at least the bytes of a row. Negative where the lower row is stored first. */
+  int32_t strides[3];
+  /* Bytes from pixel to pixel of U and V in I420: 1 or 2. 0: 1. */
+  uint32_t chroma_step;
+  /* 1: each row is stored from right to left, as the preview of a front camera is. Pose, turn and focal length are those
+   * of the image that is not mirrored; `centre_x` is where the principal point is stored. */
+  uint32_t mirrored;
   /* Pixels of the stored image, 1..1e6. */
   float focal_x, focal_y;
-  /* The principal point, pixels; the centre of the first pixel is (0, 0). */
+  /* The principal point, pixels of the stored image, within it; the centre of the first pixel is (0, 0). */
   float centre_x, centre_y;
   /* Camera to world, (x, y, z, w) of any length above 0. */
   float orientation[4];
@@ -82,8 +91,8 @@ typedef struct sandglass_camera_image {
   float exposure;
 } sandglass_camera_image;
 
-/* Fills *image with the defaults: RGB, no planes, turn 0, no rotation, BT.601 over 0..255, at the origin, exposure
- * unknown. */
+/* Fills *image with the defaults: RGB, no planes, the turn from the pose, no rotation, BT.601 over 0..255, at the origin,
+ * exposure unknown. */
 SANDGLASS_API void sandglass_camera_image_default(sandglass_camera_image* image);
 
 /* The focal length, in pixels, of a camera of which only the field of view across the diagonal is known (2.15). The
@@ -98,7 +107,8 @@ SANDGLASS_API int32_t sandglass_camera_orientation(const float matrix[16], float
 
 /* Whether the library can use an image. Fails with INVALID_ARGUMENT, and says which of these it is: an unknown format
  * or range, a side that is too short or too long, an odd side in YUV, a missing plane, a stride shorter than its row,
- * an unknown turn, intrinsics or a pose that are not finite. */
+ * an unknown turn, a principal point outside the image or at (0, 0), which is where it is left out or normalised,
+ * intrinsics or a pose that are not finite. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_camera_check(const sandglass_camera_image* image,
                                                                           const char** reason);
 

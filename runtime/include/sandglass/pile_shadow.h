@@ -18,15 +18,17 @@
  *   2. calls sandglass_pile_shadow_set_light, every frame if it likes,
  *   3. passes the shadow to sandglass_scene_frame (input.pile_shadow), which gives it part of the time of the shadow
  *      stage; its textures and those of shadow.h take turns. Without a scene it calls sandglass_pile_shadow_run,
- *   4. draws the texture like that of an object: shadow = coverage * opacity * contrast of the light. The shadows of
- *      object and sand multiply: transparency = (1 - shadow of the object) * (1 - shadow of the sand).
+ *   4. draws the texture like that of an object: c = coverage / 255 * opacity of the light, 0 outside the rectangle. Of
+ *      one light object and sand leave (1 - c of the object) * (1 - c of the sand).
  *
  * The room's light. An app that sets desc.sky_texels also gets a texture of the light that arrives from all sides, on
  * the floor and on the sand. It calls sandglass_pile_shadow_set_cells when its estimate of the room has changed, or
- * never: then the texture is made for a room that nobody has seen. To draw the floor, it multiplies by `floor` / 255 of
- * sandglass_pile_shadow_sky. Where it draws a share s of the light as a sharp shadow, it leaves that share out of the
- * cells and multiplies by floor / 255 - s * coverage * opacity / 255 instead. Sand is drawn in the same way by
- * `on_sand`, and grains in the gaps between others are darker, see sandglass_pile_shadow_light_grains.
+ * never: then the texture is made for a room that nobody has seen. To draw the floor, it multiplies by A = `floor` / 255 of
+ * sandglass_pile_shadow_sky, 1 outside the rectangle. Where it draws a share s of the light as a sharp shadow, it leaves
+ * that share out of the cells and multiplies by A - s * c instead. Where object and sand lie in each other's shadow, the
+ * floor keeps s (1 - c1) (1 - c2) + (A1 - s) (A2 - s) / (1 - s), no factor below 0, the second term 0 where s is 1;
+ * runtime/shadow/README.md has the shader, and the formula for more objects. Sand is drawn in the same way by `on_sand`,
+ * and grains in the gaps between others are darker, see sandglass_pile_shadow_light_grains.
  *
  * What is said above of columns holds here too. Light and shadow of one bright cell are as soft as the cell is wide,
  * and on scattered grains they are right on average, not grain by grain.

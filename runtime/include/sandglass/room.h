@@ -18,15 +18,17 @@
  *
  * Exposure. A camera that adapts shows a dark room and a bright one alike. Fill in sandglass_camera_image.exposure
  * where the system tells it. Where it is 0, the library finds it from what the image shows again of what was seen
- * before. Give it with every image or with none.
+ * before. It may come late, and be missing now and then. sandglass_room_exposure says how bright to draw over an image.
  *
  * Clipped pixels hide how bright a lamp is. sandglass_room_light.clipped says what share of the light comes from there,
  * as far as one can tell: little may hide a strong lamp. Above 0.02, an app that can set its camera helps most by a
  * short exposure, such as a sixty-fourth, for as long as desc.interval, so that the room takes one such image.
  *
  * Light that changes. What the camera sees again is learned within a few images. Where four fifths of that have become
- * brighter or darker by half and the app tells the exposure, what is out of the picture is taken to have changed as
- * much. So the level follows at once; from where the light comes is learned when the camera looks there.
+ * brighter or darker by half and the app tells the exposure, the light of the whole room is taken to have changed as
+ * much. So the level follows at once, also of what is out of the picture, and returns with the light; from where the
+ * light comes is learned when the camera looks there. An image that is black or clipped almost everywhere teaches
+ * nothing; one that no change of light explains, such as a finger over the lens, nothing for 2.5 seconds.
  *
  * Radiance is in the camera's scale: 1 is what the last image shows as white, in linear light.
  *
@@ -54,12 +56,15 @@ typedef struct sandglass_room_desc {
   /* Seconds, 0..60: an image taken less than this after the last one that was used is passed over, to save energy.
    * Default: 0.1. */
   float interval;
+  /* 1: the room keeps what another system knows of its light (sandglass_room_set_cube, _set_harmonics), in 5 KiB more.
+   * Default: 0. */
+  uint32_t probe;
 } sandglass_room_desc;
 
 /* Fills *desc with the defaults. */
 SANDGLASS_API void sandglass_room_desc_default(sandglass_room_desc* desc);
 
-/* The exact number of bytes that sandglass_room_create needs, below 16 KiB. Fails with INVALID_ARGUMENT: a field out of
+/* The exact number of bytes that sandglass_room_create needs, below 16 KiB without `probe`. Fails with INVALID_ARGUMENT: a field out of
  * range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_bytes(const sandglass_room_desc* desc,
                                                                         uint64_t* bytes, const char** reason);
@@ -70,14 +75,118 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_create(const s
                                                                          uint64_t bytes, sandglass_room** room,
                                                                          const char** reason);
 
-/* Forgets all that was seen: for a new room. */
+/* Forgets all that was seen: for a new room. What sandglass_room_fade shows stays until the first image. */
 SANDGLASS_API void sandglass_room_reset(sandglass_room* room);
 
 /* Without a scene: takes an image in, whole, unless `interval` has not passed. *taken, which is optional, is 1 if it
- * was, else 0. Fails like sandglass_camera_check. */
+ * was, else 0. Fails like sandglass_camera_check; and where time stamps grow by less than a
+ * millisecond from image to image, so that they cannot be nanoseconds. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_image(sandglass_room* room,
                                                                             const sandglass_camera_image* image,
                                                                             int32_t* taken, const char** reason);
+
+/* What another system knows of the room's light, where it gives no camera image, or beside camera images.
+ *
+ * It lies below what the camera has seen: a part that camera images have shown is theirs, as far as they have shown it;
+ * the rest is the probe's, as far as `confidence` says; what is left is what is usual. Where camera images are clipped
+ * and the probe is not, the probe says how bright the light is. Each probe replaces the one before, so pass it whenever
+ * the system has a new one. Where a system gives a cube and harmonics, pass the cube alone.
+ *
+ *   visionOS    cube, as the texture's pixel format says; originFromAnchorTransform; exposure 1 / cameraScaleReference
+ *   ARKit       cube, BGRA8, level 0 and no smaller one: what was white there is grey; the anchor's transform
+ *   Android XR  cube, RGBA16F or RGB32F; `rotation` (identity with `reproject`); position of the headset
+ *   ARCore      cube, RGBA16F; identity; position of the camera, and exposure of its image
+ *               harmonics, AMBIENT; with the Condon-Shortley phase: change the sign of coefficients 1, 3, 5 and 7
+ *   WebXR       cube, RGBA16F or RGBA8; the pose of probeSpace. Chromium passes on what ARCore gives, so
+ *               harmonics as ARCore's
+ *   Unity       cube, as its texture; left_handed 1; positions and rotations with z mirrored
+ *
+ * That is from their documents and sources. None was tried on a device, and the handedness of ARKit's and visionOS'
+ * cubes is not established: sandglass_room_probe_fit tells it once the camera has looked around, or hold a lamp to one
+ * side and see where main_direction is. All errors that are published here are of cubes resampled from the true light:
+ * a system's own are larger.
+ *
+ * Unit. `exposure` is 1 over the radiance that the value 1 stands for, in the unit of sandglass_camera_image.exposure.
+ * 0: unknown. Then it is found from the parts that both camera and probe show; without camera images the value 1 is
+ * white. The white balance of the probe is brought to that of the camera in the same way, by up to a factor of 2. */
+
+/* How the texels of a cube are stored: bytes in sRGB, or linear numbers of 0..65000. RGBA16F: halves. */
+typedef int32_t sandglass_cube_format;
+enum {
+  SANDGLASS_CUBE_RGBA8 = 0,
+  SANDGLASS_CUBE_BGRA8 = 1,
+  SANDGLASS_CUBE_RGBA16F = 2,
+  SANDGLASS_CUBE_RGB32F = 3,
+  SANDGLASS_CUBE_RGBA32F = 4
+};
+
+/* A cube of the room: six images, in the order and with the rows of every graphics API (+x, -x, +y, -y, +z, -z). The
+ * texel that a sampler gives for the direction d shows what lies towards d in the cube's frame. */
+typedef struct sandglass_cube {
+  uint32_t struct_size;
+  sandglass_cube_format format;
+  /* Texels along an edge, 4..1024. Of a linear cube take the mip level of 16 or 32, of bytes always level 0. */
+  uint32_t size;
+  /* Bytes from row to row of each face. Negative where the lower row is stored first; a face is then its upper row. */
+  int32_t stride;
+  const void* faces[6];
+  /* The cube's frame to world, (x, y, z, w). Identity where the system aligns cubes with the world. */
+  float orientation[4];
+  /* 1: the cube's frame is left-handed, z reversed. 0: right-handed. */
+  uint32_t left_handed;
+  /* Where it was taken, world, metres. */
+  float position[3];
+  /* See above. 0..1e6. */
+  float exposure;
+  /* 0..1: the share of what it shows that is believed where the camera has seen nothing. Default: 1. Take 0.5 for what
+   * a system has guessed rather than seen. */
+  float confidence;
+  /* 1: it is read in work units of the next sandglass_scene_frame that gets this room; the texels must stay until then.
+   * 0: whole, in the call. */
+  uint32_t in_frame;
+} sandglass_cube;
+
+/* Fills *cube with the defaults. */
+SANDGLASS_API void sandglass_cube_default(sandglass_cube* cube);
+
+/* Takes a cube in. NULL: forgets the probe. It costs 0.9 million instructions of bytes or of up to 20 linear texels along
+ * an edge, 2.8 of 32, 5 of 64. Each answer costs a quarter more while there is a probe. Fails with INVALID_ARGUMENT: a
+ * room without `probe`, or a field of *cube that is out of range. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_cube(sandglass_room* room,
+                                                                           const sandglass_cube* cube,
+                                                                           const char** reason);
+
+/* Harmonics with all the light (TOTAL), or without the main light, which is then given beside them (AMBIENT). */
+typedef int32_t sandglass_harmonics_kind;
+enum { SANDGLASS_HARMONICS_TOTAL = 0, SANDGLASS_HARMONICS_AMBIENT = 1 };
+
+/* Nine harmonics. Of all rooms that have them the most even one is taken, because they hardly tell where a lamp is. */
+typedef struct sandglass_harmonics {
+  uint32_t struct_size;
+  sandglass_harmonics_kind kind;
+  /* Radiance, world, laid out like sandglass_light_estimate.sh, without the Condon-Shortley phase. */
+  float sh[27];
+  /* Of AMBIENT: world, towards the main light, and the irradiance of a surface that faces it. */
+  float main_direction[3], main_irradiance[3];
+  /* As in sandglass_cube. */
+  float position[3];
+  float exposure, confidence;
+  uint32_t in_frame;
+} sandglass_harmonics;
+
+/* Fills *harmonics with the defaults. */
+SANDGLASS_API void sandglass_harmonics_default(sandglass_harmonics* harmonics);
+
+/* Takes harmonics in, in place of a cube, for 1.8 million instructions. NULL: forgets the probe. Fails with
+ * INVALID_ARGUMENT: a room without `probe`, or a number that is not finite or out of range. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_harmonics(sandglass_room* room,
+                                                                                const sandglass_harmonics* harmonics,
+                                                                                const char** reason);
+
+/* For debugging: how the probe would fit best to what the camera has seen of the room, turned clockwise about y as seen
+ * from above by *turn_deg (0, 90, 180, 270), and mirrored where *mirrored is 1. 0 and 0: it was passed as it is. Returns
+ * 1, or 0 where there is no probe or the two share too little; nothing is written then. */
+SANDGLASS_API int32_t sandglass_room_probe_fit(const sandglass_room* room, uint32_t* turn_deg, int32_t* mirrored);
 
 /* The room turns and moves with the world's frame, as sandglass_scene_move does: x becomes rotation * x + translation.
  * Gravity stays where it is, so the rotation must be one about the y axis. Fails with INVALID_ARGUMENT: a rotation that
@@ -113,22 +222,45 @@ typedef struct sandglass_room_light {
   float clipped;
   /* World, unit vector: where looking would tell most. */
   float look[3];
-  /* The radiance that the last image shows as white, in the room's own scale, which no exposure changes. irradiance and
-   * sh times this may be compared from image to image. */
+  /* The radiance that the last image shows as white, in the room's own unit, which no exposure changes. irradiance and
+   * sh times this may be compared from image to image. A short exposure for lamps does not count as the last image. */
   float white;
+  /* 1: the app has told an exposure, and `white` is 1 / exposure. */
+  uint32_t exposure_known;
+  /* A number for the room's own unit: another one after sandglass_room_reset, after sandglass_room_restore, and after
+   * the first exposure that was told. */
+  uint32_t unit;
 } sandglass_room_light;
 
-/* The light at `position`, metres in the world's frame: where an object stands. `estimate` is optional: that of a
- * network (estimate.h), whose direction says where light is to be expected among what was not seen. Set
- * light->struct_size before.
+/* Where the light is asked for. */
+typedef struct sandglass_room_place {
+  uint32_t struct_size;
+  /* Metres in the world's frame: where the object stands. */
+  float position[3];
+  /* Optional: that of a network (estimate.h), whose direction says where light is to be expected among what was not
+   * seen. */
+  const sandglass_light_estimate* estimate;
+  /* Optional: the light that is shown there (sandglass_room_fade). Its main light stays the main one until another is
+   * a quarter stronger. */
+  const sandglass_room_light* shown;
+} sandglass_room_place;
+
+/* Fills *place with the defaults: the origin, and nothing else. */
+SANDGLASS_API void sandglass_room_place_default(sandglass_room_place* place);
+
+/* The light at a place. Set light->struct_size before.
  *
  * It reads all 512 parts: 1.4 million instructions on ARM, nearly four times what an image takes. Ask it when an object
- * moved or a new image came, not for each of its vertices. Fails with INVALID_ARGUMENT: a position that is not
- * finite. */
+ * moved or a new image came, not for each of its vertices. Fails with INVALID_ARGUMENT: a number of *place that is not
+ * finite or out of range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sandglass_room* room,
-                                                                      const float position[3],
-                                                                      const sandglass_light_estimate* estimate,
+                                                                      const sandglass_room_place* place,
                                                                       sandglass_room_light* light, const char** reason);
+
+/* What to multiply irradiance and sh of a light by, known or shown, to draw it over `image`, which is on the screen. It
+ * is 1 where the image was exposed as the room's last one was, or where its exposure is not known. While a short image
+ * for lamps is on the screen, it is dark, and so is what is drawn over it. */
+SANDGLASS_API float sandglass_room_exposure(const sandglass_room_light* light, const sandglass_camera_image* image);
 
 /* Lets light come and go softly: moves *shown, which the app keeps for each object, towards *now, which
  * sandglass_room_get gave, by the share 1 - exp(-seconds / 0.5). Call it in each frame with the time since the frame
@@ -143,7 +275,7 @@ SANDGLASS_API void sandglass_room_fade(sandglass_room_light* shown, const sandgl
 /* The bytes that sandglass_room_save writes. */
 SANDGLASS_API uint64_t sandglass_room_save_bytes(const sandglass_room* room);
 
-/* Writes what was seen, so that a later session in the same world frame need not look around again. *written is the
+/* Writes what was seen, and the probe, so that a later session in the same world frame need not look around again. *written is the
  * number of bytes. Fails with MEMORY_TOO_SMALL; nothing was written then. An image under way is left out. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_save(const sandglass_room* room, void* data,
                                                                        uint64_t bytes, uint64_t* written,

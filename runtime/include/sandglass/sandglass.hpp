@@ -495,6 +495,31 @@ inline sandglass_room_desc room_desc() {
   return desc;
 }
 
+// A cube with the defaults: see sandglass_cube.
+inline sandglass_cube cube() {
+  sandglass_cube cube;
+  sandglass_cube_default(&cube);
+  return cube;
+}
+
+// Harmonics with the defaults: see sandglass_harmonics.
+inline sandglass_harmonics harmonics() {
+  sandglass_harmonics harmonics;
+  sandglass_harmonics_default(&harmonics);
+  return harmonics;
+}
+
+// Where light is asked for: see sandglass_room_place. `shown` and `estimate` may be NULL.
+inline sandglass_room_place room_place(const float position[3], const sandglass_room_light* shown = nullptr,
+                                       const sandglass_light_estimate* estimate = nullptr) {
+  sandglass_room_place place;
+  sandglass_room_place_default(&place);
+  for (int k = 0; k < 3; ++k) place.position[k] = position[k];
+  place.shown = shown;
+  place.estimate = estimate;
+  return place;
+}
+
 // What the camera has seen of a room, and the block it lives in. Movable, not copyable.
 class Room {
  public:
@@ -513,13 +538,24 @@ class Room {
   Status set_image(const sandglass_camera_image& image) {
     return call(sandglass_room_set_image, get(), &image, nullptr);
   }
-  // The light at a place; `estimate` may be NULL. Where the room is not created or the place is not finite, the light
-  // has struct_size 0. See sandglass_room_get.
-  sandglass_room_light light_at(const float position[3], const sandglass_light_estimate* estimate = nullptr) const {
+  // The light at a place. Where the room is not created or the place is not finite, the light has struct_size 0. See
+  // sandglass_room_get.
+  sandglass_room_light light_at(const sandglass_room_place& place) const {
     sandglass_room_light light{};
     light.struct_size = sizeof light;
-    if (sandglass_room_get(get(), position, estimate, &light, nullptr) != SANDGLASS_OK) light = {};
+    if (sandglass_room_get(get(), &place, &light, nullptr) != SANDGLASS_OK) light = {};
     return light;
+  }
+  // The same; `shown` and `estimate` may be NULL.
+  sandglass_room_light light_at(const float position[3], const sandglass_room_light* shown = nullptr,
+                                const sandglass_light_estimate* estimate = nullptr) const {
+    return light_at(room_place(position, shown, estimate));
+  }
+  // See sandglass_room_set_cube.
+  Status set_cube(const sandglass_cube& cube) { return call(sandglass_room_set_cube, get(), &cube); }
+  // See sandglass_room_set_harmonics.
+  Status set_harmonics(const sandglass_harmonics& harmonics) {
+    return call(sandglass_room_set_harmonics, get(), &harmonics);
   }
   // See sandglass_room_move.
   Status move(const Rotation& rotation, const float translation[3]) {

@@ -75,17 +75,18 @@ RoomBench bench_room() {
   room.radius = 3;
   room.half_life = 180;
   room.interval_ns = 100'000'000;
+  room_reset(&room);
   RoomBench bench = {{}, sizeof(sandglass_room)};
   bench.rows.push_back(measured("image, exposure told", true, &turn, &room));
   bench.rows.push_back(measured("image, exposure not told", false, &turn, &room));
   if (interrupted()) return {{}, bench.bytes};
-  const double place[3] = {0.5, -0.5, -1};
+  const sandglass_room_place place = {sizeof place, {0.5f, -0.5f, -1.0f}, nullptr, nullptr};
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
   RoomBenchRow answer = {"light at a place", 1e30, 0, 0};
   for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
     const double from = cpu_ms_now();
-    room_estimate(room, k_room_model, place, nullptr, &light);
+    room_estimate(room, k_room_model, place, &light);
     answer.ms = std::min(answer.ms, cpu_ms_now() - from);
   }
   bench.rows.push_back(answer);

@@ -16,8 +16,11 @@ constexpr const char* k_true_cells = "the true light in cells";
 sandglass_room_light light_at(const StudiedPlace& p, const Room& room) {
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
-  const double at[3] = {p.place.x, p.place.y, p.place.z};
-  room_estimate(room, k_room_model, at, !p.estimates.empty() && room.images != 0 ? &p.network : nullptr, &light);
+  sandglass_room_place at;
+  sandglass_room_place_default(&at);
+  to_floats(p.place, at.position);
+  if (!p.estimates.empty() && room.images != 0) at.estimate = &p.network;
+  room_estimate(room, k_room_model, at, &light);
   return light;
 }
 

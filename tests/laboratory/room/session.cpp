@@ -60,7 +60,7 @@ Room with_known(const SeenRoom& seen, const PartRadiance& truth, Known known) {
     const float share = known == Known::unseen_parts ? 1 - part.seen : clipped ? 1.0f : 0.0f;
     for (int c = 0; c < 3; ++c) part.radiance[c] += share * (static_cast<float>(colour[c]) - part.radiance[c]);
     part.clipped *= 1 - share;
-    if (known == Known::unseen_parts) part.seen = 1, part.stamp = room.view.stamp;
+    if (known == Known::unseen_parts) part.seen = 1, part.age = 0;
   }
   return room;
 }

@@ -79,7 +79,9 @@ void take_lights(const ShotVerdictOptions& options, const ShotStage& stage, size
   const Surroundings room = room_of(stage, *view);
   view->truth = room.true_light();
   const Vec3 ahead = resting_camera(*stage.scene.camera).forward, place = room.view.direction() * room.insertion;
-  const double at[3] = {place.x, place.y, place.z};
+  sandglass_room_place at;
+  sandglass_room_place_default(&at);
+  to_floats(place, at.position);
   const SessionOptions session = {std::atan2(ahead.z, ahead.x), true, mix_bits(options.seed + 1000 * index)};
   sandglass_light_estimate estimate = {};
   if (!options.network.empty()) {
@@ -89,7 +91,8 @@ void take_lights(const ShotVerdictOptions& options, const ShotStage& stage, size
   const SeenRoom seen = look_around(room.panorama, Session::full_turn, session);
   ShotLight light = {};
   light.struct_size = sizeof light;
-  room_estimate(seen.room, k_room_model, at, estimate.valid != 0 ? &estimate : nullptr, &light);
+  if (estimate.valid != 0) at.estimate = &estimate;
+  room_estimate(seen.room, k_room_model, at, &light);
   view->turn = scaled(light, room.exposure / seen.exposure);
 }
 

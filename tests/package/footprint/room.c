@@ -3,7 +3,7 @@
 #include "sandglass/camera.h"
 
 int main(int count, char** arguments) {
-  const float place[3] = {0, 0, 0};
+  sandglass_room_place place;
   sandglass_room_desc desc;
   sandglass_camera_image image;
   sandglass_room* room = NULL;
@@ -14,7 +14,8 @@ int main(int count, char** arguments) {
   sandglass_camera_image_default(&image);
   if (sandglass_room_set_image(room, &image, NULL, &reason) != SANDGLASS_OK) return 1;
   light.struct_size = sizeof light;
-  if (sandglass_room_get(room, place, NULL, &light, &reason) != SANDGLASS_OK) return 1;
+  sandglass_room_place_default(&place);
+  if (sandglass_room_get(room, &place, &light, &reason) != SANDGLASS_OK) return 1;
   shown = light;
   sandglass_room_fade(&shown, &light, 0.016f);
   return shown.valid != 1;

@@ -18,14 +18,15 @@ public final class Sand {
   public static native void pour(long sand, float x, float y, float z);
 
   /**
-   * Hands over the image of Frame.acquireCameraImage(), until the next call of frame, after which it may be closed.
+   * Hands over the image of Frame.acquireCameraImage(), until the next call of frame, after which it may be closed. Only
+   * while camera.getTrackingState() is TRACKING: poses are wrong else.
    *
    * @param planes the three buffers of image.getPlanes(), which are direct
    * @param strides row and pixel stride of each plane
    * @param lens focal length x, y and principal point x, y of camera.getImageIntrinsics()
    * @param pose rotation x, y, z, w and translation of camera.getPose(): that of the image as stored, not the display's
    * @param exposure of the function below
-   * @return false for a layout that the library does not read
+   * @return false for an image that the library does not read
    */
   public static native boolean image(long sand, ByteBuffer[] planes, int[] strides, int width, int height, long timestampNs,
                                      float[] lens, float[] pose, float exposure);

@@ -6,7 +6,6 @@
 #include <iterator>
 #include <memory>
 
-#include "camera_planes.h"
 #include "performance.h"
 #include "sand.h"
 
@@ -111,9 +110,13 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_image(JNIEnv* env, jcl
   env->GetIntArrayRegion(strides, 0, 6, of_planes);
   env->GetFloatArrayRegion(lens, 0, 4, of_lens);
   env->GetFloatArrayRegion(pose, 0, 7, of_pose);
-  const int32_t rows[3] = {of_planes[0], of_planes[2], of_planes[4]};
-  const int32_t pixels[3] = {of_planes[1], of_planes[3], of_planes[5]};
   s->image = sandglass::camera_image();
+  s->image.format = SANDGLASS_CAMERA_I420;
+  s->image.chroma_step = static_cast<uint32_t>(of_planes[3]);
+  for (int i = 0; i < 3; ++i) {
+    s->image.planes[i] = bytes[i];
+    s->image.strides[i] = of_planes[2 * i];
+  }
   s->image.width = static_cast<uint32_t>(width);
   s->image.height = static_cast<uint32_t>(height);
   s->image.timestamp_ns = static_cast<uint64_t>(timestamp_ns);
@@ -124,8 +127,7 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_image(JNIEnv* env, jcl
   for (int k = 0; k < 4; ++k) s->image.orientation[k] = of_pose[k];
   for (int k = 0; k < 3; ++k) s->image.position[k] = of_pose[4 + k];
   s->image.exposure = exposure;
-  s->image.turn_deg = SANDGLASS_TURN_FROM_POSE;  // it is stored in landscape; the library finds which way is up
-  return s->seen = sample::set_yuv_planes(bytes, rows, pixels, &s->image);
+  return s->seen = sandglass_camera_check(&s->image, nullptr) == SANDGLASS_OK;
 }
 
 JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_frame(JNIEnv* env, jclass, jlong handle, jdouble seconds,

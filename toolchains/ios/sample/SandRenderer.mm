@@ -50,7 +50,7 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   image.height = static_cast<uint32_t>(CVPixelBufferGetHeightOfPlane(pixels, 0));
   for (size_t plane = 0; plane < 2; ++plane) {
     image.planes[plane] = static_cast<const uint8_t *>(CVPixelBufferGetBaseAddressOfPlane(pixels, plane));
-    image.strides[plane] = static_cast<uint32_t>(CVPixelBufferGetBytesPerRowOfPlane(pixels, plane));
+    image.strides[plane] = static_cast<int32_t>(CVPixelBufferGetBytesPerRowOfPlane(pixels, plane));
   }
   const simd_float3x3 intrinsics = frame.camera.intrinsics;
   image.focal_x = intrinsics.columns[0].x, image.focal_y = intrinsics.columns[1].y;
@@ -61,7 +61,6 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   sandglass_camera_orientation(matrix_to_world, image.orientation);
   for (int k = 0; k < 3; ++k) image.position[k] = matrix_to_world[12 + k];
   image.exposure = exposure_of(frame);
-  image.turn_deg = SANDGLASS_TURN_FROM_POSE;
   image.timestamp_ns = static_cast<uint64_t>(1e9 * frame.timestamp);
   return image;
 }
@@ -109,7 +108,10 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   _last = frame.timestamp;
   CVPixelBufferLockBaseAddress(frame.capturedImage, kCVPixelBufferLock_ReadOnly);
   const sandglass_camera_image seen = camera_image(frame);
-  const sandglass_frame_report report = _sand.frame(step, thermal_headroom(), static_cast<sandglass_grain *>(grains.contents), &seen);
+  // While ARKit relocalises, poses are those of another frame: an image would light the room from the wrong side.
+  const bool tracked = frame.camera.trackingState == ARTrackingStateNormal;
+  const sandglass_frame_report report =
+      _sand.frame(step, thermal_headroom(), static_cast<sandglass_grain *>(grains.contents), tracked ? &seen : NULL);
   CVPixelBufferUnlockBaseAddress(frame.capturedImage, kCVPixelBufferLock_ReadOnly);
 
   const simd_float4x4 projection = [frame.camera projectionMatrixForOrientation:upright viewportSize:view.bounds.size zNear:0.05 zFar:50];

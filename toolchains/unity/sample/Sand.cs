@@ -25,7 +25,8 @@ public unsafe class Sand : MonoBehaviour {
   sandglass_room* room;
   sandglass_room_light shown;  // as it is drawn
   GraphicsBuffer grains;
-  float exposure;  // of the newest frame; 0: unknown
+  sandglass_camera_image screen;  // the last image; its planes are gone
+  float exposure;                 // of the newest frame; 0: unknown
 
   static void Check(int status, byte* reason) {
     if (status != Native.SANDGLASS_OK) throw new InvalidOperationException(Native.Text(reason));
@@ -77,9 +78,10 @@ public unsafe class Sand : MonoBehaviour {
     exposure = told ? (float)(seconds * iso / 100) : 0;
   }
 
-  // False where the library does not read the layout.
+  // False where the library does not read the layout, and while poses are wrong: after an interruption, say.
   bool Describe(XRCpuImage held, sandglass_camera_image* image) {
     XRCameraIntrinsics lens;
+    if (ARSession.state != ARSessionState.SessionTracking || ARSession.notTrackingReason != NotTrackingReason.None) return false;
     if (!cameraManager.TryGetIntrinsics(out lens)) return false;
     Native.sandglass_camera_image_default(image);
     image->width = (uint)held.width;
@@ -100,25 +102,26 @@ public unsafe class Sand : MonoBehaviour {
     image->orientation[2] = pose.z;
     image->orientation[3] = pose.w;
     image->pose_is_upright = 1;
+    image->turn_deg = 0;
     switch (Screen.orientation) {  // the sensor lies in landscape
       case ScreenOrientation.Portrait: image->turn_deg = 90; break;
       case ScreenOrientation.LandscapeRight: image->turn_deg = 180; break;
       case ScreenOrientation.PortraitUpsideDown: image->turn_deg = 270; break;
     }
-    // ARKit's two planes are NV12. Android's three are NV12, NV21 or I420; their pixel stride and order show which.
-    XRCpuImage.Plane y = held.GetPlane(0), u = held.GetPlane(1), v = u;
-    if (held.format == XRCpuImage.Format.AndroidYuv420_888) v = held.GetPlane(2);
-    else if (held.format != XRCpuImage.Format.IosYpCbCr420_8BiPlanarFullRange) return false;
-    byte* first = Bytes(u), second = Bytes(v);
+    // ARKit's two planes are NV12. Android's three are I420, whose chroma may lie in pairs.
+    bool android = held.format == XRCpuImage.Format.AndroidYuv420_888;
+    if (!android && held.format != XRCpuImage.Format.IosYpCbCr420_8BiPlanarFullRange) return false;
+    XRCpuImage.Plane y = held.GetPlane(0), u = held.GetPlane(1), v = android ? held.GetPlane(2) : u;
+    image->format = android ? Native.SANDGLASS_CAMERA_I420 : Native.SANDGLASS_CAMERA_NV12;
+    image->chroma_step = android ? (uint)u.pixelStride : 0;
     image->planes_0 = Bytes(y);
-    image->planes_1 = second == first - 1 ? second : first;
-    image->planes_2 = u.pixelStride == 1 ? second : null;
-    image->strides[0] = (uint)y.rowStride;
-    image->strides[1] = (uint)u.rowStride;
-    image->strides[2] = (uint)v.rowStride;
-    image->format = u.pixelStride == 1 ? Native.SANDGLASS_CAMERA_I420
-                    : second == first - 1 ? Native.SANDGLASS_CAMERA_NV21 : Native.SANDGLASS_CAMERA_NV12;
-    return u.pixelStride == 1 || second == first || second == first + 1 || second == first - 1;
+    image->planes_1 = Bytes(u);
+    image->planes_2 = Bytes(v);
+    image->strides[0] = y.rowStride;
+    image->strides[1] = u.rowStride;
+    image->strides[2] = v.rowStride;
+    screen = *image;
+    return true;
   }
 
   static byte* Bytes(XRCpuImage.Plane plane) { return (byte*)NativeArrayUnsafeUtility.GetUnsafeReadOnlyPtr(plane.data); }
@@ -164,21 +167,26 @@ public unsafe class Sand : MonoBehaviour {
   sandglass_unity_light Light() {
     var known = new sandglass_room_light();
     known.struct_size = (uint)sizeof(sandglass_room_light);
-    Vector3 place = transform.position;
-    place.z = -place.z;
     byte* reason;
+    sandglass_room_place place;
+    Native.sandglass_room_place_default(&place);
+    place.position[0] = transform.position.x;
+    place.position[1] = transform.position.y;
+    place.position[2] = -transform.position.z;
     var lighting = new sandglass_lighting();
     lighting.struct_size = (uint)sizeof(sandglass_lighting);
     var unity = new sandglass_unity_light();
     unity.struct_size = (uint)sizeof(sandglass_unity_light);
-    Check(Native.sandglass_room_get(room, &place.x, null, &known, &reason), reason);
-    fixed (sandglass_room_light* light = &shown) {
+    float scale;
+    fixed (sandglass_room_light* light = &shown)
+    fixed (sandglass_camera_image* image = &screen) {
+      place.shown = light;
+      Check(Native.sandglass_room_get(room, &place, &known, &reason), reason);
       Native.sandglass_room_fade(light, &known, Time.deltaTime);
       Check(Native.sandglass_lighting_of_room(light, &lighting, &reason), reason);
+      scale = Native.sandglass_room_exposure(light, image);  // of the image on the screen
     }
     Check(Native.sandglass_lighting_to_unity(&lighting, Native.SANDGLASS_LIGHTING_AMBIENT, &unity, &reason), reason);
-    // Radiance in the scale of the image on the screen, where the system tells exposures.
-    float scale = exposure > 0 && shown.white > 0 ? exposure * shown.white : 1;
     unity.intensity *= scale;
     for (int i = 0; i < 27; ++i) unity.sh[i] *= scale;
     return unity;

@@ -1,0 +1,231 @@
+// What happens to a phone in a day: lamps switched off and on, a finger over the lens, the flash lamp, metadata that come
+// late, clocks that are wrong, lamps at the zenith. The room is known, so is what must come out.
+#include <string>
+
+#include "made_up_room.h"
+
+namespace sandglass {
+namespace {
+
+double level_of(const sandglass_room_light& light) { return static_cast<double>(light.irradiance[1] * light.white); }
+Direction main_of(const sandglass_room_light& l) {
+  return {static_cast<double>(l.main_direction[0]), static_cast<double>(l.main_direction[1]),
+          static_cast<double>(l.main_direction[2])};
+}
+
+// Walls with a pattern, and a lamp.
+double patterned(Direction d) {
+  const double wall = 0.2 + 0.1 * std::sin(5 * d.x + 1) * std::cos(4 * d.z) + (d.y < 0 ? -0.06 : 0.05 * d.y);
+  return angle_deg(d, towards(40, 55)) < 6 ? 12.0 : wall;
+}
+
+// A camera that brings the mean of its images to 0.18, by a share of the way in each: ten images a second.
+class AdaptingPhone {
+ public:
+  explicit AdaptingPhone(double speed) : speed_(speed) {}
+  MadeUpRoom room;
+
+  void see(const Radiance& radiance, double azimuth, double elevation) {
+    now_ += 100'000'000;
+    const Photograph p = photograph(radiance, azimuth, elevation, gain_, now_);
+    room.show(p.image);
+    double sum = 0;
+    for (const uint8_t byte : p.bytes) sum += std::pow(byte / 255.0, 2.2);
+    const double wanted = gain_ * 0.18 / std::max(sum / static_cast<double>(p.bytes.size()), 1e-3);
+    gain_ += speed_ * (std::clamp(wanted, 0.02, 8.0) - gain_);
+  }
+  void look_around() {
+    for (int i = 0; i < 150; ++i) see(patterned, 7.2 * i, 60 * std::sin(i / 15.0));
+    rest(patterned, 20);
+  }
+  // It looks at floor and wall.
+  void rest(const Radiance& radiance, int images) {
+    for (int i = 0; i < images; ++i) see(radiance, 200, -20);
+  }
+  double level() const { return level_of(room.light()); }
+
+ private:
+  double speed_, gain_ = 0.7;
+  uint64_t now_ = 1;
+};
+
+TEST(RoomDay, LampsThatComeBackGiveWhatTheyGave) {
+  for (const double part : {0.4, 0.1, 0.03})
+    for (const double speed : {0.0, 0.7, 0.2}) {
+      SCOPED_TRACE(std::to_string(part) + " " + std::to_string(speed));
+      const Radiance dim = [part](Direction d) { return part * patterned(d); };
+      AdaptingPhone phone(speed);
+      phone.look_around();
+      const double before = phone.level();
+      for (int turn = 0; turn < 3; ++turn) {
+        phone.rest(dim, 40);
+        EXPECT_NEAR(phone.level() / before, part, 0.1 * part);
+        phone.rest(patterned, 15);
+        EXPECT_NEAR(phone.level() / before, 1, 0.05);
+      }
+    }
+}
+
+// A finger's red glow; a grey cloth; black; white; a flash lamp, which lights what is below and near.
+TEST(RoomDay, WhatCoversTheLensTeachesNothing) {
+  const Radiance covers[] = {[](Direction d) { return 0.02 + 0.008 * d.x; }, [](Direction) { return 0.0; },
+                             [](Direction) { return 400.0; },
+                             [](Direction d) { return patterned(d) * (d.y < 0 ? 1 - 3 * d.y : 1); }};
+  for (int k = 0; k < 4; ++k) {
+    SCOPED_TRACE(k);
+    AdaptingPhone phone(0.5);
+    phone.look_around();
+    const double before = phone.level();
+    const Direction lamp = main_of(phone.room.light());
+    phone.rest(covers[k], 20);
+    if (k < 3) {
+      EXPECT_NEAR(phone.level() / before, 1, 0.02);
+    }
+    phone.rest(patterned, 20);
+    EXPECT_NEAR(phone.level() / before, 1, 0.05);
+    EXPECT_LT(angle_deg(main_of(phone.room.light()), lamp), 2);
+  }
+}
+
+// The light, in the terms of the image on the screen, does not care when the system begins to tell exposures.
+TEST(RoomDay, ExposuresMayComeLateAndBeMissing) {
+  const auto drawn = [](bool (*missing)(int)) {
+    MadeUpRoom room;
+    double sum = 0;
+    for (int i = 0; i < 60; ++i) {
+      const double gain = i < 30 ? 1.0 : 0.5;
+      Photograph p = photograph(patterned, 12.0 * i, 10, gain, 1 + 100'000'000ull * static_cast<uint64_t>(i));
+      p.image.exposure = missing(i) ? 0.0f : static_cast<float>(0.08 * gain);
+      room.show(p.image);
+      const sandglass_room_light light = room.light();
+      const float scale = sandglass_room_exposure(&light, &p.image);
+      if (i == 29 || i == 59) sum += static_cast<double>(light.irradiance[1] * scale) / gain;
+    }
+    return sum;
+  };
+  const double always = drawn([](int) { return false; });
+  EXPECT_NEAR(drawn([](int i) { return i == 0; }) / always, 1, 0.05);
+  EXPECT_NEAR(drawn([](int i) { return i < 10; }) / always, 1, 0.05);
+  EXPECT_NEAR(drawn([](int i) { return i % 10 == 5; }) / always, 1, 0.05);
+}
+
+// What is shown goes on over a reset, and over the first exposure that is told.
+TEST(RoomDay, WhatIsShownStaysOverAResetAndTheFirstExposure) {
+  MadeUpRoom room;
+  sandglass_room_light known = room.light(), shown = known;
+  double last = 0;
+  for (int i = 0; i < 90; ++i) {
+    if (i == 60) sandglass_room_reset(room.handle());
+    Photograph p = photograph(patterned, 4.0 * i, 10, 1, 1 + 100'000'000ull * static_cast<uint64_t>(i));
+    p.image.exposure = i < 30 ? 0.0f : 0.08f;
+    if (i < 60 || i > 65) room.show(p.image);
+    known = room.light();
+    sandglass_room_fade(&shown, &known, 1.0f / 30);
+    const double level = static_cast<double>(shown.irradiance[1] * sandglass_room_exposure(&shown, &p.image));
+    if (i > 0) {
+      EXPECT_NEAR(level / last, 1, 0.07) << i;
+    }
+    last = level;
+  }
+}
+
+// A short image is for lamps alone: what is drawn over ordinary images is as bright as before, and over the short one as
+// dark as that is.
+TEST(RoomDay, AShortImageBelongsToItself) {
+  MadeUpRoom room;
+  room.look_everywhere(patterned);
+  const sandglass_room_light before = room.light();
+  room.look(patterned, 200, -20, 1.0 / 64);
+  const sandglass_room_light after = room.light();
+  EXPECT_NEAR(after.irradiance[1] / before.irradiance[1], 1, 0.02);
+  const Photograph ordinary = photograph(patterned, 200, -20, 1, 1);
+  const Photograph dark = photograph(patterned, 200, -20, 1.0 / 64, 1);
+  EXPECT_NEAR(sandglass_room_exposure(&after, &ordinary.image), 1, 1e-5);
+  EXPECT_NEAR(sandglass_room_exposure(&after, &dark.image), 1.0 / 64, 1e-6);
+}
+
+// Lamps at every height, of many widths. A share of 0.6 of the floor's light.
+TEST(RoomDay, ALampAtTheZenithIsFound) {
+  for (const double elevation : {15.0, 38.0, 62.0, 84.4, 90.0})
+    for (const double radius : {2.0, 5.0, 11.0}) {
+      SCOPED_TRACE(std::to_string(elevation) + " " + std::to_string(radius));
+      const double wall = 0.3, sine = std::sin(degrees(radius));
+      const Direction lamp = towards(128, elevation);
+      const double radiance = wall + wall * 0.6 / 0.4 / (sine * sine * lamp.y);
+      const Radiance lit = lamp_room(lamp, radius, radiance, wall);
+      MadeUpRoom room;
+      room.look_everywhere(lit);
+      for (int i = 0; i < 30; ++i) {
+        room.look(lit, 128 + 12 * i, elevation - 8);
+        room.look(lit, 128 + 12 * i, elevation - 8, 0.9 / radiance);
+      }
+      for (int i = 0; i < 30; ++i) room.look(lit, 128, elevation - 8, i % 2 == 0 ? 1.0 : 0.9 / radiance);
+      const sandglass_room_light light = room.light();
+      EXPECT_NEAR(light.main_share, 0.6, 0.05);
+      EXPECT_NEAR(level_of(light) / (std::numbers::pi * wall / 0.4), 1, 0.1);
+      // A low and wide lamp gives the floor more light by its upper half.
+      EXPECT_LT(angle_deg(main_of(light), lamp), elevation < 20 && radius > 10 ? 4 : 3);
+    }
+}
+
+// Of two lamps that are equal the one that is shown stays. The control: without `shown` each image may choose another.
+TEST(RoomDay, OfTwoEqualLampsOneStays) {
+  const Direction lamps[] = {towards(60, 50), towards(240, 50)};
+  int changes[2] = {};
+  for (const bool told : {false, true}) {
+    MadeUpRoom room;
+    sandglass_room_light shown = room.light();
+    Direction last = {};
+    for (int i = 0; i < 200; ++i) {
+      const Radiance radiance = [&](Direction d) {
+        return angle_deg(d, lamps[0]) < 6 || angle_deg(d, lamps[1]) < 6 ? 30.0 : 0.2;
+      };
+      room.look(radiance, 9.0 * i, 35 + 20 * std::sin(i / 9.0), i % 3 == 0 ? 1.0 / 64 : 1.0);
+      const sandglass_room_light now = room.light(0, 0, 0, nullptr, told ? &shown : nullptr);
+      sandglass_room_fade(&shown, &now, 0.1f);
+      if (i > 80 && angle_deg(main_of(now), last) > 20) ++changes[told ? 1 : 0];
+      last = main_of(now);
+    }
+  }
+  EXPECT_GT(changes[0], 3);
+  EXPECT_LE(changes[1], 1);
+}
+
+TEST(RoomDay, ClocksThatAreWrongAgeNothingAndAreTold) {
+  const Radiance even = [](Direction) { return 0.3; };
+  const auto offer = [&](MadeUpRoom& room, double azimuth, double elevation, uint64_t ns) {
+    const Photograph p = photograph(even, azimuth, elevation, 1, ns);
+    const char* reason = nullptr;
+    const sandglass_status status = sandglass_room_set_image(room.handle(), &p.image, nullptr, &reason);
+    if (status != SANDGLASS_OK) {
+      EXPECT_NE(std::string(reason).find("nanoseconds"), std::string::npos);
+    }
+    return status == SANDGLASS_OK;
+  };
+  // A kiosk that has run for 25 days forgets as it did on its first: by half in a half-life.
+  MadeUpRoom kiosk(10.0f);
+  offer(kiosk, 0, 20, 1);
+  constexpr uint64_t k_day = 86'400'000'000'000;
+  offer(kiosk, 0, 20, 25 * k_day);
+  const float before = kiosk.light().seen;
+  for (uint64_t i = 1; i <= 100; ++i) offer(kiosk, 0, -80, 25 * k_day + i * 100'000'000);
+  EXPECT_NEAR(kiosk.light().seen, 0.5f * before, 0.05f * before);
+  // One stamp of the far future: what was seen stays, and ages on.
+  MadeUpRoom bogus(10.0f);
+  for (uint64_t i = 1; i <= 20; ++i) offer(bogus, 0, 20, i * 100'000'000);
+  const float there = bogus.light().seen;
+  offer(bogus, 0, -80, 0xffffffffffff0000ull);
+  EXPECT_GT(bogus.light().seen, 0.9f * there);
+  for (uint64_t i = 21; i <= 125; ++i) offer(bogus, 0, -80, i * 100'000'000);
+  EXPECT_LT(bogus.light().seen, 0.5f * there);
+  // Microseconds or milliseconds are told within a second of a session; nanoseconds are not.
+  for (const uint64_t step : {33'333ull, 33ull, 33'333'333ull}) {
+    MadeUpRoom room;
+    bool all = true;
+    for (uint64_t i = 1; i <= 30; ++i) all = offer(room, 0, 0, i * step) && all;
+    EXPECT_EQ(all, step > 1'000'000) << step;
+  }
+}
+
+}  // namespace
+}  // namespace sandglass
