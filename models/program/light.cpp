@@ -50,6 +50,7 @@ int light_command(const LightOptions& options) {
   for (size_t i = 0; i < pictures.size() && !interrupted(); ++i) {
     sandglass_camera_image image = camera_image_of(pictures[i], options.fov_deg);
     image.pose_is_upright = 1;
+    image.turn_deg = 0;
     sandglass_light_estimate world;
     try {
       world = light.estimate(image);

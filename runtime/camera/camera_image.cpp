@@ -64,8 +64,7 @@ void camera_to_world(const CameraImage& image, const double camera[3], double wo
   rotate(rotation, local, world);
 }
 
-void camera_pixel(const CameraImage& image, uint32_t x, uint32_t y, uint8_t rgb[3]) {
-  const CameraLayout at = camera_layout(image);
+void camera_pixel(const CameraImage& image, const CameraLayout& at, uint32_t x, uint32_t y, uint8_t rgb[3]) {
   const bool yuv = is_yuv(image.format);
   uint8_t channels[3];
   for (int c = 0; c < 3; ++c) {

@@ -17,9 +17,6 @@ CameraImage with_turn(const CameraImage& image, uint32_t last = SANDGLASS_TURN_F
 // From the upright camera's frame (x right, y down, z forward) to the world's.
 void camera_to_world(const CameraImage& image, const double camera[3], double world[3]);
 
-// One pixel of the stored image, sRGB. x and y lie within it.
-void camera_pixel(const CameraImage& image, uint32_t x, uint32_t y, uint8_t rgb[3]);
-
 inline bool is_yuv(sandglass_camera_format format) {
   return format >= SANDGLASS_CAMERA_NV12 && format != SANDGLASS_CAMERA_BGRA;
 }
@@ -30,6 +27,9 @@ struct CameraLayout {
   uint32_t plane[3], step[3], offset[3];  // of a channel; bytes from pixel to pixel, and from a pixel's first byte
 };
 CameraLayout camera_layout(const CameraImage& image);
+
+// One pixel of the stored image, sRGB. x and y lie within it.
+void camera_pixel(const CameraImage& image, const CameraLayout& layout, uint32_t x, uint32_t y, uint8_t rgb[3]);
 
 inline uint8_t clamped_byte(int32_t value) { return static_cast<uint8_t>(value < 0 ? 0 : value > 255 ? 255 : value); }
 

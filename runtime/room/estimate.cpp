@@ -60,14 +60,22 @@ struct Overview {
   double floor;      // mean luminance of what lies below; 0: not seen
 };
 
-// What counts of each part: the share that was seen, as far as it is remembered, or that a probe shows.
+// What counts of each part: the share that the camera has seen, as far as it is remembered, and what a probe adds.
 struct Memory {
   double seen[k_room_parts];
-  double probe_scale[3];
+  double confidence, probe_scale[3];
+
+  double with_probe(double share) const { return share + (1 - share) * confidence; }
+  double known(uint32_t i) const { return with_probe(seen[i]); }
 };
 void remember(const Room& room, Memory* memory) {
-  room_probe_scale(room, memory->probe_scale);
-  for (uint32_t i = 0; i < k_room_parts; ++i) (void)room_known(room, i, memory->probe_scale, &memory->seen[i]);
+  memory->confidence = room.probe != nullptr ? room.probe->confidence : 0;
+  if (memory->confidence > 0) room_probe_scale(room, memory->probe_scale);
+  for (uint32_t i = 0; i < k_room_parts; ++i)
+    memory->seen[i] = static_cast<double>(room.parts[i].seen) * room_memory(room, room.parts[i]);
+}
+RoomPart part_of(const Room& room, const Memory& memory, uint32_t i) {
+  return memory.confidence > 0 ? room_known(room, i, memory.probe_scale, memory.seen[i]) : room.parts[i];
 }
 
 Overview overview_of(const Room& room, const Memory& memory) {
@@ -76,9 +84,8 @@ Overview overview_of(const Room& room, const Memory& memory) {
     solid_angles[row] = sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin;
   double mean = 0, area = 0, colour[3] = {}, floor = 0, floor_area = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
-    double share;
-    const RoomPart part = room_known(room, i, memory.probe_scale, &share);
-    const double weight = memory.seen[i] * solid_angles[i / k_room_columns], y = luminance(part.radiance);
+    const RoomPart part = part_of(room, memory, i);
+    const double weight = memory.known(i) * solid_angles[i / k_room_columns], y = luminance(part.radiance);
     mean += weight * y;
     area += weight;
     // A lamp does not colour the rest: each part counts by the root of its brightness.
@@ -91,9 +98,8 @@ Overview overview_of(const Room& room, const Memory& memory) {
   const double least = k_darkest * mean / area;
   double logarithms = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
-    double share;
-    const RoomPart part = room_known(room, i, memory.probe_scale, &share);
-    const double weight = memory.seen[i] * solid_angles[i / k_room_columns], y = luminance(part.radiance);
+    const RoomPart part = part_of(room, memory, i);
+    const double weight = memory.known(i) * solid_angles[i / k_room_columns], y = luminance(part.radiance);
     if (weight > 0) logarithms += weight * logarithm(y > least ? y : least);
   }
   all.level = exponential(logarithms / area);
@@ -130,48 +136,43 @@ uint32_t cell_of(const double direction[3], double yaw) {
   return ring * k_cell_sectors + sector;
 }
 
-// What a part sends out.
-struct Shown {
-  double colour[3];          // beside the geometric mean
-  double seen;               // share of the part that was seen
-  double from_seen;          // share of the luminance that comes from there
-  double clipped;            // share of the pixels that were clipped
-  double lasting, luminous;  // share that was seen, if that lasts; luminance then
-};
-
-// A part as it is known, and the shares of it that count as seen: now, and for the level.
+// A part as it is known: what it sends out where it was seen, beside the geometric mean, and the shares of it that count
+// as seen, now and for the level.
 struct KnownPart {
-  RoomPart part;
+  double lit[3], bright;  // bright: luminance of `lit`
+  double clipped;         // share of the pixels that were clipped
   double seen, lasting;
+  double up, aside;  // how its light is tilted
 };
 
-KnownPart known_part(const Room& room, const Memory& memory, uint32_t i) {
-  KnownPart known;
-  known.part = room_known(room, i, memory.probe_scale, &known.seen);
-  const double lasting =
-      static_cast<double>(room.parts[i].seen) * square_root(square_root(room_memory(room, room.parts[i])));
-  const double probe = room.probe != nullptr ? room.probe->confidence : 0;
-  known.lasting = lasting + (1 - lasting) * probe;
-  return known;
-}
+double bounded_tilt(double k) { return k < -1 ? -1 : k > 1 ? 1 : k; }
 
-// `tilt`: how much more of its light comes from this piece of the part than from all of them.
-Shown shown_by(const KnownPart& known, double tilt, double unseen, const RoomModel& model, const Overview& all) {
-  Shown shown = {{}, known.seen, 0, static_cast<double>(known.part.clipped), known.lasting, 0};
-  double lit[3];
-  for (int c = 0; c < 3; ++c) {
-    lit[c] = static_cast<double>(known.part.radiance[c]) * (1 + model.boost * shown.clipped) * tilt / all.level;
-    shown.colour[c] = known.seen * lit[c] + (1 - known.seen) * unseen * all.colour[c];
-  }
-  const double luminous = luminance(shown.colour), from_seen = luminance(lit);
-  shown.from_seen = luminous > 0 ? known.seen * from_seen / luminous : 0;
-  shown.luminous = known.lasting * from_seen + (1 - known.lasting) * unseen;  // the mean colour has luminance 1
-  return shown;
+// The pieces of a part lie at -2/3, 0 and 2/3 of the way to its edge, and at -1/2 and 1/2. Weights of 1 + k times a third
+// or a half of that move the light's middle by 4/9 k and 1/2 k; none is below 0.
+static_assert(k_row_split == 3 && k_column_split == 2);
+constexpr double k_up = 9.0 / 4 / 127, k_aside = 2.0 / 127;
+
+KnownPart known_part(const Room& room, const Memory& memory, uint32_t i, const RoomModel& model, const Overview& all) {
+  const RoomPart part = part_of(room, memory, i);
+  const auto ever = static_cast<double>(room.parts[i].seen), clipped = static_cast<double>(part.clipped);
+  const double lasting = ever > 0 ? ever * square_root(square_root(memory.seen[i] / ever)) : 0;
+  const double times = (1 + model.boost * clipped) / all.level;
+  return {{times * static_cast<double>(part.radiance[0]), times * static_cast<double>(part.radiance[1]),
+           times * static_cast<double>(part.radiance[2])},
+          times * luminance(part.radiance),
+          clipped,
+          memory.known(i),
+          memory.with_probe(lasting),
+          bounded_tilt(k_up * part.up),
+          bounded_tilt(k_aside * part.aside)};
 }
 
 // One piece of a part, from the sphere to the object.
 void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3], double area, const double at[3],
-               const Shown& shown) {
+               const KnownPart& part, double tilt, const double unseen[3]) {
+  const double seen_share = part.seen * tilt, rest = 1 - part.seen;
+  const double colour[3] = {seen_share * part.lit[0] + rest * unseen[0], seen_share * part.lit[1] + rest * unseen[1],
+                            seen_share * part.lit[2] + rest * unseen[2]};
   double q[3], along = 0, squared = 0;
   for (int k = 0; k < 3; ++k) q[k] = sphere[k] - at[k], along += sphere[k] * at[k], squared += q[k] * q[k];
   const double distance = square_root(squared), omega = area * (1 - along) / (squared * distance);
@@ -181,31 +182,24 @@ void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3
   double polynomials[k_harmonics];
   harmonic_polynomials(world, polynomials);
   for (uint32_t j = 0; j < k_harmonics; ++j)
-    for (uint32_t c = 0; c < 3; ++c)
-      sums->sh[3 * j + c] += omega * k_harmonic_factors[j] * polynomials[j] * shown.colour[c];
+    for (uint32_t c = 0; c < 3; ++c) sums->sh[3 * j + c] += omega * k_harmonic_factors[j] * polynomials[j] * colour[c];
   if (!(world[1] > 0)) return;
   const double facing = omega * world[1];
   const uint32_t cell = cell_of(local, yaw);
-  for (uint32_t c = 0; c < 3; ++c) sums->cells[cell][c] += facing * shown.colour[c];
-  const double seen = shown.from_seen * facing * luminance(shown.colour);
+  for (uint32_t c = 0; c < 3; ++c) sums->cells[cell][c] += facing * colour[c];
+  const double seen = facing * seen_share * part.bright;
   sums->even[cell] += facing;
-  sums->lasting[cell] += facing * shown.luminous;
-  sums->all_lasting += facing * shown.lasting;
+  sums->lasting[cell] += facing * (part.lasting * tilt * part.bright + (1 - part.lasting) * luminance(unseen));
+  sums->all_lasting += facing * part.lasting;
   sums->seen[cell] += seen;
   for (int k = 0; k < 3; ++k) {
     sums->moments[cell][k] += seen * world[k];
     sums->even_moments[cell][k] += facing * world[k];
   }
   sums->all_even += facing;
-  sums->all_seen += shown.seen * facing;
-  sums->clipped += shown.clipped * seen;
+  sums->all_seen += part.seen * facing;
+  sums->clipped += part.clipped * seen;
 }
-
-// The pieces of a part lie at -2/3, 0 and 2/3 of the way to its edge, and at -1/2 and 1/2. Weights of 1 + k times a third
-// or a half of that move the light's middle by 4/9 k and 1/2 k; none is below 0.
-static_assert(k_row_split == 3 && k_column_split == 2);
-constexpr double k_up = 9.0 / 4 / 127, k_aside = 2.0 / 127;
-double bounded_tilt(double k) { return k < -1 ? -1 : k > 1 ? 1 : k; }
 
 void sum_up(const Room& room, const Memory& memory, const RoomModel& model, const Overview& all, const Hint& hint,
             const double at[3], Sums* sums) {
@@ -222,7 +216,7 @@ void sum_up(const Room& room, const Memory& memory, const RoomModel& model, cons
     const double below = sin_cos_turns(middle - third).cos, above = sin_cos_turns(middle + third).cos;
     const double upper = (above - below) / (above + below + sin_cos_turns(middle).cos);
     for (uint32_t i = 0; i < k_room_columns && row % k_row_split == 0; ++i)
-      known[i] = known_part(room, memory, row / k_row_split * k_room_columns + i);
+      known[i] = known_part(room, memory, row / k_row_split * k_room_columns + i, model, all);
     for (uint32_t i = 0; i < k_columns; ++i) {
       const double sphere[3] = {elevation.cos * azimuths[i].cos, elevation.sin, elevation.cos * azimuths[i].sin};
       double agreement = 0;
@@ -230,10 +224,10 @@ void sum_up(const Room& room, const Memory& memory, const RoomModel& model, cons
       const double lobe = hint.weight > 0 ? hint.weight * exponential(k_lobe * (agreement - 1)) : 0;
       const double unseen = (sphere[1] > 0 ? model.fill : model.fill_below) * (1 + lobe);
       const KnownPart& part = known[i / k_column_split];
-      const double up = bounded_tilt(k_up * part.part.up), aside = bounded_tilt(k_aside * part.part.aside);
-      const double tilt = (1 + up * (static_cast<int>(row % k_row_split) - 1)) / (1 + up * upper) *
-                          (1 + aside * (i % k_column_split == 0 ? -1 : 1));
-      add_piece(sums, turn, room.yaw, sphere, k_area * elevation.cos, at, shown_by(part, tilt, unseen, model, all));
+      const double tilt = (1 + part.up * (static_cast<int>(row % k_row_split) - 1)) / (1 + part.up * upper) *
+                          (1 + part.aside * (i % k_column_split == 0 ? -1 : 1));
+      const double colour[3] = {unseen * all.colour[0], unseen * all.colour[1], unseen * all.colour[2]};
+      add_piece(sums, turn, room.yaw, sphere, k_area * elevation.cos, at, part, tilt, colour);
     }
   }
 }
@@ -347,7 +341,7 @@ void find_look(const Room& room, const Memory& memory, float look[3]) {
       for (uint32_t r = row - k_look_rows; r <= row + k_look_rows && r < k_room_rows; ++r)
         for (uint32_t c = 0; c <= 2 * k_look_columns; ++c) {
           const uint32_t at = (column + c + k_room_columns - k_look_columns) % k_room_columns;
-          gain += (1 - memory.seen[r * k_room_columns + at]) * facing[r];
+          gain += (1 - memory.known(r * k_room_columns + at)) * facing[r];
         }
       if (gain > most) most = gain, best = row * k_room_columns + column;
     }

@@ -31,7 +31,6 @@ constexpr double k_ticks = 2048;  // of a half-life, in the age of a part
 constexpr uint32_t k_oldest = 65535;
 // An image counts as taken at most a half-life after the one before; and where it is a day, the clock was another one.
 constexpr uint64_t k_day_ns = 86'400'000'000'000;
-constexpr double k_dim = 0.01;   // linear: bytes round what is darker
 constexpr double k_known = 0.3;  // share of a part from which on it counts as known
 // An image that was exposed so much shorter than the last, and is dark, is one of lamps.
 constexpr double k_short = 8.0, k_short_shows = 0.02;
@@ -62,15 +61,29 @@ double fraction(double x) { return x - static_cast<double>(floor_index(x)); }
 SinCos elevation_of(double row) { return sin_cos_turns((row / k_room_rows - 0.5) / 2); }
 SinCos azimuth_of(double column) { return sin_cos_turns(column / k_room_columns); }
 
+// An angle that is x radians greater, for |x| below 0.1: the series' next terms are below 1e-12.
+SinCos turned(const SinCos& angle, double x) {
+  const double y = x * x;
+  const double s = x * (1 - y * (1.0 / 6) * (1 - y * (1.0 / 20) * (1 - y * (1.0 / 42))));
+  const double c = 1 - y * 0.5 * (1 - y * (1.0 / 12) * (1 - y * (1.0 / 30) * (1 - y * (1.0 / 56))));
+  return {angle.sin * c + angle.cos * s, angle.cos * c - angle.sin * s};
+}
+
+// A part, and where its middle lies.
+struct PartMiddle {
+  uint32_t part;
+  SinCos elevation, azimuth;
+};
+
 void direction_of(const SinCos& elevation, const SinCos& azimuth, double direction[3]) {
   direction[0] = elevation.cos * azimuth.cos;
   direction[1] = elevation.sin;
   direction[2] = elevation.cos * azimuth.sin;
 }
 
-bool may_be_seen(const RoomView& view, const SinCos& elevation, uint32_t column) {
+bool may_be_seen(const RoomView& view, const PartMiddle& middle) {
   double direction[3], squared = 0, along = 0;
-  direction_of(elevation, azimuth_of(column + 0.5), direction);
+  direction_of(middle.elevation, middle.azimuth, direction);
   for (int k = 0; k < 3; ++k) {
     const double v = direction[k] - view.position[k];
     squared += v * v;
@@ -98,14 +111,17 @@ bool pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint
 }
 
 // Points of a part weigh by the area that each stands for: less towards the zenith.
-RoomObservation observe(const RoomView& view, uint32_t images, uint32_t row, uint32_t column, uint32_t points) {
+RoomObservation observe(const RoomView& view, uint32_t images, const PartMiddle& part, uint32_t points) {
   RoomObservation seen = {};
+  const CameraLayout layout = camera_layout(view.image);
+  const bool is_lamp = points == k_lamp_points;
   // Not the same in all columns: at the zenith they see the same lamp.
-  const double down = fraction((images + column) * k_step_row), across = fraction((images + column) * k_step_column);
+  const double step = images + part.part % k_room_columns, down = fraction(step * k_step_row);
+  const double across = fraction(step * k_step_column);
   SinCos elevations[k_lamp_points], azimuths[k_lamp_points];
   for (uint32_t i = 0; i < points; ++i) {
-    elevations[i] = elevation_of(row + (i + down) / points);
-    azimuths[i] = azimuth_of(column + (i + across) / points);
+    elevations[i] = turned(part.elevation, k_pi / k_room_rows * ((i + down) / points - 0.5));
+    azimuths[i] = turned(part.azimuth, 2 * k_pi / k_room_columns * ((i + across) / points - 0.5));
   }
   double area = 0, all = 0, white = 0, light = 0, middle[2] = {}, from[2] = {};
   for (uint32_t i = 0; i < points; ++i)
@@ -117,7 +133,7 @@ RoomObservation observe(const RoomView& view, uint32_t images, uint32_t row, uin
       uint32_t x, y;
       if (!pixel_of(view, direction, &x, &y)) continue;
       uint8_t rgb[3];
-      camera_pixel(view.image, x, y, rgb);
+      camera_pixel(view.image, layout, x, y, rgb);
       double linear[3];
       for (int c = 0; c < 3; ++c) {
         linear[c] = static_cast<double>(k_linear.value[rgb[c]]);
@@ -125,6 +141,7 @@ RoomObservation observe(const RoomView& view, uint32_t images, uint32_t row, uin
       }
       white += rgb[0] >= k_white || rgb[1] >= k_white || rgb[2] >= k_white ? weight : 0;
       area += weight;
+      if (!is_lamp) continue;
       const double shown = weight * luminance(linear), at[2] = {static_cast<double>(i), static_cast<double>(j)};
       light += shown;
       for (int k = 0; k < 2; ++k) {
@@ -152,17 +169,13 @@ int8_t towards(int8_t known, double now, float rate) {
   return static_cast<int8_t>(whole < -127 ? -127 : whole > 127 ? 127 : whole);
 }
 
-void learn(Room* room, uint32_t part) {
-  RoomPart* known = &room->parts[part];
+void learn(Room* room, const PartMiddle& part) {
+  RoomPart* known = &room->parts[part.part];
   const double memory = room_memory(*room, *known);
   if (room->view.lesson == RoomLesson::unknown && memory * static_cast<double>(known->seen) >= k_known) return;
   const bool is_bright = luminance(known->radiance) * room->light > room->scale;
-  const RoomObservation now = observe(room->view, room->images, part / k_room_columns, part % k_room_columns,
-                                      is_bright ? k_lamp_points : k_points);
+  const RoomObservation now = observe(room->view, room->images, part, is_bright ? k_lamp_points : k_points);
   if (!(now.covered > 0)) return;
-  // What a short image shows of a wall is a step or two of a byte.
-  const double bright = luminance(known->radiance) * room->light / room->view.scale;
-  if (room_remembers(*room, *known) && bright < k_dim && luminance(now.colour) < k_dim) return;
   const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
   float weight = known->weight * static_cast<float>(memory);
   weight = weight < k_weight_most ? weight : k_weight_most;
@@ -293,6 +306,7 @@ bool room_take_image(Room* room, const CameraImage& image) {
   view->image = with_turn(image);
   view->vote = {};
   view->lesson = RoomLesson::all;
+  view->sparse = room_is_steady(*room) && image.exposure > 0;
   place(*room, view);
   view->scale = room->exposure_known && image.exposure > 0 ? 1 / static_cast<double>(image.exposure) : room->scale;
   room->phase = RoomPhase::compare;
@@ -309,18 +323,22 @@ uint32_t room_units_left(const Room& room) {
 void room_run_unit(Room* room) {
   RoomView* view = &room->view;
   static_assert(k_room_unit_parts % k_room_columns == 0);
-  for (uint32_t end = room->cursor + k_room_unit_parts; room->cursor < end;) {
-    const uint32_t row = room->cursor / k_room_columns;
-    const SinCos elevation = elevation_of(row + 0.5);
-    for (uint32_t column = 0; column < k_room_columns; ++column, ++room->cursor) {
-      if (!may_be_seen(*view, elevation, column)) continue;
-      if (room->phase == RoomPhase::gather) {
-        learn(room, room->cursor);
-        continue;
-      }
-      const RoomObservation now = observe(*view, room->images, row, column, k_vote_points);
-      if (now.covered > 0) room_vote(room, room->cursor, now);
+  const uint32_t end = room->cursor + k_room_unit_parts;
+  SinCos azimuths[k_room_columns];
+  for (uint32_t column = 0; column < k_room_columns; ++column) azimuths[column] = azimuth_of(column + 0.5);
+  for (PartMiddle middle = {}; room->cursor < end; ++room->cursor) {
+    const uint32_t column = room->cursor % k_room_columns;
+    if (column == 0) middle.elevation = elevation_of(room->cursor / k_room_columns + 0.5);
+    middle.part = room->cursor;
+    middle.azimuth = azimuths[column];
+    if (!may_be_seen(*view, middle)) continue;
+    if (room->phase == RoomPhase::gather) {
+      learn(room, middle);
+      continue;
     }
+    if (view->sparse && (room->cursor + room->cursor / k_room_columns + room->images) % 2 != 0) continue;
+    const RoomObservation now = observe(*view, room->images, middle, k_vote_points);
+    if (now.covered > 0) room_vote(room, room->cursor, (view->sparse ? 2 : 1) * middle.elevation.cos, now);
   }
   if (room->cursor < k_room_parts) return;
   room->cursor = 0;

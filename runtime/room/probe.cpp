@@ -395,8 +395,8 @@ void room_drop_probe_unit(Room* room) {
 
 void room_probe_scale(const Room& room, double scale[3]) {
   const RoomProbe* probe = room.probe;
-  for (int c = 0; c < 3; ++c) scale[c] = probe == nullptr || room.images == 0 ? room.scale : 0;
-  if (probe == nullptr || room.images == 0) return;
+  for (int c = 0; c < 3; ++c) scale[c] = room.scale;
+  if (room.images == 0) return;
   double sum[3] = {}, area = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
     double ratio[3];
@@ -414,11 +414,8 @@ void room_probe_scale(const Room& room, double scale[3]) {
   }
 }
 
-RoomPart room_known(const Room& room, uint32_t i, const double scale[3], double* share) {
+RoomPart room_known(const Room& room, uint32_t i, const double scale[3], double seen) {
   RoomPart known = room.parts[i];
-  const double seen = static_cast<double>(known.seen) * room_memory(room, known);
-  *share = seen;
-  if (room.probe == nullptr || !(room.probe->confidence > 0)) return known;
   const RoomProbePart& probe = room.probe->parts[i];
   const double confidence = room.probe->confidence, probe_clipped = from_half(probe.clipped);
   double there[3], here[3], clipped = static_cast<double>(known.clipped);
@@ -430,10 +427,9 @@ RoomPart room_known(const Room& room, uint32_t i, const double scale[3], double*
     for (int c = 0; c < 3; ++c) here[c] += confidence * (there[c] - here[c]);
     clipped += confidence * (probe_clipped - clipped);
   }
-  const double rest = (1 - seen) * confidence;
-  *share = seen + rest;
-  for (int c = 0; c < 3; ++c) known.radiance[c] = room_bounded_radiance((seen * here[c] + rest * there[c]) / *share);
-  known.clipped = static_cast<float>((seen * clipped + rest * probe_clipped) / *share);
+  const double rest = (1 - seen) * confidence, all = seen + rest;
+  for (int c = 0; c < 3; ++c) known.radiance[c] = room_bounded_radiance((seen * here[c] + rest * there[c]) / all);
+  known.clipped = static_cast<float>((seen * clipped + rest * probe_clipped) / all);
   return known;
 }
 

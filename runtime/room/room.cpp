@@ -283,8 +283,8 @@ sandglass_status sandglass_room_get(const sandglass_room* room, const sandglass_
 }
 
 float sandglass_room_exposure(const sandglass_room_light* light, const sandglass_camera_image* image) {
-  if (light == nullptr || image == nullptr || light->struct_size < sizeof *light || image->struct_size != sizeof *image)
-    return 1.0f;
+  if (light == nullptr || image == nullptr) return 0.0f;
+  if (light->struct_size < sizeof *light || image->struct_size != sizeof *image) return 1.0f;
   const float exposure = image->exposure * light->white;
   return light->exposure_known != 0 && image->exposure > 0 && is_finite(exposure) ? exposure : 1.0f;
 }

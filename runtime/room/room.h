@@ -40,7 +40,7 @@ struct RoomObservation {
   double colour[3];  // linear, 1 is white
   double clipped;    // share of the points
   double covered;    // share of the points that are in the picture
-  double up, aside;  // where the light comes from, -1..1 from edge to edge
+  double up, aside;  // where the light of a lamp comes from, -1..1 from edge to edge; of all else 0
 };
 
 // How an image compares with what is remembered of the parts that it shows again. Weights are solid angles, 1 for a part
@@ -53,7 +53,7 @@ struct RoomVote {
   float more, less;                             // weights of what became brighter, or darker, by half or more
   float exact, known, known_squared, error,
       error_squared;         // weights; of logarithms of what is remembered, and of ratios
-  float red, blue;           // of ratios of red and blue, less that of green
+  float now[3], then[3];     // sums of colours that the image shows, and that are remembered
   float area, black, shown;  // all that is in the picture: its weight; what is black of it; luminance
 };
 
@@ -110,6 +110,7 @@ struct RoomView {
   double scale;            // radiance of a pixel of linear value 1
   double step;             // seconds since the image before
   RoomLesson lesson;
+  bool sparse;  // every other part votes, for its neighbour too; in the next image the others do
   RoomVote vote;
 };
 
@@ -153,9 +154,11 @@ bool room_remembers(const Room& room, const RoomPart& part);
 // The weight of a part in a vote: its solid angle, 1 on the horizon.
 double room_part_weight(uint32_t part);
 
-// One part of an image, beside what is remembered of it; and what all of them say.
-void room_vote(Room* room, uint32_t part, const RoomObservation& now);
+// One part of an image, beside what is remembered of it; and what all of them say. `area`: what its vote weighs.
+void room_vote(Room* room, uint32_t part, double area, const RoomObservation& now);
 void room_decide(Room* room);
+// Whether exposures are told and the light has not changed of late: then a few votes are enough.
+bool room_is_steady(const Room& room);
 
 void room_reset(Room* room);
 // Whether time stamps can be nanoseconds. Called for every image that is offered.
@@ -173,8 +176,8 @@ uint32_t room_probe_units_left(const Room& room);
 void room_drop_probe_unit(Room* room);
 // Radiance of the probe's value 1 in the room's unit, for each channel: as both show the same parts, or as it is told.
 void room_probe_scale(const Room& room, double scale[3]);
-// A part as camera and probe know it together, and the share of it that they know.
-RoomPart room_known(const Room& room, uint32_t part, const double scale[3], double* share);
+// A part as camera and probe know it together. `seen`: what counts of what the camera has seen of it.
+RoomPart room_known(const Room& room, uint32_t part, const double scale[3], double seen);
 // The quarter turns about y, clockwise seen from above, and the mirror image by which the probe fits best to what the
 // camera has seen. False where they share too little.
 bool room_probe_fit(const Room& room, uint32_t* quarters, bool* mirrored);

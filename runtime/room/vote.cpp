@@ -22,9 +22,9 @@ constexpr double k_memory = 0.3, k_memory_clipped = 0.01;
 // Linear values. Black is one step of a byte: an image that is exposed for a 64th shows little more of a wall. What is
 // darker than `dim` says nothing of a change, because bytes round it; unless it was or is brighter.
 constexpr double k_black = 0.00031, k_dim = 0.01, k_white_from = 0.5;
-constexpr double k_scale_least = 1.0, k_change_least = 8.0;  // weights that are compared at least
+constexpr double k_scale_least = 1.0, k_change_least = 8.0, k_doubt_least = 3.0;  // weights that are compared at least
 // The light of the whole room has changed where almost all that is seen again is brighter or darker by half.
-constexpr double k_change = 0.405, k_change_share = 0.5;
+constexpr double k_change = 0.405, k_change_share = 0.65, k_perhaps_share = 0.35;
 constexpr double k_blind = 0.8, k_half_blind = 0.5, k_all_black = 0.98;
 // A change of light keeps most of the pattern of what is seen, and its hue: daylight beside a warm bulb are a factor of
 // 1.6 of red and 2.7 of blue. A thing before the lens keeps neither.
@@ -37,7 +37,8 @@ double bounded(double x) { return x < 1 / k_scale_most ? 1 / k_scale_most : x > 
 
 void add(float* sum, double value) { *sum += static_cast<float>(value); }
 
-double logarithm_of(double x) { return logarithm(x > 0.5 * k_black ? x : 0.5 * k_black); }
+// Out of line: it is called from many places, and long.
+__attribute__((noinline)) double logarithm_of(double x) { return logarithm(x > 0.5 * k_black ? x : 0.5 * k_black); }
 
 // The median, at the mean of the votes about it.
 double median_of(const RoomVote& v) {
@@ -62,7 +63,10 @@ double median_of(const RoomVote& v) {
 bool is_strange(const RoomVote& v) {
   const auto exact = static_cast<double>(v.exact);
   if (exact < k_change_least) return false;
-  const double red = static_cast<double>(v.red) / exact, blue = static_cast<double>(v.blue) / exact;
+  double hue[3];
+  for (int c = 0; c < 3; ++c)
+    hue[c] = logarithm_of(static_cast<double>(v.now[c])) - logarithm_of(static_cast<double>(v.then[c]));
+  const double red = hue[0] - hue[1], blue = hue[2] - hue[1];
   if (absolute(red) > k_other_red || absolute(blue) > k_other_blue) return true;
   const auto variance = [exact](float sum, float squares) {
     const double mean = static_cast<double>(sum) / exact;
@@ -87,30 +91,32 @@ void follow_light(Room* room, double change) {
 
 RoomLesson lesson_of(Room* room, bool told) {
   const RoomVote& v = room->view.vote;
-  if (static_cast<double>(v.black) >= k_all_black * static_cast<double>(v.area)) return RoomLesson::nothing;
   const double hidden = static_cast<double>(v.brighter) + static_cast<double>(v.darker);
   const double compared = static_cast<double>(v.exact) + hidden;
   const bool enough = compared >= k_change_least;
-  if (enough && hidden >= k_blind * compared) return RoomLesson::nothing;
+  const bool black = static_cast<double>(v.black) >= k_all_black * static_cast<double>(v.area);
+  if (black || (enough && hidden >= k_blind * compared)) {
+    room->doubted += room->view.step;
+    return RoomLesson::nothing;
+  }
   const double one_way = static_cast<double>(v.more > v.less ? v.more : v.less);
-  const bool changed = told && compared > 0 && one_way >= k_change_share * compared;
+  const bool perhaps = told && compared > 0 && one_way >= k_perhaps_share * compared;
   const bool clear = hidden <= (1 - k_blind) * compared;
-  const bool strange = clear && (changed || !told) && is_strange(v), doubtful = strange || (changed && !enough);
-  // An image of which nothing can be compared, such as a short one, ends no doubt.
-  const bool compares = compared >= k_scale_least;
-  room->doubted = doubtful || (!compares && room->doubted > 0) ? room->doubted + room->view.step : 0;
+  const bool strange = clear && (perhaps || !told) && is_strange(v);
+  const bool surely = told && enough && one_way >= k_change_share * compared;
+  // An image of which little can be compared, such as a short one, begins no doubt and ends none.
+  const bool compares = compared >= k_doubt_least;
+  const bool doubtful = strange || (perhaps && !surely && (enough || room->doubted > 0));
+  if (compares) room->doubted = doubtful ? room->doubted + room->view.step : 0;
   if (!compares && room->doubted > 0) return RoomLesson::unknown;
   if (doubtful && room->doubted < k_patience) return strange ? RoomLesson::nothing : RoomLesson::unknown;
-  if (changed && enough) room->settled = 0;
+  // After so long what half of the parts say is believed.
+  if (surely || (doubtful && enough && one_way >= 0.5 * compared)) room->settled = 0;
   const bool settling = told && room->settled < k_settling;
   if (told && enough) {
-    const double median = median_of(v);
+    const double median = median_of(v), usual = median > k_noise ? k_noise : median < -k_noise ? -k_noise : median;
     if (settling) follow_light(room, median - room->usual);
-    else
-      room->usual += k_usual_rate * ((median > k_noise    ? k_noise
-                                      : median < -k_noise ? -k_noise
-                                                          : median) -
-                                     room->usual);
+    else room->usual += k_usual_rate * (usual - room->usual);
   }
   return settling || (enough && hidden >= k_half_blind * compared) ? RoomLesson::unknown : RoomLesson::all;
 }
@@ -124,9 +130,9 @@ bool room_remembers(const Room& room, const RoomPart& part) {
 
 double room_part_weight(uint32_t part) { return sin_cos_turns((part / k_room_columns + 0.5) / (2 * k_room_rows)).sin; }
 
-void room_vote(Room* room, uint32_t index, const RoomObservation& now) {
+void room_vote(Room* room, uint32_t index, double area, const RoomObservation& now) {
   RoomVote* v = &room->view.vote;
-  const double weight = room_part_weight(index) * now.covered, shown = luminance(now.colour);
+  const double weight = area * now.covered, shown = luminance(now.colour);
   add(&v->area, weight);
   add(&v->shown, weight * shown);
   const bool black = !(shown > k_black);
@@ -158,11 +164,14 @@ void room_vote(Room* room, uint32_t index, const RoomObservation& now) {
   add(&v->known_squared, weight * known * known);
   add(&v->error, weight * ratio);
   add(&v->error_squared, weight * ratio * ratio);
-  double hue[3];
-  for (int c = 0; c < 3; ++c)
-    hue[c] = logarithm_of(now.colour[c]) - logarithm_of(static_cast<double>(part.radiance[c]) * to_image);
-  add(&v->red, weight * (hue[0] - hue[1]));
-  add(&v->blue, weight * (hue[2] - hue[1]));
+  for (int c = 0; c < 3; ++c) {
+    add(&v->now[c], weight * now.colour[c]);
+    add(&v->then[c], weight * static_cast<double>(part.radiance[c]));
+  }
+}
+
+bool room_is_steady(const Room& room) {
+  return room.exposure_known && room.settled >= k_settling && !(room.doubted > 0);
 }
 
 void room_decide(Room* room) {

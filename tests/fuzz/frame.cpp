@@ -162,8 +162,11 @@ std::vector<int32_t> act(World* world, const Turn& t) {
 sandglass_camera_image image_of(const Turn& t) {
   sandglass_camera_image image = t.image;
   image.struct_size = sizeof image;
-  for (size_t i = 0; i < 3; ++i)
-    image.planes[i] = uint64_t{image.strides[i]} * image.height <= k_pixel_bytes ? g_pixels : nullptr;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto stride = static_cast<uint64_t>(std::abs(int64_t{image.strides[i]}));
+    const bool fits = stride * image.height <= k_pixel_bytes;
+    image.planes[i] = !fits ? nullptr : image.strides[i] < 0 ? g_pixels + stride * (image.height - 1) : g_pixels;
+  }
   return image;
 }
 

@@ -21,9 +21,16 @@ std::vector<uint8_t> bytes_of(const sandglass_room* room) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace sandglass;
-  static MadeUpRoom room;
+  static MadeUpRoom room(1e6f, true);
   static const std::vector<uint8_t> base = [] {
     for (int i = 0; i < 6; ++i) room.look(lamp_room(towards(30, 50), 8, 40), 60.0 * i, 10);
+    static const std::vector<float> face(size_t{3} * 4 * 4, 0.5f);
+    sandglass_cube cube = cpp::cube();
+    cube.format = SANDGLASS_CUBE_RGB32F;
+    cube.size = 4;
+    cube.stride = 48;
+    for (const void*& f : cube.faces) f = face.data();
+    fuzz::expect(sandglass_room_set_cube(room.handle(), &cube, nullptr) == SANDGLASS_OK);
     return bytes_of(room.handle());
   }();
   std::vector<uint8_t> file = base;

@@ -161,7 +161,6 @@ Options verify_room_options(VerifyOptions& o) {
 Options verify_day_options(VerifyOptions& o) {
   return {standard("three made-up rooms, and two of SANDGLASS_DATA_DIR",
                    {"--panoramas", &o.panoramas, "FILES", "Files that end in .hdr or .exr, or folders of them"}),
-          fills({"--out", &o.out, "FOLDER", "Write the table into this new folder"}),
           seed_option(o.seed, "Which rooms are made up"), threads_option(o.threads), json_option(o.json)};
 }
 

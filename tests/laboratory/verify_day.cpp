@@ -304,7 +304,6 @@ int verify_day_command(const VerifyOptions& options) {
   std::printf("%zu rows, %u failed\n", rows.size(), count_failed(rows));
   if (!options.json.empty())
     write_file(options.json, measurements_json(measurements_of("day", "automatic", options.threads, rows)));
-  if (!options.out.empty()) write_verdicts(options.out, rows);
   return count_failed(rows) > 0 ? k_exit_check_failed : k_exit_done;
 }
 

@@ -28,6 +28,7 @@ struct Camera {
 
   Camera(sandglass_camera_format format, uint32_t width, uint32_t height, uint32_t padding, uint64_t seed) {
     sandglass_camera_image_default(&image);
+    image.turn_deg = 0;
     image.format = format;
     image.width = width;
     image.height = height;

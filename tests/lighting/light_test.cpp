@@ -268,6 +268,7 @@ TEST(LightInput, AHugeImageIsReadWhereItShouldBe) {
       p[1] = static_cast<uint8_t>(255 * x / k_width);
       p[2] = 90;
     }
+  ramp.image.turn_deg = 0;
   ramp.image.focal_x = static_cast<float>(k_light_focal * k_width / 256.0);
   ramp.image.focal_y = static_cast<float>(k_light_focal * k_height / 192.0);
   std::vector<uint8_t> rgb(3 * k_light_width * k_light_height);

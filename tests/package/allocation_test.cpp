@@ -111,6 +111,8 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   image.planes[1] = pixels.data() + 640 * 480;
   image.strides[0] = image.strides[1] = 640;
   image.focal_x = image.focal_y = 525.0f;
+  image.centre_x = 319.5f;
+  image.centre_y = 239.5f;
 
   sandglass::host::start_counting_allocations();
   sandglass_estimator* light = nullptr;

@@ -83,6 +83,7 @@ sandglass_camera_image grey_image() {
   image.planes[0] = k_pixels.data();
   image.strides[0] = 3 * 64;
   image.focal_x = image.focal_y = 60.0f;
+  image.centre_x = image.centre_y = 20.0f;
   return image;
 }
 
@@ -412,6 +413,7 @@ void Arguments::lights() {
 
 void Arguments::rooms() {
   sandglass_room_desc desc_of = sandglass::room_desc();
+  desc_of.probe = 1;
   row(NAMED(sandglass_room_bytes), "", &desc_of, &need);
   ASSERT_EQ(sandglass_room_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
   GuardedBlock block(need);
@@ -431,6 +433,22 @@ void Arguments::rooms() {
   place.estimate = nullptr;
   row(NAMED(sandglass_room_place_default), "", &place);
   row(NAMED(sandglass_room_exposure), "", &light, &image);
+  auto cube = sized<sandglass_cube>();
+  auto harmonics = sized<sandglass_harmonics>();
+  row(NAMED(sandglass_cube_default), "", &cube);
+  row(NAMED(sandglass_harmonics_default), "", &harmonics);
+  std::vector<float> face(3 * 16, 0.5f);
+  sandglass_cube_default(&cube);
+  sandglass_harmonics_default(&harmonics);
+  cube.format = SANDGLASS_CUBE_RGB32F;
+  cube.size = 4;
+  cube.stride = 48;
+  for (const void*& f : cube.faces) f = face.data();
+  row(NAMED(sandglass_room_set_harmonics), "harmonics", room, &harmonics);
+  row(NAMED(sandglass_room_set_cube), "cube", room, &cube);
+  uint32_t turn_deg = 0;
+  int32_t mirrored = 0;
+  row(NAMED(sandglass_room_probe_fit), "", room, &turn_deg, &mirrored);
   sandglass_room_light shown = light;
   row(NAMED(sandglass_room_fade), "", &shown, &light, 0.1f);
   ASSERT_EQ(sandglass_room_get(room, &place, &light, nullptr), SANDGLASS_OK);

@@ -96,14 +96,15 @@ inline Photograph photograph(const Radiance& radiance, double azimuth_deg, doubl
 
 class MadeUpRoom {
  public:
-  explicit MadeUpRoom(float half_life = 1e6f) : memory_(16384 + 64) {
+  explicit MadeUpRoom(float half_life = 1e6f, bool probe = false) : memory_(24576 + 64) {
     sandglass_room_desc desc;
     sandglass_room_desc_default(&desc);
     desc.half_life = half_life;
     desc.interval = 0;
+    desc.probe = probe ? 1 : 0;
     uint64_t bytes = 0;
     EXPECT_EQ(sandglass_room_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
-    EXPECT_LE(bytes, 16384u);
+    EXPECT_LE(bytes, probe ? 24576u : 16384u);
     const auto at = reinterpret_cast<uintptr_t>(memory_.data());
     EXPECT_EQ(sandglass_room_create(&desc, memory_.data() + (64 - at % 64) % 64, bytes, &room_, nullptr), SANDGLASS_OK);
   }

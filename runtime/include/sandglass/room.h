@@ -166,11 +166,17 @@ typedef struct sandglass_harmonics {
   sandglass_harmonics_kind kind;
   /* Radiance, world, laid out like sandglass_light_estimate.sh, without the Condon-Shortley phase. */
   float sh[27];
-  /* Of AMBIENT: world, towards the main light, and the irradiance of a surface that faces it. */
-  float main_direction[3], main_irradiance[3];
-  /* As in sandglass_cube. */
+  /* Of AMBIENT: world, towards the main light. */
+  float main_direction[3];
+  /* Of AMBIENT: the irradiance of a surface that faces the main light, linear RGB. */
+  float main_irradiance[3];
+  /* Where they are of, world, metres. */
   float position[3];
-  float exposure, confidence;
+  /* See above. 0..1e6. */
+  float exposure;
+  /* As that of sandglass_cube. */
+  float confidence;
+  /* As that of sandglass_cube; nothing need stay. */
   uint32_t in_frame;
 } sandglass_harmonics;
 

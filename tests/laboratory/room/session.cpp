@@ -21,7 +21,8 @@ SeenRoom look_around(const RadianceMap& panorama, Session session, const Session
     shot.image.exposure = options.exposure_known ? static_cast<float>(shot.exposure) : 0.0f;
     (void)room_take_image(room, shot.image);
     while (room->phase != RoomPhase::idle) room_run_unit(room);
-    seen.exposure = shot.exposure;
+    // A short image for lamps is not the last one that the light is in the scale of.
+    seen.exposure = options.exposure_known ? 1 / room->scale : shot.exposure;
   }
   if (session == Session::nothing) {
     const SessionImage first = session_images(Session::table, options.seed).front();
