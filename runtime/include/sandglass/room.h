@@ -124,11 +124,13 @@ enum {
  * texel that a sampler gives for the direction d shows what lies towards d in the cube's frame. */
 typedef struct sandglass_cube {
   uint32_t struct_size;
+  /* How its texels are stored. */
   sandglass_cube_format format;
   /* Texels along an edge, 4..1024. Of a linear cube take the mip level of 16 or 32, of bytes always level 0. */
   uint32_t size;
   /* Bytes from row to row of each face. Negative where the lower row is stored first; a face is then its upper row. */
   int32_t stride;
+  /* The upper row of each face: +x, -x, +y, -y, +z, -z. */
   const void* faces[6];
   /* The cube's frame to world, (x, y, z, w). Identity where the system aligns cubes with the world. */
   float orientation[4];
@@ -163,6 +165,7 @@ enum { SANDGLASS_HARMONICS_TOTAL = 0, SANDGLASS_HARMONICS_AMBIENT = 1 };
 /* Nine harmonics. Of all rooms that have them the most even one is taken, because they hardly tell where a lamp is. */
 typedef struct sandglass_harmonics {
   uint32_t struct_size;
+  /* Whether `sh` has the main light. */
   sandglass_harmonics_kind kind;
   /* Radiance, world, laid out like sandglass_light_estimate.sh, without the Condon-Shortley phase. */
   float sh[27];
