@@ -37,7 +37,7 @@ constexpr double k_stands_out =
     3.0;                            // times the mean of the cells farther away: such a cell may hold a light of its own
 constexpr double k_clearly = 1.25;  // another main light takes over where it is so many times as strong
 constexpr float k_shown = 0.01f;    // share of a main light that can be seen
-constexpr double k_wide = 0.93, k_narrow = 0.975;  // mean cosine about the axis: too wide for a sharp shadow; as a lamp
+constexpr double k_wide = 0.95, k_narrow = 0.99;  // mean cosine about the axis: too wide for a sharp shadow; as a lamp
 constexpr uint32_t k_look_rows = 1, k_look_columns = 2;  // parts to each side that one look takes in
 
 // All sums over the sphere.

@@ -30,6 +30,7 @@ constexpr double k_blind = 0.8, k_half_blind = 0.5, k_all_black = 0.98;
 // 1.6 of red and 2.7 of blue. A thing before the lens keeps neither.
 constexpr double k_pattern_least = 0.05, k_pattern_lost = 0.75, k_other_red = 0.7, k_other_blue = 1.2;
 constexpr double k_noise = 0.3, k_usual_rate = 0.1, k_missing_rate = 0.3;
+constexpr double k_short_ratio = 3.0;  // an image so much darker is a short one: bytes have lost its pattern
 constexpr double k_patience = 2.5, k_settling = 3.0;  // seconds
 constexpr double k_scale_most = 1e6;
 
@@ -62,7 +63,7 @@ double median_of(const RoomVote& v) {
 // Whether the image shows something else than the room in another light.
 bool is_strange(const RoomVote& v) {
   const auto exact = static_cast<double>(v.exact);
-  if (exact < k_change_least) return false;
+  if (exact < k_change_least || absolute(median_of(v)) > k_short_ratio) return false;
   double hue[3];
   for (int c = 0; c < 3; ++c)
     hue[c] = logarithm_of(static_cast<double>(v.now[c])) - logarithm_of(static_cast<double>(v.then[c]));
