@@ -61,6 +61,7 @@ public sealed class GraphicsBuffer : IDisposable {
 }
 
 namespace UnityEngine.XR.ARSubsystems {
+public enum NotTrackingReason { None, Relocalizing }
 public struct XRCameraIntrinsics { public Vector2 focalLength, principalPoint; }
 public struct XRCameraFrameExifData {
   public bool TryGetExposureTime(out double exposureTime) { exposureTime = 0; return false; }
@@ -81,6 +82,11 @@ public struct XRCpuImage : IDisposable {
 }
 namespace UnityEngine.XR.ARFoundation {
 using ARSubsystems;
+public enum ARSessionState { SessionTracking = 7 }
+public sealed class ARSession : MonoBehaviour {
+  public static ARSessionState state { get { return ARSessionState.SessionTracking; } }
+  public static NotTrackingReason notTrackingReason { get { return NotTrackingReason.None; } }
+}
 public struct ARCameraFrameEventArgs {
   public bool TryGetExifData(out XRCameraFrameExifData exifData) { exifData = new XRCameraFrameExifData(); return false; }
 }

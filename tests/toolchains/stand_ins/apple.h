@@ -133,7 +133,9 @@ typedef enum : NSInteger { UIInterfaceOrientationPortrait = 1 } UIInterfaceOrien
 @interface ARRaycastResult : NSObject
 @property(nonatomic, readonly) simd_float4x4 worldTransform;
 @end
+typedef enum : NSInteger { ARTrackingStateNotAvailable, ARTrackingStateLimited, ARTrackingStateNormal } ARTrackingState;
 @interface ARCamera : NSObject
+@property(nonatomic, readonly) ARTrackingState trackingState;
 @property(nonatomic, readonly) simd_float4x4 transform;
 @property(nonatomic, readonly) simd_float3x3 intrinsics;
 - (simd_float4x4)projectionMatrixForOrientation:(UIInterfaceOrientation)orientation
