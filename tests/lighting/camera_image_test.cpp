@@ -198,6 +198,81 @@ TEST(CameraImage, YuvLayoutsOfOnePictureAgreeAndPaddingIsNotRead) {
   }
 }
 
+// One picture in every layout that phones have: with the lower row first, mirrored, by numbers of 16 bits, in planes whose
+// chroma lies two bytes apart. All are resampled to the same bytes as the plain one.
+TEST(CameraImage, EveryLayoutOfAPictureIsThatPicture) {
+  constexpr int32_t k_w = 96, k_h = 64;
+  Camera rgb(SANDGLASS_CAMERA_RGB, k_w, k_h, 4, 3), planar(SANDGLASS_CAMERA_I420, k_w, k_h, 4, 4);
+  const auto resampled = [&](const CameraImage& image) {
+    EXPECT_EQ(sandglass_camera_check(&image, nullptr), SANDGLASS_OK);
+    Camera any = rgb;
+    any.image = image;
+    return any.resampled();
+  };
+  const std::vector<uint8_t> of_rgb = resampled(rgb.image), of_yuv = resampled(planar.image);
+  EXPECT_NE(of_rgb, of_yuv);
+  const auto pixel = [&](int32_t x, int32_t y) { return rgb.bytes[0].data() + y * rgb.image.strides[0] + 3 * x; };
+
+  std::vector<uint8_t> bgra(size_t{4} * k_w * k_h), below(rgb.bytes[0].size()), mirror(rgb.bytes[0].size());
+  for (int32_t y = 0; y < k_h; ++y)
+    for (int32_t x = 0; x < k_w; ++x)
+      for (int32_t c = 0; c < 3; ++c) {
+        const uint8_t value = pixel(x, y)[c];
+        bgra[static_cast<size_t>(4 * (y * k_w + x) + 2 - c)] = value;
+        below[static_cast<size_t>((k_h - 1 - y) * rgb.image.strides[0] + 3 * x + c)] = value;
+        mirror[static_cast<size_t>(y * rgb.image.strides[0] + 3 * (k_w - 1 - x) + c)] = value;
+      }
+  CameraImage image = rgb.image;
+  image.format = SANDGLASS_CAMERA_BGRA;
+  image.planes[0] = bgra.data();
+  image.strides[0] = 4 * k_w;
+  EXPECT_EQ(resampled(image), of_rgb);
+  image = rgb.image;
+  image.planes[0] = below.data() + (k_h - 1) * rgb.image.strides[0];
+  image.strides[0] = -rgb.image.strides[0];
+  EXPECT_EQ(resampled(image), of_rgb);
+  image = rgb.image;
+  image.planes[0] = mirror.data();
+  image.centre_x = static_cast<float>(k_w - 1) - rgb.image.centre_x;
+  EXPECT_NE(resampled(image), of_rgb) << "the control: taken for what it is not";
+  image.mirrored = 1;
+  const std::vector<uint8_t> mirrored = resampled(image);
+  for (size_t i = 0; i < mirrored.size(); ++i)
+    ASSERT_NEAR(mirrored[i], of_rgb[i], 1) << i;  // boxes are rounded to 1/256
+
+  // The planes end with their last sample: nothing behind it is read (under sanitizers).
+  const size_t row = 2 * k_w + 8;
+  std::vector<uint8_t> pairs(k_w * k_h / 2), luma16(row * k_h), pairs16(row * k_h / 2);
+  for (int32_t y = 0; y < k_h; ++y)
+    for (int32_t x = 0; x < k_w; ++x) {
+      const auto at = static_cast<size_t>(y) * row + static_cast<size_t>(2 * x);
+      luma16[at] = 0xc0;  // the two lowest of ten bits
+      luma16[at + 1] = planar.bytes[0][static_cast<size_t>(y * planar.image.strides[0] + x)];
+      if (y >= k_h / 2 || x >= k_w / 2) continue;
+      for (size_t c = 0; c < 2; ++c) {
+        const uint8_t value = planar.bytes[1 + c][static_cast<size_t>(y * planar.image.strides[1 + c] + x)];
+        pairs[static_cast<size_t>(y * k_w + 2 * x) + c] = value;
+        pairs16[static_cast<size_t>(y) * row + static_cast<size_t>(4 * x) + 2 * c + 1] = value;
+      }
+    }
+  image = planar.image;
+  image.chroma_step = 2;  // Android's planes U and V, one byte apart; each ends a byte before the other's last
+  for (const bool v_first : {false, true}) {
+    std::vector<uint8_t> chroma = pairs;
+    for (size_t i = 0; v_first && i < chroma.size(); i += 2) std::swap(chroma[i], chroma[i + 1]);
+    image.planes[1] = chroma.data() + (v_first ? 1 : 0);
+    image.planes[2] = chroma.data() + (v_first ? 0 : 1);
+    image.strides[1] = image.strides[2] = k_w;
+    EXPECT_EQ(resampled(image), of_yuv) << v_first;
+  }
+  image = planar.image;
+  image.format = SANDGLASS_CAMERA_P010;
+  image.planes[0] = luma16.data();
+  image.planes[1] = pairs16.data();
+  image.strides[0] = image.strides[1] = static_cast<int32_t>(row);
+  EXPECT_EQ(resampled(image), of_yuv);
+}
+
 // Luma and chroma ramps that are in step stay in step: chroma samples lie between pairs of luma samples.
 TEST(CameraImage, ChromaIsNotShifted) {
   Camera camera(SANDGLASS_CAMERA_I420, 256, 192, 0, 1);
@@ -310,12 +385,45 @@ TEST(CameraImage, WhatIsWrongIsRefusedWithASentence) {
   refused("focal", [](CameraImage& i) { i.focal_x = NAN; });
   refused("focal", [](CameraImage& i) { i.focal_y = 0.0f; });
   refused("principal", [](CameraImage& i) { i.centre_y = INFINITY; });
+  refused("principal", [](CameraImage& i) { i.centre_x = i.centre_y = 0; });
+  refused("principal", [](CameraImage& i) { i.centre_x = 64; });
+  refused("stride", [](CameraImage& i) { i.strides[0] = -63; });
+  refused("chroma_step", [](CameraImage& i) { i.chroma_step = 2; });
+  refused("mirrored", [](CameraImage& i) { i.mirrored = 2; });
   refused("orientation", [](CameraImage& i) { i.orientation[3] = 0.0f; });
   refused("orientation", [](CameraImage& i) { i.orientation[0] = INFINITY; });
   refused("upright", [](CameraImage& i) { i.turn_deg = SANDGLASS_TURN_FROM_POSE, i.pose_is_upright = 1; });
   refused("format", [](CameraImage& i) { i.format = 9; });
   refused("format", [](CameraImage& i) { i.format = -1; });
   refused("range", [](CameraImage& i) { i.range = 9; });
+}
+
+// A phone held straight down trembles: up is hardly anywhere in its image. It keeps the turn that it had; the control takes
+// each in turn. Half a quarter turn on it still does, and then takes the other.
+TEST(CameraImage, APhoneHeldStraightDownKeepsItsTurn) {
+  CameraImage image = Camera(SANDGLASS_CAMERA_RGB, 64, 48, 0, 1).image;
+  image.turn_deg = SANDGLASS_TURN_FROM_POSE;
+  const auto look = [&](double pitch, double roll) {  // degrees: -90 is down
+    const double p = pitch * std::numbers::pi / 360, r = roll * std::numbers::pi / 360;
+    const double x = std::sin(p), w = std::cos(p), z = std::sin(r), c = std::cos(r);
+    const double q[4] = {x * c, -x * z, w * z, w * c};
+    for (int k = 0; k < 4; ++k) image.orientation[k] = static_cast<float>(q[k]);
+  };
+  uint32_t turn = SANDGLASS_TURN_FROM_POSE, changes = 0, alone = 0, last = 0;
+  for (int i = 0; i < 40; ++i) {
+    look(i == 0 ? -60 : -90 + 4 * std::sin(1.7 * i), 30 * std::sin(0.9 * i));
+    const uint32_t before = turn;
+    turn = with_turn(image, turn).turn_deg;
+    changes += i > 0 && turn != before ? 1 : 0;
+    alone += with_turn(image).turn_deg != last ? 1 : 0;
+    last = with_turn(image).turn_deg;
+  }
+  EXPECT_EQ(changes, 0u);
+  EXPECT_GT(alone, 5u);
+  look(0, 50);
+  EXPECT_EQ(with_turn(image, 0).turn_deg, 0u);
+  look(0, 80);
+  EXPECT_NE(with_turn(image, 0).turn_deg, 0u);
 }
 
 // The vector v turned by a unit quaternion.
