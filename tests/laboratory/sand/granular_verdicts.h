@@ -34,6 +34,7 @@ std::vector<std::string> quick_verdict_groups();
 
 // `progress(done, total)` in units of about a frame of a thousand particles, after every frame; when it returns false,
 // what is complete so far is returned.
-std::vector<Verdict> granular_verdicts(const VerdictChoice& choice, const std::function<bool(uint64_t, uint64_t)>& progress);
+std::vector<Verdict> granular_verdicts(const VerdictChoice& choice,
+                                       const std::function<bool(uint64_t, uint64_t)>& progress);
 
 }  // namespace sandglass::host
