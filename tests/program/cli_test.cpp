@@ -296,8 +296,7 @@ run shot --object cube.obj --asset chair | another object
 // What `bake` prints and writes for the smallest network, and what `inspect` says about it.
 TEST_F(Cli, BakesAndInspectsAShadow) {
   if (!k_bake) GTEST_SKIP() << "this build bakes no shadows: Embree or Eigen is missing";
-  const std::string baked =
-      done("bake chair --quick --size 8 --threads 2 -o x.shadow --json x.json").out;
+  const std::string baked = done("bake chair --quick --size 8 --threads 2 -o x.shadow --json x.json").out;
   for (const char* line : {"4 unseen lights", "SSIM and block: of 4 whole textures", "1 made-up"})
     EXPECT_NE(baked.find(line), std::string::npos) << line << "\n" << baked;
   for (const char* name : {"whole_textures", "rmse_occlusion"})

@@ -106,7 +106,7 @@ class Sand {
   sandglass::Scene scene_;
   sandglass::Room room_;
   sandglass_room_light known_ = {}, light_ = {};  // now, and as it is drawn on its way there
-  sandglass_camera_image screen_ = {};  // the last image; its planes are gone
+  sandglass_camera_image screen_ = {};            // the last image; its planes are gone
   float origin_[3] = {};
   uint32_t pouring_ = 0;
 };
