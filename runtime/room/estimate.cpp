@@ -212,7 +212,8 @@ void sum_up(const Room& room, const Memory& memory, const RoomModel& model, cons
   for (uint32_t row = 0; row < k_rows; ++row) {
     const SinCos elevation = sin_cos_turns(((row + 0.5) / k_rows - 0.5) / 2);
     // How much more of the part's area lies above its middle than below it.
-    const double middle = ((row / k_row_split + 0.5) / k_room_rows - 0.5) / 2, third = 0.5 / k_rows;
+    const uint32_t part_row = row / k_row_split;
+    const double middle = ((part_row + 0.5) / k_room_rows - 0.5) / 2, third = 0.5 / k_rows;
     const double below = sin_cos_turns(middle - third).cos, above = sin_cos_turns(middle + third).cos;
     const double upper = (above - below) / (above + below + sin_cos_turns(middle).cos);
     for (uint32_t i = 0; i < k_room_columns && row % k_row_split == 0; ++i)

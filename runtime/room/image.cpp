@@ -228,7 +228,8 @@ void place(const Room& room, RoomView* view) {
 
 // All that was seen is so much older.
 void pass_time(Room* room, uint64_t step_ns) {
-  const auto tick_ns = to_whole<uint64_t>(room->half_life * (1e9 / k_ticks));
+  const uint64_t whole_ns = to_whole<uint64_t>(room->half_life * (1e9 / k_ticks)),
+                 tick_ns = whole_ns > 0 ? whole_ns : 1;
   const uint64_t ns = room->rest_ns + step_ns, ticks = ns / tick_ns;
   room->rest_ns = ns % tick_ns;
   for (RoomPart& part : room->parts)
@@ -328,7 +329,8 @@ void room_run_unit(Room* room) {
   for (uint32_t column = 0; column < k_room_columns; ++column) azimuths[column] = azimuth_of(column + 0.5);
   for (PartMiddle middle = {}; room->cursor < end; ++room->cursor) {
     const uint32_t column = room->cursor % k_room_columns;
-    if (column == 0) middle.elevation = elevation_of(room->cursor / k_room_columns + 0.5);
+    const uint32_t row = room->cursor / k_room_columns;
+    if (column == 0) middle.elevation = elevation_of(row + 0.5);
     middle.part = room->cursor;
     middle.azimuth = azimuths[column];
     if (!may_be_seen(*view, middle)) continue;
@@ -336,7 +338,7 @@ void room_run_unit(Room* room) {
       learn(room, middle);
       continue;
     }
-    if (view->sparse && (room->cursor + room->cursor / k_room_columns + room->images) % 2 != 0) continue;
+    if (view->sparse && (column + row + room->images) % 2 != 0) continue;
     const RoomObservation now = observe(*view, room->images, middle, k_vote_points);
     if (now.covered > 0) room_vote(room, room->cursor, (view->sparse ? 2 : 1) * middle.elevation.cos, now);
   }

@@ -129,7 +129,10 @@ bool room_remembers(const Room& room, const RoomPart& part) {
          static_cast<double>(part.clipped) <= k_memory_clipped && luminance(part.radiance) > 0;
 }
 
-double room_part_weight(uint32_t part) { return sin_cos_turns((part / k_room_columns + 0.5) / (2 * k_room_rows)).sin; }
+double room_part_weight(uint32_t part) {
+  const uint32_t row = part / k_room_columns;
+  return sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin;
+}
 
 void room_vote(Room* room, uint32_t index, double area, const RoomObservation& now) {
   RoomVote* v = &room->view.vote;
