@@ -31,12 +31,11 @@ constexpr double k_darkest = 1e-4;  // of the mean: keeps logarithms of black pa
 // Geometric mean before the first image, where white is 1: a level white floor is then nearly white, as it is on the
 // mean of what cameras that expose by themselves show of captured interiors.
 constexpr double k_first_level = 0.27;
-constexpr double k_lobe = 6.0;       // sharpness of the network's light: e^(6 (cos - 1))
-constexpr double k_floor_row = 5.0;  // rows below this see the floor: 33.75 degrees below the horizon or more
-constexpr double k_stands_out =
-    3.0;                            // times the mean of the cells farther away: such a cell may hold a light of its own
-constexpr double k_clearly = 1.25;  // another main light takes over where it is so many times as strong
-constexpr float k_shown = 0.01f;    // share of a main light that can be seen
+constexpr double k_lobe = 6.0;        // sharpness of the network's light: e^(6 (cos - 1))
+constexpr double k_floor_row = 5.0;   // rows below this see the floor: 33.75 degrees below the horizon or more
+constexpr double k_stands_out = 3.0;  // times the mean of the cells farther away: may be a light of its own
+constexpr double k_clearly = 1.25;    // another main light takes over where it is so many times as strong
+constexpr float k_shown = 0.01f;      // share of a main light that can be seen
 constexpr double k_wide = 0.95, k_narrow = 0.99;  // mean cosine about the axis: too wide for a sharp shadow; as a lamp
 constexpr uint32_t k_look_rows = 1, k_look_columns = 2;  // parts to each side that one look takes in
 
@@ -276,8 +275,11 @@ Lamp lamp_at(const Sums& sums, uint32_t middle) {
   constexpr double k_cell = k_pi / k_light_cells;
   Lamp lamp = {};
   double away = 0, count = 0;
-  for (uint32_t i = 0; i < k_light_cells; ++i)
-    if (!touch(i, middle)) away += sums.seen[i], ++count;
+  for (uint32_t i = 0; i < k_light_cells; ++i) {
+    if (touch(i, middle)) continue;
+    away += sums.seen[i];
+    ++count;
+  }
   const double around = away / count;  // what a cell would hold without the lamp
   for (uint32_t i = 0; i < k_light_cells; ++i) {
     if (!touch(i, middle) || !(sums.seen[i] > k_stands_out * around)) continue;

@@ -296,6 +296,7 @@ bool begin(Room* room, const float position[3], float exposure, float confidence
     for (int k = 0; k < 3; ++k) room->centre[k] = static_cast<double>(position[k]);
   for (int k = 0; k < 3; ++k) probe->place[k] = static_cast<double>(position[k]);
   probe->confidence = 0;  // until all of it is there
+  probe->phase = RoomProbePhase::idle;
   probe->confidence_then = static_cast<double>(confidence);
   probe->scale = exposure > 0 ? 1 / static_cast<double>(exposure) : 0;
   probe->dark = 0;

@@ -23,7 +23,7 @@ constexpr double k_memory = 0.3, k_memory_clipped = 0.01;
 // darker than `dim` says nothing of a change, because bytes round it; unless it was or is brighter.
 constexpr double k_black = 0.00031, k_dim = 0.01, k_white_from = 0.5;
 constexpr double k_scale_least = 1.0, k_change_least = 8.0, k_doubt_least = 3.0;  // weights that are compared at least
-// The light of the whole room has changed where almost all that is seen again is brighter or darker by half.
+// The light of the whole room has changed where two thirds of what is seen again are brighter or darker by half.
 constexpr double k_change = 0.405, k_change_share = 0.65, k_perhaps_share = 0.35;
 constexpr double k_blind = 0.8, k_half_blind = 0.5, k_all_black = 0.98;
 // A change of light keeps most of the pattern of what is seen, and its hue: daylight beside a warm bulb are a factor of

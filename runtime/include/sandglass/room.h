@@ -24,7 +24,7 @@
  * as far as one can tell: little may hide a strong lamp. Above 0.02, an app that can set its camera helps most by a
  * short exposure, such as a sixty-fourth, for as long as desc.interval, so that the room takes one such image.
  *
- * Light that changes. What the camera sees again is learned within a few images. Where four fifths of that have become
+ * Light that changes. What the camera sees again is learned within a few images. Where two thirds of that have become
  * brighter or darker by half and the app tells the exposure, the light of the whole room is taken to have changed as
  * much. So the level follows at once, also of what is out of the picture, and returns with the light; from where the
  * light comes is learned when the camera looks there. An image that is black or clipped almost everywhere teaches
@@ -151,9 +151,9 @@ typedef struct sandglass_cube {
 /* Fills *cube with the defaults. */
 SANDGLASS_API void sandglass_cube_default(sandglass_cube* cube);
 
-/* Takes a cube in. NULL: forgets the probe. It costs 0.9 million instructions of bytes or of up to 20 linear texels along
- * an edge, 2.8 of 32, 5 of 64. Each answer costs a quarter more while there is a probe. Fails with INVALID_ARGUMENT: a
- * room without `probe`, or a field of *cube that is out of range. */
+/* Takes a cube in. NULL: forgets the probe. Bytes are read at 9 points of each of the 512 parts, linear texels at as many
+ * as hardly leave one out, at most 169. Fails with INVALID_ARGUMENT: a room without `probe`, or a field of *cube that is
+ * out of range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_cube(sandglass_room* room,
                                                                            const sandglass_cube* cube,
                                                                            const char** reason);
@@ -186,8 +186,8 @@ typedef struct sandglass_harmonics {
 /* Fills *harmonics with the defaults. */
 SANDGLASS_API void sandglass_harmonics_default(sandglass_harmonics* harmonics);
 
-/* Takes harmonics in, in place of a cube, for 1.8 million instructions. NULL: forgets the probe. Fails with
- * INVALID_ARGUMENT: a room without `probe`, or a number that is not finite or out of range. */
+/* Takes harmonics in, in place of a cube. NULL: forgets the probe. Fails with INVALID_ARGUMENT: a room without `probe`,
+ * or a number that is not finite or out of range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_harmonics(sandglass_room* room,
                                                                                 const sandglass_harmonics* harmonics,
                                                                                 const char** reason);
