@@ -53,7 +53,8 @@ class Day {
   bool tracked = true, told = true;
   std::optional<uint64_t> stamp;  // of the next image, in place of the clock's
   double roll_deg = 0.0;
-  double most_step = 0.0;
+  double most_step = 0.0;        // of the level that is shown, as a logarithm
+  double most_known_step = 0.0;  // the same, were what is known shown at once
 
   // So many seconds of looking around, or at rest at the floor ahead.
   void look_around(double seconds) { run(seconds, true); }
@@ -126,8 +127,13 @@ class Day {
     sandglass_room_fade(&shown_, &now, static_cast<float>(k_frame));
     const double drawn = level_of(shown_) * static_cast<double>(sandglass_room_exposure(&shown_, &screen_));
     const double level = drawn / screen_gain_;
-    if (last_ > 0) most_step = std::max(most_step, std::fabs(std::log(level / last_)));
+    const double known = level_of(now) * static_cast<double>(sandglass_room_exposure(&now, &screen_)) / screen_gain_;
+    if (last_ > 0) {
+      most_step = std::max(most_step, std::fabs(std::log(level / last_)));
+      most_known_step = std::max(most_known_step, std::fabs(std::log(known / last_known_)));
+    }
     last_ = level;
+    last_known_ = known;
   }
   ShotCamera rolled(ShotCamera camera) const {
     const double c = std::cos(roll_deg * std::numbers::pi / 180), s = std::sin(roll_deg * std::numbers::pi / 180);
@@ -142,7 +148,7 @@ class Day {
   cpp::Room room_;
   sandglass_room_light shown_ = {};
   sandglass_camera_image image_ = cpp::camera_image(), screen_ = cpp::camera_image();
-  double gain_ = 1.0, screen_gain_ = 1.0, seconds_ = 0.0, last_ = 0.0;
+  double gain_ = 1.0, screen_gain_ = 1.0, seconds_ = 0.0, last_ = 0.0, last_known_ = 0.0;
   uint64_t frame_ = 0;
 };
 
@@ -248,6 +254,7 @@ std::vector<Verdict> day_in(const std::string& name, const RadianceMap& here, co
   believes.room().reset();
   believes.change = all(Vec3{0.05, 0.0075, 0.005} * (0.4 * level));
   believes.rest(2);
+  rows.add("control: not faded: step", "1", 0, day.most_known_step, k_step_limit, true);
   rows.add("control: a finger that is believed", "1", 1, believes.level() / before, k_level_limit, true);
   return rows.rows;
 }

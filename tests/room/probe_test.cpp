@@ -263,6 +263,14 @@ TEST(Probe, AFrameReadsItInUnits) {
     ASSERT_TRUE(scene.frame(input, &report));
     EXPECT_GE(report.stages[SANDGLASS_STAGE_LIGHTING].units, 16u);
     EXPECT_EQ(whole.hash(), in_units.hash());
+    // One that is believed nothing ends one under way.
+    ASSERT_TRUE(takes(in_units, made.cube));
+    sandglass_cube nothing = made.cube;
+    nothing.confidence = 0;
+    ASSERT_TRUE(takes(in_units, nothing));
+    ASSERT_TRUE(scene.frame(input, &report));
+    EXPECT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 0u);
+    EXPECT_EQ(light_of(in_units).valid, 0u);
   }
 }
 
