@@ -143,58 +143,6 @@ double sound(float x) {
   return value > 0 ? (value < k_value_most ? value : k_value_most) : 0;
 }
 
-// The texel that every graphics API samples for a direction, without filtering. True where it is clipped.
-bool sample(const sandglass_cube& cube, const double d[3], double colour[3]) {
-  const double z = cube.left_handed != 0 ? -d[2] : d[2];
-  const double ax = absolute(d[0]), ay = absolute(d[1]), az = absolute(z);
-  uint32_t face;
-  double s, t, major;
-  if (ax >= ay && ax >= az) {
-    face = d[0] > 0 ? 0 : 1;
-    s = d[0] > 0 ? -z : z;
-    t = -d[1];
-    major = ax;
-  } else if (ay >= az) {
-    face = d[1] > 0 ? 2 : 3;
-    s = d[0];
-    t = d[1] > 0 ? z : -z;
-    major = ay;
-  } else {
-    face = z > 0 ? 4 : 5;
-    s = z > 0 ? d[0] : -d[0];
-    t = -d[1];
-    major = az;
-  }
-  const double half = 0.5 * cube.size, scale = half / major;
-  const auto index = [&](double at) {
-    const auto i = to_whole<uint32_t>(at * scale + half);
-    return i < cube.size ? i : cube.size - 1;
-  };
-  const uint8_t* row = static_cast<const uint8_t*>(cube.faces[face]) + int64_t{index(t)} * cube.stride;
-  const uint32_t x = index(s);
-  bool white = false;
-  if (cube.format <= SANDGLASS_CUBE_BGRA8) {
-    const uint8_t* p = row + 4 * x;
-    for (int c = 0; c < 3; ++c) {
-      const uint8_t byte = p[cube.format == SANDGLASS_CUBE_BGRA8 ? 2 - c : c];
-      colour[c] = room_linear(byte);
-      white = white || byte >= k_white;
-    }
-    return white;
-  }
-  if (cube.format == SANDGLASS_CUBE_RGBA16F) {
-    uint16_t p[3];
-    __builtin_memcpy(p, row + 8 * x, sizeof p);
-    for (int c = 0; c < 3; ++c) colour[c] = from_half(p[c]);
-  } else {
-    float p[3];
-    __builtin_memcpy(p, row + (cube.format == SANDGLASS_CUBE_RGB32F ? 12 : 16) * x, sizeof p);
-    for (int c = 0; c < 3; ++c) colour[c] = sound(p[c]);
-  }
-  for (int c = 0; c < 3; ++c) white = white || colour[c] >= k_value_most;
-  return white;
-}
-
 void store(RoomProbePart* part, const double colour[3], double clipped) {
   for (int c = 0; c < 3; ++c) part->radiance[c] = half_of(colour[c]);
   part->clipped = half_of(clipped);
@@ -220,7 +168,7 @@ void take_row_of_cube(const Room& room, RoomProbe* probe, uint32_t row) {
         const double weight = square_root(from[0] * from[0] + from[2] * from[2]);
         for (int k = 0; k < 3; ++k) from[k] -= at[k];
         for (int k = 0; k < 3; ++k) d[k] = to_cube[k][0] * from[0] + to_cube[k][1] * from[1] + to_cube[k][2] * from[2];
-        if (sample(cube, d, colour)) white += weight;
+        if (room_cube_texel(cube, d, colour)) white += weight;
         area += weight;
         for (int c = 0; c < 3; ++c) sum[c] += weight * colour[c];
       }
@@ -341,6 +289,57 @@ bool compared(const Room& room, uint32_t i, const RoomProbePart& shown, double r
 }
 
 }  // namespace
+
+bool room_cube_texel(const sandglass_cube& cube, const double d[3], double colour[3]) {
+  const double z = cube.left_handed != 0 ? -d[2] : d[2];
+  const double ax = absolute(d[0]), ay = absolute(d[1]), az = absolute(z);
+  uint32_t face;
+  double s, t, major;
+  if (ax >= ay && ax >= az) {
+    face = d[0] > 0 ? 0 : 1;
+    s = d[0] > 0 ? -z : z;
+    t = -d[1];
+    major = ax;
+  } else if (ay >= az) {
+    face = d[1] > 0 ? 2 : 3;
+    s = d[0];
+    t = d[1] > 0 ? z : -z;
+    major = ay;
+  } else {
+    face = z > 0 ? 4 : 5;
+    s = z > 0 ? d[0] : -d[0];
+    t = -d[1];
+    major = az;
+  }
+  const double half = 0.5 * cube.size, scale = half / major;
+  const auto index = [&](double at) {
+    const auto i = to_whole<uint32_t>(at * scale + half);
+    return i < cube.size ? i : cube.size - 1;
+  };
+  const uint8_t* row = static_cast<const uint8_t*>(cube.faces[face]) + int64_t{index(t)} * cube.stride;
+  const uint32_t x = index(s);
+  bool white = false;
+  if (cube.format <= SANDGLASS_CUBE_BGRA8) {
+    const uint8_t* p = row + 4 * x;
+    for (int c = 0; c < 3; ++c) {
+      const uint8_t byte = p[cube.format == SANDGLASS_CUBE_BGRA8 ? 2 - c : c];
+      colour[c] = room_linear(byte);
+      white = white || byte >= k_white;
+    }
+    return white;
+  }
+  if (cube.format == SANDGLASS_CUBE_RGBA16F) {
+    uint16_t p[3];
+    __builtin_memcpy(p, row + 8 * x, sizeof p);
+    for (int c = 0; c < 3; ++c) colour[c] = from_half(p[c]);
+  } else {
+    float p[3];
+    __builtin_memcpy(p, row + (cube.format == SANDGLASS_CUBE_RGB32F ? 12 : 16) * x, sizeof p);
+    for (int c = 0; c < 3; ++c) colour[c] = sound(p[c]);
+  }
+  for (int c = 0; c < 3; ++c) white = white || colour[c] >= k_value_most;
+  return white;
+}
 
 void room_begin_cube(Room* room, const sandglass_cube& cube) {
   RoomProbe* probe = room->probe;

@@ -148,8 +148,8 @@ void room_to_world(const Room& room, const double sphere[3], double world[3]);
 void room_place(const Room& room, const double world[3], double sphere[3]);
 // What counts of a part that was seen `age` ago, 0..1.
 double room_memory(const Room& room, const RoomPart& part);
-// Whether a part is remembered well, and unclipped.
 float room_bounded_radiance(double radiance);
+// Whether a part is remembered well, and unclipped.
 bool room_remembers(const Room& room, const RoomPart& part);
 // The weight of a part in a vote: its solid angle, 1 on the horizon.
 double room_part_weight(uint32_t part);
@@ -172,6 +172,8 @@ void room_run_unit(Room* room);
 // stay until the units have run; what is dropped leaves no probe.
 void room_begin_cube(Room* room, const sandglass_cube& cube);
 void room_begin_harmonics(Room* room, const sandglass_harmonics& harmonics);
+// The texel that every graphics API samples for a direction, without filtering. True where it is clipped.
+bool room_cube_texel(const sandglass_cube& cube, const double direction[3], double colour[3]);
 uint32_t room_probe_units_left(const Room& room);
 void room_drop_probe_unit(Room* room);
 // Radiance of the probe's value 1 in the room's unit, for each channel: as both show the same parts, or as it is told.

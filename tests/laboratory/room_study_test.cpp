@@ -137,6 +137,8 @@ TEST(RoomStudy, ItsLimitsAreHeldByGoodRowsAndBrokenByBadOnes) {
   };
   add("the true light in cells", 0.4, {-0.1, -0.2, -0.05}, {-0.04, -0.05, -0.03});
   for (const Session session : k_sessions) add(session_name(session), 0.7, {-0.1, -0.2, -0.05}, {-0.01, -0.02, -0.001});
+  for (const ProbeWay& way : k_probe_ways)
+    if (!way.control) add(way.name, way.limit, {0, 0, 0}, {-0.01, -0.02, -0.001});
   add("control: worse", 1.2, {0, 0, 0}, {0.01, 0.005, 0.02}, true);
   table.sessions.resize(std::size(k_sessions));
   const auto failed = [](const RoomTable& t) {
@@ -152,6 +154,9 @@ TEST(RoomStudy, ItsLimitsAreHeldByGoodRowsAndBrokenByBadOnes) {
   worse.drawn[1 + static_cast<size_t>(Session::full_turn)].share_of_ambient = 0.76;
   worse.drawn[1 + static_cast<size_t>(Session::table)].against_ambient.high = 0.0011;
   EXPECT_EQ(failed(worse), 2);
+  worse = table;
+  (worse.drawn.end() - 2)->share_of_ambient += 0.01;  // a probe
+  EXPECT_EQ(failed(worse), 1);
   worse = table;
   worse.drawn.back().against_ambient.mean = -0.001;  // the control is as good
   worse.sessions[static_cast<size_t>(Session::full_turn)].direction_deg.mean = 15.1;

@@ -83,6 +83,19 @@ std::vector<Way> ways_of(const RoomStudy& study, const Lights& lights) {
         return cells_of(turn(p), false);
       },
       true));
+  if (study.places.front().probes.empty()) return ways;
+  const auto probe = [&study](size_t way, size_t away = 0) {
+    return [&study, way, away](const StudiedPlace& p) {
+      const auto index = static_cast<size_t>(&p - study.places.data());
+      return study.places[(index + away) % study.places.size()].probes[way];
+    };
+  };
+  for (size_t way = 0; way < std::size(k_probe_ways); ++way) {
+    ways.push_back(in_room(study, k_probe_ways[way].name, probe(way)));
+    ways.back().control = k_probe_ways[way].control;
+  }
+  ways.push_back(in_room(study, k_probe_elsewhere, probe(0, study.places.size() / 2)));
+  ways.back().control = true;
   return ways;
 }
 
@@ -254,6 +267,8 @@ std::vector<Verdict> room_verdicts(const std::vector<Condition>& conditions) {
           of_session(condition.table, Session::full_turn).against_ambient.high, 0.0, "upper end");
   below("direction", "a full turn", table.sessions[static_cast<size_t>(Session::full_turn)].direction_deg.mean, 15.0,
         "degrees");
+  for (const ProbeWay& way : k_probe_ways)
+    if (!way.control) below("floor", way.name, row_of(table.drawn, way.name).share_of_ambient, way.limit, "of AO");
   const double level = table.sessions[static_cast<size_t>(Session::full_turn)].level.mean;
   rows.push_back({"level", "a full turn (the aim is 0.35)", "|log ratio|", 0.0, level,
                   std::numeric_limits<double>::infinity(), true, false});

@@ -97,6 +97,8 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std
       places[a].location = location.name;
       for (const Session session : k_sessions)
         places[a].sessions.push_back(look_around(coarse, session, {azimuth, options.exposure_known, seed_of(a)}));
+      const SeenRoom& turn = places[a].sessions[static_cast<size_t>(Session::full_turn)];
+      places[a].probes = probe_lights(coarse, turn, options.exposure_known, places[a].place);
     });
     for (uint32_t a = 0; a < options.azimuths && network; ++a) {
       const sandglass_light_estimate e =
@@ -124,6 +126,7 @@ RoomStudy moved(const RoomStudy& study, const RoomStudyOptions& options) {
       place.label = light.label;
       place.truths = light.truths;
       place.lit = light.lit;
+      place.probes.clear();
     });
     progress.done(i + 1);
   }

@@ -10,7 +10,7 @@
 #include "models/work/thread_pool.h"
 #include "tests/laboratory/interval.h"
 #include "tests/laboratory/room/floor.h"
-#include "tests/laboratory/room/session.h"
+#include "tests/laboratory/room/probes.h"
 
 namespace sandglass::host {
 
@@ -35,6 +35,7 @@ struct StudiedPlace {
   PartRadiance parts;                           // the panorama's, of all directions
   std::vector<OneLight> estimates;              // of one light, from an image
   sandglass_light_estimate network = {};        // the network's, as it gives it
+  std::vector<sandglass_room_light> probes;     // by k_probe_ways; of objects that were moved there are none
 };
 
 struct RoomStudy {
