@@ -55,7 +55,9 @@ SeenLight::SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 s
   sandglass_room_desc desc;
   sandglass_room_desc_default(&desc);
   desc.interval = 0.0f;
-  if (room.insertion > 0.0) desc.radius = static_cast<float>(length(level(standing) - at_rest.eye) / room.insertion);
+  if (room.insertion > 0.0)
+    desc.radius =
+        static_cast<float>(std::hypot(standing.x - at_rest.eye.x, standing.z - at_rest.eye.z) / room.insertion);
   const char* reason = nullptr;
   uint64_t bytes = 0;
   require(sandglass_room_bytes(&desc, &bytes, &reason), reason);
@@ -85,7 +87,7 @@ ShotLight SeenLight::follow(Vec3 standing, double seconds, const sandglass_light
                             sandglass_room_light* shown) {
   sandglass_room_place place;
   sandglass_room_place_default(&place);
-  to_floats(level(standing), place.position);
+  to_floats(standing, place.position);
   place.estimate = estimate;
   place.shown = shown;
   sandglass_room_light now = {};

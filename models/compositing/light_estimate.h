@@ -56,9 +56,6 @@ class SeenLight {
   sandglass_room* handle() const { return room_; }
 
  private:
-  // As far away as it is, and as high as the eye: a place below would see a part of the floor above its horizon.
-  Vec3 level(Vec3 standing) const { return {standing.x, camera_.eye.y, standing.z}; }
-
   Block block_;
   sandglass_room* room_ = nullptr;
   ShotCamera camera_;

@@ -16,7 +16,7 @@ namespace {
 constexpr double k_diagonal_deg = 75.0;
 constexpr double k_key = 0.2;       // the mean of a picture that the camera exposed by itself
 constexpr double k_sway_deg = 4.0;  // of a hand, standard deviation
-constexpr double k_short = 1.0 / 64;
+constexpr double k_short = 1.0 / 64, k_shorter = 1.0 / 4096;
 constexpr uint64_t k_sway_stream = 97;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
@@ -73,7 +73,9 @@ const char* session_name(Session session) {
                                      "table, 60 degrees aside and a glance up",
                                      "a full turn",
                                      "a full turn, some images short",
-                                     "everything, some images short"};
+                                     "everything, some images short",
+                                     "a full turn, some images short, some shorter",
+                                     "everything, some images short, some shorter"};
   return k_names[static_cast<int>(session)];
 }
 
@@ -95,15 +97,21 @@ std::vector<SessionImage> session_images(Session session, uint64_t seed) {
       break;
     case Session::full_turn:
     case Session::full_turn_short:
-      for (int i = 0; i < 24; ++i)
-        add(15.0 * i, i % 2 == 0 ? 0.0 : 20.0, session == Session::full_turn_short && i % 4 == 1 ? k_short : 1.0);
+    case Session::full_turn_shorter:
+      for (int i = 0; i < 24; ++i) {
+        const bool some = session != Session::full_turn && i % 4 == 1;
+        const bool others = session == Session::full_turn_shorter && i % 4 == 3;
+        add(15.0 * i, i % 2 == 0 ? 0.0 : 20.0, some ? k_short : others ? k_shorter : 1.0);
+      }
       break;
     case Session::everything:
+    case Session::everything_shorter:
       for (int ring = 0; ring < 4; ++ring)
         for (int i = 0; i < 12; ++i) {
           const double pitch[4] = {-40, 0, 40, 80};
           add(30.0 * i, pitch[ring]);
           add(30.0 * i, pitch[ring], k_short);
+          if (session == Session::everything_shorter) add(30.0 * i, pitch[ring], k_shorter);
         }
       break;
   }

@@ -28,16 +28,20 @@ PhoneImage take_image(const RadianceMap& panorama, const ShotCamera& camera, int
                       double factor = 1.0);
 
 enum class Session {
-  nothing,          // not one image
-  table,            // one image of a table
-  around_table,     // the table, from all sides; never up
-  glance,           // the table, 60 degrees to each side, then a glance up to 15 degrees, as far to each side
-  full_turn,        // a full turn, from the horizon to 20 degrees above
-  full_turn_short,  // the same, with every fourth image exposed for a 64th of the time
-  everything        // the whole sphere, every other image for a 64th
+  nothing,            // not one image
+  table,              // one image of a table
+  around_table,       // the table, from all sides; never up
+  glance,             // the table, 60 degrees to each side, then a glance up to 15 degrees, as far to each side
+  full_turn,          // a full turn, from the horizon to 20 degrees above
+  full_turn_short,    // the same, with every fourth image exposed for a 64th of the time
+  everything,         // the whole sphere, every other image for a 64th
+  full_turn_shorter,  // full_turn_short, with every fourth image for a 4096th besides
+  everything_shorter  // everything, with a third image for a 4096th
 };
-constexpr Session k_sessions[] = {Session::nothing,   Session::table,           Session::around_table, Session::glance,
-                                  Session::full_turn, Session::full_turn_short, Session::everything};
+constexpr Session k_sessions[] = {
+    Session::nothing,           Session::table,           Session::around_table, Session::glance,
+    Session::full_turn,         Session::full_turn_short, Session::everything,   Session::full_turn_shorter,
+    Session::everything_shorter};
 const char* session_name(Session session);
 
 // Where the camera looks and how it is exposed, beside what it would choose.

@@ -63,6 +63,8 @@ Vec3 main_by_cosine(const ShotLight& light, Vec3 normal) {
   return main_facing(light) * std::max(0.0, dot(normal, main_direction_of(light)));
 }
 
+Vec3 from_floor(const ShotLight& light, Vec3 normal) { return from_floats(light.floor) * (0.5 * (1.0 - normal.y)); }
+
 ShotLight light_of(const RadianceMap& panorama, View view) {
   ShotLight light = dark();
   const ViewRotation rotation(view);
@@ -88,6 +90,14 @@ ShotLight light_of(const RadianceMap& panorama, View view) {
   for (uint32_t j = 0; j < k_harmonics; ++j) to_floats(sh[j], light.sh + 3 * j);
   to_floats(irradiance, light.irradiance);
   light.seen = 1.0f;
+  return light;
+}
+
+ShotLight light_above_floor(const RadianceMap& panorama, View view, Vec3 floor) {
+  ShotLight light = light_of(above_horizon(panorama, view), view);
+  to_floats(floor, light.floor);
+  for (uint32_t j = 0; j < 2; ++j)
+    to_floats(from_floats(light.sh + 3 * j) + floor * k_below_harmonics[j], light.sh + 3 * j);
   return light;
 }
 
@@ -120,6 +130,7 @@ ShotLight one_light(const sandglass_light_estimate& e) {
 ShotLight scaled(ShotLight light, double factor) {
   for (float& c : light.sh) c = static_cast<float>(factor * static_cast<double>(c));
   for (float& e : light.irradiance) e = static_cast<float>(factor * static_cast<double>(e));
+  for (float& f : light.floor) f = static_cast<float>(factor * static_cast<double>(f));
   return light;
 }
 
@@ -139,18 +150,20 @@ ShotLight mirrored(const ShotLight& light) {
 ShotLight mean_light(std::span<const ShotLight> lights) {
   ShotLight mean = dark();
   double level = 0.0;
-  Vec3 irradiance;
+  Vec3 irradiance, floor;
   std::array<double, 27> sh = {};
   const double n = static_cast<double>(lights.size());
   for (const ShotLight& light : lights) {
     const double all = luminance(irradiance_of(light));
     level += std::log(all) / n;
     irradiance = irradiance + irradiance_of(light) * (1.0 / (all * n));
+    floor = floor + from_floats(light.floor) * (1.0 / (all * n));
     for (size_t i = 0; i < sh.size(); ++i) sh[i] += static_cast<double>(light.sh[i]) / (all * n);
     for (uint32_t i = 0; i < k_light_cells; ++i) mean.cells[i] += static_cast<float>(1.0 / n) * light.cells[i];
   }
   std::copy_n(mean.cells, k_light_cells, mean.ambient_cells);
   to_floats(irradiance * std::exp(level), mean.irradiance);
+  to_floats(floor * std::exp(level), mean.floor);
   for (size_t i = 0; i < sh.size(); ++i) mean.sh[i] = static_cast<float>(sh[i] * std::exp(level));
   return mean;
 }

@@ -34,9 +34,14 @@ Vec3 shown_by(const ShotLight& light, Vec3 normal);
 Vec3 main_in_harmonics(const ShotLight& light, Vec3 normal);
 Vec3 main_by_cosine(const ShotLight& light, Vec3 normal);
 
+// The part of it that comes from the floor below.
+Vec3 from_floor(const ShotLight& light, Vec3 normal);
+
 // The light of a panorama, whose own centre looks along `view`: each cell, harmonics and level as they are. None of it
 // is a main light.
 ShotLight light_of(const RadianceMap& panorama, View view);
+// The same of its upper half, on a floor of this radiance.
+ShotLight light_above_floor(const RadianceMap& panorama, View view, Vec3 floor);
 
 // One light and nothing else, as the app draws it that knows of no more: a share of the floor's irradiance is the
 // opacity of its shadow, the rest comes from all sides and hides nothing.

@@ -27,9 +27,9 @@ constexpr double k_depth_dark = 0.9;           // how fast it darkens below the 
 constexpr double k_deepest = 1.5;              // radii below the surface at which a grain is still seen
 constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; no shadow falls beyond
 constexpr int k_bounces = 3;
-constexpr uint64_t k_composite_stream = 41, k_truth_stream = 42, k_floor_stream = 43;
+constexpr uint64_t k_composite_stream = 41, k_truth_stream = 42;
 
-enum class Surface { none, floor, object, grain };
+enum class Surface { none, floor, object, grain };  // as ShotPicture::Seen
 
 struct Hit {
   Surface surface = Surface::none;
@@ -111,25 +111,6 @@ struct ShotPicture::State {
 
 namespace {
 
-// The floor's reflectance is its radiance around the object, divided by the irradiance that it gets there.
-Vec3 floor_reflectance(const Surroundings& room, const ShotCamera& camera, const ProbeLight& floor_light) {
-  constexpr int k_places = 256, k_rays = 8192;
-  constexpr double k_around = 1.0;  // metres from the object
-  Random random = random_stream(1, k_floor_stream);
-  Vec3 radiance, irradiance;
-  for (int i = 0; i < k_places; ++i) {
-    const double r = k_around * std::sqrt(random.uniform()), turn = 2.0 * k_pi * random.uniform();
-    const Vec3 to = Vec3{r * std::cos(turn), 0, r * std::sin(turn)} - camera.eye;
-    radiance = radiance + look_up(room.panorama, to) * (1.0 / k_places);
-  }
-  for (int i = 0; i < k_rays; ++i) {
-    const double second = random.uniform(), first = random.uniform();  // one order for every compiler
-    irradiance = irradiance + floor_light.sample(first, second).weight * (1.0 / k_rays);
-  }
-  const auto ratio = [](double b, double e) { return e > 0.0 ? std::clamp(k_pi * b / e, 0.02, 0.9) : 0.5; };
-  return {ratio(radiance.x, irradiance.x), ratio(radiance.y, irradiance.y), ratio(radiance.z, irradiance.z)};
-}
-
 double left_by(const std::vector<FloorShadow>& shadows, double x, double z) {
   double share = 1.0;
   for (const FloorShadow& shadow : shadows) share *= floor_transparency(shadow, x, z);
@@ -168,7 +149,6 @@ Left left_on_sand(const SceneShadows& shadows, const PlacedLight& light, const H
     const double surface = shadows.most_height * (1.0 - floor_transparency(heights, p.x, p.z));
     // What is seen lies near the surface. Sand that falls is soon far below that of an older texture.
     left.ambient /= 1.0 + k_depth_dark * std::clamp((surface - p.y) / radius, 0.0, k_deepest);
-    left.ambient *= 0.5 * (1.0 + hit.normal.y);  // the harmonics hold light from below, where other grains lie
   }
   const Vec3 towards = main_direction_of(light.object);  // the object's shadow is made for it
   if (towards.y > 0.0) {
@@ -179,10 +159,10 @@ Left left_on_sand(const SceneShadows& shadows, const PlacedLight& light, const H
   return left;
 }
 
-// What grains that do not see the room see of each other.
+// What is not seen of the room is a surface of the same colour, as bright: so light is reflected among equals.
 Vec3 among_equals(double open, Vec3 reflectance) {
-  const auto of = [open](double rho) { return open / (1.0 - rho * (1.0 - open)); };
-  return {of(reflectance.x), of(reflectance.y), of(reflectance.z)};
+  const auto gain = [open](double rho) { return 1.0 / (1.0 - rho * (1.0 - open)); };
+  return {gain(reflectance.x), gain(reflectance.y), gain(reflectance.z)};
 }
 
 }  // namespace
@@ -209,15 +189,19 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     const std::array<double, k_harmonics> transfer = state_->transfer_at(hit.triangle, hit.point);
     Vec3 sum;
     for (size_t j = 0; j < k_harmonics; ++j) sum = sum + from_floats(sh + 3 * j) * transfer[j];
-    return Vec3{std::max(sum.x, 0.0), std::max(sum.y, 0.0), std::max(sum.z, 0.0)};
+    const double open = options.lit_by_itself ? std::clamp(transfer[0] / k_harmonic_factors[0], 0.0, 1.0) : 1.0;
+    return product({std::max(sum.x, 0.0), std::max(sum.y, 0.0), std::max(sum.z, 0.0)},
+                   among_equals(open, hit.reflectance));
   };
   const auto grain_shown = [&](const Hit& hit) {
     const Vec3 all = shown_by(light.sand, hit.normal), main = main_by_cosine(light.sand, hit.normal);
-    const Vec3 without = all - main_in_harmonics(light.sand, hit.normal);
+    // Below a grain are other grains, and they give what `among_equals` says.
+    const Vec3 without = all - main_in_harmonics(light.sand, hit.normal) - from_floor(light.sand, hit.normal);
     const Vec3 rest = {std::max(without.x, 0.0), std::max(without.y, 0.0), std::max(without.z, 0.0)};
     if (!textured) return all;
     const Left left = left_on_sand(shadows, light, hit, state_->grain_radius);
-    return product(rest, among_equals(left.ambient, hit.reflectance)) + main * left.main;
+    const double open = options.lit_by_itself ? left.ambient : 0.5 * (1.0 + hit.normal.y) * left.ambient;
+    return product(rest * open, among_equals(open, hit.reflectance)) + main * left.main;
   };
   RadianceMap picture(options.width, options.height);
   const auto colour_of = [&](Vec3 direction) {
@@ -242,20 +226,40 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
   return picture;
 }
 
+std::vector<ShotPicture::Seen> ShotPicture::seen(const ShotCamera& camera, int width, int height) const {
+  constexpr double k_corners[4][2] = {{0.05, 0.05}, {0.95, 0.05}, {0.05, 0.95}, {0.95, 0.95}};
+  std::vector<Seen> all;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const auto hit_at = [&](double u, double v) {
+        return state_->closest(camera.eye, normalised(camera.ray(x + u, y + v, width, height)));
+      };
+      const Hit middle = hit_at(0.5, 0.5);
+      bool same = true;
+      for (const auto& corner : k_corners) same = same && hit_at(corner[0], corner[1]).surface == middle.surface;
+      const auto what = static_cast<Seen::What>(same ? static_cast<int>(middle.surface) : 0);
+      all.push_back({what, middle.point, middle.normal});
+    }
+  return all;
+}
+
 RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camera,
                                const ShotPictureOptions& options) const {
   // The floor hides what lies below the horizon, and is itself what one sees there. Light on the floor is sampled by
   // its cosine too.
   const ViewRotation rotation(room.view);
-  RadianceMap above = room.warped, on_floor = room.warped;
+  const RadianceMap above = above_horizon(room.warped, room.view);
+  RadianceMap on_floor = above;
   for (int v = 0; v < above.height; ++v)
     for (int u = 0; u < above.width; ++u) {
       const double up = rotation.to_panorama(panorama_direction(u, v, above.width, above.height)).y;
-      above.set(u, v, up > 0.0 ? above.colour(u, v) : Vec3{});
       on_floor.set(u, v, on_floor.colour(u, v) * std::max(up, 0.0));
     }
   const ProbeLight environment(above, rotation), floor_light(on_floor, rotation);
-  const Vec3 reflectance = floor_reflectance(room, camera, floor_light);
+  const Vec3 irradiance = irradiance_of(light_of(above, room.view));
+  const auto reflects = [](double radiance, double e) { return e > 0.0 ? k_pi * radiance / e : 0.0; };
+  const Vec3 reflectance = {reflects(room.floor.x, irradiance.x), reflects(room.floor.y, irradiance.y),
+                            reflects(room.floor.z, irradiance.z)};
   RadianceMap picture(options.width, options.height);
   // The irradiance that one ray of the room's light brings. *open gets what it would bring with nothing in its way.
   const auto direct = [&](Vec3 start, Vec3 normal, Surface surface, double a, double b, Vec3* open) {
@@ -340,6 +344,7 @@ RadianceMap ShotPicture::composite(const Surroundings&, const ShotCamera&, const
   return {};
 }
 RadianceMap ShotPicture::truth(const Surroundings&, const ShotCamera&, const ShotPictureOptions&) const { return {}; }
+std::vector<ShotPicture::Seen> ShotPicture::seen(const ShotCamera&, int, int) const { return {}; }
 
 #endif
 

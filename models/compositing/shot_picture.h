@@ -4,9 +4,9 @@
 // the ambient shadows leave of the room's light, s the main light's share, c what the sharp textures cover. Object and
 // grains get the room's harmonics, the object by the nine numbers of its vertices, which know what it hides from
 // itself, a grain by its normal and by what the sand's texture leaves at its depth, less what the sharp textures take
-// of the main light. Grains are of one colour with their neighbours, so what one of them does not see of the room it
-// sees of sand that is as bright: v becomes v / (1 - rho (1 - v)). Below a grain of a pile is sand: of a normal's
-// harmonics the share (1 + n.y) / 2 comes from above. Nothing is traced but where things are.
+// of the main light and without the floor's part, because below a grain of a pile is sand. What a thing does not see of
+// the room it sees of itself, and that is as bright: where it is open to the share v, light is 1 / (1 - rho (1 - v))
+// times as strong. Nothing is traced but where things are.
 //
 // Truth. Object and grains stand in the light of the warped panorama, on a floor that only catches shadows and reflects
 // light. Where the floor is seen, the panorama's radiance is multiplied by the irradiance with what stands on it and
@@ -45,6 +45,8 @@ struct ShotPictureOptions {
   int samples = 3;  // composite: per pixel and axis
   int paths = 64;   // truth: per pixel
   uint32_t threads = 1;
+  // Composite. False is a control: nothing is lit by itself, and below a grain is what its harmonics hold, by half.
+  bool lit_by_itself = true;
 };
 
 class ShotPicture {
@@ -58,6 +60,12 @@ class ShotPicture {
   // Linear, 0..1. Equal arguments give equal bits on any number of threads.
   RadianceMap composite(const Surroundings& room, const ShotCamera& camera, const PlacedLight& light,
                         const SceneShadows& shadows, CastShadow cast, const ShotPictureOptions& options) const;
+  // What fills a pixel; `nothing` also where different things share it. The place and the normal are its middle's.
+  struct Seen {
+    enum What { nothing, floor, object, grain } what = nothing;
+    Vec3 point, normal;
+  };
+  std::vector<Seen> seen(const ShotCamera& camera, int width, int height) const;
   // Surroundings must have a truth.
   RadianceMap truth(const Surroundings& room, const ShotCamera& camera, const ShotPictureOptions& options) const;
 

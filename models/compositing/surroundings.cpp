@@ -50,12 +50,29 @@ Vec3 Surroundings::seen(const ShotCamera& camera, Vec3 direction) const {
 
 namespace {
 
-// The view towards the object is level, as if the object stood at the height of the eye. From a place below the eye,
-// the upper half of the warped panorama would show a part of the floor.
+// The mean radiance of the floor around a foot. Stitched panoramas show floors that are brighter than their light can
+// make them.
+Vec3 floor_around(const RadianceMap& panorama, Vec3 foot, Vec3 irradiance) {
+  constexpr int k_places = 256;
+  constexpr double k_around = 1.0, k_golden = 2.399963229728653, k_brightest = 0.9 / k_pi;  // metres; of the irradiance
+  Vec3 sum;
+  for (int i = 0; i < k_places; ++i) {
+    const double r = k_around * std::sqrt((i + 0.5) / k_places);
+    const Vec3 place = foot + Vec3{r * std::cos(k_golden * i), 0, r * std::sin(k_golden * i)};
+    sum = sum + look_up(panorama, place) * (1.0 / k_places);
+  }
+  return {std::min(sum.x, k_brightest * irradiance.x), std::min(sum.y, k_brightest * irradiance.y),
+          std::min(sum.z, k_brightest * irradiance.z)};
+}
+
 void look_from(Surroundings* s, const Camera& camera, Vec3 standing) {
   const Vec3 to = standing - camera.eye;
-  s->view = {0.5 * k_pi, std::atan2(to.z, to.x)};
-  s->warped = warp(s->panorama, s->view, s->insertion);
+  s->foot = to * (s->insertion / std::hypot(to.x, to.z));
+  const double away = length(s->foot);
+  if (away > k_farthest_insertion) s->foot = s->foot * (k_farthest_insertion / away);
+  s->view = {std::acos(s->foot.y / length(s->foot)), std::atan2(to.z, to.x)};
+  s->warped = warp(s->panorama, s->view, length(s->foot));
+  s->floor = floor_around(s->panorama, to, irradiance_of(light_of(above_horizon(s->warped, s->view), s->view)));
 }
 
 }  // namespace

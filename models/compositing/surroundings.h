@@ -19,8 +19,10 @@ struct Surroundings {
   RadianceMap panorama;      // empty: a photograph
   RadianceMap warped;        // the panorama from where the object stands, its own centre at `view`
   double exposure = 1.0;     // by itself, of the camera at rest
-  View view = {};            // towards where the object stands, on the level of the eye
-  double insertion = 0.0;    // how far that is, in radii of the panorama's sphere
+  double insertion = 0.0;    // how far ahead the object stands, in radii of the panorama's sphere
+  Vec3 foot;                 // the object's, from the eye, in radii
+  View view = {};            // towards it
+  Vec3 floor;                // radiance of the floor around the object, no more than its light explains
   RadianceMap photo;         // linear, 0..1
   double photo_focal = 0.0;  // pixels
   std::string name;
@@ -29,7 +31,7 @@ struct Surroundings {
   // What the camera shows in a direction: linear, 0..1.
   Vec3 seen(const ShotCamera& camera, Vec3 direction) const;
   // The light at the object as it is, in the picture's scale. Needs a truth.
-  ShotLight true_light() const { return scaled(light_of(warped, view), exposure); }
+  ShotLight true_light() const { return scaled(light_above_floor(warped, view, floor), exposure); }
 };
 
 // Surroundings of a panorama. At rest `camera` looks along `azimuth_deg`. The light is that of the place `standing`,

@@ -5,6 +5,7 @@
 
 const k_lighting = `
 uniform vec3 to_light, sun, ambient[9];  // irradiance over pi, of a surface that faces the sun, and by the normal
+uniform vec3 below;                      // the radiance of the floor, which ambient holds
 uniform mat3 table_of_room;              // ambient is of the room, all else of the table
 vec3 around(vec3 normal) {
   vec3 n = normal * table_of_room;
@@ -13,6 +14,11 @@ vec3 around(vec3 normal) {
 }
 vec3 shade(vec3 albedo, vec3 normal, float direct, float open) {
   return albedo * (sun * max(dot(normal, to_light), 0.0) * direct + around(normal) * open);
+}
+// Sand lies on sand: what it does not see of the room is as bright as it is.
+vec3 shade_sand(vec3 albedo, vec3 normal, float direct, float open) {
+  vec3 rest = max(around(normal) - below * (0.5 - 0.5 * (normal * table_of_room).y), 0.0) * open / (1.0 - albedo * (1.0 - open));
+  return albedo * (sun * max(dot(normal, to_light), 0.0) * direct + rest);
 }
 vec4 encoded(vec3 linear) {
   linear = clamp(linear, 0.0, 1.0);
@@ -106,10 +112,10 @@ void main() {
   gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
   mat3 back = transpose(mat3(view));
   vec3 world = back * (place - view[3].xyz), n = broken(back * normal);
-  // Deeper under the surface there is less; and light from below comes from other grains.
-  float below = clamp((most_height * texture(heights, (world.xz - pile_box.xy) * pile_box.zw).r - world.y) / radius, 0.0, 1.5);
-  float open = sky_known > 0.5 ? under_sky(world) / (1.0 + 0.9 * below) * (0.5 + 0.5 * n.y) : 0.75 + 0.25 * n.y;
-  pixel = encoded(shade(colour, n, shadowed(world, 1.0), open));
+  // Deeper under the surface there is less.
+  float deep = clamp((most_height * texture(heights, (world.xz - pile_box.xy) * pile_box.zw).r - world.y) / radius, 0.0, 1.5);
+  float open = sky_known > 0.5 ? under_sky(world) / (1.0 + 0.9 * deep) : 0.75;
+  pixel = encoded(shade_sand(colour, n, shadowed(world, 1.0), open));
 }`;
 const k_solid_vertex = `
 layout(location = 0) in vec3 position;
@@ -223,7 +229,7 @@ export class Painter {
     this.objectShadow = { box: [0, 0, 1, 1], opacity: 0, turn: [1, 0, 0, 1], at: [0, 0] };
     this.pileShadow = { box: [0, 0, 1, 1], opacity: 0, sky: 0, height: 0 };
     this.seenBox = [2, 2, 0, 0];  // nowhere
-    this.light = { sun: [0, 0, 0], ambient: new Float32Array(27) }, this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
+    this.light = { sun: [0, 0, 0], ambient: new Float32Array(27), floor: [0, 0, 0] }, this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     gl.enable(gl.DEPTH_TEST);
   }
 
@@ -312,7 +318,7 @@ export class Painter {
       gl.activeTexture(gl.TEXTURE0);
       gl.uniformMatrix4fv(p.at("view"), false, view), gl.uniformMatrix4fv(p.at("projection"), false, projection);
       gl.uniform3fv(p.at("to_light"), this.light.toLight), gl.uniform3fv(p.at("sun"), this.light.sun), gl.uniform3fv(p.at("eye"), eye);
-      gl.uniform3fv(p.at("ambient"), this.light.ambient), gl.uniformMatrix3fv(p.at("table_of_room"), false, this.tableOfRoom);
+      gl.uniform3fv(p.at("ambient"), this.light.ambient), gl.uniform3fv(p.at("below"), this.light.floor), gl.uniformMatrix3fv(p.at("table_of_room"), false, this.tableOfRoom);
       gl.uniform4fv(p.at("pile_box"), this.pileShadow.box), gl.uniform1f(p.at("pile_opacity"), this.pileShadow.opacity);
       gl.uniform1f(p.at("sky_known"), this.pileShadow.sky), gl.uniform1f(p.at("most_height"), this.pileShadow.height);
       gl.uniform4fv(p.at("object_box"), this.objectShadow.box), gl.uniform1f(p.at("object_opacity"), this.objectShadow.opacity);

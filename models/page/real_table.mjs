@@ -31,7 +31,7 @@ export class RealTable {
     Object.assign(this, { page, session, layer, space, hits, probe, table: null, placed: false, finger: null, before: null, shrunk: -Infinity });
     page.real = this;
     page.room?.forget();
-    session.addEventListener("selectstart", ({ inputSource }) => { if (this.placed) this.finger = inputSource; else this.placed = this.table !== null; });
+    session.addEventListener("selectstart", ({ inputSource }) => { if (this.placed) this.finger = inputSource; else if (this.table) this.placed = true, page.room?.stand(this.table); });
     session.addEventListener("selectend", () => { this.finger = null, page.at = null; });
     session.addEventListener("end", () => { page.at = null, page.real = null, page.room?.forget(), page.setLight(); });
     const frame = (now, told) => { if (page.real !== this) return; session.requestAnimationFrame(frame); this.frame(now, told); };

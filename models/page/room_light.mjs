@@ -10,14 +10,16 @@ const k_every_ms = 250;
 export function lightOfSky(sun, sky, ground) {
   const ambient = new Float32Array(27);
   for (let k = 0; k < 3; ++k) ambient[k] = (sky[k] + ground[k]) / 2, ambient[3 + k] = (sky[k] - ground[k]) / 2;
-  return { sun, ambient };
+  return { sun, ambient, floor: ground };
 }
 
 // From the harmonics of radiance and the main light that a WebXR device gives.
 export function lightOfDevice({ sphericalHarmonicsCoefficients: sh, primaryLightDirection: d, primaryLightIntensity: i }) {
   const convolved = [0.282095, ...Array(3).fill(0.325735), 0.273137, 0.273137, 0.078848, 0.273137, 0.136569];
   const length = Math.hypot(d.x, d.y, d.z) || 1;
-  return { toLight: [d.x, d.y, d.z].map((x) => x / length), sun: [i.x, i.y, i.z].map((x) => x / Math.PI), ambient: Float32Array.from(sh, (x, k) => x * convolved[Math.floor(k / 3)]) };
+  const ambient = Float32Array.from(sh, (x, k) => x * convolved[Math.floor(k / 3)]);
+  const floor = [0, 1, 2].map((k) => Math.max(0, ambient[k] - ambient[3 + k] - ambient[18 + k] - ambient[24 + k]));  // from straight below
+  return { toLight: [d.x, d.y, d.z].map((x) => x / length), sun: [i.x, i.y, i.z].map((x) => x / Math.PI), ambient, floor };
 }
 
 export class RoomLight {
@@ -41,6 +43,13 @@ export class RoomLight {
 
   get() {
     this.sand.sandglass_room_get(this.room, this.place, this.now);
+  }
+
+  // Something is placed there. It begins in the light that is known; the fade is for what has stood there.
+  stand(position) {
+    this.place.position.set(position);
+    this.shown.struct_size = 0;
+    this.get();
   }
 
   // For another frame of the world.
@@ -74,7 +83,7 @@ export class RoomLight {
     sand.sandglass_room_fade(shown, this.now, Math.max(0, seconds));
     sand.sandglass_lighting_of_room(shown, lighting);
     sand.sandglass_lighting_to_filament(lighting, constants.SANDGLASS_LIGHTING_AMBIENT, 1, filament);
-    return { toLight: [...shown.main_direction], sun: [...filament.colour].map((x) => x * filament.intensity / Math.PI), ambient: filament.sh.slice() };
+    return { toLight: [...shown.main_direction], sun: [...filament.colour].map((x) => x * filament.intensity / Math.PI), ambient: filament.sh.slice(), floor: [...shown.floor] };
   }
 }
 

@@ -108,4 +108,13 @@ RadianceMap warp(const RadianceMap& panorama, View view, double radius, int widt
   return warped;
 }
 
+RadianceMap above_horizon(const RadianceMap& panorama, View view) {
+  const ViewRotation rotation(view);
+  RadianceMap above = panorama;
+  for (int v = 0; v < above.height; ++v)
+    for (int u = 0; u < above.width; ++u)
+      if (!(rotation.to_panorama(panorama_direction(u, v, above.width, above.height)).y > 0.0)) above.set(u, v, {});
+  return above;
+}
+
 }  // namespace sandglass::host

@@ -59,4 +59,7 @@ double insertion_radius(std::span<const float> depth, int depth_width, View view
 RadianceMap warp(const RadianceMap& panorama, View view, double radius, int width = k_warped_width,
                  int height = k_warped_height);
 
+// What of a panorama whose centre looks along `view` lies above the horizon; the rest is black.
+RadianceMap above_horizon(const RadianceMap& panorama, View view);
+
 }  // namespace sandglass::host

@@ -11,6 +11,10 @@ constexpr uint32_t k_harmonics = 9;
 extern const double k_harmonic_factors[k_harmonics];
 void harmonic_polynomials(const double v[3], double polynomials[k_harmonics]);
 
+// Coefficients 0 and 1 of radiance 1 from everywhere below the horizon, sqrt(pi) and -pi sqrt(3 / (4 pi)); the others
+// are 0.
+constexpr double k_below_harmonics[2] = {1.7724538509055159, -1.5349900619197328};
+
 // What convolving with the clamped cosine and dividing by pi makes of coefficient i: 1, 2/3, 1/4 by its l.
 extern const double k_cosine_factors[k_harmonics];
 

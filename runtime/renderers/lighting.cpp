@@ -17,6 +17,10 @@ bool usable(const sandglass_light_estimate& e) {
   return is_finite(e.strength) && all_finite(e.direction, 3) && all_finite(e.light, 3) && all_finite(e.ambient, 3) &&
          all_finite(e.sh, 3 * k_harmonics);
 }
+bool usable(const sandglass_lighting& l) {
+  return all_finite(l.towards, 3) && all_finite(l.facing, 3) && all_finite(l.floor, 3) &&
+         all_finite(l.ambient_sh, 3 * k_harmonics) && all_finite(l.whole_sh, 3 * k_harmonics);
+}
 bool usable(const sandglass_room_light& l) {
   return is_finite(l.main_share) && all_finite(l.main_direction, 3) && all_finite(l.main_colour, 3) &&
          all_finite(l.irradiance, 3) && all_finite(l.sh, 3 * k_harmonics);
@@ -100,4 +104,29 @@ sandglass_status sandglass_lighting_of_room(const sandglass_room_light* light, s
               "light or lighting is NULL: pass a light of sandglass_room_get and the struct to fill",
               "light.struct_size is not set: set it to sizeof(sandglass_room_light) before sandglass_room_get",
               "a number of the light is not finite: pass a light as sandglass_room_get fills it");
+}
+
+sandglass_status sandglass_lighting_adapt(sandglass_lighting* lighting, float strength, int32_t keep_chroma,
+                                          const char** reason) {
+  if (lighting == nullptr) return refuse(reason, "lighting is NULL: pass one that was filled");
+  if (lighting->struct_size < k_least_lighting_bytes)
+    return refuse(reason, "lighting.struct_size is not set: pass a lighting that was filled");
+  if (!usable(*lighting)) return refuse(reason, "a number of the lighting is not finite: pass it as it was filled");
+  if (!within(strength, 0.0f, 1.0f) || keep_chroma < 0 || keep_chroma > 1)
+    return refuse(reason, "strength is not in 0..1, or keep_chroma not 0 or 1");
+  constexpr double k_even = 4 * k_pi * 0.28209479177387814;  // coefficient 0 of radiance 1
+  const auto adapt = [&](float colour[3], double white) {
+    const auto grey = static_cast<float>(luminance(colour));
+    for (int c = 0; c < 3; ++c) {
+      const float of_room = keep_chroma != 0 ? grey : colour[c];
+      colour[c] = strength * of_room + (1 - strength) * static_cast<float>(white);
+    }
+  };
+  adapt(lighting->facing, 0);
+  adapt(lighting->floor, k_pi);
+  for (uint32_t i = 0; i < k_harmonics; ++i) {
+    adapt(lighting->ambient_sh + 3 * i, i == 0 ? k_even : 0);
+    adapt(lighting->whole_sh + 3 * i, i == 0 ? k_even : 0);
+  }
+  return accept(reason);
 }

@@ -10,6 +10,9 @@
 // The level counts what was seen for four times as long as the direction does: light that comes from elsewhere is
 // likelier than a room that has become as dark as an unseen one. So an object does not change while the camera rests.
 //
+// What lies below the horizon of the object is the floor that it stands on, as it was seen around the foot: by the parts
+// that lie, from where the camera saw them, in the direction of the foot.
+//
 // A floor shadow is linear in the cells. So the shadow of least expected squared error is the one drawn in the expected
 // light. Where nothing was seen that is an even sky, and the shadow is soft; a guess of one light is not.
 #include "sandglass/estimate.h"
@@ -36,6 +39,10 @@ constexpr double k_floor_row = 5.0;   // rows below this see the floor: 33.75 de
 constexpr double k_stands_out = 3.0;  // times the mean of the cells farther away: may be a light of its own
 constexpr double k_clearly = 1.25;    // another main light takes over where it is so many times as strong
 constexpr float k_shown = 0.01f;      // share of a main light that can be seen
+constexpr double k_near_foot = 40.0;  // sharpness of what counts as the foot's surroundings: 9 degrees
+// Beside 1, of a part right at the foot that was seen from above: what a part elsewhere weighs, and the usual floor.
+constexpr double k_floor_elsewhere = 1e-4, k_floor_unseen = 1e-4;
+constexpr double k_floor_most = 0.9;              // reflectance of a floor at most
 constexpr double k_wide = 0.95, k_narrow = 0.99;  // mean cosine about the axis: too wide for a sharp shadow; as a lamp
 constexpr uint32_t k_look_rows = 1, k_look_columns = 2;  // parts to each side that one look takes in
 
@@ -175,6 +182,7 @@ void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3
   double q[3], along = 0, squared = 0;
   for (int k = 0; k < 3; ++k) q[k] = sphere[k] - at[k], along += sphere[k] * at[k], squared += q[k] * q[k];
   const double distance = square_root(squared), omega = area * (1 - along) / (squared * distance);
+  if (!(q[1] > 0)) return;
   const double local[3] = {q[0] / distance, q[1] / distance, q[2] / distance};
   const double world[3] = {turn.cos * local[0] - turn.sin * local[2], local[1],
                            turn.sin * local[0] + turn.cos * local[2]};
@@ -182,7 +190,6 @@ void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3
   harmonic_polynomials(world, polynomials);
   for (uint32_t j = 0; j < k_harmonics; ++j)
     for (uint32_t c = 0; c < 3; ++c) sums->sh[3 * j + c] += omega * k_harmonic_factors[j] * polynomials[j] * colour[c];
-  if (!(world[1] > 0)) return;
   const double facing = omega * world[1];
   const uint32_t cell = cell_of(local, yaw);
   for (uint32_t c = 0; c < 3; ++c) sums->cells[cell][c] += facing * colour[c];
@@ -330,6 +337,54 @@ void find_main_light(const Sums& sums, const RoomModel& model, double total, con
   }
 }
 
+// The floor around the foot, as the camera has seen it, in the room's unit; and what that weighs. The nearer a part lies
+// to the foot's direction, and the steeper and closer the camera saw it, the more it tells.
+double floor_seen(const Room& room, const Memory& memory, const double foot[3], double radiance[3]) {
+  double area = 0;
+  for (uint32_t i = 0; i < k_room_below; ++i) {
+    if (!(memory.known(i) > 0)) continue;
+    const bool by_probe = memory.confidence > 0 && !(memory.seen[i] > 0);
+    double from[3], part[3], along = 0, to_foot = 0, to_part = 0;
+    if (by_probe) room_place(room, room.probe->place, from);
+    room_direction(i / k_room_columns + 0.5, i % k_room_columns + 0.5, part);
+    double down = 0;
+    for (int k = 0; k < 3; ++k) {
+      if (!by_probe) from[k] = room.from[i][k] / 127.0;
+      const double a = foot[k] - from[k], b = part[k] - from[k];
+      along += a * b;
+      to_foot += a * a;
+      to_part += b * b;
+      if (k == 1) down = -a;
+    }
+    double near = k_floor_elsewhere;
+    if (down > 0) {
+      const double steep = down * down / to_foot;
+      near += steep * steep * exponential(k_near_foot * (along / square_root(to_foot * to_part) - 1));
+    }
+    const double weight = memory.known(i) * room_part_weight(i) * near;
+    const RoomPart known = part_of(room, memory, i);
+    for (int c = 0; c < 3; ++c) radiance[c] += weight * static_cast<double>(known.radiance[c]) * room.light;
+    area += weight;
+  }
+  if (area > 0)
+    for (int c = 0; c < 3; ++c) radiance[c] /= area;
+  return area;
+}
+
+// The floor's radiance in units of the last image's white.
+void find_floor(const Room& room, const RoomModel& model, const Memory& memory, const double foot[3],
+                const sandglass_room_place& place, sandglass_room_light* out) {
+  double seen[3] = {};
+  const double area = place.floor != nullptr ? 0 : floor_seen(room, memory, foot, seen);
+  for (int c = 0; c < 3; ++c) {
+    const double white = static_cast<double>(out->irradiance[c]) / k_pi, most = k_floor_most * white;
+    double floor = (area * seen[c] / room.scale + k_floor_unseen * model.albedo * white) / (area + k_floor_unseen);
+    floor = floor < most ? floor : most;
+    out->floor[c] = place.floor != nullptr ? place.floor[c] : static_cast<float>(floor);
+    for (int i = 0; i < 2; ++i) out->sh[3 * i + c] += static_cast<float>(k_below_harmonics[i]) * out->floor[c];
+  }
+}
+
 // The direction in which one look takes in most of the sky that was not seen, weighted by what it gives the floor.
 void find_look(const Room& room, const Memory& memory, float look[3]) {
   double most = -1, facing[k_room_rows];  // cosine and solid angle of a part of the row
@@ -352,6 +407,22 @@ void find_look(const Room& room, const Memory& memory, float look[3]) {
   const uint32_t row = best / k_room_columns, column = best % k_room_columns;
   room_direction(row + 0.5, column + 0.5 + room.yaw * k_room_columns, direction);
   for (int k = 0; k < 3; ++k) look[k] = static_cast<float>(direction[k]);
+}
+
+// Of what is clipped in the last image, the least bright first: a shorter image would show that as black. A part that a
+// lamp fills by a fiftieth or more has at least the mean that it clipped at times that.
+float short_exposure(const Room& room) {
+  constexpr float k_clips = 0.02f;  // share of a part
+  constexpr double k_tried[3] = {0, 1.05, 66};
+  uint32_t next = 2;
+  for (uint32_t i = k_room_below; i < k_room_parts && room.exposure_known; ++i) {
+    const RoomPart& part = room.parts[i];
+    if (part.age > 0 || !(part.seen > 0) || part.clipped < k_clips) continue;
+    const double white = luminance(part.radiance) * room.light / room.scale;
+    while (next > 0 && white < k_tried[next]) --next;
+  }
+  constexpr float k_exposures[3] = {1.0f / 64, 1.0f / 4096, 1};
+  return k_exposures[next];
 }
 
 // The irradiance of the floor in units of the last image's white, found in two ways whose logarithms are averaged: from
@@ -411,9 +482,13 @@ void room_estimate(const Room& room, const RoomModel& model, const sandglass_roo
   const double unit = total > 0 ? level / total : 0;
   for (int c = 0; c < 3; ++c) out.irradiance[c] = static_cast<float>(colour[c] * unit);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) out.sh[i] = static_cast<float>(sums.sh[i] * unit);
+  double foot[3];
+  room_place(room, position, foot, 2.0);
+  find_floor(room, model, memory, foot, place, &out);
   out.seen = static_cast<float>(sums.all_seen / sums.all_even);
   out.clipped = total > 0 ? static_cast<float>(sums.clipped / total) : 0.0f;
   find_look(room, memory, out.look);
+  out.short_exposure = short_exposure(room);
   out.white = static_cast<float>(room.scale);
   out.exposure_known = room.exposure_known ? 1 : 0;
   out.unit = room.unit;

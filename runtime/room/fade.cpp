@@ -39,7 +39,7 @@ void turn(float shown[3], const float now[3], float share) {
 bool finite(const sandglass_room_light& l) {
   return all_finite(l.cells, SANDGLASS_LIGHT_CELLS) && all_finite(l.ambient_cells, SANDGLASS_LIGHT_CELLS) &&
          all_finite(l.main_direction, 3) && is_finite(l.main_share) && all_finite(l.main_colour, 3) &&
-         all_finite(l.irradiance, 3) && all_finite(l.sh, 27) && is_finite(l.white);
+         all_finite(l.irradiance, 3) && all_finite(l.sh, 27) && all_finite(l.floor, 3) && is_finite(l.white);
 }
 
 __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass_room_light& now, float seconds) {
@@ -62,14 +62,17 @@ __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass
   const float scale = shown->valid != 0 && shown->unit == now.unit && now.white > 0 ? shown->white / now.white : 1;
   for (float& e : shown->irradiance) e *= scale;
   for (float& c : shown->sh) c *= scale;
+  for (float& c : shown->floor) c *= scale;
   mix(shown->irradiance, now.irradiance, share);
   mix(shown->sh, now.sh, share);
+  mix(shown->floor, now.floor, share);
   shown->white = now.white;
   shown->exposure_known = now.exposure_known;
   shown->unit = now.unit;
   shown->valid = now.valid;
   shown->seen = now.seen;
   shown->clipped = now.clipped;
+  shown->short_exposure = now.short_exposure;
   memcpy(shown->look, now.look, sizeof now.look);
 }
 

@@ -20,7 +20,6 @@ constexpr uint32_t k_vote_points = 2;   // the same where the image is only comp
 constexpr double k_step_row = 0.7548776662466927, k_step_column = 0.5698402909980532;
 constexpr uint8_t k_white = 250;  // sRGB: a channel from here on may be clipped
 constexpr double k_margin_sine = 0.5, k_margin_cosine = 0.8660254037844386;  // 30 degrees: half a part, and parallax
-constexpr double k_farthest = 0.8;     // radii: a camera or an object farther out counts as this far
 constexpr float k_weight_most = 8.0f;  // what is known of a part counts as no more images than these
 constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // least shares of a new image
 constexpr float k_radiance_most = 1e6f;                        // of a part
@@ -34,6 +33,17 @@ constexpr uint64_t k_day_ns = 86'400'000'000'000;
 constexpr double k_known = 0.3;  // share of a part from which on it counts as known
 // An image that was exposed so much shorter than the last, and is dark, is one of lamps.
 constexpr double k_short = 8.0, k_short_shows = 0.02;
+
+bool is_short(const Room& room) {
+  return room.images != 0 && room.exposure_known && room.view.scale > k_short * room.scale;
+}
+
+// An image so short that a part is a few steps of a byte there says nothing of it, where it was as dark before.
+bool tells_nothing(const Room& room, const RoomPart& known, const RoomObservation& now) {
+  if (now.clipped > 0 || !(luminance(now.colour) < room.tells_from)) return false;
+  if (!(known.weight > 0)) return is_short(room);
+  return luminance(known.radiance) * room.light < room.tells_from * room.view.scale;
+}
 
 // sRGB to linear light, (c + 0.055) / 1.055 to the power 2.4, by Newton's fifth root: x^2.4 = x^2 (x^2)^(1/5).
 struct LinearTable {
@@ -175,7 +185,7 @@ void learn(Room* room, const PartMiddle& part) {
   if (room->view.lesson == RoomLesson::unknown && memory * static_cast<double>(known->seen) >= k_known) return;
   const bool is_bright = luminance(known->radiance) * room->light > room->scale;
   const RoomObservation now = observe(room->view, room->images, part, is_bright ? k_lamp_points : k_points);
-  if (!(now.covered > 0)) return;
+  if (!(now.covered > 0) || tells_nothing(*room, *known, now)) return;
   const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
   float weight = known->weight * static_cast<float>(memory);
   weight = weight < k_weight_most ? weight : k_weight_most;
@@ -197,6 +207,8 @@ void learn(Room* room, const PartMiddle& part) {
   known->clipped += rate * (clipped - known->clipped);
   known->up = towards(known->up, now.up, rate);
   known->aside = towards(known->aside, now.aside, rate);
+  if (part.part >= k_room_below) return;
+  for (int k = 0; k < 3; ++k) room->from[part.part][k] = towards(0, room->view.position[k], 1);
 }
 
 // The pose of the stored image in the sphere's frame.
@@ -265,14 +277,14 @@ void room_to_world(const Room& room, const double sphere[3], double world[3]) {
   world[2] = turn.sin * sphere[0] + turn.cos * sphere[2];
 }
 
-void room_place(const Room& room, const double world[3], double sphere[3]) {
+void room_place(const Room& room, const double world[3], double sphere[3], double farthest) {
   double offset[3], squared = 0;
   for (int k = 0; k < 3; ++k) {
     offset[k] = (world[k] - room.centre[k]) / room.radius;
     squared += offset[k] * offset[k];
   }
-  if (squared > k_farthest * k_farthest)
-    for (double& o : offset) o *= k_farthest / square_root(squared);
+  if (squared > farthest * farthest)
+    for (double& o : offset) o *= farthest / square_root(squared);
   room_to_sphere(room, offset, sphere);
 }
 
@@ -351,9 +363,8 @@ void room_run_unit(Room* room) {
       return;
     }
   } else {
-    const bool is_short = room->images != 0 && room->exposure_known && view->scale > k_short * room->scale &&
-                          static_cast<double>(view->vote.shown) < k_short_shows * static_cast<double>(view->vote.area);
-    if (!is_short) room->scale = view->scale;
+    const bool dark = static_cast<double>(view->vote.shown) < k_short_shows * static_cast<double>(view->vote.area);
+    if (!dark || !is_short(*room)) room->scale = view->scale;
     ++room->images;
   }
   for (const uint8_t*& plane : view->image.planes) plane = nullptr;

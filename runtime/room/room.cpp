@@ -14,7 +14,8 @@
 
 namespace sandglass {
 
-constexpr double k_long_ago = 1e9;  // seconds
+constexpr double k_long_ago = 1e9;      // seconds
+constexpr double k_tells_from = 0.004;  // of white: 13 steps of a byte
 
 void room_reset(Room* room) {
   const double radius = room->radius, half_life = room->half_life;
@@ -27,6 +28,7 @@ void room_reset(Room* room) {
   room->interval_ns = interval_ns;
   room->scale = room->light = 1;
   room->settled = k_long_ago;
+  room->tells_from = k_tells_from;
   room->unit = unit + 1;
   room->probe = probe;
   if (probe != nullptr) __builtin_memset(static_cast<void*>(probe), 0, sizeof *probe);
@@ -99,7 +101,7 @@ void end_frame(sandglass_room* owner) {
 __attribute__((noinline)) bool take_whole(Room* room, const CameraImage& image) {
   if (!room_take_image(room, image)) return false;
   while (room->phase != RoomPhase::idle) room_run_unit(room);
-  return true;
+  return room->view.lesson != RoomLesson::nothing;
 }
 
 __attribute__((noinline)) void estimate_at(const Room& room, const sandglass_room_place& place,
@@ -274,6 +276,8 @@ sandglass_status sandglass_room_get(const sandglass_room* room, const sandglass_
   if (shown != nullptr && shown->struct_size >= sizeof *shown &&
       (!all_within(shown->main_direction, 3, -1.01f, 1.01f) || !is_finite(shown->main_share)))
     return refuse(reason, "place.shown holds a main light that is none: pass what sandglass_room_fade moves, or NULL");
+  if (place->floor != nullptr && !all_within(place->floor, 3, 0.0f, 1e6f))
+    return refuse(reason, "place.floor is not three numbers of 0..1e6: pass linear RGB, or NULL");
   sandglass_room_place at = *place;
   if (shown != nullptr && shown->struct_size < sizeof *shown) at.shown = nullptr;  // nothing is shown yet
   const FloatingPointControl saved = floating_point_enter();
@@ -344,7 +348,7 @@ int32_t sandglass_room_probe_fit(const sandglass_room* room, uint32_t* turn_deg,
 uint64_t sandglass_room_hash(const sandglass_room* room) {
   if (room == nullptr) return 0;
   const Room& r = room->room;
-  uint64_t hash = hash_bytes(r.parts, sizeof r.parts);
+  uint64_t hash = hash_with(hash_bytes(r.parts, sizeof r.parts), hash_bytes(r.from, sizeof r.from));
   hash = hash_with(hash, hash_bytes(r.centre, sizeof r.centre));
   const double numbers[3] = {r.yaw, r.scale, r.light};
   hash = hash_with(hash, hash_bytes(numbers, sizeof numbers));

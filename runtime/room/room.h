@@ -23,7 +23,8 @@
 namespace sandglass {
 
 constexpr uint32_t k_room_rows = 16, k_room_columns = 32, k_room_parts = k_room_rows * k_room_columns;
-constexpr uint32_t k_room_unit_parts = 64;  // what a work unit looks at
+constexpr uint32_t k_room_below = k_room_parts / 2;  // the parts below the horizon come first
+constexpr uint32_t k_room_unit_parts = 64;           // what a work unit looks at
 
 // What was seen of one part of the sphere.
 struct RoomPart {
@@ -126,15 +127,17 @@ struct Room {
   double centre[3];     // of the sphere, in the world
   double yaw;           // turns: the sphere's azimuth 0 is at this azimuth of the world
   double scale;         // of the last image that was exposed for the room
-  double light;    // the light of the whole room, beside what it was when its parts were seen: a factor of them all
-  double usual;    // the median of votes while nothing changes: where they are taken is not all that is remembered
-  double settled;  // seconds since the light has changed
-  double doubted;  // seconds for which images have shown what no change of light explains
+  double light;       // the light of the whole room, beside what it was when its parts were seen: a factor of them all
+  double usual;       // the median of votes while nothing changes: where they are taken is not all that is remembered
+  double settled;     // seconds since the light has changed
+  double doubted;     // seconds for which images have shown what no change of light explains
+  double tells_from;  // of an image's white: what shows as less, and was less, says nothing
   RoomPhase phase;
   uint32_t cursor;  // the next part
   RoomView view;
   RoomPart parts[k_room_parts];
-  RoomProbe* probe;  // NULL in a room that keeps none
+  int8_t from[k_room_below][3];  // of each part below the horizon: where the camera was that saw it last, 127 a radius
+  RoomProbe* probe;              // NULL in a room that keeps none
 };
 
 // sRGB to linear light.
@@ -144,8 +147,9 @@ void room_direction(double row, double column, double direction[3]);
 // A direction of the world in the sphere's frame.
 void room_to_sphere(const Room& room, const double world[3], double sphere[3]);
 void room_to_world(const Room& room, const double sphere[3], double world[3]);
-// A place of the world in the sphere's frame, in radii.
-void room_place(const Room& room, const double world[3], double sphere[3]);
+// A place of the world in the sphere's frame, in radii. One farther out counts as `farthest`.
+constexpr double k_farthest = 0.8;
+void room_place(const Room& room, const double world[3], double sphere[3], double farthest = k_farthest);
 // What counts of a part that was seen `age` ago, 0..1.
 double room_memory(const Room& room, const RoomPart& part);
 float room_bounded_radiance(double radiance);

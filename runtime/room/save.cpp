@@ -13,7 +13,7 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t k_magic = 0x6d726773;  // "sgrm"
-constexpr uint32_t k_version = 2;
+constexpr uint32_t k_version = 3;
 
 struct SavedRoom {
   uint32_t magic, version;
@@ -24,6 +24,7 @@ struct SavedRoom {
   uint32_t images, exposure_known;
   uint64_t has_probe;  // then a SavedProbe follows
   RoomPart parts[k_room_parts];
+  int8_t from[k_room_below][3];
 };
 struct SavedProbe {
   double confidence, scale, dark;
@@ -40,6 +41,9 @@ bool sound(const SavedRoom& saved) {
   for (const double c : saved.centre)
     if (!within(c, -2 * k_limit, 2 * k_limit)) return false;
   if (saved.exposure_known > 1 || saved.has_probe > 1) return false;
+  for (const auto& from : saved.from)
+    for (const int8_t x : from)
+      if (x < -127) return false;
   for (const RoomPart& part : saved.parts) {
     if (!all_within(part.radiance, 3, 0.0f, 1e7f) || !within(part.clipped, 0.0f, 1.0f)) return false;
     if (!within(part.weight, 0.0f, 1e3f) || !within(part.seen, 0.0f, 1.0f)) return false;
@@ -97,6 +101,7 @@ sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, ui
   put(offsetof(SavedRoom, light), &room.light, sizeof room.light);
   put(offsetof(SavedRoom, images), flags, sizeof flags);
   put(offsetof(SavedRoom, parts), room.parts, sizeof room.parts);
+  put(offsetof(SavedRoom, from), room.from, sizeof room.from);
   const uint64_t probes = has_probe(room) ? 1 : 0;
   put(offsetof(SavedRoom, has_probe), &probes, sizeof probes);
   if (probes != 0) {
@@ -144,6 +149,7 @@ sandglass_status sandglass_room_restore(sandglass_room* owner, const void* data,
   room->exposure_known = saved.exposure_known != 0;
   room->light = saved.light;
   memcpy(room->parts, saved.parts, sizeof room->parts);
+  memcpy(room->from, saved.from, sizeof room->from);
   if (!with_probe || room->probe == nullptr) return accept(reason);
   room->probe->confidence = probe->confidence;
   room->probe->scale = probe->scale;

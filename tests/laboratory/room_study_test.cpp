@@ -60,7 +60,7 @@ TEST(RoomStudy, InAnEvenRoomAmbientOcclusionIsTheTruth) {
   for (const Session session : k_sessions)
     EXPECT_LT(row_of(table.drawn, session_name(session)).floor.mean, 0.02) << session_name(session);
   EXPECT_GT(row_of(table.drawn, "no shadow").floor.mean, 0.05);
-  const SessionRow& everything = table.sessions.back();
+  const SessionRow& everything = table.sessions[static_cast<size_t>(Session::everything)];
   EXPECT_GT(everything.seen.mean, 0.98);
   EXPECT_LT(everything.level.mean, 0.05);
 }
@@ -81,7 +81,7 @@ TEST(RoomStudy, ALampIsDrawnTheBetterTheMoreWasSeen) {
   EXPECT_NEAR(row_of(table.drawn, session_name(Session::table)).floor.mean, ambient, 0.1 * ambient);
   EXPECT_GT(row_of(table.drawn, "control: a full turn, mirrored").floor.mean, turn);
   EXPECT_GT(row_of(table.drawn, "control: a full turn in another room").floor.mean, turn);
-  EXPECT_LT(table.sessions.back().direction_deg.mean, 5.0);
+  EXPECT_LT(table.sessions[static_cast<size_t>(Session::everything)].direction_deg.mean, 5.0);
   // The label is the lamp: half of the light. Alone it leaves the rest unshaded; with ambient occlusion nearly nothing.
   EXPECT_LT(row_of(table.drawn, "one light, the true label").floor.mean, row_of(table.drawn, "no shadow").floor.mean);
   EXPECT_LT(row_of(table.drawn, "the true label and ambient occlusion").floor.mean, 0.6 * ambient);
@@ -141,6 +141,7 @@ TEST(RoomStudy, ItsLimitsAreHeldByGoodRowsAndBrokenByBadOnes) {
     if (!way.control) add(way.name, way.limit, {0, 0, 0}, {-0.01, -0.02, -0.001});
   add("control: worse", 1.2, {0, 0, 0}, {0.01, 0.005, 0.02}, true);
   table.sessions.resize(std::size(k_sessions));
+  table.unguarded.mean = 1.5;
   const auto failed = [](const RoomTable& t) {
     int count = 0;
     for (const Verdict& v : room_verdicts({{"all rooms", t}})) count += v.pass ? 0 : 1;

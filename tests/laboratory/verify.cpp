@@ -212,6 +212,9 @@ std::vector<Command> verify_suites() {
                              verify_day_options, verify_day_command),
       command<VerifyOptions>("shot", "Whole pictures: composites against path traced truth", verify_shot_options,
                              verify_shot_command),
+      command<VerifyOptions>("colour",
+                             "Whether what is put into a room has the room's colour, against a path traced truth",
+                             verify_shot_options, verify_colour_command),
       command<VerifyOptions>("files", "Mesh files of a folder: as the program reads them, and as trimesh does",
                              verify_files_options, verify_files_command),
   };

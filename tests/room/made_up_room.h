@@ -118,19 +118,18 @@ class MadeUpRoom {
     show(p.image);
   }
   void show(const sandglass_camera_image& image) {
-    int32_t taken = 0;
-    ASSERT_EQ(sandglass_room_set_image(room_, &image, &taken, nullptr), SANDGLASS_OK);
-    ASSERT_EQ(taken, 1);
+    ASSERT_EQ(sandglass_room_set_image(room_, &image, &taken_, nullptr), SANDGLASS_OK);
   }
+  bool taken() const { return taken_ == 1; }  // the last image
   void look_everywhere(const Radiance& radiance, double exposure = 1.0) {
     for (int elevation = -80; elevation <= 80; elevation += 40)
       for (int azimuth = 0; azimuth < 360; azimuth += 30) look(radiance, azimuth, elevation, exposure);
   }
   sandglass_room_light light(float x = 0, float y = 0, float z = 0, const sandglass_light_estimate* estimate = nullptr,
-                             const sandglass_room_light* shown = nullptr) const {
+                             const sandglass_room_light* shown = nullptr, const float* floor = nullptr) const {
     sandglass_room_light out = {};
     out.struct_size = sizeof out;
-    const sandglass_room_place place = {sizeof place, {x, y, z}, estimate, shown};
+    const sandglass_room_place place = {sizeof place, {x, y, z}, estimate, shown, floor};
     EXPECT_EQ(sandglass_room_get(room_, &place, &out, nullptr), SANDGLASS_OK);
     return out;
   }
@@ -138,6 +137,7 @@ class MadeUpRoom {
  private:
   std::vector<uint8_t> memory_;
   sandglass_room* room_ = nullptr;
+  int32_t taken_ = 0;
   uint64_t time_ns_ = 0;
 };
 

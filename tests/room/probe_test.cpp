@@ -226,14 +226,14 @@ TEST(Probe, HarmonicsComeBackAndTheMainLightWithThem) {
   const double floor = dim * std::numbers::pi + irradiance * k_lamp.y;
   EXPECT_NEAR(light.irradiance[1] / floor, 1, 0.03);
   EXPECT_NEAR(light.main_share, irradiance * k_lamp.y / floor, 0.15);
-  // All of it as nine numbers: greatest entropy brings back the nine numbers.
+  // All of it as nine numbers: greatest entropy brings back the nine numbers, but for what an even floor changes.
   sandglass_harmonics total;
   sandglass_harmonics_default(&total);
   std::memcpy(total.sh, light.sh, sizeof total.sh);
   const cpp::Room other = room_with_probe();
   ASSERT_EQ(sandglass_room_set_harmonics(other.get(), &total, nullptr), SANDGLASS_OK);
   const sandglass_room_light again = light_of(other);
-  for (int i = 0; i < 27; ++i) EXPECT_NEAR(again.sh[i], light.sh[i], 0.05 * light.sh[0]) << i;
+  for (int i = 0; i < 27; ++i) EXPECT_NEAR(again.sh[i], light.sh[i], 0.1 * light.sh[0]) << i;
   // The control: with the Condon-Shortley phase the light comes from elsewhere.
   for (const int j : {1, 3, 5, 7})
     for (int c = 0; c < 3; ++c) total.sh[3 * j + c] *= -1;

@@ -49,7 +49,7 @@ sandglass_camera_image image_of(const std::vector<uint8_t>& bytes, int i) {
 uint64_t hash_of(const sandglass_room* room) {
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
-  const sandglass_room_place place = {sizeof place, {0.5f, -1.0f, 0.25f}, nullptr, nullptr};
+  const sandglass_room_place place = {sizeof place, {0.5f, -1.0f, 0.25f}, nullptr, nullptr, nullptr};
   EXPECT_EQ(sandglass_room_get(room, &place, &light, nullptr), SANDGLASS_OK);
   sandglass_room_light shown = light;
   for (int i = 0; i < 64; ++i) shown.cells[i] = shown.ambient_cells[i] = 1.0f / 64;
@@ -68,10 +68,8 @@ TEST(RoomHash, IsOneOnEveryMachineAndInFramesOfAScene) {
     for (int i = 0; i < k_images; ++i) {
       const std::vector<uint8_t> bytes = picture(static_cast<uint64_t>(i));
       const sandglass_camera_image image = image_of(bytes, i);
-      int32_t taken = 0;
       if (!in_frames) {
-        ASSERT_EQ(sandglass_room_set_image(room.get(), &image, &taken, nullptr), SANDGLASS_OK);
-        ASSERT_EQ(taken, 1);
+        ASSERT_EQ(sandglass_room_set_image(room.get(), &image, nullptr, nullptr), SANDGLASS_OK);
         continue;
       }
       sandglass_frame_input input = cpp::frame_input();

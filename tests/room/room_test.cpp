@@ -44,8 +44,9 @@ TEST(RoomLight, NothingSeenIsAnEvenSky) {
 TEST(RoomLight, AnEvenSphereIsEven) {
   MadeUpRoom room;
   room.look_everywhere([](Direction) { return 0.4; });
+  const float floor[3] = {0.4f, 0.4f, 0.4f};
   for (const float x : {0.0f, 1.5f}) {  // anywhere in it
-    const sandglass_room_light light = room.light(x, 0, 0);
+    const sandglass_room_light light = room.light(x, 0, 0, nullptr, nullptr, floor);
     EXPECT_EQ(light.valid, 1u);
     EXPECT_GT(light.seen, 0.99f);
     EXPECT_EQ(light.clipped, 0.0f);
@@ -349,7 +350,7 @@ TEST(RoomLight, RefusesWhatItCannotUse) {
   EXPECT_EQ(sandglass_room_set_image(room.handle(), &p.image, nullptr, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
-  const sandglass_room_place nowhere = {sizeof nowhere, {0, NAN, 0}, nullptr, nullptr};
+  const sandglass_room_place nowhere = {sizeof nowhere, {0, NAN, 0}, nullptr, nullptr, nullptr};
   EXPECT_EQ(sandglass_room_get(room.handle(), &nowhere, &light, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
@@ -380,7 +381,7 @@ TEST(RoomLight, AnEstimateThatIsNoneIsRefused) {
     std::memset(&light, 0x5a, sizeof light);
     light.struct_size = sizeof light;
     const sandglass_room_light before = light;
-    const sandglass_room_place place = {sizeof place, {0, 0, 0}, &estimate, nullptr};
+    const sandglass_room_place place = {sizeof place, {0, 0, 0}, &estimate, nullptr, nullptr};
     const char* reason = nullptr;
     return sandglass_room_get(room.handle(), &place, &light, &reason) == SANDGLASS_ERROR_INVALID_ARGUMENT &&
            reason != nullptr && same(light, before);

@@ -2,7 +2,8 @@
  *
  * An app
  *   1. makes a sandglass_lighting of either (sandglass_lighting_of_estimate, sandglass_lighting_of_room),
- *   2. converts it for its renderer (sandglass_lighting_to_filament, _to_arkit, _to_arcore, _to_unity).
+ *   2. where a thing must keep its own colours, adapts it (sandglass_lighting_adapt),
+ *   3. converts it for its renderer (sandglass_lighting_to_filament, _to_arkit, _to_arcore, _to_unity).
  *
  * Set the struct_size of each struct before its function is called. What is converted may be of an older or a newer
  * header: what the functions need is in every version.
@@ -49,6 +50,17 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_of_estimat
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_of_room(const sandglass_room_light* light,
                                                                               sandglass_lighting* lighting,
                                                                               const char** reason);
+
+/* For things that must keep their own colours, such as a product in a shop. Changes *lighting, so that each converter
+ * below has it.
+ *
+ * `strength`, 0..1: how much of the room's light reaches the thing; the rest is even white light, in which a white
+ * surface shows 1. `keep_chroma` 1: the room's light loses its hue, each colour becomes its luminance; 0: it stays.
+ * With 1 and 0 nothing changes. Fails with INVALID_ARGUMENT: a lighting that was not filled or is not finite, or an
+ * argument out of range. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_adapt(sandglass_lighting* lighting,
+                                                                            float strength, int32_t keep_chroma,
+                                                                            const char** reason);
 
 /* How a renderer is to draw a lighting.
  *

@@ -21,8 +21,10 @@
  * before. It may come late, and be missing now and then. sandglass_room_exposure says how bright to draw over an image.
  *
  * Clipped pixels hide how bright a lamp is. sandglass_room_light.clipped says what share of the light comes from there,
- * as far as one can tell: little may hide a strong lamp. Above 0.02, an app that can set its camera helps most by a
- * short exposure, such as a sixty-fourth, for as long as desc.interval, so that the room takes one such image.
+ * as far as one can tell: little may hide a strong lamp. An app that can set its camera (AVFoundation, Camera2; ARKit and
+ * ARCore expose by themselves) helps most by one image that is exposed for `short_exposure` times as long, when
+ * desc.interval has passed. Lower the sensor's gain first, then the time. Keep such an image from the tracker and from
+ * the screen. Lamps that pulse flicker in it: an exposure of a pulse, 1/100 or 1/120 s, through less gain, does not.
  *
  * Light that changes. What the camera sees again is learned within a few images. Where two thirds of that have become
  * brighter or darker by half and the app tells the exposure, the light of the whole room is taken to have changed as
@@ -79,7 +81,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_create(const s
 SANDGLASS_API void sandglass_room_reset(sandglass_room* room);
 
 /* Without a scene: takes an image in, whole, unless `interval` has not passed. *taken, which is optional, is 1 if it
- * was, else 0. Fails like sandglass_camera_check; and where time stamps grow by less than a
+ * taught something, else 0. Fails like sandglass_camera_check; and where time stamps grow by less than a
  * millisecond from image to image, so that they cannot be nanoseconds. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_image(sandglass_room* room,
                                                                             const sandglass_camera_image* image,
@@ -222,8 +224,13 @@ typedef struct sandglass_room_light {
   float main_colour[3];
   /* The irradiance of a level floor, linear RGB. A white floor shows irradiance / pi. */
   float irradiance[3];
-  /* Radiance of all directions as real spherical harmonics, laid out like sandglass_light_estimate.sh. */
+  /* Radiance of all directions as real spherical harmonics, laid out like sandglass_light_estimate.sh. What comes from
+   * below is `floor`. */
   float sh[27];
+  /* The radiance of the floor around the place, linear RGB, as far as `sh` shows it below: sh is what comes from above
+   * plus floor * 1.7725 in coefficient 0, and floor * -1.5350 in coefficient 1, for each colour. So a point that sees
+   * other things below it than the floor, such as sand on sand, takes floor * (1 - n.y) / 2 from irradiance / pi. */
+  float floor[3];
   /* 0..1: how much of the light was seen, as far as one can know: the share of the usual light that comes from parts
    * that were seen. */
   float seen;
@@ -231,6 +238,9 @@ typedef struct sandglass_room_light {
   float clipped;
   /* World, unit vector: where looking would tell most. */
   float look[3];
+  /* What to multiply the exposure of one image by, so that it tells how bright what is clipped before the camera now is:
+   * 1/64, and where that was not short enough down to 1/4096. 1: there is no need, or no exposure was told. */
+  float short_exposure;
   /* The radiance that the last image shows as white, in the room's own unit, which no exposure changes. irradiance and
    * sh times this may be compared from image to image. A short exposure for lamps does not count as the last image. */
   float white;
@@ -244,7 +254,7 @@ typedef struct sandglass_room_light {
 /* Where the light is asked for. */
 typedef struct sandglass_room_place {
   uint32_t struct_size;
-  /* Metres in the world's frame: where the object stands. */
+  /* Metres in the world's frame: the object's foot, on the floor or whatever it stands on. */
   float position[3];
   /* Optional: that of a network (estimate.h), whose direction says where light is to be expected among what was not
    * seen. */
@@ -252,6 +262,10 @@ typedef struct sandglass_room_place {
   /* Optional: the light that is shown there (sandglass_room_fade). Its main light stays the main one until another is
    * a quarter stronger. */
   const sandglass_room_light* shown;
+  /* Optional: three numbers, the radiance of the floor around the foot, linear RGB, where 1 is what the last image shows
+   * as white; 0 is black. NULL: as the camera has seen it there, at most nine tenths of the irradiance over pi; and where
+   * it has not, 0.18 of that. */
+  const float* floor;
 } sandglass_room_place;
 
 /* Fills *place with the defaults: the origin, and nothing else. */

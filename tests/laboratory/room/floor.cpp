@@ -67,15 +67,27 @@ Vec3 fine_direction(uint32_t fine) {
                         (fine % k_cell_strata / k_strata_side + 0.5) / k_strata_side);
 }
 
+Vec3 floor_radiance(const RadianceMap& panorama, Vec3 foot, double around) {
+  constexpr int k_points = 256;
+  constexpr double k_golden = 2.399963229728653;
+  Vec3 sum;
+  for (int i = 0; i < k_points; ++i) {
+    const double r = around * std::sqrt((i + 0.5) / k_points);
+    sum = sum + look_up(panorama, foot + Vec3{r * std::cos(k_golden * i), 0, r * std::sin(k_golden * i)});
+  }
+  return sum * (1.0 / k_points);
+}
+
 TrueLight true_light(const RadianceMap& panorama, Vec3 place) {
   TrueLight light = {};
   Fine sums = {};
+  const double below = luminance(floor_radiance(panorama, place, k_around_foot));
   for (int v = 0; v < panorama.height; ++v) {
     const double omega = pixel_solid_angle(v, panorama.width, panorama.height);
     for (int u = 0; u < panorama.width; ++u) {
       const Vec3 d = panorama_direction(u, v, panorama.width, panorama.height), q = d - place;
       const double distance = length(q), solid = omega * (1 - dot(d, place)) / std::pow(distance, 3);
-      light.sphere[sphere_part(q * (1 / distance))] += solid * luminance(panorama.colour(u, v));
+      light.sphere[sphere_part(q * (1 / distance))] += solid * (q.y > 0 ? luminance(panorama.colour(u, v)) : below);
       if (!(q.y > 0)) continue;
       const double facing = solid * q.y / distance;
       const Vec3 colour = panorama.colour(u, v);

@@ -25,7 +25,7 @@ using Cells = std::array<double, k_light_cells>;
 Vec3 fine_direction(uint32_t fine);
 
 // The light at a place in a panorama: shares of a level floor's irradiance, and the irradiance itself, in the
-// panorama's radiance. `place` is in radii of the panorama's sphere.
+// panorama's radiance. `place` is in radii of the panorama's sphere. What is below its horizon is the floor around it.
 constexpr uint32_t k_sphere_rows = 32, k_sphere_columns = 64, k_sphere = k_sphere_rows * k_sphere_columns;
 struct TrueLight {
   Fine shares;
@@ -33,6 +33,9 @@ struct TrueLight {
   Vec3 irradiance;
   std::array<double, k_sphere> sphere;  // luminance times solid angle, by direction, in rows from below
 };
+// The mean radiance of the floor around a foot, as the panorama's camera saw it.
+constexpr double k_around_foot = 0.125;  // radii
+Vec3 floor_radiance(const RadianceMap& panorama, Vec3 foot, double around);
 // The direction in the middle of a part of the sphere.
 Vec3 sphere_direction(double row, double column);
 TrueLight true_light(const RadianceMap& panorama, Vec3 place);

@@ -32,9 +32,9 @@ Vec3 mean_direction(const Cells& cells) {
 
 double angle_deg(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180.0 / std::numbers::pi; }
 
-double level_error(const StudiedPlace& place, size_t session, const sandglass_room_light& light) {
+double level_error(const StudiedPlace& place, const SeenRoom& seen, const sandglass_room_light& light) {
   const Vec3 e = {light.irradiance[0], light.irradiance[1], light.irradiance[2]};
-  return std::log(luminance(e) / (luminance(place.light.irradiance) * place.sessions[session].exposure));
+  return std::log(luminance(e) / (luminance(place.light.irradiance) * seen.exposure));
 }
 
 Cells mirrored(const Cells& cells) {
@@ -113,14 +113,15 @@ SessionRow session_row(const RoomStudy& study, const Lights& lights, Session ses
   row.direction_deg = over_places([](const StudiedPlace& p, const sandglass_room_light& l) {
     return angle_deg(mean_direction(cells_of(l, false)), mean_direction(p.light.cells));
   });
-  row.level = over_places(
-      [&](const StudiedPlace& p, const sandglass_room_light& l) { return std::fabs(level_error(p, index, l)); });
-  row.level_bias =
-      over_places([&](const StudiedPlace& p, const sandglass_room_light& l) { return level_error(p, index, l); });
+  row.level = over_places([&](const StudiedPlace& p, const sandglass_room_light& l) {
+    return std::fabs(level_error(p, p.sessions[index], l));
+  });
+  row.level_bias = over_places(
+      [&](const StudiedPlace& p, const sandglass_room_light& l) { return level_error(p, p.sessions[index], l); });
   const auto level_where = [&](Known known) {
     return interval_of(by_location(study, [&](const StudiedPlace& p) {
       const Room room = with_known(p.sessions[index], p.parts, known);
-      return std::fabs(level_error(p, index, light_at(p, room)));
+      return std::fabs(level_error(p, p.sessions[index], light_at(p, room)));
     }));
   };
   row.level_clipped_known = level_where(Known::clipped_light);
@@ -144,6 +145,9 @@ RoomTable room_table(const RoomStudy& study, ThreadPool* pool) {
   const std::vector<double> zenith = by_location(study, [](const StudiedPlace& p) {
     return angle_deg(Vec3{0, 1, 0}, mean_direction(p.light.cells));
   });
+  table.unguarded = interval_of(by_location(study, [](const StudiedPlace& p) {
+    return std::fabs(level_error(p, p.unguarded, light_at(p, p.unguarded.room)));
+  }));
   table.zenith_deg = interval_of(zenith).mean;
   table.places = zenith.size();
   return table;
@@ -272,6 +276,12 @@ std::vector<Verdict> room_verdicts(const std::vector<Condition>& conditions) {
   const double level = table.sessions[static_cast<size_t>(Session::full_turn)].level.mean;
   rows.push_back({"level", "a full turn (the aim is 0.35)", "|log ratio|", 0.0, level,
                   std::numeric_limits<double>::infinity(), true, false});
+  for (const auto& [session, limit] :
+       {std::pair(Session::everything_shorter, 0.12), std::pair(Session::full_turn_shorter, 0.55)})
+    below("level", session_name(session), table.sessions[static_cast<size_t>(session)].level.mean, limit,
+          "|log ratio|");
+  below("level", std::string("control: ") + session_name(k_unguarded) + ", dark bytes believed", table.unguarded.mean,
+        1.0, "|log ratio|", true);
   for (const DrawnRow& row : table.drawn)
     if (row.control) below("floor", row.name, row.against_ambient.mean, 0.0, "mean", true);
   return rows;

@@ -24,6 +24,7 @@ struct RoomTable {
   size_t places = 0;
   std::vector<DrawnRow> drawn;
   std::vector<SessionRow> sessions;
+  Interval unguarded;       // |log ratio| of the level, of the control
   double zenith_deg = 0.0;  // from the true direction of the floor's light to the zenith
 };
 

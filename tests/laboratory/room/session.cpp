@@ -13,6 +13,7 @@ SeenRoom look_around(const RadianceMap& panorama, Session session, const Session
   room->half_life = 1e6;
   room->interval_ns = 0;
   room_reset(room);
+  if (!options.guarded) room->tells_from = 0;
   uint64_t time_ns = 0;
   for (const SessionImage& image : session_images(session, options.seed)) {
     PhoneImage shot =

@@ -14,6 +14,7 @@ struct SessionOptions {
   double azimuth = 0.0;        // radians in the panorama: where the table is
   bool exposure_known = true;  // whether the app says how the images were exposed
   uint64_t seed = 1;
+  bool guarded = true;  // whether dark parts of short images teach nothing; else a control
 };
 
 // What the room has seen after the session. Its sphere has radius 1 about the panorama's centre; its world is the

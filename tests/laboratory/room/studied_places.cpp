@@ -66,7 +66,7 @@ std::vector<FloorObject> study_objects(const std::vector<std::string>& named, co
 StudiedPlace place_in(const RadianceMap& panorama, double azimuth, double radius,
                       const std::vector<FloorObject>& objects) {
   StudiedPlace place;
-  place.place = Vec3{std::cos(azimuth), 0, std::sin(azimuth)} * radius;
+  place.place = {radius * std::cos(azimuth), -k_eye_height, radius * std::sin(azimuth)};
   place.light = true_light(panorama, place.place);
   place.parts = true_parts(panorama);
   place.label = true_label(panorama, azimuth, radius);
@@ -97,6 +97,7 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std
       places[a].location = location.name;
       for (const Session session : k_sessions)
         places[a].sessions.push_back(look_around(coarse, session, {azimuth, options.exposure_known, seed_of(a)}));
+      places[a].unguarded = look_around(coarse, k_unguarded, {azimuth, options.exposure_known, seed_of(a), false});
       const SeenRoom& turn = places[a].sessions[static_cast<size_t>(Session::full_turn)];
       places[a].probes = probe_lights(coarse, turn, options.exposure_known, places[a].place);
     });

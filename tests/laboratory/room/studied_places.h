@@ -24,6 +24,9 @@ struct OneLight {
   double share = 0.0;
 };
 
+// Of the panorama's camera above the floor, in radii.
+constexpr double k_eye_height = 0.25;
+
 // One panorama, one azimuth: the object stands ahead of the camera there.
 struct StudiedPlace {
   std::string panorama, location;
@@ -32,11 +35,14 @@ struct StudiedPlace {
   OneLight label;                               // the true label (5.1), as seen from the object
   std::vector<std::vector<float>> truths, lit;  // the floor's ratio and the surface, of each object
   std::vector<SeenRoom> sessions;               // those of k_sessions
+  SeenRoom unguarded;                           // control: the last of them, believing what dark bytes say
   PartRadiance parts;                           // the panorama's, of all directions
   std::vector<OneLight> estimates;              // of one light, from an image
   sandglass_light_estimate network = {};        // the network's, as it gives it
   std::vector<sandglass_room_light> probes;     // by k_probe_ways; of objects that were moved there are none
 };
+
+constexpr Session k_unguarded = Session::everything_shorter;
 
 struct RoomStudy {
   std::shared_ptr<const std::vector<FloorObject>> objects;

@@ -78,10 +78,10 @@ Surroundings room_of(const ShotStage& stage, const ShotView& view) {
 void take_lights(const ShotVerdictOptions& options, const ShotStage& stage, size_t index, ShotView* view) {
   const Surroundings room = room_of(stage, *view);
   view->truth = room.true_light();
-  const Vec3 ahead = resting_camera(*stage.scene.camera).forward, place = room.view.direction() * room.insertion;
+  const Vec3 ahead = resting_camera(*stage.scene.camera).forward;
   sandglass_room_place at;
   sandglass_room_place_default(&at);
-  to_floats(place, at.position);
+  to_floats(room.foot, at.position);
   const SessionOptions session = {std::atan2(ahead.z, ahead.x), true, mix_bits(options.seed + 1000 * index)};
   sandglass_light_estimate estimate = {};
   if (!options.network.empty()) {
