@@ -26,7 +26,7 @@ constexpr Vec3 k_object = {0.60, 0.44, 0.30};  // reflectance: varnished wood
 constexpr double k_depth_dark = 0.9;           // how fast it darkens below the sand's surface, as the library's own
 constexpr double k_deepest = 1.5;              // radii below the surface at which a grain is still seen
 constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; no shadow falls beyond
-constexpr int k_bounces = 3;
+constexpr int k_bounces = 6;
 constexpr uint64_t k_composite_stream = 41, k_truth_stream = 42;
 
 enum class Surface { none, floor, object, grain };  // as ShotPicture::Seen

@@ -282,23 +282,25 @@ class Gltf {
     uint32_t code = 5126;  // float
     size_t bytes() const { return code <= 5121 ? 1 : code <= 5123 ? 2 : 4; }
     bool is_good() const { return (code >= 5120 && code <= 5123) || code == 5125 || code == 5126; }
-    double read(const char* at, bool normalised) const {
+    // A whole number that stands for a share of the most.
+    double share(double value) const {
+      constexpr double k_most[4] = {127, 255, 32767, 65535};
+      return code <= 5123 ? std::max(value / k_most[code - 5120], -1.0) : value;
+    }
+    double read(const char* at) const {
       const auto as = [at](auto value) {
         std::memcpy(&value, at, sizeof value);
         return value;
       };
-      const auto scaled = [normalised](double value, double most) {
-        return normalised ? std::max(value / most, -1.0) : value;
-      };
       switch (code) {
         case 5120:
-          return scaled(as(int8_t{}), 127);
+          return as(int8_t{});
         case 5121:
-          return scaled(as(uint8_t{}), 255);
+          return as(uint8_t{});
         case 5122:
-          return scaled(as(int16_t{}), 32767);
+          return as(int16_t{});
         case 5123:
-          return scaled(as(uint16_t{}), 65535);
+          return as(uint16_t{});
         case 5125:
           return as(uint32_t{});
         default:
@@ -306,6 +308,11 @@ class Gltf {
       }
     }
   };
+
+  static bool is_normalised(const Json& accessor) {
+    const Json* told = find(accessor, "normalized");
+    return told != nullptr && told->is_boolean() && told->get<bool>();
+  }
 
   // `count` items of `parts` numbers each.
   bool elements(const Json& where, Type type, bool normalised, size_t parts, size_t count, std::vector<double>* out) {
@@ -322,7 +329,9 @@ class Gltf {
     out->resize(parts * count);
     for (size_t i = 0; i < count; ++i)
       for (size_t k = 0; k < parts; ++k)
-        (*out)[parts * i + k] = type.read(bytes.data() + offset + stride * i + k * type.bytes(), normalised);
+        (*out)[parts * i + k] = type.read(bytes.data() + offset + stride * i + k * type.bytes());
+    if (normalised)
+      for (double& x : *out) x = type.share(x);
     return true;
   }
 
@@ -335,12 +344,11 @@ class Gltf {
     const Json* kind = find(*a, "type");
     const char* wanted = parts == 1 ? "SCALAR" : parts == 3 ? "VEC3" : parts == 4 ? "VEC4" : "MAT4";
     if (!type.is_good() || kind == nullptr || *kind != wanted) return fail("has an accessor of the wrong type");
-    const Json* normalised = find(*a, "normalized");
-    const bool is_normalised = normalised != nullptr && normalised->is_boolean() && normalised->get<bool>();
+    const bool shares = is_normalised(*a);
     numbers_ += parts * count;  // a list may be read many times over
     if (numbers_ > 16 * k_items_of_file) return fail("has more than 500 million numbers", "Simplify it");
     out->assign(parts * count, 0.0);
-    if (find(*a, "bufferView") != nullptr && !elements(*a, type, is_normalised, parts, count, out)) return false;
+    if (find(*a, "bufferView") != nullptr && !elements(*a, type, shares, parts, count, out)) return false;
     const Json* sparse = find(*a, "sparse");
     if (sparse == nullptr) return true;
     const Json* places = find(*sparse, "indices");
@@ -352,7 +360,7 @@ class Gltf {
         !whole(*places, "componentType", &place_type.code) || !place_type.is_good())
       return fail("has a sparse accessor that is incomplete");
     if (!elements(*places, place_type, false, 1, changed, &at) ||
-        !elements(*values, type, is_normalised, parts, changed, &value))
+        !elements(*values, type, shares, parts, changed, &value))
       return false;
     for (size_t i = 0; i < changed; ++i) {
       if (!(at[i] >= 0 && at[i] < static_cast<double>(count)))
@@ -376,8 +384,17 @@ class Gltf {
     if (number != nullptr) {
       uint32_t id = 0;
       if (!whole(*from.packed_names, name.c_str(), &id)) return false;
-      return draco_attribute(from.packed, id, parts, out) ||
-             fail("has data packed by Draco that are damaged", "Pack it again");
+      bool is_share = false;
+      if (!draco_attribute(from.packed, id, parts, out, &is_share))
+        return fail("has data packed by Draco that are damaged", "Pack it again");
+      size_t index = 0;
+      if (names == nullptr || !whole(*names, name.c_str(), &index)) return false;
+      const Json* described = item("accessors", index);
+      Type type;
+      if (described == nullptr || !whole(*described, "componentType", &type.code) || !type.is_good()) return false;
+      if (is_normalised(*described) && !is_share)
+        for (double& x : *out) x = type.share(x);
+      return true;
     }
     out->clear();
     if (names == nullptr || find(*names, name.c_str()) == nullptr) return true;

@@ -63,11 +63,12 @@ bool unpack_draco(std::string_view packed, DracoMesh* mesh) {
   return mesh->state->mesh != nullptr;
 }
 
-bool draco_attribute(const DracoMesh& mesh, uint32_t id, size_t parts, std::vector<double>* values) {
+bool draco_attribute(const DracoMesh& mesh, uint32_t id, size_t parts, std::vector<double>* values, bool* is_share) {
   const draco::Mesh& from = *mesh.state->mesh;
   const draco::PointAttribute* attribute = from.GetAttributeByUniqueId(id);
   if (attribute == nullptr || parts > 4) return false;
   values->clear();
+  *is_share = attribute->normalized();
   float item[4];
   for (draco::PointIndex p(0); p < from.num_points(); ++p) {
     if (!attribute->ConvertValue(attribute->mapped_index(p), static_cast<int8_t>(parts), item)) return false;
@@ -84,7 +85,7 @@ void draco_triangles(const DracoMesh& mesh, std::vector<uint32_t>* corners) {
 #else
 bool reads_draco() { return false; }
 bool unpack_draco(std::string_view, DracoMesh*) { return false; }
-bool draco_attribute(const DracoMesh&, uint32_t, size_t, std::vector<double>*) { return false; }
+bool draco_attribute(const DracoMesh&, uint32_t, size_t, std::vector<double>*, bool*) { return false; }
 void draco_triangles(const DracoMesh&, std::vector<uint32_t>*) {}
 #endif
 

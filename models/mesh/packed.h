@@ -30,7 +30,8 @@ struct DracoMesh {
 bool reads_draco();
 // Each is false for data that are damaged.
 bool unpack_draco(std::string_view packed, DracoMesh* mesh);
-bool draco_attribute(const DracoMesh& mesh, uint32_t id, size_t parts, std::vector<double>* values);
+// *is_share: whole numbers have become shares of their most already.
+bool draco_attribute(const DracoMesh& mesh, uint32_t id, size_t parts, std::vector<double>* values, bool* is_share);
 void draco_triangles(const DracoMesh& mesh, std::vector<uint32_t>* corners);
 
 }  // namespace sandglass::host

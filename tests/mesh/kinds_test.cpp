@@ -114,21 +114,31 @@ GltfMaker quantised(bool packed) {
 }
 
 #ifdef SANDGLASS_HAVE_DRACO
-GltfMaker packed_by_draco() {
+// `shares`: of 32767, in whole numbers.
+GltfMaker packed_by_draco(bool shares) {
   GltfMaker g;
   draco::TriangleSoupMeshBuilder builder;
   builder.Start(12);
-  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int position =
+      builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, shares ? draco::DT_INT16 : draco::DT_FLOAT32);
   const std::vector<uint16_t> corners = cube_triangles();
-  for (uint32_t t = 0; t < 12; ++t)
-    builder.SetAttributeValuesForFace(position, draco::FaceIndex(t), k_corners[corners[3 * t]].data(),
-                                      k_corners[corners[3 * t + 1]].data(), k_corners[corners[3 * t + 2]].data());
+  for (uint32_t t = 0; t < 12; ++t) {
+    int16_t whole[3][3];
+    const void* values[3];
+    for (uint32_t k = 0; k < 3; ++k) {
+      const Place& p = k_corners[corners[3 * t + k]];
+      for (size_t axis = 0; axis < 3; ++axis) whole[k][axis] = static_cast<int16_t>(2 * 32767 * p[axis]);
+      values[k] = shares ? static_cast<const void*>(whole[k]) : p.data();
+    }
+    builder.SetAttributeValuesForFace(position, draco::FaceIndex(t), values[0], values[1], values[2]);
+  }
   draco::EncoderBuffer packed;
   EXPECT_TRUE(draco::Encoder().EncodeMeshToBuffer(*builder.Finalize(), &packed).ok());
   g.require("KHR_draco_mesh_compression");
   const size_t view = g.view({packed.data(), packed.size()});
   // Accessors without data say the counts.
-  const size_t places = g.add("accessors", {{"componentType", 5126}, {"count", 8}, {"type", "VEC3"}});
+  const size_t places = g.add(
+      "accessors", {{"componentType", shares ? 5122 : 5126}, {"normalized", shares}, {"count", 8}, {"type", "VEC3"}});
   const size_t indices = g.add("accessors", {{"componentType", 5123}, {"count", 36}, {"type", "SCALAR"}});
   const Json extension = {{"KHR_draco_mesh_compression", {{"bufferView", view}, {"attributes", {{"POSITION", 0}}}}}};
   g.node({{"mesh", g.mesh(places, indices, {{"extensions", extension}})}});
@@ -373,7 +383,8 @@ std::vector<Kind> assimp_kinds() {
 std::vector<Kind> all_kinds() {
   std::vector<Kind> all = gltf_kinds();
 #ifdef SANDGLASS_HAVE_DRACO
-  all.push_back(with(packed_by_draco(), "draco.glb", {1, 1, 1}, 1, 12));
+  all.push_back(with(packed_by_draco(false), "draco.glb", {1, 1, 1}, 1, 12));
+  all.push_back(with(packed_by_draco(true), "draco_shares.glb", {2, 2, 2}, 8, 12));
   all.back().is_pages = false;
 #endif
   for (const auto& more : {other_kinds(), assimp_kinds()}) all.insert(all.end(), more.begin(), more.end());
