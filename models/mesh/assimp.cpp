@@ -109,6 +109,38 @@ struct Placed {
   aiMatrix4x4 to_world;
 };
 
+std::vector<Placed> placed_nodes(const aiScene& scene) {
+  std::vector<Placed> nodes = {{scene.mRootNode, to_metres_y_up(scene) * scene.mRootNode->mTransformation}};
+  for (size_t i = 0; i < nodes.size(); ++i)
+    for (unsigned c = 0; c < nodes[i].node->mNumChildren; ++c) {
+      const aiNode* child = nodes[i].node->mChildren[c];
+      nodes.push_back({child, nodes[i].to_world * child->mTransformation});
+    }
+  return nodes;
+}
+
+// Where the vertices of a mesh are: at its node, or where the bones of its skin stand in the file's own pose.
+std::vector<aiVector3D> standing(const aiMesh& part, const Placed& placed, const std::vector<Placed>& nodes) {
+  std::vector<aiVector3D> at(part.mNumVertices);
+  std::vector<ai_real> weights(part.mNumVertices, 0);
+  for (unsigned b = 0; b < part.mNumBones; ++b) {
+    const aiBone& bone = *part.mBones[b];
+    const auto joint =
+        std::find_if(nodes.begin(), nodes.end(), [&](const Placed& p) { return p.node->mName == bone.mName; });
+    if (joint == nodes.end()) continue;
+    const aiMatrix4x4 to_world = joint->to_world * bone.mOffsetMatrix;
+    for (unsigned w = 0; w < bone.mNumWeights; ++w) {
+      const aiVertexWeight& weight = bone.mWeights[w];
+      if (weight.mVertexId >= part.mNumVertices || !(weight.mWeight > 0)) continue;
+      at[weight.mVertexId] += (to_world * part.mVertices[weight.mVertexId]) * weight.mWeight;
+      weights[weight.mVertexId] += weight.mWeight;
+    }
+  }
+  for (unsigned v = 0; v < part.mNumVertices; ++v)
+    at[v] = weights[v] > 0 ? at[v] / weights[v] : placed.to_world * part.mVertices[v];
+  return at;
+}
+
 std::string parse(const std::string& path, FileMesh* mesh) {
   Assimp::Importer importer;
   importer.SetIOHandler(new CheckedFiles);  // the importer owns it
@@ -117,30 +149,28 @@ std::string parse(const std::string& path, FileMesh* mesh) {
   if (const std::string fault = first_fault(*scene); !fault.empty()) return fault;
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr || scene->mRootNode == nullptr) return "cannot be cut into triangles. Export it triangulated.";
-  std::vector<Placed> waiting = {{scene->mRootNode, to_metres_y_up(*scene) * scene->mRootNode->mTransformation}};
-  while (!waiting.empty()) {
-    const Placed placed = waiting.back();
-    waiting.pop_back();
+  const std::vector<Placed> nodes = placed_nodes(*scene);
+  unsigned shapes = 0;
+  for (const Placed& placed : nodes) {
     const bool is_mirrored = placed.to_world.Determinant() < 0;
     for (unsigned m = 0; m < placed.node->mNumMeshes; ++m) {
       const aiMesh& part = *scene->mMeshes[placed.node->mMeshes[m]];
       const uint32_t base = static_cast<uint32_t>(mesh->vertices.size() / 3);
-      for (unsigned v = 0; v < part.mNumVertices; ++v) {
-        const aiVector3D p = placed.to_world * part.mVertices[v];
+      shapes += part.mNumAnimMeshes;
+      for (const aiVector3D& p : standing(part, placed, nodes))
         mesh->vertices.insert(mesh->vertices.end(),
                               {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)});
-      }
       for (unsigned f = 0; f < part.mNumFaces; ++f) {
         const aiFace& face = part.mFaces[f];
         if (face.mNumIndices != 3) continue;  // points and lines have no surface
         for (unsigned k = 0; k < 3; ++k) mesh->indices.push_back(base + face.mIndices[is_mirrored ? 2 - k : k]);
       }
     }
-    for (unsigned c = 0; c < placed.node->mNumChildren; ++c)
-      waiting.push_back({placed.node->mChildren[c], placed.to_world * placed.node->mChildren[c]->mTransformation});
   }
-  for (const auto& [what, count] :
-       {std::pair("animations", scene->mNumAnimations), {"lights", scene->mNumLights}, {"cameras", scene->mNumCameras}})
+  for (const auto& [what, count] : {std::pair("animations", scene->mNumAnimations),
+                                    {"lights", scene->mNumLights},
+                                    {"cameras", scene->mNumCameras},
+                                    {"shapes that morph it", shapes}})
     if (count > 0) mesh->left_out[what] = count;
   return "";
 }

@@ -375,6 +375,7 @@ std::vector<Kind> assimp_kinds() {
       kinds.push_back({(z_up ? "z_" : "y_") + std::to_string(unit) + ".fbx", fbx(z_up, unit), {.2f, 1.8f, .4f}, .144});
     kinds.push_back({z_up ? "z_up.dae" : "y_up.dae", collada(z_up), {.2f, 1.8f, .4f}, .144});
   }
+  kinds.push_back({"skin.fbx", fbx(false, 1, true), {.4f, 3.6f, .8f}, 8 * .144});
   for (Kind& kind : kinds) kind.is_pages = false;
 #endif
   return kinds;
