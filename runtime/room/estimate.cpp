@@ -495,10 +495,10 @@ void room_estimate(const Room& room, const RoomModel& model, const sandglass_roo
   fill_struct(&out, sizeof out, light);
 }
 
-// Each value lies in the middle of those that `sandglass_lab verify room` prints for the folds of places.
+// Fitted to `sandglass_lab verify room` in the interiors of the data folder.
 extern const RoomModel k_room_model = {.boost = 3.6,
-                                       .fill = 1.65,
-                                       .fill_below = 0.5,
+                                       .fill = 2.2,
+                                       .fill_below = 1.0,
                                        .network = 2.0,
                                        .sharp = 1.0,
                                        .albedo = 0.18,

@@ -430,6 +430,45 @@ TEST(Lighting, OfWhatIsWrongIsRefusedWithASentence) {
                                      first, sandglass_lighting_of_room);
 }
 
+// Even white light that shows white as 1 has the irradiance pi and 2 sqrt(pi) in coefficient 0. All is linear.
+TEST(Lighting, AThingMayKeepItsOwnColours) {
+  for (const Source& source : sources()) {
+    for (const float strength : {0.0f, 0.3f, 1.0f})
+      for (const int32_t keep : {0, 1}) {
+        sandglass_lighting l = source.lighting;
+        ASSERT_EQ(sandglass_lighting_adapt(&l, strength, keep, nullptr), SANDGLASS_OK);
+        const double s = static_cast<double>(strength);
+        const auto expect = [&](const float* now, const float* then, double white) {
+          const Colour before = {static_cast<double>(then[0]), static_cast<double>(then[1]),
+                                 static_cast<double>(then[2])};
+          for (size_t c = 0; c < 3; ++c)
+            EXPECT_NEAR(now[c], s * (keep == 1 ? luminance_of(before) : before[c]) + (1 - s) * white, 1e-5)
+                << source.name;
+        };
+        expect(l.facing, source.lighting.facing, 0);
+        expect(l.floor, source.lighting.floor, k_pi_double);
+        for (size_t i = 0; i < 9; ++i) {
+          expect(l.whole_sh + 3 * i, source.lighting.whole_sh + 3 * i, i == 0 ? 2 * std::sqrt(k_pi_double) : 0);
+          expect(l.ambient_sh + 3 * i, source.lighting.ambient_sh + 3 * i, i == 0 ? 2 * std::sqrt(k_pi_double) : 0);
+        }
+        EXPECT_EQ(memcmp(l.towards, source.lighting.towards, sizeof l.towards), 0);
+      }
+    sandglass_lighting same = source.lighting;
+    ASSERT_EQ(sandglass_lighting_adapt(&same, 1, 0, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(memcmp(&same, &source.lighting, sizeof same), 0);
+  }
+  sandglass_lighting l = sources()[0].lighting;
+  for (const float bad : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()})
+    expect_refused("strength", [&](const char** why) { return sandglass_lighting_adapt(&l, bad, 0, why); });
+  expect_refused("keep_chroma", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 2, why); });
+  expect_refused("NULL", [&](const char** why) { return sandglass_lighting_adapt(nullptr, 1, 0, why); });
+  l.struct_size = 0;
+  expect_refused("struct_size", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 0, why); });
+  l = sources()[0].lighting;
+  l.facing[1] = std::numeric_limits<float>::infinity();
+  expect_refused("not finite", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 0, why); });
+}
+
 template <class Out, class Convert, class... More>
 void expect_renderer_checked(Convert to, More... more) {
   const sandglass_lighting& good = sources()[0].lighting;

@@ -281,7 +281,7 @@ std::vector<Verdict> room_verdicts(const std::vector<Condition>& conditions) {
     below("level", session_name(session), table.sessions[static_cast<size_t>(session)].level.mean, limit,
           "|log ratio|");
   below("level", std::string("control: ") + session_name(k_unguarded) + ", dark bytes believed", table.unguarded.mean,
-        1.0, "|log ratio|", true);
+        0.12, "|log ratio|", true);
   for (const DrawnRow& row : table.drawn)
     if (row.control) below("floor", row.name, row.against_ambient.mean, 0.0, "mean", true);
   return rows;
