@@ -29,6 +29,7 @@ enum Way {
   k_old_rule,    // control: the true light, with the panorama below the horizon, and nothing lit by itself
   k_session,     // what a session knows whose images are exposed down to 1/4096
   k_session_64,  // the same, down to 1/64
+  k_unbaked,     // the true light on an object that does not know what it hides from itself
   k_no_shadow,   // the session's light, and nothing falls on the floor
   k_one_light,   // the network's
   k_ways
@@ -37,6 +38,7 @@ constexpr const char* k_way_names[k_ways] = {"true light",
                                              "control: true light by the rule before",
                                              "a settled session, exposures to 1/4096",
                                              "a settled session, exposures to 1/64",
+                                             "true light, no bake",
                                              "no shadow",
                                              "one light"};
 
@@ -122,7 +124,8 @@ ShotLight light_of_session(const Surroundings& room, Session session, const Sess
   return scaled(light, room.exposure / seen.exposure);
 }
 
-RoomColours colours_of(const ColourOptions& options, const ShotStage& stage, const ShotPicture& picture, size_t index) {
+RoomColours colours_of(const ColourOptions& options, const ShotStage& stage, const ShotPicture& picture,
+                       const ShotPicture& unbaked, size_t index) {
   const std::string& file = options.panoramas[index];
   RoomColours colours;
   RadianceMap map = read_panorama(file);
@@ -140,7 +143,8 @@ RoomColours colours_of(const ColourOptions& options, const ShotStage& stage, con
   const auto draw = [&](Way way, const ShotLight& light, CastShadow cast = CastShadow::textures) {
     ShotPictureOptions drawing = options.picture;
     drawing.lit_by_itself = way != k_old_rule;
-    const RadianceMap drawn = picture.composite(room, camera, light, stage.shadows_for(light), cast, drawing);
+    const ShotPicture& drawer = way == k_unbaked ? unbaked : picture;
+    const RadianceMap drawn = drawer.composite(room, camera, light, stage.shadows_for(light), cast, drawing);
     for (int r = 0; r < k_regions; ++r) {
       const Vec3 a = mean_of(drawn, regions.pixels[r]), b = mean_of(truth, regions.pixels[r]);
       colours.level[way][r] = apart(luminance(a), luminance(b));
@@ -155,6 +159,7 @@ RoomColours colours_of(const ColourOptions& options, const ShotStage& stage, con
   draw(k_old_rule, scaled(light_of(room.warped, room.view), room.exposure));
   draw(k_session, known);
   draw(k_session_64, light_of_session(room, Session::everything, session));
+  draw(k_unbaked, room.true_light());
   draw(k_no_shadow, known, CastShadow::none);
   if (!options.network.empty()) {
     LightEstimate network(options.network, SANDGLASS_ISA_AUTOMATIC);
@@ -217,9 +222,12 @@ std::vector<Verdict> verify_colours(const ColourOptions& options, const std::fun
   const std::string manifest = read_locations(options.manifest);
   const ShotStage stage;
   const ShotPicture picture(stage.object, stage.grains, stage.grain_radius);
+  LitObject plain = stage.object;
+  plain.transfer.clear();
+  const ShotPicture unbaked(plain, stage.grains, stage.grain_radius);
   std::vector<RoomColours> rooms;
   for (size_t i = 0; i < options.panoramas.size(); ++i) {
-    rooms.push_back(colours_of(options, stage, picture, i));
+    rooms.push_back(colours_of(options, stage, picture, unbaked, i));
     rooms.back().place = location_of(options.panoramas[i], manifest).name;
     if (!progress(i + 1)) return {};
   }
