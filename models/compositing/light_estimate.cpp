@@ -65,6 +65,19 @@ SeenLight::SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 s
   require(sandglass_room_create(&desc, block_.get(), bytes, &room_, &reason), reason);
 }
 
+void SeenLight::look_around(const Surroundings& room) {
+  if (!room.has_truth()) return;
+  constexpr uint64_t k_between_ns = 200'000'000;
+  for (const SessionImage& look : images_) {
+    image_ = take_image(room.panorama, session_camera(azimuth_, look, camera_.eye), k_session_width, k_session_height,
+                        look.exposure);
+    image_.image.timestamp_ns = before_ns_ += k_between_ns;
+    image_.image.exposure = static_cast<float>(image_.exposure);
+    const char* reason = nullptr;
+    require(sandglass_room_set_image(room_, &image_.image, nullptr, &reason), reason);
+  }
+}
+
 const sandglass_camera_image* SeenLight::take(const Surroundings& room, uint64_t time_ns) {
   const bool photo = !room.has_truth();
   const bool once = photo || images_.size() == 1;
@@ -75,7 +88,7 @@ const sandglass_camera_image* SeenLight::take(const Surroundings& room, uint64_t
     image_ = take_image(room.panorama, session_camera(azimuth_, look, camera_.eye), k_session_width, k_session_height,
                         look.exposure);
   ++next_;
-  image_.image.timestamp_ns = time_ns;
+  image_.image.timestamp_ns = before_ns_ + time_ns + 1'000'000;
   image_.image.exposure = static_cast<float>(image_.exposure);
   // Nothing is drawn before the first image, so it does not wait for a frame.
   const char* reason = nullptr;

@@ -45,6 +45,8 @@ class SeenLight {
   SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 standing, std::vector<SessionImage> images,
             uint64_t between_ns);
 
+  // Before anything is placed: the phone looks around once.
+  void look_around(const Surroundings& room);
   // The phone's image at a time, for the frame that begins then; null between images. After the last one it turns again,
   // unless there was only one.
   const sandglass_camera_image* take(const Surroundings& room, uint64_t time_ns);
@@ -63,6 +65,7 @@ class SeenLight {
   std::vector<SessionImage> images_;
   uint64_t between_ns_;
   size_t next_ = 0;
+  uint64_t before_ns_ = 0;  // that looking around took
   PhoneImage image_;
 };
 

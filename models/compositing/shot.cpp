@@ -31,6 +31,9 @@ Surroundings captured(const SceneFile& scene, const std::string& file, Vec3 stan
 Surroundings surroundings_of(const SceneFile& scene, const ShotOptions& options, Vec3 standing, Camera* camera) {
   const ShotTrack& track = *scene.shot;
   if (!options.photo.empty()) return photo_surroundings(options.photo, options.photo_fov_deg, camera);
+  if (options.panorama.empty() && !track.kept.empty())
+    return panorama_surroundings(kept_room(track.kept), track.kept, *camera, track.azimuth_deg, standing,
+                                 k_object_insertion);
   if (options.panorama.empty())
     return room_surroundings(track.room, options.folder, options.threads, *camera, track.azimuth_deg, standing);
   return captured(scene, options.panorama, standing, k_object_insertion, *camera);
@@ -237,13 +240,13 @@ Shot::Shot(const SceneFile& scene, const ShotOptions& options)
           moved(room, camera_, sand, std::min(k_farthest_insertion, insertion * away(sand) / away(last))).true_light();
   }
   if (source_ == LightSource::room || source_ == LightSource::nothing) {
-    constexpr double k_of_run = 0.9;  // after that the light only settles
     std::vector<SessionImage> images =
-        session_images(source_ == LightSource::room ? Session::everything : Session::table, 1);
+        session_images(source_ == LightSource::room ? Session::everything_shorter : Session::table, 1);
     const auto between =
-        static_cast<uint64_t>(1e9 * k_of_run * scene.frames * scene.frame_step / static_cast<double>(images.size()));
+        static_cast<uint64_t>(1e9 * scene.frames * scene.frame_step / static_cast<double>(images.size()));
     seen_ = std::make_unique<SeenLight>(surroundings_, resting_camera(camera_), standing_track(scene_).position,
                                         std::move(images), between);
+    if (source_ == LightSource::room) seen_->look_around(surroundings_);
   }
   begin(0);  // what is shown before the first frame
 }
@@ -360,7 +363,6 @@ std::vector<Shot::Drawn> Shot::alternatives(const Snapshot& snapshot, uint32_t t
     network.finish();
     all.push_back(drawn(snapshot, "one light", network.light(), CastShadow::textures, threads));
   }
-  all.push_back(drawn(snapshot, "ambient shadow alone", usual, CastShadow::textures, threads));
   return all;
 }
 

@@ -17,7 +17,7 @@
 
 namespace sandglass::host {
 
-// room: as a session has seen it that looks around meanwhile. truth: as it is. estimate: one light by the network, and
+// room: as a session has seen it that looked around before things were placed, and goes on. truth: as it is. estimate: one light by the network, and
 // nothing else. nothing: what is usual in a room, for all that the first image tells.
 enum class LightSource { room, truth, estimate, nothing };
 const char* name_of(LightSource source);
@@ -86,9 +86,9 @@ class Shot {
   };
   Drawn drawn(const Snapshot& snapshot, std::string name, const PlacedLight& light, CastShadow cast,
               uint32_t threads) const;
-  // What an app could draw instead of the snapshot: without a shadow, with one light, with the ambient shadow alone.
+  // What an app could draw instead of the snapshot: without a shadow, with one light.
   std::vector<Drawn> alternatives(const Snapshot& snapshot, uint32_t threads) const;
-  // The picture that leads, what an app could draw instead, and the truth, with what the session has seen.
+  // The picture that leads, the truth beside it, and what an app could draw instead below.
   Picture sheet(const Drawn& lead, std::span<const Drawn> beside, const RadianceMap& truth) const;
   Picture developed_as_seen(const RadianceMap& shown, uint64_t seed) const;
 

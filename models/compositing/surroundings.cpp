@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "models/compositing/phone.h"
+#include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
@@ -20,7 +21,8 @@ namespace {
 constexpr double k_pi = std::numbers::pi;
 constexpr int k_room_width = 1024, k_room_samples = 48;
 constexpr double k_picture_aspect = 4.0 / 3.0;
-constexpr int k_metered_width = 120, k_metered_height = 90;
+constexpr int k_metered_width = 60, k_metered_height = 45;
+constexpr double k_metered_part = 0.5;    // of the picture's width: a photographer exposes for what is put there
 constexpr double k_room_insertion = 0.6;  // (5.22) for rooms like these, where the farthest surface is 4 m away
 
 RadianceMap linear_photo(const Picture& picture) {
@@ -96,22 +98,13 @@ Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name
   for (int v = 0; v < panorama.height; ++v)
     for (int u = 0; u < w; ++u) s.panorama.set(u, v, panorama.colour(((u + shift) % w + w) % w, v));
   look_from(&s, camera, standing);
-  s.exposure = exposed_by_itself(view_of(s.panorama, resting_camera(camera), k_metered_width, k_metered_height));
+  ShotCamera meter = resting_camera(camera);
+  meter.focal /= k_metered_part;
+  s.exposure = exposed_by_itself(view_of(s.panorama, meter, k_metered_width, k_metered_height));
   return s;
 }
 
 namespace {
-
-// The path of a room that ships, or empty.
-std::string kept_room(uint32_t seed) {
-  const std::string name = "room_" + std::to_string(seed) + ".jpg";
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  for (const fs::path& folder :
-       {fs::path(SANDGLASS_ROOMS_DIR), program.parent_path() / ".." / "share" / "sandglass" / "kept_rooms"})
-    if (fs::is_regular_file(folder / name, error)) return (folder / name).string();
-  return "";
-}
 
 RadianceMap traced_room(uint32_t seed, const std::string& folder, uint32_t threads) {
   const std::string path =
@@ -134,11 +127,20 @@ RadianceMap traced_room(uint32_t seed, const std::string& folder, uint32_t threa
 
 }  // namespace
 
+RadianceMap kept_room(const std::string& name) {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  for (const fs::path& folder :
+       {fs::path(SANDGLASS_ROOMS_DIR), program.parent_path() / ".." / "share" / "sandglass" / "kept_rooms"})
+    if (fs::is_regular_file(folder / (name + ".jpg"), error))
+      return read_kept_room((folder / (name + ".jpg")).string());
+  throw cannot("find", name, "no room of that name ships", "Take \"lebombo\", a seed as \"room\", or --panorama");
+}
+
 Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_t threads, const Camera& camera,
                                double azimuth_deg, Vec3 standing) {
-  const std::string kept = kept_room(seed);
-  return panorama_surroundings(kept.empty() ? traced_room(seed, folder, threads) : read_kept_room(kept),
-                               "room " + std::to_string(seed), camera, azimuth_deg, standing, k_room_insertion);
+  return panorama_surroundings(traced_room(seed, folder, threads), "room " + std::to_string(seed), camera, azimuth_deg,
+                               standing, k_room_insertion);
 }
 
 Surroundings photo_surroundings(const std::string& path, double diagonal_fov_deg, Camera* camera) {

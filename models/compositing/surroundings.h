@@ -45,8 +45,10 @@ Surroundings moved(const Surroundings& surroundings, const Camera& camera, Vec3 
 // A captured room's sphere is taken to be four times as far away as the object.
 constexpr double k_object_insertion = 0.25;
 
-// A made-up room. The one of the scene `shot` ships, large and free of noise (models/kept_rooms). Others are traced, and
-// kept in `folder` between runs unless that is empty.
+// A captured room that ships (models/kept_rooms). A Failure names those that do.
+RadianceMap kept_room(const std::string& name);
+
+// A made-up room. It is traced, and kept in `folder` between runs unless that is empty.
 Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_t threads, const Camera& camera,
                                double azimuth_deg, Vec3 standing);
 

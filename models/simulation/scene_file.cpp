@@ -322,6 +322,7 @@ ShotTrack read_shot(Reader reader) {
   ShotTrack shot;
   shot.turn_deg = reader.number("turn", 0.0, -360.0, 360.0);
   shot.sway_deg = reader.number("sway", 0.0, 0.0, 10.0);
+  shot.kept = reader.text("kept", "");
   shot.room = reader.integer("room", 1, 0, ~0u);
   shot.azimuth_deg = reader.number("azimuth", 90.0, -360.0, 360.0);
   reader.finish();

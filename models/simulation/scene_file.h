@@ -66,7 +66,8 @@ struct LightTrack {
 
 struct ShotTrack {
   double turn_deg = 0.0, sway_deg = 0.0, azimuth_deg = 90.0;
-  uint32_t room = 1;
+  std::string kept;   // the name of a captured room that ships; empty: a made-up one
+  uint32_t room = 1;  // its seed
 };
 
 struct PileShadowTrack {

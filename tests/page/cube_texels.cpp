@@ -22,7 +22,7 @@ int main() {
   }
   double d[3];
   while (std::scanf("%lf %lf %lf", &d[0], &d[1], &d[2]) == 3)
-    for (const uint32_t left : {0u, 1u}) {
+    for (uint32_t left = 0; left < 2; ++left) {
       double texel[3];
       cube.left_handed = left;
       (void)sandglass::room_cube_texel(cube, d, texel);
