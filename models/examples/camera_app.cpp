@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
     // chair, as a vertex shader does: nine products a colour (runtime/shadow/README.md).
     if (status) status.code = sandglass_harmonics_turn(light.sh, rotation, sh, &status.reason);
     if (known.seen < 0.5f) ++hints;  // show an arrow to known.look: "please look there"
-    if (known.clipped > 0.02f && frame % 16 == 0) camera.expose_shortly(), ++shorts;
+    if (known.short_exposure < 1 && frame % 16 == 0) camera.expose_shortly(known.short_exposure), ++shorts;
   }
   for (size_t j = 0; status && j < 9; ++j) green += light.white * transfer[j] * sh[3 * j + 1];  // of the seat
   std::vector<std::byte> kept;

@@ -44,7 +44,7 @@ class MadeUpCamera {
     const bool is_short = short_images_ > 0;
     if (is_short) --short_images_;
     sandglass_camera_image_default(&image_);
-    image_.exposure = is_short ? exposure_ / 64.0f : exposure_;
+    image_.exposure = is_short ? exposure_ * shorter_ : exposure_;
     double sum = 0.0;
     for (int i = 0; i < k_width * k_height; ++i) {
       float ray[3], colour[3];
@@ -70,9 +70,12 @@ class MadeUpCamera {
     return &image_;
   }
 
-  // The next images are taken with a sixty-fourth of the exposure, for a tenth of a second, because the room takes one
-  // image in that time (sandglass_room_desc.interval). An app does not show them.
-  void expose_shortly() { short_images_ = 4; }
+  // The next images are exposed for so much of the time, for a tenth of a second, because the room takes one image in
+  // that time (sandglass_room_desc.interval). An app does not show them.
+  void expose_shortly(float shorter) {
+    shorter_ = shorter;
+    short_images_ = 4;
+  }
 
  private:
   static constexpr int k_width = 160, k_height = 120;
@@ -112,6 +115,7 @@ class MadeUpCamera {
   }
 
   int frame_ = 0, short_images_ = 0;
+  float shorter_ = 1.0f;
   float exposure_ = 1.0f, pose_[16] = {};
   std::vector<uint8_t> pixels_ = std::vector<uint8_t>(3 * k_width * k_height);
   sandglass_camera_image image_ = {};

@@ -14,8 +14,13 @@ namespace sandglass::host {
 int verify_colour_command(const VerifyOptions& options) {
   ColourOptions colours;
   if (options.panoramas.empty() && data_folder().empty()) throw no_panoramas("colours");
-  colours.panoramas = find_panoramas(
-      options.panoramas.empty() ? std::vector<std::string>{data_folder() + "/hdri/indoor"} : options.panoramas);
+  std::vector<std::string> names = options.panoramas;
+  if (names.empty())  // furnished rooms, with a floor that is seen
+    for (const char* name :
+         {"aerodynamics_workshop", "anniversary_lounge", "artist_workshop", "comfy_cafe", "hotel_room", "lebombo",
+          "lythwood_room", "thatch_chapel", "vestibule", "vintage_measuring_lab"})
+      names.push_back(data_folder() + "/hdri/indoor/" + name + "_1k.hdr");
+  colours.panoramas = find_panoramas(names);
   colours.network = options.network.empty() ? shipped_light_network() : options.network;
   if (options.quick) colours.picture.width = 160, colours.picture.height = 120;
   colours.picture.threads = options.threads;
