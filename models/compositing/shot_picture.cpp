@@ -195,8 +195,9 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
   };
   const auto grain_shown = [&](const Hit& hit) {
     const Vec3 all = shown_by(light.sand, hit.normal), main = main_by_cosine(light.sand, hit.normal);
-    // Below a grain are other grains, and they give what `among_equals` says.
-    const Vec3 without = all - main_in_harmonics(light.sand, hit.normal) - from_floor(light.sand, hit.normal);
+    // Below a grain of a pile are other grains, and they give what `among_equals` says.
+    const Vec3 below = shadows.heights.empty() ? Vec3{} : from_floor(light.sand, hit.normal);
+    const Vec3 without = all - main_in_harmonics(light.sand, hit.normal) - below;
     const Vec3 rest = {std::max(without.x, 0.0), std::max(without.y, 0.0), std::max(without.z, 0.0)};
     if (!textured) return all;
     const Left left = left_on_sand(shadows, light, hit, state_->grain_radius);

@@ -72,7 +72,7 @@ void look_from(Surroundings* s, const Camera& camera, Vec3 standing) {
   s->foot = to * (s->insertion / std::hypot(to.x, to.z));
   const double away = length(s->foot);
   if (away > k_farthest_insertion) s->foot = s->foot * (k_farthest_insertion / away);
-  s->view = {std::acos(s->foot.y / length(s->foot)), std::atan2(to.z, to.x)};
+  s->view = {std::acos(to.y / length(to)), std::atan2(to.z, to.x)};
   s->warped = warp(s->panorama, s->view, length(s->foot));
   s->floor = floor_around(s->panorama, to, irradiance_of(light_of(above_horizon(s->warped, s->view), s->view)));
 }

@@ -106,9 +106,11 @@ sandglass_status sandglass_lighting_of_room(const sandglass_room_light* light, s
               "a number of the light is not finite: pass a light as sandglass_room_get fills it");
 }
 
-sandglass_status sandglass_lighting_adapt(sandglass_lighting* lighting, float strength, int32_t keep_chroma,
-                                          const char** reason) {
-  if (lighting == nullptr) return refuse(reason, "lighting is NULL: pass one that was filled");
+sandglass_status sandglass_lighting_adapt(const sandglass_lighting* lighting, float strength, int32_t keep_chroma,
+                                          sandglass_lighting* adapted, const char** reason) {
+  if (lighting == nullptr || adapted == nullptr)
+    return refuse(reason, "lighting or adapted is NULL: pass a lighting that was filled and the struct to fill");
+  if (!can_fill(adapted)) return refuse(reason, "adapted.struct_size is not set: set it to sizeof(sandglass_lighting)");
   if (lighting->struct_size < k_least_lighting_bytes)
     return refuse(reason, "lighting.struct_size is not set: pass a lighting that was filled");
   if (!usable(*lighting)) return refuse(reason, "a number of the lighting is not finite: pass it as it was filled");
@@ -122,11 +124,14 @@ sandglass_status sandglass_lighting_adapt(sandglass_lighting* lighting, float st
       colour[c] = strength * of_room + (1 - strength) * static_cast<float>(white);
     }
   };
-  adapt(lighting->facing, 0);
-  adapt(lighting->floor, k_pi);
+  sandglass_lighting out = {};
+  __builtin_memcpy(&out, lighting, lighting->struct_size < sizeof out ? lighting->struct_size : sizeof out);
+  adapt(out.facing, 0);
+  adapt(out.floor, k_pi);
   for (uint32_t i = 0; i < k_harmonics; ++i) {
-    adapt(lighting->ambient_sh + 3 * i, i == 0 ? k_even : 0);
-    adapt(lighting->whole_sh + 3 * i, i == 0 ? k_even : 0);
+    adapt(out.ambient_sh + 3 * i, i == 0 ? k_even : 0);
+    adapt(out.whole_sh + 3 * i, i == 0 ? k_even : 0);
   }
+  fill_struct(&out, sizeof out, adapted);
   return accept(reason);
 }

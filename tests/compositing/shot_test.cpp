@@ -271,7 +271,7 @@ TEST(ShotComposite, ObjectAndGrainsAreAsBrightAsTraced) {
   } const seen[] = {{{0, 0.5, 0}, {0.60, 0.44, 0.30}}, {{0.4, 0.6, 0.4}, grain_colour(0)}};
   for (const auto& [place, reflectance] : seen) {
     const double expected = luminance(reflectance) * room.exposure;
-    EXPECT_NEAR(at(made, place), expected, 0.01 * expected);
+    EXPECT_NEAR(at(made, place), expected, 0.03 * expected) << "a floor reflects nine tenths at most";
     EXPECT_NEAR(at(truth, place), expected, 0.06 * expected) << "half of what the grain sees is the floor";
   }
 }
@@ -462,9 +462,9 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   EXPECT_GT(swum / points, 0.05);
 }
 
-// In an even room a grain of a pile sees the room with the upper part of the hemisphere at its normal, v = (1 + y) / 2,
-// and sand as bright as itself with the rest: it keeps v / (1 - rho (1 - v)). From above that is nearly all.
-TEST(ShotComposite, GrainsOfAPileSeeSandBelow) {
+// In an even room a grain of a pile sees the room with the upper part of the hemisphere at its normal, (1 + y) / 2, and a
+// lone one also a floor of nine tenths with the rest.
+TEST(ShotComposite, GrainsOfAPileSeeNoFloor) {
   RadianceMap map(256, 128);
   for (float& value : map.rgb) value = 1.0f;
   const float size[3] = {0.1f, 0.1f, 0.1f}, grain[3] = {0, 0.3f, 0};
@@ -494,11 +494,9 @@ TEST(ShotComposite, GrainsOfAPileSeeSandBelow) {
     };
     return shown(sand) / shown({});
   };
-  const Vec3 rho = grain_colour(0);
   const auto expected = [&](Vec3 outward) {
-    const double v = 0.5 * (1.0 + grain_normal(0, outward).y);
-    const auto of = [v](double r) { return v / (1.0 - (1.0 - v) * r); };
-    return luminance(product(rho, {of(rho.x), of(rho.y), of(rho.z)})) / luminance(rho);
+    const double above = 0.5 * (1.0 + grain_normal(0, outward).y), below = 0.9 * (1 - above);
+    return above / (above + below);
   };
   EXPECT_NEAR(kept({0.01, 3, 0}, {0, 0.3, 0}), expected({0, 1, 0}), 0.01);
   EXPECT_NEAR(kept({0, 0.3, 3}, {0, 0.3, 0}), expected({0, 0, 1}), 0.01);

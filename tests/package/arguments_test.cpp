@@ -455,6 +455,8 @@ void Arguments::rooms() {
   auto lighting = sized<sandglass_lighting>();
   row(NAMED(sandglass_lighting_of_room), "", &light, &lighting);
   ASSERT_EQ(sandglass_lighting_of_room(&light, &lighting, nullptr), SANDGLASS_OK);
+  auto adapted = sized<sandglass_lighting>();
+  row(NAMED(sandglass_lighting_adapt), "", &lighting, 0.5f, 0, &adapted);
   const sandglass_lighting_model model = SANDGLASS_LIGHTING_WHOLE;
   float sh[27] = {}, turned[27];
   auto filament = sized<sandglass_filament_light>();

@@ -436,7 +436,7 @@ TEST(Lighting, AThingMayKeepItsOwnColours) {
     for (const float strength : {0.0f, 0.3f, 1.0f})
       for (const int32_t keep : {0, 1}) {
         sandglass_lighting l = source.lighting;
-        ASSERT_EQ(sandglass_lighting_adapt(&l, strength, keep, nullptr), SANDGLASS_OK);
+        ASSERT_EQ(sandglass_lighting_adapt(&l, strength, keep, &l, nullptr), SANDGLASS_OK);
         const double s = static_cast<double>(strength);
         const auto expect = [&](const float* now, const float* then, double white) {
           const Colour before = {static_cast<double>(then[0]), static_cast<double>(then[1]),
@@ -454,19 +454,19 @@ TEST(Lighting, AThingMayKeepItsOwnColours) {
         EXPECT_EQ(memcmp(l.towards, source.lighting.towards, sizeof l.towards), 0);
       }
     sandglass_lighting same = source.lighting;
-    ASSERT_EQ(sandglass_lighting_adapt(&same, 1, 0, nullptr), SANDGLASS_OK);
+    ASSERT_EQ(sandglass_lighting_adapt(&same, 1, 0, &same, nullptr), SANDGLASS_OK);
     EXPECT_EQ(memcmp(&same, &source.lighting, sizeof same), 0);
   }
   sandglass_lighting l = sources()[0].lighting;
   for (const float bad : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()})
-    expect_refused("strength", [&](const char** why) { return sandglass_lighting_adapt(&l, bad, 0, why); });
-  expect_refused("keep_chroma", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 2, why); });
-  expect_refused("NULL", [&](const char** why) { return sandglass_lighting_adapt(nullptr, 1, 0, why); });
+    expect_refused("strength", [&](const char** why) { return sandglass_lighting_adapt(&l, bad, 0, &l, why); });
+  expect_refused("keep_chroma", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 2, &l, why); });
+  expect_refused("NULL", [&](const char** why) { return sandglass_lighting_adapt(nullptr, 1, 0, &l, why); });
   l.struct_size = 0;
-  expect_refused("struct_size", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 0, why); });
+  expect_refused("struct_size", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 0, &l, why); });
   l = sources()[0].lighting;
   l.facing[1] = std::numeric_limits<float>::infinity();
-  expect_refused("not finite", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 0, why); });
+  expect_refused("not finite", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 0, &l, why); });
 }
 
 template <class Out, class Convert, class... More>

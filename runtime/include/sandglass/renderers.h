@@ -51,15 +51,16 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_of_room(co
                                                                               sandglass_lighting* lighting,
                                                                               const char** reason);
 
-/* For things that must keep their own colours, such as a product in a shop. Changes *lighting, so that each converter
- * below has it.
+/* For things that must keep their own colours, such as a product in a shop: *adapted becomes *lighting in other colours,
+ * for each converter below. The two may be the same.
  *
  * `strength`, 0..1: how much of the room's light reaches the thing; the rest is even white light, in which a white
  * surface shows 1. `keep_chroma` 1: the room's light loses its hue, each colour becomes its luminance; 0: it stays.
- * With 1 and 0 nothing changes. Fails with INVALID_ARGUMENT: a lighting that was not filled or is not finite, or an
- * argument out of range. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_adapt(sandglass_lighting* lighting,
+ * With 1 and 0 nothing changes. Fails with INVALID_ARGUMENT: a lighting that was not filled or is not finite, an
+ * argument out of range, or a struct_size that is not set. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_adapt(const sandglass_lighting* lighting,
                                                                             float strength, int32_t keep_chroma,
+                                                                            sandglass_lighting* adapted,
                                                                             const char** reason);
 
 /* How a renderer is to draw a lighting.
