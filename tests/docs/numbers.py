@@ -162,7 +162,7 @@ def rows_of(data):
     if isinstance(data, list):
         for m in data:
             row = rows.setdefault(m['case'], {})
-            key = m['metric'] if m['threads'] == 1 or m['suite'] in ('lighting', 'room', 'shot') else f"{m['metric']}_{m['threads']}T"
+            key = m['metric'] if m['threads'] == 1 or m['suite'] in ('lighting', 'room', 'shot', 'colour') else f"{m['metric']}_{m['threads']}T"
             row[key] = m['value']
             for more in ('truth', 'limit'):
                 if m.get(more) is not None:

@@ -21,9 +21,9 @@
  * before. It may come late, and be missing now and then. sandglass_room_exposure says how bright to draw over an image.
  *
  * Clipped pixels hide how bright a lamp is. sandglass_room_light.clipped says what share of the light comes from there,
- * as far as one can tell: little may hide a strong lamp. An app that can set its camera (AVFoundation, Camera2; ARKit and
- * ARCore expose by themselves) helps most by one image that is exposed for `short_exposure` times as long, when
- * desc.interval has passed. Lower the sensor's gain first, then the time. Keep such an image from the tracker and from
+ * as far as one can tell: little may hide a strong lamp. An app that can set its camera (AVFoundation, Camera2,
+ * ARCore's shared camera) helps most by one image that is exposed for `short_exposure` times as long, when desc.interval
+ * has passed. Lower the sensor's gain first, then the time. Keep such an image from the tracker and from
  * the screen. Lamps that pulse flicker in it: an exposure of a pulse, 1/100 or 1/120 s, through less gain, does not.
  *
  * Light that changes. What the camera sees again is learned within a few images. Where two thirds of that have become

@@ -20,10 +20,11 @@ SeenRoom look_around(const RadianceMap& panorama, Session session, const Session
         take_image(panorama, session_camera(options.azimuth, image), k_session_width, k_session_height, image.exposure);
     shot.image.timestamp_ns = time_ns += 100'000'000;
     shot.image.exposure = options.exposure_known ? static_cast<float>(shot.exposure) : 0.0f;
-    (void)room_take_image(room, shot.image);
+    if (!room_take_image(room, shot.image)) continue;
     while (room->phase != RoomPhase::idle) room_run_unit(room);
     // A short image for lamps is not the last one that the light is in the scale of.
-    seen.exposure = options.exposure_known ? 1 / room->scale : shot.exposure;
+    if (options.exposure_known) seen.exposure = 1 / room->scale;
+    else if (room->view.lesson != RoomLesson::nothing) seen.exposure = shot.exposure;
   }
   if (session == Session::nothing) {
     const SessionImage first = session_images(Session::table, options.seed).front();

@@ -234,11 +234,12 @@ std::vector<Verdict> verify_colours(const ColourOptions& options, const std::fun
   }
   std::vector<Verdict> rows = judge(options, rooms);
   const Warped warped = warped_beside_traced(options.seed, options.picture.threads);
-  const auto report = [&](const char* name, double value) {
-    rows.push_back({"traced", name, "|ln|", 0.0, value, k_infinity, true, false});
-  };
-  report("made-up rooms: level by a panorama warped to the foot, beside traced there", warped.to_foot);
-  report("made-up rooms: level by one warped at the height of the eye", warped.to_level);
+  for (const auto& [name, errors] :
+       {std::pair("warped to the foot", warped.foot), {"at the height of the eye", warped.eye}}) {
+    const std::string claim = std::string("light by a panorama ") + name + ", beside traced there, ";
+    rows.push_back({"traced", claim + "level", "|ln|", 0.0, errors.level, k_infinity, true, false});
+    rows.push_back({"traced", claim + "cells", "0..2", 0.0, errors.shares, k_infinity, true, false});
+  }
   return rows;
 }
 
