@@ -42,6 +42,7 @@ class Sand {
   // From now on sand falls onto this point of a real table, which a ray of the AR session hit. What lay elsewhere goes.
   void pour(const float point[3]) {
     for (int k = 0; k < 3; ++k) origin_[k] = point[k];
+    light_ = known_ = room_.light_at(origin_);  // what is placed begins in the light that is known
     scene_.reset();
     pouring_ = 1;
   }
