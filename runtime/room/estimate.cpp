@@ -445,6 +445,20 @@ uint32_t shown_cell(const Room& room, const float direction[3]) {
 
 }  // namespace
 
+void room_radiance(const Room& room, const RoomModel& model, float parts[k_room_parts][3]) {
+  Memory memory;
+  remember(room, &memory);
+  const Overview all = overview_of(room, memory);
+  for (uint32_t i = 0; i < k_room_parts; ++i) {
+    const KnownPart part = known_part(room, memory, i, model, all);
+    const double unseen = i < k_room_below ? model.fill_below : model.fill;
+    for (int c = 0; c < 3; ++c) {
+      const double relative = part.seen * part.lit[c] + (1 - part.seen) * unseen * all.colour[c];
+      parts[i][c] = static_cast<float>(relative * all.level * room.light / room.scale);
+    }
+  }
+}
+
 // Memory and sums take 11 KiB of stack.
 void room_estimate(const Room& room, const RoomModel& model, const sandglass_room_place& place,
                    sandglass_room_light* light) {

@@ -201,6 +201,8 @@ struct RoomModel {
 };
 extern const RoomModel k_room_model;
 
+// The radiance that is to be expected from each part, where 1 is what the last image shows as white.
+void room_radiance(const Room& room, const RoomModel& model, float parts[k_room_parts][3]);
 void room_estimate(const Room& room, const RoomModel& model, const sandglass_room_place& place,
                    sandglass_room_light* light);
 

@@ -13,6 +13,7 @@
 #include "models/rooms/panorama_file.h"
 #include "runtime/core/random.h"
 #include "tests/laboratory/interval.h"
+#include "tests/laboratory/room/balls.h"
 #include "tests/laboratory/room/session.h"
 #include "tests/laboratory/shot/shot_stage.h"
 #include "tests/laboratory/shot/traced_light.h"
@@ -46,10 +47,16 @@ constexpr const char* k_way_names[k_ways] = {"true light",
 enum Region { k_chair, k_sides, k_sand, k_floor_near, k_regions };
 constexpr const char* k_region_names[k_regions] = {"chair", "chair's sides", "sand", "floor at the contacts"};
 
+// What is known when the balls are drawn; the last is a control.
+enum BallWay { k_from_table, k_from_turn, k_from_everything, k_mirrored, k_ball_ways };
+constexpr const char* k_ball_ways_names[k_ball_ways] = {"one image of a table", "a full turn, exposures to 1/64",
+                                                        "everything, exposures to 1/4096", "control: that, mirrored"};
+
 struct RoomColours {
   std::string place;
   double level[k_ways][k_regions] = {}, red_over_blue[k_ways][k_regions] = {};  // |ln(composite / truth)|
   double flip[k_ways] = {};  // over the pixels that the things change
+  ThreeBalls balls[k_ball_ways];
 };
 
 struct Regions {
@@ -156,6 +163,14 @@ RoomColours colours_of(const ColourOptions& options, const ShotStage& stage, con
   const Vec3 ahead = camera.forward;
   const SessionOptions session = {std::atan2(ahead.z, ahead.x), true, mix_bits(options.seed + 1000 * index), true};
   const ShotLight known = light_of_session(room, Session::everything_shorter, session);
+  const auto balls = [&](BallWay way, Session seen) {
+    colours.balls[way] =
+        ball_errors(room.panorama, look_around(room.panorama, seen, session), session.azimuth, way == k_mirrored);
+  };
+  balls(k_from_table, Session::table);
+  balls(k_from_turn, Session::full_turn_short);
+  balls(k_from_everything, Session::everything_shorter);
+  balls(k_mirrored, Session::everything_shorter);
   draw(k_true, room.true_light());
   draw(k_old_rule, scaled(light_of(room.warped, room.view), room.exposure));
   draw(k_session, known);
@@ -210,6 +225,25 @@ std::vector<Verdict> judge(const ColourOptions& options, const std::vector<RoomC
     const double flip = over_places([&](const RoomColours& room) { return room.flip[way]; });
     rows.push_back({"FLIP", name + "where things change it", "", 0.0, flip, k_infinity, true, false});
   }
+  for (int way = 0; way < k_ball_ways; ++way)
+    for (size_t ball = 0; ball < std::size(k_ball_names); ++ball) {
+      const auto mean = [&](double BallErrors::*error, int from) {
+        return over_places([&](const RoomColours& room) { return room.balls[from][ball].*error; });
+      };
+      const std::string name = std::string(k_ball_ways_names[way]) + ", " + k_ball_names[ball] + ", ";
+      const auto report = [&](const char* what, const char* unit, double value) {
+        rows.push_back({"balls", name + what, unit, 0.0, value, k_infinity, true, false});
+      };
+      const double shape = mean(&BallErrors::scale_invariant, way);
+      if (way == k_mirrored) {
+        const double limit = mean(&BallErrors::scale_invariant, k_from_everything);
+        rows.push_back({"balls", name + "si-RMSE", "of RMS", 0.0, shape, limit, shape > limit, true});
+        continue;
+      }
+      report("RMSE", "of RMS", mean(&BallErrors::rmse, way));
+      report("si-RMSE", "of RMS", shape);
+      report("RGB angle", "degrees", mean(&BallErrors::angle_deg, way));
+    }
   const double share = over_places([](const RoomColours& room) { return room.flip[k_true]; }) /
                        over_places([](const RoomColours& room) { return room.flip[k_old_rule]; });
   rows.push_back({"FLIP", "true light, of the rule before", "share", 0.0, share, k_infinity, true, false});
