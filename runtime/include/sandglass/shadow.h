@@ -247,6 +247,9 @@ SANDGLASS_API void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, 
  * vertex. The irradiance of a vertex over pi is, for each colour, the sum of the nine products with the harmonics of
  * the room in the object's frame (sandglass_room_light.sh, turned by sandglass_harmonics_turn of renderers.h).
  *
+ * What the object hides of the room from itself is as bright as it is: multiply by 1 / (1 - albedo * (1 - open)), with
+ * open = coefficient 0 / 0.282095 in 0..1, for each colour. Not in an engine whose ambient occlusion bounces by itself.
+ *
  * `positions`: `count` vertices of the app's own mesh, in the coordinates of the mesh that was baked, in any order.
  * Each gets the coefficients of the baked point that is nearest. `normals`: theirs, which tell the sides of a crease
  * apart; may be NULL. `transfer` takes 9 * count floats. Call it once, when the object is loaded.
