@@ -346,7 +346,8 @@ double floor_seen(const Room& room, const Memory& memory, const double foot[3], 
     const bool by_probe = memory.confidence > 0 && !(memory.seen[i] > 0);
     double from[3], part[3], along = 0, to_foot = 0, to_part = 0;
     if (by_probe) room_place(room, room.probe->place, from);
-    room_direction(i / k_room_columns + 0.5, i % k_room_columns + 0.5, part);
+    const uint32_t row = i / k_room_columns;
+    room_direction(row + 0.5, i % k_room_columns + 0.5, part);
     double down = 0;
     for (int k = 0; k < 3; ++k) {
       if (!by_probe) from[k] = room.from[i][k] / 127.0;
