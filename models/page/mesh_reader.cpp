@@ -23,7 +23,7 @@ bool unpack_meshopt(std::string_view packed, const MeshoptView& view, std::strin
 }
 bool reads_draco() { return false; }
 bool unpack_draco(std::string_view, DracoMesh*) { return false; }
-bool draco_attribute(const DracoMesh&, uint32_t, size_t, std::vector<double>*) { return false; }
+bool draco_attribute(const DracoMesh&, uint32_t, size_t, std::vector<double>*, bool*) { return false; }
 void draco_triangles(const DracoMesh&, std::vector<uint32_t>*) {}
 
 // Returns the sentence that refuses the file, or an empty one; the triangles are then those below, until the next call.
