@@ -384,9 +384,12 @@ std::vector<Kind> assimp_kinds() {
 std::vector<Kind> all_kinds() {
   std::vector<Kind> all = gltf_kinds();
 #ifdef SANDGLASS_HAVE_DRACO
-  all.push_back(with(packed_by_draco(false), "draco.glb", {1, 1, 1}, 1, 12));
-  all.push_back(with(packed_by_draco(true), "draco_shares.glb", {2, 2, 2}, 8, 12));
-  all.back().is_pages = false;
+  for (const bool shares : {false, true}) {
+    const float side = shares ? 2.0f : 1.0f;
+    all.push_back(with(packed_by_draco(shares), shares ? "draco_shares.glb" : "draco.glb", {side, side, side},
+                       side * side * side, 12));
+    all.back().is_pages = false;
+  }
 #endif
   for (const auto& more : {other_kinds(), assimp_kinds()}) all.insert(all.end(), more.begin(), more.end());
   return all;
