@@ -119,7 +119,11 @@ class MadeUpRoom {
   }
   void show(const sandglass_camera_image& image) {
     ASSERT_EQ(sandglass_room_set_image(room_, &image, &taken_, nullptr), SANDGLASS_OK);
+    if (!may_teach_nothing) {
+      ASSERT_EQ(taken_, 1);
+    }
   }
+  bool may_teach_nothing = false;             // whether an image may be refused: black, strange, or of unknown exposure
   bool taken() const { return taken_ == 1; }  // the last image
   void look_everywhere(const Radiance& radiance, double exposure = 1.0) {
     for (int elevation = -80; elevation <= 80; elevation += 40)
