@@ -3,6 +3,7 @@
 namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/records.inl"
 
+#include "kernels/cast.inl"
 #include "kernels/colliders.inl"
 #include "kernels/contact.inl"
 #include "kernels/grid_cells.inl"
@@ -15,7 +16,7 @@ namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/refine.inl"
 #include "kernels/wake.inl"
 
-extern const Kernels k_table, k_sand_table, k_pile_table;
+extern const Kernels k_table, k_sand_table, k_pile_table, k_cast_table;
 #define SANDGLASS_KERNEL(user, name, Args, Result) , name
 const Kernels k_table = {SANDGLASS_SIMD_ISA, k_width
 #include "kernels/kernels.inc"
@@ -28,6 +29,11 @@ const Kernels k_sand_table = {SANDGLASS_SIMD_ISA, k_width
 #undef SANDGLASS_KERNEL
 #define SANDGLASS_KERNEL(user, name, Args, Result) , KernelUser::user == KernelUser::pile ? name : nullptr
 const Kernels k_pile_table = {SANDGLASS_SIMD_ISA, k_width
+#include "kernels/kernels.inc"
+};
+#undef SANDGLASS_KERNEL
+#define SANDGLASS_KERNEL(user, name, Args, Result) , KernelUser::user == KernelUser::cast ? name : nullptr
+const Kernels k_cast_table = {SANDGLASS_SIMD_ISA, k_width
 #include "kernels/kernels.inc"
 };
 #undef SANDGLASS_KERNEL

@@ -367,6 +367,39 @@ struct PileSkyArgs {
   float* lights;           // 1 less the light that is hidden from each texel
 };
 
+// Triangles above a plane, in its frame: y is the height over it. A point throws its shadow where the line from the light
+// through it meets the plane; in texels, whose middles are whole numbers, at
+//   u = x scale[0] - y shear[0] + offset[0], v = z scale[1] - y shear[1] + offset[1].
+// The range is of triangles. What turns the image's way (area 0 and NaN among them) draws nothing where `closed` is 1.
+struct CastTrianglesArgs {
+  const float* corners[9];  // x y z of the first corners, of the second, of the third
+  float scale[2], shear[2], offset[2];
+  uint32_t texels, words;  // along a side of the image; 64-bit words in a row of it
+  uint32_t closed;         // 1: only triangles that face the light
+  uint64_t* image;         // a bit is set where a triangle hides the light
+};
+struct CastExtent {
+  uint32_t rows;                 // of all triangles together
+  uint32_t texels;               // the same; one that two triangles cover counts twice
+  uint32_t first_row, last_row;  // that were written; set them to ~0 and 0 before
+};
+
+// The range is of texels of one row; `radius` values stand before and after it.
+struct CastWindowArgs {
+  const float* row;
+  uint32_t radius;
+  float *low, *high, *sum;
+};
+
+// The range is of texels of one row, which is changed in place. `rows` windows of as many values lie about it.
+constexpr uint32_t k_cast_rows = 9;
+struct CastCalmArgs {
+  const float *low[k_cast_rows], *high[k_cast_rows], *sum[k_cast_rows];
+  uint32_t rows;
+  float most;
+  float* row;
+};
+
 #define SANDGLASS_KERNEL(user, name, Args, Result) \
   using name##_function = void (*)(const Args* args, uint32_t begin, uint32_t end, Result* result);
 #include "kernels/kernels.inc"
@@ -381,13 +414,14 @@ struct Kernels {
 #undef SANDGLASS_KERNEL
 };
 
-// Who uses a kernel: the sand itself, or its shadow and light.
-enum class KernelUser { sand, pile };
+// Who uses a kernel: the sand itself, its shadow and light, or the shadows of triangles.
+enum class KernelUser { sand, pile, cast };
 
 // The table for `isa` (AUTOMATIC: the fastest that this CPU runs), or null where build or CPU lack it. The tables of
-// one user have null for the other's kernels and do not link them into the program.
+// one user have null for the others' kernels and do not link them into the program.
 const Kernels* select_kernels(sandglass_isa isa);
 const Kernels* select_sand_kernels(sandglass_isa isa);
 const Kernels* select_pile_kernels(sandglass_isa isa);
+const Kernels* select_cast_kernels(sandglass_isa isa);
 
 }  // namespace sandglass

@@ -6,9 +6,9 @@
 
 namespace sandglass {
 
-#define SANDGLASS_TABLES_OF(set)                              \
-  namespace simd_##set {                                      \
-    extern const Kernels k_table, k_sand_table, k_pile_table; \
+#define SANDGLASS_TABLES_OF(set)                                            \
+  namespace simd_##set {                                                    \
+    extern const Kernels k_table, k_sand_table, k_pile_table, k_cast_table; \
   }
 SANDGLASS_TABLES_OF(scalar)
 #if defined(SANDGLASS_HAVE_AVX512)
@@ -41,6 +41,7 @@ struct Tables {
 constexpr Tables k_all = {SANDGLASS_TABLES(k_table)};
 constexpr Tables k_of_sand = {SANDGLASS_TABLES(k_sand_table)};
 constexpr Tables k_of_piles = {SANDGLASS_TABLES(k_pile_table)};
+constexpr Tables k_of_casts = {SANDGLASS_TABLES(k_cast_table)};
 
 const Kernels* select(const Tables& tables, sandglass_isa isa) {
   if (isa == SANDGLASS_ISA_SCALAR) return tables.of[0];  // without asking the CPU, which is slow
@@ -63,5 +64,6 @@ const Kernels* select(const Tables& tables, sandglass_isa isa) {
 const Kernels* select_kernels(sandglass_isa isa) { return select(k_all, isa); }
 const Kernels* select_sand_kernels(sandglass_isa isa) { return select(k_of_sand, isa); }
 const Kernels* select_pile_kernels(sandglass_isa isa) { return select(k_of_piles, isa); }
+const Kernels* select_cast_kernels(sandglass_isa isa) { return select(k_of_casts, isa); }
 
 }  // namespace sandglass

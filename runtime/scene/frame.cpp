@@ -38,6 +38,11 @@ sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input
       return refuse(reason,
                     "input.shadows is NULL or has a NULL among its first shadow_count: pass the shadows, or set "
                     "shadow_count to 0.");
+  for (uint32_t i = 0; i < input->cast_count; ++i)
+    if (input->casts == nullptr || input->casts[i] == nullptr)
+      return refuse(reason,
+                    "input.casts is NULL or has a NULL among its first cast_count: pass the casts, or set cast_count to "
+                    "0.");
   if (input->plan != nullptr &&
       (input->plan->struct_size != sizeof(sandglass_plan) || input->plan->run_count > SANDGLASS_PLAN_RUNS ||
        input->plan->level >= static_cast<uint32_t>(SANDGLASS_LEVEL_COUNT))) {
@@ -66,7 +71,7 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   granular_begin_frame(granular, input);
   const char* refused_image = nullptr;
   FrameLighting lighting = {input->room, input->estimator};
-  FrameShadows shadows = {{input->shadows, input->shadow_count}, input->pile_shadow};
+  FrameShadows shadows = {{input->shadows, input->shadow_count}, input->pile_shadow, {input->casts, input->cast_count}};
   Stage stages[SANDGLASS_STAGE_COUNT] = {
       granular_particle_stage(granular),
       lighting_stage(&lighting, input->camera, &refused_image),

@@ -3,7 +3,8 @@
  * This header holds scenes and granular material, in C. It includes points in volumes and on surfaces (sampling.h) and
  * signed-distance fields (field.h). The rest of the public API stands in headers of its own: camera.h (its image),
  * estimate.h (the light of one image), room.h (the light of all images), renderers.h (light as renderers want it),
- * shadow.h (the shadows of objects) and pile_shadow.h (the shadow of the sand). sandglass.hpp adds owner types for C++.
+ * cast.h (the shadows of any triangles), shadow.h (those of objects that were baked) and pile_shadow.h (the shadow of the
+ * sand). sandglass.hpp adds owner types for C++.
  * Units, errors, the rule for NULL, and version and ABI: see types.h, whose rules hold for all functions.
  *
  * An app
@@ -709,6 +710,10 @@ typedef struct sandglass_frame_input {
   /* NULL, or the shadow of the sand (pile_shadow.h): of its grains where it has any, else of its particles. It and the
    * shadows of objects are brought up to date in turns. */
   struct sandglass_pile_shadow* pile_shadow;
+  /* The casts to bring up to date (cast.h), in turns with the two above. None may be NULL. */
+  struct sandglass_cast* const* casts;
+  /* How many casts there are. */
+  uint32_t cast_count;
   /* NULL, or the estimator to bring up to date (estimate.h). One work unit a frame runs whatever the budget, more as it
    * admits. An image that is taken is resampled in the frame that takes it, whatever the budget. */
   struct sandglass_estimator* estimator;
@@ -791,8 +796,8 @@ typedef struct sandglass_sand_report {
 
 /* The shadows of objects that were in the input. */
 typedef struct sandglass_shadow_report {
-  /* Textures, over all shadows and lights, that are not yet those of their lights; and ambient shadows that are not yet
-   * those of their cells. */
+  /* Textures, over all shadows and lights, that are not yet those of their lights; ambient shadows that are not yet those
+   * of their cells; and textures of casts that are out of date. */
   uint32_t pending;
   /* Calls of set_light since the oldest texture of a light among them was begun. */
   uint32_t calls_behind;
@@ -842,7 +847,7 @@ typedef struct sandglass_frame_report {
  * `report` is optional. The frame does not fail for lack of time: it degrades, along the quality ladder, and the report
  * says so. So its status need not be looked at once an app works. It fails with INVALID_ARGUMENT: NULL, a wrong or
  * unset struct_size, a grain_stride that is not usable, an array that is NULL while its count is above 0, or NULL among
- * the shadows; nothing was changed. It fails with REPLAY: input->plan is malformed, and nothing was changed; or the
+ * the shadows or casts; nothing was changed. It fails with REPLAY: input->plan is malformed, and nothing was changed; or the
  * plan asks for a work unit that this state does not offer. Then the frame ended there: the scene is valid, but it is
  * not the recorded one. Reset it.
  *

@@ -32,6 +32,7 @@
 #endif
 
 #include "sandglass/camera.h"
+#include "sandglass/cast.h"
 #include "sandglass/estimate.h"
 #include "sandglass/field.h"
 #include "sandglass/pile_shadow.h"
@@ -592,6 +593,24 @@ inline sandglass_shadow_desc shadow_desc(const void* asset = nullptr, uint64_t b
   desc.asset_bytes = bytes;
   return desc;
 }
+inline sandglass_cast_desc cast_desc() {
+  sandglass_cast_desc desc;
+  sandglass_cast_desc_default(&desc);
+  return desc;
+}
+// The real floor y = 0.
+inline sandglass_cast_plane cast_plane() {
+  sandglass_cast_plane plane;
+  sandglass_cast_plane_default(&plane);
+  return plane;
+}
+// No triangles yet.
+inline sandglass_cast_mesh cast_mesh() {
+  sandglass_cast_mesh mesh;
+  sandglass_cast_mesh_default(&mesh);
+  return mesh;
+}
+
 inline sandglass_pile_shadow_desc pile_shadow_desc() {
   sandglass_pile_shadow_desc desc;
   sandglass_pile_shadow_desc_default(&desc);
@@ -673,6 +692,58 @@ inline Status shadow_transfer(const sandglass_shadow_desc& desc, Points position
   if (!status) transfer->clear();
   return status;
 }
+
+// The shadows of any triangles on a plane and the block they live in. Movable, not copyable.
+class Cast {
+ public:
+  // Allocates the block, once and for all. Fails like sandglass_cast_create, or with MEMORY_TOO_SMALL when the heap has no
+  // such block; an existing cast is then kept.
+  Status create(const sandglass_cast_desc& desc) { return owned_.create(desc, sandglass_cast_bytes, sandglass_cast_create); }
+
+  // True once create has succeeded.
+  explicit operator bool() const { return get() != nullptr; }
+  // For sandglass_frame_input::casts, too.
+  sandglass_cast* get() const { return owned_.handle; }
+
+  // See sandglass_cast_set_plane.
+  Status set_plane(const sandglass_cast_plane& plane) { return call(sandglass_cast_set_plane, get(), &plane); }
+  // See sandglass_cast_set_meshes.
+  Status set_meshes(const sandglass_cast_mesh* meshes, uint32_t count) {
+    return call(sandglass_cast_set_meshes, get(), meshes, count);
+  }
+  // See sandglass_cast_set_light.
+  Status set_light(const std::array<float, 3>& direction, float angular_diameter = 0) {
+    return call(sandglass_cast_set_light, get(), direction.data(), angular_diameter);
+  }
+  // See sandglass_cast_set_cells.
+  Status set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells) {
+    return call(sandglass_cast_set_cells, get(), cells.data());
+  }
+  // The same, for the arrays of sandglass_room_light.
+  Status set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS]) { return call(sandglass_cast_set_cells, get(), cells); }
+  // Without a scene: see sandglass_cast_run.
+  uint32_t run(uint32_t units = UINT32_MAX) {
+    sandglass_cast* const one = get();
+    return sandglass_cast_run(&one, 1, units);
+  }
+  // See sandglass_cast_get_texture.
+  sandglass_cast_texture texture() const {
+    sandglass_cast_texture now{};
+    now.struct_size = sizeof now;
+    sandglass_cast_get_texture(get(), &now);
+    return now;
+  }
+  // See sandglass_cast_get_ambient.
+  sandglass_cast_texture ambient() const {
+    sandglass_cast_texture now{};
+    now.struct_size = sizeof now;
+    sandglass_cast_get_ambient(get(), &now);
+    return now;
+  }
+
+ private:
+  Owned<sandglass_cast> owned_;
+};
 
 // The shadow of a scene's sand and the block it lives in. Movable, not copyable.
 class PileShadow {

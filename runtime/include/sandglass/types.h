@@ -244,10 +244,13 @@ SANDGLASS_API int32_t sandglass_rotation_about(const float axis[3], float angle,
 /* ------------------------------------------------------------------------------------------------ handles */
 
 /* Objects that an app creates in blocks of its own and hands to sandglass_scene_frame: the shadows of one object
- * (shadow.h), the shadow that the sand casts (pile_shadow.h), the light of the room (estimate.h, room.h). */
+ * (shadow.h), the shadow that the sand casts (pile_shadow.h), those of any triangles on a plane (cast.h), the light of the
+ * room (estimate.h, room.h). */
 typedef struct sandglass_shadow sandglass_shadow;
 /* The shadow that the sand casts (pile_shadow.h). */
 typedef struct sandglass_pile_shadow sandglass_pile_shadow;
+/* The shadows of any triangles on a plane (cast.h). */
+typedef struct sandglass_cast sandglass_cast;
 /* The light of the room as a network estimates it from one image (estimate.h). */
 typedef struct sandglass_estimator sandglass_estimator;
 /* The light of the room from all that the camera has seen (room.h). */

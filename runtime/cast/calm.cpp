@@ -1,0 +1,130 @@
+// Counts to bytes. Where counts change slowly they are steps of one direction each, which the eye sees as bands: there a texel
+// becomes the mean of a window. Where they change fast they are an edge and stay. Windows of 3, 5 and 9 texels follow each
+// other, each on the result of the one before.
+#include <cstring>
+
+#include "kernels/whole.h"
+#include "runtime/cast/cast.h"
+
+namespace sandglass {
+namespace {
+
+constexpr uint32_t k_window_radius[] = {1, 2, 4};
+constexpr uint32_t k_passes = 3;
+constexpr uint32_t k_rim = 4;  // texels at the rim of an ambient texture over which it fades
+
+float* row_of(const Cast& c, uint32_t texels, uint32_t row) {
+  return c.values + uint64_t{row} * cast_pitch(texels) + k_lane_group;
+}
+
+// Eight counts from eight bits of each plane.
+uint64_t eight_counts(const uint64_t* counts, uint64_t words, uint64_t word, uint32_t byte) {
+  uint64_t sums = 0;
+  for (uint32_t plane = 0; plane < k_cast_planes; ++plane) {
+    const uint64_t bits = counts[plane * words + word] >> (8 * byte) & 0xff;
+    sums += (bits * 0x8040201008040201u >> 7 & 0x0101010101010101u) << plane;  // bit 7 comes first
+  }
+  return __builtin_bswap64(sums);
+}
+
+// A row of counts. What real things hide does not count: of the directions that they leave, as many are hidden as if all
+// were left.
+void read_row(Cast* c, uint32_t texels, uint32_t row) {
+  const uint64_t words = uint64_t{texels} * cast_words(texels);
+  const bool masks = cast_masks(*c);
+  const float all = static_cast<float>(c->direction_count);
+  float* values = row_of(*c, texels, row);
+  for (uint32_t u = 0; u < texels; u += 8) {
+    const uint64_t word = uint64_t{row} * cast_words(texels) + u / 64;
+    const uint64_t hidden = eight_counts(c->counts, words, word, u / 8 % 8);
+    const uint64_t masked = masks ? eight_counts(c->mask_counts, words, word, u / 8 % 8) : 0;
+    for (uint32_t i = 0; i < 8; ++i) {
+      const float left = all - static_cast<float>(masked >> (8 * i) & 0xff);
+      const float count = static_cast<float>(hidden >> (8 * i) & 0xff);
+      values[u + i] = masked == 0 ? count : left > 0 ? count * all / left : 0;
+    }
+  }
+}
+
+void window_row(Cast* c, uint32_t texels, uint32_t row, uint32_t radius) {
+  float* values = row_of(*c, texels, row);
+  for (uint32_t k = 1; k <= radius; ++k) {
+    *(values - k) = values[0];
+    values[texels - 1 + k] = values[texels - 1];
+  }
+  CastWindowArgs args = {};
+  args.row = values;
+  args.radius = radius;
+  const uint64_t at = uint64_t{row % k_cast_rows} * texels;
+  args.low = c->windows[0] + at;
+  args.high = c->windows[1] + at;
+  args.sum = c->windows[2] + at;
+  uint32_t unused = 0;
+  c->kernels->cast_window(&args, 0, texels, &unused);
+}
+
+void calm_row(Cast* c, uint32_t texels, uint32_t row, uint32_t radius) {
+  CastCalmArgs args = {};
+  args.rows = 2 * radius + 1;
+  for (uint32_t k = 0; k < args.rows; ++k) {
+    const uint32_t wanted = row + k < radius ? 0 : row + k - radius, last = texels - 1;
+    const uint64_t at = uint64_t{(wanted < last ? wanted : last) % k_cast_rows} * texels;
+    args.low[k] = c->windows[0] + at;
+    args.high[k] = c->windows[1] + at;
+    args.sum[k] = c->windows[2] + at;
+  }
+  args.most = c->direction_count > k_cast_draft_directions ? 8.0f : 2.0f;
+  args.row = row_of(*c, texels, row);
+  uint32_t unused = 0;
+  c->kernels->cast_calm(&args, 0, texels, &unused);
+}
+
+uint32_t from_rim(uint32_t i, uint32_t texels) { return i < texels - 1 - i ? i : texels - 1 - i; }
+
+// Light: the share that is hidden. Ambient: 1 less that share of the light that the cells are, and nothing at the rim,
+// beyond which none is drawn.
+void write_row(const Cast& c, uint32_t texels, uint32_t row, uint8_t* bytes) {
+  const bool ambient = c.target == k_cast_ambient;
+  double sum = 0;
+  for (const float cell : c.cells_made) sum += static_cast<double>(cell);
+  const float hidden = c.direction_count != 0 ? 255.0f / static_cast<float>(c.direction_count) : 0.0f;
+  const float scale = ambient ? hidden * static_cast<float>(sum < 1 ? sum : 1) : hidden;
+  const float* values = row_of(c, texels, row);
+  for (uint32_t u = 0; u < texels; ++u) {
+    float value = scale * values[u];
+    if (ambient) {
+      const uint32_t across = from_rim(row, texels), along = from_rim(u, texels), rim = across < along ? across : along;
+      if (rim < k_rim) value *= static_cast<float>(rim) / static_cast<float>(k_rim);
+      value = 255.0f - value;
+    }
+    bytes[u] = static_cast<uint8_t>(to_whole<uint32_t>((value < 255.0f ? value : 255.0f) + 0.5f));
+  }
+}
+
+}  // namespace
+
+void cast_begin_calm(Cast* c) {
+  c->phase = CastPhase::calm;
+  c->pass = c->row = 0;
+}
+
+bool cast_calm(Cast* c) {
+  const CastTarget& target = c->targets[c->target];
+  const uint32_t texels = target.texels, rows = k_cast_unit_texels / texels;
+  for (uint32_t done = 0; done < rows && c->pass < k_passes; ++done) {
+    const uint32_t radius = k_window_radius[c->pass];
+    if (c->row < texels) {
+      if (c->pass == 0) read_row(c, texels, c->row);
+      window_row(c, texels, c->row, radius);
+    }
+    if (c->row >= radius) {
+      const uint32_t ready = c->row - radius;
+      calm_row(c, texels, ready, radius);
+      if (c->pass == k_passes - 1) write_row(*c, texels, ready, target.back.bytes + uint64_t{ready} * texels);
+    }
+    if (++c->row == texels + radius) c->row = 0, ++c->pass;
+  }
+  return c->pass == k_passes;
+}
+
+}  // namespace sandglass

@@ -1,0 +1,159 @@
+// The state behind sandglass/cast.h. A texture is made in phases, cut into units of the shadow stage:
+//   gather   the meshes' triangles, in the plane's frame (gather.cpp); left out while they are as they were
+//   draw     one image of bits for each direction of the light (directions.cpp), counted (draw.cpp)
+//   calm     the counts become bytes, through a filter (calm.cpp); the last unit swaps the two textures
+// The texture of the light and the ambient one share all of it, and take turns. set.cpp chooses among several casts.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/kernels.h"
+#include "runtime/core/governor.h"
+#include "runtime/core/layout.h"
+#include "runtime/core/light_cells.h"
+#include "sandglass/cast.h"
+
+namespace sandglass {
+
+constexpr uint32_t k_cast_ambient_directions = 128;
+constexpr uint32_t k_cast_planes = 8;                 // bits of a count: up to 128
+constexpr uint32_t k_cast_draft_directions = 8;       // of a first texture
+constexpr uint32_t k_cast_draft_triangles = 4000;     // more than these get a first texture
+constexpr uint32_t k_cast_unit_triangles = 1024;      // gathered in one unit
+constexpr uint32_t k_cast_unit_rows = 6000;           // rows of triangles, and triangles, drawn in one unit
+constexpr uint32_t k_cast_step = 32;                  // triangles between two looks at that
+constexpr uint32_t k_cast_unit_texels = 4096;         // filtered in one unit
+constexpr double k_cast_slope_most = 4;               // a shadow is drawn this many heights long
+constexpr double k_cast_ambient_slope = 1.5;          // the ambient shadow, this many around the object
+constexpr double k_cast_still = 0.1;                  // of a texel; what moves less makes no new texture
+constexpr float k_cast_far = 1e6f;                    // metres; corners farther than that are left out
+
+// Kinds of work unit.
+enum : uint32_t { k_cast_gather, k_cast_draw, k_cast_calm, k_cast_kinds };
+
+enum class CastPhase : uint32_t { idle, gather, draw, calm };
+
+// The two textures, also as bits of what is asked for.
+enum : uint32_t { k_cast_light, k_cast_ambient, k_cast_targets };
+
+// What is drawn together. Real ones come first, because they mask the others.
+enum : uint32_t { k_cast_real_closed, k_cast_real, k_cast_virtual_closed, k_cast_virtual, k_cast_groups };
+
+// A plane's frame: x and z lie along it, y is its normal.
+struct CastFrame {
+  double origin[3], axes[3][3];
+  float low[2], high[2];
+  bool is_virtual;
+};
+
+// A mesh as the app has set it, and as its triangles were gathered.
+struct CastMesh {
+  sandglass_cast_mesh asked, gathered;
+  double plane_from_mesh[12];  // of `gathered`: three rows of four
+  float low[3], high[3];       // of the corners that were gathered, in the mesh's frame
+};
+
+// One direction of the light: how far a metre of height moves a shadow, and where in a texel its grid is.
+struct CastDirection {
+  float slope[2], shift[2];
+};
+
+struct CastTexture {
+  uint8_t* bytes;
+  CastFrame frame;
+  double low[2], texel[2];  // in that frame
+  double light[3];          // world
+  uint32_t directions, left_out;
+  float open;
+};
+
+// A texture that the app sees, and what is to be made next.
+struct CastTarget {
+  uint32_t texels;  // 0: none
+  CastTexture front, back;
+  bool valid;
+  bool asked;  // something has changed since the texture under way, or the last one, was begun
+  bool draft;  // the next one is a first texture
+  uint32_t completed;
+  uint64_t rows;  // that the last one drew, counted as in k_cast_unit_rows
+};
+
+struct Cast {
+  const Kernels* kernels;
+  uint32_t directions_of_light, triangle_capacity, mesh_capacity;
+  double tolerance_squared;
+  CastTarget targets[k_cast_targets];
+  // What is asked for.
+  CastFrame frame;
+  CastMesh* meshes;
+  uint32_t mesh_count;
+  bool stale;             // the gathered triangles are not those of the meshes
+  bool light_known;
+  double light[3], half;  // world; half the angular diameter, in turns
+  float cells[k_light_cells], cells_made[k_light_cells];
+  // The gathered triangles.
+  float* corners[9];
+  uint32_t starts[k_cast_groups + 1], room;  // multiples of 16
+  CastFrame gathered_frame;
+  double low[3], high[3];  // of what darkens the plane
+  uint32_t left_out, triangles;
+  // The texture under way.
+  CastPhase phase;
+  uint32_t target, last_target;
+  uint32_t group, mesh, cursor, kept;  // of gather: next triangle of a mesh; of draw: next triangle of all
+  CastDirection* directions;
+  uint32_t direction_count, direction;
+  uint64_t *image, *mask;          // words of bits
+  uint64_t *counts, *mask_counts;  // k_cast_planes words for each of those
+  uint64_t covered, drawn;         // texels, once and as often as they are covered
+  uint64_t rows;
+  uint32_t pass, row;              // of calm
+  float* values;                   // rows of counts, with k_lane_group before and after each
+  float* windows[3];               // least, greatest, sum: k_cast_rows rows each
+  uint64_t served;  // when it was last run, counted by the units of its set
+  bool gives_way;   // of the first of a set: another part of the shadow stage comes before its next texture
+};
+
+inline uint32_t cast_words(uint32_t texels) { return texels / 64; }
+inline uint32_t cast_pitch(uint32_t texels) { return texels + 2 * k_lane_group; }
+// Whether what is real keeps virtual objects from darkening the plane.
+inline bool cast_masks(const Cast& c) {
+  return !c.gathered_frame.is_virtual && c.starts[k_cast_virtual_closed] != 0;
+}
+
+// After a call that has changed meshes or plane: what is gathered and shown may be out of date.
+void cast_compare(Cast* cast);
+
+// The phases: each runs one unit, and returns true once its phase is done.
+void cast_begin_gather(Cast* cast);
+bool cast_gather(Cast* cast);
+void cast_begin_draw(Cast* cast);
+bool cast_draw(Cast* cast);
+void cast_begin_calm(Cast* cast);
+bool cast_calm(Cast* cast);
+
+// Directions of equal irradiance on the plane, in its frame. 0: the light is below it.
+uint32_t cast_light_directions(const double light[3], double half_turns, uint32_t count, CastDirection* directions);
+uint32_t cast_cell_directions(const float cells[k_light_cells], uint32_t count, CastDirection* directions);
+
+// Several casts under one budget.
+struct CastSet {
+  sandglass_cast* const* casts;
+  uint32_t count;
+};
+
+// Creation leaves this table in the handle, and the scene calls through it. So the linker drops casts from an app that
+// never creates one.
+struct CastFunctions {
+  Stage (*stage)(CastSet* set);
+  bool (*under_way)(const CastSet& set);
+  uint32_t (*pending)(const CastSet& set);
+};
+extern const CastFunctions k_cast_functions;
+
+}  // namespace sandglass
+
+struct sandglass_cast {
+  const sandglass::CastFunctions* functions;
+  sandglass::Cast cast;
+};

@@ -1,0 +1,334 @@
+// The C API around a Cast: checks, layout, what is asked for, and what the textures look like from outside.
+#include <cstring>
+
+#include "platform/floating_point.h"
+#include "runtime/cast/cast.h"
+#include "runtime/core/filled_struct.h"
+#include "runtime/core/finite.h"
+#include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
+#include "runtime/shadow/light_direction.h"
+
+namespace sandglass {
+namespace {
+
+constexpr float k_extent_limit = 1e4f;  // metres
+constexpr float k_usual_diameter = 0.34906585f;
+
+sandglass_status check(const sandglass_cast_desc* desc, const char** reason) {
+  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_cast_desc_default");
+  if (desc->struct_size != sizeof *desc)
+    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_cast_desc_default");
+  if (desc->texels != 0 && desc->texels != 64 && desc->texels != 128 && desc->texels != 256)
+    return refuse(reason, "desc.texels is not 0, 64, 128 or 256");
+  if (desc->directions != 32 && desc->directions != 64) return refuse(reason, "desc.directions is neither 32 nor 64");
+  if (desc->ambient_texels != 0 && desc->ambient_texels != 64 && desc->ambient_texels != 128)
+    return refuse(reason, "desc.ambient_texels is not 0, 64 or 128");
+  if (desc->texels == 0 && desc->ambient_texels == 0)
+    return refuse(reason, "desc.texels and ambient_texels are both 0: there is no texture to make");
+  if (desc->triangle_capacity == 0 || desc->triangle_capacity > 1'000'000)
+    return refuse(reason, "desc.triangle_capacity is not in 1..1000000");
+  if (desc->mesh_capacity == 0 || desc->mesh_capacity > 1024) return refuse(reason, "desc.mesh_capacity is not in 1..1024");
+  if (!within(desc->light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
+  if (select_cast_kernels(desc->isa) == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
+                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
+  return accept(reason);
+}
+
+// The one walk: counts the bytes, or hands out the regions.
+sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
+  auto* owner = layout_region<sandglass_cast>(layout, "cast.state", 1);
+  Cast nowhere = {};
+  Cast* c = owner == nullptr ? &nowhere : &owner->cast;
+  if (owner != nullptr) *owner = {};
+  const uint64_t widest = desc.texels > desc.ambient_texels ? desc.texels : desc.ambient_texels;
+  const uint64_t words = widest * cast_words(static_cast<uint32_t>(widest));
+  // An eighth more than asked for, for triangles that the plane cuts into two, and what fills groups up.
+  c->room = (desc.triangle_capacity + desc.triangle_capacity / 8 + (k_cast_groups + 1) * k_lane_group) / k_lane_group *
+            k_lane_group;
+  c->meshes = layout_region<CastMesh>(layout, "cast.meshes", desc.mesh_capacity);
+  for (float*& array : c->corners) array = layout_region<float>(layout, "cast.corners", c->room + k_lane_group);
+  c->directions = layout_region<CastDirection>(layout, "cast.directions", k_cast_ambient_directions);
+  c->image = layout_region<uint64_t>(layout, "cast.image", words);
+  c->mask = layout_region<uint64_t>(layout, "cast.mask", words);
+  c->counts = layout_region<uint64_t>(layout, "cast.counts", k_cast_planes * words);
+  c->mask_counts = layout_region<uint64_t>(layout, "cast.mask_counts", k_cast_planes * words);
+  c->values = layout_region<float>(layout, "cast.values", widest * cast_pitch(static_cast<uint32_t>(widest)));
+  for (float*& window : c->windows) window = layout_region<float>(layout, "cast.windows", k_cast_rows * widest);
+  const uint32_t sides[k_cast_targets] = {desc.texels, desc.ambient_texels};
+  for (uint32_t i = 0; i < k_cast_targets; ++i) {
+    CastTarget* target = &c->targets[i];
+    target->texels = sides[i];
+    CastTexture* const textures[] = {&target->front, &target->back};
+    for (CastTexture* texture : textures)
+      texture->bytes = layout_region<uint8_t>(layout, "cast.texture", uint64_t{sides[i]} * sides[i]);
+  }
+  return owner;
+}
+
+sandglass_status frame_of(const sandglass_cast_plane& plane, CastFrame* frame, const char** reason) {
+  if (!all_within(plane.origin, 3, -k_cast_far, k_cast_far)) return refuse(reason, "plane.origin is not finite, or 1000 km away");
+  if (!all_finite(plane.normal, 3) || !all_finite(plane.along, 3))
+    return refuse(reason, "plane.normal or along is not finite");
+  for (uint32_t axis = 0; axis < 2; ++axis)
+    if (!within(plane.low[axis], -k_cast_far, k_cast_far) || !within(plane.high[axis], -k_cast_far, k_cast_far) ||
+        !(plane.high[axis] > plane.low[axis]))
+      return refuse(reason, "plane.low and high are not finite, or high is not above low");
+  if (plane.is_virtual > 1) return refuse(reason, "plane.is_virtual is neither 0 nor 1");
+  double n[3], a[3], largest[2] = {0, 0};
+  for (uint32_t i = 0; i < 3; ++i) {
+    n[i] = static_cast<double>(plane.normal[i]);
+    a[i] = static_cast<double>(plane.along[i]);
+    largest[0] = absolute(n[i]) > largest[0] ? absolute(n[i]) : largest[0];
+    largest[1] = absolute(a[i]) > largest[1] ? absolute(a[i]) : largest[1];
+  }
+  if (!(largest[0] > 0) || !(largest[1] > 0)) return refuse(reason, "plane.normal or along is the zero vector");
+  for (uint32_t i = 0; i < 3; ++i) n[i] /= largest[0], a[i] /= largest[1];
+  const double length = square_root(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  for (double& x : n) x /= length;
+  const double share = a[0] * n[0] + a[1] * n[1] + a[2] * n[2];
+  for (uint32_t i = 0; i < 3; ++i) a[i] -= share * n[i];
+  const double left = square_root(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+  if (!(left > 1e-3)) return refuse(reason, "plane.along is along the normal: it must lie in the plane");
+  for (uint32_t i = 0; i < 3; ++i) {
+    frame->origin[i] = static_cast<double>(plane.origin[i]);
+    frame->axes[0][i] = a[i] / left;
+    frame->axes[1][i] = n[i];
+  }
+  const double* x = frame->axes[0];
+  frame->axes[2][0] = x[1] * n[2] - x[2] * n[1];
+  frame->axes[2][1] = x[2] * n[0] - x[0] * n[2];
+  frame->axes[2][2] = x[0] * n[1] - x[1] * n[0];
+  for (uint32_t axis = 0; axis < 2; ++axis) frame->low[axis] = plane.low[axis], frame->high[axis] = plane.high[axis];
+  frame->is_virtual = plane.is_virtual != 0;
+  return accept(reason);
+}
+
+__attribute__((noinline)) void build(const sandglass_cast_desc& desc, void* block, sandglass_cast** cast) {
+  Layout layout;
+  layout.base = static_cast<uint8_t*>(block);
+  sandglass_cast* owner = lay_out(desc, &layout);
+  owner->functions = &k_cast_functions;
+  Cast* c = &owner->cast;
+  c->kernels = select_cast_kernels(desc.isa);
+  c->directions_of_light = desc.directions;
+  c->triangle_capacity = desc.triangle_capacity;
+  c->mesh_capacity = desc.mesh_capacity;
+  c->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
+  sandglass_cast_plane plane;
+  sandglass_cast_plane_default(&plane);
+  (void)frame_of(plane, &c->frame, nullptr);
+  c->gathered_frame = c->frame;
+  for (float& cell : c->cells) cell = 1.0f / k_light_cells;
+  memcpy(c->cells_made, c->cells, sizeof c->cells);
+  c->last_target = k_cast_ambient;
+  for (uint32_t i = 0; i < k_cast_targets; ++i) {
+    CastTarget* target = &c->targets[i];
+    target->front.frame = c->frame;
+    target->front.open = 1;
+    if (target->texels != 0) memset(target->front.bytes, i == k_cast_light ? 0 : 255, uint64_t{target->texels} * target->texels);
+  }
+  *cast = owner;
+}
+
+sandglass_status check_mesh(const sandglass_cast_mesh& mesh, const char** reason) {
+  if (mesh.triangle_count == 0) return accept(reason);
+  if (mesh.positions == nullptr) return refuse(reason, "a mesh's positions are NULL, but it has triangles");
+  if (mesh.stride < 12 || mesh.stride % 4 != 0)
+    return refuse(reason, "a mesh's stride is not a multiple of 4, at least 12: start from sandglass_cast_mesh_default");
+  if (mesh.index_bytes != 2 && mesh.index_bytes != 4)
+    return refuse(reason, "a mesh's index_bytes is neither 2 nor 4: start from sandglass_cast_mesh_default");
+  if (mesh.closed > 1 || mesh.is_real > 1) return refuse(reason, "a mesh's closed or is_real is neither 0 nor 1");
+  for (uint32_t column = 0; column < 4; ++column)
+    if (!all_within(mesh.world_from_mesh + 4 * column, 3, -k_cast_far, k_cast_far))
+      return refuse(reason, "a mesh's world_from_mesh is not finite, or beyond 1000 km");
+  return accept(reason);
+}
+
+__attribute__((noinline)) sandglass_status take_meshes(Cast* c, const sandglass_cast_mesh* meshes, uint32_t count,
+                                                       const char** reason) {
+  if (count > c->mesh_capacity)
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "there are more meshes than desc.mesh_capacity: create a larger cast");
+  uint64_t triangles = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const sandglass_status status = check_mesh(meshes[i], reason);
+    if (status != SANDGLASS_OK) return status;
+    triangles += meshes[i].triangle_count;
+  }
+  if (triangles > c->triangle_capacity)
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "there are more triangles than desc.triangle_capacity: create a larger cast, or pass a coarser mesh");
+  for (uint32_t i = 0; i < count; ++i) c->meshes[i].asked = meshes[i];
+  c->mesh_count = count;
+  cast_compare(c);
+  return accept(reason);
+}
+
+__attribute__((noinline)) sandglass_status take_light(Cast* c, const float direction[3], float diameter,
+                                                      const char** reason) {
+  double light[3], largest = 0, chord = 0;
+  if (const sandglass_status status = check_light_direction(direction, light, reason)) return status;
+  if (!within(diameter, 0.0f, 1.5f)) return refuse(reason, "angular_diameter is not in 0..1.5 radians");
+  for (const double x : light) largest = absolute(x) > largest ? absolute(x) : largest;
+  for (double& x : light) x /= largest;
+  const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
+  for (double& x : light) x /= length;
+  const double half = static_cast<double>(diameter > 0 ? diameter : k_usual_diameter) / (4 * k_pi);
+  for (uint32_t axis = 0; axis < 3; ++axis) chord += (light[axis] - c->light[axis]) * (light[axis] - c->light[axis]);
+  const double wider = (half - c->half) * 2 * k_pi;
+  if (c->light_known && !(chord > c->tolerance_squared) && !(wider * wider > c->tolerance_squared)) return accept(reason);
+  for (uint32_t axis = 0; axis < 3; ++axis) c->light[axis] = light[axis];
+  c->half = half;
+  c->light_known = true;
+  c->targets[k_cast_light].asked = c->targets[k_cast_light].texels != 0;
+  return accept(reason);
+}
+
+// What each direction hides is 1 at most, so a texel differs by no more than the cells that grew, or those that shrank.
+__attribute__((noinline)) sandglass_status take_cells(Cast* c, const float* cells, const char** reason) {
+  double sum = 0, grown = 0, shrunk = 0;
+  for (uint32_t i = 0; i < k_light_cells; ++i) {
+    if (!within(cells[i], 0.0f, 1.001f)) return refuse(reason, "a cell is not finite, below 0 or above 1");
+    sum += static_cast<double>(cells[i]);
+    const double change = static_cast<double>(cells[i]) - static_cast<double>(c->cells_made[i]);
+    (change > 0 ? grown : shrunk) += absolute(change);
+  }
+  if (!(sum <= 1.001)) return refuse(reason, "the cells are more than 1 together: pass shares of the plane's light");
+  memcpy(c->cells, cells, sizeof c->cells);
+  CastTarget* target = &c->targets[k_cast_ambient];
+  if ((grown > shrunk ? grown : shrunk) > 1.0 / 255) target->asked = target->texels != 0;
+  return accept(reason);
+}
+
+void fill_texture(const Cast& c, uint32_t which, sandglass_cast_texture* out) {
+  const CastTarget& target = c.targets[which];
+  const CastTexture& front = target.front;
+  sandglass_cast_texture texture = {};
+  texture.valid = target.valid ? 1 : 0;
+  texture.bytes = front.bytes;
+  texture.texels = target.texels;
+  const CastFrame& frame = front.frame;
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    const double u = frame.axes[0][axis], v = frame.axes[2][axis];
+    texture.corner[axis] = static_cast<float>(frame.origin[axis] + front.low[0] * u + front.low[1] * v);
+    texture.along[axis] = static_cast<float>(u * front.texel[0] * target.texels);
+    texture.across[axis] = static_cast<float>(v * front.texel[1] * target.texels);
+    texture.light[axis] = static_cast<float>(front.light[axis]);
+  }
+  texture.directions = front.directions;
+  texture.open = front.open;
+  texture.left_out = front.left_out;
+  texture.stale = target.asked || (c.phase != CastPhase::idle && c.target == which) ? 1 : 0;
+  texture.completed = target.completed;
+  fill_struct(&texture, sizeof texture, out);
+}
+
+}  // namespace
+}  // namespace sandglass
+
+using namespace sandglass;
+
+void sandglass_cast_desc_default(sandglass_cast_desc* desc) {
+  if (desc == nullptr) return;
+  *desc = {};
+  desc->struct_size = sizeof *desc;
+  desc->texels = 128;
+  desc->directions = 64;
+  desc->ambient_texels = 64;
+  desc->triangle_capacity = 4096;
+  desc->mesh_capacity = 16;
+  desc->light_tolerance = 0.01f;
+}
+
+sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t* bytes, const char** reason) {
+  const sandglass_status status = check(desc, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
+  Layout layout;
+  lay_out(*desc, &layout);
+  *bytes = layout.size;
+  return accept(reason);
+}
+
+sandglass_status sandglass_cast_create(const sandglass_cast_desc* desc, void* block, uint64_t bytes, sandglass_cast** cast,
+                                       const char** reason) {
+  uint64_t need = 0;
+  const sandglass_status status = sandglass_cast_bytes(desc, &need, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (cast == nullptr) return refuse(reason, "cast is NULL: pass where to store it");
+  const sandglass_status usable = check_block(block, bytes, need, reason);
+  if (usable != SANDGLASS_OK) return usable;
+  memset(block, 0, need);
+  const FloatingPointControl saved = floating_point_enter();
+  build(*desc, block, cast);
+  floating_point_restore(saved);
+  return accept(reason);
+}
+
+void sandglass_cast_plane_default(sandglass_cast_plane* plane) {
+  if (plane == nullptr) return;
+  *plane = {};
+  plane->struct_size = sizeof *plane;
+  plane->normal[1] = plane->along[0] = 1;
+  for (uint32_t axis = 0; axis < 2; ++axis) plane->low[axis] = -0.5f * k_extent_limit, plane->high[axis] = 0.5f * k_extent_limit;
+}
+
+sandglass_status sandglass_cast_set_plane(sandglass_cast* cast, const sandglass_cast_plane* plane, const char** reason) {
+  if (cast == nullptr || plane == nullptr) return refuse(reason, "cast or plane is NULL: pass both");
+  if (plane->struct_size != sizeof *plane)
+    return refuse(reason, "plane.struct_size is not that of this library: start from sandglass_cast_plane_default");
+  const FloatingPointControl saved = floating_point_enter();
+  CastFrame frame;
+  const sandglass_status status = frame_of(*plane, &frame, reason);
+  if (status == SANDGLASS_OK) {
+    cast->cast.frame = frame;
+    cast_compare(&cast->cast);
+  }
+  floating_point_restore(saved);
+  return status;
+}
+
+void sandglass_cast_mesh_default(sandglass_cast_mesh* mesh) {
+  if (mesh == nullptr) return;
+  *mesh = {};
+  mesh->stride = 12;
+  mesh->index_bytes = 4;
+  for (uint32_t i = 0; i < 4; ++i) mesh->world_from_mesh[5 * i] = 1;
+}
+
+sandglass_status sandglass_cast_set_meshes(sandglass_cast* cast, const sandglass_cast_mesh* meshes, uint32_t count,
+                                           const char** reason) {
+  if (cast == nullptr || (meshes == nullptr && count != 0))
+    return refuse(reason, "cast is NULL, or meshes are NULL while count is above 0");
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = take_meshes(&cast->cast, meshes, count, reason);
+  floating_point_restore(saved);
+  return status;
+}
+
+sandglass_status sandglass_cast_set_light(sandglass_cast* cast, const float direction[3], float angular_diameter,
+                                          const char** reason) {
+  if (cast == nullptr || direction == nullptr) return refuse(reason, "cast or direction is NULL: pass the cast and 3 floats");
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = take_light(&cast->cast, direction, angular_diameter, reason);
+  floating_point_restore(saved);
+  return status;
+}
+
+sandglass_status sandglass_cast_set_cells(sandglass_cast* cast, const float cells[SANDGLASS_LIGHT_CELLS],
+                                          const char** reason) {
+  if (cast == nullptr || cells == nullptr) return refuse(reason, "cast or cells is NULL: pass the cast and 64 floats");
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = take_cells(&cast->cast, cells, reason);
+  floating_point_restore(saved);
+  return status;
+}
+
+void sandglass_cast_get_texture(const sandglass_cast* cast, sandglass_cast_texture* texture) {
+  if (cast != nullptr && texture != nullptr) fill_texture(cast->cast, k_cast_light, texture);
+}
+
+void sandglass_cast_get_ambient(const sandglass_cast* cast, sandglass_cast_texture* texture) {
+  if (cast != nullptr && texture != nullptr) fill_texture(cast->cast, k_cast_ambient, texture);
+}

@@ -1,0 +1,171 @@
+// One texture: its directions and its rectangle, the images of all directions, and their count.
+//
+// Counts are kept as bit planes: word i of plane b holds bit b of the counts of 64 texels. Adding an image is then a chain of
+// half adders, 64 texels at a time.
+#include <cstring>
+
+#include "runtime/cast/cast.h"
+#include "runtime/core/math.h"
+
+namespace sandglass {
+namespace {
+
+// The least number of the form 2^(k / 8) that is not below x, so that a texel keeps its size while a shadow changes a
+// little.
+double texel_size(double x) {
+  constexpr double k_eighth = 1.0905077326652577;
+  double size = 1;
+  while (size < x) size *= 2;
+  while (0.5 * size >= x) size *= 0.5;
+  double finer = 0.5 * size;
+  while (finer < x) finer *= k_eighth;
+  return finer < size ? finer : size;
+}
+
+// The rectangle of the texture: what the shadows of the triangles' box reach, within the plane's extent, on a grid that
+// lies still.
+void fit(const Cast& c, const CastDirection* directions, CastTexture* texture, uint32_t texels) {
+  double low[2] = {0, 0}, high[2] = {0, 0};  // of slopes
+  const bool ambient = c.target == k_cast_ambient;
+  for (uint32_t i = 0; i < c.direction_count && !ambient; ++i) {
+    const double x = static_cast<double>(directions[i].slope[0]), z = static_cast<double>(directions[i].slope[1]);
+    const double length = square_root(x * x + z * z), cut = length > k_cast_slope_most ? k_cast_slope_most / length : 1;
+    const double slopes[2] = {x * cut, z * cut};
+    for (uint32_t axis = 0; axis < 2; ++axis) {
+      low[axis] = slopes[axis] < low[axis] ? slopes[axis] : low[axis];
+      high[axis] = slopes[axis] > high[axis] ? slopes[axis] : high[axis];
+    }
+  }
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    const uint32_t of_box = 2 * axis;
+    const double most = ambient ? k_cast_ambient_slope : high[axis], least = ambient ? -k_cast_ambient_slope : low[axis];
+    double from = c.low[of_box] - most * c.high[1], to = c.high[of_box] - least * c.high[1];
+    const double bounds[2] = {static_cast<double>(c.gathered_frame.low[axis]), static_cast<double>(c.gathered_frame.high[axis])};
+    from = from > bounds[0] ? from : bounds[0];
+    to = to < bounds[1] ? to : bounds[1];
+    if (!(to > from)) to = from = 0;  // nothing can be seen
+    const double least_side = 1e-4;
+    const double side = to - from > least_side ? to - from : least_side;
+    texture->texel[axis] = texel_size(side / (texels - 2));
+    texture->low[axis] = static_cast<double>(floor_index(from / texture->texel[axis])) * texture->texel[axis];
+  }
+}
+
+// Adds an image to the counts of `rows`, and clears it. Returns how many bits were set.
+uint64_t count_image(uint64_t* image, uint64_t* counts, uint64_t words) {
+  uint64_t bits = 0;
+  for (uint64_t i = 0; i < words; ++i) {
+    uint64_t carry = image[i];
+    bits += static_cast<uint64_t>(__builtin_popcountll(carry));
+    for (uint32_t plane = 0; carry != 0 && plane < k_cast_planes; ++plane) {
+      uint64_t* sum = counts + plane * words + i;
+      const uint64_t both = *sum & carry;
+      *sum ^= carry;
+      carry = both;
+    }
+    image[i] = 0;
+  }
+  return bits;
+}
+
+void end_direction(Cast* c) {
+  const uint64_t texels = c->targets[c->target].texels, words = texels * cast_words(c->targets[c->target].texels);
+  if (cast_masks(*c)) {
+    for (uint64_t i = 0; i < words; ++i) c->image[i] &= ~c->mask[i];
+    count_image(c->mask, c->mask_counts, words);
+  }
+  c->covered += count_image(c->image, c->counts, words);
+  ++c->direction;
+  c->group = 0;
+  c->cursor = 0;
+}
+
+}  // namespace
+
+void cast_begin_draw(Cast* c) {
+  CastTarget* target = &c->targets[c->target];
+  CastTexture* texture = &target->back;
+  texture->frame = c->gathered_frame;
+  texture->left_out = c->left_out;
+  for (uint32_t axis = 0; axis < 3; ++axis) texture->light[axis] = c->light[axis];
+  if (c->target == k_cast_light) {
+    double light[3];
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+      const double* to = c->gathered_frame.axes[axis];
+      light[axis] = to[0] * c->light[0] + to[1] * c->light[1] + to[2] * c->light[2];
+    }
+    const bool draft = target->draft && c->triangles > k_cast_draft_triangles;
+    const uint32_t count = draft ? k_cast_draft_directions : c->directions_of_light;
+    c->direction_count = cast_light_directions(light, c->half, count, c->directions);
+    target->draft = false;
+    target->asked = draft;
+  } else {
+    c->direction_count = cast_cell_directions(c->cells, k_cast_ambient_directions, c->directions);
+    memcpy(c->cells_made, c->cells, sizeof c->cells);
+    target->asked = false;
+  }
+  texture->directions = c->direction_count;
+  if (c->low[0] > c->high[0]) {  // no triangle darkens the plane
+    for (uint32_t axis = 0; axis < 3; ++axis) c->low[axis] = c->high[axis] = 0;
+    c->direction_count = 0;
+  }
+  fit(*c, c->directions, texture, target->texels);
+  const uint64_t words = uint64_t{target->texels} * cast_words(target->texels);
+  uint64_t* const cleared[] = {c->image, c->mask};
+  for (uint64_t* image : cleared) memset(image, 0, words * sizeof(uint64_t));
+  uint64_t* const counts[] = {c->counts, c->mask_counts};
+  for (uint64_t* planes : counts) memset(planes, 0, k_cast_planes * words * sizeof(uint64_t));
+  c->covered = c->drawn = c->rows = 0;
+  c->direction = c->group = c->cursor = 0;
+  c->phase = CastPhase::draw;
+}
+
+bool cast_draw(Cast* c) {
+  const CastTarget& target = c->targets[c->target];
+  const CastTexture& texture = target.back;
+  CastTrianglesArgs args = {};
+  for (uint32_t i = 0; i < 9; ++i) args.corners[i] = c->corners[i];
+  args.texels = target.texels;
+  args.words = cast_words(target.texels);
+  uint32_t spent = 0;
+  while (c->direction < c->direction_count) {
+    const CastDirection& d = c->directions[c->direction];
+    for (uint32_t axis = 0; axis < 2; ++axis) {
+      const double scale = 1 / texture.texel[axis];
+      args.scale[axis] = static_cast<float>(scale);
+      args.shear[axis] = static_cast<float>(static_cast<double>(d.slope[axis]) * scale);
+      args.offset[axis] = static_cast<float>(static_cast<double>(d.shift[axis]) - 0.5 - texture.low[axis] * scale);
+    }
+    for (; c->group < k_cast_groups; ++c->group) {
+      const uint32_t end = c->starts[c->group + 1];
+      c->cursor = c->cursor < c->starts[c->group] ? c->starts[c->group] : c->cursor;
+      const bool masks = c->group < k_cast_virtual_closed && cast_masks(*c);
+      args.image = masks ? c->mask : c->image;
+      args.closed = c->group == k_cast_real_closed || c->group == k_cast_virtual_closed ? 1 : 0;
+      while (c->cursor < end) {
+        if (spent >= k_cast_unit_rows) {
+          c->rows += spent;
+          return false;
+        }
+        const uint32_t to = c->cursor + k_cast_step < end ? c->cursor + k_cast_step : end;
+        CastExtent extent = {0, 0, ~0u, 0};
+        c->kernels->cast_triangles(&args, c->cursor, to, &extent);
+        spent += extent.rows + (to - c->cursor);
+        if (!masks) c->drawn += extent.texels;
+        c->cursor = to;
+      }
+    }
+    end_direction(c);
+    spent += target.texels * args.words / 8;
+    if (spent >= k_cast_unit_rows) break;
+  }
+  c->rows += spent;
+  if (c->direction < c->direction_count) return false;
+  c->targets[c->target].rows = c->rows;
+  // Of what the meshes' own surface throws onto the plane, the share that is not thrown twice is seen by the light.
+  c->targets[c->target].back.open =
+      c->drawn != 0 && !cast_masks(*c) ? static_cast<float>(c->covered) / static_cast<float>(c->drawn) : 1.0f;
+  return true;
+}
+
+}  // namespace sandglass
