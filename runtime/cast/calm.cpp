@@ -13,7 +13,7 @@ constexpr uint32_t k_window_radius[] = {1, 2, 4};
 constexpr uint32_t k_passes = 3;
 constexpr uint32_t k_rim = 4;  // texels at the rim of an ambient texture over which it fades
 
-float* row_of(const Cast& c, uint32_t texels, uint32_t row) {
+float* row_of(const CastState& c, uint32_t texels, uint32_t row) {
   return c.values + uint64_t{row} * cast_pitch(texels) + k_lane_group;
 }
 
@@ -29,7 +29,7 @@ uint64_t eight_counts(const uint64_t* counts, uint64_t words, uint64_t word, uin
 
 // A row of counts. What real things hide does not count: of the directions that they leave, as many are hidden as if all
 // were left.
-void read_row(Cast* c, uint32_t texels, uint32_t row) {
+void read_row(CastState* c, uint32_t texels, uint32_t row) {
   const uint64_t words = uint64_t{texels} * cast_words(texels);
   const bool masks = cast_masks(*c);
   const float all = static_cast<float>(c->direction_count);
@@ -46,7 +46,7 @@ void read_row(Cast* c, uint32_t texels, uint32_t row) {
   }
 }
 
-void window_row(Cast* c, uint32_t texels, uint32_t row, uint32_t radius) {
+void window_row(CastState* c, uint32_t texels, uint32_t row, uint32_t radius) {
   float* values = row_of(*c, texels, row);
   for (uint32_t k = 1; k <= radius; ++k) {
     *(values - k) = values[0];
@@ -63,7 +63,7 @@ void window_row(Cast* c, uint32_t texels, uint32_t row, uint32_t radius) {
   c->kernels->cast_window(&args, 0, texels, &unused);
 }
 
-void calm_row(Cast* c, uint32_t texels, uint32_t row, uint32_t radius) {
+void calm_row(CastState* c, uint32_t texels, uint32_t row, uint32_t radius) {
   CastCalmArgs args = {};
   args.rows = 2 * radius + 1;
   for (uint32_t k = 0; k < args.rows; ++k) {
@@ -83,7 +83,7 @@ uint32_t from_rim(uint32_t i, uint32_t texels) { return i < texels - 1 - i ? i :
 
 // Light: the share that is hidden. Ambient: 1 less that share of the light that the cells are, and nothing at the rim,
 // beyond which none is drawn.
-void write_row(const Cast& c, uint32_t texels, uint32_t row, uint8_t* bytes) {
+void write_row(const CastState& c, uint32_t texels, uint32_t row, uint8_t* bytes) {
   const bool ambient = c.target == k_cast_ambient;
   double sum = 0;
   for (const float cell : c.cells_made) sum += static_cast<double>(cell);
@@ -103,12 +103,12 @@ void write_row(const Cast& c, uint32_t texels, uint32_t row, uint8_t* bytes) {
 
 }  // namespace
 
-void cast_begin_calm(Cast* c) {
+void cast_begin_calm(CastState* c) {
   c->phase = CastPhase::calm;
   c->pass = c->row = 0;
 }
 
-bool cast_calm(Cast* c) {
+bool cast_calm(CastState* c) {
   const CastTarget& target = c->targets[c->target];
   const uint32_t texels = target.texels, rows = k_cast_unit_texels / texels;
   for (uint32_t done = 0; done < rows && c->pass < k_passes; ++done) {

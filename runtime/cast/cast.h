@@ -78,7 +78,7 @@ struct CastTarget {
   uint64_t rows;  // that the last one drew, counted as in k_cast_unit_rows
 };
 
-struct Cast {
+struct CastState {
   const Kernels* kernels;
   uint32_t directions_of_light, triangle_capacity, mesh_capacity;
   double tolerance_squared;
@@ -117,20 +117,20 @@ struct Cast {
 inline uint32_t cast_words(uint32_t texels) { return texels / 64; }
 inline uint32_t cast_pitch(uint32_t texels) { return texels + 2 * k_lane_group; }
 // Whether what is real keeps virtual objects from darkening the plane.
-inline bool cast_masks(const Cast& c) {
+inline bool cast_masks(const CastState& c) {
   return !c.gathered_frame.is_virtual && c.starts[k_cast_virtual_closed] != 0;
 }
 
 // After a call that has changed meshes or plane: what is gathered and shown may be out of date.
-void cast_compare(Cast* cast);
+void cast_compare(CastState* cast);
 
 // The phases: each runs one unit, and returns true once its phase is done.
-void cast_begin_gather(Cast* cast);
-bool cast_gather(Cast* cast);
-void cast_begin_draw(Cast* cast);
-bool cast_draw(Cast* cast);
-void cast_begin_calm(Cast* cast);
-bool cast_calm(Cast* cast);
+void cast_begin_gather(CastState* cast);
+bool cast_gather(CastState* cast);
+void cast_begin_draw(CastState* cast);
+bool cast_draw(CastState* cast);
+void cast_begin_calm(CastState* cast);
+bool cast_calm(CastState* cast);
 
 // Directions of equal irradiance on the plane, in its frame. 0: the light is below it.
 uint32_t cast_light_directions(const double light[3], double half_turns, uint32_t count, CastDirection* directions);
@@ -155,5 +155,5 @@ extern const CastFunctions k_cast_functions;
 
 struct sandglass_cast {
   const sandglass::CastFunctions* functions;
-  sandglass::Cast cast;
+  sandglass::CastState cast;
 };

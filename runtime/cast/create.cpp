@@ -39,8 +39,8 @@ sandglass_status check(const sandglass_cast_desc* desc, const char** reason) {
 // The one walk: counts the bytes, or hands out the regions.
 sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
   auto* owner = layout_region<sandglass_cast>(layout, "cast.state", 1);
-  Cast nowhere = {};
-  Cast* c = owner == nullptr ? &nowhere : &owner->cast;
+  CastState nowhere = {};
+  CastState* c = owner == nullptr ? &nowhere : &owner->cast;
   if (owner != nullptr) *owner = {};
   const uint64_t widest = desc.texels > desc.ambient_texels ? desc.texels : desc.ambient_texels;
   const uint64_t words = widest * cast_words(static_cast<uint32_t>(widest));
@@ -110,7 +110,7 @@ __attribute__((noinline)) void build(const sandglass_cast_desc& desc, void* bloc
   layout.base = static_cast<uint8_t*>(block);
   sandglass_cast* owner = lay_out(desc, &layout);
   owner->functions = &k_cast_functions;
-  Cast* c = &owner->cast;
+  CastState* c = &owner->cast;
   c->kernels = select_cast_kernels(desc.isa);
   c->directions_of_light = desc.directions;
   c->triangle_capacity = desc.triangle_capacity;
@@ -146,7 +146,7 @@ sandglass_status check_mesh(const sandglass_cast_mesh& mesh, const char** reason
   return accept(reason);
 }
 
-__attribute__((noinline)) sandglass_status take_meshes(Cast* c, const sandglass_cast_mesh* meshes, uint32_t count,
+__attribute__((noinline)) sandglass_status take_meshes(CastState* c, const sandglass_cast_mesh* meshes, uint32_t count,
                                                        const char** reason) {
   if (count > c->mesh_capacity)
     return refuse(reason, SANDGLASS_ERROR_CAPACITY, "there are more meshes than desc.mesh_capacity: create a larger cast");
@@ -165,7 +165,7 @@ __attribute__((noinline)) sandglass_status take_meshes(Cast* c, const sandglass_
   return accept(reason);
 }
 
-__attribute__((noinline)) sandglass_status take_light(Cast* c, const float direction[3], float diameter,
+__attribute__((noinline)) sandglass_status take_light(CastState* c, const float direction[3], float diameter,
                                                       const char** reason) {
   double light[3], largest = 0, chord = 0;
   if (const sandglass_status status = check_light_direction(direction, light, reason)) return status;
@@ -186,7 +186,7 @@ __attribute__((noinline)) sandglass_status take_light(Cast* c, const float direc
 }
 
 // What each direction hides is 1 at most, so a texel differs by no more than the cells that grew, or those that shrank.
-__attribute__((noinline)) sandglass_status take_cells(Cast* c, const float* cells, const char** reason) {
+__attribute__((noinline)) sandglass_status take_cells(CastState* c, const float* cells, const char** reason) {
   double sum = 0, grown = 0, shrunk = 0;
   for (uint32_t i = 0; i < k_light_cells; ++i) {
     if (!within(cells[i], 0.0f, 1.001f)) return refuse(reason, "a cell is not finite, below 0 or above 1");
@@ -201,7 +201,7 @@ __attribute__((noinline)) sandglass_status take_cells(Cast* c, const float* cell
   return accept(reason);
 }
 
-void fill_texture(const Cast& c, uint32_t which, sandglass_cast_texture* out) {
+void fill_texture(const CastState& c, uint32_t which, sandglass_cast_texture* out) {
   const CastTarget& target = c.targets[which];
   const CastTexture& front = target.front;
   sandglass_cast_texture texture = {};
@@ -238,7 +238,7 @@ void sandglass_cast_desc_default(sandglass_cast_desc* desc) {
   desc->ambient_texels = 64;
   desc->triangle_capacity = 4096;
   desc->mesh_capacity = 16;
-  desc->light_tolerance = 0.01f;
+  desc->light_tolerance = 0.005f;
 }
 
 sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t* bytes, const char** reason) {

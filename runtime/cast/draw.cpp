@@ -24,7 +24,7 @@ double texel_size(double x) {
 
 // The rectangle of the texture: what the shadows of the triangles' box reach, within the plane's extent, on a grid that
 // lies still.
-void fit(const Cast& c, const CastDirection* directions, CastTexture* texture, uint32_t texels) {
+void fit(const CastState& c, const CastDirection* directions, CastTexture* texture, uint32_t texels) {
   double low[2] = {0, 0}, high[2] = {0, 0};  // of slopes
   const bool ambient = c.target == k_cast_ambient;
   for (uint32_t i = 0; i < c.direction_count && !ambient; ++i) {
@@ -46,8 +46,9 @@ void fit(const Cast& c, const CastDirection* directions, CastTexture* texture, u
     if (!(to > from)) to = from = 0;  // nothing can be seen
     const double least_side = 1e-4;
     const double side = to - from > least_side ? to - from : least_side;
-    texture->texel[axis] = texel_size(side / (texels - 2));
-    texture->low[axis] = static_cast<double>(floor_index(from / texture->texel[axis])) * texture->texel[axis];
+    const double texel = texel_size(side / (texels - 2));
+    texture->texel[axis] = texel;
+    texture->low[axis] = static_cast<double>(floor_index(from / texel)) * texel;
   }
 }
 
@@ -68,7 +69,7 @@ uint64_t count_image(uint64_t* image, uint64_t* counts, uint64_t words) {
   return bits;
 }
 
-void end_direction(Cast* c) {
+void end_direction(CastState* c) {
   const uint64_t texels = c->targets[c->target].texels, words = texels * cast_words(c->targets[c->target].texels);
   if (cast_masks(*c)) {
     for (uint64_t i = 0; i < words; ++i) c->image[i] &= ~c->mask[i];
@@ -82,7 +83,7 @@ void end_direction(Cast* c) {
 
 }  // namespace
 
-void cast_begin_draw(Cast* c) {
+void cast_begin_draw(CastState* c) {
   CastTarget* target = &c->targets[c->target];
   CastTexture* texture = &target->back;
   texture->frame = c->gathered_frame;
@@ -120,7 +121,7 @@ void cast_begin_draw(Cast* c) {
   c->phase = CastPhase::draw;
 }
 
-bool cast_draw(Cast* c) {
+bool cast_draw(CastState* c) {
   const CastTarget& target = c->targets[c->target];
   const CastTexture& texture = target.back;
   CastTrianglesArgs args = {};

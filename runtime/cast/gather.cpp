@@ -31,7 +31,7 @@ uint32_t index_at(const sandglass_cast_mesh& mesh, uint32_t i) {
   return static_cast<const uint32_t*>(mesh.indices)[i];
 }
 
-void emit(Cast* c, const float* p, const float* q, const float* r) {
+void emit(CastState* c, const float* p, const float* q, const float* r) {
   if (c->kept == c->room) {
     ++c->left_out;
     return;
@@ -50,7 +50,7 @@ void emit(Cast* c, const float* p, const float* q, const float* r) {
 }
 
 // What is above the plane: of a triangle that it cuts, one triangle or two.
-void emit_above(Cast* c, const float corners[3][3]) {
+void emit_above(CastState* c, const float corners[3][3]) {
   float kept[4][3];
   uint32_t count = 0;
   for (uint32_t i = 0; i < 3; ++i) {
@@ -87,14 +87,14 @@ bool corners_of(CastMesh* mesh, uint32_t triangle, const float rows[12], bool mi
   return true;
 }
 
-void begin_mesh(Cast* c, CastMesh* mesh) {
+void begin_mesh(CastState* c, CastMesh* mesh) {
   mesh->gathered = mesh->asked;
   place(c->gathered_frame, mesh->gathered.world_from_mesh, mesh->plane_from_mesh);
   for (uint32_t axis = 0; axis < 3; ++axis) mesh->low[axis] = k_cast_far, mesh->high[axis] = -k_cast_far;
 }
 
 // Groups end at multiples of 16; what fills them up has no area.
-void end_group(Cast* c) {
+void end_group(CastState* c) {
   for (; c->kept % k_lane_group != 0; ++c->kept)
     for (float* array : c->corners) array[c->kept] = 0;
   c->starts[++c->group] = c->kept;
@@ -107,7 +107,7 @@ bool same_arrays(const sandglass_cast_mesh& a, const sandglass_cast_mesh& b) {
 }
 
 // The farthest that a corner of the mesh's box moves from where it was gathered, in texels of the finest texture.
-bool moved(const Cast& c, const CastMesh& mesh) {
+bool moved(const CastState& c, const CastMesh& mesh) {
   double now[12], texel = 0;
   place(c.frame, mesh.asked.world_from_mesh, now);
   for (const CastTarget& target : c.targets)
@@ -129,7 +129,7 @@ bool moved(const Cast& c, const CastMesh& mesh) {
 
 }  // namespace
 
-void cast_compare(Cast* c) {
+void cast_compare(CastState* c) {
   bool other = false, arrays = false;
   uint32_t triangles = 0;
   for (uint32_t i = 0; i < c->mesh_count; ++i) {
@@ -152,7 +152,7 @@ void cast_compare(Cast* c) {
   if (arrays && c->phase == CastPhase::gather) cast_begin_gather(c);
 }
 
-void cast_begin_gather(Cast* c) {
+void cast_begin_gather(CastState* c) {
   c->phase = CastPhase::gather;
   c->group = c->mesh = c->cursor = c->kept = c->left_out = 0;
   c->gathered_frame = c->frame;
@@ -160,7 +160,7 @@ void cast_begin_gather(Cast* c) {
   for (uint32_t axis = 0; axis < 3; ++axis) c->low[axis] = k_cast_far, c->high[axis] = -k_cast_far;
 }
 
-bool cast_gather(Cast* c) {
+bool cast_gather(CastState* c) {
   uint32_t left = k_cast_unit_triangles;
   while (c->group < k_cast_groups) {
     if (c->mesh == c->mesh_count) {

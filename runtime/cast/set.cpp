@@ -7,20 +7,20 @@
 namespace sandglass {
 namespace {
 
-bool wanted(const Cast& c, uint32_t which) {
+bool wanted(const CastState& c, uint32_t which) {
   return c.targets[which].asked && (which != k_cast_light || c.light_known);
 }
 
-bool has_work(const Cast& c) { return c.phase != CastPhase::idle || wanted(c, k_cast_light) || wanted(c, k_cast_ambient); }
+bool has_work(const CastState& c) { return c.phase != CastPhase::idle || wanted(c, k_cast_light) || wanted(c, k_cast_ambient); }
 
 // Each texture in turn; a better one follows a first one at once.
-uint32_t next_target(const Cast& c) {
+uint32_t next_target(const CastState& c) {
   const uint32_t other = 1 - c.last_target;
   const bool improves = c.last_target == k_cast_light && c.targets[k_cast_light].front.directions == k_cast_draft_directions;
   return wanted(c, other) && !(improves && wanted(c, c.last_target)) ? other : c.last_target;
 }
 
-void complete(Cast* c) {
+void complete(CastState* c) {
   CastTarget* target = &c->targets[c->target];
   const CastTexture swap = target->front;
   target->front = target->back;
@@ -31,13 +31,13 @@ void complete(Cast* c) {
   c->last_target = c->target;
 }
 
-void begin(Cast* c) {
+void begin(CastState* c) {
   c->target = next_target(*c);
   if (c->stale) cast_begin_gather(c);
   else cast_begin_draw(c);
 }
 
-void run_unit(Cast* c) {
+void run_unit(CastState* c) {
   if (c->phase == CastPhase::idle) begin(c);
   if (c->phase == CastPhase::gather) {
     if (cast_gather(c)) cast_begin_draw(c);
@@ -48,7 +48,7 @@ void run_unit(Cast* c) {
   }
 }
 
-WorkUnit unit_of(const Cast& c) {
+WorkUnit unit_of(const CastState& c) {
   const bool gathers = c.phase == CastPhase::gather || (c.phase == CastPhase::idle && c.stale);
   if (gathers) return {k_cast_gather, k_cast_unit_triangles, "cast.gather"};
   if (c.phase == CastPhase::calm) return {k_cast_calm, k_cast_unit_texels, "cast.calm"};
@@ -58,10 +58,10 @@ WorkUnit unit_of(const Cast& c) {
 const CastSet& set_of(const void* state) { return *static_cast<const CastSet*>(state); }
 
 // The cast whose unit is next, or null.
-Cast* choose(const CastSet& set) {
-  Cast* chosen = nullptr;
+CastState* choose(const CastSet& set) {
+  CastState* chosen = nullptr;
   for (uint32_t i = 0; i < set.count; ++i) {
-    Cast* c = &set.casts[i]->cast;
+    CastState* c = &set.casts[i]->cast;
     if (c->phase != CastPhase::idle) return c;
     if (has_work(*c) && (chosen == nullptr || c->served < chosen->served)) chosen = c;
   }
@@ -69,7 +69,7 @@ Cast* choose(const CastSet& set) {
 }
 
 void run_next(const CastSet& set) {
-  Cast* c = choose(set);
+  CastState* c = choose(set);
   if (c == nullptr) return;
   run_unit(c);
   uint64_t latest = 0;
@@ -79,7 +79,7 @@ void run_next(const CastSet& set) {
 }
 
 bool next(const void* state, uint32_t, WorkUnit* unit) {
-  const Cast* c = choose(set_of(state));
+  const CastState* c = choose(set_of(state));
   if (c == nullptr) return false;
   *unit = unit_of(*c);
   return true;
@@ -92,7 +92,7 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const CastSet& set = set_of(state);
   uint64_t items[k_cast_kinds] = {};
   for (uint32_t i = 0; i < set.count; ++i) {
-    const Cast& c = set.casts[i]->cast;
+    const CastState& c = set.casts[i]->cast;
     if (c.phase == CastPhase::gather || c.stale) items[k_cast_gather] += c.triangles;
     for (uint32_t which = 0; which < k_cast_targets; ++which) {
       const bool active = c.phase != CastPhase::idle && c.target == which;
@@ -120,7 +120,7 @@ bool under_way(const CastSet& set) {
 uint32_t pending(const CastSet& set) {
   uint32_t count = 0;
   for (uint32_t i = 0; i < set.count; ++i) {
-    const Cast& c = set.casts[i]->cast;
+    const CastState& c = set.casts[i]->cast;
     for (uint32_t which = 0; which < k_cast_targets; ++which)
       count += wanted(c, which) || (c.phase != CastPhase::idle && c.target == which) ? 1 : 0;
   }

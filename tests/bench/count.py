@@ -55,6 +55,7 @@ METRICS = {
         ("levels and rows per texel", r"sandglass::sky_run|::join", "texels"),
         ("whole texture", None, "textures"),
     ],
+    "cast": [("whole texture of 2,000 triangles", None, "textures"), ("work unit", None, "units")],
     "light": [
         ("stem per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::stem\(", "stem_thousand_macs"),
         ("pool per thousand bytes compared", r"sandglass::int8_[a-z0-9_]+::pool\(", "pool_thousand_bytes"),

@@ -414,6 +414,42 @@ void work_pile_sky(const Kernels& kernels) {
   count(kernels.pile_sky, args);
 }
 
+// Small triangles over an image of 128 x 128 texels.
+void work_cast_triangles(const Kernels& kernels) {
+  constexpr uint32_t texels = 128, words = texels / 64;
+  CountingRandom random;
+  std::vector<float> corners[9];
+  for (auto& array : corners) array.resize(k_items + k_slack);
+  for (uint32_t i = 0; i < k_items; ++i) {
+    const float middle[3] = {random(), 0.3f * random(), random()};
+    for (uint32_t c = 0; c < 9; ++c) corners[c][i] = middle[c % 3] + 0.05f * random();
+  }
+  std::vector<uint64_t> image(texels * words);
+  CastTrianglesArgs args = {};
+  for (uint32_t c = 0; c < 9; ++c) args.corners[c] = corners[c].data();
+  for (uint32_t axis = 0; axis < 2; ++axis) args.scale[axis] = 110, args.shear[axis] = 40, args.offset[axis] = 10;
+  args.texels = texels;
+  args.words = words;
+  args.image = image.data();
+  count(kernels.cast_triangles, args);
+}
+
+// The widest of the filter's windows.
+void work_cast_window(const Kernels& kernels) {
+  std::vector<float> row(k_items + k_slack), low(k_items), high(k_items), sum(k_items);
+  const CastWindowArgs args = {row.data() + k_lane_group, 4, low.data(), high.data(), sum.data()};
+  count(kernels.cast_window, args);
+}
+void work_cast_calm(const Kernels& kernels) {
+  std::vector<float> row(k_items), window(k_items);
+  CastCalmArgs args = {};
+  for (uint32_t k = 0; k < k_cast_rows; ++k) args.low[k] = args.high[k] = args.sum[k] = window.data();
+  args.rows = k_cast_rows;
+  args.most = 8;
+  args.row = row.data();
+  count(kernels.cast_calm, args);
+}
+
 struct Work {
   const char* name;
   void (*run)(const Kernels& kernels);

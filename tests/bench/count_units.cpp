@@ -33,6 +33,26 @@ struct Asset {
   }
 };
 
+// A waved sheet of 1,800 triangles.
+struct Grid {
+  static constexpr uint32_t k_side = 31;
+  std::vector<float> positions;
+  std::vector<uint32_t> indices;
+  sandglass_cast_mesh mesh = sandglass::cast_mesh();
+  Grid() {
+    for (uint32_t i = 0; i < k_side * k_side; ++i) {
+      const float x = static_cast<float>(i % k_side) / 30 - 0.5f, z = static_cast<float>(i / k_side) / 30 - 0.5f;
+      positions.insert(positions.end(), {0.4f * x, 0.2f + x * z, 0.4f * z});
+      if (i % k_side + 1 == k_side || i / k_side + 1 == k_side) continue;
+      indices.insert(indices.end(), {i, i + k_side, i + 1, i + 1, i + k_side, i + k_side + 1});
+    }
+    mesh.positions = positions.data();
+    mesh.vertex_count = k_side * k_side;
+    mesh.indices = indices.data();
+    mesh.triangle_count = static_cast<uint32_t>(indices.size() / 3);
+  }
+};
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
@@ -69,11 +89,18 @@ int main(int argument_count, char** arguments) {
   image.centre_x = 319.5f;
   image.centre_y = 239.5f;
 
+  const Grid leaf;
+  sandglass::Cast cast;
+  if (!cast.create(sandglass::cast_desc()) || !cast.set_meshes(&leaf.mesh, 1)) return 2;
+
+  sandglass_cast* casts[] = {cast.get()};
   sandglass_shadow* shadows[] = {shadow.get()};
   sandglass_frame_input& input = sand.input;
   input.time_step = 1.0f / 60;
   input.shadows = shadows;
   input.shadow_count = 1;
+  input.casts = casts;
+  input.cast_count = 1;
   input.pile_shadow = pile.get();
   input.estimator = light.get();
   input.room = room.get();
@@ -89,7 +116,9 @@ int main(int argument_count, char** arguments) {
   for (int frame = 0; frame < k_settling_frames + k_counted_frames; ++frame) {
     const float turn = 0.02f * static_cast<float>(frame);
     image.timestamp_ns = 1 + 200'000'000ull * static_cast<uint64_t>(frame);
-    if (!pile.set_light({0.5f + turn, 0.7f, 0.2f}) || !shadow.set_light({0.3f + turn, 1.0f, 0.2f})) return 2;
+    if (!pile.set_light({0.5f + turn, 0.7f, 0.2f}) || !shadow.set_light({0.3f + turn, 1.0f, 0.2f}) ||
+        !cast.set_light({0.3f + turn, 1.0f, 0.2f}))
+      return 2;
     laps.push_back({"app", 0});
     counting_laps();
     if (!sand.scene.frame(input, &sand.report)) return 2;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -786,6 +787,138 @@ void check_pile_sky(uint32_t n) {
     lights.resize(n);
     if (first.empty()) first = lights;
     ASSERT_EQ(std::memcmp(lights.data(), first.data(), n * sizeof(float)), 0);
+  }
+}
+
+// ---- cast_triangles
+
+// Triangles of all sizes, some of which leave the image; every one is tested against every texel's middle.
+void check_cast_triangles(uint32_t n) {
+  constexpr uint32_t texels = 128, words = texels / 64;
+  std::mt19937 random(67);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const uint32_t padded = (n + 15) / 16 * 16;
+  std::vector<float> corners[9];
+  for (auto& array : corners) array.assign(padded + k_lane_group, 0.0f);
+  for (uint32_t i = 0; i < n; ++i) {
+    const double size = i % 3 == 0 ? 0.5 : 0.03, x = unit(random), y = 0.3 + 0.3 * unit(random), z = unit(random);
+    for (uint32_t c = 0; c < 3; ++c) {
+      corners[3 * c][i] = static_cast<float>(x + size * unit(random));
+      corners[3 * c + 1][i] = static_cast<float>(y + 0.2 * size * unit(random));
+      corners[3 * c + 2][i] = static_cast<float>(z + size * unit(random));
+    }
+  }
+  for (const uint32_t closed : {0u, 1u}) {
+    std::vector<uint64_t> first;
+    CastExtent first_extent = {};
+    for (const Kernels* kernels : tables()) {
+      std::vector<uint64_t> image(texels * words);
+      CastTrianglesArgs args = {};
+      for (uint32_t c = 0; c < 9; ++c) args.corners[c] = corners[c].data();
+      const float scale[2] = {70, 60}, shear[2] = {25, -14}, offset[2] = {63.2f, 60.9f};
+      for (uint32_t axis = 0; axis < 2; ++axis)
+        args.scale[axis] = scale[axis], args.shear[axis] = shear[axis], args.offset[axis] = offset[axis];
+      args.texels = texels;
+      args.words = words;
+      args.closed = closed;
+      args.image = image.data();
+      CastExtent extent = {0, 0, ~0u, 0};
+      kernels->cast_triangles(&args, 0, padded, &extent);
+      if (first.empty()) {
+        first = image;
+        first_extent = extent;
+        uint32_t certain = 0;
+        for (uint32_t v = 0; v < texels; ++v)
+          for (uint32_t u = 0; u < texels; ++u) {
+            bool hidden = false, near_edge = false;
+            for (uint32_t i = 0; i < n; ++i) {
+              double p[3][2];
+              for (uint32_t c = 0; c < 3; ++c) {
+                const double y = static_cast<double>(corners[3 * c + 1][i]);
+                p[c][0] = static_cast<double>(corners[3 * c][i]) * 70.0 - y * 25.0 + static_cast<double>(offset[0]) - u;
+                p[c][1] = static_cast<double>(corners[3 * c + 2][i]) * 60.0 + y * 14.0 + static_cast<double>(offset[1]) - v;
+              }
+              const double area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
+              if (closed != 0 && area > 1e-3) continue;
+              double least = 1e9;  // the distance of the middle from the edges, inwards
+              for (uint32_t e = 0; e < 3; ++e) {
+                const double *a = p[e], *b = p[(e + 1) % 3], cross = a[0] * b[1] - a[1] * b[0];
+                least = std::min(least, (area < 0 ? -cross : cross) / std::hypot(b[0] - a[0], b[1] - a[1]));
+              }
+              hidden = hidden || least > 1e-4;
+              near_edge = near_edge || std::fabs(least) <= 1e-4 || std::fabs(area) <= 1e-3;
+            }
+            if (near_edge && !hidden) continue;
+            ++certain;
+            ASSERT_EQ(image[v * words + u / 64] >> (u % 64) & 1, hidden ? 1u : 0u) << u << " " << v << " closed " << closed;
+          }
+        ASSERT_GT(certain, texels * texels * 9 / 10);
+      }
+      ASSERT_EQ(image, first) << sandglass_isa_name(kernels->isa);
+      ASSERT_EQ(std::memcmp(&extent, &first_extent, sizeof extent), 0) << sandglass_isa_name(kernels->isa);
+    }
+  }
+}
+
+// ---- cast_window, cast_calm
+
+std::vector<float> counts_of(uint32_t n, uint32_t seed) {
+  std::mt19937 random(seed);
+  std::vector<float> counts(n + 4 * k_lane_group);
+  for (float& count : counts) count = static_cast<float>(random() % 12);
+  return counts;
+}
+
+void check_cast_window(uint32_t n) {
+  const uint32_t padded = (n + 15) / 16 * 16;
+  const std::vector<float> row = counts_of(padded, 71);
+  for (const uint32_t radius : {1u, 2u, 4u})
+    for (const Kernels* kernels : tables()) {
+      std::vector<float> low(padded), high(padded), sum(padded);
+      const CastWindowArgs args = {row.data() + k_lane_group, radius, low.data(), high.data(), sum.data()};
+      uint32_t unused = 0;
+      kernels->cast_window(&args, 0, padded, &unused);
+      for (uint32_t i = 0; i < n; ++i) {
+        const auto from = row.begin() + k_lane_group + i - radius, to = from + 2 * radius + 1;
+        ASSERT_EQ(low[i], *std::min_element(from, to));
+        ASSERT_EQ(high[i], *std::max_element(from, to));
+        ASSERT_EQ(sum[i], std::accumulate(from, to, 0.0f)) << sandglass_isa_name(kernels->isa);  // whole numbers: exact
+      }
+    }
+}
+
+void check_cast_calm(uint32_t n) {
+  const uint32_t padded = (n + 15) / 16 * 16;
+  for (const uint32_t rows : {3u, 5u, 9u}) {
+    std::vector<float> low[k_cast_rows], high[k_cast_rows], sum[k_cast_rows];
+    CastCalmArgs args = {};
+    for (uint32_t k = 0; k < rows; ++k) {
+      low[k] = counts_of(padded, k), high[k] = low[k], sum[k] = counts_of(padded, 100 + k);
+      for (float& x : high[k]) x += static_cast<float>(k % 4);
+      args.low[k] = low[k].data(), args.high[k] = high[k].data(), args.sum[k] = sum[k].data();
+    }
+    args.rows = rows;
+    args.most = 8;
+    const std::vector<float> before = counts_of(padded, 73);
+    std::vector<float> first;
+    for (const Kernels* kernels : tables()) {
+      std::vector<float> row = before;
+      args.row = row.data();
+      uint32_t unused = 0;
+      kernels->cast_calm(&args, 0, padded, &unused);
+      for (uint32_t i = 0; i < n; ++i) {
+        double least = 1e9, most = -1e9, all = 0;
+        for (uint32_t k = 0; k < rows; ++k) {
+          least = std::min(least, static_cast<double>(low[k][i])), most = std::max(most, static_cast<double>(high[k][i]));
+          all += static_cast<double>(sum[k][i]);
+        }
+        const double share = std::clamp(2 - (most - least) / 4, 0.0, 1.0), x = static_cast<double>(before[i]);
+        ASSERT_NEAR(row[i], x + share * (all / (rows * rows) - x), 1e-5) << sandglass_isa_name(kernels->isa);
+      }
+      row.resize(n);
+      if (first.empty()) first = row;
+      ASSERT_EQ(std::memcmp(row.data(), first.data(), n * sizeof(float)), 0);
+    }
   }
 }
 

@@ -175,6 +175,16 @@ Options verify_shot_options(VerifyOptions& o) {
           json_option(o.json)};
 }
 
+Options verify_cast_options(VerifyOptions& o) {
+  return {standard("chair, and four of SANDGLASS_DATA_DIR",
+                   {"--mesh", &o.meshes, "MESHES", "What casts: files, or names of generated meshes"}),
+          panoramas(o),
+          {"--quick", &o.quick, "", "A quarter of the lights and of the rooms"},
+          seed_option(o.seed, "From where the lights come"),
+          threads_option(o.threads),
+          json_option(o.json)};
+}
+
 Options verify_files_options(VerifyOptions& o) {
   return {required({"FOLDER", &o.folder, "", "Mesh files, also in folders of it"}), json_option(o.json)};
 }
@@ -215,6 +225,8 @@ std::vector<Command> verify_suites() {
       command<VerifyOptions>("colour",
                              "Whether what is put into a room has the room's colour, against a path traced truth",
                              verify_shot_options, verify_colour_command),
+      command<VerifyOptions>("cast", "Shadows of triangles on floors, walls and below tables, against rays",
+                             verify_cast_options, verify_cast_command),
       command<VerifyOptions>("files", "Mesh files of a folder: as the program reads them, and as trimesh does",
                              verify_files_options, verify_files_command),
   };

@@ -50,7 +50,8 @@ typedef struct sandglass_cast_desc {
   uint32_t triangle_capacity;
   /* The most meshes, 1..1024. Default: 16. */
   uint32_t mesh_capacity;
-  /* Radians, 0..1: a texture is made anew when the light has turned by more. Default: 0.01. */
+  /* Radians, 0..1: a texture is made anew when the light has turned by more. Default: 0.005, by which no shadow moves by a
+   * texel. */
   float light_tolerance;
 } sandglass_cast_desc;
 

@@ -1,0 +1,544 @@
+#include "tests/laboratory/shadow/cast_rows.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "models/baking/ambient_errors.h"
+#include "models/baking/light_cells.h"
+#include "models/baking/truth.h"
+#include "models/files/failure.h"
+#include "runtime/cast/cast.h"
+#include "sandglass/sandglass.hpp"
+#include "tests/laboratory/shadow/cast_peers.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr double k_degree = std::numbers::pi / 180, k_reported = std::numeric_limits<double>::infinity();
+
+// A plane's rectangle with what is left of the light in each texel; nothing is hidden beyond it.
+struct Drawn {
+  ShadowRectangle rectangle;
+  uint32_t texels = 0;
+  std::vector<float> left;
+  double open = 1;
+
+  double area() const {
+    return (rectangle.high_x - rectangle.low_x) * (rectangle.high_z - rectangle.low_z) / texels / texels;
+  }
+  double at(double x, double z) const {
+    const double u = (x - rectangle.low_x) / (rectangle.high_x - rectangle.low_x) * texels - 0.5;
+    const double v = (z - rectangle.low_z) / (rectangle.high_z - rectangle.low_z) * texels - 0.5;
+    const int i = static_cast<int>(std::floor(u)), j = static_cast<int>(std::floor(v)), n = static_cast<int>(texels);
+    const auto of = [&](int a, int b) {
+      return a < 0 || b < 0 || a >= n || b >= n ? 1.0 : static_cast<double>(left[static_cast<size_t>(b * n + a)]);
+    };
+    const double p = u - i, q = v - j;
+    return (of(i, j) * (1 - p) + of(i + 1, j) * p) * (1 - q) + (of(i, j + 1) * (1 - p) + of(i + 1, j + 1) * p) * q;
+  }
+  std::array<double, 2> place(size_t i) const {
+    return {rectangle.low_x + (static_cast<double>(i % texels) + 0.5) / texels * (rectangle.high_x - rectangle.low_x),
+            rectangle.low_z + (static_cast<double>(i / texels) + 0.5) / texels * (rectangle.high_z - rectangle.low_z)};
+  }
+};
+
+struct Light {
+  Direction direction;
+  double half;  // radians
+};
+
+Direction direction_at(double elevation, double azimuth) {
+  return {std::cos(elevation) * std::cos(azimuth), std::sin(elevation), std::cos(elevation) * std::sin(azimuth)};
+}
+
+// What is drawn, and how.
+struct CastChoice {
+  uint32_t texels = 128, directions = 64;
+  bool closed = true;
+  uint32_t version = 0;                                              // of the mesh
+  const Mesh* real = nullptr;                                        // stands in the camera's image
+  std::optional<ShadowRectangle> limits;                             // of the plane
+  std::optional<std::array<float, SANDGLASS_LIGHT_CELLS>> cells;     // draws the ambient shadow instead
+};
+
+sandglass_cast_mesh mesh_of(const Mesh& mesh, bool closed, bool is_real) {
+  sandglass_cast_mesh m = cast_mesh();
+  m.positions = mesh.vertices.data();
+  m.vertex_count = mesh.vertex_count();
+  m.indices = mesh.indices.data();
+  m.triangle_count = mesh.triangle_count();
+  m.closed = closed ? 1 : 0;
+  m.is_real = is_real ? 1 : 0;
+  return m;
+}
+
+// On the floor y = 0 of the mesh's frame. `kept`: a cast that has drawn the frame before.
+Drawn cast_of(const Mesh& mesh, const Light& light, const CastChoice& choice, Cast* kept = nullptr) {
+  sandglass_cast_desc desc = cast_desc();
+  desc.texels = choice.cells ? 0 : choice.texels;
+  desc.ambient_texels = choice.cells ? choice.texels : 0;
+  desc.triangle_capacity = mesh.triangle_count() + (choice.real != nullptr ? choice.real->triangle_count() : 0);
+  Cast fresh;
+  Cast& cast = kept != nullptr ? *kept : fresh;
+  if (!cast)
+    if (const Status made = cast.create(desc); !made) throw Failure(made.reason);
+  cast.get()->cast.directions_of_light = choice.directions;  // controls take fewer than an app may
+  cast.get()->cast.targets[k_cast_light].draft = false;
+  sandglass_cast_plane plane = cast_plane();
+  if (choice.limits) {
+    plane.low[0] = static_cast<float>(choice.limits->low_x), plane.low[1] = static_cast<float>(choice.limits->low_z);
+    plane.high[0] = static_cast<float>(choice.limits->high_x), plane.high[1] = static_cast<float>(choice.limits->high_z);
+  }
+  std::vector<sandglass_cast_mesh> meshes = {mesh_of(mesh, choice.closed, false)};
+  meshes[0].version = choice.version;
+  if (choice.real != nullptr) meshes.push_back(mesh_of(*choice.real, true, true));
+  std::array<float, 3> towards;
+  for (size_t i = 0; i < 3; ++i) towards[i] = static_cast<float>(light.direction[i]);
+  (void)cast.set_plane(plane);
+  (void)cast.set_meshes(meshes.data(), static_cast<uint32_t>(meshes.size()));
+  cast.get()->cast.targets[k_cast_light].draft = false;
+  (void)cast.set_light(towards, static_cast<float>(2 * light.half));
+  if (choice.cells) (void)cast.set_cells(*choice.cells);
+  cast.run();
+  const sandglass_cast_texture t = choice.cells ? cast.ambient() : cast.texture();
+  Drawn drawn;
+  drawn.texels = t.texels;
+  drawn.open = static_cast<double>(t.open);
+  drawn.rectangle = {t.corner[0], t.corner[2], static_cast<double>(t.corner[0]) + static_cast<double>(t.along[0]),
+                     static_cast<double>(t.corner[2]) + static_cast<double>(t.across[2])};
+  for (uint32_t i = 0; i < t.texels * t.texels; ++i) {
+    const float byte = static_cast<float>(t.bytes[i]) / 255.0f;
+    drawn.left.push_back(choice.cells ? byte : 1 - byte);
+  }
+  return drawn;
+}
+
+// Two sets of rays on the texels of a drawing, so that their noise cancels.
+struct Truth {
+  std::vector<float> a, b;
+};
+
+Truth truth_of(const Mesh& mesh, const Light& light, const Drawn& drawn, uint64_t stream, ThreadPool& pool) {
+  const ShadowCaster one(mesh, light.half, {2, 8}, 1), two(mesh, light.half, {2, 8}, 2);
+  return {one.texture(drawn.rectangle, light.direction, stream, drawn.texels, pool),
+          two.texture(drawn.rectangle, light.direction, stream, drawn.texels, pool)};
+}
+
+// Root mean square over the rectangle of `area` that the shadow was measured in by those who set the bar.
+double error_of(const std::function<double(size_t)>& left, const Truth& truth, double texel, double area) {
+  double sum = 0;
+  for (size_t i = 0; i < truth.a.size(); ++i)
+    sum += (left(i) - static_cast<double>(truth.a[i])) * (left(i) - static_cast<double>(truth.b[i]));
+  return std::sqrt(std::max(sum, 0.0) * texel / area);
+}
+
+// The shadow's own rectangle: the box, and what the light's cone throws of it, up to four heights long.
+ShadowRectangle fitted(const ShadowBox& box, const Light& light) {
+  double low[2] = {0, 0}, high[2] = {0, 0};
+  const Direction& d = light.direction;
+  const double flat = std::hypot(d[0], d[2]), ax = flat > 0 ? d[0] / flat : 1, az = flat > 0 ? d[2] / flat : 0;
+  for (int i = 0; i < 720; ++i) {
+    const double f = 2 * std::numbers::pi * i / 720, a = std::sin(light.half) * std::cos(f), b = std::sin(light.half) * std::sin(f);
+    const double y = std::max(std::cos(light.half) * d[1] + a * flat, 0.02), p = std::cos(light.half) * flat - a * d[1];
+    const double x = (p * ax - b * az) / y, z = (p * az + b * ax) / y, length = std::hypot(x, z), k = length > 4 ? 4 / length : 1;
+    low[0] = std::min(low[0], k * x), high[0] = std::max(high[0], k * x);
+    low[1] = std::min(low[1], k * z), high[1] = std::max(high[1], k * z);
+  }
+  return {-box.half_x - high[0] * box.height, -box.half_z - high[1] * box.height, box.half_x - low[0] * box.height,
+          box.half_z - low[1] * box.height};
+}
+double area_of(const ShadowRectangle& r) { return (r.high_x - r.low_x) * (r.high_z - r.low_z); }
+
+// Twelve lights, 2 to 20 degrees wide to each side and 20 to 70 high.
+std::vector<Light> wide_lights(const CastRowsOptions& options) {
+  std::vector<Light> lights;
+  for (const double half : {2.0, 5.0, 10.0, 20.0})
+    for (const double elevation : {20.0, 45.0, 70.0})
+      lights.push_back({direction_at(elevation * k_degree, 0.7 + 1.9 * static_cast<double>(lights.size()) + 0.37 * static_cast<double>(options.seed)),
+                        half * k_degree});
+  if (options.quick)
+    for (size_t i = 0; i < 3; ++i) lights[i] = lights[4 * i + 1];
+  if (options.quick) lights.resize(3);
+  return lights;
+}
+
+Direction turned(const Direction& d, double degrees) {
+  const double c = std::cos(degrees * k_degree), s = std::sin(degrees * k_degree);
+  return {c * d[0] - s * d[2], d[1], s * d[0] + c * d[2]};
+}
+
+struct Sum {
+  double sum = 0, worst = 0;
+  uint32_t count = 0;
+  void add(double x) { sum += x, worst = std::max(worst, x), ++count; }
+  double mean() const { return sum / std::max(1u, count); }
+};
+
+class Rows {
+ public:
+  // At most `limit`; infinite: reported. A control must be above it.
+  void at_most(const std::string& group, const std::string& name, double value, double limit, bool control = false) {
+    const bool holds = value <= limit;
+    rows.push_back({group, name, "rmse", 0, value, limit, control ? !holds : holds, control});
+  }
+  // The same for the meshes that constants were chosen on; for others it is reported, because the number depends on the
+  // shape.
+  void chosen_on(const std::string& group, const std::string& name, double value, double limit, bool control = false) {
+    const bool judged = group == "chair" || group == "armadillo";
+    at_most(group, name, value, judged ? limit : k_reported, control && judged);
+  }
+  std::vector<Verdict> rows;
+};
+
+// ------------------------------------------------------------------------------------------------ one light
+
+void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
+  const StandingObject object = stand_on_plane(file.mesh, file.name);
+  std::map<std::string, Sum> sums;
+  uint64_t stream = 0;
+  for (const Light& light : wide_lights(options)) {
+    CastChoice choice;
+    choice.closed = file.closed;
+    const Drawn fine = cast_of(object.mesh, light, choice);
+    const ShadowRectangle rectangle = fitted(object.box, light);
+    const double texel = fine.area(), area = area_of(rectangle);
+    const Truth truth = truth_of(object.mesh, light, fine, ++stream, pool);
+    const auto error = [&](const Drawn& drawn) {
+      const bool same = drawn.rectangle.low_x == fine.rectangle.low_x && drawn.rectangle.low_z == fine.rectangle.low_z;
+      return error_of(
+          [&](size_t i) {
+            const auto p = fine.place(i);
+            return same ? static_cast<double>(drawn.left[i]) : drawn.at(p[0], p[1]);
+          },
+          truth, texel, area);
+    };
+    sums["64"].add(error(fine));
+    const auto of = [&](Light l, uint32_t directions, bool closed) {
+      CastChoice other = choice;
+      other.directions = directions;
+      other.closed = closed;
+      return error(cast_of(object.mesh, l, other));
+    };
+    sums["32"].add(of(light, 32, choice.closed));
+    sums["both sides"].add(of(light, 64, false));
+    sums["8"].add(of(light, 8, choice.closed));
+    sums["turned by 5 degrees"].add(of({turned(light.direction, 5), light.half}, 64, choice.closed));
+    sums["half as wide"].add(of({light.direction, 0.5 * light.half}, 64, choice.closed));
+    sums["a point"].add(of({light.direction, 1e-3}, 64, choice.closed));
+    sums["from the other side"].add(of({turned(light.direction, 180), light.half}, 64, choice.closed));
+    const ShadowMap map(object.mesh, fine.rectangle, light.direction, light.half);
+    const auto peer = [&](const std::string& name, const auto& left) {
+      sums[name].add(error_of([&](size_t i) { return left(fine.place(i)[0], fine.place(i)[1]); }, truth, texel, area));
+    };
+    peer("map, 16 taps", [&](double x, double z) { return map.percentage_closer(x, z, 16); });
+    peer("map, 32 taps", [&](double x, double z) { return map.percentage_closer(x, z, 32); });
+    peer("map, exponential variance", [&](double x, double z) { return map.exponential_variance(x, z); });
+    // With the one opacity that fits best.
+    double hidden = 0, all = 0;
+    for (size_t i = 0; i < truth.a.size(); ++i) {
+      const double dark = 1 - ellipse(object.box, light.direction, light.half, fine.place(i)[0], fine.place(i)[1]);
+      hidden += dark * (1 - 0.5 * (static_cast<double>(truth.a[i]) + static_cast<double>(truth.b[i]))), all += dark * dark;
+    }
+    peer("ellipse", [&](double x, double z) {
+      return 1 - hidden / all * (1 - ellipse(object.box, light.direction, light.half, x, z));
+    });
+  }
+  const std::string& g = file.name;
+  rows->at_most(g, "K 64", sums["64"].mean(), 0.012);
+  rows->at_most(g, "K 64, worst light", sums["64"].worst, 0.021);
+  rows->at_most(g, "K 64, both sides", sums["both sides"].mean(), 0.012);
+  rows->at_most(g, "K 32", sums["32"].mean(), 0.016);
+  for (const char* control : {"8", "turned by 5 degrees", "half as wide", "a point", "from the other side"})
+    rows->at_most(g, control[0] == '8' ? "K 8" : std::string("light ") + control, sums[control].mean(), 0.016, true);
+  for (const char* peer : {"map, 16 taps", "map, 32 taps", "map, exponential variance", "ellipse"})
+    rows->at_most(g, peer, sums[peer].mean(), k_reported);
+}
+
+// The lights of the baked network, beside it.
+void baked_lights(const CastRowsOptions& options, const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
+  const StandingObject object = stand_on_plane(file.mesh, file.name);
+  Sum of_cast, of_network;
+  Shadow network;
+  std::vector<uint64_t> aligned((options.baked.size() + 7) / 8);
+  std::copy(options.baked.begin(), options.baked.end(), reinterpret_cast<unsigned char*>(aligned.data()));
+  sandglass_shadow_desc desc = shadow_desc(aligned.data(), options.baked.size());
+  if (const Status made = network.create(desc); !made) throw Failure(made.reason);
+  uint64_t stream = 100;
+  for (const Direction& d : ring_directions(70 * k_degree, options.quick ? 4 : 12)) {
+    const Light light = {d, 10 * k_degree};
+    CastChoice choice;
+    choice.closed = file.closed;
+    const Drawn drawn = cast_of(object.mesh, light, choice);
+    const double area = area_of(fitted(object.box, light));
+    const Truth truth = truth_of(object.mesh, light, drawn, ++stream, pool);
+    of_cast.add(error_of([&](size_t i) { return static_cast<double>(drawn.left[i]); }, truth, drawn.area(), area));
+    std::array<float, 3> towards;
+    for (size_t i = 0; i < 3; ++i) towards[i] = static_cast<float>(d[i]);
+    (void)network.set_light(towards);
+    sandglass_shadow* handle = network.get();
+    while (sandglass_shadow_run(&handle, 1, UINT32_MAX) > 0) {
+    }
+    const sandglass_shadow_texture t = network.texture(0);
+    Drawn other;
+    other.texels = SANDGLASS_SHADOW_TEXELS;
+    const double s = object.scale;
+    other.rectangle = {(t.low[0] - object.origin[0]) / s, (t.low[1] - object.origin[2]) / s, (t.high[0] - object.origin[0]) / s,
+                       (t.high[1] - object.origin[2]) / s};
+    for (uint32_t i = 0; i < other.texels * other.texels; ++i)
+      other.left.push_back(1 - static_cast<float>(t.coverage[i]) / 255.0f * t.opacity);
+    of_network.add(error_of([&](size_t i) { return other.at(drawn.place(i)[0], drawn.place(i)[1]); }, truth, drawn.area(), area));
+  }
+  rows->at_most(file.name, "lights of the bake, K 64", of_cast.mean(), 0.012);
+  rows->at_most(file.name, "lights of the bake, its network", of_network.mean(), k_reported);
+}
+
+// ------------------------------------------------------------------------------------------------ other planes
+
+// The wall's own frame: x along it, y away from it, z down.
+Mesh before_wall(const StandingObject& object, double heights) {
+  Mesh m = object.mesh;
+  for (size_t i = 0; i < m.vertices.size(); i += 3) {
+    const double y = static_cast<double>(m.vertices[i + 1]), z = static_cast<double>(m.vertices[i + 2]);
+    m.vertices[i + 1] = static_cast<float>(z + object.box.half_z + heights * object.box.height);
+    m.vertices[i + 2] = static_cast<float>(-y);
+  }
+  return m;
+}
+
+void on_wall(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
+  const StandingObject object = stand_on_plane(file.mesh, file.name);
+  for (const double heights : {0.3, 1.0}) {
+    const Mesh mesh = before_wall(object, heights);
+    const double h = 1.5 * object.box.height;
+    Sum sum, none;
+    uint64_t stream = 200;
+    for (const double half : {2.0, 5.0, 10.0, 20.0})
+      for (const double elevation : {20.0, 40.0})
+        for (const double azimuth : {60.0, 100.0}) {  // 90: straight at the wall
+          const Direction w = direction_at(elevation * k_degree, azimuth * k_degree);
+          const Light light = {{w[0], w[2], -w[1]}, half * k_degree};
+          CastChoice choice;
+          choice.closed = file.closed;
+          choice.limits = ShadowRectangle{-h, -h, h, 0};
+          const Drawn drawn = cast_of(mesh, light, choice);
+          const Truth truth = truth_of(mesh, light, drawn, ++stream, pool);
+          const double area = 2 * h * h;
+          sum.add(error_of([&](size_t i) { return static_cast<double>(drawn.left[i]); }, truth, drawn.area(), area));
+          none.add(error_of([](size_t) { return 1.0; }, truth, drawn.area(), area));
+        }
+    const std::string name = heights < 0.5 ? "wall at 0.3 heights" : "wall at 1 height";
+    rows->at_most(file.name, name + ", K 64", sum.mean(), 0.010);
+    rows->at_most(file.name, name + ", no shadow", none.mean(), 0.010, true);
+  }
+}
+
+// The object at a table's edge, the floor 0.7 heights below. What the floor's image must be multiplied by.
+void below_table(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
+  const StandingObject object = stand_on_plane(file.mesh, file.name);
+  const float drop = 0.7f * static_cast<float>(object.box.height);
+  Mesh up = object.mesh;
+  for (size_t i = 1; i < up.vertices.size(); i += 3) up.vertices[i] += drop;
+  const float x1 = 0.6f * static_cast<float>(object.box.half_x);
+  const float low[3] = {-1.5f, drop - 0.03f, -1}, high[3] = {x1, drop - 0.001f, 1};
+  Mesh board;
+  for (uint32_t i = 0; i < 8; ++i)
+    for (uint32_t axis = 0; axis < 3; ++axis) board.vertices.push_back((i >> axis & 1) != 0 ? high[axis] : low[axis]);
+  board.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+  Mesh both = up;
+  both.vertices.insert(both.vertices.end(), board.vertices.begin(), board.vertices.end());
+  for (const uint32_t i : board.indices) both.indices.push_back(up.vertex_count() + i);
+  Sum masked, alone, none;
+  uint64_t stream = 300;
+  for (const double half : {5.0, 10.0, 20.0})
+    for (const double azimuth : {150.0, 200.0}) {
+      const Light light = {direction_at(45 * k_degree, azimuth * k_degree), half * k_degree};
+      CastChoice choice;
+      choice.closed = file.closed;
+      choice.limits = ShadowRectangle{-0.5, -1.25, 2.0, 1.25};
+      CastChoice with_table = choice;
+      with_table.real = &board;
+      const Drawn drawn = cast_of(up, light, with_table), plain = cast_of(up, light, choice);
+      ++stream;
+      const Truth of_both = truth_of(both, light, drawn, stream, pool), of_board = truth_of(board, light, drawn, stream, pool);
+      Drawn whole;  // the rectangle in which the bar was measured
+      whole.rectangle = *choice.limits;
+      whole.texels = 64;
+      const Truth lit = truth_of(board, light, whole, stream, pool);
+      double weight = 0;
+      for (const float t : lit.a) weight += static_cast<double>(t) * static_cast<double>(t) * whole.area();
+      const auto error = [&](const std::function<double(size_t)>& left) {
+        double sum = 0;
+        for (size_t i = 0; i < of_both.a.size(); ++i) {
+          const double b = 0.5 * (static_cast<double>(of_board.a[i]) + static_cast<double>(of_board.b[i]));
+          if (b < 0.02) continue;  // dark in the image already
+          sum += (b * left(i) - static_cast<double>(of_both.a[i])) * (b * left(i) - static_cast<double>(of_both.b[i]));
+        }
+        return std::sqrt(std::max(sum, 0.0) * drawn.area() / weight);
+      };
+      masked.add(error([&](size_t i) { return static_cast<double>(drawn.left[i]); }));
+      alone.add(error([&](size_t i) { return plain.at(drawn.place(i)[0], drawn.place(i)[1]); }));
+      none.add(error([](size_t) { return 1.0; }));
+    }
+  rows->at_most(file.name, "below a table, masked", masked.mean(), 0.016);
+  rows->chosen_on(file.name, "below a table, unmasked", alone.mean(), 0.016, true);
+  rows->at_most(file.name, "below a table, no shadow", none.mean(), 0.016, true);
+}
+
+// ------------------------------------------------------------------------------------------------ rooms
+
+std::array<float, SANDGLASS_LIGHT_CELLS> floats(const std::array<double, SANDGLASS_LIGHT_CELLS>& cells) {
+  std::array<float, SANDGLASS_LIGHT_CELLS> out;
+  for (size_t i = 0; i < cells.size(); ++i) out[i] = static_cast<float>(cells[i]);
+  return out;
+}
+
+// A panorama as the wall's frame sees it.
+RadianceMap seen_from_wall(const RadianceMap& room) {
+  RadianceMap seen(room.width, room.height);
+  for (int v = 0; v < room.height; ++v)
+    for (int u = 0; u < room.width; ++u) {
+      const Vec3 d = panorama_direction(u, v, room.width, room.height);
+      seen.set(u, v, look_up(room, {d.x, -d.z, d.y}));
+    }
+  return seen;
+}
+
+// What an app has that knows the floor's cells alone: their radiance where they are above the wall's horizon, and a floor of
+// albedo 0.3 below.
+std::array<double, SANDGLASS_LIGHT_CELLS> of_floor(const Environment& floor) {
+  std::array<double, SANDGLASS_LIGHT_CELLS> cells = {};
+  double sum = 0;
+  for (uint32_t k = 0; k < cells.size(); ++k)
+    for (int i = 0; i < 64; ++i) {
+      const Vec3 d = cell_direction(k, (i % 8 + 0.5) / 8, (i / 8 + 0.5) / 8), world = {d.x, -d.z, d.y};
+      const double share = world.y > 0 ? floor.cells()[cell_of(world)] : 0.3 / 64;
+      cells[k] += share, sum += share;
+    }
+  for (double& cell : cells) cell /= sum;
+  return cells;
+}
+
+void in_rooms(const CastRowsOptions& options, const CastMeshFile& file, bool wall, ThreadPool& pool, Rows* rows,
+              const std::function<bool()>& go_on) {
+  const StandingObject object = stand_on_plane(file.mesh, file.name);
+  Mesh mesh = wall ? before_wall(object, 0.3) : object.mesh;
+  if (wall)  // the middle of the square is where the object's middle is
+    for (size_t i = 2; i < mesh.vertices.size(); i += 3) mesh.vertices[i] += static_cast<float>(0.75 * object.box.height);
+  const EmbreeScene scene = EmbreeScene::triangles(mesh.vertices, mesh.indices);
+  const FloorSquare square{wall ? 0.75 * object.box.height : 2 * object.box.height, 64};
+  const ShadowRectangle around = {-square.half, -square.half, square.half, square.half};
+  Sum cells, even, of_the_floor;
+  uint64_t seed = 10 + options.seed;
+  for (const RadianceMap& room : options.rooms) {
+    if (!go_on()) return;
+    const RadianceMap seen = wall ? seen_from_wall(room) : room;
+    const Environment environment(seen);
+    const Truth truth = {trace_ambient(scene, square, environment, 128, ++seed, pool),
+                         trace_ambient(scene, square, environment, 128, 1000 + seed, pool)};
+    Drawn grid;
+    grid.rectangle = around;
+    grid.texels = square.side;
+    const auto error = [&](const std::array<double, SANDGLASS_LIGHT_CELLS>& shares) {
+      CastChoice choice;
+      choice.texels = 64;
+      choice.closed = file.closed;
+      choice.cells = floats(shares);
+      const Drawn drawn = cast_of(mesh, {{0, 1, 0}, 0.1}, choice);
+      return error_of([&](size_t i) { return drawn.at(grid.place(i)[0], grid.place(i)[1]); }, truth, 1, 64 * 64);
+    };
+    cells.add(error(environment.cells()));
+    std::array<double, SANDGLASS_LIGHT_CELLS> flat;
+    flat.fill(1.0 / SANDGLASS_LIGHT_CELLS);
+    even.add(error(flat));
+    if (wall) of_the_floor.add(error(of_floor(Environment(room))));
+  }
+  const std::string name = wall ? "ambient on a wall" : "ambient";
+  const double limit = wall ? 0.031 : 0.020;
+  rows->at_most(file.name, name + ", its cells", cells.mean(), limit);
+  rows->at_most(file.name, name + ", an even sky", even.mean(), limit, true);
+  if (wall) rows->at_most(file.name, name + ", the floor's cells", of_the_floor.mean(), limit, true);
+}
+
+// ------------------------------------------------------------------------------------------------ from frame to frame
+
+// How the error changes where the object, or the light, turns by half a degree a frame.
+void shimmer(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
+  const StandingObject object = stand_on_plane(file.mesh, file.name);
+  for (const double half : {5.0, 20.0})
+    for (const bool of_light : {false, true}) {
+      const double e = 45 * k_degree;
+      const Direction from = {0.8 * std::cos(e), std::sin(e), 0.6 * std::cos(e)};
+      constexpr int k_frames = 8;
+      std::vector<std::array<std::vector<double>, 2>> errors;
+      Drawn first;
+      Cast cast;
+      for (int f = 0; f < k_frames; ++f) {
+        const double degrees = 0.5 * f, c = std::cos(degrees * k_degree), s = std::sin(degrees * k_degree);
+        Mesh mesh = object.mesh;
+        if (!of_light)
+          for (size_t i = 0; i < mesh.vertices.size(); i += 3) {
+            const double x = static_cast<double>(mesh.vertices[i]), z = static_cast<double>(mesh.vertices[i + 2]);
+            mesh.vertices[i] = static_cast<float>(c * x - s * z), mesh.vertices[i + 2] = static_cast<float>(s * x + c * z);
+          }
+        const Light light = {of_light ? turned(from, degrees) : from, half * k_degree};
+        CastChoice choice;
+        choice.closed = file.closed;
+        choice.version = static_cast<uint32_t>(f);
+        const Drawn drawn = cast_of(mesh, light, choice, &cast);
+        if (f == 0) first = drawn;
+        const Truth truth = truth_of(mesh, light, first, 400 + static_cast<uint64_t>(f), pool);
+        std::array<std::vector<double>, 2> error;
+        for (size_t i = 0; i < truth.a.size(); ++i) {
+          const double left = drawn.at(first.place(i)[0], first.place(i)[1]);
+          error[0].push_back(left - static_cast<double>(truth.a[i]));
+          error[1].push_back(left - static_cast<double>(truth.b[i]));
+        }
+        errors.push_back(std::move(error));
+      }
+      double sum = 0;
+      for (size_t f = 1; f < errors.size(); ++f)
+        for (size_t i = 0; i < errors[0][0].size(); ++i)
+          sum += (errors[f][0][i] - errors[f - 1][0][i]) * (errors[f][1][i] - errors[f - 1][1][i]);
+      // Over the rectangle of a box as wide as it is long, which holds the object however it is turned.
+      ShadowBox box = object.box;
+      box.half_x = box.half_z = 0.5;
+      const double area = area_of(fitted(box, {from, half * k_degree}));
+      const double change = std::sqrt(std::max(sum, 0.0) / (k_frames - 1) * first.area() / area);
+      rows->chosen_on(file.name, std::string(of_light ? "light" : "object") + " turns, " + (half < 10 ? "5" : "20") + " degrees", change,
+                    of_light ? (half < 10 ? 0.010 : 0.0055) : half < 10 ? 0.0075 : 0.0035);
+    }
+}
+
+}  // namespace
+
+std::vector<Verdict> verify_casts(const CastRowsOptions& options, ThreadPool& pool,
+                                  const std::function<bool(size_t done, size_t all)>& progress) {
+  Rows rows;
+  const size_t meshes = options.meshes.size(), with_rooms = options.rooms.empty() ? 0 : std::min<size_t>(2, meshes);
+  const size_t all = 5 * meshes + (with_rooms != 0 ? (with_rooms + 1) * options.rooms.size() : 0);
+  size_t done = 0;
+  const auto next = [&] { return progress(++done, all); };
+  for (const CastMeshFile& file : options.meshes) {
+    whole_mesh(options, file, pool, &rows);
+    if (!next()) return rows.rows;
+    if (file.name == "chair" && !options.baked.empty()) baked_lights(options, file, pool, &rows);
+    if (!next()) return rows.rows;
+    on_wall(file, pool, &rows);
+    if (!next()) return rows.rows;
+    below_table(file, pool, &rows);
+    if (!next()) return rows.rows;
+    shimmer(file, pool, &rows);
+    if (!next()) return rows.rows;
+  }
+  for (size_t i = 0; i < with_rooms; ++i) in_rooms(options, options.meshes[i], false, pool, &rows, next);
+  if (with_rooms != 0) in_rooms(options, options.meshes[0], true, pool, &rows, next);
+  return rows.rows;
+}
+
+}  // namespace sandglass::host

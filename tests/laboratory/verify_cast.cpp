@@ -1,0 +1,92 @@
+// `sandglass_lab verify cast`: shadows of triangles against rays.
+#include <algorithm>
+#include <cstdio>
+
+#include "models/files/atomic_file.h"
+#include "models/files/failure.h"
+#include "models/lighting/dataset.h"
+#include "models/mesh/generated.h"
+#include "models/program/command_line.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/progress.h"
+#include "tests/laboratory/verify.h"
+#ifdef SANDGLASS_HAVE_EMBREE
+#include "tests/laboratory/shadow/cast_rows.h"
+#endif
+
+namespace sandglass::host {
+
+#ifndef SANDGLASS_HAVE_EMBREE
+
+int verify_cast_command(const VerifyOptions&) {
+  throw Failure("cannot check shadows: this build lacks Embree. Install it, configure and build again.");
+}
+
+#else
+
+namespace {
+
+// Means of 256 x 128 pixels, as many as the cells of a room can use.
+RadianceMap small_panorama(const std::string& path) {
+  const RadianceMap whole = read_panorama(path);
+  const int factor = std::max(1, whole.width / 256);
+  RadianceMap small(whole.width / factor, whole.height / factor);
+  for (int v = 0; v < small.height; ++v)
+    for (int u = 0; u < small.width; ++u) {
+      Vec3 sum{};
+      for (int b = 0; b < factor; ++b)
+        for (int a = 0; a < factor; ++a) sum = sum + whole.colour(u * factor + a, v * factor + b);
+      small.set(u, v, sum * (1.0 / (factor * factor)));
+    }
+  fill_tripod(&small);
+  return small;
+}
+
+}  // namespace
+
+int verify_cast_command(const VerifyOptions& options) {
+  CastRowsOptions rows;
+  std::vector<std::string> names = options.meshes;
+  if (names.empty()) {
+    names = {"chair"};
+    if (!data_folder().empty())
+      for (const char* name : {"armadillo", "wicker_chair", "goathead", "koala_low_resolution"})
+        names.push_back(data_folder() + "/meshes/" + name + ".obj");
+  }
+  for (const std::string& name : names) {
+    MeshResult result = named_mesh({name});
+    const size_t slash = name.rfind('/');
+    std::string stem = slash == std::string::npos ? name : name.substr(slash + 1);
+    stem = stem.substr(0, stem.rfind('.'));
+    rows.meshes.push_back({stem, std::move(result.mesh), result.report.watertight() && result.report.oriented()});
+  }
+  if (!options.panoramas.empty() || !data_folder().empty())
+    for (const std::string& path : find_panoramas(options.panoramas.empty() ? std::vector<std::string>{data_folder() + "/hdri/indoor"} : options.panoramas)) {
+      rows.rooms.push_back(small_panorama(path));
+      if (options.quick && rows.rooms.size() == 6) break;
+    }
+  const std::string baked = read_file(SANDGLASS_SHADOWS_DIR "/chair.shadow", "baked shadow");
+  rows.baked.assign(baked.begin(), baked.end());
+  rows.seed = options.seed;
+  rows.quick = options.quick;
+  ThreadPool pool(options.threads);
+  std::vector<Verdict> verdicts;
+  {
+    Progress progress("casting and tracing shadows", 1);
+    verdicts = verify_casts(rows, pool, [&](size_t done, size_t all) {
+      progress.total(all);
+      progress.done(done);
+      return !interrupted();
+    });
+  }
+  if (interrupted()) return k_exit_interrupted;
+  print_verdicts(verdicts);
+  std::printf("%zu rows, %u failed\n", verdicts.size(), count_failed(verdicts));
+  if (!options.json.empty())
+    write_file(options.json, measurements_json(measurements_of("cast", "automatic", options.threads, verdicts)));
+  return count_failed(verdicts) > 0 ? k_exit_check_failed : k_exit_done;
+}
+
+#endif
+
+}  // namespace sandglass::host
