@@ -1,9 +1,16 @@
 // The shadow that triangles throw onto a plane, as an image of one bit a texel, and the filter that makes of the count of
 // such images a soft shadow without bands.
 //
-// Lane = triangle while triangles are projected, then lane = row of one triangle. A row's span ends where three edges
-// cut it: of a triangle that turns against the clock (u to the right, v down) edges that go down bound it on the left,
-// edges that go up on the right.
+// Lane = triangle while triangles are projected, then lane = edge of one triangle. A row's span ends where three edges cut
+// it: of a triangle that turns against the clock (u to the right, v down) edges that go down bound it on the left, edges
+// that go up on the right. Beside the three stands the triangle's own extent, so that the bounds of a row are the greatest
+// and the least of four.
+
+// Where four bounds are in a triangle's first row, and how far each moves from row to row. What bounds nothing lies beyond
+// the image.
+struct alignas(32) CastBounds {
+  float at[4], step[4];
+};
 
 // Both ends of a span of bits are in it.
 static SANDGLASS_INLINE void fill_span(uint64_t* row, uint32_t from, uint32_t to) {
@@ -15,54 +22,64 @@ static SANDGLASS_INLINE void fill_span(uint64_t* row, uint32_t from, uint32_t to
     return;
   }
   row[word] |= first;
-  while (++word < end) row[word] = ~uint64_t{0};
+  for (++word; word < end; ++word) row[word] |= ~uint64_t{0};
   row[end] |= last;
 }
 
-// For each of three edges: where it is in the first row, and how far it moves from row to row. What bounds nothing lies
-// at the rim of the image.
-struct CastEdges {
-  float left[3][k_width], left_step[3][k_width], right[3][k_width], right_step[3][k_width];
-  float first[k_width], column[k_width], last_column[k_width];
-  uint32_t row[k_width], last_row[k_width];
-};
-
-static void fill_rows(const CastTrianglesArgs* a, const CastEdges& edges, uint32_t lane, CastExtent* extent) {
-  const uint32_t rows = edges.last_row[lane] - edges.row[lane] + 1;
-  const Float side = broadcast(static_cast<float>(a->texels)), before = broadcast(-1.0f), zero = broadcast(0.0f);
-  uint64_t* row = a->image + static_cast<uint64_t>(edges.row[lane]) * a->words;
-  for (uint32_t begin = 0; begin < rows; begin += k_width) {
-    const Float j = to_float(lane_index() + broadcast(static_cast<int32_t>(begin)));
-    Float left = broadcast(edges.column[lane]), right = broadcast(edges.last_column[lane]);
-    for (uint32_t e = 0; e < 3; ++e) {
-      left = maximum(broadcast(edges.left[e][lane]) + j * broadcast(edges.left_step[e][lane]), left);
-      right = minimum(broadcast(edges.right[e][lane]) + j * broadcast(edges.right_step[e][lane]), right);
-    }
-    uint32_t from[k_width], to[k_width];
-    store(from, broadcast(0) - floor_int(zero - minimum(left, side)));
-    store(to, floor_int(maximum(right, before)));
-    const uint32_t count = rows - begin < k_width ? rows - begin : k_width;
-    for (uint32_t i = 0; i < count; ++i, row += a->words) {
-      if (static_cast<int32_t>(from[i]) > static_cast<int32_t>(to[i])) continue;
-      extent->texels += to[i] - from[i] + 1;
-      fill_span(row, from[i], to[i]);
-    }
+// The bounds of row j: the same bits however many lanes there are, because the greatest and the least are exact.
+static SANDGLASS_INLINE float left_bound(const CastBounds& b, float j) {
+  if constexpr (k_width == 4) return lane_maximum(load(b.at) + load(b.step) * broadcast(j));
+  float most = b.at[3];
+  for (uint32_t e = 0; e < 3; ++e) {
+    const float x = b.at[e] + b.step[e] * j;
+    most = x > most ? x : most;
   }
-  extent->rows += rows;
-  if (edges.row[lane] < extent->first_row) extent->first_row = edges.row[lane];
-  if (edges.last_row[lane] > extent->last_row) extent->last_row = edges.last_row[lane];
+  return most;
+}
+static SANDGLASS_INLINE float right_bound(const CastBounds& b, float j) {
+  if constexpr (k_width == 4) return lane_minimum(load(b.at) + load(b.step) * broadcast(j));
+  float least = b.at[3];
+  for (uint32_t e = 0; e < 3; ++e) {
+    const float x = b.at[e] + b.step[e] * j;
+    least = x < least ? x : least;
+  }
+  return least;
+}
+
+// Returns how many texels it covers.
+static SANDGLASS_INLINE uint32_t fill_rows(const CastBounds& left, const CastBounds& right, uint32_t rows,
+                                           uint64_t* row, uint32_t words) {
+  uint32_t texels = 0;
+  float j = 0;
+  for (uint32_t i = 0; i < rows; ++i, j += 1.0f, row += words) {
+    const float l = left_bound(left, j), r = right_bound(right, j);
+    if (!(l <= r)) continue;  // from here on both lie in the image
+    const uint32_t whole = to_whole<uint32_t>(l), from = whole + (static_cast<float>(whole) < l ? 1 : 0);
+    const uint32_t to = to_whole<uint32_t>(r);
+    if (from > to) continue;
+    texels += to - from + 1;
+    fill_span(row, from, to);
+  }
+  return texels;
 }
 
 static void cast_triangles(const CastTrianglesArgs* a, uint32_t begin, uint32_t end, CastExtent* extent) {
-  const Float zero = broadcast(0.0f), before = broadcast(-1.0f);
+  const Float zero = broadcast(0.0f), before = broadcast(-1.0f), steepest = broadcast(1e9f);
   const Float side = broadcast(static_cast<float>(a->texels)), last = broadcast(static_cast<float>(a->texels - 1));
+  CastExtent seen = *extent;
   for (uint32_t at = begin; at < end; at += k_width) {
     Float u[3], v[3];
     for (uint32_t c = 0; c < 3; ++c) {
       const Float height = load(a->corners[3 * c + 1] + at);
-      u[c] = load(a->corners[3 * c] + at) * broadcast(a->scale[0]) - height * broadcast(a->shear[0]) + broadcast(a->offset[0]);
-      v[c] = load(a->corners[3 * c + 2] + at) * broadcast(a->scale[1]) - height * broadcast(a->shear[1]) + broadcast(a->offset[1]);
+      u[c] = load(a->corners[3 * c] + at) * broadcast(a->scale[0]) - height * broadcast(a->shear[0]) +
+             broadcast(a->offset[0]);
+      v[c] = load(a->corners[3 * c + 2] + at) * broadcast(a->scale[1]) - height * broadcast(a->shear[1]) +
+             broadcast(a->offset[1]);
     }
+    const Float area = (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]);
+    const Mask turned = zero < area;
+    Mask kept = a->closed != 0 ? area < zero : (area < zero) | turned;
+    if (!any(kept)) continue;
     // The first and the last middle of a texel that each may cover, within the image.
     const Float low_u = minimum(minimum(u[0], u[1]), u[2]), high_u = maximum(maximum(u[0], u[1]), u[2]);
     const Float low_v = minimum(minimum(v[0], v[1]), v[2]), high_v = maximum(maximum(v[0], v[1]), v[2]);
@@ -70,10 +87,7 @@ static void cast_triangles(const CastTrianglesArgs* a, uint32_t begin, uint32_t 
     const Int column = broadcast(0) - floor_int(zero - minimum(maximum(low_u, zero), side));
     const Int last_row = floor_int(maximum(minimum(high_v, last), before));
     const Int last_column = floor_int(maximum(minimum(high_u, last), before));
-    const Float area = (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]);
-    const Mask turned = zero < area;
-    Mask kept = (row < last_row + broadcast(1)) & (column < last_column + broadcast(1));
-    kept = kept & (a->closed != 0 ? area < zero : (area < zero) | turned);
+    kept = kept & (row < last_row + broadcast(1)) & (column < last_column + broadcast(1));
     if (!any(kept)) continue;
     if (a->closed == 0) {
       const Float u1 = u[1], v1 = v[1];
@@ -82,25 +96,37 @@ static void cast_triangles(const CastTrianglesArgs* a, uint32_t begin, uint32_t 
       u[2] = select(turned, u1, u[2]);
       v[2] = select(turned, v1, v[2]);
     }
-    CastEdges edges;
+    Float left[8], right[8];
     const Float first = to_float(row);
     for (uint32_t e = 0; e < 3; ++e) {
       const uint32_t to = e == 2 ? 0 : e + 1;
-      const Float slope = (u[to] - u[e]) / (v[to] - v[e]), cut = u[e] + (first - v[e]) * slope;
+      const Float slope = maximum(minimum((u[to] - u[e]) / (v[to] - v[e]), steepest), zero - steepest);
+      const Float cut = u[e] + (first - v[e]) * slope;
       const Mask down = v[e] < v[to], up = v[to] < v[e];
-      store(edges.left[e], select(down, cut, before));
-      store(edges.left_step[e], keep(down, slope));
-      store(edges.right[e], select(up, cut, side));
-      store(edges.right_step[e], keep(up, slope));
+      left[e] = select(down, cut, before);
+      left[4 + e] = keep(down, slope);
+      right[e] = select(up, cut, side);
+      right[4 + e] = keep(up, slope);
     }
-    store(edges.column, to_float(column));
-    store(edges.last_column, to_float(last_column));
-    store(edges.row, row);
-    store(edges.last_row, last_row);
-    uint32_t lanes[2 * k_width];
+    left[3] = to_float(column);
+    right[3] = to_float(last_column);
+    left[7] = right[7] = zero;
+    CastBounds of_left[k_width], of_right[k_width];
+    store_records(of_left[0].at, left);
+    store_records(of_right[0].at, right);
+    uint32_t rows[k_width], last_rows[k_width], lanes[2 * k_width];
+    store(rows, row);
+    store(last_rows, last_row);
     const uint32_t count = compress_store(lanes, lane_index(), kept);
-    for (uint32_t i = 0; i < count; ++i) fill_rows(a, edges, lanes[i], extent);
+    for (uint32_t i = 0; i < count; ++i) {
+      const uint32_t lane = lanes[i], from = rows[lane], to = last_rows[lane];
+      seen.texels += fill_rows(of_left[lane], of_right[lane], to - from + 1, a->image + from * a->words, a->words);
+      seen.rows += to - from + 1;
+      seen.first_row = from < seen.first_row ? from : seen.first_row;
+      seen.last_row = to > seen.last_row ? to : seen.last_row;
+    }
   }
+  *extent = seen;
 }
 
 // Along a row: the least, the greatest and the sum of 2 radius + 1 values about each texel.

@@ -16,17 +16,17 @@
 namespace sandglass {
 
 constexpr uint32_t k_cast_ambient_directions = 128;
-constexpr uint32_t k_cast_planes = 8;                 // bits of a count: up to 128
-constexpr uint32_t k_cast_draft_directions = 8;       // of a first texture
-constexpr uint32_t k_cast_draft_triangles = 4000;     // more than these get a first texture
-constexpr uint32_t k_cast_unit_triangles = 1024;      // gathered in one unit
-constexpr uint32_t k_cast_unit_rows = 6000;           // rows of triangles, and triangles, drawn in one unit
-constexpr uint32_t k_cast_step = 32;                  // triangles between two looks at that
-constexpr uint32_t k_cast_unit_texels = 4096;         // filtered in one unit
-constexpr double k_cast_slope_most = 4;               // a shadow is drawn this many heights long
-constexpr double k_cast_ambient_slope = 1.5;          // the ambient shadow, this many around the object
-constexpr double k_cast_still = 0.1;                  // of a texel; what moves less makes no new texture
-constexpr float k_cast_far = 1e6f;                    // metres; corners farther than that are left out
+constexpr uint32_t k_cast_planes = 8;              // bits of a count: up to 128
+constexpr uint32_t k_cast_draft_directions = 8;    // of a first texture
+constexpr uint32_t k_cast_draft_triangles = 4000;  // more than these get a first texture
+constexpr uint32_t k_cast_unit_triangles = 512;    // gathered in one unit
+constexpr uint32_t k_cast_unit_rows = 4500;        // rows of triangles, and triangles, drawn in one unit
+constexpr uint32_t k_cast_step = 16;               // triangles between two looks at that
+constexpr uint32_t k_cast_unit_texels = 4096;      // filtered in one unit
+constexpr double k_cast_slope_most = 4;            // a shadow is drawn this many heights long
+constexpr double k_cast_ambient_slope = 1.5;       // the ambient shadow, this many around the object
+constexpr double k_cast_still = 0.1;               // of a texel; what moves less makes no new texture
+constexpr float k_cast_far = 1e6f;                 // metres; corners farther than that are left out
 
 // Kinds of work unit.
 enum : uint32_t { k_cast_gather, k_cast_draw, k_cast_calm, k_cast_kinds };
@@ -87,7 +87,7 @@ struct CastState {
   CastFrame frame;
   CastMesh* meshes;
   uint32_t mesh_count;
-  bool stale;             // the gathered triangles are not those of the meshes
+  bool stale;  // the gathered triangles are not those of the meshes
   bool light_known;
   double light[3], half;  // world; half the angular diameter, in turns
   float cells[k_light_cells], cells_made[k_light_cells];
@@ -107,11 +107,11 @@ struct CastState {
   uint64_t *counts, *mask_counts;  // k_cast_planes words for each of those
   uint64_t covered, drawn;         // texels, once and as often as they are covered
   uint64_t rows;
-  uint32_t pass, row;              // of calm
-  float* values;                   // rows of counts, with k_lane_group before and after each
-  float* windows[3];               // least, greatest, sum: k_cast_rows rows each
-  uint64_t served;  // when it was last run, counted by the units of its set
-  bool gives_way;   // of the first of a set: another part of the shadow stage comes before its next texture
+  uint32_t pass, row;  // of calm
+  float* values;       // rows of counts, with k_lane_group before and after each
+  float* windows[3];   // least, greatest, sum: k_cast_rows rows each
+  uint64_t served;     // when it was last run, counted by the units of its set
+  bool gives_way;      // of the first of a set: another part of the shadow stage comes before its next texture
 };
 
 inline uint32_t cast_words(uint32_t texels) { return texels / 64; }

@@ -28,7 +28,8 @@ sandglass_status check(const sandglass_cast_desc* desc, const char** reason) {
     return refuse(reason, "desc.texels and ambient_texels are both 0: there is no texture to make");
   if (desc->triangle_capacity == 0 || desc->triangle_capacity > 1'000'000)
     return refuse(reason, "desc.triangle_capacity is not in 1..1000000");
-  if (desc->mesh_capacity == 0 || desc->mesh_capacity > 1024) return refuse(reason, "desc.mesh_capacity is not in 1..1024");
+  if (desc->mesh_capacity == 0 || desc->mesh_capacity > 1024)
+    return refuse(reason, "desc.mesh_capacity is not in 1..1024");
   if (!within(desc->light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
   if (select_cast_kernels(desc->isa) == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
@@ -68,7 +69,8 @@ sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
 }
 
 sandglass_status frame_of(const sandglass_cast_plane& plane, CastFrame* frame, const char** reason) {
-  if (!all_within(plane.origin, 3, -k_cast_far, k_cast_far)) return refuse(reason, "plane.origin is not finite, or 1000 km away");
+  if (!all_within(plane.origin, 3, -k_cast_far, k_cast_far))
+    return refuse(reason, "plane.origin is not finite, or 1000 km away");
   if (!all_finite(plane.normal, 3) || !all_finite(plane.along, 3))
     return refuse(reason, "plane.normal or along is not finite");
   for (uint32_t axis = 0; axis < 2; ++axis)
@@ -127,7 +129,8 @@ __attribute__((noinline)) void build(const sandglass_cast_desc& desc, void* bloc
     CastTarget* target = &c->targets[i];
     target->front.frame = c->frame;
     target->front.open = 1;
-    if (target->texels != 0) memset(target->front.bytes, i == k_cast_light ? 0 : 255, uint64_t{target->texels} * target->texels);
+    if (target->texels != 0)
+      memset(target->front.bytes, i == k_cast_light ? 0 : 255, uint64_t{target->texels} * target->texels);
   }
   *cast = owner;
 }
@@ -136,7 +139,8 @@ sandglass_status check_mesh(const sandglass_cast_mesh& mesh, const char** reason
   if (mesh.triangle_count == 0) return accept(reason);
   if (mesh.positions == nullptr) return refuse(reason, "a mesh's positions are NULL, but it has triangles");
   if (mesh.stride < 12 || mesh.stride % 4 != 0)
-    return refuse(reason, "a mesh's stride is not a multiple of 4, at least 12: start from sandglass_cast_mesh_default");
+    return refuse(reason,
+                  "a mesh's stride is not a multiple of 4, at least 12: start from sandglass_cast_mesh_default");
   if (mesh.index_bytes != 2 && mesh.index_bytes != 4)
     return refuse(reason, "a mesh's index_bytes is neither 2 nor 4: start from sandglass_cast_mesh_default");
   if (mesh.closed > 1 || mesh.is_real > 1) return refuse(reason, "a mesh's closed or is_real is neither 0 nor 1");
@@ -149,7 +153,8 @@ sandglass_status check_mesh(const sandglass_cast_mesh& mesh, const char** reason
 __attribute__((noinline)) sandglass_status take_meshes(CastState* c, const sandglass_cast_mesh* meshes, uint32_t count,
                                                        const char** reason) {
   if (count > c->mesh_capacity)
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "there are more meshes than desc.mesh_capacity: create a larger cast");
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "there are more meshes than desc.mesh_capacity: create a larger cast");
   uint64_t triangles = 0;
   for (uint32_t i = 0; i < count; ++i) {
     const sandglass_status status = check_mesh(meshes[i], reason);
@@ -177,7 +182,8 @@ __attribute__((noinline)) sandglass_status take_light(CastState* c, const float 
   const double half = static_cast<double>(diameter > 0 ? diameter : k_usual_diameter) / (4 * k_pi);
   for (uint32_t axis = 0; axis < 3; ++axis) chord += (light[axis] - c->light[axis]) * (light[axis] - c->light[axis]);
   const double wider = (half - c->half) * 2 * k_pi;
-  if (c->light_known && !(chord > c->tolerance_squared) && !(wider * wider > c->tolerance_squared)) return accept(reason);
+  if (c->light_known && !(chord > c->tolerance_squared) && !(wider * wider > c->tolerance_squared))
+    return accept(reason);
   for (uint32_t axis = 0; axis < 3; ++axis) c->light[axis] = light[axis];
   c->half = half;
   c->light_known = true;
@@ -251,8 +257,8 @@ sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t*
   return accept(reason);
 }
 
-sandglass_status sandglass_cast_create(const sandglass_cast_desc* desc, void* block, uint64_t bytes, sandglass_cast** cast,
-                                       const char** reason) {
+sandglass_status sandglass_cast_create(const sandglass_cast_desc* desc, void* block, uint64_t bytes,
+                                       sandglass_cast** cast, const char** reason) {
   uint64_t need = 0;
   const sandglass_status status = sandglass_cast_bytes(desc, &need, reason);
   if (status != SANDGLASS_OK) return status;
@@ -271,10 +277,12 @@ void sandglass_cast_plane_default(sandglass_cast_plane* plane) {
   *plane = {};
   plane->struct_size = sizeof *plane;
   plane->normal[1] = plane->along[0] = 1;
-  for (uint32_t axis = 0; axis < 2; ++axis) plane->low[axis] = -0.5f * k_extent_limit, plane->high[axis] = 0.5f * k_extent_limit;
+  for (uint32_t axis = 0; axis < 2; ++axis)
+    plane->low[axis] = -0.5f * k_extent_limit, plane->high[axis] = 0.5f * k_extent_limit;
 }
 
-sandglass_status sandglass_cast_set_plane(sandglass_cast* cast, const sandglass_cast_plane* plane, const char** reason) {
+sandglass_status sandglass_cast_set_plane(sandglass_cast* cast, const sandglass_cast_plane* plane,
+                                          const char** reason) {
   if (cast == nullptr || plane == nullptr) return refuse(reason, "cast or plane is NULL: pass both");
   if (plane->struct_size != sizeof *plane)
     return refuse(reason, "plane.struct_size is not that of this library: start from sandglass_cast_plane_default");
@@ -309,7 +317,8 @@ sandglass_status sandglass_cast_set_meshes(sandglass_cast* cast, const sandglass
 
 sandglass_status sandglass_cast_set_light(sandglass_cast* cast, const float direction[3], float angular_diameter,
                                           const char** reason) {
-  if (cast == nullptr || direction == nullptr) return refuse(reason, "cast or direction is NULL: pass the cast and 3 floats");
+  if (cast == nullptr || direction == nullptr)
+    return refuse(reason, "cast or direction is NULL: pass the cast and 3 floats");
   const FloatingPointControl saved = floating_point_enter();
   const sandglass_status status = take_light(&cast->cast, direction, angular_diameter, reason);
   floating_point_restore(saved);

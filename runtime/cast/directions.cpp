@@ -7,8 +7,8 @@
 namespace sandglass {
 namespace {
 
-constexpr double k_golden_turn = 0.3819660112501051;                                 // 137.5 degrees
-constexpr double k_plastic[2] = {0.7548776662466927, 0.5698402909980532};            // of the R2 sequence
+constexpr double k_golden_turn = 0.3819660112501051;                       // 137.5 degrees
+constexpr double k_plastic[2] = {0.7548776662466927, 0.5698402909980532};  // of the R2 sequence
 constexpr uint32_t k_candidates = 16;  // for each direction of a light that the horizon cuts
 constexpr double k_lowest = 1e-3;      // what is lower than this sine of elevation is left out
 

@@ -38,9 +38,11 @@ void fit(const CastState& c, const CastDirection* directions, CastTexture* textu
   }
   for (uint32_t axis = 0; axis < 2; ++axis) {
     const uint32_t of_box = 2 * axis;
-    const double most = ambient ? k_cast_ambient_slope : high[axis], least = ambient ? -k_cast_ambient_slope : low[axis];
+    const double most = ambient ? k_cast_ambient_slope : high[axis],
+                 least = ambient ? -k_cast_ambient_slope : low[axis];
     double from = c.low[of_box] - most * c.high[1], to = c.high[of_box] - least * c.high[1];
-    const double bounds[2] = {static_cast<double>(c.gathered_frame.low[axis]), static_cast<double>(c.gathered_frame.high[axis])};
+    const double bounds[2] = {static_cast<double>(c.gathered_frame.low[axis]),
+                              static_cast<double>(c.gathered_frame.high[axis])};
     from = from > bounds[0] ? from : bounds[0];
     to = to < bounds[1] ? to : bounds[1];
     if (!(to > from)) to = from = 0;  // nothing can be seen
@@ -52,12 +54,20 @@ void fit(const CastState& c, const CastDirection* directions, CastTexture* textu
   }
 }
 
-// Adds an image to the counts of `rows`, and clears it. Returns how many bits were set.
+// Written out because the popcount of baseline x86-64 is a library call.
+uint64_t bits_of(uint64_t x) {
+  x -= x >> 1 & 0x5555555555555555u;
+  x = (x & 0x3333333333333333u) + (x >> 2 & 0x3333333333333333u);
+  x = (x + (x >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+  return x * 0x0101010101010101u >> 56;
+}
+
+// Adds an image to the counts, and clears it. Returns how many bits were set.
 uint64_t count_image(uint64_t* image, uint64_t* counts, uint64_t words) {
   uint64_t bits = 0;
   for (uint64_t i = 0; i < words; ++i) {
     uint64_t carry = image[i];
-    bits += static_cast<uint64_t>(__builtin_popcountll(carry));
+    bits += bits_of(carry);
     for (uint32_t plane = 0; carry != 0 && plane < k_cast_planes; ++plane) {
       uint64_t* sum = counts + plane * words + i;
       const uint64_t both = *sum & carry;

@@ -87,12 +87,6 @@ bool corners_of(CastMesh* mesh, uint32_t triangle, const float rows[12], bool mi
   return true;
 }
 
-void begin_mesh(CastState* c, CastMesh* mesh) {
-  mesh->gathered = mesh->asked;
-  place(c->gathered_frame, mesh->gathered.world_from_mesh, mesh->plane_from_mesh);
-  for (uint32_t axis = 0; axis < 3; ++axis) mesh->low[axis] = k_cast_far, mesh->high[axis] = -k_cast_far;
-}
-
 // Groups end at multiples of 16; what fills them up has no area.
 void end_group(CastState* c) {
   for (; c->kept % k_lane_group != 0; ++c->kept)
@@ -102,8 +96,8 @@ void end_group(CastState* c) {
 }
 
 bool same_arrays(const sandglass_cast_mesh& a, const sandglass_cast_mesh& b) {
-  return a.positions == b.positions && a.stride == b.stride && a.vertex_count == b.vertex_count && a.indices == b.indices &&
-         a.index_bytes == b.index_bytes && a.triangle_count == b.triangle_count;
+  return a.positions == b.positions && a.stride == b.stride && a.vertex_count == b.vertex_count &&
+         a.indices == b.indices && a.index_bytes == b.index_bytes && a.triangle_count == b.triangle_count;
 }
 
 // The farthest that a corner of the mesh's box moves from where it was gathered, in texels of the finest texture.
@@ -137,8 +131,8 @@ void cast_compare(CastState* c) {
     triangles += mesh.asked.triangle_count;
     const bool same = same_arrays(mesh.asked, mesh.gathered);
     arrays = arrays || !same;
-    other = other || !same || mesh.asked.version != mesh.gathered.version || mesh.asked.closed != mesh.gathered.closed ||
-            mesh.asked.is_real != mesh.gathered.is_real || moved(*c, mesh);
+    other = other || !same || mesh.asked.version != mesh.gathered.version ||
+            mesh.asked.closed != mesh.gathered.closed || mesh.asked.is_real != mesh.gathered.is_real || moved(*c, mesh);
   }
   arrays = arrays || triangles != c->triangles;
   c->triangles = triangles;
@@ -158,6 +152,12 @@ void cast_begin_gather(CastState* c) {
   c->gathered_frame = c->frame;
   c->stale = false;
   for (uint32_t axis = 0; axis < 3; ++axis) c->low[axis] = k_cast_far, c->high[axis] = -k_cast_far;
+  for (uint32_t i = 0; i < c->mesh_count; ++i) {
+    CastMesh* mesh = &c->meshes[i];
+    mesh->gathered = mesh->asked;
+    place(c->frame, mesh->gathered.world_from_mesh, mesh->plane_from_mesh);
+    for (uint32_t axis = 0; axis < 3; ++axis) mesh->low[axis] = k_cast_far, mesh->high[axis] = -k_cast_far;
+  }
 }
 
 bool cast_gather(CastState* c) {
@@ -168,9 +168,7 @@ bool cast_gather(CastState* c) {
       continue;
     }
     CastMesh* mesh = &c->meshes[c->mesh];
-    const bool drawn = c->cursor != 0 || group_of(mesh->asked) == c->group;
-    if (c->cursor == 0 && drawn) begin_mesh(c, mesh);
-    if (!drawn || c->cursor == mesh->gathered.triangle_count) {
+    if (group_of(mesh->gathered) != c->group || c->cursor == mesh->gathered.triangle_count) {
       ++c->mesh;
       c->cursor = 0;
       continue;
@@ -178,8 +176,9 @@ bool cast_gather(CastState* c) {
     float rows[12];
     for (uint32_t i = 0; i < 12; ++i) rows[i] = static_cast<float>(mesh->plane_from_mesh[i]);
     const double* m = mesh->plane_from_mesh;
-    const bool mirrored = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
-                              m[2] * (m[4] * m[9] - m[5] * m[8]) < 0;
+    const bool mirrored =
+        m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]) <
+        0;
     for (; c->cursor < mesh->gathered.triangle_count && left > 0; ++c->cursor, --left) {
       float corners[3][3];
       if (corners_of(mesh, c->cursor, rows, mirrored, corners)) emit_above(c, corners);

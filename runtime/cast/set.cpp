@@ -11,12 +11,15 @@ bool wanted(const CastState& c, uint32_t which) {
   return c.targets[which].asked && (which != k_cast_light || c.light_known);
 }
 
-bool has_work(const CastState& c) { return c.phase != CastPhase::idle || wanted(c, k_cast_light) || wanted(c, k_cast_ambient); }
+bool has_work(const CastState& c) {
+  return c.phase != CastPhase::idle || wanted(c, k_cast_light) || wanted(c, k_cast_ambient);
+}
 
 // Each texture in turn; a better one follows a first one at once.
 uint32_t next_target(const CastState& c) {
   const uint32_t other = 1 - c.last_target;
-  const bool improves = c.last_target == k_cast_light && c.targets[k_cast_light].front.directions == k_cast_draft_directions;
+  const bool improves =
+      c.last_target == k_cast_light && c.targets[k_cast_light].front.directions == k_cast_draft_directions;
   return wanted(c, other) && !(improves && wanted(c, c.last_target)) ? other : c.last_target;
 }
 
@@ -40,7 +43,9 @@ void begin(CastState* c) {
 void run_unit(CastState* c) {
   if (c->phase == CastPhase::idle) begin(c);
   if (c->phase == CastPhase::gather) {
-    if (cast_gather(c)) cast_begin_draw(c);
+    if (!cast_gather(c)) return;
+    cast_begin_draw(c);
+    cast_compare(c);  // meshes may have moved meanwhile
   } else if (c->phase == CastPhase::draw) {
     if (cast_draw(c)) cast_begin_calm(c);
   } else if (cast_calm(c)) {
@@ -73,7 +78,8 @@ void run_next(const CastSet& set) {
   if (c == nullptr) return;
   run_unit(c);
   uint64_t latest = 0;
-  for (uint32_t i = 0; i < set.count; ++i) latest = set.casts[i]->cast.served > latest ? set.casts[i]->cast.served : latest;
+  for (uint32_t i = 0; i < set.count; ++i)
+    latest = set.casts[i]->cast.served > latest ? set.casts[i]->cast.served : latest;
   c->served = latest + 1;
   if (c->phase == CastPhase::idle) set.casts[0]->cast.gives_way = true;
 }

@@ -40,9 +40,10 @@ sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input
                     "shadow_count to 0.");
   for (uint32_t i = 0; i < input->cast_count; ++i)
     if (input->casts == nullptr || input->casts[i] == nullptr)
-      return refuse(reason,
-                    "input.casts is NULL or has a NULL among its first cast_count: pass the casts, or set cast_count to "
-                    "0.");
+      return refuse(
+          reason,
+          "input.casts is NULL or has a NULL among its first cast_count: pass the casts, or set cast_count to "
+          "0.");
   if (input->plan != nullptr &&
       (input->plan->struct_size != sizeof(sandglass_plan) || input->plan->run_count > SANDGLASS_PLAN_RUNS ||
        input->plan->level >= static_cast<uint32_t>(SANDGLASS_LEVEL_COUNT))) {

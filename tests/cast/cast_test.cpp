@@ -47,7 +47,8 @@ Shape box(std::array<float, 3> low, std::array<float, 3> high) {
   Shape s;
   for (uint32_t i = 0; i < 8; ++i)
     for (uint32_t axis = 0; axis < 3; ++axis) s.positions.push_back((i >> axis & 1) != 0 ? high[axis] : low[axis]);
-  s.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+  s.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+               2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
   return s;
 }
 
@@ -64,11 +65,13 @@ Shape ball(std::array<float, 3> centre, float radius, uint32_t rings) {
     for (uint32_t j = 0; j < 2 * rings; ++j) {
       const double polar = std::numbers::pi * i / rings, turn = std::numbers::pi * j / rings;
       const double d[3] = {std::sin(polar) * std::cos(turn), std::cos(polar), std::sin(polar) * std::sin(turn)};
-      for (uint32_t axis = 0; axis < 3; ++axis) s.positions.push_back(static_cast<float>(centre[axis] + radius * d[axis]));
+      for (uint32_t axis = 0; axis < 3; ++axis)
+        s.positions.push_back(static_cast<float>(centre[axis] + radius * d[axis]));
     }
   for (uint32_t i = 0; i < rings; ++i)
     for (uint32_t j = 0; j < 2 * rings; ++j) {
-      const uint32_t a = i * 2 * rings + j, b = i * 2 * rings + (j + 1) % (2 * rings), c = a + 2 * rings, d = b + 2 * rings;
+      const uint32_t a = i * 2 * rings + j, b = i * 2 * rings + (j + 1) % (2 * rings), c = a + 2 * rings,
+                     d = b + 2 * rings;
       s.indices.insert(s.indices.end(), {a, b, c, b, d, c});
     }
   return s;
@@ -76,7 +79,8 @@ Shape ball(std::array<float, 3> centre, float radius, uint32_t rings) {
 
 std::array<float, 3> towards(double elevation, double azimuth) {
   const double e = elevation * k_degree, a = azimuth * k_degree;
-  return {static_cast<float>(std::cos(e) * std::cos(a)), static_cast<float>(std::sin(e)), static_cast<float>(std::cos(e) * std::sin(a))};
+  return {static_cast<float>(std::cos(e) * std::cos(a)), static_cast<float>(std::sin(e)),
+          static_cast<float>(std::cos(e) * std::sin(a))};
 }
 
 sandglass::Cast made(const sandglass_cast_desc& desc = sandglass::cast_desc()) {
@@ -174,7 +178,8 @@ TEST(Cast, PenumbraOfAnEdgeIsTheDisksShare) {
   for (const double half : {5.0, 10.0, 20.0}) {
     sandglass_cast_plane plane = sandglass::cast_plane();
     plane.low[0] = 1.5f, plane.high[0] = 2.5f, plane.low[1] = -0.5f, plane.high[1] = 0.5f;  // about the edge x = 2
-    const sandglass::Cast cast = lit({s.mesh()}, {0, 1, 0}, static_cast<float>(2 * half * k_degree), sandglass::cast_desc(), plane);
+    const sandglass::Cast cast =
+        lit({s.mesh()}, {0, 1, 0}, static_cast<float>(2 * half * k_degree), sandglass::cast_desc(), plane);
     const auto expected = [&](double x, double) {
       // The direction whose ray passes the edge has the slope (2 - x) / 0.5 along x; its sine is the chord.
       const double slope = (2 - x) / 0.5, chord = slope / std::sqrt(1 + slope * slope) / std::sin(half * k_degree);
@@ -182,7 +187,8 @@ TEST(Cast, PenumbraOfAnEdgeIsTheDisksShare) {
       return 1 - (std::acos(chord) - chord * std::sqrt(1 - chord * chord)) / std::numbers::pi;
     };
     EXPECT_LT(root_mean_square(cast.texture(), expected), 0.02) << half;
-    EXPECT_GT(root_mean_square(cast.texture(), [&](double x, double z) { return expected(x + 0.03, z); }), 0.02) << half;
+    EXPECT_GT(root_mean_square(cast.texture(), [&](double x, double z) { return expected(x + 0.03, z); }), 0.02)
+        << half;
   }
 }
 
@@ -225,8 +231,8 @@ TEST(Cast, AnyPlaneIsAFloorOfItsOwn) {
 
 // A box that reaches through the floor is the part above it.
 TEST(Cast, OnlyWhatIsAboveThePlaneCasts) {
-  const Shape whole = box({-0.1f, -0.3f, -0.2f}, {0.1f, 0.4f, 0.1f}), upper = box({-0.1f, 0, -0.2f}, {0.1f, 0.4f, 0.1f}),
-              below = box({0.5f, -0.4f, 0.5f}, {0.7f, -0.1f, 0.7f});
+  const Shape whole = box({-0.1f, -0.3f, -0.2f}, {0.1f, 0.4f, 0.1f}),
+              upper = box({-0.1f, 0, -0.2f}, {0.1f, 0.4f, 0.1f}), below = box({0.5f, -0.4f, 0.5f}, {0.7f, -0.1f, 0.7f});
   const auto of = [](const Shape& s) { return bytes_of(lit({s.mesh(1)}, towards(40, 200), 0.3f).texture()); };
   EXPECT_EQ(of(whole), of(upper));
   const sandglass::Cast both = lit({upper.mesh(1), below.mesh(1)}, towards(40, 200), 0.3f);
@@ -251,7 +257,9 @@ TEST(Cast, ClosedMirroredAndShortIndicesAreTheSame) {
   small.index_bytes = 2;
   EXPECT_EQ(of(small), of(s.mesh(1)));
   Shape apart;
-  for (const uint32_t i : s.indices) apart.positions.insert(apart.positions.end(), {s.positions[3 * i], s.positions[3 * i + 1], s.positions[3 * i + 2], 0});
+  for (const uint32_t i : s.indices)
+    apart.positions.insert(apart.positions.end(),
+                           {s.positions[3 * i], s.positions[3 * i + 1], s.positions[3 * i + 2], 0});
   sandglass_cast_mesh without = apart.mesh(1);
   without.indices = nullptr;
   without.stride = 16;
@@ -302,7 +310,8 @@ TEST(Cast, WhatIsRealMasksWhatIsVirtual) {
 
 TEST(Cast, OneHashOnEveryInstructionSet) {
   const Mixed scene;
-  for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_NEON, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512, SANDGLASS_ISA_WASM}) {
+  for (const sandglass_isa isa :
+       {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_NEON, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512, SANDGLASS_ISA_WASM}) {
     sandglass_cast_desc desc = sandglass::cast_desc();
     desc.isa = isa;
     uint64_t bytes = 0;
@@ -426,7 +435,8 @@ TEST(Cast, LightBelowThePlaneThrowsNoShadow) {
 TEST(Cast, BadTrianglesAreLeftOutAndCounted) {
   Shape s = box({-0.1f, 0, -0.1f}, {0.1f, 0.4f, 0.1f});
   const std::vector<uint8_t> clean = bytes_of(lit({s.mesh(1)}, towards(50, 30), 0.3f).texture());
-  s.positions.insert(s.positions.end(), {std::nanf(""), 0.1f, 0, std::numeric_limits<float>::infinity(), 0, 0, 3e8f, 1, 1});
+  s.positions.insert(s.positions.end(),
+                     {std::nanf(""), 0.1f, 0, std::numeric_limits<float>::infinity(), 0, 0, 3e8f, 1, 1});
   s.indices.insert(s.indices.end(), {0, 1, 8, 0, 9, 1, 10, 1, 2, 0, 1, 4000000000u, 3, 3, 5, 6, 6, 6});
   const sandglass::Cast cast = lit({s.mesh(1)}, towards(50, 30), 0.3f);
   EXPECT_EQ(bytes_of(cast.texture()), clean);
@@ -445,7 +455,9 @@ TEST(Cast, AnyIndicesAndNumbersStayInTheBlock) {
   sandglass::test::GuardedBlock block(bytes);
   sandglass_cast* cast = nullptr;
   ASSERT_EQ(sandglass_cast_create(&desc, block.data(), bytes, &cast, nullptr), SANDGLASS_OK);
-  const float odd[] = {0, 1e-30f, -1e-30f, 1, -1, 1e3f, 1e5f, -1e6f, 1e7f, 1e38f, std::nanf(""), -std::numeric_limits<float>::infinity()};
+  const float odd[] = {0,    1e-30f, -1e-30f,       1,
+                       -1,   1e3f,   1e5f,          -1e6f,
+                       1e7f, 1e38f,  std::nanf(""), -std::numeric_limits<float>::infinity()};
   for (uint32_t round = 0; round < 200; ++round) {
     std::vector<float> positions(90);
     for (float& x : positions)
@@ -483,16 +495,19 @@ TEST(Cast, RefusesWhatItCannotUse) {
   const auto mesh = [&](const char* words, auto change, sandglass_status status = SANDGLASS_ERROR_INVALID_ARGUMENT) {
     sandglass_cast_mesh m = s.mesh();
     change(&m);
-    expect_refused(words, [&](const char** reason) { return sandglass_cast_set_meshes(cast.get(), &m, 1, reason); }, status);
+    expect_refused(
+        words, [&](const char** reason) { return sandglass_cast_set_meshes(cast.get(), &m, 1, reason); }, status);
   };
   mesh("positions", [](auto* m) { m->positions = nullptr; });
   mesh("stride", [](auto* m) { m->stride = 10; });
   mesh("index_bytes", [](auto* m) { m->index_bytes = 3; });
   mesh("world_from_mesh", [](auto* m) { m->world_from_mesh[13] = std::nanf(""); });
-  mesh("triangle_capacity", [](auto* m) { m->triangle_count = 5000; }, SANDGLASS_ERROR_CAPACITY);
+  mesh(
+      "triangle_capacity", [](auto* m) { m->triangle_count = 5000; }, SANDGLASS_ERROR_CAPACITY);
   const float light[3] = {0, 0, 0}, up[3] = {0, 1, 0};
   expect_refused("zero", [&](const char** reason) { return sandglass_cast_set_light(cast.get(), light, 0, reason); });
-  expect_refused("angular_diameter", [&](const char** reason) { return sandglass_cast_set_light(cast.get(), up, 2, reason); });
+  expect_refused("angular_diameter",
+                 [&](const char** reason) { return sandglass_cast_set_light(cast.get(), up, 2, reason); });
 }
 
 // Meshes that come and go while they are gathered: nothing of what has gone is read. The address sanitizer sees it.
@@ -545,7 +560,9 @@ TEST(Cast, ArrivesInFramesWithoutTime) {
     EXPECT_TRUE(sand.set_light(light));
     ASSERT_EQ(sandglass_scene_frame(scene.get(), &input, nullptr, nullptr), SANDGLASS_OK);
     sands += sand.texture().valid;
-    if (casts[0].texture().completed > 2 && casts[1].texture().completed > 2 && casts[0].ambient().completed > 0 && sands > 0) break;
+    if (casts[0].texture().completed > 2 && casts[1].texture().completed > 2 && casts[0].ambient().completed > 0 &&
+        sands > 0)
+      break;
   }
   EXPECT_LT(frames, 1500u);
   EXPECT_GT(casts[0].texture().completed + 2, casts[1].texture().completed);

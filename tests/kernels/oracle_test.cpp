@@ -836,7 +836,8 @@ void check_cast_triangles(uint32_t n) {
               for (uint32_t c = 0; c < 3; ++c) {
                 const double y = static_cast<double>(corners[3 * c + 1][i]);
                 p[c][0] = static_cast<double>(corners[3 * c][i]) * 70.0 - y * 25.0 + static_cast<double>(offset[0]) - u;
-                p[c][1] = static_cast<double>(corners[3 * c + 2][i]) * 60.0 + y * 14.0 + static_cast<double>(offset[1]) - v;
+                p[c][1] =
+                    static_cast<double>(corners[3 * c + 2][i]) * 60.0 + y * 14.0 + static_cast<double>(offset[1]) - v;
               }
               const double area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
               if (closed != 0 && area > 1e-3) continue;
@@ -850,7 +851,8 @@ void check_cast_triangles(uint32_t n) {
             }
             if (near_edge && !hidden) continue;
             ++certain;
-            ASSERT_EQ(image[v * words + u / 64] >> (u % 64) & 1, hidden ? 1u : 0u) << u << " " << v << " closed " << closed;
+            ASSERT_EQ(image[v * words + u / 64] >> (u % 64) & 1, hidden ? 1u : 0u)
+                << u << " " << v << " closed " << closed;
           }
         ASSERT_GT(certain, texels * texels * 9 / 10);
       }
@@ -909,7 +911,8 @@ void check_cast_calm(uint32_t n) {
       for (uint32_t i = 0; i < n; ++i) {
         double least = 1e9, most = -1e9, all = 0;
         for (uint32_t k = 0; k < rows; ++k) {
-          least = std::min(least, static_cast<double>(low[k][i])), most = std::max(most, static_cast<double>(high[k][i]));
+          least = std::min(least, static_cast<double>(low[k][i])),
+          most = std::max(most, static_cast<double>(high[k][i]));
           all += static_cast<double>(sum[k][i]);
         }
         const double share = std::clamp(2 - (most - least) / 4, 0.0, 1.0), x = static_cast<double>(before[i]);

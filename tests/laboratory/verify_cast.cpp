@@ -61,7 +61,9 @@ int verify_cast_command(const VerifyOptions& options) {
     rows.meshes.push_back({stem, std::move(result.mesh), result.report.watertight() && result.report.oriented()});
   }
   if (!options.panoramas.empty() || !data_folder().empty())
-    for (const std::string& path : find_panoramas(options.panoramas.empty() ? std::vector<std::string>{data_folder() + "/hdri/indoor"} : options.panoramas)) {
+    for (const std::string& path :
+         find_panoramas(options.panoramas.empty() ? std::vector<std::string>{data_folder() + "/hdri/indoor"}
+                                                  : options.panoramas)) {
       rows.rooms.push_back(small_panorama(path));
       if (options.quick && rows.rooms.size() == 6) break;
     }

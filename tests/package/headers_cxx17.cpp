@@ -1,5 +1,6 @@
 // The public headers in the oldest C++ that they promise, without exceptions and RTTI, with the layout that C has.
 #include "sandglass/camera.h"
+#include "sandglass/cast.h"
 #include "sandglass/estimate.h"
 #include "sandglass/field.h"
 #include "sandglass/pile_shadow.h"

@@ -698,7 +698,9 @@ class Cast {
  public:
   // Allocates the block, once and for all. Fails like sandglass_cast_create, or with MEMORY_TOO_SMALL when the heap has no
   // such block; an existing cast is then kept.
-  Status create(const sandglass_cast_desc& desc) { return owned_.create(desc, sandglass_cast_bytes, sandglass_cast_create); }
+  Status create(const sandglass_cast_desc& desc) {
+    return owned_.create(desc, sandglass_cast_bytes, sandglass_cast_create);
+  }
 
   // True once create has succeeded.
   explicit operator bool() const { return get() != nullptr; }

@@ -19,11 +19,11 @@ constexpr double k_bias = 2e-3;    // of the map's depth
 }  // namespace
 
 struct ShadowMap::Maps {
-  Vec3 towards, u, v;          // the light's frame
-  double low[3], size[3];      // of u, v and depth along -towards
-  double tangent;              // of the light's half angle
-  double highest = 0;          // the longest way from the mesh to the floor, along the light
-  std::vector<float> depth;    // of the mesh, in size[2]; 1: nothing
+  Vec3 towards, u, v;        // the light's frame
+  double low[3], size[3];    // of u, v and depth along -towards
+  double tangent;            // of the light's half angle
+  double highest = 0;        // the longest way from the mesh to the floor, along the light
+  std::vector<float> depth;  // of the mesh, in size[2]; 1: nothing
   // Integral images of exp(c d) and its square, one more row and column. Here d is 1 less the way to the floor, so that the
   // floor, which must be in such a map, never shades itself.
   std::vector<double> first, second;
@@ -41,7 +41,8 @@ struct ShadowMap::Maps {
   std::array<double, 2> means(double a, double b, double half_a, double half_b) const {
     const auto bound = [](double t) { return std::clamp(static_cast<int>(std::lround(t * k_side)), 0, k_side); };
     const int i0 = bound(a - half_a), j0 = bound(b - half_b);
-    const int i1 = std::min(k_side, std::max(i0 + 1, bound(a + half_a))), j1 = std::min(k_side, std::max(j0 + 1, bound(b + half_b)));
+    const int i1 = std::min(k_side, std::max(i0 + 1, bound(a + half_a))),
+              j1 = std::min(k_side, std::max(j0 + 1, bound(b + half_b)));
     const auto sum = [&](const std::vector<double>& m) {
       const auto of = [&](int i, int j) { return m[static_cast<size_t>(j * (k_side + 1) + i)]; };
       return (of(i1, j1) - of(i0, j1) - of(i1, j0) + of(i0, j0)) / std::max(1, (i1 - i0) * (j1 - j0));
@@ -69,7 +70,8 @@ ShadowMap::ShadowMap(const Mesh& mesh, const ShadowRectangle& rectangle, const D
     const double c[3] = {dot(p, m.u), dot(p, m.v), -dot(p, m.towards)};
     for (int a = 0; a < 3; ++a) m.low[a] = std::min(m.low[a], c[a]), high[a] = std::max(high[a], c[a]);
   };
-  for (size_t i = 0; i < mesh.vertices.size(); i += 3) extend({mesh.vertices[i], mesh.vertices[i + 1], mesh.vertices[i + 2]});
+  for (size_t i = 0; i < mesh.vertices.size(); i += 3)
+    extend({mesh.vertices[i], mesh.vertices[i + 1], mesh.vertices[i + 2]});
   for (size_t i = 1; i < mesh.vertices.size(); i += 3)
     m.highest = std::max(m.highest, static_cast<double>(mesh.vertices[i]) / std::max(m.towards.y, 0.05));
   for (const double x : {rectangle.low_x, rectangle.high_x})
@@ -139,7 +141,8 @@ double ellipse(const ShadowBox& box, const Direction& light, double half_angle, 
   const double along = 0.5 * (box.half_x + box.half_z) + 0.5 * slope * height, across = 0.5 * (box.half_x + box.half_z);
   const double dx = x + 0.5 * slope * height * ax, dz = z + 0.5 * slope * height * az;
   const double p = (dx * ax + dz * az) / along, q = (-dx * az + dz * ax) / across, r = std::hypot(p, q);
-  const double blur = std::max(0.02, std::tan(half_angle) * 0.5 * height * std::hypot(1.0, slope) / std::sqrt(along * across));
+  const double blur =
+      std::max(0.02, std::tan(half_angle) * 0.5 * height * std::hypot(1.0, slope) / std::sqrt(along * across));
   return std::clamp(0.5 + 0.5 * (r - 1) / blur, 0.0, 1.0);
 }
 

@@ -61,10 +61,10 @@ Direction direction_at(double elevation, double azimuth) {
 struct CastChoice {
   uint32_t texels = 128, directions = 64;
   bool closed = true;
-  uint32_t version = 0;                                              // of the mesh
-  const Mesh* real = nullptr;                                        // stands in the camera's image
-  std::optional<ShadowRectangle> limits;                             // of the plane
-  std::optional<std::array<float, SANDGLASS_LIGHT_CELLS>> cells;     // draws the ambient shadow instead
+  uint32_t version = 0;                                           // of the mesh
+  const Mesh* real = nullptr;                                     // stands in the camera's image
+  std::optional<ShadowRectangle> limits;                          // of the plane
+  std::optional<std::array<float, SANDGLASS_LIGHT_CELLS>> cells;  // draws the ambient shadow instead
 };
 
 sandglass_cast_mesh mesh_of(const Mesh& mesh, bool closed, bool is_real) {
@@ -93,7 +93,8 @@ Drawn cast_of(const Mesh& mesh, const Light& light, const CastChoice& choice, Ca
   sandglass_cast_plane plane = cast_plane();
   if (choice.limits) {
     plane.low[0] = static_cast<float>(choice.limits->low_x), plane.low[1] = static_cast<float>(choice.limits->low_z);
-    plane.high[0] = static_cast<float>(choice.limits->high_x), plane.high[1] = static_cast<float>(choice.limits->high_z);
+    plane.high[0] = static_cast<float>(choice.limits->high_x),
+    plane.high[1] = static_cast<float>(choice.limits->high_z);
   }
   std::vector<sandglass_cast_mesh> meshes = {mesh_of(mesh, choice.closed, false)};
   meshes[0].version = choice.version;
@@ -144,9 +145,11 @@ ShadowRectangle fitted(const ShadowBox& box, const Light& light) {
   const Direction& d = light.direction;
   const double flat = std::hypot(d[0], d[2]), ax = flat > 0 ? d[0] / flat : 1, az = flat > 0 ? d[2] / flat : 0;
   for (int i = 0; i < 720; ++i) {
-    const double f = 2 * std::numbers::pi * i / 720, a = std::sin(light.half) * std::cos(f), b = std::sin(light.half) * std::sin(f);
+    const double f = 2 * std::numbers::pi * i / 720, a = std::sin(light.half) * std::cos(f),
+                 b = std::sin(light.half) * std::sin(f);
     const double y = std::max(std::cos(light.half) * d[1] + a * flat, 0.02), p = std::cos(light.half) * flat - a * d[1];
-    const double x = (p * ax - b * az) / y, z = (p * az + b * ax) / y, length = std::hypot(x, z), k = length > 4 ? 4 / length : 1;
+    const double x = (p * ax - b * az) / y, z = (p * az + b * ax) / y, length = std::hypot(x, z),
+                 k = length > 4 ? 4 / length : 1;
     low[0] = std::min(low[0], k * x), high[0] = std::max(high[0], k * x);
     low[1] = std::min(low[1], k * z), high[1] = std::max(high[1], k * z);
   }
@@ -160,7 +163,8 @@ std::vector<Light> wide_lights(const CastRowsOptions& options) {
   std::vector<Light> lights;
   for (const double half : {2.0, 5.0, 10.0, 20.0})
     for (const double elevation : {20.0, 45.0, 70.0})
-      lights.push_back({direction_at(elevation * k_degree, 0.7 + 1.9 * static_cast<double>(lights.size()) + 0.37 * static_cast<double>(options.seed)),
+      lights.push_back({direction_at(elevation * k_degree, 0.7 + 1.9 * static_cast<double>(lights.size()) +
+                                                               0.37 * static_cast<double>(options.seed)),
                         half * k_degree});
   if (options.quick)
     for (size_t i = 0; i < 3; ++i) lights[i] = lights[4 * i + 1];
@@ -243,7 +247,8 @@ void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, Thread
     double hidden = 0, all = 0;
     for (size_t i = 0; i < truth.a.size(); ++i) {
       const double dark = 1 - ellipse(object.box, light.direction, light.half, fine.place(i)[0], fine.place(i)[1]);
-      hidden += dark * (1 - 0.5 * (static_cast<double>(truth.a[i]) + static_cast<double>(truth.b[i]))), all += dark * dark;
+      hidden += dark * (1 - 0.5 * (static_cast<double>(truth.a[i]) + static_cast<double>(truth.b[i]))),
+          all += dark * dark;
     }
     peer("ellipse", [&](double x, double z) {
       return 1 - hidden / all * (1 - ellipse(object.box, light.direction, light.half, x, z));
@@ -288,11 +293,12 @@ void baked_lights(const CastRowsOptions& options, const CastMeshFile& file, Thre
     Drawn other;
     other.texels = SANDGLASS_SHADOW_TEXELS;
     const double s = object.scale;
-    other.rectangle = {(t.low[0] - object.origin[0]) / s, (t.low[1] - object.origin[2]) / s, (t.high[0] - object.origin[0]) / s,
-                       (t.high[1] - object.origin[2]) / s};
+    other.rectangle = {(t.low[0] - object.origin[0]) / s, (t.low[1] - object.origin[2]) / s,
+                       (t.high[0] - object.origin[0]) / s, (t.high[1] - object.origin[2]) / s};
     for (uint32_t i = 0; i < other.texels * other.texels; ++i)
       other.left.push_back(1 - static_cast<float>(t.coverage[i]) / 255.0f * t.opacity);
-    of_network.add(error_of([&](size_t i) { return other.at(drawn.place(i)[0], drawn.place(i)[1]); }, truth, drawn.area(), area));
+    of_network.add(
+        error_of([&](size_t i) { return other.at(drawn.place(i)[0], drawn.place(i)[1]); }, truth, drawn.area(), area));
   }
   rows->at_most(file.name, "lights of the bake, K 64", of_cast.mean(), 0.012);
   rows->at_most(file.name, "lights of the bake, its network", of_network.mean(), k_reported);
@@ -349,7 +355,8 @@ void below_table(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
   Mesh board;
   for (uint32_t i = 0; i < 8; ++i)
     for (uint32_t axis = 0; axis < 3; ++axis) board.vertices.push_back((i >> axis & 1) != 0 ? high[axis] : low[axis]);
-  board.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+  board.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                   2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
   Mesh both = up;
   both.vertices.insert(both.vertices.end(), board.vertices.begin(), board.vertices.end());
   for (const uint32_t i : board.indices) both.indices.push_back(up.vertex_count() + i);
@@ -365,7 +372,8 @@ void below_table(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
       with_table.real = &board;
       const Drawn drawn = cast_of(up, light, with_table), plain = cast_of(up, light, choice);
       ++stream;
-      const Truth of_both = truth_of(both, light, drawn, stream, pool), of_board = truth_of(board, light, drawn, stream, pool);
+      const Truth of_both = truth_of(both, light, drawn, stream, pool),
+                  of_board = truth_of(board, light, drawn, stream, pool);
       Drawn whole;  // the rectangle in which the bar was measured
       whole.rectangle = *choice.limits;
       whole.texels = 64;
@@ -429,7 +437,8 @@ void in_rooms(const CastRowsOptions& options, const CastMeshFile& file, bool wal
   const StandingObject object = stand_on_plane(file.mesh, file.name);
   Mesh mesh = wall ? before_wall(object, 0.3) : object.mesh;
   if (wall)  // the middle of the square is where the object's middle is
-    for (size_t i = 2; i < mesh.vertices.size(); i += 3) mesh.vertices[i] += static_cast<float>(0.75 * object.box.height);
+    for (size_t i = 2; i < mesh.vertices.size(); i += 3)
+      mesh.vertices[i] += static_cast<float>(0.75 * object.box.height);
   const EmbreeScene scene = EmbreeScene::triangles(mesh.vertices, mesh.indices);
   const FloorSquare square{wall ? 0.75 * object.box.height : 2 * object.box.height, 64};
   const ShadowRectangle around = {-square.half, -square.half, square.half, square.half};
@@ -484,7 +493,8 @@ void shimmer(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
         if (!of_light)
           for (size_t i = 0; i < mesh.vertices.size(); i += 3) {
             const double x = static_cast<double>(mesh.vertices[i]), z = static_cast<double>(mesh.vertices[i + 2]);
-            mesh.vertices[i] = static_cast<float>(c * x - s * z), mesh.vertices[i + 2] = static_cast<float>(s * x + c * z);
+            mesh.vertices[i] = static_cast<float>(c * x - s * z),
+            mesh.vertices[i + 2] = static_cast<float>(s * x + c * z);
           }
         const Light light = {of_light ? turned(from, degrees) : from, half * k_degree};
         CastChoice choice;
@@ -510,8 +520,12 @@ void shimmer(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
       box.half_x = box.half_z = 0.5;
       const double area = area_of(fitted(box, {from, half * k_degree}));
       const double change = std::sqrt(std::max(sum, 0.0) / (k_frames - 1) * first.area() / area);
-      rows->chosen_on(file.name, std::string(of_light ? "light" : "object") + " turns, " + (half < 10 ? "5" : "20") + " degrees", change,
-                    of_light ? (half < 10 ? 0.010 : 0.0055) : half < 10 ? 0.0075 : 0.0035);
+      rows->chosen_on(file.name,
+                      std::string(of_light ? "light" : "object") + " turns, " + (half < 10 ? "5" : "20") + " degrees",
+                      change,
+                      of_light    ? (half < 10 ? 0.010 : 0.0055)
+                      : half < 10 ? 0.0075
+                                  : 0.0035);
     }
 }
 
