@@ -362,6 +362,8 @@ void hold_anew(HeldPose* p, const Placement& told) {
     if (told.linear[k] != 0.0f || told.angular[k] != 0.0f) p->moved = k_moved_frames, p->believed = 1;
 }
 
+void hold_returns(HeldPose* p) { p->beyond = k_beyond_frames; }
+
 void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, const HoldRule& rule) {
   Placement told = now;
   float with = 0.0f;

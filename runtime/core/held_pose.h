@@ -51,6 +51,8 @@ struct HoldRule {
 
 // A collider that was not known before is where it is told to be.
 void hold_anew(HeldPose* pose, const Placement& told);
+// Of the next told pose nobody knows whether it is an outlier, because none came before: it is followed at once.
+void hold_returns(HeldPose* pose);
 // A frame of `step` seconds, above 0. told.pose.rotation has length 1.
 void hold(HeldPose* pose, sandglass_shape shape, const Placement& told, float step, const HoldRule& rule);
 

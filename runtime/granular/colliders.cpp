@@ -209,6 +209,7 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
       known.used != 0 && known.id == now.id && known.shape == now.shape && recognisable(known, now, g.time.frame_step);
   const bool continued = same_one && known.absent <= g.time.frame_step;
   const Placement before = placement_of(c.of_slot[slot]);
+  if (c.waits) hold_returns(&known.pose);  // a save may be older than where a lift is now
   if (!same_one) hold_anew(&known.pose, placement_of(now));
   else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g.time.frame_step, rule);
   known.used = 1;
@@ -227,6 +228,15 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   c.of_slot[slot] = now;
   place(&c.of_slot[slot], met);
   c.seen_by[slot] = now.grains_only != 0 ? SeenBy::grains : SeenBy::all;
+}
+
+// A collider that had lost its id for a while has it again: what was known without one is not another that has jumped.
+void forget_without_id(Colliders* c, uint32_t capacity, const sandglass_collider& now) {
+  for (uint32_t slot = 0; now.id != 0 && slot < capacity; ++slot) {
+    KnownCollider& known = c->known[slot];
+    if (known.used == 0 || known.id != 0 || known.shape != now.shape || c->seen_by[slot] != SeenBy::none) continue;
+    if (apart2(known, now) <= k_in_place * k_in_place) known.used = 0;
+  }
 }
 
 // ---- what sleepers have seen
@@ -385,6 +395,7 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
                        : slot_by_place(c, capacity, now, place - 1, g.time.frame_step);
       if (slot == k_no_slot) continue;
       hold_slot(&c, g, slot, now, owed, rule);
+      forget_without_id(&c, capacity, now);
       c.known[slot].place = place - 1;
       c.known[slot].listed = i;
     }

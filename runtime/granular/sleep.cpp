@@ -327,28 +327,39 @@ bool sleep_run_wake(Sleep* sleep, const Granular& g, uint32_t* cursor) {
 
 // ---- sleep: who has stayed near its anchor, and who has moved on
 
-// Whether a particle touches a particle, not of its own body, the boundary or a collider. Without gravity all may rest.
+static bool is_far_from(const ColliderFrame& c, const float position[3], float margin) {
+  if (c.shape == SANDGLASS_SHAPE_HALF_SPACE || c.shape == SANDGLASS_SHAPE_FIELD) return false;
+  for (int k = 0; k < 3; ++k)
+    if (__builtin_fabsf(position[k] - c.position[k]) > c.extent[k] + margin) return true;
+  return false;
+}
+
+// Whether a particle touches a particle, not of its own body, the boundary or a collider, and its centre lies in none:
+// from there it is on its way out. Without gravity all may rest.
 static bool may_rest(const Granular& g, uint32_t i) {
   if (!(g.gravity_length > 0.0f)) return true;
   const Particle& p = *particle_at(g, i);
   const float r = g.desc.particle_radius, gap = k_touch_gap_radii * r, near2 = (2.0f * r + gap) * (2.0f * r + gap);
   if (has_departed(p)) return false;  // its list is old
-  uint32_t count;
-  const uint32_t* row = neighbours_of(g, i, &count);
-  for (uint32_t s = 0; s < count; ++s) {
-    const Particle& other = *particle_at(g, row[s]);
-    if (in_body(p) && body_of(p) == body_of(other)) continue;
-    if (apart2(other.position, p.position) < near2) return true;
-  }
+  bool touches = false;
   alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group] = {};
+  for (int k = 0; k < 3; ++k) points[0].position[k] = p.position[k];
   for (uint32_t c = 0; c < g.colliders.substep_count; ++c) {
-    const SurfaceArgs args = {points, &g.colliders.substep_frames[c]};
-    for (int k = 0; k < 3; ++k) points[0].position[k] = p.position[k];
+    const ColliderFrame& collider = g.colliders.substep_frames[c];
+    if (is_far_from(collider, p.position, r + gap)) continue;
+    const SurfaceArgs args = {points, &collider};
     uint32_t unused = 0;
     g.kernels->surface_at(&args, 0, k_lane_group, &unused);
-    if (points[0].distance < r + gap) return true;
+    if (points[0].distance < 0.0f) return false;
+    touches = touches || points[0].distance < r + gap;
   }
-  return false;
+  uint32_t count;
+  const uint32_t* row = neighbours_of(g, i, &count);
+  for (uint32_t s = 0; s < count && !touches; ++s) {
+    const Particle& other = *particle_at(g, row[s]);
+    touches = !(in_body(p) && body_of(p) == body_of(other)) && apart2(other.position, p.position) < near2;
+  }
+  return touches;
 }
 
 // Checks in a row that must find a particle near one place.
