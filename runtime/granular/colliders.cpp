@@ -96,10 +96,25 @@ uint32_t slot_by_identity(const Colliders& c, uint32_t capacity, const sandglass
   return found;
 }
 
-// By its place in the list where it lies near, else the nearest, and of two that are near the one that was passed in the
-// last frame; else a slot for a new one, if need be of one that is not passed any more.
-uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_collider& now, uint32_t place,
-                       float step) {
+// Whether another collider of the list, which has no slot yet either, lies nearer to a slot.
+bool is_anothers(const Colliders& c, uint32_t capacity, const sandglass_frame_input& input, uint32_t slot,
+                 const sandglass_collider& now, uint32_t place, float step) {
+  const float mine2 = apart2(c.known[slot], now);
+  uint32_t other_place = 0;
+  for (uint32_t i = 0; i < input.collider_count && other_place < capacity; ++i) {
+    sandglass_collider other;
+    if (!collider_accept(input.colliders[i], &other)) continue;
+    const uint32_t at = other_place++;
+    if (at == place || c.slot_of_place[at] != k_no_slot || other.shape != now.shape || other.id != now.id) continue;
+    if (recognisable(c.known[slot], other, step) && apart2(c.known[slot], other) < mine2) return true;
+  }
+  return false;
+}
+
+// By its place in the list where it lies near, else the nearest that is not nearer to another, and of two that are near
+// the one that was passed in the last frame; else a slot for a new one, if need be of one that is not passed any more.
+uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_frame_input& input,
+                       const sandglass_collider& now, uint32_t place, float step) {
   uint32_t nearest = k_no_slot;
   float nearest2 = 0.0f;
   for (uint32_t slot = 0; slot < capacity; ++slot) {
@@ -107,7 +122,8 @@ uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_co
     const bool in_place = c.known[slot].place == place, passed = c.known[slot].absent <= step;
     const float near2 = k_in_place * k_in_place, way2 = apart2(c.known[slot], now) + (passed ? 0.0f : near2);
     if (in_place && passed && way2 <= near2) return slot;
-    if (nearest == k_no_slot || way2 < nearest2 || (way2 == nearest2 && in_place)) nearest = slot, nearest2 = way2;
+    if (nearest != k_no_slot && !(way2 < nearest2 || (way2 == nearest2 && in_place))) continue;
+    if (!is_anothers(c, capacity, input, slot, now, place, step)) nearest = slot, nearest2 = way2;
   }
   if (nearest != k_no_slot) return nearest;
   uint32_t oldest = k_no_slot;
@@ -392,7 +408,7 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
       uint32_t& slot = c.slot_of_place[place++];
       if (pass == 1 && slot != k_no_slot) continue;
       slot = pass == 0 ? slot_by_identity(c, capacity, now, place - 1)
-                       : slot_by_place(c, capacity, now, place - 1, g.time.frame_step);
+                       : slot_by_place(c, capacity, input, now, place - 1, g.time.frame_step);
       if (slot == k_no_slot) continue;
       hold_slot(&c, g, slot, now, owed, rule);
       forget_without_id(&c, capacity, now);
