@@ -111,8 +111,8 @@ bool is_anothers(const Colliders& c, uint32_t capacity, const sandglass_frame_in
   return false;
 }
 
-// By its place in the list where it lies near, else the nearest that is not nearer to another, and of two that are near
-// the one that was passed in the last frame; else a slot for a new one, if need be of one that is not passed any more.
+// By its place in the list where it lies near, else the nearest, unless that is far and nearer to another; of two that are
+// near the one that was passed in the last frame; else a slot for a new one, if need be of one that is not passed any more.
 uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_frame_input& input,
                        const sandglass_collider& now, uint32_t place, float step) {
   uint32_t nearest = k_no_slot;
@@ -123,7 +123,8 @@ uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_fr
     const float near2 = k_in_place * k_in_place, way2 = apart2(c.known[slot], now) + (passed ? 0.0f : near2);
     if (in_place && passed && way2 <= near2) return slot;
     if (nearest != k_no_slot && !(way2 < nearest2 || (way2 == nearest2 && in_place))) continue;
-    if (!is_anothers(c, capacity, input, slot, now, place, step)) nearest = slot, nearest2 = way2;
+    const bool is_near = way2 <= k_found_again * k_found_again;
+    if (is_near || !is_anothers(c, capacity, input, slot, now, place, step)) nearest = slot, nearest2 = way2;
   }
   if (nearest != k_no_slot) return nearest;
   uint32_t oldest = k_no_slot;
