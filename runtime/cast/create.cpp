@@ -6,6 +6,7 @@
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/finite.h"
 #include "runtime/core/math.h"
+#include "runtime/core/plane_axes.h"
 #include "runtime/core/refuse.h"
 #include "runtime/shadow/light_direction.h"
 
@@ -71,37 +72,13 @@ sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
 sandglass_status frame_of(const sandglass_cast_plane& plane, CastFrame* frame, const char** reason) {
   if (!all_within(plane.origin, 3, -k_cast_far, k_cast_far))
     return refuse(reason, "plane.origin is not finite, or 1000 km away");
-  if (!all_finite(plane.normal, 3) || !all_finite(plane.along, 3))
-    return refuse(reason, "plane.normal or along is not finite");
   for (uint32_t axis = 0; axis < 2; ++axis)
     if (!within(plane.low[axis], -k_cast_far, k_cast_far) || !within(plane.high[axis], -k_cast_far, k_cast_far) ||
         !(plane.high[axis] > plane.low[axis]))
       return refuse(reason, "plane.low and high are not finite, or high is not above low");
   if (plane.is_virtual > 1) return refuse(reason, "plane.is_virtual is neither 0 nor 1");
-  double n[3], a[3], largest[2] = {0, 0};
-  for (uint32_t i = 0; i < 3; ++i) {
-    n[i] = static_cast<double>(plane.normal[i]);
-    a[i] = static_cast<double>(plane.along[i]);
-    largest[0] = absolute(n[i]) > largest[0] ? absolute(n[i]) : largest[0];
-    largest[1] = absolute(a[i]) > largest[1] ? absolute(a[i]) : largest[1];
-  }
-  if (!(largest[0] > 0) || !(largest[1] > 0)) return refuse(reason, "plane.normal or along is the zero vector");
-  for (uint32_t i = 0; i < 3; ++i) n[i] /= largest[0], a[i] /= largest[1];
-  const double length = square_root(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-  for (double& x : n) x /= length;
-  const double share = a[0] * n[0] + a[1] * n[1] + a[2] * n[2];
-  for (uint32_t i = 0; i < 3; ++i) a[i] -= share * n[i];
-  const double left = square_root(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-  if (!(left > 1e-3)) return refuse(reason, "plane.along is along the normal: it must lie in the plane");
-  for (uint32_t i = 0; i < 3; ++i) {
-    frame->origin[i] = static_cast<double>(plane.origin[i]);
-    frame->axes[0][i] = a[i] / left;
-    frame->axes[1][i] = n[i];
-  }
-  const double* x = frame->axes[0];
-  frame->axes[2][0] = x[1] * n[2] - x[2] * n[1];
-  frame->axes[2][1] = x[2] * n[0] - x[0] * n[2];
-  frame->axes[2][2] = x[0] * n[1] - x[1] * n[0];
+  if (const char* wrong = plane_axes(plane.normal, plane.along, frame->axes)) return refuse(reason, wrong);
+  for (uint32_t i = 0; i < 3; ++i) frame->origin[i] = static_cast<double>(plane.origin[i]);
   for (uint32_t axis = 0; axis < 2; ++axis) frame->low[axis] = plane.low[axis], frame->high[axis] = plane.high[axis];
   frame->is_virtual = plane.is_virtual != 0;
   return accept(reason);

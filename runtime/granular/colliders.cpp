@@ -15,6 +15,7 @@ constexpr double k_way_resolution = 1e-6;  // metres or radians; what is shorter
 constexpr float k_gone_seconds = 0.25f;    // after so long, one that is not passed is no longer recognised by its place
 constexpr float k_recognised = 0.25f;      // metres that a collider may have gone since the last frame
 constexpr float k_found_again = 0.01f;     // and that one without an id may, if it was not passed then
+constexpr float k_lost_id = 0.05f;         // metres that one may go while it has lost its id
 constexpr float k_in_place = 0.003f;       // metres; at its place in the list, one that is so near is the same
 
 bool normalise(float q[4]) {
@@ -247,12 +248,13 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   c.seen_by[slot] = now.grains_only != 0 ? SeenBy::grains : SeenBy::all;
 }
 
-// A collider that had lost its id for a while has it again: what was known without one is not another that has jumped.
-void forget_without_id(Colliders* c, uint32_t capacity, const sandglass_collider& now) {
+// A collider that had lost its id, and has it again: what was known without one about there is not another that jumps.
+// `most`: metres that it may have gone meanwhile.
+void forget_without_id(Colliders* c, uint32_t capacity, const sandglass_collider& now, float most) {
   for (uint32_t slot = 0; now.id != 0 && slot < capacity; ++slot) {
     KnownCollider& known = c->known[slot];
     if (known.used == 0 || known.id != 0 || known.shape != now.shape || c->seen_by[slot] != SeenBy::none) continue;
-    if (apart2(known, now) <= k_in_place * k_in_place) known.used = 0;
+    if (apart2(known, now) <= most * most) known.used = 0;
   }
 }
 
@@ -411,8 +413,9 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
       slot = pass == 0 ? slot_by_identity(c, capacity, now, place - 1)
                        : slot_by_place(c, capacity, input, now, place - 1, g.time.frame_step);
       if (slot == k_no_slot) continue;
+      const bool returns = c.known[slot].used != 0 && c.known[slot].absent > g.time.frame_step;
       hold_slot(&c, g, slot, now, owed, rule);
-      forget_without_id(&c, capacity, now);
+      forget_without_id(&c, capacity, now, returns ? k_lost_id : k_in_place);
       c.known[slot].place = place - 1;
       c.known[slot].listed = i;
     }

@@ -22,6 +22,7 @@
 #include "runtime/core/harmonics.h"
 #include "runtime/core/luminance.h"
 #include "runtime/core/math.h"
+#include "runtime/core/plane_axes.h"
 #include "runtime/room/room.h"
 
 namespace sandglass {
@@ -173,8 +174,14 @@ KnownPart known_part(const Room& room, const Memory& memory, uint32_t i, const R
           bounded_tilt(k_aside * part.aside)};
 }
 
+// The plane whose light is asked for: its axes (along, normal, across) in the sphere's frame, and turns to its azimuth 0.
+struct Facing {
+  double axes[3][3], yaw;
+};
+constexpr double k_level[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
 // One piece of a part, from the sphere to the object.
-void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3], double area, const double at[3],
+void add_piece(Sums* sums, const SinCos& turn, const Facing& plane, const double sphere[3], double area, const double at[3],
                const KnownPart& part, double tilt, const double unseen[3]) {
   const double seen_share = part.seen * tilt, rest = 1 - part.seen;
   const double colour[3] = {seen_share * part.lit[0] + rest * unseen[0], seen_share * part.lit[1] + rest * unseen[1],
@@ -182,16 +189,17 @@ void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3
   double q[3], along = 0, squared = 0;
   for (int k = 0; k < 3; ++k) q[k] = sphere[k] - at[k], along += sphere[k] * at[k], squared += q[k] * q[k];
   const double distance = square_root(squared), omega = area * (1 - along) / (squared * distance);
-  if (!(q[1] > 0)) return;
-  const double local[3] = {q[0] / distance, q[1] / distance, q[2] / distance};
-  const double world[3] = {turn.cos * local[0] - turn.sin * local[2], local[1],
-                           turn.sin * local[0] + turn.cos * local[2]};
+  for (double& x : q) x /= distance;
+  double local[3];
+  for (int k = 0; k < 3; ++k) local[k] = plane.axes[k][0] * q[0] + plane.axes[k][1] * q[1] + plane.axes[k][2] * q[2];
+  if (!(local[1] > 0)) return;
+  const double world[3] = {turn.cos * q[0] - turn.sin * q[2], q[1], turn.sin * q[0] + turn.cos * q[2]};
   double polynomials[k_harmonics];
   harmonic_polynomials(world, polynomials);
   for (uint32_t j = 0; j < k_harmonics; ++j)
     for (uint32_t c = 0; c < 3; ++c) sums->sh[3 * j + c] += omega * k_harmonic_factors[j] * polynomials[j] * colour[c];
-  const double facing = omega * world[1];
-  const uint32_t cell = cell_of(local, yaw);
+  const double facing = omega * local[1];
+  const uint32_t cell = cell_of(local, plane.yaw);
   for (uint32_t c = 0; c < 3; ++c) sums->cells[cell][c] += facing * colour[c];
   const double seen = facing * seen_share * part.bright;
   sums->even[cell] += facing;
@@ -208,7 +216,7 @@ void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3
 }
 
 void sum_up(const Room& room, const Memory& memory, const RoomModel& model, const Overview& all, const Hint& hint,
-            const double at[3], Sums* sums) {
+            const double at[3], const Facing& plane, Sums* sums) {
   const SinCos turn = sin_cos_turns(room.yaw);
   constexpr uint32_t k_rows = k_room_rows * k_row_split, k_columns = k_room_columns * k_column_split;
   constexpr double k_area = 2 * k_pi / k_columns * k_pi / k_rows;
@@ -234,7 +242,7 @@ void sum_up(const Room& room, const Memory& memory, const RoomModel& model, cons
       const double tilt = (1 + part.up * (static_cast<int>(row % k_row_split) - 1)) / (1 + part.up * upper) *
                           (1 + part.aside * (i % k_column_split == 0 ? -1 : 1));
       const double colour[3] = {unseen * all.colour[0], unseen * all.colour[1], unseen * all.colour[2]};
-      add_piece(sums, turn, room.yaw, sphere, k_area * elevation.cos, at, part, tilt, colour);
+      add_piece(sums, turn, plane, sphere, k_area * elevation.cos, at, part, tilt, colour);
     }
   }
 }
@@ -436,12 +444,45 @@ double level_of(const Room& room, const RoomModel& model, const Overview& all, d
   return exponential((1 - weight) * logarithm(by_cells) + weight * logarithm(by_floor));
 }
 
-uint32_t shown_cell(const Room& room, const float direction[3]) {
+uint32_t shown_cell(const Room& room, const Facing& plane, const float direction[3]) {
   const double world[3] = {static_cast<double>(direction[0]), static_cast<double>(direction[1]),
                            static_cast<double>(direction[2])};
-  double local[3];
-  room_to_sphere(room, world, local);
-  return cell_of(local, room.yaw);
+  double d[3], local[3];
+  room_to_sphere(room, world, d);
+  for (int k = 0; k < 3; ++k) local[k] = plane.axes[k][0] * d[0] + plane.axes[k][1] * d[1] + plane.axes[k][2] * d[2];
+  return cell_of(local, plane.yaw);
+}
+
+// What is asked of a plane: its cells, its main light, and the irradiance, in units of `unit`.
+void find_cells(const Room& room, const RoomModel& model, const Facing& plane, const sandglass_room_place& place,
+                const Sums& sums, double unit, sandglass_room_light* out) {
+  double total = 0, colour[3] = {};
+  for (uint32_t i = 0; i < k_light_cells; ++i) {
+    total += luminance(sums.cells[i]);
+    for (int c = 0; c < 3; ++c) colour[c] += sums.cells[i][c];
+  }
+  // The total is 0 where all that was seen is black: an even sky that gives nothing.
+  for (uint32_t i = 0; i < k_light_cells; ++i)
+    out->cells[i] = out->ambient_cells[i] =
+        total > 0 ? static_cast<float>(luminance(sums.cells[i]) / total) : k_prior_ring_shares[i / k_cell_sectors];
+  out->main_direction[0] = out->main_direction[2] = 0;
+  out->main_direction[1] = 1;
+  for (float& c : out->main_colour) c = 1;
+  out->main_share = 0;
+  uint32_t shown = 0;
+  const bool is_shown = place.shown != nullptr && place.shown->main_share > k_shown;
+  if (is_shown) shown = shown_cell(room, plane, place.shown->main_direction);
+  if (total > 0) find_main_light(sums, model, total, is_shown ? &shown : nullptr, out);
+  for (int c = 0; c < 3; ++c) out->irradiance[c] = static_cast<float>(colour[c] * unit);
+  out->seen = static_cast<float>(sums.all_seen / sums.all_even);
+  out->clipped = total > 0 ? static_cast<float>(sums.clipped / total) : 0.0f;
+}
+
+Facing level_floor(const Room& room) {
+  Facing plane = {{}, room.yaw};
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j) plane.axes[k][j] = k_level[k][j];
+  return plane;
 }
 
 }  // namespace
@@ -471,37 +512,37 @@ void room_estimate(const Room& room, const RoomModel& model, const sandglass_roo
   Memory memory;
   remember(room, &memory);
   const Overview all = overview_of(room, memory);
+  const Hint hint = hint_of(room, model, place.estimate);
+  const Facing floor = level_floor(room);
   Sums sums = {};
-  sum_up(room, memory, model, all, hint_of(room, model, place.estimate), at, &sums);
+  sum_up(room, memory, model, all, hint, at, floor, &sums);
   even_out(&sums);
-  double total = 0, lasting = 0, colour[3] = {};
+  double total = 0, lasting = 0;
   for (uint32_t i = 0; i < k_light_cells; ++i) {
     total += luminance(sums.cells[i]);
     lasting += sums.lasting[i];
-    for (int c = 0; c < 3; ++c) colour[c] += sums.cells[i][c];
   }
 
   sandglass_room_light out = {};
   out.valid = is_known ? 1 : 0;
-  // The total is 0 where all that was seen is black: an even sky that gives nothing.
-  for (uint32_t i = 0; i < k_light_cells; ++i)
-    out.cells[i] = out.ambient_cells[i] =
-        total > 0 ? static_cast<float>(luminance(sums.cells[i]) / total) : k_prior_ring_shares[i / k_cell_sectors];
-  out.main_direction[1] = 1;
-  for (float& c : out.main_colour) c = 1;
-  uint32_t shown = 0;
-  const bool is_shown = place.shown != nullptr && place.shown->main_share > k_shown;
-  if (is_shown) shown = shown_cell(room, place.shown->main_direction);
-  if (total > 0) find_main_light(sums, model, total, is_shown ? &shown : nullptr, &out);
   const double level = total > 0 ? level_of(room, model, all, lasting, sums.all_lasting / sums.all_even) : 0;
   const double unit = total > 0 ? level / total : 0;
-  for (int c = 0; c < 3; ++c) out.irradiance[c] = static_cast<float>(colour[c] * unit);
+  find_cells(room, model, floor, place, sums, unit, &out);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) out.sh[i] = static_cast<float>(sums.sh[i] * unit);
   double foot[3];
   room_place(room, position, foot, 2.0);
   find_floor(room, model, memory, foot, place, &out);
-  out.seen = static_cast<float>(sums.all_seen / sums.all_even);
-  out.clipped = total > 0 ? static_cast<float>(sums.clipped / total) : 0.0f;
+  if (place.normal != nullptr) {  // the level is the floor's, which both have in common
+    Facing plane = {{}, 0};
+    double axes[3][3];
+    constexpr float k_along[3] = {1, 0, 0};
+    (void)plane_axes(place.normal, place.along != nullptr ? place.along : k_along, axes);
+    for (int k = 0; k < 3; ++k) room_to_sphere(room, axes[k], plane.axes[k]);
+    sums = {};
+    sum_up(room, memory, model, all, hint, at, plane, &sums);
+    even_out(&sums);
+    find_cells(room, model, plane, place, sums, unit, &out);
+  }
   find_look(room, memory, out.look);
   out.short_exposure = short_exposure(room);
   out.white = static_cast<float>(room.scale);

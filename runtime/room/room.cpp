@@ -8,6 +8,7 @@
 #include "runtime/core/hash.h"
 #include "runtime/core/layout.h"
 #include "runtime/core/math.h"
+#include "runtime/core/plane_axes.h"
 #include "runtime/core/refuse.h"
 #include "runtime/core/turn.h"
 #include "sandglass/estimate.h"
@@ -278,6 +279,13 @@ sandglass_status sandglass_room_get(const sandglass_room* room, const sandglass_
     return refuse(reason, "place.shown holds a main light that is none: pass what sandglass_room_fade moves, or NULL");
   if (place->floor != nullptr && !all_within(place->floor, 3, 0.0f, 1e6f))
     return refuse(reason, "place.floor is not three numbers of 0..1e6: pass linear RGB, or NULL");
+  if (place->normal == nullptr && place->along != nullptr)
+    return refuse(reason, "place.along is given without a normal: pass both, or neither");
+  constexpr float k_along[3] = {1, 0, 0};
+  double axes[3][3];
+  const char* wrong =
+      place->normal == nullptr ? nullptr : plane_axes(place->normal, place->along != nullptr ? place->along : k_along, axes);
+  if (wrong != nullptr) return refuse(reason, wrong);
   sandglass_room_place at = *place;
   if (shown != nullptr && shown->struct_size < sizeof *shown) at.shown = nullptr;  // nothing is shown yet
   const FloatingPointControl saved = floating_point_enter();

@@ -71,7 +71,7 @@ TEST(RoomFloor, WhatIsNoFloorIsRefused) {
   light.struct_size = sizeof light;
   for (const float bad : {-0.1f, NAN, INFINITY}) {
     const float floor[3] = {0.1f, bad, 0.1f};
-    const sandglass_room_place place = {sizeof place, {0, 0, 0}, nullptr, nullptr, floor};
+    const sandglass_room_place place = {sizeof place, {0, 0, 0}, nullptr, nullptr, floor, nullptr, nullptr};
     const char* reason = nullptr;
     EXPECT_EQ(sandglass_room_get(room.handle(), &place, &light, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
     EXPECT_NE(std::string(reason).find("place.floor"), std::string::npos);

@@ -133,7 +133,7 @@ class MadeUpRoom {
                              const sandglass_room_light* shown = nullptr, const float* floor = nullptr) const {
     sandglass_room_light out = {};
     out.struct_size = sizeof out;
-    const sandglass_room_place place = {sizeof place, {x, y, z}, estimate, shown, floor};
+    const sandglass_room_place place = {sizeof place, {x, y, z}, estimate, shown, floor, nullptr, nullptr};
     EXPECT_EQ(sandglass_room_get(room_, &place, &out, nullptr), SANDGLASS_OK);
     return out;
   }

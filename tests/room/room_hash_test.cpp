@@ -49,7 +49,7 @@ sandglass_camera_image image_of(const std::vector<uint8_t>& bytes, int i) {
 uint64_t hash_of(const sandglass_room* room) {
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
-  const sandglass_room_place place = {sizeof place, {0.5f, -1.0f, 0.25f}, nullptr, nullptr, nullptr};
+  const sandglass_room_place place = {sizeof place, {0.5f, -1.0f, 0.25f}, nullptr, nullptr, nullptr, nullptr, nullptr};
   EXPECT_EQ(sandglass_room_get(room, &place, &light, nullptr), SANDGLASS_OK);
   sandglass_room_light shown = light;
   for (int i = 0; i < 64; ++i) shown.cells[i] = shown.ambient_cells[i] = 1.0f / 64;

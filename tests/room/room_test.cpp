@@ -356,7 +356,7 @@ TEST(RoomLight, RefusesWhatItCannotUse) {
   EXPECT_EQ(sandglass_room_set_image(room.handle(), &p.image, nullptr, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
-  const sandglass_room_place nowhere = {sizeof nowhere, {0, NAN, 0}, nullptr, nullptr, nullptr};
+  const sandglass_room_place nowhere = {sizeof nowhere, {0, NAN, 0}, nullptr, nullptr, nullptr, nullptr, nullptr};
   EXPECT_EQ(sandglass_room_get(room.handle(), &nowhere, &light, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
@@ -387,7 +387,7 @@ TEST(RoomLight, AnEstimateThatIsNoneIsRefused) {
     std::memset(&light, 0x5a, sizeof light);
     light.struct_size = sizeof light;
     const sandglass_room_light before = light;
-    const sandglass_room_place place = {sizeof place, {0, 0, 0}, &estimate, nullptr, nullptr};
+    const sandglass_room_place place = {sizeof place, {0, 0, 0}, &estimate, nullptr, nullptr, nullptr, nullptr};
     const char* reason = nullptr;
     return sandglass_room_get(room.handle(), &place, &light, &reason) == SANDGLASS_ERROR_INVALID_ARGUMENT &&
            reason != nullptr && same(light, before);

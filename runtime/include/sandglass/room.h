@@ -266,6 +266,12 @@ typedef struct sandglass_room_place {
    * as white; 0 is black. NULL: as the camera has seen it there, at most nine tenths of the irradiance over pi; and where
    * it has not, 0.18 of that. */
   const float* floor;
+  /* Optional: three numbers, the direction away from the surface whose light is asked for, world; a wall's, say. cells,
+   * main light, irradiance, seen and clipped are then of that plane, in its frame: y is the normal, x is `along`. The
+   * harmonics are the room's, as ever. NULL: a level floor, +y. */
+  const float* normal;
+  /* Optional: three numbers, a direction along the plane, from which the cells' azimuths count. NULL: +x. */
+  const float* along;
 } sandglass_room_place;
 
 /* Fills *place with the defaults: the origin, and nothing else. */
@@ -274,8 +280,8 @@ SANDGLASS_API void sandglass_room_place_default(sandglass_room_place* place);
 /* The light at a place. Set light->struct_size before.
  *
  * It reads all 512 parts: 1.1 million instructions on ARM, nearly three times what an image takes. Ask it when an object
- * moved or a new image came, not for each of its vertices. Fails with INVALID_ARGUMENT: a number of *place that is not
- * finite or out of range. */
+ * moved or a new image came, not for each of its vertices. A plane that is no floor takes twice as long. Fails with
+ * INVALID_ARGUMENT: a number of *place that is not finite or out of range, or a plane without a direction. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sandglass_room* room,
                                                                       const sandglass_room_place* place,
                                                                       sandglass_room_light* light, const char** reason);

@@ -80,7 +80,7 @@ RoomBench bench_room() {
   bench.rows.push_back(measured("image, exposure told", true, &turn, &room));
   bench.rows.push_back(measured("image, exposure not told", false, &turn, &room));
   if (interrupted()) return {{}, bench.bytes};
-  const sandglass_room_place place = {sizeof place, {0.5f, -0.5f, -1.0f}, nullptr, nullptr, nullptr};
+  const sandglass_room_place place = {sizeof place, {0.5f, -0.5f, -1.0f}, nullptr, nullptr, nullptr, nullptr, nullptr};
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
   RoomBenchRow answer = {"light at a place", 1e30, 0, 0};
