@@ -37,6 +37,7 @@ MEASUREMENTS = {
     'verify_lighting': [f'{LAB} verify lighting --threads 2'],
     'verify_room': [f'{LAB} verify room --threads 2'],
     'verify_shot': [f'{LAB} verify shot --threads 2'],
+    'verify_cast': [f'{LAB} verify cast --threads 2'],
     'verify_colour': [f'{LAB} verify colour --threads 2'],
     'shot_budget': ['build/host/tests/compositing/sandglass_shot_budget_tests'],
     'pile': ['build/host/tests/shadow/sandglass_shadow_tests --gtest_filter=*Pile*'],

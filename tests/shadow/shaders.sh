@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The reference compiler accepts the GLSL, the HLSL and, with stand-ins for what Filament puts around it, the material of
-# the README, and refuses controls with a fault. There is no compiler for Metal here.
+# the README, and refuses controls with a fault.
 #   shaders.sh README WORK_FOLDER
 # Exit code 77: glslangValidator is not installed (Debian: glslang-tools).
 set -euo pipefail

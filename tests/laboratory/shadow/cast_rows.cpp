@@ -189,7 +189,7 @@ class Rows {
   // At most `limit`; infinite: reported. A control must be above it.
   void at_most(const std::string& group, const std::string& name, double value, double limit, bool control = false) {
     const bool holds = value <= limit;
-    rows.push_back({group, name, "rmse", 0, value, limit, control ? !holds : holds, control});
+    rows.push_back({group, group + ", " + name, "rmse", 0, value, limit, control ? !holds : holds, control});
   }
   // The same for the meshes that constants were chosen on; for others it is reported, because the number depends on the
   // shape.
