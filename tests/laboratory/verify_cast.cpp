@@ -85,7 +85,7 @@ int verify_cast_command(const VerifyOptions& options) {
   print_verdicts(verdicts);
   std::printf("%zu rows, %u failed\n", verdicts.size(), count_failed(verdicts));
   if (!options.json.empty())
-    write_file(options.json, measurements_json(measurements_of("cast", "automatic", options.threads, verdicts)));
+    write_file(options.json, measurements_json(measurements_of("cast", "automatic", 1, verdicts)));
   return count_failed(verdicts) > 0 ? k_exit_check_failed : k_exit_done;
 }
 
