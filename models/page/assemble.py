@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""Puts the page into one file: python3 assemble.py NPM_FOLDER PAGE_FOLDER SCENE_JSON SHADOW OUTPUT
+"""Puts the page into one file: python3 assemble.py NPM_FOLDER PAGE_FOLDER SCENE_JSON OUTPUT
 
 The modules are joined in the order of their imports, without import and export, into the page's one script. The
-library, compressed, without and with threads, the scene and the baked shadow go in as text. The page then needs nothing
-but itself."""
+library, compressed, without and with threads, and the scene go in as text. The page then needs nothing but itself."""
 import base64
 import json
 import pathlib
@@ -31,11 +30,10 @@ def joined(paths):
 
 
 def main():
-    npm, parts, scene, shadow, output = map(pathlib.Path, sys.argv[1:])
+    npm, parts, scene, output = map(pathlib.Path, sys.argv[1:])
     here = pathlib.Path(__file__).parent
     modules = {"k_module": npm / "sandglass.wasm", "k_module_threads": npm / "sandglass-threads.wasm", "k_mesh_module": parts / "mesh_reader.wasm"}
     packed = {name: zlib.compress(file.read_bytes(), 9) for name, file in modules.items()}
-    packed["k_chair_shadow"] = shadow.read_bytes()
     data = "".join(f"const {name} = \"{base64.b64encode(content).decode()}\";\n" for name, content in packed.items())
     data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
     own = ("elements", "scene", "painter", "mesh_file", "link", "tilt", "room_light", "real_table", "measure", "controls", "page")

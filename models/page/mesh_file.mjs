@@ -35,7 +35,7 @@ export async function meshReader(module) {
 export function standing({ vertices, indices }, height, width) {
   const low = [0, 1, 2].map((axis) => vertices.reduce((least, x, i) => (i % 3 === axis ? Math.min(least, x) : least), Infinity));
   const high = [0, 1, 2].map((axis) => vertices.reduce((most, x, i) => (i % 3 === axis ? Math.max(most, x) : most), -Infinity));
-  if (!(high[1] > low[1])) throw new Error("The mesh is flat, so it holds no sand. Turn it: y is up.");
+  if (!(high[1] > low[1])) throw new Error("The mesh is flat, so it has no volume. Turn it: y is up.");
   const scale = Math.min(height / (high[1] - low[1]), width / Math.max(high[0] - low[0], high[2] - low[2])), middle = [(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2];
   return { vertices: vertices.map((x, i) => (x - middle[i % 3]) * scale), indices };
 }

@@ -1,6 +1,6 @@
 // The page: a table with a chair, sand that a finger pours and pushes, and what a frame takes.
 import { load, constants } from "./sandglass.mjs";
-import { SandScene, addPoints, unpacked } from "./scene.mjs";
+import { SandScene, addPoints, makeField, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
 import { meshReader, standing } from "./mesh_file.mjs";
 import { RoomLight, lightOfSky } from "./room_light.mjs";
@@ -9,7 +9,7 @@ import { fromLink } from "./link.mjs";
 import { fixedRun, k_stages, Pauses } from "./measure.mjs";
 import { listen, play } from "./controls.mjs";
 import { by, say, counted } from "./elements.mjs";
-import { k_module, k_module_threads, k_mesh_module, k_scene, k_chair_shadow } from "./data.mjs";
+import { k_module, k_module_threads, k_mesh_module, k_scene } from "./data.mjs";
 
 const k_step = k_scene.frame_step, k_radius = k_scene.granular.particle_radius;
 const k_pour = { radius: 4 * k_radius, speed: 0.8, grains_per_particle: 16 };
@@ -24,6 +24,9 @@ const k_mesh_height = 0.22;  // metres, of a mesh that becomes sand; how wide it
 const k_mesh_width = 0.5;
 const k_mesh_above = 0.05;
 const k_mesh_particles = 1000;  // about the most of one mesh, so that it finds room beside what the scene and a finger pour
+const k_objects = 4;          // that are put on the table, at most
+const k_object_triangles = 100000;  // of all of them
+const k_object_spacing = 0.5 * k_radius;  // of the field that sand collides with
 const k_recorded_at_most = 18000;  // frames: five minutes
 const k_emitter_fields = ["position", "rotation", "radius", "speed", "grains_per_particle"];
 const k_collider_fields = ["shape", "position", "rotation", "size", "linear_velocity"];
@@ -49,38 +52,54 @@ class Page {
     this.setLight();
   }
 
-  newScene() { return new SandScene(this.sand, k_scene, { clock: true, colliders: 1 + k_walls.length, changes: { emitter_capacity: 2, collider_capacity: k_scene.colliders.length + 1 + k_walls.length } }); }
+  newScene() {
+    const more = 1 + k_walls.length + k_objects;
+    return new SandScene(this.sand, k_scene, { clock: true, colliders: more, changes: { emitter_capacity: 2, collider_capacity: k_scene.colliders.length + more } });
+  }
 
   startScene() {
-    this.scene = this.newScene();
+    this.scene = this.newScene(), this.objects = [], this.standing = [];
     for (const { field, position, rotation } of k_scene.colliders) {
       if (!field) continue;
       const [x, y, z, w] = rotation, [px, py, pz] = position;
       const model = new Float32Array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0, 2 * (x * y - w * z),
         1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0, 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0, px, py, pz, 1]);
-      this.painter.add(unpacked(field.vertices, Float32Array), unpacked(field.indices, Uint32Array), model, [0.17, 0.30, 0.43]);
+      const vertices = unpacked(field.vertices, Float32Array), indices = unpacked(field.indices, Uint32Array);
+      this.painter.add(vertices, indices, model, [0.17, 0.30, 0.43]);
+      this.standing.push(this.casting(vertices, indices, model));
     }
   }
 
+  // A mesh as the library's shadows take it.
+  casting(vertices, indices, model) {
+    const { sand } = this;
+    return { positions: sand.put(vertices), vertex_count: vertices.length / 3, indices: sand.put(indices), triangle_count: indices.length / 3, model };
+  }
+
   makeShadows() {
-    const { sand, scene, painter } = this, { position, rotation, height } = k_scene.colliders.find((collider) => collider.field);
+    const { sand, scene, painter } = this;
     this.direction = sand.put(new Float32Array(3)), this.cells = sand.put(new Float32Array(constants.SANDGLASS_LIGHT_CELLS));
-    const pile = sand.make("sandglass_pile_shadow_desc");
+    const pile = sand.make("sandglass_pile_shadow_desc"), desc = sand.make("sandglass_cast_desc");
     sand.sandglass_pile_shadow_desc_default(pile);
     pile.set({ low: [-k_box, -k_box], high: [k_box, k_box], texels: 128, sky_texels: 64 });
     this.pile = sand.create("sandglass_pile_shadow", pile), this.pileTexture = sand.make("sandglass_pile_shadow_texture"), this.skyTexture = sand.make("sandglass_pile_shadow_sky");
     painter.pileShadow.box = [-k_box, -k_box, 0.5 / k_box, 0.5 / k_box];
-    const bytes = unpacked(k_chair_shadow, Uint8Array), desc = sand.make("sandglass_shadow_desc"), info = sand.make("sandglass_shadow_info");
-    sand.sandglass_shadow_desc_default(desc);
-    desc.asset = sand.put(bytes), desc.asset_bytes = bytes.length;
-    sand.sandglass_shadow_inspect(desc.asset, bytes.length, info);
-    this.object = sand.create("sandglass_shadow", desc), this.objectTexture = sand.make("sandglass_shadow_texture"), this.seenTexture = sand.make("sandglass_shadow_ambient");
-    sand.free(desc.asset);
-    // The file is of a mesh of its own size; the chair stands turned about y.
-    this.yaw = 2 * Math.atan2(rotation[1], rotation[3]), this.shadowScale = height / info.height, this.shadowOrigin = [...info.origin];
-    const [c, s] = [Math.cos(this.yaw), Math.sin(this.yaw)];
-    Object.assign(painter.objectShadow, { turn: [c, s, -s, c], at: [position[0], position[2]] });
-    scene.input.pile_shadow = this.pile, scene.input.shadows = sand.put(new Uint32Array([this.object])), scene.input.shadow_count = 1;
+    sand.sandglass_cast_desc_default(desc);
+    desc.set({ texels: 256, ambient_texels: 128, triangle_capacity: k_object_triangles });
+    this.cast = sand.create("sandglass_cast", desc), this.castTexture = sand.make("sandglass_cast_texture");
+    this.castMeshes = sand.array("sandglass_cast_mesh", k_scene.colliders.length + k_objects);
+    this.castAll();
+    scene.input.pile_shadow = this.pile, scene.input.casts = sand.put(new Uint32Array([this.cast])), scene.input.cast_count = 1;
+  }
+
+  // All that stands on the table casts.
+  castAll() {
+    const all = [...this.standing, ...this.objects.map(({ casts }) => casts)];
+    all.forEach(({ positions, vertex_count, indices, triangle_count, model }, i) => {
+      this.sand.sandglass_cast_mesh_default(this.castMeshes[i]);
+      this.castMeshes[i].set({ positions, vertex_count, indices, triangle_count, world_from_mesh: [...model] });
+    });
+    this.sand.sandglass_cast_set_meshes(this.cast, this.castMeshes.address, all.length);
   }
 
   // The light that is drawn: the device's in augmented reality, the camera's, or that of the sliders.
@@ -92,16 +111,15 @@ class Page {
     if (light === seen && this.watching) this.turnWithTheTable(light);
     else this.painter.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     this.painter.light = light, this.lit = light !== slid;
-    const d = light.toLight, { sand, direction } = this, [c, s] = [Math.cos(this.yaw), Math.sin(this.yaw)];
-    sand.floats(direction, 3).set(d);
+    const { sand, direction } = this;
+    sand.floats(direction, 3).set(light.toLight);
     sand.sandglass_pile_shadow_set_light(this.pile, direction);
-    sand.floats(direction, 3).set([c * d[0] - s * d[2], d[1], s * d[0] + c * d[2]]);
-    sand.sandglass_shadow_set_light(this.object, 0, direction, 1);
+    sand.sandglass_cast_set_light(this.cast, direction, 0);
     // Where the light from all around comes from: the sky of the sliders is even. The painter takes what is hidden from that
     // light alone, so its cells are 1 together.
     const cells = seen ? this.room.cells() : new Float32Array(constants.SANDGLASS_LIGHT_CELLS).fill(1);
     sand.floats(this.cells, cells.length).set(cellsOfTable(cells, this.painter.tableOfRoom));
-    sand.sandglass_shadow_set_cells(this.object, this.cells, this.yaw);
+    sand.sandglass_cast_set_cells(this.cast, this.cells);
     sand.sandglass_pile_shadow_set_cells(this.pile, this.cells);
   }
 
@@ -145,8 +163,10 @@ class Page {
   }
 
   // What stands in the way besides the scene's own colliders; gives how many there are in all.
-  placeWalls(scene) {
-    const first = k_scene.colliders.length;
+  placeWalls(scene, objects = this.objects) {
+    let first = k_scene.colliders.length;
+    for (const { field, at } of objects)
+      scene.colliders[first++].set({ shape: constants.SANDGLASS_SHAPE_FIELD, position: at, rotation: [0, 0, 0, 1], size: [1, 1, 1], field });
     if (!this.tipped) return first;
     k_walls.forEach((wall, i) => scene.colliders[first + i].set(wall));
     return first + k_walls.length;
@@ -191,8 +211,8 @@ class Page {
     if (recording?.sandglass !== "recording" || recording.scene !== k_scene.name || !Array.isArray(recording.frames))
       throw new Error("The file is no recording of this page. Choose one that it saved.");
     const { sand } = this, scene = this.newScene(), plan = sand.make("sandglass_plan"), pauses = new Pauses();
-    const before = { given: this.given, tipped: this.tipped };
-    this.given = [...k_scene.gravity], this.tipped = false;
+    const before = { given: this.given, tipped: this.tipped, objects: this.objects };
+    this.given = [...k_scene.gravity], this.tipped = false, this.objects = [];
     try {
       for (const [i, frame] of recording.frames.entries()) {
         this.playFrame(scene, frame, plan, recording.step);
@@ -200,13 +220,17 @@ class Page {
       }
     } catch (error) {
       scene.destroy(), sand.free(plan);
+      this.dropObjects();
       Object.assign(this, before);
+      this.showObjects();
       throw new Error(error.message.startsWith("sandglass") || error.constructor === Error ? error.message : "The recording is damaged, so it cannot be played. Ask for it again.");
     }
     scene.input.plan = 0;
-    const hash = scene.hash(), { pile_shadow, shadows, shadow_count } = this.scene.input;
-    scene.input.set({ pile_shadow, shadows, shadow_count });
+    const hash = scene.hash(), { pile_shadow, casts, cast_count } = this.scene.input, after = this.objects;
+    scene.input.set({ pile_shadow, casts, cast_count });
     this.scene.destroy();
+    this.objects = before.objects, this.dropObjects();
+    this.objects = after, this.showObjects();
     sand.free(plan);
     this.scene = scene, this.recorded = [...recording.frames], this.recordedHash = undefined, this.added = [], this.denied = scene.report.sand.denied_particles;
     sand.sandglass_pile_shadow_refresh(this.pile);
@@ -215,8 +239,10 @@ class Page {
   }
 
   playFrame(scene, { emitters, colliders, level, runs, gravity, tipped, added }, plan, step) {
-    for (const { particles, grains } of added ?? [])
-      addPoints(this.sand, scene.handle, { positions: Float32Array.from(particles) }, { positions: Float32Array.from(grains) });
+    for (const { particles, grains, vertices, indices, at } of added ?? []) {
+      if (vertices) this.objects.push(this.objectOf({ vertices: Float32Array.from(vertices), indices: Uint32Array.from(indices) }, at));
+      else addPoints(this.sand, scene.handle, { positions: Float32Array.from(particles) }, { positions: Float32Array.from(grains) });
+    }
     if (gravity && gravity.some((x, k) => x !== this.given[k])) this.setGravity(scene, this.given = gravity);
     this.tipped = tipped === true;
     const first = this.placeWalls(scene);
@@ -254,12 +280,12 @@ class Page {
   }
 
   // What was added since the last frame is in no report yet.
-  particles() { return this.scene.report.sand.particles + this.added.reduce((sum, { particles }) => sum + particles.length / 3, 0); }
+  particles() { return this.scene.report.sand.particles + this.added.reduce((sum, { particles = [] }) => sum + particles.length / 3, 0); }
   full() { return `The table is full: ${counted(this.particles())} of ${counted(this.scene.desc.granular.particle_capacity)} particles are there`; }
 
   // The library's shadows, as textures of the painter.
   takeTextures() {
-    const { sand, painter, pileTexture: pile, skyTexture: sky, objectTexture: object, seenTexture: seen } = this, umbra = this.lit ? 1 : 0.9;
+    const { sand, painter, pileTexture: pile, skyTexture: sky, castTexture: cast } = this, umbra = this.lit ? 1 : 0.9;
     sand.sandglass_pile_shadow_get_texture(this.pile, pile);
     painter.pileShadow.opacity = pile.valid ? umbra * pile.opacity : 0;
     if (pile.valid) {
@@ -273,18 +299,14 @@ class Page {
       painter.upload(painter.heights, sky.height_texels, sand.bytes(sky.heights, sky.height_texels ** 2));
       Object.assign(painter.pileShadow, { sky: 1, height: sky.height });
     }
-    const box = ({ low, high }) => {
-      const [a, b] = [low, high].map((corner) => [0, 1].map((i) => (corner[i] - this.shadowOrigin[2 * i]) * this.shadowScale));
-      return [...a, 1 / (b[0] - a[0]), 1 / (b[1] - a[1])];
-    };
-    sand.sandglass_shadow_get_texture(this.object, 0, object);
-    painter.objectShadow.opacity = object.valid ? umbra * object.opacity : 0;
-    if (object.valid) painter.upload(painter.object, 256, sand.bytes(object.coverage, 256 * 256)), painter.objectShadow.box = box(object);
-    sand.sandglass_shadow_get_ambient(this.object, seen);
-    if (seen.valid && seen.completed !== this.seenCompleted) {
-      painter.upload(painter.seen, seen.side, sand.bytes(seen.visibility, seen.side ** 2));
-      painter.seenBox = box(seen), this.seenCompleted = seen.completed;
-    }
+    const box = ({ corner, along, across }) => [corner[0], corner[2], 1 / along[0], 1 / across[2]];
+    sand.sandglass_cast_get_texture(this.cast, cast);
+    painter.objectShadow.opacity = cast.valid ? umbra : 0;
+    if (cast.valid && cast.completed !== this.castCompleted)
+      painter.upload(painter.object, cast.texels, sand.bytes(cast.bytes, cast.texels ** 2)), painter.objectShadow.box = box(cast), this.castCompleted = cast.completed;
+    sand.sandglass_cast_get_ambient(this.cast, cast);
+    if (cast.valid && cast.completed !== this.seenCompleted)
+      painter.upload(painter.seen, cast.texels, sand.bytes(cast.bytes, cast.texels ** 2)), painter.seenBox = box(cast), this.seenCompleted = cast.completed;
   }
 
   draw() {
@@ -324,6 +346,7 @@ class Page {
   }
 
   again() {
+    this.dropObjects();
     this.sand.sandglass_scene_reset(this.scene.handle);
     this.sand.sandglass_pile_shadow_refresh(this.pile);
     this.scene.frames = 0, this.scene.fill();
@@ -334,6 +357,40 @@ class Page {
 
   // The reader of mesh files; it is compiled when the first one comes.
   readMesh() { return this.meshReader ??= inflated(k_mesh_module).then(meshReader); }
+
+  // A mesh as an object at the mark: it casts at once, and sand collides with it.
+  addObject(read) {
+    const mesh = standing(read, k_mesh_height, k_mesh_width), triangles = this.objects.reduce((sum, { indices }) => sum + indices.length / 3, mesh.indices.length / 3);
+    if (this.objects.length === k_objects) throw new Error(`There are ${k_objects} objects on the table. Press "Start again" to clear it.`);
+    if (triangles > k_object_triangles - 1000) throw new Error(`The mesh has too many triangles: ${counted(triangles)} of ${counted(k_object_triangles)}. Choose a coarser one.`);
+    this.objects.push(this.objectOf(mesh, [...this.mark]));
+    this.showObjects();
+    this.added.push({ vertices: [...mesh.vertices], indices: [...mesh.indices], at: [...this.mark] });
+    return mesh.indices.length / 3;
+  }
+
+  objectOf({ vertices, indices }, at) {
+    const { sand } = this, margin = 4 * k_object_spacing, side = (pick, start) => [0, 1, 2].map((axis) => vertices.reduce((best, x, i) => (i % 3 === axis ? pick(best, x) : best), start));
+    const field = makeField(sand, { vertices, indices, rule: constants.SANDGLASS_INSIDE_WINDING, solid: constants.SANDGLASS_SOLID_INSIDE, spacing: k_object_spacing,
+      band: margin, low: side(Math.min, Infinity).map((x) => x - margin), high: side(Math.max, -Infinity).map((x) => x + margin) });
+    const model = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...at, 1]);
+    return { vertices, indices, at, model, field, casts: this.casting(vertices, indices, model) };
+  }
+
+  showObjects() {
+    for (const object of this.objects) object.drawn ??= this.painter.add(object.vertices, object.indices, object.model, [0.35, 0.33, 0.30]);
+    this.castAll();
+  }
+
+  dropObjects() {
+    const gone = this.objects;
+    this.objects = [];
+    this.castAll();
+    for (const { drawn, field, casts } of gone) {
+      if (drawn) this.painter.remove(drawn);
+      for (const used of [field, casts.positions, casts.indices]) this.sand.free(used);
+    }
+  }
 
   // A mesh as sand: its volume on the library's lattice, above the mark. One that takes too much sand is made smaller.
   addMesh(read) {

@@ -28,14 +28,12 @@ vec4 encoded(vec3 linear) {
 uniform sampler2D pile, object, seen, sky;
 uniform vec4 pile_box, object_box, seen_box;  // x and z of the lower corner, and one over the extent
 uniform float pile_opacity, object_opacity, sky_known;
-uniform mat2 object_turn;
-uniform vec2 object_at;
 float passed(sampler2D image, vec2 at, float opacity) {
   bool on = all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
   return on ? 1.0 - texture(image, at).r * opacity : 1.0;
 }
 float opened(vec3 place) {
-  vec2 at = (object_turn * (place.xz - object_at) - seen_box.xy) * seen_box.zw;
+  vec2 at = (place.xz - seen_box.xy) * seen_box.zw;
   bool on = all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
   return on ? texture(seen, at).r : 1.0;
 }
@@ -47,7 +45,7 @@ float under_sky(vec3 place) {
 // The ray from the light through the place goes on to the table, where the object's shadow was made.
 float shadowed(vec3 place, float onto) {
   vec2 at = place.xz - to_light.xz * (place.y / max(to_light.y, 0.05)) * onto;
-  float share = passed(object, (object_turn * (at - object_at) - object_box.xy) * object_box.zw, object_opacity);
+  float share = passed(object, (at - object_box.xy) * object_box.zw, object_opacity);
   return share * passed(pile, (place.xz - pile_box.xy) * pile_box.zw, pile_opacity);
 }`;
 
@@ -226,7 +224,7 @@ export class Painter {
     this.objects = [];
     const s = 3;
     this.table = this.mesh(new Float32Array([-s, 0, -s, -s, 0, s, s, 0, s, s, 0, -s]), new Uint32Array([0, 1, 2, 0, 2, 3]));
-    this.objectShadow = { box: [0, 0, 1, 1], opacity: 0, turn: [1, 0, 0, 1], at: [0, 0] };
+    this.objectShadow = { box: [0, 0, 1, 1], opacity: 0 };
     this.pileShadow = { box: [0, 0, 1, 1], opacity: 0, sky: 0, height: 0 };
     this.seenBox = [2, 2, 0, 0];  // nowhere
     this.light = { sun: [0, 0, 0], ambient: new Float32Array(27), floor: [0, 0, 0] }, this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
@@ -259,7 +257,9 @@ export class Painter {
     gl.bindVertexArray(null);
     return made;
   }
-  add(vertices, indices, model, albedo) { this.objects.push({ ...this.mesh(vertices, indices), model, albedo }); }
+  // Gives what `remove` takes.
+  add(vertices, indices, model, albedo) { return this.objects[this.objects.push({ ...this.mesh(vertices, indices), model, albedo }) - 1]; }
+  remove(object) { this.objects = this.objects.filter((other) => other !== object), this.gl.deleteVertexArray(object.array); }
 
   // The picture of a camera on the canvas.
   draw(camera, grains, count, radius) {
@@ -323,7 +323,6 @@ export class Painter {
       gl.uniform1f(p.at("sky_known"), this.pileShadow.sky), gl.uniform1f(p.at("most_height"), this.pileShadow.height);
       gl.uniform4fv(p.at("object_box"), this.objectShadow.box), gl.uniform1f(p.at("object_opacity"), this.objectShadow.opacity);
       gl.uniform4fv(p.at("seen_box"), this.seenBox);
-      gl.uniformMatrix2fv(p.at("object_turn"), false, this.objectShadow.turn), gl.uniform2fv(p.at("object_at"), this.objectShadow.at);
     };
     common(this.solid, this.pile, this.sky);
     const still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);

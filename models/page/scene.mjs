@@ -5,9 +5,9 @@ export const unpacked = (text, Type) => {
   return new Type(bytes.buffer);
 };
 
-// The field of a mesh, made by the library. Throws the library's sentence.
+// The field of a mesh in typed arrays, made by the library. Throws the library's sentence.
 export function makeField(sand, plan) {
-  const vertices = unpacked(plan.vertices, Float32Array), indices = unpacked(plan.indices, Uint32Array);
+  const { vertices, indices } = plan;
   const mesh = sand.make("sandglass_mesh", {
     vertices: sand.put(vertices), vertex_count: vertices.length / 3,
     indices: sand.put(indices), triangle_count: indices.length / 3,
@@ -45,7 +45,7 @@ export class SandScene {
     this.colliders = sand.array("sandglass_collider", file.colliders.length + colliders);
     this.fields = [];
     file.colliders.forEach(({ shape, position, rotation, size, field }, i) => {
-      this.fields.push(field ? makeField(sand, field) : 0);
+      this.fields.push(field ? makeField(sand, { ...field, vertices: unpacked(field.vertices, Float32Array), indices: unpacked(field.indices, Uint32Array) }) : 0);
       this.colliders[i].set({ shape, position, rotation, size, field: this.fields[i] });
     });
     this.emitters = sand.array("sandglass_emitter", Math.max(1, desc.granular.emitter_capacity));

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The live page in headless Chromium: it opens from its file without a complaint and without another request, sand falls, a finger
 pours and pushes, a phone that is tipped tips the table, the fixed run ends in the hash of the program, a recording plays to the bit,
-also from a link, a mesh becomes sand, a wrong file is answered with one sentence, the light is that of a camera, augmented reality
+also from a link, a mesh becomes sand or an object, a wrong file is answered with one sentence, the light is that of a camera, augmented reality
 runs on an emulated device, and memory does not grow. Nothing may depend on how fast the machine is: a check either waits for
 what comes at any speed, or counts frames (run_frames).
 
@@ -57,7 +57,7 @@ def native_hash(sandglass, frames):
 def assemble(web_scene, npm, work):
     scene, page = work / "page.json", work / "sandglass.html"
     subprocess.run([web_scene, ROOT / "models/page/page.json", scene, "--counted"], check=True)
-    subprocess.run([sys.executable, ROOT / "models/page/assemble.py", npm, pathlib.Path(npm).parent / "page", scene, ROOT / "models/shadows/chair.shadow", page], check=True)
+    subprocess.run([sys.executable, ROOT / "models/page/assemble.py", npm, pathlib.Path(npm).parent / "page", scene, page], check=True)
     return page
 
 
@@ -183,9 +183,9 @@ def check_camera(browser, work):
     """The light becomes that of what a (green) camera sees, and the sliders' again when it is off."""
     light = "[...sandglassPage.page.painter.light.ambient.slice(0, 3)]"
     # What the chair leaves of the light from all around, which follows where that light comes from.
-    left = """(() => { const {sand, object, seenTexture: seen} = sandglassPage.page;
-        sand.sandglass_shadow_get_ambient(object, seen);
-        return seen.calls_behind > 0 ? 0 : sand.bytes(seen.visibility, seen.side ** 2).reduce((sum, x, i) => (sum * 31 + x + i) % 1000003, 1); })()"""
+    left = """(() => { const {sand, cast, castTexture: seen} = sandglassPage.page;
+        sand.sandglass_cast_get_ambient(cast, seen);
+        return seen.stale ? 0 : sand.bytes(seen.bytes, seen.texels ** 2).reduce((sum, x, i) => (sum * 31 + x + i) % 1000003, 1); })()"""
     wait_until(browser, f"{left} !== 0")
     slid, even = browser.ask(light), browser.ask(left)
     browser.ask("document.getElementById('camera').click()")
@@ -276,6 +276,35 @@ def act_for_recording(browser):
     run_frames(browser, 10, "page.tipByAngles(0, 0), page.at = null, page.tool = 'pour'")
 
 
+def check_object(browser):
+    """A mesh stands at the mark: it casts from the frames on that follow, and sand that is poured over it stays outside."""
+    height, mark = 0.22, [-0.3, 0, 0.25]
+    shadow = """(() => { const {sand, cast, castTexture: t} = sandglassPage.page;
+        sand.sandglass_cast_get_texture(cast, t);
+        const bytes = sand.bytes(t.bytes, t.texels ** 2), at = (x, z) => bytes[Math.floor((z - t.corner[2]) / t.across[2] * t.texels) * t.texels + Math.floor((x - t.corner[0]) / t.along[0] * t.texels)];
+        return [t.stale, at(%f, %f) ?? 0]; })()""" % (mark[0], mark[2])
+    browser.ask(f"document.querySelector('[value=object]').click(); sandglassPage.page.mark = {mark}")
+    check(browser.ask(shadow)[1] == 0, "something casts there already")
+    said = drop(browser, "cube.obj", CUBE)
+    check(said == '"cube.obj" stands at the mark: 12 triangles.', f"an object is answered: {said}")
+    run_frames(browser, 40, f"page.at = [{mark[0]}, 0, {mark[2]}]", until=f"{shadow}[0] === 0")
+    check(browser.ask(shadow) == [0, 255], f"under the object the shadow is {browser.ask(shadow)}")
+    run_frames(browser, 30)
+    inside = f"""(() => {{ const {{page}} = sandglassPage, n = page.scene.report.sand.particle_numbers, p = page.sand.allocate(12 * n);
+        page.sand.sandglass_granular_particles(page.scene.handle, p, 0);
+        let deep = 0, on = 0;
+        const x = page.sand.floats(p, 3 * n);
+        for (let i = 0; i < n; ++i) {{
+          const d = [x[3 * i] - {mark[0]}, x[3 * i + 1] - {height / 2}, x[3 * i + 2] - {mark[2]}].map(Math.abs), out = Math.max(...d) - {height / 2};
+          deep += out < 0, on += out >= 0 && out < 0.02 && x[3 * i + 1] > {height};
+        }}
+        page.sand.free(p);
+        return [deep, on]; }})()"""
+    deep, on = browser.ask(inside)
+    check(deep == 0 and on > 20, f"{deep} particles are in the object and {on} on it")
+    browser.ask("sandglassPage.page.at = null; document.querySelector('[value=sand]').click()")
+
+
 def check_meshes(browser):
     """The same mesh from two kinds of files becomes the same sand. Gives how many particles. There is room for it: in 75 frames two
     nozzles (1 and 0.8 m/s) let out at most 19 particles, the sites of a disc of four radii, every 1.6 radii."""
@@ -328,7 +357,7 @@ def check_recording(browser):
     browser.ask("sandglassPage.page.measuring = true")
     browser.ask("window.recording = sandglassPage.page.recording()")
     frames, added = browser.ask("[recording.frames.length, recording.frames.filter(f => f.added).length]")
-    check(frames > 60 and added == 2, f"{frames} frames were recorded, and sand was added {added} times")
+    check(frames > 60 and added == 3, f"{frames} frames were recorded, and sand was added {added} times")
     check(browser.ask("new Set(recording.frames.map(f => `${f.gravity}`)).size > 2"), "no tilt was recorded")
     browser.ask("void sandglassPage.page.play(recording, () => 0).then(h => { window.played = h; }, e => { window.played = e.message; })")
     wait_until(browser, "window.played", 900)
@@ -447,6 +476,7 @@ def main():
             said = drop(browser, name, text)
             check(said.count(". ") == 1 and said.endswith("."), f"{name} is answered: {said}")
         act_for_recording(browser)
+        check_object(browser)
         needed = check_meshes(browser)
         check_recording(browser)
         check_full_table(browser, needed)

@@ -74,10 +74,9 @@ def sampled(texels, rectangle, x, z, outside):
 
 def farthest_on_page(browser, lighting, draw):
     """Of models/page/painter.mjs: what both lights and the sky leave of a table, in steps of a byte."""
-    for uniform, constant in (("uniform vec3 to_light, sun, ", "const vec3 to_light = vec3(0, 1, 0), sun = vec3(1); uniform vec3 "),
-                              ("uniform mat2 object_turn;", "const mat2 object_turn = mat2(0, -1, 1, 0);")):
-        assert uniform in lighting
-        lighting = lighting.replace(uniform, constant)
+    uniform, constant = "uniform vec3 to_light, sun, ", "const vec3 to_light = vec3(0, 1, 0), sun = vec3(1); uniform vec3 "
+    assert uniform in lighting
+    lighting = lighting.replace(uniform, constant)
     fragment = f"""#version 300 es
 precision highp float;
 {lighting}
@@ -88,18 +87,17 @@ void main() {{
 }}"""
     vertex = """#version 300 es
 void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1, 0, 1); }"""
-    rectangles, at = {"pile": [0.1, 0.0, 0.9, 0.8], "object": [-0.5, -0.4, 0.3, 0.5], "seen": [-0.7, -0.6, 0.6, 0.7]}, [0.2, 0.1]
+    rectangles = {"pile": [0.1, 0.0, 0.9, 0.8], "object": [-0.5, -0.4, 0.3, 0.5], "seen": [-0.7, -0.6, 0.6, 0.7]}
     boxes = {f"{name}_box": [*r[:2], 1 / (r[2] - r[0]), 1 / (r[3] - r[1])] for name, r in rectangles.items()}
     maps = {name: [draw.randrange(256) for _ in range(TEXELS * TEXELS)] for name in ("pile", "object", "seen", "sky")}
-    uniforms = {**boxes, "pile_opacity": 0.7, "object_opacity": 0.9, "sky_known": 1.0, "object_at": at}
+    uniforms = {**boxes, "pile_opacity": 0.7, "object_opacity": 0.9, "sky_known": 1.0}
     given = {"side": SIDE, "vertex": vertex, "fragment": fragment, "uniforms": list(uniforms.items()),
              "textures": [[name, TEXELS, maps[name]] for name in maps]}
     drawn, worst = browser.ask(f"({DRAW})({json.dumps(given)})"), 0
     for i in range(SIDE * SIDE):
         x, z = 2 * (i % SIDE + 0.5) / SIDE - 1, 2 * (i // SIDE + 0.5) / SIDE - 1
-        own = (z - at[1], -(x - at[0]))
         left = (1 - 0.7 * sampled(maps["pile"], rectangles["pile"], x, z, 0)) * sampled(maps["sky"], rectangles["pile"], x, z, 1) * (
-            1 - 0.9 * sampled(maps["object"], rectangles["object"], *own, 0)) * sampled(maps["seen"], rectangles["seen"], *own, 1)
+            1 - 0.9 * sampled(maps["object"], rectangles["object"], x, z, 0)) * sampled(maps["seen"], rectangles["seen"], x, z, 1)
         worst = max(worst, abs(drawn[i] - 255 * left))
     return worst
 
