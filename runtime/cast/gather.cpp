@@ -121,6 +121,24 @@ bool moved(const CastState& c, const CastMesh& mesh) {
   return false;
 }
 
+// Whether a plane of another extent, as trackers make it from second to second, cuts a texture or did so before.
+bool cut_otherwise(const CastState& c) {
+  bool cuts = false, same = true;
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    same = same && c.frame.low[axis] == c.gathered_frame.low[axis] && c.frame.high[axis] == c.gathered_frame.high[axis];
+    const float least = c.frame.low[axis] > c.gathered_frame.low[axis] ? c.frame.low[axis] : c.gathered_frame.low[axis];
+    const float most =
+        c.frame.high[axis] < c.gathered_frame.high[axis] ? c.frame.high[axis] : c.gathered_frame.high[axis];
+    for (const CastTarget& target : c.targets) {
+      const CastTexture& front = target.front;
+      const double end = front.low[axis] + front.texel[axis] * target.texels;
+      cuts = cuts ||
+             (target.texels != 0 && (front.low[axis] < static_cast<double>(least) || end > static_cast<double>(most)));
+    }
+  }
+  return !same && cuts;
+}
+
 }  // namespace
 
 void cast_compare(CastState* c) {
@@ -136,9 +154,7 @@ void cast_compare(CastState* c) {
   }
   arrays = arrays || triangles != c->triangles;
   c->triangles = triangles;
-  const bool frame = c->frame.is_virtual != c->gathered_frame.is_virtual ||
-                     memcmp(c->frame.low, c->gathered_frame.low, sizeof c->frame.low) != 0 ||
-                     memcmp(c->frame.high, c->gathered_frame.high, sizeof c->frame.high) != 0;
+  const bool frame = c->frame.is_virtual != c->gathered_frame.is_virtual || cut_otherwise(*c);
   if (!other && !arrays && !frame) return;
   c->stale = true;
   for (CastTarget& target : c->targets) target.asked = target.texels != 0;

@@ -378,6 +378,13 @@ TEST(Cast, WhatIsAsItWasCostsNothing) {
   sandglass_cast_plane plane = sandglass::cast_plane();
   EXPECT_TRUE(cast.set_plane(plane));
   EXPECT_EQ(cast.run(), 0u);
+  // A tracker's plane grows; one that cuts the shadow does count.
+  for (float& x : plane.high) x = 3;
+  EXPECT_TRUE(cast.set_plane(plane));
+  EXPECT_EQ(cast.run(), 0u);
+  plane.high[0] = 0.2f;
+  EXPECT_TRUE(cast.set_plane(plane));
+  EXPECT_GT(cast.run(), 0u);
   plane.origin[1] = 0.01f;
   EXPECT_TRUE(cast.set_plane(plane));
   EXPECT_GT(cast.run(), 0u);
