@@ -7,10 +7,12 @@
 
 #include "models/files/failure.h"
 #include "models/lighting/lit_view.h"
+#include "models/mesh/generated.h"
 #include "models/rooms/panorama_file.h"
 #include "models/simulation/scene_meshes.h"
 #include "models/simulation/scene_shadows.h"
 #include "models/work/random.h"
+#include "runtime/core/harmonics.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/shadow.h"
 
@@ -108,6 +110,48 @@ std::vector<float> surface_of(const ColliderTrack& track, const Mesh& mesh) {
   return transfer;
 }
 
+// An object without a bake, beside the standing one: each point is lit by its normal, less what the object as a whole hides
+// from itself. In the frame of the standing object.
+void add_casting(const ColliderTrack& track, const Quaternion& frame, LitObject* object) {
+  MeshResult made = make_named(track.mesh);
+  stand_mesh(&made.mesh, track.size.y, track.mesh);
+  sandglass_cast_desc desc = cpp::cast_desc();
+  desc.texels = 0;
+  desc.triangle_capacity = made.mesh.triangle_count();
+  cpp::Cast cast;
+  if (const cpp::Status status = cast.create(desc); !status) throw cannot("cast", track.mesh, status.reason);
+  sandglass_cast_mesh casting = cpp::cast_mesh();
+  casting.positions = made.mesh.vertices.data();
+  casting.vertex_count = made.mesh.vertex_count();
+  casting.indices = made.mesh.indices.data();
+  casting.triangle_count = made.mesh.triangle_count();
+  casting.closed = 1;
+  if (const cpp::Status status = cast.set_meshes(&casting, 1); !status) throw cannot("cast", track.mesh, status.reason);
+  cast.run();
+  const auto open = static_cast<double>(cast.ambient().open);
+  const auto first = static_cast<uint32_t>(object->mesh.vertices.size() / 3);
+  std::vector<float>& v = made.mesh.vertices;
+  for (size_t i = 0; i < v.size(); i += 3)
+    to_floats(rotate(track.rotation, from_floats(v.data() + i)) + track.position, v.data() + i);
+  object->mesh.vertices.insert(object->mesh.vertices.end(), v.begin(), v.end());
+  for (size_t t = 0; t < made.mesh.indices.size(); t += 3) {
+    Vec3 corners[3];
+    for (size_t k = 0; k < 3; ++k) {
+      object->mesh.indices.push_back(first + made.mesh.indices[t + k]);
+      corners[k] = from_floats(v.data() + 3 * static_cast<size_t>(made.mesh.indices[t + k]));
+    }
+    const Vec3 across = cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const Vec3 n = rotate(conjugate(frame), length(across) > 0.0 ? normalised(across) : Vec3{0, 1, 0});
+    const double normal[3] = {n.x, n.y, n.z};
+    double polynomials[k_harmonics];
+    harmonic_polynomials(normal, polynomials);
+    for (size_t k = 0; k < 3 && !object->transfer.empty(); ++k)
+      for (uint32_t j = 0; j < k_harmonics; ++j)
+        object->transfer.push_back(
+            static_cast<float>(open * k_cosine_factors[j] * k_harmonic_factors[j] * polynomials[j]));
+  }
+}
+
 constexpr uint32_t k_sky_share = 2;  // the texture of the room's light on sand is coarser by this
 
 }  // namespace
@@ -133,7 +177,7 @@ namespace {
 void place(LitObject* object, const Quaternion& from, Vec3 at, const Quaternion& to, Vec3 there) {
   const Quaternion turn = multiply(to, conjugate(from));
   std::vector<float>& v = object->mesh.vertices;
-  for (size_t i = 0; i < v.size(); i += 3)
+  for (size_t i = 0; i < 3 * size_t{object->moving}; i += 3)
     to_floats(rotate(turn, from_floats(v.data() + i) - at) + there, v.data() + i);
   object->rotation = to;
 }
@@ -151,7 +195,10 @@ LitObject standing_object(const SceneFile& scene, const MeshFile& mesh_file) {
   // What is interpolated between corners is then not straight over a whole leg.
   LitObject object = {with_short_edges(loaded.mesh, k_longest * track.size.y), track.rotation, {}};
   object.transfer = surface_of(track, object.mesh);
+  object.moving = object.mesh.vertex_count();
   place(&object, k_no_rotation, {}, track.rotation, track.position);
+  for (const ColliderTrack& other : scene.colliders)
+    if (other.casts) add_casting(other, track.rotation, &object);
   return object;
 }
 
@@ -161,7 +208,7 @@ SceneShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_
   StandingShadows standing(scene, isa);
   standing.set_light(scene, frame, main_direction_of(light.object));
   standing.set_cells(scene, frame, light.object.ambient_cells);
-  sandglass_shadow_run(standing.handles().data(), static_cast<uint32_t>(standing.handles().size()), ~0u);
+  standing.complete();
   SceneShadows shadows;
   standing.draw(colliders, &shadows);
   if (!scene.pile_shadow) return shadows;

@@ -38,6 +38,7 @@ struct LitObject {
   // sandglass_shadow_transfer of the three corners of each triangle: nine numbers a corner. Empty: the object does not
   // know what it hides from itself, and is lit by its normals.
   std::vector<float> transfer;
+  uint32_t moving = 0;  // the first vertices: those of the object that may be carried
 };
 
 struct ShotPictureOptions {

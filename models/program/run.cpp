@@ -51,7 +51,7 @@ Run::Run(const RunOptions& options, uint32_t finest_level)
     if (shot_) {
       // An app shows an object when its shadow is there.
       light_shadows(0);
-      sandglass_shadow_run(shadows_->handles().data(), static_cast<uint32_t>(shadows_->handles().size()), ~0u);
+      shadows_->complete();
     }
     take_snapshot(0, std::move(colliders));
   }
@@ -191,7 +191,7 @@ sandglass_frame_report Run::advance(uint32_t frame, std::vector<sandglass_collid
     *colliders = colliders_over_frame(scene_, frame);
     add_rigid_shapes(scene_, simulation_->handle(), scene_.frame_step, colliders);
     return simulation_->frame(scene_.frame_step, static_cast<uint64_t>(scene_.budget_ms * 1e6), *colliders, nullptr,
-                              shadows_->handles());
+                              shadows_->handles(), shadows_->casts());
   }
   const RecordedFrame& recorded = recording_.frames[frame];
   *colliders = recorded.colliders;
@@ -199,7 +199,7 @@ sandglass_frame_report Run::advance(uint32_t frame, std::vector<sandglass_collid
   for (size_t i = 0; i < colliders->size() && i < scene_.colliders.size(); ++i)
     (*colliders)[i].field = scene_.colliders[i].field;
   return simulation_->frame(static_cast<double>(recorded.time_step), recorded.budget_ns, *colliders, &recorded.plan,
-                            shadows_->handles());
+                            shadows_->handles(), shadows_->casts());
 }
 
 void Run::take_snapshot(uint32_t frame, std::vector<sandglass_collider> colliders) {

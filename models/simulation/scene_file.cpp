@@ -278,6 +278,9 @@ ColliderTrack read_collider(Reader& reader) {
     if (shape == k_mesh && reader.has("mesh"))
       track.mesh = mesh_names()[static_cast<size_t>(reader.choice("mesh", mesh_names(), -1))];
     if (shape == k_mesh) track.shadow = reader.text("shadow", "");
+    if (shape == k_mesh) track.casts = reader.choice("casts", {"nothing", "triangles"}, 0) == 1;
+    if (track.casts && track.mesh.empty()) reader.refuse("casts", "needs a mesh that is named by \"mesh\"");
+    if (track.casts && !track.shadow.empty()) reader.refuse("casts", "and \"shadow\" are both given; leave one out");
     const Quaternion& q = track.rotation;
     if (!track.shadow.empty() && std::fabs(q[0]) + std::fabs(q[2]) > 1e-6)
       reader.refuse("shadow", "needs an object that stands upright; turn it about y only");
@@ -441,7 +444,7 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   if (reader.has("camera")) scene.camera = read_camera(reader.child("camera"));
   reader.finish();
   const bool shaded = std::any_of(scene.colliders.begin(), scene.colliders.end(),
-                                  [](const ColliderTrack& track) { return !track.shadow.empty(); });
+                                  [](const ColliderTrack& track) { return !track.shadow.empty() || track.casts; });
   if ((shaded || scene.pile_shadow) && !scene.light && !scene.shot)
     reader.refuse("light", "is missing, but something casts a shadow; give it");
   if (scene.shot && scene.light)

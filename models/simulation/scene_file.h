@@ -53,6 +53,7 @@ struct ColliderTrack {
   // Of a mesh: the name of the generated mesh that is used when --collider-mesh names no file. It may be empty.
   std::string mesh;
   std::string shadow;  // of a mesh: file or name of its baked shadow; empty: none
+  bool casts = false;  // of a named mesh: its triangles cast, without a bake
   bool solid_outside = false;
   double field_spacing = 0.0;              // metres; 0: the particle radius
   const sandglass_field* field = nullptr;  // set by CollisionFields

@@ -7,6 +7,9 @@
 #include <filesystem>
 
 #include "models/files/failure.h"
+#include "models/mesh/generated.h"
+#include "models/simulation/scene_meshes.h"
+#include "runtime/core/hash.h"
 
 namespace sandglass::host {
 
@@ -37,6 +40,7 @@ sandglass_shadow_info inspect_shadow(const AlignedBytes& file, const std::string
 StandingShadows::StandingShadows(const SceneFile& scene, sandglass_isa isa) {
   for (uint32_t i = 0; i < scene.colliders.size(); ++i) {
     const ColliderTrack& track = scene.colliders[i];
+    if (track.casts) add_cast(track, i, isa);
     if (track.shadow.empty()) continue;
     const std::string path = find_shadow(track.shadow);
     const AlignedBytes file = read_aligned(path, "baked shadow");
@@ -52,6 +56,25 @@ StandingShadows::StandingShadows(const SceneFile& scene, sandglass_isa isa) {
   }
 }
 
+void StandingShadows::add_cast(const ColliderTrack& track, uint32_t collider, sandglass_isa isa) {
+  MeshResult made = make_named(track.mesh);
+  stand_mesh(&made.mesh, track.size.y, track.mesh);
+  sandglass_cast_desc desc = cpp::cast_desc();
+  desc.isa = isa;
+  desc.texels = 256;
+  desc.ambient_texels = 128;
+  desc.triangle_capacity = made.mesh.triangle_count();
+  Casting casting = {collider, std::move(made.mesh), {}};
+  if (const cpp::Status status = casting.cast.create(desc); !status) throw cannot("cast", track.mesh, status.reason);
+  cast_handles_.push_back(casting.cast.get());
+  casting_.push_back(std::move(casting));
+}
+
+void StandingShadows::complete() const {
+  sandglass_shadow_run(handles_.data(), static_cast<uint32_t>(handles_.size()), ~0u);
+  sandglass_cast_run(cast_handles_.data(), static_cast<uint32_t>(cast_handles_.size()), ~0u);
+}
+
 void StandingShadows::set_light(const SceneFile& scene, uint32_t frame, Vec3 towards) {
   for (size_t i = 0; i < objects_.size(); ++i) {
     const sandglass_collider now =
@@ -61,11 +84,31 @@ void StandingShadows::set_light(const SceneFile& scene, uint32_t frame, Vec3 tow
     if (const cpp::Status turned = objects_[i].shadow.set_light(floats_of(local)); !turned)
       throw cannot("turn", "light", turned.reason);
   }
+  for (Casting& casting : casting_) {
+    const sandglass_collider now =
+        collider_over_frame(scene.colliders[casting.collider], frame * scene.frame_step, scene.frame_step);
+    sandglass_cast_mesh mesh = cpp::cast_mesh();
+    mesh.positions = casting.mesh.vertices.data();
+    mesh.vertex_count = casting.mesh.vertex_count();
+    mesh.indices = casting.mesh.indices.data();
+    mesh.triangle_count = casting.mesh.triangle_count();
+    mesh.closed = 1;  // as all named meshes are
+    const Quaternion rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
+    const Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (size_t k = 0; k < 3; ++k) to_floats(rotate(rotation, axes[k]), mesh.world_from_mesh + 4 * k);
+    std::copy_n(now.position, 3, mesh.world_from_mesh + 12);
+    cpp::Status status = casting.cast.set_meshes(&mesh, 1);
+    if (status) status = casting.cast.set_light(floats_of(towards));
+    if (!status) throw cannot("turn", "light", status.reason);
+  }
 }
 
 uint64_t StandingShadows::hash() const {
   uint64_t sum = 0;
   for (const sandglass_shadow* shadow : handles_) sum += sandglass_shadow_hash(shadow);
+  for (const Casting& casting : casting_)
+    for (const sandglass_cast_texture& t : {casting.cast.texture(), casting.cast.ambient()})
+      sum += hash_bytes(t.bytes, uint64_t{t.texels} * t.texels);
   return sum;
 }
 
@@ -78,6 +121,8 @@ void StandingShadows::set_cells(const SceneFile& scene, uint32_t frame, const fl
         2.0 * std::atan2(static_cast<double>(now.rotation[1]), static_cast<double>(now.rotation[3])));
     if (const cpp::Status lit = object.shadow.set_cells(cells, yaw); !lit) throw cannot("set", "cells", lit.reason);
   }
+  for (Casting& casting : casting_)
+    if (const cpp::Status lit = casting.cast.set_cells(cells); !lit) throw cannot("set", "cells", lit.reason);
 }
 
 void StandingShadows::draw(std::span<const sandglass_collider> colliders, SceneShadows* shadows) const {
@@ -114,6 +159,24 @@ void StandingShadows::draw(std::span<const sandglass_collider> colliders, SceneS
       shadow.coverage[i] = static_cast<uint8_t>(255 - ambient.visibility[i]);
     place(ambient.low, ambient.high);
     shadows->ambient.push_back(std::move(shadow));
+  }
+  constexpr double k_half_angle = 0.17453292519943295;
+  for (const Casting& casting : casting_) {
+    const auto add = [&](const sandglass_cast_texture& t, bool is_ambient, std::vector<FloorShadow>* to) {
+      if (t.valid == 0) return;
+      FloorShadow shadow;
+      shadow.collider = casting.collider;
+      shadow.half_angle = k_half_angle;
+      shadow.texels = t.texels;
+      for (uint32_t i = 0; i < t.texels * t.texels; ++i)
+        shadow.coverage.push_back(is_ambient ? static_cast<uint8_t>(255 - t.bytes[i]) : t.bytes[i]);
+      for (size_t axis = 0; axis < 2; ++axis) shadow.low[axis] = static_cast<double>(t.corner[2 * axis]);
+      shadow.high[0] = shadow.low[0] + static_cast<double>(t.along[0]);
+      shadow.high[1] = shadow.low[1] + static_cast<double>(t.across[2]);
+      to->push_back(std::move(shadow));
+    };
+    add(casting.cast.texture(), false, &shadows->object);
+    add(casting.cast.ambient(), true, &shadows->ambient);
   }
 }
 

@@ -54,7 +54,8 @@ void Simulation::add(std::span<const float> particles, std::span<const float> ve
 
 sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
                                          std::span<const sandglass_collider> colliders, const sandglass_plan* plan,
-                                         std::span<sandglass_shadow* const> shadows) {
+                                         std::span<sandglass_shadow* const> shadows,
+                                         std::span<sandglass_cast* const> casts) {
   sandglass_frame_input input;
   sandglass_frame_input_default(&input);
   input.time_step = static_cast<float>(time_step);
@@ -68,6 +69,8 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   input.sink_count = static_cast<uint32_t>(flow_.sinks.size());
   input.shadows = shadows.data();
   input.shadow_count = static_cast<uint32_t>(shadows.size());
+  input.casts = casts.data();
+  input.cast_count = static_cast<uint32_t>(casts.size());
   input.pile_shadow = pile_shadow_;
   input.estimator = light_;
   input.room = room_;

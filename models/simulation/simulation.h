@@ -24,7 +24,8 @@ class Simulation {
   // Runs one frame. With a `budget_ns` of UINT64_MAX it does all the work. `plan` is a recorded plan to execute, or
   // null.
   sandglass_frame_report frame(double time_step, uint64_t budget_ns, std::span<const sandglass_collider> colliders,
-                               const sandglass_plan* plan = nullptr, std::span<sandglass_shadow* const> shadows = {});
+                               const sandglass_plan* plan = nullptr, std::span<sandglass_shadow* const> shadows = {},
+                               std::span<sandglass_cast* const> casts = {});
   // Runs the frame that the input describes. Only the place where grains are written is set here.
   sandglass_frame_report frame(sandglass_frame_input input);
 

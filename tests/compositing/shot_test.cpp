@@ -426,7 +426,7 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   const auto left = [&](const ShotCamera& held, Vec3 towards) {
     StandingShadows standing(scene, SANDGLASS_ISA_AUTOMATIC);
     standing.set_light(scene, 0, towards);
-    sandglass_shadow_run(standing.handles().data(), static_cast<uint32_t>(standing.handles().size()), ~0u);
+    standing.complete();
     SceneShadows shadows;
     standing.draw(colliders_over_frame(scene, 0), &shadows);
     shadows.ambient.clear();
