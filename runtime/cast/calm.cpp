@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint32_t k_window_radius[] = {1, 2, 4};
 constexpr uint32_t k_passes = 3;
-constexpr uint32_t k_rim = 4;  // texels at the rim of an ambient texture over which it fades
+constexpr float k_rim = 4;  // texels at the rim of an ambient texture over which it fades
 
 float* row_of(const CastState& c, uint32_t texels, uint32_t row) {
   return c.values + uint64_t{row} * cast_pitch(texels) + k_lane_group;
@@ -79,10 +79,14 @@ void calm_row(CastState* c, uint32_t texels, uint32_t row, uint32_t radius) {
   c->kernels->cast_calm(&args, 0, texels, &unused);
 }
 
-uint32_t from_rim(uint32_t i, uint32_t texels) { return i < texels - 1 - i ? i : texels - 1 - i; }
+// The share that is drawn of what fades towards the low and the high side.
+float faded(const float fade[2], uint32_t i, uint32_t texels) {
+  const float low = static_cast<float>(i) / (fade[0] > 1 ? fade[0] : 1.0f);
+  const float high = static_cast<float>(texels - 1 - i) / (fade[1] > 1 ? fade[1] : 1.0f);
+  return (fade[0] > 0 && low < 1 ? low : 1.0f) * (fade[1] > 0 && high < 1 ? high : 1.0f);
+}
 
-// Light: the share that is hidden. Ambient: 1 less that share of the light that the cells are, and nothing at the rim,
-// beyond which none is drawn.
+// Light: the share that is hidden. Ambient: 1 less that share of the light that the cells are.
 void write_row(const CastState& c, uint32_t texels, uint32_t row, uint8_t* bytes) {
   const bool ambient = c.target == k_cast_ambient;
   double sum = 0;
@@ -90,13 +94,12 @@ void write_row(const CastState& c, uint32_t texels, uint32_t row, uint8_t* bytes
   const float hidden = c.direction_count != 0 ? 255.0f / static_cast<float>(c.direction_count) : 0.0f;
   const float scale = ambient ? hidden * static_cast<float>(sum < 1 ? sum : 1) : hidden;
   const float* values = row_of(c, texels, row);
+  constexpr float k_all_round[2][2] = {{k_rim, k_rim}, {k_rim, k_rim}};  // beyond which no ambient shadow is drawn
+  const float(*fade)[2] = ambient ? k_all_round : c.targets[c.target].back.fade;
   for (uint32_t u = 0; u < texels; ++u) {
     float value = scale * values[u];
-    if (ambient) {
-      const uint32_t across = from_rim(row, texels), along = from_rim(u, texels), rim = across < along ? across : along;
-      if (rim < k_rim) value *= static_cast<float>(rim) / static_cast<float>(k_rim);
-      value = 255.0f - value;
-    }
+    value *= faded(fade[1], row, texels) * faded(fade[0], u, texels);
+    if (ambient) value = 255.0f - value;
     bytes[u] = static_cast<uint8_t>(to_whole<uint32_t>((value < 255.0f ? value : 255.0f) + 0.5f));
   }
 }

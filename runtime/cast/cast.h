@@ -23,7 +23,8 @@ constexpr uint32_t k_cast_unit_triangles = 512;    // gathered in one unit
 constexpr uint32_t k_cast_unit_rows = 4500;        // rows of triangles, and triangles, drawn in one unit
 constexpr uint32_t k_cast_step = 16;               // triangles between two looks at that
 constexpr uint32_t k_cast_unit_texels = 4096;      // filtered in one unit
-constexpr double k_cast_slope_most = 4;            // a shadow is drawn this many heights long
+constexpr double k_cast_slope_most = 5;            // a shadow is drawn this many heights long
+constexpr double k_cast_slope_fade = 1;            // over which its end fades, if it goes on
 constexpr double k_cast_ambient_slope = 1.5;       // the ambient shadow, this many around the object
 constexpr double k_cast_still = 0.1;               // of a texel; what moves less makes no new texture
 constexpr float k_cast_far = 1e6f;                 // metres; corners farther than that are left out
@@ -62,7 +63,8 @@ struct CastTexture {
   uint8_t* bytes;
   CastFrame frame;
   double low[2], texel[2];  // in that frame
-  double light[3];          // world
+  float fade[2][2];  // texels at the low and the high side over which a shadow that goes on fades; 0: it ends there
+  double light[3];   // world
   uint32_t directions, left_out;
   float open;
 };

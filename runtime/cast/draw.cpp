@@ -25,7 +25,7 @@ double texel_size(double x) {
 // The rectangle of the texture: what the shadows of the triangles' box reach, within the plane's extent, on a grid that
 // lies still.
 void fit(const CastState& c, const CastDirection* directions, CastTexture* texture, uint32_t texels) {
-  double low[2] = {0, 0}, high[2] = {0, 0};  // of slopes
+  double low[2] = {0, 0}, high[2] = {0, 0}, low_cut[2] = {0, 0}, high_cut[2] = {0, 0};  // of slopes, and of those cut
   const bool ambient = c.target == k_cast_ambient;
   for (uint32_t i = 0; i < c.direction_count && !ambient; ++i) {
     const double x = static_cast<double>(directions[i].slope[0]), z = static_cast<double>(directions[i].slope[1]);
@@ -34,6 +34,9 @@ void fit(const CastState& c, const CastDirection* directions, CastTexture* textu
     for (uint32_t axis = 0; axis < 2; ++axis) {
       low[axis] = slopes[axis] < low[axis] ? slopes[axis] : low[axis];
       high[axis] = slopes[axis] > high[axis] ? slopes[axis] : high[axis];
+      if (!(cut < 1)) continue;
+      low_cut[axis] = slopes[axis] < low_cut[axis] ? slopes[axis] : low_cut[axis];
+      high_cut[axis] = slopes[axis] > high_cut[axis] ? slopes[axis] : high_cut[axis];
     }
   }
   for (uint32_t axis = 0; axis < 2; ++axis) {
@@ -51,6 +54,11 @@ void fit(const CastState& c, const CastDirection* directions, CastTexture* textu
     const double texel = texel_size(side / (texels - 2));
     texture->texel[axis] = texel;
     texture->low[axis] = static_cast<double>(floor_index(from / texel)) * texel;
+    // Where the plane ends, so does the shadow.
+    const float fade = static_cast<float>(k_cast_slope_fade * c.high[1] / texel);
+    const bool goes_on[2] = {high_cut[axis] > k_cast_slope_fade && from > bounds[0],
+                             low_cut[axis] < -k_cast_slope_fade && to < bounds[1]};
+    for (int end = 0; end < 2; ++end) texture->fade[axis][end] = goes_on[end] ? fade : 0.0f;
   }
 }
 

@@ -137,7 +137,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_cast_set_meshes(san
 
 /* Sets the light. `direction`: towards it, world, of any length above 0. `angular_diameter`: radians, 0..1.5; 0 means
  * 0.34907 (20 degrees). Of several lights each has a cast, or they are in the cells. What of the light is below the plane
- * gives no light; a light that is below it altogether throws no shadow. Fails with INVALID_ARGUMENT: a direction that is
+ * gives no light; a light that is below it altogether throws no shadow. A shadow ends softly after five heights. Fails with INVALID_ARGUMENT: a direction that is
  * zero or not finite, or a diameter out of range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_cast_set_light(sandglass_cast* cast,
                                                                             const float direction[3],
