@@ -12,6 +12,7 @@
 #include "models/baking/light_cells.h"
 #include "models/baking/truth.h"
 #include "models/files/failure.h"
+#include "models/work/random.h"
 #include "runtime/cast/cast.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/shadow/cast_peers.h"
@@ -574,6 +575,50 @@ void in_rooms(const CastRowsOptions& options, const CastMeshFile& file, bool wal
   rows->at_most(file.name, name + ", the floor's cells", of_the_floor.mean(), limit, true);
 }
 
+// What a surface receives of an even sky beside what it would without itself, by rays from places on it; and how far the
+// places are from their mean, which is all that a cast tells (of a closed mesh alone: of another it counts both sides).
+void of_surface(const CastMeshFile& file, Rows* rows) {
+  constexpr int k_places = 3000, k_rings = 8;
+  const StandingObject object = stand_on_plane(file.mesh, file.name);
+  const EmbreeScene scene = EmbreeScene::triangles(object.mesh.vertices, object.mesh.indices);
+  const auto corner = [&](size_t i) {
+    return from_floats(object.mesh.vertices.data() + 3 * static_cast<size_t>(object.mesh.indices[i]));
+  };
+  std::vector<double> areas;
+  double all = 0;
+  for (size_t t = 0; t < object.mesh.indices.size(); t += 3)
+    areas.push_back(all += length(cross(corner(t + 1) - corner(t), corner(t + 2) - corner(t))));
+  Random random = random_stream(7, 0);
+  double open = 0, sky = 0, squares = 0;
+  for (int i = 0; i < k_places; ++i) {
+    const double at = (i + random.uniform()) / k_places * all;
+    const size_t t = 3 * static_cast<size_t>(std::lower_bound(areas.begin(), areas.end(), at) - areas.begin());
+    double a = random.uniform(), b = random.uniform();
+    if (a + b > 1) a = 1 - a, b = 1 - b;
+    const Vec3 ab = corner(t + 1) - corner(t), ac = corner(t + 2) - corner(t), normal = normalised(cross(ab, ac));
+    const Vec3 place = corner(t) + ab * a + ac * b + normal * 1e-4;
+    double seen = 0, whole = 0;
+    for (int j = 0; j < 4 * k_rings * k_rings; ++j) {
+      const double y = (j / (4 * k_rings) + random.uniform()) / k_rings,
+                   f = 2 * std::numbers::pi * (j % (4 * k_rings) + random.uniform()) / (4 * k_rings);
+      const double flat = std::sqrt(1 - y * y), facing = dot(normal, {flat * std::cos(f), y, flat * std::sin(f)});
+      if (facing <= 0) continue;
+      whole += facing;
+      if (!scene.occluded(place, {flat * std::cos(f), y, flat * std::sin(f)}, 10)) seen += facing;
+    }
+    open += seen, sky += whole;
+    if (whole > 0) squares += seen * seen / whole;
+  }
+  const double mean = open / sky, spread = std::sqrt(std::max(0.0, squares / sky - mean * mean));
+  CastChoice choice;
+  choice.closed = file.closed;
+  choice.cells.emplace();
+  choice.cells->fill(1.0f / SANDGLASS_LIGHT_CELLS);
+  const double told = cast_of(object.mesh, {{0, 1, 0}, 0.1}, choice).open;
+  rows->at_most(file.name, "light of its own surface, off by", std::fabs(told - mean), file.closed ? 0.03 : k_reported);
+  rows->at_most(file.name, "light of its own surface, spread", spread, k_reported);
+}
+
 // ------------------------------------------------------------------------------------------------ from frame to frame
 
 // How the error changes where the object, or the light, turns by half a degree a frame.
@@ -647,6 +692,7 @@ std::vector<Verdict> verify_casts(const CastRowsOptions& options, ThreadPool& po
     if (!next()) return rows.rows;
     below_table(file, pool, &rows);
     with_heap(file, pool, &rows);
+    of_surface(file, &rows);
     if (!next()) return rows.rows;
     shimmer(file, pool, &rows);
     if (!next()) return rows.rows;
