@@ -174,15 +174,21 @@ KnownPart known_part(const Room& room, const Memory& memory, uint32_t i, const R
           bounded_tilt(k_aside * part.aside)};
 }
 
-// The plane whose light is asked for: its axes (along, normal, across) in the sphere's frame, and turns to its azimuth 0.
+// The plane whose light is asked for: a level one, whose azimuth 0 is `yaw` turns away; or its axes (along, normal, across)
+// in the sphere's frame.
 struct Facing {
-  double axes[3][3], yaw;
+  bool level;
+  double yaw, axes[3][3];
+
+  void turn(const double sphere[3], double local[3]) const {
+    for (int k = 0; k < 3; ++k)
+      local[k] = level ? sphere[k] : axes[k][0] * sphere[0] + axes[k][1] * sphere[1] + axes[k][2] * sphere[2];
+  }
 };
-constexpr double k_level[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 // One piece of a part, from the sphere to the object.
-void add_piece(Sums* sums, const SinCos& turn, const Facing& plane, const double sphere[3], double area, const double at[3],
-               const KnownPart& part, double tilt, const double unseen[3]) {
+void add_piece(Sums* sums, const SinCos& turn, const Facing& plane, const double sphere[3], double area,
+               const double at[3], const KnownPart& part, double tilt, const double unseen[3]) {
   const double seen_share = part.seen * tilt, rest = 1 - part.seen;
   const double colour[3] = {seen_share * part.lit[0] + rest * unseen[0], seen_share * part.lit[1] + rest * unseen[1],
                             seen_share * part.lit[2] + rest * unseen[2]};
@@ -191,7 +197,7 @@ void add_piece(Sums* sums, const SinCos& turn, const Facing& plane, const double
   const double distance = square_root(squared), omega = area * (1 - along) / (squared * distance);
   for (double& x : q) x /= distance;
   double local[3];
-  for (int k = 0; k < 3; ++k) local[k] = plane.axes[k][0] * q[0] + plane.axes[k][1] * q[1] + plane.axes[k][2] * q[2];
+  plane.turn(q, local);
   if (!(local[1] > 0)) return;
   const double world[3] = {turn.cos * q[0] - turn.sin * q[2], q[1], turn.sin * q[0] + turn.cos * q[2]};
   double polynomials[k_harmonics];
@@ -444,12 +450,22 @@ double level_of(const Room& room, const RoomModel& model, const Overview& all, d
   return exponential((1 - weight) * logarithm(by_cells) + weight * logarithm(by_floor));
 }
 
+// What one of the sums' units is, in those of the last image's white.
+double unit_of(const Room& room, const RoomModel& model, const Overview& all, const Sums& sums) {
+  double total = 0, lasting = 0;
+  for (uint32_t i = 0; i < k_light_cells; ++i) {
+    total += luminance(sums.cells[i]);
+    lasting += sums.lasting[i];
+  }
+  return total > 0 ? level_of(room, model, all, lasting, sums.all_lasting / sums.all_even) / total : 0;
+}
+
 uint32_t shown_cell(const Room& room, const Facing& plane, const float direction[3]) {
   const double world[3] = {static_cast<double>(direction[0]), static_cast<double>(direction[1]),
                            static_cast<double>(direction[2])};
   double d[3], local[3];
   room_to_sphere(room, world, d);
-  for (int k = 0; k < 3; ++k) local[k] = plane.axes[k][0] * d[0] + plane.axes[k][1] * d[1] + plane.axes[k][2] * d[2];
+  plane.turn(d, local);
   return cell_of(local, plane.yaw);
 }
 
@@ -478,10 +494,12 @@ void find_cells(const Room& room, const RoomModel& model, const Facing& plane, c
   out->clipped = total > 0 ? static_cast<float>(sums.clipped / total) : 0.0f;
 }
 
-Facing level_floor(const Room& room) {
-  Facing plane = {{}, room.yaw};
-  for (int k = 0; k < 3; ++k)
-    for (int j = 0; j < 3; ++j) plane.axes[k][j] = k_level[k][j];
+Facing facing_of(const Room& room, const sandglass_room_place& place) {
+  Facing plane = {false, 0, {}};
+  double axes[3][3];
+  constexpr float k_along[3] = {1, 0, 0};
+  (void)plane_axes(place.normal, place.along != nullptr ? place.along : k_along, axes);
+  for (int k = 0; k < 3; ++k) room_to_sphere(room, axes[k], plane.axes[k]);
   return plane;
 }
 
@@ -513,35 +531,22 @@ void room_estimate(const Room& room, const RoomModel& model, const sandglass_roo
   remember(room, &memory);
   const Overview all = overview_of(room, memory);
   const Hint hint = hint_of(room, model, place.estimate);
-  const Facing floor = level_floor(room);
-  Sums sums = {};
-  sum_up(room, memory, model, all, hint, at, floor, &sums);
-  even_out(&sums);
-  double total = 0, lasting = 0;
-  for (uint32_t i = 0; i < k_light_cells; ++i) {
-    total += luminance(sums.cells[i]);
-    lasting += sums.lasting[i];
-  }
-
   sandglass_room_light out = {};
   out.valid = is_known ? 1 : 0;
-  const double level = total > 0 ? level_of(room, model, all, lasting, sums.all_lasting / sums.all_even) : 0;
-  const double unit = total > 0 ? level / total : 0;
-  find_cells(room, model, floor, place, sums, unit, &out);
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) out.sh[i] = static_cast<float>(sums.sh[i] * unit);
-  double foot[3];
-  room_place(room, position, foot, 2.0);
-  find_floor(room, model, memory, foot, place, &out);
-  if (place.normal != nullptr) {  // the level is the floor's, which both have in common
-    Facing plane = {{}, 0};
-    double axes[3][3];
-    constexpr float k_along[3] = {1, 0, 0};
-    (void)plane_axes(place.normal, place.along != nullptr ? place.along : k_along, axes);
-    for (int k = 0; k < 3; ++k) room_to_sphere(room, axes[k], plane.axes[k]);
-    sums = {};
+  double unit = 0;  // the floor's, which a plane has in common with it
+  for (int i = 0; i < (place.normal != nullptr ? 2 : 1); ++i) {
+    const bool of_floor = i == 0;
+    const Facing plane = of_floor ? Facing{true, room.yaw, {}} : facing_of(room, place);
+    Sums sums = {};
     sum_up(room, memory, model, all, hint, at, plane, &sums);
     even_out(&sums);
+    if (of_floor) unit = unit_of(room, model, all, sums);
     find_cells(room, model, plane, place, sums, unit, &out);
+    if (!of_floor) continue;
+    for (uint32_t j = 0; j < 3 * k_harmonics; ++j) out.sh[j] = static_cast<float>(sums.sh[j] * unit);
+    double foot[3];
+    room_place(room, position, foot, 2.0);
+    find_floor(room, model, memory, foot, place, &out);
   }
   find_look(room, memory, out.look);
   out.short_exposure = short_exposure(room);

@@ -279,7 +279,7 @@ SANDGLASS_API void sandglass_room_place_default(sandglass_room_place* place);
 
 /* The light at a place. Set light->struct_size before.
  *
- * It reads all 512 parts: 1.1 million instructions on ARM, nearly three times what an image takes. Ask it when an object
+ * It reads all 512 parts: 1.2 million instructions on ARM, three times what an image takes. Ask it when an object
  * moved or a new image came, not for each of its vertices. A plane that is no floor takes twice as long. Fails with
  * INVALID_ARGUMENT: a number of *place that is not finite or out of range, or a plane without a direction. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sandglass_room* room,
