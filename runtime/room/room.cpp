@@ -283,8 +283,9 @@ sandglass_status sandglass_room_get(const sandglass_room* room, const sandglass_
     return refuse(reason, "place.along is given without a normal: pass both, or neither");
   constexpr float k_along[3] = {1, 0, 0};
   double axes[3][3];
-  const char* wrong =
-      place->normal == nullptr ? nullptr : plane_axes(place->normal, place->along != nullptr ? place->along : k_along, axes);
+  const char* wrong = place->normal == nullptr
+                          ? nullptr
+                          : plane_axes(place->normal, place->along != nullptr ? place->along : k_along, axes);
   if (wrong != nullptr) return refuse(reason, wrong);
   sandglass_room_place at = *place;
   if (shown != nullptr && shown->struct_size < sizeof *shown) at.shown = nullptr;  // nothing is shown yet

@@ -95,7 +95,8 @@ TEST(RoomPlane, RefusesPlanesWithoutADirection) {
     sandglass_room_place_default(&place);
     place.normal = normal;
     place.along = along;
-    tests::expect_refused(words, [&](const char** reason) { return sandglass_room_get(room.handle(), &place, &out, reason); });
+    tests::expect_refused(words,
+                          [&](const char** reason) { return sandglass_room_get(room.handle(), &place, &out, reason); });
   };
   refused("zero", none, nullptr);
   refused("along its normal", up, up);
