@@ -593,6 +593,11 @@ inline sandglass_shadow_desc shadow_desc(const void* asset = nullptr, uint64_t b
   desc.asset_bytes = bytes;
   return desc;
 }
+inline sandglass_pile_shadow_desc pile_shadow_desc() {
+  sandglass_pile_shadow_desc desc;
+  sandglass_pile_shadow_desc_default(&desc);
+  return desc;
+}
 inline sandglass_cast_desc cast_desc() {
   sandglass_cast_desc desc;
   sandglass_cast_desc_default(&desc);
@@ -609,12 +614,6 @@ inline sandglass_cast_mesh cast_mesh() {
   sandglass_cast_mesh mesh;
   sandglass_cast_mesh_default(&mesh);
   return mesh;
-}
-
-inline sandglass_pile_shadow_desc pile_shadow_desc() {
-  sandglass_pile_shadow_desc desc;
-  sandglass_pile_shadow_desc_default(&desc);
-  return desc;
 }
 
 // The shadows of one object and the block they live in. Movable, not copyable. The baked file may go after create.
