@@ -167,7 +167,8 @@ void cast_begin_gather(CastState* c) {
   c->group = c->mesh = c->cursor = c->kept = c->left_out = 0;
   c->gathered_frame = c->frame;
   c->stale = false;
-  for (uint32_t axis = 0; axis < 3; ++axis) c->low[axis] = k_cast_far, c->high[axis] = -k_cast_far;
+  constexpr auto k_far = static_cast<double>(k_cast_far);
+  for (uint32_t axis = 0; axis < 3; ++axis) c->low[axis] = k_far, c->high[axis] = -k_far;
   for (uint32_t i = 0; i < c->mesh_count; ++i) {
     CastMesh* mesh = &c->meshes[i];
     mesh->gathered = mesh->asked;
