@@ -218,15 +218,14 @@ void begin_following(HeldPose* p) {
 
 // Adds to a told velocity what it does not tell of the pose's way: of a belt that is lifted, the lift. Of the velocity,
 // so much is the pose's as goes with its way; of a belt that stays in place nothing.
-void add_untold(float velocity[3], const float before[3], const float way[3], float step, float lever,
-                const HoldRule& rule) {
+void add_untold(float velocity[3], float untold[3], const float way[3], float step, float lever, const HoldRule& rule) {
   float with = 0.0f, told2 = 0.0f;
   for (int k = 0; k < 3; ++k) with += way[k] * velocity[k] * step, told2 += velocity[k] * velocity[k] * step * step;
   const float share = told2 > 0.0f ? minimum(maximum(with / told2, 0.0f), 1.0f) : 0.0f;
-  float rest[3], untold[3];
-  for (int k = 0; k < 3; ++k) rest[k] = way[k] - share * step * velocity[k], untold[k] = before[k] - velocity[k];
-  if (!(length3(rest) > k_untold_share * length3(way))) return;
-  gain(untold, rest, step, lever, rule);
+  float rest[3];
+  for (int k = 0; k < 3; ++k) rest[k] = way[k] - share * step * velocity[k];
+  if (length3(rest) > k_untold_share * length3(way)) gain(untold, rest, step, lever, rule);
+  else untold[0] = untold[1] = untold[2] = 0.0f;
   for (int k = 0; k < 3; ++k) velocity[k] += untold[k];
 }
 
@@ -238,8 +237,12 @@ void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose&
   if (rule.band <= 0.0f) return;
   float shift[3], arc[3];
   motion_between(was_told, told.pose, shift, arc);
-  add_untold(p->held.linear, before.linear, shift, step, 1.0f, rule);
-  add_untold(p->held.angular, before.angular, arc, step, maximum(reach, 1e-6f), rule);
+  for (int k = 0; k < 3 && p->believed == 0; ++k) {  // it followed until now
+    p->untold[k] = before.linear[k] - told.linear[k];
+    p->untold[k + 3] = before.angular[k] - told.angular[k];
+  }
+  add_untold(p->held.linear, p->untold, shift, step, 1.0f, rule);
+  add_untold(p->held.angular, p->untold + 3, arc, step, maximum(reach, 1e-6f), rule);
   // As far from the told pose as it was in the last frame, but of one that had jumped no further than the band.
   const float lag = surface_way(shape, before.pose, was_told, rule);
   if (lag <= k_caught_up) return;
@@ -336,7 +339,7 @@ void pose_move(Pose* p, const float rotation[4], const float shift[3]) {
 void hold_move(HeldPose* p, const float rotation[4], const float shift[3]) {
   Pose* const poses[] = {&p->held.pose, &p->told, &p->start, &p->stand};
   for (Pose* pose : poses) pose_move(pose, rotation, shift);
-  float* const vectors[] = {p->held.linear, p->held.angular, p->run, p->run + 3};
+  float* const vectors[] = {p->held.linear, p->held.angular, p->run, p->run + 3, p->untold, p->untold + 3};
   for (float* v : vectors) {
     const FloatVector turned = rotated(rotation, {v[0], v[1], v[2]});
     v[0] = turned.x;

@@ -32,6 +32,7 @@ struct HeldPose {
   Pose start;            // while it follows: `held` when the told pose last changed
   Pose stand;            // while it follows: where it stands if it stands
   float run[6];          // the way that told velocities went lately: shift and arc
+  float untold[6];       // while it is believed: what the pose's own way has beside told velocities, m/s and rad/s
   float since_turn;      // seconds since they turned back
   float since_velocity;  // seconds without one
   float age;             // seconds since the told pose changed

@@ -12,7 +12,7 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t k_magic = 0x73676473;  // "sgds"
-constexpr uint32_t k_version = 3;
+constexpr uint32_t k_version = 4;
 
 struct Header {
   uint32_t magic, version;
@@ -222,7 +222,7 @@ bool sound_known(const KnownCollider& known) {
               within(known.absent, 0.0f, k_long);
   for (const Pose* pose : poses) good = good && sound_pose(*pose, known.shape);
   good = good && all_within(p.held.linear, 3, -k_speed, k_speed) && all_within(p.held.angular, 3, -k_speed, k_speed);
-  good = good && all_within(p.run, 6, -k_way, k_way);
+  good = good && all_within(p.run, 6, -k_way, k_way) && all_within(p.untold, 6, -k_speed, k_speed);
   const float times[] = {p.since_turn, p.since_velocity, p.age, p.stood};
   good = good && all_within(times, 4, 0.0f, k_long);
   return good;
