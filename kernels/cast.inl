@@ -100,7 +100,8 @@ static void cast_triangles(const CastTrianglesArgs* a, uint32_t begin, uint32_t 
     const Float first = to_float(row);
     for (uint32_t e = 0; e < 3; ++e) {
       const uint32_t to = e == 2 ? 0 : e + 1;
-      const Float slope = maximum(minimum((u[to] - u[e]) / (v[to] - v[e]), steepest), zero - steepest);
+      const Float rise = v[to] - v[e], divisor = select(rise == zero, broadcast(1.0f), rise);  // a level edge has none
+      const Float slope = maximum(minimum((u[to] - u[e]) / divisor, steepest), zero - steepest);
       const Float cut = u[e] + (first - v[e]) * slope;
       const Mask down = v[e] < v[to], up = v[to] < v[e];
       left[e] = select(down, cut, before);
