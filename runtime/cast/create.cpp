@@ -8,6 +8,7 @@
 #include "runtime/core/math.h"
 #include "runtime/core/plane_axes.h"
 #include "runtime/core/refuse.h"
+#include "runtime/shadow/cells.h"
 #include "runtime/shadow/light_direction.h"
 
 namespace sandglass {
@@ -168,19 +169,11 @@ __attribute__((noinline)) sandglass_status take_light(CastState* c, const float 
   return accept(reason);
 }
 
-// What each direction hides is 1 at most, so a texel differs by no more than the cells that grew, or those that shrank.
 __attribute__((noinline)) sandglass_status take_cells(CastState* c, const float* cells, const char** reason) {
-  double sum = 0, grown = 0, shrunk = 0;
-  for (uint32_t i = 0; i < k_light_cells; ++i) {
-    if (!within(cells[i], 0.0f, 1.001f)) return refuse(reason, "a cell is not finite, below 0 or above 1");
-    sum += static_cast<double>(cells[i]);
-    const double change = static_cast<double>(cells[i]) - static_cast<double>(c->cells_made[i]);
-    (change > 0 ? grown : shrunk) += absolute(change);
-  }
-  if (!(sum <= 1.001)) return refuse(reason, "the cells are more than 1 together: pass shares of the plane's light");
+  if (const sandglass_status status = check_cells(cells, reason)) return status;
   memcpy(c->cells, cells, sizeof c->cells);
   CastTarget* target = &c->targets[k_cast_ambient];
-  if ((grown > shrunk ? grown : shrunk) > 1.0 / 255) target->asked = target->texels != 0;
+  if (cells_differ(c->cells_made, cells)) target->asked = target->texels != 0;
   return accept(reason);
 }
 

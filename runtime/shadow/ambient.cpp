@@ -13,8 +13,7 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_yaw_limit = 1e6f;   // beyond it a float says nothing of a direction
-constexpr double k_sum_slack = 1e-3;  // that the sum of all cells may exceed 1 by
+constexpr float k_yaw_limit = 1e6f;  // beyond it a float says nothing of a direction
 
 uint32_t even(uint32_t count) { return count + count % 2; }
 uint64_t texels_of(const AmbientShadow& ambient) { return uint64_t{ambient.side} * ambient.side; }
@@ -28,7 +27,7 @@ void choose_steps(const AmbientAsset& asset, AmbientShadow* ambient) {
   }
   uint32_t shift = 1;
   double scale = 2 * 255.0;
-  while (shift < k_ambient_shift_limit && largest * (1 + k_sum_slack) * 2 * scale < 32767) ++shift, scale *= 2;
+  while (shift < k_ambient_shift_limit && largest * (1 + k_cells_slack) * 2 * scale < 32767) ++shift, scale *= 2;
   ambient->components.shift = shift;
   ambient->weight_scale = scale;
 }
@@ -58,27 +57,9 @@ void end_texture(AmbientShadow* ambient) {
   ++ambient->completed;
 }
 
-// Whether some texel can differ by a step of its byte between the two lights.
-bool visible(const double before[SANDGLASS_LIGHT_CELLS], const double after[SANDGLASS_LIGHT_CELLS]) {
-  double rise = 0, fall = 0;
-  for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i) {
-    const double change = after[i] - before[i];
-    if (change > 0) rise += change;
-    else fall -= change;
-  }
-  return 255 * (rise > fall ? rise : fall) >= 1;
-}
-
 __attribute__((noinline)) sandglass_status take_cells(AmbientShadow* ambient, const float* cells, float yaw,
                                                       const char** reason) {
-  double sum = 0;
-  for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i) {
-    if (!(cells[i] >= 0 && is_finite(cells[i])))
-      return refuse(reason, "a cell is negative or not finite: pass shares of the floor's light");
-    sum += static_cast<double>(cells[i]);
-  }
-  if (sum > 1 + k_sum_slack)
-    return refuse(reason, "the cells add up to more than 1: divide them by the irradiance of the floor");
+  if (const sandglass_status status = check_cells(cells, reason)) return status;
   if (!within(yaw, -k_yaw_limit, k_yaw_limit)) return refuse(reason, "yaw is not a number of radians within 1e6");
   if (ambient->components.count != 0) ambient_set_cells(ambient, cells, yaw);
   return accept(reason);
@@ -123,7 +104,7 @@ void ambient_set_cells(AmbientShadow* ambient, const float cells[SANDGLASS_LIGHT
   for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i) world[i] = static_cast<double>(cells[i]);
   turn_cells(world, static_cast<double>(yaw), object);
   ++ambient->calls;
-  if (!ambient->pending && !visible(ambient->wanted, object)) return;
+  if (!ambient->pending && !cells_differ(ambient->wanted, object)) return;
   memcpy(ambient->wanted, object, sizeof object);
   ambient->pending = true;
 }

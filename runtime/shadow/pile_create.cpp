@@ -8,6 +8,7 @@
 #include "runtime/core/layout.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
+#include "runtime/shadow/cells.h"
 #include "runtime/shadow/light_direction.h"
 #include "runtime/shadow/pile.h"
 
@@ -131,14 +132,9 @@ __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direc
 __attribute__((noinline)) sandglass_status take_cells(Pile* p, const float* cells, const char** reason) {
   if (p->sky.texels == 0)
     return refuse(reason, "this shadow has no texture of the room's light: set desc.sky_texels at create");
-  double sum = 0;
-  for (uint32_t i = 0; i < k_light_cells; ++i) {
-    if (!within(cells[i], 0.0f, 1.001f)) return refuse(reason, "a cell is not finite, below 0 or above 1");
-    sum += static_cast<double>(cells[i]);
-  }
-  if (!(sum <= 1.001)) return refuse(reason, "the cells are more than 1 together: pass shares of the floor's light");
+  if (const sandglass_status status = check_cells(cells, reason)) return status;
   memcpy(p->sky.cells, cells, k_light_cells * sizeof(float));
-  if (sky_differs(p->sky, cells)) p->asked |= k_ask_sky;
+  if (cells_differ(p->sky.made_for, cells)) p->asked |= k_ask_sky;
   return accept(reason);
 }
 

@@ -352,16 +352,6 @@ uint32_t sky_run_rows(Pile* p, uint32_t cursor) {
   return cursor;
 }
 
-bool sky_differs(const PileSky& s, const float* cells) {
-  double more = 0, less = 0;
-  for (uint32_t i = 0; i < k_light_cells; ++i) {
-    const double change = static_cast<double>(cells[i]) - static_cast<double>(s.made_for[i]);
-    if (change > 0) more += change;
-    else less -= change;
-  }
-  return (more > less ? more : less) * 255 >= 1;
-}
-
 void sky_light_grains(const Pile& p, const float* positions, uint32_t count, float radius, uint8_t* visibility) {
   const SkyTexture& sky = p.sky.front;
   if (!p.sky.valid || !(radius > 0)) {

@@ -65,9 +65,6 @@ void sky_begin(Pile* pile);
 uint32_t sky_run_levels(Pile* pile, uint32_t cursor);
 uint32_t sky_run_rows(Pile* pile, uint32_t cursor);
 
-// Whether light that comes in `cells` can differ by a byte's step from that which the texture was made for.
-bool sky_differs(const PileSky& sky, const float* cells);
-
 // See sandglass_pile_shadow_light_grains.
 void sky_light_grains(const Pile& pile, const float* positions, uint32_t count, float radius, uint8_t* visibility);
 
