@@ -10,13 +10,18 @@ namespace {
 
 constexpr uint32_t k_sectors = 16;
 
-sandglass_room_light light_of(const MadeUpRoom& room, const float* normal, const float* along) {
-  sandglass_room_light out = {};
-  out.struct_size = sizeof out;
+sandglass_room_place place_on(const float* normal, const float* along) {
   sandglass_room_place place;
   sandglass_room_place_default(&place);
   place.normal = normal;
   place.along = along;
+  return place;
+}
+
+sandglass_room_light light_of(const MadeUpRoom& room, const float* normal, const float* along) {
+  sandglass_room_light out = {};
+  out.struct_size = sizeof out;
+  const sandglass_room_place place = place_on(normal, along);
   EXPECT_EQ(sandglass_room_get(room.handle(), &place, &out, nullptr), SANDGLASS_OK);
   return out;
 }
@@ -91,10 +96,7 @@ TEST(RoomPlane, RefusesPlanesWithoutADirection) {
   const auto refused = [&](const char* words, const float* normal, const float* along) {
     sandglass_room_light out = {};
     out.struct_size = sizeof out;
-    sandglass_room_place place;
-    sandglass_room_place_default(&place);
-    place.normal = normal;
-    place.along = along;
+    const sandglass_room_place place = place_on(normal, along);
     tests::expect_refused(words,
                           [&](const char** reason) { return sandglass_room_get(room.handle(), &place, &out, reason); });
   };
