@@ -16,7 +16,8 @@ constexpr double k_cells_slack = 1e-3;  // that the sum of all cells may exceed 
 inline sandglass_status check_cells(const float cells[SANDGLASS_LIGHT_CELLS], const char** reason) {
   double sum = 0;
   for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i) {
-    if (!within(cells[i], 0.0f, 1.001f)) return refuse(reason, "a cell is not finite, below 0 or above 1");
+    if (!(cells[i] >= 0 && is_finite(cells[i])))
+      return refuse(reason, "a cell is negative or not finite: pass shares of the plane's light");
     sum += static_cast<double>(cells[i]);
   }
   if (!(sum <= 1 + k_cells_slack))
