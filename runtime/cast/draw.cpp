@@ -129,11 +129,13 @@ void cast_begin_draw(CastState* c) {
     c->direction_count = 0;
   }
   fit(*c, c->directions, texture, target->texels);
-  const uint64_t words = uint64_t{target->texels} * cast_words(target->texels);
-  uint64_t* const cleared[] = {c->image, c->mask};
-  for (uint64_t* image : cleared) memset(image, 0, words * sizeof(uint64_t));
-  uint64_t* const counts[] = {c->counts, c->mask_counts};
-  for (uint64_t* planes : counts) memset(planes, 0, k_cast_planes * words * sizeof(uint64_t));
+  const uint64_t bytes = sizeof(uint64_t) * target->texels * cast_words(target->texels);
+  memset(c->image, 0, bytes);
+  memset(c->counts, 0, k_cast_planes * bytes);
+  if (cast_masks(*c)) {
+    memset(c->mask, 0, bytes);
+    memset(c->mask_counts, 0, k_cast_planes * bytes);
+  }
   c->covered = c->drawn = c->rows = 0;
   c->direction = c->group = c->cursor = 0;
   c->phase = CastPhase::draw;
