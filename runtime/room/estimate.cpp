@@ -79,7 +79,7 @@ void remember(const Room& room, Memory* memory) {
   memory->confidence = room.probe != nullptr ? room.probe->confidence : 0;
   if (memory->confidence > 0) room_probe_scale(room, memory->probe_scale);
   for (uint32_t i = 0; i < k_room_parts; ++i)
-    memory->seen[i] = static_cast<double>(room.parts[i].seen) * room_memory(room, room.parts[i]);
+    memory->seen[i] = static_cast<double>(room.parts[i].seen) * room_memory(room.parts[i].age);
 }
 RoomPart part_of(const Room& room, const Memory& memory, uint32_t i) {
   return memory.confidence > 0 ? room_known(room, i, memory.probe_scale, memory.seen[i]) : room.parts[i];

@@ -38,13 +38,6 @@ bool is_short(const Room& room) {
   return room.images != 0 && room.exposure_known && room.view.scale > k_short * room.scale;
 }
 
-// An image so short that a part is a few steps of a byte there says nothing of it, where it was as dark before.
-bool tells_nothing(const Room& room, const RoomPart& known, const RoomObservation& now) {
-  if (now.clipped > 0 || !(luminance(now.colour) < room.tells_from)) return false;
-  if (!(known.weight > 0)) return is_short(room);
-  return luminance(known.radiance) * room.light < room.tells_from * room.view.scale;
-}
-
 // sRGB to linear light, (c + 0.055) / 1.055 to the power 2.4, by Newton's fifth root: x^2.4 = x^2 (x^2)^(1/5).
 struct LinearTable {
   float value[256];
@@ -91,43 +84,14 @@ void direction_of(const SinCos& elevation, const SinCos& azimuth, double directi
   direction[2] = elevation.cos * azimuth.sin;
 }
 
-bool may_be_seen(const RoomView& view, const PartMiddle& middle) {
-  double direction[3], squared = 0, along = 0;
-  direction_of(middle.elevation, middle.azimuth, direction);
-  for (int k = 0; k < 3; ++k) {
-    const double v = direction[k] - view.position[k];
-    squared += v * v;
-    along += v * view.to_camera[2][k];
-  }
-  return along >= view.most_cosine * square_root(squared);
-}
-
-// The pixel that shows a direction, or false.
-bool pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint32_t* y) {
-  double c[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    c[axis] = 0;
-    for (int k = 0; k < 3; ++k) c[axis] += view.to_camera[axis][k] * (direction[k] - view.position[k]);
-  }
-  if (!(c[2] > 1e-6)) return false;
-  const double u =
-      static_cast<double>(view.image.focal_x) * c[0] / c[2] + static_cast<double>(view.image.centre_x) + 0.5;
-  const double v =
-      static_cast<double>(view.image.focal_y) * c[1] / c[2] + static_cast<double>(view.image.centre_y) + 0.5;
-  if (!(u >= 0 && u < view.image.width && v >= 0 && v < view.image.height)) return false;
-  *x = to_whole<uint32_t>(u);
-  *y = to_whole<uint32_t>(v);
-  return true;
-}
-
 // Points of a part weigh by the area that each stands for: less towards the zenith.
 RoomObservation observe(const RoomView& view, uint32_t images, const PartMiddle& part, uint32_t points) {
   RoomObservation seen = {};
   const CameraLayout layout = camera_layout(view.image);
   const bool is_lamp = points == k_lamp_points;
   // Not the same in all columns: at the zenith they see the same lamp.
-  const double step = images + part.part % k_room_columns, down = fraction(step * k_step_row);
-  const double across = fraction(step * k_step_column);
+  double down, across;
+  room_step(images + part.part % k_room_columns, &down, &across);
   SinCos elevations[k_lamp_points], azimuths[k_lamp_points];
   for (uint32_t i = 0; i < points; ++i) {
     elevations[i] = turned(part.elevation, k_pi / k_room_rows * ((i + down) / points - 0.5));
@@ -141,7 +105,7 @@ RoomObservation observe(const RoomView& view, uint32_t images, const PartMiddle&
       const double weight = elevations[i].cos;
       all += weight;
       uint32_t x, y;
-      if (!pixel_of(view, direction, &x, &y)) continue;
+      if (!room_pixel_of(view, direction, &x, &y)) continue;
       uint8_t rgb[3];
       camera_pixel(view.image, layout, x, y, rgb);
       double linear[3];
@@ -170,40 +134,33 @@ RoomObservation observe(const RoomView& view, uint32_t images, const PartMiddle&
   return seen;
 }
 
-// What one part shows, into what is known of it. A part that is clipped more than before says nothing new unless it is
-// brighter; one that is clipped less says more than all that was seen before; otherwise the mean of the last images
-// moves on, faster where the light has changed.
 int8_t towards(int8_t known, double now, float rate) {
   const double moved = known + static_cast<double>(rate) * (127.0 * now - known);
   const int64_t whole = floor_index(moved + 0.5);
   return static_cast<int8_t>(whole < -127 ? -127 : whole > 127 ? 127 : whole);
 }
 
+// What one part shows, into what is known of it.
 void learn(Room* room, const PartMiddle& part) {
   RoomPart* known = &room->parts[part.part];
-  const double memory = room_memory(*room, *known);
+  const double memory = room_memory(known->age);
   if (room->view.lesson == RoomLesson::unknown && memory * static_cast<double>(known->seen) >= k_known) return;
   const bool is_bright = luminance(known->radiance) * room->light > room->scale;
   const RoomObservation now = observe(room->view, room->images, part, is_bright ? k_lamp_points : k_points);
-  if (!(now.covered > 0) || tells_nothing(*room, *known, now)) return;
-  const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
   float weight = known->weight * static_cast<float>(memory);
   weight = weight < k_weight_most ? weight : k_weight_most;
+  const RoomKnown before = {luminance(known->radiance), known->clipped, weight};
+  if (!(now.covered > 0) || room_tells_nothing(*room, before, now)) return;
+  const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
   const float seen = known->seen * static_cast<float>(memory);
   known->seen = seen > covered ? seen : covered;
   known->age = 0;
   known->weight = weight + covered;
-  double colour[3];
-  for (int c = 0; c < 3; ++c) colour[c] = now.colour[c] * room->view.scale / room->light;
-  const double before = luminance(known->radiance), after = luminance(colour);
-  const bool hidden = clipped > 2 * known->clipped && after <= 1.1 * before;
-  if (weight > 0 && hidden) return;
-  float rate = covered / (weight + covered);
-  const bool clearer = 2 * clipped < known->clipped;
-  const bool changed = after > 2 * before || after < 0.5 * before;
-  const float least = covered * (clearer ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
-  rate = rate > least ? rate : least;
-  for (int c = 0; c < 3; ++c) known->radiance[c] += rate * (room_bounded_radiance(colour[c]) - known->radiance[c]);
+  const float rate = room_rate(*room, before, now);
+  for (int c = 0; c < 3; ++c) {
+    const double radiance = now.colour[c] * room->view.scale / room->light;
+    known->radiance[c] += rate * (room_bounded_radiance(radiance) - known->radiance[c]);
+  }
   known->clipped += rate * (clipped - known->clipped);
   known->up = towards(known->up, now.up, rate);
   known->aside = towards(known->aside, now.aside, rate);
@@ -244,8 +201,12 @@ void pass_time(Room* room, uint64_t step_ns) {
                  tick_ns = whole_ns > 0 ? whole_ns : 1;
   const uint64_t ns = room->rest_ns + step_ns, ticks = ns / tick_ns;
   room->rest_ns = ns % tick_ns;
-  for (RoomPart& part : room->parts)
-    part.age = static_cast<uint16_t>(part.age + ticks < k_oldest ? part.age + ticks : k_oldest);
+  const auto older = [ticks](uint16_t age) {
+    return static_cast<uint16_t>(age + ticks < k_oldest ? age + ticks : k_oldest);
+  };
+  for (RoomPart& part : room->parts) part.age = older(part.age);
+  for (uint32_t i = 0; room->texels != nullptr && i < k_cube_texels; ++i)
+    room->texels[i].age = older(room->texels[i].age);
   room->view.step = static_cast<double>(step_ns) * 1e-9;
   room->settled += room->view.step;
 }
@@ -288,8 +249,58 @@ void room_place(const Room& room, const double world[3], double sphere[3], doubl
   room_to_sphere(room, offset, sphere);
 }
 
-double room_memory(const Room&, const RoomPart& part) {
-  return part.age > 0 ? exponential(-0.6931471805599453 / k_ticks * part.age) : 1.0;
+double room_memory(uint32_t age) { return age > 0 ? exponential(-0.6931471805599453 / k_ticks * age) : 1.0; }
+
+bool room_may_be_seen(const RoomView& view, const double direction[3]) {
+  double squared = 0, along = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double v = direction[k] - view.position[k];
+    squared += v * v;
+    along += v * view.to_camera[2][k];
+  }
+  return along >= view.most_cosine * square_root(squared);
+}
+
+void room_step(uint32_t step, double* down, double* across) {
+  *down = fraction(step * k_step_row);
+  *across = fraction(step * k_step_column);
+}
+
+bool room_pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint32_t* y) {
+  double c[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    c[axis] = 0;
+    for (int k = 0; k < 3; ++k) c[axis] += view.to_camera[axis][k] * (direction[k] - view.position[k]);
+  }
+  if (!(c[2] > 1e-6)) return false;
+  const double u =
+      static_cast<double>(view.image.focal_x) * c[0] / c[2] + static_cast<double>(view.image.centre_x) + 0.5;
+  const double v =
+      static_cast<double>(view.image.focal_y) * c[1] / c[2] + static_cast<double>(view.image.centre_y) + 0.5;
+  if (!(u >= 0 && u < view.image.width && v >= 0 && v < view.image.height)) return false;
+  *x = to_whole<uint32_t>(u);
+  *y = to_whole<uint32_t>(v);
+  return true;
+}
+
+bool room_tells_nothing(const Room& room, const RoomKnown& known, const RoomObservation& now) {
+  if (now.clipped > 0 || !(luminance(now.colour) < room.tells_from)) return false;
+  if (!(known.weight > 0)) return is_short(room);
+  return known.luminance * room.light < room.tells_from * room.view.scale;
+}
+
+// What is clipped more than before says nothing new unless it is brighter; what is clipped less says more than all that
+// was seen before; otherwise the mean of the last images moves on, faster where the light has changed.
+float room_rate(const Room& room, const RoomKnown& known, const RoomObservation& now) {
+  const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
+  const double before = known.luminance, after = luminance(now.colour) * room.view.scale / room.light;
+  const bool hidden = clipped > 2 * known.clipped && after <= 1.1 * before;
+  if (known.weight > 0 && hidden) return 0;
+  const float rate = covered / (known.weight + covered);
+  const bool clearer = 2 * clipped < known.clipped;
+  const bool changed = after > 2 * before || after < 0.5 * before;
+  const float least = covered * (clearer ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
+  return rate > least ? rate : least;
 }
 
 float room_bounded_radiance(double radiance) {
@@ -327,13 +338,28 @@ bool room_take_image(Room* room, const CameraImage& image) {
   return true;
 }
 
-uint32_t room_units_left(const Room& room) {
-  constexpr uint32_t k_units = k_room_parts / k_room_unit_parts;
-  if (room.phase == RoomPhase::idle) return 0;
-  return (room.phase == RoomPhase::compare ? 2 : 1) * k_units - room.cursor / k_room_unit_parts;
+uint32_t room_texel_units_left(const Room& room) {
+  const uint32_t done = room.phase == RoomPhase::texels ? room.cursor : 0;
+  return room.texels == nullptr || room.phase == RoomPhase::idle ? 0 : (k_cube_texels - done) / k_cube_unit_texels;
 }
 
-void room_run_unit(Room* room) {
+uint32_t room_units_left(const Room& room) {
+  constexpr uint32_t k_units = k_room_parts / k_room_unit_parts;
+  const uint32_t texels = room_texel_units_left(room);
+  if (room.phase == RoomPhase::idle || room.phase == RoomPhase::texels) return texels;
+  return texels + (room.phase == RoomPhase::compare ? 2 : 1) * k_units - room.cursor / k_room_unit_parts;
+}
+
+namespace {
+
+// The next phase of an image whose parts were all looked at in this one.
+RoomPhase phase_after(const Room& room) {
+  if (room.phase == RoomPhase::compare)
+    return room.view.lesson == RoomLesson::nothing ? RoomPhase::idle : RoomPhase::gather;
+  return room.phase == RoomPhase::gather && room.texels != nullptr ? RoomPhase::texels : RoomPhase::idle;
+}
+
+void run_parts(Room* room) {
   RoomView* view = &room->view;
   static_assert(k_room_unit_parts % k_room_columns == 0);
   const uint32_t end = room->cursor + k_room_unit_parts;
@@ -345,7 +371,9 @@ void room_run_unit(Room* room) {
     if (column == 0) middle.elevation = elevation_of(row + 0.5);
     middle.part = room->cursor;
     middle.azimuth = azimuths[column];
-    if (!may_be_seen(*view, middle)) continue;
+    double direction[3];
+    direction_of(middle.elevation, middle.azimuth, direction);
+    if (!room_may_be_seen(*view, direction)) continue;
     if (room->phase == RoomPhase::gather) {
       learn(room, middle);
       continue;
@@ -354,21 +382,30 @@ void room_run_unit(Room* room) {
     const RoomObservation now = observe(*view, room->images, middle, k_vote_points);
     if (now.covered > 0) room_vote(room, room->cursor, (view->sparse ? 2 : 1) * middle.elevation.cos, now);
   }
-  if (room->cursor < k_room_parts) return;
-  room->cursor = 0;
-  if (room->phase == RoomPhase::compare) {
-    room_decide(room);
-    if (view->lesson != RoomLesson::nothing) {
-      room->phase = RoomPhase::gather;
-      return;
-    }
+}
+
+}  // namespace
+
+void room_run_unit(Room* room) {
+  RoomView* view = &room->view;
+  if (room->phase == RoomPhase::texels) {
+    room_learn_texels(room, room->cursor);
+    room->cursor += k_cube_unit_texels;
   } else {
+    run_parts(room);
+  }
+  if (room->cursor < (room->phase == RoomPhase::texels ? k_cube_texels : k_room_parts)) return;
+  room->cursor = 0;
+  if (room->phase == RoomPhase::compare) room_decide(room);
+  const bool teaches = view->lesson != RoomLesson::nothing;
+  room->phase = phase_after(*room);
+  if (room->phase != RoomPhase::idle) return;
+  if (teaches) {
     const bool dark = static_cast<double>(view->vote.shown) < k_short_shows * static_cast<double>(view->vote.area);
     if (!dark || !is_short(*room)) room->scale = view->scale;
     ++room->images;
   }
   for (const uint8_t*& plane : view->image.planes) plane = nullptr;
-  room->phase = RoomPhase::idle;
 }
 
 }  // namespace sandglass

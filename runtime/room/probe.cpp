@@ -8,6 +8,8 @@
 // nine moments the one of greatest entropy is taken: e to the power of a sum of the nine harmonics. It is never negative,
 // and as even as it may be. Newton's method finds it, a step a unit.
 #include "kernels/whole.h"
+#include "runtime/core/cube_map.h"
+#include "runtime/core/half.h"
 #include "runtime/core/harmonics.h"
 #include "runtime/core/luminance.h"
 #include "runtime/core/math.h"
@@ -19,9 +21,9 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t k_least_points = 3, k_most_points = 13;
-constexpr double k_texels_per_part = 10.2;  // of an edge: 11.25 degrees are one texel where an edge has so many
-constexpr uint8_t k_white = 250;            // sRGB: a channel from here on may be clipped
-constexpr double k_value_most = 65000.0;    // of a half; what is above may be clipped
+constexpr double k_texels_per_part = 10.2;    // of an edge: 11.25 degrees are one texel where an edge has so many
+constexpr uint8_t k_white = 250;              // sRGB: a channel from here on may be clipped
+constexpr double k_value_most = k_half_most;  // what is above may be clipped
 // Parts that tell the scale: well remembered, unclipped in both, and of bytes not so dark that they are rounded far.
 constexpr double k_least_shared = 1.0, k_dark_bytes = 0.004;
 constexpr double k_clip_slack = 0.05;
@@ -115,27 +117,6 @@ bool step_entropy(RoomHarmonics* h) {
   h->cost = there;
   for (uint32_t j = 0; j < k_harmonics; ++j) h->exponents[j] = next[j];
   return false;
-}
-
-uint16_t half_of(double value) {
-  const float x = static_cast<float>(value < k_value_most ? value : k_value_most);
-  if (!(x > 0)) return 0;
-  if (x < 0x1p-14f) return to_whole<uint16_t>(static_cast<double>(x) * 0x1p24 + 0.5);
-  uint32_t bits;
-  __builtin_memcpy(&bits, &x, sizeof bits);
-  return static_cast<uint16_t>((bits + 0x1000 - 0x38000000u) >> 13);
-}
-
-// Of an app's texture too: NaN and what is negative are 0, infinity is as bright as a half can be.
-double from_half(uint16_t h) {
-  const uint32_t exponent = h >> 10 & 31u, mantissa = h & 1023u;
-  if ((h & 0x8000u) != 0 || (exponent == 31 && mantissa != 0)) return 0;
-  if (exponent == 31) return k_value_most;
-  if (exponent == 0) return mantissa * 0x1p-24;
-  const uint32_t bits = (exponent + 112) << 23 | mantissa << 13;
-  float value;
-  __builtin_memcpy(&value, &bits, sizeof value);
-  return static_cast<double>(value);
 }
 
 double sound(float x) {
@@ -279,7 +260,7 @@ void place_main_light(const Room& room, const double at[3], const float directio
 bool compared(const Room& room, uint32_t i, const RoomProbePart& shown, double ratio[3]) {
   const RoomPart& part = room.parts[i];
   const double colour[3] = {from_half(shown.radiance[0]), from_half(shown.radiance[1]), from_half(shown.radiance[2])};
-  if (!room_remembers(room, part) || shown.clipped > 0 || !(luminance(colour) > room.probe->dark)) return false;
+  if (!room_remembers(part) || shown.clipped > 0 || !(luminance(colour) > room.probe->dark)) return false;
   for (int c = 0; c < 3; ++c) {
     const double known = static_cast<double>(part.radiance[c]) * room.light;
     if (!(known > 0) || !(colour[c] > 0)) return false;
@@ -291,33 +272,15 @@ bool compared(const Room& room, uint32_t i, const RoomProbePart& shown, double r
 }  // namespace
 
 bool room_cube_texel(const sandglass_cube& cube, const double d[3], double colour[3]) {
-  const double z = cube.left_handed != 0 ? -d[2] : d[2];
-  const double ax = absolute(d[0]), ay = absolute(d[1]), az = absolute(z);
-  uint32_t face;
-  double s, t, major;
-  if (ax >= ay && ax >= az) {
-    face = d[0] > 0 ? 0 : 1;
-    s = d[0] > 0 ? -z : z;
-    t = -d[1];
-    major = ax;
-  } else if (ay >= az) {
-    face = d[1] > 0 ? 2 : 3;
-    s = d[0];
-    t = d[1] > 0 ? z : -z;
-    major = ay;
-  } else {
-    face = z > 0 ? 4 : 5;
-    s = z > 0 ? d[0] : -d[0];
-    t = -d[1];
-    major = az;
-  }
-  const double half = 0.5 * cube.size, scale = half / major;
-  const auto index = [&](double at) {
-    const auto i = to_whole<uint32_t>(at * scale + half);
+  const double towards[3] = {d[0], d[1], cube.left_handed != 0 ? -d[2] : d[2]};
+  const CubePoint at = cube_point(towards);
+  const double half = 0.5 * cube.size;
+  const auto index = [&](double x) {
+    const auto i = to_whole<uint32_t>(x * half + half);
     return i < cube.size ? i : cube.size - 1;
   };
-  const uint8_t* row = static_cast<const uint8_t*>(cube.faces[face]) + int64_t{index(t)} * cube.stride;
-  const uint32_t x = index(s);
+  const uint8_t* row = static_cast<const uint8_t*>(cube.faces[at.face]) + int64_t{index(at.t)} * cube.stride;
+  const uint32_t x = index(at.s);
   bool white = false;
   if (cube.format <= SANDGLASS_CUBE_BGRA8) {
     const uint8_t* p = row + 4 * x;

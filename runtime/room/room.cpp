@@ -23,6 +23,7 @@ void room_reset(Room* room) {
   const uint64_t interval_ns = room->interval_ns;
   const uint32_t unit = room->unit;
   RoomProbe* const probe = room->probe;
+  RoomTexel* const texels = room->texels;
   __builtin_memset(static_cast<void*>(room), 0, sizeof *room);
   room->radius = radius;
   room->half_life = half_life;
@@ -32,7 +33,9 @@ void room_reset(Room* room) {
   room->tells_from = k_tells_from;
   room->unit = unit + 1;
   room->probe = probe;
+  room->texels = texels;
   if (probe != nullptr) __builtin_memset(static_cast<void*>(probe), 0, sizeof *probe);
+  if (texels != nullptr) __builtin_memset(static_cast<void*>(texels), 0, sizeof *texels * k_cube_texels);
 }
 
 namespace {
@@ -46,7 +49,8 @@ sandglass_status check(const sandglass_room_desc* desc, const char** reason) {
   if (!within(desc->radius, 0.1f, 1000.0f)) return refuse(reason, "desc.radius is not in 0.1..1000 metres");
   if (!within(desc->half_life, 1.0f, 1e6f)) return refuse(reason, "desc.half_life is not in 1..1e6 seconds");
   if (!within(desc->interval, 0.0f, 60.0f)) return refuse(reason, "desc.interval is not in 0..60 seconds");
-  if (desc->probe > 1) return refuse(reason, "desc.probe is neither 0 nor 1");
+  if (desc->probe > 1 || desc->reflections > 1)
+    return refuse(reason, "desc.probe or desc.reflections is neither 0 nor 1");
   return accept(reason);
 }
 
@@ -58,7 +62,8 @@ sandglass_status check_image(Room* room, const sandglass_camera_image* image, co
 
 bool next(const void* state, uint32_t, WorkUnit* unit) {
   const Room& room = static_cast<const sandglass_room*>(state)->room;
-  if (room.phase != RoomPhase::idle) *unit = {0, k_room_unit_parts, "room.image"};
+  if (room.phase == RoomPhase::texels) *unit = {2, k_cube_unit_texels, "room.texels"};
+  else if (room.phase != RoomPhase::idle) *unit = {0, k_room_unit_parts, "room.image"};
   else if (room_probe_units_left(room) > 0) *unit = {1, 1, "room.probe"};
   else return false;
   return true;
@@ -73,7 +78,10 @@ void run(void* state, uint32_t) {
 uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const Room& room = static_cast<const sandglass_room*>(state)->room;
   uint32_t count = 0;
-  if (room.phase != RoomPhase::idle) entries[count++] = {0, uint64_t{room_units_left(room)} * k_room_unit_parts};
+  const uint32_t texels = room_texel_units_left(room);
+  const uint32_t parts = room_units_left(room) - texels;
+  if (parts > 0) entries[count++] = {0, uint64_t{parts} * k_room_unit_parts};
+  if (texels > 0) entries[count++] = {2, uint64_t{texels} * k_cube_unit_texels};
   if (room_probe_units_left(room) > 0) entries[count++] = {1, room_probe_units_left(room)};
   return count;
 }
@@ -110,6 +118,11 @@ __attribute__((noinline)) void estimate_at(const Room& room, const sandglass_roo
   room_estimate(room, k_room_model, place, light);
 }
 
+__attribute__((noinline)) void face_at(const Room& room, const float position[3], uint32_t face, bool left_handed,
+                                       uint16_t* texels) {
+  room_face(room, k_room_model, position, face, left_handed, texels);
+}
+
 __attribute__((noinline)) bool move(Room* room, const float rotation[4], const float translation[3]) {
   Rotation turn = {};
   if (!rotation_of(rotation, &turn) || !(turn.m[1][1] > 1 - 5e-7)) return false;
@@ -125,7 +138,10 @@ __attribute__((noinline)) bool move(Room* room, const float rotation[4], const f
 sandglass_room* lay_out(const sandglass_room_desc& desc, Layout* layout) {
   auto* owner = layout_region<sandglass_room>(layout, "room", 1);
   auto* probe = layout_region<RoomProbe>(layout, "room.probe", desc.probe);
-  if (owner != nullptr) owner->room.probe = probe;
+  auto* texels = layout_region<RoomTexel>(layout, "room.texels", desc.reflections * k_cube_texels);
+  if (owner == nullptr) return owner;
+  owner->room.probe = probe;
+  owner->room.texels = texels;
   return owner;
 }
 
@@ -193,7 +209,7 @@ using namespace sandglass;
 
 void sandglass_room_desc_default(sandglass_room_desc* desc) {
   if (desc == nullptr) return;
-  *desc = {sizeof *desc, 3.0f, 180.0f, 0.1f, 0};
+  *desc = {sizeof *desc, 3.0f, 180.0f, 0.1f, 0, 0};
 }
 
 sandglass_status sandglass_room_bytes(const sandglass_room_desc* desc, uint64_t* bytes, const char** reason) {
@@ -329,6 +345,21 @@ sandglass_status sandglass_room_set_cube(sandglass_room* room, const sandglass_c
   return status;
 }
 
+sandglass_status sandglass_room_get_cube(const sandglass_room* room, const float position[3], uint32_t face,
+                                         uint32_t left_handed, uint16_t* texels, const char** reason) {
+  if (room == nullptr || position == nullptr || texels == nullptr)
+    return refuse(reason, "room, position or texels is NULL: pass the room, a place and 4 * 32 * 32 halves");
+  if (room->room.texels == nullptr)
+    return refuse(reason, "room keeps no reflections: create it with desc.reflections = 1");
+  if (face > 5 || left_handed > 1) return refuse(reason, "face is not in 0..5, or left_handed is neither 0 nor 1");
+  if (!all_within(position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
+    return refuse(reason, "position is not finite or beyond 1000 m: pass where the object is");
+  const FloatingPointControl saved = floating_point_enter();
+  face_at(room->room, position, face, left_handed != 0, texels);
+  floating_point_restore(saved);
+  return accept(reason);
+}
+
 sandglass_status sandglass_room_set_harmonics(sandglass_room* room, const sandglass_harmonics* harmonics,
                                               const char** reason) {
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
@@ -361,6 +392,7 @@ uint64_t sandglass_room_hash(const sandglass_room* room) {
   hash = hash_with(hash, hash_bytes(r.centre, sizeof r.centre));
   const double numbers[3] = {r.yaw, r.scale, r.light};
   hash = hash_with(hash, hash_bytes(numbers, sizeof numbers));
+  if (r.texels != nullptr) hash = hash_with(hash, hash_bytes(r.texels, sizeof *r.texels * k_cube_texels));
   if (r.probe != nullptr && r.probe->confidence > 0)
     hash = hash_with(hash, hash_bytes(r.probe->parts, sizeof r.probe->parts));
   return hash_with(hash, r.images);

@@ -6,6 +6,7 @@
 //
 //   image.cpp     an image into parts, unit by unit
 //   vote.cpp      what an image says of its exposure, and of the light of the whole room
+//   texels.cpp    an image into the texels of a cube, for reflections, and the cube that is seen from a place
 //   probe.cpp     a cube or harmonics of another system, into a layer below what the camera has seen
 //   estimate.cpp  the light at a place
 //   fade.cpp      from the light that is shown to the one that is known
@@ -96,10 +97,20 @@ struct RoomProbe {
   RoomHarmonics harmonics;
 };
 
+// What was seen of one texel of a cube around the sphere, in its frame.
+constexpr uint32_t k_cube_size = SANDGLASS_ROOM_CUBE_SIZE, k_cube_texels = 6 * k_cube_size * k_cube_size;
+constexpr uint32_t k_cube_unit_texels = 4 * k_cube_size;  // what a work unit looks at
+struct RoomTexel {
+  float radiance[3];        // as that of a part
+  uint8_t clipped, weight;  // as those of a part, of 255; and of k_texel_weight for each image
+  uint16_t age;             // as that of a part
+};
+
 enum class RoomPhase : uint32_t {
   idle,
   compare,  // the image with what is remembered
-  gather    // the image into the parts
+  gather,   // the image into the parts
+  texels    // and into the texels, where there are any
 };
 
 // The image under way, as the gathering needs it.
@@ -138,6 +149,7 @@ struct Room {
   RoomPart parts[k_room_parts];
   int8_t from[k_room_below][3];  // of each part below the horizon: where the camera was that saw it last, 127 a radius
   RoomProbe* probe;              // NULL in a room that keeps none
+  RoomTexel* texels;             // k_cube_texels, or NULL
 };
 
 // sRGB to linear light.
@@ -150,11 +162,28 @@ void room_to_world(const Room& room, const double sphere[3], double world[3]);
 // A place of the world in the sphere's frame, in radii. One farther out counts as `farthest`.
 constexpr double k_farthest = 0.8;
 void room_place(const Room& room, const double world[3], double sphere[3], double farthest = k_farthest);
-// What counts of a part that was seen `age` ago, 0..1.
-double room_memory(const Room& room, const RoomPart& part);
 float room_bounded_radiance(double radiance);
 // Whether a part is remembered well, and unclipped.
-bool room_remembers(const Room& room, const RoomPart& part);
+bool room_remembers(const RoomPart& part);
+// What counts of something that was seen so many ticks ago, 0..1.
+double room_memory(uint32_t age);
+// False where a direction of the sphere, and what lies up to half a part beside it, is out of the picture.
+bool room_may_be_seen(const RoomView& view, const double direction[3]);
+// Where in a part or a texel, 0..1, its points lie: elsewhere with each step, and evenly.
+void room_step(uint32_t step, double* down, double* across);
+// The pixel that shows a direction of the sphere, or false.
+bool room_pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint32_t* y);
+// What is known of a part or a texel before an image: its luminance over the room's `light`, and so on.
+struct RoomKnown {
+  double luminance;
+  float clipped, weight;
+};
+// An image so short that it shows a few steps of a byte there says nothing of it, where it was as dark before.
+bool room_tells_nothing(const Room& room, const RoomKnown& known, const RoomObservation& now);
+// How far what is known moves towards what an image shows, 0..1.
+float room_rate(const Room& room, const RoomKnown& known, const RoomObservation& now);
+// What an image shows of a unit's texels, into what is known of them.
+void room_learn_texels(Room* room, uint32_t first);
 // The weight of a part in a vote: its solid angle, 1 on the horizon.
 double room_part_weight(uint32_t part);
 
@@ -170,6 +199,7 @@ bool room_clock_is_sound(Room* room, uint64_t time_ns);
 // Takes an image that has passed sandglass_camera_check, if one is due. The image must stay until the units have run.
 bool room_take_image(Room* room, const CameraImage& image);
 uint32_t room_units_left(const Room& room);
+uint32_t room_texel_units_left(const Room& room);  // of them
 void room_run_unit(Room* room);
 
 // What another system knows of the light, into the probe that the room keeps, unit by unit (probe.cpp). The texels must
@@ -203,6 +233,9 @@ extern const RoomModel k_room_model;
 
 // The radiance that is to be expected from each part, where 1 is what the last image shows as white.
 void room_radiance(const Room& room, const RoomModel& model, float parts[k_room_parts][3]);
+// A face of the cube that is seen from a place, as halves.
+void room_face(const Room& room, const RoomModel& model, const float position[3], uint32_t face, bool left_handed,
+               uint16_t* texels);
 void room_estimate(const Room& room, const RoomModel& model, const sandglass_room_place& place,
                    sandglass_room_light* light);
 
@@ -213,7 +246,7 @@ struct RoomFunctions {
   void (*end_frame)(sandglass_room* room);
 };
 extern const RoomFunctions k_room_functions;
-constexpr uint32_t k_room_kinds = 2;
+constexpr uint32_t k_room_kinds = 3;
 
 }  // namespace sandglass
 

@@ -124,8 +124,8 @@ RoomLesson lesson_of(Room* room, bool told) {
 
 }  // namespace
 
-bool room_remembers(const Room& room, const RoomPart& part) {
-  return room_memory(room, part) * static_cast<double>(part.seen) >= k_memory &&
+bool room_remembers(const RoomPart& part) {
+  return room_memory(part.age) * static_cast<double>(part.seen) >= k_memory &&
          static_cast<double>(part.clipped) <= k_memory_clipped && luminance(part.radiance) > 0;
 }
 
@@ -142,7 +142,7 @@ void room_vote(Room* room, uint32_t index, double area, const RoomObservation& n
   const bool black = !(shown > k_black);
   if (black) add(&v->black, weight);
   const RoomPart& part = room->parts[index];
-  if (now.covered < 1 || !room_remembers(*room, part)) return;
+  if (now.covered < 1 || !room_remembers(part)) return;
   const double to_image = room->light / room->view.scale, expected = luminance(part.radiance) * to_image;
   const bool told = room->exposure_known && room->view.image.exposure > 0;
   if (told && expected < k_dim && shown < k_dim) return;
@@ -192,8 +192,11 @@ void room_decide(Room* room) {
   if (first_told) {
     // What was seen until now was in units of the first image's white. From now on it is in the app's.
     const double factor = room->images != 0 ? 1 / (exposure * found) : 1;
-    for (RoomPart& part : room->parts)
-      for (float& c : part.radiance) c = room_bounded_radiance(static_cast<double>(c) * factor);
+    const auto turn = [factor](float radiance[3]) {
+      for (int c = 0; c < 3; ++c) radiance[c] = room_bounded_radiance(static_cast<double>(radiance[c]) * factor);
+    };
+    for (RoomPart& part : room->parts) turn(part.radiance);
+    for (uint32_t i = 0; room->texels != nullptr && i < k_cube_texels; ++i) turn(room->texels[i].radiance);
     room->scale = bounded(room->scale * factor);
     room->exposure_known = true;
     room->unit += room->images != 0 ? 1 : 0;

@@ -72,8 +72,10 @@ int main(int argument_count, char** arguments) {
   light_desc.asset_bytes = of_light.bytes;
   sandglass::Estimator light;
   sandglass::cpp::Room room;
+  sandglass_room_desc room_desc = sandglass::cpp::room_desc();
+  room_desc.reflections = 1;
   if (!sand.status || !pile.create(pile_desc) || !shadow.create(shadow_desc) || !light.create(light_desc) ||
-      !room.create())
+      !room.create(room_desc))
     return std::fprintf(stderr, "count_units: cannot create the scene\n"), 2;
 
   std::vector<uint8_t> bytes(size_t{k_width} * k_height * 3 / 2, 120);

@@ -1,4 +1,4 @@
-// `sandglass_lab verify cast`: shadows of triangles against rays.
+// `sandglass_lab verify cast`: shadows of triangles against rays, and reflections against panoramas.
 #include <algorithm>
 #include <cstdio>
 
@@ -9,6 +9,7 @@
 #include "models/program/command_line.h"
 #include "models/rooms/panorama_file.h"
 #include "models/work/progress.h"
+#include "tests/laboratory/room/reflections.h"
 #include "tests/laboratory/verify.h"
 #ifdef SANDGLASS_HAVE_EMBREE
 #include "tests/laboratory/shadow/cast_rows.h"
@@ -26,10 +27,10 @@ int verify_cast_command(const VerifyOptions&) {
 
 namespace {
 
-// Means of 256 x 128 pixels, as many as the cells of a room can use.
-RadianceMap small_panorama(const std::string& path) {
+// Means of pixels. 256 x 128 are as many as the cells of a room can use.
+RadianceMap small_panorama(const std::string& path, int width) {
   const RadianceMap whole = read_panorama(path);
-  const int factor = std::max(1, whole.width / 256);
+  const int factor = std::max(1, whole.width / width);
   RadianceMap small(whole.width / factor, whole.height / factor);
   for (int v = 0; v < small.height; ++v)
     for (int u = 0; u < small.width; ++u) {
@@ -60,11 +61,13 @@ int verify_cast_command(const VerifyOptions& options) {
     stem = stem.substr(0, stem.rfind('.'));
     rows.meshes.push_back({stem, std::move(result.mesh), result.report.watertight() && result.report.oriented()});
   }
+  std::vector<RadianceMap> reflected;
   if (!options.panoramas.empty() || !data_folder().empty())
     for (const std::string& path :
          find_panoramas(options.panoramas.empty() ? std::vector<std::string>{data_folder() + "/hdri/indoor"}
                                                   : options.panoramas)) {
-      rows.rooms.push_back(small_panorama(path));
+      rows.rooms.push_back(small_panorama(path, 256));
+      reflected.push_back(small_panorama(path, 512));
       if (options.quick && rows.rooms.size() == 6) break;
     }
   const std::string baked = read_file(SANDGLASS_SHADOWS_DIR "/chair.shadow", "baked shadow");
@@ -80,6 +83,15 @@ int verify_cast_command(const VerifyOptions& options) {
       progress.done(done);
       return !interrupted();
     });
+  }
+  if (!interrupted() && !reflected.empty()) {
+    Progress progress("reflecting rooms", reflected.size());
+    size_t done = 0;
+    const std::vector<Verdict> more = verify_reflections(reflected, options.seed, [&] {
+      progress.done(done++);
+      return !interrupted();
+    });
+    verdicts.insert(verdicts.end(), more.begin(), more.end());
   }
   if (interrupted()) return k_exit_interrupted;
   print_verdicts(verdicts);

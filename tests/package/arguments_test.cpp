@@ -414,7 +414,7 @@ void Arguments::lights() {
 
 void Arguments::rooms() {
   sandglass_room_desc desc_of = sandglass::room_desc();
-  desc_of.probe = 1;
+  desc_of.probe = desc_of.reflections = 1;
   row(NAMED(sandglass_room_bytes), "", &desc_of, &need);
   ASSERT_EQ(sandglass_room_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
   GuardedBlock block(need);
@@ -447,6 +447,8 @@ void Arguments::rooms() {
   for (const void*& f : cube.faces) f = face.data();
   row(NAMED(sandglass_room_set_harmonics), "harmonics", room, &harmonics);
   row(NAMED(sandglass_room_set_cube), "cube", room, &cube);
+  std::vector<uint16_t> texels(4 * SANDGLASS_ROOM_CUBE_SIZE * SANDGLASS_ROOM_CUBE_SIZE);
+  row(NAMED(sandglass_room_get_cube), "", room, point, 0u, 0u, texels.data());
   uint32_t turn_deg = 0;
   int32_t mirrored = 0;
   row(NAMED(sandglass_room_probe_fit), "", room, &turn_deg, &mirrored);

@@ -96,15 +96,17 @@ inline Photograph photograph(const Radiance& radiance, double azimuth_deg, doubl
 
 class MadeUpRoom {
  public:
-  explicit MadeUpRoom(float half_life = 1e6f, bool probe = false) : memory_(24576 + 64) {
+  explicit MadeUpRoom(float half_life = 1e6f, bool probe = false, bool reflections = false)
+      : memory_(24576 + 64 + (reflections ? 98304 : 0)) {
     sandglass_room_desc desc;
     sandglass_room_desc_default(&desc);
     desc.half_life = half_life;
     desc.interval = 0;
     desc.probe = probe ? 1 : 0;
+    desc.reflections = reflections ? 1 : 0;
     uint64_t bytes = 0;
     EXPECT_EQ(sandglass_room_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
-    EXPECT_LE(bytes, probe ? 24576u : 16384u);
+    EXPECT_LE(bytes, (probe ? 24576u : 16384u) + (reflections ? 98304u : 0u));
     const auto at = reinterpret_cast<uintptr_t>(memory_.data());
     EXPECT_EQ(sandglass_room_create(&desc, memory_.data() + (64 - at % 64) % 64, bytes, &room_, nullptr), SANDGLASS_OK);
   }

@@ -61,6 +61,9 @@ typedef struct sandglass_room_desc {
   /* 1: the room keeps what another system knows of its light (sandglass_room_set_cube, _set_harmonics), in 5 KiB more.
    * Default: 0. */
   uint32_t probe;
+  /* 1: the room keeps what reflections need (sandglass_room_get_cube), in 96 KiB more; an image then takes six times as
+   * long. Default: 0. */
+  uint32_t reflections;
 } sandglass_room_desc;
 
 /* Fills *desc with the defaults. */
@@ -285,6 +288,29 @@ SANDGLASS_API void sandglass_room_place_default(sandglass_room_place* place);
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sandglass_room* room,
                                                                       const sandglass_room_place* place,
                                                                       sandglass_room_light* light, const char** reason);
+
+/* Texels along an edge of the cube that sandglass_room_get_cube fills. */
+#define SANDGLASS_ROOM_CUBE_SIZE 32
+
+/* What a shiny object reflects: one face of a cube map of the room, as it is seen from a place.
+ *
+ * position     world, metres: the middle of the object.
+ * face         0..5: +x, -x, +y, -y, +z, -z.
+ * left_handed  0: the directions of the texels are the world's. 1: of an engine whose z is the world's -z, as Unity's.
+ * texels       4 * 32 * 32 halves, RGBA, the upper row first: what GL, Metal, Vulkan and Direct3D load as that face, so that a
+ *              sampler gives for a direction what lies there. (three.js mirrors x of such cubes unless the texture's
+ *              isRenderTargetTexture is true.) RGB is radiance, where 1 is what the last image shows as white, at most 65000:
+ *              draw it times what irradiance is drawn with. A is the share that was seen there, 0..1; what was not is filled as
+ *              in sandglass_room_get, with no detail.
+ *
+ * It is as sharp as a texel, 2.8 degrees, and not prefiltered: engines do that (Filament's IBLPrefilterContext, three.js'
+ * PMREMGenerator, Unity's reflection probes). Ask for one face a frame, when a new image came. A room that was restored
+ * knows no detail until its camera has looked around again. Fails with INVALID_ARGUMENT: a room without `reflections`,
+ * `face` or `left_handed` out of range, or a position that is not finite or out of range; nothing is written then. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get_cube(const sandglass_room* room,
+                                                                           const float position[3], uint32_t face,
+                                                                           uint32_t left_handed, uint16_t* texels,
+                                                                           const char** reason);
 
 /* What to multiply irradiance and sh of a light by, known or shown, to draw it over `image`, which is on the screen. It
  * is 1 where the image was exposed as the room's last one was, or where its exposure is not known. While a short image

@@ -12,6 +12,10 @@ SeenRoom look_around(const RadianceMap& panorama, Session session, const Session
   room->radius = 1.0;
   room->half_life = 1e6;
   room->interval_ns = 0;
+  if (options.reflections) {
+    seen.texels = std::make_shared<std::vector<RoomTexel>>(k_cube_texels);
+    room->texels = seen.texels->data();
+  }
   room_reset(room);
   if (!options.guarded) room->tells_from = 0;
   uint64_t time_ns = 0;

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "models/compositing/phone.h"
 #include "models/lighting/room_light.h"
@@ -14,7 +16,8 @@ struct SessionOptions {
   double azimuth = 0.0;        // radians in the panorama: where the table is
   bool exposure_known = true;  // whether the app says how the images were exposed
   uint64_t seed = 1;
-  bool guarded = true;  // whether dark parts of short images teach nothing; else a control
+  bool guarded = true;       // whether dark parts of short images teach nothing; else a control
+  bool reflections = false;  // whether the room keeps texels
 };
 
 // What the room has seen after the session. Its sphere has radius 1 about the panorama's centre; its world is the
@@ -23,6 +26,7 @@ struct SessionOptions {
 struct SeenRoom {
   Room room;
   double exposure = 1.0;
+  std::shared_ptr<std::vector<RoomTexel>> texels;  // the room's, if any
 };
 SeenRoom look_around(const RadianceMap& panorama, Session session, const SessionOptions& options);
 
