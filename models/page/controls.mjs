@@ -95,8 +95,8 @@ export async function play(page, recording) {
 async function take(page, file) {
   if (/\.json$/i.test(file.name)) return play(page, await file.text().then(JSON.parse).catch(() => null));
   const mesh = (await page.readMesh())(new Uint8Array(await file.arrayBuffer()), file.name);
-  const stands = document.querySelector("[name=dropped]:checked").value === "object", note = mesh.remarks && ` Note: ${mesh.remarks}.`;
-  say(stands ? `"${file.name}" stands at the mark: ${counted(page.addObject(mesh))} triangles.${note}` : `${counted(page.addMesh(mesh))} particles of "${file.name}".${note}`);
+  const becomes = document.querySelector("[name=dropped]:checked").value, note = mesh.remarks && ` Note: ${mesh.remarks}.`;
+  say(becomes === "sand" ? `${counted(page.addMesh(mesh))} particles of "${file.name}".${note}` : `"${file.name}" stands at the mark: ${counted(page.addObject(mesh, becomes === "metal"))} triangles.${note}`);
 }
 
 async function share(page) {

@@ -39,3 +39,22 @@ export function standing({ vertices, indices }, height, width) {
   const scale = Math.min(height / (high[1] - low[1]), width / Math.max(high[0] - low[0], high[2] - low[2])), middle = [(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2];
   return { vertices: vertices.map((x, i) => (x - middle[i % 3]) * scale), indices };
 }
+
+// The corners of triangles with a normal each: the mean, by area, of the triangles there that are turned by less than 40 degrees.
+export function smoothed(vertices, indices) {
+  const k_crease = 0.766;
+  const corners = new Float32Array(3 * indices.length), faces = new Float32Array(indices.length), normals = new Float32Array(corners.length), at = new Map();
+  for (let i = 0; i < indices.length; ++i) for (let k = 0; k < 3; ++k) corners[3 * i + k] = vertices[3 * indices[i] + k];
+  for (let t = 0; t < indices.length; t += 3) {
+    const [a, b, c] = [0, 3, 6].map((k) => corners.subarray(3 * t + k, 3 * t + k + 3)), [x, y, z] = [b[0] - a[0], b[1] - a[1], b[2] - a[2]], [u, v, w] = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
+    faces.set([y * w - z * v, z * u - x * w, x * v - y * u], t);
+    for (let k = 0; k < 3; ++k) { const key = corners.subarray(3 * (t + k), 3 * (t + k) + 3).join(); at.set(key, [...at.get(key) ?? [], t]); }
+  }
+  const size = (t) => Math.hypot(faces[t], faces[t + 1], faces[t + 2]), dot = (s, t) => faces[s] * faces[t] + faces[s + 1] * faces[t + 1] + faces[s + 2] * faces[t + 2];
+  for (let i = 0; i < indices.length; ++i) {
+    const own = i - i % 3;
+    for (const other of at.get(corners.subarray(3 * i, 3 * i + 3).join()))
+      if (other === own || dot(own, other) > k_crease * size(own) * size(other)) for (let k = 0; k < 3; ++k) normals[3 * i + k] += faces[other + k];
+  }
+  return { corners, normals };
+}

@@ -2,7 +2,7 @@
 import { load, constants } from "./sandglass.mjs";
 import { SandScene, addPoints, makeField, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
-import { meshReader, standing } from "./mesh_file.mjs";
+import { meshReader, standing, smoothed } from "./mesh_file.mjs";
 import { RoomLight, lightOfSky } from "./room_light.mjs";
 import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom, cellsOfTable } from "./tilt.mjs";
 import { fromLink } from "./link.mjs";
@@ -25,6 +25,7 @@ const k_mesh_width = 0.5;
 const k_mesh_above = 0.05;
 const k_mesh_particles = 1000;  // about the most of one mesh, so that it finds room beside what the scene and a finger pour
 const k_objects = 4;          // that are put on the table, at most
+const k_paint = [0.35, 0.33, 0.30], k_metal = [0.95, 0.93, 0.88];  // of objects: albedo, and what metal reflects
 const k_object_triangles = 100000;  // of all of them
 const k_object_spacing = 0.5 * k_radius;  // of the field that sand collides with
 const k_recorded_at_most = 18000;  // frames: five minutes
@@ -87,9 +88,10 @@ class Page {
     sand.sandglass_cast_desc_default(desc);
     desc.set({ texels: 256, ambient_texels: 128, triangle_capacity: k_object_triangles });
     this.cast = sand.create("sandglass_cast", desc), this.castTexture = sand.make("sandglass_cast_texture");
+    this.castDesc = desc, this.wallCast = 0;
     this.castMeshes = sand.array("sandglass_cast_mesh", k_scene.colliders.length + k_objects);
     this.castAll();
-    scene.input.pile_shadow = this.pile, scene.input.casts = sand.put(new Uint32Array([this.cast])), scene.input.cast_count = 1;
+    scene.input.set({ pile_shadow: this.pile, casts: sand.put(new Uint32Array([this.cast])), cast_count: 1 });
   }
 
   // All that stands on the table casts.
@@ -99,7 +101,33 @@ class Page {
       this.sand.sandglass_cast_mesh_default(this.castMeshes[i]);
       this.castMeshes[i].set({ positions, vertex_count, indices, triangle_count, world_from_mesh: [...model] });
     });
-    this.sand.sandglass_cast_set_meshes(this.cast, this.castMeshes.address, all.length);
+    for (const cast of this.casts()) this.sand.sandglass_cast_set_meshes(cast, this.castMeshes.address, all.length);
+  }
+
+  casts() { return this.wallCast ? [this.cast, this.wallCast] : [this.cast]; }
+
+  // Objects cast on a wall, too: `pose` is a column-major matrix whose y is the wall's normal, `low` and `high` its extent in x
+  // and z; null: there is none.
+  setWall(pose, low, high) {
+    const { sand, painter, scene } = this, [x, y, z, at] = [0, 4, 8, 12].map((k) => [...pose?.slice(k, k + 3) ?? []]);
+    if (!pose) {
+      scene.input.cast_count = 1, painter.wall = null;
+      return;
+    }
+    if (!this.wallCast) {
+      this.wallCast = sand.create("sandglass_cast", this.castDesc), this.wallCells = sand.put(new Float32Array(constants.SANDGLASS_LIGHT_CELLS));
+      this.wallPlane = sand.make("sandglass_cast_plane"), this.wallTexture = sand.make("sandglass_cast_texture");
+      scene.input.casts = sand.put(new Uint32Array([this.cast, this.wallCast]));
+      this.castAll();
+    }
+    sand.sandglass_cast_plane_default(this.wallPlane);
+    this.wallPlane.set({ origin: at, normal: y, along: x, low, high });
+    sand.sandglass_cast_set_plane(this.wallCast, this.wallPlane);
+    scene.input.cast_count = 2;
+    const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0), back = [x, y, z].map((axis) => -dot(axis, at));
+    const on = new Float32Array([x[0], y[0], z[0], 0, x[1], y[1], z[1], 0, x[2], y[2], z[2], 0, ...back, 1]);
+    this.wallAxes = { x, z, at, normal: y };
+    painter.wall = { ...painter.wall ?? { opacity: 0, box: [0, 0, 1, 1], seenBox: [2, 2, 0, 0] }, model: new Float32Array(pose), on, plane: [...y, back[1]] };
   }
 
   // The light that is drawn: the device's in augmented reality, the camera's, or that of the sliders.
@@ -111,16 +139,21 @@ class Page {
     if (light === seen && this.watching) this.turnWithTheTable(light);
     else this.painter.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     this.painter.light = light, this.lit = light !== slid;
-    const { sand, direction } = this;
+    const { sand, direction, painter } = this;
+    if (!seen) painter.roomKnown = 0;
     sand.floats(direction, 3).set(light.toLight);
     sand.sandglass_pile_shadow_set_light(this.pile, direction);
-    sand.sandglass_cast_set_light(this.cast, direction, 0);
+    for (const cast of this.casts()) sand.sandglass_cast_set_light(cast, direction, 0);
     // Where the light from all around comes from: the sky of the sliders is even. The painter takes what is hidden from that
     // light alone, so its cells are 1 together.
     const cells = seen ? this.room.cells() : new Float32Array(constants.SANDGLASS_LIGHT_CELLS).fill(1);
     sand.floats(this.cells, cells.length).set(cellsOfTable(cells, this.painter.tableOfRoom));
     sand.sandglass_cast_set_cells(this.cast, this.cells);
     sand.sandglass_pile_shadow_set_cells(this.pile, this.cells);
+    if (!painter.wall) return;
+    const table = this.real?.table ?? [0, 0, 0], { at, normal, x } = this.wallAxes;
+    sand.floats(this.wallCells, cells.length).set(seen ? this.room.cellsOfWall(at.map((c, i) => c + table[i]), normal, x) : cells);
+    sand.sandglass_cast_set_cells(this.wallCast, this.wallCells);
   }
 
   // A table that is tipped with the picture turns in the room, and the room's light about it.
@@ -239,8 +272,8 @@ class Page {
   }
 
   playFrame(scene, { emitters, colliders, level, runs, gravity, tipped, added }, plan, step) {
-    for (const { particles, grains, vertices, indices, at } of added ?? []) {
-      if (vertices) this.objects.push(this.objectOf({ vertices: Float32Array.from(vertices), indices: Uint32Array.from(indices) }, at));
+    for (const { particles, grains, vertices, indices, at, metal } of added ?? []) {
+      if (vertices) this.objects.push(this.objectOf({ vertices: Float32Array.from(vertices), indices: Uint32Array.from(indices) }, at, metal));
       else addPoints(this.sand, scene.handle, { positions: Float32Array.from(particles) }, { positions: Float32Array.from(grains) });
     }
     if (gravity && gravity.some((x, k) => x !== this.given[k])) this.setGravity(scene, this.given = gravity);
@@ -307,6 +340,20 @@ class Page {
     sand.sandglass_cast_get_ambient(this.cast, cast);
     if (cast.valid && cast.completed !== this.seenCompleted)
       painter.upload(painter.seen, cast.texels, sand.bytes(cast.bytes, cast.texels ** 2)), painter.seenBox = box(cast), this.seenCompleted = cast.completed;
+    if (painter.wall) this.takeWall(umbra);
+    if (this.room && painter.objects.some(({ metal }) => metal) && (this.watching || this.real)) this.room.reflect(this.real?.table ?? [0, 0.1, 0], painter);
+  }
+
+  takeWall(umbra) {
+    const { sand, painter, wallTexture: t, wallAxes: { x, z, at } } = this, dot = (a, b) => [...a].reduce((sum, v, i) => sum + v * b[i], 0);
+    const box = ({ corner, along, across }) => [dot(corner, x) - dot(at, x), dot(corner, z) - dot(at, z), 1 / dot(along, x), 1 / dot(across, z)];
+    sand.sandglass_cast_get_texture(this.wallCast, t);
+    painter.wall.opacity = t.valid ? umbra : 0;
+    if (t.valid && t.completed !== this.wallCompleted)
+      painter.upload(painter.wallObject, t.texels, sand.bytes(t.bytes, t.texels ** 2)), painter.wall.box = box(t), this.wallCompleted = t.completed;
+    sand.sandglass_cast_get_ambient(this.wallCast, t);
+    if (t.valid && t.completed !== this.wallSeenCompleted)
+      painter.upload(painter.wallSeen, t.texels, sand.bytes(t.bytes, t.texels ** 2)), painter.wall.seenBox = box(t), this.wallSeenCompleted = t.completed;
   }
 
   draw() {
@@ -359,27 +406,33 @@ class Page {
   readMesh() { return this.meshReader ??= inflated(k_mesh_module).then(meshReader); }
 
   // A mesh as an object at the mark: it casts at once, and sand collides with it.
-  addObject(read) {
+  addObject(read, metal = false) {
     const mesh = standing(read, k_mesh_height, k_mesh_width), triangles = this.objects.reduce((sum, { indices }) => sum + indices.length / 3, mesh.indices.length / 3);
     if (this.objects.length === k_objects) throw new Error(`There are ${k_objects} objects on the table. Press "Start again" to clear it.`);
     if (triangles > k_object_triangles - 1000) throw new Error(`The mesh has too many triangles: ${counted(triangles)} of ${counted(k_object_triangles)}. Choose a coarser one.`);
-    this.objects.push(this.objectOf(mesh, [...this.mark]));
+    this.objects.push(this.objectOf(mesh, [...this.mark], metal));
     this.showObjects();
-    this.added.push({ vertices: [...mesh.vertices], indices: [...mesh.indices], at: [...this.mark] });
+    this.added.push({ vertices: [...mesh.vertices], indices: [...mesh.indices], at: [...this.mark], metal });
     return mesh.indices.length / 3;
   }
 
-  objectOf({ vertices, indices }, at) {
+  objectOf({ vertices, indices }, at, metal) {
     const { sand } = this, margin = 4 * k_object_spacing, side = (pick, start) => [0, 1, 2].map((axis) => vertices.reduce((best, x, i) => (i % 3 === axis ? pick(best, x) : best), start));
     const field = makeField(sand, { vertices, indices, rule: constants.SANDGLASS_INSIDE_WINDING, solid: constants.SANDGLASS_SOLID_INSIDE, spacing: k_object_spacing,
       band: margin, low: side(Math.min, Infinity).map((x) => x - margin), high: side(Math.max, -Infinity).map((x) => x + margin) });
     const model = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...at, 1]);
-    return { vertices, indices, at, model, field, casts: this.casting(vertices, indices, model) };
+    return { vertices, indices, at, metal, model, field, casts: this.casting(vertices, indices, model) };
   }
 
   showObjects() {
-    for (const object of this.objects) object.drawn ??= this.painter.add(object.vertices, object.indices, object.model, [0.35, 0.33, 0.30]);
+    for (const object of this.objects) object.drawn ??= this.drawnObject(object);
     this.castAll();
+  }
+
+  drawnObject({ vertices, indices, model, metal }) {
+    if (!metal) return this.painter.add(vertices, indices, model, k_paint);
+    const { corners, normals } = smoothed(vertices, indices);
+    return this.painter.add(corners, Uint32Array.from({ length: indices.length }, (_, i) => i), model, k_metal, normals);
   }
 
   dropObjects() {

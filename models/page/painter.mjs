@@ -1,9 +1,14 @@
 // Draws the table, the object and the sand with WebGL 2. Colours are linear until a shader's last line. Grains are
 // point sprites, whose fragments write the depth of a sphere; the buffer of grains is uploaded as the library wrote it.
 // Grains differ in size, shade and faces by their numbers. Shadows are the library's own textures: of the sharp main
-// light, and of the light from all around, which object and sand keep from the table, and the sand from itself.
+// light, and of the light from all around, which object and sand keep from the table, and the sand from itself. Over a
+// camera's image table and wall get shadows alone, and what is real hides what is drawn behind it
+// (runtime/shadow/README.md). Metal reflects the room's cube, or the sliders' sky, and the table.
+
+const k_depth_bias = 0.02;  // metres
 
 const k_lighting = `
+uniform vec3 eye;
 uniform vec3 to_light, sun, ambient[9];  // irradiance over pi, of a surface that faces the sun, and by the normal
 uniform vec3 below;                      // the radiance of the floor, which ambient holds
 uniform mat3 table_of_room;              // ambient is of the room, all else of the table
@@ -27,13 +32,14 @@ vec4 encoded(vec3 linear) {
 // What the sand hides of the table, or of itself; what the object leaves of the room; what the sand leaves of it.
 uniform sampler2D pile, object, seen, sky;
 uniform vec4 pile_box, object_box, seen_box;  // x and z of the lower corner, and one over the extent
+uniform mat4 on_plane;                        // of a place on the plane that is drawn: x, height and z; the table's is the world
 uniform float pile_opacity, object_opacity, sky_known;
 float passed(sampler2D image, vec2 at, float opacity) {
   bool on = all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
   return on ? 1.0 - texture(image, at).r * opacity : 1.0;
 }
 float opened(vec3 place) {
-  vec2 at = (place.xz - seen_box.xy) * seen_box.zw;
+  vec2 at = ((on_plane * vec4(place, 1)).xz - seen_box.xy) * seen_box.zw;
   bool on = all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
   return on ? texture(seen, at).r : 1.0;
 }
@@ -42,11 +48,23 @@ float under_sky(vec3 place) {
   bool on = sky_known > 0.5 && all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
   return on ? texture(sky, at).r : 1.0;
 }
-// The ray from the light through the place goes on to the table, where the object's shadow was made.
+// The ray from the light through the place goes on to the plane, where the object's shadow was made.
 float shadowed(vec3 place, float onto) {
-  vec2 at = place.xz - to_light.xz * (place.y / max(to_light.y, 0.05)) * onto;
+  vec3 p = (on_plane * vec4(place, 1)).xyz, l = mat3(on_plane) * to_light;
+  vec2 at = p.xz - l.xz * (p.y / max(l.y, 0.05)) * onto;
   float share = passed(object, (at - object_box.xy) * object_box.zw, object_opacity);
   return share * passed(pile, (place.xz - pile_box.xy) * pile_box.zw, pile_opacity);
+}
+uniform sampler2D real_depth;    // of the camera, metres along its axis; 0: not known
+uniform mat3 depth_from_screen;  // where a pixel lies in it
+uniform vec4 wall;               // a place's distance from it
+uniform float bias;              // metres that the depth may be wrong by
+// How much something real hides of what is drawn. What the camera shows on table or wall is table or wall.
+float hidden(vec3 place) {
+  float real = texture(real_depth, (depth_from_screen * vec3(gl_FragCoord.xy, 1)).xy).r, share = real * gl_FragCoord.w;
+  float from_wall = mix(dot(wall, vec4(eye, 1)), dot(wall, vec4(place, 1)), share);
+  float before = min((1.0 - share) / gl_FragCoord.w, min(mix(eye.y, place.y, share), from_wall));
+  return real > 0.0 ? smoothstep(bias, 2.0 * bias, before) : 0.0;
 }`;
 
 const k_grain_vertex = `
@@ -113,40 +131,56 @@ void main() {
   // Deeper under the surface there is less.
   float deep = clamp((most_height * texture(heights, (world.xz - pile_box.xy) * pile_box.zw).r - world.y) / radius, 0.0, 1.5);
   float open = sky_known > 0.5 ? under_sky(world) / (1.0 + 0.9 * deep) : 0.75;
-  pixel = encoded(shade_sand(colour, n, shadowed(world, 1.0), open));
+  pixel = vec4(encoded(shade_sand(colour, n, shadowed(world, 1.0), open)).rgb, 1.0 - hidden(world));
 }`;
 const k_solid_vertex = `
 layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;  // of metal
 uniform mat4 model, view, projection;
-out vec3 world;
+out vec3 world, smooth_normal;
 void main() {
   world = (model * vec4(position, 1)).xyz;
+  smooth_normal = mat3(model) * normal;
   gl_Position = projection * view * vec4(world, 1);
 }`;
 const k_solid_fragment = `
-in vec3 world;
-uniform vec3 eye, albedo;
+in vec3 world, smooth_normal;
+uniform vec3 albedo;
 uniform float table;  // 2: what is real, of which the shadow alone is drawn; 1: the table's top, round; 0: an object
+uniform float metal, real;
+uniform samplerCube room;
+uniform float room_known;
 out vec4 pixel;
 ${k_lighting}
+const vec3 k_wood = vec3(0.42, 0.36, 0.30), k_around = vec3(0.055, 0.06, 0.07);
+vec3 table_top(vec3 place) {
+  float grain = sin(place.x * 90.0 + 3.0 * sin(place.z * 7.0)) * 0.5 + sin(place.x * 23.0 + 2.0 * sin(place.z * 3.0 + 1.0));
+  vec3 lit = shade(k_wood * (1.0 + 0.05 * grain), vec3(0, 1, 0), shadowed(place, 0.0), opened(place) * under_sky(place));
+  return mix(lit, k_around, smoothstep(0.55, 1.5, length(place.xz)));
+}
+// What lies in a direction. A light of the sliders has a radius of 10 degrees, whose sine's square is 0.03.
+vec3 seen_along(vec3 from, vec3 d) {
+  if (real < 0.5 && d.y < 0.0) return table_top(from - d * (from.y / d.y));
+  if (room_known > 0.5) return texture(room, d * table_of_room).rgb;
+  return around(d) + sun / 0.03 * smoothstep(0.983, 0.986, dot(d, to_light));
+}
 void main() {
-  vec3 n = normalize(cross(dFdx(world), dFdy(world)));
-  if (dot(n, eye - world) < 0.0) n = -n;
-  vec3 colour = albedo;
-  float share = 1.0, open = 1.0;
-  if (table > 0.5) share = shadowed(world, 0.0), open = opened(world) * under_sky(world);
+  if (table > 0.5 && table < 1.5) { pixel = encoded(table_top(world)); return; }
+  vec3 n = normalize(cross(dFdx(world), dFdy(world))), back = normalize(world - eye);
+  if (dot(n, back) > 0.0) n = -n;
+  float shown = 1.0 - hidden(world);
   if (table > 1.5) {
-    vec3 left = shade(vec3(1), n, share, open) / max(shade(vec3(1), n, 1.0, 1.0), 1e-4);
-    pixel = vec4(0, 0, 0, 1.0 - dot(left, vec3(1.0 / 3.0)));
+    vec3 left = shade(vec3(1), n, shadowed(world, 0.0), opened(world) * under_sky(world)) / max(shade(vec3(1), n, 1.0, 1.0), 1e-4);
+    pixel = vec4(0, 0, 0, shown * (1.0 - dot(left, vec3(1.0 / 3.0))));
     return;
   }
-  if (table > 0.5) {
-    float grain = sin(world.x * 90.0 + 3.0 * sin(world.z * 7.0)) * 0.5 + sin(world.x * 23.0 + 2.0 * sin(world.z * 3.0 + 1.0));
-    colour *= 1.0 + 0.05 * grain;
+  vec3 lit = shade(albedo, n, 1.0, 1.0);
+  if (metal > 0.5) {
+    vec3 s = normalize(smooth_normal);
+    s = dot(s, back) > 0.0 ? n : s;
+    lit = mix(albedo, vec3(1), pow(1.0 + dot(s, back), 5.0)) * seen_along(world, reflect(back, s));
   }
-  vec3 lit = shade(colour, n, share, open);
-  float away = table > 0.5 ? smoothstep(0.55, 1.5, length(world.xz)) : 0.0;
-  pixel = encoded(mix(lit, vec3(0.055, 0.06, 0.07), away));
+  pixel = vec4(encoded(lit).rgb, shown);
 }`;
 
 // The camera's picture, upside down, because its rows come from the lowest up.
@@ -221,12 +255,17 @@ export class Painter {
     this.grainBuffer = gl.createBuffer(), this.grainBytes = 0;
     this.pile = this.texture(), this.onSand = this.texture(), this.object = this.texture(), this.seen = this.texture();
     this.sky = this.texture(), this.skyOnSand = this.texture(), this.heights = this.texture();
+    this.wallObject = this.texture(), this.wallSeen = this.texture(), this.depth = this.texture(), this.unknownDepth = this.texture();
+    this.room = gl.createTexture(), this.roomKnown = 0;
+    for (let face = 0; face < 6; ++face) this.uploadFace(face, 1, new Uint16Array(4));
     this.objects = [];
     const s = 3;
     this.table = this.mesh(new Float32Array([-s, 0, -s, -s, 0, s, s, 0, s, s, 0, -s]), new Uint32Array([0, 1, 2, 0, 2, 3]));
     this.objectShadow = { box: [0, 0, 1, 1], opacity: 0 };
     this.pileShadow = { box: [0, 0, 1, 1], opacity: 0, sky: 0, height: 0 };
     this.seenBox = [2, 2, 0, 0];  // nowhere
+    this.wall = null;        // { model, on, plane, box, seenBox, opacity }: what makes a place of its own one of the world, and back
+    this.depthOnScreen = null;  // where a share of the screen, from its lower left corner, lies in the depth image
     this.light = { sun: [0, 0, 0], ambient: new Float32Array(27), floor: [0, 0, 0] }, this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     gl.enable(gl.DEPTH_TEST);
   }
@@ -245,9 +284,30 @@ export class Painter {
     gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, side, side, 0, gl.RED, gl.UNSIGNED_BYTE, bytes);
   }
-  mesh(vertices, indices) {
+  // Halves, the upper row first, as the library gives them.
+  uploadFace(face, side, halves) {
+    const { gl } = this;
+    gl.bindTexture(gl.TEXTURE_CUBE_MAP, this.room);
+    gl.texImage2D(gl.TEXTURE_CUBE_MAP_POSITIVE_X + face, 0, gl.RGBA16F, side, side, 0, gl.RGBA, gl.HALF_FLOAT, halves);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_CUBE_MAP, name, gl.LINEAR);
+  }
+  // Metres, the upper row first. `onScreen`: columns of the 3 x 3 matrix of depthOnScreen.
+  uploadDepth(width, height, metres, onScreen) {
+    const { gl } = this;
+    gl.bindTexture(gl.TEXTURE_2D, this.depth);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16F, width, height, 0, gl.RED, gl.FLOAT, metres);
+    this.depthOnScreen = onScreen;
+  }
+  // `normals`: of metal, one a vertex.
+  mesh(vertices, indices, normals = null) {
     const { gl } = this, made = { array: gl.createVertexArray(), count: indices.length };
     gl.bindVertexArray(made.array);
+    if (normals) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bufferData(gl.ARRAY_BUFFER, normals, gl.STATIC_DRAW);
+      gl.enableVertexAttribArray(1);
+      gl.vertexAttribPointer(1, 3, gl.FLOAT, false, 0, 0);
+    }
     gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.STATIC_DRAW);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
@@ -258,7 +318,9 @@ export class Painter {
     return made;
   }
   // Gives what `remove` takes.
-  add(vertices, indices, model, albedo) { return this.objects[this.objects.push({ ...this.mesh(vertices, indices), model, albedo }) - 1]; }
+  add(vertices, indices, model, albedo, normals = null) {
+    return this.objects[this.objects.push({ ...this.mesh(vertices, indices, normals), model, albedo, metal: normals ? 1 : 0 }) - 1];
+  }
   remove(object) { this.objects = this.objects.filter((other) => other !== object), this.gl.deleteVertexArray(object.array); }
 
   // The picture of a camera on the canvas.
@@ -307,14 +369,17 @@ export class Painter {
     return bytes;
   }
 
-  // One view of the table. `real`: the table is the one that a camera shows, and gets shadows alone.
+  // One view of the table. `real`: table and wall are those that a camera shows, and get shadows alone.
   paint({ view, projection, eye, viewport, real }, count, radius) {
-    const { gl } = this;
+    const { gl, wall } = this, still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    const depth = real && this.depthOnScreen, m = depth || Array(9).fill(0), [left, low, width, height] = viewport;
+    const depthFromScreen = m.map((x, i) => (i < 3 ? x / width : i < 6 ? x / height : x - m[i - 6] * left / width - m[i - 3] * low / height));
     gl.viewport(...viewport);
     const common = (p, pile, sky) => {
       gl.useProgram(p.made);
-      [pile, this.object, this.seen, sky, this.heights].forEach((texture, unit) => { gl.activeTexture(gl.TEXTURE0 + unit), gl.bindTexture(gl.TEXTURE_2D, texture); });
-      ["pile", "object", "seen", "sky", "heights"].forEach((name, unit) => gl.uniform1i(p.at(name), unit));
+      [pile, this.object, this.seen, sky, this.heights, depth ? this.depth : this.unknownDepth].forEach((texture, unit) => { gl.activeTexture(gl.TEXTURE0 + unit), gl.bindTexture(gl.TEXTURE_2D, texture); });
+      ["pile", "object", "seen", "sky", "heights", "real_depth", "room"].forEach((name, unit) => gl.uniform1i(p.at(name), unit));
+      gl.activeTexture(gl.TEXTURE6), gl.bindTexture(gl.TEXTURE_CUBE_MAP, this.room);
       gl.activeTexture(gl.TEXTURE0);
       gl.uniformMatrix4fv(p.at("view"), false, view), gl.uniformMatrix4fv(p.at("projection"), false, projection);
       gl.uniform3fv(p.at("to_light"), this.light.toLight), gl.uniform3fv(p.at("sun"), this.light.sun), gl.uniform3fv(p.at("eye"), eye);
@@ -322,26 +387,46 @@ export class Painter {
       gl.uniform4fv(p.at("pile_box"), this.pileShadow.box), gl.uniform1f(p.at("pile_opacity"), this.pileShadow.opacity);
       gl.uniform1f(p.at("sky_known"), this.pileShadow.sky), gl.uniform1f(p.at("most_height"), this.pileShadow.height);
       gl.uniform4fv(p.at("object_box"), this.objectShadow.box), gl.uniform1f(p.at("object_opacity"), this.objectShadow.opacity);
-      gl.uniform4fv(p.at("seen_box"), this.seenBox);
+      gl.uniform4fv(p.at("seen_box"), this.seenBox), gl.uniformMatrix4fv(p.at("on_plane"), false, still);
+      gl.uniform4fv(p.at("wall"), real && wall ? wall.plane : [0, 0, 0, 1e9]), gl.uniform1f(p.at("bias"), k_depth_bias);
+      gl.uniformMatrix3fv(p.at("depth_from_screen"), false, depthFromScreen);
+    };
+    const drawItem = ({ array, count: corners, model, albedo = [0, 0, 0], table = 0, metal = 0 }) => {
+      gl.uniformMatrix4fv(this.solid.at("model"), false, model);
+      gl.uniform3fv(this.solid.at("albedo"), albedo), gl.uniform1f(this.solid.at("table"), table), gl.uniform1f(this.solid.at("metal"), metal);
+      gl.bindVertexArray(array);
+      gl.drawElements(gl.TRIANGLES, corners, gl.UNSIGNED_INT, 0);
     };
     common(this.solid, this.pile, this.sky);
-    const still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    gl.uniform1f(this.solid.at("real"), real ? 1 : 0), gl.uniform1f(this.solid.at("room_known"), this.roomKnown);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    for (const item of [{ ...this.table, model: still, albedo: [0.42, 0.36, 0.30], table: real ? 2 : 1 }, ...this.objects]) {
-      if (item.table === 2) gl.enable(gl.BLEND);
-      gl.uniformMatrix4fv(this.solid.at("model"), false, item.model);
-      gl.uniform3fv(this.solid.at("albedo"), item.albedo), gl.uniform1f(this.solid.at("table"), item.table ?? 0);
-      gl.bindVertexArray(item.array);
-      gl.drawElements(gl.TRIANGLES, item.count, gl.UNSIGNED_INT, 0);
-      gl.disable(gl.BLEND);
-    }
+    if (real) gl.enable(gl.BLEND), gl.depthMask(false);  // what shows the real hides nothing
+    drawItem({ ...this.table, model: still, table: real ? 2 : 1 });
+    gl.depthMask(true);
+    for (const item of this.objects) drawItem(item);
+    if (real && wall) this.paintWall(drawItem);
     gl.bindVertexArray(null);
-    if (count === 0) return;
-    common(this.grains, this.onSand, this.skyOnSand);
-    gl.uniform1f(this.grains.at("radius"), radius), gl.uniform1f(this.grains.at("pixels"), 0.5 * viewport[3] * projection[5]);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.grainBuffer);
-    gl.enableVertexAttribArray(0);
-    gl.vertexAttribPointer(0, 4, gl.FLOAT, false, 16, 0);
-    gl.drawArrays(gl.POINTS, 0, count);
+    if (count > 0) {
+      common(this.grains, this.onSand, this.skyOnSand);
+      gl.uniform1f(this.grains.at("radius"), radius), gl.uniform1f(this.grains.at("pixels"), 0.5 * height * projection[5]);
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.grainBuffer);
+      gl.enableVertexAttribArray(0);
+      gl.vertexAttribPointer(0, 4, gl.FLOAT, false, 16, 0);
+      gl.drawArrays(gl.POINTS, 0, count);
+    }
+    gl.disable(gl.BLEND);
+  }
+
+  // The objects' shadows on a wall; sand throws none there.
+  paintWall(drawItem) {
+    const { gl, wall, solid } = this;
+    [this.wallObject, this.wallSeen].forEach((texture, i) => { gl.activeTexture(gl.TEXTURE1 + i), gl.bindTexture(gl.TEXTURE_2D, texture); });
+    gl.activeTexture(gl.TEXTURE0);
+    gl.uniformMatrix4fv(solid.at("on_plane"), false, wall.on);
+    gl.uniform4fv(solid.at("object_box"), wall.box), gl.uniform4fv(solid.at("seen_box"), wall.seenBox);
+    gl.uniform1f(solid.at("object_opacity"), wall.opacity), gl.uniform1f(solid.at("pile_opacity"), 0), gl.uniform1f(solid.at("sky_known"), 0);
+    gl.depthMask(false);
+    drawItem({ ...this.table, model: wall.model, table: 2 });
+    gl.depthMask(true);
   }
 }

@@ -1,9 +1,12 @@
 // The sand on a table of the user's own: WebXR. A hit test finds the table, a tap puts the scene there, a finger pours.
-// The light is the device's estimate; where the browser also gives the camera's picture, the library makes one beside it.
-// The scene keeps the axes of the session's space, whose y is up.
+// The light is the device's estimate; where the browser also gives the camera's picture, the library makes one beside it. Where
+// it knows walls, objects cast on the nearest; where it knows depth, what is real hides what is behind it. The scene keeps the
+// axes of the session's space, whose y is up.
 import { lightOfDevice } from "./room_light.mjs";
 
-const k_required = ["local", "hit-test"], k_optional = ["light-estimation", "camera-access"];
+const k_required = ["local", "hit-test"], k_optional = ["light-estimation", "camera-access", "depth-sensing", "plane-detection"];
+const k_depth = { usagePreference: ["cpu-optimized"], dataFormatPreference: ["luminance-alpha", "float32"] };
+const k_wall_reach = 1.5;  // metres from the table: farther walls show no shadow
 const k_shrunk = [160, 120];  // pixels of the camera's picture, as the library gets it
 const k_shrunk_every_ms = 250;
 
@@ -15,7 +18,7 @@ export class RealTable {
     if (!await xr.isSessionSupported("immersive-ar"))
       throw new Error("This device shows no augmented reality in the browser (WebXR's immersive-ar is missing). A phone with ARCore does.");
     let session;
-    try { session = await xr.requestSession("immersive-ar", { requiredFeatures: k_required, optionalFeatures: k_optional }); } catch {
+    try { session = await xr.requestSession("immersive-ar", { requiredFeatures: k_required, optionalFeatures: k_optional, depthSensing: k_depth }); } catch {
       throw new Error("The browser did not start augmented reality: it needs the camera and the hit test (WebXR's hit-test). Allow the camera, or update the browser.");
     }
     await gl.makeXRCompatible();
@@ -33,7 +36,7 @@ export class RealTable {
     page.room?.forget();
     session.addEventListener("selectstart", ({ inputSource }) => { if (this.placed) this.finger = inputSource; else if (this.table) this.placed = true, page.room?.stand(this.table); });
     session.addEventListener("selectend", () => { this.finger = null, page.at = null; });
-    session.addEventListener("end", () => { page.at = null, page.real = null, page.room?.forget(), page.setLight(); });
+    session.addEventListener("end", () => { page.at = null, page.real = null, page.painter.depthOnScreen = null, page.setWall(null), page.room?.forget(), page.setLight(); });
     const frame = (now, told) => { if (page.real !== this) return; session.requestAnimationFrame(frame); this.frame(now, told); };
     session.requestAnimationFrame(frame);
   }
@@ -47,12 +50,36 @@ export class RealTable {
       const hit = told.getHitTestResults(this.hits)[0]?.getPose(space);
       if (hit) this.table = [hit.transform.position.x, hit.transform.position.y, hit.transform.position.z];
     }
+    this.takeWall(told);
     this.takeLight(now, told, pose);
     if (this.placed) {
       page.at = this.finger && this.pointed(told);
       page.advance(seconds);
     }
-    this.draw(pose);
+    this.draw(told, pose);
+  }
+
+  // The nearest upright plane; its polygon is given in its own x and z.
+  takeWall(told) {
+    const { page, space, table } = this;
+    let nearest = null, least = k_wall_reach;
+    for (const plane of table ? told.detectedPlanes ?? [] : []) {
+      const matrix = plane.orientation === "vertical" ? told.getPose(plane.planeSpace, space)?.transform.matrix : null;
+      if (!matrix) continue;
+      const pose = Float32Array.from(matrix, (x, i) => (i >= 12 && i < 15 ? x - table[i - 12] : x)), away = -[4, 5, 6].reduce((sum, k) => sum + pose[k] * pose[8 + k], 0);
+      if (away > 0 && away < least) least = away, nearest = { pose, polygon: [...plane.polygon] };
+    }
+    const side = (pick) => ["x", "z"].map((axis) => pick(...nearest.polygon.map((corner) => corner[axis])));
+    if (nearest) page.setWall(nearest.pose, side(Math.min), side(Math.max));
+    else page.setWall(null);
+  }
+
+  // The depth of what the camera shows, for the painter. `normDepthBufferFromNormView` counts from the upper left corner.
+  takeDepth(told, view) {
+    const { painter } = this.page, depth = told.getDepthInformation?.(view);
+    if (!depth) { painter.depthOnScreen = null; return; }
+    const raw = this.session.depthDataFormat === "float32" ? new Float32Array(depth.data) : new Uint16Array(depth.data), m = depth.normDepthBufferFromNormView.matrix;
+    painter.uploadDepth(depth.width, depth.height, Float32Array.from(raw, (x) => x * depth.rawValueToMeters), [m[0], m[1], 0, -m[4], -m[5], 0, m[12] + m[4], m[13] + m[5], 1]);
   }
 
   takeLight(now, told, pose) {
@@ -75,7 +102,7 @@ export class RealTable {
     return along > 0 && Math.hypot(...at) < 1.2 ? at : null;
   }
 
-  draw(pose) {
+  draw(told, pose) {
     const { page, layer } = this, { painter, scene } = page, { gl } = painter, [x, y, z] = this.table ?? [0, 0, 0];
     page.takeTextures();
     gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
@@ -85,6 +112,7 @@ export class RealTable {
     const count = scene.report.sand.grain_numbers;
     painter.uploadGrains(page.sand.floats(scene.grains, 4 * count));
     for (const view of pose.views) {
+      this.takeDepth(told, view);
       const matrix = Float32Array.from(view.transform.inverse.matrix), port = layer.getViewport(view), at = view.transform.position;
       for (let k = 0; k < 3; ++k) matrix[12 + k] += matrix[k] * x + matrix[4 + k] * y + matrix[8 + k] * z;
       painter.paint({ view: matrix, projection: view.projectionMatrix, eye: [at.x - x, at.y - y, at.z - z], viewport: [port.x, port.y, port.width, port.height], real: true },

@@ -27,11 +27,13 @@ export class RoomLight {
     this.sand = sand;
     const desc = sand.make("sandglass_room_desc");
     sand.sandglass_room_desc_default(desc);
+    desc.reflections = 1;
     this.room = sand.create("sandglass_room", desc);
     sand.free(desc);
     this.image = sand.make("sandglass_camera_image");
     sand.sandglass_camera_image_default(this.image);
     this.pixels = sand.allocate(4 * k_image * k_image), this.words = sand.allocate(64);
+    this.face = 0, this.halves = sand.allocate(8 * constants.SANDGLASS_ROOM_CUBE_SIZE ** 2);
     this.now = sand.make("sandglass_room_light"), this.shown = sand.make("sandglass_room_light");
     this.shown.struct_size = 0;
     this.place = sand.make("sandglass_room_place");
@@ -74,6 +76,27 @@ export class RoomLight {
 
   // Where the light that is shown comes from, without the main light.
   cells() { return this.shown.ambient_cells.slice(); }
+
+  // The light of a wall there, whose normal and a direction along it are given: its cells without the main light.
+  cellsOfWall(position, normal, along) {
+    const { sand, words } = this;
+    this.wallPlace ??= sand.make("sandglass_room_place"), this.wallLight ??= sand.make("sandglass_room_light");
+    sand.sandglass_room_place_default(this.wallPlace);
+    sand.floats(words, 6).set([...normal, ...along]);
+    this.wallPlace.set({ position, normal: words, along: words + 12 });
+    sand.sandglass_room_get(this.room, this.wallPlace, this.wallLight);
+    return this.wallLight.ambient_cells.slice();
+  }
+
+  // The next face of what metal reflects there, for the painter: one a call.
+  reflect(position, painter) {
+    const { sand, words, halves, face } = this, side = constants.SANDGLASS_ROOM_CUBE_SIZE;
+    sand.floats(words, 3).set(position);
+    sand.sandglass_room_get_cube(this.room, words, face, 0, halves);
+    painter.uploadFace(face, side, new Uint16Array(sand.memory.buffer, halves, 4 * side * side));
+    this.face = (face + 1) % 6;
+    if (this.face === 0) painter.roomKnown = 1;
+  }
 
   offsetOf(field) { return this.image[field].byteOffset - this.image.address; }
 

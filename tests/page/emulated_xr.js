@@ -1,12 +1,12 @@
 // A WebXR device as the page's test drives it: one view that looks down at a table, a hit on it, a light, a camera's
-// picture, and a finger. emulated.step() runs a frame.
+// picture, a finger, a wall behind the table, and depth. emulated.step() runs a frame.
 window.emulated = (() => {
   const rigid = ([x, y, z], pitch = 0) => {
     const [c, s] = [Math.cos(pitch), Math.sin(pitch)];
     return { position: { x, y, z, w: 1 }, matrix: new Float32Array([1, 0, 0, 0, 0, c, -s, 0, 0, s, c, 0, x, y, z, 1]),
       inverse: { matrix: new Float32Array([1, 0, 0, 0, 0, c, s, 0, 0, -s, c, 0, -x, -(c * y - s * z), -(s * y + c * z), 1]) } };
   };
-  const made = { table: [0.1, 0.45, -0.2], eye: [0.1, 1.1, 0.9], asked: null, now: performance.now(), camera: {} };
+  const made = { table: [0.1, 0.45, -0.2], eye: [0.1, 1.1, 0.9], asked: null, now: performance.now(), camera: {}, walls: [], depths: null };
   const { gl } = sandglassPage.page.painter, pitch = Math.atan2(made.eye[1] - made.table[1], made.eye[2] - made.table[2]);
   const view = { transform: rigid(made.eye, pitch), projectionMatrix: new Float32Array([2, 0, 0, 0, 0, 2, 0, 0, 0, 0, -1.01, -1, 0, 0, -0.1, 0]), camera: made.camera };
   const frame = {
@@ -14,8 +14,14 @@ window.emulated = (() => {
     getHitTestResults: () => [{ getPose: () => ({ transform: rigid(made.table) }) }],
     getLightEstimate: () => ({ sphericalHarmonicsCoefficients: Float32Array.from({ length: 27 }, (_, i) => (i < 3 ? [1, 2, 3][i] : 0)),
       primaryLightDirection: { x: 0, y: 3, z: 4, w: 0 }, primaryLightIntensity: { x: Math.PI, y: Math.PI, z: 0 } }),
-    getPose: () => ({ transform: view.transform }),  // the finger points at the middle of the picture
+    // The finger points at the middle of the picture. The wall stands 0.35 m behind the table's middle and faces the viewer.
+    getPose: (of) => ({ transform: of.isWall ? { matrix: new Float32Array([1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0.1, 0.45, -0.55, 1]) } : view.transform }),
+    get detectedPlanes() { return made.walls; },
+    // Two columns: metres in millimetres, left and right.
+    getDepthInformation: () => made.depths && { width: 2, height: 1, rawValueToMeters: 0.001, data: Uint16Array.from(made.depths).buffer,
+      normDepthBufferFromNormView: { matrix: new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]) } },
   };
+  made.wall = { orientation: "vertical", planeSpace: { isWall: true }, polygon: [[-1, -1], [1, -1], [1, 0], [-1, 0]].map(([x, z]) => ({ x, z })) };
   class Session extends EventTarget {
     requestAnimationFrame(run) { this.next = run; }
     updateRenderState(state) { made.state = state; }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The live page in headless Chromium: it opens from its file without a complaint and without another request, sand falls, a finger
 pours and pushes, a phone that is tipped tips the table, the fixed run ends in the hash of the program, a recording plays to the bit,
-also from a link, a mesh becomes sand or an object, a wrong file is answered with one sentence, the light is that of a camera, augmented reality
+also from a link, a mesh becomes sand, an object or metal, a wrong file is answered with one sentence, the light is that of a camera, augmented reality
 runs on an emulated device, and memory does not grow. Nothing may depend on how fast the machine is: a check either waits for
 what comes at any speed, or counts frames (run_frames).
 
@@ -12,6 +12,7 @@ import contextlib
 import functools
 import http.server
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -31,6 +32,15 @@ THREADS, THREADS_FRAMES = 4, 90
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0.5 0 0.9\nv 0.5 0.9 0.3\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n"
 CUBE = ("".join(f"v {k & 1} {k >> 1 & 1} {k >> 2}\n" for k in range(8)) +
         "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n")
+def ball(rings=12, around=24):
+    points = [(0, -1, 0), (0, 1, 0)] + [(math.sin(math.pi * r / rings) * math.cos(2 * math.pi * k / around), -math.cos(math.pi * r / rings),
+                                         math.sin(math.pi * r / rings) * math.sin(2 * math.pi * k / around)) for r in range(1, rings) for k in range(around)]
+    at = lambda r, k: 0 if r == 0 else 1 if r == rings else 2 + (r - 1) * around + k % around
+    faces = [f for r in range(rings) for k in range(around) for f in ((at(r, k), at(r + 1, k), at(r + 1, k + 1)), (at(r, k), at(r + 1, k + 1), at(r, k + 1))) if len(set(f)) == 3]
+    return "".join("v %.6f %.6f %.6f\n" % p for p in points) + "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces)
+
+
+BALL = ball()
 CAMERA = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
 OF_THE_MACHINE = ("fallback to software WebGL", "GPU stall due to ReadPixels")  # there is no GPU, and screenshots are read back
 BAD_FILES = {"a.obj": "v 0 0 0\nf 1 2 3\n", "b.obj": "v 0 zero 0\n", "c.obj": "", "d.gltf": "{}", "e.glb": "glTF", "g.stl": "solid", "e.json": "{", "f.json": '{"sandglass": "recording"}', "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"}
@@ -251,9 +261,50 @@ def check_real(browser):
     pixels = browser.ask("(emulated.step(), emulated.pixels())")
     print("augmented reality, pixels:", pixels)
     check(min(pixels.values()) > 50 and pixels["nothing"] > pixels["scene"], f"over the camera's picture lie {pixels}")
+    check_hidden(browser, pixels)
     browser.ask("emulated.session.dispatchEvent(new Event('end'))")
     before = browser.ask("sandglassPage.page.scene.frames")
     wait_until(browser, f"sandglassPage.page.real === null && sandglassPage.page.scene.frames > {before}")
+
+
+def check_hidden(browser, open_pixels):
+    """What is real and near hides everything, what is far nothing, and half a picture half of it; what is known of table and wall hides
+    nothing on them. Objects cast on the wall."""
+    pixels = lambda depths: browser.ask(f"(emulated.depths = {depths}, emulated.step(), emulated.pixels())")
+    drawn = lambda count: count["shadow"] + count["scene"]
+    check(drawn(pixels("[200, 200]")) == 0, "something is drawn before a hand that is nearer")
+    check(abs(drawn(pixels("[9000, 9000]")) / drawn(open_pixels) - 1) < 0.02, "what is far hides something")
+    half = drawn(pixels("[200, 9000]")) / drawn(open_pixels)
+    check(0.2 < half < 0.8, f"half a picture hides {half:.2f}")
+    browser.ask("emulated.depths = null, emulated.walls = [emulated.wall]")
+    dark = "(() => { const {painter} = sandglassPage.page; return painter.wall?.opacity > 0 && painter.wall.box[2] > 0; })()"
+    browser.ask("emulated.step(3)")
+    browser.ask("for (let i = 0; i < 60 && !(sandglassPage.page.wallCompleted && sandglassPage.page.wallSeenCompleted); ++i) emulated.step()")
+    check(browser.ask(dark), "no shadow was made for the wall")
+    with_wall = browser.ask("(emulated.step(), emulated.pixels())")
+    check(with_wall["shadow"] > 1.1 * open_pixels["shadow"], f"on the wall lies no shadow: {with_wall} beside {open_pixels}")
+    print("with a wall, pixels:", with_wall)
+    browser.ask("emulated.walls = [], emulated.step()")
+    check(browser.ask("sandglassPage.page.painter.wall") is None, "the wall stays after it was lost")
+
+
+def check_metal(browser, work):
+    """A mesh of metal shows what lies about it: the table below, which is brown, and the sliders' sky above, which is not."""
+    browser.ask("sandglassPage.page.measuring = true; sandglassPage.page.again(); sandglassPage.page.mark = [0.2, 0, 0.2]; document.querySelector('[value=metal]').click()")
+    said = drop(browser, "ball.obj", BALL)
+    check("stands at the mark" in said, f"a mesh of metal is answered: {said}")
+    run_frames(browser, 2)
+    read = """(height) => { const {page} = sandglassPage, {gl, canvas} = page.painter, at = page.objects[0].at, {eye, right, up, away} = page.camera.axes();
+        page.draw();
+        const d = [at[0] - eye[0], at[1] + height - eye[1], at[2] - eye[2]], dot = (a) => a.reduce((s, x, i) => s + x * d[i], 0), half = page.camera.half(canvas.width / canvas.height);
+        const pixel = new Uint8Array(4);
+        gl.readPixels((0.5 + 0.5 * dot(right) / -dot(away) / half[0]) * canvas.width, (0.5 + 0.5 * dot(up) / -dot(away) / half[1]) * canvas.height, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+        return [...pixel]; }"""
+    low, high = browser.ask(f"({read})(0.05)"), browser.ask(f"({read})(0.2)")
+    check(low[0] > 1.15 * low[2] and high[2] >= high[0], f"metal shows {low} low and {high} high")
+    if work:
+        browser.screenshot(work / "metal.png")
+    browser.ask("document.querySelector('[value=sand]').click(); sandglassPage.page.again(); sandglassPage.page.measuring = false")
 
 
 def check_memory(browser):
@@ -482,6 +533,7 @@ def main():
         check_full_table(browser, needed)
         check_link(browser)
         check_camera(browser, pictures)
+        check_metal(browser, pictures)
         check_real(browser)
         check_reduced_motion(browser)
         check_narrow(browser)

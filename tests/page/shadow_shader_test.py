@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The shader of runtime/shadow/README.md, and what the live page leaves of a table's light, as a browser draws them: each pixel of
-the floor is within a step of a byte of the formula, where object and sand lie in each other's shadow, and beyond the textures'
-rectangles, whose rims are dark.
+the floor is within a step of a byte of the formula, where object and sand lie in each other's shadow, beyond the textures'
+rectangles, whose rims are dark, and behind what is real.
 
 shadow_shader_test.py README PAINTER      --control: a sampler that clamps instead must be noticed
 Exit code 77: there is no Chromium here."""
@@ -13,7 +13,8 @@ import sys
 
 from browser import Browser
 
-SKIPPED, SIDE, TEXELS = 77, 48, 8
+SKIPPED, SIDE, TEXELS, BIAS = 77, 48, 8, 0.2
+DEPTH_RECTANGLE = [-1, -1, 1, 1]
 DRAW = """
 (given) => {
   const canvas = Object.assign(document.createElement("canvas"), { width: given.side, height: given.side });
@@ -39,9 +40,9 @@ DRAW = """
     gl.uniform1i(at(name), unit);
   });
   for (const [name, value] of given.uniforms) {
-    const set = { 1: "1f", 2: "2fv", 4: "4fv", 16: "Matrix4fv" }[value.length ?? 1];
+    const set = { 1: "1f", 2: "2fv", 3: "3fv", 4: "4fv", 9: "Matrix3fv", 16: "Matrix4fv" }[value.length ?? 1];
     if (set === "1f") gl.uniform1f(at(name), value);
-    else if (set === "Matrix4fv") gl.uniformMatrix4fv(at(name), false, value);
+    else if (set.startsWith("Matrix")) gl["uniform" + set](at(name), false, value);
     else gl["uniform" + set](at(name), value);
   }
   gl.viewport(0, 0, given.side, given.side);
@@ -72,6 +73,14 @@ def sampled(texels, rectangle, x, z, outside):
     return (1 - fb) * ((1 - fa) * t(j, i) + fa * t(j, i + 1)) + fb * ((1 - fa) * t(j + 1, i) + fa * t(j + 1, i + 1))
 
 
+def hidden(metres, x, z, bias, heights):
+    """By a depth map over the whole picture, where what is drawn is 1 m away. `heights`: of eye and point above each plane."""
+    real = sampled(metres, DEPTH_RECTANGLE, x, z, None)
+    before = min([1 - real] + [eye + (point - eye) * real for eye, point in heights])
+    t = min(max(before / bias - 1, 0), 1)
+    return t * t * (3 - 2 * t) if real > 0 else 0
+
+
 def farthest_on_page(browser, lighting, draw):
     """Of models/page/painter.mjs: what both lights and the sky leave of a table, in steps of a byte."""
     uniform, constant = "uniform vec3 to_light, sun, ", "const vec3 to_light = vec3(0, 1, 0), sun = vec3(1); uniform vec3 "
@@ -83,14 +92,16 @@ precision highp float;
 out vec4 pixel;
 void main() {{
   vec3 place = vec3(gl_FragCoord.x, 0, gl_FragCoord.y) * (2.0 / {SIDE}.0) - vec3(1, 0, 1);
-  pixel = vec4(vec3(shadowed(place, 0.0) * opened(place) * under_sky(place)), 1);
+  pixel = vec4(vec3(mix(shadowed(place, 0.0) * opened(place) * under_sky(place), 1.0, hidden(place))), 1);
 }}"""
     vertex = """#version 300 es
 void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1, 0, 1); }"""
     rectangles = {"pile": [0.1, 0.0, 0.9, 0.8], "object": [-0.5, -0.4, 0.3, 0.5], "seen": [-0.7, -0.6, 0.6, 0.7]}
     boxes = {f"{name}_box": [*r[:2], 1 / (r[2] - r[0]), 1 / (r[3] - r[1])] for name, r in rectangles.items()}
-    maps = {name: [draw.randrange(256) for _ in range(TEXELS * TEXELS)] for name in ("pile", "object", "seen", "sky")}
-    uniforms = {**boxes, "pile_opacity": 0.7, "object_opacity": 0.9, "sky_known": 1.0}
+    maps = {name: [draw.randrange(256) for _ in range(TEXELS * TEXELS)] for name in ("pile", "object", "seen", "sky", "real_depth")}
+    # A wall at z = -0.2, and an eye in front of it.
+    uniforms = {**boxes, "pile_opacity": 0.7, "object_opacity": 0.9, "sky_known": 1.0, "bias": BIAS, "eye": [0.3, 0.8, 0.9], "wall": [0, 0, 1, 0.2],
+                "on_plane": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], "depth_from_screen": [1 / SIDE, 0, 0, 0, 1 / SIDE, 0, 0, 0, 1]}
     given = {"side": SIDE, "vertex": vertex, "fragment": fragment, "uniforms": list(uniforms.items()),
              "textures": [[name, TEXELS, maps[name]] for name in maps]}
     drawn, worst = browser.ask(f"({DRAW})({json.dumps(given)})"), 0
@@ -98,7 +109,8 @@ void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 
         x, z = 2 * (i % SIDE + 0.5) / SIDE - 1, 2 * (i // SIDE + 0.5) / SIDE - 1
         left = (1 - 0.7 * sampled(maps["pile"], rectangles["pile"], x, z, 0)) * sampled(maps["sky"], rectangles["pile"], x, z, 1) * (
             1 - 0.9 * sampled(maps["object"], rectangles["object"], x, z, 0)) * sampled(maps["seen"], rectangles["seen"], x, z, 1)
-        worst = max(worst, abs(drawn[i] - 255 * left))
+        away = hidden(maps["real_depth"], x, z, BIAS, [(0.8, 0), (1.1, z + 0.2)])
+        worst = max(worst, abs(drawn[i] - 255 * (left + (1 - left) * away)))
     return worst
 
 
@@ -124,11 +136,13 @@ def main(arguments):
             names = ("object_coverage", "object_visibility", "sand_coverage", "sand_visibility")
             maps = {name: [draw.randrange(256) for _ in range(TEXELS * TEXELS)] for name in names}
             opacity = [0.9, 0.7]
+            depth = [draw.randrange(256) for _ in range(TEXELS * TEXELS)]
             uniforms = {**rectangles, "opacity": opacity, "s": s, "viewport": [SIDE, SIDE], "quad": quad, "plane": 0.0,
+                        "depth_from_screen": [1, 0, 0, 0, 1, 0, 0, 0, 1], "eye_height": 0.8, "bias": BIAS,
                         # x and z of the mesh to clip space; and to the world: turned by a quarter, and moved
                         "clip_from_object": [1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1],
                         "world_from_object": [0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, shift[0], 0, shift[1], 1]}
-            textures = [[name, TEXELS, maps[name]] for name in names] + [["camera_image", 1, [floor] * 3]]
+            textures = [[name, TEXELS, maps[name]] for name in names] + [["real_depth", TEXELS, depth], ["camera_image", 1, [floor] * 3]]
             given = {"side": SIDE, "vertex": vertex, "fragment": fragment, "textures": textures, "uniforms": list(uniforms.items())}
             drawn = browser.ask(f"({DRAW})({json.dumps(given)})")
             for row in range(SIDE):
@@ -140,6 +154,7 @@ def main(arguments):
                     rest = max(sampled(maps["object_visibility"], rectangles["object_ambient"], x, z, 1) - s, 0) * max(
                         sampled(maps["sand_visibility"], rectangles["sand_rectangle"], *world, 1) - s, 0)
                     left = s * sharp + (rest / (1 - s) if s < 1 else 0)
+                    left += (1 - left) * hidden(depth, x, z, BIAS, [(0.8, 0)])
                     worst = max(worst, abs(drawn[row * SIDE + column] - encoded(decoded(floor) * left)))
         page = farthest_on_page(browser, lighting, draw)
     finally:

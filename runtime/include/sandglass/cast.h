@@ -4,7 +4,7 @@
  * The light is taken as directions of equal irradiance. Each throws the app's own triangles onto the plane, as an image of
  * one bit a texel; the images are counted, and a filter takes the bands away. So any mesh casts from the frame on in which
  * it is loaded, on floor, wall or table, and may be skinned. shadow.h costs less for an object that was baked, has many
- * triangles and turns all the time; runtime/cast/README.md has the numbers.
+ * triangles and turns all the time; runtime/shadow/README.md says when.
  *
  * An app
  *   1. hands a block of sandglass_cast_bytes to sandglass_cast_create, one for each plane,
@@ -137,8 +137,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_cast_set_meshes(san
 
 /* Sets the light. `direction`: towards it, world, of any length above 0. `angular_diameter`: radians, 0..1.5; 0 means
  * 0.34907 (20 degrees). Of several lights each has a cast, or they are in the cells. What of the light is below the plane
- * gives no light; a light that is below it altogether throws no shadow. A shadow ends softly after five heights. Fails with INVALID_ARGUMENT: a direction that is
- * zero or not finite, or a diameter out of range. */
+ * gives no light; a light that is below it altogether throws no shadow. A shadow ends softly after five heights. Fails
+ * with INVALID_ARGUMENT: a direction that is zero or not finite, or a diameter out of range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_cast_set_light(sandglass_cast* cast,
                                                                             const float direction[3],
                                                                             float angular_diameter,
