@@ -61,10 +61,18 @@ uniform vec4 wall;               // a place's distance from it
 uniform float bias;              // metres that the depth may be wrong by
 // How much something real hides of what is drawn. What the camera shows on table or wall is table or wall.
 float hidden(vec3 place) {
-  float real = texture(real_depth, (depth_from_screen * vec3(gl_FragCoord.xy, 1)).xy).r, share = real * gl_FragCoord.w;
-  float from_wall = mix(dot(wall, vec4(eye, 1)), dot(wall, vec4(place, 1)), share);
-  float before = min((1.0 - share) / gl_FragCoord.w, min(mix(eye.y, place.y, share), from_wall));
-  return real > 0.0 ? smoothstep(bias, 2.0 * bias, before) : 0.0;
+  ivec2 size = textureSize(real_depth, 0);
+  vec2 at = (depth_from_screen * vec3(gl_FragCoord.xy, 1)).xy * vec2(size) - 0.5, part = fract(at);
+  float sum = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    ivec2 corner = ivec2(i & 1, i >> 1);
+    float real = texelFetch(real_depth, clamp(ivec2(floor(at)) + corner, ivec2(0), size - 1), 0).r, share = real * gl_FragCoord.w;
+    float from_wall = mix(dot(wall, vec4(eye, 1)), dot(wall, vec4(place, 1)), share);
+    float before = min((1.0 - share) / gl_FragCoord.w, min(mix(eye.y, place.y, share), from_wall));
+    vec2 weight = mix(1.0 - part, part, vec2(corner));
+    sum += weight.x * weight.y * (real > 0.0 ? smoothstep(bias, 2.0 * bias, before) : 0.0);
+  }
+  return sum;
 }`;
 
 const k_grain_vertex = `

@@ -176,13 +176,15 @@ Options verify_shot_options(VerifyOptions& o) {
 }
 
 Options verify_cast_options(VerifyOptions& o) {
-  return {standard("chair, and four of SANDGLASS_DATA_DIR",
-                   {"--mesh", &o.meshes, "MESHES", "What casts: files, or names of generated meshes"}),
-          panoramas(o),
-          {"--quick", &o.quick, "", "A quarter of the lights and of the rooms"},
-          seed_option(o.seed, "From where the lights come"),
-          threads_option(o.threads),
-          json_option(o.json)};
+  return {
+      standard("chair, and four of SANDGLASS_DATA_DIR",
+               {"--mesh", &o.meshes, "MESHES", "What casts: files, or names of generated meshes"}),
+      panoramas(o),
+      {"--quick", &o.quick, "", "A quarter of the lights and of the rooms"},
+      seed_option(o.seed, "From where the lights come"),
+      {"--picture", &o.picture, "FILE", "PNG: a chair whose shadow falls on a table and a wall, behind a real bucket"},
+      threads_option(o.threads),
+      json_option(o.json)};
 }
 
 Options verify_files_options(VerifyOptions& o) {

@@ -1,7 +1,8 @@
-// `sandglass_lab verify cast`: shadows of triangles against rays, and reflections against panoramas.
+// `sandglass_lab verify cast`: shadows of triangles against rays, on real surfaces too, and reflections against panoramas.
 #include <algorithm>
 #include <cstdio>
 
+#include "models/compositing/surroundings.h"
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/lighting/dataset.h"
@@ -13,6 +14,7 @@
 #include "tests/laboratory/verify.h"
 #ifdef SANDGLASS_HAVE_EMBREE
 #include "tests/laboratory/shadow/cast_rows.h"
+#include "tests/laboratory/shadow/receiver.h"
 #endif
 
 namespace sandglass::host {
@@ -93,7 +95,22 @@ int verify_cast_command(const VerifyOptions& options) {
     });
     verdicts.insert(verdicts.end(), more.begin(), more.end());
   }
+  if (!interrupted() && !rows.rooms.empty()) {
+    std::vector<RadianceMap> some;
+    for (size_t i = 0; i < rows.rooms.size(); i += options.quick ? 3 : 4) some.push_back(rows.rooms[i]);
+    Progress progress("receiving shadows", some.size());
+    size_t done = 0;
+    const std::vector<Verdict> more = verify_receivers(some, pool, [&] {
+      progress.done(done++);
+      return !interrupted();
+    });
+    verdicts.insert(verdicts.end(), more.begin(), more.end());
+  }
   if (interrupted()) return k_exit_interrupted;
+  if (!options.picture.empty()) {
+    Progress progress("tracing the picture", 1);
+    write_png(options.picture, receiver_picture(kept_room("lebombo"), pool));
+  }
   print_verdicts(verdicts);
   std::printf("%zu rows, %u failed\n", verdicts.size(), count_failed(verdicts));
   if (!options.json.empty())

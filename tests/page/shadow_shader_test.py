@@ -14,7 +14,6 @@ import sys
 from browser import Browser
 
 SKIPPED, SIDE, TEXELS, BIAS = 77, 48, 8, 0.2
-DEPTH_RECTANGLE = [-1, -1, 1, 1]
 DRAW = """
 (given) => {
   const canvas = Object.assign(document.createElement("canvas"), { width: given.side, height: given.side });
@@ -75,10 +74,12 @@ def sampled(texels, rectangle, x, z, outside):
 
 def hidden(metres, x, z, bias, heights):
     """By a depth map over the whole picture, where what is drawn is 1 m away. `heights`: of eye and point above each plane."""
-    real = sampled(metres, DEPTH_RECTANGLE, x, z, None)
-    before = min([1 - real] + [eye + (point - eye) * real for eye, point in heights])
-    t = min(max(before / bias - 1, 0), 1)
-    return t * t * (3 - 2 * t) if real > 0 else 0
+    def by(byte):
+        real = byte / 255
+        t = min(max(min([1 - real] + [eye + (point - eye) * real for eye, point in heights]) / bias - 1, 0), 1)
+        return 255 * t * t * (3 - 2 * t) if real > 0 else 0
+
+    return sampled([by(byte) for byte in metres], [-1, -1, 1, 1], x, z, None)
 
 
 def farthest_on_page(browser, lighting, draw):
