@@ -31,22 +31,27 @@ case $platform in
       -include "$output/org_sandglass_sample_Sand.h" "$sample/sand.cpp"
     diff <(grep -oE 'Java_[A-Za-z_]+' "$output/org_sandglass_sample_Sand.h" | sort -u) <(grep -oE 'Java_[A-Za-z_]+' "$sample/sand.cpp" | sort -u) ||
       { echo "Sand.java (<) and sand.cpp (>) differ"; exit 1; }
-    for kind in vertex fragment; do
+    for kind in vertex fragment table_vertex table_fragment; do
       awk -v kind="k_${kind}_shader" '/^\)glsl"/ {on = 0} on {print} index($0, kind "[]") {on = 1; print "#version 300 es"}' "$sample/sand.cpp" >"$output/$kind"
-      shader "${kind:0:4}" "$output/$kind"
-    done ;;
+      stage=${kind#table_}
+      shader "${stage:0:4}" "$output/$kind"
+    done
+    cp "$output/table_vertex" "$output/table.vert" && cp "$output/table_fragment" "$output/table.frag"
+    glslangValidator -l "$output/table.vert" "$output/table.frag" ;;
   ios)
     mkdir -p "$output/headers"/{ARKit,MetalKit,simd}
     for header in ARKit/ARKit MetalKit/MetalKit simd/simd; do echo '#include <apple.h>' >"$output/headers/$header.h"; done
     clang++ --target=arm64-apple-ios15 -fobjc-arc -fblocks -U__nonnull -isystem "$stand_ins" "${flags[@]}" "$sample/SandRenderer.mm"
     for name in $(grep -oE '@"[a-z_]+_(vertex|fragment)"' "$sample/SandRenderer.mm" | tr -d '@"'); do
-      grep -qE "^(vertex|fragment) [A-Za-z0-9]+ $name\(" "$sample/Grains.metal" || { echo "no Metal function $name"; exit 1; }
+      grep -qE "^(vertex|fragment) [A-Za-z0-9]+ $name\(" "$sample/Shaders.metal" || { echo "no Metal function $name"; exit 1; }
     done ;;
   unity)
     mcs -unsafe -warnaserror -nowarn:0649 -target:library -out:"$output/sample.dll" "$4" "$sample/Sand.cs" "$stand_ins/UnityEngine.cs"
-    { echo '#define fixed4 float4'
-      echo 'float4x4 UNITY_MATRIX_V, UNITY_MATRIX_P;'
-      awk '/CGPROGRAM/ {on = 1; next} /ENDCG/ {on = 0} on && !/#pragma|UnityCG.cginc/' "$sample/Sand.shader"; } >"$output/Sand.hlsl"
-    for kind in vertex fragment; do shader "${kind:0:4}" "$output/Sand.hlsl" -D -V -e "$kind" -o "$output/$kind.spv"; done ;;
+    for name in Sand Table; do
+      { echo '#define fixed4 float4'
+        echo 'float4x4 UNITY_MATRIX_V, UNITY_MATRIX_P;'
+        awk '/CGPROGRAM/ {on = 1; next} /ENDCG/ {on = 0} on && !/#pragma|UnityCG.cginc/' "$sample/$name.shader"; } >"$output/$name.hlsl"
+      for kind in vertex fragment; do shader "${kind:0:4}" "$output/$name.hlsl" -D -V -e "$kind" -o "$output/$kind.spv"; done
+    done ;;
 esac
 echo "$platform: compiles"

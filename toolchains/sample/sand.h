@@ -1,6 +1,7 @@
 // What an app on a phone calls, the same on every system. `create` makes all memory that the library ever uses. `frame`
-// pours sand, reads the camera's image for the light of the room, and writes the grains straight into a buffer of the
-// GPU, in one budget. models/examples/camera_app.cpp adds shadows and hints where to look.
+// pours sand, reads the camera's image for the light of the room, writes the grains straight into a buffer of the GPU, and
+// draws the shadows of sand and objects on the table, in one budget. models/examples/camera_app.cpp adds hints where to
+// look.
 //
 // The world is that of the AR session: metres, y up, as Sandglass has it. Grains are given relative to `origin`.
 #pragma once
@@ -16,11 +17,24 @@ namespace sample {
 constexpr float k_particle_radius = 0.01f;
 constexpr uint32_t k_particles = 1500, k_grains = 8 * k_particles;  // as much as a phone simulates in the budget
 constexpr uint64_t k_budget_ns = 4'000'000;
+constexpr float k_table = 0.5f;  // metres, to each side: where shadows are seen
 
 // The light of the room for a grain, linear RGB: what one that faces the main light reflects of it, and what one that
 // faces up reflects of all other light.
 struct Shading {
   float to_light[3], sun[3], ambient[3];
+};
+
+// What hides light from the table, as runtime/shadow/README.md draws it: a byte a texel, row after row. `box` is x and z of a
+// corner, from origin(), and one over the extents. No texels: none was completed yet.
+struct ShadowTexture {
+  const uint8_t* bytes = nullptr;
+  uint32_t texels = 0;
+  float box[4] = {};
+};
+struct Shadows {
+  ShadowTexture object, object_room, sand, sand_room;  // of the main light, and of the room's
+  float main_share = 0, sand_opacity = 0;
 };
 
 class Sand {
@@ -35,9 +49,18 @@ class Sand {
     desc.granular.collider_capacity = desc.granular.emitter_capacity = 1;
     sandglass::Status status = scene_.create(desc);
     if (status) status = room_.create();
+    sandglass_pile_shadow_desc pile = sandglass::pile_shadow_desc();
+    for (int k = 0; k < 2; ++k) pile.low[k] = -k_table, pile.high[k] = k_table;
+    pile.sky_texels = 64;
+    if (status) status = pile_.create(pile);
+    if (status) status = cast_.create(sandglass::cast_desc());
     if (status) light_ = known_ = room_.light_at(origin_);  // what is usual in a room
     return status;
   }
+
+  // What else stands on the table and is drawn by the app: it casts. Poses are from origin(); the arrays must stay. Call it
+  // again when something has moved.
+  sandglass::Status stand(const sandglass_cast_mesh* meshes, uint32_t count) { return cast_.set_meshes(meshes, count); }
 
   // From now on sand falls onto this point of a real table, which a ray of the AR session hit. What lay elsewhere goes.
   void pour(const float point[3]) {
@@ -67,6 +90,14 @@ class Sand {
     input.grain_capacity = k_grains;
     input.room = room_.get();
     input.camera = camera;
+    (void)pile_.set_light({light_.main_direction[0], light_.main_direction[1], light_.main_direction[2]});
+    (void)cast_.set_light({light_.main_direction[0], light_.main_direction[1], light_.main_direction[2]});
+    (void)pile_.set_cells(light_.ambient_cells);
+    (void)cast_.set_cells(light_.ambient_cells);
+    input.pile_shadow = pile_.get();
+    sandglass_cast* const casts[] = {cast_.get()};
+    input.casts = casts;
+    input.cast_count = 1;
     sandglass_frame_report report = sandglass::frame_report();
     if (!scene_.frame(input, &report))
       report = sandglass::frame_report();  // an image in an unknown layout, for example
@@ -98,14 +129,35 @@ class Sand {
     return shading;
   }
 
+  Shadows shadows() const {
+    const sandglass_pile_shadow_texture sand = pile_.texture();
+    const sandglass_pile_shadow_sky sky = pile_.sky();
+    const float extent = 2 * k_table;
+    Shadows all;
+    all.object = of(cast_.texture());
+    all.object_room = of(cast_.ambient());
+    if (sand.valid) all.sand = {sand.coverage, sand.texels, {-k_table, -k_table, 1 / extent, 1 / extent}};
+    if (sky.valid) all.sand_room = {sky.floor, sky.texels, {-k_table, -k_table, 1 / extent, 1 / extent}};
+    all.sand_opacity = sand.opacity;
+    all.main_share = light_.main_share;
+    return all;
+  }
+
   const float* origin() const { return origin_; }  // in the session's world
   // What was seen, to save for a later session. It holds in the same world frame alone: after ARKit has relocalised to
   // the world map that was saved with it, or after sandglass_room_move from one persistent anchor to the same.
   sandglass::Room& room() { return room_; }
 
  private:
+  static ShadowTexture of(const sandglass_cast_texture& t) {
+    if (!t.valid) return {};
+    return {t.bytes, t.texels, {t.corner[0], t.corner[2], 1 / t.along[0], 1 / t.across[2]}};
+  }
+
   sandglass::Scene scene_;
   sandglass::Room room_;
+  sandglass::PileShadow pile_;
+  sandglass::Cast cast_;
   sandglass_room_light known_ = {}, light_ = {};  // now, and as it is drawn on its way there
   sandglass_camera_image screen_ = {};            // the last image; its planes are gone
   float origin_[3] = {};

@@ -26,7 +26,9 @@ public struct Vector4 {
 }
 public struct Quaternion { public float x, y, z, w; }
 public struct Bounds { public Bounds(Vector3 centre, Vector3 size) {} }
+public struct Matrix4x4 { public float this[int row, int column] { get { return 0; } } }
 public class Transform {
+  public Matrix4x4 localToWorldMatrix { get { return new Matrix4x4(); } }
   public Vector3 position { get; set; }
   public Quaternion rotation { get; set; }
 }
@@ -36,9 +38,23 @@ public static class Screen { public static ScreenOrientation orientation { get; 
 public sealed class RangeAttribute : Attribute { public RangeAttribute(float low, float high) {} }
 public static class Time { public static float deltaTime { get { return 0; } } }
 public class Material {}
+public sealed class Mesh {
+  public Vector3[] vertices { get { return null; } }
+  public int[] triangles { get { return null; } }
+}
+public sealed class MeshFilter : MonoBehaviour { public Mesh sharedMesh { get { return null; } } }
+public class Texture {}
+public enum TextureFormat { R8 = 63 }
+public sealed class Texture2D : Texture {
+  public Texture2D(int width, int height, TextureFormat format, bool mipChain, bool linear) {}
+  public int width { get { return 0; } }
+  public void LoadRawTextureData(IntPtr data, int size) {}
+  public void Apply() {}
+}
 public class MaterialPropertyBlock {
   public void SetBuffer(string name, GraphicsBuffer buffer) {}
   public void SetFloat(string name, float value) {}
+  public void SetTexture(string name, Texture texture) {}
   public void SetVector(string name, Vector4 value) {}
 }
 public enum MeshTopology { Triangles }

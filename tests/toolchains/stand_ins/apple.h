@@ -14,7 +14,14 @@ typedef struct {
   CGFloat origin[2];
   CGSize size;
 } CGRect;
+typedef struct {
+  CGFloat a, b, c, d, tx, ty;
+} CGAffineTransform;
+extern "C" CGAffineTransform CGAffineTransformInvert(CGAffineTransform t);
+#define YES ((BOOL)1)
+#define NO ((BOOL)0)
 typedef float simd_float4 __attribute__((ext_vector_type(4)));
+typedef float simd_float2 __attribute__((ext_vector_type(2)));
 typedef float simd_float3 __attribute__((ext_vector_type(3)));
 typedef struct {
   simd_float3 columns[3];
@@ -22,6 +29,8 @@ typedef struct {
 typedef struct {
   simd_float4 columns[4];
 } simd_float4x4;
+simd_float2 simd_make_float2(float x, float y);
+simd_float3 simd_make_float3(float x, float y, float z);
 simd_float4 simd_make_float4(float x, float y, float z, float w);
 simd_float4x4 simd_mul(simd_float4x4 a, simd_float4x4 b);
 
@@ -71,6 +80,10 @@ typedef struct __CVBuffer* CVPixelBufferRef;
 extern "C" {
 void CFRelease(CFTypeRef object);
 unsigned char CFEqual(CFTypeRef a, CFTypeRef b);
+size_t CVPixelBufferGetWidth(CVPixelBufferRef image);
+size_t CVPixelBufferGetHeight(CVPixelBufferRef image);
+size_t CVPixelBufferGetBytesPerRow(CVPixelBufferRef image);
+void* CVPixelBufferGetBaseAddress(CVPixelBufferRef image);
 size_t CVPixelBufferGetWidthOfPlane(CVPixelBufferRef image, size_t plane);
 size_t CVPixelBufferGetHeightOfPlane(CVPixelBufferRef image, size_t plane);
 size_t CVPixelBufferGetBytesPerRowOfPlane(CVPixelBufferRef image, size_t plane);
@@ -82,8 +95,30 @@ CFTypeRef CVBufferCopyAttachment(CVPixelBufferRef buffer, CFStringRef key, unsig
 extern const CFStringRef kCVImageBufferYCbCrMatrixKey, kCVImageBufferYCbCrMatrix_ITU_R_709_2;
 }
 
-typedef enum : NSUInteger { MTLPixelFormatBGRA8Unorm_sRGB = 81 } MTLPixelFormat;
-typedef enum : NSUInteger { MTLPrimitiveTypePoint = 0 } MTLPrimitiveType;
+typedef enum : NSUInteger {
+  MTLPixelFormatR8Unorm = 10,
+  MTLPixelFormatR32Float = 55,
+  MTLPixelFormatBGRA8Unorm_sRGB = 81
+} MTLPixelFormat;
+typedef enum : NSUInteger { MTLPrimitiveTypePoint = 0, MTLPrimitiveTypeTriangleStrip = 4 } MTLPrimitiveType;
+typedef enum : NSUInteger { MTLBlendFactorSourceAlpha = 4, MTLBlendFactorOneMinusSourceAlpha = 5 } MTLBlendFactor;
+typedef struct {
+  NSUInteger origin[3], size[3];
+} MTLRegion;
+extern "C" MTLRegion MTLRegionMake2D(NSUInteger x, NSUInteger y, NSUInteger width, NSUInteger height);
+@protocol MTLTexture
+@property(readonly) NSUInteger width;
+- (void)replaceRegion:(MTLRegion)region
+          mipmapLevel:(NSUInteger)level
+            withBytes:(const void*)bytes
+          bytesPerRow:(NSUInteger)pitch;
+@end
+@interface MTLTextureDescriptor : NSObject
++ (MTLTextureDescriptor*)texture2DDescriptorWithPixelFormat:(MTLPixelFormat)format
+                                                      width:(NSUInteger)width
+                                                     height:(NSUInteger)height
+                                                  mipmapped:(BOOL)mipmapped;
+@end
 typedef enum : NSUInteger { MTLResourceStorageModeShared = 0 } MTLResourceOptions;
 @protocol MTLFunction
 @end
@@ -97,6 +132,8 @@ typedef enum : NSUInteger { MTLResourceStorageModeShared = 0 } MTLResourceOption
 @end
 @interface MTLRenderPipelineColorAttachmentDescriptor : NSObject
 @property(nonatomic) MTLPixelFormat pixelFormat;
+@property(nonatomic, getter=isBlendingEnabled) BOOL blendingEnabled;
+@property(nonatomic) MTLBlendFactor sourceRGBBlendFactor, destinationRGBBlendFactor;
 @end
 @interface MTLRenderPipelineColorAttachmentDescriptorArray : NSObject
 - (MTLRenderPipelineColorAttachmentDescriptor*)objectAtIndexedSubscript:(NSUInteger)index;
@@ -110,6 +147,7 @@ typedef enum : NSUInteger { MTLResourceStorageModeShared = 0 } MTLResourceOption
 - (void)setVertexBytes:(const void*)bytes length:(NSUInteger)length atIndex:(NSUInteger)index;
 - (void)setVertexBuffer:(id<MTLBuffer>)buffer offset:(NSUInteger)offset atIndex:(NSUInteger)index;
 - (void)setFragmentBytes:(const void*)bytes length:(NSUInteger)length atIndex:(NSUInteger)index;
+- (void)setFragmentTexture:(id<MTLTexture>)texture atIndex:(NSUInteger)index;
 - (void)setRenderPipelineState:(id<MTLRenderPipelineState>)state;
 - (void)drawPrimitives:(MTLPrimitiveType)type vertexStart:(NSUInteger)start vertexCount:(NSUInteger)count;
 @end
@@ -119,6 +157,7 @@ typedef enum : NSUInteger { MTLResourceStorageModeShared = 0 } MTLResourceOption
 @protocol MTLDevice
 - (id<MTLLibrary>)newDefaultLibrary;
 - (id<MTLBuffer>)newBufferWithLength:(NSUInteger)length options:(MTLResourceOptions)options;
+- (id<MTLTexture>)newTextureWithDescriptor:(MTLTextureDescriptor*)descriptor;
 - (id<MTLRenderPipelineState>)newRenderPipelineStateWithDescriptor:(MTLRenderPipelineDescriptor*)descriptor
                                                              error:(NSError**)error;
 @end
@@ -144,7 +183,12 @@ typedef enum : NSInteger { ARTrackingStateNotAvailable, ARTrackingStateLimited, 
                                            zFar:(CGFloat)far;
 - (simd_float4x4)viewMatrixForOrientation:(UIInterfaceOrientation)orientation;
 @end
+@interface ARDepthData : NSObject
+@property(nonatomic, readonly) CVPixelBufferRef depthMap;
+@end
 @interface ARFrame : NSObject
+@property(nonatomic, readonly) ARDepthData* sceneDepth;
+- (CGAffineTransform)displayTransformForOrientation:(UIInterfaceOrientation)orientation viewportSize:(CGSize)size;
 @property(nonatomic, readonly) NSTimeInterval timestamp;
 @property(nonatomic, readonly) CVPixelBufferRef capturedImage;
 @property(nonatomic, readonly) ARCamera* camera;

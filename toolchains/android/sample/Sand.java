@@ -32,13 +32,23 @@ public final class Sand {
                                      float[] lens, float[] pose, float exposure);
 
   /**
-   * Simulates and draws.
+   * Hands over the newest depth of the camera's image, so that what is real hides the shadows behind it. Without it, or
+   * where the phone has none, they lie over everything.
+   *
+   * @param plane the buffer of frame.acquireDepthImage16Bits(), which may be closed afterwards
+   * @param corners where the lower left, lower right and upper left corner of the screen lie in it: three pairs of
+   *     frame.transformCoordinates2d(OPENGL_NORMALIZED_DEVICE_COORDINATES, ..., TEXTURE_NORMALIZED, ...)
+   */
+  public static native void depth(long sand, ByteBuffer plane, int rowStride, int width, int height, float[] corners);
+
+  /**
+   * Simulates and draws, over the camera's image.
    *
    * @param projection camera.getProjectionMatrix
    * @param view camera.getViewMatrix, which is that of the display
-   * @param height of the surface, pixels
+   * @param width and height of the surface, pixels
    */
-  public static native void frame(long sand, double seconds, float[] projection, float[] view, int height);
+  public static native void frame(long sand, double seconds, float[] projection, float[] view, int width, int height);
 
   public static native void destroy(long sand);
 

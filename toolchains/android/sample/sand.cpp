@@ -1,5 +1,6 @@
-// Sand over ARCore's camera image. Java hands over image, poses and matrices (Sand.java says where each comes from);
-// this file maps a vertex buffer, runs the library's frame into it, and draws the grains as points with OpenGL ES.
+// Sand over ARCore's camera image. Java hands over image, depth, poses and matrices (Sand.java says where each comes
+// from); this file maps a vertex buffer, runs the library's frame into it, and draws the grains as points with OpenGL ES,
+// and before them their shadows on the table, where nothing real stands in front (runtime/shadow/README.md).
 #include <GLES3/gl3.h>
 #include <jni.h>
 
@@ -38,13 +39,63 @@ void main() {
 }
 )glsl";
 
+// The table as the camera shows it: its image, darkened.
+const char k_table_vertex_shader[] = R"glsl(#version 300 es
+uniform mat4 projection, view;
+uniform vec3 origin;
+uniform float half_side;
+out vec2 place;
+void main() {
+  place = half_side * vec2(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1);
+  gl_Position = projection * view * vec4(origin + vec3(place.x, 0.0, place.y), 1.0);
+}
+)glsl";
+const char k_table_fragment_shader[] = R"glsl(#version 300 es
+precision highp float;
+precision highp usampler2D;
+uniform sampler2D object, object_room, sand, sand_room;
+uniform vec4 object_box, object_room_box, sand_box, sand_room_box;  // a corner, and one over the extents
+uniform float s, sand_opacity;                                      // the main light's share
+uniform usampler2D depth;                                           // millimetres along the camera's axis; 0: not known
+uniform mat3 depth_from_screen;
+uniform vec2 viewport;
+uniform float eye_height, bias;                                     // metres; how wrong depth may be
+in vec2 place;
+out vec4 colour;
+float at(sampler2D map, vec4 box, float outside) {
+  vec2 p = (place - box.xy) * box.zw;
+  return p == clamp(p, 0.0, 1.0) ? texture(map, p).r : outside;
+}
+float hidden() {
+  ivec2 size = textureSize(depth, 0);
+  vec2 p = (depth_from_screen * vec3(gl_FragCoord.xy / viewport, 1.0)).xy * vec2(size) - 0.5, part = fract(p);
+  float sum = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    ivec2 corner = ivec2(i & 1, i >> 1);
+    float real = 0.001 * float(texelFetch(depth, clamp(ivec2(floor(p)) + corner, ivec2(0), size - 1), 0).r);
+    vec2 weight = mix(1.0 - part, part, vec2(corner));
+    float before = (1.0 - real * gl_FragCoord.w) * min(eye_height, 1.0 / gl_FragCoord.w);
+    sum += weight.x * weight.y * (real > 0.0 ? smoothstep(bias, 2.0 * bias, before) : 0.0);
+  }
+  return sum;
+}
+void main() {
+  float sharp = (1.0 - at(object, object_box, 0.0)) * (1.0 - sand_opacity * at(sand, sand_box, 0.0));
+  float rest = max(at(object_room, object_room_box, 1.0) - s, 0.0) * max(at(sand_room, sand_room_box, 1.0) - s, 0.0);
+  float left = mix(s * sharp + (s < 1.0 ? rest / (1.0 - s) : 0.0), 1.0, hidden());
+  colour = vec4(0.0, 0.0, 0.0, 1.0 - pow(left, 1.0 / 2.2));  // the surface blends encoded values
+}
+)glsl";
+constexpr float k_depth_bias = 0.03f;  // metres: ARCore's depth at arm's length
+
 struct Session {
   sample::Sand sand;
   sample::Performance performance{16'666'667};  // the display's interval
   sandglass_camera_image image = {};
   bool seen = false;
   double last_seconds = 0.0;
-  GLuint program = 0, buffer = 0;
+  GLuint program = 0, buffer = 0, table = 0, textures[5] = {};  // the last is the depth
+  float depth_from_screen[9] = {};
 };
 
 Session* of(jlong handle) { return reinterpret_cast<Session*>(handle); }
@@ -57,10 +108,71 @@ void compile(GLuint program, GLenum kind, const char* text) {
   glDeleteShader(shader);
 }
 
+GLuint program(const char* vertex, const char* fragment) {
+  const GLuint made = glCreateProgram();
+  compile(made, GL_VERTEX_SHADER, vertex);
+  compile(made, GL_FRAGMENT_SHADER, fragment);
+  glLinkProgram(made);
+  return made;
+}
+
+void bind(const Session& s, int unit, GLenum filter) {
+  glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+  glBindTexture(GL_TEXTURE_2D, s.textures[unit]);
+  for (const GLenum name : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, name, static_cast<GLint>(filter));
+  for (const GLenum name : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, name, GL_CLAMP_TO_EDGE);
+}
+
+// Before what stands on it. It hides nothing, so it writes no depth.
+void draw_table(const Session& s, const float projection[16], const float view[16], float width, float height) {
+  const auto place = [&s](const char* name) { return glGetUniformLocation(s.table, name); };
+  const sample::Shadows shadows = s.sand.shadows();
+  const struct {
+    const char *name, *box;
+    const sample::ShadowTexture& texture;
+    uint8_t outside;
+  } all[] = {{"object", "object_box", shadows.object, 0},
+             {"object_room", "object_room_box", shadows.object_room, 255},
+             {"sand", "sand_box", shadows.sand, 0},
+             {"sand_room", "sand_room_box", shadows.sand_room, 255}};
+  glEnable(GL_DEPTH_TEST);
+  glUseProgram(s.table);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  for (int i = 0; i < 4; ++i) {
+    const auto side = static_cast<GLsizei>(all[i].texture.texels);
+    bind(s, i, GL_LINEAR);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, side > 0 ? side : 1, side > 0 ? side : 1, 0, GL_RED, GL_UNSIGNED_BYTE,
+                 side > 0 ? all[i].texture.bytes : &all[i].outside);
+    glUniform1i(place(all[i].name), i);
+    glUniform4fv(place(all[i].box), 1, all[i].texture.box);
+  }
+  bind(s, 4, GL_NEAREST);
+  glUniform1i(place("depth"), 4);
+  glUniformMatrix3fv(place("depth_from_screen"), 1, GL_FALSE, s.depth_from_screen);
+  glUniformMatrix4fv(place("projection"), 1, GL_FALSE, projection);
+  glUniformMatrix4fv(place("view"), 1, GL_FALSE, view);
+  glUniform3fv(place("origin"), 1, s.sand.origin());
+  glUniform1f(place("half_side"), sample::k_table);
+  glUniform1f(place("s"), shadows.main_share);
+  glUniform1f(place("sand_opacity"), shadows.sand_opacity);
+  glUniform2f(place("viewport"), width, height);
+  // The eye lies at -transpose(rotation) * translation of the view.
+  const float eye = -(view[4] * view[12] + view[5] * view[13] + view[6] * view[14]);
+  glUniform1f(place("eye_height"), eye - s.sand.origin()[1]);
+  glUniform1f(place("bias"), k_depth_bias);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
+  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+}
+
 void draw(const Session& s, GLsizei count, const float projection[16], const float view[16], float height) {
   const auto place = [&s](const char* name) { return glGetUniformLocation(s.program, name); };
   const sample::Shading shading = s.sand.shading();
-  glEnable(GL_DEPTH_TEST);
   glUseProgram(s.program);
   glUniformMatrix4fv(place("projection"), 1, GL_FALSE, projection);
   glUniformMatrix4fv(place("view"), 1, GL_FALSE, view);
@@ -81,10 +193,12 @@ extern "C" {
 JNIEXPORT jlong JNICALL Java_org_sandglass_sample_Sand_create(JNIEnv*, jclass) {
   auto s = std::make_unique<Session>();
   if (!s->sand.create()) return 0;  // the status has the reason: log it
-  s->program = glCreateProgram();
-  compile(s->program, GL_VERTEX_SHADER, k_vertex_shader);
-  compile(s->program, GL_FRAGMENT_SHADER, k_fragment_shader);
-  glLinkProgram(s->program);
+  s->program = program(k_vertex_shader, k_fragment_shader);
+  s->table = program(k_table_vertex_shader, k_table_fragment_shader);
+  glGenTextures(5, s->textures);
+  const uint16_t unknown = 0;
+  bind(*s, 4, GL_NEAREST);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R16UI, 1, 1, 0, GL_RED_INTEGER, GL_UNSIGNED_SHORT, &unknown);
   glGenBuffers(1, &s->buffer);
   glBindBuffer(GL_ARRAY_BUFFER, s->buffer);
   glBufferData(GL_ARRAY_BUFFER, sample::k_grains * sizeof(sandglass_grain), nullptr, GL_STREAM_DRAW);
@@ -130,8 +244,25 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_image(JNIEnv* env, jcl
   return s->seen = sandglass_camera_check(&s->image, nullptr) == SANDGLASS_OK;
 }
 
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_depth(JNIEnv* env, jclass, jlong handle, jobject plane,
+                                                            jint row_stride, jint width, jint height,
+                                                            jfloatArray corners) {
+  Session* s = of(handle);
+  float c[6];
+  env->GetFloatArrayRegion(corners, 0, 6, c);
+  const float columns[9] = {c[2] - c[0], c[3] - c[1], 0, c[4] - c[0], c[5] - c[1], 0, c[0], c[1], 1};
+  for (int i = 0; i < 9; ++i) s->depth_from_screen[i] = columns[i];
+  bind(*s, 4, GL_NEAREST);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 2);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, row_stride / 2);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R16UI, width, height, 0, GL_RED_INTEGER, GL_UNSIGNED_SHORT,
+               env->GetDirectBufferAddress(plane));
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+}
+
 JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_frame(JNIEnv* env, jclass, jlong handle, jdouble seconds,
-                                                            jfloatArray projection, jfloatArray view, jint height) {
+                                                            jfloatArray projection, jfloatArray view, jint width,
+                                                            jint height) {
   Session* s = of(handle);
   float of_projection[16], of_view[16];
   env->GetFloatArrayRegion(projection, 0, 16, of_projection);
@@ -147,6 +278,7 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_frame(JNIEnv* env, jclass,
   s->seen = false;
   glUnmapBuffer(GL_ARRAY_BUFFER);
   s->performance.report(report.time.target_ns, report.time.elapsed_ns);
+  draw_table(*s, of_projection, of_view, static_cast<float>(width), static_cast<float>(height));
   draw(*s, static_cast<GLsizei>(report.sand.grain_numbers), of_projection, of_view, static_cast<float>(height));
 }
 
@@ -154,6 +286,8 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_destroy(JNIEnv*, jclass, j
   const std::unique_ptr<Session> s(of(handle));
   glDeleteBuffers(1, &s->buffer);
   glDeleteProgram(s->program);
+  glDeleteProgram(s->table);
+  glDeleteTextures(5, s->textures);
 }
 
 }  // extern "C"

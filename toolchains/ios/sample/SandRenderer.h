@@ -6,6 +6,8 @@
 @interface SandRenderer : NSObject
 - (instancetype)initWithView:(MTKView*)view;
 - (void)pour:(ARRaycastResult*)hit;
+// What else stands on the table and is drawn by the app: it casts. Poses are from the place that was poured on; arrays stay.
+- (BOOL)stand:(const struct sandglass_cast_mesh*)meshes count:(uint32_t)count;
 // Before the commands are committed. `upright` is the window's orientation.
 - (void)encode:(ARFrame*)frame
           into:(id<MTLCommandBuffer>)commands

@@ -1,6 +1,7 @@
 // Once for every displayed frame, in 4 ms, the library writes the grains straight into a shared Metal buffer, and
-// gathers the room's light from ARKit's image. Three buffers take turns, so that the GPU never reads what the library
-// writes. Build it optimised in debug builds too: kernels without optimisation miss every budget.
+// gathers the room's light from ARKit's image. The shadows of the sand, and of what else stands there, darken the table.
+// Three buffers take turns, so that the GPU never reads what the library writes. Build it optimised in debug builds too:
+// kernels without optimisation miss every budget.
 #import "SandRenderer.h"
 
 #include <string.h>
@@ -65,12 +66,18 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   return image;
 }
 
+static id<MTLTexture> new_texture(id<MTLDevice> device, MTLPixelFormat format, size_t width, size_t height) {
+  MTLTextureDescriptor *descriptor = [MTLTextureDescriptor texture2DDescriptorWithPixelFormat:format width:width height:height mipmapped:NO];
+  return [device newTextureWithDescriptor:descriptor];
+}
+
 static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1], v[2], 0); }
 
 @implementation SandRenderer {
   sample::Sand _sand;
-  id<MTLRenderPipelineState> _pipeline;
+  id<MTLRenderPipelineState> _pipeline, _table;
   id<MTLBuffer> _grains[k_buffers];
+  id<MTLTexture> _textures[k_buffers][5];  // those of Shaders.metal; the last is the depth
   dispatch_semaphore_t _free;
   int _turn;
   NSTimeInterval _last;
@@ -87,10 +94,69 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   descriptor.colorAttachments[0].pixelFormat = view.colorPixelFormat;
   descriptor.depthAttachmentPixelFormat = view.depthStencilPixelFormat;
   _pipeline = [view.device newRenderPipelineStateWithDescriptor:descriptor error:NULL];
+  descriptor.vertexFunction = [library newFunctionWithName:@"table_vertex"];
+  descriptor.fragmentFunction = [library newFunctionWithName:@"table_fragment"];
+  descriptor.colorAttachments[0].blendingEnabled = YES;
+  descriptor.colorAttachments[0].sourceRGBBlendFactor = MTLBlendFactorSourceAlpha;
+  descriptor.colorAttachments[0].destinationRGBBlendFactor = MTLBlendFactorOneMinusSourceAlpha;
+  _table = [view.device newRenderPipelineStateWithDescriptor:descriptor error:NULL];
   for (int i = 0; i < k_buffers; ++i)
     _grains[i] = [view.device newBufferWithLength:sample::k_grains * sizeof(sandglass_grain) options:MTLResourceStorageModeShared];
   _free = dispatch_semaphore_create(k_buffers);
   return self;
+}
+
+- (BOOL)stand:(const sandglass_cast_mesh *)meshes count:(uint32_t)count {
+  return bool(_sand.stand(meshes, count));
+}
+
+// The bytes of a shadow into its texture; before there are any, `outside`.
+- (void)load:(const sample::ShadowTexture &)shadow at:(int)index outside:(uint8_t)outside device:(id<MTLDevice>)device {
+  const NSUInteger side = shadow.texels > 0 ? shadow.texels : 1;
+  id<MTLTexture> __strong *texture = &_textures[_turn][index];
+  if (*texture == nil || (*texture).width != side) *texture = new_texture(device, MTLPixelFormatR8Unorm, side, side);
+  [*texture replaceRegion:MTLRegionMake2D(0, 0, side, side) mipmapLevel:0 withBytes:shadow.texels > 0 ? shadow.bytes : &outside bytesPerRow:side];
+}
+
+// ARKit's depth, where the device has a LiDAR scanner and the session's frameSemantics ask for sceneDepth; else it is not known.
+- (void)loadDepth:(ARFrame *)frame device:(id<MTLDevice>)device {
+  CVPixelBufferRef map = frame.sceneDepth.depthMap;
+  const float unknown = 0;
+  if (map != NULL) CVPixelBufferLockBaseAddress(map, kCVPixelBufferLock_ReadOnly);
+  const size_t width = map != NULL ? CVPixelBufferGetWidth(map) : 1, height = map != NULL ? CVPixelBufferGetHeight(map) : 1;
+  id<MTLTexture> __strong *texture = &_textures[_turn][4];
+  if (*texture == nil || (*texture).width != width) *texture = new_texture(device, MTLPixelFormatR32Float, width, height);
+  [*texture replaceRegion:MTLRegionMake2D(0, 0, width, height)
+              mipmapLevel:0
+                withBytes:map != NULL ? CVPixelBufferGetBaseAddress(map) : &unknown
+              bytesPerRow:map != NULL ? CVPixelBufferGetBytesPerRow(map) : sizeof unknown];
+  if (map != NULL) CVPixelBufferUnlockBaseAddress(map, kCVPixelBufferLock_ReadOnly);
+}
+
+// The table, before what stands on it.
+- (void)encodeTable:(ARFrame *)frame constants:(ShaderFrame &)constants with:(id<MTLRenderCommandEncoder>)encoder view:(MTKView *)view
+            upright:(UIInterfaceOrientation)upright {
+  const sample::Shadows shadows = _sand.shadows();
+  const sample::ShadowTexture *const all[4] = {&shadows.object, &shadows.object_room, &shadows.sand, &shadows.sand_room};
+  for (int i = 0; i < 4; ++i) {
+    [self load:*all[i] at:i outside:i % 2 == 0 ? 0 : 255 device:view.device];
+    constants.boxes[i] = simd_make_float4(all[i]->box[0], all[i]->box[1], all[i]->box[2], all[i]->box[3]);
+  }
+  [self loadDepth:frame device:view.device];
+  const CGAffineTransform t = CGAffineTransformInvert([frame displayTransformForOrientation:upright viewportSize:view.bounds.size]);
+  constants.depth_from_screen.columns[0] = simd_make_float3(static_cast<float>(t.a), static_cast<float>(t.b), 0);
+  constants.depth_from_screen.columns[1] = simd_make_float3(static_cast<float>(t.c), static_cast<float>(t.d), 0);
+  constants.depth_from_screen.columns[2] = simd_make_float3(static_cast<float>(t.tx), static_cast<float>(t.ty), 1);
+  constants.viewport = simd_make_float2(static_cast<float>(view.drawableSize.width), static_cast<float>(view.drawableSize.height));
+  constants.half_side = sample::k_table;
+  constants.main_share = shadows.main_share, constants.sand_opacity = shadows.sand_opacity;
+  constants.eye_height = frame.camera.transform.columns[3].y - _sand.origin()[1];
+  constants.depth_bias = 0.02f;  // metres: how wrong a LiDAR scanner's depth is at arm's length
+  [encoder setRenderPipelineState:_table];
+  [encoder setVertexBytes:&constants length:sizeof constants atIndex:0];
+  [encoder setFragmentBytes:&constants length:sizeof constants atIndex:0];
+  for (NSUInteger i = 0; i < 5; ++i) [encoder setFragmentTexture:_textures[_turn][i] atIndex:i];
+  [encoder drawPrimitives:MTLPrimitiveTypeTriangleStrip vertexStart:0 vertexCount:4];
 }
 
 - (void)pour:(ARRaycastResult *)hit {
@@ -102,8 +168,8 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
 - (void)encode:(ARFrame *)frame into:(id<MTLCommandBuffer>)commands with:(id<MTLRenderCommandEncoder>)encoder view:(MTKView *)view
        upright:(UIInterfaceOrientation)upright {
   dispatch_semaphore_wait(_free, DISPATCH_TIME_FOREVER);
-  id<MTLBuffer> grains = _grains[_turn];
   _turn = (_turn + 1) % k_buffers;
+  id<MTLBuffer> grains = _grains[_turn];
   const float step = _last > 0.0 ? static_cast<float>(frame.timestamp - _last) : 0.0f;
   _last = frame.timestamp;
   CVPixelBufferLockBaseAddress(frame.capturedImage, kCVPixelBufferLock_ReadOnly);
@@ -123,6 +189,7 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   constants.origin = vector(_sand.origin());
   constants.pixels_at_one_metre =  // the radius of a grain is 0.35 of a particle's
       0.35f * sample::k_particle_radius * projection.columns[1].y * static_cast<float>(view.drawableSize.height);
+  [self encodeTable:frame constants:constants with:encoder view:view upright:upright];
   [encoder setRenderPipelineState:_pipeline];
   [encoder setVertexBytes:&constants length:sizeof constants atIndex:0];
   [encoder setFragmentBytes:&constants length:sizeof constants atIndex:0];

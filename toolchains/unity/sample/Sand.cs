@@ -1,6 +1,7 @@
 // Sand in a Unity scene with AR Foundation 5.1 or newer. Put this on an object that stands where the sand shall fall,
-// such as an anchor on a real plane. Once a frame the library reads the camera's image for the light of the room, and
-// writes the grains straight into a locked graphics buffer, which Sand.shader draws.
+// such as an anchor on a real plane. Once a frame the library reads the camera's image for the light of the room, writes
+// the grains straight into a locked graphics buffer, which Sand.shader draws, and makes the shadows of the sand and of one
+// object, which Table.shader draws on the real table.
 //
 // Unity's world is left-handed and Sandglass's is right-handed: z changes its sign in the shader, and where poses and
 // light are handed over. The sand keeps to the world's axes, whatever this object's rotation is.
@@ -14,13 +15,22 @@ using UnityEngine.XR.ARSubsystems;
 
 public unsafe class Sand : MonoBehaviour {
   public Material material;  // of Sand.shader
+  public Material table;     // of Table.shader
+  public MeshFilter casts;   // optional: an object on the table, whose mesh is readable and stays as it is
   public ARCameraManager cameraManager;
   // Lower it when the device warns, for example by the warning level of Adaptive Performance.
   [Range(0, 1)] public float thermalHeadroom = 1;
 
   const float ParticleRadius = 0.01f;
   const int Particles = 1500, Grains = 8 * Particles;
-  IntPtr memory;
+  const float HalfSide = 0.5f;     // metres: where shadows are seen
+  const float DepthBias = 0.02f;   // metres: how wrong the depth of what is real may be
+  IntPtr memory, vertices, corners;
+  int vertexCount, triangleCount;
+  sandglass_pile_shadow* pile;
+  sandglass_cast* cast;
+  readonly Texture2D[] textures = new Texture2D[4];  // those of Table.shader
+  static readonly string[] names = { "_Object", "_ObjectRoom", "_Sand", "_SandRoom" };
   sandglass_scene* scene;
   sandglass_room* room;
   sandglass_room_light shown;  // as it is drawn
@@ -47,25 +57,62 @@ public unsafe class Sand : MonoBehaviour {
     desc.granular.collider_capacity = desc.granular.emitter_capacity = 1;
     sandglass_room_desc roomDesc;
     Native.sandglass_room_desc_default(&roomDesc);
-    ulong sceneBytes, roomBytes;
+    sandglass_pile_shadow_desc pileDesc;
+    Native.sandglass_pile_shadow_desc_default(&pileDesc);
+    for (int k = 0; k < 2; ++k) {
+      pileDesc.low[k] = -HalfSide;
+      pileDesc.high[k] = HalfSide;
+    }
+    pileDesc.sky_texels = 64;
+    sandglass_cast_desc castDesc;
+    Native.sandglass_cast_desc_default(&castDesc);
+    Mesh mesh = casts != null ? casts.sharedMesh : null;
+    int[] triangles = mesh != null ? mesh.triangles : new int[0];
+    castDesc.triangle_capacity = (uint)Math.Max(1, 2 * triangles.Length / 3);
+    ulong sceneBytes, roomBytes, pileBytes, castBytes;
     byte* reason;
     Check(Native.sandglass_scene_bytes(&desc, &sceneBytes, &reason), reason);
     Check(Native.sandglass_room_bytes(&roomDesc, &roomBytes, &reason), reason);
-    memory = Marshal.AllocHGlobal((IntPtr)(Aligned(sceneBytes) + roomBytes + Native.SANDGLASS_BLOCK_ALIGNMENT));
+    Check(Native.sandglass_pile_shadow_bytes(&pileDesc, &pileBytes, &reason), reason);
+    Check(Native.sandglass_cast_bytes(&castDesc, &castBytes, &reason), reason);
+    ulong all = Aligned(sceneBytes) + Aligned(roomBytes) + Aligned(pileBytes) + castBytes;
+    memory = Marshal.AllocHGlobal((IntPtr)(all + Native.SANDGLASS_BLOCK_ALIGNMENT));
     var block = (byte*)Aligned((ulong)memory);
     fixed (sandglass_scene** made = &scene) Check(Native.sandglass_scene_create(&desc, block, sceneBytes, made, &reason), reason);
     fixed (sandglass_room** made = &room)
       Check(Native.sandglass_room_create(&roomDesc, block + Aligned(sceneBytes), roomBytes, made, &reason), reason);
+    block += Aligned(sceneBytes) + Aligned(roomBytes);
+    fixed (sandglass_pile_shadow** made = &pile)
+      Check(Native.sandglass_pile_shadow_create(&pileDesc, block, pileBytes, made, &reason), reason);
+    fixed (sandglass_cast** made = &cast)
+      Check(Native.sandglass_cast_create(&castDesc, block + Aligned(pileBytes), castBytes, made, &reason), reason);
+    if (mesh != null) Stand(mesh.vertices, triangles);
     grains = new GraphicsBuffer(GraphicsBuffer.Target.Structured, GraphicsBuffer.UsageFlags.LockBufferForWrite, Grains,
                                 sizeof(sandglass_grain));
     cameraManager.frameReceived += Received;
+  }
+
+  // The object casts. Its pose comes with every frame.
+  void Stand(Vector3[] places, int[] triangles) {
+    vertices = Marshal.AllocHGlobal(12 * places.Length);
+    corners = Marshal.AllocHGlobal(4 * triangles.Length);
+    for (int i = 0; i < places.Length; ++i) {
+      ((float*)vertices)[3 * i] = places[i].x;
+      ((float*)vertices)[3 * i + 1] = places[i].y;
+      ((float*)vertices)[3 * i + 2] = places[i].z;
+    }
+    Marshal.Copy(triangles, 0, corners, triangles.Length);
+    vertexCount = places.Length;
+    triangleCount = triangles.Length / 3;
   }
 
   void OnDisable() {
     cameraManager.frameReceived -= Received;
     if (grains != null) grains.Dispose();
     Marshal.FreeHGlobal(memory);
-    memory = IntPtr.Zero;
+    Marshal.FreeHGlobal(vertices);
+    Marshal.FreeHGlobal(corners);
+    memory = vertices = corners = IntPtr.Zero;
   }
 
   // Seconds times ISO / 100, as sandglass_camera_image.exposure wants it: told on iOS 16 and on Android, where the phone
@@ -151,6 +198,11 @@ public unsafe class Sand : MonoBehaviour {
     input.grains = (sandglass_grain*)NativeArrayUnsafeUtility.GetUnsafePtr(mapped);
     input.grain_capacity = Grains;
     input.room = room;
+    input.pile_shadow = pile;
+    sandglass_cast* one = cast;
+    input.casts = &one;
+    input.cast_count = 1;
+    SetShadows();
     input.camera = seen ? &image : null;  // it is read within the call
     var report = new sandglass_frame_report();
     report.struct_size = (uint)sizeof(sandglass_frame_report);
@@ -159,7 +211,81 @@ public unsafe class Sand : MonoBehaviour {
     grains.UnlockBufferAfterWrite<sandglass_grain>(Grains);
     if (taken) held.Dispose();
     Check(status, reason);
-    Draw((int)report.sand.grain_numbers, Light());
+    sandglass_unity_light light = Light();
+    float height = cameraManager.transform.position.y - transform.position.y;
+    float nearer = 1 - DepthBias / Math.Max(height, 2 * DepthBias);
+    DrawTable(nearer);
+    Draw((int)report.sand.grain_numbers, light, nearer);
+  }
+
+  // What casts, and in which light. Unity's z is turned around: the object's matrix mirrors it.
+  void SetShadows() {
+    byte* reason;
+    if (triangleCount > 0) {
+      sandglass_cast_mesh mesh;
+      Native.sandglass_cast_mesh_default(&mesh);
+      mesh.positions = (float*)vertices;
+      mesh.vertex_count = (uint)vertexCount;
+      mesh.indices = (void*)corners;
+      mesh.triangle_count = (uint)triangleCount;
+      Matrix4x4 pose = casts.transform.localToWorldMatrix;
+      Vector3 at = transform.position;
+      for (int column = 0; column < 4; ++column) {
+        bool place = column == 3;
+        mesh.world_from_mesh[4 * column] = pose[0, column] - (place ? at.x : 0);
+        mesh.world_from_mesh[4 * column + 1] = pose[1, column] - (place ? at.y : 0);
+        mesh.world_from_mesh[4 * column + 2] = -(pose[2, column] - (place ? at.z : 0));
+      }
+      Check(Native.sandglass_cast_set_meshes(cast, &mesh, 1, &reason), reason);
+    }
+    fixed (float* direction = shown.main_direction)
+    fixed (float* cells = shown.ambient_cells) {
+      if (shown.struct_size == 0) return;  // no frame was lit yet
+      Check(Native.sandglass_pile_shadow_set_light(pile, direction, &reason), reason);
+      Check(Native.sandglass_cast_set_light(cast, direction, 0, &reason), reason);
+      Check(Native.sandglass_pile_shadow_set_cells(pile, cells, &reason), reason);
+      Check(Native.sandglass_cast_set_cells(cast, cells, &reason), reason);
+    }
+  }
+
+  // A texture of shadows, and where it lies from this object.
+  void Load(MaterialPropertyBlock block, int i, bool valid, byte* bytes, uint texels, Vector4 box) {
+    block.SetVector(names[i] + "Box", valid ? box : new Vector4(0, 0, 0, 0));
+    if (!valid) return;
+    if (textures[i] == null || textures[i].width != texels)
+      textures[i] = new Texture2D((int)texels, (int)texels, TextureFormat.R8, false, true);
+    textures[i].LoadRawTextureData((IntPtr)bytes, (int)(texels * texels));
+    textures[i].Apply();
+    block.SetTexture(names[i], textures[i]);
+  }
+
+  void DrawTable(float nearer) {
+    var draw = new RenderParams(table);
+    draw.worldBounds = new Bounds(transform.position, 2 * HalfSide * Vector3.one);
+    draw.matProps = new MaterialPropertyBlock();
+    var texture = new sandglass_cast_texture();
+    texture.struct_size = (uint)sizeof(sandglass_cast_texture);
+    for (int i = 0; i < 2; ++i) {
+      if (i == 0) Native.sandglass_cast_get_texture(cast, &texture); else Native.sandglass_cast_get_ambient(cast, &texture);
+      bool made = texture.valid != 0 && triangleCount > 0;
+      Load(draw.matProps, i, made, texture.bytes, texture.texels,
+           made ? new Vector4(texture.corner[0], texture.corner[2], 1 / texture.along[0], 1 / texture.across[2]) : new Vector4(0, 0, 0, 0));
+    }
+    var sand = new sandglass_pile_shadow_texture();
+    sand.struct_size = (uint)sizeof(sandglass_pile_shadow_texture);
+    Native.sandglass_pile_shadow_get_texture(pile, &sand);
+    var sky = new sandglass_pile_shadow_sky();
+    sky.struct_size = (uint)sizeof(sandglass_pile_shadow_sky);
+    Native.sandglass_pile_shadow_get_sky(pile, &sky);
+    var box = new Vector4(-HalfSide, -HalfSide, 0.5f / HalfSide, 0.5f / HalfSide);
+    Load(draw.matProps, 2, sand.valid != 0, sand.coverage, sand.texels, box);
+    Load(draw.matProps, 3, sky.valid != 0, sky.floor, sky.texels, box);
+    draw.matProps.SetVector("_Origin", transform.position);
+    draw.matProps.SetFloat("_HalfSide", HalfSide);
+    draw.matProps.SetFloat("_MainShare", shown.main_share);
+    draw.matProps.SetFloat("_SandOpacity", sand.opacity);
+    draw.matProps.SetFloat("_Nearer", nearer);
+    Graphics.RenderPrimitives(draw, MeshTopology.Triangles, 6);
   }
 
   // The room's light at the sand, which comes in softly. For what else the app draws, set it on Unity's directional light
@@ -192,7 +318,7 @@ public unsafe class Sand : MonoBehaviour {
     return unity;
   }
 
-  void Draw(int count, sandglass_unity_light light) {
+  void Draw(int count, sandglass_unity_light light, float nearer) {
     float* rest = stackalloc float[3];  // of all other light, on a grain that faces up
     for (int channel = 0; channel < 3; ++channel) {
       float* of = light.sh + 9 * channel;
@@ -204,6 +330,7 @@ public unsafe class Sand : MonoBehaviour {
     draw.matProps.SetBuffer("_Grains", grains);
     draw.matProps.SetVector("_Origin", transform.position);
     draw.matProps.SetFloat("_Radius", 0.35f * ParticleRadius);
+    draw.matProps.SetFloat("_Nearer", nearer);
     draw.matProps.SetVector("_ToLight", new Vector4(-light.forward[0], -light.forward[1], -light.forward[2], 0));
     draw.matProps.SetVector("_Sun", light.intensity * new Vector4(light.colour[0], light.colour[1], light.colour[2], 0));
     draw.matProps.SetVector("_Ambient", new Vector4(rest[0], rest[1], rest[2], 0));

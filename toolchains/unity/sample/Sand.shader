@@ -14,7 +14,7 @@ Shader "Sandglass/Sand" {
       StructuredBuffer<Grain> _Grains;
       float3 _Origin, _ToLight;  // in Unity's world
       float3 _Sun, _Ambient;
-      float _Radius;
+      float _Radius, _Nearer;    // _Nearer: as Table.shader has it
 
       struct Corner { float4 position : SV_POSITION; float2 at : TEXCOORD0; };
 
@@ -25,7 +25,7 @@ Shader "Sandglass/Sand" {
         Corner corner;
         corner.at = corners[index % 6];
         view.xy += _Radius * corner.at;
-        corner.position = mul(UNITY_MATRIX_P, view);
+        corner.position = mul(UNITY_MATRIX_P, float4(view.xyz * _Nearer, 1));
         return corner;
       }
 
