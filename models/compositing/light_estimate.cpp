@@ -1,10 +1,15 @@
 #include "models/compositing/light_estimate.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 
 #include "models/files/failure.h"
 #include "models/files/image.h"
+#include "runtime/core/cube_map.h"
+#include "runtime/core/half.h"
 
 namespace sandglass::host {
 
@@ -27,6 +32,29 @@ PhoneImage photographed(const Surroundings& room, ShotCamera camera) {
   camera.pose(&taken.image);
   return taken;
 }
+
+// As a sampler reads it, but for the edges of faces.
+struct CubeOfHalves {
+  static constexpr int k_size = SANDGLASS_ROOM_CUBE_SIZE;
+  std::array<std::array<uint16_t, size_t{4} * k_size * k_size>, 6> texels;
+
+  Vec3 sample(Vec3 direction) const {
+    const double d[3] = {direction.x, direction.y, direction.z};
+    const CubePoint at = cube_point(d);
+    const double x = (at.s + 1) / 2 * k_size - 0.5, y = (at.t + 1) / 2 * k_size - 0.5;
+    const double left = std::floor(x), top = std::floor(y);
+    Vec3 sum;
+    for (int i = 0; i < 4; ++i) {
+      const double u = left + i % 2, v = top + i / 2;
+      const int column = std::clamp(static_cast<int>(u), 0, k_size - 1);
+      const int row = std::clamp(static_cast<int>(v), 0, k_size - 1);
+      const uint16_t* texel = texels[at.face].data() + 4 * (row * k_size + column);
+      sum = sum + Vec3{from_half(texel[0]), from_half(texel[1]), from_half(texel[2])} *
+                      ((1 - std::fabs(x - u)) * (1 - std::fabs(y - v)));
+    }
+    return sum;
+  }
+};
 
 // `reason` is a reference because the call that sets it is an argument too.
 void require(sandglass_status status, const char* const& reason) {
@@ -55,6 +83,7 @@ SeenLight::SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 s
   sandglass_room_desc desc;
   sandglass_room_desc_default(&desc);
   desc.interval = 0.0f;
+  desc.reflections = 1;
   if (room.insertion > 0.0)
     desc.radius =
         static_cast<float>(std::hypot(standing.x - at_rest.eye.x, standing.z - at_rest.eye.z) / room.insertion);
@@ -109,6 +138,21 @@ ShotLight SeenLight::follow(Vec3 standing, double seconds, const sandglass_light
   require(sandglass_room_get(room_, &place, &now, &reason), reason);
   sandglass_room_fade(shown, &now, static_cast<float>(seconds));
   return scaled(*shown, static_cast<double>(shown->white) * exposure_);
+}
+
+Reflected SeenLight::reflected(Vec3 place, double height, const sandglass_room_light& shown) const {
+  float position[3];
+  to_floats(place, position);
+  auto faces = std::make_shared<CubeOfHalves>();
+  for (uint32_t face = 0; face < 6; ++face) {
+    const char* reason = nullptr;
+    require(sandglass_room_get_cube(room_, position, static_cast<float>(height), face, 0, faces->texels[face].data(),
+                                    &reason),
+            reason);
+  }
+  // The cube is in the last image's scale, and so is shown.white.
+  const double scale = static_cast<double>(shown.white) * exposure_;
+  return [faces, scale](Vec3 direction) { return faces->sample(direction) * scale; };
 }
 
 std::string shipped_light_network() {

@@ -55,6 +55,9 @@ class SeenLight {
   ShotLight follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate,
                    sandglass_room_light* shown);
 
+  // What is seen of the room from there, so high above the floor, in the picture's scale, as the library's cube has it now.
+  Reflected reflected(Vec3 place, double height, const sandglass_room_light& shown) const;
+
   sandglass_room* handle() const { return room_; }
 
  private:

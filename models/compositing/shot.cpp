@@ -110,8 +110,29 @@ std::vector<float> surface_of(const ColliderTrack& track, const Mesh& mesh) {
   return transfer;
 }
 
+// Of the three corners of each triangle: the mean, by area, of the triangles there that are turned by less than 40 degrees.
+void add_smooth_normals(const Mesh& mesh, const Quaternion& rotation, std::vector<float>* normals) {
+  constexpr double k_crease = 0.766;
+  std::vector<Vec3> faces;
+  std::vector<std::vector<size_t>> at(mesh.vertex_count());
+  const auto corner = [&](size_t i) { return from_floats(mesh.vertices.data() + 3 * size_t{mesh.indices[i]}); };
+  for (size_t i = 0; i < mesh.indices.size(); ++i) at[mesh.indices[i]].push_back(i / 3);
+  for (size_t i = 0; i < mesh.indices.size(); i += 3)
+    faces.push_back(cross(corner(i + 1) - corner(i), corner(i + 2) - corner(i)));
+  for (size_t i = 0; i < mesh.indices.size(); ++i) {
+    const Vec3 own = faces[i / 3];
+    Vec3 sum = own;
+    for (const size_t other : at[mesh.indices[i]])
+      if (other != i / 3 && dot(own, faces[other]) > k_crease * length(own) * length(faces[other]))
+        sum = sum + faces[other];
+    const Vec3 n = rotate(rotation, normalised(sum));
+    for (const double x : {n.x, n.y, n.z}) normals->push_back(static_cast<float>(x));
+  }
+}
+
 // An object without a bake, beside the standing one: each point is lit by its normal, less what the object as a whole hides
 // from itself. In the frame of the standing object.
+// Metal comes after all that is painted.
 void add_casting(const ColliderTrack& track, const Quaternion& frame, LitObject* object) {
   MeshResult made = make_named(track.mesh);
   stand_mesh(&made.mesh, track.size.y, track.mesh);
@@ -130,6 +151,10 @@ void add_casting(const ColliderTrack& track, const Quaternion& frame, LitObject*
   cast.run();
   const auto open = static_cast<double>(cast.ambient().open);
   const auto first = static_cast<uint32_t>(object->mesh.vertices.size() / 3);
+  if (track.metal) {
+    if (object->metal_from == UINT32_MAX) object->metal_from = object->mesh.triangle_count();
+    add_smooth_normals(made.mesh, track.rotation, &object->metal_normals);
+  }
   std::vector<float>& v = made.mesh.vertices;
   for (size_t i = 0; i < v.size(); i += 3)
     to_floats(rotate(track.rotation, from_floats(v.data() + i)) + track.position, v.data() + i);
@@ -193,12 +218,15 @@ LitObject standing_object(const SceneFile& scene, const MeshFile& mesh_file) {
   require_baked_of(track, loaded.mesh, file.empty() ? track.mesh : file);
   constexpr double k_longest = 1.0 / 16;  // of the height
   // What is interpolated between corners is then not straight over a whole leg.
-  LitObject object = {with_short_edges(loaded.mesh, k_longest * track.size.y), track.rotation, {}};
+  LitObject object;
+  object.mesh = with_short_edges(loaded.mesh, k_longest * track.size.y);
+  object.rotation = track.rotation;
   object.transfer = surface_of(track, object.mesh);
   object.moving = object.mesh.vertex_count();
   place(&object, k_no_rotation, {}, track.rotation, track.position);
-  for (const ColliderTrack& other : scene.colliders)
-    if (other.casts) add_casting(other, track.rotation, &object);
+  for (const bool metal : {false, true})
+    for (const ColliderTrack& other : scene.colliders)
+      if (other.casts && other.metal == metal) add_casting(other, track.rotation, &object);
   return object;
 }
 
@@ -330,6 +358,10 @@ void Shot::begin(uint32_t frame) {
     if (network_) estimate = network_->now();
     light = {seen_->follow(standing_at(frame), scene_.frame_step, &estimate, &shown_[0]),
              seen_->follow(sand_at(frame), scene_.frame_step, &estimate, &shown_[1])};
+    for (const ColliderTrack& track : scene_.colliders)
+      if (track.metal)
+        light.reflected =
+            seen_->reflected(track.position + Vec3{0, 0.5 * track.size.y, 0}, 0.5 * track.size.y, shown_[0]);
   }
   lights_.resize(frame);
   lights_.push_back(light);

@@ -3,6 +3,7 @@
 // serves them all.
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "models/geometry/vec3.h"
@@ -15,9 +16,13 @@ namespace sandglass::host {
 
 using ShotLight = sandglass_room_light;
 
+// What a shiny thing reflects: the radiance from a direction, in the picture's scale.
+using Reflected = std::function<Vec3(Vec3 direction)>;
+
 // The light where the object stands, and where the sand lies.
 struct PlacedLight {
   ShotLight object = {}, sand = {};
+  Reflected reflected;  // none: what is known is the light of all directions about one
   PlacedLight() = default;
   PlacedLight(const ShotLight& everywhere) : object(everywhere), sand(everywhere) {}
   PlacedLight(const ShotLight& at_object, const ShotLight& at_sand) : object(at_object), sand(at_sand) {}

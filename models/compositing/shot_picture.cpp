@@ -26,10 +26,12 @@ constexpr Vec3 k_object = {0.60, 0.44, 0.30};  // reflectance: varnished wood
 constexpr double k_depth_dark = 0.9;           // how fast it darkens below the sand's surface, as the library's own
 constexpr double k_deepest = 1.5;              // radii below the surface at which a grain is still seen
 constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; no shadow falls beyond
+constexpr Vec3 k_metal = {0.86, 0.86, 0.84};   // of zinc, straight on
+constexpr double k_metal_alpha = 0.06;         // roughness, as GGX has it
 constexpr int k_bounces = 6;
 constexpr uint64_t k_composite_stream = 41, k_truth_stream = 42;
 
-enum class Surface { none, floor, object, grain };  // as ShotPicture::Seen
+enum class Surface { none, floor, object, grain, metal };  // as ShotPicture::Seen
 
 struct Hit {
   Surface surface = Surface::none;
@@ -59,13 +61,26 @@ struct ShotPicture::State {
     return from_floats(standing.mesh.vertices.data() + 3 * static_cast<size_t>(vertex));
   }
 
-  // The nine numbers at a point of a triangle, between those of its corners.
-  std::array<double, k_harmonics> transfer_at(uint32_t triangle, Vec3 point) const {
+  // How near a point of a triangle is to each of its corners.
+  std::array<double, 3> weights_at(uint32_t triangle, Vec3 point) const {
     const Vec3 a = corner(triangle, 0), ab = corner(triangle, 1) - a, ac = corner(triangle, 2) - a, ap = point - a;
     const Vec3 normal = cross(ab, ac);
     const double all = dot(normal, normal);
     const double v = dot(cross(ap, ac), normal) / all, w = dot(cross(ab, ap), normal) / all;
-    const double weights[3] = {1.0 - v - w, v, w};
+    return {1.0 - v - w, v, w};
+  }
+
+  Vec3 metal_normal(uint32_t triangle, Vec3 point) const {
+    const std::array<double, 3> weights = weights_at(triangle, point);
+    const float* corners = standing.metal_normals.data() + 9 * size_t{triangle - standing.metal_from};
+    Vec3 sum;
+    for (size_t k = 0; k < 3; ++k) sum = sum + from_floats(corners + 3 * k) * weights[k];
+    return normalised(sum);
+  }
+
+  // The nine numbers at a point of a triangle, between those of its corners.
+  std::array<double, k_harmonics> transfer_at(uint32_t triangle, Vec3 point) const {
+    const std::array<double, 3> weights = weights_at(triangle, point);
     std::array<double, k_harmonics> values = {};
     for (size_t k = 0; k < 3; ++k)
       for (size_t j = 0; j < k_harmonics; ++j)
@@ -88,6 +103,12 @@ struct ShotPicture::State {
       if (dot(hit.normal, direction) > 0.0) hit.normal = hit.normal * -1.0;
       hit.reflectance = k_object;
       hit.triangle = on_object.primitive;
+      if (hit.triangle >= standing.metal_from) {
+        hit.surface = Surface::metal;
+        hit.reflectance = k_metal;
+        const Vec3 smooth = metal_normal(hit.triangle, origin + direction * hit.distance);
+        if (dot(smooth, direction) < 0.0 && dot(smooth, hit.normal) > 0.0) hit.normal = smooth;
+      }
     }
     SphereHit on_grain;
     on_grain.distance = hit.distance;
@@ -159,6 +180,20 @@ Left left_on_sand(const SceneShadows& shadows, const PlacedLight& light, const H
   return left;
 }
 
+// A direction that metal reflects light from, drawn as often as its facets lie that way, and the share that it reflects
+// (Schlick).
+Vec3 reflected_from(Vec3 direction, Vec3 normal, double a, double b) {
+  const double cosine = std::sqrt((1.0 - a) / (1.0 + (k_metal_alpha * k_metal_alpha - 1.0) * a));
+  const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine)), turn = 2.0 * k_pi * b;
+  const Vec3 facet = Frame(normal).world(sine * std::cos(turn), sine * std::sin(turn), cosine);
+  const Vec3 out = direction - facet * (2.0 * dot(facet, direction));
+  return dot(out, normal) > 0.0 ? out : direction - normal * (2.0 * dot(normal, direction));
+}
+Vec3 metal_share(Vec3 direction, Vec3 normal) {
+  const double grazing = std::pow(1.0 - std::min(1.0, std::fabs(dot(direction, normal))), 5.0);
+  return k_metal + (Vec3{1, 1, 1} - k_metal) * grazing;
+}
+
 // What is not seen of the room is a surface of the same colour, as bright: so light is reflected among equals.
 Vec3 among_equals(double open, Vec3 reflectance) {
   const auto gain = [open](double rho) { return 1.0 / (1.0 - rho * (1.0 - open)); };
@@ -204,9 +239,16 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     const double open = options.lit_by_itself ? left.ambient : 0.5 * (1.0 + hit.normal.y) * left.ambient;
     return product(rest * open, among_equals(open, hit.reflectance)) + main * left.main;
   };
+  const auto metal_shown = [&](const Hit& hit, Vec3 direction, Random* random) {
+    const double a = random->uniform(), b = random->uniform();
+    const Vec3 from = reflected_from(direction, hit.normal, a, b);
+    return product(metal_share(direction, hit.normal),
+                   light.reflected ? light.reflected(from) : shown_by(light.object, from));
+  };
   RadianceMap picture(options.width, options.height);
-  const auto colour_of = [&](Vec3 direction) {
+  const auto colour_of = [&](Vec3 direction, Random* random) {
     const Hit hit = state_->closest(camera.eye, direction);
+    if (hit.surface == Surface::metal) return limited(metal_shown(hit, direction, random));
     if (hit.surface == Surface::none) return room.seen(camera, direction);
     if (hit.surface == Surface::floor) return room.seen(camera, direction) * floor_left(hit);
     return limited(product(hit.reflectance, hit.surface == Surface::object ? object_shown(hit) : grain_shown(hit)));
@@ -219,7 +261,7 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
       const int n = options.samples;
       for (int i = 0; i < n * n; ++i) {
         const double sx = x + (i % n + random.uniform()) / n, sy = y + (i / n + random.uniform()) / n;
-        sum = sum + colour_of(normalised(camera.ray(sx, sy, options.width, options.height)));
+        sum = sum + colour_of(normalised(camera.ray(sx, sy, options.width, options.height)), &random);
       }
       picture.set(x, y, sum * (1.0 / (n * n)));
     }
@@ -272,13 +314,31 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
     return state_->blocked(start, s.direction, k_far) ? Vec3{} : s.weight * cosine;
   };
   // The radiance that arrives along a ray after it met the floor, the object or the grains. Light that comes straight
-  // from the room does not count.
-  const auto arriving = [&](Vec3 origin, Vec3 direction, int bounces, Random* random) {
+  // from the room counts only where nothing but metal lies between it and the eye. To what is painted, metal is paint of its
+  // colour: so no light is lost, and none is focused.
+  const auto arriving = [&](Vec3 origin, Vec3 direction, int bounces, bool mirrored, Random* random) {
     Vec3 sum, throughput = {1, 1, 1};
     for (int bounce = 0; bounce < bounces; ++bounce) {
       const Hit hit = state_->closest(origin, direction);
-      if (hit.surface == Surface::none) break;
+      if (hit.surface == Surface::none) {
+        if (mirrored) sum = sum + product(throughput, look_up(above, rotation.to_rotated(direction)));
+        break;
+      }
       origin = hit.point + hit.normal * k_lift;
+      if (mirrored && hit.surface == Surface::metal) {
+        throughput = product(throughput, metal_share(direction, hit.normal));
+        const double a = random->uniform(), b = random->uniform();
+        direction = reflected_from(direction, hit.normal, a, b);
+        continue;
+      }
+      if (mirrored && hit.surface == Surface::floor) {
+        // What the camera shows there, times the share of its light that is left, of which the ray is one part of equals.
+        const double a = random->uniform(), b = random->uniform();
+        const bool dark = state_->blocked(origin, floor_light.sample(a, b).direction, k_far);
+        if (!dark) sum = sum + product(throughput, look_up(room.panorama, hit.point - camera.eye));
+        break;
+      }
+      mirrored = false;
       throughput = product(throughput, hit.surface == Surface::floor ? reflectance : hit.reflectance);
       const double a = random->uniform(), b = random->uniform();
       sum = sum + product(throughput, direct(origin, hit.normal, hit.surface, a, b, nullptr)) * (1.0 / k_pi);
@@ -304,11 +364,19 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
           continue;
         }
         const Vec3 start = hit.point + hit.normal * k_lift;
+        if (hit.surface == Surface::metal) {
+          const double a = random.uniform(), b = random.uniform();
+          const Vec3 from = reflected_from(direction, hit.normal, a, b);
+          const Vec3 radiance = arriving(start, from, k_bounces, true, &random);
+          solid = solid +
+                  limited(product(metal_share(direction, hit.normal), radiance) * room.exposure) * (1 / room.exposure);
+          continue;
+        }
         Vec3 open;
         const Vec3 seen = direct(start, hit.normal, hit.surface, even(0), even(1), &open);
         const double second = random.uniform(), first = random.uniform();
         const Vec3 indirect =
-            arriving(start, cosine_direction(hit.normal, first, second), k_bounces - 1, &random) * k_pi;
+            arriving(start, cosine_direction(hit.normal, first, second), k_bounces - 1, false, &random) * k_pi;
         if (hit.surface == Surface::floor) {
           // Without what stands on it, a level floor gets no indirect light: it sends none to itself.
           with = with + seen + indirect;

@@ -8,6 +8,8 @@
 // the room it sees of itself, and that is as bright: where it is open to the share v, light is 1 / (1 - rho (1 - v))
 // times as strong. Nothing is traced but where things are.
 //
+// Metal reflects the room by the library's cube; it does not know what stands beside it.
+//
 // Truth. Object and grains stand in the light of the warped panorama, on a floor that only catches shadows and reflects
 // light. Where the floor is seen, the panorama's radiance is multiplied by the irradiance with what stands on it and
 // divided by that without (differential rendering, Debevec 1998). The floor's reflectance is that which explains its
@@ -38,7 +40,9 @@ struct LitObject {
   // sandglass_shadow_transfer of the three corners of each triangle: nine numbers a corner. Empty: the object does not
   // know what it hides from itself, and is lit by its normals.
   std::vector<float> transfer;
-  uint32_t moving = 0;  // the first vertices: those of the object that may be carried
+  uint32_t moving = 0;                    // the first vertices: those of the object that may be carried
+  uint32_t metal_from = UINT32_MAX;       // the first triangle of what is metal; those before it are painted
+  std::vector<float> metal_normals = {};  // of the three corners of each triangle from there on
 };
 
 struct ShotPictureOptions {
@@ -63,7 +67,7 @@ class ShotPicture {
                         const SceneShadows& shadows, CastShadow cast, const ShotPictureOptions& options) const;
   // What fills a pixel; `nothing` also where different things share it. The place and the normal are its middle's.
   struct Seen {
-    enum What { nothing, floor, object, grain } what = nothing;
+    enum What { nothing, floor, object, grain, metal } what = nothing;
     Vec3 point, normal;
   };
   std::vector<Seen> seen(const ShotCamera& camera, int width, int height) const;

@@ -341,7 +341,8 @@ class Page {
     if (cast.valid && cast.completed !== this.seenCompleted)
       painter.upload(painter.seen, cast.texels, sand.bytes(cast.bytes, cast.texels ** 2)), painter.seenBox = box(cast), this.seenCompleted = cast.completed;
     if (painter.wall) this.takeWall(umbra);
-    if (this.room && painter.objects.some(({ metal }) => metal) && (this.watching || this.real)) this.room.reflect(this.real?.table ?? [0, 0.1, 0], painter);
+    const metal = this.objects.find((object) => object.metal);
+    if (this.room && metal && (this.watching || this.real)) this.room.reflect(metal.at.map((x, k) => x + (this.real?.table?.[k] ?? 0) + (k === 1 ? k_mesh_height / 2 : 0)), k_mesh_height / 2, painter);
   }
 
   takeWall(umbra) {

@@ -88,11 +88,11 @@ export class RoomLight {
     return this.wallLight.ambient_cells.slice();
   }
 
-  // The next face of what metal reflects there, for the painter: one a call.
-  reflect(position, painter) {
+  // The next face of what metal reflects there, so high above its table, for the painter: one a call.
+  reflect(position, height, painter) {
     const { sand, words, halves, face } = this, side = constants.SANDGLASS_ROOM_CUBE_SIZE;
     sand.floats(words, 3).set(position);
-    sand.sandglass_room_get_cube(this.room, words, face, 0, halves);
+    sand.sandglass_room_get_cube(this.room, words, height, face, 0, halves);
     painter.uploadFace(face, side, new Uint16Array(sand.memory.buffer, halves, 4 * side * side));
     this.face = (face + 1) % 6;
     if (this.face === 0) painter.roomKnown = 1;

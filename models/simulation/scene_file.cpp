@@ -279,6 +279,8 @@ ColliderTrack read_collider(Reader& reader) {
       track.mesh = mesh_names()[static_cast<size_t>(reader.choice("mesh", mesh_names(), -1))];
     if (shape == k_mesh) track.shadow = reader.text("shadow", "");
     if (shape == k_mesh) track.casts = reader.choice("casts", {"nothing", "triangles"}, 0) == 1;
+    if (shape == k_mesh) track.metal = reader.choice("surface", {"paint", "metal"}, 0) == 1;
+    if (track.metal && !track.casts) reader.refuse("surface", "is metal only where \"casts\" is \"triangles\"");
     if (track.casts && track.mesh.empty()) reader.refuse("casts", "needs a mesh that is named by \"mesh\"");
     if (track.casts && !track.shadow.empty()) reader.refuse("casts", "and \"shadow\" are both given; leave one out");
     const Quaternion& q = track.rotation;

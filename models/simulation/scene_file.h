@@ -54,6 +54,7 @@ struct ColliderTrack {
   std::string mesh;
   std::string shadow;  // of a mesh: file or name of its baked shadow; empty: none
   bool casts = false;  // of a named mesh: its triangles cast, without a bake
+  bool metal = false;  // of one that casts: in a shot it reflects the room
   bool solid_outside = false;
   double field_spacing = 0.0;              // metres; 0: the particle radius
   const sandglass_field* field = nullptr;  // set by CollisionFields

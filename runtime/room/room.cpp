@@ -118,9 +118,9 @@ __attribute__((noinline)) void estimate_at(const Room& room, const sandglass_roo
   room_estimate(room, k_room_model, place, light);
 }
 
-__attribute__((noinline)) void face_at(const Room& room, const float position[3], uint32_t face, bool left_handed,
-                                       uint16_t* texels) {
-  room_face(room, k_room_model, position, face, left_handed, texels);
+__attribute__((noinline)) void face_at(const Room& room, const float position[3], float height, uint32_t face,
+                                       bool left_handed, uint16_t* texels) {
+  room_face(room, k_room_model, position, height, face, left_handed, texels);
 }
 
 __attribute__((noinline)) bool move(Room* room, const float rotation[4], const float translation[3]) {
@@ -345,8 +345,8 @@ sandglass_status sandglass_room_set_cube(sandglass_room* room, const sandglass_c
   return status;
 }
 
-sandglass_status sandglass_room_get_cube(const sandglass_room* room, const float position[3], uint32_t face,
-                                         uint32_t left_handed, uint16_t* texels, const char** reason) {
+sandglass_status sandglass_room_get_cube(const sandglass_room* room, const float position[3], float height,
+                                         uint32_t face, uint32_t left_handed, uint16_t* texels, const char** reason) {
   if (room == nullptr || position == nullptr || texels == nullptr)
     return refuse(reason, "room, position or texels is NULL: pass the room, a place and 4 * 32 * 32 halves");
   if (room->room.texels == nullptr)
@@ -354,8 +354,10 @@ sandglass_status sandglass_room_get_cube(const sandglass_room* room, const float
   if (face > 5 || left_handed > 1) return refuse(reason, "face is not in 0..5, or left_handed is neither 0 nor 1");
   if (!all_within(position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
     return refuse(reason, "position is not finite or beyond 1000 m: pass where the object is");
+  if (!within(height, 0.0f, SANDGLASS_COORDINATE_LIMIT))
+    return refuse(reason, "height is not in 0..1000 m: pass how far above its floor the position is");
   const FloatingPointControl saved = floating_point_enter();
-  face_at(room->room, position, face, left_handed != 0, texels);
+  face_at(room->room, position, height, face, left_handed != 0, texels);
   floating_point_restore(saved);
   return accept(reason);
 }

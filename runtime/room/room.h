@@ -234,8 +234,8 @@ extern const RoomModel k_room_model;
 // The radiance that is to be expected from each part, where 1 is what the last image shows as white.
 void room_radiance(const Room& room, const RoomModel& model, float parts[k_room_parts][3]);
 // A face of the cube that is seen from a place, as halves.
-void room_face(const Room& room, const RoomModel& model, const float position[3], uint32_t face, bool left_handed,
-               uint16_t* texels);
+void room_face(const Room& room, const RoomModel& model, const float position[3], float height, uint32_t face,
+               bool left_handed, uint16_t* texels);
 void room_estimate(const Room& room, const RoomModel& model, const sandglass_room_place& place,
                    sandglass_room_light* light);
 

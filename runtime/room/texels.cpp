@@ -2,7 +2,8 @@
 // seen from a place.
 //
 // A texel learns from an image as a part does, before the parts do. It is seen at 2 x 2 points, whose places in it
-// change from image to image. What no image has shown is the parts' expected light (estimate.cpp).
+// change from image to image. What no image has shown is the parts' expected light (estimate.cpp). A direction below the
+// horizon meets what the object stands on, which is looked up where the camera saw that.
 #include "kernels/whole.h"
 #include "runtime/core/cube_map.h"
 #include "runtime/core/half.h"
@@ -14,11 +15,12 @@ namespace sandglass {
 
 namespace {
 
-constexpr uint32_t k_points = 2;     // along each side of a texel
-constexpr float k_image = 16.0f;     // the weight of an image
-constexpr float k_weight_most = 15;  // what is known counts as no more images than these
-constexpr uint8_t k_white = 250;     // sRGB: a channel from here on may be clipped
-constexpr double k_known = 1.0;      // the weight from which on a texel counts as seen
+constexpr uint32_t k_points = 2;       // along each side of a texel
+constexpr float k_image = 16.0f;       // the weight of an image
+constexpr float k_weight_most = 15;    // what is known counts as no more images than these
+constexpr uint8_t k_white = 250;       // sRGB: a channel from here on may be clipped
+constexpr double k_known = 1.0;        // the weight from which on a texel counts as seen
+constexpr double k_least_ray = 1e-12;  // a squared length, in radii
 
 double at_texel(double texel) { return texel * (2.0 / k_cube_size) - 1; }
 
@@ -104,6 +106,34 @@ double smooth_texels(const Room& room, const RoomModel& model, const double dire
   return seen;
 }
 
+// Where a ray from inside the sphere meets it. The direction has length 1.
+void meet_sphere(const double from[3], const double direction[3], double d[3]) {
+  double along = 0, inside = 1;
+  for (int k = 0; k < 3; ++k) along += from[k] * direction[k], inside -= from[k] * from[k];
+  const double far = square_root(along * along + inside) - along;
+  for (int k = 0; k < 3; ++k) d[k] = from[k] + far * direction[k];
+}
+
+// The direction of the sphere in which the camera that looked there last saw a place.
+void seen_through(const Room& room, const double place[3], double d[3]) {
+  double from[3] = {};
+  for (int step = 0; step < 2; ++step) {
+    double ray[3], squared = 0;
+    for (int k = 0; k < 3; ++k) ray[k] = place[k] - from[k], squared += ray[k] * ray[k];
+    if (!(squared > k_least_ray)) return;
+    for (double& r : ray) r /= square_root(squared);
+    meet_sphere(from, ray, d);
+    const double turns = arc_tangent2(d[2], d[0]) / (2 * k_pi);
+    const double row = (arc_tangent2(d[1], square_root(d[0] * d[0] + d[2] * d[2])) / k_pi + 0.5) * k_room_rows;
+    const auto part =
+        static_cast<uint32_t>(floor_index(row)) * k_room_columns +
+        static_cast<uint32_t>(floor_index((turns - static_cast<double>(floor_index(turns))) * k_room_columns)) %
+            k_room_columns;
+    if (part >= k_room_below) return;
+    for (int k = 0; k < 3; ++k) from[k] = room.from[part][k] / 127.0;
+  }
+}
+
 }  // namespace
 
 void room_learn_texels(Room* room, uint32_t first) {
@@ -122,15 +152,14 @@ void room_learn_texels(Room* room, uint32_t first) {
   }
 }
 
-void room_face(const Room& room, const RoomModel& model, const float position[3], uint32_t face, bool left_handed,
-               uint16_t* texels) {
+void room_face(const Room& room, const RoomModel& model, const float position[3], float height, uint32_t face,
+               bool left_handed, uint16_t* texels) {
   float parts[k_room_parts][3];
   room_radiance(room, model, parts);
   const double place[3] = {static_cast<double>(position[0]), static_cast<double>(position[1]),
                            static_cast<double>(position[2])};
   double at[3];
   room_place(room, place, at);
-  const double inside = 1 - at[0] * at[0] - at[1] * at[1] - at[2] * at[2];
   for (uint32_t i = 0; i < k_cube_size * k_cube_size; ++i) {
     const uint32_t column = i % k_cube_size, row = i / k_cube_size;
     const CubePoint middle = {face, at_texel(column + 0.5), at_texel(row + 0.5)};
@@ -138,9 +167,16 @@ void room_face(const Room& room, const RoomModel& model, const float position[3]
     cube_direction(middle, world);
     if (left_handed) world[2] = -world[2];
     room_to_sphere(room, world, d);
-    const double along = at[0] * d[0] + at[1] * d[1] + at[2] * d[2];
-    const double far = square_root(along * along + inside) - along;  // where the direction meets the sphere
-    for (int k = 0; k < 3; ++k) d[k] = at[k] + far * d[k];
+    if (height > 0 && world[1] < 0) {
+      // What it stands on lies nearer than the sphere.
+      const double far = -static_cast<double>(height) / (world[1] * room.radius);
+      double below[3], squared = 0;
+      for (int k = 0; k < 3; ++k) below[k] = at[k] + far * d[k], squared += below[k] * below[k];
+      if (squared < 1) seen_through(room, below, d);
+      else meet_sphere(at, d, d);
+    } else {
+      meet_sphere(at, d, d);
+    }
     const double seen = smooth_texels(room, model, d, colour);
     if (seen < 1) smooth_parts(parts, d, expected);
     for (int c = 0; c < 3; ++c)

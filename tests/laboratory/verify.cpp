@@ -182,7 +182,7 @@ Options verify_cast_options(VerifyOptions& o) {
       panoramas(o),
       {"--quick", &o.quick, "", "A quarter of the lights and of the rooms"},
       seed_option(o.seed, "From where the lights come"),
-      {"--picture", &o.picture, "FILE", "PNG: a chair whose shadow falls on a table and a wall, behind a real bucket"},
+      {"--picture", &o.picture, "FILE", "JPEG: a chair whose shadow falls on a table and a wall, behind a real bucket"},
       threads_option(o.threads),
       json_option(o.json)};
 }

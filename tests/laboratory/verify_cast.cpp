@@ -29,6 +29,8 @@ int verify_cast_command(const VerifyOptions&) {
 
 namespace {
 
+constexpr int k_picture_quality = 88;
+
 // Means of pixels. 256 x 128 are as many as the cells of a room can use.
 RadianceMap small_panorama(const std::string& path, int width) {
   const RadianceMap whole = read_panorama(path);
@@ -109,7 +111,7 @@ int verify_cast_command(const VerifyOptions& options) {
   if (interrupted()) return k_exit_interrupted;
   if (!options.picture.empty()) {
     Progress progress("tracing the picture", 1);
-    write_png(options.picture, receiver_picture(kept_room("lebombo"), pool));
+    write_file(options.picture, jpeg_file(receiver_picture(kept_room("lebombo"), pool), k_picture_quality));
   }
   print_verdicts(verdicts);
   std::printf("%zu rows, %u failed\n", verdicts.size(), count_failed(verdicts));

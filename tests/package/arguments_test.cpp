@@ -448,7 +448,7 @@ void Arguments::rooms() {
   row(NAMED(sandglass_room_set_harmonics), "harmonics", room, &harmonics);
   row(NAMED(sandglass_room_set_cube), "cube", room, &cube);
   std::vector<uint16_t> texels(4 * SANDGLASS_ROOM_CUBE_SIZE * SANDGLASS_ROOM_CUBE_SIZE);
-  row(NAMED(sandglass_room_get_cube), "", room, point, 0u, 0u, texels.data());
+  row(NAMED(sandglass_room_get_cube), "", room, point, 0.1f, 0u, 0u, texels.data());
   uint32_t turn_deg = 0;
   int32_t mirrored = 0;
   row(NAMED(sandglass_room_probe_fit), "", room, &turn_deg, &mirrored);

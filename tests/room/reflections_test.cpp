@@ -20,11 +20,12 @@ double from_half(uint16_t h) {
 struct Cube {
   std::array<Face, 6> faces;
 
-  explicit Cube(const MadeUpRoom& room, std::array<float, 3> position = {0, 0, 0}, bool left_handed = false) {
+  explicit Cube(const MadeUpRoom& room, std::array<float, 3> position = {0, 0, 0}, bool left_handed = false,
+                float height = 0) {
     for (uint32_t f = 0; f < 6; ++f)
-      EXPECT_EQ(
-          sandglass_room_get_cube(room.handle(), position.data(), f, left_handed ? 1 : 0, faces[f].data(), nullptr),
-          SANDGLASS_OK);
+      EXPECT_EQ(sandglass_room_get_cube(room.handle(), position.data(), height, f, left_handed ? 1 : 0, faces[f].data(),
+                                        nullptr),
+                SANDGLASS_OK);
   }
   double at(uint32_t face, uint32_t row, uint32_t column, uint32_t channel) const {
     return from_half(faces[face][4 * (row * k_size + column) + channel]);
@@ -107,6 +108,20 @@ TEST(RoomReflections, MoveWithTheObject) {
   EXPECT_LT(angle_deg({brightest.x / n, brightest.y / n, brightest.z / n}, {std::cos(a), 0, -std::sin(a)}), 1.8);
 }
 
+// A floor 1.2 m below the camera, white where x > 1 m. From 0.3 m above x = 1 one half of what lies below is white; as far
+// away as the walls it would all be dark there.
+TEST(RoomReflections, ShowTheFloorWhereItLies) {
+  MadeUpRoom room = room_with_reflections();
+  room.look_everywhere([](Direction d) { return d.y < 0 && d.x > -d.y / 1.2 ? 0.8 : 0.1; });
+  const auto below = [&](float height, uint32_t column) {
+    return Cube(room, {1, -0.9f, 0}, false, height).at(3, 16, column, 1);
+  };
+  // Texels 16 +- 9 of 32 look 0.59 aside for 1 down: 0.18 m from x = 1, which is 5 degrees of what the camera saw.
+  EXPECT_GT(below(0.3f, 25), 0.7);
+  EXPECT_LT(below(0.3f, 6), 0.15);
+  EXPECT_LT(below(0, 25), 0.2);
+}
+
 TEST(RoomReflections, TellALampFromShortExposures) {
   MadeUpRoom room = room_with_reflections();
   const Radiance lamp = lamp_room({1, 0, 0}, 8, 30, 0.2);
@@ -121,11 +136,11 @@ TEST(RoomReflections, AreOnlyOfARoomThatKeepsThem) {
   MadeUpRoom without, room = room_with_reflections();
   Face face;
   const float origin[3] = {0, 0, 0}, nowhere[3] = {0, std::nanf(""), 0};
-  const auto refused = [&](const char* words, const MadeUpRoom& of, const float position[3], uint32_t f,
-                           uint32_t left) {
+  const auto refused = [&](const char* words, const MadeUpRoom& of, const float position[3], uint32_t f, uint32_t left,
+                           float height = 0) {
     face.fill(7);
     tests::expect_refused(words, [&](const char** reason) {
-      return sandglass_room_get_cube(of.handle(), position, f, left, face.data(), reason);
+      return sandglass_room_get_cube(of.handle(), position, height, f, left, face.data(), reason);
     });
     for (const uint16_t h : face) ASSERT_EQ(h, 7);
   };
@@ -133,6 +148,7 @@ TEST(RoomReflections, AreOnlyOfARoomThatKeepsThem) {
   refused("face", room, origin, 6, 0);
   refused("left_handed", room, origin, 0, 2);
   refused("position", room, nowhere, 0, 0);
+  refused("height", room, origin, 0, 0, -0.1f);
 }
 
 }  // namespace

@@ -295,6 +295,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sand
 /* What a shiny object reflects: one face of a cube map of the room, as it is seen from a place.
  *
  * position     world, metres: the middle of the object.
+ * height       metres of that above what the object stands on, 0..1000, which it reflects as the camera saw it there. 0:
+ *              it stands on nothing, and all is as far away as the room's walls.
  * face         0..5: +x, -x, +y, -y, +z, -z.
  * left_handed  0: the directions of the texels are the world's. 1: of an engine whose z is the world's -z, as Unity's.
  * texels       4 * 32 * 32 halves, RGBA, the upper row first: what GL, Metal, Vulkan and Direct3D load as that face, so that a
@@ -306,11 +308,11 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sand
  * It is as sharp as a texel, 2.8 degrees, and not prefiltered: engines do that (Filament's IBLPrefilterContext, three.js'
  * PMREMGenerator, Unity's reflection probes). Ask for one face a frame, when a new image came. A room that was restored
  * knows no detail until its camera has looked around again. Fails with INVALID_ARGUMENT: a room without `reflections`,
- * `face` or `left_handed` out of range, or a position that is not finite or out of range; nothing is written then. */
+ * `height`, `face` or `left_handed` out of range, or a position that is not finite or out of range; nothing is written then. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get_cube(const sandglass_room* room,
-                                                                           const float position[3], uint32_t face,
-                                                                           uint32_t left_handed, uint16_t* texels,
-                                                                           const char** reason);
+                                                                           const float position[3], float height,
+                                                                           uint32_t face, uint32_t left_handed,
+                                                                           uint16_t* texels, const char** reason);
 
 /* What to multiply irradiance and sh of a light by, known or shown, to draw it over `image`, which is on the screen. It
  * is 1 where the image was exposed as the room's last one was, or where its exposure is not known. While a short image

@@ -553,8 +553,9 @@ class Room {
     return light_at(room_place(position, shown, estimate));
   }
   // A face of what a shiny object reflects, 4 * 32 * 32 halves. See sandglass_room_get_cube.
-  Status get_cube(const float position[3], uint32_t face, uint16_t* texels, bool left_handed = false) const {
-    return call(sandglass_room_get_cube, get(), position, face, left_handed ? 1u : 0u, texels);
+  Status get_cube(const float position[3], float height, uint32_t face, uint16_t* texels,
+                  bool left_handed = false) const {
+    return call(sandglass_room_get_cube, get(), position, height, face, left_handed ? 1u : 0u, texels);
   }
   // See sandglass_room_set_cube.
   Status set_cube(const sandglass_cube& cube) { return call(sandglass_room_set_cube, get(), &cube); }

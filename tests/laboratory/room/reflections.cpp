@@ -116,7 +116,7 @@ Cube cube_of(const SeenRoom& seen) {
   std::vector<uint16_t> face(4 * k_face);
   const float middle[3] = {0, 0, 0};
   for (uint32_t f = 0; f < 6; ++f) {
-    room_face(seen.room, k_room_model, middle, f, false, face.data());
+    room_face(seen.room, k_room_model, middle, 0.0f, f, false, face.data());
     for (size_t i = 0; i < k_face; ++i)
       cube.texels[f * k_face + i] =
           Vec3{from_half(face[4 * i]), from_half(face[4 * i + 1]), from_half(face[4 * i + 2])} * (1 / seen.exposure);
