@@ -309,6 +309,7 @@ Shot::Shot(const SceneFile& scene, const ShotOptions& options)
     }
     const Surroundings& room = around(scene.frames);
     truth_ = room.true_light();
+    truth_->reflected = room.true_reflected();
     const Vec3 sand = sand_at(scene.frames);
     if (source_ == LightSource::truth)
       truth_->sand =

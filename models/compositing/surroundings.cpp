@@ -86,6 +86,12 @@ Surroundings moved(const Surroundings& surroundings, const Camera& camera, Vec3 
   return s;
 }
 
+Reflected Surroundings::true_reflected() const {
+  return [this, rotation = ViewRotation(view)](Vec3 direction) {
+    return look_up(warped, rotation.to_rotated(direction)) * exposure;
+  };
+}
+
 Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name, const Camera& camera,
                                    double azimuth_deg, Vec3 standing, double insertion) {
   Surroundings s;

@@ -32,6 +32,8 @@ struct Surroundings {
   Vec3 seen(const ShotCamera& camera, Vec3 direction) const;
   // The light at the object as it is, in the picture's scale. Needs a truth.
   ShotLight true_light() const { return scaled(light_above_floor(warped, view, floor), exposure); }
+  // What a shiny thing there reflects. It lasts as long as this.
+  Reflected true_reflected() const;
 };
 
 // Surroundings of a panorama. At rest `camera` looks along `azimuth_deg`. The light is that of the place `standing`,

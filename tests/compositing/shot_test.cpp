@@ -293,7 +293,9 @@ TEST(ShotComposite, TheRoomsLightIsNearerToTheTruthThanItsMirrorImage) {
       panorama_surroundings(lamp_room({0.6, 1, -0.5}, 40), "lamp", *scene.camera, 270, {0, 0, 0}, 0.0);
   const ShotCamera rest = resting_camera(*scene.camera);
   const RadianceMap truth = picture.truth(room, rest, o);
-  const auto error = [&](const ShotLight& light, CastShadow cast) {
+  const auto error = [&](const ShotLight& everywhere, CastShadow cast) {
+    PlacedLight light = everywhere;
+    light.reflected = room.true_reflected();
     const SceneShadows shadows =
         complete_shadows(scene, SANDGLASS_ISA_AUTOMATIC, 0, colliders_over_frame(scene, 0), {}, 0.001f, light);
     return shot_errors(truth, picture.composite(room, rest, light, shadows, cast, o)).rmse;
