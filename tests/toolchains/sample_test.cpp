@@ -54,7 +54,8 @@ TEST(Sample, SandAndObjectsThrowShadows) {
   for (int frame = 0; frame < 2000; ++frame) {  // however slow this machine is
     sand.frame(1.0f / 60.0f, 1.0f, nullptr, nullptr);
     shadows = sand.shadows();
-    if (shadows.object_room.texels > 0 && at(shadows.object, 0.2f, 0.2f, 0) > 0 && at(shadows.sand_room, 0, 0, 255) < 128)
+    if (shadows.object_room.texels > 0 && at(shadows.object, 0.2f, 0.2f, 0) > 0 &&
+        at(shadows.sand_room, 0, 0, 255) < 128)
       break;
   }
   EXPECT_EQ(at(shadows.object, 0.2f, 0.2f, 0), 255);
