@@ -198,7 +198,7 @@ class Page {
   // What stands in the way besides the scene's own colliders; gives how many there are in all.
   placeWalls(scene, objects = this.objects) {
     let first = k_scene.colliders.length;
-    for (const { field, at } of objects)
+    for (const { field, at } of objects.filter((object) => object.field))
       scene.colliders[first++].set({ shape: constants.SANDGLASS_SHAPE_FIELD, position: at, rotation: [0, 0, 0, 1], size: [1, 1, 1], field });
     if (!this.tipped) return first;
     k_walls.forEach((wall, i) => scene.colliders[first + i].set(wall));
@@ -273,8 +273,10 @@ class Page {
 
   playFrame(scene, { emitters, colliders, level, runs, gravity, tipped, added }, plan, step) {
     for (const { particles, grains, vertices, indices, at, metal } of added ?? []) {
-      if (vertices) this.objects.push(this.objectOf({ vertices: Float32Array.from(vertices), indices: Uint32Array.from(indices) }, at, metal));
-      else addPoints(this.sand, scene.handle, { positions: Float32Array.from(particles) }, { positions: Float32Array.from(grains) });
+      if (vertices) {
+        const object = this.objectOf({ vertices: Float32Array.from(vertices), indices: Uint32Array.from(indices) }, at, metal);
+        this.objects.push(Object.assign(object, { field: this.fieldOf(object) }));
+      } else addPoints(this.sand, scene.handle, { positions: Float32Array.from(particles) }, { positions: Float32Array.from(grains) });
     }
     if (gravity && gravity.some((x, k) => x !== this.given[k])) this.setGravity(scene, this.given = gravity);
     this.tipped = tipped === true;
@@ -406,23 +408,34 @@ class Page {
   // The reader of mesh files; it is compiled when the first one comes.
   readMesh() { return this.meshReader ??= inflated(k_mesh_module).then(meshReader); }
 
-  // A mesh as an object at the mark: it casts at once, and sand collides with it.
+  // A mesh as an object at the mark: it casts at once, and sand collides with it when its field is made, a frame later.
   addObject(read, metal = false) {
     const mesh = standing(read, k_mesh_height, k_mesh_width), triangles = this.objects.reduce((sum, { indices }) => sum + indices.length / 3, mesh.indices.length / 3);
     if (this.objects.length === k_objects) throw new Error(`There are ${k_objects} objects on the table. Press "Start again" to clear it.`);
     if (triangles > k_object_triangles - 1000) throw new Error(`The mesh has too many triangles: ${counted(triangles)} of ${counted(k_object_triangles)}. Choose a coarser one.`);
-    this.objects.push(this.objectOf(mesh, [...this.mark], metal));
+    const object = this.objectOf(mesh, [...this.mark], metal);
+    this.objects.push(object);
     this.showObjects();
-    this.added.push({ vertices: [...mesh.vertices], indices: [...mesh.indices], at: [...this.mark], metal });
+    requestAnimationFrame(() => setTimeout(() => this.giveField(object)));  // once it was seen
     return mesh.indices.length / 3;
   }
 
+  giveField(object) {
+    const { vertices, indices, at, metal } = object;
+    if (!this.objects.includes(object)) return;
+    try { object.field = this.fieldOf(object); } catch (error) { say(`Sand goes through the object: ${error.message}`); return; }
+    this.added.push({ vertices: [...vertices], indices: [...indices], at, metal });
+  }
+
   objectOf({ vertices, indices }, at, metal) {
-    const { sand } = this, margin = 4 * k_object_spacing, side = (pick, start) => [0, 1, 2].map((axis) => vertices.reduce((best, x, i) => (i % 3 === axis ? pick(best, x) : best), start));
-    const field = makeField(sand, { vertices, indices, rule: constants.SANDGLASS_INSIDE_WINDING, solid: constants.SANDGLASS_SOLID_INSIDE, spacing: k_object_spacing,
-      band: margin, low: side(Math.min, Infinity).map((x) => x - margin), high: side(Math.max, -Infinity).map((x) => x + margin) });
     const model = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...at, 1]);
-    return { vertices, indices, at, metal, model, field, casts: this.casting(vertices, indices, model) };
+    return { vertices, indices, at, metal, model, field: 0, casts: this.casting(vertices, indices, model) };
+  }
+
+  fieldOf({ vertices, indices }) {
+    const { sand } = this, margin = 4 * k_object_spacing, side = (pick, start) => [0, 1, 2].map((axis) => vertices.reduce((best, x, i) => (i % 3 === axis ? pick(best, x) : best), start));
+    return makeField(sand, { vertices, indices, rule: constants.SANDGLASS_INSIDE_WINDING, solid: constants.SANDGLASS_SOLID_INSIDE, spacing: k_object_spacing,
+      band: margin, low: side(Math.min, Infinity).map((x) => x - margin), high: side(Math.max, -Infinity).map((x) => x + margin) });
   }
 
   showObjects() {
@@ -442,7 +455,7 @@ class Page {
     this.castAll();
     for (const { drawn, field, casts } of gone) {
       if (drawn) this.painter.remove(drawn);
-      for (const used of [field, casts.positions, casts.indices]) this.sand.free(used);
+      for (const used of [field, casts.positions, casts.indices]) if (used) this.sand.free(used);
     }
   }
 

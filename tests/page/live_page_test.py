@@ -293,6 +293,7 @@ def check_metal(browser, work):
     browser.ask("sandglassPage.page.measuring = true; sandglassPage.page.again(); sandglassPage.page.mark = [0.2, 0, 0.2]; document.querySelector('[value=metal]').click()")
     said = drop(browser, "ball.obj", BALL)
     check("stands at the mark" in said, f"a mesh of metal is answered: {said}")
+    wait_until(browser, "sandglassPage.page.objects[0].field !== 0")
     run_frames(browser, 2)
     read = """(height) => { const {page} = sandglassPage, {gl, canvas} = page.painter, at = page.objects[0].at, {eye, right, up, away} = page.camera.axes();
         page.draw();
@@ -338,6 +339,7 @@ def check_object(browser):
     check(browser.ask(shadow)[1] == 0, "something casts there already")
     said = drop(browser, "cube.obj", CUBE)
     check(said == '"cube.obj" stands at the mark: 12 triangles.', f"an object is answered: {said}")
+    wait_until(browser, "sandglassPage.page.objects[0].field !== 0")
     run_frames(browser, 40, f"page.at = [{mark[0]}, 0, {mark[2]}]", until=f"{shadow}[0] === 0")
     check(browser.ask(shadow) == [0, 255], f"under the object the shadow is {browser.ask(shadow)}")
     run_frames(browser, 30)
