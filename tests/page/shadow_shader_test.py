@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The shader of runtime/shadow/README.md, and what the live page leaves of a table's light, as a browser draws them: each pixel of
-the floor is within a step of a byte of the formula, where object and sand lie in each other's shadow, beyond the textures'
+the floor is within a step of a byte of the formula, where two objects and sand lie in each other's shadow, beyond the textures'
 rectangles, whose rims are dark, and behind what is real.
 
 shadow_shader_test.py README PAINTER      --control: a sampler that clamps instead must be noticed
@@ -121,6 +121,11 @@ def main(arguments):
     text = open(readme, encoding="utf-8").read()
     lighting = re.search(r"const k_lighting = `(.*?)`;", open(painter, encoding="utf-8").read(), re.S).group(1)
     vertex, fragment = re.findall(r"```glsl\n(.*?)```", text, re.S)[:2]
+    # A third object, as the page says: a call more.
+    call = "  take(sand_coverage"
+    assert call in fragment
+    fragment = fragment.replace("in vec2 floor_position", "uniform sampler2D third_coverage, third_visibility;\nuniform vec4 third_rectangle;\nin vec2 floor_position")
+    fragment = fragment.replace(call, "  take(third_coverage, third_rectangle, opacity.x, third_visibility, third_rectangle, floor_position);\n" + call)
     if control:
         fragment = fragment.replace("p == clamp(p, 0.0, 1.0) ? texture(map, p).r : outside", "texture(map, p).r")
         lighting = lighting.replace("all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)))", "true")
@@ -128,13 +133,14 @@ def main(arguments):
     if program is None:
         return SKIPPED
     draw = random.Random(7)
-    rectangles = {"object_light": [-0.5, -0.4, 0.3, 0.5], "object_ambient": [-0.7, -0.6, 0.6, 0.7], "sand_rectangle": [0.1, 0.0, 0.9, 0.8]}
+    rectangles = {"object_light": [-0.5, -0.4, 0.3, 0.5], "object_ambient": [-0.7, -0.6, 0.6, 0.7], "sand_rectangle": [0.1, 0.0, 0.9, 0.8],
+                  "third_rectangle": [-0.2, -0.9, 0.8, 0.2]}
     shift, quad, floor = [0.2, 0.1], [-1, -1, 1, 1], 180
     browser = Browser(program, flags=("--use-angle=swiftshader", "--enable-unsafe-swiftshader"))
     worst = 0
     try:
         for s in (0.0, 0.35, 0.8, 1.0):
-            names = ("object_coverage", "object_visibility", "sand_coverage", "sand_visibility")
+            names = ("object_coverage", "object_visibility", "sand_coverage", "sand_visibility", "third_coverage", "third_visibility")
             maps = {name: [draw.randrange(256) for _ in range(TEXELS * TEXELS)] for name in names}
             opacity = [0.9, 0.7]
             depth = [draw.randrange(256) for _ in range(TEXELS * TEXELS)]
@@ -151,10 +157,12 @@ def main(arguments):
                     x, z = 2 * (column + 0.5) / SIDE - 1, 2 * (row + 0.5) / SIDE - 1
                     world = (z + shift[0], -x + shift[1])
                     sharp = (1 - opacity[0] * sampled(maps["object_coverage"], rectangles["object_light"], x, z, 0)) * (
-                        1 - opacity[1] * sampled(maps["sand_coverage"], rectangles["sand_rectangle"], *world, 0))
+                        1 - opacity[1] * sampled(maps["sand_coverage"], rectangles["sand_rectangle"], *world, 0)) * (
+                        1 - opacity[0] * sampled(maps["third_coverage"], rectangles["third_rectangle"], x, z, 0))
                     rest = max(sampled(maps["object_visibility"], rectangles["object_ambient"], x, z, 1) - s, 0) * max(
-                        sampled(maps["sand_visibility"], rectangles["sand_rectangle"], *world, 1) - s, 0)
-                    left = s * sharp + (rest / (1 - s) if s < 1 else 0)
+                        sampled(maps["sand_visibility"], rectangles["sand_rectangle"], *world, 1) - s, 0) * max(
+                        sampled(maps["third_visibility"], rectangles["third_rectangle"], x, z, 1) - s, 0)
+                    left = s * sharp + (rest / (1 - s) ** 2 if s < 1 else 0)
                     left += (1 - left) * hidden(depth, x, z, BIAS, [(0.8, 0)])
                     worst = max(worst, abs(drawn[row * SIDE + column] - encoded(decoded(floor) * left)))
         page = farthest_on_page(browser, lighting, draw)
