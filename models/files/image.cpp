@@ -235,6 +235,7 @@ static uint8_t* decoded(std::string* content, int* width, int* height) {
     if (next + 1 >= content->size()) return nullptr;
     std::fill(content->begin() + static_cast<std::ptrdiff_t>(at), content->begin() + static_cast<std::ptrdiff_t>(next),
               '\0');
+    if (picture_head(*content).damage != nullptr) return nullptr;  // what was skipped before may be a table
   }
   return nullptr;
 }

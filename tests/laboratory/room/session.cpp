@@ -20,8 +20,8 @@ SeenRoom look_around(const RadianceMap& panorama, Session session, const Session
   if (!options.guarded) room->tells_from = 0;
   uint64_t time_ns = 0;
   for (const SessionImage& image : session_images(session, options.seed)) {
-    PhoneImage shot =
-        take_image(panorama, session_camera(options.azimuth, image), k_session_width, k_session_height, image.exposure);
+    PhoneImage shot = take_image(panorama, session_camera(options.azimuth, image), k_session_width, k_session_height,
+                                 std::max(image.exposure, options.shortest));
     shot.image.timestamp_ns = time_ns += 100'000'000;
     shot.image.exposure = options.exposure_known ? static_cast<float>(shot.exposure) : 0.0f;
     if (!room_take_image(room, shot.image)) continue;

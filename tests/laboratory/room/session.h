@@ -18,6 +18,7 @@ struct SessionOptions {
   uint64_t seed = 1;
   bool guarded = true;       // whether dark parts of short images teach nothing; else a control
   bool reflections = false;  // whether the room keeps texels
+  double shortest = 0;       // no image is exposed for less of the time
 };
 
 // What the room has seen after the session. Its sphere has radius 1 about the panorama's centre; its world is the

@@ -27,9 +27,11 @@ constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 // What an app could draw.
 enum Way {
-  k_true,        // the true light
-  k_old_rule,    // control: the true light, with the panorama below the horizon, and nothing lit by itself
-  k_session,     // what a session knows whose images are exposed down to 1/4096
+  k_true,      // the true light
+  k_old_rule,  // control: the true light, with the panorama below the horizon, and nothing lit by itself
+  k_session,   // what a session knows whose images are exposed down to 1/4096
+  k_session_1024,
+  k_session_512,
   k_session_64,  // the same, down to 1/64
   k_unbaked,     // the true light on an object that does not know what it hides from itself
   k_no_shadow,   // the session's light, and nothing falls on the floor
@@ -39,6 +41,8 @@ enum Way {
 constexpr const char* k_way_names[k_ways] = {"true light",
                                              "control: true light by the rule before",
                                              "a settled session, exposures to 1/4096",
+                                             "a settled session, exposures to 1/1024",
+                                             "a settled session, exposures to 1/512",
                                              "a settled session, exposures to 1/64",
                                              "true light, no bake",
                                              "no shadow",
@@ -174,6 +178,11 @@ RoomColours colours_of(const ColourOptions& options, const ShotStage& stage, con
   draw(k_true, room.true_light());
   draw(k_old_rule, scaled(light_of(room.warped, room.view), room.exposure));
   draw(k_session, known);
+  for (const auto& [way, shortest] : {std::pair(k_session_1024, 1.0 / 1024), std::pair(k_session_512, 1.0 / 512)}) {
+    SessionOptions longer = session;
+    longer.shortest = shortest;
+    draw(way, light_of_session(room, Session::everything_shorter, longer));
+  }
   draw(k_session_64, light_of_session(room, Session::everything, session));
   draw(k_unbaked, room.true_light());
   draw(k_no_shadow, known, CastShadow::none);

@@ -10,7 +10,8 @@ namespace sandglass::host {
 constexpr uint32_t k_settling_frames = 75;  // 1.5 s: the knot has become a pile
 
 ShotStage::ShotStage() : scene(load_scene("shot")) {
-  for (ColliderTrack& track : scene.colliders) track.metal = false;  // what shines is studied in room/reflections.cpp
+  // What is said of the chair is said of the chair alone.
+  std::erase_if(scene.colliders, [](const ColliderTrack& track) { return track.casts; });
   const LoadedMeshes meshes(scene);
   const Material material = fill_scene(&scene, meshes.bodies());
   const CollisionFields fields(&scene);
