@@ -106,11 +106,12 @@ double smooth_texels(const Room& room, const RoomModel& model, const double dire
   return seen;
 }
 
-// Where a ray from inside the sphere meets it. The direction has length 1.
+// Where a ray from inside the sphere meets it. The direction has length 1. What was restored may say that a camera was
+// outside: then somewhere.
 void meet_sphere(const double from[3], const double direction[3], double d[3]) {
   double along = 0, inside = 1;
   for (int k = 0; k < 3; ++k) along += from[k] * direction[k], inside -= from[k] * from[k];
-  const double far = square_root(along * along + inside) - along;
+  const double far = square_root(along * along + (inside > 0 ? inside : 0)) - along;
   for (int k = 0; k < 3; ++k) d[k] = from[k] + far * direction[k];
 }
 

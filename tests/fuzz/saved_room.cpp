@@ -21,7 +21,7 @@ std::vector<uint8_t> bytes_of(const sandglass_room* room) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace sandglass;
-  static MadeUpRoom room(1e6f, true);
+  static MadeUpRoom room(1e6f, true, true);
   static const std::vector<uint8_t> base = [] {
     for (int i = 0; i < 6; ++i) room.look(lamp_room(towards(30, 50), 8, 40), 60.0 * i, 10);
     static const std::vector<float> face(size_t{3} * 4 * 4, 0.5f);
@@ -53,6 +53,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       fuzz::expect(std::isfinite(light.main_share) && std::isfinite(light.irradiance[1]));
       for (const float cell : light.cells) fuzz::expect(cell >= 0.0f && cell <= 1.01f);
       for (const float c : light.sh) fuzz::expect(std::isfinite(c));
+      constexpr uint16_t k_not_finite = 0x7C00;  // of a half's exponent
+      static std::vector<uint16_t> face(size_t{4} * SANDGLASS_ROOM_CUBE_SIZE * SANDGLASS_ROOM_CUBE_SIZE);
+      const float place[3] = {x, 0.2f, -0.3f};
+      fuzz::expect(sandglass_room_get_cube(room.handle(), place, 0.5f, 3, 0, face.data(), nullptr) == SANDGLASS_OK);
+      for (const uint16_t h : face) fuzz::expect((h & k_not_finite) != k_not_finite);
     }
   };
   check();
