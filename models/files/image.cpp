@@ -215,12 +215,13 @@ static void fill_palette(const PictureHead& head, std::string* file) {
 // Cameras leave bytes between a picture's data and its end, and stb stops at the first 0xFF among them. They are made
 // zeros, up to the next marker that a picture may have there, and it reads again. PNGs that Xcode made have red and blue
 // exchanged and colours multiplied by their alpha, unless stb is asked to look.
-static uint8_t* decoded(std::string* content, int* width, int* height) {
-  constexpr int k_attempts = 16;
+static uint8_t* decoded(const PictureHead& head, std::string* content, int* width, int* height) {
+  constexpr uint64_t k_attempts = 16, k_pixels = 1u << 27;  // of all attempts but the first: as many as one picture has
+  const uint64_t pixels_of_one = uint64_t{head.width} * head.height;
   constexpr std::string_view k_markers = "\xC4\xD9\xDA\xDB\xDD\xFE";  // tables, end, scan, tables, interval, comment
   stbi_convert_iphone_png_to_rgb(1);
   stbi_set_unpremultiply_on_load(1);
-  for (int attempt = 0; attempt < k_attempts; ++attempt) {
+  for (uint64_t attempt = 0; attempt < k_attempts && attempt * pixels_of_one <= k_pixels; ++attempt) {
     int channels = 0;
     stbi__context context;
     stbi__start_mem(&context, reinterpret_cast<const uint8_t*>(content->data()), static_cast<int>(content->size()));
@@ -246,7 +247,7 @@ Picture read_picture(const std::string& path) {
   expect_readable(head, path);
   fill_palette(head, &content);
   Picture picture;
-  uint8_t* pixels = decoded(&content, &picture.width, &picture.height);
+  uint8_t* pixels = decoded(head, &content, &picture.width, &picture.height);
   if (pixels == nullptr) throw cannot("read", path, "it is cut off or damaged", "Copy or export it again");
   const size_t bytes = 3 * static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
   picture.rgb.assign(pixels, pixels + bytes);

@@ -58,7 +58,7 @@ struct Jpeg {
   PictureHead* head;
   // Which tables of codes there are: bits 0 to 3 for first coefficients, 4 to 7 for all others.
   uint32_t tables = 0;
-  bool progressive = false, scanned = false;
+  bool progressive = false, framed = false, scanned = false;
 
   void damaged(const char* what) {
     if (head->damage == nullptr) head->damage = what;
@@ -107,6 +107,8 @@ void read_segment(uint32_t marker, std::string_view file, size_t size, Jpeg* jpe
   if (marker == k_scan) read_scan(content, jpeg);
   // All markers in the range begin a frame but three: tables, a reserved one, and arithmetic conditioning.
   if (marker < k_first_frame || marker > k_last_frame || marker == k_tables || marker == 0xC8 || marker == 0xCC) return;
+  if (jpeg->framed) return;  // stb decodes the first one
+  jpeg->framed = true;
   const Bytes frame = {content};
   head->bits = frame.number(0, 1);
   head->height = frame.number(1, 2);

@@ -172,6 +172,11 @@ TEST(Photograph, WhatIsNotReadIsNamed) {
   EXPECT_NE(said_of(print).find("CMYK"), std::string::npos);
   print[frame + 9] = 3, print[frame + 4] = 12;  // bits
   EXPECT_NE(said_of(print).find("12 bits a colour"), std::string::npos);
+  // Of two frames stb decodes the first.
+  std::string two = jpeg_with("");
+  const std::string small = two.substr(frame, 2 + 17);  // a frame of three colours has 17 bytes
+  two.replace(frame + 5, 4, big_endian(16384, 2) + big_endian(16000, 2));
+  EXPECT_NE(said_of(two.insert(two.size() - 2, small)).find("16000 x 16384 pixels"), std::string::npos);
   EXPECT_NE(said_of(std::string("\0\0\0\x18"
                                 "ftypheic\0\0\0\0",
                                 16))
