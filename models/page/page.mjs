@@ -140,7 +140,7 @@ class Page {
     else this.painter.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     this.painter.light = light, this.lit = light !== slid;
     const { sand, direction, painter } = this;
-    if (!seen) painter.roomKnown = 0;
+    if (!seen && painter.roomKnown) painter.roomKnown = 0, this.room.facesLeft = 6;
     sand.floats(direction, 3).set(light.toLight);
     sand.sandglass_pile_shadow_set_light(this.pile, direction);
     for (const cast of this.casts()) sand.sandglass_cast_set_light(cast, direction, 0);

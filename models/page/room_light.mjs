@@ -33,7 +33,7 @@ export class RoomLight {
     this.image = sand.make("sandglass_camera_image");
     sand.sandglass_camera_image_default(this.image);
     this.pixels = sand.allocate(4 * k_image * k_image), this.words = sand.allocate(64);
-    this.face = 0, this.halves = sand.allocate(8 * constants.SANDGLASS_ROOM_CUBE_SIZE ** 2);
+    this.face = 0, this.facesLeft = 6, this.wallKey = "", this.images = 0, this.halves = sand.allocate(8 * constants.SANDGLASS_ROOM_CUBE_SIZE ** 2);
     this.now = sand.make("sandglass_room_light"), this.shown = sand.make("sandglass_room_light");
     this.shown.struct_size = 0;
     this.place = sand.make("sandglass_room_place");
@@ -71,6 +71,7 @@ export class RoomLight {
       timestamp_ns: Math.round(ms * 1e6) });
     image.planes[0] = this.pixels, image.strides[0] = 4 * width;
     sand.sandglass_room_set_image(this.room, image, words);
+    ++this.images, this.facesLeft = 6;
     this.get();
   }
 
@@ -78,8 +79,11 @@ export class RoomLight {
   cells() { return this.shown.ambient_cells.slice(); }
 
   // The light of a wall there, whose normal and a direction along it are given: its cells without the main light.
+  // It is asked anew after an image, and where the wall has moved by a centimetre or turned by half a degree.
   cellsOfWall(position, normal, along) {
-    const { sand, words } = this;
+    const { sand, words } = this, key = [this.images, ...[...position, ...normal, ...along].map((x) => Math.round(100 * x))].join();
+    if (key === this.wallKey) return this.wallLight.ambient_cells.slice();
+    this.wallKey = key;
     this.wallPlace ??= sand.make("sandglass_room_place"), this.wallLight ??= sand.make("sandglass_room_light");
     sand.sandglass_room_place_default(this.wallPlace);
     sand.floats(words, 6).set([...normal, ...along]);
@@ -88,8 +92,9 @@ export class RoomLight {
     return this.wallLight.ambient_cells.slice();
   }
 
-  // The next face of what metal reflects there, so high above its table, for the painter: one a call.
+  // The next face of what metal reflects there, so high above its table, for the painter: one a call, after an image.
   reflect(position, height, painter) {
+    if (this.facesLeft-- <= 0) { this.facesLeft = 0; return; }
     const { sand, words, halves, face } = this, side = constants.SANDGLASS_ROOM_CUBE_SIZE;
     sand.floats(words, 3).set(position);
     sand.sandglass_room_get_cube(this.room, words, height, face, 0, halves);
