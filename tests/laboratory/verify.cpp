@@ -180,7 +180,7 @@ Options verify_cast_options(VerifyOptions& o) {
       standard("chair, and four of SANDGLASS_DATA_DIR",
                {"--mesh", &o.meshes, "MESHES", "What casts: files, or names of generated meshes"}),
       panoramas(o),
-      {"--quick", &o.quick, "", "A quarter of the lights and of the rooms"},
+      {"--quick", &o.quick, "", "Half of the lights, a quarter of the rooms"},
       seed_option(o.seed, "From where the lights come"),
       {"--picture", &o.picture, "FILE", "JPEG: a chair whose shadow falls on a table and a wall, behind a real bucket"},
       threads_option(o.threads),

@@ -169,8 +169,8 @@ std::vector<Light> wide_lights(const CastRowsOptions& options) {
                                                                0.37 * static_cast<double>(options.seed)),
                         half * k_degree});
   if (options.quick)
-    for (size_t i = 0; i < 3; ++i) lights[i] = lights[4 * i];
-  if (options.quick) lights.resize(3);
+    for (size_t i = 0; i < 6; ++i) lights[i] = lights[2 * i];  // of each width, high, middle and low
+  if (options.quick) lights.resize(6);
   return lights;
 }
 

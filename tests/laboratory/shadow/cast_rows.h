@@ -24,7 +24,7 @@ struct CastRowsOptions {
   std::vector<RadianceMap> rooms;    // empty: without ambient rows
   std::vector<unsigned char> baked;  // the file of the chair's baked shadow, for comparison
   uint64_t seed = 0;                 // how the lights are turned
-  bool quick = false;                // a quarter of the lights
+  bool quick = false;                // half of the lights
 };
 
 // `progress` gets what is done and the whole, and returns false to stop; what is complete so far is returned.
