@@ -55,7 +55,7 @@ void TraceRecorder::end(void* user, const char* name) {
 }
 
 const char* stage_name(sandglass_stage stage) {
-  constexpr const char* k_names[SANDGLASS_STAGE_COUNT] = {"granular", "lighting", "shadow", "refine", "output"};
+  constexpr const char* k_names[SANDGLASS_STAGE_COUNT] = {"granular", "lighting", "skin", "shadow", "refine", "output"};
   return stage >= 0 && stage < SANDGLASS_STAGE_COUNT ? k_names[stage] : "unknown";
 }
 

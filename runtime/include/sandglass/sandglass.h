@@ -3,8 +3,8 @@
  * This header holds scenes and granular material, in C. It includes points in volumes and on surfaces (sampling.h) and
  * signed-distance fields (field.h). The rest of the public API stands in headers of its own: camera.h (its image),
  * estimate.h (the light of one image), room.h (the light of all images), renderers.h (light as renderers want it),
- * cast.h (the shadows of any triangles), shadow.h (those of objects that were baked) and pile_shadow.h (the shadow of the
- * sand). sandglass.hpp adds owner types for C++.
+ * skin.h (the surface of the sand as a mesh), cast.h (the shadows of any triangles), shadow.h (those of objects that were
+ * baked) and pile_shadow.h (the shadow of the sand). sandglass.hpp adds owner types for C++.
  * Units, errors, the rule for NULL, and version and ABI: see types.h, whose rules hold for all functions.
  *
  * An app
@@ -608,10 +608,11 @@ typedef int32_t sandglass_stage;
 enum {
   SANDGLASS_STAGE_GRANULAR = 0,
   SANDGLASS_STAGE_LIGHTING = 1,
-  SANDGLASS_STAGE_SHADOW = 2,
-  SANDGLASS_STAGE_REFINE = 3,
-  SANDGLASS_STAGE_OUTPUT = 4,
-  SANDGLASS_STAGE_COUNT = 5
+  SANDGLASS_STAGE_SKIN = 2,
+  SANDGLASS_STAGE_SHADOW = 3,
+  SANDGLASS_STAGE_REFINE = 4,
+  SANDGLASS_STAGE_OUTPUT = 5,
+  SANDGLASS_STAGE_COUNT = 6
 };
 
 /* The most runs that a plan has. */
@@ -702,6 +703,9 @@ typedef struct sandglass_frame_input {
   uint32_t grain_stride;
   /* How many items fit. */
   uint32_t grain_capacity;
+  /* NULL, or the skin of the sand to bring up to date (skin.h). One work unit a frame runs whatever the budget, more as it
+   * admits. */
+  struct sandglass_skin* skin;
   /* The shadows to bring up to date (shadow.h). One work unit a frame runs whatever the budget, more as it admits. Pass
    * all objects whose shadows are seen. None may be NULL. */
   struct sandglass_shadow* const* shadows;

@@ -251,6 +251,8 @@ typedef struct sandglass_shadow sandglass_shadow;
 typedef struct sandglass_pile_shadow sandglass_pile_shadow;
 /* The shadows of any triangles on a plane (cast.h). */
 typedef struct sandglass_cast sandglass_cast;
+/* The surface of the sand as a mesh (skin.h). */
+typedef struct sandglass_skin sandglass_skin;
 /* The light of the room as a network estimates it from one image (estimate.h). */
 typedef struct sandglass_estimator sandglass_estimator;
 /* The light of the room from all that the camera has seen (room.h). */

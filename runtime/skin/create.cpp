@@ -1,0 +1,172 @@
+// The C API around a skin: checks, layout, and what it looks like from outside.
+#include <cstring>
+
+#include "platform/floating_point.h"
+#include "runtime/core/filled_struct.h"
+#include "runtime/core/finite.h"
+#include "runtime/core/hash.h"
+#include "runtime/core/refuse.h"
+#include "runtime/skin/skin.h"
+
+namespace sandglass {
+namespace {
+
+sandglass_status check(const sandglass_skin_desc* desc, const char** reason) {
+  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_skin_desc_default");
+  if (desc->struct_size != sizeof *desc)
+    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_skin_desc_default");
+  if (desc->particle_capacity == 0 || desc->particle_capacity > 4'000'000)
+    return refuse(reason, "desc.particle_capacity is not in 1..4000000: take the scene's");
+  if (!within(desc->particle_radius, 0.0001f, 10.0f))
+    return refuse(reason, "desc.particle_radius is not in 0.0001..10 metres: take the scene's");
+  if (desc->collider_capacity > 256) return refuse(reason, "desc.collider_capacity is above 256: take the scene's");
+  if (!within(desc->block_side, 0.0001f, 1.0f)) return refuse(reason, "desc.block_side is not in 0.0001..1 metres");
+  if (desc->first_vertex > 1) return refuse(reason, "desc.first_vertex is neither 0 nor 1");
+  return accept(reason);
+}
+
+void lay_out_mesh(const SkinState& s, Layout* layout, SkinMesh* mesh) {
+  mesh->vertices = layout_region<sandglass_skin_vertex>(layout, "skin.vertices", s.vertex_capacity);
+  mesh->anchors = layout_region<uint32_t>(layout, "skin.anchors", s.vertex_capacity);
+  mesh->indices = layout_region<uint16_t>(layout, "skin.indices", s.index_capacity);
+  mesh->loose = layout_region<sandglass_skin_loose>(layout, "skin.loose", s.desc.particle_capacity);
+  mesh->chunks = layout_region<sandglass_skin_chunk>(layout, "skin.chunks", s.chunk_capacity);
+  mesh->first_vertex = layout_region<uint32_t>(layout, "skin.first_vertices", s.chunk_capacity);
+  mesh->first_index = layout_region<uint32_t>(layout, "skin.first_indices", s.chunk_capacity);
+}
+
+// The one walk: counts the bytes, or hands out the regions. Capacities by what heaps, layers and strewn sand take
+// (sandglass_lab verify look).
+sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
+  auto* owner = layout_region<sandglass_skin>(layout, "skin.state", 1);
+  SkinState nowhere = {};
+  SkinState* s = owner == nullptr ? &nowhere : &owner->skin;
+  if (owner != nullptr) *owner = {};
+  s->desc = desc;
+  const uint32_t n = desc.particle_capacity;
+  s->brick_capacity = 96 + n / 16;
+  s->chunk_capacity = 16 + s->brick_capacity / 8;
+  s->vertex_capacity = 2048 + 4 * n;
+  s->index_capacity = 6 * s->vertex_capacity;
+  uint32_t slots = 64;
+  while (slots < 2 * s->brick_capacity) slots *= 2;
+  s->slot_mask = slots - 1;
+  s->colliders = layout_region<ColliderFrame>(layout, "skin.colliders", desc.collider_capacity);
+  s->fields = layout_region<uint64_t>(layout, "skin.fields", desc.collider_capacity);
+  s->particles = layout_region<SkinParticle>(layout, "skin.particles", n);
+  s->bricks = layout_region<Brick>(layout, "skin.bricks", s->brick_capacity);
+  s->nodes = layout_region<BrickNodes>(layout, "skin.nodes", s->brick_capacity);
+  s->slots = layout_region<uint32_t>(layout, "skin.slots", slots);
+  s->free_bricks = layout_region<uint32_t>(layout, "skin.free_bricks", s->brick_capacity);
+  s->work = layout_region<uint32_t>(layout, "skin.work", s->brick_capacity);
+  s->chunks = layout_region<SkinChunk>(layout, "skin.places", s->chunk_capacity);
+  s->chunk_order = layout_region<uint32_t>(layout, "skin.order", s->chunk_capacity);
+  s->outer = layout_region<uint16_t>(layout, "skin.outer", k_outer_bricks * k_brick_nodes);
+  s->points = layout_region<SurfacePoint>(layout, "skin.points", k_brick_nodes);
+  lay_out_mesh(*s, layout, &s->front);
+  lay_out_mesh(*s, layout, &s->back);
+  return owner;
+}
+
+__attribute__((noinline)) void build(const sandglass_skin_desc& desc, void* block, sandglass_skin** skin) {
+  Layout layout;
+  layout.base = static_cast<uint8_t*>(block);
+  sandglass_skin* owner = lay_out(desc, &layout);
+  owner->functions = &k_skin_functions;
+  SkinState* s = &owner->skin;
+  s->spacing = k_skin_spacing * desc.particle_radius;
+  s->inverse_spacing = 1.0f / s->spacing;
+  for (uint32_t v = 0; v < 256; ++v) {
+    const uint32_t free = skin_free(static_cast<uint8_t>(v)), least = free < 64 ? 64 : free;
+    s->by_free[v] = static_cast<uint16_t>(free < 5 ? 0 : 256 * k_skin_one / least);
+  }
+  SkinMesh* const meshes[] = {&s->front, &s->back};
+  for (SkinMesh* mesh : meshes)
+    for (uint32_t c = 0; c < s->chunk_capacity; ++c)
+      mesh->chunks[c] = {}, mesh->first_vertex[c] = mesh->first_index[c] = 0;
+  for (uint32_t a = 0; a < 3; ++a) s->axis[a] = a, s->sign[a] = 1.0f;
+  s->up[1] = 1.0f;
+  skin_forget(s);
+  s->asked = true;
+  *skin = owner;
+}
+
+}  // namespace
+}  // namespace sandglass
+
+using namespace sandglass;
+
+void sandglass_skin_desc_default(sandglass_skin_desc* desc, const sandglass_granular_desc* granular) {
+  if (desc == nullptr) return;
+  *desc = {};
+  desc->struct_size = sizeof *desc;
+  desc->particle_radius = 0.01f;
+  desc->collider_capacity = 16;
+  desc->block_side = 0.0084f;
+  if (granular == nullptr) return;
+  desc->particle_capacity = granular->particle_capacity;
+  desc->particle_radius = granular->particle_radius;
+  desc->collider_capacity = granular->collider_capacity;
+}
+
+sandglass_status sandglass_skin_bytes(const sandglass_skin_desc* desc, uint64_t* bytes, const char** reason) {
+  const sandglass_status status = check(desc, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
+  Layout layout;
+  lay_out(*desc, &layout);
+  *bytes = layout.size;
+  return accept(reason);
+}
+
+sandglass_status sandglass_skin_create(const sandglass_skin_desc* desc, void* block, uint64_t bytes, sandglass_skin** skin,
+                                       const char** reason) {
+  uint64_t need = 0;
+  const sandglass_status status = sandglass_skin_bytes(desc, &need, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (skin == nullptr) return refuse(reason, "skin is NULL: pass where to store it");
+  const sandglass_status usable = check_block(block, bytes, need, reason);
+  if (usable != SANDGLASS_OK) return usable;
+  const FloatingPointControl saved = floating_point_enter();
+  build(*desc, block, skin);
+  floating_point_restore(saved);
+  return accept(reason);
+}
+
+void sandglass_skin_get_mesh(const sandglass_skin* skin, sandglass_skin_mesh* out) {
+  if (skin == nullptr || out == nullptr) return;
+  const SkinState& s = skin->skin;
+  sandglass_skin_mesh mesh = {};
+  mesh.valid = s.valid ? 1 : 0;
+  mesh.version = s.version;
+  const bool stale = s.asked || s.phase != SkinPhase::idle;
+  mesh.frames_behind = stale ? static_cast<uint32_t>(s.frame - s.front_frame) : 0;
+  mesh.chunks = s.front.chunks;
+  mesh.chunk_count = s.chunk_capacity;
+  for (uint32_t c = 0; c < s.chunk_capacity; ++c) {
+    mesh.vertex_count += s.front.chunks[c].vertex_count;
+    mesh.index_count += s.front.chunks[c].index_count;
+  }
+  mesh.loose = s.front.loose;
+  mesh.flying_count = s.front.flying;
+  mesh.lying_count = s.front.lying;
+  mesh.left_out = s.left_out;
+  fill_struct(&mesh, sizeof mesh, out);
+}
+
+void sandglass_skin_refresh(sandglass_skin* skin) {
+  if (skin != nullptr) skin->skin.asked = skin->skin.whole_asked = true;
+}
+
+uint64_t sandglass_skin_hash(const sandglass_skin* skin) {
+  if (skin == nullptr) return 0;
+  const SkinMesh& mesh = skin->skin.front;
+  uint64_t hash = k_hash_basis;
+  for (uint32_t c = 0; c < skin->skin.chunk_capacity; ++c) {
+    const sandglass_skin_chunk& chunk = mesh.chunks[c];
+    if (chunk.index_count == 0) continue;
+    hash = hash_bytes(chunk.vertices, chunk.vertex_count * sizeof *chunk.vertices, hash);
+    hash = hash_bytes(chunk.indices, chunk.index_count * sizeof *chunk.indices, hash);
+  }
+  return hash_bytes(mesh.loose, (mesh.flying + mesh.lying) * sizeof *mesh.loose, hash);
+}

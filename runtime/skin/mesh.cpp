@@ -1,0 +1,507 @@
+// The mesh: surface nets (Gibson 1998). A cell between eight nodes that the surface passes has one vertex, an edge between two
+// nodes that it crosses has one quad, of the four cells about it.
+//
+// A brick that has changed makes its vertices anew; those of others are copied from the mesh before. A chunk in which
+// nothing has changed is copied whole. A chunk's triangles need vertices of the bricks below it along each axis: it holds
+// copies of them, so that it is drawn by itself. Chunks are made in the order of their places, so those bricks are done.
+#include <cstring>
+
+#include "runtime/granular/granular.h"
+#include "runtime/skin/skin.h"
+
+namespace sandglass {
+namespace {
+
+constexpr uint32_t k_apron = 3, k_pitch = k_brick_side + 2 * k_apron, k_block = k_pitch * k_pitch * k_pitch;
+constexpr uint32_t k_step[3] = {1, k_pitch * k_pitch, k_pitch};  // of a block, along x, y and z
+constexpr uint32_t k_solid_pitch = k_brick_side + 2;
+constexpr float k_level = static_cast<float>(k_skin_level);
+constexpr float k_foot_radii = 1.2f;   // over a floor, where the foot begins
+constexpr float k_foot_slope = 1.45f;  // its cotangent at the floor
+constexpr float k_kept_radii = 2.2f;   // so far a vertex keeps its particle
+constexpr float k_hollow_flat = 0.5f, k_hollow_gain = 2.6f;
+
+// What a brick's vertices are made of.
+struct Blocks {
+  uint16_t calm[k_block], wide[k_block];
+  uint8_t solid[k_solid_pitch * k_solid_pitch * k_solid_pitch];
+  uint16_t rows[9][9];  // of y and z: the nodes 0..8 along x that are inside
+};
+
+void read_rows(const SkinState& s, const Brick& brick, Blocks* blocks) {
+  for (uint32_t y = 0; y < 9; ++y)
+    for (uint32_t z = 0; z < 9; ++z) {
+      const uint32_t k = k_brick_itself + 3 * (z >> 3) + 9 * (y >> 3), row = 8 * (y & 7) + (z & 7);
+      const uint32_t here = brick.around[k], next = brick.around[k + 1];
+      uint32_t bits = here == k_brick_none ? 0u : s.nodes[here].inside[row];
+      if (next != k_brick_none) bits |= (s.nodes[next].inside[row] & 1u) << 8;
+      blocks->rows[y][z] = static_cast<uint16_t>(bits);
+    }
+}
+
+// The cells of a row through which the surface passes.
+uint32_t crossed(const Blocks& b, uint32_t y, uint32_t z) {
+  const uint32_t any = b.rows[y][z] | b.rows[y + 1][z] | b.rows[y][z + 1] | b.rows[y + 1][z + 1];
+  const uint32_t all = b.rows[y][z] & b.rows[y + 1][z] & b.rows[y][z + 1] & b.rows[y + 1][z + 1];
+  return (any | any >> 1) & ~(all & all >> 1) & 0xff;
+}
+
+void read_blocks(const SkinState& s, const Brick& brick, Blocks* blocks) {
+  brick_block<k_apron>(s, brick, &BrickNodes::calm, uint16_t{0}, blocks->calm);
+  uint16_t other[k_block];
+  const uint16_t* from = blocks->calm;
+  uint16_t* to = blocks->wide;
+  for (uint32_t k = 0; k < 3; ++k) {  // the filter [1 2 1] / 4 of every second node
+    const uint32_t step = 2 * k_step[k];
+    for (uint32_t i = step; i < k_block - step; ++i)
+      to[i] = static_cast<uint16_t>(static_cast<uint16_t>(from[i - step] + 2 * from[i] + from[i + step] + 2) >> 2);
+    from = to;
+    to = k == 0 ? other : blocks->wide;
+  }
+  if (brick.open == 0) brick_block<1>(s, brick, &BrickNodes::solid, uint8_t{255}, blocks->solid);
+}
+
+// Where the surface crosses the cell's edges, on average.
+void crossing(const uint16_t* node, float u[3]) {
+  float value[8], sum[3] = {0, 0, 0}, count = 0;
+  for (uint32_t c = 0; c < 8; ++c)
+    value[c] = static_cast<float>(node[(c & 1) * k_step[0] + (c >> 1 & 1) * k_step[1] + (c >> 2) * k_step[2]]);
+  for (uint32_t k = 0; k < 3; ++k)
+    for (uint32_t c = 0; c < 8; ++c) {
+      const uint32_t d = c | 1u << k;
+      if (c == d || (value[c] > k_level) == (value[d] > k_level)) continue;
+      const float t = (k_level - value[c]) / (value[d] - value[c]);
+      for (uint32_t m = 0; m < 3; ++m) sum[m] += m == k ? t : static_cast<float>(c >> m & 1);
+      count += 1;
+    }
+  for (uint32_t m = 0; m < 3; ++m) u[m] = sum[m] / count;
+}
+
+// The uniform cubic B-spline through the nodes -1..2 about t, and its slope.
+struct Spline {
+  float weight[4], slope[4];
+  explicit Spline(float t) {
+    const float r = 1.0f - t, sixth = 1.0f / 6.0f;
+    weight[0] = sixth * r * r * r, weight[3] = sixth * t * t * t;
+    weight[1] = sixth * (3.0f * t * t * t - 6.0f * t * t + 4.0f);
+    weight[2] = sixth * (3.0f * r * r * r - 6.0f * r * r + 4.0f);
+    slope[0] = -0.5f * r * r, slope[3] = 0.5f * t * t;
+    slope[1] = 0.5f * (3.0f * t * t - 4.0f * t), slope[2] = -0.5f * (3.0f * r * r - 4.0f * r);
+  }
+};
+
+// The smoothed density at u in a cell, and its gradient, in nodes.
+float smoothed(const uint16_t* node, const float u[3], float gradient[3]) {
+  const Spline x(u[0]), y(u[1]), z(u[2]);
+  float value = 0;
+  gradient[0] = gradient[1] = gradient[2] = 0;
+  const uint16_t* corner = node - k_step[0] - k_step[1] - k_step[2];
+  for (uint32_t j = 0; j < 4; ++j)
+    for (uint32_t k = 0; k < 4; ++k) {
+      const uint16_t* row = corner + j * k_step[1] + k * k_step[2];
+      float along = 0, rise = 0;
+      for (uint32_t i = 0; i < 4; ++i) {
+        const float v = static_cast<float>(row[i]);
+        along += x.weight[i] * v;
+        rise += x.slope[i] * v;
+      }
+      value += y.weight[j] * z.weight[k] * along;
+      gradient[0] += y.weight[j] * z.weight[k] * rise;
+      gradient[1] += y.slope[j] * z.weight[k] * along;
+      gradient[2] += y.weight[j] * z.slope[k] * along;
+    }
+  return value;
+}
+
+template <class T>
+float linear(const T* node, const uint32_t step[3], const float u[3], float gradient[3]) {
+  float value = 0;
+  gradient[0] = gradient[1] = gradient[2] = 0;
+  for (uint32_t c = 0; c < 8; ++c) {
+    const bool bit[3] = {(c & 1) != 0, (c & 2) != 0, (c & 4) != 0};
+    float w[3];
+    for (uint32_t m = 0; m < 3; ++m) w[m] = bit[m] ? u[m] : 1.0f - u[m];
+    const float v = static_cast<float>(node[bit[0] * step[0] + bit[1] * step[1] + bit[2] * step[2]]);
+    value += v * w[0] * w[1] * w[2];
+    gradient[0] += (bit[0] ? v : -v) * w[1] * w[2];
+    gradient[1] += (bit[1] ? v : -v) * w[0] * w[2];
+    gradient[2] += (bit[2] ? v : -v) * w[0] * w[1];
+  }
+  return value;
+}
+
+float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// One over the length, 0 of nothing.
+float inverse_length(const float a[3]) {
+  const float square = dot(a, a);
+  return square > 1e-20f ? 1.0f / __builtin_sqrtf(square) : 0.0f;
+}
+
+float clamped(float x, float low, float high) { return x > low ? (x < high ? x : high) : low; }
+
+// The foot: near a floor a vertex moves outward along it, so that the sand runs out at a slope. The normal goes with it.
+void run_out(const SkinState& s, const float floor[3], float over, float shift[3], float normal[3]) {
+  const float top = k_foot_radii * s.desc.particle_radius * s.inverse_spacing;
+  const float level = dot(floor, s.up), y = over > 0 ? over : 0.0f;
+  if (y >= top || level < 0.5f) return;
+  const float rise = dot(normal, floor);
+  float flat[3];
+  for (uint32_t m = 0; m < 3; ++m) flat[m] = normal[m] - rise * floor[m];
+  const float across = __builtin_sqrtf(dot(flat, flat));
+  if (across < 0.2f) return;
+  const float fade = clamped((across - 0.2f) * (1.0f / 0.3f), 0, 1) * clamped((level - 0.5f) * 5.0f, 0, 1);
+  const float missing = fade * clamped(k_foot_slope - rise / across, 0, 2.2f);
+  const float way = missing * (top - y) * (top - y) / (top * across);
+  for (uint32_t m = 0; m < 3; ++m) shift[m] = way * flat[m];
+  const float more = 2.0f * missing * (1.0f - y / top) * across;
+  for (uint32_t m = 0; m < 3; ++m) normal[m] += more * floor[m];
+  const float inverse = inverse_length(normal);
+  for (uint32_t m = 0; m < 3; ++m) normal[m] *= inverse;
+}
+
+float apart2(const int32_t a[3], const float b[3]) {
+  float sum = 0;
+  for (uint32_t m = 0; m < 3; ++m) {
+    const float d = static_cast<float>(a[m]) - b[m];
+    sum += d * d;
+  }
+  return sum;
+}
+
+// The particle whose sand lies about a place (in lattice steps): the one of before while it is near, else the nearest of
+// those about the cell.
+uint32_t anchor_of(const SkinState& s, const Brick& brick, const uint32_t cell[3], const float place[3], uint32_t before) {
+  constexpr uint32_t k_looked_at = 4;  // of a cell
+  const float keep = k_kept_radii / k_skin_spacing * k_skin_steps;
+  if (before != k_brick_none && s.particles[before].share != 0 && apart2(s.particles[before].at, place) < keep * keep)
+    return before;
+  uint32_t nearest = k_brick_none;
+  float least = 3e38f;
+  for (int32_t reach = 1; reach <= 2 && nearest == k_brick_none; ++reach)
+    for (int32_t dy = -reach; dy <= reach; ++dy)
+      for (int32_t dz = -reach; dz <= reach; ++dz)
+        for (int32_t dx = -reach; dx <= reach; ++dx) {
+          const int32_t x = static_cast<int32_t>(cell[0]) + dx + 8, y = static_cast<int32_t>(cell[1]) + dy + 8;
+          const int32_t z = static_cast<int32_t>(cell[2]) + dz + 8;
+          const uint32_t at = brick.around[(x >> 3) + 3 * (z >> 3) + 9 * (y >> 3)];
+          if (at == k_brick_none) continue;
+          uint32_t p = s.nodes[at].particles[(x & 7) + 8 * (z & 7) + 64 * (y & 7)];
+          for (uint32_t n = 0; n < k_looked_at && p != k_brick_none; ++n, p = s.particles[p].next) {
+            const float distance = apart2(s.particles[p].at, place);
+            if (distance < least || (distance == least && p < nearest)) least = distance, nearest = p;
+          }
+        }
+  return nearest;
+}
+
+// In 1/65536 of the block's side, from whole turns of it.
+uint16_t turns(float turns) {
+  const float whole = static_cast<float>(floor_whole(turns));
+  return static_cast<uint16_t>(to_whole<uint32_t>((turns - whole) * 65536.0f) & 0xffff);
+}
+
+uint32_t mixed(uint32_t x) {
+  x = (x ^ x >> 15) * 0x2c1b3c6du;
+  x = (x ^ x >> 12) * 0x297a2d39u;
+  return x ^ x >> 15;
+}
+
+int8_t eighth(float x) { return static_cast<int8_t>(floor_whole(127.0f * x + 0.5f)); }
+
+void make_vertex(const SkinState& s, const Brick& brick, const Blocks& blocks, const uint32_t cell[3], uint32_t before,
+                 sandglass_skin_vertex* out, uint32_t* anchor) {
+  const uint32_t first = (cell[0] + k_apron) * k_step[0] + (cell[1] + k_apron) * k_step[1] + (cell[2] + k_apron) * k_step[2];
+  const uint16_t* node = blocks.calm + first;
+  float u[3], normal[3], unused[3];
+  crossing(node, u);
+  const float value = smoothed(node, u, normal), square = dot(normal, normal);
+  float scale = square > 1.0f ? (k_level - value) / square : 0.0f;  // Newton's step to the level
+  const float step = __builtin_fabsf(scale) * __builtin_sqrtf(square);
+  if (step > 0.5f) scale *= 0.5f / step;
+  for (uint32_t m = 0; m < 3; ++m) u[m] = clamped(u[m] + scale * normal[m], 0, 1);
+  const float inverse = inverse_length(normal);
+  for (uint32_t m = 0; m < 3; ++m) normal[m] = inverse != 0.0f ? -inverse * normal[m] : s.up[m];
+  const float wide = linear(blocks.wide + first, k_step, u, unused) * (1.0f / k_skin_one);
+
+  float shift[3] = {0, 0, 0}, over = 1e6f;
+  if (brick.open == 0) {
+    constexpr uint32_t k_steps[3] = {1, k_solid_pitch * k_solid_pitch, k_solid_pitch};
+    const uint8_t* solid = blocks.solid + (cell[0] + 1) * k_steps[0] + (cell[1] + 1) * k_steps[1] + (cell[2] + 1) * k_steps[2];
+    float floor[3];
+    const float distance = linear(solid, k_steps, u, floor);
+    if (distance < 250.0f) {
+      over = (distance - 128.0f) * (1.0f / 48.0f);
+      const float length = inverse_length(floor);
+      for (uint32_t m = 0; m < 3; ++m) floor[m] *= length;
+      run_out(s, floor, over, shift, normal);
+    }
+  }
+  float place[3];  // in nodes
+  for (uint32_t m = 0; m < 3; ++m) place[m] = static_cast<float>(8 * brick.at[m] + static_cast<int32_t>(cell[m])) + u[m];
+  const float steps[3] = {place[0] * k_skin_steps, place[1] * k_skin_steps, place[2] * k_skin_steps};
+  *anchor = anchor_of(s, brick, cell, steps, before);
+  uint32_t seed = mixed(2 * (*anchor + 1));
+  for (uint32_t m = 0; m < 3; ++m) {
+    const uint32_t w = s.axis[m];
+    out->position[w] = s.sign[m] * s.spacing * (place[m] + shift[m] + 0.5f);
+    out->normal[w] = eighth(s.sign[m] * normal[m]);
+    float at = 0;
+    if (*anchor != k_brick_none)
+      at = s.sign[m] * s.spacing * (static_cast<float>(s.particles[*anchor].at[m]) * (1.0f / k_skin_steps) + 0.5f);
+    out->origin[w] = turns(at / s.desc.block_side);
+  }
+  for (uint32_t m = 0; m < 3; ++m) {  // another block for each particle
+    out->origin[m] = static_cast<uint16_t>(out->origin[m] - (seed >> 16));
+    seed = mixed(seed);
+  }
+  const float hollow = k_hollow_flat + k_hollow_gain * (wide - k_level / k_skin_one);
+  out->hollow = static_cast<uint8_t>(to_whole<uint32_t>(255.0f * clamped(hollow, 0, 1) + 0.5f));
+  const float micrometres = clamped(1e6f * s.spacing * over, -32768.0f, 32767.0f);
+  out->over = static_cast<int16_t>(floor_whole(micrometres));
+}
+
+// ---- bricks of a chunk
+
+uint32_t brick_of_chunk(const SkinState& s, const SkinChunk& chunk, uint32_t i) {
+  const int32_t at[3] = {4 * chunk.at[0] + static_cast<int32_t>(i & 3), 4 * chunk.at[1] + static_cast<int32_t>(i >> 4),
+                         4 * chunk.at[2] + static_cast<int32_t>(i >> 2 & 3)};
+  return brick_find(s, at);
+}
+constexpr uint32_t k_chunk_volume = k_chunk_bricks * k_chunk_bricks * k_chunk_bricks;
+
+void make_vertices(SkinState* s, uint32_t number, uint32_t chunk) {
+  Brick& brick = s->bricks[number];
+  BrickNodes& nodes = s->nodes[number];
+  SkinMesh& back = s->back;
+  Blocks blocks;
+  uint16_t before[k_brick_nodes];
+  const uint32_t old = s->front.first_vertex[chunk] + brick.first;
+  const bool had = brick.count != 0;
+  memcpy(before, nodes.vertices, sizeof before);
+  memset(nodes.vertices, 0xff, sizeof nodes.vertices);
+  brick.first = back.vertex_count - back.first_vertex[chunk];
+  brick.count = 0;
+  read_rows(*s, brick, &blocks);
+  bool any = false;
+  for (uint32_t y = 0; y < 8 && !any; ++y)
+    for (uint32_t z = 0; z < 8 && !any; ++z) any = crossed(blocks, y, z) != 0;
+  if (!any) return;
+  read_blocks(*s, brick, &blocks);
+  for (uint32_t y = 0; y < 8; ++y)
+    for (uint32_t z = 0; z < 8; ++z)
+      for (uint32_t cells = crossed(blocks, y, z); cells != 0; cells &= cells - 1) {
+        if (back.vertex_count == s->vertex_capacity) return;
+        const uint32_t x = static_cast<uint32_t>(__builtin_ctz(cells)), at = x + 8 * z + 64 * y;
+        const uint32_t cell[3] = {x, y, z};
+        const uint32_t anchor = had && before[at] != k_vertex_none ? s->front.anchors[old + before[at]] : k_brick_none;
+        nodes.vertices[at] = static_cast<uint16_t>(brick.count++);
+        make_vertex(*s, brick, blocks, cell, anchor, &back.vertices[back.vertex_count], &back.anchors[back.vertex_count]);
+        ++back.vertex_count;
+      }
+}
+
+void copy_vertices(SkinState* s, uint32_t number, uint32_t chunk) {
+  Brick& brick = s->bricks[number];
+  SkinMesh &back = s->back, &front = s->front;
+  const uint32_t old = front.first_vertex[chunk] + brick.first, room = s->vertex_capacity - back.vertex_count;
+  brick.first = back.vertex_count - back.first_vertex[chunk];
+  if (brick.count > room) {
+    memset(s->nodes[number].vertices, 0xff, sizeof s->nodes[number].vertices);
+    brick.count = 0;
+  }
+  memcpy(back.vertices + back.vertex_count, front.vertices + old, brick.count * sizeof *back.vertices);
+  memcpy(back.anchors + back.vertex_count, front.anchors + old, brick.count * sizeof *back.anchors);
+  back.vertex_count += brick.count;
+}
+
+// Whether nothing of a chunk, nor of the bricks whose vertices it copies, has changed.
+bool is_as_before(const SkinState& s, const SkinChunk& chunk) {
+  for (uint32_t i = 0; i < 125; ++i) {
+    const int32_t at[3] = {4 * chunk.at[0] + static_cast<int32_t>(i % 5) - 1, 4 * chunk.at[1] + static_cast<int32_t>(i / 25) - 1,
+                           4 * chunk.at[2] + static_cast<int32_t>(i / 5 % 5) - 1};
+    const uint32_t number = brick_find(s, at);
+    if (number != k_brick_none && (s.bricks[number].stale & k_stale_mesh) != 0) return false;
+  }
+  return true;
+}
+
+// ---- triangles
+
+struct Corner {
+  uint32_t brick, node;
+};
+
+// The cell `steps` below one, along the axes of `which` (bits of x, y, z).
+Corner below(const SkinState& s, uint32_t number, const uint32_t cell[3], uint32_t which) {
+  uint32_t k = k_brick_itself, local[3];
+  constexpr uint32_t k_around[3] = {1, 9, 3};
+  for (uint32_t m = 0; m < 3; ++m) {
+    local[m] = cell[m];
+    if ((which >> m & 1) == 0) continue;
+    if (local[m] == 0) k -= k_around[m], local[m] = 7;
+    else --local[m];
+  }
+  return {s.bricks[number].around[k], local[0] + 8 * local[2] + 64 * local[1]};
+}
+
+// Of the outer bricks of a chunk, by their place in 5^3.
+uint32_t outer_of(const int32_t brick[3], const SkinChunk& chunk) {
+  uint32_t at[3];
+  for (uint32_t m = 0; m < 3; ++m) at[m] = static_cast<uint32_t>(brick[m] - 4 * chunk.at[m] + 1);
+  if (at[0] == 0) return at[1] + 5 * at[2];
+  if (at[1] == 0) return 25 + at[0] - 1 + 4 * at[2];
+  return 45 + at[0] - 1 + 4 * (at[1] - 1);
+}
+
+// The index in the chunk of a cell's vertex, or k_vertex_none.
+uint32_t index_of(SkinState* s, uint32_t chunk, const Corner& corner) {
+  if (corner.brick == k_brick_none) return k_vertex_none;
+  const Brick& brick = s->bricks[corner.brick];
+  const uint32_t local = s->nodes[corner.brick].vertices[corner.node];
+  if (local == k_vertex_none) return k_vertex_none;
+  if (brick.chunk == chunk) return brick.first + local;
+  SkinMesh& back = s->back;
+  uint16_t& index = s->outer[k_brick_nodes * outer_of(brick.at, s->chunks[chunk]) + corner.node];
+  if (index != k_vertex_none || back.vertex_count == s->vertex_capacity) return index;
+  const uint32_t from = back.first_vertex[brick.chunk] + brick.first + local;
+  back.vertices[back.vertex_count] = back.vertices[from];
+  back.anchors[back.vertex_count] = back.anchors[from];
+  index = static_cast<uint16_t>(back.vertex_count++ - back.first_vertex[chunk]);
+  return index;
+}
+
+void make_quad(SkinState* s, uint32_t chunk, uint32_t number, const uint32_t cell[3], uint32_t axis, bool inside) {
+  const uint32_t one = 1u << (axis + 1) % 3, two = 1u << (axis + 2) % 3;
+  const Corner corners[4] = {below(*s, number, cell, 0), below(*s, number, cell, inside ? one : two),
+                             below(*s, number, cell, one | two), below(*s, number, cell, inside ? two : one)};
+  SkinMesh& back = s->back;
+  const sandglass_skin_vertex* vertices = back.vertices + back.first_vertex[chunk];
+  const float bury = clamped(-0.5e6f * s->spacing, -32768.0f, 0.0f);
+  uint32_t at[4];
+  bool buried = true;
+  for (uint32_t c = 0; c < 4; ++c) {
+    at[c] = index_of(s, chunk, corners[c]);
+    if (at[c] == k_vertex_none) return;
+    buried = buried && static_cast<float>(vertices[at[c]].over) <= bury;
+  }
+  if (buried || s->index_capacity - back.index_count < 6) return;
+  // Both triangles take the block of the quad's first vertex.
+  constexpr uint32_t k_orders[2][6] = {{1, 2, 0, 2, 3, 0}, {0, 1, 2, 0, 2, 3}};
+  for (const uint32_t c : k_orders[s->desc.first_vertex]) back.indices[back.index_count++] = static_cast<uint16_t>(at[c]);
+}
+
+void make_triangles(SkinState* s, uint32_t chunk, uint32_t number) {
+  Blocks blocks;
+  read_rows(*s, s->bricks[number], &blocks);
+  for (uint32_t y = 0; y < 8; ++y)
+    for (uint32_t z = 0; z < 8; ++z) {
+      const uint32_t row = blocks.rows[y][z];
+      const uint32_t other[3] = {row >> 1, blocks.rows[y + 1][z], blocks.rows[y][z + 1]};
+      for (uint32_t axis = 0; axis < 3; ++axis)
+        for (uint32_t edges = (row ^ other[axis]) & 0xff; edges != 0; edges &= edges - 1) {
+          const uint32_t cell[3] = {static_cast<uint32_t>(__builtin_ctz(edges)), y, z};
+          make_quad(s, chunk, number, cell, axis, (row >> cell[0] & 1) != 0);
+        }
+    }
+}
+
+// The chunk's numbers, and whether its bytes differ from those before.
+void end_chunk(SkinState* s, uint32_t chunk, bool copied) {
+  SkinMesh &back = s->back, &front = s->front;
+  sandglass_skin_chunk& now = back.chunks[chunk];
+  const sandglass_skin_chunk& before = front.chunks[chunk];
+  now = {};
+  now.vertices = back.vertices + back.first_vertex[chunk];
+  now.indices = back.indices + back.first_index[chunk];
+  now.vertex_count = back.vertex_count - back.first_vertex[chunk];
+  now.index_count = back.index_count - back.first_index[chunk];
+  now.version = before.version;
+  if (copied) {
+    memcpy(now.low, before.low, sizeof now.low);
+    memcpy(now.high, before.high, sizeof now.high);
+    return;
+  }
+  if (now.index_count == 0) now.vertex_count = 0;
+  for (uint32_t m = 0; m < 3; ++m) {
+    float low = 3e38f, high = -3e38f;
+    for (uint32_t v = 0; v < now.vertex_count; ++v) {
+      const float x = now.vertices[v].position[m];
+      low = x < low ? x : low, high = x > high ? x : high;
+    }
+    now.low[m] = now.vertex_count != 0 ? low : 0, now.high[m] = now.vertex_count != 0 ? high : 0;
+  }
+  const bool same = now.vertex_count == before.vertex_count && now.index_count == before.index_count &&
+                    memcmp(now.vertices, before.vertices, now.vertex_count * sizeof *now.vertices) == 0 &&
+                    memcmp(now.indices, before.indices, now.index_count * sizeof *now.indices) == 0;
+  if (!same) now.version = s->version + 1;
+}
+
+}  // namespace
+
+void skin_begin_mesh(SkinState* s) {
+  SkinMesh& back = s->back;
+  back.vertex_count = back.index_count = 0;
+  for (uint32_t c = 0; c < s->chunk_capacity; ++c) {
+    back.first_vertex[c] = back.first_index[c] = 0;
+    if (s->chunks[c].bricks != 0) continue;
+    back.chunks[c] = {};
+    back.chunks[c].version = s->front.chunks[c].index_count != 0 ? s->version + 1 : s->front.chunks[c].version;
+  }
+  s->cursor = 0;
+  s->layer = 0;  // the next brick of the chunk
+}
+
+bool skin_mesh(SkinState* s) {
+  SkinMesh& back = s->back;
+  for (uint32_t done = 0; done < k_skin_unit_mesh;) {
+    if (s->cursor >= s->chunk_count) {
+      s->cursor = 0;
+      return true;
+    }
+    const uint32_t c = s->chunk_order[s->cursor];
+    const SkinChunk& chunk = s->chunks[c];
+    const sandglass_skin_chunk& before = s->front.chunks[c];
+    if (s->layer == 0) {
+      back.first_vertex[c] = back.vertex_count;
+      back.first_index[c] = back.index_count;
+      if (s->valid && is_as_before(*s, chunk) && before.vertex_count <= s->vertex_capacity - back.vertex_count &&
+          before.index_count <= s->index_capacity - back.index_count) {
+        const uint32_t old = s->front.first_vertex[c];
+        memcpy(back.vertices + back.vertex_count, s->front.vertices + old, before.vertex_count * sizeof *back.vertices);
+        memcpy(back.anchors + back.vertex_count, s->front.anchors + old, before.vertex_count * sizeof *back.anchors);
+        memcpy(back.indices + back.index_count, s->front.indices + s->front.first_index[c],
+               before.index_count * sizeof *back.indices);
+        back.vertex_count += before.vertex_count;
+        back.index_count += before.index_count;
+        end_chunk(s, c, true);
+        ++s->cursor;
+        ++done;
+        continue;
+      }
+    }
+    for (; s->layer < k_chunk_volume && done < k_skin_unit_mesh; ++s->layer) {
+      const uint32_t number = brick_of_chunk(*s, chunk, s->layer);
+      if (number == k_brick_none) continue;
+      if ((s->bricks[number].stale & k_stale_mesh) != 0) {
+        make_vertices(s, number, c);
+        ++done;
+      } else {
+        copy_vertices(s, number, c);
+      }
+    }
+    if (s->layer < k_chunk_volume) return false;
+    memset(s->outer, 0xff, k_outer_bricks * k_brick_nodes * sizeof *s->outer);
+    for (uint32_t i = 0; i < k_chunk_volume; ++i) {
+      const uint32_t number = brick_of_chunk(*s, chunk, i);
+      if (number != k_brick_none) make_triangles(s, c, number);
+    }
+    end_chunk(s, c, false);
+    s->layer = 0;
+    ++s->cursor;
+    done += k_skin_unit_mesh;
+  }
+  return false;
+}
+
+}  // namespace sandglass

@@ -1,0 +1,227 @@
+// The state behind sandglass/skin.h. The surface is found on a lattice of nodes 1.5 particle radii apart, which stands still
+// in the world and exists in bricks of 8^3 nodes where there is sand. Its y axis is the axis of the world that is nearest to
+// "up". A skin is made in phases, cut into units of the skin's stage:
+//   gather    what moved is taken out of the sums and put in again (gather.cpp)
+//   density   sums to density, beside colliders (density.cpp)
+//   fill      from above to below, what dry sand fills (density.cpp)
+//   calm      once more through a filter (density.cpp)
+//   mesh      vertices brick by brick, triangles chunk by chunk (mesh.cpp), into the other of two meshes
+//   loose     what is not in the mesh (loose.cpp); the last unit swaps the two
+// Each works on what the one before has changed. All up to the mesh is in whole numbers, so that sums can be taken back
+// exactly and every instruction set gives the same bits.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/kernels.h"
+#include "runtime/core/governor.h"
+#include "runtime/core/layout.h"
+#include "sandglass/skin.h"
+
+namespace sandglass {
+
+struct Granular;
+
+constexpr uint32_t k_brick_side = 8, k_brick_nodes = 512, k_brick_layer = 64;
+constexpr uint32_t k_brick_none = ~0u, k_brick_itself = 13, k_bricks_around = 27;
+constexpr uint32_t k_chunk_bricks = 4;  // along an axis
+constexpr uint32_t k_outer_bricks = 61;  // of 5^3 less 4^3: those below a chunk along some axis
+constexpr uint16_t k_vertex_none = 0xffff;
+constexpr int32_t k_skin_steps = 128;  // parts of a node's distance, in which places are held
+constexpr int32_t k_skin_held = 2;     // of these a particle may move before it counts
+constexpr uint32_t k_skin_shares = 16;  // parts of a particle
+constexpr uint32_t k_skin_one = 4096;   // a density of 1
+constexpr uint32_t k_skin_whole = k_skin_one * k_skin_shares;  // the sum of a whole particle
+constexpr float k_skin_spacing = 1.5f;  // particle radii from node to node
+constexpr float k_skin_volume = 6.986f;  // particle radii cubed that a particle takes in a pile (packed to 0.6)
+constexpr uint32_t k_skin_level = 1720;  // of the surface: 0.42
+constexpr uint32_t k_skin_unit_items = 1024;
+constexpr uint32_t k_skin_unit_bricks = 12;  // density, fill, calm
+constexpr uint32_t k_skin_unit_mesh = 2;     // bricks
+constexpr float k_skin_share = 0.5f;
+
+// Kinds of work unit.
+enum : uint32_t { k_skin_gather, k_skin_density, k_skin_fill, k_skin_calm, k_skin_mesh, k_skin_loose, k_skin_kinds };
+enum class SkinPhase : uint32_t { idle, gather, leave, density, fill, calm, mesh, loose };
+
+// What has to be made anew of a brick, as bits.
+enum : uint32_t { k_stale_solid = 1, k_stale_density = 2, k_stale_fill = 4, k_stale_calm = 8, k_stale_mesh = 16 };
+
+// A particle as it was last summed, by number.
+struct SkinParticle {
+  int32_t at[3];        // in k_skin_steps of a node
+  uint32_t next, last;  // of the same cell
+  uint8_t share;        // of it that is summed, 1..k_skin_shares; 0: none
+  uint8_t seen;         // the cycle in which it was last there, modulo 256
+};
+
+struct Brick {
+  int32_t at[3];                       // its first node is at 8 * at
+  uint32_t used;
+  uint32_t around[k_bricks_around];    // x fastest, then z, then y; k_brick_none where there is none
+  uint32_t chunk;
+  uint32_t stale;
+  uint32_t touches;                    // particles that are in its sums
+  uint32_t wants;                      // bits of `around` that its density reaches
+  uint32_t fill_from;                  // the layer below which it is filled anew
+  uint16_t low, high;                  // of its density
+  uint8_t open;                        // 1: no collider is near
+  uint8_t filled;                      // 1: the fill of this cycle changed it
+  uint32_t first, count;               // its vertices, from the chunk's first
+};
+
+// What one brick holds, node after node: x fastest, then z, then y. A layer is 64 nodes.
+struct BrickNodes {
+  uint32_t sums[k_brick_nodes];
+  uint16_t density[k_brick_nodes], filled[k_brick_nodes], calm[k_brick_nodes];
+  uint8_t solid[k_brick_nodes];      // 128 + 48 times the distance to the nearest collider, in nodes
+  uint8_t stands[k_brick_layer];     // of each column: the nodes that hold sand or are solid
+  uint8_t can[k_brick_layer];        // of each column: the nodes that sand may fill
+  uint8_t inside[k_brick_layer];     // of each row: the nodes whose calm density is above the level
+  uint32_t particles[k_brick_nodes]; // the first of each cell, or k_brick_none
+  uint16_t vertices[k_brick_nodes];  // of each cell, from the brick's first, or k_vertex_none
+};
+
+struct SkinChunk {
+  int32_t at[3];
+  uint32_t bricks;  // that lie in it; 0: free
+  uint32_t version;
+};
+
+// One of the two meshes.
+struct SkinMesh {
+  sandglass_skin_vertex* vertices;
+  uint32_t* anchors;  // the particle of each vertex
+  uint16_t* indices;
+  sandglass_skin_loose* loose;
+  sandglass_skin_chunk* chunks;
+  uint32_t* first_vertex;  // of each chunk
+  uint32_t* first_index;
+  uint32_t vertex_count, index_count, flying, lying;
+};
+
+struct SkinState {
+  sandglass_skin_desc desc;
+  float spacing, inverse_spacing;
+  const Kernels* kernels;
+  // Where "up" is: lattice axis a is the world's axis[a], times sign[a]; and how far the nodes of a layer move aside for one
+  // of height, in k_skin_one of a node.
+  uint32_t axis[3];
+  float sign[3];
+  int32_t lean[2];
+  float up[3];  // in the lattice's axes
+  // Colliders as they are in this frame, and versions of their fields.
+  ColliderFrame* colliders;
+  uint64_t* fields;
+  uint32_t collider_count;
+  SkinParticle* particles;
+  uint32_t particle_numbers;  // that have been seen
+  // Bricks.
+  Brick* bricks;
+  BrickNodes* nodes;
+  uint32_t* slots;  // an open hash table: the number of a brick, plus 1
+  uint32_t* free_bricks;
+  uint32_t brick_capacity, brick_count, free_count, slot_mask;  // brick_count: that were ever used
+  SkinChunk* chunks;
+  uint32_t* chunk_order;  // by place
+  uint32_t chunk_capacity, chunk_count;
+  uint32_t vertex_capacity, index_capacity;
+  SkinMesh front, back;
+  bool valid;
+  uint32_t version, left_out, left_out_now;
+  // What asks for a skin, and the one under way.
+  const Granular* granular;
+  uint64_t frame, front_frame, begun;
+  bool asked, moving, whole_asked;
+  bool missing;  // particles moved on while they were gathered
+  bool ran;                                         // a unit, in this frame
+  uint64_t gathered_frame;                          // in which the gathering was begun, last,
+  uint32_t gathered_substeps;                       // after so many of its sub-steps,
+  uint32_t restarts;                                // and how often that was not the first time
+  uint32_t sand;                                    // particles in the last frame
+  uint32_t spent[k_skin_kinds], usual[k_skin_kinds];  // items of the skin under way, and of the last one
+  SkinPhase phase;
+  uint32_t cursor, level_low, level, layer, work_count;
+  uint32_t* work;        // bricks of a level
+  uint16_t by_free[256];  // k_skin_one over the free share, by BrickNodes::solid
+  uint16_t* outer;       // of a chunk's outer bricks: the index of each cell's vertex in this chunk
+  SurfacePoint* points;  // of one brick
+  uint8_t cycle;
+};
+
+// ---- bricks (bricks.cpp)
+
+uint32_t brick_find(const SkinState& s, const int32_t at[3]);
+// Makes it where it is not there; k_brick_none: there is no room.
+uint32_t brick_make(SkinState* s, const int32_t at[3]);
+void brick_release(SkinState* s, uint32_t brick);
+// To the state without sand.
+void skin_forget(SkinState* s);
+
+// A value of a brick's nodes with `apron` nodes of the bricks around on every side, 0 where there is none.
+// `pitch`^2 * pitch items, in the order of nodes.
+template <uint32_t apron, class T, class Out>
+void brick_block(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], T outside, Out* block) {
+  constexpr uint32_t k_pitch = k_brick_side + 2 * apron;
+  for (uint32_t by = 0; by < 3; ++by)
+    for (uint32_t bz = 0; bz < 3; ++bz)
+      for (uint32_t bx = 0; bx < 3; ++bx) {
+        const uint32_t number = brick.around[bx + 3 * bz + 9 * by];
+        const uint32_t nx = bx == 1 ? k_brick_side : apron, ny = by == 1 ? k_brick_side : apron;
+        const uint32_t nz = bz == 1 ? k_brick_side : apron;
+        const uint32_t fx = bx == 0 ? k_brick_side - apron : 0, fy = by == 0 ? k_brick_side - apron : 0;
+        const uint32_t fz = bz == 0 ? k_brick_side - apron : 0;
+        const uint32_t tx = bx == 0 ? 0 : bx == 1 ? apron : apron + k_brick_side;
+        const uint32_t ty = by == 0 ? 0 : by == 1 ? apron : apron + k_brick_side;
+        const uint32_t tz = bz == 0 ? 0 : bz == 1 ? apron : apron + k_brick_side;
+        for (uint32_t y = 0; y < ny; ++y)
+          for (uint32_t z = 0; z < nz; ++z) {
+            Out* to = block + ((ty + y) * k_pitch + tz + z) * k_pitch + tx;
+            if (number == k_brick_none) {
+              for (uint32_t x = 0; x < nx; ++x) to[x] = static_cast<Out>(outside);
+              continue;
+            }
+            const T* from = s.nodes[number].*field + (fy + y) * k_brick_layer + (fz + z) * k_brick_side + fx;
+            for (uint32_t x = 0; x < nx; ++x) to[x] = static_cast<Out>(from[x]);
+          }
+      }
+}
+
+// ---- phases: each runs one unit, and returns true once its phase is done
+
+void skin_take_colliders(SkinState* s);
+void skin_begin(SkinState* s);
+bool skin_gather(SkinState* s);
+bool skin_leave(SkinState* s);
+bool skin_density(SkinState* s);
+// How free the surroundings of a node are, in 1/256, by BrickNodes::solid.
+uint32_t skin_free(uint8_t solid);
+void skin_begin_fill(SkinState* s);
+bool skin_fill(SkinState* s);
+bool skin_calm(SkinState* s);
+void skin_begin_mesh(SkinState* s);
+bool skin_mesh(SkinState* s);
+void skin_begin_loose(SkinState* s);
+bool skin_loose(SkinState* s);
+
+// Of a place in lattice steps: its cell, and the brick and node of that.
+inline void skin_place(const SkinState& s, const float position[3], int32_t at[3]) {
+  for (uint32_t a = 0; a < 3; ++a)
+    at[a] = floor_whole((s.sign[a] * position[s.axis[a]] * s.inverse_spacing - 0.5f) * static_cast<float>(k_skin_steps));
+}
+inline uint32_t node_of(const int32_t cell[3]) {
+  return static_cast<uint32_t>(cell[0] & 7) + k_brick_side * static_cast<uint32_t>(cell[2] & 7) +
+         k_brick_layer * static_cast<uint32_t>(cell[1] & 7);
+}
+
+struct SkinFunctions {
+  Stage (*begin_frame)(sandglass_skin* skin, const Granular& granular);
+};
+extern const SkinFunctions k_skin_functions;
+
+}  // namespace sandglass
+
+struct sandglass_skin {
+  const sandglass::SkinFunctions* functions;
+  sandglass::SkinState skin;
+};

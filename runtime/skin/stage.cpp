@@ -1,0 +1,170 @@
+// The skin's stage of a frame: what asks for a skin, and its phases one after another.
+#include <cstring>
+
+#include "runtime/granular/granular.h"
+#include "runtime/skin/skin.h"
+
+namespace sandglass {
+namespace {
+
+constexpr float k_turned = 0.05f;  // of the unit vector up: so far it turns before sand is filled anew
+constexpr uint32_t k_kind_of[] = {0, k_skin_gather, k_skin_gather, k_skin_density, k_skin_fill, k_skin_calm, k_skin_mesh,
+                                  k_skin_loose};
+constexpr const char* k_names[k_skin_kinds] = {"skin.gather", "skin.density", "skin.fill",
+                                               "skin.calm",   "skin.mesh",    "skin.loose"};
+constexpr uint32_t k_items[k_skin_kinds] = {k_skin_unit_items,  k_skin_unit_bricks, 8 * k_skin_unit_bricks,
+                                            k_skin_unit_bricks, k_skin_unit_mesh,   k_skin_unit_items};
+
+bool has_work(const SkinState& s) { return s.phase != SkinPhase::idle || s.asked; }
+
+uint32_t kind_of(const SkinState& s) {
+  return s.phase == SkinPhase::idle ? k_skin_gather : k_kind_of[static_cast<uint32_t>(s.phase)];
+}
+
+// The lattice's axes, right-handed: y is the world's axis nearest to up.
+void choose_axes(SkinState* s, const float up[3]) {
+  uint32_t most = s->axis[1];
+  for (uint32_t k = 0; k < 3; ++k)
+    if (__builtin_fabsf(up[k]) > 1.2f * __builtin_fabsf(up[most])) most = k;
+  const float sign = up[most] < 0 ? -1.0f : 1.0f;
+  if (s->axis[1] == most && s->sign[1] == sign) return;
+  const uint32_t x = (most + 2) % 3, z = (most + 1) % 3;  // x, y, z in a cycle, or with two of them turned round
+  s->axis[0] = x, s->axis[1] = most, s->axis[2] = z;
+  s->sign[0] = sign, s->sign[1] = sign, s->sign[2] = 1.0f;
+  skin_forget(s);
+}
+
+// Up as gravity has it; the world's y where there is none. Held still while it turns little.
+void find_up(SkinState* s, const Granular& g) {
+  float up[3] = {0, 1, 0}, turned = 0;
+  if (g.gravity_length > 0)
+    for (uint32_t k = 0; k < 3; ++k) up[k] = -g.gravity[k] / g.gravity_length;
+  for (uint32_t a = 0; a < 3; ++a) {
+    const float d = s->sign[a] * up[s->axis[a]] - s->up[a];
+    turned += d * d;
+  }
+  if (turned <= k_turned * k_turned) return;
+  choose_axes(s, up);
+  for (uint32_t a = 0; a < 3; ++a) s->up[a] = s->sign[a] * up[s->axis[a]];
+  for (uint32_t k = 0; k < 2; ++k) {
+    const float lean = -s->up[2 * k] / s->up[1];  // aside for one down
+    const float bounded = lean > -1.0f ? (lean < 1.0f ? lean : 1.0f) : -1.0f;
+    s->lean[k] = floor_whole(bounded * k_skin_one + 0.5f);
+  }
+  for (uint32_t b = 0; b < s->brick_count; ++b) s->bricks[b].stale |= k_stale_fill;
+  s->asked = true;
+}
+
+void publish(SkinState* s) {
+  SkinMesh &back = s->back, &front = s->front;
+  bool changed = !s->valid || back.flying != front.flying || back.lying != front.lying ||
+                 memcmp(back.loose, front.loose, (back.flying + back.lying) * sizeof *back.loose) != 0;
+  for (uint32_t c = 0; c < s->chunk_capacity; ++c) changed = changed || back.chunks[c].version > s->version;
+  if (changed) ++s->version;
+  const SkinMesh swap = front;
+  front = back;
+  back = swap;
+  s->valid = true;
+  s->front_frame = s->begun;
+  s->left_out = s->left_out_now;
+  memcpy(s->usual, s->spent, sizeof s->usual);
+}
+
+void begin(SkinState* s) {
+  s->asked = false;
+  if (s->whole_asked) skin_forget(s);
+  s->whole_asked = false;
+  s->begun = s->frame;
+  s->left_out_now = 0;
+  ++s->cycle;
+  s->cursor = s->restarts = 0;
+  memset(s->spent, 0, sizeof s->spent);
+  s->phase = SkinPhase::gather;
+}
+
+void run_unit(SkinState* s) {
+  if (s->phase == SkinPhase::idle) begin(s);
+  const uint32_t kind = kind_of(*s);
+  s->spent[kind] += k_items[kind];
+  s->ran = true;
+  switch (s->phase) {
+    case SkinPhase::gather:
+      if (skin_gather(s)) s->phase = SkinPhase::leave;
+      break;
+    case SkinPhase::leave:
+      if (skin_leave(s)) s->phase = SkinPhase::density;
+      break;
+    case SkinPhase::density:
+      if (!skin_density(s)) break;
+      skin_begin_fill(s);
+      s->phase = SkinPhase::fill;
+      break;
+    case SkinPhase::fill:
+      if (skin_fill(s)) s->phase = SkinPhase::calm;
+      break;
+    case SkinPhase::calm:
+      if (!skin_calm(s)) break;
+      skin_begin_mesh(s);
+      s->phase = SkinPhase::mesh;
+      break;
+    case SkinPhase::mesh:
+      if (!skin_mesh(s)) break;
+      skin_begin_loose(s);
+      s->phase = SkinPhase::loose;
+      break;
+    default:
+      if (!skin_loose(s)) break;
+      publish(s);
+      s->phase = SkinPhase::idle;
+  }
+}
+
+bool next(const void* state, uint32_t, WorkUnit* unit) {
+  const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
+  if (!has_work(s)) return false;
+  const uint32_t kind = kind_of(s);
+  *unit = {kind, k_items[kind], k_names[kind]};
+  return true;
+}
+
+void run(void* state, uint32_t) { run_unit(&static_cast<sandglass_skin*>(state)->skin); }
+
+// What is left of the skin under way, or asked for, if it takes what the last one took.
+uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
+  const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
+  if (!has_work(s)) return 0;
+  uint32_t count = 0;
+  for (uint32_t kind = 0; kind < k_skin_kinds; ++kind) {
+    const uint32_t spent = s.phase == SkinPhase::idle ? 0 : s.spent[kind];
+    const uint32_t left = s.usual[kind] > spent ? s.usual[kind] - spent : 0;
+    const uint32_t least = kind == kind_of(s) ? k_items[kind] : 0;
+    if ((left > least ? left : least) != 0) entries[count++] = {kind, left > least ? left : least, true};
+  }
+  return count;
+}
+
+Stage begin_frame(sandglass_skin* skin, const Granular& granular) {
+  SkinState* s = &skin->skin;
+  ++s->frame;
+  s->granular = &granular;
+  s->kernels = granular.kernels;
+  find_up(s, granular);
+  skin_take_colliders(s);
+  // Also in the frame after the last motion: the skin under way then shows sand that still moved.
+  const bool moving = granular.sleep.awake_count != 0;
+  if (moving || s->moving || granular.particles.count != s->sand) s->asked = true;
+  s->moving = moving;
+  s->sand = granular.particles.count;
+  // A mandatory unit comes before the frame's sub-steps: too early for particles to be gathered, unless nothing ran in the
+  // last frame either.
+  const bool gathers = s->phase == SkinPhase::idle || s->phase == SkinPhase::gather;
+  const uint32_t mandatory = gathers && s->ran ? 0 : 1;
+  s->ran = false;
+  return {skin, next, run, forecast, k_skin_kinds, mandatory, k_skin_share};
+}
+
+}  // namespace
+
+extern const SkinFunctions k_skin_functions = {begin_frame};
+
+}  // namespace sandglass
