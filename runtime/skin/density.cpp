@@ -23,13 +23,6 @@ constexpr uint32_t k_reaches = 1376;                       // a density that may
 constexpr float k_solid_one = 48.0f, k_solid_reach = 2.6f;
 constexpr uint32_t k_pitch = k_brick_side + 2, k_block = k_pitch * k_pitch * k_pitch;
 
-// [1 2 1] / 4 along one axis. What is beyond the block counts as anything: only its inner nodes are right.
-template <uint32_t count, uint32_t step>
-void filter_along(const uint16_t* from, uint16_t* to) {
-  for (uint32_t i = step; i < count - step; ++i)
-    to[i] = static_cast<uint16_t>(static_cast<uint16_t>(from[i - step] + 2 * from[i] + from[i + step] + 2) >> 2);
-}
-
 // The result stands in `b`.
 void filter(uint16_t* a, uint16_t* b) {
   filter_along<k_block, 1>(a, b);
@@ -102,29 +95,48 @@ void find_solid(SkinState* s, uint32_t number) {
   }
 }
 
-// Around which bricks its density reaches, so that there must be bricks.
-uint32_t find_wants(const uint16_t* density) {
-  uint32_t low[3] = {8, 8, 8}, high[3] = {0, 0, 0};
+// How near to a brick's faces a value may be and count beyond them: below and above along each axis.
+struct Reach {
+  uint32_t least;  // what is above it counts
+  uint32_t side, down, up;
+};
+constexpr Reach k_wanted = {k_reaches, 6, 6, 2}, k_filter_reach = {0, 1, 1, 1}, k_mesh_reach = {0, 4, 4, 4};
+
+// Bits of Brick::around into which values reach; its own one where there are any.
+uint32_t reach_of(const uint16_t* values, const Reach& reach) {
+  uint32_t rows[8] = {}, any_z = 0, any_x = 0, any_y = 0;  // of y: columns with z; bits of x
   for (uint32_t y = 0; y < 8; ++y)
     for (uint32_t z = 0; z < 8; ++z) {
-      const uint16_t* row = density + k_brick_layer * y + k_brick_side * z;
-      uint32_t any = 0;
-      for (uint32_t x = 0; x < 8; ++x) any |= (row[x] > k_reaches ? 1u : 0u) << x;
-      if (any == 0) continue;
-      const uint32_t first = static_cast<uint32_t>(__builtin_ctz(any)), last = 31 - static_cast<uint32_t>(__builtin_clz(any));
-      low[0] = first < low[0] ? first : low[0], high[0] = last > high[0] ? last : high[0];
-      low[1] = y < low[1] ? y : low[1], high[1] = y > high[1] ? y : high[1];
-      low[2] = z < low[2] ? z : low[2], high[2] = z > high[2] ? z : high[2];
+      const uint16_t* row = values + k_brick_layer * y + k_brick_side * z;
+      uint32_t bits = 0;
+      for (uint32_t x = 0; x < 8; ++x) bits |= (row[x] > reach.least ? 1u : 0u) << x;
+      rows[y] |= bits;
+      any_z |= (bits != 0 ? 1u : 0u) << z;
     }
-  if (low[0] == 8) return 0;
-  uint32_t wants = 0;
-  for (uint32_t k = 0; k < k_bricks_around; ++k) {
-    const uint32_t x = k % 3, y = k / 9, z = k / 3 % 3;
-    const bool reaches = (x == 1 || (x == 0 ? low[0] < 6 : high[0] > 1)) && (z == 1 || (z == 0 ? low[2] < 6 : high[2] > 1)) &&
-                         (y == 1 || (y == 0 ? low[1] < 6 : high[1] > 5));
-    if (reaches) wants |= 1u << k;
+  for (uint32_t y = 0; y < 8; ++y) any_x |= rows[y], any_y |= (rows[y] != 0 ? 1u : 0u) << y;
+  if (any_x == 0) return 0;
+  const auto low = [](uint32_t bits, uint32_t nodes) { return (bits & ((1u << nodes) - 1)) != 0 ? 1u : 0u; };
+  const auto high = [](uint32_t bits, uint32_t nodes) { return (bits >> (8 - nodes)) != 0 ? 4u : 0u; };
+  const uint32_t x = low(any_x, reach.side) | 2u | high(any_x, reach.side);
+  const uint32_t z = low(any_z, reach.side) | 2u | high(any_z, reach.side);
+  const uint32_t y = low(any_y, reach.down) | 2u | high(any_y, reach.up);
+  uint32_t found = 0;
+  for (uint32_t k = 0; k < k_bricks_around; ++k)
+    if ((x >> k % 3 & y >> k / 9 & z >> k / 3 % 3 & 1) != 0) found |= 1u << k;
+  return found;
+}
+
+void mark_reached(SkinState* s, const Brick& brick, uint32_t reach, uint32_t stale) {
+  for (; reach != 0; reach &= reach - 1) {
+    const uint32_t other = brick.around[__builtin_ctz(reach)];
+    if (other != k_brick_none) s->bricks[other].stale |= stale;
   }
-  return wants;
+}
+
+uint8_t holds_any(const uint16_t* values) {
+  uint32_t any = 0;
+  for (uint32_t i = 0; i < k_brick_nodes; ++i) any |= values[i];
+  return any != 0 ? 1 : 0;
 }
 
 bool sand_is_around(const SkinState& s, const Brick& brick) {
@@ -158,22 +170,29 @@ void find_density(SkinState* s, uint32_t number) {
       a[i] = static_cast<uint16_t>(sum * k_gain >> 16);
     }
     filter(a, b);
+    uint16_t gains[8];
+    for (uint16_t& gain : gains) gain = k_skin_one;
     for (uint32_t y = 0; y < 8; ++y)
       for (uint32_t z = 0; z < 8; ++z) {
         const uint16_t* from = b + inner(y, z);
         const uint32_t row = k_brick_layer * y + k_brick_side * z;
+        for (uint32_t x = 0; x < 8 && brick.open == 0; ++x) gains[x] = s->by_free[nodes.solid[row + x]];
         for (uint32_t x = 0; x < 8; ++x) {
-          const uint32_t value = from[x] * uint32_t{s->by_free[nodes.solid[row + x]]} >> 12;
+          const uint32_t value = uint32_t{from[x]} * gains[x] >> 12;
           fresh[row + x] = static_cast<uint16_t>(value < k_skin_one ? value : k_skin_one);
         }
       }
   }
   uint8_t stands[k_brick_layer] = {};
-  for (uint32_t y = 0; y < 8; ++y)
+  for (uint32_t y = 0; y < 8; ++y) {
+    const uint8_t bit = static_cast<uint8_t>(1u << y);
+    const uint16_t* layer = fresh + k_brick_layer * y;
+    const uint8_t* solid = nodes.solid + k_brick_layer * y;
     for (uint32_t c = 0; c < k_brick_layer; ++c) {
-      const bool there = fresh[k_brick_layer * y + c] > k_skin_level || nodes.solid[k_brick_layer * y + c] < 128;
-      stands[c] = static_cast<uint8_t>(stands[c] | (there ? 1u : 0u) << y);
+      const uint8_t sand = layer[c] > k_skin_level ? bit : uint8_t{0}, wall = solid[c] < 128 ? bit : uint8_t{0};
+      stands[c] = static_cast<uint8_t>(stands[c] | sand | wall);
     }
+  }
   if (memcmp(stands, nodes.stands, sizeof stands) != 0) {
     memcpy(nodes.stands, stands, sizeof stands);
     brick.stale |= k_stale_fill;
@@ -182,8 +201,9 @@ void find_density(SkinState* s, uint32_t number) {
   }
   if (memcmp(fresh, nodes.density, sizeof fresh) == 0) return;
   memcpy(nodes.density, fresh, sizeof fresh);
+  brick.dense = holds_any(fresh);
   brick.stale |= k_stale_fill;
-  brick.wants = find_wants(fresh);
+  brick.wants = reach_of(fresh, k_wanted);
   make_wanted(s, number);
 }
 
@@ -209,26 +229,36 @@ int32_t lean_of(const SkinState& s, uint32_t k, int32_t layer) {
 
 // The layer above one, with two nodes of the bricks beside it on every side.
 constexpr uint32_t k_wide = 12;
-void layer_above(const SkinState& s, const Brick& brick, uint32_t layer, uint16_t above[k_wide * k_wide]) {
-  const uint32_t row = layer == 7 ? 18 : 9, from_layer = layer == 7 ? 0 : layer + 1;
-  for (uint32_t bz = 0; bz < 3; ++bz)
-    for (uint32_t bx = 0; bx < 3; ++bx) {
-      const uint32_t number = brick.around[row + 3 * bz + bx];
-      const uint32_t nx = bx == 1 ? 8 : 2, nz = bz == 1 ? 8 : 2, fx = bx == 0 ? 6 : 0, fz = bz == 0 ? 6 : 0;
-      const uint32_t tx = bx == 0 ? 0 : bx == 1 ? 2 : 10, tz = bz == 0 ? 0 : bz == 1 ? 2 : 10;
-      for (uint32_t z = 0; z < nz; ++z) {
-        uint16_t* to = above + (tz + z) * k_wide + tx;
-        if (number == k_brick_none) {
-          memset(to, 0, nx * sizeof *to);
-          continue;
-        }
-        const uint16_t* from = s.nodes[number].filled + k_brick_layer * from_layer + k_brick_side * (fz + z) + fx;
-        memcpy(to, from, nx * sizeof *to);
-      }
-    }
+void layer_above(const SkinState& s, const Brick& brick, uint32_t layer, uint16_t* above) {
+  constexpr uint16_t k_nothing[k_brick_side] = {};
+  const uint32_t first = layer == 7 ? 18 : 9, from_layer = layer == 7 ? 0 : layer + 1;
+  for (uint32_t z = 0; z < k_wide; ++z, above += k_wide) {
+    const uint32_t from_z = z + k_brick_side - 2;
+    const uint32_t* three = brick.around + first + 3 * (from_z / k_brick_side);
+    const uint32_t row = k_brick_layer * from_layer + k_brick_side * (from_z % k_brick_side);
+    const uint16_t* from[3];
+    for (uint32_t x = 0; x < 3; ++x) from[x] = three[x] == k_brick_none ? k_nothing : s.nodes[three[x]].filled + row;
+    memcpy(above, from[0] + k_brick_side - 2, 2 * sizeof *above);
+    memcpy(above + 2, from[1], k_brick_side * sizeof *above);
+    memcpy(above + 2 + k_brick_side, from[2], 2 * sizeof *above);
+  }
 }
 
 uint16_t more(uint16_t a, uint16_t b) { return a > b ? a : b; }
+
+// What falls from the nodes over a row: `up` is the one over its first node.
+template <bool wide>
+void fill_row(const uint16_t* __restrict up, const uint16_t* __restrict density, const uint8_t* __restrict can,
+              uint32_t layer, uint16_t* __restrict fresh) {
+  const uint16_t *l = up - k_wide, *r = up + k_wide;
+  for (int32_t x = 0; x < static_cast<int32_t>(k_brick_side); ++x) {
+    uint16_t most = more(more(up[x], more(up[x - 1], up[x + 1])), more(l[x], r[x]));
+    if (wide) most = more(most, more(more(l[x - 1], l[x + 1]), more(r[x - 1], r[x + 1])));
+    const uint16_t less = static_cast<uint16_t>(more(most, k_fill_less) - k_fill_less);
+    const uint16_t falls = (can[x] >> layer & 1) != 0 && less > k_fill_least ? less : uint16_t{0};
+    fresh[x] = more(density[x], falls);
+  }
+}
 
 // Fills one layer. Whether it has changed.
 bool fill_layer(SkinState* s, uint32_t number, uint32_t layer) {
@@ -238,18 +268,11 @@ bool fill_layer(SkinState* s, uint32_t number, uint32_t layer) {
   layer_above(*s, brick, layer, above);
   const int32_t height = 8 * brick.at[1] + static_cast<int32_t>(layer);
   const int32_t lean = lean_of(*s, 0, height) + static_cast<int32_t>(k_wide) * lean_of(*s, 1, height);
-  const uint16_t* density = nodes.density + k_brick_layer * layer;
-  const bool wide = (height & 1) != 0;
-  for (uint32_t z = 0; z < 8; ++z) {
+  for (uint32_t z = 0; z < k_brick_side; ++z) {
     const uint16_t* up = above + static_cast<int32_t>(k_wide * (z + 2) + 2) - lean;
-    for (uint32_t x = 0; x < 8; ++x) {
-      const uint16_t *m = up + x, *l = m - k_wide, *r = m + k_wide;
-      uint16_t most = more(more(more(m[0], m[-1]), more(m[1], l[0])), r[0]);
-      if (wide) most = more(most, more(more(l[-1], l[1]), more(r[-1], r[1])));
-      const uint16_t less = most > k_fill_less + k_fill_least ? static_cast<uint16_t>(most - k_fill_less) : uint16_t{0};
-      const bool can = (nodes.can[k_brick_side * z + x] >> layer & 1) != 0;
-      fresh[k_brick_side * z + x] = can ? more(density[k_brick_side * z + x], less) : density[k_brick_side * z + x];
-    }
+    const uint32_t row = k_brick_side * z;
+    const auto fill = (height & 1) != 0 ? fill_row<true> : fill_row<false>;
+    fill(up, nodes.density + k_brick_layer * layer + row, nodes.can + row, layer, fresh + row);
   }
   uint16_t* filled = nodes.filled + k_brick_layer * layer;
   if (memcmp(fresh, filled, sizeof fresh) == 0) return false;
@@ -275,6 +298,16 @@ void join_beside(SkinState* s, uint32_t number, uint32_t layer) {
   }
 }
 
+// Whether it holds sand, or sand may fall into it.
+bool can_hold(const SkinState& s, const Brick& brick) {
+  if (brick.filled_reach != 0) return true;
+  for (uint32_t k = 9; k < k_bricks_around; ++k) {
+    const uint32_t other = brick.around[k];
+    if (other != k_brick_none && (s.bricks[other].dense != 0 || s.bricks[other].filled_reach != 0)) return true;
+  }
+  return false;
+}
+
 void collect_level(SkinState* s) {
   s->work_count = s->cursor = 0;
   s->layer = 7;
@@ -283,6 +316,10 @@ void collect_level(SkinState* s) {
     if (brick.used == 0 || (brick.stale & k_stale_fill) == 0 || brick.at[1] != static_cast<int32_t>(s->level)) continue;
     brick.fill_from = 8;
     brick.filled = 0;
+    if (!can_hold(*s, brick)) {
+      brick.stale &= ~k_stale_fill;
+      continue;
+    }
     find_where(*s, brick, &s->nodes[b]);
     s->work[s->work_count++] = b;
   }
@@ -292,8 +329,11 @@ void end_level(SkinState* s) {
   for (uint32_t i = 0; i < s->work_count; ++i) {
     Brick& brick = s->bricks[s->work[i]];
     brick.stale &= ~k_stale_fill;
-    if (brick.filled != 0) mark_around(s, brick, k_stale_calm);
-    brick.fill_from = 8;
+    if (brick.filled != 0) {
+      const uint32_t before = brick.filled_reach;
+      brick.filled_reach = reach_of(s->nodes[s->work[i]].filled, k_filter_reach);
+      mark_reached(s, brick, before | brick.filled_reach, k_stale_calm);
+    }
   }
 }
 
@@ -310,13 +350,14 @@ void find_calm(SkinState* s, uint32_t number) {
       for (uint32_t z = 0; z < 8; ++z)
         memcpy(fresh + k_brick_layer * y + k_brick_side * z, b + inner(y, z), 8 * sizeof *b);
   } else {
+    constexpr uint16_t k_least = k_skin_one / 16;
     uint8_t solid[k_block];
     uint16_t c[k_block], d[k_block];
     brick_block<1>(*s, brick, &BrickNodes::solid, uint8_t{255}, solid);
     for (uint32_t i = 0; i < k_block; ++i) {
-      const uint32_t free = skin_free(solid[i]);
-      c[i] = static_cast<uint16_t>(16 * free);
-      a[i] = static_cast<uint16_t>(a[i] * free >> 8);
+      const uint16_t free = skin_free(solid[i]);
+      c[i] = static_cast<uint16_t>(free << 4);
+      a[i] = static_cast<uint16_t>(uint32_t{a[i]} * free >> 8);
     }
     filter(a, b);
     filter(c, d);
@@ -324,8 +365,10 @@ void find_calm(SkinState* s, uint32_t number) {
       for (uint32_t z = 0; z < 8; ++z)
         for (uint32_t x = 0; x < 8; ++x) {
           const uint32_t i = inner(y, z) + x, at = k_brick_layer * y + k_brick_side * z + x;
-          fresh[at] = d[i] > k_skin_one / 16 ? static_cast<uint16_t>(b[i] * k_skin_one / d[i]) : nodes.filled[at];
-          if (fresh[at] > k_skin_one) fresh[at] = k_skin_one;
+          const float share = k_skin_one * static_cast<float>(b[i]) / static_cast<float>(d[i] > k_least ? d[i] : k_least);
+          const int32_t whole = static_cast<int32_t>(share);  // at most 2^16
+          const uint16_t calm = static_cast<uint16_t>(whole < int32_t{k_skin_one} ? whole : int32_t{k_skin_one});
+          fresh[at] = d[i] > k_least ? calm : nodes.filled[at];
         }
   }
   if (memcmp(fresh, nodes.calm, sizeof fresh) == 0) return;
@@ -338,7 +381,9 @@ void find_calm(SkinState* s, uint32_t number) {
     for (uint32_t x = 0; x < 8; ++x) inside |= (fresh[8 * row + x] > k_skin_level ? 1u : 0u) << x;
     nodes.inside[row] = static_cast<uint8_t>(inside);
   }
-  mark_around(s, brick, k_stale_mesh);
+  const uint32_t before = brick.calm_reach;
+  brick.calm_reach = reach_of(fresh, k_mesh_reach);
+  mark_reached(s, brick, before | brick.calm_reach, k_stale_mesh);
 }
 
 // Runs `task` on the next bricks that are stale in this way. True: there are none left.
@@ -361,12 +406,6 @@ bool run_stale(SkinState* s, Task task) {
 }
 
 }  // namespace
-
-uint32_t skin_free(uint8_t solid) {
-  // The ramp of a wall through the sums' spread and the filter: its slope is 0.49 a node.
-  const int32_t free = 128 + (static_cast<int32_t>(solid) - 128) * 21 / 8;
-  return free > 0 ? (free < 256 ? static_cast<uint32_t>(free) : 256u) : 0u;
-}
 
 // A collider that has come, gone or moved changes the bricks near where it was and near where it is.
 void skin_take_colliders(SkinState* s) {

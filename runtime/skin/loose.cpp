@@ -12,43 +12,41 @@ constexpr float k_flies = 0.35f;  // m/s
 constexpr float k_least_weight = 0.04f;
 constexpr float k_thin = 0.45f, k_thick = 0.95f;  // of the level: none of it is in the mesh, all of it is
 
-// The density at a place in lattice steps; its gradient, in nodes.
-float density_at(const SkinState& s, const int32_t place[3], float gradient[3]) {
-  int32_t cell[3], at[3];
-  float u[3], value = 0;
-  gradient[0] = gradient[1] = gradient[2] = 0;
-  for (uint32_t a = 0; a < 3; ++a) {
-    cell[a] = place[a] >> 7, at[a] = cell[a] >> 3;
-    u[a] = static_cast<float>(place[a] & (k_skin_steps - 1)) * (1.0f / k_skin_steps);
+// The density at the corners of a cell. False: there is none.
+bool density_about(const SkinState& s, const int32_t cell[3], CellValues* values) {
+  const int32_t at[3] = {cell[0] >> 3, cell[1] >> 3, cell[2] >> 3};
+  const uint32_t number = brick_find(s, at), x = static_cast<uint32_t>(cell[0] & 7);
+  const uint32_t y = static_cast<uint32_t>(cell[1] & 7), z = static_cast<uint32_t>(cell[2] & 7);
+  if (number == k_brick_none) return false;
+  if (x != 7 && y != 7 && z != 7) {
+    constexpr uint32_t k_steps[3] = {1, k_brick_layer, k_brick_side};
+    *values = CellValues(s.nodes[number].calm + node_of(cell), k_steps);
+    return true;
   }
-  const uint32_t number = brick_find(s, at);
-  if (number == k_brick_none) return 0;
-  const Brick& brick = s.bricks[number];
   for (uint32_t c = 0; c < 8; ++c) {
-    const uint32_t x = static_cast<uint32_t>(cell[0] & 7) + (c & 1), y = static_cast<uint32_t>(cell[1] & 7) + (c >> 1 & 1);
-    const uint32_t z = static_cast<uint32_t>(cell[2] & 7) + (c >> 2);
-    const uint32_t other = brick.around[k_brick_itself + (x >> 3) + 3 * (z >> 3) + 9 * (y >> 3)];
-    if (other == k_brick_none) continue;
-    const float v = static_cast<float>(s.nodes[other].calm[(x & 7) + 8 * (z & 7) + 64 * (y & 7)]);
-    const float wx = (c & 1) != 0 ? u[0] : 1.0f - u[0], wy = (c & 2) != 0 ? u[1] : 1.0f - u[1];
-    const float wz = (c & 4) != 0 ? u[2] : 1.0f - u[2];
-    value += v * wx * wy * wz;
-    gradient[0] += ((c & 1) != 0 ? v : -v) * wy * wz;
-    gradient[1] += ((c & 2) != 0 ? v : -v) * wx * wz;
-    gradient[2] += ((c & 4) != 0 ? v : -v) * wx * wy;
+    const uint32_t i = x + (c & 1), j = y + (c >> 1 & 1), k = z + (c >> 2);
+    const uint32_t other = s.bricks[number].around[k_brick_itself + (i >> 3) + 3 * (k >> 3) + 9 * (j >> 3)];
+    values->v[c] = other == k_brick_none ? 0.0f : static_cast<float>(s.nodes[other].calm[(i & 7) + 8 * (k & 7) + 64 * (j & 7)]);
   }
-  return value;
+  return true;
 }
 
 // False: all of it is in the mesh.
 bool loose_of(const SkinState& s, const Particle& p, sandglass_skin_loose* out, bool* flies) {
   constexpr float k_from = k_thin * k_skin_level, k_over = (k_thick - k_thin) * k_skin_level;
-  int32_t place[3];
-  float gradient[3];
+  int32_t place[3], cell[3];
+  float u[3], gradient[3] = {0, 0, 0};
+  CellValues density;
   skin_place(s, p.position, place);
-  const float t = (density_at(s, place, gradient) - k_from) * (1.0f / k_over);
+  for (uint32_t a = 0; a < 3; ++a) {
+    cell[a] = place[a] >> 7;
+    u[a] = static_cast<float>(place[a] & (k_skin_steps - 1)) * (1.0f / k_skin_steps);
+  }
+  const bool any = density_about(s, cell, &density);
+  const float t = any ? (density.at(u) - k_from) * (1.0f / k_over) : 0.0f;
   const float weight = t < 0 ? 1.0f : t < 1 ? 1.0f - t * t * (3.0f - 2.0f * t) : 0.0f;
   if (weight < k_least_weight) return false;
+  if (any) density.gradient(u, gradient);
   *out = {};
   memcpy(out->position, p.position, sizeof out->position);
   out->weight = weight;

@@ -18,6 +18,8 @@ constexpr uint32_t k_solid_pitch = k_brick_side + 2;
 constexpr float k_level = static_cast<float>(k_skin_level);
 constexpr float k_foot_radii = 1.2f;   // over a floor, where the foot begins
 constexpr float k_foot_slope = 1.45f;  // its cotangent at the floor
+constexpr float k_far = 1e6f;
+constexpr float k_buried = -0.6f;      // nodes over a collider
 constexpr float k_kept_radii = 2.2f;   // so far a vertex keeps its particle
 constexpr float k_hollow_flat = 0.5f, k_hollow_gain = 2.6f;
 
@@ -49,15 +51,9 @@ uint32_t crossed(const Blocks& b, uint32_t y, uint32_t z) {
 void read_blocks(const SkinState& s, const Brick& brick, Blocks* blocks) {
   brick_block<k_apron>(s, brick, &BrickNodes::calm, uint16_t{0}, blocks->calm);
   uint16_t other[k_block];
-  const uint16_t* from = blocks->calm;
-  uint16_t* to = blocks->wide;
-  for (uint32_t k = 0; k < 3; ++k) {  // the filter [1 2 1] / 4 of every second node
-    const uint32_t step = 2 * k_step[k];
-    for (uint32_t i = step; i < k_block - step; ++i)
-      to[i] = static_cast<uint16_t>(static_cast<uint16_t>(from[i - step] + 2 * from[i] + from[i + step] + 2) >> 2);
-    from = to;
-    to = k == 0 ? other : blocks->wide;
-  }
+  filter_along<k_block, 2 * k_step[0]>(blocks->calm, blocks->wide);  // of every second node
+  filter_along<k_block, 2 * k_step[1]>(blocks->wide, other);
+  filter_along<k_block, 2 * k_step[2]>(other, blocks->wide);
   if (brick.open == 0) brick_block<1>(s, brick, &BrickNodes::solid, uint8_t{255}, blocks->solid);
 }
 
@@ -90,42 +86,34 @@ struct Spline {
   }
 };
 
+// Four along x at a time: compilers know vectors, and do the same to each lane.
+using Four = float __attribute__((vector_size(16)));
+using FourWhole = int32_t __attribute__((vector_size(16)));
+using FourShort = uint16_t __attribute__((vector_size(8)));
+
 // The smoothed density at u in a cell, and its gradient, in nodes.
 float smoothed(const uint16_t* node, const float u[3], float gradient[3]) {
   const Spline x(u[0]), y(u[1]), z(u[2]);
-  float value = 0;
-  gradient[0] = gradient[1] = gradient[2] = 0;
+  Four sum = {}, over_y = {}, over_z = {};
   const uint16_t* corner = node - k_step[0] - k_step[1] - k_step[2];
   for (uint32_t j = 0; j < 4; ++j)
     for (uint32_t k = 0; k < 4; ++k) {
       const uint16_t* row = corner + j * k_step[1] + k * k_step[2];
-      float along = 0, rise = 0;
-      for (uint32_t i = 0; i < 4; ++i) {
-        const float v = static_cast<float>(row[i]);
-        along += x.weight[i] * v;
-        rise += x.slope[i] * v;
-      }
-      value += y.weight[j] * z.weight[k] * along;
-      gradient[0] += y.weight[j] * z.weight[k] * rise;
-      gradient[1] += y.slope[j] * z.weight[k] * along;
-      gradient[2] += y.weight[j] * z.slope[k] * along;
+      const float weight = y.weight[j] * z.weight[k], slope_y = y.slope[j] * z.weight[k], slope_z = y.weight[j] * z.slope[k];
+      FourShort shorts;
+      memcpy(&shorts, row, sizeof shorts);
+      const Four v = __builtin_convertvector(__builtin_convertvector(shorts, FourWhole), Four);
+      sum += weight * v;
+      over_y += slope_y * v;
+      over_z += slope_z * v;
     }
-  return value;
-}
-
-template <class T>
-float linear(const T* node, const uint32_t step[3], const float u[3], float gradient[3]) {
   float value = 0;
   gradient[0] = gradient[1] = gradient[2] = 0;
-  for (uint32_t c = 0; c < 8; ++c) {
-    const bool bit[3] = {(c & 1) != 0, (c & 2) != 0, (c & 4) != 0};
-    float w[3];
-    for (uint32_t m = 0; m < 3; ++m) w[m] = bit[m] ? u[m] : 1.0f - u[m];
-    const float v = static_cast<float>(node[bit[0] * step[0] + bit[1] * step[1] + bit[2] * step[2]]);
-    value += v * w[0] * w[1] * w[2];
-    gradient[0] += (bit[0] ? v : -v) * w[1] * w[2];
-    gradient[1] += (bit[1] ? v : -v) * w[0] * w[2];
-    gradient[2] += (bit[2] ? v : -v) * w[0] * w[1];
+  for (uint32_t i = 0; i < 4; ++i) {
+    value += x.weight[i] * sum[i];
+    gradient[0] += x.slope[i] * sum[i];
+    gradient[1] += x.weight[i] * over_y[i];
+    gradient[2] += x.weight[i] * over_z[i];
   }
   return value;
 }
@@ -178,20 +166,20 @@ uint32_t anchor_of(const SkinState& s, const Brick& brick, const uint32_t cell[3
     return before;
   uint32_t nearest = k_brick_none;
   float least = 3e38f;
-  for (int32_t reach = 1; reach <= 2 && nearest == k_brick_none; ++reach)
-    for (int32_t dy = -reach; dy <= reach; ++dy)
-      for (int32_t dz = -reach; dz <= reach; ++dz)
-        for (int32_t dx = -reach; dx <= reach; ++dx) {
-          const int32_t x = static_cast<int32_t>(cell[0]) + dx + 8, y = static_cast<int32_t>(cell[1]) + dy + 8;
-          const int32_t z = static_cast<int32_t>(cell[2]) + dz + 8;
-          const uint32_t at = brick.around[(x >> 3) + 3 * (z >> 3) + 9 * (y >> 3)];
-          if (at == k_brick_none) continue;
-          uint32_t p = s.nodes[at].particles[(x & 7) + 8 * (z & 7) + 64 * (y & 7)];
-          for (uint32_t n = 0; n < k_looked_at && p != k_brick_none; ++n, p = s.particles[p].next) {
-            const float distance = apart2(s.particles[p].at, place);
-            if (distance < least || (distance == least && p < nearest)) least = distance, nearest = p;
-          }
+  const uint32_t x = cell[0] + 8, y = cell[1] + 8, z = cell[2] + 8;
+  for (uint32_t j = y - 1; j <= y + 1; ++j)
+    for (uint32_t k = z - 1; k <= z + 1; ++k) {
+      const uint32_t* three = brick.around + 3 * (k >> 3) + 9 * (j >> 3);
+      const uint32_t row = 8 * (k & 7) + 64 * (j & 7);
+      for (uint32_t i = x - 1; i <= x + 1; ++i) {
+        if (three[i >> 3] == k_brick_none) continue;
+        uint32_t p = s.nodes[three[i >> 3]].particles[(i & 7) + row];
+        for (uint32_t n = 0; n < k_looked_at && p != k_brick_none; ++n, p = s.particles[p].next) {
+          const float distance = apart2(s.particles[p].at, place);
+          if (distance < least || (distance == least && p < nearest)) least = distance, nearest = p;
         }
+      }
+    }
   return nearest;
 }
 
@@ -209,12 +197,25 @@ uint32_t mixed(uint32_t x) {
 
 int8_t eighth(float x) { return static_cast<int8_t>(floor_whole(127.0f * x + 0.5f)); }
 
-void make_vertex(const SkinState& s, const Brick& brick, const Blocks& blocks, const uint32_t cell[3], uint32_t before,
+// False: it lies deep in a collider, and nobody sees it.
+bool make_vertex(const SkinState& s, const Brick& brick, const Blocks& blocks, const uint32_t cell[3], uint32_t before,
                  sandglass_skin_vertex* out, uint32_t* anchor) {
   const uint32_t first = (cell[0] + k_apron) * k_step[0] + (cell[1] + k_apron) * k_step[1] + (cell[2] + k_apron) * k_step[2];
   const uint16_t* node = blocks.calm + first;
-  float u[3], normal[3], unused[3];
-  crossing(node, u);
+  float u[3], normal[3];
+  float floor[3] = {0, 0, 0}, shift[3] = {0, 0, 0}, over = k_far;
+  if (brick.open == 0) {
+    constexpr uint32_t k_steps[3] = {1, k_solid_pitch * k_solid_pitch, k_solid_pitch};
+    const uint8_t* solid = blocks.solid + (cell[0] + 1) * k_steps[0] + (cell[1] + 1) * k_steps[1] + (cell[2] + 1) * k_steps[2];
+    const CellValues around(solid, k_steps);
+    if (around.sum() < 8 * (128.0f + 48.0f * k_buried)) return false;
+    crossing(node, u);
+    around.gradient(u, floor);
+    const float distance = around.at(u);
+    if (distance < 250.0f) over = (distance - 128.0f) * (1.0f / 48.0f);
+  } else {
+    crossing(node, u);
+  }
   const float value = smoothed(node, u, normal), square = dot(normal, normal);
   float scale = square > 1.0f ? (k_level - value) / square : 0.0f;  // Newton's step to the level
   const float step = __builtin_fabsf(scale) * __builtin_sqrtf(square);
@@ -222,20 +223,11 @@ void make_vertex(const SkinState& s, const Brick& brick, const Blocks& blocks, c
   for (uint32_t m = 0; m < 3; ++m) u[m] = clamped(u[m] + scale * normal[m], 0, 1);
   const float inverse = inverse_length(normal);
   for (uint32_t m = 0; m < 3; ++m) normal[m] = inverse != 0.0f ? -inverse * normal[m] : s.up[m];
-  const float wide = linear(blocks.wide + first, k_step, u, unused) * (1.0f / k_skin_one);
-
-  float shift[3] = {0, 0, 0}, over = 1e6f;
-  if (brick.open == 0) {
-    constexpr uint32_t k_steps[3] = {1, k_solid_pitch * k_solid_pitch, k_solid_pitch};
-    const uint8_t* solid = blocks.solid + (cell[0] + 1) * k_steps[0] + (cell[1] + 1) * k_steps[1] + (cell[2] + 1) * k_steps[2];
-    float floor[3];
-    const float distance = linear(solid, k_steps, u, floor);
-    if (distance < 250.0f) {
-      over = (distance - 128.0f) * (1.0f / 48.0f);
-      const float length = inverse_length(floor);
-      for (uint32_t m = 0; m < 3; ++m) floor[m] *= length;
-      run_out(s, floor, over, shift, normal);
-    }
+  const float wide = CellValues(blocks.wide + first, k_step).at(u) * (1.0f / k_skin_one);
+  if (over < k_far) {
+    const float length = inverse_length(floor);
+    for (uint32_t m = 0; m < 3; ++m) floor[m] *= length;
+    run_out(s, floor, over, shift, normal);
   }
   float place[3];  // in nodes
   for (uint32_t m = 0; m < 3; ++m) place[m] = static_cast<float>(8 * brick.at[m] + static_cast<int32_t>(cell[m])) + u[m];
@@ -259,6 +251,7 @@ void make_vertex(const SkinState& s, const Brick& brick, const Blocks& blocks, c
   out->hollow = static_cast<uint8_t>(to_whole<uint32_t>(255.0f * clamped(hollow, 0, 1) + 0.5f));
   const float micrometres = clamped(1e6f * s.spacing * over, -32768.0f, 32767.0f);
   out->over = static_cast<int16_t>(floor_whole(micrometres));
+  return true;
 }
 
 // ---- bricks of a chunk
@@ -295,8 +288,9 @@ void make_vertices(SkinState* s, uint32_t number, uint32_t chunk) {
         const uint32_t x = static_cast<uint32_t>(__builtin_ctz(cells)), at = x + 8 * z + 64 * y;
         const uint32_t cell[3] = {x, y, z};
         const uint32_t anchor = had && before[at] != k_vertex_none ? s->front.anchors[old + before[at]] : k_brick_none;
+        if (!make_vertex(*s, brick, blocks, cell, anchor, &back.vertices[back.vertex_count], &back.anchors[back.vertex_count]))
+          continue;
         nodes.vertices[at] = static_cast<uint16_t>(brick.count++);
-        make_vertex(*s, brick, blocks, cell, anchor, &back.vertices[back.vertex_count], &back.anchors[back.vertex_count]);
         ++back.vertex_count;
       }
 }
@@ -372,20 +366,31 @@ uint32_t index_of(SkinState* s, uint32_t chunk, const Corner& corner) {
 }
 
 void make_quad(SkinState* s, uint32_t chunk, uint32_t number, const uint32_t cell[3], uint32_t axis, bool inside) {
-  const uint32_t one = 1u << (axis + 1) % 3, two = 1u << (axis + 2) % 3;
-  const Corner corners[4] = {below(*s, number, cell, 0), below(*s, number, cell, inside ? one : two),
-                             below(*s, number, cell, one | two), below(*s, number, cell, inside ? two : one)};
+  const uint32_t one = (axis + 1) % 3, two = (axis + 2) % 3;
   SkinMesh& back = s->back;
-  const sandglass_skin_vertex* vertices = back.vertices + back.first_vertex[chunk];
-  const float bury = clamped(-0.5e6f * s->spacing, -32768.0f, 0.0f);
   uint32_t at[4];
-  bool buried = true;
-  for (uint32_t c = 0; c < 4; ++c) {
-    at[c] = index_of(s, chunk, corners[c]);
-    if (at[c] == k_vertex_none) return;
-    buried = buried && static_cast<float>(vertices[at[c]].over) <= bury;
+  if (cell[one] != 0 && cell[two] != 0) {  // all in this brick
+    constexpr uint32_t k_nodes[3] = {1, k_brick_layer, k_brick_side};
+    const uint32_t node = cell[0] + k_brick_side * cell[2] + k_brick_layer * cell[1];
+    const uint32_t nodes[4] = {node, node - k_nodes[one], node - k_nodes[one] - k_nodes[two], node - k_nodes[two]};
+    for (uint32_t c = 0; c < 4; ++c) {
+      at[c] = s->nodes[number].vertices[nodes[c]];
+      if (at[c] == k_vertex_none) return;
+      at[c] += s->bricks[number].first;
+    }
+  } else {
+    const uint32_t which[4] = {0, 1u << one, 1u << one | 1u << two, 1u << two};
+    for (uint32_t c = 0; c < 4; ++c) {
+      at[c] = index_of(s, chunk, below(*s, number, cell, which[c]));
+      if (at[c] == k_vertex_none) return;
+    }
   }
-  if (buried || s->index_capacity - back.index_count < 6) return;
+  if (!inside) {
+    const uint32_t swap = at[1];
+    at[1] = at[3];
+    at[3] = swap;
+  }
+  if (s->index_capacity - back.index_count < 6) return;
   // Both triangles take the block of the quad's first vertex.
   constexpr uint32_t k_orders[2][6] = {{1, 2, 0, 2, 3, 0}, {0, 1, 2, 0, 2, 3}};
   for (const uint32_t c : k_orders[s->desc.first_vertex]) back.indices[back.index_count++] = static_cast<uint16_t>(at[c]);
@@ -494,7 +499,7 @@ bool skin_mesh(SkinState* s) {
     memset(s->outer, 0xff, k_outer_bricks * k_brick_nodes * sizeof *s->outer);
     for (uint32_t i = 0; i < k_chunk_volume; ++i) {
       const uint32_t number = brick_of_chunk(*s, chunk, i);
-      if (number != k_brick_none) make_triangles(s, c, number);
+      if (number != k_brick_none && s->bricks[number].count != 0) make_triangles(s, c, number);
     }
     end_chunk(s, c, false);
     s->layer = 0;

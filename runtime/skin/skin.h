@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 #include "kernels/kernels.h"
 #include "runtime/core/governor.h"
@@ -66,6 +67,8 @@ struct Brick {
   uint32_t fill_from;                  // the layer below which it is filled anew
   uint16_t low, high;                  // of its density
   uint8_t open;                        // 1: no collider is near
+  uint32_t filled_reach, calm_reach;   // bits of `around` that feel what it holds, after the fill and the filter
+  uint8_t dense;                       // 1: some of its density is above 0, before the fill
   uint8_t filled;                      // 1: the fill of this cycle changed it
   uint32_t first, count;               // its vertices, from the chunk's first
 };
@@ -158,34 +161,73 @@ void brick_release(SkinState* s, uint32_t brick);
 // To the state without sand.
 void skin_forget(SkinState* s);
 
-// A value of a brick's nodes with `apron` nodes of the bricks around on every side, 0 where there is none.
-// `pitch`^2 * pitch items, in the order of nodes.
-template <uint32_t apron, class T, class Out>
-void brick_block(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], T outside, Out* block) {
-  constexpr uint32_t k_pitch = k_brick_side + 2 * apron;
+// A value of a brick's nodes with `apron` nodes of the bricks around on every side, and `outside` where there is none: a
+// cube of k_brick_side + 2 * apron, in the order of nodes.
+template <uint32_t apron, class T>
+void brick_block(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], T outside, T* block) {
+  constexpr uint32_t k_pitch = k_brick_side + 2 * apron, k_first[3] = {k_brick_side - apron, 0, 0};
+  constexpr uint32_t k_count[3] = {apron, k_brick_side, apron}, k_to[3] = {0, apron, apron + k_brick_side};
+  T nothing[k_brick_nodes / k_brick_side];
+  for (T& value : nothing) value = outside;
   for (uint32_t by = 0; by < 3; ++by)
-    for (uint32_t bz = 0; bz < 3; ++bz)
-      for (uint32_t bx = 0; bx < 3; ++bx) {
-        const uint32_t number = brick.around[bx + 3 * bz + 9 * by];
-        const uint32_t nx = bx == 1 ? k_brick_side : apron, ny = by == 1 ? k_brick_side : apron;
-        const uint32_t nz = bz == 1 ? k_brick_side : apron;
-        const uint32_t fx = bx == 0 ? k_brick_side - apron : 0, fy = by == 0 ? k_brick_side - apron : 0;
-        const uint32_t fz = bz == 0 ? k_brick_side - apron : 0;
-        const uint32_t tx = bx == 0 ? 0 : bx == 1 ? apron : apron + k_brick_side;
-        const uint32_t ty = by == 0 ? 0 : by == 1 ? apron : apron + k_brick_side;
-        const uint32_t tz = bz == 0 ? 0 : bz == 1 ? apron : apron + k_brick_side;
-        for (uint32_t y = 0; y < ny; ++y)
-          for (uint32_t z = 0; z < nz; ++z) {
-            Out* to = block + ((ty + y) * k_pitch + tz + z) * k_pitch + tx;
-            if (number == k_brick_none) {
-              for (uint32_t x = 0; x < nx; ++x) to[x] = static_cast<Out>(outside);
-              continue;
-            }
-            const T* from = s.nodes[number].*field + (fy + y) * k_brick_layer + (fz + z) * k_brick_side + fx;
-            for (uint32_t x = 0; x < nx; ++x) to[x] = static_cast<Out>(from[x]);
-          }
+    for (uint32_t bz = 0; bz < 3; ++bz) {
+      const uint32_t* three = brick.around + 3 * bz + 9 * by;
+      const T* from[3];
+      uint32_t step_y[3], step_z[3];  // 0: the same row again
+      for (uint32_t x = 0; x < 3; ++x) {
+        const bool there = three[x] != k_brick_none;
+        from[x] = there ? (s.nodes[three[x]].*field) + k_brick_layer * k_first[by] + k_brick_side * k_first[bz] : nothing;
+        step_y[x] = there ? k_brick_layer : 0, step_z[x] = there ? k_brick_side : 0;
       }
+      for (uint32_t y = 0; y < k_count[by]; ++y) {
+        T* to = block + ((k_to[by] + y) * k_pitch + k_to[bz]) * k_pitch;
+        const T *low = from[0] + y * step_y[0] + k_brick_side - apron, *own = from[1] + y * step_y[1];
+        const T* high = from[2] + y * step_y[2];
+        for (uint32_t z = 0; z < k_count[bz]; ++z, to += k_pitch) {
+          memcpy(to, low, apron * sizeof(T));
+          memcpy(to + apron, own, k_brick_side * sizeof(T));
+          memcpy(to + apron + k_brick_side, high, apron * sizeof(T));
+          low += step_z[0], own += step_z[1], high += step_z[2];
+        }
+      }
+    }
 }
+
+// The filter [1 2 1] / 4 along one axis of a block: of each item and those `step` before and after it. What is beyond the
+// block counts as anything, so only its inner nodes are right.
+template <uint32_t count, uint32_t step>
+void filter_along(const uint16_t* __restrict from, uint16_t* __restrict to) {
+  for (uint32_t i = step; i < count - step; ++i)
+    to[i] = static_cast<uint16_t>(static_cast<uint16_t>(from[i - step] + 2 * from[i] + from[i + step] + 2) >> 2);
+}
+
+// Eight values of a cell, linear between them.
+struct CellValues {
+  float v[8];
+  // The first one's place, and how far the others are along x, y and z.
+  template <class T>
+  CellValues(const T* node, const uint32_t step[3]) {
+    for (uint32_t c = 0; c < 8; ++c)
+      v[c] = static_cast<float>(node[(c & 1) * step[0] + (c >> 1 & 1) * step[1] + (c >> 2) * step[2]]);
+  }
+  CellValues() = default;
+  float sum() const { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); }
+  float at(const float u[3]) const {
+    float w[4];
+    for (uint32_t c = 0; c < 4; ++c) w[c] = v[c] + u[2] * (v[c + 4] - v[c]);
+    const float low = w[0] + u[1] * (w[2] - w[0]), high = w[1] + u[1] * (w[3] - w[1]);
+    return low + u[0] * (high - low);
+  }
+  void gradient(const float u[3], float out[3]) const {
+    for (uint32_t m = 0; m < 3; ++m) {
+      const uint32_t a = 1u << m, b = m == 0 ? 2 : 1, c = m == 2 ? 2 : 4;
+      const float ub = m == 0 ? u[1] : u[0], uc = m == 2 ? u[1] : u[2];
+      const float d0 = v[a] - v[0], d1 = v[a + b] - v[b], d2 = v[a + c] - v[c], d3 = v[a + b + c] - v[b + c];
+      const float low = d0 + ub * (d1 - d0), high = d2 + ub * (d3 - d2);
+      out[m] = low + uc * (high - low);
+    }
+  }
+};
 
 // ---- phases: each runs one unit, and returns true once its phase is done
 
@@ -194,8 +236,14 @@ void skin_begin(SkinState* s);
 bool skin_gather(SkinState* s);
 bool skin_leave(SkinState* s);
 bool skin_density(SkinState* s);
-// How free the surroundings of a node are, in 1/256, by BrickNodes::solid.
-uint32_t skin_free(uint8_t solid);
+// How free the surroundings of a node are, in 1/256, by BrickNodes::solid: the ramp of a wall through the sums' spread and the
+// filter, whose slope is 0.49 a node.
+inline uint16_t skin_free(uint8_t solid) {
+  constexpr uint16_t k_least = 208;  // 128 * 21 / 8 - 128
+  const uint16_t scaled = static_cast<uint16_t>(static_cast<uint16_t>(solid * 21) >> 3);
+  const uint16_t above = static_cast<uint16_t>((scaled > k_least ? scaled : k_least) - k_least);
+  return above < 256 ? above : uint16_t{256};
+}
 void skin_begin_fill(SkinState* s);
 bool skin_fill(SkinState* s);
 bool skin_calm(SkinState* s);
