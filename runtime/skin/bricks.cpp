@@ -83,6 +83,7 @@ uint32_t brick_make(SkinState* s, const int32_t at[3]) {
     around_of(at, k, other);
     brick.around[k] = k == k_brick_itself ? number : brick_find(*s, other);
     if (brick.around[k] != k_brick_none) s->bricks[brick.around[k]].around[k_bricks_around - 1 - k] = number;
+    if (brick.around[k] != k_brick_none) s->bricks[brick.around[k]].room_known = 0;
   }
   uint32_t slot = slot_of(*s, at);
   while (s->slots[slot] != 0) slot = (slot + 1) & s->slot_mask;

@@ -97,23 +97,26 @@ void find_solid(SkinState* s, uint32_t number) {
 
 // How near to a brick's faces a value may be and count beyond them: below and above along each axis.
 struct Reach {
-  uint32_t least;  // what is above it counts
+  uint16_t least;  // what is above it counts
   uint32_t side, down, up;
 };
 constexpr Reach k_wanted = {k_reaches, 6, 6, 2}, k_filter_reach = {0, 1, 1, 1}, k_mesh_reach = {0, 4, 4, 4};
 
 // Bits of Brick::around into which values reach; its own one where there are any.
 uint32_t reach_of(const uint16_t* values, const Reach& reach) {
-  uint32_t rows[8] = {}, any_z = 0, any_x = 0, any_y = 0;  // of y: columns with z; bits of x
+  uint32_t any_x = 0, any_y = 0, any_z = 0;  // bits of the planes that hold any
+  uint16_t columns[8] = {};
   for (uint32_t y = 0; y < 8; ++y)
     for (uint32_t z = 0; z < 8; ++z) {
       const uint16_t* row = values + k_brick_layer * y + k_brick_side * z;
-      uint32_t bits = 0;
-      for (uint32_t x = 0; x < 8; ++x) bits |= (row[x] > reach.least ? 1u : 0u) << x;
-      rows[y] |= bits;
-      any_z |= (bits != 0 ? 1u : 0u) << z;
+      uint16_t above[8];
+      for (uint32_t x = 0; x < 8; ++x) above[x] = row[x] > reach.least ? uint16_t{0xffff} : uint16_t{0};
+      for (uint32_t x = 0; x < 8; ++x) columns[x] = static_cast<uint16_t>(columns[x] | above[x]);
+      uint64_t halves[2];
+      memcpy(halves, above, sizeof halves);
+      if ((halves[0] | halves[1]) != 0) any_y |= 1u << y, any_z |= 1u << z;
     }
-  for (uint32_t y = 0; y < 8; ++y) any_x |= rows[y], any_y |= (rows[y] != 0 ? 1u : 0u) << y;
+  for (uint32_t x = 0; x < 8; ++x) any_x |= (columns[x] & 1u) << x;
   if (any_x == 0) return 0;
   const auto low = [](uint32_t bits, uint32_t nodes) { return (bits & ((1u << nodes) - 1)) != 0 ? 1u : 0u; };
   const auto high = [](uint32_t bits, uint32_t nodes) { return (bits >> (8 - nodes)) != 0 ? 4u : 0u; };
@@ -339,6 +342,16 @@ void end_level(SkinState* s) {
 
 // ---- calm
 
+// The free shares through the filter.
+void find_room(const uint8_t* solid, uint16_t* room) {
+  uint16_t a[k_block], b[k_block];
+  for (uint32_t i = 0; i < k_block; ++i) a[i] = static_cast<uint16_t>(skin_free(solid[i]) << 4);
+  filter(a, b);
+  for (uint32_t y = 0; y < 8; ++y)
+    for (uint32_t z = 0; z < 8; ++z)
+      memcpy(room + k_brick_layer * y + k_brick_side * z, b + inner(y, z), 8 * sizeof *b);
+}
+
 void find_calm(SkinState* s, uint32_t number) {
   Brick& brick = s->bricks[number];
   BrickNodes& nodes = s->nodes[number];
@@ -352,23 +365,20 @@ void find_calm(SkinState* s, uint32_t number) {
   } else {
     constexpr uint16_t k_least = k_skin_one / 16;
     uint8_t solid[k_block];
-    uint16_t c[k_block], d[k_block];
     brick_block<1>(*s, brick, &BrickNodes::solid, uint8_t{255}, solid);
-    for (uint32_t i = 0; i < k_block; ++i) {
-      const uint16_t free = skin_free(solid[i]);
-      c[i] = static_cast<uint16_t>(free << 4);
-      a[i] = static_cast<uint16_t>(uint32_t{a[i]} * free >> 8);
-    }
+    for (uint32_t i = 0; i < k_block; ++i) a[i] = static_cast<uint16_t>(uint32_t{a[i]} * skin_free(solid[i]) >> 8);
     filter(a, b);
-    filter(c, d);
+    if (brick.room_known == 0) find_room(solid, nodes.room);
+    brick.room_known = 1;
     for (uint32_t y = 0; y < 8; ++y)
       for (uint32_t z = 0; z < 8; ++z)
         for (uint32_t x = 0; x < 8; ++x) {
           const uint32_t i = inner(y, z) + x, at = k_brick_layer * y + k_brick_side * z + x;
-          const float share = k_skin_one * static_cast<float>(b[i]) / static_cast<float>(d[i] > k_least ? d[i] : k_least);
+          const uint16_t room = nodes.room[at];
+          const float share = k_skin_one * static_cast<float>(b[i]) / static_cast<float>(room > k_least ? room : k_least);
           const int32_t whole = static_cast<int32_t>(share);  // at most 2^16
           const uint16_t calm = static_cast<uint16_t>(whole < int32_t{k_skin_one} ? whole : int32_t{k_skin_one});
-          fresh[at] = d[i] > k_least ? calm : nodes.filled[at];
+          fresh[at] = room > k_least ? calm : nodes.filled[at];
         }
   }
   if (memcmp(fresh, nodes.calm, sizeof fresh) == 0) return;
@@ -377,8 +387,10 @@ void find_calm(SkinState* s, uint32_t number) {
   for (const uint16_t value : fresh) low = value < low ? value : low, high = value > high ? value : high;
   brick.low = low, brick.high = high;
   for (uint32_t row = 0; row < k_brick_layer; ++row) {
-    uint32_t inside = 0;
-    for (uint32_t x = 0; x < 8; ++x) inside |= (fresh[8 * row + x] > k_skin_level ? 1u : 0u) << x;
+    constexpr uint16_t k_bits[8] = {1, 2, 4, 8, 16, 32, 64, 128};
+    uint16_t inside = 0;
+    for (uint32_t x = 0; x < 8; ++x)
+      inside = static_cast<uint16_t>(inside + (fresh[8 * row + x] > k_skin_level ? k_bits[x] : uint16_t{0}));
     nodes.inside[row] = static_cast<uint8_t>(inside);
   }
   const uint32_t before = brick.calm_reach;
@@ -445,6 +457,8 @@ bool skin_density(SkinState* s) {
       find_solid(s, number);
       brick.stale = (brick.stale & ~k_stale_solid) | k_stale_mesh;
       mark_around(s, brick, k_stale_calm);
+      for (const uint32_t other : brick.around)
+        if (other != k_brick_none) s->bricks[other].room_known = 0;
     }
     find_density(s, number);
   });

@@ -14,6 +14,7 @@ namespace {
 
 constexpr uint32_t k_apron = 3, k_pitch = k_brick_side + 2 * k_apron, k_block = k_pitch * k_pitch * k_pitch;
 constexpr uint32_t k_step[3] = {1, k_pitch * k_pitch, k_pitch};  // of a block, along x, y and z
+constexpr uint32_t k_coarse = 6;
 constexpr uint32_t k_solid_pitch = k_brick_side + 2;
 constexpr float k_level = static_cast<float>(k_skin_level);
 constexpr float k_foot_radii = 1.2f;   // over a floor, where the foot begins
@@ -25,7 +26,8 @@ constexpr float k_hollow_flat = 0.5f, k_hollow_gain = 2.6f;
 
 // What a brick's vertices are made of.
 struct Blocks {
-  uint16_t calm[k_block], wide[k_block];
+  uint16_t calm[k_block];
+  uint16_t wide[k_coarse * k_coarse * k_coarse];  // means of 4^3 nodes, two nodes apart; the first about node -0.5
   uint8_t solid[k_solid_pitch * k_solid_pitch * k_solid_pitch];
   uint16_t rows[9][9];  // of y and z: the nodes 0..8 along x that are inside
 };
@@ -48,12 +50,26 @@ uint32_t crossed(const Blocks& b, uint32_t y, uint32_t z) {
   return (any | any >> 1) & ~(all & all >> 1) & 0xff;
 }
 
+// A quarter of the sum of four rows, `step` apart.
+template <uint32_t count>
+void sum_four(const uint16_t* __restrict from, uint32_t step, uint16_t* __restrict to) {
+  for (uint32_t i = 0; i < count; ++i)
+    to[i] = static_cast<uint16_t>(static_cast<uint16_t>(from[i] + from[i + step] + from[i + 2 * step] + from[i + 3 * step]) >> 2);
+}
+
 void read_blocks(const SkinState& s, const Brick& brick, Blocks* blocks) {
   brick_block<k_apron>(s, brick, &BrickNodes::calm, uint16_t{0}, blocks->calm);
-  uint16_t other[k_block];
-  filter_along<k_block, 2 * k_step[0]>(blocks->calm, blocks->wide);  // of every second node
-  filter_along<k_block, 2 * k_step[1]>(blocks->wide, other);
-  filter_along<k_block, 2 * k_step[2]>(other, blocks->wide);
+  uint16_t by_y[k_coarse * k_pitch * k_pitch], by_z[k_coarse * k_coarse * k_pitch];
+  for (uint32_t y = 0; y < k_coarse; ++y)
+    sum_four<k_pitch * k_pitch>(blocks->calm + 2 * y * k_step[1], k_step[1], by_y + y * k_pitch * k_pitch);
+  for (uint32_t y = 0; y < k_coarse; ++y)
+    for (uint32_t z = 0; z < k_coarse; ++z)
+      sum_four<k_pitch>(by_y + (y * k_pitch + 2 * z) * k_pitch, k_pitch, by_z + (y * k_coarse + z) * k_pitch);
+  for (uint32_t i = 0; i < k_coarse * k_coarse; ++i)
+    for (uint32_t x = 0; x < k_coarse; ++x) {
+      const uint16_t* four = by_z + i * k_pitch + 2 * x;
+      blocks->wide[i * k_coarse + x] = static_cast<uint16_t>((four[0] + four[1] + four[2] + four[3]) >> 2);
+    }
   if (brick.open == 0) brick_block<1>(s, brick, &BrickNodes::solid, uint8_t{255}, blocks->solid);
 }
 
@@ -73,16 +89,14 @@ void crossing(const uint16_t* node, float u[3]) {
   for (uint32_t m = 0; m < 3; ++m) u[m] = sum[m] / count;
 }
 
-// The uniform cubic B-spline through the nodes -1..2 about t, and its slope.
+// The uniform quadratic B-spline of the node nearest to t and those beside it, and its slope.
 struct Spline {
+  uint32_t first;  // of the three, from the node before t
   float weight[4], slope[4];
-  explicit Spline(float t) {
-    const float r = 1.0f - t, sixth = 1.0f / 6.0f;
-    weight[0] = sixth * r * r * r, weight[3] = sixth * t * t * t;
-    weight[1] = sixth * (3.0f * t * t * t - 6.0f * t * t + 4.0f);
-    weight[2] = sixth * (3.0f * r * r * r - 6.0f * r * r + 4.0f);
-    slope[0] = -0.5f * r * r, slope[3] = 0.5f * t * t;
-    slope[1] = 0.5f * (3.0f * t * t - 4.0f * t), slope[2] = -0.5f * (3.0f * r * r - 4.0f * r);
+  explicit Spline(float t) : first(t < 0.5f ? 0 : 1) {
+    const float d = t - static_cast<float>(first), low = 0.5f - d, high = 0.5f + d;
+    weight[0] = 0.5f * low * low, weight[1] = 0.75f - d * d, weight[2] = 0.5f * high * high, weight[3] = 0;
+    slope[0] = -low, slope[1] = -2.0f * d, slope[2] = high, slope[3] = 0;
   }
 };
 
@@ -95,9 +109,9 @@ using FourShort = uint16_t __attribute__((vector_size(8)));
 float smoothed(const uint16_t* node, const float u[3], float gradient[3]) {
   const Spline x(u[0]), y(u[1]), z(u[2]);
   Four sum = {}, over_y = {}, over_z = {};
-  const uint16_t* corner = node - k_step[0] - k_step[1] - k_step[2];
-  for (uint32_t j = 0; j < 4; ++j)
-    for (uint32_t k = 0; k < 4; ++k) {
+  const uint16_t* corner = node + x.first - k_step[0] + y.first * k_step[1] - k_step[1] + z.first * k_step[2] - k_step[2];
+  for (uint32_t j = 0; j < 3; ++j)
+    for (uint32_t k = 0; k < 3; ++k) {
       const uint16_t* row = corner + j * k_step[1] + k * k_step[2];
       const float weight = y.weight[j] * z.weight[k], slope_y = y.slope[j] * z.weight[k], slope_z = y.weight[j] * z.slope[k];
       FourShort shorts;
@@ -109,7 +123,7 @@ float smoothed(const uint16_t* node, const float u[3], float gradient[3]) {
     }
   float value = 0;
   gradient[0] = gradient[1] = gradient[2] = 0;
-  for (uint32_t i = 0; i < 4; ++i) {
+  for (uint32_t i = 0; i < 3; ++i) {
     value += x.weight[i] * sum[i];
     gradient[0] += x.slope[i] * sum[i];
     gradient[1] += x.weight[i] * over_y[i];
@@ -197,6 +211,19 @@ uint32_t mixed(uint32_t x) {
 
 int8_t eighth(float x) { return static_cast<int8_t>(floor_whole(127.0f * x + 0.5f)); }
 
+// The mean density about u in a cell, from those of Blocks::wide.
+float mean_about(const uint16_t* wide, const uint32_t cell[3], const float u[3]) {
+  constexpr uint32_t k_steps[3] = {1, k_coarse * k_coarse, k_coarse};
+  float v[3];
+  uint32_t at = 0;
+  for (uint32_t m = 0; m < 3; ++m) {
+    const uint32_t twice = cell[m] + (u[m] < 0.5f ? 1 : 2), low = twice >> 1;  // 1.5 nodes and more past the first one
+    at += low * k_steps[m];
+    v[m] = 0.5f * (static_cast<float>(cell[m]) + u[m] + 1.5f) - static_cast<float>(low);
+  }
+  return CellValues(wide + at, k_steps).at(v);
+}
+
 // False: it lies deep in a collider, and nobody sees it.
 bool make_vertex(const SkinState& s, const Brick& brick, const Blocks& blocks, const uint32_t cell[3], uint32_t before,
                  sandglass_skin_vertex* out, uint32_t* anchor) {
@@ -210,9 +237,9 @@ bool make_vertex(const SkinState& s, const Brick& brick, const Blocks& blocks, c
     const CellValues around(solid, k_steps);
     if (around.sum() < 8 * (128.0f + 48.0f * k_buried)) return false;
     crossing(node, u);
-    around.gradient(u, floor);
     const float distance = around.at(u);
     if (distance < 250.0f) over = (distance - 128.0f) * (1.0f / 48.0f);
+    if (over < k_foot_radii / k_skin_spacing) around.gradient(u, floor);
   } else {
     crossing(node, u);
   }
@@ -223,7 +250,7 @@ bool make_vertex(const SkinState& s, const Brick& brick, const Blocks& blocks, c
   for (uint32_t m = 0; m < 3; ++m) u[m] = clamped(u[m] + scale * normal[m], 0, 1);
   const float inverse = inverse_length(normal);
   for (uint32_t m = 0; m < 3; ++m) normal[m] = inverse != 0.0f ? -inverse * normal[m] : s.up[m];
-  const float wide = CellValues(blocks.wide + first, k_step).at(u) * (1.0f / k_skin_one);
+  const float wide = mean_about(blocks.wide, cell, u) * (1.0f / k_skin_one);
   if (over < k_far) {
     const float length = inverse_length(floor);
     for (uint32_t m = 0; m < 3; ++m) floor[m] *= length;

@@ -69,6 +69,7 @@ struct Brick {
   uint8_t open;                        // 1: no collider is near
   uint32_t filled_reach, calm_reach;   // bits of `around` that feel what it holds, after the fill and the filter
   uint8_t dense;                       // 1: some of its density is above 0, before the fill
+  uint8_t room_known;                  // 1: BrickNodes::room is that of the colliders
   uint8_t filled;                      // 1: the fill of this cycle changed it
   uint32_t first, count;               // its vertices, from the chunk's first
 };
@@ -77,6 +78,7 @@ struct Brick {
 struct BrickNodes {
   uint32_t sums[k_brick_nodes];
   uint16_t density[k_brick_nodes], filled[k_brick_nodes], calm[k_brick_nodes];
+  uint16_t room[k_brick_nodes];      // the free shares through the filter, in k_skin_one
   uint8_t solid[k_brick_nodes];      // 128 + 48 times the distance to the nearest collider, in nodes
   uint8_t stands[k_brick_layer];     // of each column: the nodes that hold sand or are solid
   uint8_t can[k_brick_layer];        // of each column: the nodes that sand may fill
