@@ -32,6 +32,15 @@ void filter(uint16_t* a, uint16_t* b) {
 
 uint32_t inner(uint32_t y, uint32_t z) { return ((y + 1) * k_pitch + z + 1) * k_pitch + 1; }
 
+uint16_t bounded_whole(uint32_t value) { return static_cast<uint16_t>(value < 0xffff ? value : 0xffff); }
+
+// A block without its apron.
+void inner_nodes(const uint16_t* block, uint16_t* nodes) {
+  for (uint32_t y = 0; y < 8; ++y)
+    for (uint32_t z = 0; z < 8; ++z)
+      memcpy(nodes + k_brick_layer * y + k_brick_side * z, block + inner(y, z), k_brick_side * sizeof *nodes);
+}
+
 void mark_around(SkinState* s, const Brick& brick, uint32_t stale) {
   for (const uint32_t other : brick.around)
     if (other != k_brick_none) s->bricks[other].stale |= stale;
@@ -104,20 +113,28 @@ constexpr Reach k_wanted = {k_reaches, 6, 6, 2}, k_filter_reach = {0, 1, 1, 1}, 
 
 // Bits of Brick::around into which values reach; its own one where there are any.
 uint32_t reach_of(const uint16_t* values, const Reach& reach) {
-  uint32_t any_x = 0, any_y = 0, any_z = 0;  // bits of the planes that hold any
-  uint16_t columns[8] = {};
-  for (uint32_t y = 0; y < 8; ++y)
-    for (uint32_t z = 0; z < 8; ++z) {
-      const uint16_t* row = values + k_brick_layer * y + k_brick_side * z;
-      uint16_t above[8];
-      for (uint32_t x = 0; x < 8; ++x) above[x] = row[x] > reach.least ? uint16_t{0xffff} : uint16_t{0};
-      for (uint32_t x = 0; x < 8; ++x) columns[x] = static_cast<uint16_t>(columns[x] | above[x]);
-      uint64_t halves[2];
-      memcpy(halves, above, sizeof halves);
-      if ((halves[0] | halves[1]) != 0) any_y |= 1u << y, any_z |= 1u << z;
+  uint16_t columns[k_brick_layer] = {}, along_x[8] = {};  // the most over y; and over z
+  uint32_t any_x = 0, any_y = 0, any_z = 0;                // bits of the planes that hold any
+  for (uint32_t y = 0; y < 8; ++y) {
+    const uint16_t* layer = values + k_brick_layer * y;
+    uint16_t most = 0;
+    for (uint32_t c = 0; c < k_brick_layer; ++c) {
+      columns[c] = layer[c] > columns[c] ? layer[c] : columns[c];
+      most = layer[c] > most ? layer[c] : most;
     }
-  for (uint32_t x = 0; x < 8; ++x) any_x |= (columns[x] & 1u) << x;
-  if (any_x == 0) return 0;
+    any_y |= (most > reach.least ? 1u : 0u) << y;
+  }
+  if (any_y == 0) return 0;
+  for (uint32_t z = 0; z < 8; ++z) {
+    uint16_t most = 0;
+    for (uint32_t x = 0; x < 8; ++x) {
+      const uint16_t value = columns[k_brick_side * z + x];
+      along_x[x] = value > along_x[x] ? value : along_x[x];
+      most = value > most ? value : most;
+    }
+    any_z |= (most > reach.least ? 1u : 0u) << z;
+  }
+  for (uint32_t x = 0; x < 8; ++x) any_x |= (along_x[x] > reach.least ? 1u : 0u) << x;
   const auto low = [](uint32_t bits, uint32_t nodes) { return (bits & ((1u << nodes) - 1)) != 0 ? 1u : 0u; };
   const auto high = [](uint32_t bits, uint32_t nodes) { return (bits >> (8 - nodes)) != 0 ? 4u : 0u; };
   const uint32_t x = low(any_x, reach.side) | 2u | high(any_x, reach.side);
@@ -173,27 +190,20 @@ void find_density(SkinState* s, uint32_t number) {
       a[i] = static_cast<uint16_t>(sum * k_gain >> 16);
     }
     filter(a, b);
-    uint16_t gains[8];
-    for (uint16_t& gain : gains) gain = k_skin_one;
-    for (uint32_t y = 0; y < 8; ++y)
-      for (uint32_t z = 0; z < 8; ++z) {
-        const uint16_t* from = b + inner(y, z);
-        const uint32_t row = k_brick_layer * y + k_brick_side * z;
-        for (uint32_t x = 0; x < 8 && brick.open == 0; ++x) gains[x] = s->by_free[nodes.solid[row + x]];
-        for (uint32_t x = 0; x < 8; ++x) {
-          const uint32_t value = uint32_t{from[x]} * gains[x] >> 12;
-          fresh[row + x] = static_cast<uint16_t>(value < k_skin_one ? value : k_skin_one);
-        }
-      }
+    inner_nodes(b, fresh);
+    if (brick.open == 0)
+      for (uint32_t i = 0; i < k_brick_nodes; ++i)
+        fresh[i] = bounded_whole(uint32_t{fresh[i]} * s->by_free[nodes.solid[i]] >> 12);
+    for (uint16_t& value : fresh) value = value < k_skin_one ? value : uint16_t{k_skin_one};
   }
   uint8_t stands[k_brick_layer] = {};
   for (uint32_t y = 0; y < 8; ++y) {
-    const uint8_t bit = static_cast<uint8_t>(1u << y);
     const uint16_t* layer = fresh + k_brick_layer * y;
     const uint8_t* solid = nodes.solid + k_brick_layer * y;
-    for (uint32_t c = 0; c < k_brick_layer; ++c) {
-      const uint8_t sand = layer[c] > k_skin_level ? bit : uint8_t{0}, wall = solid[c] < 128 ? bit : uint8_t{0};
-      stands[c] = static_cast<uint8_t>(stands[c] | sand | wall);
+    for (uint32_t c = 0; c < k_brick_layer; ++c) {  // above the level, by the sign of the difference; below 128
+      const uint8_t sand = static_cast<uint8_t>(static_cast<uint16_t>(k_skin_level - layer[c]) >> 15);
+      const uint8_t wall = static_cast<uint8_t>(static_cast<uint8_t>(~solid[c]) >> 7);
+      stands[c] = static_cast<uint8_t>(stands[c] | static_cast<uint8_t>((sand | wall) << y));
     }
   }
   if (memcmp(stands, nodes.stands, sizeof stands) != 0) {
@@ -214,12 +224,15 @@ void find_density(SkinState* s, uint32_t number) {
 
 // Where sand has something to stand on: within four nodes below.
 void find_where(const SkinState& s, const Brick& brick, BrickNodes* nodes) {
+  constexpr uint8_t k_nothing[k_brick_layer] = {};
   const uint32_t below = brick.around[k_brick_itself - 9];
+  const uint8_t *under = below == k_brick_none ? k_nothing : s.nodes[below].stands, *here = nodes->stands;
+  uint8_t can[k_brick_layer];
   for (uint32_t c = 0; c < k_brick_layer; ++c) {
-    const uint32_t under = below == k_brick_none ? 0u : s.nodes[below].stands[c];
-    const uint32_t all = static_cast<uint32_t>(nodes->stands[c]) << 8 | under;
-    nodes->can[c] = static_cast<uint8_t>(all >> 4 | all >> 5 | all >> 6 | all >> 7 | all >> 8);
+    const uint16_t all = static_cast<uint16_t>(here[c] << 8 | under[c]);
+    can[c] = static_cast<uint8_t>(all >> 4 | all >> 5 | all >> 6 | all >> 7 | all >> 8);
   }
+  memcpy(nodes->can, can, sizeof can);
 }
 
 int32_t rounded(int64_t v) { return static_cast<int32_t>((v + k_skin_one / 2) >> 12); }
@@ -347,9 +360,7 @@ void find_room(const uint8_t* solid, uint16_t* room) {
   uint16_t a[k_block], b[k_block];
   for (uint32_t i = 0; i < k_block; ++i) a[i] = static_cast<uint16_t>(skin_free(solid[i]) << 4);
   filter(a, b);
-  for (uint32_t y = 0; y < 8; ++y)
-    for (uint32_t z = 0; z < 8; ++z)
-      memcpy(room + k_brick_layer * y + k_brick_side * z, b + inner(y, z), 8 * sizeof *b);
+  inner_nodes(b, room);
 }
 
 void find_calm(SkinState* s, uint32_t number) {
@@ -359,9 +370,7 @@ void find_calm(SkinState* s, uint32_t number) {
   brick_block<1>(*s, brick, &BrickNodes::filled, uint16_t{0}, a);
   if (brick.open != 0) {
     filter(a, b);
-    for (uint32_t y = 0; y < 8; ++y)
-      for (uint32_t z = 0; z < 8; ++z)
-        memcpy(fresh + k_brick_layer * y + k_brick_side * z, b + inner(y, z), 8 * sizeof *b);
+    inner_nodes(b, fresh);
   } else {
     constexpr uint16_t k_least = k_skin_one / 16;
     uint8_t solid[k_block];
@@ -370,16 +379,13 @@ void find_calm(SkinState* s, uint32_t number) {
     filter(a, b);
     if (brick.room_known == 0) find_room(solid, nodes.room);
     brick.room_known = 1;
-    for (uint32_t y = 0; y < 8; ++y)
-      for (uint32_t z = 0; z < 8; ++z)
-        for (uint32_t x = 0; x < 8; ++x) {
-          const uint32_t i = inner(y, z) + x, at = k_brick_layer * y + k_brick_side * z + x;
-          const uint16_t room = nodes.room[at];
-          const float share = k_skin_one * static_cast<float>(b[i]) / static_cast<float>(room > k_least ? room : k_least);
-          const int32_t whole = static_cast<int32_t>(share);  // at most 2^16
-          const uint16_t calm = static_cast<uint16_t>(whole < int32_t{k_skin_one} ? whole : int32_t{k_skin_one});
-          fresh[at] = room > k_least ? calm : nodes.filled[at];
-        }
+    inner_nodes(b, fresh);
+    for (uint32_t i = 0; i < k_brick_nodes; ++i) {
+      const int32_t room = nodes.room[i], most = room > k_least ? room : k_least;
+      const int32_t share = static_cast<int32_t>(k_skin_one * static_cast<float>(int32_t{fresh[i]}) / static_cast<float>(most));
+      const int32_t calm = share < int32_t{k_skin_one} ? share : int32_t{k_skin_one};
+      fresh[i] = static_cast<uint16_t>(room > k_least ? calm : int32_t{nodes.filled[i]});
+    }
   }
   if (memcmp(fresh, nodes.calm, sizeof fresh) == 0) return;
   memcpy(nodes.calm, fresh, sizeof fresh);
