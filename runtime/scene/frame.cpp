@@ -13,7 +13,8 @@
 namespace sandglass {
 namespace {
 
-static_assert(uint32_t{k_granular_kinds} + k_lighting_stage_kinds + k_skin_kinds + k_shadow_stage_kinds <= k_unit_kinds);
+static_assert(uint32_t{k_granular_kinds} + k_lighting_stage_kinds + k_skin_kinds + k_shadow_stage_kinds <=
+              k_unit_kinds);
 
 sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input* input,
                        const sandglass_frame_report* report, const char** reason) {
@@ -77,7 +78,8 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   Stage stages[SANDGLASS_STAGE_COUNT] = {
       granular_particle_stage(granular),
       lighting_stage(&lighting, input->camera, &refused_image),
-      input->skin == nullptr ? stage_without_work(k_skin_kinds) : input->skin->functions->begin_frame(input->skin, *granular),
+      input->skin == nullptr ? stage_without_work(k_skin_kinds)
+                             : input->skin->functions->begin_frame(input->skin, *granular),
       shadow_stage(&shadows, sand_as_drawn(*granular)),
       granular_grain_stage(granular),
       granular_output_stage(granular),

@@ -119,8 +119,8 @@ sandglass_status sandglass_skin_bytes(const sandglass_skin_desc* desc, uint64_t*
   return accept(reason);
 }
 
-sandglass_status sandglass_skin_create(const sandglass_skin_desc* desc, void* block, uint64_t bytes, sandglass_skin** skin,
-                                       const char** reason) {
+sandglass_status sandglass_skin_create(const sandglass_skin_desc* desc, void* block, uint64_t bytes,
+                                       sandglass_skin** skin, const char** reason) {
   uint64_t need = 0;
   const sandglass_status status = sandglass_skin_bytes(desc, &need, reason);
   if (status != SANDGLASS_OK) return status;

@@ -87,7 +87,8 @@ void find_solid(SkinState* s, uint32_t number) {
   for (uint32_t c = 0; c < s->collider_count; ++c) {
     if (!is_near(*s, middle, s->colliders[c])) continue;
     for (uint32_t i = 0; i < k_brick_nodes; ++i) {
-      const int32_t node[3] = {static_cast<int32_t>(i & 7), static_cast<int32_t>(i >> 6), static_cast<int32_t>(i >> 3 & 7)};
+      const int32_t node[3] = {static_cast<int32_t>(i & 7), static_cast<int32_t>(i >> 6),
+                               static_cast<int32_t>(i >> 3 & 7)};
       for (uint32_t a = 0; a < 3; ++a)
         s->points[i].position[s->axis[a]] =
             s->sign[a] * s->spacing * (static_cast<float>(8 * brick.at[a] + node[a]) + 0.5f);
@@ -114,7 +115,7 @@ constexpr Reach k_wanted = {k_reaches, 6, 6, 2}, k_filter_reach = {0, 1, 1, 1}, 
 // Bits of Brick::around into which values reach; its own one where there are any.
 uint32_t reach_of(const uint16_t* values, const Reach& reach) {
   uint16_t columns[k_brick_layer] = {}, along_x[8] = {};  // the most over y; and over z
-  uint32_t any_x = 0, any_y = 0, any_z = 0;                // bits of the planes that hold any
+  uint32_t any_x = 0, any_y = 0, any_z = 0;               // bits of the planes that hold any
   for (uint32_t y = 0; y < 8; ++y) {
     const uint16_t* layer = values + k_brick_layer * y;
     uint16_t most = 0;
@@ -358,7 +359,7 @@ void end_level(SkinState* s) {
 // The free shares through the filter.
 void find_room(const uint8_t* solid, uint16_t* room) {
   uint16_t a[k_block], b[k_block];
-  for (uint32_t i = 0; i < k_block; ++i) a[i] = static_cast<uint16_t>(skin_free(solid[i]) << 4);
+  for (uint32_t i = 0; i < k_block; ++i) a[i] = static_cast<uint16_t>(skin_part(solid[i]) << 4);
   filter(a, b);
   inner_nodes(b, room);
 }
@@ -372,19 +373,20 @@ void find_calm(SkinState* s, uint32_t number) {
     filter(a, b);
     inner_nodes(b, fresh);
   } else {
-    constexpr uint16_t k_least = k_skin_one / 16;
+    constexpr uint16_t k_least = k_skin_one / 128;
     uint8_t solid[k_block];
     brick_block<1>(*s, brick, &BrickNodes::solid, uint8_t{255}, solid);
-    for (uint32_t i = 0; i < k_block; ++i) a[i] = static_cast<uint16_t>(uint32_t{a[i]} * skin_free(solid[i]) >> 8);
+    for (uint32_t i = 0; i < k_block; ++i) a[i] = static_cast<uint16_t>(uint32_t{a[i]} * skin_part(solid[i]) >> 8);
     filter(a, b);
     if (brick.room_known == 0) find_room(solid, nodes.room);
     brick.room_known = 1;
     inner_nodes(b, fresh);
     for (uint32_t i = 0; i < k_brick_nodes; ++i) {
-      const int32_t room = nodes.room[i], most = room > k_least ? room : k_least;
-      const int32_t share = static_cast<int32_t>(k_skin_one * static_cast<float>(int32_t{fresh[i]}) / static_cast<float>(most));
+      const int32_t room = nodes.room[i], kept = nodes.filled[i], most = room > k_least ? room : k_least;
+      const int32_t share =
+          static_cast<int32_t>(k_skin_one * static_cast<float>(int32_t{fresh[i]}) / static_cast<float>(most));
       const int32_t calm = share < int32_t{k_skin_one} ? share : int32_t{k_skin_one};
-      fresh[i] = static_cast<uint16_t>(room > k_least ? calm : int32_t{nodes.filled[i]});
+      fresh[i] = static_cast<uint16_t>(room > k_least ? calm : kept);
     }
   }
   if (memcmp(fresh, nodes.calm, sizeof fresh) == 0) return;

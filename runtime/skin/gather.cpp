@@ -33,7 +33,8 @@ void spread(SkinState* s, uint32_t number, const SkinParticle& p, uint32_t sign)
         (wx[c & 1] * wy[c >> 2] * wz[c >> 1 & 1] >> k_round) * share;
   }
   // The density of the nodes beside those changes, too.
-  const uint32_t x0 = local[0] == 0 ? 0 : 1, x1 = local[0] >= 6 ? 2 : 1, y0 = local[1] == 0 ? 0 : 1, y1 = local[1] >= 6 ? 2 : 1;
+  const uint32_t x0 = local[0] == 0 ? 0 : 1, x1 = local[0] >= 6 ? 2 : 1, y0 = local[1] == 0 ? 0 : 1,
+                 y1 = local[1] >= 6 ? 2 : 1;
   const uint32_t z0 = local[2] == 0 ? 0 : 1, z1 = local[2] >= 6 ? 2 : 1;
   for (uint32_t y = y0; y <= y1; ++y)
     for (uint32_t z = z0; z <= z1; ++z)

@@ -26,7 +26,8 @@ bool density_about(const SkinState& s, const int32_t cell[3], CellValues* values
   for (uint32_t c = 0; c < 8; ++c) {
     const uint32_t i = x + (c & 1), j = y + (c >> 1 & 1), k = z + (c >> 2);
     const uint32_t other = s.bricks[number].around[k_brick_itself + (i >> 3) + 3 * (k >> 3) + 9 * (j >> 3)];
-    values->v[c] = other == k_brick_none ? 0.0f : static_cast<float>(s.nodes[other].calm[(i & 7) + 8 * (k & 7) + 64 * (j & 7)]);
+    values->v[c] =
+        other == k_brick_none ? 0.0f : static_cast<float>(s.nodes[other].calm[(i & 7) + 8 * (k & 7) + 64 * (j & 7)]);
   }
   return true;
 }
@@ -57,10 +58,13 @@ bool loose_of(const SkinState& s, const Particle& p, sandglass_skin_loose* out, 
     memcpy(out->way, v, sizeof out->way);
     return true;
   }
+  // Away from the sand about it, and upward where there is little.
   const float square = gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2];
-  const float scale = square > 6400.0f ? -1.0f / __builtin_sqrtf(square) : 0.0f;
-  for (uint32_t a = 0; a < 3; ++a)
-    out->way[s.axis[a]] = s.sign[a] * (scale != 0.0f ? scale * gradient[a] : s.up[a]);
+  const float scale = square > 1.0f ? (1.0f - weight) / __builtin_sqrtf(square) : 0.0f;
+  float way[3], length = 0;
+  for (uint32_t a = 0; a < 3; ++a) way[a] = weight * s.up[a] - scale * gradient[a], length += way[a] * way[a];
+  const float inverse = length > 1e-6f ? 1.0f / __builtin_sqrtf(length) : 0.0f;
+  for (uint32_t a = 0; a < 3; ++a) out->way[s.axis[a]] = s.sign[a] * (inverse != 0.0f ? inverse * way[a] : s.up[a]);
   return true;
 }
 
@@ -97,7 +101,8 @@ bool skin_loose(SkinState* s) {
     back.loose[flies ? back.flying++ : s->desc.particle_capacity - ++back.lying] = one;
   }
   if (s->cursor < particles.count) return false;
-  memmove(back.loose + back.flying, back.loose + s->desc.particle_capacity - back.lying, back.lying * sizeof *back.loose);
+  memmove(back.loose + back.flying, back.loose + s->desc.particle_capacity - back.lying,
+          back.lying * sizeof *back.loose);
   for (uint32_t b = 0; b < s->brick_count; ++b) {
     Brick& brick = s->bricks[b];
     if (brick.used == 0) continue;

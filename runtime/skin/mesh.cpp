@@ -13,15 +13,15 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t k_apron = 3, k_pitch = k_brick_side + 2 * k_apron, k_block = k_pitch * k_pitch * k_pitch;
-constexpr uint32_t k_step[3] = {1, k_pitch * k_pitch, k_pitch};  // of a block, along x, y and z
+constexpr uint32_t k_step[3] = {1, k_pitch* k_pitch, k_pitch};  // of a block, along x, y and z
 constexpr uint32_t k_coarse = 6;
 constexpr uint32_t k_solid_pitch = k_brick_side + 2;
 constexpr float k_level = static_cast<float>(k_skin_level);
 constexpr float k_foot_radii = 1.2f;   // over a floor, where the foot begins
 constexpr float k_foot_slope = 1.45f;  // its cotangent at the floor
 constexpr float k_far = 1e6f;
-constexpr float k_buried = -0.6f;      // nodes over a collider
-constexpr float k_kept_radii = 2.2f;   // so far a vertex keeps its particle
+constexpr float k_buried = -1.6f;     // nodes over a collider, of a cell's middle: none of it looks out
+constexpr float k_kept_radii = 2.2f;  // so far a vertex keeps its particle
 constexpr float k_hollow_flat = 0.5f, k_hollow_gain = 2.6f;
 
 // What a brick's vertices are made of.
@@ -54,7 +54,8 @@ uint32_t crossed(const Blocks& b, uint32_t y, uint32_t z) {
 template <uint32_t count>
 void sum_four(const uint16_t* __restrict from, uint32_t step, uint16_t* __restrict to) {
   for (uint32_t i = 0; i < count; ++i)
-    to[i] = static_cast<uint16_t>(static_cast<uint16_t>(from[i] + from[i + step] + from[i + 2 * step] + from[i + 3 * step]) >> 2);
+    to[i] = static_cast<uint16_t>(
+        static_cast<uint16_t>(from[i] + from[i + step] + from[i + 2 * step] + from[i + 3 * step]) >> 2);
 }
 
 void read_blocks(const SkinState& s, const Brick& brick, Blocks* blocks) {
@@ -109,11 +110,13 @@ using FourShort = uint16_t __attribute__((vector_size(8)));
 float smoothed(const uint16_t* node, const float u[3], float gradient[3]) {
   const Spline x(u[0]), y(u[1]), z(u[2]);
   Four sum = {}, over_y = {}, over_z = {};
-  const uint16_t* corner = node + x.first - k_step[0] + y.first * k_step[1] - k_step[1] + z.first * k_step[2] - k_step[2];
+  const uint16_t* corner =
+      node + x.first - k_step[0] + y.first * k_step[1] - k_step[1] + z.first * k_step[2] - k_step[2];
   for (uint32_t j = 0; j < 3; ++j)
     for (uint32_t k = 0; k < 3; ++k) {
       const uint16_t* row = corner + j * k_step[1] + k * k_step[2];
-      const float weight = y.weight[j] * z.weight[k], slope_y = y.slope[j] * z.weight[k], slope_z = y.weight[j] * z.slope[k];
+      const float weight = y.weight[j] * z.weight[k], slope_y = y.slope[j] * z.weight[k],
+                  slope_z = y.weight[j] * z.slope[k];
       FourShort shorts;
       memcpy(&shorts, row, sizeof shorts);
       const Four v = __builtin_convertvector(__builtin_convertvector(shorts, FourWhole), Four);
@@ -173,7 +176,8 @@ float apart2(const int32_t a[3], const float b[3]) {
 
 // The particle whose sand lies about a place (in lattice steps): the one of before while it is near, else the nearest of
 // those about the cell.
-uint32_t anchor_of(const SkinState& s, const Brick& brick, const uint32_t cell[3], const float place[3], uint32_t before) {
+uint32_t anchor_of(const SkinState& s, const Brick& brick, const uint32_t cell[3], const float place[3],
+                   uint32_t before) {
   constexpr uint32_t k_looked_at = 4;  // of a cell
   const float keep = k_kept_radii / k_skin_spacing * k_skin_steps;
   if (before != k_brick_none && s.particles[before].share != 0 && apart2(s.particles[before].at, place) < keep * keep)
@@ -227,22 +231,19 @@ float mean_about(const uint16_t* wide, const uint32_t cell[3], const float u[3])
 // False: it lies deep in a collider, and nobody sees it.
 bool make_vertex(const SkinState& s, const Brick& brick, const Blocks& blocks, const uint32_t cell[3], uint32_t before,
                  sandglass_skin_vertex* out, uint32_t* anchor) {
-  const uint32_t first = (cell[0] + k_apron) * k_step[0] + (cell[1] + k_apron) * k_step[1] + (cell[2] + k_apron) * k_step[2];
+  const uint32_t first =
+      (cell[0] + k_apron) * k_step[0] + (cell[1] + k_apron) * k_step[1] + (cell[2] + k_apron) * k_step[2];
   const uint16_t* node = blocks.calm + first;
   float u[3], normal[3];
-  float floor[3] = {0, 0, 0}, shift[3] = {0, 0, 0}, over = k_far;
+  float floor[3], shift[3] = {0, 0, 0}, over = k_far;
+  constexpr uint32_t k_steps[3] = {1, k_solid_pitch * k_solid_pitch, k_solid_pitch};
+  CellValues solid;
   if (brick.open == 0) {
-    constexpr uint32_t k_steps[3] = {1, k_solid_pitch * k_solid_pitch, k_solid_pitch};
-    const uint8_t* solid = blocks.solid + (cell[0] + 1) * k_steps[0] + (cell[1] + 1) * k_steps[1] + (cell[2] + 1) * k_steps[2];
-    const CellValues around(solid, k_steps);
-    if (around.sum() < 8 * (128.0f + 48.0f * k_buried)) return false;
-    crossing(node, u);
-    const float distance = around.at(u);
-    if (distance < 250.0f) over = (distance - 128.0f) * (1.0f / 48.0f);
-    if (over < k_foot_radii / k_skin_spacing) around.gradient(u, floor);
-  } else {
-    crossing(node, u);
+    solid = CellValues(
+        blocks.solid + (cell[0] + 1) * k_steps[0] + (cell[1] + 1) * k_steps[1] + (cell[2] + 1) * k_steps[2], k_steps);
+    if (solid.sum() < 8 * (128.0f + 48.0f * k_buried)) return false;
   }
+  crossing(node, u);
   const float value = smoothed(node, u, normal), square = dot(normal, normal);
   float scale = square > 1.0f ? (k_level - value) / square : 0.0f;  // Newton's step to the level
   const float step = __builtin_fabsf(scale) * __builtin_sqrtf(square);
@@ -251,13 +252,19 @@ bool make_vertex(const SkinState& s, const Brick& brick, const Blocks& blocks, c
   const float inverse = inverse_length(normal);
   for (uint32_t m = 0; m < 3; ++m) normal[m] = inverse != 0.0f ? -inverse * normal[m] : s.up[m];
   const float wide = mean_about(blocks.wide, cell, u) * (1.0f / k_skin_one);
-  if (over < k_far) {
-    const float length = inverse_length(floor);
-    for (uint32_t m = 0; m < 3; ++m) floor[m] *= length;
-    run_out(s, floor, over, shift, normal);
+  if (brick.open == 0) {
+    const float distance = solid.at(u);
+    if (distance < 250.0f) over = (distance - 128.0f) * (1.0f / 48.0f);
+    if (over < k_foot_radii / k_skin_spacing) {
+      solid.gradient(u, floor);
+      const float length = inverse_length(floor);
+      for (uint32_t m = 0; m < 3; ++m) floor[m] *= length;
+      run_out(s, floor, over, shift, normal);
+    }
   }
   float place[3];  // in nodes
-  for (uint32_t m = 0; m < 3; ++m) place[m] = static_cast<float>(8 * brick.at[m] + static_cast<int32_t>(cell[m])) + u[m];
+  for (uint32_t m = 0; m < 3; ++m)
+    place[m] = static_cast<float>(8 * brick.at[m] + static_cast<int32_t>(cell[m])) + u[m];
   const float steps[3] = {place[0] * k_skin_steps, place[1] * k_skin_steps, place[2] * k_skin_steps};
   *anchor = anchor_of(s, brick, cell, steps, before);
   uint32_t seed = mixed(2 * (*anchor + 1));
@@ -315,7 +322,8 @@ void make_vertices(SkinState* s, uint32_t number, uint32_t chunk) {
         const uint32_t x = static_cast<uint32_t>(__builtin_ctz(cells)), at = x + 8 * z + 64 * y;
         const uint32_t cell[3] = {x, y, z};
         const uint32_t anchor = had && before[at] != k_vertex_none ? s->front.anchors[old + before[at]] : k_brick_none;
-        if (!make_vertex(*s, brick, blocks, cell, anchor, &back.vertices[back.vertex_count], &back.anchors[back.vertex_count]))
+        if (!make_vertex(*s, brick, blocks, cell, anchor, &back.vertices[back.vertex_count],
+                         &back.anchors[back.vertex_count]))
           continue;
         nodes.vertices[at] = static_cast<uint16_t>(brick.count++);
         ++back.vertex_count;
@@ -339,7 +347,8 @@ void copy_vertices(SkinState* s, uint32_t number, uint32_t chunk) {
 // Whether nothing of a chunk, nor of the bricks whose vertices it copies, has changed.
 bool is_as_before(const SkinState& s, const SkinChunk& chunk) {
   for (uint32_t i = 0; i < 125; ++i) {
-    const int32_t at[3] = {4 * chunk.at[0] + static_cast<int32_t>(i % 5) - 1, 4 * chunk.at[1] + static_cast<int32_t>(i / 25) - 1,
+    const int32_t at[3] = {4 * chunk.at[0] + static_cast<int32_t>(i % 5) - 1,
+                           4 * chunk.at[1] + static_cast<int32_t>(i / 25) - 1,
                            4 * chunk.at[2] + static_cast<int32_t>(i / 5 % 5) - 1};
     const uint32_t number = brick_find(s, at);
     if (number != k_brick_none && (s.bricks[number].stale & k_stale_mesh) != 0) return false;
@@ -420,7 +429,8 @@ void make_quad(SkinState* s, uint32_t chunk, uint32_t number, const uint32_t cel
   if (s->index_capacity - back.index_count < 6) return;
   // Both triangles take the block of the quad's first vertex.
   constexpr uint32_t k_orders[2][6] = {{1, 2, 0, 2, 3, 0}, {0, 1, 2, 0, 2, 3}};
-  for (const uint32_t c : k_orders[s->desc.first_vertex]) back.indices[back.index_count++] = static_cast<uint16_t>(at[c]);
+  for (const uint32_t c : k_orders[s->desc.first_vertex])
+    back.indices[back.index_count++] = static_cast<uint16_t>(at[c]);
 }
 
 void make_triangles(SkinState* s, uint32_t chunk, uint32_t number) {

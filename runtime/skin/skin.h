@@ -25,17 +25,17 @@ struct Granular;
 
 constexpr uint32_t k_brick_side = 8, k_brick_nodes = 512, k_brick_layer = 64;
 constexpr uint32_t k_brick_none = ~0u, k_brick_itself = 13, k_bricks_around = 27;
-constexpr uint32_t k_chunk_bricks = 4;  // along an axis
+constexpr uint32_t k_chunk_bricks = 4;   // along an axis
 constexpr uint32_t k_outer_bricks = 61;  // of 5^3 less 4^3: those below a chunk along some axis
 constexpr uint16_t k_vertex_none = 0xffff;
-constexpr int32_t k_skin_steps = 128;  // parts of a node's distance, in which places are held
-constexpr int32_t k_skin_held = 2;     // of these a particle may move before it counts
-constexpr uint32_t k_skin_shares = 16;  // parts of a particle
-constexpr uint32_t k_skin_one = 4096;   // a density of 1
+constexpr int32_t k_skin_steps = 128;                          // parts of a node's distance, in which places are held
+constexpr int32_t k_skin_held = 2;                             // of these a particle may move before it counts
+constexpr uint32_t k_skin_shares = 16;                         // parts of a particle
+constexpr uint32_t k_skin_one = 4096;                          // a density of 1
 constexpr uint32_t k_skin_whole = k_skin_one * k_skin_shares;  // the sum of a whole particle
-constexpr float k_skin_spacing = 1.5f;  // particle radii from node to node
+constexpr float k_skin_spacing = 1.5f;                         // particle radii from node to node
 constexpr float k_skin_volume = 6.986f;  // particle radii cubed that a particle takes in a pile (packed to 0.6)
-constexpr uint32_t k_skin_level = 1720;  // of the surface: 0.42
+constexpr uint32_t k_skin_level = 1843;  // of the surface: 0.45
 constexpr uint32_t k_skin_unit_items = 1024;
 constexpr uint32_t k_skin_unit_bricks = 12;  // density, fill, calm
 constexpr uint32_t k_skin_unit_mesh = 2;     // bricks
@@ -57,34 +57,34 @@ struct SkinParticle {
 };
 
 struct Brick {
-  int32_t at[3];                       // its first node is at 8 * at
+  int32_t at[3];  // its first node is at 8 * at
   uint32_t used;
-  uint32_t around[k_bricks_around];    // x fastest, then z, then y; k_brick_none where there is none
+  uint32_t around[k_bricks_around];  // x fastest, then z, then y; k_brick_none where there is none
   uint32_t chunk;
   uint32_t stale;
-  uint32_t touches;                    // particles that are in its sums
-  uint32_t wants;                      // bits of `around` that its density reaches
-  uint32_t fill_from;                  // the layer below which it is filled anew
-  uint16_t low, high;                  // of its density
-  uint8_t open;                        // 1: no collider is near
-  uint32_t filled_reach, calm_reach;   // bits of `around` that feel what it holds, after the fill and the filter
-  uint8_t dense;                       // 1: some of its density is above 0, before the fill
-  uint8_t room_known;                  // 1: BrickNodes::room is that of the colliders
-  uint8_t filled;                      // 1: the fill of this cycle changed it
-  uint32_t first, count;               // its vertices, from the chunk's first
+  uint32_t touches;                   // particles that are in its sums
+  uint32_t wants;                     // bits of `around` that its density reaches
+  uint32_t fill_from;                 // the layer below which it is filled anew
+  uint16_t low, high;                 // of its density
+  uint8_t open;                       // 1: no collider is near
+  uint32_t filled_reach, calm_reach;  // bits of `around` that feel what it holds, after the fill and the filter
+  uint8_t dense;                      // 1: some of its density is above 0, before the fill
+  uint8_t room_known;                 // 1: BrickNodes::room is that of the colliders
+  uint8_t filled;                     // 1: the fill of this cycle changed it
+  uint32_t first, count;              // its vertices, from the chunk's first
 };
 
 // What one brick holds, node after node: x fastest, then z, then y. A layer is 64 nodes.
 struct BrickNodes {
   uint32_t sums[k_brick_nodes];
   uint16_t density[k_brick_nodes], filled[k_brick_nodes], calm[k_brick_nodes];
-  uint16_t room[k_brick_nodes];      // the free shares through the filter, in k_skin_one
-  uint8_t solid[k_brick_nodes];      // 128 + 48 times the distance to the nearest collider, in nodes
-  uint8_t stands[k_brick_layer];     // of each column: the nodes that hold sand or are solid
-  uint8_t can[k_brick_layer];        // of each column: the nodes that sand may fill
-  uint8_t inside[k_brick_layer];     // of each row: the nodes whose calm density is above the level
-  uint32_t particles[k_brick_nodes]; // the first of each cell, or k_brick_none
-  uint16_t vertices[k_brick_nodes];  // of each cell, from the brick's first, or k_vertex_none
+  uint16_t room[k_brick_nodes];       // the free shares through the filter, in k_skin_one
+  uint8_t solid[k_brick_nodes];       // 128 + 48 times the distance to the nearest collider, in nodes
+  uint8_t stands[k_brick_layer];      // of each column: the nodes that hold sand or are solid
+  uint8_t can[k_brick_layer];         // of each column: the nodes that sand may fill
+  uint8_t inside[k_brick_layer];      // of each row: the nodes whose calm density is above the level
+  uint32_t particles[k_brick_nodes];  // the first of each cell, or k_brick_none
+  uint16_t vertices[k_brick_nodes];   // of each cell, from the brick's first, or k_vertex_none
 };
 
 struct SkinChunk {
@@ -138,19 +138,19 @@ struct SkinState {
   const Granular* granular;
   uint64_t frame, front_frame, begun;
   bool asked, moving, whole_asked;
-  bool missing;  // particles moved on while they were gathered
-  bool ran;                                         // a unit, in this frame
-  uint64_t gathered_frame;                          // in which the gathering was begun, last,
-  uint32_t gathered_substeps;                       // after so many of its sub-steps,
-  uint32_t restarts;                                // and how often that was not the first time
-  uint32_t sand;                                    // particles in the last frame
+  bool missing;                                       // particles moved on while they were gathered
+  bool ran;                                           // a unit, in this frame
+  uint64_t gathered_frame;                            // in which the gathering was begun, last,
+  uint32_t gathered_substeps;                         // after so many of its sub-steps,
+  uint32_t restarts;                                  // and how often that was not the first time
+  uint32_t sand;                                      // particles in the last frame
   uint32_t spent[k_skin_kinds], usual[k_skin_kinds];  // items of the skin under way, and of the last one
   SkinPhase phase;
   uint32_t cursor, level_low, level, layer, work_count;
-  uint32_t* work;        // bricks of a level
+  uint32_t* work;         // bricks of a level
   uint16_t by_free[256];  // k_skin_one over the free share, by BrickNodes::solid
-  uint16_t* outer;       // of a chunk's outer bricks: the index of each cell's vertex in this chunk
-  SurfacePoint* points;  // of one brick
+  uint16_t* outer;        // of a chunk's outer bricks: the index of each cell's vertex in this chunk
+  SurfacePoint* points;   // of one brick
   uint8_t cycle;
 };
 
@@ -178,7 +178,8 @@ void brick_block(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[
       uint32_t step_y[3], step_z[3];  // 0: the same row again
       for (uint32_t x = 0; x < 3; ++x) {
         const bool there = three[x] != k_brick_none;
-        from[x] = there ? (s.nodes[three[x]].*field) + k_brick_layer * k_first[by] + k_brick_side * k_first[bz] : nothing;
+        from[x] =
+            there ? (s.nodes[three[x]].*field) + k_brick_layer * k_first[by] + k_brick_side * k_first[bz] : nothing;
         step_y[x] = there ? k_brick_layer : 0, step_z[x] = there ? k_brick_side : 0;
       }
       for (uint32_t y = 0; y < k_count[by]; ++y) {
@@ -205,14 +206,15 @@ void filter_along(const uint16_t* __restrict from, uint16_t* __restrict to) {
 
 // Eight values of a cell, linear between them.
 struct CellValues {
-  float v[8];
+  float v[8] = {};
+  CellValues() = default;
   // The first one's place, and how far the others are along x, y and z.
   template <class T>
   CellValues(const T* node, const uint32_t step[3]) {
     for (uint32_t c = 0; c < 8; ++c)
       v[c] = static_cast<float>(node[(c & 1) * step[0] + (c >> 1 & 1) * step[1] + (c >> 2) * step[2]]);
   }
-  CellValues() = default;
+
   float sum() const { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); }
   float at(const float u[3]) const {
     float w[4];
@@ -246,6 +248,11 @@ inline uint16_t skin_free(uint8_t solid) {
   const uint16_t above = static_cast<uint16_t>((scaled > k_least ? scaled : k_least) - k_least);
   return above < 256 ? above : uint16_t{256};
 }
+// A node's part in the calm density: as free as it is; a little even in a collider, so that the surface goes on in there.
+inline uint16_t skin_part(uint8_t solid) {
+  const uint16_t free = skin_free(solid), deep = solid >> 3;
+  return free > deep ? free : deep;
+}
 void skin_begin_fill(SkinState* s);
 bool skin_fill(SkinState* s);
 bool skin_calm(SkinState* s);
@@ -257,7 +264,8 @@ bool skin_loose(SkinState* s);
 // Of a place in lattice steps: its cell, and the brick and node of that.
 inline void skin_place(const SkinState& s, const float position[3], int32_t at[3]) {
   for (uint32_t a = 0; a < 3; ++a)
-    at[a] = floor_whole((s.sign[a] * position[s.axis[a]] * s.inverse_spacing - 0.5f) * static_cast<float>(k_skin_steps));
+    at[a] =
+        floor_whole((s.sign[a] * position[s.axis[a]] * s.inverse_spacing - 0.5f) * static_cast<float>(k_skin_steps));
 }
 inline uint32_t node_of(const int32_t cell[3]) {
   return static_cast<uint32_t>(cell[0] & 7) + k_brick_side * static_cast<uint32_t>(cell[2] & 7) +

@@ -8,8 +8,8 @@ namespace sandglass {
 namespace {
 
 constexpr float k_turned = 0.05f;  // of the unit vector up: so far it turns before sand is filled anew
-constexpr uint32_t k_kind_of[] = {0, k_skin_gather, k_skin_gather, k_skin_density, k_skin_fill, k_skin_calm, k_skin_mesh,
-                                  k_skin_loose};
+constexpr uint32_t k_kind_of[] = {0,           k_skin_gather, k_skin_gather, k_skin_density,
+                                  k_skin_fill, k_skin_calm,   k_skin_mesh,   k_skin_loose};
 constexpr const char* k_names[k_skin_kinds] = {"skin.gather", "skin.density", "skin.fill",
                                                "skin.calm",   "skin.mesh",    "skin.loose"};
 constexpr uint32_t k_items[k_skin_kinds] = {k_skin_unit_items,  k_skin_unit_bricks, 8 * k_skin_unit_bricks,

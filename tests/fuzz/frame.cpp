@@ -97,6 +97,7 @@ struct World {
     shadow.sky_texels = 32;
     shadow.isa = isa;
     accept(pile.create(shadow));
+    accept(skin.create(sandglass::skin_desc(description(64, 128, 16).granular)));
     accept(room.create());
     clock_ns = 0;
   }
@@ -110,6 +111,7 @@ struct World {
   GranularScene scene;
   sandglass_isa isa;
   sandglass::PileShadow pile;
+  sandglass::Skin skin;
   sandglass::Room room;
   uint64_t clock_ns = 0, unit_ns = 0;
   alignas(8) uint8_t grains[k_grain_bytes];
@@ -196,6 +198,7 @@ int32_t run(World* world, Turn* t, const sandglass_plan* plan, sandglass_frame_r
   const uint64_t stride = t->grain_stride < sizeof(sandglass_grain) ? sizeof(sandglass_grain) : t->grain_stride;
   input.grain_capacity = static_cast<uint32_t>(std::min<uint64_t>(t->grain_capacity, k_grain_bytes / stride));
   input.pile_shadow = world->pile.get();
+  input.skin = world->skin.get();
   input.room = world->room.get();
   input.camera = &image;
   input.plan = plan;
@@ -240,6 +243,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (status == SANDGLASS_OK) check(&scalar, a), check(&other, b);
     expect(scalar.scene.hash() == other.scene.hash());
     expect(sandglass_pile_shadow_hash(scalar.pile.get()) == sandglass_pile_shadow_hash(other.pile.get()));
+    expect(sandglass_skin_hash(scalar.skin.get()) == sandglass_skin_hash(other.skin.get()));
     expect(sandglass_room_hash(scalar.room.get()) == sandglass_room_hash(other.room.get()));
   }
   std::vector<std::byte> saved;

@@ -214,6 +214,7 @@ void RandomScene::add_shadows() {
     d.on_sand = random_.below(2);
     for (int k = 0; k < 2; ++k) d.low[k] = -20 * r_, d.high[k] = 20 * r_;
     ::accept(pile_.create(d));
+    if (desc.granular.particle_capacity != 0) ::accept(skin_.create(skin_desc(desc.granular)));
   }
   add_light();
   if (!one_in(6) && !light_) return;
@@ -249,7 +250,7 @@ RandomScene::RandomScene(uint64_t number, bool replays)
 
 uint64_t RandomScene::hash() const {
   uint64_t all = scene.hash();
-  for (const uint64_t part : {pile_.hash(), room_.hash(), sandglass_estimator_hash(light_.get()),
+  for (const uint64_t part : {pile_.hash(), skin_.hash(), room_.hash(), sandglass_estimator_hash(light_.get()),
                               shadow ? sandglass_shadow_hash(shadow->shadow) : 0})
     all = 31 * all + part;
   return all;
@@ -337,6 +338,7 @@ sandglass_frame_input RandomScene::next_input() {
   input.grain_capacity = static_cast<uint32_t>(drawn.bytes() / sizeof(sandglass_grain));
   input.output_lag = one_in(6) ? between(0, 0.1) : 0.0f;
   input.pile_shadow = pile_.get();
+  input.skin = skin_.get();
   image_.timestamp_ns += 16'666'667;
   input.room = room_.get();
   input.camera = room_ ? &image_ : nullptr;

@@ -60,6 +60,7 @@ struct RandomScene : WatchedScene {
   std::vector<Motion> motions_;
   std::vector<sandglass_emitter> emitters_;
   PileShadow pile_;
+  Skin skin_;
   Estimator light_;
   Room room_;
   std::vector<uint8_t> pixels_;

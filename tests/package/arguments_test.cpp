@@ -237,6 +237,7 @@ class Arguments : public ::testing::Test {
   void shadows();
   void casts();
   void pile_shadows();
+  void skins();
 
   std::set<std::string> covered_;
   int cases_ = 0, filled_ = 0, blocks_ = 0;
@@ -579,6 +580,26 @@ void Arguments::pile_shadows() {
   EXPECT_TRUE(block.guards_intact());
 }
 
+void Arguments::skins() {
+  sandglass_granular_desc granular = {};
+  granular.particle_capacity = 100;
+  granular.particle_radius = 0.01f;
+  granular.collider_capacity = 1;
+  sandglass_skin_desc desc_of = sandglass::skin_desc(granular);
+  row(NAMED(sandglass_skin_bytes), "", &desc_of, &need);
+  ASSERT_EQ(sandglass_skin_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
+  GuardedBlock block(need);
+  sandglass_skin* skin = nullptr;
+  row(NAMED(sandglass_skin_create), "", &desc_of, block.data(), need, &skin);
+  row(NAMED(sandglass_skin_desc_default), "N", &desc_of, &granular);
+  ASSERT_NE(skin, nullptr);
+  row(NAMED(sandglass_skin_refresh), "", skin);
+  auto mesh = sized<sandglass_skin_mesh>();
+  row(NAMED(sandglass_skin_get_mesh), "", skin, &mesh);
+  row(NAMED(sandglass_skin_hash), "", skin);
+  EXPECT_TRUE(block.guards_intact());
+}
+
 TEST_F(Arguments, EveryFunctionKeepsTheThreeRules) {
   scenes();
   sampling();
@@ -588,12 +609,13 @@ TEST_F(Arguments, EveryFunctionKeepsTheThreeRules) {
   shadows();
   casts();
   pile_shadows();
+  skins();
   for (const auto& [name, arguments] : k_functions)
     EXPECT_EQ(covered_.count(name), 1u) << name << " is not in the table";
   std::printf("%zu functions, %d cases; %d structs; %d blocks\n", covered_.size(), cases_, filled_, blocks_);
   EXPECT_GT(cases_, 200);
   EXPECT_GT(filled_, 15);
-  EXPECT_EQ(blocks_, 9);
+  EXPECT_EQ(blocks_, 10);
 }
 
 TEST_F(Arguments, RegionsLieInTheBlockInOrderAndAligned) {

@@ -8,6 +8,7 @@
 #include "sandglass/room.h"
 #include "sandglass/sandglass.hpp"
 #include "sandglass/shadow.h"
+#include "sandglass/skin.h"
 // Claims for every size and offset, which C99 fulfils too.
 #include "layout.c"
 

@@ -703,8 +703,8 @@ typedef struct sandglass_frame_input {
   uint32_t grain_stride;
   /* How many items fit. */
   uint32_t grain_capacity;
-  /* NULL, or the skin of the sand to bring up to date (skin.h). One work unit a frame runs whatever the budget, more as it
-   * admits. */
+  /* NULL, or the skin of the sand to bring up to date (skin.h). One work unit runs in every second frame whatever the
+   * budget, more as it admits. */
   struct sandglass_skin* skin;
   /* The shadows to bring up to date (shadow.h). One work unit a frame runs whatever the budget, more as it admits. Pass
    * all objects whose shadows are seen. None may be NULL. */

@@ -41,6 +41,7 @@
 #include "sandglass/sampling.h"
 #include "sandglass/sandglass.h"
 #include "sandglass/shadow.h"
+#include "sandglass/skin.h"
 
 namespace sandglass {
 // The inline namespace keeps these inline functions apart from the library's own symbols in one static link.
@@ -598,6 +599,11 @@ inline sandglass_shadow_desc shadow_desc(const void* asset = nullptr, uint64_t b
   desc.asset_bytes = bytes;
   return desc;
 }
+inline sandglass_skin_desc skin_desc(const sandglass_granular_desc& granular) {
+  sandglass_skin_desc desc;
+  sandglass_skin_desc_default(&desc, &granular);
+  return desc;
+}
 inline sandglass_pile_shadow_desc pile_shadow_desc() {
   sandglass_pile_shadow_desc desc;
   sandglass_pile_shadow_desc_default(&desc);
@@ -749,6 +755,36 @@ class Cast {
 
  private:
   Owned<sandglass_cast> owned_;
+};
+
+// The surface of a scene's sand as a mesh and the block it lives in. Movable, not copyable.
+class Skin {
+ public:
+  // Allocates the block, once and for all. Fails like sandglass_skin_create, or with MEMORY_TOO_SMALL when the heap has no
+  // such block; an existing skin is then kept.
+  Status create(const sandglass_skin_desc& desc) {
+    return owned_.create(desc, sandglass_skin_bytes, sandglass_skin_create);
+  }
+
+  // True once create has succeeded.
+  explicit operator bool() const { return get() != nullptr; }
+  // For sandglass_frame_input::skin, too.
+  sandglass_skin* get() const { return owned_.handle; }
+
+  // See sandglass_skin_get_mesh.
+  sandglass_skin_mesh mesh() const {
+    sandglass_skin_mesh now{};
+    now.struct_size = sizeof now;
+    sandglass_skin_get_mesh(get(), &now);
+    return now;
+  }
+  // See sandglass_skin_refresh.
+  void refresh() { sandglass_skin_refresh(get()); }
+  // See sandglass_skin_hash.
+  uint64_t hash() const { return sandglass_skin_hash(get()); }
+
+ private:
+  Owned<sandglass_skin> owned_;
 };
 
 // The shadow of a scene's sand and the block it lives in. Movable, not copyable.

@@ -1,0 +1,411 @@
+// The surface of the sand as a mesh: closed, turned outward, as large as the sand, where the sand is, on any floor and for
+// any gravity; the same on every instruction set; nothing at rest.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <tuple>
+#include <vector>
+
+#include "runtime/core/random.h"
+#include "tests/granular/granular_scene.h"
+#include "tests/guarded_block.h"
+
+namespace {
+
+using Point = std::array<float, 3>;
+constexpr float k_radius = 0.01f;
+// What a particle takes in a pile: its volume over a packing of 0.6 (Scott 1960: 0.60 loose, 0.64 close).
+constexpr double k_particle = 4.0 / 3 * std::numbers::pi * k_radius * k_radius * k_radius / 0.6;
+
+struct Mesh {
+  std::vector<sandglass_skin_vertex> vertices;
+  std::vector<uint32_t> triangles;  // three vertices each
+  double loose = 0;                 // particles
+};
+
+Mesh mesh_of(const sandglass::Skin& skin) {
+  const sandglass_skin_mesh now = skin.mesh();
+  Mesh mesh;
+  for (uint32_t c = 0; c < now.chunk_count; ++c) {
+    const sandglass_skin_chunk& chunk = now.chunks[c];
+    const auto first = static_cast<uint32_t>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), chunk.vertices, chunk.vertices + chunk.vertex_count);
+    for (uint32_t i = 0; i < chunk.index_count; ++i) {
+      EXPECT_LT(chunk.indices[i], chunk.vertex_count);
+      mesh.triangles.push_back(first + chunk.indices[i]);
+    }
+  }
+  EXPECT_EQ(mesh.vertices.size(), now.vertex_count);
+  EXPECT_EQ(mesh.triangles.size(), now.index_count);
+  for (uint32_t i = 0; i < now.flying_count + now.lying_count; ++i)
+    mesh.loose += static_cast<double>(now.loose[i].weight);
+  return mesh;
+}
+
+double dot(const Point& a, const Point& b) {
+  double sum = 0;
+  for (size_t k = 0; k < 3; ++k) sum += static_cast<double>(a[k]) * static_cast<double>(b[k]);
+  return sum;
+}
+
+Point place(const sandglass_skin_vertex& v) { return {v.position[0], v.position[1], v.position[2]}; }
+
+// What of the mesh lies over the plane through the origin: the sum of the prisms between triangles and plane. `faults`: edges
+// over it that have not two triangles turned one way.
+double volume_over(const Mesh& mesh, const Point& up, uint32_t* faults) {
+  std::map<std::pair<Point, Point>, int> edges;
+  double volume = 0;
+  *faults = 0;
+  for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
+    Point p[3];
+    for (size_t k = 0; k < 3; ++k) p[k] = place(mesh.vertices[mesh.triangles[t + k]]);
+    const auto cross = [&](size_t k) {
+      const size_t a = (k + 1) % 3, b = (k + 2) % 3;
+      return static_cast<double>(p[1][a] - p[0][a]) * static_cast<double>(p[2][b] - p[0][b]) -
+             static_cast<double>(p[1][b] - p[0][b]) * static_cast<double>(p[2][a] - p[0][a]);
+    };
+    double facing = 0, height = 0;
+    for (size_t k = 0; k < 3; ++k) {
+      facing += 0.5 * cross(k) * static_cast<double>(up[k]);
+      height += std::max(dot(p[k], up), 0.0) / 3;
+      const Point &a = p[k], &b = p[(k + 1) % 3];
+      if (std::max(dot(a, up), dot(b, up)) > 0) edges[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+    volume += facing * height;
+  }
+  for (const auto& [edge, sum] : edges) *faults += sum != 0 ? 1 : 0;
+  return volume;
+}
+
+struct Sand {
+  explicit Sand(sandglass_scene_desc desc) : scene(desc) { accept(skin.create(sandglass::skin_desc(desc.granular))); }
+
+  sandglass_frame_report frame(float step = 0.02f) {
+    sandglass_frame_input input = scene.input(step);
+    input.skin = skin.get();
+    return scene.run(input);
+  }
+  void until_asleep() {
+    for (int i = 0; i < 900; ++i)
+      if (frame().sand.awake == 0) return;
+    ADD_FAILURE() << "it does not come to rest";
+  }
+
+  GranularScene scene;
+  sandglass::Skin skin;
+};
+
+sandglass_scene_desc rough(uint32_t particles) {
+  sandglass_scene_desc desc = description(particles);
+  desc.granular.static_friction = 0.6f;
+  desc.granular.kinetic_friction = 0.55f;
+  return desc;
+}
+
+TEST(Skin, IsClosedAndHoldsTheSand) {
+  const struct {
+    const char* what;
+    uint32_t x, y, z;
+    double within;
+  } heaps[] = {{"a heap", 10, 16, 10, 0.06}, {"a layer of two", 24, 2, 24, 0.06}, {"little", 4, 5, 4, 0.2}};
+  for (const auto& heap : heaps) {
+    Sand sand(rough(heap.x * heap.y * heap.z));
+    sand.scene.add_floor();
+    sand.scene.add(lattice(heap.x, heap.y, heap.z, 2.05f * k_radius, k_radius));
+    sand.until_asleep();
+    for (int i = 0; i < 3; ++i) sand.frame();
+    const Mesh mesh = mesh_of(sand.skin);
+    uint32_t faults = 0;
+    const double volume = volume_over(mesh, {0, 1, 0}, &faults) + mesh.loose * k_particle;
+    const double all = k_particle * heap.x * heap.y * heap.z;
+    EXPECT_EQ(faults, 0u) << heap.what;
+    EXPECT_NEAR(volume / all, 1, heap.within) << heap.what;
+    EXPECT_EQ(sand.skin.mesh().left_out, 0u);
+    EXPECT_EQ(sand.skin.mesh().frames_behind, 0u);
+    // No particle looks out of it by more than its radius: its top is below the highest vertex near it, or it is loose.
+    const std::vector<float> at = sand.scene.positions();
+    const sandglass_skin_mesh now = sand.skin.mesh();
+    uint32_t outside = 0;
+    for (size_t p = 0; p < at.size(); p += 3) {
+      float top = -1;
+      for (const sandglass_skin_vertex& v : mesh.vertices)
+        if (std::hypot(v.position[0] - at[p], v.position[2] - at[p + 2]) < 2 * k_radius)
+          top = std::max(top, v.position[1]);
+      for (uint32_t i = 0; i < now.lying_count; ++i)
+        if (now.loose[now.flying_count + i].number == p / 3) top = at[p + 1];
+      outside += at[p + 1] > top ? 1 : 0;
+    }
+    EXPECT_LE(outside, at.size() / 3 / 50) << heap.what;
+  }
+}
+
+// Gravity along each axis, and a floor across it; and a floor that gravity leans on by 25 degrees.
+TEST(Skin, FollowsGravityAndFloor) {
+  double first = 0;
+  for (const Point& up :
+       {Point{0, 1, 0}, Point{0, -1, 0}, Point{1, 0, 0}, Point{0, 0, -1}, Point{0.4226f, 0.9063f, 0}}) {
+    sandglass_scene_desc desc = rough(800);
+    for (size_t k = 0; k < 3; ++k) desc.gravity[k] = -9.81f * up[k];
+    Sand sand(desc);
+    sandglass_collider floor = sandglass::floor_at(0);
+    const float axis[3] = {up[2], 0, -up[0]}, other[3] = {1, 0, 0};
+    const bool turned = std::hypot(up[0], up[2]) > 0.1f;
+    ASSERT_EQ(sandglass_rotation_about(turned ? axis : other, std::acos(up[1]), floor.rotation), 1);
+    sand.scene.colliders.push_back(floor);
+    std::vector<float> block = lattice(10, 8, 10, 2.05f * k_radius, k_radius);
+    for (size_t i = 0; i < block.size(); i += 3) {  // its y becomes up
+      const Point side = turned ? Point{up[1], -up[0], 0} : Point{1, 0, 0},
+                  along = turned && up[2] != 0 ? Point{1, 0, 0} : side;
+      const Point third = {along[1] * up[2] - along[2] * up[1], along[2] * up[0] - along[0] * up[2],
+                           along[0] * up[1] - along[1] * up[0]};
+      const Point p = {block[i], block[i + 1], block[i + 2]};
+      for (size_t k = 0; k < 3; ++k) block[i + k] = p[0] * along[k] + p[1] * up[k] + p[2] * third[k];
+    }
+    sand.scene.add(block);
+    sand.until_asleep();
+    for (int i = 0; i < 3; ++i) sand.frame();
+    const Mesh mesh = mesh_of(sand.skin);
+    uint32_t faults = 0;
+    const double volume = volume_over(mesh, up, &faults) + mesh.loose * k_particle;
+    EXPECT_EQ(faults, 0u) << up[0] << " " << up[1] << " " << up[2];
+    EXPECT_NEAR(volume / (800 * k_particle), 1, 0.08) << up[0] << " " << up[1] << " " << up[2];
+    if (first == 0) first = volume;
+    EXPECT_NEAR(volume / first, 1, 0.05);
+    for (const sandglass_skin_vertex& v : mesh.vertices) {
+      // `over` is the height over the floor, to a quarter of a millimetre: the distances that it is made of are held in
+      // 1/48 of a node, which is 15 mm.
+      const double over = std::clamp(1e6 * dot(place(v), up), -32768.0, 32767.0);
+      if (over < 25000) {
+        EXPECT_NEAR(v.over, over, 350);
+      }
+      Point normal;
+      for (size_t k = 0; k < 3; ++k) normal[k] = static_cast<float>(v.normal[k]) / 127;
+      EXPECT_NEAR(std::sqrt(dot(normal, normal)), 1, 0.02);
+    }
+  }
+}
+
+// Triangles are counter-clockwise from outside: vertices' normals look as they do.
+TEST(Skin, NormalsLookAsTrianglesDo) {
+  Sand sand(rough(1000));
+  sand.scene.add_floor();
+  sand.scene.add(lattice(10, 10, 10, 2.05f * k_radius, k_radius));
+  for (int i = 0; i < 30; ++i) sand.frame();
+  const Mesh mesh = mesh_of(sand.skin);
+  uint32_t against = 0;
+  for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
+    const sandglass_skin_vertex* v[3];
+    for (size_t k = 0; k < 3; ++k) v[k] = &mesh.vertices[mesh.triangles[t + k]];
+    Point face, normal;
+    for (size_t k = 0; k < 3; ++k) {
+      const size_t a = (k + 1) % 3, b = (k + 2) % 3;
+      face[k] = (v[1]->position[a] - v[0]->position[a]) * (v[2]->position[b] - v[0]->position[b]) -
+                (v[1]->position[b] - v[0]->position[b]) * (v[2]->position[a] - v[0]->position[a]);
+      normal[k] = static_cast<float>(v[0]->normal[k] + v[1]->normal[k] + v[2]->normal[k]);
+    }
+    against += dot(face, normal) < 0 ? 1 : 0;
+  }
+  EXPECT_LE(against, mesh.triangles.size() / 3 / 50);
+}
+
+TEST(Skin, AtRestNothingRunsAndNothingChanges) {
+  Sand sand(rough(400));
+  sand.scene.add_floor();
+  sand.scene.add(lattice(10, 4, 10, 2.05f * k_radius, k_radius));
+  sand.until_asleep();
+  for (int i = 0; i < 3; ++i) sand.frame();
+  const uint32_t version = sand.skin.mesh().version;
+  const uint64_t hash = sand.skin.hash();
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(sand.frame().stages[SANDGLASS_STAGE_SKIN].units, 0u);
+  EXPECT_EQ(sand.skin.mesh().version, version);
+  EXPECT_EQ(sand.skin.hash(), hash);
+  // A wall that comes far away changes nothing; one that comes into the sand makes it anew beside it.
+  sand.scene.colliders.push_back(sandglass::sphere(3, 0.1f, 0, 0.1f));
+  for (int i = 0; i < 3; ++i) sand.frame(0);
+  EXPECT_EQ(sand.skin.hash(), hash);
+}
+
+// What is made bit by bit while sand moves is what is made of it at once, but for what a particle may move before it counts.
+TEST(Skin, MadeBitByBitIsMadeAtOnce) {
+  Sand sand(rough(1000));
+  sand.scene.add_floor();
+  sand.scene.add(lattice(10, 10, 10, 2.05f * k_radius, k_radius));
+  // How far all but one in fifty vertices of one are from those of the other at most.
+  const auto apart = [](const Mesh& from, const Mesh& to) {
+    std::vector<double> distances;
+    for (const sandglass_skin_vertex& v : from.vertices) {
+      double least = 1e9;
+      for (const sandglass_skin_vertex& w : to.vertices) {
+        const Point d = {v.position[0] - w.position[0], v.position[1] - w.position[1], v.position[2] - w.position[2]};
+        least = std::min(least, dot(d, d));
+      }
+      distances.push_back(std::sqrt(least));
+    }
+    std::sort(distances.begin(), distances.end());
+    return distances[distances.size() * 49 / 50];
+  };
+  Mesh before;
+  for (int i = 0; i < 60; ++i) {
+    sand.frame();
+    if (i % 20 == 10) before = mesh_of(sand.skin);
+    if (i % 20 != 19) continue;
+    sandglass::Skin fresh;
+    accept(fresh.create(sandglass::skin_desc(rough(1000).granular)));
+    sandglass_frame_input input = sand.scene.input(0);
+    input.skin = fresh.get();
+    sand.scene.run(input);
+    const Mesh now = mesh_of(sand.skin), once = mesh_of(fresh);
+    EXPECT_LT(apart(now, once), 0.1 * k_radius);
+    EXPECT_LT(apart(once, now), 0.1 * k_radius);
+    if (i == 19) {
+      EXPECT_GT(apart(before, once), 0.3 * k_radius) << "the sand does not move: the test could not fail";
+    }
+    sand.skin.refresh();
+    sand.frame(0);
+    EXPECT_EQ(sand.skin.hash(), fresh.hash()) << "made whole it must be that of a new skin";
+  }
+}
+
+TEST(Skin, ItsGrainsMoveWithTheSand) {
+  Sand sand(rough(400));
+  sand.scene.add_floor();
+  sand.scene.add(lattice(10, 4, 10, 2.05f * k_radius, k_radius));
+  sand.until_asleep();
+  sand.skin.refresh();  // a patch that has had its block from a farther particle takes the nearest
+  for (int i = 0; i < 3; ++i) sand.frame();
+  const Mesh before = mesh_of(sand.skin);
+  // Two nodes aside: the mesh is the same one, two nodes on.
+  const std::array<float, 4> still = {0, 0, 0, 1};
+  const Point shift = {2 * 1.5f * k_radius, 0, 0};
+  accept(sand.scene.scene.move(still, shift));
+  sand.skin.refresh();
+  for (int i = 0; i < 3; ++i) sand.frame();
+  const Mesh after = mesh_of(sand.skin);
+  uint32_t same = 0, moved = 0;
+  const double side = 0.0084;
+  for (const sandglass_skin_vertex& v : before.vertices)
+    for (const sandglass_skin_vertex& w : after.vertices) {
+      if (std::hypot(v.position[0] + shift[0] - w.position[0], v.position[1] - w.position[1],
+                     v.position[2] - w.position[2]) > 1e-3f)
+        continue;
+      ++moved;
+      // Where both look the block up, apart from whole blocks: at x / side - origin / 65536.
+      const double apart = (static_cast<double>(w.position[0]) - static_cast<double>(v.position[0])) / side -
+                           static_cast<double>(static_cast<uint16_t>(w.origin[0] - v.origin[0])) / 65536;
+      same += std::fabs(apart - std::round(apart)) < 0.02 && w.origin[1] == v.origin[1] ? 1 : 0;
+    }
+  EXPECT_GT(moved, before.vertices.size() * 9 / 10);
+  EXPECT_GT(same, moved * 8 / 10) << "of " << moved;
+}
+
+TEST(Skin, HoldsForSandThatHardlyIsAny) {
+  for (const uint32_t count : {0u, 1u, 64u}) {
+    Sand sand(rough(64));
+    sand.scene.add_floor();
+    std::vector<float> points;
+    for (uint32_t i = 0; i < count; ++i) points.insert(points.end(), {0.1f, k_radius, 0.1f});  // all in one place
+    if (count != 0) sand.scene.add(points);
+    for (int i = 0; i < 5; ++i) sand.frame(0);
+    const sandglass_skin_mesh now = sand.skin.mesh();
+    const Mesh mesh = mesh_of(sand.skin);
+    EXPECT_EQ(now.valid, 1u);
+    EXPECT_EQ(now.frames_behind, 0u);
+    uint32_t faults = 0;
+    EXPECT_TRUE(std::isfinite(volume_over(mesh, {0, 1, 0}, &faults)));
+    EXPECT_EQ(faults, 0u);
+    if (count == 0) {
+      EXPECT_EQ(mesh.vertices.size() + now.lying_count + now.flying_count, 0u);
+    }
+    if (count == 1) {
+      ASSERT_EQ(now.lying_count, 1u);
+      EXPECT_EQ(now.loose[0].weight, 1.0f);
+      EXPECT_GT(now.loose[0].way[1], 0.5f);
+    }
+  }
+}
+
+// Thinly strewn sand has no room in the lattice: it is loose, and counted, and nothing is written beyond the block.
+TEST(Skin, LeavesOutWhatHasNoRoom) {
+  const sandglass_scene_desc desc = rough(400);
+  const sandglass_skin_desc of = sandglass::skin_desc(desc.granular);
+  uint64_t bytes = 0;
+  ASSERT_EQ(sandglass_skin_bytes(&of, &bytes, nullptr), SANDGLASS_OK);
+  sandglass::test::GuardedBlock block(bytes);
+  sandglass_skin* skin = nullptr;
+  ASSERT_EQ(sandglass_skin_create(&of, block.data(), bytes, &skin, nullptr), SANDGLASS_OK);
+  GranularScene scene(desc);
+  scene.add_floor();
+  std::vector<float> points;
+  for (int i = 0; i < 400; ++i)
+    points.insert(points.end(), {0.3f * static_cast<float>(i % 20), k_radius, 0.3f * static_cast<float>(i / 20)});
+  scene.add(points);
+  sandglass_frame_input input = scene.input(0.02f);
+  input.skin = skin;
+  for (int i = 0; i < 5; ++i) scene.run(input);
+  sandglass_skin_mesh mesh = {};
+  mesh.struct_size = sizeof mesh;
+  sandglass_skin_get_mesh(skin, &mesh);
+  EXPECT_GT(mesh.left_out, 0u);
+  EXPECT_EQ(mesh.lying_count, 400u);
+  EXPECT_TRUE(block.guards_intact());
+}
+
+// A budget that is too small: the skin is late, says so, and the one before stays whole.
+TEST(Skin, ALateSkinLeavesTheOneBefore) {
+  uint64_t now = 0;
+  sandglass_scene_desc desc = rough(1000);
+  desc.clock = {[](void* user) { return *static_cast<uint64_t*>(user) += 20'000; }, &now};
+  Sand sand(desc);
+  sand.scene.add_floor();
+  sand.scene.add(lattice(10, 10, 10, 2.05f * k_radius, k_radius));
+  const auto frame = [&](uint64_t budget) {
+    sandglass_frame_input input = sand.scene.input(0.02f, budget);
+    input.skin = sand.skin.get();
+    sand.scene.run(input);
+  };
+  for (int i = 0; i < 3; ++i) frame(1'000'000'000);
+  ASSERT_EQ(sand.skin.mesh().valid, 1u);
+  uint32_t late = 0, versions = 0, before = sand.skin.mesh().version;
+  uint64_t hash = sand.skin.hash();
+  for (int i = 0; i < 200; ++i) {
+    frame(0);
+    const sandglass_skin_mesh mesh = sand.skin.mesh();
+    late += mesh.frames_behind > 0 ? 1 : 0;
+    if (mesh.version == before) {
+      EXPECT_EQ(sand.skin.hash(), hash);
+    }
+    versions += mesh.version != before ? 1 : 0;
+    before = mesh.version;
+    hash = sand.skin.hash();
+    uint32_t faults = 0;
+    volume_over(mesh_of(sand.skin), {0, 1, 0}, &faults);
+    EXPECT_EQ(faults, 0u);
+  }
+  EXPECT_GT(late, 150u);
+  EXPECT_GE(versions, 1u) << "one unit every second frame must be enough to complete a skin";
+}
+
+// On every instruction set, compiler and number of items in a unit.
+TEST(Skin, OneHashOnEveryInstructionSet) {
+  constexpr uint64_t k_golden = 17289632460683209321u;
+  for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_NEON, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512})
+    for (const uint32_t unit : {64u, 1024u}) {
+      if (sandglass_isa_available(isa) == 0) continue;
+      sandglass_scene_desc desc = rough(1000);
+      desc.isa = isa;
+      desc.unit_items = unit;
+      Sand sand(desc);
+      sand.scene.add_floor();
+      sand.scene.colliders.push_back(sandglass::sphere(0.1f, 0.02f, 0.1f, 0.05f));
+      sand.scene.add(lattice(10, 10, 10, 2.05f * k_radius, k_radius));
+      uint64_t hash = 0;
+      for (int i = 0; i < 40; ++i) sand.frame(), hash = hash * 31 + sand.skin.hash();
+      EXPECT_EQ(hash, k_golden) << sandglass_isa_name(isa) << " " << unit;
+    }
+}
+
+}  // namespace
