@@ -18,8 +18,9 @@ constexpr uint32_t k_grains_only = 0x100;  // a flag in the number of a collider
 
 // The line ends in it reveal a transfer in text mode.
 constexpr uint8_t k_magic[8] = {'S', 'G', 'R', 'E', 'C', '\r', '\n', 0x1a};
-// Version 2 has the stage of shadows, version 3 also the stage of light, version 4 the ids of colliders.
-constexpr uint32_t k_version = 4;
+// Version 2 has the stage of shadows, version 3 also the stage of light, version 4 the ids of colliders, version 5 the stage of
+// the skin.
+constexpr uint32_t k_version = 5;
 constexpr uint32_t k_oldest_version = 2;  // still read
 constexpr size_t k_prologue_bytes = sizeof(k_magic) + sizeof(uint32_t);
 constexpr size_t k_record_head_bytes = 2 * sizeof(uint32_t);
@@ -133,6 +134,7 @@ bool transfer_frame(auto* io, RecordedFrame* frame) {
     io->u32(plan.runs[i].units);
     // In version 2 there was no stage of light between sand and shadows, so later stages had a smaller number.
     if (io->version < 3 && plan.runs[i].stage >= SANDGLASS_STAGE_LIGHTING) ++plan.runs[i].stage;
+    if (io->version < 5 && plan.runs[i].stage >= SANDGLASS_STAGE_SKIN) ++plan.runs[i].stage;
     if (plan.runs[i].stage >= SANDGLASS_STAGE_COUNT) return false;
   }
   return io->ok();

@@ -62,6 +62,7 @@ sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
   s->chunks = layout_region<SkinChunk>(layout, "skin.places", s->chunk_capacity);
   s->chunk_order = layout_region<uint32_t>(layout, "skin.order", s->chunk_capacity);
   s->outer = layout_region<uint16_t>(layout, "skin.outer", k_outer_bricks * k_brick_nodes);
+  s->blocks = layout_region<SkinBlocks>(layout, "skin.blocks", 1);
   s->points = layout_region<SurfacePoint>(layout, "skin.points", k_brick_nodes);
   lay_out_mesh(*s, layout, &s->front);
   lay_out_mesh(*s, layout, &s->back);

@@ -12,10 +12,9 @@
 namespace sandglass {
 namespace {
 
-constexpr uint32_t k_apron = 3, k_pitch = k_brick_side + 2 * k_apron, k_block = k_pitch * k_pitch * k_pitch;
+constexpr uint32_t k_apron = k_mesh_apron, k_pitch = k_mesh_pitch, k_coarse = k_mesh_coarse;
 constexpr uint32_t k_step[3] = {1, k_pitch* k_pitch, k_pitch};  // of a block, along x, y and z
-constexpr uint32_t k_coarse = 6;
-constexpr uint32_t k_solid_pitch = k_brick_side + 2;
+constexpr uint32_t k_solid_pitch = k_mesh_solid_pitch;
 constexpr float k_level = static_cast<float>(k_skin_level);
 constexpr float k_foot_radii = 1.2f;   // over a floor, where the foot begins
 constexpr float k_foot_slope = 1.45f;  // its cotangent at the floor
@@ -24,15 +23,7 @@ constexpr float k_buried = -1.6f;     // nodes over a collider, of a cell's midd
 constexpr float k_kept_radii = 2.2f;  // so far a vertex keeps its particle
 constexpr float k_hollow_flat = 0.5f, k_hollow_gain = 2.6f;
 
-// What a brick's vertices are made of.
-struct Blocks {
-  uint16_t calm[k_block];
-  uint16_t wide[k_coarse * k_coarse * k_coarse];  // means of 4^3 nodes, two nodes apart; the first about node -0.5
-  uint8_t solid[k_solid_pitch * k_solid_pitch * k_solid_pitch];
-  uint16_t rows[9][9];  // of y and z: the nodes 0..8 along x that are inside
-};
-
-void read_rows(const SkinState& s, const Brick& brick, Blocks* blocks) {
+void read_rows(const SkinState& s, const Brick& brick, SkinBlocks* blocks) {
   for (uint32_t y = 0; y < 9; ++y)
     for (uint32_t z = 0; z < 9; ++z) {
       const uint32_t k = k_brick_itself + 3 * (z >> 3) + 9 * (y >> 3), row = 8 * (y & 7) + (z & 7);
@@ -44,7 +35,7 @@ void read_rows(const SkinState& s, const Brick& brick, Blocks* blocks) {
 }
 
 // The cells of a row through which the surface passes.
-uint32_t crossed(const Blocks& b, uint32_t y, uint32_t z) {
+uint32_t crossed(const SkinBlocks& b, uint32_t y, uint32_t z) {
   const uint32_t any = b.rows[y][z] | b.rows[y + 1][z] | b.rows[y][z + 1] | b.rows[y + 1][z + 1];
   const uint32_t all = b.rows[y][z] & b.rows[y + 1][z] & b.rows[y][z + 1] & b.rows[y + 1][z + 1];
   return (any | any >> 1) & ~(all & all >> 1) & 0xff;
@@ -58,9 +49,9 @@ void sum_four(const uint16_t* __restrict from, uint32_t step, uint16_t* __restri
         static_cast<uint16_t>(from[i] + from[i + step] + from[i + 2 * step] + from[i + 3 * step]) >> 2);
 }
 
-void read_blocks(const SkinState& s, const Brick& brick, Blocks* blocks) {
+void read_blocks(const SkinState& s, const Brick& brick, SkinBlocks* blocks) {
   brick_block<k_apron>(s, brick, &BrickNodes::calm, uint16_t{0}, blocks->calm);
-  uint16_t by_y[k_coarse * k_pitch * k_pitch], by_z[k_coarse * k_coarse * k_pitch];
+  uint16_t *by_y = blocks->by_y, *by_z = blocks->by_z;
   for (uint32_t y = 0; y < k_coarse; ++y)
     sum_four<k_pitch * k_pitch>(blocks->calm + 2 * y * k_step[1], k_step[1], by_y + y * k_pitch * k_pitch);
   for (uint32_t y = 0; y < k_coarse; ++y)
@@ -215,7 +206,7 @@ uint32_t mixed(uint32_t x) {
 
 int8_t eighth(float x) { return static_cast<int8_t>(floor_whole(127.0f * x + 0.5f)); }
 
-// The mean density about u in a cell, from those of Blocks::wide.
+// The mean density about u in a cell, from those of SkinBlocks::wide.
 float mean_about(const uint16_t* wide, const uint32_t cell[3], const float u[3]) {
   constexpr uint32_t k_steps[3] = {1, k_coarse * k_coarse, k_coarse};
   float v[3];
@@ -229,8 +220,8 @@ float mean_about(const uint16_t* wide, const uint32_t cell[3], const float u[3])
 }
 
 // False: it lies deep in a collider, and nobody sees it.
-bool make_vertex(const SkinState& s, const Brick& brick, const Blocks& blocks, const uint32_t cell[3], uint32_t before,
-                 sandglass_skin_vertex* out, uint32_t* anchor) {
+bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& blocks, const uint32_t cell[3],
+                 uint32_t before, sandglass_skin_vertex* out, uint32_t* anchor) {
   const uint32_t first =
       (cell[0] + k_apron) * k_step[0] + (cell[1] + k_apron) * k_step[1] + (cell[2] + k_apron) * k_step[2];
   const uint16_t* node = blocks.calm + first;
@@ -301,11 +292,11 @@ void make_vertices(SkinState* s, uint32_t number, uint32_t chunk) {
   Brick& brick = s->bricks[number];
   BrickNodes& nodes = s->nodes[number];
   SkinMesh& back = s->back;
-  Blocks blocks;
-  uint16_t before[k_brick_nodes];
+  SkinBlocks& blocks = *s->blocks;
+  uint16_t* before = blocks.before;
   const uint32_t old = s->front.first_vertex[chunk] + brick.first;
   const bool had = brick.count != 0;
-  memcpy(before, nodes.vertices, sizeof before);
+  memcpy(before, nodes.vertices, sizeof nodes.vertices);
   memset(nodes.vertices, 0xff, sizeof nodes.vertices);
   brick.first = back.vertex_count - back.first_vertex[chunk];
   brick.count = 0;
@@ -434,7 +425,7 @@ void make_quad(SkinState* s, uint32_t chunk, uint32_t number, const uint32_t cel
 }
 
 void make_triangles(SkinState* s, uint32_t chunk, uint32_t number) {
-  Blocks blocks;
+  SkinBlocks& blocks = *s->blocks;
   read_rows(*s, s->bricks[number], &blocks);
   for (uint32_t y = 0; y < 8; ++y)
     for (uint32_t z = 0; z < 8; ++z) {

@@ -87,6 +87,19 @@ struct BrickNodes {
   uint16_t vertices[k_brick_nodes];   // of each cell, from the brick's first, or k_vertex_none
 };
 
+// What the vertices of one brick are made of.
+constexpr uint32_t k_mesh_apron = 3, k_mesh_pitch = k_brick_side + 2 * k_mesh_apron, k_mesh_coarse = 6;
+constexpr uint32_t k_mesh_solid_pitch = k_brick_side + 2;
+struct SkinBlocks {
+  uint16_t calm[k_mesh_pitch * k_mesh_pitch * k_mesh_pitch];
+  uint16_t
+      wide[k_mesh_coarse * k_mesh_coarse * k_mesh_coarse];  // means of 4^3 nodes, two apart; the first about node -1.5
+  uint16_t by_y[k_mesh_coarse * k_mesh_pitch * k_mesh_pitch], by_z[k_mesh_coarse * k_mesh_coarse * k_mesh_pitch];
+  uint8_t solid[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
+  uint16_t rows[9][9];             // of y and z: the nodes 0..8 along x that are inside
+  uint16_t before[k_brick_nodes];  // BrickNodes::vertices as they were
+};
+
 struct SkinChunk {
   int32_t at[3];
   uint32_t bricks;  // that lie in it; 0: free
@@ -150,7 +163,8 @@ struct SkinState {
   uint32_t* work;         // bricks of a level
   uint16_t by_free[256];  // k_skin_one over the free share, by BrickNodes::solid
   uint16_t* outer;        // of a chunk's outer bricks: the index of each cell's vertex in this chunk
-  SurfacePoint* points;   // of one brick
+  SkinBlocks* blocks;
+  SurfacePoint* points;  // of one brick
   uint8_t cycle;
 };
 

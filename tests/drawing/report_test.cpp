@@ -118,8 +118,10 @@ TEST(Report, TraceIsChromeTraceJsonWithOneTrackAStage) {
     EXPECT_GT(event.at("dur").get<double>(), 0.0);
     EXPECT_EQ(event.at("tid") == 2 + SANDGLASS_STAGE_SHADOW, event.at("name") == "shadow.tile");
   }
-  EXPECT_EQ(tracks, (std::map<std::string, int>{
-                        {"frame", 1}, {"granular", 2}, {"lighting", 3}, {"shadow", 4}, {"refine", 5}, {"output", 6}}));
+  EXPECT_EQ(
+      tracks,
+      (std::map<std::string, int>{
+          {"frame", 1}, {"granular", 2}, {"lighting", 3}, {"skin", 4}, {"shadow", 5}, {"refine", 6}, {"output", 7}}));
   EXPECT_EQ(complete, 3u * 101u);
   EXPECT_EQ(counters, 3u * 101u);
 }
