@@ -62,6 +62,7 @@ int main(int argument_count, char** arguments) {
   sandglass_pile_shadow_desc pile_desc = sandglass::pile_shadow_desc();
   pile_desc.sky_texels = 64;
   sandglass::PileShadow pile;
+  sandglass::Skin skin;
   sandglass_shadow_desc shadow_desc = sandglass::shadow_desc();
   shadow_desc.asset = of_shadow.words.data();
   shadow_desc.asset_bytes = of_shadow.bytes;
@@ -74,8 +75,8 @@ int main(int argument_count, char** arguments) {
   sandglass::cpp::Room room;
   sandglass_room_desc room_desc = sandglass::cpp::room_desc();
   room_desc.reflections = 1;
-  if (!sand.status || !pile.create(pile_desc) || !shadow.create(shadow_desc) || !light.create(light_desc) ||
-      !room.create(room_desc))
+  if (!sand.status || !pile.create(pile_desc) || !skin.create(sandglass::skin_desc(sand.scene.get()->desc.granular)) ||
+      !shadow.create(shadow_desc) || !light.create(light_desc) || !room.create(room_desc))
     return std::fprintf(stderr, "count_units: cannot create the scene\n"), 2;
 
   std::vector<uint8_t> bytes(size_t{k_width} * k_height * 3 / 2, 120);
@@ -104,6 +105,7 @@ int main(int argument_count, char** arguments) {
   input.casts = casts;
   input.cast_count = 1;
   input.pile_shadow = pile.get();
+  input.skin = skin.get();
   input.estimator = light.get();
   input.room = room.get();
   input.camera = &image;

@@ -36,9 +36,11 @@ extern "C" {
 /* What a skin is: set once, at create. */
 typedef struct sandglass_skin_desc {
   uint32_t struct_size;
-  /* The scene's granular.particle_capacity, particle_radius and collider_capacity. What is beyond them has no skin. */
+  /* The scene's granular.particle_capacity, 1..4000000. Particles beyond it have no skin. */
   uint32_t particle_capacity;
+  /* The scene's granular.particle_radius, metres. */
   float particle_radius;
+  /* The scene's granular.collider_capacity. The skin does not know of colliders beyond it. */
   uint32_t collider_capacity;
   /* Metres, 0.0001..1: the side of the block of grains that the app draws with. Default: 0.0084, which holds 14^3 grains
    * of 0.6 mm. */
@@ -81,14 +83,17 @@ typedef struct sandglass_skin_vertex {
 typedef struct sandglass_skin_chunk {
   /* Another one when any byte of the chunk has changed, also from empty to not; never 0 where there is a mesh. */
   uint32_t version;
+  /* How many vertices there are. */
   uint32_t vertex_count;
-  /* Three of each triangle; 0: the chunk is empty. */
+  /* How many indices there are, three of each triangle; 0: the chunk is empty. */
   uint32_t index_count;
+  /* 0. */
   uint32_t unused;
   /* Stable until units are run again. */
   const sandglass_skin_vertex* vertices;
+  /* Of the chunk's vertices; stable as they are. */
   const uint16_t* indices;
-  /* The box that holds its vertices, world, metres. */
+  /* The corners of the box that holds its vertices, world, metres. */
   float low[3], high[3];
 } sandglass_skin_chunk;
 
@@ -115,11 +120,13 @@ typedef struct sandglass_skin_mesh {
   uint32_t frames_behind;
   /* A chunk keeps its place for as long as it is not empty. Stable until units are run again, as all that follows. */
   const sandglass_skin_chunk* chunks;
+  /* How many chunks there are, the empty ones among them. */
   uint32_t chunk_count;
-  /* Of all chunks together. */
+  /* Vertices and indices of all chunks together. */
   uint32_t vertex_count, index_count;
   /* Particles that fly come first, then those that lie. */
   const sandglass_skin_loose* loose;
+  /* How many fly, and how many lie. */
   uint32_t flying_count, lying_count;
   /* Particles whose place found no room in the memory of the skin: they are loose. 0 but where sand is strewn thinly over
    * wide floors. */
