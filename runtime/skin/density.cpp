@@ -183,7 +183,7 @@ void find_density(SkinState* s, uint32_t number) {
   if (!sand_is_around(*s, brick)) {
     memset(fresh, 0, sizeof fresh);
   } else {
-    uint32_t sums[k_block];
+    uint32_t* sums = s->blocks->sums;
     uint16_t a[k_block], b[k_block];
     brick_block<1>(*s, brick, &BrickNodes::sums, 0u, sums);
     for (uint32_t i = 0; i < k_block; ++i) {

@@ -87,7 +87,7 @@ struct BrickNodes {
   uint16_t vertices[k_brick_nodes];   // of each cell, from the brick's first, or k_vertex_none
 };
 
-// What the vertices of one brick are made of.
+// What one brick's density and vertices are made of.
 constexpr uint32_t k_mesh_apron = 3, k_mesh_pitch = k_brick_side + 2 * k_mesh_apron, k_mesh_coarse = 6;
 constexpr uint32_t k_mesh_solid_pitch = k_brick_side + 2;
 struct SkinBlocks {
@@ -96,6 +96,7 @@ struct SkinBlocks {
       wide[k_mesh_coarse * k_mesh_coarse * k_mesh_coarse];  // means of 4^3 nodes, two apart; the first about node -1.5
   uint16_t by_y[k_mesh_coarse * k_mesh_pitch * k_mesh_pitch], by_z[k_mesh_coarse * k_mesh_coarse * k_mesh_pitch];
   uint8_t solid[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
+  uint32_t sums[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
   uint16_t rows[9][9];             // of y and z: the nodes 0..8 along x that are inside
   uint16_t before[k_brick_nodes];  // BrickNodes::vertices as they were
 };

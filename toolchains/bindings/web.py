@@ -62,7 +62,7 @@ def field_type(headers, field):
     if not field.count:
         return "number"
     return {"f32": "Float32Array", "f64": "Float64Array", "u32": "Uint32Array", "i32": "Int32Array", "u64": "BigUint64Array",
-            "u8": "Uint8Array", "u16": "Uint16Array", "ptr": "Uint32Array"}[name]
+            "u8": "Uint8Array", "i8": "Int8Array", "u16": "Uint16Array", "i16": "Int16Array", "ptr": "Uint32Array"}[name]
 
 
 def parameter_type(headers, item):
