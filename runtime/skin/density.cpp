@@ -71,6 +71,15 @@ bool is_near(const SkinState& s, const float middle[3], const ColliderFrame& c) 
   return true;
 }
 
+bool stands_as(const ColliderFrame& a, const ColliderFrame& b) {
+  bool same = a.shape == b.shape && a.field.values == b.field.values;
+  for (uint32_t k = 0; k < 3; ++k) {
+    same = same && a.position[k] == b.position[k] && a.size[k] == b.size[k];
+    for (uint32_t m = 0; m < 3; ++m) same = same && a.axes[k][m] == b.axes[k][m];
+  }
+  return same;
+}
+
 // World, metres.
 void middle_of(const SkinState& s, const Brick& brick, float middle[3]) {
   for (uint32_t a = 0; a < 3; ++a)
@@ -447,8 +456,7 @@ void skin_take_colliders(SkinState* s) {
       const sandglass_collider& collider = given.given[i];
       colliders_pose(&collider, 1, 0.0f, &now);
       version = collider.shape == SANDGLASS_SHAPE_FIELD ? collider.field->version : 0;
-      for (uint32_t k = 0; k < 3; ++k) now.linear[k] = now.angular[k] = 0;
-      if (i < s->collider_count && version == s->fields[i] && memcmp(&now, &s->colliders[i], sizeof now) == 0) continue;
+      if (i < s->collider_count && version == s->fields[i] && stands_as(now, s->colliders[i])) continue;
     }
     if (i < s->collider_count) mark(s->colliders[i]);
     s->colliders[i] = now;

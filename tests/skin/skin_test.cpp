@@ -341,7 +341,8 @@ TEST(Skin, LeavesOutWhatHasNoRoom) {
   scene.add_floor();
   std::vector<float> points;
   for (int i = 0; i < 400; ++i)
-    points.insert(points.end(), {0.3f * static_cast<float>(i % 20), k_radius, 0.3f * static_cast<float>(i / 20)});
+    points.insert(points.end(),
+                  {0.3f * static_cast<float>(i % 20), k_radius, 0.3f * static_cast<float>(i - i % 20) / 20});
   scene.add(points);
   sandglass_frame_input input = scene.input(0.02f);
   input.skin = skin;
