@@ -87,6 +87,7 @@ __attribute__((noinline)) void build(const sandglass_skin_desc& desc, void* bloc
       mesh->chunks[c] = {}, mesh->first_vertex[c] = mesh->first_index[c] = 0;
   for (uint32_t a = 0; a < 3; ++a) s->axis[a] = a, s->sign[a] = 1.0f;
   s->up[1] = 1.0f;
+  s->falls = true;
   skin_forget(s);
   s->asked = true;
   *skin = owner;

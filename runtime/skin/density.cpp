@@ -232,7 +232,7 @@ void find_density(SkinState* s, uint32_t number) {
 
 // ---- fill
 
-// Where sand has something to stand on: within four nodes below.
+// Where sand has something to stand on: within four nodes below. Without gravity nothing falls.
 void find_where(const SkinState& s, const Brick& brick, BrickNodes* nodes) {
   constexpr uint8_t k_nothing[k_brick_layer] = {};
   const uint32_t below = brick.around[k_brick_itself - 9];
@@ -242,6 +242,7 @@ void find_where(const SkinState& s, const Brick& brick, BrickNodes* nodes) {
     const uint16_t all = static_cast<uint16_t>(here[c] << 8 | under[c]);
     can[c] = static_cast<uint8_t>(all >> 4 | all >> 5 | all >> 6 | all >> 7 | all >> 8);
   }
+  if (!s.falls) memset(can, 0, sizeof can);
   memcpy(nodes->can, can, sizeof can);
 }
 

@@ -92,8 +92,8 @@ constexpr uint32_t k_mesh_apron = 3, k_mesh_pitch = k_brick_side + 2 * k_mesh_ap
 constexpr uint32_t k_mesh_solid_pitch = k_brick_side + 2;
 struct SkinBlocks {
   uint16_t calm[k_mesh_pitch * k_mesh_pitch * k_mesh_pitch];
-  uint16_t
-      wide[k_mesh_coarse * k_mesh_coarse * k_mesh_coarse];  // means of 4^3 nodes, two apart; the first about node -1.5
+  // Means of 4^3 nodes, two nodes apart; the first is about node -1.5.
+  uint16_t wide[k_mesh_coarse * k_mesh_coarse * k_mesh_coarse];
   uint16_t by_y[k_mesh_coarse * k_mesh_pitch * k_mesh_pitch], by_z[k_mesh_coarse * k_mesh_coarse * k_mesh_pitch];
   uint8_t solid[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
   uint32_t sums[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
@@ -104,7 +104,6 @@ struct SkinBlocks {
 struct SkinChunk {
   int32_t at[3];
   uint32_t bricks;  // that lie in it; 0: free
-  uint32_t version;
 };
 
 // One of the two meshes.
@@ -129,6 +128,7 @@ struct SkinState {
   float sign[3];
   int32_t lean[2];
   float up[3];  // in the lattice's axes
+  bool falls;   // there is gravity
   // Colliders as they are in this frame, and versions of their fields.
   ColliderFrame* colliders;
   uint64_t* fields;
@@ -251,7 +251,6 @@ struct CellValues {
 // ---- phases: each runs one unit, and returns true once its phase is done
 
 void skin_take_colliders(SkinState* s);
-void skin_begin(SkinState* s);
 bool skin_gather(SkinState* s);
 bool skin_leave(SkinState* s);
 bool skin_density(SkinState* s);

@@ -43,7 +43,9 @@ void find_up(SkinState* s, const Granular& g) {
     const float d = s->sign[a] * up[s->axis[a]] - s->up[a];
     turned += d * d;
   }
-  if (turned <= k_turned * k_turned) return;
+  const bool falls = g.gravity_length > 0;
+  if (turned <= k_turned * k_turned && falls == s->falls) return;
+  s->falls = falls;
   choose_axes(s, up);
   for (uint32_t a = 0; a < 3; ++a) s->up[a] = s->sign[a] * up[s->axis[a]];
   for (uint32_t k = 0; k < 2; ++k) {

@@ -141,7 +141,8 @@ void bench_granular(const BenchOptions& options, Bench* bench) {
   const SceneTable table(bench);
   BenchRow standard;
   for (const uint32_t threads : options.threads) {
-    standard = table.row("column14k/default", column, threads, options.frames);
+    const BenchRow row = table.row("column14k/default", column, threads, options.frames);
+    if (threads == options.threads[0]) standard = row;
     table.row("column14k/source", source_scheme(column, k_source_steps, k_source_iterations), threads, options.frames);
     if (interrupted()) return;
   }
@@ -157,9 +158,11 @@ void bench_granular(const BenchOptions& options, Bench* bench) {
     return;
   }
   BenchRow source;
-  for (const uint32_t threads : options.threads)
-    source = table.row("column14k/source_equal_error", source_scheme(column, equal.steps, equal.iterations), threads,
-                       options.frames);
+  for (const uint32_t threads : options.threads) {
+    const BenchRow row = table.row("column14k/source_equal_error", source_scheme(column, equal.steps, equal.iterations),
+                                   threads, options.frames);
+    if (threads == options.threads[0]) source = row;
+  }
   std::printf("source_equal_error is %u steps x %u iterations (+ 1 stabilisation)\n", equal.steps, equal.iterations);
   bench->keep("column14k/source_equal_error", "steps", "1/frame", equal.steps, options.threads[0]);
   bench->keep("column14k/source_equal_error", "iterations", "1/step", equal.iterations, options.threads[0]);
