@@ -17,12 +17,12 @@ set -euo pipefail
 # memory     the four functions that compilers emit on their own, and the string functions that FlatBuffers' verifier needs
 # platform   clock, CPU features, profiler; the second line is Apple's
 # exact      libm functions that IEEE 754 defines to the bit; transcendental ones differ between C libraries
-# compiler   stack protector, position-independent code, out-of-line arithmetic
+# compiler   what clang makes of memcmp and memset, stack protector, position-independent code, out-of-line arithmetic
 readonly allowed='^(mem(cpy|move|set|cmp)|str(len|cmp|ncmp)'\
 '|clock_gettime|getauxval|ATrace_(begin|end)Section|abort'\
 '|clock_gettime_nsec_np|sysctlbyname|os_log_create|(stand_in)?_os_signpost[a-z_]*|__dso_handle'\
 '|(sqrt|floor|ceil|trunc|rint|nearbyint|fabs|fmin|fmax)f?'\
-'|bzero|memset_pattern(4|8|16)|__stack_chk_(fail|guard)|_GLOBAL_OFFSET_TABLE_|__(u?div|u?mod|mul)ti3|__cpu_model|__cpu_indicator_init)$'
+'|bcmp|bzero|memset_pattern(4|8|16)|__stack_chk_(fail|guard)|_GLOBAL_OFFSET_TABLE_|__(u?div|u?mod|mul)ti3|__cpu_model|__cpu_indicator_init)$'
 
 # said_by WHAT TOOL ARGUMENTS...: prints what the tool printed. WHAT names it in a sentence. The result goes into a
 # variable first, because a failure inside <(...) would be lost.
