@@ -3,8 +3,8 @@
 import { SandScene } from "./scene.mjs";
 import { k_scene } from "./data.mjs";
 
-export const k_stages = [["granular", "sand", "#ffb454"], ["lighting", "light", "#f4f1a2"], ["shadow", "shadow", "#8fb8ff"],
-  ["refine", "grains", "#e07b39"], ["output", "output", "#9ad6a0"]];
+export const k_stages = [["granular", "sand", "#ffb454"], ["lighting", "light", "#f4f1a2"], ["skin", "skin", "#d9b38c"],
+  ["shadow", "shadow", "#8fb8ff"], ["refine", "grains", "#e07b39"], ["output", "output", "#9ad6a0"]];
 const k_pause_ms = 100;  // of work, before the page is drawn
 
 // Lets the browser draw where it has waited for long, and tells the share that is done.
@@ -20,7 +20,7 @@ export class Pauses {
 
 // `shown` is called with the share that is done.
 export async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) {
-  const scene = new SandScene(sand, k_scene, { clock: true }), stages = [0, 0, 0, 0, 0], pauses = new Pauses();
+  const scene = new SandScene(sand, k_scene, { clock: true }), stages = k_stages.map(() => 0), pauses = new Pauses();
   let ms = 0;
   for (let frame = 0; frame < frames; ++frame) {
     await pauses.perhaps(shown, frame / frames);
