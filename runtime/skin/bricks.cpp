@@ -47,13 +47,13 @@ void leave_chunk(SkinState* s, uint32_t chunk) {
   for (--s->chunk_count; place < s->chunk_count; ++place) s->chunk_order[place] = s->chunk_order[place + 1];
 }
 
-void around_of(const int32_t at[3], uint32_t k, int32_t other[3]) {
+}  // namespace
+
+void brick_beside(const int32_t at[3], uint32_t k, int32_t other[3]) {
   other[0] = at[0] + static_cast<int32_t>(k % 3) - 1;
   other[1] = at[1] + static_cast<int32_t>(k / 9) - 1;
   other[2] = at[2] + static_cast<int32_t>(k / 3 % 3) - 1;
 }
-
-}  // namespace
 
 uint32_t brick_find(const SkinState& s, const int32_t at[3]) {
   for (uint32_t slot = slot_of(s, at); s.slots[slot] != 0; slot = (slot + 1) & s.slot_mask)
@@ -80,7 +80,7 @@ uint32_t brick_make(SkinState* s, const int32_t at[3]) {
   memset(nodes.vertices, 0xff, sizeof nodes.vertices);
   for (uint32_t k = 0; k < k_bricks_around; ++k) {
     int32_t other[3];
-    around_of(at, k, other);
+    brick_beside(at, k, other);
     brick.around[k] = k == k_brick_itself ? number : brick_find(*s, other);
     if (brick.around[k] != k_brick_none) s->bricks[brick.around[k]].around[k_bricks_around - 1 - k] = number;
     if (brick.around[k] != k_brick_none) s->bricks[brick.around[k]].room_known = 0;

@@ -179,8 +179,8 @@ void make_wanted(SkinState* s, uint32_t number) {
   for (uint32_t k = 0; k < k_bricks_around; ++k) {
     const Brick& brick = s->bricks[number];
     if ((brick.wants >> k & 1) == 0 || brick.around[k] != k_brick_none) continue;
-    const int32_t at[3] = {brick.at[0] + static_cast<int32_t>(k % 3) - 1, brick.at[1] + static_cast<int32_t>(k / 9) - 1,
-                           brick.at[2] + static_cast<int32_t>(k / 3 % 3) - 1};
+    int32_t at[3];
+    brick_beside(brick.at, k, at);
     brick_make(s, at);
   }
 }
@@ -401,9 +401,6 @@ void find_calm(SkinState* s, uint32_t number) {
   }
   if (memcmp(fresh, nodes.calm, sizeof fresh) == 0) return;
   memcpy(nodes.calm, fresh, sizeof fresh);
-  uint16_t low = fresh[0], high = fresh[0];
-  for (const uint16_t value : fresh) low = value < low ? value : low, high = value > high ? value : high;
-  brick.low = low, brick.high = high;
   for (uint32_t row = 0; row < k_brick_layer; ++row) {
     constexpr uint16_t k_bits[8] = {1, 2, 4, 8, 16, 32, 64, 128};
     uint16_t inside = 0;

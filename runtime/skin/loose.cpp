@@ -69,7 +69,7 @@ bool loose_of(const SkinState& s, const Particle& p, sandglass_skin_loose* out, 
 }
 
 bool is_needed(const SkinState& s, const Brick& brick) {
-  if (brick.count != 0 || brick.high != 0) return true;
+  if (brick.count != 0 || brick.calm_reach != 0) return true;
   for (uint32_t k = 0; k < k_bricks_around; ++k) {
     const uint32_t other = brick.around[k];
     if (other == k_brick_none) continue;

@@ -6,6 +6,7 @@
 // copies of them, so that it is drawn by itself. Chunks are made in the order of their places, so those bricks are done.
 #include <cstring>
 
+#include "runtime/core/random.h"
 #include "runtime/granular/granular.h"
 #include "runtime/skin/skin.h"
 
@@ -198,13 +199,7 @@ uint16_t turns(float turns) {
   return static_cast<uint16_t>(to_whole<uint32_t>((turns - whole) * 65536.0f) & 0xffff);
 }
 
-uint32_t mixed(uint32_t x) {
-  x = (x ^ x >> 15) * 0x2c1b3c6du;
-  x = (x ^ x >> 12) * 0x297a2d39u;
-  return x ^ x >> 15;
-}
-
-int8_t eighth(float x) { return static_cast<int8_t>(floor_whole(127.0f * x + 0.5f)); }
+int8_t of_127(float x) { return static_cast<int8_t>(floor_whole(127.0f * x + 0.5f)); }
 
 // The mean density about u in a cell, from those of SkinBlocks::wide.
 float mean_about(const uint16_t* wide, const uint32_t cell[3], const float u[3]) {
@@ -258,20 +253,17 @@ bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& block
     place[m] = static_cast<float>(8 * brick.at[m] + static_cast<int32_t>(cell[m])) + u[m];
   const float steps[3] = {place[0] * k_skin_steps, place[1] * k_skin_steps, place[2] * k_skin_steps};
   *anchor = anchor_of(s, brick, cell, steps, before);
-  uint32_t seed = mixed(2 * (*anchor + 1));
   for (uint32_t m = 0; m < 3; ++m) {
     const uint32_t w = s.axis[m];
     out->position[w] = s.sign[m] * s.spacing * (place[m] + shift[m] + 0.5f);
-    out->normal[w] = eighth(s.sign[m] * normal[m]);
+    out->normal[w] = of_127(s.sign[m] * normal[m]);
     float at = 0;
     if (*anchor != k_brick_none)
       at = s.sign[m] * s.spacing * (static_cast<float>(s.particles[*anchor].at[m]) * (1.0f / k_skin_steps) + 0.5f);
     out->origin[w] = turns(at / s.desc.block_side);
   }
-  for (uint32_t m = 0; m < 3; ++m) {  // another block for each particle
-    out->origin[m] = static_cast<uint16_t>(out->origin[m] - (seed >> 16));
-    seed = mixed(seed);
-  }
+  const uint64_t seed = mix_bits(*anchor);  // another place in the block for each particle
+  for (uint32_t m = 0; m < 3; ++m) out->origin[m] = static_cast<uint16_t>(out->origin[m] - (seed >> (16 * m)));
   const float hollow = k_hollow_flat + k_hollow_gain * (wide - k_level / k_skin_one);
   out->hollow = static_cast<uint8_t>(to_whole<uint32_t>(255.0f * clamped(hollow, 0, 1) + 0.5f));
   const float micrometres = clamped(1e6f * s.spacing * over, -32768.0f, 32767.0f);
@@ -455,7 +447,6 @@ void end_chunk(SkinState* s, uint32_t chunk, bool copied) {
     memcpy(now.high, before.high, sizeof now.high);
     return;
   }
-  if (now.index_count == 0) now.vertex_count = 0;
   for (uint32_t m = 0; m < 3; ++m) {
     float low = 3e38f, high = -3e38f;
     for (uint32_t v = 0; v < now.vertex_count; ++v) {
@@ -514,26 +505,26 @@ bool skin_mesh(SkinState* s) {
         continue;
       }
     }
-    for (; s->layer < k_chunk_volume && done < k_skin_unit_mesh; ++s->layer) {
-      const uint32_t number = brick_of_chunk(*s, chunk, s->layer);
+    // First the vertices of its bricks, then the triangles.
+    for (; s->layer < 2 * k_chunk_volume && done < k_skin_unit_mesh; ++s->layer) {
+      if (s->layer == k_chunk_volume) memset(s->outer, 0xff, k_outer_bricks * k_brick_nodes * sizeof *s->outer);
+      const uint32_t number = brick_of_chunk(*s, chunk, s->layer % k_chunk_volume);
       if (number == k_brick_none) continue;
-      if ((s->bricks[number].stale & k_stale_mesh) != 0) {
+      if (s->layer >= k_chunk_volume) {
+        if (s->bricks[number].count == 0) continue;
+        make_triangles(s, c, number);
+        ++done;
+      } else if ((s->bricks[number].stale & k_stale_mesh) != 0) {
         make_vertices(s, number, c);
         ++done;
       } else {
         copy_vertices(s, number, c);
       }
     }
-    if (s->layer < k_chunk_volume) return false;
-    memset(s->outer, 0xff, k_outer_bricks * k_brick_nodes * sizeof *s->outer);
-    for (uint32_t i = 0; i < k_chunk_volume; ++i) {
-      const uint32_t number = brick_of_chunk(*s, chunk, i);
-      if (number != k_brick_none && s->bricks[number].count != 0) make_triangles(s, c, number);
-    }
+    if (s->layer < 2 * k_chunk_volume) return false;
     end_chunk(s, c, false);
     s->layer = 0;
     ++s->cursor;
-    done += k_skin_unit_mesh;
   }
   return false;
 }

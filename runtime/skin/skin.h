@@ -65,7 +65,6 @@ struct Brick {
   uint32_t touches;                   // particles that are in its sums
   uint32_t wants;                     // bits of `around` that its density reaches
   uint32_t fill_from;                 // the layer below which it is filled anew
-  uint16_t low, high;                 // of its density
   uint8_t open;                       // 1: no collider is near
   uint32_t filled_reach, calm_reach;  // bits of `around` that feel what it holds, after the fill and the filter
   uint8_t dense;                      // 1: some of its density is above 0, before the fill
@@ -171,6 +170,8 @@ struct SkinState {
 
 // ---- bricks (bricks.cpp)
 
+// Where the brick is that `around` of one at `at` has at k.
+void brick_beside(const int32_t at[3], uint32_t k, int32_t other[3]);
 uint32_t brick_find(const SkinState& s, const int32_t at[3]);
 // Makes it where it is not there; k_brick_none: there is no room.
 uint32_t brick_make(SkinState* s, const int32_t at[3]);
