@@ -32,11 +32,15 @@ def joined(paths):
 def main():
     npm, parts, scene, output = map(pathlib.Path, sys.argv[1:])
     here = pathlib.Path(__file__).parent
-    modules = {"k_module": npm / "sandglass.wasm", "k_module_threads": npm / "sandglass-threads.wasm", "k_mesh_module": parts / "mesh_reader.wasm"}
+    modules = {"k_module": npm / "sandglass.wasm", "k_module_threads": npm / "sandglass-threads.wasm", "k_mesh_module": parts / "mesh_reader.wasm",
+               "k_block_module": parts / "sand_block.wasm"}
     packed = {name: zlib.compress(file.read_bytes(), 9) for name, file in modules.items()}
     data = "".join(f"const {name} = \"{base64.b64encode(content).decode()}\";\n" for name, content in packed.items())
     data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
-    own = ("elements", "scene", "painter", "mesh_file", "link", "tilt", "room_light", "real_table", "measure", "controls", "page")
+    kit = {file.name.replace(".glsl", "").replace(".", "_"): file.read_text() for file in sorted((here / "../../toolchains/kit").iterdir())
+           if file.suffix in (".glsl", ".vert", ".frag")}
+    data += f"const k_kit = {json.dumps(kit)};\n"
+    own = ("elements", "scene", "sand_painter", "painter", "mesh_file", "link", "tilt", "room_light", "real_table", "measure", "controls", "page")
     script = joined([npm / "abi.mjs", npm / "sandglass.mjs", parts / "meshopt_decoder.mjs", *(here / f"{name}.mjs" for name in own)])
     page = (here / "page.html").read_text().replace("@MODULES@", data + script)
     if "</script" in (data + script):

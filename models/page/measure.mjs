@@ -28,8 +28,7 @@ export async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) 
     ms += report.time.elapsed_ns / 1e6;
     report.stages.forEach((stage, i) => { stages[i] += stage.elapsed_ns / 1e6; });
   }
-  const result = { hash: scene.hash(), ms: ms / frames, stages: stages.map((sum) => sum / frames), grains: scene.report.sand.grains,
-    particles: scene.report.sand.particles, threads: sand.threads, isa: sand.sandglass_isa_name(sand.sandglass_scene_isa(scene.handle)) };
+  const result = { hash: scene.hash(), ms: ms / frames, stages: stages.map((sum) => sum / frames), particles: scene.report.sand.particles, threads: sand.threads, isa: sand.sandglass_isa_name(sand.sandglass_scene_isa(scene.handle)) };
   scene.destroy();
   return result;
 }
@@ -40,8 +39,8 @@ function classOf(ms) {
     ...k_scene.counted.cores.map(({ name, low, high }) => `  ${name.padEnd(10)} ${shown(low)} to ${shown(high)} as stated, without a browser`)];
 }
 
-export function asText({ hash, ms, stages, grains, particles, threads, isa }) {
-  return [`Sandglass, ${k_scene.frames} frames of the page's scene, ${particles} particles, ${grains} grains at the end`, `browser      ${navigator.userAgent}`,
+export function asText({ hash, ms, stages, particles, threads, isa }) {
+  return [`Sandglass, ${k_scene.frames} frames of the page's scene, ${particles} particles at the end`, `browser      ${navigator.userAgent}`,
     `cores        ${navigator.hardwareConcurrency}`, `threads      ${threads}`, `kernels      ${isa}`, `a frame      ${ms.toFixed(2)} ms`,
     ...k_stages.map(([, name], i) => `  ${name.padEnd(10)} ${stages[i].toFixed(2)} ms`), ...classOf(ms), `hash         ${hash}`].join("\n");
 }

@@ -2,6 +2,7 @@
 import { load, constants } from "./sandglass.mjs";
 import { SandScene, addPoints, makeField, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
+import { sandBlock } from "./sand_painter.mjs";
 import { meshReader, standing, smoothed } from "./mesh_file.mjs";
 import { RoomLight, lightOfSky } from "./room_light.mjs";
 import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom, cellsOfTable } from "./tilt.mjs";
@@ -9,10 +10,10 @@ import { fromLink } from "./link.mjs";
 import { fixedRun, k_stages, Pauses } from "./measure.mjs";
 import { listen, play } from "./controls.mjs";
 import { by, say, counted } from "./elements.mjs";
-import { k_module, k_module_threads, k_mesh_module, k_scene } from "./data.mjs";
+import { k_module, k_module_threads, k_mesh_module, k_block_module, k_scene } from "./data.mjs";
 
 const k_step = k_scene.frame_step, k_radius = k_scene.granular.particle_radius;
-const k_pour = { radius: 4 * k_radius, speed: 0.8, grains_per_particle: 16 };
+const k_pour = { radius: 4 * k_radius, speed: 0.8 };
 const k_layer = 16;          // particles of a layer of that nozzle at most
 const k_pour_height = 0.3;   // metres above what is touched
 const k_hand = 6 * k_radius; // radius of the sphere that pushes
@@ -29,7 +30,7 @@ const k_paint = [0.35, 0.33, 0.30], k_metal = [0.95, 0.93, 0.88];  // of objects
 const k_object_triangles = 100000;  // of all of them
 const k_object_spacing = 0.5 * k_radius;  // of the field that sand collides with
 const k_recorded_at_most = 18000;  // frames: five minutes
-const k_emitter_fields = ["position", "rotation", "radius", "speed", "grains_per_particle"];
+const k_emitter_fields = ["position", "rotation", "radius", "speed"];
 const k_collider_fields = ["shape", "position", "rotation", "size", "linear_velocity"];
 const k_tip_least = 0.05;    // m/s^2: sensors tremble by less
 const k_seconds_at_most = 1; // of frame times, that the numbers are means of
@@ -41,14 +42,15 @@ const k_walls = [[0, 0, -1, 1], [0, 0, 1, 1], [1, 0, 0, 1], [-1, 0, 0, 1]].map((
   position: [i === 0 ? -k_wall : i === 1 ? k_wall : 0, 0, i === 2 ? -k_wall : i === 3 ? k_wall : 0], rotation, size: [1, 1, 1] }));
 
 class Page {
-  constructor(sand) {
+  constructor(sand, block) {
     this.sand = sand;
-    this.painter = new Painter(by("view")), this.camera = new Camera();
+    this.painter = new Painter(by("view"), block, k_radius), this.camera = new Camera();
     this.tool = "pour", this.mark = [0.26, 0, 0.16], this.at = null, this.pushing = null, this.time = 0, this.owed = 0;
-    this.spent = [], this.recorded = [], this.added = [];
+    this.spent = [], this.recorded = [], this.added = [], this.nozzles = [];
     this.denied = 0, this.saidFull = false;
     this.gravity = [...k_scene.gravity], this.given = [...k_scene.gravity], this.tipped = false;
     this.startScene();
+    this.makeSkin();
     this.makeShadows();
     this.setLight();
   }
@@ -75,6 +77,13 @@ class Page {
   casting(vertices, indices, model) {
     const { sand } = this;
     return { positions: sand.put(vertices), vertex_count: vertices.length / 3, indices: sand.put(indices), triangle_count: indices.length / 3, model };
+  }
+
+  makeSkin() {
+    const { sand, scene } = this, desc = sand.make("sandglass_skin_desc");
+    sand.sandglass_skin_desc_default(desc, scene.desc.granular);
+    this.skin = sand.create("sandglass_skin", desc), this.skinMesh = sand.make("sandglass_skin_mesh");
+    scene.input.skin = this.skin;
   }
 
   makeShadows() {
@@ -218,6 +227,7 @@ class Page {
         size: [k_hand, 0, 0], linear_velocity: moved.map((x) => share * x / k_step) });
     } else this.pushing = null;
     scene.input.collider_count = colliders;
+    this.nozzles = scene.emitters.slice(0, emitters).map(({ position, radius, speed }) => ({ nozzle: [...position, radius], way: [0, -1, 0, speed] }));
     return emitters;
   }
 
@@ -228,7 +238,7 @@ class Page {
     this.added = [];
     if (this.recorded.length >= k_recorded_at_most) return;
     const picked = (view, names) => Object.fromEntries(names.map((name) => [name, typeof view[name] === "number" ? view[name] : [...view[name]]]));
-    const runs = plan.runs.slice(0, plan.run_count).filter(({ stage }) => stage !== constants.SANDGLASS_STAGE_SHADOW);
+    const runs = plan.runs.slice(0, plan.run_count).filter(({ stage }) => stage !== constants.SANDGLASS_STAGE_SHADOW && stage !== constants.SANDGLASS_STAGE_SKIN);
     this.recorded.push({ emitters: scene.emitters.slice(0, emitters).map((emitter) => picked(emitter, k_emitter_fields)),
       colliders: scene.colliders.slice(first, scene.input.collider_count).map((collider) => picked(collider, k_collider_fields)),
       level: plan.level, runs: runs.map(({ stage, units }) => [stage, units]), ...(this.tipped ? { gravity: this.given, tipped: true } : {}), ...(added.length ? { added } : {}) });
@@ -259,24 +269,24 @@ class Page {
       throw new Error(error.message.startsWith("sandglass") || error.constructor === Error ? error.message : "The recording is damaged, so it cannot be played. Ask for it again.");
     }
     scene.input.plan = 0;
-    const hash = scene.hash(), { pile_shadow, casts, cast_count } = this.scene.input, after = this.objects;
-    scene.input.set({ pile_shadow, casts, cast_count });
+    const hash = scene.hash(), { skin, pile_shadow, casts, cast_count } = this.scene.input, after = this.objects;
+    scene.input.set({ skin, pile_shadow, casts, cast_count });
     this.scene.destroy();
     this.objects = before.objects, this.dropObjects();
     this.objects = after, this.showObjects();
     sand.free(plan);
     this.scene = scene, this.recorded = [...recording.frames], this.recordedHash = undefined, this.added = [], this.denied = scene.report.sand.denied_particles;
-    sand.sandglass_pile_shadow_refresh(this.pile);
+    sand.sandglass_pile_shadow_refresh(this.pile), sand.sandglass_skin_refresh(this.skin);
     if (hash !== recording.hash) throw new Error(`The recording ends in ${hash} here and in ${recording.hash} where it was made. Please report this.`);
     return hash;
   }
 
   playFrame(scene, { emitters, colliders, level, runs, gravity, tipped, added }, plan, step) {
-    for (const { particles, grains, vertices, indices, at, metal } of added ?? []) {
+    for (const { particles, vertices, indices, at, metal } of added ?? []) {
       if (vertices) {
         const object = this.objectOf({ vertices: Float32Array.from(vertices), indices: Uint32Array.from(indices) }, at, metal);
         this.objects.push(Object.assign(object, { field: this.fieldOf(object) }));
-      } else addPoints(this.sand, scene.handle, { positions: Float32Array.from(particles) }, { positions: Float32Array.from(grains) });
+      } else addPoints(this.sand, scene.handle, { positions: Float32Array.from(particles) });
     }
     if (gravity && gravity.some((x, k) => x !== this.given[k])) this.setGravity(scene, this.given = gravity);
     this.tipped = tipped === true;
@@ -331,8 +341,7 @@ class Page {
     if (sky.valid) {
       painter.upload(painter.sky, sky.texels, sand.bytes(sky.floor, sky.texels ** 2));
       painter.upload(painter.skyOnSand, sky.texels, sand.bytes(sky.on_sand, sky.texels ** 2));
-      painter.upload(painter.heights, sky.height_texels, sand.bytes(sky.heights, sky.height_texels ** 2));
-      Object.assign(painter.pileShadow, { sky: 1, height: sky.height });
+      painter.pileShadow.sky = 1;
     }
     const box = ({ corner, along, across }) => [corner[0], corner[2], 1 / along[0], 1 / across[2]];
     sand.sandglass_cast_get_texture(this.cast, cast);
@@ -359,10 +368,16 @@ class Page {
       painter.upload(painter.wallSeen, t.texels, sand.bytes(t.bytes, t.texels ** 2)), painter.wall.seenBox = box(t), this.wallSeenCompleted = t.completed;
   }
 
+  // The surface of the sand, and where it is poured from.
+  takeSkin() {
+    const { sand, scene, painter } = this;
+    painter.sand.upload(sand, this.skin, this.skinMesh);
+    painter.sand.streams = this.nozzles;
+  }
+
   draw() {
-    const { sand, scene, painter } = this, count = scene.report.sand.grain_numbers;
-    this.takeTextures();
-    painter.draw(this.camera, sand.floats(scene.grains, 4 * count), count, scene.desc.granular.grain_radius);
+    this.takeTextures(), this.takeSkin();
+    this.painter.draw(this.camera);
   }
 
   tell() {
@@ -382,7 +397,7 @@ class Page {
     by("short").textContent = `${ms.toFixed(1)} of ${budget} ms`;
     by("numbers").replaceChildren(...[...parts.map(([name, colour, part]) => row(name, `${part.toFixed(2)} ms`, colour)),
       row("quality level", `${report.level} ${this.sand.sandglass_level_name(report.level)}`), row("time debt", `${report.time.debt.toFixed(2)} s`),
-      row("grains", `${report.sand.grains} of ${report.sand.particles} particles`), ...this.tellLight(row)].flat());
+      row("particles", counted(report.sand.particles)), row("triangles", counted(this.skinMesh.index_count / 3)), ...this.tellLight(row)].flat());
   }
 
   // What the camera knows of the room's light, and in augmented reality how far from the device's it is.
@@ -398,9 +413,9 @@ class Page {
   again() {
     this.dropObjects();
     this.sand.sandglass_scene_reset(this.scene.handle);
-    this.sand.sandglass_pile_shadow_refresh(this.pile);
+    this.sand.sandglass_pile_shadow_refresh(this.pile), this.sand.sandglass_skin_refresh(this.skin);
     this.scene.frames = 0, this.scene.fill();
-    this.scene.report.sand.set({ particles: 0, grains: 0, grain_numbers: 0, denied_particles: 0 }), this.denied = 0;
+    this.scene.report.sand.set({ particles: 0, denied_particles: 0 }), this.denied = 0;
     this.recorded = [], this.added = [], this.recordedHash = undefined;
     this.given = [...k_scene.gravity], this.tipped = false;
   }
@@ -466,18 +481,12 @@ class Page {
     if (particles.length === 0) throw new Error("The mesh is too thin to be filled with sand. Choose one with a volume.");
     const smaller = Math.cbrt(3 * k_mesh_particles / particles.length);
     if (smaller < 1) particles = this.filled({ ...mesh, vertices: mesh.vertices.map((x) => x * smaller) });
-    // The scene has room for as many grains as its particles may have, so the particles decide.
     const count = particles.length / 3;
     if (count > this.scene.desc.granular.particle_capacity - this.particles())
       throw new Error(`${this.full()}, and the mesh needs ${counted(count)}. Press "Start again", then drop it again.`);
-    // Grains at random places within the particles, by a generator with a fixed seed.
-    const grains = new Float32Array(particles.length * k_pour.grains_per_particle);
-    let seed = 1;
-    const random = () => (seed = (seed * 1664525 + 1013904223) >>> 0) / 2 ** 32 - 0.5;
     for (let i = 0; i < particles.length; i += 3) particles[i] += this.mark[0], particles[i + 1] += k_mesh_above, particles[i + 2] += this.mark[2];
-    for (let i = 0; i < grains.length; ++i) grains[i] = particles[3 * Math.floor(i / 3 / k_pour.grains_per_particle) + i % 3] + 2 * k_radius * random();
-    addPoints(this.sand, this.scene.handle, { positions: particles }, { positions: grains });
-    this.added.push({ particles: [...particles], grains: [...grains] });
+    addPoints(this.sand, this.scene.handle, { positions: particles });
+    this.added.push({ particles: [...particles] });
     return count;
   }
 
@@ -520,7 +529,7 @@ async function loaded() {
 }
 
 async function begin() {
-  const page = new Page(await loaded());
+  const page = new Page(await loaded(), await sandBlock(await inflated(k_block_module)));
   listen(page);
   window.sandglassPage = { page, fixedRun: (frames) => fixedRun(page.sand, frames) };  // for the page's test
   let before = performance.now(), told = 0;
@@ -533,7 +542,7 @@ async function begin() {
     }
     before = now;
     if (now - told > 250) page.tell(), told = now;
-    if (page.scene.report.sand.grains > 0) document.documentElement.dataset.sand ??= Math.round(performance.now());
+    if (page.scene.report.sand.particles > 0) document.documentElement.dataset.sand ??= Math.round(performance.now());
     requestAnimationFrame(frame);
   };
   requestAnimationFrame(frame);

@@ -103,20 +103,18 @@ export class RealTable {
   }
 
   draw(told, pose) {
-    const { page, layer } = this, { painter, scene } = page, { gl } = painter, [x, y, z] = this.table ?? [0, 0, 0];
+    const { page, layer } = this, { painter } = page, { gl } = painter, [x, y, z] = this.table ?? [0, 0, 0];
     page.takeTextures();
     gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     if (!this.table) return;
-    const count = scene.report.sand.grain_numbers;
-    painter.uploadGrains(page.sand.floats(scene.grains, 4 * count));
+    page.takeSkin();
     for (const view of pose.views) {
       this.takeDepth(told, view);
       const matrix = Float32Array.from(view.transform.inverse.matrix), port = layer.getViewport(view), at = view.transform.position;
       for (let k = 0; k < 3; ++k) matrix[12 + k] += matrix[k] * x + matrix[4 + k] * y + matrix[8 + k] * z;
-      painter.paint({ view: matrix, projection: view.projectionMatrix, eye: [at.x - x, at.y - y, at.z - z], viewport: [port.x, port.y, port.width, port.height], real: true },
-        count, scene.desc.granular.grain_radius);
+      painter.paint({ view: matrix, projection: view.projectionMatrix, eye: [at.x - x, at.y - y, at.z - z], viewport: [port.x, port.y, port.width, port.height], real: true });
     }
   }
 }

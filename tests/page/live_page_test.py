@@ -111,21 +111,35 @@ def report(browser, field):
     return browser.ask(f"sandglassPage.page.scene.report.{field}")
 
 
+# Where the particles are: [x, y, z] of each.
+PLACES = """(() => { const {page} = sandglassPage, n = page.scene.report.sand.particle_numbers, p = page.sand.allocate(12 * n);
+    page.sand.sandglass_granular_particles(page.scene.handle, p, 0);
+    const x = page.sand.floats(p, 3 * n);
+    const places = Array.from({ length: n }, (_, i) => [...x.subarray(3 * i, 3 * i + 3)]);
+    page.sand.free(p);
+    return places; })()"""
+
+
 def check_pours(browser, page):
-    """Where the finger is, there are more grains afterwards than before."""
+    """Where the finger is, there is more sand afterwards than before, and it is drawn there: vertices of the surface or loose sand."""
     browser.ask("sandglassPage.page.again()")
-    near = """(() => {{ const {{page}} = sandglassPage, n = page.scene.report.sand.grain_numbers, g = page.sand.floats(page.scene.grains, 4 * n);
-        let count = 0;
-        for (let i = 0; i < n; ++i) count += g[4 * i + 3] >= 0 && Math.hypot(g[4 * i] - {0}, g[4 * i + 2] - {1}) < 0.06;
-        return count; }})()"""
+    near = PLACES + ".filter(([x, , z]) => Math.hypot(x - {0}, z - {1}) < 0.06).length"
     box = browser.ask("(() => { const b = document.getElementById('view').getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
     x, y = box[0] + 0.72 * box[2], box[1] + 0.75 * box[3]
     at = browser.ask(f"sandglassPage.page.place({{clientX: {x}, clientY: {y}}})")
-    before = browser.ask(near.format(at[0], at[2]))
+    near = near.replace("{0}", str(at[0])).replace("{1}", str(at[2]))
+    before = browser.ask(near)
     browser.mouse("mouseMoved", x, y)
     browser.mouse("mousePressed", x, y, "left", 1)
-    wait_until(browser, near.format(at[0], at[2]) + f" > {before} + 300")
+    wait_until(browser, near + f" > {before} + 60")
     browser.mouse("mouseReleased", x, y, "left")
+    drawn = """(() => { const {page} = sandglassPage, {sand, skinMesh: mesh} = page;
+        for (let i = 0; i < mesh.chunk_count; ++i) {
+          const {vertices, vertex_count} = sand.at("sandglass_skin_chunk", mesh.chunks, i), f = sand.floats(vertices, 6 * vertex_count);
+          for (let v = 0; v < f.length; v += 6) if (f[v + 1] > 0.01 && Math.hypot(f[v] - %f, f[v + 2] - %f) < 0.06) return true;
+        }
+        return false; })()""" % (at[0], at[2])
+    wait_until(browser, drawn)
     check(browser.ask("sandglassPage.page.at") is None, "the finger still pours after it was lifted")
     # The sand keeps light of the room from the table beside it; far from it nothing does.
     floor = """(() => { const {page} = sandglassPage, {skyTexture: s} = page;
@@ -141,10 +155,7 @@ def check_pushes(browser, at):
     wait_until(browser, "sandglassPage.page.pushing !== null")
     browser.ask(f"sandglassPage.page.at = [{at[0]}, 0, {at[2]}]")
     wait_until(browser, f"Math.hypot(sandglassPage.page.pushing[0] - {at[0]}, sandglassPage.page.pushing[2] - {at[2]}) < 0.01")
-    wait_until(browser, f"""(() => {{ const {{page}} = sandglassPage, n = page.scene.report.sand.grain_numbers, g = page.sand.floats(page.scene.grains, 4 * n),
-        p = page.pushing; let count = 0;
-        for (let i = 0; i < n; ++i) count += g[4 * i + 3] >= 0 && Math.hypot(g[4 * i] - p[0], g[4 * i + 1] - p[1], g[4 * i + 2] - p[2]) < 0.03;
-        return count; }})() === 0""")
+    wait_until(browser, PLACES + ".every((place) => Math.hypot(...place.map((x, k) => x - sandglassPage.page.pushing[k])) > 0.03)")
     browser.ask("sandglassPage.page.at = null")
     browser.ask("document.querySelector('[value=pour]').click()")
 
@@ -166,10 +177,7 @@ def check_keyboard(browser):
 def check_tilt(browser):
     """The phone is tipped to its right, and the sand's middle goes there; sliders and keys do the same."""
     hold = lambda beta, gamma: browser.call("DeviceOrientation.setDeviceOrientationOverride", alpha=0, beta=beta, gamma=gamma)
-    middle = """(() => { const {page} = sandglassPage, n = page.scene.report.sand.grain_numbers, g = page.sand.floats(page.scene.grains, 4 * n);
-        let sum = 0, count = 0;
-        for (let i = 0; i < n; ++i) if (g[4 * i + 3] >= 0) sum += page.camera.axes().right.reduce((s, x, k) => s + x * g[4 * i + k], 0), ++count;
-        return sum / count; })()"""
+    middle = "((places, right) => places.reduce((sum, place) => sum + place.reduce((s, x, k) => s + x * right[k], 0), 0) / places.length)(" + PLACES + ", sandglassPage.page.camera.axes().right)"
     before = browser.ask(middle)
     hold(40, 0)
     browser.ask("document.getElementById('tilt').click()")
@@ -343,15 +351,11 @@ def check_object(browser):
     run_frames(browser, 40, f"page.at = [{mark[0]}, 0, {mark[2]}]", until=f"{shadow}[0] === 0")
     check(browser.ask(shadow) == [0, 255], f"under the object the shadow is {browser.ask(shadow)}")
     run_frames(browser, 30)
-    inside = f"""(() => {{ const {{page}} = sandglassPage, n = page.scene.report.sand.particle_numbers, p = page.sand.allocate(12 * n);
-        page.sand.sandglass_granular_particles(page.scene.handle, p, 0);
-        let deep = 0, on = 0;
-        const x = page.sand.floats(p, 3 * n);
-        for (let i = 0; i < n; ++i) {{
-          const d = [x[3 * i] - {mark[0]}, x[3 * i + 1] - {height / 2}, x[3 * i + 2] - {mark[2]}].map(Math.abs), out = Math.max(...d) - {height / 2};
-          deep += out < 0, on += out >= 0 && out < 0.02 && x[3 * i + 1] > {height};
+    inside = f"""(() => {{ let deep = 0, on = 0;
+        for (const [x, y, z] of {PLACES}) {{
+          const out = Math.max(...[x - {mark[0]}, y - {height / 2}, z - {mark[2]}].map(Math.abs)) - {height / 2};
+          deep += out < 0, on += out >= 0 && out < 0.02 && y > {height};
         }}
-        page.sand.free(p);
         return [deep, on]; }})()"""
     deep, on = browser.ask(inside)
     check(deep == 0 and on > 20, f"{deep} particles are in the object and {on} on it")
@@ -377,9 +381,7 @@ def check_meshes(browser):
 
 def check_full_table(browser, needed):
     """Meshes are dropped until there is no room. Then the page says so in the user's words, and so it does to a finger that pours."""
-    capacity, grains, there = browser.ask("""(({desc, report}) => [desc.granular.particle_capacity, desc.granular.grain_capacity,
-        report.sand.particles])(sandglassPage.page.scene)""")
-    check(grains >= 16 * capacity, "grains may find no room where their particles do")
+    capacity, there = browser.ask("(({desc, report}) => [desc.granular.particle_capacity, report.sand.particles])(sandglassPage.page.scene)")
     fit = (capacity - there) // needed
     for k in range(fit):
         browser.ask(f"sandglassPage.page.mark = [{0.26 * (k % 4) - 0.39}, 0, {0.26 * (k // 4) - 0.39}]")

@@ -59,10 +59,10 @@ assert.ok(accepted > damaged / 100 && accepted < damaged, `${accepted} of ${dama
 
 // A recording as a link: numbers of 32 bits come back to the bit, and what is repeated costs next to nothing.
 const third = Math.fround(1 / 3);
-const frame = { emitters: [{ position: [third, 0.5, -third], rotation: [0, 0, 0, 1], radius: Math.fround(0.024), speed: 1, grains_per_particle: 16 }], colliders: [],
+const frame = { emitters: [{ position: [third, 0.5, -third], rotation: [0, 0, 0, 1], radius: Math.fround(0.024), speed: 1 }], colliders: [],
   level: 2, runs: [[0, 3], [3, 1]], gravity: [0, Math.fround(-9.81), third], tipped: true };
 const plain = { emitters: [], colliders: [], level: 0, runs: [[0, 1]] };
-const recording = { sandglass: "recording", scene: "page", step: 1 / 60, hash: "0x0123456789abcdef", frames: [plain, frame, frame, { ...frame, added: [{ particles: [third], grains: [1e-7] }] }, plain] };
+const recording = { sandglass: "recording", scene: "table", step: 1 / 60, hash: "0x0123456789abcdef", frames: [plain, frame, frame, { ...frame, added: [{ particles: [third, 1e-7] }] }, plain] };
 const bits = (value) => JSON.stringify(value, (_, x) => (typeof x === "number" ? Math.fround(x) : x === undefined ? null : x));
 const link = await toLink(recording), back = await fromLink(link);
 assert.equal(back.hash, recording.hash), assert.equal(back.step, recording.step);

@@ -6,6 +6,7 @@ rectangles, whose rims are dark, and behind what is real.
 shadow_shader_test.py README PAINTER SAND_CPP      --control: a sampler that clamps instead must be noticed
 Exit code 77: there is no Chromium here."""
 import json
+import pathlib
 import random
 import re
 import shutil
@@ -90,11 +91,12 @@ def farthest_on_page(browser, lighting, draw):
     lighting = lighting.replace(uniform, constant)
     fragment = f"""#version 300 es
 precision highp float;
+precision highp sampler3D;
 {lighting}
 out vec4 pixel;
 void main() {{
   vec3 place = vec3(gl_FragCoord.x, 0, gl_FragCoord.y) * (2.0 / {SIDE}.0) - vec3(1, 0, 1);
-  pixel = vec4(vec3(mix(shadowed(place, 0.0) * opened(place) * under_sky(place), 1.0, hidden(place))), 1);
+  pixel = vec4(vec3(mix(object_passed(place) * pile_passed(place) * opened(place) * under_sky(place), 1.0, hidden(place))), 1);
 }}"""
     vertex = """#version 300 es
 void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1, 0, 1); }"""
@@ -145,7 +147,9 @@ def main(arguments):
     readme, painter, sand = [a for a in arguments if not a.startswith("--")]
     sample = re.search(r'k_table_fragment_shader\[\] = R"glsl\(#version 300 es\n(.*?)\)glsl"', open(sand, encoding="utf-8").read(), re.S).group(1)
     text = open(readme, encoding="utf-8").read()
-    lighting = re.search(r"const k_lighting = `(.*?)`;", open(painter, encoding="utf-8").read(), re.S).group(1)
+    kit = pathlib.Path(painter).resolve().parents[2] / "toolchains/kit"
+    occlusion = re.search(r"const k_hidden = `(.*?)`;", open(painter, encoding="utf-8").read(), re.S).group(1)
+    lighting = (kit / "uniforms.glsl").read_text() + (kit / "light.glsl").read_text() + occlusion
     vertex, fragment = re.findall(r"```glsl\n(.*?)```", text, re.S)[:2]
     # A third object, as the page says: a call more.
     call = "  take(sand_coverage"

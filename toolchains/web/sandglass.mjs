@@ -235,8 +235,8 @@ class Sandglass {
     return values ? view.set(values) : view;
   }
 
-  // The struct at an address.
-  at(name, pointer) { return new this.#classes[name](address(pointer)); }
+  // The struct at an address, or one of an array there.
+  at(name, pointer, index = 0) { return new this.#classes[name](address(pointer) + index * structs[name].size); }
   // An array of structs: views, and the address of the first.
   array(name, count) {
     const size = structs[name].size, first = this.allocate(size * count);

@@ -27,8 +27,8 @@ export interface Sandglass extends Functions {
   free(block: Pointer | Struct): void;
   /** A new struct, with struct_size set where it has one, and `values` in its fields. */
   make<Name extends keyof Structs>(name: Name, values?: Values<Structs[Name]>): Structs[Name];
-  /** The struct at an address. */
-  at<Name extends keyof Structs>(name: Name, pointer: Pointer): Structs[Name];
+  /** The struct at an address, or one of an array there. */
+  at<Name extends keyof Structs>(name: Name, pointer: Pointer, index?: number): Structs[Name];
   /** An array of structs. */
   array<Name extends keyof Structs>(name: Name, count: number): Structs[Name][] & { readonly address: Pointer };
   /** Copies a typed array into the module's memory. */

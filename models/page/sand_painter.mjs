@@ -1,0 +1,125 @@
+// Draws a skin of the library with the sand kit (toolchains/kit): the chunks of the mesh, uploaded when their versions
+// change, and the loose sand as points and lines.
+import { k_kit } from "./data.mjs";
+
+const k_block_texels = 64;
+const k_vertex_bytes = 24, k_loose_bytes = 32;
+const k_points = 256, k_lines = 384;  // of a loose particle at most, as in loose.vert
+const k_grain_radius = 0.0003, k_point_pixels = 1.5, k_line_pixels = 1.2;
+const k_minerals = [[0.80, 0.66, 0.46, 0.62], [0.90, 0.83, 0.72, 0.24], [0.58, 0.34, 0.17, 0.09], [0.13, 0.115, 0.10, 0.05]];  // as in sand_block.cpp
+const k_block_side = 0.0084;
+const k_block_unit = 8;  // of the painter's textures; those below are others
+const k_stream_narrow = 0.32;
+const k_before = k_kit.uniforms + k_kit.light;
+
+export class SandPainter {
+  // `program(gl, vertex, fragment)` compiles; `hidden` is the page's function for what is real; `block` is what sand_block makes.
+  constructor(gl, program, hidden, block, radius) {
+    this.gl = gl, this.radius = radius, this.chunks = [], this.counts = [0, 0];
+    this.surface = program(gl, k_before + k_kit.surface_vert, k_before + hidden + k_kit.sand + k_kit.surface_frag);
+    this.loose = program(gl, k_before + k_kit.sand + k_kit.loose_vert, k_before + hidden + k_kit.loose_frag);
+    this.looseBuffer = gl.createBuffer(), this.looseArray = gl.createVertexArray(), this.streams = [], this.wet = 0;
+    gl.bindVertexArray(this.looseArray);
+    for (const at of [0, 1, 2]) gl.enableVertexAttribArray(at), gl.vertexAttribDivisor(at, 1);
+    gl.bindVertexArray(null);
+    this.block = [0, 1].map((which) => this.blockTexture(block, which));
+  }
+
+  blockTexture(block, which) {
+    const { gl } = this, made = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_3D, made);
+    for (let side = k_block_texels, level = 0, at = 0; side >= 1; side >>= 1, ++level) {
+      const bytes = 4 * side ** 3;
+      gl.texImage3D(gl.TEXTURE_3D, level, gl.RGBA8, side, side, side, 0, gl.RGBA, gl.UNSIGNED_BYTE, block.subarray(at + which * bytes, at + (which + 1) * bytes));
+      at += 2 * bytes;
+    }
+    for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
+      [gl.TEXTURE_WRAP_S, gl.REPEAT], [gl.TEXTURE_WRAP_T, gl.REPEAT], [gl.TEXTURE_WRAP_R, gl.REPEAT]]) gl.texParameteri(gl.TEXTURE_3D, name, value);
+    return made;
+  }
+
+  newChunk() {
+    const { gl } = this, chunk = { version: 0, count: 0, array: gl.createVertexArray(), vertices: gl.createBuffer(), indices: gl.createBuffer() };
+    gl.bindVertexArray(chunk.array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices), gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, chunk.indices);
+    [[3, gl.FLOAT, 0], [3, gl.BYTE, 12], [1, gl.UNSIGNED_BYTE, 15], [3, gl.UNSIGNED_SHORT, 16], [1, gl.SHORT, 22]].forEach(([size, type, offset], at) => {
+      gl.enableVertexAttribArray(at), gl.vertexAttribPointer(at, size, type, type !== gl.FLOAT, k_vertex_bytes, offset);
+    });
+    gl.bindVertexArray(null);
+    return chunk;
+  }
+
+  // What changed of a skin since the last call. `mesh` is a sandglass_skin_mesh.
+  upload(sand, skin, mesh) {
+    const { gl } = this;
+    sand.sandglass_skin_get_mesh(skin, mesh);
+    if (mesh.version === this.version && skin === this.skin) return;
+    if (skin !== this.skin) for (const chunk of this.chunks) chunk.version = 0;
+    this.version = mesh.version, this.skin = skin;
+    for (let i = 0; i < mesh.chunk_count; ++i) {
+      const one = sand.at("sandglass_skin_chunk", mesh.chunks, i), chunk = this.chunks[i] ??= this.newChunk();
+      if (chunk.version === one.version) continue;
+      chunk.version = one.version, chunk.count = one.index_count;
+      gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices), gl.bufferData(gl.ARRAY_BUFFER, sand.bytes(one.vertices, k_vertex_bytes * one.vertex_count), gl.DYNAMIC_DRAW);
+      gl.bindVertexArray(chunk.array);
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, sand.bytes(one.indices, 2 * one.index_count), gl.DYNAMIC_DRAW);
+      gl.bindVertexArray(null);
+    }
+    for (const chunk of this.chunks.slice(mesh.chunk_count)) chunk.count = 0;
+    this.counts = [mesh.flying_count, mesh.lying_count];
+    const loose = sand.floats(mesh.loose, 8 * (mesh.flying_count + mesh.lying_count)), axes = [0, 1, 2];
+    this.low = axes.map(() => Infinity), this.high = axes.map(() => -Infinity);
+    for (let i = 0; i < loose.length; i += 8) for (const k of axes) this.low[k] = Math.min(this.low[k], loose[i + k]), this.high[k] = Math.max(this.high[k], loose[i + k]);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.looseBuffer);
+    gl.bufferData(gl.ARRAY_BUFFER, sand.bytes(mesh.loose, 4 * loose.length), gl.STREAM_DRAW);
+  }
+  // How many points or lines the nearest loose particle needs; the shader leaves out what the others do not.
+  needed(eye, pixels, most, least) {
+    const away = Math.max(0.1, Math.hypot(...eye.map((x, k) => Math.max(this.low[k] - x, 0, x - this.high[k]))));
+    return Math.max(1, Math.min(most, Math.ceil(most * (2 * k_grain_radius * pixels / away / least) ** 2)));
+  }
+
+  // `common(program)` sets the uniforms of view, light and shadows.
+  draw(common, eye, pixels) {
+    const { gl, surface, loose, counts: [flying, lying] } = this;
+    const own = (p) => {
+      common(p);
+      this.block.forEach((texture, k) => { gl.activeTexture(gl.TEXTURE0 + k_block_unit + k), gl.bindTexture(gl.TEXTURE_3D, texture); });
+      gl.activeTexture(gl.TEXTURE0);
+      gl.uniform1i(p.at("grains"), k_block_unit), gl.uniform1i(p.at("facets"), k_block_unit + 1);
+      gl.uniform1f(p.at("block_side"), k_block_side), gl.uniform1f(p.at("wet"), this.wet);
+    };
+    own(surface);
+    for (const { array, count } of this.chunks) if (count > 0) gl.bindVertexArray(array), gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 0);
+    gl.bindVertexArray(null);
+    if (flying + lying === 0) return;
+    own(loose);
+    const set = (name, value) => gl.uniform1f(loose.at(name), value), streams = this.streams.slice(0, 3);
+    set("particle_radius", this.radius), set("pixels", pixels), set("frame_seconds", 1 / 60), set("stream_narrow", k_stream_narrow);
+    gl.uniform4fv(loose.at("minerals"), k_minerals.flatMap(([r, g, b], i) => [r, g, b, k_minerals.slice(0, i + 1).reduce((sum, m) => sum + m[3], 0)]));
+    gl.uniform4fv(loose.at("streams"), Float32Array.from({ length: 12 }, (_, i) => streams[i >> 2]?.nozzle[i & 3] ?? 0));
+    gl.uniform4fv(loose.at("stream_ways"), Float32Array.from({ length: 12 }, (_, i) => streams[i >> 2]?.way[i & 3] ?? 0));
+    gl.bindVertexArray(this.looseArray);
+    const lists = [[flying, 0, 1, gl.LINES, 2 * this.needed(eye, pixels, k_lines, k_line_pixels)], [lying, flying, 0, gl.POINTS, this.needed(eye, pixels, k_points, k_point_pixels)]];
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.looseBuffer);
+    for (const [count, first, flies, kind, vertices] of lists) {
+      if (count === 0) continue;
+      const at = k_loose_bytes * first;
+      gl.vertexAttribPointer(0, 4, gl.FLOAT, false, k_loose_bytes, at), gl.vertexAttribPointer(1, 3, gl.FLOAT, false, k_loose_bytes, at + 16);
+      gl.vertexAttribIPointer(2, 1, gl.UNSIGNED_INT, k_loose_bytes, at + 28);
+      set("flies", flies), gl.drawArraysInstanced(kind, 0, vertices, count);
+    }
+    gl.bindVertexArray(null);
+  }
+}
+
+// The block of packed grains; `module` is sand_block.wasm.
+export async function sandBlock(module) {
+  const nothing = new Proxy({}, { get: () => () => 0 });  // what it imports for failures
+  const { exports } = (await WebAssembly.instantiate(module, { env: nothing, wasi_snapshot_preview1: nothing })).instance;
+  exports._initialize?.();
+  let bytes = 0;
+  for (let side = k_block_texels; side >= 1; side >>= 1) bytes += 8 * side ** 3;
+  const at = exports.sand_block_make(0);  // its memory may grow meanwhile
+  return new Uint8Array(exports.memory.buffer, at, bytes).slice();
+}
