@@ -40,7 +40,7 @@ def main():
     kit = {file.name.replace(".glsl", "").replace(".", "_"): file.read_text() for file in sorted((here / "../../toolchains/kit").iterdir())
            if file.suffix in (".glsl", ".vert", ".frag")}
     data += f"const k_kit = {json.dumps(kit)};\n"
-    own = ("elements", "scene", "sand_painter", "painter", "mesh_file", "link", "tilt", "room_light", "real_table", "measure", "controls", "page")
+    own = ("elements", "scene", "sand_painter", "painter", "mesh_file", "hourglass", "link", "pace", "tilt", "room_light", "real_table", "measure", "controls", "page")
     script = joined([npm / "abi.mjs", npm / "sandglass.mjs", parts / "meshopt_decoder.mjs", *(here / f"{name}.mjs" for name in own)])
     page = (here / "page.html").read_text().replace("@MODULES@", data + script)
     if "</script" in (data + script):

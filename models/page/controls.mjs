@@ -9,6 +9,8 @@ import { k_scene } from "./data.mjs";
 
 const k_move = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const k_tip_step = 2;  // degrees a key
+const k_tap = 8;       // pixels that a finger which taps may move
+const k_hints = { glass: "Tap to turn it over", pour: "Touch the table to pour sand", push: "Drag through the sand", turn: "Drag to look around" };
 const k_tip = { j: ["right", -1], l: ["right", 1], i: ["near", -1], k: ["near", 1] };
 
 // Runs what may fail, and says why.
@@ -16,38 +18,55 @@ const tried = (run) => async (...values) => { try { await run(...values); } catc
 
 function listenToFingers(page, view) {
   const fingers = new Map();
-  let apart = 0;
+  let apart = 0, still = false;
   const spread = () => { const [a, b] = [...fingers.values()]; return Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY); };
   view.addEventListener("pointerdown", (event) => {
     view.setPointerCapture(event.pointerId), fingers.set(event.pointerId, event);
-    page.at = fingers.size === 1 && page.tool !== "turn" && event.button === 0 ? page.place(event) : null;
+    page.wake();
+    const hand = page.tool === "pour" || page.tool === "push";
+    page.at = fingers.size === 1 && hand && event.button === 0 ? page.place(event) : null;
+    still = fingers.size === 1 && event.button === 0, by("hint").textContent = "";
     if (fingers.size === 2) apart = spread();
   });
   view.addEventListener("pointermove", (event) => {
     const before = fingers.get(event.pointerId);
     if (!before) return;
-    fingers.set(event.pointerId, event);
+    if (still && Math.hypot(event.clientX - before.clientX, event.clientY - before.clientY) < k_tap && page.tool === "glass") return;
+    fingers.set(event.pointerId, event), still = false, page.wake();
     if (fingers.size === 2) page.camera.zoom(apart / spread()), apart = spread();
-    if (fingers.size === 2 || page.tool === "turn" || event.buttons === 2)
+    if (fingers.size === 2 || page.tool === "turn" || page.tool === "glass" || event.buttons === 2)
       page.camera.turn((event.clientX - before.clientX) / 200 / fingers.size, (event.clientY - before.clientY) / 200 / fingers.size);
     else page.at = page.place(event);
   });
-  for (const kind of ["pointerup", "pointercancel"]) view.addEventListener(kind, (event) => { fingers.delete(event.pointerId), page.at = null; });
+  for (const kind of ["pointerup", "pointercancel"]) view.addEventListener(kind, (event) => {
+    if (kind === "pointerup" && still && page.tool === "glass") page.turnOver();
+    fingers.delete(event.pointerId), page.at = null, still = false;
+  });
   view.addEventListener("contextmenu", (event) => event.preventDefault());
-  view.addEventListener("wheel", (event) => { event.preventDefault(), page.camera.zoom(Math.exp(event.deltaY / 800)); }, { passive: false });
+  view.addEventListener("wheel", (event) => { event.preventDefault(), page.camera.zoom(Math.exp(event.deltaY / 800)), page.wake(); }, { passive: false });
 }
 
 function tipBySliders(page) {
+  page.wake();
   const [right, near] = ["right", "near"].map((id) => Number(by(id).value));
   page.tipByAngles(right, near);
   say(right === 0 && near === 0 ? "The table is level." : `The right side is ${right}° lower, the near side ${near}°.`);
 }
 
+// The tool of a finger. The hourglass is one, and stands in place of the table.
+function choose(page, tool) {
+  page.tool = tool, document.querySelector(`[name=tool][value=${tool}]`).checked = true;
+  page.show(tool === "glass" ? "glass" : tool === "turn" ? page.standName() : "table"), page.wake();
+  by("hint").textContent = k_hints[tool];
+}
+
 function listenToKeys(page, view) {
   view.addEventListener("keydown", (event) => {
     const step = k_move[event.key], tip = k_tip[event.key];
+    page.wake();
+    if (event.key === " " && page.tool === "glass") return event.preventDefault(), page.turnOver();
     if (step) page.mark = [page.mark[0] + 0.02 * step[0], 0, page.mark[2] + 0.02 * step[1]], say(`The mark is ${Math.round(100 * page.mark[0])} cm right and ${Math.round(100 * page.mark[2])} cm in front of the middle.`);
-    if (event.key === " " || event.key === "p") page.tool = event.key === " " ? "pour" : "push", document.querySelector(`[value=${page.tool}]`).checked = true;
+    if (event.key === " " || event.key === "p") choose(page, event.key === " " ? "pour" : "push");
     if (event.key === " " || event.key === "p" || (step && page.at)) page.at = page.mark;
     if (event.key === "a" || event.key === "d") page.camera.turn(event.key === "a" ? 0.1 : -0.1, 0);
     if (event.key === "+" || event.key === "-") page.camera.zoom(event.key === "+" ? 0.9 : 1.1);
@@ -85,6 +104,7 @@ async function switchCamera(page) {
 
 // Plays a recording, to the bit, and goes on from its end.
 export async function play(page, recording) {
+  if (page.tool === "glass") choose(page, "pour");
   page.measuring = true;
   try {
     const hash = await page.play(recording, (share) => say(`Playing: ${Math.round(100 * share)} %`));
@@ -94,6 +114,7 @@ export async function play(page, recording) {
 
 async function take(page, file) {
   if (/\.json$/i.test(file.name)) return play(page, await file.text().then(JSON.parse).catch(() => null));
+  if (page.tool === "glass") choose(page, "pour");
   const mesh = (await page.readMesh())(new Uint8Array(await file.arrayBuffer()), file.name);
   const becomes = document.querySelector("[name=dropped]:checked").value, note = mesh.remarks && ` Note: ${mesh.remarks}.`;
   say(becomes === "sand" ? `${counted(page.addMesh(mesh))} particles of "${file.name}".${note}` : `"${file.name}" stands at the mark: ${counted(page.addObject(mesh, becomes === "metal"))} triangles.${note}`);
@@ -125,15 +146,20 @@ async function measure(page) {
 export function listen(page) {
   const view = by("view"), click = (id, run) => by(id).addEventListener("click", tried(run));
   listenToFingers(page, view), listenToKeys(page, view);
-  for (const input of document.querySelectorAll("[name=tool]")) input.addEventListener("change", () => { page.tool = input.value; });
-  for (const id of ["azimuth", "polar"]) by(id).addEventListener("input", () => page.setLight());
+  for (const input of document.querySelectorAll("[name=tool]")) input.addEventListener("change", () => choose(page, input.value));
+  by("hint").textContent = k_hints.glass;
+  click("open", () => { const open = !by("more").open; open ? by("more").show() : by("more").close(); });
+  by("more").addEventListener("close", () => by("open").setAttribute("aria-expanded", false));
+  by("more").addEventListener("toggle", () => by("open").setAttribute("aria-expanded", by("more").open));
+  addEventListener("keydown", (event) => { if (event.key === "Escape" && by("more").open) by("more").close(), by("open").focus(); });
+  by("wet").addEventListener("input", () => { page.painter.sand.wet = Number(by("wet").value), page.wake(); });
+  for (const id of ["azimuth", "polar"]) by(id).addEventListener("input", () => { page.setLight(), page.wake(); });
   for (const id of ["right", "near"]) by(id).addEventListener("input", () => tipBySliders(page));
   by("budget").addEventListener("input", () => { by("budget_label").textContent = `Budget ${by("budget").value} ms`; });
-  by("details").open = innerWidth > 900, by("more").open = innerWidth > 600 && innerHeight > 700;
   click("again", () => page.again());
   click("tilt", () => switchTilt(page));
   click("camera", () => switchCamera(page));
-  click("real", () => RealTable.start(page));
+  click("real", () => { choose(page, page.tool === "glass" ? "pour" : page.tool); return RealTable.start(page); });
   click("measure", () => measure(page));
   click("save", () => save(page));
   click("share", () => share(page));

@@ -1,12 +1,15 @@
-// The page: a table with a chair, sand that a finger pours and pushes, and what a frame takes.
+// The page: an hourglass that a finger turns over, a table with a chair and sand that a finger pours and pushes, and what
+// a frame takes.
 import { load, constants } from "./sandglass.mjs";
 import { SandScene, addPoints, makeField, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
 import { sandBlock } from "./sand_painter.mjs";
 import { meshReader, standing, smoothed } from "./mesh_file.mjs";
+import { Turning, k_neck, glassMesh, hourglassField, matrixOf, sandBelow, woodMesh } from "./hourglass.mjs";
 import { RoomLight, lightOfSky } from "./room_light.mjs";
 import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom, cellsOfTable } from "./tilt.mjs";
 import { fromLink } from "./link.mjs";
+import { Pace } from "./pace.mjs";
 import { fixedRun, k_stages, Pauses } from "./measure.mjs";
 import { listen, play } from "./controls.mjs";
 import { by, say, counted } from "./elements.mjs";
@@ -30,9 +33,13 @@ const k_paint = [0.35, 0.33, 0.30], k_metal = [0.95, 0.93, 0.88];  // of objects
 const k_object_triangles = 100000;  // of all of them
 const k_object_spacing = 0.5 * k_radius;  // of the field that sand collides with
 const k_recorded_at_most = 18000;  // frames: five minutes
+const k_glass_radius = 0.0035, k_glass_particles = 1560;  // of the sand in the hourglass
+const k_wood = [0.16, 0.075, 0.035];
+const k_views = { glass: { target: [0, 0.105, 0], distance: 0.68, elevation: 0.16 }, table: { target: [0.01, 0.14, 0.03], distance: 1.12, elevation: 0.42 } };
 const k_emitter_fields = ["position", "rotation", "radius", "speed"];
 const k_collider_fields = ["shape", "position", "rotation", "size", "linear_velocity"];
 const k_tip_least = 0.05;    // m/s^2: sensors tremble by less
+const k_rest_ms = 250;       // so often the page looks whether something has changed
 const k_seconds_at_most = 1; // of frame times, that the numbers are means of
 const k_sky_light = lightOfSky([1.05, 0.97, 0.84], [0.288, 0.32, 0.376], [0.176, 0.152, 0.128]);  // of the sliders
 const k_main_light = 0.02;   // the least share of the floor's light that tells where it comes from
@@ -44,15 +51,16 @@ const k_walls = [[0, 0, -1, 1], [0, 0, 1, 1], [1, 0, 0, 1], [-1, 0, 0, 1]].map((
 class Page {
   constructor(sand, block) {
     this.sand = sand;
-    this.painter = new Painter(by("view"), block, k_radius), this.camera = new Camera();
-    this.tool = "pour", this.mark = [0.26, 0, 0.16], this.at = null, this.pushing = null, this.time = 0, this.owed = 0;
-    this.spent = [], this.recorded = [], this.added = [], this.nozzles = [];
+    this.painter = new Painter(by("view"), block, k_radius), this.camera = new Camera(), this.pace = new Pace();
+    this.tool = "glass", this.mark = [0.26, 0, 0.16], this.at = null, this.pushing = null, this.time = 0, this.owed = 0;
+    this.spent = [], this.recorded = [], this.added = [], this.nozzles = [], this.objects = [];
     this.denied = 0, this.saidFull = false;
     this.gravity = [...k_scene.gravity], this.given = [...k_scene.gravity], this.tipped = false;
-    this.startScene();
-    this.makeSkin();
+    this.skinMesh = sand.make("sandglass_skin_mesh");
+    this.stands = { table: this.makeTable(), glass: this.makeGlass() };
     this.makeShadows();
-    this.setLight();
+    this.show("glass");
+    this.turning.begin(this.turnAxis());
   }
 
   newScene() {
@@ -60,18 +68,62 @@ class Page {
     return new SandScene(this.sand, k_scene, { clock: true, colliders: more, changes: { emitter_capacity: 2, collider_capacity: k_scene.colliders.length + more } });
   }
 
-  startScene() {
-    this.scene = this.newScene(), this.objects = [], this.standing = [];
+  makeTable() {
+    const stand = { scene: this.newScene(), standing: [], drawn: [] };
     for (const { field, position, rotation } of k_scene.colliders) {
       if (!field) continue;
-      const [x, y, z, w] = rotation, [px, py, pz] = position;
-      const model = new Float32Array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0, 2 * (x * y - w * z),
-        1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0, 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0, px, py, pz, 1]);
-      const vertices = unpacked(field.vertices, Float32Array), indices = unpacked(field.indices, Uint32Array);
-      this.painter.add(vertices, indices, model, [0.17, 0.30, 0.43]);
-      this.standing.push(this.casting(vertices, indices, model));
+      const model = matrixOf({ position, rotation }), vertices = unpacked(field.vertices, Float32Array), indices = unpacked(field.indices, Uint32Array);
+      stand.drawn.push(this.painter.item(vertices, indices, model, [0.17, 0.30, 0.43]));
+      stand.standing.push(this.casting(vertices, indices, model));
     }
+    return Object.assign(stand, { skin: this.newSkin(stand.scene, false) });
   }
+
+  // The hourglass stands still with all its sand below until it is turned over.
+  makeGlass() {
+    const { sand, painter } = this, flat = { rotation: [0, 0, 0, 1], size: [1, 1, 1] };
+    const file = { name: "hourglass", gravity: k_scene.gravity, frame_step: k_step, emitters: [], particles: sandBelow(k_glass_particles, k_glass_radius),
+      granular: { ...k_scene.granular, particle_radius: k_glass_radius, particle_capacity: k_glass_particles, grain_radius: 0, substep_max: 0, substep_min: 0, collider_capacity: 2 },
+      colliders: [{ shape: constants.SANDGLASS_SHAPE_HALF_SPACE, position: [0, 0, 0], ...flat }, { shape: constants.SANDGLASS_SHAPE_FIELD, position: [0, 0, 0], ...flat, field: hourglassField(sand) }] };
+    this.turning = new Turning();
+    const scene = new SandScene(sand, file, { clock: true }), wood = woodMesh(), glass = glassMesh(), model = matrixOf(this.turning.pose());
+    return { scene, skin: this.newSkin(scene, true), drawn: [painter.item(wood.vertices, wood.indices, model, k_wood)], standing: [this.casting(wood.vertices, wood.indices, model)],
+      glass: { ...painter.mesh(glass.vertices, glass.indices, glass.normals), model } };
+  }
+
+  newSkin(scene, closed) {
+    const { sand } = this, desc = sand.make("sandglass_skin_desc");
+    sand.sandglass_skin_desc_default(desc, scene.desc.granular);
+    desc.closed = closed ? 1 : 0;
+    const skin = sand.create("sandglass_skin", desc);
+    sand.free(desc);
+    return skin;
+  }
+
+  // Puts the hourglass or the table before the camera; the other one stands still.
+  show(name) {
+    const { sand, painter, camera } = this, stand = this.stands[name];
+    if (this.stand === stand) return;
+    if (this.stand) this.stand.drawn = painter.objects, this.stand.view = { ...camera };
+    this.stand = stand, this.scene = stand.scene, this.skin = stand.skin, this.standing = stand.standing;
+    painter.objects = stand.drawn, painter.glass = stand.glass ?? null, painter.sand.radius = stand.scene.desc.granular.particle_radius;
+    Object.assign(camera, stand.view ?? k_views[name]);
+    this.scene.input.set({ skin: this.skin, pile_shadow: this.pile, casts: this.castList, cast_count: 1 });
+    sand.sandglass_pile_shadow_refresh(this.pile);
+    this.at = this.pushing = null, this.nozzles = [], this.owed = 0;
+    this.setGravity(this.scene, this.given = [...this.gravity]);
+    this.castAll(), this.setLight();
+  }
+  // Whether anything may change: if not, no frame runs and nothing is drawn.
+  wake() { this.pace.wake(), this.ask?.(); }
+  restless() {
+    const { scene, pace, at, watching, tipping, turning, nozzles } = this;
+    return pace.touched || at !== null || !!watching || !!tipping || turning.turns || (nozzles.length > 0 && this.onTable) || scene.report.sand.awake > 0 || this.behind !== 0;
+  }
+  standName() { return this.onTable ? "table" : "glass"; }
+  turnOver() { this.turning.begin(this.turnAxis()), this.wake(); }
+  get onTable() { return this.stand === this.stands.table; }
+  turnAxis() { const { away } = this.camera.axes(), flat = Math.hypot(away[0], away[2]); return [away[0] / flat, 0, away[2] / flat]; }
 
   // A mesh as the library's shadows take it.
   casting(vertices, indices, model) {
@@ -79,15 +131,8 @@ class Page {
     return { positions: sand.put(vertices), vertex_count: vertices.length / 3, indices: sand.put(indices), triangle_count: indices.length / 3, model };
   }
 
-  makeSkin() {
-    const { sand, scene } = this, desc = sand.make("sandglass_skin_desc");
-    sand.sandglass_skin_desc_default(desc, scene.desc.granular);
-    this.skin = sand.create("sandglass_skin", desc), this.skinMesh = sand.make("sandglass_skin_mesh");
-    scene.input.skin = this.skin;
-  }
-
   makeShadows() {
-    const { sand, scene, painter } = this;
+    const { sand, painter } = this;
     this.direction = sand.put(new Float32Array(3)), this.cells = sand.put(new Float32Array(constants.SANDGLASS_LIGHT_CELLS));
     const pile = sand.make("sandglass_pile_shadow_desc"), desc = sand.make("sandglass_cast_desc");
     sand.sandglass_pile_shadow_desc_default(pile);
@@ -99,8 +144,7 @@ class Page {
     this.cast = sand.create("sandglass_cast", desc), this.castTexture = sand.make("sandglass_cast_texture");
     this.castDesc = desc, this.wallCast = 0;
     this.castMeshes = sand.array("sandglass_cast_mesh", k_scene.colliders.length + k_objects);
-    this.castAll();
-    scene.input.set({ pile_shadow: this.pile, casts: sand.put(new Uint32Array([this.cast])), cast_count: 1 });
+    this.castList = sand.put(new Uint32Array([this.cast, 0]));
   }
 
   // All that stands on the table casts.
@@ -126,7 +170,7 @@ class Page {
     if (!this.wallCast) {
       this.wallCast = sand.create("sandglass_cast", this.castDesc), this.wallCells = sand.put(new Float32Array(constants.SANDGLASS_LIGHT_CELLS));
       this.wallPlane = sand.make("sandglass_cast_plane"), this.wallTexture = sand.make("sandglass_cast_texture");
-      scene.input.casts = sand.put(new Uint32Array([this.cast, this.wallCast]));
+      new Uint32Array(sand.memory.buffer, this.castList, 2)[1] = this.wallCast;
       this.castAll();
     }
     sand.sandglass_cast_plane_default(this.wallPlane);
@@ -217,6 +261,7 @@ class Page {
   // The emitters and colliders of a frame, by what the finger or the keys do.
   act(first) {
     const { scene, at } = this;
+    if (!this.onTable) return this.turn();
     let emitters = matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : scene.pourAsTheFileSays(), colliders = first;
     if (at && this.tool === "pour") scene.emitters[emitters++].set({ ...k_pour, position: [at[0], at[1] + k_pour_height, at[2]], rotation: [0, 0, 0, 1] });
     if (at && this.tool === "push") {
@@ -231,12 +276,27 @@ class Page {
     return emitters;
   }
 
+  // The hourglass as it stands at the frame's end. It casts where it is.
+  turn() {
+    const { scene, turning, stand } = this, turned = turning.turns;
+    scene.colliders[1].set({ ...turning.advance(k_step) });
+    scene.input.collider_count = 2;
+    this.nozzles = turning.turns ? [] : [k_neck];
+    if (turned) this.placeGlass();
+    return 0;
+  }
+  placeGlass() {
+    const model = matrixOf(this.turning.pose()), { drawn: [wood], glass, standing: [casts] } = this.stands.glass;
+    wood.model = glass.model = casts.model = model;
+    this.castAll();
+  }
+
   // What the frame was given and what it executed, so that it can be run again to the bit. Work units of shadows are left
   // out: sand does not depend on them.
   record(emitters, plan, first) {
     const { scene, added } = this;
     this.added = [];
-    if (this.recorded.length >= k_recorded_at_most) return;
+    if (!this.onTable || this.recorded.length >= k_recorded_at_most) return;
     const picked = (view, names) => Object.fromEntries(names.map((name) => [name, typeof view[name] === "number" ? view[name] : [...view[name]]]));
     const runs = plan.runs.slice(0, plan.run_count).filter(({ stage }) => stage !== constants.SANDGLASS_STAGE_SHADOW && stage !== constants.SANDGLASS_STAGE_SKIN);
     this.recorded.push({ emitters: scene.emitters.slice(0, emitters).map((emitter) => picked(emitter, k_emitter_fields)),
@@ -253,6 +313,7 @@ class Page {
   async play(recording, shown) {
     if (recording?.sandglass !== "recording" || recording.scene !== k_scene.name || !Array.isArray(recording.frames))
       throw new Error("The file is no recording of this page. Choose one that it saved.");
+    this.show("table");
     const { sand } = this, scene = this.newScene(), plan = sand.make("sandglass_plan"), pauses = new Pauses();
     const before = { given: this.given, tipped: this.tipped, objects: this.objects };
     this.given = [...k_scene.gravity], this.tipped = false, this.objects = [];
@@ -271,7 +332,7 @@ class Page {
     scene.input.plan = 0;
     const hash = scene.hash(), { skin, pile_shadow, casts, cast_count } = this.scene.input, after = this.objects;
     scene.input.set({ skin, pile_shadow, casts, cast_count });
-    this.scene.destroy();
+    this.scene.destroy(), this.stand.scene = scene;
     this.objects = before.objects, this.dropObjects();
     this.objects = after, this.showObjects();
     sand.free(plan);
@@ -306,9 +367,9 @@ class Page {
     this.owed = Math.min(this.owed + seconds, k_frames_at_once * k_step);
     while (this.owed >= k_step) {
       this.owed -= k_step;
-      scene.input.output_lag = 0;
+      scene.input.output_lag = 0, scene.input.skin = scene.frames % this.pace.now.skin === 0 ? this.skin : 0;
       if (this.gravity.some((x, k) => x !== this.given[k])) this.setGravity(scene, this.given = [...this.gravity]), this.tipped = true;
-      const first = this.placeWalls(scene), emitters = this.act(first), report = scene.frame(k_step, budget, emitters);
+      const first = this.onTable ? this.placeWalls(scene) : 0, emitters = this.act(first), report = scene.frame(k_step, budget, emitters);
       this.record(emitters, report.plan, first);
       this.tellFull(report.sand);
       this.spent.push({ ms: report.time.elapsed_ns / 1e6, stages: report.stages.map((stage) => stage.elapsed_ns / 1e6), budget });
@@ -376,8 +437,11 @@ class Page {
   }
 
   draw() {
+    const { painter, pace, pileTexture, skyTexture, castTexture, skinMesh } = this;
     this.takeTextures(), this.takeSkin();
-    this.painter.draw(this.camera);
+    this.behind = pileTexture.frames_behind + skyTexture.frames_behind + castTexture.stale + skinMesh.frames_behind;
+    painter.sand.share = pace.now.loose;
+    painter.draw(this.camera, pace.now.pixels);
   }
 
   tell() {
@@ -394,10 +458,10 @@ class Page {
       term.append(name);
       return [term, Object.assign(document.createElement("dd"), { textContent: value })];
     };
-    by("short").textContent = `${ms.toFixed(1)} of ${budget} ms`;
+    by("short").textContent = `${ms.toFixed(1)} of ${budget} ms`, by("short").className = ms > budget + 1 ? "late" : "";
     by("numbers").replaceChildren(...[...parts.map(([name, colour, part]) => row(name, `${part.toFixed(2)} ms`, colour)),
       row("quality level", `${report.level} ${this.sand.sandglass_level_name(report.level)}`), row("time debt", `${report.time.debt.toFixed(2)} s`),
-      row("particles", counted(report.sand.particles)), row("triangles", counted(this.skinMesh.index_count / 3)), ...this.tellLight(row)].flat());
+      row("particles", counted(report.sand.particles)), row("triangles", counted(this.skinMesh.index_count / 3)), row("drawn", this.pace.step === 0 ? "in full" : `coarser by ${this.pace.step} of 3, pictures take long`), ...this.tellLight(row)].flat());
   }
 
   // What the camera knows of the room's light, and in augmented reality how far from the device's it is.
@@ -411,12 +475,13 @@ class Page {
   }
 
   again() {
-    this.dropObjects();
+    if (this.onTable) this.dropObjects();
+    else this.turning = new Turning(), this.placeGlass();
     this.sand.sandglass_scene_reset(this.scene.handle);
     this.sand.sandglass_pile_shadow_refresh(this.pile), this.sand.sandglass_skin_refresh(this.skin);
     this.scene.frames = 0, this.scene.fill();
     this.scene.report.sand.set({ particles: 0, denied_particles: 0 }), this.denied = 0;
-    this.recorded = [], this.added = [], this.recordedHash = undefined;
+    if (this.onTable) this.recorded = [], this.added = [], this.recordedHash = undefined;
     this.given = [...k_scene.gravity], this.tipped = false;
   }
 
@@ -532,20 +597,22 @@ async function begin() {
   const page = new Page(await loaded(), await sandBlock(await inflated(k_block_module)));
   listen(page);
   window.sandglassPage = { page, fixedRun: (frames) => fixedRun(page.sand, frames) };  // for the page's test
-  let before = performance.now(), told = 0;
+  let before = performance.now(), told = 0, drew = false, asked = 0;
   const frame = (now) => {
-    const seconds = Math.max(0, now - before) / 1e3;
-    if (!page.measuring && !page.real) {
+    const seconds = Math.max(0, now - before) / 1e3, runs = !page.measuring && !page.real && page.restless();
+    if (runs && drew) page.pace.drew(1e3 * seconds);
+    if (runs) {
       page.watch(now);
       if (page.watching) page.setLight(seconds);
       page.advance(seconds), page.draw();
     }
-    before = now;
+    drew = runs, before = now;
     if (now - told > 250) page.tell(), told = now;
     if (page.scene.report.sand.particles > 0) document.documentElement.dataset.sand ??= Math.round(performance.now());
-    requestAnimationFrame(frame);
+    asked = runs ? requestAnimationFrame(frame) : setTimeout(() => frame(performance.now()), k_rest_ms);
   };
-  requestAnimationFrame(frame);
+  page.ask = () => { if (!drew) clearTimeout(asked), cancelAnimationFrame(asked), asked = requestAnimationFrame(frame), drew = true, before = performance.now(); };
+  asked = requestAnimationFrame(frame);
   const recording = await fromLink(location.hash);
   if (recording) await play(page, recording);
 }

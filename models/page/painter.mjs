@@ -49,11 +49,10 @@ uniform samplerCube room;
 uniform float room_known;
 out vec4 pixel;
 ${k_lighting}
-const vec3 k_wood = vec3(0.42, 0.36, 0.30), k_around = vec3(0.055, 0.06, 0.07);
+const vec3 k_floor = vec3(0.66, 0.62, 0.56), k_around = vec3(0.62, 0.60, 0.56);  // of a studio
 vec3 table_top(vec3 place) {
-  float grain = sin(place.x * 90.0 + 3.0 * sin(place.z * 7.0)) * 0.5 + sin(place.x * 23.0 + 2.0 * sin(place.z * 3.0 + 1.0));
-  vec3 lit = shade(k_wood * (1.0 + 0.05 * grain), vec3(0, 1, 0), object_passed(place) * pile_passed(place), opened(place) * under_sky(place));
-  return mix(lit, k_around, smoothstep(0.55, 1.5, length(place.xz)));
+  vec3 lit = shade(k_floor, vec3(0, 1, 0), object_passed(place) * pile_passed(place), opened(place) * under_sky(place));
+  return mix(lit, k_around, smoothstep(0.5, 2.2, length(place.xz)));
 }
 // What lies in a direction. A light of the sliders has a radius of 10 degrees, whose sine's square is 0.03.
 vec3 seen_along(vec3 from, vec3 d) {
@@ -78,6 +77,27 @@ void main() {
     lit = mix(albedo, vec3(1), pow(1.0 + dot(s, back), 5.0)) * seen_along(world, reflect(back, s));
   }
   pixel = vec4(encoded(lit).rgb, shown);
+}`;
+
+const k_glass_vertex = `
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+uniform mat4 model;
+out vec3 world, facing;
+void main() {
+  world = (model * vec4(position, 1)).xyz, facing = mat3(model) * normal;
+  gl_Position = projection * view * vec4(world, 1);
+}`;
+const k_glass_fragment = `
+in vec3 world, facing;
+out vec4 pixel;
+void main() {
+  vec3 to_eye = normalize(eye - world), n = normalize(facing);
+  if (dot(n, to_eye) < 0.0) n = -n;
+  float rim = 0.04 + 0.96 * pow(1.0 - dot(n, to_eye), 4.0), lamp = smoothstep(0.965, 0.985, dot(reflect(-to_eye, n), to_light));
+  vec3 mirrored = around(reflect(-to_eye, n)) + 4.0 * sun * lamp;
+  float covers = min(0.9 * rim, 1.0) * (1.0 - hidden(world));
+  pixel = vec4(encoded(mirrored * 0.9).rgb * covers + vec3(lamp * 0.5 * (1.0 - hidden(world))), covers);
 }`;
 
 // The camera's picture, upside down, because its rows come from the lowest up.
@@ -117,11 +137,11 @@ const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
 export class Camera {
   target = [0, 0.14, 0];
   azimuth = 0.35;
-  elevation = 0.5;
-  distance = 1.35;
+  elevation = 0.4;
+  distance = 1;
   fov = 0.6;
   turn(right, up) { this.azimuth -= right, this.elevation = Math.min(1.5, Math.max(0.08, this.elevation + up)); }
-  zoom(factor) { this.distance = Math.min(3, Math.max(0.4, this.distance * factor)); }
+  zoom(factor) { this.distance = Math.min(3, Math.max(0.25, this.distance * factor)); }
   axes() {
     const flat = Math.cos(this.elevation);
     const away = [Math.sin(this.azimuth) * flat, Math.sin(this.elevation), Math.cos(this.azimuth) * flat];
@@ -138,7 +158,7 @@ export class Camera {
   }
   // On a tall screen the width is what must fit.
   half(aspect) {
-    const half = Math.tan(this.fov / 2) * Math.max(1, 0.8 / aspect);
+    const half = Math.tan(this.fov / 2) * Math.max(1, 0.66 / aspect);
     return [half * aspect, half];
   }
 }
@@ -149,7 +169,8 @@ export class Painter {
     const gl = this.gl = canvas.getContext("webgl2", { antialias: true, powerPreference: "low-power" });
     if (!gl) throw new Error("This browser has no WebGL 2, so nothing can be drawn. Update it, or turn hardware acceleration on.");
     this.canvas = canvas;
-    this.solid = program(gl, k_solid_vertex, k_solid_fragment), this.sand = new SandPainter(gl, program, k_hidden, block, radius);
+    this.solid = program(gl, k_solid_vertex, k_solid_fragment), this.glassProgram = program(gl, k_kit.uniforms + k_glass_vertex, k_lighting + k_glass_fragment), this.glass = null;
+    this.sand = new SandPainter(gl, program, k_hidden, block, radius);
     this.pile = this.texture(), this.onSand = this.texture(), this.object = this.texture(), this.seen = this.texture();
     this.sky = this.texture(), this.skyOnSand = this.texture();
     this.wallObject = this.texture(), this.wallSeen = this.texture(), this.depth = this.texture(), this.unknownDepth = this.texture();
@@ -214,15 +235,14 @@ export class Painter {
     gl.bindVertexArray(null);
     return made;
   }
+  item(vertices, indices, model, albedo, normals = null) { return { ...this.mesh(vertices, indices, normals), model, albedo, metal: normals ? 1 : 0 }; }
   // Gives what `remove` takes.
-  add(vertices, indices, model, albedo, normals = null) {
-    return this.objects[this.objects.push({ ...this.mesh(vertices, indices, normals), model, albedo, metal: normals ? 1 : 0 }) - 1];
-  }
+  add(...item) { return this.objects[this.objects.push(this.item(...item)) - 1]; }
   remove(object) { this.objects = this.objects.filter((other) => other !== object), this.gl.deleteVertexArray(object.array); }
 
   // The picture of a camera on the canvas.
-  draw(camera) {
-    const { gl, canvas } = this, scale = Math.min(devicePixelRatio, 2);
+  draw(camera, pixels = 2) {
+    const { gl, canvas } = this, scale = Math.min(devicePixelRatio, pixels);
     const [width, height] = [Math.round(canvas.clientWidth * scale), Math.round(canvas.clientHeight * scale)];
     if (canvas.width !== width || canvas.height !== height) canvas.width = width, canvas.height = height;
     const { eye, right, up, away } = camera.axes(), half = camera.half(width / height), near = 0.05, far = 12;
@@ -231,7 +251,7 @@ export class Painter {
     const projection = new Float32Array([1 / half[0], 0, 0, 0, 0, 1 / half[1], 0, 0, 0, 0, (far + near) / (near - far), -1,
       0, 0, 2 * far * near / (near - far), 0]);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.clearColor(0.26, 0.27, 0.29, 1);
+    gl.clearColor(0.807, 0.796, 0.772, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     this.paint({ view, projection, eye, viewport: [0, 0, width, height], real: false });
   }
@@ -295,8 +315,28 @@ export class Painter {
     for (const item of this.objects) drawItem(item);
     if (real && wall) this.paintWall(drawItem);
     gl.bindVertexArray(null);
-    this.sand.draw((p) => common(p, this.onSand, this.skyOnSand), eye, 0.5 * height * projection[5]);
+    const onSand = (p) => {
+      common(p, this.onSand, this.skyOnSand);
+      // Shadows on the table say nothing of sand that stands over wood, or over other sand.
+      if (this.glass) for (const name of ["object_opacity", "pile_opacity", "sky_known"]) gl.uniform1f(p.at(name), 0);
+    };
+    this.sand.draw(onSand, eye, 0.5 * height * projection[5]);
+    if (this.glass) this.paintGlass(common);
     gl.disable(gl.BLEND);
+  }
+
+  // Glass is what it mirrors, most at its rim. It is drawn over all that it holds.
+  paintGlass(common) {
+    const { gl, glass, glassProgram: p } = this;
+    common(p, this.pile, this.sky);
+    gl.uniformMatrix4fv(p.at("model"), false, glass.model);
+    gl.enable(gl.BLEND), gl.enable(gl.CULL_FACE), gl.depthMask(false);
+    gl.blendFuncSeparate(gl.ONE, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.bindVertexArray(glass.array);
+    for (const side of [gl.FRONT, gl.BACK]) gl.cullFace(side), gl.drawElements(gl.TRIANGLES, glass.count, gl.UNSIGNED_INT, 0);
+    gl.bindVertexArray(null);
+    gl.depthMask(true), gl.disable(gl.CULL_FACE);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
   // The objects' shadows on a wall; sand throws none there.

@@ -18,7 +18,7 @@ export class SandPainter {
     this.gl = gl, this.radius = radius, this.chunks = [], this.counts = [0, 0];
     this.surface = program(gl, k_before + k_kit.surface_vert, k_before + hidden + k_kit.sand + k_kit.surface_frag);
     this.loose = program(gl, k_before + k_kit.sand + k_kit.loose_vert, k_before + hidden + k_kit.loose_frag);
-    this.looseBuffer = gl.createBuffer(), this.looseArray = gl.createVertexArray(), this.streams = [], this.wet = 0;
+    this.looseBuffer = gl.createBuffer(), this.looseArray = gl.createVertexArray(), this.streams = [], this.wet = 0, this.share = 1;
     gl.bindVertexArray(this.looseArray);
     for (const at of [0, 1, 2]) gl.enableVertexAttribArray(at), gl.vertexAttribDivisor(at, 1);
     gl.bindVertexArray(null);
@@ -76,7 +76,7 @@ export class SandPainter {
   // How many points or lines the nearest loose particle needs; the shader leaves out what the others do not.
   needed(eye, pixels, most, least) {
     const away = Math.max(0.1, Math.hypot(...eye.map((x, k) => Math.max(this.low[k] - x, 0, x - this.high[k]))));
-    return Math.max(1, Math.min(most, Math.ceil(most * (2 * k_grain_radius * pixels / away / least) ** 2)));
+    return Math.max(1, Math.min(this.share * most, Math.ceil(most * (2 * k_grain_radius * pixels / away / least) ** 2)));
   }
 
   // `common(program)` sets the uniforms of view, light and shadows.

@@ -45,7 +45,7 @@ export class SandScene {
     this.colliders = sand.array("sandglass_collider", file.colliders.length + colliders);
     this.fields = [];
     file.colliders.forEach(({ shape, position, rotation, size, field }, i) => {
-      this.fields.push(field ? makeField(sand, { ...field, vertices: unpacked(field.vertices, Float32Array), indices: unpacked(field.indices, Uint32Array) }) : 0);
+      this.fields.push(typeof field === "number" ? field : field ? makeField(sand, { ...field, vertices: unpacked(field.vertices, Float32Array), indices: unpacked(field.indices, Uint32Array) }) : 0);
       this.colliders[i].set({ shape, position, rotation, size, field: this.fields[i] });
     });
     this.emitters = sand.array("sandglass_emitter", Math.max(1, desc.granular.emitter_capacity));
@@ -60,8 +60,9 @@ export class SandScene {
 
   fill() {
     const { sand, file } = this;
-    const array = (name) => unpacked(file[name], Float32Array);
-    addPoints(sand, this.handle, { positions: array("particles"), velocities: array("particle_velocities") },
+    const array = (name) => (file[name] instanceof Float32Array ? file[name] : unpacked(file[name] ?? "", Float32Array));
+    const particles = array("particles"), velocities = file.particle_velocities ? array("particle_velocities") : undefined;
+    addPoints(sand, this.handle, { positions: particles, velocities },
       { positions: array("grains"), velocities: array("grain_velocities") });
   }
 

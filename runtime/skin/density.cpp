@@ -374,6 +374,13 @@ void find_room(const uint8_t* solid, uint16_t* room) {
   inner_nodes(b, room);
 }
 
+// Sand fades within a wall, so that its surface lies a third of a node deep in it.
+uint16_t within_wall(uint16_t value, uint8_t solid) {
+  constexpr int32_t k_one = 48, k_deepest = 128 - 36;
+  const int32_t part = solid - k_deepest;
+  return static_cast<uint16_t>(value * (part < 0 ? 0 : part < k_one ? part : k_one) / k_one);
+}
+
 void find_calm(SkinState* s, uint32_t number) {
   Brick& brick = s->bricks[number];
   BrickNodes& nodes = s->nodes[number];
@@ -398,6 +405,8 @@ void find_calm(SkinState* s, uint32_t number) {
       const int32_t calm = share < int32_t{k_skin_one} ? share : int32_t{k_skin_one};
       fresh[i] = static_cast<uint16_t>(room > k_least ? calm : kept);
     }
+    if (s->desc.closed != 0)
+      for (uint32_t i = 0; i < k_brick_nodes; ++i) fresh[i] = within_wall(fresh[i], nodes.solid[i]);
   }
   if (memcmp(fresh, nodes.calm, sizeof fresh) == 0) return;
   memcpy(nodes.calm, fresh, sizeof fresh);

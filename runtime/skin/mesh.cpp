@@ -245,7 +245,8 @@ bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& block
       solid.gradient(u, floor);
       const float length = inverse_length(floor);
       for (uint32_t m = 0; m < 3; ++m) floor[m] *= length;
-      run_out(s, floor, over, shift, normal);
+      if (s.desc.closed != 0 && dot(normal, floor) < 0) over = k_far;  // it faces the wall
+      else run_out(s, floor, over, shift, normal);
     }
   }
   float place[3];  // in nodes

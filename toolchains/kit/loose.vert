@@ -68,5 +68,7 @@ void main() {
   }
   vec3 facet = normalize(up + 0.7 * fine * ball(state));
   float shaded = mix(0.8, 0.55 + 0.5 * drawn(state), fine);
-  colour = encoded(sand_lit(sand_albedo(mix(mean, mineral.rgb * (0.8 + 0.4 * light), fine)), up, facet, pile_passed(world) * object_passed(world) * shaded, 0.9 * under_sky(world))).rgb;
+  // What flies is lit before it shades the pile.
+  float direct = (line ? 1.0 : sand_passed(world, up)) * object_passed(world) * shaded;
+  colour = encoded(sand_lit(sand_albedo(mix(mean, mineral.rgb * (0.8 + 0.4 * light), fine)), up, facet, direct, 0.9 * max(under_sky(world), 0.6))).rgb;
 }

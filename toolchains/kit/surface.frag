@@ -19,9 +19,7 @@ void main() {
   bump += (abs(above) - above) * up;  // of a grain that is cut below its middle the upper half is seen
   vec3 facet = normalize(up + 0.85 * (bump - 0.5 * up)), to_eye = normalize(eye - world);
   float deep = grain.a, gap = max(0.2 + 0.9 * deep, 0.1), sunny = max(1.55 * deep - 0.16, 0.03);  // between grains it is dark
-  // The pile's shadow on itself knows columns of spheres: a slope that faces the light cannot be far in it.
-  float itself = mix(pile_passed(world), 1.0, 0.85 * smoothstep(-0.05, 0.2, dot(up, to_light)));
-  float direct = itself * object_passed(world), open = max(under_sky(world), 0.6) * (1.0 - 0.45 * clamp(dent_and_height.x, 0.0, 1.0));
+  float direct = sand_passed(world, up) * object_passed(world), open = max(under_sky(world), 0.6) * (1.0 - 0.45 * clamp(dent_and_height.x, 0.0, 1.0));
   vec3 lit = sand_lit(sand_albedo(grain.rgb), up, facet, direct * sunny, open * gap) + sand_gloss(normalize(mix(facet, up, 0.7)), to_eye, direct, open);
   // A few facets mirror the main light.
   vec3 mirror = normalize(up + 1.1 * (vec3(face.a, fract(face.a * 57.0), fract(face.a * 131.0)) * 2.0 - 1.0));

@@ -48,6 +48,9 @@ typedef struct sandglass_skin_desc {
   /* Which vertex of a triangle tells the block's origin where the app's shader takes it without interpolation (`flat`).
    * 0 (the default): the last one, as in OpenGL and WebGL. 1: the first one, as in Metal, Vulkan and Direct3D. */
   uint32_t first_vertex;
+  /* 0 (the default): the mesh is open where it meets colliders, which hide that. 1: it is closed there, just within
+   * them, for sand behind glass. It then has up to twice the vertices. */
+  uint32_t closed;
 } sandglass_skin_desc;
 
 /* Fills *desc with the defaults, and with what the skin must know of the scene; `granular` may be NULL. */

@@ -1,0 +1,117 @@
+// An hourglass: its shape as a field of the library, what of it is drawn, the sand in it, and how it is turned over.
+// Coordinates are its own: the axis is y, the neck lies at the origin. Metres.
+import { constants } from "./sandglass.mjs";
+
+const k_throat = 0.0125, k_bulb = 0.052, k_half = 0.115;  // radii, and half the height of the glass within
+const k_glass = 0.0025, k_cap = 0.012, k_rim = 0.066;   // its thickness; height and radius of the wood at each end
+const k_pillar = 0.0045, k_pillars = 3;
+const k_around = 48;                                     // corners of a circle
+const k_spacing = 0.0035;
+const k_turn_seconds = 1.2, k_lift = 0.03;               // so that it clears the table while it turns
+const k_stands = k_half + k_cap;                         // the neck over the table
+
+function radius(height) {
+  const t = Math.min(1, Math.abs(height) / k_half), open = Math.sin(0.5 * Math.PI * Math.min(1, t / 0.6));
+  const round = t > 0.72 ? Math.sqrt(1 - 0.5 * ((t - 0.72) / 0.28) ** 2) : 1;
+  return (k_throat + (k_bulb - k_throat) * open ** 2.2) * round;
+}
+
+const k_profile = Array.from({ length: 97 }, (_, i) => { const y = k_half * (i / 48 - 1); return [radius(y), y]; });
+
+// What is seen of the stream below: as of a nozzle.
+export const k_neck = { nozzle: [0, k_stands, 0, 1.3 * k_throat], way: [0, -1, 0, 0.25] };
+
+// How far a place is from the glass, above 0 within.
+function distance(x, y, z) {
+  const out = Math.hypot(x, z);
+  let least = k_half - Math.abs(y);
+  if (least < 0 && out < radius(k_half)) return least;
+  least = Math.abs(least);
+  for (let i = 1; i < k_profile.length; ++i) {
+    const [a, b] = k_profile[i - 1], [c, d] = k_profile[i], along = Math.min(1, Math.max(0, ((out - a) * (c - a) + (y - b) * (d - b)) / ((c - a) ** 2 + (d - b) ** 2)));
+    least = Math.min(least, Math.hypot(out - a - along * (c - a), y - b - along * (d - b)));
+  }
+  return Math.abs(y) < k_half && out < radius(y) ? least : -least;
+}
+
+export function hourglassField(sand) {
+  const desc = sand.make("sandglass_field_desc"), wide = k_bulb + 3 * k_spacing, high = k_half + 3 * k_spacing;
+  sand.sandglass_field_desc_default(desc);
+  const asked = sand.pointer((_, at) => distance(...sand.floats(at, 3)), "fii");
+  desc.set({ solid: constants.SANDGLASS_SOLID_OUTSIDE, bounds_min: [-wide, -high, -wide], bounds_max: [wide, high, wide], spacing: k_spacing, distance: asked });
+  const field = sand.create("sandglass_field", desc);
+  sand.free(desc);
+  return field;
+}
+
+// Places of so many particles in the lower half, from below.
+export function sandBelow(count, r) {
+  const places = [], step = 2.02 * r;
+  for (let y = -k_half + 1.05 * r; places.length < 3 * count && y < 0; y += step)
+    for (let z = -k_bulb; z < k_bulb; z += step) for (let x = -k_bulb; x < k_bulb && places.length < 3 * count; x += step)
+      if (distance(x, y, z) > 1.05 * r) places.push(x, y + k_stands, z);
+  return Float32Array.from(places);
+}
+
+// Triangles of a surface of revolution: `line` holds radii and heights, from below.
+function lathed(line, [x0, z0] = [0, 0], corners = k_around) {
+  const vertices = [], indices = [], n = line.length;
+  for (let k = 0; k < corners; ++k) for (const [r, y] of line) vertices.push(x0 + r * Math.cos(2 * Math.PI * k / corners), y, z0 - r * Math.sin(2 * Math.PI * k / corners));
+  for (let k = 0; k < corners; ++k) for (let i = 0; i + 1 < n; ++i) {
+    const a = k * n + i, b = (k + 1) % corners * n + i;
+    indices.push(a, b, b + 1, a, b + 1, a + 1);
+  }
+  return { vertices, indices };
+}
+
+function joined(parts) {
+  const vertices = parts.flatMap((part) => part.vertices), indices = [];
+  let first = 0;
+  for (const part of parts) indices.push(...part.indices.map((i) => i + first)), first += part.vertices.length / 3;
+  return { vertices: Float32Array.from(vertices), indices: Uint32Array.from(indices) };
+}
+
+export function glassMesh() {
+  const line = k_profile.map(([r, y]) => [r + k_glass, y]), normals = [];
+  for (let k = 0; k < k_around; ++k) for (let i = 0; i < line.length; ++i) {
+    const [a, b] = line[Math.max(0, i - 1)], [c, d] = line[Math.min(line.length - 1, i + 1)], l = Math.hypot(c - a, d - b), turn = 2 * Math.PI * k / k_around;
+    normals.push((d - b) / l * Math.cos(turn), (a - c) / l, -(d - b) / l * Math.sin(turn));
+  }
+  return { ...joined([lathed(line)]), normals: Float32Array.from(normals) };
+}
+export function woodMesh() {
+  const end = (from) => lathed([[0, from], [k_rim - 0.003, from], [k_rim, from + 0.003], [k_rim, from + k_cap - 0.003], [k_rim - 0.003, from + k_cap], [0, from + k_cap]]);
+  const pillars = Array.from({ length: k_pillars }, (_, i) => 2 * Math.PI * (i + 0.25) / k_pillars).map((turn) =>
+    lathed([[k_pillar, -k_half], [k_pillar, k_half]], [(k_rim - 2 * k_pillar) * Math.cos(turn), (k_rim - 2 * k_pillar) * Math.sin(turn)], 12));
+  return joined([end(-k_half - k_cap), end(k_half), ...pillars]);
+}
+
+// How it stands, and how it moves when it is turned over about a level axis.
+export class Turning {
+  share = 1;  // of a turn
+  constructor() { this.from = [0, 0, 0, 1], this.axis = [0, 0, 1]; }
+  get turns() { return this.share < 1; }
+  begin(axis) {
+    if (this.turns) return;
+    this.from = this.pose().rotation, this.axis = axis, this.share = 0;
+  }
+  // Moves on, and gives pose and velocities over that time.
+  advance(seconds) {
+    const before = this.angle(), height = this.pose().position[1];
+    this.share = Math.min(1, this.share + seconds / k_turn_seconds);
+    const now = this.pose(), rate = (this.angle() - before) / seconds;
+    return { ...now, linear_velocity: [0, (now.position[1] - height) / seconds, 0], angular_velocity: this.axis.map((x) => x * rate) };
+  }
+  angle() { const s = this.share; return Math.PI * s * s * s * (10 + s * (6 * s - 15)); }
+  pose() {
+    const half = this.angle() / 2, [x, y, z] = this.axis.map((c) => c * Math.sin(half)), w = Math.cos(half), [a, b, c, d] = this.from;
+    const rotation = [w * a + x * d + y * c - z * b, w * b - x * c + y * d + z * a, w * c + x * b - y * a + z * d, w * d - x * a - y * b - z * c];
+    return { position: [0, k_stands + k_lift * Math.sin(Math.PI * this.share) ** 2, 0], rotation };
+  }
+}
+
+// A column-major matrix.
+export function matrixOf({ position: [px, py, pz], rotation: [x, y, z, w] }) {
+  return new Float32Array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0, 2 * (x * y - w * z),
+    1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0, 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0, px, py, pz, 1]);
+}
