@@ -54,15 +54,18 @@ double dot(const Point& a, const Point& b) {
 
 Point place(const sandglass_skin_vertex& v) { return {v.position[0], v.position[1], v.position[2]}; }
 
-// What of the mesh lies over the plane through the origin: the sum of the prisms between triangles and plane. `faults`: edges
+// What of the mesh lies over the plane through the origin, after it was lifted: the sum of the prisms between triangles and plane. `faults`: edges
 // over it that have not two triangles turned one way.
-double volume_over(const Mesh& mesh, const Point& up, uint32_t* faults) {
+double volume_over(const Mesh& mesh, const Point& up, uint32_t* faults, float lifted = 0) {
   std::map<std::pair<Point, Point>, int> edges;
   double volume = 0;
   *faults = 0;
   for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
     Point p[3];
-    for (size_t k = 0; k < 3; ++k) p[k] = place(mesh.vertices[mesh.triangles[t + k]]);
+    for (size_t k = 0; k < 3; ++k) {
+      p[k] = place(mesh.vertices[mesh.triangles[t + k]]);
+      for (size_t m = 0; m < 3; ++m) p[k][m] += lifted * up[m];
+    }
     const auto cross = [&](size_t k) {
       const size_t a = (k + 1) % 3, b = (k + 2) % 3;
       return static_cast<double>(p[1][a] - p[0][a]) * static_cast<double>(p[2][b] - p[0][b]) -
@@ -82,7 +85,11 @@ double volume_over(const Mesh& mesh, const Point& up, uint32_t* faults) {
 }
 
 struct Sand {
-  explicit Sand(sandglass_scene_desc desc) : scene(desc) { accept(skin.create(sandglass::skin_desc(desc.granular))); }
+  explicit Sand(sandglass_scene_desc desc, uint32_t closed = 0) : scene(desc) {
+    sandglass_skin_desc of_skin = sandglass::skin_desc(desc.granular);
+    of_skin.closed = closed;
+    accept(skin.create(of_skin));
+  }
 
   sandglass_frame_report frame(float step = 0.02f) {
     sandglass_frame_input input = scene.input(step);
@@ -144,6 +151,31 @@ TEST(Skin, IsClosedAndHoldsTheSand) {
 }
 
 // Gravity along each axis, and a floor across it; and a floor that gravity leans on by 25 degrees.
+// Sand in a box, as behind glass: a closed mesh has no open edge anywhere, and reaches into floor and walls by 0.3 nodes.
+TEST(Skin, IsClosedBehindGlass) {
+  for (const uint32_t closed : {0u, 1u}) {
+    Sand sand(rough(1000), closed);
+    sand.scene.add_floor();
+    for (const float side : {-1.0f, 1.0f})
+      for (const int axis : {0, 2}) {
+        sandglass_collider wall = sandglass::floor_at(0);
+        wall.position[axis] = -0.1f * side;
+        wall.rotation[2 - axis] = axis == 0 ? -side : side, wall.rotation[3] = 1;
+        sand.scene.colliders.push_back(wall);
+      }
+    sand.scene.add(lattice(9, 10, 9, 2.05f * k_radius, k_radius));
+    sand.until_asleep();
+    for (int i = 0; i < 3; ++i) sand.frame();
+    uint32_t faults = 0;
+    const double all = volume_over(mesh_of(sand.skin), {0, 1, 0}, &faults, 1.0f);  // far over the plane: all of it
+    EXPECT_EQ(faults == 0, closed == 1);
+    const double deep = 0.3 * 1.5 * k_radius, side = 0.2 + 2 * deep, height = 810 * k_particle / (0.2 * 0.2) + deep;
+    if (closed == 1) {
+      EXPECT_NEAR(all / (side * side * height), 1, 0.12);  // its edges are round
+    }
+  }
+}
+
 TEST(Skin, FollowsGravityAndFloor) {
   double first = 0;
   for (const Point& up :
