@@ -10,7 +10,7 @@ import { k_scene } from "./data.mjs";
 const k_move = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const k_tip_step = 2;  // degrees a key
 const k_tap = 8;       // pixels that a finger which taps may move
-const k_hints = { glass: "Tap to turn it over", pour: "Touch the table to pour sand", push: "Drag through the sand", turn: "Drag to look around" };
+const k_hints = { glass: "Tap to turn it over", pour: "Touch the ground to pour sand", push: "Drag through the sand", turn: "Drag to look around" };
 const k_tip = { j: ["right", -1], l: ["right", 1], i: ["near", -1], k: ["near", 1] };
 
 // Runs what may fail, and says why.

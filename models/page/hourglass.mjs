@@ -19,7 +19,7 @@ function radius(height) {
 const k_profile = Array.from({ length: 97 }, (_, i) => { const y = k_half * (i / 48 - 1); return [radius(y), y]; });
 
 // What is seen of the stream below: as of a nozzle.
-export const k_neck = { nozzle: [0, k_stands, 0, 1.3 * k_throat], way: [0, -1, 0, 0.25] };
+export const k_neck = { nozzle: [0, k_stands, 0, 1.3 * k_throat], way: [0, -1, 0, 0.12] };
 
 // How far a place is from the glass, above 0 within.
 function distance(x, y, z) {
@@ -71,14 +71,17 @@ function joined(parts) {
   return { vertices: Float32Array.from(vertices), indices: Uint32Array.from(indices) };
 }
 
-export function glassMesh() {
-  const line = k_profile.map(([r, y]) => [r + k_glass, y]), normals = [];
+function smooth(line) {
+  const normals = [];
   for (let k = 0; k < k_around; ++k) for (let i = 0; i < line.length; ++i) {
     const [a, b] = line[Math.max(0, i - 1)], [c, d] = line[Math.min(line.length - 1, i + 1)], l = Math.hypot(c - a, d - b), turn = 2 * Math.PI * k / k_around;
     normals.push((d - b) / l * Math.cos(turn), (a - c) / l, -(d - b) / l * Math.sin(turn));
   }
   return { ...joined([lathed(line)]), normals: Float32Array.from(normals) };
 }
+export const glassMesh = () => smooth(k_profile.map(([r, y]) => [r + k_glass, y]));
+// What sand is poured from; its spout ends below the nozzle, where the stream is as narrow as it.
+export const funnelMesh = () => smooth([[0.0088, -0.03], [0.0088, -0.029], [0.0095, 0.012], [0.012, 0.018], [0.042, 0.055], [0.0425, 0.06], [0.042, 0.061], [0.041, 0.06], [0.01, 0.017]]);
 export function woodMesh() {
   const end = (from) => lathed([[0, from], [k_rim - 0.003, from], [k_rim, from + 0.003], [k_rim, from + k_cap - 0.003], [k_rim - 0.003, from + k_cap], [0, from + k_cap]]);
   const pillars = Array.from({ length: k_pillars }, (_, i) => 2 * Math.PI * (i + 0.25) / k_pillars).map((turn) =>

@@ -5,7 +5,7 @@ import { SandScene, addPoints, makeField, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
 import { sandBlock } from "./sand_painter.mjs";
 import { meshReader, standing, smoothed } from "./mesh_file.mjs";
-import { Turning, k_neck, glassMesh, hourglassField, matrixOf, sandBelow, woodMesh } from "./hourglass.mjs";
+import { Turning, k_neck, funnelMesh, glassMesh, hourglassField, matrixOf, sandBelow, woodMesh } from "./hourglass.mjs";
 import { RoomLight, lightOfSky } from "./room_light.mjs";
 import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom, cellsOfTable } from "./tilt.mjs";
 import { fromLink } from "./link.mjs";
@@ -34,8 +34,8 @@ const k_object_triangles = 100000;  // of all of them
 const k_object_spacing = 0.5 * k_radius;  // of the field that sand collides with
 const k_recorded_at_most = 18000;  // frames: five minutes
 const k_glass_radius = 0.0035, k_glass_particles = 1560;  // of the sand in the hourglass
-const k_wood = [0.16, 0.075, 0.035];
-const k_views = { glass: { target: [0, 0.105, 0], distance: 0.68, elevation: 0.16 }, table: { target: [0.01, 0.12, 0.03], distance: 1.2, elevation: 0.42 } };
+const k_wood = [0.16, 0.075, 0.035], k_brass = [0.86, 0.62, 0.28], k_glass_friction = 0.3;
+const k_views = { glass: { target: [0, 0.105, 0], distance: 0.68, elevation: 0.16, fit: 0.5 }, table: { target: [0.01, 0.12, 0.03], distance: 1.2, elevation: 0.42, fit: 0.66 } };
 const k_emitter_fields = ["position", "rotation", "radius", "speed"];
 const k_collider_fields = ["shape", "position", "rotation", "size", "linear_velocity"];
 const k_tip_least = 0.05;    // m/s^2: sensors tremble by less
@@ -57,6 +57,8 @@ class Page {
     this.denied = 0, this.saidFull = false;
     this.gravity = [...k_scene.gravity], this.given = [...k_scene.gravity], this.tipped = false;
     this.skinMesh = sand.make("sandglass_skin_mesh");
+    const funnel = funnelMesh();
+    this.painter.funnel = this.painter.item(funnel.vertices, funnel.indices, null, k_brass, funnel.normals);
     this.stands = { table: this.makeTable(), glass: this.makeGlass() };
     this.makeShadows();
     this.show("glass");
@@ -83,7 +85,8 @@ class Page {
   makeGlass() {
     const { sand, painter } = this, flat = { rotation: [0, 0, 0, 1], size: [1, 1, 1] };
     const file = { name: "hourglass", gravity: k_scene.gravity, frame_step: k_step, emitters: [], particles: sandBelow(k_glass_particles, k_glass_radius),
-      granular: { ...k_scene.granular, particle_radius: k_glass_radius, particle_capacity: k_glass_particles, grain_radius: 0, substep_max: 0, substep_min: 0, collider_capacity: 2 },
+      granular: { ...k_scene.granular, particle_radius: k_glass_radius, particle_capacity: k_glass_particles, grain_radius: 0, substep_max: 0, substep_min: 0, collider_capacity: 2,
+        static_friction: k_glass_friction, kinetic_friction: k_glass_friction },
       colliders: [{ shape: constants.SANDGLASS_SHAPE_HALF_SPACE, position: [0, 0, 0], ...flat }, { shape: constants.SANDGLASS_SHAPE_FIELD, position: [0, 0, 0], ...flat, field: hourglassField(sand) }] };
     this.turning = new Turning();
     const scene = new SandScene(sand, file, { clock: true }), wood = woodMesh(), glass = glassMesh(), model = matrixOf(this.turning.pose());
@@ -434,6 +437,7 @@ class Page {
     const { sand, scene, painter } = this;
     painter.sand.upload(sand, this.skin, this.skinMesh);
     painter.sand.streams = this.nozzles;
+    painter.funnels = this.onTable ? this.nozzles.map(({ nozzle: [x, y, z] }) => new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1])) : [];
   }
 
   draw() {
@@ -458,7 +462,7 @@ class Page {
       term.append(name);
       return [term, Object.assign(document.createElement("dd"), { textContent: value })];
     };
-    by("short").textContent = `${ms.toFixed(1)} of ${budget} ms`, by("short").className = ms > budget + 1 ? "late" : "";
+    by("short").textContent = `Sand: ${ms.toFixed(1)} of ${budget} ms a frame`, by("short").className = ms > budget + 1 ? "late" : "";
     by("numbers").replaceChildren(...[...parts.map(([name, colour, part]) => row(name, `${part.toFixed(2)} ms`, colour)),
       row("quality level", `${report.level} ${this.sand.sandglass_level_name(report.level)}`), row("time debt", `${report.time.debt.toFixed(2)} s`),
       row("particles", counted(report.sand.particles)), row("triangles", counted(this.skinMesh.index_count / 3)), row("drawn", this.pace.step === 0 ? "in full" : `coarser by ${this.pace.step} of 3, pictures take long`), ...this.tellLight(row)].flat());

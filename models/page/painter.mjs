@@ -140,6 +140,7 @@ export class Camera {
   elevation = 0.4;
   distance = 1;
   fov = 0.6;
+  fit = 0.66;  // the least width that is seen, of the height
   turn(right, up) { this.azimuth -= right, this.elevation = Math.min(1.5, Math.max(0.08, this.elevation + up)); }
   zoom(factor) { this.distance = Math.min(3, Math.max(0.25, this.distance * factor)); }
   axes() {
@@ -158,7 +159,7 @@ export class Camera {
   }
   // On a tall screen the width is what must fit.
   half(aspect) {
-    const half = Math.tan(this.fov / 2) * Math.max(1, 0.66 / aspect);
+    const half = Math.tan(this.fov / 2) * Math.max(1, this.fit / aspect);
     return [half * aspect, half];
   }
 }
@@ -176,7 +177,7 @@ export class Painter {
     this.wallObject = this.texture(), this.wallSeen = this.texture(), this.depth = this.texture(), this.unknownDepth = this.texture();
     this.room = gl.createTexture(), this.roomKnown = 0;
     for (let face = 0; face < 6; ++face) this.uploadFace(face, 1, new Uint16Array(4));
-    this.objects = [];
+    this.objects = [], this.funnels = [];  // funnels: matrices of `funnel`, an item
     const s = 3;
     this.table = this.mesh(new Float32Array([-s, 0, -s, -s, 0, s, s, 0, s, s, 0, -s]), new Uint32Array([0, 1, 2, 0, 2, 3]));
     this.objectShadow = { box: [0, 0, 1, 1], opacity: 0 };
@@ -313,6 +314,7 @@ export class Painter {
     drawItem({ ...this.table, model: still, table: real ? 2 : 1 });
     gl.depthMask(true);
     for (const item of this.objects) drawItem(item);
+    for (const model of this.funnels) drawItem({ ...this.funnel, model });
     if (real && wall) this.paintWall(drawItem);
     gl.bindVertexArray(null);
     const onSand = (p) => {

@@ -9,7 +9,7 @@ const k_grain_radius = 0.0003, k_point_pixels = 1.5, k_line_pixels = 1.2;
 const k_minerals = [[0.80, 0.66, 0.46, 0.62], [0.90, 0.83, 0.72, 0.24], [0.58, 0.34, 0.17, 0.09], [0.13, 0.115, 0.10, 0.05]];  // as in sand_block.cpp
 const k_block_side = 0.0084;
 const k_block_unit = 8;  // of the painter's textures; those below are others
-const k_stream_narrow = 0.32;
+const k_stream_narrow = 0.3;
 const k_before = k_kit.uniforms + k_kit.light;
 
 export class SandPainter {

@@ -59,7 +59,7 @@ void main() {
   }
   gl_Position = projection * (view * vec4(world, 1)), stands_at = world;
   across = 2.0 * size * pixels / away, gl_PointSize = max(across, 1.0);
-  float kind = drawn(state), light = drawn(state), fine = clamp(across / least, 0.0, 1.0) * inversesqrt(stands) * (line ? 0.15 : 1.0);
+  float kind = drawn(state), light = drawn(state), fine = clamp(across / least, 0.0, 1.0) * inversesqrt(stands) * (line ? 0.3 : 1.0);
   vec4 mineral = minerals[3];
   vec3 mean = minerals[0].rgb * minerals[0].a;
   for (int m = 2; m >= 0; --m) {
