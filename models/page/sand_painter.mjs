@@ -16,7 +16,7 @@ export class SandPainter {
   // `program(gl, vertex, fragment)` compiles; `hidden` is the page's function for what is real; `block` is what sand_block makes.
   constructor(gl, program, hidden, block, radius) {
     this.gl = gl, this.radius = radius, this.chunks = [], this.counts = [0, 0];
-    this.surface = program(gl, k_before + k_kit.surface_vert, k_before + hidden + k_kit.sand + k_kit.surface_frag);
+    this.surface = program(gl, k_before + k_kit.surface_vert, k_before + hidden + k_kit.sand + k_kit.surface + k_kit.surface_frag);
     this.loose = program(gl, k_before + k_kit.sand + k_kit.loose_vert, k_before + hidden + k_kit.loose_frag);
     this.looseBuffer = gl.createBuffer(), this.looseArray = gl.createVertexArray(), this.streams = [], this.wet = 0, this.share = 1;
     gl.bindVertexArray(this.looseArray);

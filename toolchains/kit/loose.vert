@@ -1,6 +1,9 @@
 // Loose sand (sandglass_skin_loose, one instance each): points of what lies, lines of what flies, as far as it comes while
 // a picture is exposed. A particle becomes as many grains as are seen from there, at places that follow from its number.
 // Draw k_points vertices an instance as points, or 2 * k_lines as lines; fewer when all are far. Needs sand.glsl.
+#ifdef VULKAN
+#define gl_VertexID gl_VertexIndex
+#endif
 const uint k_clouds = 16u;       // of a particle: it flies apart into so many
 const float k_points = 256.0, k_lines = 384.0;
 const float k_point_pixels = 1.5, k_line_pixels = 1.2;  // no grain is drawn thinner
