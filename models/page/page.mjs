@@ -35,7 +35,7 @@ const k_object_spacing = 0.5 * k_radius;  // of the field that sand collides wit
 const k_recorded_at_most = 18000;  // frames: five minutes
 const k_glass_radius = 0.0035, k_glass_particles = 1560;  // of the sand in the hourglass
 const k_wood = [0.16, 0.075, 0.035], k_brass = [0.86, 0.62, 0.28], k_glass_friction = 0.3;
-const k_views = { glass: { target: [0, 0.105, 0], distance: 0.68, elevation: 0.16, fit: 0.5 }, table: { target: [0.01, 0.12, 0.03], distance: 1.2, elevation: 0.42, fit: 0.66 } };
+const k_views = { glass: { target: [0, 0.105, 0], distance: 0.68, elevation: 0.16, fit: 0.5 }, table: { target: [0.01, 0.15, 0.03], distance: 1.32, elevation: 0.42, fit: 0.66 } };
 const k_emitter_fields = ["position", "rotation", "radius", "speed"];
 const k_collider_fields = ["shape", "position", "rotation", "size", "linear_velocity"];
 const k_tip_least = 0.05;    // m/s^2: sensors tremble by less

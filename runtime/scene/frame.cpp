@@ -58,13 +58,17 @@ sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input
   return accept(reason);
 }
 
-// The sand as the app draws it: its grains, or the particles of a scene without grains. Particles that stray carry no
-// grains.
-Sand sand_as_drawn(const Granular& g) {
+// The sand as the app draws it: by its skin, as soon as there is one; its grains; or the particles of a scene without
+// grains. Particles that stray carry no grains.
+Sand sand_as_drawn(const Granular& g, const sandglass_skin* skin) {
+  if (skin != nullptr && skin->skin.valid) {
+    const SkinState& s = skin->skin;
+    return {{nullptr, nullptr, nullptr, pile_skin_items(s), s.desc.particle_radius, &s, s.version}, false};
+  }
   const bool grains = g.grains.count != 0;
   const bool moving = g.sleep.awake_count != 0 || (grains && g.grain_sleep.group_count != 0);
-  if (grains) return {{nullptr, &g.grains.records, nullptr, g.grains.count, g.desc.grain_radius}, moving};
-  return {{&g.particles.records[0], nullptr, nullptr, g.particles.count, g.desc.particle_radius}, moving};
+  if (grains) return {{nullptr, &g.grains.records, nullptr, g.grains.count, g.desc.grain_radius, nullptr, 0}, moving};
+  return {{&g.particles.records[0], nullptr, nullptr, g.particles.count, g.desc.particle_radius, nullptr, 0}, moving};
 }
 
 // Out of line: it runs between the two calls that set and restore the floating-point control.
@@ -80,7 +84,7 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
       lighting_stage(&lighting, input->camera, &refused_image),
       input->skin == nullptr ? stage_without_work(k_skin_kinds)
                              : input->skin->functions->begin_frame(input->skin, *granular),
-      shadow_stage(&shadows, sand_as_drawn(*granular)),
+      shadow_stage(&shadows, sand_as_drawn(*granular, input->skin)),
       granular_grain_stage(granular),
       granular_output_stage(granular),
   };

@@ -30,22 +30,6 @@ void clear_columns(Pile* p) {
   p->top = 0;
 }
 
-// Adds to a column: `share` of its texel is covered from `low` to `high`. Spheres in one column are taken to lie
-// independently of each other.
-void put_column(Pile* p, int32_t column, int32_t row, float share, float low, float high) {
-  if (!(high > 0)) return;
-  const int64_t at = static_cast<int64_t>(row) * p->pitch + column;
-  float *top = p->tops + at, *bottom = p->bottoms + at, *fill = p->fills + at;
-  *top = high > *top ? high : *top;
-  *bottom = low < *bottom ? low : *bottom;
-  *fill += share * (1 - *fill);
-  p->top = high > p->top ? high : p->top;
-  p->sand_rows[0] = row < p->sand_rows[0] ? row : p->sand_rows[0];
-  p->sand_rows[1] = row > p->sand_rows[1] ? row : p->sand_rows[1];
-  p->sand_columns[0] = column < p->sand_columns[0] ? column : p->sand_columns[0];
-  p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
-}
-
 // A sphere goes into the column that holds its centre, and covers it by `share` (pile_thin.h). It reaches as high
 // and as low as its two halves do in the mean. A sphere as wide as a texel counts as the cube whose faces are as large as
 // its silhouette. It also fills every column whose middle lies under or over it.
@@ -56,7 +40,7 @@ bool put_sphere(Pile* p, const float* centre, float share, uint32_t* visits) {
   const float x = (centre[0] - p->low[0]) / p->texel[0], z = (centre[2] - p->low[1]) / p->texel[1];
   const float y = centre[1] - p->height;
   if (p->sphere_row == 0 && x >= 0 && z >= 0 && x < n && z < n && y < k_pile_highest)
-    put_column(p, to_whole<int32_t>(x), to_whole<int32_t>(z), share, y - rise, y + rise);
+    pile_put_column(p, to_whole<int32_t>(x), to_whole<int32_t>(z), share, y - rise, y + rise);
   if (is_finer_than_texels(*p)) return true;
   const PileReach reach = pile_reach(*p, centre, radius);
   const int32_t wide = reach.last[0] - reach.first[0] + 1;
@@ -72,7 +56,7 @@ bool put_sphere(Pile* p, const float* centre, float share, uint32_t* visits) {
       const float square = radius * radius - dx * dx - dz * dz;
       if (!(square > 0)) continue;
       const float half = __builtin_sqrtf(square);
-      put_column(p, u, v, 1, y - half, y + half);
+      pile_put_column(p, u, v, 1, y - half, y + half);
     }
   }
   p->sphere_row = 0;
@@ -86,6 +70,7 @@ float columns_across(const Pile& p, uint32_t axis) {
 }
 
 uint32_t unit_spheres(const Pile& p) {
+  if (p.source.skin != nullptr) return k_pile_unit_triangles;
   const float count = static_cast<float>(k_pile_unit_columns) / (columns_across(p, 0) * columns_across(p, 1));
   return count > 1024 ? 1024u : count > 1 ? to_whole<uint32_t>(count) : 1u;
 }
@@ -176,7 +161,7 @@ void cut_light(Pile* p) {
 
 void begin(Pile* p) {
   p->phase = PilePhase::columns;
-  p->cursor = p->sphere_row = 0;
+  p->cursor = p->sphere_row = p->chunk = p->chunk_first = 0;
   p->making = pile_wanted(*p);
   p->asked &= ~p->making;
   p->back.frame = p->frame;
@@ -194,20 +179,24 @@ struct Centres {
 Centres centres_of(const PileSource& source) {
   if (source.grains != nullptr) return {(*source.grains)->position, sizeof(Grain) / sizeof(float)};
   if (source.particles != nullptr) return {(*source.particles)->position, sizeof(Particle) / sizeof(float)};
+  if (source.skin != nullptr) return {nullptr, 0};
   return {source.positions, 3};
 }
 
 void run_columns(Pile* p) {
   if (p->phase == PilePhase::idle) begin(p);
   const PileSource& source = p->source;
-  const uint32_t left = source.count > p->cursor ? source.count - p->cursor : 0, most = unit_spheres(*p);
+  const uint32_t count = source.skin != nullptr ? pile_skin_items(*source.skin) : source.count;
+  const uint32_t left = count > p->cursor ? count - p->cursor : 0, most = unit_spheres(*p);
   const uint32_t end = p->cursor + (left < most ? left : most);
   const Centres centres = centres_of(source);
   const float share = sphere_share(*p);
   uint32_t visits = k_pile_unit_columns;
   for (; p->cursor < end; ++p->cursor)
-    if (!put_sphere(p, centres.first + p->cursor * centres.stride, share, &visits)) return;
-  if (p->cursor < source.count) return;
+    if (source.skin != nullptr ? !pile_put_skin(p, p->cursor, &visits)
+                               : !put_sphere(p, centres.first + p->cursor * centres.stride, share, &visits))
+      return;
+  if (p->cursor < count) return;
   p->cursor = 0;
   if ((p->making & k_ask_light) == 0) {
     p->phase = PilePhase::levels;
@@ -328,7 +317,7 @@ Stage begin_frame(sandglass_pile_shadow* shadow, const PileSource& source, bool 
   Pile& p = shadow->pile;
   ++p.frame;
   // Also in the frame after the last motion: the texture under way then shows sand that still moved.
-  if (moving || p.moving || source.count != p.source.count) p.asked = k_ask_all;
+  if (moving || p.moving || source.count != p.source.count || source.version != p.source.version) p.asked = k_ask_all;
   p.moving = moving;
   p.source = source;
   return {shadow, next, run, forecast, k_pile_kinds, 1, k_shadow_share};
@@ -354,6 +343,20 @@ PileReach pile_reach(const Pile& p, const float* centre, float radius) {
     reach.last[axis] = static_cast<int32_t>(floor_index(last));
   }
   return reach;
+}
+
+void pile_put_column(Pile* p, int32_t column, int32_t row, float share, float low, float high) {
+  if (!(high > 0)) return;
+  const int64_t at = static_cast<int64_t>(row) * p->pitch + column;
+  float *top = p->tops + at, *bottom = p->bottoms + at, *fill = p->fills + at;
+  *top = high > *top ? high : *top;
+  *bottom = low < *bottom ? low : *bottom;
+  *fill += share * (1 - *fill);
+  p->top = high > p->top ? high : p->top;
+  p->sand_rows[0] = row < p->sand_rows[0] ? row : p->sand_rows[0];
+  p->sand_rows[1] = row > p->sand_rows[1] ? row : p->sand_rows[1];
+  p->sand_columns[0] = column < p->sand_columns[0] ? column : p->sand_columns[0];
+  p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
 }
 
 WorkUnit pile_next(const Pile& p) {

@@ -3,7 +3,8 @@
 // units swaps the two textures. The texture of the room's light follows (pile_sky.h). Either is left out where nothing
 // asks for it.
 //
-// The spheres are the grains, or the particles of a scene without grains. They are read in place, without a copy. The
+// The spheres are the grains, or the particles of a scene without grains; or sand is what lies under a skin (pile_skin.cpp),
+// as it was last completed. They are read in place, without a copy. The
 // scene may sort them between two units of the first phase: then a sphere may be missed or taken twice, in that one
 // texture.
 #pragma once
@@ -20,7 +21,8 @@ namespace sandglass {
 constexpr uint32_t k_pile_azimuths = 12;  // of a light that holds the zenith; other lights have half as many
 constexpr uint32_t k_pile_steps = 48;     // most steps along one azimuth
 constexpr uint32_t k_pile_unit_texels = 512;
-constexpr uint32_t k_pile_unit_columns = 8192;  // about as many as the spheres of one unit write
+constexpr uint32_t k_pile_unit_columns = 8192;    // about as many as the spheres of one unit write
+constexpr uint32_t k_pile_unit_triangles = 1024;  // of a skin
 constexpr float k_pile_empty = 1e30f;
 constexpr float k_pile_highest = 1e6f;       // metres over the floor; what is higher is left out
 constexpr float k_pile_radius_limit = 1e6f;  // metres; spheres of such a radius are left out
@@ -33,7 +35,9 @@ enum class PilePhase : uint32_t { idle, columns, floor, sand, levels, sky };
 // What is asked for and what is under way, as bits.
 enum : uint32_t { k_ask_light = 1, k_ask_sky = 2, k_ask_all = 3 };
 
-// The spheres: one of the three pointers is not null. A scene swaps its arrays from sub-step to sub-step, so the first
+struct SkinState;
+
+// The sand: one of the four pointers is not null. A scene swaps its arrays from sub-step to sub-step, so the first
 // two point to the scene's own pointer.
 struct PileSource {
   const Particle* const* particles;
@@ -41,6 +45,8 @@ struct PileSource {
   const float* positions;  // x y z of each
   uint32_t count;
   float radius;  // metres
+  const SkinState* skin;
+  uint32_t version;  // of the skin
 };
 
 struct PileTexture {
@@ -62,8 +68,9 @@ struct Pile {
   PileStep* steps;
   // The texture under way.
   PilePhase phase;
-  uint32_t cursor;      // next particle or row
-  uint32_t sphere_row;  // rows of this particle that are done, where it takes several units
+  uint32_t cursor;              // next particle or row
+  uint32_t sphere_row;          // rows of this particle that are done, where it takes several units
+  uint32_t chunk, chunk_first;  // of the skin: where the cursor is, and that chunk's first triangle
   int32_t sand_rows[2], sand_columns[2];
   float top;  // of the highest sand, above the floor
   uint32_t azimuth_count;
@@ -93,6 +100,14 @@ struct PileReach {
   int32_t first[2], last[2];
 };
 PileReach pile_reach(const Pile& pile, const float* centre, float radius);
+
+// Adds to a column: `share` of its texel is covered from `low` to `high` over the floor. What lies in one column is taken
+// to lie independently of each other.
+void pile_put_column(Pile* p, int32_t column, int32_t row, float share, float low, float high);
+
+// Of a skin: its triangles and loose sand, and the columns of one of them. False: as put_sphere says (pile.cpp).
+uint32_t pile_skin_items(const SkinState& skin);
+bool pile_put_skin(Pile* p, uint32_t item, uint32_t* visits);
 
 WorkUnit pile_next(const Pile& pile);
 void pile_run(Pile* pile);

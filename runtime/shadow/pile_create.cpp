@@ -203,7 +203,8 @@ uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* p
                                    uint32_t units) {
   if (shadow == nullptr || (positions == nullptr && count != 0)) return 0;
   const FloatingPointControl saved = floating_point_enter();
-  shadow->pile.source = {nullptr, nullptr, positions, radius > 0 && radius < k_pile_radius_limit ? count : 0, radius};
+  shadow->pile.source = {nullptr, nullptr, positions, radius > 0 && radius < k_pile_radius_limit ? count : 0,
+                         radius,  nullptr, 0};
   const uint32_t done = run_units(&shadow->pile, units);
   floating_point_restore(saved);
   return done;

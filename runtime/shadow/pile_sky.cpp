@@ -114,12 +114,12 @@ int32_t columns_within(float radius, float texel) {
 }
 
 // The surface of the sand over the columns under one row of level 0: the highest column within a sphere's radius, so
-// that the gaps between spheres lie below it also where columns are finer than spheres.
+// that the gaps between spheres lie below it also where columns are finer than spheres. A skin has no gaps.
 void make_heights(Pile* p, uint32_t row) {
   const int32_t n = static_cast<int32_t>(p->texels), joined = static_cast<int32_t>(p->sky.joined);
   const float per_metre = p->top > k_flat ? 255 / p->top : 0;
-  const int32_t across = columns_within(p->source.radius, p->texel[0]);
-  const int32_t along = columns_within(p->source.radius, p->texel[1]);
+  const float gaps = p->source.skin == nullptr ? p->source.radius : 0;
+  const int32_t across = columns_within(gaps, p->texel[0]), along = columns_within(gaps, p->texel[1]);
   for (int32_t v = static_cast<int32_t>(row) * joined, end = v + joined; v < end; ++v) {
     uint8_t* heights = p->sky.back.heights + static_cast<int64_t>(v) * n;
     memset(heights, 0, p->texels);

@@ -452,6 +452,53 @@ TEST(Skin, ALateSkinLeavesTheOneBefore) {
 }
 
 // On every instruction set, compiler and number of items in a unit.
+// The heights that the pile's shadow is made of are those of the mesh, under each texel's middle; and at rest it costs nothing.
+TEST(Skin, ThePileShadowIsOfWhatIsDrawn) {
+  Sand sand(rough(1600));
+  sand.scene.add_floor();
+  sand.scene.add(lattice(10, 16, 10, 2.05f * k_radius, k_radius));
+  sandglass_pile_shadow_desc desc = sandglass::pile_shadow_desc();
+  desc.sky_texels = 64;
+  sandglass::PileShadow shadow;
+  accept(shadow.create(desc));
+  sandglass_frame_report report;
+  for (int rested = 0, i = 0; rested < 3; ++i) {
+    ASSERT_LT(i, 900);
+    sandglass_frame_input input = sand.scene.input(0.02f);
+    input.skin = sand.skin.get(), input.pile_shadow = shadow.get();
+    report = sand.scene.run(input);
+    rested = report.sand.awake == 0 && report.stages[SANDGLASS_STAGE_SHADOW].units == 0 ? rested + 1 : 0;
+  }
+  const Mesh mesh = mesh_of(sand.skin);
+  const sandglass_pile_shadow_sky sky = shadow.sky();
+  const sandglass_skin_mesh now = sand.skin.mesh();
+  const uint32_t n = sky.height_texels;
+  const float texel = (sky.high[0] - sky.low[0]) / static_cast<float>(n);
+  std::vector<float> truth(n * n, 0.0f);
+  for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
+    Point p[3];
+    for (size_t k = 0; k < 3; ++k) p[k] = place(mesh.vertices[mesh.triangles[t + k]]);
+    for (uint32_t at = 0; at < n * n; ++at) {
+      const float x = sky.low[0] + (static_cast<float>(at % n) + 0.5f) * texel;
+      const float z = sky.low[1] + (static_cast<float>(at / n) + 0.5f) * texel;
+      const auto side = [&](size_t k) {
+        const Point &a = p[k], &b = p[(k + 1) % 3];
+        return (b[2] - a[2]) * (x - a[0]) - (b[0] - a[0]) * (z - a[2]);
+      };
+      const float w[3] = {side(1), side(2), side(0)}, sum = w[0] + w[1] + w[2];
+      if (sum > 0 && w[0] >= 0 && w[1] >= 0 && w[2] >= 0)
+        truth[at] = std::max(truth[at], (w[0] * p[0][1] + w[1] * p[1][1] + w[2] * p[2][1]) / sum);
+    }
+  }
+  uint32_t wrong = 0, high = 0;
+  for (uint32_t at = 0; at < n * n; ++at) {
+    high += truth[at] > 0.05f ? 1 : 0;
+    wrong += std::abs(static_cast<float>(sky.heights[at]) * sky.height / 255 - truth[at]) > sky.height / 255 ? 1 : 0;
+  }
+  EXPECT_GT(high, 100u);
+  EXPECT_LE(wrong, now.flying_count + now.lying_count);  // loose sand has a column each
+}
+
 TEST(Skin, OneHashOnEveryInstructionSet) {
   constexpr uint64_t k_golden = 6618526265117230344u;
   for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_NEON, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512})

@@ -10,8 +10,8 @@ vec3 sand_albedo(vec3 grain) {
   const float in_at_all = 0.933, thrown_back = 1.0 - in_at_all / (k_refraction * k_refraction);
   return mix(dry, in_at_all * (1.0 - thrown_back) * dry / (1.0 - thrown_back * dry), wet);
 }
-// What the pile leaves of the main light on itself. It knows columns of spheres: a slope that faces the light cannot be far
-// in their shadow.
+// What the pile leaves of the main light on itself. There what flies over it counts as standing on it: a slope that faces
+// the light cannot be far in such a shadow.
 float sand_passed(vec3 place, vec3 up) { return mix(pile_passed(place), 1.0, 0.85 * smoothstep(-0.05, 0.2, dot(up, to_light))); }
 // `up`: the ground's normal; `facet`: a grain's. Shares of the main light and of the room's that reach it.
 vec3 sand_lit(vec3 albedo, vec3 up, vec3 facet, float direct, float open) {

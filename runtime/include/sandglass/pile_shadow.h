@@ -1,10 +1,10 @@
 /* Sandglass pile shadow: the soft shadow that a scene's sand casts on the floor and on itself, and how much of the
  * room's light it leaves there.
  *
- * The sand is taken as columns of what is drawn: the grains, spheres of granular.grain_radius, or the particles of a
- * scene without grains. Over each texel of a rectangle of the floor a column reaches from its lowest to its highest
- * sphere. It hides light by the share of the texel's width that spheres block, so a greater grain_radius gives a darker
- * shadow.
+ * The sand is taken as columns of what is drawn: what lies under the skin (skin.h) of a scene that makes one; else the
+ * grains, spheres of granular.grain_radius, or the particles of a scene without grains. Over each texel of a rectangle of
+ * the floor a column reaches from its lowest to its highest sphere. It hides light by the share of the texel's width that
+ * spheres block, so a greater grain_radius gives a darker shadow.
  *
  * A column hides an interval of elevations. Along one azimuth the intervals of all columns count as one. The light is a
  * cap of uniform radiance, cut into azimuths. This is exact for a pile that lies on the floor, as far as azimuths and

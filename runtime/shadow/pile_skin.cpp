@@ -1,0 +1,90 @@
+// Columns from a skin: sand lies under its surface, and its loose sand beside it, thinner than particles are.
+//
+// A triangle that looks up fills each column whose middle it covers, from the lowest place of its chunk, or from the floor
+// where that is near. Loose sand goes into the column of its centre.
+#include "kernels/whole.h"
+#include "runtime/core/math.h"
+#include "runtime/shadow/pile.h"
+#include "runtime/skin/skin.h"
+
+namespace sandglass {
+namespace {
+
+constexpr float k_near_floor = 2;                 // radii
+constexpr float k_flying = 0.3f, k_lying = 0.3f;  // of a particle's outline that loose sand covers
+constexpr float k_lying_high = 0.6f;              // radii: how high it lies
+
+void put_loose(Pile* p, const sandglass_skin_loose& loose, bool flies) {
+  const float radius = p->source.radius, n = static_cast<float>(p->texels);
+  const float x = (loose.position[0] - p->low[0]) / p->texel[0], z = (loose.position[2] - p->low[1]) / p->texel[1];
+  const float low = loose.position[1] - radius - p->height;
+  if (!(x >= 0 && z >= 0 && x < n && z < n && low < k_pile_highest)) return;
+  const float outline = 3.14159265f * (radius / p->texel[0]) * (radius / p->texel[1]);
+  const float share = loose.weight * (flies ? k_flying : k_lying) * (outline < 1 ? outline : 1);
+  pile_put_column(p, to_whole<int32_t>(x), to_whole<int32_t>(z), share, low,
+                  low + (flies ? 2 * radius : k_lying_high * radius));
+}
+
+// False: this unit's columns are spent, and the triangle goes on at the same row in the next unit.
+bool put_triangle(Pile* p, const float* a, const float* b, const float* c, float from, uint32_t* visits) {
+  const float ux = b[0] - a[0], uz = b[2] - a[2], vx = c[0] - a[0], vz = c[2] - a[2], across = uz * vx - ux * vz;
+  if (!(across > 0)) return true;  // it looks down or aside
+  int32_t first[2], last[2];
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    const uint32_t w = 2 * axis;
+    const float least = a[w] < b[w] ? (a[w] < c[w] ? a[w] : c[w]) : (b[w] < c[w] ? b[w] : c[w]);
+    const float most = a[w] > b[w] ? (a[w] > c[w] ? a[w] : c[w]) : (b[w] > c[w] ? b[w] : c[w]);
+    const float low = (least - p->low[axis]) / p->texel[axis] - 0.5f, n = static_cast<float>(p->texels);
+    const float high = (most - p->low[axis]) / p->texel[axis] - 0.5f;
+    if (!(low < n && high >= 0)) return true;
+    first[axis] = low > 0 ? static_cast<int32_t>(ceiling_index(static_cast<double>(low))) : 0;
+    last[axis] = high < n - 1 ? to_whole<int32_t>(high) : static_cast<int32_t>(p->texels) - 1;
+  }
+  const uint32_t wide = last[0] >= first[0] ? static_cast<uint32_t>(last[0] - first[0] + 1) : 0;
+  const float inverse = 1 / across;
+  for (int32_t row = first[1] + static_cast<int32_t>(p->sphere_row); row <= last[1] && wide != 0; ++row) {
+    if (*visits < wide) {
+      p->sphere_row = static_cast<uint32_t>(row - first[1]);
+      return false;
+    }
+    *visits -= wide;
+    const float z = p->low[1] + (static_cast<float>(row) + 0.5f) * p->texel[1] - a[2];
+    for (int32_t column = first[0]; column <= last[0]; ++column) {
+      const float x = p->low[0] + (static_cast<float>(column) + 0.5f) * p->texel[0] - a[0];
+      const float s = (z * vx - x * vz) * inverse, t = (uz * x - ux * z) * inverse;
+      if (s < 0 || t < 0 || s + t > 1) continue;
+      const float height = a[1] + s * (b[1] - a[1]) + t * (c[1] - a[1]) - p->height;
+      if (height < k_pile_highest) pile_put_column(p, column, row, 1, from, height);
+    }
+  }
+  p->sphere_row = 0;
+  return true;
+}
+
+}  // namespace
+
+uint32_t pile_skin_items(const SkinState& skin) {
+  return skin.front.index_count / 3 + skin.front.flying + skin.front.lying;
+}
+
+bool pile_put_skin(Pile* p, uint32_t item, uint32_t* visits) {
+  const SkinState& skin = *p->source.skin;
+  const SkinMesh& mesh = skin.front;
+  const uint32_t triangles = mesh.index_count / 3;
+  if (item >= triangles) {
+    const uint32_t loose = item - triangles;
+    if (loose < mesh.flying + mesh.lying) put_loose(p, mesh.loose[loose], loose < mesh.flying);
+    return true;
+  }
+  while (p->chunk < skin.chunk_capacity && item - p->chunk_first >= mesh.chunks[p->chunk].index_count / 3)
+    p->chunk_first += mesh.chunks[p->chunk++].index_count / 3;
+  if (p->chunk == skin.chunk_capacity) return true;  // the mesh was exchanged meanwhile
+  const sandglass_skin_chunk& chunk = mesh.chunks[p->chunk];
+  const uint16_t* corner = chunk.indices + 3 * (item - p->chunk_first);
+  const float low = chunk.low[1] - p->height;
+  const float* at[3];
+  for (uint32_t k = 0; k < 3; ++k) at[k] = chunk.vertices[corner[k]].position;
+  return put_triangle(p, at[0], at[1], at[2], low < k_near_floor * p->source.radius ? 0 : low, visits);
+}
+
+}  // namespace sandglass
