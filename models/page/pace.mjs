@@ -1,5 +1,5 @@
 // How much the page draws: less on a machine whose pictures take long, and nothing while nothing changes.
-const k_steps = [{ pixels: 2, loose: 1, skin: 1 }, { pixels: 1.5, loose: 1, skin: 1 }, { pixels: 1, loose: 0.5, skin: 2 }, { pixels: 0.75, loose: 0.25, skin: 2 }];
+const k_steps = [{ pixels: 2, loose: 1 }, { pixels: 1.5, loose: 1 }, { pixels: 1, loose: 0.5 }, { pixels: 0.75, loose: 0.25 }];
 const k_slow = 24, k_even = 19;       // milliseconds from picture to picture: draw less; there may be room for more
 const k_pictures = 20;                // that are looked at together
 const k_patience = 12, k_most = 384;  // so often they must be even before more is tried; twice as often after each failure
@@ -12,7 +12,7 @@ export class Pace {
   #since = 0;    // a better step was taken, in looks
   #woken = performance.now();
   step = 0;
-  // Of a picture: pixels of the screen's at most, the share of loose grains, and the skin is made every so many frames.
+  // Of a picture: pixels of the screen's at most, and the share of loose grains.
   get now() { return k_steps[this.step]; }
 
   drew(ms) {

@@ -370,7 +370,7 @@ class Page {
     this.owed = Math.min(this.owed + seconds, k_frames_at_once * k_step);
     while (this.owed >= k_step) {
       this.owed -= k_step;
-      scene.input.output_lag = 0, scene.input.skin = scene.frames % this.pace.now.skin === 0 ? this.skin : 0;
+      scene.input.output_lag = 0;
       if (this.gravity.some((x, k) => x !== this.given[k])) this.setGravity(scene, this.given = [...this.gravity]), this.tipped = true;
       const first = this.onTable ? this.placeWalls(scene) : 0, emitters = this.act(first), report = scene.frame(k_step, budget, emitters);
       this.record(emitters, report.plan, first);

@@ -54,7 +54,7 @@ export class SandPainter {
     const { gl } = this;
     sand.sandglass_skin_get_mesh(skin, mesh);
     if (mesh.version === this.version && skin === this.skin) return;
-    if (skin !== this.skin) for (const chunk of this.chunks) chunk.version = 0;
+    if (skin !== this.skin) for (const chunk of this.chunks) chunk.version = chunk.count = 0;
     this.version = mesh.version, this.skin = skin;
     for (let i = 0; i < mesh.chunk_count; ++i) {
       const one = sand.at("sandglass_skin_chunk", mesh.chunks, i), chunk = this.chunks[i] ??= this.newChunk();

@@ -140,6 +140,10 @@ def check_pours(browser, page):
         }
         return false; })()""" % (at[0], at[2])
     wait_until(browser, drawn)
+    # As many triangles are drawn as the skin has: none of the hourglass's.
+    browser.ask("sandglassPage.page.draw()")
+    counts = browser.ask("[sandglassPage.page.painter.sand.chunks.reduce((sum, {count}) => sum + count, 0), sandglassPage.page.skinMesh.index_count]")
+    check(counts[0] == counts[1] > 0, f"of {counts[1]} indices {counts[0]} are drawn")
     check(browser.ask("sandglassPage.page.at") is None, "the finger still pours after it was lifted")
     # The sand keeps light of the room from the table beside it; far from it nothing does.
     floor = """(() => { const {page} = sandglassPage, {skyTexture: s} = page;
