@@ -152,6 +152,7 @@ class Page {
 
   // All that stands on the table casts.
   castAll() {
+    this.wake();
     const all = [...this.standing, ...this.objects.map(({ casts }) => casts)];
     all.forEach(({ positions, vertex_count, indices, triangle_count, model }, i) => {
       this.sand.sandglass_cast_mesh_default(this.castMeshes[i]);
@@ -188,6 +189,7 @@ class Page {
 
   // The light that is drawn: the device's in augmented reality, the camera's, or that of the sliders.
   setLight(seconds = 0) {
+    this.wake();
     const azimuth = by("azimuth").value * Math.PI / 180, polar = by("polar").value * Math.PI / 180, known = this.room?.now.valid === 1;
     const slid = { ...k_sky_light, toLight: [Math.sin(polar) * Math.cos(azimuth), Math.cos(polar), Math.sin(polar) * Math.sin(azimuth)] };
     const seen = known && (this.watching || this.real) ? this.room.follow(seconds) : null;
@@ -479,6 +481,7 @@ class Page {
   }
 
   again() {
+    this.wake();
     if (this.onTable) this.dropObjects();
     else this.turning = new Turning(), this.placeGlass();
     this.sand.sandglass_scene_reset(this.scene.handle);
@@ -555,6 +558,7 @@ class Page {
       throw new Error(`${this.full()}, and the mesh needs ${counted(count)}. Press "Start again", then drop it again.`);
     for (let i = 0; i < particles.length; i += 3) particles[i] += this.mark[0], particles[i + 1] += k_mesh_above, particles[i + 2] += this.mark[2];
     addPoints(this.sand, this.scene.handle, { positions: particles });
+    this.wake();
     this.added.push({ particles: [...particles] });
     return count;
   }

@@ -315,7 +315,7 @@ def check_hidden(browser, open_pixels):
     browser.ask("emulated.depths = null, emulated.walls = [emulated.wall]")
     dark = "(() => { const {painter} = sandglassPage.page; return painter.wall?.opacity > 0 && painter.wall.box[2] > 0; })()"
     browser.ask("emulated.step(3)")
-    browser.ask("for (let i = 0; i < 60 && !(sandglassPage.page.wallCompleted && sandglassPage.page.wallSeenCompleted); ++i) emulated.step()")
+    browser.ask("for (let i = 0; i < 600 && !(sandglassPage.page.wallCompleted && sandglassPage.page.wallSeenCompleted); ++i) emulated.step()")
     check(browser.ask(dark), "no shadow was made for the wall")
     with_wall = browser.ask("(emulated.step(), emulated.pixels())")
     check(with_wall["shadow"] > 1.1 * open_pixels["shadow"], f"on the wall lies no shadow: {with_wall} beside {open_pixels}")
@@ -378,9 +378,9 @@ def check_object(browser):
     said = drop(browser, "cube.obj", CUBE)
     check(said == '"cube.obj" stands at the mark: 12 triangles.', f"an object is answered: {said}")
     wait_until(browser, "sandglassPage.page.objects[0].field !== 0")
-    run_frames(browser, 40, f"page.at = [{mark[0]}, 0, {mark[2]}]", until=f"{shadow}[0] === 0")
+    run_frames(browser, 400, until=f"{shadow}[0] === 0")
     check(browser.ask(shadow) == [0, 255], f"under the object the shadow is {browser.ask(shadow)}")
-    run_frames(browser, 30)
+    run_frames(browser, 70, f"page.at = [{mark[0]}, 0, {mark[2]}]")
     inside = f"""(() => {{ let deep = 0, on = 0;
         for (const [x, y, z] of {PLACES}) {{
           const out = Math.max(...[x - {mark[0]}, y - {height / 2}, z - {mark[2]}].map(Math.abs)) - {height / 2};
