@@ -543,7 +543,7 @@ def main():
     check(page.stat().st_size <= 3e6, "the page is larger than 3 MB")
     driver.PATIENCE = 240
     pictures = work if "--screenshots" in sys.argv else None
-    browser = Browser(program, 700, 620, CAMERA)  # it is drawn on the CPU
+    browser = Browser(program, *((700, 620) if pictures else (400, 400)), CAMERA)  # it is drawn on the CPU
     try:
         browser.open(page)
         wait_until(browser, "document.documentElement.dataset.sand")
