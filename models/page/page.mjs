@@ -62,7 +62,7 @@ class Page {
     this.stands = { table: this.makeTable(), glass: this.makeGlass() };
     this.makeShadows();
     this.show("glass");
-    this.turning.begin(this.turnAxis());
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.turning.begin(this.turnAxis());
   }
 
   newScene() {
