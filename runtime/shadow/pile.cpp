@@ -7,6 +7,7 @@
 #include "runtime/core/math.h"
 #include "runtime/shadow/pile_thin.h"
 #include "runtime/shadow/shadow.h"
+#include "runtime/skin/skin.h"
 
 namespace sandglass {
 namespace {
@@ -179,23 +180,25 @@ struct Centres {
 Centres centres_of(const PileSource& source) {
   if (source.grains != nullptr) return {(*source.grains)->position, sizeof(Grain) / sizeof(float)};
   if (source.particles != nullptr) return {(*source.particles)->position, sizeof(Particle) / sizeof(float)};
-  if (source.skin != nullptr) return {nullptr, 0};
   return {source.positions, 3};
 }
 
 void run_columns(Pile* p) {
   if (p->phase == PilePhase::idle) begin(p);
   const PileSource& source = p->source;
-  const uint32_t count = source.skin != nullptr ? pile_skin_items(*source.skin) : source.count;
+  const uint32_t count = source.skin != nullptr ? skin_items(*source.skin) : source.count;
   const uint32_t left = count > p->cursor ? count - p->cursor : 0, most = unit_spheres(*p);
   const uint32_t end = p->cursor + (left < most ? left : most);
-  const Centres centres = centres_of(source);
-  const float share = sphere_share(*p);
   uint32_t visits = k_pile_unit_columns;
-  for (; p->cursor < end; ++p->cursor)
-    if (source.skin != nullptr ? !pile_put_skin(p, p->cursor, &visits)
-                               : !put_sphere(p, centres.first + p->cursor * centres.stride, share, &visits))
-      return;
+  if (source.skin != nullptr) {
+    for (; p->cursor < end; ++p->cursor)
+      if (!pile_put_skin(p, p->cursor, &visits)) return;
+  } else {
+    const Centres centres = centres_of(source);
+    const float share = sphere_share(*p);
+    for (; p->cursor < end; ++p->cursor)
+      if (!put_sphere(p, centres.first + p->cursor * centres.stride, share, &visits)) return;
+  }
   if (p->cursor < count) return;
   p->cursor = 0;
   if ((p->making & k_ask_light) == 0) {
@@ -343,20 +346,6 @@ PileReach pile_reach(const Pile& p, const float* centre, float radius) {
     reach.last[axis] = static_cast<int32_t>(floor_index(last));
   }
   return reach;
-}
-
-void pile_put_column(Pile* p, int32_t column, int32_t row, float share, float low, float high) {
-  if (!(high > 0)) return;
-  const int64_t at = static_cast<int64_t>(row) * p->pitch + column;
-  float *top = p->tops + at, *bottom = p->bottoms + at, *fill = p->fills + at;
-  *top = high > *top ? high : *top;
-  *bottom = low < *bottom ? low : *bottom;
-  *fill += share * (1 - *fill);
-  p->top = high > p->top ? high : p->top;
-  p->sand_rows[0] = row < p->sand_rows[0] ? row : p->sand_rows[0];
-  p->sand_rows[1] = row > p->sand_rows[1] ? row : p->sand_rows[1];
-  p->sand_columns[0] = column < p->sand_columns[0] ? column : p->sand_columns[0];
-  p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
 }
 
 WorkUnit pile_next(const Pile& p) {

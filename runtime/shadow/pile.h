@@ -103,10 +103,21 @@ PileReach pile_reach(const Pile& pile, const float* centre, float radius);
 
 // Adds to a column: `share` of its texel is covered from `low` to `high` over the floor. What lies in one column is taken
 // to lie independently of each other.
-void pile_put_column(Pile* p, int32_t column, int32_t row, float share, float low, float high);
+inline void pile_put_column(Pile* p, int32_t column, int32_t row, float share, float low, float high) {
+  if (!(high > 0)) return;
+  const int64_t at = static_cast<int64_t>(row) * p->pitch + column;
+  float *top = p->tops + at, *bottom = p->bottoms + at, *fill = p->fills + at;
+  *top = high > *top ? high : *top;
+  *bottom = low < *bottom ? low : *bottom;
+  *fill += share * (1 - *fill);
+  p->top = high > p->top ? high : p->top;
+  p->sand_rows[0] = row < p->sand_rows[0] ? row : p->sand_rows[0];
+  p->sand_rows[1] = row > p->sand_rows[1] ? row : p->sand_rows[1];
+  p->sand_columns[0] = column < p->sand_columns[0] ? column : p->sand_columns[0];
+  p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
+}
 
-// Of a skin: its triangles and loose sand, and the columns of one of them. False: as put_sphere says (pile.cpp).
-uint32_t pile_skin_items(const SkinState& skin);
+// The columns of one of a skin's items. False: as put_sphere says (pile.cpp).
 bool pile_put_skin(Pile* p, uint32_t item, uint32_t* visits);
 
 WorkUnit pile_next(const Pile& pile);

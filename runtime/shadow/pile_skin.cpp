@@ -63,10 +63,6 @@ bool put_triangle(Pile* p, const float* a, const float* b, const float* c, float
 
 }  // namespace
 
-uint32_t pile_skin_items(const SkinState& skin) {
-  return skin.front.index_count / 3 + skin.front.flying + skin.front.lying;
-}
-
 bool pile_put_skin(Pile* p, uint32_t item, uint32_t* visits) {
   const SkinState& skin = *p->source.skin;
   const SkinMesh& mesh = skin.front;

@@ -78,7 +78,7 @@ double shadow_beyond_outline(double sine) {
 
 void thin_own_column(const Pile& p, const PileStep* steps, uint32_t count, PileAzimuth* azimuth) {
   azimuth->thin = 0;
-  if (!is_finer_than_texels(p)) return;
+  if (!is_finer_than_texels(p) || p.source.skin != nullptr) return;
   const double radius = static_cast<double>(p.source.radius);
   const double texel[2] = {static_cast<double>(p.texel[0]), static_cast<double>(p.texel[1])};
   const double under = share_under(radius / square_root(texel[0] * texel[1]));

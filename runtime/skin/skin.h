@@ -287,6 +287,9 @@ inline uint32_t node_of(const int32_t cell[3]) {
          k_brick_layer * static_cast<uint32_t>(cell[1] & 7);
 }
 
+// Triangles and loose sand of the mesh as it is.
+inline uint32_t skin_items(const SkinState& s) { return s.front.index_count / 3 + s.front.flying + s.front.lying; }
+
 struct SkinFunctions {
   Stage (*begin_frame)(sandglass_skin* skin, const Granular& granular);
 };
