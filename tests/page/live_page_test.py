@@ -540,7 +540,7 @@ def main():
     work = pathlib.Path(work).resolve()
     work.mkdir(parents=True, exist_ok=True)
     page = assemble(web_scene, npm, work)
-    check(page.stat().st_size <= 3e6, "the page is larger than 3 MB")
+    check(page.stat().st_size <= 2.2e6, "the page is larger than 2.2 MB")
     driver.PATIENCE = 240
     pictures = work if "--screenshots" in sys.argv else None
     browser = Browser(program, *((700, 620) if pictures else (400, 400)), CAMERA)  # it is drawn on the CPU
