@@ -71,7 +71,7 @@ uint32_t brick_make(SkinState* s, const int32_t at[3]) {
   Brick& brick = s->bricks[number];
   brick = {};
   memcpy(brick.at, at, sizeof brick.at);
-  brick.used = 1;
+  brick.used = true;
   brick.chunk = chunk;
   brick.stale = k_stale_solid | k_stale_density | k_stale_fill | k_stale_calm | k_stale_mesh;
   BrickNodes& nodes = s->nodes[number];
@@ -83,7 +83,7 @@ uint32_t brick_make(SkinState* s, const int32_t at[3]) {
     brick_beside(at, k, other);
     brick.around[k] = k == k_brick_itself ? number : brick_find(*s, other);
     if (brick.around[k] != k_brick_none) s->bricks[brick.around[k]].around[k_bricks_around - 1 - k] = number;
-    if (brick.around[k] != k_brick_none) s->bricks[brick.around[k]].room_known = 0;
+    if (brick.around[k] != k_brick_none) s->bricks[brick.around[k]].room_known = false;
   }
   uint32_t slot = slot_of(*s, at);
   while (s->slots[slot] != 0) slot = (slot + 1) & s->slot_mask;
@@ -106,7 +106,7 @@ void brick_release(SkinState* s, uint32_t number) {
   }
   s->slots[gap] = 0;
   leave_chunk(s, brick.chunk);
-  brick.used = 0;
+  brick.used = false;
   s->free_bricks[s->free_count++] = number;
 }
 

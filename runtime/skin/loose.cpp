@@ -69,7 +69,7 @@ bool loose_of(const SkinState& s, const Particle& p, sandglass_skin_loose* out, 
 }
 
 bool is_needed(const SkinState& s, const Brick& brick) {
-  if (brick.count != 0 || brick.calm_reach != 0) return true;
+  if (brick.count != 0 || brick.calm) return true;
   for (uint32_t k = 0; k < k_bricks_around; ++k) {
     const uint32_t other = brick.around[k];
     if (other == k_brick_none) continue;
@@ -105,7 +105,7 @@ bool skin_loose(SkinState* s) {
           back.lying * sizeof *back.loose);
   for (uint32_t b = 0; b < s->brick_count; ++b) {
     Brick& brick = s->bricks[b];
-    if (brick.used == 0) continue;
+    if (!brick.used) continue;
     brick.stale &= ~k_stale_mesh;
     if (!is_needed(*s, brick)) brick_release(s, b);
   }

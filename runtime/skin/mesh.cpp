@@ -63,7 +63,7 @@ void read_blocks(const SkinState& s, const Brick& brick, SkinBlocks* blocks) {
       const uint16_t* four = by_z + i * k_pitch + 2 * x;
       blocks->wide[i * k_coarse + x] = static_cast<uint16_t>((four[0] + four[1] + four[2] + four[3]) >> 2);
     }
-  if (brick.open == 0) brick_block<1>(s, brick, &BrickNodes::solid, uint8_t{255}, blocks->solid);
+  if (!brick.open) brick_block<1>(s, brick, &BrickNodes::solid, uint8_t{255}, blocks->solid);
 }
 
 // Where the surface crosses the cell's edges, on average.
@@ -224,7 +224,7 @@ bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& block
   float floor[3], shift[3] = {0, 0, 0}, over = k_far;
   constexpr uint32_t k_steps[3] = {1, k_solid_pitch * k_solid_pitch, k_solid_pitch};
   CellValues solid;
-  if (brick.open == 0) {
+  if (!brick.open) {
     solid = CellValues(
         blocks.solid + (cell[0] + 1) * k_steps[0] + (cell[1] + 1) * k_steps[1] + (cell[2] + 1) * k_steps[2], k_steps);
     if (solid.sum() < 8 * (128.0f + 48.0f * k_buried)) return false;
@@ -238,7 +238,7 @@ bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& block
   const float inverse = inverse_length(normal);
   for (uint32_t m = 0; m < 3; ++m) normal[m] = inverse != 0.0f ? -inverse * normal[m] : s.up[m];
   const float wide = mean_about(blocks.wide, cell, u) * (1.0f / k_skin_one);
-  if (brick.open == 0) {
+  if (!brick.open) {
     const float distance = solid.at(u);
     if (distance < 250.0f) over = (distance - 128.0f) * (1.0f / 48.0f);
     if (over < k_foot_radii / k_skin_spacing) {

@@ -58,29 +58,27 @@ struct SkinParticle {
 
 struct Brick {
   int32_t at[3];  // its first node is at 8 * at
-  uint32_t used;
+  bool used;
   uint32_t around[k_bricks_around];  // x fastest, then z, then y; k_brick_none where there is none
   uint32_t chunk;
   uint32_t stale;
-  uint32_t touches;                   // particles that are in its sums
-  uint32_t wants;                     // bits of `around` that its density reaches
-  uint32_t fill_from;                 // the layer below which it is filled anew
-  uint8_t open;                       // 1: no collider is near
-  uint32_t filled_reach, calm_reach;  // bits of `around` that feel what it holds, after the fill and the filter
-  uint8_t dense;                      // 1: some of its density is above 0, before the fill
-  uint8_t room_known;                 // 1: BrickNodes::room is that of the colliders
-  uint8_t filled;                     // 1: the fill of this cycle changed it
-  uint32_t first, count;              // its vertices, from the chunk's first
+  uint32_t touches;          // particles that are in its sums
+  uint32_t wants;            // bits of `around` that its density reaches
+  uint32_t first, count;     // its vertices, from the chunk's first
+  bool open;                 // no collider is near
+  bool room_known;           // BrickNodes::room is that of the colliders
+  bool dense, filled, calm;  // some of that is above 0
 };
 
 // What one brick holds, node after node: x fastest, then z, then y. A layer is 64 nodes.
 struct BrickNodes {
   uint32_t sums[k_brick_nodes];
   uint16_t density[k_brick_nodes], filled[k_brick_nodes], calm[k_brick_nodes];
+  uint16_t part[k_brick_nodes];       // of what is filled: what takes part in the filter
   uint16_t room[k_brick_nodes];       // the free shares through the filter, in k_skin_one
   uint8_t solid[k_brick_nodes];       // 128 + 48 times the distance to the nearest collider, in nodes
-  uint8_t stands[k_brick_layer];      // of each column: the nodes that hold sand or are solid
-  uint8_t can[k_brick_layer];         // of each column: the nodes that sand may fill
+  uint16_t stands[k_brick_layer];     // of each column: bits of the nodes that hold sand or are solid
+  uint16_t can[k_brick_layer];        // of each column: bits of the nodes that sand may fill
   uint8_t inside[k_brick_layer];      // of each row: the nodes whose calm density is above the level
   uint32_t particles[k_brick_nodes];  // the first of each cell, or k_brick_none
   uint16_t vertices[k_brick_nodes];   // of each cell, from the brick's first, or k_vertex_none
@@ -95,7 +93,6 @@ struct SkinBlocks {
   uint16_t wide[k_mesh_coarse * k_mesh_coarse * k_mesh_coarse];
   uint16_t by_y[k_mesh_coarse * k_mesh_pitch * k_mesh_pitch], by_z[k_mesh_coarse * k_mesh_coarse * k_mesh_pitch];
   uint8_t solid[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
-  uint32_t sums[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
   uint16_t rows[9][9];             // of y and z: the nodes 0..8 along x that are inside
   uint16_t before[k_brick_nodes];  // BrickNodes::vertices as they were
 };
@@ -159,7 +156,8 @@ struct SkinState {
   uint32_t sand;                                      // particles in the last frame
   uint32_t spent[k_skin_kinds], usual[k_skin_kinds];  // items of the skin under way, and of the last one
   SkinPhase phase;
-  uint32_t cursor, level_low, level, layer, work_count;
+  uint32_t cursor, layer, work_count;
+  int32_t level_low, level;
   uint32_t* work;         // bricks of a level
   uint16_t by_free[256];  // k_skin_one over the free share, by BrickNodes::solid
   uint16_t* outer;        // of a chunk's outer bricks: the index of each cell's vertex in this chunk
@@ -179,13 +177,22 @@ void brick_release(SkinState* s, uint32_t brick);
 // To the state without sand.
 void skin_forget(SkinState* s);
 
-// A value of a brick's nodes with `apron` nodes of the bricks around on every side, and `outside` where there is none: a
-// cube of k_brick_side + 2 * apron, in the order of nodes.
-template <uint32_t apron, class T>
-void brick_block(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], T outside, T* block) {
-  constexpr uint32_t k_pitch = k_brick_side + 2 * apron, k_first[3] = {k_brick_side - apron, 0, 0};
-  constexpr uint32_t k_count[3] = {apron, k_brick_side, apron}, k_to[3] = {0, apron, apron + k_brick_side};
-  T nothing[k_brick_nodes / k_brick_side];
+// Eight nodes along x: compilers know vectors, and do the same to each lane.
+using Row = uint16_t __attribute__((vector_size(16)));
+inline Row row_at(const uint16_t* nodes) {
+  Row row;
+  memcpy(&row, nodes, sizeof row);
+  return row;
+}
+inline void set_row(uint16_t* nodes, Row row) { memcpy(nodes, &row, sizeof row); }
+
+// Calls task(y, z, before, own, after) for each row of a brick and of the bricks around, `apron` nodes beyond it on every
+// side: where a value of its eight nodes stands, and those of the rows before and after it. `outside` where there is no brick.
+template <uint32_t apron, class T, class Task>
+void each_row(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], T outside, Task task) {
+  constexpr uint32_t k_first[3] = {k_brick_side - apron, 0, 0}, k_count[3] = {apron, k_brick_side, apron};
+  constexpr uint32_t k_to[3] = {0, apron, apron + k_brick_side};
+  T nothing[k_brick_side];
   for (T& value : nothing) value = outside;
   for (uint32_t by = 0; by < 3; ++by)
     for (uint32_t bz = 0; bz < 3; ++bz) {
@@ -199,25 +206,25 @@ void brick_block(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[
         step_y[x] = there ? k_brick_layer : 0, step_z[x] = there ? k_brick_side : 0;
       }
       for (uint32_t y = 0; y < k_count[by]; ++y) {
-        T* to = block + ((k_to[by] + y) * k_pitch + k_to[bz]) * k_pitch;
-        const T *low = from[0] + y * step_y[0] + k_brick_side - apron, *own = from[1] + y * step_y[1];
-        const T* high = from[2] + y * step_y[2];
-        for (uint32_t z = 0; z < k_count[bz]; ++z, to += k_pitch) {
-          memcpy(to, low, apron * sizeof(T));
-          memcpy(to + apron, own, k_brick_side * sizeof(T));
-          memcpy(to + apron + k_brick_side, high, apron * sizeof(T));
-          low += step_z[0], own += step_z[1], high += step_z[2];
+        const T *before = from[0] + y * step_y[0], *own = from[1] + y * step_y[1], *after = from[2] + y * step_y[2];
+        for (uint32_t z = 0; z < k_count[bz]; ++z) {
+          task(k_to[by] + y, k_to[bz] + z, before, own, after);
+          before += step_z[0], own += step_z[1], after += step_z[2];
         }
       }
     }
 }
 
-// The filter [1 2 1] / 4 along one axis of a block: of each item and those `step` before and after it. What is beyond the
-// block counts as anything, so only its inner nodes are right.
-template <uint32_t count, uint32_t step>
-void filter_along(const uint16_t* __restrict from, uint16_t* __restrict to) {
-  for (uint32_t i = step; i < count - step; ++i)
-    to[i] = static_cast<uint16_t>(static_cast<uint16_t>(from[i - step] + 2 * from[i] + from[i + step] + 2) >> 2);
+// A value of a brick's nodes and of those around: a cube of k_brick_side + 2 * apron, in the order of nodes.
+template <uint32_t apron, class T>
+void brick_block(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], T outside, T* block) {
+  constexpr uint32_t k_pitch = k_brick_side + 2 * apron;
+  each_row<apron>(s, brick, field, outside, [&](uint32_t y, uint32_t z, const T* before, const T* own, const T* after) {
+    T* to = block + (y * k_pitch + z) * k_pitch;
+    memcpy(to, before + k_brick_side - apron, apron * sizeof(T));
+    memcpy(to + apron, own, k_brick_side * sizeof(T));
+    memcpy(to + apron + k_brick_side, after, apron * sizeof(T));
+  });
 }
 
 // Eight values of a cell, linear between them.
