@@ -20,6 +20,7 @@ constexpr uint32_t k_gain = static_cast<uint32_t>(k_skin_volume / (k_skin_spacin
 constexpr uint32_t k_most_sum = static_cast<uint32_t>(uint64_t{k_most} * 65536 / k_gain);
 constexpr uint16_t k_fill_less = 410, k_fill_least = 819;  // 0.1 and 0.2
 constexpr uint16_t k_reaches = 1376;                       // a density that may become surface beside it: 0.34
+constexpr uint16_t k_held = 8;                             // of the calm density: about a hundredth of a node
 constexpr float k_solid_one = 48.0f, k_solid_reach = 2.6f;
 
 Row most_of(Row a, Row b) { return a > b ? a : b; }
@@ -30,6 +31,15 @@ bool any_of(Row row) {
   uint64_t half[2];
   memcpy(half, &row, sizeof row);
   return (half[0] | half[1]) != 0;
+}
+
+// A bit for each node.
+uint8_t bits_of(Row row) {
+  constexpr Row k_bits = {1, 2, 4, 8, 16, 32, 64, 128};
+  row &= k_bits;
+  uint32_t sum = 0;
+  for (uint32_t x = 0; x < k_brick_side; ++x) sum += row[x];
+  return static_cast<uint8_t>(sum);
 }
 
 bool any_of(const uint16_t* values) {
@@ -125,7 +135,7 @@ void find_solid(SkinState* s, uint32_t number) {
 struct Reach {
   uint32_t low, high, down, up;
 };
-constexpr Reach k_wanted = {6, 6, 6, 2}, k_filter_reach = {1, 1, 1, 1}, k_mesh_reach = {4, 4, 4, 4};
+constexpr Reach k_wanted = {6, 6, 6, 2}, k_filter_reach = {1, 1, 1, 1}, k_mesh_reach = {2, 1, 2, 1};
 
 // Bits of Brick::around that nodes reach, by the planes along each axis in which they are; its own one where there are any.
 uint32_t around_of(Row any_x, uint32_t any_y, uint32_t any_z, const Reach& reach) {
@@ -373,19 +383,23 @@ void find_calm(SkinState* s, uint32_t number) {
     if (s->desc.closed != 0)
       for (uint32_t i = 0; i < k_brick_nodes; ++i) fresh[i] = within_wall(fresh[i], nodes.solid[i]);
   }
-  const uint32_t changed =
-      reach_of(k_mesh_reach, [&](uint32_t row) { return row_at(fresh + row) ^ row_at(nodes.calm + row); });
-  if (changed == 0) return;
-  memcpy(nodes.calm, fresh, sizeof fresh);
-  for (uint32_t row = 0; row < k_brick_layer; ++row) {
-    constexpr uint16_t k_bits[8] = {1, 2, 4, 8, 16, 32, 64, 128};
-    uint16_t inside = 0;
-    for (uint32_t x = 0; x < 8; ++x)
-      inside = static_cast<uint16_t>(inside + (fresh[8 * row + x] > k_skin_level ? k_bits[x] : uint16_t{0}));
-    nodes.inside[row] = static_cast<uint8_t>(inside);
+  for (uint32_t i = 0; i < k_brick_nodes; i += k_brick_side) {  // what hardly differs stays
+    const Row now = row_at(fresh + i), before = row_at(nodes.calm + i);
+    const Row apart = most_of(now, before) - least_of(now, before);
+    set_row(fresh + i, apart > k_held ? now : before);
   }
+  const uint32_t reach =
+      reach_of(k_mesh_reach, [&](uint32_t row) { return row_at(fresh + row) ^ row_at(nodes.calm + row); });
+  if (reach == 0) return;
+  for (uint32_t row = 0; row < k_brick_layer; ++row) {
+    const Row now = row_at(fresh + 8 * row);
+    nodes.changed[row] =
+        static_cast<uint8_t>(nodes.changed[row] | bits_of(reinterpret_cast<Row>(now != row_at(nodes.calm + 8 * row))));
+    nodes.inside[row] = bits_of(where_above(now, k_skin_level));
+  }
+  memcpy(nodes.calm, fresh, sizeof fresh);
   brick.calm = any_of(fresh);
-  mark(s, brick, changed, k_stale_mesh);
+  mark(s, brick, reach, k_stale_mesh);
 }
 
 // Runs `task` on the next bricks that are stale in this way. True: there are none left.
@@ -441,8 +455,9 @@ bool skin_density(SkinState* s) {
     if ((brick.stale & k_stale_solid) != 0) {
       find_solid(s, number);
       for (uint32_t row = 0; row < k_brick_nodes; row += k_brick_side) take_part(&s->nodes[number], row);
-      brick.stale = (brick.stale & ~k_stale_solid) | k_stale_mesh;
-      mark(s, brick, k_all_around, k_stale_calm);
+      brick.stale &= ~k_stale_solid;
+      memset(s->nodes[number].changed, 255, sizeof s->nodes[number].changed);
+      mark(s, brick, k_all_around, k_stale_calm | k_stale_mesh);
       for (const uint32_t other : brick.around)
         if (other != k_brick_none) s->bricks[other].room_known = false;
     }

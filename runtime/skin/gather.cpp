@@ -40,7 +40,7 @@ void spread(SkinState* s, uint32_t number, const SkinParticle& p, uint32_t sign)
     for (uint32_t z = z0; z <= z1; ++z)
       for (uint32_t x = x0; x <= x1; ++x) {
         const uint32_t brick = own.around[x + 3 * z + 9 * y];
-        if (brick != k_brick_none) s->bricks[brick].stale |= k_stale_density;
+        if (brick != k_brick_none) s->bricks[brick].stale |= k_stale_density | k_stale_mesh;
       }
 }
 
@@ -60,6 +60,7 @@ void take_out(SkinState* s, uint32_t number) {
   if (p.last != k_brick_none) s->particles[p.last].next = p.next;
   else s->nodes[brick].particles[node_of(cell)] = p.next;
   p.share = 0;
+  p.moved = s->cycle;
 }
 
 // The bricks of the eight nodes about a cell, made where they are not there. k_brick_none: there is no room for all.
@@ -141,6 +142,7 @@ bool skin_gather(SkinState* s) {
     take_out(s, number);
     memcpy(p.at, now.at, sizeof p.at);
     p.share = now.share;
+    p.moved = s->cycle;
     if (p.share != 0) put_in(s, number);
   }
   if (s->cursor < particles.count) return false;

@@ -10,12 +10,14 @@ namespace {
 
 constexpr float k_flies = 0.35f;  // m/s
 constexpr float k_least_weight = 0.04f;
-constexpr float k_thin = 0.45f, k_thick = 0.95f;  // of the level: none of it is in the mesh, all of it is
+// Of the level: none of it is in the mesh, all of it is. What moves lies in a thinner density.
+constexpr float k_thin = 0.45f, k_thick = 1.2f, k_thick_flying = 0.6f;
 
-// The density at the corners of a cell. False: there is none.
-bool density_about(const SkinState& s, const int32_t cell[3], CellValues* values) {
+// The density at the corners of a cell. False: there is none. `brick`: that of the particle before, then of this one.
+bool density_about(const SkinState& s, const int32_t cell[3], uint32_t* brick, CellValues* values) {
   const int32_t at[3] = {cell[0] >> 3, cell[1] >> 3, cell[2] >> 3};
-  const uint32_t number = brick_find(s, at), x = static_cast<uint32_t>(cell[0] & 7);
+  if (*brick == k_brick_none || memcmp(at, s.bricks[*brick].at, sizeof at) != 0) *brick = brick_find(s, at);
+  const uint32_t number = *brick, x = static_cast<uint32_t>(cell[0] & 7);
   const uint32_t y = static_cast<uint32_t>(cell[1] & 7), z = static_cast<uint32_t>(cell[2] & 7);
   if (number == k_brick_none) return false;
   if (x != 7 && y != 7 && z != 7) {
@@ -33,8 +35,10 @@ bool density_about(const SkinState& s, const int32_t cell[3], CellValues* values
 }
 
 // False: all of it is in the mesh.
-bool loose_of(const SkinState& s, const Particle& p, sandglass_skin_loose* out, bool* flies) {
-  constexpr float k_from = k_thin * k_skin_level, k_over = (k_thick - k_thin) * k_skin_level;
+bool loose_of(const SkinState& s, const Particle& p, uint32_t* brick, sandglass_skin_loose* out, bool* flies) {
+  const float* v = p.velocity;
+  *flies = v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > k_flies * k_flies;
+  const float least = k_thin * k_skin_level, most = (*flies ? k_thick_flying : k_thick) * k_skin_level;
   int32_t place[3], cell[3];
   float u[3], gradient[3] = {0, 0, 0};
   CellValues density;
@@ -43,8 +47,11 @@ bool loose_of(const SkinState& s, const Particle& p, sandglass_skin_loose* out, 
     cell[a] = place[a] >> 7;
     u[a] = static_cast<float>(place[a] & (k_skin_steps - 1)) * (1.0f / k_skin_steps);
   }
-  const bool any = density_about(s, cell, &density);
-  const float t = any ? (density.at(u) - k_from) * (1.0f / k_over) : 0.0f;
+  const bool any = density_about(s, cell, brick, &density);
+  bool buried = any;
+  for (const float corner : density.v) buried = buried && corner >= most;
+  if (buried) return false;
+  const float t = any ? (density.at(u) - least) / (most - least) : 0.0f;
   const float weight = t < 0 ? 1.0f : t < 1 ? 1.0f - t * t * (3.0f - 2.0f * t) : 0.0f;
   if (weight < k_least_weight) return false;
   if (any) density.gradient(u, gradient);
@@ -52,8 +59,6 @@ bool loose_of(const SkinState& s, const Particle& p, sandglass_skin_loose* out, 
   memcpy(out->position, p.position, sizeof out->position);
   out->weight = weight;
   out->number = number_of(p);
-  const float* v = p.velocity;
-  *flies = v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > k_flies * k_flies;
   if (*flies) {
     memcpy(out->way, v, sizeof out->way);
     return true;
@@ -91,13 +96,14 @@ bool skin_loose(SkinState* s) {
   const Particles& particles = s->granular->particles;
   const uint32_t most = particles.count - (s->cursor < particles.count ? s->cursor : particles.count);
   const uint32_t end = s->cursor + (most < k_skin_unit_items ? most : k_skin_unit_items);
+  uint32_t last = k_brick_none;
   for (; s->cursor < end; ++s->cursor) {
     const Particle& p = particles.records[0][s->cursor];
     if (in_body(p) || has_departed(p)) continue;
     if (back.flying + back.lying == s->desc.particle_capacity) continue;
     sandglass_skin_loose one;
     bool flies;
-    if (!loose_of(*s, p, &one, &flies)) continue;
+    if (!loose_of(*s, p, &last, &one, &flies)) continue;
     back.loose[flies ? back.flying++ : s->desc.particle_capacity - ++back.lying] = one;
   }
   if (s->cursor < particles.count) return false;
@@ -106,6 +112,7 @@ bool skin_loose(SkinState* s) {
   for (uint32_t b = 0; b < s->brick_count; ++b) {
     Brick& brick = s->bricks[b];
     if (!brick.used) continue;
+    if ((brick.stale & k_stale_mesh) != 0) memset(s->nodes[b].changed, 0, sizeof s->nodes[b].changed);
     brick.stale &= ~k_stale_mesh;
     if (!is_needed(*s, brick)) brick_release(s, b);
   }

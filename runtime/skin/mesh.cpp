@@ -13,7 +13,7 @@
 namespace sandglass {
 namespace {
 
-constexpr uint32_t k_apron = k_mesh_apron, k_pitch = k_mesh_pitch, k_coarse = k_mesh_coarse;
+constexpr uint32_t k_apron = k_mesh_apron, k_pitch = k_mesh_pitch;
 constexpr uint32_t k_step[3] = {1, k_pitch* k_pitch, k_pitch};  // of a block, along x, y and z
 constexpr uint32_t k_solid_pitch = k_mesh_solid_pitch;
 constexpr float k_level = static_cast<float>(k_skin_level);
@@ -24,15 +24,31 @@ constexpr float k_buried = -1.6f;     // nodes over a collider, of a cell's midd
 constexpr float k_kept_radii = 2.2f;  // so far a vertex keeps its particle
 constexpr float k_hollow_flat = 0.5f, k_hollow_gain = 2.6f;
 
-void read_rows(const SkinState& s, const Brick& brick, SkinBlocks* blocks) {
-  for (uint32_t y = 0; y < 9; ++y)
-    for (uint32_t z = 0; z < 9; ++z) {
-      const uint32_t k = k_brick_itself + 3 * (z >> 3) + 9 * (y >> 3), row = 8 * (y & 7) + (z & 7);
-      const uint32_t here = brick.around[k], next = brick.around[k + 1];
-      uint32_t bits = here == k_brick_none ? 0u : s.nodes[here].inside[row];
-      if (next != k_brick_none) bits |= (s.nodes[next].inside[row] & 1u) << 8;
-      blocks->rows[y][z] = static_cast<uint16_t>(bits);
+// Bits of the rows of a brick's nodes, and of as many nodes before and after it on every side.
+template <uint32_t before, uint32_t after>
+void read_rows(const SkinState& s, const Brick& brick, uint8_t (BrickNodes::*field)[k_brick_layer], uint16_t* rows) {
+  constexpr uint32_t k_first = k_brick_side - before, k_end = 2 * k_brick_side + after;
+  for (uint32_t y = k_first; y < k_end; ++y)
+    for (uint32_t z = k_first; z < k_end; ++z) {
+      const uint32_t* three = brick.around + 3 * (z >> 3) + 9 * (y >> 3);
+      uint32_t bits = 0;
+      for (uint32_t x = 0; x < 3; ++x)
+        if (three[x] != k_brick_none) bits |= uint32_t{(s.nodes[three[x]].*field)[8 * (y & 7) + (z & 7)]} << 8 * x;
+      *rows++ = static_cast<uint16_t>(bits >> k_first & ((1u << (k_end - k_first)) - 1));
     }
+}
+
+// The cells of which no node that counts has changed since their vertices were made: bits of a row.
+void find_kept(const SkinState& s, const Brick& brick, uint8_t kept[k_brick_layer]) {
+  constexpr uint32_t k_side = k_brick_side + 3;  // from the node before a cell to the second one after it
+  uint16_t rows[k_side * k_side];
+  read_rows<1, 2>(s, brick, &BrickNodes::changed, rows);
+  for (uint16_t& row : rows) row = static_cast<uint16_t>(row | row >> 1 | row >> 2 | row >> 3);
+  for (uint32_t step = 1; step <= k_side; step += k_side - 1)
+    for (uint32_t i = 0; i + 3 * step < k_side * k_side; ++i)
+      rows[i] = static_cast<uint16_t>(rows[i] | rows[i + step] | rows[i + 2 * step] | rows[i + 3 * step]);
+  for (uint32_t y = 0; y < k_brick_side; ++y)
+    for (uint32_t z = 0; z < k_brick_side; ++z) kept[8 * y + z] = static_cast<uint8_t>(~rows[k_side * y + z]);
 }
 
 // The cells of a row through which the surface passes.
@@ -42,90 +58,80 @@ uint32_t crossed(const SkinBlocks& b, uint32_t y, uint32_t z) {
   return (any | any >> 1) & ~(all & all >> 1) & 0xff;
 }
 
-// A quarter of the sum of four rows, `step` apart.
-template <uint32_t count>
-void sum_four(const uint16_t* __restrict from, uint32_t step, uint16_t* __restrict to) {
-  for (uint32_t i = 0; i < count; ++i)
-    to[i] = static_cast<uint16_t>(
-        static_cast<uint16_t>(from[i] + from[i + step] + from[i + 2 * step] + from[i + 3 * step]) >> 2);
-}
-
-void read_blocks(const SkinState& s, const Brick& brick, SkinBlocks* blocks) {
-  brick_block<k_apron>(s, brick, &BrickNodes::calm, uint16_t{0}, blocks->calm);
-  uint16_t *by_y = blocks->by_y, *by_z = blocks->by_z;
-  for (uint32_t y = 0; y < k_coarse; ++y)
-    sum_four<k_pitch * k_pitch>(blocks->calm + 2 * y * k_step[1], k_step[1], by_y + y * k_pitch * k_pitch);
-  for (uint32_t y = 0; y < k_coarse; ++y)
-    for (uint32_t z = 0; z < k_coarse; ++z)
-      sum_four<k_pitch>(by_y + (y * k_pitch + 2 * z) * k_pitch, k_pitch, by_z + (y * k_coarse + z) * k_pitch);
-  for (uint32_t i = 0; i < k_coarse * k_coarse; ++i)
-    for (uint32_t x = 0; x < k_coarse; ++x) {
-      const uint16_t* four = by_z + i * k_pitch + 2 * x;
-      blocks->wide[i * k_coarse + x] = static_cast<uint16_t>((four[0] + four[1] + four[2] + four[3]) >> 2);
-    }
-  if (!brick.open) brick_block<1>(s, brick, &BrickNodes::solid, uint8_t{255}, blocks->solid);
-}
-
-// Where the surface crosses the cell's edges, on average.
-void crossing(const uint16_t* node, float u[3]) {
-  float value[8], sum[3] = {0, 0, 0}, count = 0;
-  for (uint32_t c = 0; c < 8; ++c)
-    value[c] = static_cast<float>(node[(c & 1) * k_step[0] + (c >> 1 & 1) * k_step[1] + (c >> 2) * k_step[2]]);
-  for (uint32_t k = 0; k < 3; ++k)
-    for (uint32_t c = 0; c < 8; ++c) {
-      const uint32_t d = c | 1u << k;
-      if (c == d || (value[c] > k_level) == (value[d] > k_level)) continue;
-      const float t = (k_level - value[c]) / (value[d] - value[c]);
-      for (uint32_t m = 0; m < 3; ++m) sum[m] += m == k ? t : static_cast<float>(c >> m & 1);
-      count += 1;
-    }
-  for (uint32_t m = 0; m < 3; ++m) u[m] = sum[m] / count;
-}
-
-// The uniform quadratic B-spline of the node nearest to t and those beside it, and its slope.
+// A point's uniform quadratic B-spline along an axis: what the four nodes about its cell weigh, and how that changes.
 struct Spline {
-  uint32_t first;  // of the three, from the node before t
-  float weight[4], slope[4];
-  explicit Spline(float t) : first(t < 0.5f ? 0 : 1) {
+  float weight[4] = {}, slope[4] = {};
+  explicit Spline(float t) {
+    const uint32_t first = t < 0.5f ? 0 : 1;
     const float d = t - static_cast<float>(first), low = 0.5f - d, high = 0.5f + d;
-    weight[0] = 0.5f * low * low, weight[1] = 0.75f - d * d, weight[2] = 0.5f * high * high, weight[3] = 0;
-    slope[0] = -low, slope[1] = -2.0f * d, slope[2] = high, slope[3] = 0;
+    weight[first] = 0.5f * low * low, weight[first + 1] = 0.75f - d * d, weight[first + 2] = 0.5f * high * high;
+    slope[first] = -low, slope[first + 1] = -2.0f * d, slope[first + 2] = high;
   }
 };
 
-// Four along x at a time: compilers know vectors, and do the same to each lane.
 using Four = float __attribute__((vector_size(16)));
 using FourWhole = int32_t __attribute__((vector_size(16)));
 using FourShort = uint16_t __attribute__((vector_size(8)));
 
-// The smoothed density at u in a cell, and its gradient, in nodes.
-float smoothed(const uint16_t* node, const float u[3], float gradient[3]) {
-  const Spline x(u[0]), y(u[1]), z(u[2]);
-  Four sum = {}, over_y = {}, over_z = {};
-  const uint16_t* corner =
-      node + x.first - k_step[0] + y.first * k_step[1] - k_step[1] + z.first * k_step[2] - k_step[2];
-  for (uint32_t j = 0; j < 3; ++j)
-    for (uint32_t k = 0; k < 3; ++k) {
-      const uint16_t* row = corner + j * k_step[1] + k * k_step[2];
-      const float weight = y.weight[j] * z.weight[k], slope_y = y.slope[j] * z.weight[k],
-                  slope_z = y.weight[j] * z.slope[k];
-      FourShort shorts;
-      memcpy(&shorts, row, sizeof shorts);
-      const Four v = __builtin_convertvector(__builtin_convertvector(shorts, FourWhole), Four);
-      sum += weight * v;
-      over_y += slope_y * v;
-      over_z += slope_z * v;
-    }
-  float value = 0;
-  gradient[0] = gradient[1] = gradient[2] = 0;
-  for (uint32_t i = 0; i < 3; ++i) {
-    value += x.weight[i] * sum[i];
-    gradient[0] += x.slope[i] * sum[i];
-    gradient[1] += x.weight[i] * over_y[i];
-    gradient[2] += x.weight[i] * over_z[i];
+// The 4^3 nodes about a cell, and their density smoothed.
+struct Nodes {
+  Four v[4][4];  // of y and z
+  explicit Nodes(const uint16_t* first) {
+    for (uint32_t y = 0; y < 4; ++y)
+      for (uint32_t z = 0; z < 4; ++z) {
+        FourShort shorts;
+        memcpy(&shorts, first + y * k_step[1] + z * k_step[2], sizeof shorts);
+        v[y][z] = __builtin_convertvector(__builtin_convertvector(shorts, FourWhole), Four);
+      }
   }
-  return value;
-}
+
+  float mean() const {
+    Four sum = {};
+    for (const auto& layer : v) sum += (layer[0] + layer[1]) + (layer[2] + layer[3]);
+    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) * (1.0f / 64);
+  }
+
+  // Where the level crosses the cell's edges, on average.
+  void crossing(float u[3]) const {
+    float value[8], sum[3] = {0, 0, 0}, count = 0;
+    uint32_t inside = 0;
+    for (uint32_t c = 0; c < 8; ++c) {
+      value[c] = v[1 + (c >> 1 & 1)][1 + (c >> 2)][1 + (c & 1)];
+      inside |= (value[c] > k_level ? 1u : 0u) << c;
+    }
+    constexpr uint32_t k_low[3] = {0x55, 0x33, 0x0f};  // the corners at 0 of each axis
+    for (uint32_t k = 0; k < 3; ++k)
+      for (uint32_t edges = (inside ^ inside >> (1u << k)) & k_low[k]; edges != 0; edges &= edges - 1) {
+        const uint32_t c = static_cast<uint32_t>(__builtin_ctz(edges)), d = c | 1u << k;
+        for (uint32_t m = 0; m < 3; ++m) sum[m] += static_cast<float>(c >> m & 1);
+        sum[k] += (k_level - value[c]) / (value[d] - value[c]);
+        count += 1;
+      }
+    for (uint32_t m = 0; m < 3; ++m) u[m] = sum[m] / count;
+  }
+
+  // At u in the cell, and how it changes, in nodes.
+  float smoothed(const float u[3], float gradient[3]) const {
+    const Spline x(u[0]), y(u[1]), z(u[2]);
+    Four sum = {}, over_y = {}, over_z = {};
+    for (uint32_t k = 0; k < 4; ++k) {
+      Four column = {}, slope = {};
+      for (uint32_t j = 0; j < 4; ++j) column += y.weight[j] * v[j][k], slope += y.slope[j] * v[j][k];
+      sum += z.weight[k] * column;
+      over_y += z.weight[k] * slope;
+      over_z += z.slope[k] * column;
+    }
+    float value = 0;
+    gradient[0] = gradient[1] = gradient[2] = 0;
+    for (uint32_t i = 0; i < 4; ++i) {
+      value += x.weight[i] * sum[i];
+      gradient[0] += x.slope[i] * sum[i];
+      gradient[1] += x.weight[i] * over_y[i];
+      gradient[2] += x.weight[i] * over_z[i];
+    }
+    return value;
+  }
+};
 
 float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -201,25 +207,14 @@ uint16_t turns(float turns) {
 
 int8_t of_127(float x) { return static_cast<int8_t>(floor_whole(127.0f * x + 0.5f)); }
 
-// The mean density about u in a cell, from those of SkinBlocks::wide.
-float mean_about(const uint16_t* wide, const uint32_t cell[3], const float u[3]) {
-  constexpr uint32_t k_steps[3] = {1, k_coarse * k_coarse, k_coarse};
-  float v[3];
-  uint32_t at = 0;
-  for (uint32_t m = 0; m < 3; ++m) {
-    const uint32_t twice = cell[m] + (u[m] < 0.5f ? 1 : 2), low = twice >> 1;  // 1.5 nodes and more past the first one
-    at += low * k_steps[m];
-    v[m] = 0.5f * (static_cast<float>(cell[m]) + u[m] + 1.5f) - static_cast<float>(low);
-  }
-  return CellValues(wide + at, k_steps).at(v);
+void read_blocks(const SkinState& s, const Brick& brick, SkinBlocks* blocks) {
+  brick_block<k_apron>(s, brick, &BrickNodes::calm, uint16_t{0}, blocks->calm);
+  if (!brick.open) brick_block<1>(s, brick, &BrickNodes::solid, uint8_t{255}, blocks->solid);
 }
 
 // False: it lies deep in a collider, and nobody sees it.
 bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& blocks, const uint32_t cell[3],
-                 uint32_t before, sandglass_skin_vertex* out, uint32_t* anchor) {
-  const uint32_t first =
-      (cell[0] + k_apron) * k_step[0] + (cell[1] + k_apron) * k_step[1] + (cell[2] + k_apron) * k_step[2];
-  const uint16_t* node = blocks.calm + first;
+                 sandglass_skin_vertex* out, uint32_t* anchor) {
   float u[3], normal[3];
   float floor[3], shift[3] = {0, 0, 0}, over = k_far;
   constexpr uint32_t k_steps[3] = {1, k_solid_pitch * k_solid_pitch, k_solid_pitch};
@@ -229,15 +224,19 @@ bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& block
         blocks.solid + (cell[0] + 1) * k_steps[0] + (cell[1] + 1) * k_steps[1] + (cell[2] + 1) * k_steps[2], k_steps);
     if (solid.sum() < 8 * (128.0f + 48.0f * k_buried)) return false;
   }
-  crossing(node, u);
-  const float value = smoothed(node, u, normal), square = dot(normal, normal);
+  constexpr uint32_t k_before = k_apron - 1;
+  const Nodes nodes(blocks.calm + (cell[0] + k_before) * k_step[0] + (cell[1] + k_before) * k_step[1] +
+                    (cell[2] + k_before) * k_step[2]);
+  nodes.crossing(u);
+  const float value = nodes.smoothed(u, normal), square = dot(normal, normal);
   float scale = square > 1.0f ? (k_level - value) / square : 0.0f;  // Newton's step to the level
   const float step = __builtin_fabsf(scale) * __builtin_sqrtf(square);
   if (step > 0.5f) scale *= 0.5f / step;
   for (uint32_t m = 0; m < 3; ++m) u[m] = clamped(u[m] + scale * normal[m], 0, 1);
+  float around = nodes.mean() - k_level;  // the mean density about u, less that of a plane
+  for (uint32_t m = 0; m < 3; ++m) around += normal[m] * (u[m] - 0.5f);
   const float inverse = inverse_length(normal);
   for (uint32_t m = 0; m < 3; ++m) normal[m] = inverse != 0.0f ? -inverse * normal[m] : s.up[m];
-  const float wide = mean_about(blocks.wide, cell, u) * (1.0f / k_skin_one);
   if (!brick.open) {
     const float distance = solid.at(u);
     if (distance < 250.0f) over = (distance - 128.0f) * (1.0f / 48.0f);
@@ -253,7 +252,7 @@ bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& block
   for (uint32_t m = 0; m < 3; ++m)
     place[m] = static_cast<float>(8 * brick.at[m] + static_cast<int32_t>(cell[m])) + u[m];
   const float steps[3] = {place[0] * k_skin_steps, place[1] * k_skin_steps, place[2] * k_skin_steps};
-  *anchor = anchor_of(s, brick, cell, steps, before);
+  *anchor = anchor_of(s, brick, cell, steps, *anchor);
   for (uint32_t m = 0; m < 3; ++m) {
     const uint32_t w = s.axis[m];
     out->position[w] = s.sign[m] * s.spacing * (place[m] + shift[m] + 0.5f);
@@ -265,7 +264,7 @@ bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& block
   }
   const uint64_t seed = mix_bits(*anchor);  // another place in the block for each particle
   for (uint32_t m = 0; m < 3; ++m) out->origin[m] = static_cast<uint16_t>(out->origin[m] - (seed >> (16 * m)));
-  const float hollow = k_hollow_flat + k_hollow_gain * (wide - k_level / k_skin_one);
+  const float hollow = k_hollow_flat + k_hollow_gain * (1.0f / k_skin_one) * around;
   out->hollow = static_cast<uint8_t>(to_whole<uint32_t>(255.0f * clamped(hollow, 0, 1) + 0.5f));
   const float micrometres = clamped(1e6f * s.spacing * over, -32768.0f, 32767.0f);
   out->over = static_cast<int16_t>(floor_whole(micrometres));
@@ -293,22 +292,36 @@ void make_vertices(SkinState* s, uint32_t number, uint32_t chunk) {
   memset(nodes.vertices, 0xff, sizeof nodes.vertices);
   brick.first = back.vertex_count - back.first_vertex[chunk];
   brick.count = 0;
-  read_rows(*s, brick, &blocks);
-  bool any = false;
-  for (uint32_t y = 0; y < 8 && !any; ++y)
-    for (uint32_t z = 0; z < 8 && !any; ++z) any = crossed(blocks, y, z) != 0;
-  if (!any) return;
-  read_blocks(*s, brick, &blocks);
+  read_rows<0, 1>(*s, brick, &BrickNodes::inside, blocks.rows[0]);
+  uint32_t any = 0;
+  for (uint32_t y = 0; y < 8; ++y)
+    for (uint32_t z = 0; z < 8; ++z) any |= crossed(blocks, y, z);
+  if (any == 0) return;
+  uint8_t kept[k_brick_layer];
+  find_kept(*s, brick, kept);
+  bool read = false;
   for (uint32_t y = 0; y < 8; ++y)
     for (uint32_t z = 0; z < 8; ++z)
       for (uint32_t cells = crossed(blocks, y, z); cells != 0; cells &= cells - 1) {
         if (back.vertex_count == s->vertex_capacity) return;
         const uint32_t x = static_cast<uint32_t>(__builtin_ctz(cells)), at = x + 8 * z + 64 * y;
         const uint32_t cell[3] = {x, y, z};
-        const uint32_t anchor = had && before[at] != k_vertex_none ? s->front.anchors[old + before[at]] : k_brick_none;
-        if (!make_vertex(*s, brick, blocks, cell, anchor, &back.vertices[back.vertex_count],
-                         &back.anchors[back.vertex_count]))
-          continue;
+        sandglass_skin_vertex& vertex = back.vertices[back.vertex_count];
+        uint32_t& anchor = back.anchors[back.vertex_count];
+        anchor = k_brick_none;
+        bool as_before = false;
+        if (had && before[at] != k_vertex_none) {
+          anchor = s->front.anchors[old + before[at]];
+          as_before =
+              (kept[z + 8 * y] >> x & 1) != 0 && (anchor == k_brick_none || s->particles[anchor].moved != s->cycle);
+        }
+        if (as_before) {
+          vertex = s->front.vertices[old + before[at]];
+        } else {
+          if (!read) read_blocks(*s, brick, &blocks);
+          read = true;
+          if (!make_vertex(*s, brick, blocks, cell, &vertex, &anchor)) continue;
+        }
         nodes.vertices[at] = static_cast<uint16_t>(brick.count++);
         ++back.vertex_count;
       }
@@ -419,7 +432,7 @@ void make_quad(SkinState* s, uint32_t chunk, uint32_t number, const uint32_t cel
 
 void make_triangles(SkinState* s, uint32_t chunk, uint32_t number) {
   SkinBlocks& blocks = *s->blocks;
-  read_rows(*s, s->bricks[number], &blocks);
+  read_rows<0, 1>(*s, s->bricks[number], &BrickNodes::inside, blocks.rows[0]);
   for (uint32_t y = 0; y < 8; ++y)
     for (uint32_t z = 0; z < 8; ++z) {
       const uint32_t row = blocks.rows[y][z];

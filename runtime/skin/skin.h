@@ -35,7 +35,7 @@ constexpr uint32_t k_skin_one = 4096;                          // a density of 1
 constexpr uint32_t k_skin_whole = k_skin_one * k_skin_shares;  // the sum of a whole particle
 constexpr float k_skin_spacing = 1.5f;                         // particle radii from node to node
 constexpr float k_skin_volume = 6.986f;  // particle radii cubed that a particle takes in a pile (packed to 0.6)
-constexpr uint32_t k_skin_level = 1843;  // of the surface: 0.45
+constexpr uint32_t k_skin_level = 2089;  // of the surface: 0.51
 constexpr uint32_t k_skin_unit_items = 1024;
 constexpr uint32_t k_skin_unit_bricks = 12;  // density, fill, calm
 constexpr uint32_t k_skin_unit_mesh = 2;     // bricks
@@ -53,7 +53,7 @@ struct SkinParticle {
   int32_t at[3];        // in k_skin_steps of a node
   uint32_t next, last;  // of the same cell
   uint8_t share;        // of it that is summed, 1..k_skin_shares; 0: none
-  uint8_t seen;         // the cycle in which it was last there, modulo 256
+  uint8_t seen, moved;  // the cycles in which it was last there, and last summed anew, modulo 256
 };
 
 struct Brick {
@@ -74,24 +74,22 @@ struct Brick {
 struct BrickNodes {
   uint32_t sums[k_brick_nodes];
   uint16_t density[k_brick_nodes], filled[k_brick_nodes], calm[k_brick_nodes];
-  uint16_t part[k_brick_nodes];       // of what is filled: what takes part in the filter
-  uint16_t room[k_brick_nodes];       // the free shares through the filter, in k_skin_one
-  uint8_t solid[k_brick_nodes];       // 128 + 48 times the distance to the nearest collider, in nodes
-  uint16_t stands[k_brick_layer];     // of each column: bits of the nodes that hold sand or are solid
-  uint16_t can[k_brick_layer];        // of each column: bits of the nodes that sand may fill
-  uint8_t inside[k_brick_layer];      // of each row: the nodes whose calm density is above the level
+  uint16_t part[k_brick_nodes];    // of what is filled: what takes part in the filter
+  uint16_t room[k_brick_nodes];    // the free shares through the filter, in k_skin_one
+  uint8_t solid[k_brick_nodes];    // 128 + 48 times the distance to the nearest collider, in nodes
+  uint16_t stands[k_brick_layer];  // of each column: bits of the nodes that hold sand or are solid
+  uint16_t can[k_brick_layer];     // of each column: bits of the nodes that sand may fill
+  uint8_t inside[k_brick_layer];   // of each row: bits of the nodes whose calm density is above the level
+  uint8_t changed[k_brick_layer];  // of each row: bits of the nodes that have changed since the mesh was made of them
   uint32_t particles[k_brick_nodes];  // the first of each cell, or k_brick_none
   uint16_t vertices[k_brick_nodes];   // of each cell, from the brick's first, or k_vertex_none
 };
 
 // What one brick's density and vertices are made of.
-constexpr uint32_t k_mesh_apron = 3, k_mesh_pitch = k_brick_side + 2 * k_mesh_apron, k_mesh_coarse = 6;
+constexpr uint32_t k_mesh_apron = 2, k_mesh_pitch = k_brick_side + 2 * k_mesh_apron;
 constexpr uint32_t k_mesh_solid_pitch = k_brick_side + 2;
 struct SkinBlocks {
   uint16_t calm[k_mesh_pitch * k_mesh_pitch * k_mesh_pitch];
-  // Means of 4^3 nodes, two nodes apart; the first is about node -1.5.
-  uint16_t wide[k_mesh_coarse * k_mesh_coarse * k_mesh_coarse];
-  uint16_t by_y[k_mesh_coarse * k_mesh_pitch * k_mesh_pitch], by_z[k_mesh_coarse * k_mesh_coarse * k_mesh_pitch];
   uint8_t solid[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
   uint16_t rows[9][9];             // of y and z: the nodes 0..8 along x that are inside
   uint16_t before[k_brick_nodes];  // BrickNodes::vertices as they were

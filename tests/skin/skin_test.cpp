@@ -118,7 +118,7 @@ TEST(Skin, IsClosedAndHoldsTheSand) {
     const char* what;
     uint32_t x, y, z;
     double within;
-  } heaps[] = {{"a heap", 10, 16, 10, 0.06}, {"a layer of two", 24, 2, 24, 0.06}, {"little", 4, 5, 4, 0.2}};
+  } heaps[] = {{"a heap", 10, 16, 10, 0.06}, {"a layer of two", 24, 2, 24, 0.06}, {"little", 4, 5, 4, 0.1}};
   for (const auto& heap : heaps) {
     Sand sand(rough(heap.x * heap.y * heap.z));
     sand.scene.add_floor();
@@ -147,6 +147,32 @@ TEST(Skin, IsClosedAndHoldsTheSand) {
       outside += at[p + 1] > top ? 1 : 0;
     }
     EXPECT_LE(outside, at.size() / 3 / 50) << heap.what;
+  }
+}
+
+// While sand is poured, too, mesh and loose sand together are as large as the sand.
+TEST(Skin, HoldsTheSandWhileItIsPoured) {
+  sandglass_scene_desc desc = rough(1600);
+  desc.granular.emitter_capacity = 1;
+  Sand sand(desc);
+  sand.scene.add_floor();
+  sandglass_emitter emitter = {};
+  emitter.position[1] = 0.5f;
+  emitter.rotation[3] = 1;
+  emitter.radius = 4 * k_radius;
+  emitter.speed = 0.8f;
+  for (int i = 0; i < 100; ++i) {
+    sandglass_frame_input input = sand.scene.input(1 / 60.0f);
+    input.skin = sand.skin.get();
+    input.emitters = &emitter;
+    input.emitter_count = 1;
+    const uint32_t particles = sand.scene.run(input).sand.particles;
+    if (i < 40 || i % 10 != 0) continue;
+    const Mesh mesh = mesh_of(sand.skin);
+    uint32_t faults = 0;
+    const double volume = volume_over(mesh, {0, 1, 0}, &faults) + mesh.loose * k_particle;
+    EXPECT_EQ(faults, 0u);
+    EXPECT_NEAR(volume / (k_particle * particles), 1, 0.06) << i;
   }
 }
 
@@ -500,7 +526,7 @@ TEST(Skin, ThePileShadowIsOfWhatIsDrawn) {
 }
 
 TEST(Skin, OneHashOnEveryInstructionSet) {
-  constexpr uint64_t k_golden = 6618526265117230344u;
+  constexpr uint64_t k_golden = 10943109849919414302u;
   for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_NEON, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512})
     for (const uint32_t unit : {64u, 1024u}) {
       if (sandglass_isa_available(isa) == 0) continue;
