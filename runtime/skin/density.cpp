@@ -253,17 +253,19 @@ int32_t lean_of(const SkinState& s, uint32_t k, int32_t layer) {
 // The layer above one, with two nodes of the bricks beside it on every side.
 constexpr uint32_t k_wide = 12;
 void layer_above(const SkinState& s, const Brick& brick, uint32_t layer, uint16_t* above) {
-  constexpr uint16_t k_nothing[k_brick_side] = {};
+  constexpr uint16_t k_nothing[k_brick_layer] = {};
   const uint32_t first = layer == 7 ? 18 : 9, from_layer = layer == 7 ? 0 : layer + 1;
+  const uint16_t* from[3] = {k_nothing, k_nothing, k_nothing};
   for (uint32_t z = 0; z < k_wide; ++z, above += k_wide) {
     const uint32_t from_z = z + k_brick_side - 2;
     const uint32_t* three = brick.around + first + 3 * (from_z / k_brick_side);
-    const uint32_t row = k_brick_layer * from_layer + k_brick_side * (from_z % k_brick_side);
-    const uint16_t* from[3];
-    for (uint32_t x = 0; x < 3; ++x) from[x] = three[x] == k_brick_none ? k_nothing : s.nodes[three[x]].filled + row;
-    memcpy(above, from[0] + k_brick_side - 2, 2 * sizeof *above);
-    memcpy(above + 2, from[1], k_brick_side * sizeof *above);
-    memcpy(above + 2 + k_brick_side, from[2], 2 * sizeof *above);
+    const uint32_t row = k_brick_side * (from_z % k_brick_side);
+    if (z == 0 || row == 0)
+      for (uint32_t x = 0; x < 3; ++x)
+        from[x] = three[x] == k_brick_none ? k_nothing : s.nodes[three[x]].filled + k_brick_layer * from_layer;
+    memcpy(above, from[0] + row + k_brick_side - 2, 2 * sizeof *above);
+    memcpy(above + 2, from[1] + row, k_brick_side * sizeof *above);
+    memcpy(above + 2 + k_brick_side, from[2] + row, 2 * sizeof *above);
   }
 }
 

@@ -28,12 +28,14 @@ constexpr float k_hollow_flat = 0.5f, k_hollow_gain = 2.6f;
 template <uint32_t before, uint32_t after>
 void read_rows(const SkinState& s, const Brick& brick, uint8_t (BrickNodes::*field)[k_brick_layer], uint16_t* rows) {
   constexpr uint32_t k_first = k_brick_side - before, k_end = 2 * k_brick_side + after;
+  constexpr uint8_t k_nothing[k_brick_layer] = {};
+  const uint8_t* from[3] = {k_nothing, k_nothing, k_nothing};
   for (uint32_t y = k_first; y < k_end; ++y)
     for (uint32_t z = k_first; z < k_end; ++z) {
-      const uint32_t* three = brick.around + 3 * (z >> 3) + 9 * (y >> 3);
-      uint32_t bits = 0;
-      for (uint32_t x = 0; x < 3; ++x)
-        if (three[x] != k_brick_none) bits |= uint32_t{(s.nodes[three[x]].*field)[8 * (y & 7) + (z & 7)]} << 8 * x;
+      const uint32_t *three = brick.around + 3 * (z >> 3) + 9 * (y >> 3), row = 8 * (y & 7) + (z & 7);
+      if (z == k_first || (z & 7) == 0)
+        for (uint32_t x = 0; x < 3; ++x) from[x] = three[x] == k_brick_none ? k_nothing : s.nodes[three[x]].*field;
+      const uint32_t bits = uint32_t{from[0][row]} | uint32_t{from[1][row]} << 8 | uint32_t{from[2][row]} << 16;
       *rows++ = static_cast<uint16_t>(bits >> k_first & ((1u << (k_end - k_first)) - 1));
     }
 }
