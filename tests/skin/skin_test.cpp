@@ -176,7 +176,6 @@ TEST(Skin, HoldsTheSandWhileItIsPoured) {
   }
 }
 
-// Gravity along each axis, and a floor across it; and a floor that gravity leans on by 25 degrees.
 // Sand in a box, as behind glass: a closed mesh has no open edge anywhere, and reaches into floor and walls by 0.3 nodes.
 TEST(Skin, IsClosedBehindGlass) {
   for (const uint32_t closed : {0u, 1u}) {
@@ -202,6 +201,7 @@ TEST(Skin, IsClosedBehindGlass) {
   }
 }
 
+// Gravity along each axis, and a floor across it; and a floor that gravity leans on by 25 degrees.
 TEST(Skin, FollowsGravityAndFloor) {
   double first = 0;
   for (const Point& up :
@@ -477,7 +477,6 @@ TEST(Skin, ALateSkinLeavesTheOneBefore) {
   EXPECT_GE(versions, 1u) << "one unit every second frame must be enough to complete a skin";
 }
 
-// On every instruction set, compiler and number of items in a unit.
 // The heights that the pile's shadow is made of are those of the mesh, under each texel's middle; and at rest it costs nothing.
 TEST(Skin, ThePileShadowIsOfWhatIsDrawn) {
   Sand sand(rough(1600));
@@ -525,6 +524,7 @@ TEST(Skin, ThePileShadowIsOfWhatIsDrawn) {
   EXPECT_LE(wrong, now.flying_count + now.lying_count);  // loose sand has a column each
 }
 
+// On every instruction set, compiler and number of items in a unit.
 TEST(Skin, OneHashOnEveryInstructionSet) {
   constexpr uint64_t k_golden = 10943109849919414302u;
   for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_NEON, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512})
