@@ -202,7 +202,7 @@ void find_density(SkinState* s, uint32_t number) {
         *s, brick, &BrickNodes::sums, 0u,
         [](uint32_t sum) { return static_cast<uint16_t>((sum < k_most_sum ? sum : k_most_sum) * k_gain >> 16); },
         fresh);
-  Row stands[k_brick_side] = {};
+  Row standing[k_brick_side] = {};
   for (uint32_t i = 0; i < k_brick_nodes; i += k_brick_side) {
     const Row solid = solid_at(nodes.solid + i);
     if (any_of(solid ^ 255))
@@ -212,9 +212,11 @@ void find_density(SkinState* s, uint32_t number) {
       }
     const Row density = least_of(row_at(fresh + i), Row{} + uint16_t{k_skin_one});
     set_row(fresh + i, density);
-    stands[i / k_brick_side % k_brick_side] |= (where_above(density, k_skin_level) | ~where_above(solid, 127)) &
-                                               static_cast<uint16_t>(1u << i / k_brick_layer);
+    standing[i / k_brick_side % k_brick_side] |= (where_above(density, k_skin_level) | ~where_above(solid, 127)) &
+                                                 static_cast<uint16_t>(1u << i / k_brick_layer);
   }
+  uint16_t stands[k_brick_layer];
+  for (uint32_t z = 0; z < k_brick_side; ++z) set_row(stands + k_brick_side * z, standing[z]);
   if (memcmp(stands, nodes.stands, sizeof stands) != 0) {
     memcpy(nodes.stands, stands, sizeof stands);
     brick.stale |= k_stale_fill;

@@ -504,8 +504,9 @@ TEST(Skin, ThePileShadowIsOfWhatIsDrawn) {
     Point p[3];
     for (size_t k = 0; k < 3; ++k) p[k] = place(mesh.vertices[mesh.triangles[t + k]]);
     for (uint32_t at = 0; at < n * n; ++at) {
-      const float x = sky.low[0] + (static_cast<float>(at % n) + 0.5f) * texel;
-      const float z = sky.low[1] + (static_cast<float>(at / n) + 0.5f) * texel;
+      const uint32_t column = at % n, row = at / n;
+      const float x = sky.low[0] + (static_cast<float>(column) + 0.5f) * texel;
+      const float z = sky.low[1] + (static_cast<float>(row) + 0.5f) * texel;
       const auto side = [&](size_t k) {
         const Point &a = p[k], &b = p[(k + 1) % 3];
         return (b[2] - a[2]) * (x - a[0]) - (b[0] - a[0]) * (z - a[2]);

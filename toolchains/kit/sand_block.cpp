@@ -85,8 +85,8 @@ Texel looked_up(const std::vector<Grain>& grains, Vec at) {
   for (int k = z - 1; k <= z + 1; ++k)
     for (int j = y - 1; j <= y + 1; ++j)
       for (int i = x - 2; i <= x + 1; ++i) {
-        const int wx = wrapped(i), wy = wrapped(j), wz = wrapped(k);
-        const Grain& grain = grains[static_cast<size_t>(wx + k_cells * (wy + k_cells * wz))];
+        const int wx = wrapped(i), wy = wrapped(j), wz = wrapped(k), cell = wx + k_cells * (wy + k_cells * wz);
+        const Grain& grain = grains[static_cast<size_t>(cell)];
         const Vec from{at.x - grain.middle.x - static_cast<float>(i - wx),
                        at.y - grain.middle.y - static_cast<float>(j - wy),
                        at.z - grain.middle.z - static_cast<float>(k - wz)};
@@ -127,9 +127,9 @@ std::vector<uint8_t> sand_block(const Mineral* minerals) {
   Level level;
   for (int i = 0; i < k_side * k_side * k_side; ++i) {
     constexpr float k_cell = static_cast<float>(k_cells) / k_side;
-    level.push_back(looked_up(grains, {(static_cast<float>(i % k_side) + 0.5f) * k_cell,
-                                       (static_cast<float>(i / k_side % k_side) + 0.5f) * k_cell,
-                                       (static_cast<float>(i / k_side / k_side) + 0.5f) * k_cell}));
+    const int x = i % k_side, y = i / k_side % k_side, z = i / k_side / k_side;
+    level.push_back(looked_up(grains, {(static_cast<float>(x) + 0.5f) * k_cell, (static_cast<float>(y) + 0.5f) * k_cell,
+                                       (static_cast<float>(z) + 0.5f) * k_cell}));
   }
   std::array<double, 8> sum{};
   for (const Texel& texel : level)
