@@ -18,6 +18,8 @@ function radius(height) {
 
 const k_profile = Array.from({ length: 97 }, (_, i) => { const y = k_half * (i / 48 - 1); return [radius(y), y]; });
 
+const k_line = Float64Array.from(k_profile.flat());
+
 // What is seen of the stream below: as of a nozzle.
 export const k_neck = { nozzle: [0, k_stands, 0, 1.3 * k_throat], way: [0, -1, 0, 0.12] };
 
@@ -27,10 +29,13 @@ function distance(x, y, z) {
   let least = k_half - Math.abs(y);
   if (least < 0 && out < radius(k_half)) return least;
   least = Math.abs(least);
-  for (let i = 1; i < k_profile.length; ++i) {
-    const [a, b] = k_profile[i - 1], [c, d] = k_profile[i], along = Math.min(1, Math.max(0, ((out - a) * (c - a) + (y - b) * (d - b)) / ((c - a) ** 2 + (d - b) ** 2)));
-    least = Math.min(least, Math.hypot(out - a - along * (c - a), y - b - along * (d - b)));
+  let square = least * least;
+  for (let i = 2; i < k_line.length; i += 2) {
+    const a = k_line[i - 2], b = k_line[i - 1], u = k_line[i] - a, v = k_line[i + 1] - b, x = out - a, h = y - b;
+    const along = (x * u + h * v) / (u * u + v * v), s = along < 0 ? 0 : along > 1 ? 1 : along, dx = x - s * u, dy = h - s * v, d = dx * dx + dy * dy;
+    if (d < square) square = d;
   }
+  least = Math.sqrt(square);
   return Math.abs(y) < k_half && out < radius(y) ? least : -least;
 }
 
