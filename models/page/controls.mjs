@@ -56,7 +56,7 @@ function tipBySliders(page) {
 // The tool of a finger. The hourglass is one, and stands in place of the table.
 function choose(page, tool) {
   page.tool = tool, document.querySelector(`[name=tool][value=${tool}]`).checked = true;
-  page.show(tool === "glass" ? "glass" : tool === "turn" ? page.standName() : "table"), page.wake();
+  if (tool !== "turn") page.show(tool === "glass" ? "glass" : "table");
   by("hint").textContent = k_hints[tool];
 }
 
@@ -153,7 +153,7 @@ export function listen(page) {
   by("more").addEventListener("toggle", () => by("open").setAttribute("aria-expanded", by("more").open));
   addEventListener("keydown", (event) => { if (event.key === "Escape" && by("more").open) by("more").close(), by("open").focus(); });
   by("wet").addEventListener("input", () => { page.painter.sand.wet = Number(by("wet").value), page.wake(); });
-  for (const id of ["azimuth", "polar"]) by(id).addEventListener("input", () => { page.setLight(), page.wake(); });
+  for (const id of ["azimuth", "polar"]) by(id).addEventListener("input", () => page.setLight());
   for (const id of ["right", "near"]) by(id).addEventListener("input", () => tipBySliders(page));
   by("budget").addEventListener("input", () => { by("budget_label").textContent = `Budget ${by("budget").value} ms`; });
   click("again", () => page.again());

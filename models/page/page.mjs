@@ -123,7 +123,6 @@ class Page {
     const { scene, pace, at, watching, tipping, turning, nozzles } = this;
     return pace.touched || at !== null || !!watching || !!tipping || turning.turns || (nozzles.length > 0 && this.onTable) || scene.report.sand.awake > 0 || this.behind !== 0;
   }
-  standName() { return this.onTable ? "table" : "glass"; }
   turnOver() { this.turning.begin(this.turnAxis()), this.wake(); }
   get onTable() { return this.stand === this.stands.table; }
   turnAxis() { const { away } = this.camera.axes(), flat = Math.hypot(away[0], away[2]); return [away[0] / flat, 0, away[2] / flat]; }

@@ -10,9 +10,9 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_near_floor = 2;                 // radii
-constexpr float k_flying = 0.3f, k_lying = 0.3f;  // of a particle's outline that loose sand covers
-constexpr float k_lying_high = 0.6f;              // radii: how high it lies
+constexpr float k_near_floor = 2;     // radii
+constexpr float k_loose = 0.3f;       // of a particle's outline that loose sand covers
+constexpr float k_lying_high = 0.6f;  // radii: how high it lies
 
 void put_loose(Pile* p, const sandglass_skin_loose& loose, bool flies) {
   const float radius = p->source.radius, n = static_cast<float>(p->texels);
@@ -20,7 +20,7 @@ void put_loose(Pile* p, const sandglass_skin_loose& loose, bool flies) {
   const float low = loose.position[1] - radius - p->height;
   if (!(x >= 0 && z >= 0 && x < n && z < n && low < k_pile_highest)) return;
   const float outline = 3.14159265f * (radius / p->texel[0]) * (radius / p->texel[1]);
-  const float share = loose.weight * (flies ? k_flying : k_lying) * (outline < 1 ? outline : 1);
+  const float share = loose.weight * k_loose * (outline < 1 ? outline : 1);
   pile_put_column(p, to_whole<int32_t>(x), to_whole<int32_t>(z), share, low,
                   low + (flies ? 2 * radius : k_lying_high * radius));
 }

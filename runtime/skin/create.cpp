@@ -36,8 +36,7 @@ void lay_out_mesh(const SkinState& s, Layout* layout, SkinMesh* mesh) {
   mesh->first_index = layout_region<uint32_t>(layout, "skin.first_indices", s.chunk_capacity);
 }
 
-// The one walk: counts the bytes, or hands out the regions. Capacities by what heaps, layers and strewn sand take
-// (sandglass_lab verify look).
+// The one walk: counts the bytes, or hands out the regions. Capacities by what heaps, layers and strewn sand take.
 sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
   auto* owner = layout_region<sandglass_skin>(layout, "skin.state", 1);
   SkinState nowhere = {};

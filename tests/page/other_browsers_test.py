@@ -17,7 +17,7 @@ import tempfile
 import time
 import urllib.request
 
-from live_page_test import SKIPPED, assemble, check, native_hash
+from live_page_test import SKIPPED, assemble, check, native_hash, wait_until
 
 FRAMES, PATIENCE = 90, 300
 PREFERENCES = {"webgl.force-enabled": True, "webgl.disable-fail-if-major-performance-caveat": True, "webgl.out-of-process": False,
@@ -122,13 +122,6 @@ class WebKit:
         finally:
             self.process.kill()
             self.process.wait()
-
-
-def wait_until(browser, expression):
-    end = time.monotonic() + PATIENCE
-    while not browser.ask(expression):
-        check(time.monotonic() < end, f"never true: {expression}")
-        time.sleep(0.3)
 
 
 def run(browser, page, picture, wanted):
