@@ -231,8 +231,8 @@ LitObject standing_object(const SceneFile& scene, const MeshFile& mesh_file) {
 }
 
 SceneShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_t frame,
-                              const std::vector<sandglass_collider>& colliders, std::span<const float> grains,
-                              float grain_radius, const PlacedLight& light) {
+                              const std::vector<sandglass_collider>& colliders, std::span<const float> particles,
+                              const PlacedLight& light) {
   StandingShadows standing(scene, isa);
   standing.set_light(scene, frame, main_direction_of(light.object));
   standing.set_cells(scene, frame, light.object.ambient_cells);
@@ -243,7 +243,7 @@ SceneShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_
   PileShadow pile(*scene.pile_shadow, isa, scene.pile_shadow->texels / k_sky_share);
   pile.set_light(main_direction_of(light.sand));
   pile.set_cells(light.sand.ambient_cells);
-  sandglass_pile_shadow_run(pile.handle(), grains.data(), static_cast<uint32_t>(grains.size() / 3), grain_radius, ~0u);
+  SandShaper().shape({particles, {}, colliders, static_cast<float>(scene.particle_radius)}, pile.handle());
   pile.draw(&shadows);
   return shadows;
 }
@@ -376,11 +376,6 @@ double Shot::angle_deg(uint32_t frame) const {
   return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-float Shot::drawn_radius(const Snapshot& snapshot) const {
-  return drawn_grain_radius(scene_.particle_radius, static_cast<uint32_t>(snapshot.particles.size() / 3),
-                            static_cast<uint32_t>(snapshot.grains.size() / 3));
-}
-
 ShotPicture Shot::drawing_of(const Snapshot& snapshot) const {
   LitObject object = object_;
   const ColliderTrack& track = standing_track(scene_);
@@ -391,7 +386,7 @@ ShotPicture Shot::drawing_of(const Snapshot& snapshot) const {
     const Quaternion rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
     place(&object, track.rotation, track.position, rotation, from_floats(now.position));
   }
-  return {object, snapshot.grains, drawn_radius(snapshot)};
+  return {object, snapshot.sand};
 }
 
 Picture Shot::developed_as_seen(const RadianceMap& shown, uint64_t seed) const {
@@ -422,9 +417,9 @@ RadianceMap Shot::traced(const Snapshot& snapshot, uint32_t threads) const {
 Shot::Drawn Shot::drawn(const Snapshot& snapshot, std::string name, const PlacedLight& light, CastShadow cast,
                         uint32_t threads) const {
   const bool own = &light == &this->light(snapshot.frame);
-  const SceneShadows other = own ? SceneShadows{}
-                                 : complete_shadows(scene_, isa_, snapshot.frame, snapshot.colliders, snapshot.grains,
-                                                    drawn_radius(snapshot), light);
+  const SceneShadows other =
+      own ? SceneShadows{}
+          : complete_shadows(scene_, isa_, snapshot.frame, snapshot.colliders, snapshot.particles, light);
   return {std::move(name), drawing_of(snapshot).composite(around(snapshot.frame), camera(snapshot.frame), light,
                                                           own ? snapshot.shadows : other, cast, compared(threads))};
 }

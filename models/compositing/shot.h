@@ -44,10 +44,10 @@ std::string shot_errors_text(const ShotErrors& errors);
 // that the shadow was baked from another shape.
 LitObject standing_object(const SceneFile& scene, const MeshFile& file = {});
 
-// The shadows that the scene's standing object and these grains cast in a light, complete, as a frame has them.
+// The shadows that the scene's standing object and particles of sand cast in a light, complete, as a frame has them.
 SceneShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_t frame,
-                              const std::vector<sandglass_collider>& colliders, std::span<const float> grains,
-                              float grain_radius, const PlacedLight& light);
+                              const std::vector<sandglass_collider>& colliders, std::span<const float> particles,
+                              const PlacedLight& light);
 
 // A picture as the camera hands it out: as blurred as the room behind it is, with the noise of a small sensor.
 Picture developed(const RadianceMap& shown, double blur_pixels, uint64_t seed);
@@ -96,7 +96,6 @@ class Shot {
   ShotPicture drawing_of(const Snapshot& snapshot) const;
   Vec3 standing_at(uint32_t frame) const;
   Vec3 sand_at(uint32_t frame) const;
-  float drawn_radius(const Snapshot& snapshot) const;  // of a grain
 
   SceneFile scene_;
   Camera camera_;

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/compositing/grains.h"
+#include "models/drawing/sand_layer.h"
 #include "models/files/failure.h"
 #include "models/rooms/probe_light.h"
 #include "models/tracing/directions.h"
 #include "models/tracing/embree_scene.h"
-#include "models/tracing/sphere_caster.h"
 #include "models/work/thread_pool.h"
 #include "runtime/core/harmonics.h"
 #include "runtime/core/random.h"
@@ -20,18 +21,24 @@ namespace sandglass::host {
 
 namespace {
 
+std::vector<float> places_of(const SandShape& shape) {
+  std::vector<float> places;
+  for (const sandglass_skin_vertex& vertex : shape.vertices)
+    places.insert(places.end(), vertex.position, vertex.position + 3);
+  return places;
+}
+
 constexpr double k_pi = std::numbers::pi;
-constexpr double k_far = 1e3, k_lift = 2e-4;   // metres
-constexpr Vec3 k_object = {0.60, 0.44, 0.30};  // reflectance: varnished wood
-constexpr double k_depth_dark = 0.9;           // how fast it darkens below the sand's surface, as the library's own
-constexpr double k_deepest = 1.5;              // radii below the surface at which a grain is still seen
-constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; no shadow falls beyond
-constexpr Vec3 k_metal = {0.86, 0.86, 0.84};   // of zinc, straight on
-constexpr double k_metal_alpha = 0.06;         // roughness, as GGX has it
+constexpr double k_far = 1e3;                             // metres
+constexpr double k_lift = 2e-4, k_lift_of_grains = 5e-6;  // of rays off what they start at
+constexpr Vec3 k_object = {0.60, 0.44, 0.30};             // reflectance: varnished wood
+constexpr double k_catcher_reach = 6.0;                   // metres from the object's foot; no shadow falls beyond
+constexpr Vec3 k_metal = {0.86, 0.86, 0.84};              // of zinc, straight on
+constexpr double k_metal_alpha = 0.06;                    // roughness, as GGX has it
 constexpr int k_bounces = 6;
 constexpr uint64_t k_composite_stream = 41, k_truth_stream = 42;
 
-enum class Surface { none, floor, object, grain, metal };  // as ShotPicture::Seen
+enum class Surface { none, floor, object, sand, metal };  // as ShotPicture::Seen
 
 struct Hit {
   Surface surface = Surface::none;
@@ -40,21 +47,25 @@ struct Hit {
   uint32_t triangle = 0;  // of the object
 };
 
+Vec3 lifted(const Hit& hit) {
+  return hit.point + hit.normal * (hit.surface == Surface::sand ? k_lift_of_grains : k_lift);
+}
+
 }  // namespace
 
 struct ShotPicture::State {
   EmbreeScene object;
-  SphereCaster grains;
   LitObject standing;
-  std::vector<float> centres;
-  double grain_radius;
+  SandShape sand;
+  EmbreeScene surface;                   // of the sand
+  std::unique_ptr<PackedGrains> grains;  // of the truth, where one is asked for
 
-  State(const LitObject& of, std::span<const float> xyz, float radius)
+  State(const LitObject& of, const SandShape& shape)
       : object(EmbreeScene::triangles(of.mesh.vertices, of.mesh.indices)),
-        grains(xyz, radius),
         standing(of),
-        centres(xyz.begin(), xyz.end()),
-        grain_radius(static_cast<double>(radius)) {}
+        sand(shape),
+        surface(shape.indices.empty() ? EmbreeScene::spheres({})
+                                      : EmbreeScene::triangles(places_of(shape), shape.indices)) {}
 
   Vec3 corner(uint32_t triangle, uint32_t k) const {
     const uint32_t vertex = standing.mesh.indices[3 * static_cast<size_t>(triangle) + k];
@@ -89,7 +100,7 @@ struct ShotPicture::State {
     return values;
   }
 
-  Hit closest(Vec3 origin, Vec3 direction) const {
+  Hit closest_but_sand(Vec3 origin, Vec3 direction) const {
     Hit hit;
     if (direction.y < 0.0 && origin.y > 0.0) {
       const double distance = -origin.y / direction.y;
@@ -110,23 +121,25 @@ struct ShotPicture::State {
         if (dot(smooth, direction) < 0.0 && dot(smooth, hit.normal) > 0.0) hit.normal = smooth;
       }
     }
-    SphereHit on_grain;
-    on_grain.distance = hit.distance;
-    if (grains.closest(origin, direction, &on_grain)) {
-      hit.surface = Surface::grain;
-      hit.distance = on_grain.distance;
-      const float* c = centres.data() + 3 * static_cast<size_t>(on_grain.index);
-      const Vec3 outward = normalised(origin + direction * hit.distance - Vec3{c[0], c[1], c[2]});
-      // Faces, but one size: the shadows of the sand are those of spheres of the mean radius.
-      hit.normal = grain_normal(on_grain.index, outward);
-      hit.reflectance = grain_colour(on_grain.index);
+    hit.point = origin + direction * hit.distance;
+    return hit;
+  }
+
+  // With the grains of the truth where there are any, else with the surface of the sand.
+  Hit closest(Vec3 origin, Vec3 direction) const {
+    Hit hit = closest_but_sand(origin, direction);
+    if (grains) {
+      if (const std::optional<PackedGrains::Hit> grain = grains->closest(origin, direction, hit.distance))
+        hit = {Surface::sand, grain->distance, {}, grain->normal, grain->albedo};
+    } else if (const EmbreeHit on_sand = surface.closest(origin, direction, hit.distance); on_sand.found) {
+      hit = {Surface::sand, static_cast<double>(on_sand.distance), {}, on_sand.unit_normal(), {}};
     }
     hit.point = origin + direction * hit.distance;
     return hit;
   }
 
   bool blocked(Vec3 origin, Vec3 direction, double limit) const {
-    return object.occluded(origin, direction, limit) || grains.occluded(origin, direction, limit);
+    return object.occluded(origin, direction, limit) || (grains && grains->occluded(origin, direction, limit));
   }
 };
 
@@ -138,8 +151,7 @@ double left_by(const std::vector<FloorShadow>& shadows, double x, double z) {
   return share;
 }
 
-// What the shadows leave at a place of the floor, or of the sand: of the light that is not the main light's, and of the
-// main light.
+// What the shadows leave at a place of the floor: of the light that is not the main light's, and of the main light.
 struct Left {
   double ambient = 1.0, main = 1.0;
 };
@@ -152,6 +164,8 @@ double ambient_left(const std::vector<FloorShadow>& shadows, double s, double x,
   return share;
 }
 
+Vec3 not_below_0(Vec3 v) { return {std::max(v.x, 0.0), std::max(v.y, 0.0), std::max(v.z, 0.0)}; }
+
 // The share of the main light.
 double main_of(const ShotLight& light) { return static_cast<double>(light.main_share); }
 
@@ -161,23 +175,27 @@ Left left_on_floor(const SceneShadows& shadows, const PlacedLight& light, double
       left_by(shadows.object, x, z) * left_by(shadows.pile, x, z)};
 }
 
-Left left_on_sand(const SceneShadows& shadows, const PlacedLight& light, const Hit& hit, double radius) {
-  const Vec3 p = hit.point;
-  Left left = {ambient_left(shadows.ambient, main_of(light.object), p.x, p.z) *
-                   ambient_left(shadows.sky_on_sand, main_of(light.sand), p.x, p.z),
-               left_by(shadows.pile_on_sand, p.x, p.z)};
-  for (const FloorShadow& heights : shadows.heights) {
-    const double surface = shadows.most_height * (1.0 - floor_transparency(heights, p.x, p.z));
-    // What is seen lies near the surface. Sand that falls is soon far below that of an older texture.
-    left.ambient /= 1.0 + k_depth_dark * std::clamp((surface - p.y) / radius, 0.0, k_deepest);
-  }
+// What the kit asks for. The main light is what faces it gets, beyond what the harmonics hold of it.
+SandLight light_of_sand(const PlacedLight& light, const SceneShadows& shadows, bool textured) {
+  const ShotLight& sand = light.sand;
   const Vec3 towards = main_direction_of(light.object);  // the object's shadow is made for it
-  if (towards.y > 0.0) {
-    // Where the main light through this point would meet the floor.
-    const Vec3 foot = p - towards * (p.y / towards.y);
-    left.main *= left_by(shadows.object, foot.x, foot.z);
-  }
-  return left;
+  SandLight kit;
+  kit.to_light = main_direction_of(sand);
+  kit.sun = main_by_cosine(sand, kit.to_light);
+  kit.around = [&sand](Vec3 n) { return not_below_0(shown_by(sand, n) - main_in_harmonics(sand, n)); };
+  kit.around_below = [&sand](Vec3 n) { return from_floor(sand, n); };
+  kit.pile_passed = [&shadows, textured](Vec3 p) { return textured ? left_by(shadows.pile_on_sand, p.x, p.z) : 1.0; };
+  kit.object_passed = [&shadows, textured, towards](Vec3 p) {
+    if (!textured || towards.y <= 0.0) return 1.0;
+    const Vec3 foot = p - towards * (p.y / towards.y);  // where the main light through the place would meet the floor
+    return left_by(shadows.object, foot.x, foot.z);
+  };
+  kit.under_sky = [&shadows, &light, textured](Vec3 p) {
+    if (!textured) return 1.0;
+    return ambient_left(shadows.ambient, main_of(light.object), p.x, p.z) *
+           ambient_left(shadows.sky_on_sand, main_of(light.sand), p.x, p.z);
+  };
+  return kit;
 }
 
 // A direction that metal reflects light from, drawn as often as its facets lie that way, and the share that it reflects
@@ -202,8 +220,8 @@ Vec3 among_equals(double open, Vec3 reflectance) {
 
 }  // namespace
 
-ShotPicture::ShotPicture(const LitObject& object, std::span<const float> grains, float grain_radius)
-    : state_(std::make_unique<State>(object, grains, grain_radius)) {}
+ShotPicture::ShotPicture(const LitObject& object, const SandShape& sand)
+    : state_(std::make_unique<State>(object, sand)) {}
 
 RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& camera, const PlacedLight& light,
                                    const SceneShadows& shadows, CastShadow cast,
@@ -225,19 +243,7 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     Vec3 sum;
     for (size_t j = 0; j < k_harmonics; ++j) sum = sum + from_floats(sh + 3 * j) * transfer[j];
     const double open = options.lit_by_itself ? std::clamp(transfer[0] / k_harmonic_factors[0], 0.0, 1.0) : 1.0;
-    return product({std::max(sum.x, 0.0), std::max(sum.y, 0.0), std::max(sum.z, 0.0)},
-                   among_equals(open, hit.reflectance));
-  };
-  const auto grain_shown = [&](const Hit& hit) {
-    const Vec3 all = shown_by(light.sand, hit.normal), main = main_by_cosine(light.sand, hit.normal);
-    // Below a grain of a pile are other grains, and they give what `among_equals` says.
-    const Vec3 below = shadows.heights.empty() ? Vec3{} : from_floor(light.sand, hit.normal);
-    const Vec3 without = all - main_in_harmonics(light.sand, hit.normal) - below;
-    const Vec3 rest = {std::max(without.x, 0.0), std::max(without.y, 0.0), std::max(without.z, 0.0)};
-    if (!textured) return all;
-    const Left left = left_on_sand(shadows, light, hit, state_->grain_radius);
-    const double open = options.lit_by_itself ? left.ambient : 0.5 * (1.0 + hit.normal.y) * left.ambient;
-    return product(rest * open, among_equals(open, hit.reflectance)) + main * left.main;
+    return product(not_below_0(sum), among_equals(open, hit.reflectance));
   };
   const auto metal_shown = [&](const Hit& hit, Vec3 direction, Random* random) {
     const double a = random->uniform(), b = random->uniform();
@@ -245,13 +251,18 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     return product(metal_share(direction, hit.normal),
                    light.reflected ? light.reflected(from) : shown_by(light.object, from));
   };
+  const SandLight light_there = light_of_sand(light, shadows, textured);
+  const SandLayer sand(state_->sand, light_there, {camera.eye, camera.right, camera.up, camera.forward, camera.focal},
+                       {options.width, options.height, options.samples}, options.threads, options.kit);
   RadianceMap picture(options.width, options.height);
-  const auto colour_of = [&](Vec3 direction, Random* random) {
-    const Hit hit = state_->closest(camera.eye, direction);
+  const auto colour_of = [&](Vec3 direction, const SandLayer::Sample& of_sand, Random* random) {
+    const Hit hit = state_->closest_but_sand(camera.eye, direction);
+    if (static_cast<double>(of_sand.depth) < dot(hit.point - camera.eye, camera.forward))
+      return limited(from_floats(of_sand.radiance));
     if (hit.surface == Surface::metal) return limited(metal_shown(hit, direction, random));
     if (hit.surface == Surface::none) return room.seen(camera, direction);
     if (hit.surface == Surface::floor) return room.seen(camera, direction) * floor_left(hit);
-    return limited(product(hit.reflectance, hit.surface == Surface::object ? object_shown(hit) : grain_shown(hit)));
+    return limited(product(hit.reflectance, object_shown(hit)));
   };
   ThreadPool(options.threads).run(static_cast<uint32_t>(options.height), [&](uint32_t row) {
     const int y = static_cast<int>(row);
@@ -261,7 +272,7 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
       const int n = options.samples;
       for (int i = 0; i < n * n; ++i) {
         const double sx = x + (i % n + random.uniform()) / n, sy = y + (i / n + random.uniform()) / n;
-        sum = sum + colour_of(normalised(camera.ray(sx, sy, options.width, options.height)), &random);
+        sum = sum + colour_of(normalised(camera.ray(sx, sy, options.width, options.height)), sand.at(x, y, i), &random);
       }
       picture.set(x, y, sum * (1.0 / (n * n)));
     }
@@ -288,6 +299,7 @@ std::vector<ShotPicture::Seen> ShotPicture::seen(const ShotCamera& camera, int w
 
 RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camera,
                                const ShotPictureOptions& options) const {
+  if (!state_->grains && !state_->sand.indices.empty()) state_->grains = std::make_unique<PackedGrains>(state_->sand);
   // The floor hides what lies below the horizon, and is itself what one sees there. Light on the floor is sampled by
   // its cosine too.
   const ViewRotation rotation(room.view);
@@ -324,7 +336,7 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
         if (mirrored) sum = sum + product(throughput, look_up(above, rotation.to_rotated(direction)));
         break;
       }
-      origin = hit.point + hit.normal * k_lift;
+      origin = lifted(hit);
       if (mirrored && hit.surface == Surface::metal) {
         throughput = product(throughput, metal_share(direction, hit.normal));
         const double a = random->uniform(), b = random->uniform();
@@ -363,7 +375,7 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
           ++behind;
           continue;
         }
-        const Vec3 start = hit.point + hit.normal * k_lift;
+        const Vec3 start = lifted(hit);
         if (hit.surface == Surface::metal) {
           const double a = random.uniform(), b = random.uniform();
           const Vec3 from = reflected_from(direction, hit.normal, a, b);
@@ -405,7 +417,7 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
 #else
 
 struct ShotPicture::State {};
-ShotPicture::ShotPicture(const LitObject&, std::span<const float>, float) {
+ShotPicture::ShotPicture(const LitObject&, const SandShape&) {
   throw Failure("cannot draw a shot: this build lacks Embree. Install it, configure and build again.");
 }
 RadianceMap ShotPicture::composite(const Surroundings&, const ShotCamera&, const PlacedLight&, const SceneShadows&,

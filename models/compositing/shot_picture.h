@@ -1,16 +1,15 @@
 // One instant of a shot as a picture: composited as an app does, and path traced as the truth.
 //
 // Composite. The background is the camera's image. The floor keeps A - s c of what the camera shows of it: A is what
-// the ambient shadows leave of the room's light, s the main light's share, c what the sharp textures cover. Object and
-// grains get the room's harmonics, the object by the nine numbers of its vertices, which know what it hides from
-// itself, a grain by its normal and by what the sand's texture leaves at its depth, less what the sharp textures take
-// of the main light and without the floor's part, because below a grain of a pile is sand. What a thing does not see of
-// the room it sees of itself, and that is as bright: where it is open to the share v, light is 1 / (1 - rho (1 - v))
-// times as strong. Nothing is traced but where things are.
+// the ambient shadows leave of the room's light, s the main light's share, c what the sharp textures cover. The object
+// gets the room's harmonics by the nine numbers of its vertices, which know what it hides from itself. What it does not
+// see of the room it sees of itself, and that is as bright: where it is open to the share v, light is 1 / (1 - rho (1 - v))
+// times as strong. Sand is drawn by the kit. Nothing is traced but where things are.
 //
 // Metal reflects the room by the library's cube; it does not know what stands beside it.
 //
-// Truth. Object and grains stand in the light of the warped panorama, on a floor that only catches shadows and reflects
+// Truth. The sand is grains of 0.6 mm, balls of many sizes packed along its surface (grains.h). Object and grains stand in
+// the light of the warped panorama, on a floor that only catches shadows and reflects
 // light. Where the floor is seen, the panorama's radiance is multiplied by the irradiance with what stands on it and
 // divided by that without (differential rendering, Debevec 1998). The floor's reflectance is that which explains its
 // own radiance around the object. Both pictures go through the same camera.
@@ -23,7 +22,8 @@
 
 #include "models/compositing/shot_camera.h"
 #include "models/compositing/surroundings.h"
-#include "models/drawing/render.h"
+#include "models/drawing/sand_layer.h"
+#include "models/drawing/sand_shape.h"
 #include "models/mesh/mesh.h"
 #include "models/rooms/panorama.h"
 #include "models/simulation/floor_shadow.h"
@@ -50,14 +50,15 @@ struct ShotPictureOptions {
   int samples = 3;  // composite: per pixel and axis
   int paths = 64;   // truth: per pixel
   uint32_t threads = 1;
-  // Composite. False is a control: nothing is lit by itself, and below a grain is what its harmonics hold, by half.
+  // Composite. False is a control: the object is not lit by itself, and sand is as its grains are, alone.
   bool lit_by_itself = true;
+  KitChange kit = {};  // of the composite's sand, for controls
 };
 
 class ShotPicture {
  public:
   // Needs Embree, else a Failure.
-  ShotPicture(const LitObject& object, std::span<const float> grains, float grain_radius);
+  ShotPicture(const LitObject& object, const SandShape& sand);
   ~ShotPicture();
   ShotPicture(const ShotPicture&) = delete;
   ShotPicture& operator=(const ShotPicture&) = delete;
@@ -67,7 +68,7 @@ class ShotPicture {
                         const SceneShadows& shadows, CastShadow cast, const ShotPictureOptions& options) const;
   // What fills a pixel; `nothing` also where different things share it. The place and the normal are its middle's.
   struct Seen {
-    enum What { nothing, floor, object, grain, metal } what = nothing;
+    enum What { nothing, floor, object, sand, metal } what = nothing;
     Vec3 point, normal;
   };
   std::vector<Seen> seen(const ShotCamera& camera, int width, int height) const;

@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
+#include <optional>
 #include <vector>
 
+#include "models/drawing/sand_layer.h"
 #include "models/tracing/directions.h"
 #include "models/tracing/sphere_caster.h"
 #include "models/work/thread_pool.h"
@@ -19,26 +20,24 @@ namespace {
 
 constexpr double k_azimuth_deg = 28.0, k_elevation_deg = 20.0;  // where the automatic camera stands
 constexpr double k_margin = 1.18;                               // room around what the camera frames
-// Points towards the light at the front left; its length is nearly 1.
-constexpr Vec3 k_sun = {-0.5144957554275266, 0.7717436331412899, 0.3736};
 constexpr double k_sun_radius = 0.03;  // radians; about six times the real sun's, so that penumbrae show
-constexpr Vec3 k_sand = {0.56, 0.36, 0.17};
-constexpr double k_colour_spread = 0.28;    // relative, between grains
+constexpr Vec3 k_ball = {0.56, 0.36, 0.17};
 constexpr double k_occlusion_reach = 0.35;  // of the box's diagonal
 constexpr double k_fade_from = 4.0;         // the floor begins to fade this many box diagonals from the target
 // Lifts secondary rays off their surface: a share of 100 sphere radii on a sphere, of the box's diagonal elsewhere.
 constexpr double k_offset = 1e-4;
 constexpr double k_far = 1e4;  // metres
+constexpr double k_even_steps[4] = {0.8566748838545029, 0.7338918566271260, 0.6287067210378087, 0.5385972572236101};
 
-// The lights, and the reflectances of everything that is not sand.
-struct Look {
-  Vec3 sun_light, sky_light, light_tile, dark_tile, solid, horizon, zenith;
-};
-constexpr Look k_measuring = {{2.3, 2.15, 1.9},   {0.55, 0.62, 0.73}, {0.37, 0.38, 0.40}, {0.27, 0.28, 0.30},
-                              {0.16, 0.30, 0.44}, {0.80, 0.83, 0.86}, {0.42, 0.55, 0.72}};
-// Both tiles have the same colour, so the floor has no checker.
-constexpr Look k_plain = {{3.0, 2.55, 1.95},  {0.46, 0.50, 0.56}, {0.52, 0.50, 0.46}, {0.52, 0.50, 0.46},
-                          {0.09, 0.24, 0.33}, {0.86, 0.82, 0.75}, {0.62, 0.66, 0.70}};
+constexpr Vec3 k_sun_light = {3.0, 2.75, 2.35}, k_sky_light = {0.46, 0.50, 0.56};  // irradiance; radiance
+constexpr Vec3 k_floor = {0.52, 0.50, 0.46}, k_solid = {0.09, 0.24, 0.33};
+constexpr Vec3 k_horizon = {0.86, 0.82, 0.75}, k_zenith = {0.62, 0.66, 0.70};
+constexpr double k_reflected = 0.12;  // of the sky's light, where something near hides it
+constexpr double k_exposure = 1.15;
+
+// A coin of one euro: metres, and its two metals.
+constexpr double k_coin = 0.01163, k_coin_middle = 0.0083, k_coin_height = 0.00233;
+constexpr Vec3 k_gold = {0.55, 0.42, 0.20}, k_silver = {0.52, 0.52, 0.50};
 
 uint32_t hash(uint32_t value) {
   value ^= value >> 16;
@@ -201,62 +200,113 @@ bool hit_solid(const Solid& solid, Vec3 origin, Vec3 direction, SurfaceHit* hit)
   return found;
 }
 
-// The largest of 1, 2 or 5 times a power of ten that is at most `limit`.
-double round_length(double limit) {
-  const double power = std::pow(10.0, std::floor(std::log10(limit)));
-  return limit >= 5.0 * power ? 5.0 * power : limit >= 2.0 * power ? 2.0 * power : power;
-}
-
-std::string length_text(double metres) {
-  char text[32];
-  if (metres >= 1.0) std::snprintf(text, sizeof text, "%g m", metres);
-  else if (metres >= 0.01) std::snprintf(text, sizeof text, "%g cm", std::round(metres * 1e4) / 100.0);
-  else std::snprintf(text, sizeof text, "%g mm", std::round(metres * 1e5) / 100.0);
-  return text;
-}
-
-std::vector<float> sizes_of(const SceneView& view) {
-  std::vector<float> sizes(view.grains ? view.spheres.size() / 3 : 0);
-  for (size_t i = 0; i < sizes.size(); ++i) sizes[i] = grain_size(static_cast<uint32_t>(i));
+// Of the particles that cast shadows: what lies loose is grains, too few to cast one; what flies covers less than a ball.
+std::vector<float> ball_sizes(const SceneView& view) {
+  constexpr float k_flying = 0.5f;
+  if (view.sand == nullptr) return {};
+  std::vector<float> sizes(view.spheres.size() / 3, 1.0f);
+  const std::vector<sandglass_skin_loose>& loose = view.sand->loose;
+  for (size_t i = 0; i < loose.size(); ++i)
+    if (loose[i].number < sizes.size())
+      sizes[loose[i].number] = i < view.sand->flying ? k_flying : std::max(0.0f, 1.0f - 2.0f * loose[i].weight);
   return sizes;
 }
 
 struct Tracer {
   const SceneView& view;
-  const Look& look;
   SphereCaster caster;
   std::vector<Solid> solids;
   CameraFrame frame;
-  double diagonal, tile;
-  Vec3 sun = normalised(k_sun);
+  double diagonal;
+  Vec3 sun;
   double sun_spread = k_sun_radius;
+  std::optional<Vec3> coin;  // the middle of its lower face
+  std::optional<SandLayer> sand;
 
-  Tracer(const SceneView& v, const Look& l)
+  Tracer(const SceneView& v, const RenderOptions& options)
       : view(v),
-        look(l),
-        caster(v.spheres, v.radius, sizes_of(v)),
+        caster(v.spheres, v.radius, ball_sizes(v)),
         frame(v.camera),
-        diagonal(std::max(1e-6, length(v.bounds.high - v.bounds.low))) {
-    const double extent = std::max(v.bounds.high.x - v.bounds.low.x, v.bounds.high.z - v.bounds.low.z);
-    if (length(v.to_light) > 0.0) sun = normalised(v.to_light);
+        diagonal(std::max(1e-6, length(v.bounds.high - v.bounds.low))),
+        sun(normalised(v.to_light)) {
     if (!v.shadows.empty()) sun_spread = std::tan(v.shadows[0].half_angle);
-    tile = round_length(std::max(extent, 0.5 * diagonal) / 6.0);
     for (const sandglass_collider& c : v.colliders) {
       const Quaternion q = {c.rotation[0], c.rotation[1], c.rotation[2], c.rotation[3]};
       const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
       solids.push_back({c.shape, from_floats(c.position), from_floats(c.size),
                         norm > 0.0 ? normalised(q) : k_no_rotation, c.field, is_container(c)});
     }
+    if (options.coin) place_coin();
+    if (v.sand == nullptr) return;
+    const SandLight light = sand_light();
+    sand.emplace(*v.sand, light, Eye{v.camera.eye, frame.right, frame.up, frame.forward, frame.focal},
+                 SandLayer::Size{options.width, options.height, options.samples}, options.threads);
   }
 
-  Vec3 background(Vec3 direction) const {
-    return mixed(look.horizon, look.zenith, std::clamp(direction.y * 1.6, 0.0, 1.0));
+  // Before the sand and to its right, where a level floor is.
+  void place_coin() {
+    const Bounds& b = view.bounds;
+    const Vec3 middle = {0.5 * (b.low.x + b.high.x), 0.0, 0.5 * (b.low.z + b.high.z)};
+    const double reach = 0.5 * std::max(b.high.x - b.low.x, b.high.z - b.low.z) + 3.0 * k_coin;
+    const Vec3 forward = normalised(Vec3{frame.forward.x, 0.0, frame.forward.z});
+    for (const Solid& solid : solids) {
+      if (solid.shape != SANDGLASS_SHAPE_HALF_SPACE || rotate(solid.rotation, {0, 1, 0}).y < 0.9999) continue;
+      const Vec3 at = middle + (frame.right * 0.5 - forward) * (reach / std::sqrt(1.25));
+      coin = Vec3{at.x, solid.position.y, at.z};
+      return;
+    }
   }
+
+  // Its albedo; none beside it.
+  std::optional<Vec3> hit_coin(Vec3 origin, Vec3 direction, SurfaceHit* hit) const {
+    if (!coin) return std::nullopt;
+    const Vec3 o = origin - *coin;
+    const double top = (k_coin_height - o.y) / direction.y;
+    if (direction.y < 0.0 && top > 0.0 && top < hit->distance) {
+      const double r = std::hypot(o.x + top * direction.x, o.z + top * direction.z);
+      if (r < k_coin) {
+        *hit = {top, {0, 1, 0}};
+        return r < k_coin_middle ? k_silver : k_gold;
+      }
+    }
+    const double a = direction.x * direction.x + direction.z * direction.z, b = o.x * direction.x + o.z * direction.z;
+    const double gap = b * b - a * (o.x * o.x + o.z * o.z - k_coin * k_coin);
+    if (a == 0.0 || gap < 0.0) return std::nullopt;
+    const double side = (-b - std::sqrt(gap)) / a, height = o.y + side * direction.y;
+    if (side <= 0.0 || side >= hit->distance || height < 0.0 || height > k_coin_height) return std::nullopt;
+    *hit = {side, Vec3{o.x + side * direction.x, 0.0, o.z + side * direction.z} * (1.0 / k_coin)};
+    return k_gold;
+  }
+
+  SandLight sand_light() const {
+    SandLight light;
+    light.to_light = sun;
+    light.sun = k_sun_light * (k_exposure / std::numbers::pi);
+    const Vec3 sky = k_sky_light * k_exposure, below = scaled(k_floor, light.sun * std::max(sun.y, 0.0) + sky);
+    light.around_below = [below](Vec3 n) { return below * (0.5 - 0.5 * n.y); };
+    light.around = [below, sky](Vec3 n) { return sky * (0.5 + 0.5 * n.y) + below * (0.5 - 0.5 * n.y); };
+    const auto left = [this](const std::vector<FloorShadow> SceneShadows::*which) {
+      return [this, which](Vec3 p) {
+        double share = 1.0;
+        if (view.on_sand != nullptr)
+          for (const FloorShadow& shadow : view.on_sand->*which) share *= floor_transparency(shadow, p.x, p.z);
+        return share;
+      };
+    };
+    light.pile_passed = left(&SceneShadows::pile_on_sand);
+    light.under_sky = left(&SceneShadows::sky_on_sand);
+    light.object_passed = [this](Vec3 p) { return hidden_by_solid(p, sun, k_far, false) ? 0.0 : 1.0; };
+    return light;
+  }
+
+  static Vec3 background(Vec3 direction) { return mixed(k_horizon, k_zenith, std::clamp(direction.y * 1.6, 0.0, 1.0)); }
 
   // With `catcher` the point lies on a floor. There the shadows of some solids are textures, so these solids do not
   // count.
-  bool blocked(Vec3 origin, Vec3 direction, double limit, bool catcher = false) const {
-    if (caster.occluded(origin, direction, limit)) return true;
+  bool blocked(Vec3 origin, Vec3 direction, double limit, bool catcher) const {
+    return caster.occluded(origin, direction, limit) || hidden_by_solid(origin, direction, limit, catcher);
+  }
+  bool hidden_by_solid(Vec3 origin, Vec3 direction, double limit, bool catcher) const {
     SurfaceHit hit;
     hit.distance = limit;
     for (const Solid& solid : solids) {
@@ -277,64 +327,65 @@ struct Tracer {
     return share;
   }
 
-  Vec3 tile_colour(const Solid& floor, Vec3 at) const {
-    const Vec3 local = floor.to_local(at - floor.position);
-    const auto odd = [&](double value) { return static_cast<int64_t>(std::floor(value / tile)) & 1; };
-    return odd(local.x) == odd(local.z) ? look.light_tile : look.dark_tile;
-  }
-
-  Vec3 trace(Vec3 origin, Vec3 direction, uint32_t* random) const {
+  // What is seen along a ray, in front of `limit`, which is where sand is; none: the sand.
+  // `even`: four numbers that fill 0..1 evenly from sample to sample of a pixel.
+  std::optional<Vec3> trace(Vec3 origin, Vec3 direction, double limit, const double (&even)[4]) const {
     SphereHit sphere;
     sphere.distance = k_far;
-    const bool on_sphere = caster.closest(origin, direction, &sphere);
+    const bool on_sphere = view.sand == nullptr && caster.closest(origin, direction, &sphere);
     SurfaceHit surface;
     surface.distance = on_sphere ? sphere.distance : k_far;
     const Solid* solid = nullptr;
     for (const Solid& candidate : solids)
       if (hit_solid(candidate, origin, direction, &surface)) solid = &candidate;
+    const std::optional<Vec3> metal = hit_coin(origin, direction, &surface);
+    if (limit < surface.distance) return std::nullopt;
     if (!on_sphere && solid == nullptr) return background(direction);
 
     const Vec3 at = origin + direction * surface.distance;
-    Vec3 normal = surface.normal, albedo = look.solid;
+    Vec3 normal = surface.normal, albedo = metal ? *metal : solid != nullptr ? k_solid : k_ball;
     double fade = 0.0;
-    if (solid == nullptr) {
-      normal = normalised(at - from_floats(view.spheres.data() + 3 * static_cast<size_t>(sphere.index)));
-      albedo = grain_colour(sphere.index);
-      if (view.grains) normal = grain_normal(sphere.index, normal);
-    } else if (solid->shape == SANDGLASS_SHAPE_HALF_SPACE) {
-      albedo = tile_colour(*solid, at);
+    const bool floor = !metal && solid != nullptr && solid->shape == SANDGLASS_SHAPE_HALF_SPACE;
+    const bool ball = !metal && solid == nullptr;
+    if (ball) normal = normalised(at - from_floats(view.spheres.data() + 3 * static_cast<size_t>(sphere.index)));
+    if (floor) {
+      albedo = k_floor;
       fade = std::clamp(length(at - view.camera.target) / (k_fade_from * diagonal) - 1.0, 0.0, 1.0);
     }
-    const Vec3 start = at + normal * (k_offset * (solid == nullptr ? 100.0 * view.radius : diagonal));
+    const Vec3 start = at + normal * (k_offset * (ball ? 100.0 * static_cast<double>(view.radius) : diagonal));
 
-    const double turn = 2.0 * std::numbers::pi * unit_random(random),
-                 spread = sun_spread * std::sqrt(unit_random(random));
+    const double turn = 2.0 * std::numbers::pi * even[0], spread = sun_spread * std::sqrt(even[1]);
     const Vec3 to_sun = normalised(Frame(sun).world(spread * std::cos(turn), spread * std::sin(turn), 1.0));
     const double facing = dot(normal, to_sun);
-    const bool floor = solid != nullptr && solid->shape == SANDGLASS_SHAPE_HALF_SPACE;
     Vec3 light = {};
-    if (facing > 0.0 && !blocked(start, to_sun, k_far, floor)) light = look.sun_light * (facing / std::numbers::pi);
+    if (facing > 0.0 && !blocked(start, to_sun, k_far, floor)) light = k_sun_light * (facing / std::numbers::pi);
     if (floor) light = light * transparency(at);
 
-    const double sky_turn = 2.0 * std::numbers::pi * unit_random(random), sine = std::sqrt(unit_random(random));
+    const double sky_turn = 2.0 * std::numbers::pi * even[2], sine = std::sqrt(even[3]);
     const Vec3 to_sky =
         Frame(normal).world(sine * std::cos(sky_turn), sine * std::sin(sky_turn), std::sqrt(1.0 - sine * sine));
-    if (!blocked(start, to_sky, k_occlusion_reach * diagonal)) light = light + look.sky_light;
-    else light = light + look.sky_light * 0.12;  // light that other grains reflect
-    return mixed(scaled(albedo, light) * 1.15, background({direction.x, 0.0, direction.z}), fade);
+    const bool open = !blocked(start, to_sky, k_occlusion_reach * diagonal, false);
+    light = light + k_sky_light * (open ? 1.0 : k_reflected);
+    return mixed(scaled(albedo, light) * k_exposure, background({direction.x, 0.0, direction.z}), fade);
   }
 
   void draw_row(int y, const RenderOptions& options, Picture* picture) const {
     for (int x = 0; x < options.width; ++x) {
       Vec3 sum = {};
       uint32_t random = hash(static_cast<uint32_t>(y) * 65521u + static_cast<uint32_t>(x));
+      double shift[4];
+      for (double& number : shift) number = unit_random(&random);
       for (int s = 0; s < options.samples * options.samples; ++s) {
         const double sx = x + (s % options.samples + unit_random(&random)) / options.samples;
         const double sy = y + (s / options.samples + unit_random(&random)) / options.samples;
         const Vec3 direction =
             normalised(frame.forward * frame.focal + frame.right * ((sx - 0.5 * options.width) / options.height) +
                        frame.up * ((0.5 * options.height - sy) / options.height));
-        const Vec3 colour = trace(view.camera.eye, direction, &random);
+        const SandLayer::Sample none, &of_sand = sand ? sand->at(x, y, s) : none;
+        const double limit = static_cast<double>(of_sand.depth) / dot(direction, frame.forward);
+        double even[4];
+        for (size_t k = 0; k < 4; ++k) even[k] = lattice_point(shift[k], s, k_even_steps[k]);
+        const Vec3 colour = trace(view.camera.eye, direction, limit, even).value_or(from_floats(of_sand.radiance));
         sum = sum + Vec3{std::min(colour.x, 1.0), std::min(colour.y, 1.0), std::min(colour.z, 1.0)};
       }
       sum = sum * (1.0 / (options.samples * options.samples));
@@ -346,78 +397,7 @@ struct Tracer {
   }
 };
 
-constexpr Colour k_ink = {20, 24, 30};
-
-void draw_line(Picture* picture, PixelPlace a, PixelPlace b, int thickness) {
-  const int steps = static_cast<int>(std::max(std::fabs(a.x - b.x), std::fabs(a.y - b.y))) + 1;
-  for (int i = 0; i <= steps; ++i) {
-    const double t = static_cast<double>(i) / steps;
-    fill_rectangle(picture, static_cast<int>(a.x + (b.x - a.x) * t), static_cast<int>(a.y + (b.y - a.y) * t), thickness,
-                   thickness, k_ink);
-  }
-}
-
-// Draws a ruler at the left of the box, from its lower to its upper end; a scale bar, which is right at the depth of
-// the camera's target; and the size of a floor tile.
-void draw_scale(const SceneView& view, double tile, Picture* picture) {
-  const int w = picture->width, h = picture->height, scale = std::max(1, h / 400);
-  const CameraFrame frame(view.camera);
-  const Vec3 middle = (view.bounds.low + view.bounds.high) * 0.5;
-  const double reach = 0.5 * (std::fabs(frame.right.x) * (view.bounds.high.x - view.bounds.low.x) +
-                              std::fabs(frame.right.z) * (view.bounds.high.z - view.bounds.low.z));
-  const Vec3 foot = Vec3{middle.x, view.bounds.low.y, middle.z} - frame.right * reach;
-  const double top = view.bounds.high.y - view.bounds.low.y;
-  const auto place = [&](double height) { return project(view.camera, w, h, foot + Vec3{0, height, 0}); };
-  draw_line(picture, place(0.0), place(top), scale);
-  const double mark = round_length(std::max(top, 1e-6) / 3.0);
-  for (int i = 0; i * mark <= top * 1.0001; ++i) {
-    const PixelPlace at = place(i * mark);
-    fill_rectangle(picture, static_cast<int>(at.x) - 4 * scale, static_cast<int>(at.y), 5 * scale, scale, k_ink);
-    const std::string text = length_text(i * mark);
-    draw_text(picture, static_cast<int>(at.x) + 4 * scale, static_cast<int>(at.y) - 3 * scale, scale,
-              i == 0 ? "0" : text, k_ink);
-  }
-  const double pixels_per_metre = frame.focal * h / length(view.camera.target - view.camera.eye);
-  const double bar = round_length(w / 4.0 / pixels_per_metre);
-  const int bar_pixels = static_cast<int>(bar * pixels_per_metre), left = w - bar_pixels - 12 * scale,
-            y = h - 10 * scale;
-  for (int i = 0; i < 4; ++i)
-    fill_rectangle(picture, left + bar_pixels * i / 4, y, bar_pixels / 4, 4 * scale,
-                   i % 2 == 0 ? k_ink : Colour{245, 245, 245});
-  const std::string label = length_text(bar) + ", tile " + length_text(tile);
-  draw_text(picture, w - 11 * scale - text_width(scale, label), y - 10 * scale, scale, label, k_ink);
-}
-
 }  // namespace
-
-Vec3 grain_colour(uint32_t index) {
-  uint32_t state = index * 2u + 1u;
-  const double shade = 1.0 + k_colour_spread * (2.0 * unit_random(&state) - 1.0);
-  const double warmth = 0.10 * (2.0 * unit_random(&state) - 1.0);
-  return scaled(k_sand * shade, {1.0 + warmth, 1.0, 1.0 - warmth});
-}
-
-float grain_size(uint32_t index) {
-  constexpr double k_smallest = 0.75, k_largest = 1.2;
-  uint32_t state = index * 2u + 1u + 0x51ed270bu;
-  return static_cast<float>(k_smallest + (k_largest - k_smallest) * unit_random(&state));
-}
-
-Vec3 grain_normal(uint32_t index, Vec3 normal) {
-  constexpr int k_faces = 7;
-  constexpr double k_flat = 0.7;  // the rest keeps a face's rim round
-  uint32_t state = index * 2u + 1u + 0x2545f491u;
-  double nearest = 0.0;
-  Vec3 face = normal;
-  for (int k = 0; k < k_faces; ++k) {
-    const double height = 2.0 * unit_random(&state) - 1.0, turn = 2.0 * std::numbers::pi * unit_random(&state);
-    const double across = std::sqrt(1.0 - height * height), rim = 0.75 + 0.2 * unit_random(&state);
-    const Vec3 towards = {across * std::cos(turn), height, across * std::sin(turn)};
-    const double above = dot(normal, towards) - rim;  // cosines
-    if (above > nearest) nearest = above, face = towards;
-  }
-  return normalised(mixed(normal, face, k_flat));
-}
 
 void Bounds::add(Vec3 p) {
   low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -500,12 +480,11 @@ PixelPlace project(const Camera& camera, int width, int height, Vec3 point) {
 }
 
 Picture render(const SceneView& view, const RenderOptions& options) {
-  const Tracer tracer(view, options.plain ? k_plain : k_measuring);
+  const Tracer tracer(view, options);
   Picture picture(options.width, options.height, {0, 0, 0});
   ThreadPool(options.threads).run(static_cast<uint32_t>(options.height), [&](uint32_t row) {
     tracer.draw_row(static_cast<int>(row), options, &picture);
   });
-  if (options.scale) draw_scale(view, tracer.tile, &picture);
   return picture;
 }
 

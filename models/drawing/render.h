@@ -1,11 +1,12 @@
-// A small ray tracer, good enough to judge a pile of sand by eye: shaded grains of varying colour, a floor with a
-// checker, colliders, soft sun shadows, ambient occlusion, a ruler and a scale bar. The same input gives the same
-// picture.
+// A small ray tracer for a scene by itself: a floor, colliders, soft shadows of the sun, the room's light where nothing is
+// near, and sand as the kit draws it, or balls where particles are to be seen. A coin tells how large things are. The same
+// input gives the same picture.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
+#include "models/drawing/sand_shape.h"
 #include "models/files/image.h"
 #include "models/geometry/camera.h"
 #include "models/geometry/vec3.h"
@@ -26,29 +27,28 @@ struct Bounds {
 // with a margin. There is, for example, one box per instant of a run.
 Camera automatic_camera(std::span<const Bounds> boxes, double aspect);
 
-// How one grain of dry sand differs from the next; all of it depends on the grain's number.
-Vec3 grain_colour(uint32_t index);               // reflectance
-float grain_size(uint32_t index);                // its radius over the mean one
-Vec3 grain_normal(uint32_t index, Vec3 normal);  // that of a sphere, or of a face that is broken off it
+// From the front left.
+constexpr Vec3 k_sun = {-0.5144957554275266, 0.7717436331412899, 0.3736};
 
 struct SceneView {
   std::span<const float> spheres;  // 3 floats each
-  float radius = 0.01f;            // of a drawn sphere, metres
-  bool grains = false;             // the spheres differ in size and have faces
+  float radius = 0.01f;            // of a sphere, metres
+  // Drawn instead of the spheres, which then only cast shadows.
+  const SandShape* sand = nullptr;
+  const SceneShadows* on_sand = nullptr;  // of the sand on itself, main light and room's; null: none
   std::span<const sandglass_collider> colliders;
   Camera camera;
   std::span<const FloorShadow> shadows;
-  Vec3 to_light;  // length 0: the renderer's own sun
-  // Around what the camera looks at. It sets the size of the checker and the ruler, and the reach of the occlusion.
+  Vec3 to_light = k_sun;
+  // Around what the camera looks at. It sets the place of the coin, and the reach of the occlusion.
   Bounds bounds;
 };
 
 struct RenderOptions {
   int width = 960, height = 720;
-  int samples = 2;  // per pixel and axis
+  int samples = 3;  // per pixel and axis
   uint32_t threads = 4;
-  bool scale = true;   // draws the ruler, the scale bar and the size of a floor tile
-  bool plain = false;  // warm colours and a floor without checker: a picture to look at, not to measure in
+  bool coin = false;  // of one euro, beside what is seen, on its floor
 };
 
 Picture render(const SceneView& view, const RenderOptions& options);

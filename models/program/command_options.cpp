@@ -63,7 +63,6 @@ Options run_options(RunOptions& o) {
                standard("", {"--as", &o.as, "CORE", "Estimate the times of a phone's core from counted instructions",
                              one_of(phone_core_names())})),
       fills_partly({"--out", &o.out, "FOLDER", "Write reports, contact sheet, frames and film into this new folder"}),
-      {"--plain", &o.plain, "", "Draw without label, ruler and checker, in warmer colours"},
       writes({"--record", &o.record, "FILE", "Write what every frame was given and did to this file"}),
       excludes("--record", {"--replay", &o.replay, "FILE", "Repeat the run of such a file, to the bit"}),
   };

@@ -28,7 +28,6 @@ struct RunOptions {
   uint32_t frames = 0, threads = 1;  // frames 0: the scene's
   double budget_ms = -1.0;           // below 0: the scene's
   double fov_deg = 0.0;
-  bool plain = false;
   MeshOptions as_mesh;
   std::string as;  // a core of models/phones, or empty
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 
 #include "models/files/failure.h"
 #include "models/work/progress.h"
@@ -13,13 +14,11 @@ namespace sandglass::host {
 
 namespace {
 
-// The positions without those of removed particles.
-std::vector<float> present(const std::vector<float>& positions) {
-  std::vector<float> left;
-  left.reserve(positions.size());
+// The positions, of removed particles not a number.
+std::vector<float> present(std::vector<float> positions) {
   for (size_t i = 0; i < positions.size(); i += 3)
-    if (positions[i + 1] != SANDGLASS_REMOVED_Y) left.insert(left.end(), &positions[i], &positions[i] + 3);
-  return left;
+    if (positions[i + 1] == SANDGLASS_REMOVED_Y) std::fill_n(&positions[i], 3, std::numeric_limits<float>::quiet_NaN());
+  return positions;
 }
 
 }  // namespace
@@ -36,9 +35,11 @@ Run::Run(const RunOptions& options, uint32_t finest_level)
   if (!meshes.note().empty()) std::fprintf(stderr, "sandglass: note: %s\n", meshes.note().c_str());
   const Material material = fill_scene(&scene_, meshes.bodies());
   fields_.emplace(&scene_, MeshFile(options_.collider_mesh, options_.as_mesh.units()));
-  simulation_.emplace(describe(material, isa));
+  const sandglass_scene_desc desc = describe(material, isa);
+  simulation_.emplace(desc);
   if (phone_) phone_->follow(simulation_->handle());
   simulation_->add(material);
+  make_skin(desc);
   shadows_.emplace(scene_, isa);
   if (scene_.pile_shadow) {
     pile_.emplace(*scene_.pile_shadow, isa, scene_.shot ? scene_.pile_shadow->texels / 2 : 0);
@@ -137,6 +138,13 @@ sandglass_scene_desc Run::describe(const Material& material, sandglass_isa isa) 
   return desc;
 }
 
+void Run::make_skin(const sandglass_scene_desc& desc) {
+  sandglass_skin_desc of_skin = cpp::skin_desc(desc.granular);
+  of_skin.closed = behind_glass(colliders_over_frame(scene_, 0)) ? 1 : 0;
+  if (const cpp::Status made = skin_.create(of_skin); !made) throw cannot("make", "skin", made.reason);
+  simulation_->skin(skin_.get());
+}
+
 void Run::begin_report() {
   report_.scene = scene_.name;
   report_.isa = sandglass_isa_name(sandglass_scene_isa(simulation_->handle()));
@@ -163,7 +171,7 @@ void Run::begin_report() {
 uint64_t Run::hash() const {
   const uint64_t of_pile = pile_ ? sandglass_pile_shadow_hash(pile_->handle()) : 0;
   const uint64_t of_room = shot_ && shot_->room() != nullptr ? sandglass_room_hash(shot_->room()) : 0;
-  return sandglass_scene_hash(simulation_->handle()) + shadows_->hash() + of_pile + of_room;
+  return sandglass_scene_hash(simulation_->handle()) + shadows_->hash() + of_pile + of_room + skin_.hash();
 }
 
 void Run::light_shadows(uint32_t frame) {
@@ -206,8 +214,17 @@ void Run::take_snapshot(uint32_t frame, std::vector<sandglass_collider> collider
   Snapshot snapshot;
   snapshot.frame = frame;
   snapshot.time = frame * scene_.frame_step;
-  snapshot.grains = present(simulation_->grain_positions()),
   snapshot.particles = present(simulation_->particle_positions());
+  const auto radius = static_cast<float>(scene_.particle_radius);
+  if (frame > 0) {
+    snapshot.sand = shape_of(skin_.get(), radius);
+  } else {
+    LyingSand lying = {snapshot.particles, simulation_->particle_velocities(), colliders, radius};
+    std::copy_n(scene_.gravity, 3, lying.gravity);
+    snapshot.sand = SandShaper().shape(lying);  // no frame has made a skin yet
+  }
+  snapshot.sand.nozzles = flow_over_frame(scene_, snapshot.time).emitters;
+  snapshot.sand.seconds = scene_.frame_step;
   shadows_->draw(colliders, &snapshot.shadows);
   if (pile_) pile_->draw(&snapshot.shadows);
   snapshot.colliders = std::move(colliders);
@@ -218,8 +235,7 @@ void Run::take_snapshot(uint32_t frame, std::vector<sandglass_collider> collider
 
 void Run::execute() {
   const uint32_t particles = static_cast<uint32_t>(simulation_->particle_positions().size() / 3);
-  const uint32_t grains = static_cast<uint32_t>(simulation_->grain_positions().size() / 3);
-  const uint32_t step = snapshot_step(scene_.frames, scene_.frame_step, particles, grains);
+  const uint32_t step = snapshot_step(scene_.frames, scene_.frame_step, particles);
   const sandglass_clock cpu = clock_thread_cpu();
   const KeepingResults until_the_end;
   Progress progress("simulating " + scene_.name, scene_.frames);

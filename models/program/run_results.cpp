@@ -69,7 +69,6 @@ PictureSet Run::picture_set() const {
   set.particle_radius = scene_.particle_radius;
   set.camera = scene_.camera;
   set.threads = drawing_threads();
-  set.plain = options_.plain;
   set.film = !report_.interrupted;
   if (shot_)
     set.painter = [this](const Snapshot& snapshot, int width, int height, uint32_t threads) {

@@ -99,7 +99,6 @@ Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOpt
 void write_picture(const SampleOptions& options, const Points& points) {
   RenderOptions drawing;
   drawing.width = drawing.height = 960;
-  drawing.scale = false;
   SceneView view;
   view.spheres = points;
   view.radius = static_cast<float>(options.distance) * (options.where == "surface" ? 0.45f : 0.5f);

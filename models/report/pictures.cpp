@@ -18,6 +18,7 @@
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/simulation/scene_file.h"
+#include "models/simulation/scene_shadows.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
@@ -27,46 +28,47 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int k_cell_width = 640, k_cell_height = 480, k_columns = 4;
-constexpr size_t k_grain_cells = 12, k_particle_cells = 4;
+constexpr size_t k_sand_cells = 12, k_particle_cells = 4;
 constexpr int k_gap = 6;  // pixels between cells
 constexpr int k_large_width = 1280, k_large_height = 960;
 constexpr double k_film_period = 0.04;                    // seconds; 25 pictures a second
 constexpr double k_snapshot_bytes = 768.0 * 1048576.0;    // memory for all snapshots of a run
 constexpr int k_page_quality = 88, k_sheet_quality = 80;  // JPEG quality
-constexpr int k_plain_samples = 3;                        // per pixel and axis
-constexpr Colour k_ink = {20, 24, 30};
+constexpr uint32_t k_pile_texels = 128;
+
+// The shadow of the sand on itself, of one that has none of its own.
+SceneShadows shadow_on_sand(const Snapshot& snapshot, const Bounds& bounds, float radius) {
+  PileShadowTrack track;
+  const double margin = 4.0 * static_cast<double>(radius);
+  const double from[2] = {bounds.low.x, bounds.low.z}, to[2] = {bounds.high.x, bounds.high.z};
+  for (int axis = 0; axis < 2; ++axis) track.low[axis] = from[axis] - margin, track.high[axis] = to[axis] + margin;
+  track.texels = k_pile_texels;
+  PileShadow pile(track, SANDGLASS_ISA_AUTOMATIC, k_pile_texels / 2);
+  pile.set_light(snapshot.to_light);
+  SandShaper().shape({snapshot.particles, {}, snapshot.colliders, radius}, pile.handle());
+  SceneShadows shadows;
+  pile.draw(&shadows);
+  return shadows;
+}
 
 Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& base, bool particles, int width,
              int height) {
+  if (set.painter && !particles) return set.painter(snapshot, width, height, set.threads);
   SceneView view = base;
-  const uint32_t particle_count = static_cast<uint32_t>(snapshot.particles.size() / 3);
-  const uint32_t grain_count = static_cast<uint32_t>(snapshot.grains.size() / 3);
-  particles = particles || grain_count == 0;
-  view.spheres = particles ? snapshot.particles : snapshot.grains;
-  view.radius = particles ? static_cast<float>(set.particle_radius)
-                          : drawn_grain_radius(set.particle_radius, particle_count, grain_count);
-  view.grains = !particles;
+  view.spheres = snapshot.particles;
+  view.radius = static_cast<float>(set.particle_radius);
   view.colliders = snapshot.colliders;
   view.shadows = snapshot.shadows.object;
   view.to_light = snapshot.to_light;
+  const bool known = !snapshot.shadows.pile_on_sand.empty() && !snapshot.shadows.sky_on_sand.empty();
+  const SceneShadows made = known || particles ? SceneShadows{} : shadow_on_sand(snapshot, view.bounds, view.radius);
+  if (!particles) view.sand = &snapshot.sand, view.on_sand = known ? &snapshot.shadows : &made;
   RenderOptions options;
   options.width = width;
   options.height = height;
   options.threads = set.threads;
-  options.plain = set.plain;
-  options.scale = !set.plain;
-  if (set.plain) options.samples = k_plain_samples;
-  Picture picture =
-      set.painter && !particles ? set.painter(snapshot, width, height, set.threads) : render(view, options);
-  if (set.plain) return picture;
-  char label[96];
-  std::snprintf(label, sizeof label, "%s  t = %.2f s  frame %u%s", set.title.c_str(), snapshot.time, snapshot.frame,
-                particles ? "  particles" : "");
-  const int scale = std::max(1, height / 300);
-  const bool photographic = set.painter && !particles;  // any colour may be behind the label
-  if (photographic) draw_text(&picture, 8 + scale, 8 + scale, scale, label, {0, 0, 0});
-  draw_text(&picture, 8, 8, scale, label, photographic ? Colour{255, 255, 255} : k_ink);
-  return picture;
+  options.coin = true;
+  return render(view, options);
 }
 
 size_t evenly(size_t index, size_t count, size_t total) {
@@ -122,38 +124,38 @@ std::string write_film(const PictureSet& set, const std::string& frames_folder) 
 
 }  // namespace
 
-// The figures of the report's page. `particles` is null when the sheet has none.
+// The figures of the report's page.
 static std::vector<PageFigure> page_figures(const std::vector<Snapshot>& snapshots, const Picture& first,
-                                            const Picture& last, const Picture* particles, const Picture& sheet) {
+                                            const Picture& last, const Picture& particles, const Picture& sheet) {
   const ImageFile last_file = jpeg_file(last, k_page_quality);
   char moments[96];
   std::snprintf(moments, sizeof moments, "The scene at %.2f s and at %.2f s.", snapshots.front().time,
                 snapshots.back().time);
   std::vector<PageFigure> figures = {
       {"First and last frame", moments, jpeg_file(first, k_page_quality), last_file, "first", "last"}};
-  if (particles != nullptr)
-    figures.push_back({"What is simulated, what is drawn",
-                       "Particles carry contacts and friction; grains are carried along by them.",
-                       jpeg_file(*particles, k_page_quality), last_file, "particles", "grains"});
   figures.push_back(
-      {"Contact sheet",
-       "The run from left to right and top to bottom; where there are grains, the last row shows particles.",
-       jpeg_file(sheet, k_sheet_quality),
-       {},
-       "",
-       ""});
+      {"What is simulated, what is drawn",
+       "Particles carry contacts and friction; the sand is drawn by the surface that they have. The coin is one euro.",
+       jpeg_file(particles, k_page_quality), last_file, "particles", "sand"});
+  figures.push_back({"Contact sheet",
+                     "The run from left to right and top to bottom; the last row shows particles.",
+                     jpeg_file(sheet, k_sheet_quality),
+                     {},
+                     "",
+                     ""});
   return figures;
 }
 
-uint32_t snapshot_step(uint32_t frames, double frame_step, uint32_t particles, uint32_t grains) {
-  const double bytes = 12.0 * (static_cast<double>(particles) + grains) * frames;
+uint32_t snapshot_step(uint32_t frames, double frame_step, uint32_t particles) {
+  constexpr double k_skin_bytes = 90.0;  // a particle
+  const double bytes = (12.0 + k_skin_bytes) * particles * frames;
   const double step = std::max({1.0, std::round(k_film_period / frame_step), std::ceil(bytes / k_snapshot_bytes)});
   return static_cast<uint32_t>(step);
 }
 
 // The snapshots that the sheet shows.
 static std::vector<Snapshot> moments(const std::vector<Snapshot>& snapshots) {
-  const size_t count = std::min(k_grain_cells, snapshots.size());
+  const size_t count = std::min(k_sand_cells, snapshots.size());
   std::vector<Snapshot> few;
   for (size_t i = 0; i < count; ++i) few.push_back(snapshots[evenly(i, count, snapshots.size())]);
   return few;
@@ -164,11 +166,11 @@ std::string frames_folder(const std::string& folder) { return (fs::path(folder) 
 PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& snapshots) {
   PicturePaths paths;
   if (snapshots.empty()) return paths;
-  if (!set.film && snapshots.size() > k_grain_cells) return draw_pictures(set, moments(snapshots));
+  if (!set.film && snapshots.size() > k_sand_cells) return draw_pictures(set, moments(snapshots));
   SceneView view;
   std::vector<Bounds> boxes;
   for (const Snapshot& snapshot : snapshots) {
-    boxes.emplace_back().add_most(snapshot.grains.empty() ? snapshot.particles : snapshot.grains);
+    boxes.emplace_back().add_most(snapshot.particles);
     if (boxes.back().empty()) continue;
     view.bounds.add(boxes.back().low);
     view.bounds.add(boxes.back().high);
@@ -187,14 +189,12 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
     }
     return film[i];
   };
-  const size_t grain_cells = std::min(k_grain_cells, total), particle_cells = std::min(k_particle_cells, total);
-  for (size_t i = 0; i < grain_cells; ++i) cells.push_back(film_picture(evenly(i, grain_cells, total)));
-  if (!snapshots[0].grains.empty()) {
-    while (cells.size() % k_columns != 0) cells.emplace_back(k_cell_width, k_cell_height, Colour{255, 255, 255});
-    for (size_t i = 0; i < particle_cells; ++i) {
-      cells.push_back(draw(set, snapshots[evenly(i, particle_cells, total)], view, true, k_cell_width, k_cell_height));
-      progress.done(++drawn);
-    }
+  const size_t sand_cells = std::min(k_sand_cells, total), particle_cells = std::min(k_particle_cells, total);
+  for (size_t i = 0; i < sand_cells; ++i) cells.push_back(film_picture(evenly(i, sand_cells, total)));
+  while (cells.size() % k_columns != 0) cells.emplace_back(k_cell_width, k_cell_height, Colour{255, 255, 255});
+  for (size_t i = 0; i < particle_cells; ++i) {
+    cells.push_back(draw(set, snapshots[evenly(i, particle_cells, total)], view, true, k_cell_width, k_cell_height));
+    progress.done(++drawn);
   }
   paths.sheet = (fs::path(set.folder) / "contact_sheet.png").string();
   const Picture sheet = picture_grid(cells, k_columns, k_gap);
@@ -202,8 +202,7 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
   paths.last = (fs::path(set.folder) / "last_frame.png").string();
   write_png(paths.last, draw(set, snapshots.back(), view, false, k_large_width, k_large_height));
   progress.done(++drawn);
-  paths.figures = page_figures(snapshots, film_picture(0), film_picture(total - 1),
-                               snapshots[0].grains.empty() ? nullptr : &cells.back(), sheet);
+  paths.figures = page_figures(snapshots, film_picture(0), film_picture(total - 1), cells.back(), sheet);
   progress.done(++drawn);
 
   if (!set.film || interrupted()) return paths;

@@ -245,13 +245,12 @@ double mean_of(const RadianceMap& map, int x0, int y0, int x1, int y1) {
   return sum / ((x1 - x0) * (y1 - y0));
 }
 
-// In an even room an object and a grain are as bright in the composite as traced, and as the closed form has it.
-TEST(ShotComposite, ObjectAndGrainsAreAsBrightAsTraced) {
+// In an even room an object is as bright in the composite as traced, and as the closed form has it.
+TEST(ShotComposite, TheObjectIsAsBrightAsTraced) {
   RadianceMap map(256, 128);
   for (float& value : map.rgb) value = 1.0f;
   const Surroundings room = panorama_surroundings(map, "even", camera(), -90, {0, 0, 0}, 0.0);
-  const float grain[3] = {0.4f, 0.6f, 0.4f};
-  const ShotPicture picture(cube(), grain, 0.1f);
+  const ShotPicture picture(cube(), {});
   ShotPictureOptions o;
   o.width = 80;
   o.height = 60;
@@ -267,14 +266,9 @@ TEST(ShotComposite, ObjectAndGrainsAreAsBrightAsTraced) {
     const int y = static_cast<int>(30 - 60 * rest.focal * dot(to, rest.up) / depth);
     return mean_of(of, x - 1, y - 1, x + 2, y + 1);
   };
-  struct {
-    Vec3 place, reflectance;
-  } const seen[] = {{{0, 0.5, 0}, {0.60, 0.44, 0.30}}, {{0.4, 0.6, 0.4}, grain_colour(0)}};
-  for (const auto& [place, reflectance] : seen) {
-    const double expected = luminance(reflectance) * room.exposure;
-    EXPECT_NEAR(at(made, place), expected, 0.01 * expected);
-    EXPECT_NEAR(at(truth, place), expected, 0.06 * expected) << "half of what the grain sees is the floor";
-  }
+  const double expected = luminance({0.60, 0.44, 0.30}) * room.exposure;
+  EXPECT_NEAR(at(made, {0, 0.5, 0}), expected, 0.01 * expected);
+  EXPECT_NEAR(at(truth, {0, 0.5, 0}), expected, 0.06 * expected) << "half of what its sides see is the floor";
 }
 
 // The shipped chair in a room with one lamp: with the true light in cells the composite is nearer to the truth than
@@ -283,7 +277,7 @@ TEST(ShotComposite, TheRoomsLightIsNearerToTheTruthThanItsMirrorImage) {
   const SceneFile scene = shot_scene();
   const LitObject object = standing_object(scene);
   ASSERT_FALSE(object.transfer.empty()) << "the shipped chair knows what it hides from itself";
-  const ShotPicture picture(object, {}, 0.001f);
+  const ShotPicture picture(object, {});
   ShotPictureOptions o;
   o.width = 120;
   o.height = 90;
@@ -297,7 +291,7 @@ TEST(ShotComposite, TheRoomsLightIsNearerToTheTruthThanItsMirrorImage) {
     PlacedLight light = everywhere;
     light.reflected = room.true_reflected();
     const SceneShadows shadows =
-        complete_shadows(scene, SANDGLASS_ISA_AUTOMATIC, 0, colliders_over_frame(scene, 0), {}, 0.001f, light);
+        complete_shadows(scene, SANDGLASS_ISA_AUTOMATIC, 0, colliders_over_frame(scene, 0), {}, light);
     return shot_errors(truth, picture.composite(room, rest, light, shadows, cast, o)).rmse;
   };
   const ShotLight light = room.true_light();
@@ -324,7 +318,7 @@ TEST(ShotComposite, AnUmbraIsAsDarkAsTraced) {
   const float size[3] = {0.32f, 0.01f, 0.32f};
   LitObject plate = {make_box(size), k_no_rotation, {}};
   for (size_t i = 1; i < plate.mesh.vertices.size(); i += 3) plate.mesh.vertices[i] += 0.8f;
-  const ShotPicture picture(plate, {}, 0.001f);
+  const ShotPicture picture(plate, {});
   ShotPictureOptions o;
   o.width = 80;
   o.height = 60;
@@ -372,9 +366,8 @@ TEST(ShotComposite, AmbientShadowsTakeNothingOfTheMainLight) {
   o.width = 16;
   o.height = 12;
   const auto shown = [&](const SceneShadows& shadows) {
-    return mean_of(ShotPicture(away, {}, 0.001f)
-                       .composite(room, resting_camera(c), light, shadows, CastShadow::textures, o),
-                   6, 4, 10, 8) /
+    return mean_of(ShotPicture(away, {}).composite(room, resting_camera(c), light, shadows, CastShadow::textures, o), 6,
+                   4, 10, 8) /
            room.exposure;
   };
   SceneShadows shadows;
@@ -385,24 +378,36 @@ TEST(ShotComposite, AmbientShadowsTakeNothingOfTheMainLight) {
   EXPECT_NEAR(shown(shadows), 0.4 + 0.6 * 0.25, 5e-3);
 }
 
-// A grain is as bright as the light where the sand is, whatever the object's is.
-TEST(ShotComposite, GrainsHaveTheSandsLight) {
+// Level sand, of two triangles that are wound as the library's are.
+SandShape level_sand(float half, float height) {
+  SandShape sand;
+  for (int i = 0; i < 4; ++i) {
+    sandglass_skin_vertex v = {};
+    v.position[0] = (i & 1) != 0 ? half : -half, v.position[1] = height, v.position[2] = (i & 2) != 0 ? half : -half;
+    v.normal[1] = 127, v.hollow = 128, v.over = 32767;
+    sand.vertices.push_back(v);
+  }
+  sand.indices = {0, 2, 1, 1, 2, 3};
+  return sand;
+}
+
+// Sand is as bright as the light where the sand is, whatever the object's is.
+TEST(ShotComposite, SandHasItsOwnLight) {
   const Surroundings room =
       panorama_surroundings(lamp_room({0, 1, 0}, 100, 1.0), "lamp", camera(), -90, {0, 0, 0}, 0.0);
   const ShotLight light = scaled(room.true_light(), 0.05);
   Camera c = camera();
   c.target = {0, 0, 0};
   c.fov_deg = 10;
-  const float size[3] = {0.1f, 0.1f, 0.1f}, grain[3] = {0, 0, 0};
+  const float size[3] = {0.1f, 0.1f, 0.1f};
   LitObject away = {make_box(size), k_no_rotation, {}};
   for (float& x : away.mesh.vertices) x += 50.0f;
   ShotPictureOptions o;
   o.width = 16;
   o.height = 12;
+  const ShotPicture picture(away, level_sand(0.5f, 0.05f));
   const auto shown = [&](const PlacedLight& lights) {
-    return mean_of(
-        ShotPicture(away, grain, 0.3f).composite(room, resting_camera(c), lights, {}, CastShadow::textures, o), 6, 4,
-        10, 8);
+    return mean_of(picture.composite(room, resting_camera(c), lights, {}, CastShadow::textures, o), 6, 4, 10, 8);
   };
   EXPECT_NEAR(shown({light, scaled(light, 0.5)}), 0.5 * shown(light), 1e-6);
   EXPECT_NEAR(shown({scaled(light, 0.5), light}), shown(light), 1e-6);
@@ -413,7 +418,7 @@ TEST(ShotComposite, GrainsHaveTheSandsLight) {
 TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   const SceneFile scene = shot_scene();
   const LitObject object = standing_object(scene);
-  const ShotPicture picture(object, {}, 0.001f);
+  const ShotPicture picture(object, {});
   ShotPictureOptions o;
   o.width = 320;
   o.height = 240;
@@ -463,46 +468,6 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   EXPECT_LT(darkest, 0.6);
   EXPECT_LT(apart / points, 0.01);
   EXPECT_GT(swum / points, 0.05);
-}
-
-// In an even room a grain of a pile sees the room with the upper part of the hemisphere at its normal, (1 + y) / 2, and a
-// lone one also a floor of nine tenths with the rest.
-TEST(ShotComposite, GrainsOfAPileSeeNoFloor) {
-  RadianceMap map(256, 128);
-  for (float& value : map.rgb) value = 1.0f;
-  const float size[3] = {0.1f, 0.1f, 0.1f}, grain[3] = {0, 0.3f, 0};
-  LitObject away = {make_box(size), k_no_rotation, {}};
-  for (size_t i = 0; i < away.mesh.vertices.size(); i += 3) away.mesh.vertices[i] += 50.0f;
-  ShotPictureOptions o;
-  o.width = 16;
-  o.height = 12;
-  SceneShadows sand;
-  FloorShadow level;  // the sand is nowhere above the floor, so that nothing lies deep in it
-  level.texels = 2;
-  level.coverage.assign(4, 0);
-  level.low[0] = level.low[1] = -5;
-  level.high[0] = level.high[1] = 5;
-  sand.heights = {level};
-  sand.most_height = 1.0;
-  const auto kept = [&](Vec3 eye, Vec3 up_to) {
-    Camera c = camera();
-    c.eye = eye;
-    c.target = up_to;
-    c.fov_deg = 4;
-    const Surroundings room = panorama_surroundings(map, "even", c, -90, {0, 0, 0}, 0.0);
-    const auto shown = [&](const SceneShadows& shadows) {
-      const ShotPicture picture(away, grain, 0.29f);
-      return mean_of(picture.composite(room, resting_camera(c), room.true_light(), shadows, CastShadow::textures, o), 7,
-                     5, 9, 7);
-    };
-    return shown(sand) / shown({});
-  };
-  const auto expected = [&](Vec3 outward) {
-    const double above = 0.5 * (1.0 + grain_normal(0, outward).y), below = 0.9 * (1 - above);
-    return above / (above + below);
-  };
-  EXPECT_NEAR(kept({0.01, 3, 0}, {0, 0.3, 0}), expected({0, 1, 0}), 0.01);
-  EXPECT_NEAR(kept({0, 0.3, 3}, {0, 0.3, 0}), expected({0, 0, 1}), 0.01);
 }
 
 #endif

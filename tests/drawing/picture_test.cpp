@@ -27,13 +27,13 @@ struct Stage {
     view.camera.eye = {0.0, 0.5, 1.2};
     view.camera.target = {0.0, 0.1, 0.0};
   }
-  Picture draw(bool scale = false) const {
+  Picture draw(bool coin = false) const {
     RenderOptions options;
     options.width = k_width;
     options.height = k_height;
     options.samples = 3;
     options.threads = 2;
-    options.scale = scale;
+    options.coin = coin;
     return render(view, options);
   }
   const uint8_t* pixel(const Picture& picture, Vec3 point) const {

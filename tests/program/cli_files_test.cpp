@@ -110,7 +110,7 @@ sample box surface --distance 0.3 -o link.ply | write-protected
 sample box surface --distance 0.3 -o b.ply --picture b.png | write-protected
 sample box surface --distance 0.3 -o '' | is empty
 run tiny.json --out= | --out: 1 required FOLDER missing
-run tiny.json --out --plain | "--plain" is an option
+run tiny.json --out --replay | "--replay" is an option
 run tiny.json --out tiny.json/inner | make folder
 )");
   if (k_bake) {

@@ -83,14 +83,14 @@ Regions regions_of(const ShotPicture& picture, const ShotCamera& camera, const S
         regions.pixels[k_chair].push_back(i);
         if (std::fabs(s.normal.y) < k_side) regions.pixels[k_sides].push_back(i);
       }
-      if (s.what == ShotPicture::Seen::grain) regions.pixels[k_sand].push_back(i);
+      if (s.what == ShotPicture::Seen::sand) regions.pixels[k_sand].push_back(i);
       if (s.what != ShotPicture::Seen::floor) continue;
       bool near = false;
       for (int v = std::max(0, y - reach); v <= std::min(options.height - 1, y + reach) && !near; ++v)
         for (int u = std::max(0, x - reach); u <= std::min(options.width - 1, x + reach) && !near; ++u) {
           const ShotPicture::Seen& n =
               seen[static_cast<size_t>(v) * static_cast<size_t>(options.width) + static_cast<size_t>(u)];
-          near = n.what == ShotPicture::Seen::grain || (n.what == ShotPicture::Seen::object && n.point.y < k_foot);
+          near = n.what == ShotPicture::Seen::sand || (n.what == ShotPicture::Seen::object && n.point.y < k_foot);
         }
       if (near) regions.pixels[k_floor_near].push_back(i);
     }
@@ -284,10 +284,10 @@ std::vector<Verdict> verify_colours(const ColourOptions& options, const std::fun
   for (const std::string& file : options.panoramas) read_panorama(file);  // a bad one is told at once
   const std::string manifest = read_locations(options.manifest);
   const ShotStage stage;
-  const ShotPicture picture(stage.object, stage.grains, stage.grain_radius);
+  const ShotPicture picture(stage.object, stage.sand);
   LitObject plain = stage.object;
   plain.transfer.clear();
-  const ShotPicture unbaked(plain, stage.grains, stage.grain_radius);
+  const ShotPicture unbaked(plain, stage.sand);
   std::vector<RoomColours> rooms;
   for (size_t i = 0; i < options.panoramas.size(); ++i) {
     rooms.push_back(colours_of(options, stage, picture, unbaked, i));

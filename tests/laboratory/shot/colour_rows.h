@@ -15,7 +15,7 @@ struct ColourOptions {
   std::vector<std::string> panoramas;  // files
   std::string manifest;                // places; empty: each panorama is its own
   uint64_t seed = 0;                   // where the cameras look, and how the phone sways
-  ShotPictureOptions picture = {320, 240, 3, 96, 1};
+  ShotPictureOptions picture = {320, 240, 3, 96};
   std::string network;  // a lighting network's file, for the picture with one light; empty: without it
 };
 

@@ -19,16 +19,14 @@ ShotStage::ShotStage() : scene(load_scene("shot")) {
   simulation.add(material);
   for (uint32_t frame = 0; frame < k_settling_frames; ++frame)
     simulation.frame(scene.frame_step, UINT64_MAX, colliders_over_frame(scene, frame));
-  grains = simulation.grain_positions();
-  grain_radius =
-      drawn_grain_radius(scene.particle_radius, static_cast<uint32_t>(simulation.particle_positions().size() / 3),
-                         static_cast<uint32_t>(grains.size() / 3));
+  particles = simulation.particle_positions();
+  const std::vector<sandglass_collider> colliders = colliders_over_frame(scene, 0);
+  sand = SandShaper().shape({particles, {}, colliders, static_cast<float>(scene.particle_radius)});
   object = standing_object(scene);
 }
 
 SceneShadows ShotStage::shadows_for(const ShotLight& light) const {
-  return complete_shadows(scene, SANDGLASS_ISA_AUTOMATIC, 0, colliders_over_frame(scene, 0), grains, grain_radius,
-                          light);
+  return complete_shadows(scene, SANDGLASS_ISA_AUTOMATIC, 0, colliders_over_frame(scene, 0), particles, light);
 }
 
 }  // namespace sandglass::host

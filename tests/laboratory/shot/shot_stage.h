@@ -12,8 +12,8 @@ namespace sandglass::host {
 
 struct ShotStage {
   SceneFile scene;
-  std::vector<float> grains;
-  float grain_radius = 0.0f;
+  std::vector<float> particles;
+  SandShape sand;
   LitObject object;
 
   ShotStage();

@@ -189,7 +189,7 @@ std::vector<Verdict> verify_shots(const ShotVerdictOptions& options, const std::
   std::vector<ShotView> views = planned_views(options);
   const ShotStage stage;
   for (size_t i = 0; i < views.size(); ++i) take_lights(options, stage, i, &views[i]);
-  const ShotPicture picture(stage.object, stage.grains, stage.grain_radius);
+  const ShotPicture picture(stage.object, stage.sand);
   for (size_t i = 0; i < views.size(); ++i) {
     measure(options, stage, picture, i, &views);
     if (!progress(i + 1)) return {};

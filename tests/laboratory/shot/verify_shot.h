@@ -16,7 +16,7 @@ struct ShotVerdictOptions {
   std::vector<std::string> panoramas;  // files
   std::string manifest;                // places; empty: each panorama is its own
   uint64_t seed = 0;                   // where the cameras look, and how the phone sways
-  ShotPictureOptions picture = {160, 120, 4, 256, 1};
+  ShotPictureOptions picture = {160, 120, 4, 256};
   std::string network;  // a lighting network's file; empty: without estimate
 };
 

@@ -1,0 +1,68 @@
+// The sand kit's shaders (toolchains/kit), compiled as C++ for pictures that no GPU draws.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "models/drawing/sand_shape.h"
+#include "models/geometry/vec3.h"
+
+namespace sandglass::host {
+
+// The light where sand is drawn, as the kit asks for it (light.glsl).
+struct SandLight {
+  Vec3 to_light, sun;                              // sun: irradiance over pi of what faces the main light
+  std::function<Vec3(Vec3)> around, around_below;  // of a normal: the room's light, and the part of it from the floor
+  // What the sand itself and objects leave of the main light at a place, and what all leave of the room's.
+  std::function<double(Vec3)> pile_passed, object_passed, under_sky;
+  double wet = 0.0;
+};
+
+// Where a picture is taken from. focal: picture heights.
+struct Eye {
+  Vec3 place, right, up, forward;
+  double focal;
+};
+
+// What a control of `verify look` changes.
+struct KitChange {
+  double sharper = 0.0;  // levels of the block
+  float coarser = 1.0f;  // the block's side
+};
+
+class KitShading {
+ public:
+  KitShading(const SandLight& light, const Eye& eye, const SandShape& shape, double pixels,
+             const KitChange& change = {});
+  ~KitShading();
+  KitShading(const KitShading& other);
+  KitShading& operator=(const KitShading&) = delete;
+
+  // Where a triangle is seen: between its corners by `share`, which changes by `right` and `down` from pixel to pixel.
+  // Radiance; none where the foot leaves out a grain.
+  struct Fragment {
+    const sandglass_skin_vertex* corners[3];
+    Vec3 place, right, down;
+    double share[3];
+  };
+  std::optional<Vec3> surface(const Fragment& fragment);
+
+  // A point, or an end of a line, of a loose particle.
+  struct Loose {
+    Vec3 place, colour;
+    double pixels = 0.0;  // wide
+  };
+  std::optional<Loose> loose(const sandglass_skin_loose& particle, bool flies, uint32_t vertex);
+  // How many vertices of a particle may be there, at that distance from the eye.
+  uint32_t vertices(bool flies, double away) const;
+  // What of a point's colour is seen at a place of its square, from -1 to 1 to the right and below; none beyond it.
+  std::optional<Vec3> point(const Loose& loose, double right, double below);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sandglass::host

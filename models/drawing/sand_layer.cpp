@@ -1,0 +1,182 @@
+#include "models/drawing/sand_layer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "models/work/thread_pool.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr double k_near = 0.01;  // metres: what is nearer is not drawn
+constexpr int k_band = 16;       // rows
+
+struct Projected {
+  double x = 0, y = 0, depth = 0;  // pixels from the upper left corner; metres
+};
+
+double area(const Projected& a, const Projected& b, double x, double y) {
+  return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
+}
+
+}  // namespace
+
+// Some rows of the picture, drawn by one thread.
+struct SandLayer::Band {
+  SandLayer& layer;
+  const SandShape& shape;
+  const Eye& eye;
+  KitShading shading;
+  int top, bottom;
+
+  double scale() const { return eye.focal * layer.size_.height; }
+  Projected projected(Vec3 place) const {
+    const Vec3 to = place - eye.place;
+    const double depth = dot(to, eye.forward);
+    return {0.5 * layer.size_.width + scale() * dot(to, eye.right) / depth,
+            0.5 * layer.size_.height - scale() * dot(to, eye.up) / depth, depth};
+  }
+
+  // Calls covers(x, y) for the middle of each sample within the box, gives the sample the depth that it returns, if that is
+  // nearer, and then the radiance that `shade` gives for the pixel.
+  template <class Covers, class Shade>
+  void draw(double left, double right, double above, double below, const Covers& covers, const Shade& shade) {
+    const auto within = [](double v, int least, int most) {
+      return static_cast<int>(std::clamp(v, static_cast<double>(least), static_cast<double>(most)));
+    };
+    const int n = layer.size_.samples, x0 = within(left, 0, layer.size_.width),
+              x1 = within(right + 1, 0, layer.size_.width), y0 = within(above, top, bottom),
+              y1 = within(below + 1, top, bottom);
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) {
+        Sample* samples = const_cast<Sample*>(&layer.at(x, y, 0));
+        constexpr int k_most = 64;
+        double depths[k_most];
+        double sum_x = 0, sum_y = 0;
+        int covered = 0;
+        for (int i = 0; i < n * n; ++i) {
+          const double sx = x + (i % n + 0.5) / n, sy = y + (i / n + 0.5) / n;
+          depths[i] = covers(sx, sy);
+          if (!(depths[i] < static_cast<double>(samples[i].depth))) {
+            depths[i] = 0;
+            continue;
+          }
+          sum_x += sx, sum_y += sy, ++covered;
+        }
+        if (covered == 0) continue;
+        const std::optional<Vec3> radiance = shade(sum_x / covered, sum_y / covered);
+        if (!radiance) continue;
+        for (int i = 0; i < n * n; ++i) {
+          if (depths[i] <= 0) continue;
+          samples[i].depth = static_cast<float>(depths[i]);
+          to_floats(*radiance, samples[i].radiance);
+        }
+      }
+  }
+
+  void triangle(const uint32_t* corners) {
+    std::array<Projected, 3> p;
+    std::array<Vec3, 3> places;
+    for (size_t k = 0; k < 3; ++k) {
+      places[k] = shape.position(corners[k]);
+      p[k] = projected(places[k]);
+      if (p[k].depth < k_near) return;
+    }
+    // Counter-clockwise from outside, with y downwards.
+    const double all = -area(p[0], p[1], p[2].x, p[2].y);
+    if (all <= 0) return;
+    const auto [x0, x1] = std::minmax({p[0].x, p[1].x, p[2].x});
+    const auto [y0, y1] = std::minmax({p[0].y, p[1].y, p[2].y});
+    if (y1 < top || y0 > bottom || x1 < 0 || x0 > layer.size_.width) return;
+    // Shares of the corners in the picture over depth, which are linear there; and how they change by a pixel.
+    const auto weights = [&](double x, double y) {
+      std::array<double, 3> w;
+      for (size_t k = 0; k < 3; ++k) w[k] = -area(p[(k + 1) % 3], p[(k + 2) % 3], x, y) / all / p[k].depth;
+      return w;
+    };
+    const auto covers = [&](double x, double y) {
+      const std::array<double, 3> w = weights(x, y);
+      return w[0] >= 0 && w[1] >= 0 && w[2] >= 0 ? 1 / (w[0] + w[1] + w[2]) : 1e30;
+    };
+    const auto shade = [&](double x, double y) {
+      const std::array<double, 3> w = weights(x, y), across = weights(x + 1, y), down = weights(x, y + 1);
+      const double sum = w[0] + w[1] + w[2];
+      KitShading::Fragment fragment = {};
+      for (size_t k = 0; k < 3; ++k) {
+        fragment.corners[k] = &shape.vertices[corners[k]];
+        fragment.share[k] = w[k] / sum;
+        fragment.place = fragment.place + places[k] * fragment.share[k];
+      }
+      for (size_t k = 0; k < 3; ++k) {
+        fragment.right = fragment.right + (places[k] - fragment.place) * ((across[k] - w[k]) / sum);
+        fragment.down = fragment.down + (places[k] - fragment.place) * ((down[k] - w[k]) / sum);
+      }
+      return shading.surface(fragment);
+    };
+    draw(x0, x1, y0, y1, covers, shade);
+  }
+
+  void loose(const sandglass_skin_loose& particle, bool flies) {
+    const Vec3 middle = from_floats(particle.position);
+    const Projected at = projected(middle);
+    if (at.depth < k_near) return;
+    const double reach = scale() / at.depth * (4.0 * static_cast<double>(shape.particle_radius) + (flies ? 0.1 : 0.0));
+    if (at.y + reach < top || at.y - reach > bottom) return;
+    const uint32_t count = shading.vertices(flies, at.depth);
+    for (uint32_t i = 0; i < count; i += flies ? 2 : 1) {
+      const std::optional<KitShading::Loose> first = shading.loose(particle, flies, i);
+      if (!first) continue;
+      if (!flies) {
+        point(*first);
+      } else if (const std::optional<KitShading::Loose> second = shading.loose(particle, true, i + 1)) {
+        line(*first, *second);
+      }
+    }
+  }
+
+  void point(const KitShading::Loose& loose) {
+    const Projected p = projected(loose.place);
+    if (p.depth < k_near) return;
+    const double half = 0.5 * loose.pixels;
+    draw(
+        p.x - half, p.x + half, p.y - half, p.y + half,
+        [&](double x, double y) { return std::max(std::fabs(x - p.x), std::fabs(y - p.y)) <= half ? p.depth : 1e30; },
+        [&](double x, double y) { return shading.point(loose, (x - p.x) / half, (y - p.y) / half); });
+  }
+
+  // One pixel wide; its second end tells its colour.
+  void line(const KitShading::Loose& from, const KitShading::Loose& to) {
+    const Projected a = projected(from.place), b = projected(to.place);
+    if (a.depth < k_near || b.depth < k_near) return;
+    const auto [x0, x1] = std::minmax(a.x, b.x);
+    const auto [y0, y1] = std::minmax(a.y, b.y);
+    const double dx = b.x - a.x, dy = b.y - a.y, square = std::max(dx * dx + dy * dy, 1e-9);
+    draw(
+        x0 - 1, x1 + 1, y0 - 1, y1 + 1,
+        [&](double x, double y) {
+          const double t = std::clamp(((x - a.x) * dx + (y - a.y) * dy) / square, 0.0, 1.0);
+          const double ox = x - a.x - t * dx, oy = y - a.y - t * dy;
+          return ox * ox + oy * oy <= 0.25 ? a.depth + t * (b.depth - a.depth) : 1e30;
+        },
+        [&](double, double) { return std::optional(to.colour); });
+  }
+};
+
+SandLayer::SandLayer(const SandShape& shape, const SandLight& light, const Eye& eye, Size size, uint32_t threads,
+                     const KitChange& change)
+    : size_(size),
+      samples_(static_cast<size_t>(size.width) * static_cast<size_t>(size.height) *
+               static_cast<size_t>(size.samples * size.samples)) {
+  const KitShading shading(light, eye, shape, eye.focal * size.height, change);
+  const int bands = (size.height + k_band - 1) / k_band;
+  ThreadPool(threads).run(static_cast<uint32_t>(bands), [&](uint32_t i) {
+    const int top = static_cast<int>(i) * k_band;
+    Band band = {*this, shape, eye, KitShading(shading), top, std::min(top + k_band, size.height)};
+    for (size_t t = 0; t + 2 < shape.indices.size(); t += 3) band.triangle(&shape.indices[t]);
+    for (size_t k = 0; k < shape.loose.size(); ++k) band.loose(shape.loose[k], k < shape.flying);
+  });
+}
+
+}  // namespace sandglass::host
