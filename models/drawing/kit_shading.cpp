@@ -24,6 +24,15 @@ constexpr float k_block_side = 0.0084f, k_narrow = 0.3f;
 vec3 to_vec(Vec3 v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 Vec3 from_vec(vec3 v) { return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)}; }
 
+vec3 encoded(vec3 linear) {
+  const vec3 bright = 1.055f * glm::pow(linear, vec3(1 / 2.4f)) - 0.055f;
+  return glm::mix(12.92f * linear, bright, glm::step(0.0031308f, linear));
+}
+vec3 decoded(vec3 srgb) {
+  const vec3 bright = glm::pow((srgb + 0.055f) * (1 / 1.055f), vec3(2.4f));
+  return glm::mix(srgb * (1 / 12.92f), bright, glm::step(0.04045f, srgb));
+}
+
 // One of the block's two textures, with its levels.
 struct sampler3D {
   std::vector<const uint8_t*> levels;
@@ -232,11 +241,12 @@ uint32_t KitShading::vertices(bool flies, double away) const {
 
 std::optional<Vec3> KitShading::point(const Loose& loose, double right, double below) {
   LooseFragment& point = state_->point;
-  point.flies = 0.0f, point.colour = to_vec(loose.colour), point.across = static_cast<float>(loose.pixels);
+  // The shader darkens what is encoded already.
+  point.flies = 0.0f, point.colour = encoded(to_vec(loose.colour)), point.across = static_cast<float>(loose.pixels);
   point.gl_PointCoord = vec2(0.5 * right + 0.5, 0.5 * below + 0.5);
   point.discarded = false;
   point.main();
-  return point.discarded ? std::nullopt : std::optional(from_vec(vec3(point.pixel)));
+  return point.discarded ? std::nullopt : std::optional(from_vec(decoded(vec3(point.pixel))));
 }
 
 }  // namespace sandglass::host

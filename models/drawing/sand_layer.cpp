@@ -10,8 +10,9 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_near = 0.01;  // metres: what is nearer is not drawn
-constexpr int k_band = 16;       // rows
+constexpr double k_near = 0.01;                                       // metres: what is nearer is not drawn
+constexpr int k_band = 16;                                            // rows
+constexpr double k_beside = std::numeric_limits<double>::infinity();  // a depth: not covered
 
 struct Projected {
   double x = 0, y = 0, depth = 0;  // pixels from the upper left corner; metres
@@ -39,8 +40,8 @@ struct SandLayer::Band {
             0.5 * layer.size_.height - scale() * dot(to, eye.up) / depth, depth};
   }
 
-  // Calls covers(x, y) for the middle of each sample within the box, gives the sample the depth that it returns, if that is
-  // nearer, and then the radiance that `shade` gives for the pixel.
+  // Calls covers(x, y) for the middle of each sample within the box, gives the sample the depth that it returns, if
+  // that is nearer, and then the radiance that `shade` gives for the middle of the pixel.
   template <class Covers, class Shade>
   void draw(double left, double right, double above, double below, const Covers& covers, const Shade& shade) {
     const auto within = [](double v, int least, int most) {
@@ -54,19 +55,15 @@ struct SandLayer::Band {
         Sample* samples = const_cast<Sample*>(&layer.at(x, y, 0));
         constexpr int k_most = 64;
         double depths[k_most];
-        double sum_x = 0, sum_y = 0;
-        int covered = 0;
+        bool covered = false;
         for (int i = 0; i < n * n; ++i) {
           const double sx = x + (i % n + 0.5) / n, sy = y + (i / n + 0.5) / n;
           depths[i] = covers(sx, sy);
-          if (!(depths[i] < static_cast<double>(samples[i].depth))) {
-            depths[i] = 0;
-            continue;
-          }
-          sum_x += sx, sum_y += sy, ++covered;
+          if (!(depths[i] < static_cast<double>(samples[i].depth))) depths[i] = 0;
+          covered = covered || depths[i] > 0;
         }
-        if (covered == 0) continue;
-        const std::optional<Vec3> radiance = shade(sum_x / covered, sum_y / covered);
+        if (!covered) continue;
+        const std::optional<Vec3> radiance = shade(x + 0.5, y + 0.5);
         if (!radiance) continue;
         for (int i = 0; i < n * n; ++i) {
           if (depths[i] <= 0) continue;
@@ -98,7 +95,7 @@ struct SandLayer::Band {
     };
     const auto covers = [&](double x, double y) {
       const std::array<double, 3> w = weights(x, y);
-      return w[0] >= 0 && w[1] >= 0 && w[2] >= 0 ? 1 / (w[0] + w[1] + w[2]) : 1e30;
+      return w[0] >= 0 && w[1] >= 0 && w[2] >= 0 ? 1 / (w[0] + w[1] + w[2]) : k_beside;
     };
     const auto shade = [&](double x, double y) {
       const std::array<double, 3> w = weights(x, y), across = weights(x + 1, y), down = weights(x, y + 1);
@@ -142,7 +139,9 @@ struct SandLayer::Band {
     const double half = 0.5 * loose.pixels;
     draw(
         p.x - half, p.x + half, p.y - half, p.y + half,
-        [&](double x, double y) { return std::max(std::fabs(x - p.x), std::fabs(y - p.y)) <= half ? p.depth : 1e30; },
+        [&](double x, double y) {
+          return std::max(std::fabs(x - p.x), std::fabs(y - p.y)) <= half ? p.depth : k_beside;
+        },
         [&](double x, double y) { return shading.point(loose, (x - p.x) / half, (y - p.y) / half); });
   }
 
@@ -156,9 +155,8 @@ struct SandLayer::Band {
     draw(
         x0 - 1, x1 + 1, y0 - 1, y1 + 1,
         [&](double x, double y) {
-          const double t = std::clamp(((x - a.x) * dx + (y - a.y) * dy) / square, 0.0, 1.0);
-          const double ox = x - a.x - t * dx, oy = y - a.y - t * dy;
-          return ox * ox + oy * oy <= 0.25 ? a.depth + t * (b.depth - a.depth) : 1e30;
+          const double t = ((x - a.x) * dx + (y - a.y) * dy) / square, aside = (x - a.x) * dy - (y - a.y) * dx;
+          return t >= 0 && t <= 1 && 4 * aside * aside <= square ? a.depth + t * (b.depth - a.depth) : k_beside;
         },
         [&](double, double) { return std::optional(to.colour); });
   }
