@@ -47,8 +47,9 @@ struct LitObject {
 
 struct ShotPictureOptions {
   int width = 320, height = 240;
-  int samples = 3;  // composite: per pixel and axis
-  int paths = 64;   // truth: per pixel
+  int samples = 3;    // composite: per pixel and axis
+  int paths = 64;     // truth: per pixel
+  uint64_t seed = 0;  // of the truth's noise
   uint32_t threads = 1;
   // Composite. False is a control: the object is not lit by itself, and sand is as its grains are, alone.
   bool lit_by_itself = true;

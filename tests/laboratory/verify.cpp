@@ -187,6 +187,13 @@ Options verify_cast_options(VerifyOptions& o) {
       json_option(o.json)};
 }
 
+Options verify_look_options(VerifyOptions& o) {
+  return {{"--quick", &o.quick, "", "One light, one distance"},
+          {"--picture", &o.picture, "FILE", "PNG of every view: drawn on the left, traced on the right"},
+          threads_option(o.threads),
+          json_option(o.json)};
+}
+
 Options verify_files_options(VerifyOptions& o) {
   return {required({"FOLDER", &o.folder, "", "Mesh files, also in folders of it"}), json_option(o.json)};
 }
@@ -229,6 +236,8 @@ std::vector<Command> verify_suites() {
                              verify_shot_options, verify_colour_command),
       command<VerifyOptions>("cast", "Shadows of triangles on floors, walls and below tables, against rays",
                              verify_cast_options, verify_cast_command),
+      command<VerifyOptions>("look", "Drawn sand against path traced grains; how its speckle moves",
+                             verify_look_options, verify_look_command),
       command<VerifyOptions>("files", "Mesh files of a folder: as the program reads them, and as trimesh does",
                              verify_files_options, verify_files_command),
   };

@@ -29,6 +29,7 @@ int verify_room_command(const VerifyOptions& options);
 int verify_day_command(const VerifyOptions& options);
 int verify_shot_command(const VerifyOptions& options);
 int verify_colour_command(const VerifyOptions& options);
+int verify_look_command(const VerifyOptions& options);
 int verify_files_command(const VerifyOptions& options);
 int verify_cast_command(const VerifyOptions& options);
 std::vector<Command> verify_suites();

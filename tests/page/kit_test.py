@@ -23,7 +23,7 @@ STEPS = 4  # of 255
 ALL = ["surface", "lines", "points"]
 LIMITS = {"surface": (["surface"], 0.01, 0.001), "loose": (["lines", "points"], 0.08, 0.02),
           "all": (ALL, 0.02, 0.002), "smooth": (ALL, 0.15, 0.002)}
-CONTROLS = [("surface", "k_own = 0.8", "k_own = 0.6"), ("surface", "k_sharper = 0.25", "k_sharper = 0.35"),
+CONTROLS = [("surface", "k_own = 1.45", "k_own = 1.1"), ("surface", "k_sharper = 0.6", "k_sharper = 0.7"),
             ("surface", "smooth_normal = normal", "smooth_normal = vec3(-1, 1, 1) * normal"),
             ("loose", "k_clouds = 16u", "k_clouds = 15u")]
 HEAD = "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n" \

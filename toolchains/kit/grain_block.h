@@ -14,8 +14,8 @@ namespace sandglass::kit {
 
 inline constexpr int k_side = 64, k_cells = 14;    // texels, and cells with a grain each, along a side
 inline constexpr int k_faces = 7;                  // that are broken off a grain
-inline constexpr std::array k_gains{1.2f, 1.45f};  // of levels: a plane cuts fewer grains than a level's cubes hold
-inline constexpr float k_last_gain = 1.5f;
+inline constexpr std::array k_gains{1.2f, 1.25f};  // of levels: a plane cuts fewer grains than a level's cubes hold
+inline constexpr float k_last_gain = 1.2f;
 
 struct Vec {
   float x, y, z;
@@ -44,16 +44,62 @@ struct Random {
   }
 };
 
-inline std::vector<Grain> packed_grains(const Mineral* minerals) {
+// The grains, by the cell that their middle lies in.
+struct Packing {
   std::vector<Grain> grains;
+  std::vector<std::vector<int>> cells = std::vector<std::vector<int>>(k_cells * k_cells * k_cells);
+
+  std::vector<int>& at(int x, int y, int z) {
+    const auto wrapped = [](int i) { return (i + k_cells) % k_cells; };
+    return cells[static_cast<size_t>(wrapped(x) + k_cells * (wrapped(y) + k_cells * wrapped(z)))];
+  }
+  void sort() {
+    for (std::vector<int>& cell : cells) cell.clear();
+    for (size_t i = 0; i < grains.size(); ++i) {
+      const Vec m = grains[i].middle;
+      at(static_cast<int>(m.x), static_cast<int>(m.y), static_cast<int>(m.z)).push_back(static_cast<int>(i));
+    }
+  }
+  // Calls what(number) for every grain whose middle is less than a cell away, and some others.
+  template <class What>
+  void near(Vec place, const What& what) {
+    const int x = static_cast<int>(place.x), y = static_cast<int>(place.y), z = static_cast<int>(place.z);
+    for (int c = 0; c < 27; ++c)
+      for (const int i : at(x + c % 3 - 1, y + c / 3 % 3 - 1, z + c / 9 - 1)) what(i);
+  }
+  // From one place to another, the short way round.
+  static Vec between(Vec from, Vec to) {
+    const auto across = [](float d) { return d - k_cells * std::round(d / k_cells); };
+    return {across(to.x - from.x), across(to.y - from.y), across(to.z - from.z)};
+  }
+  // Grains that overlap push each other away.
+  void push_apart() {
+    sort();
+    for (size_t i = 0; i < grains.size(); ++i)
+      near(grains[i].middle, [&](int k) {
+        Grain &a = grains[i], &b = grains[static_cast<size_t>(k)];
+        const Vec to = between(a.middle, b.middle);
+        const float length = std::sqrt(dot(to, to)), overlap = a.radius + b.radius - length;
+        if (&a == &b || overlap <= 0 || length == 0) return;
+        const float half = 0.5f * overlap / length;
+        a.middle = moved(a.middle, to, -half), b.middle = moved(b.middle, to, half);
+      });
+  }
+  static Vec moved(Vec from, Vec by, float times) {
+    const auto inside = [](float v) { return v - k_cells * std::floor(v / k_cells); };
+    return {inside(from.x + times * by.x), inside(from.y + times * by.y), inside(from.z + times * by.z)};
+  }
+};
+
+inline Packing packed_grains(const Mineral* minerals) {
+  constexpr int k_rounds = 30;
+  Packing packing;
   Random random;
   for (int i = 0; i < k_cells * k_cells * k_cells; ++i) {
-    const int x = i % k_cells, y = i / k_cells % k_cells, z = i / k_cells / k_cells;
-    const float odd = (y & 1) ? 0.7f : 0.2f;
     Grain grain{};
-    grain.middle.x = static_cast<float>(x) + odd + 0.65f * random();
-    grain.middle.y = static_cast<float>(y) + 0.18f + 0.65f * random();
-    grain.middle.z = static_cast<float>(z) + odd + 0.65f * random();
+    grain.middle.x = k_cells * random();
+    grain.middle.y = k_cells * random();
+    grain.middle.z = k_cells * random();
     float kind = random();
     int m = 0;
     while (m < 3 && kind > minerals[m].share) kind -= minerals[m++].share;
@@ -65,40 +111,36 @@ inline std::vector<Grain> packed_grains(const Mineral* minerals) {
       const float near = 1 / (0.72f + 0.35f * random());
       face = {across * std::cos(turn) * near, height * near, across * std::sin(turn) * near};
     }
-    grains.push_back(grain);
+    packing.grains.push_back(grain);
   }
-  return grains;
+  for (int i = 0; i < k_rounds; ++i) packing.push_apart();
+  packing.sort();
+  return packing;
 }
 
 using Texel = std::array<float, 8>;  // of both textures
 using Level = std::vector<Texel>;
 
 // What lies at a place, in cells: the grain whose surface is nearest, or the one that the place is deepest in.
-inline Texel looked_up(const std::vector<Grain>& grains, Vec at) {
-  const auto wrapped = [](int i) { return (i + k_cells) % k_cells; };
-  const int x = static_cast<int>(at.x), y = static_cast<int>(at.y), z = static_cast<int>(at.z);
+inline Texel looked_up(Packing& packing, Vec at) {
   const Grain* nearest = nullptr;
   Vec normal{};
   float least = 9;
-  for (int k = z - 1; k <= z + 1; ++k)
-    for (int j = y - 1; j <= y + 1; ++j)
-      for (int i = x - 2; i <= x + 1; ++i) {
-        const int wx = wrapped(i), wy = wrapped(j), wz = wrapped(k), cell = wx + k_cells * (wy + k_cells * wz);
-        const Grain& grain = grains[static_cast<size_t>(cell)];
-        const Vec from{at.x - grain.middle.x - static_cast<float>(i - wx),
-                       at.y - grain.middle.y - static_cast<float>(j - wy),
-                       at.z - grain.middle.z - static_cast<float>(k - wz)};
-        const float length = std::sqrt(dot(from, from));
-        if (0.8f * length - grain.radius > least) continue;
-        float far = 0.8f * length;
-        Vec facing{from.x / length, from.y / length, from.z / length};
-        for (const Vec& face : grain.faces)
-          if (const float d = dot(from, face); d > far) far = d, facing = face;
-        if (far - grain.radius >= least) continue;
-        least = far - grain.radius, nearest = &grain;
-        normal = {0.35f * from.x / length + facing.x, 0.35f * from.y / length + facing.y,
-                  0.35f * from.z / length + facing.z};
-      }
+  packing.near(at, [&](int i) {
+    const Grain& grain = packing.grains[static_cast<size_t>(i)];
+    const Vec from = Packing::between(grain.middle, at);
+    const float length = std::sqrt(dot(from, from));
+    if (0.8f * length - grain.radius > least) return;
+    float far = 0.8f * length;
+    Vec facing{from.x / length, from.y / length, from.z / length};
+    for (const Vec& face : grain.faces)
+      if (const float d = dot(from, face); d > far) far = d, facing = face;
+    if (far - grain.radius >= least) return;
+    least = far - grain.radius, nearest = &grain;
+    normal = {0.35f * from.x / length + facing.x, 0.35f * from.y / length + facing.y,
+              0.35f * from.z / length + facing.z};
+  });
+  if (nearest == nullptr) nearest = packing.grains.data();  // far from all: between grains
   const float scale = 0.5f / std::sqrt(std::max(dot(normal, normal), 1e-12f));
   const float deep = std::clamp(0.5f - least / nearest->radius * 1.1f, 0.0f, 1.0f);
   return {nearest->albedo[0],      nearest->albedo[1],      nearest->albedo[2],      deep,
@@ -121,13 +163,14 @@ inline Level coarser(const Level& fine, int side, const Texel& mean, float gain)
 }
 
 inline std::vector<uint8_t> sand_block(const Mineral* minerals) {
-  const std::vector<Grain> grains = packed_grains(minerals);
+  Packing packing = packed_grains(minerals);
   Level level;
   for (int i = 0; i < k_side * k_side * k_side; ++i) {
     constexpr float k_cell = static_cast<float>(k_cells) / k_side;
     const int x = i % k_side, y = i / k_side % k_side, z = i / k_side / k_side;
-    level.push_back(looked_up(grains, {(static_cast<float>(x) + 0.5f) * k_cell, (static_cast<float>(y) + 0.5f) * k_cell,
-                                       (static_cast<float>(z) + 0.5f) * k_cell}));
+    level.push_back(
+        looked_up(packing, {(static_cast<float>(x) + 0.5f) * k_cell, (static_cast<float>(y) + 0.5f) * k_cell,
+                            (static_cast<float>(z) + 0.5f) * k_cell}));
   }
   std::array<double, 8> sum{};
   for (const Texel& texel : level)
