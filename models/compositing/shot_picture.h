@@ -51,7 +51,7 @@ struct ShotPictureOptions {
   int paths = 64;     // truth: per pixel
   uint64_t seed = 0;  // of the truth's noise
   uint32_t threads = 1;
-  // Composite. False is a control: the object is not lit by itself, and sand is as its grains are, alone.
+  // Composite. False is a control: the object is not lit by itself.
   bool lit_by_itself = true;
   KitChange kit = {};  // of the composite's sand, for controls
 };

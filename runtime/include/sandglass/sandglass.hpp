@@ -234,7 +234,8 @@ inline sandglass_collider box(float x, float y, float z, float half_x, float hal
 }
 
 // A nozzle that pours straight down. Metres, m/s.
-inline sandglass_emitter emitter(float x, float y, float z, float radius, float speed, uint32_t grains_per_particle) {
+inline sandglass_emitter emitter(float x, float y, float z, float radius, float speed,
+                                 uint32_t grains_per_particle = 0) {
   sandglass_emitter e{};
   e.position[0] = x;
   e.position[1] = y;

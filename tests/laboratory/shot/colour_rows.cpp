@@ -227,8 +227,9 @@ std::vector<Verdict> judge(const ColourOptions& options, const std::vector<RoomC
   const auto limits_of = [&](int way) -> Limits {
     switch (way) {
       case k_true:
-      case k_old_rule:
         return {{0.07, 0.13, 0.08, k_infinity}, 0.03};
+      case k_old_rule:  // of what is not sand
+        return {{0.07, 0.13, k_infinity, k_infinity}, 0.03};
       case k_session:
         return {{0.12, k_infinity, 0.15, k_infinity}, k_infinity};
       default:

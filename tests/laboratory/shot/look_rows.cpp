@@ -380,6 +380,8 @@ std::vector<Verdict> verify_look(const LookOptions& options,
     if (!progress(i + 1, views.size() + 1)) return {};
   }
   in_motion(options, &pile, &judge);
+  for (const uint32_t particles : {2000u, 6000u})
+    for (Verdict& row : handed_over(particles)) judge.rows.push_back(std::move(row));
   progress(views.size() + 1, views.size() + 1);
   if (!options.picture.empty()) write_png(options.picture, picture_grid(sheet, 6, 4));
   return judge.rows;

@@ -20,4 +20,8 @@ struct LookOptions {
 std::vector<Verdict> verify_look(const LookOptions& options,
                                  const std::function<bool(size_t done, size_t all)>& progress);
 
+// What a renderer gets of a poured pile and of one asleep: draw calls, vertices, bytes. 16.5 grains would be drawn for each
+// particle otherwise.
+std::vector<Verdict> handed_over(uint32_t particles);
+
 }  // namespace sandglass::host
