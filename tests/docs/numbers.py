@@ -39,6 +39,7 @@ MEASUREMENTS = {
     'verify_shot': [f'{LAB} verify shot --threads 2'],
     'verify_cast': [f'{LAB} verify cast --threads 2'],
     'verify_colour': [f'{LAB} verify colour --threads 2'],
+    'verify_look': [f'{LAB} verify look --threads 2'],
     'shot_budget': ['build/host/tests/compositing/sandglass_shot_budget_tests'],
     'pile': ['build/host/tests/shadow/sandglass_shadow_tests --gtest_filter=*Pile*'],
     'bakes': {mesh: f'build/host/bin/sandglass bake {mesh.replace(" ", "_")} --threads 2 -o out/numbers.shadow'
@@ -163,7 +164,7 @@ def rows_of(data):
     if isinstance(data, list):
         for m in data:
             row = rows.setdefault(m['case'], {})
-            key = m['metric'] if m['threads'] == 1 or m['suite'] in ('lighting', 'room', 'shot', 'colour') else f"{m['metric']}_{m['threads']}T"
+            key = m['metric'] if m['threads'] == 1 or m['suite'] in ('lighting', 'room', 'shot', 'colour', 'look') else f"{m['metric']}_{m['threads']}T"
             row[key] = m['value']
             for more in ('truth', 'limit'):
                 if m.get(more) is not None:

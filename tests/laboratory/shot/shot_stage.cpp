@@ -1,5 +1,7 @@
 #include "tests/laboratory/shot/shot_stage.h"
 
+#include <algorithm>
+
 #include "models/compositing/shot.h"
 #include "models/simulation/scene_meshes.h"
 #include "models/simulation/scene_shadows.h"
@@ -21,7 +23,19 @@ ShotStage::ShotStage() : scene(load_scene("shot")) {
     simulation.frame(scene.frame_step, UINT64_MAX, colliders_over_frame(scene, frame));
   particles = simulation.particle_positions();
   const std::vector<sandglass_collider> colliders = colliders_over_frame(scene, 0);
-  sand = SandShaper().shape({particles, {}, colliders, static_cast<float>(scene.particle_radius)});
+  const auto shape = [&] {
+    return SandShaper().shape({particles, {}, colliders, static_cast<float>(scene.particle_radius)});
+  };
+  // The truth has no loose sand, so there is none.
+  std::vector<bool> lone(particles.size() / 3);
+  for (const sandglass_skin_loose& loose : shape().loose) lone[loose.number] = loose.weight > 0.5f;
+  size_t left = 0;
+  for (size_t i = 0; i < lone.size(); ++i)
+    if (!lone[i]) std::copy_n(&particles[3 * i], 3, &particles[3 * left++]);
+  particles.resize(3 * left);
+  sand = shape();
+  sand.loose.clear();
+  sand.flying = 0;
   object = standing_object(scene);
 }
 
