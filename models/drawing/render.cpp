@@ -200,20 +200,29 @@ bool hit_solid(const Solid& solid, Vec3 origin, Vec3 direction, SurfaceHit* hit)
   return found;
 }
 
-// Of the particles that cast shadows: what lies loose is grains, too few to cast one; what flies covers less than a ball.
-std::vector<float> ball_sizes(const SceneView& view) {
-  constexpr float k_flying = 0.5f;
-  if (view.sand == nullptr) return {};
-  std::vector<float> sizes(view.spheres.size() / 3, 1.0f);
-  const std::vector<sandglass_skin_loose>& loose = view.sand->loose;
-  for (size_t i = 0; i < loose.size(); ++i)
-    if (loose[i].number < sizes.size())
-      sizes[loose[i].number] = i < view.sand->flying ? k_flying : std::max(0.0f, 1.0f - 2.0f * loose[i].weight);
-  return sizes;
+// What casts shadows: the spheres; of sand a ball below each vertex of its surface, and a small one where sand flies.
+struct Casters {
+  std::vector<float> middles, sizes;
+  float radius;
+};
+Casters casters_of(const SceneView& view) {
+  constexpr float k_flying = 0.2f;
+  if (view.sand == nullptr) return {{view.spheres.begin(), view.spheres.end()}, {}, view.radius};
+  const SandShape& sand = *view.sand;
+  Casters casters = {{}, {}, sand.particle_radius};
+  for (const sandglass_skin_vertex& v : sand.vertices)
+    for (int k = 0; k < 3; ++k)
+      casters.middles.push_back(v.position[k] - sand.particle_radius * static_cast<float>(v.normal[k]) / 127.0f);
+  casters.sizes.assign(sand.vertices.size(), 1.0f);
+  for (uint32_t i = 0; i < sand.flying; ++i)
+    casters.middles.insert(casters.middles.end(), sand.loose[i].position, sand.loose[i].position + 3);
+  casters.sizes.resize(casters.middles.size() / 3, k_flying);
+  return casters;
 }
 
 struct Tracer {
   const SceneView& view;
+  Casters casters;
   SphereCaster caster;
   std::vector<Solid> solids;
   CameraFrame frame;
@@ -225,7 +234,8 @@ struct Tracer {
 
   Tracer(const SceneView& v, const RenderOptions& options)
       : view(v),
-        caster(v.spheres, v.radius, ball_sizes(v)),
+        casters(casters_of(v)),
+        caster(casters.middles, casters.radius, casters.sizes),
         frame(v.camera),
         diagonal(std::max(1e-6, length(v.bounds.high - v.bounds.low))),
         sun(normalised(v.to_light)) {

@@ -33,7 +33,7 @@ constexpr Vec3 k_sun = {-0.5144957554275266, 0.7717436331412899, 0.3736};
 struct SceneView {
   std::span<const float> spheres;  // 3 floats each
   float radius = 0.01f;            // of a sphere, metres
-  // Drawn instead of the spheres, which then only cast shadows.
+  // Drawn instead of the spheres.
   const SandShape* sand = nullptr;
   const SceneShadows* on_sand = nullptr;  // of the sand on itself, main light and room's; null: none
   std::span<const sandglass_collider> colliders;

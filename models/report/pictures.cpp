@@ -61,7 +61,9 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& b
   view.shadows = snapshot.shadows.object;
   view.to_light = snapshot.to_light;
   const bool known = !snapshot.shadows.pile_on_sand.empty() && !snapshot.shadows.sky_on_sand.empty();
-  const SceneShadows made = known || particles ? SceneShadows{} : shadow_on_sand(snapshot, view.bounds, view.radius);
+  const bool glass = behind_glass(snapshot.colliders);  // sand against a wall is not as high as one column says
+  const SceneShadows made =
+      known || glass || particles ? SceneShadows{} : shadow_on_sand(snapshot, view.bounds, view.radius);
   if (!particles) view.sand = &snapshot.sand, view.on_sand = known ? &snapshot.shadows : &made;
   RenderOptions options;
   options.width = width;

@@ -16,7 +16,7 @@ float sand_passed(vec3 place, vec3 up) { return mix(pile_passed(place), 1.0, 0.8
 // where no shadow of a grain is seen, and little where it comes towards it. Lommel and Seeliger's law with a phase that was
 // fitted to path traced balls (RMS 5 % over 120 directions; of Lambert's law 36 %).
 float sand_ground(vec3 up, vec3 to_eye) {
-  float over = dot(up, to_light), in_at = 0.5 * (over + sqrt(over * over + 0.01)), out_at = max(dot(up, to_eye), 0.0), behind = dot(to_light, to_eye), lit = max(behind, 0.0);
+  float over = dot(up, to_light), in_at = 0.5 * (over + sqrt(over * over + 0.007)), out_at = max(dot(up, to_eye), 0.0), behind = dot(to_light, to_eye), lit = max(behind, 0.0);
   return in_at / (in_at + out_at + 0.35) * (1.06 + 0.83 * behind + 0.46 * lit * lit * lit * lit);
 }
 // `up`: the ground's normal; `facet`: a grain's. Shares of the main light and of the room's that reach it.

@@ -51,8 +51,8 @@ std::vector<Verdict> handed_over(uint32_t particles) {
     return report;
   };
   const auto tell = [&](const char* what, double value, const char* unit) {
-    rows.push_back(
-        {std::to_string(particles), what, unit, 0.0, value, std::numeric_limits<double>::infinity(), true, false});
+    rows.push_back({"handed over", std::to_string(particles) + " particles, " + what, unit, 0.0, value,
+                    std::numeric_limits<double>::infinity(), true, false});
   };
   while (frame().sand.particle_numbers < particles) {
   }

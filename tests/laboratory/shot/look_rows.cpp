@@ -241,7 +241,7 @@ struct Judge {
   std::vector<Verdict> rows;
   void add(const std::string& group, const std::string& name, const char* unit, double truth, double result,
            double limit, bool pass, bool control = false) {
-    rows.push_back({group, name, unit, truth, result, limit, control ? !pass : pass, control});
+    rows.push_back({"look", group + ", " + name, unit, truth, result, limit, control ? !pass : pass, control});
   }
 };
 
