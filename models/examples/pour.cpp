@@ -34,6 +34,7 @@ int main() {
       shown[i] = skin.mesh().chunks[i].version;
   }
   if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;
-  std::printf("%u particles under %u vertices in %zu chunks, quality level %s\n", report.sand.particles,
-              skin.mesh().vertex_count, shown.size(), sandglass_level_name(report.level));
+  std::printf("%u particles under %u vertices in %zu chunks, quality level %s, time debt %.3f s\n",
+              report.sand.particles, skin.mesh().vertex_count, shown.size(), sandglass_level_name(report.level),
+              report.time.debt);
 }
