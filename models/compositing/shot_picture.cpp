@@ -361,7 +361,8 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
   ThreadPool(options.threads).run(static_cast<uint32_t>(options.height), [&](uint32_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < options.width; ++x) {
-      Random random = random_stream(static_cast<uint64_t>(y) * 65536u + static_cast<uint64_t>(x), k_truth_stream + (options.seed << 8));
+      Random random = random_stream(static_cast<uint64_t>(y) * 65536u + static_cast<uint64_t>(x),
+                                    k_truth_stream + (options.seed << 8));
       const double shift[2] = {random.uniform(), random.uniform()};
       Vec3 solid, background, with, without;
       int caught = 0, behind = 0;
