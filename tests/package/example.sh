@@ -34,8 +34,9 @@ example_pour() {
   run
   # Whatever the machine affords in 4 ms a frame: of the four seconds, those that are no time debt pour at the rate of the
   # nozzle's lattice, pi sqrt(2) R^2 v / (2.02 r)^3 = 431 particles a second, less the sites at its rim. No heap has less
-  # surface than half a ball of its volume, (4/3) pi r^3 n / 0.6; a vertex stands for r^2 of it; half may still fly.
-  holds 'n[1] > 300 * (4 - n[NR]) - 60 && n[1] < 450 * (4 - n[NR]) + 60 && n[2] > 3.14 * (3.33 * n[1] / 2) ^ (2 / 3)'
+  # surface than half a ball of its volume, (4/3) pi r^3 n / 0.6; a vertex stands for r^2 of it; half may still fly. Where
+  # more than a second is owed the skin is behind, too.
+  holds 'n[1] > 300 * (4 - n[NR]) - 60 && n[1] < 450 * (4 - n[NR]) + 60 && (n[NR] > 1 || n[2] > 3.14 * (3.33 * n[1] / 2) ^ (2 / 3))'
 }
 
 example_bodies() {
