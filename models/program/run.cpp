@@ -35,11 +35,9 @@ Run::Run(const RunOptions& options, uint32_t finest_level)
   if (!meshes.note().empty()) std::fprintf(stderr, "sandglass: note: %s\n", meshes.note().c_str());
   const Material material = fill_scene(&scene_, meshes.bodies());
   fields_.emplace(&scene_, MeshFile(options_.collider_mesh, options_.as_mesh.units()));
-  const sandglass_scene_desc desc = describe(material, isa);
-  simulation_.emplace(desc);
+  simulation_.emplace(describe(material, isa));
   if (phone_) phone_->follow(simulation_->handle());
   simulation_->add(material);
-  make_skin(desc);
   shadows_.emplace(scene_, isa);
   if (scene_.pile_shadow) {
     pile_.emplace(*scene_.pile_shadow, isa, scene_.shot ? scene_.pile_shadow->texels / 2 : 0);
@@ -138,13 +136,6 @@ sandglass_scene_desc Run::describe(const Material& material, sandglass_isa isa) 
   return desc;
 }
 
-void Run::make_skin(const sandglass_scene_desc& desc) {
-  sandglass_skin_desc of_skin = cpp::skin_desc(desc.granular);
-  of_skin.closed = behind_glass(colliders_over_frame(scene_, 0)) ? 1 : 0;
-  if (const cpp::Status made = skin_.create(of_skin); !made) throw cannot("make", "skin", made.reason);
-  simulation_->skin(skin_.get());
-}
-
 void Run::begin_report() {
   report_.scene = scene_.name;
   report_.isa = sandglass_isa_name(sandglass_scene_isa(simulation_->handle()));
@@ -171,7 +162,7 @@ void Run::begin_report() {
 uint64_t Run::hash() const {
   const uint64_t of_pile = pile_ ? sandglass_pile_shadow_hash(pile_->handle()) : 0;
   const uint64_t of_room = shot_ && shot_->room() != nullptr ? sandglass_room_hash(shot_->room()) : 0;
-  return sandglass_scene_hash(simulation_->handle()) + shadows_->hash() + of_pile + of_room + skin_.hash();
+  return sandglass_scene_hash(simulation_->handle()) + shadows_->hash() + of_pile + of_room;
 }
 
 void Run::light_shadows(uint32_t frame) {
@@ -215,14 +206,10 @@ void Run::take_snapshot(uint32_t frame, std::vector<sandglass_collider> collider
   snapshot.frame = frame;
   snapshot.time = frame * scene_.frame_step;
   snapshot.particles = present(simulation_->particle_positions());
-  const auto radius = static_cast<float>(scene_.particle_radius);
-  if (frame > 0) {
-    snapshot.sand = shape_of(skin_.get(), radius);
-  } else {
-    LyingSand lying = {snapshot.particles, simulation_->particle_velocities(), colliders, radius};
-    std::copy_n(scene_.gravity, 3, lying.gravity);
-    snapshot.sand = SandShaper().shape(lying);  // no frame has made a skin yet
-  }
+  LyingSand sand = {snapshot.particles, simulation_->particle_velocities(), colliders,
+                    static_cast<float>(scene_.particle_radius)};
+  std::copy_n(scene_.gravity, 3, sand.gravity);
+  snapshot.sand = shaper_.shape(sand);
   snapshot.sand.nozzles = flow_over_frame(scene_, snapshot.time).emitters;
   snapshot.sand.seconds = scene_.frame_step;
   shadows_->draw(colliders, &snapshot.shadows);

@@ -46,7 +46,6 @@ class Run {
   void replace_shadow();
   void take_shot();
   sandglass_scene_desc describe(const Material& material, sandglass_isa isa);
-  void make_skin(const sandglass_scene_desc& desc);
   void begin_report();
   void take_snapshot(uint32_t frame, std::vector<sandglass_collider> colliders);
 
@@ -70,7 +69,7 @@ class Run {
   std::optional<Simulation> simulation_;
   std::optional<StandingShadows> shadows_;
   std::optional<PileShadow> pile_;
-  cpp::Skin skin_;
+  SandShaper shaper_;  // of the pictures: the frames make no skin
   std::optional<Shot> shot_;
   RunReport report_;
   std::vector<Snapshot> snapshots_;

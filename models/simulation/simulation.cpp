@@ -72,7 +72,6 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   input.casts = casts.data();
   input.cast_count = static_cast<uint32_t>(casts.size());
   input.pile_shadow = pile_shadow_;
-  input.skin = skin_;
   input.estimator = light_;
   input.room = room_;
   input.camera = image_;

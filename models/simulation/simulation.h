@@ -35,9 +35,6 @@ class Simulation {
   // Sets the sand's own shadow from the next frame on; null: none.
   void cast(sandglass_pile_shadow* shadow) { pile_shadow_ = shadow; }
 
-  // Sets the skin that frames make, from the next one on; null: none.
-  void skin(sandglass_skin* skin) { skin_ = skin; }
-
   // Sets the light to estimate, the room to see, and the image for both, from the next frame on; null: none.
   void see(sandglass_estimator* light, sandglass_room* room, const sandglass_camera_image* image) {
     light_ = light;
@@ -60,7 +57,6 @@ class Simulation {
   uint64_t bytes_ = 0;
   Flow flow_;
   sandglass_pile_shadow* pile_shadow_ = nullptr;
-  sandglass_skin* skin_ = nullptr;
   sandglass_estimator* light_ = nullptr;
   sandglass_room* room_ = nullptr;
   const sandglass_camera_image* image_ = nullptr;
