@@ -141,8 +141,6 @@ bool PackedGrains::occluded(Vec3 origin, Vec3 direction, double limit) const {
   return state_->balls.occluded(origin, direction, limit) || state_->ground.occluded(origin, direction, limit);
 }
 
-size_t PackedGrains::count() const { return state_->made.albedos.size(); }
-
 }  // namespace sandglass::host
 
 #endif

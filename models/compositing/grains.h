@@ -23,7 +23,6 @@ class PackedGrains {
   };
   std::optional<Hit> closest(Vec3 origin, Vec3 direction, double limit) const;
   bool occluded(Vec3 origin, Vec3 direction, double limit) const;
-  size_t count() const;
 
  private:
   struct State;

@@ -106,8 +106,6 @@ double linear_of(uint8_t srgb) {
   return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
 }
 
-int text_width(int scale, std::string_view text) { return static_cast<int>(text.size()) * k_glyph_step * scale; }
-
 void fill_rectangle(Picture* picture, int x, int y, int width, int height, Colour colour) {
   for (int j = 0; j < height; ++j)
     for (int i = 0; i < width; ++i) set_pixel(picture, x + i, y + j, colour);

@@ -33,7 +33,6 @@ double linear_of(uint8_t srgb);
 // Draws text with its upper left corner at (x, y) and `scale` pixels per font pixel. Parts outside the picture are left
 // out.
 void draw_text(Picture* picture, int x, int y, int scale, std::string_view text, Colour colour);
-int text_width(int scale, std::string_view text);
 
 void fill_rectangle(Picture* picture, int x, int y, int width, int height, Colour colour);
 

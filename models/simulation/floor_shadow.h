@@ -33,9 +33,6 @@ struct SceneShadows {
   std::vector<FloorShadow> pile_on_sand;
   std::vector<FloorShadow> ambient;  // of each standing object
   std::vector<FloorShadow> sky, sky_on_sand;
-  // How high the sand is: floor_transparency is 1 - the height over `most_height`.
-  std::vector<FloorShadow> heights;
-  double most_height = 0.0;  // metres
 };
 
 }  // namespace sandglass::host

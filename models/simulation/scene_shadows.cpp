@@ -216,15 +216,9 @@ void PileShadow::set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS]) { requir
 void PileShadow::draw(SceneShadows* shadows) const {
   shadows->pile = {drawn(false)};
   shadows->pile_on_sand = {drawn(true)};
-  const sandglass_pile_shadow_sky sky = shadow_.sky();
-  if (sky.texels == 0) return;
+  if (shadow_.sky().texels == 0) return;
   shadows->sky = {drawn_sky(false)};
   shadows->sky_on_sand = {drawn_sky(true)};
-  FloorShadow heights = shadows->sky[0];
-  heights.texels = sky.height_texels;
-  heights.coverage.assign(sky.heights, sky.heights + size_t{sky.height_texels} * sky.height_texels);
-  shadows->heights = {std::move(heights)};
-  shadows->most_height = static_cast<double>(sky.height);
 }
 
 FloorShadow PileShadow::drawn_sky(bool on_sand) const {

@@ -1,3 +1,4 @@
+// A pile as a phone would pour it, frame by frame; what an app uploads is counted as it would upload it.
 #include <algorithm>
 #include <limits>
 #include <string>
