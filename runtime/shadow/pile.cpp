@@ -29,6 +29,9 @@ void clear_columns(Pile* p) {
   p->sand_rows[0] = p->sand_columns[0] = static_cast<int32_t>(p->texels);
   p->sand_rows[1] = p->sand_columns[1] = -1;
   p->top = 0;
+  if (p->in_air)
+    for (uint32_t i = 0; i < p->texels * p->texels; ++i) p->air[i] = 1;
+  p->in_air = false;
 }
 
 // A sphere goes into the column that holds its centre, and covers it by `share` (pile_thin.h). It reaches as high
@@ -160,15 +163,21 @@ void cut_light(Pile* p) {
   p->inverse_total = total > 0 ? static_cast<float>(1 / total) : 0.0f;
 }
 
+void begin_columns(Pile* p) {
+  p->cursor = p->sphere_row = p->chunk = p->chunk_first = 0;
+  if (p->source.skin != nullptr) p->skin_version = p->source.skin->version;
+  clear_columns(p);
+}
+
 void begin(Pile* p) {
   p->phase = PilePhase::columns;
-  p->cursor = p->sphere_row = p->chunk = p->chunk_first = 0;
+  p->restarts = 0;
   p->making = pile_wanted(*p);
   p->asked &= ~p->making;
   p->back.frame = p->frame;
   if ((p->making & k_ask_sky) != 0) sky_begin(p);
   for (uint32_t axis = 0; axis < 3; ++axis) p->made_for[axis] = p->light[axis];
-  clear_columns(p);
+  begin_columns(p);
 }
 
 // The centres of a source: the first one, and how many floats lie from each to the next.
@@ -183,9 +192,13 @@ Centres centres_of(const PileSource& source) {
   return {source.positions, 3};
 }
 
+// A skin that is exchanged before its columns stand is taken from the start, so that all are of one; not for ever.
 void run_columns(Pile* p) {
-  if (p->phase == PilePhase::idle) begin(p);
+  constexpr uint32_t k_restarts = 3;
   const PileSource& source = p->source;
+  if (p->phase == PilePhase::idle) begin(p);
+  else if (source.skin != nullptr && source.skin->version != p->skin_version && p->restarts++ < k_restarts)
+    begin_columns(p);
   const uint32_t count = source.skin != nullptr ? skin_items(*source.skin) : source.count;
   const uint32_t left = count > p->cursor ? count - p->cursor : 0, most = unit_spheres(*p);
   const uint32_t end = p->cursor + (left < most ? left : most);
@@ -224,6 +237,8 @@ void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage)
   args.shares = p->shares;
   uint32_t unused = 0;
   p->kernels->pile_light(&args, 0, p->texels, &unused);
+  if (p->in_air)
+    for (uint32_t u = 0; u < p->texels; ++u) p->shares[u] *= p->air[row * p->texels + u];
   for (uint32_t u = 0; u < p->texels; ++u)
     coverage[u] = static_cast<uint8_t>(to_whole<uint32_t>(255.0f * (1.0f - p->shares[u]) + 0.5f));
 }
@@ -235,7 +250,7 @@ void run_rows(Pile* p) {
                            : p->cursor + (k_pile_unit_texels / p->texels > 0 ? k_pile_unit_texels / p->texels : 1);
   for (; p->cursor < end; ++p->cursor) {
     uint8_t* coverage = (floor ? p->back.floor : p->back.sand) + uint64_t{p->cursor} * p->texels;
-    if (p->sand_rows[1] < 0) {
+    if (p->sand_rows[1] < 0 && !p->in_air) {
       memset(coverage, 0, p->texels);
     } else if (floor) {
       light_row(p, p->cursor, p->nothing, coverage);

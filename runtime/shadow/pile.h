@@ -15,6 +15,7 @@
 #include "runtime/core/governor.h"
 #include "runtime/shadow/pile_sky.h"
 #include "sandglass/pile_shadow.h"
+#include "sandglass/skin.h"
 
 namespace sandglass {
 
@@ -23,6 +24,7 @@ constexpr uint32_t k_pile_steps = 48;     // most steps along one azimuth
 constexpr uint32_t k_pile_unit_texels = 512;
 constexpr uint32_t k_pile_unit_columns = 8192;    // about as many as the spheres of one unit write
 constexpr uint32_t k_pile_unit_triangles = 1024;  // of a skin
+constexpr float k_loose_outline = 0.3f;           // of a particle's outline that the loose sand of a skin covers
 constexpr float k_pile_empty = 1e30f;
 constexpr float k_pile_highest = 1e6f;       // metres over the floor; what is higher is left out
 constexpr float k_pile_radius_limit = 1e6f;  // metres; spheres of such a radius are left out
@@ -71,8 +73,12 @@ struct Pile {
   uint32_t cursor;              // next particle or row
   uint32_t sphere_row;          // rows of this particle that are done, where it takes several units
   uint32_t chunk, chunk_first;  // of the skin: where the cursor is, and that chunk's first triangle
+  uint32_t skin_version;        // that the columns were begun with
+  uint32_t restarts;
   int32_t sand_rows[2], sand_columns[2];
-  float top;  // of the highest sand, above the floor
+  float top;    // of the highest sand, above the floor
+  float* air;   // of each texel: what sand in the air leaves of the light (pile_air.cpp)
+  bool in_air;  // some of that is below 1
   uint32_t azimuth_count;
   float inverse_total;
   PileTexture front, back;
@@ -119,6 +125,8 @@ inline void pile_put_column(Pile* p, int32_t column, int32_t row, float share, f
 
 // The columns of one of a skin's items. False: as put_sphere says (pile.cpp).
 bool pile_put_skin(Pile* p, uint32_t item, uint32_t* visits);
+// What one particle in the air hides, once the columns of the mesh stand. False: as above.
+bool pile_put_flying(Pile* p, const sandglass_skin_loose& loose, uint32_t* visits);
 
 WorkUnit pile_next(const Pile& pile);
 void pile_run(Pile* pile);

@@ -60,6 +60,7 @@ sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* l
   p->tops = layout_region<float>(layout, "pile_shadow.tops", columns);
   p->bottoms = layout_region<float>(layout, "pile_shadow.bottoms", columns);
   p->fills = layout_region<float>(layout, "pile_shadow.fills", columns);
+  p->air = layout_region<float>(layout, "pile_shadow.air", n * n);
   float** const rows[] = {&p->nothing, &p->receivers, &p->shares};
   for (float** row : rows) *row = layout_region<float>(layout, "pile_shadow.row", n + k_lane_group);
   p->azimuths = layout_region<PileAzimuth>(layout, "pile_shadow.azimuths", k_pile_azimuths);
@@ -90,6 +91,7 @@ __attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, voi
     p->high[axis] = desc.high[axis];
     p->texel[axis] = (desc.high[axis] - desc.low[axis]) / static_cast<float>(desc.texels);
   }
+  for (uint64_t i = 0; i < uint64_t{p->texels} * p->texels; ++i) p->air[i] = 1;
   p->height = desc.floor;
   const SinCos half = sin_cos_turns(0.25 / k_pi * static_cast<double>(desc.angular_diameter));
   p->half_sine = half.sin;

@@ -1,7 +1,7 @@
 // Columns from a skin: sand lies under its surface, and its loose sand beside it, thinner than particles are.
 //
 // A triangle that looks up fills each column whose middle it covers, from the lowest place of its chunk, or from the floor
-// where that is near. Loose sand goes into the column of its centre.
+// where that is near. Loose sand that lies goes into the column of its centre; for what flies see pile_air.cpp.
 #include "kernels/whole.h"
 #include "runtime/core/math.h"
 #include "runtime/shadow/pile.h"
@@ -11,18 +11,19 @@ namespace sandglass {
 namespace {
 
 constexpr float k_near_floor = 2;     // radii
-constexpr float k_loose = 0.3f;       // of a particle's outline that loose sand covers
+constexpr float k_edge = 1e-3f;       // of a triangle beyond its edges, so that rounding leaves no gap between two
 constexpr float k_lying_high = 0.6f;  // radii: how high it lies
 
-void put_loose(Pile* p, const sandglass_skin_loose& loose, bool flies) {
+void put_lying(Pile* p, const sandglass_skin_loose& loose) {
   const float radius = p->source.radius, n = static_cast<float>(p->texels);
   const float x = (loose.position[0] - p->low[0]) / p->texel[0], z = (loose.position[2] - p->low[1]) / p->texel[1];
   const float low = loose.position[1] - radius - p->height;
   if (!(x >= 0 && z >= 0 && x < n && z < n && low < k_pile_highest)) return;
+  const int64_t column = to_whole<int64_t>(z) * p->pitch + to_whole<int64_t>(x);
+  if (p->tops[column] > low - radius) return;  // it lies on the mesh, flat
   const float outline = 3.14159265f * (radius / p->texel[0]) * (radius / p->texel[1]);
-  const float share = loose.weight * k_loose * (outline < 1 ? outline : 1);
-  pile_put_column(p, to_whole<int32_t>(x), to_whole<int32_t>(z), share, low,
-                  low + (flies ? 2 * radius : k_lying_high * radius));
+  const float share = loose.weight * k_loose_outline * (outline < 1 ? outline : 1);
+  pile_put_column(p, to_whole<int32_t>(x), to_whole<int32_t>(z), share, low, low + k_lying_high * radius);
 }
 
 // False: this unit's columns are spent, and the triangle goes on at the same row in the next unit.
@@ -52,7 +53,7 @@ bool put_triangle(Pile* p, const float* a, const float* b, const float* c, float
     for (int32_t column = first[0]; column <= last[0]; ++column) {
       const float x = p->low[0] + (static_cast<float>(column) + 0.5f) * p->texel[0] - a[0];
       const float s = (z * vx - x * vz) * inverse, t = (uz * x - ux * z) * inverse;
-      if (s < 0 || t < 0 || s + t > 1) continue;
+      if (s < -k_edge || t < -k_edge || s + t > 1 + k_edge) continue;
       const float height = a[1] + s * (b[1] - a[1]) + t * (c[1] - a[1]) - p->height;
       if (height < k_pile_highest) pile_put_column(p, column, row, 1, from, height);
     }
@@ -69,7 +70,8 @@ bool pile_put_skin(Pile* p, uint32_t item, uint32_t* visits) {
   const uint32_t triangles = mesh.index_count / 3;
   if (item >= triangles) {
     const uint32_t loose = item - triangles;
-    if (loose < mesh.flying + mesh.lying) put_loose(p, mesh.loose[loose], loose < mesh.flying);
+    if (loose < mesh.flying) return pile_put_flying(p, mesh.loose[loose], visits);
+    if (loose < mesh.flying + mesh.lying) put_lying(p, mesh.loose[loose]);
     return true;
   }
   while (p->chunk < skin.chunk_capacity && item - p->chunk_first >= mesh.chunks[p->chunk].index_count / 3)

@@ -131,11 +131,16 @@ TEST(Skin, HoldsTheSandWhileItIsPoured) {
   emitter.rotation[3] = 1;
   emitter.radius = 4 * k_radius;
   emitter.speed = 0.8f;
+  sandglass_pile_shadow_desc of_pile = sandglass::pile_shadow_desc();
+  of_pile.sky_texels = 64;
+  sandglass::PileShadow pile;
+  accept(pile.create(of_pile));
   for (int i = 0; i < 100; ++i) {
     sandglass_frame_input input = sand.scene.input(1 / 60.0f);
     input.skin = sand.skin.get();
     input.emitters = &emitter;
     input.emitter_count = 1;
+    input.pile_shadow = pile.get();
     const uint32_t particles = sand.scene.run(input).sand.particles;
     if (i < 40 || i % 10 != 0) continue;
     const Mesh mesh = mesh_of(sand.skin);
@@ -143,6 +148,15 @@ TEST(Skin, HoldsTheSandWhileItIsPoured) {
     const double volume = volume_over(mesh, {0, 1, 0}, &faults) + mesh.loose * k_particle;
     EXPECT_EQ(faults, 0u);
     EXPECT_NEAR(volume / (k_particle * particles), 1, 0.06) << i;
+    // The columns of the pile's shadow are those of one skin, though skins follow each other while they are made: no holes.
+    const sandglass_pile_shadow_sky sky = pile.sky();
+    const uint32_t n = sky.height_texels;
+    uint32_t holes = 0;
+    for (uint32_t at = n + 1; at < n * n - n - 1; ++at) {
+      const uint8_t* h = sky.heights + at;
+      holes += h[0] == 0 && std::min({h[-1], h[1], *(h - n), h[n]}) > 40 ? 1 : 0;
+    }
+    EXPECT_EQ(holes, 0u) << i;
   }
 }
 
@@ -494,6 +508,69 @@ TEST(Skin, ThePileShadowIsOfWhatIsDrawn) {
   }
   EXPECT_GT(high, 100u);
   EXPECT_LE(wrong, now.flying_count + now.lying_count);  // loose sand has a column each
+}
+
+// Two particles fall, one over a heap at rest, one over the floor. Each takes from the light what its share of its outline
+// takes, k_loose of pi r^2 / sine of the elevation; and does so where its ray ends, on the heap or on the floor.
+TEST(Skin, SandInTheAirThrowsItsOwnShadow) {
+  constexpr float k_loose = 0.3f;  // pile_shadow.h: three tenths of a particle's outline
+  Sand sand(rough(1600));
+  sand.scene.add_floor();
+  std::vector<float> heap = lattice(8, 9, 8, 2.05f * k_radius, k_radius);
+  for (size_t i = 0; i < heap.size(); i += 3) heap[i] -= 0.25f;
+  sand.scene.add(heap);
+  sandglass_pile_shadow_desc desc = sandglass::pile_shadow_desc();
+  desc.angular_diameter = 0.02f;
+  desc.sky_texels = 64;
+  sandglass::PileShadow shadow;
+  accept(shadow.create(desc));
+  accept(shadow.set_light({0.36f, 0.8f, 0.48f}));
+  const auto run = [&](float step) {
+    sandglass_frame_input input = sand.scene.input(step);
+    input.skin = sand.skin.get(), input.pile_shadow = shadow.get();
+    return sand.scene.run(input);
+  };
+  const uint32_t n = desc.texels;
+  const float texel = 1.0f / static_cast<float>(n);
+  const auto textures = [&] {
+    const sandglass_pile_shadow_texture texture = shadow.texture();
+    std::vector<int> all(texture.coverage, texture.coverage + n * n);
+    all.insert(all.end(), texture.on_sand, texture.on_sand + n * n);
+    return all;
+  };
+  for (int i = 0; i < 900 && run(0.02f).sand.awake != 0; ++i) {
+  }
+  for (int i = 0; i < 3; ++i) run(0.02f);
+  const std::vector<int> before = textures();
+  sand.scene.add({-0.115f, 0.42f, 0.18f, 0.25f, 0.42f, -0.1f});
+  for (int i = 0; i < 6; ++i) run(0.02f);
+  for (int i = 0; i < 3; ++i) run(0);
+  const std::vector<int> after = textures();
+  const sandglass_skin_mesh mesh = sand.skin.mesh();
+  ASSERT_EQ(mesh.flying_count, 2u);
+  for (uint32_t k = 0; k < 2; ++k) {
+    const sandglass_skin_loose& one = mesh.loose[k];
+    const bool on_heap = one.position[0] < 0;
+    double sum = 0, x = 0, z = 0;
+    for (uint32_t i = 0; i < n * n; ++i) {  // of the texture that is drawn there
+      if ((static_cast<float>(i % n) < 0.5f * static_cast<float>(n)) != on_heap) continue;
+      const uint32_t at = on_heap ? n * n + i : i;
+      const double passed = (255.0 - after[at]) / (255.0 - before[at]);
+      if (before[at] > 128) continue;
+      sum += 1 - passed, x += (1 - passed) * (i % n + 0.5), z += (1 - passed) * (i / n + 0.5);
+    }
+    const double outline = k_loose * M_PI * k_radius * k_radius / 0.8 / (texel * texel);
+    EXPECT_NEAR(sum, static_cast<double>(one.weight) * outline, 0.06 * outline) << on_heap;
+    // How far its shadow fell, by where it is: down to the heap, or to the floor.
+    const double fell_x = (one.position[0] - (x / sum * texel - 0.5)) / (0.36 / 0.8);
+    const double fell_z = (one.position[2] - (z / sum * texel - 0.5)) / (0.48 / 0.8);
+    EXPECT_NEAR(fell_x, fell_z, 1.5 * texel);
+    const sandglass_pile_shadow_sky sky = shadow.sky();
+    const auto at = static_cast<uint32_t>(x / sum) + n * static_cast<uint32_t>(z / sum);
+    const double top = static_cast<double>(sky.heights[at]) * static_cast<double>(sky.height) / 255;
+    EXPECT_EQ(top > 0.03, on_heap);
+    EXPECT_NEAR(fell_z, one.position[1] - top, (on_heap ? 1.5 : 0.5) * texel);
+  }
 }
 
 }  // namespace

@@ -9,9 +9,6 @@ vec3 sand_albedo(vec3 grain, vec3 mean) {
   const float in_at_all = 0.933, thrown_back = 1.0 - in_at_all / (k_refraction * k_refraction);
   return mix(dry, in_at_all * (1.0 - thrown_back) * dry / (1.0 - thrown_back * dry), wet);
 }
-// What the pile leaves of the main light on itself. There what flies over it counts as standing on it: a slope that faces
-// the light cannot be far in such a shadow.
-float sand_passed(vec3 place, vec3 up) { return mix(pile_passed(place), 1.0, 0.85 * smoothstep(-0.05, 0.2, dot(up, to_light))); }
 // What packed grains send to the eye of the main light, for an albedo of 1: much more where it comes from behind the eye,
 // where no shadow of a grain is seen, and little where it comes towards it. Lommel and Seeliger's law with a phase that was
 // fitted to path traced balls (RMS 5 % over 120 directions; of Lambert's law 36 %).

@@ -15,7 +15,7 @@ vec3 sand_surface(vec3 world, vec3 smooth_normal, float dent, float height, vec3
   bump += (abs(above) - above) * up;  // of a grain that is cut below its middle the upper half is seen
   vec3 facet = normalize(up + 0.85 * (bump - 0.5 * up)), to_eye = normalize(eye - world);
   float deep = grain.a, gap = max(0.21 + 0.97 * deep, 0.1), sunny = max(1.0 + 2.45 * (deep - 0.657), 0.03);  // between grains it is dark
-  float direct = sand_passed(world, up) * object_passed(world), open = max(under_sky(world), 0.6) * (1.0 - 0.45 * clamp(dent, 0.0, 1.0));
+  float direct = pile_passed(world) * object_passed(world), open = under_sky(world) * (1.0 - 0.45 * clamp(dent, 0.0, 1.0));
   vec3 lit = sand_lit(sand_albedo(grain.rgb, textureLod(grains, at, 6.0).rgb), up, facet, to_eye, direct * sunny, open * gap) + sand_gloss(normalize(mix(facet, up, 0.7)), to_eye, direct, open);
   // A few facets mirror the main light.
   vec3 mirror = normalize(up + 1.1 * (vec3(face.a, fract(face.a * 57.0), fract(face.a * 131.0)) * 2.0 - 1.0));
