@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "runtime/core/random.h"
+#include "runtime/skin/skin.h"
 #include "tests/guarded_block.h"
 #include "tests/skin/skin_scene.h"
 
@@ -371,6 +372,55 @@ TEST(Skin, ItsGrainsMoveWithTheSand) {
     }
   EXPECT_GT(moved, before.vertices.size() * 9 / 10);
   EXPECT_GT(same, moved * 8 / 10) << "of " << moved;
+}
+
+// While a hand pushes, few patches take their block from another particle: a vertex counts that is nearest to one of the
+// frame before, and has another anchor. Control: a mesh that forgets its anchors.
+TEST(Skin, APushExchangesFewPatches) {
+  struct Anchored {
+    Point at;
+    uint32_t anchor;
+  };
+  double shares[2];
+  for (const bool forgets : {false, true}) {
+    Sand sand(rough(1200));
+    sand.scene.add_floor();
+    sand.scene.add(lattice(10, 12, 10, 2.05f * k_radius, k_radius));
+    sand.until_asleep();
+    sandglass_collider hand = sandglass::sphere(-0.3f, 0.05f, 0, 0.05f);
+    hand.linear_velocity[0] = 0.2f;
+    sand.scene.colliders.push_back(hand);
+    std::vector<Anchored> before;
+    uint32_t seen = 0, exchanged = 0;
+    for (int i = 0; i < 120; ++i) {
+      sand.scene.colliders.back().position[0] = -0.3f + 0.2f * static_cast<float>(i) / 60;
+      sandglass::SkinMesh& mesh = sand.skin.get()->skin.front;
+      if (forgets) std::fill_n(mesh.anchors, mesh.vertex_count, sandglass::k_brick_none);
+      sand.frame(1 / 60.0f);
+      std::vector<Anchored> now;
+      for (uint32_t c = 0; c < sand.skin.get()->skin.chunk_capacity; ++c)
+        for (uint32_t v = 0; v < mesh.chunks[c].vertex_count; ++v) {
+          const auto at = static_cast<size_t>(mesh.chunks[c].vertices - mesh.vertices) + v;
+          now.push_back({place(mesh.vertices[at]), mesh.anchors[at]});
+        }
+      for (const Anchored& one : now) {
+        if (i < 30) break;
+        const Anchored* nearest = nullptr;
+        float least = 0.5f * 1.5f * k_radius;
+        for (const Anchored& other : before) {
+          const float away = std::hypot(one.at[0] - other.at[0], one.at[1] - other.at[1], one.at[2] - other.at[2]);
+          if (away < least) least = away, nearest = &other;
+        }
+        if (nearest == nullptr || least < 1e-6f) continue;  // what stands still is exchanged by none
+        ++seen;
+        exchanged += nearest->anchor != one.anchor ? 1 : 0;
+      }
+      before = now;
+    }
+    shares[forgets ? 1 : 0] = static_cast<double>(exchanged) / seen;
+  }
+  EXPECT_LE(shares[0], 0.08);
+  EXPECT_GT(shares[1], 1.5 * shares[0]);
 }
 
 TEST(Skin, HoldsForSandThatHardlyIsAny) {
