@@ -207,7 +207,6 @@ constexpr uint32_t k_block_counts = k_block_cells * k_block_cells * k_block_cell
 constexpr uint32_t k_density_cells = 14;  // those and one more on either side
 constexpr uint32_t k_grain_count = 16;    // what a grain adds to its cell
 constexpr uint32_t k_no_block = ~0u;
-constexpr uint32_t k_block_moves = 1;       // a particle moves within the support radius of a node
 constexpr uint32_t k_block_holds = 4;       // grains
 constexpr uint32_t k_block_incomplete = 2;  // there was no room for a block that its cells reach
 
@@ -233,7 +232,6 @@ struct MotionGrid {
   MotionBlock* blocks;
   uint32_t block_count, block_capacity;
   uint32_t overflowed;  // 1: there was no room for a block
-  uint32_t moving;      // 1: a particle moves
   float* planes;        // a block's own nodes while particles are added: 8 planes of 64
   float* nodes;         // its records, x fastest, 5 along an axis; positions are relative to the origin
   uint8_t* counts;      // k_grain_count for each grain in a cell of a block, x fastest
@@ -248,6 +246,20 @@ static inline uint32_t motion_hash(int32_t x, int32_t y, int32_t z) {
   const uint32_t mixed = static_cast<uint32_t>(x) * 0x9e3779b1u ^ static_cast<uint32_t>(y) * 0x85ebca77u ^
                          static_cast<uint32_t>(z) * 0xc2b2ae3du;
   return mixed ^ (mixed >> 15);
+}
+
+// A set of places with whole coordinates, as bits of their hashes. It may hold a place that was never put in.
+constexpr uint32_t k_place_bits = 1u << 14;
+struct PlaceSet {
+  uint64_t bits[k_place_bits / 64];
+};
+static inline void place_put(PlaceSet* set, int32_t x, int32_t y, int32_t z) {
+  const uint32_t bit = motion_hash(x, y, z) & (k_place_bits - 1);
+  set->bits[bit >> 6] |= uint64_t{1} << (bit & 63);
+}
+static inline bool place_in(const PlaceSet& set, int32_t x, int32_t y, int32_t z) {
+  const uint32_t bit = motion_hash(x, y, z) & (k_place_bits - 1);
+  return (set.bits[bit >> 6] >> (bit & 63) & 1) != 0;
 }
 
 // The number of the block at these coordinates, or k_no_block.
@@ -266,6 +278,8 @@ struct ScatterMotionArgs {
   const Particle* particles;  // the velocity is the mean one of `time`; with a share of free fall
   uint32_t particle_count;
   float time;  // seconds
+  // Blocks that are made, and those of them whose nodes are read; both null: all.
+  const PlaceSet *wanted, *read;
 };
 
 // The range is of grains.
@@ -284,8 +298,10 @@ struct RefineArgs {
   uint32_t grain_count;
   const uint32_t* groups;  // the range is of items: item i is lane i % 16 of grain group groups[i / 16]
   uint8_t* still;          // one for each group: 1 once every grain of it has kept still for still_sweeps
-  float speed_scale;       // metres a second: sqrt(g d)
-  float still_distance;    // metres that a still grain may move in a sweep, per axis
+  uint32_t* stamps;        // one for each group: set to `stamp` where a position or a velocity in it has changed
+  uint32_t stamp;
+  float speed_scale;     // metres a second: sqrt(g d)
+  float still_distance;  // metres that a still grain may move in a sweep, per axis
   float still_sweeps;
   float support;     // h = 3r
   float step;        // seconds
@@ -306,6 +322,7 @@ struct RefineArgs {
 
 struct RefineExtent {
   uint32_t quarantined;
+  uint32_t changed;  // groups
 };
 
 // One azimuth of a soft light.

@@ -113,12 +113,11 @@ static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t 
       first[k] = floor_whole(scaled - reach) + 1;
       last[k] = floor_whole(scaled + reach);
     }
-    const bool moves = particle.velocity[0] != 0.0f || particle.velocity[1] != 0.0f || particle.velocity[2] != 0.0f;
-    if (moves) grid->moving = 1;
     int32_t at[3], low[3], high[3];
     for (at[2] = first[2] >> 2; at[2] <= last[2] >> 2; ++at[2]) {
       for (at[1] = first[1] >> 2; at[1] <= last[1] >> 2; ++at[1]) {
         for (at[0] = first[0] >> 2; at[0] <= last[0] >> 2; ++at[0]) {
+          if (a->wanted != nullptr && !place_in(*a->wanted, at[0], at[1], at[2])) continue;
           const uint32_t number = recent_block(grid, at, &recent);
           if (number == k_no_block) continue;
           for (int k = 0; k < 3; ++k) {
@@ -126,7 +125,7 @@ static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t 
             low[k] = from > 0 ? from : 0;
             high[k] = to < 3 ? to : 3;
           }
-          if (moves) grid->blocks[number].state |= k_block_moves;
+          if (a->read != nullptr && !place_in(*a->read, at[0], at[1], at[2])) continue;
           add_to_block(grid, grid->blocks[number], grid->planes + static_cast<uint64_t>(number) * k_block_floats, low,
                        high, position, particle.velocity, static_cast<float>(i));
         }

@@ -575,14 +575,14 @@ SANDGLASS_INLINE uint32_t put_back(const Float before[k_record_floats], Grains* 
 
 template <bool k_by_grid>
 SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
-  const Float one = broadcast(1.0f);
+  const Float one = broadcast(1.0f), zero = broadcast(0.0f);
   const Fixed fixed = fixed_of(a);
-  uint32_t quarantined = 0;
+  uint32_t quarantined = 0, changed = 0;
   LastBlock last = no_block_yet();
   for (uint32_t item = begin; item < end; item += k_lane_group) {
     const uint32_t group_number = a->groups[item / k_lane_group], first_grain = group_number * k_lane_group;
     const uint32_t last_grain = first_grain + (end - item < k_lane_group ? end - item : k_lane_group);
-    Mask keeps_still = one == one;
+    Mask keeps_still = one == one, changes = and_not(keeps_still, keeps_still);
     for (uint32_t i = first_grain; i < last_grain; i += k_width) {
       float* record = floats_of(a->grains + i);
       Float grain[k_record_floats];
@@ -599,9 +599,13 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
                          (absolute(g.position[1] - grain[k_y]) <= fixed.still_distance) &
                          (absolute(g.position[2] - grain[k_z]) <= fixed.still_distance);
       const Float sweeps = keep(still, minimum(grain[k_still_sweeps] + one, fixed.still_sweeps));
-      keeps_still = and_not(keeps_still, and_not(g.inside, fixed.still_sweeps <= sweeps));
+      const Mask rests = (g.velocity[0] == zero) & (g.velocity[1] == zero) & (g.velocity[2] == zero);
+      keeps_still = and_not(keeps_still, and_not(g.inside, (fixed.still_sweeps <= sweeps) & rests));
       Float moved[k_record_floats];
-      for (int k = 0; k < 3; ++k) moved[k] = g.position[k], moved[k_vx + k] = g.velocity[k];
+      for (int k = 0; k < 3; ++k) {
+        moved[k] = g.position[k], moved[k_vx + k] = g.velocity[k];
+        changes = changes | and_not(g.inside, (moved[k] == grain[k]) & (moved[k_vx + k] == grain[k_vx + k]));
+      }
       moved[k_number] = grain[k_number];
       moved[k_still_sweeps] = sweeps;
       if (i + k_width > a->grain_count)
@@ -609,8 +613,10 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
       store_records(record, moved);
     }
     a->still[group_number] = all(keeps_still) ? 1 : 0;
+    if (any(changes)) a->stamps[group_number] = a->stamp, ++changed;
   }
   extent->quarantined = quarantined;
+  extent->changed = changed;
 }
 
 static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {

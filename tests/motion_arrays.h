@@ -26,8 +26,8 @@ struct MotionArrays {
   // What a scene does before grains are counted.
   void scatter(const sandglass::Kernels& kernels, const sandglass::Particle* particles, uint32_t count, float time) {
     std::fill(slots.begin(), slots.end(), 0u);
-    grid.block_count = grid.overflowed = grid.moving = 0;
-    const sandglass::ScatterMotionArgs args = {&grid, particles, count, time};
+    grid.block_count = grid.overflowed = 0;
+    const sandglass::ScatterMotionArgs args = {&grid, particles, count, time, nullptr, nullptr};
     uint32_t unused = 0;
     kernels.scatter_motion(&args, 0, (count + 15) / 16 * 16, &unused);
     for (uint32_t b = 0; b < grid.block_count; ++b) sandglass::motion_join(&grid, b);

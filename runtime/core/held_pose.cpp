@@ -304,6 +304,7 @@ bool same_turn(const float a[4], const float b[4]) {
 }
 
 float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const HoldRule& rule) {
+  if (same_pose(from, to)) return 0.0f;
   float low[3], high[3], most = 0.0f;
   near_box(shape, from, rule, low, high);
   if (shape == SANDGLASS_SHAPE_HALF_SPACE) {

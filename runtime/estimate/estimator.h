@@ -34,6 +34,7 @@ struct Estimator {
   uint8_t* rgb;         // the image as the network sees it
   uint32_t* sums;       // scratch of the resampling
   // Estimates.
+  uint64_t version;
   LightSample latest;  // before the filter, in the world
   uint64_t latest_ns, changed_ns, taken_ns;
   uint32_t estimates;

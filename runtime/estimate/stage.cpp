@@ -1,4 +1,6 @@
 // One estimate, unit by unit, and the estimator's part in a frame.
+#include <cstring>
+
 #include "runtime/estimate/estimator.h"
 
 namespace sandglass {
@@ -30,9 +32,11 @@ void finish(Estimator* estimator) {
   estimator->latest_ns = estimator->image.timestamp_ns;
   estimator->estimate_frame = estimator->image_frame;
   ++estimator->estimates;
+  const LightSample before = estimator->filter.state;
   if (light_filter_take(&estimator->filter, estimator->latest, estimator->latest_ns)) {
     estimator->changed_ns = estimator->latest_ns;
     estimator->changed = true;
+    if (memcmp(&before, &estimator->filter.state, sizeof before) != 0) ++estimator->version;
   }
   estimator->phase = EstimatorPhase::idle;
 }
@@ -93,6 +97,7 @@ void estimator_reset(Estimator* estimator) {
   estimator->estimates = 0;
   estimator->frame = estimator->image_frame = estimator->estimate_frame = 0;
   estimator->changed = false;
+  ++estimator->version;
 }
 
 namespace {
@@ -141,6 +146,7 @@ void end_frame(sandglass_estimator* owner, sandglass_frame_report* report) {
     drop_image(estimator);
     estimator->phase = EstimatorPhase::idle;
   }
+  report->versions.light = estimator->version;
   report->estimate.valid = estimator->filter.accepted != 0 ? 1 : 0;
   report->estimate.changed = estimator->changed ? 1 : 0;
   report->estimate.frames_behind =

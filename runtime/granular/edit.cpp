@@ -215,6 +215,7 @@ sandglass_status granular_move(Granular* g, const float rotation[4], const float
   remove_leaving(g, move);
   particles_move(&g->particles, move);
   grains_move(&g->grains, move);
+  output_changed(&g->output);
   sleep_move(&g->sleep, g->particles.count + g->flow.free_particle_count, move);
   bodies_move(&g->bodies, move);
   granular_forget_departed(g);
@@ -597,6 +598,7 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
   particles_restore(&g->particles, saved);
   flow_restore(&g->flow, saved);
   grains_restore(&g->grains, saved);
+  output_changed(&g->output);
   bodies_restore(&g->bodies, saved);
   time_restore(&g->time, saved);
   sleep_restore(&g->sleep, saved);

@@ -95,7 +95,10 @@ bool keeps_still(const Granular& g, uint32_t group) {
   const uint32_t first = group * k_lane_group;
   const uint32_t last = g.grains.count - first < k_lane_group ? g.grains.count : first + k_lane_group;
   for (uint32_t i = first; i < last; ++i) {
-    if (!(g.grains.records[i].still_sweeps >= k_patience_sweeps)) return false;
+    const Grain& grain = g.grains.records[i];
+    if (!(grain.still_sweeps >= k_patience_sweeps)) return false;
+    for (const float v : grain.velocity)
+      if (v != 0.0f) return false;
   }
   return true;
 }
@@ -190,9 +193,9 @@ bool grain_sleep_run_triage(GrainSleep* s, const Granular& g, uint32_t* cursor) 
     set_asleep(tile, false);
     if (s->groups_changed) s->still[group] = keeps_still(g, group) ? 1 : 0;
     if (s->still[group] == 0) continue;
-    make_tile(s, g, group);
+    if (s->still[group] != k_tile_made) make_tile(s, g, group), s->still[group] = k_tile_made;
     ++s->still_groups;
-    if (follows && !motion_near(g.motion.grid, tile->position, tile->radius)) set_asleep(tile, true);
+    if (follows && !motion_near(g.motion, g, group, *tile)) set_asleep(tile, true);
   }
   if (g.colliders.for_grains.moved.count != 0) {
     const WakeArgs args = {s->tiles, end, g.colliders.for_grains.moved.frames, g.colliders.for_grains.moved.margins,
@@ -235,12 +238,18 @@ struct OutputTask {
   uint64_t stride;
   uint32_t capacity;
   float lag;
+  const uint32_t* stamps;  // of the groups; null: all are written
+  uint32_t least;          // those from this one on are written
   void run(uint32_t piece, uint32_t begin, uint32_t end) {
     (void)piece;
     const OutputTask t = *this;  // what is written may not be this
     const uint32_t last = end < t.grain_count ? end : t.grain_count;
     uint32_t i = begin;
     for (; i < last; ++i) {
+      if (t.stamps != nullptr && t.stamps[i / k_lane_group] < t.least) {
+        i |= k_lane_group - 1;
+        continue;
+      }
       const uint32_t number = t.grains[i].number;
       if (number >= t.capacity) continue;
       const HalfRecord* record = reinterpret_cast<const HalfRecord*>(&t.grains[i]);
@@ -249,7 +258,7 @@ struct OutputTask {
       grain[3] = __builtin_sqrtf(squares[0] + squares[1] + squares[2]);
       __builtin_memcpy(t.out + number * t.stride, &grain, sizeof grain);
     }
-    for (; i < end; ++i) {
+    for (i = begin > t.grain_count ? begin : t.grain_count; i < end; ++i) {
       const sandglass_grain grain = {{0.0f, SANDGLASS_REMOVED_Y, 0.0f}, -1.0f};
       const uint32_t number = t.removed[i - t.grain_count];
       if (number < t.capacity) __builtin_memcpy(t.out + number * t.stride, &grain, sizeof grain);
@@ -263,6 +272,8 @@ static_assert(offsetof(sandglass_grain, speed) == 12 && sizeof(sandglass_grain) 
 bool output_next(const Granular& g, WorkUnit* unit) {
   const uint32_t all = g.grains.count + g.flow.free_grain_count;
   if (output_count(g) == 0 || g.output.cursor >= all) return false;
+  const Output& o = g.output;
+  if (o.least != 0 && !o.moved && !o.all_changed && o.last_change < o.least) return false;  // the buffer holds it
   const uint32_t left = all - g.output.cursor;
   unit->kind = k_unit_output;
   unit->name = "output.grains";
@@ -280,7 +291,9 @@ void output_run(Output* output, const Granular& g) {
                      reinterpret_cast<uint8_t*>(output->input->grains),
                      output->input->grain_stride,
                      output_count(g),
-                     lag};
+                     lag,
+                     output->all_changed || output->all_since >= output->least ? nullptr : output->stamps,
+                     output->least};
   const uint32_t end = all - output->cursor < g.unit ? all : output->cursor + g.unit;
   granular_split(g, output->cursor, end, &task);
   output->cursor = end;
@@ -292,10 +305,30 @@ uint32_t output_forecast(const Granular& g, Forecast* entries) {
   return 1;
 }
 
+void output_layout(Output* o, const sandglass_granular_desc& d, Layout* layout) {
+  if (d.grain_capacity == 0) return;
+  o->stamps =
+      layout_region<uint32_t>(layout, "granular.grain_stamps", (d.grain_capacity + k_lane_group - 1) / k_lane_group);
+}
+
 void output_begin_frame(Output* output, const sandglass_frame_input* input) {
   output->input = input;
   output->cursor = 0;
+  ++output->frame;
+  const uint32_t age = input->grains_age;
+  output->least = age == 0 || age >= output->frame ? 0 : output->frame - age + 1;
 }
+
+void output_end_frame(Output* o) {
+  if (o->all_changed) o->all_since = o->frame;
+  if (o->all_changed || o->moved) o->last_change = o->frame, ++o->version;
+  o->all_changed = o->moved = false;
+}
+
+void output_moved(Output* o, uint32_t groups) { o->moved = o->moved || groups != 0; }
+void output_regrouped(Output* o) { o->all_since = o->frame; }
+void output_changed(Output* o) { o->all_changed = true; }
+bool output_is_moving(const Output& o) { return o.all_changed || o.last_change + 1 >= o.frame; }
 
 void output_restart(Output* output) { output->cursor = 0; }
 

@@ -59,9 +59,10 @@ bool grains_run_sort(Grains* grains, const Granular& granular);
 // The refinement itself leaves a still grain where it is while no particle in its sums moves, so leaving its group out
 // changes no bit. With the dissertation's rule every step looks the particles up, and no group is left out.
 
+constexpr uint8_t k_tile_made = 2;
 struct GrainSleep {
   uint32_t* groups;  // numbers of the groups that the sweep refines
-  uint8_t* still;    // one a group: all its grains keep still
+  uint8_t* still;    // one a group: all its grains keep still; k_tile_made: so long that its tile is right
   Sleeper* tiles;    // one a group: the sphere that holds its grains
   uint32_t group_count;
   uint32_t still_groups;  // that the last triage found
@@ -95,14 +96,30 @@ bool grain_sleep_run_triage(GrainSleep* sleep, const Granular& granular, uint32_
 
 // ---- Output (grains.cpp)
 //
-// The output: every grain is written to the app's buffer, at the end of each frame, whatever the budget.
+// The output: grains are written to the app's buffer, at the end of each frame, whatever the budget: those of groups that
+// have changed since that buffer was written, or all where the app does not say when that was.
 
 struct Output {
   const sandglass_frame_input* input;  // of this frame
   uint32_t cursor;                     // next grain, then next free number
+  uint32_t* stamps;                    // one a group: the frame in which it last changed
+  uint32_t frame;                      // counts all frames
+  uint32_t least;                      // stamps from this one on are written; 0: all are
+  uint32_t last_change,
+      all_since;            // the frames in which some grain, and in which all may have changed or changed groups
+  bool moved, all_changed;  // in this frame, or since the last one
+  uint64_t version;
 };
 
+void output_layout(Output* output, const sandglass_granular_desc& desc, Layout* layout);
 void output_begin_frame(Output* output, const sandglass_frame_input* input);
+void output_end_frame(Output* output);
+// So many groups moved; grains are in other groups; grains came, went or were all moved.
+void output_moved(Output* output, uint32_t groups);
+void output_regrouped(Output* output);
+void output_changed(Output* output);
+// Whether what is drawn may be other than two frames ago.
+bool output_is_moving(const Output& output);
 // What was written is out of date.
 void output_restart(Output* output);
 
@@ -124,8 +141,22 @@ struct Place {
   float position[3];
 };
 
+//
+// Only what a grain needs is made. Which places particles move near is known before the triage; and where few groups are
+// refined, blocks far from them are left out.
+struct PlaceOfBlock {
+  int32_t at[3];
+};
+
 struct ParticleMotion {
   MotionGrid grid;
+  PlaceSet moved;           // cells of 2 nodes in which what a grain reads may move
+  int32_t low[3], high[3];  // nodes that bound them
+  PlaceSet wanted;          // blocks: those of the grains that are refined, and the ones about them
+  PlaceSet read;            // those of them whose nodes are read
+  bool all_wanted;
+  uint32_t wanted_groups;
+  PlaceOfBlock recent[8];  // that were put in, by whether their coordinates are odd
   // One a number: where the particle was at the last sweep's snapshot, and at that of the sweep under way.
   Place* starts;
   Place* ends;
@@ -163,13 +194,15 @@ bool motion_run_join(ParticleMotion* motion, const Granular& granular, uint32_t*
 bool motion_run_count(ParticleMotion* motion, const Granular& granular, uint32_t* cursor);
 bool motion_run_smooth(ParticleMotion* motion, const Granular& granular, uint32_t* cursor);
 
-// A block that has all its own nodes gets its records.
-void motion_join(MotionGrid* grid, uint32_t number);
+// A block that has all its own nodes learns of those about it, and gets its records if they are read.
+void motion_join(MotionGrid* grid, uint32_t number, bool is_read = true);
 // A block, around which all grains are counted, gets its density.
 void motion_smooth(const MotionGrid& grid, uint32_t number);
 
-// Whether a particle moves so near to a sphere that the sums in it may change.
-bool motion_near(const MotionGrid& grid, const float position[3], float radius);
+// Whether a particle moves so near to a grain of a group that the sums at it may change. `tile` holds the group.
+bool motion_near(const ParticleMotion& motion, const Granular& granular, uint32_t group, const Sleeper& tile);
+// The group is refined.
+void motion_want(ParticleMotion* motion, const Granular& granular, uint32_t group);
 
 // ---- Sweep (sweep.cpp)
 //
@@ -187,11 +220,11 @@ enum class SweepPhase : uint32_t {
   idle,      // between sweeps
   snapshot,  // copies the particles, sorted by cell; they wait meanwhile
   sort,      // the grains by cell, every few sweeps
+  triage,    // which groups of grains are refined
   scatter,   // the particles' motion to the nodes of a grid
   join,      // its blocks
   count,     // the grains in its cells
   smooth,    // makes their density of it
-  triage,    // which groups of grains are refined
   refine,    // moves them
   drain,     // takes out those that are inside a sink
 };

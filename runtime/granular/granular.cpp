@@ -111,6 +111,7 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   motion_layout(&g->motion, d, layout);
   sweep_space_layout(g, d, layout);
   grain_sleep_layout(&g->grain_sleep, d, layout);
+  output_layout(&g->output, d, layout);
   colliders_layout(&g->colliders, d, layout);
 }
 
@@ -171,12 +172,14 @@ void granular_reset(Granular* g) {
   contacts_reset(&g->contacts);
   sweep_reset(&g->sweep);
   output_restart(&g->output);
+  output_changed(&g->output);
   g->counts = {};
   granular_seal(g);
 }
 
 void granular_settle(Granular* g) {
   if (g->desc.particle_capacity == 0) return;
+  if (g->sweep.phase != SweepPhase::idle || g->time.grain_lag >= k_time_resolution) output_changed(&g->output);
   sweep_finish(g);
   substep_abandon(g);
   sweep_finish(g);  // where it ended a sub-step with bodies, grains follow once more

@@ -54,7 +54,7 @@ void copy_nodes(const MotionGrid& grid, uint32_t from, uint32_t to, const uint32
 
 }  // namespace
 
-void motion_join(MotionGrid* grid, uint32_t number) {
+void motion_join(MotionGrid* grid, uint32_t number, bool is_read) {
   MotionBlock& block = grid->blocks[number];
   // Half of the blocks around it: those behind it. The others find it.
   for (uint32_t side = k_itself + 1; side < k_blocks_around; ++side) {
@@ -68,7 +68,7 @@ void motion_join(MotionGrid* grid, uint32_t number) {
     const uint32_t beyond[3] = {side & 1, (side >> 1) & 1, side >> 2};
     const uint32_t next = block.around[k_itself + beyond[0] + 3 * beyond[1] + 9 * beyond[2]];
     if (next == k_no_block && grid->overflowed != 0) block.state |= k_block_incomplete;
-    copy_nodes(*grid, next, number, beyond);
+    if (is_read) copy_nodes(*grid, next, number, beyond);
   }
 }
 
@@ -226,13 +226,34 @@ void motion_begin(ParticleMotion* m, double time) {
     o = m->grid.spacing * static_cast<float>(bits >> 40) * 0x1p-22f;  // up to a block
   }
   m->grid.block_count = 0;
-  m->grid.overflowed = m->grid.moving = 0;
+  m->grid.overflowed = 0;
+  m->moved = m->wanted = m->read = {};
+  m->all_wanted = false;
+  m->wanted_groups = 0;
+  for (PlaceOfBlock& recent : m->recent) recent.at[0] = INT32_MIN;
+  for (int k = 0; k < 3; ++k) m->low[k] = INT32_MAX, m->high[k] = INT32_MIN;
 }
 
 // Empties the part of the table of blocks that goes with the items from `begin` to `end` of `all`.
 static void clear_slots(MotionGrid* grid, uint32_t begin, uint32_t end, uint32_t all) {
   const uint64_t slots = uint64_t{grid->slot_mask} + 1;
   for (uint64_t slot = slots * begin / all; slot < slots * end / all; ++slot) grid->slots[slot] = 0;
+}
+
+// Cells that read a node which the particle reaches, as scatter_motion finds its nodes.
+static void note_mover(ParticleMotion* m, const Particle& p, float time) {
+  const float reach = m->grid.reach * m->grid.inverse_spacing;
+  int32_t first[3], last[3];
+  for (int k = 0; k < 3; ++k) {
+    const float scaled = (p.position[k] - time * p.velocity[k] - m->grid.origin[k]) * m->grid.inverse_spacing;
+    first[k] = floor_whole(scaled - reach);
+    last[k] = floor_whole(scaled + reach);
+    m->low[k] = first[k] < m->low[k] ? first[k] : m->low[k];
+    m->high[k] = last[k] > m->high[k] ? last[k] : m->high[k];
+  }
+  for (int32_t z = first[2] >> 1; z <= last[2] >> 1; ++z)
+    for (int32_t y = first[1] >> 1; y <= last[1] >> 1; ++y)
+      for (int32_t x = first[0] >> 1; x <= last[0] >> 1; ++x) place_put(&m->moved, x, y, z);
 }
 
 bool motion_measure(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
@@ -250,6 +271,8 @@ bool motion_measure(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
     }
     set_free_fall(p, motion_free_fall(p->velocity, mean, g.gravity, static_cast<float>(g.sweep.time)));
     for (int k = 0; k < 3; ++k) p->velocity[k] = mean[k];
+    if (!in_body(*p) && (mean[0] != 0.0f || mean[1] != 0.0f || mean[2] != 0.0f))
+      note_mover(m, *p, static_cast<float>(g.sweep.time));
   }
   clear_slots(&m->grid, begin, end, all);
   *cursor = end;
@@ -284,14 +307,25 @@ uint32_t motion_items(const Granular& g) {
 }
 
 uint64_t motion_items_of_a_sweep(const Granular& g, bool even) {
+  if (g.grain_sleep.group_count == 0 && g.grain_sleep.still_groups != 0) return 0;  // the last one needed none
   const uint64_t blocks = g.motion.grid.block_count;
   return uint64_t{g.particles.count} * k_items_per_particle + blocks * k_items_per_join +
          (even ? blocks * k_items_per_smooth + g.grains.count : 0);
 }
 
+static bool is_read(const ParticleMotion& m, uint32_t number) {
+  const int32_t* at = m.grid.blocks[number].at;
+  return m.all_wanted || place_in(m.read, at[0], at[1], at[2]);
+}
+
 bool motion_run_scatter(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
   const uint32_t all = g.sweep.particles, begin = *cursor, end = begin + motion_part(g, k_items_per_particle);
-  const ScatterMotionArgs args = {&m->grid, g.grains.snapshot.particles, end, static_cast<float>(g.sweep.time)};
+  const ScatterMotionArgs args = {&m->grid,
+                                  g.grains.snapshot.particles,
+                                  end,
+                                  static_cast<float>(g.sweep.time),
+                                  m->all_wanted ? nullptr : &m->wanted,
+                                  m->all_wanted ? nullptr : &m->read};
   uint32_t unused = 0;
   g.kernels->scatter_motion(&args, begin, end, &unused);
   *cursor = end;
@@ -309,38 +343,59 @@ bool motion_run_count(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
 
 bool motion_run_smooth(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
   const uint32_t end = *cursor + motion_part(g, k_items_per_smooth);
-  for (uint32_t number = *cursor; number < end; ++number) motion_smooth(m->grid, number);
+  for (uint32_t number = *cursor; number < end; ++number)
+    if (is_read(*m, number)) motion_smooth(m->grid, number);
   *cursor = end;
   return end >= m->grid.block_count;
 }
 
 bool motion_run_join(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
   const uint32_t end = *cursor + motion_part(g, k_items_per_join);
-  for (uint32_t number = *cursor; number < end; ++number) motion_join(&m->grid, number);
+  for (uint32_t number = *cursor; number < end; ++number) motion_join(&m->grid, number, is_read(*m, number));
   *cursor = end;
   return end >= m->grid.block_count;
 }
 
-bool motion_near(const MotionGrid& grid, const float position[3], float radius) {
-  if (grid.moving == 0) return false;
-  if (grid.overflowed != 0) return true;
-  const float inverse = 0.25f * grid.inverse_spacing;
-  if (radius * inverse > 4.0f) return true;  // too wide to look at: it is refined
-  int32_t first[3], last[3];
+bool motion_near(const ParticleMotion& m, const Granular& g, uint32_t group, const Sleeper& tile) {
+  if (m.low[0] > m.high[0]) return false;  // nothing moves
   for (int k = 0; k < 3; ++k) {
-    first[k] = floor_whole((position[k] - grid.origin[k] - radius) * inverse);
-    last[k] = floor_whole((position[k] - grid.origin[k] + radius) * inverse) +
-              1;  // whose first nodes the cells before it reach
+    const float middle = (tile.position[k] - m.grid.origin[k]) * m.grid.inverse_spacing;
+    const float radius = tile.radius * m.grid.inverse_spacing + 1.0f;
+    if (middle + radius < static_cast<float>(m.low[k]) || middle - radius > static_cast<float>(m.high[k])) return false;
   }
-  for (int32_t z = first[2]; z <= last[2]; ++z) {
-    for (int32_t y = first[1]; y <= last[1]; ++y) {
-      for (int32_t x = first[0]; x <= last[0]; ++x) {
-        const uint32_t number = motion_find(grid, x, y, z);
-        if (number != k_no_block && (grid.blocks[number].state & k_block_moves) != 0) return true;
-      }
-    }
+  const uint32_t first = group * k_lane_group;
+  for (uint32_t i = first; i < first + k_lane_group && i < g.grains.count; ++i) {
+    int32_t cell[3];
+    for (int k = 0; k < 3; ++k)
+      cell[k] = floor_whole((g.grains.records[i].position[k] - m.grid.origin[k]) * m.grid.inverse_spacing) >> 1;
+    if (place_in(m.moved, cell[0], cell[1], cell[2])) return true;
   }
   return false;
+}
+
+void motion_want(ParticleMotion* m, const Granular& g, uint32_t group) {
+  // Where more groups than that are refined, looking them up costs more than it spares.
+  constexpr uint32_t k_most = 4;  // 1 / share of all
+  if (m->all_wanted) return;
+  if (++m->wanted_groups > g.grains.count / (k_most * k_lane_group)) {
+    m->all_wanted = true;
+    return;
+  }
+  const uint32_t first = group * k_lane_group;
+  for (uint32_t i = first; i < first + k_lane_group && i < g.grains.count; ++i) {
+    int32_t at[3];
+    for (int k = 0; k < 3; ++k)
+      at[k] = floor_whole((g.grains.records[i].position[k] - m->grid.origin[k]) * m->grid.inverse_spacing * 0.25f);
+    int32_t* recent = m->recent[(at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2].at;
+    if (at[0] == recent[0] && at[1] == recent[1] && at[2] == recent[2]) continue;
+    for (int k = 0; k < 3; ++k) recent[k] = at[k];
+    for (int32_t z = at[2] - 1; z <= at[2] + 1; ++z)
+      for (int32_t y = at[1] - 1; y <= at[1] + 1; ++y)
+        for (int32_t x = at[0] - 1; x <= at[0] + 1; ++x) {
+          place_put(&m->wanted, x, y, z);
+          if (x >= at[0] && y >= at[1] && z >= at[2]) place_put(&m->read, x, y, z);
+        }
+  }
 }
 
 }  // namespace sandglass

@@ -25,36 +25,29 @@ void begin_sort(Granular* g);
 void begin_triage(Granular* g);
 void complete(Granular* g);
 
-// What follows when the grains are in order: with the dissertation's rule every step looks the particles up.
-SweepPhase read_motion(Granular* g) {
-  if (!source_rule(*g)) return SweepPhase::scatter;
-  begin_triage(g);
-  return SweepPhase::triage;
-}
-
 // The phase that follows `done`, whose last unit has run.
 SweepPhase after(Granular* g, SweepPhase done) {
   switch (done) {
     case SweepPhase::idle:
       return SweepPhase::idle;
     case SweepPhase::snapshot:
-      if (g->sweep.sweeps_since_sort < k_sweeps_per_sort) return read_motion(g);
-      begin_sort(g);
-      return SweepPhase::sort;
+      if (g->sweep.sweeps_since_sort >= k_sweeps_per_sort) {
+        begin_sort(g);
+        return SweepPhase::sort;
+      }
+      [[fallthrough]];
     case SweepPhase::sort:
-      return read_motion(g);
+      begin_triage(g);
+      return SweepPhase::triage;
+    case SweepPhase::triage:  // with the dissertation's rule every step looks the particles up
+      return source_rule(*g) || g->grain_sleep.group_count == 0 ? SweepPhase::refine : SweepPhase::scatter;
     case SweepPhase::scatter:
       return SweepPhase::join;
     case SweepPhase::join:
-      if (pushes(*g)) return SweepPhase::count;
-      begin_triage(g);
-      return SweepPhase::triage;
+      return pushes(*g) ? SweepPhase::count : SweepPhase::refine;
     case SweepPhase::count:
       return SweepPhase::smooth;
     case SweepPhase::smooth:
-      begin_triage(g);
-      return SweepPhase::triage;
-    case SweepPhase::triage:
       return SweepPhase::refine;
     case SweepPhase::refine:
       complete(g);
@@ -115,7 +108,7 @@ struct RefineTask {
 
 uint32_t refine_items(const Granular& g) { return g.grain_sleep.group_count * k_lane_group; }
 
-bool run_refine(const Granular& g, uint32_t* cursor, FrameCounts* counts) {
+bool run_refine(const Granular& g, uint32_t* cursor, FrameCounts* counts, Output* output) {
   const Snapshot& snapshot = g.grains.snapshot;
   RefineTask task = {};
   task.kernels = g.kernels;
@@ -128,6 +121,8 @@ bool run_refine(const Granular& g, uint32_t* cursor, FrameCounts* counts) {
   a.grain_count = g.grains.count;
   a.groups = g.grain_sleep.groups;
   a.still = g.grain_sleep.still;
+  a.stamps = g.output.stamps;
+  a.stamp = g.output.frame;
   a.still_distance = k_still_speed_units * granular_speed_scale(g) * static_cast<float>(g.sweep.time);
   a.speed_scale = granular_speed_scale(g);
   a.still_sweeps = k_patience_sweeps;
@@ -150,7 +145,10 @@ bool run_refine(const Granular& g, uint32_t* cursor, FrameCounts* counts) {
   const uint32_t items = refine_items(g);
   const uint32_t end = items - *cursor < g.unit ? items : *cursor + g.unit;
   granular_split(g, *cursor, end, &task);
-  for (const RefineExtent& e : task.extents) counts->quarantined += e.quarantined;
+  for (const RefineExtent& e : task.extents) {
+    counts->quarantined += e.quarantined;
+    output_moved(output, e.changed);
+  }
   *cursor = end;
   return end >= items;
 }
@@ -164,7 +162,7 @@ bool run_drain(Granular* g) {
     if (first < g->grains.count) removed += granular_drain_grains(g, first);
   }
   flow_count_removed(&g->flow, 0, removed, 0);
-  if (removed != 0) grain_sleep_regrouped(&g->grain_sleep);
+  if (removed != 0) grain_sleep_regrouped(&g->grain_sleep), output_changed(&g->output);
   g->sweep.cursor = end;
   return end >= items;
 }
@@ -176,6 +174,13 @@ void complete(Granular* g) {
   time_grains_followed(&g->time, g->sweep.time);
   g->sweep.sweeps_since_sort += static_cast<float>(items) / static_cast<float>(g->grains.count);
   grain_sleep_followed(&g->grain_sleep, items == 0 && g->sleep.awake_count == 0);
+}
+
+bool run_triage(Granular* g) {
+  const uint32_t listed = g->grain_sleep.group_count;
+  const bool done = grain_sleep_run_triage(&g->grain_sleep, *g, &g->sweep.cursor);
+  for (uint32_t i = listed; i < g->grain_sleep.group_count; ++i) motion_want(&g->motion, *g, g->grain_sleep.groups[i]);
+  return done;
 }
 
 // ---- the stage
@@ -239,6 +244,7 @@ bool run_unit(Granular* g, SweepPhase phase) {
       return run_snapshot(g);
     case SweepPhase::sort:
       grain_sleep_regrouped(&g->grain_sleep);
+      output_regrouped(&g->output);
       return grains_run_sort(&g->grains, *g);
     case SweepPhase::scatter:
       return motion_run_scatter(&g->motion, *g, &g->sweep.cursor);
@@ -249,9 +255,9 @@ bool run_unit(Granular* g, SweepPhase phase) {
     case SweepPhase::smooth:
       return motion_run_smooth(&g->motion, *g, &g->sweep.cursor);
     case SweepPhase::triage:
-      return grain_sleep_run_triage(&g->grain_sleep, *g, &g->sweep.cursor);
+      return run_triage(g);
     case SweepPhase::refine:
-      return run_refine(*g, &g->sweep.cursor, &g->counts);
+      return run_refine(*g, &g->sweep.cursor, &g->counts, &g->output);
     case SweepPhase::drain:
       return run_drain(g);
   }
@@ -322,11 +328,13 @@ void sweep_grains_added(Granular* g, uint32_t count) {
   if (!sweep_takes_grains(*g)) g->sweep.phase = SweepPhase::idle;
   g->sweep.sweeps_since_sort = k_sort_next;
   grain_sleep_added(&g->grain_sleep, *g, count);
+  output_changed(&g->output);
 }
 
 void sweep_grains_removed(Granular* g) {
   g->sweep.phase = SweepPhase::idle;
   grain_sleep_removed(&g->grain_sleep);
+  output_changed(&g->output);
 }
 
 // A unit of grains becomes mandatory when the particles wait for them: whatever the budget, one of the two goes on.

@@ -70,7 +70,9 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
 }
 
 void run(void* state, uint32_t) {
-  Room* room = &static_cast<sandglass_room*>(state)->room;
+  auto* owner = static_cast<sandglass_room*>(state);
+  owner->touched = true;
+  Room* room = &owner->room;
   if (room->phase != RoomPhase::idle) room_run_unit(room);
   else room->probe->run(room);
 }
@@ -99,11 +101,16 @@ Stage begin_frame(sandglass_room* owner, const sandglass_camera_image* image, co
 
 // A frame that ends early, by a broken clock or a plan, leaves an image unfinished. It is dropped, because its planes
 // belong to the app.
-void end_frame(sandglass_room* owner) {
+uint64_t end_frame(sandglass_room* owner) {
   Room* room = &owner->room;
   room->phase = RoomPhase::idle;
   room->cursor = 0;
   room_drop_probe_unit(room);
+  if (!owner->touched) return owner->version;
+  const uint64_t hash = sandglass_room_hash(owner);
+  if (hash != owner->known) owner->known = hash, ++owner->version;
+  owner->touched = false;
+  return owner->version;
 }
 
 // Out of line: each runs between the two calls that set and restore the floating-point control.
@@ -231,6 +238,8 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
   sandglass_room* owner = lay_out(*desc, &layout);
   owner->room.unit = 0;
   owner->functions = &k_room_functions;
+  owner->version = owner->known = 0;
+  owner->touched = true;
   owner->room.radius = static_cast<double>(desc->radius);
   owner->room.half_life = static_cast<double>(desc->half_life);
   owner->room.interval_ns = to_whole<uint64_t>(static_cast<double>(desc->interval) * 1e9);
@@ -240,7 +249,7 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
 }
 
 void sandglass_room_reset(sandglass_room* room) {
-  if (room != nullptr) room_reset(&room->room);
+  if (room != nullptr) room_reset(&room->room), room->touched = true;
 }
 
 sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_camera_image* image, int32_t* taken,
@@ -251,6 +260,7 @@ sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_
   if (status != SANDGLASS_OK) return status;
   const FloatingPointControl saved = floating_point_enter();
   const bool took = take_whole(&room->room, *image);
+  room->touched = true;
   floating_point_restore(saved);
   if (taken != nullptr) *taken = took ? 1 : 0;
   return accept(reason);
@@ -264,6 +274,7 @@ sandglass_status sandglass_room_move(sandglass_room* room, const float rotation[
     return refuse(reason, "translation is not finite or beyond 1000 m: keep the world near its origin");
   const FloatingPointControl saved = floating_point_enter();
   const bool moved = move(&room->room, rotation, translation);
+  room->touched = true;
   floating_point_restore(saved);
   return moved ? accept(reason)
                : refuse(reason,
@@ -334,6 +345,7 @@ void sandglass_harmonics_default(sandglass_harmonics* harmonics) {
 
 sandglass_status sandglass_room_set_cube(sandglass_room* room, const sandglass_cube* cube, const char** reason) {
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
+  room->touched = true;
   if (cube == nullptr) {
     forget_probe(&room->room);
     return accept(reason);
@@ -365,6 +377,7 @@ sandglass_status sandglass_room_get_cube(const sandglass_room* room, const float
 sandglass_status sandglass_room_set_harmonics(sandglass_room* room, const sandglass_harmonics* harmonics,
                                               const char** reason) {
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
+  room->touched = true;
   if (harmonics == nullptr) {
     forget_probe(&room->room);
     return accept(reason);

@@ -66,7 +66,7 @@ Sand sand_as_drawn(const Granular& g, const sandglass_skin* skin) {
     return {{nullptr, nullptr, nullptr, skin_items(s), s.desc.particle_radius, &s, s.version}, false};
   }
   const bool grains = g.grains.count != 0;
-  const bool moving = g.sleep.awake_count != 0 || (grains && g.grain_sleep.group_count != 0);
+  const bool moving = grains ? output_is_moving(g.output) : g.sleep.awake_count != 0;
   if (grains) return {{nullptr, &g.grains.records, nullptr, g.grains.count, g.desc.grain_radius, nullptr, 0}, moving};
   return {{&g.particles.records[0], nullptr, nullptr, g.particles.count, g.desc.particle_radius, nullptr, 0}, moving};
 }
@@ -92,6 +92,7 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
 
   const uint64_t target = governor_target(input->budget_ns, input->thermal_headroom);
   const bool ran = governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);
+  output_end_frame(&granular->output);
   report->time.budget_ns = input->budget_ns;
   lighting_end_frame(lighting, report);
   shadow_end_frame(shadows, report);
@@ -116,6 +117,7 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
   const FloatingPointControl saved = floating_point_enter();
   const bool ran = run_frame(scene, input, &done);
   floating_point_restore(saved);
+  follow_bodies(scene);
   report_scene(*scene, &done);
   if (report != nullptr) fill_struct(&done, sizeof done, report);
   log_frame(*scene);

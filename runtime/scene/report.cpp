@@ -1,4 +1,5 @@
 // What a frame did: numbers for the report, sentences for the log.
+#include "runtime/core/hash.h"
 #include "runtime/scene/scene.h"
 
 namespace sandglass {
@@ -20,6 +21,7 @@ void report_scene(const sandglass_scene& scene, sandglass_frame_report* report) 
   report->sand.awake_grains = awake_grains < g.grains.count ? awake_grains : g.grains.count;
   report->sand.dropped_contacts = g.counts.dropped_contacts;
   report->sand.quarantined = g.counts.quarantined;
+  report->sand.grid_full = g.motion.grid.overflowed;
   report->sand.ignored_colliders = g.counts.ignored_colliders;
   report->sand.ignored_emitters = g.counts.ignored_emitters;
   report->sand.ignored_sinks = g.counts.ignored_sinks;
@@ -32,6 +34,27 @@ void report_scene(const sandglass_scene& scene, sandglass_frame_report* report) 
   report->sand.removed_bodies = g.flow.counts.removed_bodies;
   report->sand.denied_particles = g.flow.counts.denied_particles;
   report->sand.speed_max = g.particles.speed_max;
+  report->versions.grains = g.output.version;
+  report->versions.bodies = scene.body_version;
+}
+
+void follow_bodies(sandglass_scene* scene) {
+  const Granular& g = scene->granular;
+  // What falls asleep in a frame has moved in it; what the app does to bodies between frames wakes them, moves all sand or
+  // changes their number.
+  const bool moving = g.sleep.awake_count != 0 || g.output.last_change == g.output.frame;
+  const bool look = moving || scene->bodies_moved || g.bodies.count != scene->body_count;
+  scene->bodies_moved = moving;
+  scene->body_count = g.bodies.count;
+  if (!look || (g.bodies.count == 0 && scene->body_hash == 0)) return;
+  uint64_t hash = 0;
+  for (uint32_t i = 0; i < g.desc.body_capacity; ++i) {
+    if (!bodies_has(g.bodies, i)) continue;
+    sandglass_body_pose pose = {};
+    granular_body_pose(g, i, &pose);
+    hash = hash_with(hash_with(hash, i + 1), hash_bytes(&pose, sizeof pose));
+  }
+  if (hash != scene->body_hash) scene->body_hash = hash, ++scene->body_version;
 }
 
 void log_frame(const sandglass_scene& scene) {

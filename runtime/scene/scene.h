@@ -26,11 +26,18 @@ struct sandglass_scene {
   sandglass::Granular granular;
   const sandglass::Kernels* kernels;
   uint64_t frame;
+  // Of the rigid bodies' poses, as they were when they had the hash `body_hash`.
+  uint64_t body_version, body_hash;
+  uint32_t body_count;
+  bool bodies_moved;  // in the last frame
 };
 
 namespace sandglass {
 
 inline constexpr char k_no_scene[] = "scene is NULL: pass the scene that sandglass_scene_create made.";
+
+// Looks whether a body has moved.
+void follow_bodies(sandglass_scene* scene);
 
 // What a frame did. The governor has filled in its part.
 void report_scene(const sandglass_scene& scene, sandglass_frame_report* report);

@@ -192,6 +192,7 @@ void fill_texture(const Shadow& s, uint32_t light, sandglass_shadow_texture* out
     const bool under_way = s.phase != ShadowPhase::idle && s.active == light;
     texture.calls_behind = l.pending || under_way ? static_cast<uint32_t>(l.calls - t.light_call) : 0;
     texture.evaluated = t.evaluated;
+    texture.version = t.version;
   }
   fill_struct(&texture, sizeof texture, out);
 }

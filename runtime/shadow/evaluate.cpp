@@ -1,4 +1,6 @@
 // One texture, unit by unit.
+#include <cstring>
+
 #include "runtime/core/math.h"
 #include "runtime/shadow/shadow.h"
 
@@ -43,6 +45,8 @@ void begin_texture(Shadow* s, uint32_t light) {
 void end_texture(Shadow* s) {
   s->back.valid = true;
   ShadowTexture& front = s->lights[s->active].front;
+  const bool same = front.version != 0 && memcmp(front.coverage, s->back.coverage, k_shadow_size * k_shadow_size) == 0;
+  s->back.version = front.version + (same ? 0 : 1);
   const ShadowTexture swap = front;
   front = s->back;
   s->back = swap;

@@ -1,6 +1,7 @@
 // One texture of the sand's shadow, unit by unit.
 #include "runtime/shadow/pile.h"
 
+#include <cstdint>
 #include <cstring>
 
 #include "kernels/whole.h"
@@ -173,7 +174,10 @@ void begin(Pile* p) {
   p->phase = PilePhase::columns;
   p->restarts = 0;
   p->making = pile_wanted(*p);
+  // While sand moves, what it leaves of the room's light is made every other time: it is softer.
+  p->skips_sky = p->moving && p->making == k_ask_all && !p->skips_sky;
   p->asked &= ~p->making;
+  if (p->skips_sky) p->making = k_ask_light;  // the next frame asks again
   p->back.frame = p->frame;
   if ((p->making & k_ask_sky) != 0) sky_begin(p);
   for (uint32_t axis = 0; axis < 3; ++axis) p->made_for[axis] = p->light[axis];
@@ -222,6 +226,36 @@ void run_columns(Pile* p) {
   p->phase = PilePhase::floor;
 }
 
+// The steps of a row that meet rows with sand; the receiver's own column stays. Texels from `begin` to before `end` may
+// meet sand.
+void gather_row(Pile* p, int32_t row, uint32_t* begin, uint32_t* end) {
+  uint32_t count = 0;
+  int32_t least = INT32_MAX, most = INT32_MIN;
+  for (uint32_t k = 0; k < p->azimuth_count; ++k) {
+    PileAzimuth* out = &p->row_azimuths[k];
+    *out = p->azimuths[k];
+    const uint32_t first = out->first_step, last = out->last_step;
+    out->first_step = count;
+    for (uint32_t s = first; s < last; ++s) {
+      const int32_t at = row + p->steps[s].rows;
+      const bool meets = at >= p->sand_rows[0] && at <= p->sand_rows[1];
+      if (s == first || meets) p->row_steps[count++] = p->steps[s];
+      if (!meets) continue;
+      const int32_t from = p->sand_columns[0] - p->steps[s].columns, to = p->sand_columns[1] - p->steps[s].columns;
+      least = from < least ? from : least;
+      most = to > most ? to : most;
+    }
+    out->last_step = count;
+  }
+  const int32_t n = static_cast<int32_t>(p->texels);
+  least = least > 0 ? least : 0;
+  most = most < n ? most : n - 1;
+  *begin = *end = 0;
+  if (least > most) return;
+  *begin = static_cast<uint32_t>(least) / k_lane_group * k_lane_group;
+  *end = (static_cast<uint32_t>(most) / k_lane_group + 1) * k_lane_group;
+}
+
 void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage) {
   PileLightArgs args = {};
   args.tops = p->tops, args.bottoms = p->bottoms, args.fills = p->fills, args.pitch = p->pitch,
@@ -230,13 +264,16 @@ void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage)
     args.sand_rows[side] = p->sand_rows[side], args.sand_columns[side] = p->sand_columns[side];
   args.receivers = receivers;
   args.on_floor = receivers == p->nothing ? 1 : 0;
-  args.azimuths = p->azimuths;
+  uint32_t begin, end;
+  gather_row(p, args.row, &begin, &end);
+  for (uint32_t u = 0; u < p->texels; ++u) p->shares[u] = 1;
+  args.azimuths = p->row_azimuths;
   args.azimuth_count = p->azimuth_count;
-  args.steps = p->steps;
+  args.steps = p->row_steps;
   args.inverse_total = p->inverse_total;
   args.shares = p->shares;
   uint32_t unused = 0;
-  p->kernels->pile_light(&args, 0, p->texels, &unused);
+  p->kernels->pile_light(&args, begin, end, &unused);
   if (p->in_air)
     for (uint32_t u = 0; u < p->texels; ++u) p->shares[u] *= p->air[row * p->texels + u];
   for (uint32_t u = 0; u < p->texels; ++u)
@@ -267,6 +304,10 @@ void run_rows(Pile* p) {
     p->phase = PilePhase::sand;
     return;
   }
+  const uint64_t texels = uint64_t{p->texels} * p->texels;
+  const bool same = p->front.version != 0 && memcmp(p->front.floor, p->back.floor, texels) == 0 &&
+                    (p->back.sand == nullptr || memcmp(p->front.sand, p->back.sand, texels) == 0);
+  p->back.version = p->front.version + (same ? 0 : 1);
   const PileTexture swap = p->front;
   p->front = p->back;
   p->back = swap;
@@ -287,6 +328,11 @@ void run_sky(Pile* p) {
   if (p->cursor < s->texels) return;
   p->cursor = 0;
   s->back.top = p->top;
+  const uint64_t texels = uint64_t{s->texels} * s->texels, heights = uint64_t{p->texels} * p->texels;
+  const bool same =
+      s->front.version != 0 && s->front.top == s->back.top && memcmp(s->front.floor, s->back.floor, texels) == 0 &&
+      memcmp(s->front.sand, s->back.sand, texels) == 0 && memcmp(s->front.heights, s->back.heights, heights) == 0;
+  s->back.version = s->front.version + (same ? 0 : 1);
   const SkyTexture swap = s->front;
   s->front = s->back;
   s->back = swap;

@@ -54,6 +54,7 @@ struct PileSource {
 struct PileTexture {
   uint8_t *floor, *sand;  // sand: null without
   uint64_t frame;         // in which it was begun
+  uint64_t version;
 };
 
 struct Pile {
@@ -66,8 +67,8 @@ struct Pile {
   double tolerance_squared;
   float *tops, *bottoms, *fills;        // texels x pitch, after k_lane_group of padding
   float *nothing, *receivers, *shares;  // one row each: heights of the floor, of the receivers, the kernel's output
-  PileAzimuth* azimuths;
-  PileStep* steps;
+  PileAzimuth *azimuths, *row_azimuths;
+  PileStep *steps, *row_steps;  // of the row under way: those that meet rows of sand
   // The texture under way.
   PilePhase phase;
   uint32_t cursor;              // next particle or row
@@ -90,6 +91,7 @@ struct Pile {
   uint64_t frame;
   uint32_t asked, making;
   bool moving;
+  bool skips_sky;  // the texture under way, or the last one
   bool gives_way;  // a texture of an object comes before the next one of the sand
   PileSky sky;
 };

@@ -63,8 +63,12 @@ sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* l
   p->air = layout_region<float>(layout, "pile_shadow.air", n * n);
   float** const rows[] = {&p->nothing, &p->receivers, &p->shares};
   for (float** row : rows) *row = layout_region<float>(layout, "pile_shadow.row", n + k_lane_group);
-  p->azimuths = layout_region<PileAzimuth>(layout, "pile_shadow.azimuths", k_pile_azimuths);
-  p->steps = layout_region<PileStep>(layout, "pile_shadow.steps", k_pile_azimuths * k_pile_steps);
+  PileAzimuth** const azimuths[] = {&p->azimuths, &p->row_azimuths};
+  for (PileAzimuth** some : azimuths)
+    *some = layout_region<PileAzimuth>(layout, "pile_shadow.azimuths", k_pile_azimuths);
+  PileStep** const steps[] = {&p->steps, &p->row_steps};
+  for (PileStep** some : steps)
+    *some = layout_region<PileStep>(layout, "pile_shadow.steps", k_pile_azimuths * k_pile_steps);
   PileTexture* const textures[] = {&p->front, &p->back};
   for (PileTexture* texture : textures) {
     texture->floor = layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n);
@@ -223,6 +227,7 @@ void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sand
   for (uint32_t axis = 0; axis < 2; ++axis) texture.low[axis] = p.low[axis], texture.high[axis] = p.high[axis];
   texture.opacity = p.opacity;
   const bool stale = ((p.asked | p.making) & k_ask_light) != 0;
+  texture.version = p.front.version;
   texture.frames_behind = stale ? static_cast<uint32_t>(p.frame - p.front.frame) : 0;
   fill_struct(&texture, sizeof texture, out);
 }
@@ -264,6 +269,7 @@ void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglas
   sky.height_texels = s.texels != 0 ? p.texels : 0;
   sky.height = s.front.top;
   const bool stale = ((p.asked | p.making) & k_ask_sky) != 0;
+  sky.version = s.front.version;
   sky.frames_behind = stale && s.texels != 0 ? static_cast<uint32_t>(p.frame - s.front.frame) : 0;
   fill_struct(&sky, sizeof sky, out);
 }

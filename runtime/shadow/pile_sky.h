@@ -33,6 +33,7 @@ struct SkyTexture {
   uint8_t *floor, *sand, *heights;
   float top;       // of the highest sand, above the floor, metres
   uint64_t frame;  // in which it was begun
+  uint64_t version;
 };
 
 struct PileSky {

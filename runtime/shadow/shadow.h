@@ -48,6 +48,7 @@ struct ShadowTexture {
   uint64_t light_call;  // number of the call of set_light that it was begun for
   uint32_t evaluated;
   bool valid;
+  uint64_t version;
 };
 
 // One light and the last texture that was completed for it.

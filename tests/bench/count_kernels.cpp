@@ -311,6 +311,7 @@ void refine(const Kernels& kernels, const ColliderFrame& beside, Motion* motion)
   Sorted snapshot(&pile, kernels, 3 * k_radius, 3);
   Records<Grain> grains = grains_of_the_pile();
   std::vector<uint8_t> still_groups(pile.groups.size());
+  std::vector<uint32_t> stamps(pile.groups.size());
   RefineArgs args = {};
   args.grid = snapshot.sort.grid;
   args.snapshot = snapshot.records.data();
@@ -319,6 +320,7 @@ void refine(const Kernels& kernels, const ColliderFrame& beside, Motion* motion)
   args.grain_count = k_items;
   args.groups = pile.groups.data();
   args.still = still_groups.data();
+  args.stamps = stamps.data();
   args.still_distance = 1e-4f;
   args.still_sweeps = 4.0f;
   args.support = 3 * k_radius;

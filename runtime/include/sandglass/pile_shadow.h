@@ -121,6 +121,8 @@ typedef struct sandglass_pile_shadow_texture {
   float opacity;
   /* Frames since the one that the texture was begun in. 0: nothing has changed since. */
   uint32_t frames_behind;
+  /* Another one when a byte of the textures has changed: upload it then. 0: none was completed. */
+  uint64_t version;
 } sandglass_pile_shadow_texture;
 
 /* Fills *texture; set texture->struct_size before. */
@@ -156,6 +158,8 @@ typedef struct sandglass_pile_shadow_sky {
   float low[2], high[2];
   /* Frames since the one that the texture was begun in. 0: nothing has changed since. */
   uint32_t frames_behind;
+  /* Another one when a byte of the textures has changed: upload it then. 0: none was completed. */
+  uint64_t version;
 } sandglass_pile_shadow_sky;
 
 /* Fills *sky; set sky->struct_size before. */

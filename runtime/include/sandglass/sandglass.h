@@ -703,6 +703,10 @@ typedef struct sandglass_frame_input {
   uint32_t grain_stride;
   /* How many items fit. */
   uint32_t grain_capacity;
+  /* Frames since the library wrote this very buffer, with the same stride, capacity and output_lag: 1 where it is always
+   * the same one, 3 where three take turns. Only what has changed since is written. 0 (the default): unknown, and all
+   * is written; say so too after a lost graphics context. */
+  uint32_t grains_age;
   /* NULL, or the skin of the sand to bring up to date (skin.h). One work unit runs in every second frame whatever the
    * budget, more as it admits. */
   struct sandglass_skin* skin;
@@ -789,6 +793,9 @@ typedef struct sandglass_sand_report {
   uint32_t quarantined;
   /* What this frame left out: not finite, without size, or beyond its capacity. */
   uint32_t ignored_colliders, ignored_emitters, ignored_sinks;
+  /* 1: the grid by which grains follow the particles had no room for some place in the last pass. Grains there follow
+   * more roughly. It has room for sand of the scene's capacity, but not strewn thinly over wide floors. */
+  uint32_t grid_full;
   /* What emitters added in all. */
   uint64_t emitted_particles, emitted_grains;
   /* Particles that emitters left out: for want of capacity, or because something was in their place. */
@@ -797,6 +804,19 @@ typedef struct sandglass_sand_report {
    * granular.lowest, and what left the coordinate limit. The particles of bodies count among the particles. */
   uint64_t removed_particles, removed_grains, removed_bodies;
 } sandglass_sand_report;
+
+/* Numbers that grow when a byte of what they stand for has changed, also by calls between frames (then in the next
+ * frame's report), and else only by sandglass_scene_restore, _move and _reset. Textures, casts and skins have their own. */
+typedef struct sandglass_version_report {
+  /* What is written to input.grains. */
+  uint64_t grains;
+  /* The poses of the rigid bodies. */
+  uint64_t bodies;
+  /* The estimate of input.estimator. */
+  uint64_t light;
+  /* What input.room tells of its light. */
+  uint64_t room;
+} sandglass_version_report;
 
 /* The shadows of objects that were in the input. */
 typedef struct sandglass_shadow_report {
@@ -837,6 +857,8 @@ typedef struct sandglass_frame_report {
   sandglass_stage_report stages[SANDGLASS_STAGE_COUNT];
   /* The material. */
   sandglass_sand_report sand;
+  /* What an app draws: where these are as they were, and the camera stands still, nothing need be drawn or uploaded. */
+  sandglass_version_report versions;
   /* Those of objects. */
   sandglass_shadow_report shadows;
   /* Of the light. */

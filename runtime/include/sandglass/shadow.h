@@ -178,6 +178,8 @@ typedef struct sandglass_shadow_texture {
   uint32_t calls_behind;
   /* Texels that the network was asked for. */
   uint32_t evaluated;
+  /* Another one when a byte of the texture has changed: upload it then. 0: none was completed. */
+  uint64_t version;
 } sandglass_shadow_texture;
 
 /* Fills *texture; set texture->struct_size before. For a number that no light has, the texture is not valid and its
