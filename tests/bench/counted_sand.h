@@ -8,24 +8,27 @@
 #include "tests/bench/counting.h"
 
 struct CountedSand {
-  // `edge`: metres from one grain to the next.
-  explicit CountedSand(sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC, sandglass_clock clock = {}, float edge = 0.0068f) {
+  // `edge`: metres from one grain to the next. `more`: particles that there is room for beside those. `side`:
+  // of the column of sand, metres.
+  explicit CountedSand(sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC, sandglass_clock clock = {}, float edge = 0.0068f,
+                       uint32_t more = 0, float side = 0.2f) {
     const float r = 0.01f;
     std::vector<float> particles, grains;
-    const sandglass::Box box{{-0.10f, r, -0.10f}, {0.10f, 0.21f, 0.10f}};
+    const float half = 0.5f * side, high = side + r;
+    const sandglass::Box box{{-half, r, -half}, {half, high, half}};
     const auto everywhere = [](const float*) { return true; };
     status = sandglass::sample_lattice(box, 2.02f * r, everywhere, &particles);
     // Grains on a lattice of their own, each shifted by a fraction of its cell.
     CountingRandom random;
-    for (float y = r; y < 0.21f; y += edge)
-      for (float z = -0.1f; z < 0.1f; z += edge)
-        for (float x = -0.1f; x < 0.1f; x += edge)
+    for (float y = r; y < high; y += edge)
+      for (float z = -half; z < half; z += edge)
+        for (float x = -half; x < half; x += edge)
           for (const float at : {x, y, z}) grains.push_back(at + 0.5f * edge * random());
     sandglass_scene_desc desc = sandglass::scene_desc();
     desc.isa = isa;
     desc.clock = clock;
     desc.granular.particle_radius = r;
-    desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
+    desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3) + more;
     desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
     desc.granular.collider_capacity = 2;
     if (status) status = scene.create(desc);
