@@ -102,6 +102,12 @@ uint32_t choose_level(Governor* governor, const Stage* stages, uint32_t stage_co
     governor->better_frames = 0;
     return fits;
   }
+  // What leaves half of the budget free is no matter of single frames.
+  const uint32_t fits_half = first_level_that_fits(governor, stages, stage_count, budget / 2);
+  if (fits_half < governor->level) {
+    governor->better_frames = 0;
+    return fits_half;
+  }
   if (governor->better_frames == 0 || fits > governor->better_level) governor->better_level = fits;
   if (++governor->better_frames < governor->policy.better_after) return governor->level;
   governor->better_frames = 0;

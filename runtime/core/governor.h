@@ -92,7 +92,8 @@ struct PredictorPolicy {
   bool capped;
   // Kept free beyond an estimate is what costs of the kind exceed it by, all but one in this many (Spread). 0: a quarter.
   uint32_t exceeded_once_in;
-  // A better quality level is taken once it has fit in this many frames in a row; a worse one is taken at once.
+  // A better quality level is taken once it has fit in this many frames in a row; a worse one is taken at once, and so is
+  // one that fits half of the budget.
   uint32_t better_after;
 };
 

@@ -51,8 +51,8 @@ TEST(ThermalHeadroom, OutOfRangeCountsAsTheNearestOrAsUnknown) {
   EXPECT_EQ(governor_target(~0ull, 1.0f), ~0ull);
 }
 
-// A real scene in which work units cost what they would on a small core (models/phones). The headroom falls from 1 to 0.2, as on a phone
-// that warms up. It stays there and recovers as the phone cools.
+// A real scene in which work units cost what they would on a small core (models/phones). The headroom falls from 1 to 0.2,
+// as on a phone that warms up. It stays there and recovers as the phone cools.
 constexpr uint64_t k_warm_budget_ns = 6000000;  // all work of a frame takes 3 to 5 ms
 
 float headroom_at(size_t frame) {
