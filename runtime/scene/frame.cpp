@@ -93,6 +93,7 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   const uint64_t target = governor_target(input->budget_ns, input->thermal_headroom);
   const bool ran = governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);
   report->time.budget_ns = input->budget_ns;
+  granular_end_frame(granular);
   lighting_end_frame(lighting, report);
   shadow_end_frame(shadows, report);
   if (refused_image != nullptr) {
