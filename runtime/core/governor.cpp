@@ -85,7 +85,7 @@ __attribute__((noinline)) bool has_forecast(const Stage& stage, uint32_t level) 
   return false;
 }
 
-uint32_t choose_level(const Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget) {
+uint32_t first_level_that_fits(const Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget) {
   for (uint32_t level = governor->finest_level; level + 1 < governor->level_count; ++level) {
     bool unknown = false;  // unknown work counts for nothing: trying it is how its cost becomes known
     uint64_t sum = 0;
@@ -94,6 +94,24 @@ uint32_t choose_level(const Governor* governor, const Stage* stages, uint32_t st
     if (sum <= (level < governor->level ? budget - budget / k_hysteresis_divisor : budget)) return level;
   }
   return governor->level_count - 1;
+}
+
+uint32_t choose_level(Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget) {
+  const uint32_t fits = first_level_that_fits(governor, stages, stage_count, budget);
+  if (fits >= governor->level) {
+    governor->better_frames = 0;
+    return fits;
+  }
+  // What leaves half of the budget free is no matter of single frames.
+  const uint32_t fits_half = first_level_that_fits(governor, stages, stage_count, budget / 2);
+  if (fits_half < governor->level) {
+    governor->better_frames = 0;
+    return fits_half;
+  }
+  if (governor->better_frames == 0 || fits > governor->better_level) governor->better_level = fits;
+  if (++governor->better_frames < governor->policy.better_after) return governor->level;
+  governor->better_frames = 0;
+  return governor->better_level;
 }
 
 // ---------------------------------------------------------------------------------------------------- time and units

@@ -92,13 +92,18 @@ struct PredictorPolicy {
   bool capped;
   // Kept free beyond an estimate is what costs of the kind exceed it by, all but one in this many (Spread). 0: a quarter.
   uint32_t exceeded_once_in;
+  // A better quality level is taken once it has fit in this many frames in a row; a worse one is taken at once, and so is
+  // one that fits half of the budget.
+  uint32_t better_after;
 };
 
 // Two of 16: with 1 % of outliers, three of them lie among 16 costs in only 0.05 % of all cases. Censoring at 3: a
 // processor that throttles to a third of its speed is known after three units, and no outlier counts for more than
 // three estimates. One in 512: only a frame's last unit and its output can make it late, and what one of them leaves of
-// its margin serves the other. So fewer than one frame in 1000 is late.
-constexpr PredictorPolicy k_predictor_policy = {2, 3, 8, true, 512};
+// its margin serves the other. So fewer than one frame in 1000 is late. Better levels after four frames: as many as lie
+// between two sweeps that push the grains apart (sweep.cpp). Frames without that push are cheaper: a better level that
+// fits only those would flicker.
+constexpr PredictorPolicy k_predictor_policy = {2, 3, 8, true, 512, 4};
 
 // How far costs exceed their estimates: a running upper quantile of cost / estimate, in parts of k_spread_one. An
 // excess raises it by a step, every other cost lowers it by that step / exceeded_once_in. So it rests where one cost in
@@ -128,6 +133,8 @@ struct Governor {
   uint32_t finest_level;
   // Of the last frame. A better one must fit into 7/8 of the budget, so that quality does not flicker.
   uint32_t level;
+  // The worst level of those that fit in the last `better_frames` frames, which were all better than `level`.
+  uint32_t better_level, better_frames;
   PredictorPolicy policy;
   // Of the last frame: time that the output stage took beyond what was kept free for it.
   uint64_t closing_excess_ns;

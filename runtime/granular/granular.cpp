@@ -214,6 +214,8 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   granular_skip_time(g);
 }
 
+void granular_end_frame(Granular* g) { time_end_frame(&g->time, *g); }
+
 void granular_skip_time(Granular* g) {
   const bool asleep = g->sleep.awake_count == 0 && (g->neighbours.valid || g->particles.count == 0);
   if (!asleep || g->flow.emitter_count != 0 || !substep_idle(*g)) return;

@@ -122,6 +122,7 @@ void granular_settle(Granular* granular);
 
 // Takes a frame's input: colliders, emitters, sinks and time.
 void granular_begin_frame(Granular* granular, const sandglass_frame_input* input);
+void granular_end_frame(Granular* granular);
 // While all sleep, time passes without sub-steps.
 void granular_skip_time(Granular* granular);
 // Lets in the layers that are due.
@@ -168,6 +169,7 @@ sandglass_status granular_restore(Granular* granular, const void* data, uint64_t
 // The numbers of the state that a restored scene cannot work out again. Saved as they are.
 struct SavedState {
   double debt, slipped, simulated, grain_lag, next_check;
+  ShownTime shown;
   FlowCounts flow;
   float low[3], high[3];
   float speed_max, frame_step, densest_body, builds_per_substep;

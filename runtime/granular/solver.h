@@ -19,6 +19,19 @@ struct Granular;
 
 constexpr double k_time_resolution = 1e-9;  // seconds; a shorter debt counts as none
 
+// The instant that is drawn. In slow motion what is drawn catches up in some frames and stands in the others; between
+// its last two states lies an instant that moves on evenly, and never beyond what was reached. In simulated seconds.
+struct ShownTime {
+  double reached;  // by what is drawn, in the last frame
+  double shown;
+  double rate;   // simulated seconds a second of the app's, smoothed
+  double spare;  // the least, of late, that was reached beyond what is shown: so much less would have done
+};
+
+void shown_reset(ShownTime* shown);
+// A frame of `step` seconds is over. Full rate: it is shown at once.
+void shown_follow(ShownTime* shown, double reached, double step);
+
 // All in seconds.
 struct SimulatedTime {
   float frame_step;      // the app's time step; 0: a pause
@@ -27,6 +40,7 @@ struct SimulatedTime {
   double slipped;        // was asked for and is not made up any more: slow motion
   double simulated;      // in all
   double grain_lag;      // what the particles have gone through and the grains have not yet
+  ShownTime grains;      // of the grains; of the particles where there are none
 };
 
 // What the next sub-step will be.
@@ -42,6 +56,8 @@ void time_restore(SimulatedTime* time, const SavedScene& saved);
 
 // Adds a frame's time step to the debt.
 void time_take(SimulatedTime* time, const Granular& granular, float step);
+// The frame is over.
+void time_end_frame(SimulatedTime* time, const Granular& granular);
 // Whether the frame is a pause: whatever is owed, the particles and the grains do nothing.
 bool time_paused(const Granular& granular);
 // A sub-step is complete: pays its part of the debt.

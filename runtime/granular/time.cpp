@@ -5,6 +5,38 @@
 
 namespace sandglass {
 
+// ---- ShownTime
+
+namespace {
+
+constexpr double k_rate_frames = 8.0;      // over which the rate is smoothed
+constexpr double k_most_frames = 4.0;      // in one frame; more says nothing about the rate
+constexpr double k_most_behind = 2.0;      // frames
+constexpr double k_spare_frames = 32.0;    // in which a frame's worth of spare time may come back
+constexpr double k_spare_taken = 1.0 / 8;  // of it, a frame
+constexpr double k_least = 1e-5;           // seconds; less is none
+
+}  // namespace
+
+void shown_reset(ShownTime* s) { *s = {0.0, 0.0, 1.0, 0.0}; }
+
+void shown_follow(ShownTime* s, double reached, double step) {
+  if (__builtin_fabs(reached - s->reached) < k_least) reached = s->reached;  // rounding
+  if (step > 0.0) {
+    const double frames = (reached - s->reached) / step;
+    const double counted = frames > 0.0 ? (frames < k_most_frames ? frames : k_most_frames) : 0.0;
+    s->rate += (counted - s->rate) / k_rate_frames;
+    double ahead = reached - (s->shown + s->rate * step);
+    if (ahead > k_most_behind * step) ahead = k_most_behind * step;
+    s->spare += step / k_spare_frames;
+    if (ahead < s->spare) s->spare = ahead > 0.0 ? ahead : 0.0;
+    ahead -= k_spare_taken * s->spare;
+    s->shown = ahead < k_least ? reached : reached - ahead;
+  }
+  s->reached = reached;
+  if (s->shown > reached) s->shown = reached;
+}
+
 // ---- SimulatedTime
 
 namespace {
@@ -28,12 +60,14 @@ uint32_t whole_parts(double count) {
 void time_reset(SimulatedTime* t) {
   t->frame_step = 0.0f;
   t->debt = t->interval_debt = t->slipped = t->simulated = t->grain_lag = 0.0;
+  shown_reset(&t->grains);
 }
 
 void time_restore(SimulatedTime* t, const SavedScene& s) {
   t->debt = s.state.debt, t->slipped = s.state.slipped, t->simulated = s.state.simulated,
   t->grain_lag = s.state.grain_lag;
   t->frame_step = s.state.frame_step;
+  t->grains = s.state.shown;
 }
 
 void time_take(SimulatedTime* time, const Granular& g, float asked) {
@@ -54,6 +88,11 @@ void time_take(SimulatedTime* time, const Granular& g, float asked) {
     t.debt -= t.interval_debt - most;
     t.interval_debt = most;
   }
+}
+
+void time_end_frame(SimulatedTime* t, const Granular& g) {
+  const double reached = g.grains.count != 0 ? t->simulated - t->grain_lag : t->simulated;
+  shown_follow(&t->grains, reached, static_cast<double>(t->frame_step));
 }
 
 bool time_paused(const Granular& g) { return !(g.time.frame_step > 0.0f); }

@@ -11,6 +11,8 @@ void report_scene(const sandglass_scene& scene, sandglass_frame_report* report) 
   const double debt = g.time.debt + g.time.slipped;
   report->time.debt = debt > k_time_resolution ? debt : 0.0;
   report->sand.grain_lag = g.grains.count == 0 ? 0.0f : static_cast<float>(g.time.grain_lag);
+  report->sand.grains_time = g.time.grains.reached;
+  report->sand.shown_time = g.time.grains.shown;
   report->sand.substep = g.substep.length;
   report->sand.substeps = g.counts.substeps;
   report->sand.list_builds = g.counts.list_builds;

@@ -324,7 +324,7 @@ TEST(Budget, AMaximumOfRecentCostsStarvesAStageForEver) {
   EXPECT_EQ(run_case(which).below_baseline, 0u);  // the real predictor recovers
   pending = 0;
   // The prediction is the maximum of 16 costs. Outliers count, and there is no cap and no probe.
-  which.policy = {0, 0, 0, false, 0};
+  which.policy = {0, 0, 0, false, 0, 0};
   EXPECT_GE(run_case(which).below_baseline, which.frames - 200);
 }
 

@@ -213,6 +213,25 @@ TEST(Plan, TheBestQualityLevelThatFitsIsTakenAndDoesNotFlicker) {
   EXPECT_EQ(level_at(0), 2u);
 }
 
+// Frames into which level 0 fits (a), level 1 (b), none but the last one (c), and all twice (d).
+TEST(Plan, ABetterQualityLevelIsTakenOnceItHasFitInFourFramesRunning) {
+  FakeRun run;
+  const uint64_t full = 8 * 790000 + 16 * 100000 + 210000, half = 4 * 790000 + 8 * 100000 + 210000;
+  const auto levels_of = [&](const std::string& frames) {
+    std::string levels;
+    for (const char frame : frames) {
+      const uint64_t fits = (frame == 'b' ? half : full) * 8 / 7 + 10000;
+      run.frame(frame == 'c' ? 0 : frame == 'd' ? 2 * fits : fits);
+      levels += static_cast<char>('0' + run.report.level);
+    }
+    return levels;
+  };
+  EXPECT_EQ(levels_of("acaaacaaba"), "0222222221") << "the worst of the four";
+  EXPECT_EQ(levels_of("aaaacdc"), "1110202") << "one that fits half of the budget is taken at once";
+  run.governor.policy.better_after = 1;
+  EXPECT_EQ(levels_of("acbcaba"), "0212010") << "the control";
+}
+
 // The output takes a twentieth of the frame. The first frame begins with one work unit of the output. So it learns that
 // it need not keep half of its time free.
 TEST(Plan, TheFirstFrameLearnsWhatTheOutputCosts) {

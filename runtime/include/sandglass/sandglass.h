@@ -779,6 +779,16 @@ typedef struct sandglass_sand_report {
   uint32_t grains, awake_grains;
   /* Numbers given out so far: the length of what sandglass_granular_particles writes, and sandglass_granular_grains. */
   uint32_t particle_numbers, grain_numbers;
+  /* Seconds of simulated time: that which the grains have reached (the particles, in a scene without grains), and an even
+   * one to draw, never beyond it. They are equal without slow motion. In it grains move in some frames and stand in the
+   * others, so an app draws them 5 to 15 ms later, between its last two buffers:
+   *     if (report.sand.grains_time > newer.time) older = newer, newer = this buffer and its grains_time;
+   *                                               (else this buffer is written again in the next frame)
+   *     share = (shown_time - older.time) / (newer.time - older.time), from 0 to 1      once a frame
+   *     position = older.position + share * (newer.position - older.position)           in the vertex shader
+   * A grain whose speed is below 0 in one of the two was removed or is new: it is drawn as in the newer one. So is one that
+   * moved further than its speeds explain: its number was given anew. After move, restore and reset begin anew. */
+  double grains_time, shown_time;
   /* Seconds by which the oldest grain is behind the particles. Never ten frames: simulated time slows before. */
   float grain_lag;
   /* Seconds: the length of the last sub-step. */
