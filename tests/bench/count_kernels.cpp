@@ -292,7 +292,7 @@ struct Motion : MotionArrays {
 void work_scatter_motion(const Kernels& kernels) {
   Pile pile;
   Motion motion;
-  const ScatterMotionArgs args = {&motion.grid, pile.records.data(), k_items, Motion::k_time};
+  const ScatterMotionArgs args = {&motion.grid, pile.records.data(), k_items, Motion::k_time, nullptr, nullptr};
   count(kernels.scatter_motion, args);
 }
 

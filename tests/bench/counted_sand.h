@@ -8,13 +8,13 @@
 #include "tests/bench/counting.h"
 
 struct CountedSand {
-  // `edge`: metres from one grain to the next. `more`: particles that there is room for beside those. `side`:
+  // `edge`: metres from one grain to the next. `more`: particles that there is room for beside those. `width`:
   // of the column of sand, metres.
   explicit CountedSand(sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC, sandglass_clock clock = {}, float edge = 0.0068f,
-                       uint32_t more = 0, float side = 0.2f) {
+                       uint32_t more = 0, float width = 0.2f) {
     const float r = 0.01f;
     std::vector<float> particles, grains;
-    const float half = 0.5f * side, high = side + r;
+    const float half = 0.5f * width, high = width + r;
     const sandglass::Box box{{-half, r, -half}, {half, high, half}};
     const auto everywhere = [](const float*) { return true; };
     status = sandglass::sample_lattice(box, 2.02f * r, everywhere, &particles);
