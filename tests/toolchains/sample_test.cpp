@@ -28,6 +28,15 @@ TEST(Sample, PoursOntoTheTappedPointWithinTheBudget) {
   EXPECT_GT(sand.shading().ambient[1], 0.0f) << "what is usual in a room";
 }
 
+TEST(Sample, OnAHotPhoneLightAndTheBestLevelsRest) {
+  sample::Sand sand;
+  ASSERT_TRUE(sand.create(sample::k_rests_at));
+  EXPECT_EQ(sand.frame(0.01f, 0.6f, nullptr, nullptr).level, SANDGLASS_LEVEL_COARSE) << "all fits";
+  const sandglass_camera_image image = {};  // one that cannot be used: the report says whether it was looked at
+  EXPECT_EQ(sand.frame(0.01f, 0.6f, nullptr, &image).estimate.ignored_images, 0u);
+  EXPECT_EQ(sand.frame(0.01f, 0.8f, nullptr, &image).estimate.ignored_images, 1u);
+}
+
 // The texel of a texture over a place of the table; `outside` where it has none.
 int at(const sample::ShadowTexture& t, float x, float z, int outside) {
   const float u = (x - t.box[0]) * t.box[2], v = (z - t.box[1]) * t.box[3];

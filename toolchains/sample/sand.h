@@ -18,6 +18,8 @@ constexpr float k_particle_radius = 0.01f;
 constexpr uint32_t k_particles = 1500, k_grains = 8 * k_particles;  // as much as a phone simulates in the budget
 constexpr uint64_t k_budget_ns = 4'000'000;
 constexpr float k_table = 0.5f;  // metres, to each side: where shadows are seen
+// Shares of the budget: light and depth rest up to the first, and go on above the second. Switching depth takes a while.
+constexpr float k_rests_at = 0.5f, k_goes_on_above = 0.7f;
 
 // The light of the room for a grain, linear RGB: what one that faces the main light reflects of it, and what one that
 // faces up reflects of all other light.
@@ -39,10 +41,13 @@ struct Shadows {
 
 class Sand {
  public:
-  sandglass::Status create() {
+  // What is made while the phone is hot never takes the best quality levels, even where they fit.
+  sandglass::Status create(float headroom = 1.0f) {
     sandglass_scene_desc desc = sandglass::scene_desc();
     desc.clock = sandglass_clock_system();
     desc.trace = sandglass_trace_system();  // seen in Perfetto, or in Instruments
+    rests_ = headroom <= k_rests_at;
+    desc.finest_level = rests_ ? SANDGLASS_LEVEL_COARSE : SANDGLASS_LEVEL_FULL;
     desc.granular.particle_radius = k_particle_radius;
     desc.granular.particle_capacity = k_particles;
     desc.granular.grain_capacity = k_grains;
@@ -89,7 +94,8 @@ class Sand {
     input.grains = grains;
     input.grain_capacity = k_grains;
     input.room = room_.get();
-    input.camera = camera;
+    rests_ = headroom <= (rests_ ? k_goes_on_above : k_rests_at);
+    input.camera = rests_ ? nullptr : camera;
     (void)pile_.set_light({light_.main_direction[0], light_.main_direction[1], light_.main_direction[2]});
     (void)cast_.set_light({light_.main_direction[0], light_.main_direction[1], light_.main_direction[2]});
     (void)pile_.set_cells(light_.ambient_cells);
@@ -144,6 +150,8 @@ class Sand {
   }
 
   const float* origin() const { return origin_; }  // in the session's world
+  // The phone is hot or busy: no light is gathered, what is known stays, and the app pauses depth.
+  bool rests() const { return rests_; }
   // What was seen, to save for a later session. It holds in the same world frame alone: after ARKit has relocalised to
   // the world map that was saved with it, or after sandglass_room_move from one persistent anchor to the same.
   sandglass::Room& room() { return room_; }
@@ -162,6 +170,7 @@ class Sand {
   sandglass_camera_image screen_ = {};            // the last image; its planes are gone
   float origin_[3] = {};
   uint32_t pouring_ = 0;
+  bool rests_ = false;
 };
 
 }  // namespace sample

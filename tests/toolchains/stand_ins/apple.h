@@ -68,6 +68,12 @@ typedef enum : NSInteger {
 @property(class, readonly) NSProcessInfo* processInfo;
 @property(readonly) NSProcessInfoThermalState thermalState;
 @end
+@class NSString, NSNotification;
+extern "C" NSString* const NSProcessInfoThermalStateDidChangeNotification;
+@interface NSNotificationCenter : NSObject
+@property(class, readonly) NSNotificationCenter* defaultCenter;
+- (void)addObserver:(id)observer selector:(SEL)selector name:(NSString*)name object:(id)object;
+@end
 typedef struct dispatch_semaphore_s* dispatch_semaphore_t;
 #define DISPATCH_TIME_FOREVER (~0ull)
 extern "C" dispatch_semaphore_t dispatch_semaphore_create(intptr_t value);

@@ -47,8 +47,9 @@ public final class Sand {
    * @param projection camera.getProjectionMatrix
    * @param view camera.getViewMatrix, which is that of the display
    * @param width and height of the surface, pixels
+   * @return true while the phone is hot or busy: then call neither image nor depth, and set Config.DepthMode.DISABLED
    */
-  public static native void frame(long sand, double seconds, float[] projection, float[] view, int width, int height);
+  public static native boolean frame(long sand, double seconds, float[] projection, float[] view, int width, int height);
 
   public static native void destroy(long sand);
 

@@ -90,7 +90,7 @@ constexpr float k_depth_bias = 0.03f;  // metres: ARCore's depth at arm's length
 
 struct Session {
   sample::Sand sand;
-  sample::Performance performance{16'666'667};  // the display's interval
+  sample::Performance performance{sample::k_budget_ns};
   sandglass_camera_image image = {};
   bool seen = false;
   double last_seconds = 0.0;
@@ -123,6 +123,12 @@ void bind(const Session& s, int unit, GLenum filter) {
     glTexParameteri(GL_TEXTURE_2D, name, static_cast<GLint>(filter));
   for (const GLenum name : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
     glTexParameteri(GL_TEXTURE_2D, name, GL_CLAMP_TO_EDGE);
+}
+
+void forget_depth(const Session& s) {
+  const uint16_t unknown = 0;
+  bind(s, 4, GL_NEAREST);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R16UI, 1, 1, 0, GL_RED_INTEGER, GL_UNSIGNED_SHORT, &unknown);
 }
 
 // Before what stands on it. It hides nothing, so it writes no depth.
@@ -192,13 +198,11 @@ extern "C" {
 
 JNIEXPORT jlong JNICALL Java_org_sandglass_sample_Sand_create(JNIEnv*, jclass) {
   auto s = std::make_unique<Session>();
-  if (!s->sand.create()) return 0;  // the status has the reason: log it
+  if (!s->sand.create(s->performance.headroom(0.0))) return 0;  // the status has the reason: log it
   s->program = program(k_vertex_shader, k_fragment_shader);
   s->table = program(k_table_vertex_shader, k_table_fragment_shader);
   glGenTextures(5, s->textures);
-  const uint16_t unknown = 0;
-  bind(*s, 4, GL_NEAREST);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_R16UI, 1, 1, 0, GL_RED_INTEGER, GL_UNSIGNED_SHORT, &unknown);
+  forget_depth(*s);
   glGenBuffers(1, &s->buffer);
   glBindBuffer(GL_ARRAY_BUFFER, s->buffer);
   glBufferData(GL_ARRAY_BUFFER, sample::k_grains * sizeof(sandglass_grain), nullptr, GL_STREAM_DRAW);
@@ -260,9 +264,9 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_depth(JNIEnv* env, jclass,
   glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
 }
 
-JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_frame(JNIEnv* env, jclass, jlong handle, jdouble seconds,
-                                                            jfloatArray projection, jfloatArray view, jint width,
-                                                            jint height) {
+JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_frame(JNIEnv* env, jclass, jlong handle, jdouble seconds,
+                                                                jfloatArray projection, jfloatArray view, jint width,
+                                                                jint height) {
   Session* s = of(handle);
   float of_projection[16], of_view[16];
   env->GetFloatArrayRegion(projection, 0, 16, of_projection);
@@ -278,8 +282,10 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_frame(JNIEnv* env, jclass,
   s->seen = false;
   glUnmapBuffer(GL_ARRAY_BUFFER);
   s->performance.report(report.time.target_ns, report.time.elapsed_ns);
+  if (s->sand.rests()) forget_depth(*s);
   draw_table(*s, of_projection, of_view, static_cast<float>(width), static_cast<float>(height));
   draw(*s, static_cast<GLsizei>(report.sand.grain_numbers), of_projection, of_view, static_cast<float>(height));
+  return s->sand.rests();
 }
 
 JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_destroy(JNIEnv*, jclass, jlong handle) {

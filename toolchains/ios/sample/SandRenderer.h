@@ -5,6 +5,8 @@
 
 @interface SandRenderer : NSObject
 - (instancetype)initWithView:(MTKView*)view;
+// While the phone is hot: run the session's configuration without sceneDepth. Read it after encode, on the same thread.
+@property(nonatomic, readonly) BOOL rests;
 - (void)pour:(ARRaycastResult*)hit;
 // What else stands on the table and is drawn by the app: it casts. Poses are from the place that was poured on; arrays stay.
 - (BOOL)stand:(const struct sandglass_cast_mesh*)meshes count:(uint32_t)count;

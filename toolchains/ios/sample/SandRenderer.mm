@@ -6,6 +6,8 @@
 
 #include <string.h>
 
+#include <atomic>
+
 #include "sand.h"
 #include "shader_types.h"
 
@@ -79,6 +81,8 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   id<MTLBuffer> _grains[k_buffers];
   id<MTLTexture> _textures[k_buffers][5];  // those of Shaders.metal; the last is the depth
   dispatch_semaphore_t _free;
+  std::atomic<bool> _heatChanged;
+  float _headroom;
   int _turn;
   NSTimeInterval _last;
 }
@@ -86,7 +90,10 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
 // The view's attachment encodes: MTLPixelFormatBGRA8Unorm_sRGB. It has a depth buffer, and less than before passes.
 - (instancetype)initWithView:(MTKView *)view {
   if (!(self = [super init])) return nil;
-  if (!_sand.create()) return nil;  // the status has the reason: log it
+  _headroom = thermal_headroom();  // before it is observed, as the notification wants it
+  [NSNotificationCenter.defaultCenter addObserver:self selector:@selector(heatChanged:) name:NSProcessInfoThermalStateDidChangeNotification object:nil];
+  _heatChanged = true;  // it may have, in between
+  if (!_sand.create(_headroom)) return nil;  // the status has the reason: log it
   id<MTLLibrary> library = [view.device newDefaultLibrary];
   MTLRenderPipelineDescriptor *descriptor = [[MTLRenderPipelineDescriptor alloc] init];
   descriptor.vertexFunction = [library newFunctionWithName:@"grain_vertex"];
@@ -105,6 +112,14 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   _free = dispatch_semaphore_create(k_buffers);
   return self;
 }
+
+// On any thread. Asking for the state here may send the notification again, so the next frame asks.
+- (void)heatChanged:(NSNotification *)notification {
+  (void)notification;
+  _heatChanged = true;
+}
+
+- (BOOL)rests { return _sand.rests(); }
 
 - (BOOL)stand:(const sandglass_cast_mesh *)meshes count:(uint32_t)count {
   return bool(_sand.stand(meshes, count));
@@ -172,12 +187,13 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   id<MTLBuffer> grains = _grains[_turn];
   const float step = _last > 0.0 ? static_cast<float>(frame.timestamp - _last) : 0.0f;
   _last = frame.timestamp;
+  if (_heatChanged.exchange(false)) _headroom = thermal_headroom();
   CVPixelBufferLockBaseAddress(frame.capturedImage, kCVPixelBufferLock_ReadOnly);
   const sandglass_camera_image seen = camera_image(frame);
   // While ARKit relocalises, poses are those of another frame: an image would light the room from the wrong side.
   const bool tracked = frame.camera.trackingState == ARTrackingStateNormal;
   const sandglass_frame_report report =
-      _sand.frame(step, thermal_headroom(), static_cast<sandglass_grain *>(grains.contents), tracked ? &seen : NULL);
+      _sand.frame(step, _headroom, static_cast<sandglass_grain *>(grains.contents), tracked ? &seen : NULL);
   CVPixelBufferUnlockBaseAddress(frame.capturedImage, kCVPixelBufferLock_ReadOnly);
 
   const simd_float4x4 projection = [frame.camera projectionMatrixForOrientation:upright viewportSize:view.bounds.size zNear:0.05 zFar:50];

@@ -1,0 +1,43 @@
+// A libandroid.so: of the functions that the Android sample looks up, those that a system of ANDROID_LEVEL has.
+#include <errno.h>
+
+#include "libandroid.h"
+
+Phone the_phone;
+
+extern "C" {
+#if ANDROID_LEVEL >= 33
+using AThermalManager = Phone;
+using APerformanceHintManager = Phone;
+using APerformanceHintSession = Phone;
+AThermalManager* AThermal_acquireManager() { return ++the_phone.managers, &the_phone; }  // API 30
+void AThermal_releaseManager(AThermalManager*) { --the_phone.managers; }
+float AThermal_getThermalHeadroom(AThermalManager*, int) { return ++the_phone.polls, the_phone.hot; }  // API 31
+APerformanceHintManager* APerformanceHint_getManager() { return &the_phone; }
+APerformanceHintSession* APerformanceHint_createSession(APerformanceHintManager*, const int32_t* threads, size_t size,
+                                                        int64_t target_ns) {
+  if (size != 1 || target_ns <= 0) return nullptr;
+  the_phone.thread = *threads, the_phone.target_ns = target_ns;
+  return ++the_phone.sessions, &the_phone;
+}
+int APerformanceHint_updateTargetWorkDuration(APerformanceHintSession*, int64_t target_ns) {
+  return target_ns > 0 ? the_phone.target_ns = target_ns, 0 : EINVAL;
+}
+int APerformanceHint_reportActualWorkDuration(APerformanceHintSession*, int64_t actual_ns) {
+  return actual_ns > 0 ? ++the_phone.reports, the_phone.actual_ns = actual_ns, 0 : EINVAL;
+}
+void APerformanceHint_closeSession(APerformanceHintSession*) { --the_phone.sessions; }
+#endif
+#if ANDROID_LEVEL >= 36
+int AThermal_registerThermalHeadroomListener(AThermalManager*, AThermal_HeadroomCallback callback, void* data) {
+  return the_phone.listener = callback, the_phone.data = data, 0;
+}
+int AThermal_unregisterThermalHeadroomListener(AThermalManager*, AThermal_HeadroomCallback callback, void* data) {
+  if (the_phone.listener != callback || the_phone.data != data) return EINVAL;
+  return the_phone.listener = nullptr, 0;
+}
+struct ACpuHeadroomParams;
+int ASystemHealth_getCpuHeadroom(const ACpuHeadroomParams*, float* free) { return *free = the_phone.cpu_free, 0; }
+int ASystemHealth_getCpuHeadroomMinIntervalMillis(int64_t* ms) { return *ms = 2000, 0; }
+#endif
+}
