@@ -238,15 +238,15 @@ std::optional<Vec3> KitShading::surface(const Fragment& seen) {
   fragment.discarded = false;
   if (state_->plain) {
     PlainFragment& plain = *state_->plain;
-    plain.position = to_vec(seen.place), plain.normal = normalize(normal);
-    plain.hollow = (dent_and_height.x * 127.0f + 128.0f) / 255.0f;
+    plain.position = to_vec(seen.place), plain.normal = normalize(normal),
+    plain.hollow = 0.5f + 0.5f * dent_and_height.x;
     plain.origin = vertex.origin / static_cast<float>(kit::k_bed_blocks);  // the skin's is of a block
     plain.wide = std::max(length(fragment.to_right), length(fragment.to_below)) / plain.side * kit::k_bed_side;
     plain.main();
-    const float facing = std::max(dot(plain.normal, fragment.to_light), 0.0f);
-    const float direct = facing * fragment.pile_passed(plain.position) * fragment.object_passed(plain.position);
+    const float direct = fragment.pile_passed(plain.position) * fragment.object_passed(plain.position);
+    const vec3 sun = fragment.sun * direct * std::max(dot(plain.normal, fragment.to_light), 0.0f);
     const float open = plain.occlusion * fragment.under_sky(plain.position);
-    return from_vec(plain.colour * (fragment.sun * direct + fragment.around(plain.normal) * open));
+    return from_vec(plain.colour * (sun + fragment.around(plain.normal) * open));
   }
   const vec3 shown =
       fragment.sand_surface(to_vec(seen.place), normal, dent_and_height.x, dent_and_height.y, vertex.begins);

@@ -205,8 +205,8 @@ inline std::vector<float> bed_of_grains(const Mineral* minerals) {
     for (int k = 0; k < 3; ++k) mean[k] += grain.albedo[k] / static_cast<float>(packing.grains.size());
   std::vector<float> out;
   for (int i = 0; i < k_bed_side * k_bed_side; ++i) {
-    const int column = i % k_bed_side, row = i / k_bed_side;
-    Vec at{(static_cast<float>(column) + 0.5f) * k_cell, k_top + 1, (static_cast<float>(row) + 0.5f) * k_cell};
+    const float column = static_cast<float>(i % k_bed_side), row = static_cast<float>(i / k_bed_side);
+    Vec at{(column + 0.5f) * k_cell, k_top + 1, (row + 0.5f) * k_cell};
     Texel seen = looked_up(packing, at);
     for (; seen[3] < 0.5f && at.y > 1; seen = looked_up(packing, at)) at.y -= k_step;
     const float lit = std::clamp(1 + 0.5f * (at.y - k_top), 0.2f, 1.2f) * (0.3f + 1.4f * (seen[5] - 0.5f));

@@ -9,8 +9,7 @@ out vec3 colour;
 out float occlusion;
 void main() {
   vec3 at = position / side - origin * (65535.0 / 65536.0);
-  // Seen along x, y and z, each as much as the surface faces it.
-  vec3 share = pow(normal * normal, vec3(4.0));
+  vec3 share = pow(normal * normal, vec3(4.0));  // of what is seen along x, y and z, as the surface faces it
   share /= share.x + share.y + share.z;
   colour = share.x * texture(sand, at.zy).rgb + share.y * texture(sand, at.xz).rgb + share.z * texture(sand, at.xy).rgb;
   occlusion = 1.0 - 0.45 * max(2.0 * hollow - 1.0, 0.0);
