@@ -5,8 +5,8 @@ in float hollow;         // 0 to 1
 flat in vec3 origin;     // 0 to 1; not interpolated. Without it the texture stays where it is while sand moves
 uniform sampler2D sand;  // sand.png or any other that repeats; sRGB, with mipmaps
 uniform float side;      // of the texture, metres: block_side of the skin's description
-out vec3 colour;
-out float occlusion;
+layout(location = 0) out vec3 colour;
+layout(location = 1) out float occlusion;
 void main() {
   vec3 at = position / side - origin * (65535.0 / 65536.0);
   vec3 share = pow(normal * normal, vec3(4.0));  // of what is seen along x, y and z, as the surface faces it
