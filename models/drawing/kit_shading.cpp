@@ -54,7 +54,7 @@ struct sampler3D {
     return sum * (1.0f / 255.0f);
   }
 };
-struct sampler2D {};
+using sampler2D = const std::vector<float>*;  // of bed_of_grains
 
 vec4 textureLod(const sampler3D& texture, vec3 at, float level) {
   const float last = static_cast<float>(texture.levels.size() - 1), l = std::clamp(level, 0.0f, last);
@@ -148,6 +148,23 @@ struct LooseFragment : Lit {
 #include "kit/loose.frag.inc"
 };
 
+struct PlainFragment {
+  float wide;  // texels that a pixel is: it shows their mean, as levels give it
+  vec4 texture(sampler2D image, vec2 at) const {
+    const float n = std::ceil(wide), side = kit::k_bed_side;
+    vec3 sum(0);
+    for (float x = 0.5f; x < n; ++x)
+      for (float y = 0.5f; y < n; ++y) {
+        const vec2 place = fract(at + (vec2(x, y) / n - 0.5f) * (wide / side)) * side;
+        const size_t texel = static_cast<size_t>(place.x) % kit::k_bed_side +
+                             kit::k_bed_side * (static_cast<size_t>(place.y) % kit::k_bed_side);
+        for (int k = 0; k < 3; ++k) sum[k] += (*image)[3 * texel + k];
+      }
+    return vec4(sum / (n * n), 1);
+  }
+#include "kit/plain.frag.inc"
+};
+
 #pragma GCC diagnostic pop
 
 }  // namespace
@@ -157,6 +174,7 @@ struct KitShading::State {
   SurfaceFragment fragment;
   LooseVertex loose;
   LooseFragment point;
+  std::optional<PlainFragment> plain;
   double finer = 1.0;  // steps from pixel to pixel are taken for so much of themselves
 };
 
@@ -193,6 +211,10 @@ KitShading::KitShading(const SandLight& light, const Eye& eye, const SandShape& 
   }
   state_->fragment.block_side *= change.coarser;
   state_->finer = std::exp2(-change.sharper);
+  if (!change.plain) return;
+  static const std::vector<float> bed = kit::bed_of_grains(kit::k_beach);
+  PlainFragment& plain = state_->plain.emplace();
+  plain.sand = &bed, plain.side = k_block_side * kit::k_bed_blocks;
 }
 KitShading::~KitShading() = default;
 KitShading::KitShading(const KitShading& other) : state_(std::make_unique<State>(*other.state_)) {}
@@ -214,6 +236,18 @@ std::optional<Vec3> KitShading::surface(const Fragment& seen) {
   }
   fragment.to_right = to_vec(seen.right * state_->finer), fragment.to_below = to_vec(seen.down * state_->finer),
   fragment.discarded = false;
+  if (state_->plain) {
+    PlainFragment& plain = *state_->plain;
+    plain.position = to_vec(seen.place), plain.normal = normalize(normal),
+    plain.hollow = 0.5f + 0.5f * dent_and_height.x;
+    plain.origin = vertex.origin / static_cast<float>(kit::k_bed_blocks);  // the skin's is of a block
+    plain.wide = std::max(length(fragment.to_right), length(fragment.to_below)) / plain.side * kit::k_bed_side;
+    plain.main();
+    const float direct = fragment.pile_passed(plain.position) * fragment.object_passed(plain.position);
+    const vec3 sun = fragment.sun * direct * std::max(dot(plain.normal, fragment.to_light), 0.0f);
+    const float open = plain.occlusion * fragment.under_sky(plain.position);
+    return from_vec(plain.colour * (sun + fragment.around(plain.normal) * open));
+  }
   const vec3 shown =
       fragment.sand_surface(to_vec(seen.place), normal, dent_and_height.x, dent_and_height.y, vertex.begins);
   return fragment.discarded ? std::nullopt : std::optional(from_vec(shown));

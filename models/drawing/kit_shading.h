@@ -26,10 +26,11 @@ struct Eye {
   double focal;
 };
 
-// What a control of `verify look` changes.
+// What a control of `verify look` changes, and its picture without the kit.
 struct KitChange {
   double sharper = 0.0;  // levels of the block
   float coarser = 1.0f;  // the block's side
+  bool plain = false;    // the surface is that of plain.frag, lit by Lambert's law
 };
 
 class KitShading {

@@ -190,6 +190,7 @@ Options verify_cast_options(VerifyOptions& o) {
 Options verify_look_options(VerifyOptions& o) {
   return {{"--quick", &o.quick, "", "One light, one distance"},
           {"--picture", &o.picture, "FILE", "PNG of every view: drawn on the left, traced on the right"},
+          {"--plain", &o.plain, "FILE", "JPEG: the pile by the kit on the left, by plain.frag on the right"},
           threads_option(o.threads),
           json_option(o.json)};
 }

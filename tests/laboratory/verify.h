@@ -14,7 +14,7 @@ namespace sandglass::host {
 
 // Of all suites; verify.cpp says which takes what.
 struct VerifyOptions {
-  std::string json, isa = "automatic", manifest, estimates, network, folder, picture;
+  std::string json, isa = "automatic", manifest, estimates, network, folder, picture, plain;
   std::vector<std::string> cases, panoramas, meshes;
   bool quick = false;
   uint64_t seed = 0;

@@ -18,6 +18,7 @@ int verify_look_command(const VerifyOptions& options) {
   }
   if (interrupted()) return k_exit_interrupted;
   print_verdicts(rows);
+  if (!options.plain.empty()) write_file(options.plain, jpeg_file(plain_picture(options.threads), 85));
   if (!options.json.empty())
     write_file(options.json, measurements_json(measurements_of("look", "automatic", options.threads, rows)));
   return count_failed(rows) > 0 ? k_exit_check_failed : k_exit_done;

@@ -11,7 +11,7 @@ import sys
 
 HEADER = "#version 310 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n"
 PARTS = {"surface.vert": ["uniforms"], "surface.frag": ["uniforms", "light", "sand", "surface"], "loose.vert": ["uniforms", "light", "sand"],
-         "loose.frag": ["uniforms", "light"]}
+         "loose.frag": ["uniforms", "light"], "plain.frag": []}
 HOOK = "float hidden(vec3 world) { return 0.0; }\n"
 BEACH = [(.80, .66, .46, .62), (.90, .83, .72, .24), (.58, .34, .17, .09), (.13, .115, .10, .05)]
 
@@ -73,6 +73,7 @@ def means(path):
 def check_block(program, work):
     path = work / "sand_block.bin"
     check(ran(program, path).returncode == 0, "no block was made")
+    check(ran(program, work / "sand.png").returncode == 0 and (work / "sand.png").read_bytes()[1:4] == b"PNG", "no texture was made")
     levels = means(path)
     # Grains have albedos times 0.8 to 1.2, evenly; 14^3 of them with shares as asked. Their mean is off by chance, at three standard
     # errors of a mean over grains; larger grains fill more, but independently of their mineral.
@@ -85,7 +86,7 @@ def check_block(program, work):
     check(ran(program, work / "grey.bin", "0.5", "0.5", "0.5", "1").returncode == 0, "one mineral was refused")
     grey = means(work / "grey.bin")[0][1]
     check(all(abs(c - 0.5) < 0.01 for c in grey[:3]), f"grey sand is {grey}")
-    for wrong in ([], [path, "1"], [path, "0.5", "0.5", "0.5", "x"], [path, "2", "0", "0", "1"], [work / "none" / "file"]):
+    for wrong in ([], [path, "1"], [path, "0.5", "0.5", "0.5", "x"], [path, "2", "0", "0", "1"], [work / "none" / "file"], [work / "none" / "x.png"]):
         refused = ran(program, *wrong)
         check(refused.returncode != 0 and refused.stderr.count("\n") == 1 and refused.stderr.endswith(".\n"), f"{wrong}: {refused.stderr}")
 

@@ -46,12 +46,13 @@ struct Random {
 
 // The grains, by the cell that their middle lies in.
 struct Packing {
-  std::vector<Grain> grains;
-  std::vector<std::vector<int>> cells = std::vector<std::vector<int>>(k_cells * k_cells * k_cells);
+  Vec size;  // in cells
+  std::vector<Grain> grains = {};
+  std::vector<std::vector<int>> cells = std::vector<std::vector<int>>(static_cast<size_t>(size.x * size.y * size.z));
 
   std::vector<int>& at(int x, int y, int z) {
-    const auto wrapped = [](int i) { return (i + k_cells) % k_cells; };
-    return cells[static_cast<size_t>(wrapped(x) + k_cells * (wrapped(y) + k_cells * wrapped(z)))];
+    const int wide = static_cast<int>(size.x), high = static_cast<int>(size.y), deep = static_cast<int>(size.z);
+    return cells[static_cast<size_t>((x + wide) % wide + wide * ((y + high) % high + high * ((z + deep) % deep)))];
   }
   void sort() {
     for (std::vector<int>& cell : cells) cell.clear();
@@ -68,9 +69,9 @@ struct Packing {
       for (const int i : at(x + c % 3 - 1, y + c / 3 % 3 - 1, z + c / 9 - 1)) what(i);
   }
   // From one place to another, the short way round.
-  static Vec between(Vec from, Vec to) {
-    const auto across = [](float d) { return d - k_cells * std::round(d / k_cells); };
-    return {across(to.x - from.x), across(to.y - from.y), across(to.z - from.z)};
+  Vec between(Vec from, Vec to) const {
+    const auto across = [](float d, float n) { return d - n * std::round(d / n); };
+    return {across(to.x - from.x, size.x), across(to.y - from.y, size.y), across(to.z - from.z, size.z)};
   }
   // Grains that overlap push each other away.
   void push_apart() {
@@ -85,21 +86,22 @@ struct Packing {
         a.middle = moved(a.middle, to, -half), b.middle = moved(b.middle, to, half);
       });
   }
-  static Vec moved(Vec from, Vec by, float times) {
-    const auto inside = [](float v) { return v - k_cells * std::floor(v / k_cells); };
-    return {inside(from.x + times * by.x), inside(from.y + times * by.y), inside(from.z + times * by.z)};
+  Vec moved(Vec from, Vec by, float times) const {
+    const auto inside = [](float v, float n) { return v - n * std::floor(v / n); };
+    return {inside(from.x + times * by.x, size.x), inside(from.y + times * by.y, size.y),
+            inside(from.z + times * by.z, size.z)};
   }
 };
 
-inline Packing packed_grains(const Mineral* minerals) {
+inline Packing packed_grains(const Mineral* minerals, Vec size) {
   constexpr int k_rounds = 30;
-  Packing packing;
+  Packing packing{size};
   Random random;
-  for (int i = 0; i < k_cells * k_cells * k_cells; ++i) {
+  for (size_t i = 0; i < packing.cells.size(); ++i) {
     Grain grain{};
-    grain.middle.x = k_cells * random();
-    grain.middle.y = k_cells * random();
-    grain.middle.z = k_cells * random();
+    grain.middle.x = size.x * random();
+    grain.middle.y = size.y * random();
+    grain.middle.z = size.z * random();
     float kind = random();
     int m = 0;
     while (m < 3 && kind > minerals[m].share) kind -= minerals[m++].share;
@@ -128,7 +130,7 @@ inline Texel looked_up(Packing& packing, Vec at) {
   float least = 9;
   packing.near(at, [&](int i) {
     const Grain& grain = packing.grains[static_cast<size_t>(i)];
-    const Vec from = Packing::between(grain.middle, at);
+    const Vec from = packing.between(grain.middle, at);
     const float length = std::sqrt(dot(from, from));
     if (0.8f * length - grain.radius > least) return;
     float far = 0.8f * length;
@@ -163,7 +165,7 @@ inline Level coarser(const Level& fine, int side, const Texel& mean, float gain)
 }
 
 inline std::vector<uint8_t> sand_block(const Mineral* minerals) {
-  Packing packing = packed_grains(minerals);
+  Packing packing = packed_grains(minerals, {k_cells, k_cells, k_cells});
   Level level;
   for (int i = 0; i < k_side * k_side * k_side; ++i) {
     constexpr float k_cell = static_cast<float>(k_cells) / k_side;
@@ -187,6 +189,30 @@ inline std::vector<uint8_t> sand_block(const Mineral* minerals) {
     if (side == 1) return bytes;
     level = coarser(level, side, mean, step < k_gains.size() ? k_gains[step] : k_last_gain);
   }
+}
+
+inline constexpr int k_bed_side = 512, k_bed_blocks = 4;  // texels; sides of the block
+
+// A bed of grains seen from above, for a material without the kit: a texture that repeats, of a heap's linear albedo, and
+// darker down between grains. Three numbers a texel.
+inline std::vector<float> bed_of_grains(const Mineral* minerals) {
+  constexpr float k_wide = k_bed_blocks * k_cells, k_cell = k_wide / k_bed_side, k_top = 3, k_step = 0.05f;
+  Packing packing = packed_grains(minerals, {k_wide, 2 * k_top, k_wide});
+  std::erase_if(packing.grains, [](const Grain& grain) { return grain.middle.y > k_top; });
+  packing.sort();
+  float mean[3] = {};
+  for (const Grain& grain : packing.grains)
+    for (int k = 0; k < 3; ++k) mean[k] += grain.albedo[k] / static_cast<float>(packing.grains.size());
+  std::vector<float> out;
+  for (int i = 0; i < k_bed_side * k_bed_side; ++i) {
+    const float column = static_cast<float>(i % k_bed_side), row = static_cast<float>(i / k_bed_side);
+    Vec at{(column + 0.5f) * k_cell, k_top + 1, (row + 0.5f) * k_cell};
+    Texel seen = looked_up(packing, at);
+    for (; seen[3] < 0.5f && at.y > 1; seen = looked_up(packing, at)) at.y -= k_step;
+    const float lit = std::clamp(1 + 0.5f * (at.y - k_top), 0.2f, 1.2f) * (0.3f + 1.4f * (seen[5] - 0.5f));
+    for (size_t k = 0; k < 3; ++k) out.push_back(lit * seen[k] * std::pow(mean[k], 0.28f));  // as sand_albedo does
+  }
+  return out;
 }
 
 }  // namespace sandglass::kit

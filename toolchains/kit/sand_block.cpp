@@ -1,4 +1,4 @@
-// Makes the block of packed grains (grain_block.h).
+// Makes the block of packed grains (grain_block.h), or, where FILE ends in .png, the texture of plain.frag.
 //
 //   sand_block FILE [RED GREEN BLUE SHARE, up to 4 times]
 //
@@ -17,6 +17,10 @@ extern "C" __attribute__((export_name("sand_block_make"))) const uint8_t* sand_b
 #else
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
+
+#include "models/files/failure.h"
+#include "models/files/image.h"
 
 int main(int count, char** arguments) {
   Mineral minerals[4] = {};
@@ -32,6 +36,15 @@ int main(int count, char** arguments) {
     return std::fprintf(stderr,
                         "sand_block FILE [RED GREEN BLUE SHARE, up to 4 times]: albedos and shares are 0 to 1.\n"),
            2;
+  if (std::string_view(arguments[1]).ends_with(".png")) try {
+      const std::vector<float> bed = bed_of_grains(given > 0 ? minerals : k_beach);
+      sandglass::host::Picture picture(k_bed_side, k_bed_side, {});
+      for (size_t i = 0; i < bed.size(); ++i) picture.rgb[i] = sandglass::host::srgb_byte(static_cast<double>(bed[i]));
+      sandglass::host::write_png(arguments[1], picture);
+      return 0;
+    } catch (const sandglass::host::Failure& failure) {
+      return std::fprintf(stderr, "sand_block: %s\n", failure.what()), 1;
+    }
   const std::vector<uint8_t> bytes = sand_block(given > 0 ? minerals : k_beach);
   std::FILE* file = std::fopen(arguments[1], "wb");
   const bool written = file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();

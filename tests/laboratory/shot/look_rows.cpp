@@ -8,7 +8,6 @@
 
 #include "models/compositing/shot.h"
 #include "models/compositing/surroundings.h"
-#include "models/files/image.h"
 #include "models/mesh/generated.h"
 #include "models/simulation/scene_shadows.h"
 #include "tests/laboratory/shot/shot_stage.h"
@@ -237,6 +236,12 @@ ShotPictureOptions how(const LookOptions& options) {
   return o;
 }
 
+Picture encoded(const RadianceMap& map) {
+  Picture shown(map.width, map.height, {0, 0, 0});
+  for (size_t i = 0; i < map.rgb.size(); ++i) shown.rgb[i] = srgb_byte(static_cast<double>(map.rgb[i]));
+  return shown;
+}
+
 struct Judge {
   std::vector<Verdict> rows;
   void add(const std::string& group, const std::string& name, const char* unit, double truth, double result,
@@ -267,11 +272,7 @@ void beside_truth(const LookOptions& options, const Pile& pile, ShotPicture& pic
   const RadianceMap kit = drawn({});
   RadianceMap both = truth[0];
   for (size_t i = 0; i < both.rgb.size(); ++i) both.rgb[i] = 0.5f * (truth[0].rgb[i] + truth[1].rgb[i]);
-  for (const RadianceMap& map : {kit, both}) {
-    Picture shown(k_width, k_height, {0, 0, 0});
-    for (size_t i = 0; i < map.rgb.size(); ++i) shown.rgb[i] = srgb_byte(static_cast<double>(map.rgb[i]));
-    sheet->push_back(std::move(shown));
-  }
+  sheet->push_back(encoded(kit)), sheet->push_back(encoded(both));
   const std::string name = view.name();
   const Vec3 mean = mean_of(kit), right = mean_of(both);
   const double level = view.dark_side ? 0.14 : 0.08;
@@ -363,6 +364,21 @@ void in_motion(const LookOptions& options, Pile* pile, Judge* judge) {
 }
 
 }  // namespace
+
+Picture plain_picture(uint32_t threads) {
+  const Pile pile;
+  Camera camera = pile.camera({0.2, 0, 1}, 0.5);
+  camera.fov_deg = 24.0;
+  const Room room = room_of(k_lights[0], camera);
+  const ShotPicture picture(pile.nothing, pile.sand);
+  std::vector<Picture> both;
+  for (const bool plain : {false, true}) {
+    const ShotPictureOptions o = {.width = 400, .height = 320, .threads = threads, .kit = {.plain = plain}};
+    both.push_back(encoded(picture.composite(room.surroundings, resting_camera(camera), room.light,
+                                             shadows_of(pile, room.light), CastShadow::textures, o)));
+  }
+  return picture_grid(both, 2, 4);
+}
 
 std::vector<Verdict> verify_look(const LookOptions& options,
                                  const std::function<bool(size_t done, size_t all)>& progress) {

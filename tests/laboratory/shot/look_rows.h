@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "models/files/image.h"
 #include "tests/laboratory/sand/granular_verdicts.h"
 
 namespace sandglass::host {
@@ -19,6 +20,9 @@ struct LookOptions {
 // `progress` gets the number of views done, and of all; it returns false to stop. Needs Embree, else a Failure.
 std::vector<Verdict> verify_look(const LookOptions& options,
                                  const std::function<bool(size_t done, size_t all)>& progress);
+
+// The whole pile in the first light: by the kit on the left, by plain.frag on the right.
+Picture plain_picture(uint32_t threads);
 
 // What a renderer gets of a poured pile and of one asleep: draw calls, vertices, bytes. 16.5 grains would be drawn for each
 // particle otherwise.
