@@ -582,7 +582,8 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
   for (uint32_t item = begin; item < end; item += k_lane_group) {
     const uint32_t group_number = a->groups[item / k_lane_group], first_grain = group_number * k_lane_group;
     const uint32_t last_grain = first_grain + (end - item < k_lane_group ? end - item : k_lane_group);
-    Mask keeps_still = one == one, changes = and_not(keeps_still, keeps_still);
+    Mask keeps_still = one == one;
+    bool changes = false;
     for (uint32_t i = first_grain; i < last_grain; i += k_width) {
       float* record = floats_of(a->grains + i);
       Float grain[k_record_floats];
@@ -602,9 +603,12 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
       const Mask rests = (g.velocity[0] == zero) & (g.velocity[1] == zero) & (g.velocity[2] == zero);
       keeps_still = and_not(keeps_still, and_not(g.inside, (fixed.still_sweeps <= sweeps) & rests));
       Float moved[k_record_floats];
-      for (int k = 0; k < 3; ++k) {
-        moved[k] = g.position[k], moved[k_vx + k] = g.velocity[k];
-        changes = changes | and_not(g.inside, (moved[k] == grain[k]) & (moved[k_vx + k] == grain[k_vx + k]));
+      for (int k = 0; k < 3; ++k) moved[k] = g.position[k], moved[k_vx + k] = g.velocity[k];
+      changes = changes || any(and_not(g.inside, still));
+      if (!changes) {
+        Mask same = one == one;
+        for (int k = 0; k < 3; ++k) same = same & (moved[k] == grain[k]) & (moved[k_vx + k] == grain[k_vx + k]);
+        changes = any(and_not(g.inside, same));
       }
       moved[k_number] = grain[k_number];
       moved[k_still_sweeps] = sweeps;
@@ -613,7 +617,7 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
       store_records(record, moved);
     }
     a->still[group_number] = all(keeps_still) ? 1 : 0;
-    if (any(changes)) a->stamps[group_number] = a->stamp, ++changed;
+    if (changes) a->stamps[group_number] = a->stamp, ++changed;
   }
   extent->quarantined = quarantined;
   extent->changed = changed;

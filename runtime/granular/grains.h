@@ -150,12 +150,12 @@ struct PlaceOfBlock {
 
 struct ParticleMotion {
   MotionGrid grid;
-  PlaceSet moved;           // cells of 2 nodes in which what a grain reads may move
-  int32_t low[3], high[3];  // nodes that bound them
-  PlaceSet wanted;          // blocks: those of the grains that are refined, and the ones about them
-  PlaceSet read;            // those of them whose nodes are read
-  bool all_wanted;
-  uint32_t wanted_groups;
+  PlaceSet moved;              // cells of 2 nodes in which what a grain reads may move
+  int32_t low[3], high[3];     // nodes that bound them
+  PlaceSet wanted;             // blocks: those of the grains that are refined, and the ones about them
+  PlaceSet read;               // those of them whose nodes are read
+  bool all_moved, all_wanted;  // most particles moved in the last sweep; a share of all groups is refined
+  uint32_t movers, wanted_groups;
   PlaceOfBlock recent[8];  // that were put in, by whether their coordinates are odd
   // One a number: where the particle was at the last sweep's snapshot, and at that of the sweep under way.
   Place* starts;
@@ -183,7 +183,7 @@ void motion_complete(ParticleMotion* motion);
 
 // The phases of a sweep. A `run` function runs a unit, and is true once its phase is done.
 // `time`: simulated, seconds.
-void motion_begin(ParticleMotion* motion, double time);
+void motion_begin(ParticleMotion* motion, double time, bool all_moved);
 // The velocity of a particle in the snapshot becomes the mean one since the last sweep. The table of blocks is emptied
 // along with that.
 bool motion_measure(ParticleMotion* motion, const Granular& granular, uint32_t* cursor);
@@ -201,6 +201,8 @@ void motion_smooth(const MotionGrid& grid, uint32_t number);
 
 // Whether a particle moves so near to a grain of a group that the sums at it may change. `tile` holds the group.
 bool motion_near(const ParticleMotion& motion, const Granular& granular, uint32_t group, const Sleeper& tile);
+// Where the last sweep refined many groups, so will this one.
+void motion_begin_wanting(ParticleMotion* motion, const Granular& granular);
 // The group is refined.
 void motion_want(ParticleMotion* motion, const Granular& granular, uint32_t group);
 
@@ -237,6 +239,7 @@ struct Sweep {
   uint32_t steps;
   uint32_t since_push;  // sweeps since the last one in which grains were counted and pushed apart; 0: in this one
   uint32_t particles;   // in the snapshot
+  uint32_t movers;      // of them, in the last sweep
   double time;          // simulated time that the sweep covers, seconds
 };
 

@@ -15,6 +15,8 @@ constexpr float k_reach_radii = 2.472f;  // sqrt(3^2 - 11 * 0.7 * 1.5^2 / 6)
 // 121 need 174, 763 need 287 and 2,538 need 736. Grains that find no room follow means, not their own particles.
 constexpr uint32_t k_particles_per_block = 4;
 constexpr uint32_t k_blocks_min = 144;
+// Places near what moves are cells of 2^k_cell_shift nodes.
+constexpr uint32_t k_cell_shift = 1;
 // What things cost, where counting a grain costs 1.
 constexpr uint32_t k_items_per_particle = 16;
 constexpr uint32_t k_items_per_join = 32;  // of a block
@@ -217,7 +219,7 @@ float motion_free_fall(const float at_end[3], const float mean[3], const float g
   return t < 1.0f ? t * t * (3.0f - 2.0f * t) : 1.0f;
 }
 
-void motion_begin(ParticleMotion* m, double time) {
+void motion_begin(ParticleMotion* m, double time, bool all_moved) {
   // Somewhere else in every sweep, so that no cell's faces show in the sand.
   uint64_t bits;
   __builtin_memcpy(&bits, &time, sizeof bits);
@@ -229,7 +231,8 @@ void motion_begin(ParticleMotion* m, double time) {
   m->grid.overflowed = 0;
   m->moved = m->wanted = m->read = {};
   m->all_wanted = false;
-  m->wanted_groups = 0;
+  m->all_moved = all_moved;
+  m->wanted_groups = m->movers = 0;
   for (PlaceOfBlock& recent : m->recent) recent.at[0] = INT32_MIN;
   for (int k = 0; k < 3; ++k) m->low[k] = INT32_MAX, m->high[k] = INT32_MIN;
 }
@@ -251,9 +254,9 @@ static void note_mover(ParticleMotion* m, const Particle& p, float time) {
     m->low[k] = first[k] < m->low[k] ? first[k] : m->low[k];
     m->high[k] = last[k] > m->high[k] ? last[k] : m->high[k];
   }
-  for (int32_t z = first[2] >> 1; z <= last[2] >> 1; ++z)
-    for (int32_t y = first[1] >> 1; y <= last[1] >> 1; ++y)
-      for (int32_t x = first[0] >> 1; x <= last[0] >> 1; ++x) place_put(&m->moved, x, y, z);
+  for (int32_t z = first[2] >> k_cell_shift; z <= last[2] >> k_cell_shift; ++z)
+    for (int32_t y = first[1] >> k_cell_shift; y <= last[1] >> k_cell_shift; ++y)
+      for (int32_t x = first[0] >> k_cell_shift; x <= last[0] >> k_cell_shift; ++x) place_put(&m->moved, x, y, z);
 }
 
 bool motion_measure(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
@@ -271,8 +274,9 @@ bool motion_measure(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
     }
     set_free_fall(p, motion_free_fall(p->velocity, mean, g.gravity, static_cast<float>(g.sweep.time)));
     for (int k = 0; k < 3; ++k) p->velocity[k] = mean[k];
-    if (!in_body(*p) && (mean[0] != 0.0f || mean[1] != 0.0f || mean[2] != 0.0f))
-      note_mover(m, *p, static_cast<float>(g.sweep.time));
+    if (in_body(*p) || (mean[0] == 0.0f && mean[1] == 0.0f && mean[2] == 0.0f)) continue;
+    ++m->movers;
+    if (!m->all_moved) note_mover(m, *p, static_cast<float>(g.sweep.time));
   }
   clear_slots(&m->grid, begin, end, all);
   *cursor = end;
@@ -357,6 +361,7 @@ bool motion_run_join(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
 }
 
 bool motion_near(const ParticleMotion& m, const Granular& g, uint32_t group, const Sleeper& tile) {
+  if (m.all_moved) return true;
   if (m.low[0] > m.high[0]) return false;  // nothing moves
   for (int k = 0; k < 3; ++k) {
     const float middle = (tile.position[k] - m.grid.origin[k]) * m.grid.inverse_spacing;
@@ -367,17 +372,23 @@ bool motion_near(const ParticleMotion& m, const Granular& g, uint32_t group, con
   for (uint32_t i = first; i < first + k_lane_group && i < g.grains.count; ++i) {
     int32_t cell[3];
     for (int k = 0; k < 3; ++k)
-      cell[k] = floor_whole((g.grains.records[i].position[k] - m.grid.origin[k]) * m.grid.inverse_spacing) >> 1;
+      cell[k] =
+          floor_whole((g.grains.records[i].position[k] - m.grid.origin[k]) * m.grid.inverse_spacing) >> k_cell_shift;
     if (place_in(m.moved, cell[0], cell[1], cell[2])) return true;
   }
   return false;
 }
 
+// Where more groups than that are refined, looking their blocks up costs more than it spares.
+static uint32_t most_wanted(const Granular& g) { return g.grains.count / (4 * k_lane_group); }
+
+void motion_begin_wanting(ParticleMotion* m, const Granular& g) {
+  m->all_wanted = g.grain_sleep.group_count > most_wanted(g);
+}
+
 void motion_want(ParticleMotion* m, const Granular& g, uint32_t group) {
-  // Where more groups than that are refined, looking them up costs more than it spares.
-  constexpr uint32_t k_most = 4;  // 1 / share of all
   if (m->all_wanted) return;
-  if (++m->wanted_groups > g.grains.count / (k_most * k_lane_group)) {
+  if (++m->wanted_groups > most_wanted(g)) {
     m->all_wanted = true;
     return;
   }

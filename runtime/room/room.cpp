@@ -106,9 +106,7 @@ uint64_t end_frame(sandglass_room* owner) {
   room->phase = RoomPhase::idle;
   room->cursor = 0;
   room_drop_probe_unit(room);
-  if (!owner->touched) return owner->version;
-  const uint64_t hash = sandglass_room_hash(owner);
-  if (hash != owner->known) owner->known = hash, ++owner->version;
+  if (owner->touched) ++owner->version;
   owner->touched = false;
   return owner->version;
 }
@@ -238,7 +236,7 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
   sandglass_room* owner = lay_out(*desc, &layout);
   owner->room.unit = 0;
   owner->functions = &k_room_functions;
-  owner->version = owner->known = 0;
+  owner->version = 0;
   owner->touched = true;
   owner->room.radius = static_cast<double>(desc->radius);
   owner->room.half_life = static_cast<double>(desc->half_life);

@@ -253,7 +253,6 @@ constexpr uint32_t k_room_kinds = 3;
 struct sandglass_room {
   const sandglass::RoomFunctions* functions;
   sandglass::Room room;
-  uint64_t version;  // of what it tells of its light, as it was when its hash was `known`
-  uint64_t known;
-  bool touched;  // since then
+  uint64_t version;  // of what it tells of its light
+  bool touched;      // since that grew
 };

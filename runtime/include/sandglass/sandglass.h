@@ -824,7 +824,7 @@ typedef struct sandglass_version_report {
   uint64_t bodies;
   /* The estimate of input.estimator. */
   uint64_t light;
-  /* What input.room tells of its light. */
+  /* What input.room tells of its light: grows with each image that it learns from, and with each call that changes it. */
   uint64_t room;
 } sandglass_version_report;
 
