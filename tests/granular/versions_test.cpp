@@ -52,7 +52,7 @@ struct Counts {
 
 // `forgets`: a control, in which the stamps of groups are lost when they are sorted.
 Counts run(uint64_t seed, uint32_t buffers, bool pooled, bool forgets) {
-  Random random(seed);
+  Random random{seed};
   sandglass_scene_desc desc = description(900, 6000);
   desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
   desc.granular.body_capacity = 2;
