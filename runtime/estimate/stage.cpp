@@ -1,6 +1,4 @@
 // One estimate, unit by unit, and the estimator's part in a frame.
-#include <cstring>
-
 #include "runtime/estimate/estimator.h"
 
 namespace sandglass {
@@ -36,7 +34,11 @@ void finish(Estimator* estimator) {
   if (light_filter_take(&estimator->filter, estimator->latest, estimator->latest_ns)) {
     estimator->changed_ns = estimator->latest_ns;
     estimator->changed = true;
-    if (memcmp(&before, &estimator->filter.state, sizeof before) != 0) ++estimator->version;
+    const LightSample& now = estimator->filter.state;
+    bool same = true;
+    for (uint32_t i = 0; i < 3; ++i) same = same && now.direction[i] == before.direction[i];
+    for (uint32_t i = 0; i < k_sample_levels; ++i) same = same && now.levels[i] == before.levels[i];
+    if (!same) ++estimator->version;
   }
   estimator->phase = EstimatorPhase::idle;
 }
