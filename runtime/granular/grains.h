@@ -178,12 +178,14 @@ void motion_add(const ParticleMotion& motion, const Granular& granular, uint32_t
 void motion_fall(const ParticleMotion& motion, const Granular& granular, uint32_t first);
 // What the particles do from now on is what the next sweep covers. The grains lag behind by nothing.
 void motion_begin_here(const ParticleMotion& motion, const Granular& granular);
+// Nothing is remembered of how many particles moved.
+void motion_forget(ParticleMotion* motion);
 // The sweep under way is complete.
 void motion_complete(ParticleMotion* motion);
 
 // The phases of a sweep. A `run` function runs a unit, and is true once its phase is done.
 // `time`: simulated, seconds.
-void motion_begin(ParticleMotion* motion, double time, bool all_moved);
+void motion_begin(ParticleMotion* motion, const Granular& granular);
 // The velocity of a particle in the snapshot becomes the mean one since the last sweep. The table of blocks is emptied
 // along with that.
 bool motion_measure(ParticleMotion* motion, const Granular& granular, uint32_t* cursor);
@@ -239,7 +241,6 @@ struct Sweep {
   uint32_t steps;
   uint32_t since_push;  // sweeps since the last one in which grains were counted and pushed apart; 0: in this one
   uint32_t particles;   // in the snapshot
-  uint32_t movers;      // of them, in the last sweep
   double time;          // simulated time that the sweep covers, seconds
 };
 

@@ -171,6 +171,7 @@ void granular_reset(Granular* g) {
   substep_reset(&g->substep);
   contacts_reset(&g->contacts);
   sweep_reset(&g->sweep);
+  motion_forget(&g->motion);
   output_restart(&g->output);
   output_changed(&g->output);
   g->counts = {};
@@ -194,6 +195,7 @@ void granular_settle(Granular* g) {
   granular_forget_departed(g);
   motion_begin_here(g->motion, *g);
   sweep_forget(&g->sweep);
+  motion_forget(&g->motion);
   grain_sleep_settle(&g->grain_sleep, *g);
   colliders_settle(&g->colliders, *g);
   granular_seal(g);
@@ -214,7 +216,10 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   granular_skip_time(g);
 }
 
-void granular_end_frame(Granular* g) { time_end_frame(&g->time, *g); }
+void granular_end_frame(Granular* g) {
+  output_end_frame(&g->output);
+  time_end_frame(&g->time, *g);
+}
 
 void granular_skip_time(Granular* g) {
   const bool asleep = g->sleep.awake_count == 0 && (g->neighbours.valid || g->particles.count == 0);

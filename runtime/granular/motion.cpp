@@ -219,10 +219,12 @@ float motion_free_fall(const float at_end[3], const float mean[3], const float g
   return t < 1.0f ? t * t * (3.0f - 2.0f * t) : 1.0f;
 }
 
-void motion_begin(ParticleMotion* m, double time, bool all_moved) {
+void motion_forget(ParticleMotion* m) { m->movers = 0; }
+
+void motion_begin(ParticleMotion* m, const Granular& g) {
   // Somewhere else in every sweep, so that no cell's faces show in the sand.
   uint64_t bits;
-  __builtin_memcpy(&bits, &time, sizeof bits);
+  __builtin_memcpy(&bits, &g.time.simulated, sizeof bits);
   for (float& o : m->grid.origin) {
     bits = mix_bits(bits + k_random_step);
     o = m->grid.spacing * static_cast<float>(bits >> 40) * 0x1p-22f;  // up to a block
@@ -230,8 +232,7 @@ void motion_begin(ParticleMotion* m, double time, bool all_moved) {
   m->grid.block_count = 0;
   m->grid.overflowed = 0;
   m->moved = m->wanted = m->read = {};
-  m->all_wanted = false;
-  m->all_moved = all_moved;
+  m->all_moved = m->movers > g.particles.count / 2;
   m->wanted_groups = m->movers = 0;
   for (PlaceOfBlock& recent : m->recent) recent.at[0] = INT32_MIN;
   for (int k = 0; k < 3; ++k) m->low[k] = INT32_MAX, m->high[k] = INT32_MIN;

@@ -76,16 +76,12 @@ void begin(Granular* g, uint32_t level) {
   g->sweep.steps = steps;
   g->sweep.step = static_cast<float>(t.grain_lag / steps);
   grains_begin_snapshot(&g->grains, *g);
-  motion_begin(&g->motion, t.simulated, g->sweep.movers > g->particles.count / 2);
+  motion_begin(&g->motion, *g);
   colliders_begin_sweep(&g->colliders, static_cast<float>(t.debt));
 }
 
 bool run_snapshot(Granular* g) {
-  if (g->grains.snapshot.sort.phase == k_sort_done) {
-    const bool measured = motion_measure(&g->motion, *g, &g->sweep.cursor);
-    if (measured) g->sweep.movers = g->motion.movers;
-    return measured;
-  }
+  if (g->grains.snapshot.sort.phase == k_sort_done) return motion_measure(&g->motion, *g, &g->sweep.cursor);
   if (!grains_run_snapshot(&g->grains, *g)) return false;
   g->sweep.particles = g->particles.count;
   return source_rule(*g);
@@ -312,7 +308,6 @@ void sweep_reset(Sweep* s) {
 void sweep_forget(Sweep* s) {
   s->cursor = 0;
   s->sweeps_since_sort = k_sort_next;
-  s->movers = 0;
   s->since_push = 0;  // so the sweeps that push are not those that sort
 }
 

@@ -71,7 +71,7 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
 
 void run(void* state, uint32_t) {
   auto* owner = static_cast<sandglass_room*>(state);
-  owner->touched = true;
+  ++owner->version;
   Room* room = &owner->room;
   if (room->phase != RoomPhase::idle) room_run_unit(room);
   else room->probe->run(room);
@@ -101,14 +101,11 @@ Stage begin_frame(sandglass_room* owner, const sandglass_camera_image* image, co
 
 // A frame that ends early, by a broken clock or a plan, leaves an image unfinished. It is dropped, because its planes
 // belong to the app.
-uint64_t end_frame(sandglass_room* owner) {
+void end_frame(sandglass_room* owner) {
   Room* room = &owner->room;
   room->phase = RoomPhase::idle;
   room->cursor = 0;
   room_drop_probe_unit(room);
-  if (owner->touched) ++owner->version;
-  owner->touched = false;
-  return owner->version;
 }
 
 // Out of line: each runs between the two calls that set and restore the floating-point control.
@@ -237,7 +234,6 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
   owner->room.unit = 0;
   owner->functions = &k_room_functions;
   owner->version = 0;
-  owner->touched = true;
   owner->room.radius = static_cast<double>(desc->radius);
   owner->room.half_life = static_cast<double>(desc->half_life);
   owner->room.interval_ns = to_whole<uint64_t>(static_cast<double>(desc->interval) * 1e9);
@@ -247,7 +243,7 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
 }
 
 void sandglass_room_reset(sandglass_room* room) {
-  if (room != nullptr) room_reset(&room->room), room->touched = true;
+  if (room != nullptr) room_reset(&room->room), ++room->version;
 }
 
 sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_camera_image* image, int32_t* taken,
@@ -258,7 +254,7 @@ sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_
   if (status != SANDGLASS_OK) return status;
   const FloatingPointControl saved = floating_point_enter();
   const bool took = take_whole(&room->room, *image);
-  room->touched = true;
+  ++room->version;
   floating_point_restore(saved);
   if (taken != nullptr) *taken = took ? 1 : 0;
   return accept(reason);
@@ -272,7 +268,7 @@ sandglass_status sandglass_room_move(sandglass_room* room, const float rotation[
     return refuse(reason, "translation is not finite or beyond 1000 m: keep the world near its origin");
   const FloatingPointControl saved = floating_point_enter();
   const bool moved = move(&room->room, rotation, translation);
-  room->touched = true;
+  ++room->version;
   floating_point_restore(saved);
   return moved ? accept(reason)
                : refuse(reason,
@@ -343,7 +339,7 @@ void sandglass_harmonics_default(sandglass_harmonics* harmonics) {
 
 sandglass_status sandglass_room_set_cube(sandglass_room* room, const sandglass_cube* cube, const char** reason) {
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
-  room->touched = true;
+  ++room->version;
   if (cube == nullptr) {
     forget_probe(&room->room);
     return accept(reason);
@@ -375,7 +371,7 @@ sandglass_status sandglass_room_get_cube(const sandglass_room* room, const float
 sandglass_status sandglass_room_set_harmonics(sandglass_room* room, const sandglass_harmonics* harmonics,
                                               const char** reason) {
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
-  room->touched = true;
+  ++room->version;
   if (harmonics == nullptr) {
     forget_probe(&room->room);
     return accept(reason);

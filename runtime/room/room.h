@@ -243,7 +243,7 @@ void room_estimate(const Room& room, const RoomModel& model, const sandglass_roo
 // that never creates one.
 struct RoomFunctions {
   Stage (*begin_frame)(sandglass_room* room, const sandglass_camera_image* image, const char** refused);
-  uint64_t (*end_frame)(sandglass_room* room);  // returns the version
+  void (*end_frame)(sandglass_room* room);
 };
 extern const RoomFunctions k_room_functions;
 constexpr uint32_t k_room_kinds = 3;
@@ -254,5 +254,4 @@ struct sandglass_room {
   const sandglass::RoomFunctions* functions;
   sandglass::Room room;
   uint64_t version;  // of what it tells of its light
-  bool touched;      // since that grew
 };

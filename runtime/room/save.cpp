@@ -141,7 +141,7 @@ sandglass_status sandglass_room_restore(sandglass_room* owner, const void* data,
     return refuse(reason, "sandglass_room_restore: the bytes hold a number that no room has.");
   Room* room = &owner->room;
   room_reset(room);
-  owner->touched = true;
+  ++owner->version;
   room->radius = saved.radius;
   room->yaw = saved.yaw;
   room->scale = saved.scale;

@@ -42,7 +42,10 @@ Stage lighting_stage(FrameLighting* lighting, const sandglass_camera_image* imag
 }
 
 void lighting_end_frame(const FrameLighting& lighting, sandglass_frame_report* report) {
-  if (lighting.room != nullptr) report->versions.room = lighting.room->functions->end_frame(lighting.room);
+  if (lighting.room != nullptr) {
+    lighting.room->functions->end_frame(lighting.room);
+    report->versions.room = lighting.room->version;
+  }
   estimator_end_frame(lighting.estimator, report);
 }
 

@@ -92,7 +92,6 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
 
   const uint64_t target = governor_target(input->budget_ns, input->thermal_headroom);
   const bool ran = governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);
-  output_end_frame(&granular->output);
   report->time.budget_ns = input->budget_ns;
   granular_end_frame(granular);
   lighting_end_frame(lighting, report);

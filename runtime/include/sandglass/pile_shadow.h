@@ -10,8 +10,8 @@
  * cap of uniform radiance, cut into azimuths. This is exact for a pile that lies on the floor, as far as azimuths and
  * texels are fine, and right for one body of sand in the air. It is too dark where sand falls onto a pile, because what
  * lies between the two counts as sand; beside a skin each particle in the air throws its own shadow instead, by three
- * tenths of its outline, on what lies under it. For scattered grains smaller than half a texel it is right on average (to 0.01
- * between grains on the floor), not grain by grain.
+ * tenths of its outline, on what lies under it. For scattered grains smaller than half a texel it is right on average
+ * (to 0.01 between grains on the floor), not grain by grain.
  *
  * An app
  *   1. fills a sandglass_pile_shadow_desc, asks sandglass_pile_shadow_bytes, and hands a block of that size to
