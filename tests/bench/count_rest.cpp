@@ -1,5 +1,5 @@
 // Frames in which little moves: all asleep, with the sand's shadow; one particle, without grains, that falls beside the
-// pile; a hand that stirs the pile's edge, by which some 3 % of the particles are awake. 225 particles, 4,000 grains: a
+// pile; a hand that stirs the pile's edge, by which 15 particles are awake. 225 particles, 4,000 grains: a
 // settled pile of the size for phones takes the emulator minutes. What rests costs the same at any size.
 //
 //   count_rest         the names
@@ -40,7 +40,7 @@ int run(const char* name) {
   const auto next = [&] {
     const float turn = 0.1f * static_cast<float>(frame++), wide = 0.01f;
     if (edge) {
-      hand = sandglass::sphere(0.13f + wide * std::cos(turn), 0.015f, wide * std::sin(turn), 0.015f);
+      hand = sandglass::sphere(0.12f + wide * std::cos(turn), 0.015f, wide * std::sin(turn), 0.015f);
       hand.linear_velocity[0] = -6 * wide * std::sin(turn), hand.linear_velocity[2] = 6 * wide * std::cos(turn);
       sand.input.collider_count = 2;
     }
