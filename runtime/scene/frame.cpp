@@ -63,7 +63,7 @@ sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input
 Sand sand_as_drawn(const Granular& g, const sandglass_skin* skin) {
   if (skin != nullptr && skin->skin.valid) {
     const SkinState& s = skin->skin;
-    return {{nullptr, nullptr, nullptr, skin_items(s), s.desc.particle_radius, &s, s.version}, false};
+    return {{nullptr, nullptr, nullptr, skin_items(s), s.desc.particle_radius, &s, s.front_version}, false};
   }
   const bool grains = g.grains.count != 0;
   const bool moving = grains ? output_is_moving(g.output) : g.sleep.awake_count != 0;

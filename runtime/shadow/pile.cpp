@@ -166,7 +166,7 @@ void cut_light(Pile* p) {
 
 void begin_columns(Pile* p) {
   p->cursor = p->sphere_row = p->chunk = p->chunk_first = 0;
-  if (p->source.skin != nullptr) p->skin_version = p->source.skin->version;
+  if (p->source.skin != nullptr) p->skin_version = p->source.skin->front_version;
   clear_columns(p);
 }
 
@@ -201,7 +201,7 @@ void run_columns(Pile* p) {
   constexpr uint32_t k_restarts = 3;
   const PileSource& source = p->source;
   if (p->phase == PilePhase::idle) begin(p);
-  else if (source.skin != nullptr && source.skin->version != p->skin_version && p->restarts++ < k_restarts)
+  else if (source.skin != nullptr && source.skin->front_version != p->skin_version && p->restarts++ < k_restarts)
     begin_columns(p);
   const uint32_t count = source.skin != nullptr ? skin_items(*source.skin) : source.count;
   const uint32_t left = count > p->cursor ? count - p->cursor : 0, most = unit_spheres(*p);

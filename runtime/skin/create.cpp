@@ -34,6 +34,7 @@ void lay_out_mesh(const SkinState& s, Layout* layout, SkinMesh* mesh) {
   mesh->chunks = layout_region<sandglass_skin_chunk>(layout, "skin.chunks", s.chunk_capacity);
   mesh->first_vertex = layout_region<uint32_t>(layout, "skin.first_vertices", s.chunk_capacity);
   mesh->first_index = layout_region<uint32_t>(layout, "skin.first_indices", s.chunk_capacity);
+  mesh->from = layout_region<float>(layout, "skin.from", uint64_t{3} * s.desc.particle_capacity);
 }
 
 // The one walk: counts the bytes, or hands out the regions. Capacities by what heaps, layers and strewn sand take.
@@ -66,6 +67,10 @@ sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
   s->points = layout_region<SurfacePoint>(layout, "skin.points", k_brick_nodes);
   lay_out_mesh(*s, layout, &s->front);
   lay_out_mesh(*s, layout, &s->back);
+  s->shown.vertices = layout_region<sandglass_skin_vertex>(layout, "skin.shown", s->vertex_capacity);
+  s->shown.chunks = layout_region<sandglass_skin_chunk>(layout, "skin.shown_chunks", s->chunk_capacity);
+  s->shown.loose = layout_region<sandglass_skin_loose>(layout, "skin.shown_loose", n);
+  s->carried = layout_region<SkinCarried>(layout, "skin.carried", n);
   return owner;
 }
 
@@ -77,6 +82,7 @@ __attribute__((noinline)) void build(const sandglass_skin_desc& desc, void* bloc
   SkinState* s = &owner->skin;
   s->spacing = k_skin_spacing * desc.particle_radius;
   s->inverse_spacing = 1.0f / s->spacing;
+  s->inverse_side = 1.0f / desc.block_side;
   for (uint32_t v = 0; v < 256; ++v) {
     const uint32_t free = skin_free(static_cast<uint8_t>(v)), least = free < 64 ? 64 : free;
     s->by_free[v] = static_cast<uint16_t>(free < 5 ? 0 : 256 * k_skin_one / least);
@@ -84,7 +90,7 @@ __attribute__((noinline)) void build(const sandglass_skin_desc& desc, void* bloc
   SkinMesh* const meshes[] = {&s->front, &s->back};
   for (SkinMesh* mesh : meshes)
     for (uint32_t c = 0; c < s->chunk_capacity; ++c)
-      mesh->chunks[c] = {}, mesh->first_vertex[c] = mesh->first_index[c] = 0;
+      mesh->chunks[c] = s->shown.chunks[c] = {}, mesh->first_vertex[c] = mesh->first_index[c] = 0;
   for (uint32_t a = 0; a < 3; ++a) s->axis[a] = a, s->sign[a] = 1.0f;
   s->up[1] = 1.0f;
   s->falls = true;
@@ -143,13 +149,13 @@ void sandglass_skin_get_mesh(const sandglass_skin* skin, sandglass_skin_mesh* ou
   mesh.version = s.version;
   const bool stale = s.asked || s.phase != SkinPhase::idle;
   mesh.frames_behind = stale ? static_cast<uint32_t>(s.frame - s.front_frame) : 0;
-  mesh.chunks = s.front.chunks;
+  mesh.chunks = s.shown.chunks;
   mesh.chunk_count = s.chunk_capacity;
   for (uint32_t c = 0; c < s.chunk_capacity; ++c) {
     mesh.vertex_count += s.front.chunks[c].vertex_count;
     mesh.index_count += s.front.chunks[c].index_count;
   }
-  mesh.loose = s.front.loose;
+  mesh.loose = s.shown.loose;
   mesh.flying_count = s.front.flying;
   mesh.lying_count = s.front.lying;
   mesh.left_out = s.left_out;
@@ -162,13 +168,13 @@ void sandglass_skin_refresh(sandglass_skin* skin) {
 
 uint64_t sandglass_skin_hash(const sandglass_skin* skin) {
   if (skin == nullptr) return 0;
-  const SkinMesh& mesh = skin->skin.front;
+  const SkinState& s = skin->skin;
   uint64_t hash = k_hash_basis;
-  for (uint32_t c = 0; c < skin->skin.chunk_capacity; ++c) {
-    const sandglass_skin_chunk& chunk = mesh.chunks[c];
+  for (uint32_t c = 0; c < s.chunk_capacity; ++c) {
+    const sandglass_skin_chunk& chunk = s.shown.chunks[c];
     if (chunk.index_count == 0) continue;
     hash = hash_bytes(chunk.vertices, chunk.vertex_count * sizeof *chunk.vertices, hash);
     hash = hash_bytes(chunk.indices, chunk.index_count * sizeof *chunk.indices, hash);
   }
-  return hash_bytes(mesh.loose, (mesh.flying + mesh.lying) * sizeof *mesh.loose, hash);
+  return hash_bytes(s.shown.loose, (s.front.flying + s.front.lying) * sizeof *s.shown.loose, hash);
 }

@@ -137,6 +137,7 @@ bool skin_gather(SkinState* s) {
     skin_place(*s, record.position, now.at);
     now.share = share_of(*s, record);
     p.seen = s->cycle;
+    memcpy(s->back.from + 3 * number, record.position, sizeof record.position);
     if (number >= s->particle_numbers) s->particle_numbers = number + 1;
     if (p.share == now.share && (now.share == 0 || is_near(p.at, now.at))) continue;
     take_out(s, number);

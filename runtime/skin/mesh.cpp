@@ -475,7 +475,7 @@ void end_chunk(SkinState* s, uint32_t chunk, bool copied) {
       now.vertex_count == before.vertex_count && now.index_count == before.index_count &&
       (now.vertex_count == 0 || (memcmp(now.vertices, before.vertices, now.vertex_count * sizeof *now.vertices) == 0 &&
                                  memcmp(now.indices, before.indices, now.index_count * sizeof *now.indices) == 0));
-  if (!same) now.version = s->version + 1;
+  if (!same) now.version = k_chunk_changed;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 //   calm      once more through a filter (density.cpp)
 //   mesh      vertices brick by brick, triangles chunk by chunk (mesh.cpp), into the other of two meshes
 //   loose     what is not in the mesh (loose.cpp); the last unit swaps the two
+// Where that takes more than a frame, the mesh before follows its particles meanwhile (carry.cpp).
 // Each works on what the one before has changed. All up to the mesh is in whole numbers, so that sums can be taken back
 // exactly and every instruction set gives the same bits.
 #pragma once
@@ -28,6 +29,7 @@ constexpr uint32_t k_brick_none = ~0u, k_brick_itself = 13, k_bricks_around = 27
 constexpr uint32_t k_chunk_bricks = 4;   // along an axis
 constexpr uint32_t k_outer_bricks = 61;  // of 5^3 less 4^3: those below a chunk along some axis
 constexpr uint16_t k_vertex_none = 0xffff;
+constexpr uint32_t k_chunk_changed = ~0u;                      // a version to come
 constexpr int32_t k_skin_steps = 128;                          // parts of a node's distance, in which places are held
 constexpr int32_t k_skin_held = 2;                             // of these a particle may move before it counts
 constexpr uint32_t k_skin_shares = 16;                         // parts of a particle
@@ -40,9 +42,19 @@ constexpr uint32_t k_skin_unit_items = 1024;
 constexpr uint32_t k_skin_unit_bricks = 12;  // density, fill, calm
 constexpr uint32_t k_skin_unit_mesh = 2;     // bricks
 constexpr float k_skin_share = 0.5f;
+constexpr uint32_t k_skin_in_time = 8;  // skins that are made within their frame, before the next is expected to be
 
 // Kinds of work unit.
-enum : uint32_t { k_skin_gather, k_skin_density, k_skin_fill, k_skin_calm, k_skin_mesh, k_skin_loose, k_skin_kinds };
+enum : uint32_t {
+  k_skin_gather,
+  k_skin_density,
+  k_skin_fill,
+  k_skin_calm,
+  k_skin_mesh,
+  k_skin_loose,
+  k_skin_carry,
+  k_skin_kinds
+};
 enum class SkinPhase : uint32_t { idle, gather, leave, density, fill, calm, mesh, loose };
 
 // What has to be made anew of a brick, as bits.
@@ -110,11 +122,27 @@ struct SkinMesh {
   uint32_t* first_vertex;  // of each chunk
   uint32_t* first_index;
   uint32_t vertex_count, index_count, flying, lying;
+  float* from;  // where each particle was gathered, by number: three each
+};
+
+// What an app is given: the mesh as it was made, or carried on from there.
+struct SkinShown {
+  sandglass_skin_vertex* vertices;  // of the chunks that are carried, as in SkinMesh
+  sandglass_skin_chunk* chunks;
+  sandglass_skin_loose* loose;
+  uint64_t frame;  // which it shows, and after so many of its sub-steps
+  uint32_t substeps;
+};
+
+// Of a particle, by number.
+struct SkinCarried {
+  float way[3];
+  uint32_t record;
 };
 
 struct SkinState {
   sandglass_skin_desc desc;
-  float spacing, inverse_spacing;
+  float spacing, inverse_spacing, inverse_side;  // of a node, of the block of grains
   const Kernels* kernels;
   // Where "up" is: lattice axis a is the world's axis[a], times sign[a]; and how far the nodes of a layer move aside for one
   // of height, in k_skin_one of a node.
@@ -140,8 +168,12 @@ struct SkinState {
   uint32_t chunk_capacity, chunk_count;
   uint32_t vertex_capacity, index_capacity;
   SkinMesh front, back;
+  SkinShown shown;
+  SkinCarried* carried;
   bool valid;
-  uint32_t version, left_out, left_out_now;
+  uint32_t in_time;                 // skins in a row that took no more than a frame
+  uint32_t version, front_version;  // of what is shown, and of that as `front` was made
+  uint32_t left_out, left_out_now;
   // What asks for a skin, and the one under way.
   const Granular* granular;
   uint64_t frame, front_frame, begun;
@@ -280,6 +312,15 @@ void skin_begin_mesh(SkinState* s);
 bool skin_mesh(SkinState* s);
 void skin_begin_loose(SkinState* s);
 bool skin_loose(SkinState* s);
+
+// ---- between two skins (carry.cpp)
+
+// Whether a skin may take more than a frame.
+inline bool skin_is_late(const SkinState& s) { return s.in_time < k_skin_in_time; }
+// Whether particles have gone on in this frame since what is shown, and no new skin is to be expected in it.
+bool skin_may_carry(const SkinState& s);
+WorkUnit skin_carry_unit(const SkinState& s);
+void skin_carry(SkinState* s);
 
 // Of a place in lattice steps: its cell, and the brick and node of that.
 inline void skin_place(const SkinState& s, const float position[3], int32_t at[3]) {

@@ -10,10 +10,15 @@ namespace {
 constexpr float k_turned = 0.05f;  // of the unit vector up: so far it turns before sand is filled anew
 constexpr uint32_t k_kind_of[] = {0,           k_skin_gather, k_skin_gather, k_skin_density,
                                   k_skin_fill, k_skin_calm,   k_skin_mesh,   k_skin_loose};
-constexpr const char* k_names[k_skin_kinds] = {"skin.gather", "skin.density", "skin.fill",
-                                               "skin.calm",   "skin.mesh",    "skin.loose"};
-constexpr uint32_t k_items[k_skin_kinds] = {k_skin_unit_items,  k_skin_unit_bricks, 8 * k_skin_unit_bricks,
-                                            k_skin_unit_bricks, k_skin_unit_mesh,   k_skin_unit_items};
+constexpr const char* k_names[k_skin_kinds] = {"skin.gather", "skin.density", "skin.fill", "skin.calm",
+                                               "skin.mesh",   "skin.loose",   "skin.carry"};
+constexpr uint32_t k_items[k_skin_kinds] = {k_skin_unit_items,
+                                            k_skin_unit_bricks,
+                                            8 * k_skin_unit_bricks,
+                                            k_skin_unit_bricks,
+                                            k_skin_unit_mesh,
+                                            k_skin_unit_items,
+                                            0};
 
 bool has_work(const SkinState& s) { return s.phase != SkinPhase::idle || s.asked; }
 
@@ -59,13 +64,24 @@ void find_up(SkinState* s, const Granular& g) {
 
 void publish(SkinState* s) {
   SkinMesh &back = s->back, &front = s->front;
+  SkinShown& shown = s->shown;
+  const size_t loose = (back.flying + back.lying) * sizeof *back.loose;
   bool changed = !s->valid || back.flying != front.flying || back.lying != front.lying ||
-                 memcmp(back.loose, front.loose, (back.flying + back.lying) * sizeof *back.loose) != 0;
-  for (uint32_t c = 0; c < s->chunk_capacity; ++c) changed = changed || back.chunks[c].version > s->version;
+                 memcmp(back.loose, shown.loose, loose) != 0;
+  for (uint32_t c = 0; c < s->chunk_capacity; ++c) {
+    sandglass_skin_chunk& chunk = back.chunks[c];
+    const bool carried = shown.chunks[c].vertices != front.chunks[c].vertices;
+    if (chunk.version == k_chunk_changed || carried) chunk.version = s->version + 1, changed = true;
+    shown.chunks[c] = chunk;
+  }
+  memcpy(shown.loose, back.loose, loose);
   if (changed) ++s->version;
   const SkinMesh swap = front;
   front = back;
   back = swap;
+  s->front_version = s->version;
+  shown.frame = s->gathered_frame, shown.substeps = s->gathered_substeps;
+  s->in_time = s->begun == s->frame ? s->in_time + 1 : 0;
   s->valid = true;
   s->front_frame = s->begun;
   s->left_out = s->left_out_now;
@@ -123,21 +139,31 @@ void run_unit(SkinState* s) {
 
 bool next(const void* state, uint32_t, WorkUnit* unit) {
   const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
+  if (skin_may_carry(s)) {
+    *unit = skin_carry_unit(s);
+    return true;
+  }
   if (!has_work(s)) return false;
   const uint32_t kind = kind_of(s);
   *unit = {kind, k_items[kind], k_names[kind]};
   return true;
 }
 
-void run(void* state, uint32_t) { run_unit(&static_cast<sandglass_skin*>(state)->skin); }
+void run(void* state, uint32_t) {
+  SkinState* s = &static_cast<sandglass_skin*>(state)->skin;
+  if (skin_may_carry(*s)) skin_carry(s);
+  else run_unit(s);
+}
 
-// What is left of the skin under way, or asked for, if it takes what the last one took.
+// What is left of the skin under way, or asked for, if it takes what the last one took. One that takes more than a frame is
+// followed by another at once: then quality must not follow what is left of it.
 uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
   if (!has_work(s)) return 0;
   uint32_t count = 0;
-  for (uint32_t kind = 0; kind < k_skin_kinds; ++kind) {
-    const uint32_t spent = s.phase == SkinPhase::idle ? 0 : s.spent[kind];
+  if (skin_is_late(s)) entries[count++] = {k_skin_carry, skin_carry_unit(s).items, true};
+  for (uint32_t kind = 0; kind < k_skin_carry; ++kind) {
+    const uint32_t spent = s.phase == SkinPhase::idle || skin_is_late(s) ? 0 : s.spent[kind];
     const uint32_t left = s.usual[kind] > spent ? s.usual[kind] - spent : 0;
     const uint32_t least = kind == kind_of(s) ? k_items[kind] : 0;
     if ((left > least ? left : least) != 0) entries[count++] = {kind, left > least ? left : least, true};
@@ -162,6 +188,7 @@ Stage begin_frame(sandglass_skin* skin, const Granular& granular) {
   const bool gathers = s->phase == SkinPhase::idle || s->phase == SkinPhase::gather;
   const uint32_t mandatory = gathers && s->ran ? 0 : 1;
   s->ran = false;
+  if (s->phase != SkinPhase::idle) s->in_time = 0;
   return {skin, next, run, forecast, k_skin_kinds, mandatory, k_skin_share};
 }
 

@@ -65,8 +65,8 @@ struct Drawing {
 
 struct Seen {
   Drawing even, written;
-  // Frames that end after their budget.
-  double late_percent;
+  // Frames that end after their budget, and by more than a work unit.
+  double late_percent, late_by_more_percent;
   double lost_percent;  // of the time
   double levels;        // changes a second
   double behind_ms;     // what is drawn, the grains
@@ -122,7 +122,7 @@ struct App {
 
 struct Phone {
   const Case& run;
-  double ns = 0, frame_factor = 1, known_factor = 1;
+  double ns = 0, longest_ns = 0, frame_factor = 1, known_factor = 1;
   Noise units{1}, frames{20}, budgets{99};
   Governor* governor = nullptr;
   std::vector<Governor::Kind> assumed = {};
@@ -141,7 +141,7 @@ struct Phone {
     }
   }
   uint64_t begin_frame(uint64_t frame, double start_ns) {
-    ns = std::max(ns, start_ns);
+    ns = std::max(ns, start_ns), longest_ns = 0;
     if (run.clock == Clock::slow_frames) frame_factor = frames.uniform() < 0.05 ? 4 : 1;
     if (run.clock == Clock::cold) frame_factor = frame < 10 ? 3 : 1;
     for (Governor::Kind& kind : governor->kinds) {
@@ -159,7 +159,7 @@ struct Phone {
     const double counted = host::unit_instructions(unit.name, unit.items);
     double cost = (counted > 0 ? counted : 20'000) / run.core * std::exp(0.12 * units.normal()) * factor();
     if (units.uniform() < 0.005) cost *= 2;
-    ns += cost;
+    ns += cost, longest_ns = std::max(longest_ns, cost);
     if (unit.kind < assumed.size()) governor->kinds[unit.kind] = assumed[unit.kind];
   }
 };
@@ -235,7 +235,8 @@ Seen see(const Case& run) {
     const double start = phone.ns;
     EXPECT_TRUE(scene.frame(input, &report));
 
-    seen.late_percent += phone.ns - start > static_cast<double>(input.budget_ns);
+    const double over = phone.ns - start - static_cast<double>(input.budget_ns);
+    seen.late_percent += over > 0, seen.late_by_more_percent += over > phone.longest_ns + 1000;
     seen.levels += f != 0 && report.level != level;
     level = report.level;
     sandglass_skin_mesh mesh = {};
@@ -254,8 +255,8 @@ Seen see(const Case& run) {
     seen.behind_ms += 1e3 * (reached - drawn);
   }
   seen.even.jerk_mm = even.mm(), seen.written.jerk_mm = as_written.mm();
-  for (double* count :
-       {&seen.even.frozen_percent, &seen.written.frozen_percent, &seen.late_percent, &seen.new_skins_percent})
+  for (double* count : {&seen.even.frozen_percent, &seen.written.frozen_percent, &seen.late_percent,
+                        &seen.late_by_more_percent, &seen.new_skins_percent})
     *count *= 100 / static_cast<double>(frames);
   seen.behind_ms /= static_cast<double>(frames);
   seen.levels /= run.seconds;
@@ -267,17 +268,17 @@ std::string text(const Seen& s) {
   char line[256];
   std::snprintf(
       line, sizeof line,
-      "frozen %.1f %% (written %.1f), jerk %.2f mm (%.2f), behind %.1f ms, late %.2f %%, levels %.2f a second, "
+      "frozen %.1f %% (written %.1f), jerk %.2f mm (%.2f), behind %.1f ms, late %.2f %% (%.2f), levels %.2f a second, "
       "lost %.1f %%",
-      s.even.frozen_percent, s.written.frozen_percent, s.even.jerk_mm, s.written.jerk_mm, s.behind_ms, s.late_percent,
-      s.levels, s.lost_percent);
+      s.even.frozen_percent, s.written.frozen_percent, s.even.jerk_mm, s.written.jerk_mm, s.behind_ms,
+      s.late_by_more_percent, s.late_percent, s.levels, s.lost_percent);
   return line;
 }
 
-// The bars of each scenario: percent of frames frozen and late, and level changes a second.
+// The bars of each scenario: percent of frames that are frozen, and late by more than a work unit; level changes a second.
+// Then the same without grains, where the particles' skin is drawn: it stands where it is neither new nor carried along.
 //
-// Where costs rise within a frame, the output is late by what it then takes beyond the reserve, which was estimated before
-// the rise: one frame a rise. That is 0.42, 3.3 and 5 % in the scenarios with rises.
+// Where costs rise within a frame, the output takes more than the reserve, which was estimated before the rise.
 TEST(UnsteadyClock, WhatIsDrawnMovesInEachFrameAndNoneIsLate) {
   if (!k_runs) GTEST_SKIP();
   const struct {
@@ -291,13 +292,13 @@ TEST(UnsteadyClock, WhatIsDrawnMovesInEachFrameAndNoneIsLate) {
       {"small core, 120 Hz, 2 ms", {Clock::steady, 2, 2, k_a78}, 7, 0.35, 3},
       {"small core, 4 ms", {Clock::steady, 4, 3, k_a78}, 7, 0.35, 3},
       {"small core, 8 ms", {Clock::steady, 8, 3, k_a78}, 7, 0.35, 3},
-      {"3 to 4 times every 2 s, 4 ms", {Clock::spans_of_2s, 4, 8}, 7, 0.65, 99},
-      {"3 to 4 times every 2 s, 8 ms", {Clock::spans_of_2s, 8, 4}, 7, 0.65, 99},
-      {"3 to 4 times every 0.25 s, 120 Hz, 2 ms", {Clock::spans_of_quarter, 2, 2}, 28, 3.4, 99},
-      {"3 to 4 times every 0.25 s, 4 ms", {Clock::spans_of_quarter, 4, 3}, 28, 3.4, 99},
-      {"3 to 4 times every 0.25 s, 8 ms", {Clock::spans_of_quarter, 8, 8}, 7, 3.4, 99},
-      {"4 times in one frame of 20, 120 Hz, 2 ms", {Clock::slow_frames, 2, 2}, 7, 5.5, 99},
-      {"4 times in one frame of 20, 4 ms", {Clock::slow_frames, 4, 4}, 7, 5.5, 99},
+      {"3 to 4 times every 2 s, 4 ms", {Clock::spans_of_2s, 4, 8}, 7, 0.35, 99},
+      {"3 to 4 times every 2 s, 8 ms", {Clock::spans_of_2s, 8, 4}, 7, 0.35, 99},
+      {"3 to 4 times every 0.25 s, 120 Hz, 2 ms", {Clock::spans_of_quarter, 2, 2}, 28, 1.6, 99},
+      {"3 to 4 times every 0.25 s, 4 ms", {Clock::spans_of_quarter, 4, 3}, 28, 1.6, 99},
+      {"3 to 4 times every 0.25 s, 8 ms", {Clock::spans_of_quarter, 8, 8}, 7, 1.6, 99},
+      {"4 times in one frame of 20, 120 Hz, 2 ms", {Clock::slow_frames, 2, 2}, 7, 3.9, 99},
+      {"4 times in one frame of 20, 4 ms", {Clock::slow_frames, 4, 4}, 7, 3.9, 99},
       {"cold, 4 ms", {Clock::cold, 4, 2}, 7, 0.35, 99},
       {"1 to 6 ms at random", {Clock::steady, 0, 3}, 7, 0.35, 99},
       {"heat, 4 ms", {Clock::heat, 4, 7}, 7, 0.35, 99},
@@ -307,8 +308,16 @@ TEST(UnsteadyClock, WhatIsDrawnMovesInEachFrameAndNoneIsLate) {
     std::printf("%-40s %s\n", row.name, text(seen).c_str());
     SCOPED_TRACE(row.name);
     EXPECT_LE(seen.even.frozen_percent, row.frozen);
-    EXPECT_LE(seen.late_percent, row.late);
+    EXPECT_LE(seen.late_by_more_percent, row.late);
     EXPECT_LE(seen.levels, row.levels);
+    Case of_skin = row.run;
+    of_skin.skin = true;
+    const Seen skin = see(of_skin);
+    std::printf("%-40s frozen %.1f %%, late %.2f %%, levels %.2f a second, lost %.1f %%\n", "  its skin",
+                100 - skin.new_skins_percent, skin.late_by_more_percent, skin.levels, skin.lost_percent);
+    EXPECT_LE(100 - skin.new_skins_percent, row.frozen);
+    EXPECT_LE(skin.late_by_more_percent, row.late);
+    EXPECT_LE(skin.levels, row.levels);
   }
 }
 
@@ -332,20 +341,8 @@ TEST(UnsteadyClock, NoTimeIsLostThatAToldGovernorWouldKeep) {
     std::printf("lost %.2f %%, told %.2f\n", learned, told);
     EXPECT_LE(learned, told + 2);
   }
+  EXPECT_LE(see({Clock::spans_of_2s, 4, 4}).late_percent, 1);
   EXPECT_GE(see({Clock::spans_of_2s, 4, 4, k_x3, Speed::assumed}).late_percent, 10) << "the control";
-}
-
-// Without grains the particles are drawn, by their skin. They go on in each frame, so no instant between two of their states
-// is more even. The skin stands where it is not complete by the end of a frame: in 31 and 46 % of these frames.
-TEST(UnsteadyClock, ParticlesUnderASkinMoveInEachFrame) {
-  if (!k_runs) GTEST_SKIP();
-  for (Case run : {Case{Clock::spans_of_2s, 4, 4}, Case{Clock::heat, 4, 5}}) {
-    run.skin = true;
-    const Seen seen = see(run);
-    std::printf("skin: %s, new skins %.1f\n", text(seen).c_str(), seen.new_skins_percent);
-    EXPECT_LE(seen.written.frozen_percent, 7);
-    EXPECT_GE(seen.new_skins_percent, 50);
-  }
 }
 
 TEST(ShownTime, IsThatOfTheGrainsAtFullRate) {

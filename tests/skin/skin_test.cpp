@@ -511,6 +511,51 @@ TEST(Skin, ALateSkinLeavesTheOneBefore) {
   EXPECT_GE(versions, 1u) << "one unit every second frame must be enough to complete a skin";
 }
 
+// Between two late skins the mesh goes on with its particles. Here all go one way, so every vertex goes as far as they do in
+// the frame, and keeps its place in the block of grains.
+TEST(Skin, ALateSkinIsCarriedAlong) {
+  uint64_t now = 0;
+  sandglass_scene_desc desc = rough(1000);
+  desc.clock = {[](void* user) { return *static_cast<uint64_t*>(user) += 20'000; }, &now};
+  for (float& g : desc.gravity) g = 0;
+  Sand sand(desc);
+  const std::vector<float> places = lattice(10, 10, 10, 2.05f * k_radius, 0.0f);
+  const float velocity[3] = {0.10f, 0.04f, -0.02f};
+  std::vector<float> velocities;
+  for (size_t i = 0; i < places.size(); ++i) velocities.push_back(velocity[i % 3]);
+  sand.scene.add(places, velocities);
+  const sandglass::SkinState& s = sand.skin.get()->skin;
+  const auto lookup = [&](const sandglass_skin_vertex& v, int k) {
+    return static_cast<double>(v.position[k]) / static_cast<double>(s.desc.block_side) - v.origin[k] / 65536.0;
+  };
+  Mesh before;
+  double simulated = 0;
+  bool was_now = false;
+  uint32_t carried = 0, stood = 0, front = 0, version = 0;
+  for (int i = 0; i < 60; ++i) {
+    sandglass_frame_input input = sand.scene.input(1.0f / 60, i == 0 ? 1'000'000'000 : 1'000'000);
+    input.skin = sand.skin.get();
+    const sandglass_frame_report report = sand.scene.run(input);
+    const double seconds = report.time.simulated - simulated;
+    const bool is_now = s.shown.frame == s.frame, same = i > 2 && was_now && is_now && s.front_version == front;
+    stood += i > 2 && s.version == version ? 1 : 0;
+    simulated = report.time.simulated, front = s.front_version, version = s.version, was_now = is_now;
+    const Mesh mesh = mesh_of(sand.skin);
+    for (size_t v = 0; same && v < mesh.vertices.size(); ++v)
+      for (int k = 0; k < 3; ++k) {
+        const sandglass_skin_vertex &a = before.vertices[v], &b = mesh.vertices[v];
+        const double way = static_cast<double>(b.position[k]) - static_cast<double>(a.position[k]);
+        ASSERT_NEAR(way, static_cast<double>(velocity[k]) * seconds, 1e-5) << i;
+        const double turns = lookup(b, k) - lookup(a, k);
+        ASSERT_NEAR(turns, std::round(turns), 4.0 / 65536) << i;
+      }
+    carried += same ? 1 : 0;
+    before = mesh;
+  }
+  EXPECT_EQ(stood, 0u);
+  EXPECT_GE(carried, 20u) << "no skin was late: the test could not fail";
+}
+
 // The heights that the pile's shadow is made of are those of the mesh, under each texel's middle; and at rest it costs nothing.
 TEST(Skin, ThePileShadowIsOfWhatIsDrawn) {
   Sand sand(rough(1600));
