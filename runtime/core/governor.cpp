@@ -292,13 +292,16 @@ bool run_optional(Frame* frame, uint64_t* last_unit) {
 
   bool blocked_counts = true;
   for (;;) {
-    bool ran = false;
+    bool ran = false, kept_back = false;
     for (uint32_t i = 0; i < frame->open_count; ++i) {
       WorkUnit unit;
       denied[i] = false;
       while (offers(*frame, i, &unit) && plan_has_room(*frame, i)) {
         const bool over_share = frame->timed && frame->stages[i].share < 1.0f && used[i] >= allowance[i];
-        if (over_share && later_stage_has_work(*frame, i, denied, blocked_counts)) break;
+        if (over_share && later_stage_has_work(*frame, i, denied, blocked_counts)) {
+          kept_back = true;
+          break;
+        }
         if (!admitted(frame, unit)) {
           denied[i] = true;
           break;
@@ -311,7 +314,7 @@ bool run_optional(Frame* frame, uint64_t* last_unit) {
         ran = true;
       }
     }
-    if (!ran && !blocked_counts) break;
+    if (!ran && !(kept_back && blocked_counts)) break;
     if (!ran) blocked_counts = false;
   }
   return frame->optional_units > 0;
@@ -361,8 +364,8 @@ void governor_init(Governor* governor, sandglass_clock clock, sandglass_trace tr
 void assign_kinds(Stage* stages, uint32_t count) {
   uint32_t next = 0;
   for (uint32_t i = 0; i < count; ++i) {
-    uint32_t same = 0;
-    while (same < i && (stages[same].state != stages[i].state || stages[i].state == nullptr)) ++same;
+    uint32_t same = stages[i].state == nullptr ? i : 0;
+    while (same < i && stages[same].state != stages[i].state) ++same;
     if (same < i) {
       SANDGLASS_CHECK(stages[same].kinds == stages[i].kinds);
       stages[i].first_kind = stages[same].first_kind;

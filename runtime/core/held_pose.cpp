@@ -288,12 +288,14 @@ void follow(HeldPose* p, sandglass_shape shape, bool changed, float reach, float
 
 bool same_pose(const Pose& a, const Pose& b) {
   bool same = true;
+  if (__builtin_memcmp(&a, &b, sizeof a) == 0) return true;  // most are; neither holds a NaN
   for (int k = 0; k < 3; ++k) same = same && a.position[k] == b.position[k] && a.size[k] == b.size[k];
   for (int k = 0; k < 4; ++k) same = same && a.rotation[k] == b.rotation[k];
   return same;
 }
 
 bool same_turn(const float a[4], const float b[4]) {
+  if (__builtin_memcmp(a, b, 4 * sizeof *a) == 0) return true;
   const float with = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3], noise = 1e-10f;  // an angle of 3e-5 rad
   float apart2 = 0.0f;
   for (int k = 0; k < 4; ++k) {
@@ -387,7 +389,7 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
   p->believed = 0;
   if (p->follows == 0) {
     stop(p);
-    if (surface_way(shape, p->held.pose, told.pose, rule) < rule.band) {
+    if (same_pose(p->held.pose, told.pose) || surface_way(shape, p->held.pose, told.pose, rule) < rule.band) {
       p->beyond = 0;
       if (shape == SANDGLASS_SHAPE_BOX && grown(p->held.pose, told.pose) > rule.band) take_free_faces(p, rule);
       return;

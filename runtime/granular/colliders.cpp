@@ -2,7 +2,6 @@
 //
 // Rotations by angular velocity use the first-order quaternion step, renormalised. So there is no sine or cosine in a
 // hashed path. The error is angle^3 / 12: 7e-4 rad for a turn of 0.2 rad within one frame.
-#include "runtime/core/finite.h"
 #include "runtime/field/field.h"
 #include "runtime/granular/granular.h"
 
@@ -67,6 +66,7 @@ bool equal_pose(const KnownCollider& known, const sandglass_collider& now) {
 // Square of about how far a collider has gone since it was known.
 float apart2(const KnownCollider& known, const sandglass_collider& now) {
   const Pose& told = known.pose.told;
+  if (same_pose(told, pose_of(now))) return 0.0f;
   float sum = 0.0f;
   for (int k = 0; k < 3; ++k) {
     const float way = now.position[k] - told.position[k], more = now.size[k] - told.size[k];
@@ -400,7 +400,9 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
     if (c.known[slot].used != 0 && !(c.waits && input.collider_count == 0)) c.known[slot].absent += g.time.frame_step;
   }
   // Those that are certain first, so that none of the others takes their slot.
-  for (int pass = 0; pass < 2; ++pass) {
+  bool all_certain = false;
+  for (int pass = 0; pass < 2 && !all_certain; ++pass) {
+    all_certain = true;
     uint32_t place = 0;
     for (uint32_t i = 0; i < input.collider_count; ++i) {
       sandglass_collider now;
@@ -412,6 +414,7 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
       if (pass == 1 && slot != k_no_slot) continue;
       slot = pass == 0 ? slot_by_identity(c, capacity, now, place - 1)
                        : slot_by_place(c, capacity, input, now, place - 1, g.time.frame_step);
+      all_certain = all_certain && slot != k_no_slot;
       if (slot == k_no_slot) continue;
       const bool returns = c.known[slot].used != 0 && c.known[slot].absent > g.time.frame_step;
       hold_slot(&c, g, slot, now, owed, rule);
@@ -491,11 +494,8 @@ bool collider_held(const Granular& g, uint32_t index, sandglass_collider* held) 
 
 bool collider_accept(const sandglass_collider& collider, sandglass_collider* accepted) {
   if (collider.shape < SANDGLASS_SHAPE_HALF_SPACE || collider.shape > SANDGLASS_SHAPE_FIELD) return false;
-  if (!all_finite(collider.position, 3) || !all_finite(collider.rotation, 4) ||
-      !all_finite(collider.linear_velocity, 3) || !all_finite(collider.angular_velocity, 3)) {
-    return false;
-  }
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 3; ++k) {  // these refuse what is no number, too, as does normalise
+
     if (!(__builtin_fabsf(collider.position[k]) <= k_coordinate_bound &&
           __builtin_fabsf(collider.linear_velocity[k]) <= k_collider_speed &&
           __builtin_fabsf(collider.angular_velocity[k]) <= k_collider_speed)) {

@@ -210,10 +210,9 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   colliders_take(&g->colliders, *g, *input, owed, &g->counts);
   flow_take(&g->flow, *g, *input, &g->counts);
   if (time_paused(*g)) return;
-  departed_begin_frame(&g->departed, *g);
   const bool touch = colliders_find_moved(&g->colliders, *g);
   if (!g->colliders.waits) substep_set_due(&g->substep, SubstepPhase::touch, touch);
-  granular_skip_time(g);
+  if (!granular_skip_time(g)) departed_begin_frame(&g->departed, *g);
 }
 
 void granular_end_frame(Granular* g) {
@@ -221,14 +220,15 @@ void granular_end_frame(Granular* g) {
   time_end_frame(&g->time, *g);
 }
 
-void granular_skip_time(Granular* g) {
+bool granular_skip_time(Granular* g) {
   const bool asleep = g->sleep.awake_count == 0 && (g->neighbours.valid || g->particles.count == 0);
-  if (!asleep || g->flow.emitter_count != 0 || !substep_idle(*g)) return;
+  if (!asleep || g->flow.emitter_count != 0 || !substep_idle(*g)) return false;
   time_skip(&g->time, *g);
   substep_end_interval(&g->substep);
   particles_stand(&g->particles);
   neighbours_stand(&g->neighbours);
   if (grain_sleep_skips_time(&g->grain_sleep, *g)) time_grains_followed(&g->time);
+  return true;
 }
 
 bool inlet_let_in(const Inlet& inlet, const float* positions, const float* velocities, uint32_t particles,

@@ -123,8 +123,8 @@ void granular_settle(Granular* granular);
 // Takes a frame's input: colliders, emitters, sinks and time.
 void granular_begin_frame(Granular* granular, const sandglass_frame_input* input);
 void granular_end_frame(Granular* granular);
-// While all sleep, time passes without sub-steps.
-void granular_skip_time(Granular* granular);
+// While all sleep, time passes without sub-steps: then true.
+bool granular_skip_time(Granular* granular);
 // Lets in the layers that are due.
 void granular_pour(Granular* granular);
 

@@ -32,6 +32,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
 
 Stage lighting_stage(FrameLighting* lighting, const sandglass_camera_image* image, const char** refused) {
   sandglass_room* room = lighting->room;
+  if (room == nullptr && lighting->estimator == nullptr) return stage_without_work(k_lighting_stage_kinds);
   lighting->parts[k_room] =
       room == nullptr ? stage_without_work(k_room_kinds) : room->functions->begin_frame(room, image, refused);
   lighting->parts[k_network] = estimator_stage(lighting->estimator, image, refused);

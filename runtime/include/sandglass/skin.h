@@ -17,10 +17,11 @@
  *   4. draws the loose sand.
  * The scene needs no grains for that: leave granular.grain_capacity at 0.
  *
- * Only what moved is made anew, and at rest nothing. A skin that the budget does not complete goes on in the next frame;
- * the one before it stays as it is until then. A particle that moves by less than a fortieth of its radius stays where it
- * was drawn. Nothing is allocated, no clock is read, and every instruction set gives the same bytes. There is nothing to
- * save: after a restore the skin is made anew from the particles. The patches may then take their blocks from others.
+ * Only what moved is made anew, and at rest nothing. A skin that the budget does not complete goes on in the next frame.
+ * Until then the one before is carried along with its particles, so that sand moves in every frame. A particle that
+ * moves by less than a fortieth of its radius stays where it was drawn. Nothing is allocated, no clock is read, and every
+ * instruction set gives the same bytes. There is nothing to save: after a restore the skin is made anew from the
+ * particles. The patches may then take their blocks from others.
  *
  * Units, errors and the rule for NULL: see types.h. */
 #ifndef SANDGLASS_SKIN_H
