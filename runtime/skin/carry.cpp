@@ -20,12 +20,12 @@ uint32_t items(const SkinState& s) { return s.granular->particles.count + s.fron
 void find_ways(SkinState* s) {
   const float most = k_most_radii * s->desc.particle_radius;
   const float least = static_cast<float>(k_skin_held) / k_skin_steps * s->spacing;
-  for (uint32_t i = 0; i < s->particle_numbers; ++i) s->carried[i] = {{0, 0, 0}, k_brick_none};
+  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->carried[i] = {{0, 0, 0}, k_brick_none};
   const Particles& particles = s->granular->particles;
   for (uint32_t i = 0; i < particles.count; ++i) {
     const Particle& p = particles.records[0][i];
     const uint32_t number = number_of(p);
-    if (number >= s->particle_numbers || in_body(p) || has_departed(p)) continue;
+    if (number >= s->desc.particle_capacity || in_body(p) || has_departed(p)) continue;
     SkinCarried& carried = s->carried[number];
     carried.record = i;
     const float* from = s->front.from + 3 * number;
@@ -74,7 +74,8 @@ bool carry_loose(SkinState* s) {
   const uint32_t count = s->front.flying + s->front.lying;
   for (uint32_t i = 0; i < count; ++i) {
     sandglass_skin_loose one = s->front.loose[i];
-    const uint32_t record = s->carried[one.number].record;
+    const bool known = one.number < s->desc.particle_capacity;  // else it has no skin
+    const uint32_t record = known ? s->carried[one.number].record : k_brick_none;
     if (record != k_brick_none)
       memcpy(one.position, s->granular->particles.records[0][record].position, sizeof one.position);
     differs = differs || memcmp(s->shown.loose + i, &one, sizeof one) != 0;

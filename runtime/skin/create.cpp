@@ -83,14 +83,17 @@ __attribute__((noinline)) void build(const sandglass_skin_desc& desc, void* bloc
   s->spacing = k_skin_spacing * desc.particle_radius;
   s->inverse_spacing = 1.0f / s->spacing;
   s->inverse_side = 1.0f / desc.block_side;
+  s->in_time = k_skin_in_time;
   for (uint32_t v = 0; v < 256; ++v) {
     const uint32_t free = skin_free(static_cast<uint8_t>(v)), least = free < 64 ? 64 : free;
     s->by_free[v] = static_cast<uint16_t>(free < 5 ? 0 : 256 * k_skin_one / least);
   }
   SkinMesh* const meshes[] = {&s->front, &s->back};
-  for (SkinMesh* mesh : meshes)
+  for (SkinMesh* mesh : meshes) {
+    memset(mesh->from, 0, 3 * sizeof(float) * desc.particle_capacity);
     for (uint32_t c = 0; c < s->chunk_capacity; ++c)
       mesh->chunks[c] = s->shown.chunks[c] = {}, mesh->first_vertex[c] = mesh->first_index[c] = 0;
+  }
   for (uint32_t a = 0; a < 3; ++a) s->axis[a] = a, s->sign[a] = 1.0f;
   s->up[1] = 1.0f;
   s->falls = true;

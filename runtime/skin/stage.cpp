@@ -97,6 +97,7 @@ void begin(SkinState* s) {
   ++s->cycle;
   s->cursor = s->restarts = 0;
   memset(s->spent, 0, sizeof s->spent);
+  memcpy(s->back.from, s->front.from, 3 * sizeof(float) * s->particle_numbers);  // for those that the gathering misses
   s->phase = SkinPhase::gather;
 }
 
