@@ -11,8 +11,8 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_most_radii = 1.5f;  // that a vertex is carried: about a node
-constexpr uint32_t k_most_items = 40'000;
+constexpr float k_most_radii = 1.5f;       // that a vertex is carried: about a node
+constexpr uint32_t k_most_items = 16'000;  // one unit's: about 0.2 ms of a phone
 
 uint32_t items(const SkinState& s) { return s.granular->particles.count + s.front.vertex_count; }
 
