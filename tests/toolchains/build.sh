@@ -22,6 +22,8 @@ case $preset in
     cp -r "$here/stand_ins/ndk" "$output/ndk"
     lib=$(echo "$output"/ndk/toolchains/llvm/prebuilt/*/sysroot)/usr/lib
     mkdir -p "$lib"
+    # JNI's header is the real one.
+    [[ ! -x $(command -v javac) ]] || cp "$(dirname "$(readlink -f "$(command -v javac)")")"/../include/{jni.h,linux/jni_md.h} "$lib/../include"
     shared=(clang --target=aarch64-linux-android24 -shared -nostdlib -fuse-ld=lld -x c -)
     echo 'void ATrace_beginSection(const char* n) { (void)n; } void ATrace_endSection(void) {}' | "${shared[@]}" -o "$lib/libandroid.so"
     echo 'int m;' | "${shared[@]}" -o "$lib/libm.so"
@@ -55,12 +57,19 @@ fi
 if [[ $preset == android ]]; then
   cmake --build "$output/build" --target sandglass_unity -- --quiet
   plugin=$output/build/unity/libsandglass.so
-  loads=$(readelf -lW "$plugin" | awk '$1 == "LOAD" {print $NF}' | sort -u)
-  echo "segments aligned to: $loads"
-  [[ $loads == 0x4000 ]] || fail "libsandglass.so is not aligned for pages of 16 KB"
+  python3 "$here/package_layout.py" pages "$plugin"
   NM=nm bash "$source/tests/package/symbols.sh" exported "$plugin" "$source/runtime/include"
   cmake --build "$output/build" --target aar -- --quiet
   python3 "$here/package_layout.py" aar "$output"/build/sandglass-*.aar "$source/runtime/include"
+  # An app's library, by the NDK's own file alone: of the installed package and of Prefab's options. Without these it is not aligned.
+  cmake --install "$output/build" --prefix "$output/prefix" >/dev/null
+  cmake -S "$here/consumer" -B "$output/app" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$output/ndk/build/cmake/android.toolchain.cmake" -DANDROID_ABI=arm64-v8a \
+    -DANDROID_STL=c++_static -DANDROID_PLATFORM=android-24 "-DCMAKE_TRY_COMPILE_PLATFORM_VARIABLES=ANDROID_ABI;ANDROID_STL;ANDROID_PLATFORM" \
+    -Dsandglass_DIR="$output/prefix/lib/cmake/sandglass" \
+    -DPREFAB="$output/build/toolchains/android/aar/prefab/modules/sandglass" >/dev/null
+  cmake --build "$output/app" -- --quiet
+  python3 "$here/package_layout.py" pages "$output"/app/lib{package,prefab}.so
+  if python3 "$here/package_layout.py" pages "$output/app/libcontrol.so"; then fail "the control is aligned"; fi
 else
   # Every object says for which system and which oldest version it is.
   expected=$([[ $preset == ios ]] && echo ios || echo iossimulator)
