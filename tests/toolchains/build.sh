@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the library by one of the presets android, ios and ios-simulator, with this machine's clang and the stand-in
+# Builds the library by one of the presets android, ios, visionos and those for simulators, with this machine's clang and the stand-in
 # headers, and checks which symbols it needs from that system.
 #   build.sh PRESET OUTPUT_FOLDER [CMAKE_OPTION...]
 set -euo pipefail
@@ -32,10 +32,11 @@ case $preset in
       "${shared[@]}" -fno-builtin -o "$lib/libc.so"
     set -- -DANDROID_NDK="$output/ndk" "$@" ;;
   ios) set -- -DCMAKE_OSX_SYSROOT="$here/stand_ins/iPhoneOS.sdk" -DCMAKE_CXX_FLAGS="-isystem $here/stand_ins/iPhoneOS.sdk/usr/include $apple_cxx" "$@" ;;
-  ios-simulator)
-    cp -r "$here/stand_ins/iPhoneOS.sdk" "$output/iPhoneSimulator.sdk"
-    set -- -DCMAKE_OSX_SYSROOT="$output/iPhoneSimulator.sdk" \
-      -DCMAKE_CXX_FLAGS="-isystem $output/iPhoneSimulator.sdk/usr/include $apple_cxx" "$@" ;;
+  ios-simulator | visionos*)
+    sdk=$output/iPhoneSimulator.sdk  # by its name CMake knows for which system
+    [[ $preset == ios* ]] || sdk=$output/XR.sdk
+    cp -r "$here/stand_ins/iPhoneOS.sdk" "$sdk"
+    set -- -DCMAKE_OSX_SYSROOT="$sdk" -DCMAKE_CXX_FLAGS="-isystem $sdk/usr/include $apple_cxx" "$@" ;;
   *) fail "no preset $preset" ;;
 esac
 
@@ -61,19 +62,22 @@ if [[ $preset == android ]]; then
   NM=nm bash "$source/tests/package/symbols.sh" exported "$plugin" "$source/runtime/include"
   cmake --build "$output/build" --target aar -- --quiet
   python3 "$here/package_layout.py" aar "$output"/build/sandglass-*.aar "$source/runtime/include"
-  # An app's library, by the NDK's own file alone: of the installed package and of Prefab's options. Without these it is not aligned.
+  # A library of an app is aligned too, by what the installed package and Prefab's module.json tell the linker, and not without it.
   cmake --install "$output/build" --prefix "$output/prefix" >/dev/null
-  cmake -S "$here/consumer" -B "$output/app" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$output/ndk/build/cmake/android.toolchain.cmake" -DANDROID_ABI=arm64-v8a \
-    -DANDROID_STL=c++_static -DANDROID_PLATFORM=android-24 "-DCMAKE_TRY_COMPILE_PLATFORM_VARIABLES=ANDROID_ABI;ANDROID_STL;ANDROID_PLATFORM" \
-    -Dsandglass_DIR="$output/prefix/lib/cmake/sandglass" \
-    -DPREFAB="$output/build/toolchains/android/aar/prefab/modules/sandglass" >/dev/null
-  cmake --build "$output/app" -- --quiet
-  python3 "$here/package_layout.py" pages "$output"/app/lib{package,prefab}.so
-  if python3 "$here/package_layout.py" pages "$output/app/libcontrol.so"; then fail "the control is aligned"; fi
+  module=$output/build/toolchains/android/aar/prefab/modules/sandglass/module.json
+  told=$(python3 -c 'import json, sys; print(*json.load(open(sys.argv[1]))["export_libraries"])' "$module")
+  option=$(sed -n 's/.*INTERFACE_LINK_OPTIONS "\(.*\)"/\1/p' "$output/prefix/lib/cmake/sandglass/sandglassTargets.cmake")
+  for options in "$told" "$option" ""; do
+    # shellcheck disable=SC2086  # several options
+    clang --target=aarch64-linux-android24 -shared -nostdlib -fuse-ld=lld -L "$lib" "$archive" $options -o "$output/libapp.so"
+    aligned=$(python3 "$here/package_layout.py" pages "$output/libapp.so" 2>&1 && echo yes) || true
+    [[ ${aligned:-no} == yes || -z $options ]] || fail "$options: $aligned"
+  done
+  [[ $aligned == *"not aligned"* ]] || fail "the control is aligned"
 else
   # Every object says for which system and which oldest version it is.
-  expected=$([[ $preset == ios ]] && echo ios || echo iossimulator)
+  case $preset in ios) expected=ios ;; ios-simulator) expected=iossimulator ;; visionos) expected='xros|0x00000B' ;; *) expected='xrossimulator|0x00000C' ;; esac
   llvm-objdump --macho --private-headers "$archive" | awk -v expected="$expected" '
-    $1 == "platform" {++n; if ($2 != expected) ++wrong} $1 == "minos" && $2 != "15.0" {++wrong}
+    $1 == "platform" {++n; if ($2 !~ "^(" expected ")$") ++wrong} $1 == "minos" && $2 != (expected ~ /^xr/ ? "1.0" : "15.0") {++wrong}
     END {printf "%d objects for %s\n", n, expected; exit (wrong > 0 || n == 0)}' || fail "an object is for another system"
 fi

@@ -96,19 +96,25 @@ def aar(file, include):
 
 
 def xcframework(folder, include):
-    root = pathlib.Path(folder)
+    package = pathlib.Path(folder)
+    swift = (package / "Package.swift").read_text()
+    expect('binaryTarget(name: "Sandglass", path: "Sandglass.xcframework")' in swift and (package / "Privacy/Privacy.swift").is_file(), "Package.swift")
+    privacy = plistlib.loads((package / "Privacy/PrivacyInfo.xcprivacy").read_bytes())
+    expect(privacy["NSPrivacyTracking"] is False and privacy["NSPrivacyCollectedDataTypes"] == [], "the library collects nothing")
+    expect([set(api) for api in privacy["NSPrivacyAccessedAPITypes"]] == [{"NSPrivacyAccessedAPIType", "NSPrivacyAccessedAPITypeReasons"}], "PrivacyInfo.xcprivacy")
+    root = package / "Sandglass.xcframework"
     described = plistlib.loads((root / "Info.plist").read_bytes())
     expect(described["CFBundlePackageType"] == "XFWK" and described["XCFrameworkFormatVersion"] == "1.0", "Info.plist")
     slices = described["AvailableLibraries"]
-    expect([s.get("SupportedPlatformVariant") for s in slices] == [None, "simulator"], "one slice for the device, one for the simulator")
+    expect([(s["SupportedPlatform"], s.get("SupportedPlatformVariant")) for s in slices] ==
+           [("ios", None), ("ios", "simulator"), ("xros", None), ("xros", "simulator")], "a slice for each device and each simulator")
     for one in slices:
         place = root / one["LibraryIdentifier"]
-        expect(one["SupportedPlatform"] == "ios" and one["SupportedArchitectures"] == ["arm64"], "platform")
-        expect((place / one["LibraryPath"]).is_file(), f"no archive in {place}")
+        expect(one["SupportedArchitectures"] == ["arm64"], "processor")
         for_arm64(place / one["LibraryPath"], "ios")
         expect(headers_below(place / one["HeadersPath"]) == headers_below(include), "the headers are not those of the source")
         expect((place / one["HeadersPath"] / "sandglass/module.modulemap").is_file(), "no module map: Swift could not import it")
-    print("XCFramework: complete")
+    print("Swift package: complete")
 
 
 if __name__ == "__main__":

@@ -1,43 +1,47 @@
-# Makes Sandglass.xcframework: the library for device and simulator in one folder, as Xcode and Swift packages take it.
-# It is what `xcodebuild -create-xcframework` writes, made without Xcode.
-#   cmake -DDEVICE=libsandglass.a -DSIMULATOR=libsandglass.a -DINCLUDE=DIR -DOUTPUT=Sandglass.xcframework -P xcframework.cmake
+# Makes a Swift package: Sandglass.xcframework, the library for iOS, visionOS and their simulators in one folder, as
+# `xcodebuild -create-xcframework` writes it, but made without Xcode; Package.swift and the privacy manifest beside it.
+#   cmake -DARCHIVE=…/PRESET/…/libsandglass.a -DINCLUDE=DIR -DOUTPUT=FOLDER -P xcframework.cmake
+# PRESET stands for each of the presets that build a slice.
 cmake_policy(VERSION 3.25)
-foreach(needed DEVICE SIMULATOR INCLUDE OUTPUT)
+foreach(needed ARCHIVE INCLUDE OUTPUT)
   if(NOT DEFINED ${needed})
     message(FATAL_ERROR "xcframework.cmake: -D${needed}=… is missing.")
   endif()
 endforeach()
-if(NOT EXISTS ${SIMULATOR})
-  message(FATAL_ERROR "${SIMULATOR} does not exist: build the preset ios-simulator first, or name its archive by SANDGLASS_SIMULATOR_ARCHIVE.")
-endif()
-# The framework says arm64, and so must the Mach-O header of the first object in each archive.
-foreach(archive IN ITEMS ${DEVICE} ${SIMULATOR})
-  file(READ ${archive} bytes LIMIT 1048576 HEX)
-  if(NOT bytes MATCHES "cffaedfe0c000001")
-    message(FATAL_ERROR "${archive} is not for iOS on arm64: build it by the presets ios and ios-simulator.")
-  endif()
-endforeach()
-file(REMOVE_RECURSE ${OUTPUT})
+file(REMOVE_RECURSE ${OUTPUT}/Sandglass.xcframework)
 set(libraries "")
-foreach(archive IN ITEMS ${DEVICE} ${SIMULATOR})
-  set(identifier ios-arm64)
+# preset, platform, the platform's number in a Mach-O object
+foreach(slice IN ITEMS "ios;ios;02" "ios-simulator;ios;07" "visionos;xros;0b" "visionos-simulator;xros;0c")
+  list(GET slice 0 preset)
+  list(GET slice 1 platform)
+  list(GET slice 2 number)
+  string(REPLACE PRESET ${preset} archive ${ARCHIVE})
+  if(NOT EXISTS ${archive})
+    message(FATAL_ERROR "${archive} does not exist: build the preset ${preset} first.")
+  endif()
+  # The framework says arm64 and the system, and so must the first object in the archive, in its header and its LC_BUILD_VERSION.
+  file(READ ${archive} bytes LIMIT 1048576 HEX)
+  if(NOT bytes MATCHES "cffaedfe0c000001" OR NOT bytes MATCHES "32000000(18|20)000000${number}000000")
+    message(FATAL_ERROR "${archive} is not for ${preset} on arm64: build it by that preset.")
+  endif()
+  set(identifier ${platform}-arm64)
   set(variant "")
-  if(archive STREQUAL "${SIMULATOR}")
-    set(identifier ios-arm64-simulator)
+  if(preset MATCHES simulator)
+    string(APPEND identifier -simulator)
     set(variant "      <key>SupportedPlatformVariant</key><string>simulator</string>\n")
   endif()
-  file(COPY ${archive} DESTINATION ${OUTPUT}/${identifier})
-  file(COPY ${INCLUDE}/sandglass DESTINATION ${OUTPUT}/${identifier}/Headers)
-  get_filename_component(name ${archive} NAME)
+  set(folder ${OUTPUT}/Sandglass.xcframework/${identifier})
+  file(COPY ${archive} DESTINATION ${folder})
+  file(COPY ${INCLUDE}/sandglass DESTINATION ${folder}/Headers)
   string(APPEND libraries "    <dict>
       <key>LibraryIdentifier</key><string>${identifier}</string>
-      <key>LibraryPath</key><string>${name}</string>
+      <key>LibraryPath</key><string>libsandglass.a</string>
       <key>HeadersPath</key><string>Headers</string>
       <key>SupportedArchitectures</key><array><string>arm64</string></array>
-      <key>SupportedPlatform</key><string>ios</string>
+      <key>SupportedPlatform</key><string>${platform}</string>
 ${variant}    </dict>\n")
 endforeach()
-file(WRITE ${OUTPUT}/Info.plist "<?xml version=\"1.0\" encoding=\"UTF-8\"?>
+file(WRITE ${OUTPUT}/Sandglass.xcframework/Info.plist "<?xml version=\"1.0\" encoding=\"UTF-8\"?>
 <!DOCTYPE plist PUBLIC \"-//Apple//DTD PLIST 1.0//EN\" \"http://www.apple.com/DTDs/PropertyList-1.0.dtd\">
 <plist version=\"1.0\">
 <dict>
@@ -49,4 +53,5 @@ ${libraries}  </array>
 </dict>
 </plist>
 ")
+file(COPY ${CMAKE_CURRENT_LIST_DIR}/swift/ DESTINATION ${OUTPUT})
 message(STATUS "${OUTPUT}")
