@@ -70,11 +70,11 @@ fun main(arguments: Array<String>) {
   // Memory of the library, handles in an input, arrays of handles.
   input.skin = skin
   input.room = Room(RoomDesc())
-  input.casts = Pointers(Cast(CastDesc().also { it.triangleCapacity = 1; it.meshCapacity = 1 }))
+  input.casts = pointers(Cast(CastDesc().also { it.triangleCapacity = 1; it.meshCapacity = 1 }))
   input.castCount = 1
   repeat(60) { scene.frame(input, report) }
   val mesh = SkinMesh().also { skin.getMesh(it) }
-  val chunks = List(mesh.chunkCount) { SkinChunk(Span(skin.memory(mesh.chunks + it * SkinChunk.SIZE, SkinChunk.SIZE)), 0) }
+  val chunks = List(mesh.chunkCount) { SkinChunk(Buffer(skin.memory(mesh.chunks + it * SkinChunk.SIZE, SkinChunk.SIZE)), 0) }
   val vertices = chunks.map { skin.memory(it.vertices, it.vertexCount * SkinVertex.SIZE).capacity() / SkinVertex.SIZE }.sum()
   check(vertices > 100 && vertices == mesh.vertexCount, "the mesh has ${mesh.vertexCount} vertices, and its chunks $vertices")
 

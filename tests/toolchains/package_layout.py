@@ -91,7 +91,7 @@ def aar(file, include):
         if linked:
             with zipfile.ZipFile(root / "classes.jar") as classes:
                 expect({"org/sandglass/Scene.class", "org/sandglass/SandglassException.class"} <= set(classes.namelist()), "classes.jar")
-            expect("SandglassException" in (root / "proguard.txt").read_text(), "a shrinker would take what C++ throws")
+            expect("org.sandglass.Native" in (root / "proguard.txt").read_text(), "a shrinker would take what C++ throws")
     print(f"Prefab package: complete; {len(linked)} libraries for Kotlin")
 
 

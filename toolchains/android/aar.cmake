@@ -29,8 +29,7 @@ set(kotlin "")
 if(JNI)
   file(COPY ${JNI} DESTINATION ${STAGE}/jni/arm64-v8a)
   file(COPY ${CLASSES} DESTINATION ${STAGE})
-  # C++ throws it, so its name and constructor stay.
-  file(WRITE ${STAGE}/proguard.txt "-keep class org.sandglass.SandglassException { <init>(...); }\n-keepclasseswithmembernames class org.sandglass.Native { native <methods>; }\n")
+  file(WRITE ${STAGE}/proguard.txt "-keep class org.sandglass.Native { *; }\n")  # C++ calls it
   set(kotlin classes.jar jni proguard.txt)
 endif()
 file(REMOVE ${OUTPUT})

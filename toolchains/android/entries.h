@@ -14,20 +14,15 @@ struct Pointer {
   }
 };
 
-struct Failure {
-  const char* reason = nullptr;
-  void raise(JNIEnv* env, sandglass_status status) const {
-    if (status == SANDGLASS_OK) return;
-    const jclass kind = env->FindClass("org/sandglass/SandglassException");
-    const jmethodID make = kind == nullptr ? nullptr : env->GetMethodID(kind, "<init>", "(ILjava/lang/String;)V");
-    if (make == nullptr) return;  // Java has thrown already
-    const jobject made = env->NewObject(kind, make, status, env->NewStringUTF(reason));
-    if (made != nullptr) env->Throw(static_cast<jthrowable>(made));
-  }
-};
-
 inline jstring text(JNIEnv* env, const char* sentence) {
   return sentence == nullptr ? nullptr : env->NewStringUTF(sentence);
+}
+
+// Lets Java throw, unless it does so already.
+inline void finish(JNIEnv* env, jclass native, sandglass_status status, const char* reason) {
+  if (status == SANDGLASS_OK) return;
+  const jmethodID fail = env->GetStaticMethodID(native, "fail", "(ILjava/lang/String;)V");
+  if (fail != nullptr) env->CallStaticVoidMethod(native, fail, status, text(env, reason));
 }
 
 extern "C" JNIEXPORT jlong JNICALL Java_org_sandglass_Native_address(JNIEnv* env, jclass, jobject bytes) {

@@ -75,7 +75,7 @@ class Writer:
             kind, get, put = capital(item.base), f"{capital(item.base)}(span, {at})", ""
         else:
             end, kind, _, get, put = number(item)
-            get, put = f"span.b.get{end}({at}){get}", f"span.b.put{end}({at}, to{put})"
+            get, put = f"span.bytes.get{end}({at}){get}", f"span.bytes.put{end}({at}, to{put})"
         if item.count:
             return f"  fun {name}(i: Int): {kind} = {get}\n" + f"  fun {name}(i: Int, to: {kind}) {{ {put} }}\n" * (put != "")
         return f"  var {name}: {kind}\n    get() = {get}\n    set(to) {{ {put} }}\n" if put else f"  val {name} = {get}\n"
@@ -84,12 +84,12 @@ class Writer:
         size, _, offsets = self.headers.layout(name, POINTER)
         default, kind = self.headers.functions.get(f"{name}_default"), capital(name)
         fresh = f"Native.{camel(name)}Default(address, this)" if default and len(default.parameters) == 1 else \
-            f"span.b.putInt(at, {size})" if struct.fields[0].name == "struct_size" else ""
+            f"span.bytes.putInt(at, {size})" if struct.fields[0].name == "struct_size" else ""
         fields = "".join(doc(item.comment, "  ") + self.field(name, item, offset) for item, offset in zip(struct.fields, offsets))
-        return (f"{doc(struct.comment, '')}class {kind}(span: Span, at: Int) : Struct(span, at) {{\n{fields}"
-                f"  constructor() : this(Span(SIZE), 0) {{ fresh() }}\n  private fun fresh() {{ {fresh} }}\n  companion object {{\n    const val SIZE = {size}\n"
+        return (f"{doc(struct.comment, '')}class {kind}(span: Buffer, at: Int) : Struct(span, at) {{\n{fields}"
+                f"  constructor() : this(Buffer(SIZE), 0) {{ fresh() }}\n  private fun fresh() {{ {fresh} }}\n  companion object {{\n    const val SIZE = {size}\n"
                 "    /** So many, one behind the other: the first stands for all where C takes an array. */\n    fun array(count: Int) = "
-                f"Span(count * SIZE).let {{ all -> List(count) {{ {kind}(all, it * SIZE).also {{ one -> one.fresh() }} }} }}\n  }}\n}}\n\n")
+                f"Buffer(count * SIZE).let {{ all -> List(count) {{ {kind}(all, it * SIZE).also {{ one -> one.fresh() }} }} }}\n  }}\n}}\n\n")
 
     def function(self, name, function, handle):
         declared, given, kept, own = [], [], "", name.removeprefix("sandglass_")
@@ -100,7 +100,7 @@ class Writer:
                 given.append("address, this")
             elif item.pointer and not item.callback:
                 declared.append(f"{it}: {self.kind(item)}?")
-                given.append(f"of({it}{f', {item.count}' * (item.count > 0)}), {it}")
+                given.append(f"address({it}{f', {item.count}' * (item.count > 0)}), {it}")
                 kept += f"; keep(\"{own}\", {it})" * (handle != "" and own.startswith("set_"))  # it may be read later
             else:
                 declared.append(f"{it}: {number(item)[1]}")
@@ -122,10 +122,10 @@ class Writer:
             given.append(f"Pointer{{a{i}}}" if item.pointer else f"static_cast<{item.base}>(a{i})")
         if self.by_value(function):
             kotlin, java = kotlin + ["r: Long", "k: Any?"], java + ["jlong r", "jobject"]
-        call = f"{name}({', '.join(given + ['&failure.reason'] * fails(function))})"
-        body = (f"Failure failure;\n  failure.raise(env, {call})" if fails(function) else f"*static_cast<{function.returns.base}*>(Pointer{{r}}) = {call}"
+        call = f"{name}({', '.join(given + ['&reason'] * fails(function))})"
+        body = (f"const char* reason = nullptr;\n  const sandglass_status status = {call};\n  finish(env, native, status, reason)" if fails(function) else f"*static_cast<{function.returns.base}*>(Pointer{{r}}) = {call}"
                 if self.by_value(function) else f"return text(env, {call})" if kind == "String?" else call if kind == "Unit" else f"return ({in_java}){call}")
-        entry = [f"JNIEnv*{' env' * ('env' in body)}", "jclass", *java]
+        entry = [f"JNIEnv*{' env' * ('env' in body)}", f"jclass{' native' * fails(function)}", *java]
         return (f"  @JvmStatic external fun {camel(name)}({', '.join(kotlin)}): {kind}\n",
                 f"JNIEXPORT {in_java} JNICALL Java_org_sandglass_Native_{camel(name)}({', '.join(entry)}) {{\n  {body};\n}}\n")
 
@@ -149,6 +149,7 @@ class Writer:
                 raise Refused(f"{name} has functions and no {name}_desc")
         natives = [self.native(*both) for both in h.functions.items()]
         out += [f"/** What belongs to no handle. */\nobject Sandglass {{\n{members['']}}}\n\ninternal object Native {{\n  init {{ System.loadLibrary(\"sandglass_jni\") }}\n"
+                "  @JvmStatic fun fail(status: Int, sentence: String?) { throw SandglassException(status, sentence) }\n"
                 "  @JvmStatic external fun address(bytes: java.nio.ByteBuffer): Long\n",
                 *(kotlin for kotlin, _ in natives), "}\n"]
         includes = "".join(f"#include \"sandglass/{name}\"\n" for name in h.names)
