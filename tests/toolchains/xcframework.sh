@@ -7,6 +7,5 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cmake -S "$here/../.." -B "$1/ios/build" -DSANDGLASS_ARCHIVE="$1/PRESET/build/runtime/libsandglass.a" >/dev/null
 cmake --build "$1/ios/build" --target xcframework -- --quiet
 python3 "$here/package_layout.py" xcframework "$1/ios/build/swift" "$2"
-refused=$(cmake -DARCHIVE="$1/ios-simulator/build/runtime/libsandglass.a" -DINCLUDE="$2" -DOUTPUT="$1/refused" -P "$here/../../toolchains/ios/xcframework.cmake" 2>&1) &&
-  { echo "a simulator's archive was taken for a device's"; exit 1; }
-[[ $refused == *"ios on arm64"* ]] || { echo "$refused"; exit 1; }
+if refused=$(python3 "$here/../../toolchains/ios/xcframework.py" "$1/ios-simulator/build/runtime/libsandglass.a" "$2" "$1/refused" 2>&1) ||
+  [[ $refused != *"is not for ios on arm64"* ]]; then echo "a simulator's archive was taken for a device's: $refused"; exit 1; fi
