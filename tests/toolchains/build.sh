@@ -67,9 +67,9 @@ if [[ $preset == android ]]; then
   module=$output/build/toolchains/android/aar/prefab/modules/sandglass/module.json
   told=$(python3 -c 'import json, sys; print(*json.load(open(sys.argv[1]))["export_libraries"])' "$module")
   option=$(sed -n 's/.*INTERFACE_LINK_OPTIONS "\(.*\)"/\1/p' "$output/prefix/lib/cmake/sandglass/sandglassTargets.cmake")
-  for options in "$told" "$option" ""; do
+  for options in "$told" "${option:?the installed package tells the linker nothing}" ""; do
     # shellcheck disable=SC2086  # several options
-    clang --target=aarch64-linux-android24 -shared -nostdlib -fuse-ld=lld -L "$lib" "$archive" $options -o "$output/libapp.so"
+    clang --target=aarch64-linux-android24 -shared -nostdlib -fuse-ld=lld -Wl,-u,sandglass_version -L "$lib" "$archive" $options -o "$output/libapp.so"
     aligned=$(python3 "$here/package_layout.py" pages "$output/libapp.so" 2>&1 && echo yes) || true
     [[ ${aligned:-no} == yes || -z $options ]] || fail "$options: $aligned"
   done

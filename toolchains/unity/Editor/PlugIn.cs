@@ -1,7 +1,5 @@
 // Says in the editor's console where its plug-in is missing, or is of another version than the binding.
 using System;
-using UnityEditor;
-using UnityEngine;
 
 namespace Sandglass {
 public static class PlugIn {
@@ -13,10 +11,7 @@ public static class PlugIn {
       return "Sandglass: the package has no plug-in for this editor: build sandglass_unity for it, then the target unity_package again.";
     }
   }
-
-  [InitializeOnLoadMethod]
-  static void Tell() {
-    if (Fault() != null) Debug.LogError(Fault());
-  }
+  [UnityEditor.InitializeOnLoadMethod]
+  static void Tell() { if (Fault() != null) UnityEngine.Debug.LogError(Fault()); }
 }
 }  // namespace Sandglass
