@@ -2,12 +2,14 @@
 """Checks the layout of the packages for Android's and Apple's tools against the descriptions of their formats.
 
     package_layout.py aar FILE INCLUDE_FOLDER
+    package_layout.py pages FILE...                checks only that each is aligned for pages of 16 KB
     package_layout.py xcframework FOLDER INCLUDE_FOLDER
     package_layout.py android|ios ARCHIVE          checks only that every object is for 64-bit ARM, in that system's format
 """
 import json
 import pathlib
 import plistlib
+import struct
 import sys
 import tempfile
 import zipfile
@@ -54,6 +56,14 @@ def for_arm64(path, system):
     print(f"{len(members)} objects for {system} on arm64")
 
 
+def for_pages(name, data):
+    """Every segment that is loaded is aligned for pages of 16 KB."""
+    begin, (size, count) = struct.unpack_from("<Q", data, 32)[0], struct.unpack_from("<2H", data, 54)
+    segments = [struct.unpack_from("<I44xQ", data, begin + i * size) for i in range(count)]
+    aligned = [align for kind, align in segments if kind == 1]
+    expect(aligned and all(align % 16384 == 0 for align in aligned), f"{name} is not aligned for pages of 16 KB: {aligned}")
+
+
 # Prefab: https://google.github.io/prefab, schema version 2.
 def aar(file, include):
     with tempfile.TemporaryDirectory() as folder:
@@ -75,27 +85,43 @@ def aar(file, include):
         expect(library.is_file(), "the library is not where module.json says")
         for_arm64(library, "android")
         expect(headers_below(module / "include") == headers_below(include), "the headers are not those of the source")
-    print("Prefab package: complete")
+        linked = [path for path in root.rglob("*") if path.is_file() and path.read_bytes()[:4] == b"\x7fELF"]
+        for path in linked:
+            for_pages(path, path.read_bytes())
+        if linked:
+            with zipfile.ZipFile(root / "classes.jar") as classes:
+                expect({"org/sandglass/Scene.class", "org/sandglass/SandglassException.class"} <= set(classes.namelist()), "classes.jar")
+            expect("org.sandglass.Native" in (root / "proguard.txt").read_text(), "a shrinker would take what C++ throws")
+    print(f"Prefab package: complete; {len(linked)} libraries for Kotlin")
 
 
 def xcframework(folder, include):
-    root = pathlib.Path(folder)
+    package = pathlib.Path(folder)
+    swift = (package / "Package.swift").read_text()
+    expect('binaryTarget(name: "Sandglass", path: "Sandglass.xcframework")' in swift and (package / "Privacy/Privacy.swift").is_file(), "Package.swift")
+    privacy = plistlib.loads((package / "Privacy/PrivacyInfo.xcprivacy").read_bytes())
+    expect(privacy["NSPrivacyTracking"] is False and privacy["NSPrivacyCollectedDataTypes"] == [], "the library collects nothing")
+    expect([set(api) for api in privacy["NSPrivacyAccessedAPITypes"]] == [{"NSPrivacyAccessedAPIType", "NSPrivacyAccessedAPITypeReasons"}], "PrivacyInfo.xcprivacy")
+    root = package / "Sandglass.xcframework"
     described = plistlib.loads((root / "Info.plist").read_bytes())
     expect(described["CFBundlePackageType"] == "XFWK" and described["XCFrameworkFormatVersion"] == "1.0", "Info.plist")
     slices = described["AvailableLibraries"]
-    expect([s.get("SupportedPlatformVariant") for s in slices] == [None, "simulator"], "one slice for the device, one for the simulator")
+    expect([(s["SupportedPlatform"], s.get("SupportedPlatformVariant")) for s in slices] ==
+           [("ios", None), ("ios", "simulator"), ("xros", None), ("xros", "simulator")], "a slice for each device and each simulator")
     for one in slices:
         place = root / one["LibraryIdentifier"]
-        expect(one["SupportedPlatform"] == "ios" and one["SupportedArchitectures"] == ["arm64"], "platform")
-        expect((place / one["LibraryPath"]).is_file(), f"no archive in {place}")
+        expect(one["SupportedArchitectures"] == ["arm64"], "processor")
         for_arm64(place / one["LibraryPath"], "ios")
         expect(headers_below(place / one["HeadersPath"]) == headers_below(include), "the headers are not those of the source")
         expect((place / one["HeadersPath"] / "sandglass/module.modulemap").is_file(), "no module map: Swift could not import it")
-    print("XCFramework: complete")
+    print("Swift package: complete")
 
 
 if __name__ == "__main__":
-    if sys.argv[1] in OBJECT:
+    if sys.argv[1] == "pages":
+        for file in sys.argv[2:]:
+            for_pages(file, pathlib.Path(file).read_bytes())
+    elif sys.argv[1] in OBJECT:
         for_arm64(sys.argv[2], sys.argv[1])
     else:
         {"aar": aar, "xcframework": xcframework}[sys.argv[1]](*sys.argv[2:])

@@ -25,8 +25,8 @@ class Item(NamedTuple):
     name: str
     base: str  # the type's name in C, without const and *; of an enumeration the header's name for it
     const: bool
-    pointers: int  # a parameter that C writes as an array is a pointer
-    count: int  # of an array that is a field, else 0
+    pointers: int  # a parameter that C writes as an array is a pointer, and has its count
+    count: int  # of an array, else 0
     callback: Optional[Callback]
     comment: list
 
@@ -112,7 +112,7 @@ class Headers:
         if text.strip() in ("", "void"):
             return []
         declared = [self.items(one)[0] for one in re.split(r",\s*(?![^()]*\))", text)]
-        return [item._replace(pointers=item.pointers + (item.count > 0), count=0) for item in declared]
+        return [item._replace(pointers=item.pointers + (item.count > 0)) for item in declared]
 
     def items(self, declaration):
         declaration = " ".join(declaration.split())

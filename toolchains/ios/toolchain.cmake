@@ -1,11 +1,11 @@
-# iOS 15 and newer on 64-bit ARM. SANDGLASS_IOS_SDK picks the device (iphoneos, the default) or the simulator
-# (iphonesimulator, on a Mac with an ARM processor). On a Mac, CMake asks Xcode for the compiler and the SDK. Elsewhere
-# CMAKE_OSX_SYSROOT names the folder of an SDK.
+# iOS 15, visionOS 1 and newer on 64-bit ARM. SANDGLASS_IOS_SDK picks the device (iphoneos, the default, or xros) or the
+# simulator (iphonesimulator or xrsimulator, on a Mac with an ARM processor). On a Mac, CMake (for visionOS 3.28) asks Xcode
+# for the compiler and the SDK. Elsewhere CMAKE_OSX_SYSROOT names the folder of an SDK.
 if(NOT SANDGLASS_IOS_SDK)
   set(SANDGLASS_IOS_SDK iphoneos)
 endif()
-if(NOT SANDGLASS_IOS_SDK MATCHES "^iphone(os|simulator)$")
-  message(FATAL_ERROR "SANDGLASS_IOS_SDK is '${SANDGLASS_IOS_SDK}': it must be iphoneos or iphonesimulator.")
+if(NOT SANDGLASS_IOS_SDK MATCHES "^(iphoneos|iphonesimulator|xros|xrsimulator)$")
+  message(FATAL_ERROR "SANDGLASS_IOS_SDK is '${SANDGLASS_IOS_SDK}': it must be iphoneos, iphonesimulator, xros or xrsimulator.")
 endif()
 if(NOT CMAKE_OSX_ARCHITECTURES)
   set(CMAKE_OSX_ARCHITECTURES arm64)
@@ -17,21 +17,30 @@ elseif(NOT CMAKE_OSX_ARCHITECTURES STREQUAL "arm64")
   message(FATAL_ERROR "Sandglass is built for iOS on arm64, not ${CMAKE_OSX_ARCHITECTURES}: set CMAKE_OSX_ARCHITECTURES=arm64.")
 endif()
 set(CMAKE_SYSTEM_NAME iOS)
+if(SANDGLASS_IOS_SDK MATCHES "^xr")
+  set(CMAKE_SYSTEM_NAME visionOS)
+endif()
 set(CMAKE_SYSTEM_PROCESSOR arm64)
 if(NOT CMAKE_OSX_SYSROOT)
   set(CMAKE_OSX_SYSROOT ${SANDGLASS_IOS_SDK})
 endif()
-if(NOT CMAKE_OSX_DEPLOYMENT_TARGET)
+if(NOT CMAKE_OSX_DEPLOYMENT_TARGET AND CMAKE_SYSTEM_NAME STREQUAL iOS)
   set(CMAKE_OSX_DEPLOYMENT_TARGET 15.0)
 endif()
 if(NOT CMAKE_HOST_APPLE)
-  # Any clang compiles for Apple's systems if it is told the target. Archives need LLVM's tools.
-  set(sandglass_triple arm64-apple-ios${CMAKE_OSX_DEPLOYMENT_TARGET})
-  if(SANDGLASS_IOS_SDK STREQUAL iphonesimulator)
-    string(APPEND sandglass_triple -simulator)
-  endif()
+  # Any clang, for visionOS 19, compiles for Apple's systems if it is told the target. Archives need LLVM's tools.
   set(CMAKE_C_COMPILER clang)
   set(CMAKE_CXX_COMPILER clang++)
+  set(sandglass_triple arm64-apple-ios${CMAKE_OSX_DEPLOYMENT_TARGET})
+  if(CMAKE_SYSTEM_NAME STREQUAL visionOS)
+    set(CMAKE_SYSTEM_NAME Darwin)
+    set(CMAKE_C_COMPILER clang-19)
+    set(CMAKE_CXX_COMPILER clang++-19)
+    set(sandglass_triple arm64-apple-xros1.0)
+  endif()
+  if(SANDGLASS_IOS_SDK MATCHES "simulator$")
+    string(APPEND sandglass_triple -simulator)
+  endif()
   set(CMAKE_C_COMPILER_TARGET ${sandglass_triple})
   set(CMAKE_CXX_COMPILER_TARGET ${sandglass_triple})
   set(CMAKE_CXX_FLAGS_INIT -stdlib=libc++)  # Apple's standard library

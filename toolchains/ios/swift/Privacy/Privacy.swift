@@ -1,0 +1,1 @@
+// Nothing: a target with a resource needs a source.
