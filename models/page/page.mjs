@@ -398,12 +398,14 @@ class Page {
     const { sand, painter, pileTexture: pile, skyTexture: sky, castTexture: cast } = this, umbra = this.lit ? 1 : 0.9;
     sand.sandglass_pile_shadow_get_texture(this.pile, pile);
     painter.pileShadow.opacity = pile.valid ? umbra * pile.opacity : 0;
-    if (pile.valid) {
+    if (pile.valid && pile.version !== this.pileVersion) {
+      this.pileVersion = pile.version;
       painter.upload(painter.pile, pile.texels, sand.bytes(pile.coverage, pile.texels ** 2));
       painter.upload(painter.onSand, pile.texels, sand.bytes(pile.on_sand, pile.texels ** 2));
     }
     sand.sandglass_pile_shadow_get_sky(this.pile, sky);
-    if (sky.valid) {
+    if (sky.valid && sky.version !== this.skyVersion) {
+      this.skyVersion = sky.version;
       painter.upload(painter.sky, sky.texels, sand.bytes(sky.floor, sky.texels ** 2));
       painter.upload(painter.skyOnSand, sky.texels, sand.bytes(sky.on_sand, sky.texels ** 2));
       painter.pileShadow.sky = 1;
