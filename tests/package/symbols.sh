@@ -22,7 +22,7 @@ set -euo pipefail
 readonly allowed='^(mem(cpy|move|set|cmp)|str(len|cmp|ncmp)'\
 '|clock_gettime|getauxval|ATrace_(begin|end)Section|abort'\
 '|clock_gettime_nsec_np|sysctlbyname|os_log_create|(stand_in)?_os_signpost[a-z_]*|__dso_handle'\
-'|(__imp_)?(QueryPerformance(Counter|Frequency)|GetCurrentThread|GetThreadTimes)|___chkstk_ms'\
+'|(__imp_)?(QueryPerformance(Counter|Frequency)|___chkstk_ms)'\
 '|(sqrt|floor|ceil|trunc|rint|nearbyint|fabs|fmin|fmax)f?'\
 '|bcmp|bzero|memset_pattern(4|8|16)|__stack_chk_(fail|guard)|_GLOBAL_OFFSET_TABLE_|__(u?div|u?mod|mul)ti3|__cpu_model|__cpu_indicator_init)$'
 

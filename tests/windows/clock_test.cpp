@@ -1,17 +1,14 @@
-// The clock of Windows: nanoseconds that never go backward, beside those of the C++ library.
+// The clock of Windows, beside that of the C++ library.
 #include <gtest/gtest.h>
 
 #include <chrono>
 
-#include "platform/clock.h"
-
-namespace sandglass {
-namespace {
+#include "sandglass/sandglass.h"
 
 TEST(Clock, CountsNanosecondsAndNeverGoesBackward) {
-  const sandglass_clock clock = sandglass_clock_system(), of_thread = clock_thread_cpu();
+  const sandglass_clock clock = sandglass_clock_system();
   const auto start = std::chrono::steady_clock::now();
-  const uint64_t first = clock.now_ns(clock.user), used_first = of_thread.now_ns(of_thread.user);
+  const uint64_t first = clock.now_ns(clock.user);
   uint64_t last = first, steps = 0;
   double elapsed = 0;
   while (elapsed < 0.2) {
@@ -22,11 +19,5 @@ TEST(Clock, CountsNanosecondsAndNeverGoesBackward) {
     elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   EXPECT_NEAR(1e-9 * static_cast<double>(last - first), elapsed, 0.02);
-  EXPECT_GT(steps, 1000u) << "a reading is finer than 0.2 ms";
-  const double used = 1e-9 * static_cast<double>(of_thread.now_ns(of_thread.user) - used_first);
-  EXPECT_GT(used, 0.0);
-  EXPECT_LT(used, elapsed + 0.05);
+  EXPECT_GT(steps, 1000u) << "a step is shorter than 0.2 ms";
 }
-
-}  // namespace
-}  // namespace sandglass
