@@ -9,15 +9,14 @@
 namespace sandglass {
 namespace {
 
-constexpr uint64_t k_nanoseconds_per_second = 1000000000u;
-
 uint64_t counter_now(void*) {
   LARGE_INTEGER counter, frequency;  // neither call can fail
   QueryPerformanceCounter(&counter);
   QueryPerformanceFrequency(&frequency);
   const auto ticks = static_cast<uint64_t>(counter.QuadPart), per_second = static_cast<uint64_t>(frequency.QuadPart);
   // Whole seconds and the rest apart: the product of all ticks and a billion would not fit.
-  return ticks / per_second * k_nanoseconds_per_second + ticks % per_second * k_nanoseconds_per_second / per_second;
+  constexpr uint64_t k_second = 1000000000u;
+  return ticks / per_second * k_second + ticks % per_second * k_second / per_second;
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // Estimates, the light of rooms and what systems tell in the terms of renderers, against integrals of the light in double
-// and the formulas that Filament, ARCore, Unity, SceneKit, three.js and Babylon.js publish. Nothing is lost, nothing counted
-// twice.
+// and the formulas that the renderers publish. Nothing is lost, nothing counted twice.
 #include <array>
 #include <cstddef>
 #include <cstring>
@@ -376,8 +375,6 @@ TEST(Renderers, AWhiteCubeInThreeKnownLights) {
         }
       EXPECT_LT(worst[0], 0.005) << renderer.name;
       EXPECT_GT(*std::min_element(worst.begin() + 1, worst.end()), 0.1) << renderer.name << ": a control";
-      printf("%-22s %.4f %% phase %.0f %% twice %.0f %% over pi %.0f %%\n", renderer.name, 100 * worst[0],
-             100 * worst[1], 100 * worst[2], 100 * worst[3]);
     }
   }
 }

@@ -100,7 +100,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_image(sand
  *   visionOS    cube, as the texture's pixel format says; originFromAnchorTransform; exposure 1 / cameraScaleReference
  *   ARKit       cube, BGRA8, level 0 and no smaller one: what was white there is grey; the anchor's transform
  *   Android XR  cube, RGBA16F or RGB32F; `rotation` (identity with `reproject`); position of the headset
- *               (XR_ANDROID_light_estimation) harmonics, either kind, as ARCore's: its documents do not tell the phase
+ *               harmonics (XR_ANDROID_light_estimation), either kind, as ARCore's: nothing tells their phase
  *   ARCore      cube, RGBA16F; identity; position of the camera, and exposure of its image
  *               harmonics, AMBIENT, with_phase 1; the main light's direction and intensity as they are
  *   WebXR       cube, RGBA16F or RGBA8; the pose of probeSpace. Chromium passes on what ARCore or Android XR gives, so
