@@ -64,9 +64,8 @@ sandglass_lighting lighting_of(const sandglass_room_light& light) {
 sandglass_lighting lighting_of(const sandglass_harmonics& told) {
   sandglass_lighting lighting = {};
   const bool main = told.kind == SANDGLASS_HARMONICS_AMBIENT;
-  double towards[3] = {0, 1, 0}, level[k_harmonics], polynomials[k_harmonics];
+  double towards[3] = {0, 1, 0}, level[k_harmonics], polynomials[k_harmonics], squared = 0;
   harmonic_polynomials(towards, level);
-  double squared = 0;
   for (const float d : told.main_direction) squared += static_cast<double>(d) * static_cast<double>(d);
   for (int i = 0; main && i < 3; ++i) towards[i] = static_cast<double>(told.main_direction[i]) / square_root(squared);
   harmonic_polynomials(towards, polynomials);

@@ -12,7 +12,6 @@ static_assert(k_least_room_light_bytes <= sizeof(sandglass_room_light));
 static_assert(k_least_lighting_bytes <= sizeof(sandglass_lighting));
 
 bool usable(const sandglass_lighting& lighting);
-
 // The radiance of a white surface that faces the main light of a room, by that light alone.
 void main_light_of(const sandglass_room_light& light, double facing[3]);
 

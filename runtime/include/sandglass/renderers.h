@@ -3,8 +3,7 @@
  * An app
  *   1. makes a sandglass_lighting of one (sandglass_lighting_of_estimate, _of_room, _of_harmonics),
  *   2. where a thing must keep its own colours, adapts it (sandglass_lighting_adapt),
- *   3. converts it for its renderer (sandglass_lighting_to_filament, _to_arkit, _to_arcore, _to_unity,
- *      _to_three, _to_babylon).
+ *   3. converts it for its renderer (sandglass_lighting_to_filament, _arkit, _arcore, _unity, _three, _babylon).
  *
  * Set the struct_size of each struct before its function is called. What is converted may be of an older or a newer
  * header: what the functions need is in every version.
