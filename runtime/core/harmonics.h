@@ -18,4 +18,7 @@ constexpr double k_below_harmonics[2] = {1.7724538509055159, -1.5349900619197328
 // What convolving with the clamped cosine and dividing by pi makes of coefficient i: 1, 2/3, 1/4 by its l.
 extern const double k_cosine_factors[k_harmonics];
 
+// Of coefficient i: the sign that the Condon-Shortley phase changes, where m is odd.
+constexpr double phase_of(uint32_t i) { return i % 2 == 1 ? -1.0 : 1.0; }
+
 }  // namespace sandglass

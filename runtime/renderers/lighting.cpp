@@ -17,13 +17,14 @@ bool usable(const sandglass_light_estimate& e) {
   return is_finite(e.strength) && all_finite(e.direction, 3) && all_finite(e.light, 3) && all_finite(e.ambient, 3) &&
          all_finite(e.sh, 3 * k_harmonics);
 }
-bool usable(const sandglass_lighting& l) {
-  return all_finite(l.towards, 3) && all_finite(l.facing, 3) && all_finite(l.floor, 3) &&
-         all_finite(l.ambient_sh, 3 * k_harmonics) && all_finite(l.whole_sh, 3 * k_harmonics);
-}
 bool usable(const sandglass_room_light& l) {
   return is_finite(l.main_share) && all_finite(l.main_direction, 3) && all_finite(l.main_colour, 3) &&
          all_finite(l.irradiance, 3) && all_finite(l.sh, 3 * k_harmonics);
+}
+bool usable(const sandglass_harmonics& h) {
+  const float* d = h.main_direction;
+  return all_finite(h.sh, 3 * k_harmonics) && all_finite(d, 3) && all_finite(h.main_irradiance, 3) &&
+         (h.kind == SANDGLASS_HARMONICS_TOTAL || d[0] != 0 || d[1] != 0 || d[2] != 0);
 }
 
 sandglass_lighting lighting_of(const sandglass_light_estimate& estimate) {
@@ -60,7 +61,31 @@ sandglass_lighting lighting_of(const sandglass_room_light& light) {
   return lighting;
 }
 
-// What both sources have in common: `null`, `size` and `number` say what is wrong with them.
+sandglass_lighting lighting_of(const sandglass_harmonics& told) {
+  sandglass_lighting lighting = {};
+  const bool main = told.kind == SANDGLASS_HARMONICS_AMBIENT;
+  double towards[3] = {0, 1, 0}, level[k_harmonics], polynomials[k_harmonics], squared = 0;
+  harmonic_polynomials(towards, level);
+  for (const float d : told.main_direction) squared += static_cast<double>(d) * static_cast<double>(d);
+  for (int i = 0; main && i < 3; ++i) towards[i] = static_cast<double>(told.main_direction[i]) / square_root(squared);
+  harmonic_polynomials(towards, polynomials);
+  for (uint32_t c = 0; c < 3; ++c) {
+    const double facing = main ? static_cast<double>(told.main_irradiance[c]) : 0;
+    double floor = towards[1] > 0 ? towards[1] * facing : 0;
+    for (uint32_t j = 0, i = c; j < k_harmonics; ++j, i += 3) {
+      const double sh = (told.with_phase == 1 ? phase_of(j) : 1) * static_cast<double>(told.sh[i]);
+      lighting.ambient_sh[i] = static_cast<float>(sh);
+      lighting.whole_sh[i] = static_cast<float>(sh + facing * k_harmonic_factors[j] * polynomials[j]);
+      floor += k_pi * k_cosine_factors[j] * k_harmonic_factors[j] * level[j] * sh;
+    }
+    lighting.towards[c] = static_cast<float>(towards[c]);
+    lighting.facing[c] = static_cast<float>(facing);
+    lighting.floor[c] = floor > 0 ? static_cast<float>(floor) : 0;
+  }
+  return lighting;
+}
+
+// What the sources have in common: `null`, `size` and `number` say what is wrong with them.
 template <class Source>
 sandglass_status make(const Source* source, uint32_t least_bytes, sandglass_lighting* lighting, const char** reason,
                       const char* null, const char* size, const char* number) {
@@ -75,6 +100,11 @@ sandglass_status make(const Source* source, uint32_t least_bytes, sandglass_ligh
 }
 
 }  // namespace
+
+bool usable(const sandglass_lighting& l) {
+  return all_finite(l.towards, 3) && all_finite(l.facing, 3) && all_finite(l.floor, 3) &&
+         all_finite(l.ambient_sh, 3 * k_harmonics) && all_finite(l.whole_sh, 3 * k_harmonics);
+}
 
 void main_light_of(const sandglass_room_light& light, double facing[3]) {
   double irradiance[3];
@@ -104,6 +134,14 @@ sandglass_status sandglass_lighting_of_room(const sandglass_room_light* light, s
               "light or lighting is NULL: pass a light of sandglass_room_get and the struct to fill",
               "light.struct_size is not set: set it to sizeof(sandglass_room_light) before sandglass_room_get",
               "a number of the light is not finite: pass a light as sandglass_room_get fills it");
+}
+
+sandglass_status sandglass_lighting_of_harmonics(const sandglass_harmonics* harmonics, sandglass_lighting* lighting,
+                                                 const char** reason) {
+  return make(harmonics, sizeof(sandglass_harmonics), lighting, reason,
+              "harmonics or lighting is NULL: pass what a system told of the light and the struct to fill",
+              "harmonics.struct_size is not set: start from sandglass_harmonics_default",
+              "a number of the harmonics is not finite, or main_direction is 0: pass them as the system told them");
 }
 
 sandglass_status sandglass_lighting_adapt(const sandglass_lighting* lighting, float strength, int32_t keep_chroma,

@@ -1,4 +1,4 @@
-// The two sources of a lighting: an estimate, and the light of a room.
+// The sources of a lighting: an estimate, the light of a room, and what a system tells of it.
 #pragma once
 
 #include "sandglass/renderers.h"
@@ -11,6 +11,7 @@ static_assert(k_least_estimate_bytes <= sizeof(sandglass_light_estimate));
 static_assert(k_least_room_light_bytes <= sizeof(sandglass_room_light));
 static_assert(k_least_lighting_bytes <= sizeof(sandglass_lighting));
 
+bool usable(const sandglass_lighting& lighting);
 // The radiance of a white surface that faces the main light of a room, by that light alone.
 void main_light_of(const sandglass_room_light& light, double facing[3]);
 

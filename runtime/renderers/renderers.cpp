@@ -109,9 +109,7 @@ void write(const Lights& lights, sandglass_arcore_light* arcore) {
     filled.main_light_direction[i] = static_cast<float>(lights.towards[i]);
     filled.main_light_intensity[i] = static_cast<float>(k_pi * lights.facing[i]);
   }
-  // The phase turns the sign of coefficients with odd m: those of odd index.
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i)
-    filled.sh[i] = static_cast<float>(i / 3 % 2 == 1 ? -lights.sh[i] : lights.sh[i]);
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) filled.sh[i] = static_cast<float>(phase_of(i / 3) * lights.sh[i]);
   fill_struct(&filled, sizeof filled, arcore);
 }
 
@@ -134,9 +132,24 @@ void write(Lights lights, sandglass_unity_light* unity) {
   fill_struct(&filled, sizeof filled, unity);
 }
 
-bool usable(const sandglass_lighting& l) {
-  return all_finite(l.towards, 3) && all_finite(l.facing, 3) && all_finite(l.floor, 3) &&
-         all_finite(l.ambient_sh, 3 * k_harmonics) && all_finite(l.whole_sh, 3 * k_harmonics);
+void write(const Lights& lights, sandglass_three_light* three) {
+  sandglass_three_light filled = {};
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) filled.sh[i] = static_cast<float>(lights.sh[i]);
+  for (int i = 0; i < 3; ++i) filled.position[i] = static_cast<float>(lights.towards[i]);
+  filled.intensity = static_cast<float>(k_pi * split_colour(lights.facing, filled.colour));
+  fill_struct(&filled, sizeof filled, three);
+}
+
+void write(const Lights& lights, int32_t right_handed, sandglass_babylon_light* babylon) {
+  sandglass_babylon_light filled = {};
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) {
+    const double factor = k_cosine_factors[i / 3];
+    filled.sh[i] = static_cast<float>((i >= 3 && i < 12 ? -factor : factor) * lights.sh[i]);  // index 1, 2, 3
+  }
+  for (int i = 0; i < 3; ++i) filled.direction[i] = static_cast<float>(-lights.towards[i]);
+  if (right_handed == 0) filled.direction[2] = -filled.direction[2];
+  filled.intensity = static_cast<float>(k_pi * split_colour(lights.facing, filled.colour));
+  fill_struct(&filled, sizeof filled, babylon);
 }
 
 // What all conversions have in common; `more` is what the renderer asks for besides.
@@ -145,7 +158,8 @@ sandglass_status convert(const sandglass_lighting* lighting, sandglass_lighting_
                          const char** reason, More... more) {
   if (lighting == nullptr)
     return refuse(reason, "lighting is NULL: pass one of sandglass_lighting_of_estimate or sandglass_lighting_of_room");
-  if (out == nullptr) return refuse(reason, "filament, arkit, arcore or unity is NULL: pass the struct to fill");
+  if (out == nullptr)
+    return refuse(reason, "filament, arkit, arcore, unity, three or babylon is NULL: pass the struct to fill");
   if (!can_fill(out)) return refuse(reason, "the struct to fill has no struct_size: set it to the struct's sizeof");
   if (lighting->struct_size < k_least_lighting_bytes)
     return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_lighting) before it is filled");
@@ -177,4 +191,14 @@ sandglass_status sandglass_lighting_to_arcore(const sandglass_lighting* lighting
 sandglass_status sandglass_lighting_to_unity(const sandglass_lighting* lighting, sandglass_lighting_model model,
                                              sandglass_unity_light* unity, const char** reason) {
   return convert(lighting, model, unity, reason);
+}
+sandglass_status sandglass_lighting_to_three(const sandglass_lighting* lighting, sandglass_lighting_model model,
+                                             sandglass_three_light* three, const char** reason) {
+  return convert(lighting, model, three, reason);
+}
+sandglass_status sandglass_lighting_to_babylon(const sandglass_lighting* lighting, sandglass_lighting_model model,
+                                               int32_t right_handed, sandglass_babylon_light* babylon,
+                                               const char** reason) {
+  if (right_handed != 0 && right_handed != 1) return refuse(reason, "right_handed is neither 0 nor 1");
+  return convert(lighting, model, babylon, reason, right_handed);
 }

@@ -324,9 +324,9 @@ void room_begin_harmonics(Room* room, const sandglass_harmonics& told) {
   *h = {};
   double grey[k_harmonics], at[3];
   for (uint32_t j = 0; j < k_harmonics; ++j) {
-    const double colour[3] = {static_cast<double>(told.sh[3 * j]), static_cast<double>(told.sh[3 * j + 1]),
-                              static_cast<double>(told.sh[3 * j + 2])};
-    for (int c = 0; c < 3; ++c) h->sh[c][j] = colour[c];
+    double colour[3];
+    for (uint32_t c = 0; c < 3; ++c)
+      h->sh[c][j] = colour[c] = (told.with_phase == 1 ? phase_of(j) : 1) * static_cast<double>(told.sh[3 * j + c]);
     grey[j] = luminance(colour);
   }
   const double even = grey[0] * k_harmonic_factors[0];  // mean radiance

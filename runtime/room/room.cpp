@@ -184,7 +184,7 @@ sandglass_status begin_harmonics(Room* room, const sandglass_harmonics* harmonic
     return refuse(reason, "harmonics.kind is neither TOTAL nor AMBIENT");
   if (!all_within(harmonics->sh, 27, -1e6f, 1e6f) || !all_within(harmonics->main_direction, 3, -2.0f, 2.0f) ||
       !all_within(harmonics->main_irradiance, 3, 0.0f, 1e6f) || !within(harmonics->exposure, 0.0f, 1e6f) ||
-      !within(harmonics->confidence, 0.0f, 1.0f) || harmonics->in_frame > 1 ||
+      !within(harmonics->confidence, 0.0f, 1.0f) || harmonics->in_frame > 1 || harmonics->with_phase > 1 ||
       !all_within(harmonics->position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
     return refuse(reason, "harmonics hold a number that is not finite or out of range");
   room_begin_harmonics(room, *harmonics);

@@ -471,6 +471,11 @@ void Arguments::rooms() {
   row(NAMED(sandglass_lighting_to_arkit), "", &lighting, model, &arkit);
   row(NAMED(sandglass_lighting_to_arcore), "", &lighting, model, &arcore);
   row(NAMED(sandglass_lighting_to_unity), "", &lighting, model, &unity);
+  auto three = sized<sandglass_three_light>();
+  auto babylon = sized<sandglass_babylon_light>();
+  row(NAMED(sandglass_lighting_to_three), "", &lighting, model, &three);
+  row(NAMED(sandglass_lighting_to_babylon), "", &lighting, model, 1, &babylon);
+  row(NAMED(sandglass_lighting_of_harmonics), "", &harmonics, &adapted);
   row(NAMED(sandglass_harmonics_turn), "", sh, point, turned);
   row(NAMED(sandglass_room_save_bytes), "", room);
   const uint64_t saved_bytes = sandglass_room_save_bytes(room);

@@ -8,19 +8,21 @@
 #                                       object's version, and run on a CPU without those instructions.
 #   symbols.sh exported SHARED_LIBRARY INCLUDE_FOLDER
 #                                       a plug-in made of the whole archive exports the functions of the headers and no other
+#   symbols.sh imported DLL             a DLL needs no DLL but the system's
 #
-# NM and READELF name the tools of the target; one that fails or says nothing is a failure of the test, not a clean
+# NM, READELF and OBJDUMP name the tools of the target; one that fails or says nothing is a failure of the test, not a clean
 # archive. WITH_XNNPACK=1: the archive was configured to ask for XNNPACK.
 set -euo pipefail
 
 # The lines of the list:
 # memory     the four functions that compilers emit on their own, and the string functions that FlatBuffers' verifier needs
-# platform   clock, CPU features, profiler; the second line is Apple's
+# platform   clock, CPU features, profiler; the second line is Apple's, the third Windows'
 # exact      libm functions that IEEE 754 defines to the bit; transcendental ones differ between C libraries
 # compiler   what clang makes of memcmp and memset, stack protector, position-independent code, out-of-line arithmetic
 readonly allowed='^(mem(cpy|move|set|cmp)|str(len|cmp|ncmp)'\
 '|clock_gettime|getauxval|ATrace_(begin|end)Section|abort'\
 '|clock_gettime_nsec_np|sysctlbyname|os_log_create|(stand_in)?_os_signpost[a-z_]*|__dso_handle'\
+'|(__imp_)?(QueryPerformance(Counter|Frequency)|___chkstk_ms)'\
 '|(sqrt|floor|ceil|trunc|rint|nearbyint|fabs|fmin|fmax)f?'\
 '|bcmp|bzero|memset_pattern(4|8|16)|__stack_chk_(fail|guard)|_GLOBAL_OFFSET_TABLE_|__(u?div|u?mod|mul)ti3|__cpu_model|__cpu_indicator_init)$'
 
@@ -88,10 +90,23 @@ exported() {
   local declared found
   declared=$(tr '\n' ' ' < <(cat "$2"/sandglass/*.h) | grep -oE 'SANDGLASS_API [^;/]*\(' | grep -oE 'sandglass_[a-z0-9_]+\(' | tr -d '(' |
     sort -u)
-  found=$(said_by "what $1 exports" "$NM" -D --defined-only "$1")
-  found=$(awk '{print $3}' <<<"$found" | sort -u)
+  if [[ $1 == *.dll ]]; then
+    found=$(said_by "what $1 exports" "$OBJDUMP" -p "$1" |
+      awk '/Ordinal\/Name Pointer/ {names = 1; next} NF == 0 {names = 0} names {print $NF}')
+  else
+    found=$(said_by "what $1 exports" "$NM" -D --defined-only "$1" | awk '{print $3}')
+  fi
+  found=$(sort -u <<<"$found")
   diff <(echo "$declared") <(echo "$found") || { echo "the headers (<) and what is exported (>) differ"; return 1; }
   echo "$(wc -l <<<"$found") functions exported"
+}
+
+imported() {
+  local needed foreign
+  needed=$(said_by "what $1 needs" "$OBJDUMP" -p "$1" | awk '$1 == "DLL" && $2 == "Name:" {print $3}')
+  echo "needs: ${needed//$'\n'/ }"
+  foreign=$(grep -vixE '(kernel32|msvcrt|ucrtbase|api-ms-win-[a-z0-9-]+)\.dll' <<<"$needed" || true)
+  [[ -z $foreign ]] || { echo "not the system's: ${foreign//$'\n'/ }"; return 1; }
 }
 
 "$@"

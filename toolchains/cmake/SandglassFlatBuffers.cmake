@@ -41,7 +41,7 @@ if(NOT fits)
       "name their folder by SANDGLASS_FLATBUFFERS_INCLUDE, or allow the download by FETCHCONTENT_FULLY_DISCONNECTED=OFF.")
   endif()
   set(SANDGLASS_FLATBUFFERS_INCLUDE ${sandglass_flatbuffers_SOURCE_DIR}/include CACHE PATH "FlatBuffers' headers" FORCE)
-elseif((ANDROID OR APPLE OR EMSCRIPTEN) AND SANDGLASS_FLATBUFFERS_INCLUDE MATCHES "^/usr/")
+elseif((ANDROID OR APPLE OR EMSCRIPTEN OR WIN32) AND SANDGLASS_FLATBUFFERS_INCLUDE MATCHES "^/usr/")
   # The headers of this machine's C library lie beside them, so the compiler gets a folder with FlatBuffers' alone.
   set(alone ${PROJECT_BINARY_DIR}/flatbuffers_alone)
   file(MAKE_DIRECTORY ${alone})

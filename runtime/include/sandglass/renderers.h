@@ -1,9 +1,9 @@
 /* Sandglass renderers: an estimate (estimate.h), or the light of a room (room.h), in the terms of a renderer.
  *
  * An app
- *   1. makes a sandglass_lighting of either (sandglass_lighting_of_estimate, sandglass_lighting_of_room),
+ *   1. makes a sandglass_lighting of one (sandglass_lighting_of_estimate, _of_room, _of_harmonics),
  *   2. where a thing must keep its own colours, adapts it (sandglass_lighting_adapt),
- *   3. converts it for its renderer (sandglass_lighting_to_filament, _to_arkit, _to_arcore, _to_unity).
+ *   3. converts it for its renderer (sandglass_lighting_to_filament, _arkit, _arcore, _unity, _three, _babylon).
  *
  * Set the struct_size of each struct before its function is called. What is converted may be of an older or a newer
  * header: what the functions need is in every version.
@@ -50,6 +50,14 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_of_estimat
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_of_room(const sandglass_room_light* light,
                                                                               sandglass_lighting* lighting,
                                                                               const char** reason);
+
+/* The light that ARCore, WebXR or OpenXR estimates, without a room: facing is main_irradiance, 0 of TOTAL; whole_sh has
+ * facing * Y_lm(main_direction) besides; the harmonics' part of floor is that of Ramamoorthi and Hanrahan 2001 (5). The
+ * other fields do not count. Fails with INVALID_ARGUMENT: a struct_size that is not set, a number that is not finite, or
+ * AMBIENT whose main_direction is 0. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_of_harmonics(const sandglass_harmonics* harmonics,
+                                                                                   sandglass_lighting* lighting,
+                                                                                   const char** reason);
 
 /* For things that must keep their own colours, such as a product in a shop: *adapted becomes *lighting in other colours,
  * for each converter below. The two may be the same.
@@ -174,6 +182,47 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_to_unity(c
                                                                                sandglass_lighting_model model,
                                                                                sandglass_unity_light* unity,
                                                                                const char** reason);
+
+/* For three.js, release 155 or newer: a DirectionalLight whose target is the origin, and a LightProbe of intensity 1. */
+typedef struct sandglass_three_light {
+  uint32_t struct_size;
+  /* Of the DirectionalLight: unit vector towards the light. */
+  float position[3];
+  /* Linear; the greatest channel is 1. */
+  float colour[3];
+  /* The greatest channel of the irradiance of a facing surface. A white surface shows it over pi. */
+  float intensity;
+  /* For LightProbe.sh.fromArray: radiance, as in a lighting. The shader (shGetIrradianceAt) convolves it. */
+  float sh[27];
+} sandglass_three_light;
+
+/* Converts for three.js. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_to_three(const sandglass_lighting* lighting,
+                                                                               sandglass_lighting_model model,
+                                                                               sandglass_three_light* three,
+                                                                               const char** reason);
+
+/* For Babylon.js and its PBR materials: a DirectionalLight, and the harmonics of an environment texture. */
+typedef struct sandglass_babylon_light {
+  uint32_t struct_size;
+  /* The way the light travels, in the scene's world. */
+  float direction[3];
+  /* diffuse and specular, linear; the greatest channel is 1. */
+  float colour[3];
+  /* The greatest channel of the irradiance of a facing surface. A white surface shows it over pi. */
+  float intensity;
+  /* For SphericalPolynomial.FromHarmonics(new SphericalHarmonics().updateFromFloatsArray(sh)), the sphericalPolynomial of
+   * a cube texture with invertZ false: irradiance over pi, interleaved, with the Condon-Shortley phase and z reversed. */
+  float sh[27];
+} sandglass_babylon_light;
+
+/* Converts for Babylon.js. `right_handed`: 1 where scene.useRightHandedSystem is set; 0: a left-handed world, z reversed.
+ * Only `direction` differs: in a right-handed scene the shader reverses z. Fails also where it is neither. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_to_babylon(const sandglass_lighting* lighting,
+                                                                                 sandglass_lighting_model model,
+                                                                                 int32_t right_handed,
+                                                                                 sandglass_babylon_light* babylon,
+                                                                                 const char** reason);
 
 #ifdef __cplusplus
 } /* extern "C" */

@@ -100,10 +100,11 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_image(sand
  *   visionOS    cube, as the texture's pixel format says; originFromAnchorTransform; exposure 1 / cameraScaleReference
  *   ARKit       cube, BGRA8, level 0 and no smaller one: what was white there is grey; the anchor's transform
  *   Android XR  cube, RGBA16F or RGB32F; `rotation` (identity with `reproject`); position of the headset
+ *               harmonics (XR_ANDROID_light_estimation), either kind, as ARCore's: nothing tells their phase
  *   ARCore      cube, RGBA16F; identity; position of the camera, and exposure of its image
- *               harmonics, AMBIENT; with the Condon-Shortley phase: change the sign of coefficients 1, 3, 5 and 7
- *   WebXR       cube, RGBA16F or RGBA8; the pose of probeSpace. Chromium passes on what ARCore gives, so
- *               harmonics as ARCore's
+ *               harmonics, AMBIENT, with_phase 1; the main light's direction and intensity as they are
+ *   WebXR       cube, RGBA16F or RGBA8; the pose of probeSpace. Chromium passes on what ARCore or Android XR gives, so
+ *               harmonics as ARCore's, turned by probeSpace; primaryLightDirection and primaryLightIntensity
  *   Unity       cube, as its texture; left_handed 1; positions and rotations with z mirrored
  *
  * That is from their documents and sources. None was tried on a device, and the handedness of ARKit's and visionOS'
@@ -172,7 +173,7 @@ typedef struct sandglass_harmonics {
   uint32_t struct_size;
   /* Whether `sh` has the main light. */
   sandglass_harmonics_kind kind;
-  /* Radiance, world, laid out like sandglass_light_estimate.sh, without the Condon-Shortley phase. */
+  /* Radiance, world, laid out like sandglass_light_estimate.sh; see `with_phase`. */
   float sh[27];
   /* Of AMBIENT: world, towards the main light. */
   float main_direction[3];
@@ -186,6 +187,8 @@ typedef struct sandglass_harmonics {
   float confidence;
   /* As that of sandglass_cube; nothing need stay. */
   uint32_t in_frame;
+  /* 1: `sh` has the Condon-Shortley phase, so those of index 1, 3, 5 and 7 have the other sign. */
+  uint32_t with_phase;
 } sandglass_harmonics;
 
 /* Fills *harmonics with the defaults. */

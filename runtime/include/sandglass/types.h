@@ -66,6 +66,8 @@
  * does not export it. Only the build of the plug-in, which must export it, defines SANDGLASS_EXPORTS. */
 #if !defined(SANDGLASS_EXPORTS)
 #define SANDGLASS_API
+#elif defined(_WIN32)
+#define SANDGLASS_API __declspec(dllexport)
 #elif SANDGLASS_BRACKETS
 #define SANDGLASS_API [[gnu::visibility("default")]]
 #else
