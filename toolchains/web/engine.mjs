@@ -97,6 +97,7 @@ export class Engine {
 
   async newSand(options) {
     const [{ radius }, block] = await Promise.all([this.stage.createSand(options), blockMade(Uint8Array.from(atob(k_block_text), (letter) => letter.charCodeAt(0)))]);
+    await this.stage.fields;
     this.sand = new Sand(this.gl, block, radius);
   }
   pour(...nozzles) { return this.stage.pour(...nozzles); }

@@ -159,11 +159,12 @@ export class Stage {
     sand.sandglass_room_fade(light, this.room_light, seconds);
     sand.sandglass_lighting_of_room(light, lighting);
     sand.sandglass_lighting_to_filament(lighting, C.SANDGLASS_LIGHTING_AMBIENT, 1, filament);
+    const sum = Math.max([...light.ambient_cells].reduce((all, cell) => all + cell, 0), 0.001);
     for (const [kind, handle, ...more] of [["cast", cast, 0], ["pile_shadow", pile]]) {
       if (!handle) continue;
       sand[`sandglass_${kind}_set_light`](handle, light.main_direction, ...more);
       // What is drawn by these cells is the light without the main one: they are 1 together.
-      sand.floats(words, C.SANDGLASS_LIGHT_CELLS).set([...light.ambient_cells].map((cell) => cell / Math.max(1 - light.main_share, 0.001)));
+      sand.floats(words, C.SANDGLASS_LIGHT_CELLS).set([...light.ambient_cells].map((cell) => cell / sum));
       sand[`sandglass_${kind}_set_cells`](handle, words);
     }
     return { toLight: [...lighting.towards], facing: [...lighting.facing], radiance: [...lighting.ambient_sh], ambient: [...filament.sh], floor: [...light.floor] };
