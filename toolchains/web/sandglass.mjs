@@ -121,7 +121,7 @@ export async function compile(source, threads = 1) {
   const answer = await fetch(url), bytes = new Uint8Array(await answer.arrayBuffer());
   if (answer.ok && String(bytes.subarray(0, 4)) === "0,97,115,109") return WebAssembly.compile(bytes);
   throw new Error(`sandglass: cannot load "${url}": ${answer.ok ? "the answer is no WebAssembly" : `the server answers ${answer.status}`}. ` +
-    'For Vite, write optimizeDeps: { exclude: ["sandglass"] } into vite.config.js; for others, copy sandglass.wasm there or import "sandglass/inline".');
+    'For Vite before 8, write optimizeDeps: { exclude: ["sandglass"] } into vite.config.js; for others, copy sandglass.wasm there or import "sandglass/inline".');
 }
 
 // What a worker of the pool runs: a further instance of the module on the shared memory. In a browser and under node.

@@ -10,8 +10,8 @@ const k_texels = { pile: 128, sky: 64, object: 256, seen: 128 };
 const k_field_nodes = 4e6;   // at most: a large model gets a coarser field
 const k_longest_side = 256;  // pixels of an image that are read
 
-// The signed distances from a mesh, as bytes that are a field wherever they lie in any instance's memory.
-export function fieldBytes(sand, { positions, indices }, spacing) {
+// The field of a mesh, to be moved to another instance's memory. It holds the address of its values, which end the block.
+export function fieldOf(sand, { positions, indices }, spacing) {
   const used = [], keep = (block) => { used.push(block); return block; };
   try {
     const mesh = keep(sand.make("sandglass_mesh", { vertices: keep(sand.put(positions)), vertex_count: positions.length / 3,
@@ -24,10 +24,20 @@ export function fieldBytes(sand, { positions, indices }, spacing) {
     for (let k = 0; k < 3; ++k) desc.bounds_min[k] -= desc.band, desc.bounds_max[k] += desc.band;
     const size = keep(sand.allocate(8));
     sand.sandglass_field_bytes(desc, size);
-    return sand.bytes(keep(sand.create("sandglass_field", desc)), Number(sand.view().getBigUint64(size, true))).slice();
+    const field = keep(sand.create("sandglass_field", desc)), bytes = sand.bytes(field, Number(sand.view().getBigUint64(size, true))).slice();
+    sand.sandglass_field_bounds(field, desc.bounds_min, desc.bounds_max);
+    const nodes = [...desc.bounds_max].reduce((product, high, k) => product * (Math.round((high - desc.bounds_min[k]) / desc.spacing) + 1), 1);
+    const values = bytes.length - 4 * nodes, pointer = 4 * new Uint32Array(bytes.buffer, 0, values / 4).indexOf(field + values);
+    if (pointer < 0) throw new Error("sandglass: a field has another layout than this package knows. Take all its files of one version.");
+    return { bytes, pointer, values };
   } finally {
     for (const block of used) sand.free(block);
   }
+}
+
+function placed(sand, { bytes, pointer, values }) {
+  const at = sand.put(bytes);
+  return sand.view().setUint32(at + pointer, at + values, true), at;
 }
 
 // What see() takes, of an image, a video or a canvas.
@@ -123,8 +133,8 @@ export class Stage {
     if (!this.radius || !model.collide || model.field) return;
     const { sand, radius } = this, { positions, indices, vertices, count } = model;
     const mesh = { positions: sand.floats(positions, 3 * vertices).slice(), indices: new Uint32Array(sand.memory.buffer, indices, 3 * count).slice() };
-    const bytes = typeof Worker === "undefined" ? Promise.resolve(fieldBytes(sand, mesh, radius)) : fieldMade(sand.module, mesh, radius);
-    this.fields = Promise.all([this.fields, bytes.then((made) => { if (model.count && !model.field) model.field = sand.put(made); })]);
+    const field = typeof Worker === "undefined" ? Promise.resolve(fieldOf(sand, mesh, radius)) : fieldMade(sand.module, mesh, radius);
+    this.fields = Promise.all([this.fields, field.then((made) => { if (model.count && !model.field) model.field = placed(sand, made); })]);
   }
 
   move(number, position, rotation) { Object.assign(this.models.get(number), { position, rotation }), this.moved = true; }

@@ -1,11 +1,11 @@
 // What runs in a worker that openWorker (worker.mjs) makes: this file behind those that it imports, as one text.
 import { load } from "./sandglass.mjs";
-import { Stage, fieldBytes } from "./stage.mjs";
+import { Stage, fieldOf } from "./stage.mjs";
 import { sandBlock } from "./sand_block.mjs";
 
 let stage, own;
 const commands = {
-  async field(module, mesh, spacing) { return fieldBytes(own ??= await load(module), mesh, spacing); },
+  async field(module, mesh, spacing) { return fieldOf(own ??= await load(module), mesh, spacing); },
   block: (bytes) => sandBlock(bytes),
   async create(module, options) { stage = await Stage.create({ ...options, sand: await load(module, options) }); },
   stage: (name, values) => stage[name](...values),

@@ -1,0 +1,234 @@
+#!/usr/bin/env python3
+"""The README's two examples in headless Chromium, by an import map, Vite (served and built) and esbuild, and with Babylon.js in
+scenes of both hands: shadow and sand are seen, the light is the library's, memory may grow, and the page's thread stays free.
+
+engines_test.py NPM_FOLDER WORK_FOLDER README    WORK_FOLDER has node_modules, and gets pictures/*.png.
+Exit code 77: there is no Chromium here."""
+import functools
+import http.server
+import json
+import pathlib
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import threading
+import time
+import zlib
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
+from browser import Browser
+
+SKIPPED, PATIENCE = 77, 60
+HERE = pathlib.Path(__file__).parent / "engines"
+MAP = {"three": "three/build/three.module.js", "three/addons/": "three/examples/jsm/", "sandglass/three": "sandglass/three.mjs"}
+HANDLES = """
+import "./three_cube.mjs";
+const step = () => { stage.update(1 / 60), renderer.render(scene, camera); };
+Object.assign(globalThis, { THREE, createStage, renderer, scene, camera, stage, model, floor, step, gl: renderer.getContext() });
+"""
+# Runs frames, and gives the mean of the picture's red, green and blue at shares of its width and height, linear.
+LOOK = """((frames, places) => {
+  for (let i = 0; i < frames; ++i) stage.update(1 / 60);
+  step();
+  const pixel = new Uint8Array(4), linear = (byte) => (byte / 255) ** 2.2;
+  return places.map(([x, y]) => (gl.readPixels(x * gl.drawingBufferWidth, (1 - y) * gl.drawingBufferHeight, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel), [...pixel].slice(0, 3).map(linear)));
+})"""
+WORKER = """(async () => {
+  renderer.setAnimationLoop(null);
+  const far = await createStage(THREE, { renderer, scene: new THREE.Scene(), worker: true }), pause = () => new Promise((done) => setTimeout(done, 4));
+  const knot = new THREE.Mesh(new THREE.TorusKnotGeometry(0.1, 0.03, 400, 32)), take = far.take.bind(far), spent = [];
+  let longest = 0, before = performance.now(), done = false, own = 0;
+  await far.createSand({ particles: 2000 });
+  const begin = performance.now();
+  await far.addModel(knot), far.stage.fields.then(() => { done = true; });
+  for (before = performance.now(); !done; before = performance.now()) await pause(), longest = Math.max(longest, performance.now() - before);
+  const field = performance.now() - begin;
+  far.pour({ position: [0, 0.5, 0] });
+  far.take = (drawn) => { const from = performance.now(); take(drawn), own += performance.now() - from; };
+  for (let i = 0; i < 240; ++i) { const from = performance.now(); far.update(1 / 60), own += performance.now() - from; await pause(); }
+  return { field, longest, frame: own / 240, particles: far.drawn.particles };
+})()"""
+
+
+def check(right, sentence):
+    print(("" if right else "WRONG: ") + sentence, flush=True)
+    if not right:
+        sys.exit(1)
+
+
+def stool():
+    """A glTF of five boxes, without normals of its own: a seat of 30 cm, 23 cm high."""
+    boxes = [((-.15, .2, -.15), (.15, .23, .15))] + [((x, 0, z), (x + .03, .2, z + .03)) for x in (-.14, .11) for z in (-.14, .11)]
+    corners, indices = [], []
+    for low, high in boxes:
+        for axis in range(3):
+            for up in (0, 1):
+                a, b = (axis + 1) % 3, (axis + 2) % 3
+                at = [[(high if side[k] else low)[k] for k in range(3)] for side in ({axis: up, a: i, b: j} for i, j in ((0, 0), (1, 0), (1, 1), (0, 1)))]
+                indices += [len(corners) + i for i in ((0, 1, 2, 0, 2, 3) if up else (0, 2, 1, 0, 3, 2))]
+                corners += at
+    data = struct.pack(f"<{3 * len(corners)}f", *sum(corners, [])) + struct.pack(f"<{len(indices)}H", *indices)
+    size = 12 * len(corners)
+    text = json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "buffers": [{"byteLength": len(data)}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [.2, .35, .5, 1], "metallicFactor": 0}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": size}, {"buffer": 0, "byteOffset": size, "byteLength": 2 * len(indices)}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(corners), "type": "VEC3", "min": [-.15, 0, -.15], "max": [.15, .23, .15]},
+                      {"bufferView": 1, "componentType": 5123, "count": len(indices), "type": "SCALAR"}]}).encode()
+    chunks = b"".join(struct.pack("<I4s", len(body), kind) + body for kind, body in ((b"JSON", text + b" " * (-len(text) % 4)), (b"BIN\0", data + b"\0" * (-len(data) % 4))))
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def room():
+    """A picture of a wall with a window, as PNG."""
+    rows = b"".join(b"\0" + b"".join(bytes((255, 250, 235) if 84 < x < 104 and 8 < y < 34 else (150, 140, 130) if y > 60 else (90, 90, 100)) for x in range(128)) for y in range(96))
+    part = lambda kind, body: struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+    return b"\x89PNG\r\n\x1a\n" + part(b"IHDR", struct.pack(">IIBBBBB", 128, 96, 8, 2, 0, 0, 0)) + part(b"IDAT", zlib.compress(rows)) + part(b"IEND", b"")
+
+
+def prepare(npm, work, readme):
+    package = work / "node_modules/sandglass"
+    shutil.rmtree(package, ignore_errors=True)
+    shutil.copytree(npm, package)
+    for file in HERE.iterdir():
+        shutil.copy(file, work)
+    light, poured = re.findall(r"```js\n(.*?)```", readme.read_text(), re.DOTALL)[:2]
+    sand = re.sub(r"(.*addModel.*\n)", lambda line: line[0] + poured, light)
+    check(max(len(light.splitlines()), len(sand.splitlines())) <= 25 and sand != light, "each example has at most 25 lines")
+    for name, text in (("light", light), ("sand", sand)):
+        (work / f"{name}.mjs").write_text(text + HANDLES)
+    (work / "public").mkdir(exist_ok=True)
+    for folder in (work, work / "public"):
+        (folder / "model.glb").write_bytes(stool()), (folder / "room.png").write_bytes(room())
+    page = (HERE / "index.html").read_text()
+    names = json.dumps({"imports": {name: f"/node_modules/{path}" for name, path in MAP.items()}})
+    (work / "map.html").write_text(page.replace("<!-- import map -->", f"<script type=\"importmap\">{names}</script>"))
+    (work / "vite.config.js").write_text('export default { optimizeDeps: { exclude: ["sandglass"] } };\n')
+    (work / "plain.config.js").write_text("export default {};\n")
+
+
+class Files(http.server.SimpleHTTPRequestHandler):
+    extensions_map = {**http.server.SimpleHTTPRequestHandler.extensions_map, ".mjs": "text/javascript", ".wasm": "application/wasm"}
+
+    def log_message(self, *_):
+        pass
+
+
+def served(folder):
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Files, directory=folder))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    return f"http://127.0.0.1:{server.server_port}/"
+
+
+def opened(browser, url):
+    browser.open(url)
+    end = time.monotonic() + PATIENCE
+    while (ready := browser.ask("globalThis.ready ?? ''")) == "" and time.monotonic() < end:
+        time.sleep(0.1)
+    return ready
+
+
+def share(places):
+    """How bright the first place is, of the second."""
+    return sum(places[0]) / max(sum(places[1]), 1e-6)
+
+
+def shows(browser, work, how, url, frames=60, places=((0.47, 0.65), (0.12, 0.87))):
+    """The page shows a shadow, and a heap where `frames` are enough for one."""
+    ready = opened(browser, url)
+    dark = share(browser.ask(f"{LOOK}({frames}, {json.dumps(places)})")) if ready == "yes" else 0
+    browser.screenshot(work / "pictures" / f"{how}.png")
+    check(ready == "yes" and 0.3 < dark < 0.85 and browser.ask("gl.getError()") == 0, f"{how}: {ready}, the floor in the shadow has {dark:.2f} of the light")
+
+
+def poured(browser, how, seat, bare):
+    """Sand lies on the seat: there red is more than blue, and not on the bare model."""
+    on, beside = browser.ask(f"{LOOK}(150, {json.dumps([seat, bare])})")
+    particles = browser.ask("stage.drawn.particles")
+    check(particles > 100 and on[0] > on[2] and beside[0] < beside[2], f"{how}: sand of {particles} particles on the seat")
+
+
+def cubes(browser, how):
+    right, signs, pi = (browser.ask(f"cube({json.dumps(fault)})") for fault in ("", "signs", "pi"))
+    check(right <= 0.005 < 0.3 < min(signs, pi), f"{how}: worst face of a white cube {right:.2%}; with wrong signs {signs:.0%}, with a sun over pi {pi:.0%}")
+
+
+def grows(browser):
+    """By 96 MiB between two frames."""
+    browser.ask("renderer.setAnimationLoop(null); globalThis.held = stage.stage.sand.floats(stage.stage.words, 4); 0")
+    places = json.dumps([[0.05 + 0.1 * (i % 10), 0.05 + 0.1 * (i // 10)] for i in range(100)])
+    before = browser.ask(f"{LOOK}(0, {places})")
+    browser.ask("stage.stage.sand.allocate(96 << 20)")
+    after = browser.ask(f"{LOOK}(0, {places})")
+    same = sum(max(abs(a - b) for a, b in zip(one, two)) < 0.02 for one, two in zip(before, after))
+    check(same >= 95 and browser.ask("gl.getError()") == 0 and browser.ask("held.length") == 0, f"memory grew: {same} of 100 pixels are as before; a held view has ended")
+
+
+def vite(work, config, look):
+    port = served_port()
+    server = subprocess.Popen(["node", "node_modules/vite/bin/vite.js", "--config", config, "--host", "127.0.0.1", "--port", str(port), "--strictPort", "--force"],
+                              cwd=work, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    try:
+        for line in server.stdout:
+            if "Local:" in line:
+                return look(f"http://127.0.0.1:{port}/?app=light")
+        check(False, "Vite does not start")
+    finally:
+        server.kill(), server.wait()
+
+
+def served_port():
+    with http.server.HTTPServer(("127.0.0.1", 0), Files) as server:
+        return server.server_port
+
+
+def main(arguments):
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        return SKIPPED
+    npm, work, readme = map(pathlib.Path, arguments)
+    prepare(npm, work, readme)
+    (work / "pictures").mkdir(exist_ok=True)
+    run = lambda *command: subprocess.run(command, cwd=work, check=True, timeout=300)
+    run("node", "node_modules/vite/bin/vite.js", "build", "--logLevel", "error", "--outDir", "built", "--emptyOutDir")
+    run("node_modules/.bin/esbuild", "main.mjs", "babylon.mjs", "--bundle", "--format=esm", "--splitting", "--outdir=bundled", "--log-level=error")
+    shutil.copy(npm / "sandglass.wasm", work / "bundled")
+    for name in ("main", "babylon"):
+        (work / "bundled" / f"{name}.html").write_text((HERE / "index.html").read_text().replace("main.mjs", f"{name}.js"))
+    for name in ("model.glb", "room.png"):
+        shutil.copy(work / name, work / "bundled")
+    browser = Browser(program, width=800, height=600, flags=("--use-angle=swiftshader", "--enable-unsafe-swiftshader"))
+    try:
+        plain, built, bundled = served(work), served(work / "built"), served(work / "bundled")
+        shows(browser, work, "import map", plain + "map.html?app=light")
+        browser.ask("stage.removeModel(model)")
+        dark = share(browser.ask(f"{LOOK}(120, [[0.47, 0.65], [0.12, 0.87]])"))
+        check(dark > 0.95, f"without the model's shadow that floor has {dark:.2f} of the light")
+        cubes(browser, "three.js")
+        shows(browser, work, "import map, sand", plain + "map.html?app=sand", 20)
+        poured(browser, "import map", (0.49, 0.37), (0.55, 0.6))
+        browser.screenshot(work / "pictures/import map, sand.png")
+        grows(browser)
+        far = browser.ask(WORKER)
+        check(far["particles"] > 100 and far["longest"] < far["field"] / 4, "in a worker: a field takes {field:.0f} ms, the page waits {longest:.0f} ms at most; a frame takes {frame:.2f} ms of it".format(**far))
+        shows(browser, work, "vite build", built + "?app=light")
+        for config in ("vite", "plain"):  # older ones need the former
+            vite(work, f"{config}.config.js", lambda url: shows(browser, work, f"vite, {config}.config.js", url))
+        told = browser.ask("createStage(THREE, { renderer, scene, source: 'index.html' }).catch((error) => error.message)")
+        check('optimizeDeps: { exclude: ["sandglass"] }' in told, f"what is no module: {told}")
+        shows(browser, work, "esbuild", bundled + "main.html?app=light")
+        for hand in ("right", "left"):
+            shows(browser, work, f"babylon, {hand}-handed", bundled + f"babylon.html?app={hand}", 20, ((0.63, 0.64), (0.12, 0.87)))
+            poured(browser, f"babylon, {hand}-handed", (0.5, 0.4), (0.42, 0.6))
+            browser.screenshot(work / "pictures" / f"babylon, {hand}-handed.png")
+            cubes(browser, f"babylon, {hand}-handed")
+    finally:
+        browser.close()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
