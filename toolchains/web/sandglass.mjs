@@ -118,9 +118,9 @@ export async function compile(source, threads = 1) {
   if (ArrayBuffer.isView(source) || source instanceof ArrayBuffer) return WebAssembly.compile(source);
   const url = source instanceof URL ? source : new URL(source, globalThis.location?.href ?? import.meta.url);
   if (url.protocol === "file:" && typeof process !== "undefined") return WebAssembly.compile(await (await fromNode("fs/promises")).readFile(url));
-  const answer = await fetch(url), bytes = new Uint8Array(await answer.arrayBuffer());
-  if (answer.ok && String(bytes.subarray(0, 4)) === "0,97,115,109") return WebAssembly.compile(bytes);
-  throw new Error(`sandglass: cannot load "${url}": ${answer.ok ? "the answer is no WebAssembly" : `the server answers ${answer.status}`}. ` +
+  const answer = await fetch(url).catch(() => null), bytes = new Uint8Array(await answer?.arrayBuffer() ?? 0);
+  if (answer?.ok && String(bytes.subarray(0, 4)) === "0,97,115,109") return WebAssembly.compile(bytes);
+  throw new Error(`sandglass: cannot load "${url}": ${!answer ? "there is no answer" : answer.ok ? "the answer is no WebAssembly" : `the server answers ${answer.status}`}. ` +
     'For Vite before 8, write optimizeDeps: { exclude: ["sandglass"] } into vite.config.js; for others, copy sandglass.wasm there or import "sandglass/inline".');
 }
 

@@ -6,8 +6,9 @@ import { worst } from "./cube.mjs";
 
 async function begin(right) {
   const canvas = Object.assign(document.querySelector("canvas"), { width: innerWidth, height: innerHeight }), engine = new BABYLON.Engine(canvas, true), scene = new BABYLON.Scene(engine);
+  scene.useRightHandedSystem = right;
   const z = right ? 1 : -1, camera = new BABYLON.FreeCamera("camera", new BABYLON.Vector3(0.5, 0.6, 1.1 * z), scene);
-  scene.useRightHandedSystem = right, camera.fov = 34 * Math.PI / 180, camera.minZ = 0.05, camera.setTarget(new BABYLON.Vector3(0, 0.12, 0));
+  camera.fov = 34 * Math.PI / 180, camera.minZ = 0.05, camera.setTarget(new BABYLON.Vector3(0, 0.12, 0));
   const floor = BABYLON.CreateGround("floor", { width: 8, height: 8 }, scene), model = BABYLON.CreateBox("model", { width: 0.3, height: 0.2, depth: 0.3 }, scene);
   const painted = (scene, ...colour) => Object.assign(new BABYLON.PBRMaterial("", scene), { albedoColor: new BABYLON.Color3(...colour), metallic: 0, roughness: 1, metallicF0Factor: 0 });
   model.position.y = 0.1, model.rotation.y = 0.4 * z, model.material = painted(scene, 0.2, 0.35, 0.5), floor.material = painted(scene, 0.32, 0.25, 0.18);
