@@ -15,7 +15,6 @@ import subprocess
 import sys
 import threading
 import time
-import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
 from browser import Browser
@@ -59,34 +58,20 @@ def check(right, sentence):
 
 
 def stool():
-    """A glTF of five boxes, without normals of its own: a seat of 30 cm, 23 cm high."""
+    """A .glb of five boxes: a seat of 30 cm, 23 cm high."""
     boxes = [((-.15, .2, -.15), (.15, .23, .15))] + [((x, 0, z), (x + .03, .2, z + .03)) for x in (-.14, .11) for z in (-.14, .11)]
-    corners, indices = [], []
-    for low, high in boxes:
-        for axis in range(3):
-            for up in (0, 1):
-                a, b = (axis + 1) % 3, (axis + 2) % 3
-                at = [[(high if side[k] else low)[k] for k in range(3)] for side in ({axis: up, a: i, b: j} for i, j in ((0, 0), (1, 0), (1, 1), (0, 1)))]
-                indices += [len(corners) + i for i in ((0, 1, 2, 0, 2, 3) if up else (0, 2, 1, 0, 3, 2))]
-                corners += at
-    data = struct.pack(f"<{3 * len(corners)}f", *sum(corners, [])) + struct.pack(f"<{len(indices)}H", *indices)
-    size = 12 * len(corners)
-    text = json.dumps({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "buffers": [{"byteLength": len(data)}],
-        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [.2, .35, .5, 1], "metallicFactor": 0}}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
-        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": size}, {"buffer": 0, "byteOffset": size, "byteLength": 2 * len(indices)}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(corners), "type": "VEC3", "min": [-.15, 0, -.15], "max": [.15, .23, .15]},
-                      {"bufferView": 1, "componentType": 5123, "count": len(indices), "type": "SCALAR"}]}).encode()
-    chunks = b"".join(struct.pack("<I4s", len(body), kind) + body for kind, body in ((b"JSON", text + b" " * (-len(text) % 4)), (b"BIN\0", data + b"\0" * (-len(data) % 4))))
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
-
-
-def room():
-    """A picture of a wall with a window, as PNG."""
-    rows = b"".join(b"\0" + b"".join(bytes((255, 250, 235) if 84 < x < 104 and 8 < y < 34 else (150, 140, 130) if y > 60 else (90, 90, 100)) for x in range(128)) for y in range(96))
-    part = lambda kind, body: struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-    return b"\x89PNG\r\n\x1a\n" + part(b"IHDR", struct.pack(">IIBBBBB", 128, 96, 8, 2, 0, 0, 0)) + part(b"IDAT", zlib.compress(rows)) + part(b"IEND", b"")
+    corners = [tuple(box[i >> k & 1][k] for k in range(3)) for box in boxes for i in range(8)]
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    indices = [8 * box + side[i] for box in range(len(boxes)) for side in sides for i in (0, 1, 2, 0, 2, 3)]
+    data = struct.pack(f"<{3 * len(corners)}f{len(indices)}H", *sum(corners, ()), *indices)
+    views = [{"buffer": 0, "byteOffset": at, "byteLength": size} for at, size in ((0, 12 * len(corners)), (12 * len(corners), 2 * len(indices)))]
+    text = json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "buffers": [{"byteLength": len(data)}], "bufferViews": views,
+                       "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [.2, .35, .5, 1], "metallicFactor": 0}}],
+                       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+                       "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(corners), "type": "VEC3", "min": [-.15, 0, -.15], "max": [.15, .23, .15]},
+                                     {"bufferView": 1, "componentType": 5123, "count": len(indices), "type": "SCALAR"}]})
+    text += " " * (-len(text) % 4)
+    return struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + len(data), len(text), b"JSON") + text.encode() + struct.pack("<I4s", len(data), b"BIN\0") + data
 
 
 def prepare(npm, work, readme):
@@ -102,7 +87,7 @@ def prepare(npm, work, readme):
         (work / f"{name}.mjs").write_text(text + HANDLES)
     (work / "public").mkdir(exist_ok=True)
     for folder in (work, work / "public"):
-        (folder / "model.glb").write_bytes(stool()), (folder / "room.png").write_bytes(room())
+        (folder / "model.glb").write_bytes(stool()), shutil.copy(readme.parents[2] / "models/pictures/receiver.jpg", folder / "room.jpg")
     page = (HERE / "index.html").read_text()
     names = json.dumps({"imports": {name: f"/node_modules/{path}" for name, path in MAP.items()}})
     (work / "map.html").write_text(page.replace("<!-- import map -->", f"<script type=\"importmap\">{names}</script>"))
@@ -198,7 +183,7 @@ def main(arguments):
     shutil.copy(npm / "sandglass.wasm", work / "bundled")
     for name in ("main", "babylon"):
         (work / "bundled" / f"{name}.html").write_text((HERE / "index.html").read_text().replace("main.mjs", f"{name}.js"))
-    for name in ("model.glb", "room.png"):
+    for name in ("model.glb", "room.jpg"):
         shutil.copy(work / name, work / "bundled")
     browser = Browser(program, width=800, height=600, flags=("--use-angle=swiftshader", "--enable-unsafe-swiftshader"))
     try:

@@ -13,7 +13,7 @@ async function begin(right) {
   const painted = (scene, ...colour) => Object.assign(new BABYLON.PBRMaterial("", scene), { albedoColor: new BABYLON.Color3(...colour), metallic: 0, roughness: 1, metallicF0Factor: 0 });
   model.position.y = 0.1, model.rotation.y = 0.4 * z, model.material = painted(scene, 0.2, 0.35, 0.5), floor.material = painted(scene, 0.32, 0.25, 0.18);
   const stage = await createStage(BABYLON, { scene, source: wasm() });
-  await stage.see(await createImageBitmap(await (await fetch("room.png")).blob()), camera);
+  await stage.see(await createImageBitmap(await (await fetch("room.jpg")).blob()), camera);
   await stage.addModel(model);
   stage.receive(floor.material);
   await stage.createSand({ particles: 3000 });
