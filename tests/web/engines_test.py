@@ -37,7 +37,7 @@ LOOK = """((frames, places) => {
 WORKER = """(async () => {
   renderer.setAnimationLoop(null);
   const far = await createStage(THREE, { renderer, scene: new THREE.Scene(), worker: true }), pause = () => new Promise((done) => setTimeout(done, 4));
-  const knot = new THREE.Mesh(new THREE.TorusKnotGeometry(0.1, 0.03, 100, 16)), take = far.take.bind(far), spent = [];
+  const knot = new THREE.Mesh(new THREE.TorusKnotGeometry(0.06, 0.02, 100, 16)), take = far.take.bind(far), spent = [];
   let longest = 0, before = performance.now(), done = false, own = 0;
   await far.createSand({ particles: 2000 });
   const begin = performance.now();
@@ -92,7 +92,6 @@ def prepare(npm, work, readme):
     names = json.dumps({"imports": {name: f"/node_modules/{path}" for name, path in MAP.items()}})
     (work / "map.html").write_text(page.replace("<!-- import map -->", f"<script type=\"importmap\">{names}</script>"))
     (work / "vite.config.js").write_text('export default { optimizeDeps: { exclude: ["sandglass"] } };\n')
-    (work / "plain.config.js").write_text("export default {};\n")
 
 
 class Files(http.server.SimpleHTTPRequestHandler):
@@ -152,9 +151,10 @@ def grows(browser):
     check(same >= 95 and browser.ask("gl.getError()") == 0 and browser.ask("held.length") == 0, f"memory grew: {same} of 100 pixels are as before; a held view has ended")
 
 
-def vite(work, config, look):
-    port = served_port()
-    server = subprocess.Popen(["node", "node_modules/vite/bin/vite.js", "--config", config, "--host", "127.0.0.1", "--port", str(port), "--strictPort", "--force"],
+def vite(work, look):
+    with http.server.HTTPServer(("127.0.0.1", 0), Files) as free:
+        port = free.server_port
+    server = subprocess.Popen(["node", "node_modules/vite/bin/vite.js", "--host", "127.0.0.1", "--port", str(port), "--strictPort", "--force"],
                               cwd=work, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     try:
         for line in server.stdout:
@@ -163,11 +163,6 @@ def vite(work, config, look):
         check(False, "Vite does not start")
     finally:
         server.kill(), server.wait()
-
-
-def served_port():
-    with http.server.HTTPServer(("127.0.0.1", 0), Files) as server:
-        return server.server_port
 
 
 def main(arguments):
@@ -202,8 +197,9 @@ def main(arguments):
         shows(browser, work, "vite build", built + "?app=light")
         told = browser.ask("createStage(THREE, { renderer, scene, source: 'index.html' }).catch((error) => error.message)")
         check('optimizeDeps: { exclude: ["sandglass"] }' in told, f"what is no module: {told}")
-        for config in ("vite", "plain"):  # older ones need the former
-            vite(work, f"{config}.config.js", lambda url: shows(browser, work, f"vite, {config}.config.js", url))
+        told = browser.ask("createStage(THREE, { renderer: { isWebGPURenderer: true }, scene }).catch((error) => error.message)")
+        check("needs three's WebGLRenderer" in told, f"another renderer: {told}")
+        vite(work, lambda url: shows(browser, work, "vite", url))
         shows(browser, work, "esbuild", bundled + "main.html?app=light")
         for hand in ("right", "left"):
             shows(browser, work, f"babylon, {hand}-handed", bundled + f"babylon.html?app={hand}", 20, ((0.63, 0.64), (0.12, 0.87)))

@@ -19,6 +19,8 @@ cp "$here/app.mts" app.mts
 # The types are all that the sample has beyond JavaScript, and there are none.
 cp app.mts app.mjs
 node app.mjs
+# A server may import every entry.
+for entry in "" /inline /stage /worker /glsl /three /babylon; do echo "import \"sandglass$entry\";"; done | node --input-type=module
 if command -v tsc >/dev/null; then
   check=(tsc --noEmit --strict --target es2022 --module node16 --moduleResolution node16 --lib es2022,dom)
   cp "$here"/{right,wrong}.mts .

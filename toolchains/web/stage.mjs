@@ -134,7 +134,9 @@ export class Stage {
     const { sand, radius } = this, { positions, indices, vertices, count } = model;
     const mesh = { positions: sand.floats(positions, 3 * vertices).slice(), indices: new Uint32Array(sand.memory.buffer, indices, 3 * count).slice() };
     const field = typeof Worker === "undefined" ? Promise.resolve(fieldOf(sand, mesh, radius)) : fieldMade(sand.module, mesh, radius);
-    this.fields = Promise.all([this.fields, field.then((made) => { if (model.count && !model.field) model.field = placed(sand, made); })]);
+    this.fields = Promise.all([this.fields, field.then((made) => { if (model.count && !model.field) model.field = placed(sand, made); }, (error) => {
+      throw new Error(`sandglass: sand cannot lie on a model: ${error.message} Add it with { collide: false }, or take smaller sand.`);
+    })]);
   }
 
   move(number, position, rotation) { Object.assign(this.models.get(number), { position, rotation }), this.moved = true; }
