@@ -10,13 +10,14 @@ const k_units = { pile: 0, object: 1, seen: 2, sky: 3 }, k_painter_units = [0, 1
 const k_hidden = "float hidden(vec3 world) { return 0.0; }\n";
 const k_light = `uniform float linear_output;\n${kit.light.replace("linear = clamp", "if (linear_output > 0.5) return vec4(linear, 1);\n  linear = clamp")}`;
 const k_capabilities = ["BLEND", "CULL_FACE", "DEPTH_TEST", "SCISSOR_TEST", "STENCIL_TEST", "POLYGON_OFFSET_FILL"];
-const k_unpack = ["UNPACK_FLIP_Y_WEBGL", "UNPACK_PREMULTIPLY_ALPHA_WEBGL", "UNPACK_ROW_LENGTH", "UNPACK_SKIP_PIXELS", "UNPACK_SKIP_ROWS"];
+const k_unpack = ["UNPACK_FLIP_Y_WEBGL", "UNPACK_PREMULTIPLY_ALPHA_WEBGL"];  // engines leave the others at 0
 
-// Does some work and leaves WebGL as it was, so that what the engine believes of it stays true.
-function unnoticed(gl, work) {
+// Does some work and leaves WebGL as it was, so that what the engine believes of it stays true. Browsers answer at once but
+// for the depth buffer's state, which uploads do not touch.
+function unnoticed(gl, work, draws = false) {
   const get = (name) => gl.getParameter(gl[name]), can = k_capabilities.map((name) => [gl[name], gl.isEnabled(gl[name])]);
   const stores = ["UNPACK_ALIGNMENT", ...k_unpack].map((name) => [gl[name], get(name)]), active = get("ACTIVE_TEXTURE");
-  const before = { program: get("CURRENT_PROGRAM"), array: get("VERTEX_ARRAY_BINDING"), buffer: get("ARRAY_BUFFER_BINDING"), mask: get("DEPTH_WRITEMASK"), order: get("DEPTH_FUNC") };
+  const before = { program: get("CURRENT_PROGRAM"), array: get("VERTEX_ARRAY_BINDING"), buffer: get("ARRAY_BUFFER_BINDING"), ...(draws ? { mask: get("DEPTH_WRITEMASK"), order: get("DEPTH_FUNC") } : {}) };
   const textures = k_painter_units.map((unit) => (gl.activeTexture(gl.TEXTURE0 + unit), [unit, get("TEXTURE_BINDING_2D"), get("TEXTURE_BINDING_3D")]));
   try {
     for (const name of k_unpack) gl.pixelStorei(gl[name], 0);
@@ -25,7 +26,7 @@ function unnoticed(gl, work) {
   } finally {
     for (const [unit, flat, solid] of textures) gl.activeTexture(gl.TEXTURE0 + unit), gl.bindTexture(gl.TEXTURE_2D, flat), gl.bindTexture(gl.TEXTURE_3D, solid);
     gl.activeTexture(active), gl.useProgram(before.program), gl.bindVertexArray(before.array), gl.bindBuffer(gl.ARRAY_BUFFER, before.buffer);
-    gl.depthMask(before.mask), gl.depthFunc(before.order);
+    if (draws) gl.depthMask(before.mask), gl.depthFunc(before.order);
     for (const [name, on] of can) if (on) gl.enable(name); else gl.disable(name);
     for (const [name, value] of stores) gl.pixelStorei(name, value);
   }
@@ -73,7 +74,7 @@ class Sand {
           else gl[value.length === 4 ? "uniform4fv" : "uniform3fv"](at, value);
         }
       }, eye, 0.5 * height * projection[5]);
-    });
+    }, true);
   }
 }
 

@@ -7,6 +7,7 @@ import { fieldMade } from "./worker.mjs";
 
 const C = constants, k_colliders = 64, k_nozzles = 8, k_models = 32;
 const k_texels = { pile: 128, sky: 64, object: 256, seen: 128 };
+const k_fade = 5;             // seconds after an image in which light and shadows are told anew
 const k_field_nodes = 4e6;   // at most: a large model gets a coarser field
 const k_longest_side = 256;  // pixels of an image that are read
 
@@ -58,7 +59,7 @@ export class Stage {
   }
 
   constructor(sand, options) {
-    Object.assign(this, { sand, options, models: new Map(), nozzles: [], hands: [], shown: {}, next: 1, cast: 0, room: 0, fields: Promise.resolve() });
+    Object.assign(this, { sand, options, models: new Map(), nozzles: [], hands: [], shown: {}, next: 1, fading: k_fade, cast: 0, room: 0, fields: Promise.resolve() });
     this.made("room", "sandglass_room");
     this.words = sand.allocate(4 * C.SANDGLASS_LIGHT_CELLS), this.castList = sand.allocate(4);
     for (const name of ["camera_image", "room_light", "room_place", "lighting", "filament_light", "frame_input", "frame_report", "cast_texture",
@@ -99,7 +100,7 @@ export class Stage {
     sand.sandglass_cast_plane_default(plane);
     plane.origin.set(options.origin);
     sand.sandglass_cast_set_plane(this.cast, plane), sand.free(plane);
-    sand.view().setUint32(this.castList, this.cast, true);
+    sand.view().setUint32(this.castList, this.cast, true), this.fading = k_fade;
   }
 
   // Sand of so many particles of a radius in metres; further fields are those of sandglass_granular_desc. Sand that was
@@ -109,7 +110,7 @@ export class Stage {
     this.radius = radius;
     this.newScene({ particle_capacity: particles, particle_radius: radius, static_friction: 0.6, kinetic_friction: 0.55, ...granular });
     this.made("pile", "sandglass_pile_shadow", { low: [x - half, z - half], high: [x + half, z + half], floor: y, texels: k_texels.pile, sky_texels: k_texels.sky });
-    this.frame_input.pile_shadow = this.pile, this.shown = {}, this.changes = new SkinChanges(this.sand, this.skin);
+    this.frame_input.pile_shadow = this.pile, this.shown = {}, this.fading = k_fade, this.changes = new SkinChanges(this.sand, this.skin);
     for (const model of this.models.values()) this.giveField(model);
     return { radius };
   }
@@ -161,6 +162,7 @@ export class Stage {
       planes: [pixels, 0, 0], strides: [4 * width, 0, 0], orientation, position, exposure, timestamp_ns: Math.round(ms * 1e6) });
     try { sand.sandglass_room_set_image(this.room, image, words); } finally { sand.free(pixels); }
     if (!this.seen) this.seen = true, this.light.struct_size = 0;
+    this.fading = k_fade;
     sand.sandglass_room_get(this.room, this.room_place, this.room_light);
   }
 
@@ -194,7 +196,8 @@ export class Stage {
 
   // So many seconds go by. Gives what drawn() says.
   frame(seconds) {
-    const { sand, colliders, emitters, frame_input: input, frame_report: report } = this, light = this.follow(seconds);
+    const { sand, colliders, emitters, frame_input: input, frame_report: report } = this;
+    if (this.fading > 0) this.fading -= seconds, this.lit = this.follow(seconds);
     if (this.moved) this.castModels();
     const still = { rotation: [0, 0, 0, 1], size: [1, 1, 1], linear_velocity: [0, 0, 0], field: 0, id: 0 }, all = [{ shape: C.SANDGLASS_SHAPE_HALF_SPACE, position: this.options.origin }];
     for (const [id, { position, rotation, field }] of this.models) if (field) all.push({ shape: C.SANDGLASS_SHAPE_FIELD, position, rotation, field, id });
@@ -203,7 +206,7 @@ export class Stage {
     this.nozzles.forEach((nozzle, i) => emitters[i].set(nozzle));
     input.set({ time_step: seconds, collider_count: this.radius ? all.length : 0, emitter_count: this.radius ? this.nozzles.length : 0 });
     sand.sandglass_scene_frame(this.scene, input, report);
-    return this.drawn(light);
+    return this.drawn(this.lit);
   }
 
   // What changed since the call before. Its arrays are views of the module's memory, valid until the next call.

@@ -35,6 +35,6 @@ export class WorkerStage {
     return stage;
   }
 }
-for (const name of ["createSand", "addModel", "move", "remove", "pour", "push", "see", "follow", "frame"])
+for (const name of ["createSand", "addModel", "move", "remove", "pour", "push", "see", "frame"])
   WorkerStage.prototype[name] = function (...values) { return this.call("stage", name, values); };
 Object.defineProperty(WorkerStage.prototype, "fields", { get() { return this.call("fields"); } });
