@@ -151,7 +151,7 @@ export class Stage {
   // Nozzles that are open from now on: { position, rotation, radius, speed }; none closes them.
   pour(...nozzles) { this.nozzles = nozzles.slice(0, k_nozzles).map((nozzle) => ({ rotation: [0, 0, 0, 1], radius: 4 * this.radius, speed: 0.8, ...nozzle })); }
   // Balls that push sand from now on: { position, radius, velocity }.
-  push(...balls) { this.hands = balls; }
+  push(...balls) { this.hands = balls.slice(0, k_colliders - 1 - k_models); }
 
   // RGBA bytes, the upper row first, of a camera that looks along -z of `orientation`. The first image is taken as it is;
   // light of later ones fades in.
