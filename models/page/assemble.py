@@ -37,11 +37,8 @@ def main():
     packed = {name: zlib.compress(file.read_bytes(), 9) for name, file in modules.items()}
     data = "".join(f"const {name} = \"{base64.b64encode(content).decode()}\";\n" for name, content in packed.items())
     data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
-    kit = {file.name.replace(".glsl", "").replace(".", "_"): file.read_text() for file in sorted((here / "../../toolchains/kit").iterdir())
-           if file.suffix in (".glsl", ".vert", ".frag")}
-    data += f"const k_kit = {json.dumps(kit)};\n"
-    own = ("elements", "scene", "sand_painter", "painter", "mesh_file", "hourglass", "link", "pace", "tilt", "room_light", "real_table", "measure", "controls", "page")
-    script = joined([npm / "abi.mjs", npm / "sandglass.mjs", parts / "meshopt_decoder.mjs", *(here / f"{name}.mjs" for name in own)])
+    own = ("elements", "scene", "painter", "mesh_file", "hourglass", "link", "pace", "tilt", "room_light", "real_table", "measure", "controls", "page")
+    script = joined([*(npm / f"{name}.mjs" for name in ("abi", "sandglass", "kit", "skin_changes", "sand_block", "sand_painter")), parts / "meshopt_decoder.mjs", *(here / f"{name}.mjs" for name in own)])
     page = (here / "page.html").read_text().replace("@MODULES@", data + script)
     if "</script" in (data + script):
         sys.exit("assemble.py: a module holds the end of a script")

@@ -3,7 +3,8 @@
 import { load, constants } from "./sandglass.mjs";
 import { SandScene, addPoints, makeField, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
-import { sandBlock } from "./sand_painter.mjs";
+import { sandBlock } from "./sand_block.mjs";
+import { SkinChanges } from "./skin_changes.mjs";
 import { meshReader, standing, smoothed } from "./mesh_file.mjs";
 import { Turning, k_neck, funnelMesh, glassMesh, hourglassField, matrixOf, sandBelow, woodMesh } from "./hourglass.mjs";
 import { RoomLight, lightOfSky } from "./room_light.mjs";
@@ -56,7 +57,6 @@ class Page {
     this.spent = [], this.recorded = [], this.added = [], this.nozzles = [], this.objects = [];
     this.denied = 0, this.saidFull = false;
     this.gravity = [...k_scene.gravity], this.given = [...k_scene.gravity], this.tipped = false;
-    this.skinMesh = sand.make("sandglass_skin_mesh");
     const funnel = funnelMesh();
     this.painter.funnel = this.painter.item(funnel.vertices, funnel.indices, null, k_brass, funnel.normals);
     this.stands = { table: this.makeTable(), glass: this.makeGlass() };
@@ -110,6 +110,7 @@ class Page {
     if (this.stand) this.stand.drawn = painter.objects, this.stand.view = { ...camera };
     this.stand = stand, this.scene = stand.scene, this.skin = stand.skin, this.standing = stand.standing;
     painter.objects = stand.drawn, painter.glass = stand.glass ?? null, painter.sand.radius = stand.scene.desc.granular.particle_radius;
+    painter.sand.clear(), this.skinChanges = new SkinChanges(sand, this.skin), this.skinMesh = this.skinChanges.mesh;
     Object.assign(camera, stand.view ?? k_views[name]);
     this.scene.input.set({ skin: this.skin, pile_shadow: this.pile, casts: this.castList, cast_count: 1 });
     sand.sandglass_pile_shadow_refresh(this.pile);
@@ -438,7 +439,8 @@ class Page {
   // The surface of the sand, and where it is poured from.
   takeSkin() {
     const { sand, scene, painter } = this;
-    painter.sand.upload(sand, this.skin, this.skinMesh);
+    const changes = this.skinChanges.take();
+    if (changes) painter.sand.upload(changes);
     painter.sand.streams = this.nozzles;
     painter.funnels = this.onTable ? this.nozzles.map(({ nozzle: [x, y, z] }) => new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1])) : [];
   }
@@ -571,7 +573,7 @@ class Page {
       const mesh = keep(sand.make("sandglass_mesh", { vertices: keep(sand.put(vertices)), vertex_count: vertices.length / 3, indices: keep(sand.put(indices)), triangle_count: indices.length / 3 }));
       const desc = keep(sand.make("sandglass_sample_desc")), out = keep(sand.allocate(8)), word = () => new Uint32Array(sand.memory.buffer, out, 1)[0];
       sand.sandglass_sample_desc_default(desc);
-      sand.sandglass_mesh_bounds(mesh, desc.bounds_min.byteOffset, desc.bounds_max.byteOffset);
+      sand.sandglass_mesh_bounds(mesh, desc.bounds_min, desc.bounds_max);
       desc.set({ method: constants.SANDGLASS_SAMPLE_LATTICE, distance: 2.02 * k_radius, inside: sand.pointer("sandglass_mesh_inside_test"),
         inside_user: keep(sand.create("sandglass_mesh_inside", mesh, constants.SANDGLASS_INSIDE_WINDING)) });
       sand.sandglass_sample_capacity(desc, out);

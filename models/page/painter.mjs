@@ -3,8 +3,8 @@
 // light, and of the light from all around, which object and sand keep from the table, and the sand from itself. Over a
 // camera's image table and wall get shadows alone, and what is real hides what is drawn behind it
 // (runtime/shadow/README.md). Metal reflects the room's cube, or the sliders' sky, and the table.
-import { SandPainter } from "./sand_painter.mjs";
-import { k_kit } from "./data.mjs";
+import { SandPainter, program } from "./sand_painter.mjs";
+import { k_kit } from "./kit.mjs";
 
 const k_depth_bias = 0.02;  // metres
 
@@ -114,21 +114,6 @@ uniform sampler2D image;
 out vec4 pixel;
 void main() { pixel = texture(image, at); }`;
 
-function program(gl, vertex, fragment) {
-  const made = gl.createProgram();
-  for (const [kind, body] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-    const shader = gl.createShader(kind);
-    gl.shaderSource(shader, `#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n${body}`);
-    gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(`This browser refuses a shader: ${gl.getShaderInfoLog(shader)}`);
-    gl.attachShader(made, shader);
-  }
-  gl.linkProgram(made);
-  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(`This browser refuses a program: ${gl.getProgramInfoLog(made)}`);
-  const at = new Map();
-  return { made, at: (name) => at.get(name) ?? (at.set(name, gl.getUniformLocation(made, name)), at.get(name)) };
-}
-
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
 const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
@@ -171,7 +156,7 @@ export class Painter {
     if (!gl) throw new Error("This browser has no WebGL 2, so nothing can be drawn. Update it, or turn hardware acceleration on.");
     this.canvas = canvas;
     this.solid = program(gl, k_solid_vertex, k_solid_fragment), this.glassProgram = program(gl, k_kit.uniforms + k_glass_vertex, k_lighting + k_glass_fragment), this.glass = null;
-    this.sand = new SandPainter(gl, program, k_hidden, block, radius);
+    this.sand = new SandPainter(gl, k_hidden, block, radius);
     this.pile = this.texture(), this.onSand = this.texture(), this.object = this.texture(), this.seen = this.texture();
     this.sky = this.texture(), this.skyOnSand = this.texture();
     this.wallObject = this.texture(), this.wallSeen = this.texture(), this.depth = this.texture(), this.unknownDepth = this.texture();

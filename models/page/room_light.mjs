@@ -66,7 +66,7 @@ export class RoomLight {
     sand.bytes(this.pixels, bytes.length).set(bytes);
     const focal = sand.sandglass_camera_focal(width, height, k_diagonal);
     sand.floats(words, 16).set(pose);
-    sand.sandglass_camera_orientation(words, image.address + this.offsetOf("orientation"));
+    sand.sandglass_camera_orientation(words, image.orientation);
     image.set({ format: constants.SANDGLASS_CAMERA_RGBA, width, height, focal_x: focal, focal_y: focal, centre_x: (width - 1) / 2, centre_y: (height - 1) / 2,
       timestamp_ns: Math.round(ms * 1e6) });
     image.planes[0] = this.pixels, image.strides[0] = 4 * width;
@@ -102,8 +102,6 @@ export class RoomLight {
     this.face = (face + 1) % 6;
     if (this.face === 0) painter.roomKnown = 1;
   }
-
-  offsetOf(field) { return this.image[field].byteOffset - this.image.address; }
 
   // What is shown moves towards what is known. In the painter's terms.
   follow(seconds) {

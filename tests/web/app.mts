@@ -45,6 +45,13 @@ for (let i = 0; i < 50; ++i) {
   sand.destroy(sand.create("sandglass_scene", desc));
 }
 if (sand.memory.buffer.byteLength !== memory) throw new Error("memory grows");
+// Memory grows after the array was looked up, and the write arrives. The control: a view that was held has ended.
+const image = sand.make("sandglass_camera_image"), held = sand.floats(grains, 4), view = sand.view();
+image.planes[0] = sand.put(new Uint8Array(96 << 20));
+if (image.planes[0] === 0 || sand.view() === view || held.length !== 0) throw new Error("a write is lost when memory grows");
+let beyond = false;
+try { image.planes[3] = 1; } catch { beyond = true; }
+if (!beyond) throw new Error("an array takes an item beyond its end");
 // With threads: the module beside, and a pool for the scene.
 const pooled = await load(undefined, { threads: 2 });
 const shared = pooled.make("sandglass_scene_desc");

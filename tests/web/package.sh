@@ -19,9 +19,13 @@ cp "$here/app.mts" app.mts
 # The types are all that the sample has beyond JavaScript, and there are none.
 cp app.mts app.mjs
 node app.mjs
+# A server may import every entry.
+for entry in "" /inline /stage /worker /glsl /three /babylon; do echo "import \"sandglass$entry\";"; done | node --input-type=module
 if command -v tsc >/dev/null; then
   check=(tsc --noEmit --strict --target es2022 --module node16 --moduleResolution node16 --lib es2022,dom)
-  "${check[@]}" app.mts
-  echo 'import { load } from "sandglass"; (await load()).make("sandglass_scene_desc").gravity = "down";' >wrong.mts
-  if "${check[@]}" wrong.mts; then echo "the types accept a wrong value"; exit 1; fi
+  cp "$here"/{right,wrong}.mts .
+  "${check[@]}" app.mts right.mts wrong.mts
+  grep -v @ts-expect-error wrong.mts >unexpected.mts  # the control
+  errors=$("${check[@]}" unexpected.mts | grep -c '^unexpected.mts.*error') || true
+  [[ $errors == $(grep -c @ts-expect-error wrong.mts) ]] || { echo "the types refuse $errors lines"; exit 1; }
 fi

@@ -16,6 +16,8 @@ from headers import Headers, Refused
 POINTER = 4
 SCALARS = {"uint8_t": "u8", "int8_t": "i8", "uint16_t": "u16", "int16_t": "i16", "uint32_t": "u32", "int32_t": "i32", "int": "i32",
            "uint64_t": "u64", "int64_t": "i64", "float": "f32", "double": "f64"}
+ARRAYS = {"f32": "Float32Array", "f64": "Float64Array", "u32": "Uint32Array", "i32": "Int32Array", "u64": "BigUint64Array",
+          "u8": "Uint8Array", "i8": "Int8Array", "u16": "Uint16Array", "i16": "Int16Array", "ptr": "Uint32Array"}
 
 
 def kind(headers, item):
@@ -55,20 +57,32 @@ def doc(comment, indent):
     return f"{indent}/**\n{lines}{indent} */\n"
 
 
+def pointer_type(headers, item, otherwise):
+    """Of one pointer: to what only the library knows, to a struct, to anything else."""
+    if item.pointers != 1 or item.callback:
+        return "Pointer"
+    return f"Handle<\"{item.base}\">" if item.base in headers.handles else f"{item.base} | Pointer | null" if item.base in headers.structs else otherwise
+
+
 def field_type(headers, field):
+    """As it is read; as it is written, where that is another type."""
     name = kind(headers, field)
     if name in headers.structs:
-        return name if not field.count else f"{name}[]"
-    if not field.count:
-        return "number"
-    return {"f32": "Float32Array", "f64": "Float64Array", "u32": "Uint32Array", "i32": "Int32Array", "u64": "BigUint64Array",
-            "u8": "Uint8Array", "i8": "Int8Array", "u16": "Uint16Array", "i16": "Int16Array", "ptr": "Uint32Array"}[name]
+        return (name if not field.count else f"{name}[]"), None
+    if field.count:
+        return f"Numbers<{ARRAYS[name]}>", None
+    if name != "ptr":
+        return "number", None
+    written = pointer_type(headers, field, "Pointer")
+    if written.startswith("Handle"):
+        return f"{written} | null", None
+    return (f"PointerTo<{field.base}>", written) if "|" in written else ("Pointer", None)
 
 
 def parameter_type(headers, item):
     name = parameter(headers, item)
     if name == "ptr":
-        return f"{item.base} | Pointer" if item.base in headers.structs else "Pointer"
+        return item.base if not item.pointer else pointer_type(headers, item, "Pointer | Numbers | null")
     return "number | bigint" if name in ("u64", "i64") else "number"
 
 
@@ -76,24 +90,33 @@ def result_type(headers, function):
     if fails(function):
         return "void"
     name, of = result(headers, function.returns)
+    if name == "ptr" and of in headers.handles:
+        return pointer_type(headers, function.returns, "")
     return {"void": "void", "text": "string | null", "ptr": "Pointer", "u64": "bigint", "i64": "bigint", "struct": of}.get(name, "number")
 
 
+def listed(headers, items):
+    return ", ".join(f"{item.name}: {parameter_type(headers, item)}" for item in items)
+
+
 def typescript(headers):
-    out = ["// Generated from the public headers by web.py.\n", "/** An address in the module's memory; 0 is NULL. */\n"
-           "export type Pointer = number;\n\n"]
+    out = ["// Generated from the public headers by web.py.\n"]
     for name, struct in headers.structs.items():
-        out.append(doc(struct.comment, "") + f"export interface {name} extends Struct {{\n")
+        out.append(doc(struct.comment, "") + f"export interface {name} extends Struct<\"{name}\"> {{\n")
         for field in struct.fields:
-            readonly = "readonly " if field.count else ""
-            out.append(doc(field.comment, "  ") + f"  {readonly}{field.name}: {field_type(headers, field)};\n")
+            read, written = field_type(headers, field)
+            one = f"get {field.name}(): {read};\n  set {field.name}(value: {written})" if written else f"{'readonly ' * (field.count > 0)}{field.name}: {read}"
+            out.append(doc(field.comment, "  ") + f"  {one};\n")
         out.append("}\n\n")
     out.append("export interface Structs {\n" + "".join(f"  {name}: {name};\n" for name in headers.structs) + "}\n\n")
-    out.append("/** Every function of the C API. One that fails throws an Error whose message is the library's sentence. */\n"
+    out.append("/** What create() takes for each: the arguments of its _bytes function. */\nexport interface Descriptions {\n")
+    for name, function in headers.functions.items():
+        if name.endswith("_create") and (size := headers.functions.get(name[:-7] + "_bytes")):
+            out.append(f"  {name[:-7]}: [{listed(headers, arguments(size)[:-1])}];\n")
+    out.append("}\n\n/** Every function of the C API. One that fails throws an Error whose message is the library's sentence. */\n"
                "export interface Functions {\n")
     for name, function in headers.functions.items():
-        parameters = ", ".join(f"{item.name}: {parameter_type(headers, item)}" for item in arguments(function))
-        out.append(doc(function.comment, "  ") + f"  {name}({parameters}): {result_type(headers, function)};\n")
+        out.append(doc(function.comment, "  ") + f"  {name}({listed(headers, arguments(function))}): {result_type(headers, function)};\n")
     out.append("}\n\nexport declare const constants: {\n" +
                "".join(f"  readonly {name}: {value};\n" for name, value in headers.constants.items()) + "};\n\n")
     return "".join(out)

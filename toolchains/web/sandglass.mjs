@@ -8,8 +8,9 @@
 //     const scene = sand.create("sandglass_scene", desc);
 //
 // A function that takes `reason` in C throws it here as the message of an Error. `const char*` comes back as a string,
-// a 64-bit result as a bigint, a 64-bit field as a number. Memory is the module's: views of it end when it grows, so
-// take a new one (floats, bytes) after every allocation.
+// a 64-bit result as a bigint, a 64-bit field as a number. Memory is the module's, and typed arrays of it end when it
+// grows: ask for new ones (floats, bytes, view) in every frame. Structs and their array fields outlive growth. Importing
+// this file does nothing, so a server may.
 import { structs, functions, constants } from "./abi.mjs";
 
 export { constants };
@@ -41,8 +42,25 @@ const k_write = {
 
 const address = (value) => (value === null || value === undefined ? 0 : typeof value === "object" ? value.address : value);
 
+// A class for the array fields of one type and length. Every access goes to the module's memory as it is then.
+function arrayClass(type, count, memory, view) {
+  const Typed = k_arrays[type], size = Typed.BYTES_PER_ELEMENT;
+  class Numbers {
+    constructor(at) { Object.defineProperty(this, "address", { value: at }), Object.preventExtensions(this); }  // no index beyond the last
+    get length() { return count; }
+    slice(begin, end) { return new Typed(memory.buffer, this.address, count).slice(begin, end); }
+    set(values, first = 0) { Array.from(values).forEach((value, i) => { this[first + i] = value; }); }
+    fill(value) { return this.set(Array(count).fill(value)), this; }
+    *[Symbol.iterator]() { for (let i = 0; i < count; ++i) yield this[i]; }
+  }
+  for (let i = 0; i < count; ++i)
+    Object.defineProperty(Numbers.prototype, i, { enumerable: true,
+      get() { return k_read[type](view(), this.address + i * size); }, set(value) { k_write[type](view(), this.address + i * size, value); } });
+  return Numbers;
+}
+
 // A class for each struct: its fields are properties that read and write the module's memory.
-function structClass(name, memory, classes) {
+function structClass(name, memory, view, classes) {
   const { size, fields } = structs[name];
   class View {
     constructor(at) { this.address = at; }
@@ -57,21 +75,21 @@ function structClass(name, memory, classes) {
     }
   }
   for (const [field, type, offset, count] of fields) {
-    const inner = type in structs ? structs[type].size : 0;
+    const inner = type in structs ? structs[type].size : 0, Numbers = count && !inner ? arrayClass(type, count, memory, view) : null;
     Object.defineProperty(View.prototype, field, {
       enumerable: true,
       get() {
         const at = this.address + offset;
         if (inner && count) return Array.from({ length: count }, (_, i) => new classes[type](at + i * inner));
         if (inner) return new classes[type](at);
-        if (count) return new k_arrays[type](memory.buffer, at, count);
-        return k_read[type](new DataView(memory.buffer), at);
+        if (count) return new Numbers(at);
+        return k_read[type](view(), at);
       },
       set(value) {
         const at = this.address + offset;
         if (inner && !count) new classes[type](at).set(value);
-        else if (count && !inner) new k_arrays[type](memory.buffer, at, count).set(value);
-        else if (!count) k_write[type](new DataView(memory.buffer), at, value);
+        else if (count && !inner) new Numbers(at).set(value);
+        else if (!count) k_write[type](view(), at, value);
         else throw new Error(`${name}.${field} is set item by item`);
       },
     });
@@ -90,15 +108,20 @@ function trampoline(f, signature) {
   return new WebAssembly.Instance(new WebAssembly.Module(new Uint8Array(bytes)), { e: { f } }).exports.f;
 }
 
-async function compiled(source) {
+// Bundlers must leave an import of node's own modules as it is.
+const fromNode = (name) => import(/* webpackIgnore: true */ /* @vite-ignore */ `node:${name}`);
+
+// The module of a URL, bytes or a module; without one, the file beside this one.
+export async function compile(source, threads = 1) {
+  source ??= threads > 1 ? new URL("./sandglass-threads.wasm", import.meta.url) : new URL("./sandglass.wasm", import.meta.url);
   if (source instanceof WebAssembly.Module) return source;
   if (ArrayBuffer.isView(source) || source instanceof ArrayBuffer) return WebAssembly.compile(source);
-  const url = source instanceof URL ? source : new URL(source, import.meta.url);
-  if (url.protocol === "file:" && typeof process !== "undefined")
-    return WebAssembly.compile(await (await import("node:fs/promises")).readFile(url));
-  const answer = await fetch(url);
-  if (!answer.ok) throw new Error(`sandglass: cannot load "${url}": the server answers ${answer.status}.`);
-  return WebAssembly.compile(await answer.arrayBuffer());
+  const url = source instanceof URL ? source : new URL(source, globalThis.location?.href ?? import.meta.url);
+  if (url.protocol === "file:" && typeof process !== "undefined") return WebAssembly.compile(await (await fromNode("fs/promises")).readFile(url));
+  const answer = await fetch(url).catch(() => null), bytes = new Uint8Array(await answer?.arrayBuffer() ?? 0);
+  if (answer?.ok && String(bytes.subarray(0, 4)) === "0,97,115,109") return WebAssembly.compile(bytes);
+  throw new Error(`sandglass: cannot load "${url}": ${!answer ? "there is no answer" : answer.ok ? "the answer is no WebAssembly" : `the server answers ${answer.status}`}. ` +
+    'For Vite before 8, write optimizeDeps: { exclude: ["sandglass"] } into vite.config.js; for others, copy sandglass.wasm there or import "sandglass/inline".');
 }
 
 // What a worker of the pool runs: a further instance of the module on the shared memory. In a browser and under node.
@@ -118,7 +141,7 @@ if (port.once) port.once("message", heard); else port.onmessage = heard;`;
 
 async function newWorker() {
   if (typeof Worker === "undefined") {
-    const worker = new (await import("node:worker_threads")).Worker(k_worker, { eval: true });
+    const worker = new (await fromNode("worker_threads")).Worker(k_worker, { eval: true });
     worker.unref();
     return worker;
   }
@@ -144,7 +167,9 @@ async function startWorker(message) {
 // desc.parallel. `source` then is sandglass-threads.wasm. In a browser the page must be cross-origin isolated.
 export async function load(source, options = {}) {
   const now = options.now ?? (() => performance.now()), threads = options.threads ?? 1;
-  let memory = threads > 1 ? new WebAssembly.Memory({ initial: k_shared_pages, maximum: k_shared_pages_at_most, shared: true }) : undefined, reading = 0n;
+  const module = await compile(source, threads);
+  const shared = WebAssembly.Module.imports(module).some(({ kind }) => kind === "memory");
+  let memory = shared ? new WebAssembly.Memory({ initial: k_shared_pages, maximum: k_shared_pages_at_most, shared }) : undefined, reading = 0n;
   const host = {
     clock_time_get(_clock, _precision, at) {
       // Browsers round their clock, up to 0.1 ms. One that stands still over several work units would count as broken.
@@ -155,7 +180,6 @@ export async function load(source, options = {}) {
     },
     proc_exit(code) { throw new Error(`sandglass: the module ended with code ${code}.`); },
   };
-  const module = await compiled(source ?? (threads > 1 ? "sandglass-threads.wasm" : "sandglass.wasm"));
   const instance = await WebAssembly.instantiate(module, {
     wasi_snapshot_preview1: host,
     env: { memory, emscripten_notify_memory_growth() {} },
@@ -163,7 +187,7 @@ export async function load(source, options = {}) {
   const { exports } = instance;
   memory ??= exports.memory;
   exports._initialize?.();
-  const sand = new Sandglass(exports, memory, threads);
+  const sand = new Sandglass(exports, memory, threads, module);
   await Promise.all(Array.from({ length: threads - 1 }, () => startWorker({ module, memory, stack: sand.allocate(k_worker_stack) + k_worker_stack })));
   return sand;
 }
@@ -175,16 +199,19 @@ class Sandglass {
   #reason;
   #blocks = new Map();
   #pointers = new Map();  // to C functions, by name
+  #view;
 
-  constructor(exports, memory, threads) {
-    this.#exports = exports, this.#memory = memory, this.threads = threads;
-    for (const name of Object.keys(structs)) this.#classes[name] = structClass(name, memory, this.#classes);
+  constructor(exports, memory, threads, module) {
+    this.#exports = exports, this.#memory = memory, this.threads = threads, this.module = module;
+    for (const name of Object.keys(structs)) this.#classes[name] = structClass(name, memory, () => this.view(), this.#classes);
     this.#reason = this.allocate(8);
     for (const [name, [parameters, result, of, fails]] of Object.entries(functions))
       this[name] = this.#method(exports[name], parameters, result, of, fails);
   }
 
   get memory() { return this.#memory; }
+  // The module's memory as it is now: ask again rather than keep it.
+  view() { return this.#view?.buffer === this.#memory.buffer ? this.#view : (this.#view = new DataView(this.#memory.buffer)); }
   // The pool, as sandglass_scene_desc.parallel; without threads, none.
   get helped() { return this.threads > 1 ? this.#exports.sandglass_web_pool_helped() >>> 0 : 0; }
   get parallel() { return { run: this.threads > 1 ? this.pointer("sandglass_web_pool_run") : 0, user: 0 }; }
@@ -196,7 +223,7 @@ class Sandglass {
       return (...values) => {
         const status = call(...raw(values), this.#reason);
         if (status === 0) return;
-        const reason = this.text(new DataView(this.memory.buffer).getUint32(this.#reason, true));
+        const reason = this.text(this.view().getUint32(this.#reason, true));
         throw Object.assign(new Error(reason ?? this.sandglass_status_name(status)), { status });
       };
     if (result === "struct")  // C returns it through an address that comes first
@@ -278,10 +305,10 @@ class Sandglass {
     let block = 0;
     try {
       this[`${name}_bytes`](...description, size);
-      const bytes = Number(new DataView(this.memory.buffer).getBigUint64(size, true));
+      const bytes = Number(this.view().getBigUint64(size, true));
       block = this.allocate(bytes);
       this[`${name}_create`](...description, block, bytes, size);
-      const handle = new DataView(this.memory.buffer).getUint32(size, true);
+      const handle = this.view().getUint32(size, true);
       this.#blocks.set(handle, this.#blocks.get(block));
       return handle;
     } catch (error) {

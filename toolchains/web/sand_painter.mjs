@@ -1,23 +1,41 @@
-// Draws a skin of the library with the sand kit (toolchains/kit): the chunks of the mesh, uploaded when their versions
-// change, and the loose sand as points and lines.
-import { k_kit } from "./data.mjs";
+// Draws a skin of the library with the sand kit by WebGL 2: the chunks of the mesh that changed are uploaded, and the loose
+// sand is drawn as points and lines.
+import { k_kit } from "./kit.mjs";
+import { k_loose_words, k_vertex_bytes } from "./skin_changes.mjs";
 
 const k_block_texels = 64;
-const k_vertex_bytes = 24, k_loose_bytes = 32;
+const k_loose_bytes = 4 * k_loose_words;
 const k_points = 256, k_lines = 384;  // of a loose particle at most, as in loose.vert
 const k_grain_radius = 0.0003, k_point_pixels = 1.5, k_line_pixels = 1.2;
 const k_minerals = [[0.80, 0.66, 0.46, 0.62], [0.90, 0.83, 0.72, 0.24], [0.58, 0.34, 0.17, 0.09], [0.13, 0.115, 0.10, 0.05]];  // as in sand_block.cpp
 const k_block_side = 0.0084;
 const k_block_unit = 8;  // of the painter's textures; those below are others
 const k_stream_narrow = 0.3;
-const k_before = k_kit.uniforms + k_kit.light;
+const k_loose_vertex = k_kit.loose_vert.replace("in uint number;", "in float seed;\n#define number uint(seed)");
+
+// Compiles for WebGL 2. `at` gives the place of a uniform.
+export function program(gl, vertex, fragment) {
+  const made = gl.createProgram();
+  for (const [kind, body] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, `#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n${body}`);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(`This browser refuses a shader: ${gl.getShaderInfoLog(shader)}`);
+    gl.attachShader(made, shader);
+  }
+  gl.linkProgram(made);
+  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(`This browser refuses a program: ${gl.getProgramInfoLog(made)}`);
+  const at = new Map();
+  return { made, at: (name) => at.get(name) ?? (at.set(name, gl.getUniformLocation(made, name)), at.get(name)) };
+}
 
 export class SandPainter {
-  // `program(gl, vertex, fragment)` compiles; `hidden` is the page's function for what is real; `block` is what sand_block makes.
-  constructor(gl, program, hidden, block, radius) {
+  // `hidden`: GLSL, how much something real hides of a place; `block`: of sandBlock; `radius`: a particle's.
+  constructor(gl, hidden, block, radius, light = k_kit.light) {
+    const before = k_kit.uniforms + light;
     this.gl = gl, this.radius = radius, this.chunks = [], this.counts = [0, 0];
-    this.surface = program(gl, k_before + k_kit.surface_vert, k_before + hidden + k_kit.sand + k_kit.surface + k_kit.surface_frag);
-    this.loose = program(gl, k_before + k_kit.sand + k_kit.loose_vert, k_before + hidden + k_kit.loose_frag);
+    this.surface = program(gl, before + k_kit.surface_vert, before + hidden + k_kit.sand + k_kit.surface + k_kit.surface_frag);
+    this.loose = program(gl, before + k_kit.sand + k_loose_vertex, before + hidden + k_kit.loose_frag);
     this.looseBuffer = gl.createBuffer(), this.looseArray = gl.createVertexArray(), this.streams = [], this.wet = 0, this.share = 1;
     gl.bindVertexArray(this.looseArray);
     for (const at of [0, 1, 2]) gl.enableVertexAttribArray(at), gl.vertexAttribDivisor(at, 1);
@@ -39,7 +57,7 @@ export class SandPainter {
   }
 
   newChunk() {
-    const { gl } = this, chunk = { version: 0, count: 0, array: gl.createVertexArray(), vertices: gl.createBuffer(), indices: gl.createBuffer() };
+    const { gl } = this, chunk = { count: 0, array: gl.createVertexArray(), vertices: gl.createBuffer(), indices: gl.createBuffer() };
     gl.bindVertexArray(chunk.array);
     gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices), gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, chunk.indices);
     [[3, gl.FLOAT, 0], [3, gl.BYTE, 12], [1, gl.UNSIGNED_BYTE, 15], [3, gl.UNSIGNED_SHORT, 16], [1, gl.SHORT, 22]].forEach(([size, type, offset], at) => {
@@ -49,29 +67,22 @@ export class SandPainter {
     return chunk;
   }
 
-  // What changed of a skin since the last call. `mesh` is a sandglass_skin_mesh.
-  upload(sand, skin, mesh) {
+  // Another skin comes.
+  clear() { for (const chunk of this.chunks) chunk.count = 0; }
+  // `changes`: of SkinChanges.
+  upload({ chunks, flying, lying, loose, low, high }) {
     const { gl } = this;
-    sand.sandglass_skin_get_mesh(skin, mesh);
-    if (mesh.version === this.version && skin === this.skin) return;
-    if (skin !== this.skin) for (const chunk of this.chunks) chunk.version = chunk.count = 0;
-    this.version = mesh.version, this.skin = skin;
-    for (let i = 0; i < mesh.chunk_count; ++i) {
-      const one = sand.at("sandglass_skin_chunk", mesh.chunks, i), chunk = this.chunks[i] ??= this.newChunk();
-      if (chunk.version === one.version) continue;
-      chunk.version = one.version, chunk.count = one.index_count;
-      gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices), gl.bufferData(gl.ARRAY_BUFFER, sand.bytes(one.vertices, k_vertex_bytes * one.vertex_count), gl.DYNAMIC_DRAW);
+    for (const { number, vertices, indices } of chunks) {
+      const chunk = this.chunks[number] ??= this.newChunk();
+      chunk.count = indices.length;
+      gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices), gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.DYNAMIC_DRAW);
       gl.bindVertexArray(chunk.array);
-      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, sand.bytes(one.indices, 2 * one.index_count), gl.DYNAMIC_DRAW);
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.DYNAMIC_DRAW);
       gl.bindVertexArray(null);
     }
-    for (const chunk of this.chunks.slice(mesh.chunk_count)) chunk.count = 0;
-    this.counts = [mesh.flying_count, mesh.lying_count];
-    const loose = sand.floats(mesh.loose, 8 * (mesh.flying_count + mesh.lying_count)), axes = [0, 1, 2];
-    this.low = axes.map(() => Infinity), this.high = axes.map(() => -Infinity);
-    for (let i = 0; i < loose.length; i += 8) for (const k of axes) this.low[k] = Math.min(this.low[k], loose[i + k]), this.high[k] = Math.max(this.high[k], loose[i + k]);
+    this.counts = [flying, lying], this.low = low, this.high = high;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.looseBuffer);
-    gl.bufferData(gl.ARRAY_BUFFER, sand.bytes(mesh.loose, 4 * loose.length), gl.STREAM_DRAW);
+    gl.bufferData(gl.ARRAY_BUFFER, loose, gl.STREAM_DRAW);
   }
   // How many points or lines the nearest loose particle needs; the shader leaves out what the others do not.
   needed(eye, pixels, most, least) {
@@ -106,20 +117,9 @@ export class SandPainter {
       if (count === 0) continue;
       const at = k_loose_bytes * first;
       gl.vertexAttribPointer(0, 4, gl.FLOAT, false, k_loose_bytes, at), gl.vertexAttribPointer(1, 3, gl.FLOAT, false, k_loose_bytes, at + 16);
-      gl.vertexAttribIPointer(2, 1, gl.UNSIGNED_INT, k_loose_bytes, at + 28);
+      gl.vertexAttribPointer(2, 1, gl.FLOAT, false, k_loose_bytes, at + 28);
       set("flies", flies), gl.drawArraysInstanced(kind, 0, vertices, count);
     }
     gl.bindVertexArray(null);
   }
-}
-
-// The block of packed grains; `module` is sand_block.wasm.
-export async function sandBlock(module) {
-  const nothing = new Proxy({}, { get: () => () => 0 });  // what it imports for failures
-  const { exports } = (await WebAssembly.instantiate(module, { env: nothing, wasi_snapshot_preview1: nothing })).instance;
-  exports._initialize?.();
-  let bytes = 0;
-  for (let side = k_block_texels; side >= 1; side >>= 1) bytes += 8 * side ** 3;
-  const at = exports.sand_block_make(0);  // its memory may grow meanwhile
-  return new Uint8Array(exports.memory.buffer, at, bytes).slice();
 }

@@ -1,0 +1,215 @@
+#!/usr/bin/env python3
+"""The README's two examples in headless Chromium, by an import map, Vite (served and built) and esbuild, and with Babylon.js in
+scenes of both hands: shadow and sand are seen, the light is the library's, memory may grow, and the page's thread stays free.
+
+engines_test.py NPM_FOLDER WORK_FOLDER README    WORK_FOLDER has node_modules, and gets pictures/*.png.
+Exit code 77: there is no Chromium here."""
+import functools
+import http.server
+import json
+import pathlib
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import threading
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
+from browser import Browser
+
+SKIPPED, PATIENCE = 77, 60
+HERE = pathlib.Path(__file__).parent / "engines"
+MAP = {"three": "three/build/three.module.js", "three/addons/": "three/examples/jsm/", "sandglass/three": "sandglass/three.mjs"}
+HANDLES = """
+import "./three_cube.mjs";
+const step = () => { stage.update(1 / 60), renderer.render(scene, camera); };
+Object.assign(globalThis, { THREE, createStage, renderer, scene, camera, stage, model, floor, step, gl: renderer.getContext() });
+"""
+# Runs frames, and gives the mean of the picture's red, green and blue at shares of its width and height, linear.
+LOOK = """((frames, places) => {
+  for (let i = 0; i < frames; ++i) stage.update(1 / 60);
+  step();
+  const pixel = new Uint8Array(4), linear = (byte) => (byte / 255) ** 2.2;
+  return places.map(([x, y]) => (gl.readPixels(x * gl.drawingBufferWidth, (1 - y) * gl.drawingBufferHeight, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel), [...pixel].slice(0, 3).map(linear)));
+})"""
+WORKER = """(async () => {
+  renderer.setAnimationLoop(null);
+  const far = await createStage(THREE, { renderer, scene: new THREE.Scene(), worker: true }), pause = () => new Promise((done) => setTimeout(done, 4));
+  const knot = new THREE.Mesh(new THREE.TorusKnotGeometry(0.06, 0.02, 100, 16)), take = far.take.bind(far), spent = [];
+  let longest = 0, before = performance.now(), done = false, own = 0;
+  await far.createSand({ particles: 2000 });
+  const begin = performance.now();
+  await far.addModel(knot), far.stage.fields.then(() => { done = true; });
+  for (before = performance.now(); !done; before = performance.now()) await pause(), longest = Math.max(longest, performance.now() - before);
+  const field = performance.now() - begin;
+  far.pour({ position: [0, 0.5, 0] });
+  far.take = (drawn) => { const from = performance.now(); take(drawn), own += performance.now() - from; };
+  for (let i = 0; i < 240; ++i) { const from = performance.now(); far.update(1 / 60), own += performance.now() - from; await pause(); }
+  return { field, longest, frame: own / 240, particles: far.drawn.particles };
+})()"""
+
+
+def check(right, sentence):
+    print(("" if right else "WRONG: ") + sentence, flush=True)
+    if not right:
+        sys.exit(1)
+
+
+def stool():
+    """A .glb of five boxes: a seat of 30 cm, 23 cm high."""
+    boxes = [((-.15, .2, -.15), (.15, .23, .15))] + [((x, 0, z), (x + .03, .2, z + .03)) for x in (-.14, .11) for z in (-.14, .11)]
+    corners = [tuple(box[i >> k & 1][k] for k in range(3)) for box in boxes for i in range(8)]
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    indices = [8 * box + side[i] for box in range(len(boxes)) for side in sides for i in (0, 1, 2, 0, 2, 3)]
+    data = struct.pack(f"<{3 * len(corners)}f{len(indices)}H", *sum(corners, ()), *indices)
+    views = [{"buffer": 0, "byteOffset": at, "byteLength": size} for at, size in ((0, 12 * len(corners)), (12 * len(corners), 2 * len(indices)))]
+    text = json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "buffers": [{"byteLength": len(data)}], "bufferViews": views,
+                       "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [.2, .35, .5, 1], "metallicFactor": 0}}],
+                       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+                       "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(corners), "type": "VEC3", "min": [-.15, 0, -.15], "max": [.15, .23, .15]},
+                                     {"bufferView": 1, "componentType": 5123, "count": len(indices), "type": "SCALAR"}]})
+    text += " " * (-len(text) % 4)
+    return struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + len(data), len(text), b"JSON") + text.encode() + struct.pack("<I4s", len(data), b"BIN\0") + data
+
+
+def prepare(npm, work, readme):
+    package = work / "node_modules/sandglass"
+    shutil.rmtree(package, ignore_errors=True)
+    shutil.copytree(npm, package)
+    for file in HERE.iterdir():
+        shutil.copy(file, work)
+    light, poured = re.findall(r"```js\n(.*?)```", readme.read_text(), re.DOTALL)[:2]
+    sand = re.sub(r"(.*addModel.*\n)", lambda line: line[0] + poured, light)
+    check(max(len(light.splitlines()), len(sand.splitlines())) <= 25 and sand != light, "each example has at most 25 lines")
+    for name, text in (("light", light), ("sand", sand)):
+        (work / f"{name}.mjs").write_text(text + HANDLES)
+    (work / "public").mkdir(exist_ok=True)
+    for folder in (work, work / "public"):
+        (folder / "model.glb").write_bytes(stool()), shutil.copy(readme.parents[2] / "models/pictures/receiver.jpg", folder / "room.jpg")
+    page = (HERE / "index.html").read_text()
+    names = json.dumps({"imports": {name: f"/node_modules/{path}" for name, path in MAP.items()}})
+    (work / "map.html").write_text(page.replace("<!-- import map -->", f"<script type=\"importmap\">{names}</script>"))
+    (work / "vite.config.js").write_text('export default { optimizeDeps: { exclude: ["sandglass"] } };\n')
+
+
+class Files(http.server.SimpleHTTPRequestHandler):
+    extensions_map = {**http.server.SimpleHTTPRequestHandler.extensions_map, ".mjs": "text/javascript", ".wasm": "application/wasm"}
+
+    def log_message(self, *_):
+        pass
+
+
+def served(folder):
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Files, directory=folder))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    return f"http://127.0.0.1:{server.server_port}/"
+
+
+def opened(browser, url):
+    browser.open(url)
+    end = time.monotonic() + PATIENCE
+    while (ready := browser.ask("globalThis.ready ?? ''")) == "" and time.monotonic() < end:
+        time.sleep(0.1)
+    return ready
+
+
+def share(places):
+    """How bright the first place is, of the second."""
+    return sum(places[0]) / max(sum(places[1]), 1e-6)
+
+
+def shows(browser, work, how, url, frames=60, places=((0.47, 0.65), (0.12, 0.87))):
+    """The page shows a shadow, and a heap where `frames` are enough for one."""
+    ready = opened(browser, url)
+    dark = share(browser.ask(f"{LOOK}({frames}, {json.dumps(places)})")) if ready == "yes" else 0
+    browser.screenshot(work / "pictures" / f"{how}.png")
+    check(ready == "yes" and 0.3 < dark < 0.85 and browser.ask("gl.getError()") == 0, f"{how}: {ready}, the floor in the shadow has {dark:.2f} of the light")
+
+
+def poured(browser, how, seat, bare):
+    """Sand lies on the seat: there red is more than blue, and not on the bare model."""
+    on, beside = browser.ask(f"{LOOK}(150, {json.dumps([seat, bare])})")
+    particles = browser.ask("stage.drawn.particles")
+    check(particles > 100 and on[0] > on[2] and beside[0] < beside[2], f"{how}: sand of {particles} particles on the seat")
+
+
+def cubes(browser, how):
+    right, signs, pi = (browser.ask(f"cube({json.dumps(fault)})") for fault in ("", "signs", "pi"))
+    check(right <= 0.005 < 0.3 < min(signs, pi), f"{how}: worst face of a white cube {right:.2%}; with wrong signs {signs:.0%}, with a sun over pi {pi:.0%}")
+
+
+def grows(browser):
+    """By 96 MiB between two frames."""
+    browser.ask("renderer.setAnimationLoop(null); globalThis.held = stage.stage.sand.floats(stage.stage.words, 4); 0")
+    places = json.dumps([[0.05 + 0.1 * (i % 10), 0.05 + 0.1 * (i // 10)] for i in range(100)])
+    before = browser.ask(f"{LOOK}(0, {places})")
+    browser.ask("stage.stage.sand.allocate(96 << 20)")
+    after = browser.ask(f"{LOOK}(0, {places})")
+    same = sum(max(abs(a - b) for a, b in zip(one, two)) < 0.02 for one, two in zip(before, after))
+    check(same >= 95 and browser.ask("gl.getError()") == 0 and browser.ask("held.length") == 0, f"memory grew: {same} of 100 pixels are as before; a held view has ended")
+
+
+def vite(work, look):
+    with http.server.HTTPServer(("127.0.0.1", 0), Files) as free:
+        port = free.server_port
+    server = subprocess.Popen(["node", "node_modules/vite/bin/vite.js", "--host", "127.0.0.1", "--port", str(port), "--strictPort", "--force"],
+                              cwd=work, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    try:
+        for line in server.stdout:
+            if "Local:" in line:
+                return look(f"http://127.0.0.1:{port}/?app=light")
+        check(False, "Vite does not start")
+    finally:
+        server.kill(), server.wait()
+
+
+def main(arguments):
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        return SKIPPED
+    npm, work, readme = map(pathlib.Path, arguments)
+    prepare(npm, work, readme)
+    (work / "pictures").mkdir(exist_ok=True)
+    run = lambda *command: subprocess.run(command, cwd=work, check=True, timeout=300)
+    run("node", "node_modules/vite/bin/vite.js", "build", "--logLevel", "error", "--outDir", "built", "--emptyOutDir")
+    run("node_modules/.bin/esbuild", "main.mjs", "babylon.mjs", "--bundle", "--format=esm", "--splitting", "--outdir=bundled", "--log-level=error")
+    shutil.copy(npm / "sandglass.wasm", work / "bundled")
+    for name in ("main", "babylon"):
+        (work / "bundled" / f"{name}.html").write_text((HERE / "index.html").read_text().replace("main.mjs", f"{name}.js"))
+    for name in ("model.glb", "room.jpg"):
+        shutil.copy(work / name, work / "bundled")
+    browser = Browser(program, width=800, height=600, flags=("--use-angle=swiftshader", "--enable-unsafe-swiftshader"))
+    try:
+        plain, built, bundled = served(work), served(work / "built"), served(work / "bundled")
+        shows(browser, work, "import map", plain + "map.html?app=light")
+        browser.ask("stage.removeModel(model)")
+        dark = share(browser.ask(f"{LOOK}(120, [[0.47, 0.65], [0.12, 0.87]])"))
+        check(dark > 0.95, f"without the model's shadow that floor has {dark:.2f} of the light")
+        cubes(browser, "three.js")
+        shows(browser, work, "import map, sand", plain + "map.html?app=sand", 20)
+        poured(browser, "import map", (0.49, 0.37), (0.55, 0.6))
+        browser.screenshot(work / "pictures/import map, sand.png")
+        grows(browser)
+        far = browser.ask(WORKER)
+        check(far["particles"] > 100 and far["longest"] < far["field"] / 4, "in a worker: a field takes {field:.0f} ms, the page waits {longest:.0f} ms at most; a frame takes {frame:.2f} ms of it".format(**far))
+        shows(browser, work, "vite build", built + "?app=light")
+        told = browser.ask("createStage(THREE, { renderer, scene, source: 'index.html' }).catch((error) => error.message)")
+        check('optimizeDeps: { exclude: ["sandglass"] }' in told, f"what is no module: {told}")
+        told = browser.ask("createStage(THREE, { renderer: { isWebGPURenderer: true }, scene }).catch((error) => error.message)")
+        check("needs three's WebGLRenderer" in told, f"another renderer: {told}")
+        vite(work, lambda url: shows(browser, work, "vite", url))
+        shows(browser, work, "esbuild", bundled + "main.html?app=light")
+        for hand in ("right", "left"):
+            shows(browser, work, f"babylon, {hand}-handed", bundled + f"babylon.html?app={hand}", 20, ((0.63, 0.64), (0.12, 0.87)))
+            poured(browser, f"babylon, {hand}-handed", (0.5, 0.4), (0.42, 0.6))
+            browser.screenshot(work / "pictures" / f"babylon, {hand}-handed.png")
+            cubes(browser, f"babylon, {hand}-handed")
+    finally:
+        browser.close()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,119 @@
+// sandglass/babylon: a stage in a scene of Babylon.js, right-handed or left-handed, which the app hands over; nothing is
+// imported of it. In a left-handed scene the stage's z is the scene's -z.
+import { Engine } from "./engine.mjs";
+import { receive, receivers, receiverValues } from "./glsl.mjs";
+
+const k_vectors = ["sandglass_pile_box", "sandglass_object_box", "sandglass_seen_box", "sandglass_numbers", "sandglass_to_light"];
+
+// `scene` is needed; `worker`: the stage runs in a Worker; else options of Stage.create.
+export async function createStage(BABYLON, { scene, ...options }) {
+  const engine = scene?.getEngine();
+  if (!(engine?.webGLVersion >= 2)) throw new Error("sandglass: createStage needs a scene of an Engine with WebGL 2; WebGPUEngine has other shaders. Pass { scene: new Scene(new Engine(canvas)) }.");
+  return new BabylonStage(BABYLON, scene, await Engine.stageOf(options));
+}
+
+class BabylonStage extends Engine {
+  constructor(BABYLON, scene, stage) {
+    super(stage, scene.getEngine()._gl);
+    Object.assign(this, { BABYLON, scene, z: scene.useRightHandedSystem ? 1 : -1, sun: new BABYLON.DirectionalLight("sandglass", new BABYLON.Vector3(0, -1, 0), scene), vectors: {} });
+    // The engine takes harmonics from a cube map; this one is black, so that nothing is reflected.
+    this.around = new BABYLON.RawCubeTexture(scene, Array.from({ length: 6 }, () => new Uint8Array([0, 0, 0, 255])), 1);
+    scene.environmentTexture ??= this.around;
+    this.textures = Object.fromEntries(receivers.map((name) => [name, this.texture(1, new Uint8Array([name === "seen" || name === "sky" ? 255 : 0]))]));
+    for (const name of k_vectors) this.vectors[name] = [0, 0, 0, 0];
+    this.vectors.sandglass_seen_box = [2, 2, 0, 0];
+    this.Receiver = this.receiver();
+  }
+  texture(side, bytes) {
+    const { RawTexture, Constants } = this.BABYLON;
+    const made = RawTexture.CreateRTexture(bytes, side, side, this.scene, false, false, Constants.TEXTURE_BILINEAR_SAMPLINGMODE, Constants.TEXTURETYPE_UNSIGNED_BYTE);
+    return made.wrapU = made.wrapV = Constants.TEXTURE_CLAMP_ADDRESSMODE, made;
+  }
+  mirrored([x, y, z]) { return [x, y, this.z * z]; }
+
+  poseOf(object) {
+    const { Vector3, Quaternion } = this.BABYLON, position = new Vector3(), rotation = new Quaternion();
+    object.computeWorldMatrix(true).decompose(new Vector3(), rotation, position);
+    return { position: this.mirrored(position.asArray()), rotation: [this.z * rotation.x, this.z * rotation.y, rotation.z, rotation.w] };
+  }
+  meshOf(object, { position, rotation }) {
+    const { Vector3, Matrix, Quaternion } = this.BABYLON, positions = [], indices = [], v = new Vector3();
+    const from = Matrix.Compose(Vector3.One(), Quaternion.FromArray(rotation), Vector3.FromArray(position)).invert(), mirror = Matrix.Scaling(1, 1, this.z);
+    for (const mesh of [object, ...object.getChildMeshes(false)]) {
+      const at = mesh.getVerticesData?.("position"), own = at && mesh.computeWorldMatrix(true).multiply(mirror).multiply(from), base = positions.length / 3;
+      if (!at) continue;
+      const order = own.determinant() < 0 ? [0, 2, 1] : [0, 1, 2], corners = mesh.getIndices() ?? Array.from({ length: at.length / 3 }, (_, i) => i);
+      for (let i = 0; i < at.length; i += 3) Vector3.TransformCoordinatesFromFloatsToRef(at[i], at[i + 1], at[i + 2], own, v), positions.push(v.x, v.y, v.z);
+      for (let i = 0; i < corners.length; i += 3) for (const k of order) indices.push(base + corners[i + k]);
+    }
+    return { positions: new Float32Array(positions), indices: new Uint32Array(indices) };
+  }
+  // Column-major matrices of a camera that looks along -z of the stage's world.
+  matricesOf(camera) {
+    const view = [...camera.getViewMatrix().m], projection = [...camera.getProjectionMatrix().m];
+    if (this.z < 0) for (let i = 0; i < 16; ++i) if ((i % 4 === 2) !== (i >> 2 === 2)) view[i] = -view[i];
+    if (this.z < 0) for (let i = 8; i < 12; ++i) projection[i] = -projection[i];
+    return { view, projection };
+  }
+  cameraOf(camera) {
+    const { Matrix, Quaternion } = this.BABYLON, { view } = this.matricesOf(camera), aspect = this.scene.getEngine().getAspectRatio(camera);
+    const orientation = Quaternion.FromRotationMatrix(Matrix.FromArray(view).invert().getRotationMatrix()).asArray();
+    return { position: this.mirrored(camera.globalPosition.asArray()), orientation, diagonal: 360 / Math.PI * Math.atan(Math.hypot(1, aspect) * Math.tan(camera.fov / 2)) };
+  }
+
+  // A plugin of materials: what the library says is left of the light.
+  receiver() {
+    const stage = this, text = receive.replace(/^uniform vec4[^;]*;\n/m, ""), place = this.z < 0 ? "vec3(vPositionW.xy, -vPositionW.z)" : "vPositionW";
+    return class extends this.BABYLON.MaterialPluginBase {
+      constructor(material) { super(material, "SandglassReceiver", 200, { SANDGLASS_RECEIVER: false }), this._enable(true); }
+      getClassName() { return "SandglassReceiver"; }
+      prepareDefines(defines) { defines.SANDGLASS_RECEIVER = true; }
+      getSamplers(samplers) { samplers.push(...receivers.map((name) => `sandglass_${name}`)); }
+      getUniforms() { return { ubo: k_vectors.map((name) => ({ name, size: 4, type: "vec4" })), fragment: k_vectors.map((name) => `uniform vec4 ${name};`).join("\n") }; }
+      bindForSubMesh(buffer) {
+        for (const name of k_vectors) buffer.updateFloat4(name, ...stage.vectors[name]);
+        for (const name of receivers) buffer.setTexture(`sandglass_${name}`, stage.textures[name]);
+      }
+      getCustomCode(kind) {
+        return kind !== "fragment" ? null : { CUSTOM_FRAGMENT_DEFINITIONS: text, CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `
+          vec2 sandglass_rest = sandglass_left(${place});
+          finalDiffuse *= sandglass_rest.x;
+          #ifdef SPECULARTERM
+          finalSpecularScaled *= sandglass_rest.x;
+          #endif
+          #ifdef REFLECTION
+          finalIrradiance *= sandglass_rest.y, finalRadianceScaled *= sandglass_rest.y;
+          #endif` };
+      }
+    };
+  }
+  // The material of a surface that shadows fall on. It stays as it is otherwise.
+  receive(material) {
+    if (!/^PBR/.test(material.getClassName())) throw new Error(`sandglass: no shadow falls on a ${material.getClassName()}: Babylon.js does not light it by harmonics. Take a PBRMaterial.`);
+    return new this.Receiver(material), material;
+  }
+
+  // Sand, drawn before the scene's meshes. Options as for Stage.createSand.
+  async createSand(options) {
+    await this.newSand(options);
+    this.drawing ??= this.scene.onBeforeDrawPhaseObservable.add(() => {
+      const { scene, gl } = this, camera = scene.activeCamera;
+      this.sand.draw({ ...this.matricesOf(camera), eye: this.mirrored(camera.globalPosition.asArray()), height: gl.getParameter(gl.VIEWPORT)[3],
+        linear: scene.imageProcessingConfiguration.applyByPostProcess, reversed: scene.getEngine().useReverseDepthBuffer });
+    });
+  }
+
+  show(drawn, changed) {
+    const { BABYLON, around, sun } = this, { toLight, facing, ambient } = drawn.light;
+    // The engine's vectors have their z reversed, in scenes of both hands. The terms are those that it would make of harmonics.
+    const harmonics = BABYLON.SphericalHarmonics.FromArray(Array.from({ length: 9 }, (_, k) => ambient.slice(3 * k, 3 * k + 3).map((x) => ([2, 5, 7].includes(k) ? -x : x))));
+    harmonics.preScaled = true, around.sphericalPolynomial = BABYLON.SphericalPolynomial.FromHarmonics(harmonics);
+    sun.direction = BABYLON.Vector3.FromArray(this.mirrored(toLight)).negate(), sun.diffuse = BABYLON.Color3.FromArray(facing), sun.specular = sun.diffuse;
+    Object.assign(this.vectors, receiverValues(drawn));
+    for (const name of changed) {
+      const { side, bytes } = drawn.textures[name];
+      if (this.textures[name].getSize().width !== side) this.textures[name].dispose(), this.textures[name] = this.texture(side, bytes.slice());
+      else this.textures[name].update(bytes.slice());
+    }
+  }
+}

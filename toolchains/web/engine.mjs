@@ -1,0 +1,127 @@
+// What sandglass/three and sandglass/babylon have in common: a stage here or in a worker, the objects that were added to
+// it, and the sand, which is drawn by WebGL itself amid the engine's own frame.
+import { Stage, pixelsOf } from "./stage.mjs";
+import { WorkerStage, blockMade } from "./worker.mjs";
+import { SandPainter } from "./sand_painter.mjs";
+import { k_block_text } from "./block_module.mjs";
+import { kit, kitValues, receivers } from "./glsl.mjs";
+
+const k_units = { pile: 0, object: 1, seen: 2, sky: 3 }, k_painter_units = [0, 1, 2, 3, 8, 9];
+const k_hidden = "float hidden(vec3 world) { return 0.0; }\n";
+const k_light = `uniform float linear_output;\n${kit.light.replace("linear = clamp", "if (linear_output > 0.5) return vec4(linear, 1);\n  linear = clamp")}`;
+const k_capabilities = ["BLEND", "CULL_FACE", "DEPTH_TEST", "SCISSOR_TEST", "STENCIL_TEST", "POLYGON_OFFSET_FILL"];
+const k_unpack = ["UNPACK_FLIP_Y_WEBGL", "UNPACK_PREMULTIPLY_ALPHA_WEBGL"];  // engines leave the others at 0
+
+// Does some work and leaves WebGL as it was, so that what the engine believes of it stays true. Browsers answer at once but
+// for the depth buffer's state, which uploads do not touch.
+function unnoticed(gl, work, draws = false) {
+  const get = (name) => gl.getParameter(gl[name]), can = k_capabilities.map((name) => [gl[name], gl.isEnabled(gl[name])]);
+  const stores = ["UNPACK_ALIGNMENT", ...k_unpack].map((name) => [gl[name], get(name)]), active = get("ACTIVE_TEXTURE");
+  const before = { program: get("CURRENT_PROGRAM"), array: get("VERTEX_ARRAY_BINDING"), buffer: get("ARRAY_BUFFER_BINDING"), ...(draws ? { mask: get("DEPTH_WRITEMASK"), order: get("DEPTH_FUNC") } : {}) };
+  const textures = k_painter_units.map((unit) => (gl.activeTexture(gl.TEXTURE0 + unit), [unit, get("TEXTURE_BINDING_2D"), get("TEXTURE_BINDING_3D")]));
+  try {
+    for (const name of k_unpack) gl.pixelStorei(gl[name], 0);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1), gl.bindVertexArray(null);
+    work();
+  } finally {
+    for (const [unit, flat, solid] of textures) gl.activeTexture(gl.TEXTURE0 + unit), gl.bindTexture(gl.TEXTURE_2D, flat), gl.bindTexture(gl.TEXTURE_3D, solid);
+    gl.activeTexture(active), gl.useProgram(before.program), gl.bindVertexArray(before.array), gl.bindBuffer(gl.ARRAY_BUFFER, before.buffer);
+    if (draws) gl.depthMask(before.mask), gl.depthFunc(before.order);
+    for (const [name, on] of can) if (on) gl.enable(name); else gl.disable(name);
+    for (const [name, value] of stores) gl.pixelStorei(name, value);
+  }
+}
+
+class Sand {
+  constructor(gl, block, radius) {
+    this.gl = gl, this.textures = {};
+    unnoticed(gl, () => {
+      this.painter = new SandPainter(gl, k_hidden, block, radius, k_light);
+      for (const name of ["onSand", "skyOnSand", "object", "seen"]) this.upload(name, { side: 1, bytes: new Uint8Array([name === "onSand" || name === "object" ? 0 : 255]) });
+    });
+  }
+  upload(name, { side, bytes }) {
+    const { gl } = this, made = this.textures[name] ??= gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, made);
+    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
+    for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, side, side, 0, gl.RED, gl.UNSIGNED_BYTE, bytes);
+  }
+  take(drawn) {
+    this.values = kitValues(drawn);
+    unnoticed(this.gl, () => {
+      for (const name of Object.keys(this.textures)) if (drawn.textures[name]) this.upload(name, drawn.textures[name]);
+      if (drawn.skin) this.painter.upload(drawn.skin), this.filled = true;
+    });
+    this.painter.streams = drawn.streams;
+  }
+  // `view` and `projection` are column-major; the view looks along -z.
+  draw({ view, projection, eye, height, linear, reversed }) {
+    if (!this.filled) return;
+    const { gl, painter, textures } = this;
+    unnoticed(gl, () => {
+      gl.disable(gl.BLEND), gl.disable(gl.CULL_FACE), gl.enable(gl.DEPTH_TEST), gl.depthMask(true), gl.depthFunc(reversed ? gl.GEQUAL : gl.LEQUAL);
+      const set = { ...this.values, view, projection, eye, linear_output: linear ? 1 : 0 };
+      painter.draw((program) => {
+        gl.useProgram(program.made);
+        for (const [name, texture] of [["pile", textures.onSand], ["object", textures.object], ["seen", textures.seen], ["sky", textures.skyOnSand]])
+          gl.activeTexture(gl.TEXTURE0 + k_units[name]), gl.bindTexture(gl.TEXTURE_2D, texture), gl.uniform1i(program.at(name), k_units[name]);
+        for (const [name, value] of Object.entries(set)) {
+          const at = program.at(name);
+          if (typeof value === "number") gl.uniform1f(at, value);
+          else if (value.length === 16) gl.uniformMatrix4fv(at, false, value);
+          else if (value.length === 9) gl.uniformMatrix3fv(at, false, value);
+          else gl[value.length === 4 ? "uniform4fv" : "uniform3fv"](at, value);
+        }
+      }, eye, 0.5 * height * projection[5]);
+    }, true);
+  }
+}
+
+// A subclass has meshOf(object), poseOf(object), cameraOf(camera) and show(drawn).
+export class Engine {
+  static async stageOf({ worker = false, ...options }) { return (worker ? WorkerStage : Stage).create(options); }
+  constructor(stage, gl) { Object.assign(this, { stage, gl, objects: new Map(), owed: 0, sand: null, busy: false }); }
+
+  // An object's meshes throw a shadow, and sand lies on them. They are taken at their present size; the pose is followed.
+  async addModel(object, options) {
+    const pose = this.poseOf(object);
+    this.objects.set(object, { pose, number: await this.stage.addModel({ ...this.meshOf(object, pose), ...pose }, options) });
+  }
+  async removeModel(object) {
+    const { number } = this.objects.get(object);
+    this.objects.delete(object);
+    await this.stage.remove(number);
+  }
+  // An image of the room, and the camera that took it.
+  async see(image, camera, options) { await this.stage.see(pixelsOf(image), { ...this.cameraOf(camera), ...options }); }
+
+  async newSand(options) {
+    const [{ radius }, block] = await Promise.all([this.stage.createSand(options), blockMade(Uint8Array.from(atob(k_block_text), (letter) => letter.charCodeAt(0)))]);
+    await this.stage.fields;
+    this.sand = new Sand(this.gl, block, radius);
+  }
+  pour(...nozzles) { return this.stage.pour(...nozzles); }
+  push(...balls) { return this.stage.push(...balls); }
+
+  // Once a frame, before it is rendered. A stage in a worker shows each frame when it is done.
+  update(seconds) {
+    this.owed += seconds;
+    if (this.busy) return;
+    for (const [object, model] of this.objects) {
+      const pose = this.poseOf(object);
+      if (String(pose.position) === String(model.pose.position) && String(pose.rotation) === String(model.pose.rotation)) continue;
+      model.pose = pose, this.stage.move(model.number, pose.position, pose.rotation);
+    }
+    const drawn = this.stage.frame(Math.min(this.owed, 0.1));
+    this.owed = 0;
+    if (!(drawn instanceof Promise)) return this.take(drawn);
+    this.busy = true;
+    drawn.then((arrived) => this.take(arrived)).finally(() => { this.busy = false; });
+  }
+  take(drawn) {
+    this.drawn = drawn;
+    this.sand?.take(drawn);
+    this.show(drawn, receivers.filter((name) => drawn.textures[name]));
+  }
+}

@@ -1,0 +1,2 @@
+export * from "sandglass";
+export declare function wasm(): Uint8Array;

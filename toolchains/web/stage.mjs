@@ -1,0 +1,238 @@
+// sandglass/stage: models, sand, shadows and the room's light on one floor, for any renderer; none is imported. An app adds
+// models, shows images of the room, and calls frame(): it gives what has to be drawn anew. The world is right-handed, y up,
+// in metres. sandglass/worker has the same methods in a Worker.
+import { load, constants } from "./sandglass.mjs";
+import { SkinChanges } from "./skin_changes.mjs";
+import { fieldMade } from "./worker.mjs";
+
+const C = constants, k_colliders = 64, k_nozzles = 8, k_models = 32;
+const k_texels = { pile: 128, sky: 64, object: 256, seen: 128 };
+const k_fade = 5;             // seconds after an image in which light and shadows are told anew
+const k_field_nodes = 4e6;   // at most: a large model gets a coarser field
+const k_longest_side = 256;  // pixels of an image that are read
+
+// The field of a mesh, to be moved to another instance's memory. It holds the address of its values, which end the block.
+export function fieldOf(sand, { positions, indices }, spacing) {
+  const used = [], keep = (block) => { used.push(block); return block; };
+  try {
+    const mesh = keep(sand.make("sandglass_mesh", { vertices: keep(sand.put(positions)), vertex_count: positions.length / 3,
+      indices: keep(sand.put(indices)), triangle_count: indices.length / 3 }));
+    const inside = keep(sand.create("sandglass_mesh_inside", mesh, C.SANDGLASS_INSIDE_WINDING));
+    const desc = keep(sand.make("sandglass_field_desc", { solid: C.SANDGLASS_SOLID_INSIDE, mesh, inside: sand.pointer("sandglass_mesh_inside_test"), inside_user: inside }));
+    sand.sandglass_mesh_bounds(mesh, desc.bounds_min, desc.bounds_max);
+    const volume = [...desc.bounds_max].reduce((product, high, k) => product * (high - desc.bounds_min[k] + 8 * spacing), 1);
+    desc.spacing = Math.max(spacing, Math.cbrt(volume / k_field_nodes)), desc.band = 4 * desc.spacing;
+    for (let k = 0; k < 3; ++k) desc.bounds_min[k] -= desc.band, desc.bounds_max[k] += desc.band;
+    const size = keep(sand.allocate(8));
+    sand.sandglass_field_bytes(desc, size);
+    const field = keep(sand.create("sandglass_field", desc)), bytes = sand.bytes(field, Number(sand.view().getBigUint64(size, true))).slice();
+    sand.sandglass_field_bounds(field, desc.bounds_min, desc.bounds_max);
+    const nodes = [...desc.bounds_max].reduce((product, high, k) => product * (Math.round((high - desc.bounds_min[k]) / desc.spacing) + 1), 1);
+    const values = bytes.length - 4 * nodes, pointer = 4 * new Uint32Array(bytes.buffer, 0, values / 4).indexOf(field + values);
+    if (pointer < 0) throw new Error("sandglass: a field has another layout than this package knows. Take all its files of one version.");
+    return { bytes, pointer, values };
+  } finally {
+    for (const block of used) sand.free(block);
+  }
+}
+
+function placed(sand, { bytes, pointer, values }) {
+  const at = sand.put(bytes);
+  return sand.view().setUint32(at + pointer, at + values, true), at;
+}
+
+// What see() takes, of an image, a video or a canvas.
+export function pixelsOf(image) {
+  if (image.data) return image;
+  const full = [image.videoWidth || image.naturalWidth || image.width, image.videoHeight || image.naturalHeight || image.height];
+  const [width, height] = full.map((side) => Math.max(1, Math.round(side * Math.min(1, k_longest_side / Math.max(...full)))));
+  const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+  context.drawImage(image, 0, 0, width, height);
+  return { data: context.getImageData(0, 0, width, height).data, width, height };
+}
+
+export class Stage {
+  // `sand`: of load(); or `source` and `threads` for it. `origin`: a point of the floor; sand throws shadows up to `half`
+  // metres around it. `budget`: milliseconds that a frame of the library may take.
+  static async create({ sand, source, threads = 1, origin = [0, 0, 0], half = 0.64, budget = 8 } = {}) {
+    return new Stage(sand ?? await load(source, { threads }), { origin, half, budget });
+  }
+
+  constructor(sand, options) {
+    Object.assign(this, { sand, options, models: new Map(), nozzles: [], hands: [], shown: {}, next: 1, fading: k_fade, cast: 0, room: 0, fields: Promise.resolve() });
+    this.made("room", "sandglass_room");
+    this.words = sand.allocate(4 * C.SANDGLASS_LIGHT_CELLS), this.castList = sand.allocate(4);
+    for (const name of ["camera_image", "room_light", "room_place", "lighting", "filament_light", "frame_input", "frame_report", "cast_texture",
+      "pile_shadow_texture", "pile_shadow_sky"]) this[name] = sand.make(`sandglass_${name}`);
+    this.light = sand.make("sandglass_room_light"), this.light.struct_size = 0;
+    sand.sandglass_room_place_default(this.room_place);
+    this.room_place.set({ position: options.origin, shown: this.light });
+    this.colliders = sand.array("sandglass_collider", k_colliders), this.emitters = sand.array("sandglass_emitter", k_nozzles);
+    this.meshes = sand.array("sandglass_cast_mesh", k_models);
+    sand.sandglass_frame_input_default(this.frame_input);
+    this.frame_input.set({ budget_ns: Math.round(options.budget * 1e6), colliders: this.colliders.address, emitters: this.emitters.address, casts: this.castList, cast_count: 1 });
+    this.newScene({}), this.newCast(4096);
+    sand.sandglass_room_get(this.room, this.room_place, this.room_light);
+  }
+
+  // Makes one of the library's objects, in place of the one before.
+  made(key, name, fields = {}, ...more) {
+    const { sand } = this, desc = sand.make(`${name}_desc`);
+    sand[`${name}_desc_default`](desc, ...more);
+    desc.set(typeof fields === "function" ? fields(desc) : fields);
+    if (this[key]) sand.destroy(this[key]), this[key] = 0;
+    this[key] = sand.create(name, desc), sand.free(desc);
+  }
+
+  newScene(granular) {
+    const { sand } = this;
+    this.made("scene", "sandglass_scene", (desc) => {
+      desc.granular.set({ ...granular, collider_capacity: k_colliders, emitter_capacity: k_nozzles });
+      if (granular.particle_capacity) this.made("skin", "sandglass_skin", {}, desc.granular);
+      return { clock: sand.sandglass_clock_system(), parallel: sand.parallel };
+    });
+    this.frame_input.skin = this.skin ?? 0;
+  }
+
+  newCast(triangles) {
+    const { sand, options } = this, plane = sand.make("sandglass_cast_plane");
+    this.made("cast", "sandglass_cast", { texels: k_texels.object, ambient_texels: k_texels.seen, triangle_capacity: this.triangles = triangles, mesh_capacity: k_models });
+    sand.sandglass_cast_plane_default(plane);
+    plane.origin.set(options.origin);
+    sand.sandglass_cast_set_plane(this.cast, plane), sand.free(plane);
+    sand.view().setUint32(this.castList, this.cast, true), this.fading = k_fade;
+  }
+
+  // Sand of so many particles of a radius in metres; further fields are those of sandglass_granular_desc. Sand that was
+  // there is gone.
+  createSand({ particles = 3000, radius = 0.006, ...granular } = {}) {
+    const { origin: [x, y, z], half } = this.options;
+    this.radius = radius;
+    this.newScene({ particle_capacity: particles, particle_radius: radius, static_friction: 0.6, kinetic_friction: 0.55, ...granular });
+    this.made("pile", "sandglass_pile_shadow", { low: [x - half, z - half], high: [x + half, z + half], floor: y, texels: k_texels.pile, sky_texels: k_texels.sky });
+    this.frame_input.pile_shadow = this.pile, this.shown = {}, this.fading = k_fade, this.changes = new SkinChanges(this.sand, this.skin);
+    for (const model of this.models.values()) this.giveField(model);
+    return { radius };
+  }
+
+  // A mesh in its own frame (metres, its present size) and its pose. `shadow`: it throws one. `collide`: sand lies on it, as
+  // soon as a worker has made its field; `fields` resolves then. Gives the number that move() and remove() take.
+  addModel({ positions, indices, position, rotation }, { shadow = true, collide = true } = {}) {
+    const { sand, models } = this, count = indices.length / 3;
+    if (models.size === k_models) throw new Error(`sandglass: a stage holds ${k_models} models. Remove one, or join their meshes.`);
+    if (!(count > 0)) throw new Error("sandglass: the model has no triangles. Add an object that has a mesh.");
+    const model = { position, rotation, shadow, collide, count, vertices: positions.length / 3, positions: sand.put(positions), indices: sand.put(indices), field: 0 };
+    models.set(this.next, model);
+    const triangles = [...models.values()].reduce((sum, one) => sum + (one.shadow ? 2 * one.count : 0), 0);
+    if (triangles > this.triangles) this.newCast(2 * triangles);
+    this.moved = true;
+    this.giveField(model);
+    return this.next++;
+  }
+
+  giveField(model) {
+    if (!this.radius || !model.collide || model.field) return;
+    const { sand, radius } = this, { positions, indices, vertices, count } = model;
+    const mesh = { positions: sand.floats(positions, 3 * vertices).slice(), indices: new Uint32Array(sand.memory.buffer, indices, 3 * count).slice() };
+    const field = typeof Worker === "undefined" ? Promise.resolve(fieldOf(sand, mesh, radius)) : fieldMade(sand.module, mesh, radius);
+    this.fields = Promise.all([this.fields, field.then((made) => { if (model.count && !model.field) model.field = placed(sand, made); }, (error) => {
+      throw new Error(`sandglass: sand cannot lie on a model: ${error.message} Add it with { collide: false }, or take smaller sand.`);
+    })]);
+  }
+
+  move(number, position, rotation) { Object.assign(this.models.get(number), { position, rotation }), this.moved = true; }
+  remove(number) {
+    const model = this.models.get(number);
+    this.models.delete(number), this.castModels();
+    for (const block of [model.positions, model.indices, model.field]) this.sand.free(block);
+    model.count = 0;
+  }
+
+  // Nozzles that are open from now on: { position, rotation, radius, speed }; none closes them.
+  pour(...nozzles) { this.nozzles = nozzles.slice(0, k_nozzles).map((nozzle) => ({ rotation: [0, 0, 0, 1], radius: 4 * this.radius, speed: 0.8, ...nozzle })); }
+  // Balls that push sand from now on: { position, radius, velocity }.
+  push(...balls) { this.hands = balls.slice(0, k_colliders - 1 - k_models); }
+
+  // RGBA bytes, the upper row first, of a camera that looks along -z of `orientation`. The first image is taken as it is;
+  // light of later ones fades in.
+  see({ data, width, height }, { orientation = [0, 0, 0, 1], position = [0, 0, 0], diagonal = 75, exposure = 0, ms = performance.now() } = {}) {
+    const { sand, camera_image: image, words } = this, pixels = sand.put(data), focal = sand.sandglass_camera_focal(width, height, diagonal);
+    sand.sandglass_camera_image_default(image);
+    image.set({ format: C.SANDGLASS_CAMERA_RGBA, width, height, focal_x: focal, focal_y: focal, centre_x: (width - 1) / 2, centre_y: (height - 1) / 2,
+      planes: [pixels, 0, 0], strides: [4 * width, 0, 0], orientation, position, exposure, timestamp_ns: Math.round(ms * 1e6) });
+    try { sand.sandglass_room_set_image(this.room, image, words); } finally { sand.free(pixels); }
+    if (!this.seen) this.seen = true, this.light.struct_size = 0;
+    this.fading = k_fade;
+    sand.sandglass_room_get(this.room, this.room_place, this.room_light);
+  }
+
+  // Lets the light fade, and tells the shadows. Gives it: the direction and irradiance of the main light, the rest as
+  // radiance (nine harmonics) and as irradiance over pi (nine terms of a polynomial, see sandglass_filament_light).
+  follow(seconds) {
+    const { sand, light, lighting, filament_light: filament, words, cast, pile } = this;
+    sand.sandglass_room_fade(light, this.room_light, seconds);
+    sand.sandglass_lighting_of_room(light, lighting);
+    sand.sandglass_lighting_to_filament(lighting, C.SANDGLASS_LIGHTING_AMBIENT, 1, filament);
+    const sum = Math.max([...light.ambient_cells].reduce((all, cell) => all + cell, 0), 0.001);
+    for (const [kind, handle, ...more] of [["cast", cast, 0], ["pile_shadow", pile]]) {
+      if (!handle) continue;
+      sand[`sandglass_${kind}_set_light`](handle, light.main_direction, ...more);
+      // What is drawn by these cells is the light without the main one: they are 1 together.
+      sand.floats(words, C.SANDGLASS_LIGHT_CELLS).set([...light.ambient_cells].map((cell) => cell / sum));
+      sand[`sandglass_${kind}_set_cells`](handle, words);
+    }
+    return { toLight: [...lighting.towards], facing: [...lighting.facing], radiance: [...lighting.ambient_sh], ambient: [...filament.sh], floor: [...light.floor] };
+  }
+
+  castModels() {
+    const { sand, meshes, models } = this, casting = [...models.values()].filter(({ shadow }) => shadow);
+    casting.forEach(({ positions, vertices, indices, count, position, rotation }, i) => {
+      sand.sandglass_cast_mesh_default(meshes[i]);
+      meshes[i].set({ positions, vertex_count: vertices, indices, triangle_count: count, world_from_mesh: matrixOf(position, rotation) });
+    });
+    sand.sandglass_cast_set_meshes(this.cast, meshes, casting.length);
+    this.moved = false;
+  }
+
+  // So many seconds go by. Gives what drawn() says.
+  frame(seconds) {
+    const { sand, colliders, emitters, frame_input: input, frame_report: report } = this;
+    if (this.fading > 0) this.fading -= seconds, this.lit = this.follow(seconds);
+    if (this.moved) this.castModels();
+    const still = { rotation: [0, 0, 0, 1], size: [1, 1, 1], linear_velocity: [0, 0, 0], field: 0, id: 0 }, all = [{ shape: C.SANDGLASS_SHAPE_HALF_SPACE, position: this.options.origin }];
+    for (const [id, { position, rotation, field }] of this.models) if (field) all.push({ shape: C.SANDGLASS_SHAPE_FIELD, position, rotation, field, id });
+    for (const { position, radius, velocity = [0, 0, 0] } of this.hands) all.push({ shape: C.SANDGLASS_SHAPE_SPHERE, position, size: [radius, 0, 0], linear_velocity: velocity });
+    all.forEach((one, i) => colliders[i].set({ ...still, ...one }));
+    this.nozzles.forEach((nozzle, i) => emitters[i].set(nozzle));
+    input.set({ time_step: seconds, collider_count: this.radius ? all.length : 0, emitter_count: this.radius ? this.nozzles.length : 0 });
+    sand.sandglass_scene_frame(this.scene, input, report);
+    return this.drawn(this.lit);
+  }
+
+  // What changed since the call before. Its arrays are views of the module's memory, valid until the next call.
+  drawn(light) {
+    const { sand, shown, cast_texture: cast, pile_shadow_texture: pile, pile_shadow_sky: sky, options: { origin: [x, y, z], half } } = this;
+    const textures = {}, changed = (key, version) => shown[key] !== version && (shown[key] = version, true);
+    const take = (name, side, at) => { textures[name] = { side, bytes: sand.bytes(at, side ** 2) }; };
+    const boxOf = ({ corner, along, across }) => [corner[0], corner[2], 1 / along[0], 1 / across[2]];
+    sand.sandglass_cast_get_texture(this.cast, cast);
+    if (cast.valid && changed("object", `${this.cast} ${cast.completed}`)) take("object", cast.texels, cast.bytes), this.objectBox = boxOf(cast);
+    sand.sandglass_cast_get_ambient(this.cast, cast);
+    if (cast.valid && changed("seen", `${this.cast} ${cast.completed}`)) take("seen", cast.texels, cast.bytes), this.seenBox = boxOf(cast);
+    const out = { light, textures, floor: y, pileBox: [x - half, z - half, 0.5 / half, 0.5 / half], objectBox: this.objectBox ?? [0, 0, 0, 0], seenBox: this.seenBox ?? [2, 2, 0, 0],
+      objectOpacity: this.objectBox ? 1 : 0, pileOpacity: 0, skyKnown: 0, milliseconds: this.frame_report.time.elapsed_ns / 1e6, particles: this.frame_report.sand.particles };
+    if (!this.radius) return out;
+    sand.sandglass_pile_shadow_get_texture(this.pile, pile), sand.sandglass_pile_shadow_get_sky(this.pile, sky);
+    if (pile.valid && changed("pile", pile.version)) take("pile", pile.texels, pile.coverage), take("onSand", pile.texels, pile.on_sand);
+    if (sky.valid && changed("sky", sky.version)) take("sky", sky.texels, sky.floor), take("skyOnSand", sky.texels, sky.on_sand);
+    const skin = this.changes.take();
+    const streams = this.nozzles.slice(0, 3).map(({ position, rotation, radius, speed }) => ({ nozzle: [...position, radius], way: [...matrixOf(position, rotation).slice(4, 7).map((c) => -c), speed] }));
+    return Object.assign(out, { skin, streams, radius: this.radius, pileOpacity: pile.valid ? pile.opacity : 0, skyKnown: sky.valid });
+  }
+}
+
+// Column-major, of a pose.
+function matrixOf([px, py, pz], [x, y, z, w]) {
+  return [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0, 2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0,
+    2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0, px, py, pz, 1];
+}

@@ -1,0 +1,93 @@
+// sandglass/three: a stage in a scene of three.js, which the app hands over; nothing is imported of it.
+import { Engine } from "./engine.mjs";
+import { receive, receivers, receiverValues } from "./glsl.mjs";
+
+// `renderer` and `scene` are needed; `worker`: the stage runs in a Worker; else options of Stage.create.
+export async function createStage(THREE, { renderer, scene, ...options }) {
+  if (!renderer?.isWebGLRenderer) throw new Error("sandglass: createStage needs three's WebGLRenderer; WebGPURenderer has no onBeforeCompile. Pass { renderer: new THREE.WebGLRenderer() }.");
+  if (!scene?.isScene) throw new Error("sandglass: createStage needs the scene that is lit. Pass { scene }.");
+  return new ThreeStage(THREE, renderer, scene, await Engine.stageOf(options));
+}
+
+class ThreeStage extends Engine {
+  constructor(THREE, renderer, scene, stage) {
+    super(stage, renderer.getContext());
+    Object.assign(this, { THREE, scene, renderer, probe: new THREE.LightProbe(), sun: new THREE.DirectionalLight(), group: null });
+    scene.add(this.probe, this.sun, this.sun.target);
+    this.uniforms = Object.fromEntries(Object.keys(receiverValues({ light: { toLight: [] } })).map((name) => [name, { value: new THREE.Vector4() }]));
+    for (const name of receivers) this.uniforms[`sandglass_${name}`] = { value: this.texture(1, new Uint8Array([name === "seen" || name === "sky" ? 255 : 0])) };
+    this.uniforms.sandglass_seen_box.value.set(2, 2, 0, 0);
+  }
+  texture(side, bytes) {
+    const { LinearFilter, RedFormat, DataTexture } = this.THREE;
+    return Object.assign(new DataTexture(bytes, side, side, RedFormat), { minFilter: LinearFilter, magFilter: LinearFilter, unpackAlignment: 1, needsUpdate: true });
+  }
+
+  rigid(object) {
+    const { Vector3, Quaternion } = this.THREE, position = new Vector3(), rotation = new Quaternion();
+    object.updateWorldMatrix(true, false), object.matrixWorld.decompose(position, rotation, new Vector3());
+    return { position, rotation };
+  }
+  poseOf(object) { const { position, rotation } = this.rigid(object); return { position: position.toArray(), rotation: rotation.toArray() }; }
+  meshOf(object) {
+    const { Vector3, Matrix4 } = this.THREE, { position, rotation } = this.rigid(object), from = new Matrix4().compose(position, rotation, new Vector3(1, 1, 1)).invert();
+    const positions = [], indices = [], v = new Vector3();
+    object.updateMatrixWorld(true);
+    object.traverse(({ isMesh, geometry, matrixWorld }) => {
+      if (!isMesh) return;
+      const at = geometry.getAttribute("position"), own = from.clone().multiply(matrixWorld), base = positions.length / 3, count = geometry.index?.count ?? at.count;
+      for (let i = 0; i < at.count; ++i) v.fromBufferAttribute(at, i).applyMatrix4(own), positions.push(v.x, v.y, v.z);
+      for (let i = 0; i < count; ++i) indices.push(base + (geometry.index?.getX(i) ?? i));
+    });
+    return { positions: new Float32Array(positions), indices: new Uint32Array(indices) };
+  }
+  cameraOf(camera) {
+    const { position, rotation } = this.poseOf(camera), { fov = 50, aspect = 1 } = camera;
+    return { position, orientation: rotation, diagonal: 360 / Math.PI * Math.atan(Math.hypot(1, aspect) * Math.tan(fov * Math.PI / 360)) };
+  }
+
+  // The material of a surface that shadows fall on. It stays as it is otherwise.
+  receive(material) {
+    const before = material.onBeforeCompile, key = material.customProgramCacheKey();
+    material.onBeforeCompile = (shader, renderer) => {
+      before.call(material, shader, renderer);
+      if (!shader.fragmentShader.includes("#include <aomap_fragment>")) throw new Error(`sandglass: no shadow falls on a ${material.type}: three does not light it. Take a MeshStandardMaterial.`);
+      Object.assign(shader.uniforms, this.uniforms);
+      shader.vertexShader = shader.vertexShader.replace("#include <common>", "#include <common>\nvarying vec3 sandglass_world;")
+        .replace("#include <project_vertex>", "#include <project_vertex>\nsandglass_world = (modelMatrix * vec4(transformed, 1)).xyz;");
+      shader.fragmentShader = shader.fragmentShader.replace("#include <common>", `#include <common>\nvarying vec3 sandglass_world;\n${receive}`).replace("#include <aomap_fragment>",
+        `#include <aomap_fragment>
+        vec2 sandglass_rest = sandglass_left(sandglass_world);
+        reflectedLight.directDiffuse *= sandglass_rest.x, reflectedLight.directSpecular *= sandglass_rest.x;
+        reflectedLight.indirectDiffuse *= sandglass_rest.y, reflectedLight.indirectSpecular *= sandglass_rest.y;`);
+    };
+    material.customProgramCacheKey = () => `${key} sandglass`;
+    material.needsUpdate = true;
+    return material;
+  }
+
+  // Sand, as a Group in the scene. Options as for Stage.createSand.
+  async createSand(options) {
+    const { THREE, scene, renderer } = this, mesh = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({ colorWrite: false, depthWrite: false })), eye = new THREE.Vector3();
+    await this.newSand(options);
+    mesh.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(9), 3)), mesh.frustumCulled = false;
+    mesh.onBeforeRender = (_renderer, _scene, camera) => {
+      const target = renderer.getRenderTarget(), space = target ? (target.isXRRenderTarget ? target.texture.colorSpace : "") : renderer.outputColorSpace;
+      this.sand.draw({ view: camera.matrixWorldInverse.elements, projection: camera.projectionMatrix.elements, eye: eye.setFromMatrixPosition(camera.matrixWorld).toArray(),
+        height: this.gl.getParameter(this.gl.VIEWPORT)[3], linear: space !== THREE.SRGBColorSpace, reversed: camera.reversedDepth });
+    };
+    if (this.group) scene.remove(this.group);
+    return scene.add(this.group = new THREE.Group().add(mesh)), this.group;
+  }
+
+  show(drawn, changed) {
+    const { uniforms } = this, { toLight, facing, radiance } = drawn.light;
+    this.probe.sh.fromArray(radiance), this.sun.color.setRGB(...facing), this.sun.position.set(...toLight);
+    for (const [name, value] of Object.entries(receiverValues(drawn))) uniforms[name].value.fromArray(value);
+    for (const name of changed) {
+      const { side, bytes } = drawn.textures[name], uniform = uniforms[`sandglass_${name}`];
+      if (uniform.value.image.width !== side) uniform.value.dispose(), uniform.value = this.texture(side, new Uint8Array(side * side));
+      uniform.value.image.data.set(bytes), uniform.value.needsUpdate = true;
+    }
+  }
+}
