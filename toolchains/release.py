@@ -84,15 +84,16 @@ def main():
             sys.exit(f"release.py: {name}: there is no {path}: build it first")
     if folder.exists():
         sys.exit(f"release.py: {folder} is there already: name a new folder")
+    inside = {name: members(name, path) for name, path in pieces if path.is_dir()}
     made = folder.with_name(folder.name + ".part")  # so that what is interrupted leaves no half release
     shutil.rmtree(made, ignore_errors=True)
     made.mkdir(parents=True)
     for name, path in pieces:
         stem = f"sandglass-{version}-{name}"
-        if path.is_file():
-            shutil.copyfile(path, made / (stem + path.suffix))
+        if name in inside:
+            pack(made / (stem + (".tgz" if name in NPM else ".tar.gz")), "package" if name in NPM else stem, inside[name], seconds)
         else:
-            pack(made / (stem + (".tgz" if name in NPM else ".tar.gz")), "package" if name in NPM else stem, members(name, path), seconds)
+            shutil.copyfile(path, made / (stem + path.suffix))
     bill = json.dumps(sbom(made, version, seconds), indent=1) + "\n"
     (made / f"sandglass-{version}.spdx.json").write_text(bill)
     (made / "SHA256SUMS").write_text("".join(f"{sha256(path)}  {path.name}\n" for path in sorted(made.iterdir())))

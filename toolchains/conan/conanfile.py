@@ -9,7 +9,7 @@ from conan.tools.files import copy
 
 class SandglassRecipe(ConanFile):
     name = "sandglass"
-    version = "0.1.0"
+    version = "0.2.0"
     license = "Apache-2.0"
     description = "Sand, light and shadow for augmented reality, inside a fixed slice of every frame"
     package_type = "static-library"

@@ -91,7 +91,7 @@ extern "C" {
 /* From 1.0 on, only a new one may break an app. */
 #define SANDGLASS_VERSION_MAJOR 0
 /* Before 1.0, a new one may break an app. */
-#define SANDGLASS_VERSION_MINOR 1
+#define SANDGLASS_VERSION_MINOR 2
 /* A new one changes no header but this line. */
 #define SANDGLASS_VERSION_PATCH 0
 
