@@ -165,12 +165,9 @@ export class Painter {
     this.objects = [], this.funnels = [];  // funnels: matrices of `funnel`, an item
     const s = 3;
     this.table = this.mesh(new Float32Array([-s, 0, -s, -s, 0, s, s, 0, s, s, 0, -s]), new Uint32Array([0, 1, 2, 0, 2, 3]));
-    this.objectShadow = { box: [0, 0, 1, 1], opacity: 0 };
-    this.pileShadow = { box: [0, 0, 1, 1], opacity: 0, sky: 0 };
-    this.seenBox = [2, 2, 0, 0];  // nowhere
     this.wall = null;        // { model, on, plane, box, seenBox, opacity }: what makes a place of its own one of the world, and back
     this.depthOnScreen = null;  // where a share of the screen, from its lower left corner, lies in the depth image
-    this.light = { sun: [0, 0, 0], ambient: new Float32Array(27), floor: [0, 0, 0] }, this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
+    this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     gl.enable(gl.DEPTH_TEST);
   }
 
@@ -187,6 +184,12 @@ export class Painter {
     const { gl } = this;
     gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, side, side, 0, gl.RED, gl.UNSIGNED_BYTE, bytes);
+  }
+  // What drawn() of a stage gives.
+  take(drawn) {
+    this.drawn = drawn, this.sand.streams = drawn.streams;
+    for (const [name, { side, bytes }] of Object.entries(drawn.textures)) this.upload(this[name], side, bytes);
+    if (drawn.skin) this.sand.upload(drawn.skin);
   }
   // Halves, the upper row first, as the library gives them.
   uploadFace(face, side, halves) {
@@ -266,7 +269,7 @@ export class Painter {
 
   // One view of the table. `real`: table and wall are those that a camera shows, and get shadows alone.
   paint({ view, projection, eye, viewport, real }) {
-    const { gl, wall } = this, still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    const { gl, wall, light, drawn } = this, still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     const depth = real && this.depthOnScreen, m = depth || Array(9).fill(0), [left, low, width, height] = viewport;
     const depthFromScreen = m.map((x, i) => (i < 3 ? x / width : i < 6 ? x / height : x - m[i - 6] * left / width - m[i - 3] * low / height));
     gl.viewport(...viewport);
@@ -277,12 +280,12 @@ export class Painter {
       gl.activeTexture(gl.TEXTURE5), gl.bindTexture(gl.TEXTURE_CUBE_MAP, this.room);
       gl.activeTexture(gl.TEXTURE0);
       gl.uniformMatrix4fv(p.at("view"), false, view), gl.uniformMatrix4fv(p.at("projection"), false, projection);
-      gl.uniform3fv(p.at("to_light"), this.light.toLight), gl.uniform3fv(p.at("sun"), this.light.sun), gl.uniform3fv(p.at("eye"), eye);
-      gl.uniform3fv(p.at("ambient"), this.light.ambient), gl.uniform3fv(p.at("below"), this.light.floor), gl.uniformMatrix3fv(p.at("table_of_room"), false, this.tableOfRoom);
-      gl.uniform4fv(p.at("pile_box"), this.pileShadow.box), gl.uniform1f(p.at("pile_opacity"), this.pileShadow.opacity);
-      gl.uniform1f(p.at("sky_known"), this.pileShadow.sky);
-      gl.uniform4fv(p.at("object_box"), this.objectShadow.box), gl.uniform1f(p.at("object_opacity"), this.objectShadow.opacity);
-      gl.uniform4fv(p.at("seen_box"), this.seenBox), gl.uniformMatrix4fv(p.at("on_plane"), false, still);
+      gl.uniform3fv(p.at("to_light"), light.toLight), gl.uniform3fv(p.at("sun"), light.facing.map((x) => x / Math.PI)), gl.uniform3fv(p.at("eye"), eye);
+      gl.uniform3fv(p.at("ambient"), light.ambient), gl.uniform3fv(p.at("below"), light.floor), gl.uniformMatrix3fv(p.at("table_of_room"), false, this.tableOfRoom);
+      gl.uniform4fv(p.at("pile_box"), drawn.pileBox), gl.uniform1f(p.at("pile_opacity"), drawn.pileOpacity);
+      gl.uniform1f(p.at("sky_known"), drawn.skyKnown);
+      gl.uniform4fv(p.at("object_box"), drawn.objectBox), gl.uniform1f(p.at("object_opacity"), drawn.objectOpacity);
+      gl.uniform4fv(p.at("seen_box"), drawn.seenBox), gl.uniformMatrix4fv(p.at("on_plane"), false, still);
       gl.uniform4fv(p.at("wall"), real && wall ? wall.plane : [0, 0, 0, 1e9]), gl.uniform1f(p.at("bias"), k_depth_bias);
       gl.uniformMatrix3fv(p.at("depth_from_screen"), false, depthFromScreen);
     };
