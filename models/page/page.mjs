@@ -136,20 +136,16 @@ class Page {
   // Objects cast on a wall, too: `pose` is a column-major matrix whose y is the wall's normal, `low` and `high` its extent in x
   // and z; null: there is none.
   setWall(pose, low, high) {
-    const { sand, stage, painter, scene } = this, [x, y, z, at] = [0, 4, 8, 12].map((k) => [...pose?.slice(k, k + 3) ?? []]);
+    const { stage, painter, scene } = this, [x, y, z, at] = [0, 4, 8, 12].map((k) => [...pose?.slice(k, k + 3) ?? []]);
     if (!pose) {
       scene.input.cast_count = 1, painter.wall = null;
       return;
     }
-    if (!this.wallPlane) this.wallPlane = sand.make("sandglass_cast_plane"), stage.castOnAnother(), this.castAll();
-    sand.sandglass_cast_plane_default(this.wallPlane);
-    this.wallPlane.set({ origin: at, normal: y, along: x, low, high });
-    sand.sandglass_cast_set_plane(stage.casts[1], this.wallPlane);
+    stage.setWall({ x, y, z, at, low, high });
     scene.input.cast_count = 2;
     const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0), back = [x, y, z].map((axis) => -dot(axis, at));
     const on = new Float32Array([x[0], y[0], z[0], 0, x[1], y[1], z[1], 0, x[2], y[2], z[2], 0, ...back, 1]);
-    this.wallAxes = { x, z, at, normal: y };
-    painter.wall = { ...painter.wall ?? { opacity: 0, box: [0, 0, 1, 1], seenBox: [2, 2, 0, 0] }, model: new Float32Array(pose), on, plane: [...y, back[1]] };
+    painter.wall = { model: new Float32Array(pose), on, plane: [...y, back[1]], x, y, at };
   }
 
   // The light that is drawn: the device's in augmented reality, the camera's, or that of the sliders.
@@ -168,8 +164,8 @@ class Page {
     const cells = seen ? Float32Array.from(stage.light.ambient_cells) : new Float32Array(constants.SANDGLASS_LIGHT_CELLS).fill(1);
     stage.shade(light.toLight, cellsOfTable(cells, painter.tableOfRoom));
     if (!painter.wall) return;
-    const table = this.real?.table ?? [0, 0, 0], { at, normal, x } = this.wallAxes;
-    sand.floats(stage.words, cells.length).set(seen ? this.room.cellsOfWall(at.map((c, i) => c + table[i]), normal, x) : cells);
+    const table = this.real?.table ?? [0, 0, 0], { at, y, x } = painter.wall;
+    sand.floats(stage.words, cells.length).set(seen ? this.room.cellsOfWall(at.map((c, i) => c + table[i]), y, x) : cells);
     sand.sandglass_cast_set_cells(stage.casts[1], stage.words);
   }
 
@@ -357,21 +353,8 @@ class Page {
     drawn.pileOpacity *= umbra, drawn.objectOpacity *= umbra;
     painter.take(drawn);
     painter.funnels = this.onTable ? drawn.streams.map(({ nozzle: [x, y, z] }) => matrixOf([x, y, z], [0, 0, 0, 1])) : [];
-    if (painter.wall) this.takeWall(umbra);
     const metal = this.objects.find((object) => object.metal);
     if (metal && (this.watching || this.real)) this.room.reflect(metal.at.map((x, k) => x + (this.real?.table?.[k] ?? 0) + (k === 1 ? k_mesh_height / 2 : 0)), k_mesh_height / 2, painter);
-  }
-
-  takeWall(umbra) {
-    const { sand, painter, stage: { cast_texture: t, casts: [, wall] }, wallAxes: { x, z, at } } = this, dot = (a, b) => [...a].reduce((sum, v, i) => sum + v * b[i], 0);
-    const box = ({ corner, along, across }) => [dot(corner, x) - dot(at, x), dot(corner, z) - dot(at, z), 1 / dot(along, x), 1 / dot(across, z)];
-    sand.sandglass_cast_get_texture(wall, t);
-    painter.wall.opacity = t.valid ? umbra : 0;
-    if (t.valid && t.completed !== this.wallCompleted)
-      painter.upload(painter.wallObject, t.texels, sand.bytes(t.bytes, t.texels ** 2)), painter.wall.box = box(t), this.wallCompleted = t.completed;
-    sand.sandglass_cast_get_ambient(wall, t);
-    if (t.valid && t.completed !== this.wallSeenCompleted)
-      painter.upload(painter.wallSeen, t.texels, sand.bytes(t.bytes, t.texels ** 2)), painter.wall.seenBox = box(t), this.wallSeenCompleted = t.completed;
   }
 
   draw() {

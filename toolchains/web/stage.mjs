@@ -7,6 +7,7 @@ import { fieldMade } from "./worker.mjs";
 
 const C = constants, k_colliders = 64, k_nozzles = 8, k_models = 32;
 const k_texels = { pile: 128, sky: 64, object: 256, seen: 128 };
+const k_cast_textures = [["object", "seen"], ["wallObject", "wallSeen"]];  // of the floor and the wall
 const k_fade = 5;             // seconds after an image in which light and shadows are told anew
 const k_field_nodes = 4e6;   // at most: a large model gets a coarser field
 const k_longest_side = 256;  // pixels of an image that are read
@@ -59,7 +60,7 @@ export class Stage {
   }
 
   constructor(sand, options) {
-    Object.assign(this, { sand, options, models: new Map(), nozzles: [], hands: [], shown: {}, next: 1, images: 0, fading: k_fade, cast: 0, casts: [], room: 0, fields: Promise.resolve() });
+    Object.assign(this, { sand, options, models: new Map(), nozzles: [], hands: [], shown: {}, next: 1, images: 0, fading: k_fade, cast: 0, casts: [], planes: [{ x: [1, 0, 0], z: [0, 0, 1], at: [0, 0, 0] }], boxes: {}, room: 0, fields: Promise.resolve() });
     this.made("room", "sandglass_room");
     this.words = sand.allocate(4 * C.SANDGLASS_LIGHT_CELLS), this.castList = sand.allocate(8);
     for (const name of ["camera_image", "room_light", "room_place", "lighting", "filament_light", "frame_input", "frame_report", "cast_texture",
@@ -107,11 +108,19 @@ export class Stage {
     sand.view().setUint32(this.castList, this.casts[0] = this.cast, true), this.fading = k_fade;
   }
 
-  // For shadows on another plane: as many triangles. Gives it; the app sets its plane, its cells and the frame's cast_count.
-  castOnAnother() {
-    const { sand, casts, castList, triangles } = this, made = this.make("sandglass_cast", { texels: k_texels.object, ambient_texels: k_texels.seen, triangle_capacity: triangles, mesh_capacity: k_models });
-    sand.view().setUint32(castList + 4 * (casts.push(made) - 1), made, true);
-    return made;
+  // Shadows on another plane, too: its axes, whose y is the normal, and how far it reaches along x and z. A frame whose
+  // cast_count is 1 leaves it out.
+  setWall({ x, y, z, at, low, high }) {
+    const { sand, casts, castList, triangles } = this;
+    if (!this.wallPlane) {
+      this.wallPlane = sand.make("sandglass_cast_plane");
+      casts[1] = this.make("sandglass_cast", { texels: k_texels.object, ambient_texels: k_texels.seen, triangle_capacity: triangles, mesh_capacity: k_models });
+      sand.view().setUint32(castList + 4, casts[1], true), this.castModels();
+    }
+    sand.sandglass_cast_plane_default(this.wallPlane);
+    this.wallPlane.set({ origin: at, normal: y, along: x, low, high });
+    sand.sandglass_cast_set_plane(casts[1], this.wallPlane);
+    this.planes[1] = { x, z, at };
   }
 
   // Sand of so many particles of a radius in metres; further fields are those of sandglass_granular_desc. Sand that was
@@ -128,7 +137,7 @@ export class Stage {
     this.made("pile", "sandglass_pile_shadow", { low: [x - half, z - half], high: [x + half, z + half], floor: y, texels: k_texels.pile, sky_texels: k_texels.sky });
     this.frame_input.pile_shadow = this.pile, this.shown = {}, this.fading = k_fade;
   }
-  // The skin that drawn() tells of, and its particles' radius.
+  // The skin that is drawn from now on, and the radius of its particles.
   take(skin, radius) { this.radius = radius, this.changes = new SkinChanges(this.sand, skin); }
 
   // A mesh in its own frame (metres, its present size) and its pose. `shadow`: it throws one. `collide`: sand lies on it, as
@@ -199,8 +208,8 @@ export class Stage {
     this.shade(light.toLight, [...this.light.ambient_cells]);
     return light;
   }
-  // Gives the light of the room: the direction and irradiance of the main light, the rest as
-  // radiance (nine harmonics) and as irradiance over pi (nine terms of a polynomial, see sandglass_filament_light).
+  // Gives the room's light: the direction and irradiance of the main light, the rest as radiance (nine harmonics) and as
+  // irradiance over pi (nine terms of a polynomial, see sandglass_filament_light).
   fade(seconds) {
     const { sand, light, lighting, filament_light: filament } = this;
     sand.sandglass_room_fade(light, this.room_light, seconds);
@@ -251,13 +260,16 @@ export class Stage {
     const { sand, shown, cast_texture: cast, pile_shadow_texture: pile, pile_shadow_sky: sky, options: { origin: [x, y, z], half } } = this;
     const textures = {}, changed = (key, version) => shown[key] !== version && (shown[key] = version, true);
     const take = (name, side, at) => { textures[name] = { side, bytes: sand.bytes(at, side ** 2) }; };
-    const boxOf = ({ corner, along, across }) => [corner[0], corner[2], 1 / along[0], 1 / across[2]];
-    sand.sandglass_cast_get_texture(this.cast, cast);
-    if (cast.valid && changed("object", `${this.cast} ${cast.completed}`)) take("object", cast.texels, cast.bytes), this.objectBox = boxOf(cast);
-    sand.sandglass_cast_get_ambient(this.cast, cast);
-    if (cast.valid && changed("seen", `${this.cast} ${cast.completed}`)) take("seen", cast.texels, cast.bytes), this.seenBox = boxOf(cast);
-    const out = { light, textures, floor: y, pileBox: [x - half, z - half, 0.5 / half, 0.5 / half], objectBox: this.objectBox ?? [0, 0, 0, 0], seenBox: this.seenBox ?? [2, 2, 0, 0],
-      objectOpacity: this.objectBox ? 1 : 0, pileOpacity: 0, skyKnown: 0, milliseconds: this.frame_report.time.elapsed_ns / 1e6, particles: this.frame_report.sand.particles };
+    const dot = (a, b) => a.reduce((sum, c, k) => sum + c * b[k], 0);
+    this.casts.forEach((handle, i) => k_cast_textures[i].forEach((name, k) => {
+      sand[`sandglass_cast_get_${k === 0 ? "texture" : "ambient"}`](handle, cast);
+      if (!cast.valid || !changed(name, `${handle} ${cast.completed}`)) return;
+      const { x, z, at } = this.planes[i], { corner, along, across } = cast;
+      take(name, cast.texels, cast.bytes), this.boxes[name] = [dot(x, corner) - dot(x, at), dot(z, corner) - dot(z, at), 1 / dot(x, along), 1 / dot(z, across)];
+    }));
+    const boxes = { object: [0, 0, 0, 0], seen: [2, 2, 0, 0], ...this.boxes };
+    const out = { light, textures, floor: y, pileBox: [x - half, z - half, 0.5 / half, 0.5 / half], objectBox: boxes.object, seenBox: boxes.seen, boxes,
+      objectOpacity: this.boxes.object ? 1 : 0, pileOpacity: 0, skyKnown: 0, milliseconds: this.frame_report.time.elapsed_ns / 1e6, particles: this.frame_report.sand.particles };
     if (!this.radius) return out;
     sand.sandglass_pile_shadow_get_texture(this.pile, pile), sand.sandglass_pile_shadow_get_sky(this.pile, sky);
     if (pile.valid && changed("pile", pile.version)) take("pile", pile.texels, pile.coverage), take("onSand", pile.texels, pile.on_sand);
