@@ -19,7 +19,7 @@ def joined(paths):
         if re.search(r"^import [^;]*\bas\b", text, re.MULTILINE):
             sys.exit(f"assemble.py: {path.name} renames what it imports")
         text = re.sub(r"^import \{[^;]*?\} from \"\./[\w.]+\";\n", "", text, flags=re.MULTILINE)
-        text = re.sub(r"^export \{[^}]*\};\n", "", text, flags=re.MULTILINE)
+        text = re.sub(r"^export \{[^}]*\}(?: from [^;]*)?;\n", "", text, flags=re.MULTILINE)
         text = re.sub(r"^export ", "", text, flags=re.MULTILINE)
         for name in re.findall(r"^(?:const|let|class|function|async function) (?:\[[^\]]*\]|(\w+))", text, re.MULTILINE):
             if name in names:
@@ -38,7 +38,7 @@ def main():
     data = "".join(f"const {name} = \"{base64.b64encode(content).decode()}\";\n" for name, content in packed.items())
     data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
     own = ("elements", "scene", "painter", "mesh_file", "hourglass", "link", "pace", "tilt", "room_light", "real_table", "measure", "controls", "page")
-    script = joined([*(npm / f"{name}.mjs" for name in ("abi", "sandglass", "kit", "skin_changes", "sand_block", "sand_painter")), parts / "meshopt_decoder.mjs", *(here / f"{name}.mjs" for name in own)])
+    script = joined([*(npm / f"{name}.mjs" for name in ("abi", "sandglass", "kit", "skin_changes", "stage", "sand_block", "sand_painter", "glsl")), parts / "meshopt_decoder.mjs", *(here / f"{name}.mjs" for name in own)])
     page = (here / "page.html").read_text().replace("@MODULES@", data + script)
     if "</script" in (data + script):
         sys.exit("assemble.py: a module holds the end of a script")

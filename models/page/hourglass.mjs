@@ -21,7 +21,7 @@ const k_profile = Array.from({ length: 97 }, (_, i) => { const y = k_half * (i /
 const k_line = Float64Array.from(k_profile.flat());
 
 // What is seen of the stream below: as of a nozzle.
-export const k_neck = { nozzle: [0, k_stands, 0, 1.3 * k_throat], way: [0, -1, 0, 0.12] };
+export const k_neck = { position: [0, k_stands, 0], radius: 1.3 * k_throat, speed: 0.12 };
 
 // How far a place is from the glass, above 0 within.
 function distance(x, y, z) {
@@ -116,10 +116,4 @@ export class Turning {
     const rotation = [w * a + x * d + y * c - z * b, w * b - x * c + y * d + z * a, w * c + x * b - y * a + z * d, w * d - x * a - y * b - z * c];
     return { position: [0, k_stands + k_lift * Math.sin(Math.PI * this.share) ** 2, 0], rotation };
   }
-}
-
-// A column-major matrix.
-export function matrixOf({ position: [px, py, pz], rotation: [x, y, z, w] }) {
-  return new Float32Array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0, 2 * (x * y - w * z),
-    1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0, 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0, px, py, pz, 1]);
 }

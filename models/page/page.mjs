@@ -4,10 +4,10 @@ import { load, constants } from "./sandglass.mjs";
 import { SandScene, addPoints, makeField, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
 import { sandBlock } from "./sand_block.mjs";
-import { SkinChanges } from "./skin_changes.mjs";
+import { Stage, matrixOf } from "./stage.mjs";
 import { meshReader, standing, smoothed } from "./mesh_file.mjs";
-import { Turning, k_neck, funnelMesh, glassMesh, hourglassField, matrixOf, sandBelow, woodMesh } from "./hourglass.mjs";
-import { RoomLight, lightOfSky } from "./room_light.mjs";
+import { Turning, k_neck, funnelMesh, glassMesh, hourglassField, sandBelow, woodMesh } from "./hourglass.mjs";
+import { RoomParts, lightOfSky } from "./room_light.mjs";
 import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom, cellsOfTable } from "./tilt.mjs";
 import { fromLink } from "./link.mjs";
 import { Pace } from "./pace.mjs";
@@ -33,6 +33,7 @@ const k_objects = 4;          // that are put on the table, at most
 const k_paint = [0.35, 0.33, 0.30], k_metal = [0.95, 0.93, 0.88];  // of objects: albedo, and what metal reflects
 const k_object_triangles = 100000;  // of all of them
 const k_object_spacing = 0.5 * k_radius;  // of the field that sand collides with
+const k_casts = { shadow: false, collide: false };  // as a model is added: shadows come when it is shown, and fields are the page's
 const k_recorded_at_most = 18000;  // frames: five minutes
 const k_glass_radius = 0.0035, k_glass_particles = 1560;  // of the sand in the hourglass
 const k_wood = [0.16, 0.075, 0.035], k_brass = [0.86, 0.62, 0.28], k_glass_friction = 0.3;
@@ -54,13 +55,14 @@ class Page {
     this.sand = sand;
     this.painter = new Painter(by("view"), block, k_radius), this.camera = new Camera(), this.pace = new Pace();
     this.tool = "glass", this.mark = [0.26, 0, 0.16], this.at = null, this.pushing = null, this.time = 0, this.owed = 0;
-    this.spent = [], this.recorded = [], this.added = [], this.nozzles = [], this.objects = [];
+    this.spent = [], this.recorded = [], this.added = [], this.objects = [];
     this.denied = 0, this.saidFull = false;
     this.gravity = [...k_scene.gravity], this.given = [...k_scene.gravity], this.tipped = false;
+    this.stage = new Stage(sand, { origin: [0, 0, 0], half: k_box, budget: 0 }), this.room = new RoomParts(this.stage);
+    this.stage.newCast(k_object_triangles), this.stage.newPile();
     const funnel = funnelMesh();
     this.painter.funnel = this.painter.item(funnel.vertices, funnel.indices, null, k_brass, funnel.normals);
     this.stands = { table: this.makeTable(), glass: this.makeGlass() };
-    this.makeShadows();
     this.show("glass");
     if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.turning.begin(this.turnAxis());
   }
@@ -74,11 +76,11 @@ class Page {
     const stand = { scene: this.newScene(), standing: [], drawn: [] };
     for (const { field, position, rotation } of k_scene.colliders) {
       if (!field) continue;
-      const model = matrixOf({ position, rotation }), vertices = unpacked(field.vertices, Float32Array), indices = unpacked(field.indices, Uint32Array);
+      const model = matrixOf(position, rotation), vertices = unpacked(field.vertices, Float32Array), indices = unpacked(field.indices, Uint32Array);
       stand.drawn.push(this.painter.item(vertices, indices, model, [0.17, 0.30, 0.43]));
-      stand.standing.push(this.casting(vertices, indices, model));
+      stand.standing.push(this.stage.addModel({ positions: vertices, indices, position, rotation }, k_casts));
     }
-    return Object.assign(stand, { skin: this.newSkin(stand.scene, false) });
+    return Object.assign(stand, { skin: this.newSkin(stand.scene, 0) });
   }
 
   // The hourglass stands still with all its sand below until it is turned over.
@@ -89,129 +91,82 @@ class Page {
         static_friction: k_glass_friction, kinetic_friction: k_glass_friction },
       colliders: [{ shape: constants.SANDGLASS_SHAPE_HALF_SPACE, position: [0, 0, 0], ...flat }, { shape: constants.SANDGLASS_SHAPE_FIELD, position: [0, 0, 0], ...flat, field: hourglassField(sand) }] };
     this.turning = new Turning();
-    const scene = new SandScene(sand, file, { clock: true }), wood = woodMesh(), glass = glassMesh(), model = matrixOf(this.turning.pose());
-    return { scene, skin: this.newSkin(scene, true), drawn: [painter.item(wood.vertices, wood.indices, model, k_wood)], standing: [this.casting(wood.vertices, wood.indices, model)],
+    const scene = new SandScene(sand, file, { clock: true }), wood = woodMesh(), glass = glassMesh(), pose = this.turning.pose(), model = matrixOf(pose.position, pose.rotation);
+    return { scene, skin: this.newSkin(scene, 1), drawn: [painter.item(wood.vertices, wood.indices, model, k_wood)],
+      standing: [this.stage.addModel({ positions: wood.vertices, indices: wood.indices, ...pose }, k_casts)],
       glass: { ...painter.mesh(glass.vertices, glass.indices, glass.normals), model } };
   }
 
-  newSkin(scene, closed) {
-    const { sand } = this, desc = sand.make("sandglass_skin_desc");
-    sand.sandglass_skin_desc_default(desc, scene.desc.granular);
-    desc.closed = closed ? 1 : 0;
-    const skin = sand.create("sandglass_skin", desc);
-    sand.free(desc);
-    return skin;
-  }
+  newSkin({ desc }, closed) { return this.stage.make("sandglass_skin", { closed }, desc.granular); }
 
   // Puts the hourglass or the table before the camera; the other one stands still.
   show(name) {
-    const { sand, painter, camera } = this, stand = this.stands[name];
+    const { sand, painter, camera, stage } = this, stand = this.stands[name];
     if (this.stand === stand) return;
     if (this.stand) this.stand.drawn = painter.objects, this.stand.view = { ...camera };
-    this.stand = stand, this.scene = stand.scene, this.skin = stand.skin, this.standing = stand.standing;
+    this.stand = stand, this.scene = stand.scene, this.skin = stand.skin;
     painter.objects = stand.drawn, painter.glass = stand.glass ?? null, painter.sand.radius = stand.scene.desc.granular.particle_radius;
-    painter.sand.clear(), this.skinChanges = new SkinChanges(sand, this.skin), this.skinMesh = this.skinChanges.mesh;
+    painter.sand.clear(), stage.take(this.skin, painter.sand.radius), stage.pour();
     Object.assign(camera, stand.view ?? k_views[name]);
-    this.scene.input.set({ skin: this.skin, pile_shadow: this.pile, casts: this.castList, cast_count: 1 });
-    sand.sandglass_pile_shadow_refresh(this.pile);
-    this.at = this.pushing = null, this.nozzles = [], this.owed = 0;
+    this.scene.input.set({ skin: this.skin, pile_shadow: stage.pile, casts: stage.castList, cast_count: painter.wall ? 2 : 1 });
+    sand.sandglass_pile_shadow_refresh(stage.pile);
+    this.at = this.pushing = null, this.owed = 0;
     this.setGravity(this.scene, this.given = [...this.gravity]);
     this.castAll(), this.setLight();
   }
   // Whether anything may change: if not, no frame runs and nothing is drawn.
   wake() { this.pace.wake(), this.ask?.(); }
   restless() {
-    const { scene, pace, at, watching, tipping, turning, nozzles } = this;
+    const { scene, pace, at, watching, tipping, turning, stage: { nozzles } } = this;
     return pace.touched || at !== null || !!watching || !!tipping || turning.turns || (nozzles.length > 0 && this.onTable) || scene.report.sand.awake > 0 || this.behind !== 0;
   }
   turnOver() { this.turning.begin(this.turnAxis()), this.wake(); }
   get onTable() { return this.stand === this.stands.table; }
+  get skinMesh() { return this.stage.changes.mesh; }
   turnAxis() { const { away } = this.camera.axes(), flat = Math.hypot(away[0], away[2]); return [away[0] / flat, 0, away[2] / flat]; }
 
-  // A mesh as the library's shadows take it.
-  casting(vertices, indices, model) {
-    const { sand } = this;
-    return { positions: sand.put(vertices), vertex_count: vertices.length / 3, indices: sand.put(indices), triangle_count: indices.length / 3, model };
-  }
-
-  makeShadows() {
-    const { sand, painter } = this;
-    this.direction = sand.put(new Float32Array(3)), this.cells = sand.put(new Float32Array(constants.SANDGLASS_LIGHT_CELLS));
-    const pile = sand.make("sandglass_pile_shadow_desc"), desc = sand.make("sandglass_cast_desc");
-    sand.sandglass_pile_shadow_desc_default(pile);
-    pile.set({ low: [-k_box, -k_box], high: [k_box, k_box], texels: 128, sky_texels: 64 });
-    this.pile = sand.create("sandglass_pile_shadow", pile), this.pileTexture = sand.make("sandglass_pile_shadow_texture"), this.skyTexture = sand.make("sandglass_pile_shadow_sky");
-    painter.pileShadow.box = [-k_box, -k_box, 0.5 / k_box, 0.5 / k_box];
-    sand.sandglass_cast_desc_default(desc);
-    desc.set({ texels: 256, ambient_texels: 128, triangle_capacity: k_object_triangles });
-    this.cast = sand.create("sandglass_cast", desc), this.castTexture = sand.make("sandglass_cast_texture");
-    this.castDesc = desc, this.wallCast = 0;
-    this.castMeshes = sand.array("sandglass_cast_mesh", k_scene.colliders.length + k_objects);
-    this.castList = sand.put(new Uint32Array([this.cast, 0]));
-  }
-
-  // All that stands on the table casts.
+  // What is shown casts.
   castAll() {
     this.wake();
-    const all = [...this.standing, ...this.objects.map(({ casts }) => casts)];
-    all.forEach(({ positions, vertex_count, indices, triangle_count, model }, i) => {
-      this.sand.sandglass_cast_mesh_default(this.castMeshes[i]);
-      this.castMeshes[i].set({ positions, vertex_count, indices, triangle_count, world_from_mesh: [...model] });
-    });
-    for (const cast of this.casts()) this.sand.sandglass_cast_set_meshes(cast, this.castMeshes.address, all.length);
+    const { stage, stands, objects } = this, all = [...Object.values(stands), { standing: objects.map(({ number }) => number) }];
+    for (const stand of all) for (const number of stand.standing) stage.models.get(number).shadow = stand === this.stand || (this.onTable && !stand.scene);
+    stage.castModels();
   }
-
-  casts() { return this.wallCast ? [this.cast, this.wallCast] : [this.cast]; }
 
   // Objects cast on a wall, too: `pose` is a column-major matrix whose y is the wall's normal, `low` and `high` its extent in x
   // and z; null: there is none.
   setWall(pose, low, high) {
-    const { sand, painter, scene } = this, [x, y, z, at] = [0, 4, 8, 12].map((k) => [...pose?.slice(k, k + 3) ?? []]);
+    const { stage, painter, scene } = this, [x, y, z, at] = [0, 4, 8, 12].map((k) => [...pose?.slice(k, k + 3) ?? []]);
     if (!pose) {
       scene.input.cast_count = 1, painter.wall = null;
       return;
     }
-    if (!this.wallCast) {
-      this.wallCast = sand.create("sandglass_cast", this.castDesc), this.wallCells = sand.put(new Float32Array(constants.SANDGLASS_LIGHT_CELLS));
-      this.wallPlane = sand.make("sandglass_cast_plane"), this.wallTexture = sand.make("sandglass_cast_texture");
-      new Uint32Array(sand.memory.buffer, this.castList, 2)[1] = this.wallCast;
-      this.castAll();
-    }
-    sand.sandglass_cast_plane_default(this.wallPlane);
-    this.wallPlane.set({ origin: at, normal: y, along: x, low, high });
-    sand.sandglass_cast_set_plane(this.wallCast, this.wallPlane);
+    stage.setWall({ x, y, z, at, low, high });
     scene.input.cast_count = 2;
     const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0), back = [x, y, z].map((axis) => -dot(axis, at));
     const on = new Float32Array([x[0], y[0], z[0], 0, x[1], y[1], z[1], 0, x[2], y[2], z[2], 0, ...back, 1]);
-    this.wallAxes = { x, z, at, normal: y };
-    painter.wall = { ...painter.wall ?? { opacity: 0, box: [0, 0, 1, 1], seenBox: [2, 2, 0, 0] }, model: new Float32Array(pose), on, plane: [...y, back[1]] };
+    painter.wall = { model: new Float32Array(pose), on, plane: [...y, back[1]], x, y, at };
   }
 
   // The light that is drawn: the device's in augmented reality, the camera's, or that of the sliders.
   setLight(seconds = 0) {
     this.wake();
-    const azimuth = by("azimuth").value * Math.PI / 180, polar = by("polar").value * Math.PI / 180, known = this.room?.now.valid === 1;
+    const { sand, stage, painter } = this;
+    const azimuth = by("azimuth").value * Math.PI / 180, polar = by("polar").value * Math.PI / 180, known = stage.room_light.valid === 1;
     const slid = { ...k_sky_light, toLight: [Math.sin(polar) * Math.cos(azimuth), Math.cos(polar), Math.sin(polar) * Math.sin(azimuth)] };
-    const seen = known && (this.watching || this.real) ? this.room.follow(seconds) : null;
+    const seen = known && (this.watching || this.real) ? stage.fade(Math.max(0, seconds)) : null;
     const light = (this.real && this.deviceLight) || seen || slid;
     if (light === seen && this.watching) this.turnWithTheTable(light);
-    else this.painter.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
-    this.painter.light = light, this.lit = light !== slid;
-    const { sand, direction, painter } = this;
-    if (!seen && painter.roomKnown) painter.roomKnown = 0, this.room.facesLeft = 6;
-    sand.floats(direction, 3).set(light.toLight);
-    sand.sandglass_pile_shadow_set_light(this.pile, direction);
-    for (const cast of this.casts()) sand.sandglass_cast_set_light(cast, direction, 0);
-    // Where the light from all around comes from: the sky of the sliders is even. The painter takes what is hidden from that
-    // light alone, so its cells are 1 together.
-    const cells = seen ? this.room.cells() : new Float32Array(constants.SANDGLASS_LIGHT_CELLS).fill(1);
-    sand.floats(this.cells, cells.length).set(cellsOfTable(cells, this.painter.tableOfRoom));
-    sand.sandglass_cast_set_cells(this.cast, this.cells);
-    sand.sandglass_pile_shadow_set_cells(this.pile, this.cells);
+    else painter.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
+    painter.light = light, this.lit = light !== slid;
+    if (!seen && painter.roomKnown) painter.roomKnown = 0, this.room.images = 0;
+    // Where the light from all around comes from: the sky of the sliders is even.
+    const cells = seen ? Float32Array.from(stage.light.ambient_cells) : new Float32Array(constants.SANDGLASS_LIGHT_CELLS).fill(1);
+    stage.shade(light.toLight, cellsOfTable(cells, painter.tableOfRoom));
     if (!painter.wall) return;
-    const table = this.real?.table ?? [0, 0, 0], { at, normal, x } = this.wallAxes;
-    sand.floats(this.wallCells, cells.length).set(seen ? this.room.cellsOfWall(at.map((c, i) => c + table[i]), normal, x) : cells);
-    sand.sandglass_cast_set_cells(this.wallCast, this.wallCells);
+    const table = this.real?.table ?? [0, 0, 0], { at, y, x } = painter.wall;
+    sand.floats(stage.words, cells.length).set(seen ? this.room.cellsOfWall(at.map((c, i) => c + table[i]), y, x) : cells);
+    sand.sandglass_cast_set_cells(stage.casts[1], stage.words);
   }
 
   // A table that is tipped with the picture turns in the room, and the room's light about it.
@@ -226,8 +181,6 @@ class Page {
   // Radians that the device was turned about the vertical since it was first heard of.
   turnedBy() { return (this.device.alpha - this.deviceStart.alpha) * Math.PI / 180; }
 
-  openRoom() { return this.room ??= new RoomLight(this.sand); }
-
   // The camera's next image into the room's light.
   watch(now) {
     const image = this.watching?.next(now);
@@ -235,7 +188,7 @@ class Page {
     const known = this.device && downOnScreen(this.device, screen.orientation?.angle);
     const pose = screenPose(known, this.camera.axes(), known ? this.turnedBy() : 0);
     if (this.watching.towardsUser) for (const k of [0, 1, 2, 8, 9, 10]) pose[k] = -pose[k];
-    this.openRoom().see(image.data, image.width, image.height, pose, now);
+    this.stage.see(image, { orientation: this.room.orientationOf(pose), ms: now });
   }
 
   // How the device is held now. It is level as it was when `tipping` began.
@@ -248,9 +201,9 @@ class Page {
   tipByAngles(right, near) { this.gravity = gravityOfAngles(right, near); }
 
   setGravity(scene, gravity) {
-    const { sand, direction } = this;
-    sand.floats(direction, 3).set(gravity);
-    sand.sandglass_scene_set_gravity(scene.handle, direction);
+    const { sand, stage: { words } } = this;
+    sand.floats(words, 3).set(gravity);
+    sand.sandglass_scene_set_gravity(scene.handle, words);
   }
 
   // What stands in the way besides the scene's own colliders; gives how many there are in all.
@@ -277,7 +230,7 @@ class Page {
         size: [k_hand, 0, 0], linear_velocity: moved.map((x) => share * x / k_step) });
     } else this.pushing = null;
     scene.input.collider_count = colliders;
-    this.nozzles = scene.emitters.slice(0, emitters).map(({ position, radius, speed }) => ({ nozzle: [...position, radius], way: [0, -1, 0, speed] }));
+    this.stage.pour(...scene.emitters.slice(0, emitters).map(({ position, radius, speed }) => ({ position: [...position], radius, speed })));
     return emitters;
   }
 
@@ -286,14 +239,14 @@ class Page {
     const { scene, turning, stand } = this, turned = turning.turns;
     scene.colliders[1].set({ ...turning.advance(k_step) });
     scene.input.collider_count = 2;
-    this.nozzles = turning.turns ? [] : [k_neck];
+    this.stage.pour(...turning.turns ? [] : [k_neck]);
     if (turned) this.placeGlass();
     return 0;
   }
   placeGlass() {
-    const model = matrixOf(this.turning.pose()), { drawn: [wood], glass, standing: [casts] } = this.stands.glass;
-    wood.model = glass.model = casts.model = model;
-    this.castAll();
+    const { position, rotation } = this.turning.pose(), { drawn: [wood], glass, standing: [number] } = this.stands.glass;
+    wood.model = glass.model = matrixOf(position, rotation);
+    this.stage.move(number, position, rotation), this.castAll();
   }
 
   // What the frame was given and what it executed, so that it can be run again to the bit. Work units of shadows are left
@@ -342,7 +295,7 @@ class Page {
     this.objects = after, this.showObjects();
     sand.free(plan);
     this.scene = scene, this.recorded = [...recording.frames], this.recordedHash = undefined, this.added = [], this.denied = scene.report.sand.denied_particles;
-    sand.sandglass_pile_shadow_refresh(this.pile), sand.sandglass_skin_refresh(this.skin);
+    sand.sandglass_pile_shadow_refresh(this.stage.pile), sand.sandglass_skin_refresh(this.skin);
     if (hash !== recording.hash) throw new Error(`The recording ends in ${hash} here and in ${recording.hash} where it was made. Please report this.`);
     return hash;
   }
@@ -394,61 +347,20 @@ class Page {
   particles() { return this.scene.report.sand.particles + this.added.reduce((sum, { particles = [] }) => sum + particles.length / 3, 0); }
   full() { return `The table is full: ${counted(this.particles())} of ${counted(this.scene.desc.granular.particle_capacity)} particles are there`; }
 
-  // The library's shadows, as textures of the painter.
-  takeTextures() {
-    const { sand, painter, pileTexture: pile, skyTexture: sky, castTexture: cast } = this, umbra = this.lit ? 1 : 0.9;
-    sand.sandglass_pile_shadow_get_texture(this.pile, pile);
-    painter.pileShadow.opacity = pile.valid ? umbra * pile.opacity : 0;
-    if (pile.valid && pile.version !== this.pileVersion) {
-      this.pileVersion = pile.version;
-      painter.upload(painter.pile, pile.texels, sand.bytes(pile.coverage, pile.texels ** 2));
-      painter.upload(painter.onSand, pile.texels, sand.bytes(pile.on_sand, pile.texels ** 2));
-    }
-    sand.sandglass_pile_shadow_get_sky(this.pile, sky);
-    if (sky.valid && sky.version !== this.skyVersion) {
-      this.skyVersion = sky.version;
-      painter.upload(painter.sky, sky.texels, sand.bytes(sky.floor, sky.texels ** 2));
-      painter.upload(painter.skyOnSand, sky.texels, sand.bytes(sky.on_sand, sky.texels ** 2));
-      painter.pileShadow.sky = 1;
-    }
-    const box = ({ corner, along, across }) => [corner[0], corner[2], 1 / along[0], 1 / across[2]];
-    sand.sandglass_cast_get_texture(this.cast, cast);
-    painter.objectShadow.opacity = cast.valid ? umbra : 0;
-    if (cast.valid && cast.completed !== this.castCompleted)
-      painter.upload(painter.object, cast.texels, sand.bytes(cast.bytes, cast.texels ** 2)), painter.objectShadow.box = box(cast), this.castCompleted = cast.completed;
-    sand.sandglass_cast_get_ambient(this.cast, cast);
-    if (cast.valid && cast.completed !== this.seenCompleted)
-      painter.upload(painter.seen, cast.texels, sand.bytes(cast.bytes, cast.texels ** 2)), painter.seenBox = box(cast), this.seenCompleted = cast.completed;
-    if (painter.wall) this.takeWall(umbra);
+  // What changed of shadows and sand, and where it is poured from. Shadows of the sliders' light are not quite dark.
+  takeDrawn() {
+    const { stage, painter } = this, umbra = this.lit ? 1 : 0.9, drawn = stage.drawn(painter.light);
+    drawn.pileOpacity *= umbra, drawn.objectOpacity *= umbra;
+    painter.take(drawn);
+    painter.funnels = this.onTable ? drawn.streams.map(({ nozzle: [x, y, z] }) => matrixOf([x, y, z], [0, 0, 0, 1])) : [];
     const metal = this.objects.find((object) => object.metal);
-    if (this.room && metal && (this.watching || this.real)) this.room.reflect(metal.at.map((x, k) => x + (this.real?.table?.[k] ?? 0) + (k === 1 ? k_mesh_height / 2 : 0)), k_mesh_height / 2, painter);
-  }
-
-  takeWall(umbra) {
-    const { sand, painter, wallTexture: t, wallAxes: { x, z, at } } = this, dot = (a, b) => [...a].reduce((sum, v, i) => sum + v * b[i], 0);
-    const box = ({ corner, along, across }) => [dot(corner, x) - dot(at, x), dot(corner, z) - dot(at, z), 1 / dot(along, x), 1 / dot(across, z)];
-    sand.sandglass_cast_get_texture(this.wallCast, t);
-    painter.wall.opacity = t.valid ? umbra : 0;
-    if (t.valid && t.completed !== this.wallCompleted)
-      painter.upload(painter.wallObject, t.texels, sand.bytes(t.bytes, t.texels ** 2)), painter.wall.box = box(t), this.wallCompleted = t.completed;
-    sand.sandglass_cast_get_ambient(this.wallCast, t);
-    if (t.valid && t.completed !== this.wallSeenCompleted)
-      painter.upload(painter.wallSeen, t.texels, sand.bytes(t.bytes, t.texels ** 2)), painter.wall.seenBox = box(t), this.wallSeenCompleted = t.completed;
-  }
-
-  // The surface of the sand, and where it is poured from.
-  takeSkin() {
-    const { sand, scene, painter } = this;
-    const changes = this.skinChanges.take();
-    if (changes) painter.sand.upload(changes);
-    painter.sand.streams = this.nozzles;
-    painter.funnels = this.onTable ? this.nozzles.map(({ nozzle: [x, y, z] }) => new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1])) : [];
+    if (metal && (this.watching || this.real)) this.room.reflect(metal.at.map((x, k) => x + (this.real?.table?.[k] ?? 0) + (k === 1 ? k_mesh_height / 2 : 0)), k_mesh_height / 2, painter);
   }
 
   draw() {
-    const { painter, pace, pileTexture, skyTexture, castTexture, skinMesh } = this;
-    this.takeTextures(), this.takeSkin();
-    this.behind = pileTexture.frames_behind + skyTexture.frames_behind + castTexture.stale + skinMesh.frames_behind;
+    const { painter, pace, stage: { pile_shadow_texture: pile, pile_shadow_sky: sky, cast_texture: cast }, skinMesh } = this;
+    this.takeDrawn();
+    this.behind = pile.frames_behind + sky.frames_behind + cast.stale + skinMesh.frames_behind;
     painter.sand.share = pace.now.loose;
     painter.draw(this.camera, pace.now.pixels);
   }
@@ -475,8 +387,8 @@ class Page {
 
   // What the camera knows of the room's light, and in augmented reality how far from the device's it is.
   tellLight(row) {
-    if (this.room?.now.valid !== 1 || !(this.watching || this.real)) return [];
-    const { seen, main_share, main_direction } = this.room.now, percent = (share) => `${Math.round(100 * share)} %`;
+    if (this.stage.room_light.valid !== 1 || !(this.watching || this.real)) return [];
+    const { seen, main_share, main_direction } = this.stage.room_light, percent = (share) => `${Math.round(100 * share)} %`;
     const rows = [row("room seen", percent(seen)), row("main light", percent(main_share))];
     if (!this.real || !this.deviceLight || main_share < k_main_light) return rows;
     const cosine = this.deviceLight.toLight.reduce((sum, x, k) => sum + x * main_direction[k], 0);
@@ -488,7 +400,7 @@ class Page {
     if (this.onTable) this.dropObjects();
     else this.turning = new Turning(), this.placeGlass();
     this.sand.sandglass_scene_reset(this.scene.handle);
-    this.sand.sandglass_pile_shadow_refresh(this.pile), this.sand.sandglass_skin_refresh(this.skin);
+    this.sand.sandglass_pile_shadow_refresh(this.stage.pile), this.sand.sandglass_skin_refresh(this.skin);
     this.scene.frames = 0, this.scene.fill();
     this.scene.report.sand.set({ particles: 0, denied_particles: 0 }), this.denied = 0;
     if (this.onTable) this.recorded = [], this.added = [], this.recordedHash = undefined;
@@ -519,7 +431,7 @@ class Page {
 
   objectOf({ vertices, indices }, at, metal) {
     const model = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...at, 1]);
-    return { vertices, indices, at, metal, model, field: 0, casts: this.casting(vertices, indices, model) };
+    return { vertices, indices, at, metal, model, field: 0, number: this.stage.addModel({ positions: vertices, indices, position: at, rotation: [0, 0, 0, 1] }, k_casts) };
   }
 
   fieldOf({ vertices, indices }) {
@@ -541,11 +453,10 @@ class Page {
 
   dropObjects() {
     const gone = this.objects;
-    this.objects = [];
-    this.castAll();
-    for (const { drawn, field, casts } of gone) {
+    this.objects = [], this.wake();
+    for (const { drawn, field, number } of gone) {
       if (drawn) this.painter.remove(drawn);
-      for (const used of [field, casts.positions, casts.indices]) if (used) this.sand.free(used);
+      this.stage.remove(number), this.sand.free(field);
     }
   }
 

@@ -3,10 +3,12 @@
 // light, and of the light from all around, which object and sand keep from the table, and the sand from itself. Over a
 // camera's image table and wall get shadows alone, and what is real hides what is drawn behind it
 // (runtime/shadow/README.md). Metal reflects the room's cube, or the sliders' sky, and the table.
-import { SandPainter, program } from "./sand_painter.mjs";
+import { SandPainter, program, setUniforms, uploadShadow } from "./sand_painter.mjs";
+import { kitValues } from "./glsl.mjs";
 import { k_kit } from "./kit.mjs";
 
 const k_depth_bias = 0.02;  // metres
+const k_nothing = { side: 1, bytes: new Uint8Array(1) };
 
 const k_hidden = `
 uniform sampler2D real_depth;    // of the camera, metres along its axis; 0: not known
@@ -157,36 +159,24 @@ export class Painter {
     this.canvas = canvas;
     this.solid = program(gl, k_solid_vertex, k_solid_fragment), this.glassProgram = program(gl, k_kit.uniforms + k_glass_vertex, k_lighting + k_glass_fragment), this.glass = null;
     this.sand = new SandPainter(gl, k_hidden, block, radius);
-    this.pile = this.texture(), this.onSand = this.texture(), this.object = this.texture(), this.seen = this.texture();
-    this.sky = this.texture(), this.skyOnSand = this.texture();
-    this.wallObject = this.texture(), this.wallSeen = this.texture(), this.depth = this.texture(), this.unknownDepth = this.texture();
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    for (const name of ["pile", "onSand", "object", "seen", "sky", "skyOnSand", "wallObject", "wallSeen", "depth", "unknownDepth"]) this[name] = uploadShadow(gl, k_nothing);
     this.room = gl.createTexture(), this.roomKnown = 0;
     for (let face = 0; face < 6; ++face) this.uploadFace(face, 1, new Uint16Array(4));
     this.objects = [], this.funnels = [];  // funnels: matrices of `funnel`, an item
     const s = 3;
     this.table = this.mesh(new Float32Array([-s, 0, -s, -s, 0, s, s, 0, s, s, 0, -s]), new Uint32Array([0, 1, 2, 0, 2, 3]));
-    this.objectShadow = { box: [0, 0, 1, 1], opacity: 0 };
-    this.pileShadow = { box: [0, 0, 1, 1], opacity: 0, sky: 0 };
-    this.seenBox = [2, 2, 0, 0];  // nowhere
-    this.wall = null;        // { model, on, plane, box, seenBox, opacity }: what makes a place of its own one of the world, and back
+    this.wall = null;        // { model, on, plane }: what makes a place of its own one of the world, and back
     this.depthOnScreen = null;  // where a share of the screen, from its lower left corner, lies in the depth image
-    this.light = { sun: [0, 0, 0], ambient: new Float32Array(27), floor: [0, 0, 0] }, this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
+    this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     gl.enable(gl.DEPTH_TEST);
   }
 
-  texture() {
-    const { gl } = this, made = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, made);
-    for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
-      [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) gl.texParameteri(gl.TEXTURE_2D, name, value);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, 1, 1, 0, gl.RED, gl.UNSIGNED_BYTE, new Uint8Array(1));
-    return made;
-  }
-  upload(texture, side, bytes) {
-    const { gl } = this;
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, side, side, 0, gl.RED, gl.UNSIGNED_BYTE, bytes);
+  // What drawn() of a stage gives.
+  take(drawn) {
+    this.drawn = drawn, this.sand.streams = drawn.streams;
+    for (const [name, texture] of Object.entries(drawn.textures)) uploadShadow(this.gl, texture, this[name]);
+    if (drawn.skin) this.sand.upload(drawn.skin);
   }
   // Halves, the upper row first, as the library gives them.
   uploadFace(face, side, halves) {
@@ -246,7 +236,7 @@ export class Painter {
   shrink(texture, width, height) {
     const { gl } = this;
     if (!this.small) {
-      this.small = { copy: program(gl, k_copy_vertex, k_copy_fragment), frame: gl.createFramebuffer(), texture: this.texture() };
+      this.small = { copy: program(gl, k_copy_vertex, k_copy_fragment), frame: gl.createFramebuffer(), texture: uploadShadow(gl, k_nothing) };
       gl.bindTexture(gl.TEXTURE_2D, this.small.texture);
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
     }
@@ -266,7 +256,7 @@ export class Painter {
 
   // One view of the table. `real`: table and wall are those that a camera shows, and get shadows alone.
   paint({ view, projection, eye, viewport, real }) {
-    const { gl, wall } = this, still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    const { gl, wall, drawn } = this, still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     const depth = real && this.depthOnScreen, m = depth || Array(9).fill(0), [left, low, width, height] = viewport;
     const depthFromScreen = m.map((x, i) => (i < 3 ? x / width : i < 6 ? x / height : x - m[i - 6] * left / width - m[i - 3] * low / height));
     gl.viewport(...viewport);
@@ -276,15 +266,8 @@ export class Painter {
       ["pile", "object", "seen", "sky", "real_depth", "room"].forEach((name, unit) => gl.uniform1i(p.at(name), unit));
       gl.activeTexture(gl.TEXTURE5), gl.bindTexture(gl.TEXTURE_CUBE_MAP, this.room);
       gl.activeTexture(gl.TEXTURE0);
-      gl.uniformMatrix4fv(p.at("view"), false, view), gl.uniformMatrix4fv(p.at("projection"), false, projection);
-      gl.uniform3fv(p.at("to_light"), this.light.toLight), gl.uniform3fv(p.at("sun"), this.light.sun), gl.uniform3fv(p.at("eye"), eye);
-      gl.uniform3fv(p.at("ambient"), this.light.ambient), gl.uniform3fv(p.at("below"), this.light.floor), gl.uniformMatrix3fv(p.at("table_of_room"), false, this.tableOfRoom);
-      gl.uniform4fv(p.at("pile_box"), this.pileShadow.box), gl.uniform1f(p.at("pile_opacity"), this.pileShadow.opacity);
-      gl.uniform1f(p.at("sky_known"), this.pileShadow.sky);
-      gl.uniform4fv(p.at("object_box"), this.objectShadow.box), gl.uniform1f(p.at("object_opacity"), this.objectShadow.opacity);
-      gl.uniform4fv(p.at("seen_box"), this.seenBox), gl.uniformMatrix4fv(p.at("on_plane"), false, still);
-      gl.uniform4fv(p.at("wall"), real && wall ? wall.plane : [0, 0, 0, 1e9]), gl.uniform1f(p.at("bias"), k_depth_bias);
-      gl.uniformMatrix3fv(p.at("depth_from_screen"), false, depthFromScreen);
+      setUniforms(gl, p, { ...kitValues(drawn), view, projection, eye, table_of_room: this.tableOfRoom, wall: real && wall ? wall.plane : [0, 0, 0, 1e9],
+        bias: k_depth_bias, depth_from_screen: depthFromScreen });
     };
     const drawItem = ({ array, count: corners, model, albedo = [0, 0, 0], table = 0, metal = 0 }) => {
       gl.uniformMatrix4fv(this.solid.at("model"), false, model);
@@ -305,7 +288,7 @@ export class Painter {
     const onSand = (p) => {
       common(p, this.onSand, this.skyOnSand);
       // Shadows on the table say nothing of sand that stands over wood, or over other sand.
-      if (this.glass) for (const name of ["object_opacity", "pile_opacity", "sky_known"]) gl.uniform1f(p.at(name), 0);
+      if (this.glass) setUniforms(gl, p, { object_opacity: 0, pile_opacity: 0, sky_known: 0 });
     };
     this.sand.draw(onSand, eye, 0.5 * height * projection[5]);
     if (this.glass) this.paintGlass(common);
@@ -328,12 +311,11 @@ export class Painter {
 
   // The objects' shadows on a wall; sand throws none there.
   paintWall(drawItem) {
-    const { gl, wall, solid } = this;
+    const { gl, wall, solid, drawn: { boxes, objectOpacity } } = this;
+    if (!boxes.wallObject || !boxes.wallSeen) return;
     [this.wallObject, this.wallSeen].forEach((texture, i) => { gl.activeTexture(gl.TEXTURE1 + i), gl.bindTexture(gl.TEXTURE_2D, texture); });
     gl.activeTexture(gl.TEXTURE0);
-    gl.uniformMatrix4fv(solid.at("on_plane"), false, wall.on);
-    gl.uniform4fv(solid.at("object_box"), wall.box), gl.uniform4fv(solid.at("seen_box"), wall.seenBox);
-    gl.uniform1f(solid.at("object_opacity"), wall.opacity), gl.uniform1f(solid.at("pile_opacity"), 0), gl.uniform1f(solid.at("sky_known"), 0);
+    setUniforms(gl, solid, { on_plane: wall.on, object_box: boxes.wallObject, seen_box: boxes.wallSeen, object_opacity: objectOpacity, pile_opacity: 0, sky_known: 0 });
     gl.depthMask(false);
     drawItem({ ...this.table, model: wall.model, table: 2 });
     gl.depthMask(true);

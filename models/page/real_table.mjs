@@ -33,10 +33,10 @@ export class RealTable {
   constructor(page, session, layer, space, hits, probe) {
     Object.assign(this, { page, session, layer, space, hits, probe, table: null, placed: false, finger: null, before: null, shrunk: -Infinity });
     page.real = this;
-    page.room?.forget();
-    session.addEventListener("selectstart", ({ inputSource }) => { if (this.placed) this.finger = inputSource; else if (this.table) this.placed = true, page.room?.stand(this.table); });
+    page.stage.forget();
+    session.addEventListener("selectstart", ({ inputSource }) => { if (this.placed) this.finger = inputSource; else if (this.table) this.placed = true, page.stage.stand(this.table); });
     session.addEventListener("selectend", () => { this.finger = null, page.at = null; });
-    session.addEventListener("end", () => { page.at = null, page.real = null, page.painter.depthOnScreen = null, page.setWall(null), page.room?.forget(), page.setLight(); });
+    session.addEventListener("end", () => { page.at = null, page.real = null, page.painter.depthOnScreen = null, page.setWall(null), page.stage.forget(), page.setLight(); });
     const frame = (now, told) => { if (page.real !== this) return; session.requestAnimationFrame(frame); this.frame(now, told); };
     session.requestAnimationFrame(frame);
   }
@@ -88,7 +88,8 @@ export class RealTable {
     if (camera && typeof XRWebGLBinding !== "undefined" && now - this.shrunk > k_shrunk_every_ms) {
       this.shrunk = now;
       this.binding ??= new XRWebGLBinding(this.session, page.painter.gl);
-      page.openRoom().see(page.painter.shrink(this.binding.getCameraImage(camera), ...k_shrunk), ...k_shrunk, pose.views[0].transform.matrix, now);
+      const [width, height] = k_shrunk, data = page.painter.shrink(this.binding.getCameraImage(camera), width, height);
+      page.stage.see({ data, width, height }, { orientation: page.room.orientationOf(pose.views[0].transform.matrix), ms: now });
     }
     page.setLight();
   }
@@ -104,12 +105,11 @@ export class RealTable {
 
   draw(told, pose) {
     const { page, layer } = this, { painter } = page, { gl } = painter, [x, y, z] = this.table ?? [0, 0, 0];
-    page.takeTextures();
+    page.takeDrawn();
     gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     if (!this.table) return;
-    page.takeSkin();
     for (const view of pose.views) {
       this.takeDepth(told, view);
       const matrix = Float32Array.from(view.transform.inverse.matrix), port = layer.getViewport(view), at = view.transform.position;

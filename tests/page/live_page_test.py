@@ -146,8 +146,8 @@ def check_pours(browser, page):
     check(counts[0] == counts[1] > 0, f"of {counts[1]} indices {counts[0]} are drawn")
     check(browser.ask("sandglassPage.page.at") is None, "the finger still pours after it was lifted")
     # The sand keeps light of the room from the table beside it; far from it nothing does.
-    floor = """(() => { const {page} = sandglassPage, {skyTexture: s} = page;
-        return s.valid ? [page.painter.pileShadow.sky, Math.min(...page.sand.bytes(s.floor, s.texels ** 2)), page.sand.bytes(s.floor, 1)[0]] : []; })()"""
+    floor = """(() => { const {page} = sandglassPage, {pile_shadow_sky: s} = page.stage;
+        return s.valid ? [page.painter.drawn.skyKnown, Math.min(...page.sand.bytes(s.floor, s.texels ** 2)), page.sand.bytes(s.floor, 1)[0]] : []; })()"""
     wait_until(browser, f"(([known, least, corner]) => known === 1 && least < 128 && corner > 250)({floor})")
     return at
 
@@ -229,16 +229,16 @@ def check_camera(browser, work):
     """The light becomes that of what a (green) camera sees, and the sliders' again when it is off."""
     light = "[...sandglassPage.page.painter.light.ambient.slice(0, 3)]"
     # What the chair leaves of the light from all around, which follows where that light comes from.
-    left = """(() => { const {sand, cast, castTexture: seen} = sandglassPage.page;
+    left = """(() => { const {sand, cast, cast_texture: seen} = sandglassPage.page.stage;
         sand.sandglass_cast_get_ambient(cast, seen);
         return seen.stale ? 0 : sand.bytes(seen.bytes, seen.texels ** 2).reduce((sum, x, i) => (sum * 31 + x + i) % 1000003, 1); })()"""
     wait_until(browser, f"{left} !== 0")
     slid, even = browser.ask(light), browser.ask(left)
     browser.ask("document.getElementById('camera').click()")
-    wait_until(browser, "sandglassPage.page.room?.now.valid === 1 && sandglassPage.page.lit")
+    wait_until(browser, "sandglassPage.page.stage.room_light.valid === 1 && sandglassPage.page.lit")
     wait_until(browser, f"(([r, g, b]) => g > 1.2 * r && g > 1.2 * b)({light})")
     wait_until(browser, f"(now => now !== 0 && now !== {even})({left})")
-    print("the room's light:", browser.ask("(({seen, main_share, irradiance}) => ({seen, main_share, irradiance: [...irradiance]}))(sandglassPage.page.room.now)"))
+    print("the room's light:", browser.ask("(({seen, main_share, irradiance}) => ({seen, main_share, irradiance: [...irradiance]}))(sandglassPage.page.stage.room_light)"))
     if work:
         browser.screenshot(work / "camera.png")
     browser.ask("window.track = sandglassPage.page.watching.stream.getTracks()[0]; document.getElementById('camera').click()")
@@ -289,10 +289,10 @@ def check_real(browser):
     check(browser.ask("sandglassPage.page.recorded.some(f => f.emitters.some(e => Math.abs(e.position[0]) < 0.01))"), "no sand was poured there")
     browser.ask("emulated.select('selectend')")
     browser.ask("emulated.step(20)")
-    light = browser.ask("(({toLight, sun, ambient}) => [toLight, [...sun], [...ambient.slice(0, 3)]])(sandglassPage.page.painter.light)")
+    light = browser.ask("(({toLight, facing, ambient}) => [toLight, facing.map(x => x / Math.PI), [...ambient.slice(0, 3)]])(sandglassPage.page.painter.light)")
     wanted = [[0, 0.6, 0.8], [1, 1, 0], [0.282095, 0.56419, 0.846285]]
     check(all(abs(a - b) < 1e-5 for got, want in zip(light, wanted) for a, b in zip(got, want)), f"the device's light is drawn as {light}")
-    own = browser.ask("[sandglassPage.page.room.now.valid, ...sandglassPage.page.room.now.irradiance]")
+    own = browser.ask("(({valid, irradiance}) => [valid, ...irradiance])(sandglassPage.page.stage.room_light)")
     check(own[0] == 1 and own[1] > 1.5 * own[2], f"of a red picture the library makes the light {own}")
     pixels = browser.ask("(emulated.step(), emulated.pixels())")
     print("augmented reality, pixels:", pixels)
@@ -313,9 +313,9 @@ def check_hidden(browser, open_pixels):
     half = drawn(pixels("[200, 9000]")) / drawn(open_pixels)
     check(0.2 < half < 0.8, f"half a picture hides {half:.2f}")
     browser.ask("emulated.depths = null, emulated.walls = [emulated.wall]")
-    dark = "(() => { const {painter} = sandglassPage.page; return painter.wall?.opacity > 0 && painter.wall.box[2] > 0; })()"
+    dark = "(() => { const {painter} = sandglassPage.page; return painter.wall !== null && painter.drawn.boxes.wallObject?.[2] > 0; })()"
     browser.ask("emulated.step(3)")
-    browser.ask("for (let i = 0; i < 600 && !(sandglassPage.page.wallCompleted && sandglassPage.page.wallSeenCompleted); ++i) emulated.step()")
+    browser.ask("for (let i = 0; i < 600 && !(sandglassPage.page.stage.boxes.wallObject && sandglassPage.page.stage.boxes.wallSeen); ++i) emulated.step()")
     check(browser.ask(dark), "no shadow was made for the wall")
     with_wall = browser.ask("(emulated.step(), emulated.pixels())")
     check(with_wall["shadow"] > 1.1 * open_pixels["shadow"], f"on the wall lies no shadow: {with_wall} beside {open_pixels}")
@@ -369,7 +369,7 @@ def act_for_recording(browser):
 def check_object(browser):
     """A mesh stands at the mark: it casts from the frames on that follow, and sand that is poured over it stays outside."""
     height, mark = 0.22, [-0.3, 0, 0.25]
-    shadow = """(() => { const {sand, cast, castTexture: t} = sandglassPage.page;
+    shadow = """(() => { const {sand, cast, cast_texture: t} = sandglassPage.page.stage;
         sand.sandglass_cast_get_texture(cast, t);
         const bytes = sand.bytes(t.bytes, t.texels ** 2), at = (x, z) => bytes[Math.floor((z - t.corner[2]) / t.across[2] * t.texels) * t.texels + Math.floor((x - t.corner[0]) / t.along[0] * t.texels)];
         return [t.stale, at(%f, %f) ?? 0]; })()""" % (mark[0], mark[2])

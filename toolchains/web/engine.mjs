@@ -2,7 +2,7 @@
 // it, and the sand, which is drawn by WebGL itself amid the engine's own frame.
 import { Stage, pixelsOf } from "./stage.mjs";
 import { WorkerStage, blockMade } from "./worker.mjs";
-import { SandPainter } from "./sand_painter.mjs";
+import { SandPainter, setUniforms, uploadShadow } from "./sand_painter.mjs";
 import { k_block_text } from "./block_module.mjs";
 import { kit, kitValues, receivers } from "./glsl.mjs";
 
@@ -40,13 +40,7 @@ class Sand {
       for (const name of ["onSand", "skyOnSand", "object", "seen"]) this.upload(name, { side: 1, bytes: new Uint8Array([name === "onSand" || name === "object" ? 0 : 255]) });
     });
   }
-  upload(name, { side, bytes }) {
-    const { gl } = this, made = this.textures[name] ??= gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, made);
-    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
-    for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, side, side, 0, gl.RED, gl.UNSIGNED_BYTE, bytes);
-  }
+  upload(name, texture) { this.textures[name] = uploadShadow(this.gl, texture, this.textures[name]); }
   take(drawn) {
     this.values = kitValues(drawn);
     unnoticed(this.gl, () => {
@@ -66,13 +60,7 @@ class Sand {
         gl.useProgram(program.made);
         for (const [name, texture] of [["pile", textures.onSand], ["object", textures.object], ["seen", textures.seen], ["sky", textures.skyOnSand]])
           gl.activeTexture(gl.TEXTURE0 + k_units[name]), gl.bindTexture(gl.TEXTURE_2D, texture), gl.uniform1i(program.at(name), k_units[name]);
-        for (const [name, value] of Object.entries(set)) {
-          const at = program.at(name);
-          if (typeof value === "number") gl.uniform1f(at, value);
-          else if (value.length === 16) gl.uniformMatrix4fv(at, false, value);
-          else if (value.length === 9) gl.uniformMatrix3fv(at, false, value);
-          else gl[value.length === 4 ? "uniform4fv" : "uniform3fv"](at, value);
-        }
+        setUniforms(gl, program, set);
       }, eye, 0.5 * height * projection[5]);
     }, true);
   }

@@ -29,6 +29,25 @@ export function program(gl, vertex, fragment) {
   return { made, at: (name) => at.get(name) ?? (at.set(name, gl.getUniformLocation(made, name)), at.get(name)) };
 }
 
+// Of any names; their kind is told by the value.
+export function setUniforms(gl, { at }, values) {
+  for (const [name, value] of Object.entries(values)) {
+    if (typeof value === "number") gl.uniform1f(at(name), value);
+    else if (value.length === 16) gl.uniformMatrix4fv(at(name), false, value);
+    else if (value.length === 9) gl.uniformMatrix3fv(at(name), false, value);
+    else gl[value.length === 4 ? "uniform4fv" : "uniform3fv"](at(name), value);
+  }
+}
+
+// A texture that a stage gives. `made`: what this gave before.
+export function uploadShadow(gl, { side, bytes }, made = gl.createTexture()) {
+  gl.bindTexture(gl.TEXTURE_2D, made);
+  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
+  for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, side, side, 0, gl.RED, gl.UNSIGNED_BYTE, bytes);
+  return made;
+}
+
 export class SandPainter {
   // `hidden`: GLSL, how much something real hides of a place; `block`: of sandBlock; `radius`: a particle's.
   constructor(gl, hidden, block, radius, light = k_kit.light) {

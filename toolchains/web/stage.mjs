@@ -7,6 +7,7 @@ import { fieldMade } from "./worker.mjs";
 
 const C = constants, k_colliders = 64, k_nozzles = 8, k_models = 32;
 const k_texels = { pile: 128, sky: 64, object: 256, seen: 128 };
+const k_cast_textures = [["object", "seen"], ["wallObject", "wallSeen"]];  // of the floor and the wall
 const k_fade = 5;             // seconds after an image in which light and shadows are told anew
 const k_field_nodes = 4e6;   // at most: a large model gets a coarser field
 const k_longest_side = 256;  // pixels of an image that are read
@@ -59,9 +60,9 @@ export class Stage {
   }
 
   constructor(sand, options) {
-    Object.assign(this, { sand, options, models: new Map(), nozzles: [], hands: [], shown: {}, next: 1, fading: k_fade, cast: 0, room: 0, fields: Promise.resolve() });
+    Object.assign(this, { sand, options, models: new Map(), nozzles: [], hands: [], shown: {}, next: 1, images: 0, fading: k_fade, cast: 0, casts: [], planes: [{ x: [1, 0, 0], z: [0, 0, 1], at: [0, 0, 0] }], boxes: {}, room: 0, fields: Promise.resolve() });
     this.made("room", "sandglass_room");
-    this.words = sand.allocate(4 * C.SANDGLASS_LIGHT_CELLS), this.castList = sand.allocate(4);
+    this.words = sand.allocate(4 * C.SANDGLASS_LIGHT_CELLS), this.castList = sand.allocate(8);
     for (const name of ["camera_image", "room_light", "room_place", "lighting", "filament_light", "frame_input", "frame_report", "cast_texture",
       "pile_shadow_texture", "pile_shadow_sky"]) this[name] = sand.make(`sandglass_${name}`);
     this.light = sand.make("sandglass_room_light"), this.light.struct_size = 0;
@@ -75,13 +76,17 @@ export class Stage {
     sand.sandglass_room_get(this.room, this.room_place, this.room_light);
   }
 
-  // Makes one of the library's objects, in place of the one before.
-  made(key, name, fields = {}, ...more) {
+  // One of the library's objects.
+  make(name, fields = {}, ...more) {
     const { sand } = this, desc = sand.make(`${name}_desc`);
     sand[`${name}_desc_default`](desc, ...more);
     desc.set(typeof fields === "function" ? fields(desc) : fields);
-    if (this[key]) sand.destroy(this[key]), this[key] = 0;
-    this[key] = sand.create(name, desc), sand.free(desc);
+    try { return sand.create(name, desc); } finally { sand.free(desc); }
+  }
+  // The same, in place of the one before.
+  made(key, ...values) {
+    if (this[key]) this.sand.destroy(this[key]), this[key] = 0;
+    this[key] = this.make(...values);
   }
 
   newScene(granular) {
@@ -100,20 +105,40 @@ export class Stage {
     sand.sandglass_cast_plane_default(plane);
     plane.origin.set(options.origin);
     sand.sandglass_cast_set_plane(this.cast, plane), sand.free(plane);
-    sand.view().setUint32(this.castList, this.cast, true), this.fading = k_fade;
+    sand.view().setUint32(this.castList, this.casts[0] = this.cast, true), this.fading = k_fade;
+  }
+
+  // Shadows on another plane, too: its axes, whose y is the normal, and how far it reaches along x and z. A frame whose
+  // cast_count is 1 leaves it out.
+  setWall({ x, y, z, at, low, high }) {
+    const { sand, casts, castList, triangles } = this;
+    if (!this.wallPlane) {
+      this.wallPlane = sand.make("sandglass_cast_plane");
+      casts[1] = this.make("sandglass_cast", { texels: k_texels.object, ambient_texels: k_texels.seen, triangle_capacity: triangles, mesh_capacity: k_models });
+      sand.view().setUint32(castList + 4, casts[1], true), this.castModels();
+    }
+    sand.sandglass_cast_plane_default(this.wallPlane);
+    this.wallPlane.set({ origin: at, normal: y, along: x, low, high });
+    sand.sandglass_cast_set_plane(casts[1], this.wallPlane);
+    this.planes[1] = { x, z, at };
   }
 
   // Sand of so many particles of a radius in metres; further fields are those of sandglass_granular_desc. Sand that was
   // there is gone.
   createSand({ particles = 3000, radius = 0.006, ...granular } = {}) {
-    const { origin: [x, y, z], half } = this.options;
-    this.radius = radius;
     this.newScene({ particle_capacity: particles, particle_radius: radius, static_friction: 0.6, kinetic_friction: 0.55, ...granular });
-    this.made("pile", "sandglass_pile_shadow", { low: [x - half, z - half], high: [x + half, z + half], floor: y, texels: k_texels.pile, sky_texels: k_texels.sky });
-    this.frame_input.pile_shadow = this.pile, this.shown = {}, this.fading = k_fade, this.changes = new SkinChanges(this.sand, this.skin);
+    this.newPile(), this.take(this.skin, radius);
     for (const model of this.models.values()) this.giveField(model);
     return { radius };
   }
+
+  newPile() {
+    const { origin: [x, y, z], half } = this.options;
+    this.made("pile", "sandglass_pile_shadow", { low: [x - half, z - half], high: [x + half, z + half], floor: y, texels: k_texels.pile, sky_texels: k_texels.sky });
+    this.frame_input.pile_shadow = this.pile, this.shown = {}, this.fading = k_fade;
+  }
+  // The skin that is drawn from now on, and the radius of its particles.
+  take(skin, radius) { this.radius = radius, this.changes = new SkinChanges(this.sand, skin); }
 
   // A mesh in its own frame (metres, its present size) and its pose. `shadow`: it throws one. `collide`: sand lies on it, as
   // soon as a worker has made its field; `fields` resolves then. Gives the number that move() and remove() take.
@@ -161,27 +186,48 @@ export class Stage {
     image.set({ format: C.SANDGLASS_CAMERA_RGBA, width, height, focal_x: focal, focal_y: focal, centre_x: (width - 1) / 2, centre_y: (height - 1) / 2,
       planes: [pixels, 0, 0], strides: [4 * width, 0, 0], orientation, position, exposure, timestamp_ns: Math.round(ms * 1e6) });
     try { sand.sandglass_room_set_image(this.room, image, words); } finally { sand.free(pixels); }
-    if (!this.seen) this.seen = true, this.light.struct_size = 0;
+    if (this.images++ === 0) this.light.struct_size = 0;
     this.fading = k_fade;
     sand.sandglass_room_get(this.room, this.room_place, this.room_light);
   }
 
-  // Lets the light fade, and tells the shadows. Gives it: the direction and irradiance of the main light, the rest as
-  // radiance (nine harmonics) and as irradiance over pi (nine terms of a polynomial, see sandglass_filament_light).
+  // Something is placed there. It begins in the light that is known; the fade is for what has stood there.
+  stand(position) {
+    this.room_place.position.set(position), this.light.struct_size = 0;
+    this.sand.sandglass_room_get(this.room, this.room_place, this.room_light);
+  }
+  // For another frame of the world.
+  forget() {
+    this.sand.sandglass_room_reset(this.room);
+    this.sand.sandglass_room_get(this.room, this.room_place, this.room_light);
+  }
+
+  // Lets the light fade, and tells the shadows.
   follow(seconds) {
-    const { sand, light, lighting, filament_light: filament, words, cast, pile } = this;
+    const light = this.fade(seconds);
+    this.shade(light.toLight, [...this.light.ambient_cells]);
+    return light;
+  }
+  // Gives the room's light: the direction and irradiance of the main light, the rest as radiance (nine harmonics) and as
+  // irradiance over pi (nine terms of a polynomial, see sandglass_filament_light).
+  fade(seconds) {
+    const { sand, light, lighting, filament_light: filament } = this;
     sand.sandglass_room_fade(light, this.room_light, seconds);
     sand.sandglass_lighting_of_room(light, lighting);
     sand.sandglass_lighting_to_filament(lighting, C.SANDGLASS_LIGHTING_AMBIENT, 1, filament);
-    const sum = Math.max([...light.ambient_cells].reduce((all, cell) => all + cell, 0), 0.001);
-    for (const [kind, handle, ...more] of [["cast", cast, 0], ["pile_shadow", pile]]) {
+    return { toLight: [...lighting.towards], facing: [...lighting.facing], radiance: [...lighting.ambient_sh], ambient: [...filament.sh], floor: [...light.floor] };
+  }
+  // Shadows of a light: towards the main one, and the cells where the rest comes from.
+  shade(toLight, cells) {
+    const { sand, words, casts, pile } = this, sum = Math.max(cells.reduce((all, cell) => all + cell, 0), 0.001);
+    for (const [kind, handle, ...more] of [...casts.map((cast) => ["cast", cast, 0]), ["pile_shadow", pile]]) {
       if (!handle) continue;
-      sand[`sandglass_${kind}_set_light`](handle, light.main_direction, ...more);
+      sand.floats(words, 3).set(toLight);
+      sand[`sandglass_${kind}_set_light`](handle, words, ...more);
       // What is drawn by these cells is the light without the main one: they are 1 together.
-      sand.floats(words, C.SANDGLASS_LIGHT_CELLS).set([...light.ambient_cells].map((cell) => cell / sum));
+      sand.floats(words, C.SANDGLASS_LIGHT_CELLS).set(cells.map((cell) => cell / sum));
       sand[`sandglass_${kind}_set_cells`](handle, words);
     }
-    return { toLight: [...lighting.towards], facing: [...lighting.facing], radiance: [...lighting.ambient_sh], ambient: [...filament.sh], floor: [...light.floor] };
   }
 
   castModels() {
@@ -190,7 +236,7 @@ export class Stage {
       sand.sandglass_cast_mesh_default(meshes[i]);
       meshes[i].set({ positions, vertex_count: vertices, indices, triangle_count: count, world_from_mesh: matrixOf(position, rotation) });
     });
-    sand.sandglass_cast_set_meshes(this.cast, meshes, casting.length);
+    for (const cast of this.casts) sand.sandglass_cast_set_meshes(cast, meshes, casting.length);
     this.moved = false;
   }
 
@@ -214,13 +260,16 @@ export class Stage {
     const { sand, shown, cast_texture: cast, pile_shadow_texture: pile, pile_shadow_sky: sky, options: { origin: [x, y, z], half } } = this;
     const textures = {}, changed = (key, version) => shown[key] !== version && (shown[key] = version, true);
     const take = (name, side, at) => { textures[name] = { side, bytes: sand.bytes(at, side ** 2) }; };
-    const boxOf = ({ corner, along, across }) => [corner[0], corner[2], 1 / along[0], 1 / across[2]];
-    sand.sandglass_cast_get_texture(this.cast, cast);
-    if (cast.valid && changed("object", `${this.cast} ${cast.completed}`)) take("object", cast.texels, cast.bytes), this.objectBox = boxOf(cast);
-    sand.sandglass_cast_get_ambient(this.cast, cast);
-    if (cast.valid && changed("seen", `${this.cast} ${cast.completed}`)) take("seen", cast.texels, cast.bytes), this.seenBox = boxOf(cast);
-    const out = { light, textures, floor: y, pileBox: [x - half, z - half, 0.5 / half, 0.5 / half], objectBox: this.objectBox ?? [0, 0, 0, 0], seenBox: this.seenBox ?? [2, 2, 0, 0],
-      objectOpacity: this.objectBox ? 1 : 0, pileOpacity: 0, skyKnown: 0, milliseconds: this.frame_report.time.elapsed_ns / 1e6, particles: this.frame_report.sand.particles };
+    const dot = (a, b) => a.reduce((sum, c, k) => sum + c * b[k], 0);
+    this.casts.forEach((handle, i) => k_cast_textures[i].forEach((name, k) => {
+      sand[`sandglass_cast_get_${k === 0 ? "texture" : "ambient"}`](handle, cast);
+      if (!cast.valid || !changed(name, `${handle} ${cast.completed}`)) return;
+      const { x, z, at } = this.planes[i], { corner, along, across } = cast;
+      take(name, cast.texels, cast.bytes), this.boxes[name] = [dot(x, corner) - dot(x, at), dot(z, corner) - dot(z, at), 1 / dot(x, along), 1 / dot(z, across)];
+    }));
+    const boxes = { object: [0, 0, 0, 0], seen: [2, 2, 0, 0], ...this.boxes };
+    const out = { light, textures, floor: y, pileBox: [x - half, z - half, 0.5 / half, 0.5 / half], objectBox: boxes.object, seenBox: boxes.seen, boxes,
+      objectOpacity: this.boxes.object ? 1 : 0, pileOpacity: 0, skyKnown: 0, milliseconds: this.frame_report.time.elapsed_ns / 1e6, particles: this.frame_report.sand.particles };
     if (!this.radius) return out;
     sand.sandglass_pile_shadow_get_texture(this.pile, pile), sand.sandglass_pile_shadow_get_sky(this.pile, sky);
     if (pile.valid && changed("pile", pile.version)) take("pile", pile.texels, pile.coverage), take("onSand", pile.texels, pile.on_sand);
@@ -232,7 +281,7 @@ export class Stage {
 }
 
 // Column-major, of a pose.
-function matrixOf([px, py, pz], [x, y, z, w]) {
+export function matrixOf([px, py, pz], [x, y, z, w]) {
   return [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0, 2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0,
     2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0, px, py, pz, 1];
 }
