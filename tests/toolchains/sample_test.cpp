@@ -45,7 +45,7 @@ TEST(Sample, PoursOntoTheTappedPointWithinTheBudget) {
 
 // In slow motion what is written stands in many frames, and what is drawn hardly in any. At rest nothing is uploaded.
 TEST(Sample, MovesEvenlyAndRests) {
-  uint64_t ns = 0;
+  uint64_t ns = 0, stood_drawn = 0, stood_written = 0, rested = 0, versions = 0;
   sample::Sand sand;
   ASSERT_TRUE(sand.create(1, {[](void* now) { return *static_cast<uint64_t*>(now) += 30'000; }, &ns}));
   sand.pour(std::array{0.0f, 0.0f, 0.0f}.data());
@@ -53,15 +53,13 @@ TEST(Sample, MovesEvenlyAndRests) {
   for (Grains& grains : all) grains.resize(sample::k_grains);
   const sample::Buffers& now = sand.buffers();
   double drawn = 0, written = 0;
-  uint64_t stood_drawn = 0, stood_written = 0, rested = 0, versions = 0;
   for (int frame = 0; frame < 5000 && rested < 10; ++frame) {
     Grains& grains = all[now.next];
     if (rested == 5) std::fill(grains.begin(), grains.end(), sandglass_grain{{1, 2, 3}, 4});
     const bool asleep = sand.frame(1.0f / 60, 1, grains.data(), nullptr).sand.awake == 0;
     const uint64_t before = std::exchange(versions, sand.shadows().sand.version + sand.shadows().sand_room.version);
     rested = asleep && !now.changed && versions == before ? rested + 1 : 0;
-    EXPECT_TRUE(rested != 4 || heights(grains, grains, 1) == heights(all[now.newer], all[now.newer], 1))
-        << "not written";
+    EXPECT_TRUE(rested != 4 || heights(grains, grains, 1) == heights(all[now.newer], all[now.newer], 1));
     EXPECT_TRUE(rested < 10 || heights(grains, grains, 1) == 2 * sample::k_grains) << "written at rest";
     if (frame >= 150) continue;
     const double was_drawn = std::exchange(drawn, heights(all[now.older], all[now.newer], now.share));

@@ -1,7 +1,7 @@
 // What an app on a phone calls, the same on every system. `create` makes all memory that the library ever uses. `frame`
 // pours sand, reads the camera's image for the light of the room, writes the grains straight into buffers of the GPU, and
-// draws the shadows of sand and objects on the table, in one budget. models/examples/camera_app.cpp adds hints where to
-// look.
+// draws the shadows of sand and objects on the table, in one budget. The camera's image is new in every frame, so an app
+// draws all; it uploads what has changed. models/examples/camera_app.cpp adds hints where to look.
 //
 // The world is that of the AR session: metres, y up, as Sandglass has it. Grains are given relative to `origin`.
 #pragma once
@@ -160,8 +160,7 @@ class Sand {
         sandglass_lighting_to_filament(&lighting, SANDGLASS_LIGHTING_AMBIENT, scale, &of, nullptr) != SANDGLASS_OK)
       return shading;
     for (int k = 0; k < 3; ++k) {
-      const float up =
-          of.sh[k] + of.sh[3 + k] - of.sh[18 + k] - of.sh[24 + k];  // the harmonics at the normal (0, 1, 0)
+      const float up = of.sh[k] + of.sh[3 + k] - of.sh[18 + k] - of.sh[24 + k];  // the harmonics at (0, 1, 0)
       shading.to_light[k] = -of.direction[k];
       shading.sun[k] = of.intensity / std::numbers::pi_v<float> * of.colour[k];
       shading.ambient[k] = of.sh_intensity * std::fmax(up, 0.0f);

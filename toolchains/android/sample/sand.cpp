@@ -1,7 +1,6 @@
 // Sand over ARCore's camera image. Java hands over image, depth, poses and matrices (Sand.java says where each comes
 // from); this file maps a vertex buffer, runs the library's frame into it, and draws the grains as points with OpenGL ES,
-// and before them their shadows on the table, where nothing real stands in front (runtime/shadow/README.md). The camera's
-// image is new in every frame, so all is drawn; but what has not changed is not uploaded.
+// and before them their shadows on the table, where nothing real stands in front (runtime/shadow/README.md).
 #include <GLES3/gl3.h>
 #include <jni.h>
 
@@ -230,19 +229,15 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_image(JNIEnv* env, jcl
                                                                 jlong timestamp_ns, jfloatArray lens, jfloatArray pose,
                                                                 jfloat exposure) {
   Session* s = of(handle);
-  const uint8_t* bytes[3];
-  for (int i = 0; i < 3; ++i)
-    bytes[i] = static_cast<uint8_t*>(env->GetDirectBufferAddress(env->GetObjectArrayElement(planes, i)));
   jint of_planes[6];
-  float of_lens[4], of_pose[7];
+  float of_lens[4];
   env->GetIntArrayRegion(strides, 0, 6, of_planes);
   env->GetFloatArrayRegion(lens, 0, 4, of_lens);
-  env->GetFloatArrayRegion(pose, 0, 7, of_pose);
   s->image = sandglass::camera_image();
   s->image.format = SANDGLASS_CAMERA_I420;
   s->image.chroma_step = static_cast<uint32_t>(of_planes[3]);
   for (int i = 0; i < 3; ++i) {
-    s->image.planes[i] = bytes[i];
+    s->image.planes[i] = static_cast<uint8_t*>(env->GetDirectBufferAddress(env->GetObjectArrayElement(planes, i)));
     s->image.strides[i] = of_planes[2 * i];
   }
   s->image.width = static_cast<uint32_t>(width);
@@ -252,8 +247,8 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_image(JNIEnv* env, jcl
   s->image.focal_y = of_lens[1];
   s->image.centre_x = of_lens[2];
   s->image.centre_y = of_lens[3];
-  for (int k = 0; k < 4; ++k) s->image.orientation[k] = of_pose[k];
-  for (int k = 0; k < 3; ++k) s->image.position[k] = of_pose[4 + k];
+  env->GetFloatArrayRegion(pose, 0, 4, s->image.orientation);
+  env->GetFloatArrayRegion(pose, 4, 3, s->image.position);
   s->image.exposure = exposure;
   return s->seen = sandglass_camera_check(&s->image, nullptr) == SANDGLASS_OK;
 }

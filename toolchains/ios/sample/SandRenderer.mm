@@ -1,7 +1,6 @@
 // Once for every displayed frame, in 4 ms, the library writes the grains straight into a shared Metal buffer, and
 // gathers the room's light from ARKit's image. The shadows of the sand, and of what else stands there, darken the table.
-// The camera's image is new in every frame, so all is drawn; but what has not changed is not uploaded. Build it optimised
-// in debug builds too: kernels without optimisation miss every budget.
+// Build it optimised in debug builds too: kernels without optimisation miss every budget.
 #import "SandRenderer.h"
 
 #include <string.h>

@@ -1,8 +1,8 @@
 // Sand in a Unity scene with AR Foundation 5.1 or newer. Put this on an object that stands where the sand shall fall,
 // such as an anchor on a real plane. Once a frame the library reads the camera's image for the light of the room, writes
-// the grains that have moved, and makes the shadows of the sand and of one object, which Table.shader draws on the real
-// table. Sand.shader mixes the last two buffers of grains, as sandglass.h says at grains_time. What has not changed is not
-// uploaded. A locked buffer would not keep what it holds, so grains are written to an array.
+// the grains that have moved to an array (a locked buffer would not keep the others), and makes the shadows of the sand and
+// of one object, which Table.shader draws on the real table. Sand.shader mixes the last two buffers of grains, as sandglass.h
+// says at grains_time. Only what has changed is uploaded.
 //
 // Unity's world is left-handed and Sandglass's is right-handed: z changes its sign in the shader, and where poses and
 // light are handed over. The sand keeps to the world's axes, whatever this object's rotation is.
@@ -64,10 +64,8 @@ public unsafe class Sand : MonoBehaviour {
     Native.sandglass_room_desc_default(&roomDesc);
     sandglass_pile_shadow_desc pileDesc;
     Native.sandglass_pile_shadow_desc_default(&pileDesc);
-    for (int k = 0; k < 2; ++k) {
-      pileDesc.low[k] = -HalfSide;
-      pileDesc.high[k] = HalfSide;
-    }
+    pileDesc.low[0] = pileDesc.low[1] = -HalfSide;
+    pileDesc.high[0] = pileDesc.high[1] = HalfSide;
     pileDesc.sky_texels = 64;
     sandglass_cast_desc castDesc;
     Native.sandglass_cast_desc_default(&castDesc);
@@ -266,8 +264,7 @@ public unsafe class Sand : MonoBehaviour {
   }
 
   void DrawTable(float nearer) {
-    var bounds = new Bounds(transform.position, 2 * HalfSide * Vector3.one);
-    var draw = new RenderParams(table) { worldBounds = bounds, matProps = new MaterialPropertyBlock() };
+    var draw = new RenderParams(table) { worldBounds = new Bounds(transform.position, 2 * HalfSide * Vector3.one), matProps = new MaterialPropertyBlock() };
     var texture = new sandglass_cast_texture { struct_size = (uint)sizeof(sandglass_cast_texture) };
     for (int i = 0; i < 2; ++i) {
       if (i == 0) Native.sandglass_cast_get_texture(cast, &texture); else Native.sandglass_cast_get_ambient(cast, &texture);
@@ -317,14 +314,11 @@ public unsafe class Sand : MonoBehaviour {
     return unity;
   }
 
+  // A channel of all other light, on a grain that faces up.
+  static float Up(float* of) { return Math.Max(of[0] + of[1] - of[6] - of[8], 0); }
+
   void Draw(int count, double time, sandglass_unity_light light, float nearer) {
-    float* rest = stackalloc float[3];  // of all other light, on a grain that faces up
-    for (int channel = 0; channel < 3; ++channel) {
-      float* of = light.sh + 9 * channel;
-      rest[channel] = Math.Max(of[0] + of[1] - of[6] - of[8], 0);
-    }
-    var bounds = new Bounds(transform.position, 4 * Vector3.one);
-    var draw = new RenderParams(material) { worldBounds = bounds, matProps = new MaterialPropertyBlock() };
+    var draw = new RenderParams(material) { worldBounds = new Bounds(transform.position, 4 * Vector3.one), matProps = new MaterialPropertyBlock() };
     draw.matProps.SetBuffer("_Older", buffers[older]);
     draw.matProps.SetBuffer("_Newer", buffers[newer]);
     draw.matProps.SetFloat("_Share", (float)Math.Min(Math.Max((time - olderTime) / (newerTime - olderTime), 0), 1));
@@ -334,7 +328,7 @@ public unsafe class Sand : MonoBehaviour {
     draw.matProps.SetFloat("_Nearer", nearer);
     draw.matProps.SetVector("_ToLight", new Vector4(-light.forward[0], -light.forward[1], -light.forward[2], 0));
     draw.matProps.SetVector("_Sun", light.intensity * new Vector4(light.colour[0], light.colour[1], light.colour[2], 0));
-    draw.matProps.SetVector("_Ambient", new Vector4(rest[0], rest[1], rest[2], 0));
+    draw.matProps.SetVector("_Ambient", new Vector4(Up(light.sh), Up(light.sh + 9), Up(light.sh + 18), 0));
     if (count > 0) Graphics.RenderPrimitives(draw, MeshTopology.Triangles, 6 * count);
   }
 }
