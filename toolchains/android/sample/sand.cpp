@@ -19,7 +19,7 @@ layout(location = 1) in vec4 newer;
 uniform mat4 projection, view;
 uniform vec3 origin;
 uniform float pixels_at_one_metre;
-uniform vec2 mixed;                  // the share of the newer, and seconds between the two
+uniform vec2 mixed;  // the share of the newer, and seconds between the two
 void main() {
   // One that went further than its speeds explain is new, removed, or another of that number.
   float part = distance(older.xyz, newer.xyz) < mixed.y * (older.w + newer.w) + 0.01 ? mixed.x : 1.0;
