@@ -1,11 +1,12 @@
 // What an app on a phone calls, the same on every system. `create` makes all memory that the library ever uses. `frame`
-// pours sand, reads the camera's image for the light of the room, writes the grains straight into a buffer of the GPU, and
-// draws the shadows of sand and objects on the table, in one budget. models/examples/camera_app.cpp adds hints where to
-// look.
+// pours sand, reads the camera's image for the light of the room, writes the grains straight into buffers of the GPU, and
+// draws the shadows of sand and objects on the table, in one budget. The camera's image is new in every frame, so an app
+// draws all; it uploads what has changed. models/examples/camera_app.cpp adds hints where to look.
 //
 // The world is that of the AR session: metres, y up, as Sandglass has it. Grains are given relative to `origin`.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -28,23 +29,51 @@ struct Shading {
 };
 
 // What hides light from the table, as runtime/shadow/README.md draws it: a byte a texel, row after row. `box` is x and z of a
-// corner, from origin(), and one over the extents. No texels: none was completed yet.
+// corner, from origin(), and one over the extents. Upload it when `version` has changed. 0: none was completed yet.
+constexpr uint8_t k_none = 0, k_all = 255;
 struct ShadowTexture {
-  const uint8_t* bytes = nullptr;
-  uint32_t texels = 0;
+  const uint8_t* bytes;
+  uint32_t texels = 1;
   float box[4] = {};
+  uint64_t version = 0;
 };
 struct Shadows {
-  ShadowTexture object, object_room, sand, sand_room;  // of the main light, and of the room's
+  ShadowTexture object{&k_none}, object_room{&k_all}, sand{&k_none}, sand_room{&k_all};  // the main light's, the room's
   float main_share = 0, sand_opacity = 0;
+};
+
+// The buffers that grains are written to, in turns. Two are drawn, mixed as sandglass.h says at grains_time. The one to
+// write, `next`, was last drawn two frames ago: let the GPU be no further behind.
+constexpr uint32_t k_buffers = 3;
+struct Buffers {
+  uint32_t older = 0, newer = 0, next = 0, ages[k_buffers] = {};
+  float share = 1, span = 0;  // of the newer; seconds between the two
+  bool changed = false;       // the last frame wrote into its buffer: upload it
+  uint64_t versions[k_buffers] = {};
+  double times[k_buffers] = {-1, -1, -1};
+
+  void follow(const sandglass_frame_report& report) {
+    changed = ages[next] == 0 || versions[next] != report.versions.grains;
+    versions[next] = report.versions.grains;
+    for (uint32_t& age : ages) age += age > 0;
+    ages[next] = 1;
+    if (report.sand.grains_time > times[newer]) {  // else it is written again
+      older = newer;
+      if (versions[newer] != versions[next]) newer = next;  // where nothing has changed, one buffer is both
+      times[newer] = report.sand.grains_time;
+      next = older == newer ? (newer + 1) % k_buffers : k_buffers - older - newer;
+    }
+    span = static_cast<float>(times[newer] - times[older]);
+    share = span > 0 ? std::clamp(static_cast<float>(report.sand.shown_time - times[older]) / span, 0.0f, 1.0f) : 1;
+  }
 };
 
 class Sand {
  public:
   // What is made while the phone is hot never takes the best quality levels, even where they fit.
-  sandglass::Status create(float headroom = 1.0f) {
+  sandglass::Status create(float headroom = 1.0f, const sandglass_clock& clock = sandglass_clock_system()) {
     sandglass_scene_desc desc = sandglass::scene_desc();
-    desc.clock = sandglass_clock_system();
+    desc.clock = clock;
     desc.trace = sandglass_trace_system();  // seen in Perfetto, or in Instruments
     rests_ = headroom <= k_rests_at;
     desc.finest_level = rests_ ? SANDGLASS_LEVEL_COARSE : SANDGLASS_LEVEL_FULL;
@@ -72,13 +101,14 @@ class Sand {
     for (int k = 0; k < 3; ++k) origin_[k] = point[k];
     light_ = known_ = room_.light_at(origin_);  // what is placed begins in the light that is known
     scene_.reset();
+    buffers_ = {buffers_.next, buffers_.next, buffers_.next};  // it begins anew, in the one that is not being drawn
     pouring_ = 1;
   }
 
   // One frame, `seconds` after the last one. `headroom` is the share of the budget that the device can sustain.
-  // `grains` is a mapped buffer of k_grains items, or null: then nothing is written. `camera` is the newest image, or
-  // null, also while the session's tracking is limited, because poses are wrong then; it is read in this call only. Draw
-  // report.sand.grain_numbers grains; removed ones lie beyond every far plane.
+  // `grains` is buffer buffers().next, mapped as it was left, of k_grains items; or null: nothing is written. `camera` is
+  // the newest image, or null, also while the session's tracking is limited, because poses are wrong then; it is read in
+  // this call only. Draw report.sand.grain_numbers grains; removed ones lie beyond every far plane.
   sandglass_frame_report frame(float seconds, float headroom, sandglass_grain* grains,
                                const sandglass_camera_image* camera) {
     const sandglass_collider floor = sandglass::floor_at(0.0f);
@@ -93,6 +123,9 @@ class Sand {
     input.emitter_count = pouring_;
     input.grains = grains;
     input.grain_capacity = k_grains;
+    input.grains_age = buffers_.ages[buffers_.next];
+    if (grains != nullptr && input.grains_age == 0)
+      std::fill_n(grains, k_grains, sandglass_grain{{0, SANDGLASS_REMOVED_Y, 0}, -1});
     input.room = room_.get();
     rests_ = headroom <= (rests_ ? k_goes_on_above : k_rests_at);
     input.camera = rests_ ? nullptr : camera;
@@ -105,8 +138,9 @@ class Sand {
     input.casts = casts;
     input.cast_count = 1;
     sandglass_frame_report report = sandglass::frame_report();
-    if (!scene_.frame(input, &report))
-      report = sandglass::frame_report();  // an image in an unknown layout, for example
+    if (!scene_.frame(input, &report)) report = sandglass::frame_report();  // an image in an unknown layout, say
+    else if (grains == nullptr) buffers_ = {};
+    else buffers_.follow(report);
     if (camera != nullptr) {
       known_ = room_.light_at(origin_, &light_);
       screen_ = *camera;
@@ -126,8 +160,7 @@ class Sand {
         sandglass_lighting_to_filament(&lighting, SANDGLASS_LIGHTING_AMBIENT, scale, &of, nullptr) != SANDGLASS_OK)
       return shading;
     for (int k = 0; k < 3; ++k) {
-      const float up =
-          of.sh[k] + of.sh[3 + k] - of.sh[18 + k] - of.sh[24 + k];  // the harmonics at the normal (0, 1, 0)
+      const float up = of.sh[k] + of.sh[3 + k] - of.sh[18 + k] - of.sh[24 + k];  // the harmonics at (0, 1, 0)
       shading.to_light[k] = -of.direction[k];
       shading.sun[k] = of.intensity / std::numbers::pi_v<float> * of.colour[k];
       shading.ambient[k] = of.sh_intensity * std::fmax(up, 0.0f);
@@ -140,15 +173,16 @@ class Sand {
     const sandglass_pile_shadow_sky sky = pile_.sky();
     const float extent = 2 * k_table;
     Shadows all;
-    all.object = of(cast_.texture());
-    all.object_room = of(cast_.ambient());
-    if (sand.valid) all.sand = {sand.coverage, sand.texels, {-k_table, -k_table, 1 / extent, 1 / extent}};
-    if (sky.valid) all.sand_room = {sky.floor, sky.texels, {-k_table, -k_table, 1 / extent, 1 / extent}};
+    take(&all.object, cast_.texture());
+    take(&all.object_room, cast_.ambient());
+    if (sand.valid) all.sand = {sand.coverage, sand.texels, {-k_table, -k_table, 1 / extent, 1 / extent}, sand.version};
+    if (sky.valid) all.sand_room = {sky.floor, sky.texels, {-k_table, -k_table, 1 / extent, 1 / extent}, sky.version};
     all.sand_opacity = sand.opacity;
     all.main_share = light_.main_share;
     return all;
   }
 
+  const Buffers& buffers() const { return buffers_; }
   const float* origin() const { return origin_; }  // in the session's world
   // The phone is hot or busy: no light is gathered, what is known stays, and the app pauses depth.
   bool rests() const { return rests_; }
@@ -157,15 +191,16 @@ class Sand {
   sandglass::Room& room() { return room_; }
 
  private:
-  static ShadowTexture of(const sandglass_cast_texture& t) {
-    if (!t.valid) return {};
-    return {t.bytes, t.texels, {t.corner[0], t.corner[2], 1 / t.along[0], 1 / t.across[2]}};
+  static void take(ShadowTexture* shadow, const sandglass_cast_texture& t) {
+    if (t.valid)
+      *shadow = {t.bytes, t.texels, {t.corner[0], t.corner[2], 1 / t.along[0], 1 / t.across[2]}, t.completed};
   }
 
   sandglass::Scene scene_;
   sandglass::Room room_;
   sandglass::PileShadow pile_;
   sandglass::Cast cast_;
+  Buffers buffers_;
   sandglass_room_light known_ = {}, light_ = {};  // now, and as it is drawn on its way there
   sandglass_camera_image screen_ = {};            // the last image; its planes are gone
   float origin_[3] = {};

@@ -7,7 +7,6 @@ public struct NativeArray<T> where T : struct {}
 namespace Unity.Collections.LowLevel.Unsafe {
 public static class NativeArrayUnsafeUtility {
   public static unsafe void* GetUnsafeReadOnlyPtr<T>(NativeArray<T> array) where T : struct { return null; }
-  public static unsafe void* GetUnsafePtr<T>(NativeArray<T> array) where T : struct { return null; }
 }
 }
 
@@ -68,10 +67,8 @@ public static class Graphics {
 }
 public sealed class GraphicsBuffer : IDisposable {
   [Flags] public enum Target { Structured = 16 }
-  [Flags] public enum UsageFlags { None = 0, LockBufferForWrite = 1 }
-  public GraphicsBuffer(Target target, UsageFlags usage, int count, int stride) {}
-  public NativeArray<T> LockBufferForWrite<T>(int first, int count) where T : struct { return new NativeArray<T>(); }
-  public void UnlockBufferAfterWrite<T>(int count) where T : struct {}
+  public GraphicsBuffer(Target target, int count, int stride) {}
+  public void SetData(Array data) {}
   public void Dispose() {}
 }
 }

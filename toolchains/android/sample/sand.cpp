@@ -14,12 +14,16 @@ namespace {
 
 // A grain: a round point with the shading of a sphere. Its radius is 0.35 of a particle's.
 const char k_vertex_shader[] = R"glsl(#version 300 es
-layout(location = 0) in vec3 position;
+layout(location = 0) in vec4 older;  // position and speed
+layout(location = 1) in vec4 newer;
 uniform mat4 projection, view;
 uniform vec3 origin;
 uniform float pixels_at_one_metre;
+uniform vec2 mixed;  // the share of the newer, and seconds between the two
 void main() {
-  gl_Position = projection * view * vec4(position + origin, 1.0);
+  // One that went further than its speeds explain is new, removed, or another of that number.
+  float part = distance(older.xyz, newer.xyz) < mixed.y * (older.w + newer.w) + 0.01 ? mixed.x : 1.0;
+  gl_Position = projection * view * vec4(mix(older.xyz, newer.xyz, part) + origin, 1.0);
   gl_PointSize = pixels_at_one_metre / gl_Position.w;
 }
 )glsl";
@@ -86,6 +90,7 @@ void main() {
   colour = vec4(0.0, 0.0, 0.0, 1.0 - pow(left, 1.0 / 2.2));  // the surface blends encoded values
 }
 )glsl";
+constexpr GLsizeiptr k_bytes = sample::k_grains * sizeof(sandglass_grain);
 constexpr float k_depth_bias = 0.03f;  // metres: ARCore's depth at arm's length
 
 struct Session {
@@ -94,7 +99,8 @@ struct Session {
   sandglass_camera_image image = {};
   bool seen = false;
   double last_seconds = 0.0;
-  GLuint program = 0, buffer = 0, table = 0, textures[5] = {};  // the last is the depth
+  GLuint program = 0, buffers[sample::k_buffers] = {}, table = 0, textures[5] = {};  // the last is the depth
+  uint64_t versions[4] = {~0ull, ~0ull, ~0ull, ~0ull};                               // of those in the textures
   float depth_from_screen[9] = {};
 };
 
@@ -132,27 +138,23 @@ void forget_depth(const Session& s) {
 }
 
 // Before what stands on it. It hides nothing, so it writes no depth.
-void draw_table(const Session& s, const float projection[16], const float view[16], float width, float height) {
+void draw_table(Session& s, const float projection[16], const float view[16], float width, float height) {
   const auto place = [&s](const char* name) { return glGetUniformLocation(s.table, name); };
   const sample::Shadows shadows = s.sand.shadows();
-  const struct {
-    const char *name, *box;
-    const sample::ShadowTexture& texture;
-    uint8_t outside;
-  } all[] = {{"object", "object_box", shadows.object, 0},
-             {"object_room", "object_room_box", shadows.object_room, 255},
-             {"sand", "sand_box", shadows.sand, 0},
-             {"sand_room", "sand_room_box", shadows.sand_room, 255}};
+  const sample::ShadowTexture all[] = {shadows.object, shadows.object_room, shadows.sand, shadows.sand_room};
+  const char* const names[] = {"object", "object_room", "sand", "sand_room"};
+  const char* const boxes[] = {"object_box", "object_room_box", "sand_box", "sand_room_box"};
   glEnable(GL_DEPTH_TEST);
   glUseProgram(s.table);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   for (int i = 0; i < 4; ++i) {
-    const auto side = static_cast<GLsizei>(all[i].texture.texels);
+    const auto side = static_cast<GLsizei>(all[i].texels);
     bind(s, i, GL_LINEAR);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, side > 0 ? side : 1, side > 0 ? side : 1, 0, GL_RED, GL_UNSIGNED_BYTE,
-                 side > 0 ? all[i].texture.bytes : &all[i].outside);
-    glUniform1i(place(all[i].name), i);
-    glUniform4fv(place(all[i].box), 1, all[i].texture.box);
+    if (s.versions[i] != all[i].version)
+      glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, side, side, 0, GL_RED, GL_UNSIGNED_BYTE, all[i].bytes);
+    s.versions[i] = all[i].version;
+    glUniform1i(place(names[i]), i);
+    glUniform4fv(place(boxes[i]), 1, all[i].box);
   }
   bind(s, 4, GL_NEAREST);
   glUniform1i(place("depth"), 4);
@@ -187,8 +189,13 @@ void draw(const Session& s, GLsizei count, const float projection[16], const flo
   glUniform3fv(place("to_light"), 1, shading.to_light);
   glUniform3fv(place("sun"), 1, shading.sun);
   glUniform3fv(place("ambient"), 1, shading.ambient);
-  glEnableVertexAttribArray(0);
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(sandglass_grain), nullptr);
+  const sample::Buffers& buffers = s.sand.buffers();
+  glUniform2f(place("mixed"), buffers.share, buffers.span);
+  for (const GLuint i : {0u, 1u}) {
+    glBindBuffer(GL_ARRAY_BUFFER, s.buffers[i == 0 ? buffers.older : buffers.newer]);
+    glEnableVertexAttribArray(i);
+    glVertexAttribPointer(i, 4, GL_FLOAT, GL_FALSE, sizeof(sandglass_grain), nullptr);
+  }
   glDrawArrays(GL_POINTS, 0, count);
 }
 
@@ -203,9 +210,11 @@ JNIEXPORT jlong JNICALL Java_org_sandglass_sample_Sand_create(JNIEnv*, jclass) {
   s->table = program(k_table_vertex_shader, k_table_fragment_shader);
   glGenTextures(5, s->textures);
   forget_depth(*s);
-  glGenBuffers(1, &s->buffer);
-  glBindBuffer(GL_ARRAY_BUFFER, s->buffer);
-  glBufferData(GL_ARRAY_BUFFER, sample::k_grains * sizeof(sandglass_grain), nullptr, GL_STREAM_DRAW);
+  glGenBuffers(sample::k_buffers, s->buffers);
+  for (const GLuint buffer : s->buffers) {
+    glBindBuffer(GL_ARRAY_BUFFER, buffer);
+    glBufferData(GL_ARRAY_BUFFER, k_bytes, nullptr, GL_DYNAMIC_DRAW);
+  }
   return reinterpret_cast<jlong>(s.release());
 }
 
@@ -220,19 +229,15 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_image(JNIEnv* env, jcl
                                                                 jlong timestamp_ns, jfloatArray lens, jfloatArray pose,
                                                                 jfloat exposure) {
   Session* s = of(handle);
-  const uint8_t* bytes[3];
-  for (int i = 0; i < 3; ++i)
-    bytes[i] = static_cast<uint8_t*>(env->GetDirectBufferAddress(env->GetObjectArrayElement(planes, i)));
   jint of_planes[6];
-  float of_lens[4], of_pose[7];
+  float of_lens[4];
   env->GetIntArrayRegion(strides, 0, 6, of_planes);
   env->GetFloatArrayRegion(lens, 0, 4, of_lens);
-  env->GetFloatArrayRegion(pose, 0, 7, of_pose);
   s->image = sandglass::camera_image();
   s->image.format = SANDGLASS_CAMERA_I420;
   s->image.chroma_step = static_cast<uint32_t>(of_planes[3]);
   for (int i = 0; i < 3; ++i) {
-    s->image.planes[i] = bytes[i];
+    s->image.planes[i] = static_cast<uint8_t*>(env->GetDirectBufferAddress(env->GetObjectArrayElement(planes, i)));
     s->image.strides[i] = of_planes[2 * i];
   }
   s->image.width = static_cast<uint32_t>(width);
@@ -242,8 +247,8 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_image(JNIEnv* env, jcl
   s->image.focal_y = of_lens[1];
   s->image.centre_x = of_lens[2];
   s->image.centre_y = of_lens[3];
-  for (int k = 0; k < 4; ++k) s->image.orientation[k] = of_pose[k];
-  for (int k = 0; k < 3; ++k) s->image.position[k] = of_pose[4 + k];
+  env->GetFloatArrayRegion(pose, 0, 4, s->image.orientation);
+  env->GetFloatArrayRegion(pose, 4, 3, s->image.position);
   s->image.exposure = exposure;
   return s->seen = sandglass_camera_check(&s->image, nullptr) == SANDGLASS_OK;
 }
@@ -273,16 +278,17 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_frame(JNIEnv* env, jcl
   env->GetFloatArrayRegion(view, 0, 16, of_view);
   const float step = s->last_seconds > 0.0 ? static_cast<float>(seconds - s->last_seconds) : 0.0f;
   s->last_seconds = seconds;
-  // Invalidating gives new memory while the GPU still reads the old: the library writes where nobody reads.
-  glBindBuffer(GL_ARRAY_BUFFER, s->buffer);
-  void* grains = glMapBufferRange(GL_ARRAY_BUFFER, 0, sample::k_grains * sizeof(sandglass_grain),
-                                  GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+  const bool rested = s->sand.rests();
+  // The buffer keeps what it holds. Mapping it waits for the frame before the last, if the GPU still draws that.
+  glBindBuffer(GL_ARRAY_BUFFER, s->buffers[s->sand.buffers().next]);
+  void* grains = glMapBufferRange(GL_ARRAY_BUFFER, 0, k_bytes, GL_MAP_WRITE_BIT | GL_MAP_FLUSH_EXPLICIT_BIT);
   const sandglass_frame_report report = s->sand.frame(
       step, s->performance.headroom(seconds), static_cast<sandglass_grain*>(grains), s->seen ? &s->image : nullptr);
   s->seen = false;
+  if (s->sand.buffers().changed) glFlushMappedBufferRange(GL_ARRAY_BUFFER, 0, k_bytes);
   glUnmapBuffer(GL_ARRAY_BUFFER);
   s->performance.report(report.time.target_ns, report.time.elapsed_ns);
-  if (s->sand.rests()) forget_depth(*s);
+  if (s->sand.rests() && !rested) forget_depth(*s);
   draw_table(*s, of_projection, of_view, static_cast<float>(width), static_cast<float>(height));
   draw(*s, static_cast<GLsizei>(report.sand.grain_numbers), of_projection, of_view, static_cast<float>(height));
   return s->sand.rests();
@@ -290,7 +296,7 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_frame(JNIEnv* env, jcl
 
 JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_destroy(JNIEnv*, jclass, jlong handle) {
   const std::unique_ptr<Session> s(of(handle));
-  glDeleteBuffers(1, &s->buffer);
+  glDeleteBuffers(sample::k_buffers, s->buffers);
   glDeleteProgram(s->program);
   glDeleteProgram(s->table);
   glDeleteTextures(5, s->textures);

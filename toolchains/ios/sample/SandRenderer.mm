@@ -1,7 +1,6 @@
 // Once for every displayed frame, in 4 ms, the library writes the grains straight into a shared Metal buffer, and
 // gathers the room's light from ARKit's image. The shadows of the sand, and of what else stands there, darken the table.
-// Three buffers take turns, so that the GPU never reads what the library writes. Build it optimised in debug builds too:
-// kernels without optimisation miss every budget.
+// Build it optimised in debug builds too: kernels without optimisation miss every budget.
 #import "SandRenderer.h"
 
 #include <string.h>
@@ -11,19 +10,10 @@
 #include "sand.h"
 #include "shader_types.h"
 
-static const int k_buffers = 3;
-
 // The share of the budget that the device can sustain, from the four states that iOS tells.
 static float thermal_headroom(void) {
-  switch (NSProcessInfo.processInfo.thermalState) {
-    case NSProcessInfoThermalStateNominal:
-    case NSProcessInfoThermalStateFair:
-      return 1.0f;
-    case NSProcessInfoThermalStateSerious:
-      return 0.5f;
-    default:
-      return 0.25f;
-  }
+  const NSProcessInfoThermalState heat = NSProcessInfo.processInfo.thermalState;
+  return heat <= NSProcessInfoThermalStateFair ? 1.0f : heat == NSProcessInfoThermalStateSerious ? 0.5f : 0.25f;
 }
 
 // How long and how sensitively an image was exposed, as sandglass_camera_image.exposure wants it: seconds times ISO /
@@ -68,9 +58,12 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   return image;
 }
 
-static id<MTLTexture> new_texture(id<MTLDevice> device, MTLPixelFormat format, size_t width, size_t height) {
+// The GPU may still read the one before, which its commands hold.
+static id<MTLTexture> new_texture(id<MTLDevice> device, MTLPixelFormat format, size_t width, size_t height, const void *bytes, size_t row) {
   MTLTextureDescriptor *descriptor = [MTLTextureDescriptor texture2DDescriptorWithPixelFormat:format width:width height:height mipmapped:NO];
-  return [device newTextureWithDescriptor:descriptor];
+  id<MTLTexture> texture = [device newTextureWithDescriptor:descriptor];
+  [texture replaceRegion:MTLRegionMake2D(0, 0, width, height) mipmapLevel:0 withBytes:bytes bytesPerRow:row];
+  return texture;
 }
 
 static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1], v[2], 0); }
@@ -78,12 +71,12 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
 @implementation SandRenderer {
   sample::Sand _sand;
   id<MTLRenderPipelineState> _pipeline, _table;
-  id<MTLBuffer> _grains[k_buffers];
-  id<MTLTexture> _textures[k_buffers][5];  // those of Shaders.metal; the last is the depth
+  id<MTLBuffer> _grains[sample::k_buffers];
+  id<MTLTexture> _textures[5];  // those of Shaders.metal; the last is the depth
+  uint64_t _versions[4];
   dispatch_semaphore_t _free;
   std::atomic<bool> _heatChanged;
   float _headroom;
-  int _turn;
   NSTimeInterval _last;
 }
 
@@ -107,9 +100,9 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   descriptor.colorAttachments[0].sourceRGBBlendFactor = MTLBlendFactorSourceAlpha;
   descriptor.colorAttachments[0].destinationRGBBlendFactor = MTLBlendFactorOneMinusSourceAlpha;
   _table = [view.device newRenderPipelineStateWithDescriptor:descriptor error:NULL];
-  for (int i = 0; i < k_buffers; ++i)
+  for (uint32_t i = 0; i < sample::k_buffers; ++i)
     _grains[i] = [view.device newBufferWithLength:sample::k_grains * sizeof(sandglass_grain) options:MTLResourceStorageModeShared];
-  _free = dispatch_semaphore_create(k_buffers);
+  _free = dispatch_semaphore_create(2);  // frames: the GPU may be so far behind
   return self;
 }
 
@@ -125,27 +118,16 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   return bool(_sand.stand(meshes, count));
 }
 
-// The bytes of a shadow into its texture; before there are any, `outside`.
-- (void)load:(const sample::ShadowTexture &)shadow at:(int)index outside:(uint8_t)outside device:(id<MTLDevice>)device {
-  const NSUInteger side = shadow.texels > 0 ? shadow.texels : 1;
-  id<MTLTexture> __strong *texture = &_textures[_turn][index];
-  if (*texture == nil || (*texture).width != side) *texture = new_texture(device, MTLPixelFormatR8Unorm, side, side);
-  [*texture replaceRegion:MTLRegionMake2D(0, 0, side, side) mipmapLevel:0 withBytes:shadow.texels > 0 ? shadow.bytes : &outside bytesPerRow:side];
-}
-
 // ARKit's depth, where the device has a LiDAR scanner and the session's frameSemantics ask for sceneDepth; else it is not known.
 - (void)loadDepth:(ARFrame *)frame device:(id<MTLDevice>)device {
   CVPixelBufferRef map = frame.sceneDepth.depthMap;
   const float unknown = 0;
-  if (map != NULL) CVPixelBufferLockBaseAddress(map, kCVPixelBufferLock_ReadOnly);
-  const size_t width = map != NULL ? CVPixelBufferGetWidth(map) : 1, height = map != NULL ? CVPixelBufferGetHeight(map) : 1;
-  id<MTLTexture> __strong *texture = &_textures[_turn][4];
-  if (*texture == nil || (*texture).width != width) *texture = new_texture(device, MTLPixelFormatR32Float, width, height);
-  [*texture replaceRegion:MTLRegionMake2D(0, 0, width, height)
-              mipmapLevel:0
-                withBytes:map != NULL ? CVPixelBufferGetBaseAddress(map) : &unknown
-              bytesPerRow:map != NULL ? CVPixelBufferGetBytesPerRow(map) : sizeof unknown];
-  if (map != NULL) CVPixelBufferUnlockBaseAddress(map, kCVPixelBufferLock_ReadOnly);
+  if (map == NULL && _textures[4].width != 1) _textures[4] = new_texture(device, MTLPixelFormatR32Float, 1, 1, &unknown, sizeof unknown);
+  if (map == NULL) return;
+  CVPixelBufferLockBaseAddress(map, kCVPixelBufferLock_ReadOnly);
+  _textures[4] = new_texture(device, MTLPixelFormatR32Float, CVPixelBufferGetWidth(map), CVPixelBufferGetHeight(map),
+                             CVPixelBufferGetBaseAddress(map), CVPixelBufferGetBytesPerRow(map));
+  CVPixelBufferUnlockBaseAddress(map, kCVPixelBufferLock_ReadOnly);
 }
 
 // The table, before what stands on it.
@@ -154,7 +136,9 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   const sample::Shadows shadows = _sand.shadows();
   const sample::ShadowTexture *const all[4] = {&shadows.object, &shadows.object_room, &shadows.sand, &shadows.sand_room};
   for (int i = 0; i < 4; ++i) {
-    [self load:*all[i] at:i outside:i % 2 == 0 ? 0 : 255 device:view.device];
+    if (_textures[i] == nil || _versions[i] != all[i]->version)
+      _textures[i] = new_texture(view.device, MTLPixelFormatR8Unorm, all[i]->texels, all[i]->texels, all[i]->bytes, all[i]->texels);
+    _versions[i] = all[i]->version;
     constants.boxes[i] = simd_make_float4(all[i]->box[0], all[i]->box[1], all[i]->box[2], all[i]->box[3]);
   }
   [self loadDepth:frame device:view.device];
@@ -170,7 +154,7 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   [encoder setRenderPipelineState:_table];
   [encoder setVertexBytes:&constants length:sizeof constants atIndex:0];
   [encoder setFragmentBytes:&constants length:sizeof constants atIndex:0];
-  for (NSUInteger i = 0; i < 5; ++i) [encoder setFragmentTexture:_textures[_turn][i] atIndex:i];
+  for (NSUInteger i = 0; i < 5; ++i) [encoder setFragmentTexture:_textures[i] atIndex:i];
   [encoder drawPrimitives:MTLPrimitiveTypeTriangleStrip vertexStart:0 vertexCount:4];
 }
 
@@ -183,8 +167,7 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
 - (void)encode:(ARFrame *)frame into:(id<MTLCommandBuffer>)commands with:(id<MTLRenderCommandEncoder>)encoder view:(MTKView *)view
        upright:(UIInterfaceOrientation)upright {
   dispatch_semaphore_wait(_free, DISPATCH_TIME_FOREVER);
-  _turn = (_turn + 1) % k_buffers;
-  id<MTLBuffer> grains = _grains[_turn];
+  const sample::Buffers &buffers = _sand.buffers();
   const float step = _last > 0.0 ? static_cast<float>(frame.timestamp - _last) : 0.0f;
   _last = frame.timestamp;
   if (_heatChanged.exchange(false)) _headroom = thermal_headroom();
@@ -193,7 +176,7 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   // While ARKit relocalises, poses are those of another frame: an image would light the room from the wrong side.
   const bool tracked = frame.camera.trackingState == ARTrackingStateNormal;
   const sandglass_frame_report report =
-      _sand.frame(step, _headroom, static_cast<sandglass_grain *>(grains.contents), tracked ? &seen : NULL);
+      _sand.frame(step, _headroom, static_cast<sandglass_grain *>(_grains[buffers.next].contents), tracked ? &seen : NULL);
   CVPixelBufferUnlockBaseAddress(frame.capturedImage, kCVPixelBufferLock_ReadOnly);
 
   const simd_float4x4 projection = [frame.camera projectionMatrixForOrientation:upright viewportSize:view.bounds.size zNear:0.05 zFar:50];
@@ -203,13 +186,13 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   constants.clip_from_world = simd_mul(projection, constants.view_from_world);
   constants.to_light = vector(shading.to_light), constants.sun = vector(shading.sun), constants.ambient = vector(shading.ambient);
   constants.origin = vector(_sand.origin());
+  constants.share = buffers.share, constants.span = buffers.span;
   constants.pixels_at_one_metre =  // the radius of a grain is 0.35 of a particle's
       0.35f * sample::k_particle_radius * projection.columns[1].y * static_cast<float>(view.drawableSize.height);
   [self encodeTable:frame constants:constants with:encoder view:view upright:upright];
-  [encoder setRenderPipelineState:_pipeline];
-  [encoder setVertexBytes:&constants length:sizeof constants atIndex:0];
-  [encoder setFragmentBytes:&constants length:sizeof constants atIndex:0];
-  [encoder setVertexBuffer:grains offset:0 atIndex:1];
+  [encoder setRenderPipelineState:_pipeline];  // with the same constants
+  [encoder setVertexBuffer:_grains[buffers.older] offset:0 atIndex:1];
+  [encoder setVertexBuffer:_grains[buffers.newer] offset:0 atIndex:2];
   if (report.sand.grain_numbers > 0) [encoder drawPrimitives:MTLPrimitiveTypePoint vertexStart:0 vertexCount:report.sand.grain_numbers];
   dispatch_semaphore_t released = _free;
   [commands addCompletedHandler:^(id<MTLCommandBuffer> finished) {

@@ -4,20 +4,18 @@
 #include "shader_types.h"
 using namespace metal;
 
-struct Grain {
-  packed_float3 position;
-  float speed;
-};
-
 struct Corner {
   float4 position [[position]];
   float size [[point_size]];
 };
 
 vertex Corner grain_vertex(uint index [[vertex_id]], constant ShaderFrame& frame [[buffer(0)]],
-                           constant Grain* grains [[buffer(1)]]) {
+                           constant float4* older_grains [[buffer(1)]], constant float4* newer_grains [[buffer(2)]]) {
+  const float4 older = older_grains[index], newer = newer_grains[index];  // position and speed
+  // One that went further than its speeds explain is new, removed, or another of that number.
+  const float share = distance(older.xyz, newer.xyz) < frame.span * (older.w + newer.w) + 0.01f ? frame.share : 1.0f;
   Corner out;
-  out.position = frame.clip_from_world * float4(float3(grains[index].position) + frame.origin.xyz, 1.0f);
+  out.position = frame.clip_from_world * float4(mix(older.xyz, newer.xyz, share) + frame.origin.xyz, 1.0f);
   out.size = frame.pixels_at_one_metre / out.position.w;
   return out;
 }

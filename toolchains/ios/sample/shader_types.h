@@ -4,9 +4,9 @@
 
 struct ShaderFrame {
   simd_float4x4 clip_from_world, view_from_world;
-  simd_float4 to_light, sun, ambient;  // sample::Shading
-  simd_float4 origin;                  // of the sand, in the session's world
-  float pixels_at_one_metre;           // a grain's diameter
+  simd_float4 to_light, sun, ambient;      // sample::Shading
+  simd_float4 origin;                      // of the sand, in the session's world
+  float pixels_at_one_metre, share, span;  // a grain's diameter; sample::Buffers
   // Of the table: sample::Shadows, and the depth of what is real.
   simd_float4 boxes[4];
   simd_float3x3 depth_from_screen;  // shares of the viewport, from its upper left corner, to shares of the depth image

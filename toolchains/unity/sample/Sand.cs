@@ -1,7 +1,8 @@
 // Sand in a Unity scene with AR Foundation 5.1 or newer. Put this on an object that stands where the sand shall fall,
 // such as an anchor on a real plane. Once a frame the library reads the camera's image for the light of the room, writes
-// the grains straight into a locked graphics buffer, which Sand.shader draws, and makes the shadows of the sand and of one
-// object, which Table.shader draws on the real table.
+// the grains that have moved to an array (a locked buffer would not keep the others), and makes the shadows of the sand and
+// of one object, which Table.shader draws on the real table. Sand.shader mixes the last two buffers of grains, as sandglass.h
+// says at grains_time. Only what has changed is uploaded.
 //
 // Unity's world is left-handed and Sandglass's is right-handed: z changes its sign in the shader, and where poses and
 // light are handed over. The sand keeps to the world's axes, whatever this object's rotation is.
@@ -30,11 +31,15 @@ public unsafe class Sand : MonoBehaviour {
   sandglass_pile_shadow* pile;
   sandglass_cast* cast;
   readonly Texture2D[] textures = new Texture2D[4];  // those of Table.shader
+  readonly ulong[] versions = new ulong[5];  // of what was uploaded; the last is the grains'
   static readonly string[] names = { "_Object", "_ObjectRoom", "_Sand", "_SandRoom" };
   sandglass_scene* scene;
   sandglass_room* room;
   sandglass_room_light shown;  // as it is drawn
-  GraphicsBuffer grains;
+  readonly sandglass_grain[] grains = new sandglass_grain[Grains];
+  readonly GraphicsBuffer[] buffers = new GraphicsBuffer[2];
+  int older, newer;  // of the two
+  double olderTime, newerTime;
   sandglass_camera_image screen;  // the last image; its planes are gone
   float exposure;                 // of the newest frame; 0: unknown
 
@@ -59,10 +64,8 @@ public unsafe class Sand : MonoBehaviour {
     Native.sandglass_room_desc_default(&roomDesc);
     sandglass_pile_shadow_desc pileDesc;
     Native.sandglass_pile_shadow_desc_default(&pileDesc);
-    for (int k = 0; k < 2; ++k) {
-      pileDesc.low[k] = -HalfSide;
-      pileDesc.high[k] = HalfSide;
-    }
+    pileDesc.low[0] = pileDesc.low[1] = -HalfSide;
+    pileDesc.high[0] = pileDesc.high[1] = HalfSide;
     pileDesc.sky_texels = 64;
     sandglass_cast_desc castDesc;
     Native.sandglass_cast_desc_default(&castDesc);
@@ -87,8 +90,14 @@ public unsafe class Sand : MonoBehaviour {
     fixed (sandglass_cast** made = &cast)
       Check(Native.sandglass_cast_create(&castDesc, block + Aligned(pileBytes), castBytes, made, &reason), reason);
     if (mesh != null) Stand(mesh.vertices, triangles);
-    grains = new GraphicsBuffer(GraphicsBuffer.Target.Structured, GraphicsBuffer.UsageFlags.LockBufferForWrite, Grains,
-                                sizeof(sandglass_grain));
+    fixed (sandglass_grain* none = grains)
+      for (int i = 0; i < Grains; ++i) none[i].position[1] = -1e6f;  // SANDGLASS_REMOVED_Y
+    for (int i = 0; i < 2; ++i) {
+      buffers[i] = new GraphicsBuffer(GraphicsBuffer.Target.Structured, Grains, sizeof(sandglass_grain));
+      buffers[i].SetData(grains);
+    }
+    Array.Clear(versions, 0, 5);
+    newerTime = -1;
     cameraManager.frameReceived += Received;
   }
 
@@ -96,11 +105,7 @@ public unsafe class Sand : MonoBehaviour {
   void Stand(Vector3[] places, int[] triangles) {
     vertices = Marshal.AllocHGlobal(12 * places.Length);
     corners = Marshal.AllocHGlobal(4 * triangles.Length);
-    for (int i = 0; i < places.Length; ++i) {
-      ((float*)vertices)[3 * i] = places[i].x;
-      ((float*)vertices)[3 * i + 1] = places[i].y;
-      ((float*)vertices)[3 * i + 2] = places[i].z;
-    }
+    fixed (Vector3* from = places) Buffer.MemoryCopy(from, (void*)vertices, 12 * places.Length, 12 * places.Length);
     Marshal.Copy(triangles, 0, corners, triangles.Length);
     vertexCount = places.Length;
     triangleCount = triangles.Length / 3;
@@ -108,7 +113,7 @@ public unsafe class Sand : MonoBehaviour {
 
   void OnDisable() {
     cameraManager.frameReceived -= Received;
-    if (grains != null) grains.Dispose();
+    foreach (GraphicsBuffer buffer in buffers) if (buffer != null) buffer.Dispose();
     Marshal.FreeHGlobal(memory);
     Marshal.FreeHGlobal(vertices);
     Marshal.FreeHGlobal(corners);
@@ -118,18 +123,14 @@ public unsafe class Sand : MonoBehaviour {
   // Seconds times ISO / 100, as sandglass_camera_image.exposure wants it: told on iOS 16 and on Android, where the phone
   // does.
   void Received(ARCameraFrameEventArgs frame) {
-    XRCameraFrameExifData exif;
-    double seconds = 0;
-    short iso = 0;
-    bool told = frame.TryGetExifData(out exif) && exif.TryGetExposureTime(out seconds) && exif.TryGetPhotographicSensitivity(out iso);
-    exposure = told ? (float)(seconds * iso / 100) : 0;
+    exposure = frame.TryGetExifData(out var exif) && exif.TryGetExposureTime(out double seconds) &&
+        exif.TryGetPhotographicSensitivity(out short iso) ? (float)(seconds * iso / 100) : 0;
   }
 
   // False where the library does not read the layout, and while poses are wrong: after an interruption, say.
   bool Describe(XRCpuImage held, sandglass_camera_image* image) {
-    XRCameraIntrinsics lens;
     if (ARSession.state != ARSessionState.SessionTracking || ARSession.notTrackingReason != NotTrackingReason.None) return false;
-    if (!cameraManager.TryGetIntrinsics(out lens)) return false;
+    if (!cameraManager.TryGetIntrinsics(out var lens)) return false;
     Native.sandglass_camera_image_default(image);
     image->width = (uint)held.width;
     image->height = (uint)held.height;
@@ -149,12 +150,9 @@ public unsafe class Sand : MonoBehaviour {
     image->orientation[2] = pose.z;
     image->orientation[3] = pose.w;
     image->pose_is_upright = 1;
-    image->turn_deg = 0;
-    switch (Screen.orientation) {  // the sensor lies in landscape
-      case ScreenOrientation.Portrait: image->turn_deg = 90; break;
-      case ScreenOrientation.LandscapeRight: image->turn_deg = 180; break;
-      case ScreenOrientation.PortraitUpsideDown: image->turn_deg = 270; break;
-    }
+    ScreenOrientation upright = Screen.orientation;  // the sensor lies in landscape
+    image->turn_deg = upright == ScreenOrientation.Portrait ? 90u : upright == ScreenOrientation.LandscapeRight ? 180u :
+        upright == ScreenOrientation.PortraitUpsideDown ? 270u : 0;
     // ARKit's two planes are NV12. Android's three are I420, whose chroma may lie in pairs.
     bool android = held.format == XRCpuImage.Format.AndroidYuv420_888;
     if (!android && held.format != XRCpuImage.Format.IosYpCbCr420_8BiPlanarFullRange) return false;
@@ -174,19 +172,13 @@ public unsafe class Sand : MonoBehaviour {
   static byte* Bytes(XRCpuImage.Plane plane) { return (byte*)NativeArrayUnsafeUtility.GetUnsafeReadOnlyPtr(plane.data); }
 
   void Update() {
-    var floor = new sandglass_collider();
-    floor.shape = Native.SANDGLASS_SHAPE_HALF_SPACE;
+    var floor = new sandglass_collider { shape = Native.SANDGLASS_SHAPE_HALF_SPACE };
     floor.rotation[3] = 1;
-    var nozzle = new sandglass_emitter();
+    var nozzle = new sandglass_emitter { radius = 0.03f, speed = 0.5f, grains_per_particle = Grains / Particles };
     nozzle.position[1] = 0.3f;
     nozzle.rotation[3] = 1;
-    nozzle.radius = 0.03f;
-    nozzle.speed = 0.5f;
-    nozzle.grains_per_particle = Grains / Particles;
     sandglass_camera_image image;
-    XRCpuImage held;
-    bool taken = cameraManager.TryAcquireLatestCpuImage(out held), seen = taken && Describe(held, &image);
-    var mapped = grains.LockBufferForWrite<sandglass_grain>(0, Grains);
+    bool taken = cameraManager.TryAcquireLatestCpuImage(out var held), seen = taken && Describe(held, &image);
     sandglass_frame_input input;
     Native.sandglass_frame_input_default(&input);
     input.time_step = Time.deltaTime;
@@ -195,8 +187,8 @@ public unsafe class Sand : MonoBehaviour {
     input.colliders = &floor;
     input.emitters = &nozzle;
     input.collider_count = input.emitter_count = 1;
-    input.grains = (sandglass_grain*)NativeArrayUnsafeUtility.GetUnsafePtr(mapped);
     input.grain_capacity = Grains;
+    input.grains_age = newerTime < 0 ? 0u : 1u;
     input.room = room;
     input.pile_shadow = pile;
     sandglass_cast* one = cast;
@@ -204,18 +196,27 @@ public unsafe class Sand : MonoBehaviour {
     input.cast_count = 1;
     SetShadows();
     input.camera = seen ? &image : null;  // it is read within the call
-    var report = new sandglass_frame_report();
-    report.struct_size = (uint)sizeof(sandglass_frame_report);
+    var report = new sandglass_frame_report { struct_size = (uint)sizeof(sandglass_frame_report) };
     byte* reason;
-    int status = Native.sandglass_scene_frame(scene, &input, &report, &reason);
-    grains.UnlockBufferAfterWrite<sandglass_grain>(Grains);
+    int status;
+    fixed (sandglass_grain* into = grains) {
+      input.grains = into;
+      status = Native.sandglass_scene_frame(scene, &input, &report, &reason);
+    }
     if (taken) held.Dispose();
     Check(status, reason);
     sandglass_unity_light light = Light();
     float height = cameraManager.transform.position.y - transform.position.y;
     float nearer = 1 - DepthBias / Math.Max(height, 2 * DepthBias);
     DrawTable(nearer);
-    Draw((int)report.sand.grain_numbers, light, nearer);
+    if (report.sand.grains_time > newerTime) {
+      older = newer;
+      olderTime = newerTime;
+      newerTime = report.sand.grains_time;
+      if (versions[4] != report.versions.grains) buffers[newer = 1 - newer].SetData(grains);
+      versions[4] = report.versions.grains;
+    }
+    Draw((int)report.sand.grain_numbers, report.sand.shown_time, light, nearer);
   }
 
   // What casts, and in which light. Unity's z is turned around: the object's matrix mirrors it.
@@ -249,37 +250,35 @@ public unsafe class Sand : MonoBehaviour {
   }
 
   // A texture of shadows, and where it lies from this object.
-  void Load(MaterialPropertyBlock block, int i, bool valid, byte* bytes, uint texels, Vector4 box) {
+  void Load(MaterialPropertyBlock block, int i, bool valid, byte* bytes, uint texels, ulong version, Vector4 box) {
     block.SetVector(names[i] + "Box", valid ? box : new Vector4(0, 0, 0, 0));
     if (!valid) return;
     if (textures[i] == null || textures[i].width != texels)
       textures[i] = new Texture2D((int)texels, (int)texels, TextureFormat.R8, false, true);
-    textures[i].LoadRawTextureData((IntPtr)bytes, (int)(texels * texels));
-    textures[i].Apply();
+    if (versions[i] != version) {
+      textures[i].LoadRawTextureData((IntPtr)bytes, (int)(texels * texels));
+      textures[i].Apply();
+      versions[i] = version;
+    }
     block.SetTexture(names[i], textures[i]);
   }
 
   void DrawTable(float nearer) {
-    var draw = new RenderParams(table);
-    draw.worldBounds = new Bounds(transform.position, 2 * HalfSide * Vector3.one);
-    draw.matProps = new MaterialPropertyBlock();
-    var texture = new sandglass_cast_texture();
-    texture.struct_size = (uint)sizeof(sandglass_cast_texture);
+    var draw = new RenderParams(table) { worldBounds = new Bounds(transform.position, 2 * HalfSide * Vector3.one), matProps = new MaterialPropertyBlock() };
+    var texture = new sandglass_cast_texture { struct_size = (uint)sizeof(sandglass_cast_texture) };
     for (int i = 0; i < 2; ++i) {
       if (i == 0) Native.sandglass_cast_get_texture(cast, &texture); else Native.sandglass_cast_get_ambient(cast, &texture);
       bool made = texture.valid != 0 && triangleCount > 0;
-      Load(draw.matProps, i, made, texture.bytes, texture.texels,
+      Load(draw.matProps, i, made, texture.bytes, texture.texels, texture.completed,
            made ? new Vector4(texture.corner[0], texture.corner[2], 1 / texture.along[0], 1 / texture.across[2]) : new Vector4(0, 0, 0, 0));
     }
-    var sand = new sandglass_pile_shadow_texture();
-    sand.struct_size = (uint)sizeof(sandglass_pile_shadow_texture);
+    var sand = new sandglass_pile_shadow_texture { struct_size = (uint)sizeof(sandglass_pile_shadow_texture) };
     Native.sandglass_pile_shadow_get_texture(pile, &sand);
-    var sky = new sandglass_pile_shadow_sky();
-    sky.struct_size = (uint)sizeof(sandglass_pile_shadow_sky);
+    var sky = new sandglass_pile_shadow_sky { struct_size = (uint)sizeof(sandglass_pile_shadow_sky) };
     Native.sandglass_pile_shadow_get_sky(pile, &sky);
     var box = new Vector4(-HalfSide, -HalfSide, 0.5f / HalfSide, 0.5f / HalfSide);
-    Load(draw.matProps, 2, sand.valid != 0, sand.coverage, sand.texels, box);
-    Load(draw.matProps, 3, sky.valid != 0, sky.floor, sky.texels, box);
+    Load(draw.matProps, 2, sand.valid != 0, sand.coverage, sand.texels, sand.version, box);
+    Load(draw.matProps, 3, sky.valid != 0, sky.floor, sky.texels, sky.version, box);
     draw.matProps.SetVector("_Origin", transform.position);
     draw.matProps.SetFloat("_HalfSide", HalfSide);
     draw.matProps.SetFloat("_MainShare", shown.main_share);
@@ -291,18 +290,15 @@ public unsafe class Sand : MonoBehaviour {
   // The room's light at the sand, which comes in softly. For what else the app draws, set it on Unity's directional light
   // and its ambient probe, too.
   sandglass_unity_light Light() {
-    var known = new sandglass_room_light();
-    known.struct_size = (uint)sizeof(sandglass_room_light);
+    var known = new sandglass_room_light { struct_size = (uint)sizeof(sandglass_room_light) };
     byte* reason;
     sandglass_room_place place;
     Native.sandglass_room_place_default(&place);
     place.position[0] = transform.position.x;
     place.position[1] = transform.position.y;
     place.position[2] = -transform.position.z;
-    var lighting = new sandglass_lighting();
-    lighting.struct_size = (uint)sizeof(sandglass_lighting);
-    var unity = new sandglass_unity_light();
-    unity.struct_size = (uint)sizeof(sandglass_unity_light);
+    var lighting = new sandglass_lighting { struct_size = (uint)sizeof(sandglass_lighting) };
+    var unity = new sandglass_unity_light { struct_size = (uint)sizeof(sandglass_unity_light) };
     float scale;
     fixed (sandglass_room_light* light = &shown)
     fixed (sandglass_camera_image* image = &screen) {
@@ -318,22 +314,21 @@ public unsafe class Sand : MonoBehaviour {
     return unity;
   }
 
-  void Draw(int count, sandglass_unity_light light, float nearer) {
-    float* rest = stackalloc float[3];  // of all other light, on a grain that faces up
-    for (int channel = 0; channel < 3; ++channel) {
-      float* of = light.sh + 9 * channel;
-      rest[channel] = Math.Max(of[0] + of[1] - of[6] - of[8], 0);
-    }
-    var draw = new RenderParams(material);
-    draw.worldBounds = new Bounds(transform.position, 4 * Vector3.one);
-    draw.matProps = new MaterialPropertyBlock();
-    draw.matProps.SetBuffer("_Grains", grains);
+  // A channel of all other light, on a grain that faces up.
+  static float Up(float* of) { return Math.Max(of[0] + of[1] - of[6] - of[8], 0); }
+
+  void Draw(int count, double time, sandglass_unity_light light, float nearer) {
+    var draw = new RenderParams(material) { worldBounds = new Bounds(transform.position, 4 * Vector3.one), matProps = new MaterialPropertyBlock() };
+    draw.matProps.SetBuffer("_Older", buffers[older]);
+    draw.matProps.SetBuffer("_Newer", buffers[newer]);
+    draw.matProps.SetFloat("_Share", (float)Math.Min(Math.Max((time - olderTime) / (newerTime - olderTime), 0), 1));
+    draw.matProps.SetFloat("_Span", (float)(newerTime - olderTime));
     draw.matProps.SetVector("_Origin", transform.position);
     draw.matProps.SetFloat("_Radius", 0.35f * ParticleRadius);
     draw.matProps.SetFloat("_Nearer", nearer);
     draw.matProps.SetVector("_ToLight", new Vector4(-light.forward[0], -light.forward[1], -light.forward[2], 0));
     draw.matProps.SetVector("_Sun", light.intensity * new Vector4(light.colour[0], light.colour[1], light.colour[2], 0));
-    draw.matProps.SetVector("_Ambient", new Vector4(rest[0], rest[1], rest[2], 0));
+    draw.matProps.SetVector("_Ambient", new Vector4(Up(light.sh), Up(light.sh + 9), Up(light.sh + 18), 0));
     if (count > 0) Graphics.RenderPrimitives(draw, MeshTopology.Triangles, 6 * count);
   }
 }

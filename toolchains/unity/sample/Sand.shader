@@ -10,17 +10,19 @@ Shader "Sandglass/Sand" {
       #pragma fragment fragment
       #include "UnityCG.cginc"
 
-      struct Grain { float3 position; float speed; };
-      StructuredBuffer<Grain> _Grains;
+      StructuredBuffer<float4> _Older, _Newer;  // position and speed
       float3 _Origin, _ToLight;  // in Unity's world
       float3 _Sun, _Ambient;
-      float _Radius, _Nearer;    // _Nearer: as Table.shader has it
+      float _Radius, _Nearer, _Share, _Span;  // _Nearer: as Table.shader has it; _Share: of the newer; _Span: seconds between
 
       struct Corner { float4 position : SV_POSITION; float2 at : TEXCOORD0; };
 
       Corner vertex(uint index : SV_VertexID) {
         static const float2 corners[6] = { float2(-1, -1), float2(1, -1), float2(1, 1), float2(-1, -1), float2(1, 1), float2(-1, 1) };
-        float3 place = _Origin + _Grains[index / 6].position * float3(1, 1, -1);  // right-handed to left-handed
+        float4 older = _Older[index / 6], newer = _Newer[index / 6];
+        // One that went further than its speeds explain is new, removed, or another of that number.
+        float share = distance(older.xyz, newer.xyz) < _Span * (older.w + newer.w) + 0.01 ? _Share : 1;
+        float3 place = _Origin + lerp(older.xyz, newer.xyz, share) * float3(1, 1, -1);  // right-handed to left-handed
         float4 view = mul(UNITY_MATRIX_V, float4(place, 1));
         Corner corner;
         corner.at = corners[index % 6];
