@@ -6,7 +6,7 @@ import { receive, receivers, receiverValues } from "./glsl.mjs";
 const k_vectors = ["sandglass_pile_box", "sandglass_object_box", "sandglass_seen_box", "sandglass_numbers", "sandglass_to_light"];
 
 // `scene` is needed; `worker`: the stage runs in a Worker; else options of Stage.create.
-export async function createStage(BABYLON, { scene, ...options }) {
+export async function createStage(BABYLON, { scene, ...options } = {}) {
   const engine = scene?.getEngine();
   if (!(engine?.webGLVersion >= 2)) throw new Error("sandglass: createStage needs a scene of an Engine with WebGL 2; WebGPUEngine has other shaders. Pass { scene: new Scene(new Engine(canvas)) }.");
   return new BabylonStage(BABYLON, scene, await Engine.stageOf(options));
@@ -15,7 +15,7 @@ export async function createStage(BABYLON, { scene, ...options }) {
 class BabylonStage extends Engine {
   constructor(BABYLON, scene, stage) {
     super(stage, scene.getEngine()._gl);
-    Object.assign(this, { BABYLON, scene, z: scene.useRightHandedSystem ? 1 : -1, sun: new BABYLON.DirectionalLight("sandglass", new BABYLON.Vector3(0, -1, 0), scene), vectors: {} });
+    Object.assign(this, { BABYLON, scene, z: scene.useRightHandedSystem ? 1 : -1, sun: new BABYLON.DirectionalLight("sandglass", new BABYLON.Vector3(0, -1, 0), scene), vectors: {}, placing: "computeWorldMatrix" });
     // The engine takes harmonics from a cube map; this one is black, so that nothing is reflected.
     this.around = new BABYLON.RawCubeTexture(scene, Array.from({ length: 6 }, () => new Uint8Array([0, 0, 0, 255])), 1);
     scene.environmentTexture ??= this.around;

@@ -73,16 +73,21 @@ export class Engine {
 
   // An object's meshes throw a shadow, and sand lies on them. They are taken at their present size; the pose is followed.
   async addModel(object, options) {
+    if (typeof object?.[this.placing] !== "function") throw new Error("sandglass: addModel takes an object of the scene. Of a loaded glTF pass gltf.scene.");
     const pose = this.poseOf(object);
     this.objects.set(object, { pose, number: await this.stage.addModel({ ...this.meshOf(object, pose), ...pose }, options) });
   }
   async removeModel(object) {
+    if (!this.objects.has(object)) throw new Error("sandglass: removeModel takes an object that addModel was given.");
     const { number } = this.objects.get(object);
     this.objects.delete(object);
     await this.stage.remove(number);
   }
-  // An image of the room, and the camera that took it.
-  async see(image, camera, options) { await this.stage.see(pixelsOf(image), { ...this.cameraOf(camera), ...options }); }
+  // An image of the room as the camera sees it: a photograph or a video's picture, not a panorama.
+  async see(image, camera, options) {
+    if (typeof camera?.[this.placing] !== "function") throw new Error("sandglass: see takes an image and the camera that took it.");
+    await this.stage.see(pixelsOf(image), { ...this.cameraOf(camera), ...options });
+  }
 
   async newSand(options) {
     const [{ radius }, block] = await Promise.all([this.stage.createSand(options), blockMade(Uint8Array.from(atob(k_block_text), (letter) => letter.charCodeAt(0)))]);
@@ -94,6 +99,7 @@ export class Engine {
 
   // Once a frame, before it is rendered. A stage in a worker shows each frame when it is done.
   update(seconds) {
+    if (!(seconds >= 0)) throw new Error("sandglass: update takes the seconds since the last frame.");
     this.owed += seconds;
     if (this.busy) return;
     for (const [object, model] of this.objects) {

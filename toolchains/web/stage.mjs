@@ -44,8 +44,9 @@ function placed(sand, { bytes, pointer, values }) {
 
 // What see() takes, of an image, a video or a canvas.
 export function pixelsOf(image) {
-  if (image.data) return image;
-  const full = [image.videoWidth || image.naturalWidth || image.width, image.videoHeight || image.naturalHeight || image.height];
+  if (image?.data) return image;
+  const full = [image?.videoWidth || image?.naturalWidth || image?.width, image?.videoHeight || image?.naturalHeight || image?.height];
+  if (!(full[0] > 1 && full[1] > 1)) throw new Error("sandglass: see takes an image element, an ImageBitmap, a canvas or a video that is loaded.");
   const [width, height] = full.map((side) => Math.max(1, Math.round(side * Math.min(1, k_longest_side / Math.max(...full)))));
   const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
   context.drawImage(image, 0, 0, width, height);
@@ -174,7 +175,11 @@ export class Stage {
   }
 
   // Nozzles that are open from now on: { position, rotation, radius, speed }; none closes them.
-  pour(...nozzles) { this.nozzles = nozzles.slice(0, k_nozzles).map((nozzle) => ({ rotation: [0, 0, 0, 1], radius: 4 * this.radius, speed: 0.8, ...nozzle })); }
+  pour(...nozzles) {
+    if (!this.radius) throw new Error("sandglass: there is no sand to pour. Call createSand first.");
+    if (!nozzles.every(({ position }) => position?.length === 3)) throw new Error("sandglass: a nozzle needs its position: [x, y, z] in metres.");
+    this.nozzles = nozzles.slice(0, k_nozzles).map((nozzle) => ({ rotation: [0, 0, 0, 1], radius: 4 * this.radius, speed: 0.8, ...nozzle }));
+  }
   // Balls that push sand from now on: { position, radius, velocity }.
   push(...balls) { this.hands = balls.slice(0, k_colliders - 1 - k_models); }
 

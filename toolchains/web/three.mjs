@@ -3,7 +3,7 @@ import { Engine } from "./engine.mjs";
 import { receive, receivers, receiverValues } from "./glsl.mjs";
 
 // `renderer` and `scene` are needed; `worker`: the stage runs in a Worker; else options of Stage.create.
-export async function createStage(THREE, { renderer, scene, ...options }) {
+export async function createStage(THREE, { renderer, scene, ...options } = {}) {
   if (!renderer?.isWebGLRenderer) throw new Error("sandglass: createStage needs three's WebGLRenderer; WebGPURenderer has no onBeforeCompile. Pass { renderer: new THREE.WebGLRenderer() }.");
   if (!scene?.isScene) throw new Error("sandglass: createStage needs the scene that is lit. Pass { scene }.");
   return new ThreeStage(THREE, renderer, scene, await Engine.stageOf(options));
@@ -12,7 +12,7 @@ export async function createStage(THREE, { renderer, scene, ...options }) {
 class ThreeStage extends Engine {
   constructor(THREE, renderer, scene, stage) {
     super(stage, renderer.getContext());
-    Object.assign(this, { THREE, scene, renderer, probe: new THREE.LightProbe(), sun: new THREE.DirectionalLight(), group: null });
+    Object.assign(this, { THREE, scene, renderer, probe: new THREE.LightProbe(), sun: new THREE.DirectionalLight(), group: null, placing: "updateWorldMatrix" });
     scene.add(this.probe, this.sun, this.sun.target);
     this.uniforms = Object.fromEntries(Object.keys(receiverValues({ light: { toLight: [] } })).map((name) => [name, { value: new THREE.Vector4() }]));
     for (const name of receivers) this.uniforms[`sandglass_${name}`] = { value: this.texture(1, new Uint8Array([name === "seen" || name === "sky" ? 255 : 0])) };
@@ -48,6 +48,7 @@ class ThreeStage extends Engine {
 
   // The material of a surface that shadows fall on. It stays as it is otherwise.
   receive(material) {
+    if (!material?.isMaterial) throw new Error("sandglass: receive takes a material. Of a mesh pass mesh.material.");
     const before = material.onBeforeCompile, key = material.customProgramCacheKey();
     material.onBeforeCompile = (shader, renderer) => {
       before.call(material, shader, renderer);
