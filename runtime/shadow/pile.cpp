@@ -166,6 +166,7 @@ void cut_light(Pile* p) {
 
 void begin_columns(Pile* p) {
   p->cursor = p->sphere_row = p->chunk = p->chunk_first = 0;
+  p->skin_brick[0] = k_no_brick;
   if (p->source.skin != nullptr) p->skin_version = p->source.skin->front_version;
   clear_columns(p);
 }

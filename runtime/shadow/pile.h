@@ -38,6 +38,7 @@ enum class PilePhase : uint32_t { idle, columns, floor, sand, levels, sky };
 enum : uint32_t { k_ask_light = 1, k_ask_sky = 2, k_ask_all = 3 };
 
 struct SkinState;
+constexpr int32_t k_no_brick = INT32_MAX;  // Pile::skin_brick[0]
 
 // The sand: one of the four pointers is not null. A scene swaps its arrays from sub-step to sub-step, so the first
 // two point to the scene's own pointer.
@@ -74,6 +75,8 @@ struct Pile {
   uint32_t cursor;              // next particle or row
   uint32_t sphere_row;          // rows of this particle that are done, where it takes several units
   uint32_t chunk, chunk_first;  // of the skin: where the cursor is, and that chunk's first triangle
+  int32_t skin_brick[3];        // of the last triangle,
+  float skin_low;               // and where the sand below it begins, over the floor
   uint32_t skin_version;        // that the columns were begun with
   uint32_t restarts;
   int32_t sand_rows[2], sand_columns[2];

@@ -1,7 +1,7 @@
 // Columns from a skin: sand lies under its surface, and its loose sand beside it, thinner than particles are.
 //
-// A triangle that looks up fills each column whose middle it covers, from the lowest place of its chunk, or from the floor
-// where that is near. Loose sand that lies goes into the column of its centre; for what flies see pile_air.cpp.
+// A triangle that looks up fills each column whose middle it covers, from where the sand below it begins, or from the floor
+// where that is near: below sand on a seat the floor is free. Loose sand that lies goes into the column of its centre; for what flies see pile_air.cpp.
 #include "kernels/whole.h"
 #include "runtime/core/math.h"
 #include "runtime/shadow/pile.h"
@@ -62,6 +62,29 @@ bool put_triangle(Pile* p, const float* a, const float* b, const float* c, float
   return true;
 }
 
+// Where the sand below a triangle begins: bricks with particles follow one another down to there. Triangles come brick by
+// brick. Where the skin's "up" is not the world's, the chunk's lowest place stands for it.
+float lowest_below(Pile* p, const SkinState& skin, const sandglass_skin_vertex& vertex, float low) {
+  if (skin.axis[1] != 1 || skin.sign[1] < 0) return low;
+  float inside[3];
+  int32_t at[3], brick[3];
+  for (uint32_t k = 0; k < 3; ++k)
+    inside[k] = vertex.position[k] - 0.5f / 127 * skin.spacing * static_cast<float>(vertex.normal[k]);
+  skin_place(skin, inside, at);
+  for (uint32_t k = 0; k < 3; ++k) brick[k] = at[k] >> 10;  // k_skin_steps a node, k_brick_side nodes
+  if (brick[0] == p->skin_brick[0] && brick[1] == p->skin_brick[1] && brick[2] == p->skin_brick[2]) return p->skin_low;
+  for (uint32_t k = 0; k < 3; ++k) p->skin_brick[k] = brick[k];
+  const auto has_sand = [&] {
+    const uint32_t number = brick_find(skin, brick);
+    return number != k_brick_none && skin.bricks[number].touches != 0;
+  };
+  if (!has_sand()) --brick[1];
+  while (has_sand()) --brick[1];
+  const float begins = (static_cast<float>(k_brick_side) * static_cast<float>(brick[1] + 1) + 0.5f) * skin.spacing;
+  p->skin_low = begins - p->source.radius - p->height;
+  return p->skin_low = p->skin_low > low ? p->skin_low : low;
+}
+
 }  // namespace
 
 bool pile_put_skin(Pile* p, uint32_t item, uint32_t* visits) {
@@ -79,7 +102,7 @@ bool pile_put_skin(Pile* p, uint32_t item, uint32_t* visits) {
   if (p->chunk == skin.chunk_capacity) return true;  // the mesh was exchanged meanwhile
   const sandglass_skin_chunk& chunk = mesh.chunks[p->chunk];
   const uint16_t* corner = chunk.indices + 3 * (item - p->chunk_first);
-  const float low = chunk.low[1] - p->height;
+  const float low = lowest_below(p, skin, chunk.vertices[corner[0]], chunk.low[1] - p->height);
   const float* at[3];
   for (uint32_t k = 0; k < 3; ++k) at[k] = chunk.vertices[corner[k]].position;
   return put_triangle(p, at[0], at[1], at[2], low < k_near_floor * p->source.radius ? 0 : low, visits);

@@ -16,6 +16,8 @@ constexpr uint32_t k_most_items = 16'000;  // one unit's: about 0.2 ms of a phon
 
 uint32_t items(const SkinState& s) { return s.granular->particles.count + s.front.vertex_count; }
 
+bool same_bytes(const void* a, const void* b, size_t count) { return memcmp(a, b, count) == 0; }
+
 // How far each particle has gone, by number, and which record it is.
 void find_ways(SkinState* s) {
   const float most = k_most_radii * s->desc.particle_radius;
@@ -39,7 +41,8 @@ void find_ways(SkinState* s) {
 
 // In 1/65536 of the block's side, modulo that.
 uint16_t turned(uint16_t origin, float turns) {
-  return static_cast<uint16_t>(origin + static_cast<uint32_t>(floor_whole(65536.0f * turns)));
+  const float part = turns - static_cast<float>(floor_whole(turns));
+  return static_cast<uint16_t>(origin + to_whole<uint32_t>(65536.0f * part));
 }
 
 // Whether a byte of the chunk that is shown has changed.
@@ -59,7 +62,7 @@ bool carry_chunk(SkinState* s, uint32_t c) {
         vertex.position[k] += way;
         vertex.origin[k] = turned(vertex.origin[k], way * s->inverse_side);
       }
-    differs = differs || memcmp(before + v, &vertex, sizeof vertex) != 0;
+    differs = differs || !same_bytes(before + v, &vertex, sizeof vertex);
     to[v] = vertex;
   }
   if (!differs) return false;
@@ -78,7 +81,7 @@ bool carry_loose(SkinState* s) {
     const uint32_t record = known ? s->carried[one.number].record : k_brick_none;
     if (record != k_brick_none)
       memcpy(one.position, s->granular->particles.records[0][record].position, sizeof one.position);
-    differs = differs || memcmp(s->shown.loose + i, &one, sizeof one) != 0;
+    differs = differs || !same_bytes(s->shown.loose + i, &one, sizeof one);
     s->shown.loose[i] = one;
   }
   return differs;
