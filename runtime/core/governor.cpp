@@ -49,6 +49,7 @@ struct Frame {
   uint64_t unseen;   // predictions of units since the clock last moved
   uint32_t unseen_units;
   uint32_t optional_units;
+  uint32_t quiet;         // bit i: stage i offered nothing, and no unit has run since
   uint64_t kinds_run;     // bit k: kind k
   uint64_t kinds_denied;  // bit k: a unit of kind k was predicted not to fit
 };
@@ -182,6 +183,7 @@ uint64_t run_unit(Frame* frame, uint32_t index, const WorkUnit& unit) {
   sandglass_frame_report* report = frame->report;
   trace_begin(frame->governor->trace, unit.name);
   stage.run(stage.state, frame->level);
+  frame->quiet = 0;
   trace_end(frame->governor->trace, unit.name);
   const UnitObserver& observer = frame->governor->observer;
   if (observer.ran != nullptr) observer.ran(observer.user, unit);
@@ -296,7 +298,9 @@ bool run_optional(Frame* frame, uint64_t* last_unit) {
     for (uint32_t i = 0; i < frame->open_count; ++i) {
       WorkUnit unit;
       denied[i] = false;
-      while (offers(*frame, i, &unit) && plan_has_room(*frame, i)) {
+      for (;;) {
+        if (!offers(*frame, i, &unit)) frame->quiet |= 1u << i;
+        if ((frame->quiet >> i & 1) != 0 || !plan_has_room(*frame, i)) break;
         const bool over_share = frame->timed && frame->stages[i].share < 1.0f && used[i] >= allowance[i];
         if (over_share && later_stage_has_work(*frame, i, denied, blocked_counts)) {
           kept_back = true;
@@ -472,7 +476,7 @@ bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_coun
 
   for (uint32_t i = 0; i < frame.open_count; ++i) {
     WorkUnit unit;
-    report->stages[i].denied = offers(frame, i, &unit) ? 1 : 0;
+    report->stages[i].denied = (frame.quiet >> i & 1) == 0 && offers(frame, i, &unit) ? 1 : 0;
   }
   report->time.elapsed_ns = frame.elapsed;
   report->time.mandatory_ns = frame.elapsed - optional_ns;
