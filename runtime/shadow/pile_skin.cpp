@@ -1,7 +1,8 @@
 // Columns from a skin: sand lies under its surface, and its loose sand beside it, thinner than particles are.
 //
 // A triangle that looks up fills each column whose middle it covers, from where the sand below it begins, or from the floor
-// where that is near: below sand on a seat the floor is free. Loose sand that lies goes into the column of its centre; for what flies see pile_air.cpp.
+// where that is near: below sand on a seat the floor is free. Loose sand that lies goes into the column of its centre; for
+// what flies see pile_air.cpp.
 #include "kernels/whole.h"
 #include "runtime/core/math.h"
 #include "runtime/shadow/pile.h"
@@ -81,8 +82,8 @@ float lowest_below(Pile* p, const SkinState& skin, const sandglass_skin_vertex& 
   if (!has_sand()) --brick[1];
   while (has_sand()) --brick[1];
   const float begins = (static_cast<float>(k_brick_side) * static_cast<float>(brick[1] + 1) + 0.5f) * skin.spacing;
-  p->skin_low = begins - p->source.radius - p->height;
-  return p->skin_low = p->skin_low > low ? p->skin_low : low;
+  const float lowest = begins - p->source.radius - p->height;
+  return p->skin_low = lowest > low ? lowest : low;
 }
 
 }  // namespace
