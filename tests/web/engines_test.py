@@ -15,6 +15,7 @@ import subprocess
 import sys
 import threading
 import time
+import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
 from browser import Browser
@@ -152,15 +153,21 @@ def grows(browser):
 
 
 def vite(work, look):
+    """By Vite's own server, which is asked until it answers: what it prints has colours where CI is set."""
     with http.server.HTTPServer(("127.0.0.1", 0), Files) as free:
         port = free.server_port
-    server = subprocess.Popen(["node", "node_modules/vite/bin/vite.js", "--host", "127.0.0.1", "--port", str(port), "--strictPort", "--force"],
-                              cwd=work, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    url, end = f"http://127.0.0.1:{port}/?app=light", time.monotonic() + PATIENCE
+    server = subprocess.Popen(["node", "node_modules/vite/bin/vite.js", "--host", "127.0.0.1", "--port", str(port), "--strictPort", "--force", "--logLevel", "error"], cwd=work)
     try:
-        for line in server.stdout:
-            if "Local:" in line:
-                return look(f"http://127.0.0.1:{port}/?app=light")
-        check(False, "Vite does not start")
+        while True:
+            try:
+                urllib.request.urlopen(url, timeout=PATIENCE).close()
+                break
+            except OSError:
+                if server.poll() is not None or time.monotonic() > end:
+                    check(False, "Vite does not start")
+                time.sleep(0.1)
+        look(url)
     finally:
         server.kill(), server.wait()
 
