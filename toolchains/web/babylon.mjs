@@ -1,6 +1,6 @@
 // sandglass/babylon: a stage in a scene of Babylon.js, right-handed or left-handed, which the app hands over; nothing is
 // imported of it. In a left-handed scene the stage's z is the scene's -z.
-import { Engine } from "./engine.mjs";
+import { Engine, oneMesh } from "./engine.mjs";
 import { receive, receivers, receiverValues } from "./glsl.mjs";
 
 const k_vectors = ["sandglass_pile_box", "sandglass_object_box", "sandglass_seen_box", "sandglass_numbers", "sandglass_to_light"];
@@ -37,16 +37,13 @@ class BabylonStage extends Engine {
     return { position: this.mirrored(position.asArray()), rotation: [this.z * rotation.x, this.z * rotation.y, rotation.z, rotation.w] };
   }
   meshOf(object, { position, rotation }) {
-    const { Vector3, Matrix, Quaternion } = this.BABYLON, positions = [], indices = [], v = new Vector3();
+    const { Vector3, Matrix, Quaternion } = this.BABYLON, parts = [];
     const from = Matrix.Compose(Vector3.One(), Quaternion.FromArray(rotation), Vector3.FromArray(position)).invert(), mirror = Matrix.Scaling(1, 1, this.z);
     for (const mesh of [object, ...object.getChildMeshes(false)]) {
-      const at = mesh.getVerticesData?.("position"), own = at && mesh.computeWorldMatrix(true).multiply(mirror).multiply(from), base = positions.length / 3;
-      if (!at) continue;
-      const order = own.determinant() < 0 ? [0, 2, 1] : [0, 1, 2], corners = mesh.getIndices() ?? Array.from({ length: at.length / 3 }, (_, i) => i);
-      for (let i = 0; i < at.length; i += 3) Vector3.TransformCoordinatesFromFloatsToRef(at[i], at[i + 1], at[i + 2], own, v), positions.push(v.x, v.y, v.z);
-      for (let i = 0; i < corners.length; i += 3) for (const k of order) indices.push(base + corners[i + k]);
+      const positions = mesh.getPositionData?.(true, true);
+      if (positions) parts.push({ positions, corners: mesh.getIndices(), matrix: mesh.computeWorldMatrix(true).multiply(mirror).multiply(from).m });
     }
-    return { positions: new Float32Array(positions), indices: new Uint32Array(indices) };
+    return oneMesh(parts);
   }
   // Column-major matrices of a camera that looks along -z of the stage's world.
   matricesOf(camera) {
@@ -56,6 +53,7 @@ class BabylonStage extends Engine {
     return { view, projection };
   }
   cameraOf(camera) {
+    if (camera.mode !== 0) throw new Error("sandglass: see needs a camera with perspective, not this orthographic one.");
     const { Matrix, Quaternion } = this.BABYLON, { view } = this.matricesOf(camera), aspect = this.scene.getEngine().getAspectRatio(camera);
     const orientation = Quaternion.FromRotationMatrix(Matrix.FromArray(view).invert().getRotationMatrix()).asArray();
     return { position: this.mirrored(camera.globalPosition.asArray()), orientation, diagonal: 360 / Math.PI * Math.atan(Math.hypot(1, aspect) * Math.tan(camera.fov / 2)) };
@@ -65,9 +63,9 @@ class BabylonStage extends Engine {
   receiver() {
     const stage = this, text = receive.replace(/^uniform vec4[^;]*;\n/m, ""), place = this.z < 0 ? "vec3(vPositionW.xy, -vPositionW.z)" : "vPositionW";
     return class extends this.BABYLON.MaterialPluginBase {
-      constructor(material) { super(material, "SandglassReceiver", 200, { SANDGLASS_RECEIVER: false }), this._enable(true); }
+      constructor(material, shadowOnly) { super(material, "SandglassReceiver", 200, { SANDGLASS_RECEIVER: false, SANDGLASS_SHADOW_ONLY: false }), this.shadowOnly = shadowOnly, this._enable(true); }
       getClassName() { return "SandglassReceiver"; }
-      prepareDefines(defines) { defines.SANDGLASS_RECEIVER = true; }
+      prepareDefines(defines) { defines.SANDGLASS_RECEIVER = true, defines.SANDGLASS_SHADOW_ONLY = this.shadowOnly; }
       getSamplers(samplers) { samplers.push(...receivers.map((name) => `sandglass_${name}`)); }
       getUniforms() { return { ubo: k_vectors.map((name) => ({ name, size: 4, type: "vec4" })), fragment: k_vectors.map((name) => `uniform vec4 ${name};`).join("\n") }; }
       bindForSubMesh(buffer) {
@@ -77,20 +75,30 @@ class BabylonStage extends Engine {
       getCustomCode(kind) {
         return kind !== "fragment" ? null : { CUSTOM_FRAGMENT_DEFINITIONS: text, CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `
           vec2 sandglass_rest = sandglass_left(${place});
-          finalDiffuse *= sandglass_rest.x;
+          vec3 sandglass_all = finalDiffuse, sandglass_some = finalDiffuse *= sandglass_rest.x;
           #ifdef SPECULARTERM
           finalSpecularScaled *= sandglass_rest.x;
           #endif
           #ifdef REFLECTION
-          finalIrradiance *= sandglass_rest.y, finalRadianceScaled *= sandglass_rest.y;
+          sandglass_all += finalIrradiance, sandglass_some += finalIrradiance *= sandglass_rest.y, finalRadianceScaled *= sandglass_rest.y;
+          #endif`, CUSTOM_FRAGMENT_BEFORE_FRAGCOLOR: `
+          #ifdef SANDGLASS_SHADOW_ONLY
+          float sandglass_share = dot(sandglass_some, vec3(1)) / max(dot(sandglass_all, vec3(1)), 1e-6);
+          #ifndef IMAGEPROCESSINGPOSTPROCESS
+          sandglass_share = pow(sandglass_share, 1.0 / 2.2);
+          #endif
+          finalColor = vec4(vec3(0), 1.0 - sandglass_share);
           #endif` };
       }
     };
   }
-  // The material of a surface that shadows fall on. It stays as it is otherwise.
-  receive(material) {
-    if (!/^PBR/.test(material.getClassName())) throw new Error(`sandglass: no shadow falls on a ${material.getClassName()}: Babylon.js does not light it by harmonics. Take a PBRMaterial.`);
-    return new this.Receiver(material), material;
+  // The material of a surface that shadows fall on. It stays as it is otherwise. With `shadowOnly` it is seen through but for
+  // its shadows, as a real floor in the camera's picture.
+  receive(material, { shadowOnly = false } = {}) {
+    const kind = material?.getClassName?.() ?? "thing without a class name";
+    if (!/^PBR/.test(kind)) throw new Error(`sandglass: no shadow falls on a ${kind}: Babylon.js does not light it by harmonics. Take a PBRMaterial.`);
+    if (shadowOnly) material.transparencyMode = 2;  // MATERIAL_ALPHABLEND
+    return new this.Receiver(material, shadowOnly), material;
   }
 
   // Sand, drawn before the scene's meshes. Options as for Stage.createSand.

@@ -7,11 +7,11 @@ export interface EngineStage {
   addModel(object: object, options?: ModelOptions): Promise<void>;
   removeModel(object: object): Promise<void>;
   see(image: object, camera: object, view?: View): Promise<void>;
-  receive<Material extends object>(material: Material): Material;
+  receive<Material extends object>(material: Material, options?: { shadowOnly?: boolean }): Material;
   createSand(options?: SandOptions): Promise<any>;
   pour(...nozzles: Nozzle[]): unknown;
   push(...balls: Ball[]): unknown;
-  update(seconds: number): void;
+  update(seconds?: number): void;
 }
 /** three.js needs `renderer`. With `worker`, the stage runs in a Worker. */
 export declare function createStage(engine: object, options: StageOptions & { scene: object; renderer?: object; worker?: boolean }): Promise<EngineStage>;

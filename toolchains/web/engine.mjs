@@ -32,6 +32,25 @@ function unnoticed(gl, work, draws = false) {
   }
 }
 
+// One mesh of several: positions, the corners of triangles (null: in order), and a column-major matrix; mirrored ones turn.
+export function oneMesh(parts) {
+  const total = (of) => parts.reduce((sum, part) => sum + of(part), 0), corners_of = ({ positions, corners }) => corners?.length ?? positions.length / 3;
+  const positions = new Float32Array(total((part) => part.positions.length)), indices = new Uint32Array(total(corners_of));
+  let end = 0, last = 0;
+  for (const part of parts) {
+    const { positions: p, corners, matrix: [a, b, c, , d, e, f, , g, h, k, , x, y, z] } = part, base = end / 3, count = corners_of(part);
+    for (let i = 0; i < p.length; i += 3, end += 3) {
+      positions[end] = a * p[i] + d * p[i + 1] + g * p[i + 2] + x;
+      positions[end + 1] = b * p[i] + e * p[i + 1] + h * p[i + 2] + y;
+      positions[end + 2] = c * p[i] + f * p[i + 1] + k * p[i + 2] + z;
+    }
+    const mirrored = a * (e * k - f * h) - d * (b * k - c * h) + g * (b * f - c * e) < 0 ? 1 : 0;
+    for (let i = 0; i < count; i += 3, last += 3)
+      for (let n = 0; n < 3; ++n) { const at = i + (n && mirrored ? 3 - n : n); indices[last + n] = base + (corners ? corners[at] : at); }
+  }
+  return { positions, indices };
+}
+
 class Sand {
   constructor(gl, block, radius) {
     this.gl = gl, this.textures = {};
@@ -69,7 +88,7 @@ class Sand {
 // A subclass has meshOf(object), poseOf(object), cameraOf(camera) and show(drawn).
 export class Engine {
   static async stageOf({ worker = false, ...options }) { return (worker ? WorkerStage : Stage).create(options); }
-  constructor(stage, gl) { Object.assign(this, { stage, gl, objects: new Map(), owed: 0, sand: null, busy: false }); }
+  constructor(stage, gl) { Object.assign(this, { stage, gl, objects: new Map(), owed: 0, last: performance.now(), sand: null, busy: false }); }
 
   // An object's meshes throw a shadow, and sand lies on them. They are taken at their present size; the pose is followed.
   async addModel(object, options) {
@@ -97,10 +116,11 @@ export class Engine {
   pour(...nozzles) { return this.stage.pour(...nozzles); }
   push(...balls) { return this.stage.push(...balls); }
 
-  // Once a frame, before it is rendered. A stage in a worker shows each frame when it is done.
-  update(seconds) {
+  // Once a frame, before it is rendered. `seconds` go by; without it, as many as since the last call. A stage in a worker
+  // shows each frame when it is done.
+  update(seconds = (performance.now() - this.last) / 1000) {
     if (!(seconds >= 0)) throw new Error("sandglass: update takes the seconds since the last frame.");
-    this.owed += seconds;
+    this.last = performance.now(), this.owed += seconds;
     if (this.busy) return;
     for (const [object, model] of this.objects) {
       const pose = this.poseOf(object);

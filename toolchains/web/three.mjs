@@ -1,6 +1,8 @@
 // sandglass/three: a stage in a scene of three.js, which the app hands over; nothing is imported of it.
-import { Engine } from "./engine.mjs";
+import { Engine, oneMesh } from "./engine.mjs";
 import { receive, receivers, receiverValues } from "./glsl.mjs";
+
+const k_lit = ["MeshStandardMaterial", "MeshPhysicalMaterial", "MeshLambertMaterial", "MeshPhongMaterial"];
 
 // `renderer` and `scene` are needed; `worker`: the stage runs in a Worker; else options of Stage.create.
 export async function createStage(THREE, { renderer, scene, ...options } = {}) {
@@ -31,38 +33,45 @@ class ThreeStage extends Engine {
   poseOf(object) { const { position, rotation } = this.rigid(object); return { position: position.toArray(), rotation: rotation.toArray() }; }
   meshOf(object) {
     const { Vector3, Matrix4 } = this.THREE, { position, rotation } = this.rigid(object), from = new Matrix4().compose(position, rotation, new Vector3(1, 1, 1)).invert();
-    const positions = [], indices = [], v = new Vector3();
+    const parts = [], v = new Vector3();
     object.updateMatrixWorld(true);
-    object.traverse(({ isMesh, geometry, matrixWorld }) => {
-      if (!isMesh) return;
-      const at = geometry.getAttribute("position"), own = from.clone().multiply(matrixWorld), base = positions.length / 3, count = geometry.index?.count ?? at.count;
-      for (let i = 0; i < at.count; ++i) v.fromBufferAttribute(at, i).applyMatrix4(own), positions.push(v.x, v.y, v.z);
-      for (let i = 0; i < count; ++i) indices.push(base + (geometry.index?.getX(i) ?? i));
+    object.traverse((mesh) => {
+      if (!mesh.isMesh) return;
+      const { index, attributes: { position } } = mesh.geometry, as_it_is = position.array instanceof Float32Array && position.isBufferAttribute && !mesh.isSkinnedMesh && !mesh.morphTargetInfluences;
+      const positions = as_it_is ? position.array : new Float32Array(3 * position.count);
+      if (!as_it_is) for (let i = 0; i < position.count; ++i) mesh.getVertexPosition(i, v).toArray(positions, 3 * i);
+      parts.push({ positions, corners: index?.array, matrix: from.clone().multiply(mesh.matrixWorld).elements });
     });
-    return { positions: new Float32Array(positions), indices: new Uint32Array(indices) };
+    return oneMesh(parts);
   }
   cameraOf(camera) {
+    if (!camera.isPerspectiveCamera) throw new Error(`sandglass: see needs a PerspectiveCamera, not this ${camera.type}.`);
     const { position, rotation } = this.poseOf(camera), { fov = 50, aspect = 1 } = camera;
     return { position, orientation: rotation, diagonal: 360 / Math.PI * Math.atan(Math.hypot(1, aspect) * Math.tan(fov * Math.PI / 360)) };
   }
 
-  // The material of a surface that shadows fall on. It stays as it is otherwise.
-  receive(material) {
-    if (!material?.isMaterial) throw new Error("sandglass: receive takes a material. Of a mesh pass mesh.material.");
+  // The material of a surface that shadows fall on. It stays as it is otherwise. With `shadowOnly` it is seen through but for
+  // its shadows, as a real floor in the camera's picture: they leave of what is behind the share of the light that is left.
+  receive(material, { shadowOnly = false } = {}) {
+    if (!k_lit.includes(material?.type)) throw new Error(`sandglass: no shadow falls on a ${material?.type ?? "mesh or group"}. receive takes the material of a mesh, which three lights: a MeshStandardMaterial.`);
+    if (shadowOnly) material.transparent = true;
     const before = material.onBeforeCompile, key = material.customProgramCacheKey();
     material.onBeforeCompile = (shader, renderer) => {
       before.call(material, shader, renderer);
-      if (!shader.fragmentShader.includes("#include <aomap_fragment>")) throw new Error(`sandglass: no shadow falls on a ${material.type}: three does not light it. Take a MeshStandardMaterial.`);
       Object.assign(shader.uniforms, this.uniforms);
       shader.vertexShader = shader.vertexShader.replace("#include <common>", "#include <common>\nvarying vec3 sandglass_world;")
         .replace("#include <project_vertex>", "#include <project_vertex>\nsandglass_world = (modelMatrix * vec4(transformed, 1)).xyz;");
       shader.fragmentShader = shader.fragmentShader.replace("#include <common>", `#include <common>\nvarying vec3 sandglass_world;\n${receive}`).replace("#include <aomap_fragment>",
         `#include <aomap_fragment>
+        vec3 sandglass_all = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse;
         vec2 sandglass_rest = sandglass_left(sandglass_world);
         reflectedLight.directDiffuse *= sandglass_rest.x, reflectedLight.directSpecular *= sandglass_rest.x;
         reflectedLight.indirectDiffuse *= sandglass_rest.y, reflectedLight.indirectSpecular *= sandglass_rest.y;`);
+      if (shadowOnly) shader.fragmentShader = shader.fragmentShader.replace("#include <opaque_fragment>", `
+        float sandglass_share = dot(reflectedLight.directDiffuse + reflectedLight.indirectDiffuse, vec3(1)) / max(dot(sandglass_all, vec3(1)), 1e-6);
+        gl_FragColor = vec4(vec3(0), 1.0 - linearToOutputTexel(vec4(sandglass_share)).r);`);
     };
-    material.customProgramCacheKey = () => `${key} sandglass`;
+    material.customProgramCacheKey = () => `${key} sandglass ${shadowOnly}`;
     material.needsUpdate = true;
     return material;
   }
