@@ -4,10 +4,12 @@
   kit.mjs          the sand kit's GLSL
   inlined.mjs      sandglass.wasm as text; block_module.mjs: sand_block.wasm
   worker_text.mjs  what runs in a worker, as one text
+  README.md        without the marks of its numbers and without links to what the package has not
 """
 import base64
 import json
 import pathlib
+import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "models/page"))
@@ -28,6 +30,7 @@ def main():
     module(npm / "inlined.mjs", k_inlined=text(npm / "sandglass.wasm"))
     module(npm / "block_module.mjs", k_block_text=text(block))
     module(npm / "worker_text.mjs", text=joined([npm / f"{name}.mjs" for name in IN_WORKER]).replace("import.meta.url", "location.href"))
+    (npm / "README.md").write_text(re.sub(r"<!--.*?-->|!\[.*\n\n|\[([^]]*)\]\(\.\./[^)]*\)", r"\1", pathlib.Path("README.md").read_text()))
 
 
 main()

@@ -1,23 +1,25 @@
-// The README's second example with Babylon.js, in a scene of either hand.
+// The README's second example with Babylon.js, in a scene of either hand; in the left-handed one the floor is seen itself.
 import * as BABYLON from "@babylonjs/core";
 import { createStage } from "sandglass/babylon";
 import { wasm } from "sandglass/inline";
 import { worst } from "./cube.mjs";
 
 async function begin(right) {
-  const canvas = Object.assign(document.querySelector("canvas"), { width: innerWidth, height: innerHeight }), engine = new BABYLON.Engine(canvas, true), scene = new BABYLON.Scene(engine);
+  const canvas = Object.assign(document.querySelector("canvas"), { width: innerWidth, height: innerWidth * 3 / 4 }), engine = new BABYLON.Engine(canvas, true), scene = new BABYLON.Scene(engine);
   scene.useRightHandedSystem = right;
-  const z = right ? 1 : -1, camera = new BABYLON.FreeCamera("camera", new BABYLON.Vector3(0.5, 0.6, 1.1 * z), scene);
-  camera.fov = 34 * Math.PI / 180, camera.minZ = 0.05, camera.setTarget(new BABYLON.Vector3(0, 0.12, 0));
-  const floor = BABYLON.CreateGround("floor", { width: 8, height: 8 }, scene), model = BABYLON.CreateBox("model", { width: 0.3, height: 0.2, depth: 0.3 }, scene);
+  const z = right ? 1 : -1, camera = new BABYLON.FreeCamera("camera", new BABYLON.Vector3(0, 1.1, 1.9 * z), scene);
+  camera.fov = 56 * Math.PI / 180, camera.minZ = 0.05, camera.setTarget(new BABYLON.Vector3(0, 1.1 - 1.9 * Math.tan(0.17), 0));
+  const floor = BABYLON.CreateGround("floor", { width: 8, height: 8 }, scene), model = BABYLON.CreateBox("model", { width: 0.4, height: 0.45, depth: 0.4 }, scene);
   const painted = (scene, ...colour) => Object.assign(new BABYLON.PBRMaterial("", scene), { albedoColor: new BABYLON.Color3(...colour), metallic: 0, roughness: 1, metallicF0Factor: 0 });
-  model.position.y = 0.1, model.rotation.y = 0.4 * z, model.material = painted(scene, 0.2, 0.35, 0.5), floor.material = painted(scene, 0.32, 0.25, 0.18);
+  model.position.y = 0.225, model.rotation.y = 0.4 * z, model.material = painted(scene, 0.2, 0.35, 0.5), floor.material = painted(scene, 0.32, 0.25, 0.18);
   const stage = await createStage(BABYLON, { scene, source: wasm() });
-  await stage.see(await createImageBitmap(await (await fetch("room.jpg")).blob()), camera);
+  const photo = await createImageBitmap(await (await fetch("room.jpg")).blob());
+  await stage.see(photo, camera);
   await stage.addModel(model);
-  stage.receive(floor.material);
+  if (right) new BABYLON.Layer("", "room.jpg", scene, true);
+  stage.receive(floor.material, { shadowOnly: right });
   await stage.createSand({ particles: 3000 });
-  stage.pour({ position: [0, 0.45, 0] });
+  stage.pour({ position: [0, 0.7, 0] });
   await scene.whenReadyAsync();
   const step = () => { stage.update(1 / 60), scene.render(); };
   engine.runRenderLoop(step);
@@ -42,6 +44,6 @@ async function begin(right) {
     });
     return found;
   };
-  Object.assign(globalThis, { stage, cube, step, gl: engine._gl });
+  Object.assign(globalThis, { stage, cube, step, photo, gl: engine._gl });
 }
 begin(new URLSearchParams(location.search).get("app") === "right").then(() => { globalThis.ready = "yes"; }, (error) => { globalThis.ready = error.message; });
