@@ -31,5 +31,5 @@ const number: number = stage.addModel({ positions: new Float32Array(9), indices:
 stage.createSand({ particles: 100, particle_radius: 0.01 }), stage.pour({ position: [0, 1, 0] });
 const side: number | undefined = stage.frame(1 / 60).textures.pile?.side, drawn = await far.frame(0.1);
 const engine = await createStage({}, { scene: {}, renderer: {}, worker: true });
-engine.update(1 / 60), engine.receive({ roughness: 1 }).roughness.toFixed(1);
+engine.update(), engine.update(1 / 60), engine.receive({ roughness: 1 }, { shadowOnly: true }).roughness.toFixed(1);
 console.log(hash, name, distance, seen, number, side, receive, receivers[0], receiverValues(drawn));
