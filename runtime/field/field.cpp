@@ -14,8 +14,6 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t k_nodes_max = 1u << 24;
-constexpr uint64_t k_header =
-    (sizeof(sandglass_field) + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT;
 constexpr float k_far = 1e30f;
 
 // Counts the nodes of the box. Null, or a sentence that says what is wrong; the mesh is not looked into.
@@ -49,7 +47,7 @@ const char* measure(const sandglass_field_desc* desc, uint32_t counts[3]) {
 }
 
 uint64_t bytes_of(const uint32_t counts[3]) {
-  return k_header + static_cast<uint64_t>(counts[0]) * counts[1] * counts[2] * sizeof(float);
+  return k_field_header + static_cast<uint64_t>(counts[0]) * counts[1] * counts[2] * sizeof(float);
 }
 
 struct Nodes {
@@ -99,8 +97,7 @@ sandglass_status finish(const Nodes& n, sandglass_solid solid, void* block, sand
   sandglass_field* header = static_cast<sandglass_field*>(block);
   *header = {};
   header->magic = k_field_magic;
-  FieldGrid& grid = header->grid;
-  grid.values = n.values;
+  FieldGrid& grid = header->shape;
   for (int k = 0; k < 3; ++k) grid.counts[k] = n.counts[k], grid.low[k] = n.low[k];
   grid.spacing = n.spacing;
   grid.inverse_spacing = 1.0f / n.spacing;
@@ -268,7 +265,7 @@ sandglass_status sandglass_field_create(const sandglass_field_desc* desc, void* 
   if (const sandglass_status status = check(desc, n.counts, reason)) return status;
   if (field == nullptr) return refuse(reason, "sandglass_field: field is NULL: pass where to store the field.");
   if (const sandglass_status status = check_block(block, bytes, bytes_of(n.counts), reason)) return status;
-  n.values = reinterpret_cast<float*>(static_cast<uint8_t*>(block) + k_header);
+  n.values = reinterpret_cast<float*>(static_cast<uint8_t*>(block) + k_field_header);
   for (int k = 0; k < 3; ++k) n.low[k] = desc->bounds_min[k];
   n.spacing = desc->spacing;
   if (desc->mesh != nullptr) measure_mesh(n, *desc);
@@ -287,7 +284,7 @@ float sandglass_field_distance(const sandglass_field* field, const float point[3
   ColliderFrame frame = {};
   frame.shape = SANDGLASS_SHAPE_FIELD;
   for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f;
-  frame.field = field->grid;
+  frame.field = grid_of(field);
   SurfacePoint at = {};
   for (int k = 0; k < 3; ++k) {
     const float p = point[k];
@@ -304,7 +301,7 @@ float sandglass_field_distance(const sandglass_field* field, const float point[3
 
 sandglass_solid sandglass_field_bounds(const sandglass_field* field, float bounds_min[3], float bounds_max[3]) {
   if (field == nullptr) return SANDGLASS_SOLID_INSIDE;
-  const FieldGrid& grid = field->grid;
+  const FieldGrid& grid = field->shape;
   for (int k = 0; k < 3; ++k) {
     if (bounds_min != nullptr) bounds_min[k] = grid.low[k];
     if (bounds_max != nullptr) bounds_max[k] = grid.low[k] + grid.spacing * static_cast<float>(grid.counts[k] - 1);

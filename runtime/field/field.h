@@ -1,4 +1,5 @@
-// What stands at the start of a field's block. The values follow, x fastest.
+// What stands at the start of a field's block. The values follow, x fastest. There is no address in it: its bytes are the field
+// wherever they lie.
 #pragma once
 
 #include "kernels/kernels.h"
@@ -7,11 +8,19 @@
 struct sandglass_field {
   uint32_t magic;
   uint64_t version;  // of what it holds, never 0: two fields in the same memory differ by it
-  sandglass::FieldGrid grid;
+  sandglass::FieldGrid shape;  // without its values
 };
 
 namespace sandglass {
 
 constexpr uint32_t k_field_magic = 0x64666773;  // "sgfd"
+constexpr uint64_t k_field_header =
+    (sizeof(sandglass_field) + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT;
+
+inline FieldGrid grid_of(const sandglass_field* field) {
+  FieldGrid grid = field->shape;
+  grid.values = reinterpret_cast<const float*>(reinterpret_cast<const uint8_t*>(field) + k_field_header);
+  return grid;
+}
 
 }  // namespace sandglass

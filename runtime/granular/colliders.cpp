@@ -342,7 +342,7 @@ void drop_gone_fields(const Colliders& c, ColliderFrame* frames, uint32_t count)
   for (uint32_t i = 0; i < count; ++i) {
     bool there = frames[i].shape != SANDGLASS_SHAPE_FIELD;
     for (uint32_t k = 0; k < c.count && !there; ++k)
-      there = c.given[k].shape == SANDGLASS_SHAPE_FIELD && same_grid(frames[i].field, c.given[k].field->grid);
+      there = c.given[k].shape == SANDGLASS_SHAPE_FIELD && same_grid(frames[i].field, grid_of(c.given[k].field));
     if (there) continue;
     sandglass_collider nothing = {};
     nothing.shape = SANDGLASS_SHAPE_SPHERE;
@@ -526,7 +526,7 @@ void colliders_pose(const sandglass_collider* colliders, uint32_t count, float b
     const sandglass_collider& collider = colliders[c];
     ColliderFrame& frame = frames[c];
     frame.shape = collider.shape;
-    if (collider.shape == SANDGLASS_SHAPE_FIELD) frame.field = collider.field->grid;
+    if (collider.shape == SANDGLASS_SHAPE_FIELD) frame.field = grid_of(collider.field);
     const float* q = collider.rotation;
     const float* w = collider.angular_velocity;
     const float h = -0.5f * before;

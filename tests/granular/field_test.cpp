@@ -382,6 +382,23 @@ sandglass_collider collider_of(const sandglass_field* field) {
   return c;
 }
 
+// So it may be made in a worker, or kept in a file: it holds no address.
+TEST(Field, ACopyOfItsBytesIsTheField) {
+  std::vector<Line> memory;
+  const sandglass_field* made = table_in(&memory, 0.0f);
+  std::vector<float> distances;
+  for_points({{-0.3f, -0.3f, -0.3f}, {0.3f, 0.3f, 0.3f}}, 1000,
+             [&](const float* p) { distances.push_back(sandglass_field_distance(made, p, nullptr)); });
+  std::vector<Line> copy = memory;
+  Line other;
+  std::fill_n(other.bytes, sizeof other, uint8_t{0xff});
+  std::fill(memory.begin(), memory.end(), other);
+  size_t next = 0;
+  for_points({{-0.3f, -0.3f, -0.3f}, {0.3f, 0.3f, 0.3f}}, 1000, [&](const float* p) {
+    EXPECT_EQ(sandglass_field_distance(reinterpret_cast<sandglass_field*>(copy.data()), p, nullptr), distances[next++]);
+  });
+}
+
 // Pointers are the same: what a field holds decides.
 TEST(Field, RebuiltInTheSameMemoryWakesWhatRestedOnIt) {
   for (const bool lower : {false, true}) {

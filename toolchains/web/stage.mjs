@@ -12,7 +12,7 @@ const k_fade = 5;             // seconds after an image in which light and shado
 const k_field_nodes = 4e6;   // at most: a large model gets a coarser field
 const k_longest_side = 256;  // pixels of an image that are read
 
-// The field of a mesh, to be moved to another instance's memory. It holds the address of its values, which end the block.
+// The field of a mesh: its bytes, for another instance's memory too.
 export function fieldOf(sand, { positions, indices }, spacing) {
   const used = [], keep = (block) => { used.push(block); return block; };
   try {
@@ -26,20 +26,10 @@ export function fieldOf(sand, { positions, indices }, spacing) {
     for (let k = 0; k < 3; ++k) desc.bounds_min[k] -= desc.band, desc.bounds_max[k] += desc.band;
     const size = keep(sand.allocate(8));
     sand.sandglass_field_bytes(desc, size);
-    const field = keep(sand.create("sandglass_field", desc)), bytes = sand.bytes(field, Number(sand.view().getBigUint64(size, true))).slice();
-    sand.sandglass_field_bounds(field, desc.bounds_min, desc.bounds_max);
-    const nodes = [...desc.bounds_max].reduce((product, high, k) => product * (Math.round((high - desc.bounds_min[k]) / desc.spacing) + 1), 1);
-    const values = bytes.length - 4 * nodes, pointer = 4 * new Uint32Array(bytes.buffer, 0, values / 4).indexOf(field + values);
-    if (pointer < 0) throw new Error("sandglass: a field has another layout than this package knows. Take all its files of one version.");
-    return { bytes, pointer, values };
+    return sand.bytes(keep(sand.create("sandglass_field", desc)), Number(sand.view().getBigUint64(size, true))).slice();
   } finally {
     for (const block of used) sand.free(block);
   }
-}
-
-function placed(sand, { bytes, pointer, values }) {
-  const at = sand.put(bytes);
-  return sand.view().setUint32(at + pointer, at + values, true), at;
 }
 
 // What see() takes, of an image, a video or a canvas.
@@ -161,7 +151,7 @@ export class Stage {
     const { sand, radius } = this, { positions, indices, vertices, count } = model;
     const mesh = { positions: sand.floats(positions, 3 * vertices).slice(), indices: new Uint32Array(sand.memory.buffer, indices, 3 * count).slice() };
     const field = typeof Worker === "undefined" ? Promise.resolve(fieldOf(sand, mesh, radius)) : fieldMade(sand.module, mesh, radius);
-    this.fields = Promise.all([this.fields, field.then((made) => { if (model.count && !model.field) model.field = placed(sand, made); }, (error) => {
+    this.fields = Promise.all([this.fields, field.then((made) => { if (model.count && !model.field) model.field = sand.put(made); }, (error) => {
       throw new Error(`sandglass: sand cannot lie on a model: ${error.message} Add it with { collide: false }, or take smaller sand.`);
     })]);
   }

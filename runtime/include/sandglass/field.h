@@ -66,7 +66,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_field_bytes(const s
                                                                          uint64_t* bytes, const char** reason);
 
 /* Makes a field in the app's block, aligned to SANDGLASS_BLOCK_ALIGNMENT; the block is the field. The mesh's arrays may
- * go. From a mesh it takes time in proportion to the number of triangles times band^3 / spacing^3, and one inside test
+ * go. The block holds no address: a copy of its bytes, in another aligned block of any process that runs the same build of
+ * the library, is the same field. They are not checked, so take none that others made. From a mesh it takes time in proportion to the number of triangles times band^3 / spacing^3, and one inside test
  * a node.
  *
  * Fails like sandglass_field_bytes, with MEMORY_TOO_SMALL, MEMORY_ALIGNMENT, and with INVALID_ARGUMENT also for a
