@@ -65,10 +65,7 @@ int verify_room_command(const VerifyOptions& options) {
   const std::vector<Condition> conditions = conditions_of(study_options, study, &pool);
   if (interrupted()) return k_exit_interrupted;
 
-  const RoomTable& table = conditions.front().table;
-  const std::string markdown =
-      drawn_markdown(study, table.drawn) + "\n" + sessions_markdown(table) + "\n" + conditions_markdown(conditions);
-  std::printf("%zu places\n\n%s\n", table.places, markdown.c_str());
+  print_room(conditions.front().table);
   const std::vector<Verdict> verdicts = room_verdicts(conditions);
   print_verdicts(verdicts);
   const uint32_t failed = count_failed(verdicts);
