@@ -1,6 +1,5 @@
 // `sandglass_lab verify cast`: shadows of triangles against rays, on real surfaces too, and reflections against panoramas.
 #include <algorithm>
-#include <cstdio>
 
 #include "models/compositing/surroundings.h"
 #include "models/files/atomic_file.h"

@@ -1,8 +1,6 @@
 // `sandglass_lab verify room`: the light of rooms as sessions have seen them, against the light that is there.
-#include <cstdio>
 #include <memory>
 
-#include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/lighting/dataset.h"
 #include "models/program/command_line.h"

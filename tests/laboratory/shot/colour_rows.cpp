@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "models/compositing/light_estimate.h"
 #include "models/compositing/surroundings.h"
 #include "models/lighting/dataset.h"
-#include "models/lighting/lit_view.h"
 #include "models/rooms/panorama_file.h"
 #include "runtime/core/random.h"
 #include "tests/laboratory/interval.h"

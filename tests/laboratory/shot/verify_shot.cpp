@@ -7,7 +7,6 @@
 #include "models/compositing/light_estimate.h"
 #include "models/compositing/shot.h"
 #include "models/lighting/dataset.h"
-#include "models/lighting/lit_view.h"
 #include "models/rooms/panorama_file.h"
 #include "runtime/core/random.h"
 #include "tests/laboratory/interval.h"
