@@ -10,7 +10,7 @@
 namespace sandglass::host {
 
 ShadowRunner::ShadowRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
-                           sandglass_shadow_mode mode, int32_t threshold) {
+                           sandglass_shadow_mode mode) {
   const AlignedBytes aligned(file);
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
@@ -19,7 +19,6 @@ ShadowRunner::ShadowRunner(std::span<const uint8_t> file, const std::string& nam
   desc.asset_bytes = file.size();
   desc.mode = mode;
   desc.light_tolerance = 0;
-  if (threshold >= 0) desc.threshold = static_cast<uint32_t>(threshold);
   if (const cpp::Status made = shadow_.create(desc); !made) throw cannot("read", name, made.reason);
 }
 

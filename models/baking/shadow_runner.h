@@ -15,9 +15,8 @@ namespace sandglass::host {
 class ShadowRunner {
  public:
   // Throws a Failure with the library's sentence when the library refuses the file. `name` is what the sentence calls
-  // the file. A `threshold` below 0 means the library's default.
-  ShadowRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_shadow_mode mode,
-               int32_t threshold = -1);
+  // the file.
+  ShadowRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_shadow_mode mode);
 
   // Computes the whole texture of `light`. The result points into the shadow's own memory.
   sandglass_shadow_texture texture(const Direction& light);

@@ -68,10 +68,6 @@ Vec3 displayed(const RadianceMap& map, size_t pixel) {
   return {value(0), value(1), value(2)};
 }
 
-double encoded(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-}
-
 // From linear BT.709 to XYZ divided by the white point, and back.
 constexpr double k_to_xyz[3][3] = {{10135552.0 / 24577794.0, 8788810.0 / 24577794.0, 4435075.0 / 24577794.0},
                                    {2613072.0 / 12288897.0, 8788810.0 / 12288897.0, 887015.0 / 12288897.0},
@@ -214,7 +210,7 @@ double structural_similarity(const RadianceMap& truth, const RadianceMap& pictur
   for (size_t i = 0; i < pixels; ++i) {
     const auto luma = [&](const RadianceMap& map) {
       const Vec3 c = displayed(map, i);
-      return 0.2126 * encoded(c.x) + 0.7152 * encoded(c.y) + 0.0722 * encoded(c.z);
+      return 0.2126 * srgb_of(c.x) + 0.7152 * srgb_of(c.y) + 0.0722 * srgb_of(c.z);
     };
     a[i] = luma(truth);
     b[i] = luma(picture);

@@ -292,7 +292,7 @@ std::vector<ShotPicture::Seen> ShotPicture::seen(const ShotCamera& camera, int w
       bool same = true;
       for (const auto& corner : k_corners) same = same && hit_at(corner[0], corner[1]).surface == middle.surface;
       const auto what = static_cast<Seen::What>(same ? static_cast<int>(middle.surface) : 0);
-      all.push_back({what, middle.point, middle.normal});
+      all.push_back({what, middle.normal});
     }
   return all;
 }

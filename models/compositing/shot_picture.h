@@ -67,10 +67,10 @@ class ShotPicture {
   // Linear, 0..1. Equal arguments give equal bits on any number of threads.
   RadianceMap composite(const Surroundings& room, const ShotCamera& camera, const PlacedLight& light,
                         const SceneShadows& shadows, CastShadow cast, const ShotPictureOptions& options) const;
-  // What fills a pixel; `nothing` also where different things share it. The place and the normal are its middle's.
+  // What fills a pixel; `nothing` also where different things share it. The normal is its middle's.
   struct Seen {
     enum What { nothing, floor, object, sand, metal } what = nothing;
-    Vec3 point, normal;
+    Vec3 normal;
   };
   std::vector<Seen> seen(const ShotCamera& camera, int width, int height) const;
   // Surroundings must have a truth.

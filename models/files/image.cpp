@@ -101,6 +101,11 @@ uint8_t srgb_byte(double linear) {
   return static_cast<uint8_t>(std::upper_bound(k_least.begin(), k_least.end(), linear) - k_least.begin());
 }
 
+double srgb_of(double linear) {
+  const double x = std::clamp(linear, 0.0, 1.0);
+  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
+}
+
 double linear_of(uint8_t srgb) {
   const double x = srgb / 255.0;
   return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);

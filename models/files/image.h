@@ -27,6 +27,7 @@ struct Picture {
 
 // The sRGB byte of a linear value. Values outside 0..1 are clamped.
 uint8_t srgb_byte(double linear);
+double srgb_of(double linear);  // in 0..1
 // The linear value in 0..1 of an sRGB byte.
 double linear_of(uint8_t srgb);
 

@@ -54,6 +54,18 @@ double greatest_luminance(const RadianceMap& map) {
   return greatest;
 }
 
+RadianceMap shrunk(const RadianceMap& map, int factor) {
+  RadianceMap small(map.width / factor, map.height / factor);
+  for (int v = 0; v < small.height; ++v)
+    for (int u = 0; u < small.width; ++u) {
+      Vec3 sum;
+      for (int k = 0; k < factor * factor; ++k)
+        sum = sum + map.colour(u * factor + k % factor, v * factor + k / factor);
+      small.set(u, v, sum * (1.0 / (factor * factor)));
+    }
+  return small;
+}
+
 double tone_mapped_luminance(double radiance, double white) {
   return white > 0.0 ? radiance * (1.0 + radiance / (white * white)) / (1.0 + radiance) : 0.0;
 }

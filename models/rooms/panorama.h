@@ -62,6 +62,9 @@ Vec3 look_up(const RadianceMap& panorama, Vec3 direction);
 
 double greatest_luminance(const RadianceMap& map);
 
+// Means of squares of so many pixels.
+RadianceMap shrunk(const RadianceMap& map, int factor);
+
 // Extended Reinhard tone mapping (5.3): maps luminance to 0..1, and `white` (the greatest of the panorama) to 1.
 double tone_mapped_luminance(double radiance, double white);
 // A colour scaled by the ratio of luminances (5.4): its channels can exceed 1.

@@ -30,7 +30,7 @@ FULL = {'models/RESULTS.md'}  # every table there has marks
 MEASUREMENTS = {
     'bench_granular': [f'{LAB} bench granular --threads 1,2 --peers'],
     'bench_growth': [f'{LAB} bench growth --threads 1'],
-    'bench_shadow': [f'{LAB} bench shadow --thresholds 0,24,48,64,96'],
+    'bench_shadow': [f'{LAB} bench shadow'],
     'bench_lighting': [f'{LAB} bench lighting'],
     'verify_granular': [f'{LAB} verify granular'],
     'verify_follow': [f'{LAB} verify follow --seed {seed}' for seed in range(4)],

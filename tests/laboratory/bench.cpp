@@ -134,8 +134,6 @@ Options growth_options(BenchOptions& o) { return {thread_counts(o), isa_option(o
 Options shadow_options(BenchOptions& o) {
   return {standard("the shipped chair", {"--asset", &o.asset, "FILE", "A baked shadow"}),
           {"--mesh", &o.mesh, "MESH", "The mesh that it was baked from: a file, or a generated mesh's name"},
-          by_commas({"--thresholds", &o.thresholds, "LIST", "More thresholds of the adaptive mode, separated by commas",
-                     whole_number(0, 255)}),
           isa_option(o.isa),
           json_option(o.json)};
 }

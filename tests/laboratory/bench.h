@@ -19,7 +19,7 @@ struct BenchOptions {
   std::string json, out, isa = "automatic", mesh = "chair", asset;
   uint32_t frames = 100;
   bool peers = false;
-  std::vector<uint32_t> threads = {1}, thresholds;
+  std::vector<uint32_t> threads = {1};
 };
 
 struct Bench {

@@ -13,19 +13,18 @@ namespace sandglass::host {
 namespace {
 
 void print_and_keep(const LightingBench& result, Bench* bench) {
-  std::printf("%-13s %8s %8s %9s %11s %13s %17s %10s\n", "case", "ms", "GMAC/s", "of peak", "arena, MiB", "activations",
-              "longest unit, ms", "to float");
+  std::printf("%-13s %8s %8s %9s %11s %17s %10s\n", "case", "ms", "GMAC/s", "of peak", "arena, MiB", "longest unit, ms",
+              "to float");
   for (const LightingBenchRow& r : result.rows) {
     char to_float[32] = "-";
     if (result.compared) std::snprintf(to_float, sizeof to_float, "%5.2f deg, %.4f", r.angle_deg, r.difference);
-    std::printf("%-13s %8.2f %8.1f %8.1f%% %11.2f %9.2f MiB %17.3f %s\n", r.name.c_str(), r.ms, r.gmac_per_s,
-                100 * r.fraction, r.arena_bytes / (1 << 20), r.activations / (1 << 20), r.longest_unit_ms, to_float);
+    std::printf("%-13s %8.2f %8.1f %8.1f%% %11.2f %17.3f %s\n", r.name.c_str(), r.ms, r.gmac_per_s, 100 * r.fraction,
+                r.arena_bytes / (1 << 20), r.longest_unit_ms, to_float);
     bench->keep(r.name, "ms", "ms", r.ms);
     bench->keep(r.name, "gmac_per_s", "GMAC/s", r.gmac_per_s);
     bench->keep(r.name, "fraction_of_peak", "1", r.fraction);
     bench->keep(r.name, "arena_bytes", "B", r.arena_bytes);
     bench->keep(r.name, "longest_unit_ms", "ms", r.longest_unit_ms);
-    if (r.activations > 0) bench->keep(r.name, "activation_bytes", "B", r.activations);
     if (result.compared) {
       bench->keep(r.name, "angle_to_f32", "deg", r.angle_deg);
       bench->keep(r.name, "difference_to_f32", "1", r.difference);
@@ -33,22 +32,11 @@ void print_and_keep(const LightingBench& result, Bench* bench) {
   }
 }
 
-void print_and_keep_images(const LightingBench& result, Bench* bench) {
-  std::puts("image to 256 x 192, all of it in its frame:");
-  for (const LightingImageRow& r : result.images) {
-    std::printf("%-15s %6.2f ms in %3u units, %5.2f ms a megapixel, longest unit %.3f ms\n", r.name.c_str(), r.ms,
-                r.units, r.ms / r.megapixels, r.longest_unit_ms);
-    bench->keep("image_" + r.name, "ms", "ms", r.ms);
-    bench->keep("image_" + r.name, "longest_unit_ms", "ms", r.longest_unit_ms);
-  }
-}
-
 void print_and_keep(const RoomBench& room, Bench* bench) {
-  std::printf("\n%-26s %8s %8s %12s\n", "room, 640 x 480", "ms", "units", "longest, us");
+  std::printf("\n%-26s %8s\n", "room, 640 x 480", "ms");
   for (const RoomBenchRow& r : room.rows) {
-    std::printf("%-26s %8.3f %8u %12.1f\n", r.name.c_str(), r.ms, r.units, r.unit_us);
+    std::printf("%-26s %8.3f\n", r.name.c_str(), r.ms);
     bench->keep("room, " + r.name, "ms", "ms", r.ms, 1, "portable");
-    if (r.units > 0) bench->keep("room, " + r.name, "longest_unit_us", "us", r.unit_us, 1, "portable");
   }
   std::printf("%.1f KiB\n", static_cast<double>(room.bytes) / 1024);
 }
@@ -67,7 +55,6 @@ void bench_lighting(const BenchOptions&, Bench* bench) {
   print_and_keep(result, bench);
   if (result.compared)
     std::puts("to float: medians over 56 excerpts of made-up rooms, against the float network behind the file");
-  print_and_keep_images(result, bench);
   if (!result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
   if (!interrupted()) print_and_keep(bench_room(), bench);
 }

@@ -9,6 +9,7 @@
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
+#include "models/lighting/dataset.h"
 #include "models/program/command_line.h"
 #include "models/simulation/simulation.h"
 #include "models/work/progress.h"
@@ -32,14 +33,14 @@ std::string number_text(double value) {
   return text;
 }
 
-}  // namespace
-
 void print_verdicts(const std::vector<Verdict>& rows) {
   std::printf("%-11s %-32s %11s %11s %11s  %-11s %s\n", "case", "claim", "truth", "result", "limit", "unit", "");
   for (const Verdict& v : rows)
     std::printf("%-11s %-32s %11s %11s %11s  %-11s %s\n", v.group.c_str(), v.name.c_str(), number_text(v.truth).c_str(),
                 number_text(v.result).c_str(), number_text(v.limit).c_str(), v.unit.c_str(), outcome_of(v));
 }
+
+}  // namespace
 
 uint32_t count_failed(const std::vector<Verdict>& rows) {
   uint32_t failed = 0;
@@ -65,10 +66,31 @@ std::vector<Measurement> measurements_of(const std::string& suite, const std::st
   return measurements;
 }
 
-Failure no_panoramas(const std::string& what) {
-  return Failure("cannot check " + what +
-                 ": no panoramas are named. Name .hdr or .exr files, or folders of them, with " +
-                 "--panoramas, or the data folder in SANDGLASS_DATA_DIR.");
+int tell(const VerifyOptions& options, const char* suite, const std::string& isa, const std::vector<Verdict>& rows,
+         const std::vector<Measurement>& more) {
+  print_verdicts(rows);
+  const uint32_t failed = count_failed(rows);
+  std::printf("%zu rows, %u failed\n", rows.size(), failed);
+  std::vector<Measurement> all = measurements_of(suite, isa, options.threads, rows);
+  all.insert(all.end(), more.begin(), more.end());
+  if (!options.json.empty()) write_file(options.json, measurements_json(all));
+  return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : k_exit_done;
+}
+
+std::vector<std::string> panoramas_of(const VerifyOptions& options, const char* what,
+                                      std::vector<std::string> in_data) {
+  if (!options.panoramas.empty()) return find_panoramas(options.panoramas);
+  if (data_folder().empty())
+    throw Failure(
+        std::string("cannot check ") + what +
+        ": no panoramas are named. Name .hdr or .exr files, or folders of them, with --panoramas, or the data "
+        "folder in SANDGLASS_DATA_DIR.");
+  for (std::string& name : in_data) name = data_folder() + "/hdri/" + name;
+  return find_panoramas(in_data);
+}
+
+std::string manifest_of(const VerifyOptions& options) {
+  return options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;
 }
 
 namespace {
@@ -80,16 +102,6 @@ void expect_quick(const std::vector<std::string>& cases) {
     if (std::find(quick.begin(), quick.end(), name) == quick.end())
       throw cannot("check", name, "it takes minutes, and --quick leaves such cases out",
                    "Leave --quick out, or name quick cases: " + list_of(quick, "or"));
-}
-
-// Prints the table, and writes it where it is asked for. Returns the exit code.
-int tell_sand(const VerifyOptions& options, const char* suite, const std::string& isa_name,
-              const std::vector<Verdict>& rows) {
-  print_verdicts(rows);
-  const uint32_t failed = count_failed(rows);
-  std::printf("%zu rows, %u failed\n", rows.size(), failed);
-  if (!options.json.empty()) write_file(options.json, measurements_json(measurements_of(suite, isa_name, 1, rows)));
-  return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : k_exit_done;
 }
 
 // Shows the progress of a table as it is made.
@@ -205,16 +217,16 @@ int verify_granular_command(const VerifyOptions& options) {
   if (options.quick) expect_quick(options.cases);
   const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa), options.seed};
   const std::string isa_name = kernels_of(choice.isa);
-  return tell_sand(options, "granular", isa_name,
-                   with_progress([&](const auto& progress) { return granular_verdicts(choice, progress); }));
+  return tell(options, "granular", isa_name,
+              with_progress([&](const auto& progress) { return granular_verdicts(choice, progress); }));
 }
 
 int verify_follow_command(const VerifyOptions& options) {
   const sandglass_isa isa = find_isa(options.isa);
   const std::string isa_name = kernels_of(isa);
-  return tell_sand(options, "follow", isa_name, with_progress([&](const auto& progress) {
-                     return follow_verdicts(options.cases, options.seed, isa, progress);
-                   }));
+  return tell(options, "follow", isa_name, with_progress([&](const auto& progress) {
+                return follow_verdicts(options.cases, options.seed, isa, progress);
+              }));
 }
 
 std::vector<Command> verify_suites() {

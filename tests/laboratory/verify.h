@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "models/files/failure.h"
 #include "models/files/measurement_json.h"
 #include "models/program/command_line.h"
 #include "tests/laboratory/sand/granular_verdicts.h"
@@ -34,12 +33,18 @@ int verify_files_command(const VerifyOptions& options);
 int verify_cast_command(const VerifyOptions& options);
 std::vector<Command> verify_suites();
 
-void print_verdicts(const std::vector<Verdict>& rows);
+// Prints the table, and writes it and `more` where it is asked for. Returns the exit code.
+int tell(const VerifyOptions& options, const char* suite, const std::string& isa, const std::vector<Verdict>& rows,
+         const std::vector<Measurement>& more = {});
 uint32_t count_failed(const std::vector<Verdict>& rows);
 std::vector<Measurement> measurements_of(const std::string& suite, const std::string& isa, uint32_t threads,
                                          const std::vector<Verdict>& rows);
 
-// The Failure of a suite that was given none: it would check nothing, and pass.
-Failure no_panoramas(const std::string& what);
+// The panoramas that are named, or these of the data folder. A Failure where there is neither: a suite would check nothing,
+// and pass. `what` it checks.
+std::vector<std::string> panoramas_of(const VerifyOptions& options, const char* what,
+                                      std::vector<std::string> in_data = {"indoor", "studio"});
+// Which of them show the same place; empty: none.
+std::string manifest_of(const VerifyOptions& options);
 
 }  // namespace sandglass::host

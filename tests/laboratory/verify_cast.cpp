@@ -1,11 +1,11 @@
 // `sandglass_lab verify cast`: shadows of triangles against rays, on real surfaces too, and reflections against panoramas.
 #include <algorithm>
-#include <cstdio>
 
 #include "models/compositing/surroundings.h"
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/lighting/dataset.h"
+#include "models/lighting/lit_view.h"
 #include "models/mesh/generated.h"
 #include "models/program/command_line.h"
 #include "models/rooms/panorama_file.h"
@@ -34,15 +34,7 @@ constexpr int k_picture_quality = 88;
 // Means of pixels. 256 x 128 are as many as the cells of a room can use.
 RadianceMap small_panorama(const std::string& path, int width) {
   const RadianceMap whole = read_panorama(path);
-  const int factor = std::max(1, whole.width / width);
-  RadianceMap small(whole.width / factor, whole.height / factor);
-  for (int v = 0; v < small.height; ++v)
-    for (int u = 0; u < small.width; ++u) {
-      Vec3 sum{};
-      for (int b = 0; b < factor; ++b)
-        for (int a = 0; a < factor; ++a) sum = sum + whole.colour(u * factor + a, v * factor + b);
-      small.set(u, v, sum * (1.0 / (factor * factor)));
-    }
+  RadianceMap small = shrunk(whole, std::max(1, whole.width / width));
   fill_tripod(&small);
   return small;
 }
@@ -60,10 +52,8 @@ int verify_cast_command(const VerifyOptions& options) {
   }
   for (const std::string& name : names) {
     MeshResult result = named_mesh({name});
-    const size_t slash = name.rfind('/');
-    std::string stem = slash == std::string::npos ? name : name.substr(slash + 1);
-    stem = stem.substr(0, stem.rfind('.'));
-    rows.meshes.push_back({stem, std::move(result.mesh), result.report.watertight() && result.report.oriented()});
+    rows.meshes.push_back(
+        {stem_of(name), std::move(result.mesh), result.report.watertight() && result.report.oriented()});
   }
   std::vector<RadianceMap> reflected;
   if (!options.panoramas.empty() || !data_folder().empty())
@@ -113,11 +103,7 @@ int verify_cast_command(const VerifyOptions& options) {
     Progress progress("tracing the picture", 1);
     write_file(options.picture, jpeg_file(receiver_picture(kept_room("lebombo"), pool), k_picture_quality));
   }
-  print_verdicts(verdicts);
-  std::printf("%zu rows, %u failed\n", verdicts.size(), count_failed(verdicts));
-  if (!options.json.empty())
-    write_file(options.json, measurements_json(measurements_of("cast", "automatic", 1, verdicts)));
-  return count_failed(verdicts) > 0 ? k_exit_check_failed : k_exit_done;
+  return tell(options, "cast", "automatic", verdicts);
 }
 
 #endif

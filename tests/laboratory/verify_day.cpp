@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <numbers>
 #include <optional>
 
 #include "models/compositing/phone.h"
-#include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/lit_view.h"
@@ -307,11 +305,7 @@ int verify_day_command(const VerifyOptions& options) {
   if (interrupted()) return k_exit_interrupted;
   std::vector<Verdict> rows;
   for (const std::vector<Verdict>& some : of_rooms) rows.insert(rows.end(), some.begin(), some.end());
-  print_verdicts(rows);
-  std::printf("%zu rows, %u failed\n", rows.size(), count_failed(rows));
-  if (!options.json.empty())
-    write_file(options.json, measurements_json(measurements_of("day", "automatic", options.threads, rows)));
-  return count_failed(rows) > 0 ? k_exit_check_failed : k_exit_done;
+  return tell(options, "day", "automatic", rows);
 }
 
 }  // namespace sandglass::host

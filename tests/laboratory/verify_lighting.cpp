@@ -26,14 +26,8 @@ struct LightingSources {
 };
 
 LightingSources lighting_sources(const VerifyOptions& options) {
-  LightingSources s = {options.panoramas, options.manifest, options.estimates, options.network};
-  const bool own = s.panoramas.empty();
-  if (own) {
-    const std::string data = data_folder();
-    if (data.empty()) throw no_panoramas("lighting");
-    s.panoramas = {data + "/hdri/indoor", data + "/hdri/studio"};
-    if (s.manifest.empty()) s.manifest = data + "/manifest.csv";
-  }
+  LightingSources s = {panoramas_of(options, "lighting"), manifest_of(options), options.estimates, options.network};
+  const bool own = options.panoramas.empty();
   if (s.estimates.empty() && s.network.empty())
     (own ? s.estimates : s.network) = own ? k_cross_validated : shipped_light_network();
   return s;
@@ -60,14 +54,14 @@ void tell_of_training(const LightingSources& sources) {
           read_file(shipped, "lighting network", k_asset_limit))
     return;
   const std::string fitted = read_file(k_cross_validated, "estimates", k_text_limit);
-  const std::vector<std::string> panoramas = find_panoramas(sources.panoramas);
   size_t known = 0;
-  for (const std::string& path : panoramas) known += fitted.find("\n" + stem_of(path) + "_0.png,") != std::string::npos;
+  for (const std::string& path : sources.panoramas)
+    known += fitted.find("\n" + stem_of(path) + "_0.png,") != std::string::npos;
   if (known > 0)
     std::printf(
         "%zu of %zu panoramas are of places that the network was fitted to: what it does there is no test. Of places "
         "that it never saw `sandglass_lab verify lighting` on the data folder has the cross-validated estimates.\n",
-        known, panoramas.size());
+        known, sources.panoramas.size());
 }
 
 }  // namespace
@@ -84,11 +78,7 @@ int verify_lighting_command(const VerifyOptions& options) {
   const std::vector<Verdict> rows = verify_lighting(lighting);
   if (interrupted()) return k_exit_interrupted;
   std::printf("estimates: %s\n", in_bytes ? sources.network.c_str() : sources.estimates.c_str());
-  print_verdicts(rows);
-  if (!options.json.empty())
-    write_file(options.json,
-               measurements_json(measurements_of("lighting", in_bytes ? "int8" : "f32", options.threads, rows)));
-  return count_failed(rows) > 0 ? k_exit_check_failed : k_exit_done;
+  return tell(options, "lighting", in_bytes ? "int8" : "f32", rows);
 }
 
 }  // namespace sandglass::host

@@ -1,8 +1,6 @@
 // `sandglass_lab verify room`: the light of rooms as sessions have seen them, against the light that is there.
-#include <cstdio>
 #include <memory>
 
-#include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/lighting/dataset.h"
 #include "models/program/command_line.h"
@@ -47,13 +45,9 @@ std::vector<Condition> conditions_of(RoomStudyOptions options, const RoomStudy& 
 
 int verify_room_command(const VerifyOptions& options) {
   RoomStudyOptions study_options;
-  if (options.panoramas.empty() && data_folder().empty()) throw no_panoramas("rooms");
-  study_options.panoramas = options.panoramas.empty()
-                                ? find_panoramas({data_folder() + "/hdri/indoor", data_folder() + "/hdri/studio"})
-                                : find_panoramas(options.panoramas);
+  study_options.panoramas = panoramas_of(options, "rooms");
   refuse_equal_stems(study_options.panoramas);
-  study_options.manifest =
-      options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;
+  study_options.manifest = manifest_of(options);
   study_options.network = options.network.empty() ? SANDGLASS_LIGHTS_DIR "/room.light" : options.network;
   study_options.azimuths = options.quick ? 1 : 4;
   study_options.seed = options.seed + 1;
@@ -65,20 +59,8 @@ int verify_room_command(const VerifyOptions& options) {
   const std::vector<Condition> conditions = conditions_of(study_options, study, &pool);
   if (interrupted()) return k_exit_interrupted;
 
-  const RoomTable& table = conditions.front().table;
-  const std::string markdown =
-      drawn_markdown(study, table.drawn) + "\n" + sessions_markdown(table) + "\n" + conditions_markdown(conditions);
-  std::printf("%zu places\n\n%s\n", table.places, markdown.c_str());
-  const std::vector<Verdict> verdicts = room_verdicts(conditions);
-  print_verdicts(verdicts);
-  const uint32_t failed = count_failed(verdicts);
-  std::printf("%zu rows, %u failed\n", verdicts.size(), failed);
-  if (!options.json.empty()) {
-    std::vector<Measurement> all = measurements_of("room", "automatic", options.threads, verdicts);
-    for (const Measurement& m : room_measurements(conditions)) all.push_back(m);
-    write_file(options.json, measurements_json(all));
-  }
-  return failed > 0 ? k_exit_check_failed : k_exit_done;
+  print_room(conditions.front().table);
+  return tell(options, "room", "automatic", room_verdicts(conditions), room_measurements(conditions));
 }
 
 #endif

@@ -10,7 +10,6 @@
 #include "models/rooms/excerpt.h"
 #include "models/work/progress.h"
 #include "runtime/estimate/backends.h"
-#include "runtime/estimate/resample.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/cpu_time.h"
 #include "tests/laboratory/machine_peak.h"
@@ -29,75 +28,21 @@ LightValues values_of(const sandglass_light_estimate& e) {
           e.light[2],     e.ambient[0],    e.ambient[1],    e.ambient[2], e.contrast};
 }
 
-// The best time of each of `units` work units, which are run in order after `begin`. After Ctrl-C it is that of fewer
-// repeats.
-template <class Begin, class Run>
-std::vector<double> best_ms_of_units(uint32_t units, Begin begin, Run run) {
-  std::vector<double> best(units, 1e30);
-  for (uint32_t repeat = 0; repeat < k_repeats && !(repeat > 0 && interrupted()); ++repeat) {
-    begin();
-    double from = cpu_ms_now();
-    for (uint32_t unit = 0; unit < units; ++unit) {
-      run(unit);
-      const double now = cpu_ms_now();
-      best[unit] = std::min(best[unit], now - from);
-      from = now;
-    }
-  }
-  return best;
-}
-
 // The longest of the work units' best times.
 double longest_unit(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
                     sandglass_estimator_backend backend, std::span<const uint8_t> rgb) {
   LightRunner runner(file, name, isa, k_width, k_height, backend);
   LightNetwork* net = runner.network();
-  const std::vector<double> best = best_ms_of_units(
-      net->units, [&] { begin_light_network(net, rgb.data()); }, [&](uint32_t unit) { run_light_unit(net, unit); });
+  std::vector<double> best(net->units, 1e30);
+  for (uint32_t repeat = 0; repeat < k_repeats && !(repeat > 0 && interrupted()); ++repeat) {
+    begin_light_network(net, rgb.data());
+    for (uint32_t unit = 0; unit < net->units; ++unit) {
+      const double from = cpu_ms_now();
+      run_light_unit(net, unit);
+      best[unit] = std::min(best[unit], cpu_ms_now() - from);
+    }
+  }
   return *std::max_element(best.begin(), best.end());
-}
-
-struct ImageCase {
-  const char* name;
-  sandglass_camera_format format;
-  uint32_t width, height;
-};
-// The images that phones hand to apps, a phone's photograph, and the widest image that is accepted. The last one has
-// the highest boxes that are read.
-constexpr ImageCase k_images[] = {{"640x480_nv12", SANDGLASS_CAMERA_NV12, 640, 480},
-                                  {"1920x1440_nv12", SANDGLASS_CAMERA_NV12, 1920, 1440},
-                                  {"4032x3024_rgba", SANDGLASS_CAMERA_RGBA, 4032, 3024},
-                                  {"16384x3072_rgb", SANDGLASS_CAMERA_RGB, SANDGLASS_CAMERA_SIDE_LIMIT, 3072}};
-
-LightingImageRow measure_image(const ImageCase& c) {
-  const bool yuv = c.format == SANDGLASS_CAMERA_NV12;
-  const uint32_t pixel = c.format == SANDGLASS_CAMERA_RGBA ? 4 : yuv ? 1 : 3, stride = pixel * c.width;
-  std::vector<uint8_t> planes(size_t{stride} * c.height * (yuv ? 3 : 2) / 2);  // NV12's chroma adds half
-  if (!yuv) planes.resize(size_t{stride} * c.height);
-  for (size_t i = 0; i < planes.size(); ++i) planes[i] = static_cast<uint8_t>(i * 2654435761u >> 13);
-  sandglass_camera_image image;
-  sandglass_camera_image_default(&image);
-  image.format = c.format;
-  image.width = c.width;
-  image.height = c.height;
-  image.planes[0] = planes.data();
-  image.strides[0] = stride;
-  if (yuv) image.planes[1] = planes.data() + size_t{stride} * c.height, image.strides[1] = stride;
-  image.focal_x = sandglass_camera_focal(c.width, c.width * 3 / 4, 85);
-  image.focal_y = sandglass_camera_focal(c.height * 4 / 3, c.height, 85);
-  image.centre_x = 0.5f * static_cast<float>(c.width - 1);
-  image.centre_y = 0.5f * static_cast<float>(c.height - 1);
-  const CameraBlocks blocks = camera_blocks(image);
-  std::vector<uint8_t> rgb(size_t{3} * k_width * k_height);
-  std::vector<uint32_t> sums(k_camera_sums);
-  const auto resample = [&](uint32_t unit) {
-    resample_camera_block(image, camera_block(image, blocks, unit), rgb.data(), sums.data());
-  };
-  LightingImageRow row = {c.name, 1e-6 * c.width * c.height, blocks.count, 0, 0};
-  for (const double ms : best_ms_of_units(
-           blocks.count, [] {}, resample))
-    row.ms += ms, row.longest_unit_ms = std::max(row.longest_unit_ms, ms);
-  return row;
 }
 
 // Measures the time of an estimate as an app would see it. Returns false if this build lacks the back end.
@@ -147,17 +92,11 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
   constexpr Case k_cases[] = {{"int8", SANDGLASS_ESTIMATOR_BACKEND_OWN},
                               {"xnnpack_f32", SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32},
                               {"xnnpack_int8", SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_INT8}};
-  constexpr uint32_t k_steps = std::size(k_cases) + 1;
+  constexpr uint32_t k_steps = std::size(k_cases);
   const MachinePeak peak = measure_machine_peak();
   LightingBench bench;
   const LightBackend* xnnpack = nullptr;
   bench.has_xnnpack = find_light_backend(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
-  for (const ImageCase& c : k_images) {
-    const LightingImageRow row = measure_image(c);
-    if (interrupted()) return bench;
-    bench.images.push_back(row);
-  }
-  if (!go_on(1, k_steps)) return bench;
   std::vector<Picture> images;
   std::vector<LightValues> truth;
   for (const Excerpt& excerpt : excerpts) {
@@ -170,14 +109,12 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
     if (!measure(file, name, isa, c.backend, images, &row)) break;
     row.longest_unit_ms = longest_unit(file, name, isa, c.backend, images[0].rgb);
     if (interrupted()) return bench;
-    if (c.backend == SANDGLASS_ESTIMATOR_BACKEND_OWN)
-      row.activations = static_cast<double>(light_activation_bytes(k_width, k_height));
     const double fastest =
         c.backend == SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32 ? peak.f32_gmac_per_s : peak.int8_gmac_per_s;
     row.gmac_per_s = k_macs / row.ms * 1e-6;
     row.fraction = fastest > 0 ? row.gmac_per_s / fastest : 0;
     bench.rows.push_back(row);
-    if (!go_on(static_cast<uint32_t>(bench.rows.size()) + 1, k_steps)) return bench;
+    if (!go_on(static_cast<uint32_t>(bench.rows.size()), k_steps)) return bench;
   }
   bench.compared = true;
   for (LightingBenchRow& row : bench.rows) {

@@ -20,7 +20,6 @@ struct LightingBenchRow {
   double gmac_per_s = 0;       // of the network's 2.549 G multiplications; padding does not count
   double fraction = 0;         // of this CPU's measured peak, f32 or int8
   double arena_bytes = 0;      // weights and activations: the block, and what XNNPACK holds of its region
-  double activations = 0;      // bytes of activations; own kernels only
   double longest_unit_ms = 0;  // the largest of the work units' best times
   // Against the float network, medians over the images.
   double angle_deg = 0;                // of the direction
@@ -28,18 +27,8 @@ struct LightingBenchRow {
   std::vector<LightValues> estimates;  // of each image
 };
 
-// Resampling a camera's image to what the network sees. It is mandatory in the frame that brings the image.
-struct LightingImageRow {
-  std::string name;       // 640x480_nv12 ...
-  double megapixels = 0;  // of the camera's image
-  uint32_t units = 0;
-  double ms = 0;               // the sum of the units' best times
-  double longest_unit_ms = 0;  // the largest of them
-};
-
 struct LightingBench {
   std::vector<LightingBenchRow> rows;
-  std::vector<LightingImageRow> images;
   bool has_xnnpack = false;  // in this build
   bool compared = false;     // to float, and not interrupted
 };

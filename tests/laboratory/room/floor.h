@@ -25,48 +25,32 @@ using Cells = std::array<double, k_light_cells>;
 Vec3 fine_direction(uint32_t fine);
 
 // The light at a place in a panorama: shares of a level floor's irradiance, and the irradiance itself, in the
-// panorama's radiance. `place` is in radii of the panorama's sphere. What is below its horizon is the floor around it.
-constexpr uint32_t k_sphere_rows = 32, k_sphere_columns = 64, k_sphere = k_sphere_rows * k_sphere_columns;
+// panorama's radiance. `place` is in radii of the panorama's sphere.
 struct TrueLight {
   Fine shares;
   Cells cells;
   Vec3 irradiance;
-  std::array<double, k_sphere> sphere;  // luminance times solid angle, by direction, in rows from below
 };
-// The mean radiance of the floor around a foot, as the panorama's camera saw it.
-constexpr double k_around_foot = 0.125;  // radii
-Vec3 floor_radiance(const RadianceMap& panorama, Vec3 foot, double around);
-// The direction in the middle of a part of the sphere.
-Vec3 sphere_direction(double row, double column);
 TrueLight true_light(const RadianceMap& panorama, Vec3 place);
 
 // An object on the floor, and what of each part of the hemisphere the floor sees beside it.
 class FloorObject {
  public:
-  static constexpr int k_texels = 48;   // along a side of four object heights
-  static constexpr int k_points = 192;  // of the surface
+  static constexpr int k_texels = 48;  // along a side of four object heights
 
   // The mesh is put onto the floor, its footprint's middle at the centre.
-  FloorObject(std::string name, const Mesh& mesh, uint64_t seed, ThreadPool* pool);
+  FloorObject(const std::string& name, const Mesh& mesh, uint64_t seed, ThreadPool* pool);
 
-  const std::string& name() const { return name_; }
   // The floor's ratio in this light, by texel: 1 where the object takes nothing away.
   std::vector<float> truth(const TrueLight& light) const;
   // What is drawn in `cells` (all shares beside 1 are light that nothing hides), less `share` times the shadow of a
   // round light of 20 degrees in `direction`.
   std::vector<float> drawn(const Cells& cells, double share = 0.0, Vec3 direction = {0, 1, 0}) const;
-  // The irradiance of points of its surface, which the object itself may hide, beside that of the level floor.
-  std::vector<float> lit(const TrueLight& light) const;
-  // The same in the light of nine harmonics of luminance, by each point's own nine numbers, as a baked file holds them.
-  std::vector<float> lit(const std::array<double, 9>& harmonics, double floor_irradiance) const;
 
  private:
   std::vector<float> hidden(Vec3 direction) const;  // of the round light, by texel
-  std::string name_;
-  std::vector<float> hidden_;        // texels x k_fine: the share that is hidden
-  std::vector<float> hidden_cells_;  // texels x cells: the same of whole cells
-  std::vector<float> facing_;        // surface points x k_sphere: the cosine where the point sees the direction
-  std::vector<std::array<double, 9>> transfer_;  // of the surface points: their irradiance in each harmonic
+  std::vector<float> hidden_;                       // texels x k_fine: the share that is hidden
+  std::vector<float> hidden_cells_;                 // texels x cells: the same of whole cells
 };
 
 // Root mean square error of what is drawn.

@@ -1,7 +1,6 @@
 #include "tests/laboratory/room/floor_rows.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <stdexcept>
 
 namespace sandglass::host {
@@ -14,15 +13,13 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
   return d;
 }
 
-Vec3 vector_of(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
-
 }  // namespace
 
 Way in_cells(const RoomStudy& study, std::string name, const std::function<Cells(const StudiedPlace&)>& cells,
              bool control) {
   return {std::move(name),
           [objects = study.objects, cells](const StudiedPlace& p, size_t o) { return (*objects)[o].drawn(cells(p)); },
-          nullptr, control};
+          control};
 }
 
 Way no_shadow(const RoomStudy& study) {
@@ -45,19 +42,15 @@ Way one_light(const RoomStudy& study, std::string name, const std::function<OneL
             rest.fill(ambient * (1 - share) / k_light_cells);
             return (*objects)[o].drawn(rest, share, one.direction);
           },
-          nullptr, control};
+          control};
 }
 
 Way in_room(const RoomStudy& study, std::string name,
             const std::function<sandglass_room_light(const StudiedPlace&)>& light_of) {
-  return {std::move(name),
-          [objects = study.objects, light_of](const StudiedPlace& p, size_t o) {
+  return {std::move(name), [objects = study.objects, light_of](const StudiedPlace& p, size_t o) {
             const sandglass_room_light light = light_of(p);
             return (*objects)[o].drawn(cells_of(light, true), static_cast<double>(light.main_share),
-                                       vector_of(light.main_direction));
-          },
-          [objects = study.objects, light_of](const StudiedPlace& p, size_t o) {
-            return surface_in((*objects)[o], light_of(p));
+                                       from_floats(light.main_direction));
           }};
 }
 
@@ -68,13 +61,6 @@ Cells cells_of(const sandglass_room_light& light, bool ambient) {
   return cells;
 }
 
-std::vector<float> surface_in(const FloorObject& object, const sandglass_room_light& light) {
-  std::array<double, 9> harmonics;
-  for (size_t j = 0; j < 9; ++j)
-    harmonics[j] = luminance(Vec3{light.sh[3 * j], light.sh[3 * j + 1], light.sh[3 * j + 2]});
-  return object.lit(harmonics, luminance(vector_of(light.irradiance)));
-}
-
 std::vector<DrawnRow> drawn_rows(const RoomStudy& study, const std::vector<Way>& ways) {
   const size_t objects = study.objects->size();
   std::vector<DrawnRow> rows;
@@ -83,25 +69,18 @@ std::vector<DrawnRow> drawn_rows(const RoomStudy& study, const std::vector<Way>&
     DrawnRow row;
     row.name = way.name;
     row.control = way.control;
-    std::vector<double> floor, shading;
+    std::vector<double> floor;
     for (size_t o = 0; o < objects; ++o) {
       const std::vector<double> errors =
           by_location(study, [&](const StudiedPlace& p) { return error_of(way.floor(p, o), p.truths[o]); });
-      row.by_object.push_back(interval_of(errors).mean);
       floor.resize(errors.size());
       for (size_t i = 0; i < errors.size(); ++i) floor[i] += errors[i] / static_cast<double>(objects);
-      if (!way.surface) continue;
-      const std::vector<double> surface =
-          by_location(study, [&](const StudiedPlace& p) { return error_of(way.surface(p, o), p.lit[o]); });
-      shading.resize(surface.size());
-      for (size_t i = 0; i < surface.size(); ++i) shading[i] += surface[i] / static_cast<double>(objects);
     }
     if (rows.empty()) none = floor;
     if (rows.size() == 1) ambient = floor;
     row.floor = interval_of(floor);
     row.against_none = interval_of(difference(floor, none));
     if (rows.size() >= 1) row.against_ambient = interval_of(difference(floor, ambient));
-    if (way.surface) row.shading = interval_of(shading);
     rows.push_back(row);
   }
   rows.front().against_ambient = interval_of(difference(none, ambient));
@@ -113,33 +92,6 @@ const DrawnRow& row_of(const std::vector<DrawnRow>& rows, const std::string& nam
   for (const DrawnRow& row : rows)
     if (row.name == name) return row;
   throw std::out_of_range("no way to draw is called " + name);
-}
-
-std::string number_text(const char* format, double a, double b, double c) {
-  char text[96];
-  std::snprintf(text, sizeof text, format, a, b, c);
-  return text;
-}
-
-std::string drawn_markdown(const RoomStudy& study, const std::vector<DrawnRow>& rows) {
-  std::string text =
-      "| the floor is drawn with | error | of ambient occlusion | against no shadow | against ambient occlusion |";
-  for (const FloorObject& object : *study.objects) text += " " + object.name() + " |";
-  text += " surface |\n|---|---|---|---|---|";
-  for (size_t o = 0; o <= study.objects->size(); ++o) text += "---|";
-  text += "\n";
-  const auto signed_interval = [](const Interval& i) {
-    return number_text("%+.4f [%+.4f, %+.4f]", i.mean, i.low, i.high);
-  };
-  for (const DrawnRow& row : rows) {
-    text += "| " + row.name + " | " + number_text("%.4f", row.floor.mean) + " | " +
-            number_text("%.2f", row.share_of_ambient) + " | " + signed_interval(row.against_none) + " | " +
-            signed_interval(row.against_ambient) + " |";
-    for (const double error : row.by_object) text += number_text(" %.4f |", error);
-    text += row.shading ? number_text(" %.3f [%.3f, %.3f] |\n", row.shading->mean, row.shading->low, row.shading->high)
-                        : " |\n";
-  }
-  return text;
 }
 
 }  // namespace sandglass::host

@@ -43,25 +43,14 @@ class Turn {
 };
 
 RoomBenchRow measured(const std::string& name, bool told, Turn* turn, Room* room) {
-  RoomBenchRow row = {name, 1e30, 0, 0};
+  RoomBenchRow row = {name, 1e30};
   for (uint32_t repeat = 0; repeat < k_repeats && !interrupted(); ++repeat) {
     room_reset(room);
     for (uint32_t i = 0; i < k_images; ++i) {
-      double sum = 0, longest = 0;
-      uint32_t units = 0;
-      double from = cpu_ms_now();
+      const double from = cpu_ms_now();
       (void)room_take_image(room, turn->at(i, told));
-      for (; room->phase != RoomPhase::idle; ++units) {
-        room_run_unit(room);
-        const double now = cpu_ms_now();
-        sum += now - from;
-        longest = std::max(longest, now - from);
-        from = now;
-      }
-      if (i == 0 || sum >= row.ms) continue;  // the first image finds no exposure
-      row.ms = sum;
-      row.unit_us = 1e3 * longest;
-      row.units = units;
+      while (room->phase != RoomPhase::idle) room_run_unit(room);
+      if (i != 0) row.ms = std::min(row.ms, cpu_ms_now() - from);  // the first image finds no exposure
     }
   }
   return row;
@@ -83,7 +72,7 @@ RoomBench bench_room() {
   const sandglass_room_place place = {sizeof place, {0.5f, -0.5f, -1.0f}, nullptr, nullptr, nullptr, nullptr, nullptr};
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
-  RoomBenchRow answer = {"light at a place", 1e30, 0, 0};
+  RoomBenchRow answer = {"light at a place", 1e30};
   for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
     const double from = cpu_ms_now();
     room_estimate(room, k_room_model, place, &light);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -116,8 +117,6 @@ SessionRow session_row(const RoomStudy& study, const Lights& lights, Session ses
   row.level = over_places([&](const StudiedPlace& p, const sandglass_room_light& l) {
     return std::fabs(level_error(p, p.sessions[index], l));
   });
-  row.level_bias = over_places(
-      [&](const StudiedPlace& p, const sandglass_room_light& l) { return level_error(p, p.sessions[index], l); });
   const auto level_where = [&](Known known) {
     return interval_of(by_location(study, [&](const StudiedPlace& p) {
       const Room room = with_known(p.sessions[index], p.parts, known);
@@ -126,12 +125,6 @@ SessionRow session_row(const RoomStudy& study, const Lights& lights, Session ses
   };
   row.level_clipped_known = level_where(Known::clipped_light);
   row.level_unseen_known = level_where(Known::unseen_parts);
-  row.main_share = over_places([](const StudiedPlace&, const sandglass_room_light& l) {
-                     return static_cast<double>(l.main_share);
-                   }).mean;
-  row.clipped = over_places([](const StudiedPlace&, const sandglass_room_light& l) {
-                  return static_cast<double>(l.clipped);
-                }).mean;
   return row;
 }
 
@@ -142,14 +135,11 @@ RoomTable room_table(const RoomStudy& study, ThreadPool* pool) {
   RoomTable table;
   table.drawn = drawn_rows(study, ways_of(study, lights));
   for (const Session session : k_sessions) table.sessions.push_back(session_row(study, lights, session));
-  const std::vector<double> zenith = by_location(study, [](const StudiedPlace& p) {
-    return angle_deg(Vec3{0, 1, 0}, mean_direction(p.light.cells));
-  });
-  table.unguarded = interval_of(by_location(study, [](const StudiedPlace& p) {
+  const std::vector<double> unguarded = by_location(study, [](const StudiedPlace& p) {
     return std::fabs(level_error(p, p.unguarded, light_at(p, p.unguarded.room)));
-  }));
-  table.zenith_deg = interval_of(zenith).mean;
-  table.places = zenith.size();
+  });
+  table.unguarded = interval_of(unguarded);
+  table.places = unguarded.size();
   return table;
 }
 
@@ -160,56 +150,16 @@ RoomStudy rooms_in(const RoomStudy& study, const std::string& part) {
   return some;
 }
 
-std::string sessions_markdown(const RoomTable& table) {
-  std::string text =
-      "| session | seen | direction of the floor's light, degrees | level, \\|log ratio\\| | log ratio | "
-      "level, were clipped light known | were the unseen known | main share | clipped |\n"
-      "|---|---|---|---|---|---|---|---|---|\n";
+void print_room(const RoomTable& table) {
+  std::printf("%zu places\n\n%-56s %8s %6s %30s\n", table.places, "the floor is drawn with", "error", "of AO",
+              "against AO");
+  for (const DrawnRow& row : table.drawn)
+    std::printf("%-56s %8.4f %6.2f %+10.4f %+9.4f %+9.4f\n", row.name.c_str(), row.floor.mean, row.share_of_ambient,
+                row.against_ambient.mean, row.against_ambient.low, row.against_ambient.high);
+  std::printf("\n%-56s %8s %10s %12s\n", "session", "seen", "direction", "level, |log|");
   for (const SessionRow& row : table.sessions)
-    text += "| " + row.name + " | " + number_text("%.2f", row.seen.mean) + " | " +
-            number_text("%.1f [%.1f, %.1f]", row.direction_deg.mean, row.direction_deg.low, row.direction_deg.high) +
-            " | " + number_text("%.2f [%.2f, %.2f]", row.level.mean, row.level.low, row.level.high) + " | " +
-            number_text("%+.2f", row.level_bias.mean) + " | " + number_text("%.2f", row.level_clipped_known.mean) +
-            " | " + number_text("%.2f", row.level_unseen_known.mean) + " | " + number_text("%.2f", row.main_share) +
-            " | " + number_text("%.2f", row.clipped) + " |\n";
-  return text + "| the zenith | | " + number_text("%.1f", table.zenith_deg) + " | | | | | | |\n";
-}
-
-std::string conditions_markdown(const std::vector<Condition>& conditions) {
-  const std::string ways[] = {"no shadow",
-                              "the true label and ambient occlusion",
-                              session_name(Session::nothing),
-                              session_name(Session::table),
-                              session_name(Session::glance),
-                              session_name(Session::full_turn),
-                              session_name(Session::full_turn_short),
-                              k_true_cells};
-  std::string text = "| of ambient occlusion's error |", line = "|---|";
-  for (const Condition& condition : conditions) text += " " + condition.name + " |", line += "---|";
-  text += "\n" + line + "\n";
-  const auto add_row = [&](const std::string& name, const auto& cell) {
-    text += "| " + name + " |";
-    for (const Condition& condition : conditions) text += " " + cell(condition.table) + " |";
-    text += "\n";
-  };
-  add_row("places", [](const RoomTable& t) { return std::to_string(t.places); });
-  add_row("ambient occlusion, error", [](const RoomTable& t) {
-    return number_text("%.4f", row_of(t.drawn, "ambient occlusion alone").floor.mean);
-  });
-  for (const std::string& way : ways)
-    add_row(way, [&](const RoomTable& t) { return number_text("%.2f", row_of(t.drawn, way).share_of_ambient); });
-  add_row("a full turn, against ambient occlusion", [](const RoomTable& t) {
-    const Interval& i = row_of(t.drawn, session_name(Session::full_turn)).against_ambient;
-    return number_text("%+.4f [%+.4f, %+.4f]", i.mean, i.low, i.high);
-  });
-  const auto turn = [](const RoomTable& t) -> const SessionRow& {
-    return t.sessions[static_cast<size_t>(Session::full_turn)];
-  };
-  add_row("a full turn, direction, degrees",
-          [&](const RoomTable& t) { return number_text("%.1f", turn(t).direction_deg.mean); });
-  add_row("a full turn, level, \\|log ratio\\|",
-          [&](const RoomTable& t) { return number_text("%.2f", turn(t).level.mean); });
-  return text;
+    std::printf("%-56s %8.2f %9.1f° %12.2f\n", row.name.c_str(), row.seen.mean, row.direction_deg.mean, row.level.mean);
+  std::puts("");
 }
 
 std::vector<Measurement> room_measurements(const std::vector<Condition>& conditions) {
@@ -235,7 +185,6 @@ std::vector<Measurement> room_measurements(const std::vector<Condition>& conditi
       keep_interval(row.name + where, "floor", row.floor);
       keep(row.name + where, "of_ambient_occlusion", row.share_of_ambient);
       keep_interval(row.name + where, "against_ambient_occlusion", row.against_ambient);
-      if (row.shading) keep_interval(row.name + where, "shading", *row.shading);
     }
     for (const SessionRow& row : condition.table.sessions) {
       keep_interval(row.name + where, "direction_deg", row.direction_deg);

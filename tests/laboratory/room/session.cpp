@@ -38,6 +38,19 @@ SeenRoom look_around(const RadianceMap& panorama, Session session, const Session
   return seen;
 }
 
+ShotLight light_of_session(const Surroundings& room, Session session, const SessionOptions& options,
+                           const sandglass_light_estimate* estimate) {
+  const SeenRoom seen = look_around(room.panorama, session, options);
+  sandglass_room_place at;
+  sandglass_room_place_default(&at);
+  to_floats(room.foot, at.position);
+  at.estimate = estimate;
+  ShotLight light = {};
+  light.struct_size = sizeof light;
+  room_estimate(seen.room, k_room_model, at, &light);
+  return scaled(light, room.exposure / seen.exposure);
+}
+
 PartRadiance true_parts(const RadianceMap& panorama) {
   PartRadiance sums = {};
   std::array<double, k_room_parts> areas = {};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "models/compositing/phone.h"
+#include "models/compositing/surroundings.h"
 #include "models/lighting/room_light.h"
 #include "runtime/room/room.h"
 
@@ -30,6 +31,10 @@ struct SeenRoom {
   std::shared_ptr<std::vector<RoomTexel>> texels;  // the room's, if any
 };
 SeenRoom look_around(const RadianceMap& panorama, Session session, const SessionOptions& options);
+
+// What a session of a phone, and one image where there is an estimate, tell of the light at the chair, in the picture's scale.
+ShotLight light_of_session(const Surroundings& room, Session session, const SessionOptions& options,
+                           const sandglass_light_estimate* estimate = nullptr);
 
 // The panorama's radiance in each part of a room, and the room as it would be had the camera shown more.
 using PartRadiance = std::array<Vec3, k_room_parts>;

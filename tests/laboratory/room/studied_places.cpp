@@ -25,22 +25,11 @@ OneLight true_label(const RadianceMap& panorama, double azimuth, double radius) 
           labels.has_direction ? labels.contrast * labels.concentration : 0.0};
 }
 
-RadianceMap halved(const RadianceMap& map) {
-  RadianceMap half(map.width / 2, map.height / 2);
-  for (int v = 0; v < half.height; ++v)
-    for (int u = 0; u < half.width; ++u)
-      half.set(u, v,
-               (map.colour(2 * u, 2 * v) + map.colour(2 * u + 1, 2 * v) + map.colour(2 * u, 2 * v + 1) +
-                map.colour(2 * u + 1, 2 * v + 1)) *
-                   0.25);
-  return half;
-}
-
 // A panorama as sessions see it.
 RadianceMap coarse_panorama(const std::string& file) {
   RadianceMap panorama = read_panorama(file);
   fill_tripod(&panorama);
-  return halved(panorama);
+  return shrunk(panorama, 2);
 }
 
 double azimuth_of(uint32_t index, const RoomStudyOptions& options) {
@@ -70,10 +59,7 @@ StudiedPlace place_in(const RadianceMap& panorama, double azimuth, double radius
   place.light = true_light(panorama, place.place);
   place.parts = true_parts(panorama);
   place.label = true_label(panorama, azimuth, radius);
-  for (const FloorObject& object : objects) {
-    place.truths.push_back(object.truth(place.light));
-    place.lit.push_back(object.lit(place.light));
-  }
+  for (const FloorObject& object : objects) place.truths.push_back(object.truth(place.light));
   return place;
 }
 
@@ -126,7 +112,6 @@ RoomStudy moved(const RoomStudy& study, const RoomStudyOptions& options) {
       place.light = light.light;
       place.label = light.label;
       place.truths = light.truths;
-      place.lit = light.lit;
       place.probes.clear();
     });
     progress.done(i + 1);

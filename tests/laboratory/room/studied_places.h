@@ -1,5 +1,5 @@
-// Places in panoramas that shadows are judged at: the light that is there, what the floor beside each object and the
-// object's surface receive of it, and what a session of an app has seen.
+// Places in panoramas that shadows are judged at: the light that is there, what the floor beside each object receives of
+// it, and what a session of an app has seen.
 #pragma once
 
 #include <cstdint>
@@ -32,14 +32,14 @@ struct StudiedPlace {
   std::string panorama, location;
   Vec3 place;
   TrueLight light;
-  OneLight label;                               // the true label (5.1), as seen from the object
-  std::vector<std::vector<float>> truths, lit;  // the floor's ratio and the surface, of each object
-  std::vector<SeenRoom> sessions;               // those of k_sessions
-  SeenRoom unguarded;                           // control: the last of them, believing what dark bytes say
-  PartRadiance parts;                           // the panorama's, of all directions
-  std::vector<OneLight> estimates;              // of one light, from an image
-  sandglass_light_estimate network = {};        // the network's, as it gives it
-  std::vector<sandglass_room_light> probes;     // by k_probe_ways; of objects that were moved there are none
+  OneLight label;                            // the true label (5.1), as seen from the object
+  std::vector<std::vector<float>> truths;    // the floor's ratio beside each object
+  std::vector<SeenRoom> sessions;            // those of k_sessions
+  SeenRoom unguarded;                        // control: the last of them, believing what dark bytes say
+  PartRadiance parts;                        // the panorama's, of all directions
+  std::vector<OneLight> estimates;           // of one light, from an image
+  sandglass_light_estimate network = {};     // the network's, as it gives it
+  std::vector<sandglass_room_light> probes;  // by k_probe_ways; of objects that were moved there are none
 };
 
 constexpr Session k_unguarded = Session::everything_shorter;

@@ -215,7 +215,7 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
                                                  static_cast<float>(k_nozzle_d * d), k_pour_speed, 0);
   const sandglass_collider sink = cpp::floor_at(static_cast<float>(below + 4.0 * d));
 
-  double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
+  std::vector<double> openings, flows;
   for (const double orifice_d : setting.orifices_d) {
     const double hole = 0.5 * orifice_d * d;
     // The field's nodes are half a radius apart, because the orifice's edge decides the result.
@@ -268,18 +268,11 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
     }
     point.rate = static_cast<double>(report.sand.removed_particles - start) / (frames * k_quarters * k_frame);
     for (const double rate : rates) point.unsteady = std::max(point.unsteady, std::fabs(rate / point.rate - 1.0));
-    const double opening = (orifice_d - k_beverloo_k) * d;
-    point.coefficient = point.rate * sphere_volume(r) / (curve.packing * std::sqrt(k_gravity) * std::pow(opening, 2.5));
-    curve.coefficient += point.coefficient / static_cast<double>(setting.orifices_d.size());
-    const double x = std::log(opening), y = std::log(std::max(point.rate, 1e-9));
-    n += 1.0;
-    sum_x += x;
-    sum_y += y;
-    sum_xx += x * x;
-    sum_xy += x * y;
+    openings.push_back((orifice_d - k_beverloo_k) * d);
+    flows.push_back(std::max(point.rate, 1e-9));
     curve.points.push_back(point);
   }
-  if (n >= 2.0) curve.exponent = (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
+  curve.exponent = fitted_exponent(openings, flows);
   return curve;
 }
 

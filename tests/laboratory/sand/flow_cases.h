@@ -42,7 +42,6 @@ struct Discharge {
   double orifice_d = 0.0;  // D in d
   double rate = 0.0;       // particles a second, mean
   double unsteady = 0.0;   // largest deviation of a quarter of the time from the mean, relative
-  double coefficient = 0;  // C of Beverloo, with k = 1.4 and the bed's own packing
   double head_d = 0.0;     // least height of the bed while it was measured, in d
 };
 struct DischargeSetting {
@@ -54,8 +53,7 @@ struct DischargeSetting {
 };
 struct DischargeCurve {
   std::vector<Discharge> points;
-  double exponent = 0.0;     // of the rate in D - 1.4 d, least squares
-  double coefficient = 0.0;  // mean C
+  double exponent = 0.0;  // of the rate in D - 1.4 d, least squares
   double packing = 0.0;
 };
 DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSetting& setting, const CaseStep& step);

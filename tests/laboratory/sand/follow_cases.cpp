@@ -133,11 +133,10 @@ const FollowScene k_scenes[] = {
 };
 
 struct Followed {
-  Placement flow, end;  // flow: the means
+  Placement flow, end;  // flow: the means of what is bare and in the wrong cell
   GrainMoves moves;
   Evenness even;
-  double slowness = 0.0;  // frames over those of the scene's own time
-  uint32_t awake = 0;     // particles, before the hand comes
+  uint32_t awake = 0;  // particles, before the hand comes
 };
 
 void turn(SceneFile* scene, uint64_t seed) {
@@ -189,16 +188,13 @@ Followed follow(const FollowScene& what, sandglass_blend blend, uint64_t seed, s
     if (time < what.flow_from - k_way) result.awake = report.sand.awake;
     if (looks < k_looks && time >= what.flow_from + looks * (what.flow_to - what.flow_from) / (k_looks - 1)) {
       const Placement here = look();
-      for (double Placement::*part :
-           {&Placement::bare, &Placement::beyond, &Placement::half, &Placement::p95, &Placement::wrong})
-        result.flow.*part += here.*part / k_looks;
+      result.flow.bare += here.bare / k_looks, result.flow.wrong += here.wrong / k_looks;
       ++looks;
     }
     step(std::min(time / what.seconds, 1.0));
   }
   if (looks < k_looks) throw cannot("measure", what.name, "its time stands nearly still", "Report this");
   result.end = look();
-  result.slowness = frames * scene.frame_step / what.seconds;
   result.even = measure_evenness(simulation.particle_positions(), simulation.grain_positions(), scene.particle_radius,
                                  static_cast<double>(desc.granular.grain_radius), 5);
   return result;
@@ -234,13 +230,10 @@ struct Judge {
     };
     claim("bare, flow", "%", 0.0, f.flow.bare, k_bare_flow);
     claim("bare, end", "%", 0.0, f.end.bare, k_bare_end);
-    claim("beyond, flow", "%", 0.0, f.flow.beyond, k_reported);
     claim("beyond, end", "%", 0.0, f.end.beyond, thin ? 14.0 : 4.0);
-    claim("half, flow", "of R", 1.0, f.flow.half, k_reported);
     claim("half, end", "of R", 0.99, f.end.half, 0.06);  // 0.93 to 1.05
     claim("P95, end", "of R", 0.985, f.end.p95, 0.065);  // 0.92 to 1.05
     claim("wrong cell, flow", "%", 0.0, f.flow.wrong, thin ? 17.0 : k_wrong);
-    claim("wrong cell, end", "%", 0.0, f.end.wrong, k_reported);
     claim("slow grain's way", "r", 0.0, f.moves.slow_way(), 1.0);
     if (f.even.variation > 0.0) {
       // At 2 they touch; without a push it is below 1.2.
@@ -249,7 +242,6 @@ struct Judge {
       row("nearest grain", "grain radii", 2.0, f.even.nearest, even ? k_near : least ? 0.8 : k_reported);
     }
     if (std::string(scene.group) == "wake") claim("awake before", "particles", 0.0, f.awake, 0.0);
-    if (scene.pace == Pace::slow) claim("time it takes", "times", 1.0, f.slowness, k_reported);
   }
   // What own particles mend of what means alone do.
   void compare(const Followed& f, const Followed& means) {

@@ -242,7 +242,6 @@ void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, Thread
     const auto peer = [&](const std::string& name, const auto& left) {
       sums[name].add(error_of([&](size_t i) { return left(fine.place(i)[0], fine.place(i)[1]); }, truth, texel, area));
     };
-    peer("map, 16 taps", [&](double x, double z) { return map.percentage_closer(x, z, 16); });
     peer("map, 32 taps", [&](double x, double z) { return map.percentage_closer(x, z, 32); });
     peer("map, exponential variance", [&](double x, double z) { return map.exponential_variance(x, z); });
     // With the one opacity that fits best.
@@ -263,7 +262,7 @@ void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, Thread
   rows->at_most(g, "K 32", sums["32"].mean(), 0.016);
   for (const char* control : {"8", "turned by 5 degrees", "half as wide", "a point", "from the other side"})
     rows->at_most(g, control[0] == '8' ? "K 8" : std::string("light ") + control, sums[control].mean(), 0.016, true);
-  for (const char* peer : {"map, 16 taps", "map, 32 taps", "map, exponential variance", "ellipse"})
+  for (const char* peer : {"map, 32 taps", "map, exponential variance", "ellipse"})
     rows->at_most(g, peer, sums[peer].mean(), k_reported);
 }
 
@@ -400,13 +399,12 @@ void below_table(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
   rows->at_most(file.name, "below a table, no shadow", none.mean(), 0.016, true);
 }
 
-// A heap of sand in the object's shadow, as steep as sand lies: the light that both leave is that of both together; a product
-// of two shadows counts twice what both hide. As what is left is drawn: the pile's own texture is multiplied in.
+// A heap of sand in the object's shadow, as steep as sand lies: what both leave of the light, in one cast.
 void with_heap(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
   constexpr uint32_t k_around = 48;
   const StandingObject object = stand_on_plane(file.mesh, file.name);
   const float height = 0.12f * static_cast<float>(object.box.height), radius = height / 0.6f;
-  Sum together, product;
+  Sum together;
   uint64_t stream = 350;
   for (const double half : {5.0, 10.0, 20.0})
     for (const double azimuth : {20.0, 140.0, 260.0}) {
@@ -429,29 +427,20 @@ void with_heap(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
       for (const uint32_t i : heap.indices) both.indices.push_back(object.mesh.vertex_count() + i);
       CastChoice choice;
       choice.closed = file.closed;
-      const Drawn of_both = cast_of(both, light, choice), of_object = cast_of(object.mesh, light, choice);
-      choice.closed = true;
-      const Drawn of_heap = cast_of(heap, light, choice);
+      const Drawn of_both = cast_of(both, light, choice);
       const Truth truth = truth_of(both, light, of_both, ++stream, pool);
       const double area = area_of(fitted(object.box, light));
       // Of the floor that is seen: what the heap covers is sand, which has a texture of its own.
-      const auto error = [&](const std::function<double(size_t)>& left) {
-        double sum = 0;
-        for (size_t i = 0; i < truth.a.size(); ++i) {
-          const auto p = of_both.place(i);
-          if (std::hypot(p[0] - x, p[1] - z) < static_cast<double>(radius)) continue;
-          sum += (left(i) - static_cast<double>(truth.a[i])) * (left(i) - static_cast<double>(truth.b[i]));
-        }
-        return std::sqrt(std::max(sum, 0.0) * of_both.area() / area);
-      };
-      together.add(error([&](size_t i) { return static_cast<double>(of_both.left[i]); }));
-      product.add(error([&](size_t i) {
+      double sum = 0;
+      for (size_t i = 0; i < truth.a.size(); ++i) {
         const auto p = of_both.place(i);
-        return of_object.at(p[0], p[1]) * of_heap.at(p[0], p[1]);
-      }));
+        if (std::hypot(p[0] - x, p[1] - z) < static_cast<double>(radius)) continue;
+        const double left = static_cast<double>(of_both.left[i]);
+        sum += (left - static_cast<double>(truth.a[i])) * (left - static_cast<double>(truth.b[i]));
+      }
+      together.add(std::sqrt(std::max(sum, 0.0) * of_both.area() / area));
     }
   rows->at_most(file.name, "beside a heap, both in one cast", together.mean(), 0.012);
-  rows->at_most(file.name, "beside a heap, product of two", product.mean(), k_reported);
 }
 
 // ------------------------------------------------------------------------------------------------ rooms
@@ -545,8 +534,8 @@ void in_rooms(const CastRowsOptions& options, const CastMeshFile& file, bool wal
   rows->at_most(file.name, name + ", the floor's cells", of_the_floor.mean(), limit, true);
 }
 
-// What a surface receives of an even sky beside what it would without itself, by rays from places on it; and how far the
-// places are from their mean, which is all that a cast tells (of a closed mesh alone: of another it counts both sides).
+// What a surface receives of an even sky beside what it would without itself, by rays from places on it; of a closed mesh
+// alone: of another a cast counts both sides.
 void of_surface(const CastMeshFile& file, Rows* rows) {
   constexpr int k_places = 3000, k_rings = 8;
   const StandingObject object = stand_on_plane(file.mesh, file.name);
@@ -559,7 +548,7 @@ void of_surface(const CastMeshFile& file, Rows* rows) {
   for (size_t t = 0; t < object.mesh.indices.size(); t += 3)
     areas.push_back(all += length(cross(corner(t + 1) - corner(t), corner(t + 2) - corner(t))));
   Random random = random_stream(7, 0);
-  double open = 0, sky = 0, squares = 0;
+  double open = 0, sky = 0;
   for (int i = 0; i < k_places; ++i) {
     const double at = (i + random.uniform()) / k_places * all;
     const size_t t = 3 * static_cast<size_t>(std::lower_bound(areas.begin(), areas.end(), at) - areas.begin());
@@ -577,16 +566,14 @@ void of_surface(const CastMeshFile& file, Rows* rows) {
       if (!scene.occluded(place, {flat * std::cos(f), y, flat * std::sin(f)}, 10)) seen += facing;
     }
     open += seen, sky += whole;
-    if (whole > 0) squares += seen * seen / whole;
   }
-  const double mean = open / sky, spread = std::sqrt(std::max(0.0, squares / sky - mean * mean));
   CastChoice choice;
   choice.closed = file.closed;
   choice.cells.emplace();
   choice.cells->fill(1.0f / SANDGLASS_LIGHT_CELLS);
   const double told = cast_of(object.mesh, {{0, 1, 0}, 0.1}, choice).open;
-  rows->at_most(file.name, "light of its own surface, off by", std::fabs(told - mean), file.closed ? 0.03 : k_reported);
-  rows->at_most(file.name, "light of its own surface, spread", spread, k_reported);
+  rows->at_most(file.name, "light of its own surface, off by", std::fabs(told - open / sky),
+                file.closed ? 0.03 : k_reported);
 }
 
 // ------------------------------------------------------------------------------------------------ from frame to frame

@@ -1,5 +1,5 @@
-// What the textures of a pile cost, on one thread of this machine: the soft shadow of one light, and the room's light
-// at each number of texels. Each is counted from the columns to the last unit.
+// What the textures of a pile cost, on one thread of this machine: the soft shadow of one light, and the room's light.
+// Each is counted from the columns to the last unit.
 #pragma once
 
 #include <string>
@@ -11,8 +11,7 @@ namespace sandglass::host {
 
 struct PileBenchRow {
   std::string name;
-  double ms = 0;       // both textures, on the floor and on the sand: CPU time of the thread, the best of some repeats
-  double unit_us = 0;  // the median of the repeats' longest units
+  double ms = 0;  // both textures, on the floor and on the sand: CPU time of the thread, the best of some repeats
   uint32_t units = 0;
   uint64_t bytes = 0;  // of the block
 };

@@ -313,16 +313,11 @@ class Drawn {
   std::vector<Receiver> planes_;
 };
 
-double shown(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
-}
-
 // The product of what is off by two sets of rays, whose noise cancels; of encoded channels.
 double off(Vec3 drawn, Vec3 a, Vec3 b) {
   double sum = 0;
   for (const auto channel : {&Vec3::x, &Vec3::y, &Vec3::z})
-    sum += (shown(drawn.*channel) - shown(a.*channel)) * (shown(drawn.*channel) - shown(b.*channel)) / 3;
+    sum += (srgb_of(drawn.*channel) - srgb_of(a.*channel)) * (srgb_of(drawn.*channel) - srgb_of(b.*channel)) / 3;
   return sum;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "models/baking/shadow_runner.h"
 #include "models/baking/trainer.h"
@@ -47,35 +46,24 @@ void encode_texels(const std::vector<float>& positions, const Direction& light, 
 #endif
 
 struct Samples {
-  std::vector<double> ms, ms_encoding;
-  std::vector<float> differences;  // the difference of each texel from the truth
-  double rmse = 0, rmse_truth = 0, worst = 0, macs = 0, evaluated = 0;
+  std::vector<double> ms;
+  double rmse = 0, rmse_truth = 0, macs = 0, evaluated = 0;
 
   void judge(const std::vector<float>& values, const std::vector<float>& reference, const std::vector<float>& truth) {
     rmse += host::rmse(values, reference);
     rmse_truth += host::rmse(values, truth);
-    for (size_t i = 0; i < values.size(); ++i) {
-      worst = std::max(worst, static_cast<double>(std::fabs(values[i] - reference[i])));
-      differences.push_back(std::fabs(values[i] - truth[i]));
-    }
   }
 
   ShadowBenchRow row(const std::string& name, double peak) const {
     ShadowBenchRow r;
     r.name = name;
-    std::vector<double> times = ms, times_encoding = ms_encoding;
+    std::vector<double> times = ms;
     r.ms = quantile(times, 0.5);
-    r.ms_encoding = quantile(times_encoding, 0.5);
     r.gmac_per_s = macs / k_lights / r.ms * 1e-6;
     r.fraction = peak > 0 ? r.gmac_per_s / peak : 0;
     r.evaluated = evaluated > 0 ? evaluated / k_lights / k_texels : 1;
     r.rmse = rmse / k_lights;
     r.rmse_truth = rmse_truth / k_lights;
-    r.worst = worst;
-    std::vector<float> sorted = differences;
-    std::sort(sorted.begin(), sorted.end());
-    r.p999_truth = static_cast<double>(sorted[sorted.size() - 1 - sorted.size() / 1000]);
-    r.worst_truth = static_cast<double>(sorted.back());
     return r;
   }
 };
@@ -107,7 +95,6 @@ BakedShadow open_baked_shadow(std::span<const uint8_t> file, const std::string& 
 }
 
 ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh, sandglass_isa isa,
-                         const std::vector<uint32_t>& thresholds,
                          const std::function<bool(uint32_t, uint32_t)>& go_on) {
   const BakedShadow baked = open_baked_shadow(file, name, mesh);
   const LightGeometry& geometry = baked.geometry;
@@ -125,11 +112,6 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   ShadowRunner full(file, name, isa, SANDGLASS_SHADOW_FULL), adaptive(file, name, isa, SANDGLASS_SHADOW_ADAPTIVE);
   const std::vector<Direction> lights = ring_directions(geometry.polar_max, k_lights);
   Samples own_float, own_int8, own_adaptive, peer_float, peer_int8;
-  std::vector<std::unique_ptr<ShadowRunner>> others;
-  std::vector<Samples> own_others(thresholds.size());
-  for (const uint32_t threshold : thresholds)
-    others.push_back(
-        std::make_unique<ShadowRunner>(file, name, isa, SANDGLASS_SHADOW_ADAPTIVE, static_cast<int32_t>(threshold)));
 #ifdef SANDGLASS_HAVE_XNNPACK
   encode_texels(positions, lights[k_lights / 2], &input);
   const Floats probe(input.begin(), input.begin() + 16384 * k_inputs);
@@ -160,20 +142,18 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
     };
     bytes(&full, &own_int8);
     bytes(&adaptive, &own_adaptive);
-    for (size_t t = 0; t < others.size(); ++t) bytes(others[t].get(), &own_others[t]);
 #ifdef SANDGLASS_HAVE_XNNPACK
-    const double encoding = best_cpu_ms([&] { encode_texels(positions, light, &input); });
-    const auto peer = [&](Samples* samples, double of_input, const std::function<void()>& work) {
+    encode_texels(positions, light, &input);
+    const auto peer = [&](Samples* samples, const std::function<void()>& work) {
       if (interrupted()) return;
       samples->ms.push_back(best_cpu_ms(work));
-      samples->ms_encoding.push_back(of_input);
       samples->macs += texel_macs * k_texels;
       samples->judge(output, reference, truth);
     };
-    peer(&peer_float, encoding, [&] { xnn_float.run(input.data(), k_texels, output.data()); });
+    peer(&peer_float, [&] { xnn_float.run(input.data(), k_texels, output.data()); });
     std::vector<int8_t> encoded(input.size());
-    const double rounding = best_cpu_ms([&] { xnn_int8.round_inputs(input.data(), k_texels, encoded.data()); });
-    peer(&peer_int8, encoding + rounding, [&] { xnn_int8.run_bytes(encoded.data(), k_texels, output.data()); });
+    xnn_int8.round_inputs(input.data(), k_texels, encoded.data());
+    peer(&peer_int8, [&] { xnn_int8.run_bytes(encoded.data(), k_texels, output.data()); });
 #endif
     if (!go_on(i + 1, k_lights)) break;
   }
@@ -182,8 +162,6 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   if (baked.ambient_rmse > 0) bench.ambient_ms = full.ambient_ms(), bench.ambient_rmse = baked.ambient_rmse;
   bench.rows = {own_float.row("f32", peak.f32_gmac_per_s), own_int8.row("int8", peak.int8_gmac_per_s),
                 own_adaptive.row("int8_adaptive", peak.int8_gmac_per_s)};
-  for (size_t t = 0; t < thresholds.size(); ++t)
-    bench.rows.push_back(own_others[t].row("int8_adaptive/" + std::to_string(thresholds[t]), peak.int8_gmac_per_s));
   if (!peer_float.ms.empty()) {
     bench.has_xnnpack = true;
     bench.rows.push_back(peer_float.row("xnnpack_f32", peak.f32_gmac_per_s));

@@ -17,17 +17,13 @@
 namespace sandglass::host {
 
 struct ShadowBenchRow {
-  std::string name;        // f32, int8, int8_adaptive, xnnpack_f32, xnnpack_int8
-  double ms = 0;           // CPU time of the thread: each light's best of some repeats, the median over the lights
-  double ms_encoding = 0;  // for peers: writing the encoded inputs from tables, and rounding them to bytes
-  double gmac_per_s = 0;   // of what it computes
-  double fraction = 0;     // of this CPU's measured peak, f32 or int8
-  double rmse = 0;         // against the float network
-  double rmse_truth = 0;   // against ray tracing
-  double p999_truth = 0;   // of the differences of single texels from ray tracing: one in a thousand is larger
-  double worst_truth = 0;  // the largest of them
-  double worst = 0;        // the largest difference of a texel from the float network
-  double evaluated = 1;    // share of the texels that the network was asked for
+  std::string name;       // f32, int8, int8_adaptive, xnnpack_f32, xnnpack_int8
+  double ms = 0;          // CPU time of the thread: each light's best of some repeats, the median over the lights
+  double gmac_per_s = 0;  // of what it computes
+  double fraction = 0;    // of this CPU's measured peak, f32 or int8
+  double rmse = 0;        // against the float network
+  double rmse_truth = 0;  // against ray tracing
+  double evaluated = 1;   // share of the texels that the network was asked for
 };
 
 struct ShadowBench {
@@ -47,10 +43,8 @@ struct BakedShadow {
 // A Failure says that the file is damaged, or that it was baked from another mesh.
 BakedShadow open_baked_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh);
 
-// `file` must contain its float network; `mesh` is what it was baked from. Each of `thresholds`, in steps of coverage
-// (sandglass_shadow_desc), adds a row int8_adaptive/N. `go_on` gets the steps done of `total`.
+// `file` must contain its float network; `mesh` is what it was baked from. `go_on` gets the steps done of `total`.
 ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh, sandglass_isa isa,
-                         const std::vector<uint32_t>& thresholds,
                          const std::function<bool(uint32_t done, uint32_t total)>& go_on);
 
 }  // namespace sandglass::host

@@ -3,6 +3,9 @@
 #include <algorithm>
 
 #include "models/compositing/shot.h"
+#include "models/lighting/dataset.h"
+#include "models/lighting/lit_view.h"
+#include "models/rooms/panorama_file.h"
 #include "models/simulation/scene_meshes.h"
 #include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
@@ -41,6 +44,12 @@ ShotStage::ShotStage() : scene(load_scene("shot")) {
 
 SceneShadows ShotStage::shadows_for(const ShotLight& light) const {
   return complete_shadows(scene, SANDGLASS_ISA_AUTOMATIC, 0, colliders_over_frame(scene, 0), particles, light);
+}
+
+Surroundings ShotStage::captured(const std::string& file, double azimuth_deg) const {
+  RadianceMap map = read_panorama(file);
+  fill_tripod(&map);
+  return panorama_surroundings(std::move(map), stem_of(file), *scene.camera, azimuth_deg, {}, k_object_insertion);
 }
 
 }  // namespace sandglass::host

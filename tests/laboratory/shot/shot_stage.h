@@ -20,6 +20,8 @@ struct ShotStage {
 
   // All shadows, complete, as a frame has them.
   SceneShadows shadows_for(const ShotLight& light) const;
+  // The room of a panorama's file, seen towards an azimuth.
+  Surroundings captured(const std::string& file, double azimuth_deg) const;
 };
 
 }  // namespace sandglass::host
