@@ -15,7 +15,6 @@ import json
 import math
 import os
 import pathlib
-import shutil
 import struct
 import subprocess
 import sys
@@ -23,9 +22,8 @@ import threading
 import time
 
 import browser as driver
-from browser import Browser
+from browser import CHROMIUM, SKIPPED, Browser, check
 
-SKIPPED = 77
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FRAMES = 300
 THREADS, THREADS_FRAMES = 4, 90
@@ -44,11 +42,6 @@ BALL = ball()
 CAMERA = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
 OF_THE_MACHINE = ("fallback to software WebGL", "GPU stall due to ReadPixels")  # there is no GPU, and screenshots are read back
 BAD_FILES = {"a.obj": "v 0 0 0\nf 1 2 3\n", "b.obj": "v 0 zero 0\n", "c.obj": "", "d.gltf": "{}", "e.glb": "glTF", "g.stl": "solid", "e.json": "{", "f.json": '{"sandglass": "recording"}', "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"}
-
-
-def check(condition, sentence):
-    if not condition:
-        raise AssertionError(sentence)
 
 
 def wait_until(browser, expression, patience=240):
@@ -528,9 +521,8 @@ def check_threads(browser, url, wanted):
 
 def main():
     web_scene, sandglass, npm, work = sys.argv[1:5]
-    program = shutil.which("chromium")
-    if not program or not os.path.exists(sandglass):
-        print("no chromium" if not program else f"no {sandglass}")
+    if not CHROMIUM or not os.path.exists(sandglass):
+        print("no chromium" if not CHROMIUM else f"no {sandglass}")
         return SKIPPED
     work = pathlib.Path(work).resolve()
     work.mkdir(parents=True, exist_ok=True)
@@ -538,7 +530,7 @@ def main():
     check(page.stat().st_size <= 2.2e6, "the page is larger than 2.2 MB")
     driver.PATIENCE = 240
     pictures = work if "--screenshots" in sys.argv else None
-    browser = Browser(program, *((700, 620) if pictures else (400, 400)), CAMERA)  # it is drawn on the CPU
+    browser = Browser(CHROMIUM, *((700, 620) if pictures else (400, 400)), CAMERA)  # it is drawn on the CPU
     try:
         browser.open(page)
         wait_until(browser, "document.documentElement.dataset.sand")
