@@ -20,11 +20,6 @@ sandglass_scene_desc with_bodies(uint32_t sand, uint32_t in_bodies) {
   return desc;
 }
 
-std::vector<float> shifted(std::vector<float> points, float x, float y, float z) {
-  for (size_t i = 0; i < points.size(); i += 3) points[i] += x, points[i + 1] += y, points[i + 2] += z;
-  return points;
-}
-
 // Touching particles in rows, with the lowest corner at the origin. A cube of them has equal moments of inertia about
 // all axes, like a sphere.
 std::vector<float> brick(int x, int y, int z) {

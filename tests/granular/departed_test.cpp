@@ -51,17 +51,15 @@ struct Spill {
     scene.colliders = {table(24 * radius)};
   }
   sandglass_frame_report frame() {
-    sandglass_frame_input input = scene.input(k_frame);
-    input.emitters = &nozzle;
-    input.emitter_count = pours ? 1 : 0;
-    return scene.run(input);
+    scene.emitters.assign(pours ? 1 : 0, nozzle);
+    return scene.frame(k_frame);
   }
   Cost run(int frames) {
     return cost_of(frames, [&] { return report = frame(); });
   }
   std::vector<float> heights() const {
-    std::vector<float> at(3 * report.sand.particle_numbers), y;
-    sandglass_granular_particles(scene.scene.get(), at.data(), nullptr);
+    const std::vector<float> at = scene.positions();
+    std::vector<float> y;
     for (size_t i = 1; i < at.size(); i += 3)
       if (at[i] != SANDGLASS_REMOVED_Y) y.push_back(at[i]);
     return y;
@@ -245,9 +243,7 @@ TEST(Departed, ABodyThatFallsBesideATableDrivesNobodyAndFallsFreely) {
   desc.granular.lowest = 0;
   GranularScene scene(desc);
   scene.colliders = {table(0.24f)};
-  std::vector<float> points = lattice(3, 3, 3, 2 * k_radius, k_radius);
-  for (size_t i = 0; i < points.size(); i += 3) points[i] += 0.3f;
-  const uint32_t body = scene.add_body(points);
+  const uint32_t body = scene.add_body(shifted(lattice(3, 3, 3, 2 * k_radius, k_radius), 0.3f, 0.0f, 0.0f));
   const float from = scene.scene.body_pose(body).position[1];
   const Cost cost = cost_of(120, [&] { return scene.frame(k_frame); });
   EXPECT_LE(cost.substeps, calm_substeps(0.01));

@@ -48,8 +48,12 @@ sandglass_frame_input GranularScene::input(float time_step, uint64_t budget_ns, 
   input.budget_ns = budget_ns;
   input.colliders = colliders.data();
   input.collider_count = static_cast<uint32_t>(colliders.size());
-  input.grains = grains.empty() ? nullptr : grains.data();
-  input.grain_capacity = static_cast<uint32_t>(grains.size());
+  input.emitters = emitters.data();
+  input.emitter_count = static_cast<uint32_t>(emitters.size());
+  input.sinks = sinks.data();
+  input.sink_count = static_cast<uint32_t>(sinks.size());
+  input.grains = grains.empty() || !draws ? nullptr : grains.data();
+  input.grain_capacity = draws ? static_cast<uint32_t>(grains.size()) : 0;
   input.plan = plan;
   return input;
 }
@@ -57,6 +61,7 @@ sandglass_frame_input GranularScene::input(float time_step, uint64_t budget_ns, 
 sandglass_frame_report GranularScene::run(const sandglass_frame_input& input) {
   sandglass_frame_report report;
   accept(scene.frame(input, &report));
+  particle_count = report.sand.particle_numbers;
   return report;
 }
 
@@ -121,6 +126,11 @@ std::vector<float> grains_about(const std::vector<float>& particles, float offse
     for (int corner = 0; corner < 8; ++corner)
       for (size_t k = 0; k < 3; ++k) grains.push_back(particles[i + k] + ((corner >> k & 1) != 0 ? offset : -offset));
   return grains;
+}
+
+std::vector<float> shifted(std::vector<float> points, float x, float y, float z) {
+  for (size_t i = 0; i < points.size(); i += 3) points[i] += x, points[i + 1] += y, points[i + 2] += z;
+  return points;
 }
 
 std::vector<float> copies(const std::vector<float>& particles, int count, float offset) {
