@@ -180,7 +180,6 @@ TEST(Field, OfABoxAreExactAtFacesAndBelowACellAtEdges) {
   });
   EXPECT_GT(faces, 1000);
   EXPECT_GT(edge, 0.05 * h) << "the edges were visited";
-  RecordProperty("edge_in_spacings", std::to_string(edge / h));
 }
 
 // On the middle plane of a flat wall the interpolant is at most h/2 - thickness/2. The reason is that
