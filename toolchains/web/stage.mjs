@@ -37,7 +37,8 @@ export function fieldOf(sand, { positions, indices }, spacing) {
   }
 }
 
-function placed(sand, { bytes, pointer, values }) {
+// Its address there.
+export function placed(sand, { bytes, pointer, values }) {
   const at = sand.put(bytes);
   return sand.view().setUint32(at + pointer, at + values, true), at;
 }
