@@ -159,21 +159,6 @@ struct OnSand {
 constexpr float k_from = 0.15f;
 constexpr double k_top = static_cast<double>(k_from) + 2 * 0.0201;
 
-// Walls about the lattice of the bed, a gap of half a millimetre away: with the default friction it would flow apart.
-void add_walls(GranularScene* scene, float low, float high) {
-  const float half = std::sqrt(0.5f);
-  const struct {
-    float x, z, around_x, around_z;
-  } walls[] = {{low, 0, 0, -half}, {high, 0, 0, half}, {0, low, half, 0}, {0, high, -half, 0}};
-  for (const auto& wall : walls) {
-    sandglass_collider plane = sandglass::collider(SANDGLASS_SHAPE_HALF_SPACE, wall.x, 0.0f, wall.z);
-    plane.rotation[0] = wall.around_x;
-    plane.rotation[2] = wall.around_z;
-    plane.rotation[3] = half;
-    scene->colliders.push_back(plane);
-  }
-}
-
 // Drops a cube of the given density on a bed of sand that is six layers deep, `aside` of its middle, and waits three
 // seconds.
 OnSand cube_on_sand(float density, float aside, uint32_t substeps) {
@@ -185,7 +170,9 @@ OnSand cube_on_sand(float density, float aside, uint32_t substeps) {
   GranularScene scene(desc);
   scene.add(lattice(14, 6, 14, k_spacing, k_radius));
   scene.add_floor();
-  add_walls(&scene, -k_radius - k_gap, 13.25f * k_spacing + k_radius + k_gap);
+  // About the bed's lattice, a gap of half a millimetre away: with the default friction it would flow apart.
+  const float low = -k_radius - k_gap, high = 13.25f * k_spacing + k_radius + k_gap;
+  scene.add_walls({low, low}, {high, high});
   scene.add_body(
       shifted(lattice(3, 3, 3, 2.01f * k_radius, k_radius), 0.11f + aside, k_from - k_radius, 0.11f + 0.7f * aside),
       density);

@@ -42,6 +42,18 @@ uint32_t GranularScene::add_body(const std::vector<float>& points, float density
   return index;
 }
 
+void GranularScene::add_walls(std::array<float, 2> low, std::array<float, 2> high) {
+  const float half = std::sqrt(0.5f);
+  const struct {
+    float x, z, around_x, around_z;
+  } walls[] = {{low[0], 0, 0, -half}, {high[0], 0, 0, half}, {0, low[1], half, 0}, {0, high[1], -half, 0}};
+  for (const auto& wall : walls) {
+    colliders.push_back(sandglass::collider(SANDGLASS_SHAPE_HALF_SPACE, wall.x, 0.0f, wall.z));
+    float* const turned = colliders.back().rotation;
+    turned[0] = wall.around_x, turned[2] = wall.around_z, turned[3] = half;
+  }
+}
+
 sandglass_frame_input GranularScene::input(float time_step, uint64_t budget_ns, const sandglass_plan* plan) {
   sandglass_frame_input input = sandglass::frame_input();
   input.time_step = time_step;

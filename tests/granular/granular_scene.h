@@ -2,6 +2,7 @@
 // that the library refuses throws the library's reason.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
@@ -21,6 +22,8 @@ struct GranularScene {
   uint32_t add_body(const std::vector<float>& points, float density = 1.0f,
                     std::initializer_list<float> velocity = {0, 0, 0}, std::initializer_list<float> spin = {0, 0, 0});
   void add_floor(float height = 0.0f) { colliders.push_back(sandglass::floor_at(height)); }
+  // Four upright ones, between which sand has room from x and z of `low` to those of `high`.
+  void add_walls(std::array<float, 2> low, std::array<float, 2> high);
 
   // What this scene has, with a budget that is unlimited unless said otherwise.
   sandglass_frame_input input(float time_step, uint64_t budget_ns = ~0ull >> 1, const sandglass_plan* plan = nullptr);

@@ -153,13 +153,7 @@ TEST(Skin, IsClosedBehindGlass) {
   for (const uint32_t closed : {0u, 1u}) {
     Sand sand(rough(1000), closed);
     sand.scene.add_floor();
-    for (const float side : {-1.0f, 1.0f})
-      for (const int axis : {0, 2}) {
-        sandglass_collider wall = sandglass::floor_at(0);
-        wall.position[axis] = -0.1f * side;
-        wall.rotation[2 - axis] = axis == 0 ? -side : side, wall.rotation[3] = 1;
-        sand.scene.colliders.push_back(wall);
-      }
+    sand.scene.add_walls({-0.1f, -0.1f}, {0.1f, 0.1f});
     sand.scene.add(lattice(9, 10, 9, 2.05f * k_radius, k_radius));
     sand.until_rested();
     uint32_t faults = 0;
