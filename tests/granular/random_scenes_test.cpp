@@ -1,7 +1,5 @@
-// Random scenes, with what must hold in every frame of any of them: all numbers are finite, no sand is below the floor,
-// nothing is faster than the CFL limit allows, nothing is lost or made, the budget's law and the ledger of time hold,
-// and no byte outside the scene's block and the app's buffer is touched. Every fourth scene is replayed from its plans,
-// on the scalar kernels and without clock and pool, to the same bits.
+// Random scenes, with what must hold in every frame of any of them (invariants.h). Every fourth scene is replayed from its
+// plans, on the scalar kernels and without clock and pool, to the same bits.
 //
 // SANDGLASS_SCENES=10000 runs so many, SANDGLASS_SCENE=N the scene N alone, SANDGLASS_FRAMES=1000000 for so long.
 #include <gtest/gtest.h>
