@@ -18,14 +18,6 @@ using namespace sandglass::host;
 
 constexpr float k_radius = 0.01f, k_frame = 0.02f, k_spacing = 2.01f * k_radius;
 
-sandglass_scene_desc with_bodies(uint32_t sand, uint32_t bodies, uint32_t in_bodies) {
-  sandglass_scene_desc desc = description(sand + in_bodies);
-  desc.granular.body_capacity = bodies;
-  desc.granular.body_particle_capacity = in_bodies;
-  desc.granular.sink_capacity = 1;
-  return desc;
-}
-
 // x * y * z particles, the lowest layer at `height`.
 std::vector<float> block(uint32_t x, uint32_t y, uint32_t z, float at_x = 0.0f, float height = k_radius) {
   return shifted(lattice(x, y, z, k_spacing, height), at_x, 0.0f, 0.0f);

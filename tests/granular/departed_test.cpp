@@ -17,11 +17,7 @@ constexpr double k_gravity = 9.81;
 double calm_substeps(double radius) { return std::ceil(k_frame / (0.01742 * std::sqrt(radius / k_gravity)) - 1e-4); }
 
 sandglass_collider table(float width) {
-  sandglass_collider box = sandglass::sphere(0, -width / 12, 0, 1);
-  box.shape = SANDGLASS_SHAPE_BOX;
-  box.size[0] = box.size[2] = 0.5f * width;
-  box.size[1] = width / 12;
-  return box;
+  return sandglass::box(0, -width / 12, 0, 0.5f * width, width / 12, 0.5f * width);
 }
 
 struct Cost {
@@ -237,9 +233,7 @@ TEST(Move, LosesWhatHasLeftAndRefusesToLoseAnythingElse) {
 }
 
 TEST(Departed, ABodyThatFallsBesideATableDrivesNobodyAndFallsFreely) {
-  sandglass_scene_desc desc = description(64);
-  desc.granular.body_capacity = 1;
-  desc.granular.body_particle_capacity = 27;
+  sandglass_scene_desc desc = with_bodies(0, 1, 27);
   desc.granular.lowest = 0;
   GranularScene scene(desc);
   scene.colliders = {table(0.24f)};
@@ -258,11 +252,9 @@ double longest_stay(double radius) { return (1 + std::sqrt(2.0)) * std::sqrt(2 *
 
 // The most awake and the fewest awake of a particle or body thrown up, until it is back at half its height.
 uint32_t fewest_awake(float radius, float sleep_after, const std::vector<float>& points, bool body) {
-  sandglass_scene_desc desc = description(8);
+  sandglass_scene_desc desc = with_bodies(8, 1, 8);
   desc.granular.particle_radius = radius;
   desc.granular.sleep_after = sleep_after;
-  desc.granular.body_capacity = 1;
-  desc.granular.body_particle_capacity = 8;
   GranularScene scene(desc);
   scene.add_floor();
   const float speed = 4 * std::sqrt(radius);

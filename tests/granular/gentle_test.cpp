@@ -25,11 +25,7 @@ sandglass_collider ground_of(Ground kind, float radius, const sandglass::Field& 
   const float wide = 60.0f * radius;
   if (kind == Ground::half_space) return sandglass::floor_at(0);
   if (kind == Ground::field) return sandglass::field_at(field, 0, 0, 0);
-  sandglass_collider box = sandglass::sphere(0, -2.0f * radius, 0, wide);
-  box.shape = SANDGLASS_SHAPE_BOX;
-  box.size[0] = box.size[2] = wide;
-  box.size[1] = 2.0f * radius;
-  return box;
+  return sandglass::box(0, -2.0f * radius, 0, wide, 2.0f * radius, wide);
 }
 
 struct Heap {

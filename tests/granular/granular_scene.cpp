@@ -105,6 +105,14 @@ sandglass_scene_desc description(uint32_t particles, uint32_t grains, uint32_t b
   return desc;
 }
 
+sandglass_scene_desc with_bodies(uint32_t sand, uint32_t bodies, uint32_t in_bodies) {
+  sandglass_scene_desc desc = description(sand + in_bodies);
+  desc.granular.body_capacity = bodies;
+  desc.granular.body_particle_capacity = in_bodies;
+  desc.granular.sink_capacity = 1;
+  return desc;
+}
+
 std::vector<float> lattice(uint32_t x, uint32_t y, uint32_t z, float spacing, float radius) {
   std::vector<float> points;
   for (uint32_t j = 0; j < y; ++j) {

@@ -49,6 +49,8 @@ sandglass_frame_report until_asleep(GranularScene* scene, float time_step = 0.02
 
 // The defaults with room for this much, without a clock: every frame does all of its work.
 sandglass_scene_desc description(uint32_t particles, uint32_t grains = 0, uint32_t boundary = 0);
+// With room for so many bodies, of so many particles together, and for a sink.
+sandglass_scene_desc with_bodies(uint32_t sand, uint32_t bodies, uint32_t in_bodies);
 
 // A block of a cubic lattice standing on y = r: x * y * z particles at the given spacing, every other layer shifted by
 // a quarter of it so that columns do not balance on their tips.
