@@ -1,10 +1,10 @@
 // The page: an hourglass that a finger turns over, a table with a chair and sand that a finger pours and pushes, and what
 // a frame takes.
 import { load, constants } from "./sandglass.mjs";
-import { SandScene, addPoints, makeField, unpacked } from "./scene.mjs";
+import { SandScene, addPoints, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
 import { sandBlock } from "./sand_block.mjs";
-import { Stage, matrixOf } from "./stage.mjs";
+import { Stage, fieldOf, matrixOf } from "./stage.mjs";
 import { meshReader, standing, smoothed } from "./mesh_file.mjs";
 import { Turning, k_neck, funnelMesh, glassMesh, hourglassField, sandBelow, woodMesh } from "./hourglass.mjs";
 import { RoomParts, lightOfSky } from "./room_light.mjs";
@@ -430,15 +430,11 @@ class Page {
   }
 
   objectOf({ vertices, indices }, at, metal) {
-    const model = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...at, 1]);
-    return { vertices, indices, at, metal, model, field: 0, number: this.stage.addModel({ positions: vertices, indices, position: at, rotation: [0, 0, 0, 1] }, k_casts) };
+    const pose = { position: at, rotation: [0, 0, 0, 1] }, model = matrixOf(at, pose.rotation);
+    return { vertices, indices, at, metal, model, field: 0, number: this.stage.addModel({ positions: vertices, indices, ...pose }, k_casts) };
   }
 
-  fieldOf({ vertices, indices }) {
-    const { sand } = this, margin = 4 * k_object_spacing, side = (pick, start) => [0, 1, 2].map((axis) => vertices.reduce((best, x, i) => (i % 3 === axis ? pick(best, x) : best), start));
-    return makeField(sand, { vertices, indices, rule: constants.SANDGLASS_INSIDE_WINDING, solid: constants.SANDGLASS_SOLID_INSIDE, spacing: k_object_spacing,
-      band: margin, low: side(Math.min, Infinity).map((x) => x - margin), high: side(Math.max, -Infinity).map((x) => x + margin) });
-  }
+  fieldOf({ vertices, indices }) { return this.sand.put(fieldOf(this.sand, { positions: vertices, indices }, k_object_spacing)); }
 
   showObjects() {
     for (const object of this.objects) object.drawn ??= this.drawnObject(object);

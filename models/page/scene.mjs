@@ -5,8 +5,8 @@ export const unpacked = (text, Type) => {
   return new Type(bytes.buffer);
 };
 
-// The field of a mesh in typed arrays, made by the library. Throws the library's sentence.
-export function makeField(sand, plan) {
+// The field of a mesh in typed arrays, made by the library as the file says. Throws the library's sentence.
+function makeField(sand, plan) {
   const { vertices, indices } = plan;
   const mesh = sand.make("sandglass_mesh", {
     vertices: sand.put(vertices), vertex_count: vertices.length / 3,

@@ -64,7 +64,6 @@ Json collider(const ColliderTrack& track, const CollisionFields& fields, const s
                                             {"high", plan.box.max},
                                             {"spacing", plan.spacing},
                                             {"band", plan.band}}));
-    out.emplace_back("height", track.size.y);
   }
   return Json::object(out);
 }

@@ -88,10 +88,8 @@ struct World {
   void begin() {
     scene.scene.reset();
     const std::vector<float> block = lattice(2, 2, 2, 2.02f * k_radius, k_radius);
-    std::vector<float> body = lattice(2, 2, 1, 2.01f * k_radius, k_radius);
-    for (size_t i = 0; i < body.size(); i += 3) body[i + 1] += 0.1f;
     scene.add(block, {}, grains_about(block, 0.004f));
-    scene.add_body(body, 2.0f);
+    scene.add_body(shifted(lattice(2, 2, 1, 2.01f * k_radius, k_radius), 0.0f, 0.1f, 0.0f), 2.0f);
     sandglass_pile_shadow_desc shadow = sandglass::pile_shadow_desc();
     shadow.texels = 32;
     shadow.sky_texels = 32;

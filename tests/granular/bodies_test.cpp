@@ -13,18 +13,6 @@ namespace {
 
 constexpr float k_radius = 0.01f, k_frame = 0.02f;
 
-sandglass_scene_desc with_bodies(uint32_t sand, uint32_t in_bodies) {
-  sandglass_scene_desc desc = description(sand + in_bodies);
-  desc.granular.body_capacity = 4;
-  desc.granular.body_particle_capacity = in_bodies;
-  return desc;
-}
-
-std::vector<float> shifted(std::vector<float> points, float x, float y, float z) {
-  for (size_t i = 0; i < points.size(); i += 3) points[i] += x, points[i + 1] += y, points[i + 2] += z;
-  return points;
-}
-
 // Touching particles in rows, with the lowest corner at the origin. A cube of them has equal moments of inertia about
 // all axes, like a sphere.
 std::vector<float> brick(int x, int y, int z) {
@@ -48,7 +36,7 @@ double softness(const std::vector<float>& rest, const std::vector<float>& now, s
 constexpr double k_rigid = 2e-5;
 
 TEST(Bodies, ASpinningCubeFliesStraightAndTurnsEvenly) {
-  sandglass_scene_desc desc = with_bodies(0, 64);
+  sandglass_scene_desc desc = with_bodies(0, 4, 64);
   desc.gravity[1] = 0.0f;
   GranularScene scene(desc);
   scene.add_body(brick(4, 4, 4), 1.0f, {0.3f, 0.1f, -0.2f}, {0.0f, 3.0f, 4.0f});
@@ -73,7 +61,7 @@ TEST(Bodies, ASpinningCubeFliesStraightAndTurnsEvenly) {
 // energy stay. Steps of first order integrate Euler's equations. Their drift over 2 s is of the order of |w| dt, which
 // is 2 rad/s * 0.3 ms.
 TEST(Bodies, ATumblingBrickKeepsItsAngularMomentum) {
-  sandglass_scene_desc desc = with_bodies(0, 48);
+  sandglass_scene_desc desc = with_bodies(0, 4, 48);
   desc.gravity[1] = 0.0f;
   GranularScene scene(desc);
   scene.add_body(brick(6, 4, 2), 1.0f, {}, {1.2f, 1.4f, 0.8f});
@@ -104,7 +92,7 @@ TEST(Bodies, ATumblingBrickKeepsItsAngularMomentum) {
 }
 
 TEST(Bodies, ThrownIntoSandTheMomentumIsShared) {
-  sandglass_scene_desc desc = with_bodies(1000, 64);
+  sandglass_scene_desc desc = with_bodies(1000, 4, 64);
   desc.gravity[1] = 0.0f;
   desc.granular.height_weighting = 0.0f;
   GranularScene scene(desc);
@@ -138,7 +126,7 @@ TEST(Bodies, PointsPairsLinesAndPlanesAreBodiesToo) {
       {0.0f, 0.05f, 0.0f, 0.0f, 0.05f, 0.0f, 0.0f, 0.05f, 0.0f}};  // three that coincide
   for (const std::vector<float>& shape : shapes) {
     const size_t n = shape.size() / 3;
-    GranularScene scene(with_bodies(0, 4));
+    GranularScene scene(with_bodies(0, 4, 4));
     scene.add_floor();
     scene.add_body(shape, 2.0f, {0.5f, 0.0f, 0.0f}, {1.0f, 2.0f, 3.0f});
     for (int frame = 0; frame < 150; ++frame) scene.frame(k_frame);
@@ -164,33 +152,20 @@ struct OnSand {
 constexpr float k_from = 0.15f;
 constexpr double k_top = static_cast<double>(k_from) + 2 * 0.0201;
 
-// Walls about the lattice of the bed, a gap of half a millimetre away: with the default friction it would flow apart.
-void add_walls(GranularScene* scene, float low, float high) {
-  const float half = std::sqrt(0.5f);
-  const struct {
-    float x, z, around_x, around_z;
-  } walls[] = {{low, 0, 0, -half}, {high, 0, 0, half}, {0, low, half, 0}, {0, high, -half, 0}};
-  for (const auto& wall : walls) {
-    sandglass_collider plane = sandglass::collider(SANDGLASS_SHAPE_HALF_SPACE, wall.x, 0.0f, wall.z);
-    plane.rotation[0] = wall.around_x;
-    plane.rotation[2] = wall.around_z;
-    plane.rotation[3] = half;
-    scene->colliders.push_back(plane);
-  }
-}
-
 // Drops a cube of the given density on a bed of sand that is six layers deep, `aside` of its middle, and waits three
 // seconds.
 OnSand cube_on_sand(float density, float aside, uint32_t substeps) {
   constexpr uint32_t k_sand = 14 * 14 * 6, k_all = k_sand + 27;
   constexpr float k_spacing = 2.02f * k_radius, k_gap = 5e-4f;
   constexpr int k_frames = 150, k_half_second = 25;
-  sandglass_scene_desc desc = with_bodies(k_sand, 27);
+  sandglass_scene_desc desc = with_bodies(k_sand, 4, 27);
   if (substeps != 0) desc.granular.substep_max = k_frame / static_cast<float>(substeps) * 1.00001f;
   GranularScene scene(desc);
   scene.add(lattice(14, 6, 14, k_spacing, k_radius));
   scene.add_floor();
-  add_walls(&scene, -k_radius - k_gap, 13.25f * k_spacing + k_radius + k_gap);
+  // About the bed's lattice, a gap of half a millimetre away: with the default friction it would flow apart.
+  const float low = -k_radius - k_gap, high = 13.25f * k_spacing + k_radius + k_gap;
+  scene.add_walls({low, low}, {high, high});
   scene.add_body(
       shifted(lattice(3, 3, 3, 2.01f * k_radius, k_radius), 0.11f + aside, k_from - k_radius, 0.11f + 0.7f * aside),
       density);
@@ -242,7 +217,7 @@ TEST(Bodies, UpToEightTimesAsHeavyTheyComeToRestOnSand) {
 TEST(Bodies, WhatMeetsABodyPushesItNowhereAside) {
   for (const float density : {1.0f, 4.0f})
     for (const float aside : {-0.015f, 0.004f, 0.012f}) {
-      GranularScene scene(with_bodies(1, 27));
+      GranularScene scene(with_bodies(1, 4, 27));
       scene.add({aside, 0.0f, 0.005f});
       scene.add_body(shifted(brick(3, 3, 3), 0.0f, 0.03f, 0.0f), density, {0.0f, -1.0f, 0.0f});
       for (int frame = 0; frame < 10; ++frame) scene.frame(k_frame);
@@ -302,7 +277,7 @@ constexpr float k_cube = 3 * 2.01f * k_radius;  // from one cube to the next
 Tower tower(int cubes, float density) {
   constexpr int k_frames = 150, k_half_second = 25;
   constexpr size_t k_particles = 27;
-  GranularScene scene(with_bodies(0, static_cast<uint32_t>(cubes) * k_particles));
+  GranularScene scene(with_bodies(0, 4, static_cast<uint32_t>(cubes) * k_particles));
   scene.add_floor();
   for (int i = 0; i < cubes; ++i)
     scene.add_body(shifted(lattice(3, 3, 3, 2.01f * k_radius, k_radius), 0.0f, k_cube * static_cast<float>(i), 0.0f),
@@ -349,7 +324,7 @@ TEST(Bodies, UpToEightTimesAsHeavyTheyCarryEachOther) {
 }
 
 TEST(Bodies, SleepAndWakeAsAWhole) {
-  GranularScene scene(with_bodies(2, 64));
+  GranularScene scene(with_bodies(2, 4, 64));
   scene.add_floor();
   scene.add_body(shifted(brick(4, 4, 4), k_radius, k_radius, k_radius));
   sandglass_frame_report report = {};

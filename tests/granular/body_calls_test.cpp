@@ -18,19 +18,9 @@ using namespace sandglass::host;
 
 constexpr float k_radius = 0.01f, k_frame = 0.02f, k_spacing = 2.01f * k_radius;
 
-sandglass_scene_desc with_bodies(uint32_t sand, uint32_t bodies, uint32_t in_bodies) {
-  sandglass_scene_desc desc = description(sand + in_bodies);
-  desc.granular.body_capacity = bodies;
-  desc.granular.body_particle_capacity = in_bodies;
-  desc.granular.sink_capacity = 1;
-  return desc;
-}
-
 // x * y * z particles, the lowest layer at `height`.
 std::vector<float> block(uint32_t x, uint32_t y, uint32_t z, float at_x = 0.0f, float height = k_radius) {
-  std::vector<float> points = lattice(x, y, z, k_spacing, height);
-  for (size_t i = 0; i < points.size(); i += 3) points[i] += at_x;
-  return points;
+  return shifted(lattice(x, y, z, k_spacing, height), at_x, 0.0f, 0.0f);
 }
 
 // Bodies of 1 to 40 particles come and go 10,000 times. There is room for exactly 100 particles: one that fits is never
@@ -131,9 +121,7 @@ TEST(BodyCalls, ABodyPutIntoSandPartsItGently) {
     scene.add(block(10, 5, 10));
     if (!added) scene.add_body(block(3, 3, 3, 2.0f));
     until_asleep(&scene);
-    std::vector<float> within = block(3, 3, 3, 0.08f, 0.03f);
-    for (size_t i = 2; i < within.size(); i += 3) within[i] += 0.08f;
-    if (added) scene.add_body(within);
+    if (added) scene.add_body(shifted(block(3, 3, 3, 0.08f, 0.03f), 0.0f, 0.0f, 0.08f));
     else accept(scene.scene.set_body(0, {{0.1f, 0.05f, 0.1f}, {0, 0, 0, 1}, {}, {}}));
     double fastest = 0.0;
     for (int frame = 0; frame < 50; ++frame)
@@ -256,15 +244,10 @@ TEST(BodyCalls, ASinkTakesWhatIsWhollyInsideAndAwake) {
   scene.add_floor();
   for (const float x : {0.0f, 0.5f, 1.0f}) scene.add_body(block(3, 3, 3, x));
   until_asleep(&scene);
-  const sandglass_collider sink = sandglass::box(0.5f, 0.0f, 0.0f, 0.53f, 0.2f, 0.2f);  // up to 1.03: half of the last
+  scene.sinks = {sandglass::box(0.5f, 0.0f, 0.0f, 0.53f, 0.2f, 0.2f)};  // up to 1.03: half of the last
   const auto drained = [&] {
     sandglass_frame_report report = {};
-    for (int frame = 0; frame < 5; ++frame) {
-      sandglass_frame_input input = scene.input(k_frame);
-      input.sinks = &sink;
-      input.sink_count = 1;
-      report = scene.run(input);
-    }
+    for (int frame = 0; frame < 5; ++frame) report = scene.frame(k_frame);
     return report;
   };
   EXPECT_EQ(drained().sand.removed_bodies, 0u) << "all sleep";

@@ -17,11 +17,7 @@ constexpr double k_gravity = 9.81;
 double calm_substeps(double radius) { return std::ceil(k_frame / (0.01742 * std::sqrt(radius / k_gravity)) - 1e-4); }
 
 sandglass_collider table(float width) {
-  sandglass_collider box = sandglass::sphere(0, -width / 12, 0, 1);
-  box.shape = SANDGLASS_SHAPE_BOX;
-  box.size[0] = box.size[2] = 0.5f * width;
-  box.size[1] = width / 12;
-  return box;
+  return sandglass::box(0, -width / 12, 0, 0.5f * width, width / 12, 0.5f * width);
 }
 
 struct Cost {
@@ -51,17 +47,15 @@ struct Spill {
     scene.colliders = {table(24 * radius)};
   }
   sandglass_frame_report frame() {
-    sandglass_frame_input input = scene.input(k_frame);
-    input.emitters = &nozzle;
-    input.emitter_count = pours ? 1 : 0;
-    return scene.run(input);
+    scene.emitters.assign(pours ? 1 : 0, nozzle);
+    return scene.frame(k_frame);
   }
   Cost run(int frames) {
     return cost_of(frames, [&] { return report = frame(); });
   }
   std::vector<float> heights() const {
-    std::vector<float> at(3 * report.sand.particle_numbers), y;
-    sandglass_granular_particles(scene.scene.get(), at.data(), nullptr);
+    const std::vector<float> at = scene.positions();
+    std::vector<float> y;
     for (size_t i = 1; i < at.size(); i += 3)
       if (at[i] != SANDGLASS_REMOVED_Y) y.push_back(at[i]);
     return y;
@@ -239,15 +233,11 @@ TEST(Move, LosesWhatHasLeftAndRefusesToLoseAnythingElse) {
 }
 
 TEST(Departed, ABodyThatFallsBesideATableDrivesNobodyAndFallsFreely) {
-  sandglass_scene_desc desc = description(64);
-  desc.granular.body_capacity = 1;
-  desc.granular.body_particle_capacity = 27;
+  sandglass_scene_desc desc = with_bodies(0, 1, 27);
   desc.granular.lowest = 0;
   GranularScene scene(desc);
   scene.colliders = {table(0.24f)};
-  std::vector<float> points = lattice(3, 3, 3, 2 * k_radius, k_radius);
-  for (size_t i = 0; i < points.size(); i += 3) points[i] += 0.3f;
-  const uint32_t body = scene.add_body(points);
+  const uint32_t body = scene.add_body(shifted(lattice(3, 3, 3, 2 * k_radius, k_radius), 0.3f, 0.0f, 0.0f));
   const float from = scene.scene.body_pose(body).position[1];
   const Cost cost = cost_of(120, [&] { return scene.frame(k_frame); });
   EXPECT_LE(cost.substeps, calm_substeps(0.01));
@@ -262,11 +252,9 @@ double longest_stay(double radius) { return (1 + std::sqrt(2.0)) * std::sqrt(2 *
 
 // The most awake and the fewest awake of a particle or body thrown up, until it is back at half its height.
 uint32_t fewest_awake(float radius, float sleep_after, const std::vector<float>& points, bool body) {
-  sandglass_scene_desc desc = description(8);
+  sandglass_scene_desc desc = with_bodies(8, 1, 8);
   desc.granular.particle_radius = radius;
   desc.granular.sleep_after = sleep_after;
-  desc.granular.body_capacity = 1;
-  desc.granular.body_particle_capacity = 8;
   GranularScene scene(desc);
   scene.add_floor();
   const float speed = 4 * std::sqrt(radius);

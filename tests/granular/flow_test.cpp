@@ -26,14 +26,9 @@ struct Flow {
   }
 
   sandglass_frame_report frame() {
-    sandglass_frame_input input = scene.input(k_frame);
-    input.emitters = &emitter;
-    input.emitter_count = pours ? 1 : 0;
-    input.sinks = &sink;
-    input.sink_count = drains ? 1 : 0;
-    const sandglass_frame_report report = scene.run(input);
-    scene.particle_count = report.sand.particle_numbers;
-    return report;
+    scene.emitters.assign(pours ? 1 : 0, emitter);
+    scene.sinks.assign(drains ? 1 : 0, sink);
+    return scene.frame(k_frame);
   }
 
   const char* said = nullptr;  // the last sentence of the log
@@ -76,22 +71,17 @@ TEST(Sink, TimeGoesOnWhenNothingIsLeft) {
   desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
   desc.clock = {[](void* user) { return *static_cast<uint64_t*>(user); }, &now};
   desc.trace = {nullptr, [](void* user, const char*) { *static_cast<uint64_t*>(user) += 20'000; }, &now};
-  const sandglass_emitter nozzle = sandglass::emitter(0.0f, 0.5f, 0.0f, 0.01f, 0.3f, 0);
-  const sandglass_collider everywhere = sandglass::floor_at(1.0f);
   uint32_t emptied = 0;
   for (int frames = 1; frames <= 40; ++frames) {
     GranularScene scene(desc);
-    sandglass_frame_input input = scene.input(k_frame, 500'000);
-    input.emitters = &nozzle;
-    input.sinks = &everywhere;
-    input.emitter_count = input.sink_count = 1;
+    scene.emitters = {sandglass::emitter(0.0f, 0.5f, 0.0f, 0.01f, 0.3f, 0)};
+    scene.sinks = {sandglass::floor_at(1.0f)};  // everywhere
     sandglass_frame_report report = {};
-    for (int frame = 0; frame < frames; ++frame) report = scene.run(input);
+    for (int frame = 0; frame < frames; ++frame) report = scene.frame(k_frame, 500'000);
     emptied += report.sand.particles == 0 && report.sand.emitted_particles != 0 ? 1 : 0;
-    input.emitter_count = 0;
-    input.budget_ns = ~0ull >> 1;
+    scene.emitters.clear();
     const double before = report.time.simulated;
-    for (int frame = 0; frame < 10; ++frame) report = scene.run(input);
+    for (int frame = 0; frame < 10; ++frame) report = scene.frame(k_frame);
     EXPECT_GT(report.time.simulated, before + 9 * static_cast<double>(k_frame)) << frames;
   }
   EXPECT_GT(emptied, 0u);
@@ -120,12 +110,9 @@ TEST(Emitter, LayersThatFindNoRoomCostNothing) {
   desc.granular.substep_min = 1e-6f;  // which bounds the speed
   desc.granular.emitter_capacity = 64;
   GranularScene scene(desc);
-  const std::vector<sandglass_emitter> nozzles(64, sandglass::emitter(0.0f, 0.5f, 0.0f, 0.01f, 100.0f, 0));
-  sandglass_frame_input input = scene.input(0.1f);
-  input.emitters = nozzles.data();
-  input.emitter_count = 64;
+  scene.emitters.assign(64, sandglass::emitter(0.0f, 0.5f, 0.0f, 0.01f, 100.0f, 0));
   const auto begin = std::chrono::steady_clock::now();
-  EXPECT_GT(scene.run(input).sand.denied_particles, 1'000'000'000u);
+  EXPECT_GT(scene.frame(0.1f).sand.denied_particles, 1'000'000'000u);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
 }
 
@@ -184,7 +171,6 @@ TEST(Remove, TakesWhatIsInsideAndWakesTheRest) {
   EXPECT_EQ(gone, removed);
   // New particles take over their numbers.
   scene.add(std::vector<float>(3ull * removed, 0.5f));
-  scene.particle_count = 1200;
   EXPECT_EQ(scene.frame(k_frame).sand.particle_numbers, 1200u);
   ball.size[0] = NAN;
   EXPECT_EQ(scene.scene.remove(ball).code, SANDGLASS_ERROR_INVALID_ARGUMENT);
@@ -213,13 +199,9 @@ TEST(Sink, OfASceneWithoutParticlesIsIgnored) {
   sandglass_scene_desc desc = description(0);
   desc.granular.sink_capacity = desc.granular.emitter_capacity = 2;
   GranularScene scene(desc);
-  sandglass_frame_input input = scene.input(0.01f);
-  const sandglass_collider sink = sandglass::sphere(0, 0, 0, 1);
-  const sandglass_emitter nozzle = sandglass::emitter(0, 1, 0, 0.1f, 1, 0);
-  input.sinks = &sink;
-  input.emitters = &nozzle;
-  input.sink_count = input.emitter_count = 1;
-  for (int frame = 0; frame < 3; ++frame) EXPECT_EQ(left_out(scene.run(input).sand), 11u) << "the nozzle, too";
+  scene.sinks = {sandglass::sphere(0, 0, 0, 1)};
+  scene.emitters = {sandglass::emitter(0, 1, 0, 0.1f, 1, 0)};
+  for (int frame = 0; frame < 3; ++frame) EXPECT_EQ(left_out(scene.frame(0.01f).sand), 11u) << "the nozzle, too";
 }
 
 }  // namespace

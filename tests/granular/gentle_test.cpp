@@ -25,11 +25,7 @@ sandglass_collider ground_of(Ground kind, float radius, const sandglass::Field& 
   const float wide = 60.0f * radius;
   if (kind == Ground::half_space) return sandglass::floor_at(0);
   if (kind == Ground::field) return sandglass::field_at(field, 0, 0, 0);
-  sandglass_collider box = sandglass::sphere(0, -2.0f * radius, 0, wide);
-  box.shape = SANDGLASS_SHAPE_BOX;
-  box.size[0] = box.size[2] = wide;
-  box.size[1] = 2.0f * radius;
-  return box;
+  return sandglass::box(0, -2.0f * radius, 0, wide, 2.0f * radius, wide);
 }
 
 struct Heap {
@@ -48,9 +44,7 @@ struct Heap {
             return std::max({std::fabs(p[0]) - wide, std::fabs(p[1] + 4 * r) - 4 * r, std::fabs(p[2]) - wide});
           }));
     }
-    std::vector<float> points = lattice(7, 5, 7, 2.05f * r, r);
-    for (size_t i = 0; i < points.size(); i += 3) points[i] -= 7.0f * r, points[i + 2] -= 7.0f * r;
-    scene.add(points);
+    scene.add(shifted(lattice(7, 5, 7, 2.05f * r, r), -7.0f * r, 0.0f, -7.0f * r));
     scene.colliders.push_back(ground_of(kind, r, field));
     for (int f = 0; f < 1200 && (f == 0 || report.sand.awake != 0); ++f) frame();
     at_rest = scene.positions();

@@ -42,14 +42,30 @@ uint32_t GranularScene::add_body(const std::vector<float>& points, float density
   return index;
 }
 
+void GranularScene::add_walls(std::array<float, 2> low, std::array<float, 2> high) {
+  const float half = std::sqrt(0.5f);
+  const struct {
+    float x, z, around_x, around_z;
+  } walls[] = {{low[0], 0, 0, -half}, {high[0], 0, 0, half}, {0, low[1], half, 0}, {0, high[1], -half, 0}};
+  for (const auto& wall : walls) {
+    colliders.push_back(sandglass::collider(SANDGLASS_SHAPE_HALF_SPACE, wall.x, 0.0f, wall.z));
+    float* const turned = colliders.back().rotation;
+    turned[0] = wall.around_x, turned[2] = wall.around_z, turned[3] = half;
+  }
+}
+
 sandglass_frame_input GranularScene::input(float time_step, uint64_t budget_ns, const sandglass_plan* plan) {
   sandglass_frame_input input = sandglass::frame_input();
   input.time_step = time_step;
   input.budget_ns = budget_ns;
   input.colliders = colliders.data();
   input.collider_count = static_cast<uint32_t>(colliders.size());
-  input.grains = grains.empty() ? nullptr : grains.data();
-  input.grain_capacity = static_cast<uint32_t>(grains.size());
+  input.emitters = emitters.data();
+  input.emitter_count = static_cast<uint32_t>(emitters.size());
+  input.sinks = sinks.data();
+  input.sink_count = static_cast<uint32_t>(sinks.size());
+  input.grains = grains.empty() || !draws ? nullptr : grains.data();
+  input.grain_capacity = draws ? static_cast<uint32_t>(grains.size()) : 0;
   input.plan = plan;
   return input;
 }
@@ -57,6 +73,7 @@ sandglass_frame_input GranularScene::input(float time_step, uint64_t budget_ns, 
 sandglass_frame_report GranularScene::run(const sandglass_frame_input& input) {
   sandglass_frame_report report;
   accept(scene.frame(input, &report));
+  particle_count = report.sand.particle_numbers;
   return report;
 }
 
@@ -85,6 +102,14 @@ sandglass_scene_desc description(uint32_t particles, uint32_t grains, uint32_t b
   desc.granular.particle_capacity = particles;
   desc.granular.grain_capacity = grains;
   desc.granular.boundary_capacity = boundary;
+  return desc;
+}
+
+sandglass_scene_desc with_bodies(uint32_t sand, uint32_t bodies, uint32_t in_bodies) {
+  sandglass_scene_desc desc = description(sand + in_bodies);
+  desc.granular.body_capacity = bodies;
+  desc.granular.body_particle_capacity = in_bodies;
+  desc.granular.sink_capacity = 1;
   return desc;
 }
 
@@ -121,6 +146,11 @@ std::vector<float> grains_about(const std::vector<float>& particles, float offse
     for (int corner = 0; corner < 8; ++corner)
       for (size_t k = 0; k < 3; ++k) grains.push_back(particles[i + k] + ((corner >> k & 1) != 0 ? offset : -offset));
   return grains;
+}
+
+std::vector<float> shifted(std::vector<float> points, float x, float y, float z) {
+  for (size_t i = 0; i < points.size(); i += 3) points[i] += x, points[i + 1] += y, points[i + 2] += z;
+  return points;
 }
 
 std::vector<float> copies(const std::vector<float>& particles, int count, float offset) {

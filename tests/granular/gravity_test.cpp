@@ -18,26 +18,7 @@ std::array<float, 3> tipped(double degrees) {
           static_cast<float>(-9.81 * std::cos(degrees * k_degree)), 0.0f};
 }
 
-sandglass_collider wall(float x, float z, float turn_x, float turn_z) {
-  sandglass_collider made = sandglass::floor_at(0.0f);
-  made.position[0] = x;
-  made.position[2] = z;
-  made.rotation[0] = turn_x * std::sqrt(0.5f);
-  made.rotation[2] = turn_z * std::sqrt(0.5f);
-  made.rotation[3] = std::sqrt(0.5f);
-  return made;
-}
-
-constexpr float k_width = 0.3f, k_depth = 0.1f;
-
-// An open box, k_width along x and k_depth along z, its middle over the origin.
-void add_box(GranularScene* scene) {
-  scene->add_floor();
-  scene->colliders.push_back(wall(-0.5f * k_width, 0.0f, 0.0f, -1.0f));
-  scene->colliders.push_back(wall(0.5f * k_width, 0.0f, 0.0f, 1.0f));
-  scene->colliders.push_back(wall(0.0f, -0.5f * k_depth, 1.0f, 0.0f));
-  scene->colliders.push_back(wall(0.0f, 0.5f * k_depth, -1.0f, 0.0f));
-}
+constexpr float k_width = 0.3f, k_depth = 0.1f;  // of an open box along x and z, its middle over the origin
 
 // Sand for it: as high as the box is wide by half, and so far out of order that it does not lie like stacked balls.
 std::vector<float> loose_fill() {
@@ -53,7 +34,8 @@ std::vector<float> loose_fill() {
 GranularScene filled_box() {
   const std::vector<float> particles = loose_fill();
   GranularScene box(description(static_cast<uint32_t>(particles.size() / 3)));
-  add_box(&box);
+  box.add_floor();
+  box.add_walls({-0.5f * k_width, -0.5f * k_depth}, {0.5f * k_width, 0.5f * k_depth});
   box.add(particles);
   return box;
 }

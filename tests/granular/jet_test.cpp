@@ -103,12 +103,9 @@ struct Poured {
       float step = pour.rate > 0.0f ? 1.0f / pour.rate : irregular(random);
       step = std::min(step, static_cast<float>(end - time));
       if (pours && rule == Rule::before) add_layers(step);
-      sandglass_frame_input input = scene.input(step);
       emitter.position[2] = pour.moved * static_cast<float>(time);
-      input.emitters = &emitter;
-      input.emitter_count = pours && rule == Rule::emitter ? 1 : 0;
-      report = scene.run(input);
-      scene.particle_count = report.sand.particle_numbers;
+      scene.emitters.assign(pours && rule == Rule::emitter ? 1 : 0, emitter);
+      report = scene.frame(step);
       time += static_cast<double>(step);
       fastest = std::max(fastest, report.sand.speed_max);
     }
@@ -299,18 +296,14 @@ TEST(Jet, StretchesWithoutGaps) {
     desc.granular.grain_radius = k_grain_radius;
     desc.granular.emitter_capacity = 1;
     GranularScene scene(desc);
-    const sandglass_emitter emitter = sandglass::emitter(0.0f, 0.0f, 0.0f, k_nozzle, k_speed, k_grains_per_particle);
+    scene.emitters = {sandglass::emitter(0.0f, 0.0f, 0.0f, k_nozzle, k_speed, k_grains_per_particle)};
     scene.grains.resize(1000 * k_grains_per_particle);
     // Of 19,000 grains a second there are 5 a millimetre where they fall at 3 m/s and between two layers are a fifth
     // fewer. Of 3,000 grains that lie there at random, a gap of more than 3 mm is between two of one picture in 1,000.
     constexpr double k_widest = 1.5;
     const int frames = static_cast<int>(0.5f * rate), first = static_cast<int>(0.35f * rate);
     for (int frame = 1; frame <= frames; ++frame) {
-      sandglass_frame_input input = scene.input(1.0f / rate);
-      input.emitters = &emitter;
-      input.emitter_count = 1;
-      const sandglass_frame_report report = scene.run(input);
-      scene.particle_count = report.sand.particle_numbers;
+      const sandglass_frame_report report = scene.frame(1.0f / rate);
       if (frame < first) continue;  // the first of it have fallen to the end of what is measured
       EXPECT_LE(largest_gap({scene.grains.begin(), scene.grains.begin() + report.sand.grain_numbers}), k_widest)
           << rate << " Hz, frame " << frame;

@@ -97,9 +97,7 @@ void expect_passes_whole(const Granular& g) {
 
 TEST(Pairs, EachOnceAndNoParticleTwiceInARun) {
   GranularScene scene(description(700, 0, 400));
-  std::vector<float> ground = lattice(20, 1, 20, 0.02f, 0.0f);
-  for (size_t i = 0; i < ground.size(); i += 3) ground[i] -= 0.1f, ground[i + 1] = -k_radius, ground[i + 2] -= 0.1f;
-  ASSERT_TRUE(scene.scene.set_boundary(ground));
+  ASSERT_TRUE(scene.scene.set_boundary(shifted(lattice(20, 1, 20, 0.02f, -k_radius), -0.1f, 0.0f, -0.1f)));
   scene.add(lattice(8, 8, 8, 0.0202f, k_radius));
   const Granular& g = scene.scene.get()->granular;
   for (int frame = 0; frame < 6; ++frame) {

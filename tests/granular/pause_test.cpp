@@ -30,26 +30,19 @@ struct Falling {
     scene.grains.resize(4000);
     scene.add_body(lattice(2, 2, 2, 0.0201f, 0.5f));
     scene.colliders.push_back(sandglass::sphere(-0.2f, 0.1f, 0.1f, 0.05f));
+    scene.emitters = {sandglass::emitter(0.5f, 0.5f, 0.0f, 0.03f, 1.0f, 2)};
+    scene.sinks = {sandglass::box(0.5f, 0.0f, 0.0f, 0.3f, 0.3f, 0.3f)};
   }
 
   // The ball moves, and pushes.
   sandglass_frame_report frame(float step, uint64_t budget_ns, const sandglass_plan* plan = nullptr) {
     if (step > 0.0f && std::isfinite(step)) scene.colliders[1].position[0] += step * 0.5f;
     scene.colliders[1].linear_velocity[0] = 0.5f;
-    sandglass_frame_input input = scene.input(step, budget_ns, plan);
-    input.emitters = &nozzle;
-    input.emitter_count = 1;
-    input.sinks = &sink;
-    input.sink_count = 1;
-    const sandglass_frame_report report = scene.run(input);
-    scene.particle_count = report.sand.particle_numbers;
-    return report;
+    return scene.frame(step, budget_ns, plan);
   }
 
   sandglass::VirtualClock clock{.step_ns = 10'000};
   GranularScene scene;
-  sandglass_emitter nozzle = sandglass::emitter(0.5f, 0.5f, 0.0f, 0.03f, 1.0f, 2);
-  sandglass_collider sink = sandglass::box(0.5f, 0.0f, 0.0f, 0.3f, 0.3f, 0.3f);
 };
 
 // After every frame come pauses with room for all work. Not a bit changes in them, of the state or of what is drawn;

@@ -32,10 +32,7 @@ int nearest_sphere(const std::vector<float>& p, const std::array<float, 3>& o, c
 // 2,084 particles, 148 of them bodies, and 1,500 rays from outside. What is hit, and where, is what the equation says.
 // The count of each answer shows that all three were tried.
 TEST(Ray, FindsTheFirstSphereOnItsWay) {
-  sandglass_scene_desc desc = description(2084);
-  desc.granular.body_capacity = 2;
-  desc.granular.body_particle_capacity = 148;
-  GranularScene scene(desc);
+  GranularScene scene(with_bodies(1936, 2, 148));
   std::vector<float> sand = lattice(22, 4, 22, 0.03f, 0.4f), body = lattice(12, 1, 12, 0.0201f, 0.6f);
   scene.add_body(lattice(2, 1, 2, 0.0201f, 0.8f));
   scene.add_body(body);

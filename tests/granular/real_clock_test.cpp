@@ -66,7 +66,6 @@ FramesAndControl run(uint64_t budget_ns, int frames, uint32_t hogs, bool control
   EXPECT_LE(longest_unused, k_recovery_frames);
   std::printf("%d of %d frames left more than a tenth of their budget unused and fell behind, at most %d in a row\n",
               unused, frames, longest_unused);
-  testing::Test::RecordProperty("time_debt_ms", static_cast<int>(1e3 * debt));
   return result;
 }
 

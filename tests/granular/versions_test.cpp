@@ -63,12 +63,8 @@ Counts run(uint64_t seed, uint32_t buffers, bool pooled, bool forgets) {
   scene.add_floor();
   const std::vector<float> sand = lattice(8, 6, 8, 0.0204f, 0.01f);
   scene.add(sand, {}, grains_about(sand, 0.005f));
-  std::vector<float> cube = lattice(3, 3, 3, 0.02f, 0.01f);
-  for (size_t i = 0; i < cube.size(); i += 3) cube[i] += 0.3f;
-  scene.add_body(cube);
-  sandglass_emitter emitter = {};
-  emitter.position[1] = 0.3f, emitter.rotation[3] = 1, emitter.radius = 0.02f, emitter.speed = 0.5f,
-  emitter.grains_per_particle = 8;
+  scene.add_body(shifted(lattice(3, 3, 3, 0.02f, 0.01f), 0.3f, 0.0f, 0.0f));
+  const sandglass_emitter emitter = sandglass::emitter(0, 0.3f, 0, 0.02f, 0.5f, 8);
   const sandglass_collider drain = sandglass::sphere(0.1f, 0.0f, 0.1f, 0.03f);
   std::vector<std::vector<sandglass_grain>> rings(buffers, std::vector<sandglass_grain>(6000));
   std::vector<uint32_t> written(buffers, 0);  // frame after which each was written

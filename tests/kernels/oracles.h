@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <random>
+#include <type_traits>
 #include <vector>
 
 #include "kernels/kernels.h"
@@ -28,20 +29,12 @@ inline std::vector<const Kernels*> tables() {
 
 // A moving particle or a grain.
 template <class Item>
-Item item_at(Vector position, Vector velocity, uint32_t number);
-template <>
-inline Particle item_at(Vector position, Vector velocity, uint32_t number) {
+Item item_at(Vector position, Vector velocity, uint32_t number) {
   float x[3], v[3];
   set(x, position);
   set(v, velocity);
-  return moving_particle(x, v, number);
-}
-template <>
-inline Grain item_at(Vector position, Vector velocity, uint32_t number) {
-  float x[3], v[3];
-  set(x, position);
-  set(v, velocity);
-  return moving_grain(x, v, number);
+  if constexpr (std::is_same_v<Item, Particle>) return moving_particle(x, v, number);
+  else return moving_grain(x, v, number);
 }
 
 // The same bits, number by number.

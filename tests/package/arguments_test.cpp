@@ -52,6 +52,8 @@ const std::map<std::string, std::vector<std::string>> k_functions = {
 
 // A function with its name.
 #define NAMED(function) #function, function
+#define MADE(type, block, desc_of) \
+  made<type>(block, desc_of, NAMED(type##_bytes), NAMED(type##_create), NAMED(type##_desc_default))
 
 // Where a pointer stands; null for anything else.
 template <class T>
@@ -208,6 +210,22 @@ class Arguments : public ::testing::Test {
       EXPECT_EQ(returned, accepted ? SANDGLASS_OK : SANDGLASS_ERROR_INVALID_ARGUMENT);
       EXPECT_TRUE(accepted || (has_word(reason, argument) && has_word(reason, "NULL")));
     }
+  }
+
+  // What good arguments make in the block, by rows of the three functions that lead there.
+  template <class Handle, class Desc>
+  Handle* made(GuardedBlock* block, Desc* desc_of, const char* bytes_name,
+               sandglass_status (*bytes_of)(const Desc*, uint64_t*, const char**), const char* create_name,
+               sandglass_status (*create)(const Desc*, void*, uint64_t, Handle**, const char**),
+               const char* default_name, void (*fill)(Desc*)) {
+    row(bytes_name, bytes_of, "", desc_of, &need);
+    EXPECT_EQ(bytes_of(desc_of, &need, nullptr), SANDGLASS_OK);
+    *block = GuardedBlock(need);
+    Handle* handle = nullptr;
+    row(create_name, create, "", desc_of, block->data(), need, &handle);
+    row(default_name, fill, "", desc_of);
+    EXPECT_NE(handle, nullptr);
+    return handle;
   }
 
   void SetUp() override {
@@ -381,13 +399,8 @@ void Arguments::lights() {
   desc_of.asset_bytes = file_bytes;
   auto info = sized<sandglass_estimator_info>();
   row(NAMED(sandglass_estimator_inspect), "", file.data(), file_bytes, &info);
-  row(NAMED(sandglass_estimator_bytes), "", &desc_of, &need);
-  ASSERT_EQ(sandglass_estimator_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
-  GuardedBlock block(need);
-  sandglass_estimator* estimator = nullptr;
-  row(NAMED(sandglass_estimator_create), "", &desc_of, block.data(), need, &estimator);
-  row(NAMED(sandglass_estimator_desc_default), "", &desc_of);
-  ASSERT_NE(estimator, nullptr);
+  GuardedBlock block{0};
+  sandglass_estimator* const estimator = MADE(sandglass_estimator, &block, &desc_of);
   row(NAMED(sandglass_estimator_reset), "", estimator);
   row(NAMED(sandglass_estimator_turn), "", estimator, point);
   sandglass_camera_image image = grey_image();
@@ -416,13 +429,8 @@ void Arguments::lights() {
 void Arguments::rooms() {
   sandglass_room_desc desc_of = sandglass::room_desc();
   desc_of.probe = desc_of.reflections = 1;
-  row(NAMED(sandglass_room_bytes), "", &desc_of, &need);
-  ASSERT_EQ(sandglass_room_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
-  GuardedBlock block(need);
-  sandglass_room* room = nullptr;
-  row(NAMED(sandglass_room_create), "", &desc_of, block.data(), need, &room);
-  row(NAMED(sandglass_room_desc_default), "", &desc_of);
-  ASSERT_NE(room, nullptr);
+  GuardedBlock block{0};
+  sandglass_room* const room = MADE(sandglass_room, &block, &desc_of);
   sandglass_camera_image image = grey_image();
   row(NAMED(sandglass_room_set_image), "taken", room, &image, &taken);
   const float level[4] = {0, 0, 0, 1};
@@ -495,13 +503,8 @@ void Arguments::shadows() {
   desc_of.asset_bytes = file_bytes;
   auto info = sized<sandglass_shadow_info>();
   row(NAMED(sandglass_shadow_inspect), "", file.data(), file_bytes, &info);
-  row(NAMED(sandglass_shadow_bytes), "", &desc_of, &need);
-  ASSERT_EQ(sandglass_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
-  GuardedBlock block(need);
-  sandglass_shadow* shadow = nullptr;
-  row(NAMED(sandglass_shadow_create), "", &desc_of, block.data(), need, &shadow);
-  row(NAMED(sandglass_shadow_desc_default), "", &desc_of);
-  ASSERT_NE(shadow, nullptr);
+  GuardedBlock block{0};
+  sandglass_shadow* shadow = MADE(sandglass_shadow, &block, &desc_of);
   row(NAMED(sandglass_shadow_set_light), "", shadow, 0u, point, 1.0f);
   row(NAMED(sandglass_shadow_run), "", &shadow, 1u, 1u);
   sandglass_shadow* const with_null[] = {shadow, nullptr};
@@ -529,13 +532,8 @@ void Arguments::shadows() {
 
 void Arguments::casts() {
   sandglass_cast_desc desc_of = sandglass::cast_desc();
-  row(NAMED(sandglass_cast_bytes), "", &desc_of, &need);
-  ASSERT_EQ(sandglass_cast_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
-  GuardedBlock block(need);
-  sandglass_cast* cast = nullptr;
-  row(NAMED(sandglass_cast_create), "", &desc_of, block.data(), need, &cast);
-  row(NAMED(sandglass_cast_desc_default), "", &desc_of);
-  ASSERT_NE(cast, nullptr);
+  GuardedBlock block{0};
+  sandglass_cast* cast = MADE(sandglass_cast, &block, &desc_of);
   sandglass_cast_plane plane = sandglass::cast_plane();
   row(NAMED(sandglass_cast_plane_default), "", &plane);
   row(NAMED(sandglass_cast_set_plane), "", cast, &plane);
@@ -561,13 +559,8 @@ void Arguments::casts() {
 void Arguments::pile_shadows() {
   sandglass_pile_shadow_desc desc_of = sandglass::pile_shadow_desc();
   desc_of.sky_texels = 64;
-  row(NAMED(sandglass_pile_shadow_bytes), "", &desc_of, &need);
-  ASSERT_EQ(sandglass_pile_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
-  GuardedBlock block(need);
-  sandglass_pile_shadow* shadow = nullptr;
-  row(NAMED(sandglass_pile_shadow_create), "", &desc_of, block.data(), need, &shadow);
-  row(NAMED(sandglass_pile_shadow_desc_default), "", &desc_of);
-  ASSERT_NE(shadow, nullptr);
+  GuardedBlock block{0};
+  sandglass_pile_shadow* const shadow = MADE(sandglass_pile_shadow, &block, &desc_of);
   row(NAMED(sandglass_pile_shadow_set_light), "", shadow, point);
   const float cells[SANDGLASS_LIGHT_CELLS] = {};
   row(NAMED(sandglass_pile_shadow_set_cells), "", shadow, cells);

@@ -10,6 +10,29 @@ import tempfile
 import time
 
 PATIENCE = 60  # seconds for one answer, on a busy machine
+SKIPPED = 77   # a test's exit status where there is no browser
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+SOFTWARE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")  # WebGL without a GPU
+# JavaScript: a program of two shaders of WebGL, in use.
+USED_PROGRAM = """
+  const used = (gl, vertex, fragment) => {
+    const program = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+    gl.useProgram(program);
+    return program;
+  };"""
+
+
+def check(condition, sentence):
+    if not condition:
+        raise AssertionError(sentence)
 
 
 class Browser:

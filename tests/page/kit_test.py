@@ -7,13 +7,11 @@ Exit code 77: there is no Chromium here."""
 import base64
 import json
 import pathlib
-import shutil
 import subprocess
 import sys
 
-from browser import Browser
+from browser import CHROMIUM, SKIPPED, SOFTWARE, USED_PROGRAM, Browser
 
-SKIPPED = 77
 STEPS = 4  # of 255
 # Of each picture: its parts; the share of pixels of sand that may differ by more; the share by which the sum of all may. On the
 # surface 0.45 % do, nearly all where a number's last bits tell whether a facet mirrors the light: without, 0.02 %. SwiftShader
@@ -30,8 +28,7 @@ HEAD = "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision
     "float hidden(vec3 world) { return 0.0; }\n"
 STAGES = {"surface.vert": ["uniforms"], "surface.frag": ["uniforms", "light", "sand", "surface"],
           "loose.vert": ["uniforms", "light", "sand"], "loose.frag": ["uniforms", "light"]}
-DRAW = """
-(given) => {
+DRAW = "(given) => {" + USED_PROGRAM + """
   const [width, height] = given.size, bytes = (hex) => Uint8Array.from(hex.match(/../g), (two) => parseInt(two, 16));
   document.body.style.background = "black";
   const [canvas, beside] = [0, 1].map(() => document.body.appendChild(Object.assign(document.createElement("canvas"), { width, height })));
@@ -46,16 +43,7 @@ DRAW = """
       gl.texImage3D(gl.TEXTURE_3D, level, gl.RGBA8, side, side, side, 0, gl.RGBA, gl.UNSIGNED_BYTE, block.subarray(at + which * 4 * side ** 3));
   }
   const use = (name) => {
-    const program = gl.createProgram();
-    for (const [kind, ending] of [[gl.VERTEX_SHADER, ".vert"], [gl.FRAGMENT_SHADER, ".frag"]]) {
-      const shader = gl.createShader(kind);
-      gl.shaderSource(shader, given[name + ending]);
-      gl.compileShader(shader);
-      gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
-    gl.useProgram(program);
+    const program = used(gl, given[name + ".vert"], given[name + ".frag"]);
     const setters = { [gl.FLOAT]: "1fv", [gl.FLOAT_VEC3]: "3fv", [gl.FLOAT_VEC4]: "4fv", [gl.FLOAT_MAT3]: "Matrix3fv", [gl.FLOAT_MAT4]: "Matrix4fv" };
     for (let i = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) - 1; i >= 0; --i) {
       const { name, type } = gl.getActiveUniform(program, i), value = given[name.replace("[0]", "")], at = gl.getUniformLocation(program, name);
@@ -91,13 +79,12 @@ DRAW = """
 
 
 def main(arguments):
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    if program is None:
+    if CHROMIUM is None:
         return SKIPPED
     given, kit, failures = json.loads(subprocess.check_output([arguments[0]])), pathlib.Path(arguments[1]), 0
     sources = {stage: HEAD + "".join((kit / part).read_text() for part in [f"{b}.glsl" for b in before] + [stage])
                for stage, before in STAGES.items()}
-    browser = Browser(program, width=1320, height=1020, flags=("--use-angle=swiftshader", "--enable-unsafe-swiftshader"))
+    browser = Browser(CHROMIUM, width=1320, height=1020, flags=SOFTWARE)
     try:
         for name, old, new in [(name, "", "") for name in LIMITS] + CONTROLS:
             parts, most, most_of_sum = LIMITS[name]

@@ -15,7 +15,6 @@ import json
 import math
 import os
 import pathlib
-import shutil
 import struct
 import subprocess
 import sys
@@ -23,9 +22,8 @@ import threading
 import time
 
 import browser as driver
-from browser import Browser
+from browser import CHROMIUM, SKIPPED, Browser, check
 
-SKIPPED = 77
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FRAMES = 300
 THREADS, THREADS_FRAMES = 4, 90
@@ -44,11 +42,6 @@ BALL = ball()
 CAMERA = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
 OF_THE_MACHINE = ("fallback to software WebGL", "GPU stall due to ReadPixels")  # there is no GPU, and screenshots are read back
 BAD_FILES = {"a.obj": "v 0 0 0\nf 1 2 3\n", "b.obj": "v 0 zero 0\n", "c.obj": "", "d.gltf": "{}", "e.glb": "glTF", "g.stl": "solid", "e.json": "{", "f.json": '{"sandglass": "recording"}', "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"}
-
-
-def check(condition, sentence):
-    if not condition:
-        raise AssertionError(sentence)
 
 
 def wait_until(browser, expression, patience=240):
@@ -392,21 +385,16 @@ def check_object(browser):
     browser.ask("sandglassPage.page.at = null; document.querySelector('[value=sand]').click()")
 
 
-def check_meshes(browser):
-    """The same mesh from two kinds of files becomes the same sand. Gives how many particles. There is room for it: in 75 frames two
+def check_mesh(browser):
+    """A glTF becomes sand, as much as the same mesh from an OBJ will. Gives how many particles. There is room for it: in 75 frames two
     nozzles (1 and 0.8 m/s) let out at most 19 particles, the sites of a disc of four radii, every 1.6 radii."""
-    most = 19 * (1 + 0.8) * 75 / 60 / (1.6 * 0.006) + 2
-    counts = []
-    for name, text in (("mesh.obj", TETRAHEDRON), ("mesh.gltf", gltf_tetrahedron())):
-        before = report(browser, "sand.particles")
-        said = drop(browser, name, text)
-        check("particles of" in said, f"the mesh was not taken: {said}")
-        counts.append(particles_of(said))
-        run_frames(browser, 2)
-        check(report(browser, "sand.particles") >= before + counts[-1], "the mesh's particles are not there")
-        check(before <= most + sum(counts[:-1]), f"the test pours {before} particles and counted on {most}")
-    check(counts[0] == counts[1] > 200, f"the same mesh has {counts} particles")
-    return counts[0]
+    before, most = report(browser, "sand.particles"), 19 * (1 + 0.8) * 75 / 60 / (1.6 * 0.006) + 2
+    check(before <= most, f"the test pours {before} particles and counted on {most}")
+    said = drop(browser, "mesh.gltf", gltf_tetrahedron())
+    check("particles of" in said and particles_of(said) > 200, f"the mesh was not taken: {said}")
+    run_frames(browser, 2)
+    check(report(browser, "sand.particles") >= before + particles_of(said), "the mesh's particles are not there")
+    return particles_of(said)
 
 
 def check_full_table(browser, needed):
@@ -442,7 +430,7 @@ def check_recording(browser):
     browser.ask("sandglassPage.page.measuring = true")
     browser.ask("window.recording = sandglassPage.page.recording()")
     frames, added = browser.ask("[recording.frames.length, recording.frames.filter(f => f.added).length]")
-    check(frames > 60 and added == 3, f"{frames} frames were recorded, and sand was added {added} times")
+    check(frames > 60 and added == 2, f"{frames} frames were recorded, and sand was added {added} times")
     check(browser.ask("new Set(recording.frames.map(f => `${f.gravity}`)).size > 2"), "no tilt was recorded")
     browser.ask("void sandglassPage.page.play(recording, () => 0).then(h => { window.played = h; }, e => { window.played = e.message; })")
     wait_until(browser, "window.played", 900)
@@ -533,9 +521,8 @@ def check_threads(browser, url, wanted):
 
 def main():
     web_scene, sandglass, npm, work = sys.argv[1:5]
-    program = shutil.which("chromium")
-    if not program or not os.path.exists(sandglass):
-        print("no chromium" if not program else f"no {sandglass}")
+    if not CHROMIUM or not os.path.exists(sandglass):
+        print("no chromium" if not CHROMIUM else f"no {sandglass}")
         return SKIPPED
     work = pathlib.Path(work).resolve()
     work.mkdir(parents=True, exist_ok=True)
@@ -543,7 +530,7 @@ def main():
     check(page.stat().st_size <= 2.2e6, "the page is larger than 2.2 MB")
     driver.PATIENCE = 240
     pictures = work if "--screenshots" in sys.argv else None
-    browser = Browser(program, *((700, 620) if pictures else (400, 400)), CAMERA)  # it is drawn on the CPU
+    browser = Browser(CHROMIUM, *((700, 620) if pictures else (400, 400)), CAMERA)  # it is drawn on the CPU
     try:
         browser.open(page)
         wait_until(browser, "document.documentElement.dataset.sand")
@@ -564,7 +551,7 @@ def main():
             check(said.count(". ") == 1 and said.endswith("."), f"{name} is answered: {said}")
         act_for_recording(browser)
         check_object(browser)
-        needed = check_meshes(browser)
+        needed = check_mesh(browser)
         check_recording(browser)
         check_full_table(browser, needed)
         check_link(browser)

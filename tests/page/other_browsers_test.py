@@ -31,20 +31,23 @@ def free_port():
         return server.getsockname()[1]
 
 
+def patiently(connect, name):
+    end = time.monotonic() + PATIENCE
+    while True:
+        try:
+            return connect()
+        except OSError:
+            check(time.monotonic() < end, f"{name} does not answer")
+            time.sleep(0.5)
+
+
 class Firefox:
     """Over Marionette, its own protocol: a length, a colon, and JSON."""
     def __init__(self):
         self.profile, port = tempfile.mkdtemp(prefix="sandglass-page-"), free_port()
         pathlib.Path(self.profile, "user.js").write_text("".join(f"user_pref({json.dumps(k)}, {json.dumps(v)});" for k, v in {**PREFERENCES, "marionette.port": port}.items()))
         self.process = subprocess.Popen(["firefox-esr", "--marionette", "--profile", self.profile, "--width", "800", "--height", "900"], **QUIET)
-        end = time.monotonic() + PATIENCE
-        while True:
-            try:
-                self.stream = socket.create_connection(("127.0.0.1", port), PATIENCE)
-                break
-            except OSError:
-                check(time.monotonic() < end, "Firefox does not answer")
-                time.sleep(0.5)
+        self.stream = patiently(lambda: socket.create_connection(("127.0.0.1", port), PATIENCE), "Firefox")
         self.buffer, self.number = b"", 0
         self.message()
         self.call("WebDriver:NewSession", capabilities={})
@@ -92,14 +95,7 @@ class WebKit:
         self.port = free_port()
         self.process = subprocess.Popen(["WebKitWebDriver", f"--port={self.port}"], **QUIET)
         options = {"webkitgtk:browserOptions": {"binary": browser[0], "args": ["--automation"]}}
-        end = time.monotonic() + PATIENCE
-        while True:
-            try:
-                self.session = "/session/" + self.call("POST", "/session", {"capabilities": {"alwaysMatch": options}})["sessionId"]
-                break
-            except OSError:
-                check(time.monotonic() < end, "WebKit does not answer")
-                time.sleep(0.5)
+        self.session = "/session/" + patiently(lambda: self.call("POST", "/session", {"capabilities": {"alwaysMatch": options}}), "WebKit")["sessionId"]
 
     def call(self, method, path, body=None):
         request = urllib.request.Request(f"http://127.0.0.1:{self.port}{path}", method=method, data=None if body is None else json.dumps(body).encode(),

@@ -2,23 +2,16 @@
 """The report's page in headless Chromium: it opens from its file without a complaint and without another request, its bars are
 the numbers of the CSV, what is over the budget is marked, pointing at a bar reads it, its sliders follow mouse and keys.
 
-page_test.py FIXTURE FOLDER [--screenshot FILE]     FIXTURE writes FOLDER/report.html and FOLDER/report.csv
+page_test.py FIXTURE FOLDER                         FIXTURE writes FOLDER/report.html and FOLDER/report.csv
 page_test.py --control FIXTURE FOLDER               damages the page in three ways, each of which the checks must notice
 Exit code 77: there is no Chromium here."""
 import csv
-import shutil
 import subprocess
 import sys
 
-from browser import Browser
+from browser import CHROMIUM, SKIPPED, Browser, check
 
-SKIPPED = 77
 HALF_PIXEL = 0.5
-
-
-def check(condition, sentence):
-    if not condition:
-        raise AssertionError(sentence)
 
 
 def wait_until_drawn(browser):
@@ -123,8 +116,8 @@ def check_extremes(browser, folder):
     check(odd == 0, f"{odd} shapes of the empty run have no place")
 
 
-def check_page(program, page, rows, screenshot=None):
-    browser = Browser(program)
+def check_page(page, rows):
+    browser = Browser(CHROMIUM)
     try:
         browser.open(page)
         wait_until_drawn(browser)
@@ -132,8 +125,6 @@ def check_page(program, page, rows, screenshot=None):
         check_bars(browser, rows)
         check_the_rest(browser, rows)
         check_slider(browser)
-        if screenshot:
-            browser.screenshot(screenshot)
         check_widths(browser)
         check_extremes(browser, page.rsplit("/", 1)[0])
         check(not browser.complaints, f"the console complains: {browser.complaints}")
@@ -141,7 +132,7 @@ def check_page(program, page, rows, screenshot=None):
         browser.close()
 
 
-def controls(program, page, rows):
+def controls(page, rows):
     text = open(page, encoding="utf-8").read()
     damages = {
         "a bar of": text.replace("y(from + ms)", "y(from + 1.1 * ms)"),
@@ -153,7 +144,7 @@ def controls(program, page, rows):
         with open(page, "w", encoding="utf-8") as file:
             file.write(damaged)
         try:
-            check_page(program, page, rows)
+            check_page(page, rows)
         except AssertionError as noticed:
             check(expected in str(noticed), f"the damage '{expected}' is noticed as: {noticed}")
             print("noticed:", noticed)
@@ -163,8 +154,7 @@ def controls(program, page, rows):
 
 def main():
     arguments = [a for a in sys.argv[1:] if a != "--control"]
-    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not program:
+    if not CHROMIUM:
         print("skipped: no Chromium is installed (Debian: chromium)")
         return SKIPPED
     folder = arguments[1]
@@ -172,10 +162,7 @@ def main():
     page = folder + "/report.html"
     with open(folder + "/report.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    if "--control" in sys.argv:
-        controls(program, page, rows)
-    else:
-        check_page(program, page, rows, arguments[3] if "--screenshot" in arguments else None)
+    (controls if "--control" in sys.argv else check_page)(page, rows)
     print("passed")
     return 0
 

@@ -9,25 +9,14 @@ import json
 import pathlib
 import random
 import re
-import shutil
 import sys
 
-from browser import Browser
+from browser import CHROMIUM, SKIPPED, SOFTWARE, USED_PROGRAM, Browser
 
-SKIPPED, SIDE, TEXELS, BIAS = 77, 48, 8, 0.2
-DRAW = """
-(given) => {
+SIDE, TEXELS, BIAS = 48, 8, 0.2
+DRAW = "(given) => {" + USED_PROGRAM + """
   const canvas = Object.assign(document.createElement("canvas"), { width: given.side, height: given.side });
-  const gl = canvas.getContext("webgl2", { antialias: false, preserveDrawingBuffer: true }), program = gl.createProgram();
-  for (const [kind, text] of [[gl.VERTEX_SHADER, given.vertex], [gl.FRAGMENT_SHADER, given.fragment]]) {
-    const shader = gl.createShader(kind);
-    gl.shaderSource(shader, text);
-    gl.compileShader(shader);
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
-  gl.useProgram(program);
+  const gl = canvas.getContext("webgl2", { antialias: false, preserveDrawingBuffer: true }), program = used(gl, given.vertex, given.fragment);
   const at = (name) => gl.getUniformLocation(program, name);
   given.textures.forEach(([name, side, bytes], unit) => {
     gl.activeTexture(gl.TEXTURE0 + unit);
@@ -160,14 +149,13 @@ def main(arguments):
         fragment = fragment.replace("p == clamp(p, 0.0, 1.0) ? texture(map, p).r : outside", "texture(map, p).r")
         lighting = lighting.replace("all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)))", "true")
         sample = sample.replace("p == clamp(p, 0.0, 1.0) ? texture(map, p).r : outside", "texture(map, p).r")
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    if program is None:
+    if CHROMIUM is None:
         return SKIPPED
     draw = random.Random(7)
     rectangles = {"object_light": [-0.5, -0.4, 0.3, 0.5], "object_ambient": [-0.7, -0.6, 0.6, 0.7], "sand_rectangle": [0.1, 0.0, 0.9, 0.8],
                   "third_rectangle": [-0.2, -0.9, 0.8, 0.2]}
     shift, quad, floor = [0.2, 0.1], [-1, -1, 1, 1], 180
-    browser = Browser(program, flags=("--use-angle=swiftshader", "--enable-unsafe-swiftshader"))
+    browser = Browser(CHROMIUM, flags=SOFTWARE)
     worst = 0
     try:
         for s in (0.0, 0.35, 0.8, 1.0):

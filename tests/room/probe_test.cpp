@@ -145,6 +145,31 @@ TEST(Probe, FrameAndHandednessAreThoseOfTheSampler) {
   EXPECT_LT(off(of_unity), 4);
 }
 
+// By the table that cubes are made from above, which is the specification's: the direction of every place of a texel leads
+// to that texel, and turned around in z to that of a left-handed cube.
+TEST(Probe, ADirectionLeadsToTheTexelOfTheTable) {
+  constexpr int k_size = 8, k_places = 4;  // texels of a side; places of a texel's side
+  std::vector<float> texels(3 * 6 * k_size * k_size);
+  sandglass_cube cube = cpp::cube();
+  cube.format = SANDGLASS_CUBE_RGB32F;
+  cube.size = k_size;
+  cube.stride = 12 * k_size;
+  for (int i = 0; i < 6 * k_size * k_size; ++i) {
+    texels[static_cast<size_t>(3 * i)] = static_cast<float>(i);
+    cube.faces[i / (k_size * k_size)] = &texels[static_cast<size_t>(3 * (i - i % (k_size * k_size)))];
+  }
+  for (cube.left_handed = 0; cube.left_handed < 2; ++cube.left_handed)
+    for (int i = 0; i < 6 * k_size * k_size * k_places * k_places; ++i) {
+      constexpr int k_row = k_size * k_places;
+      const int face = i / (k_row * k_row), row = i / k_row % k_row, column = i % k_row;
+      const Direction d = face_direction(face, 2 * (column + 0.5) / k_row - 1, 2 * (row + 0.5) / k_row - 1);
+      const double towards[3] = {d.x, d.y, cube.left_handed != 0 ? -d.z : d.z};
+      double texel[3];
+      (void)room_cube_texel(cube, towards, texel);
+      ASSERT_EQ(texel[0], (face * k_size + row / k_places) * k_size + column / k_places);
+    }
+}
+
 TEST(Probe, CameraImagesStayWhatTheyWereAndNullForgetsTheProbe) {
   const cpp::Room room = room_with_probe(), alone = room_with_probe();
   const Cube made = cube_of(lamp_room(towards(200, 60), 8, 30), SANDGLASS_CUBE_RGB32F, 16);

@@ -1,4 +1,4 @@
-// Sand with a skin, for its tests.
+// Sand with a skin, and with a shadow where it is asked for, for its tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,17 +21,30 @@ struct Sand {
     accept(skin.create(of_skin));
   }
 
-  sandglass_frame_report frame(float step = 0.02f) {
-    sandglass_frame_input input = scene.input(step);
+  void throw_shadow(float angular_diameter = sandglass::pile_shadow_desc().angular_diameter) {
+    sandglass_pile_shadow_desc desc = sandglass::pile_shadow_desc();
+    desc.angular_diameter = angular_diameter;
+    desc.sky_texels = 64;
+    accept(pile.create(desc));
+  }
+
+  sandglass_frame_report frame(float step = 0.02f, uint64_t budget_ns = ~0ull >> 1) {
+    sandglass_frame_input input = scene.input(step, budget_ns);
     input.skin = skin.get();
+    input.pile_shadow = pile.get();
     return scene.run(input);
   }
-  void until_asleep() {
-    for (int i = 0; i < 900; ++i)
-      if (frame().sand.awake == 0) return;
+  // Until it has slept for some frames, and no shadow is behind.
+  void until_rested() {
+    for (int i = 0, rested = 0; i < 900; ++i) {
+      const sandglass_frame_report report = frame();
+      rested = report.sand.awake == 0 && report.stages[SANDGLASS_STAGE_SHADOW].units == 0 ? rested + 1 : 0;
+      if (rested == 4) return;
+    }
     ADD_FAILURE() << "it does not come to rest";
   }
 
   GranularScene scene;
   sandglass::Skin skin;
+  sandglass::PileShadow pile;
 };

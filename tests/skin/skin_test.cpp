@@ -94,8 +94,7 @@ TEST(Skin, IsClosedAndHoldsTheSand) {
     Sand sand(rough(heap.x * heap.y * heap.z));
     sand.scene.add_floor();
     sand.scene.add(lattice(heap.x, heap.y, heap.z, 2.05f * k_radius, k_radius));
-    sand.until_asleep();
-    for (int i = 0; i < 3; ++i) sand.frame();
+    sand.until_rested();
     const Mesh mesh = mesh_of(sand.skin);
     uint32_t faults = 0;
     const double volume = volume_over(mesh, {0, 1, 0}, &faults) + mesh.loose * k_particle;
@@ -127,22 +126,10 @@ TEST(Skin, HoldsTheSandWhileItIsPoured) {
   desc.granular.emitter_capacity = 1;
   Sand sand(desc);
   sand.scene.add_floor();
-  sandglass_emitter emitter = {};
-  emitter.position[1] = 0.5f;
-  emitter.rotation[3] = 1;
-  emitter.radius = 4 * k_radius;
-  emitter.speed = 0.8f;
-  sandglass_pile_shadow_desc of_pile = sandglass::pile_shadow_desc();
-  of_pile.sky_texels = 64;
-  sandglass::PileShadow pile;
-  accept(pile.create(of_pile));
+  sand.scene.emitters = {sandglass::emitter(0, 0.5f, 0, 4 * k_radius, 0.8f)};
+  sand.throw_shadow();
   for (int i = 0; i < 100; ++i) {
-    sandglass_frame_input input = sand.scene.input(1 / 60.0f);
-    input.skin = sand.skin.get();
-    input.emitters = &emitter;
-    input.emitter_count = 1;
-    input.pile_shadow = pile.get();
-    const uint32_t particles = sand.scene.run(input).sand.particles;
+    const uint32_t particles = sand.frame(1 / 60.0f).sand.particles;
     if (i < 40 || i % 10 != 0) continue;
     const Mesh mesh = mesh_of(sand.skin);
     uint32_t faults = 0;
@@ -150,7 +137,7 @@ TEST(Skin, HoldsTheSandWhileItIsPoured) {
     EXPECT_EQ(faults, 0u);
     EXPECT_NEAR(volume / (k_particle * particles), 1, 0.06) << i;
     // The columns of the pile's shadow are those of one skin, though skins follow each other while they are made: no holes.
-    const sandglass_pile_shadow_sky sky = pile.sky();
+    const sandglass_pile_shadow_sky sky = sand.pile.sky();
     const uint32_t n = sky.height_texels;
     uint32_t holes = 0;
     for (uint32_t at = n + 1; at < n * n - n - 1; ++at) {
@@ -166,16 +153,9 @@ TEST(Skin, IsClosedBehindGlass) {
   for (const uint32_t closed : {0u, 1u}) {
     Sand sand(rough(1000), closed);
     sand.scene.add_floor();
-    for (const float side : {-1.0f, 1.0f})
-      for (const int axis : {0, 2}) {
-        sandglass_collider wall = sandglass::floor_at(0);
-        wall.position[axis] = -0.1f * side;
-        wall.rotation[2 - axis] = axis == 0 ? -side : side, wall.rotation[3] = 1;
-        sand.scene.colliders.push_back(wall);
-      }
+    sand.scene.add_walls({-0.1f, -0.1f}, {0.1f, 0.1f});
     sand.scene.add(lattice(9, 10, 9, 2.05f * k_radius, k_radius));
-    sand.until_asleep();
-    for (int i = 0; i < 3; ++i) sand.frame();
+    sand.until_rested();
     uint32_t faults = 0;
     const double all = volume_over(mesh_of(sand.skin), {0, 1, 0}, &faults, 1.0f);  // far over the plane: all of it
     EXPECT_EQ(faults == 0, closed == 1);
@@ -209,8 +189,7 @@ TEST(Skin, FollowsGravityAndFloor) {
       for (size_t k = 0; k < 3; ++k) block[i + k] = p[0] * along[k] + p[1] * up[k] + p[2] * third[k];
     }
     sand.scene.add(block);
-    sand.until_asleep();
-    for (int i = 0; i < 3; ++i) sand.frame();
+    sand.until_rested();
     const Mesh mesh = mesh_of(sand.skin);
     uint32_t faults = 0;
     const double volume = volume_over(mesh, up, &faults) + mesh.loose * k_particle;
@@ -259,8 +238,7 @@ TEST(Skin, AtRestNothingRunsAndNothingChanges) {
   Sand sand(rough(400));
   sand.scene.add_floor();
   sand.scene.add(lattice(10, 4, 10, 2.05f * k_radius, k_radius));
-  sand.until_asleep();
-  for (int i = 0; i < 3; ++i) sand.frame();
+  sand.until_rested();
   const uint32_t version = sand.skin.mesh().version;
   const uint64_t hash = sand.skin.hash();
   for (int i = 0; i < 10; ++i) EXPECT_EQ(sand.frame().stages[SANDGLASS_STAGE_SKIN].units, 0u);
@@ -320,9 +298,7 @@ TEST(Skin, StaysWholeWhereChunksMeet) {
     const auto at = [&](int digit) { return 0.004f * static_cast<float>(i >> 2 * digit & 3); };
     Sand sand(rough(200));
     const auto add = [&](float x, float y, float z) {
-      std::vector<float> block = lattice(4, 4, 4, 2.05f * k_radius, k_radius);
-      for (size_t p = 0; p < block.size(); p += 3) block[p] += x, block[p + 1] += y, block[p + 2] += z;
-      sand.scene.add(block);
+      sand.scene.add(shifted(lattice(4, 4, 4, 2.05f * k_radius, k_radius), x, y, z));
       sand.frame(0);
     };
     add(at(0), at(1), at(2));
@@ -346,7 +322,7 @@ TEST(Skin, ItsGrainsMoveWithTheSand) {
   Sand sand(rough(400));
   sand.scene.add_floor();
   sand.scene.add(lattice(10, 4, 10, 2.05f * k_radius, k_radius));
-  sand.until_asleep();
+  sand.until_rested();
   sand.skin.refresh();  // a patch that has had its block from a farther particle takes the nearest
   for (int i = 0; i < 3; ++i) sand.frame();
   const Mesh before = mesh_of(sand.skin);
@@ -386,7 +362,7 @@ TEST(Skin, APushExchangesFewPatches) {
     Sand sand(rough(1200));
     sand.scene.add_floor();
     sand.scene.add(lattice(10, 12, 10, 2.05f * k_radius, k_radius));
-    sand.until_asleep();
+    sand.until_rested();
     sandglass_collider hand = sandglass::sphere(-0.3f, 0.05f, 0, 0.05f);
     hand.linear_velocity[0] = 0.2f;
     sand.scene.colliders.push_back(hand);
@@ -484,17 +460,12 @@ TEST(Skin, ALateSkinLeavesTheOneBefore) {
   Sand sand(desc);
   sand.scene.add_floor();
   sand.scene.add(lattice(10, 10, 10, 2.05f * k_radius, k_radius));
-  const auto frame = [&](uint64_t budget) {
-    sandglass_frame_input input = sand.scene.input(0.02f, budget);
-    input.skin = sand.skin.get();
-    sand.scene.run(input);
-  };
-  for (int i = 0; i < 3; ++i) frame(1'000'000'000);
+  for (int i = 0; i < 3; ++i) sand.frame(0.02f, 1'000'000'000);
   ASSERT_EQ(sand.skin.mesh().valid, 1u);
   uint32_t late = 0, versions = 0, before = sand.skin.mesh().version;
   uint64_t hash = sand.skin.hash();
   for (int i = 0; i < 200; ++i) {
-    frame(0);
+    sand.frame(0.02f, 0);
     const sandglass_skin_mesh mesh = sand.skin.mesh();
     late += mesh.frames_behind > 0 ? 1 : 0;
     if (mesh.version == before) {
@@ -533,9 +504,7 @@ TEST(Skin, ALateSkinIsCarriedAlong) {
   bool was_now = false;
   uint32_t carried = 0, stood = 0, front = 0, version = 0;
   for (int i = 0; i < 60; ++i) {
-    sandglass_frame_input input = sand.scene.input(1.0f / 60, i == 0 ? 1'000'000'000 : 1'000'000);
-    input.skin = sand.skin.get();
-    const sandglass_frame_report report = sand.scene.run(input);
+    const sandglass_frame_report report = sand.frame(1.0f / 60, i == 0 ? 1'000'000'000 : 1'000'000);
     const double seconds = report.time.simulated - simulated;
     const bool is_now = s.shown.frame == s.frame, same = i > 2 && was_now && is_now && s.front_version == front;
     stood += i > 2 && s.version == version ? 1 : 0;
@@ -561,20 +530,10 @@ TEST(Skin, ThePileShadowIsOfWhatIsDrawn) {
   Sand sand(rough(1600));
   sand.scene.add_floor();
   sand.scene.add(lattice(10, 16, 10, 2.05f * k_radius, k_radius));
-  sandglass_pile_shadow_desc desc = sandglass::pile_shadow_desc();
-  desc.sky_texels = 64;
-  sandglass::PileShadow shadow;
-  accept(shadow.create(desc));
-  sandglass_frame_report report;
-  for (int rested = 0, i = 0; rested < 3; ++i) {
-    ASSERT_LT(i, 900);
-    sandglass_frame_input input = sand.scene.input(0.02f);
-    input.skin = sand.skin.get(), input.pile_shadow = shadow.get();
-    report = sand.scene.run(input);
-    rested = report.sand.awake == 0 && report.stages[SANDGLASS_STAGE_SHADOW].units == 0 ? rested + 1 : 0;
-  }
+  sand.throw_shadow();
+  sand.until_rested();
   const Mesh mesh = mesh_of(sand.skin);
-  const sandglass_pile_shadow_sky sky = shadow.sky();
+  const sandglass_pile_shadow_sky sky = sand.pile.sky();
   const sandglass_skin_mesh now = sand.skin.mesh();
   const uint32_t n = sky.height_texels;
   const float texel = (sky.high[0] - sky.low[0]) / static_cast<float>(n);
@@ -611,29 +570,12 @@ TEST(Skin, ThePileShadowIsOfWhatIsDrawn) {
 TEST(Skin, BelowASeatTheFloorIsLit) {
   Sand sand(rough(400));
   sand.scene.add_floor();
-  sandglass_collider seat = sandglass::floor_at(0);
-  seat.shape = SANDGLASS_SHAPE_BOX;
-  const float middle[3] = {0.12f, 0.30f, 0.12f}, size[3] = {0.1f, 0.01f, 0.1f};
-  for (int k = 0; k < 3; ++k) seat.position[k] = middle[k], seat.size[k] = size[k];
-  sand.scene.colliders.push_back(seat);
-  const auto add = [&](std::vector<float> block, float x, float y, float z) {
-    for (size_t i = 0; i < block.size(); i += 3) block[i] += x, block[i + 1] += y, block[i + 2] += z;
-    sand.scene.add(block);
-  };
-  add(lattice(6, 2, 6, 2.05f * k_radius, k_radius), 0.12f, 0.31f, 0.12f);
-  add(lattice(6, 5, 6, 2.05f * k_radius, k_radius), 0.36f, 0.0f, 0.3f);
-  sandglass_pile_shadow_desc desc = sandglass::pile_shadow_desc();
-  desc.sky_texels = 64;
-  sandglass::PileShadow shadow;
-  accept(shadow.create(desc));
-  for (int rested = 0, i = 0; rested < 3; ++i) {
-    ASSERT_LT(i, 900);
-    sandglass_frame_input input = sand.scene.input(0.02f);
-    input.skin = sand.skin.get(), input.pile_shadow = shadow.get();
-    const sandglass_frame_report report = sand.scene.run(input);
-    rested = report.sand.awake == 0 && report.stages[SANDGLASS_STAGE_SHADOW].units == 0 ? rested + 1 : 0;
-  }
-  const sandglass_pile_shadow_sky sky = shadow.sky();
+  sand.scene.colliders.push_back(sandglass::box(0.12f, 0.30f, 0.12f, 0.1f, 0.01f, 0.1f));  // the seat
+  sand.scene.add(shifted(lattice(6, 2, 6, 2.05f * k_radius, k_radius), 0.12f, 0.31f, 0.12f));
+  sand.scene.add(shifted(lattice(6, 5, 6, 2.05f * k_radius, k_radius), 0.36f, 0.0f, 0.3f));
+  sand.throw_shadow();
+  sand.until_rested();
+  const sandglass_pile_shadow_sky sky = sand.pile.sky();
   const auto left = [&](float x, float z) {
     const auto texel = [&](float at, float low, float high) {
       return static_cast<uint32_t>((at - low) / (high - low) * static_cast<float>(sky.texels));
@@ -651,35 +593,22 @@ TEST(Skin, SandInTheAirThrowsItsOwnShadow) {
   constexpr float k_loose = 0.3f;  // pile_shadow.h: three tenths of a particle's outline
   Sand sand(rough(1600));
   sand.scene.add_floor();
-  std::vector<float> heap = lattice(8, 9, 8, 2.05f * k_radius, k_radius);
-  for (size_t i = 0; i < heap.size(); i += 3) heap[i] -= 0.25f;
-  sand.scene.add(heap);
-  sandglass_pile_shadow_desc desc = sandglass::pile_shadow_desc();
-  desc.angular_diameter = 0.02f;
-  desc.sky_texels = 64;
-  sandglass::PileShadow shadow;
-  accept(shadow.create(desc));
-  accept(shadow.set_light({0.36f, 0.8f, 0.48f}));
-  const auto run = [&](float step) {
-    sandglass_frame_input input = sand.scene.input(step);
-    input.skin = sand.skin.get(), input.pile_shadow = shadow.get();
-    return sand.scene.run(input);
-  };
-  const uint32_t n = desc.texels;
+  sand.scene.add(shifted(lattice(8, 9, 8, 2.05f * k_radius, k_radius), -0.25f, 0, 0));
+  sand.throw_shadow(0.02f);
+  accept(sand.pile.set_light({0.36f, 0.8f, 0.48f}));
+  const uint32_t n = sandglass::pile_shadow_desc().texels;
   const float texel = 1.0f / static_cast<float>(n);
   const auto textures = [&] {
-    const sandglass_pile_shadow_texture texture = shadow.texture();
+    const sandglass_pile_shadow_texture texture = sand.pile.texture();
     std::vector<int> all(texture.coverage, texture.coverage + n * n);
     all.insert(all.end(), texture.on_sand, texture.on_sand + n * n);
     return all;
   };
-  for (int i = 0; i < 900 && run(0.02f).sand.awake != 0; ++i) {
-  }
-  for (int i = 0; i < 3; ++i) run(0.02f);
+  sand.until_rested();
   const std::vector<int> before = textures();
   sand.scene.add({-0.115f, 0.42f, 0.18f, 0.25f, 0.42f, -0.1f});
-  for (int i = 0; i < 6; ++i) run(0.02f);
-  for (int i = 0; i < 3; ++i) run(0);
+  for (int i = 0; i < 6; ++i) sand.frame();
+  for (int i = 0; i < 3; ++i) sand.frame(0);
   const std::vector<int> after = textures();
   const sandglass_skin_mesh mesh = sand.skin.mesh();
   ASSERT_EQ(mesh.flying_count, 2u);
@@ -700,7 +629,7 @@ TEST(Skin, SandInTheAirThrowsItsOwnShadow) {
     const double fell_x = (one.position[0] - (x / sum * texel - 0.5)) / (0.36 / 0.8);
     const double fell_z = (one.position[2] - (z / sum * texel - 0.5)) / (0.48 / 0.8);
     EXPECT_NEAR(fell_x, fell_z, 1.5 * texel);
-    const sandglass_pile_shadow_sky sky = shadow.sky();
+    const sandglass_pile_shadow_sky sky = sand.pile.sky();
     const auto at = static_cast<uint32_t>(x / sum) + n * static_cast<uint32_t>(z / sum);
     const double top = static_cast<double>(sky.heights[at]) * static_cast<double>(sky.height) / 255;
     EXPECT_EQ(top > 0.03, on_heap);

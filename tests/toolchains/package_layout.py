@@ -9,7 +9,9 @@
 import json
 import pathlib
 import plistlib
+import re
 import struct
+import subprocess
 import sys
 import tempfile
 import zipfile
@@ -24,36 +26,15 @@ def headers_below(folder):
     return {str(path.relative_to(folder)) for path in pathlib.Path(folder).rglob("*") if path.is_file()}
 
 
-# How an object for 64-bit ARM begins. ELF64: machine 183, little endian. 64-bit Mach-O: CPU type 12 with the bit for
-# 64.
-OBJECT = {"android": (b"\x7fELF\x02\x01", 18, b"\xb7\x00"), "ios": (b"\xcf\xfa\xed\xfe", 4, b"\x0c\x00\x00\x01")}
-
-
-def objects(path):
-    """An archive's members, less the tables of symbols and of long names. BSD puts a long name before the contents."""
-    data = path.read_bytes()
-    expect(data[:8] == b"!<arch>\n", f"{path} is not an archive")
-    at, found = 8, {}
-    while at < len(data):
-        name, size = data[at:at + 16].decode().strip(), int(data[at + 48:at + 58])
-        contents = data[at + 60:at + 60 + size]
-        if name.startswith("#1/"):
-            length = int(name[3:])
-            name, contents = contents[:length].rstrip(b"\0").decode(), contents[length:]
-        if name not in ("/", "//", "/SYM64/") and not name.startswith("__.SYMDEF"):
-            found[f"{at}: {name}"] = contents
-        at += 60 + size + size % 2
-    return found
+# How llvm-readobj calls an object for 64-bit ARM.
+FORMATS = {"android": "elf64-littleaarch64", "ios": "Mach-O arm64"}
 
 
 def for_arm64(path, system):
-    magic, offset, machine = OBJECT[system]
-    members = objects(pathlib.Path(path))
-    expect(members, f"{path} is empty")
-    for name, contents in members.items():
-        expect(contents.startswith(magic) and contents[offset:offset + len(machine)] == machine,
-               f"{path}: the object at {name} is not for {system} on arm64")
-    print(f"{len(members)} objects for {system} on arm64")
+    said = subprocess.run(["llvm-readobj", "--file-headers", path], check=True, capture_output=True, text=True).stdout
+    formats = re.findall(r"^Format: (.*)$", said, re.MULTILINE)
+    expect(formats and set(formats) == {FORMATS[system]}, f"{path} is not for {system} on arm64: {sorted(set(formats))}")
+    print(f"{len(formats)} objects for {system} on arm64")
 
 
 def for_pages(name, data):
@@ -121,7 +102,7 @@ if __name__ == "__main__":
     if sys.argv[1] == "pages":
         for file in sys.argv[2:]:
             for_pages(file, pathlib.Path(file).read_bytes())
-    elif sys.argv[1] in OBJECT:
+    elif sys.argv[1] in FORMATS:
         for_arm64(sys.argv[2], sys.argv[1])
     else:
         {"aar": aar, "xcframework": xcframework}[sys.argv[1]](*sys.argv[2:])

@@ -52,6 +52,17 @@ def prose(comment):
     return [re.sub(r"^\s*\* ?", "", line).rstrip() for line in lines] if comment else []
 
 
+def fails(function):
+    """Whether the text of `reason`, its last argument, becomes the message of what is thrown."""
+    return [item.name for item in function.parameters][-1:] == ["reason"]
+
+
+def doc(comment, indent):
+    """As Java and JavaScript write it."""
+    lines = "".join(f"{indent} * {line}".rstrip() + "\n" for line in comment).replace("/*", "/ *").replace("*/", "* /")
+    return f"{indent}/**\n{lines}{indent} */\n" if comment else ""
+
+
 class Headers:
     """constants by name; enumerations: the names of their types; callbacks: function pointer types; structs and functions in an order in
     which each stands behind those that it names; handles: structs that only the library knows."""

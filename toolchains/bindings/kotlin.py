@@ -8,7 +8,7 @@ and ../android/entries.h. A pointer goes to C as a number, beside the object tha
 import pathlib
 import sys
 
-from headers import Headers, Refused
+from headers import Headers, Refused, doc, fails
 
 # A type of C: the end of ByteBuffer's get and put, the type in Kotlin and in Java's C++, and the ways from and to the buffer's.
 NUMBERS = {"uint8_t": ("", "Int", "jint", ".toInt() and 0xff", ".toByte()"), "int8_t": ("", "Int", "jint", ".toInt()", ".toByte()"),
@@ -27,17 +27,8 @@ def capital(name):
     return camel(name)[0].upper() + camel(name)[1:]
 
 
-def doc(comment, indent):
-    lines = "".join(f"{indent} * {line}".rstrip() + "\n" for line in comment).replace("/*", "/ *").replace("*/", "* /")
-    return f"{indent}/**\n{lines}{indent} */\n" if comment else ""
-
-
 def number(item):
     return NUMBERS.get("uint64_t" if item.pointer else item.base, ("Int", "Int", "jint", "", ""))
-
-
-def fails(function):
-    return [item.name for item in function.parameters][-1:] == ["reason"]
 
 
 def kind_of(headers, item):

@@ -11,7 +11,7 @@ import json
 import pathlib
 import sys
 
-from headers import Headers, Refused
+from headers import Headers, Refused, doc, fails
 
 POINTER = 4
 SCALARS = {"uint8_t": "u8", "int8_t": "i8", "uint16_t": "u16", "int16_t": "i16", "uint32_t": "u32", "int32_t": "i32", "int": "i32",
@@ -40,21 +40,8 @@ def result(headers, item):
     return ("struct" if not item.pointer and item.base in headers.structs else kind(headers, item)), item.base
 
 
-def fails(function):
-    """Whether the text of `reason`, its last argument, becomes the message of what is thrown."""
-    last = function.parameters[-1:]
-    return bool(last) and last[0].name == "reason" and function.returns.base == "sandglass_status"
-
-
 def arguments(function):
     return function.parameters[:-1] if fails(function) else function.parameters
-
-
-def doc(comment, indent):
-    if not comment:
-        return ""
-    lines = "".join(f"{indent} * {line}".rstrip() + "\n" for line in comment)
-    return f"{indent}/**\n{lines}{indent} */\n"
 
 
 def pointer_type(headers, item, otherwise):

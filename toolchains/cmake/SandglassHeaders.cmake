@@ -1,0 +1,48 @@
+# sandglass_find_headers(NAME HEADER VERSION ... BELOW ... TOLD_BY FILE REGEX ... SHA256 ... [SUFFIX ...] [IN FOLDER])
+#   Finds a dependency that is used by its headers alone, the same for every target, and sets SANDGLASS_<NAME>_INCLUDE. Its
+#   release is from VERSION on and before BELOW; its numbers stand in the lines of FILE that REGEX fits. The first that fits
+#   is taken: the folder that the app gave; the target's packages or a prefix; this machine; a download, pinned by hash, of
+#   SANDGLASS_<NAME>_URL, whose headers are IN a folder. -DSANDGLASS_FETCH=OFF forbids the download.
+option(SANDGLASS_FETCH "Download what is not found, pinned by hash" ON)
+
+# For the arguments of sandglass_find_headers.
+function(sandglass_headers_fit result folder)
+  set(found "")
+  if(EXISTS ${folder}/${arg_TOLD_BY})
+    file(STRINGS ${folder}/${arg_TOLD_BY} lines REGEX "${arg_REGEX}")
+    string(REGEX MATCHALL "[0-9]+" numbers "${lines}")
+    list(JOIN numbers . found)
+  endif()
+  set(${result} FALSE PARENT_SCOPE)
+  if(found VERSION_GREATER_EQUAL arg_VERSION AND found VERSION_LESS arg_BELOW)
+    set(${result} TRUE PARENT_SCOPE)
+  endif()
+endfunction()
+
+function(sandglass_find_headers name header)
+  cmake_parse_arguments(PARSE_ARGV 2 arg "" "VERSION;BELOW;TOLD_BY;REGEX;SHA256;SUFFIX;IN" "")
+  string(TOUPPER SANDGLASS_${name}_INCLUDE include)
+  string(TOUPPER SANDGLASS_${name}_URL url)
+  string(TOLOWER sandglass_${name} fetched)
+  set(way_out "install its headers, name their folder by ${include}, or allow the download by")
+  find_path(${include} ${header} PATH_SUFFIXES ${arg_SUFFIX})
+  find_path(${include} ${header} PATH_SUFFIXES ${arg_SUFFIX} NO_CMAKE_FIND_ROOT_PATH)
+  sandglass_headers_fit(fits "${${include}}")
+  if(fits)
+    return()
+  elseif(NOT SANDGLASS_FETCH)
+    message(FATAL_ERROR "${name} ${arg_VERSION} was not found: ${way_out} SANDGLASS_FETCH=ON.")
+  endif()
+  include(FetchContent)
+  FetchContent_Declare(${fetched} URL ${${url}} URL_HASH SHA256=${arg_SHA256} DOWNLOAD_EXTRACT_TIMESTAMP ON)
+  FetchContent_GetProperties(${fetched})
+  if(NOT ${fetched}_POPULATED)
+    FetchContent_Populate(${fetched})
+  endif()
+  set(source ${${fetched}_SOURCE_DIR})
+  sandglass_headers_fit(fits ${source}${arg_IN})
+  if(NOT fits)  # nothing was downloaded: FETCHCONTENT_FULLY_DISCONNECTED is set, or the app named a folder
+    message(FATAL_ERROR "${name} ${arg_VERSION} is not in ${source}: ${way_out} FETCHCONTENT_FULLY_DISCONNECTED=OFF.")
+  endif()
+  set(${include} ${source}${arg_IN} CACHE PATH "The headers of ${name}" FORCE)
+endfunction()
