@@ -7,7 +7,7 @@
 
 struct sandglass_field {
   uint32_t magic;
-  uint64_t version;  // of what it holds, never 0: two fields in the same memory differ by it
+  uint64_t version;            // of what it holds, never 0: two fields in the same memory differ by it
   sandglass::FieldGrid shape;  // without its values
 };
 
