@@ -1,6 +1,7 @@
 // sandglass/babylon: a stage in a scene of Babylon.js, right-handed or left-handed, which the app hands over; nothing is
 // imported of it. In a left-handed scene the stage's z is the scene's -z.
 import { Engine, oneMesh } from "./engine.mjs";
+import { checked } from "./stage.mjs";
 import { receive, receivers, receiverValues } from "./glsl.mjs";
 
 const k_vectors = ["sandglass_pile_box", "sandglass_object_box", "sandglass_seen_box", "sandglass_numbers", "sandglass_to_light"];
@@ -94,7 +95,9 @@ class BabylonStage extends Engine {
   }
   // The material of a surface that shadows fall on. It stays as it is otherwise. With `shadowOnly` it is seen through but for
   // its shadows, as a real floor in the camera's picture.
-  receive(material, { shadowOnly = false } = {}) {
+  receive(material, options = {}) {
+    checked("receive", options, { shadowOnly: 0 });
+    const { shadowOnly = false } = options;
     const kind = material?.getClassName?.() ?? "thing without a class name";
     if (!/^PBR/.test(kind)) throw new Error(`sandglass: no shadow falls on a ${kind}: Babylon.js does not light it by harmonics. Take a PBRMaterial.`);
     if (shadowOnly) material.transparencyMode = 2;  // MATERIAL_ALPHABLEND
@@ -111,6 +114,10 @@ class BabylonStage extends Engine {
     });
   }
 
+  leave() {
+    if (this.scene.environmentTexture === this.around) this.scene.environmentTexture = null;
+    this.around.dispose(), this.sun.dispose(), this.scene.onBeforeDrawPhaseObservable.remove(this.drawing);
+  }
   show(drawn, changed) {
     const { BABYLON, around, sun } = this, { toLight, facing, ambient } = drawn.light;
     // The engine's vectors have their z reversed, in scenes of both hands. The terms are those that it would make of harmonics.

@@ -12,6 +12,7 @@ export interface EngineStage {
   pour(...nozzles: Nozzle[]): unknown;
   push(...balls: Ball[]): unknown;
   update(seconds?: number): void;
+  dispose(): void;
 }
 /** three.js needs `renderer`. With `worker`, the stage runs in a Worker. */
 export declare function createStage(engine: object, options: StageOptions & { scene: object; renderer?: object; worker?: boolean }): Promise<EngineStage>;

@@ -68,6 +68,10 @@ class Sand {
     });
     this.painter.streams = drawn.streams;
   }
+  end() {
+    for (const texture of Object.values(this.textures)) this.gl.deleteTexture(texture);
+    this.painter.end(), this.filled = false;
+  }
   // `view` and `projection` are column-major; the view looks along -z.
   draw({ view, projection, eye, height, linear, reversed }) {
     if (!this.filled) return;
@@ -85,7 +89,7 @@ class Sand {
   }
 }
 
-// A subclass has meshOf(object), poseOf(object), cameraOf(camera) and show(drawn).
+// A subclass has meshOf(object), poseOf(object), cameraOf(camera), show(drawn) and leave().
 export class Engine {
   static async stageOf({ worker = false, ...options }) { return (worker ? WorkerStage : Stage).create(options); }
   constructor(stage, gl) { Object.assign(this, { stage, gl, objects: new Map(), owed: 0, last: performance.now(), sand: null, busy: false }); }
@@ -95,6 +99,7 @@ export class Engine {
     if (typeof object?.[this.placing] !== "function") throw new Error("sandglass: addModel takes an object of the scene. Of a loaded glTF pass gltf.scene.");
     const pose = this.poseOf(object);
     this.objects.set(object, { pose, number: await this.stage.addModel({ ...this.meshOf(object, pose), ...pose }, options) });
+    this.watchFields();
   }
   async removeModel(object) {
     if (!this.objects.has(object)) throw new Error("sandglass: removeModel takes an object that addModel was given.");
@@ -110,15 +115,19 @@ export class Engine {
 
   async newSand(options) {
     const [{ radius }, block] = await Promise.all([this.stage.createSand(options), blockMade(Uint8Array.from(atob(k_block_text), (letter) => letter.charCodeAt(0)))]);
-    await this.stage.fields;
+    this.watchFields();
+    this.sand?.end();
     this.sand = new Sand(this.gl, block, radius);
   }
+  // Where sand cannot lie on a model, that is said once; the rest goes on.
+  watchFields() { Promise.resolve(this.stage.fields).catch(({ message }) => console.error(message)); }
   pour(...nozzles) { return this.stage.pour(...nozzles); }
   push(...balls) { return this.stage.push(...balls); }
 
   // Once a frame, before it is rendered. `seconds` go by; without it, as many as since the last call. A stage in a worker
   // shows each frame when it is done.
   update(seconds = (performance.now() - this.last) / 1000) {
+    if (this.ended) return;
     if (!(seconds >= 0)) throw new Error("sandglass: update takes the seconds since the last frame.");
     this.last = performance.now(), this.owed += seconds;
     if (this.busy) return;
@@ -131,8 +140,10 @@ export class Engine {
     this.owed = 0;
     if (!(drawn instanceof Promise)) return this.take(drawn);
     this.busy = true;
-    drawn.then((arrived) => this.take(arrived)).finally(() => { this.busy = false; });
+    drawn.then((arrived) => this.ended || this.take(arrived)).finally(() => { this.busy = false; });
   }
+  // Takes light and sand out of the scene, and ends the worker. Materials keep the last shadows.
+  dispose() { this.ended = true, this.leave(), this.sand?.end(), this.stage.call?.end(); }
   take(drawn) {
     this.drawn = drawn;
     this.sand?.take(drawn);

@@ -86,6 +86,14 @@ export class SandPainter {
     return chunk;
   }
 
+  // What it holds of the context.
+  end() {
+    const { gl } = this;
+    for (const { array, vertices, indices } of this.chunks) gl.deleteVertexArray(array), gl.deleteBuffer(vertices), gl.deleteBuffer(indices);
+    gl.deleteVertexArray(this.looseArray), gl.deleteBuffer(this.looseBuffer);
+    for (const { made } of [this.surface, this.loose]) gl.deleteProgram(made);
+    for (const texture of this.block) gl.deleteTexture(texture);
+  }
   // Another skin comes.
   clear() { for (const chunk of this.chunks) chunk.count = 0; }
   // `changes`: of SkinChanges.

@@ -11,6 +11,19 @@ const k_cast_textures = [["object", "seen"], ["wallObject", "wallSeen"]];  // of
 const k_fade = 5;             // seconds after an image in which light and shadows are told anew
 const k_field_nodes = 4e6;   // at most: a large model gets a coarser field
 const k_longest_side = 256;  // pixels of an image that are read
+// What calls take: how many numbers, 1 above 0; 0: something else.
+const k_options = { sand: 0, source: 0, threads: 1, origin: 3, half: 1, budget: 1 }, k_model = { shadow: 0, collide: 0 };
+const k_nozzle = { position: 3, rotation: 4, radius: 1, speed: 1 }, k_sand = { particles: 1, radius: 1 };
+
+// Refuses an option that there is not, and what is no such number.
+export function checked(what, given, kinds, more = false) {
+  for (const [name, value] of Object.entries(given)) {
+    const count = kinds[name], numbers = count > 1 ? Array.from(value ?? []) : [value];
+    if (count === undefined && !more) throw new Error(`sandglass: ${what} takes no "${name}". It takes: ${Object.keys(kinds).join(", ")}.`);
+    if (!count || value === undefined || (numbers.length === count && numbers.every(Number.isFinite) && (count > 1 || value > 0))) continue;
+    throw new Error(`sandglass: ${what}: ${name} must be ${count > 1 ? `${count} numbers: an array or a vector` : "a number above 0"}.`);
+  }
+}
 
 // The field of a mesh: its bytes, for another instance's memory too.
 export function fieldOf(sand, { positions, indices }, spacing) {
@@ -39,19 +52,21 @@ export function pixelsOf(image) {
   if (!(full[0] > 1 && full[1] > 1)) throw new Error("sandglass: see takes an image element, an ImageBitmap, a canvas or a video that is loaded.");
   const [width, height] = full.map((side) => Math.max(1, Math.round(side * Math.min(1, k_longest_side / Math.max(...full)))));
   const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
-  context.drawImage(image, 0, 0, width, height);
+  try { context.drawImage(image, 0, 0, width, height); } catch { throw new Error("sandglass: see takes an image element, an ImageBitmap, a canvas or a video. Of a texture pass its image."); }
   return { data: context.getImageData(0, 0, width, height).data, width, height };
 }
 
 export class Stage {
   // `sand`: of load(); or `source` and `threads` for it. `origin`: a point of the floor; sand throws shadows up to `half`
   // metres around it. `budget`: milliseconds that a frame of the library may take.
-  static async create({ sand, source, threads = 1, origin = [0, 0, 0], half = 0.64, budget = 8 } = {}) {
+  static async create(options = {}) {
+    checked("createStage", options, k_options);
+    const { sand, source, threads = 1, origin = [0, 0, 0], half = 0.64, budget = 8 } = options;
     return new Stage(sand ?? await load(source, { threads }), { origin, half, budget });
   }
 
   constructor(sand, options) {
-    Object.assign(this, { sand, options, models: new Map(), nozzles: [], hands: [], shown: {}, next: 1, images: 0, fading: k_fade, cast: 0, casts: [], planes: [{ x: [1, 0, 0], z: [0, 0, 1], at: [0, 0, 0] }], boxes: {}, room: 0, fields: Promise.resolve() });
+    Object.assign(this, { sand, options, models: new Map(), nozzles: [], hands: [], shown: {}, next: 1, images: 0, fading: k_fade, cast: 0, casts: [], planes: [{ x: [1, 0, 0], z: [0, 0, 1], at: [0, 0, 0] }], boxes: {}, room: 0, fields: Promise.resolve(), unmade: 0 });
     this.made("room", "sandglass_room");
     this.words = sand.allocate(4 * C.SANDGLASS_LIGHT_CELLS), this.castList = sand.allocate(8);
     for (const name of ["camera_image", "room_light", "room_place", "lighting", "filament_light", "frame_input", "frame_report", "cast_texture",
@@ -117,6 +132,7 @@ export class Stage {
   // Sand of so many particles of a radius in metres; further fields are those of sandglass_granular_desc. Sand that was
   // there is gone.
   createSand({ particles = 3000, radius = 0.006, ...granular } = {}) {
+    checked("createSand", { particles, radius }, k_sand);
     this.newScene({ particle_capacity: particles, particle_radius: radius, static_friction: 0.6, kinetic_friction: 0.55, ...granular });
     this.newPile(), this.take(this.skin, radius);
     for (const model of this.models.values()) this.giveField(model);
@@ -132,9 +148,11 @@ export class Stage {
   take(skin, radius) { this.radius = radius, this.changes = new SkinChanges(this.sand, skin); }
 
   // A mesh in its own frame (metres, its present size) and its pose. `shadow`: it throws one. `collide`: sand lies on it, as
-  // soon as a worker has made its field; `fields` resolves then. Gives the number that move() and remove() take.
-  addModel({ positions, indices, position, rotation }, { shadow = true, collide = true } = {}) {
-    const { sand, models } = this, count = indices.length / 3;
+  // soon as a worker has made its field; `fields` resolves then, and nothing is poured before. Gives the number that move()
+  // and remove() take.
+  addModel({ positions, indices, position, rotation }, options = {}) {
+    checked("addModel", options, k_model);
+    const { sand, models } = this, count = indices.length / 3, { shadow = true, collide = true } = options;
     if (models.size === k_models) throw new Error(`sandglass: a stage holds ${k_models} models. Remove one, or join their meshes.`);
     if (!(count > 0)) throw new Error("sandglass: the model has no triangles. Add an object that has a mesh.");
     const model = { position, rotation, shadow, collide, count, vertices: positions.length / 3, positions: sand.put(positions), indices: sand.put(indices), field: 0 };
@@ -151,9 +169,11 @@ export class Stage {
     const { sand, radius } = this, { positions, indices, vertices, count } = model;
     const mesh = { positions: sand.floats(positions, 3 * vertices).slice(), indices: new Uint32Array(sand.memory.buffer, indices, 3 * count).slice() };
     const field = typeof Worker === "undefined" ? Promise.resolve(fieldOf(sand, mesh, radius)) : fieldMade(sand.module, mesh, radius);
-    this.fields = Promise.all([this.fields, field.then((made) => { if (model.count && !model.field) model.field = sand.put(made); }, (error) => {
+    ++this.unmade;
+    this.fields = Promise.all([this.fields.catch(() => {}), field.then((made) => { if (model.count && !model.field) model.field = sand.put(made); }, (error) => {
       throw new Error(`sandglass: sand cannot lie on a model: ${error.message} Add it with { collide: false }, or take smaller sand.`);
-    })]);
+    }).finally(() => { --this.unmade; })]);
+    this.fields.catch(() => {});  // told to whoever asks
   }
 
   move(number, position, rotation) { Object.assign(this.models.get(number), { position, rotation }), this.moved = true; }
@@ -167,8 +187,8 @@ export class Stage {
   // Nozzles that are open from now on: { position, rotation, radius, speed }; none closes them.
   pour(...nozzles) {
     if (!this.radius) throw new Error("sandglass: there is no sand to pour. Call createSand first.");
-    if (!nozzles.every(({ position }) => position?.length === 3)) throw new Error("sandglass: a nozzle needs its position: [x, y, z] in metres.");
-    this.nozzles = nozzles.slice(0, k_nozzles).map((nozzle) => ({ rotation: [0, 0, 0, 1], radius: 4 * this.radius, speed: 0.8, ...nozzle }));
+    for (const nozzle of nozzles) checked("a nozzle", { position: null, ...nozzle }, k_nozzle);
+    this.nozzles = nozzles.slice(0, k_nozzles).map((nozzle) => ({ rotation: [0, 0, 0, 1], radius: 4 * this.radius, speed: 0.8, ...nozzle, position: Array.from(nozzle.position) }));
   }
   // Balls that push sand from now on: { position, radius, velocity }.
   push(...balls) { this.hands = balls.slice(0, k_colliders - 1 - k_models); }
@@ -245,7 +265,7 @@ export class Stage {
     for (const { position, radius, velocity = [0, 0, 0] } of this.hands) all.push({ shape: C.SANDGLASS_SHAPE_SPHERE, position, size: [radius, 0, 0], linear_velocity: velocity });
     all.forEach((one, i) => colliders[i].set({ ...still, ...one }));
     this.nozzles.forEach((nozzle, i) => emitters[i].set(nozzle));
-    input.set({ time_step: seconds, collider_count: this.radius ? all.length : 0, emitter_count: this.radius ? this.nozzles.length : 0 });
+    input.set({ time_step: seconds, collider_count: this.radius ? all.length : 0, emitter_count: this.radius && this.unmade === 0 ? this.nozzles.length : 0 });
     sand.sandglass_scene_frame(this.scene, input, report);
     return this.drawn(this.lit);
   }

@@ -1,12 +1,13 @@
 // sandglass/three: a stage in a scene of three.js, which the app hands over; nothing is imported of it.
 import { Engine, oneMesh } from "./engine.mjs";
+import { checked } from "./stage.mjs";
 import { receive, receivers, receiverValues } from "./glsl.mjs";
 
 const k_lit = ["MeshStandardMaterial", "MeshPhysicalMaterial", "MeshLambertMaterial", "MeshPhongMaterial"];
 
 // `renderer` and `scene` are needed; `worker`: the stage runs in a Worker; else options of Stage.create.
 export async function createStage(THREE, { renderer, scene, ...options } = {}) {
-  if (!renderer?.isWebGLRenderer) throw new Error("sandglass: createStage needs three's WebGLRenderer; WebGPURenderer has no onBeforeCompile. Pass { renderer: new THREE.WebGLRenderer() }.");
+  if (!renderer?.isWebGLRenderer) throw new Error("sandglass: createStage needs three's WebGLRenderer (WebGPURenderer has no onBeforeCompile). Call createStage(THREE, { renderer: new THREE.WebGLRenderer(), scene }).");
   if (!scene?.isScene) throw new Error("sandglass: createStage needs the scene that is lit. Pass { scene }.");
   return new ThreeStage(THREE, renderer, scene, await Engine.stageOf(options));
 }
@@ -52,8 +53,10 @@ class ThreeStage extends Engine {
 
   // The material of a surface that shadows fall on. It stays as it is otherwise. With `shadowOnly` it is seen through but for
   // its shadows, as a real floor in the camera's picture: they leave of what is behind the share of the light that is left.
-  receive(material, { shadowOnly = false } = {}) {
-    if (!k_lit.includes(material?.type)) throw new Error(`sandglass: no shadow falls on a ${material?.type ?? "mesh or group"}. receive takes the material of a mesh, which three lights: a MeshStandardMaterial.`);
+  receive(material, options = {}) {
+    checked("receive", options, { shadowOnly: 0 });
+    const { shadowOnly = false } = options;
+    if (!k_lit.includes(material?.type)) throw new Error(`sandglass: no shadow falls on a ${material?.type ?? "thing without a type"}. receive takes the material of a mesh, which three lights: a MeshStandardMaterial.`);
     if (shadowOnly) material.transparent = true;
     const before = material.onBeforeCompile, key = material.customProgramCacheKey();
     material.onBeforeCompile = (shader, renderer) => {
@@ -90,6 +93,7 @@ class ThreeStage extends Engine {
     return scene.add(this.group = new THREE.Group().add(mesh)), this.group;
   }
 
+  leave() { for (const one of [this.probe, this.sun, this.sun.target, this.group]) one?.removeFromParent(); }
   show(drawn, changed) {
     const { uniforms } = this, { toLight, facing, radiance } = drawn.light;
     this.probe.sh.fromArray(radiance), this.sun.color.setRGB(...facing), this.sun.position.set(...toLight);

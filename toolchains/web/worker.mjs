@@ -19,7 +19,7 @@ export function openWorker() {
     if (error === undefined) done(result); else failed(new Error(error));
   };
   worker.onerror = ({ message }) => { for (const { failed } of waiting.values()) failed(new Error(`sandglass: a worker does not start: ${message}. Allow worker-src blob: in the page's policy.`)); };
-  return (command, ...values) => new Promise((done, failed) => { waiting.set(++last, { done, failed }), worker.postMessage({ id: last, command, values }); });
+  return Object.assign((command, ...values) => new Promise((done, failed) => { waiting.set(++last, { done, failed }), worker.postMessage({ id: last, command, values }); }), { end: () => worker.terminate() });
 }
 
 const fieldWorker = () => field_worker ??= openWorker();
