@@ -66,17 +66,21 @@ VOLUME = """(() => {
 WORKER = """(async () => {
   renderer.setAnimationLoop(null);
   const far = await createStage(THREE, { renderer, scene: new THREE.Scene(), worker: true }), pause = () => new Promise((done) => setTimeout(done, 4));
-  const knot = new THREE.Mesh(new THREE.TorusKnotGeometry(0.06, 0.02, 400, 60)), take = far.take.bind(far), spent = [];
+  const knot = () => new THREE.Mesh(new THREE.TorusKnotGeometry(0.06, 0.02, 400, 60)), take = far.take.bind(far), adding = [], frames = [];
   let longest = 0, before = performance.now(), done = false, own = 0;
+  for (let i = 0; i < 3; ++i) {  // what else this machine does may fall into one of them
+    const begin = performance.now(), added = far.addModel(knot(), { collide: i === 0 });
+    adding.push(performance.now() - begin), await added;
+  }
   await far.createSand({ particles: 2000 });
-  const begin = performance.now(), added = far.addModel(knot), adding = performance.now() - begin;
-  await added, far.stage.fields.then(() => { done = true; });
+  const begin = performance.now();
+  far.stage.fields.then(() => { done = true; });
   for (before = performance.now(); !done; before = performance.now()) await pause(), longest = Math.max(longest, performance.now() - before);
   const field = performance.now() - begin;
   far.pour({ position: [0, 0.5, 0] });
   far.take = (drawn) => { const from = performance.now(); take(drawn), own += performance.now() - from; };
-  for (let i = 0; i < 240; ++i) { const from = performance.now(); far.update(1 / 60), own += performance.now() - from; await pause(); }
-  return { field, longest, adding, vertices: knot.geometry.getAttribute("position").count, frame: own / 240, particles: far.drawn.particles };
+  for (let i = 0; i < 240; ++i) { const from = performance.now(); far.update(1 / 60), own += performance.now() - from; await pause(); frames.push(own), own = 0; }
+  return { field, longest, adding: Math.min(...adding), vertices: knot().geometry.getAttribute("position").count, frame: frames.sort((a, b) => a - b)[120], particles: far.drawn.particles };
 })()"""
 
 
