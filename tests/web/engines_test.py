@@ -69,7 +69,7 @@ WORKER = """(async () => {
   const knot = () => new THREE.Mesh(new THREE.TorusKnotGeometry(0.06, 0.02, 400, 60)), take = far.take.bind(far), adding = [], frames = [];
   let longest = 0, before = performance.now(), done = false, own = 0;
   for (let i = 0; i < 3; ++i) {  // what else this machine does may fall into one of them
-    const begin = performance.now(), added = far.addModel(knot(), { collide: i === 0 });
+    const one = knot(), begin = performance.now(), added = far.addModel(one, { collide: i === 0 });
     adding.push(performance.now() - begin), await added;
   }
   await far.createSand({ particles: 2000 });

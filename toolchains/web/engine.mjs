@@ -44,9 +44,11 @@ export function oneMesh(parts) {
       positions[end + 1] = b * p[i] + e * p[i + 1] + h * p[i + 2] + y;
       positions[end + 2] = c * p[i] + f * p[i + 1] + k * p[i + 2] + z;
     }
-    const mirrored = a * (e * k - f * h) - d * (b * k - c * h) + g * (b * f - c * e) < 0 ? 1 : 0;
-    for (let i = 0; i < count; i += 3, last += 3)
-      for (let n = 0; n < 3; ++n) { const at = i + (n && mirrored ? 3 - n : n); indices[last + n] = base + (corners ? corners[at] : at); }
+    const own = indices.subarray(last, last += count);
+    if (corners) own.set(corners); else for (let i = 0; i < count; ++i) own[i] = i;
+    if (base > 0) for (let i = 0; i < count; ++i) own[i] += base;
+    if (a * (e * k - f * h) - d * (b * k - c * h) + g * (b * f - c * e) < 0)
+      for (let i = 0; i < count; i += 3) [own[i + 1], own[i + 2]] = [own[i + 2], own[i + 1]];
   }
   return { positions, indices };
 }
