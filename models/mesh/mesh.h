@@ -61,7 +61,7 @@ struct MeshResult {
 MeshResult clean_mesh(const std::vector<float>& vertices, const std::vector<uint32_t>& indices,
                       const std::string& name);
 
-// parts.cpp: turns the parts that are inside out, and counts them and all parts.
+// parts.cpp: counts edges and parts, turns the parts that are inside out, and counts those.
 void turn_outward(Mesh* mesh, MeshReport* report);
 
 // What a file without units leaves open: how many metres its unit has, and which axis is up.

@@ -116,7 +116,7 @@ int sample_command(const SampleOptions& options) {
                                                      : sample_inside(loaded.mesh, loaded.report, options);
     if (points.empty())
       throw cannot("sample", options.mesh, "no point lies in it", "Make --distance smaller, or close the mesh");
-    if (const std::string error = write_points_ply(options.output, points); !error.empty()) throw Failure(error);
+    write_points_ply(options.output, points);
     if (!options.picture.empty()) write_picture(options, points);
     const char* where = options.where == "surface"  ? "on the surface of"
                         : options.where == "volume" ? "in the volume of"
