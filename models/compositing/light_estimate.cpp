@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
 #include "models/files/failure.h"
@@ -12,8 +11,6 @@
 #include "runtime/core/half.h"
 
 namespace sandglass::host {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -153,15 +150,6 @@ Reflected SeenLight::reflected(Vec3 place, double height, const sandglass_room_l
   // The cube is in the last image's scale, and so is shown.white.
   const double scale = static_cast<double>(shown.white) * exposure_;
   return [faces, scale](Vec3 direction) { return faces->sample(direction) * scale; };
-}
-
-std::string shipped_light_network() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  for (const fs::path& folder :
-       {fs::path(SANDGLASS_LIGHTS_DIR), program.parent_path() / ".." / "share" / "sandglass" / "lights"})
-    if (fs::is_regular_file(folder / "room.light", error)) return (folder / "room.light").string();
-  return "";
 }
 
 }  // namespace sandglass::host

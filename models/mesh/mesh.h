@@ -17,6 +17,7 @@ struct Mesh {
 
   uint32_t vertex_count() const { return static_cast<uint32_t>(vertices.size() / 3); }
   uint32_t triangle_count() const { return static_cast<uint32_t>(indices.size() / 3); }
+  sandglass_mesh view() const { return {vertices.data(), vertex_count(), indices.data(), triangle_count()}; }
 };
 
 // What cleaning did, and how the edges meet. In a closed, consistently oriented surface every edge belongs to two

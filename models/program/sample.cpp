@@ -48,10 +48,6 @@ struct ProgressRelay {
   }
 };
 
-sandglass_mesh view(const Mesh& mesh) {
-  return {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
-}
-
 sandglass_sample_desc how_to_sample(const SampleOptions& options, ProgressRelay* relay) {
   sandglass_sample_desc how = sandglass::sample_desc();
   how.seed = options.seed;
@@ -63,13 +59,14 @@ sandglass_sample_desc how_to_sample(const SampleOptions& options, ProgressRelay*
 Points sample_surface(const Mesh& mesh, const SampleOptions& options) {
   ProgressRelay relay = {"sampling the surface", 0};
   Points points;
-  expect(cpp::sample_surface(view(mesh), static_cast<float>(options.distance), &points, how_to_sample(options, &relay)),
-         options);
+  expect(
+      cpp::sample_surface(mesh.view(), static_cast<float>(options.distance), &points, how_to_sample(options, &relay)),
+      options);
   return points;
 }
 
 Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOptions& options) {
-  const sandglass_mesh surface = view(mesh);
+  const sandglass_mesh surface = mesh.view();
   const float distance = static_cast<float>(options.distance);
   const sandglass_inside_rule rule = inside_rule(report);
   cpp::Box box;

@@ -7,13 +7,12 @@
 #include <filesystem>
 
 #include "models/files/failure.h"
+#include "models/files/shipped_file.h"
 #include "models/mesh/generated.h"
 #include "models/simulation/scene_meshes.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {
-
-namespace fs = std::filesystem;
 
 static std::array<float, 3> floats_of(Vec3 v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -21,12 +20,8 @@ static std::array<float, 3> floats_of(Vec3 v) {
 
 std::string find_shadow(const std::string& name_or_path) {
   std::error_code error;
-  if (fs::is_regular_file(name_or_path, error)) return name_or_path;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path folders[] = {SANDGLASS_SHADOWS_DIR, program.parent_path() / ".." / "share" / "sandglass" / "shadows"};
-  for (const fs::path& folder : folders)
-    if (fs::is_regular_file(folder / (name_or_path + ".shadow"), error))
-      return (folder / (name_or_path + ".shadow")).string();
+  if (std::filesystem::is_regular_file(name_or_path, error)) return name_or_path;
+  if (const std::string path = shipped_file("shadows", name_or_path + ".shadow"); !path.empty()) return path;
   throw cannot("read", name_or_path, "no file and no shipped shadow has this name", "Bake it with sandglass bake");
 }
 

@@ -189,7 +189,8 @@ TEST(Ply, failure_is_a_sentence_and_leaves_what_was_there) {
   const tests::TemporaryFolder folder;
   EXPECT_THROW(host::write_points_ply(folder / "no/such/folder/points.ply", {1, 2, 3}), host::Failure);
   std::filesystem::create_directories(folder / "taken");
-  EXPECT_THROW(host::write_points_ply(folder / "taken", {1, 2, 3}), host::Failure);  // a folder has that name, so renaming fails
+  EXPECT_THROW(host::write_points_ply(folder / "taken", {1, 2, 3}),
+               host::Failure);  // a folder has that name, so renaming fails
   EXPECT_EQ(files_in(folder), 1u);
 }
 
