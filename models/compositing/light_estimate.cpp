@@ -21,9 +21,7 @@ constexpr double k_focal = 174.60936017108344;  // in pixels; the image's diagon
 
 // A photograph is seen as it is.
 PhoneImage photographed(const Surroundings& room, ShotCamera camera) {
-  PhoneImage taken = {Picture(room.photo.width, room.photo.height, {0, 0, 0}), 1.0, {}};
-  for (size_t i = 0; i < taken.picture.rgb.size(); ++i)
-    taken.picture.rgb[i] = srgb_byte(static_cast<double>(room.photo.rgb[i]));
+  PhoneImage taken = {picture_of(room.photo), 1.0, {}};
   taken.image = camera_image_of(taken.picture, k_excerpt_fov_deg);
   taken.image.focal_x = taken.image.focal_y = static_cast<float>(room.photo_focal);
   camera.pose(&taken.image);

@@ -2,6 +2,7 @@
 // in the result, not exceptions.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -90,6 +91,9 @@ double signed_volume(const Mesh& mesh);
 // The least box around it.
 struct MeshBox {
   std::array<float, 3> low, high;
+
+  double size(size_t axis) const { return static_cast<double>(high[axis]) - static_cast<double>(low[axis]); }
+  double longest_side() const { return std::max({size(0), size(1), size(2)}); }
 };
 MeshBox box_of(const Mesh& mesh);
 

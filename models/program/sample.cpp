@@ -26,13 +26,11 @@ void expect(const cpp::Status& status, const SampleOptions& options) {
 }
 
 // The volume about the first corner: 0 for any flat sheet, closed or not, wherever it lies.
-bool has_volume(const Mesh& mesh, const cpp::Box& box) {
+bool has_volume(const Mesh& mesh) {
   constexpr double k_none = 1e-9;  // of the cube that the mesh fits into
   Mesh moved = mesh;
   for (size_t i = 0; i < moved.vertices.size(); ++i) moved.vertices[i] -= mesh.vertices[i % 3];
-  double longest = 0;
-  for (size_t axis = 0; axis < 3; ++axis)
-    longest = std::max(longest, static_cast<double>(box.max[axis]) - static_cast<double>(box.min[axis]));
+  const double longest = box_of(mesh).longest_side();
   return std::fabs(signed_volume(moved)) > k_none * longest * longest * longest;
 }
 
@@ -73,7 +71,7 @@ Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOpt
   cpp::Status bounded;
   bounded.code = sandglass_mesh_bounds(&surface, box.min, box.max, &bounded.reason);
   expect(bounded, options);
-  if (!has_volume(mesh, box))
+  if (!has_volume(mesh))
     throw cannot("sample", options.mesh, "it encloses no volume", "Take \"surface\", or a mesh that is a solid");
   if (!report.watertight())
     std::fprintf(stderr, "sandglass: note: \"%s\" is not watertight (%s): the winding number decides what is inside\n",
