@@ -68,9 +68,7 @@ Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOpt
   const float distance = static_cast<float>(options.distance);
   const sandglass_inside_rule rule = inside_rule(report);
   cpp::Box box;
-  cpp::Status bounded;
-  bounded.code = sandglass_mesh_bounds(&surface, box.min, box.max, &bounded.reason);
-  expect(bounded, options);
+  expect(cpp::call(sandglass_mesh_bounds, &surface, box.min, box.max), options);
   if (!has_volume(mesh))
     throw cannot("sample", options.mesh, "it encloses no volume", "Take \"surface\", or a mesh that is a solid");
   if (!report.watertight())

@@ -101,9 +101,7 @@ CollisionFields::CollisionFields(SceneFile* scene, const MeshFile& mesh) {
       standing = loaded.mesh;
       stand_mesh(&standing, track.size.y, mesh_path);
       const sandglass_mesh view = standing.view();
-      cpp::Status bounds;
-      bounds.code = sandglass_mesh_bounds(&view, box.min, box.max, &bounds.reason);
-      require(*scene, i, bounds);
+      require(*scene, i, cpp::call(sandglass_mesh_bounds, &view, box.min, box.max));
       for (int k = 0; k < 3; ++k) box.min[k] -= beyond, box.max[k] += beyond;
       plan.rule = inside_rule(loaded.report);
       plan.solid = solid;
