@@ -23,7 +23,7 @@ SphereCaster::SphereCaster(std::span<const float> centres, float radius, std::sp
   for (size_t i = 0; i < sizes.size() && i < radii.size(); ++i) radii[i] *= sizes[i];
   const double largest = radii.empty() ? radius : *std::max_element(radii.begin(), radii.end());
   state_ = std::make_unique<State>(
-      State{{centres.begin(), centres.end()}, std::move(radii), largest, CellGrid(centres, 4.0 * largest)});
+      State{{centres.begin(), centres.end()}, std::move(radii), largest, CellGrid(centres, 2.0 * largest)});
 }
 
 SphereCaster::~SphereCaster() = default;
