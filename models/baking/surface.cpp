@@ -27,18 +27,6 @@ Vec3 vertex(const Mesh& mesh, uint32_t i) { return from_floats(&mesh.vertices[3 
 constexpr double k_longest_edge = 1.0 / 16;  // of the mesh's size
 constexpr double k_buried = 0.02;            // of the hemisphere
 
-// Of the box around the mesh.
-double longest_side(const Mesh& mesh) {
-  double size = 0;
-  for (size_t axis = 0; axis < 3; ++axis) {
-    float low = INFINITY, high = -INFINITY;
-    for (size_t i = axis; i < mesh.vertices.size(); i += 3)
-      low = std::min(low, mesh.vertices[i]), high = std::max(high, mesh.vertices[i]);
-    size = std::max(size, static_cast<double>(high) - static_cast<double>(low));
-  }
-  return size;
-}
-
 void trace_point(const EmbreeScene& object, const SurfacePoint& point, uint64_t random, float* transfer) {
   double sums[k_transfer] = {};
   const Vec3 from = point.position + point.normal * k_lift;
@@ -59,7 +47,7 @@ void trace_point(const EmbreeScene& object, const SurfacePoint& point, uint64_t 
 }  // namespace
 
 std::vector<SurfacePoint> surface_points(const Mesh& coarse) {
-  const Mesh mesh = with_short_edges(coarse, k_longest_edge * longest_side(coarse));
+  const Mesh mesh = with_short_edges(coarse, k_longest_edge * box_of(coarse).longest_side());
   struct Side {
     Vec3 first, sum;  // the normal of the first triangle, and the weighted sum
   };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
 #include "models/files/failure.h"
@@ -12,8 +11,6 @@
 #include "runtime/core/half.h"
 
 namespace sandglass::host {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -24,9 +21,7 @@ constexpr double k_focal = 174.60936017108344;  // in pixels; the image's diagon
 
 // A photograph is seen as it is.
 PhoneImage photographed(const Surroundings& room, ShotCamera camera) {
-  PhoneImage taken = {Picture(room.photo.width, room.photo.height, {0, 0, 0}), 1.0, {}};
-  for (size_t i = 0; i < taken.picture.rgb.size(); ++i)
-    taken.picture.rgb[i] = srgb_byte(static_cast<double>(room.photo.rgb[i]));
+  PhoneImage taken = {picture_of(room.photo), 1.0, {}};
   taken.image = camera_image_of(taken.picture, k_excerpt_fov_deg);
   taken.image.focal_x = taken.image.focal_y = static_cast<float>(room.photo_focal);
   camera.pose(&taken.image);
@@ -153,15 +148,6 @@ Reflected SeenLight::reflected(Vec3 place, double height, const sandglass_room_l
   // The cube is in the last image's scale, and so is shown.white.
   const double scale = static_cast<double>(shown.white) * exposure_;
   return [faces, scale](Vec3 direction) { return faces->sample(direction) * scale; };
-}
-
-std::string shipped_light_network() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  for (const fs::path& folder :
-       {fs::path(SANDGLASS_LIGHTS_DIR), program.parent_path() / ".." / "share" / "sandglass" / "lights"})
-    if (fs::is_regular_file(folder / "room.light", error)) return (folder / "room.light").string();
-  return "";
 }
 
 }  // namespace sandglass::host

@@ -10,6 +10,7 @@
 #include "models/compositing/phone.h"
 #include "models/compositing/shot_light.h"
 #include "models/compositing/surroundings.h"
+#include "models/files/shipped_file.h"
 #include "models/lighting/room_light.h"
 #include "models/work/block.h"
 #include "sandglass/room.h"
@@ -73,6 +74,6 @@ class SeenLight {
 };
 
 // The shipped network, or empty where there is none.
-std::string shipped_light_network();
+inline std::string shipped_light_network() { return shipped_file("lights", "room.light"); }
 
 }  // namespace sandglass::host

@@ -45,9 +45,8 @@ RadianceMap view_of(const RadianceMap& panorama, const ShotCamera& camera, int w
 
 PhoneImage take_image(const RadianceMap& panorama, const ShotCamera& camera, int width, int height, double factor) {
   const RadianceMap view = view_of(panorama, camera, width, height);
-  PhoneImage taken = {Picture(width, height, {0, 0, 0}), exposed_by_itself(view) * factor, {}};
-  for (size_t i = 0; i < view.rgb.size(); ++i)
-    taken.picture.rgb[i] = srgb_byte(std::min(1.0, static_cast<double>(view.rgb[i]) * taken.exposure));
+  const double exposure = exposed_by_itself(view) * factor;
+  PhoneImage taken = {picture_of(view, exposure), exposure, {}};
   taken.image = camera_image_of(taken.picture, k_diagonal_deg);
   taken.image.focal_x = taken.image.focal_y = static_cast<float>(camera.focal * height);
   camera.pose(&taken.image);

@@ -90,7 +90,7 @@ std::vector<float> surface_of(const ColliderTrack& track, const Mesh& mesh) {
   const sandglass_shadow_info info = inspect_shadow(file, path);
   if (info.surface_vertices == 0) return {};
   const double scale = static_cast<double>(info.height) / track.size.y;
-  std::vector<float> places, normals;
+  std::vector<float> places, normals, transfer;
   for (size_t t = 0; t < mesh.indices.size(); t += 3) {
     Vec3 corners[3];
     for (size_t k = 0; k < 3; ++k)
@@ -102,11 +102,9 @@ std::vector<float> surface_of(const ColliderTrack& track, const Mesh& mesh) {
       for (const auto& [array, v] : {std::pair(&places, corner), std::pair(&normals, normal)})
         for (const double x : {v.x, v.y, v.z}) array->push_back(static_cast<float>(x));
   }
-  std::vector<float> transfer(3 * places.size());
-  const char* reason = nullptr;
-  if (sandglass_shadow_transfer(file.data(), file.size(), places.data(), normals.data(),
-                                static_cast<uint32_t>(places.size() / 3), transfer.data(), &reason) != SANDGLASS_OK)
-    throw cannot("read", path, reason);
+  const sandglass_shadow_desc asset = cpp::shadow_desc(file.data(), file.size());
+  if (const cpp::Status read = cpp::shadow_transfer(asset, places, normals, &transfer); !read)
+    throw cannot("read", path, read.reason);
   return transfer;
 }
 

@@ -18,16 +18,6 @@ void ShotCamera::pose(sandglass_camera_image* image) const {
   to_floats(eye, image->position);
 }
 
-ShotCamera resting_camera(const Camera& camera) {
-  ShotCamera shot;
-  shot.eye = camera.eye;
-  shot.forward = normalised(camera.target - camera.eye);
-  shot.right = normalised(cross(shot.forward, Vec3{0, 1, 0}));
-  shot.up = cross(shot.right, shot.forward);
-  shot.focal = 0.5 / std::tan(camera.fov_deg * std::numbers::pi / 360.0);
-  return shot;
-}
-
 ShotCamera held_camera(const Camera& camera, const ShotTrack& track, double seconds, double share) {
   constexpr double k_degree = std::numbers::pi / 180.0;
   // Each axis sways by the sum of two slow waves. Their periods share no beat within a shot. The spectrum is about that

@@ -9,14 +9,7 @@
 
 namespace sandglass::host {
 
-struct ShotCamera {
-  Vec3 eye, right, up, forward;
-  double focal = 1.0;  // picture heights
-
-  // Towards the place (x, y) in pixels of a width x height picture; not normalised.
-  Vec3 ray(double x, double y, int width, int height) const {
-    return forward * focal + right * ((x - 0.5 * width) / height) + up * ((0.5 * height - y) / height);
-  }
+struct ShotCamera : CameraFrame {
   // In the camera's axes of lighting: x right, y down, z forward.
   Vec3 to_camera(Vec3 d) const { return {dot(d, right), -dot(d, up), dot(d, forward)}; }
   Vec3 to_scene(Vec3 d) const { return right * d.x - up * d.y + forward * d.z; }
@@ -25,7 +18,7 @@ struct ShotCamera {
 };
 
 // The camera of the scene, at rest.
-ShotCamera resting_camera(const Camera& camera);
+inline ShotCamera resting_camera(const Camera& camera) { return {frame_of(camera)}; }
 
 // The camera at `seconds`, when `share` (0..1) of the run is over.
 ShotCamera held_camera(const Camera& camera, const ShotTrack& track, double seconds, double share);

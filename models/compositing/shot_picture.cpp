@@ -252,8 +252,8 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
                    light.reflected ? light.reflected(from) : shown_by(light.object, from));
   };
   const SandLight light_there = light_of_sand(light, shadows, textured);
-  const SandLayer sand(state_->sand, light_there, {camera.eye, camera.right, camera.up, camera.forward, camera.focal},
-                       {options.width, options.height, options.samples}, options.threads, options.kit);
+  const SandLayer sand(state_->sand, light_there, camera, {options.width, options.height, options.samples},
+                       options.threads, options.kit);
   RadianceMap picture(options.width, options.height);
   const auto colour_of = [&](Vec3 direction, const SandLayer::Sample& of_sand, Random* random) {
     const Hit hit = state_->closest_but_sand(camera.eye, direction);

@@ -8,6 +8,7 @@
 #include "models/compositing/phone.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
+#include "models/files/shipped_file.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
 #include "models/rooms/room_render.h"
@@ -134,12 +135,7 @@ RadianceMap traced_room(uint32_t seed, const std::string& folder, uint32_t threa
 }  // namespace
 
 RadianceMap kept_room(const std::string& name) {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  for (const fs::path& folder :
-       {fs::path(SANDGLASS_ROOMS_DIR), program.parent_path() / ".." / "share" / "sandglass" / "kept_rooms"})
-    if (fs::is_regular_file(folder / (name + ".jpg"), error))
-      return read_kept_room((folder / (name + ".jpg")).string());
+  if (const std::string path = shipped_file("kept_rooms", name + ".jpg"); !path.empty()) return read_kept_room(path);
   throw cannot("find", name, "no room of that name ships", "Take \"lebombo\", a seed as \"room\", or --panorama");
 }
 

@@ -178,10 +178,11 @@ struct KitShading::State {
   double finer = 1.0;  // steps from pixel to pixel are taken for so much of themselves
 };
 
-KitShading::KitShading(const SandLight& light, const Eye& eye, const SandShape& shape, double pixels,
+KitShading::KitShading(const SandLight& light, const CameraFrame& camera, const SandShape& shape, double pixels,
                        const KitChange& change)
     : state_(std::make_unique<State>()) {
-  const vec3 right = to_vec(eye.right), up = to_vec(eye.up), back = to_vec(eye.forward * -1.0), at = to_vec(eye.place);
+  const vec3 right = to_vec(camera.right), up = to_vec(camera.up), back = to_vec(camera.forward * -1.0),
+             at = to_vec(camera.eye);
   const mat4 view(vec4(right.x, up.x, back.x, 0), vec4(right.y, up.y, back.y, 0), vec4(right.z, up.z, back.z, 0),
                   vec4(-dot(right, at), -dot(up, at), -dot(back, at), 1));
   const sampler3D grains = texture_of_block(0), facets = texture_of_block(1);

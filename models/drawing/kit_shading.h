@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "models/drawing/sand_shape.h"
-#include "models/geometry/vec3.h"
+#include "models/geometry/camera.h"
 
 namespace sandglass::host {
 
@@ -20,12 +20,6 @@ struct SandLight {
   double wet = 0.0;
 };
 
-// Where a picture is taken from. focal: picture heights.
-struct Eye {
-  Vec3 place, right, up, forward;
-  double focal;
-};
-
 // What a control of `verify look` changes, and its picture without the kit.
 struct KitChange {
   double sharper = 0.0;  // levels of the block
@@ -35,7 +29,7 @@ struct KitChange {
 
 class KitShading {
  public:
-  KitShading(const SandLight& light, const Eye& eye, const SandShape& shape, double pixels,
+  KitShading(const SandLight& light, const CameraFrame& camera, const SandShape& shape, double pixels,
              const KitChange& change = {});
   ~KitShading();
   KitShading(const KitShading& other);

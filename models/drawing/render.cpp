@@ -54,17 +54,6 @@ double unit_random(uint32_t* state) {
 Vec3 scaled(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 Vec3 mixed(Vec3 a, Vec3 b, double t) { return a * (1.0 - t) + b * t; }
 
-struct CameraFrame {
-  Vec3 right, up, forward;
-  double focal;  // in picture heights
-  explicit CameraFrame(const Camera& camera) {
-    forward = normalised(camera.target - camera.eye);
-    right = normalised(cross(forward, Vec3{0, 1, 0}));
-    up = cross(right, forward);
-    focal = 0.5 / std::tan(camera.fov_deg * std::numbers::pi / 360.0);
-  }
-};
-
 // A collider, with the turn from the world to its local frame.
 struct Solid {
   sandglass_shape shape;
@@ -74,12 +63,6 @@ struct Solid {
   bool container;
   Vec3 to_local(Vec3 v) const { return rotate(conjugate(rotation), v); }
 };
-
-bool is_container(const sandglass_collider& collider) {
-  float low[3], high[3];
-  return collider.shape == SANDGLASS_SHAPE_FIELD && collider.field != nullptr &&
-         sandglass_field_bounds(collider.field, low, high) == SANDGLASS_SOLID_OUTSIDE;
-}
 
 struct SurfaceHit {
   double distance = k_far;
@@ -236,7 +219,7 @@ struct Tracer {
       : view(v),
         casters(casters_of(v)),
         caster(casters.middles, casters.radius, casters.sizes),
-        frame(v.camera),
+        frame(frame_of(v.camera)),
         diagonal(std::max(1e-6, length(v.bounds.high - v.bounds.low))),
         sun(normalised(v.to_light)) {
     if (!v.shadows.empty()) sun_spread = std::tan(v.shadows[0].half_angle);
@@ -244,13 +227,13 @@ struct Tracer {
       const Quaternion q = {c.rotation[0], c.rotation[1], c.rotation[2], c.rotation[3]};
       const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
       solids.push_back({c.shape, from_floats(c.position), from_floats(c.size),
-                        norm > 0.0 ? normalised(q) : k_no_rotation, c.field, is_container(c)});
+                        norm > 0.0 ? normalised(q) : k_no_rotation, c.field, behind_glass({&c, 1})});
     }
     if (options.coin) place_coin();
     if (v.sand == nullptr) return;
     const SandLight light = sand_light();
-    sand.emplace(*v.sand, light, Eye{v.camera.eye, frame.right, frame.up, frame.forward, frame.focal},
-                 SandLayer::Size{options.width, options.height, options.samples}, options.threads);
+    sand.emplace(*v.sand, light, frame, SandLayer::Size{options.width, options.height, options.samples},
+                 options.threads);
   }
 
   // Before the sand and to its right, where a level floor is.
@@ -388,9 +371,7 @@ struct Tracer {
       for (int s = 0; s < options.samples * options.samples; ++s) {
         const double sx = x + (s % options.samples + unit_random(&random)) / options.samples;
         const double sy = y + (s / options.samples + unit_random(&random)) / options.samples;
-        const Vec3 direction =
-            normalised(frame.forward * frame.focal + frame.right * ((sx - 0.5 * options.width) / options.height) +
-                       frame.up * ((0.5 * options.height - sy) / options.height));
+        const Vec3 direction = normalised(frame.ray(sx, sy, options.width, options.height));
         const SandLayer::Sample none, &of_sand = sand ? sand->at(x, y, s) : none;
         const double limit = static_cast<double>(of_sand.depth) / dot(direction, frame.forward);
         double even[4];
@@ -456,7 +437,7 @@ Camera automatic_camera(std::span<const Bounds> boxes, double aspect) {
                             std::cos(azimuth) * std::cos(elevation)};
   camera.target = (all.low + all.high) * 0.5;
   camera.eye = camera.target + towards_eye;
-  const CameraFrame frame(camera);
+  const CameraFrame frame = frame_of(camera);
   const double half_height = 0.5 / frame.focal;
   double distance = 0.0;
   for (int round = 0; round < k_rounds; ++round) {
@@ -483,7 +464,7 @@ Camera automatic_camera(std::span<const Bounds> boxes, double aspect) {
 }
 
 PixelPlace project(const Camera& camera, int width, int height, Vec3 point) {
-  const CameraFrame frame(camera);
+  const CameraFrame frame = frame_of(camera);
   const Vec3 to = point - camera.eye;
   const double depth = dot(to, frame.forward), scale = frame.focal * height / std::max(depth, 1e-9);
   return {0.5 * width + dot(to, frame.right) * scale, 0.5 * height - dot(to, frame.up) * scale, depth};

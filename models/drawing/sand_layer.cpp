@@ -28,16 +28,16 @@ double area(const Projected& a, const Projected& b, double x, double y) {
 struct SandLayer::Band {
   SandLayer& layer;
   const SandShape& shape;
-  const Eye& eye;
+  const CameraFrame& camera;
   KitShading shading;
   int top, bottom;
 
-  double scale() const { return eye.focal * layer.size_.height; }
+  double scale() const { return camera.focal * layer.size_.height; }
   Projected projected(Vec3 place) const {
-    const Vec3 to = place - eye.place;
-    const double depth = dot(to, eye.forward);
-    return {0.5 * layer.size_.width + scale() * dot(to, eye.right) / depth,
-            0.5 * layer.size_.height - scale() * dot(to, eye.up) / depth, depth};
+    const Vec3 to = place - camera.eye;
+    const double depth = dot(to, camera.forward);
+    return {0.5 * layer.size_.width + scale() * dot(to, camera.right) / depth,
+            0.5 * layer.size_.height - scale() * dot(to, camera.up) / depth, depth};
   }
 
   // Calls covers(x, y) for the middle of each sample within the box, gives the sample the depth that it returns, if
@@ -162,16 +162,16 @@ struct SandLayer::Band {
   }
 };
 
-SandLayer::SandLayer(const SandShape& shape, const SandLight& light, const Eye& eye, Size size, uint32_t threads,
-                     const KitChange& change)
+SandLayer::SandLayer(const SandShape& shape, const SandLight& light, const CameraFrame& camera, Size size,
+                     uint32_t threads, const KitChange& change)
     : size_(size),
       samples_(static_cast<size_t>(size.width) * static_cast<size_t>(size.height) *
                static_cast<size_t>(size.samples * size.samples)) {
-  const KitShading shading(light, eye, shape, eye.focal * size.height, change);
+  const KitShading shading(light, camera, shape, camera.focal * size.height, change);
   const int bands = (size.height + k_band - 1) / k_band;
   ThreadPool(threads).run(static_cast<uint32_t>(bands), [&](uint32_t i) {
     const int top = static_cast<int>(i) * k_band;
-    Band band = {*this, shape, eye, KitShading(shading), top, std::min(top + k_band, size.height)};
+    Band band = {*this, shape, camera, KitShading(shading), top, std::min(top + k_band, size.height)};
     for (size_t t = 0; t + 2 < shape.indices.size(); t += 3) band.triangle(&shape.indices[t]);
     for (size_t k = 0; k < shape.loose.size(); ++k) band.loose(shape.loose[k], k < shape.flying);
   });

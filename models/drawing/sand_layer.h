@@ -22,7 +22,7 @@ class SandLayer {
   };
 
   // Equal arguments give equal bits on any number of threads.
-  SandLayer(const SandShape& shape, const SandLight& light, const Eye& eye, Size size, uint32_t threads,
+  SandLayer(const SandShape& shape, const SandLight& light, const CameraFrame& camera, Size size, uint32_t threads,
             const KitChange& change = {});
 
   // Sample i lies in column i % samples and row i / samples of the pixel.

@@ -162,10 +162,10 @@ Picture picture_grid(std::span<const Picture> pictures, int columns, int gap) {
   return grid;
 }
 
-static void append(void* context, void* data, int size) {
-  const uint8_t* bytes = static_cast<const uint8_t*>(data);
-  static_cast<std::vector<uint8_t>*>(context)->insert(static_cast<std::vector<uint8_t>*>(context)->end(), bytes,
-                                                      bytes + size);
+void append_bytes(void* to, void* data, int size) {
+  auto* bytes = static_cast<std::vector<uint8_t>*>(to);
+  const auto* begin = static_cast<const uint8_t*>(data);
+  bytes->insert(bytes->end(), begin, begin + size);
 }
 
 // Refuses what would be decoded wrongly or not at all, by its name.
@@ -271,8 +271,8 @@ Picture read_excerpt(const std::string& path) {
 void write_png(const std::string& path, const Picture& picture) {
   std::vector<uint8_t> file;
   if (picture.width <= 0 || picture.height <= 0 ||
-      stbi_write_png_to_func(append, &file, picture.width, picture.height, 3, picture.rgb.data(), picture.width * 3) ==
-          0)
+      stbi_write_png_to_func(append_bytes, &file, picture.width, picture.height, 3, picture.rgb.data(),
+                             picture.width * 3) == 0)
     throw cannot("write", path, "the picture has no pixel", "Make it larger");
   write_file(path, file);
 }
@@ -280,7 +280,7 @@ void write_png(const std::string& path, const Picture& picture) {
 std::vector<uint8_t> jpeg_file(const Picture& picture, int quality) {
   std::vector<uint8_t> file;
   if (picture.width <= 0 || picture.height <= 0 ||
-      stbi_write_jpg_to_func(append, &file, picture.width, picture.height, 3, picture.rgb.data(), quality) == 0)
+      stbi_write_jpg_to_func(append_bytes, &file, picture.width, picture.height, 3, picture.rgb.data(), quality) == 0)
     throw cannot("encode", "JPEG", "the picture has no pixel", "Make it larger");
   return file;
 }

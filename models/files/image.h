@@ -54,6 +54,9 @@ Picture read_excerpt(const std::string& path);
 
 void write_png(const std::string& path, const Picture& picture);
 
+// For stb_image_write: `to` is a vector of bytes.
+void append_bytes(void* to, void* data, int size);
+
 // The bytes of a JPEG file; quality 1..100. For pictures of sand it has a tenth of the PNG's size.
 std::vector<uint8_t> jpeg_file(const Picture& picture, int quality);
 

@@ -6,19 +6,19 @@
 namespace sandglass::host {
 
 std::string measurements_json(const std::vector<Measurement>& measurements) {
-  std::vector<Json> list;
+  Json list = Json::array();
   for (const Measurement& m : measurements) {
-    std::vector<Json::Member> entry = {{"suite", m.suite}, {"case", m.scene}, {"metric", m.metric},  {"value", m.value},
-                                       {"unit", m.unit},   {"isa", m.isa},    {"threads", m.threads}};
+    Json entry = {{"suite", m.suite}, {"case", m.scene}, {"metric", m.metric},  {"value", m.value},
+                  {"unit", m.unit},   {"isa", m.isa},    {"threads", m.threads}};
     if (m.judgement) {
-      entry.emplace_back("truth", m.judgement->truth);
-      entry.emplace_back("limit", m.judgement->limit);
-      entry.emplace_back("pass", m.judgement->pass);
-      if (m.judgement->control) entry.emplace_back("control", true);
+      entry["truth"] = m.judgement->truth;
+      entry["limit"] = m.judgement->limit;
+      entry["pass"] = m.judgement->pass;
+      if (m.judgement->control) entry["control"] = true;
     }
-    list.push_back(Json::object(entry));
+    list.push_back(std::move(entry));
   }
-  return Json::list(list).text() + "\n";
+  return text_of(list);
 }
 
 }  // namespace sandglass::host

@@ -24,6 +24,7 @@ import torch
 sys.dont_write_bytecode = True
 import light_data
 import light_network
+from light_file import fnv1a
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "excerpts")
 SEED = 1
@@ -77,14 +78,9 @@ def write_estimates(weights, pixels, path):
         out = csv.writer(file, lineterminator="\n")
         out.writerow(["image", "fnv1a"] + list(light_data.LABELS))
         for name, image in zip(names, images):
-            hashed = 14695981039346656037
-            for byte in image.tobytes():
-                hashed = (hashed ^ byte) * 1099511628211 % 2 ** 64
             with torch.no_grad():
-                rgb = torch.from_numpy(image.transpose(2, 0, 1).astype(np.float32) / 255)[None]
-                said = network.estimate(network.prefix(network.trunk(rgb)))
-            values = np.concatenate([said[k][0].numpy() for k in ("direction", "light", "ambient", "contrast")])
-            out.writerow([name, f"{hashed:016x}"] + [f"{x:.7f}" for x in values])
+                values = network.estimate(network.features(light_data.to_tensor([image])))[0].tolist()
+            out.writerow([name, f"{fnv1a(image.tobytes()):016x}"] + [f"{x:.7f}" for x in values])
 
 
 def main():

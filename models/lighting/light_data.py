@@ -1,9 +1,6 @@
-"""What training reads: the manifests of `sandglass dataset`, and their images with their labels. Both are augmented together.
-The outputs of layers that do not learn are kept on disk."""
+"""What training reads: the manifests of `sandglass dataset`, their images and labels, and the features of the images."""
 import csv
 import hashlib
-import io
-import json
 import math
 import os
 import sys
@@ -13,6 +10,7 @@ import torch
 from PIL import Image
 
 WIDTH, HEIGHT = 256, 192
+COPIES = 2  # of an image: itself and its mirror image
 LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
           "contrast")
 GROUPS = (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 10))  # columns of the labels: direction, light, ambient, contrast
@@ -79,129 +77,32 @@ class Rows:
         return np.flatnonzero(train), np.flatnonzero(test)
 
 
-def read_bytes(path):
-    try:
-        with open(path, "rb") as file:
-            return file.read()
-    except OSError:
-        fail(f"the image '{path}' of the manifest cannot be read; make the data set again")
-
-
 def read_image(path):
     try:
-        image = Image.open(io.BytesIO(read_bytes(path))).convert("RGB")
+        image = Image.open(path).convert("RGB")
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
-        fail(f"'{path}' is no image; make the data set again")
+        fail(f"'{path}' is missing, or no image; make the data set again")
     if image.size != (WIDTH, HEIGHT):
         fail(f"'{path}' is {image.size[0]} x {image.size[1]}, not {WIDTH} x {HEIGHT}; make the data set again")
     return np.asarray(image)
 
 
-def gain_of(random):
-    """A random exposure and white balance: one factor for each linear channel."""
-    return (2.0 ** random.normal(0.0, 0.25) * np.exp(random.normal(0.0, 0.06, 3))).astype(np.float32)
-
-
-def augmented(rgb, random):
-    """Changes exposure, white balance and field of view at random, and adds noise and JPEG's losses."""
-    gain = gain_of(random)
-    x = rgb.astype(np.float32) / 255.0
-    if random.random() < 0.5:  # re-projects a narrower camera; outside its view the edge's colour continues
-        scale = random.uniform(0.6, 1.0)
-        u = np.clip(np.rint(np.clip((np.arange(WIDTH) - 127.5), -127.5 * scale, 127.5 * scale) + 127.5), 0, WIDTH - 1)
-        v = np.clip(np.rint(np.clip((np.arange(HEIGHT) - 95.5), -95.5 * scale, 95.5 * scale) + 95.5), 0, HEIGHT - 1)
-        x = x[v.astype(int)][:, u.astype(int)]
-    linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
-    linear = np.clip(gain * linear + random.normal(0.0, 1.0, x.shape) * random.uniform(0.0, 0.01), 0.0, 1.0)
-    x = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    x = np.rint(255.0 * x).astype(np.uint8)
-    if random.random() < 0.5:
-        packed = io.BytesIO()
-        Image.fromarray(x).save(packed, "JPEG", quality=int(random.integers(50, 96)))
-        x = np.asarray(Image.open(packed))
-    return x
-
-
-def prepared(rows, index, copy, seed):
-    """Copy 0 is the image, and copy 1 is its mirror image. Further copies are augmented, and odd ones are mirrored too. The
-    result depends on the arguments alone."""
-    rgb = read_image(rows.image[index])
-    if copy >= 2:
-        rgb = augmented(rgb, np.random.default_rng([seed, rows.number[index], copy]))
-    return np.ascontiguousarray(rgb[:, ::-1]) if copy % 2 == 1 else rgb
-
-
-def label_of(rows, index, copy, seed):
-    """The labels of that copy. A mirror image has the mirrored direction. A gain changes the colours of the light as it changes
-    the image."""
+def label_of(rows, index, copy):
+    """The labels of an image (copy 0), or of its mirror image (copy 1): the direction is mirrored too."""
     label = rows.labels[index].copy()
-    if copy >= 2:
-        gain = gain_of(np.random.default_rng([seed, rows.number[index], copy]))
-        for at in (3, 6):  # as in the data set: hue kept, no channel above 1
-            colour = label[at:at + 3] * gain
-            label[at:at + 3] = colour / max(1.0, float(colour.max()))
-    if copy % 2 == 1:
+    if copy == 1:
         label[0] = -label[0]
     return label
 
 
-def to_tensor(rgb, device):
-    rgb = torch.from_numpy(np.stack(rgb)).to(device).permute(0, 3, 1, 2)
+def to_tensor(rgb):
+    rgb = torch.from_numpy(np.stack(rgb)).permute(0, 3, 1, 2)
     return rgb.float().div(255.0).contiguous(memory_format=torch.channels_last)
 
 
-def images_hash(paths):
-    """A hash of the bytes of the images, in their order. It ties trunks to images, whatever a folder is called."""
-    whole = hashlib.sha256()
-    for path in paths:
-        whole.update(hashlib.sha256(read_bytes(path)).digest())
-    return whole.hexdigest()
-
-
-def cached_trunks(net, rows, arguments, device):
-    """Computes the trunks of all rows and copies, in half precision. Each folder and copy has a file. Files of the same images
-    are used again. Returns a function from (row, copy) to a trunk."""
-    net.eval()
-    files, trunk = {}, hashlib.sha256()
-    for part in (net.stem, net.stem_norm, net.blocks[:3], net.transitions):
-        for value in part.state_dict().values():
-            trunk.update(value.cpu().contiguous().numpy().tobytes())
-    for folder in dict.fromkeys(rows.folder):
-        members = [i for i, f in enumerate(rows.folder) if f == folder]
-        images = images_hash(rows.image[i] for i in members)
-        key = hashlib.sha256(json.dumps([images, trunk.hexdigest(), arguments.seed]).encode()).hexdigest()[:16]
-        cache = os.path.join(arguments.cache or arguments.output, "trunks_" + key)
-        os.makedirs(cache, exist_ok=True)
-        for copy in range(arguments.copies):
-            path = os.path.join(cache, f"copy_{copy}.npy")
-            if not os.path.exists(path):
-                parts = []
-                for at in range(0, len(members), 16):
-                    batch = [prepared(rows, i, copy, arguments.seed) for i in members[at:at + 16]]
-                    with torch.no_grad():
-                        parts.append(net.trunk(to_tensor(batch, device)).cpu().numpy().astype(np.float16))
-                with open(path + ".unfinished", "wb") as file:
-                    np.save(file, np.concatenate(parts))
-                os.replace(path + ".unfinished", path)
-                print(f"{folder}: copy {copy + 1} of {arguments.copies}", flush=True)
-            try:
-                files[folder, copy] = np.load(path, mmap_mode="r")
-            except (OSError, ValueError):
-                fail(f"the cached trunks '{path}' are damaged; remove that file")
-            if len(files[folder, copy]) != len(members):
-                fail(f"the cached trunks '{path}' are of {len(files[folder, copy])} images, not {len(members)}; remove that file")
-    trunks = {}
-    with torch.no_grad():
-        for key, file in files.items():
-            parts = [net.prefix(torch.from_numpy(file[at:at + 64].astype(np.float32)).to(device)
-                                .contiguous(memory_format=torch.channels_last)).cpu().numpy().astype(np.float16)
-                     for at in range(0, len(file), 64)] if net.learned < len(net.blocks[3]) else [file]
-            trunks[key] = parts[0] if len(parts) == 1 else np.concatenate(parts)
-    return lambda i, c: trunks[rows.folder[i], c][rows.number[i]]
-
-
-def read_features(net, rows, arguments, paths):
-    """Reads features that were made elsewhere, in place of trunks. Each folder has a file, with one copy after another."""
+def read_features(net, rows, paths):
+    """Each folder has a file with the features of its images, then those of their mirror images. Returns a function from (row, copy)
+    to features."""
     folders = list(dict.fromkeys(rows.folder))
     if len(paths) != len(folders):
         fail(f"{len(paths)} files of features for {len(folders)} folders; name one for each, in their order")
@@ -211,9 +112,8 @@ def read_features(net, rows, arguments, paths):
             values = np.load(path)
         except (OSError, ValueError, EOFError):
             fail(f"'{path}' is no file of features; make it with `sandglass light-features`")
-        expected = (arguments.copies * rows.folder.count(folder), net.last.num_features)
+        expected = (COPIES * rows.folder.count(folder), net.last.num_features)
         if values.shape != expected:
-            fail(f"'{path}' holds {values.shape}, not {expected}; make it again from '{folder}', with --mirror for 2 copies")
-        files[folder] = values.reshape(arguments.copies, -1, expected[1])
-    net.features = lambda features: features
+            fail(f"'{path}' holds {values.shape}, not {expected}; make it again from '{folder}', with --mirror")
+        files[folder] = values.reshape(COPIES, -1, expected[1])
     return lambda i, c: files[rows.folder[i]][c, rows.number[i]]

@@ -79,9 +79,7 @@ class LightNet(nn.Module):
         self.blocks, self.transitions = nn.ModuleList(blocks), nn.ModuleList(transitions)
         self.last = nn.BatchNorm2d(channels, eps=EPSILON)
         self.latent = nn.Sequential(nn.Linear(channels, 512), nn.BatchNorm1d(512), nn.ELU())
-        self.dropout = 0.0  # share of the 512 units, in training
         self.lanes = None  # which features belong to lanes, if there are lanes
-        self.learned = LAYERS[3]  # how many layers of the last block are not in the trunk that is kept on disk
         self.heads = nn.ModuleDict({k: nn.Linear(512, n) for k, n in
                                     (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))})
 
@@ -138,37 +136,28 @@ class LightNet(nn.Module):
                 read.wide.weight[k, k, 2, 1] = read.wide.weight[count + k, count + k, 1, 2] = 1.0
         self.lanes = np.isin(np.arange(self.last.num_features), torch.cat([places[3]] + made).numpy())
 
-    def trunk(self, rgb):
-        """Maps sRGB in 0..1 to the input of the last dense block, 512 x 6 x 8."""
-        mean, deviation = (torch.tensor(t, device=rgb.device).view(1, 3, 1, 1) for t in (MEAN, DEVIATION))
-        x = F.relu(self.stem_norm(self.stem((rgb - mean) / deviation)))
-        x = F.max_pool2d(x, 3, 2, 1)
-        for i in range(3):
-            x = self.transitions[i](self.blocks[i](x))
-        return x
+    def features(self, rgb):
+        """Maps sRGB in 0..1 to the means of the last maps."""
+        mean, deviation = (torch.tensor(t).view(1, 3, 1, 1) for t in (MEAN, DEVIATION))
+        x = F.max_pool2d(F.relu(self.stem_norm(self.stem((rgb - mean) / deviation))), 3, 2, 1)
+        for block, transition in zip(self.blocks, self.transitions):
+            x = transition(block(x))
+        return F.relu(self.last(self.blocks[3](x))).mean((2, 3))
 
-    def prefix(self, trunk):
-        """Runs the layers of the last block that do not learn."""
-        return self.blocks[3][:LAYERS[3] - self.learned](trunk)
-
-    def features(self, prefix):
-        return F.relu(self.last(self.blocks[3][LAYERS[3] - self.learned:](prefix))).mean((2, 3))
-
-    def estimate(self, prefix):
-        latent = F.dropout(self.latent(self.features(prefix)), self.dropout, self.training)
+    def estimate(self, features):
+        latent = self.latent(features)
         out = {k: head(latent) for k, head in self.heads.items()}
-        return {"direction": F.normalize(torch.tanh(out["direction"]), dim=1), "light": torch.sigmoid(out["light"]),
-                "ambient": torch.sigmoid(out["ambient"]), "contrast": torch.sigmoid(out["contrast"])}
+        return torch.cat([F.normalize(torch.tanh(out["direction"]), dim=1)] +
+                         [torch.sigmoid(out[k]) for k in ("light", "ambient", "contrast")], 1)
 
     def trusts(self):
         """The factors of the standardised features from which training chooses."""
         return [1.0] if self.lanes is None else [np.where(self.lanes, 1.0, trust) for trust in TRUSTS]
 
-    def start_at(self, features, labels, weights, ridges, chosen_trusts=(0,) * len(GROUPS)):
-        """Starts the heads from weighted ridge regressions of the labels on features (float64, by rows). With few places,
-        gradient descent does not find such a start. The first 10 * COPIES_OF_START latent units carry the solutions. Each
-        solution has COPIES_OF_START copies because of the dropout. They are shifted to where ELU is the identity. The other
-        units begin without effect."""
+    def give_heads(self, features, labels, weights, ridges, chosen_trusts):
+        """Makes the heads weighted ridge regressions of the labels on features (float64, by rows). The first 10 * COPIES_OF_START
+        latent units carry the solutions, COPIES_OF_START copies of each, shifted to where ELU is the identity. The other units are
+        without effect."""
         slopes = np.zeros((features.shape[1], len(LABELS)))
         for k in set(chosen_trusts):
             regression = Regression(features, labels, weights, self.trusts()[k])
@@ -184,9 +173,9 @@ class LightNet(nn.Module):
             for head in self.heads.values():
                 head.weight.zero_()
             linear.bias.zero_()
-            linear.weight[:len(to)] = torch.from_numpy(slopes.T.astype(np.float32)).to(linear.weight.device)[to]
-            outputs = torch.from_numpy(features.astype(np.float32)).to(linear.weight.device) @ linear.weight.T
-            shares = torch.from_numpy(weights.astype(np.float32)).to(outputs.device)
+            linear.weight[:len(to)] = torch.from_numpy(slopes.T.astype(np.float32))[to]
+            outputs = torch.from_numpy(features.astype(np.float32)) @ linear.weight.T
+            shares = torch.from_numpy(weights.astype(np.float32))
             norm.running_mean.copy_((shares * outputs).sum(0))
             norm.running_var.copy_((shares * (outputs - norm.running_mean) ** 2).sum(0))
             norm.bias[:len(to)] = SHIFT_OF_START
@@ -196,16 +185,6 @@ class LightNet(nn.Module):
                     head.weight[row, j * COPIES_OF_START:(j + 1) * COPIES_OF_START] = float(spread[j]) / COPIES_OF_START
                     head.bias[row] = float(answer[j] - SHIFT_OF_START * spread[j])
                     j += 1
-
-    def heads_of(self):
-        return nn.ModuleList([self.latent, self.heads])
-
-    def train_with_frozen_statistics(self):
-        """Training mode. The statistics of the DenseNet's batch normalisations stay as they are."""
-        self.train()
-        for module in self.modules():
-            if isinstance(module, nn.BatchNorm2d):
-                module.eval()
 
     def load(self, path):
         """Loads a pretrained or an exported file. Returns whether it has heads. Without them the heads stay as they are."""

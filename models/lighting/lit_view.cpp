@@ -12,19 +12,7 @@ namespace sandglass::host {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-constexpr Colour k_black = {0, 0, 0};
 constexpr int k_least_warped_width = 256;
-
-// Linear 0..1 to an sRGB picture.
-Picture picture_of(const RadianceMap& linear) {
-  Picture picture(linear.width, linear.height, k_black);
-  for (size_t i = 0; i < linear.rgb.size(); ++i) picture.rgb[i] = srgb_byte(static_cast<double>(linear.rgb[i]));
-  return picture;
-}
-
-}  // namespace
 
 uint64_t hash_of_name(const std::string& name, uint64_t seed) {
   uint64_t hash = mix_bits(seed);

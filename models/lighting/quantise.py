@@ -88,52 +88,52 @@ def windows_of(values):
 
 
 class Observations:
-    def __init__(self):
-        layers, transitions = sum(LAYERS), len(LAYERS) - 1
-        self.images, self.stem, self.last = 0, Seen(), Seen()
-        self.narrow_inputs, self.bottlenecks, self.growths = ([Seen() for _ in range(layers)] for _ in range(3))
+    """What the places of a float network hold while it runs on images."""
+
+    def __init__(self, net):
+        layers, transitions = [layer for block in net.blocks for layer in block], len(net.transitions)
+        self.images, self.hooks, self.stem, self.last = 0, [], Seen(), Seen()
+        self.narrow_inputs, self.bottlenecks, self.growths = ([Seen() for _ in layers] for _ in range(3))
         self.transition_inputs, self.transitions = ([Seen() for _ in range(transitions)] for _ in range(2))
-        self.narrow_products, self.wide_products = ([Products() for _ in range(layers)] for _ in range(2))
+        self.narrow_products, self.wide_products = ([Products() for _ in layers] for _ in range(2))
         self.transition_products = [Products() for _ in range(transitions)]
+        self.watch(net.stem, lambda given, made: self.next_image())
+        self.watch_rectified(net.stem_norm, self.stem)
+        for at, layer in enumerate(layers):
+            self.watch_rectified(layer.before, self.narrow_inputs[at])
+            self.watch_rectified(layer.between, self.bottlenecks[at])
+            self.watch(layer.narrow, self.products(self.narrow_products[at], pixels_of))
+            self.watch(layer.wide, self.products(self.wide_products[at], windows_of, self.growths[at]))
+        for at, transition in enumerate(net.transitions):
+            self.watch_rectified(transition.before, self.transition_inputs[at])
+            self.watch(transition.narrow, self.products(self.transition_products[at], pixels_of, self.transitions[at]))
+        self.watch_rectified(net.last, self.last)
 
-    def chosen(self, rows):
-        """Some pixels, at equal distances. Each image has different ones."""
-        return rows[(np.arange(len(rows)) + 7 * self.images) % max(1, len(rows) // SAMPLES_AN_IMAGE) == 0]
+    def next_image(self):
+        self.images += 1
+
+    def watch(self, module, note):
+        self.hooks.append(module.register_forward_hook(lambda _, given, made: note(given[0], made)))
+
+    def watch_rectified(self, norm, seen):
+        self.watch(norm, lambda given, made: seen.note(pixels_of(F.relu(made))))
+
+    def products(self, products, rows_of, outputs=None):
+        """Some rows of a convolution's inputs, at equal distances; each image has different ones. And what it makes."""
+        def note(given, made):
+            rows = rows_of(given)
+            products.note(rows[(np.arange(len(rows)) + 7 * self.images) % max(1, len(rows) // SAMPLES_AN_IMAGE) == 0])
+            if outputs is not None:
+                outputs.note(pixels_of(made))
+        return note
+
+    def end(self):
+        for hook in self.hooks:
+            hook.remove()
 
 
-def features_of(net, rgb, seen=None):
-    """The 1024 features of an image in float (LightNet.trunk, prefix and features in one). Notes the values in `seen`."""
-    mean, deviation = (torch.tensor(t).view(1, 3, 1, 1) for t in (MEAN, DEVIATION))
-    x = F.relu(net.stem_norm(net.stem((to_tensor([rgb], "cpu") - mean) / deviation)))
-    if seen is not None:
-        seen.images += 1
-        seen.stem.note(pixels_of(x))
-    x, at = F.max_pool2d(x, 3, 2, 1), 0
-    for b, block in enumerate(net.blocks):
-        for layer in block:
-            inputs = F.relu(layer.before(x))
-            bottleneck = F.relu(layer.between(layer.narrow(inputs)))
-            growth = layer.wide(bottleneck)
-            if seen is not None:
-                seen.narrow_inputs[at].note(pixels_of(inputs))
-                seen.bottlenecks[at].note(pixels_of(bottleneck))
-                seen.growths[at].note(pixels_of(growth))
-                seen.narrow_products[at].note(seen.chosen(pixels_of(inputs)))
-                seen.wide_products[at].note(seen.chosen(windows_of(bottleneck)))
-            x, at = torch.cat([x, growth], 1), at + 1
-        if b == len(net.transitions):
-            break
-        inputs = F.relu(net.transitions[b].before(x))
-        quarters = F.avg_pool2d(inputs, 2)
-        x = net.transitions[b].narrow(quarters)
-        if seen is not None:
-            seen.transition_inputs[b].note(pixels_of(inputs))
-            seen.transitions[b].note(pixels_of(x))
-            seen.transition_products[b].note(seen.chosen(pixels_of(quarters)))
-    x = F.relu(net.last(x))
-    if seen is not None:
-        seen.last.note(pixels_of(x))
-    return x.mean((2, 3))[0].numpy()
+def features_of(net, rgb):
+    return net.features(to_tensor([rgb]))[0].numpy()
 
 
 def affine_of(norm):
@@ -390,10 +390,8 @@ def averages_of(program, file, images):
 
 def estimates_of(net, features):
     """In float, from float features: ten numbers an image."""
-    net.features = lambda given: given
     with torch.no_grad():
-        said = net.estimate(torch.from_numpy(features))
-    return torch.cat([said[k] for k in ("direction", "light", "ambient", "contrast")], 1).double().numpy()
+        return net.estimate(torch.from_numpy(features)).double().numpy()
 
 
 def byte_estimates(file, averages):
@@ -433,8 +431,9 @@ def main():
         fail(f"'{options.weights}' has no heads; name what train.py --export wrote")
     arrays = np.load(options.weights)
     net.eval().requires_grad_(False)
-    seen = Observations()
-    truth = np.stack([features_of(net, read_image(path), seen) for path in calibration])
+    seen = Observations(net)
+    truth = np.stack([features_of(net, read_image(path)) for path in calibration])
+    seen.end()
     features = np.stack([features_of(net, read_image(path)) for path in measured])
     file = quantised(net, seen)
     file.name = options.name

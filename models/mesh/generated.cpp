@@ -1,29 +1,22 @@
 // See generated.h.
 #include "models/mesh/generated.h"
-#include "models/files/failure.h"
 
 #include <array>
 #include <filesystem>
 #include <map>
 
+#include "models/files/failure.h"
+#include "models/geometry/vec3.h"
 #include "runtime/core/math.h"
 
 namespace sandglass::host {
 namespace {
 
-using Vector = std::array<double, 3>;
+// By division: golden hashes depend on its bits.
+Vec3 unit(Vec3 a) { return {a.x / length(a), a.y / length(a), a.z / length(a)}; }
 
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-Vector normalised(const Vector& a) {
-  const double length = square_root(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-  return {a[0] / length, a[1] / length, a[2] / length};
-}
-
-void add_vertex(Mesh* mesh, const Vector& p) {
-  for (double x : p) mesh->vertices.push_back(static_cast<float>(x));
+void add_vertex(Mesh* mesh, Vec3 p) {
+  for (const double x : {p.x, p.y, p.z}) mesh->vertices.push_back(static_cast<float>(x));
 }
 
 // The quads of a closed strip of closed rings, each split along the same diagonal. u runs along the strip, v around it;
@@ -45,18 +38,14 @@ Mesh make_trefoil(float size, float tube, uint32_t along, uint32_t around) {
     const double t = static_cast<double>(i) / along;
     const SinCos one = sin_cos_turns(t), two = sin_cos_turns(2 * t), three = sin_cos_turns(3 * t);
     const double scale = static_cast<double>(size) / 3;
-    const Vector centre = {(one.sin + 2 * two.sin) * scale, (one.cos - 2 * two.cos) * scale, -three.sin * scale};
-    const Vector first = {one.cos + 4 * two.cos, -one.sin + 4 * two.sin, -3 * three.cos};
-    const Vector second = {-one.sin - 8 * two.sin, -one.cos + 8 * two.cos, 9 * three.sin};
+    const Vec3 centre = {(one.sin + 2 * two.sin) * scale, (one.cos - 2 * two.cos) * scale, -three.sin * scale};
+    const Vec3 first = {one.cos + 4 * two.cos, -one.sin + 4 * two.sin, -3 * three.cos};
+    const Vec3 second = {-one.sin - 8 * two.sin, -one.cos + 8 * two.cos, 9 * three.sin};
     // Frenet's frame. The knot has curvature everywhere, so the frame exists and closes.
-    const Vector tangent = normalised(first), binormal = normalised(cross(first, second)),
-                 normal = cross(binormal, tangent);
+    const Vec3 tangent = unit(first), binormal = unit(cross(first, second)), normal = cross(binormal, tangent);
     for (uint32_t j = 0; j < around; ++j) {
       const SinCos v = sin_cos_turns(static_cast<double>(j) / around);
-      Vector p;
-      for (size_t k = 0; k < 3; ++k)
-        p[k] = centre[k] + static_cast<double>(tube) * (v.cos * normal[k] - v.sin * binormal[k]);
-      add_vertex(&mesh, p);
+      add_vertex(&mesh, centre + (normal * v.cos - binormal * v.sin) * static_cast<double>(tube));
     }
   }
   add_tube_triangles(&mesh, along, around);
@@ -90,20 +79,11 @@ Mesh make_box(const float size[3]) {
 
 Mesh make_icosphere(float radius, uint32_t subdivisions) {
   const double g = (1 + square_root(5.0)) / 2;
-  std::vector<Vector> points;
-  for (const Vector& p : {Vector{-1, g, 0},
-                          {1, g, 0},
-                          {-1, -g, 0},
-                          {1, -g, 0},
-                          {0, -1, g},
-                          {0, 1, g},
-                          {0, -1, -g},
-                          {0, 1, -g},
-                          {g, 0, -1},
-                          {g, 0, 1},
-                          {-g, 0, -1},
-                          {-g, 0, 1}})
-    points.push_back(normalised(p));
+  std::vector<Vec3> points;
+  const auto add = [&](double x, double y, double z) { points.push_back(unit({x, y, z})); };
+  for (const double y : {g, -g}) add(-1, y, 0), add(1, y, 0);
+  for (const double z : {g, -g}) add(0, -1, z), add(0, 1, z);
+  for (const double x : {g, -g}) add(x, 0, -1), add(x, 0, 1);
   std::vector<uint32_t> triangles = {0, 11, 5,  0, 5,  1, 0, 1, 7, 0, 7,  10, 0, 10, 11, 1, 5, 9, 5, 11,
                                      4, 11, 10, 2, 10, 7, 6, 7, 1, 8, 3,  9,  4, 3,  4,  2, 3, 2, 6, 3,
                                      6, 8,  3,  8, 9,  4, 9, 5, 2, 4, 11, 6,  2, 10, 8,  6, 7, 9, 8, 1};
@@ -112,9 +92,7 @@ Mesh make_icosphere(float radius, uint32_t subdivisions) {
     const auto middle = [&](uint32_t a, uint32_t b) {
       const auto [entry, is_new] =
           middles.emplace(std::array{std::min(a, b), std::max(a, b)}, static_cast<uint32_t>(points.size()));
-      if (is_new)
-        points.push_back(
-            normalised({points[a][0] + points[b][0], points[a][1] + points[b][1], points[a][2] + points[b][2]}));
+      if (is_new) points.push_back(unit(points[a] + points[b]));
       return entry->second;
     };
     std::vector<uint32_t> finer;
@@ -126,9 +104,7 @@ Mesh make_icosphere(float radius, uint32_t subdivisions) {
     triangles = finer;
   }
   Mesh mesh;
-  for (const Vector& p : points)
-    add_vertex(&mesh, {p[0] * static_cast<double>(radius), p[1] * static_cast<double>(radius),
-                       p[2] * static_cast<double>(radius)});
+  for (const Vec3 p : points) add_vertex(&mesh, p * static_cast<double>(radius));
   mesh.indices = triangles;
   return mesh;
 }

@@ -13,9 +13,7 @@ namespace sandglass::host {
 // A size that is rarely meant.
 static void remark_size(MeshResult* result) {
   constexpr double k_small = 0.01, k_large = 20;  // metres
-  const auto [low, high] = box_of(result->mesh);
-  double size = 0;
-  for (size_t k = 0; k < 3; ++k) size = std::max(size, static_cast<double>(high[k]) - static_cast<double>(low[k]));
+  const double size = box_of(result->mesh).longest_side();
   if (size >= k_small && size <= k_large) return;
   char text[160];
   std::snprintf(

@@ -28,34 +28,6 @@ struct PositionHash {
   }
 };
 
-struct HalfEdge {
-  uint32_t low, high;
-  bool forward;  // from low to high
-};
-
-void count_edges(const Mesh& mesh, MeshReport* report) {
-  std::vector<HalfEdge> edges;
-  edges.reserve(mesh.indices.size());
-  for (size_t t = 0; t + 2 < mesh.indices.size(); t += 3)
-    for (size_t k = 0; k < 3; ++k) {
-      const uint32_t a = mesh.indices[t + k], b = mesh.indices[t + (k + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), a < b});
-    }
-  std::sort(edges.begin(), edges.end(),
-            [](const HalfEdge& x, const HalfEdge& y) { return x.low != y.low ? x.low < y.low : x.high < y.high; });
-  for (size_t i = 0, end = 0; i < edges.size(); i = end) {
-    size_t forward = 0;
-    for (end = i; end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high; ++end)
-      forward += edges[end].forward;
-    const size_t count = end - i;
-    report->boundary_edges += count == 1;
-    report->non_manifold_edges += count > 2;
-    report->inconsistent_edges += count == 2 && forward != 1;
-    report->odd_edges += count % 2;
-    report->unbalanced_edges += 2 * forward != count;
-  }
-}
-
 }  // namespace
 
 sandglass_inside_rule inside_rule(const MeshReport& report) {
@@ -117,7 +89,6 @@ MeshResult clean_mesh(const std::vector<float>& vertices, const std::vector<uint
   }
   if (result.mesh.indices.empty()) return fail("has only degenerate triangles. Export it again at a larger scale.");
   turn_outward(&result.mesh, &result.report);
-  count_edges(result.mesh, &result.report);
   return result;
 }
 

@@ -2,6 +2,7 @@
 // in the result, not exceptions.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -17,6 +18,7 @@ struct Mesh {
 
   uint32_t vertex_count() const { return static_cast<uint32_t>(vertices.size() / 3); }
   uint32_t triangle_count() const { return static_cast<uint32_t>(indices.size() / 3); }
+  sandglass_mesh view() const { return {vertices.data(), vertex_count(), indices.data(), triangle_count()}; }
 };
 
 // What cleaning did, and how the edges meet. In a closed, consistently oriented surface every edge belongs to two
@@ -61,7 +63,7 @@ struct MeshResult {
 MeshResult clean_mesh(const std::vector<float>& vertices, const std::vector<uint32_t>& indices,
                       const std::string& name);
 
-// parts.cpp: turns the parts that are inside out, and counts them and all parts.
+// parts.cpp: counts edges and parts, turns the parts that are inside out, and counts those.
 void turn_outward(Mesh* mesh, MeshReport* report);
 
 // What a file without units leaves open: how many metres its unit has, and which axis is up.
@@ -89,6 +91,9 @@ double signed_volume(const Mesh& mesh);
 // The least box around it.
 struct MeshBox {
   std::array<float, 3> low, high;
+
+  double size(size_t axis) const { return static_cast<double>(high[axis]) - static_cast<double>(low[axis]); }
+  double longest_side() const { return std::max({size(0), size(1), size(2)}); }
 };
 MeshBox box_of(const Mesh& mesh);
 

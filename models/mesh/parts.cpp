@@ -50,7 +50,8 @@ bool holds(const Mesh& mesh, const Part& outer, const Part& inner) {
   return is_within && std::fabs(winding(mesh, outer, corners_of(mesh, inner.triangles[0])[0])) > 0.5;
 }
 
-std::vector<Part> parts_of(const Mesh& mesh) {
+// Counts the edges, too.
+std::vector<Part> parts_of(const Mesh& mesh, MeshReport* report) {
   const uint32_t count = mesh.triangle_count();
   std::vector<uint32_t> above(count);  // of each triangle, towards the first one of its part
   std::iota(above.begin(), above.end(), 0u);
@@ -80,6 +81,11 @@ std::vector<Part> parts_of(const Mesh& mesh) {
       above[std::max(a, b)] = std::min(a, b);
     }
     if (ways != 0) unequal.push_back(sides[i].triangle);
+    report->boundary_edges += end - i == 1;
+    report->non_manifold_edges += end - i > 2;
+    report->inconsistent_edges += end - i == 2 && ways != 0;
+    report->odd_edges += (end - i) % 2;
+    report->unbalanced_edges += ways != 0;
   }
   std::vector<Part> parts;
   std::vector<size_t> number(count);
@@ -107,7 +113,7 @@ std::vector<Part> parts_of(const Mesh& mesh) {
 }  // namespace
 
 void turn_outward(Mesh* mesh, MeshReport* report) {
-  std::vector<Part> parts = parts_of(*mesh);
+  std::vector<Part> parts = parts_of(*mesh, report);
   report->parts = static_cast<uint32_t>(parts.size());
   for (const Part& inward : parts) {
     if (!inward.is_closed || !(inward.volume < 0)) continue;

@@ -1,19 +1,12 @@
-// Writes points and meshes as PLY or OBJ files, whole or not at all. Each function returns an empty string, or one
-// sentence on what went wrong.
+// Points as PLY files.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "models/mesh/mesh.h"
-
 namespace sandglass::host {
 
-// Binary little-endian PLY with float x, y, z. `points` holds 3 floats per point.
-std::string write_points_ply(const std::string& path, const std::vector<float>& points);
-// The same with a face list.
-std::string write_mesh_ply(const std::string& path, const Mesh& mesh);
-// Wavefront OBJ with nine significant digits, so that a reader gets every float back exactly.
-std::string write_mesh_obj(const std::string& path, const Mesh& mesh);
+// Binary, little-endian, with float x, y, z: `points` holds 3 floats a point. Whole or not at all: else a Failure.
+void write_points_ply(const std::string& path, const std::vector<float>& points);
 
 }  // namespace sandglass::host

@@ -30,21 +30,21 @@ std::string packed(const std::vector<T>& values) {
 }
 
 Json granular(const sandglass_granular_desc& g) {
-  return Json::object({{"particle_capacity", g.particle_capacity},
-                       {"grain_capacity", g.grain_capacity},
-                       {"emitter_capacity", g.emitter_capacity},
-                       {"collider_capacity", g.collider_capacity},
-                       {"particle_radius", g.particle_radius},
-                       {"grain_radius", g.grain_radius},
-                       {"static_friction", g.static_friction},
-                       {"kinetic_friction", g.kinetic_friction},
-                       {"height_weighting", g.height_weighting},
-                       {"courant", g.courant},
-                       {"substep_max", g.substep_max},
-                       {"substep_min", g.substep_min},
-                       {"list_skin", g.list_skin},
-                       {"sleep_after", g.sleep_after},
-                       {"refine_step", g.refine_step}});
+  return {{"particle_capacity", g.particle_capacity},
+          {"grain_capacity", g.grain_capacity},
+          {"emitter_capacity", g.emitter_capacity},
+          {"collider_capacity", g.collider_capacity},
+          {"particle_radius", g.particle_radius},
+          {"grain_radius", g.grain_radius},
+          {"static_friction", g.static_friction},
+          {"kinetic_friction", g.kinetic_friction},
+          {"height_weighting", g.height_weighting},
+          {"courant", g.courant},
+          {"substep_max", g.substep_max},
+          {"substep_min", g.substep_min},
+          {"list_skin", g.list_skin},
+          {"sleep_after", g.sleep_after},
+          {"refine_step", g.refine_step}};
 }
 
 Json collider(const ColliderTrack& track, const CollisionFields& fields, const std::string& source) {
@@ -52,31 +52,30 @@ Json collider(const ColliderTrack& track, const CollisionFields& fields, const s
     throw cannot("write for the web", source, "a collider moves or is a surface of revolution",
                  "Take a scene whose colliders stand still");
   const sandglass_collider c = collider_over_frame(track, 0.0, 0.0);
-  std::vector<Json::Member> out = {
-      {"shape", c.shape}, {"position", c.position}, {"rotation", c.rotation}, {"size", c.size}};
+  Json out = {{"shape", c.shape}, {"position", c.position}, {"rotation", c.rotation}, {"size", c.size}};
   if (const Mesh* mesh = fields.mesh_of(c.field)) {
     const FieldPlan& plan = *fields.plan_of(c.field);
-    out.emplace_back("field", Json::object({{"vertices", packed(mesh->vertices)},
-                                            {"indices", packed(mesh->indices)},
-                                            {"rule", plan.rule},
-                                            {"solid", plan.solid},
-                                            {"low", plan.box.min},
-                                            {"high", plan.box.max},
-                                            {"spacing", plan.spacing},
-                                            {"band", plan.band}}));
+    out["field"] = {{"vertices", packed(mesh->vertices)},
+                    {"indices", packed(mesh->indices)},
+                    {"rule", plan.rule},
+                    {"solid", plan.solid},
+                    {"low", plan.box.min},
+                    {"high", plan.box.max},
+                    {"spacing", plan.spacing},
+                    {"band", plan.band}};
   }
-  return Json::object(out);
+  return out;
 }
 
 Json emitter(const EmitterTrack& track) {
   const sandglass_emitter& e = track.emitter;
-  return Json::object({{"start", track.start},
-                       {"end", track.end},
-                       {"position", e.position},
-                       {"rotation", e.rotation},
-                       {"radius", e.radius},
-                       {"speed", e.speed},
-                       {"grains_per_particle", e.grains_per_particle}});
+  return {{"start", track.start},
+          {"end", track.end},
+          {"position", e.position},
+          {"rotation", e.rotation},
+          {"radius", e.radius},
+          {"speed", e.speed},
+          {"grains_per_particle", e.grains_per_particle}};
 }
 
 // All frames with all their work, charged as models/phones says.
@@ -93,12 +92,10 @@ Json counted(const SceneFile& scene, const Material& material) {
     const auto report = simulation.frame(scene.frame_step, UINT64_MAX, colliders_over_frame(scene, frame));
     ms += 1e-6 * static_cast<double>(report.time.elapsed_ns);
   }
-  std::vector<Json> cores;
+  Json cores = Json::array();
   for (const PhoneCore& core : phone_cores())
-    cores.push_back(
-        Json::object({{"name", core.name}, {"low", core.ghz * core.ipc_low}, {"high", core.ghz * core.ipc_high}}));
-  return Json::object(
-      {{"instructions", ms * clock.core().middle_ipc() * clock.core().ghz * 1e6}, {"cores", Json::list(cores)}});
+    cores.push_back({{"name", core.name}, {"low", core.ghz * core.ipc_low}, {"high", core.ghz * core.ipc_high}});
+  return {{"instructions", ms * clock.core().middle_ipc() * clock.core().ghz * 1e6}, {"cores", cores}};
 }
 
 Json web_scene(const std::string& name, bool with_counts) {
@@ -109,24 +106,24 @@ Json web_scene(const std::string& name, bool with_counts) {
     throw cannot("write for the web", scene.source, "it has rigid bodies or sinks", "Take a scene of sand alone");
   const CollisionFields fields(&scene);
   const sandglass_scene_desc desc = describe_filled(scene, material);
-  std::vector<Json> colliders, emitters;
+  Json colliders = Json::array(), emitters = Json::array();
   for (const ColliderTrack& track : scene.colliders) colliders.push_back(collider(track, fields, scene.source));
   for (const EmitterTrack& track : scene.emitters) emitters.push_back(emitter(track));
-  std::vector<Json::Member> out = {{"name", scene.name},
-                                   {"frames", scene.frames},
-                                   {"gravity", desc.gravity},
-                                   {"frame_step", scene.frame_step},
-                                   {"budget_ms", scene.budget_ms},
-                                   {"virtual_step_ns", k_virtual_step_ns},
-                                   {"granular", granular(desc.granular)},
-                                   {"particles", packed(material.particle_positions)},
-                                   {"particle_velocities", packed(material.particle_velocities)},
-                                   {"grains", packed(material.grain_positions)},
-                                   {"grain_velocities", packed(material.grain_velocities)},
-                                   {"colliders", Json::list(colliders)},
-                                   {"emitters", Json::list(emitters)}};
-  if (with_counts) out.emplace_back("counted", counted(scene, material));
-  return Json::object(out);
+  Json out = {{"name", scene.name},
+              {"frames", scene.frames},
+              {"gravity", desc.gravity},
+              {"frame_step", scene.frame_step},
+              {"budget_ms", scene.budget_ms},
+              {"virtual_step_ns", k_virtual_step_ns},
+              {"granular", granular(desc.granular)},
+              {"particles", packed(material.particle_positions)},
+              {"particle_velocities", packed(material.particle_velocities)},
+              {"grains", packed(material.grain_positions)},
+              {"grain_velocities", packed(material.grain_velocities)},
+              {"colliders", colliders},
+              {"emitters", emitters}};
+  if (with_counts) out["counted"] = counted(scene, material);
+  return out;
 }
 
 }  // namespace
@@ -136,7 +133,7 @@ int main(int count, char** arguments) try {
   const bool with_counts = count == 4 && std::string_view(arguments[3]) == "--counted";
   if (count != 3 && !with_counts)
     return std::fprintf(stderr, "web_scene NAME FILE [--counted]: a scene, and where it is written\n"), 2;
-  const std::string text = sandglass::host::web_scene(arguments[1], with_counts).text();
+  const std::string text = sandglass::host::text_of(sandglass::host::web_scene(arguments[1], with_counts));
   sandglass::host::write_file(arguments[2], std::string_view(text));
   return 0;
 } catch (const std::exception& failure) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "models/files/shipped_file.h"
 #include "models/lighting/dataset.h"
 #include "models/mesh/mesh.h"
 #include "models/program/command_line.h"
@@ -41,7 +42,7 @@ int budget_command(const BudgetOptions& options);
 
 struct LightOptions {
   std::vector<std::string> images;
-  std::string folder, network = SANDGLASS_LIGHTS_DIR "/room.light";
+  std::string folder, network = shipped_file("lights", "room.light");
   double fov_deg = 75.0;
 };
 int light_command(const LightOptions& options);

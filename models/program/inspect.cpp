@@ -146,14 +146,13 @@ void inspect_mesh(const MeshFile& file) {
   const MeshResult loaded = load_mesh(file);
   if (!loaded) throw Failure(loaded.error);
   const Mesh& mesh = loaded.mesh;
-  const auto [low, high] = box_of(mesh);
-  double size[3];
-  for (size_t axis = 0; axis < 3; ++axis) size[axis] = static_cast<double>(high[axis]) - static_cast<double>(low[axis]);
+  const MeshBox box = box_of(mesh);
+  const auto& [low, high] = box;
   const double volume = signed_volume(mesh);
   const std::string faults = describe_faults(loaded.report);
   std::printf("mesh\n  vertices     %u\n  triangles    %u\n", mesh.vertex_count(), mesh.triangle_count());
-  std::printf("  parts        %u\n  size         %g x %g (up) x %g m\n", loaded.report.parts, size[0], size[1],
-              size[2]);
+  std::printf("  parts        %u\n  size         %g x %g (up) x %g m\n", loaded.report.parts, box.size(0), box.size(1),
+              box.size(2));
   std::printf("  bounds       [%g, %g, %g] to [%g, %g, %g]\n", static_cast<double>(low[0]), static_cast<double>(low[1]),
               static_cast<double>(low[2]), static_cast<double>(high[0]), static_cast<double>(high[1]),
               static_cast<double>(high[2]));

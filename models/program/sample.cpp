@@ -26,13 +26,11 @@ void expect(const cpp::Status& status, const SampleOptions& options) {
 }
 
 // The volume about the first corner: 0 for any flat sheet, closed or not, wherever it lies.
-bool has_volume(const Mesh& mesh, const cpp::Box& box) {
+bool has_volume(const Mesh& mesh) {
   constexpr double k_none = 1e-9;  // of the cube that the mesh fits into
   Mesh moved = mesh;
   for (size_t i = 0; i < moved.vertices.size(); ++i) moved.vertices[i] -= mesh.vertices[i % 3];
-  double longest = 0;
-  for (size_t axis = 0; axis < 3; ++axis)
-    longest = std::max(longest, static_cast<double>(box.max[axis]) - static_cast<double>(box.min[axis]));
+  const double longest = box_of(mesh).longest_side();
   return std::fabs(signed_volume(moved)) > k_none * longest * longest * longest;
 }
 
@@ -48,10 +46,6 @@ struct ProgressRelay {
   }
 };
 
-sandglass_mesh view(const Mesh& mesh) {
-  return {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
-}
-
 sandglass_sample_desc how_to_sample(const SampleOptions& options, ProgressRelay* relay) {
   sandglass_sample_desc how = sandglass::sample_desc();
   how.seed = options.seed;
@@ -63,20 +57,19 @@ sandglass_sample_desc how_to_sample(const SampleOptions& options, ProgressRelay*
 Points sample_surface(const Mesh& mesh, const SampleOptions& options) {
   ProgressRelay relay = {"sampling the surface", 0};
   Points points;
-  expect(cpp::sample_surface(view(mesh), static_cast<float>(options.distance), &points, how_to_sample(options, &relay)),
-         options);
+  expect(
+      cpp::sample_surface(mesh.view(), static_cast<float>(options.distance), &points, how_to_sample(options, &relay)),
+      options);
   return points;
 }
 
 Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOptions& options) {
-  const sandglass_mesh surface = view(mesh);
+  const sandglass_mesh surface = mesh.view();
   const float distance = static_cast<float>(options.distance);
   const sandglass_inside_rule rule = inside_rule(report);
   cpp::Box box;
-  cpp::Status bounded;
-  bounded.code = sandglass_mesh_bounds(&surface, box.min, box.max, &bounded.reason);
-  expect(bounded, options);
-  if (!has_volume(mesh, box))
+  expect(cpp::call(sandglass_mesh_bounds, &surface, box.min, box.max), options);
+  if (!has_volume(mesh))
     throw cannot("sample", options.mesh, "it encloses no volume", "Take \"surface\", or a mesh that is a solid");
   if (!report.watertight())
     std::fprintf(stderr, "sandglass: note: \"%s\" is not watertight (%s): the winding number decides what is inside\n",
@@ -116,7 +109,7 @@ int sample_command(const SampleOptions& options) {
                                                      : sample_inside(loaded.mesh, loaded.report, options);
     if (points.empty())
       throw cannot("sample", options.mesh, "no point lies in it", "Make --distance smaller, or close the mesh");
-    if (const std::string error = write_points_ply(options.output, points); !error.empty()) throw Failure(error);
+    write_points_ply(options.output, points);
     if (!options.picture.empty()) write_picture(options, points);
     const char* where = options.where == "surface"  ? "on the surface of"
                         : options.where == "volume" ? "in the volume of"

@@ -94,17 +94,18 @@ void fill_tripod(RadianceMap* panorama) {
       if (black(panorama->at(u, v))) std::copy_n(panorama->at(u, v - 1), 3, panorama->at(u, v));
 }
 
-Picture tone_mapped_picture(const RadianceMap& map, double white) {
-  Picture picture(map.width, map.height, {0, 0, 0});
-  for (int v = 0; v < map.height; ++v)
-    for (int u = 0; u < map.width; ++u) {
-      const Vec3 c = tone_mapped(map.colour(u, v), white);
-      uint8_t* pixel = picture.at(u, v);
-      pixel[0] = srgb_byte(c.x);
-      pixel[1] = srgb_byte(c.y);
-      pixel[2] = srgb_byte(c.z);
-    }
+Picture picture_of(const RadianceMap& linear, double exposure) {
+  Picture picture(linear.width, linear.height, {0, 0, 0});
+  for (size_t i = 0; i < linear.rgb.size(); ++i)
+    picture.rgb[i] = srgb_byte(static_cast<double>(linear.rgb[i]) * exposure);
   return picture;
+}
+
+Picture tone_mapped_picture(const RadianceMap& map, double white) {
+  RadianceMap mapped(map.width, map.height);
+  for (int v = 0; v < map.height; ++v)
+    for (int u = 0; u < map.width; ++u) mapped.set(u, v, tone_mapped(map.colour(u, v), white));
+  return picture_of(mapped);
 }
 
 }  // namespace sandglass::host

@@ -78,6 +78,8 @@ void fill_tripod(RadianceMap* panorama);
 double radiance_of_luminance(double shown, double white);
 Vec3 radiance_of(Vec3 shown, double white);
 
+// Linear radiance times `exposure`, clamped to 1, as sRGB.
+Picture picture_of(const RadianceMap& linear, double exposure = 1.0);
 // A picture for the eye: tone mapped with `white`, channels clamped to 1, sRGB.
 Picture tone_mapped_picture(const RadianceMap& map, double white);
 

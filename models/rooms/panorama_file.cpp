@@ -196,19 +196,6 @@ RadianceMap decode_exr(const std::string& path, const std::string&) {
 }
 #endif
 
-void append_bytes(void* context, void* data, int size) {
-  auto* bytes = static_cast<std::vector<uint8_t>*>(context);
-  const auto* begin = static_cast<const uint8_t*>(data);
-  bytes->insert(bytes->end(), begin, begin + size);
-}
-
-std::vector<uint8_t> encode_hdr(const RadianceMap& map) {
-  std::vector<uint8_t> bytes;
-  if (stbi_write_hdr_to_func(append_bytes, &bytes, map.width, map.height, 3, map.rgb.data()) == 0)
-    throw cannot("encode", ".hdr", "the picture has no pixel", "Make it larger");
-  return bytes;
-}
-
 }  // namespace
 
 bool reads_exr() {
@@ -235,7 +222,12 @@ RadianceMap read_panorama(const std::string& path) {
   return map;
 }
 
-void write_hdr(const std::string& path, const RadianceMap& map) { write_file(path, encode_hdr(map)); }
+void write_hdr(const std::string& path, const RadianceMap& map) {
+  std::vector<uint8_t> bytes;
+  if (stbi_write_hdr_to_func(append_bytes, &bytes, map.width, map.height, 3, map.rgb.data()) == 0)
+    throw cannot("encode", ".hdr", "the picture has no pixel", "Make it larger");
+  write_file(path, bytes);
+}
 
 // The noise of paths is evened out: each pixel becomes the mean of those around it that show nearly the same.
 static Picture evened(const Picture& picture) {

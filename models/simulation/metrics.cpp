@@ -12,6 +12,15 @@
 
 namespace sandglass::host {
 
+// The least-squares line through points.
+struct FittedLine {
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;  // sums
+
+  void add(double at, double value) { n += 1.0, x += at, y += value, xx += at * at, xy += at * value; }
+  double determinant() const { return n * xx - x * x; }
+  double slope() const { return (n * xy - x * y) / determinant(); }
+};
+
 constexpr int k_sectors = 24;
 constexpr double k_runout_share = 0.98;  // of a sector's particles
 // Shares of the run-out. They leave out the rounded top and the thin toe.
@@ -91,7 +100,7 @@ Pile measure_pile(std::span<const float> positions, double radius) {
 
   const double ring_width = 2.0 * radius;
   const int rings = static_cast<int>(pile.runout / ring_width) + 1;
-  double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
+  FittedLine line;
   for (int ring = 0; ring < rings; ++ring) {
     const double middle = (ring + 0.5) * ring_width;
     if (middle < k_slope_from * pile.runout || middle > k_slope_to * pile.runout) continue;
@@ -103,17 +112,9 @@ Pile measure_pile(std::span<const float> positions, double radius) {
         if (static_cast<int>(item.distance / ring_width) == ring) top = std::max(top, item.top);
       if (top >= 0.0) height_sum += top, ++seen;
     }
-    if (seen == 0) continue;
-    const double height = height_sum / seen;
-    n += 1.0;
-    sum_x += middle;
-    sum_y += height;
-    sum_xx += middle * middle;
-    sum_xy += middle * height;
+    if (seen > 0) line.add(middle, height_sum / seen);
   }
-  const double determinant = n * sum_xx - sum_x * sum_x;
-  if (n >= 3.0 && determinant > 0.0)
-    pile.angle_deg = std::atan(-(n * sum_xy - sum_x * sum_y) / determinant) * 180.0 / std::numbers::pi;
+  if (line.n >= 3.0 && line.determinant() > 0.0) pile.angle_deg = std::atan(-line.slope()) * 180.0 / std::numbers::pi;
   return pile;
 }
 
@@ -162,16 +163,9 @@ double speed_rms(std::span<const float> velocities) {
 }
 
 double fitted_exponent(std::span<const double> x, std::span<const double> y) {
-  double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
-  for (size_t i = 0; i < x.size() && i < y.size(); ++i) {
-    const double u = std::log(x[i]), v = std::log(y[i]);
-    n += 1.0;
-    sum_x += u;
-    sum_y += v;
-    sum_xx += u * u;
-    sum_xy += u * v;
-  }
-  return (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
+  FittedLine line;
+  for (size_t i = 0; i < x.size() && i < y.size(); ++i) line.add(std::log(x[i]), std::log(y[i]));
+  return line.slope();
 }
 
 }  // namespace sandglass::host

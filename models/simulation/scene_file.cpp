@@ -1,8 +1,6 @@
 // Reads JSON strictly: the reader remembers which keys were asked for, and refuses every other key.
 #include "models/simulation/scene_file.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +10,7 @@
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
+#include "models/files/shipped_file.h"
 #include "runtime/core/math.h"
 
 namespace sandglass::host {
@@ -477,31 +476,14 @@ Vec3 LightTrack::towards(double share) const {
   return {polar.sin * azimuth.cos, polar.cos, polar.sin * azimuth.sin};
 }
 
-namespace {
-
-std::vector<fs::path> scene_folders() {
-  std::vector<fs::path> folders;
-#ifdef SANDGLASS_SCENES_DIR
-  folders.emplace_back(SANDGLASS_SCENES_DIR);
-#endif
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (!error) folders.push_back(program.parent_path() / ".." / "share" / "sandglass" / "scenes");
-  return folders;
-}
-
-}  // namespace
-
 std::string find_scene(const std::string& name_or_path) {
   std::error_code error;
   if (fs::is_regular_file(name_or_path, error)) return name_or_path;
   std::set<std::string> names;
-  for (const fs::path& folder : scene_folders()) {
-    if (fs::is_regular_file(folder / (name_or_path + ".json"), error))
-      return (folder / (name_or_path + ".json")).string();
+  if (const std::string path = shipped_file("scenes", name_or_path + ".json"); !path.empty()) return path;
+  for (const std::string& folder : shipped_folders("scenes"))
     for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
       if (entry->path().extension() == ".json") names.insert(entry->path().stem().string());
-  }
   if (fs::exists(name_or_path, error)) return name_or_path;  // a folder, pipe or device: read_file says so
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;

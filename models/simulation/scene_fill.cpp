@@ -60,9 +60,7 @@ void make_revolved_body(const Body& source, UnitBody* body) {
 
 cpp::Box bounds_of(const UnitBody& body, const sandglass_mesh& mesh) {
   cpp::Box box;
-  cpp::Status status;
-  status.code = sandglass_mesh_bounds(&mesh, box.min, box.max, &status.reason);
-  body.require(status);
+  body.require(cpp::call(sandglass_mesh_bounds, &mesh, box.min, box.max));
   return box;
 }
 

@@ -10,10 +10,6 @@
 
 namespace sandglass::host {
 
-static sandglass_mesh view_of(const Mesh& mesh) {
-  return {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
-}
-
 LoadedMeshes::LoadedMeshes(const SceneFile& scene, const MeshFile& mesh) {
   const std::string& mesh_path = mesh.path;
   const auto asked_for = [&](BodyShape shape) {
@@ -21,7 +17,7 @@ LoadedMeshes::LoadedMeshes(const SceneFile& scene, const MeshFile& mesh) {
   };
   if (asked_for(BodyShape::trefoil)) {
     trefoil_ = make_trefoil();
-    bodies_.trefoil = {view_of(trefoil_), SANDGLASS_INSIDE_PARITY};
+    bodies_.trefoil = {trefoil_.view(), SANDGLASS_INSIDE_PARITY};
   }
   if (mesh_path.empty()) return;
   if (!asked_for(BodyShape::mesh))
@@ -37,7 +33,7 @@ LoadedMeshes::LoadedMeshes(const SceneFile& scene, const MeshFile& mesh) {
     note_ = "\"" + mesh_path + "\" is open (" + std::to_string(report.boundary_edges) +
             " boundary edges). It is filled where its winding number is at least one half.";
   argument_ = std::move(loaded.mesh);
-  bodies_.argument = {view_of(argument_), inside_rule(report)};
+  bodies_.argument = {argument_.view(), inside_rule(report)};
 }
 
 namespace {
@@ -104,10 +100,8 @@ CollisionFields::CollisionFields(SceneFile* scene, const MeshFile& mesh) {
       if (!loaded) throw Failure(loaded.error);
       standing = loaded.mesh;
       stand_mesh(&standing, track.size.y, mesh_path);
-      const sandglass_mesh view = view_of(standing);
-      cpp::Status bounds;
-      bounds.code = sandglass_mesh_bounds(&view, box.min, box.max, &bounds.reason);
-      require(*scene, i, bounds);
+      const sandglass_mesh view = standing.view();
+      require(*scene, i, cpp::call(sandglass_mesh_bounds, &view, box.min, box.max));
       for (int k = 0; k < 3; ++k) box.min[k] -= beyond, box.max[k] += beyond;
       plan.rule = inside_rule(loaded.report);
       plan.solid = solid;

@@ -7,13 +7,19 @@
 #include <filesystem>
 
 #include "models/files/failure.h"
+#include "models/files/shipped_file.h"
 #include "models/mesh/generated.h"
 #include "models/simulation/scene_meshes.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {
 
-namespace fs = std::filesystem;
+static sandglass_collider standing_at(const SceneFile& scene, uint32_t collider, uint32_t frame) {
+  return collider_over_frame(scene.colliders[collider], frame * scene.frame_step, scene.frame_step);
+}
+static Quaternion rotation_of(const sandglass_collider& c) {
+  return {c.rotation[0], c.rotation[1], c.rotation[2], c.rotation[3]};
+}
 
 static std::array<float, 3> floats_of(Vec3 v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -21,12 +27,8 @@ static std::array<float, 3> floats_of(Vec3 v) {
 
 std::string find_shadow(const std::string& name_or_path) {
   std::error_code error;
-  if (fs::is_regular_file(name_or_path, error)) return name_or_path;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path folders[] = {SANDGLASS_SHADOWS_DIR, program.parent_path() / ".." / "share" / "sandglass" / "shadows"};
-  for (const fs::path& folder : folders)
-    if (fs::is_regular_file(folder / (name_or_path + ".shadow"), error))
-      return (folder / (name_or_path + ".shadow")).string();
+  if (std::filesystem::is_regular_file(name_or_path, error)) return name_or_path;
+  if (const std::string path = shipped_file("shadows", name_or_path + ".shadow"); !path.empty()) return path;
   throw cannot("read", name_or_path, "no file and no shipped shadow has this name", "Bake it with sandglass bake");
 }
 
@@ -76,24 +78,21 @@ void StandingShadows::complete() const {
 }
 
 void StandingShadows::set_light(const SceneFile& scene, uint32_t frame, Vec3 towards) {
-  for (size_t i = 0; i < objects_.size(); ++i) {
-    const sandglass_collider now =
-        collider_over_frame(scene.colliders[objects_[i].collider], frame * scene.frame_step, scene.frame_step);
-    const Quaternion rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
+  for (Object& object : objects_) {
+    const Quaternion rotation = rotation_of(standing_at(scene, object.collider, frame));
     const Vec3 local = rotate(conjugate(rotation), towards);
-    if (const cpp::Status turned = objects_[i].shadow.set_light(floats_of(local)); !turned)
+    if (const cpp::Status turned = object.shadow.set_light(floats_of(local)); !turned)
       throw cannot("turn", "light", turned.reason);
   }
   for (Casting& casting : casting_) {
-    const sandglass_collider now =
-        collider_over_frame(scene.colliders[casting.collider], frame * scene.frame_step, scene.frame_step);
+    const sandglass_collider now = standing_at(scene, casting.collider, frame);
     sandglass_cast_mesh mesh = cpp::cast_mesh();
     mesh.positions = casting.mesh.vertices.data();
     mesh.vertex_count = casting.mesh.vertex_count();
     mesh.indices = casting.mesh.indices.data();
     mesh.triangle_count = casting.mesh.triangle_count();
     mesh.closed = 1;  // as all named meshes are
-    const Quaternion rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
+    const Quaternion rotation = rotation_of(now);
     const Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (size_t k = 0; k < 3; ++k) to_floats(rotate(rotation, axes[k]), mesh.world_from_mesh + 4 * k);
     std::copy_n(now.position, 3, mesh.world_from_mesh + 12);
@@ -114,8 +113,7 @@ uint64_t StandingShadows::hash() const {
 
 void StandingShadows::set_cells(const SceneFile& scene, uint32_t frame, const float (&cells)[SANDGLASS_LIGHT_CELLS]) {
   for (Object& object : objects_) {
-    const sandglass_collider now =
-        collider_over_frame(scene.colliders[object.collider], frame * scene.frame_step, scene.frame_step);
+    const sandglass_collider now = standing_at(scene, object.collider, frame);
     // An upright object is turned about y alone.
     const auto yaw = static_cast<float>(
         2.0 * std::atan2(static_cast<double>(now.rotation[1]), static_cast<double>(now.rotation[3])));
@@ -137,7 +135,7 @@ void StandingShadows::draw(std::span<const sandglass_collider> colliders, SceneS
     shadow.collider = object.collider;
     shadow.half_angle = 0.5 * static_cast<double>(object.info.angular_diameter);
     shadow.position = from_floats(now.position);
-    shadow.rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
+    shadow.rotation = rotation_of(now);
     const double scale = object.size / static_cast<double>(object.info.height);
     const auto place = [&](const float(&low)[2], const float(&high)[2]) {
       for (size_t axis = 0; axis < 2; ++axis) {

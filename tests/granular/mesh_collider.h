@@ -7,7 +7,7 @@
 struct MeshCollider {
   // A field with nodes `spacing` metres apart, exact to `band` from the surface, over the mesh's bounds and a margin.
   MeshCollider(const sandglass::host::Mesh& mesh, sandglass_solid solid, float spacing, float band, float margin) {
-    const sandglass_mesh view = {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
+    const sandglass_mesh view = mesh.view();
     sandglass::Status bounds;
     bounds.code = sandglass_mesh_bounds(&view, box.min, box.max, &bounds.reason);
     accept(bounds);

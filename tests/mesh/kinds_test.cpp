@@ -398,8 +398,7 @@ std::vector<Kind> all_kinds() {
 // The share of a grid of points in the mesh's box that lie inside, times the box.
 double filled_volume(const host::MeshResult& read) {
   const host::MeshBox box = host::box_of(read.mesh);
-  const sandglass_mesh view = {read.mesh.vertices.data(), read.mesh.vertex_count(), read.mesh.indices.data(),
-                               read.mesh.triangle_count()};
+  const sandglass_mesh view = read.mesh.view();
   MeshInside inside;
   EXPECT_TRUE(inside.create(view, host::inside_rule(read.report)));
   constexpr int k_points = 40;  // along each axis

@@ -33,18 +33,18 @@ std::vector<double> list(Vec3 v) { return {v.x, v.y, v.z}; }
 
 // A hill whose foot is in the floor, in patches of 5 by 5 cells that have blocks of their own. SwiftShader moves
 // vertices to sixteenths of a pixel, so these are there already.
-SandShape hill(const Eye& eye) {
+SandShape hill(const CameraFrame& camera) {
   SandShape shape;
   for (uint32_t i = 0; i < k_side * k_side; ++i) {
     const uint32_t column = i % k_side, row = i / k_side, patch = (column / 5 + 16 * (row / 5)) * 2654435761u;
     const double x = 0.002 * column - 0.046, z = 0.002 * row - 0.046, e = 0.028 * std::exp(-1250 * (x * x + z * z));
     const double y = e - 0.003 + 0.0015 * std::sin(190 * x);
     const Vec3 normal = normalised(Vec3{2500 * x * e - 0.285 * std::cos(190 * x), 1, 2500 * z * e}) * 127;
-    const Vec3 to = Vec3{x, y, z} - eye.place;
-    const double step = dot(to, eye.forward) / k_pixels / 16;
+    const Vec3 to = Vec3{x, y, z} - camera.eye;
+    const double step = dot(to, camera.forward) / k_pixels / 16;
     const auto moved = [&](Vec3 axis) { return axis * (std::round(dot(to, axis) / step) * step - dot(to, axis)); };
     sandglass_skin_vertex v = {};
-    to_floats(eye.place + to + moved(eye.right) + moved(eye.up), v.position);
+    to_floats(camera.eye + to + moved(camera.right) + moved(camera.up), v.position);
     for (size_t k = 0; k < 3; ++k) v.normal[k] = static_cast<int8_t>(list(normal)[k]);
     for (size_t k = 0; k < 3; ++k) v.origin[k] = static_cast<uint16_t>(patch >> 8 * k);
     v.hollow = static_cast<uint8_t>(128 - 100 * std::sin(190 * x)), v.over = static_cast<int16_t>(1e6 * y);
@@ -67,8 +67,8 @@ void add_loose(SandShape& shape) {
   shape.flying = 5;
 }
 
-void picture(const char* name, const SandShape& shape, const SandLight& light, const Eye& eye, int samples) {
-  const SandLayer layer(shape, light, eye, {k_width, k_height, samples}, 1);
+void picture(const char* name, const SandShape& shape, const SandLight& light, const CameraFrame& camera, int samples) {
+  const SandLayer layer(shape, light, camera, {k_width, k_height, samples}, 1);
   std::vector<uint8_t> rgba;
   for (int i = 0; i < k_width * k_height; ++i) {
     int sums[4] = {}, count = samples * samples;
@@ -87,18 +87,18 @@ void picture(const char* name, const SandShape& shape, const SandLight& light, c
 int main() {
   const Vec3 place = {0.12, 0.2, 0.28}, forward = normalised(Vec3{0, 0.012, 0} - place);
   const Vec3 right = normalised(cross(forward, {0, 1, 0})), up = cross(right, forward);
-  const Eye eye = {place, right, up, forward, k_focal};
+  const CameraFrame camera = {place, right, up, forward, k_focal};
   SandLight light = {normalised(Vec3{-0.5, 0.75, 0.4}), {1.1, 1.0, 0.85}, {}, {}, {}, {}, {}, 0.3};
   light.around = [](Vec3 n) { return k_around + k_around_by_height * n.y; };
   light.around_below = [](Vec3 n) { return k_below * (0.5 - 0.5 * n.y); };
   light.pile_passed = light.object_passed = light.under_sky = [](Vec3) { return 1.0; };
-  const SandShape surface = hill(eye);
+  const SandShape surface = hill(camera);
   SandShape all = surface, loose;
   add_loose(all), add_loose(loose);
 
   std::printf("{\"flying\":%u,\"size\":[%d,%d]", all.flying, k_width, k_height);
-  picture("surface", surface, light, eye, 1), picture("loose", loose, light, eye, 1);
-  picture("all", all, light, eye, 1), picture("smooth", all, light, eye, 2);
+  picture("surface", surface, light, camera, 1), picture("loose", loose, light, camera, 1);
+  picture("all", all, light, camera, 1), picture("smooth", all, light, camera, 2);
   bytes("vertices", all.vertices), bytes("indices", all.indices), bytes("particles", all.loose);
   bytes("block", sandglass::kit::sand_block(sandglass::kit::k_beach));
   numbers("view", {right.x, up.x, -forward.x, 0, right.y, up.y, -forward.y, 0, right.z, up.z, -forward.z, 0,

@@ -19,7 +19,7 @@ namespace {
 class Surface {
  public:
   Surface(const host::Mesh& mesh, std::vector<Candidate> targets)
-      : mesh_(mesh), view_(view(mesh_)), targets_(std::move(targets)), block_(bytes()) {
+      : mesh_(mesh), view_(mesh_.view()), targets_(std::move(targets)), block_(bytes()) {
     Layout layout;
     layout.base = static_cast<uint8_t*>(block_.data());
     geodesic_ = lay_out_geodesic(&layout, &view_, targets_.size());
@@ -52,7 +52,7 @@ class Surface {
 };
 
 std::vector<Candidate> random_targets(const host::Mesh& mesh, int count, uint64_t seed) {
-  const sandglass_mesh surface = view(mesh);
+  const sandglass_mesh surface = mesh.view();
   std::vector<double> running(mesh.triangle_count());
   CandidateStream stream = candidate_stream(surface, running.data(), sum_areas(surface, running.data()), seed);
   std::vector<Candidate> targets;

@@ -132,7 +132,7 @@ TEST(Inside, parity_is_right_in_the_planes_of_a_turned_notched_block) {
 
 // The largest error of the tree's number at random points, against the sum over all triangles.
 double worst_tree_error(const host::Mesh& mesh, int count, double reach) {
-  const sandglass_mesh surface = view(mesh);
+  const sandglass_mesh surface = mesh.view();
   const sandglass::Box box = bounds_of(mesh);
   Winding tree = measure_winding(surface);
   Layout size;
@@ -178,7 +178,7 @@ TEST(Inside, winding_number_is_a_fraction_where_the_mesh_is_open) {
   const double all = static_cast<double>(half.indices.size());
   keep_triangles(&half, [](const float* a, const float* b, const float* c) { return a[1] + b[1] + c[1] < 0; });
   const double share = static_cast<double>(half.indices.size()) / all;
-  const sandglass_mesh mesh = view(half);
+  const sandglass_mesh mesh = half.view();
   const float centre[3] = {0, 0, 0};
   double winding = 0;
   const char* reason = nullptr;

@@ -61,7 +61,7 @@ const host::Mesh& ball() {
 
 // Of a ball's surface or of the unit cube.
 sandglass_sample_desc desc_of(sandglass_sample_method method) {
-  static const sandglass_mesh mesh = view(ball());
+  static const sandglass_mesh mesh = ball().view();
   sandglass_sample_desc desc = desc_with_seed(1);
   desc.method = method;
   desc.distance = k_distance;
@@ -143,7 +143,7 @@ TEST(Arguments, bad_meshes_are_refused_everywhere) {
   desc.mesh = &flat;
   EXPECT_EQ(sandglass_sample_capacity(&desc, &capacity, nullptr), k_invalid);
   uint64_t bytes = 0;
-  const sandglass_mesh good = view(ball());
+  const sandglass_mesh good = ball().view();
   EXPECT_EQ(sandglass_mesh_inside_bytes(&good, 2, &bytes, nullptr), k_invalid);
 }
 

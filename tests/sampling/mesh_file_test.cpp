@@ -4,9 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "models/mesh/generated.h"
 #include "models/mesh/mesh.h"
-#include "models/mesh/ply.h"
 
 namespace sandglass::test {
 namespace {
@@ -39,21 +37,6 @@ TEST(MeshFile, without_surface_is_refused) {
   expect_sentence(write("infinite.obj", "v 0 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n"), "inf");
   expect_sentence(write("degenerate.obj", std::string(k_vertices) + "f 1 2 2\n"), "degenerate");
   expect_sentence(write("cut_vertex.obj", "v 0 0 0\nv 1 0 0\nv 0 1"), "cut off");
-}
-
-TEST(MeshFile, comes_back_as_it_was_written) {
-  const host::Mesh mesh = host::make_trefoil(0.1f, 0.018f, 40, 8);
-  for (const char* name : {"back.obj", "back.ply"}) {
-    const std::string path = write(name, "");
-    ASSERT_EQ(std::string(name) == "back.obj" ? host::write_mesh_obj(path, mesh) : host::write_mesh_ply(path, mesh),
-              "");
-    const host::MeshResult result = host::load_mesh(path);
-    ASSERT_TRUE(result) << result.error;
-    EXPECT_EQ(result.mesh.triangle_count(), mesh.triangle_count()) << name;
-    EXPECT_EQ(result.mesh.vertex_count(), mesh.vertex_count()) << name;
-    EXPECT_TRUE(result.report.manifold()) << name;
-    EXPECT_NEAR(host::signed_volume(result.mesh) / host::signed_volume(mesh), 1, 1e-5) << name;
-  }
 }
 
 TEST(MeshFile, non_manifold_ones_are_reported_not_refused) {

@@ -8,10 +8,6 @@
 #include <limits>
 
 namespace sandglass::test {
-sandglass_mesh view(const host::Mesh& mesh) {
-  return {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
-}
-
 sandglass_sample_desc desc_with_seed(uint64_t seed) {
   sandglass_sample_desc desc = sandglass::sample_desc();
   desc.seed = seed;
@@ -28,7 +24,7 @@ void accept(const sandglass::Status& status) { EXPECT_TRUE(status) << status.rea
 
 Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_desc& desc) {
   Points points;
-  accept(sandglass::sample_surface(view(mesh), distance, &points, desc));
+  accept(sandglass::sample_surface(mesh.view(), distance, &points, desc));
   return points;
 }
 
@@ -47,12 +43,12 @@ Points sample_lattice(const sandglass::Box& box, float distance, const Inside& i
 
 sandglass::MeshInside inside_of(const host::Mesh& mesh, sandglass_inside_rule rule) {
   sandglass::MeshInside inside;
-  accept(inside.create(view(mesh), rule));
+  accept(inside.create(mesh.view(), rule));
   return inside;
 }
 
 sandglass::Box bounds_of(const host::Mesh& mesh) {
-  const sandglass_mesh surface = view(mesh);
+  const sandglass_mesh surface = mesh.view();
   sandglass::Box box;
   EXPECT_EQ(sandglass_mesh_bounds(&surface, box.min, box.max, nullptr), SANDGLASS_OK);
   return box;

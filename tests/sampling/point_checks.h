@@ -17,8 +17,6 @@ namespace sandglass::test {
 
 using Points = std::vector<float>;  // x, y, z of each point
 
-sandglass_mesh view(const host::Mesh& mesh);
-
 sandglass_sample_desc desc_with_seed(uint64_t seed);
 
 using Inside = std::function<bool(const float*)>;

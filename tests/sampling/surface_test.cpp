@@ -13,7 +13,7 @@ namespace {
 
 // The candidates that a run with this seed draws, by the library's own random numbers.
 Points candidates_of(const host::Mesh& mesh, float distance, uint64_t seed) {
-  const sandglass_mesh surface = view(mesh);
+  const sandglass_mesh surface = mesh.view();
   std::vector<double> running(mesh.triangle_count());
   const double area = sum_areas(surface, running.data());
   CandidateStream stream = candidate_stream(surface, running.data(), area, seed);
