@@ -12,9 +12,9 @@ export function lightOfSky(sun, sky, ground) {
   return { facing: sun.map((x) => x * Math.PI), ambient, floor: ground };
 }
 
-// From the harmonics of radiance and the main light that a WebXR device gives.
+// From the harmonics of radiance and the main light that a WebXR device gives, ARCore's: with the Condon-Shortley phase.
 export function lightOfDevice({ sphericalHarmonicsCoefficients: sh, primaryLightDirection: d, primaryLightIntensity: i }) {
-  const convolved = [0.282095, ...Array(3).fill(0.325735), 0.273137, 0.273137, 0.078848, 0.273137, 0.136569];
+  const convolved = [0.282095, -0.325735, 0.325735, -0.325735, 0.273137, -0.273137, 0.078848, -0.273137, 0.136569];
   const length = Math.hypot(d.x, d.y, d.z) || 1;
   const ambient = Float32Array.from(sh, (x, k) => x * convolved[Math.floor(k / 3)]);
   const floor = [0, 1, 2].map((k) => Math.max(0, ambient[k] - ambient[3 + k] - ambient[18 + k] - ambient[24 + k]));  // from straight below

@@ -12,7 +12,7 @@ window.emulated = (() => {
   const frame = {
     getViewerPose: () => ({ views: [view], transform: view.transform }),
     getHitTestResults: () => [{ getPose: () => ({ transform: rigid(made.table) }) }],
-    getLightEstimate: () => ({ sphericalHarmonicsCoefficients: Float32Array.from({ length: 27 }, (_, i) => (i < 3 ? [1, 2, 3][i] : 0)),
+    getLightEstimate: () => ({ sphericalHarmonicsCoefficients: Float32Array.from({ length: 27 }, (_, i) => ([1, 2, 3, -0.6][i] ?? 0)  /* red comes from above */),
       primaryLightDirection: { x: 0, y: 3, z: 4, w: 0 }, primaryLightIntensity: { x: Math.PI, y: Math.PI, z: 0 } }),
     // The finger points at the middle of the picture. The wall stands 0.35 m behind the table's middle and faces the viewer.
     getPose: (of) => ({ transform: of.isWall ? { matrix: new Float32Array([1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0.1, 0.45, -0.55, 1]) } : view.transform }),
