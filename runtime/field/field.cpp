@@ -47,7 +47,7 @@ const char* measure(const sandglass_field_desc* desc, uint32_t counts[3]) {
 }
 
 uint64_t bytes_of(const uint32_t counts[3]) {
-  return k_field_header + static_cast<uint64_t>(counts[0]) * counts[1] * counts[2] * sizeof(float);
+  return sizeof(sandglass_field) + static_cast<uint64_t>(counts[0]) * counts[1] * counts[2] * sizeof(float);
 }
 
 struct Nodes {
@@ -265,7 +265,7 @@ sandglass_status sandglass_field_create(const sandglass_field_desc* desc, void* 
   if (const sandglass_status status = check(desc, n.counts, reason)) return status;
   if (field == nullptr) return refuse(reason, "sandglass_field: field is NULL: pass where to store the field.");
   if (const sandglass_status status = check_block(block, bytes, bytes_of(n.counts), reason)) return status;
-  n.values = reinterpret_cast<float*>(static_cast<uint8_t*>(block) + k_field_header);
+  n.values = reinterpret_cast<float*>(static_cast<sandglass_field*>(block) + 1);
   for (int k = 0; k < 3; ++k) n.low[k] = desc->bounds_min[k];
   n.spacing = desc->spacing;
   if (desc->mesh != nullptr) measure_mesh(n, *desc);

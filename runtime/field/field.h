@@ -5,7 +5,7 @@
 #include "kernels/kernels.h"
 #include "sandglass/field.h"
 
-struct sandglass_field {
+struct alignas(SANDGLASS_BLOCK_ALIGNMENT) sandglass_field {
   uint32_t magic;
   uint64_t version;            // of what it holds, never 0: two fields in the same memory differ by it
   sandglass::FieldGrid shape;  // without its values
@@ -14,12 +14,10 @@ struct sandglass_field {
 namespace sandglass {
 
 constexpr uint32_t k_field_magic = 0x64666773;  // "sgfd"
-constexpr uint64_t k_field_header =
-    (sizeof(sandglass_field) + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT;
 
 inline FieldGrid grid_of(const sandglass_field* field) {
   FieldGrid grid = field->shape;
-  grid.values = reinterpret_cast<const float*>(reinterpret_cast<const uint8_t*>(field) + k_field_header);
+  grid.values = reinterpret_cast<const float*>(field + 1);
   return grid;
 }
 
