@@ -16,10 +16,10 @@ const k_options = { sand: 0, source: 0, threads: 1, origin: 3, half: 1, budget: 
 const k_nozzle = { position: 3, rotation: 4, radius: 1, speed: 1 }, k_sand = { particles: 1, radius: 1 };
 
 // Refuses an option that there is not, and what is no such number.
-export function checked(what, given, kinds, more = false) {
+export function checked(what, given, kinds) {
   for (const [name, value] of Object.entries(given)) {
     const count = kinds[name], numbers = count > 1 ? Array.from(value ?? []) : [value];
-    if (count === undefined && !more) throw new Error(`sandglass: ${what} takes no "${name}". It takes: ${Object.keys(kinds).join(", ")}.`);
+    if (count === undefined) throw new Error(`sandglass: ${what} takes no "${name}". It takes: ${Object.keys(kinds).join(", ")}.`);
     if (!count || value === undefined || (numbers.length === count && numbers.every(Number.isFinite) && (count > 1 || value > 0))) continue;
     throw new Error(`sandglass: ${what}: ${name} must be ${count > 1 ? `${count} numbers: an array or a vector` : "a number above 0"}.`);
   }
