@@ -25,14 +25,12 @@ NPM = ("npm", "unity")
 def members(name, root):
     """The files of an archive, and their names in it."""
     if name == "npm":
-        package = json.loads((root / "package.json").read_text())
-        wanted = {"package.json", "README.md", "LICENSE"} | {f for entry in package["files"]
-                                                            for f in ([p.relative_to(root).as_posix() for p in (root / entry).rglob("*")]
-                                                                      if (root / entry).is_dir() else [entry])}
-        missing = sorted(f for f in wanted if not (root / f).exists())
-        if missing:
-            sys.exit(f"release.py: {root} lacks {missing[0]}, which its package.json names: build it again")
-        files = [root / f for f in wanted if (root / f).is_file()]
+        files = set()
+        for entry in ["package.json", "README.md", "LICENSE"] + json.loads((root / "package.json").read_text())["files"]:
+            found = set(root.glob(entry.lstrip("!")))
+            if not found:
+                sys.exit(f"release.py: {root} lacks {entry}, which its package.json names: build it again")
+            files = files - found if entry.startswith("!") else files | found
     else:
         files = [path for path in root.rglob("*") if path.is_file() and not path.is_symlink()]
     if not files:

@@ -9,6 +9,8 @@ npm=$(cd "$1" && pwd) work=$2
 rm -rf "$work" && mkdir -p "$work/app"
 npm_quiet=(npm --offline --no-audit --no-fund --no-update-notifier --loglevel=error --cache "$work/cache")
 file=$(cd "$work" && "${npm_quiet[@]}" pack "$npm" | tail -n 1)
+python3 -B "$here/../../toolchains/release.py" "$work/release" 0.0.0 0 "npm=$npm" >/dev/null
+diff <(tar -tzf "$work/$file" | sort) <(tar -tzf "$work"/release/*.tgz | sort) || { echo "a release packs other files than npm"; exit 1; }
 cd "$work/app"
 echo '{"name": "app", "version": "1.0.0", "private": true, "type": "module"}' >package.json
 "${npm_quiet[@]}" install "../$file" >/dev/null
