@@ -40,7 +40,8 @@ Run::Run(const RunOptions& options, uint32_t finest_level)
   simulation_->add(material);
   shadows_.emplace(scene_, isa);
   if (scene_.pile_shadow) {
-    pile_.emplace(*scene_.pile_shadow, isa, scene_.shot ? scene_.pile_shadow->texels / 2 : 0);
+    for (std::optional<PileShadow>* pile : {&pile_, &drawn_pile_})
+      pile->emplace(*scene_.pile_shadow, isa, scene_.shot ? scene_.pile_shadow->texels / 2 : 0);
     simulation_->cast(pile_->handle());
   }
   begin_report();
@@ -170,15 +171,17 @@ void Run::light_shadows(uint32_t frame) {
   if (!shot_) {
     const Vec3 towards = scene_.light->towards(static_cast<double>(frame) / scene_.frames);
     shadows_->set_light(scene_, frame, towards);
-    if (pile_) pile_->set_light(towards);
+    if (pile_) pile_->set_light(towards), drawn_pile_->set_light(towards);
     return;
   }
   const PlacedLight& light = shot_->light(frame);
   shadows_->set_light(scene_, frame, main_direction_of(light.object));
   shadows_->set_cells(scene_, frame, light.object.ambient_cells);
   if (!pile_) return;
-  pile_->set_light(main_direction_of(light.sand));
-  pile_->set_cells(light.sand.ambient_cells);
+  for (PileShadow* pile : {&*pile_, &*drawn_pile_}) {
+    pile->set_light(main_direction_of(light.sand));
+    pile->set_cells(light.sand.ambient_cells);
+  }
 }
 
 // Runs one frame, by clock and budget or as recorded.
@@ -209,11 +212,11 @@ void Run::take_snapshot(uint32_t frame, std::vector<sandglass_collider> collider
   LyingSand sand = {snapshot.particles, simulation_->particle_velocities(), colliders,
                     static_cast<float>(scene_.particle_radius)};
   std::copy_n(scene_.gravity, 3, sand.gravity);
-  snapshot.sand = shaper_.shape(sand);
+  snapshot.sand = shaper_.shape(sand, drawn_pile_ ? drawn_pile_->handle() : nullptr);
   snapshot.sand.nozzles = flow_over_frame(scene_, snapshot.time).emitters;
   snapshot.sand.seconds = scene_.frame_step;
   shadows_->draw(colliders, &snapshot.shadows);
-  if (pile_) pile_->draw(&snapshot.shadows);
+  if (drawn_pile_) drawn_pile_->draw(&snapshot.shadows);
   snapshot.colliders = std::move(colliders);
   if (scene_.light) snapshot.to_light = scene_.light->towards(static_cast<double>(frame) / scene_.frames);
   if (shot_) snapshot.to_light = main_direction_of(shot_->light(frame).object);

@@ -68,8 +68,8 @@ class Run {
   std::optional<ThreadPool> pool_;
   std::optional<Simulation> simulation_;
   std::optional<StandingShadows> shadows_;
-  std::optional<PileShadow> pile_;
-  SandShaper shaper_;  // of the pictures: the frames make no skin
+  std::optional<PileShadow> pile_, drawn_pile_;  // the frames', of their grains, and that of the pictures' skin
+  SandShaper shaper_;                            // of the pictures: the frames make no skin
   std::optional<Shot> shot_;
   RunReport report_;
   std::vector<Snapshot> snapshots_;
