@@ -1,5 +1,5 @@
-// What stands at the start of a field's block. The values follow, x fastest. There is no address in it: its bytes are the field
-// wherever they lie.
+// What stands at the start of a field's block. The values follow, x fastest. It holds no address: its bytes are the
+// field wherever they lie.
 #pragma once
 
 #include "kernels/kernels.h"

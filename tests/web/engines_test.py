@@ -108,6 +108,8 @@ def stool():
 
 
 def prepare(npm, work, readme):
+    """The package, the README's examples, a model, and a picture of the room that the program makes up of seed 7 (its own: no licence),
+    taken 1.1 m above the floor."""
     package = work / "node_modules/sandglass"
     shutil.rmtree(package, ignore_errors=True)
     shutil.copytree(npm, package)

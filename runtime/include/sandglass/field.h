@@ -66,9 +66,9 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_field_bytes(const s
                                                                          uint64_t* bytes, const char** reason);
 
 /* Makes a field in the app's block, aligned to SANDGLASS_BLOCK_ALIGNMENT; the block is the field. The mesh's arrays may
- * go. The block holds no address: a copy of its bytes, in another aligned block of any process that runs the same build of
- * the library, is the same field. They are not checked, so take none that others made. From a mesh it takes time in proportion to the number of triangles times band^3 / spacing^3, and one inside test
- * a node.
+ * go. From a mesh it takes time in proportion to the number of triangles times band^3 / spacing^3, and one inside test
+ * a node. The block holds no address: a copy of its bytes, in another aligned block of any process that runs the same
+ * build of the library, is the same field. They are not checked, so take none that others made.
  *
  * Fails like sandglass_field_bytes, with MEMORY_TOO_SMALL, MEMORY_ALIGNMENT, and with INVALID_ARGUMENT also for a
  * distance that is not finite, a surface that crosses the faces of the box, or no node that is solid, or none that is
