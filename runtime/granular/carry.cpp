@@ -56,23 +56,25 @@ void to_local(const ColliderFrame& c, const float x[3], float local[3]) {
   }
 }
 
-// Where a ray enters a box along one axis, and leaves it.
-void clip(float at, float way, float low, float high, float* enter, float* leave) {
+// Metres along `way` until each ray is in the box; k_far: never. One way for all.
+void enter_box(const float at[3][k_lane_group], const float way[3], const float low[3], const float high[3],
+               float enter[k_lane_group]) {
   constexpr float k_along = 1e-6f;
-  if (__builtin_fabsf(way) < k_along) {
-    if (at < low || at > high) *enter = k_far;
-    return;
+  float leave[k_lane_group];
+  for (uint32_t l = 0; l < k_lane_group; ++l) enter[l] = 0.0f, leave[l] = k_far;
+  for (int k = 0; k < 3; ++k) {
+    if (__builtin_fabsf(way[k]) < k_along) {
+      for (uint32_t l = 0; l < k_lane_group; ++l) leave[l] = at[k][l] < low[k] || at[k][l] > high[k] ? -1.0f : leave[l];
+      continue;
+    }
+    const float inverse = 1.0f / way[k], first = way[k] > 0.0f ? low[k] : high[k], last = low[k] + high[k] - first;
+    for (uint32_t l = 0; l < k_lane_group; ++l) {
+      const float in = (first - at[k][l]) * inverse, out = (last - at[k][l]) * inverse;
+      enter[l] = enter[l] < in ? in : enter[l];
+      leave[l] = out < leave[l] ? out : leave[l];
+    }
   }
-  const float a = (low - at) / way, b = (high - at) / way;
-  *enter = (a < b ? a : b) > *enter ? (a < b ? a : b) : *enter;
-  *leave = (a < b ? b : a) < *leave ? (a < b ? b : a) : *leave;
-}
-
-// Metres along `way` until the ray is in the box; k_far: never.
-float enters(const float at[3], const float way[3], const float low[3], const float high[3]) {
-  float enter = 0.0f, leave = k_far;
-  for (int k = 0; k < 3; ++k) clip(at[k], way[k], low[k], high[k], &enter, &leave);
-  return enter <= leave ? enter : k_far;
+  for (uint32_t l = 0; l < k_lane_group; ++l) enter[l] = enter[l] <= leave[l] ? enter[l] : k_far;
 }
 
 void measure(const Granular& g, const ColliderFrame& c, const float at[3][k_lane_group], float distance[k_lane_group],
@@ -105,44 +107,57 @@ float capsule_below(const ColliderFrame& c, const float x[3], const float down[3
   return k_far;
 }
 
-// Metres down to a collider, of each lane; k_far: it is not below.
-void find_below(const Granular& g, const ColliderFrame& c, const Lanes& lanes, const float down[3],
-                float below[k_lane_group]) {
-  float way[3];
-  for (int a = 0; a < 3; ++a) way[a] = c.axes[a][0] * down[0] + c.axes[a][1] * down[1] + c.axes[a][2] * down[2];
-  Bounds grid = {};
-  for (int a = 0; a < 3 && c.shape == SANDGLASS_SHAPE_FIELD; ++a)
-    grid.low[a] = c.field.low[a],
-    grid.high[a] = c.field.low[a] + c.field.spacing * static_cast<float>(c.field.counts[a] - 1);
-  const float least[3] = {-c.size[0], -c.size[1], -c.size[2]};
-  for (uint32_t l = 0; l < lanes.count; ++l) {
-    const float x[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
-    float local[3];
-    to_local(c, x, local);
-    if (c.shape == SANDGLASS_SHAPE_HALF_SPACE)
-      below[l] = local[1] <= 0.0f ? 0.0f : way[1] < -1e-6f ? local[1] / -way[1] : k_far;
-    else if (c.shape == SANDGLASS_SHAPE_BOX) below[l] = enters(local, way, least, c.size);
-    else if (c.shape == SANDGLASS_SHAPE_FIELD) below[l] = enters(local, way, grid.low, grid.high);
-    else below[l] = capsule_below(c, x, down, k_coordinate_bound);
-  }
-  if (c.shape != SANDGLASS_SHAPE_FIELD) return;
+void to_local(const ColliderFrame& c, const float at[3][k_lane_group], float local[3][k_lane_group]) {
+  float apart[3][k_lane_group];
+  for (int k = 0; k < 3; ++k)
+    for (uint32_t l = 0; l < k_lane_group; ++l) apart[k][l] = at[k][l] - c.position[k];
+  for (int a = 0; a < 3; ++a)
+    for (uint32_t l = 0; l < k_lane_group; ++l)
+      local[a][l] = c.axes[a][0] * apart[0][l] + c.axes[a][1] * apart[1][l] + c.axes[a][2] * apart[2][l];
+}
+
+// On from where rays entered the grid of a field, to its surface.
+void trace_field(const Granular& g, const ColliderFrame& c, const Lanes& lanes, const float down[3],
+                 float below[k_lane_group]) {
   const float r = g.desc.particle_radius;
+  float at[3][k_lane_group], distance[k_lane_group];
   bool open = true;
-  float at[3][k_lane_group] = {}, distance[k_lane_group];
   for (uint32_t step = 0; step < k_trace_steps && open; ++step) {
-    for (uint32_t l = 0; l < lanes.count; ++l)
+    const float shortest = (0.5f + 0.25f * static_cast<float>(step)) * r;
+    for (uint32_t l = 0; l < k_lane_group; ++l)
       for (int k = 0; k < 3; ++k) at[k][l] = lanes.at[k][l] + (below[l] < k_far ? below[l] : 0.0f) * down[k];
     measure(g, c, at, distance);
     open = false;
-    const float shortest = (0.5f + 0.25f * static_cast<float>(step)) * r;
     for (uint32_t l = 0; l < lanes.count; ++l) {
       if (below[l] >= k_far || distance[l] < 0.25f * r) continue;
       below[l] += distance[l] > shortest ? distance[l] : shortest;
-      const float x[3] = {at[0][l], at[1][l], at[2][l]};
-      float local[3];
-      to_local(c, x, local);
-      if (c.field.outward > 0.0f && enters(local, way, grid.low, grid.high) >= k_far) below[l] = k_far;
-      open = open || below[l] < k_far;
+      open = true;
+    }
+  }
+  for (uint32_t l = 0; l < lanes.count; ++l) below[l] = distance[l] < 0.25f * r ? below[l] : k_far;
+}
+
+// Metres down to a collider, of each lane; k_far: it is not below.
+void find_below(const Granular& g, const ColliderFrame& c, const Lanes& lanes, const float down[3],
+                float below[k_lane_group]) {
+  float way[3], local[3][k_lane_group];
+  for (int a = 0; a < 3; ++a) way[a] = c.axes[a][0] * down[0] + c.axes[a][1] * down[1] + c.axes[a][2] * down[2];
+  to_local(c, lanes.at, local);
+  if (c.shape == SANDGLASS_SHAPE_HALF_SPACE) {
+    for (uint32_t l = 0; l < k_lane_group; ++l)
+      below[l] = local[1][l] <= 0.0f ? 0.0f : way[1] < -1e-6f ? local[1][l] / -way[1] : k_far;
+  } else if (c.shape == SANDGLASS_SHAPE_BOX) {
+    const float least[3] = {-c.size[0], -c.size[1], -c.size[2]};
+    enter_box(local, way, least, c.size, below);
+  } else if (c.shape == SANDGLASS_SHAPE_FIELD) {
+    float most[3];
+    for (int a = 0; a < 3; ++a) most[a] = c.field.low[a] + c.field.spacing * static_cast<float>(c.field.counts[a] - 1);
+    enter_box(local, way, c.field.low, most, below);
+    trace_field(g, c, lanes, down, below);
+  } else {
+    for (uint32_t l = 0; l < lanes.count; ++l) {
+      const float x[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
+      below[l] = capsule_below(c, x, down, k_coordinate_bound);
     }
   }
 }
@@ -162,22 +177,36 @@ bool goes_along(const Lanes& lanes, uint32_t l, const ColliderFrame& c, float mo
   return apart2 <= most * most;
 }
 
-bool within_group(const Granular& g, uint32_t collider, const Lanes& lanes, uint32_t l) {
+// Of a support's group: bits of the lanes within its box.
+uint32_t within_group(const Granular& g, uint32_t collider, const Lanes& lanes) {
   const CarryGroup& group = g.carry.groups[g.carry.group_of[collider]];
-  if (!group.hollow) return false;
-  const float x[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
-  float local[3];
-  to_local(g.colliders.carriers[group.first].from, x, local);
-  bool within = true;
-  for (int k = 0; k < 3; ++k) within = within && local[k] >= group.box.low[k] && local[k] <= group.box.high[k];
+  if (!group.hollow) return 0;
+  float local[3][k_lane_group];
+  int32_t beyond[k_lane_group] = {};
+  to_local(g.colliders.carriers[group.first].from, lanes.at, local);
+  for (int k = 0; k < 3; ++k)
+    for (uint32_t l = 0; l < k_lane_group; ++l)
+      beyond[l] |= (local[k][l] < group.box.low[k] ? 1 : 0) | (local[k][l] > group.box.high[k] ? 1 : 0);
+  uint32_t within = 0;
+  for (uint32_t l = 0; l < lanes.count; ++l) within |= beyond[l] == 0 ? 1u << l : 0;
   return within;
 }
 
-// Whether a collider, `from` one pose to the other, may be under a point of the box, or reach it.
-bool may_be_below(const ColliderFrame& c, const float middle[3], const float half[3], const float down[3]) {
-  Bounds box = box_of(c);
-  for (int k = 0; k < 3; ++k) box.low[k] -= half[k], box.high[k] += half[k];
-  return enters(middle, down, box.low, box.high) < k_far;
+// Whether a collider may be below a point of the lanes, or reach it: of a box around it that is as much wider.
+bool may_be_below(const ColliderFrame& c, const Lanes& lanes, const float down[3], float margin) {
+  const Bounds box = box_of(c);
+  float enter = 0.0f, leave = k_far;
+  for (int k = 0; k < 3; ++k) {
+    const float low = box.low[k] - margin - lanes.high[k], high = box.high[k] + margin - lanes.low[k];
+    if (__builtin_fabsf(down[k]) < 1e-6f) {
+      leave = low > 0.0f || high < 0.0f ? -1.0f : leave;
+      continue;
+    }
+    const float a = low / down[k], b = high / down[k];
+    enter = (a < b ? a : b) > enter ? (a < b ? a : b) : enter;
+    leave = (a < b ? b : a) < leave ? (a < b ? b : a) : leave;
+  }
+  return enter <= leave;
 }
 
 bool overlaps(const Bounds& a, const Bounds& b, float margin) {
@@ -191,22 +220,19 @@ bool carries(const Granular& g, uint32_t i) { return g.carry.group_of[i] != k_ca
 // The collider that holds each lane; k_none: none that moves.
 void find_holders(const Granular& g, const Lanes& lanes, uint32_t holder[k_lane_group]) {
   const float r = g.desc.particle_radius, length = g.gravity_length;
-  float middle[3], half[3], down[3] = {0, 0, 0}, nearest[k_lane_group], below[k_lane_group], found[k_lane_group];
+  float down[3] = {0, 0, 0}, nearest[k_lane_group], below[k_lane_group], found[k_lane_group];
   uint32_t support[k_lane_group], enclosing[k_lane_group];
-  for (int k = 0; k < 3; ++k) {
-    middle[k] = 0.5f * (lanes.low[k] + lanes.high[k]), half[k] = 0.5f * (lanes.high[k] - lanes.low[k]) + r;
-    if (length > 0.0f) down[k] = g.gravity[k] / length;
-  }
+  for (int k = 0; k < 3 && length > 0.0f; ++k) down[k] = g.gravity[k] / length;
   for (uint32_t l = 0; l < k_lane_group; ++l)
     holder[l] = support[l] = enclosing[l] = k_none, nearest[l] = below[l] = k_far;
   const Carrier* carriers = g.colliders.carriers;
   bool some = false;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i)
-    some = some || (carries(g, i) && may_be_below(carriers[i].from, middle, half, down));
+    some = some || (carries(g, i) && may_be_below(carriers[i].from, lanes, down, r));
   if (!some) return;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     const ColliderFrame& c = carriers[i].from;
-    if (!may_be_below(c, middle, half, down)) continue;
+    if (!may_be_below(c, lanes, down, r)) continue;
     if (encloses(c)) {
       measure(g, c, lanes.at, found);
       for (uint32_t l = 0; l < lanes.count; ++l)
@@ -217,13 +243,15 @@ void find_holders(const Granular& g, const Lanes& lanes, uint32_t holder[k_lane_
         if (found[l] < below[l]) below[l] = found[l], support[l] = i;
     }
   }
+  uint32_t asked = k_none, within = 0;
   for (uint32_t l = 0; l < lanes.count; ++l) {
     const uint32_t on = support[l], in = enclosing[l];
     if (in != k_none && carries(g, in)) holder[l] = in;
     if (on == k_none || !carries(g, on)) continue;
-    const bool inside = within_group(g, on, lanes, l);
-    const bool lies =
-        g.carry.due == Carry::Moment::close && goes_along(lanes, l, carriers[on].from, granular_speed_scale(g));
+    if (on != asked) within = within_group(g, on, lanes), asked = on;
+    const bool inside = (within >> l & 1) != 0;
+    const bool lies = !inside && g.carry.due == Carry::Moment::close &&
+                      goes_along(lanes, l, carriers[on].from, granular_speed_scale(g));
     if (!inside && !lies) continue;
     // In a vessel within a field, or the other way round: what is nearer is the inner one.
     if (holder[l] == k_none || (inside && below[l] < nearest[l] + 2.0f * r) || lies) holder[l] = on;
@@ -354,8 +382,8 @@ void carry_begin(Carry* c, const Granular& g, float faster) {
   c->faster = faster;
   c->cursor = c->group_count = 0;
   c->gave_way = false;
-  c->moved = c->resting = c->standing = k_nowhere;
-  c->speed_max = c->way_max = 0.0f;
+  c->pushed = c->resting = c->standing = k_nowhere;
+  c->way_max = 0.0f;
   const float same = k_same_way * g.desc.particle_radius;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     const Carrier& carrier = g.colliders.carriers[i];
@@ -415,7 +443,7 @@ void carry_begin(Carry* c, const Granular& g, float faster) {
 
 namespace {
 
-// What a particle's copies hold in their velocity while a sub-step is under way: seconds of it. 1: a velocity.
+// What a particle's copies hold as velocity while a sub-step is under way: so many seconds of it. 1: a velocity.
 float second_scale(const Granular& g, uint32_t group, uint32_t active_before) {
   const SubstepPhase phase = g.substep.phase;
   const bool last =
@@ -425,48 +453,118 @@ float second_scale(const Granular& g, uint32_t group, uint32_t active_before) {
   return last && active_before * k_lane_group < g.substep.cursor ? 1.0f : g.substep.length;
 }
 
-void carry_particle(Carry* c, const Granular& g, uint32_t i, uint32_t holder, float scale) {
-  const Carrier& carrier = g.colliders.carriers[holder];
-  const Particle before = g.particles.records[0][i];
-  float way[3], change[3], way2 = 0.0f, speed2 = 0.0f;
-  carrier.way.way(before.position, way);
-  for (int k = 0; k < 3; ++k) way2 += way[k] * way[k];
-  for (uint32_t copy = 0; copy < 3; ++copy) {
-    Particle* records = g.particles.records[copy];
-    if (records == nullptr) continue;
-    Particle& p = records[i];
-    carrier.way.move(p.position);
-    carrier.way.rotate(p.velocity);
-    velocity_at(carrier.from, before.position, change);
-    carrier.way.rotate(change);
-    const float more = is_awake(before) ? (c->faster - 1.0f) * (copy == 0 ? 1.0f : scale) : 0.0f;
-    for (int k = 0; k < 3; ++k) p.velocity[k] += more * change[k];
-    if (copy < 2) bounds_include(&c->moved, p.position);
+Bounds box_of(const Lanes& lanes) {
+  Bounds box;
+  for (int k = 0; k < 3; ++k) {
+    float low[k_lane_group], high[k_lane_group];
+    for (uint32_t l = 0; l < k_lane_group; ++l) low[l] = high[l] = lanes.at[k][l];
+    for (uint32_t half = k_lane_group / 2; half != 0; half /= 2) {
+      for (uint32_t l = 0; l < half; ++l) {
+        low[l] = low[l + half] < low[l] ? low[l + half] : low[l];
+        high[l] = high[l + half] > high[l] ? high[l + half] : high[l];
+      }
+    }
+    box.low[k] = low[0], box.high[k] = high[0];
   }
-  const Particle& p = g.particles.records[0][i];
-  for (int k = 0; k < 3; ++k) speed2 += p.velocity[k] * p.velocity[k];
-  const float speed = __builtin_sqrtf(speed2), length = __builtin_sqrtf(way2);
-  c->speed_max = speed > c->speed_max ? speed : c->speed_max;
-  c->way_max = length > c->way_max ? length : c->way_max;
-  Bounds& held = c->held[c->group_of[holder]];
-  bounds_include(&held, before.position), bounds_include(&held, p.position);
-  if (is_asleep(p)) bounds_include(&c->resting, p.position);
-  sleep_carry(g, number_of(p), carrier.way);
-  ++c->carried;
+  return box;
 }
 
-void read_lanes(const Granular& g, uint32_t first, Lanes* lanes) {
-  *lanes = {};
-  lanes->count = g.particles.count - first < k_lane_group ? g.particles.count - first : k_lane_group;
-  Bounds box = k_nowhere;
-  for (uint32_t l = 0; l < k_lane_group; ++l) {
-    const Particle& p = g.particles.records[0][first + (l < lanes->count ? l : 0)];
-    for (int k = 0; k < 3; ++k) lanes->at[k][l] = p.position[k], lanes->velocity[k][l] = p.velocity[k];
-    if (l >= lanes->count || has_departed(p)) continue;
-    bounds_include(&box, p.position);
-    if (!in_body(p)) lanes->free |= 1u << l;
+// x becomes x + columns d, for d = x - from; v becomes v + turn v + gain d, with what collider and sand differ by.
+struct QuadWay {
+  Quad from, turn[3], shift, gain[3], constant;
+};
+Quad quad(const float v[3]) { return Quad{v[0], v[1], v[2], 0.0f}; }
+Quad times(const Quad columns[3], const Quad& v) {
+  const Quad x = {v[0], v[0], v[0], v[0]}, y = {v[1], v[1], v[1], v[1]}, z = {v[2], v[2], v[2], v[2]};
+  return (columns[0] * x + columns[1] * y) + columns[2] * z;
+}
+
+// The gain is of the collider's velocity there: `more` times that.
+QuadWay quad_way(const Carrier& carrier, float more) {
+  const RigidWay& w = carrier.way;
+  const float *v = carrier.from.linear, *s = carrier.from.angular;
+  const float spin[3][3] = {{0, s[2], -s[1]}, {-s[2], 0, s[0]}, {s[1], -s[0], 0}};
+  QuadWay q = {quad(w.from), {}, quad(w.shift), {}, {}};
+  for (int k = 0; k < 3; ++k) q.turn[k] = Quad{w.turn[0][k], w.turn[1][k], w.turn[2][k], 0.0f};
+  const auto gained = [&](const float u[3]) { return (quad(u) + times(q.turn, quad(u))) * more; };
+  for (int k = 0; k < 3; ++k) q.gain[k] = gained(spin[k]);
+  q.constant = gained(v);
+  return q;
+}
+
+// A copy of a particle, which holds `scale` seconds of its velocity.
+void carry_copy(const QuadWay& q, float scale, Particle* p) {
+  struct Halves {
+    Quad at, velocity;
+  } halves;
+  const uint32_t identity = p->identity;
+  static_assert(sizeof halves == sizeof *p);
+  __builtin_memcpy(&halves, p, sizeof halves);
+  const Quad d = halves.at - q.from;
+  halves.at += times(q.turn, d) + q.shift;
+  halves.velocity += times(q.turn, halves.velocity);
+  if (scale != 0.0f) halves.velocity += (times(q.gain, d) + q.constant) * scale;
+  __builtin_memcpy(p, &halves, sizeof halves);
+  p->identity = identity;
+}
+
+// Moves the lanes that one collider holds, in all that is kept of them.
+void carry_lanes(Carry* c, const Granular& g, uint32_t first, uint32_t holder, uint32_t mask, float scale, Lanes* lanes,
+                 float moved[k_lane_group]) {
+  const Carrier& carrier = g.colliders.carriers[holder];
+  const float more = c->faster - 1.0f, gains = more != 0.0f ? 1.0f : 0.0f;
+  const QuadWay q = quad_way(carrier, more);
+  Bounds before = {}, after = k_nowhere;
+  float way2 = 0.0f;
+  for (int k = 0; k < 3; ++k) before.low[k] = lanes->low[k], before.high[k] = lanes->high[k];
+  for (int corner = 0; corner < 8; ++corner) {
+    float x[3], u[3];
+    for (int k = 0; k < 3; ++k) x[k] = (corner >> k & 1) != 0 ? before.high[k] : before.low[k];
+    carrier.way.way(x, u);
+    const float square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+    way2 = square > way2 ? square : way2;
+    for (int k = 0; k < 3; ++k) x[k] += u[k];
+    bounds_include(&after, x);
   }
+  Bounds& held = c->held[c->group_of[holder]];
+  bounds_join(&held, before), bounds_join(&held, after);
+  const float way = __builtin_sqrtf(way2);
+  c->way_max = way > c->way_max ? way : c->way_max;
+  for (uint32_t l = 0; l < lanes->count; ++l) {
+    if ((mask >> l & 1) == 0) continue;
+    Particle& p = g.particles.records[0][first + l];
+    const bool awake = is_awake(p);
+    carry_copy(q, awake ? gains : 0.0f, &p);
+    for (uint32_t copy = 1; copy < 3 && (!awake || scale != 0.0f); ++copy)
+      if (g.particles.records[copy] != nullptr)
+        carry_copy(q, awake ? gains * scale : 0.0f, &g.particles.records[copy][first + l]);
+    for (int k = 0; k < 3; ++k) lanes->at[k][l] = p.position[k];
+    if (!awake) bounds_include(&c->resting, p.position);
+    sleep_carry(g, number_of(p), carrier.way);
+    moved[l] = way;
+    ++c->carried;
+  }
+}
+
+// Lanes that hold nothing, or what has departed, are as one that counts. False: there is none.
+bool read_lanes(const Granular& g, uint32_t first, Lanes* lanes) {
+  const Particle* records = g.particles.records[0] + first;
+  lanes->count = g.particles.count - first < k_lane_group ? g.particles.count - first : k_lane_group;
+  lanes->free = 0;
+  uint32_t here = 0;
+  for (uint32_t l = 0; l < lanes->count; ++l) {
+    here |= has_departed(records[l]) ? 0 : 1u << l;
+    lanes->free |= has_departed(records[l]) || in_body(records[l]) ? 0 : 1u << l;
+  }
+  if (here == 0) return false;
+  const uint32_t instead = static_cast<uint32_t>(__builtin_ctz(here));
+  for (uint32_t l = 0; l < k_lane_group; ++l) {
+    const Particle& p = records[(here >> l & 1) != 0 ? l : instead];
+    for (int k = 0; k < 3; ++k) lanes->at[k][l] = p.position[k], lanes->velocity[k][l] = p.velocity[k];
+  }
+  const Bounds box = box_of(*lanes);
   for (int k = 0; k < 3; ++k) lanes->low[k] = box.low[k], lanes->high[k] = box.high[k];
+  return true;
 }
 
 // What was put elsewhere in a lane, without a velocity.
@@ -480,37 +578,40 @@ void write_pushed(Carry* c, const Granular& g, uint32_t i, const float to[3]) {
   const float length = __builtin_sqrtf(way2);
   c->way_max = length > c->way_max ? length : c->way_max;
   c->gave_way = true;
-  bounds_include(&c->moved, p.position);
+  bounds_include(&c->pushed, p.position);
   if (is_asleep(p)) bounds_include(&c->resting, p.position);
 }
 
 void run_group(Carry* c, const Granular& g, uint32_t group, uint32_t active_before) {
   Lanes lanes;
-  read_lanes(g, group * k_lane_group, &lanes);
   uint32_t holder[k_lane_group], open = 0;
-  if (is_empty({{lanes.low[0], lanes.low[1], lanes.low[2]}, {lanes.high[0], lanes.high[1], lanes.high[2]}})) return;
+  if (!read_lanes(g, group * k_lane_group, &lanes)) return;
   find_holders(g, lanes, holder);
   const bool under_way = g.substep.phase >= SubstepPhase::stabilise && g.substep.phase <= SubstepPhase::bodies;
-  const float scale = under_way ? second_scale(g, group, active_before) : 1.0f;
+  const float scale = under_way ? second_scale(g, group, active_before) : 0.0f;
   float moved[k_lane_group] = {};
+  uint32_t left = 0;
   for (uint32_t l = 0; l < lanes.count; ++l) {
-    const uint32_t i = group * k_lane_group + l;
-    const Particle& p = g.particles.records[0][i];
+    const Particle& p = g.particles.records[0][group * k_lane_group + l];
     if (has_departed(p)) continue;
     const uint32_t of_body = in_body(p) ? c->body_holders[body_of(p) - 1] : 0;
-    const uint32_t by = in_body(p) ? (of_body != 0 ? of_body - 1 : k_none) : holder[l];
-    if (by == k_none) {
-      bounds_include(&c->standing, p.position);
-      open |= in_body(p) ? 0 : 1u << l;
-      continue;
-    }
-    float way[3];
-    g.colliders.carriers[by].way.way(p.position, way);
-    carry_particle(c, g, i, by, scale);
-    for (int k = 0; k < 3; ++k) lanes.at[k][l] = p.position[k];
-    moved[l] = __builtin_sqrtf(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+    holder[l] = in_body(p) ? (of_body != 0 ? of_body - 1 : k_none) : holder[l];
+    left |= holder[l] != k_none ? 1u << l : 0;
+    if (holder[l] != k_none) continue;
+    bounds_include(&c->standing, p.position);
+    open |= in_body(p) ? 0 : 1u << l;
+  }
+  while (left != 0) {
+    const uint32_t by = holder[__builtin_ctz(left)];
+    uint32_t mask = 0;
+    for (uint32_t l = 0; l < lanes.count; ++l) mask |= (left >> l & 1) != 0 && holder[l] == by ? 1u << l : 0;
+    carry_lanes(c, g, group * k_lane_group, by, mask, scale, &lanes, moved);
+    left &= ~mask;
   }
   if (c->due == Carry::Moment::close) give_way(g, &lanes, open, moved);
+  uint32_t some = 0;
+  for (uint32_t l = 0; l < lanes.count; ++l) some |= moved[l] > 0.0f ? 1u << l : 0;
+  if ((some & lanes.free) == 0) return;
   leave_standing(g, &lanes, lanes.free, moved);
   for (uint32_t l = 0; l < lanes.count; ++l) {
     const float to[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
@@ -537,6 +638,13 @@ void carry_end(Carry* c) {
   c->usual = c->usual || c->due == Carry::Moment::close;
   c->due = Carry::Moment::none;
   c->known = false;
+}
+
+Bounds carry_bounds(const Carry& c, float margin) {
+  Bounds all = c.pushed;
+  for (uint32_t i = 0; i < c.group_count; ++i) bounds_join(&all, c.held[i]);
+  for (int k = 0; k < 3 && !is_empty(all); ++k) all.low[k] -= margin, all.high[k] += margin;
+  return all;
 }
 
 bool carry_mixes(const Granular& g) {

@@ -576,6 +576,15 @@ void colliders_arrive(Colliders* c, const Granular&, double debt, double kept, f
   }
 }
 
+float colliders_gain(const Colliders& c, float faster) {
+  float most = 0.0f;
+  for (uint32_t i = 0; i < c.solid_count; ++i) {
+    const float speed = fastness(c.given[i]);
+    most = c.carriers[i].moves && speed > most ? speed : most;
+  }
+  return __builtin_fabsf(faster - 1.0f) / faster * most;
+}
+
 void colliders_carry_substep(Colliders* c, float faster) {
   for (uint32_t s = 0; s < c->substep_count; ++s) {
     ColliderFrame& frame = c->substep_frames[s];

@@ -231,12 +231,13 @@ void granular_carry(Granular* g) {
   if (!carry_run(&g->carry, *g)) return;
   const Carry& c = g->carry;
   colliders_carry_substep(&g->colliders, c.faster);
-  if (!is_empty(c.moved)) {
-    const float fastest[3] = {c.speed_max, 0.0f, 0.0f};
-    particles_include(&g->particles, c.moved.low, fastest);
-    particles_include(&g->particles, c.moved.high, fastest);
+  const Bounds moved = carry_bounds(c, g->desc.particle_radius);  // in the sub-step under way they go less
+  if (!is_empty(moved)) {
+    const float fastest[3] = {colliders_gain(g->colliders, c.faster) + g->particles.speed_max, 0.0f, 0.0f};
+    particles_include(&g->particles, moved.low, fastest);
+    particles_include(&g->particles, moved.high, fastest);
     ContactExtent extent = k_extent_of_none;
-    for (int k = 0; k < 3; ++k) extent.low[k] = c.moved.low[k], extent.high[k] = c.moved.high[k];
+    for (int k = 0; k < 3; ++k) extent.low[k] = moved.low[k], extent.high[k] = moved.high[k];
     contacts_include(&g->contacts, extent);
   }
   if (!is_empty(c.resting)) sleep_include_resting(&g->sleep, c.resting);

@@ -208,8 +208,8 @@ struct Carry {
   uint32_t group_count;
   uint8_t body_holders[256];  // the collider that holds a body, plus 1
   // What the units so far have seen.
-  Bounds moved, resting, held[k_carry_groups], standing;
-  float speed_max, way_max;
+  Bounds held[k_carry_groups], pushed, resting, standing;
+  float way_max;
   uint32_t carried;
   bool gave_way;
 };
@@ -230,6 +230,8 @@ void carry_begin(Carry* carry, const Granular& granular, float faster);
 // One unit. True once all particles are carried.
 bool carry_run(Carry* carry, const Granular& granular);
 void carry_end(Carry* carry);
+// A box around all that was moved, where it was and where it is, and as much wider.
+Bounds carry_bounds(const Carry& carry, float margin);
 // Whether particles that are held in different ways, or not at all, may be near each other.
 bool carry_mixes(const Granular& granular);
 

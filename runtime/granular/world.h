@@ -134,6 +134,8 @@ bool colliders_move_sand(const Granular& granular);
 // `faster` times as large.
 void colliders_find_jumps(Colliders* colliders, const Granular& granular);
 void colliders_arrive(Colliders* colliders, const Granular& granular, double debt, double kept, float faster);
+// Metres a second that what they carry may gain by that.
+float colliders_gain(const Colliders& colliders, float faster);
 // The sub-step under way goes on where its colliders were carried.
 void colliders_carry_substep(Colliders* colliders, float faster);
 // After saving or restoring, and when the scene was moved by rotation * p + shift.
