@@ -358,7 +358,7 @@ void carry_close(Carry* c) {
 
 bool carry_is_due(const Granular& g) {
   if (g.carry.due != Carry::Moment::close) return g.carry.due == Carry::Moment::jump;
-  return g.carry.known || g.time.debt >= k_time_resolution || g.time.share < 1.0;
+  return g.carry.known || g.time.debt >= k_time_resolution || g.time.rate < 1.0;
 }
 
 static uint32_t unit_of(const Granular& g) {
@@ -369,7 +369,7 @@ static uint32_t unit_of(const Granular& g) {
 uint32_t carry_units(const Granular& g) { return (g.particles.count + unit_of(g) - 1) / unit_of(g); }
 
 bool carry_is_expected(const Granular& g) {
-  return g.carry.usual && g.carry.moving && (g.time.debt >= k_time_resolution || g.time.share < 1.0);
+  return g.carry.usual && g.carry.moving && (g.time.debt >= k_time_resolution || g.time.rate < 1.0);
 }
 
 uint32_t carry_items(const Granular& g) {

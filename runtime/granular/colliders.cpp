@@ -282,10 +282,10 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   known.id = now.id;
   known.shape = now.shape;
   known.absent = 0.0f;
-  Placement met = known.pose.held;
+  Placement met = continued && !(step > 0.0) ? before : known.pose.held;  // in a pause all stands
   if (owed >= k_time_resolution && debt >= k_time_resolution) {
     // Of one that jumped nothing is left: else it would come from as far away as it goes in all of the time debt.
-    const double left = continued && continues(before, met, step, g.desc.particle_radius) ? owed : 0.0;
+    const double left = continued && !c.arrived && continues(before, met, step, g.desc.particle_radius) ? owed : 0.0;
     for (int k = 0; k < 3; ++k) {
       met.linear[k] = spread(before.linear[k], left, met.linear[k], step, debt);
       met.angular[k] = spread(before.angular[k], left, met.angular[k], step, debt);
@@ -296,14 +296,14 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   const bool jumps = goes_on && (g.time.left_out > 0.0f || !continues(before, known.pose.held, step, radius) ||
                                  !turns_on(before, known.pose.held, step, radius));
   c.ends[slot] = met.pose;
-  c.met[slot] = goes_on ? pose_before(before, static_cast<float>(owed)) : met.pose;
+  c.met[slot] = goes_on ? pose_before(before, c.arrived ? 0.0f : static_cast<float>(owed)) : met.pose;
   c.jumps[slot] = jumps ? 1 : 0;
-  if (g.time.share < 1.0) {
-    const float whole = static_cast<float>(debt);
-    if (goes_on) met.pose = jumps ? pose_before(met, whole) : c.met[slot];
-    for (int k = 0; k < 3; ++k)
-      met.linear[k] *= static_cast<float>(g.time.share), met.angular[k] *= static_cast<float>(g.time.share);
-    if (goes_on) met.pose = pose_before(met, -whole);
+  if (g.time.rate < 1.0 && step > 0.0) {
+    met = known.pose.held;
+    if (goes_on) met.pose = jumps ? pose_before(met, g.time.frame_step) : c.met[slot];
+    const float rate = static_cast<float>(g.time.rate);
+    for (int k = 0; k < 3; ++k) met.linear[k] *= rate, met.angular[k] *= rate;
+    if (goes_on) met.pose = pose_before(met, -static_cast<float>(debt));
   }
   c.of_slot[slot] = now;
   place(&c.of_slot[slot], met);
@@ -447,7 +447,7 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
 
 void colliders_reset(Colliders* c, const sandglass_granular_desc& d) {
   c->count = c->solid_count = c->substep_count = c->sweep_count = 0;
-  c->waits = false;
+  c->waits = c->arrived = c->jumped = false;
   ColliderWatch* const watches[] = {&c->for_particles, &c->for_grains};
   for (uint32_t slot = 0; slot < d.collider_capacity; ++slot) {
     c->known[slot] = {};
@@ -494,6 +494,7 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
   if (input.collider_count != 0) c.waits = false;
   order(&c, capacity);
   c.jumped = false;
+  if (g.time.frame_step > 0.0f) c.arrived = false;
   for (uint32_t i = 0; i < c.solid_count; ++i) c.jumped = c.jumped || c.jumps[c.slots[i]] != 0;
   drop_gone_fields(c, c.substep_frames, c.substep_count);
   drop_gone_fields(c, c.sweep_frames, c.sweep_count);
@@ -560,7 +561,8 @@ void colliders_find_jumps(Colliders* c, const Granular& g) {
   }
 }
 
-void colliders_arrive(Colliders* c, const Granular&, double debt, double kept, float faster) {
+void colliders_arrive(Colliders* c, const Granular& g, float faster) {
+  c->arrived = true;
   for (uint32_t i = 0; i < c->count; ++i) {
     sandglass_collider &it = c->given[i], &of_slot = c->of_slot[c->slots[i]];
     const sandglass_collider went = it;
@@ -570,8 +572,8 @@ void colliders_arrive(Colliders* c, const Granular&, double debt, double kept, f
     place(&it, end);
     place(&of_slot, end);
     if (i >= c->solid_count) continue;
-    colliders_pose(&went, 1, static_cast<float>(debt), &c->carriers[i].from);
-    colliders_pose(&it, 1, static_cast<float>(kept), &c->carriers[i].to);
+    colliders_pose(&went, 1, static_cast<float>(g.time.debt), &c->carriers[i].from);
+    colliders_pose(&it, 1, 0.0f, &c->carriers[i].to);
     find_way(&c->carriers[i], true);
   }
 }

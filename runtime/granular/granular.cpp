@@ -206,10 +206,9 @@ void granular_settle(Granular* g) {
 static void begin_carry(Granular* g) {
   const bool runs = !time_paused(*g) && g->particles.count != 0, moving = runs && colliders_move_sand(*g);
   carry_begin_frame(&g->carry, runs && g->colliders.jumped, moving);
-  if (moving || g->time.share >= 1.0) return;
-  const float faster = static_cast<float>(1.0 / g->time.share);
-  colliders_arrive(&g->colliders, *g, g->time.debt, g->time.debt, faster);
-  time_forget_share(&g->time);
+  if (moving || time_paused(*g) || g->time.rate >= 1.0) return;
+  colliders_arrive(&g->colliders, *g, static_cast<float>(1.0 / g->time.rate));
+  time_forget_rate(&g->time);
 }
 
 void granular_carry(Granular* g) {
@@ -221,10 +220,8 @@ void granular_carry(Granular* g) {
     if (g->carry.due == Carry::Moment::jump) {
       colliders_find_jumps(&g->colliders, *g);
     } else {
-      const double debt = g->time.debt, kept = substep_under_way(*g);
-      faster = time_give_up(&g->time, kept);
-      substep_cut_interval(&g->substep, kept > 0.0);
-      colliders_arrive(&g->colliders, *g, debt, kept, faster);
+      faster = time_find_rate(&g->time);
+      colliders_arrive(&g->colliders, *g, faster);
     }
     carry_begin(&g->carry, *g, faster);
   }

@@ -177,7 +177,7 @@ struct SavedState {
   ShownTime shown;
   FlowCounts flow;
   float low[3], high[3];
-  double share;
+  double share, rate;
   float speed_max, frame_step, densest_body, builds_per_substep;
   float resting_gravity[3];
   uint32_t bounds_known, awake, dither;

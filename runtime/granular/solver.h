@@ -43,7 +43,8 @@ struct SimulatedTime {
   ShownTime grains;      // of the grains; of the particles where there are none
   double asked;          // the debt, with this frame's step
   float left_out;        // what the app asked for in this frame beyond the longest step
-  double share;          // of the time asked for, what is simulated while colliders move; 1: no slow motion
+  double share;          // of the time asked for, what is simulated while colliders move, smoothed; 1: no slow motion
+  double rate;           // of their velocities, what colliders have in simulated time; 1: all
 };
 
 // What the next sub-step will be.
@@ -59,11 +60,12 @@ void time_restore(SimulatedTime* time, const SavedScene& saved);
 
 // Adds a frame's time step to the debt.
 void time_take(SimulatedTime* time, const Granular& granular, float step);
-// Where colliders move, no frame makes up what another could not afford: sand would stay behind what is drawn. At the
-// frame's end all of the debt but `kept` seconds is given up, and the next share is known. Returns it over the last one.
-float time_give_up(SimulatedTime* time, double kept);
+// A frame in which colliders move ends, and they go on to where it ends whatever was simulated. In the next frame they go
+// less than their velocities, so that what they gain is in proportion to the time in which sand feels it, and no further
+// than told in the debt and that frame's step. Returns the next rate over this one.
+float time_find_rate(SimulatedTime* time);
 // No collider moves.
-void time_forget_share(SimulatedTime* time);
+void time_forget_rate(SimulatedTime* time);
 // The frame is over.
 void time_end_frame(SimulatedTime* time, const Granular& granular);
 // Whether the frame is a pause: whatever is owed, the particles and the grains do nothing.
@@ -156,10 +158,6 @@ struct Substep {
 // Nothing may be under way.
 void substep_reset(Substep* substep);
 void substep_set_limits(Substep* substep, float longest, float shortest);
-// Seconds of a sub-step that has begun and is not complete.
-double substep_under_way(const Granular& granular);
-// The interval ends with it.
-void substep_cut_interval(Substep* substep, bool under_way);
 // What must not find particles elsewhere ends: a measurement, a sort, the bodies' phase.
 void substep_end_for_carry(Granular* granular);
 // While all sleep there is no interval.

@@ -389,15 +389,6 @@ void substep_set_limits(Substep* s, float longest, float shortest) {
   s->shortest = shortest;
 }
 
-double substep_under_way(const Granular& g) {
-  const SubstepPhase phase = g.substep.phase;
-  if (phase < SubstepPhase::slack || phase > SubstepPhase::bodies) return 0.0;
-  const double length = static_cast<double>(g.substep.length);
-  return length < g.time.debt ? length : g.time.debt;
-}
-
-void substep_cut_interval(Substep* s, bool under_way) { s->interval_left = under_way ? 1 : 0; }
-
 void substep_end_for_carry(Granular* g) {
   const Substep& s = g->substep;
   while (s.phase == SubstepPhase::slack || s.phase == SubstepPhase::sort || s.phase == SubstepPhase::bodies)

@@ -61,7 +61,7 @@ uint32_t whole_parts(double count) {
 void time_reset(SimulatedTime* t) {
   t->frame_step = t->left_out = 0.0f;
   t->debt = t->interval_debt = t->slipped = t->simulated = t->grain_lag = t->asked = 0.0;
-  t->share = 1.0;
+  t->share = t->rate = 1.0;
   shown_reset(&t->grains);
 }
 
@@ -70,7 +70,7 @@ void time_restore(SimulatedTime* t, const SavedScene& s) {
   t->grain_lag = s.state.grain_lag;
   t->frame_step = s.state.frame_step;
   t->grains = s.state.shown;
-  t->share = s.state.share;
+  t->share = s.state.share, t->rate = s.state.rate;
 }
 
 static void take_step(SimulatedTime* time, const Granular& g, float asked) {
@@ -99,22 +99,21 @@ void time_take(SimulatedTime* t, const Granular& g, float asked) {
   t->asked = t->debt;
 }
 
-float time_give_up(SimulatedTime* time, double kept) {
+float time_find_rate(SimulatedTime* time) {
   // It falls faster than it rises: a collider that is too fast for the time that sand has presses it together.
   constexpr double k_falls = 0.5, k_rises = 0.25, k_whole = 0.9, k_least_share = 1.0 / 64;
   SimulatedTime& t = *time;
-  const double all = t.asked > k_time_resolution ? t.asked : k_time_resolution, before = t.share;
-  const double now = (all - t.debt) / all;
+  const double step = static_cast<double>(t.frame_step), done = (t.asked - t.debt) / step, before = t.rate;
+  const double now = done < 1.0 ? done : 1.0;
   t.share += (now < t.share ? k_falls : k_rises) * (now - t.share);
   if (t.debt < k_time_resolution && t.share > k_whole) t.share = 1.0;
   if (t.share < k_least_share) t.share = k_least_share;
-  t.slipped += t.debt - kept;
-  t.debt = kept;
-  t.interval_debt = 0.0;
-  return static_cast<float>(t.share / before);
+  const double told = t.debt < k_time_resolution ? 1.0 : step / (step + t.debt);
+  t.rate = t.share < told ? t.share : told;
+  return static_cast<float>(t.rate / before);
 }
 
-void time_forget_share(SimulatedTime* t) { t->share = 1.0; }
+void time_forget_rate(SimulatedTime* t) { t->share = t->rate = 1.0; }
 
 void time_end_frame(SimulatedTime* t, const Granular& g) {
   const double reached = g.grains.count != 0 ? t->simulated - t->grain_lag : t->simulated;

@@ -99,6 +99,7 @@ struct Colliders {
   uint32_t count;
   uint32_t solid_count;  // those that particles see; they come first
   bool jumped;           // in this frame, one of these
+  bool arrived;          // at the end of the last one, they were carried to where they are told to be
   ColliderWatch for_particles, for_grains;
   bool waits;  // after saving or restoring: as long as no collider is passed, the planes are not found yet
 };
@@ -111,9 +112,8 @@ void colliders_reset(Colliders* colliders, const sandglass_granular_desc& desc);
 // step was added. Sand that owes time has not gone the whole of the last frames' way yet. So a collider goes what is
 // left of its way, and this frame's, spread over all the simulated time left: one that stops has not jumped.
 //
-// In slow motion it goes from where sand met it last, with the share of its velocity that is simulated of its time. So
-// what it gains in velocity is in proportion to the time in which sand feels it. The rest of its way it carries what it
-// holds (Carry, in solver.h), and ends where it is told to be.
+// In slow motion it goes from where sand met it last, at SimulatedTime::rate of its velocity. The rest of its way it
+// carries what it holds (Carry, in solver.h), and ends where it is told to be.
 //
 // The smallest push first. The last one to push is not entered: a hand presses no sand through the table.
 void colliders_take(Colliders* colliders, const Granular& granular, const sandglass_frame_input& input, double owed,
@@ -129,11 +129,10 @@ void colliders_begin_substep(Colliders* colliders, float before);
 void colliders_begin_sweep(Colliders* colliders, float before);
 // Whether one that particles see moves, and near the sand.
 bool colliders_move_sand(const Granular& granular);
-// How they go on without sand. At the begin of a frame: those that jumped. At its end: what is left of their ways,
-// which sand has gone but `debt` seconds, beyond `kept`. From then on they end where they are told to be, with velocities
-// `faster` times as large.
+// How they go on without sand. At the begin of a frame: those that jumped. At its end: what is left of their ways
+// in the time debt. From then on they are where they are told to be, with velocities `faster` times as large.
 void colliders_find_jumps(Colliders* colliders, const Granular& granular);
-void colliders_arrive(Colliders* colliders, const Granular& granular, double debt, double kept, float faster);
+void colliders_arrive(Colliders* colliders, const Granular& granular, float faster);
 // Metres a second that what they carry may gain by that.
 float colliders_gain(const Colliders& colliders, float faster);
 // The sub-step under way goes on where its colliders were carried.
