@@ -202,6 +202,7 @@ struct Carry {
   uint32_t cursor;
   float faster;       // velocities of colliders, over those before
   uint8_t* group_of;  // of each solid collider; k_carry_groups: it carries nothing
+  Bounds* reaches;    // around each solid collider, where it goes on from
   CarryGroup groups[k_carry_groups];
   uint32_t group_count;
   uint8_t body_holders[256];  // the collider that holds a body, plus 1
