@@ -7,6 +7,7 @@ namespace sandglass {
 namespace {
 
 constexpr float k_same_way = 0.25f;   // radii by which ways may differ and be one
+constexpr float k_unseen = 0.75f;     // radii by which sand may lag behind what is drawn
 constexpr float k_step_out = 0.5f;    // radii that a collider goes at once through what gives way
 constexpr uint32_t k_steps_out = 16;  // at most
 constexpr uint32_t k_unit_share = 2;  // of a work unit's particles
@@ -369,9 +370,12 @@ void carry_bodies(Carry* c, const Granular& g) {
   }
 }
 
+// Cut evenly: a short last unit would look dear for its items.
 uint32_t unit_of(const Granular& g) {
-  const uint32_t unit = g.unit / k_unit_share / k_lane_group * k_lane_group;
-  return unit > k_lane_group ? unit : uint32_t{k_lane_group};
+  const uint32_t count = g.particles.count,
+                 most = g.unit < k_unit_share * k_lane_group ? k_lane_group : g.unit / k_unit_share;
+  const uint32_t parts = count / most + 1, part = (count + parts - 1) / parts;
+  return (part + k_lane_group - 1) / k_lane_group * k_lane_group;
 }
 
 }  // namespace
@@ -394,8 +398,11 @@ void carry_begin_frame(Carry* c, bool jumped, bool moving) {
   c->cursor = c->carried = 0;
 }
 
-void carry_close(Carry* c) {
-  if (c->moving && !c->closing) c->due = Carry::Moment::close;
+void carry_close(Carry* c, const Granular& g) {
+  const bool late = g.time.debt > static_cast<double>(g.time.frame_step), slow = g.time.rate < 1.0;
+  const bool seen = colliders_lag(g) > k_unseen * g.desc.particle_radius;
+  const bool over = slow && g.time.debt < k_time_resolution;
+  if (c->moving && !c->closing && (seen || over || (late && !slow))) c->due = Carry::Moment::close;
   c->closing = true;
   c->known = false;
 }
@@ -406,7 +413,7 @@ bool carry_is_due(const Granular& g) {
 }
 
 bool carry_is_expected(const Granular& g) {
-  return g.carry.usual && g.carry.moving && (g.time.debt >= k_time_resolution || g.time.rate < 1.0);
+  return g.carry.usual && g.carry.moving && g.time.rate < 1.0;
 }
 
 uint32_t carry_units(const Granular& g) { return (g.particles.count + unit_of(g) - 1) / unit_of(g); }

@@ -578,6 +578,18 @@ void colliders_arrive(Colliders* c, const Granular& g, float faster) {
   }
 }
 
+float colliders_lag(const Granular& g) {
+  const Colliders& c = g.colliders;
+  float most = 0.0f;
+  for (uint32_t i = 0; i < c.solid_count; ++i) {
+    const Pose at = pose_before(placement_of(c.given[i]), static_cast<float>(g.time.debt));
+    const Pose& end = c.ends[c.slots[i]];
+    const float lag = 2.0f * half_travel(at, end);
+    most = lag > most ? lag : most;
+  }
+  return most;
+}
+
 float colliders_gain(const Colliders& c, float faster) {
   float most = 0.0f;
   for (uint32_t i = 0; i < c.solid_count; ++i) {

@@ -238,7 +238,7 @@ void granular_carry(Granular* g) {
     contacts_include(&g->contacts, extent);
   }
   if (!is_empty(c.resting)) sleep_include_resting(&g->sleep, c.resting);
-  if (carry_mixes(*g)) neighbours_carried(&g->neighbours, 2.0f * c.way_max);
+  if (carry_mixes(*g)) neighbours_carried(&g->neighbours, (c.group_count > 1 ? 2.0f : 1.0f) * c.way_max);
   g->counts.carried = c.carried;
   carry_end(&g->carry);
 }
@@ -360,7 +360,10 @@ Stage granular_output_stage(Granular* granular) {
     entries[count] = {k_unit_carry, g.particles.count};
     return count + 1;
   };
-  const auto close = [](void* state) { carry_close(&static_cast<Granular*>(state)->carry); };
+  const auto close = [](void* state) {
+    Granular* g = static_cast<Granular*>(state);
+    carry_close(&g->carry, *g);
+  };
   return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f, 0, close};
 }
 

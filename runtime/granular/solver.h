@@ -216,8 +216,8 @@ struct Carry {
 void carry_layout(Carry* carry, const sandglass_granular_desc& desc, Layout* layout);
 void carry_reset(Carry* carry);
 void carry_begin_frame(Carry* carry, bool jumped, bool moving);
-// The optional units of the frame are over.
-void carry_close(Carry* carry);
+// The optional units of the frame are over. A lag that nobody sees is made up in the next one.
+void carry_close(Carry* carry, const Granular& granular);
 // Whether units are to come, and the items of the next.
 bool carry_is_due(const Granular& granular);
 uint32_t carry_items(const Granular& granular);
