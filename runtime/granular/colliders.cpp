@@ -199,8 +199,10 @@ void order(Colliders* c, uint32_t capacity) {
     for (uint32_t slot = 0; slot < capacity; ++slot) {
       if (c->seen_by[slot] != part) continue;
       uint32_t at = c->count++;
-      for (; at > first && pushes_before(c->of_slot[slot], c->given[at - 1]); --at) c->given[at] = c->given[at - 1];
+      for (; at > first && pushes_before(c->of_slot[slot], c->given[at - 1]); --at)
+        c->given[at] = c->given[at - 1], c->slots[at] = c->slots[at - 1];
       c->given[at] = c->of_slot[slot];
+      c->slots[at] = slot;
     }
     if (part == SeenBy::all) c->solid_count = c->count;
   }
@@ -361,6 +363,7 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
   c->seen_by = layout_region<SeenBy>(layout, "granular.colliders_seen_by", capacity);
   c->given = layout_region<sandglass_collider>(layout, "granular.colliders", capacity);
   c->slot_of_place = layout_region<uint32_t>(layout, "granular.collider_slots", capacity);
+  c->slots = layout_region<uint32_t>(layout, "granular.collider_given_slots", capacity);
   c->substep_frames = layout_region<ColliderFrame>(layout, "granular.substep_colliders", capacity);
   c->sweep_frames = layout_region<ColliderFrame>(layout, "granular.sweep_colliders", capacity);
   ColliderWatch* const watches[] = {&c->for_particles, &c->for_grains};

@@ -77,6 +77,7 @@ struct Colliders {
   sandglass_collider* of_slot;    // of this frame, as sand meets them, one a slot
   SeenBy* seen_by;                // in this frame, one a slot
   sandglass_collider* given;      // of this frame, as sand meets them, in the order in which they push
+  uint32_t* slots;                // of each `given`
   uint32_t* slot_of_place;        // of the usable colliders of this frame's list
   ColliderFrame* substep_frames;  // posed for the sub-step
   ColliderFrame* sweep_frames;    // posed for the grains' sweep
