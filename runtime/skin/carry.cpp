@@ -1,8 +1,10 @@
-// A skin that takes longer than a frame. Until it is complete, the one that is shown is carried along: each vertex goes as
-// far as its particle has gone since that was gathered, and loose sand is where its particles are. So sand moves in every
-// frame, however slow the processor is. What is made goes on from the mesh as it was made.
+// What is shown at the end of a frame whose skin is not complete. The mesh before is carried along: each vertex goes with its
+// particle. Where a collider's motion explains the particle's way best, it goes rigidly with that; what is left of the way
+// is held to about a node. So sand moves in every frame, and with its vessel, however slow the processor is. Loose sand is
+// where its particles are; sand that came since the mesh was gathered is loose, before the first mesh all of it. What is
+// made goes on from the mesh as it was made.
 //
-// One unit does all, so that no frame shows a mesh of two moments.
+// It belongs to what closes a frame: all its units run there, so that no frame shows a mesh of two moments.
 #include <cstring>
 
 #include "runtime/granular/granular.h"
@@ -11,32 +13,125 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_most_radii = 1.5f;       // that a vertex is carried: about a node
-constexpr uint32_t k_most_items = 16'000;  // one unit's: about 0.2 ms of a phone
-
-uint32_t items(const SkinState& s) { return s.granular->particles.count + s.front.vertex_count; }
+constexpr float k_most_radii = 1.5f;     // that a vertex is carried beside a motion: about a node
+constexpr float k_other_radii = 16.0f;   // one that went further has taken the number of one that left
+constexpr float k_least_motion = 1e-5f;  // metres, or of a turn: the rest is rounding
 
 bool same_bytes(const void* a, const void* b, size_t count) { return memcmp(a, b, count) == 0; }
 
-// How far each particle has gone, by number, and which record it is.
-void find_ways(SkinState* s) {
-  const float most = k_most_radii * s->desc.particle_radius;
-  const float least = static_cast<float>(k_skin_held) / k_skin_steps * s->spacing;
-  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->carried[i] = {{0, 0, 0}, k_brick_none};
-  const Particles& particles = s->granular->particles;
-  for (uint32_t i = 0; i < particles.count; ++i) {
-    const Particle& p = particles.records[0][i];
-    const uint32_t number = number_of(p);
-    if (number >= s->desc.particle_capacity || in_body(p) || has_departed(p)) continue;
-    SkinCarried& carried = s->carried[number];
-    carried.record = i;
-    const float* from = s->front.from + 3 * number;
-    float way[3], square = 0;
-    for (uint32_t k = 0; k < 3; ++k) way[k] = p.position[k] - from[k], square += way[k] * way[k];
-    if (!(square > least * least)) continue;
-    const float scale = square > most * most ? most / __builtin_sqrtf(square) : 1.0f;
-    for (uint32_t k = 0; k < 3; ++k) carried.way[k] = scale * way[k];
+bool is_begun(const SkinState& s) {
+  return s.carry.frame == s.frame && s.carry.substeps == s.granular->counts.substeps;
+}
+
+bool is_due(const SkinState& s) {
+  const uint32_t substeps = s.granular->counts.substeps;
+  if (!s.valid && s.granular->particles.count == 0) return false;
+  return (skin_has_work(s) || substeps != 0) && (s.shown.frame != s.frame || s.shown.substeps != substeps);
+}
+
+bool is_alike(const SkinMotion& a, const SkinMotion& b) {
+  float mine[3], other[3], most = 0;
+  a.way(a.from, mine), b.way(a.from, other);
+  for (int k = 0; k < 3; ++k) {
+    const float apart = __builtin_fabsf(mine[k] - other[k]);
+    most = apart > most ? apart : most;
+    for (int m = 0; m < 3; ++m) {
+      const float turn = __builtin_fabsf(a.turn[k][m] - b.turn[k][m]);
+      most = turn > most ? turn : most;
+    }
   }
+  return most < k_least_motion;
+}
+
+// The different ways of colliders since the mesh was gathered, as sand met them then and meets them now.
+void find_motions(SkinState* s) {
+  const Colliders& c = s->granular->colliders;
+  SkinCarry& carry = s->carry;
+  carry.motion_count = 0;
+  for (uint32_t i = 0; i < c.solid_count && carry.motion_count < k_skin_motions; ++i) {
+    if (c.slots[i] >= s->desc.collider_capacity) continue;
+    const ColliderFrame& from = s->met[c.slots[i]];
+    ColliderFrame to;
+    colliders_pose(&c.given[i], 1, static_cast<float>(s->granular->time.debt), &to);
+    if (from.shape != to.shape) continue;
+    SkinMotion motion = {};
+    for (int a = 0; a < 3; ++a) {
+      motion.from[a] = from.position[a];
+      motion.shift[a] = to.position[a] - from.position[a];
+      for (int b = 0; b < 3; ++b) {
+        for (int k = 0; k < 3; ++k) motion.turn[a][b] += to.axes[k][a] * from.axes[k][b];
+        motion.turn[a][b] -= a == b ? 1.0f : 0.0f;
+      }
+    }
+    motion.encloses = from.shape == SANDGLASS_SHAPE_FIELD && from.field.outward < 0;
+    bool known = is_alike(motion, {{}, {motion.from[0], motion.from[1], motion.from[2]}, {}, false});
+    for (uint32_t k = 0; k < carry.motion_count && !known; ++k) known = is_alike(motion, carry.motions[k]);
+    if (!known) carry.motions[carry.motion_count++] = motion;
+  }
+}
+
+void begin_carry(SkinState* s) {
+  SkinCarry& carry = s->carry;
+  find_motions(s);
+  carry.frame = s->frame, carry.substeps = s->granular->counts.substeps;
+  carry.record = carry.chunk = carry.flying = carry.lying = 0;
+  carry.motion = k_brick_none;
+  carry.changed = false;
+  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->carried[i] = {{0, 0, 0}, k_brick_none, k_brick_none};
+  for (uint32_t i = 0; i < s->front.flying + s->front.lying; ++i)
+    if (s->front.loose[i].number < s->desc.particle_capacity) s->carried[s->front.loose[i].number].loose = i;
+}
+
+void show_loose(SkinState* s, const sandglass_skin_loose& one, bool flies) {
+  SkinCarry& carry = s->carry;
+  if (carry.flying + carry.lying == s->desc.particle_capacity) return;
+  s->shown.loose[flies ? carry.flying++ : s->desc.particle_capacity - ++carry.lying] = one;
+}
+
+// How far a particle has gone with which motion, and beside it. False: it was not there when the mesh was gathered.
+bool find_way(const SkinState& s, const Particle& p, SkinCarried* carried) {
+  const float radius = s.desc.particle_radius, most = k_most_radii * radius, other = k_other_radii * radius;
+  const float least = static_cast<float>(k_skin_held) / k_skin_steps * s.spacing;
+  const float* from = s.front.from + 3 * number_of(p);
+  if (from[0] == k_skin_nowhere) return false;
+  float way[3], square = 0;
+  bool enclosed = false;
+  for (uint32_t k = 0; k < 3; ++k) way[k] = p.position[k] - from[k], square += way[k] * way[k];
+  for (uint32_t m = 0; m < s.carry.motion_count; ++m) {
+    float u[3], rest[3], rest2 = 0;
+    s.carry.motions[m].way(from, u);
+    for (uint32_t k = 0; k < 3; ++k) rest[k] = p.position[k] - from[k] - u[k], rest2 += rest[k] * rest[k];
+    const bool encloses = s.carry.motions[m].encloses;
+    if (encloses == enclosed ? !(rest2 < square) : enclosed) continue;
+    enclosed = encloses;
+    square = rest2;
+    carried->motion = m;
+    memcpy(way, rest, sizeof way);
+  }
+  const float scale = square > most * most ? most / __builtin_sqrtf(square) : 1.0f;
+  for (uint32_t k = 0; k < 3; ++k) carried->way[k] = square > least * least ? scale * way[k] : 0;
+  return carried->loose != k_brick_none || square < other * other;
+}
+
+void carry_particle(SkinState* s, const Particle& p) {
+  if (in_body(p) || has_departed(p)) return;
+  const uint32_t number = number_of(p);
+  SkinCarried none = {{0, 0, 0}, k_brick_none, k_brick_none};
+  SkinCarried& carried = number < s->desc.particle_capacity ? s->carried[number] : none;
+  const bool known = &carried != &none && find_way(*s, p, &carried);
+  sandglass_skin_loose one = {};
+  float falls;
+  bool flies = carried.loose < s->front.flying;
+  if (carried.loose != k_brick_none) one = s->front.loose[carried.loose];
+  else if (known) return;
+  memcpy(one.position, p.position, sizeof one.position);
+  if (!known) {
+    one.weight = 1.0f;
+    one.number = number;
+    skin_find_fall(*s, p.position, p.velocity, &falls, &flies);
+    for (uint32_t a = 0; a < 3; ++a) one.way[s->axis[a]] = flies ? p.velocity[s->axis[a]] : s->sign[a] * s->up[a];
+  }
+  show_loose(s, one, flies);
 }
 
 // In 1/65536 of the block's side, modulo that.
@@ -45,68 +140,111 @@ uint16_t turned(uint16_t origin, float turns) {
   return static_cast<uint16_t>(origin + to_whole<uint32_t>(65536.0f * part));
 }
 
+// A vertex without a particle goes with the motion of the one before it; the first ones as the first that has one.
+sandglass_skin_vertex carried_vertex(SkinState* s, sandglass_skin_vertex vertex, uint32_t anchor) {
+  SkinCarry& carry = s->carry;
+  float way[3] = {0, 0, 0}, u[3] = {0, 0, 0};
+  if (anchor != k_brick_none) {
+    memcpy(way, s->carried[anchor].way, sizeof way);
+    carry.motion = s->carried[anchor].motion;
+  }
+  if (carry.motion != k_brick_none) {
+    const SkinMotion& motion = carry.motions[carry.motion];
+    motion.way(vertex.position, u);
+    int8_t normal[3];
+    for (uint32_t k = 0; k < 3; ++k) {
+      float turn = 0;
+      for (uint32_t m = 0; m < 3; ++m) turn += motion.turn[k][m] * static_cast<float>(vertex.normal[m]);
+      const float n = static_cast<float>(vertex.normal[k]) + turn;
+      normal[k] = static_cast<int8_t>(floor_whole((n > -127 ? (n < 127 ? n : 127) : -127) + 0.5f));
+    }
+    memcpy(vertex.normal, normal, sizeof normal);
+  }
+  for (uint32_t k = 0; k < 3; ++k) {
+    vertex.position[k] += way[k] + u[k];
+    vertex.origin[k] = turned(vertex.origin[k], (way[k] + u[k]) * s->inverse_side);
+  }
+  return vertex;
+}
+
 // Whether a byte of the chunk that is shown has changed.
 bool carry_chunk(SkinState* s, uint32_t c) {
   const sandglass_skin_chunk& made = s->front.chunks[c];
   sandglass_skin_chunk& chunk = s->shown.chunks[c];
   const uint32_t first = s->front.first_vertex[c];
-  const sandglass_skin_vertex *from = s->front.vertices + first, *before = chunk.vertices;
+  const sandglass_skin_vertex* before = chunk.vertices;
   sandglass_skin_vertex* to = s->shown.vertices + first;
   bool differs = false;
+  for (uint32_t v = made.vertex_count; v-- != 0;)
+    if (s->front.anchors[first + v] != k_brick_none) s->carry.motion = s->carried[s->front.anchors[first + v]].motion;
+  float low[3] = {3e38f, 3e38f, 3e38f}, high[3] = {-3e38f, -3e38f, -3e38f};
   for (uint32_t v = 0; v < made.vertex_count; ++v) {
-    sandglass_skin_vertex vertex = from[v];
-    const uint32_t anchor = s->front.anchors[first + v];
-    if (anchor != k_brick_none)
-      for (uint32_t k = 0; k < 3; ++k) {
-        const float way = s->carried[anchor].way[k];
-        vertex.position[k] += way;
-        vertex.origin[k] = turned(vertex.origin[k], way * s->inverse_side);
-      }
+    const sandglass_skin_vertex vertex = carried_vertex(s, s->front.vertices[first + v], s->front.anchors[first + v]);
+    for (uint32_t k = 0; k < 3; ++k) {
+      low[k] = vertex.position[k] < low[k] ? vertex.position[k] : low[k];
+      high[k] = vertex.position[k] > high[k] ? vertex.position[k] : high[k];
+    }
     differs = differs || !same_bytes(before + v, &vertex, sizeof vertex);
     to[v] = vertex;
   }
   if (!differs) return false;
-  const float reach = k_most_radii * s->desc.particle_radius;
-  for (uint32_t k = 0; k < 3; ++k) chunk.low[k] = made.low[k] - reach, chunk.high[k] = made.high[k] + reach;
+  memcpy(chunk.low, low, sizeof low);
+  memcpy(chunk.high, high, sizeof high);
   chunk.vertices = to;
   return true;
 }
 
-bool carry_loose(SkinState* s) {
-  bool differs = false;
-  const uint32_t count = s->front.flying + s->front.lying;
-  for (uint32_t i = 0; i < count; ++i) {
-    sandglass_skin_loose one = s->front.loose[i];
-    const bool known = one.number < s->desc.particle_capacity;  // else it has no skin
-    const uint32_t record = known ? s->carried[one.number].record : k_brick_none;
-    if (record != k_brick_none)
-      memcpy(one.position, s->granular->particles.records[0][record].position, sizeof one.position);
-    differs = differs || !same_bytes(s->shown.loose + i, &one, sizeof one);
-    s->shown.loose[i] = one;
+void end_carry(SkinState* s) {
+  SkinCarry& carry = s->carry;
+  SkinShown& shown = s->shown;
+  memmove(shown.loose + carry.flying, shown.loose + s->desc.particle_capacity - carry.lying,
+          carry.lying * sizeof *shown.loose);
+  const bool changed = carry.flying + carry.lying != 0 || shown.flying + shown.lying != 0;
+  shown.flying = carry.flying, shown.lying = carry.lying;
+  shown.frame = carry.frame, shown.substeps = carry.substeps;
+  if (carry.changed || changed) ++s->version;
+}
+
+void run(void* state, uint32_t) {
+  SkinState* s = &static_cast<sandglass_skin*>(state)->skin;
+  SkinCarry& carry = s->carry;
+  const Particles& particles = s->granular->particles;
+  if (!is_begun(*s)) begin_carry(s);
+  uint32_t done = 0;
+  for (; carry.record < particles.count && done < k_skin_unit_taken; ++carry.record, ++done)
+    carry_particle(s, particles.records[0][carry.record]);
+  for (; carry.chunk < s->chunk_capacity && done < k_skin_unit_taken; ++carry.chunk) {
+    const uint32_t vertices = s->front.chunks[carry.chunk].vertex_count;
+    if (vertices == 0) continue;
+    done += vertices;
+    if (!carry_chunk(s, carry.chunk)) continue;
+    s->shown.chunks[carry.chunk].version = s->version + 1;
+    carry.changed = true;
   }
-  return differs;
+  if (carry.record == particles.count && carry.chunk == s->chunk_capacity) end_carry(s);
+}
+
+uint32_t items_left(const SkinState& s) {
+  return s.granular->particles.count - (is_begun(s) ? s.carry.record : 0) + s.front.vertex_count;
+}
+
+bool next(const void* state, uint32_t, WorkUnit* unit) {
+  const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
+  const uint32_t left = items_left(s);
+  *unit = {k_skin_carry, left < k_skin_unit_taken ? left : k_skin_unit_taken, "skin.carry"};
+  return is_due(s);
+}
+
+// Skins that are made within their frame are expected to be: then no time is kept.
+uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
+  const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
+  if (!skin_has_work(s) || !(skin_is_late(s) || !s.valid)) return 0;
+  entries[0] = {k_skin_carry, s.granular->particles.count + s.front.vertex_count};
+  return 1;
 }
 
 }  // namespace
 
-bool skin_may_carry(const SkinState& s) {
-  const uint32_t substeps = s.granular->counts.substeps;
-  return s.valid && skin_is_late(s) && substeps != 0 && (s.shown.frame != s.frame || s.shown.substeps != substeps) &&
-         items(s) <= k_most_items;
-}
-
-WorkUnit skin_carry_unit(const SkinState& s) { return {k_skin_carry, items(s), "skin.carry"}; }
-
-void skin_carry(SkinState* s) {
-  find_ways(s);
-  bool changed = carry_loose(s);
-  for (uint32_t c = 0; c < s->chunk_capacity; ++c) {
-    if (s->front.chunks[c].vertex_count == 0 || !carry_chunk(s, c)) continue;
-    s->shown.chunks[c].version = s->version + 1;
-    changed = true;
-  }
-  if (changed) ++s->version;
-  s->shown.frame = s->frame, s->shown.substeps = s->granular->counts.substeps;
-}
+Stage skin_carry_stage(sandglass_skin* skin) { return {skin, next, run, forecast, k_skin_kinds, k_all_units, 1.0f}; }
 
 }  // namespace sandglass

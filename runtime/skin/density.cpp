@@ -92,6 +92,13 @@ bool stands_as(const ColliderFrame& a, const ColliderFrame& b) {
   return same;
 }
 
+// What stands for a field that may be gone: a box of its reach.
+ColliderFrame box_of(const ColliderFrame& collider) {
+  ColliderFrame box = collider;
+  if (box.shape == SANDGLASS_SHAPE_FIELD) box.shape = SANDGLASS_SHAPE_BOX, find_extent(&box);
+  return box;
+}
+
 // World, metres; `node` in nodes from the brick's first.
 void place_of(const SkinState& s, const Brick& brick, const float node[3], float place[3]) {
   for (uint32_t a = 0; a < 3; ++a)
@@ -108,13 +115,51 @@ bool is_near(const SkinState& s, const Brick& brick, const ColliderFrame& collid
   return s.points[0].distance < (k_half + k_solid_reach + 0.5f) * s.spacing;
 }
 
+// Whether sand of a brick feels a collider: it changes what is made of a node beside sand. First rows of nodes are looked
+// at, then the nodes of those that are near.
+bool feels(SkinState* s, uint32_t number, const ColliderFrame& collider) {
+  constexpr float k_felt = k_solid_reach + 0.25f, k_half_row = 3.5f;
+  const Brick& brick = s->bricks[number];
+  const uint8_t* beside = s->nodes[number].beside_sand;
+  const SurfaceArgs args = {s->points, &collider};
+  uint8_t rows[k_brick_layer];
+  uint32_t count = 0, near = 0, unused = 0;
+  const auto look_at = [&](float x, uint32_t row) {
+    const float node[3] = {x, static_cast<float>(row >> 3), static_cast<float>(row & 7)};
+    place_of(*s, brick, node, s->points[count++].position);
+  };
+  const auto is_felt = [&](uint32_t i, float reach) { return s->points[i].distance < reach * s->spacing; };
+  for (uint32_t row = 0; row < k_brick_layer; ++row)
+    if (beside[row] != 0) rows[count] = static_cast<uint8_t>(row), look_at(k_half_row, row);
+  s->kernels->surface_at(&args, 0, count, &unused);
+  for (uint32_t i = 0; i < count; ++i)
+    if (is_felt(i, k_felt + k_half_row)) rows[near++] = rows[i];
+  count = 0;
+  for (uint32_t i = 0; i < near; ++i)
+    for (uint32_t bits = beside[rows[i]]; bits != 0; bits &= bits - 1)
+      look_at(static_cast<float>(__builtin_ctz(bits)), rows[i]);
+  s->kernels->surface_at(&args, 0, count, &unused);
+  for (uint32_t i = 0; i < count; ++i)
+    if (is_felt(i, k_felt)) return true;
+  return false;
+}
+
+void mark_near(SkinState* s, const ColliderFrame& collider) {
+  for (uint32_t b = 0; b < s->brick_count && collider.shape != k_no_shape; ++b) {
+    Brick& brick = s->bricks[b];
+    if (!brick.used || !is_near(*s, brick, collider)) continue;
+    brick.stale |= k_stale_solid;
+    if (feels(s, b, collider)) brick.stale |= k_stale_density, s->asked = true;
+  }
+}
+
 void find_solid(SkinState* s, uint32_t number) {
   Brick& brick = s->bricks[number];
   uint8_t* solid = s->nodes[number].solid;
   brick.open = true;
   memset(solid, 255, k_brick_nodes);
-  for (uint32_t c = 0; c < s->collider_count; ++c) {
-    if (!is_near(*s, brick, s->colliders[c])) continue;
+  for (uint32_t c = 0; c < s->desc.collider_capacity; ++c) {
+    if (s->colliders[c].shape == k_no_shape || !is_near(*s, brick, s->colliders[c])) continue;
     for (uint32_t i = 0; i < k_brick_nodes; ++i) {
       const float node[3] = {static_cast<float>(i & 7), static_cast<float>(i >> 6), static_cast<float>(i >> 3 & 7)};
       place_of(*s, brick, node, s->points[i].position);
@@ -368,6 +413,8 @@ void find_calm(SkinState* s, uint32_t number) {
   uint16_t fresh[k_brick_nodes];
   filter(
       *s, brick, &BrickNodes::part, uint16_t{0}, [](uint16_t part) { return part; }, fresh);
+  for (uint32_t row = 0; row < k_brick_layer; ++row)
+    nodes.beside_sand[row] = bits_of(where_above(row_at(fresh + k_brick_side * row), 0));
   if (!brick.open) {
     if (!brick.room_known)
       filter(
@@ -427,39 +474,58 @@ bool run_stale(SkinState* s, Task task) {
 
 }  // namespace
 
-// A collider that has come, gone or moved changes the bricks near where it was and near where it is.
-void skin_take_colliders(SkinState* s) {
+// A collider that has come, gone or moved changes the bricks near where it was and near where it is. Only where sand feels
+// it is a skin asked for; other bricks wait until one is made.
+void skin_take_colliders(SkinState* s, float before) {
   const Colliders& given = s->granular->colliders;
-  const uint32_t count = given.count < s->desc.collider_capacity ? given.count : s->desc.collider_capacity;
-  const auto mark_near = [&](const ColliderFrame& collider) {
-    for (uint32_t b = 0; b < s->brick_count; ++b)
-      if (s->bricks[b].used && is_near(*s, s->bricks[b], collider))
-        s->bricks[b].stale |= k_stale_solid | k_stale_density, s->asked = true;
-  };
-  for (uint32_t i = 0; i < count || i < s->collider_count; ++i) {
-    ColliderFrame now = {};
+  skin_drop_gone_fields(s);
+  s->mover_count = 0;
+  for (uint32_t slot = 0; slot < s->desc.collider_capacity; ++slot) {
+    uint32_t i = 0;
+    while (i < given.count && given.slots[i] != slot) ++i;
+    ColliderFrame now = {}, &was = s->colliders[slot];
+    now.shape = k_no_shape;
     uint64_t version = 0;
-    if (i < count) {
+    if (i < given.count) {
       const sandglass_collider& collider = given.given[i];
-      colliders_pose(&collider, 1, 0.0f, &now);
-      version = collider.shape == SANDGLASS_SHAPE_FIELD ? collider.field->version : 0;
-      if (i < s->collider_count && version == s->fields[i] && stands_as(now, s->colliders[i])) continue;
+      colliders_pose(&collider, 1, before, &now);
+      if (collider.shape == SANDGLASS_SHAPE_FIELD) version = collider.field->version;
+      memcpy(now.extent, box_of(now).extent, sizeof now.extent);
     }
-    if (i < s->collider_count) mark_near(s->colliders[i]);
-    s->colliders[i] = now;
-    s->fields[i] = version;
-    if (i < count) mark_near(now);
+    const bool same = version == s->fields[slot] && stands_as(now, was);
+    if (!same) mark_near(s, box_of(was));
+    was = now;
+    s->fields[slot] = version;
+    if (!same) mark_near(s, now);
+    bool moves = false;
+    for (uint32_t k = 0; k < 3; ++k) moves = moves || now.linear[k] != 0 || now.angular[k] != 0;
+    if (moves) s->movers[s->mover_count++] = slot;
   }
-  s->collider_count = count;
+}
+
+void skin_drop_gone_fields(SkinState* s) {
+  const Colliders& given = s->granular->colliders;
+  for (uint32_t slot = 0; slot < s->desc.collider_capacity; ++slot) {
+    ColliderFrame& was = s->colliders[slot];
+    bool there = was.shape != SANDGLASS_SHAPE_FIELD;
+    for (uint32_t i = 0; i < given.count && !there; ++i)
+      there = given.given[i].shape == SANDGLASS_SHAPE_FIELD && given.given[i].field->version == s->fields[slot] &&
+              grid_of(given.given[i].field).values == was.field.values;
+    if (there) continue;
+    mark_near(s, box_of(was));
+    was.shape = k_no_shape, s->fields[slot] = 0;
+  }
 }
 
 bool skin_density(SkinState* s) {
   return run_stale<k_stale_density>(s, [&](uint32_t number) {
     Brick& brick = s->bricks[number];
-    if ((brick.stale & k_stale_solid) != 0) {
-      find_solid(s, number);
+    uint8_t before[k_brick_nodes];
+    memcpy(before, s->nodes[number].solid, sizeof before);
+    if ((brick.stale & k_stale_solid) != 0) find_solid(s, number);
+    brick.stale &= ~k_stale_solid;
+    if (memcmp(before, s->nodes[number].solid, sizeof before) != 0) {
       for (uint32_t row = 0; row < k_brick_nodes; row += k_brick_side) take_part(&s->nodes[number], row);
-      brick.stale &= ~k_stale_solid;
       memset(s->nodes[number].changed, 255, sizeof s->nodes[number].changed);
       mark(s, brick, k_all_around, k_stale_calm | k_stale_mesh);
       for (const uint32_t other : brick.around)
