@@ -26,6 +26,7 @@ namespace sandglass {
 struct Granular;
 
 constexpr uint32_t k_brick_side = 8, k_brick_nodes = 512, k_brick_layer = 64;
+constexpr uint32_t k_edges_side = k_brick_side + 1, k_edges_nodes = k_edges_side * k_edges_side * k_edges_side;
 constexpr uint32_t k_brick_none = ~0u, k_brick_itself = 13, k_bricks_around = 27;
 constexpr uint32_t k_chunk_bricks = 4;   // along an axis
 constexpr uint32_t k_outer_bricks = 61;  // of 5^3 less 4^3: those below a chunk along some axis
@@ -92,6 +93,7 @@ struct Brick {
   uint32_t wants;            // bits of `around` that its density reaches
   uint32_t first, count;     // its vertices, from the chunk's first
   bool open;                 // no collider is near
+  bool walled;               // some of BrickNodes::walls is not 0
   bool room_known;           // BrickNodes::room is that of the colliders
   bool dense, filled, calm;  // some of that is above 0
 };
@@ -103,6 +105,7 @@ struct BrickNodes {
   uint16_t part[k_brick_nodes];        // of what is filled: what takes part in the filter
   uint16_t room[k_brick_nodes];        // the free shares through the filter, in k_skin_one
   uint8_t solid[k_brick_nodes];        // 128 + 48 times the distance to the nearest collider, in nodes
+  uint8_t walls[k_brick_nodes];        // bits: a solid lies between this node and the next one along x, y, z
   uint16_t stands[k_brick_layer];      // of each column: bits of the nodes that hold sand or are solid
   uint16_t can[k_brick_layer];         // of each column: bits of the nodes that sand may fill
   uint8_t inside[k_brick_layer];       // of each row: bits of the nodes whose calm density is above the level
@@ -237,7 +240,7 @@ struct SkinState {
   uint16_t by_free[256];  // k_skin_one over the free share, by BrickNodes::solid
   uint16_t* outer;        // of a chunk's outer bricks: the index of each cell's vertex in this chunk
   SkinBlocks* blocks;
-  SurfacePoint* points;  // of one brick
+  SurfacePoint* points;  // of one brick, and of the nodes after it along each axis
   uint8_t cycle;
 };
 
