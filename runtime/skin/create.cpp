@@ -67,7 +67,7 @@ sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
   s->chunk_order = layout_region<uint32_t>(layout, "skin.order", s->chunk_capacity);
   s->outer = layout_region<uint16_t>(layout, "skin.outer", k_outer_bricks * k_brick_nodes);
   s->blocks = layout_region<SkinBlocks>(layout, "skin.blocks", 1);
-  s->points = layout_region<SurfacePoint>(layout, "skin.points", k_edges_nodes);
+  s->points = layout_region<SurfacePoint>(layout, "skin.points", k_edges_nodes + k_lane_group);
   lay_out_mesh(*s, layout, &s->front);
   lay_out_mesh(*s, layout, &s->back);
   s->shown.vertices = layout_region<sandglass_skin_vertex>(layout, "skin.shown", s->vertex_capacity);

@@ -49,13 +49,6 @@ bool any_of(const uint16_t* values) {
   return any_of(any);
 }
 
-// Whether walls stand between nodes of a brick, or of those around it.
-bool has_walls(const SkinState& s, const Brick& brick) {
-  for (const uint32_t other : brick.around)
-    if (other != k_brick_none && s.bricks[other].walled) return true;
-  return false;
-}
-
 // The filter along each axis, which looks through no wall. `value` makes 16 bits of what a node holds.
 template <class T, class Value>
 void filter(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], T outside, Value value,
@@ -400,7 +393,7 @@ uint32_t fill_layer(SkinState* s, uint32_t number, uint32_t layer) {
     const Row less = most_of(most, Row{} + k_fill_less) - k_fill_less;
     const uint32_t row = k_brick_side * z, at = k_brick_layer * layer + row;
     Row can = -(row_at(nodes.can + row) >> static_cast<uint16_t>(layer) & 1);
-    can &= where_above(solid_at(nodes.solid + at), 128);  // nothing falls into what is solid
+    if (walled) can &= where_above(solid_at(nodes.solid + at), 128);  // nothing falls into a wall, and out below
     for (uint32_t x = 0; x < k_brick_side && walled; ++x)
       if ((nodes.walls[at + x] & 2) != 0) can[x] = 0;
     const Row fresh = most_of(row_at(nodes.density + at), less & where_above(less, k_fill_least) & can);

@@ -121,6 +121,8 @@ constexpr uint32_t k_mesh_solid_pitch = k_brick_side + 2;
 struct SkinBlocks {
   uint16_t calm[k_mesh_pitch * k_mesh_pitch * k_mesh_pitch];
   uint8_t solid[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
+  uint8_t walls[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
+  bool walled;                     // some walls are not 0
   uint16_t rows[9][9];             // of y and z: the nodes 0..8 along x that are inside
   uint16_t before[k_brick_nodes];  // BrickNodes::vertices as they were
 };
@@ -303,6 +305,13 @@ void brick_block(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[
     memcpy(to + apron, own, k_brick_side * sizeof(T));
     memcpy(to + apron + k_brick_side, after, apron * sizeof(T));
   });
+}
+
+// Whether walls stand between nodes of a brick, or of those around it.
+inline bool has_walls(const SkinState& s, const Brick& brick) {
+  for (const uint32_t other : brick.around)
+    if (other != k_brick_none && s.bricks[other].walled) return true;
+  return false;
 }
 
 // Eight values of a cell, linear between them.
