@@ -20,7 +20,7 @@ constexpr float k_level = static_cast<float>(k_skin_level);
 constexpr float k_foot_radii = 1.2f;   // over a floor, where the foot begins
 constexpr float k_foot_slope = 1.45f;  // its cotangent at the floor
 constexpr float k_far = 1e6f;
-constexpr float k_deepest = -0.3f;     // nodes over a collider of a vertex
+constexpr float k_deepest = -0.25f;    // nodes over a collider of a vertex; in corners of two a third
 constexpr float k_below = -1.0f / 16;  // and of one that is hidden, not rounded
 constexpr float k_buried = -1.6f;      // nodes over a collider, of a cell's middle: none of it looks out
 constexpr float k_kept_radii = 2.2f;   // so far a vertex keeps its particle
@@ -282,7 +282,7 @@ bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& block
       solid.gradient(u, floor);
       const float length = inverse_length(floor);
       for (uint32_t m = 0; m < 3; ++m) floor[m] *= length;
-      const float lifted = over < k_deepest ? k_deepest - over : 0.0f;
+      const float lifted = over < k_deepest && s.desc.closed == 0 ? k_deepest - over : 0.0f;
       over += lifted;
       if (s.desc.closed != 0 && dot(normal, floor) < 0) over = k_far;  // it faces the wall
       else run_out(s, floor, over, walled ? 0 : room_aside(blocks, cell), shift, normal);
