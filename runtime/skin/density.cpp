@@ -161,7 +161,7 @@ void mark_near(SkinState* s, const ColliderFrame& collider) {
     Brick& brick = s->bricks[b];
     if (!brick.used || !is_near(*s, brick, collider)) continue;
     brick.stale |= k_stale_solid;
-    if (feels(s, b, collider)) brick.stale |= k_stale_density, s->asked = true;
+    if (s->phase != SkinPhase::take && !s->asked) s->asked = s->phase != SkinPhase::idle || feels(s, b, collider);
   }
 }
 
