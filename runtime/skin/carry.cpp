@@ -29,18 +29,13 @@ bool is_due(const SkinState& s) {
   return (skin_has_work(s) || substeps != 0) && (s.shown.frame != s.frame || s.shown.substeps != substeps);
 }
 
+Four four(const float v[3]) { return Four{v[0], v[1], v[2], 0}; }
+float square_of(Four v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+
 bool is_alike(const SkinMotion& a, const SkinMotion& b) {
-  float mine[3], other[3], most = 0;
-  a.way(a.from, mine), b.way(a.from, other);
-  for (int k = 0; k < 3; ++k) {
-    const float apart = __builtin_fabsf(mine[k] - other[k]);
-    most = apart > most ? apart : most;
-    for (int m = 0; m < 3; ++m) {
-      const float turn = __builtin_fabsf(a.turn[k][m] - b.turn[k][m]);
-      most = turn > most ? turn : most;
-    }
-  }
-  return most < k_least_motion;
+  float square = square_of(a.way(a.from) - b.way(a.from));
+  for (int k = 0; k < 3; ++k) square += square_of(a.turn[k] - b.turn[k]);
+  return square < k_least_motion * k_least_motion;
 }
 
 // The different ways of colliders since the mesh was gathered, as sand met them then and meets them now.
@@ -55,16 +50,15 @@ void find_motions(SkinState* s) {
     colliders_pose(&c.given[i], 1, static_cast<float>(s->granular->time.debt), &to);
     if (from.shape != to.shape) continue;
     SkinMotion motion = {};
-    for (int a = 0; a < 3; ++a) {
-      motion.from[a] = from.position[a];
-      motion.shift[a] = to.position[a] - from.position[a];
-      for (int b = 0; b < 3; ++b) {
-        for (int k = 0; k < 3; ++k) motion.turn[a][b] += to.axes[k][a] * from.axes[k][b];
-        motion.turn[a][b] -= a == b ? 1.0f : 0.0f;
-      }
+    motion.from = four(from.position), motion.shift = four(to.position) - motion.from;
+    for (int b = 0; b < 3; ++b) {
+      for (int k = 0; k < 3; ++k) motion.turn[b] += four(to.axes[k]) * from.axes[k][b];
+      motion.turn[b][b] -= 1.0f;
     }
     motion.encloses = from.shape == SANDGLASS_SHAPE_FIELD && from.field.outward < 0;
-    bool known = is_alike(motion, {{}, {motion.from[0], motion.from[1], motion.from[2]}, {}, false});
+    SkinMotion still = {};
+    still.from = motion.from;
+    bool known = is_alike(motion, still);
     for (uint32_t k = 0; k < carry.motion_count && !known; ++k) known = is_alike(motion, carry.motions[k]);
     if (!known) carry.motions[carry.motion_count++] = motion;
   }
@@ -77,7 +71,7 @@ void begin_carry(SkinState* s) {
   carry.record = carry.chunk = carry.flying = carry.lying = 0;
   carry.motion = k_brick_none;
   carry.changed = false;
-  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->carried[i] = {{0, 0, 0}, k_brick_none, k_brick_none};
+  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->carried[i] = {Four{}, k_brick_none, k_brick_none};
   for (uint32_t i = 0; i < s->front.flying + s->front.lying; ++i)
     if (s->front.loose[i].number < s->desc.particle_capacity) s->carried[s->front.loose[i].number].loose = i;
 }
@@ -94,29 +88,29 @@ bool find_way(const SkinState& s, const Particle& p, SkinCarried* carried) {
   const float least = static_cast<float>(k_skin_held) / k_skin_steps * s.spacing;
   const float* from = s.front.from + 3 * number_of(p);
   if (from[0] == k_skin_nowhere) return false;
-  float way[3], square = 0;
+  const Four at = four(from), gone = four(p.position) - at;
+  Four way = gone;
+  float square = square_of(way);
   bool enclosed = false;
-  for (uint32_t k = 0; k < 3; ++k) way[k] = p.position[k] - from[k], square += way[k] * way[k];
   for (uint32_t m = 0; m < s.carry.motion_count; ++m) {
-    float u[3], rest[3], rest2 = 0;
-    s.carry.motions[m].way(from, u);
-    for (uint32_t k = 0; k < 3; ++k) rest[k] = p.position[k] - from[k] - u[k], rest2 += rest[k] * rest[k];
-    const bool encloses = s.carry.motions[m].encloses;
-    if (encloses == enclosed ? !(rest2 < square) : enclosed) continue;
-    enclosed = encloses;
-    square = rest2;
+    const SkinMotion& motion = s.carry.motions[m];
+    const Four rest = gone - motion.way(at);
+    const float square_rest = square_of(rest);
+    if (motion.encloses == enclosed ? !(square_rest < square) : enclosed) continue;
+    enclosed = motion.encloses;
+    square = square_rest;
     carried->motion = m;
-    memcpy(way, rest, sizeof way);
+    way = rest;
   }
   const float scale = square > most * most ? most / __builtin_sqrtf(square) : 1.0f;
-  for (uint32_t k = 0; k < 3; ++k) carried->way[k] = square > least * least ? scale * way[k] : 0;
+  carried->way = square > least * least ? scale * way : Four{};
   return carried->loose != k_brick_none || square < other * other;
 }
 
 void carry_particle(SkinState* s, const Particle& p) {
   if (in_body(p) || has_departed(p)) return;
   const uint32_t number = number_of(p);
-  SkinCarried none = {{0, 0, 0}, k_brick_none, k_brick_none};
+  SkinCarried none = {Four{}, k_brick_none, k_brick_none};
   SkinCarried& carried = number < s->desc.particle_capacity ? s->carried[number] : none;
   const bool known = &carried != &none && find_way(*s, p, &carried);
   sandglass_skin_loose one = {};
@@ -134,35 +128,31 @@ void carry_particle(SkinState* s, const Particle& p) {
   show_loose(s, one, flies);
 }
 
-// In 1/65536 of the block's side, modulo that.
-uint16_t turned(uint16_t origin, float turns) {
-  const float part = turns - static_cast<float>(floor_whole(turns));
-  return static_cast<uint16_t>(origin + to_whole<uint32_t>(65536.0f * part));
+// The whole numbers below, of what is bounded to 2^30.
+FourWhole floor_of(Four v) {
+  const Four most = Four{} + 1073741824.0f, low = v < most ? v : most, bounded = low > -most ? low : -most;
+  const FourWhole whole = __builtin_convertvector(bounded, FourWhole);
+  return whole + (bounded < __builtin_convertvector(whole, Four));
 }
 
 // A vertex without a particle goes with the motion of the one before it; the first ones as the first that has one.
 sandglass_skin_vertex carried_vertex(SkinState* s, sandglass_skin_vertex vertex, uint32_t anchor) {
   SkinCarry& carry = s->carry;
-  float way[3] = {0, 0, 0}, u[3] = {0, 0, 0};
-  if (anchor != k_brick_none) {
-    memcpy(way, s->carried[anchor].way, sizeof way);
-    carry.motion = s->carried[anchor].motion;
-  }
+  Four way = {};
+  if (anchor != k_brick_none) way = s->carried[anchor].way, carry.motion = s->carried[anchor].motion;
   if (carry.motion != k_brick_none) {
     const SkinMotion& motion = carry.motions[carry.motion];
-    motion.way(vertex.position, u);
-    int8_t normal[3];
-    for (uint32_t k = 0; k < 3; ++k) {
-      float turn = 0;
-      for (uint32_t m = 0; m < 3; ++m) turn += motion.turn[k][m] * static_cast<float>(vertex.normal[m]);
-      const float n = static_cast<float>(vertex.normal[k]) + turn;
-      normal[k] = static_cast<int8_t>(floor_whole((n > -127 ? (n < 127 ? n : 127) : -127) + 0.5f));
-    }
-    memcpy(vertex.normal, normal, sizeof normal);
+    way += motion.way(four(vertex.position));
+    Four normal = {};
+    for (int k = 0; k < 3; ++k) normal[k] = static_cast<float>(vertex.normal[k]);
+    const FourWhole turned = floor_of(normal + motion.turned(normal) + 0.5f);
+    for (int k = 0; k < 3; ++k)
+      vertex.normal[k] = static_cast<int8_t>(turned[k] > -127 ? (turned[k] < 127 ? turned[k] : 127) : -127);
   }
-  for (uint32_t k = 0; k < 3; ++k) {
-    vertex.position[k] += way[k] + u[k];
-    vertex.origin[k] = turned(vertex.origin[k], (way[k] + u[k]) * s->inverse_side);
+  const FourWhole turns = floor_of(way * (65536.0f * s->inverse_side));  // of the block of grains
+  for (int k = 0; k < 3; ++k) {
+    vertex.position[k] += way[k];
+    vertex.origin[k] = static_cast<uint16_t>(vertex.origin[k] + turns[k]);
   }
   return vertex;
 }

@@ -75,8 +75,6 @@ struct Spline {
 
 float clamped(float x, float low, float high) { return x > low ? (x < high ? x : high) : low; }
 
-using Four = float __attribute__((vector_size(16)));
-using FourWhole = int32_t __attribute__((vector_size(16)));
 using FourShort = uint16_t __attribute__((vector_size(8)));
 
 // The 4^3 nodes about a cell, and their density smoothed.

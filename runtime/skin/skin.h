@@ -66,6 +66,9 @@ enum class SkinPhase : uint32_t { idle, take, gather, leave, density, fill, calm
 // What has to be made anew of a brick, as bits.
 enum : uint32_t { k_stale_solid = 1, k_stale_density = 2, k_stale_fill = 4, k_stale_calm = 8, k_stale_mesh = 16 };
 
+using Four = float __attribute__((vector_size(16)));
+using FourWhole = int32_t __attribute__((vector_size(16)));
+
 // A particle as it was last summed, by number.
 struct SkinParticle {
   int32_t at[3];        // in k_skin_steps of a node
@@ -157,19 +160,17 @@ struct SkinShown {
 
 // Of a particle, by number.
 struct SkinCarried {
-  float way[3];     // besides the motion
+  Four way;         // besides the motion
   uint32_t loose;   // of the mesh's list
   uint32_t motion;  // of SkinCarry::motions; k_brick_none: it goes with none
 };
 
 // How colliders have gone since the mesh was gathered: x becomes x + turn (x - from) + shift.
 struct SkinMotion {
-  float turn[3][3], from[3], shift[3];
-  bool encloses;  // a field that is solid outside: its sand goes with no other
-  void way(const float x[3], float u[3]) const {
-    const float r[3] = {x[0] - from[0], x[1] - from[1], x[2] - from[2]};
-    for (int k = 0; k < 3; ++k) u[k] = (turn[k][0] * r[0] + turn[k][1] * r[1] + turn[k][2] * r[2]) + shift[k];
-  }
+  Four turn[3], from, shift;  // turn: its columns
+  bool encloses;              // a field that is solid outside: its sand goes with no other
+  Four turned(Four r) const { return turn[0] * r[0] + turn[1] * r[1] + turn[2] * r[2]; }
+  Four way(Four x) const { return turned(x - from) + shift; }
 };
 constexpr uint32_t k_skin_motions = 16;
 
