@@ -168,12 +168,13 @@ void mark_near(SkinState* s, const ColliderFrame& collider) {
 // Whether a solid lies between two nodes: its distance falls from either towards the other, and would be below 0 where
 // both meet. So it does in a wall of any thickness, and not beside a floor or an edge that both look at.
 bool is_between(const SurfacePoint& a, const SurfacePoint& b, uint32_t axis, float sign, float apart) {
+  if (a.distance + b.distance >= apart) return false;
   const float from_a = -sign * a.normal[axis], from_b = sign * b.normal[axis];
   return from_a > 0 && from_b > 0 && a.distance * from_b + b.distance * from_a < from_a * from_b * apart;
 }
 
 void find_solid(SkinState* s, uint32_t number) {
-  constexpr uint32_t k_steps[3] = {1, k_edges_side * k_edges_side, k_edges_side};
+  constexpr float k_walls_within = 7.1f;  // nodes from a brick's middle: to the outermost one, and one more
   Brick& brick = s->bricks[number];
   uint8_t *solid = s->nodes[number].solid, *walls = s->nodes[number].walls;
   brick.open = true;
@@ -182,22 +183,27 @@ void find_solid(SkinState* s, uint32_t number) {
   memset(walls, 0, k_brick_nodes);
   for (uint32_t c = 0; c < s->desc.collider_capacity; ++c) {
     if (s->colliders[c].shape == k_no_shape || !is_near(*s, brick, s->colliders[c])) continue;
-    for (uint32_t i = 0; i < k_edges_nodes; ++i) {
-      const float node[3] = {static_cast<float>(i % k_edges_side), static_cast<float>(i / k_steps[1]),
-                             static_cast<float>(i / k_edges_side % k_edges_side)};
-      place_of(*s, brick, node, s->points[i].position);
-    }
+    const bool walls_too =
+        s->colliders[c].shape != SANDGLASS_SHAPE_HALF_SPACE && s->points[0].distance < k_walls_within * s->spacing;
+    const uint32_t side = walls_too ? k_edges_side : k_brick_side, steps[3] = {1, side * side, side};
+    SurfacePoint* next = s->points;
+    for (uint32_t y = 0; y < side; ++y)
+      for (uint32_t z = 0; z < side; ++z)
+        for (uint32_t x = 0; x < side; ++x) {
+          const float node[3] = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+          place_of(*s, brick, node, next++->position);
+        }
     const SurfaceArgs args = {s->points, &s->colliders[c]};
     uint32_t unused = 0;
-    s->kernels->surface_at(&args, 0, k_edges_nodes, &unused);
+    s->kernels->surface_at(&args, 0, side * side * side, &unused);
     for (uint32_t i = 0; i < k_brick_nodes; ++i) {
-      const SurfacePoint* point = s->points + (i & 7) + k_steps[2] * (i >> 3 & 7) + k_steps[1] * (i >> 6);
+      const SurfacePoint* point = s->points + (i & 7) + steps[2] * (i >> 3 & 7) + steps[1] * (i >> 6);
       const float value = 128.5f + k_solid_one * s->inverse_spacing * point->distance;
       const uint32_t whole = to_whole<uint32_t>(value < 255.0f ? value : 255.0f);
       if (whole < solid[i]) solid[i] = static_cast<uint8_t>(whole);
       if (whole < 255) brick.open = false;
-      for (uint32_t a = 0; a < 3 && point->distance < s->spacing; ++a)
-        if (is_between(*point, point[k_steps[a]], s->axis[a], s->sign[a], s->spacing))
+      for (uint32_t a = 0; a < 3 && walls_too && point->distance < s->spacing; ++a)
+        if (is_between(*point, point[steps[a]], s->axis[a], s->sign[a], s->spacing))
           walls[i] = static_cast<uint8_t>(walls[i] | 1u << a), brick.walled = true;
     }
   }
