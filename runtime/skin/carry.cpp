@@ -15,6 +15,7 @@ namespace {
 
 constexpr float k_most_radii = 1.5f;     // that a vertex is carried beside a motion: about a node
 constexpr float k_other_radii = 16.0f;   // one that went further has taken the number of one that left
+constexpr uint32_t k_unit_items = 4096;  // particles and vertices: about 0.2 ms of a phone
 constexpr float k_least_motion = 1e-5f;  // metres, or of a turn: the rest is rounding
 
 bool same_bytes(const void* a, const void* b, size_t count) { return memcmp(a, b, count) == 0; }
@@ -201,9 +202,9 @@ void run(void* state, uint32_t) {
   const Particles& particles = s->granular->particles;
   if (!is_begun(*s)) begin_carry(s);
   uint32_t done = 0;
-  for (; carry.record < particles.count && done < k_skin_unit_taken; ++carry.record, ++done)
+  for (; carry.record < particles.count && done < k_unit_items; ++carry.record, ++done)
     carry_particle(s, particles.records[0][carry.record]);
-  for (; carry.chunk < s->chunk_capacity && done < k_skin_unit_taken; ++carry.chunk) {
+  for (; carry.chunk < s->chunk_capacity && done < k_unit_items; ++carry.chunk) {
     const uint32_t vertices = s->front.chunks[carry.chunk].vertex_count;
     if (vertices == 0) continue;
     done += vertices;
@@ -221,7 +222,7 @@ uint32_t items_left(const SkinState& s) {
 bool next(const void* state, uint32_t, WorkUnit* unit) {
   const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
   const uint32_t left = items_left(s);
-  *unit = {k_skin_carry, left < k_skin_unit_taken ? left : k_skin_unit_taken, "skin.carry"};
+  *unit = {k_skin_carry, left < k_unit_items ? left : k_unit_items, "skin.carry"};
   return is_due(s);
 }
 

@@ -41,11 +41,10 @@ constexpr float k_skin_spacing = 1.5f;                         // particle radii
 constexpr float k_skin_volume = 6.986f;  // particle radii cubed that a particle takes in a pile (packed to 0.6)
 constexpr uint32_t k_skin_level = 2089;  // of the surface: 0.51
 constexpr uint32_t k_skin_unit_items = 1024;
-constexpr uint32_t k_skin_unit_bricks = 12;  // density, fill, calm
-constexpr uint32_t k_skin_unit_mesh = 2;     // bricks
-constexpr uint32_t k_skin_unit_taken =
-    16'000;                              // particles of which places are taken, or which are carried: 0.2 ms of a phone
-constexpr float k_skin_nowhere = 3e38f;  // metres: of a particle that was not gathered
+constexpr uint32_t k_skin_unit_bricks = 12;     // density, fill, calm
+constexpr uint32_t k_skin_unit_mesh = 2;        // bricks
+constexpr uint32_t k_skin_unit_taken = 16'000;  // particles of which places are taken
+constexpr float k_skin_nowhere = 3e38f;         // metres: of a particle that was not gathered
 constexpr sandglass_shape k_no_shape = -1;
 constexpr float k_skin_share = 0.5f;
 constexpr uint32_t k_skin_in_time = 8;  // skins that are made within their frame, before the next is expected to be
