@@ -108,7 +108,6 @@ float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder
         carry_copy(q, awake ? gains * it.scale : 0.0f, &g.particles.records[copy][it.first + l]);
     if (!awake) bounds_include(&c->resting, p.position);
     sleep_carry(g, number_of(p), carrier.way);
-    ++c->carried;
   }
   return way;
 }
@@ -388,14 +387,14 @@ void carry_layout(Carry* c, const sandglass_granular_desc& d, Layout* layout) {
 void carry_reset(Carry* c) {
   c->due = Carry::Moment::none;
   c->moving = c->closing = c->known = c->usual = false;
-  c->cursor = c->carried = 0;
+  c->cursor = 0;
 }
 
 void carry_begin_frame(Carry* c, bool jumped, bool moving) {
   c->due = jumped ? Carry::Moment::jump : Carry::Moment::none;
   c->moving = moving;
   c->closing = c->known = false;
-  c->cursor = c->carried = 0;
+  c->cursor = 0;
 }
 
 void carry_close(Carry* c, const Granular& g) {
@@ -412,9 +411,7 @@ bool carry_is_due(const Granular& g) {
   return g.carry.known || g.time.debt >= k_time_resolution || g.time.rate < 1.0;
 }
 
-bool carry_is_expected(const Granular& g) {
-  return g.carry.usual && g.carry.moving && g.time.rate < 1.0;
-}
+bool carry_is_expected(const Granular& g) { return g.carry.usual && g.carry.moving && g.time.rate < 1.0; }
 
 uint32_t carry_units(const Granular& g) { return (g.particles.count + unit_of(g) - 1) / unit_of(g); }
 

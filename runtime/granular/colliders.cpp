@@ -578,6 +578,8 @@ void colliders_arrive(Colliders* c, const Granular& g, float faster) {
   }
 }
 
+float colliders_behind(const Granular& g) { return g.colliders.arrived ? 0.0f : static_cast<float>(g.time.debt); }
+
 float colliders_lag(const Granular& g) {
   const Colliders& c = g.colliders;
   float most = 0.0f;

@@ -239,7 +239,7 @@ void granular_carry(Granular* g) {
   }
   if (!is_empty(c.resting)) sleep_include_resting(&g->sleep, c.resting);
   if (carry_mixes(*g)) neighbours_carried(&g->neighbours, (c.group_count > 1 ? 2.0f : 1.0f) * c.way_max);
-  g->counts.carried = c.carried;
+  ++g->counts.carries;
   carry_end(&g->carry);
 }
 
@@ -338,33 +338,40 @@ void granular_after_removal(Granular* g) {
   granular_seal(g);
 }
 
-static bool closes_with_carry(const Granular& g) { return g.carry.closing && carry_is_due(g); }
-
-// The whole output runs, at the end of each frame; before it what colliders carry.
-Stage granular_output_stage(Granular* granular) {
+// At the end of each frame: what colliders carry.
+Stage granular_carry_stage(Granular* granular) {
   const auto next = [](const void* state, uint32_t, WorkUnit* unit) {
     const Granular& g = *static_cast<const Granular*>(state);
-    if (!closes_with_carry(g)) return output_next(g, unit);
     *unit = {k_unit_carry, carry_items(g), "granular.carry"};
-    return true;
+    return g.carry.closing && carry_is_due(g);
   };
-  const auto run = [](void* state, uint32_t) {
-    Granular* g = static_cast<Granular*>(state);
-    if (closes_with_carry(*g)) granular_carry(g);
-    else output_run(&g->output, *g);
-  };
-  const auto forecast = [](const void* state, uint32_t, Forecast* entries) {
+  const auto run = [](void* state, uint32_t) { granular_carry(static_cast<Granular*>(state)); };
+  const auto forecast = [](const void* state, uint32_t, Forecast* entries) -> uint32_t {
     const Granular& g = *static_cast<const Granular*>(state);
-    const uint32_t count = output_forecast(g, entries);
-    if (!carry_is_expected(g)) return count;
-    entries[count] = {k_unit_carry, g.particles.count};
-    return count + 1;
+    if (!carry_is_expected(g)) return 0;
+    entries[0] = {k_unit_carry, g.particles.count};
+    return 1;
   };
   const auto close = [](void* state) {
     Granular* g = static_cast<Granular*>(state);
     carry_close(&g->carry, *g);
   };
   return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f, 0, close};
+}
+
+// The whole output runs, after that.
+Stage granular_output_stage(Granular* granular) {
+  const auto next = [](const void* state, uint32_t, WorkUnit* unit) {
+    return output_next(*static_cast<const Granular*>(state), unit);
+  };
+  const auto run = [](void* state, uint32_t) {
+    Granular* g = static_cast<Granular*>(state);
+    output_run(&g->output, *g);
+  };
+  const auto forecast = [](const void* state, uint32_t, Forecast* entries) {
+    return output_forecast(*static_cast<const Granular*>(state), entries);
+  };
+  return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f};
 }
 
 }  // namespace sandglass

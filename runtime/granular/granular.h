@@ -52,7 +52,9 @@ struct FrameCounts {
   // What the frame was given and could not use.
   uint32_t ignored_colliders, ignored_emitters, ignored_sinks;
   uint32_t denied_particles;  // for which emitters found no room or no free place
-  uint32_t carried;           // particles that went with colliders
+  uint32_t carries;           // by colliders that went on without time for sand
+  // How often the particles came to another state.
+  uint32_t moments() const { return substeps + carries; }
 };
 
 static inline void count_lists(FrameCounts* counts, uint32_t dropped, bool built) {
@@ -201,6 +203,7 @@ void granular_ray(const Granular& granular, const float origin[3], const float d
 
 // The output's stage. The others stand in solver.h and grains.h.
 Stage granular_output_stage(Granular* granular);
+Stage granular_carry_stage(Granular* granular);
 
 // Pieces that a work unit is cut into at most.
 constexpr uint32_t k_pieces = 8;

@@ -209,7 +209,6 @@ struct Carry {
   // What the units so far have seen.
   Bounds held[k_carry_groups], pushed, resting, standing;
   float way_max;
-  uint32_t carried;
   bool gave_way;
 };
 

@@ -133,6 +133,8 @@ bool colliders_move_sand(const Granular& granular);
 // in the time debt. From then on they are where they are told to be, with velocities `faster` times as large.
 void colliders_find_jumps(Colliders* colliders, const Granular& granular);
 void colliders_arrive(Colliders* colliders, const Granular& granular, float faster);
+// Seconds before they are where `given` has them: there sand has met them.
+float colliders_behind(const Granular& granular);
 // Metres by which sand lags behind where they are told to be, at the frame's end.
 float colliders_lag(const Granular& granular);
 // Metres a second that what they carry may gain by that.

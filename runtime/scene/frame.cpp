@@ -71,6 +71,40 @@ Sand sand_as_drawn(const Granular& g, const sandglass_skin* skin) {
   return {{&g.particles.records[0], nullptr, nullptr, g.particles.count, g.desc.particle_radius, nullptr, 0}, moving};
 }
 
+// What closes a frame, whatever the budget: sand goes with the colliders that hold it, the skin with its sand, then grains
+// are written. Kinds of unit are those of the parts, at their places.
+struct Closing {
+  Stage parts[3];
+};
+
+const Stage* closing_part(const void* state, uint32_t level, WorkUnit* unit) {
+  for (const Stage& part : static_cast<const Closing*>(state)->parts)
+    if (stage_next(part, level, unit)) return &part;
+  return nullptr;
+}
+
+Stage closing_stage(Closing* closing) {
+  const auto next = [](const void* state, uint32_t level, WorkUnit* unit) {
+    return closing_part(state, level, unit) != nullptr;
+  };
+  const auto run = [](void* state, uint32_t level) {
+    WorkUnit unit;
+    const Stage* part = closing_part(state, level, &unit);
+    if (part != nullptr) part->run(part->state, level);
+  };
+  const auto forecast = [](const void* state, uint32_t level, Forecast* entries) {
+    uint32_t count = 0;
+    for (const Stage& part : static_cast<const Closing*>(state)->parts)
+      count += stage_forecast(part, level, entries + count);
+    return count;
+  };
+  const auto close = [](void* state) {
+    for (const Stage& part : static_cast<Closing*>(state)->parts)
+      if (part.close != nullptr) part.close(part.state);
+  };
+  return {closing, next, run, forecast, 0, k_all_units, 1.0f, 0, close};
+}
+
 // Out of line: it runs between the two calls that set and restore the floating-point control.
 __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass_frame_input* input,
                                          sandglass_frame_report* report) {
@@ -79,6 +113,8 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   const char* refused_image = nullptr;
   FrameLighting lighting = {input->room, input->estimator};
   FrameShadows shadows = {{input->shadows, input->shadow_count}, input->pile_shadow, {input->casts, input->cast_count}};
+  Closing closing = {{granular_carry_stage(granular), stage_without_work(0), granular_output_stage(granular)}};
+  if (input->skin != nullptr) closing.parts[1] = input->skin->functions->carry_stage(input->skin);
   Stage stages[SANDGLASS_STAGE_COUNT] = {
       granular_particle_stage(granular),
       lighting_stage(&lighting, input->camera, &refused_image),
@@ -86,9 +122,12 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
                              : input->skin->functions->begin_frame(input->skin, *granular),
       shadow_stage(&shadows, sand_as_drawn(*granular, input->skin)),
       granular_grain_stage(granular),
-      granular_output_stage(granular),
+      closing_stage(&closing),
   };
   assign_kinds(stages, SANDGLASS_STAGE_COUNT);
+  closing.parts[1].first_kind = stages[SANDGLASS_STAGE_SKIN].first_kind;
+  closing.parts[0].first_kind = closing.parts[2].first_kind = stages[SANDGLASS_STAGE_GRANULAR].first_kind;
+  stages[SANDGLASS_STAGE_OUTPUT].first_kind = 0;
 
   const uint64_t target = governor_target(input->budget_ns, input->thermal_headroom);
   const bool ran = governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);

@@ -1,8 +1,10 @@
-// A skin that takes longer than a frame. Until it is complete, the one that is shown is carried along: each vertex goes as
-// far as its particle has gone since that was gathered, and loose sand is where its particles are. So sand moves in every
-// frame, however slow the processor is. What is made goes on from the mesh as it was made.
+// What is shown at the end of a frame whose skin is not complete. The mesh before is carried along: each vertex goes with its
+// particle. Where a collider's motion explains the particle's way best, it goes rigidly with that; what is left of the way
+// is held to about a node. So sand moves in every frame, and with its vessel, however slow the processor is. Loose sand is
+// where its particles are; sand that came since the mesh was gathered is loose, before the first mesh all of it. What is
+// made goes on from the mesh as it was made.
 //
-// One unit does all, so that no frame shows a mesh of two moments.
+// It belongs to what closes a frame: all its units run there, so that no frame shows a mesh of two moments.
 #include <cstring>
 
 #include "runtime/granular/granular.h"
@@ -11,38 +13,149 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_most_radii = 1.5f;       // that a vertex is carried: about a node
-constexpr uint32_t k_most_items = 16'000;  // one unit's: about 0.2 ms of a phone
-
-uint32_t items(const SkinState& s) { return s.granular->particles.count + s.front.vertex_count; }
+constexpr float k_most_radii = 1.5f;     // that a vertex is carried beside a motion: about a node
+constexpr float k_other_radii = 16.0f;   // one that went further has taken the number of one that left
+constexpr uint32_t k_unit_items = 4096;  // particles and vertices: about 0.2 ms of a phone
+constexpr float k_least_motion = 1e-5f;  // metres, or of a turn: the rest is rounding
 
 bool same_bytes(const void* a, const void* b, size_t count) { return memcmp(a, b, count) == 0; }
 
-// How far each particle has gone, by number, and which record it is.
-void find_ways(SkinState* s) {
-  const float most = k_most_radii * s->desc.particle_radius;
-  const float least = static_cast<float>(k_skin_held) / k_skin_steps * s->spacing;
-  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->carried[i] = {{0, 0, 0}, k_brick_none};
-  const Particles& particles = s->granular->particles;
-  for (uint32_t i = 0; i < particles.count; ++i) {
-    const Particle& p = particles.records[0][i];
-    const uint32_t number = number_of(p);
-    if (number >= s->desc.particle_capacity || in_body(p) || has_departed(p)) continue;
-    SkinCarried& carried = s->carried[number];
-    carried.record = i;
-    const float* from = s->front.from + 3 * number;
-    float way[3], square = 0;
-    for (uint32_t k = 0; k < 3; ++k) way[k] = p.position[k] - from[k], square += way[k] * way[k];
-    if (!(square > least * least)) continue;
-    const float scale = square > most * most ? most / __builtin_sqrtf(square) : 1.0f;
-    for (uint32_t k = 0; k < 3; ++k) carried.way[k] = scale * way[k];
+bool is_begun(const SkinState& s) {
+  return s.carry.frame == s.frame && s.carry.substeps == s.granular->counts.moments();
+}
+
+bool is_due(const SkinState& s) {
+  const uint32_t substeps = s.granular->counts.moments();
+  if (!s.valid && s.granular->particles.count == 0) return false;
+  return (skin_has_work(s) || substeps != 0) && (s.shown.frame != s.frame || s.shown.substeps != substeps);
+}
+
+Four four(const float v[3]) { return Four{v[0], v[1], v[2], 0}; }
+float square_of(Four v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+
+bool is_alike(const SkinMotion& a, const SkinMotion& b) {
+  float square = square_of(a.way(a.from) - b.way(a.from));
+  for (int k = 0; k < 3; ++k) square += square_of(a.turn[k] - b.turn[k]);
+  return square < k_least_motion * k_least_motion;
+}
+
+// The different ways of colliders since the mesh was gathered, as sand met them then and meets them now.
+void find_motions(SkinState* s) {
+  const Colliders& c = s->granular->colliders;
+  SkinCarry& carry = s->carry;
+  carry.motion_count = 0;
+  for (uint32_t i = 0; i < c.solid_count && carry.motion_count < k_skin_motions; ++i) {
+    if (c.slots[i] >= s->desc.collider_capacity) continue;
+    const ColliderFrame& from = s->met[c.slots[i]];
+    ColliderFrame to;
+    colliders_pose(&c.given[i], 1, colliders_behind(*s->granular), &to);
+    if (from.shape != to.shape) continue;
+    SkinMotion motion = {};
+    motion.from = four(from.position), motion.shift = four(to.position) - motion.from;
+    for (int b = 0; b < 3; ++b) {
+      for (int k = 0; k < 3; ++k) motion.turn[b] += four(to.axes[k]) * from.axes[k][b];
+      motion.turn[b][b] -= 1.0f;
+    }
+    motion.encloses = from.shape == SANDGLASS_SHAPE_FIELD && from.field.outward < 0;
+    SkinMotion still = {};
+    still.from = motion.from;
+    bool known = is_alike(motion, still);
+    for (uint32_t k = 0; k < carry.motion_count && !known; ++k) known = is_alike(motion, carry.motions[k]);
+    if (!known) carry.motions[carry.motion_count++] = motion;
   }
 }
 
-// In 1/65536 of the block's side, modulo that.
-uint16_t turned(uint16_t origin, float turns) {
-  const float part = turns - static_cast<float>(floor_whole(turns));
-  return static_cast<uint16_t>(origin + to_whole<uint32_t>(65536.0f * part));
+void begin_carry(SkinState* s) {
+  SkinCarry& carry = s->carry;
+  find_motions(s);
+  carry.frame = s->frame, carry.substeps = s->granular->counts.moments();
+  carry.record = carry.chunk = carry.flying = carry.lying = 0;
+  carry.motion = k_brick_none;
+  carry.changed = false;
+  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->carried[i] = {Four{}, k_brick_none, k_brick_none};
+  for (uint32_t i = 0; i < s->front.flying + s->front.lying; ++i)
+    if (s->front.loose[i].number < s->desc.particle_capacity) s->carried[s->front.loose[i].number].loose = i;
+}
+
+void show_loose(SkinState* s, const sandglass_skin_loose& one, bool flies) {
+  SkinCarry& carry = s->carry;
+  if (carry.flying + carry.lying == s->desc.particle_capacity) return;
+  s->shown.loose[flies ? carry.flying++ : s->desc.particle_capacity - ++carry.lying] = one;
+}
+
+// How far a particle has gone with which motion, and beside it. False: it was not there when the mesh was gathered.
+bool find_way(const SkinState& s, const Particle& p, SkinCarried* carried) {
+  const float radius = s.desc.particle_radius, most = k_most_radii * radius, other = k_other_radii * radius;
+  const float least = static_cast<float>(k_skin_held) / k_skin_steps * s.spacing;
+  const float* from = s.front.from + 3 * number_of(p);
+  if (from[0] == k_skin_nowhere) return false;
+  const Four at = four(from), gone = four(p.position) - at;
+  Four way = gone;
+  float square = square_of(way);
+  bool enclosed = false;
+  for (uint32_t m = 0; m < s.carry.motion_count; ++m) {
+    const SkinMotion& motion = s.carry.motions[m];
+    const Four rest = gone - motion.way(at);
+    const float square_rest = square_of(rest);
+    if (motion.encloses == enclosed ? !(square_rest < square) : enclosed) continue;
+    enclosed = motion.encloses;
+    square = square_rest;
+    carried->motion = m;
+    way = rest;
+  }
+  const float scale = square > most * most ? most / __builtin_sqrtf(square) : 1.0f;
+  carried->way = square > least * least ? scale * way : Four{};
+  return carried->loose != k_brick_none || square < other * other;
+}
+
+void carry_particle(SkinState* s, const Particle& p) {
+  if (in_body(p) || has_departed(p)) return;
+  const uint32_t number = number_of(p);
+  SkinCarried none = {Four{}, k_brick_none, k_brick_none};
+  SkinCarried& carried = number < s->desc.particle_capacity ? s->carried[number] : none;
+  const bool known = &carried != &none && find_way(*s, p, &carried);
+  sandglass_skin_loose one = {};
+  float falls;
+  bool flies = carried.loose < s->front.flying;
+  if (carried.loose != k_brick_none) one = s->front.loose[carried.loose];
+  else if (known) return;
+  memcpy(one.position, p.position, sizeof one.position);
+  if (!known) {
+    one.weight = 1.0f;
+    one.number = number;
+    skin_find_fall(*s, p.position, p.velocity, &falls, &flies);
+    for (uint32_t a = 0; a < 3; ++a) one.way[s->axis[a]] = flies ? p.velocity[s->axis[a]] : s->sign[a] * s->up[a];
+  }
+  show_loose(s, one, flies);
+}
+
+// The whole numbers below, of what is bounded to 2^30.
+FourWhole floor_of(Four v) {
+  const Four most = Four{} + 1073741824.0f, low = v < most ? v : most, bounded = low > -most ? low : -most;
+  const FourWhole whole = __builtin_convertvector(bounded, FourWhole);
+  return whole + (bounded < __builtin_convertvector(whole, Four));
+}
+
+// A vertex without a particle goes with the motion of the one before it; the first ones as the first that has one.
+sandglass_skin_vertex carried_vertex(SkinState* s, sandglass_skin_vertex vertex, uint32_t anchor) {
+  SkinCarry& carry = s->carry;
+  Four way = {};
+  if (anchor != k_brick_none) way = s->carried[anchor].way, carry.motion = s->carried[anchor].motion;
+  if (carry.motion != k_brick_none) {
+    const SkinMotion& motion = carry.motions[carry.motion];
+    way += motion.way(four(vertex.position));
+    Four normal = {};
+    for (int k = 0; k < 3; ++k) normal[k] = static_cast<float>(vertex.normal[k]);
+    const FourWhole turned = floor_of(normal + motion.turned(normal) + 0.5f);
+    for (int k = 0; k < 3; ++k)
+      vertex.normal[k] = static_cast<int8_t>(turned[k] > -127 ? (turned[k] < 127 ? turned[k] : 127) : -127);
+  }
+  const FourWhole turns = floor_of(way * (65536.0f * s->inverse_side));  // of the block of grains
+  for (int k = 0; k < 3; ++k) {
+    vertex.position[k] += way[k];
+    vertex.origin[k] = static_cast<uint16_t>(vertex.origin[k] + turns[k]);
+  }
+  return vertex;
 }
 
 // Whether a byte of the chunk that is shown has changed.
@@ -50,63 +163,79 @@ bool carry_chunk(SkinState* s, uint32_t c) {
   const sandglass_skin_chunk& made = s->front.chunks[c];
   sandglass_skin_chunk& chunk = s->shown.chunks[c];
   const uint32_t first = s->front.first_vertex[c];
-  const sandglass_skin_vertex *from = s->front.vertices + first, *before = chunk.vertices;
+  const sandglass_skin_vertex* before = chunk.vertices;
   sandglass_skin_vertex* to = s->shown.vertices + first;
   bool differs = false;
+  for (uint32_t v = made.vertex_count; v-- != 0;)
+    if (s->front.anchors[first + v] != k_brick_none) s->carry.motion = s->carried[s->front.anchors[first + v]].motion;
+  float low[3] = {3e38f, 3e38f, 3e38f}, high[3] = {-3e38f, -3e38f, -3e38f};
   for (uint32_t v = 0; v < made.vertex_count; ++v) {
-    sandglass_skin_vertex vertex = from[v];
-    const uint32_t anchor = s->front.anchors[first + v];
-    if (anchor != k_brick_none)
-      for (uint32_t k = 0; k < 3; ++k) {
-        const float way = s->carried[anchor].way[k];
-        vertex.position[k] += way;
-        vertex.origin[k] = turned(vertex.origin[k], way * s->inverse_side);
-      }
+    const sandglass_skin_vertex vertex = carried_vertex(s, s->front.vertices[first + v], s->front.anchors[first + v]);
+    for (uint32_t k = 0; k < 3; ++k) {
+      low[k] = vertex.position[k] < low[k] ? vertex.position[k] : low[k];
+      high[k] = vertex.position[k] > high[k] ? vertex.position[k] : high[k];
+    }
     differs = differs || !same_bytes(before + v, &vertex, sizeof vertex);
     to[v] = vertex;
   }
   if (!differs) return false;
-  const float reach = k_most_radii * s->desc.particle_radius;
-  for (uint32_t k = 0; k < 3; ++k) chunk.low[k] = made.low[k] - reach, chunk.high[k] = made.high[k] + reach;
+  memcpy(chunk.low, low, sizeof low);
+  memcpy(chunk.high, high, sizeof high);
   chunk.vertices = to;
   return true;
 }
 
-bool carry_loose(SkinState* s) {
-  bool differs = false;
-  const uint32_t count = s->front.flying + s->front.lying;
-  for (uint32_t i = 0; i < count; ++i) {
-    sandglass_skin_loose one = s->front.loose[i];
-    const bool known = one.number < s->desc.particle_capacity;  // else it has no skin
-    const uint32_t record = known ? s->carried[one.number].record : k_brick_none;
-    if (record != k_brick_none)
-      memcpy(one.position, s->granular->particles.records[0][record].position, sizeof one.position);
-    differs = differs || !same_bytes(s->shown.loose + i, &one, sizeof one);
-    s->shown.loose[i] = one;
+void end_carry(SkinState* s) {
+  SkinCarry& carry = s->carry;
+  SkinShown& shown = s->shown;
+  memmove(shown.loose + carry.flying, shown.loose + s->desc.particle_capacity - carry.lying,
+          carry.lying * sizeof *shown.loose);
+  const bool changed = carry.flying + carry.lying != 0 || shown.flying + shown.lying != 0;
+  shown.flying = carry.flying, shown.lying = carry.lying;
+  shown.frame = carry.frame, shown.substeps = carry.substeps;
+  if (carry.changed || changed) ++s->version;
+}
+
+void run(void* state, uint32_t) {
+  SkinState* s = &static_cast<sandglass_skin*>(state)->skin;
+  SkinCarry& carry = s->carry;
+  const Particles& particles = s->granular->particles;
+  if (!is_begun(*s)) begin_carry(s);
+  uint32_t done = 0;
+  for (; carry.record < particles.count && done < k_unit_items; ++carry.record, ++done)
+    carry_particle(s, particles.records[0][carry.record]);
+  for (; carry.chunk < s->chunk_capacity && done < k_unit_items; ++carry.chunk) {
+    const uint32_t vertices = s->front.chunks[carry.chunk].vertex_count;
+    if (vertices == 0) continue;
+    done += vertices;
+    if (!carry_chunk(s, carry.chunk)) continue;
+    s->shown.chunks[carry.chunk].version = s->version + 1;
+    carry.changed = true;
   }
-  return differs;
+  if (carry.record == particles.count && carry.chunk == s->chunk_capacity) end_carry(s);
+}
+
+uint32_t items_left(const SkinState& s) {
+  return s.granular->particles.count - (is_begun(s) ? s.carry.record : 0) + s.front.vertex_count;
+}
+
+bool next(const void* state, uint32_t, WorkUnit* unit) {
+  const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
+  const uint32_t left = items_left(s);
+  *unit = {k_skin_carry, left < k_unit_items ? left : k_unit_items, "skin.carry"};
+  return is_due(s);
+}
+
+// Skins that are made within their frame are expected to be: then no time is kept.
+uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
+  const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
+  if (!skin_has_work(s) || !(skin_is_late(s) || !s.valid)) return 0;
+  entries[0] = {k_skin_carry, s.granular->particles.count + s.front.vertex_count};
+  return 1;
 }
 
 }  // namespace
 
-bool skin_may_carry(const SkinState& s) {
-  const uint32_t substeps = s.granular->counts.substeps;
-  return s.valid && skin_is_late(s) && substeps != 0 && (s.shown.frame != s.frame || s.shown.substeps != substeps) &&
-         items(s) <= k_most_items;
-}
-
-WorkUnit skin_carry_unit(const SkinState& s) { return {k_skin_carry, items(s), "skin.carry"}; }
-
-void skin_carry(SkinState* s) {
-  find_ways(s);
-  bool changed = carry_loose(s);
-  for (uint32_t c = 0; c < s->chunk_capacity; ++c) {
-    if (s->front.chunks[c].vertex_count == 0 || !carry_chunk(s, c)) continue;
-    s->shown.chunks[c].version = s->version + 1;
-    changed = true;
-  }
-  if (changed) ++s->version;
-  s->shown.frame = s->frame, s->shown.substeps = s->granular->counts.substeps;
-}
+Stage skin_carry_stage(sandglass_skin* skin) { return {skin, next, run, forecast, k_skin_kinds, k_all_units, 1.0f}; }
 
 }  // namespace sandglass

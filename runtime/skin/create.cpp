@@ -54,6 +54,9 @@ sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
   s->slot_mask = slots - 1;
   s->colliders = layout_region<ColliderFrame>(layout, "skin.colliders", desc.collider_capacity);
   s->fields = layout_region<uint64_t>(layout, "skin.fields", desc.collider_capacity);
+  s->met = layout_region<ColliderFrame>(layout, "skin.met", desc.collider_capacity);
+  s->movers = layout_region<uint32_t>(layout, "skin.movers", desc.collider_capacity);
+  s->taken = layout_region<SkinTaken>(layout, "skin.taken", n);
   s->particles = layout_region<SkinParticle>(layout, "skin.particles", n);
   s->bricks = layout_region<Brick>(layout, "skin.bricks", s->brick_capacity);
   s->nodes = layout_region<BrickNodes>(layout, "skin.nodes", s->brick_capacity);
@@ -64,7 +67,7 @@ sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
   s->chunk_order = layout_region<uint32_t>(layout, "skin.order", s->chunk_capacity);
   s->outer = layout_region<uint16_t>(layout, "skin.outer", k_outer_bricks * k_brick_nodes);
   s->blocks = layout_region<SkinBlocks>(layout, "skin.blocks", 1);
-  s->points = layout_region<SurfacePoint>(layout, "skin.points", k_brick_nodes);
+  s->points = layout_region<SurfacePoint>(layout, "skin.points", k_edges_nodes + k_lane_group);
   lay_out_mesh(*s, layout, &s->front);
   lay_out_mesh(*s, layout, &s->back);
   s->shown.vertices = layout_region<sandglass_skin_vertex>(layout, "skin.shown", s->vertex_capacity);
@@ -90,10 +93,13 @@ __attribute__((noinline)) void build(const sandglass_skin_desc& desc, void* bloc
   }
   SkinMesh* const meshes[] = {&s->front, &s->back};
   for (SkinMesh* mesh : meshes) {
-    memset(mesh->from, 0, 3 * sizeof(float) * desc.particle_capacity);
+    for (uint32_t i = 0; i < desc.particle_capacity; ++i) mesh->from[3 * i] = k_skin_nowhere;
     for (uint32_t c = 0; c < s->chunk_capacity; ++c)
       mesh->chunks[c] = s->shown.chunks[c] = {}, mesh->first_vertex[c] = mesh->first_index[c] = 0;
   }
+  ColliderFrame none = {};
+  none.shape = k_no_shape;
+  for (uint32_t c = 0; c < desc.collider_capacity; ++c) s->colliders[c] = s->met[c] = none, s->fields[c] = 0;
   for (uint32_t a = 0; a < 3; ++a) s->axis[a] = a, s->sign[a] = 1.0f;
   s->up[1] = 1.0f;
   s->falls = true;
@@ -148,7 +154,7 @@ void sandglass_skin_get_mesh(const sandglass_skin* skin, sandglass_skin_mesh* ou
   if (skin == nullptr || out == nullptr) return;
   const SkinState& s = skin->skin;
   sandglass_skin_mesh mesh = {};
-  mesh.valid = s.valid ? 1 : 0;
+  mesh.valid = s.valid || s.shown.flying + s.shown.lying != 0 ? 1 : 0;
   mesh.version = s.version;
   const bool stale = s.asked || s.phase != SkinPhase::idle;
   mesh.frames_behind = stale ? static_cast<uint32_t>(s.frame - s.front_frame) : 0;
@@ -159,8 +165,8 @@ void sandglass_skin_get_mesh(const sandglass_skin* skin, sandglass_skin_mesh* ou
     mesh.index_count += s.front.chunks[c].index_count;
   }
   mesh.loose = s.shown.loose;
-  mesh.flying_count = s.front.flying;
-  mesh.lying_count = s.front.lying;
+  mesh.flying_count = s.shown.flying;
+  mesh.lying_count = s.shown.lying;
   mesh.left_out = s.left_out;
   fill_struct(&mesh, sizeof mesh, out);
 }
@@ -179,5 +185,5 @@ uint64_t sandglass_skin_hash(const sandglass_skin* skin) {
     hash = hash_bytes(chunk.vertices, chunk.vertex_count * sizeof *chunk.vertices, hash);
     hash = hash_bytes(chunk.indices, chunk.index_count * sizeof *chunk.indices, hash);
   }
-  return hash_bytes(s.shown.loose, (s.front.flying + s.front.lying) * sizeof *s.shown.loose, hash);
+  return hash_bytes(s.shown.loose, (s.shown.flying + s.shown.lying) * sizeof *s.shown.loose, hash);
 }

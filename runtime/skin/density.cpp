@@ -1,6 +1,7 @@
 // From sums to a density whose level is the surface, brick by brick.
 //
-//   solid     the distance to the nearest collider; a node beside one has less room, and its density counts for more
+//   solid     the distance to the nearest collider; a node beside one has less room, and its density counts for more; and
+//             walls, which may be thinner than nodes are apart: nothing passes from node to node through one
 //   density   the sums through a filter [1 2 1] / 4 along each axis, over the room
 //   fill      dry sand does not overhang, and stands no steeper than one in one: from above to below a node gets the most of
 //             the nodes over it, a little less, where it is not far above sand or a collider
@@ -48,31 +49,42 @@ bool any_of(const uint16_t* values) {
   return any_of(any);
 }
 
-// The filter along each axis. `value` makes 16 bits of what a node holds.
+// The filter along each axis, which looks through no wall. `value` makes 16 bits of what a node holds.
 template <class T, class Value>
 void filter(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], T outside, Value value,
             uint16_t* to) {
   constexpr uint32_t k_pitch = k_brick_side + 2;  // rows
   uint16_t rows[k_pitch * k_pitch * k_brick_side];
-  const auto along = [&](const uint16_t* from, uint32_t step, uint16_t* out) {
+  uint8_t walls[k_pitch * k_pitch * k_pitch];
+  const bool walled = has_walls(s, brick);
+  if (walled) brick_block<1>(s, brick, &BrickNodes::walls, uint8_t{0}, walls);
+  // All bits of eight nodes, or none where a wall stands at the edge that begins there.
+  const auto open = [&](uint32_t x, uint32_t y, uint32_t z, uint32_t edge) {
+    Row row = ~Row{};
+    for (uint32_t i = 0; i < k_brick_side && walled; ++i)
+      if ((walls[(y * k_pitch + z) * k_pitch + x + i] & edge) != 0) row[i] = 0;
+    return row;
+  };
+  const auto along = [&](const uint16_t* from, uint32_t step, Row low, Row high, uint16_t* out) {
     const Row own = row_at(from + step);
-    set_row(out, (row_at(from) + own + own + row_at(from + 2 * step) + 2) >> 2);
+    set_row(out, ((row_at(from) & low) + own + own + (row_at(from + 2 * step) & high) + 2) >> 2);
   };
   each_row<1>(s, brick, field, outside, [&](uint32_t y, uint32_t z, const T* before, const T* own, const T* after) {
     uint16_t line[k_brick_side + 2];
     line[0] = value(before[k_brick_side - 1]);
     for (uint32_t x = 0; x < k_brick_side; ++x) line[x + 1] = value(own[x]);
     line[k_brick_side + 1] = value(after[0]);
-    along(line, 1, rows + k_brick_side * (k_pitch * y + z));
+    along(line, 1, open(0, y, z, 1), open(1, y, z, 1), rows + k_brick_side * (k_pitch * y + z));
   });
   for (uint32_t y = 0; y < k_pitch; ++y)
     for (uint32_t z = 0; z < k_brick_side; ++z) {
       uint16_t* row = rows + k_brick_side * (k_pitch * y + z);
-      along(row, k_brick_side, row);
+      along(row, k_brick_side, open(1, y, z, 4), open(1, y, z + 1, 4), row);
     }
   for (uint32_t y = 0; y < k_brick_side; ++y)
     for (uint32_t z = 0; z < k_brick_side; ++z)
-      along(rows + k_brick_side * (k_pitch * y + z), k_brick_side * k_pitch, to + k_brick_layer * y + k_brick_side * z);
+      along(rows + k_brick_side * (k_pitch * y + z), k_brick_side * k_pitch, open(1, y, z + 1, 2),
+            open(1, y + 1, z + 1, 2), to + k_brick_layer * y + k_brick_side * z);
 }
 
 void mark(SkinState* s, const Brick& brick, uint32_t around, uint32_t stale) {
@@ -92,6 +104,13 @@ bool stands_as(const ColliderFrame& a, const ColliderFrame& b) {
   return same;
 }
 
+// What stands for a field that may be gone: a box of its reach.
+ColliderFrame box_of(const ColliderFrame& collider) {
+  ColliderFrame box = collider;
+  if (box.shape == SANDGLASS_SHAPE_FIELD) box.shape = SANDGLASS_SHAPE_BOX, find_extent(&box);
+  return box;
+}
+
 // World, metres; `node` in nodes from the brick's first.
 void place_of(const SkinState& s, const Brick& brick, const float node[3], float place[3]) {
   for (uint32_t a = 0; a < 3; ++a)
@@ -108,25 +127,84 @@ bool is_near(const SkinState& s, const Brick& brick, const ColliderFrame& collid
   return s.points[0].distance < (k_half + k_solid_reach + 0.5f) * s.spacing;
 }
 
+// Whether sand of a brick feels a collider: it changes what is made of a node beside sand. First rows of nodes are looked
+// at, then the nodes of those that are near.
+bool feels(SkinState* s, uint32_t number, const ColliderFrame& collider) {
+  constexpr float k_felt = k_solid_reach + 0.25f, k_half_row = 3.5f;
+  const Brick& brick = s->bricks[number];
+  const uint8_t* beside = s->nodes[number].beside_sand;
+  const SurfaceArgs args = {s->points, &collider};
+  uint8_t rows[k_brick_layer];
+  uint32_t count = 0, near = 0, unused = 0;
+  const auto look_at = [&](float x, uint32_t row) {
+    const float node[3] = {x, static_cast<float>(row >> 3), static_cast<float>(row & 7)};
+    place_of(*s, brick, node, s->points[count++].position);
+  };
+  const auto is_felt = [&](uint32_t i, float reach) { return s->points[i].distance < reach * s->spacing; };
+  for (uint32_t row = 0; row < k_brick_layer; ++row)
+    if (beside[row] != 0) rows[count] = static_cast<uint8_t>(row), look_at(k_half_row, row);
+  s->kernels->surface_at(&args, 0, count, &unused);
+  for (uint32_t i = 0; i < count; ++i)
+    if (is_felt(i, k_felt + k_half_row)) rows[near++] = rows[i];
+  count = 0;
+  for (uint32_t i = 0; i < near; ++i)
+    for (uint32_t bits = beside[rows[i]]; bits != 0; bits &= bits - 1)
+      look_at(static_cast<float>(__builtin_ctz(bits)), rows[i]);
+  s->kernels->surface_at(&args, 0, count, &unused);
+  for (uint32_t i = 0; i < count; ++i)
+    if (is_felt(i, k_felt)) return true;
+  return false;
+}
+
+void mark_near(SkinState* s, const ColliderFrame& collider) {
+  for (uint32_t b = 0; b < s->brick_count && collider.shape != k_no_shape; ++b) {
+    Brick& brick = s->bricks[b];
+    if (!brick.used || !is_near(*s, brick, collider)) continue;
+    brick.stale |= k_stale_solid;
+    if (s->phase != SkinPhase::take && !s->asked) s->asked = s->phase != SkinPhase::idle || feels(s, b, collider);
+  }
+}
+
+// Whether a solid lies between two nodes: its distance falls from either towards the other, and would be below 0 where
+// both meet. So it does in a wall of any thickness, and not beside a floor or an edge that both look at.
+bool is_between(const SurfacePoint& a, const SurfacePoint& b, uint32_t axis, float sign, float apart) {
+  if (a.distance + b.distance >= apart) return false;
+  const float from_a = -sign * a.normal[axis], from_b = sign * b.normal[axis];
+  return from_a > 0 && from_b > 0 && a.distance * from_b + b.distance * from_a < from_a * from_b * apart;
+}
+
 void find_solid(SkinState* s, uint32_t number) {
+  constexpr float k_walls_within = 7.1f;  // nodes from a brick's middle: to the outermost one, and one more
   Brick& brick = s->bricks[number];
-  uint8_t* solid = s->nodes[number].solid;
+  uint8_t *solid = s->nodes[number].solid, *walls = s->nodes[number].walls;
   brick.open = true;
+  brick.walled = false;
   memset(solid, 255, k_brick_nodes);
-  for (uint32_t c = 0; c < s->collider_count; ++c) {
-    if (!is_near(*s, brick, s->colliders[c])) continue;
-    for (uint32_t i = 0; i < k_brick_nodes; ++i) {
-      const float node[3] = {static_cast<float>(i & 7), static_cast<float>(i >> 6), static_cast<float>(i >> 3 & 7)};
-      place_of(*s, brick, node, s->points[i].position);
-    }
+  memset(walls, 0, k_brick_nodes);
+  for (uint32_t c = 0; c < s->desc.collider_capacity; ++c) {
+    if (s->colliders[c].shape == k_no_shape || !is_near(*s, brick, s->colliders[c])) continue;
+    const bool walls_too =
+        s->colliders[c].shape != SANDGLASS_SHAPE_HALF_SPACE && s->points[0].distance < k_walls_within * s->spacing;
+    const uint32_t side = walls_too ? k_edges_side : k_brick_side, steps[3] = {1, side * side, side};
+    SurfacePoint* next = s->points;
+    for (uint32_t y = 0; y < side; ++y)
+      for (uint32_t z = 0; z < side; ++z)
+        for (uint32_t x = 0; x < side; ++x) {
+          const float node[3] = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+          place_of(*s, brick, node, next++->position);
+        }
     const SurfaceArgs args = {s->points, &s->colliders[c]};
     uint32_t unused = 0;
-    s->kernels->surface_at(&args, 0, k_brick_nodes, &unused);
+    s->kernels->surface_at(&args, 0, side * side * side, &unused);
     for (uint32_t i = 0; i < k_brick_nodes; ++i) {
-      const float value = 128.5f + k_solid_one * s->inverse_spacing * s->points[i].distance;
+      const SurfacePoint* point = s->points + (i & 7) + steps[2] * (i >> 3 & 7) + steps[1] * (i >> 6);
+      const float value = 128.5f + k_solid_one * s->inverse_spacing * point->distance;
       const uint32_t whole = to_whole<uint32_t>(value < 255.0f ? value : 255.0f);
       if (whole < solid[i]) solid[i] = static_cast<uint8_t>(whole);
       if (whole < 255) brick.open = false;
+      for (uint32_t a = 0; a < 3 && walls_too && point->distance < s->spacing; ++a)
+        if (is_between(*point, point[steps[a]], s->axis[a], s->sign[a], s->spacing))
+          walls[i] = static_cast<uint8_t>(walls[i] | 1u << a), brick.walled = true;
     }
   }
 }
@@ -254,17 +332,19 @@ int32_t lean_of(const SkinState& s, uint32_t k, int32_t layer) {
 
 // The layer above one, with two nodes of the bricks beside it on every side.
 constexpr uint32_t k_wide = 12;
-void layer_above(const SkinState& s, const Brick& brick, uint32_t layer, uint16_t* above) {
-  constexpr uint16_t k_nothing[k_brick_layer] = {};
+template <class T>
+void layer_above(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], uint32_t layer,
+                 T* above) {
+  constexpr T k_nothing[k_brick_layer] = {};
   const uint32_t first = layer == 7 ? 18 : 9, from_layer = layer == 7 ? 0 : layer + 1;
-  const uint16_t* from[3] = {k_nothing, k_nothing, k_nothing};
+  const T* from[3] = {k_nothing, k_nothing, k_nothing};
   for (uint32_t z = 0; z < k_wide; ++z, above += k_wide) {
     const uint32_t from_z = z + k_brick_side - 2;
     const uint32_t* three = brick.around + first + 3 * (from_z / k_brick_side);
     const uint32_t row = k_brick_side * (from_z % k_brick_side);
     if (z == 0 || row == 0)
       for (uint32_t x = 0; x < 3; ++x)
-        from[x] = three[x] == k_brick_none ? k_nothing : s.nodes[three[x]].filled + k_brick_layer * from_layer;
+        from[x] = three[x] == k_brick_none ? k_nothing : (s.nodes[three[x]].*field) + k_brick_layer * from_layer;
     memcpy(above, from[0] + row + k_brick_side - 2, 2 * sizeof *above);
     memcpy(above + 2, from[1] + row, k_brick_side * sizeof *above);
     memcpy(above + 2 + k_brick_side, from[2] + row, 2 * sizeof *above);
@@ -277,12 +357,33 @@ void take_part(BrickNodes* nodes, uint32_t row) {
     nodes->part[i] = static_cast<uint16_t>(uint32_t{nodes->filled[i]} * skin_part(nodes->solid[i]) >> 8);
 }
 
+// The most of the nodes over each of a row. `walls`: of those over it, from which way aside is barred.
+Row most_over(const uint16_t* up, const uint8_t* walls, bool corners) {
+  constexpr int32_t k_next = k_wide;
+  Row most = row_at(up);
+  for (int32_t x = 0; x < static_cast<int32_t>(k_brick_side); ++x)
+    for (int32_t side = -1; side <= 1; side += 2) {
+      const auto take = [&](bool way, int32_t from) { most[x] = way && up[from] > most[x] ? up[from] : most[x]; };
+      // Whether nothing stands between two nodes beside each other.
+      const auto along_x = [&](int32_t at) { return (walls[side > 0 ? at : at - 1] & 1) == 0; };
+      const auto along_z = [&](int32_t at, int32_t way) { return (walls[way > 0 ? at : at - k_next] & 4) == 0; };
+      take(along_x(x), x + side);
+      take(along_z(x, side), x + side * k_next);
+      for (int32_t way = -1; way <= 1 && corners; way += 2)
+        take(along_x(x) && along_z(x + side, way), x + side + way * k_next);
+    }
+  return most;
+}
+
 // Fills one layer by what falls from the one above. Bits of Brick::around that feel what has changed.
 uint32_t fill_layer(SkinState* s, uint32_t number, uint32_t layer) {
   const Brick& brick = s->bricks[number];
   BrickNodes& nodes = s->nodes[number];
   uint16_t above[k_wide * k_wide];
-  layer_above(*s, brick, layer, above);
+  uint8_t walls[k_wide * k_wide];
+  layer_above(*s, brick, &BrickNodes::filled, layer, above);
+  const bool walled = has_walls(*s, brick);
+  if (walled) layer_above(*s, brick, &BrickNodes::walls, layer, walls);
   const int32_t height = 8 * brick.at[1] + static_cast<int32_t>(layer);
   const int32_t lean = lean_of(*s, 0, height) + static_cast<int32_t>(k_wide) * lean_of(*s, 1, height);
   Row changed = {};
@@ -294,9 +395,13 @@ uint32_t fill_layer(SkinState* s, uint32_t number, uint32_t layer) {
     };
     Row most = most_of(three(up), most_of(row_at(l), row_at(r)));
     if ((height & 1) != 0) most = most_of(most, most_of(three(l), three(r)));
+    if (walled) most = most_over(up, walls + (up - above), (height & 1) != 0);
     const Row less = most_of(most, Row{} + k_fill_less) - k_fill_less;
     const uint32_t row = k_brick_side * z, at = k_brick_layer * layer + row;
-    const Row can = -(row_at(nodes.can + row) >> static_cast<uint16_t>(layer) & 1);
+    Row can = -(row_at(nodes.can + row) >> static_cast<uint16_t>(layer) & 1);
+    if (walled) can &= where_above(solid_at(nodes.solid + at), 128);  // nothing falls into a wall, and out below
+    for (uint32_t x = 0; x < k_brick_side && walled; ++x)
+      if ((nodes.walls[at + x] & 2) != 0) can[x] = 0;
     const Row fresh = most_of(row_at(nodes.density + at), less & where_above(less, k_fill_least) & can);
     const Row difference = fresh ^ row_at(nodes.filled + at);
     if (!any_of(difference)) continue;
@@ -368,6 +473,8 @@ void find_calm(SkinState* s, uint32_t number) {
   uint16_t fresh[k_brick_nodes];
   filter(
       *s, brick, &BrickNodes::part, uint16_t{0}, [](uint16_t part) { return part; }, fresh);
+  for (uint32_t row = 0; row < k_brick_layer; ++row)
+    nodes.beside_sand[row] = bits_of(where_above(row_at(fresh + k_brick_side * row), 0));
   if (!brick.open) {
     if (!brick.room_known)
       filter(
@@ -427,40 +534,64 @@ bool run_stale(SkinState* s, Task task) {
 
 }  // namespace
 
-// A collider that has come, gone or moved changes the bricks near where it was and near where it is.
-void skin_take_colliders(SkinState* s) {
+// A collider that has come, gone or moved changes the bricks near where it was and near where it is. Only where sand feels
+// it is a skin asked for; other bricks wait until one is made.
+void skin_take_colliders(SkinState* s, float before) {
   const Colliders& given = s->granular->colliders;
-  const uint32_t count = given.count < s->desc.collider_capacity ? given.count : s->desc.collider_capacity;
-  const auto mark_near = [&](const ColliderFrame& collider) {
-    for (uint32_t b = 0; b < s->brick_count; ++b)
-      if (s->bricks[b].used && is_near(*s, s->bricks[b], collider))
-        s->bricks[b].stale |= k_stale_solid | k_stale_density, s->asked = true;
-  };
-  for (uint32_t i = 0; i < count || i < s->collider_count; ++i) {
-    ColliderFrame now = {};
+  skin_drop_gone_fields(s);
+  s->mover_count = 0;
+  for (uint32_t slot = 0; slot < s->desc.collider_capacity; ++slot) {
+    uint32_t i = 0;
+    while (i < given.count && given.slots[i] != slot) ++i;
+    ColliderFrame now = {}, &was = s->colliders[slot];
+    now.shape = k_no_shape;
     uint64_t version = 0;
-    if (i < count) {
+    if (i < given.count) {
       const sandglass_collider& collider = given.given[i];
-      colliders_pose(&collider, 1, 0.0f, &now);
-      version = collider.shape == SANDGLASS_SHAPE_FIELD ? collider.field->version : 0;
-      if (i < s->collider_count && version == s->fields[i] && stands_as(now, s->colliders[i])) continue;
+      colliders_pose(&collider, 1, before, &now);
+      if (collider.shape == SANDGLASS_SHAPE_FIELD) version = collider.field->version;
+      memcpy(now.extent, box_of(now).extent, sizeof now.extent);
     }
-    if (i < s->collider_count) mark_near(s->colliders[i]);
-    s->colliders[i] = now;
-    s->fields[i] = version;
-    if (i < count) mark_near(now);
+    const bool same = version == s->fields[slot] && stands_as(now, was);
+    if (!same) mark_near(s, box_of(was));
+    was = now;
+    s->fields[slot] = version;
+    if (!same) mark_near(s, now);
+    bool moves = false;
+    for (uint32_t k = 0; k < 3; ++k) moves = moves || now.linear[k] != 0 || now.angular[k] != 0;
+    if (moves) s->movers[s->mover_count++] = slot;
   }
-  s->collider_count = count;
+}
+
+void skin_drop_gone_fields(SkinState* s) {
+  const Colliders& given = s->granular->colliders;
+  for (uint32_t slot = 0; slot < s->desc.collider_capacity; ++slot) {
+    ColliderFrame& was = s->colliders[slot];
+    bool there = was.shape != SANDGLASS_SHAPE_FIELD;
+    for (uint32_t i = 0; i < given.count && !there; ++i)
+      there = given.given[i].shape == SANDGLASS_SHAPE_FIELD && given.given[i].field->version == s->fields[slot] &&
+              grid_of(given.given[i].field).values == was.field.values;
+    if (there) continue;
+    mark_near(s, box_of(was));
+    was.shape = k_no_shape, s->fields[slot] = 0;
+  }
 }
 
 bool skin_density(SkinState* s) {
   return run_stale<k_stale_density>(s, [&](uint32_t number) {
     Brick& brick = s->bricks[number];
-    if ((brick.stale & k_stale_solid) != 0) {
-      find_solid(s, number);
-      for (uint32_t row = 0; row < k_brick_nodes; row += k_brick_side) take_part(&s->nodes[number], row);
-      brick.stale &= ~k_stale_solid;
-      memset(s->nodes[number].changed, 255, sizeof s->nodes[number].changed);
+    BrickNodes& nodes = s->nodes[number];
+    uint8_t solid[k_brick_nodes], walls[k_brick_nodes];
+    memcpy(solid, nodes.solid, sizeof solid);
+    memcpy(walls, nodes.walls, sizeof walls);
+    if ((brick.stale & k_stale_solid) != 0) find_solid(s, number);
+    brick.stale &= ~k_stale_solid;
+    const bool other_walls = memcmp(walls, nodes.walls, sizeof walls) != 0;
+    if (other_walls) mark(s, brick, k_all_around, k_stale_density | k_stale_fill);
+    if (other_walls || memcmp(solid, nodes.solid, sizeof solid) != 0) {
+      for (uint32_t row = 0; row < k_brick_nodes; row += k_brick_side) take_part(&nodes, row);
+      memset(nodes.changed, 255, sizeof nodes.changed);
+      brick.stale |= k_stale_fill;
       mark(s, brick, k_all_around, k_stale_calm | k_stale_mesh);
       for (const uint32_t other : brick.around)
         if (other != k_brick_none) s->bricks[other].room_known = false;

@@ -1,7 +1,9 @@
+// Sand and colliders are taken at one moment: a skin may need more than a frame, and sand goes on with what holds it.
+//
 // What of the sand has moved: it is taken out of the sums where it was, and put in where it is. A particle is spread over
 // the eight nodes about it, in whole numbers, so that what was put in can be taken out again exactly.
 //
-// What falls is no part of the surface: a particle counts less the faster it goes down.
+// What falls is no part of the surface: a particle counts less the faster it comes down to what is below it.
 #include <cstring>
 
 #include "runtime/granular/granular.h"
@@ -10,7 +12,7 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_falls_from = 0.5f, k_falls_over = 0.3f;  // m/s
+constexpr float k_falls_from = 0.5f, k_falls_over = 0.3f, k_flies = 0.35f;  // m/s
 
 // Adds a particle's share to the sums, or takes it away (sign -1).
 void spread(SkinState* s, uint32_t number, const SkinParticle& p, uint32_t sign) {
@@ -96,10 +98,8 @@ void put_in(SkinState* s, uint32_t number) {
   first = number;
 }
 
-uint8_t share_of(const SkinState& s, const Particle& p) {
-  float down = 0;
-  for (uint32_t a = 0; a < 3; ++a) down -= s.up[a] * s.sign[a] * p.velocity[s.axis[a]];
-  const float t = (down - k_falls_from) * (1.0f / k_falls_over);
+uint8_t share_of(float falls) {
+  const float t = (falls - k_falls_from) * (1.0f / k_falls_over);
   if (!(t > 0)) return k_skin_shares;
   if (t >= 1) return 0;
   return static_cast<uint8_t>(to_whole<uint32_t>(k_skin_shares * (1.0f - t * t * (3.0f - 2.0f * t)) + 0.5f));
@@ -113,31 +113,88 @@ bool is_near(const int32_t a[3], const int32_t b[3]) {
 
 }  // namespace
 
-// Particles that moved on meanwhile are gathered from the start, so that all are of one moment; not for ever.
-bool skin_gather(SkinState* s) {
+// Sand in a bucket that is lowered lies as still as on the floor. Below sand is what its box, drawn out upward, holds it.
+void skin_find_fall(const SkinState& s, const float position[3], const float velocity[3], float* falls, bool* flies) {
+  float best[3] = {velocity[0], velocity[1], velocity[2]};
+  float least = best[0] * best[0] + best[1] * best[1] + best[2] * best[2];
+  for (uint32_t m = 0; m < s.mover_count && least > k_flies * k_flies; ++m) {
+    const ColliderFrame& c = s.colliders[s.movers[m]];
+    float d[3];
+    bool over = true;
+    for (uint32_t a = 0; a < 3; ++a) {
+      const uint32_t w = s.axis[a];
+      d[w] = position[w] - c.position[w];
+      const float beyond = a == 1 ? -s.sign[1] * d[w] : __builtin_fabsf(d[w]);
+      over = over && (c.shape == SANDGLASS_SHAPE_HALF_SPACE || beyond <= c.extent[w]);
+    }
+    if (!over) continue;
+    const float* t = c.angular;
+    const float rest[3] = {velocity[0] - (c.linear[0] + (t[1] * d[2] - t[2] * d[1])),
+                           velocity[1] - (c.linear[1] + (t[2] * d[0] - t[0] * d[2])),
+                           velocity[2] - (c.linear[2] + (t[0] * d[1] - t[1] * d[0]))};
+    const float square = rest[0] * rest[0] + rest[1] * rest[1] + rest[2] * rest[2];
+    if (square < least) least = square, memcpy(best, rest, sizeof best);
+  }
+  *flies = least > k_flies * k_flies;
+  *falls = 0;
+  for (uint32_t a = 0; a < 3; ++a) *falls -= s.up[a] * s.sign[a] * best[s.axis[a]];
+}
+
+// A taken particle costs a quarter of a gathered one.
+uint32_t skin_take_items(const SkinState& s) {
+  const uint32_t count = s.granular->particles.count;
+  return 1 + (count < k_skin_unit_taken ? count : k_skin_unit_taken) / 4;
+}
+
+// Particles that moved on meanwhile are taken from the start, so that all are of one moment; not for ever.
+bool skin_take(SkinState* s) {
   constexpr uint32_t k_restarts = 3;
   const Particles& particles = s->granular->particles;
-  const uint32_t substeps = s->granular->counts.substeps;
+  const uint32_t substeps = s->granular->counts.moments();
   if (s->cursor != 0 && (s->gathered_frame != s->frame || s->gathered_substeps != substeps) && s->restarts < k_restarts)
     ++s->restarts, s->cursor = 0;
-  if (s->cursor == 0) s->gathered_frame = s->frame, s->gathered_substeps = substeps;
-  const Particle* records = particles.records[0];
+  if (s->cursor == 0) {
+    s->gathered_frame = s->frame, s->gathered_substeps = substeps;
+    s->taken_count = 0;
+    skin_take_colliders(s, colliders_behind(*s->granular));
+    for (uint32_t b = 0; b < s->brick_count; ++b)
+      if ((s->bricks[b].stale & k_stale_solid) != 0) s->bricks[b].stale |= k_stale_density;
+  }
   const uint32_t most = particles.count - (s->cursor < particles.count ? s->cursor : particles.count);
+  const uint32_t end = s->cursor + (most < k_skin_unit_taken ? most : k_skin_unit_taken);
+  for (; s->cursor < end; ++s->cursor) {
+    const Particle& record = particles.records[0][s->cursor];
+    if (in_body(record) || has_departed(record) || s->taken_count == s->desc.particle_capacity) continue;
+    SkinTaken& taken = s->taken[s->taken_count++];
+    memcpy(taken.position, record.position, sizeof taken.position);
+    memcpy(taken.velocity, record.velocity, sizeof taken.velocity);
+    taken.number = number_of(record);
+    float falls;
+    skin_find_fall(*s, taken.position, taken.velocity, &falls, &taken.flies);
+    taken.share = share_of(falls);
+  }
+  if (s->cursor < particles.count) return false;
+  s->missing = s->gathered_frame != s->frame || s->gathered_substeps != substeps;
+  s->cursor = 0;
+  return true;
+}
+
+bool skin_gather(SkinState* s) {
+  const uint32_t most = s->taken_count - s->cursor;
   const uint32_t end = s->cursor + (most < k_skin_unit_items ? most : k_skin_unit_items);
   for (; s->cursor < end; ++s->cursor) {
-    const Particle& record = records[s->cursor];
-    const uint32_t number = number_of(record);
-    if (in_body(record) || has_departed(record)) continue;
+    const SkinTaken& taken = s->taken[s->cursor];
+    const uint32_t number = taken.number;
     if (number >= s->desc.particle_capacity) {
       ++s->left_out_now;
       continue;
     }
     SkinParticle& p = s->particles[number];
     SkinParticle now = {};
-    skin_place(*s, record.position, now.at);
-    now.share = share_of(*s, record);
+    skin_place(*s, taken.position, now.at);
+    now.share = taken.share;
     p.seen = s->cycle;
-    memcpy(s->back.from + 3 * number, record.position, sizeof record.position);
+    memcpy(s->back.from + 3 * number, taken.position, sizeof taken.position);
     if (number >= s->particle_numbers) s->particle_numbers = number + 1;
     if (p.share == now.share && (now.share == 0 || is_near(p.at, now.at))) continue;
     take_out(s, number);
@@ -146,14 +203,13 @@ bool skin_gather(SkinState* s) {
     p.moved = s->cycle;
     if (p.share != 0) put_in(s, number);
   }
-  if (s->cursor < particles.count) return false;
-  s->missing = s->gathered_frame != s->frame || s->gathered_substeps != substeps;
+  if (s->cursor < s->taken_count) return false;
   s->cursor = 0;
   return true;
 }
 
 bool skin_leave(SkinState* s) {
-  // While particles are gathered they may be sorted, and one be missed; not twice in a row.
+  // While particles are taken they may be sorted, and one be missed; not twice in a row.
   const uint8_t missed = s->missing ? 2 : 1;
   const uint32_t left = s->particle_numbers - s->cursor, most = 4 * k_skin_unit_items;
   const uint32_t end = s->cursor + (left < most ? left : most);

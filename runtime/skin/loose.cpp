@@ -2,13 +2,11 @@
 // nothing needs any more are released, and the two meshes change places.
 #include <cstring>
 
-#include "runtime/granular/granular.h"
 #include "runtime/skin/skin.h"
 
 namespace sandglass {
 namespace {
 
-constexpr float k_flies = 0.35f;  // m/s
 constexpr float k_least_weight = 0.04f;
 // Of the level: none of it is in the mesh, all of it is. What moves lies in a thinner density.
 constexpr float k_thin = 0.45f, k_thick = 1.2f, k_thick_flying = 0.6f;
@@ -35,10 +33,8 @@ bool density_about(const SkinState& s, const int32_t cell[3], uint32_t* brick, C
 }
 
 // False: all of it is in the mesh.
-bool loose_of(const SkinState& s, const Particle& p, uint32_t* brick, sandglass_skin_loose* out, bool* flies) {
-  const float* v = p.velocity;
-  *flies = v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > k_flies * k_flies;
-  const float least = k_thin * k_skin_level, most = (*flies ? k_thick_flying : k_thick) * k_skin_level;
+bool loose_of(const SkinState& s, const SkinTaken& p, uint32_t* brick, sandglass_skin_loose* out) {
+  const float least = k_thin * k_skin_level, most = (p.flies ? k_thick_flying : k_thick) * k_skin_level;
   int32_t place[3], cell[3];
   float u[3], gradient[3] = {0, 0, 0};
   CellValues density;
@@ -58,9 +54,9 @@ bool loose_of(const SkinState& s, const Particle& p, uint32_t* brick, sandglass_
   *out = {};
   memcpy(out->position, p.position, sizeof out->position);
   out->weight = weight;
-  out->number = number_of(p);
-  if (*flies) {
-    memcpy(out->way, v, sizeof out->way);
+  out->number = p.number;
+  if (p.flies) {
+    memcpy(out->way, p.velocity, sizeof out->way);
     return true;
   }
   // Away from the sand about it, and upward where there is little.
@@ -93,20 +89,16 @@ void skin_begin_loose(SkinState* s) {
 // Those that fly are written from the front of the list on, those that lie from its end on.
 bool skin_loose(SkinState* s) {
   SkinMesh& back = s->back;
-  const Particles& particles = s->granular->particles;
-  const uint32_t most = particles.count - (s->cursor < particles.count ? s->cursor : particles.count);
+  const uint32_t most = s->taken_count - s->cursor;
   const uint32_t end = s->cursor + (most < k_skin_unit_items ? most : k_skin_unit_items);
   uint32_t last = k_brick_none;
   for (; s->cursor < end; ++s->cursor) {
-    const Particle& p = particles.records[0][s->cursor];
-    if (in_body(p) || has_departed(p)) continue;
-    if (back.flying + back.lying == s->desc.particle_capacity) continue;
+    const SkinTaken& p = s->taken[s->cursor];
     sandglass_skin_loose one;
-    bool flies;
-    if (!loose_of(*s, p, &last, &one, &flies)) continue;
-    back.loose[flies ? back.flying++ : s->desc.particle_capacity - ++back.lying] = one;
+    if (!loose_of(*s, p, &last, &one)) continue;
+    back.loose[p.flies ? back.flying++ : s->desc.particle_capacity - ++back.lying] = one;
   }
-  if (s->cursor < particles.count) return false;
+  if (s->cursor < s->taken_count) return false;
   memmove(back.loose + back.flying, back.loose + s->desc.particle_capacity - back.lying,
           back.lying * sizeof *back.loose);
   for (uint32_t b = 0; b < s->brick_count; ++b) {

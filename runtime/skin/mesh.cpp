@@ -20,8 +20,10 @@ constexpr float k_level = static_cast<float>(k_skin_level);
 constexpr float k_foot_radii = 1.2f;   // over a floor, where the foot begins
 constexpr float k_foot_slope = 1.45f;  // its cotangent at the floor
 constexpr float k_far = 1e6f;
-constexpr float k_buried = -1.6f;     // nodes over a collider, of a cell's middle: none of it looks out
-constexpr float k_kept_radii = 2.2f;  // so far a vertex keeps its particle
+constexpr float k_deepest = -0.25f;    // nodes over a collider of a vertex; in corners of two a third
+constexpr float k_below = -1.0f / 16;  // and of one that is hidden, not rounded
+constexpr float k_buried = -1.6f;      // nodes over a collider, of a cell's middle: none of it looks out
+constexpr float k_kept_radii = 2.2f;   // so far a vertex keeps its particle
 constexpr float k_hollow_flat = 0.5f, k_hollow_gain = 2.6f;
 
 // Bits of the rows of a brick's nodes, and of as many nodes before and after it on every side.
@@ -71,8 +73,8 @@ struct Spline {
   }
 };
 
-using Four = float __attribute__((vector_size(16)));
-using FourWhole = int32_t __attribute__((vector_size(16)));
+float clamped(float x, float low, float high) { return x > low ? (x < high ? x : high) : low; }
+
 using FourShort = uint16_t __attribute__((vector_size(8)));
 
 // The 4^3 nodes about a cell, and their density smoothed.
@@ -93,8 +95,10 @@ struct Nodes {
     return ((sum[0] + sum[1]) + (sum[2] + sum[3])) * (1.0f / 64);
   }
 
-  // Where the level crosses the cell's edges, on average.
-  void crossing(float u[3]) const {
+  // Where the level crosses the cell's edges, on average. At a wall it does so where the wall begins: `solid` of the corner
+  // within. True: there was one.
+  bool crossing(const CellValues& solid, const CellValues& walls, float u[3]) const {
+    bool walled = false;
     float value[8], sum[3] = {0, 0, 0}, count = 0;
     uint32_t inside = 0;
     for (uint32_t c = 0; c < 8; ++c) {
@@ -106,10 +110,18 @@ struct Nodes {
       for (uint32_t edges = (inside ^ inside >> (1u << k)) & k_low[k]; edges != 0; edges &= edges - 1) {
         const uint32_t c = static_cast<uint32_t>(__builtin_ctz(edges)), d = c | 1u << k;
         for (uint32_t m = 0; m < 3; ++m) sum[m] += static_cast<float>(c >> m & 1);
-        sum[k] += (k_level - value[c]) / (value[d] - value[c]);
         count += 1;
+        if ((to_whole<uint32_t>(walls.v[c]) >> k & 1) != 0) {
+          const bool low_within = (inside >> c & 1) != 0;
+          const float deep = clamped((solid.v[low_within ? c : d] - 128.0f) * (1.0f / 48.0f), 0, 1);
+          sum[k] += low_within ? deep : 1.0f - deep;
+          walled = true;
+        } else {
+          sum[k] += (k_level - value[c]) / (value[d] - value[c]);
+        }
       }
     for (uint32_t m = 0; m < 3; ++m) u[m] = sum[m] / count;
+    return walled;
   }
 
   // At u in the cell, and how it changes, in nodes.
@@ -143,10 +155,9 @@ float inverse_length(const float a[3]) {
   return square > 1e-20f ? 1.0f / __builtin_sqrtf(square) : 0.0f;
 }
 
-float clamped(float x, float low, float high) { return x > low ? (x < high ? x : high) : low; }
-
 // The foot: near a floor a vertex moves outward along it, so that the sand runs out at a slope. The normal goes with it.
-void run_out(const SkinState& s, const float floor[3], float over, float shift[3], float normal[3]) {
+// `most`: nodes.
+void run_out(const SkinState& s, const float floor[3], float over, float most, float shift[3], float normal[3]) {
   const float top = k_foot_radii * s.desc.particle_radius * s.inverse_spacing;
   const float level = dot(floor, s.up), y = over > 0 ? over : 0.0f;
   if (y >= top || level < 0.5f) return;
@@ -157,12 +168,22 @@ void run_out(const SkinState& s, const float floor[3], float over, float shift[3
   if (across < 0.2f) return;
   const float fade = clamped((across - 0.2f) * (1.0f / 0.3f), 0, 1) * clamped((level - 0.5f) * 5.0f, 0, 1);
   const float missing = fade * clamped(k_foot_slope - rise / across, 0, 2.2f);
-  const float way = missing * (top - y) * (top - y) / (top * across);
+  const float wanted = missing * (top - y) * (top - y) / top, way = (wanted < most ? wanted : most) / across;
   for (uint32_t m = 0; m < 3; ++m) shift[m] = way * flat[m];
   const float more = 2.0f * missing * (1.0f - y / top) * across;
   for (uint32_t m = 0; m < 3; ++m) normal[m] += more * floor[m];
   const float inverse = inverse_length(normal);
   for (uint32_t m = 0; m < 3; ++m) normal[m] *= inverse;
+}
+
+// How many nodes aside a cell's vertex may go: behind a wall there is another place.
+float room_aside(const SkinBlocks& blocks, const uint32_t cell[3]) {
+  if (!blocks.walled) return 3.0f;
+  uint32_t any = 0;
+  for (uint32_t y = cell[1]; y < cell[1] + 3; ++y)
+    for (uint32_t z = cell[2]; z < cell[2] + 3; ++z)
+      for (uint32_t x = cell[0]; x < cell[0] + 3; ++x) any |= blocks.walls[x + k_solid_pitch * (z + k_solid_pitch * y)];
+  return (any & 5) == 0 ? 1.0f : 0.0f;  // edges along x and z
 }
 
 float apart2(const int32_t a[3], const float b[3]) {
@@ -211,7 +232,19 @@ int8_t of_127(float x) { return static_cast<int8_t>(floor_whole(127.0f * x + 0.5
 
 void read_blocks(const SkinState& s, const Brick& brick, SkinBlocks* blocks) {
   brick_block<k_apron>(s, brick, &BrickNodes::calm, uint16_t{0}, blocks->calm);
-  if (!brick.open) brick_block<1>(s, brick, &BrickNodes::solid, uint8_t{255}, blocks->solid);
+  blocks->walled = has_walls(s, brick);
+  if (brick.open) return;
+  brick_block<1>(s, brick, &BrickNodes::solid, uint8_t{255}, blocks->solid);
+  brick_block<1>(s, brick, &BrickNodes::walls, uint8_t{0}, blocks->walls);
+  // Where there is no brick after this one, its last nodes stand for that.
+  for (uint32_t y = 1; y <= k_edges_side; ++y)
+    for (uint32_t z = 1; z <= k_edges_side; ++z)
+      for (uint32_t x = y == k_edges_side || z == k_edges_side ? 1 : k_edges_side; x <= k_edges_side; ++x) {
+        const uint32_t after[3] = {x / k_edges_side, y / k_edges_side, z / k_edges_side};
+        if (brick.around[k_brick_itself + after[0] + 9 * after[1] + 3 * after[2]] != k_brick_none) continue;
+        uint8_t* node = blocks->solid + x + k_solid_pitch * (z + k_solid_pitch * y);
+        *node = *(node - after[0] - k_solid_pitch * (after[2] + k_solid_pitch * after[1]));
+      }
 }
 
 // False: it lies deep in a collider, and nobody sees it.
@@ -220,18 +253,19 @@ bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& block
   float u[3], normal[3];
   float floor[3], shift[3] = {0, 0, 0}, over = k_far;
   constexpr uint32_t k_steps[3] = {1, k_solid_pitch * k_solid_pitch, k_solid_pitch};
-  CellValues solid;
+  CellValues solid, walls;
   if (!brick.open) {
-    solid = CellValues(
-        blocks.solid + (cell[0] + 1) * k_steps[0] + (cell[1] + 1) * k_steps[1] + (cell[2] + 1) * k_steps[2], k_steps);
+    const uint32_t first = (cell[0] + 1) * k_steps[0] + (cell[1] + 1) * k_steps[1] + (cell[2] + 1) * k_steps[2];
+    solid = CellValues(blocks.solid + first, k_steps);
+    walls = CellValues(blocks.walls + first, k_steps);
     if (solid.sum() < 8 * (128.0f + 48.0f * k_buried)) return false;
   }
   constexpr uint32_t k_before = k_apron - 1;
   const Nodes nodes(blocks.calm + (cell[0] + k_before) * k_step[0] + (cell[1] + k_before) * k_step[1] +
                     (cell[2] + k_before) * k_step[2]);
-  nodes.crossing(u);
+  const bool walled = nodes.crossing(solid, walls, u);
   const float value = nodes.smoothed(u, normal), square = dot(normal, normal);
-  float scale = square > 1.0f ? (k_level - value) / square : 0.0f;  // Newton's step to the level
+  float scale = square > 1.0f && !walled ? (k_level - value) / square : 0.0f;  // Newton's step to the level
   const float step = __builtin_fabsf(scale) * __builtin_sqrtf(square);
   if (step > 0.5f) scale *= 0.5f / step;
   for (uint32_t m = 0; m < 3; ++m) u[m] = clamped(u[m] + scale * normal[m], 0, 1);
@@ -246,8 +280,11 @@ bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& block
       solid.gradient(u, floor);
       const float length = inverse_length(floor);
       for (uint32_t m = 0; m < 3; ++m) floor[m] *= length;
+      const float lifted = over < k_deepest && s.desc.closed == 0 ? k_deepest - over : 0.0f;
+      over += lifted;
       if (s.desc.closed != 0 && dot(normal, floor) < 0) over = k_far;  // it faces the wall
-      else run_out(s, floor, over, shift, normal);
+      else run_out(s, floor, over, walled ? 0 : room_aside(blocks, cell), shift, normal);
+      for (uint32_t m = 0; m < 3; ++m) shift[m] += lifted * floor[m];
     }
   }
   float place[3];  // in nodes
@@ -420,6 +457,10 @@ void make_quad(SkinState* s, uint32_t chunk, uint32_t number, const uint32_t cel
       if (at[c] == k_vertex_none) return;
     }
   }
+  const float below = 1e6f * s->spacing * k_below;
+  bool hidden = s->desc.closed == 0;  // what lies wholly in colliders
+  for (const uint32_t v : at) hidden = hidden && back.vertices[back.first_vertex[chunk] + v].over < below;
+  if (hidden) return;
   if (!inside) {
     const uint32_t swap = at[1];
     at[1] = at[3];

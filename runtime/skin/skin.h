@@ -1,13 +1,14 @@
 // The state behind sandglass/skin.h. The surface is found on a lattice of nodes 1.5 particle radii apart, which stands still
 // in the world and exists in bricks of 8^3 nodes where there is sand. Its y axis is the axis of the world that is nearest to
 // "up". A skin is made in phases, cut into units of the skin's stage:
+//   take      where sand and colliders are, at one moment, for all that follows (gather.cpp)
 //   gather    what moved is taken out of the sums and put in again (gather.cpp)
 //   density   sums to density, beside colliders (density.cpp)
 //   fill      from above to below, what dry sand fills (density.cpp)
 //   calm      once more through a filter (density.cpp)
 //   mesh      vertices brick by brick, triangles chunk by chunk (mesh.cpp), into the other of two meshes
 //   loose     what is not in the mesh (loose.cpp); the last unit swaps the two
-// Where that takes more than a frame, the mesh before follows its particles meanwhile (carry.cpp).
+// Where that takes more than a frame, the mesh before follows its particles meanwhile, at each frame's end (carry.cpp).
 // Each works on what the one before has changed. All up to the mesh is in whole numbers, so that sums can be taken back
 // exactly and every instruction set gives the same bits.
 #pragma once
@@ -25,6 +26,7 @@ namespace sandglass {
 struct Granular;
 
 constexpr uint32_t k_brick_side = 8, k_brick_nodes = 512, k_brick_layer = 64;
+constexpr uint32_t k_edges_side = k_brick_side + 1, k_edges_nodes = k_edges_side * k_edges_side * k_edges_side;
 constexpr uint32_t k_brick_none = ~0u, k_brick_itself = 13, k_bricks_around = 27;
 constexpr uint32_t k_chunk_bricks = 4;   // along an axis
 constexpr uint32_t k_outer_bricks = 61;  // of 5^3 less 4^3: those below a chunk along some axis
@@ -39,8 +41,11 @@ constexpr float k_skin_spacing = 1.5f;                         // particle radii
 constexpr float k_skin_volume = 6.986f;  // particle radii cubed that a particle takes in a pile (packed to 0.6)
 constexpr uint32_t k_skin_level = 2089;  // of the surface: 0.51
 constexpr uint32_t k_skin_unit_items = 1024;
-constexpr uint32_t k_skin_unit_bricks = 12;  // density, fill, calm
-constexpr uint32_t k_skin_unit_mesh = 2;     // bricks
+constexpr uint32_t k_skin_unit_bricks = 12;     // density, fill, calm
+constexpr uint32_t k_skin_unit_mesh = 2;        // bricks
+constexpr uint32_t k_skin_unit_taken = 16'000;  // particles of which places are taken
+constexpr float k_skin_nowhere = 3e38f;         // metres: of a particle that was not gathered
+constexpr sandglass_shape k_no_shape = -1;
 constexpr float k_skin_share = 0.5f;
 constexpr uint32_t k_skin_in_time = 8;  // skins that are made within their frame, before the next is expected to be
 
@@ -55,10 +60,13 @@ enum : uint32_t {
   k_skin_carry,
   k_skin_kinds
 };
-enum class SkinPhase : uint32_t { idle, gather, leave, density, fill, calm, mesh, loose };
+enum class SkinPhase : uint32_t { idle, take, gather, leave, density, fill, calm, mesh, loose };
 
 // What has to be made anew of a brick, as bits.
 enum : uint32_t { k_stale_solid = 1, k_stale_density = 2, k_stale_fill = 4, k_stale_calm = 8, k_stale_mesh = 16 };
+
+using Four = float __attribute__((vector_size(16)));
+using FourWhole = int32_t __attribute__((vector_size(16)));
 
 // A particle as it was last summed, by number.
 struct SkinParticle {
@@ -66,6 +74,15 @@ struct SkinParticle {
   uint32_t next, last;  // of the same cell
   uint8_t share;        // of it that is summed, 1..k_skin_shares; 0: none
   uint8_t seen, moved;  // the cycles in which it was last there, and last summed anew, modulo 256
+};
+
+// A particle as a skin finds it.
+struct SkinTaken {
+  float position[3];
+  uint32_t number;
+  float velocity[3];
+  uint8_t share;
+  bool flies;
 };
 
 struct Brick {
@@ -78,6 +95,7 @@ struct Brick {
   uint32_t wants;            // bits of `around` that its density reaches
   uint32_t first, count;     // its vertices, from the chunk's first
   bool open;                 // no collider is near
+  bool walled;               // some of BrickNodes::walls is not 0
   bool room_known;           // BrickNodes::room is that of the colliders
   bool dense, filled, calm;  // some of that is above 0
 };
@@ -86,12 +104,14 @@ struct Brick {
 struct BrickNodes {
   uint32_t sums[k_brick_nodes];
   uint16_t density[k_brick_nodes], filled[k_brick_nodes], calm[k_brick_nodes];
-  uint16_t part[k_brick_nodes];    // of what is filled: what takes part in the filter
-  uint16_t room[k_brick_nodes];    // the free shares through the filter, in k_skin_one
-  uint8_t solid[k_brick_nodes];    // 128 + 48 times the distance to the nearest collider, in nodes
-  uint16_t stands[k_brick_layer];  // of each column: bits of the nodes that hold sand or are solid
-  uint16_t can[k_brick_layer];     // of each column: bits of the nodes that sand may fill
-  uint8_t inside[k_brick_layer];   // of each row: bits of the nodes whose calm density is above the level
+  uint16_t part[k_brick_nodes];        // of what is filled: what takes part in the filter
+  uint16_t room[k_brick_nodes];        // the free shares through the filter, in k_skin_one
+  uint8_t solid[k_brick_nodes];        // 128 + 48 times the distance to the nearest collider, in nodes
+  uint8_t walls[k_brick_nodes];        // bits: a solid lies between this node and the next one along x, y, z
+  uint16_t stands[k_brick_layer];      // of each column: bits of the nodes that hold sand or are solid
+  uint16_t can[k_brick_layer];         // of each column: bits of the nodes that sand may fill
+  uint8_t inside[k_brick_layer];       // of each row: bits of the nodes whose calm density is above the level
+  uint8_t beside_sand[k_brick_layer];  // of each row: bits of the nodes with sand within a node
   uint8_t changed[k_brick_layer];  // of each row: bits of the nodes that have changed since the mesh was made of them
   uint32_t particles[k_brick_nodes];  // the first of each cell, or k_brick_none
   uint16_t vertices[k_brick_nodes];   // of each cell, from the brick's first, or k_vertex_none
@@ -103,6 +123,8 @@ constexpr uint32_t k_mesh_solid_pitch = k_brick_side + 2;
 struct SkinBlocks {
   uint16_t calm[k_mesh_pitch * k_mesh_pitch * k_mesh_pitch];
   uint8_t solid[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
+  uint8_t walls[k_mesh_solid_pitch * k_mesh_solid_pitch * k_mesh_solid_pitch];
+  bool walled;                     // some walls are not 0
   uint16_t rows[9][9];             // of y and z: the nodes 0..8 along x that are inside
   uint16_t before[k_brick_nodes];  // BrickNodes::vertices as they were
 };
@@ -122,7 +144,7 @@ struct SkinMesh {
   uint32_t* first_vertex;  // of each chunk
   uint32_t* first_index;
   uint32_t vertex_count, index_count, flying, lying;
-  float* from;  // where each particle was gathered, by number: three each
+  float* from;  // where each particle was gathered, by number: three each; k_skin_nowhere: it was not
 };
 
 // What an app is given: the mesh as it was made, or carried on from there.
@@ -130,14 +152,37 @@ struct SkinShown {
   sandglass_skin_vertex* vertices;  // of the chunks that are carried, as in SkinMesh
   sandglass_skin_chunk* chunks;
   sandglass_skin_loose* loose;
+  uint32_t flying, lying;
   uint64_t frame;  // which it shows, and after so many of its sub-steps
   uint32_t substeps;
 };
 
 // Of a particle, by number.
 struct SkinCarried {
-  float way[3];
-  uint32_t record;
+  Four way;         // besides the motion
+  uint32_t loose;   // of the mesh's list
+  uint32_t motion;  // of SkinCarry::motions; k_brick_none: it goes with none
+};
+
+// How colliders have gone since the mesh was gathered: x becomes x + turn (x - from) + shift.
+struct SkinMotion {
+  Four turn[3], from, shift;  // turn: its columns
+  bool encloses;              // a field that is solid outside: its sand goes with no other
+  Four turned(Four r) const { return turn[0] * r[0] + turn[1] * r[1] + turn[2] * r[2]; }
+  Four way(Four x) const { return turned(x - from) + shift; }
+};
+constexpr uint32_t k_skin_motions = 16;
+
+// A carry under way.
+struct SkinCarry {
+  SkinMotion motions[k_skin_motions];
+  uint32_t motion_count;
+  uint64_t frame;  // to which it carries, and after so many of its sub-steps
+  uint32_t substeps;
+  uint32_t record, chunk;  // the next ones
+  uint32_t flying, lying;  // that are written
+  uint32_t motion;         // of the last vertex
+  bool changed;
 };
 
 struct SkinState {
@@ -151,10 +196,14 @@ struct SkinState {
   int32_t lean[2];
   float up[3];  // in the lattice's axes
   bool falls;   // there is gravity
-  // Colliders as they are in this frame, and versions of their fields.
+  // Colliders as they were when sand was taken, and versions of their fields, by slot of `Colliders`; k_no_shape: none.
   ColliderFrame* colliders;
   uint64_t* fields;
-  uint32_t collider_count;
+  ColliderFrame* met;  // those of the mesh that is shown
+  uint32_t* movers;    // slots of those that move
+  uint32_t mover_count;
+  SkinTaken* taken;
+  uint32_t taken_count;
   SkinParticle* particles;
   uint32_t particle_numbers;  // that have been seen
   // Bricks.
@@ -170,6 +219,7 @@ struct SkinState {
   SkinMesh front, back;
   SkinShown shown;
   SkinCarried* carried;
+  SkinCarry carry;
   bool valid;
   uint32_t in_time;                 // skins in a row that took no more than a frame
   uint32_t version, front_version;  // of what is shown, and of that as `front` was made
@@ -178,9 +228,9 @@ struct SkinState {
   const Granular* granular;
   uint64_t frame, front_frame, begun;
   bool asked, moving, whole_asked;
-  bool missing;                                       // particles moved on while they were gathered
+  bool missing;                                       // particles moved on while they were taken
   bool ran;                                           // a unit, in this frame
-  uint64_t gathered_frame;                            // in which the gathering was begun, last,
+  uint64_t gathered_frame;                            // in which sand was taken, last,
   uint32_t gathered_substeps;                         // after so many of its sub-steps,
   uint32_t restarts;                                  // and how often that was not the first time
   uint32_t sand;                                      // particles in the last frame
@@ -192,7 +242,7 @@ struct SkinState {
   uint16_t by_free[256];  // k_skin_one over the free share, by BrickNodes::solid
   uint16_t* outer;        // of a chunk's outer bricks: the index of each cell's vertex in this chunk
   SkinBlocks* blocks;
-  SurfacePoint* points;  // of one brick
+  SurfacePoint* points;  // of one brick, and of the nodes after it along each axis
   uint8_t cycle;
 };
 
@@ -257,6 +307,13 @@ void brick_block(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[
   });
 }
 
+// Whether walls stand between nodes of a brick, or of those around it.
+inline bool has_walls(const SkinState& s, const Brick& brick) {
+  for (const uint32_t other : brick.around)
+    if (other != k_brick_none && s.bricks[other].walled) return true;
+  return false;
+}
+
 // Eight values of a cell, linear between them.
 struct CellValues {
   float v[8] = {};
@@ -288,7 +345,12 @@ struct CellValues {
 
 // ---- phases: each runs one unit, and returns true once its phase is done
 
-void skin_take_colliders(SkinState* s);
+// Colliders as they are `before` seconds before the frame's end.
+void skin_take_colliders(SkinState* s, float before);
+// A field that is not passed any more must not be read: a skin under way goes on without it.
+void skin_drop_gone_fields(SkinState* s);
+uint32_t skin_take_items(const SkinState& s);
+bool skin_take(SkinState* s);
 bool skin_gather(SkinState* s);
 bool skin_leave(SkinState* s);
 bool skin_density(SkinState* s);
@@ -317,10 +379,11 @@ bool skin_loose(SkinState* s);
 
 // Whether a skin may take more than a frame.
 inline bool skin_is_late(const SkinState& s) { return s.in_time < k_skin_in_time; }
-// Whether particles have gone on in this frame since what is shown, and no new skin is to be expected in it.
-bool skin_may_carry(const SkinState& s);
-WorkUnit skin_carry_unit(const SkinState& s);
-void skin_carry(SkinState* s);
+inline bool skin_has_work(const SkinState& s) { return s.phase != SkinPhase::idle || s.asked; }
+// A particle against what is below it: a collider that moves, or the world. Whether it flies, and what of it falls.
+void skin_find_fall(const SkinState& s, const float position[3], const float velocity[3], float* falls, bool* flies);
+// Until there is a mesh, and where sand has gone on since what is shown: at the end of a frame, whatever the budget.
+Stage skin_carry_stage(sandglass_skin* skin);
 
 // Of a place in lattice steps: its cell, and the brick and node of that.
 inline void skin_place(const SkinState& s, const float position[3], int32_t at[3]) {
@@ -338,6 +401,7 @@ inline uint32_t skin_items(const SkinState& s) { return s.front.index_count / 3 
 
 struct SkinFunctions {
   Stage (*begin_frame)(sandglass_skin* skin, const Granular& granular);
+  Stage (*carry_stage)(sandglass_skin* skin);  // a part of the output stage
 };
 extern const SkinFunctions k_skin_functions;
 

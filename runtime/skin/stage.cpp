@@ -8,10 +8,10 @@ namespace sandglass {
 namespace {
 
 constexpr float k_turned = 0.05f;  // of the unit vector up: so far it turns before sand is filled anew
-constexpr uint32_t k_kind_of[] = {0,           k_skin_gather, k_skin_gather, k_skin_density,
-                                  k_skin_fill, k_skin_calm,   k_skin_mesh,   k_skin_loose};
-constexpr const char* k_names[k_skin_kinds] = {"skin.gather", "skin.density", "skin.fill", "skin.calm",
-                                               "skin.mesh",   "skin.loose",   "skin.carry"};
+constexpr uint32_t k_kind_of[] = {k_skin_gather, k_skin_gather, k_skin_gather, k_skin_gather, k_skin_density,
+                                  k_skin_fill,   k_skin_calm,   k_skin_mesh,   k_skin_loose};
+constexpr const char* k_names[k_skin_kinds] = {"skin.gather", "skin.density", "skin.fill",
+                                               "skin.calm",   "skin.mesh",    "skin.loose"};
 constexpr uint32_t k_items[k_skin_kinds] = {k_skin_unit_items,
                                             k_skin_unit_bricks,
                                             8 * k_skin_unit_bricks,
@@ -20,11 +20,11 @@ constexpr uint32_t k_items[k_skin_kinds] = {k_skin_unit_items,
                                             k_skin_unit_items,
                                             0};
 
-bool has_work(const SkinState& s) { return s.phase != SkinPhase::idle || s.asked; }
+bool takes(const SkinState& s) { return s.phase <= SkinPhase::take; }
 
-uint32_t kind_of(const SkinState& s) {
-  return s.phase == SkinPhase::idle ? k_skin_gather : k_kind_of[static_cast<uint32_t>(s.phase)];
-}
+uint32_t kind_of(const SkinState& s) { return k_kind_of[static_cast<uint32_t>(s.phase)]; }
+
+uint32_t items_of(const SkinState& s) { return takes(s) ? skin_take_items(s) : k_items[kind_of(s)]; }
 
 // The lattice's axes, right-handed: y is the world's axis nearest to up.
 void choose_axes(SkinState* s, const float up[3]) {
@@ -66,7 +66,7 @@ void publish(SkinState* s) {
   SkinMesh &back = s->back, &front = s->front;
   SkinShown& shown = s->shown;
   const size_t loose = (back.flying + back.lying) * sizeof *back.loose;
-  bool changed = !s->valid || back.flying != front.flying || back.lying != front.lying ||
+  bool changed = !s->valid || back.flying != shown.flying || back.lying != shown.lying ||
                  memcmp(back.loose, shown.loose, loose) != 0;
   for (uint32_t c = 0; c < s->chunk_capacity; ++c) {
     sandglass_skin_chunk& chunk = back.chunks[c];
@@ -75,12 +75,15 @@ void publish(SkinState* s) {
     shown.chunks[c] = chunk;
   }
   memcpy(shown.loose, back.loose, loose);
+  shown.flying = back.flying, shown.lying = back.lying;
+  memcpy(s->met, s->colliders, s->desc.collider_capacity * sizeof *s->met);
   if (changed) ++s->version;
   const SkinMesh swap = front;
   front = back;
   back = swap;
   s->front_version = s->version;
   shown.frame = s->gathered_frame, shown.substeps = s->gathered_substeps;
+  s->carry.frame = 0;
   s->in_time = s->begun == s->frame ? s->in_time + 1 : 0;
   s->valid = true;
   s->front_frame = s->begun;
@@ -97,16 +100,21 @@ void begin(SkinState* s) {
   ++s->cycle;
   s->cursor = s->restarts = 0;
   memset(s->spent, 0, sizeof s->spent);
-  memcpy(s->back.from, s->front.from, 3 * sizeof(float) * s->particle_numbers);  // for those that the gathering misses
-  s->phase = SkinPhase::gather;
+  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->back.from[3 * i] = k_skin_nowhere;
+  s->phase = SkinPhase::take;
 }
 
 void run_unit(SkinState* s) {
   if (s->phase == SkinPhase::idle) begin(s);
-  const uint32_t kind = kind_of(*s);
-  s->spent[kind] += k_items[kind];
+  // Sand that was taken as the frame began is taken again after its sub-steps.
+  const bool early = s->gathered_frame == s->frame && s->gathered_substeps != s->granular->counts.moments();
+  if (s->phase == SkinPhase::gather && s->cursor == 0 && early) s->phase = SkinPhase::take;
+  s->spent[kind_of(*s)] += items_of(*s);
   s->ran = true;
   switch (s->phase) {
+    case SkinPhase::take:
+      if (skin_take(s)) s->phase = SkinPhase::gather;
+      break;
     case SkinPhase::gather:
       if (skin_gather(s)) s->phase = SkinPhase::leave;
       break;
@@ -140,33 +148,23 @@ void run_unit(SkinState* s) {
 
 bool next(const void* state, uint32_t, WorkUnit* unit) {
   const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
-  if (skin_may_carry(s)) {
-    *unit = skin_carry_unit(s);
-    return true;
-  }
-  if (!has_work(s)) return false;
-  const uint32_t kind = kind_of(s);
-  *unit = {kind, k_items[kind], k_names[kind]};
+  if (!skin_has_work(s)) return false;
+  *unit = {kind_of(s), items_of(s), k_names[kind_of(s)]};
   return true;
 }
 
-void run(void* state, uint32_t) {
-  SkinState* s = &static_cast<sandglass_skin*>(state)->skin;
-  if (skin_may_carry(*s)) skin_carry(s);
-  else run_unit(s);
-}
+void run(void* state, uint32_t) { run_unit(&static_cast<sandglass_skin*>(state)->skin); }
 
 // What is left of the skin under way, or asked for, if it takes what the last one took. One that takes more than a frame is
 // followed by another at once: then quality must not follow what is left of it.
 uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
-  if (!has_work(s)) return 0;
+  if (!skin_has_work(s)) return 0;
   uint32_t count = 0;
-  if (skin_is_late(s)) entries[count++] = {k_skin_carry, skin_carry_unit(s).items, true};
   for (uint32_t kind = 0; kind < k_skin_carry; ++kind) {
     const uint32_t spent = s.phase == SkinPhase::idle || skin_is_late(s) ? 0 : s.spent[kind];
     const uint32_t left = s.usual[kind] > spent ? s.usual[kind] - spent : 0;
-    const uint32_t least = kind == kind_of(s) ? k_items[kind] : 0;
+    const uint32_t least = kind == kind_of(s) ? items_of(s) : 0;
     if ((left > least ? left : least) != 0) entries[count++] = {kind, left > least ? left : least, true};
   }
   return count;
@@ -178,23 +176,25 @@ Stage begin_frame(sandglass_skin* skin, const Granular& granular) {
   s->granular = &granular;
   s->kernels = granular.kernels;
   find_up(s, granular);
-  skin_take_colliders(s);
   // Also in the frame after the last motion: the skin under way then shows sand that still moved.
   const bool moving = granular.sleep.awake_count != 0;
   if (moving || s->moving || granular.particles.count != s->sand) s->asked = true;
   s->moving = moving;
   s->sand = granular.particles.count;
-  // A mandatory unit comes before the frame's sub-steps: too early for particles to be gathered, unless nothing ran in the
+  // A skin under way keeps the colliders of its moment: else, beside one that moves, it would begin anew in each frame.
+  const bool idle = s->phase == SkinPhase::idle;
+  if (!idle) skin_drop_gone_fields(s);
+  else if (!s->asked) skin_take_colliders(s, granular.time.frame_step > 0 ? 0.0f : colliders_behind(granular));
+  // A mandatory unit comes before the frame's sub-steps: too early for particles to be taken, unless nothing ran in the
   // last frame either.
-  const bool gathers = s->phase == SkinPhase::idle || s->phase == SkinPhase::gather;
-  const uint32_t mandatory = gathers && s->ran ? 0 : 1;
+  const uint32_t mandatory = takes(*s) && s->ran ? 0 : 1;
   s->ran = false;
-  if (s->phase != SkinPhase::idle) s->in_time = 0;
+  if (!idle) s->in_time = 0;
   return {skin, next, run, forecast, k_skin_kinds, mandatory, k_skin_share};
 }
 
 }  // namespace
 
-extern const SkinFunctions k_skin_functions = {begin_frame};
+extern const SkinFunctions k_skin_functions = {begin_frame, skin_carry_stage};
 
 }  // namespace sandglass

@@ -5,7 +5,7 @@ namespace {
 
 // On every instruction set, compiler and number of items in a unit.
 TEST(Skin, OneHashOnEveryInstructionSet) {
-  constexpr uint64_t k_golden = 10943109849919414302u;
+  constexpr uint64_t k_golden = 6307555062531105163u;
   for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_NEON, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512})
     for (const uint32_t unit : {64u, 1024u}) {
       if (sandglass_isa_available(isa) == 0) continue;

@@ -7,7 +7,9 @@
  *
  * How it is made. The particles are summed on a lattice that stands still in the world; what colliders fill counts as
  * full. Dry sand does not overhang: from above to below each layer gets what the layer over it has, a little less and
- * a little wider. Surface nets (Gibson 1998) make the mesh of it, and its foot runs out at a slope instead of upright.
+ * a little wider; not through walls. Surface nets (Gibson 1998) make the mesh of it, and its foot runs out at a slope
+ * instead of upright. No vertex is beyond a wall of 1.5 particle radii or more, none more than a radius beyond a thinner
+ * one. What falls is not part of the mesh; sand in a vessel that is lowered does not fall.
  *
  * An app
  *   1. fills a sandglass_skin_desc (start from sandglass_skin_desc_default, with the scene's granular description), asks
@@ -17,9 +19,11 @@
  *   4. draws the loose sand.
  * The scene needs no grains for that: leave granular.grain_capacity at 0.
  *
- * Only what moved is made anew, and at rest nothing. A skin that the budget does not complete goes on in the next frame.
- * Until then the one before is carried along with its particles, so that sand moves in every frame. A particle that
- * moves by less than a fortieth of its radius stays where it was drawn. Nothing is allocated, no clock is read, and every
+ * Only what moved is made anew, and at rest nothing; a collider that moves where no sand feels it costs nothing. A skin
+ * that the budget does not complete goes on in the next frame. Until then the one before is carried along at each
+ * frame's end, in time that is kept for it: rigidly with the collider whose way its sand goes, by 1.5 particle radii
+ * beside that. So sand moves in every frame, and stays in its vessel. A particle that moves by less than a fortieth of
+ * its radius stays where it was drawn. Nothing is allocated, no clock is read, and every
  * instruction set gives the same bytes. There is nothing to save: after a restore the skin is made anew from the
  * particles. The patches may then take their blocks from others.
  *
@@ -49,8 +53,8 @@ typedef struct sandglass_skin_desc {
   /* Which vertex of a triangle tells the block's origin where the app's shader takes it without interpolation (`flat`).
    * 0 (the default): the last one, as in OpenGL and WebGL. 1: the first one, as in Metal, Vulkan and Direct3D. */
   uint32_t first_vertex;
-  /* 0 (the default): the mesh is open where it meets colliders, which hide that. 1: it is closed there, just within
-   * them, for sand behind glass. It then has up to twice the vertices. */
+  /* 0 (the default): the mesh is open where it meets colliders, and ends half a particle radius within them. 1: it is
+   * closed there, just within them, for sand behind glass. It then has up to twice the vertices. */
   uint32_t closed;
 } sandglass_skin_desc;
 
@@ -101,7 +105,7 @@ typedef struct sandglass_skin_chunk {
   float low[3], high[3];
 } sandglass_skin_chunk;
 
-/* Sand that is not in the mesh, or in part: 32 bytes. */
+/* Sand that is not in the mesh, or in part, or that came since the mesh was begun: 32 bytes. */
 typedef struct sandglass_skin_loose {
   /* Of the particle, world, metres. */
   float position[3];
@@ -116,7 +120,7 @@ typedef struct sandglass_skin_loose {
 /* A skin as it is now. */
 typedef struct sandglass_skin_mesh {
   uint32_t struct_size;
-  /* 0: none was completed yet. */
+  /* 0: there is neither a mesh nor sand. Until the first mesh is complete it has no chunk, and all sand is loose. */
   uint32_t valid;
   /* Another one when anything below has changed. */
   uint32_t version;
