@@ -49,6 +49,8 @@ struct Frame {
   uint64_t unseen;   // predictions of units since the clock last moved
   uint32_t unseen_units;
   uint32_t optional_units;
+  bool closed;            // one of those has run
+  bool closing;           // the output stage was told that it is the frame's end; its units are a run of their own
   uint32_t quiet;         // bit i: stage i offered nothing, and no unit has run since
   uint64_t kinds_run;     // bit k: kind k
   uint64_t kinds_denied;  // bit k: a unit of kind k was predicted not to fit
@@ -166,8 +168,8 @@ bool plan_has_room(const Frame& frame, uint32_t stage) {
   return plan.run_count < SANDGLASS_PLAN_RUNS - (stage < frame.open_count ? 1u : 0u);
 }
 
-void plan_append(sandglass_plan* plan, uint32_t stage) {
-  if (plan->run_count > 0) {
+void plan_append(sandglass_plan* plan, uint32_t stage, bool anew) {
+  if (plan->run_count > 0 && !anew) {
     sandglass_plan_run* last = &plan->runs[plan->run_count - 1];
     if (last->stage == stage && last->units != ~0u) {
       ++last->units;
@@ -187,7 +189,8 @@ uint64_t run_unit(Frame* frame, uint32_t index, const WorkUnit& unit) {
   trace_end(frame->governor->trace, unit.name);
   const UnitObserver& observer = frame->governor->observer;
   if (observer.ran != nullptr) observer.ran(observer.user, unit);
-  plan_append(&report->plan, index);
+  plan_append(&report->plan, index, frame->closing && !frame->closed);
+  frame->closed = frame->closing;
   ++report->stages[index].units;
   if (!frame->reads) return 0;
 
@@ -324,17 +327,27 @@ bool run_optional(Frame* frame, uint64_t* last_unit) {
   return frame->optional_units > 0;
 }
 
+void close_frame(Frame* frame, uint32_t stage_count) {
+  const Stage* last = stage_count == frame->open_count ? nullptr : &frame->stages[frame->open_count];
+  if (frame->closing || last == nullptr || last->close == nullptr) return;
+  frame->closing = true;
+  frame->quiet = 0;
+  last->close(last->state);
+}
+
 // Executes a recorded plan. Each unit is asked for before it is run.
 bool run_plan(Frame* frame, const sandglass_plan& plan, uint32_t stage_count, uint64_t* last_unit) {
   for (uint32_t r = 0; r < plan.run_count; ++r) {
     const uint32_t stage = plan.runs[r].stage;
     if (stage >= stage_count) return false;
+    if (r + 1 == plan.run_count && stage >= frame->open_count) close_frame(frame, stage_count);
     for (uint32_t i = 0; i < plan.runs[r].units; ++i) {
       WorkUnit unit;
       if (!offers(*frame, stage, &unit) || !plan_has_room(*frame, stage)) return false;
       *last_unit = run_unit(frame, stage, unit);
     }
   }
+  close_frame(frame, stage_count);
   return true;
 }
 
@@ -464,6 +477,7 @@ bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_coun
 
     const uint64_t output_from = frame.elapsed;
     WorkUnit unit;
+    close_frame(&frame, stage_count);
     while (has_output && offers(frame, last, &unit) && plan_has_room(frame, last)) {
       last_mandatory = run_unit(&frame, last, unit);
     }

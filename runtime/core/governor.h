@@ -66,6 +66,8 @@ struct Stage {
   // optional units take no more; what the later stage leaves comes back. 1: all.
   float share;
   uint32_t first_kind = 0;  // see assign_kinds
+  // Of the output stage: the frame's optional units are over, and what it offers from now on is the end of the frame.
+  void (*close)(void* state) = nullptr;
 };
 
 // Gives every stage's kinds their place among all kinds of the frame, in the order of the array: each begins where the

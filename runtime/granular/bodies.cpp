@@ -289,6 +289,27 @@ static void move_body(RigidBody* moved, const double rotation[4], const float sh
   }
 }
 
+void bodies_carry(const Granular& g, uint32_t index, const RigidWay& way, const float faster[3]) {
+  RigidBody& body = g.bodies.all[index];
+  const double straight[4] = {0, 0, 0, 1};
+  float center[3], u[3];
+  double a[9], turn[4], turned[4], length2 = 0.0;
+  for (int k = 0; k < 3; ++k) center[k] = static_cast<float>(body.center[k]);
+  way.way(center, u);
+  for (int i = 0; i < 9; ++i) a[i] = static_cast<double>(way.turn[i / 3][i % 3]) + (i % 4 == 0 ? 1.0 : 0.0);
+  nearest_rotation(a, straight, turn);
+  multiply(turn, body.rotation, turned);
+  for (const double q : turned) length2 += q * q;
+  for (int k = 0; k < 4; ++k) body.rotation[k] = turned[k] / __builtin_sqrt(length2);
+  way.rotate(body.linear);
+  way.rotate(body.angular);
+  const bool awake = bodies_awake(g, body);
+  for (int k = 0; k < 3; ++k) {
+    body.center[k] += static_cast<double>(u[k]);
+    body.linear[k] += awake ? faster[k] : 0.0f;
+  }
+}
+
 void bodies_move(Bodies* b, const SceneMove& move) {
   for (uint32_t index = 0; index < b->count; ++index) move_body(&b->all[index], move.rotation, move.shift);
 }

@@ -13,6 +13,7 @@ constexpr float k_collider_speed = 1e4f;   // metres or radians a second, along 
 constexpr double k_way_resolution = 1e-6;  // metres or radians; what is shorter counts as none
 constexpr float k_gone_seconds = 0.25f;    // after so long, one that is not passed is no longer recognised by its place
 constexpr float k_recognised = 0.25f;      // metres that a collider may have gone since the last frame
+constexpr float k_recognised_id = 1.0f;    // and one with an id
 constexpr float k_found_again = 0.01f;     // and that one without an id may, if it was not passed then
 constexpr float k_lost_id = 0.05f;         // metres that one may go while it has lost its id
 constexpr float k_in_place = 0.003f;       // metres; at its place in the list, one that is so near is the same
@@ -80,8 +81,11 @@ float apart2(const KnownCollider& known, const sandglass_collider& now) {
   return way * way;
 }
 
-bool recognisable(const KnownCollider& known, const sandglass_collider& now, float step) {
-  const float most = now.id != 0 || known.absent <= step ? k_recognised : k_found_again;
+bool recognisable(const KnownCollider& known, const sandglass_collider& now, const SimulatedTime& t) {
+  const bool passed = known.absent <= t.frame_step;
+  float most = now.id != 0 ? k_recognised_id : passed ? k_recognised : k_found_again, speed2 = 0.0f;
+  for (int k = 0; k < 3; ++k) speed2 += now.linear_velocity[k] * now.linear_velocity[k];
+  if (passed && t.left_out > 0.0f) most += 2.0f * __builtin_sqrtf(speed2) * (t.frame_step + t.left_out);
   return known.absent < k_gone_seconds && apart2(known, now) <= most * most;
 }
 
@@ -99,7 +103,7 @@ uint32_t slot_by_identity(const Colliders& c, uint32_t capacity, const sandglass
 
 // Whether another collider of the list, which has no slot yet either, lies nearer to a slot.
 bool is_anothers(const Colliders& c, uint32_t capacity, const sandglass_frame_input& input, uint32_t slot,
-                 const sandglass_collider& now, uint32_t place, float step) {
+                 const sandglass_collider& now, uint32_t place, const SimulatedTime& t) {
   const float mine2 = apart2(c.known[slot], now);
   uint32_t other_place = 0;
   for (uint32_t i = 0; i < input.collider_count && other_place < capacity; ++i) {
@@ -107,7 +111,7 @@ bool is_anothers(const Colliders& c, uint32_t capacity, const sandglass_frame_in
     if (!collider_accept(input.colliders[i], &other)) continue;
     const uint32_t at = other_place++;
     if (at == place || c.slot_of_place[at] != k_no_slot || other.shape != now.shape || other.id != now.id) continue;
-    if (recognisable(c.known[slot], other, step) && apart2(c.known[slot], other) < mine2) return true;
+    if (recognisable(c.known[slot], other, t) && apart2(c.known[slot], other) < mine2) return true;
   }
   return false;
 }
@@ -115,17 +119,17 @@ bool is_anothers(const Colliders& c, uint32_t capacity, const sandglass_frame_in
 // By its place in the list where it lies near, else the nearest, unless that is far and nearer to another; of two that are
 // near the one that was passed in the last frame; else a slot for a new one, if need be of one that is not passed any more.
 uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_frame_input& input,
-                       const sandglass_collider& now, uint32_t place, float step) {
+                       const sandglass_collider& now, uint32_t place, const SimulatedTime& t) {
   uint32_t nearest = k_no_slot;
   float nearest2 = 0.0f;
   for (uint32_t slot = 0; slot < capacity; ++slot) {
-    if (!free_slot(c, slot, now) || !recognisable(c.known[slot], now, step)) continue;
-    const bool in_place = c.known[slot].place == place, passed = c.known[slot].absent <= step;
+    if (!free_slot(c, slot, now) || !recognisable(c.known[slot], now, t)) continue;
+    const bool in_place = c.known[slot].place == place, passed = c.known[slot].absent <= t.frame_step;
     const float near2 = k_in_place * k_in_place, way2 = apart2(c.known[slot], now) + (passed ? 0.0f : near2);
     if (in_place && passed && way2 <= near2) return slot;
     if (nearest != k_no_slot && !(way2 < nearest2 || (way2 == nearest2 && in_place))) continue;
     const bool is_near = way2 <= k_found_again * k_found_again;
-    if (is_near || !is_anothers(c, capacity, input, slot, now, place, step)) nearest = slot, nearest2 = way2;
+    if (is_near || !is_anothers(c, capacity, input, slot, now, place, t)) nearest = slot, nearest2 = way2;
   }
   if (nearest != k_no_slot) return nearest;
   uint32_t oldest = k_no_slot;
@@ -147,6 +151,36 @@ bool continues(const Placement& before, const Placement& now, double step, float
     speed2 += speed * speed;
   }
   return __builtin_sqrtf(way2) <= static_cast<float>(step) * __builtin_sqrtf(speed2) + margin;
+}
+
+// The same of its turning, for what is as far from it as its sizes.
+bool turns_on(const Placement& before, const Placement& now, double step, float margin) {
+  const Pose &a = before.pose, &b = now.pose;
+  float with = 0.0f, turn2 = 0.0f, speed2 = 0.0f, reach2 = 0.0f;
+  for (int k = 0; k < 4; ++k) with += a.rotation[k] * b.rotation[k];
+  for (int k = 0; k < 4; ++k) {
+    const float d = b.rotation[k] - (with < 0.0f ? -a.rotation[k] : a.rotation[k]);
+    turn2 += 4.0f * d * d;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const float speed = __builtin_fabsf(before.angular[k]) + __builtin_fabsf(now.angular[k]);
+    speed2 += speed * speed;
+    reach2 += b.size[k] * b.size[k];
+  }
+  return __builtin_sqrtf(turn2 * reach2) <= static_cast<float>(step) * __builtin_sqrtf(speed2 * reach2) + margin;
+}
+
+// Where it is `before` seconds before it is there.
+Pose pose_before(const Placement& at, float before) {
+  const float *q = at.pose.rotation, *w = at.angular, h = -0.5f * before;
+  Pose p = at.pose;
+  p.rotation[0] = q[0] + h * (w[0] * q[3] + w[1] * q[2] - w[2] * q[1]);
+  p.rotation[1] = q[1] + h * (w[1] * q[3] + w[2] * q[0] - w[0] * q[2]);
+  p.rotation[2] = q[2] + h * (w[2] * q[3] + w[0] * q[1] - w[1] * q[0]);
+  p.rotation[3] = q[3] - h * (w[0] * q[0] + w[1] * q[1] + w[2] * q[2]);
+  normalise(p.rotation);
+  for (int k = 0; k < 3; ++k) p.position[k] = at.pose.position[k] - before * at.linear[k];
+  return p;
 }
 
 // The velocity at which a collider goes what is left of its way and this frame's, in the simulated time that is left.
@@ -199,11 +233,25 @@ void order(Colliders* c, uint32_t capacity) {
     for (uint32_t slot = 0; slot < capacity; ++slot) {
       if (c->seen_by[slot] != part) continue;
       uint32_t at = c->count++;
-      for (; at > first && pushes_before(c->of_slot[slot], c->given[at - 1]); --at) c->given[at] = c->given[at - 1];
+      for (; at > first && pushes_before(c->of_slot[slot], c->given[at - 1]); --at)
+        c->given[at] = c->given[at - 1], c->slots[at] = c->slots[at - 1];
       c->given[at] = c->of_slot[slot];
+      c->slots[at] = slot;
     }
     if (part == SeenBy::all) c->solid_count = c->count;
   }
+}
+
+void find_way(Carrier* carrier, bool goes) {
+  constexpr float k_least = 1e-7f;
+  const ColliderFrame &from = carrier->from, &to = carrier->to;
+  bool differ = false;
+  for (int k = 0; k < 3; ++k) {
+    differ = differ || __builtin_fabsf(from.position[k] - to.position[k]) > k_least;
+    for (int j = 0; j < 3; ++j) differ = differ || __builtin_fabsf(from.axes[k][j] - to.axes[k][j]) > k_least;
+  }
+  carrier->moves = goes && differ;
+  carrier->way = rigid_way(from.position, from.axes, to.position, to.axes);
 }
 
 HoldRule hold_rule(const Granular& g) {
@@ -224,7 +272,7 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   KnownCollider& known = c.known[slot];
   const double step = static_cast<double>(g.time.frame_step), debt = g.time.debt;
   const bool same_one =
-      known.used != 0 && known.id == now.id && known.shape == now.shape && recognisable(known, now, g.time.frame_step);
+      known.used != 0 && known.id == now.id && known.shape == now.shape && recognisable(known, now, g.time);
   const bool continued = same_one && known.absent <= g.time.frame_step;
   const Placement before = placement_of(c.of_slot[slot]);
   if (c.waits) hold_returns(&known.pose);  // a save may be older than where a lift is now
@@ -234,14 +282,28 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   known.id = now.id;
   known.shape = now.shape;
   known.absent = 0.0f;
-  Placement met = known.pose.held;
+  Placement met = continued && !(step > 0.0) ? before : known.pose.held;  // in a pause all stands
   if (owed >= k_time_resolution && debt >= k_time_resolution) {
     // Of one that jumped nothing is left: else it would come from as far away as it goes in all of the time debt.
-    const double left = continued && continues(before, met, step, g.desc.particle_radius) ? owed : 0.0;
+    const double left = continued && !c.arrived && continues(before, met, step, g.desc.particle_radius) ? owed : 0.0;
     for (int k = 0; k < 3; ++k) {
       met.linear[k] = spread(before.linear[k], left, met.linear[k], step, debt);
       met.angular[k] = spread(before.angular[k], left, met.angular[k], step, debt);
     }
+  }
+  const bool goes_on = continued && !c.waits && step > 0.0;
+  const float radius = g.desc.particle_radius;
+  const bool jumps = goes_on && (g.time.left_out > 0.0f || !continues(before, known.pose.held, step, radius) ||
+                                 !turns_on(before, known.pose.held, step, radius));
+  c.ends[slot] = met.pose;
+  c.met[slot] = goes_on ? pose_before(before, c.arrived ? 0.0f : static_cast<float>(owed)) : met.pose;
+  c.jumps[slot] = jumps ? 1 : 0;
+  if (g.time.rate < 1.0 && step > 0.0) {
+    met = known.pose.held;
+    if (goes_on) met.pose = jumps ? pose_before(met, g.time.frame_step) : c.met[slot];
+    const float rate = static_cast<float>(g.time.rate);
+    for (int k = 0; k < 3; ++k) met.linear[k] *= rate, met.angular[k] *= rate;
+    if (goes_on) met.pose = pose_before(met, -static_cast<float>(debt));
   }
   c.of_slot[slot] = now;
   place(&c.of_slot[slot], met);
@@ -360,7 +422,13 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
   c->of_slot = layout_region<sandglass_collider>(layout, "granular.colliders_by_slot", capacity);
   c->seen_by = layout_region<SeenBy>(layout, "granular.colliders_seen_by", capacity);
   c->given = layout_region<sandglass_collider>(layout, "granular.colliders", capacity);
+  c->slots = layout_region<uint32_t>(layout, "granular.given_slots", capacity);
   c->slot_of_place = layout_region<uint32_t>(layout, "granular.collider_slots", capacity);
+  c->met = layout_region<Pose>(layout, "granular.colliders_met", capacity);
+  c->ends = layout_region<Pose>(layout, "granular.collider_ends", capacity);
+  c->jumps = layout_region<uint8_t>(layout, "granular.collider_jumps", capacity);
+  c->carriers = layout_region<Carrier>(layout, "granular.carriers", capacity);
+  c->substep_slots = layout_region<uint32_t>(layout, "granular.substep_slots", capacity);
   c->substep_frames = layout_region<ColliderFrame>(layout, "granular.substep_colliders", capacity);
   c->sweep_frames = layout_region<ColliderFrame>(layout, "granular.sweep_colliders", capacity);
   ColliderWatch* const watches[] = {&c->for_particles, &c->for_grains};
@@ -379,7 +447,7 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
 
 void colliders_reset(Colliders* c, const sandglass_granular_desc& d) {
   c->count = c->solid_count = c->substep_count = c->sweep_count = 0;
-  c->waits = false;
+  c->waits = c->arrived = c->jumped = false;
   ColliderWatch* const watches[] = {&c->for_particles, &c->for_grains};
   for (uint32_t slot = 0; slot < d.collider_capacity; ++slot) {
     c->known[slot] = {};
@@ -413,7 +481,7 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
       uint32_t& slot = c.slot_of_place[place++];
       if (pass == 1 && slot != k_no_slot) continue;
       slot = pass == 0 ? slot_by_identity(c, capacity, now, place - 1)
-                       : slot_by_place(c, capacity, input, now, place - 1, g.time.frame_step);
+                       : slot_by_place(c, capacity, input, now, place - 1, g.time);
       all_certain = all_certain && slot != k_no_slot;
       if (slot == k_no_slot) continue;
       const bool returns = c.known[slot].used != 0 && c.known[slot].absent > g.time.frame_step;
@@ -425,6 +493,9 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
   }
   if (input.collider_count != 0) c.waits = false;
   order(&c, capacity);
+  c.jumped = false;
+  if (g.time.frame_step > 0.0f) c.arrived = false;
+  for (uint32_t i = 0; i < c.solid_count; ++i) c.jumped = c.jumped || c.jumps[c.slots[i]] != 0;
   drop_gone_fields(c, c.substep_frames, c.substep_count);
   drop_gone_fields(c, c.sweep_frames, c.sweep_count);
   drop_gone_fields(c, c.for_grains.moved.frames, c.for_grains.moved.count);
@@ -449,12 +520,86 @@ void colliders_find_moved_for_grains(Colliders* c, const Granular& g) {
 
 void colliders_begin_substep(Colliders* c, float before) {
   colliders_pose(c->given, c->solid_count, before, c->substep_frames);
+  for (uint32_t i = 0; i < c->solid_count; ++i) c->substep_slots[i] = c->slots[i];
   c->substep_count = c->solid_count;
 }
 
 void colliders_begin_sweep(Colliders* c, float before) {
   colliders_pose(c->given, c->count, before, c->sweep_frames);
   c->sweep_count = c->count;
+}
+
+bool colliders_move_sand(const Granular& g) {
+  const Colliders& c = g.colliders;
+  for (uint32_t i = 0; i < c.solid_count && g.particles.count != 0; ++i) {
+    const sandglass_collider& it = c.given[i];
+    float speed2 = 0.0f, spin2 = 0.0f, size2 = 0.0f, apart2 = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+      const float below = g.particles.low[k] - it.position[k], above = it.position[k] - g.particles.high[k];
+      const float apart = below > above ? below : above;
+      apart2 += apart > 0.0f ? apart * apart : 0.0f;
+      speed2 += it.linear_velocity[k] * it.linear_velocity[k];
+      spin2 += it.angular_velocity[k] * it.angular_velocity[k];
+      size2 += it.size[k] * it.size[k];
+    }
+    if (speed2 + spin2 == 0.0f) continue;
+    const float way = __builtin_sqrtf(speed2) * (g.time.frame_step + g.time.left_out);
+    const float reach = way + __builtin_sqrtf(size2) + 2.0f * g.desc.particle_radius;
+    if (it.shape == SANDGLASS_SHAPE_HALF_SPACE || apart2 <= reach * reach) return true;
+  }
+  return false;
+}
+
+void colliders_find_jumps(Colliders* c, const Granular& g) {
+  for (uint32_t i = 0; i < c->solid_count; ++i) {
+    Carrier& carrier = c->carriers[i];
+    sandglass_collider met = c->given[i];
+    colliders_pose(&met, 1, static_cast<float>(g.time.debt), &carrier.to);
+    place(&met, {c->met[c->slots[i]], {0, 0, 0}, {0, 0, 0}});
+    colliders_pose(&met, 1, 0.0f, &carrier.from);
+    find_way(&carrier, c->jumps[c->slots[i]] != 0);
+  }
+}
+
+void colliders_arrive(Colliders* c, const Granular& g, float faster) {
+  c->arrived = true;
+  for (uint32_t i = 0; i < c->count; ++i) {
+    sandglass_collider &it = c->given[i], &of_slot = c->of_slot[c->slots[i]];
+    const sandglass_collider went = it;
+    Placement end = placement_of(it);
+    end.pose = c->ends[c->slots[i]];
+    for (int k = 0; k < 3; ++k) end.linear[k] *= faster, end.angular[k] *= faster;
+    place(&it, end);
+    place(&of_slot, end);
+    if (i >= c->solid_count) continue;
+    colliders_pose(&went, 1, static_cast<float>(g.time.debt), &c->carriers[i].from);
+    colliders_pose(&it, 1, 0.0f, &c->carriers[i].to);
+    find_way(&c->carriers[i], true);
+  }
+}
+
+float colliders_gain(const Colliders& c, float faster) {
+  float most = 0.0f;
+  for (uint32_t i = 0; i < c.solid_count; ++i) {
+    const float speed = fastness(c.given[i]);
+    most = c.carriers[i].moves && speed > most ? speed : most;
+  }
+  return __builtin_fabsf(faster - 1.0f) / faster * most;
+}
+
+void colliders_carry_substep(Colliders* c, float faster) {
+  for (uint32_t s = 0; s < c->substep_count; ++s) {
+    ColliderFrame& frame = c->substep_frames[s];
+    for (int k = 0; k < 3; ++k) frame.linear[k] *= faster, frame.angular[k] *= faster;
+    for (uint32_t i = 0; i < c->solid_count; ++i) {
+      const Carrier& carrier = c->carriers[i];
+      if (!carrier.moves || c->slots[i] != c->substep_slots[s]) continue;
+      carrier.way.move(frame.position);
+      float* const vectors[] = {frame.linear, frame.angular, frame.axes[0], frame.axes[1], frame.axes[2]};
+      for (float* v : vectors) carrier.way.rotate(v);
+      find_extent(&frame);
+    }
+  }
 }
 
 void colliders_settle(Colliders* colliders, const Granular& g) {
@@ -527,19 +672,14 @@ void colliders_pose(const sandglass_collider* colliders, uint32_t count, float b
     ColliderFrame& frame = frames[c];
     frame.shape = collider.shape;
     if (collider.shape == SANDGLASS_SHAPE_FIELD) frame.field = grid_of(collider.field);
-    const float* q = collider.rotation;
-    const float* w = collider.angular_velocity;
-    const float h = -0.5f * before;
-    float r[4] = {
-        q[0] + h * (w[0] * q[3] + w[1] * q[2] - w[2] * q[1]), q[1] + h * (w[1] * q[3] + w[2] * q[0] - w[0] * q[2]),
-        q[2] + h * (w[2] * q[3] + w[0] * q[1] - w[1] * q[0]), q[3] - h * (w[0] * q[0] + w[1] * q[1] + w[2] * q[2])};
-    normalise(r);
+    const Pose pose = pose_before(placement_of(collider), before);
+    const float* r = pose.rotation;
     const float x = r[0], y = r[1], z = r[2], s = r[3];
     const float axes[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + z * s), 2 * (x * z - y * s)},
                               {2 * (x * y - z * s), 1 - 2 * (x * x + z * z), 2 * (y * z + x * s)},
                               {2 * (x * z + y * s), 2 * (y * z - x * s), 1 - 2 * (x * x + y * y)}};
     for (int k = 0; k < 3; ++k) {
-      frame.position[k] = collider.position[k] - before * collider.linear_velocity[k];
+      frame.position[k] = pose.position[k];
       frame.size[k] = collider.size[k];
       frame.linear[k] = collider.linear_velocity[k];
       frame.angular[k] = collider.angular_velocity[k];

@@ -252,6 +252,9 @@ Stage granular_grain_stage(Granular* granular);
 // Runs the sweep under way to its end.
 void sweep_finish(Granular* granular);
 
+// A snapshot under way ends.
+void sweep_end_snapshot(Granular* granular);
+
 // Whether grains may be added: no phase is under way that would have to begin again.
 bool sweep_takes_grains(const Granular& granular);
 // What material that comes and goes means for the sweep under way.

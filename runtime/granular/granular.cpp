@@ -106,6 +106,7 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   boundary_layout(&g->boundary, d, layout);
   bodies_layout(&g->bodies, d, layout);
   departed_layout(&g->departed, d, layout);
+  carry_layout(&g->carry, d, layout);
   flow_layout(&g->flow, d, layout);
   grains_layout(&g->grains, d, g->particles.rows, layout);
   motion_layout(&g->motion, d, layout);
@@ -169,6 +170,7 @@ void granular_reset(Granular* g) {
   colliders_reset(&g->colliders, g->desc);
   time_reset(&g->time);
   substep_reset(&g->substep);
+  carry_reset(&g->carry);
   contacts_reset(&g->contacts);
   sweep_reset(&g->sweep);
   motion_forget(&g->motion);
@@ -201,6 +203,46 @@ void granular_settle(Granular* g) {
   granular_seal(g);
 }
 
+static void begin_carry(Granular* g) {
+  const bool runs = !time_paused(*g) && g->particles.count != 0, moving = runs && colliders_move_sand(*g);
+  carry_begin_frame(&g->carry, runs && g->colliders.jumped, moving);
+  if (moving || time_paused(*g) || g->time.rate >= 1.0) return;
+  colliders_arrive(&g->colliders, *g, static_cast<float>(1.0 / g->time.rate));
+  time_forget_rate(&g->time);
+}
+
+void granular_carry(Granular* g) {
+  if (!g->carry.known) {
+    // What must find all particles where it found the first: it ends before.
+    substep_end_for_carry(g);
+    sweep_end_snapshot(g);
+    float faster = 1.0f;
+    if (g->carry.due == Carry::Moment::jump) {
+      colliders_find_jumps(&g->colliders, *g);
+    } else {
+      faster = time_find_rate(&g->time);
+      colliders_arrive(&g->colliders, *g, faster);
+    }
+    carry_begin(&g->carry, *g, faster);
+  }
+  if (!carry_run(&g->carry, *g)) return;
+  const Carry& c = g->carry;
+  colliders_carry_substep(&g->colliders, c.faster);
+  const Bounds moved = carry_bounds(c, g->desc.particle_radius);  // in the sub-step under way they go less
+  if (!is_empty(moved)) {
+    const float fastest[3] = {colliders_gain(g->colliders, c.faster) + g->particles.speed_max, 0.0f, 0.0f};
+    particles_include(&g->particles, moved.low, fastest);
+    particles_include(&g->particles, moved.high, fastest);
+    ContactExtent extent = k_extent_of_none;
+    for (int k = 0; k < 3; ++k) extent.low[k] = moved.low[k], extent.high[k] = moved.high[k];
+    contacts_include(&g->contacts, extent);
+  }
+  if (!is_empty(c.resting)) sleep_include_resting(&g->sleep, c.resting);
+  if (carry_mixes(*g)) neighbours_carried(&g->neighbours, 2.0f * c.way_max);
+  g->counts.carried = c.carried;
+  carry_end(&g->carry);
+}
+
 void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   neighbours_learn(&g->neighbours, g->counts.list_builds, g->counts.substeps);
   g->counts = {};
@@ -208,6 +250,7 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   const double owed = g->time.debt;
   time_take(&g->time, *g, input->time_step);
   colliders_take(&g->colliders, *g, *input, owed, &g->counts);
+  begin_carry(g);
   flow_take(&g->flow, *g, *input, &g->counts);
   if (time_paused(*g)) return;
   const bool touch = colliders_find_moved(&g->colliders, *g);
@@ -295,19 +338,30 @@ void granular_after_removal(Granular* g) {
   granular_seal(g);
 }
 
-// The whole output runs, at the end of each frame.
+static bool closes_with_carry(const Granular& g) { return g.carry.closing && carry_is_due(g); }
+
+// The whole output runs, at the end of each frame; before it what colliders carry.
 Stage granular_output_stage(Granular* granular) {
   const auto next = [](const void* state, uint32_t, WorkUnit* unit) {
-    return output_next(*static_cast<const Granular*>(state), unit);
+    const Granular& g = *static_cast<const Granular*>(state);
+    if (!closes_with_carry(g)) return output_next(g, unit);
+    *unit = {k_unit_carry, carry_items(g), "granular.carry"};
+    return true;
   };
   const auto run = [](void* state, uint32_t) {
     Granular* g = static_cast<Granular*>(state);
-    output_run(&g->output, *g);
+    if (closes_with_carry(*g)) granular_carry(g);
+    else output_run(&g->output, *g);
   };
   const auto forecast = [](const void* state, uint32_t, Forecast* entries) {
-    return output_forecast(*static_cast<const Granular*>(state), entries);
+    const Granular& g = *static_cast<const Granular*>(state);
+    const uint32_t count = output_forecast(g, entries);
+    if (!carry_is_expected(g)) return count;
+    entries[count] = {k_unit_carry, g.particles.count};
+    return count + 1;
   };
-  return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f};
+  const auto close = [](void* state) { carry_close(&static_cast<Granular*>(state)->carry); };
+  return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f, 0, close};
 }
 
 }  // namespace sandglass

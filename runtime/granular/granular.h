@@ -40,6 +40,7 @@ enum : uint32_t {
   k_unit_bodies,
   k_unit_drain,
   k_unit_departed,
+  k_unit_carry,
   k_granular_kinds
 };
 
@@ -51,6 +52,7 @@ struct FrameCounts {
   // What the frame was given and could not use.
   uint32_t ignored_colliders, ignored_emitters, ignored_sinks;
   uint32_t denied_particles;  // for which emitters found no room or no free place
+  uint32_t carried;           // particles that went with colliders
 };
 
 static inline void count_lists(FrameCounts* counts, uint32_t dropped, bool built) {
@@ -77,6 +79,7 @@ struct Granular {
   Sleep sleep;
   Departed departed;
   Substep substep;
+  Carry carry;
   Contacts contacts;
 
   // The grains.
@@ -123,6 +126,8 @@ void granular_settle(Granular* granular);
 // Takes a frame's input: colliders, emitters, sinks and time.
 void granular_begin_frame(Granular* granular, const sandglass_frame_input* input);
 void granular_end_frame(Granular* granular);
+// A unit of the carry: sand that colliders hold goes with them where they go on without time for it.
+void granular_carry(Granular* granular);
 // While all sleep, time passes without sub-steps: then true.
 bool granular_skip_time(Granular* granular);
 // Lets in the layers that are due.
@@ -172,6 +177,7 @@ struct SavedState {
   ShownTime shown;
   FlowCounts flow;
   float low[3], high[3];
+  double share, rate;
   float speed_max, frame_step, densest_body, builds_per_substep;
   float resting_gravity[3];
   uint32_t bounds_known, awake, dither;

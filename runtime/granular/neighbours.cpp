@@ -233,7 +233,7 @@ void neighbours_reset(Neighbours* n, float substep) {
 
 void neighbours_forget(Neighbours* n, float substep) {
   n->valid = false;
-  n->slack = n->last_spread = 0.0f;
+  n->slack = n->last_spread = n->worn = 0.0f;
   n->measured = false;
   n->last_substep = substep;
 }
@@ -262,6 +262,7 @@ void neighbours_begin_sort(Neighbours* n, const Granular& g) {
   // A sleeper has no list that could hold its pairs; and the source's passes need all neighbours of a particle.
   n->halves =
       solves_pairs(g) && g.desc.reference.stabilisation_iterations == 0 && g.sleep.awake_count == g.particles.count;
+  n->worn = 0.0f;
   cell_sort_begin(&n->sort, neighbours_reach(g), g.particles.low, g.particles.high, 2);
 }
 
@@ -285,7 +286,8 @@ bool neighbours_run_lists(Neighbours* n, const Granular& g, uint32_t* cursor, Li
   *cursor = end;
   if (end < count) return false;
   n->valid = true;
-  n->slack = g.desc.list_skin * g.desc.particle_radius;
+  n->slack = g.desc.list_skin * g.desc.particle_radius - n->worn;
+  n->worn = 0.0f;
   return true;
 }
 
@@ -317,6 +319,12 @@ void neighbours_wear(Neighbours* n, const Granular& g) {
   n->last_spread = spread_of(g, g.contacts.extent);
   n->last_substep = g.substep.length;
   n->slack -= 2.0f * n->last_spread;
+  n->measured = false;
+}
+
+void neighbours_carried(Neighbours* n, float metres) {
+  n->slack -= metres;
+  n->worn += metres;
   n->measured = false;
 }
 

@@ -192,6 +192,7 @@ struct Neighbours {
   bool halves;               // every pair is in one list only
   bool valid;                // false: the lists must be rebuilt before the next sub-step
   float slack;               // metres by which pairs may still approach before the lists are stale
+  float worn;                // metres that they have approached by while lists are built
   bool measured;             // the slack is that of a measurement, and no sub-step has run since
   float last_spread;         // metres; half the range of the last sub-step's displacements
   float last_substep;        // seconds; its length
@@ -239,6 +240,8 @@ const uint32_t* neighbours_of(const Granular& granular, uint32_t i, uint32_t* co
 
 // After a sub-step: uses up the slack by its motion.
 void neighbours_wear(Neighbours* neighbours, const Granular& granular);
+// Particles were put elsewhere, others not: pairs have approached by so much.
+void neighbours_carried(Neighbours* neighbours, float metres);
 // Nothing moves.
 void neighbours_stand(Neighbours* neighbours);
 void neighbours_restore(Neighbours* neighbours, const SavedScene& saved);

@@ -12,7 +12,7 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t k_magic = 0x73676473;  // "sgds"
-constexpr uint32_t k_version = 5;
+constexpr uint32_t k_version = 6;
 
 struct Header {
   uint32_t magic, version;
@@ -31,6 +31,7 @@ SavedState state_of(const Granular& g) {
   s.grain_lag = g.time.grain_lag;
   s.next_check = g.sleep.next_check;
   s.shown = g.time.grains;
+  s.share = g.time.share, s.rate = g.time.rate;
   s.flow = g.flow.counts;
   for (int k = 0; k < 3; ++k) s.low[k] = g.particles.low[k], s.high[k] = g.particles.high[k];
   s.speed_max = g.particles.speed_max;
@@ -138,6 +139,7 @@ bool sound_state(const Granular& g, const Header& h, const SavedState& s) {
   // A settled scene's grains have followed its particles; where those began is not saved.
   const double lag_bound = h.grains != 0 && h.particles != 0 ? k_time_resolution : k_lag_bound;
   if (!within(s.debt, 0.0, 1.0) || !(s.slipped >= 0.0) || !within(s.grain_lag, 0.0, lag_bound)) return false;
+  if (!within(s.share, 0.0, 1.0) || !within(s.rate, 0.0, 1.0) || !(s.share > 0.0 && s.rate > 0.0)) return false;
   if (!within(s.shown.rate, 0.0, 10.0) || !within(s.shown.spare, 0.0, 10.0) || !(s.shown.shown <= s.shown.reached))
     return false;
   if (!is_finite(s.speed_max) || !within(s.frame_step, 0.0f, 1.0f) || !within(s.densest_body, 0.0f, 1e3f)) return false;

@@ -194,6 +194,12 @@ void sleep_restore(Sleep* s, const SavedScene& saved) {
   s->awake_count = saved.state.awake;
 }
 
+void sleep_carry(const Granular& g, uint32_t number, const RigidWay& way) {
+  way.move(g.sleep.anchors[number].position);
+}
+
+void sleep_include_resting(Sleep* s, const Bounds& carried) { bounds_join(&s->resting, carried); }
+
 void sleep_move(Sleep* s, uint32_t numbers, const SceneMove& move) {
   for (uint32_t i = 0; i < numbers; ++i) move.move(s->anchors[i].position);
 }

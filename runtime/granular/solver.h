@@ -41,6 +41,10 @@ struct SimulatedTime {
   double simulated;      // in all
   double grain_lag;      // what the particles have gone through and the grains have not yet
   ShownTime grains;      // of the grains; of the particles where there are none
+  double asked;          // the debt, with this frame's step
+  float left_out;        // what the app asked for in this frame beyond the longest step
+  double share;          // of the time asked for, what is simulated while colliders move, smoothed; 1: no slow motion
+  double rate;           // of their velocities, what colliders have in simulated time; 1: all
 };
 
 // What the next sub-step will be.
@@ -56,6 +60,12 @@ void time_restore(SimulatedTime* time, const SavedScene& saved);
 
 // Adds a frame's time step to the debt.
 void time_take(SimulatedTime* time, const Granular& granular, float step);
+// A frame in which colliders move ends, and they go on to where it ends whatever was simulated. In the next frame they go
+// less than their velocities, so that what they gain is in proportion to the time in which sand feels it, and no further
+// than told in the debt and that frame's step. Returns the next rate over this one.
+float time_find_rate(SimulatedTime* time);
+// No collider moves.
+void time_forget_rate(SimulatedTime* time);
 // The frame is over.
 void time_end_frame(SimulatedTime* time, const Granular& granular);
 // Whether the frame is a pause: whatever is owed, the particles and the grains do nothing.
@@ -148,6 +158,8 @@ struct Substep {
 // Nothing may be under way.
 void substep_reset(Substep* substep);
 void substep_set_limits(Substep* substep, float longest, float shortest);
+// What must not find particles elsewhere ends: a measurement, a sort, the bodies' phase.
+void substep_end_for_carry(Granular* granular);
 // While all sleep there is no interval.
 void substep_end_interval(Substep* substep);
 Stage granular_particle_stage(Granular* granular);
@@ -158,6 +170,69 @@ void substep_set_due(Substep* substep, SubstepPhase phase, bool due);
 // Before material changes: the sub-step under way starts again from the last state, or ends where bodies have already
 // moved.
 void substep_abandon(Granular* granular);
+
+// ---- Carry (carry.cpp)
+//
+// Colliders that go on without time for sand carry what they hold: rigidly, with its velocity. In a frame's first units
+// those that have jumped do; in its last ones, before output, all that move where the frame's time was not enough. So
+// sand is where its vessel is drawn, whatever the budget. Who is held is geometry alone:
+//   enclosed   in a field that is solid outside, the nearest
+//   supported  the first surface below, along gravity, is the collider's, and sand is within the box around all that go
+//              the same way: a bucket of five boxes. Not above one ball or box alone, unless it goes along with that.
+// Of both the innermost: a jar that is carried in a car. What is not held and would be in the collider gives way along
+// its normal, without a velocity; but what has jumped gives no way, and carries only what stands in a vessel.
+//
+// All copies of a particle are moved, so that the sub-step under way goes on where it was carried.
+
+constexpr uint32_t k_carry_groups = 16;
+
+// Colliders that go the same way. Their box is in the axes of the first; hollow: sand may stand in it.
+struct CarryGroup {
+  uint32_t first, members;
+  Bounds box;
+  bool hollow;
+};
+
+struct Carry {
+  enum class Moment : uint8_t { none, jump, close } due;
+  bool moving;   // a collider moves sand
+  bool closing;  // the frame's optional units are over
+  bool known;    // ways and groups are found
+  bool usual;    // it has closed a frame before: its cost is known
+  uint32_t cursor;
+  float faster;       // velocities of colliders, over those before
+  uint8_t* group_of;  // of each solid collider; k_carry_groups: it carries nothing
+  Bounds* reaches;    // around each solid collider, where it goes on from
+  CarryGroup groups[k_carry_groups];
+  uint32_t group_count;
+  uint8_t body_holders[256];  // the collider that holds a body, plus 1
+  // What the units so far have seen.
+  Bounds held[k_carry_groups], pushed, resting, standing;
+  float way_max;
+  uint32_t carried;
+  bool gave_way;
+};
+
+void carry_layout(Carry* carry, const sandglass_granular_desc& desc, Layout* layout);
+void carry_reset(Carry* carry);
+void carry_begin_frame(Carry* carry, bool jumped, bool moving);
+// The optional units of the frame are over.
+void carry_close(Carry* carry);
+// Whether units are to come, and the items of the next.
+bool carry_is_due(const Granular& granular);
+uint32_t carry_items(const Granular& granular);
+// Units of a carry of all particles; and whether the end of this frame may have them.
+uint32_t carry_units(const Granular& granular);
+bool carry_is_expected(const Granular& granular);
+// The carriers are known. faster: what their velocities are over those before.
+void carry_begin(Carry* carry, const Granular& granular, float faster);
+// One unit. True once all particles are carried.
+bool carry_run(Carry* carry, const Granular& granular);
+void carry_end(Carry* carry);
+// A box around all that was moved, where it was and where it is, and as much wider.
+Bounds carry_bounds(const Carry& carry, float margin);
+// Whether particles that are held in different ways, or not at all, may be near each other.
+bool carry_mixes(const Granular& granular);
 
 // ---- Contacts (contacts.cpp)
 //
@@ -262,6 +337,8 @@ void bodies_place(const Bodies& bodies, const RigidBody& body, uint32_t slot, fl
 // The body falls asleep with its particles.
 void bodies_stop(Bodies* bodies, uint32_t index);
 void bodies_move(Bodies* bodies, const SceneMove& move);
+// One goes along with what holds it, and takes on this velocity besides.
+void bodies_carry(const Granular& granular, uint32_t index, const RigidWay& way, const float faster[3]);
 
 // The phase of a sub-step. False: no body is awake.
 bool bodies_begin(Bodies* bodies, const Granular& granular);
@@ -330,6 +407,9 @@ void sleep_reset(Sleep* sleep);
 void sleep_restore(Sleep* sleep, const SavedScene& saved);
 // Of so many numbers.
 void sleep_move(Sleep* sleep, uint32_t numbers, const SceneMove& move);
+// The particle with this number was carried: it rests where it rests in what holds it.
+void sleep_carry(const Granular& granular, uint32_t number, const RigidWay& way);
+void sleep_include_resting(Sleep* sleep, const Bounds& carried);
 
 // A particle that was added under this number is awake.
 void sleep_add(Sleep* sleep, uint32_t number, const float position[3]);

@@ -278,6 +278,10 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
   const Granular& g = *static_cast<const Granular*>(state);
   // What has begun ends, though the last particle is gone and the nozzle closed.
   if (time_paused(g) || (g.particles.count == 0 && g.flow.emitter_count == 0 && substep_idle(g))) return false;
+  if (g.carry.due == Carry::Moment::jump) {  // before all else: what is under way goes on where it was carried
+    *unit = {k_unit_carry, carry_items(g), "granular.carry"};
+    return true;
+  }
   // A snapshot under way reads the state in several units and must find it unchanged.
   if (g.sweep.phase == SweepPhase::snapshot) return false;
   const SubstepPhase phase = upcoming(g, level);
@@ -333,6 +337,7 @@ bool run_unit(Granular* g, SubstepPhase phase) {
 void run(void* state, uint32_t level) {
   Granular* g = static_cast<Granular*>(state);
   output_restart(&g->output);  // emitters and sinks change what was written
+  if (g->carry.due == Carry::Moment::jump) return granular_carry(g);
   if (g->substep.phase == SubstepPhase::idle) {
     const SubstepPhase first = upcoming(*g, level);
     if (first == SubstepPhase::touch || first == SubstepPhase::departed) enter(g, first);
@@ -384,6 +389,12 @@ void substep_set_limits(Substep* s, float longest, float shortest) {
   s->shortest = shortest;
 }
 
+void substep_end_for_carry(Granular* g) {
+  const Substep& s = g->substep;
+  while (s.phase == SubstepPhase::slack || s.phase == SubstepPhase::sort || s.phase == SubstepPhase::bodies)
+    if (run_unit(g, s.phase)) enter(g, after(g, s.phase));
+}
+
 void substep_end_interval(Substep* s) { s->interval_left = 0; }
 
 bool substep_idle(const Granular& g) { return g.substep.phase == SubstepPhase::idle && g.substep.due == 0; }
@@ -410,6 +421,9 @@ void substep_abandon(Granular* g) {
   s.due &= bit(SubstepPhase::touch);
 }
 
-Stage granular_particle_stage(Granular* granular) { return {granular, next, run, forecast, k_granular_kinds, 1, 0.6f}; }
+Stage granular_particle_stage(Granular* granular) {
+  const uint32_t carries = granular->carry.due == Carry::Moment::jump ? carry_units(*granular) : 0;
+  return {granular, next, run, forecast, k_granular_kinds, 1 + carries, 0.6f};
+}
 
 }  // namespace sandglass

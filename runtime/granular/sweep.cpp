@@ -317,6 +317,10 @@ void sweep_finish(Granular* g) {
     run(g, 0);
 }
 
+void sweep_end_snapshot(Granular* g) {
+  while (g->sweep.phase == SweepPhase::snapshot) run(g, 0);
+}
+
 bool sweep_takes_grains(const Granular& g) {
   return g.sweep.phase == SweepPhase::idle || g.sweep.phase == SweepPhase::refine || g.sweep.phase == SweepPhase::drain;
 }

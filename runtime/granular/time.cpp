@@ -42,6 +42,7 @@ void shown_follow(ShownTime* s, double reached, double step) {
 namespace {
 
 constexpr float k_longest_step = 0.1f;    // seconds; a frame asks for no more
+constexpr float k_longest_gap = 10.0f;    // seconds; a longer frame says nothing about where things were
 constexpr double k_frames_made_up = 2.0;  // an older debt becomes slow motion
 // With time debt a sweep covers up to so many frames. It costs the same whatever time it covers.
 constexpr double k_frames_in_sweep = 2.0;
@@ -58,8 +59,9 @@ uint32_t whole_parts(double count) {
 }  // namespace
 
 void time_reset(SimulatedTime* t) {
-  t->frame_step = 0.0f;
-  t->debt = t->interval_debt = t->slipped = t->simulated = t->grain_lag = 0.0;
+  t->frame_step = t->left_out = 0.0f;
+  t->debt = t->interval_debt = t->slipped = t->simulated = t->grain_lag = t->asked = 0.0;
+  t->share = t->rate = 1.0;
   shown_reset(&t->grains);
 }
 
@@ -68,14 +70,16 @@ void time_restore(SimulatedTime* t, const SavedScene& s) {
   t->grain_lag = s.state.grain_lag;
   t->frame_step = s.state.frame_step;
   t->grains = s.state.shown;
+  t->share = s.state.share, t->rate = s.state.rate;
 }
 
-void time_take(SimulatedTime* time, const Granular& g, float asked) {
+static void take_step(SimulatedTime* time, const Granular& g, float asked) {
   SimulatedTime& t = *time;
   const float some = is_finite(asked) && asked > 0.0f ? asked : 0.0f;
   const float step = some < k_longest_step ? some : k_longest_step;
   const double most = k_frames_made_up * static_cast<double>(step);
   t.frame_step = step;
+  t.left_out = (some < k_longest_gap ? some : k_longest_gap) - step;
   t.debt += static_cast<double>(step);
   if (g.substep.interval_left == 0) {
     if (step > 0.0f && t.debt > most) t.slipped += t.debt - most, t.debt = most;
@@ -89,6 +93,27 @@ void time_take(SimulatedTime* time, const Granular& g, float asked) {
     t.interval_debt = most;
   }
 }
+
+void time_take(SimulatedTime* t, const Granular& g, float asked) {
+  take_step(t, g, asked);
+  t->asked = t->debt;
+}
+
+float time_find_rate(SimulatedTime* time) {
+  // It falls faster than it rises: a collider that is too fast for the time that sand has presses it together.
+  constexpr double k_falls = 0.5, k_rises = 0.25, k_whole = 0.9, k_least_share = 1.0 / 64;
+  SimulatedTime& t = *time;
+  const double step = static_cast<double>(t.frame_step), done = (t.asked - t.debt) / step, before = t.rate;
+  const double now = done < 1.0 ? done : 1.0;
+  t.share += (now < t.share ? k_falls : k_rises) * (now - t.share);
+  if (t.debt < k_time_resolution && t.share > k_whole) t.share = 1.0;
+  if (t.share < k_least_share) t.share = k_least_share;
+  const double told = t.debt < k_time_resolution ? 1.0 : step / (step + t.debt);
+  t.rate = t.share < told ? t.share : told;
+  return static_cast<float>(t.rate / before);
+}
+
+void time_forget_rate(SimulatedTime* t) { t->share = t->rate = 1.0; }
 
 void time_end_frame(SimulatedTime* t, const Granular& g) {
   const double reached = g.grains.count != 0 ? t->simulated - t->grain_lag : t->simulated;

@@ -6,6 +6,7 @@
 #include "kernels/kernels.h"
 #include "runtime/core/held_pose.h"
 #include "runtime/core/layout.h"
+#include "runtime/core/rigid_motion.h"
 
 namespace sandglass {
 
@@ -72,18 +73,33 @@ struct ColliderWatch {
   MovedColliders moved;
 };
 
+// How a collider goes on without time for sand: because it has jumped, or because the frame's time is given up.
+struct Carrier {
+  ColliderFrame from, to;
+  RigidWay way;
+  bool moves;
+};
+
 struct Colliders {
   KnownCollider* known;           // one a slot
   sandglass_collider* of_slot;    // of this frame, as sand meets them, one a slot
   SeenBy* seen_by;                // in this frame, one a slot
   sandglass_collider* given;      // of this frame, as sand meets them, in the order in which they push
+  uint32_t* slots;                // of `given`
   uint32_t* slot_of_place;        // of the usable colliders of this frame's list
+  Pose* met;                      // where sand met them last, before this frame, one a slot
+  uint8_t* jumps;                 // 1: it has jumped, in this frame, one a slot
+  Pose* ends;                     // where they are at the frame's end, one a slot
+  Carrier* carriers;              // of the solid ones of `given`
+  uint32_t* substep_slots;        // of `substep_frames`
   ColliderFrame* substep_frames;  // posed for the sub-step
   ColliderFrame* sweep_frames;    // posed for the grains' sweep
   // How many were posed. A step that goes on in the next frame ends with the colliders with which it began.
   uint32_t substep_count, sweep_count;
   uint32_t count;
   uint32_t solid_count;  // those that particles see; they come first
+  bool jumped;           // in this frame, one of these
+  bool arrived;          // at the end of the last one, they were carried to where they are told to be
   ColliderWatch for_particles, for_grains;
   bool waits;  // after saving or restoring: as long as no collider is passed, the planes are not found yet
 };
@@ -94,8 +110,10 @@ void colliders_reset(Colliders* colliders, const sandglass_granular_desc& desc);
 
 // Takes a frame's colliders. Counts those that it leaves out. owed: the time debt, in seconds, before the frame's time
 // step was added. Sand that owes time has not gone the whole of the last frames' way yet. So a collider goes what is
-// left of its way, and this frame's, spread over all the simulated time left: one that stops has not jumped, and in
-// slow motion it is faster than the app says, as it is on the screen.
+// left of its way, and this frame's, spread over all the simulated time left: one that stops has not jumped.
+//
+// In slow motion it goes from where sand met it last, at SimulatedTime::rate of its velocity. The rest of its way it
+// carries what it holds (Carry, in solver.h), and ends where it is told to be.
 //
 // The smallest push first. The last one to push is not entered: a hand presses no sand through the table.
 void colliders_take(Colliders* colliders, const Granular& granular, const sandglass_frame_input& input, double owed,
@@ -109,6 +127,16 @@ void colliders_find_moved_for_grains(Colliders* colliders, const Granular& granu
 // Poses them as they are `before` seconds before the end of the frame.
 void colliders_begin_substep(Colliders* colliders, float before);
 void colliders_begin_sweep(Colliders* colliders, float before);
+// Whether one that particles see moves, and near the sand.
+bool colliders_move_sand(const Granular& granular);
+// How they go on without sand. At the begin of a frame: those that jumped. At its end: what is left of their ways
+// in the time debt. From then on they are where they are told to be, with velocities `faster` times as large.
+void colliders_find_jumps(Colliders* colliders, const Granular& granular);
+void colliders_arrive(Colliders* colliders, const Granular& granular, float faster);
+// Metres a second that what they carry may gain by that.
+float colliders_gain(const Colliders& colliders, float faster);
+// The sub-step under way goes on where its colliders were carried.
+void colliders_carry_substep(Colliders* colliders, float faster);
 // After saving or restoring, and when the scene was moved by rotation * p + shift.
 void colliders_settle(Colliders* colliders, const Granular& granular);
 void colliders_move(Colliders* colliders, const Granular& granular, const SceneMove& move);

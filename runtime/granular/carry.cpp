@@ -1,0 +1,468 @@
+// What colliders hold goes with them where they go on without time for it. solver.h has the rules, holding.cpp who is held.
+#include "runtime/granular/granular.h"
+#include "runtime/granular/holding.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr float k_same_way = 0.25f;   // radii by which ways may differ and be one
+constexpr float k_step_out = 0.5f;    // radii that a collider goes at once through what gives way
+constexpr uint32_t k_steps_out = 16;  // at most
+constexpr uint32_t k_unit_share = 2;  // of a work unit's particles
+
+// ---- moving what is held
+
+// x becomes x + turn d + shift, for d = x - from; v becomes v + turn v + gain d + constant.
+struct QuadWay {
+  Quad from, turn[3], shift, gain[3], constant;
+};
+
+Quad quad(const float v[3]) { return Quad{v[0], v[1], v[2], 0.0f}; }
+
+Quad times(const Quad columns[3], const Quad& v) {
+  const Quad x = {v[0], v[0], v[0], v[0]}, y = {v[1], v[1], v[1], v[1]}, z = {v[2], v[2], v[2], v[2]};
+  return (columns[0] * x + columns[1] * y) + columns[2] * z;
+}
+
+// What is gained is `more` times the collider's velocity.
+QuadWay quad_way(const Carrier& carrier, float more) {
+  const RigidWay& w = carrier.way;
+  const float* s = carrier.from.angular;
+  const float spin[3][3] = {{0, s[2], -s[1]}, {-s[2], 0, s[0]}, {s[1], -s[0], 0}};
+  QuadWay q = {quad(w.from), {}, quad(w.shift), {}, {}};
+  for (int k = 0; k < 3; ++k) q.turn[k] = Quad{w.turn[0][k], w.turn[1][k], w.turn[2][k], 0.0f};
+  const auto gained = [&](const float u[3]) { return (quad(u) + times(q.turn, quad(u))) * more; };
+  for (int k = 0; k < 3; ++k) q.gain[k] = gained(spin[k]);
+  q.constant = gained(carrier.from.linear);
+  return q;
+}
+
+// A copy of a particle, which holds `scale` seconds of its velocity.
+void carry_copy(const QuadWay& q, float scale, Particle* p) {
+  struct Halves {
+    Quad at, velocity;
+  } halves;
+  static_assert(sizeof halves == sizeof *p);
+  const uint32_t identity = p->identity;
+  __builtin_memcpy(&halves, p, sizeof halves);
+  const Quad d = halves.at - q.from;
+  halves.at += times(q.turn, d) + q.shift;
+  halves.velocity += times(q.turn, halves.velocity);
+  if (scale != 0.0f) halves.velocity += (times(q.gain, d) + q.constant) * scale;
+  __builtin_memcpy(p, &halves, sizeof halves);
+  p->identity = identity;  // no number
+}
+
+// What a particle's copies hold as velocity while a sub-step is under way: so many seconds of it. 1: a velocity. 0: there
+// is none under way.
+float second_scale(const Granular& g, uint32_t group, uint32_t active_before) {
+  const SubstepPhase phase = g.substep.phase;
+  if (phase < SubstepPhase::stabilise || phase > SubstepPhase::bodies) return 0.0f;
+  const bool last =
+      phase == SubstepPhase::complete || (phase == SubstepPhase::solve && g.contacts.pass + 1 == g.contacts.iterations);
+  const bool active = active_before < g.sleep.active_count && g.sleep.active_groups[active_before] == group;
+  if (phase == SubstepPhase::stabilise || !active) return 1.0f;
+  return last && active_before * k_lane_group < g.substep.cursor ? 1.0f : g.substep.length;
+}
+
+struct Sixteen {
+  uint32_t first, count;  // particles
+  float scale;            // of their copies
+  Bounds box;             // around all that have not departed
+  uint32_t here, free;    // bits: these; and of them what is sand
+};
+
+// The longest way of a box, and the box around where it is then.
+float carry_box(const RigidWay& w, const Bounds& box, Bounds* after) {
+  float way2 = 0.0f;
+  for (int corner = 0; corner < 8; ++corner) {
+    float x[3], u[3];
+    for (int k = 0; k < 3; ++k) x[k] = (corner >> k & 1) != 0 ? box.high[k] : box.low[k];
+    w.way(x, u);
+    const float square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+    way2 = square > way2 ? square : way2;
+    for (int k = 0; k < 3; ++k) x[k] += u[k];
+    bounds_include(after, x);
+  }
+  return __builtin_sqrtf(way2);
+}
+
+// Moves those that one collider holds, in all that is kept of them. Returns the longest way; *after holds all of them.
+float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder, uint32_t mask, Bounds* after) {
+  const Carrier& carrier = g.colliders.carriers[holder];
+  const float more = c->faster - 1.0f, gains = more != 0.0f ? 1.0f : 0.0f;
+  const QuadWay q = quad_way(carrier, more);
+  const float way = carry_box(carrier.way, it.box, after);
+  Bounds& held = c->held[c->group_of[holder]];
+  bounds_join(&held, it.box), bounds_join(&held, *after);
+  c->way_max = way > c->way_max ? way : c->way_max;
+  for (uint32_t l = 0; l < it.count; ++l) {
+    if ((mask >> l & 1) == 0) continue;
+    Particle& p = g.particles.records[0][it.first + l];
+    const bool awake = is_awake(p);
+    carry_copy(q, awake ? gains : 0.0f, &p);
+    for (uint32_t copy = 1; copy < 3 && (!awake || it.scale != 0.0f); ++copy)
+      if (g.particles.records[copy] != nullptr)
+        carry_copy(q, awake ? gains * it.scale : 0.0f, &g.particles.records[copy][it.first + l]);
+    if (!awake) bounds_include(&c->resting, p.position);
+    sleep_carry(g, number_of(p), carrier.way);
+    ++c->carried;
+  }
+  return way;
+}
+
+// ---- moving what is not held
+
+// A pose between those of a carrier.
+ColliderFrame pose_between(const Carrier& carrier, float share) {
+  ColliderFrame f = carrier.to;
+  for (int a = 0; a < 3; ++a) {
+    f.position[a] = carrier.from.position[a] + share * (carrier.to.position[a] - carrier.from.position[a]);
+    float length2 = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+      f.axes[a][k] = carrier.from.axes[a][k] + share * (carrier.to.axes[a][k] - carrier.from.axes[a][k]);
+      length2 += f.axes[a][k] * f.axes[a][k];
+    }
+    for (int k = 0; k < 3; ++k) f.axes[a][k] /= __builtin_sqrtf(length2);
+  }
+  find_extent(&f);
+  return f;
+}
+
+// Puts lanes out of a collider, by no more than `most` each.
+void put_out(const Granular& g, const ColliderFrame& c, HeldLanes* lanes, uint32_t mask, const float most[k_lane_group],
+             float moved[k_lane_group]) {
+  float distance[k_lane_group], normal[3][k_lane_group];
+  holding_measure(g, c, lanes->at, distance, normal);
+  for (uint32_t l = 0; l < lanes->count; ++l) {
+    float depth = g.desc.particle_radius - distance[l];
+    depth = depth < most[l] ? depth : most[l];
+    if ((mask >> l & 1) == 0 || !(depth > 0.0f)) continue;
+    for (int k = 0; k < 3; ++k) lanes->at[k][l] += depth * normal[k][l];
+    moved[l] += depth;
+  }
+}
+
+// What is not held gives way to what moves, in steps that are short against it.
+void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t mask, float moved[k_lane_group]) {
+  const float r = g.desc.particle_radius;
+  float endless[k_lane_group];
+  for (float& m : endless) m = 3e38f;
+  for (uint32_t i = 0; i < g.colliders.solid_count && mask != 0; ++i) {
+    const Carrier& carrier = g.colliders.carriers[i];
+    if (!holding_carries(g, i) || holding_encloses(carrier.to)) continue;
+    Bounds swept = holding_box(carrier.to), unused = k_nowhere;
+    bounds_join(&swept, g.carry.reaches[i]);
+    if (!holding_overlaps(here, swept, 2.0f * r)) continue;
+    const float parts = carry_box(carrier.way, here, &unused) / (k_step_out * r);
+    const uint32_t steps = carrier.to.shape == SANDGLASS_SHAPE_HALF_SPACE ? 1
+                           : parts < static_cast<float>(k_steps_out)      ? static_cast<uint32_t>(parts) + 1
+                                                                          : k_steps_out;
+    for (uint32_t step = 1; step <= steps; ++step)
+      put_out(g, pose_between(carrier, static_cast<float>(step) / static_cast<float>(steps)), lanes, mask, endless,
+              moved);
+  }
+}
+
+// What was moved is in nothing that stands.
+bool may_meet_standing(const Granular& g, const Bounds& here) {
+  const float r = g.desc.particle_radius;
+  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
+    const ColliderFrame& c = g.colliders.carriers[i].to;
+    if (holding_carries(g, i) || !holding_overlaps(here, g.carry.reaches[i], r)) continue;
+    if (c.shape != SANDGLASS_SHAPE_HALF_SPACE) return true;
+    float least = 0.0f;
+    for (int k = 0; k < 3; ++k)
+      least += c.axes[1][k] * ((c.axes[1][k] > 0.0f ? here.low[k] : here.high[k]) - c.position[k]);
+    if (least < r) return true;
+  }
+  return false;
+}
+
+void leave_standing(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t mask,
+                    const float moved[k_lane_group]) {
+  float unused[k_lane_group] = {};
+  for (uint32_t i = 0; i < g.colliders.solid_count; ++i)
+    if (!holding_carries(g, i) && holding_overlaps(here, g.carry.reaches[i], g.desc.particle_radius))
+      put_out(g, g.colliders.carriers[i].to, lanes, mask, moved, unused);
+}
+
+// What was put elsewhere, without a velocity.
+void write_pushed(Carry* c, const Granular& g, uint32_t i, const float to[3]) {
+  float way[3], way2 = 0.0f;
+  const Particle& p = g.particles.records[0][i];
+  for (int k = 0; k < 3; ++k) way[k] = to[k] - p.position[k], way2 += way[k] * way[k];
+  if (way2 == 0.0f) return;
+  for (Particle* records : g.particles.records)
+    for (int k = 0; k < 3 && records != nullptr; ++k) records[i].position[k] += way[k];
+  const float length = __builtin_sqrtf(way2);
+  c->way_max = length > c->way_max ? length : c->way_max;
+  c->gave_way = true;
+  bounds_include(&c->pushed, p.position);
+  if (is_asleep(p)) bounds_include(&c->resting, p.position);
+}
+
+// ---- sixteen particles
+
+bool read_sixteen(const Granular& g, uint32_t group, uint32_t active_before, Sixteen* it) {
+  it->first = group * k_lane_group;
+  it->count = g.particles.count - it->first < k_lane_group ? g.particles.count - it->first : k_lane_group;
+  it->scale = second_scale(g, group, active_before);
+  it->here = it->free = 0;
+  Quad low = Quad{} + 3e38f, high = Quad{} - 3e38f;
+  for (uint32_t l = 0; l < it->count; ++l) {
+    const Particle& p = g.particles.records[0][it->first + l];
+    if (has_departed(p)) continue;
+    it->here |= 1u << l;
+    it->free |= in_body(p) ? 0 : 1u << l;
+    Quad at;
+    __builtin_memcpy(&at, p.position, sizeof at);
+    low = at < low ? at : low, high = at > high ? at : high;
+  }
+  for (int k = 0; k < 3; ++k) it->box.low[k] = low[k], it->box.high[k] = high[k];
+  return it->here != 0;
+}
+
+void read_lanes(const Granular& g, const Sixteen& it, HeldLanes* lanes) {
+  const uint32_t instead = static_cast<uint32_t>(__builtin_ctz(it.here));
+  lanes->count = it.count;
+  for (uint32_t l = 0; l < k_lane_group; ++l) {
+    const Particle& p = g.particles.records[0][it.first + ((it.here >> l & 1) != 0 ? l : instead)];
+    for (int k = 0; k < 3; ++k) lanes->at[k][l] = p.position[k], lanes->velocity[k][l] = p.velocity[k];
+  }
+}
+
+// Of lanes that were moved so far: out of what stands, and into the records.
+void settle_lanes(Carry* c, const Granular& g, const Sixteen& it, HeldLanes* lanes, const float moved[k_lane_group]) {
+  Bounds after = k_nowhere;
+  uint32_t mask = 0;
+  for (uint32_t l = 0; l < it.count; ++l) {
+    if (!(moved[l] > 0.0f) || (it.free >> l & 1) == 0) continue;
+    const float at[3] = {lanes->at[0][l], lanes->at[1][l], lanes->at[2][l]};
+    bounds_include(&after, at);
+    mask |= 1u << l;
+  }
+  if (mask == 0) return;
+  if (may_meet_standing(g, after)) leave_standing(g, after, lanes, mask, moved);
+  for (uint32_t l = 0; l < it.count; ++l) {
+    const float to[3] = {lanes->at[0][l], lanes->at[1][l], lanes->at[2][l]};
+    if ((mask >> l & 1) != 0) write_pushed(c, g, it.first + l, to);
+  }
+}
+
+// All by one collider, for certain. False: that is not so.
+bool carry_all(Carry* c, const Granular& g, const Sixteen& it, const HeldGroup& group) {
+  const uint32_t all = it.count == k_lane_group ? (1u << k_lane_group) - 1 : (1u << it.count) - 1;
+  if (it.free != all) return false;
+  const uint32_t holder = holding_sole(g, group);
+  if (holder == k_no_holder) return false;
+  Bounds after = k_nowhere;
+  const float way = carry_some(c, g, it, holder, all, &after);
+  if (!may_meet_standing(g, after)) return true;
+  HeldLanes lanes;
+  float moved[k_lane_group];
+  read_lanes(g, it, &lanes);
+  for (float& m : moved) m = way;
+  settle_lanes(c, g, it, &lanes, moved);
+  return true;
+}
+
+void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_before) {
+  Sixteen it;
+  if (!read_sixteen(g, number, active_before, &it)) return;
+  HeldGroup group;
+  group.box = it.box;
+  holding_find_near(g, &group);
+  if (group.some && carry_all(c, g, it, group)) return;
+  HeldLanes lanes;
+  uint32_t holder[k_lane_group], held = 0;
+  float moved[k_lane_group] = {};
+  read_lanes(g, it, &lanes);
+  holding_find(g, group, lanes, holder);
+  for (uint32_t l = 0; l < it.count; ++l) {
+    if ((it.here >> l & 1) == 0) continue;
+    const Particle& p = g.particles.records[0][it.first + l];
+    const uint32_t of_body = in_body(p) ? c->body_holders[body_of(p) - 1] : 0;
+    if (in_body(p)) holder[l] = of_body != 0 ? of_body - 1 : k_no_holder;
+    held |= holder[l] != k_no_holder ? 1u << l : 0;
+    if (holder[l] == k_no_holder) bounds_include(&c->standing, p.position);
+  }
+  const uint32_t open = it.free & ~held;
+  while (held != 0) {
+    const uint32_t by = holder[__builtin_ctz(held)];
+    uint32_t mask = 0;
+    for (uint32_t l = 0; l < it.count; ++l) mask |= (held >> l & 1) != 0 && holder[l] == by ? 1u << l : 0;
+    Bounds after = k_nowhere;
+    const float way = carry_some(c, g, it, by, mask, &after);
+    for (uint32_t l = 0; l < it.count; ++l) {
+      if ((mask >> l & 1) == 0) continue;
+      for (int k = 0; k < 3; ++k) lanes.at[k][l] = g.particles.records[0][it.first + l].position[k];
+      moved[l] = way;
+    }
+    held &= ~mask;
+  }
+  if (c->due == Carry::Moment::close) give_way(g, it.box, &lanes, open, moved);
+  settle_lanes(c, g, it, &lanes, moved);
+}
+
+// ---- the colliders
+
+// Colliders that go the same way.
+void find_groups(Carry* c, const Granular& g) {
+  const float same = k_same_way * g.desc.particle_radius;
+  c->group_count = 0;
+  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
+    const Carrier& carrier = g.colliders.carriers[i];
+    c->group_of[i] = k_carry_groups;
+    c->reaches[i] = holding_box(carrier.from);
+    if (!carrier.moves) continue;
+    uint32_t at = 0;
+    for (; at < c->group_count; ++at) {
+      const Carrier& first = g.colliders.carriers[c->groups[at].first];
+      const float* const places[] = {carrier.from.position, first.from.position};
+      float most2 = 0.0f;
+      for (const float* place : places) {
+        float mine[3], other[3], apart2 = 0.0f;
+        carrier.way.way(place, mine), first.way.way(place, other);
+        for (int k = 0; k < 3; ++k) apart2 += (mine[k] - other[k]) * (mine[k] - other[k]);
+        most2 = apart2 > most2 ? apart2 : most2;
+      }
+      if (most2 <= same * same) break;
+    }
+    if (at == k_carry_groups) continue;
+    if (at == c->group_count) c->groups[c->group_count++] = {i, 0, k_nowhere, false};
+    CarryGroup& group = c->groups[at];
+    c->group_of[i] = static_cast<uint8_t>(at);
+    if (carrier.from.shape == SANDGLASS_SHAPE_HALF_SPACE) continue;
+    ++group.members;
+    group.hollow = group.members > 1 || carrier.from.shape == SANDGLASS_SHAPE_FIELD;
+    holding_join(&group.box, g.colliders.carriers[group.first].from, carrier.from);
+  }
+  for (Bounds& held : c->held) held = k_nowhere;
+}
+
+// A body goes by its centre, whole.
+void carry_bodies(Carry* c, const Granular& g) {
+  for (uint32_t b = 0; b < g.bodies.count; ++b) {
+    c->body_holders[b] = 0;
+    if (!bodies_has(g.bodies, b) || c->group_count == 0) continue;
+    HeldLanes lanes = {};
+    HeldGroup group;
+    uint32_t holder[k_lane_group];
+    lanes.count = 1;
+    for (int k = 0; k < 3; ++k) {
+      lanes.at[k][0] = group.box.low[k] = group.box.high[k] = static_cast<float>(g.bodies.all[b].center[k]);
+      lanes.velocity[k][0] = g.bodies.all[b].linear[k];
+    }
+    holding_find_near(g, &group);
+    holding_find(g, group, lanes, holder);
+    if (holder[0] == k_no_holder) continue;
+    const Carrier& carrier = g.colliders.carriers[holder[0]];
+    const float center[3] = {lanes.at[0][0], lanes.at[1][0], lanes.at[2][0]};
+    float gain[3];
+    holding_velocity(carrier.from, center, gain);
+    carrier.way.rotate(gain);
+    for (float& v : gain) v *= c->faster - 1.0f;
+    bodies_carry(g, b, carrier.way, gain);
+    c->body_holders[b] = static_cast<uint8_t>(holder[0] + 1);
+  }
+}
+
+uint32_t unit_of(const Granular& g) {
+  const uint32_t unit = g.unit / k_unit_share / k_lane_group * k_lane_group;
+  return unit > k_lane_group ? unit : uint32_t{k_lane_group};
+}
+
+}  // namespace
+
+void carry_layout(Carry* c, const sandglass_granular_desc& d, Layout* layout) {
+  c->group_of = layout_region<uint8_t>(layout, "granular.carry_groups", d.collider_capacity);
+  c->reaches = layout_region<Bounds>(layout, "granular.carry_reaches", d.collider_capacity);
+}
+
+void carry_reset(Carry* c) {
+  c->due = Carry::Moment::none;
+  c->moving = c->closing = c->known = c->usual = false;
+  c->cursor = c->carried = 0;
+}
+
+void carry_begin_frame(Carry* c, bool jumped, bool moving) {
+  c->due = jumped ? Carry::Moment::jump : Carry::Moment::none;
+  c->moving = moving;
+  c->closing = c->known = false;
+  c->cursor = c->carried = 0;
+}
+
+void carry_close(Carry* c) {
+  if (c->moving && !c->closing) c->due = Carry::Moment::close;
+  c->closing = true;
+  c->known = false;
+}
+
+bool carry_is_due(const Granular& g) {
+  if (g.carry.due != Carry::Moment::close) return g.carry.due == Carry::Moment::jump;
+  return g.carry.known || g.time.debt >= k_time_resolution || g.time.rate < 1.0;
+}
+
+bool carry_is_expected(const Granular& g) {
+  return g.carry.usual && g.carry.moving && (g.time.debt >= k_time_resolution || g.time.rate < 1.0);
+}
+
+uint32_t carry_units(const Granular& g) { return (g.particles.count + unit_of(g) - 1) / unit_of(g); }
+
+uint32_t carry_items(const Granular& g) {
+  const uint32_t begun = g.carry.known ? g.carry.cursor : 0, left = g.particles.count - begun, unit = unit_of(g);
+  return left < unit ? left : unit;
+}
+
+void carry_begin(Carry* c, const Granular& g, float faster) {
+  c->known = true;
+  c->faster = faster;
+  c->cursor = 0;
+  c->gave_way = false;
+  c->pushed = c->resting = c->standing = k_nowhere;
+  c->way_max = 0.0f;
+  find_groups(c, g);
+  carry_bodies(c, g);
+}
+
+bool carry_run(Carry* c, const Granular& g) {
+  const uint32_t end = c->cursor + carry_items(g);
+  const Sleep& sleep = g.sleep;
+  uint32_t active = 0;
+  while (active < sleep.active_count && sleep.active_groups[active] < c->cursor / k_lane_group) ++active;
+  for (uint32_t group = c->cursor / k_lane_group; group * k_lane_group < end && c->group_count != 0; ++group) {
+    run_group(c, g, group, active);
+    if (active < sleep.active_count && sleep.active_groups[active] == group) ++active;
+  }
+  c->cursor = end;
+  return end >= g.particles.count || c->group_count == 0;
+}
+
+void carry_end(Carry* c) {
+  c->usual = c->usual || c->due == Carry::Moment::close;
+  c->due = Carry::Moment::none;
+  c->known = false;
+}
+
+Bounds carry_bounds(const Carry& c, float margin) {
+  Bounds all = c.pushed;
+  for (uint32_t i = 0; i < c.group_count; ++i) bounds_join(&all, c.held[i]);
+  for (int k = 0; k < 3 && !is_empty(all); ++k) all.low[k] -= margin, all.high[k] += margin;
+  return all;
+}
+
+bool carry_mixes(const Granular& g) {
+  const Carry& c = g.carry;
+  const float reach = neighbours_reach(g);
+  for (uint32_t a = 0; a < c.group_count && !c.gave_way; ++a) {
+    if (is_empty(c.held[a])) continue;
+    if (!is_empty(c.standing) && holding_overlaps(c.held[a], c.standing, reach)) return true;
+    for (uint32_t b = 0; b < a; ++b)
+      if (!is_empty(c.held[b]) && holding_overlaps(c.held[a], c.held[b], reach)) return true;
+  }
+  return c.gave_way;
+}
+
+}  // namespace sandglass
