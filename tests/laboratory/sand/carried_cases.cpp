@@ -242,7 +242,7 @@ struct Way {
 struct Seen {
   uint32_t outside = 0, at_end = 0, waited = 0, sand = 0;
   double fastest = 0.0, simulated = 0.0, need = 0.0;
-  double over = 0.0;  // microseconds beyond what the budget, or the mandatory part, allows
+  double over = 0.0;  // microseconds beyond the budget and a unit, or what may be mandatory
   Vec3 place;
 };
 
@@ -352,7 +352,7 @@ struct Carried {
     double t = way.flows ? 0.0 : -k_settle, start = 0.0;
     for (; t < -0.5 * step; t += step) start = frame(t - step, t, k_no_budget).time.simulated;
     const uint64_t budget = way.share > 0.0 ? static_cast<uint64_t>(way.share * way.need) : k_no_budget;
-    const double allowed = std::max(static_cast<double>(budget), 20e3 + 100.0 * seen.sand);  // ns
+    const double carrying = 20e3 + 100.0 * seen.sand;  // ns, of the mandatory part, beside one unit
     std::vector<double> times;
     double from = t, ahead = step * static_cast<double>(way.seed % 7) / 7.0;
     for (int f = 0; t < (way.flows ? 100.0 : k_moving); ++f) {
@@ -361,7 +361,10 @@ struct Carried {
       const sandglass_frame_report report = frame(from, t + ahead, way.unlimited ? k_no_budget : budget);
       from = t + ahead;
       times.push_back(static_cast<double>(report.time.elapsed_ns));
-      seen.over = std::max(seen.over, 1e-3 * (times.back() - allowed - static_cast<double>(report.time.last_unit_ns)));
+      const sandglass_time_report& took = report.time;
+      const double allowed = std::max(static_cast<double>(budget) + static_cast<double>(took.last_unit_ns),
+                                      carrying + static_cast<double>(took.longest_unit_ns));
+      seen.over = std::max(seen.over, 1e-3 * (times.back() - allowed));
       seen.simulated = report.time.simulated - start;
       look(pose(from));
       if (way.flows && half_through(pose(from))) break;
@@ -383,7 +386,7 @@ struct Judge {
 
   Seen run(const CarriedScene& scene, Way way) {
     if (!progress(done++, total)) throw Stopped();
-    way.seed = choice.seed;
+    way.seed += choice.seed;
     return Carried(scene, way, choice.isa).run();
   }
   void row(const std::string& name, const char* unit, double truth, double result, double limit, bool control = false) {
@@ -459,20 +462,30 @@ struct Judge {
       row(std::string(scene.name) + ", jump of " + what + ": waits", "frames", 0.0, s.waited, 3.0);
     }
   }
-  // Slow motion has the sub-steps of the level before it.
+  // The mean of seven starts: of one alone it varies by 3 %. Slow motion has the sub-steps of the level before it.
+  Seen half_through(const CarriedScene& scene, Way way) {
+    constexpr uint64_t k_starts = 7;
+    Seen mean;
+    way.flows = true;
+    for (way.seed = 0; way.seed < k_starts; ++way.seed) {
+      const Seen s = run(scene, way);
+      mean.simulated += s.simulated / k_starts, mean.outside = std::max(mean.outside, s.outside);
+    }
+    return mean;
+  }
   void flow() {
-    const auto compare = [&](const CarriedScene& scene, Told told, double truth, std::initializer_list<int> parts) {
+    const double truth = half_through(k_rising, {.finest = SANDGLASS_LEVEL_COARSER}).simulated;
+    const auto compare = [&](const CarriedScene& scene, Told told, std::initializer_list<int> parts) {
       const double need = run(scene, {.told = told, .flows = true}).need;
       for (const int part : parts) {
-        const Seen s = run(scene, {.share = 1.0 / part, .need = need, .told = told, .flows = true});
-        row(std::string(scene.name) + ", half through at 1/" + std::to_string(part), "s", truth, s.simulated,
-            0.02 * truth);
-        row(std::string(scene.name) + ", outside at 1/" + std::to_string(part), "particles", 0.0, s.outside, 0.0);
+        const Seen s = half_through(scene, {.share = 1.0 / part, .need = need, .told = told});
+        const std::string who = std::string(scene.name) + " at 1/" + std::to_string(part);
+        row(who + ": half through", "s", truth, s.simulated, 0.02 * truth);
+        row(who + ": outside", "particles", 0.0, s.outside, 0.0);
       }
     };
-    const double alone = run(k_rising, {.flows = true, .finest = SANDGLASS_LEVEL_COARSER}).simulated;
-    compare(k_rising, Told::velocities, alone, {2, 4, 8, 16});
-    compare(k_two_jars, Told::poses, alone, {16});
+    compare(k_rising, Told::velocities, {2, 4, 8, 16});
+    compare(k_two_jars, Told::poses, {16});
   }
   void controls() {
     const CarriedScene &glass = k_scenes[0], &bucket = k_scenes[3];
@@ -507,7 +520,7 @@ std::vector<Verdict> carried_verdicts(const VerdictChoice& choice, std::string* 
     judge.group = group;
     return among(quick, group) && (choice.groups.empty() || among(choice.groups, group));
   };
-  judge.total = choice.quick ? 24 : std::size(k_scenes) * 2 * std::size(k_rates) * (1 + std::size(k_shares)) + 100;
+  judge.total = choice.quick ? 24 : std::size(k_scenes) * 2 * std::size(k_rates) * (1 + std::size(k_shares)) + 130;
   try {
     for (const CarriedScene& scene : k_scenes) {
       if (!runs(scene.name)) continue;
