@@ -428,14 +428,14 @@ static bool is_balanced(const Sleep& sleep, const Granular& g, uint32_t i) {
   return supports != 0 && (free || !beside) && !touches_collider(g, i, &beside);
 }
 
-// From now on the particle is balanced. What it touches wakes, and is looked at again after `half` checks: it may be, too.
+// From now on the particle is balanced. What is near wakes, and is looked at anew at `half` its patience: it may be, too.
 static void begin_leaning(Sleep* sleep, const Granular& g, uint32_t i, uint32_t half) {
   sleep->anchors[number_of(*particle_at(g, i))].quiet = k_balanced;
-  wake_neighbours(sleep, g, i);
   uint32_t count;
   const uint32_t* row = neighbours_of(g, i, &count);
   for (uint32_t s = 0; s < count; ++s) {
     if (row[s] >= g.particles.count || leans(*sleep, g, row[s])) continue;
+    wake_if_asleep(sleep, g, row[s]);
     uint16_t& quiet = sleep->anchors[number_of(*particle_at(g, row[s]))].quiet;
     if (quiet >= half) quiet = static_cast<uint16_t>(half - 1);
   }
