@@ -72,7 +72,9 @@ Distribution distribution(std::vector<double> values);
 struct Summary {
   Distribution elapsed, wall, cpu, stages[SANDGLASS_STAGE_COUNT];
   double budget_ms = 0.0;
-  uint32_t misses = 0;                 // frames whose time by the scene's clock is above their budget
+  uint32_t misses = 0;  // frames whose time by the scene's clock is above their budget
+  // Of these, which are in time but for what the system took: wall less CPU time. With a pool, waiting for it counts too.
+  uint32_t misses_of_system = 0;
   double worst_overrun_ms = 0.0;       // elapsed - budget; 0 without a miss
   uint32_t beyond_guarantee = 0;       // frames with elapsed > max(budget, mandatory) + last work unit
   double time_debt = 0.0;              // seconds, at the end

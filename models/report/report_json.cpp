@@ -39,6 +39,7 @@ std::string report_summary_json(const RunReport& report) {
                      {"cpu_ms", json_of(s.cpu)},
                      {"stages_ms", stages},
                      {"misses", s.misses},
+                     {"misses_of_system", s.misses_of_system},
                      {"worst_overrun_ms", s.worst_overrun_ms},
                      {"beyond_guarantee", s.beyond_guarantee},
                      {"clock_faults", s.clock_faults},

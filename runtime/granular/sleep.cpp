@@ -1,6 +1,7 @@
 // Who rests: which particles sleep, and what wakes them. solver.h has the rules.
 #include "kernels/whole.h"
 #include "runtime/core/finite.h"
+#include "runtime/core/rigid_motion.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -29,6 +30,15 @@ constexpr float k_stir_radii = 0.05f;
 constexpr float k_slow_carrier = 3.0f;
 constexpr uint16_t k_carried_contacts = 40;  // contacts from the carrier that are kept awake: more than piles are high
 
+// What stands on one other's top tips, but slowly at first: a lattice of 2 r moves on after 1.5 s where r is 3 mm, 2.8 s
+// where it is 1 cm. Twice as long it stays awake, in units of r / sqrt(g d): friction may hold it for ever.
+constexpr float k_tipping_units = 243.0f;
+constexpr uint16_t k_balanced = 0x8000;  // the bit of Anchor::quiet of what was found so since it moved on
+constexpr uint32_t k_touched_most = 16;  // more cannot touch a sphere
+constexpr float k_support = 0.3f;        // what is lower by so much of the distance bears
+constexpr float k_upright = 0.998f;      // and what bears alone, straight below to 3.6 degrees
+constexpr float k_way_aside = 0.05f;     // what is nearer than that along a way, of the distance, stops it
+
 Particle* particle_at(const Granular& g, uint32_t i) { return &g.particles.records[0][i]; }
 
 void drop_anchor(Anchor* anchor, const float position[3]) {
@@ -44,6 +54,8 @@ void move_on(Sleep* sleep, const Granular& g, const Particle& p) {
   for (uint32_t slot = body.first; slot < body.first + body.count; ++slot)
     drop_anchor(&sleep->anchors[g.bodies.numbers[slot]], particle_at(g, g.bodies.rows[slot])->position);
 }
+
+float dot(const FloatVector& a, const FloatVector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 float apart2(const float a[3], const float b[3]) {
   float sum = 0.0f;
@@ -340,32 +352,93 @@ static bool is_far_from(const ColliderFrame& c, const float position[3], float m
   return false;
 }
 
-// Whether a particle touches a particle, not of its own body, the boundary or a collider, and its centre lies in none:
-// from there it is on its way out. Without gravity all may rest.
-static bool may_rest(const Granular& g, uint32_t i) {
-  if (!(g.gravity_length > 0.0f)) return true;
+// Whether a particle touches a collider, and whether its centre lies in one.
+static bool touches_collider(const Granular& g, uint32_t i, bool* inside) {
   const Particle& p = *particle_at(g, i);
-  const float r = g.desc.particle_radius, gap = k_touch_gap_radii * r, near2 = (2.0f * r + gap) * (2.0f * r + gap);
-  if (has_departed(p)) return false;  // its list is old
+  const float near = (1.0f + k_touch_gap_radii) * g.desc.particle_radius;
   bool touches = false;
   alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group] = {};
   for (int k = 0; k < 3; ++k) points[0].position[k] = p.position[k];
   for (uint32_t c = 0; c < g.colliders.substep_count; ++c) {
     const ColliderFrame& collider = g.colliders.substep_frames[c];
-    if (is_far_from(collider, p.position, r + gap)) continue;
+    if (is_far_from(collider, p.position, near)) continue;
     const SurfaceArgs args = {points, &collider};
     uint32_t unused = 0;
     g.kernels->surface_at(&args, 0, k_lane_group, &unused);
-    if (points[0].distance < 0.0f) return false;
-    touches = touches || points[0].distance < r + gap;
-  }
-  uint32_t count;
-  const uint32_t* row = neighbours_of(g, i, &count);
-  for (uint32_t s = 0; s < count && !touches; ++s) {
-    const Particle& other = *particle_at(g, row[s]);
-    touches = !(in_body(p) && body_of(p) == body_of(other)) && apart2(other.position, p.position) < near2;
+    *inside = *inside || points[0].distance < 0.0f;
+    touches = touches || points[0].distance < near;
   }
   return touches;
+}
+
+// Whether this is a particle that was found balanced since it moved on.
+static bool leans(const Sleep& sleep, const Granular& g, uint32_t i) {
+  const Particle& p = *particle_at(g, i);
+  return i < g.particles.count && is_awake(p) && (sleep.anchors[number_of(p)].quiet & k_balanced) != 0;
+}
+
+// Whether a particle touches a particle, not of its own body, the boundary or a collider, and its centre lies in none:
+// from there it is on its way out. `watched` long enough, it may beside what leans, too; else that would fall on other ways
+// where this stands fast. Without gravity all may rest.
+static bool may_rest(const Sleep& sleep, const Granular& g, uint32_t i, bool watched) {
+  if (!(g.gravity_length > 0.0f)) return true;
+  const Particle& p = *particle_at(g, i);
+  const float near = (2.0f + k_touch_gap_radii) * g.desc.particle_radius;
+  if (has_departed(p)) return false;  // its list is old
+  bool inside = false, touches = touches_collider(g, i, &inside);
+  uint32_t count;
+  const uint32_t* row = neighbours_of(g, i, &count);
+  for (uint32_t s = 0; s < count && !inside; ++s) {
+    const Particle& other = *particle_at(g, row[s]);
+    if ((in_body(p) && body_of(p) == body_of(other)) || !(apart2(other.position, p.position) < near * near)) continue;
+    touches = true;
+    if (!watched && leans(sleep, g, row[s])) return false;
+  }
+  return touches && !inside;
+}
+
+// Whether a particle stands upright on a single other one, and some way aside leads past all that it touches. What is
+// balanced itself stops nothing: so a lattice leans as a whole, and between walls it stands.
+static bool is_balanced(const Sleep& sleep, const Granular& g, uint32_t i) {
+  if (!(g.gravity_length > 0.0f)) return false;
+  const float* at = particle_at(g, i)->position;
+  const float near = (2.0f + k_touch_gap_radii) * g.desc.particle_radius, pull = -1.0f / g.gravity_length;
+  const FloatVector up = {g.gravity[0] * pull, g.gravity[1] * pull, g.gravity[2] * pull};
+  FloatVector normals[k_touched_most];  // of what might stop it
+  uint32_t count, supports = 0, stops = 0;
+  const uint32_t* row = neighbours_of(g, i, &count);
+  for (uint32_t s = 0; s < count && stops < k_touched_most; ++s) {
+    const float* other = particle_at(g, row[s])->position;
+    const float gap2 = apart2(other, at);
+    if (!(gap2 < near * near) || !(gap2 > 0.0f)) continue;
+    const float scale = 1.0f / __builtin_sqrtf(gap2);
+    const FloatVector n = {(at[0] - other[0]) * scale, (at[1] - other[1]) * scale, (at[2] - other[2]) * scale};
+    const float height = dot(n, up);
+    if (height > k_support && (height < k_upright || ++supports > 1)) return false;
+    if (height > -k_support && !leans(sleep, g, row[s])) normals[stops++] = n;
+  }
+  // Where any way is free, one leads along the side of what is beside the particle, or nothing is.
+  bool beside = false, free = false;
+  for (uint32_t s = 0; s < 2 * stops && !free; ++s) {
+    const FloatVector way = s % 2 == 0 ? cross(up, normals[s / 2]) : cross(normals[s / 2], up);
+    if (dot(way, way) < k_way_aside) continue;
+    beside = free = true;
+    for (uint32_t t = 0; t < stops; ++t) free = free && dot(way, normals[t]) > -k_way_aside;
+  }
+  return supports != 0 && (free || !beside) && !touches_collider(g, i, &beside);
+}
+
+// From now on the particle is balanced. What is near wakes, and is looked at anew at `half` its patience: it may be, too.
+static void begin_leaning(Sleep* sleep, const Granular& g, uint32_t i, uint32_t half) {
+  sleep->anchors[number_of(*particle_at(g, i))].quiet = k_balanced;
+  uint32_t count;
+  const uint32_t* row = neighbours_of(g, i, &count);
+  for (uint32_t s = 0; s < count; ++s) {
+    if (row[s] >= g.particles.count || leans(*sleep, g, row[s])) continue;
+    wake_if_asleep(sleep, g, row[s]);
+    uint16_t& quiet = sleep->anchors[number_of(*particle_at(g, row[s]))].quiet;
+    if (quiet >= half) quiet = static_cast<uint16_t>(half - 1);
+  }
 }
 
 // Checks in a row that must find a particle near one place.
@@ -374,9 +447,16 @@ static uint32_t patience_of(const Granular& g) {
   return checks > k_checks_least ? checks : k_checks_least;
 }
 
+// And those for which what is balanced beside others is watched.
+static uint32_t tipping_of(const Granular& g) {
+  const float time = k_tipping_units * g.desc.particle_radius / granular_speed_scale(g);
+  const float checks = time * static_cast<float>(1.0 / k_sleep_period), most = static_cast<float>(k_balanced - 2);
+  return to_whole<uint32_t>(checks < most ? checks : most);
+}
+
 bool sleep_run_sleep(Sleep* sleep, const Granular& g, uint32_t* cursor) {
   const float limit = rest_limit(g, k_rest_radii), body_limit = rest_limit(g, k_body_rest_radii);
-  const uint32_t patience = patience_of(g);
+  const uint32_t patience = patience_of(g), tipping = tipping_of(g);
   const uint32_t items = sleep_active_items(g);
   const uint32_t end = items - *cursor < g.unit ? items : *cursor + g.unit;
   for (uint32_t at = *cursor; at < end; at += k_lane_group) {
@@ -393,8 +473,15 @@ bool sleep_run_sleep(Sleep* sleep, const Granular& g, uint32_t* cursor) {
         if (!has_departed(p)) wake_neighbours(sleep, g, i);
       } else if (carried != 0) {
         anchor.quiet = 0;
-      } else if (++anchor.quiet >= patience && !in_body(p) && may_rest(g, i)) {
-        fall_asleep(sleep, g, i);
+      } else {
+        const uint32_t quiet = anchor.quiet & (k_balanced - 1u);
+        if (quiet < k_balanced - 2u) ++anchor.quiet;
+        if (in_body(p)) continue;
+        if (anchor.quiet == patience / 2 && is_balanced(*sleep, g, i)) {
+          begin_leaning(sleep, g, i, patience / 2);
+        } else if (quiet + 1 >= patience && may_rest(*sleep, g, i, quiet + 1 >= tipping)) {
+          fall_asleep(sleep, g, i);
+        }
       }
       if (carried == 0) continue;
       anchor.carried = carried - 1;
@@ -413,7 +500,7 @@ bool sleep_put_body(Sleep* sleep, const Granular& g, const RigidBody& body) {
   for (uint32_t slot = body.first; slot < body.first + body.count; ++slot)
     quiet = quiet && sleep->anchors[g.bodies.numbers[slot]].quiet >= patience;
   for (uint32_t slot = body.first; quiet && !touches && slot < body.first + body.count; ++slot)
-    touches = may_rest(g, g.bodies.rows[slot]);
+    touches = may_rest(*sleep, g, g.bodies.rows[slot], true);
   quiet = quiet && touches;
   for (uint32_t slot = body.first; quiet && slot < body.first + body.count; ++slot) {
     fall_asleep(sleep, g, g.bodies.rows[slot]);

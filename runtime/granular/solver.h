@@ -382,7 +382,7 @@ enum class GroupState : uint8_t { asleep, active, waking };
 // Where a particle last moved on, and for how long it has stayed near. Kept by the particle's number.
 struct Anchor {
   float position[3];
-  uint16_t quiet;      // checks in a row that found it near; k_asleep: it sleeps
+  uint16_t quiet;      // checks in a row that found it near (sleep.cpp: and one bit); k_asleep: it sleeps
   uint16_t carried;    // contacts from it that a slow carrier still keeps awake
   uint32_t body_slot;  // of a body's particle: its place in the arrays of Bodies
 };

@@ -55,6 +55,20 @@ TEST(Report, SummaryCountsMissesAndPercentiles) {
   EXPECT_EQ(s.level_frames, (std::vector<uint32_t>{50, 51}));
 }
 
+// A frame of 6 ms, in which the thread did not run for 1.5 or 2.5 ms.
+TEST(Report, TellsALateFrameOfTheLibraryFromOneThatTheSystemTook) {
+  std::vector<FrameRow> frames(2);
+  for (size_t i = 0; i < 2; ++i) {
+    frames[i].report.time.budget_ns = 4'000'000;
+    frames[i].report.time.elapsed_ns = 6'000'000;
+    frames[i].wall_ms = 6.1;
+    frames[i].cpu_ms = i == 0 ? 4.6 : 3.6;
+  }
+  const Summary s = summarise(frames);
+  EXPECT_EQ(s.misses, 2u);
+  EXPECT_EQ(s.misses_of_system, 1u);
+}
+
 // Frame i of a run takes i ms. What too few frames tell has no column in the text, and is null in JSON.
 TEST(Report, APercentileNeedsTenFramesBeyondIt) {
   const struct {

@@ -13,6 +13,7 @@
 #include "models/program/command_line.h"
 #include "models/simulation/simulation.h"
 #include "models/work/progress.h"
+#include "tests/laboratory/sand/carried_cases.h"
 #include "tests/laboratory/sand/follow_cases.h"
 #include "tests/laboratory/sand/physics_cases.h"
 
@@ -143,6 +144,14 @@ Options verify_follow_options(VerifyOptions& o) {
           json_option(o.json)};
 }
 
+Options verify_carried_options(VerifyOptions& o) {
+  return {standard("all", {"--case", &o.cases, "NAMES", "Only these", one_of(carried_groups())}),
+          {"--quick", &o.quick, "", "Three scenes, two budgets, 60 Hz"},
+          seed_option(o.seed, "By which part of a frame a way begins later"),
+          isa_option(o.isa),
+          json_option(o.json)};
+}
+
 Options verify_lighting_options(VerifyOptions& o) {
   return {panoramas(o),
           {"--manifest", &o.manifest, "FILE",
@@ -229,12 +238,23 @@ int verify_follow_command(const VerifyOptions& options) {
               }));
 }
 
+int verify_carried_command(const VerifyOptions& options) {
+  const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa), options.seed};
+  std::string table;
+  const std::vector<Verdict> rows =
+      with_progress([&](const auto& progress) { return carried_verdicts(choice, &table, progress); });
+  std::fputs(table.c_str(), stdout);
+  return tell(options, "carried", kernels_of(choice.isa), rows);
+}
+
 std::vector<Command> verify_suites() {
   return {
       command<VerifyOptions>("granular", "Sand: friction, piles, flow, momentum, hard cases", verify_granular_options,
                              verify_granular_command),
       command<VerifyOptions>("follow", "Grains: whether what is drawn is where the particles are, and moves with them",
                              verify_follow_options, verify_follow_command),
+      command<VerifyOptions>("carried", "Sand in what is moved: whether it stays and flows where the budget is short",
+                             verify_carried_options, verify_carried_command),
       command<VerifyOptions>("lighting", "Light: estimates against labels and baselines", verify_lighting_options,
                              verify_lighting_command),
       command<VerifyOptions>("room", "Rooms: the light as a session has seen it, against the light that is there",

@@ -23,6 +23,7 @@ struct VerifyOptions {
 // One function a suite (verify.cpp ...); each returns the exit code.
 int verify_granular_command(const VerifyOptions& options);
 int verify_follow_command(const VerifyOptions& options);
+int verify_carried_command(const VerifyOptions& options);
 int verify_lighting_command(const VerifyOptions& options);
 int verify_room_command(const VerifyOptions& options);
 int verify_day_command(const VerifyOptions& options);

@@ -48,6 +48,12 @@ example_bodies() {
   ((hashes == 1)) || fail "the restored scene ends in another state"
 }
 
+example_carried_box() {
+  run
+  # All of the sand is in it, whatever the machine affords; the box was put 0.3 m aside.
+  holds 'n[1] == n[2] && n[2] > 300 && n[3] > 0.29 && n[3] < 0.31 && n[4] > 0'
+}
+
 example_shadow_alone() {
   run "$shadow"
   # For every light the shadow falls to the other side.

@@ -135,8 +135,9 @@ typedef struct sandglass_granular_desc {
   /* Seconds, 0..5: particles that stay near one place for so long fall asleep, and cost nothing until something touches
    * them. Near is 10 % of r; for r below 1 cm 10 % of sqrt(r * 1 cm), because slow creep shrinks no faster; for rigid
    * bodies three times that. Where there is gravity, only what touches something falls asleep, and near is at most
-   * 0.08 g sleep_after^2, which is less than a flight takes. What is above 0 and below 0.04 counts as 0.04. 0 means
-   * never. Default: 0.5. */
+   * 0.08 g sleep_after^2, which is less than a flight takes. What stands straight on one other particle, and could fall
+   * aside as a lattice does, waits for 172 sqrt(r / g), 5.5 s for 1 cm. What is above 0 and below 0.04 counts as 0.04. 0
+   * means never. Default: 0.5. */
   float sleep_after;
   /* Seconds, 0.0001..0.1: the longest step of the grains, Delta t_hr: how often lambda is applied. Default: 0.008, as
    * in the dissertation. */
