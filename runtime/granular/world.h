@@ -6,7 +6,7 @@
 #include "kernels/kernels.h"
 #include "runtime/core/held_pose.h"
 #include "runtime/core/layout.h"
-#include "runtime/core/rigid_motion.h"
+#include "runtime/core/rigid_way.h"
 
 namespace sandglass {
 
