@@ -199,8 +199,10 @@ void order(Colliders* c, uint32_t capacity) {
     for (uint32_t slot = 0; slot < capacity; ++slot) {
       if (c->seen_by[slot] != part) continue;
       uint32_t at = c->count++;
-      for (; at > first && pushes_before(c->of_slot[slot], c->given[at - 1]); --at) c->given[at] = c->given[at - 1];
+      for (; at > first && pushes_before(c->of_slot[slot], c->given[at - 1]); --at)
+        c->given[at] = c->given[at - 1], c->slides[at] = c->slides[at - 1];
       c->given[at] = c->of_slot[slot];
+      c->slides[at] = c->known[slot].pose.slide;
     }
     if (part == SeenBy::all) c->solid_count = c->count;
   }
@@ -363,6 +365,7 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
   c->of_slot = layout_region<sandglass_collider>(layout, "granular.colliders_by_slot", capacity);
   c->seen_by = layout_region<SeenBy>(layout, "granular.colliders_seen_by", capacity);
   c->given = layout_region<sandglass_collider>(layout, "granular.colliders", capacity);
+  c->slides = layout_region<const float*>(layout, "granular.collider_slides", capacity);
   c->slot_of_place = layout_region<uint32_t>(layout, "granular.collider_slots", capacity);
   c->substep_frames = layout_region<ColliderFrame>(layout, "granular.substep_colliders", capacity);
   c->sweep_frames = layout_region<ColliderFrame>(layout, "granular.sweep_colliders", capacity);
@@ -451,12 +454,12 @@ void colliders_find_moved_for_grains(Colliders* c, const Granular& g) {
 }
 
 void colliders_begin_substep(Colliders* c, float before) {
-  colliders_pose(c->given, c->solid_count, before, c->substep_frames);
+  colliders_pose(c->given, c->solid_count, before, c->substep_frames, c->slides);
   c->substep_count = c->solid_count;
 }
 
 void colliders_begin_sweep(Colliders* c, float before) {
-  colliders_pose(c->given, c->count, before, c->sweep_frames);
+  colliders_pose(c->given, c->count, before, c->sweep_frames, c->slides);
   c->sweep_count = c->count;
 }
 
@@ -524,15 +527,23 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
   return normalise(accepted->rotation);
 }
 
-void colliders_pose(const sandglass_collider* colliders, uint32_t count, float before, ColliderFrame* frames) {
+void colliders_pose(const sandglass_collider* colliders, uint32_t count, float before, ColliderFrame* frames,
+                    const float* const* slides) {
+  constexpr float k_none[6] = {};
   for (uint32_t c = 0; c < count; ++c) {
     const sandglass_collider& collider = colliders[c];
     ColliderFrame& frame = frames[c];
     frame.shape = collider.shape;
     if (collider.shape == SANDGLASS_SHAPE_FIELD) frame.field = grid_of(collider.field);
-    const float* q = collider.rotation;
-    const float* w = collider.angular_velocity;
+    const float *q = collider.rotation, *slide = slides != nullptr ? slides[c] : k_none;
     const float h = -0.5f * before;
+    float w[3];
+    frame.slides = 0;
+    for (int k = 0; k < 3; ++k) {
+      w[k] = collider.angular_velocity[k] - slide[k + 3];
+      frame.slide[k] = slide[k], frame.slide_turn[k] = slide[k + 3];
+      if (slide[k] != 0.0f || slide[k + 3] != 0.0f) frame.slides = 1;
+    }
     float r[4] = {
         q[0] + h * (w[0] * q[3] + w[1] * q[2] - w[2] * q[1]), q[1] + h * (w[1] * q[3] + w[2] * q[0] - w[0] * q[2]),
         q[2] + h * (w[2] * q[3] + w[0] * q[1] - w[1] * q[0]), q[3] - h * (w[0] * q[0] + w[1] * q[1] + w[2] * q[2])};
@@ -542,7 +553,7 @@ void colliders_pose(const sandglass_collider* colliders, uint32_t count, float b
                               {2 * (x * y - z * s), 1 - 2 * (x * x + z * z), 2 * (y * z + x * s)},
                               {2 * (x * z + y * s), 2 * (y * z - x * s), 1 - 2 * (x * x + y * y)}};
     for (int k = 0; k < 3; ++k) {
-      frame.position[k] = collider.position[k] - before * collider.linear_velocity[k];
+      frame.position[k] = collider.position[k] - before * (collider.linear_velocity[k] - slide[k]);
       frame.size[k] = collider.size[k];
       frame.linear[k] = collider.linear_velocity[k];
       frame.angular[k] = collider.angular_velocity[k];

@@ -77,6 +77,7 @@ struct Colliders {
   sandglass_collider* of_slot;    // of this frame, as sand meets them, one a slot
   SeenBy* seen_by;                // in this frame, one a slot
   sandglass_collider* given;      // of this frame, as sand meets them, in the order in which they push
+  const float** slides;           // of each of these, what of its velocities is no way of the pose: linear, angular
   uint32_t* slot_of_place;        // of the usable colliders of this frame's list
   ColliderFrame* substep_frames;  // posed for the sub-step
   ColliderFrame* sweep_frames;    // posed for the grains' sweep
@@ -121,8 +122,10 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
 // The collider of the last frame's list at this index as sand meets it. False: it was left out, or there was none.
 bool collider_held(const Granular& granular, uint32_t index, sandglass_collider* held);
 
-// Poses each collider as it was `before` seconds before the end of the frame, going back along its velocities.
-void colliders_pose(const sandglass_collider* colliders, uint32_t count, float before, ColliderFrame* frames);
+// Poses each collider as it was `before` seconds before the end of the frame, going back along its velocities, but for
+// what slides (Colliders::slides).
+void colliders_pose(const sandglass_collider* colliders, uint32_t count, float before, ColliderFrame* frames,
+                    const float* const* slides = nullptr);
 
 // ---- Flow (flow.cpp)
 //
