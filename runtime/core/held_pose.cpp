@@ -335,8 +335,8 @@ void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose&
 
 // What the told pose does: how fast, and in which intervals.
 struct Seen {
-  bool jumped;    // faster than a hand gets
-  bool moves_on;  // as in the way before
+  bool jumped;  // faster than a hand gets
+  bool starts;  // it moves on as in the way before, faster than lately
 };
 Seen observe(HeldPose* p, sandglass_shape shape, const Pose& told, float step, const HoldRule& rule) {
   p->age = minimum(p->age + step, 1.0f);
@@ -354,13 +354,14 @@ Seen observe(HeldPose* p, sandglass_shape shape, const Pose& told, float step, c
   const float gains = k_hand_acceleration * seconds;
   const bool jumped = errs > rule.band + gains * seconds && speed > p->speed + gains;
   const bool moves_on = errs <= k_moves_on_share * way;
+  const bool starts = moves_on && speed > (1.0f + k_catch_up_share) * p->speed;
   if (!jumped) p->speed = maximum(p->speed, moves_on ? speed : minimum(speed, p->last_speed));
   p->last_speed = speed;
   motion_between(p->told, told, p->way, p->way + 3);
   for (float& v : p->way) v /= seconds;
   p->age = 0.0f;
   p->same = 0;
-  return {jumped, moves_on};
+  return {jumped, starts};
 }
 
 // Where the held pose goes: a half-space to where it is told to be, and not along itself.
@@ -369,9 +370,9 @@ Pose aim_of(const HeldPose& p, sandglass_shape shape) {
   return laid(p.held.pose, 1, 1.0f, face_of(p.told, 1, 1.0f));
 }
 
-// What has jumped further than goes gently, or than it can soon make up, is there at once. Sand takes no part in what a
+// What has jumped further than goes gently, and than motion is behind, is there at once. Sand takes no part in what a
 // table jumped along itself: one that has sand in front of one face alone.
-void jump(HeldPose* p, sandglass_shape shape, const HoldRule& rule) {
+void jump(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule) {
   Pose& held = p->held.pose;
   const Pose aim = aim_of(*p, shape);
   if (shape == SANDGLASS_SHAPE_BOX) {
@@ -385,7 +386,7 @@ void jump(HeldPose* p, sandglass_shape shape, const HoldRule& rule) {
     const float up = face % 2 != 0 ? 1.0f : -1.0f;
     if (faces == 1) held = laid(p->told, face / 2, up, face_of(held, face / 2, up));
   }
-  if (surface_way(shape, aim, held, rule) > rule.gentle + p->speed * k_speed_seconds) held = aim;
+  if (surface_way(shape, aim, held, rule) > rule.gentle + p->speed * (p->interval + 1.0f) * step) held = aim;
 }
 
 // A frame's way: to within the band of the told pose, where that moves, hardly faster than it goes; else gently.
@@ -419,7 +420,7 @@ void follow(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule
 
 // Whether a frame more beyond the band is not enough: an outlier of a slow tracker lasts until its next pose.
 bool may_return(HeldPose* p, const Seen& seen, bool* motion) {
-  *motion = ++p->beyond > 1 && seen.moves_on;
+  *motion = ++p->beyond > 1 && seen.starts;
   const float frames = static_cast<float>(p->beyond);
   return (p->beyond < k_beyond_frames || frames <= minimum(p->interval, k_slowest_interval)) && !*motion;
 }
@@ -433,7 +434,7 @@ bool waits(HeldPose* p, sandglass_shape shape, const Seen& seen, float step, con
     return true;
   }
   p->beyond = 0;
-  if (!motion) jump(p, shape, rule);
+  if (!motion) jump(p, shape, step, rule);
   return false;
 }
 
@@ -561,7 +562,7 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
   bool motion = false;
   if (may_return(p, seen, &motion)) return;
   begin_following(p);
-  if (!motion) jump(p, shape, rule);
+  if (!motion) jump(p, shape, step, rule);
   follow(p, shape, step, rule);
 }
 

@@ -196,6 +196,26 @@ TEST(PosesAlone, TheHeldVelocityIsThatOfTheHeldWayAndNeverAhead) {
   }
 }
 
+// What jumps in motion, as in a pause, goes on beside what it jumped to, and is there after three frames, at its own speed.
+TEST(PosesAlone, AJumpInMotionIsThereAfterThreeFrames) {
+  for (const float jump : {0.05f, 0.2f, -0.1f}) {
+    GranularScene scene(description(100));
+    scene.add(lattice(4, 2, 4, 2.05f * k_radius, k_radius));
+    scene.colliders = {sandglass::floor_at(0), sandglass::box(0.0f, 0.2f, 0.0f, 0.05f, 0.05f, 0.05f)};
+    scene.colliders[1].id = 1;
+    for (int f = 0; f < 60; ++f) {
+      scene.colliders[1].position[0] = static_cast<float>(f) / 60.0f + (f < 30 ? 0.0f : jump);
+      scene.frame(1.0f / 60.0f);
+      sandglass_collider held = {};
+      ASSERT_TRUE(scene.scene.held_collider(1, &held));
+      EXPECT_LE(std::fabs(held.linear_velocity[0]), 1.3f) << jump << " m, frame " << f;
+      if (f > 32) {
+        EXPECT_NEAR(held.position[0], scene.colliders[1].position[0], 0.0031f) << jump << " m, frame " << f;
+      }
+    }
+  }
+}
+
 // ---- a belt: a velocity that the pose does not go
 
 // Heaps against both ends of a box that stands. What lies on it goes along.
