@@ -105,11 +105,22 @@ SANDGLASS_INLINE bool far_from(const ColliderFrame& c, const Float position[3], 
   return all(broadcast(reach * reach) < dot3(x, y, z, x, y, z));
 }
 
-// Velocity of the collider's material at a point, m/s.
-SANDGLASS_INLINE void collider_velocity(const ColliderFrame& c, Float px, Float py, Float pz, Float v[3]) {
+// The velocity of a rigid motion at a point, m/s.
+SANDGLASS_INLINE void motion_at(const float linear[3], const float angular[3], Float x, Float y, Float z, Float v[3]) {
+  const Float wx = broadcast(angular[0]), wy = broadcast(angular[1]), wz = broadcast(angular[2]);
+  v[0] = broadcast(linear[0]) + (wy * z - wz * y);
+  v[1] = broadcast(linear[1]) + (wz * x - wx * z);
+  v[2] = broadcast(linear[2]) + (wx * y - wy * x);
+}
+
+// Velocity of the collider's material at a point of its surface, m/s. Along the normal only what its pose goes counts.
+SANDGLASS_INLINE void collider_velocity(const ColliderFrame& c, Float px, Float py, Float pz, const Float normal[3],
+                                        Float v[3]) {
   const Float x = px - broadcast(c.position[0]), y = py - broadcast(c.position[1]), z = pz - broadcast(c.position[2]);
-  const Float wx = broadcast(c.angular[0]), wy = broadcast(c.angular[1]), wz = broadcast(c.angular[2]);
-  v[0] = broadcast(c.linear[0]) + (wy * z - wz * y);
-  v[1] = broadcast(c.linear[1]) + (wz * x - wx * z);
-  v[2] = broadcast(c.linear[2]) + (wx * y - wy * x);
+  motion_at(c.linear, c.angular, x, y, z, v);
+  if (c.slides == 0) return;
+  Float slide[3];
+  motion_at(c.slide, c.slide_turn, x, y, z, slide);
+  const Float out = dot3(slide[0], slide[1], slide[2], normal[0], normal[1], normal[2]);
+  for (int k = 0; k < 3; ++k) v[k] = v[k] - out * normal[k];
 }

@@ -217,7 +217,7 @@ SANDGLASS_INLINE void leave_colliders(const CompleteArgs* a, const FrictionTerms
       continue;
     }
     Float v[3];
-    collider_velocity(collider, px, py, pz, v);
+    collider_velocity(collider, px, py, pz, normal, v);
     const Float step = broadcast(a->step);
     // The collider's displacement minus the particle's, without its normal part. The particle makes up all of it.
     const Float rx = step * v[0] - displacement[0], ry = step * v[1] - displacement[1],

@@ -75,7 +75,10 @@ struct ColliderFrame {
   float extent[3];  // half the sides of a box along the world's axes that holds it; not of a half space or a field
   float linear[3];  // velocity, m/s
   float angular[3];
-  FieldGrid field;  // of SANDGLASS_SHAPE_FIELD
+  uint32_t slides;      // 0: the next two are none
+  float slide[3];       // of the velocity what moves no face: a belt's
+  float slide_turn[3];  // and of the angular one
+  FieldGrid field;      // of SANDGLASS_SHAPE_FIELD
 };
 
 // From shape, axes and size; a thousandth longer, for what is rounded away.

@@ -353,7 +353,7 @@ SANDGLASS_APART Mask keep_outside(const RefineArgs* a, Mask lanes, Float positio
     if (collider.shape == SANDGLASS_SHAPE_FIELD) rough = rough | hit;
     const Float n[3] = {surface.nx, surface.ny, surface.nz};
     Float v[3], relative[3], along = zero;
-    collider_velocity(collider, position[0], position[1], position[2], v);
+    collider_velocity(collider, position[0], position[1], position[2], n, v);
     for (int k = 0; k < 3; ++k) {
       position[k] = select(hit, position[k] + depth * n[k], position[k]);
       relative[k] = velocity[k] - v[k];

@@ -26,13 +26,22 @@ constexpr float k_still_seconds = 0.1f;
 constexpr float k_slowest = 1e-4f;
 // What a told velocity lacks of the pose's way, in shares of it. Of a hand that turns or brakes it is less.
 constexpr float k_untold_share = 0.25f;
-// A followed velocity is smoothed over about this time.
+// What a told velocity lacks is smoothed over about this time.
 constexpr float k_smooth_seconds = 0.1f;
 // Seconds in which a collider may gain the speed at which sand leaves it.
 constexpr float k_leave_frame = 1.0f / 60.0f;
+// m/s^2: a hand that shakes a jar by 5 cm at 4 Hz reaches 32. A way that needs more is a jump.
+constexpr float k_hand_acceleration = 50.0f;
+// What goes on errs by no more than this share of its way, if the way before is continued.
+constexpr float k_moves_on_share = 0.75f;
+// Frames: no tracker is waited for longer.
+constexpr float k_slowest_interval = 12.0f;
+// A told speed is remembered for about this time, and what is behind may go by this share faster.
+constexpr float k_speed_seconds = 0.25f, k_catch_up_share = 0.25f;
 
 float dot(const float a[3], const FloatVector& b) { return a[0] * b.x + a[1] * b.y + a[2] * b.z; }
-float length3(const float v[3]) { return __builtin_sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+float dot3(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+float length3(const float v[3]) { return __builtin_sqrtf(dot3(v, v)); }
 float minimum(float a, float b) { return a < b ? a : b; }
 float maximum(float a, float b) { return a > b ? a : b; }
 
@@ -152,15 +161,41 @@ Pose between(const Pose& from, const Pose& to, float share) {
   return p;
 }
 
-// Shift and turn from one pose to another; the turn to first order, about the world's axes.
+// Shift and turn from one pose to another; the turn about the world's axes, as colliders_pose undoes it.
 void motion_between(const Pose& from, const Pose& to, float shift[3], float turn[3]) {
   const float *a = from.rotation, *b = to.rotation;
   const FloatVector v = cross(FloatVector{b[0], b[1], b[2]}, {a[0], a[1], a[2]});
   const float w[3] = {v.x, v.y, v.z};
+  const float with = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];  // cosine of half the angle
+  const float half = with < 0.0f ? minimum(with, -0.1f) : maximum(with, 0.1f);
   for (int k = 0; k < 3; ++k) {
     shift[k] = to.position[k] - from.position[k];
-    turn[k] = 2.0f * (b[k] * a[3] - a[k] * b[3] - w[k]);
+    turn[k] = 2.0f * (b[k] * a[3] - a[k] * b[3] - w[k]) / half;
   }
+}
+
+// Where a pose is when it has gone on at a velocity.
+Pose advanced(const Pose& from, const float linear[3], const float angular[3], float seconds) {
+  Pose p = from;
+  for (int k = 0; k < 3; ++k) p.position[k] += seconds * linear[k];
+  const float h = 0.5f * seconds, w[4] = {h * angular[0], h * angular[1], h * angular[2], 1.0f};
+  multiply(w, from.rotation, p.rotation);
+  return between(p, p, 0.0f);
+}
+
+// A pose, moved as little as makes its face along a local axis lie where `face` does.
+Pose laid(const Pose& pose, int axis, float side, const Face& face) {
+  Pose p = pose;
+  const FloatVector m = face_of(pose, axis, side).n, n = face.n, v = cross(m, n);
+  const float turn[4] = {v.x, v.y, v.z, 1.0f + m.x * n.x + m.y * n.y + m.z * n.z};
+  if (turn[3] < 0.1f) return p;  // turned over
+  multiply(turn, pose.rotation, p.rotation);
+  p = between(p, p, 0.0f);
+  const float off = face.offset - dot(p.position, n) - p.size[axis];
+  p.position[0] += off * n.x;
+  p.position[1] += off * n.y;
+  p.position[2] += off * n.z;
+  return p;
 }
 
 // A velocity of a collider's own way, in which the poses' noise is smoothed: what makes less than the band in this
@@ -179,10 +214,25 @@ void gain(float velocity[3], const float way[3], float seconds, float lever, con
   for (int k = 0; k < 3; ++k) velocity[k] = scale * next[k];
 }
 
+// How far a surface goes by a shift and an arc: of a half-space what leads out of it, of a ball no arc.
+float run_of_surface(sandglass_shape shape, const Pose& pose, const float run[6]) {
+  const float *shift = run, *arc = run + 3;
+  float length2 = dot3(shift, shift);
+  const bool ball = shape == SANDGLASS_SHAPE_SPHERE;
+  if (!ball) length2 += dot3(arc, arc);
+  if (shape == SANDGLASS_SHAPE_HALF_SPACE) {
+    const FloatVector n = rotated(pose.rotation, {0, 1, 0});
+    const float out = dot(shift, n), about = dot(arc, n);
+    length2 = out * out + maximum(dot3(arc, arc) - about * about, 0.0f);
+  }
+  return __builtin_sqrtf(length2);
+}
+
 // Whether the told velocities are motion: they have run further than what shakes within the band can, or kept their
 // direction for a while.
-bool believes(HeldPose* p, const Placement& told, float reach, float step, float band) {
-  float way[6], length2 = 0.0f, run2 = 0.0f, with = 0.0f;
+bool believes(HeldPose* p, sandglass_shape shape, const Placement& told, bool jumped, float reach, float step,
+              float band) {
+  float way[6], length2 = 0.0f, with = 0.0f;
   for (int k = 0; k < 6; ++k) {
     way[k] = k < 3 ? told.linear[k] * step : told.angular[k - 3] * reach * step;
     length2 += way[k] * way[k];
@@ -196,28 +246,37 @@ bool believes(HeldPose* p, const Placement& told, float reach, float step, float
     p->moved = 0;
     return false;
   }
+  // Between frames without one, differences of a tracker that is slower than the frames: they are too high.
+  if (p->since_velocity > 0.0f && p->since_velocity < k_still_seconds) {
+    p->since_gap = p->since_turn = 0.0f;
+    for (float& r : p->run) r = 0.0f;
+    p->moved = 0;
+  }
+  const bool outlier = jumped && p->since_velocity > 0.0f;  // or the second pose of a slow tracker
   p->since_velocity = 0.0f;
   if (p->moved < k_moved_frames) ++p->moved;
   const float kept = with < 0.0f ? 0.0f : maximum(1.0f - step / k_way_seconds, 0.0f);
   p->since_turn = with < 0.0f ? 0.0f : minimum(p->since_turn + step, k_way_seconds);
-  for (int k = 0; k < 6; ++k) p->run[k] = kept * p->run[k] + way[k], run2 += p->run[k] * p->run[k];
+  for (int k = 0; k < 6; ++k) p->run[k] = kept * p->run[k] + way[k];
   const bool steady = p->since_turn >= k_way_seconds && p->moved == k_moved_frames;
-  return steady || run2 > k_run_bands * k_run_bands * band * band;
+  const bool ran = run_of_surface(shape, told.pose, p->run) > k_run_bands * band;
+  return steady || (ran && !outlier && p->since_gap >= k_way_seconds);
 }
 
 void stop(HeldPose* p) {
   for (int k = 0; k < 3; ++k) p->held.linear[k] = p->held.angular[k] = 0.0f;
+  for (float& s : p->slide) s = 0.0f;
 }
 
 void begin_following(HeldPose* p) {
   p->follows = 1;
   p->beyond = 0;
-  p->start = p->stand = p->held.pose;
-  p->age = p->stood = 0.0f;
+  p->stand = p->held.pose;
+  p->stood = 0.0f;
 }
 
 // Adds to a told velocity what it does not tell of the pose's way: of a belt that is lifted, the lift. Of the velocity,
-// so much is the pose's as goes with its way; of a belt that stays in place nothing.
+// so much is the pose's as goes with its way; of a belt that stays in place nothing: it slides.
 void add_untold(float velocity[3], float untold[3], const float way[3], float step, float lever, const HoldRule& rule) {
   float with = 0.0f, told2 = 0.0f;
   for (int k = 0; k < 3; ++k) with += way[k] * velocity[k] * step, told2 += velocity[k] * velocity[k] * step * step;
@@ -229,24 +288,39 @@ void add_untold(float velocity[3], float untold[3], const float way[3], float st
   for (int k = 0; k < 3; ++k) velocity[k] += untold[k];
 }
 
+// The share of a told velocity that the pose does not go.
+void find_slide(float slide[3], const float told[3], const float went[3]) {
+  const float told2 = dot3(told, told), share = told2 > 0.0f ? 1.0f - dot3(told, went) / told2 : 0.0f;
+  for (int k = 0; k < 3; ++k) slide[k] = share > k_untold_share ? minimum(share, 1.0f) * told[k] : 0.0f;
+}
+
 // Pose and velocities as told. What was not believed before has been left behind, and catches up smoothly.
 void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, float reach, float step,
           const HoldRule& rule) {
   const Placement before = p->held;
   p->held = told;
-  if (rule.band <= 0.0f) return;
   float shift[3], arc[3];
   motion_between(was_told, told.pose, shift, arc);
+  // A pose that has not changed may be a slow tracker's.
+  if (p->same == 0 || p->age >= k_still_seconds) {
+    find_slide(p->slide, told.linear, p->way);
+    find_slide(p->slide + 3, told.angular, p->way + 3);
+  }
+  if (rule.band <= 0.0f) {
+    const bool alone = dot3(told.linear, told.linear) + dot3(told.angular, told.angular) == 0.0f;
+    for (int k = 0; alone && k < 3; ++k) p->held.linear[k] = shift[k] / step, p->held.angular[k] = arc[k] / step;
+    return;
+  }
   for (int k = 0; k < 3 && p->believed == 0; ++k) {  // it followed until now
     p->untold[k] = before.linear[k] - told.linear[k];
     p->untold[k + 3] = before.angular[k] - told.angular[k];
   }
   add_untold(p->held.linear, p->untold, shift, step, 1.0f, rule);
   add_untold(p->held.angular, p->untold + 3, arc, step, maximum(reach, 1e-6f), rule);
-  // As far from the told pose as it was in the last frame, but of one that had jumped no further than the band.
-  const float lag = surface_way(shape, before.pose, was_told, rule);
+  // As far from the told pose as it was in the last frame, but of one that had jumped no further than what goes gently.
+  const float lag = surface_way(shape, before.pose, was_told, rule), most = rule.gentle + p->last_speed * step;
   if (lag <= k_caught_up) return;
-  const Pose was_held = lag > rule.band ? between(was_told, before.pose, rule.band / lag) : before.pose;
+  const Pose was_held = lag > most ? between(was_told, before.pose, most / lag) : before.pose;
   Pose behind = was_held;
   const float* w = was_told.rotation;
   const float back[4] = {-w[0], -w[1], -w[2], w[3]};
@@ -259,29 +333,109 @@ void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose&
   for (int k = 0; k < 3; ++k) p->held.linear[k] += shift[k] / step, p->held.angular[k] += arc[k] / step;
 }
 
-void follow(HeldPose* p, sandglass_shape shape, bool changed, float reach, float step, const HoldRule& rule) {
-  Placement& held = p->held;
-  p->age += step;
-  if (!changed && p->age < k_still_seconds) {  // a slow tracker: on as before
-    for (int k = 0; k < 3; ++k) held.pose.position[k] = p->start.position[k] + held.linear[k] * p->age;
-    return;
+// What the told pose does: how fast, and in which intervals.
+struct Seen {
+  bool jumped;  // faster than a hand gets
+  bool starts;  // it moves on as in the way before, faster than lately
+};
+Seen observe(HeldPose* p, sandglass_shape shape, const Pose& told, float step, const HoldRule& rule) {
+  p->age = minimum(p->age + step, 1.0f);
+  ++p->same;
+  p->speed *= maximum(1.0f - step / k_speed_seconds, 0.0f);
+  const bool stood = p->age >= k_still_seconds && p->same > 1;
+  if (same_pose(told, p->told)) {
+    for (int k = 0; stood && k < 6; ++k) p->way[k] = p->last_speed = 0.0f;
+    return {false, false};
   }
-  const float seconds = p->age;
-  Pose next = between(p->start, p->told, seconds / (k_follow_seconds + seconds));
-  const float behind = surface_way(shape, p->told, next, rule);
-  if (behind > rule.band) next = between(p->told, next, rule.band / behind);
-  float shift[3], turn[3];
-  motion_between(p->start, next, shift, turn);
-  gain(held.linear, shift, seconds, 1.0f, rule);
-  gain(held.angular, turn, seconds, maximum(reach, 1e-6f), rule);
-  held.pose = p->start = next;
+  const float frames = static_cast<float>(p->same), seconds = stood ? p->interval * step : p->age;
+  if (!stood) p->interval = maximum(frames, 0.5f * (p->interval + frames));
+  const float way = surface_way(shape, p->told, told, rule), speed = way / seconds;
+  const float errs = surface_way(shape, advanced(p->told, p->way, p->way + 3, seconds), told, rule);
+  const float gains = k_hand_acceleration * seconds;
+  const bool jumped = errs > rule.band + gains * seconds && speed > p->speed + gains;
+  const bool moves_on = errs <= k_moves_on_share * way;
+  const bool starts = moves_on && speed > (1.0f + k_catch_up_share) * p->speed;
+  if (!jumped) p->speed = maximum(p->speed, moves_on ? speed : minimum(speed, p->last_speed));
+  p->last_speed = speed;
+  motion_between(p->told, told, p->way, p->way + 3);
+  for (float& v : p->way) v /= seconds;
   p->age = 0.0f;
+  p->same = 0;
+  return {jumped, starts};
+}
+
+// Where the held pose goes: a half-space to where it is told to be, and not along itself.
+Pose aim_of(const HeldPose& p, sandglass_shape shape) {
+  if (shape != SANDGLASS_SHAPE_HALF_SPACE) return p.told;
+  return laid(p.held.pose, 1, 1.0f, face_of(p.told, 1, 1.0f));
+}
+
+// What has jumped further than goes gently, and than motion is behind, is there at once. Sand takes no part in what a
+// table jumped along itself: one that has sand in front of one face alone.
+void jump(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule) {
+  Pose& held = p->held.pose;
+  const Pose aim = aim_of(*p, shape);
+  if (shape == SANDGLASS_SHAPE_BOX) {
+    float low[3], high[3];
+    near_box(shape, held, rule, low, high);
+    int faces = 0, face = 0;
+    for (int side = 0; side < 6; ++side) {
+      const float up = side % 2 != 0 ? 1.0f : -1.0f;
+      if (sand_beyond(face_of(held, side / 2, up), face_of(p->told, side / 2, up), low, high)) ++faces, face = side;
+    }
+    const float up = face % 2 != 0 ? 1.0f : -1.0f;
+    if (faces == 1) held = laid(p->told, face / 2, up, face_of(held, face / 2, up));
+  }
+  if (surface_way(shape, aim, held, rule) > rule.gentle + p->speed * (p->interval + 1.0f) * step) held = aim;
+}
+
+// A frame's way: to within the band of the told pose, where that moves, hardly faster than it goes; else gently.
+void follow(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule) {
+  Pose& held = p->held.pose;
+  const Pose aim = aim_of(*p, shape);
+  if (shape == SANDGLASS_SHAPE_BOX && grown(held, aim) > 0.0f) take_free_faces(p, rule);
+  const Pose before = held;
+  const float lag = surface_way(shape, aim, before, rule), gently = rule.leave_speed * step;
+  float share = step / (k_follow_seconds + step);
+  if (share * lag > gently) share = gently / lag;
+  const Pose slow = between(before, aim, share);
+  Pose next = before;
+  if (lag > rule.band) next = between(aim, before, rule.band / lag);
+  // Evenly until a slow tracker tells the next pose.
+  next = between(before, next, 1.0f / maximum(p->interval - static_cast<float>(p->same), 1.0f));
+  const float most = (1.0f + k_catch_up_share) * p->speed * step;
+  float way = surface_way(shape, before, next, rule);
+  if (way > most) next = between(before, next, most / way), way = most;
+  if (surface_way(shape, before, slow, rule) > way) next = slow;
+  motion_between(before, next, p->held.linear, p->held.angular);
+  for (int k = 0; k < 3; ++k) p->held.linear[k] /= step, p->held.angular[k] /= step;
+  held = next;
   const bool moves = surface_way(shape, p->stand, next, rule) > k_stand_bands * rule.band;
   if (moves) p->stand = next;
-  p->stood = moves ? 0.0f : p->stood + seconds;
+  p->stood = moves ? 0.0f : p->stood + step;
   if (p->stood < k_stand_seconds) return;
   p->follows = 0;
   stop(p);
+}
+
+// Whether a frame more beyond the band is not enough: an outlier of a slow tracker lasts until its next pose.
+bool may_return(HeldPose* p, const Seen& seen, bool* motion) {
+  *motion = ++p->beyond > 1 && seen.starts;
+  const float frames = static_cast<float>(p->beyond);
+  return (p->beyond < k_beyond_frames || frames <= minimum(p->interval, k_slowest_interval)) && !*motion;
+}
+
+// Whether a pose that jumped is waited for. Meanwhile it goes on as it did.
+bool waits(HeldPose* p, sandglass_shape shape, const Seen& seen, float step, const HoldRule& rule) {
+  bool motion = false;
+  if (p->beyond == 0 && !seen.jumped) return false;
+  if (may_return(p, seen, &motion)) {
+    p->held.pose = advanced(p->held.pose, p->held.linear, p->held.angular, step);
+    return true;
+  }
+  p->beyond = 0;
+  if (!motion) jump(p, shape, step, rule);
+  return false;
 }
 
 }  // namespace
@@ -314,6 +468,11 @@ float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const
     return way_of_face({a, dot(from.position, a)}, {b, dot(to.position, b)}, rule.low, rule.high);
   }
   if (shape == SANDGLASS_SHAPE_BOX && grown(from, to) > rule.band) return way_of_faces(from, to, low, high);
+  if (shape == SANDGLASS_SHAPE_SPHERE) {  // however it turns
+    const float way[3] = {to.position[0] - from.position[0], to.position[1] - from.position[1],
+                          to.position[2] - from.position[2]};
+    return length3(way) + grown(from, to);
+  }
   const float back[4] = {-from.rotation[0], -from.rotation[1], -from.rotation[2], from.rotation[3]};
   for_corners(low, high, [&](const float at[3]) {
     const FloatVector r = {at[0] - from.position[0], at[1] - from.position[1], at[2] - from.position[2]};
@@ -340,9 +499,10 @@ void pose_move(Pose* p, const float rotation[4], const float shift[3]) {
 }
 
 void hold_move(HeldPose* p, const float rotation[4], const float shift[3]) {
-  Pose* const poses[] = {&p->held.pose, &p->told, &p->start, &p->stand};
+  Pose* const poses[] = {&p->held.pose, &p->told, &p->stand};
   for (Pose* pose : poses) pose_move(pose, rotation, shift);
-  float* const vectors[] = {p->held.linear, p->held.angular, p->run, p->run + 3, p->untold, p->untold + 3};
+  float* const vectors[] = {p->held.linear, p->held.angular, p->slide,   p->slide + 3, p->way,
+                            p->way + 3,     p->run,          p->run + 3, p->untold,    p->untold + 3};
   for (float* v : vectors) {
     const FloatVector turned = rotated(rotation, {v[0], v[1], v[2]});
     v[0] = turned.x;
@@ -360,15 +520,16 @@ float way_of_box(const Pose& from, const Pose& to, const HoldRule& rule) {
 void hold_anew(HeldPose* p, const Placement& told) {
   *p = {};
   p->held = told;
-  p->told = p->start = p->stand = told.pose;
-  p->since_turn = k_way_seconds;
+  p->told = p->stand = told.pose;
+  p->interval = 1.0f;
+  p->since_turn = p->since_gap = k_way_seconds;
   p->since_velocity = k_still_seconds;
   // What comes with a velocity is believed, until it turns back.
   for (int k = 0; k < 3; ++k)
     if (told.linear[k] != 0.0f || told.angular[k] != 0.0f) p->moved = k_moved_frames, p->believed = 1;
 }
 
-void hold_returns(HeldPose* p) { p->beyond = k_beyond_frames; }
+void hold_returns(HeldPose* p) { p->beyond = static_cast<uint32_t>(k_slowest_interval); }
 
 void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, const HoldRule& rule) {
   Placement told = now;
@@ -376,10 +537,11 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
   for (int k = 0; k < 4; ++k) with += told.pose.rotation[k] * p->held.pose.rotation[k];
   for (float& c : told.pose.rotation) c = with < 0.0f ? -c : c;  // q and -q are one turn
   const Pose was_told = p->told;
-  bool changed = !same_pose(told.pose, was_told);
+  const Seen seen = observe(p, shape, told.pose, step, rule);
   p->told = told.pose;
+  p->since_gap = minimum(p->since_gap + step, k_way_seconds);
   const float reach = reach_of(shape, told.pose, rule);
-  if (rule.band <= 0.0f || believes(p, told, reach, step, rule.band)) {
+  if (rule.band <= 0.0f || believes(p, shape, told, seen.jumped, reach, step, rule.band)) {
     take(p, shape, told, was_told, reach, step, rule);
     p->believed = 1;
     begin_following(p);
@@ -387,18 +549,21 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
   }
   if (p->believed != 0) stop(p);
   p->believed = 0;
-  if (p->follows == 0) {
-    stop(p);
-    if (same_pose(p->held.pose, told.pose) || surface_way(shape, p->held.pose, told.pose, rule) < rule.band) {
-      p->beyond = 0;
-      if (shape == SANDGLASS_SHAPE_BOX && grown(p->held.pose, told.pose) > rule.band) take_free_faces(p, rule);
-      return;
-    }
-    if (++p->beyond < k_beyond_frames) return;
-    begin_following(p);
-    changed = true;
+  if (p->follows != 0) {
+    if (!waits(p, shape, seen, step, rule)) follow(p, shape, step, rule);
+    return;
   }
-  follow(p, shape, changed, reach, step, rule);
+  stop(p);
+  if (same_pose(p->held.pose, told.pose) || surface_way(shape, p->held.pose, told.pose, rule) < rule.band) {
+    p->beyond = 0;
+    if (shape == SANDGLASS_SHAPE_BOX && grown(p->held.pose, told.pose) > rule.band) take_free_faces(p, rule);
+    return;
+  }
+  bool motion = false;
+  if (may_return(p, seen, &motion)) return;
+  begin_following(p);
+  if (!motion) jump(p, shape, step, rule);
+  follow(p, shape, step, rule);
 }
 
 }  // namespace sandglass

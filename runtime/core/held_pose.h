@@ -2,13 +2,14 @@
 // trembles by a tenth of a millimetre would shake a heap flat, and one that is corrected would throw it.
 //
 //   held      as long as the told surface, where sand is, stays within a band of the held one, nothing moves
-//   follows   a pose that stays beyond the band for some frames is followed all the way, smoothly and never further
-//             behind than the band, with the velocity of that way without its noise; it is held again once it has stood
-//             for a while
+//   follows   a pose that stays beyond the band for some frames, or moves on there, is followed all the way, never ahead
+//             of it. The held velocity is that of the held pose's way, so sand meets what it sees. Where the told pose
+//             moves, it is followed to within the band, hardly faster than it goes; where it has jumped, gently. It is
+//             held again once it has stood for a while
 //   believed  where the app tells a velocity that keeps its direction, pose and velocity are taken as told
 //
-// What counts is the surface, not the numbers: a half-space may slide along itself, and a box that grows keeps the faces
-// that sand lies on. Lengths are metres.
+// What counts is the surface, not the numbers: a half-space may slide along itself, a ball may turn, and a box that grows
+// keeps the faces that sand lies on. Lengths are metres.
 #pragma once
 
 #include "kernels/kernels.h"
@@ -28,17 +29,23 @@ struct Placement {
 // State that is saved as it is.
 struct HeldPose {
   Placement held;
+  float slide[6];        // of the held velocities what is no way of the pose: a belt's
   Pose told;             // in the last frame
-  Pose start;            // while it follows: `held` when the told pose last changed
   Pose stand;            // while it follows: where it stands if it stands
+  float way[6];          // the velocity of the told pose's last way, m/s and rad/s
+  float speed;           // m/s: at which its surface went on lately, two ways in a row
+  float last_speed;      // m/s: of the last way
+  float interval;        // frames from one told pose to the next
   float run[6];          // the way that told velocities went lately: shift and arc
   float untold[6];       // while it is believed: what the pose's own way has beside told velocities, m/s and rad/s
   float since_turn;      // seconds since they turned back
   float since_velocity;  // seconds without one
+  float since_gap;       // seconds since one came after frames without
   float age;             // seconds since the told pose changed
   float stood;           // seconds near `stand`
   uint32_t moved;        // frames with a velocity since there was none
-  uint32_t beyond;       // frames in a row in which the told surface was beyond the band
+  uint32_t same;         // frames since the told pose changed
+  uint32_t beyond;       // frames in a row in which the told surface was beyond the band, or since it jumped
   uint32_t follows;      // 1: it follows
   uint32_t believed;     // 1: it was taken as told
 };
@@ -48,6 +55,7 @@ struct HoldRule {
   float band;             // 0: every pose is taken as told
   float low[3], high[3];  // the box that holds the sand
   float leave_speed;      // m/s: at which sand leaves a collider that jumped
+  float gentle;           // what jumped no further goes there gently, else it is there at once
 };
 
 // A collider that was not known before is where it is told to be.

@@ -171,15 +171,16 @@ bool turns_on(const Placement& before, const Placement& now, double step, float 
 }
 
 // Where it is `before` seconds before it is there.
-Pose pose_before(const Placement& at, float before) {
-  const float *q = at.pose.rotation, *w = at.angular, h = -0.5f * before;
+Pose pose_before(const Placement& at, const float slide[6], float before) {
+  const float *q = at.pose.rotation, h = -0.5f * before;
+  const float w[3] = {at.angular[0] - slide[3], at.angular[1] - slide[4], at.angular[2] - slide[5]};
   Pose p = at.pose;
   p.rotation[0] = q[0] + h * (w[0] * q[3] + w[1] * q[2] - w[2] * q[1]);
   p.rotation[1] = q[1] + h * (w[1] * q[3] + w[2] * q[0] - w[0] * q[2]);
   p.rotation[2] = q[2] + h * (w[2] * q[3] + w[0] * q[1] - w[1] * q[0]);
   p.rotation[3] = q[3] - h * (w[0] * q[0] + w[1] * q[1] + w[2] * q[2]);
   normalise(p.rotation);
-  for (int k = 0; k < 3; ++k) p.position[k] = at.pose.position[k] - before * at.linear[k];
+  for (int k = 0; k < 3; ++k) p.position[k] = at.pose.position[k] - before * (at.linear[k] - slide[k]);
   return p;
 }
 
@@ -234,9 +235,10 @@ void order(Colliders* c, uint32_t capacity) {
       if (c->seen_by[slot] != part) continue;
       uint32_t at = c->count++;
       for (; at > first && pushes_before(c->of_slot[slot], c->given[at - 1]); --at)
-        c->given[at] = c->given[at - 1], c->slots[at] = c->slots[at - 1];
+        c->given[at] = c->given[at - 1], c->slots[at] = c->slots[at - 1], c->slides[at] = c->slides[at - 1];
       c->given[at] = c->of_slot[slot];
       c->slots[at] = slot;
+      c->slides[at] = c->slides_of_slot[slot];
     }
     if (part == SeenBy::all) c->solid_count = c->count;
   }
@@ -262,6 +264,9 @@ HoldRule hold_rule(const Granular& g) {
     rule.high[k] = g.particles.high[k] + g.desc.particle_radius;
   }
   rule.leave_speed = contacts_leave_speed(g);
+  // Well below the 2 r at which sand is beyond a wall. What starts by less, at once, costs a heap more than by all.
+  const float r = g.desc.particle_radius, bands = 2.0f * rule.band;
+  rule.gentle = 1.5f * (r > bands ? r : bands);
   return rule;
 }
 
@@ -296,14 +301,17 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   const bool jumps = goes_on && (g.time.left_out > 0.0f || !continues(before, known.pose.held, step, radius) ||
                                  !turns_on(before, known.pose.held, step, radius));
   c.ends[slot] = met.pose;
-  c.met[slot] = goes_on ? pose_before(before, c.arrived ? 0.0f : static_cast<float>(owed)) : met.pose;
+  float(&slide)[6] = c.slides_of_slot[slot];
+  c.met[slot] = goes_on ? pose_before(before, slide, c.arrived ? 0.0f : static_cast<float>(owed)) : met.pose;
+  if (step > 0.0 || !continued) __builtin_memcpy(slide, known.pose.slide, sizeof slide);
   c.jumps[slot] = jumps ? 1 : 0;
   if (g.time.rate < 1.0 && step > 0.0) {
     met = known.pose.held;
-    if (goes_on) met.pose = jumps ? pose_before(met, g.time.frame_step) : c.met[slot];
+    if (goes_on) met.pose = jumps ? pose_before(met, slide, g.time.frame_step) : c.met[slot];
     const float rate = static_cast<float>(g.time.rate);
     for (int k = 0; k < 3; ++k) met.linear[k] *= rate, met.angular[k] *= rate;
-    if (goes_on) met.pose = pose_before(met, -static_cast<float>(debt));
+    for (float& s : slide) s *= rate;
+    if (goes_on) met.pose = pose_before(met, slide, -static_cast<float>(debt));
   }
   c.of_slot[slot] = now;
   place(&c.of_slot[slot], met);
@@ -423,6 +431,8 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
   c->seen_by = layout_region<SeenBy>(layout, "granular.colliders_seen_by", capacity);
   c->given = layout_region<sandglass_collider>(layout, "granular.colliders", capacity);
   c->slots = layout_region<uint32_t>(layout, "granular.given_slots", capacity);
+  c->slides_of_slot = layout_region<float[6]>(layout, "granular.slides_by_slot", capacity);
+  c->slides = layout_region<const float*>(layout, "granular.collider_slides", capacity);
   c->slot_of_place = layout_region<uint32_t>(layout, "granular.collider_slots", capacity);
   c->met = layout_region<Pose>(layout, "granular.colliders_met", capacity);
   c->ends = layout_region<Pose>(layout, "granular.collider_ends", capacity);
@@ -519,13 +529,13 @@ void colliders_find_moved_for_grains(Colliders* c, const Granular& g) {
 }
 
 void colliders_begin_substep(Colliders* c, float before) {
-  colliders_pose(c->given, c->solid_count, before, c->substep_frames);
+  colliders_pose(c->given, c->solid_count, before, c->substep_frames, c->slides);
   for (uint32_t i = 0; i < c->solid_count; ++i) c->substep_slots[i] = c->slots[i];
   c->substep_count = c->solid_count;
 }
 
 void colliders_begin_sweep(Colliders* c, float before) {
-  colliders_pose(c->given, c->count, before, c->sweep_frames);
+  colliders_pose(c->given, c->count, before, c->sweep_frames, c->slides);
   c->sweep_count = c->count;
 }
 
@@ -554,7 +564,7 @@ void colliders_find_jumps(Colliders* c, const Granular& g) {
   for (uint32_t i = 0; i < c->solid_count; ++i) {
     Carrier& carrier = c->carriers[i];
     sandglass_collider met = c->given[i];
-    colliders_pose(&met, 1, static_cast<float>(g.time.debt), &carrier.to);
+    colliders_pose(&met, 1, static_cast<float>(g.time.debt), &carrier.to, &c->slides[i]);
     place(&met, {c->met[c->slots[i]], {0, 0, 0}, {0, 0, 0}});
     colliders_pose(&met, 1, 0.0f, &carrier.from);
     find_way(&carrier, c->jumps[c->slots[i]] != 0);
@@ -571,9 +581,12 @@ void colliders_arrive(Colliders* c, const Granular& g, float faster) {
     for (int k = 0; k < 3; ++k) end.linear[k] *= faster, end.angular[k] *= faster;
     place(&it, end);
     place(&of_slot, end);
+    if (i < c->solid_count) {
+      colliders_pose(&went, 1, static_cast<float>(g.time.debt), &c->carriers[i].from, &c->slides[i]);
+      colliders_pose(&it, 1, 0.0f, &c->carriers[i].to);
+    }
+    for (float& s : c->slides_of_slot[c->slots[i]]) s *= faster;
     if (i >= c->solid_count) continue;
-    colliders_pose(&went, 1, static_cast<float>(g.time.debt), &c->carriers[i].from);
-    colliders_pose(&it, 1, 0.0f, &c->carriers[i].to);
     find_way(&c->carriers[i], true);
   }
 }
@@ -584,7 +597,7 @@ float colliders_lag(const Granular& g) {
   const Colliders& c = g.colliders;
   float most = 0.0f;
   for (uint32_t i = 0; i < c.solid_count; ++i) {
-    const Pose at = pose_before(placement_of(c.given[i]), static_cast<float>(g.time.debt));
+    const Pose at = pose_before(placement_of(c.given[i]), c.slides[i], static_cast<float>(g.time.debt));
     const Pose& end = c.ends[c.slots[i]];
     const float lag = 2.0f * half_travel(at, end);
     most = lag > most ? lag : most;
@@ -604,7 +617,9 @@ float colliders_gain(const Colliders& c, float faster) {
 void colliders_carry_substep(Colliders* c, float faster) {
   for (uint32_t s = 0; s < c->substep_count; ++s) {
     ColliderFrame& frame = c->substep_frames[s];
-    for (int k = 0; k < 3; ++k) frame.linear[k] *= faster, frame.angular[k] *= faster;
+    float* const all[] = {frame.linear, frame.angular, frame.slide, frame.slide_turn};
+    for (float* v : all)
+      for (int k = 0; k < 3; ++k) v[k] *= faster;
     for (uint32_t i = 0; i < c->solid_count; ++i) {
       const Carrier& carrier = c->carriers[i];
       if (!carrier.moves || c->slots[i] != c->substep_slots[s]) continue;
@@ -680,14 +695,22 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
   return normalise(accepted->rotation);
 }
 
-void colliders_pose(const sandglass_collider* colliders, uint32_t count, float before, ColliderFrame* frames) {
+void colliders_pose(const sandglass_collider* colliders, uint32_t count, float before, ColliderFrame* frames,
+                    const float* const* slides) {
+  constexpr float k_none[6] = {};
   for (uint32_t c = 0; c < count; ++c) {
     const sandglass_collider& collider = colliders[c];
     ColliderFrame& frame = frames[c];
     frame.shape = collider.shape;
     if (collider.shape == SANDGLASS_SHAPE_FIELD) frame.field = grid_of(collider.field);
-    const Pose pose = pose_before(placement_of(collider), before);
+    const float* slide = slides != nullptr ? slides[c] : k_none;
+    const Pose pose = pose_before(placement_of(collider), slide, before);
     const float* r = pose.rotation;
+    frame.slides = 0;
+    for (int k = 0; k < 3; ++k) {
+      frame.slide[k] = slide[k], frame.slide_turn[k] = slide[k + 3];
+      if (slide[k] != 0.0f || slide[k + 3] != 0.0f) frame.slides = 1;
+    }
     const float x = r[0], y = r[1], z = r[2], s = r[3];
     const float axes[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + z * s), 2 * (x * z - y * s)},
                               {2 * (x * y - z * s), 1 - 2 * (x * x + z * z), 2 * (y * z + x * s)},

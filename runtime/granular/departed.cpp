@@ -42,7 +42,7 @@ bool fills_space(const ColliderFrame& c) { return c.shape == SANDGLASS_SHAPE_FIE
 // Where a frame's collider is, and where it was when the frame's time began.
 void pose_both(const Granular& g, uint32_t c, ColliderFrame frames[2]) {
   colliders_pose(&g.colliders.given[c], 1, 0.0f, &frames[0]);
-  colliders_pose(&g.colliders.given[c], 1, static_cast<float>(g.time.debt), &frames[1]);
+  colliders_pose(&g.colliders.given[c], 1, static_cast<float>(g.time.debt), &frames[1], &g.colliders.slides[c]);
 }
 
 Bounds box_of(const ColliderFrame& c) {

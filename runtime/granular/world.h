@@ -86,6 +86,8 @@ struct Colliders {
   SeenBy* seen_by;                // in this frame, one a slot
   sandglass_collider* given;      // of this frame, as sand meets them, in the order in which they push
   uint32_t* slots;                // of `given`
+  float (*slides_of_slot)[6];     // of each slot, what of its velocities is no way of the pose: linear, angular
+  const float** slides;           // the same, of each `given`
   uint32_t* slot_of_place;        // of the usable colliders of this frame's list
   Pose* met;                      // where sand met them last, before this frame, one a slot
   uint8_t* jumps;                 // 1: it has jumped, in this frame, one a slot
@@ -153,8 +155,10 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
 // The collider of the last frame's list at this index as sand meets it. False: it was left out, or there was none.
 bool collider_held(const Granular& granular, uint32_t index, sandglass_collider* held);
 
-// Poses each collider as it was `before` seconds before the end of the frame, going back along its velocities.
-void colliders_pose(const sandglass_collider* colliders, uint32_t count, float before, ColliderFrame* frames);
+// Poses each collider as it was `before` seconds before the end of the frame, going back along its velocities, but for
+// what slides (Colliders::slides).
+void colliders_pose(const sandglass_collider* colliders, uint32_t count, float before, ColliderFrame* frames,
+                    const float* const* slides = nullptr);
 
 // ---- Flow (flow.cpp)
 //

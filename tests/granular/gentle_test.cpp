@@ -2,8 +2,8 @@
 // lies stays, what is corrected is lifted, what is pushed goes no faster than what pushes. Floors, presses and jitters
 // come for particles of 2 mm, 1 cm and 5 cm.
 //
-// Controls: collider_band 0, by which every pose is taken as it is told; and the speed at which sand left a collider
-// before, told as a velocity.
+// Controls: collider_band 0, by which every pose is taken as it is told; a new id in every frame, by which a collider has no
+// velocity; and the speed at which sand left a collider before, told as a velocity.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -117,9 +117,10 @@ TEST(Gentle, ACorrectedFloorMovesSandByTheCorrection) {
 TEST(Gentle, ControlAFloorWithTheSpeedOfTheRuleBeforeThrows) {
   Heap heap(0.01f, Ground::half_space, 0.0f);
   const double top = heap.top();
-  heap.ground().position[1] = 0.005f;
   heap.ground().linear_velocity[1] = 9.0f;
+  heap.ground().position[1] = 9.0f * k_frame;
   heap.frame();
+  heap.ground().position[1] = 0.005f;
   heap.ground().linear_velocity[1] = 0.0f;
   double highest = 0.0;
   for (int f = 0; f < 60; ++f) heap.frame(), highest = std::max(highest, heap.top());
@@ -246,15 +247,17 @@ TEST(Held, OneOutlierIsNotFollowed) {
   }
 }
 
-// A hand that has poses alone moves aside what one with velocities does. The control takes its poses as they are told.
+// A hand that has poses alone moves aside what one with velocities does, held or not. The control is another in every
+// frame.
 TEST(Held, AHandByPosesAlonePushes) {
-  const auto moved = [](bool velocity, float band, float rate) {
+  const auto moved = [](bool velocity, float band, float rate, bool another = false) {
     Heap heap(0.01f, Ground::half_space, band);
     heap.scene.colliders.push_back(sandglass::sphere(-0.3f, 0.02f, 0.0f, 0.04f));
     double fastest = 0.0;
     for (int f = 1; f <= std::lround(0.6f / 0.3f * rate); ++f) {
       heap.scene.colliders[1].position[0] = -0.3f + 0.3f * static_cast<float>(f) / rate;
       heap.scene.colliders[1].linear_velocity[0] = velocity ? 0.3f : 0.0f;
+      if (another) heap.scene.colliders[1].id = static_cast<uint32_t>(f);
       heap.frame(1.0f / rate);
       fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
     }
@@ -266,9 +269,9 @@ TEST(Held, AHandByPosesAlonePushes) {
   };
   for (const float rate : {30.0f, 60.0f, 120.0f}) {
     const double told = moved(true, 0.003f, rate);
-    EXPECT_GE(moved(false, 0.003f, rate), 0.5 * told) << rate << " Hz";
+    for (const float band : {0.003f, 0.0f}) EXPECT_GE(moved(false, band, rate), 0.5 * told) << rate << " Hz";
   }
-  EXPECT_LT(moved(false, 0.0f, 120.0f), 0.5 * moved(true, 0.003f, 120.0f)) << "the control";
+  EXPECT_LT(moved(false, 0.003f, 120.0f, true), 0.5 * moved(true, 0.003f, 120.0f)) << "the control";
 }
 
 // A lift that has poses alone goes evenly, not in steps of the band, and carries what lies on it.
@@ -289,6 +292,134 @@ TEST(Held, ALiftByPosesAloneIsFollowedEvenly) {
     EXPECT_NEAR(static_cast<double>(before), 0.05, 0.001) << speed;
     EXPECT_GE(heap.went(1), 0.9 * (0.05 - 0.003)) << speed;
   }
+}
+
+// ---- what is told by poses alone, or by their differences
+
+// A velocity by differences of a collider that is not turned.
+void tell_difference(sandglass_collider* now, const sandglass_collider& before, float step) {
+  for (int k = 0; k < 3; ++k) now->linear_velocity[k] = (now->position[k] - before.position[k]) / step;
+}
+
+void turn_about_y(sandglass_collider* c, float angle) {
+  const sandglass::Rotation turn = sandglass::rotation_about(0, 1, 0, angle);
+  std::copy(turn.begin(), turn.end(), c->rotation);
+}
+
+// A plane whose origin slides or that turns about its normal, and a table that grows or turns, as trackers refine them.
+TEST(Corrected, WhatIsRefinedTakesNoSandAlong) {
+  struct Case {
+    float up, slide, grow, turn;
+    int frames;
+  };
+  for (const Ground kind : {Ground::half_space, Ground::box}) {
+    const bool table = kind == Ground::box;
+    for (const Case& c :
+         {Case{0.005f, 0.1f, 0.2f, 0, 1}, Case{0.005f, 1.0f, 0.1f, 0, 30}, Case{-0.004f, 3.0f, 0.1f, 0, 1},
+          Case{0.004f, 0.37f, 0.1f, 0.17f, 1}, Case{0.002f, 0, 0, 1.57f, 1}}) {
+      Heap heap(0.01f, kind);
+      const sandglass_collider at = heap.ground();
+      for (int f = 1; f <= 120; ++f) {
+        const float done = std::min(1.0f, static_cast<float>(f) / static_cast<float>(c.frames));
+        heap.ground().position[0] = done * (table ? 0.5f * c.grow : c.slide);
+        heap.ground().position[1] = at.position[1] + done * c.up;
+        if (table) heap.ground().size[0] = at.size[0] + done * 0.5f * c.grow;
+        turn_about_y(&heap.ground(), done * c.turn);
+        heap.frame();
+      }
+      for (const int axis : {0, 2})
+        EXPECT_NEAR(heap.went(axis), 0.0, 0.002) << table << " " << c.slide << " " << c.turn;
+      double turned = 0.0;
+      const std::vector<float> p = heap.scene.positions(), &q = heap.at_rest;
+      for (size_t i = 0; i < p.size(); i += 3) {
+        const float way = q[i + 2] * (p[i] - q[i]) - q[i] * (p[i + 2] - q[i + 2]);
+        turned +=
+            static_cast<double>(way / (q[i] * q[i] + q[i + 2] * q[i + 2] + 1e-4f)) / static_cast<double>(p.size() / 3);
+      }
+      EXPECT_NEAR(turned, 0.0, 0.01) << table << " " << c.slide << " " << c.turn;
+    }
+  }
+}
+
+// It costs a heap what it costs when the app tells it exactly, over 20 frames.
+TEST(Corrected, AHeapLosesWhatAnExactCorrectionCosts) {
+  for (const float up : {0.005f, 0.012f, -0.005f}) {
+    const auto lost = [&](bool exact) {
+      Heap heap(0.01f);
+      const double top = heap.top();
+      for (int f = 1; f <= 300; ++f) {
+        heap.ground().position[1] = exact ? up * std::min(1.0f, static_cast<float>(f) / 20.0f) : up;
+        heap.ground().linear_velocity[1] = exact && f <= 20 ? up / 20.0f / k_frame : 0.0f;
+        heap.frame();
+      }
+      return top + static_cast<double>(up) - heap.top();
+    };
+    EXPECT_LE(lost(false), lost(true) + 0.004) << up;
+  }
+}
+
+// Within the band along the normal, beyond it aside; and a ball in the heap that turns.
+TEST(Held, NoiseThatMovesNoSurfaceWakesNothing) {
+  for (const bool velocities : {false, true}) {
+    Heap heap(0.01f);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> noise(-0.0025f, 0.0025f);
+    heap.scene.colliders.push_back(sandglass::sphere(0, heap.r, 0, 0.04f));
+    heap.run(10.0f);
+    ASSERT_EQ(heap.report.sand.awake, 0u);
+    for (int f = 0; f < 300; ++f) {
+      const sandglass_collider before = heap.ground();
+      for (float& x : heap.ground().position) x = noise(random);
+      const float angle = 20.0f * noise(random);
+      if (velocities) tell_difference(&heap.ground(), before, k_frame);
+      turn_about_y(&heap.scene.colliders[1], angle);
+      heap.frame();
+      ASSERT_EQ(heap.report.sand.awake, 0u) << velocities << ", frame " << f;
+    }
+  }
+}
+
+// A floor that is followed, because it was just corrected: an outlier of two frames throws nothing, velocities or not.
+TEST(Corrected, AnOutlierThrowsNothing) {
+  for (const bool velocities : {false, true}) {
+    Heap heap(0.01f);
+    heap.ground().position[1] = 0.005f;
+    heap.run(1.4f);
+    const double top = heap.top();
+    float fastest = 0.0f;
+    for (int f = 0; f < 60; ++f) {
+      const sandglass_collider before = heap.ground();
+      heap.ground().position[1] = f == 10 || f == 11 ? 0.055f : 0.005f;
+      if (velocities) tell_difference(&heap.ground(), before, k_frame);
+      heap.frame();
+      fastest = std::max(fastest, heap.report.sand.speed_max);
+    }
+    EXPECT_LE(heap.top(), top + 0.001) << velocities;
+    EXPECT_LE(fastest, 0.3f) << velocities << ": what flows by itself is no faster";
+  }
+}
+
+// A tracker that is slower than the frames, told with velocities by differences, 0, 0, 0, 4 v: a ball goes through a heap.
+TEST(Held, ASlowTrackersDifferencesThrowNoMoreThanExactVelocities) {
+  const auto fastest = [](float rate, int each) {
+    float most = 0.0f;
+    for (const float start : {-0.3f, -0.32f}) {
+      Heap heap(0.01f);
+      heap.scene.colliders.push_back(sandglass::sphere(start, 0.05f, 0, 0.04f));
+      for (int f = 1; f <= std::lround(0.6f * rate); ++f) {
+        const sandglass_collider before = heap.scene.colliders[1];
+        if (f % each == 0) heap.scene.colliders[1].position[0] = start + static_cast<float>(f) / rate;
+        tell_difference(&heap.scene.colliders[1], before, 1.0f / rate);
+        heap.frame(1.0f / rate);
+        most = std::max(most, heap.report.sand.speed_max);
+      }
+    }
+    return most;
+  };
+  const float exact = fastest(60.0f, 1);
+  EXPECT_LE(fastest(120.0f, 4), 1.3f * exact);
+  EXPECT_LE(fastest(60.0f, 2), 1.3f * exact);
+  EXPECT_LE(fastest(120.0f, 2), 1.3f * exact);
 }
 
 // ---- identity

@@ -147,8 +147,8 @@ typedef struct sandglass_granular_desc {
   sandglass_reference_scheme reference;
 
   /* Metres, 0..0.1: a collider does not move while its surface, where sand is, is told less than this away from where
-   * it is held; see sandglass_collider. 0: every pose is taken as told. Default: 0.003, above the noise of a
-   * tracker. */
+   * it is held; see sandglass_collider. 0: every pose is taken as told, and without velocities the way from frame to
+   * frame is its velocity. Default: 0.003, above the noise of a tracker. */
   float collider_band;
   /* Metres, 0..2000: what falls so far is removed: particles, grains, and rigid bodies that are wholly so low. It
    * counts along gravity, as it is now, from the lowest point of this frame's bounded colliders, of the boundary
@@ -545,15 +545,23 @@ enum {
  *
  * Held. The pose that a tracker tells is never twice the same. A collider does not move, and what sleeps on it does not
  * wake, while its surface, where sand is, is told less than granular.collider_band away from where it is held. A
- * half-space may slide along itself, and a box that grows keeps the faces that sand lies on. A pose that stays beyond
- * the band for 3 frames is followed, all the way and never more than the band behind, with the velocity of that way: a
- * hand that has poses alone pushes, and a single jump does not throw. The collider is held again once it has stood for
- * 1.5 s. sandglass_granular_held_collider tells where it is held.
+ * half-space may slide along itself, a ball may turn, and a box that grows keeps the faces that sand lies on. A pose
+ * that stays beyond the band for 3 frames, or that moves on there, is followed, with the velocity of the way that it is
+ * held to go: so walls of 2 r keep sand by poses alone. It is held never ahead of the told pose; where that moves, at
+ * most the band behind, once it has made up what it waited for, at 1.25 times the told speed. A tracker may be slower
+ * than the frames: then it goes evenly from pose to pose. What needs more than 50 m/s^2 is a jump. It is waited for 3
+ * frames, or for the tracker's next pose; a single outlier does nothing. Then it comes gently, at most as fast as sand
+ * leaves what jumped; one of more than 1.5 r and 3 bands is there at once. The correction of a plane, or a jump of a
+ * table, takes no sand along itself. The collider is held again once it has stood for 1.5 s.
+ * sandglass_granular_held_collider tells where.
  *
  * Velocities that the app tells are believed once they have kept their direction for 4 frames, or for 0.25 s after they
- * turned back, or have led further than twice the band. Then pose and velocities are taken as told; what the collider
- * was behind them it makes up with a time constant of 0.05 s. Velocities below 0.1 mm/s, or that only shake a pose
- * within the band, are noise. A collider that comes new with a velocity is believed at once.
+ * turned back, or have led its surface further than twice the band. Then pose and velocities are taken as told; what
+ * the collider was behind them it makes up with a time constant of 0.05 s. Velocities below 0.1 mm/s, or that only
+ * shake the surface within the band, are noise; those that come between frames without any are a slow tracker's
+ * differences, and its poses count alone. A collider that comes new with a velocity is believed at once. What a told
+ * velocity has and its pose does not go, for 0.1 s or in a frame in which it changes, drags sand along faces and pushes
+ * none: a belt, a treadmill.
  *
  * Identity. A collider is recognised from frame to frame by its `id`; without one by an equal pose, else as the nearest
  * of its shape. Its place in the list decides between those that are equally near. One that is not recognised, that
