@@ -43,13 +43,13 @@ function distance(x, y, z) {
 export function hourglassField(sand) {
   const desc = sand.make("sandglass_field_desc"), [wide, high] = [k_bulb, k_half].map((reach) => k_spacing * Math.ceil(reach / k_spacing + 3));
   sand.sandglass_field_desc_default(desc);
-  const known = new Map();  // it is round, and the nodes lie evenly about it: up to sixteen have one distance, to a micrometre
+  // It is round, and its nodes lie at multiples of the spacing from the neck: up to sixteen have one distance.
+  const nodes = Math.round(high / k_spacing) + 1, known = new Float32Array(2 * nodes ** 3).fill(NaN);
   const asked = sand.pointer((_, at) => {
-    const view = sand.view(), x = view.getFloat32(at, true), y = view.getFloat32(at + 4, true), z = view.getFloat32(at + 8, true);
-    const key = Math.round(1e6 * Math.sqrt(x * x + z * z)) + 1e6 * Math.round(1e6 * Math.abs(y)), before = known.get(key);
-    if (before !== undefined) return before;
-    const found = distance(x, y, z);
-    return known.set(key, found), found;
+    const view = sand.view(), node = (place) => Math.round(view.getFloat32(place, true) / k_spacing), x = node(at), y = node(at + 4), z = node(at + 8);
+    const key = (x * x + z * z) * nodes + Math.abs(y);
+    if (Number.isNaN(known[key])) known[key] = distance(k_spacing * x, k_spacing * y, k_spacing * z);
+    return known[key];
   }, "fii");
   desc.set({ solid: constants.SANDGLASS_SOLID_OUTSIDE, bounds_min: [-wide, -high, -wide], bounds_max: [wide, high, wide], spacing: k_spacing, distance: asked });
   const field = sand.create("sandglass_field", desc);
@@ -111,11 +111,11 @@ export class Turning {
     if (this.turns) return;
     this.from = this.pose().rotation, this.axis = axis, this.share = 0;
   }
-  // Moves on, and gives pose and velocities over that time. `flow`: the share of it that sand was simulated for lately. In slow
-  // motion it turns as slowly, as far as is worth waiting for.
-  advance(seconds, flow = 1) {
+  // Moves on, and gives pose and velocities over that time. `flow`: the share of it that sand was simulated for lately; `late`:
+  // how much more of the user's time it takes. In slow motion it turns as slowly, as far as is worth waiting for.
+  advance(seconds, flow = 1, late = 1) {
     const before = this.angle(), height = this.pose().position[1];
-    this.share = Math.min(1, this.share + Math.max(k_slowest, flow) * seconds / k_turn_seconds);
+    this.share = Math.min(1, this.share + Math.max(k_slowest * late, flow) * seconds / k_turn_seconds);
     const now = this.pose(), rate = (this.angle() - before) / seconds;
     return { ...now, linear_velocity: [0, (now.position[1] - height) / seconds, 0], angular_velocity: this.axis.map((x) => x * rate) };
   }

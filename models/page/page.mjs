@@ -40,6 +40,7 @@ const k_glass_least = 500;   // on a slow device
 const k_glass_ms = 16;       // of all work of a frame that is worth it; levels of quality save half of it
 const k_trials = 8, k_trial_ms = 120;  // frames at most, and how long others follow, before the first picture is drawn
 const k_in_time = 0.9;       // of the time that was asked for: not slow motion
+const k_late = 10;           // times as long as a picture's frames a picture takes, at most
 const k_flow_frames = 16;    // over which that is seen
 const k_turn_fit = 0.24;     // so much wider is what must fit on a tall screen while the glass turns
 const k_wood = [0.16, 0.075, 0.035], k_brass = [0.86, 0.62, 0.28], k_glass_friction = 0.3;
@@ -106,21 +107,22 @@ class Page {
 
   // Few frames at rest with all their work: the first picture has sand, and it is known how much of it this device simulates in time.
   fitDevice() {
-    const { scene } = this, { pile_shadow, cast_count } = scene.input, since = performance.now();
+    const { scene, stands: { glass: { full } } } = this, { pile_shadow, cast_count } = scene.input, since = performance.now();
     scene.input.set({ pile_shadow: 0, cast_count: 0 });
-    let share = 0;
-    for (let i = 0; i < k_trials && share < 1 && (i < 2 || performance.now() - since < k_trial_ms); ++i) share = Math.max(share, k_glass_ms * 1e6 / scene.frame(k_step).time.elapsed_ns);
-    if (share < 1) this.fillGlass(share), scene.frame(k_step);
+    this.fillGlass(0);
+    let fits = 0;  // of particles
+    for (let i = 0; i < 2 || (i < k_trials && fits < full && performance.now() - since < k_trial_ms); ++i)
+      fits = Math.max(fits, k_glass_least * k_glass_ms * 1e6 / scene.frame(k_step).time.elapsed_ns);
+    if (fits > k_glass_least) this.fillGlass(fits), scene.frame(k_step);
     scene.input.set({ pile_shadow, cast_count });
   }
 
-  // Puts such a share of the present sand into the lower half, at rest.
-  fillGlass(share) {
-    const { scene, sand } = this, count = Math.max(k_glass_least, Math.round(share * scene.file.particles.length / 3));
-    scene.file.particles = sandBelow(count, k_glass_radius);
+  // Puts so many particles into the lower half, at rest.
+  fillGlass(count) {
+    this.scene.file.particles = sandBelow(Math.max(k_glass_least, Math.round(count)), k_glass_radius);
     this.refill();
   }
-  get sparse() { return this.stands.glass.scene.file.particles.length / 3 < this.stands.glass.full; }
+  get inGlass() { return this.stands.glass.scene.file.particles.length / 3; }
 
   newSkin({ desc }, closed) { return this.stage.make("sandglass_skin", { closed }, desc.granular); }
 
@@ -147,7 +149,7 @@ class Page {
   }
   // Where sand ran in slow motion although less is drawn, the next turn is of less sand.
   turnOver() {
-    if (!this.turning.turns && this.least < k_in_time) this.fillGlass(this.least);
+    if (!this.turning.turns && this.least < k_in_time) this.fillGlass(this.least * this.inGlass);
     this.opens = false, this.least = 1;
     this.turning.begin(this.turnAxis()), this.wake();
   }
@@ -267,7 +269,7 @@ class Page {
   // The hourglass as it stands at the frame's end. It casts where it is.
   turn() {
     const { scene, turning, stand } = this, turned = turning.turns;
-    scene.colliders[1].set({ ...turning.advance(k_step, this.flow) });
+    scene.colliders[1].set({ ...turning.advance(k_step, this.flow, this.late) });
     scene.input.collider_count = 2;
     this.stage.pour(...turning.turns ? [] : [k_neck]);
     if (turned) this.placeGlass();
@@ -352,6 +354,7 @@ class Page {
   // Moves on by so many seconds of wall time: up to six frames.
   advance(seconds) {
     const { scene } = this, budget = Number(by("budget").value);
+    this.late = Math.max(1, Math.min(k_late, seconds / (k_frames_at_once * k_step)));
     this.owed = Math.min(this.owed + seconds, k_frames_at_once * k_step);
     while (this.owed >= k_step) {
       this.owed -= k_step;
@@ -402,6 +405,9 @@ class Page {
     const { report } = this.scene, of = this.spent.length || 1;
     const mean = (pick) => this.spent.reduce((sum, frame) => sum + pick(frame), 0) / of;
     const budget = Number(by("budget").value), ms = mean((frame) => frame.ms), bar = by("bar");
+    const slow = this.flow < k_in_time ? "In slow motion: this device is busy" : !this.onTable && this.inGlass < this.stands.glass.full ? "Less sand: this device is slow" : "";
+    by("short").textContent = slow || `Sand: ${ms.toFixed(1)} of ${budget} ms a frame`, by("short").className = slow ? "slow" : ms > budget + 1 ? "late" : "";
+    if (!by("more").open) return;
     bar.setAttribute("aria-valuenow", Math.round(100 * ms / budget));
     const parts = k_stages.map(([, name, colour], i) => [name, colour, mean((frame) => frame.stages[i])]).filter(([, , part]) => part > 0.005);
     bar.replaceChildren(...parts.map(([, colour, part]) => Object.assign(document.createElement("span"),
@@ -412,8 +418,6 @@ class Page {
       term.append(name);
       return [term, Object.assign(document.createElement("dd"), { textContent: value })];
     };
-    const slow = this.flow < k_in_time ? "In slow motion: this device is busy" : !this.onTable && this.sparse ? "Less sand: this device is slow" : "";
-    by("short").textContent = slow || `Sand: ${ms.toFixed(1)} of ${budget} ms a frame`, by("short").className = slow ? "slow" : ms > budget + 1 ? "late" : "";
     by("numbers").replaceChildren(...[...parts.map(([name, colour, part]) => row(name, `${part.toFixed(2)} ms`, colour)),
       row("quality level", `${report.level} ${this.sand.sandglass_level_name(report.level)}`), row("time debt", `${report.time.debt.toFixed(2)} s`),
       row("particles", counted(report.sand.particles)), row("triangles", counted(this.skinMesh.index_count / 3)), row("drawn", this.pace.said), ...this.tellLight(row)].flat());
