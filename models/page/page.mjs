@@ -105,16 +105,23 @@ class Page {
       glass: { ...painter.mesh(glass.vertices, glass.indices, glass.normals), model } };
   }
 
-  // Few frames at rest with all their work: the first picture has sand, and it is known how much of it this device simulates in time.
+  // Few frames at rest tell how much sand this device simulates in time.
   fitDevice() {
-    const { scene, stands: { glass: { full } } } = this, { pile_shadow, cast_count } = scene.input, since = performance.now();
-    scene.input.set({ pile_shadow: 0, cast_count: 0 });
+    const { full } = this.stands.glass, since = performance.now();
     this.fillGlass(0);
     let fits = 0;  // of particles
-    for (let i = 0; i < 2 || (i < k_trials && fits < full && performance.now() - since < k_trial_ms); ++i)
-      fits = Math.max(fits, k_glass_least * k_glass_ms * 1e6 / scene.frame(k_step).time.elapsed_ns);
-    if (fits > k_glass_least) this.fillGlass(fits), scene.frame(k_step);
+    for (let i = 0; i < 2 || (i < k_trials && fits < full && performance.now() - since < k_trial_ms); ++i) fits = Math.max(fits, k_glass_least * k_glass_ms / this.settle());
+    if (fits > k_glass_least) this.fillGlass(fits);
+  }
+
+  // A frame of the glass at rest with all the work that its sand and their skin need, so that it is seen. Gives milliseconds.
+  settle() {
+    const { scene, turning } = this, { pile_shadow, cast_count } = scene.input, still = [0, 0, 0];
+    scene.colliders[1].set({ ...turning.pose(), linear_velocity: still, angular_velocity: still });
+    scene.input.set({ pile_shadow: 0, cast_count: 0 });
+    const ms = scene.frame(k_step).time.elapsed_ns / 1e6;
     scene.input.set({ pile_shadow, cast_count });
+    return ms;
   }
 
   // Puts so many particles into the lower half, at rest.
@@ -448,6 +455,7 @@ class Page {
     sand.sandglass_pile_shadow_refresh(this.stage.pile), sand.sandglass_skin_refresh(this.skin);
     scene.frames = 0, scene.fill();
     scene.report.sand.set({ particles: 0, denied_particles: 0 }), scene.report.time.simulated = 0, this.denied = 0;
+    if (!this.onTable) this.settle();
   }
 
   // The reader of mesh files; it is compiled when the first one comes.
