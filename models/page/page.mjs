@@ -24,7 +24,7 @@ const k_hand = 6 * k_radius; // radius of the sphere that pushes
 const k_hand_speed = 1;      // m/s at most, so that a finger that jumps does not hit the sand
 const k_box = 0.64;          // half the side of the sand's shadow, metres
 const k_threads_at_most = 4; // a phone's fast cores
-const k_frames_at_once = 6;  // where pictures take long; after a pause the sand does not run on to catch up
+const k_frames_at_once = 12;  // where pictures take long; after a pause the sand does not run on to catch up
 const k_mesh_height = 0.22;  // metres, of a mesh that becomes sand; how wide it is at most; how far above the mark it begins to fall
 const k_mesh_width = 0.5;
 const k_mesh_above = 0.05;
@@ -63,7 +63,7 @@ class Page {
     this.painter = new Painter(by("view"), k_radius), this.camera = new Camera(), this.pace = new Pace();
     this.tool = "glass", this.mark = [0.26, 0, 0.16], this.at = null, this.pushing = null, this.time = 0, this.owed = 0;
     this.spent = [], this.recorded = [], this.added = [], this.objects = [];
-    this.denied = 0, this.saidFull = false, this.flow = this.least = 1;
+    this.denied = 0, this.saidFull = false, this.flow = this.least = this.late = 1, this.before = 0;
     this.gravity = [...k_scene.gravity], this.given = [...k_scene.gravity], this.tipped = false;
     this.stage = new Stage(sand, { origin: [0, 0, 0], half: k_box, budget: 0 }), this.room = new RoomParts(this.stage);
     this.stage.newCast(k_object_triangles), this.stage.newPile();
@@ -358,10 +358,12 @@ class Page {
     scene.frame(step, 0, emitters.length);
   }
 
-  // Moves on by so many seconds of wall time: up to six frames.
+  // Moves on by so many seconds of wall time: up to twelve frames.
   advance(seconds) {
-    const { scene } = this, budget = Number(by("budget").value);
-    this.late = Math.max(1, Math.min(k_late, seconds / (k_frames_at_once * k_step)));
+    const { scene } = this;
+    // Where pictures take longer than so many frames, one after the other, each frame has as much more time.
+    this.late = Math.max(1, Math.min(k_late, Math.min(seconds, this.before) / (k_frames_at_once * k_step))), this.before = seconds;
+    const budget = Number(by("budget").value) * this.late;
     this.owed = Math.min(this.owed + seconds, k_frames_at_once * k_step);
     while (this.owed >= k_step) {
       this.owed -= k_step;
@@ -371,7 +373,7 @@ class Page {
       this.flow += (Math.min(1, (report.time.simulated - before) / k_step) - this.flow) / k_flow_frames, this.least = Math.min(this.least, this.flow);
       this.record(emitters, report.plan, first);
       this.tellFull(report.sand);
-      this.spent.push({ ms: report.time.elapsed_ns / 1e6, stages: report.stages.map((stage) => stage.elapsed_ns / 1e6), budget });
+      this.spent.push({ ms: report.time.elapsed_ns / 1e6 / this.late, stages: report.stages.map((stage) => stage.elapsed_ns / 1e6 / this.late) });
       if (this.spent.length > k_seconds_at_most / k_step) this.spent.shift();
     }
   }
