@@ -63,7 +63,7 @@ class Page {
     this.painter = new Painter(by("view"), k_radius), this.camera = new Camera(), this.pace = new Pace();
     this.tool = "glass", this.mark = [0.26, 0, 0.16], this.at = null, this.pushing = null, this.time = 0, this.owed = 0;
     this.spent = [], this.recorded = [], this.added = [], this.objects = [];
-    this.denied = 0, this.saidFull = false, this.flow = this.least = this.late = 1, this.before = 0;
+    this.denied = 0, this.saidFull = false, this.flow = this.least = this.late = 1, this.before = this.waited = 0;
     this.gravity = [...k_scene.gravity], this.given = [...k_scene.gravity], this.tipped = false;
     this.stage = new Stage(sand, { origin: [0, 0, 0], half: k_box, budget: 0 }), this.room = new RoomParts(this.stage);
     this.stage.newCast(k_object_triangles), this.stage.newPile();
@@ -154,9 +154,9 @@ class Page {
     const { scene, pace, at, watching, tipping, turning, stage: { nozzles } } = this;
     return pace.touched || this.opens || at !== null || !!watching || !!tipping || turning.turns || (nozzles.length > 0 && this.onTable) || scene.report.sand.awake > 0 || this.behind !== 0;
   }
-  // Where sand ran in slow motion although less is drawn, the next turn is of less sand.
+  // Where sand ran down in slow motion although less is drawn, the next turn is of less sand.
   turnOver() {
-    if (!this.turning.turns && this.least < k_in_time) this.fillGlass(this.least * this.inGlass);
+    if (!this.turning.turns && this.scene.report.sand.awake === 0 && this.least < k_in_time) this.fillGlass(this.least * this.inGlass);
     this.opens = false, this.least = 1;
     this.turning.begin(this.turnAxis()), this.wake();
   }
@@ -358,13 +358,14 @@ class Page {
     scene.frame(step, 0, emitters.length);
   }
 
-  // Moves on by so many seconds of wall time: up to twelve frames.
+  // Moves on by so many seconds of wall time: up to twelve frames. Says whether it did.
   advance(seconds) {
     const { scene } = this;
+    this.owed = Math.min(this.owed + seconds, k_frames_at_once * k_step), this.waited += seconds;
+    if (this.owed < k_step) return false;
     // Where pictures take longer than so many frames, one after the other, each frame has as much more time.
-    this.late = Math.max(1, Math.min(k_late, Math.min(seconds, this.before) / (k_frames_at_once * k_step))), this.before = seconds;
+    this.late = Math.max(1, Math.min(k_late, Math.min(this.waited, this.before) / (k_frames_at_once * k_step))), this.before = this.waited, this.waited = 0;
     const budget = Number(by("budget").value) * this.late;
-    this.owed = Math.min(this.owed + seconds, k_frames_at_once * k_step);
     while (this.owed >= k_step) {
       this.owed -= k_step;
       scene.input.output_lag = 0;
@@ -376,6 +377,7 @@ class Page {
       this.spent.push({ ms: report.time.elapsed_ns / 1e6 / this.late, stages: report.stages.map((stage) => stage.elapsed_ns / 1e6 / this.late) });
       if (this.spent.length > k_seconds_at_most / k_step) this.spent.shift();
     }
+    return true;
   }
 
   // A finger pours and nothing comes: said once, until it is lifted.
@@ -584,16 +586,18 @@ async function begin() {
   const page = new Page(await loaded());
   letHelp(page), listen(page);
   window.sandglassPage = { page, fixedRun: (frames) => fixedRun(page.sand, frames) };  // for the page's test
-  let before = performance.now(), told = 0, drew = false, asked = 0, sandTook = 0;
+  let before = performance.now(), told = 0, drew = false, asked = 0, sandTook = 0, drawn = 0;
   const frame = (now) => {
-    const seconds = Math.max(0, now - before) / 1e3, runs = !page.measuring && !page.real && page.restless();
-    if (runs && drew) page.pace.drew(1e3 * seconds - sandTook);
+    const seconds = Math.max(0, now - before) / 1e3, runs = !page.measuring && !page.real && page.restless(), start = performance.now();
     if (runs) {
       page.watch(now);
       if (page.watching) page.setLight(seconds);
-      const start = performance.now();
-      page.advance(seconds), sandTook = performance.now() - start;
-      page.draw();
+      const moved = page.advance(seconds), took = performance.now() - start;
+      // Nothing is drawn twice: where pictures take long, a browser asks for the next one before it has shown the last.
+      if (moved || !drew || page.pace.touched || page.watching) {
+        if (drew) page.pace.drew(now - drawn - sandTook);
+        page.draw(), drawn = now, sandTook = took;
+      }
     }
     drew = runs, before = now;
     if (now - told > 250) page.tell(), told = now;
