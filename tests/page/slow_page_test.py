@@ -40,7 +40,6 @@ WATCH = """(moments) => {
       return { at: performance.now() - seen.first, size: [canvas.width, canvas.height], screen: [canvas.clientWidth, canvas.clientHeight], model: [...painter.glass.model], share: page.turning.share,
         camera: { ...page.camera }, pixels: page.pace.now.pixels, sand: seen.pixels(), bare };
     };
-    setInterval(() => { if (seen.now || performance.now() - seen.first >= 1e3 * moments[0]) page.wake(); }, 100);  // sand may lie still
     page.draw = () => {
       draw();
       if (!seen.first) gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)), seen.first = performance.now();
@@ -124,7 +123,7 @@ def with_all_work(browser):
 def disturbed(browser, size):
     """While it turns: half a second without a frame, another tab for a second, and a screen that is turned."""
     browser.ask("seen.shots = [], sandglassPage.page.again(), sandglassPage.page.turnOver()")
-    taken = "(seen.now = true, new Promise((done) => { const look = () => { if (seen.now) setTimeout(look, 20); else done(); }; look(); }))"
+    taken = "(seen.now = true, new Promise((done) => { const look = () => { sandglassPage.page.wake(); if (seen.now) setTimeout(look, 20); else done(); }; look(); }))"
     hitch = "(() => { const since = performance.now(); while (performance.now() - since < 500); })()"
     for _ in range(2):
         browser.ask(taken)
@@ -161,7 +160,7 @@ def run(page, rate, size, one_core, moments, work, least):
         browser.call("Page.addScriptToEvaluateOnNewDocument", source=f"({WATCH})({[moment * factor for moment in moments]})")
         browser.call("Emulation.setCPUThrottlingRate", rate=rate)
         browser.open(page)
-        wait_until(browser, f"window.seen?.shots.length === {len(moments)}")
+        wait_until(browser, f"!!window.sandglassPage && (sandglassPage.page.wake(), seen.shots.length === {len(moments)})")  # sand may lie still
         said = browser.ask("document.getElementById('short').textContent")
         browser.screenshot(work / f"slow_{size[0]}_{rate}{'_one' if one_core else ''}.png")
         browser.call("Emulation.setCPUThrottlingRate", rate=1)
