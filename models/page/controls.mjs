@@ -156,6 +156,7 @@ export function listen(page) {
   for (const id of ["azimuth", "polar"]) by(id).addEventListener("input", () => page.setLight());
   for (const id of ["right", "near"]) by(id).addEventListener("input", () => tipBySliders(page));
   by("budget").addEventListener("input", () => { by("budget_label").textContent = `Budget ${by("budget").value} ms`; });
+  addEventListener("resize", () => page.wake());
   click("again", () => page.again());
   click("tilt", () => switchTilt(page));
   click("camera", () => switchCamera(page));

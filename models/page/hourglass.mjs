@@ -8,6 +8,7 @@ const k_pillar = 0.0045, k_pillars = 3;
 const k_around = 48;                                     // corners of a circle
 const k_spacing = 0.0035;
 const k_turn_seconds = 1.2, k_lift = 0.03;               // so that it clears the table while it turns
+const k_slowest = 0.3;                                   // of that, in slow motion
 const k_stands = k_half + k_cap;                         // the neck over the table
 
 function radius(height) {
@@ -40,9 +41,16 @@ function distance(x, y, z) {
 }
 
 export function hourglassField(sand) {
-  const desc = sand.make("sandglass_field_desc"), wide = k_bulb + 3 * k_spacing, high = k_half + 3 * k_spacing;
+  const desc = sand.make("sandglass_field_desc"), [wide, high] = [k_bulb, k_half].map((reach) => k_spacing * Math.ceil(reach / k_spacing + 3));
   sand.sandglass_field_desc_default(desc);
-  const asked = sand.pointer((_, at) => distance(...sand.floats(at, 3)), "fii");
+  // It is round, and its nodes lie at multiples of the spacing from the neck: up to sixteen have one distance.
+  const nodes = Math.round(high / k_spacing) + 1, known = new Float32Array(2 * nodes ** 3).fill(NaN);
+  const asked = sand.pointer((_, at) => {
+    const view = sand.view(), node = (place) => Math.round(view.getFloat32(place, true) / k_spacing), x = node(at), y = node(at + 4), z = node(at + 8);
+    const key = (x * x + z * z) * nodes + Math.abs(y);
+    if (Number.isNaN(known[key])) known[key] = distance(k_spacing * x, k_spacing * y, k_spacing * z);
+    return known[key];
+  }, "fii");
   desc.set({ solid: constants.SANDGLASS_SOLID_OUTSIDE, bounds_min: [-wide, -high, -wide], bounds_max: [wide, high, wide], spacing: k_spacing, distance: asked });
   const field = sand.create("sandglass_field", desc);
   sand.free(desc);
@@ -84,7 +92,7 @@ function smooth(line) {
   }
   return { ...joined([lathed(line)]), normals: Float32Array.from(normals) };
 }
-export const glassMesh = () => smooth(k_profile.map(([r, y]) => [r + k_glass, y]));
+export const glassMesh = () => smooth(k_profile.filter((_, i) => i % 2 === 0).map(([r, y]) => [r + k_glass, y]));
 // What sand is poured from; its spout ends below the nozzle, where the stream is as narrow as it.
 export const funnelMesh = () => smooth([[0.0088, -0.03], [0.0088, -0.029], [0.0095, 0.012], [0.012, 0.018], [0.042, 0.055], [0.0425, 0.06], [0.042, 0.061], [0.041, 0.06], [0.01, 0.017]]);
 export function woodMesh() {
@@ -103,13 +111,16 @@ export class Turning {
     if (this.turns) return;
     this.from = this.pose().rotation, this.axis = axis, this.share = 0;
   }
-  // Moves on, and gives pose and velocities over that time.
-  advance(seconds) {
+  // Moves on, and gives pose and velocities over that time. `flow`: the share of it that sand was simulated for lately; `late`:
+  // how much more of the user's time it takes. In slow motion it turns as slowly, as far as is worth waiting for.
+  advance(seconds, flow = 1, late = 1) {
     const before = this.angle(), height = this.pose().position[1];
-    this.share = Math.min(1, this.share + seconds / k_turn_seconds);
+    this.share = Math.min(1, this.share + Math.max(k_slowest * late, flow) * seconds / k_turn_seconds);
     const now = this.pose(), rate = (this.angle() - before) / seconds;
     return { ...now, linear_velocity: [0, (now.position[1] - height) / seconds, 0], angular_velocity: this.axis.map((x) => x * rate) };
   }
+  // 0 as it stands, 1 while it needs the most room.
+  get wide() { const x = Math.min(1, Math.min(this.share, 1 - this.share) / 0.3); return x * x * (3 - 2 * x); }
   angle() { const s = this.share; return Math.PI * s * s * s * (10 + s * (6 * s - 15)); }
   pose() {
     const half = this.angle() / 2, [x, y, z] = this.axis.map((c) => c * Math.sin(half)), w = Math.cos(half), [a, b, c, d] = this.from;

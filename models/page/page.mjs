@@ -1,7 +1,7 @@
 // The page: an hourglass that a finger turns over, a table with a chair and sand that a finger pours and pushes, and what
 // a frame takes.
 import { load, constants } from "./sandglass.mjs";
-import { SandScene, addPoints, unpacked } from "./scene.mjs";
+import { SandScene, addPoints, fieldBytes, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
 import { sandBlock } from "./sand_block.mjs";
 import { Stage, fieldOf, matrixOf } from "./stage.mjs";
@@ -24,7 +24,7 @@ const k_hand = 6 * k_radius; // radius of the sphere that pushes
 const k_hand_speed = 1;      // m/s at most, so that a finger that jumps does not hit the sand
 const k_box = 0.64;          // half the side of the sand's shadow, metres
 const k_threads_at_most = 4; // a phone's fast cores
-const k_frames_at_once = 2;  // after a pause the sand does not run on to catch up
+const k_frames_at_once = 12;  // where pictures take long; after a pause the sand does not run on to catch up
 const k_mesh_height = 0.22;  // metres, of a mesh that becomes sand; how wide it is at most; how far above the mark it begins to fall
 const k_mesh_width = 0.5;
 const k_mesh_above = 0.05;
@@ -35,7 +35,14 @@ const k_object_triangles = 100000;  // of all of them
 const k_object_spacing = 0.5 * k_radius;  // of the field that sand collides with
 const k_casts = { shadow: false, collide: false };  // as a model is added: shadows come when it is shown, and fields are the page's
 const k_recorded_at_most = 18000;  // frames: five minutes
-const k_glass_radius = 0.0035, k_glass_particles = 1560;  // of the sand in the hourglass
+const k_glass_radius = 0.0035, k_glass_particles = 1320;  // of the sand in the hourglass: its lower half is full
+const k_glass_least = 500;   // on a slow device
+const k_glass_ms = 16;       // of all work of a frame that is worth it; levels of quality save half of it
+const k_trials = 8, k_trial_ms = 120;  // frames at most, and how long others follow, before the first picture is drawn
+const k_in_time = 0.9;       // of the time that was asked for: not slow motion
+const k_late = 10;           // times as long as a picture's frames a picture takes, at most
+const k_flow_frames = 16;    // over which that is seen
+const k_turn_fit = 0.24;     // so much wider is what must fit on a tall screen while the glass turns
 const k_wood = [0.16, 0.075, 0.035], k_brass = [0.86, 0.62, 0.28], k_glass_friction = 0.3;
 const k_views = { glass: { target: [0, 0.105, 0], distance: 0.68, elevation: 0.16, fit: 0.5 }, table: { target: [0.01, 0.15, 0.03], distance: 1.32, elevation: 0.42, fit: 0.66 } };
 const k_emitter_fields = ["position", "rotation", "radius", "speed"];
@@ -51,20 +58,21 @@ const k_walls = [[0, 0, -1, 1], [0, 0, 1, 1], [1, 0, 0, 1], [-1, 0, 0, 1]].map((
   position: [i === 0 ? -k_wall : i === 1 ? k_wall : 0, 0, i === 2 ? -k_wall : i === 3 ? k_wall : 0], rotation, size: [1, 1, 1] }));
 
 class Page {
-  constructor(sand, block) {
+  constructor(sand) {
     this.sand = sand;
-    this.painter = new Painter(by("view"), block, k_radius), this.camera = new Camera(), this.pace = new Pace();
+    this.painter = new Painter(by("view"), k_radius), this.camera = new Camera(), this.pace = new Pace();
     this.tool = "glass", this.mark = [0.26, 0, 0.16], this.at = null, this.pushing = null, this.time = 0, this.owed = 0;
     this.spent = [], this.recorded = [], this.added = [], this.objects = [];
-    this.denied = 0, this.saidFull = false;
+    this.denied = 0, this.saidFull = false, this.flow = this.least = this.late = 1, this.before = this.waited = 0;
     this.gravity = [...k_scene.gravity], this.given = [...k_scene.gravity], this.tipped = false;
     this.stage = new Stage(sand, { origin: [0, 0, 0], half: k_box, budget: 0 }), this.room = new RoomParts(this.stage);
     this.stage.newCast(k_object_triangles), this.stage.newPile();
     const funnel = funnelMesh();
     this.painter.funnel = this.painter.item(funnel.vertices, funnel.indices, null, k_brass, funnel.normals);
-    this.stands = { table: this.makeTable(), glass: this.makeGlass() };
+    this.stands = { glass: this.makeGlass() };
     this.show("glass");
-    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.turning.begin(this.turnAxis());
+    this.fitDevice();
+    this.opens = !matchMedia("(prefers-reduced-motion: reduce)").matches;  // once its sand is seen
   }
 
   newScene() {
@@ -92,16 +100,42 @@ class Page {
       colliders: [{ shape: constants.SANDGLASS_SHAPE_HALF_SPACE, position: [0, 0, 0], ...flat }, { shape: constants.SANDGLASS_SHAPE_FIELD, position: [0, 0, 0], ...flat, field: hourglassField(sand) }] };
     this.turning = new Turning();
     const scene = new SandScene(sand, file, { clock: true }), wood = woodMesh(), glass = glassMesh(), pose = this.turning.pose(), model = matrixOf(pose.position, pose.rotation);
-    return { scene, skin: this.newSkin(scene, 1), drawn: [painter.item(wood.vertices, wood.indices, model, k_wood)],
+    return { scene, full: file.particles.length / 3, skin: this.newSkin(scene, 1), drawn: [painter.item(wood.vertices, wood.indices, model, k_wood)],
       standing: [this.stage.addModel({ positions: wood.vertices, indices: wood.indices, ...pose }, k_casts)],
       glass: { ...painter.mesh(glass.vertices, glass.indices, glass.normals), model } };
   }
+
+  // Few frames at rest tell how much sand this device simulates in time.
+  fitDevice() {
+    const { full } = this.stands.glass, since = performance.now();
+    this.fillGlass(0);
+    let fits = 0;  // of particles
+    for (let i = 0; i < 2 || (i < k_trials && fits < full && performance.now() - since < k_trial_ms); ++i) fits = Math.max(fits, k_glass_least * k_glass_ms / this.settle());
+    if (fits > k_glass_least) this.fillGlass(fits);
+  }
+
+  // A frame of the glass at rest with all the work that its sand and their skin need, so that it is seen. Gives milliseconds.
+  settle() {
+    const { scene, turning } = this, { pile_shadow, cast_count } = scene.input, still = [0, 0, 0];
+    scene.colliders[1].set({ ...turning.pose(), linear_velocity: still, angular_velocity: still });
+    scene.input.set({ pile_shadow: 0, cast_count: 0 });
+    const ms = scene.frame(k_step).time.elapsed_ns / 1e6;
+    scene.input.set({ pile_shadow, cast_count });
+    return ms;
+  }
+
+  // Puts so many particles into the lower half, at rest.
+  fillGlass(count) {
+    this.scene.file.particles = sandBelow(Math.max(k_glass_least, Math.round(count)), k_glass_radius);
+    this.refill();
+  }
+  get inGlass() { return this.stands.glass.scene.file.particles.length / 3; }
 
   newSkin({ desc }, closed) { return this.stage.make("sandglass_skin", { closed }, desc.granular); }
 
   // Puts the hourglass or the table before the camera; the other one stands still.
   show(name) {
-    const { sand, painter, camera, stage } = this, stand = this.stands[name];
+    const { sand, painter, camera, stage } = this, stand = this.stands[name] ??= this.makeTable();
     if (this.stand === stand) return;
     if (this.stand) this.stand.drawn = painter.objects, this.stand.view = { ...camera };
     this.stand = stand, this.scene = stand.scene, this.skin = stand.skin;
@@ -110,7 +144,7 @@ class Page {
     Object.assign(camera, stand.view ?? k_views[name]);
     this.scene.input.set({ skin: this.skin, pile_shadow: stage.pile, casts: stage.castList, cast_count: painter.wall ? 2 : 1 });
     sand.sandglass_pile_shadow_refresh(stage.pile);
-    this.at = this.pushing = null, this.owed = 0;
+    this.at = this.pushing = null, this.owed = 0, this.flow = this.least = 1, this.opens = false;
     this.setGravity(this.scene, this.given = [...this.gravity]);
     this.castAll(), this.setLight();
   }
@@ -118,9 +152,14 @@ class Page {
   wake() { this.pace.wake(), this.ask?.(); }
   restless() {
     const { scene, pace, at, watching, tipping, turning, stage: { nozzles } } = this;
-    return pace.touched || at !== null || !!watching || !!tipping || turning.turns || (nozzles.length > 0 && this.onTable) || scene.report.sand.awake > 0 || this.behind !== 0;
+    return pace.touched || this.opens || at !== null || !!watching || !!tipping || turning.turns || (nozzles.length > 0 && this.onTable) || scene.report.sand.awake > 0 || this.behind !== 0;
   }
-  turnOver() { this.turning.begin(this.turnAxis()), this.wake(); }
+  // Where sand ran down in slow motion although less is drawn, the next turn is of less sand.
+  turnOver() {
+    if (!this.turning.turns && this.scene.report.sand.awake === 0 && this.least < k_in_time) this.fillGlass(this.least * this.inGlass);
+    this.opens = false, this.least = 1;
+    this.turning.begin(this.turnAxis()), this.wake();
+  }
   get onTable() { return this.stand === this.stands.table; }
   get skinMesh() { return this.stage.changes.mesh; }
   turnAxis() { const { away } = this.camera.axes(), flat = Math.hypot(away[0], away[2]); return [away[0] / flat, 0, away[2] / flat]; }
@@ -237,7 +276,7 @@ class Page {
   // The hourglass as it stands at the frame's end. It casts where it is.
   turn() {
     const { scene, turning, stand } = this, turned = turning.turns;
-    scene.colliders[1].set({ ...turning.advance(k_step) });
+    scene.colliders[1].set({ ...turning.advance(k_step, this.flow, this.late) });
     scene.input.collider_count = 2;
     this.stage.pour(...turning.turns ? [] : [k_neck]);
     if (turned) this.placeGlass();
@@ -319,20 +358,26 @@ class Page {
     scene.frame(step, 0, emitters.length);
   }
 
-  // Moves on by so many seconds of wall time: zero, one or two frames.
+  // Moves on by so many seconds of wall time: up to twelve frames. Says whether it did.
   advance(seconds) {
-    const { scene } = this, budget = Number(by("budget").value);
-    this.owed = Math.min(this.owed + seconds, k_frames_at_once * k_step);
+    const { scene } = this;
+    this.owed = Math.min(this.owed + seconds, k_frames_at_once * k_step), this.waited += seconds;
+    if (this.owed < k_step) return false;
+    // Where pictures take longer than so many frames, one after the other, each frame has as much more time.
+    this.late = Math.max(1, Math.min(k_late, Math.min(this.waited, this.before) / (k_frames_at_once * k_step))), this.before = this.waited, this.waited = 0;
+    const budget = Number(by("budget").value) * this.late;
     while (this.owed >= k_step) {
       this.owed -= k_step;
       scene.input.output_lag = 0;
       if (this.gravity.some((x, k) => x !== this.given[k])) this.setGravity(scene, this.given = [...this.gravity]), this.tipped = true;
-      const first = this.onTable ? this.placeWalls(scene) : 0, emitters = this.act(first), report = scene.frame(k_step, budget, emitters);
+      const before = scene.report.time.simulated, first = this.onTable ? this.placeWalls(scene) : 0, emitters = this.act(first), report = scene.frame(k_step, budget, emitters);
+      this.flow += (Math.min(1, (report.time.simulated - before) / k_step) - this.flow) / k_flow_frames, this.least = Math.min(this.least, this.flow);
       this.record(emitters, report.plan, first);
       this.tellFull(report.sand);
-      this.spent.push({ ms: report.time.elapsed_ns / 1e6, stages: report.stages.map((stage) => stage.elapsed_ns / 1e6), budget });
+      this.spent.push({ ms: report.time.elapsed_ns / 1e6 / this.late, stages: report.stages.map((stage) => stage.elapsed_ns / 1e6 / this.late) });
       if (this.spent.length > k_seconds_at_most / k_step) this.spent.shift();
     }
+    return true;
   }
 
   // A finger pours and nothing comes: said once, until it is lifted.
@@ -362,13 +407,18 @@ class Page {
     this.takeDrawn();
     this.behind = pile.frames_behind + sky.frames_behind + cast.stale + skinMesh.frames_behind;
     painter.sand.share = pace.now.loose;
-    painter.draw(this.camera, pace.now.pixels);
+    if (!this.onTable) this.camera.fit = k_views.glass.fit + k_turn_fit * this.turning.wide;
+    painter.draw(this.camera, pace.now);
+    if (this.opens && skinMesh.index_count + skinMesh.flying_count + skinMesh.lying_count > 0) this.turnOver();
   }
 
   tell() {
     const { report } = this.scene, of = this.spent.length || 1;
     const mean = (pick) => this.spent.reduce((sum, frame) => sum + pick(frame), 0) / of;
     const budget = Number(by("budget").value), ms = mean((frame) => frame.ms), bar = by("bar");
+    const slow = this.flow < k_in_time ? "In slow motion: this device is busy" : !this.onTable && this.inGlass < this.stands.glass.full ? "Less sand: this device is slow" : "";
+    by("short").textContent = slow || `Sand: ${ms.toFixed(1)} of ${budget} ms a frame`, by("short").className = slow ? "slow" : ms > budget + 1 ? "late" : "";
+    if (!by("more").open) return;
     bar.setAttribute("aria-valuenow", Math.round(100 * ms / budget));
     const parts = k_stages.map(([, name, colour], i) => [name, colour, mean((frame) => frame.stages[i])]).filter(([, , part]) => part > 0.005);
     bar.replaceChildren(...parts.map(([, colour, part]) => Object.assign(document.createElement("span"),
@@ -379,10 +429,9 @@ class Page {
       term.append(name);
       return [term, Object.assign(document.createElement("dd"), { textContent: value })];
     };
-    by("short").textContent = `Sand: ${ms.toFixed(1)} of ${budget} ms a frame`, by("short").className = ms > budget + 1 ? "late" : "";
     by("numbers").replaceChildren(...[...parts.map(([name, colour, part]) => row(name, `${part.toFixed(2)} ms`, colour)),
       row("quality level", `${report.level} ${this.sand.sandglass_level_name(report.level)}`), row("time debt", `${report.time.debt.toFixed(2)} s`),
-      row("particles", counted(report.sand.particles)), row("triangles", counted(this.skinMesh.index_count / 3)), row("drawn", this.pace.step === 0 ? "in full" : `coarser by ${this.pace.step} of 3, pictures take long`), ...this.tellLight(row)].flat());
+      row("particles", counted(report.sand.particles)), row("triangles", counted(this.skinMesh.index_count / 3)), row("drawn", this.pace.said), ...this.tellLight(row)].flat());
   }
 
   // What the camera knows of the room's light, and in augmented reality how far from the device's it is.
@@ -398,13 +447,19 @@ class Page {
   again() {
     this.wake();
     if (this.onTable) this.dropObjects();
-    else this.turning = new Turning(), this.placeGlass();
-    this.sand.sandglass_scene_reset(this.scene.handle);
-    this.sand.sandglass_pile_shadow_refresh(this.stage.pile), this.sand.sandglass_skin_refresh(this.skin);
-    this.scene.frames = 0, this.scene.fill();
-    this.scene.report.sand.set({ particles: 0, denied_particles: 0 }), this.denied = 0;
+    else this.turning = new Turning(), this.opens = false, this.placeGlass();
+    this.refill();
     if (this.onTable) this.recorded = [], this.added = [], this.recordedHash = undefined;
     this.given = [...k_scene.gravity], this.tipped = false;
+  }
+
+  refill() {
+    const { sand, scene } = this;
+    sand.sandglass_scene_reset(scene.handle);
+    sand.sandglass_pile_shadow_refresh(this.stage.pile), sand.sandglass_skin_refresh(this.skin);
+    scene.frames = 0, scene.fill();
+    scene.report.sand.set({ particles: 0, denied_particles: 0 }), scene.report.time.simulated = 0, this.denied = 0;
+    if (!this.onTable) this.settle();
   }
 
   // The reader of mesh files; it is compiled when the first one comes.
@@ -511,18 +566,38 @@ async function loaded() {
   return pooled ?? load(await inflated(k_module));
 }
 
+// What takes seconds, made in a worker of this script while the first pictures are drawn; where there is none, it is made here.
+function letHelp(page) {
+  const script = document.querySelector("script[type=module]").textContent.replaceAll("import.meta.url", "location.href"), url = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
+  const worker = new Worker(url);
+  worker.onmessage = ({ data: { block, fields } }) => {
+    if (block) page.painter.setBlock(block), page.wake();
+    else fields.forEach((made, i) => { if (made) k_scene.colliders[i].field.made ??= made; }), worker.terminate();
+  };
+  worker.onerror = async () => { page.painter.setBlock(await sandBlock(await inflated(k_block_module))), page.wake(); };
+}
+async function help() {
+  postMessage({ block: await sandBlock(await inflated(k_block_module)) });
+  const sand = await load(await inflated(k_module));
+  postMessage({ fields: k_scene.colliders.map(({ field }) => field && fieldBytes(sand, field)) });
+}
+
 async function begin() {
-  const page = new Page(await loaded(), await sandBlock(await inflated(k_block_module)));
-  listen(page);
+  const page = new Page(await loaded());
+  letHelp(page), listen(page);
   window.sandglassPage = { page, fixedRun: (frames) => fixedRun(page.sand, frames) };  // for the page's test
-  let before = performance.now(), told = 0, drew = false, asked = 0;
+  let before = performance.now(), told = 0, drew = false, asked = 0, sandTook = 0, drawn = 0;
   const frame = (now) => {
-    const seconds = Math.max(0, now - before) / 1e3, runs = !page.measuring && !page.real && page.restless();
-    if (runs && drew) page.pace.drew(1e3 * seconds);
+    const seconds = Math.max(0, now - before) / 1e3, runs = !page.measuring && !page.real && page.restless(), start = performance.now();
     if (runs) {
       page.watch(now);
       if (page.watching) page.setLight(seconds);
-      page.advance(seconds), page.draw();
+      const moved = page.advance(seconds), took = performance.now() - start;
+      // Nothing is drawn twice: where pictures take long, a browser asks for the next one before it has shown the last.
+      if (moved || !drew || page.pace.touched || page.watching) {
+        if (drew) page.pace.drew(now - drawn - sandTook);
+        page.draw(), drawn = now, sandTook = took;
+      }
     }
     drew = runs, before = now;
     if (now - told > 250) page.tell(), told = now;
@@ -530,9 +605,12 @@ async function begin() {
     asked = runs ? requestAnimationFrame(frame) : setTimeout(() => frame(performance.now()), k_rest_ms);
   };
   page.ask = () => { if (!drew) clearTimeout(asked), cancelAnimationFrame(asked), asked = requestAnimationFrame(frame), drew = true, before = performance.now(); };
+  // What was hidden goes on where it was, and no picture took so long.
+  document.addEventListener("visibilitychange", () => { before = performance.now(), drew = false; });
   asked = requestAnimationFrame(frame);
   const recording = await fromLink(location.hash);
   if (recording) await play(page, recording);
 }
 
-begin().catch((error) => say(error.message));
+if (typeof document === "undefined") help();
+else begin().catch((error) => say(error.message));

@@ -8,7 +8,9 @@ import { kitValues } from "./glsl.mjs";
 import { k_kit } from "./kit.mjs";
 
 const k_depth_bias = 0.02;  // metres
+const k_samples = 4;        // of a smooth pixel
 const k_nothing = { side: 1, bytes: new Uint8Array(1) };
+const k_plain = [197, 165, 122, 168, 127, 127, 128, 130];  // the mean of the block of grains: its last level
 
 const k_hidden = `
 uniform sampler2D real_depth;    // of the camera, metres along its axis; 0: not known
@@ -18,6 +20,7 @@ uniform float bias;              // metres that the depth may be wrong by
 // How much something real hides of what is drawn. What the camera shows on table or wall is table or wall.
 float hidden(vec3 place) {
   ivec2 size = textureSize(real_depth, 0);
+  if (size.x == 1) return 0.0;  // nothing is known
   vec2 at = (depth_from_screen * vec3(gl_FragCoord.xy, 1)).xy * vec2(size) - 0.5, part = fract(at);
   float sum = 0.0;
   for (int i = 0; i < 4; ++i) {
@@ -120,6 +123,13 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
 const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
 
+// A block without grains, of their mean.
+function plainBlock() {
+  const words = new Uint32Array(2 * (8 ** 7 - 1) / 7), means = new Uint32Array(Uint8Array.from(k_plain).buffer);
+  for (let side = 64, at = 0; side >= 1; side >>= 1) for (const mean of means) words.fill(mean, at, at += side ** 3);
+  return new Uint8Array(words.buffer);
+}
+
 // A camera that turns about a point of the table.
 export class Camera {
   target = [0, 0.14, 0];
@@ -152,13 +162,13 @@ export class Camera {
 }
 
 export class Painter {
-  // `block` is what sand_block makes; `radius` a particle's.
-  constructor(canvas, block, radius) {
-    const gl = this.gl = canvas.getContext("webgl2", { antialias: true, powerPreference: "low-power" });
+  // `radius`: a particle's. Sand is plain until the block of grains comes.
+  constructor(canvas, radius) {
+    const gl = this.gl = canvas.getContext("webgl2", { antialias: false, powerPreference: "low-power" });
     if (!gl) throw new Error("This browser has no WebGL 2, so nothing can be drawn. Update it, or turn hardware acceleration on.");
     this.canvas = canvas;
     this.solid = program(gl, k_solid_vertex, k_solid_fragment), this.glassProgram = program(gl, k_kit.uniforms + k_glass_vertex, k_lighting + k_glass_fragment), this.glass = null;
-    this.sand = new SandPainter(gl, k_hidden, block, radius);
+    this.sand = new SandPainter(gl, k_hidden, plainBlock(), radius);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     for (const name of ["pile", "onSand", "object", "seen", "sky", "skyOnSand", "wallObject", "wallSeen", "depth", "unknownDepth"]) this[name] = uploadShadow(gl, k_nothing);
     this.room = gl.createTexture(), this.roomKnown = 0;
@@ -172,6 +182,11 @@ export class Painter {
     gl.enable(gl.DEPTH_TEST);
   }
 
+  // What sand_block makes.
+  setBlock(block) {
+    for (const texture of this.sand.block) this.gl.deleteTexture(texture);
+    this.sand.block = [0, 1].map((which) => this.sand.blockTexture(block, which));
+  }
   // What drawn() of a stage gives.
   take(drawn) {
     this.drawn = drawn, this.sand.streams = drawn.streams;
@@ -213,8 +228,20 @@ export class Painter {
   add(...item) { return this.objects[this.objects.push(this.item(...item)) - 1]; }
   remove(object) { this.objects = this.objects.filter((other) => other !== object), this.gl.deleteVertexArray(object.array); }
 
+  // What is drawn with several samples a pixel, before it is shown.
+  manySamples(width, height) {
+    const { gl } = this, made = this.samples ??= { frame: gl.createFramebuffer(), parts: [[gl.COLOR_ATTACHMENT0, gl.RGBA8], [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24]].map((part) => [...part, gl.createRenderbuffer()]) };
+    gl.bindFramebuffer(gl.FRAMEBUFFER, made.frame);
+    if (made.width === width && made.height === height) return;
+    for (const [attached, format, buffer] of made.parts) {
+      gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+      gl.renderbufferStorageMultisample(gl.RENDERBUFFER, k_samples, format, width, height);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, attached, gl.RENDERBUFFER, buffer);
+    }
+    made.width = width, made.height = height;
+  }
   // The picture of a camera on the canvas.
-  draw(camera, pixels = 2) {
+  draw(camera, { pixels, smooth } = { pixels: 2, smooth: true }) {
     const { gl, canvas } = this, scale = Math.min(devicePixelRatio, pixels);
     const [width, height] = [Math.round(canvas.clientWidth * scale), Math.round(canvas.clientHeight * scale)];
     if (canvas.width !== width || canvas.height !== height) canvas.width = width, canvas.height = height;
@@ -223,10 +250,16 @@ export class Painter {
       -dot(right, eye), -dot(up, eye), -dot(away, eye), 1]);
     const projection = new Float32Array([1 / half[0], 0, 0, 0, 0, 1 / half[1], 0, 0, 0, 0, (far + near) / (near - far), -1,
       0, 0, 2 * far * near / (near - far), 0]);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    if (smooth) this.manySamples(width, height);
+    else gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.clearColor(0.807, 0.796, 0.772, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     this.paint({ view, projection, eye, viewport: [0, 0, width, height], real: false });
+    if (!smooth) return;
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    gl.invalidateFramebuffer(gl.READ_FRAMEBUFFER, [gl.COLOR_ATTACHMENT0, gl.DEPTH_ATTACHMENT]);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   }
 
   // A texture of the camera's in few pixels: RGBA bytes, the upper row first.

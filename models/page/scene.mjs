@@ -1,13 +1,15 @@
 // Builds a scene in the module from what web_scene writes, and runs its frames as the program does.
 
 export const unpacked = (text, Type) => {
-  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const letters = atob(text), bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; ++i) bytes[i] = letters.charCodeAt(i);
   return new Type(bytes.buffer);
 };
 
-// The field of a mesh in typed arrays, made by the library as the file says. Throws the library's sentence.
-function makeField(sand, plan) {
-  const { vertices, indices } = plan;
+// The field of a file's mesh, made by the library as the file says: its bytes, for another instance's memory too. Throws the
+// library's sentence.
+export function fieldBytes(sand, plan) {
+  const vertices = unpacked(plan.vertices, Float32Array), indices = unpacked(plan.indices, Uint32Array), size = sand.allocate(8);
   const mesh = sand.make("sandglass_mesh", {
     vertices: sand.put(vertices), vertex_count: vertices.length / 3,
     indices: sand.put(indices), triangle_count: indices.length / 3,
@@ -16,8 +18,10 @@ function makeField(sand, plan) {
   const desc = sand.make("sandglass_field_desc", { solid: plan.solid, bounds_min: plan.low, bounds_max: plan.high, spacing: plan.spacing,
     band: plan.band, mesh, inside: sand.pointer("sandglass_mesh_inside_test"), inside_user: inside });
   const field = sand.create("sandglass_field", desc);
-  for (const used of [mesh.vertices, mesh.indices, mesh, inside, desc]) sand.free(used);
-  return field;
+  sand.sandglass_field_bytes(desc, size);
+  const bytes = sand.bytes(field, Number(sand.view().getBigUint64(size, true))).slice();
+  for (const used of [mesh.vertices, mesh.indices, mesh, inside, desc, size, field]) sand.free(used);
+  return bytes;
 }
 
 // Adds typed arrays of particles and grains: { positions, velocities } of each; without velocities they are at rest.
@@ -45,7 +49,7 @@ export class SandScene {
     this.colliders = sand.array("sandglass_collider", file.colliders.length + colliders);
     this.fields = [];
     file.colliders.forEach(({ shape, position, rotation, size, field }, i) => {
-      this.fields.push(typeof field === "number" ? field : field ? makeField(sand, { ...field, vertices: unpacked(field.vertices, Float32Array), indices: unpacked(field.indices, Uint32Array) }) : 0);
+      this.fields.push(typeof field === "number" ? field : field ? sand.put(field.made ??= fieldBytes(sand, field)) : 0);
       this.colliders[i].set({ shape, position, rotation, size, field: this.fields[i] });
     });
     this.emitters = sand.array("sandglass_emitter", Math.max(1, desc.granular.emitter_capacity));

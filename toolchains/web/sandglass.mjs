@@ -203,7 +203,13 @@ class Sandglass {
 
   constructor(exports, memory, threads, module) {
     this.#exports = exports, this.#memory = memory, this.threads = threads, this.module = module;
-    for (const name of Object.keys(structs)) this.#classes[name] = structClass(name, memory, () => this.view(), this.#classes);
+    const classes = this.#classes;  // each is made when it is first asked for
+    for (const name of Object.keys(structs))
+      Object.defineProperty(classes, name, { configurable: true, get: () => {
+        const value = structClass(name, memory, () => this.view(), classes);
+        Object.defineProperty(classes, name, { value });
+        return value;
+      } });
     this.#reason = this.allocate(8);
     for (const [name, [parameters, result, of, fails]] of Object.entries(functions))
       this[name] = this.#method(exports[name], parameters, result, of, fails);
