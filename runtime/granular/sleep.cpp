@@ -34,6 +34,7 @@ constexpr uint16_t k_carried_contacts = 40;  // contacts from the carrier that a
 // where it is 1 cm. Twice as long it stays awake, in units of r / sqrt(g d): friction may hold it for ever.
 constexpr float k_tipping_units = 243.0f;
 constexpr uint16_t k_balanced = 0x8000;  // the bit of Anchor::quiet of what was found so since it moved on
+constexpr uint16_t k_look = 0x4000;      // and of what is beside that, and is looked at anew
 constexpr uint32_t k_touched_most = 16;  // more cannot touch a sphere
 constexpr float k_support = 0.3f;        // what is lower by so much of the distance bears
 constexpr float k_upright = 0.998f;      // and what bears alone, straight below to 3.6 degrees
@@ -428,17 +429,15 @@ static bool is_balanced(const Sleep& sleep, const Granular& g, uint32_t i) {
   return supports != 0 && (free || !beside) && !touches_collider(g, i, &beside);
 }
 
-// From now on the particle is balanced. What is near wakes, and is looked at anew at `half` its patience: it may be, too.
-static void begin_leaning(Sleep* sleep, const Granular& g, uint32_t i, uint32_t half) {
-  sleep->anchors[number_of(*particle_at(g, i))].quiet = k_balanced;
+// From now on the particle is balanced. What is near is looked at anew: it may be, too. Checks are counted on: what does not
+// fall asleep together with its neighbours is pushed, and wakes.
+static void begin_leaning(Sleep* sleep, const Granular& g, uint32_t i) {
+  sleep->anchors[number_of(*particle_at(g, i))].quiet |= k_balanced;
   uint32_t count;
   const uint32_t* row = neighbours_of(g, i, &count);
-  for (uint32_t s = 0; s < count; ++s) {
-    if (row[s] >= g.particles.count || leans(*sleep, g, row[s])) continue;
-    wake_if_asleep(sleep, g, row[s]);
-    uint16_t& quiet = sleep->anchors[number_of(*particle_at(g, row[s]))].quiet;
-    if (quiet >= half) quiet = static_cast<uint16_t>(half - 1);
-  }
+  for (uint32_t s = 0; s < count; ++s)
+    if (row[s] < g.particles.count && is_awake(*particle_at(g, row[s])) && !leans(*sleep, g, row[s]))
+      sleep->anchors[number_of(*particle_at(g, row[s]))].quiet |= k_look;
 }
 
 // Checks in a row that must find a particle near one place.
@@ -450,7 +449,7 @@ static uint32_t patience_of(const Granular& g) {
 // And those for which what is balanced beside others is watched.
 static uint32_t tipping_of(const Granular& g) {
   const float time = k_tipping_units * g.desc.particle_radius / granular_speed_scale(g);
-  const float checks = time * static_cast<float>(1.0 / k_sleep_period), most = static_cast<float>(k_balanced - 2);
+  const float checks = time * static_cast<float>(1.0 / k_sleep_period), most = static_cast<float>(k_look - 2);
   return to_whole<uint32_t>(checks < most ? checks : most);
 }
 
@@ -474,11 +473,13 @@ bool sleep_run_sleep(Sleep* sleep, const Granular& g, uint32_t* cursor) {
       } else if (carried != 0) {
         anchor.quiet = 0;
       } else {
-        const uint32_t quiet = anchor.quiet & (k_balanced - 1u);
-        if (quiet < k_balanced - 2u) ++anchor.quiet;
+        const uint32_t quiet = anchor.quiet & (k_look - 1u);
+        if (quiet < k_look - 2u) ++anchor.quiet;
         if (in_body(p)) continue;
-        if (anchor.quiet == patience / 2 && is_balanced(*sleep, g, i)) {
-          begin_leaning(sleep, g, i, patience / 2);
+        const bool looks = quiet + 1 == patience / 2 || ((anchor.quiet & k_look) != 0 && quiet + 1 > patience / 2);
+        if (looks) anchor.quiet &= static_cast<uint16_t>(~k_look);
+        if (looks && (anchor.quiet & k_balanced) == 0 && is_balanced(*sleep, g, i)) {
+          begin_leaning(sleep, g, i);
         } else if (quiet + 1 >= patience && may_rest(*sleep, g, i, quiet + 1 >= tipping)) {
           fall_asleep(sleep, g, i);
         }
