@@ -14,9 +14,11 @@ constexpr uint32_t k_unit_share = 2;  // of a work unit's particles
 
 // ---- moving what is held
 
-// x becomes x + turn d + shift, for d = x - from; v becomes v + turn v + gain d + constant.
+// x becomes x + turn d + shift, for d = x - from; v becomes v + turn v + gain d + constant, but no faster than `most`: what
+// a sub-step allows.
 struct QuadWay {
   Quad from, turn[3], shift, gain[3], constant;
+  float most;
 };
 
 Quad quad(const float v[3]) { return Quad{v[0], v[1], v[2], 0.0f}; }
@@ -27,11 +29,11 @@ Quad times(const Quad columns[3], const Quad& v) {
 }
 
 // What is gained is `more` times the collider's velocity.
-QuadWay quad_way(const Carrier& carrier, float more) {
+QuadWay quad_way(const Granular& g, const Carrier& carrier, float more) {
   const RigidWay& w = carrier.way;
   const float* s = carrier.from.angular;
   const float spin[3][3] = {{0, s[2], -s[1]}, {-s[2], 0, s[0]}, {s[1], -s[0], 0}};
-  QuadWay q = {quad(w.from), {}, quad(w.shift), {}, {}};
+  QuadWay q = {quad(w.from), {}, quad(w.shift), {}, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
   for (int k = 0; k < 3; ++k) q.turn[k] = Quad{w.turn[0][k], w.turn[1][k], w.turn[2][k], 0.0f};
   const auto gained = [&](const float u[3]) { return (quad(u) + times(q.turn, quad(u))) * more; };
   for (int k = 0; k < 3; ++k) q.gain[k] = gained(spin[k]);
@@ -50,7 +52,12 @@ void carry_copy(const QuadWay& q, float scale, Particle* p) {
   const Quad d = halves.at - q.from;
   halves.at += times(q.turn, d) + q.shift;
   halves.velocity += times(q.turn, halves.velocity);
-  if (scale != 0.0f) halves.velocity += (times(q.gain, d) + q.constant) * scale;
+  if (scale != 0.0f) {
+    halves.velocity += (times(q.gain, d) + q.constant) * scale;
+    const Quad squares = halves.velocity * halves.velocity;
+    const float speed2 = squares[0] + squares[1] + squares[2], most = q.most * scale;
+    if (speed2 > most * most) halves.velocity *= most / __builtin_sqrtf(speed2);
+  }
   __builtin_memcpy(p, &halves, sizeof halves);
   p->identity = identity;  // no number
 }
@@ -93,7 +100,7 @@ float carry_box(const RigidWay& w, const Bounds& box, Bounds* after) {
 float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder, uint32_t mask, Bounds* after) {
   const Carrier& carrier = g.colliders.carriers[holder];
   const float more = c->faster - 1.0f, gains = more != 0.0f ? 1.0f : 0.0f;
-  const QuadWay q = quad_way(carrier, more);
+  const QuadWay q = quad_way(g, carrier, more);
   const float way = carry_box(carrier.way, it.box, after);
   Bounds& held = c->held[c->group_of[holder]];
   bounds_join(&held, it.box), bounds_join(&held, *after);
