@@ -565,12 +565,16 @@ enum {
  *
  * Identity. A collider is recognised from frame to frame by its `id`; without one by an equal pose, else as the nearest
  * of its shape. Its place in the list decides between those that are equally near. One that is not recognised, that
- * went more than 0.25 m in a frame, or that was left out for 0.25 s, is new: it is where it is told to be.
+ * went more than 0.25 m in a frame (1 m with an id), or that was left out for 0.25 s, is new: it is where it is told
+ * to be.
  *
- * With time debt, sand has not yet gone through the way that the collider was given. Then the collider goes what is
- * left of it, and the new frame's, evenly over the simulated time that is left: it does not jump where it stops, and in
- * slow motion it is faster than its velocity says, as it is on the screen. A collider that is far from where it was has
- * nothing left to go. */
+ * Carried. A frame ends with colliders where they are told to be, whatever it could afford to simulate: sand is never
+ * more than 0.75 r behind. Time that is given up moves a collider together with what it holds, rigidly: what a field
+ * that is solid outside encloses, and what lies on it, along gravity, in the box around all colliders that go its way.
+ * What it does not hold gives way along its surface, without a velocity. In slow motion sand feels a collider slower
+ * than told, by as much as time is short, so that what speeds up or brakes throws no more than it should. A frame
+ * longer than 0.1 s, a jump, and what poses did while frames were paused carry, too: what is enclosed, and what stands
+ * in a vessel of several colliders; of those pass ids. Pass the true time step. */
 typedef struct sandglass_collider {
   /* What `size` means. */
   sandglass_shape shape;
