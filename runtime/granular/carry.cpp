@@ -372,7 +372,7 @@ void carry_bodies(Carry* c, const Granular& g) {
     carrier.way.rotate(gain);
     for (float& v : gain) v *= c->faster - 1.0f;
     bodies_carry(g, b, carrier.way, gain);
-    c->body_holders[b] = static_cast<uint8_t>(holder[0] + 1);
+    c->body_holders[b] = static_cast<uint16_t>(holder[0] + 1);
   }
 }
 

@@ -282,7 +282,7 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   const Placement before = placement_of(c.of_slot[slot]);
   if (c.waits) hold_returns(&known.pose);  // a save may be older than where a lift is now
   if (!same_one) hold_anew(&known.pose, placement_of(now));
-  else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g.time.frame_step, rule);
+  else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g.time.frame_step + g.time.left_out, rule);
   known.used = 1;
   known.id = now.id;
   known.shape = now.shape;

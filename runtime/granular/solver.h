@@ -205,7 +205,7 @@ struct Carry {
   Bounds* reaches;    // around each solid collider, where it goes on from
   CarryGroup groups[k_carry_groups];
   uint32_t group_count;
-  uint8_t body_holders[256];  // the collider that holds a body, plus 1
+  uint16_t body_holders[256];  // the collider that holds a body, plus 1
   // What the units so far have seen.
   Bounds held[k_carry_groups], pushed, resting, standing;
   float way_max;

@@ -190,18 +190,21 @@ TEST(Carry, ReplaysOnEveryInstructionSetAndGoesOnAfterARestore) {
   }
 }
 
-// A tab that comes back: a frame of many is one, with all budget.
+// A tab that comes back: a frame of many is one, with all budget; by velocities, and by poses alone.
 TEST(Carry, LongFramesTakeSandAlong) {
-  for (const float gap : {0.117f, 0.25f, 0.5f, 2.0f}) {
-    Bucket b(driven);
-    for (int f = 1; f <= 30; ++f) b.frame(k_step * static_cast<float>(f - 30), k_all);
-    float time = 0;
-    for (int f = 0; f < 20; ++f) b.frame(time += k_step, k_all);
-    b.frame(time += gap, k_all, gap);
-    EXPECT_EQ(b.outside(b.at), 0u) << gap;
-    for (int f = 0; f < 60; ++f) b.frame(time += k_step, k_all);
-    EXPECT_EQ(b.outside(b.at), 0u) << gap;
-  }
+  for (const bool told : {true, false})
+    for (const float gap : {0.117f, 0.25f, 0.5f, 2.0f}) {
+      Bucket b(driven);
+      for (int f = 1; f <= 30; ++f) b.frame(k_step * static_cast<float>(f - 30), k_all, k_step, told);
+      float time = 0;
+      for (int f = 0; f < 20; ++f) b.frame(time += k_step, k_all, k_step, told);
+      b.frame(time += gap, k_all, gap, told);
+      if (told) {
+        EXPECT_EQ(b.outside(b.at), 0u) << gap;
+      }
+      for (int f = 0; f < 60; ++f) b.frame(time += k_step, k_all, k_step, told);
+      EXPECT_EQ(b.outside(b.at), 0u) << gap << told;
+    }
 }
 
 Place aside(float t) { return {t > 0 ? 0.3f : 0.0f, 0}; }
