@@ -7,10 +7,9 @@ namespace sandglass {
 namespace {
 
 constexpr float k_same_way = 0.25f;   // radii by which ways may differ and be one
-constexpr float k_unseen = 0.75f;     // radii by which sand may lag behind what is drawn
+constexpr float k_unseen = 1.0f;     // radii by which sand may lag behind what is drawn
 constexpr float k_step_out = 0.5f;    // radii that a collider goes at once through what gives way
 constexpr uint32_t k_steps_out = 16;  // at most
-constexpr uint32_t k_unit_share = 2;  // of a work unit's particles
 
 // ---- moving what is held
 
@@ -378,9 +377,7 @@ void carry_bodies(Carry* c, const Granular& g) {
 
 // Cut evenly: a short last unit would look dear for its items.
 uint32_t unit_of(const Granular& g) {
-  const uint32_t count = g.particles.count,
-                 most = g.unit < k_unit_share * k_lane_group ? k_lane_group : g.unit / k_unit_share;
-  const uint32_t parts = count / most + 1, part = (count + parts - 1) / parts;
+  const uint32_t count = g.particles.count, parts = count / g.unit + 1, part = (count + parts - 1) / parts;
   return (part + k_lane_group - 1) / k_lane_group * k_lane_group;
 }
 
@@ -418,7 +415,10 @@ bool carry_is_due(const Granular& g) {
   return g.carry.known || g.time.debt >= k_time_resolution || g.time.rate < 1.0;
 }
 
-bool carry_is_expected(const Granular& g) { return g.carry.usual && g.carry.moving && g.time.rate < 1.0; }
+bool carry_is_expected(const Granular& g) {
+  const bool owed = g.time.asked > static_cast<double>(g.time.frame_step) + k_time_resolution;
+  return g.carry.usual && g.carry.moving && (owed || g.time.rate < 1.0);
+}
 
 uint32_t carry_units(const Granular& g) { return (g.particles.count + unit_of(g) - 1) / unit_of(g); }
 

@@ -661,6 +661,11 @@ bool collider_held(const Granular& g, uint32_t index, sandglass_collider* held) 
   for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot) {
     if (c.seen_by[slot] == SeenBy::none || c.known[slot].listed != index) continue;
     *held = c.of_slot[slot];
+    place(held, {c.ends[slot], {}, {}});
+    for (int k = 0; k < 3; ++k) {
+      held->linear_velocity[k] = c.of_slot[slot].linear_velocity[k];
+      held->angular_velocity[k] = c.of_slot[slot].angular_velocity[k];
+    }
     return true;
   }
   return false;

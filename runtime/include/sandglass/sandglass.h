@@ -569,7 +569,7 @@ enum {
  * to be.
  *
  * Carried. A frame ends with colliders where they are told to be, whatever it could afford to simulate: sand is never
- * more than 0.75 r behind. Time that is given up moves a collider together with what it holds, rigidly: what a field
+ * more than r behind. Time that is given up moves a collider together with what it holds, rigidly: what a field
  * that is solid outside encloses, and what lies on it, along gravity, in the box around all colliders that go its way.
  * What it does not hold gives way along its surface, without a velocity. In slow motion sand feels a collider slower
  * than told, by as much as time is short, so that what speeds up or brakes throws no more than it should. A frame
