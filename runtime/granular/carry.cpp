@@ -7,7 +7,7 @@ namespace sandglass {
 namespace {
 
 constexpr float k_same_way = 0.25f;   // radii by which ways may differ and be one
-constexpr float k_unseen = 1.0f;     // radii by which sand may lag behind what is drawn
+constexpr float k_unseen = 1.0f;      // radii by which sand may lag behind what is drawn
 constexpr float k_step_out = 0.5f;    // radii that a collider goes at once through what gives way
 constexpr uint32_t k_steps_out = 16;  // at most
 
