@@ -10,6 +10,7 @@ constexpr float k_same_way = 0.25f;   // radii by which ways may differ and be o
 constexpr float k_unseen = 1.0f;      // radii by which sand may lag behind what is drawn
 constexpr float k_step_out = 0.5f;    // radii that a collider goes at once through what gives way
 constexpr uint32_t k_steps_out = 16;  // at most
+constexpr float k_pressed = 0.5f;     // radii from a collider that stands; what is nearer is pressed into it
 
 // ---- moving what is held
 
@@ -150,11 +151,26 @@ void put_out(const Granular& g, const ColliderFrame& c, HeldLanes* lanes, uint32
   }
 }
 
+// Lanes that are pressed into what stands go back, and are pressed no more: a hand presses no sand through a wall.
+uint32_t hold_before_standing(const Granular& g, HeldLanes* lanes, const HeldLanes& before, uint32_t mask) {
+  float distance[k_lane_group];
+  uint32_t stopped = 0;
+  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
+    if (holding_carries(g, i)) continue;
+    holding_measure(g, g.colliders.carriers[i].to, lanes->at, distance);
+    for (uint32_t l = 0; l < lanes->count; ++l)
+      stopped |= (mask >> l & 1) != 0 && distance[l] < k_pressed * g.desc.particle_radius ? 1u << l : 0;
+  }
+  for (uint32_t l = 0; l < lanes->count && stopped != 0; ++l)
+    for (int k = 0; k < 3; ++k) lanes->at[k][l] = (stopped >> l & 1) != 0 ? before.at[k][l] : lanes->at[k][l];
+  return mask & ~stopped;
+}
+
 // What is not held gives way to what moves, in steps that are short against it.
 void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t mask, float moved[k_lane_group]) {
   const float r = g.desc.particle_radius;
-  float endless[k_lane_group];
-  for (float& m : endless) m = 3e38f;
+  float most[k_lane_group];
+  for (float& m : most) m = r;
   for (uint32_t i = 0; i < g.colliders.solid_count && mask != 0; ++i) {
     const Carrier& carrier = g.colliders.carriers[i];
     if (!holding_carries(g, i) || holding_encloses(carrier.to)) continue;
@@ -162,12 +178,12 @@ void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t 
     bounds_join(&swept, g.carry.reaches[i]);
     if (!holding_overlaps(here, swept, 2.0f * r)) continue;
     const float parts = carry_box(carrier.way, here, &unused) / (k_step_out * r);
-    const uint32_t steps = carrier.to.shape == SANDGLASS_SHAPE_HALF_SPACE ? 1
-                           : parts < static_cast<float>(k_steps_out)      ? static_cast<uint32_t>(parts) + 1
-                                                                          : k_steps_out;
-    for (uint32_t step = 1; step <= steps; ++step)
-      put_out(g, pose_between(carrier, static_cast<float>(step) / static_cast<float>(steps)), lanes, mask, endless,
-              moved);
+    const uint32_t steps = parts < static_cast<float>(k_steps_out) ? static_cast<uint32_t>(parts) + 1 : k_steps_out;
+    for (uint32_t step = 1; step <= steps && mask != 0; ++step) {
+      const HeldLanes before = *lanes;
+      put_out(g, pose_between(carrier, static_cast<float>(step) / static_cast<float>(steps)), lanes, mask, most, moved);
+      mask = hold_before_standing(g, lanes, before, mask);
+    }
   }
 }
 
