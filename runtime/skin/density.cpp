@@ -271,7 +271,7 @@ Row solid_at(const uint8_t* solid) {
   return __builtin_convertvector(eight, Row);
 }
 
-void find_density(SkinState* s, uint32_t number) {
+__attribute__((noinline)) void find_density(SkinState* s, uint32_t number) {
   Brick& brick = s->bricks[number];
   BrickNodes& nodes = s->nodes[number];
   uint16_t fresh[k_brick_nodes] = {};
@@ -577,25 +577,29 @@ void skin_drop_gone_fields(SkinState* s) {
   }
 }
 
+// Finds what is solid in a brick, and what that changes. Its own frame, as find_density has: kernels are called from here.
+static __attribute__((noinline)) void renew_solid(SkinState* s, uint32_t number) {
+  Brick& brick = s->bricks[number];
+  BrickNodes& nodes = s->nodes[number];
+  uint8_t *solid = s->blocks->solid, *walls = s->blocks->walls;  // as they were
+  memcpy(solid, nodes.solid, sizeof nodes.solid);
+  memcpy(walls, nodes.walls, sizeof nodes.walls);
+  if ((brick.stale & k_stale_solid) != 0) find_solid(s, number);
+  brick.stale &= ~k_stale_solid;
+  const bool other_walls = memcmp(walls, nodes.walls, sizeof nodes.walls) != 0;
+  if (other_walls) mark(s, brick, k_all_around, k_stale_density | k_stale_fill);
+  if (!other_walls && memcmp(solid, nodes.solid, sizeof nodes.solid) == 0) return;
+  for (uint32_t row = 0; row < k_brick_nodes; row += k_brick_side) take_part(&nodes, row);
+  memset(nodes.changed, 255, sizeof nodes.changed);
+  brick.stale |= k_stale_fill;
+  mark(s, brick, k_all_around, k_stale_calm | k_stale_mesh);
+  for (const uint32_t other : brick.around)
+    if (other != k_brick_none) s->bricks[other].room_known = false;
+}
+
 bool skin_density(SkinState* s) {
   return run_stale<k_stale_density>(s, [&](uint32_t number) {
-    Brick& brick = s->bricks[number];
-    BrickNodes& nodes = s->nodes[number];
-    uint8_t solid[k_brick_nodes], walls[k_brick_nodes];
-    memcpy(solid, nodes.solid, sizeof solid);
-    memcpy(walls, nodes.walls, sizeof walls);
-    if ((brick.stale & k_stale_solid) != 0) find_solid(s, number);
-    brick.stale &= ~k_stale_solid;
-    const bool other_walls = memcmp(walls, nodes.walls, sizeof walls) != 0;
-    if (other_walls) mark(s, brick, k_all_around, k_stale_density | k_stale_fill);
-    if (other_walls || memcmp(solid, nodes.solid, sizeof solid) != 0) {
-      for (uint32_t row = 0; row < k_brick_nodes; row += k_brick_side) take_part(&nodes, row);
-      memset(nodes.changed, 255, sizeof nodes.changed);
-      brick.stale |= k_stale_fill;
-      mark(s, brick, k_all_around, k_stale_calm | k_stale_mesh);
-      for (const uint32_t other : brick.around)
-        if (other != k_brick_none) s->bricks[other].room_known = false;
-    }
+    renew_solid(s, number);
     find_density(s, number);
   });
 }
