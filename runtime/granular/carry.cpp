@@ -140,8 +140,10 @@ ColliderFrame pose_between(const Carrier& carrier, float share) {
 // Puts lanes out of a collider, by no more than `most` each.
 void put_out(const Granular& g, const ColliderFrame& c, HeldLanes* lanes, uint32_t mask, const float most[k_lane_group],
              float moved[k_lane_group]) {
-  float distance[k_lane_group], normal[3][k_lane_group];
-  holding_measure(g, c, lanes->at, distance, normal);
+  HeldScratch& scratch = scratch_of(g);
+  const float* const distance = scratch.distance;
+  const auto& normal = scratch.normal;
+  holding_measure(g, c, lanes->at, scratch.distance, scratch.normal);
   for (uint32_t l = 0; l < lanes->count; ++l) {
     float depth = g.desc.particle_radius - distance[l];
     depth = depth < most[l] ? depth : most[l];
@@ -153,7 +155,7 @@ void put_out(const Granular& g, const ColliderFrame& c, HeldLanes* lanes, uint32
 
 // Lanes that are pressed into what stands go back, and are pressed no more: a hand presses no sand through a wall.
 uint32_t hold_before_standing(const Granular& g, HeldLanes* lanes, const HeldLanes& before, uint32_t mask) {
-  float distance[k_lane_group];
+  float* const distance = scratch_of(g).distance;
   uint32_t stopped = 0;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     if (holding_carries(g, i)) continue;
@@ -180,7 +182,8 @@ void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t 
     const float parts = carry_box(carrier.way, here, &unused) / (k_step_out * r);
     const uint32_t steps = parts < static_cast<float>(k_steps_out) ? static_cast<uint32_t>(parts) + 1 : k_steps_out;
     for (uint32_t step = 1; step <= steps && mask != 0; ++step) {
-      const HeldLanes before = *lanes;
+      HeldLanes& before = scratch_of(g).before;
+      before = *lanes;
       put_out(g, pose_between(carrier, static_cast<float>(step) / static_cast<float>(steps)), lanes, mask, most, moved);
       mask = hold_before_standing(g, lanes, before, mask);
     }
@@ -282,7 +285,7 @@ bool carry_all(Carry* c, const Granular& g, const Sixteen& it, const HeldGroup& 
   Bounds after = k_nowhere;
   const float way = carry_some(c, g, it, holder, all, &after);
   if (!may_meet_standing(g, after)) return true;
-  HeldLanes lanes;
+  HeldLanes& lanes = scratch_of(g).lanes;
   float moved[k_lane_group];
   read_lanes(g, it, &lanes);
   for (float& m : moved) m = way;
@@ -293,11 +296,11 @@ bool carry_all(Carry* c, const Granular& g, const Sixteen& it, const HeldGroup& 
 void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_before) {
   Sixteen it;
   if (!read_sixteen(g, number, active_before, &it)) return;
-  HeldGroup group;
+  HeldGroup& group = scratch_of(g).group;
   group.box = it.box;
   holding_find_near(g, &group);
   if (group.some && carry_all(c, g, it, group)) return;
-  HeldLanes lanes;
+  HeldLanes& lanes = scratch_of(g).lanes;
   uint32_t holder[k_lane_group], held = 0;
   float moved[k_lane_group] = {};
   read_lanes(g, it, &lanes);
@@ -369,8 +372,9 @@ void carry_bodies(Carry* c, const Granular& g) {
   for (uint32_t b = 0; b < g.bodies.count; ++b) {
     c->body_holders[b] = 0;
     if (!bodies_has(g.bodies, b) || c->group_count == 0) continue;
-    HeldLanes lanes = {};
-    HeldGroup group;
+    HeldLanes& lanes = scratch_of(g).lanes;
+    HeldGroup& group = scratch_of(g).group;
+    lanes = {};
     uint32_t holder[k_lane_group];
     lanes.count = 1;
     for (int k = 0; k < 3; ++k) {
@@ -402,9 +406,11 @@ uint32_t unit_of(const Granular& g) {
 void carry_layout(Carry* c, const sandglass_granular_desc& d, Layout* layout) {
   c->group_of = layout_region<uint8_t>(layout, "granular.carry_groups", d.collider_capacity);
   c->reaches = layout_region<Bounds>(layout, "granular.carry_reaches", d.collider_capacity);
+  c->scratch = layout_region<HeldScratch>(layout, "granular.carry_scratch", 1);
 }
 
 void carry_reset(Carry* c) {
+  *c->scratch = {};
   c->due = Carry::Moment::none;
   c->moving = c->closing = c->known = c->usual = false;
   c->cursor = 0;

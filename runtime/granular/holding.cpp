@@ -11,8 +11,8 @@ constexpr float k_reached = 0.25f;      // radii from a field's surface that cou
 constexpr uint32_t k_trace_steps = 24;  // through a field, or to a capsule
 constexpr uint32_t k_corners = 8, k_all_corners = (1u << k_corners) - 1;
 
-void to_local(const ColliderFrame& c, const float at[3][k_lane_group], float local[3][k_lane_group]) {
-  float apart[3][k_lane_group];
+void to_local(const Granular& g, const ColliderFrame& c, const float at[3][k_lane_group]) {
+  auto &local = scratch_of(g).local, &apart = scratch_of(g).apart;
   for (int k = 0; k < 3; ++k)
     for (uint32_t l = 0; l < k_lane_group; ++l) apart[k][l] = at[k][l] - c.position[k];
   for (int a = 0; a < 3; ++a)
@@ -21,10 +21,11 @@ void to_local(const ColliderFrame& c, const float at[3][k_lane_group], float loc
 }
 
 // Metres along `way` until each ray is in the box; k_far: never.
-void enter_box(const float at[3][k_lane_group], const float way[3], const float low[3], const float high[3],
+void enter_box(const Granular& g, const float way[3], const float low[3], const float high[3],
                float enter[k_lane_group]) {
   constexpr float k_along = 1e-6f;
-  float leave[k_lane_group];
+  const auto& at = scratch_of(g).local;
+  auto& leave = scratch_of(g).leave;
   for (uint32_t l = 0; l < k_lane_group; ++l) enter[l] = 0.0f, leave[l] = k_far;
   for (int k = 0; k < 3; ++k) {
     if (__builtin_fabsf(way[k]) < k_along) {
@@ -62,7 +63,8 @@ float capsule_below(const ColliderFrame& c, const HeldLanes& lanes, uint32_t l, 
 void trace_field(const Granular& g, const ColliderFrame& c, const HeldLanes& lanes, const float down[3],
                  float below[k_lane_group]) {
   const float r = g.desc.particle_radius;
-  float at[3][k_lane_group], distance[k_lane_group];
+  auto& at = scratch_of(g).traced;
+  auto& distance = scratch_of(g).distance;
   bool open = true;
   for (uint32_t step = 0; step < k_trace_steps && open; ++step) {
     const float shortest = (0.5f + 0.25f * static_cast<float>(step)) * r;
@@ -82,19 +84,20 @@ void trace_field(const Granular& g, const ColliderFrame& c, const HeldLanes& lan
 // Metres down to a collider, of each lane; k_far: it is not below.
 void find_below(const Granular& g, const ColliderFrame& c, const HeldLanes& lanes, const float down[3],
                 float below[k_lane_group]) {
-  float way[3], local[3][k_lane_group];
+  const auto& local = scratch_of(g).local;
+  float way[3];
   for (int a = 0; a < 3; ++a) way[a] = c.axes[a][0] * down[0] + c.axes[a][1] * down[1] + c.axes[a][2] * down[2];
-  to_local(c, lanes.at, local);
+  to_local(g, c, lanes.at);
   if (c.shape == SANDGLASS_SHAPE_HALF_SPACE) {
     for (uint32_t l = 0; l < k_lane_group; ++l)
       below[l] = local[1][l] <= 0.0f ? 0.0f : way[1] < -1e-6f ? local[1][l] / -way[1] : k_far;
   } else if (c.shape == SANDGLASS_SHAPE_BOX) {
     const float least[3] = {-c.size[0], -c.size[1], -c.size[2]};
-    enter_box(local, way, least, c.size, below);
+    enter_box(g, way, least, c.size, below);
   } else if (c.shape == SANDGLASS_SHAPE_FIELD) {
     float most[3];
     for (int a = 0; a < 3; ++a) most[a] = c.field.low[a] + c.field.spacing * static_cast<float>(c.field.counts[a] - 1);
-    enter_box(local, way, c.field.low, most, below);
+    enter_box(g, way, c.field.low, most, below);
     trace_field(g, c, lanes, down, below);
   } else {
     for (uint32_t l = 0; l < lanes.count; ++l) below[l] = capsule_below(c, lanes, l, down);
@@ -136,9 +139,9 @@ bool goes_along(const HeldLanes& lanes, uint32_t l, const ColliderFrame& c, floa
 uint32_t within_group(const Granular& g, uint32_t collider, const HeldLanes& lanes) {
   const CarryGroup& group = g.carry.groups[g.carry.group_of[collider]];
   if (!group.hollow) return 0;
-  float local[3][k_lane_group];
+  const auto& local = scratch_of(g).local;
   int32_t beyond[k_lane_group] = {};
-  to_local(g.colliders.carriers[group.first].from, lanes.at, local);
+  to_local(g, g.colliders.carriers[group.first].from, lanes.at);
   for (int k = 0; k < 3; ++k)
     for (uint32_t l = 0; l < k_lane_group; ++l)
       beyond[l] |= (local[k][l] < group.box.low[k] ? 1 : 0) | (local[k][l] > group.box.high[k] ? 1 : 0);
@@ -149,7 +152,9 @@ uint32_t within_group(const Granular& g, uint32_t collider, const HeldLanes& lan
 
 // All corners of the group's box are in the field.
 bool field_holds_all(const Granular& g, const HeldGroup& group, const ColliderFrame& field) {
-  float middle[3][k_lane_group] = {}, distance[k_lane_group], half2 = 0.0f;
+  auto& middle = scratch_of(g).traced;
+  auto& distance = scratch_of(g).distance;
+  float half2 = 0.0f;
   for (int k = 0; k < 3; ++k) {
     const float low = group.box.low[k], high = group.box.high[k];
     half2 += 0.25f * (high - low) * (high - low);
@@ -161,13 +166,15 @@ bool field_holds_all(const Granular& g, const HeldGroup& group, const ColliderFr
 
 // All corners of the group's box are in the box of one vessel and over its colliders, and what else is below is lower.
 uint32_t vessel_that_holds_all(const Granular& g, const HeldGroup& group, uint32_t vessel) {
-  HeldLanes corners = {};
+  HeldLanes& corners = scratch_of(g).corners;
+  auto& found = scratch_of(g).found;
+  corners = {};
   corners.count = k_corners;
   for (int k = 0; k < 3; ++k)
     for (uint32_t l = 0; l < k_lane_group; ++l)
       corners.at[k][l] = (l >> k & 1) != 0 ? group.box.high[k] : group.box.low[k];
   if (within_group(g, vessel, corners) != k_all_corners) return k_no_holder;
-  float below[k_corners], found[k_lane_group], lowest = 0.0f;
+  float below[k_corners], lowest = 0.0f;
   uint32_t holder = k_no_holder;
   for (float& b : below) b = k_far;
   for (uint32_t n = 0; n < group.count; ++n) {
@@ -251,7 +258,7 @@ void holding_velocity(const ColliderFrame& c, const float at[3], float v[3]) {
 
 void holding_measure(const Granular& g, const ColliderFrame& c, const float at[3][k_lane_group],
                      float distance[k_lane_group], float (*normal)[k_lane_group], uint32_t count) {
-  alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group] = {};
+  SurfacePoint* const points = scratch_of(g).points;
   for (uint32_t l = 0; l < count; ++l)
     for (int k = 0; k < 3; ++k) points[l].position[k] = at[k][l];
   const SurfaceArgs args = {points, &c};
@@ -296,8 +303,9 @@ uint32_t holding_sole(const Granular& g, const HeldGroup& group) {
 
 void holding_find(const Granular& g, const HeldGroup& group, const HeldLanes& lanes, uint32_t holder[k_lane_group]) {
   const float r = g.desc.particle_radius;
-  float nearest[k_lane_group], below[k_lane_group], found[k_lane_group];
-  uint32_t support[k_lane_group], enclosing[k_lane_group];
+  HeldScratch& scratch = scratch_of(g);
+  auto &nearest = scratch.nearest, &below = scratch.below, &found = scratch.found;
+  auto &support = scratch.support, &enclosing = scratch.enclosing;
   for (uint32_t l = 0; l < k_lane_group; ++l)
     holder[l] = support[l] = enclosing[l] = k_no_holder, nearest[l] = below[l] = k_far;
   for (uint32_t n = 0; n < group.count && group.some; ++n) {

@@ -22,6 +22,18 @@ struct HeldGroup {
   bool some;  // of these one carries
 };
 
+// What would be much on the stack: of one group after another.
+struct HeldScratch {
+  alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group];
+  HeldLanes lanes, before, corners;
+  HeldGroup group;
+  float local[3][k_lane_group], apart[3][k_lane_group], traced[3][k_lane_group], normal[3][k_lane_group];
+  float leave[k_lane_group], distance[k_lane_group], nearest[k_lane_group], below[k_lane_group], found[k_lane_group];
+  uint32_t support[k_lane_group], enclosing[k_lane_group];
+};
+
+inline HeldScratch& scratch_of(const Granular& granular) { return *granular.carry.scratch; }
+
 bool holding_encloses(const ColliderFrame& collider);
 bool holding_carries(const Granular& granular, uint32_t collider);
 // The box around a collider in the world's axes; of a half-space, everything.

@@ -186,6 +186,8 @@ void substep_abandon(Granular* granular);
 
 constexpr uint32_t k_carry_groups = 16;
 
+struct HeldScratch;
+
 // Colliders that go the same way. Their box is in the axes of the first; hollow: sand may stand in it.
 struct CarryGroup {
   uint32_t first, members;
@@ -203,6 +205,7 @@ struct Carry {
   float faster;       // velocities of colliders, over those before
   uint8_t* group_of;  // of each solid collider; k_carry_groups: it carries nothing
   Bounds* reaches;    // around each solid collider, where it goes on from
+  HeldScratch* scratch;
   CarryGroup groups[k_carry_groups];
   uint32_t group_count;
   uint16_t body_holders[256];  // the collider that holds a body, plus 1
