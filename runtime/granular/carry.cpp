@@ -171,7 +171,7 @@ uint32_t hold_before_standing(const Granular& g, HeldLanes* lanes, const HeldLan
 // What is not held gives way to what moves, in steps that are short against it.
 void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t mask, float moved[k_lane_group]) {
   const float r = g.desc.particle_radius;
-  float most[k_lane_group];
+  auto& most = scratch_of(g).most;
   for (float& m : most) m = r;
   for (uint32_t i = 0; i < g.colliders.solid_count && mask != 0; ++i) {
     const Carrier& carrier = g.colliders.carriers[i];
@@ -207,7 +207,7 @@ bool may_meet_standing(const Granular& g, const Bounds& here) {
 
 void leave_standing(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t mask,
                     const float moved[k_lane_group]) {
-  float unused[k_lane_group] = {};
+  auto& unused = scratch_of(g).unused;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i)
     if (!holding_carries(g, i) && holding_overlaps(here, g.carry.reaches[i], g.desc.particle_radius))
       put_out(g, g.colliders.carriers[i].to, lanes, mask, moved, unused);
@@ -286,7 +286,7 @@ bool carry_all(Carry* c, const Granular& g, const Sixteen& it, const HeldGroup& 
   const float way = carry_some(c, g, it, holder, all, &after);
   if (!may_meet_standing(g, after)) return true;
   HeldLanes& lanes = scratch_of(g).lanes;
-  float moved[k_lane_group];
+  auto& moved = scratch_of(g).moved;
   read_lanes(g, it, &lanes);
   for (float& m : moved) m = way;
   settle_lanes(c, g, it, &lanes, moved);
@@ -301,8 +301,10 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
   holding_find_near(g, &group);
   if (group.some && carry_all(c, g, it, group)) return;
   HeldLanes& lanes = scratch_of(g).lanes;
-  uint32_t holder[k_lane_group], held = 0;
-  float moved[k_lane_group] = {};
+  auto& holder = scratch_of(g).holder;
+  auto& moved = scratch_of(g).moved;
+  uint32_t held = 0;
+  for (float& m : moved) m = 0.0f;
   read_lanes(g, it, &lanes);
   holding_find(g, group, lanes, holder);
   for (uint32_t l = 0; l < it.count; ++l) {
@@ -375,7 +377,7 @@ void carry_bodies(Carry* c, const Granular& g) {
     HeldLanes& lanes = scratch_of(g).lanes;
     HeldGroup& group = scratch_of(g).group;
     lanes = {};
-    uint32_t holder[k_lane_group];
+    auto& holder = scratch_of(g).holder;
     lanes.count = 1;
     for (int k = 0; k < 3; ++k) {
       lanes.at[k][0] = group.box.low[k] = group.box.high[k] = static_cast<float>(g.bodies.all[b].center[k]);

@@ -29,7 +29,8 @@ struct HeldScratch {
   HeldGroup group;
   float local[3][k_lane_group], apart[3][k_lane_group], traced[3][k_lane_group], normal[3][k_lane_group];
   float leave[k_lane_group], distance[k_lane_group], nearest[k_lane_group], below[k_lane_group], found[k_lane_group];
-  uint32_t support[k_lane_group], enclosing[k_lane_group];
+  float moved[k_lane_group], most[k_lane_group], unused[k_lane_group];
+  uint32_t support[k_lane_group], enclosing[k_lane_group], holder[k_lane_group];
 };
 
 inline HeldScratch& scratch_of(const Granular& granular) { return *granular.carry.scratch; }
