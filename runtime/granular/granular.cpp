@@ -211,21 +211,21 @@ static void begin_carry(Granular* g) {
   time_forget_rate(&g->time);
 }
 
-void granular_carry(Granular* g) {
-  if (!g->carry.known) {
-    // What must find all particles where it found the first: it ends before.
-    substep_end_for_carry(g);
-    sweep_end_snapshot(g);
-    float faster = 1.0f;
-    if (g->carry.due == Carry::Moment::jump) {
-      colliders_find_jumps(&g->colliders, *g);
-    } else {
-      faster = time_find_rate(&g->time);
-      colliders_arrive(&g->colliders, *g, faster);
-    }
-    carry_begin(&g->carry, *g, faster);
+// What must find all particles where it found the first ends before. Out of line, as end_carry: units are deep enough.
+__attribute__((noinline)) static void find_carriers(Granular* g) {
+  substep_end_for_carry(g);
+  sweep_end_snapshot(g);
+  float faster = 1.0f;
+  if (g->carry.due == Carry::Moment::jump) {
+    colliders_find_jumps(&g->colliders, *g);
+  } else {
+    faster = time_find_rate(&g->time);
+    colliders_arrive(&g->colliders, *g, faster);
   }
-  if (!carry_run(&g->carry, *g)) return;
+  carry_begin(&g->carry, *g, faster);
+}
+
+__attribute__((noinline)) static void end_carry(Granular* g) {
   const Carry& c = g->carry;
   colliders_carry_substep(&g->colliders, c.faster);
   const Bounds moved = carry_bounds(c, g->desc.particle_radius);  // in the sub-step under way they go less
@@ -241,6 +241,11 @@ void granular_carry(Granular* g) {
   if (carry_mixes(*g)) neighbours_carried(&g->neighbours, (c.group_count > 1 ? 2.0f : 1.0f) * c.way_max);
   ++g->counts.carries;
   carry_end(&g->carry);
+}
+
+void granular_carry(Granular* g) {
+  if (!g->carry.known) find_carriers(g);
+  if (carry_run(&g->carry, *g)) end_carry(g);
 }
 
 void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
