@@ -71,12 +71,6 @@ Sand sand_as_drawn(const Granular& g, const sandglass_skin* skin) {
   return {{&g.particles.records[0], nullptr, nullptr, g.particles.count, g.desc.particle_radius, nullptr, 0}, moving};
 }
 
-// What closes a frame, whatever the budget: sand goes with the colliders that hold it, the skin with its sand, then grains
-// are written. Kinds of unit are those of the parts, at their places.
-struct Closing {
-  Stage parts[3];
-};
-
 const Stage* closing_part(const void* state, uint32_t level, WorkUnit* unit) {
   for (const Stage& part : static_cast<const Closing*>(state)->parts)
     if (stage_next(part, level, unit)) return &part;
@@ -113,7 +107,8 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   const char* refused_image = nullptr;
   FrameLighting lighting = {input->room, input->estimator};
   FrameShadows shadows = {{input->shadows, input->shadow_count}, input->pile_shadow, {input->casts, input->cast_count}};
-  Closing closing = {{granular_carry_stage(granular), stage_without_work(0), granular_output_stage(granular)}};
+  Closing& closing = scene->closing;
+  closing = {{granular_carry_stage(granular), stage_without_work(0), granular_output_stage(granular)}};
   if (input->skin != nullptr) closing.parts[1] = input->skin->functions->carry_stage(input->skin);
   Stage stages[SANDGLASS_STAGE_COUNT] = {
       granular_particle_stage(granular),

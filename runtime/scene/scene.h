@@ -19,6 +19,14 @@
 #include "runtime/granular/granular.h"
 #include "sandglass/sandglass.h"
 
+namespace sandglass {
+// What closes a frame, whatever the budget: sand goes with the colliders that hold it, the skin with its sand, then grains
+// are written. Kinds of unit are those of the parts, at their places.
+struct Closing {
+  Stage parts[3];
+};
+}  // namespace sandglass
+
 struct sandglass_scene {
   sandglass_scene_desc desc;
   sandglass::Layout layout;
@@ -29,7 +37,8 @@ struct sandglass_scene {
   // Of the rigid bodies' poses, as they were when they had the hash `body_hash`.
   uint64_t body_version, body_hash;
   uint32_t body_count;
-  bool bodies_moved;  // in the last frame
+  bool bodies_moved;           // in the last frame
+  sandglass::Closing closing;  // of the frame under way
 };
 
 namespace sandglass {
