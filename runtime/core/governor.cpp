@@ -335,19 +335,30 @@ void close_frame(Frame* frame, uint32_t stage_count) {
   last->close(last->state);
 }
 
-// Executes a recorded plan. Each unit is asked for before it is run.
+// All units that close the frame.
+void run_closing(Frame* frame, uint32_t index, uint64_t* last_unit) {
+  WorkUnit unit;
+  while (offers(*frame, index, &unit) && plan_has_room(*frame, index)) *last_unit = run_unit(frame, index, unit);
+}
+
+// Executes a recorded plan. Each unit is asked for before it is run. What closes a frame runs whole, as it did then: its
+// count says nothing, and is another where the frame is replayed without what was only drawn.
 bool run_plan(Frame* frame, const sandglass_plan& plan, uint32_t stage_count, uint64_t* last_unit) {
+  const bool closes = frame->open_count < stage_count && frame->stages[frame->open_count].close != nullptr;
   for (uint32_t r = 0; r < plan.run_count; ++r) {
     const uint32_t stage = plan.runs[r].stage;
     if (stage >= stage_count) return false;
-    if (r + 1 == plan.run_count && stage >= frame->open_count) close_frame(frame, stage_count);
+    if (closes && stage == frame->open_count && r + 1 == plan.run_count) break;
     for (uint32_t i = 0; i < plan.runs[r].units; ++i) {
       WorkUnit unit;
-      if (!offers(*frame, stage, &unit) || !plan_has_room(*frame, stage)) return false;
+      const bool offered = offers(*frame, stage, &unit) && plan_has_room(*frame, stage);
+      if (!offered && closes && stage == frame->open_count) break;
+      if (!offered) return false;
       *last_unit = run_unit(frame, stage, unit);
     }
   }
   close_frame(frame, stage_count);
+  if (closes) run_closing(frame, frame->open_count, last_unit);
   return true;
 }
 
