@@ -32,6 +32,9 @@ constexpr float k_smooth_seconds = 0.1f;
 constexpr float k_leave_frame = 1.0f / 60.0f;
 // m/s^2: a hand that shakes a jar by 5 cm at 4 Hz reaches 32. A way that needs more is a jump.
 constexpr float k_hand_acceleration = 50.0f;
+// A jump that is so many times as long as one that goes gently has no told velocity: an app that cuts a late frame's time
+// step tells the whole way in it.
+constexpr float k_leap = 4.0f;
 // What goes on errs by no more than this share of its way, if the way before is continued.
 constexpr float k_moves_on_share = 0.75f;
 // Frames: no tracker is waited for longer.
@@ -295,10 +298,14 @@ void find_slide(float slide[3], const float told[3], const float went[3]) {
 }
 
 // Pose and velocities as told. What was not believed before has been left behind, and catches up smoothly.
-void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, float reach, float step,
-          const HoldRule& rule) {
+void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, bool jumped, float reach,
+          float step, const HoldRule& rule) {
   const Placement before = p->held;
   p->held = told;
+  if (jumped && surface_way(shape, was_told, told.pose, rule) > k_leap * rule.gentle) {
+    for (int k = 0; k < 3; ++k) p->held.linear[k] = before.linear[k], p->held.angular[k] = before.angular[k];
+    return;
+  }
   float shift[3], arc[3];
   motion_between(was_told, told.pose, shift, arc);
   // A pose that has not changed may be a slow tracker's.
@@ -418,23 +425,35 @@ void follow(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule
   stop(p);
 }
 
+// After a frame that is longer than what is simulated of it there is nothing to wait for: it is there, and has gone evenly
+// along an arc. In what is simulated it goes straight on, by the arc's direction then: parts of one thing stay together.
+void arrive(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule) {
+  const Pose before = p->held.pose;
+  begin_following(p);
+  p->held.pose = aim_of(*p, shape);
+  motion_between(before, p->held.pose, p->held.linear, p->held.angular);
+  const float *w = p->held.angular, *v = p->held.linear, later = 0.5f * (1.0f - rule.longest / step);
+  const FloatVector turned = cross(FloatVector{w[0], w[1], w[2]}, {v[0], v[1], v[2]});
+  const float aside[3] = {turned.x, turned.y, turned.z};
+  for (int k = 0; k < 3; ++k) p->held.linear[k] = (v[k] + later * aside[k]) / step, p->held.angular[k] /= step;
+}
+
 // Whether a frame more beyond the band is not enough: an outlier of a slow tracker lasts until its next pose.
-bool may_return(HeldPose* p, const Seen& seen, bool* motion) {
-  *motion = ++p->beyond > 1 && seen.starts;
+bool may_return(HeldPose* p, const Seen& seen) {
+  const bool motion = ++p->beyond > 1 && seen.starts;
   const float frames = static_cast<float>(p->beyond);
-  return (p->beyond < k_beyond_frames || frames <= minimum(p->interval, k_slowest_interval)) && !*motion;
+  return (p->beyond < k_beyond_frames || frames <= minimum(p->interval, k_slowest_interval)) && !motion;
 }
 
 // Whether a pose that jumped is waited for. Meanwhile it goes on as it did.
 bool waits(HeldPose* p, sandglass_shape shape, const Seen& seen, float step, const HoldRule& rule) {
-  bool motion = false;
   if (p->beyond == 0 && !seen.jumped) return false;
-  if (may_return(p, seen, &motion)) {
+  if (may_return(p, seen)) {
     p->held.pose = advanced(p->held.pose, p->held.linear, p->held.angular, step);
     return true;
   }
   p->beyond = 0;
-  if (!motion) jump(p, shape, step, rule);
+  jump(p, shape, step, rule);
   return false;
 }
 
@@ -542,13 +561,17 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
   p->since_gap = minimum(p->since_gap + step, k_way_seconds);
   const float reach = reach_of(shape, told.pose, rule);
   if (rule.band <= 0.0f || believes(p, shape, told, seen.jumped, reach, step, rule.band)) {
-    take(p, shape, told, was_told, reach, step, rule);
+    take(p, shape, told, was_told, seen.jumped, reach, step, rule);
     p->believed = 1;
     begin_following(p);
     return;
   }
   if (p->believed != 0) stop(p);
   p->believed = 0;
+  if (step > rule.longest && surface_way(shape, p->held.pose, told.pose, rule) >= rule.band) {
+    arrive(p, shape, step, rule);
+    return;
+  }
   if (p->follows != 0) {
     if (!waits(p, shape, seen, step, rule)) follow(p, shape, step, rule);
     return;
@@ -559,10 +582,9 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
     if (shape == SANDGLASS_SHAPE_BOX && grown(p->held.pose, told.pose) > rule.band) take_free_faces(p, rule);
     return;
   }
-  bool motion = false;
-  if (may_return(p, seen, &motion)) return;
+  if (may_return(p, seen)) return;
   begin_following(p);
-  if (!motion) jump(p, shape, step, rule);
+  jump(p, shape, step, rule);
   follow(p, shape, step, rule);
 }
 

@@ -56,6 +56,7 @@ struct HoldRule {
   float low[3], high[3];  // the box that holds the sand
   float leave_speed;      // m/s: at which sand leaves a collider that jumped
   float gentle;           // what jumped no further goes there gently, else it is there at once
+  float longest;          // seconds; of a longer frame only so much is simulated
 };
 
 // A collider that was not known before is where it is told to be.

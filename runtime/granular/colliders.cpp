@@ -267,6 +267,7 @@ HoldRule hold_rule(const Granular& g) {
   // Well below the 2 r at which sand is beyond a wall. What starts by less, at once, costs a heap more than by all.
   const float r = g.desc.particle_radius, bands = 2.0f * rule.band;
   rule.gentle = 1.5f * (r > bands ? r : bands);
+  rule.longest = k_longest_step;
   return rule;
 }
 

@@ -18,6 +18,7 @@ struct Granular;
 // after each of which the grains may follow, and these into equal sub-steps.
 
 constexpr double k_time_resolution = 1e-9;  // seconds; a shorter debt counts as none
+constexpr float k_longest_step = 0.1f;      // seconds; a frame asks for no more
 
 // The instant that is drawn. In slow motion what is drawn catches up in some frames and stands in the others; between
 // its last two states lies an instant that moves on evenly, and never beyond what was reached. In simulated seconds.

@@ -41,7 +41,6 @@ void shown_follow(ShownTime* s, double reached, double step) {
 
 namespace {
 
-constexpr float k_longest_step = 0.1f;    // seconds; a frame asks for no more
 constexpr float k_longest_gap = 10.0f;    // seconds; a longer frame says nothing about where things were
 constexpr double k_frames_made_up = 2.0;  // an older debt becomes slow motion
 // With time debt a sweep covers up to so many frames. It costs the same whatever time it covers.
