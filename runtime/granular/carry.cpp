@@ -6,11 +6,12 @@ namespace sandglass {
 
 namespace {
 
-constexpr float k_same_way = 0.25f;   // radii by which ways may differ and be one
-constexpr float k_unseen = 1.0f;      // radii by which sand may lag behind what is drawn
-constexpr float k_step_out = 0.5f;    // radii that a collider goes at once through what gives way
-constexpr uint32_t k_steps_out = 16;  // at most
-constexpr float k_pressed = 0.5f;     // radii from a collider that stands; what is nearer is pressed into it
+constexpr float k_same_way = 0.25f;    // radii by which ways may differ and be one
+constexpr float k_same_share = 0.05f;  // or of the way: parts that turn fast are told with straight velocities
+constexpr float k_unseen = 0.5f;       // radii by which sand may lag behind what is drawn
+constexpr float k_step_out = 0.5f;     // radii that a collider goes at once through what gives way
+constexpr uint32_t k_steps_out = 16;   // at most
+constexpr float k_pressed = 0.5f;      // radii from a collider that stands; what is nearer is pressed into it
 
 // ---- moving what is held
 
@@ -348,14 +349,14 @@ void find_groups(Carry* c, const Granular& g) {
     for (; at < c->group_count; ++at) {
       const Carrier& first = g.colliders.carriers[c->groups[at].first];
       const float* const places[] = {carrier.from.position, first.from.position};
-      float most2 = 0.0f;
+      bool alike = true;
       for (const float* place : places) {
-        float mine[3], other[3], apart2 = 0.0f;
+        float mine[3], other[3], apart2 = 0.0f, way2 = 0.0f;
         carrier.way.way(place, mine), first.way.way(place, other);
-        for (int k = 0; k < 3; ++k) apart2 += (mine[k] - other[k]) * (mine[k] - other[k]);
-        most2 = apart2 > most2 ? apart2 : most2;
+        for (int k = 0; k < 3; ++k) apart2 += (mine[k] - other[k]) * (mine[k] - other[k]), way2 += mine[k] * mine[k];
+        alike = alike && (apart2 <= same * same || apart2 <= k_same_share * k_same_share * way2);
       }
-      if (most2 <= same * same) break;
+      if (alike) break;
     }
     if (at == k_carry_groups) continue;
     if (at == c->group_count) c->groups[c->group_count++] = {i, 0, k_nowhere, false};
