@@ -11,13 +11,17 @@ constexpr float k_reached = 0.25f;      // radii from a field's surface that cou
 constexpr uint32_t k_trace_steps = 24;  // through a field, or to a capsule
 constexpr uint32_t k_corners = 8, k_all_corners = (1u << k_corners) - 1;
 
+// Four lanes of sixteen.
+Quad& four(float lanes[k_lane_group], uint32_t l) { return *reinterpret_cast<Quad*>(lanes + l); }
+const Quad& four(const float lanes[k_lane_group], uint32_t l) { return *reinterpret_cast<const Quad*>(lanes + l); }
+
 void to_local(const Granular& g, const ColliderFrame& c, const float at[3][k_lane_group]) {
-  auto &local = scratch_of(g).local, &apart = scratch_of(g).apart;
-  for (int k = 0; k < 3; ++k)
-    for (uint32_t l = 0; l < k_lane_group; ++l) apart[k][l] = at[k][l] - c.position[k];
-  for (int a = 0; a < 3; ++a)
-    for (uint32_t l = 0; l < k_lane_group; ++l)
-      local[a][l] = c.axes[a][0] * apart[0][l] + c.axes[a][1] * apart[1][l] + c.axes[a][2] * apart[2][l];
+  auto& local = scratch_of(g).local;
+  for (uint32_t l = 0; l < k_lane_group; l += 4) {
+    const Quad x = four(at[0], l) - c.position[0], y = four(at[1], l) - c.position[1],
+               z = four(at[2], l) - c.position[2];
+    for (int a = 0; a < 3; ++a) four(local[a], l) = c.axes[a][0] * x + c.axes[a][1] * y + c.axes[a][2] * z;
+  }
 }
 
 // Metres along `way` until each ray is in the box; k_far: never.
@@ -25,22 +29,24 @@ void enter_box(const Granular& g, const float way[3], const float low[3], const 
                float enter[k_lane_group]) {
   constexpr float k_along = 1e-6f;
   const auto& at = scratch_of(g).local;
-  auto& leave = scratch_of(g).leave;
-  for (uint32_t l = 0; l < k_lane_group; ++l) enter[l] = 0.0f, leave[l] = k_far;
-  for (int k = 0; k < 3; ++k) {
-    if (__builtin_fabsf(way[k]) < k_along) {
-      for (uint32_t l = 0; l < k_lane_group; ++l) leave[l] = at[k][l] < low[k] || at[k][l] > high[k] ? -1.0f : leave[l];
-      continue;
+  for (uint32_t l = 0; l < k_lane_group; l += 4) {
+    const Quad far = Quad{} + k_far, never = Quad{} - 1.0f;
+    Quad in = {}, out = far;
+    for (int k = 0; k < 3; ++k) {
+      const Quad x = four(at[k], l);
+      if (__builtin_fabsf(way[k]) < k_along) {
+        out = x < low[k] ? never : out;
+        out = x > high[k] ? never : out;
+        continue;
+      }
+      const float inverse = 1.0f / way[k];
+      const Quad first = ((way[k] > 0.0f ? low[k] : high[k]) - x) * inverse;
+      const Quad last = ((way[k] > 0.0f ? high[k] : low[k]) - x) * inverse;
+      in = in < first ? first : in;
+      out = last < out ? last : out;
     }
-    const float inverse = 1.0f / way[k], first = way[k] > 0.0f ? low[k] : high[k];
-    const float last = way[k] > 0.0f ? high[k] : low[k];
-    for (uint32_t l = 0; l < k_lane_group; ++l) {
-      const float in = (first - at[k][l]) * inverse, out = (last - at[k][l]) * inverse;
-      enter[l] = enter[l] < in ? in : enter[l];
-      leave[l] = out < leave[l] ? out : leave[l];
-    }
+    four(enter, l) = in <= out ? in : far;
   }
-  for (uint32_t l = 0; l < k_lane_group; ++l) enter[l] = enter[l] <= leave[l] ? enter[l] : k_far;
 }
 
 // To a ball about the nearest point of a segment; a sphere's has no length.
@@ -89,8 +95,10 @@ void find_below(const Granular& g, const ColliderFrame& c, const HeldLanes& lane
   for (int a = 0; a < 3; ++a) way[a] = c.axes[a][0] * down[0] + c.axes[a][1] * down[1] + c.axes[a][2] * down[2];
   to_local(g, c, lanes.at);
   if (c.shape == SANDGLASS_SHAPE_HALF_SPACE) {
-    for (uint32_t l = 0; l < k_lane_group; ++l)
-      below[l] = local[1][l] <= 0.0f ? 0.0f : way[1] < -1e-6f ? local[1][l] / -way[1] : k_far;
+    for (uint32_t l = 0; l < k_lane_group; l += 4) {
+      const Quad y = four(local[1], l), down_to = way[1] < -1e-6f ? y / -way[1] : Quad{} + k_far;
+      four(below, l) = y <= 0.0f ? Quad{} : down_to;
+    }
   } else if (c.shape == SANDGLASS_SHAPE_BOX) {
     const float least[3] = {-c.size[0], -c.size[1], -c.size[2]};
     enter_box(g, way, least, c.size, below);
@@ -140,13 +148,11 @@ uint32_t within_group(const Granular& g, uint32_t collider, const HeldLanes& lan
   const CarryGroup& group = g.carry.groups[g.carry.group_of[collider]];
   if (!group.hollow) return 0;
   const auto& local = scratch_of(g).local;
-  int32_t beyond[k_lane_group] = {};
   to_local(g, g.colliders.carriers[group.first].from, lanes.at);
-  for (int k = 0; k < 3; ++k)
-    for (uint32_t l = 0; l < k_lane_group; ++l)
-      beyond[l] |= (local[k][l] < group.box.low[k] ? 1 : 0) | (local[k][l] > group.box.high[k] ? 1 : 0);
-  uint32_t within = 0;
-  for (uint32_t l = 0; l < lanes.count; ++l) within |= beyond[l] == 0 ? 1u << l : 0;
+  uint32_t within = (1u << lanes.count) - 1;
+  for (uint32_t l = 0; l < lanes.count; ++l)
+    for (int k = 0; k < 3; ++k)
+      within &= local[k][l] < group.box.low[k] || local[k][l] > group.box.high[k] ? ~(1u << l) : ~0u;
   return within;
 }
 
@@ -168,7 +174,6 @@ bool field_holds_all(const Granular& g, const HeldGroup& group, const ColliderFr
 uint32_t vessel_that_holds_all(const Granular& g, const HeldGroup& group, uint32_t vessel) {
   HeldLanes& corners = scratch_of(g).corners;
   auto& found = scratch_of(g).found;
-  corners = {};
   corners.count = k_corners;
   for (int k = 0; k < 3; ++k)
     for (uint32_t l = 0; l < k_lane_group; ++l)

@@ -10,7 +10,7 @@ constexpr uint32_t k_holders_near = 64;  // colliders that are asked for a group
 
 // Positions and velocities; those that hold nothing are as one that does.
 struct HeldLanes {
-  float at[3][k_lane_group], velocity[3][k_lane_group];
+  alignas(sizeof(Quad)) float at[3][k_lane_group], velocity[3][k_lane_group];
   uint32_t count;
 };
 
@@ -27,8 +27,8 @@ struct HeldScratch {
   alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group];
   HeldLanes lanes, before, corners;
   HeldGroup group;
-  float local[3][k_lane_group], apart[3][k_lane_group], traced[3][k_lane_group], normal[3][k_lane_group];
-  float leave[k_lane_group], distance[k_lane_group], nearest[k_lane_group], below[k_lane_group], found[k_lane_group];
+  alignas(sizeof(Quad)) float local[3][k_lane_group], traced[3][k_lane_group], normal[3][k_lane_group];
+  float distance[k_lane_group], nearest[k_lane_group], below[k_lane_group], found[k_lane_group];
   float moved[k_lane_group], most[k_lane_group], unused[k_lane_group];
   uint32_t support[k_lane_group], enclosing[k_lane_group], holder[k_lane_group];
 };
