@@ -559,9 +559,10 @@ enum {
  * turned back, or have led its surface further than twice the band. Then pose and velocities are taken as told; what
  * the collider was behind them it makes up with a time constant of 0.05 s. Velocities below 0.1 mm/s, or that only
  * shake the surface within the band, are noise; those that come between frames without any are a slow tracker's
- * differences, and its poses count alone. A collider that comes new with a velocity is believed at once. What a told
- * velocity has and its pose does not go, for 0.1 s or in a frame in which it changes, drags sand along faces and pushes
- * none: a belt, a treadmill.
+ * differences, and its poses count alone. A way of more than 6 r and 12 bands in a frame that needs more than 50 m/s^2
+ * is a jump whatever velocity tells it: that of a late frame whose time step was cut. A collider that comes new with a
+ * velocity is believed at once. What a told velocity has and its pose does not go, for 0.1 s or in a frame in which it
+ * changes, drags sand along faces and pushes none: a belt, a treadmill.
  *
  * Identity. A collider is recognised from frame to frame by its `id`; without one by an equal pose, else as the nearest
  * of its shape. Its place in the list decides between those that are equally near. One that is not recognised, that
@@ -569,12 +570,12 @@ enum {
  * to be.
  *
  * Carried. A frame ends with colliders where they are told to be, whatever it could afford to simulate: sand is never
- * more than r behind. Time that is given up moves a collider together with what it holds, rigidly: what a field
+ * more than r / 2 behind. Time that is given up moves a collider together with what it holds, rigidly: what a field
  * that is solid outside encloses, and what lies on it, along gravity, in the box around all colliders that go its way.
  * What it does not hold gives way along its surface, without a velocity. In slow motion sand feels a collider slower
  * than told, by as much as time is short, so that what speeds up or brakes throws no more than it should. A frame
- * longer than 0.1 s, a jump, and what poses did while frames were paused carry, too: what is enclosed, and what stands
- * in a vessel of several colliders; of those pass ids. Pass the true time step. */
+ * longer than 0.1 s, a jump, and what poses did while frames were paused or told too short carry, too: what is
+ * enclosed, and what stands in a vessel of several colliders; of those pass ids. */
 typedef struct sandglass_collider {
   /* What `size` means. */
   sandglass_shape shape;
