@@ -1,38 +1,40 @@
 // A rigid motion, as the way from one pose to another.
 #pragma once
 
+#include "kernels/kernels.h"
+
 namespace sandglass {
+
+// x, y, z and 0, in the registers of four that all targets have or the compiler makes do without. Also half a record.
+typedef float Quad __attribute__((vector_size(16), may_alias));
+
+inline Quad quad(const float v[3]) { return Quad{v[0], v[1], v[2], 0.0f}; }
+inline float square_of(const Quad& v) {
+  const Quad squares = v * v;
+  return squares[0] + squares[1] + squares[2];
+}
 
 // A rigid motion by how far it takes a point: x becomes x + turn (x - from) + shift. Exact to the last bits of small ones.
 struct RigidWay {
-  float turn[3][3], from[3], shift[3];
+  Quad turn[3], from, shift;  // turn: its columns
 
-  void way(const float x[3], float u[3]) const {
-    const float r[3] = {x[0] - from[0], x[1] - from[1], x[2] - from[2]};
-    for (int k = 0; k < 3; ++k) u[k] = (turn[k][0] * r[0] + turn[k][1] * r[1] + turn[k][2] * r[2]) + shift[k];
-  }
-  void move(float x[3]) const {
-    float u[3];
-    way(x, u);
+  Quad turned(const Quad& r) const { return (turn[0] * r[0] + turn[1] * r[1]) + turn[2] * r[2]; }
+  Quad way(const Quad& x) const { return turned(x - from) + shift; }
+  void move(float x[3]) const { add(way(quad(x)), x); }
+  void rotate(float v[3]) const { add(turned(quad(v)), v); }
+
+ private:
+  static void add(const Quad& u, float x[3]) {
     for (int k = 0; k < 3; ++k) x[k] += u[k];
-  }
-  void rotate(float v[3]) const {
-    const float x = v[0], y = v[1], z = v[2];
-    for (int k = 0; k < 3; ++k) v[k] += turn[k][0] * x + turn[k][1] * y + turn[k][2] * z;
   }
 };
 
-// From one pose to another: positions, and images of x, y, z.
-inline RigidWay rigid_way(const float from[3], const float from_axes[3][3], const float to[3],
-                          const float to_axes[3][3]) {
+inline RigidWay rigid_way(const ColliderFrame& from, const ColliderFrame& to) {
   RigidWay w = {};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      for (int k = 0; k < 3; ++k) w.turn[i][j] += (to_axes[k][i] - from_axes[k][i]) * from_axes[k][j];
-    }
-    w.from[i] = from[i];
-    w.shift[i] = to[i] - from[i];
-  }
+  for (int j = 0; j < 3; ++j)
+    for (int k = 0; k < 3; ++k) w.turn[j] += (quad(to.axes[k]) - quad(from.axes[k])) * from.axes[k][j];
+  w.from = quad(from.position);
+  w.shift = quad(to.position) - w.from;
   return w;
 }
 

@@ -292,11 +292,11 @@ static void move_body(RigidBody* moved, const double rotation[4], const float sh
 void bodies_carry(const Granular& g, uint32_t index, const RigidWay& way, const float faster[3]) {
   RigidBody& body = g.bodies.all[index];
   const double straight[4] = {0, 0, 0, 1};
-  float center[3], u[3];
+  float center[3];
   double a[9], turn[4], turned[4], length2 = 0.0;
   for (int k = 0; k < 3; ++k) center[k] = static_cast<float>(body.center[k]);
-  way.way(center, u);
-  for (int i = 0; i < 9; ++i) a[i] = static_cast<double>(way.turn[i / 3][i % 3]) + (i % 4 == 0 ? 1.0 : 0.0);
+  const Quad u = way.way(quad(center));
+  for (int i = 0; i < 9; ++i) a[i] = static_cast<double>(way.turn[i % 3][i / 3]) + (i % 4 == 0 ? 1.0 : 0.0);
   nearest_rotation(a, straight, turn);
   multiply(turn, body.rotation, turned);
   for (const double q : turned) length2 += q * q;

@@ -14,48 +14,37 @@ constexpr float k_pressed = 0.5f;     // radii from a collider that stands; what
 
 // ---- moving what is held
 
-// x becomes x + turn d + shift, for d = x - from; v becomes v + turn v + gain d + constant, but no faster than `most`: what
-// a sub-step allows.
-struct QuadWay {
-  Quad from, turn[3], shift, gain[3], constant;
+// Where to, and what is gained: `more` times the collider's velocity, as the way of a point in a second; but no speed above
+// `most`, what a sub-step allows.
+struct CarriedWay {
+  RigidWay way, gain;
   float most;
 };
 
-Quad quad(const float v[3]) { return Quad{v[0], v[1], v[2], 0.0f}; }
-
-Quad times(const Quad columns[3], const Quad& v) {
-  const Quad x = {v[0], v[0], v[0], v[0]}, y = {v[1], v[1], v[1], v[1]}, z = {v[2], v[2], v[2], v[2]};
-  return (columns[0] * x + columns[1] * y) + columns[2] * z;
-}
-
-// What is gained is `more` times the collider's velocity.
-QuadWay quad_way(const Granular& g, const Carrier& carrier, float more) {
-  const RigidWay& w = carrier.way;
+CarriedWay carried_way(const Granular& g, const Carrier& carrier, float more) {
   const float* s = carrier.from.angular;
   const float spin[3][3] = {{0, s[2], -s[1]}, {-s[2], 0, s[0]}, {s[1], -s[0], 0}};
-  QuadWay q = {quad(w.from), {}, quad(w.shift), {}, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
-  for (int k = 0; k < 3; ++k) q.turn[k] = Quad{w.turn[0][k], w.turn[1][k], w.turn[2][k], 0.0f};
-  const auto gained = [&](const float u[3]) { return (quad(u) + times(q.turn, quad(u))) * more; };
-  for (int k = 0; k < 3; ++k) q.gain[k] = gained(spin[k]);
-  q.constant = gained(carrier.from.linear);
-  return q;
+  CarriedWay c = {carrier.way, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
+  const auto gained = [&](const float u[3]) { return (quad(u) + c.way.turned(quad(u))) * more; };
+  for (int k = 0; k < 3; ++k) c.gain.turn[k] = gained(spin[k]);
+  c.gain.from = c.way.from, c.gain.shift = gained(carrier.from.linear);
+  return c;
 }
 
 // A copy of a particle, which holds `scale` seconds of its velocity.
-void carry_copy(const QuadWay& q, float scale, Particle* p) {
+void carry_copy(const CarriedWay& c, float scale, Particle* p) {
   struct Halves {
     Quad at, velocity;
   } halves;
   static_assert(sizeof halves == sizeof *p);
   const uint32_t identity = p->identity;
   __builtin_memcpy(&halves, p, sizeof halves);
-  const Quad d = halves.at - q.from;
-  halves.at += times(q.turn, d) + q.shift;
-  halves.velocity += times(q.turn, halves.velocity);
+  const Quad gained = c.gain.way(halves.at);
+  halves.at += c.way.way(halves.at);
+  halves.velocity += c.way.turned(halves.velocity);
   if (scale != 0.0f) {
-    halves.velocity += (times(q.gain, d) + q.constant) * scale;
-    const Quad squares = halves.velocity * halves.velocity;
-    const float speed2 = squares[0] + squares[1] + squares[2], most = q.most * scale;
+    halves.velocity += gained * scale;
+    const float speed2 = square_of(halves.velocity), most = c.most * scale;
     if (speed2 > most * most) halves.velocity *= most / __builtin_sqrtf(speed2);
   }
   __builtin_memcpy(p, &halves, sizeof halves);
@@ -85,12 +74,11 @@ struct Sixteen {
 float carry_box(const RigidWay& w, const Bounds& box, Bounds* after) {
   float way2 = 0.0f;
   for (int corner = 0; corner < 8; ++corner) {
-    float x[3], u[3];
+    float x[3];
     for (int k = 0; k < 3; ++k) x[k] = (corner >> k & 1) != 0 ? box.high[k] : box.low[k];
-    w.way(x, u);
-    const float square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+    const float square = square_of(w.way(quad(x)));
     way2 = square > way2 ? square : way2;
-    for (int k = 0; k < 3; ++k) x[k] += u[k];
+    w.move(x);
     bounds_include(after, x);
   }
   return __builtin_sqrtf(way2);
@@ -100,7 +88,7 @@ float carry_box(const RigidWay& w, const Bounds& box, Bounds* after) {
 float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder, uint32_t mask, Bounds* after) {
   const Carrier& carrier = g.colliders.carriers[holder];
   const float more = c->faster - 1.0f, gains = more != 0.0f ? 1.0f : 0.0f;
-  const QuadWay q = quad_way(g, carrier, more);
+  const CarriedWay carried = carried_way(g, carrier, more);
   const float way = carry_box(carrier.way, it.box, after);
   Bounds& held = c->held[c->group_of[holder]];
   bounds_join(&held, it.box), bounds_join(&held, *after);
@@ -109,10 +97,10 @@ float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder
     if ((mask >> l & 1) == 0) continue;
     Particle& p = g.particles.records[0][it.first + l];
     const bool awake = is_awake(p);
-    carry_copy(q, awake ? gains : 0.0f, &p);
+    carry_copy(carried, awake ? gains : 0.0f, &p);
     for (uint32_t copy = 1; copy < 3 && (!awake || it.scale != 0.0f); ++copy)
       if (g.particles.records[copy] != nullptr)
-        carry_copy(q, awake ? gains * it.scale : 0.0f, &g.particles.records[copy][it.first + l]);
+        carry_copy(carried, awake ? gains * it.scale : 0.0f, &g.particles.records[copy][it.first + l]);
     if (!awake) bounds_include(&c->resting, p.position);
     sleep_carry(g, number_of(p), carrier.way);
   }
@@ -350,9 +338,7 @@ void find_groups(Carry* c, const Granular& g) {
       const float* const places[] = {carrier.from.position, first.from.position};
       float most2 = 0.0f;
       for (const float* place : places) {
-        float mine[3], other[3], apart2 = 0.0f;
-        carrier.way.way(place, mine), first.way.way(place, other);
-        for (int k = 0; k < 3; ++k) apart2 += (mine[k] - other[k]) * (mine[k] - other[k]);
+        const float apart2 = square_of(carrier.way.way(quad(place)) - first.way.way(quad(place)));
         most2 = apart2 > most2 ? apart2 : most2;
       }
       if (most2 <= same * same) break;

@@ -253,7 +253,7 @@ void find_way(Carrier* carrier, bool goes) {
     for (int j = 0; j < 3; ++j) differ = differ || __builtin_fabsf(from.axes[k][j] - to.axes[k][j]) > k_least;
   }
   carrier->moves = goes && differ;
-  carrier->way = rigid_way(from.position, from.axes, to.position, to.axes);
+  carrier->way = rigid_way(from, to);
 }
 
 HoldRule hold_rule(const Granular& g) {

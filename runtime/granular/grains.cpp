@@ -226,9 +226,6 @@ uint32_t output_count(const Granular& g) {
   return all < g.output.input->grain_capacity ? all : g.output.input->grain_capacity;
 }
 
-// Half a grain's record: a position and a number, or a velocity. Four lanes, which the compiler makes one register.
-typedef float HalfRecord __attribute__((vector_size(16), may_alias));
-
 // The grains, then the numbers that stand for none.
 struct OutputTask {
   const Grain* grains;
@@ -252,10 +249,9 @@ struct OutputTask {
       }
       const uint32_t number = t.grains[i].number;
       if (number >= t.capacity) continue;
-      const HalfRecord* record = reinterpret_cast<const HalfRecord*>(&t.grains[i]);
-      const HalfRecord v = record[1], squares = v * v;
-      HalfRecord grain = record[0] - t.lag * v;
-      grain[3] = __builtin_sqrtf(squares[0] + squares[1] + squares[2]);
+      const Quad* record = reinterpret_cast<const Quad*>(&t.grains[i]);
+      Quad grain = record[0] - t.lag * record[1];
+      grain[3] = __builtin_sqrtf(square_of(record[1]));
       __builtin_memcpy(t.out + number * t.stride, &grain, sizeof grain);
     }
     for (i = begin > t.grain_count ? begin : t.grain_count; i < end; ++i) {
@@ -265,7 +261,7 @@ struct OutputTask {
     }
   }
 };
-static_assert(offsetof(sandglass_grain, speed) == 12 && sizeof(sandglass_grain) == sizeof(HalfRecord));
+static_assert(offsetof(sandglass_grain, speed) == 12 && sizeof(sandglass_grain) == sizeof(Quad));
 
 }  // namespace
 

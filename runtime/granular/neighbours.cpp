@@ -21,11 +21,6 @@ void include(DisplacementBox* box, Quad low, Quad high) {
 
 bool is_empty(const DisplacementBox& box) { return box.low[0] > box.high[0]; }
 
-float diagonal2(const DisplacementBox& box) {
-  const Quad wide = box.high - box.low, squares = wide * wide;
-  return squares[0] + squares[1] + squares[2];
-}
-
 // The first three of four floats, and 0.
 Quad three_of(const float* four) {
   typedef uint32_t Bits __attribute__((vector_size(16)));
@@ -104,7 +99,7 @@ void measure_row(ListSlack* s, const Blocks& blocks, uint32_t row) {
   for (uint32_t x = blocks.row_length(); x-- > 0;) {  // beyond the last block comes the first
     const DisplacementBox here = column(x);
     include(&next, here.low, here.high);
-    const float wide2 = diagonal2(next);
+    const float wide2 = square_of(next.high - next.low);
     if (!is_empty(next) && wide2 > s->widest2) s->widest2 = wide2;
     next = here;
   }
@@ -141,7 +136,7 @@ static bool list_slack_run(ListSlack* slack, const Granular& g, uint32_t* cursor
   if (s.step++ != k_widest) return false;
   const float reach = neighbours_reach(g), diameter = 2.0f * g.desc.particle_radius;
   const float near = reach - diameter - __builtin_sqrtf(s.widest2);
-  const float far = 2.0f * reach - diameter - __builtin_sqrtf(diagonal2(s.all));
+  const float far = 2.0f * reach - diameter - __builtin_sqrtf(square_of(s.all.high - s.all.low));
   *metres = near < far ? near : far;
   return true;
 }

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "runtime/granular/granular.h"
+#include "runtime/granular/holding.h"
 #include "runtime/skin/skin.h"
 
 namespace sandglass {
@@ -30,10 +31,7 @@ bool is_due(const SkinState& s) {
   return (skin_has_work(s) || substeps != 0) && (s.shown.frame != s.frame || s.shown.substeps != substeps);
 }
 
-Four four(const float v[3]) { return Four{v[0], v[1], v[2], 0}; }
-float square_of(Four v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
-
-bool is_alike(const SkinMotion& a, const SkinMotion& b) {
+bool is_alike(const RigidWay& a, const RigidWay& b) {
   float square = square_of(a.way(a.from) - b.way(a.from));
   for (int k = 0; k < 3; ++k) square += square_of(a.turn[k] - b.turn[k]);
   return square < k_least_motion * k_least_motion;
@@ -50,14 +48,8 @@ void find_motions(SkinState* s) {
     ColliderFrame to;
     colliders_pose(&c.given[i], 1, colliders_behind(*s->granular), &to);
     if (from.shape != to.shape) continue;
-    SkinMotion motion = {};
-    motion.from = four(from.position), motion.shift = four(to.position) - motion.from;
-    for (int b = 0; b < 3; ++b) {
-      for (int k = 0; k < 3; ++k) motion.turn[b] += four(to.axes[k]) * from.axes[k][b];
-      motion.turn[b][b] -= 1.0f;
-    }
-    motion.encloses = from.shape == SANDGLASS_SHAPE_FIELD && from.field.outward < 0;
-    SkinMotion still = {};
+    const SkinMotion motion = {rigid_way(from, to), holding_encloses(from)};
+    RigidWay still = {};
     still.from = motion.from;
     bool known = is_alike(motion, still);
     for (uint32_t k = 0; k < carry.motion_count && !known; ++k) known = is_alike(motion, carry.motions[k]);
@@ -72,7 +64,7 @@ void begin_carry(SkinState* s) {
   carry.record = carry.chunk = carry.flying = carry.lying = 0;
   carry.motion = k_brick_none;
   carry.changed = false;
-  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->carried[i] = {Four{}, k_brick_none, k_brick_none};
+  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->carried[i] = {Quad{}, k_brick_none, k_brick_none};
   for (uint32_t i = 0; i < s->front.flying + s->front.lying; ++i)
     if (s->front.loose[i].number < s->desc.particle_capacity) s->carried[s->front.loose[i].number].loose = i;
 }
@@ -89,13 +81,13 @@ bool find_way(const SkinState& s, const Particle& p, SkinCarried* carried) {
   const float least = static_cast<float>(k_skin_held) / k_skin_steps * s.spacing;
   const float* from = s.front.from + 3 * number_of(p);
   if (from[0] == k_skin_nowhere) return false;
-  const Four at = four(from), gone = four(p.position) - at;
-  Four way = gone;
+  const Quad at = quad(from), gone = quad(p.position) - at;
+  Quad way = gone;
   float square = square_of(way);
   bool enclosed = false;
   for (uint32_t m = 0; m < s.carry.motion_count; ++m) {
     const SkinMotion& motion = s.carry.motions[m];
-    const Four rest = gone - motion.way(at);
+    const Quad rest = gone - motion.way(at);
     const float square_rest = square_of(rest);
     if (motion.encloses == enclosed ? !(square_rest < square) : enclosed) continue;
     enclosed = motion.encloses;
@@ -104,14 +96,14 @@ bool find_way(const SkinState& s, const Particle& p, SkinCarried* carried) {
     way = rest;
   }
   const float scale = square > most * most ? most / __builtin_sqrtf(square) : 1.0f;
-  carried->way = square > least * least ? scale * way : Four{};
+  carried->way = square > least * least ? scale * way : Quad{};
   return carried->loose != k_brick_none || square < other * other;
 }
 
 void carry_particle(SkinState* s, const Particle& p) {
   if (in_body(p) || has_departed(p)) return;
   const uint32_t number = number_of(p);
-  SkinCarried none = {Four{}, k_brick_none, k_brick_none};
+  SkinCarried none = {Quad{}, k_brick_none, k_brick_none};
   SkinCarried& carried = number < s->desc.particle_capacity ? s->carried[number] : none;
   const bool known = &carried != &none && find_way(*s, p, &carried);
   sandglass_skin_loose one = {};
@@ -130,27 +122,27 @@ void carry_particle(SkinState* s, const Particle& p) {
 }
 
 // The whole numbers below, of what is bounded to 2^30.
-FourWhole floor_of(Four v) {
-  const Four most = Four{} + 1073741824.0f, low = v < most ? v : most, bounded = low > -most ? low : -most;
-  const FourWhole whole = __builtin_convertvector(bounded, FourWhole);
-  return whole + (bounded < __builtin_convertvector(whole, Four));
+QuadWhole floor_of(Quad v) {
+  const Quad most = Quad{} + 1073741824.0f, low = v < most ? v : most, bounded = low > -most ? low : -most;
+  const QuadWhole whole = __builtin_convertvector(bounded, QuadWhole);
+  return whole + (bounded < __builtin_convertvector(whole, Quad));
 }
 
 // A vertex without a particle goes with the motion of the one before it; the first ones as the first that has one.
 sandglass_skin_vertex carried_vertex(SkinState* s, sandglass_skin_vertex vertex, uint32_t anchor) {
   SkinCarry& carry = s->carry;
-  Four way = {};
+  Quad way = {};
   if (anchor != k_brick_none) way = s->carried[anchor].way, carry.motion = s->carried[anchor].motion;
   if (carry.motion != k_brick_none) {
     const SkinMotion& motion = carry.motions[carry.motion];
-    way += motion.way(four(vertex.position));
-    Four normal = {};
+    way += motion.way(quad(vertex.position));
+    Quad normal = {};
     for (int k = 0; k < 3; ++k) normal[k] = static_cast<float>(vertex.normal[k]);
-    const FourWhole turned = floor_of(normal + motion.turned(normal) + 0.5f);
+    const QuadWhole turned = floor_of(normal + motion.turned(normal) + 0.5f);
     for (int k = 0; k < 3; ++k)
       vertex.normal[k] = static_cast<int8_t>(turned[k] > -127 ? (turned[k] < 127 ? turned[k] : 127) : -127);
   }
-  const FourWhole turns = floor_of(way * (65536.0f * s->inverse_side));  // of the block of grains
+  const QuadWhole turns = floor_of(way * (65536.0f * s->inverse_side));  // of the block of grains
   for (int k = 0; k < 3; ++k) {
     vertex.position[k] += way[k];
     vertex.origin[k] = static_cast<uint16_t>(vertex.origin[k] + turns[k]);

@@ -79,18 +79,18 @@ using FourShort = uint16_t __attribute__((vector_size(8)));
 
 // The 4^3 nodes about a cell, and their density smoothed.
 struct Nodes {
-  Four v[4][4];  // of y and z
+  Quad v[4][4];  // of y and z
   explicit Nodes(const uint16_t* first) {
     for (uint32_t y = 0; y < 4; ++y)
       for (uint32_t z = 0; z < 4; ++z) {
         FourShort shorts;
         memcpy(&shorts, first + y * k_step[1] + z * k_step[2], sizeof shorts);
-        v[y][z] = __builtin_convertvector(__builtin_convertvector(shorts, FourWhole), Four);
+        v[y][z] = __builtin_convertvector(__builtin_convertvector(shorts, QuadWhole), Quad);
       }
   }
 
   float mean() const {
-    Four sum = {};
+    Quad sum = {};
     for (const auto& layer : v) sum += (layer[0] + layer[1]) + (layer[2] + layer[3]);
     return ((sum[0] + sum[1]) + (sum[2] + sum[3])) * (1.0f / 64);
   }
@@ -127,9 +127,9 @@ struct Nodes {
   // At u in the cell, and how it changes, in nodes.
   float smoothed(const float u[3], float gradient[3]) const {
     const Spline x(u[0]), y(u[1]), z(u[2]);
-    Four sum = {}, over_y = {}, over_z = {};
+    Quad sum = {}, over_y = {}, over_z = {};
     for (uint32_t k = 0; k < 4; ++k) {
-      Four column = {}, slope = {};
+      Quad column = {}, slope = {};
       for (uint32_t j = 0; j < 4; ++j) column += y.weight[j] * v[j][k], slope += y.slope[j] * v[j][k];
       sum += z.weight[k] * column;
       over_y += z.weight[k] * slope;

@@ -19,6 +19,7 @@
 #include "kernels/kernels.h"
 #include "runtime/core/governor.h"
 #include "runtime/core/layout.h"
+#include "runtime/core/rigid_way.h"
 #include "sandglass/skin.h"
 
 namespace sandglass {
@@ -65,8 +66,7 @@ enum class SkinPhase : uint32_t { idle, take, gather, leave, density, fill, calm
 // What has to be made anew of a brick, as bits.
 enum : uint32_t { k_stale_solid = 1, k_stale_density = 2, k_stale_fill = 4, k_stale_calm = 8, k_stale_mesh = 16 };
 
-using Four = float __attribute__((vector_size(16)));
-using FourWhole = int32_t __attribute__((vector_size(16)));
+using QuadWhole = int32_t __attribute__((vector_size(16)));
 
 // A particle as it was last summed, by number.
 struct SkinParticle {
@@ -159,17 +159,14 @@ struct SkinShown {
 
 // Of a particle, by number.
 struct SkinCarried {
-  Four way;         // besides the motion
+  Quad way;         // besides the motion
   uint32_t loose;   // of the mesh's list
   uint32_t motion;  // of SkinCarry::motions; k_brick_none: it goes with none
 };
 
-// How colliders have gone since the mesh was gathered: x becomes x + turn (x - from) + shift.
-struct SkinMotion {
-  Four turn[3], from, shift;  // turn: its columns
-  bool encloses;              // a field that is solid outside: its sand goes with no other
-  Four turned(Four r) const { return turn[0] * r[0] + turn[1] * r[1] + turn[2] * r[2]; }
-  Four way(Four x) const { return turned(x - from) + shift; }
+// How colliders have gone since the mesh was gathered.
+struct SkinMotion : RigidWay {
+  bool encloses;  // a field that is solid outside: its sand goes with no other
 };
 constexpr uint32_t k_skin_motions = 16;
 
