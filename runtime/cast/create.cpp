@@ -236,9 +236,8 @@ sandglass_status sandglass_cast_create(const sandglass_cast_desc* desc, void* bl
   const sandglass_status usable = check_block(block, bytes, need, reason);
   if (usable != SANDGLASS_OK) return usable;
   memset(block, 0, need);
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   build(*desc, block, cast);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
@@ -256,14 +255,13 @@ sandglass_status sandglass_cast_set_plane(sandglass_cast* cast, const sandglass_
   if (cast == nullptr || plane == nullptr) return refuse(reason, "cast or plane is NULL: pass both");
   if (plane->struct_size != sizeof *plane)
     return refuse(reason, "plane.struct_size is not that of this library: start from sandglass_cast_plane_default");
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   CastFrame frame;
   const sandglass_status status = frame_of(*plane, &frame, reason);
   if (status == SANDGLASS_OK) {
     cast->cast.frame = frame;
     cast_compare(&cast->cast);
   }
-  floating_point_restore(saved);
   return status;
 }
 
@@ -279,29 +277,23 @@ sandglass_status sandglass_cast_set_meshes(sandglass_cast* cast, const sandglass
                                            const char** reason) {
   if (cast == nullptr || (meshes == nullptr && count != 0))
     return refuse(reason, "cast is NULL, or meshes are NULL while count is above 0");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_meshes(&cast->cast, meshes, count, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return take_meshes(&cast->cast, meshes, count, reason);
 }
 
 sandglass_status sandglass_cast_set_light(sandglass_cast* cast, const float direction[3], float angular_diameter,
                                           const char** reason) {
   if (cast == nullptr || direction == nullptr)
     return refuse(reason, "cast or direction is NULL: pass the cast and 3 floats");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_light(&cast->cast, direction, angular_diameter, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return take_light(&cast->cast, direction, angular_diameter, reason);
 }
 
 sandglass_status sandglass_cast_set_cells(sandglass_cast* cast, const float cells[SANDGLASS_LIGHT_CELLS],
                                           const char** reason) {
   if (cast == nullptr || cells == nullptr) return refuse(reason, "cast or cells is NULL: pass the cast and 64 floats");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_cells(&cast->cast, cells, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return take_cells(&cast->cast, cells, reason);
 }
 
 void sandglass_cast_get_texture(const sandglass_cast* cast, sandglass_cast_texture* texture) {

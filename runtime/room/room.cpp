@@ -252,10 +252,9 @@ sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
   const sandglass_status status = check_image(&room->room, image, reason);
   if (status != SANDGLASS_OK) return status;
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   const bool took = take_whole(&room->room, *image);
   ++room->version;
-  floating_point_restore(saved);
   if (taken != nullptr) *taken = took ? 1 : 0;
   return accept(reason);
 }
@@ -266,10 +265,9 @@ sandglass_status sandglass_room_move(sandglass_room* room, const float rotation[
     return refuse(reason, "room, rotation or translation is NULL: pass all three");
   if (!all_within(translation, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
     return refuse(reason, "translation is not finite or beyond 1000 m: keep the world near its origin");
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   const bool moved = move(&room->room, rotation, translation);
   ++room->version;
-  floating_point_restore(saved);
   return moved ? accept(reason)
                : refuse(reason,
                         "rotation is not one about the y axis: gravity stays where it is; turn the world about y");
@@ -310,9 +308,8 @@ sandglass_status sandglass_room_get(const sandglass_room* room, const sandglass_
   if (wrong != nullptr) return refuse(reason, wrong);
   sandglass_room_place at = *place;
   if (shown != nullptr && shown->struct_size < sizeof *shown) at.shown = nullptr;  // nothing is shown yet
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   estimate_at(room->room, at, light);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
@@ -344,10 +341,9 @@ sandglass_status sandglass_room_set_cube(sandglass_room* room, const sandglass_c
     forget_probe(&room->room);
     return accept(reason);
   }
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   const sandglass_status status = begin_cube(&room->room, cube, reason);
   if (status == SANDGLASS_OK && cube->in_frame == 0) run_probe(&room->room);
-  floating_point_restore(saved);
   return status;
 }
 
@@ -362,9 +358,8 @@ sandglass_status sandglass_room_get_cube(const sandglass_room* room, const float
     return refuse(reason, "position is not finite or beyond 1000 m: pass where the object is");
   if (!within(height, 0.0f, SANDGLASS_COORDINATE_LIMIT))
     return refuse(reason, "height is not in 0..1000 m: pass how far above its floor the position is");
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   face_at(room->room, position, height, face, left_handed != 0, texels);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
@@ -376,10 +371,9 @@ sandglass_status sandglass_room_set_harmonics(sandglass_room* room, const sandgl
     forget_probe(&room->room);
     return accept(reason);
   }
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   const sandglass_status status = begin_harmonics(&room->room, harmonics, reason);
   if (status == SANDGLASS_OK && harmonics->in_frame == 0) run_probe(&room->room);
-  floating_point_restore(saved);
   return status;
 }
 

@@ -242,9 +242,8 @@ sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void
   if (shadow == nullptr) return refuse(reason, "shadow is NULL: pass where to store it");
   const sandglass_status usable = check_block(block, bytes, need, reason);
   if (usable != SANDGLASS_OK) return usable;
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   build(asset, *desc, kernels, block, shadow);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
@@ -254,20 +253,16 @@ sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t l
     return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats");
   if (light >= shadow->shadow.light_count)
     return refuse(reason, "light is not below the light_count of the description: count from 0");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_light(&shadow->shadow, light, direction, irradiance, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return take_light(&shadow->shadow, light, direction, irradiance, reason);
 }
 
 uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, uint32_t count, uint32_t units) {
   if (shadows == nullptr) return 0;
   for (uint32_t i = 0; i < count; ++i)
     if (shadows[i] == nullptr) return 0;
-  const FloatingPointControl saved = floating_point_enter();
-  const uint32_t done = run_units({shadows, count}, units);
-  floating_point_restore(saved);
-  return done;
+  const ExactFloatingPoint exact;
+  return run_units({shadows, count}, units);
 }
 
 uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {

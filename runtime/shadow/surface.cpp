@@ -91,8 +91,7 @@ sandglass_status sandglass_shadow_transfer(const void* bytes, uint64_t size, con
   if (status != SANDGLASS_OK) return status;
   if (asset.surface.vertices == 0)
     return refuse(reason, "the shadow file says nothing of the object's surface: bake it again");
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   look_up_surface(asset.surface, positions, normals, count, transfer);
-  floating_point_restore(saved);
   return accept(reason);
 }

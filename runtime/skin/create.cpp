@@ -144,9 +144,8 @@ sandglass_status sandglass_skin_create(const sandglass_skin_desc* desc, void* bl
   if (skin == nullptr) return refuse(reason, "skin is NULL: pass where to store it");
   const sandglass_status usable = check_block(block, bytes, need, reason);
   if (usable != SANDGLASS_OK) return usable;
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   build(*desc, block, skin);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
