@@ -250,25 +250,16 @@ bool speeds_fit(const float linear[3], const float angular[3]) {
 }
 
 // The box around the centres of a body's particles, wider by a margin.
-struct Box {
-  float low[3], high[3];
-};
-
-Box box_around(const Granular& g, const RigidBody& body, float margin) {
-  Box box;
-  for (uint32_t slot = body.first; slot < body.first + body.count; ++slot) {
-    const float* p = g.particles.records[0][g.bodies.rows[slot]].position;
-    for (int k = 0; k < 3; ++k) {
-      if (slot == body.first || p[k] - margin < box.low[k]) box.low[k] = p[k] - margin;
-      if (slot == body.first || p[k] + margin > box.high[k]) box.high[k] = p[k] + margin;
-    }
-  }
+Bounds box_around(const Granular& g, const RigidBody& body, float margin) {
+  Bounds box = k_nowhere;
+  for (uint32_t slot = body.first; slot < body.first + body.count; ++slot)
+    bounds_include(&box, g.particles.records[0][g.bodies.rows[slot]].position, margin);
   return box;
 }
 
 // What is within reach of that box wakes, and so does the body.
 void wake_around(Granular* g, const RigidBody& body) {
-  const Box box = box_around(*g, body, neighbours_reach(*g));
+  const Bounds box = box_around(*g, body, neighbours_reach(*g));
   sleep_wake_box(&g->sleep, *g, box.low, box.high);
   neighbours_invalidate(&g->neighbours);
 }
@@ -366,7 +357,7 @@ void put_beside(Granular* g, const RigidBody& body, const uint32_t* rows, uint32
 // What a body is put around is caught between its particles: they push it to and fro for ever, sand at metres a second
 // and other bodies at ten times that. It is put beside the body.
 void free_caught(Granular* g, const RigidBody& body) {
-  const Box box = box_around(*g, body, 0.0f);
+  const Bounds box = box_around(*g, body, 0.0f);
   const auto caught_at = [&](uint32_t row) {
     const float* p = g->particles.records[0][row].position;
     for (int k = 0; k < 3; ++k)
