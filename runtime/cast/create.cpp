@@ -135,8 +135,7 @@ __attribute__((noinline)) sandglass_status take_meshes(CastState* c, const sandg
                   "there are more meshes than desc.mesh_capacity: create a larger cast");
   uint64_t triangles = 0;
   for (uint32_t i = 0; i < count; ++i) {
-    const sandglass_status status = check_mesh(meshes[i], reason);
-    if (status != SANDGLASS_OK) return status;
+    if (const sandglass_status status = check_mesh(meshes[i], reason)) return status;
     triangles += meshes[i].triangle_count;
   }
   if (triangles > c->triangle_capacity)
@@ -218,8 +217,7 @@ void sandglass_cast_desc_default(sandglass_cast_desc* desc) {
 }
 
 sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t* bytes, const char** reason) {
-  const sandglass_status status = check(desc, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, reason)) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   Layout layout;
   lay_out(*desc, &layout);
@@ -230,11 +228,9 @@ sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t*
 sandglass_status sandglass_cast_create(const sandglass_cast_desc* desc, void* block, uint64_t bytes,
                                        sandglass_cast** cast, const char** reason) {
   uint64_t need = 0;
-  const sandglass_status status = sandglass_cast_bytes(desc, &need, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = sandglass_cast_bytes(desc, &need, reason)) return status;
   if (cast == nullptr) return refuse(reason, "cast is NULL: pass where to store it");
-  const sandglass_status usable = check_block(block, bytes, need, reason);
-  if (usable != SANDGLASS_OK) return usable;
+  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
   memset(block, 0, need);
   const ExactFloatingPoint exact;
   build(*desc, block, cast);

@@ -153,8 +153,7 @@ sandglass_status sandglass_estimator_inspect(const void* asset, uint64_t asset_b
   if (info == nullptr || !can_fill(info))
     return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_estimator_info)");
   LightAsset file;
-  const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason)) return status;
   sandglass_estimator_info filled = {};
   filled.training_images = file.training_images;
   filled.calibration_images = file.calibration_images;
@@ -168,8 +167,7 @@ sandglass_status sandglass_estimator_inspect(const void* asset, uint64_t asset_b
 
 sandglass_status sandglass_estimator_bytes(const sandglass_estimator_desc* desc, uint64_t* bytes, const char** reason) {
   Checked checked;
-  const sandglass_status status = check(desc, &checked, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, &checked, reason)) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   *bytes = size_of_estimator(checked.backend);
   return accept(reason);
@@ -178,11 +176,10 @@ sandglass_status sandglass_estimator_bytes(const sandglass_estimator_desc* desc,
 sandglass_status sandglass_estimator_create(const sandglass_estimator_desc* desc, void* block, uint64_t bytes,
                                             sandglass_estimator** estimator, const char** reason) {
   Checked checked;
-  const sandglass_status status = check(desc, &checked, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, &checked, reason)) return status;
   if (estimator == nullptr) return refuse(reason, "estimator is NULL: pass where to store it");
-  const sandglass_status usable = check_block(block, bytes, size_of_estimator(checked.backend), reason);
-  if (usable != SANDGLASS_OK) return usable;
+  if (const sandglass_status usable = check_block(block, bytes, size_of_estimator(checked.backend), reason))
+    return usable;
   const ExactFloatingPoint exact;
   const bool built = build(checked, *desc, block, estimator, reason);
   return built ? accept(reason) : SANDGLASS_ERROR_UNSUPPORTED;
@@ -217,8 +214,7 @@ sandglass_status sandglass_estimator_set_image(sandglass_estimator* estimator, c
                                                int32_t* taken, const char** reason) {
   if (estimator == nullptr)
     return refuse(reason, "estimator is NULL: pass the estimator that sandglass_estimator_create made");
-  const sandglass_status status = sandglass_camera_check(image, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = sandglass_camera_check(image, reason)) return status;
   const ExactFloatingPoint exact;
   const bool took = estimator_take_image(&estimator->estimator, *image);
   if (took) resample_now(&estimator->estimator);

@@ -431,8 +431,9 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
                   "sandglass_granular_add_body: more bodies or body particles than granular.body_capacity and "
                   "body_particle_capacity have room for: raise them.");
   const uint32_t first_record = g->particles.count;
-  const sandglass_status added = granular_add(g, {desc->particle_positions, nullptr, desc->particle_count}, {}, reason);
-  if (added != SANDGLASS_OK) return added;
+  if (const sandglass_status added =
+          granular_add(g, {desc->particle_positions, nullptr, desc->particle_count}, {}, reason))
+    return added;
 
   bodies_add(&g->bodies, *g, number, *desc, first_record);
   const RigidBody& body = g->bodies.all[number];
@@ -577,8 +578,7 @@ sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t
 }
 
 sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes, const char** reason) {
-  const sandglass_status status = saved_check(*g, data, bytes, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = saved_check(*g, data, bytes, reason)) return status;
   granular_reset(g);
   if (g->desc.particle_capacity == 0) return accept(reason);
   SavedScene saved;

@@ -216,8 +216,7 @@ void sandglass_room_desc_default(sandglass_room_desc* desc) {
 
 sandglass_status sandglass_room_bytes(const sandglass_room_desc* desc, uint64_t* bytes, const char** reason) {
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store the number of bytes");
-  const sandglass_status status = check(desc, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, reason)) return status;
   *bytes = block_bytes(*desc);
   return accept(reason);
 }
@@ -250,8 +249,7 @@ sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_
                                           const char** reason) {
   if (taken != nullptr) *taken = 0;
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
-  const sandglass_status status = check_image(&room->room, image, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check_image(&room->room, image, reason)) return status;
   const ExactFloatingPoint exact;
   const bool took = take_whole(&room->room, *image);
   ++room->version;

@@ -216,8 +216,7 @@ sandglass_status sandglass_shadow_inspect(const void* bytes, uint64_t count, san
   if (info == nullptr || !can_fill(info))
     return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_shadow_info)");
   ShadowAsset asset;
-  const sandglass_status status = open_shadow_asset(bytes, count, &asset, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = open_shadow_asset(bytes, count, &asset, reason)) return status;
   fill_info(asset, info);
   return SANDGLASS_OK;
 }
@@ -225,8 +224,7 @@ sandglass_status sandglass_shadow_inspect(const void* bytes, uint64_t count, san
 sandglass_status sandglass_shadow_bytes(const sandglass_shadow_desc* desc, uint64_t* bytes, const char** reason) {
   ShadowAsset asset;
   const Int8Kernels* kernels = nullptr;
-  const sandglass_status status = check(desc, &asset, &kernels, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, &asset, &kernels, reason)) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   return size_of(asset, *desc, bytes, reason);
 }
@@ -235,13 +233,11 @@ sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void
                                          sandglass_shadow** shadow, const char** reason) {
   ShadowAsset asset;
   const Int8Kernels* kernels = nullptr;
-  const sandglass_status status = check(desc, &asset, &kernels, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, &asset, &kernels, reason)) return status;
   uint64_t need = 0;
   (void)size_of(asset, *desc, &need, reason);
   if (shadow == nullptr) return refuse(reason, "shadow is NULL: pass where to store it");
-  const sandglass_status usable = check_block(block, bytes, need, reason);
-  if (usable != SANDGLASS_OK) return usable;
+  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
   const ExactFloatingPoint exact;
   build(asset, *desc, kernels, block, shadow);
   return accept(reason);

@@ -168,8 +168,7 @@ void sandglass_pile_shadow_desc_default(sandglass_pile_shadow_desc* desc) {
 
 sandglass_status sandglass_pile_shadow_bytes(const sandglass_pile_shadow_desc* desc, uint64_t* bytes,
                                              const char** reason) {
-  const sandglass_status status = check(desc, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, reason)) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   Layout layout;
   lay_out(*desc, &layout);
@@ -180,11 +179,9 @@ sandglass_status sandglass_pile_shadow_bytes(const sandglass_pile_shadow_desc* d
 sandglass_status sandglass_pile_shadow_create(const sandglass_pile_shadow_desc* desc, void* block, uint64_t bytes,
                                               sandglass_pile_shadow** shadow, const char** reason) {
   uint64_t need = 0;
-  const sandglass_status status = sandglass_pile_shadow_bytes(desc, &need, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = sandglass_pile_shadow_bytes(desc, &need, reason)) return status;
   if (shadow == nullptr) return refuse(reason, "shadow is NULL: pass where to store it");
-  const sandglass_status usable = check_block(block, bytes, need, reason);
-  if (usable != SANDGLASS_OK) return usable;
+  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
   const ExactFloatingPoint exact;
   build(*desc, block, shadow);
   return accept(reason);
