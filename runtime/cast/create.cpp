@@ -205,9 +205,7 @@ void fill_texture(const CastState& c, uint32_t which, sandglass_cast_texture* ou
 using namespace sandglass;
 
 void sandglass_cast_desc_default(sandglass_cast_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   desc->texels = 128;
   desc->directions = 64;
   desc->ambient_texels = 64;
@@ -238,9 +236,7 @@ sandglass_status sandglass_cast_create(const sandglass_cast_desc* desc, void* bl
 }
 
 void sandglass_cast_plane_default(sandglass_cast_plane* plane) {
-  if (plane == nullptr) return;
-  *plane = {};
-  plane->struct_size = sizeof *plane;
+  if (!empty_struct(plane)) return;
   plane->normal[1] = plane->along[0] = 1;
   for (uint32_t axis = 0; axis < 2; ++axis)
     plane->low[axis] = -0.5f * k_extent_limit, plane->high[axis] = 0.5f * k_extent_limit;

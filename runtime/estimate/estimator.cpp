@@ -138,9 +138,7 @@ __attribute__((noinline)) uint32_t run_units(sandglass_estimator* estimator, uin
 using namespace sandglass;
 
 void sandglass_estimator_desc_default(sandglass_estimator_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   desc->interval = 0.25f;
   desc->smoothing = 0.4f;
   desc->turn_limit = 2.0943951f;

@@ -271,11 +271,7 @@ sandglass_status sandglass_room_move(sandglass_room* room, const float rotation[
                         "rotation is not one about the y axis: gravity stays where it is; turn the world about y");
 }
 
-void sandglass_room_place_default(sandglass_room_place* place) {
-  if (place == nullptr) return;
-  *place = {};
-  place->struct_size = sizeof *place;
-}
+void sandglass_room_place_default(sandglass_room_place* place) { empty_struct(place); }
 
 sandglass_status sandglass_room_get(const sandglass_room* room, const sandglass_room_place* place,
                                     sandglass_room_light* light, const char** reason) {
@@ -319,16 +315,12 @@ float sandglass_room_exposure(const sandglass_room_light* light, const sandglass
 }
 
 void sandglass_cube_default(sandglass_cube* cube) {
-  if (cube == nullptr) return;
-  *cube = {};
-  cube->struct_size = sizeof *cube;
+  if (!empty_struct(cube)) return;
   cube->orientation[3] = cube->confidence = 1;
 }
 
 void sandglass_harmonics_default(sandglass_harmonics* harmonics) {
-  if (harmonics == nullptr) return;
-  *harmonics = {};
-  harmonics->struct_size = sizeof *harmonics;
+  if (!empty_struct(harmonics)) return;
   harmonics->main_direction[1] = harmonics->confidence = 1;
 }
 

@@ -203,9 +203,7 @@ void fill_texture(const Shadow& s, uint32_t light, sandglass_shadow_texture* out
 using namespace sandglass;
 
 void sandglass_shadow_desc_default(sandglass_shadow_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   desc->threshold = 48;
   desc->light_tolerance = 0.01f;
   desc->light_count = 1;

@@ -156,9 +156,7 @@ __attribute__((noinline)) uint32_t run_units(Pile* p, uint32_t units) {
 using namespace sandglass;
 
 void sandglass_pile_shadow_desc_default(sandglass_pile_shadow_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   for (uint32_t axis = 0; axis < 2; ++axis) desc->low[axis] = -0.5f, desc->high[axis] = 0.5f;
   desc->texels = 128;
   desc->angular_diameter = 0.34906585f;

@@ -114,9 +114,7 @@ __attribute__((noinline)) void build(const sandglass_skin_desc& desc, void* bloc
 using namespace sandglass;
 
 void sandglass_skin_desc_default(sandglass_skin_desc* desc, const sandglass_granular_desc* granular) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   desc->particle_radius = 0.01f;
   desc->collider_capacity = 16;
   desc->block_side = 0.0084f;
