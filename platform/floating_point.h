@@ -1,13 +1,11 @@
 // The floating-point environment of a frame: round to nearest even, denormals kept. Engines and audio code often leave
 // flush-to-zero on, and the same scene would then end in other bits. The frame call saves the app's control register,
-// sets this mode and restores the register where it returns:
-//
-//     const FloatingPointControl saved = floating_point_enter();  ...  floating_point_restore(saved);
+// sets this mode and restores the register where it returns: ExactFloatingPoint, as long as it lives.
 //
 // Trap enables stay as the app (or a test) set them. The sticky exception flags are part of the register on x86 and
 // come back as they were. On ARM they are in another register (FPSR), and those that the frame raised stay raised.
 //
-// A compiler does not know that arithmetic depends on this register. Keep both calls in a function that does no
+// A compiler does not know that arithmetic depends on this register. Keep it in a function that does no
 // floating-point work itself, and do the work in a function that is not inlined (one called through a stage's table is
 // not).
 #pragma once
@@ -62,5 +60,12 @@ inline FloatingPointControl floating_point_enter() {
   floating_point_restore(saved & ~k_floating_point_inexact_modes);
   return saved;
 }
+
+struct ExactFloatingPoint {
+  ExactFloatingPoint() = default;
+  ExactFloatingPoint(const ExactFloatingPoint&) = delete;
+  ~ExactFloatingPoint() { floating_point_restore(saved); }
+  const FloatingPointControl saved = floating_point_enter();
+};
 
 }  // namespace sandglass

@@ -203,19 +203,7 @@ SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index,
   }
 }
 
-// NEON has no compress instruction. For each of the sixteen masks a byte shuffle puts the kept lanes first.
-#define SANDGLASS_LANE(l) 4 * (l), 4 * (l) + 1, 4 * (l) + 2, 4 * (l) + 3
-#define SANDGLASS_SHUFFLE(a, b, c, d) \
-  { SANDGLASS_LANE(a), SANDGLASS_LANE(b), SANDGLASS_LANE(c), SANDGLASS_LANE(d) }
-alignas(16) constexpr uint8_t k_compress[16][16] = {
-    SANDGLASS_SHUFFLE(0, 0, 0, 0), SANDGLASS_SHUFFLE(0, 0, 0, 0), SANDGLASS_SHUFFLE(1, 0, 0, 0),
-    SANDGLASS_SHUFFLE(0, 1, 0, 0), SANDGLASS_SHUFFLE(2, 0, 0, 0), SANDGLASS_SHUFFLE(0, 2, 0, 0),
-    SANDGLASS_SHUFFLE(1, 2, 0, 0), SANDGLASS_SHUFFLE(0, 1, 2, 0), SANDGLASS_SHUFFLE(3, 0, 0, 0),
-    SANDGLASS_SHUFFLE(0, 3, 0, 0), SANDGLASS_SHUFFLE(1, 3, 0, 0), SANDGLASS_SHUFFLE(0, 1, 3, 0),
-    SANDGLASS_SHUFFLE(2, 3, 0, 0), SANDGLASS_SHUFFLE(0, 2, 3, 0), SANDGLASS_SHUFFLE(1, 2, 3, 0),
-    SANDGLASS_SHUFFLE(0, 1, 2, 3)};
-#undef SANDGLASS_SHUFFLE
-#undef SANDGLASS_LANE
+#include "kernels/simd/compress.inl"
 constexpr uint8_t k_kept[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
 
 SANDGLASS_INLINE uint32_t compress_store(uint32_t* p, Int v, Mask m) {

@@ -159,19 +159,7 @@ SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   for (int k = 0; k < 4; ++k) wasm_v128_store(p + 8 * k + 4, t[k]);
 }
 
-// For each of the sixteen masks a byte shuffle puts the kept lanes first.
-#define SANDGLASS_LANE(l) 4 * (l), 4 * (l) + 1, 4 * (l) + 2, 4 * (l) + 3
-#define SANDGLASS_SHUFFLE(a, b, c, d) \
-  { SANDGLASS_LANE(a), SANDGLASS_LANE(b), SANDGLASS_LANE(c), SANDGLASS_LANE(d) }
-alignas(16) constexpr uint8_t k_compress[16][16] = {
-    SANDGLASS_SHUFFLE(0, 0, 0, 0), SANDGLASS_SHUFFLE(0, 0, 0, 0), SANDGLASS_SHUFFLE(1, 0, 0, 0),
-    SANDGLASS_SHUFFLE(0, 1, 0, 0), SANDGLASS_SHUFFLE(2, 0, 0, 0), SANDGLASS_SHUFFLE(0, 2, 0, 0),
-    SANDGLASS_SHUFFLE(1, 2, 0, 0), SANDGLASS_SHUFFLE(0, 1, 2, 0), SANDGLASS_SHUFFLE(3, 0, 0, 0),
-    SANDGLASS_SHUFFLE(0, 3, 0, 0), SANDGLASS_SHUFFLE(1, 3, 0, 0), SANDGLASS_SHUFFLE(0, 1, 3, 0),
-    SANDGLASS_SHUFFLE(2, 3, 0, 0), SANDGLASS_SHUFFLE(0, 2, 3, 0), SANDGLASS_SHUFFLE(1, 2, 3, 0),
-    SANDGLASS_SHUFFLE(0, 1, 2, 3)};
-#undef SANDGLASS_SHUFFLE
-#undef SANDGLASS_LANE
+#include "kernels/simd/compress.inl"
 
 SANDGLASS_INLINE uint32_t compress_store(uint32_t* p, Int v, Mask m) {
   const uint32_t kept = lane_bits(m);

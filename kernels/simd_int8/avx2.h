@@ -8,6 +8,7 @@
 namespace sandglass::int8_avx2 {
 
 #define SANDGLASS_INT8_INLINE inline __attribute__((always_inline))
+#include "kernels/simd_int8/x86_shared.inl"
 
 constexpr bool k_matrix = false;
 constexpr bool k_signed = false;
@@ -77,26 +78,6 @@ SANDGLASS_INT8_INLINE void first_layer(const int16_t* columns, const int16_t* ro
   }
 }
 
-struct Bytes {
-  __m256i v;
-};
-SANDGLASS_INT8_INLINE Bytes load_bytes(const uint8_t* p) {
-  return {_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p))};
-}
-SANDGLASS_INT8_INLINE void store_bytes(uint8_t* p, Bytes b) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), b.v); }
-SANDGLASS_INT8_INLINE Bytes greatest(Bytes a, Bytes b) { return {_mm256_max_epu8(a.v, b.v)}; }
-SANDGLASS_INT8_INLINE Bytes least(Bytes a, Bytes b) { return {_mm256_min_epu8(a.v, b.v)}; }
-// Unpacking splits each 128-bit half into two vectors of 16-bit sums; packing restores the order.
-SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
-  const __m256i zero = _mm256_setzero_si256();
-  __m256i low = _mm256_set1_epi16(2), high = low;
-  for (const Bytes& b : four) {
-    low = _mm256_add_epi16(low, _mm256_unpacklo_epi8(b.v, zero));
-    high = _mm256_add_epi16(high, _mm256_unpackhi_epi8(b.v, zero));
-  }
-  return {_mm256_packus_epi16(_mm256_srli_epi16(low, 2), _mm256_srli_epi16(high, 2))};
-}
-
 // Interleaved with the second component, each 128-bit half becomes two vectors of pairs; packing restores the order.
 struct Mixture {
   __m256i v[4];
@@ -131,10 +112,7 @@ SANDGLASS_INT8_INLINE int32_t dot_row(const uint8_t* a, const int8_t* w, uint32_
     sum = _mm256_add_epi32(
         sum, _mm256_madd_epi16(_mm256_cvtepu8_epi16(_mm_load_si128(reinterpret_cast<const __m128i*>(a + c))),
                                _mm256_cvtepi8_epi16(_mm_load_si128(reinterpret_cast<const __m128i*>(w + c)))));
-  __m128i half = _mm_add_epi32(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
-  half = _mm_add_epi32(half, _mm_shuffle_epi32(half, 0x4E));
-  half = _mm_add_epi32(half, _mm_shuffle_epi32(half, 0xB1));
-  return _mm_cvtsi128_si32(half);
+  return total(sum);
 }
 
 }  // namespace sandglass::int8_avx2

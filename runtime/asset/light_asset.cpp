@@ -118,8 +118,8 @@ const char* check_heads(const asset::Light& file, LightAsset* out) {
 }  // namespace
 
 sandglass_status open_light_asset(const void* bytes, uint64_t count, LightAsset* out, const char** reason) {
-  const sandglass_status whole = check_asset_bytes(bytes, count, asset::LightIdentifier(), k_refusals, reason);
-  if (whole != SANDGLASS_OK) return whole;
+  if (const sandglass_status whole = check_asset_bytes(bytes, count, asset::LightIdentifier(), k_refusals, reason))
+    return whole;
   const uint8_t* data = static_cast<const uint8_t*>(bytes);
   flatbuffers::Verifier verifier(data, count - k_checksum_bytes, 8, k_tables_limit);
   if (!asset::VerifyLightBuffer(verifier))

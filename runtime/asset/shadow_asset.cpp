@@ -94,8 +94,8 @@ const char* check_surface(const asset::Surface& file, SurfaceAsset* out) {
 }  // namespace
 
 sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsset* out, const char** reason) {
-  const sandglass_status whole = check_asset_bytes(bytes, count, asset::ShadowIdentifier(), k_refusals, reason);
-  if (whole != SANDGLASS_OK) return whole;
+  if (const sandglass_status whole = check_asset_bytes(bytes, count, asset::ShadowIdentifier(), k_refusals, reason))
+    return whole;
   const uint8_t* data = static_cast<const uint8_t*>(bytes);
   flatbuffers::Verifier verifier(data, count - k_checksum_bytes, 8, k_tables_limit);
   if (!asset::VerifyShadowBuffer(verifier))

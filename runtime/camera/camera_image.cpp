@@ -1,5 +1,6 @@
 #include "runtime/camera/camera_image.h"
 
+#include "runtime/core/filled_struct.h"
 #include "runtime/core/finite.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
@@ -81,9 +82,7 @@ void camera_pixel(const CameraImage& image, const CameraLayout& at, uint32_t x, 
 using namespace sandglass;
 
 void sandglass_camera_image_default(sandglass_camera_image* image) {
-  if (image == nullptr) return;
-  *image = {};
-  image->struct_size = sizeof *image;
+  if (!empty_struct(image)) return;
   image->turn_deg = SANDGLASS_TURN_FROM_POSE;
   image->orientation[3] = 1.0f;
 }

@@ -135,8 +135,7 @@ __attribute__((noinline)) sandglass_status take_meshes(CastState* c, const sandg
                   "there are more meshes than desc.mesh_capacity: create a larger cast");
   uint64_t triangles = 0;
   for (uint32_t i = 0; i < count; ++i) {
-    const sandglass_status status = check_mesh(meshes[i], reason);
-    if (status != SANDGLASS_OK) return status;
+    if (const sandglass_status status = check_mesh(meshes[i], reason)) return status;
     triangles += meshes[i].triangle_count;
   }
   if (triangles > c->triangle_capacity)
@@ -206,9 +205,7 @@ void fill_texture(const CastState& c, uint32_t which, sandglass_cast_texture* ou
 using namespace sandglass;
 
 void sandglass_cast_desc_default(sandglass_cast_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   desc->texels = 128;
   desc->directions = 64;
   desc->ambient_texels = 64;
@@ -218,8 +215,7 @@ void sandglass_cast_desc_default(sandglass_cast_desc* desc) {
 }
 
 sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t* bytes, const char** reason) {
-  const sandglass_status status = check(desc, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, reason)) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   Layout layout;
   lay_out(*desc, &layout);
@@ -230,22 +226,17 @@ sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t*
 sandglass_status sandglass_cast_create(const sandglass_cast_desc* desc, void* block, uint64_t bytes,
                                        sandglass_cast** cast, const char** reason) {
   uint64_t need = 0;
-  const sandglass_status status = sandglass_cast_bytes(desc, &need, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = sandglass_cast_bytes(desc, &need, reason)) return status;
   if (cast == nullptr) return refuse(reason, "cast is NULL: pass where to store it");
-  const sandglass_status usable = check_block(block, bytes, need, reason);
-  if (usable != SANDGLASS_OK) return usable;
+  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
   memset(block, 0, need);
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   build(*desc, block, cast);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
 void sandglass_cast_plane_default(sandglass_cast_plane* plane) {
-  if (plane == nullptr) return;
-  *plane = {};
-  plane->struct_size = sizeof *plane;
+  if (!empty_struct(plane)) return;
   plane->normal[1] = plane->along[0] = 1;
   for (uint32_t axis = 0; axis < 2; ++axis)
     plane->low[axis] = -0.5f * k_extent_limit, plane->high[axis] = 0.5f * k_extent_limit;
@@ -256,14 +247,13 @@ sandglass_status sandglass_cast_set_plane(sandglass_cast* cast, const sandglass_
   if (cast == nullptr || plane == nullptr) return refuse(reason, "cast or plane is NULL: pass both");
   if (plane->struct_size != sizeof *plane)
     return refuse(reason, "plane.struct_size is not that of this library: start from sandglass_cast_plane_default");
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   CastFrame frame;
   const sandglass_status status = frame_of(*plane, &frame, reason);
   if (status == SANDGLASS_OK) {
     cast->cast.frame = frame;
     cast_compare(&cast->cast);
   }
-  floating_point_restore(saved);
   return status;
 }
 
@@ -279,29 +269,23 @@ sandglass_status sandglass_cast_set_meshes(sandglass_cast* cast, const sandglass
                                            const char** reason) {
   if (cast == nullptr || (meshes == nullptr && count != 0))
     return refuse(reason, "cast is NULL, or meshes are NULL while count is above 0");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_meshes(&cast->cast, meshes, count, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return take_meshes(&cast->cast, meshes, count, reason);
 }
 
 sandglass_status sandglass_cast_set_light(sandglass_cast* cast, const float direction[3], float angular_diameter,
                                           const char** reason) {
   if (cast == nullptr || direction == nullptr)
     return refuse(reason, "cast or direction is NULL: pass the cast and 3 floats");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_light(&cast->cast, direction, angular_diameter, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return take_light(&cast->cast, direction, angular_diameter, reason);
 }
 
 sandglass_status sandglass_cast_set_cells(sandglass_cast* cast, const float cells[SANDGLASS_LIGHT_CELLS],
                                           const char** reason) {
   if (cast == nullptr || cells == nullptr) return refuse(reason, "cast or cells is NULL: pass the cast and 64 floats");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_cells(&cast->cast, cells, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return take_cells(&cast->cast, cells, reason);
 }
 
 void sandglass_cast_get_texture(const sandglass_cast* cast, sandglass_cast_texture* texture) {

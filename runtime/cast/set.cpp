@@ -146,9 +146,8 @@ uint32_t sandglass_cast_run(sandglass_cast* const* casts, uint32_t count, uint32
   for (uint32_t i = 0; i < count; ++i)
     if (casts[i] == nullptr) return 0;
   const CastSet set = {casts, count};
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   uint32_t done = 0;
   for (; done < units && choose(set) != nullptr; ++done) run_next(set);
-  floating_point_restore(saved);
   return done;
 }

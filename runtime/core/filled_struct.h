@@ -17,6 +17,15 @@ inline bool can_fill(const void* out) {
   return room >= k_least_struct_size;
 }
 
+// Empties a struct that the app will change, and writes its size. False: there is none.
+template <class Struct>
+bool empty_struct(Struct* out) {
+  if (out == nullptr) return false;
+  *out = {};
+  out->struct_size = sizeof *out;
+  return true;
+}
+
 // Copies `filled`, which has `bytes` bytes, as far as the app's struct has room, and sets its struct_size to the number
 // of bytes copied.
 inline void fill_struct(const void* filled, uint32_t bytes, void* out) {

@@ -138,9 +138,7 @@ __attribute__((noinline)) uint32_t run_units(sandglass_estimator* estimator, uin
 using namespace sandglass;
 
 void sandglass_estimator_desc_default(sandglass_estimator_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   desc->interval = 0.25f;
   desc->smoothing = 0.4f;
   desc->turn_limit = 2.0943951f;
@@ -153,8 +151,7 @@ sandglass_status sandglass_estimator_inspect(const void* asset, uint64_t asset_b
   if (info == nullptr || !can_fill(info))
     return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_estimator_info)");
   LightAsset file;
-  const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason)) return status;
   sandglass_estimator_info filled = {};
   filled.training_images = file.training_images;
   filled.calibration_images = file.calibration_images;
@@ -168,8 +165,7 @@ sandglass_status sandglass_estimator_inspect(const void* asset, uint64_t asset_b
 
 sandglass_status sandglass_estimator_bytes(const sandglass_estimator_desc* desc, uint64_t* bytes, const char** reason) {
   Checked checked;
-  const sandglass_status status = check(desc, &checked, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, &checked, reason)) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   *bytes = size_of_estimator(checked.backend);
   return accept(reason);
@@ -178,14 +174,12 @@ sandglass_status sandglass_estimator_bytes(const sandglass_estimator_desc* desc,
 sandglass_status sandglass_estimator_create(const sandglass_estimator_desc* desc, void* block, uint64_t bytes,
                                             sandglass_estimator** estimator, const char** reason) {
   Checked checked;
-  const sandglass_status status = check(desc, &checked, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, &checked, reason)) return status;
   if (estimator == nullptr) return refuse(reason, "estimator is NULL: pass where to store it");
-  const sandglass_status usable = check_block(block, bytes, size_of_estimator(checked.backend), reason);
-  if (usable != SANDGLASS_OK) return usable;
-  const FloatingPointControl saved = floating_point_enter();
+  if (const sandglass_status usable = check_block(block, bytes, size_of_estimator(checked.backend), reason))
+    return usable;
+  const ExactFloatingPoint exact;
   const bool built = build(checked, *desc, block, estimator, reason);
-  floating_point_restore(saved);
   return built ? accept(reason) : SANDGLASS_ERROR_UNSUPPORTED;
 }
 
@@ -204,14 +198,13 @@ sandglass_status sandglass_estimator_turn(sandglass_estimator* estimator, const 
   Rotation turn = {};
   if (!rotation_of(rotation, &turn))
     return refuse(reason, "rotation is not finite or has no length: pass a quaternion (x, y, z, w)");
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   light_filter_turn(&estimator->estimator.filter, turn.m);
   double turned[3];
   rotate(turn, estimator->estimator.latest.direction, turned);
   for (int i = 0; i < 3; ++i) estimator->estimator.latest.direction[i] = turned[i];
   // The image under way was taken in the world as it was: its pose turns too.
   turn_further(rotation, estimator->estimator.image.orientation);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
@@ -219,22 +212,18 @@ sandglass_status sandglass_estimator_set_image(sandglass_estimator* estimator, c
                                                int32_t* taken, const char** reason) {
   if (estimator == nullptr)
     return refuse(reason, "estimator is NULL: pass the estimator that sandglass_estimator_create made");
-  const sandglass_status status = sandglass_camera_check(image, reason);
-  if (status != SANDGLASS_OK) return status;
-  const FloatingPointControl saved = floating_point_enter();
+  if (const sandglass_status status = sandglass_camera_check(image, reason)) return status;
+  const ExactFloatingPoint exact;
   const bool took = estimator_take_image(&estimator->estimator, *image);
   if (took) resample_now(&estimator->estimator);
-  floating_point_restore(saved);
   if (taken != nullptr) *taken = took ? 1 : 0;
   return accept(reason);
 }
 
 uint32_t sandglass_estimator_run(sandglass_estimator* estimator, uint32_t units) {
   if (estimator == nullptr) return 0;
-  const FloatingPointControl saved = floating_point_enter();
-  const uint32_t done = run_units(estimator, units);
-  floating_point_restore(saved);
-  return done;
+  const ExactFloatingPoint exact;
+  return run_units(estimator, units);
 }
 
 uint32_t sandglass_estimator_units_left(const sandglass_estimator* estimator) {
@@ -247,16 +236,14 @@ uint32_t sandglass_estimator_units_left(const sandglass_estimator* estimator) {
 
 void sandglass_estimator_get(const sandglass_estimator* estimator, sandglass_light_estimate* estimate) {
   if (estimator == nullptr || estimate == nullptr) return;
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   describe(estimator->estimator, estimator->estimator.filter.state, estimator->estimator.changed_ns, estimate);
-  floating_point_restore(saved);
 }
 
 void sandglass_estimator_get_latest(const sandglass_estimator* estimator, sandglass_light_estimate* estimate) {
   if (estimator == nullptr || estimate == nullptr) return;
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   describe(estimator->estimator, estimator->estimator.latest, estimator->estimator.latest_ns, estimate);
-  floating_point_restore(saved);
 }
 
 uint64_t sandglass_estimator_hash(const sandglass_estimator* estimator) {

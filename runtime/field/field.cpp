@@ -2,6 +2,7 @@
 // there distances spread node by node, in two passes over the 26 neighbours; they are never below the truth and at most
 // 13 % above it. An inside test gives the sign. There is no memory but the field's own.
 #include "runtime/field/field.h"
+#include "runtime/core/filled_struct.h"
 
 #include "kernels/whole.h"
 #include "runtime/core/finite.h"
@@ -245,11 +246,7 @@ void measure_mesh(const Nodes& n, const sandglass_field_desc& desc) {
 
 using namespace sandglass;
 
-void sandglass_field_desc_default(sandglass_field_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
-}
+void sandglass_field_desc_default(sandglass_field_desc* desc) { empty_struct(desc); }
 
 sandglass_status sandglass_field_bytes(const sandglass_field_desc* desc, uint64_t* bytes, const char** reason) {
   uint32_t counts[3];

@@ -28,30 +28,24 @@ bool normalise(float q[4]) {
 
 // ---- recognising
 
-Pose pose_of(const sandglass_collider& c) {
-  Pose p;
-  __builtin_memcpy(p.position, c.position, sizeof p.position);
-  __builtin_memcpy(p.rotation, c.rotation, sizeof p.rotation);
-  __builtin_memcpy(p.size, c.size, sizeof p.size);
-  return p;
-}
+// A collider holds its placement as the library does: in one piece, in the same order.
+constexpr size_t k_placement_at = offsetof(sandglass_collider, position);
+static_assert(offsetof(sandglass_collider, size) - k_placement_at == offsetof(Pose, size) &&
+              offsetof(sandglass_collider, grains_only) - k_placement_at == sizeof(Placement));
 
 Placement placement_of(const sandglass_collider& c) {
   Placement p;
-  p.pose = pose_of(c);
-  __builtin_memcpy(p.linear, c.linear_velocity, sizeof p.linear);
-  __builtin_memcpy(p.angular, c.angular_velocity, sizeof p.angular);
+  __builtin_memcpy(&p, reinterpret_cast<const uint8_t*>(&c) + k_placement_at, sizeof p);
   return p;
 }
 
+Pose pose_of(const sandglass_collider& c) { return placement_of(c).pose; }
+
 void place(sandglass_collider* c, const Placement& p) {
-  __builtin_memcpy(c->position, p.pose.position, sizeof p.pose.position);
-  __builtin_memcpy(c->rotation, p.pose.rotation, sizeof p.pose.rotation);
-  __builtin_memcpy(c->size, p.pose.size, sizeof p.pose.size);
-  __builtin_memcpy(c->linear_velocity, p.linear, sizeof p.linear);
-  __builtin_memcpy(c->angular_velocity, p.angular, sizeof p.angular);
+  __builtin_memcpy(reinterpret_cast<uint8_t*>(c) + k_placement_at, &p, sizeof p);
 }
 
+float length_of(const float v[3]) { return __builtin_sqrtf(square_of(quad(v))); }
 bool equal3(const float a[3], const float b[3]) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
 
 bool free_slot(const Colliders& c, uint32_t slot, const sandglass_collider& now) {
@@ -83,9 +77,8 @@ float apart2(const KnownCollider& known, const sandglass_collider& now) {
 
 bool recognisable(const KnownCollider& known, const sandglass_collider& now, const SimulatedTime& t) {
   const bool passed = known.absent <= t.frame_step;
-  float most = now.id != 0 ? k_recognised_id : passed ? k_recognised : k_found_again, speed2 = 0.0f;
-  for (int k = 0; k < 3; ++k) speed2 += now.linear_velocity[k] * now.linear_velocity[k];
-  if (passed && t.left_out > 0.0f) most += 2.0f * __builtin_sqrtf(speed2) * (t.frame_step + t.left_out);
+  float most = now.id != 0 ? k_recognised_id : passed ? k_recognised : k_found_again;
+  if (passed && t.left_out > 0.0f) most += 2.0f * length_of(now.linear_velocity) * (t.frame_step + t.left_out);
   return known.absent < k_gone_seconds && apart2(known, now) <= most * most;
 }
 
@@ -196,13 +189,8 @@ float spread(float left, double owed, float now, double step, double debt) {
 
 // Metres a second that a point of it moves at, at most; of a half-space, one metre away.
 float fastness(const sandglass_collider& c) {
-  float v2 = 0.0f, w2 = 0.0f, reach2 = c.shape == SANDGLASS_SHAPE_HALF_SPACE ? 1.0f : 0.0f;
-  for (int k = 0; k < 3; ++k) {
-    v2 += c.linear_velocity[k] * c.linear_velocity[k];
-    w2 += c.angular_velocity[k] * c.angular_velocity[k];
-    if (c.shape != SANDGLASS_SHAPE_HALF_SPACE) reach2 += c.size[k] * c.size[k];
-  }
-  return __builtin_sqrtf(v2) + __builtin_sqrtf(w2 * reach2);
+  const float reach2 = c.shape == SANDGLASS_SHAPE_HALF_SPACE ? 1.0f : square_of(quad(c.size));
+  return length_of(c.linear_velocity) + __builtin_sqrtf(square_of(quad(c.angular_velocity)) * reach2);
 }
 
 // Whether a pushes before b: the smaller first, of equal ones the faster. A table that is followed may for a while be
@@ -210,8 +198,7 @@ float fastness(const sandglass_collider& c) {
 bool pushes_before(const sandglass_collider& a, const sandglass_collider& b) {
   const bool endless = a.shape == SANDGLASS_SHAPE_HALF_SPACE, other_endless = b.shape == SANDGLASS_SHAPE_HALF_SPACE;
   if (endless != other_endless) return other_endless;
-  float a2 = 0.0f, b2 = 0.0f;
-  for (int k = 0; k < 3; ++k) a2 += a.size[k] * a.size[k], b2 += b.size[k] * b.size[k];
+  const float a2 = square_of(quad(a.size)), b2 = square_of(quad(b.size));
   if (a2 != b2) return a2 < b2;
   const float va = fastness(a), vb = fastness(b);
   if (va != vb) return va > vb;
@@ -544,18 +531,16 @@ bool colliders_move_sand(const Granular& g) {
   const Colliders& c = g.colliders;
   for (uint32_t i = 0; i < c.solid_count && g.particles.count != 0; ++i) {
     const sandglass_collider& it = c.given[i];
-    float speed2 = 0.0f, spin2 = 0.0f, size2 = 0.0f, apart2 = 0.0f;
+    float apart2 = 0.0f;
     for (int k = 0; k < 3; ++k) {
       const float below = g.particles.low[k] - it.position[k], above = it.position[k] - g.particles.high[k];
       const float apart = below > above ? below : above;
       apart2 += apart > 0.0f ? apart * apart : 0.0f;
-      speed2 += it.linear_velocity[k] * it.linear_velocity[k];
-      spin2 += it.angular_velocity[k] * it.angular_velocity[k];
-      size2 += it.size[k] * it.size[k];
     }
-    if (speed2 + spin2 == 0.0f) continue;
-    const float way = __builtin_sqrtf(speed2) * (g.time.frame_step + g.time.left_out);
-    const float reach = way + __builtin_sqrtf(size2) + 2.0f * g.desc.particle_radius;
+    const float speed = length_of(it.linear_velocity);
+    if (speed + length_of(it.angular_velocity) == 0.0f) continue;
+    const float way = speed * (g.time.frame_step + g.time.left_out);
+    const float reach = way + length_of(it.size) + 2.0f * g.desc.particle_radius;
     if (it.shape == SANDGLASS_SHAPE_HALF_SPACE || apart2 <= reach * reach) return true;
   }
   return false;
@@ -662,11 +647,9 @@ bool collider_held(const Granular& g, uint32_t index, sandglass_collider* held) 
   for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot) {
     if (c.seen_by[slot] == SeenBy::none || c.known[slot].listed != index) continue;
     *held = c.of_slot[slot];
-    place(held, {c.ends[slot], {}, {}});
-    for (int k = 0; k < 3; ++k) {
-      held->linear_velocity[k] = c.of_slot[slot].linear_velocity[k];
-      held->angular_velocity[k] = c.of_slot[slot].angular_velocity[k];
-    }
+    Placement end = placement_of(*held);
+    end.pose = c.ends[slot];
+    place(held, end);
     return true;
   }
   return false;
@@ -675,7 +658,6 @@ bool collider_held(const Granular& g, uint32_t index, sandglass_collider* held) 
 bool collider_accept(const sandglass_collider& collider, sandglass_collider* accepted) {
   if (collider.shape < SANDGLASS_SHAPE_HALF_SPACE || collider.shape > SANDGLASS_SHAPE_FIELD) return false;
   for (int k = 0; k < 3; ++k) {  // these refuse what is no number, too, as does normalise
-
     if (!(__builtin_fabsf(collider.position[k]) <= k_coordinate_bound &&
           __builtin_fabsf(collider.linear_velocity[k]) <= k_collider_speed &&
           __builtin_fabsf(collider.angular_velocity[k]) <= k_collider_speed)) {

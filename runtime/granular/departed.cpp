@@ -1,5 +1,5 @@
 // What can reach nothing any more, and so drives nothing.
-#include "runtime/granular/granular.h"
+#include "runtime/granular/holding.h"
 
 namespace sandglass {
 
@@ -37,24 +37,10 @@ float reach_along(const ColliderFrame& c, const float way[3]) {
   return reach;
 }
 
-bool fills_space(const ColliderFrame& c) { return c.shape == SANDGLASS_SHAPE_FIELD && c.field.outward < 0.0f; }
-
 // Where a frame's collider is, and where it was when the frame's time began.
 void pose_both(const Granular& g, uint32_t c, ColliderFrame frames[2]) {
   colliders_pose(&g.colliders.given[c], 1, 0.0f, &frames[0]);
   colliders_pose(&g.colliders.given[c], 1, static_cast<float>(g.time.debt), &frames[1], &g.colliders.slides[c]);
-}
-
-Bounds box_of(const ColliderFrame& c) {
-  Bounds box;
-  for (int k = 0; k < 3; ++k) {
-    float way[3] = {0.0f, 0.0f, 0.0f};
-    way[k] = 1.0f;
-    box.high[k] = c.position[k] + reach_along(c, way);
-    way[k] = -1.0f;
-    box.low[k] = c.position[k] - reach_along(c, way);
-  }
-  return box;
 }
 
 void include_solid(Departed* departed, const Granular& g, const ColliderFrame& c) {
@@ -173,8 +159,8 @@ void look_at(Departed* departed, const Granular& g, uint32_t i) {
 // Whether a way leads near a collider, which goes from one pose to the other.
 bool meets(const Way& way, const ColliderFrame poses[2], float margin) {
   if (poses[0].shape != SANDGLASS_SHAPE_HALF_SPACE) {
-    Bounds box = box_of(poses[0]);
-    bounds_join(&box, box_of(poses[1]));
+    Bounds box = holding_box(poses[0]);
+    bounds_join(&box, holding_box(poses[1]));
     return meets(way, box, margin);
   }
   for (int pose = 0; pose < 2; ++pose) {
@@ -270,7 +256,7 @@ void departed_begin_frame(Departed* departed, const Granular& g) {
     ColliderFrame frames[2];
     pose_both(g, c, frames);
     for (const ColliderFrame& frame : frames) {
-      if (fills_space(frame)) d.open = d.falls = false;
+      if (holding_encloses(frame)) d.open = d.falls = false;
       if (frame.shape != SANDGLASS_SHAPE_HALF_SPACE) include_solid(departed, g, frame);
       else if (-dot(frame.axes[1], g.gravity) > k_floor_rise * g.gravity_length) d.falls = false;
     }

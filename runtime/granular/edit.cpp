@@ -250,25 +250,16 @@ bool speeds_fit(const float linear[3], const float angular[3]) {
 }
 
 // The box around the centres of a body's particles, wider by a margin.
-struct Box {
-  float low[3], high[3];
-};
-
-Box box_around(const Granular& g, const RigidBody& body, float margin) {
-  Box box;
-  for (uint32_t slot = body.first; slot < body.first + body.count; ++slot) {
-    const float* p = g.particles.records[0][g.bodies.rows[slot]].position;
-    for (int k = 0; k < 3; ++k) {
-      if (slot == body.first || p[k] - margin < box.low[k]) box.low[k] = p[k] - margin;
-      if (slot == body.first || p[k] + margin > box.high[k]) box.high[k] = p[k] + margin;
-    }
-  }
+Bounds box_around(const Granular& g, const RigidBody& body, float margin) {
+  Bounds box = k_nowhere;
+  for (uint32_t slot = body.first; slot < body.first + body.count; ++slot)
+    bounds_include(&box, g.particles.records[0][g.bodies.rows[slot]].position, margin);
   return box;
 }
 
 // What is within reach of that box wakes, and so does the body.
 void wake_around(Granular* g, const RigidBody& body) {
-  const Box box = box_around(*g, body, neighbours_reach(*g));
+  const Bounds box = box_around(*g, body, neighbours_reach(*g));
   sleep_wake_box(&g->sleep, *g, box.low, box.high);
   neighbours_invalidate(&g->neighbours);
 }
@@ -366,7 +357,7 @@ void put_beside(Granular* g, const RigidBody& body, const uint32_t* rows, uint32
 // What a body is put around is caught between its particles: they push it to and fro for ever, sand at metres a second
 // and other bodies at ten times that. It is put beside the body.
 void free_caught(Granular* g, const RigidBody& body) {
-  const Box box = box_around(*g, body, 0.0f);
+  const Bounds box = box_around(*g, body, 0.0f);
   const auto caught_at = [&](uint32_t row) {
     const float* p = g->particles.records[0][row].position;
     for (int k = 0; k < 3; ++k)
@@ -440,8 +431,9 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
                   "sandglass_granular_add_body: more bodies or body particles than granular.body_capacity and "
                   "body_particle_capacity have room for: raise them.");
   const uint32_t first_record = g->particles.count;
-  const sandglass_status added = granular_add(g, {desc->particle_positions, nullptr, desc->particle_count}, {}, reason);
-  if (added != SANDGLASS_OK) return added;
+  if (const sandglass_status added =
+          granular_add(g, {desc->particle_positions, nullptr, desc->particle_count}, {}, reason))
+    return added;
 
   bodies_add(&g->bodies, *g, number, *desc, first_record);
   const RigidBody& body = g->bodies.all[number];
@@ -586,8 +578,7 @@ sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t
 }
 
 sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes, const char** reason) {
-  const sandglass_status status = saved_check(*g, data, bytes, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = saved_check(*g, data, bytes, reason)) return status;
   granular_reset(g);
   if (g->desc.particle_capacity == 0) return accept(reason);
   SavedScene saved;

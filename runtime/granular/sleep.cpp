@@ -58,11 +58,7 @@ void move_on(Sleep* sleep, const Granular& g, const Particle& p) {
 
 float dot(const FloatVector& a, const FloatVector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-float apart2(const float a[3], const float b[3]) {
-  float sum = 0.0f;
-  for (int k = 0; k < 3; ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
-  return sum;
-}
+float apart2(const float a[3], const float b[3]) { return square_of(quad(a) - quad(b)); }
 
 // Squared distance from where the particle last moved on or woke.
 float moved2(const Sleep& sleep, const Particle& p) { return apart2(p.position, sleep.anchors[number_of(p)].position); }

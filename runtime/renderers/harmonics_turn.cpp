@@ -60,8 +60,6 @@ sandglass_status sandglass_harmonics_turn(const float sh[27], const float rotati
                                           const char** reason) {
   if (sh == nullptr || rotation == nullptr || turned == nullptr)
     return refuse(reason, "sh, rotation or turned is NULL: pass 27 floats, 4 floats, and room for 27");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = turn_harmonics(sh, rotation, turned, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return turn_harmonics(sh, rotation, turned, reason);
 }

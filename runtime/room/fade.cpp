@@ -91,7 +91,6 @@ void sandglass_room_fade(sandglass_room_light* shown, const sandglass_room_light
   if (now->valid == 0 && shown->valid != 0) return;
   // What is shown is mixed with what was: one number that is none would stay.
   if (!within(seconds, 0.0f, 3600.0f) || !finite(*now)) return;
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   fade(shown, *now, seconds);
-  floating_point_restore(saved);
 }

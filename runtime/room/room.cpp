@@ -216,8 +216,7 @@ void sandglass_room_desc_default(sandglass_room_desc* desc) {
 
 sandglass_status sandglass_room_bytes(const sandglass_room_desc* desc, uint64_t* bytes, const char** reason) {
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store the number of bytes");
-  const sandglass_status status = check(desc, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, reason)) return status;
   *bytes = block_bytes(*desc);
   return accept(reason);
 }
@@ -250,12 +249,10 @@ sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_
                                           const char** reason) {
   if (taken != nullptr) *taken = 0;
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
-  const sandglass_status status = check_image(&room->room, image, reason);
-  if (status != SANDGLASS_OK) return status;
-  const FloatingPointControl saved = floating_point_enter();
+  if (const sandglass_status status = check_image(&room->room, image, reason)) return status;
+  const ExactFloatingPoint exact;
   const bool took = take_whole(&room->room, *image);
   ++room->version;
-  floating_point_restore(saved);
   if (taken != nullptr) *taken = took ? 1 : 0;
   return accept(reason);
 }
@@ -266,20 +263,15 @@ sandglass_status sandglass_room_move(sandglass_room* room, const float rotation[
     return refuse(reason, "room, rotation or translation is NULL: pass all three");
   if (!all_within(translation, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
     return refuse(reason, "translation is not finite or beyond 1000 m: keep the world near its origin");
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   const bool moved = move(&room->room, rotation, translation);
   ++room->version;
-  floating_point_restore(saved);
   return moved ? accept(reason)
                : refuse(reason,
                         "rotation is not one about the y axis: gravity stays where it is; turn the world about y");
 }
 
-void sandglass_room_place_default(sandglass_room_place* place) {
-  if (place == nullptr) return;
-  *place = {};
-  place->struct_size = sizeof *place;
-}
+void sandglass_room_place_default(sandglass_room_place* place) { empty_struct(place); }
 
 sandglass_status sandglass_room_get(const sandglass_room* room, const sandglass_room_place* place,
                                     sandglass_room_light* light, const char** reason) {
@@ -310,9 +302,8 @@ sandglass_status sandglass_room_get(const sandglass_room* room, const sandglass_
   if (wrong != nullptr) return refuse(reason, wrong);
   sandglass_room_place at = *place;
   if (shown != nullptr && shown->struct_size < sizeof *shown) at.shown = nullptr;  // nothing is shown yet
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   estimate_at(room->room, at, light);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
@@ -324,16 +315,12 @@ float sandglass_room_exposure(const sandglass_room_light* light, const sandglass
 }
 
 void sandglass_cube_default(sandglass_cube* cube) {
-  if (cube == nullptr) return;
-  *cube = {};
-  cube->struct_size = sizeof *cube;
+  if (!empty_struct(cube)) return;
   cube->orientation[3] = cube->confidence = 1;
 }
 
 void sandglass_harmonics_default(sandglass_harmonics* harmonics) {
-  if (harmonics == nullptr) return;
-  *harmonics = {};
-  harmonics->struct_size = sizeof *harmonics;
+  if (!empty_struct(harmonics)) return;
   harmonics->main_direction[1] = harmonics->confidence = 1;
 }
 
@@ -344,10 +331,9 @@ sandglass_status sandglass_room_set_cube(sandglass_room* room, const sandglass_c
     forget_probe(&room->room);
     return accept(reason);
   }
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   const sandglass_status status = begin_cube(&room->room, cube, reason);
   if (status == SANDGLASS_OK && cube->in_frame == 0) run_probe(&room->room);
-  floating_point_restore(saved);
   return status;
 }
 
@@ -362,9 +348,8 @@ sandglass_status sandglass_room_get_cube(const sandglass_room* room, const float
     return refuse(reason, "position is not finite or beyond 1000 m: pass where the object is");
   if (!within(height, 0.0f, SANDGLASS_COORDINATE_LIMIT))
     return refuse(reason, "height is not in 0..1000 m: pass how far above its floor the position is");
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   face_at(room->room, position, height, face, left_handed != 0, texels);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
@@ -376,10 +361,9 @@ sandglass_status sandglass_room_set_harmonics(sandglass_room* room, const sandgl
     forget_probe(&room->room);
     return accept(reason);
   }
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   const sandglass_status status = begin_harmonics(&room->room, harmonics, reason);
   if (status == SANDGLASS_OK && harmonics->in_frame == 0) run_probe(&room->room);
-  floating_point_restore(saved);
   return status;
 }
 

@@ -1,4 +1,5 @@
 // The calls that all methods of sampling share.
+#include "runtime/core/filled_struct.h"
 #include "runtime/sampling/arguments.h"
 #include "runtime/sampling/methods.h"
 
@@ -33,9 +34,7 @@ using namespace sandglass;
 extern "C" {
 
 void sandglass_sample_desc_default(sandglass_sample_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   desc->tries = 30;
   desc->seed = 1;
 }

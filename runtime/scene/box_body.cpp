@@ -1,5 +1,6 @@
 // A box as a rigid body: particles on a lattice whose outermost spheres touch the box's faces from inside, and the
 // collider that is the box itself. The lattice is not that of packed sand, so the body's density makes up for it.
+#include "runtime/core/filled_struct.h"
 #include "runtime/core/finite.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
@@ -58,9 +59,7 @@ const char* lattice_of(const sandglass_box_desc* desc, uint32_t counts[3], Axes*
 using namespace sandglass;
 
 void sandglass_box_desc_default(sandglass_box_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   desc->rotation[3] = 1.0f;
   desc->density = 1.0f;
 }

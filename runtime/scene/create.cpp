@@ -52,8 +52,7 @@ void begin(sandglass_scene* scene) {
 using namespace sandglass;
 
 sandglass_status sandglass_scene_bytes(const sandglass_scene_desc* desc, uint64_t* bytes, const char** reason) {
-  const sandglass_status status = check(desc, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, reason)) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store the size.");
   Layout layout;
   Granular granular = {};
@@ -65,15 +64,13 @@ sandglass_status sandglass_scene_bytes(const sandglass_scene_desc* desc, uint64_
 sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* block, uint64_t bytes,
                                         sandglass_scene** scene, const char** reason) {
   uint64_t need = 0;
-  const sandglass_status status = sandglass_scene_bytes(desc, &need, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = sandglass_scene_bytes(desc, &need, reason)) return status;
   if (scene == nullptr) return refuse(reason, "scene is NULL: pass where to store the scene.");
   const Kernels* kernels = select_sand_kernels(desc->isa);
   if (kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not available on this CPU or in this build: use SANDGLASS_ISA_AUTOMATIC.");
-  const sandglass_status usable = check_block(block, bytes, need, reason);
-  if (usable != SANDGLASS_OK) return usable;
+  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
 
   __builtin_memset(block, 0, need);
   Layout layout;

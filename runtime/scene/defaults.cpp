@@ -1,10 +1,9 @@
 // Descriptions and inputs as an app starts from. The defaults of the sand are calibrated: see the fields' comments.
+#include "runtime/core/filled_struct.h"
 #include "sandglass/sandglass.h"
 
 void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = sandglass_scene_desc{};
-  desc->struct_size = sizeof *desc;
+  if (!sandglass::empty_struct(desc)) return;
   desc->unit_items = 1024;
   desc->gravity[1] = -9.81f;
   sandglass_granular_desc& g = desc->granular;
@@ -26,16 +25,12 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
 }
 
 void sandglass_frame_input_default(sandglass_frame_input* input) {
-  if (input == nullptr) return;
-  *input = sandglass_frame_input{};
-  input->struct_size = sizeof *input;
+  if (!sandglass::empty_struct(input)) return;
   input->thermal_headroom = 1.0f;
   input->grain_stride = sizeof(sandglass_grain);
 }
 
 void sandglass_body_default(sandglass_body* body) {
-  if (body == nullptr) return;
-  *body = sandglass_body{};
-  body->struct_size = sizeof *body;
+  if (!sandglass::empty_struct(body)) return;
   body->density_ratio = 1.0f;
 }

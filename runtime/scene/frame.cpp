@@ -144,8 +144,7 @@ using namespace sandglass;
 
 sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_frame_input* input,
                                        sandglass_frame_report* report, const char** reason) {
-  const sandglass_status status = check(scene, input, report, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(scene, input, report, reason)) return status;
   sandglass_frame_report done;  // the governor clears it
   ++scene->frame;
   const FloatingPointControl saved = floating_point_enter();

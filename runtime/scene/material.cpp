@@ -34,19 +34,15 @@ sandglass_status sandglass_granular_remove_body(sandglass_scene* scene, uint32_t
 sandglass_status sandglass_granular_set_body(sandglass_scene* scene, uint32_t index, const sandglass_body_pose* pose,
                                              const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = granular_set_body(&scene->granular, index, pose, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return granular_set_body(&scene->granular, index, pose, reason);
 }
 
 sandglass_status sandglass_granular_push_body(sandglass_scene* scene, uint32_t index, const float impulse[3],
                                               const float point[3], const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = granular_push_body(&scene->granular, index, impulse, point, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return granular_push_body(&scene->granular, index, impulse, point, reason);
 }
 
 sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene, const float* positions, uint32_t count,
@@ -71,17 +67,14 @@ sandglass_status sandglass_scene_set_gravity(sandglass_scene* scene, const float
     return refuse(reason, "sandglass_scene_set_gravity: gravity is NULL: pass its x, y and z in m/s^2.");
   if (!gravity_fits(gravity))
     return refuse(reason, "sandglass_scene_set_gravity: gravity must be finite and at most 1000 m/s^2.");
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   granular_set_gravity(&scene->granular, gravity);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
 sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotation[4], const float translation[3],
                                       const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = granular_move(&scene->granular, rotation, translation, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return granular_move(&scene->granular, rotation, translation, reason);
 }

@@ -12,10 +12,8 @@ uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene) {
 sandglass_status sandglass_scene_save(sandglass_scene* scene, void* data, uint64_t bytes, uint64_t* written,
                                       const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = granular_save(&scene->granular, data, bytes, written, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return granular_save(&scene->granular, data, bytes, written, reason);
 }
 
 sandglass_status sandglass_scene_restore(sandglass_scene* scene, const void* data, uint64_t bytes,

@@ -139,10 +139,8 @@ sandglass_status sandglass_shadow_set_cells(sandglass_shadow* shadow, const floa
                                             float yaw, const char** reason) {
   if (shadow == nullptr || cells == nullptr)
     return refuse(reason, "shadow or cells is NULL: pass the shadow and 64 floats");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_cells(&shadow->shadow.ambient, cells, yaw, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return take_cells(&shadow->shadow.ambient, cells, yaw, reason);
 }
 
 void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_shadow_ambient* ambient) {

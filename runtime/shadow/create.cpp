@@ -203,9 +203,7 @@ void fill_texture(const Shadow& s, uint32_t light, sandglass_shadow_texture* out
 using namespace sandglass;
 
 void sandglass_shadow_desc_default(sandglass_shadow_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   desc->threshold = 48;
   desc->light_tolerance = 0.01f;
   desc->light_count = 1;
@@ -216,8 +214,7 @@ sandglass_status sandglass_shadow_inspect(const void* bytes, uint64_t count, san
   if (info == nullptr || !can_fill(info))
     return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_shadow_info)");
   ShadowAsset asset;
-  const sandglass_status status = open_shadow_asset(bytes, count, &asset, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = open_shadow_asset(bytes, count, &asset, reason)) return status;
   fill_info(asset, info);
   return SANDGLASS_OK;
 }
@@ -225,8 +222,7 @@ sandglass_status sandglass_shadow_inspect(const void* bytes, uint64_t count, san
 sandglass_status sandglass_shadow_bytes(const sandglass_shadow_desc* desc, uint64_t* bytes, const char** reason) {
   ShadowAsset asset;
   const Int8Kernels* kernels = nullptr;
-  const sandglass_status status = check(desc, &asset, &kernels, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, &asset, &kernels, reason)) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   return size_of(asset, *desc, bytes, reason);
 }
@@ -235,16 +231,13 @@ sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void
                                          sandglass_shadow** shadow, const char** reason) {
   ShadowAsset asset;
   const Int8Kernels* kernels = nullptr;
-  const sandglass_status status = check(desc, &asset, &kernels, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, &asset, &kernels, reason)) return status;
   uint64_t need = 0;
   (void)size_of(asset, *desc, &need, reason);
   if (shadow == nullptr) return refuse(reason, "shadow is NULL: pass where to store it");
-  const sandglass_status usable = check_block(block, bytes, need, reason);
-  if (usable != SANDGLASS_OK) return usable;
-  const FloatingPointControl saved = floating_point_enter();
+  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
+  const ExactFloatingPoint exact;
   build(asset, *desc, kernels, block, shadow);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
@@ -254,20 +247,16 @@ sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t l
     return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats");
   if (light >= shadow->shadow.light_count)
     return refuse(reason, "light is not below the light_count of the description: count from 0");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_light(&shadow->shadow, light, direction, irradiance, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return take_light(&shadow->shadow, light, direction, irradiance, reason);
 }
 
 uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, uint32_t count, uint32_t units) {
   if (shadows == nullptr) return 0;
   for (uint32_t i = 0; i < count; ++i)
     if (shadows[i] == nullptr) return 0;
-  const FloatingPointControl saved = floating_point_enter();
-  const uint32_t done = run_units({shadows, count}, units);
-  floating_point_restore(saved);
-  return done;
+  const ExactFloatingPoint exact;
+  return run_units({shadows, count}, units);
 }
 
 uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {

@@ -156,9 +156,7 @@ __attribute__((noinline)) uint32_t run_units(Pile* p, uint32_t units) {
 using namespace sandglass;
 
 void sandglass_pile_shadow_desc_default(sandglass_pile_shadow_desc* desc) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   for (uint32_t axis = 0; axis < 2; ++axis) desc->low[axis] = -0.5f, desc->high[axis] = 0.5f;
   desc->texels = 128;
   desc->angular_diameter = 0.34906585f;
@@ -168,8 +166,7 @@ void sandglass_pile_shadow_desc_default(sandglass_pile_shadow_desc* desc) {
 
 sandglass_status sandglass_pile_shadow_bytes(const sandglass_pile_shadow_desc* desc, uint64_t* bytes,
                                              const char** reason) {
-  const sandglass_status status = check(desc, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, reason)) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   Layout layout;
   lay_out(*desc, &layout);
@@ -180,14 +177,11 @@ sandglass_status sandglass_pile_shadow_bytes(const sandglass_pile_shadow_desc* d
 sandglass_status sandglass_pile_shadow_create(const sandglass_pile_shadow_desc* desc, void* block, uint64_t bytes,
                                               sandglass_pile_shadow** shadow, const char** reason) {
   uint64_t need = 0;
-  const sandglass_status status = sandglass_pile_shadow_bytes(desc, &need, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = sandglass_pile_shadow_bytes(desc, &need, reason)) return status;
   if (shadow == nullptr) return refuse(reason, "shadow is NULL: pass where to store it");
-  const sandglass_status usable = check_block(block, bytes, need, reason);
-  if (usable != SANDGLASS_OK) return usable;
-  const FloatingPointControl saved = floating_point_enter();
+  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
+  const ExactFloatingPoint exact;
   build(*desc, block, shadow);
-  floating_point_restore(saved);
   return accept(reason);
 }
 
@@ -195,10 +189,8 @@ sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, 
                                                  const char** reason) {
   if (shadow == nullptr || direction == nullptr)
     return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_light(&shadow->pile, direction, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return take_light(&shadow->pile, direction, reason);
 }
 
 void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) {
@@ -208,11 +200,10 @@ void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) {
 uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count, float radius,
                                    uint32_t units) {
   if (shadow == nullptr || (positions == nullptr && count != 0)) return 0;
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   shadow->pile.source = {nullptr, nullptr, positions, radius > 0 && radius < k_pile_radius_limit ? count : 0,
                          radius,  nullptr, 0};
   const uint32_t done = run_units(&shadow->pile, units);
-  floating_point_restore(saved);
   return done;
 }
 
@@ -249,10 +240,8 @@ sandglass_status sandglass_pile_shadow_set_cells(sandglass_pile_shadow* shadow,
                                                  const float cells[SANDGLASS_LIGHT_CELLS], const char** reason) {
   if (shadow == nullptr || cells == nullptr)
     return refuse(reason, "shadow or cells is NULL: pass the shadow and 64 floats");
-  const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_cells(&shadow->pile, cells, reason);
-  floating_point_restore(saved);
-  return status;
+  const ExactFloatingPoint exact;
+  return take_cells(&shadow->pile, cells, reason);
 }
 
 void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_sky* out) {
@@ -277,7 +266,6 @@ void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglas
 void sandglass_pile_shadow_light_grains(const sandglass_pile_shadow* shadow, const float* positions, uint32_t count,
                                         float radius, uint8_t* visibility) {
   if (shadow == nullptr || positions == nullptr || visibility == nullptr) return;
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   sky_light_grains(shadow->pile, positions, count, radius, visibility);
-  floating_point_restore(saved);
 }

@@ -120,8 +120,7 @@ sandglass_status sandglass_shadow_combine(const sandglass_shadow* shadow, uint8_
         reason,
         "shadow, coverage, low or high is NULL: pass the shadow, room for size * size bytes and for two floats each");
   if (size == 0 || size > k_combined_most) return refuse(reason, "size is not in 1..1024");
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   combine(shadow->shadow, size, coverage, low, high);
-  floating_point_restore(saved);
   return accept(reason);
 }

@@ -87,12 +87,10 @@ sandglass_status sandglass_shadow_transfer(const void* bytes, uint64_t size, con
   if (!all_finite(positions, uint64_t{3} * count) || (normals != nullptr && !all_finite(normals, uint64_t{3} * count)))
     return refuse(reason, "a position or a normal is not finite");
   ShadowAsset asset;
-  const sandglass_status status = open_shadow_asset(bytes, size, &asset, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = open_shadow_asset(bytes, size, &asset, reason)) return status;
   if (asset.surface.vertices == 0)
     return refuse(reason, "the shadow file says nothing of the object's surface: bake it again");
-  const FloatingPointControl saved = floating_point_enter();
+  const ExactFloatingPoint exact;
   look_up_surface(asset.surface, positions, normals, count, transfer);
-  floating_point_restore(saved);
   return accept(reason);
 }

@@ -160,19 +160,16 @@ bool carry_chunk(SkinState* s, uint32_t c) {
   bool differs = false;
   for (uint32_t v = made.vertex_count; v-- != 0;)
     if (s->front.anchors[first + v] != k_brick_none) s->carry.motion = s->carried[s->front.anchors[first + v]].motion;
-  float low[3] = {3e38f, 3e38f, 3e38f}, high[3] = {-3e38f, -3e38f, -3e38f};
+  Bounds box = k_nowhere;
   for (uint32_t v = 0; v < made.vertex_count; ++v) {
     const sandglass_skin_vertex vertex = carried_vertex(s, s->front.vertices[first + v], s->front.anchors[first + v]);
-    for (uint32_t k = 0; k < 3; ++k) {
-      low[k] = vertex.position[k] < low[k] ? vertex.position[k] : low[k];
-      high[k] = vertex.position[k] > high[k] ? vertex.position[k] : high[k];
-    }
+    bounds_include(&box, vertex.position);
     differs = differs || !same_bytes(before + v, &vertex, sizeof vertex);
     to[v] = vertex;
   }
   if (!differs) return false;
-  memcpy(chunk.low, low, sizeof low);
-  memcpy(chunk.high, high, sizeof high);
+  memcpy(chunk.low, box.low, sizeof box.low);
+  memcpy(chunk.high, box.high, sizeof box.high);
   chunk.vertices = to;
   return true;
 }

@@ -114,9 +114,7 @@ __attribute__((noinline)) void build(const sandglass_skin_desc& desc, void* bloc
 using namespace sandglass;
 
 void sandglass_skin_desc_default(sandglass_skin_desc* desc, const sandglass_granular_desc* granular) {
-  if (desc == nullptr) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+  if (!empty_struct(desc)) return;
   desc->particle_radius = 0.01f;
   desc->collider_capacity = 16;
   desc->block_side = 0.0084f;
@@ -127,8 +125,7 @@ void sandglass_skin_desc_default(sandglass_skin_desc* desc, const sandglass_gran
 }
 
 sandglass_status sandglass_skin_bytes(const sandglass_skin_desc* desc, uint64_t* bytes, const char** reason) {
-  const sandglass_status status = check(desc, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = check(desc, reason)) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   Layout layout;
   lay_out(*desc, &layout);
@@ -139,14 +136,11 @@ sandglass_status sandglass_skin_bytes(const sandglass_skin_desc* desc, uint64_t*
 sandglass_status sandglass_skin_create(const sandglass_skin_desc* desc, void* block, uint64_t bytes,
                                        sandglass_skin** skin, const char** reason) {
   uint64_t need = 0;
-  const sandglass_status status = sandglass_skin_bytes(desc, &need, reason);
-  if (status != SANDGLASS_OK) return status;
+  if (const sandglass_status status = sandglass_skin_bytes(desc, &need, reason)) return status;
   if (skin == nullptr) return refuse(reason, "skin is NULL: pass where to store it");
-  const sandglass_status usable = check_block(block, bytes, need, reason);
-  if (usable != SANDGLASS_OK) return usable;
-  const FloatingPointControl saved = floating_point_enter();
+  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
+  const ExactFloatingPoint exact;
   build(*desc, block, skin);
-  floating_point_restore(saved);
   return accept(reason);
 }
 

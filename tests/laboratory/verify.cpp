@@ -179,12 +179,6 @@ Options verify_room_options(VerifyOptions& o) {
           json_option(o.json)};
 }
 
-Options verify_day_options(VerifyOptions& o) {
-  return {standard("three made-up rooms, and two of SANDGLASS_DATA_DIR",
-                   {"--panoramas", &o.panoramas, "FILES", "Files that end in .hdr or .exr, or folders of them"}),
-          seed_option(o.seed, "Which rooms are made up"), threads_option(o.threads), json_option(o.json)};
-}
-
 Options verify_shot_options(VerifyOptions& o) {
   return {panoramas(o),
           {"--manifest", &o.manifest, "FILE",
@@ -259,9 +253,6 @@ std::vector<Command> verify_suites() {
                              verify_lighting_command),
       command<VerifyOptions>("room", "Rooms: the light as a session has seen it, against the light that is there",
                              verify_room_options, verify_room_command),
-      command<VerifyOptions>("day",
-                             "A day with a phone: lamps, fingers, clocks, another room, and the light that is shown",
-                             verify_day_options, verify_day_command),
       command<VerifyOptions>("shot", "Whole pictures: composites against path traced truth", verify_shot_options,
                              verify_shot_command),
       command<VerifyOptions>("colour",

@@ -26,7 +26,6 @@ int verify_follow_command(const VerifyOptions& options);
 int verify_carried_command(const VerifyOptions& options);
 int verify_lighting_command(const VerifyOptions& options);
 int verify_room_command(const VerifyOptions& options);
-int verify_day_command(const VerifyOptions& options);
 int verify_shot_command(const VerifyOptions& options);
 int verify_colour_command(const VerifyOptions& options);
 int verify_look_command(const VerifyOptions& options);

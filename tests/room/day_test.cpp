@@ -50,7 +50,7 @@ class AdaptingPhone {
 };
 
 TEST(RoomDay, LampsThatComeBackGiveWhatTheyGave) {
-  for (const double part : {0.4, 0.1, 0.03})
+  for (const double part : {6.0, 0.4, 0.1, 0.03})
     for (const double speed : {0.0, 0.7, 0.2}) {
       SCOPED_TRACE(std::to_string(part) + " " + std::to_string(speed));
       const Radiance dim = [part](Direction d) { return part * patterned(d); };
@@ -85,6 +85,18 @@ TEST(RoomDay, WhatCoversTheLensTeachesNothing) {
     EXPECT_NEAR(phone.level() / before, 1, 0.05);
     EXPECT_LT(angle_deg(main_of(phone.room.light()), lamp), 2);
   }
+}
+
+// A phone that lies on its side sees what it saw.
+TEST(RoomDay, ATurnedPhoneSeesTheSame) {
+  MadeUpRoom room;
+  room.may_teach_nothing = true;
+  room.look_everywhere(patterned);
+  const sandglass_room_light before = room.light();
+  for (uint64_t i = 0; i < 30; ++i)
+    room.show(photograph(patterned, 200, -20, 1, 1'000'000'000'000 + 100'000'000 * i, 90).image);
+  EXPECT_NEAR(level_of(room.light()) / level_of(before), 1, 0.05);
+  EXPECT_LT(angle_deg(main_of(room.light()), main_of(before)), 2);
 }
 
 // The light, in the terms of the image on the screen, does not care when the system begins to tell exposures.

@@ -42,14 +42,16 @@ struct Photograph {
   std::vector<uint8_t> bytes;
 };
 
-// A level phone held upright (portrait), whose sensor is stored as it sees.
+// A phone held upright (portrait), or turned about its lens, whose sensor is stored as it sees.
 inline Photograph photograph(const Radiance& radiance, double azimuth_deg, double elevation_deg, double exposure,
-                             uint64_t time_ns) {
+                             uint64_t time_ns, double roll_deg = 0) {
   constexpr uint32_t k_width = 96, k_height = 128;
   constexpr double k_focal = 104.0;  // 75 degrees across the diagonal
   const Direction ahead = towards(azimuth_deg, elevation_deg);
-  const double a = degrees(azimuth_deg);
-  const Direction right = {-std::sin(a), 0, std::cos(a)};
+  const double a = degrees(azimuth_deg), cosine = std::cos(degrees(roll_deg)), sine = std::sin(degrees(roll_deg));
+  const Direction level = {-std::sin(a), 0, std::cos(a)};
+  const Direction above = {-level.z * ahead.y, level.z * ahead.x - level.x * ahead.z, level.x * ahead.y};
+  const Direction right = {cosine * level.x + sine * above.x, sine * above.y, cosine * level.z + sine * above.z};
   const Direction up = {right.y * ahead.z - right.z * ahead.y, right.z * ahead.x - right.x * ahead.z,
                         right.x * ahead.y - right.y * ahead.x};
   Photograph p;

@@ -107,60 +107,88 @@ inline Status check_version() {
 }
 
 // What is made in a block: the block, empty when the app lent it, and the handle into it. The handle stays valid
-// when its owner is moved, because the block does not move.
+// when its owner is moved, because the block does not move. Movable, not copyable.
+//
+// Each owner type's create allocates its block, once and for all. It fails like the C function, or with MEMORY_TOO_SMALL
+// when the heap has no such block. What was there is replaced on success and kept on failure.
 template <class Handle>
-struct Owned {
-  // Empty when the caller lent it.
-  Block block;
-  // Null when nothing was made yet.
-  Handle* handle = nullptr;
-
+class Owned {
+ public:
   // Nothing yet.
   Owned() = default;
   // Takes both over.
-  Owned(Owned&& other) noexcept : block(std::move(other.block)), handle(std::exchange(other.handle, nullptr)) {}
+  Owned(Owned&& other) noexcept : block_(std::move(other.block_)), handle_(std::exchange(other.handle_, nullptr)) {}
   // Takes both over.
   Owned& operator=(Owned&& other) noexcept {
-    block = std::move(other.block);
-    handle = std::exchange(other.handle, nullptr);
+    block_ = std::move(other.block_);
+    handle_ = std::exchange(other.handle_, nullptr);
     return *this;
   }
 
-  // Allocates `need` bytes and makes the thing in them: make(block, bytes, &handle, &reason). What was there is
-  // replaced on success and kept on failure.
-  template <class Make>
-  Status create(uint64_t need, Make make) {
-    Status status = check_version();
-    if (!status) return status;
-    Block made_in = allocate_block(need);
-    if (made_in == nullptr) return no_memory();
-    Handle* made = nullptr;
-    status.code = make(made_in.get(), need, &made, &status.reason);
-    if (!status) return status;
-    block = std::move(made_in);
-    handle = made;
+  // True once create has succeeded.
+  explicit operator bool() const { return handle_ != nullptr; }
+  // The handle: for the C functions that have no short form here, and for sandglass_frame_input. Null when nothing was
+  // made yet.
+  Handle* get() const { return handle_; }
+
+ protected:
+  // Allocates a block and makes the thing in it: bytes_of and create_in take these arguments first.
+  template <class Bytes, class Create, class... Arguments>
+  Status create_of(Bytes bytes_of, Create create_in, Arguments... arguments) {
+    uint64_t need = 0;
+    if (const Status status = call(bytes_of, arguments..., &need); !status) return status;
+    Block block = allocate_block(need);
+    if (block == nullptr) return no_memory();
+    const Status status = create_at(block.get(), need, create_in, arguments...);
+    if (status) block_ = std::move(block);
     return status;
   }
-  // The same, of what a description needs.
-  template <class Desc, class Bytes, class Create>
-  Status create(const Desc& desc, Bytes bytes_of, Create create_in) {
-    uint64_t need = 0;
-    if (const Status status = call(bytes_of, &desc, &need); !status) return status;
-    return create(need, [&](void* in, uint64_t bytes, Handle** made, const char** reason) {
-      return create_in(&desc, in, bytes, made, reason);
-    });
+  // The same in a block that the caller keeps.
+  template <class Create, class... Arguments>
+  Status create_at(void* block, uint64_t bytes, Create create_in, Arguments... arguments) {
+    Handle* made = nullptr;
+    Status status = check_version();
+    if (status) status = call(create_in, arguments..., block, bytes, &made);
+    if (!status) return status;
+    block_.reset();
+    handle_ = made;
+    return status;
   }
+
+ private:
+  Block block_;
+  Handle* handle_ = nullptr;
 };
 
-// Structs with their defaults and struct_size filled in.
-inline sandglass_scene_desc scene_desc() {
-  sandglass_scene_desc desc;
-  sandglass_scene_desc_default(&desc);
-  return desc;
+// A struct as one of the C functions fills it in: its defaults.
+template <class Struct>
+Struct filled(void (*fill)(Struct*)) {
+  Struct made;
+  fill(&made);
+  return made;
 }
+// What one of the C functions tells in a struct of the size of these headers.
+template <class Struct, class Function, class... Arguments>
+Struct told(Function function, Arguments... arguments) {
+  Struct now{};
+  now.struct_size = sizeof now;
+  function(arguments..., &now);
+  return now;
+}
+// What is saved, as bytes: by a pair of C functions.
+template <class Handle, class BytesOf, class Save>
+Status saved(Handle* handle, BytesOf bytes_of, Save save, std::vector<std::byte>* data) {
+  uint64_t written = 0;
+  data->resize(static_cast<std::size_t>(bytes_of(handle)));
+  const Status status = call(save, handle, data->data(), data->size(), &written);
+  data->resize(static_cast<std::size_t>(written));
+  return status;
+}
+
+// Structs with their defaults and struct_size filled in.
+inline sandglass_scene_desc scene_desc() { return filled(sandglass_scene_desc_default); }
 inline sandglass_frame_input frame_input(float time_step = 0.0f, uint64_t budget_ns = 0) {
-  sandglass_frame_input input;
-  sandglass_frame_input_default(&input);
+  sandglass_frame_input input = filled(sandglass_frame_input_default);
   input.time_step = time_step;
   input.budget_ns = budget_ns;
   return input;
@@ -170,26 +198,10 @@ inline sandglass_frame_report frame_report() {
   report.struct_size = sizeof report;
   return report;
 }
-inline sandglass_sample_desc sample_desc() {
-  sandglass_sample_desc desc;
-  sandglass_sample_desc_default(&desc);
-  return desc;
-}
-inline sandglass_field_desc field_desc() {
-  sandglass_field_desc desc;
-  sandglass_field_desc_default(&desc);
-  return desc;
-}
-inline sandglass_box_desc box_desc() {
-  sandglass_box_desc desc;
-  sandglass_box_desc_default(&desc);
-  return desc;
-}
-inline sandglass_body body() {
-  sandglass_body body;
-  sandglass_body_default(&body);
-  return body;
-}
+inline sandglass_sample_desc sample_desc() { return filled(sandglass_sample_desc_default); }
+inline sandglass_field_desc field_desc() { return filled(sandglass_field_desc_default); }
+inline sandglass_box_desc box_desc() { return filled(sandglass_box_desc_default); }
+inline sandglass_body body() { return filled(sandglass_body_default); }
 
 // A rotation as a quaternion (x, y, z, w).
 using Rotation = std::array<float, 4>;
@@ -275,17 +287,14 @@ inline Status box_body(const std::array<float, 3>& half_extents, float particle_
   std::copy(rotation.begin(), rotation.end(), desc.rotation);
   desc.particle_radius = particle_radius;
   desc.density = density;
-  Status status;
   uint32_t count = 0;
-  status.code = sandglass_box_count(&desc, &count, &status.reason);
-  if (!status) return status;
+  if (const Status status = call(sandglass_box_count, &desc, &count); !status) return status;
   box->particles.resize(3 * static_cast<std::size_t>(count));
-  status.code = sandglass_box_body(&desc, box->particles.data(), count, &box->body, &status.reason);
-  return status;
+  return call(sandglass_box_body, &desc, box->particles.data(), count, &box->body);
 }
 
 // A scene and, unless the app lends it, the block it lives in. Movable, not copyable.
-class Scene {
+class Scene : public Owned<sandglass_scene> {
  public:
   // The bytes that a scene of this description needs; 0 when the description is not valid (create says why).
   static uint64_t bytes(const sandglass_scene_desc& desc) {
@@ -293,21 +302,13 @@ class Scene {
     return sandglass_scene_bytes(&desc, &need, nullptr) == SANDGLASS_OK ? need : 0;
   }
 
-  // Allocates the scene's block, once and for all, and makes the scene in it. An existing scene is replaced on success
-  // and kept on failure. Fails like sandglass_scene_create, or with MEMORY_TOO_SMALL when the heap has no such block.
+  // See sandglass_scene_create.
   Status create(const sandglass_scene_desc& desc) {
-    return owned_.create(desc, sandglass_scene_bytes, sandglass_scene_create);
+    return create_of(sandglass_scene_bytes, sandglass_scene_create, &desc);
   }
-
   // Makes the scene in a block of the app, aligned to SANDGLASS_BLOCK_ALIGNMENT, which must outlive it.
   Status create_in(const sandglass_scene_desc& desc, void* block, uint64_t bytes) {
-    sandglass_scene* scene = nullptr;
-    Status status = check_version();
-    if (status) status = call(sandglass_scene_create, &desc, block, bytes, &scene);
-    if (!status) return status;
-    owned_.block.reset();
-    owned_.handle = scene;
-    return status;
+    return create_at(block, bytes, sandglass_scene_create, &desc);
   }
 #if defined(__cpp_lib_span)
   // The same, in a span.
@@ -316,17 +317,10 @@ class Scene {
   }
 #endif
 
-  // True once create has succeeded.
-  explicit operator bool() const { return get() != nullptr; }
-  // The handle, for functions of sandglass.h that are not members here.
-  sandglass_scene* get() const { return owned_.handle; }
-
   // Adds particles and grains at rest. For moving ones: sandglass_granular_add(get(), ...).
   Status add(Points particles, Points grains = {}) {
     const sandglass_points sand = {particles.xyz, nullptr, particles.count}, fine = {grains.xyz, nullptr, grains.count};
-    Status status;
-    status.code = sandglass_granular_add(get(), &sand, &fine, &status.reason);
-    return status;
+    return call(sandglass_granular_add, get(), &sand, &fine);
   }
   // Removes the sand inside a shape; the counts may be null.
   Status remove(const sandglass_collider& region, uint32_t* particles = nullptr, uint32_t* grains = nullptr) {
@@ -386,11 +380,7 @@ class Scene {
   }
   // The state as bytes, and back: see sandglass_scene_save.
   Status save(std::vector<std::byte>* data) {
-    uint64_t written = 0;
-    data->resize(static_cast<std::size_t>(sandglass_scene_save_bytes(get())));
-    const Status status = call(sandglass_scene_save, get(), data->data(), data->size(), &written);
-    data->resize(static_cast<std::size_t>(written));
-    return status;
+    return saved(get(), sandglass_scene_save_bytes, sandglass_scene_save, data);
   }
   // See sandglass_scene_restore.
   Status restore(const void* data, uint64_t bytes) { return call(sandglass_scene_restore, get(), data, bytes); }
@@ -403,28 +393,17 @@ class Scene {
   sandglass_isa isa() const { return sandglass_scene_isa(get()); }
   // See sandglass_scene_hash.
   uint64_t hash() const { return sandglass_scene_hash(get()); }
-
- private:
-  Owned<sandglass_scene> owned_;
 };
 
 // ----------------------------------------------------------------------------------------------------------------
 // estimate
 
-inline sandglass_estimator_desc estimator_desc() {
-  sandglass_estimator_desc desc;
-  sandglass_estimator_desc_default(&desc);
-  return desc;
-}
-inline sandglass_camera_image camera_image() {
-  sandglass_camera_image image;
-  sandglass_camera_image_default(&image);
-  return image;
-}
+inline sandglass_estimator_desc estimator_desc() { return filled(sandglass_estimator_desc_default); }
+inline sandglass_camera_image camera_image() { return filled(sandglass_camera_image_default); }
 
 // An estimator and the block it lives in. Movable, not copyable. The network's file belongs to the app, and must
 // outlive it.
-class Estimator {
+class Estimator : public Owned<sandglass_estimator> {
  public:
   // No estimator yet: create makes it.
   Estimator() = default;
@@ -436,87 +415,47 @@ class Estimator {
   Estimator& operator=(Estimator&& other) noexcept {
     if (this == &other) return *this;
     sandglass_estimator_release(get());
-    owned_ = std::move(other.owned_);
+    Owned::operator=(std::move(other));
     return *this;
   }
 
-  // Allocates the block, once and for all. Fails like sandglass_estimator_create, or with MEMORY_TOO_SMALL when the heap
-  // has no such block; an existing estimator is then kept.
+  // See sandglass_estimator_create.
   Status create(const sandglass_estimator_desc& desc) {
-    Status status;
-    uint64_t need = 0;
-    status.code = sandglass_estimator_bytes(&desc, &need, &status.reason);
-    if (!status) return status;
-    Owned<sandglass_estimator> made;
-    status = made.create(need, [&](void* block, uint64_t bytes, sandglass_estimator** estimator, const char** reason) {
-      return sandglass_estimator_create(&desc, block, bytes, estimator, reason);
-    });
-    if (!status) return status;
-    sandglass_estimator_release(get());
-    owned_ = std::move(made);
+    Estimator made;
+    const Status status = made.create_of(sandglass_estimator_bytes, sandglass_estimator_create, &desc);
+    if (status) *this = std::move(made);
     return status;
   }
 
-  // True once create has succeeded.
-  explicit operator bool() const { return get() != nullptr; }
-  // For sandglass_frame_input::estimator, too.
-  sandglass_estimator* get() const { return owned_.handle; }
-
   // Without a scene: takes the image if one is due, then runs units until the estimate is complete.
   Status estimate(const sandglass_camera_image& image) {
-    Status status;
-    status.code = sandglass_estimator_set_image(get(), &image, nullptr, &status.reason);
+    const Status status = call(sandglass_estimator_set_image, get(), &image, nullptr);
     if (status) sandglass_estimator_run(get(), UINT32_MAX);
     return status;
   }
   // See sandglass_estimator_get.
-  sandglass_light_estimate estimated() const {
-    sandglass_light_estimate now{};
-    now.struct_size = sizeof now;
-    sandglass_estimator_get(get(), &now);
-    return now;
-  }
+  sandglass_light_estimate estimated() const { return told<sandglass_light_estimate>(sandglass_estimator_get, get()); }
   // See sandglass_estimator_turn.
-  Status turn(const Rotation& rotation) {
-    Status status;
-    status.code = sandglass_estimator_turn(get(), rotation.data(), &status.reason);
-    return status;
-  }
+  Status turn(const Rotation& rotation) { return call(sandglass_estimator_turn, get(), rotation.data()); }
   // See sandglass_estimator_reset.
   void reset() { sandglass_estimator_reset(get()); }
-
- private:
-  Owned<sandglass_estimator> owned_;
 };
 
 // ----------------------------------------------------------------------------------------------------------------
 // room
 
-inline sandglass_room_desc room_desc() {
-  sandglass_room_desc desc;
-  sandglass_room_desc_default(&desc);
-  return desc;
-}
+inline sandglass_room_desc room_desc() { return filled(sandglass_room_desc_default); }
 
 // A cube with the defaults: see sandglass_cube.
-inline sandglass_cube cube() {
-  sandglass_cube cube;
-  sandglass_cube_default(&cube);
-  return cube;
-}
+inline sandglass_cube cube() { return filled(sandglass_cube_default); }
 
 // Harmonics with the defaults: see sandglass_harmonics.
-inline sandglass_harmonics harmonics() {
-  sandglass_harmonics harmonics;
-  sandglass_harmonics_default(&harmonics);
-  return harmonics;
-}
+inline sandglass_harmonics harmonics() { return filled(sandglass_harmonics_default); }
 
 // Where light is asked for: see sandglass_room_place. `shown` and `estimate` may be NULL.
 inline sandglass_room_place room_place(const float position[3], const sandglass_room_light* shown = nullptr,
                                        const sandglass_light_estimate* estimate = nullptr) {
-  sandglass_room_place place;
-  sandglass_room_place_default(&place);
+  sandglass_room_place place = filled(sandglass_room_place_default);
   for (int k = 0; k < 3; ++k) place.position[k] = position[k];
   place.shown = shown;
   place.estimate = estimate;
@@ -524,18 +463,12 @@ inline sandglass_room_place room_place(const float position[3], const sandglass_
 }
 
 // What the camera has seen of a room, and the block it lives in. Movable, not copyable.
-class Room {
+class Room : public Owned<sandglass_room> {
  public:
-  // Allocates the block, once and for all. Fails like sandglass_room_create, or with MEMORY_TOO_SMALL when the heap has
-  // no such block; an existing room is then kept.
+  // See sandglass_room_create.
   Status create(const sandglass_room_desc& desc = room_desc()) {
-    return owned_.create(desc, sandglass_room_bytes, sandglass_room_create);
+    return create_of(sandglass_room_bytes, sandglass_room_create, &desc);
   }
-
-  // True once create has succeeded.
-  explicit operator bool() const { return get() != nullptr; }
-  // For sandglass_frame_input::room, too.
-  sandglass_room* get() const { return owned_.handle; }
 
   // See sandglass_room_set_image.
   Status set_image(const sandglass_camera_image& image) {
@@ -571,11 +504,7 @@ class Room {
   }
   // See sandglass_room_save.
   Status save(std::vector<std::byte>* data) const {
-    uint64_t written = 0;
-    data->resize(static_cast<std::size_t>(sandglass_room_save_bytes(get())));
-    const Status status = call(sandglass_room_save, get(), data->data(), data->size(), &written);
-    data->resize(static_cast<std::size_t>(written));
-    return status;
+    return saved(get(), sandglass_room_save_bytes, sandglass_room_save, data);
   }
   // See sandglass_room_restore.
   Status restore(const void* data, uint64_t bytes) { return call(sandglass_room_restore, get(), data, bytes); }
@@ -585,17 +514,13 @@ class Room {
   void reset() { sandglass_room_reset(get()); }
   // See sandglass_room_hash.
   uint64_t hash() const { return sandglass_room_hash(get()); }
-
- private:
-  Owned<sandglass_room> owned_;
 };
 
 // ----------------------------------------------------------------------------------------------------------------
 // shadows
 
 inline sandglass_shadow_desc shadow_desc(const void* asset = nullptr, uint64_t bytes = 0) {
-  sandglass_shadow_desc desc;
-  sandglass_shadow_desc_default(&desc);
+  sandglass_shadow_desc desc = filled(sandglass_shadow_desc_default);
   desc.asset = asset;
   desc.asset_bytes = bytes;
   return desc;
@@ -605,42 +530,20 @@ inline sandglass_skin_desc skin_desc(const sandglass_granular_desc& granular) {
   sandglass_skin_desc_default(&desc, &granular);
   return desc;
 }
-inline sandglass_pile_shadow_desc pile_shadow_desc() {
-  sandglass_pile_shadow_desc desc;
-  sandglass_pile_shadow_desc_default(&desc);
-  return desc;
-}
-inline sandglass_cast_desc cast_desc() {
-  sandglass_cast_desc desc;
-  sandglass_cast_desc_default(&desc);
-  return desc;
-}
+inline sandglass_pile_shadow_desc pile_shadow_desc() { return filled(sandglass_pile_shadow_desc_default); }
+inline sandglass_cast_desc cast_desc() { return filled(sandglass_cast_desc_default); }
 // The real floor y = 0.
-inline sandglass_cast_plane cast_plane() {
-  sandglass_cast_plane plane;
-  sandglass_cast_plane_default(&plane);
-  return plane;
-}
+inline sandglass_cast_plane cast_plane() { return filled(sandglass_cast_plane_default); }
 // No triangles yet.
-inline sandglass_cast_mesh cast_mesh() {
-  sandglass_cast_mesh mesh;
-  sandglass_cast_mesh_default(&mesh);
-  return mesh;
-}
+inline sandglass_cast_mesh cast_mesh() { return filled(sandglass_cast_mesh_default); }
 
 // The shadows of one object and the block they live in. Movable, not copyable. The baked file may go after create.
-class Shadow {
+class Shadow : public Owned<sandglass_shadow> {
  public:
-  // Allocates the block, once and for all. Fails like sandglass_shadow_create, or with MEMORY_TOO_SMALL when the heap
-  // has no such block; an existing shadow is then kept.
+  // See sandglass_shadow_create.
   Status create(const sandglass_shadow_desc& desc) {
-    return owned_.create(desc, sandglass_shadow_bytes, sandglass_shadow_create);
+    return create_of(sandglass_shadow_bytes, sandglass_shadow_create, &desc);
   }
-
-  // True once create has succeeded.
-  explicit operator bool() const { return get() != nullptr; }
-  // For the array that sandglass_frame_input::shadows points to, too.
-  sandglass_shadow* get() const { return owned_.handle; }
 
   // The direction towards a light in the object's frame: see sandglass_shadow_set_light.
   Status set_light(const std::array<float, 3>& direction, float irradiance = 1.0f, uint32_t light = 0) {
@@ -653,10 +556,7 @@ class Shadow {
   }
   // See sandglass_shadow_get_texture.
   sandglass_shadow_texture texture(uint32_t light = 0) const {
-    sandglass_shadow_texture now{};
-    now.struct_size = sizeof now;
-    sandglass_shadow_get_texture(get(), light, &now);
-    return now;
+    return told<sandglass_shadow_texture>(sandglass_shadow_get_texture, get(), light);
   }
   // The light of the room: see sandglass_shadow_set_cells.
   Status set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells, float yaw = 0.0f) {
@@ -668,16 +568,10 @@ class Shadow {
   }
   // See sandglass_shadow_get_ambient.
   sandglass_shadow_ambient ambient() const {
-    sandglass_shadow_ambient now{};
-    now.struct_size = sizeof now;
-    sandglass_shadow_get_ambient(get(), &now);
-    return now;
+    return told<sandglass_shadow_ambient>(sandglass_shadow_get_ambient, get());
   }
   // See sandglass_shadow_hash.
   uint64_t hash() const { return sandglass_shadow_hash(get()); }
-
- private:
-  Owned<sandglass_shadow> owned_;
 };
 
 // What a baked file says of itself. Fails like sandglass_shadow_inspect.
@@ -697,26 +591,20 @@ inline Status shadow_transfer(const sandglass_shadow_desc& desc, Points position
     status.code = SANDGLASS_ERROR_INVALID_ARGUMENT;
     status.reason = "positions and normals are not equally many: pass one normal for each position";
   } else {
-    status.code = sandglass_shadow_transfer(desc.asset, desc.asset_bytes, positions.xyz, normals.xyz, positions.count,
-                                            transfer->data(), &status.reason);
+    status = call(sandglass_shadow_transfer, desc.asset, desc.asset_bytes, positions.xyz, normals.xyz, positions.count,
+                  transfer->data());
   }
   if (!status) transfer->clear();
   return status;
 }
 
 // The shadows of any triangles on a plane and the block they live in. Movable, not copyable.
-class Cast {
+class Cast : public Owned<sandglass_cast> {
  public:
-  // Allocates the block, once and for all. Fails like sandglass_cast_create, or with MEMORY_TOO_SMALL when the heap has no
-  // such block; an existing cast is then kept.
+  // See sandglass_cast_create.
   Status create(const sandglass_cast_desc& desc) {
-    return owned_.create(desc, sandglass_cast_bytes, sandglass_cast_create);
+    return create_of(sandglass_cast_bytes, sandglass_cast_create, &desc);
   }
-
-  // True once create has succeeded.
-  explicit operator bool() const { return get() != nullptr; }
-  // For sandglass_frame_input::casts, too.
-  sandglass_cast* get() const { return owned_.handle; }
 
   // See sandglass_cast_set_plane.
   Status set_plane(const sandglass_cast_plane& plane) { return call(sandglass_cast_set_plane, get(), &plane); }
@@ -740,67 +628,34 @@ class Cast {
     return sandglass_cast_run(&one, 1, units);
   }
   // See sandglass_cast_get_texture.
-  sandglass_cast_texture texture() const {
-    sandglass_cast_texture now{};
-    now.struct_size = sizeof now;
-    sandglass_cast_get_texture(get(), &now);
-    return now;
-  }
+  sandglass_cast_texture texture() const { return told<sandglass_cast_texture>(sandglass_cast_get_texture, get()); }
   // See sandglass_cast_get_ambient.
-  sandglass_cast_texture ambient() const {
-    sandglass_cast_texture now{};
-    now.struct_size = sizeof now;
-    sandglass_cast_get_ambient(get(), &now);
-    return now;
-  }
-
- private:
-  Owned<sandglass_cast> owned_;
+  sandglass_cast_texture ambient() const { return told<sandglass_cast_texture>(sandglass_cast_get_ambient, get()); }
 };
 
 // The surface of a scene's sand as a mesh and the block it lives in. Movable, not copyable.
-class Skin {
+class Skin : public Owned<sandglass_skin> {
  public:
-  // Allocates the block, once and for all. Fails like sandglass_skin_create, or with MEMORY_TOO_SMALL when the heap has no
-  // such block; an existing skin is then kept.
+  // See sandglass_skin_create.
   Status create(const sandglass_skin_desc& desc) {
-    return owned_.create(desc, sandglass_skin_bytes, sandglass_skin_create);
+    return create_of(sandglass_skin_bytes, sandglass_skin_create, &desc);
   }
-
-  // True once create has succeeded.
-  explicit operator bool() const { return get() != nullptr; }
-  // For sandglass_frame_input::skin, too.
-  sandglass_skin* get() const { return owned_.handle; }
 
   // See sandglass_skin_get_mesh.
-  sandglass_skin_mesh mesh() const {
-    sandglass_skin_mesh now{};
-    now.struct_size = sizeof now;
-    sandglass_skin_get_mesh(get(), &now);
-    return now;
-  }
+  sandglass_skin_mesh mesh() const { return told<sandglass_skin_mesh>(sandglass_skin_get_mesh, get()); }
   // See sandglass_skin_refresh.
   void refresh() { sandglass_skin_refresh(get()); }
   // See sandglass_skin_hash.
   uint64_t hash() const { return sandglass_skin_hash(get()); }
-
- private:
-  Owned<sandglass_skin> owned_;
 };
 
 // The shadow of a scene's sand and the block it lives in. Movable, not copyable.
-class PileShadow {
+class PileShadow : public Owned<sandglass_pile_shadow> {
  public:
-  // Allocates the block, once and for all. Fails like sandglass_pile_shadow_create, or with MEMORY_TOO_SMALL when the
-  // heap has no such block; an existing shadow is then kept.
+  // See sandglass_pile_shadow_create.
   Status create(const sandglass_pile_shadow_desc& desc) {
-    return owned_.create(desc, sandglass_pile_shadow_bytes, sandglass_pile_shadow_create);
+    return create_of(sandglass_pile_shadow_bytes, sandglass_pile_shadow_create, &desc);
   }
-
-  // True once create has succeeded.
-  explicit operator bool() const { return get() != nullptr; }
-  // For sandglass_frame_input::pile_shadow, too.
-  sandglass_pile_shadow* get() const { return owned_.handle; }
 
   // See sandglass_pile_shadow_set_light.
   Status set_light(const std::array<float, 3>& direction) {
@@ -822,17 +677,11 @@ class PileShadow {
   }
   // See sandglass_pile_shadow_get_texture.
   sandglass_pile_shadow_texture texture() const {
-    sandglass_pile_shadow_texture now{};
-    now.struct_size = sizeof now;
-    sandglass_pile_shadow_get_texture(get(), &now);
-    return now;
+    return told<sandglass_pile_shadow_texture>(sandglass_pile_shadow_get_texture, get());
   }
   // See sandglass_pile_shadow_get_sky.
   sandglass_pile_shadow_sky sky() const {
-    sandglass_pile_shadow_sky now{};
-    now.struct_size = sizeof now;
-    sandglass_pile_shadow_get_sky(get(), &now);
-    return now;
+    return told<sandglass_pile_shadow_sky>(sandglass_pile_shadow_get_sky, get());
   }
   // See sandglass_pile_shadow_light_grains.
   void light_grains(Points grains, float radius, uint8_t* visibility) const {
@@ -840,9 +689,6 @@ class PileShadow {
   }
   // See sandglass_pile_shadow_hash.
   uint64_t hash() const { return sandglass_pile_shadow_hash(get()); }
-
- private:
-  Owned<sandglass_pile_shadow> owned_;
 };
 
 // ----------------------------------------------------------------------------------------------------------------
@@ -862,17 +708,15 @@ struct Box {
 // is then empty.
 inline Status sample_points(const sandglass_sample_desc& desc, std::vector<float>* points) {
   points->clear();
-  Status status;
   uint64_t bytes = 0;
-  uint32_t capacity = 0;
-  uint32_t count = 0;
-  status.code = sandglass_sample_capacity(&desc, &capacity, &status.reason);
-  if (status) status.code = sandglass_sample_bytes(&desc, capacity, &bytes, &status.reason);
+  uint32_t capacity = 0, count = 0;
+  Status status = call(sandglass_sample_capacity, &desc, &capacity);
+  if (status) status = call(sandglass_sample_bytes, &desc, capacity, &bytes);
   if (!status) return status;
   const Block scratch = allocate_block(bytes);
   if (scratch == nullptr) return no_memory();
   points->resize(3 * static_cast<std::size_t>(capacity));
-  status.code = sandglass_sample_points(&desc, scratch.get(), bytes, points->data(), capacity, &count, &status.reason);
+  status = call(sandglass_sample_points, &desc, scratch.get(), bytes, points->data(), capacity, &count);
   points->resize(3 * static_cast<std::size_t>(count));
   return status;
 }
@@ -921,42 +765,22 @@ inline Status sample_surface(const sandglass_mesh& mesh, float distance, std::ve
 
 // A mesh prepared for many inside tests, and its block; the mesh's arrays may go after create. Movable, not copyable.
 // Give the samplers a reference: [&](const float* p) { return inside(p); }.
-class MeshInside {
+class MeshInside : public Owned<sandglass_mesh_inside> {
  public:
-  // Allocates the block, once and for all. Fails like sandglass_mesh_inside_create, or with MEMORY_TOO_SMALL.
+  // See sandglass_mesh_inside_create.
   Status create(const sandglass_mesh& mesh, sandglass_inside_rule rule = SANDGLASS_INSIDE_PARITY) {
-    Status status;
-    uint64_t need = 0;
-    status.code = sandglass_mesh_inside_bytes(&mesh, rule, &need, &status.reason);
-    if (!status) return status;
-    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_mesh_inside** inside, const char** reason) {
-      return sandglass_mesh_inside_create(&mesh, rule, block, bytes, inside, reason);
-    });
+    return create_of(sandglass_mesh_inside_bytes, sandglass_mesh_inside_create, &mesh, rule);
   }
-
-  // True once create has succeeded.
-  explicit operator bool() const { return get() != nullptr; }
-  // The handle.
-  sandglass_mesh_inside* get() const { return owned_.handle; }
   // See sandglass_mesh_inside_test.
   bool operator()(const float point[3]) const { return sandglass_mesh_inside_test(get(), point) != 0; }
-
- private:
-  Owned<sandglass_mesh_inside> owned_;
 };
 
 // A signed-distance field and its block: what a collider of SANDGLASS_SHAPE_FIELD points to. Movable, not copyable.
-class Field {
+class Field : public Owned<sandglass_field> {
  public:
-  // Allocates the block, once and for all. Fails like sandglass_field_create, or with MEMORY_TOO_SMALL.
+  // See sandglass_field_create.
   Status create(const sandglass_field_desc& desc) {
-    Status status;
-    uint64_t need = 0;
-    status.code = sandglass_field_bytes(&desc, &need, &status.reason);
-    if (!status) return status;
-    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_field** field, const char** reason) {
-      return sandglass_field_create(&desc, block, bytes, field, reason);
-    });
+    return create_of(sandglass_field_bytes, sandglass_field_create, &desc);
   }
   // `distance_of` is anything that can be called with a const float[3] and gives the distance from the surface.
   template <class Distance>
@@ -978,11 +802,6 @@ class Field {
     desc.inside_user = inside.get();
     return create(desc);
   }
-
-  // True once one of the three above has succeeded.
-  explicit operator bool() const { return get() != nullptr; }
-  // The handle: sandglass_collider::field.
-  sandglass_field* get() const { return owned_.handle; }
   // See sandglass_field_distance.
   float distance(const float point[3]) const { return sandglass_field_distance(get(), point, nullptr); }
 
@@ -995,8 +814,6 @@ class Field {
     desc.solid = solid;
     return desc;
   }
-
-  Owned<sandglass_field> owned_;
 };
 
 // A collider of a field whose own coordinates begin at (x, y, z), unrotated and at rest. The field must outlive it.
