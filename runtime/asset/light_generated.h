@@ -10,27 +10,12 @@ namespace sandglass {
 namespace asset {
 
 struct Convolution;
-
-struct ConvolutionBuilder;
-
 struct ClampedConvolution;
-
-struct ClampedConvolutionBuilder;
-
 struct DenseLayer;
-
-struct DenseLayerBuilder;
-
 struct Block;
-
-struct BlockBuilder;
-
 struct Light;
 
-struct LightBuilder;
-
 struct Convolution FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
-  typedef ConvolutionBuilder Builder;
   enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE { VT_WEIGHTS = 4, VT_BIAS = 6, VT_MULTIPLIER = 8 };
   const flatbuffers::Vector<int8_t>* weights() const {
     return GetPointer<const flatbuffers::Vector<int8_t>*>(VT_WEIGHTS);
@@ -47,7 +32,6 @@ struct Convolution FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
 };
 
 struct ClampedConvolution FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
-  typedef ClampedConvolutionBuilder Builder;
   enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE { VT_LOW = 4, VT_HIGH = 6, VT_CONVOLUTION = 8 };
   const flatbuffers::Vector<uint8_t>* low() const { return GetPointer<const flatbuffers::Vector<uint8_t>*>(VT_LOW); }
   const flatbuffers::Vector<uint8_t>* high() const { return GetPointer<const flatbuffers::Vector<uint8_t>*>(VT_HIGH); }
@@ -62,7 +46,6 @@ struct ClampedConvolution FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
 };
 
 struct DenseLayer FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
-  typedef DenseLayerBuilder Builder;
   enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE { VT_NARROW = 4, VT_WIDE = 6 };
   const sandglass::asset::ClampedConvolution* narrow() const {
     return GetPointer<const sandglass::asset::ClampedConvolution*>(VT_NARROW);
@@ -77,7 +60,6 @@ struct DenseLayer FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
 };
 
 struct Block FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
-  typedef BlockBuilder Builder;
   enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE { VT_LAYERS = 4, VT_TRANSITION = 6 };
   const flatbuffers::Vector<flatbuffers::Offset<sandglass::asset::DenseLayer>>* layers() const {
     return GetPointer<const flatbuffers::Vector<flatbuffers::Offset<sandglass::asset::DenseLayer>>*>(VT_LAYERS);
@@ -93,7 +75,6 @@ struct Block FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
 };
 
 struct Light FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
-  typedef LightBuilder Builder;
   enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE {
     VT_VERSION = 4,
     VT_NAME = 6,
@@ -190,26 +171,10 @@ inline const sandglass::asset::Light* GetLight(const void* buf) {
   return flatbuffers::GetRoot<sandglass::asset::Light>(buf);
 }
 
-inline const sandglass::asset::Light* GetSizePrefixedLight(const void* buf) {
-  return flatbuffers::GetSizePrefixedRoot<sandglass::asset::Light>(buf);
-}
-
 inline const char* LightIdentifier() { return "SGLN"; }
-
-inline bool LightBufferHasIdentifier(const void* buf) {
-  return flatbuffers::BufferHasIdentifier(buf, LightIdentifier());
-}
-
-inline bool SizePrefixedLightBufferHasIdentifier(const void* buf) {
-  return flatbuffers::BufferHasIdentifier(buf, LightIdentifier(), true);
-}
 
 inline bool VerifyLightBuffer(flatbuffers::Verifier& verifier) {
   return verifier.VerifyBuffer<sandglass::asset::Light>(LightIdentifier());
-}
-
-inline bool VerifySizePrefixedLightBuffer(flatbuffers::Verifier& verifier) {
-  return verifier.VerifySizePrefixedBuffer<sandglass::asset::Light>(LightIdentifier());
 }
 
 }  // namespace asset

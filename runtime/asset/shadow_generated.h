@@ -10,19 +10,10 @@ namespace sandglass {
 namespace asset {
 
 struct Box;
-
 struct Layer;
-struct LayerBuilder;
-
 struct Ambient;
-struct AmbientBuilder;
-
 struct Surface;
-struct SurfaceBuilder;
-
 struct Shadow;
-struct ShadowBuilder;
-
 FLATBUFFERS_MANUALLY_ALIGNED_STRUCT(8) Box FLATBUFFERS_FINAL_CLASS {
  private:
   double origin_x_;
@@ -66,7 +57,6 @@ FLATBUFFERS_MANUALLY_ALIGNED_STRUCT(8) Box FLATBUFFERS_FINAL_CLASS {
 FLATBUFFERS_STRUCT_END(Box, 64);
 
 struct Layer FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
-  typedef LayerBuilder Builder;
   enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE { VT_WEIGHTS = 4, VT_BIAS = 6, VT_MULTIPLIER = 8 };
   const flatbuffers::Vector<int8_t>* weights() const {
     return GetPointer<const flatbuffers::Vector<int8_t>*>(VT_WEIGHTS);
@@ -83,7 +73,6 @@ struct Layer FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
 };
 
 struct Ambient FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
-  typedef AmbientBuilder Builder;
   enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE {
     VT_SIDE = 4,
     VT_HALF = 6,
@@ -109,7 +98,6 @@ struct Ambient FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
 };
 
 struct Surface FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
-  typedef SurfaceBuilder Builder;
   enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE {
     VT_VERTICES = 4,
     VT_LOW_X = 6,
@@ -148,7 +136,6 @@ struct Surface FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
 };
 
 struct Shadow FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
-  typedef ShadowBuilder Builder;
   enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE {
     VT_VERSION = 4,
     VT_NAME = 6,
@@ -221,26 +208,10 @@ inline const sandglass::asset::Shadow* GetShadow(const void* buf) {
   return flatbuffers::GetRoot<sandglass::asset::Shadow>(buf);
 }
 
-inline const sandglass::asset::Shadow* GetSizePrefixedShadow(const void* buf) {
-  return flatbuffers::GetSizePrefixedRoot<sandglass::asset::Shadow>(buf);
-}
-
 inline const char* ShadowIdentifier() { return "SGSH"; }
-
-inline bool ShadowBufferHasIdentifier(const void* buf) {
-  return flatbuffers::BufferHasIdentifier(buf, ShadowIdentifier());
-}
-
-inline bool SizePrefixedShadowBufferHasIdentifier(const void* buf) {
-  return flatbuffers::BufferHasIdentifier(buf, ShadowIdentifier(), true);
-}
 
 inline bool VerifyShadowBuffer(flatbuffers::Verifier& verifier) {
   return verifier.VerifyBuffer<sandglass::asset::Shadow>(ShadowIdentifier());
-}
-
-inline bool VerifySizePrefixedShadowBuffer(flatbuffers::Verifier& verifier) {
-  return verifier.VerifySizePrefixedBuffer<sandglass::asset::Shadow>(ShadowIdentifier());
 }
 
 }  // namespace asset
