@@ -416,7 +416,7 @@ class Page {
     const { report } = this.scene, of = this.spent.length || 1;
     const mean = (pick) => this.spent.reduce((sum, frame) => sum + pick(frame), 0) / of;
     const budget = Number(by("budget").value), ms = mean((frame) => frame.ms), bar = by("bar");
-    const slow = this.flow < k_in_time ? "In slow motion: this device is busy" : !this.onTable && this.inGlass < this.stands.glass.full ? "Less sand: this device is slow" : "";
+    const slow = this.flow < k_in_time ? "Slower: this device is busy" : !this.onTable && this.inGlass < this.stands.glass.full ? "Less sand: this device is slow" : "";
     by("short").textContent = slow || `Sand: ${ms.toFixed(1)} of ${budget} ms a frame`, by("short").className = slow ? "slow" : ms > budget + 1 ? "late" : "";
     if (!by("more").open) return;
     bar.setAttribute("aria-valuenow", Math.round(100 * ms / budget));
