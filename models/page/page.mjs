@@ -67,8 +67,6 @@ class Page {
     this.gravity = [...k_scene.gravity], this.given = [...k_scene.gravity], this.tipped = false;
     this.stage = new Stage(sand, { origin: [0, 0, 0], half: k_box, budget: 0 }), this.room = new RoomParts(this.stage);
     this.stage.newPile();
-    const funnel = funnelMesh();
-    this.painter.funnel = this.painter.item(funnel.vertices, funnel.indices, null, k_brass, funnel.normals);
     this.stands = { glass: this.makeGlass() };
     this.show("glass");
     this.fitDevice();
@@ -81,7 +79,8 @@ class Page {
   }
 
   makeTable() {
-    const stand = { scene: this.newScene(), standing: [], drawn: [] };
+    const stand = { scene: this.newScene(), standing: [], drawn: [] }, funnel = funnelMesh();
+    this.painter.funnel = this.painter.item(funnel.vertices, funnel.indices, null, k_brass, funnel.normals);
     this.stage.newCast(k_object_triangles);
     for (const { field, position, rotation } of k_scene.colliders) {
       if (!field) continue;
