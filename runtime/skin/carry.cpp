@@ -1,8 +1,8 @@
 // What is shown at the end of a frame whose skin is not complete. The mesh before is carried along: each vertex goes with its
 // particle. Where a collider's motion explains the particle's way best, it goes rigidly with that; what is left of the way
 // is held to about a node. So sand moves in every frame, and with its vessel, however slow the processor is. Loose sand is
-// where its particles are; sand that came since the mesh was gathered is loose, before the first mesh all of it. What is
-// made goes on from the mesh as it was made.
+// where its particles are; sand that came since the mesh was gathered is loose, before the first mesh all of it, and from
+// when most of a mesh's sand has left it. What is made goes on from the mesh as it was made.
 //
 // It belongs to what closes a frame: all its units run there, so that no frame shows a mesh of two moments.
 #include <cstring>
@@ -15,6 +15,7 @@ namespace sandglass {
 namespace {
 
 constexpr float k_most_radii = 1.5f;     // that a vertex is carried beside a motion: about a node
+constexpr float k_left_radii = 6.0f;     // one that went further has left the mesh: that is nodes away from it
 constexpr float k_other_radii = 16.0f;   // one that went further has taken the number of one that left
 constexpr uint32_t k_unit_items = 4096;  // particles and vertices: about 0.2 ms of a phone
 constexpr float k_least_motion = 1e-5f;  // metres, or of a turn: the rest is rounding
@@ -62,6 +63,7 @@ void begin_carry(SkinState* s) {
   find_motions(s);
   carry.frame = s->frame, carry.substeps = s->granular->counts.moments();
   carry.record = carry.chunk = carry.flying = carry.lying = 0;
+  carry.left = 0;
   carry.motion = k_brick_none;
   carry.changed = false;
   for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->carried[i] = {Quad{}, k_brick_none, k_brick_none};
@@ -76,11 +78,12 @@ void show_loose(SkinState* s, const sandglass_skin_loose& one, bool flies) {
 }
 
 // How far a particle has gone with which motion, and beside it. False: it was not there when the mesh was gathered.
-bool find_way(const SkinState& s, const Particle& p, SkinCarried* carried) {
+bool find_way(SkinState& s, const Particle& p, SkinCarried* carried) {
   const float radius = s.desc.particle_radius, most = k_most_radii * radius, other = k_other_radii * radius;
+  const float left = k_left_radii * radius;
   const float least = static_cast<float>(k_skin_held) / k_skin_steps * s.spacing;
   const float* from = s.front.from + 3 * number_of(p);
-  if (from[0] == k_skin_nowhere) return false;
+  if (from[0] == k_skin_nowhere || s.shown.lost) return false;
   const Quad at = quad(from), gone = quad(p.position) - at;
   Quad way = gone;
   float square = square_of(way);
@@ -97,7 +100,9 @@ bool find_way(const SkinState& s, const Particle& p, SkinCarried* carried) {
   }
   const float scale = square > most * most ? most / __builtin_sqrtf(square) : 1.0f;
   carried->way = square > least * least ? scale * way : Quad{};
-  return carried->loose != k_brick_none || square < other * other;
+  if (carried->loose != k_brick_none) return true;
+  s.carry.left += square > left * left ? 1 : -1;
+  return square < other * other;
 }
 
 void carry_particle(SkinState* s, const Particle& p) {
@@ -157,6 +162,11 @@ bool carry_chunk(SkinState* s, uint32_t c) {
   const uint32_t first = s->front.first_vertex[c];
   const sandglass_skin_vertex* before = chunk.vertices;
   sandglass_skin_vertex* to = s->shown.vertices + first;
+  if (s->shown.lost) {
+    const bool was = chunk.index_count != 0;
+    chunk.vertex_count = chunk.index_count = 0, chunk.vertices = to;
+    return was;
+  }
   bool differs = false;
   for (uint32_t v = made.vertex_count; v-- != 0;)
     if (s->front.anchors[first + v] != k_brick_none) s->carry.motion = s->carried[s->front.anchors[first + v]].motion;
@@ -182,6 +192,7 @@ void end_carry(SkinState* s) {
   const bool changed = carry.flying + carry.lying != 0 || shown.flying + shown.lying != 0;
   shown.flying = carry.flying, shown.lying = carry.lying;
   shown.frame = carry.frame, shown.substeps = carry.substeps;
+  shown.lost = shown.lost || carry.left > 0;
   if (carry.changed || changed) ++s->version;
 }
 

@@ -155,8 +155,8 @@ void sandglass_skin_get_mesh(const sandglass_skin* skin, sandglass_skin_mesh* ou
   mesh.chunks = s.shown.chunks;
   mesh.chunk_count = s.chunk_capacity;
   for (uint32_t c = 0; c < s.chunk_capacity; ++c) {
-    mesh.vertex_count += s.front.chunks[c].vertex_count;
-    mesh.index_count += s.front.chunks[c].index_count;
+    mesh.vertex_count += s.shown.chunks[c].vertex_count;
+    mesh.index_count += s.shown.chunks[c].index_count;
   }
   mesh.loose = s.shown.loose;
   mesh.flying_count = s.shown.flying;

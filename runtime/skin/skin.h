@@ -153,6 +153,7 @@ struct SkinShown {
   sandglass_skin_chunk* chunks;
   sandglass_skin_loose* loose;
   uint32_t flying, lying;
+  bool lost;       // most of the mesh's sand has left it: from the next frame on it is not shown
   uint64_t frame;  // which it shows, and after so many of its sub-steps
   uint32_t substeps;
 };
@@ -178,6 +179,7 @@ struct SkinCarry {
   uint32_t substeps;
   uint32_t record, chunk;  // the next ones
   uint32_t flying, lying;  // that are written
+  int32_t left;            // so many more particles have left the mesh than are in it
   uint32_t motion;         // of the last vertex
   bool changed;
 };

@@ -83,7 +83,7 @@ void publish(SkinState* s) {
   back = swap;
   s->front_version = s->version;
   shown.frame = s->gathered_frame, shown.substeps = s->gathered_substeps;
-  s->carry.frame = 0;
+  s->carry.frame = 0, shown.lost = false;
   s->in_time = s->begun == s->frame ? s->in_time + 1 : 0;
   s->valid = true;
   s->front_frame = s->begun;

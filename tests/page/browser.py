@@ -1,12 +1,15 @@
 # A headless Chromium, driven over its DevTools pipe (file descriptors 3 and 4, each message ends with a zero byte). It
-# needs no port, no library and no network. Every console message, exception and request of the page is kept.
+# needs no port, no library and no network. Every console message, exception and request of the page is kept. And a server.
 import base64
+import functools
+import http.server
 import json
 import os
 import select
 import shutil
 import subprocess
 import tempfile
+import threading
 import time
 
 PATIENCE = 60  # seconds for one answer, on a busy machine
@@ -33,6 +36,28 @@ USED_PROGRAM = """
 def check(condition, sentence):
     if not condition:
         raise AssertionError(sentence)
+
+
+class Files(http.server.SimpleHTTPRequestHandler):
+    extensions_map = {**http.server.SimpleHTTPRequestHandler.extensions_map, ".mjs": "text/javascript", ".wasm": "application/wasm"}
+
+    def log_message(self, *_):
+        pass
+
+
+class Isolated(Files):
+    """Its pages are cross-origin isolated: browsers then let them share memory."""
+    def end_headers(self):
+        self.send_header("Cross-Origin-Opener-Policy", "same-origin")
+        self.send_header("Cross-Origin-Embedder-Policy", "require-corp")
+        super().end_headers()
+
+
+def served(folder, handler=Files):
+    """Serves a folder on this machine until the test ends. Gives its address."""
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(handler, directory=str(folder)))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    return f"http://127.0.0.1:{server.server_port}/"
 
 
 class Browser:

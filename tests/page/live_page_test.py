@@ -5,12 +5,9 @@ also from a link, a mesh becomes sand, an object or metal, a wrong file is answe
 runs on an emulated device, and memory does not grow. Nothing may depend on how fast the machine is: a check either waits for
 what comes at any speed, or counts frames (run_frames).
 
-live_page_test.py WEB_SCENE SANDGLASS NPM_FOLDER WORK_FOLDER [--screenshots]
+live_page_test.py WEB_SCENE SANDGLASS NPM_FOLDER WORK_FOLDER
 Exit code 77: there is no Chromium here, or no program to compare with."""
 import base64
-import contextlib
-import functools
-import http.server
 import json
 import math
 import os
@@ -18,11 +15,10 @@ import pathlib
 import struct
 import subprocess
 import sys
-import threading
 import time
 
 import browser as driver
-from browser import CHROMIUM, SKIPPED, Browser, check
+from browser import CHROMIUM, SKIPPED, Browser, Isolated, check, served
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FRAMES = 300
@@ -113,12 +109,15 @@ PLACES = """(() => { const {page} = sandglassPage, n = page.scene.report.sand.pa
     return places; })()"""
 
 
-def check_pours(browser, page):
+def place_on_view(browser, right, down):
+    return browser.ask(f"(({{ left, top, width, height }}) => [left + {right} * width, top + {down} * height])(document.getElementById('view').getBoundingClientRect())")
+
+
+def check_pours(browser):
     """Where the finger is, there is more sand afterwards than before, and it is drawn there: vertices of the surface or loose sand."""
     browser.ask("sandglassPage.page.again()")
     near = PLACES + ".filter(([x, , z]) => Math.hypot(x - {0}, z - {1}) < 0.06).length"
-    box = browser.ask("(() => { const b = document.getElementById('view').getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
-    x, y = box[0] + 0.72 * box[2], box[1] + 0.75 * box[3]
+    x, y = place_on_view(browser, 0.72, 0.75)
     at = browser.ask(f"sandglassPage.page.place({{clientX: {x}, clientY: {y}}})")
     near = near.replace("{0}", str(at[0])).replace("{1}", str(at[2]))
     before = browser.ask(near)
@@ -145,22 +144,18 @@ def check_pours(browser, page):
     return at
 
 
-def check_hourglass(browser, work):
+def check_hourglass(browser):
     """The page opens with an hourglass. A finger turns it over: the sand is above then, runs down, and none leaves the glass."""
     browser.ask("sandglassPage.page.measuring = true; sandglassPage.page.again()")
     run_frames(browser, 30)
     above = f"(places => places.filter(([, y]) => y > 0.127).length / places.length)({PLACES})"
     check(browser.ask(above) < 0.1, "the sand does not lie below")
-    box = browser.ask("(() => { const b = document.getElementById('view').getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
-    x, y = box[0] + 0.5 * box[2], box[1] + 0.4 * box[3]
+    x, y = place_on_view(browser, 0.5, 0.4)
     browser.mouse("mousePressed", x, y, "left", 1)
     browser.mouse("mouseReleased", x, y, "left")
     check(browser.ask("sandglassPage.page.turning.turns"), "a tap does not turn the hourglass")
     run_frames(browser, 85)
     turned = browser.ask(above)
-    if work:
-        browser.ask("sandglassPage.page.draw()")
-        browser.screenshot(work / "hourglass.png")
     run_frames(browser, 600, until=f"{above} < 0.1")
     left, outside = browser.ask(above), browser.ask(PLACES + ".filter(([x, y, z]) => Math.hypot(x, z) > 0.053 || y < 0.012 || y > 0.242).length")
     print(f"of the sand {turned:.2f} is above once the glass is turned, {left:.2f} in the end")
@@ -218,7 +213,7 @@ def check_tilt(browser):
     check("level" in browser.ask("document.getElementById('says').textContent"), "the slider says nothing")
 
 
-def check_camera(browser, work):
+def check_camera(browser):
     """The light becomes that of what a (green) camera sees, and the sliders' again when it is off."""
     light = "[...sandglassPage.page.painter.light.ambient.slice(0, 3)]"
     # What the chair leaves of the light from all around, which follows where that light comes from.
@@ -232,8 +227,6 @@ def check_camera(browser, work):
     wait_until(browser, f"(([r, g, b]) => g > 1.2 * r && g > 1.2 * b)({light})")
     wait_until(browser, f"(now => now !== 0 && now !== {even})({left})")
     print("the room's light:", browser.ask("(({seen, main_share, irradiance}) => ({seen, main_share, irradiance: [...irradiance]}))(sandglassPage.page.stage.room_light)"))
-    if work:
-        browser.screenshot(work / "camera.png")
     browser.ask("window.track = sandglassPage.page.watching.stream.getTracks()[0]; document.getElementById('camera').click()")
     check(browser.ask("window.track.readyState") == "ended", "the camera goes on after it was switched off")
     check(browser.ask(light) == slid, "the light is not the sliders' again")
@@ -317,7 +310,7 @@ def check_hidden(browser, open_pixels):
     check(browser.ask("sandglassPage.page.painter.wall") is None, "the wall stays after it was lost")
 
 
-def check_metal(browser, work):
+def check_metal(browser):
     """A mesh of metal shows what lies about it: the table below, which is warm, and the sliders' sky above, which is not."""
     browser.ask("sandglassPage.page.measuring = true; sandglassPage.page.again(); sandglassPage.page.mark = [0.2, 0, 0.2]; document.querySelector('[value=metal]').click()")
     said = drop(browser, "ball.obj", BALL)
@@ -332,8 +325,6 @@ def check_metal(browser, work):
         return [...pixel]; }"""
     low, high = browser.ask(f"({read})(0.05)"), browser.ask(f"({read})(0.2)")
     check(low[0] > 1.1 * low[2] and high[2] >= high[0], f"metal shows {low} low and {high} high")
-    if work:
-        browser.screenshot(work / "metal.png")
     browser.ask("document.querySelector('[value=sand]').click(); sandglassPage.page.again(); sandglassPage.page.measuring = false")
 
 
@@ -432,15 +423,13 @@ def check_recording(browser):
     frames, added = browser.ask("[recording.frames.length, recording.frames.filter(f => f.added).length]")
     check(frames > 60 and added == 2, f"{frames} frames were recorded, and sand was added {added} times")
     check(browser.ask("new Set(recording.frames.map(f => `${f.gravity}`)).size > 2"), "no tilt was recorded")
-    browser.ask("void sandglassPage.page.play(recording, () => 0).then(h => { window.played = h; }, e => { window.played = e.message; })")
-    wait_until(browser, "window.played", 900)
-    check(browser.ask("window.played === recording.hash"), browser.ask("window.played"))
+    play = lambda: browser.ask("sandglassPage.page.play(recording, () => 0).catch((error) => error.message)")
+    played = play()
+    check(played == browser.ask("recording.hash"), played)
     memory = browser.ask("sandglassPage.page.sand.memory.buffer.byteLength")
     # The control: one frame less of pouring.
-    browser.ask("recording.frames.find(f => f.emitters.length).emitters.pop(); window.played = 0")
-    browser.ask("void sandglassPage.page.play(recording, () => 0).then(h => { window.played = h; }, e => { window.played = e.message; })")
-    wait_until(browser, "window.played", 900)
-    check(browser.ask("window.played !== recording.hash"), "another recording ends in the same hash")
+    browser.ask("void recording.frames.find(f => f.emitters.length).emitters.pop()")
+    check(play() != played, "another recording ends in the same hash")
     check(browser.ask("sandglassPage.page.sand.memory.buffer.byteLength") == memory, "what is played twice takes more memory")
 
 
@@ -483,25 +472,6 @@ def check_measures(browser, work, wanted):
     browser.ask("document.getElementById('close').click()")
 
 
-@contextlib.contextmanager
-def isolated_server(folder):
-    """A server on this machine whose pages are cross-origin isolated: browsers then let them share memory. Gives its address."""
-    class Handler(http.server.SimpleHTTPRequestHandler):
-        def end_headers(self):
-            self.send_header("Cross-Origin-Opener-Policy", "same-origin")
-            self.send_header("Cross-Origin-Embedder-Policy", "require-corp")
-            super().end_headers()
-
-        def log_message(self, *_):
-            pass
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=str(folder))) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        try:
-            yield f"http://127.0.0.1:{server.server_port}/"
-        finally:
-            server.shutdown()
-
-
 def check_threads(browser, url, wanted):
     """A page that is cross-origin isolated runs a pool. Sand falls, other threads do work, and the hash is the same."""
     browser.call("Emulation.setHardwareConcurrencyOverride", hardwareConcurrency=THREADS)
@@ -512,9 +482,7 @@ def check_threads(browser, url, wanted):
     browser.ask("document.querySelector('[value=pour]').click()")
     wait_until(browser, "sandglassPage.page.scene.report.sand.particles > 300 && sandglassPage.page.sand.helped > 0")
     browser.ask("sandglassPage.page.measuring = true")
-    browser.ask(f"void sandglassPage.fixedRun({THREADS_FRAMES}).then(r => {{ window.ran = r; }})")
-    wait_until(browser, "window.ran", 900)
-    ran = browser.ask("window.ran")
+    ran = browser.ask(f"sandglassPage.fixedRun({THREADS_FRAMES})")
     print(f"with {THREADS} threads:", ran)
     check(ran["threads"] == THREADS and ran["hash"] == wanted, f"with threads the page ends in {ran['hash']} and the program in {wanted}")
 
@@ -529,19 +497,15 @@ def main():
     page = assemble(web_scene, npm, work)
     check(page.stat().st_size <= 2.2e6, "the page is larger than 2.2 MB")
     driver.PATIENCE = 240
-    pictures = work if "--screenshots" in sys.argv else None
-    browser = Browser(CHROMIUM, *((700, 620) if pictures else (400, 400)), CAMERA)  # it is drawn on the CPU
+    browser = Browser(CHROMIUM, 400, 400, CAMERA)  # it is drawn on the CPU
     try:
         browser.open(page)
         wait_until(browser, "document.documentElement.dataset.sand")
         print("first sand after", browser.ask("document.documentElement.dataset.sand"), "ms;", page.stat().st_size, "bytes")
-        check_hourglass(browser, pictures)
+        check_hourglass(browser)
         wait_until(browser, "sandglassPage.page.scene.report.sand.particles > 300")
         check(report(browser, "time.clock_fault") == 0, "the browser's clock counts as broken")
-        at = check_pours(browser, page)
-        if pictures:
-            time.sleep(5)
-            browser.screenshot(work / "desktop.png")
+        at = check_pours(browser)
         check_pushes(browser, at)
         check_tilt(browser)
         check_keyboard(browser)
@@ -555,19 +519,17 @@ def main():
         check_recording(browser)
         check_full_table(browser, needed)
         check_link(browser)
-        check_camera(browser, pictures)
-        check_metal(browser, pictures)
+        check_camera(browser)
+        check_metal(browser)
         check_real(browser)
         check_reduced_motion(browser)
         check_narrow(browser)
-        if pictures:
-            browser.screenshot(work / "phone.png")
         check_measures(browser, work, native_hash(sandglass, FRAMES))
-        with isolated_server(page.parent) as server:
-            check_threads(browser, f"{server}{page.name}", native_hash(sandglass, THREADS_FRAMES))
+        url = served(page.parent, Isolated) + page.name
+        check_threads(browser, url, native_hash(sandglass, THREADS_FRAMES))
         complaints = [text for text in browser.complaints if not any(own in text for own in OF_THE_MACHINE)]
         check(not complaints, f"the console complains: {complaints}")
-        others = [url for url in browser.requests if not url.startswith(("data:", "blob:", "file://" + str(page))) and url != f"{server}{page.name}"]
+        others = [other for other in browser.requests if not other.startswith(("data:", "blob:", "file://" + str(page))) and other != url]
         check(not others, f"the page asks for {others}")
     except Exception:
         print("page says:", browser.ask("document.getElementById('says').textContent"), browser.complaints)

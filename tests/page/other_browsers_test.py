@@ -4,7 +4,6 @@ drawn, and 90 frames end in the program's hash.
 
 other_browsers_test.py WEB_SCENE SANDGLASS NPM_FOLDER WORK_FOLDER firefox|webkit
 Runs under xvfb-run: without a screen Firefox has no WebGL 2. Exit code 77: the browser is not here."""
-import base64
 import glob
 import json
 import os
@@ -80,9 +79,6 @@ class Firefox:
     def ask(self, expression):
         return self.call("WebDriver:ExecuteScript", script=f"return ({expression})", args=[], sandbox=None)["value"]
 
-    def screenshot(self):
-        return base64.b64decode(self.call("WebDriver:TakeScreenshot", full=False)["value"])
-
     def close(self):
         self.process.kill()
         self.process.wait()
@@ -109,9 +105,6 @@ class WebKit:
     def ask(self, expression):
         return self.call("POST", self.session + "/execute/sync", {"script": f"return ({expression})", "args": []})
 
-    def screenshot(self):
-        return base64.b64decode(self.call("GET", self.session + "/screenshot"))
-
     def close(self):
         try:
             self.call("DELETE", self.session)
@@ -120,7 +113,7 @@ class WebKit:
             self.process.wait()
 
 
-def run(browser, page, picture, wanted):
+def run(browser, page, wanted):
     browser.open(page)
     wait_until(browser, "!!window.sandglassPage || document.getElementById('says').textContent !== ''")
     check(browser.ask("document.getElementById('says').textContent") == "", browser.ask("document.getElementById('says').textContent"))
@@ -139,7 +132,6 @@ def run(browser, page, picture, wanted):
         }
         return [counts.filter((warm) => warm).length, gl.getError()]; })(sandglassPage.page)""")
     check(drawn[0] > 10 and drawn[1] == 0, f"sand is seen at {drawn[0]} places, error {drawn[1]}")
-    picture.write_bytes(browser.screenshot())
     browser.ask(f"(sandglassPage.page.measuring = true, void sandglassPage.fixedRun({FRAMES}).then(r => {{ window.ran = r; }}), true)")
     wait_until(browser, "!!window.ran")
     ran = browser.ask("window.ran")
@@ -159,7 +151,7 @@ def main():
     page = assemble(web_scene, npm, work)
     browser = Firefox() if which == "firefox" else WebKit()
     try:
-        run(browser, page, work / f"{which}.png", native_hash(sandglass, FRAMES))
+        run(browser, page, native_hash(sandglass, FRAMES))
     finally:
         browser.close()
     return 0

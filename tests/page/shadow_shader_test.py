@@ -73,6 +73,21 @@ def hidden(metres, x, z, bias, heights):
     return sampled([by(byte) for byte in metres], [-1, -1, 1, 1], x, z, None)
 
 
+def farthest(browser, vertex, fragment, uniforms, textures, formula):
+    """How far the picture is from `formula(x, z)`, in steps of a byte."""
+    given = {"side": SIDE, "vertex": vertex, "fragment": fragment, "uniforms": list(uniforms.items()), "textures": textures}
+    places = [2 * (i + 0.5) / SIDE - 1 for i in range(SIDE)]
+    return max(abs(drawn - formula(places[i % SIDE], places[i // SIDE])) for i, drawn in enumerate(browser.ask(f"({DRAW})({json.dumps(given)})")))
+
+
+def box_of(r):
+    return [*r[:2], 1 / (r[2] - r[0]), 1 / (r[3] - r[1])]
+
+
+def noise_of(names, draw):
+    return {name: [draw.randrange(256) for _ in range(TEXELS * TEXELS)] for name in names}
+
+
 def farthest_on_page(browser, lighting, draw):
     """Of models/page/painter.mjs: what both lights and the sky leave of a table, in steps of a byte."""
     uniform, constant = "uniform vec3 to_light, sun, ", "const vec3 to_light = vec3(0, 1, 0), sun = vec3(1); uniform vec3 "
@@ -90,21 +105,18 @@ void main() {{
     vertex = """#version 300 es
 void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1, 0, 1); }"""
     rectangles = {"pile": [0.1, 0.0, 0.9, 0.8], "object": [-0.5, -0.4, 0.3, 0.5], "seen": [-0.7, -0.6, 0.6, 0.7]}
-    boxes = {f"{name}_box": [*r[:2], 1 / (r[2] - r[0]), 1 / (r[3] - r[1])] for name, r in rectangles.items()}
-    maps = {name: [draw.randrange(256) for _ in range(TEXELS * TEXELS)] for name in ("pile", "object", "seen", "sky", "real_depth")}
+    maps = noise_of(("pile", "object", "seen", "sky", "real_depth"), draw)
     # A wall at z = -0.2, and an eye in front of it.
-    uniforms = {**boxes, "pile_opacity": 0.7, "object_opacity": 0.9, "sky_known": 1.0, "bias": BIAS, "eye": [0.3, 0.8, 0.9], "wall": [0, 0, 1, 0.2],
+    uniforms = {**{f"{name}_box": box_of(r) for name, r in rectangles.items()}, "pile_opacity": 0.7, "object_opacity": 0.9, "sky_known": 1.0, "bias": BIAS, "eye": [0.3, 0.8, 0.9], "wall": [0, 0, 1, 0.2],
                 "on_plane": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], "depth_from_screen": [1 / SIDE, 0, 0, 0, 1 / SIDE, 0, 0, 0, 1]}
-    given = {"side": SIDE, "vertex": vertex, "fragment": fragment, "uniforms": list(uniforms.items()),
-             "textures": [[name, TEXELS, maps[name]] for name in maps]}
-    drawn, worst = browser.ask(f"({DRAW})({json.dumps(given)})"), 0
-    for i in range(SIDE * SIDE):
-        x, z = 2 * (i % SIDE + 0.5) / SIDE - 1, 2 * (i // SIDE + 0.5) / SIDE - 1
+
+    def formula(x, z):
         left = (1 - 0.7 * sampled(maps["pile"], rectangles["pile"], x, z, 0)) * sampled(maps["sky"], rectangles["pile"], x, z, 1) * (
             1 - 0.9 * sampled(maps["object"], rectangles["object"], x, z, 0)) * sampled(maps["seen"], rectangles["seen"], x, z, 1)
         away = hidden(maps["real_depth"], x, z, BIAS, [(0.8, 0), (1.1, z + 0.2)])
-        worst = max(worst, abs(drawn[i] - 255 * (left + (1 - left) * away)))
-    return worst
+        return 255 * (left + (1 - left) * away)
+
+    return farthest(browser, vertex, fragment, uniforms, [[name, TEXELS, maps[name]] for name in maps], formula)
 
 
 def farthest_on_sample(browser, fragment, draw):
@@ -116,19 +128,17 @@ def farthest_on_sample(browser, fragment, draw):
 out vec2 place;
 void main() { place = vec2(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1); gl_Position = vec4(place, 0, 1); }"""
     rectangles = {"object": [-0.5, -0.4, 0.3, 0.5], "object_room": [-0.7, -0.6, 0.6, 0.7], "sand": [0.1, 0.0, 0.9, 0.8], "sand_room": [0.1, 0.0, 0.9, 0.8]}
-    maps = {name: [draw.randrange(256) for _ in range(TEXELS * TEXELS)] for name in rectangles}
-    depth, s, worst = [51 * draw.randrange(6) for _ in range(TEXELS * TEXELS)], 0.35, 0
+    maps, depth, s = noise_of(rectangles, draw), [51 * draw.randrange(6) for _ in range(TEXELS * TEXELS)], 0.35
     uniforms = {"s": s, "sand_opacity": 0.7, "viewport": [SIDE, SIDE], "eye_height": 0.8, "bias": BIAS, "depth_from_screen": [1, 0, 0, 0, 1, 0, 0, 0, 1],
-                **{f"{name}_box": [*r[:2], 1 / (r[2] - r[0]), 1 / (r[3] - r[1])] for name, r in rectangles.items()}}
-    given = {"side": SIDE, "vertex": vertex, "fragment": fragment, "uniforms": list(uniforms.items()),
-             "textures": [[name, TEXELS, maps[name]] for name in maps] + [["depth", TEXELS, [1000 * byte // 255 for byte in depth]]]}
-    drawn = browser.ask(f"({DRAW})({json.dumps(given)})")
-    for i in range(SIDE * SIDE):
-        x, z = 2 * (i % SIDE + 0.5) / SIDE - 1, 2 * (i // SIDE + 0.5) / SIDE - 1
+                **{f"{name}_box": box_of(r) for name, r in rectangles.items()}}
+
+    def formula(x, z):
         at = lambda name, outside: sampled(maps[name], rectangles[name], x, z, outside)
         left = s * (1 - at("object", 0)) * (1 - 0.7 * at("sand", 0)) + max(at("object_room", 1) - s, 0) * max(at("sand_room", 1) - s, 0) / (1 - s)
-        worst = max(worst, abs(drawn[i] - 255 * (left + (1 - left) * hidden(depth, x, z, BIAS, [(0.8, 0)]))))
-    return worst
+        return 255 * (left + (1 - left) * hidden(depth, x, z, BIAS, [(0.8, 0)]))
+
+    textures = [[name, TEXELS, maps[name]] for name in maps] + [["depth", TEXELS, [1000 * byte // 255 for byte in depth]]]
+    return farthest(browser, vertex, fragment, uniforms, textures, formula)
 
 
 def main(arguments):
@@ -160,30 +170,27 @@ def main(arguments):
     try:
         for s in (0.0, 0.35, 0.8, 1.0):
             names = ("object_coverage", "object_visibility", "sand_coverage", "sand_visibility", "third_coverage", "third_visibility")
-            maps = {name: [draw.randrange(256) for _ in range(TEXELS * TEXELS)] for name in names}
-            opacity = [0.9, 0.7]
-            depth = [draw.randrange(256) for _ in range(TEXELS * TEXELS)]
+            maps, opacity, depth = noise_of(names, draw), [0.9, 0.7], noise_of(["depth"], draw)["depth"]
             uniforms = {**rectangles, "opacity": opacity, "s": s, "viewport": [SIDE, SIDE], "quad": quad, "plane": 0.0,
                         "depth_from_screen": [1, 0, 0, 0, 1, 0, 0, 0, 1], "eye_height": 0.8, "bias": BIAS,
                         # x and z of the mesh to clip space; and to the world: turned by a quarter, and moved
                         "clip_from_object": [1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1],
                         "world_from_object": [0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, shift[0], 0, shift[1], 1]}
             textures = [[name, TEXELS, maps[name]] for name in names] + [["real_depth", TEXELS, depth], ["camera_image", 1, [floor] * 3]]
-            given = {"side": SIDE, "vertex": vertex, "fragment": fragment, "textures": textures, "uniforms": list(uniforms.items())}
-            drawn = browser.ask(f"({DRAW})({json.dumps(given)})")
-            for row in range(SIDE):
-                for column in range(SIDE):
-                    x, z = 2 * (column + 0.5) / SIDE - 1, 2 * (row + 0.5) / SIDE - 1
-                    world = (z + shift[0], -x + shift[1])
-                    sharp = (1 - opacity[0] * sampled(maps["object_coverage"], rectangles["object_light"], x, z, 0)) * (
-                        1 - opacity[1] * sampled(maps["sand_coverage"], rectangles["sand_rectangle"], *world, 0)) * (
-                        1 - opacity[0] * sampled(maps["third_coverage"], rectangles["third_rectangle"], x, z, 0))
-                    rest = max(sampled(maps["object_visibility"], rectangles["object_ambient"], x, z, 1) - s, 0) * max(
-                        sampled(maps["sand_visibility"], rectangles["sand_rectangle"], *world, 1) - s, 0) * max(
-                        sampled(maps["third_visibility"], rectangles["third_rectangle"], x, z, 1) - s, 0)
-                    left = s * sharp + (rest / (1 - s) ** 2 if s < 1 else 0)
-                    left += (1 - left) * hidden(depth, x, z, BIAS, [(0.8, 0)])
-                    worst = max(worst, abs(drawn[row * SIDE + column] - encoded(decoded(floor) * left)))
+
+            def formula(x, z):
+                world = (z + shift[0], -x + shift[1])
+                sharp = (1 - opacity[0] * sampled(maps["object_coverage"], rectangles["object_light"], x, z, 0)) * (
+                    1 - opacity[1] * sampled(maps["sand_coverage"], rectangles["sand_rectangle"], *world, 0)) * (
+                    1 - opacity[0] * sampled(maps["third_coverage"], rectangles["third_rectangle"], x, z, 0))
+                rest = max(sampled(maps["object_visibility"], rectangles["object_ambient"], x, z, 1) - s, 0) * max(
+                    sampled(maps["sand_visibility"], rectangles["sand_rectangle"], *world, 1) - s, 0) * max(
+                    sampled(maps["third_visibility"], rectangles["third_rectangle"], x, z, 1) - s, 0)
+                left = s * sharp + (rest / (1 - s) ** 2 if s < 1 else 0)
+                left += (1 - left) * hidden(depth, x, z, BIAS, [(0.8, 0)])
+                return encoded(decoded(floor) * left)
+
+            worst = max(worst, farthest(browser, vertex, fragment, uniforms, textures, formula))
         all_three = [worst, farthest_on_page(browser, lighting, draw), farthest_on_sample(browser, sample, draw)]
     finally:
         browser.close()

@@ -4,7 +4,6 @@ scenes of both hands: shadow and sand are seen, the light is the library's, memo
 
 engines_test.py NPM_FOLDER WORK_FOLDER README    WORK_FOLDER has node_modules, and gets pictures/*.png.
 Exit code 77: there is no Chromium here."""
-import functools
 import http.server
 import json
 import pathlib
@@ -13,14 +12,13 @@ import shutil
 import struct
 import subprocess
 import sys
-import threading
 import time
 import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
-from browser import Browser
+from browser import CHROMIUM, SKIPPED, SOFTWARE, Browser, Files, served
 
-SKIPPED, PATIENCE = 77, 60
+PATIENCE = 60
 PLACES = (0.5, 0.88), (0.1, 0.9)  # of the README's picture: a shadow, and the floor beside it
 HERE = pathlib.Path(__file__).parent / "engines"
 MAP = {"three": "three/build/three.module.js", "three/addons/": "three/examples/jsm/", "sandglass/three": "sandglass/three.mjs"}
@@ -129,19 +127,6 @@ def prepare(npm, work, readme):
     (work / "vite.config.js").write_text('export default { optimizeDeps: { exclude: ["sandglass"] } };\n')
 
 
-class Files(http.server.SimpleHTTPRequestHandler):
-    extensions_map = {**http.server.SimpleHTTPRequestHandler.extensions_map, ".mjs": "text/javascript", ".wasm": "application/wasm"}
-
-    def log_message(self, *_):
-        pass
-
-
-def served(folder):
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Files, directory=folder))
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    return f"http://127.0.0.1:{server.server_port}/"
-
-
 def opened(browser, url):
     browser.open(url)
     end = time.monotonic() + PATIENCE
@@ -211,8 +196,7 @@ def vite(work, look):
 
 
 def main(arguments):
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    if program is None:
+    if CHROMIUM is None:
         return SKIPPED
     npm, work, readme = map(pathlib.Path, arguments)
     prepare(npm, work, readme)
@@ -225,7 +209,7 @@ def main(arguments):
         (work / "bundled" / f"{name}.html").write_text((HERE / "index.html").read_text().replace("main.mjs", f"{name}.js"))
     for name in ("model.glb", "room.jpg"):
         shutil.copy(work / name, work / "bundled")
-    browser = Browser(program, width=800, height=760, flags=("--use-angle=swiftshader", "--enable-unsafe-swiftshader"))
+    browser = Browser(CHROMIUM, width=800, height=760, flags=SOFTWARE)
     try:
         plain, built, bundled = served(work), served(work / "built"), served(work / "bundled")
         shows(browser, work, "import map", plain + "map.html?app=light")
