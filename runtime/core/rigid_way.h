@@ -36,4 +36,29 @@ inline RigidWay rigid_way(const float from[3], const float from_axes[3][3], cons
   return w;
 }
 
+struct RigidPose {
+  float position[3], axes[3][3];  // images of x, y, z
+};
+
+// x, y, z and 0, in the registers of four that all targets have or the compiler makes do without.
+typedef float Quad __attribute__((vector_size(16)));
+inline Quad quad(const float v[3]) { return Quad{v[0], v[1], v[2], 0.0f}; }
+inline Quad times(const Quad columns[3], const Quad& v) {
+  const Quad x = {v[0], v[0], v[0], v[0]}, y = {v[1], v[1], v[1], v[1]}, z = {v[2], v[2], v[2], v[2]};
+  return (columns[0] * x + columns[1] * y) + columns[2] * z;
+}
+
+// A rigid motion for many.
+struct QuadMotion {
+  Quad from, turn[3], shift;
+
+  Quad turned(const Quad& v) const { return times(turn, v); }
+  Quad way(const Quad& x) const { return times(turn, x - from) + shift; }
+};
+inline QuadMotion quad_motion(const RigidWay& w) {
+  QuadMotion q = {quad(w.from), {}, quad(w.shift)};
+  for (int k = 0; k < 3; ++k) q.turn[k] = Quad{w.turn[0][k], w.turn[1][k], w.turn[2][k], 0.0f};
+  return q;
+}
+
 }  // namespace sandglass

@@ -17,25 +17,17 @@ constexpr float k_pressed = 0.5f;     // radii from a collider that stands; what
 // x becomes x + turn d + shift, for d = x - from; v becomes v + turn v + gain d + constant, but no faster than `most`: what
 // a sub-step allows.
 struct QuadWay {
-  Quad from, turn[3], shift, gain[3], constant;
+  QuadMotion motion;
+  Quad gain[3], constant;
   float most;
 };
 
-Quad quad(const float v[3]) { return Quad{v[0], v[1], v[2], 0.0f}; }
-
-Quad times(const Quad columns[3], const Quad& v) {
-  const Quad x = {v[0], v[0], v[0], v[0]}, y = {v[1], v[1], v[1], v[1]}, z = {v[2], v[2], v[2], v[2]};
-  return (columns[0] * x + columns[1] * y) + columns[2] * z;
-}
-
 // What is gained is `more` times the collider's velocity.
 QuadWay quad_way(const Granular& g, const Carrier& carrier, float more) {
-  const RigidWay& w = carrier.way;
   const float* s = carrier.from.angular;
   const float spin[3][3] = {{0, s[2], -s[1]}, {-s[2], 0, s[0]}, {s[1], -s[0], 0}};
-  QuadWay q = {quad(w.from), {}, quad(w.shift), {}, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
-  for (int k = 0; k < 3; ++k) q.turn[k] = Quad{w.turn[0][k], w.turn[1][k], w.turn[2][k], 0.0f};
-  const auto gained = [&](const float u[3]) { return (quad(u) + times(q.turn, quad(u))) * more; };
+  QuadWay q = {quad_motion(carrier.way), {}, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
+  const auto gained = [&](const float u[3]) { return (quad(u) + q.motion.turned(quad(u))) * more; };
   for (int k = 0; k < 3; ++k) q.gain[k] = gained(spin[k]);
   q.constant = gained(carrier.from.linear);
   return q;
@@ -49,9 +41,9 @@ void carry_copy(const QuadWay& q, float scale, Particle* p) {
   static_assert(sizeof halves == sizeof *p);
   const uint32_t identity = p->identity;
   __builtin_memcpy(&halves, p, sizeof halves);
-  const Quad d = halves.at - q.from;
-  halves.at += times(q.turn, d) + q.shift;
-  halves.velocity += times(q.turn, halves.velocity);
+  const Quad d = halves.at - q.motion.from;
+  halves.at += q.motion.way(halves.at);
+  halves.velocity += q.motion.turned(halves.velocity);
   if (scale != 0.0f) {
     halves.velocity += (times(q.gain, d) + q.constant) * scale;
     const Quad squares = halves.velocity * halves.velocity;
@@ -115,27 +107,12 @@ float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder
         carry_copy(q, awake ? gains * it.scale : 0.0f, &g.particles.records[copy][it.first + l]);
     if (!awake) bounds_include(&c->resting, p.position);
     sleep_carry(g, number_of(p), carrier.way);
+    motion_carry(g.motion, g, number_of(p), q.motion);
   }
   return way;
 }
 
 // ---- moving what is not held
-
-// A pose between those of a carrier.
-ColliderFrame pose_between(const Carrier& carrier, float share) {
-  ColliderFrame f = carrier.to;
-  for (int a = 0; a < 3; ++a) {
-    f.position[a] = carrier.from.position[a] + share * (carrier.to.position[a] - carrier.from.position[a]);
-    float length2 = 0.0f;
-    for (int k = 0; k < 3; ++k) {
-      f.axes[a][k] = carrier.from.axes[a][k] + share * (carrier.to.axes[a][k] - carrier.from.axes[a][k]);
-      length2 += f.axes[a][k] * f.axes[a][k];
-    }
-    for (int k = 0; k < 3; ++k) f.axes[a][k] /= __builtin_sqrtf(length2);
-  }
-  find_extent(&f);
-  return f;
-}
 
 // Puts lanes out of a collider, by no more than `most` each.
 void put_out(const Granular& g, const ColliderFrame& c, HeldLanes* lanes, uint32_t mask, const float most[k_lane_group],
@@ -181,10 +158,12 @@ void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t 
     if (!holding_overlaps(here, swept, 2.0f * r)) continue;
     const float parts = carry_box(carrier.way, here, &unused) / (k_step_out * r);
     const uint32_t steps = parts < static_cast<float>(k_steps_out) ? static_cast<uint32_t>(parts) + 1 : k_steps_out;
+    const RigidPose from = rigid_pose(carrier.from);
     for (uint32_t step = 1; step <= steps && mask != 0; ++step) {
       HeldLanes& before = scratch_of(g).before;
       before = *lanes;
-      put_out(g, pose_between(carrier, static_cast<float>(step) / static_cast<float>(steps)), lanes, mask, most, moved);
+      put_out(g, collider_between(from, carrier.to, static_cast<float>(step) / static_cast<float>(steps)), lanes, mask,
+              most, moved);
       mask = hold_before_standing(g, lanes, before, mask);
     }
   }
@@ -450,6 +429,8 @@ uint32_t carry_items(const Granular& g) {
   const uint32_t begun = g.carry.known ? g.carry.cursor : 0, left = g.particles.count - begun, unit = unit_of(g);
   return left < unit ? left : unit;
 }
+
+void carry_find_groups(Carry* c, const Granular& g) { find_groups(c, g); }
 
 void carry_begin(Carry* c, const Granular& g, float faster) {
   c->known = true;

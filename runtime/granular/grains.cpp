@@ -165,6 +165,11 @@ void grain_sleep_removed(GrainSleep* s) {
   s->all_asleep = false;
 }
 
+void grain_sleep_carried(GrainSleep* s, uint32_t begin, uint32_t end) {
+  for (uint32_t group = begin; group < end; ++group)
+    if (s->still[group] == k_tile_made) s->still[group] = 1;
+}
+
 void grain_sleep_followed(GrainSleep* s, bool at_rest) { s->all_asleep = at_rest; }
 
 bool grain_sleep_skips_time(GrainSleep* s, const Granular& g) {
@@ -240,6 +245,7 @@ struct OutputTask {
   float lag;
   const uint32_t* stamps;  // of the groups; null: all are written
   uint32_t least;          // those from this one on are written
+  GrainWays ways;
   void run(uint32_t piece, uint32_t begin, uint32_t end) {
     (void)piece;
     const OutputTask t = *this;  // what is written may not be this
@@ -255,6 +261,8 @@ struct OutputTask {
       const HalfRecord* record = reinterpret_cast<const HalfRecord*>(&t.grains[i]);
       const HalfRecord v = record[1], squares = v * v;
       HalfRecord grain = record[0] - t.lag * v;
+      const QuadMotion* const way = t.ways.of(i);
+      if (way != nullptr) grain += way->way(grain);
       grain[3] = __builtin_sqrtf(squares[0] + squares[1] + squares[2]);
       __builtin_memcpy(t.out + number * t.stride, &grain, sizeof grain);
     }
@@ -293,7 +301,8 @@ void output_run(Output* output, const Granular& g) {
                      output_count(g),
                      lag,
                      output->all_changed || output->all_since >= output->least ? nullptr : output->stamps,
-                     output->least};
+                     output->least,
+                     grain_carry_ways(g)};
   const uint32_t end = all - output->cursor < g.unit ? all : output->cursor + g.unit;
   granular_split(g, output->cursor, end, &task);
   output->cursor = end;

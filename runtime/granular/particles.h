@@ -156,9 +156,6 @@ void boundary_sort(Boundary* boundary, const Granular& granular, uint32_t count)
 // displacements of that window. Two that lay farther apart must approach by two reaches less a diameter before they
 // touch; they have approached by no more than the diagonal of the box that holds all displacements.
 
-// x, y, z and 0, in the registers of four that all targets have or the compiler makes do without.
-typedef float Quad __attribute__((vector_size(16)));
-
 // The box around displacements, in metres. Empty: low above high.
 struct DisplacementBox {
   Quad low, high;
