@@ -318,6 +318,7 @@ struct RefineArgs {
   int32_t own_particles;   // 0: with a motion grid, grains follow means alone
   float weight_at_radius;  // W(r)
   const ColliderFrame* colliders;
+  const ColliderFrame* on_their_way;  // as many after each step but the last; null: they are where they end
   uint32_t collider_count;
   float grain_radius;
   float friction;

@@ -340,11 +340,12 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
 }
 
 // Returns the lanes that a field moved: its distance is rough, in corners and far inside.
-SANDGLASS_APART Mask keep_outside(const RefineArgs* a, Mask lanes, Float position[3], Float velocity[3]) {
+SANDGLASS_APART Mask keep_outside(const RefineArgs* a, const ColliderFrame* colliders, Mask lanes, Float position[3],
+                                  Float velocity[3]) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   Mask rough = and_not(lanes, lanes);
   for (uint32_t c = 0; c < a->collider_count; ++c) {
-    const ColliderFrame& collider = a->colliders[c];
+    const ColliderFrame& collider = colliders[c];
     if (far_from(collider, position, a->grain_radius)) continue;
     const Surface surface = collider_surface(collider, position[0], position[1], position[2]);
     const Float depth = broadcast(a->grain_radius) - surface.distance;
@@ -449,7 +450,9 @@ SANDGLASS_APART void follow_in_steps(const RefineArgs* a, const Following& f, Ma
   Grains one_by_one = *g;
   for (uint32_t s = 0; s < a->steps; ++s) {
     take_step(a, f, &one_by_one);
-    if (s + 1 != a->steps) keep_outside(a, lanes, one_by_one.position, one_by_one.velocity);
+    const ColliderFrame* const after =
+        a->on_their_way != nullptr ? a->on_their_way + s * a->collider_count : a->colliders;
+    if (s + 1 != a->steps) keep_outside(a, after, lanes, one_by_one.position, one_by_one.velocity);
   }
   for (int k = 0; k < 3; ++k) {
     g->position[k] = select(lanes, one_by_one.position[k], g->position[k]);
@@ -502,8 +505,8 @@ SANDGLASS_INLINE bool reaches_collider(const RefineArgs* a, const Float position
 }
 
 SANDGLASS_APART void leave_colliders(const RefineArgs* a, Grains* g) {
-  const Mask again = keep_outside(a, g->inside, g->position, g->velocity);
-  if (any(again)) keep_outside(a, again, g->position, g->velocity);
+  const Mask again = keep_outside(a, a->colliders, g->inside, g->position, g->velocity);
+  if (any(again)) keep_outside(a, a->colliders, again, g->position, g->velocity);
 }
 
 // With a grid: one look-up for all steps. What is rare works on a copy, so that the grains can stay in registers.
@@ -552,7 +555,7 @@ SANDGLASS_APART void follow_particles(const RefineArgs* a, Grains* g) {
     Flow flow = no_flow();
     gather_all(a, sound_places(g->inside, g->position), g->position, &flow);
     take_step(a, find_following(a, nullptr, flow, nobodys_own(), false, g), g);
-    keep_outside(a, g->inside, g->position, g->velocity);
+    keep_outside(a, a->colliders, g->inside, g->position, g->velocity);
   }
 }
 

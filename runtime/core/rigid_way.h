@@ -1,8 +1,6 @@
 // A rigid motion, as the way from one pose to another.
 #pragma once
 
-#include "kernels/kernels.h"
-
 namespace sandglass {
 
 // x, y, z and 0, in the registers of four that all targets have or the compiler makes do without. Also half a record.
@@ -29,7 +27,9 @@ struct RigidWay {
   }
 };
 
-inline RigidWay rigid_way(const ColliderFrame& from, const ColliderFrame& to) {
+// From one pose to another: RigidPoses, or frames of colliders.
+template <class Pose>
+RigidWay rigid_way(const Pose& from, const Pose& to) {
   RigidWay w = {};
   for (int j = 0; j < 3; ++j)
     for (int k = 0; k < 3; ++k) w.turn[j] += (quad(to.axes[k]) - quad(from.axes[k])) * from.axes[k][j];
@@ -37,5 +37,9 @@ inline RigidWay rigid_way(const ColliderFrame& from, const ColliderFrame& to) {
   w.shift = quad(to.position) - w.from;
   return w;
 }
+
+struct RigidPose {
+  float position[3], axes[3][3];  // images of x, y, z
+};
 
 }  // namespace sandglass

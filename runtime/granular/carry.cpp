@@ -104,27 +104,12 @@ float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder
         carry_copy(carried, awake ? gains * it.scale : 0.0f, &g.particles.records[copy][it.first + l]);
     if (!awake) bounds_include(&c->resting, p.position);
     sleep_carry(g, number_of(p), carrier.way);
+    motion_carry(g.motion, g, number_of(p), carried.way);
   }
   return way;
 }
 
 // ---- moving what is not held
-
-// A pose between those of a carrier.
-ColliderFrame pose_between(const Carrier& carrier, float share) {
-  ColliderFrame f = carrier.to;
-  for (int a = 0; a < 3; ++a) {
-    f.position[a] = carrier.from.position[a] + share * (carrier.to.position[a] - carrier.from.position[a]);
-    float length2 = 0.0f;
-    for (int k = 0; k < 3; ++k) {
-      f.axes[a][k] = carrier.from.axes[a][k] + share * (carrier.to.axes[a][k] - carrier.from.axes[a][k]);
-      length2 += f.axes[a][k] * f.axes[a][k];
-    }
-    for (int k = 0; k < 3; ++k) f.axes[a][k] /= __builtin_sqrtf(length2);
-  }
-  find_extent(&f);
-  return f;
-}
 
 // Puts lanes out of a collider, by no more than `most` each.
 void put_out(const Granular& g, const ColliderFrame& c, HeldLanes* lanes, uint32_t mask, const float most[k_lane_group],
@@ -170,10 +155,12 @@ void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t 
     if (!holding_overlaps(here, swept, 2.0f * r)) continue;
     const float parts = carry_box(carrier.way, here, &unused) / (k_step_out * r);
     const uint32_t steps = parts < static_cast<float>(k_steps_out) ? static_cast<uint32_t>(parts) + 1 : k_steps_out;
+    const RigidPose from = rigid_pose(carrier.from);
     for (uint32_t step = 1; step <= steps && mask != 0; ++step) {
       HeldLanes& before = scratch_of(g).before;
       before = *lanes;
-      put_out(g, pose_between(carrier, static_cast<float>(step) / static_cast<float>(steps)), lanes, mask, most, moved);
+      put_out(g, collider_between(from, carrier.to, static_cast<float>(step) / static_cast<float>(steps)), lanes, mask,
+              most, moved);
       mask = hold_before_standing(g, lanes, before, mask);
     }
   }
@@ -438,6 +425,8 @@ uint32_t carry_items(const Granular& g) {
   const uint32_t begun = g.carry.known ? g.carry.cursor : 0, left = g.particles.count - begun, unit = unit_of(g);
   return left < unit ? left : unit;
 }
+
+void carry_find_groups(Carry* c, const Granular& g) { find_groups(c, g); }
 
 void carry_begin(Carry* c, const Granular& g, float faster) {
   c->known = true;

@@ -292,7 +292,7 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   float(&slide)[6] = c.slides_of_slot[slot];
   c.met[slot] = goes_on ? pose_before(before, slide, c.arrived ? 0.0f : static_cast<float>(owed)) : met.pose;
   if (step > 0.0 || !continued) __builtin_memcpy(slide, known.pose.slide, sizeof slide);
-  c.jumps[slot] = jumps ? 1 : 0;
+  c.jumps[slot] = !continued || c.waits ? k_is_new : jumps ? 1 : 0;
   if (g.time.rate < 1.0 && step > 0.0) {
     met = known.pose.held;
     if (goes_on) met.pose = jumps ? pose_before(met, slide, g.time.frame_step) : c.met[slot];
@@ -429,6 +429,9 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
   c->substep_slots = layout_region<uint32_t>(layout, "granular.substep_slots", capacity);
   c->substep_frames = layout_region<ColliderFrame>(layout, "granular.substep_colliders", capacity);
   c->sweep_frames = layout_region<ColliderFrame>(layout, "granular.sweep_colliders", capacity);
+  if (d.grain_capacity != 0)
+    c->sweep_ways =
+        layout_region<ColliderFrame>(layout, "granular.sweep_collider_ways", (k_sweep_steps_max - 1) * capacity);
   ColliderWatch* const watches[] = {&c->for_particles, &c->for_grains};
   for (ColliderWatch* watch : watches) {
     const bool grains = watch == &c->for_grains;
@@ -444,7 +447,7 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
 }
 
 void colliders_reset(Colliders* c, const sandglass_granular_desc& d) {
-  c->count = c->solid_count = c->substep_count = c->sweep_count = 0;
+  c->count = c->solid_count = c->substep_count = c->sweep_count = c->sweep_way_count = 0;
   c->waits = c->arrived = c->jumped = false;
   ColliderWatch* const watches[] = {&c->for_particles, &c->for_grains};
   for (uint32_t slot = 0; slot < d.collider_capacity; ++slot) {
@@ -493,9 +496,10 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
   order(&c, capacity);
   c.jumped = false;
   if (g.time.frame_step > 0.0f) c.arrived = false;
-  for (uint32_t i = 0; i < c.solid_count; ++i) c.jumped = c.jumped || c.jumps[c.slots[i]] != 0;
+  for (uint32_t i = 0; i < c.solid_count; ++i) c.jumped = c.jumped || c.jumps[c.slots[i]] == 1;
   drop_gone_fields(c, c.substep_frames, c.substep_count);
   drop_gone_fields(c, c.sweep_frames, c.sweep_count);
+  drop_gone_fields(c, c.sweep_ways, c.sweep_way_count);
   drop_gone_fields(c, c.for_grains.moved.frames, c.for_grains.moved.count);
 }
 
@@ -522,9 +526,38 @@ void colliders_begin_substep(Colliders* c, float before) {
   c->substep_count = c->solid_count;
 }
 
-void colliders_begin_sweep(Colliders* c, float before) {
+RigidPose rigid_pose(const ColliderFrame& frame) {
+  RigidPose pose;
+  __builtin_memcpy(pose.position, frame.position, sizeof pose.position);
+  __builtin_memcpy(pose.axes, frame.axes, sizeof pose.axes);
+  return pose;
+}
+
+ColliderFrame collider_between(const RigidPose& from, const ColliderFrame& to, float share) {
+  ColliderFrame f = to;
+  for (int a = 0; a < 3; ++a) {
+    f.position[a] = from.position[a] + share * (to.position[a] - from.position[a]);
+    float length2 = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+      f.axes[a][k] = from.axes[a][k] + share * (to.axes[a][k] - from.axes[a][k]);
+      length2 += f.axes[a][k] * f.axes[a][k];
+    }
+    for (int k = 0; k < 3; ++k) f.axes[a][k] /= __builtin_sqrtf(length2);
+  }
+  find_extent(&f);
+  return f;
+}
+
+void colliders_begin_sweep(Colliders* c, float before, const RigidPose* from, uint32_t steps) {
   colliders_pose(c->given, c->count, before, c->sweep_frames, c->slides);
   c->sweep_count = c->count;
+  c->sweep_way_count = from == nullptr ? 0 : (steps - 1) * c->count;
+  for (uint32_t i = 0; i < c->sweep_way_count; ++i) {
+    const uint32_t of = i % c->count;
+    const float share = static_cast<float>(i / c->count + 1) / static_cast<float>(steps);
+    const ColliderFrame& end = c->sweep_frames[of];
+    c->sweep_ways[i] = of < c->solid_count ? collider_between(from[c->slots[of]], end, share) : end;
+  }
 }
 
 bool colliders_move_sand(const Granular& g) {
@@ -546,14 +579,34 @@ bool colliders_move_sand(const Granular& g) {
   return false;
 }
 
+void colliders_pose_met(const Granular& g, uint32_t i, ColliderFrame* frame) {
+  sandglass_collider met = g.colliders.given[i];
+  place(&met, {g.colliders.met[g.colliders.slots[i]], {0, 0, 0}, {0, 0, 0}});
+  colliders_pose(&met, 1, 0.0f, frame);
+}
+
+void colliders_find_ways(Colliders* c, const RigidPose* from, const uint8_t* moves) {
+  for (uint32_t i = 0; i < c->solid_count; ++i) {
+    Carrier& carrier = c->carriers[i];
+    const RigidPose& pose = from[c->slots[i]];
+    sandglass_collider end = c->given[i];
+    place(&end, {c->ends[c->slots[i]], {0, 0, 0}, {0, 0, 0}});
+    colliders_pose(&end, 1, 0.0f, &carrier.to);
+    carrier.from = carrier.to;
+    __builtin_memcpy(carrier.from.position, pose.position, sizeof pose.position);
+    __builtin_memcpy(carrier.from.axes, pose.axes, sizeof pose.axes);
+    find_extent(&carrier.from);
+    find_way(&carrier, true);
+    carrier.moves = carrier.moves || moves[c->slots[i]] != 0;
+  }
+}
+
 void colliders_find_jumps(Colliders* c, const Granular& g) {
   for (uint32_t i = 0; i < c->solid_count; ++i) {
     Carrier& carrier = c->carriers[i];
-    sandglass_collider met = c->given[i];
-    colliders_pose(&met, 1, static_cast<float>(g.time.debt), &carrier.to, &c->slides[i]);
-    place(&met, {c->met[c->slots[i]], {0, 0, 0}, {0, 0, 0}});
-    colliders_pose(&met, 1, 0.0f, &carrier.from);
-    find_way(&carrier, c->jumps[c->slots[i]] != 0);
+    colliders_pose(&c->given[i], 1, static_cast<float>(g.time.debt), &carrier.to, &c->slides[i]);
+    colliders_pose_met(g, i, &carrier.from);
+    find_way(&carrier, c->jumps[c->slots[i]] == 1);
   }
 }
 

@@ -68,6 +68,7 @@ sandglass_status granular_add(Granular* g, const sandglass_points& particles, co
     granular_seal(g);
   }
   if (grains.count != 0) {
+    if (!sweep_takes_grains(*g)) sweep_end(g);
     if (g->grains.count == 0) motion_begin_here(g->motion, *g);
     for (uint64_t i = 0; i < grains.count; ++i) add_grain(g, grains.positions + 3 * i, velocity(grains, i));
     sweep_grains_added(g, grains.count);
@@ -90,6 +91,7 @@ sandglass_status granular_remove(Granular* g, const sandglass_collider* region, 
   ColliderFrame shape;
   colliders_pose(&accepted, 1, 0.0f, &shape);
   granular_wake_all(g);
+  sweep_end(g);
   uint32_t removed = 0, removed_grains = 0, found[k_lane_group];
   for (uint32_t group = (g->particles.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
     const uint32_t inside = flow_find_inside(*g, as_records(g->particles.records[0]), g->particles.count,

@@ -165,6 +165,11 @@ void grain_sleep_removed(GrainSleep* s) {
   s->all_asleep = false;
 }
 
+void grain_sleep_carried(GrainSleep* s, uint32_t begin, uint32_t end) {
+  for (uint32_t group = begin; group < end; ++group)
+    if (s->still[group] == k_tile_made) s->still[group] = 1;
+}
+
 void grain_sleep_followed(GrainSleep* s, bool at_rest) { s->all_asleep = at_rest; }
 
 bool grain_sleep_skips_time(GrainSleep* s, const Granular& g) {
@@ -237,6 +242,7 @@ struct OutputTask {
   float lag;
   const uint32_t* stamps;  // of the groups; null: all are written
   uint32_t least;          // those from this one on are written
+  GrainWays ways;
   void run(uint32_t piece, uint32_t begin, uint32_t end) {
     (void)piece;
     const OutputTask t = *this;  // what is written may not be this
@@ -251,6 +257,8 @@ struct OutputTask {
       if (number >= t.capacity) continue;
       const Quad* record = reinterpret_cast<const Quad*>(&t.grains[i]);
       Quad grain = record[0] - t.lag * record[1];
+      const RigidWay* const way = t.ways.of(i);
+      if (way != nullptr) grain += way->way(grain);
       grain[3] = __builtin_sqrtf(square_of(record[1]));
       __builtin_memcpy(t.out + number * t.stride, &grain, sizeof grain);
     }
@@ -289,7 +297,8 @@ void output_run(Output* output, const Granular& g) {
                      output_count(g),
                      lag,
                      output->all_changed || output->all_since >= output->least ? nullptr : output->stamps,
-                     output->least};
+                     output->least,
+                     grain_carry_ways(g)};
   const uint32_t end = all - output->cursor < g.unit ? all : output->cursor + g.unit;
   granular_split(g, output->cursor, end, &task);
   output->cursor = end;

@@ -83,6 +83,8 @@ void grain_sleep_settle(GrainSleep* sleep, const Granular& granular);
 void grain_sleep_regrouped(GrainSleep* sleep);
 void grain_sleep_added(GrainSleep* sleep, const Granular& granular, uint32_t count);
 void grain_sleep_removed(GrainSleep* sleep);
+// Grains of these groups were carried.
+void grain_sleep_carried(GrainSleep* sleep, uint32_t begin, uint32_t end);
 // A sweep is complete. at_rest: it refined no grain, and all particles sleep.
 void grain_sleep_followed(GrainSleep* sleep, bool at_rest);
 
@@ -127,6 +129,76 @@ void output_restart(Output* output);
 bool output_next(const Granular& granular, WorkUnit* unit);
 void output_run(Output* output, const Granular& granular);
 uint32_t output_forecast(const Granular& granular, Forecast* entries);
+
+// ---- GrainCarry (grain_carry.cpp)
+//
+// A sweep takes grains to where sand was when its snapshot was taken. Since then colliders have gone on, in simulated time
+// and without (Carry, in solver.h). So a grain is drawn where its collider's way since then takes it. What of that way
+// took no time is taken into the records before the next sweep looks at them; the rest that sweep finds. Who holds a
+// grain is as for particles, and is looked up once a sweep, where some collider has gone on at all.
+//
+// In a sweep a group of grains has three states: as the last sweep left it, carried, and refined. Two of them can be met at
+// a time: the groups that the phase has come to have the later one.
+
+struct GrainCarry {
+  uint8_t* holders;  // one a grain: a slot
+  // By slot: where colliders were when sand was as the grains are now, and where carries took them from there; the same
+  // for the sweep under way.
+  RigidPose *met, *carried, *next_met, *next_carried;
+  uint8_t *moves, *next_moves;  // 1: it has gone on since
+  RigidWay* ways[2];            // by slot, to where they are drawn; [1]: of groups with the later state
+  bool pending, next_pending;   // a carry was
+  bool known, drawn;            // this frame's ways are, and some are more than nothing
+  uint32_t unknown;             // groups whose holders are not
+  uint32_t cursor, looked;      // at the frame's end: grains that have holders, and for how many they were looked up
+};
+struct GrainStance {
+  const RigidPose* met;
+  const uint8_t* moves;
+};
+
+// The ways on which grains are drawn.
+constexpr uint8_t k_grain_holders = 254;  // slots that can hold one; a higher number stands for none
+struct GrainWays {
+  const uint8_t* holders;  // null: all are drawn where they are
+  const RigidWay* ways[2];
+  uint32_t moved;
+
+  const RigidWay* of(uint32_t i) const {
+    return holders == nullptr || holders[i] >= k_grain_holders ? nullptr : &ways[i < moved ? 1 : 0][holders[i]];
+  }
+};
+
+void grain_carry_layout(GrainCarry* carry, const sandglass_granular_desc& desc, Layout* layout);
+void grain_carry_reset(GrainCarry* carry, const Granular& granular);
+// Grains are drawn as their records are.
+void grain_carry_settle(GrainCarry* carry, const Granular& granular);
+// Of the grains from the group of `first` on, which are others now, nothing is known; of those that units of a sweep refined.
+void grain_carry_forget(GrainCarry* carry, const Granular& granular, uint32_t first);
+void grain_carry_refined(GrainCarry* carry, const Granular& granular, uint32_t begin, uint32_t end);
+// The frame's colliders are known, but nobody was carried yet.
+void grain_carry_begin_frame(GrainCarry* carry, const Granular& granular);
+void grain_carry_begin_sweep(GrainCarry* carry, const Granular& granular);
+void grain_carry_complete(GrainCarry* carry);
+// Particles were carried.
+void grain_carry_note(GrainCarry* carry, const Granular& granular);
+
+// Grains before this one have the later state. Where their colliders were then.
+uint32_t grain_carry_moved(const Granular& granular);
+GrainStance grain_carry_stance(const Granular& granular, bool moved);
+// The carriers go from there: takes their ways. False: none moves.
+bool grain_carry_take_ways(GrainCarry* carry, const Granular& granular, bool moved);
+// Finds holders of grains of one state, until a unit of them were looked up. Returns the next grain.
+uint32_t grain_carry_find(GrainCarry* carry, const Granular& granular, uint32_t begin, uint32_t end);
+// A sweep's unit: takes carries into the records. True: some were. Then, all were.
+bool grain_carry_take(GrainCarry* carry, const Granular& granular, uint32_t begin, uint32_t end);
+void grain_carry_taken(GrainCarry* carry);
+
+// At a frame's end: what must be known before grains are written.
+bool grain_carry_is_due(const Granular& granular);
+void grain_carry_begin(GrainCarry* carry, const Granular& granular, bool any);
+void grain_carry_found(GrainCarry* carry, uint32_t cursor);
+GrainWays grain_carry_ways(const Granular& granular);
 
 // ---- ParticleMotion (motion.cpp)
 //
@@ -176,6 +248,8 @@ void motion_add(const ParticleMotion& motion, const Granular& granular, uint32_t
                 const float velocity[3]);
 // The particles from the row `first` on, which were just added, have fallen freely on their way.
 void motion_fall(const ParticleMotion& motion, const Granular& granular, uint32_t first);
+// A particle was carried: that is no motion for grains to follow.
+void motion_carry(const ParticleMotion& motion, const Granular& granular, uint32_t number, const RigidWay& way);
 // What the particles do from now on is what the next sweep covers. The grains lag behind by nothing.
 void motion_begin_here(const ParticleMotion& motion, const Granular& granular);
 // Nothing is remembered of how many particles moved.
@@ -223,6 +297,7 @@ constexpr float k_patience_sweeps = 16.0f;
 enum class SweepPhase : uint32_t {
   idle,      // between sweeps
   snapshot,  // copies the particles, sorted by cell; they wait meanwhile
+  carry,     // takes into the grains what carried them, where something did
   sort,      // the grains by cell, every few sweeps
   triage,    // which groups of grains are refined
   scatter,   // the particles' motion to the nodes of a grid
@@ -242,6 +317,9 @@ struct Sweep {
   uint32_t since_push;  // sweeps since the last one in which grains were counted and pushed apart; 0: in this one
   uint32_t particles;   // in the snapshot
   double time;          // simulated time that the sweep covers, seconds
+  // A sweep was late: from then on grains meet colliders on their way, as these may go farther in a sweep than a wall is
+  // thick.
+  bool late;
 };
 
 void sweep_reset(Sweep* sweep);
@@ -255,8 +333,12 @@ void sweep_finish(Granular* granular);
 // A snapshot under way ends.
 void sweep_end_snapshot(Granular* granular);
 
+// Whether one is under way for which sand was looked at: what happens from now on is for the next one.
+bool sweep_has_snapshot(const Granular& granular);
 // Whether grains may be added: no phase is under way that would have to begin again.
 bool sweep_takes_grains(const Granular& granular);
+// Between frames: the sweep under way ends, so that all grains have one state.
+void sweep_end(Granular* granular);
 // What material that comes and goes means for the sweep under way.
 void sweep_particles_changed(Sweep* sweep);
 void sweep_grains_added(Granular* granular, uint32_t count);

@@ -112,6 +112,7 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   motion_layout(&g->motion, d, layout);
   sweep_space_layout(g, d, layout);
   grain_sleep_layout(&g->grain_sleep, d, layout);
+  grain_carry_layout(&g->grain_carry, d, layout);
   output_layout(&g->output, d, layout);
   colliders_layout(&g->colliders, d, layout);
 }
@@ -167,6 +168,7 @@ void granular_reset(Granular* g) {
   flow_reset(&g->flow, g->desc);
   grains_reset(&g->grains);
   grain_sleep_reset(&g->grain_sleep);
+  grain_carry_reset(&g->grain_carry, *g);
   colliders_reset(&g->colliders, g->desc);
   time_reset(&g->time);
   substep_reset(&g->substep);
@@ -240,12 +242,37 @@ __attribute__((noinline)) static void end_carry(Granular* g) {
   if (!is_empty(c.resting)) sleep_include_resting(&g->sleep, c.resting);
   if (carry_mixes(*g)) neighbours_carried(&g->neighbours, (c.group_count > 1 ? 2.0f : 1.0f) * c.way_max);
   ++g->counts.carries;
+  grain_carry_note(&g->grain_carry, *g);
   carry_end(&g->carry);
 }
 
 void granular_carry(Granular* g) {
   if (!g->carry.known) find_carriers(g);
   if (carry_run(&g->carry, *g)) end_carry(g);
+}
+
+bool granular_find_grain_ways(Granular* g, bool moved) {
+  const GrainStance stance = grain_carry_stance(*g, moved);
+  colliders_find_ways(&g->colliders, stance.met, stance.moves);
+  carry_find_groups(&g->carry, *g);
+  return grain_carry_take_ways(&g->grain_carry, *g, moved);
+}
+
+// At the end of a frame: which ways grains are drawn, then who holds them.
+static void carry_grains(Granular* g) {
+  const uint32_t moved = grain_carry_moved(*g);
+  if (!g->grain_carry.known) {
+    if (time_paused(*g)) return grain_carry_begin(&g->grain_carry, *g, g->grain_carry.drawn);  // all stands
+    const bool rest = granular_find_grain_ways(g, false),
+               any = (moved != 0 && granular_find_grain_ways(g, true)) || rest;
+    if (any || g->grain_carry.drawn) output_changed(&g->output), output_restart(&g->output);
+    grain_carry_begin(&g->grain_carry, *g, any);
+    if (g->grain_carry.cursor == g->grains.count) return;
+  } else {
+    granular_find_grain_ways(g, g->grain_carry.cursor < moved);
+  }
+  const uint32_t cursor = g->grain_carry.cursor, end = cursor < moved ? moved : g->grains.count;
+  grain_carry_found(&g->grain_carry, grain_carry_find(&g->grain_carry, *g, cursor, end));
 }
 
 void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
@@ -255,6 +282,7 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   const double owed = g->time.debt;
   time_take(&g->time, *g, input->time_step);
   colliders_take(&g->colliders, *g, *input, owed, &g->counts);
+  grain_carry_begin_frame(&g->grain_carry, *g);
   begin_carry(g);
   flow_take(&g->flow, *g, *input, &g->counts);
   if (time_paused(*g)) return;
@@ -364,17 +392,26 @@ Stage granular_carry_stage(Granular* granular) {
   return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f, 0, close};
 }
 
+// Grains whose holders take as long as the ways of colliders.
+constexpr uint32_t k_ways_items = 512;
+
 // The whole output runs, after that.
 Stage granular_output_stage(Granular* granular) {
   const auto next = [](const void* state, uint32_t, WorkUnit* unit) {
-    return output_next(*static_cast<const Granular*>(state), unit);
+    const Granular& g = *static_cast<const Granular*>(state);
+    const uint32_t left = g.grain_carry.unknown * k_lane_group;
+    *unit = {k_unit_grain_carry, k_ways_items + (left < g.unit ? left : g.unit), "output.carry"};
+    return grain_carry_is_due(g) || output_next(g, unit);
   };
   const auto run = [](void* state, uint32_t) {
     Granular* g = static_cast<Granular*>(state);
-    output_run(&g->output, *g);
+    if (grain_carry_is_due(*g)) carry_grains(g);
+    else output_run(&g->output, *g);
   };
   const auto forecast = [](const void* state, uint32_t, Forecast* entries) {
-    return output_forecast(*static_cast<const Granular*>(state), entries);
+    const Granular& g = *static_cast<const Granular*>(state);
+    entries[0] = {k_unit_grain_carry, g.grain_carry.drawn ? k_ways_items + g.grain_carry.looked : 0};
+    return 1 + output_forecast(g, entries + 1);
   };
   return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f};
 }

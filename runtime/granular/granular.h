@@ -41,6 +41,7 @@ enum : uint32_t {
   k_unit_drain,
   k_unit_departed,
   k_unit_carry,
+  k_unit_grain_carry,
   k_granular_kinds
 };
 
@@ -88,6 +89,7 @@ struct Granular {
   Grains grains;
   ParticleMotion motion;
   GrainSleep grain_sleep;
+  GrainCarry grain_carry;
   Sweep sweep;
   Output output;
 
@@ -130,6 +132,8 @@ void granular_begin_frame(Granular* granular, const sandglass_frame_input* input
 void granular_end_frame(Granular* granular);
 // A unit of the carry: sand that colliders hold goes with them where they go on without time for it.
 void granular_carry(Granular* granular);
+// The ways of colliders since grains were as they are, those with the later state of a sweep or the others. False: none.
+bool granular_find_grain_ways(Granular* granular, bool moved);
 // While all sleep, time passes without sub-steps: then true.
 bool granular_skip_time(Granular* granular);
 // Lets in the layers that are due.

@@ -8,6 +8,7 @@ namespace {
 constexpr float k_far = 3e38f;
 constexpr float k_in_wall = 2.0f;       // radii that an enclosed centre may lie in the wall
 constexpr float k_reached = 0.25f;      // radii from a field's surface that count as on it
+constexpr float k_thin = 2.5f;          // radii of a step that cannot pass a wall of two
 constexpr uint32_t k_trace_steps = 24;  // through a field, or to a capsule
 constexpr uint32_t k_corners = 8, k_all_corners = (1u << k_corners) - 1;
 
@@ -65,26 +66,31 @@ float capsule_below(const ColliderFrame& c, const HeldLanes& lanes, uint32_t l, 
   return k_far;
 }
 
-// On from where rays entered the grid of a field, to its surface.
+// On from where rays entered the grid of a field, to its surface. A step that comes to it or beyond is halved.
 void trace_field(const Granular& g, const ColliderFrame& c, const HeldLanes& lanes, const float down[3],
                  float below[k_lane_group]) {
   const float r = g.desc.particle_radius;
   auto& at = scratch_of(g).traced;
-  auto& distance = scratch_of(g).distance;
+  auto &distance = scratch_of(g).distance, &last = scratch_of(g).last;  // steps; below 0: between the last two
+  for (float& s : last) s = 0.0f;
   bool open = true;
   for (uint32_t step = 0; step < k_trace_steps && open; ++step) {
-    const float shortest = (0.5f + 0.25f * static_cast<float>(step)) * r;
+    const float longer = 0.5f + 0.25f * static_cast<float>(step), shortest = (longer < k_thin ? longer : k_thin) * r;
     for (uint32_t l = 0; l < k_lane_group; ++l)
       for (int k = 0; k < 3; ++k) at[k][l] = lanes.at[k][l] + (below[l] < k_far ? below[l] : 0.0f) * down[k];
     holding_measure(g, c, at, distance);
     open = false;
     for (uint32_t l = 0; l < lanes.count; ++l) {
-      if (below[l] >= k_far || distance[l] < k_reached * r) continue;
-      below[l] += distance[l] > shortest ? distance[l] : shortest;
+      const bool beyond = distance[l] < k_reached * r;
+      const float half = 0.5f * __builtin_fabsf(last[l]);
+      if (below[l] >= k_far || ((beyond || last[l] < 0.0f) && half < k_reached * r)) continue;
+      if (last[l] < 0.0f || beyond) below[l] += beyond ? -half : half, last[l] = -half;
+      else last[l] = distance[l] > shortest ? distance[l] : shortest, below[l] += last[l];
       open = true;
     }
   }
-  for (uint32_t l = 0; l < lanes.count; ++l) below[l] = distance[l] < k_reached * r ? below[l] : k_far;
+  for (uint32_t l = 0; l < lanes.count; ++l)
+    below[l] = last[l] < 0.0f || distance[l] < k_reached * r ? below[l] : k_far;
 }
 
 // Metres down to a collider, of each lane; k_far: it is not below.
@@ -333,7 +339,7 @@ void holding_find(const Granular& g, const HeldGroup& group, const HeldLanes& la
     if (on == k_no_holder || !holding_carries(g, on)) continue;
     if (on != asked) within = within_group(g, on, lanes), asked = on;
     const bool inside = (within >> l & 1) != 0;
-    const bool lies = !inside && g.carry.due == Carry::Moment::close &&
+    const bool lies = !inside && g.carry.due != Carry::Moment::jump &&
                       goes_along(lanes, l, g.colliders.carriers[on].from, granular_speed_scale(g));
     // In a vessel within a field, or the other way round: what is nearer is the inner one.
     if (lies || (inside && (holder[l] == k_no_holder || below[l] < nearest[l] + 2.0f * r))) holder[l] = on;

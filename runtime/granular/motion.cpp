@@ -190,6 +190,13 @@ void motion_fall(const ParticleMotion& m, const Granular& g, uint32_t first) {
   }
 }
 
+void motion_carry(const ParticleMotion& m, const Granular& g, uint32_t number, const RigidWay& motion) {
+  if (g.desc.grain_capacity == 0) return;
+  float* const at = (sweep_has_snapshot(g) ? m.ends : m.starts)[number].position;
+  const Quad from = quad(at), to = from + motion.way(from);
+  for (int k = 0; k < 3; ++k) at[k] = to[k];
+}
+
 void motion_begin_here(const ParticleMotion& m, const Granular& g) {
   if (g.desc.grain_capacity == 0) return;
   for (uint32_t i = 0; i < g.particles.count; ++i) {

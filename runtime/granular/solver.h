@@ -229,6 +229,8 @@ uint32_t carry_units(const Granular& granular);
 bool carry_is_expected(const Granular& granular);
 // The carriers are known. faster: what their velocities are over those before.
 void carry_begin(Carry* carry, const Granular& granular, float faster);
+// Which of the carriers go the same way.
+void carry_find_groups(Carry* carry, const Granular& granular);
 // One unit. True once all particles are carried.
 bool carry_run(Carry* carry, const Granular& granular);
 void carry_end(Carry* carry);

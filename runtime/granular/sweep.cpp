@@ -8,6 +8,7 @@ namespace {
 
 constexpr float k_sweeps_per_sort = 4.0f;     // grains move a fraction of a cell between sorts
 constexpr float k_sort_next = 1e9f;           // sweeps since the last sort, where the next sweep must sort
+constexpr double k_on_time = 1.0001;          // frames; more is late
 constexpr float k_still_speed_units = 0.25f;  // of sqrt(g d): between sleepers grains creep on, slower than that
 
 // ---- what follows what
@@ -31,6 +32,9 @@ SweepPhase after(Granular* g, SweepPhase done) {
     case SweepPhase::idle:
       return SweepPhase::idle;
     case SweepPhase::snapshot:
+      if (g->grain_carry.pending) return SweepPhase::carry;
+      [[fallthrough]];
+    case SweepPhase::carry:
       if (g->sweep.sweeps_since_sort >= k_sweeps_per_sort) {
         begin_sort(g);
         return SweepPhase::sort;
@@ -77,7 +81,10 @@ void begin(Granular* g, uint32_t level) {
   g->sweep.step = static_cast<float>(t.grain_lag / steps);
   grains_begin_snapshot(&g->grains, *g);
   motion_begin(&g->motion, *g);
-  colliders_begin_sweep(&g->colliders, static_cast<float>(t.debt));
+  const double late = t.grain_lag > t.asked ? t.grain_lag : t.asked;
+  g->sweep.late = g->sweep.late || late > k_on_time * static_cast<double>(t.frame_step);
+  colliders_begin_sweep(&g->colliders, colliders_behind(*g), g->sweep.late ? g->grain_carry.carried : nullptr, steps);
+  grain_carry_begin_sweep(&g->grain_carry, *g);
 }
 
 bool run_snapshot(Granular* g) {
@@ -85,6 +92,18 @@ bool run_snapshot(Granular* g) {
   if (!grains_run_snapshot(&g->grains, *g)) return false;
   g->sweep.particles = g->particles.count;
   return source_rule(*g);
+}
+
+bool run_carry(Granular* g) {
+  const uint32_t all = g->grains.count, begin = g->sweep.cursor, end = all - begin < g->unit ? all : begin + g->unit;
+  granular_find_grain_ways(g, false);
+  for (uint32_t at = begin; at < end;) at = grain_carry_find(&g->grain_carry, *g, at, end);
+  if (grain_carry_take(&g->grain_carry, *g, begin, end))
+    grain_sleep_carried(&g->grain_sleep, begin / k_lane_group, (end + k_lane_group - 1) / k_lane_group);
+  g->sweep.cursor = end;
+  if (end < all) return false;
+  grain_carry_taken(&g->grain_carry);
+  return true;
 }
 
 void begin_sort(Granular* g) {
@@ -140,6 +159,7 @@ bool run_refine(const Granular& g, uint32_t* cursor, FrameCounts* counts, Output
   a.own_particles = g.desc.reference.blend == SANDGLASS_BLEND_CONTINUOUS ? 1 : 0;
   a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
   a.colliders = g.colliders.sweep_frames;
+  a.on_their_way = g.colliders.sweep_way_count != 0 ? g.colliders.sweep_ways : nullptr;
   a.collider_count = g.colliders.sweep_count;
   a.grain_radius = g.desc.grain_radius;
   a.friction = g.desc.kinetic_friction;
@@ -163,7 +183,11 @@ bool run_drain(Granular* g) {
     if (first < g->grains.count) removed += granular_drain_grains(g, first);
   }
   flow_count_removed(&g->flow, 0, removed, 0);
-  if (removed != 0) grain_sleep_regrouped(&g->grain_sleep), output_changed(&g->output);
+  if (removed != 0) {
+    grain_sleep_regrouped(&g->grain_sleep);
+    grain_carry_forget(&g->grain_carry, *g, 0);
+    output_changed(&g->output);
+  }
   g->sweep.cursor = end;
   return end >= items;
 }
@@ -172,6 +196,7 @@ bool run_drain(Granular* g) {
 void complete(Granular* g) {
   const uint32_t items = refine_items(*g);
   motion_complete(&g->motion);
+  grain_carry_complete(&g->grain_carry);
   time_grains_followed(&g->time, g->sweep.time);
   g->sweep.sweeps_since_sort += static_cast<float>(items) / static_cast<float>(g->grains.count);
   grain_sleep_followed(&g->grain_sleep, items == 0 && g->sleep.awake_count == 0);
@@ -204,6 +229,11 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
       unit->items = cell_sort_items(g.grains.snapshot.sort, g.particles.count, g.unit);
       if (g.grains.snapshot.sort.phase == k_sort_done)
         unit->items = g.sweep.particles - g.sweep.cursor < g.unit ? g.sweep.particles - g.sweep.cursor : g.unit;
+      return true;
+    case SweepPhase::carry:
+      unit->kind = k_unit_grain_carry;
+      unit->name = "refine.carry";
+      unit->items = g.grains.count - g.sweep.cursor < g.unit ? g.grains.count - g.sweep.cursor : g.unit;
       return true;
     case SweepPhase::sort:
       unit->kind = k_unit_grain_sort;
@@ -243,8 +273,11 @@ bool run_unit(Granular* g, SweepPhase phase) {
       return true;
     case SweepPhase::snapshot:
       return run_snapshot(g);
+    case SweepPhase::carry:
+      return run_carry(g);
     case SweepPhase::sort:
       grain_sleep_regrouped(&g->grain_sleep);
+      grain_carry_forget(&g->grain_carry, *g, 0);
       output_regrouped(&g->output);
       return grains_run_sort(&g->grains, *g);
     case SweepPhase::scatter:
@@ -257,8 +290,12 @@ bool run_unit(Granular* g, SweepPhase phase) {
       return motion_run_smooth(&g->motion, *g, &g->sweep.cursor);
     case SweepPhase::triage:
       return run_triage(g);
-    case SweepPhase::refine:
-      return run_refine(*g, &g->sweep.cursor, &g->counts, &g->output);
+    case SweepPhase::refine: {
+      const uint32_t begin = g->sweep.cursor;
+      const bool done = run_refine(*g, &g->sweep.cursor, &g->counts, &g->output);
+      grain_carry_refined(&g->grain_carry, *g, begin, g->sweep.cursor);
+      return done;
+    }
     case SweepPhase::drain:
       return run_drain(g);
   }
@@ -307,6 +344,7 @@ void sweep_reset(Sweep* s) {
 
 void sweep_forget(Sweep* s) {
   s->cursor = 0;
+  s->late = false;
   s->sweeps_since_sort = k_sort_next;
   s->since_push = 0;  // so the sweeps that push are not those that sort
 }
@@ -315,14 +353,33 @@ void sweep_finish(Granular* g) {
   while (g->sweep.phase != SweepPhase::idle ||
          (g->grains.count != 0 && g->particles.count != 0 && g->time.grain_lag >= k_time_resolution))
     run(g, 0);
+  if (g->grain_carry.pending) {
+    g->sweep.cursor = 0;
+    while (!run_carry(g)) {
+    }
+    output_changed(&g->output);
+  }
+  grain_carry_settle(&g->grain_carry, *g);
 }
 
 void sweep_end_snapshot(Granular* g) {
   while (g->sweep.phase == SweepPhase::snapshot) run(g, 0);
 }
 
+bool sweep_has_snapshot(const Granular& g) {
+  return g.sweep.phase > SweepPhase::snapshot && g.sweep.phase < SweepPhase::drain;
+}
+
 bool sweep_takes_grains(const Granular& g) {
   return g.sweep.phase == SweepPhase::idle || g.sweep.phase == SweepPhase::refine || g.sweep.phase == SweepPhase::drain;
+}
+
+void sweep_end(Granular* g) {
+  if (g->sweep.phase == SweepPhase::snapshot) g->sweep.phase = SweepPhase::idle;
+  if (g->sweep.phase == SweepPhase::idle) return;
+  while (g->sweep.phase != SweepPhase::idle) run(g, 0);
+  grain_carry_settle(&g->grain_carry, *g);
+  output_changed(&g->output);
 }
 
 void sweep_particles_changed(Sweep* s) {
@@ -330,15 +387,15 @@ void sweep_particles_changed(Sweep* s) {
 }
 
 void sweep_grains_added(Granular* g, uint32_t count) {
-  if (!sweep_takes_grains(*g)) g->sweep.phase = SweepPhase::idle;
   g->sweep.sweeps_since_sort = k_sort_next;
   grain_sleep_added(&g->grain_sleep, *g, count);
+  grain_carry_forget(&g->grain_carry, *g, g->grains.count - count);
   output_changed(&g->output);
 }
 
 void sweep_grains_removed(Granular* g) {
-  g->sweep.phase = SweepPhase::idle;
   grain_sleep_removed(&g->grain_sleep);
+  grain_carry_settle(&g->grain_carry, *g);
   output_changed(&g->output);
 }
 

@@ -90,14 +90,16 @@ struct Colliders {
   const float** slides;           // the same, of each `given`
   uint32_t* slot_of_place;        // of the usable colliders of this frame's list
   Pose* met;                      // where sand met them last, before this frame, one a slot
-  uint8_t* jumps;                 // 1: it has jumped, in this frame, one a slot
+  uint8_t* jumps;                 // 1: it has jumped, in this frame, one a slot; or k_is_new
   Pose* ends;                     // where they are at the frame's end, one a slot
   Carrier* carriers;              // of the solid ones of `given`
   uint32_t* substep_slots;        // of `substep_frames`
   ColliderFrame* substep_frames;  // posed for the sub-step
   ColliderFrame* sweep_frames;    // posed for the grains' sweep
+  ColliderFrame* sweep_ways;      // and on their way there, after each step but the last
   // How many were posed. A step that goes on in the next frame ends with the colliders with which it began.
   uint32_t substep_count, sweep_count;
+  uint32_t sweep_way_count;  // 0: they are met where they end
   uint32_t count;
   uint32_t solid_count;  // those that particles see; they come first
   bool jumped;           // in this frame, one of these
@@ -106,6 +108,7 @@ struct Colliders {
   bool waits;  // after saving or restoring: as long as no collider is passed, the planes are not found yet
 };
 constexpr uint32_t k_no_slot = ~0u;
+constexpr uint8_t k_is_new = 2;  // another one had the slot, or nothing is known of where it was
 
 void colliders_layout(Colliders* colliders, const sandglass_granular_desc& desc, Layout* layout);
 void colliders_reset(Colliders* colliders, const sandglass_granular_desc& desc);
@@ -128,12 +131,20 @@ void colliders_seen_by_particles(Colliders* colliders, const Granular& granular)
 void colliders_find_moved_for_grains(Colliders* colliders, const Granular& granular);
 // Poses them as they are `before` seconds before the end of the frame.
 void colliders_begin_substep(Colliders* colliders, float before);
-void colliders_begin_sweep(Colliders* colliders, float before);
+// from: where they were when the sweep before ended, by slot; null: they are met where this one ends, in all its steps.
+void colliders_begin_sweep(Colliders* colliders, float before, const RigidPose* from, uint32_t steps);
+// A pose between two.
+ColliderFrame collider_between(const RigidPose& from, const ColliderFrame& to, float share);
+RigidPose rigid_pose(const ColliderFrame& frame);
 // Whether one that particles see moves, and near the sand.
 bool colliders_move_sand(const Granular& granular);
 // How they go on without sand. At the begin of a frame: those that jumped. At its end: what is left of their ways
 // in the time debt. From then on they are where they are told to be, with velocities `faster` times as large.
 void colliders_find_jumps(Colliders* colliders, const Granular& granular);
+// And for grains: from these poses, by slot. moves: which count as moving even where they stand.
+void colliders_find_ways(Colliders* colliders, const RigidPose* from, const uint8_t* moves);
+// Where sand met one of `given` last, before this frame.
+void colliders_pose_met(const Granular& granular, uint32_t index, ColliderFrame* frame);
 void colliders_arrive(Colliders* colliders, const Granular& granular, float faster);
 // Seconds before they are where `given` has them: there sand has met them.
 float colliders_behind(const Granular& granular);

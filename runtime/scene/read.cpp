@@ -44,6 +44,14 @@ void sandglass_granular_grains(const sandglass_scene* scene, float* positions, f
   if (scene == nullptr) return;
   const Granular& g = scene->granular;
   copy_items(g.grains.records, g.grains.count, g.flow.free_grains, g.flow.free_grain_count, positions, velocities);
+  const GrainWays ways = grain_carry_ways(g);
+  for (uint32_t i = 0; i < g.grains.count && positions != nullptr; ++i) {
+    const RigidWay* const way = ways.of(i);
+    if (way == nullptr) continue;
+    float* const at = positions + 3ull * g.grains.records[i].number;
+    const Quad gone = way->way(quad(at));
+    for (int k = 0; k < 3; ++k) at[k] += gone[k];
+  }
 }
 
 int32_t sandglass_granular_held_collider(const sandglass_scene* scene, uint32_t index, sandglass_collider* held) {

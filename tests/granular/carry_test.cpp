@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "platform/virtual_clock.h"
 #include "tests/granular/granular_scene.h"
@@ -29,9 +30,9 @@ Place driven(float t) { return {smooth(t), 0}; }
 
 // A bucket of five boxes on a floor, with sand in it, and sand beside it that no bucket holds.
 struct Bucket {
-  explicit Bucket(Motion goes, bool clocked = true, int32_t isa = SANDGLASS_ISA_AUTOMATIC)
+  explicit Bucket(Motion goes, bool clocked = true, int32_t isa = SANDGLASS_ISA_AUTOMATIC, bool grained = false)
       : motion(goes), scene([&] {
-          sandglass_scene_desc desc = description(700);
+          sandglass_scene_desc desc = description(700, grained ? 8 * 384 : 0);
           desc.granular.particle_radius = k_radius;
           desc.unit_items = 128;
           desc.isa = static_cast<sandglass_isa>(isa);
@@ -56,11 +57,12 @@ struct Bucket {
                 d * (static_cast<float>(z) - 3.5f)})
             sand.push_back(v);
     held = sand.size() / 3;
+    const std::vector<float> grains = grained ? grains_about(sand, 0.5f * k_radius) : std::vector<float>();
     for (int z = 0; z < 6; ++z)
       for (int x = 0; x < 6; ++x)
         for (const float v : {-0.4f + d * static_cast<float>(x), k_radius, d * static_cast<float>(z)})
           sand.push_back(v);
-    scene.add(sand);
+    scene.add(sand, {}, grains);
   }
 
   // The frame that ends at `time`, `step` after the last one's end.
@@ -78,11 +80,12 @@ struct Bucket {
   }
 
   // Of what was in it: beyond its inner surface by more than a radius.
-  size_t outside(Place where) const {
+  size_t outside(Place where, bool drawn = false) const {
     const std::vector<float> p = scene.positions();
     size_t out = 0;
-    for (size_t i = 0; i < held; ++i) {
-      const float x = p[3 * i] - where.x, y = p[3 * i + 1] - where.y, z = p[3 * i + 2];
+    for (size_t i = 0; i < (drawn ? scene.grains.size() : held); ++i) {
+      const float* const q = drawn ? scene.grains[i].position : &p[3 * i];
+      const float x = q[0] - where.x, y = q[1] - where.y, z = q[2];
       out += std::fabs(x) > k_half + k_radius || std::fabs(z) > k_half + k_radius || y < k_wall - k_radius ||
              y > k_wall + k_high;
     }
@@ -116,8 +119,8 @@ constexpr uint64_t k_all = ~0ull >> 2;
 struct Need {
   uint64_t ns = 0;
   float fastest = 0;
-  explicit Need(Motion motion) {
-    Bucket b(motion);
+  explicit Need(Motion motion, bool grained = false) {
+    Bucket b(motion, true, SANDGLASS_ISA_AUTOMATIC, grained);
     for (int f = 1; f <= 90; ++f) {
       const sandglass_frame_report report = b.frame(k_step * static_cast<float>(f - 30), k_all);
       if (f > 30) ns += report.time.elapsed_ns / 60, fastest = std::max(fastest, b.fastest());
@@ -149,6 +152,22 @@ TEST_P(Carried, SandIsInItsVesselInEveryFrameAtAnyBudget) {
   }
 }
 
+// As they are drawn.
+TEST_P(Carried, GrainsAreInTheirVesselInEveryFrameAtAnyBudget) {
+  const Need need(GetParam(), true);
+  for (const uint64_t part : {2, 4, 8, 16, 32, 64}) {
+    Bucket b(GetParam(), true, SANDGLASS_ISA_AUTOMATIC, true);
+    size_t worst = 0, behind = 0;
+    for (int f = 1; f <= 150; ++f) {
+      b.frame(k_step * static_cast<float>(f - 30), f > 30 ? need.ns / part : k_all);
+      worst = std::max(worst, b.outside(b.at, true));
+      behind = std::max(behind, b.outside(GetParam()(k_step * static_cast<float>(f - 33)), true));
+    }
+    EXPECT_EQ(worst, 0u) << "at 1/" << part;
+    EXPECT_GT(behind, 0u) << "the control: a vessel that is drawn three frames late";
+  }
+}
+
 TEST(Carry, WhatNoVesselHoldsStays) {
   Bucket b(driven);
   const uint64_t small = Need(driven).ns / 16;
@@ -160,32 +179,43 @@ TEST(Carry, WhatNoVesselHoldsStays) {
 
 // Bits, where time is enough: as without a clock.
 TEST(Carry, ChangesNothingWhereTimeIsEnough) {
-  Bucket clocked(lifted), free(lifted, false);
-  for (int f = 1; f <= 90; ++f) {
-    clocked.frame(k_step * static_cast<float>(f), k_all);
-    free.frame(k_step * static_cast<float>(f), k_all);
+  for (const bool grained : {false, true}) {
+    Bucket clocked(lifted, true, SANDGLASS_ISA_AUTOMATIC, grained),
+        free(lifted, false, SANDGLASS_ISA_AUTOMATIC, grained);
+    for (int f = 1; f <= 90; ++f) {
+      clocked.frame(k_step * static_cast<float>(f), k_all);
+      free.frame(k_step * static_cast<float>(f), k_all);
+    }
+    EXPECT_EQ(clocked.scene.hash(), free.scene.hash());
   }
-  EXPECT_EQ(clocked.scene.hash(), free.scene.hash());
+}
+
+bool draw_the_same(const GranularScene& a, const GranularScene& b) {
+  return std::memcmp(a.grains.data(), b.grains.data(), a.grains.size() * sizeof a.grains[0]) == 0;
 }
 
 TEST(Carry, ReplaysOnEveryInstructionSetAndGoesOnAfterARestore) {
-  const uint64_t small = Need(lifted).ns / 8;
-  Bucket first(lifted), scalar(lifted, false, SANDGLASS_ISA_SCALAR), restored(lifted, false);
-  for (int f = 1; f <= 60; ++f) {
-    if (f == 33) {
-      std::vector<std::byte> bytes, same;
-      accept(first.scene.scene.save(&bytes));
-      accept(scalar.scene.scene.save(&same));
-      ASSERT_TRUE(bytes == same);
-      accept(restored.scene.scene.restore(bytes));
-    }
-    const float time = k_step * static_cast<float>(f);
-    const sandglass_plan plan = first.frame(time, small).plan;
-    scalar.frame(time, 0, k_step, true, &plan);
-    if (f >= 33) restored.frame(time, 0, k_step, true, &plan);
-    ASSERT_EQ(scalar.scene.hash(), first.scene.hash()) << f;
-    if (f >= 33) {
+  for (const bool grained : {false, true}) {
+    const uint64_t small = Need(lifted, grained).ns / 8;
+    Bucket first(lifted, true, SANDGLASS_ISA_AUTOMATIC, grained), scalar(lifted, false, SANDGLASS_ISA_SCALAR, grained),
+        restored(lifted, false, SANDGLASS_ISA_AUTOMATIC, grained);
+    for (int f = 1; f <= 60; ++f) {
+      if (f == 33) {
+        std::vector<std::byte> bytes, same;
+        accept(first.scene.scene.save(&bytes));
+        accept(scalar.scene.scene.save(&same));
+        ASSERT_TRUE(bytes == same);
+        accept(restored.scene.scene.restore(bytes));
+      }
+      const float time = k_step * static_cast<float>(f);
+      const sandglass_plan plan = first.frame(time, small).plan;
+      scalar.frame(time, 0, k_step, true, &plan);
+      ASSERT_EQ(scalar.scene.hash(), first.scene.hash()) << f;
+      ASSERT_TRUE(draw_the_same(scalar.scene, first.scene)) << f;
+      if (f < 33) continue;
+      restored.frame(time, 0, k_step, true, &plan);
       ASSERT_EQ(restored.scene.hash(), first.scene.hash()) << f;
+      ASSERT_TRUE(draw_the_same(restored.scene, first.scene)) << f;
     }
   }
 }

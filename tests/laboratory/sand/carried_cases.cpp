@@ -201,27 +201,28 @@ struct CarriedScene {
   Pose (*pose)(double t);
   Judged judged;
   bool hitches;  // and jumps are judged too
+  bool grained;  // once more with grains
   // Seconds that were simulated of 2.67 at 1/2 to 1/64 of the need, before sand was carried. At 60 Hz, by velocities.
   double before[std::size(k_shares)];
 };
 
 const CarriedScene k_scenes[] = {
-    {"glass", k_fine, glass, turned, k_stays, true, {2.669, 1.438, 0.696, 0.276, 0.112, 0.061}},
-    {"shaken", k_fine, glass, shaken, k_stays, false, {2.683, 1.053, 0.446, 0.247, 0.13, 0.065}},
-    {"cup", 0.006, cup, lifted, k_rests, false, {2.563, 0.947, 0.272, 0.15, 0.079, 0.048}},
-    {"bucket", 0.006, bucket, lifted, k_rests, true, {2.667, 0.796, 0.319, 0.155, 0.086, 0.046}},
-    {"car", 0.006, bucket, driven, k_rests, true, {2.54, 0.936, 0.381, 0.208, 0.11, 0.055}},
-    {"tray", 0.006, tray, tilted, k_spills, false, {2.683, 1.516, 0.7, 0.345, 0.181, 0.098}},
-    {"plate", 0.006, plate, pulled, k_spills, false, {2.683, 1.411, 0.563, 0.265, 0.139, 0.079}},
-    {"hand", 0.006, hand, handed, k_rests, false, {2.6, 1.293, 0.328, 0.172, 0.09, 0.045}},
-    {"finger", 0.006, finger, fingered, k_rests, false, {2.667, 1.374, 0.465, 0.21, 0.117, 0.053}},
-    {"jar4", 0.004, jar, rocked, k_stays, true, {2.683, 1.083, 0.404, 0.189, 0.092, 0.058}},
-    {"jar10", 0.010, jar, rocked, k_stays, false, {2.631, 0.944, 0.44, 0.21, 0.104, 0.06}},
-    {"spoon", 0.004, spoon, spooned, k_rests, false, {2.448, 1.089, 0.453, 0.227, 0.076, 0.06}},
-    {"marker", 0.006, tray, marked, k_rests, false, {2.498, 1.263, 0.605, 0.307, 0.125, 0.114}},
+    {"glass", k_fine, glass, turned, k_stays, true, true, {2.669, 1.438, 0.696, 0.276, 0.112, 0.061}},
+    {"shaken", k_fine, glass, shaken, k_stays, false, false, {2.683, 1.053, 0.446, 0.247, 0.13, 0.065}},
+    {"cup", 0.006, cup, lifted, k_rests, false, false, {2.563, 0.947, 0.272, 0.15, 0.079, 0.048}},
+    {"bucket", 0.006, bucket, lifted, k_rests, true, true, {2.667, 0.796, 0.319, 0.155, 0.086, 0.046}},
+    {"car", 0.006, bucket, driven, k_rests, true, false, {2.54, 0.936, 0.381, 0.208, 0.11, 0.055}},
+    {"tray", 0.006, tray, tilted, k_spills, false, false, {2.683, 1.516, 0.7, 0.345, 0.181, 0.098}},
+    {"plate", 0.006, plate, pulled, k_spills, false, false, {2.683, 1.411, 0.563, 0.265, 0.139, 0.079}},
+    {"hand", 0.006, hand, handed, k_rests, false, false, {2.6, 1.293, 0.328, 0.172, 0.09, 0.045}},
+    {"finger", 0.006, finger, fingered, k_rests, false, false, {2.667, 1.374, 0.465, 0.21, 0.117, 0.053}},
+    {"jar4", 0.004, jar, rocked, k_stays, true, false, {2.683, 1.083, 0.404, 0.189, 0.092, 0.058}},
+    {"jar10", 0.010, jar, rocked, k_stays, false, false, {2.631, 0.944, 0.44, 0.21, 0.104, 0.06}},
+    {"spoon", 0.004, spoon, spooned, k_rests, false, false, {2.448, 1.089, 0.453, 0.227, 0.076, 0.06}},
+    {"marker", 0.006, tray, marked, k_rests, false, false, {2.498, 1.263, 0.605, 0.307, 0.125, 0.114}},
 };
-const CarriedScene k_rising = {"rising", k_fine, glass, rising, k_stays, false, {}};
-const CarriedScene k_two_jars = {"two jars", k_fine, nested_jars, rocked, k_stays, false, {}};
+const CarriedScene k_rising = {"rising", k_fine, glass, rising, k_stays, false, false, {}};
+const CarriedScene k_two_jars = {"two jars", k_fine, nested_jars, rocked, k_stays, false, false, {}};
 
 struct Way {
   double share = 0.0, need = 0.0;  // its budget is that much of the need; 0: unlimited
@@ -236,11 +237,12 @@ struct Way {
   double lag = 0.0;        // control: seconds by which the velocities that are told are old
   double squeezed = 1.0;   // control: the way of a frame in this much of its time
   bool unlimited = false;  // control: every unit runs
+  bool grains = false;     // eight a particle are drawn
   uint64_t seed = 0;
 };
 
 struct Seen {
-  uint32_t outside = 0, at_end = 0, sand = 0;
+  uint32_t outside = 0, at_end = 0, sand = 0, grains = 0;  // grains: outside, as drawn
   double fastest = 0.0, simulated = 0.0, need = 0.0;
   double over = 0.0;  // microseconds beyond the budget and a unit, or what may be mandatory
   Vec3 place;
@@ -265,7 +267,8 @@ struct Carried {
         standing(s.make == nested_jars ? glass(s.radius) : Vessel()),
         scene([&] {
           const size_t sand = vessel.sand.size() + standing.sand.size();
-          sandglass_scene_desc desc = with_room(cpp::scene_desc(), static_cast<uint32_t>(sand / 3));
+          sandglass_scene_desc desc = with_room(cpp::scene_desc(), static_cast<uint32_t>(sand / 3),
+                                                static_cast<uint32_t>(way.grains ? 8 * sand / 3 : 0));
           desc.isa = isa, desc.clock = clock.clock(), desc.finest_level = way.finest;
           desc.granular.collider_capacity = 16;
           desc.granular.particle_radius = static_cast<float>(s.radius);
@@ -281,7 +284,16 @@ struct Carried {
         to_floats(at.world(from_floats(&of->sand[i])), &sand.end()[-3]);
       }
     carried = vessel.sand.size(), seen.sand = static_cast<uint32_t>(carried / 3);
-    scene.add(sand, {});
+    Material material;
+    for (size_t i = 0; way.grains && i < 8 * sand.size(); ++i) {
+      const size_t particle = i / 24, axis = i % 3, corner = i / 3 % 8;
+      const float aside = 0.5f * static_cast<float>(s.radius);
+      material.grain_positions.push_back(sand[3 * particle + axis] + ((corner >> axis & 1) != 0 ? aside : -aside));
+    }
+    material.grain_velocities.resize(material.grain_positions.size());
+    material.particle_velocities.resize(sand.size());
+    material.particle_positions = sand;
+    scene.add(material);
     colliders.push_back(cpp::floor_at(0));
     colliders.insert(colliders.end(), vessel.parts.begin(), vessel.parts.end());
     for (sandglass_collider c : standing.parts) place(&c, Vec3(), k_beside), colliders.push_back(c);
@@ -334,7 +346,8 @@ struct Carried {
   void look(const Pose& told) {
     seen.at_end = beyond(told);
     waiting = seen.at_end != 0 && way.told == Told::poses ? waiting + 1 : 0;
-    if (waiting != 0 && waiting <= k_waits) seen.at_end = beyond(held(told));
+    const Pose shown = waiting != 0 && waiting <= k_waits ? held(told) : told;
+    if (waiting != 0) seen.at_end = beyond(shown);
     seen.outside = std::max(seen.outside, seen.at_end);
     const std::vector<float>&p = scene.particle_positions(), &v = scene.particle_velocities();
     Vec3 sum;
@@ -342,6 +355,11 @@ struct Carried {
       sum = sum + (vessel.pushes ? from_floats(&p[i]) : told.local(from_floats(&p[i])));
       seen.fastest = std::max(seen.fastest, length(from_floats(&v[i])));
     }
+    uint32_t grains = 0;
+    const std::vector<float>& drawn = scene.grain_positions();
+    for (size_t i = 0; i < drawn.size(); i += 3)
+      grains += vessel.room(shown.local(from_floats(&drawn[i]))) < -what.radius;
+    seen.grains = std::max(seen.grains, grains);
     seen.place = sum * (3.0 / static_cast<double>(carried));
   }
   // Whether half of the sand that runs is below the neck.
@@ -413,6 +431,15 @@ struct Judge {
   static std::string name_of(const CarriedScene& scene, Told told) {
     return std::string(scene.name) + (told == Told::poses ? ", poses" : "");
   }
+  uint32_t grains_outside(const CarriedScene& scene, Told told) {
+    Seen seen = run(scene, {.told = told, .grains = true});
+    uint32_t outside = seen.grains;
+    for (const double share : k_shares) {
+      if (choice.quick && share != 1.0 / 4 && share != 1.0 / 16) continue;
+      outside = std::max(outside, run(scene, {.share = share, .need = seen.need, .told = told, .grains = true}).grains);
+    }
+    return outside;
+  }
   // Every budget and rate, folded into one row a claim.
   void budgets(const CarriedScene& scene, Told told) {
     const std::string who = name_of(scene, told);
@@ -442,6 +469,7 @@ struct Judge {
     row(who + ": simulated, of before", "", 1.0, flows, 0.15);
     if (scene.judged == k_rests) row(who + ": place", "m", 0.0, place, 0.02);
     row(who + ": over its budget", "us", 0.0, std::max(over, 0.0), 0.0);
+    if (scene.grained) row(who + ": grains outside", "grains", 0.0, grains_outside(scene, told), 0.0);
   }
 
   // One frame takes longer, and tells it or not: then that is a jump.
@@ -524,7 +552,7 @@ std::vector<Verdict> carried_verdicts(const VerdictChoice& choice, std::string* 
     judge.group = group;
     return among(quick, group) && (choice.groups.empty() || among(choice.groups, group));
   };
-  judge.total = choice.quick ? 38 : std::size(k_scenes) * 2 * std::size(k_rates) * (1 + std::size(k_shares)) + 130;
+  judge.total = choice.quick ? 42 : std::size(k_scenes) * 2 * std::size(k_rates) * (1 + std::size(k_shares)) + 158;
   try {
     for (const CarriedScene& scene : k_scenes) {
       if (!runs(scene.name)) continue;
