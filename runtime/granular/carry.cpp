@@ -104,7 +104,7 @@ float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder
         carry_copy(carried, awake ? gains * it.scale : 0.0f, &g.particles.records[copy][it.first + l]);
     if (!awake) bounds_include(&c->resting, p.position);
     sleep_carry(g, number_of(p), carrier.way);
-    motion_carry(g.motion, g, number_of(p), carried.way);
+    if (c->groups[c->group_of[holder]].hollow) motion_carry(g.motion, g, number_of(p), carried.way);
   }
   return way;
 }
@@ -128,11 +128,12 @@ void put_out(const Granular& g, const ColliderFrame& c, HeldLanes* lanes, uint32
 }
 
 // Lanes that are pressed into what stands go back, and are pressed no more: a hand presses no sand through a wall.
-uint32_t hold_before_standing(const Granular& g, HeldLanes* lanes, const HeldLanes& before, uint32_t mask) {
+uint32_t hold_before_standing(const Granular& g, const Bounds& here, HeldLanes* lanes, const HeldLanes& before,
+                              uint32_t mask) {
   float* const distance = scratch_of(g).distance;
   uint32_t stopped = 0;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
-    if (holding_carries(g, i)) continue;
+    if (holding_carries(g, i) || !holding_overlaps(here, g.carry.reaches[i], 2.0f * g.desc.particle_radius)) continue;
     holding_measure(g, g.colliders.carriers[i].to, lanes->at, distance);
     for (uint32_t l = 0; l < lanes->count; ++l)
       stopped |= (mask >> l & 1) != 0 && distance[l] < k_pressed * g.desc.particle_radius ? 1u << l : 0;
@@ -142,6 +143,20 @@ uint32_t hold_before_standing(const Granular& g, HeldLanes* lanes, const HeldLan
   return mask & ~stopped;
 }
 
+// Whether a collider comes near on its way, from which what it does not hold gives way.
+bool comes_near(const Granular& g, const Bounds& here, const Carrier& carrier, uint32_t i) {
+  if (!holding_carries(g, i) || holding_encloses(carrier.to)) return false;
+  Bounds swept = holding_box(carrier.to);
+  bounds_join(&swept, g.carry.reaches[i]);
+  return holding_overlaps(here, swept, 2.0f * g.desc.particle_radius);
+}
+
+bool may_give_way(const Granular& g, const Bounds& here) {
+  for (uint32_t i = 0; i < g.colliders.solid_count; ++i)
+    if (comes_near(g, here, g.colliders.carriers[i], i)) return true;
+  return false;
+}
+
 // What is not held gives way to what moves, in steps that are short against it.
 void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t mask, float moved[k_lane_group]) {
   const float r = g.desc.particle_radius;
@@ -149,10 +164,8 @@ void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t 
   for (float& m : most) m = r;
   for (uint32_t i = 0; i < g.colliders.solid_count && mask != 0; ++i) {
     const Carrier& carrier = g.colliders.carriers[i];
-    if (!holding_carries(g, i) || holding_encloses(carrier.to)) continue;
-    Bounds swept = holding_box(carrier.to), unused = k_nowhere;
-    bounds_join(&swept, g.carry.reaches[i]);
-    if (!holding_overlaps(here, swept, 2.0f * r)) continue;
+    Bounds unused = k_nowhere;
+    if (!comes_near(g, here, carrier, i)) continue;
     const float parts = carry_box(carrier.way, here, &unused) / (k_step_out * r);
     const uint32_t steps = parts < static_cast<float>(k_steps_out) ? static_cast<uint32_t>(parts) + 1 : k_steps_out;
     const RigidPose from = rigid_pose(carrier.from);
@@ -161,7 +174,7 @@ void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t 
       before = *lanes;
       put_out(g, collider_between(from, carrier.to, static_cast<float>(step) / static_cast<float>(steps)), lanes, mask,
               most, moved);
-      mask = hold_before_standing(g, lanes, before, mask);
+      mask = hold_before_standing(g, here, lanes, before, mask);
     }
   }
 }
@@ -252,12 +265,24 @@ void settle_lanes(Carry* c, const Granular& g, const Sixteen& it, HeldLanes* lan
   }
 }
 
-// All by one collider, for certain. False: that is not so.
-bool carry_all(Carry* c, const Granular& g, const Sixteen& it, const HeldGroup& group) {
+// The collider that holds these particles, for certain; else k_no_holder.
+uint32_t sole_holder(const Granular& g, uint32_t begin, uint32_t end) {
+  HeldGroup& group = scratch_of(g).group;
+  Quad low = Quad{} + 3e38f, high = Quad{} - 3e38f;
+  for (uint32_t i = begin; i < end; ++i) {
+    Quad at;
+    __builtin_memcpy(&at, g.particles.records[0][i].position, sizeof at);
+    low = at < low ? at : low, high = at > high ? at : high;
+  }
+  for (int k = 0; k < 3; ++k) group.box.low[k] = low[k], group.box.high[k] = high[k];
+  holding_find_near(g, &group);
+  return group.some ? holding_sole(g, group) : k_no_holder;
+}
+
+// All by one collider. False: some are of bodies, or departed.
+bool carry_all(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder) {
   const uint32_t all = it.count == k_lane_group ? (1u << k_lane_group) - 1 : (1u << it.count) - 1;
   if (it.free != all) return false;
-  const uint32_t holder = holding_sole(g, group);
-  if (holder == k_no_holder) return false;
   Bounds after = k_nowhere;
   const float way = carry_some(c, g, it, holder, all, &after);
   if (!may_meet_standing(g, after)) return true;
@@ -269,13 +294,17 @@ bool carry_all(Carry* c, const Granular& g, const Sixteen& it, const HeldGroup& 
   return true;
 }
 
-void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_before) {
+// `sole`: holds all of them, if it is known.
+void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_before, uint32_t sole) {
   Sixteen it;
   if (!read_sixteen(g, number, active_before, &it)) return;
+  if (sole != k_no_holder && carry_all(c, g, it, sole)) return;
   HeldGroup& group = scratch_of(g).group;
   group.box = it.box;
   holding_find_near(g, &group);
-  if (group.some && carry_all(c, g, it, group)) return;
+  if (group.some && sole == k_no_holder) sole = holding_sole(g, group);
+  if (sole != k_no_holder && carry_all(c, g, it, sole)) return;
+  if (!group.some && it.here == it.free && !may_give_way(g, it.box)) return bounds_join(&c->standing, it.box);
   HeldLanes& lanes = scratch_of(g).lanes;
   auto& holder = scratch_of(g).holder;
   auto& moved = scratch_of(g).moved;
@@ -444,8 +473,11 @@ bool carry_run(Carry* c, const Granular& g) {
   const Sleep& sleep = g.sleep;
   uint32_t active = 0;
   while (active < sleep.active_count && sleep.active_groups[active] < c->cursor / k_lane_group) ++active;
+  uint32_t sole = k_no_holder;
   for (uint32_t group = c->cursor / k_lane_group; group * k_lane_group < end && c->group_count != 0; ++group) {
-    run_group(c, g, group, active);
+    const uint32_t first = group * k_lane_group, together = 4 * k_lane_group, left = end - first;
+    if ((first - c->cursor) % together == 0) sole = sole_holder(g, first, first + (left < together ? left : together));
+    run_group(c, g, group, active, sole);
     if (active < sleep.active_count && sleep.active_groups[active] == group) ++active;
   }
   c->cursor = end;

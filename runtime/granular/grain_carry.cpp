@@ -22,6 +22,18 @@ bool is_current(const Granular& g) {
   return idle && !g.grain_carry.pending && g.time.grain_lag <= k_time_resolution;
 }
 
+// One ball or box alone is no vessel: grains about it are found by the next sweep.
+bool may_hold(const Granular& g) {
+  uint32_t movers = 0;
+  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
+    const sandglass_collider& it = g.colliders.given[i];
+    bool moves = false;
+    for (int k = 0; k < 3; ++k) moves = moves || it.linear_velocity[k] != 0.0f || it.angular_velocity[k] != 0.0f;
+    if (moves) movers += it.shape == SANDGLASS_SHAPE_FIELD ? 2 : 1;
+  }
+  return movers > 1 || g.grain_carry.drawn || g.grain_carry.pending || g.grain_carry.next_pending;
+}
+
 void hold_lanes(const Granular& g, const HeldGroup& group, uint32_t first, uint32_t count, uint8_t* holders) {
   HeldLanes& lanes = scratch_of(g).lanes;
   auto& holder = scratch_of(g).holder;
@@ -129,7 +141,7 @@ void grain_carry_note(GrainCarry* c, const Granular& g) {
     const Carrier& carrier = g.colliders.carriers[i];
     const uint32_t slot = g.colliders.slots[i], group = g.carry.group_of[i];
     if (!carrier.moves) continue;
-    const bool holds = group != k_carry_groups && !is_empty(g.carry.held[group]);
+    const bool holds = group != k_carry_groups && g.carry.groups[group].hollow && !is_empty(g.carry.held[group]);
     if (!holds || !swept) move_pose(&c->carried[slot], carrier.way);
     if (!holds || swept) move_pose(&c->next_carried[slot], carrier.way);
     if (!holds) move_pose(&c->met[slot], carrier.way), move_pose(&c->next_met[slot], carrier.way);
@@ -160,7 +172,9 @@ bool grain_carry_take_ways(GrainCarry* c, const Granular& g, bool moved) {
     const Carrier& carrier = g.colliders.carriers[i];
     const uint32_t slot = g.colliders.slots[i];
     c->ways[moved ? 1 : 0][slot] = carrier.way;
-    any = any || carrier.moves;
+    const uint32_t group = g.carry.group_of[i];
+    const bool holds = c->pending || c->next_pending || (group != k_carry_groups && g.carry.groups[group].hollow);
+    any = any || (carrier.moves && holds);
     more = more || (carrier.moves && moves[slot] == 0);
     if (carrier.moves) moves[slot] = 1;
   }
@@ -171,7 +185,8 @@ bool grain_carry_take_ways(GrainCarry* c, const Granular& g, bool moved) {
 bool grain_carry_is_due(const Granular& g) {
   const GrainCarry& c = g.grain_carry;
   if (g.grains.count == 0 || !g.carry.closing) return false;
-  return c.known ? c.cursor < g.grains.count : c.drawn || !is_current(g) || g.time.debt >= k_time_resolution;
+  if (c.known || !may_hold(g)) return c.known && c.cursor < g.grains.count;
+  return c.drawn || !is_current(g) || g.time.debt >= k_time_resolution;
 }
 
 void grain_carry_begin(GrainCarry* c, const Granular& g, bool any) {

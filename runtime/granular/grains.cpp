@@ -243,12 +243,10 @@ struct OutputTask {
   const uint32_t* stamps;  // of the groups; null: all are written
   uint32_t least;          // those from this one on are written
   GrainWays ways;
-  void run(uint32_t piece, uint32_t begin, uint32_t end) {
-    (void)piece;
+  template <bool k_carried>
+  void write(uint32_t begin, uint32_t end) const {
     const OutputTask t = *this;  // what is written may not be this
-    const uint32_t last = end < t.grain_count ? end : t.grain_count;
-    uint32_t i = begin;
-    for (; i < last; ++i) {
+    for (uint32_t i = begin; i < end; ++i) {
       if (t.stamps != nullptr && t.stamps[i / k_lane_group] < t.least) {
         i |= k_lane_group - 1;
         continue;
@@ -257,15 +255,23 @@ struct OutputTask {
       if (number >= t.capacity) continue;
       const Quad* record = reinterpret_cast<const Quad*>(&t.grains[i]);
       Quad grain = record[0] - t.lag * record[1];
-      const RigidWay* const way = t.ways.of(i);
-      if (way != nullptr) grain += way->way(grain);
+      if constexpr (k_carried) {
+        const RigidWay* const way = t.ways.of(i);
+        if (way != nullptr) grain += way->way(grain);
+      }
       grain[3] = __builtin_sqrtf(square_of(record[1]));
       __builtin_memcpy(t.out + number * t.stride, &grain, sizeof grain);
     }
-    for (i = begin > t.grain_count ? begin : t.grain_count; i < end; ++i) {
+  }
+  void run(uint32_t piece, uint32_t begin, uint32_t end) {
+    (void)piece;
+    const uint32_t last = end < grain_count ? end : grain_count;
+    if (ways.holders != nullptr) write<true>(begin, last);
+    else write<false>(begin, last);
+    for (uint32_t i = begin > grain_count ? begin : grain_count; i < end; ++i) {
       const sandglass_grain grain = {{0.0f, SANDGLASS_REMOVED_Y, 0.0f}, -1.0f};
-      const uint32_t number = t.removed[i - t.grain_count];
-      if (number < t.capacity) __builtin_memcpy(t.out + number * t.stride, &grain, sizeof grain);
+      const uint32_t number = removed[i - grain_count];
+      if (number < capacity) __builtin_memcpy(out + number * stride, &grain, sizeof grain);
     }
   }
 };

@@ -186,7 +186,7 @@ void grain_carry_note(GrainCarry* carry, const Granular& granular);
 // Grains before this one have the later state. Where their colliders were then.
 uint32_t grain_carry_moved(const Granular& granular);
 GrainStance grain_carry_stance(const Granular& granular, bool moved);
-// The carriers go from there: takes their ways. False: none moves.
+// The carriers go from there: takes their ways. False: none goes on that holds grains: a hand over sand does not.
 bool grain_carry_take_ways(GrainCarry* carry, const Granular& granular, bool moved);
 // Finds holders of grains of one state, until a unit of them were looked up. Returns the next grain.
 uint32_t grain_carry_find(GrainCarry* carry, const Granular& granular, uint32_t begin, uint32_t end);

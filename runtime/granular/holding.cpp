@@ -50,9 +50,26 @@ void enter_box(const Granular& g, const float way[3], const float low[3], const 
   }
 }
 
-// To a ball about the nearest point of a segment; a sphere's has no length.
+// To a ball.
+void enter_ball(const ColliderFrame& c, const HeldLanes& lanes, const float down[3], float enter[k_lane_group]) {
+  for (uint32_t l = 0; l < k_lane_group; l += 4) {
+    Quad along = {}, square = {};
+    for (int k = 0; k < 3; ++k) {
+      const Quad r = four(lanes.at[k], l) - c.position[k];
+      along -= r * down[k];
+      square += r * r;
+    }
+    const Quad within = c.size[0] * c.size[0] - (square - along * along);  // of the nearest point, squared
+    for (uint32_t i = 0; i < 4; ++i) {
+      const bool inside = square[i] <= c.size[0] * c.size[0], meets = within[i] >= 0.0f && along[i] > 0.0f;
+      enter[l + i] = inside ? 0.0f : meets ? along[i] - __builtin_sqrtf(within[i]) : k_far;
+    }
+  }
+}
+
+// To a ball about the nearest point of a segment.
 float capsule_below(const ColliderFrame& c, const HeldLanes& lanes, uint32_t l, const float down[3]) {
-  const float half = c.shape == SANDGLASS_SHAPE_CAPSULE ? c.size[1] : 0.0f;
+  const float half = c.size[1];
   float gone = 0.0f;
   for (uint32_t step = 0; step < k_trace_steps && gone < k_coordinate_bound; ++step) {
     float r[3], along = 0.0f, square = 0.0f;
@@ -113,6 +130,8 @@ void find_below(const Granular& g, const ColliderFrame& c, const HeldLanes& lane
     for (int a = 0; a < 3; ++a) most[a] = c.field.low[a] + c.field.spacing * static_cast<float>(c.field.counts[a] - 1);
     enter_box(g, way, c.field.low, most, below);
     trace_field(g, c, lanes, down, below);
+  } else if (c.shape == SANDGLASS_SHAPE_SPHERE) {
+    enter_ball(c, lanes, down, below);
   } else {
     for (uint32_t l = 0; l < lanes.count; ++l) below[l] = capsule_below(c, lanes, l, down);
   }

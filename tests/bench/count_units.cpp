@@ -1,5 +1,5 @@
 // What each work unit of a scene costs on ARM: a pile that collapses, with its shadow, an object's shadow, the lighting
-// network and the room, all work in every frame; and a bucket of sand that is carried without time for it. Prints one line for each unit that ran, in order: its items and its name;
+// network and the room, all work in every frame. Prints one line for each unit that ran, in order: its items and its name;
 // "0 frame" for what a frame costs outside of units. count_plugin writes the instructions of each line into its laps.
 //   count_units SHADOW_FILE LIGHT_FILE
 #include <cstdint>
@@ -54,54 +54,6 @@ struct Grid {
     mesh.triangle_count = static_cast<uint32_t>(indices.size() / 3);
   }
 };
-
-// A bucket of five boxes that goes up and aside, with a budget that is over at once.
-bool count_carry(std::vector<Lap>* laps) {
-  constexpr float k_radius = 0.006f, k_wide = 0.06f, k_wall = 0.006f, k_high = 0.07f;
-  const float sides[5][6] = {{0, 0, 0, k_wide, k_wall, k_wide},
-                             {k_wide, k_high, 0, k_wall, k_high, k_wide},
-                             {-k_wide, k_high, 0, k_wall, k_high, k_wide},
-                             {0, k_high, k_wide, k_wide, k_high, k_wall},
-                             {0, k_high, -k_wide, k_wide, k_high, k_wall}};
-  std::vector<float> particles;
-  const float in = k_wide - k_wall - k_radius;
-  sandglass_scene_desc desc = sandglass::scene_desc();
-  sandglass::Scene scene;
-  desc.granular.particle_radius = k_radius;
-  desc.granular.particle_capacity = 2000;
-  desc.clock = {[](void*) {
-                  static uint64_t now;
-                  return now += 1'000'000;
-                },
-                nullptr};
-  if (!sandglass::sample_lattice(
-          {{-in, 0.012f, -in}, {in, 0.1f, in}}, 2.02f * k_radius, [](const float*) { return true; }, &particles) ||
-      !scene.create(desc) || !scene.add(particles, {}))
-    return false;
-  scene.get()->governor.observer = {
-      [](void* user, const sandglass::WorkUnit& unit) {
-        const bool carries = std::strcmp(unit.name, "granular.carry") == 0;
-        static_cast<std::vector<Lap>*>(user)->push_back({carries ? unit.name : "app", unit.items});
-        counting_laps();
-      },
-      laps};
-  sandglass_collider boxes[5];
-  sandglass_frame_input input = sandglass::frame_input();
-  input.time_step = 1.0f / 60;
-  input.colliders = boxes;
-  input.collider_count = 5;
-  for (int frame = 0; frame < k_settling_frames + k_counted_frames; ++frame) {
-    const float way = frame < k_settling_frames ? 0.0f : 0.005f * static_cast<float>(frame - k_settling_frames);
-    for (int i = 0; i < 5; ++i) {
-      const float* s = sides[i];
-      boxes[i] = sandglass::box(s[0] + way, s[1] + way, s[2], s[3], s[4], s[5]);
-      boxes[i].linear_velocity[0] = boxes[i].linear_velocity[1] = way > 0.0f ? 0.3f : 0.0f;
-    }
-    input.budget_ns = frame < k_settling_frames ? ~0ull : 1;
-    if (!scene.frame(input)) return false;
-  }
-  return true;
-}
 
 }  // namespace
 
@@ -188,7 +140,6 @@ int main(int argument_count, char** arguments) {
     laps.push_back({"frame", 0});
     counting_laps();
   }
-  if (!count_carry(&laps)) return 2;
   for (const Lap& lap : laps) std::printf("%u %s\n", lap.items, lap.name);
   return 0;
 }
