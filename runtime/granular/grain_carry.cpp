@@ -101,6 +101,10 @@ void grain_carry_forget(GrainCarry* c, const Granular& g, uint32_t first) {
   }
 }
 
+void grain_carry_regrouped(GrainCarry* c, const Granular& g) {
+  if (c->unknown != (g.grains.count + k_lane_group - 1) / k_lane_group) grain_carry_forget(c, g, 0);
+}
+
 void grain_carry_refined(GrainCarry* c, const Granular& g, uint32_t begin, uint32_t end) {
   for (uint32_t at = begin; at < end; at += k_lane_group) {
     uint8_t* const first = &c->holders[g.grain_sleep.groups[at / k_lane_group] * k_lane_group];

@@ -175,6 +175,8 @@ void grain_carry_reset(GrainCarry* carry, const Granular& granular);
 void grain_carry_settle(GrainCarry* carry, const Granular& granular);
 // Of the grains from the group of `first` on, which are others now, nothing is known; of those that units of a sweep refined.
 void grain_carry_forget(GrainCarry* carry, const Granular& granular, uint32_t first);
+// All are in other groups, or will be.
+void grain_carry_regrouped(GrainCarry* carry, const Granular& granular);
 void grain_carry_refined(GrainCarry* carry, const Granular& granular, uint32_t begin, uint32_t end);
 // The frame's colliders are known, but nobody was carried yet.
 void grain_carry_begin_frame(GrainCarry* carry, const Granular& granular);

@@ -277,7 +277,7 @@ bool run_unit(Granular* g, SweepPhase phase) {
       return run_carry(g);
     case SweepPhase::sort:
       grain_sleep_regrouped(&g->grain_sleep);
-      grain_carry_forget(&g->grain_carry, *g, 0);
+      grain_carry_regrouped(&g->grain_carry, *g);
       output_regrouped(&g->output);
       return grains_run_sort(&g->grains, *g);
     case SweepPhase::scatter:
