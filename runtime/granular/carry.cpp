@@ -127,13 +127,19 @@ void put_out(const Granular& g, const ColliderFrame& c, HeldLanes* lanes, uint32
   }
 }
 
+// Whether a collider holds its place against what one group moves.
+bool stands(const Granular& g, uint32_t i, uint32_t group) {
+  const uint32_t its = g.carry.group_of[i];
+  return its == k_carry_groups || (its != group && g.carry.groups[its].slow);
+}
+
 // Lanes that are pressed into what stands go back, and are pressed no more: a hand presses no sand through a wall.
-uint32_t hold_before_standing(const Granular& g, const Bounds& here, HeldLanes* lanes, const HeldLanes& before,
-                              uint32_t mask) {
+uint32_t hold_before_standing(const Granular& g, uint32_t group, const Bounds& here, HeldLanes* lanes,
+                              const HeldLanes& before, uint32_t mask) {
   float* const distance = scratch_of(g).distance;
   uint32_t stopped = 0;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
-    if (holding_carries(g, i) || !holding_overlaps(here, g.carry.reaches[i], 2.0f * g.desc.particle_radius)) continue;
+    if (!stands(g, i, group) || !holding_overlaps(here, g.carry.reaches[i], 2.0f * g.desc.particle_radius)) continue;
     holding_measure(g, g.colliders.carriers[i].to, lanes->at, distance);
     for (uint32_t l = 0; l < lanes->count; ++l)
       stopped |= (mask >> l & 1) != 0 && distance[l] < k_pressed * g.desc.particle_radius ? 1u << l : 0;
@@ -174,17 +180,17 @@ void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t 
       before = *lanes;
       put_out(g, collider_between(from, carrier.to, static_cast<float>(step) / static_cast<float>(steps)), lanes, mask,
               most, moved);
-      mask = hold_before_standing(g, here, lanes, before, mask);
+      mask = hold_before_standing(g, g.carry.group_of[i], here, lanes, before, mask);
     }
   }
 }
 
 // What was moved is in nothing that stands.
-bool may_meet_standing(const Granular& g, const Bounds& here) {
+bool may_meet_standing(const Granular& g, uint32_t group, const Bounds& here) {
   const float r = g.desc.particle_radius;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     const ColliderFrame& c = g.colliders.carriers[i].to;
-    if (holding_carries(g, i) || !holding_overlaps(here, g.carry.reaches[i], r)) continue;
+    if (!stands(g, i, group) || !holding_overlaps(here, g.carry.reaches[i], r)) continue;
     if (c.shape != SANDGLASS_SHAPE_HALF_SPACE) return true;
     float least = 0.0f;
     for (int k = 0; k < 3; ++k)
@@ -194,11 +200,11 @@ bool may_meet_standing(const Granular& g, const Bounds& here) {
   return false;
 }
 
-void leave_standing(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t mask,
+void leave_standing(const Granular& g, uint32_t group, const Bounds& here, HeldLanes* lanes, uint32_t mask,
                     const float moved[k_lane_group]) {
   auto& unused = scratch_of(g).unused;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i)
-    if (!holding_carries(g, i) && holding_overlaps(here, g.carry.reaches[i], g.desc.particle_radius))
+    if (stands(g, i, group) && holding_overlaps(here, g.carry.reaches[i], g.desc.particle_radius))
       put_out(g, g.colliders.carriers[i].to, lanes, mask, moved, unused);
 }
 
@@ -248,7 +254,8 @@ void read_lanes(const Granular& g, const Sixteen& it, HeldLanes* lanes) {
 }
 
 // Of lanes that were moved so far: out of what stands, and into the records.
-void settle_lanes(Carry* c, const Granular& g, const Sixteen& it, HeldLanes* lanes, const float moved[k_lane_group]) {
+void settle_lanes(Carry* c, const Granular& g, uint32_t group, const Sixteen& it, HeldLanes* lanes,
+                  const float moved[k_lane_group]) {
   Bounds after = k_nowhere;
   uint32_t mask = 0;
   for (uint32_t l = 0; l < it.count; ++l) {
@@ -258,7 +265,7 @@ void settle_lanes(Carry* c, const Granular& g, const Sixteen& it, HeldLanes* lan
     mask |= 1u << l;
   }
   if (mask == 0) return;
-  if (may_meet_standing(g, after)) leave_standing(g, after, lanes, mask, moved);
+  if (may_meet_standing(g, group, after)) leave_standing(g, group, after, lanes, mask, moved);
   for (uint32_t l = 0; l < it.count; ++l) {
     const float to[3] = {lanes->at[0][l], lanes->at[1][l], lanes->at[2][l]};
     if ((mask >> l & 1) != 0) write_pushed(c, g, it.first + l, to);
@@ -285,12 +292,12 @@ bool carry_all(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder) 
   if (it.free != all) return false;
   Bounds after = k_nowhere;
   const float way = carry_some(c, g, it, holder, all, &after);
-  if (!may_meet_standing(g, after)) return true;
+  if (!may_meet_standing(g, c->group_of[holder], after)) return true;
   HeldLanes& lanes = scratch_of(g).lanes;
   auto& moved = scratch_of(g).moved;
   read_lanes(g, it, &lanes);
   for (float& m : moved) m = way;
-  settle_lanes(c, g, it, &lanes, moved);
+  settle_lanes(c, g, c->group_of[holder], it, &lanes, moved);
   return true;
 }
 
@@ -335,7 +342,7 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
     held &= ~mask;
   }
   if (c->due == Carry::Moment::close) give_way(g, it.box, &lanes, open, moved);
-  settle_lanes(c, g, it, &lanes, moved);
+  settle_lanes(c, g, c->group_count == 1 ? 0 : k_carry_groups, it, &lanes, moved);
 }
 
 // ---- the colliders
@@ -362,7 +369,14 @@ void find_groups(Carry* c, const Granular& g) {
       if (alike) break;
     }
     if (at == k_carry_groups) continue;
-    if (at == c->group_count) c->groups[c->group_count++] = {i, 0, k_nowhere, false};
+    if (at == c->group_count) {
+      Bounds near = c->reaches[i], unused = k_nowhere;
+      for (int k = 0; k < 3; ++k) {
+        near.low[k] = near.low[k] > g.particles.low[k] ? near.low[k] : g.particles.low[k];
+        near.high[k] = near.high[k] < g.particles.high[k] ? near.high[k] : g.particles.high[k];
+      }
+      c->groups[c->group_count++] = {i, 0, k_nowhere, false, carry_box(carrier.way, near, &unused) < same};
+    }
     CarryGroup& group = c->groups[at];
     c->group_of[i] = static_cast<uint8_t>(at);
     if (carrier.from.shape == SANDGLASS_SHAPE_HALF_SPACE) continue;

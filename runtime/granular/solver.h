@@ -189,11 +189,12 @@ constexpr uint32_t k_carry_groups = 16;
 
 struct HeldScratch;
 
-// Colliders that go the same way. Their box is in the axes of the first; hollow: sand may stand in it.
+// Colliders that go the same way. Their box is in the axes of the first; hollow: sand may stand in it. slow: they go so
+// little that others press nothing into them.
 struct CarryGroup {
   uint32_t first, members;
   Bounds box;
-  bool hollow;
+  bool hollow, slow;
 };
 
 struct Carry {
