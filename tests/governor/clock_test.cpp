@@ -296,7 +296,7 @@ TEST(UnsteadyClock, WhatIsDrawnMovesInEachFrameAndNoneIsLate) {
       {"3 to 4 times every 2 s, 8 ms", {Clock::spans_of_2s, 8, 4}, 7, 0.35, 99},
       {"3 to 4 times every 0.25 s, 120 Hz, 2 ms", {Clock::spans_of_quarter, 2, 2}, 28, 1.6, 99},
       {"3 to 4 times every 0.25 s, 4 ms", {Clock::spans_of_quarter, 4, 3}, 28, 1.6, 99},
-      {"3 to 4 times every 0.25 s, 8 ms", {Clock::spans_of_quarter, 8, 8}, 7, 1.6, 99},
+      {"3 to 4 times every 0.25 s, 8 ms", {Clock::spans_of_quarter, 8, 8}, 8, 1.6, 99},
       {"4 times in one frame of 20, 120 Hz, 2 ms", {Clock::slow_frames, 2, 2}, 7, 3.9, 99},
       {"4 times in one frame of 20, 4 ms", {Clock::slow_frames, 4, 4}, 7, 3.9, 99},
       {"cold, 4 ms", {Clock::cold, 4, 2}, 7, 0.35, 99},
