@@ -149,6 +149,21 @@ uint32_t hold_before_standing(const Granular& g, uint32_t group, const Bounds& h
   return mask & ~stopped;
 }
 
+// Those of what only lies on a collider that have room where it goes: the rest is not pressed into what stands.
+uint32_t find_room(const Granular& g, uint32_t holder, const HeldLanes& lanes, uint32_t mask) {
+  HeldLanes& after = scratch_of(g).before;
+  Bounds there = k_nowhere;
+  after = lanes;
+  for (uint32_t l = 0; l < lanes.count; ++l) {
+    if ((mask >> l & 1) == 0) continue;
+    float at[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
+    g.colliders.carriers[holder].way.move(at);
+    bounds_include(&there, at);
+    for (int k = 0; k < 3; ++k) after.at[k][l] = at[k];
+  }
+  return is_empty(there) ? 0 : hold_before_standing(g, g.carry.group_of[holder], there, &after, lanes, mask);
+}
+
 // Whether a collider comes near on its way, from which what it does not hold gives way.
 bool comes_near(const Granular& g, const Bounds& here, const Carrier& carrier, uint32_t i) {
   if (!holding_carries(g, i) || holding_encloses(carrier.to)) return false;
@@ -327,11 +342,16 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
     held |= holder[l] != k_no_holder ? 1u << l : 0;
     if (holder[l] == k_no_holder) bounds_include(&c->standing, p.position);
   }
-  const uint32_t open = it.free & ~held;
+  uint32_t open = it.free & ~held;
   while (held != 0) {
     const uint32_t by = holder[__builtin_ctz(held)];
     uint32_t mask = 0;
     for (uint32_t l = 0; l < it.count; ++l) mask |= (held >> l & 1) != 0 && holder[l] == by ? 1u << l : 0;
+    held &= ~mask;
+    const uint32_t lies = c->groups[c->group_of[by]].hollow ? 0 : mask & it.free;
+    const uint32_t stays = lies & ~find_room(g, by, lanes, lies);
+    open |= stays, mask &= ~stays;
+    if (mask == 0) continue;
     Bounds after = k_nowhere;
     const float way = carry_some(c, g, it, by, mask, &after);
     for (uint32_t l = 0; l < it.count; ++l) {
@@ -339,7 +359,6 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
       for (int k = 0; k < 3; ++k) lanes.at[k][l] = g.particles.records[0][it.first + l].position[k];
       moved[l] = way;
     }
-    held &= ~mask;
   }
   if (c->due == Carry::Moment::close) give_way(g, it.box, &lanes, open, moved);
   settle_lanes(c, g, c->group_count == 1 ? 0 : k_carry_groups, it, &lanes, moved);
