@@ -33,8 +33,8 @@ void add_grain(Granular* g, const float position[3], const float velocity[3]) {
 
 }  // namespace
 
-sandglass_status granular_add(Granular* g, const sandglass_points& particles, const sandglass_points& grains,
-                              const char** reason) {
+static sandglass_status check_add(const Granular* g, const sandglass_points& particles, const sandglass_points& grains,
+                                  const char** reason) {
   if ((particles.count != 0 && particles.positions == nullptr) || (grains.count != 0 && grains.positions == nullptr)) {
     return refuse(
         reason,
@@ -57,6 +57,10 @@ sandglass_status granular_add(Granular* g, const sandglass_points& particles, co
       (grains.velocities != nullptr && !items_within(grains.velocities, grains.count, k_speed_limit))) {
     return refuse(reason, "a velocity is not finite or above 10000 m/s: check where it comes from.");
   }
+  return accept(reason);
+}
+
+static void put_in(Granular* g, const sandglass_points& particles, const sandglass_points& grains) {
   const auto velocity = [](const sandglass_points& points, uint64_t i) {
     return points.velocities == nullptr ? k_at_rest : points.velocities + 3 * i;
   };
@@ -68,12 +72,24 @@ sandglass_status granular_add(Granular* g, const sandglass_points& particles, co
     granular_seal(g);
   }
   if (grains.count != 0) {
-    if (!sweep_takes_grains(*g)) sweep_end(g);
     if (g->grains.count == 0) motion_begin_here(g->motion, *g);
     for (uint64_t i = 0; i < grains.count; ++i) add_grain(g, grains.positions + 3 * i, velocity(grains, i));
     sweep_grains_added(g, grains.count);
   }
-  return accept(reason);
+}
+
+sandglass_status granular_add(Granular* g, const sandglass_points& particles, const sandglass_points& grains,
+                              const char** reason) {
+  if (const sandglass_status refused = check_add(g, particles, grains, reason)) return refused;
+  if (grains.count != 0 && !sweep_takes_grains(*g)) sweep_end(g);
+  put_in(g, particles, grains);
+  return SANDGLASS_OK;
+}
+
+bool granular_pour_in(Granular* g, const sandglass_points& particles, const sandglass_points& grains) {
+  if (check_add(g, particles, grains, nullptr)) return false;
+  put_in(g, particles, grains);
+  return true;
 }
 
 // ---- Removing sand

@@ -310,8 +310,7 @@ bool granular_skip_time(Granular* g) {
 bool inlet_let_in(const Inlet& inlet, const float* positions, const float* velocities, uint32_t particles,
                   uint32_t grains) {
   Granular* g = static_cast<Granular*>(inlet.scene);
-  if (granular_add(g, {positions, velocities, particles}, {positions, velocities, grains}, nullptr) != SANDGLASS_OK)
-    return false;
+  if (!granular_pour_in(g, {positions, velocities, particles}, {positions, velocities, grains})) return false;
   motion_fall(g->motion, *g, g->particles.count - particles);
   return true;
 }

@@ -160,6 +160,8 @@ void granular_after_removal(Granular* granular);
 // What the app does between frames (edit.cpp).
 sandglass_status granular_add(Granular* granular, const sandglass_points& particles, const sandglass_points& grains,
                               const char** reason);
+// From a nozzle, within a frame. False: there is no room.
+bool granular_pour_in(Granular* granular, const sandglass_points& particles, const sandglass_points& grains);
 sandglass_status granular_remove(Granular* granular, const sandglass_collider* region, uint32_t* particles,
                                  uint32_t* grains, const char** reason);
 sandglass_status granular_set_boundary(Granular* granular, const float* positions, uint32_t count, const char** reason);
