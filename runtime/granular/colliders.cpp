@@ -553,8 +553,8 @@ void colliders_begin_sweep(Colliders* c, float before, const RigidPose* from, ui
   c->sweep_count = c->count;
   c->sweep_way_count = from == nullptr ? 0 : (steps - 1) * c->count;
   for (uint32_t i = 0; i < c->sweep_way_count; ++i) {
-    const uint32_t of = i % c->count;
-    const float share = static_cast<float>(i / c->count + 1) / static_cast<float>(steps);
+    const uint32_t of = i % c->count, step = i / c->count + 1;
+    const float share = static_cast<float>(step) / static_cast<float>(steps);
     const ColliderFrame& end = c->sweep_frames[of];
     c->sweep_ways[i] = of < c->solid_count ? collider_between(from[c->slots[of]], end, share) : end;
   }
