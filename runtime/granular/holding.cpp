@@ -358,7 +358,7 @@ void holding_find(const Granular& g, const HeldGroup& group, const HeldLanes& la
     if (on == k_no_holder || !holding_carries(g, on)) continue;
     if (on != asked) within = within_group(g, on, lanes), asked = on;
     const bool inside = (within >> l & 1) != 0;
-    const bool lies = !inside && g.carry.due != Carry::Moment::jump &&
+    const bool lies = !inside && below[l] > 0.0f && g.carry.due != Carry::Moment::jump &&
                       goes_along(lanes, l, g.colliders.carriers[on].from, granular_speed_scale(g));
     // In a vessel within a field, or the other way round: what is nearer is the inner one.
     if (lies || (inside && (holder[l] == k_no_holder || below[l] < nearest[l] + 2.0f * r))) holder[l] = on;

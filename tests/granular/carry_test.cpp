@@ -253,6 +253,37 @@ TEST(Carry, AVesselThatIsPutAsideKeepsItsSand) {
   }
 }
 
+// A hand that appears in sand and goes on, with a part of the time that this takes: the sand within it does not lie on it.
+TEST(Carry, AHandTakesNothingAlongThatIsBeneathIt) {
+  constexpr float k_hand = 6 * k_radius, k_speed = 1;
+  sandglass::VirtualClock clock{.step_ns = 10'000};
+  sandglass_scene_desc desc = description(200);
+  desc.granular.particle_radius = k_radius;
+  desc.clock = sandglass::virtual_clock(&clock);
+  GranularScene scene(desc);
+  scene.add_floor();
+  scene.add(lattice(12, 1, 12, 2.02f * k_radius, k_radius));
+  for (int f = 0; f < 30; ++f) scene.frame(k_step);
+  const float middle = 11 * 1.01f * k_radius, reach = 3 * k_hand;
+  scene.colliders.push_back(sandglass::sphere(middle, 0.6f * k_hand, middle, k_hand));
+  sandglass_collider& hand = scene.colliders.back();
+  const auto beneath = [&] {
+    const std::vector<float> p = scene.positions();
+    size_t some = 0;
+    for (size_t i = 0; i < p.size(); i += 3)
+      some += std::hypot(p[i] - hand.position[0], p[i + 2] - hand.position[2]) < 0.4f * k_hand;
+    return some;
+  };
+  scene.frame(k_step, 100'000);
+  EXPECT_GT(beneath(), 2u) << "the control: nothing was beneath it";
+  hand.linear_velocity[0] = k_speed;
+  while (hand.position[0] < middle + reach) {
+    hand.position[0] += k_speed * k_step;
+    scene.frame(k_step, 100'000);
+  }
+  EXPECT_EQ(beneath(), 0u);
+}
+
 TEST(Carry, IsNotThereWhereNothingMoves) {
   Bucket b(stands);
   const uint64_t small = Need(stands).ns / 8 + 50'000;

@@ -154,7 +154,7 @@ def check_hourglass(browser):
     browser.mouse("mousePressed", x, y, "left", 1)
     browser.mouse("mouseReleased", x, y, "left")
     check(browser.ask("sandglassPage.page.turning.turns"), "a tap does not turn the hourglass")
-    run_frames(browser, 85)
+    run_frames(browser, 400, until="!page.turning.turns")
     turned = browser.ask(above)
     run_frames(browser, 600, until=f"{above} < 0.1")
     left, outside = browser.ask(above), browser.ask(PLACES + ".filter(([x, y, z]) => Math.hypot(x, z) > 0.053 || y < 0.012 || y > 0.242).length")
