@@ -17,27 +17,26 @@ function radius(height) {
   return (k_throat + (k_bulb - k_throat) * open ** 2.2) * round;
 }
 
-const k_profile = Array.from({ length: 97 }, (_, i) => { const y = k_half * (i / 48 - 1); return [radius(y), y]; });
+const k_half_parts = 48;
+const k_profile = Array.from({ length: 2 * k_half_parts + 1 }, (_, i) => { const y = k_half * (i / k_half_parts - 1); return [radius(y), y]; });
 
-const k_line = Float64Array.from(k_profile.flat());
+const k_line = Float64Array.from(k_profile.slice(k_half_parts).flat());  // of the upper half
 
 // What is seen of the stream below: as of a nozzle.
 export const k_neck = { position: [0, k_stands, 0], radius: 1.3 * k_throat, speed: 0.12 };
 
-// How far a place is from the glass, above 0 within.
+// How far a place is from the glass, above 0 within. The line is followed from its height on, up and down, while it may be nearer.
 function distance(x, y, z) {
-  const out = Math.hypot(x, z);
-  let least = k_half - Math.abs(y);
-  if (least < 0 && out < radius(k_half)) return least;
-  least = Math.abs(least);
-  let square = least * least;
-  for (let i = 2; i < k_line.length; i += 2) {
-    const a = k_line[i - 2], b = k_line[i - 1], u = k_line[i] - a, v = k_line[i + 1] - b, x = out - a, h = y - b;
-    const along = (x * u + h * v) / (u * u + v * v), s = along < 0 ? 0 : along > 1 ? 1 : along, dx = x - s * u, dy = h - s * v, d = dx * dx + dy * dy;
-    if (d < square) square = d;
+  const out = Math.hypot(x, z), height = Math.abs(y), last = k_line.length - 2, begin = 2 * Math.min(k_half_parts - 1, Math.floor(height / k_half * k_half_parts));
+  if (height > k_half && out < radius(k_half)) return k_half - height;
+  let square = (k_half - height) ** 2;
+  for (let step = 2; step >= -2; step -= 4) for (let i = step > 0 ? begin : begin - 2; i >= 0 && i < last; i += step) {
+    const a = k_line[i], b = k_line[i + 1], u = k_line[i + 2] - a, v = k_line[i + 3] - b, right = out - a, above = height - b;
+    if ((step > 0 ? above < 0 && above ** 2 : above > v && (above - v) ** 2) > square) break;
+    const along = (right * u + above * v) / (u * u + v * v), s = along < 0 ? 0 : along > 1 ? 1 : along;
+    square = Math.min(square, (right - s * u) ** 2 + (above - s * v) ** 2);
   }
-  least = Math.sqrt(square);
-  return Math.abs(y) < k_half && out < radius(y) ? least : -least;
+  return Math.sqrt(square) * (height < k_half && out < radius(height) ? 1 : -1);
 }
 
 export function hourglassField(sand) {
@@ -45,9 +44,11 @@ export function hourglassField(sand) {
   sand.sandglass_field_desc_default(desc);
   // It is round, and its nodes lie at multiples of the spacing from the neck: up to sixteen have one distance.
   const nodes = Math.round(high / k_spacing) + 1, known = new Float32Array(2 * nodes ** 3).fill(NaN);
+  let floats = sand.floats(0, 0);
   const asked = sand.pointer((_, at) => {
-    const view = sand.view(), node = (place) => Math.round(view.getFloat32(place, true) / k_spacing), x = node(at), y = node(at + 4), z = node(at + 8);
-    const key = (x * x + z * z) * nodes + Math.abs(y);
+    if (floats.length === 0) floats = new Float32Array(sand.memory.buffer);  // it has grown
+    const i = at >> 2, x = Math.round(floats[i] / k_spacing), y = Math.abs(Math.round(floats[i + 1] / k_spacing)), z = Math.round(floats[i + 2] / k_spacing);
+    const key = (x * x + z * z) * nodes + y;
     if (Number.isNaN(known[key])) known[key] = distance(k_spacing * x, k_spacing * y, k_spacing * z);
     return known[key];
   }, "fii");

@@ -66,9 +66,7 @@ class Page {
     this.denied = 0, this.saidFull = false, this.flow = this.least = this.late = 1, this.before = this.waited = 0;
     this.gravity = [...k_scene.gravity], this.given = [...k_scene.gravity], this.tipped = false;
     this.stage = new Stage(sand, { origin: [0, 0, 0], half: k_box, budget: 0 }), this.room = new RoomParts(this.stage);
-    this.stage.newCast(k_object_triangles), this.stage.newPile();
-    const funnel = funnelMesh();
-    this.painter.funnel = this.painter.item(funnel.vertices, funnel.indices, null, k_brass, funnel.normals);
+    this.stage.newPile();
     this.stands = { glass: this.makeGlass() };
     this.show("glass");
     this.fitDevice();
@@ -81,7 +79,9 @@ class Page {
   }
 
   makeTable() {
-    const stand = { scene: this.newScene(), standing: [], drawn: [] };
+    const stand = { scene: this.newScene(), standing: [], drawn: [] }, funnel = funnelMesh();
+    this.painter.funnel = this.painter.item(funnel.vertices, funnel.indices, null, k_brass, funnel.normals);
+    this.stage.newCast(k_object_triangles);
     for (const { field, position, rotation } of k_scene.colliders) {
       if (!field) continue;
       const model = matrixOf(position, rotation), vertices = unpacked(field.vertices, Float32Array), indices = unpacked(field.indices, Uint32Array);
@@ -93,14 +93,14 @@ class Page {
 
   // The hourglass stands still with all its sand below until it is turned over.
   makeGlass() {
-    const { sand, painter } = this, flat = { rotation: [0, 0, 0, 1], size: [1, 1, 1] };
-    const file = { name: "hourglass", gravity: k_scene.gravity, frame_step: k_step, emitters: [], particles: sandBelow(k_glass_particles, k_glass_radius),
+    const { sand, painter } = this, flat = { rotation: [0, 0, 0, 1], size: [1, 1, 1] }, below = sandBelow(k_glass_particles, k_glass_radius);
+    const file = { name: "hourglass", gravity: k_scene.gravity, frame_step: k_step, emitters: [], particles: below.subarray(0, 3 * k_glass_least),
       granular: { ...k_scene.granular, particle_radius: k_glass_radius, particle_capacity: k_glass_particles, grain_radius: 0, substep_max: 0, substep_min: 0, collider_capacity: 2,
         static_friction: k_glass_friction, kinetic_friction: k_glass_friction },
       colliders: [{ shape: constants.SANDGLASS_SHAPE_HALF_SPACE, position: [0, 0, 0], ...flat }, { shape: constants.SANDGLASS_SHAPE_FIELD, position: [0, 0, 0], ...flat, field: hourglassField(sand) }] };
     this.turning = new Turning();
     const scene = new SandScene(sand, file, { clock: true }), wood = woodMesh(), glass = glassMesh(), pose = this.turning.pose(), model = matrixOf(pose.position, pose.rotation);
-    return { scene, full: file.particles.length / 3, skin: this.newSkin(scene, 1), drawn: [painter.item(wood.vertices, wood.indices, model, k_wood)],
+    return { scene, below, full: below.length / 3, skin: this.newSkin(scene, 1), drawn: [painter.item(wood.vertices, wood.indices, model, k_wood)],
       standing: [this.stage.addModel({ positions: wood.vertices, indices: wood.indices, ...pose }, k_casts)],
       glass: { ...painter.mesh(glass.vertices, glass.indices, glass.normals), model } };
   }
@@ -108,9 +108,8 @@ class Page {
   // Few frames at rest tell how much sand this device simulates in time.
   fitDevice() {
     const { full } = this.stands.glass, since = performance.now();
-    this.fillGlass(0);
     let fits = 0;  // of particles
-    for (let i = 0; i < 2 || (i < k_trials && fits < full && performance.now() - since < k_trial_ms); ++i) fits = Math.max(fits, k_glass_least * k_glass_ms / this.settle());
+    for (let i = 0; i < 1 || (i < k_trials && fits < full && performance.now() - since < k_trial_ms); ++i) fits = Math.max(fits, k_glass_least * k_glass_ms / this.settle());
     if (fits > k_glass_least) this.fillGlass(fits);
   }
 
@@ -126,7 +125,7 @@ class Page {
 
   // Puts so many particles into the lower half, at rest.
   fillGlass(count) {
-    this.scene.file.particles = sandBelow(Math.max(k_glass_least, Math.round(count)), k_glass_radius);
+    this.scene.file.particles = this.stands.glass.below.subarray(0, 3 * Math.max(k_glass_least, Math.round(count)));
     this.refill();
   }
   get inGlass() { return this.stands.glass.scene.file.particles.length / 3; }
@@ -566,7 +565,7 @@ async function loaded() {
   return pooled ?? load(await inflated(k_module));
 }
 
-// What takes seconds, made in a worker of this script while the first pictures are drawn; where there is none, it is made here.
+// What takes seconds, made in a worker of this script once a picture is drawn; where there is none, it is made here.
 function letHelp(page) {
   const script = document.querySelector("script[type=module]").textContent.replaceAll("import.meta.url", "location.href"), url = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
   const worker = new Worker(url);
@@ -584,7 +583,7 @@ async function help() {
 
 async function begin() {
   const page = new Page(await loaded());
-  letHelp(page), listen(page);
+  listen(page);
   window.sandglassPage = { page, fixedRun: (frames) => fixedRun(page.sand, frames) };  // for the page's test
   let before = performance.now(), told = 0, drew = false, asked = 0, sandTook = 0, drawn = 0;
   const frame = (now) => {
@@ -592,11 +591,13 @@ async function begin() {
     if (runs) {
       page.watch(now);
       if (page.watching) page.setLight(seconds);
-      const moved = page.advance(seconds), took = performance.now() - start;
+      const moved = drawn > 0 && page.advance(seconds), took = performance.now() - start;
       // Nothing is drawn twice: where pictures take long, a browser asks for the next one before it has shown the last.
       if (moved || !drew || page.pace.touched || page.watching) {
         if (drew) page.pace.drew(now - drawn - sandTook);
-        page.draw(), drawn = now, sandTook = took;
+        page.draw();
+        if (drawn === 0) letHelp(page);
+        drawn = now, sandTook = took;
       }
     }
     drew = runs, before = now;

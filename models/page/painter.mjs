@@ -10,7 +10,7 @@ import { k_kit } from "./kit.mjs";
 const k_depth_bias = 0.02;  // metres
 const k_samples = 4;        // of a smooth pixel
 const k_nothing = { side: 1, bytes: new Uint8Array(1) };
-const k_plain = [197, 165, 122, 168, 127, 127, 128, 130];  // the mean of the block of grains: its last level
+const k_plain = Uint8Array.of(197, 165, 122, 168, 127, 127, 128, 130);  // a block without grains: the last level of the one with them
 
 const k_hidden = `
 uniform sampler2D real_depth;    // of the camera, metres along its axis; 0: not known
@@ -123,13 +123,6 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
 const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
 
-// A block without grains, of their mean.
-function plainBlock() {
-  const words = new Uint32Array(2 * (8 ** 7 - 1) / 7), means = new Uint32Array(Uint8Array.from(k_plain).buffer);
-  for (let side = 64, at = 0; side >= 1; side >>= 1) for (const mean of means) words.fill(mean, at, at += side ** 3);
-  return new Uint8Array(words.buffer);
-}
-
 // A camera that turns about a point of the table.
 export class Camera {
   target = [0, 0.14, 0];
@@ -168,7 +161,7 @@ export class Painter {
     if (!gl) throw new Error("This browser has no WebGL 2, so nothing can be drawn. Update it, or turn hardware acceleration on.");
     this.canvas = canvas;
     this.solid = program(gl, k_solid_vertex, k_solid_fragment), this.glassProgram = program(gl, k_kit.uniforms + k_glass_vertex, k_lighting + k_glass_fragment), this.glass = null;
-    this.sand = new SandPainter(gl, k_hidden, plainBlock(), radius);
+    this.sand = new SandPainter(gl, k_hidden, k_plain, radius);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     for (const name of ["pile", "onSand", "object", "seen", "sky", "skyOnSand", "wallObject", "wallSeen", "depth", "unknownDepth"]) this[name] = uploadShadow(gl, k_nothing);
     this.room = gl.createTexture(), this.roomKnown = 0;

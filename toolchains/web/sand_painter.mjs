@@ -13,20 +13,22 @@ const k_block_unit = 8;  // of the painter's textures; those below are others
 const k_stream_narrow = 0.3;
 const k_loose_vertex = k_kit.loose_vert.replace("in uint number;", "in float seed;\n#define number uint(seed)");
 
-// Compiles for WebGL 2. `at` gives the place of a uniform.
+// Compiles for WebGL 2. `at` gives the place of a uniform, and is the first that waits for the compiler.
 export function program(gl, vertex, fragment) {
   const made = gl.createProgram();
   for (const [kind, body] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
     const shader = gl.createShader(kind);
     gl.shaderSource(shader, `#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n${body}`);
-    gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(`This browser refuses a shader: ${gl.getShaderInfoLog(shader)}`);
-    gl.attachShader(made, shader);
+    gl.compileShader(shader), gl.attachShader(made, shader);
   }
   gl.linkProgram(made);
-  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(`This browser refuses a program: ${gl.getProgramInfoLog(made)}`);
   const at = new Map();
-  return { made, at: (name) => at.get(name) ?? (at.set(name, gl.getUniformLocation(made, name)), at.get(name)) };
+  return { made, at: (name) => {
+    if (at.size === 0 && !gl.getProgramParameter(made, gl.LINK_STATUS))
+      throw new Error(`This browser refuses a shader: ${[gl.getProgramInfoLog(made), ...gl.getAttachedShaders(made).map((shader) => gl.getShaderInfoLog(shader))].join(" ")}`);
+    if (!at.has(name)) at.set(name, gl.getUniformLocation(made, name));
+    return at.get(name);
+  } };
 }
 
 // Of any names; their kind is told by the value.
@@ -65,7 +67,7 @@ export class SandPainter {
   blockTexture(block, which) {
     const { gl } = this, made = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_3D, made);
-    for (let side = k_block_texels, level = 0, at = 0; side >= 1; side >>= 1, ++level) {
+    for (let side = block.length > 8 ? k_block_texels : 1, level = 0, at = 0; side >= 1; side >>= 1, ++level) {
       const bytes = 4 * side ** 3;
       gl.texImage3D(gl.TEXTURE_3D, level, gl.RGBA8, side, side, side, 0, gl.RGBA, gl.UNSIGNED_BYTE, block.subarray(at + which * bytes, at + (which + 1) * bytes));
       at += 2 * bytes;
