@@ -133,20 +133,26 @@ bool stands(const Granular& g, uint32_t i, uint32_t group) {
   return its == k_carry_groups || (its != group && g.carry.groups[its].slow);
 }
 
-// Lanes that are pressed into what stands go back, and are pressed no more: a hand presses no sand through a wall.
+// Lanes that are pressed into what stands go back, and are pressed no more: a hand presses no sand through a wall. What
+// only touches it comes out of it again, and so goes along it.
 uint32_t hold_before_standing(const Granular& g, uint32_t group, const Bounds& here, HeldLanes* lanes,
                               const HeldLanes& before, uint32_t mask) {
-  float* const distance = scratch_of(g).distance;
-  uint32_t stopped = 0;
+  const float r = g.desc.particle_radius;
+  HeldScratch& scratch = scratch_of(g);
+  const float* const distance = scratch.distance;
+  const auto& normal = scratch.normal;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
-    if (!stands(g, i, group) || !holding_overlaps(here, g.carry.reaches[i], 2.0f * g.desc.particle_radius)) continue;
-    holding_measure(g, g.colliders.carriers[i].to, lanes->at, distance);
-    for (uint32_t l = 0; l < lanes->count; ++l)
-      stopped |= (mask >> l & 1) != 0 && distance[l] < k_pressed * g.desc.particle_radius ? 1u << l : 0;
+    if (!stands(g, i, group) || !holding_overlaps(here, g.carry.reaches[i], 2.0f * r)) continue;
+    holding_measure(g, g.colliders.carriers[i].to, lanes->at, scratch.distance, scratch.normal);
+    for (uint32_t l = 0; l < lanes->count; ++l) {
+      if ((mask >> l & 1) == 0 || distance[l] >= r) continue;
+      const bool pressed = distance[l] < k_pressed * r;
+      mask &= pressed ? ~(1u << l) : ~0u;
+      for (int k = 0; k < 3; ++k)
+        lanes->at[k][l] = pressed ? before.at[k][l] : lanes->at[k][l] + (r - distance[l]) * normal[k][l];
+    }
   }
-  for (uint32_t l = 0; l < lanes->count && stopped != 0; ++l)
-    for (int k = 0; k < 3; ++k) lanes->at[k][l] = (stopped >> l & 1) != 0 ? before.at[k][l] : lanes->at[k][l];
-  return mask & ~stopped;
+  return mask;
 }
 
 // Those of what only lies on a collider that have room where it goes: the rest is not pressed into what stands.

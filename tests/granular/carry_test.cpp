@@ -253,16 +253,17 @@ TEST(Carry, AVesselThatIsPutAsideKeepsItsSand) {
   }
 }
 
-// A hand that appears in sand and goes on, with a part of the time that this takes: the sand within it does not lie on it.
+// A hand that appears in sand and goes on, with a part of the time that this takes: the sand within it
+// does not lie on it, and what it meets on the floor goes before it.
 TEST(Carry, AHandTakesNothingAlongThatIsBeneathIt) {
   constexpr float k_hand = 6 * k_radius, k_speed = 1;
   sandglass::VirtualClock clock{.step_ns = 10'000};
-  sandglass_scene_desc desc = description(200);
+  sandglass_scene_desc desc = description(500);
   desc.granular.particle_radius = k_radius;
   desc.clock = sandglass::virtual_clock(&clock);
   GranularScene scene(desc);
   scene.add_floor();
-  scene.add(lattice(12, 1, 12, 2.02f * k_radius, k_radius));
+  scene.add(lattice(40, 1, 12, 2.02f * k_radius, k_radius));
   for (int f = 0; f < 30; ++f) scene.frame(k_step);
   const float middle = 11 * 1.01f * k_radius, reach = 3 * k_hand;
   scene.colliders.push_back(sandglass::sphere(middle, 0.6f * k_hand, middle, k_hand));
