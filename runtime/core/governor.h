@@ -23,7 +23,7 @@
 
 namespace sandglass {
 
-constexpr uint32_t k_unit_kinds = 52;                // no more than 64, the bits of a word
+constexpr uint32_t k_unit_kinds = 53;                // no more than 64, the bits of a word
 constexpr uint32_t k_unit_kind_none = k_unit_kinds;  // a unit of this kind is never predicted
 constexpr uint32_t k_all_units = ~0u;                // Stage::mandatory_units of the output stage
 

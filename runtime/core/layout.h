@@ -9,7 +9,7 @@
 
 namespace sandglass {
 
-constexpr uint32_t k_region_capacity = 96;  // a scene with everything has 75
+constexpr uint32_t k_region_capacity = 104;  // a scene with everything has 98
 
 struct Layout {
   uint8_t* base = nullptr;  // null: only count

@@ -7,10 +7,11 @@ namespace sandglass {
 typedef float Quad __attribute__((vector_size(16), may_alias));
 
 inline Quad quad(const float v[3]) { return Quad{v[0], v[1], v[2], 0.0f}; }
-inline float square_of(const Quad& v) {
-  const Quad squares = v * v;
-  return squares[0] + squares[1] + squares[2];
+inline float dot(const Quad& a, const Quad& b) {
+  const Quad products = a * b;
+  return products[0] + products[1] + products[2];
 }
+inline float square_of(const Quad& v) { return dot(v, v); }
 
 // A rigid motion by how far it takes a point: x becomes x + turn (x - from) + shift. Exact to the last bits of small ones.
 struct RigidWay {

@@ -1,6 +1,5 @@
 // What colliders hold goes with them where they go on without time for it. solver.h has the rules, holding.cpp who is held.
-#include "runtime/granular/granular.h"
-#include "runtime/granular/holding.h"
+#include "runtime/granular/giving.h"
 
 namespace sandglass {
 
@@ -9,8 +8,7 @@ namespace {
 constexpr float k_same_way = 0.25f;    // radii by which ways may differ and be one
 constexpr float k_same_share = 0.05f;  // or of the way: parts that turn fast are told with straight velocities
 constexpr float k_unseen = 0.5f;       // radii by which sand may lag behind what is drawn
-constexpr float k_step_out = 0.5f;     // radii that a collider goes at once through what gives way
-constexpr uint32_t k_steps_out = 16;   // at most
+constexpr float k_rubbed = 0.5f;       // of the time given up, what counts for the friction of what only lies on a collider
 constexpr float k_pressed = 0.5f;      // radii from a collider that stands; what is nearer is pressed into it
 
 // ---- moving what is held
@@ -71,18 +69,48 @@ struct Sixteen {
   uint32_t here, free;    // bits: these; and of them what is sand
 };
 
-// The longest way of a box, and the box around where it is then.
-float carry_box(const RigidWay& w, const Bounds& box, Bounds* after) {
-  float way2 = 0.0f;
-  for (int corner = 0; corner < 8; ++corner) {
-    float x[3];
-    for (int k = 0; k < 3; ++k) x[k] = (corner >> k & 1) != 0 ? box.high[k] : box.low[k];
-    const float square = square_of(w.way(quad(x)));
-    way2 = square > way2 ? square : way2;
-    w.move(x);
-    bounds_include(after, x);
-  }
-  return __builtin_sqrtf(way2);
+void carry_one(Carry* c, const Granular& g, uint32_t i, const CarriedWay& carried, float gains, float scale,
+               bool hollow) {
+  Particle& p = g.particles.records[0][i];
+  const bool awake = is_awake(p);
+  carry_copy(carried, awake ? gains : 0.0f, &p);
+  for (uint32_t copy = 1; copy < 3 && (!awake || scale != 0.0f); ++copy)
+    if (g.particles.records[copy] != nullptr)
+      carry_copy(carried, awake ? gains * scale : 0.0f, &g.particles.records[copy][i]);
+  if (!awake) bounds_include(&c->resting, p.position);
+  sleep_carry(g, number_of(p), carried.way);
+  if (hollow) motion_carry(g.motion, g, number_of(p), carried.way);
+}
+
+// Moves one that only lies on a collider: with its rise and fall, and else as much of its way as it has of its velocity,
+// which friction brings nearer to 1.
+void carry_lying(Carry* c, const Granular& g, const Sixteen& it, uint32_t i, uint32_t holder) {
+  const Carrier& carrier = g.colliders.carriers[holder];
+  const Particle& p = g.particles.records[0][i];
+  CarriedWay carried = {{}, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
+  const Quad down = quad(scratch_of(g).group.down), all = carrier.way.way(quad(p.position));
+  float told[3];
+  holding_velocity(carrier.from, p.position, told);
+  const Quad sinks = dot(all, down) * down, way = all - sinks, falls = dot(quad(told), down) * down;
+  const Quad v = quad(told) - falls;
+  const float v2 = square_of(v), rate = static_cast<float>(g.time.rate) / c->faster;
+  const float with = v2 > 0.0f ? dot(v, quad(p.velocity)) / v2 : 1.0f,
+              had = with > 0.0f ? (with < 1.0f ? with : 1.0f) : 0.0f;
+  const float rubs =
+      k_rubbed * g.desc.kinetic_friction * g.gravity_length * __builtin_sqrtf(square_of(way)) * rate * rate;
+  const float share = is_asleep(p) || had * v2 + rubs >= v2 ? 1.0f : had + rubs / v2;
+  carried.way.shift = share * way + sinks;
+  carried.gain.shift = (c->faster * share - had) * v + (c->faster - 1.0f) * falls;
+  const float length = __builtin_sqrtf(square_of(carried.way.shift));
+  Bounds& held = c->held[c->group_of[holder]];
+  bounds_include(&held, p.position);
+  carry_one(c, g, i, carried, 1.0f, it.scale, false);
+  bounds_include(&held, p.position);
+  c->way_max = length > c->way_max ? length : c->way_max;
+  float speed2 = 0.0f;
+  for (const float u : p.velocity) speed2 += u * u;
+  c->fastest2 = speed2 > c->fastest2 ? speed2 : c->fastest2;
+  c->gave_way = c->gave_way || share < 1.0f;
 }
 
 // Moves those that one collider holds, in all that is kept of them. Returns the longest way; *after holds all of them.
@@ -94,38 +122,13 @@ float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder
   Bounds& held = c->held[c->group_of[holder]];
   bounds_join(&held, it.box), bounds_join(&held, *after);
   c->way_max = way > c->way_max ? way : c->way_max;
-  for (uint32_t l = 0; l < it.count; ++l) {
-    if ((mask >> l & 1) == 0) continue;
-    Particle& p = g.particles.records[0][it.first + l];
-    const bool awake = is_awake(p);
-    carry_copy(carried, awake ? gains : 0.0f, &p);
-    for (uint32_t copy = 1; copy < 3 && (!awake || it.scale != 0.0f); ++copy)
-      if (g.particles.records[copy] != nullptr)
-        carry_copy(carried, awake ? gains * it.scale : 0.0f, &g.particles.records[copy][it.first + l]);
-    if (!awake) bounds_include(&c->resting, p.position);
-    sleep_carry(g, number_of(p), carrier.way);
-    if (c->groups[c->group_of[holder]].hollow) motion_carry(g.motion, g, number_of(p), carried.way);
-  }
+  const bool hollow = c->groups[c->group_of[holder]].hollow;
+  for (uint32_t l = 0; l < it.count; ++l)
+    if ((mask >> l & 1) != 0) carry_one(c, g, it.first + l, carried, gains, it.scale, hollow);
   return way;
 }
 
-// ---- moving what is not held
-
-// Puts lanes out of a collider, by no more than `most` each.
-void put_out(const Granular& g, const ColliderFrame& c, HeldLanes* lanes, uint32_t mask, const float most[k_lane_group],
-             float moved[k_lane_group]) {
-  HeldScratch& scratch = scratch_of(g);
-  const float* const distance = scratch.distance;
-  const auto& normal = scratch.normal;
-  holding_measure(g, c, lanes->at, scratch.distance, scratch.normal);
-  for (uint32_t l = 0; l < lanes->count; ++l) {
-    float depth = g.desc.particle_radius - distance[l];
-    depth = depth < most[l] ? depth : most[l];
-    if ((mask >> l & 1) == 0 || !(depth > 0.0f)) continue;
-    for (int k = 0; k < 3; ++k) lanes->at[k][l] += depth * normal[k][l];
-    moved[l] += depth;
-  }
-}
+// ---- what stands
 
 // Whether a collider holds its place against what one group moves.
 bool stands(const Granular& g, uint32_t i, uint32_t group) {
@@ -133,77 +136,26 @@ bool stands(const Granular& g, uint32_t i, uint32_t group) {
   return its == k_carry_groups || (its != group && g.carry.groups[its].slow);
 }
 
-// Lanes that are pressed into what stands go back, and are pressed no more: a hand presses no sand through a wall. What
-// only touches it comes out of it again, and so goes along it.
-uint32_t hold_before_standing(const Granular& g, uint32_t group, const Bounds& here, HeldLanes* lanes,
-                              const HeldLanes& before, uint32_t mask) {
-  const float r = g.desc.particle_radius;
-  HeldScratch& scratch = scratch_of(g);
-  const float* const distance = scratch.distance;
-  const auto& normal = scratch.normal;
-  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
-    if (!stands(g, i, group) || !holding_overlaps(here, g.carry.reaches[i], 2.0f * r)) continue;
-    holding_measure(g, g.colliders.carriers[i].to, lanes->at, scratch.distance, scratch.normal);
-    for (uint32_t l = 0; l < lanes->count; ++l) {
-      if ((mask >> l & 1) == 0 || distance[l] >= r) continue;
-      const bool pressed = distance[l] < k_pressed * r;
-      mask &= pressed ? ~(1u << l) : ~0u;
-      for (int k = 0; k < 3; ++k)
-        lanes->at[k][l] = pressed ? before.at[k][l] : lanes->at[k][l] + (r - distance[l]) * normal[k][l];
-    }
-  }
-  return mask;
-}
-
 // Those of what only lies on a collider that have room where it goes: the rest is not pressed into what stands.
 uint32_t find_room(const Granular& g, uint32_t holder, const HeldLanes& lanes, uint32_t mask) {
-  HeldLanes& after = scratch_of(g).before;
+  HeldScratch& scratch = scratch_of(g);
+  auto& after = scratch.traced;
   Bounds there = k_nowhere;
-  after = lanes;
   for (uint32_t l = 0; l < lanes.count; ++l) {
-    if ((mask >> l & 1) == 0) continue;
     float at[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
     g.colliders.carriers[holder].way.move(at);
-    bounds_include(&there, at);
-    for (int k = 0; k < 3; ++k) after.at[k][l] = at[k];
+    if ((mask >> l & 1) != 0) bounds_include(&there, at);
+    for (int k = 0; k < 3; ++k) after[k][l] = at[k];
   }
-  return is_empty(there) ? 0 : hold_before_standing(g, g.carry.group_of[holder], there, &after, lanes, mask);
-}
-
-// Whether a collider comes near on its way, from which what it does not hold gives way.
-bool comes_near(const Granular& g, const Bounds& here, const Carrier& carrier, uint32_t i) {
-  if (!holding_carries(g, i) || holding_encloses(carrier.to)) return false;
-  Bounds swept = holding_box(carrier.to);
-  bounds_join(&swept, g.carry.reaches[i]);
-  return holding_overlaps(here, swept, 2.0f * g.desc.particle_radius);
-}
-
-bool may_give_way(const Granular& g, const Bounds& here) {
-  for (uint32_t i = 0; i < g.colliders.solid_count; ++i)
-    if (comes_near(g, here, g.colliders.carriers[i], i)) return true;
-  return false;
-}
-
-// What is not held gives way to what moves, in steps that are short against it.
-void give_way(const Granular& g, const Bounds& here, HeldLanes* lanes, uint32_t mask, float moved[k_lane_group]) {
-  const float r = g.desc.particle_radius;
-  auto& most = scratch_of(g).most;
-  for (float& m : most) m = r;
-  for (uint32_t i = 0; i < g.colliders.solid_count && mask != 0; ++i) {
-    const Carrier& carrier = g.colliders.carriers[i];
-    Bounds unused = k_nowhere;
-    if (!comes_near(g, here, carrier, i)) continue;
-    const float parts = carry_box(carrier.way, here, &unused) / (k_step_out * r);
-    const uint32_t steps = parts < static_cast<float>(k_steps_out) ? static_cast<uint32_t>(parts) + 1 : k_steps_out;
-    const RigidPose from = rigid_pose(carrier.from);
-    for (uint32_t step = 1; step <= steps && mask != 0; ++step) {
-      HeldLanes& before = scratch_of(g).before;
-      before = *lanes;
-      put_out(g, collider_between(from, carrier.to, static_cast<float>(step) / static_cast<float>(steps)), lanes, mask,
-              most, moved);
-      mask = hold_before_standing(g, g.carry.group_of[i], here, lanes, before, mask);
-    }
+  for (uint32_t i = 0; i < g.colliders.solid_count && !is_empty(there); ++i) {
+    if (!stands(g, i, g.carry.group_of[holder]) ||
+        !holding_overlaps(there, g.carry.reaches[i], 2.0f * g.desc.particle_radius))
+      continue;
+    holding_measure(g, g.colliders.carriers[i].to, after, scratch.distance, nullptr, lanes.count);
+    for (uint32_t l = 0; l < lanes.count; ++l)
+      mask &= scratch.distance[l] < k_pressed * g.desc.particle_radius ? ~(1u << l) : ~0u;
   }
+  return mask;
 }
 
 // What was moved is in nothing that stands.
@@ -219,29 +171,6 @@ bool may_meet_standing(const Granular& g, uint32_t group, const Bounds& here) {
     if (least < r) return true;
   }
   return false;
-}
-
-void leave_standing(const Granular& g, uint32_t group, const Bounds& here, HeldLanes* lanes, uint32_t mask,
-                    const float moved[k_lane_group]) {
-  auto& unused = scratch_of(g).unused;
-  for (uint32_t i = 0; i < g.colliders.solid_count; ++i)
-    if (stands(g, i, group) && holding_overlaps(here, g.carry.reaches[i], g.desc.particle_radius))
-      put_out(g, g.colliders.carriers[i].to, lanes, mask, moved, unused);
-}
-
-// What was put elsewhere, without a velocity.
-void write_pushed(Carry* c, const Granular& g, uint32_t i, const float to[3]) {
-  float way[3], way2 = 0.0f;
-  const Particle& p = g.particles.records[0][i];
-  for (int k = 0; k < 3; ++k) way[k] = to[k] - p.position[k], way2 += way[k] * way[k];
-  if (way2 == 0.0f) return;
-  for (Particle* records : g.particles.records)
-    for (int k = 0; k < 3 && records != nullptr; ++k) records[i].position[k] += way[k];
-  const float length = __builtin_sqrtf(way2);
-  c->way_max = length > c->way_max ? length : c->way_max;
-  c->gave_way = true;
-  bounds_include(&c->pushed, p.position);
-  if (is_asleep(p)) bounds_include(&c->resting, p.position);
 }
 
 // ---- sixteen particles
@@ -274,22 +203,13 @@ void read_lanes(const Granular& g, const Sixteen& it, HeldLanes* lanes) {
   }
 }
 
-// Of lanes that were moved so far: out of what stands, and into the records.
-void settle_lanes(Carry* c, const Granular& g, uint32_t group, const Sixteen& it, HeldLanes* lanes,
-                  const float moved[k_lane_group]) {
-  Bounds after = k_nowhere;
-  uint32_t mask = 0;
+// Of lanes that were moved so far: out of what stands.
+void settle_lanes(Carry* c, const Granular& g, uint32_t group, const Sixteen& it, const float moved[k_lane_group]) {
   for (uint32_t l = 0; l < it.count; ++l) {
     if (!(moved[l] > 0.0f) || (it.free >> l & 1) == 0) continue;
-    const float at[3] = {lanes->at[0][l], lanes->at[1][l], lanes->at[2][l]};
-    bounds_include(&after, at);
-    mask |= 1u << l;
-  }
-  if (mask == 0) return;
-  if (may_meet_standing(g, group, after)) leave_standing(g, group, after, lanes, mask, moved);
-  for (uint32_t l = 0; l < it.count; ++l) {
-    const float to[3] = {lanes->at[0][l], lanes->at[1][l], lanes->at[2][l]};
-    if ((mask >> l & 1) != 0) write_pushed(c, g, it.first + l, to);
+    Quad at = quad(g.particles.records[0][it.first + l].position);
+    carry_leave_standing(g, group, moved[l], &at);
+    carry_put(c, g, it.first + l, at);
   }
 }
 
@@ -314,11 +234,9 @@ bool carry_all(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder) 
   Bounds after = k_nowhere;
   const float way = carry_some(c, g, it, holder, all, &after);
   if (!may_meet_standing(g, c->group_of[holder], after)) return true;
-  HeldLanes& lanes = scratch_of(g).lanes;
   auto& moved = scratch_of(g).moved;
-  read_lanes(g, it, &lanes);
   for (float& m : moved) m = way;
-  settle_lanes(c, g, c->group_of[holder], it, &lanes, moved);
+  settle_lanes(c, g, c->group_of[holder], it, moved);
   return true;
 }
 
@@ -332,7 +250,10 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
   holding_find_near(g, &group);
   if (group.some && sole == k_no_holder) sole = holding_sole(g, group);
   if (sole != k_no_holder && carry_all(c, g, it, sole)) return;
-  if (!group.some && it.here == it.free && !may_give_way(g, it.box)) return bounds_join(&c->standing, it.box);
+  if (!group.some && it.here == it.free) {
+    giving_note(c, g, it.box, it.first, it.free, it.scale);
+    return bounds_join(&c->standing, it.box);
+  }
   HeldLanes& lanes = scratch_of(g).lanes;
   auto& holder = scratch_of(g).holder;
   auto& moved = scratch_of(g).moved;
@@ -357,17 +278,16 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
     const uint32_t lies = c->groups[c->group_of[by]].hollow ? 0 : mask & it.free;
     const uint32_t stays = lies & ~find_room(g, by, lanes, lies);
     open |= stays, mask &= ~stays;
+    for (uint32_t l = 0; l < it.count; ++l)
+      if ((lies & mask) >> l & 1) carry_lying(c, g, it, it.first + l, by), moved[l] = c->way_max;
+    mask &= ~lies;
     if (mask == 0) continue;
     Bounds after = k_nowhere;
     const float way = carry_some(c, g, it, by, mask, &after);
-    for (uint32_t l = 0; l < it.count; ++l) {
-      if ((mask >> l & 1) == 0) continue;
-      for (int k = 0; k < 3; ++k) lanes.at[k][l] = g.particles.records[0][it.first + l].position[k];
-      moved[l] = way;
-    }
+    for (uint32_t l = 0; l < it.count; ++l) moved[l] = (mask >> l & 1) != 0 ? way : moved[l];
   }
-  if (c->due == Carry::Moment::close) give_way(g, it.box, &lanes, open, moved);
-  settle_lanes(c, g, c->group_count == 1 ? 0 : k_carry_groups, it, &lanes, moved);
+  giving_note(c, g, it.box, it.first, open, it.scale);
+  settle_lanes(c, g, carry_group_alone(*c), it, moved);
 }
 
 // ---- the colliders
@@ -448,31 +368,81 @@ uint32_t unit_of(const Granular& g) {
 
 }  // namespace
 
+float carry_box(const RigidWay& w, const Bounds& box, Bounds* after) {
+  float way2 = 0.0f;
+  for (int corner = 0; corner < 8; ++corner) {
+    float x[3];
+    for (int k = 0; k < 3; ++k) x[k] = (corner >> k & 1) != 0 ? box.high[k] : box.low[k];
+    const float square = square_of(w.way(quad(x)));
+    way2 = square > way2 ? square : way2;
+    w.move(x);
+    bounds_include(after, x);
+  }
+  return __builtin_sqrtf(way2);
+}
+
+void carry_leave_standing(const Granular& g, uint32_t group, float most, Quad* at) {
+  const float r = g.desc.particle_radius;
+  HeldScratch& scratch = scratch_of(g);
+  const Bounds here = {{(*at)[0], (*at)[1], (*at)[2]}, {(*at)[0], (*at)[1], (*at)[2]}};
+  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
+    const ColliderFrame& c = g.colliders.carriers[i].to;
+    const bool flat = c.shape == SANDGLASS_SHAPE_HALF_SPACE;
+    if (!stands(g, i, group) || (!flat && !holding_overlaps(here, g.carry.reaches[i], r))) continue;
+    Quad normal = quad(c.axes[1]);
+    float depth = r - dot(normal, *at - quad(c.position));
+    if (!flat) {
+      for (int k = 0; k < 3; ++k) scratch.corners.at[k][0] = (*at)[k];
+      holding_measure(g, c, scratch.corners.at, scratch.distance, scratch.normal, 1);
+      normal = Quad{scratch.normal[0][0], scratch.normal[1][0], scratch.normal[2][0], 0.0f};
+      depth = r - scratch.distance[0];
+    }
+    if (depth > 0.0f) *at += (depth < most ? depth : most) * normal;
+  }
+}
+
+void carry_put(Carry* c, const Granular& g, uint32_t i, const Quad& to) {
+  const Particle& p = g.particles.records[0][i];
+  const Quad way = to - quad(p.position);
+  const float way2 = square_of(way), length = __builtin_sqrtf(way2);
+  if (way2 == 0.0f) return;
+  for (Particle* records : g.particles.records)
+    for (int k = 0; k < 3 && records != nullptr; ++k) records[i].position[k] += way[k];
+  c->way_max = length > c->way_max ? length : c->way_max;
+  c->gave_way = true;
+  bounds_include(&c->pushed, p.position);
+  if (is_asleep(p)) bounds_include(&c->resting, p.position);
+}
+
 void carry_layout(Carry* c, const sandglass_granular_desc& d, Layout* layout) {
   c->group_of = layout_region<uint8_t>(layout, "granular.carry_groups", d.collider_capacity);
   c->reaches = layout_region<Bounds>(layout, "granular.carry_reaches", d.collider_capacity);
   c->scratch = layout_region<HeldScratch>(layout, "granular.carry_scratch", 1);
+  giving_layout(c, d, layout);
 }
 
 void carry_reset(Carry* c) {
   *c->scratch = {};
   c->due = Carry::Moment::none;
-  c->moving = c->closing = c->known = c->usual = false;
+  c->moving = c->may_lag = c->closing = c->known = c->usual = false;
   c->cursor = 0;
 }
 
-void carry_begin_frame(Carry* c, bool jumped, bool moving) {
+// Whether sand that stays behind is seen to.
+static bool lag_is_seen(const Granular& g) { return colliders_lag(g) > k_unseen * g.desc.particle_radius; }
+
+void carry_begin_frame(Carry* c, const Granular& g, bool jumped, bool moving) {
   c->due = jumped ? Carry::Moment::jump : Carry::Moment::none;
   c->moving = moving;
+  c->may_lag = moving && lag_is_seen(g);
   c->closing = c->known = false;
   c->cursor = 0;
 }
 
 void carry_close(Carry* c, const Granular& g) {
   const bool late = g.time.debt > static_cast<double>(g.time.frame_step), slow = g.time.rate < 1.0;
-  const bool seen = colliders_lag(g) > k_unseen * g.desc.particle_radius;
   const bool over = slow && g.time.debt < k_time_resolution;
-  if (c->moving && !c->closing && (seen || over || (late && !slow))) c->due = Carry::Moment::close;
+  if (c->moving && !c->closing && (lag_is_seen(g) || over || (late && !slow))) c->due = Carry::Moment::close;
   c->closing = true;
   c->known = false;
 }
@@ -484,14 +454,24 @@ bool carry_is_due(const Granular& g) {
 
 bool carry_is_expected(const Granular& g) {
   const bool owed = g.time.asked > static_cast<double>(g.time.frame_step) + k_time_resolution;
-  return g.carry.usual && g.carry.moving && (owed || g.time.rate < 1.0);
+  return g.carry.usual && g.carry.moving && (g.time.rate < 1.0 ? g.carry.may_lag : owed);
 }
 
 uint32_t carry_units(const Granular& g) { return (g.particles.count + unit_of(g) - 1) / unit_of(g); }
 
-uint32_t carry_items(const Granular& g) {
+// All have been looked at, and some are to give way.
+static bool gives_way(const Granular& g) {
+  return g.carry.known && g.carry.cursor >= g.particles.count && giving_items(g.carry) != 0;
+}
+
+static uint32_t carry_items(const Granular& g) {
   const uint32_t begun = g.carry.known ? g.carry.cursor : 0, left = g.particles.count - begun, unit = unit_of(g);
   return left < unit ? left : unit;
+}
+
+void carry_unit(const Granular& g, WorkUnit* unit) {
+  *unit = {k_unit_carry, carry_items(g), "granular.carry"};
+  if (gives_way(g)) *unit = {k_unit_push, giving_items(g.carry), "granular.push"};
 }
 
 void carry_find_groups(Carry* c, const Granular& g) { find_groups(c, g); }
@@ -502,12 +482,14 @@ void carry_begin(Carry* c, const Granular& g, float faster) {
   c->cursor = 0;
   c->gave_way = false;
   c->pushed = c->resting = c->standing = k_nowhere;
-  c->way_max = 0.0f;
+  c->way_max = c->fastest2 = 0.0f;
   find_groups(c, g);
+  giving_begin(c, g);
   carry_bodies(c, g);
 }
 
 bool carry_run(Carry* c, const Granular& g) {
+  if (gives_way(g)) return giving_run(c, g);
   const uint32_t end = c->cursor + carry_items(g);
   const Sleep& sleep = g.sleep;
   uint32_t active = 0;
@@ -520,7 +502,7 @@ bool carry_run(Carry* c, const Granular& g) {
     if (active < sleep.active_count && sleep.active_groups[active] == group) ++active;
   }
   c->cursor = end;
-  return end >= g.particles.count || c->group_count == 0;
+  return c->group_count == 0 || (end >= g.particles.count && giving_items(*c) == 0);
 }
 
 void carry_end(Carry* c) {

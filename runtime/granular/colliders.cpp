@@ -17,6 +17,7 @@ constexpr float k_recognised_id = 1.0f;    // and one with an id
 constexpr float k_found_again = 0.01f;     // and that one without an id may, if it was not passed then
 constexpr float k_lost_id = 0.05f;         // metres that one may go while it has lost its id
 constexpr float k_in_place = 0.003f;       // metres; at its place in the list, one that is so near is the same
+constexpr float k_unmoved = 1e-3f;       // radii that a collider goes in a frame, as held poses do at last; what goes less stands
 
 bool normalise(float q[4]) {
   const float length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -570,11 +571,12 @@ bool colliders_move_sand(const Granular& g) {
       const float apart = below > above ? below : above;
       apart2 += apart > 0.0f ? apart * apart : 0.0f;
     }
-    const float speed = length_of(it.linear_velocity);
-    if (speed + length_of(it.angular_velocity) == 0.0f) continue;
-    const float way = speed * (g.time.frame_step + g.time.left_out);
-    const float reach = way + length_of(it.size) + 2.0f * g.desc.particle_radius;
-    if (it.shape == SANDGLASS_SHAPE_HALF_SPACE || apart2 <= reach * reach) return true;
+    const float frame = g.time.frame_step + g.time.left_out, spin = length_of(it.angular_velocity);
+    const float way = length_of(it.linear_velocity) * frame, size = length_of(it.size);
+    const bool flat = it.shape == SANDGLASS_SHAPE_HALF_SPACE;
+    if (way + spin * frame * size <= k_unmoved * g.desc.particle_radius && !(flat && spin > 0.0f)) continue;
+    const float reach = way + size + 2.0f * g.desc.particle_radius;
+    if (flat || apart2 <= reach * reach) return true;
   }
   return false;
 }

@@ -207,7 +207,7 @@ void granular_settle(Granular* g) {
 
 static void begin_carry(Granular* g) {
   const bool runs = !time_paused(*g) && g->particles.count != 0, moving = runs && colliders_move_sand(*g);
-  carry_begin_frame(&g->carry, runs && g->colliders.jumped, moving);
+  carry_begin_frame(&g->carry, *g, runs && g->colliders.jumped, moving);
   if (moving || time_paused(*g) || g->time.rate >= 1.0) return;
   colliders_arrive(&g->colliders, *g, static_cast<float>(1.0 / g->time.rate));
   time_forget_rate(&g->time);
@@ -232,7 +232,8 @@ __attribute__((noinline)) static void end_carry(Granular* g) {
   colliders_carry_substep(&g->colliders, c.faster);
   const Bounds moved = carry_bounds(c, g->desc.particle_radius);  // in the sub-step under way they go less
   if (!is_empty(moved)) {
-    const float fastest[3] = {colliders_gain(g->colliders, c.faster) + g->particles.speed_max, 0.0f, 0.0f};
+    const float gained = colliders_gain(g->colliders, c.faster) + g->particles.speed_max;
+    const float pushed = __builtin_sqrtf(c.fastest2), fastest[3] = {gained > pushed ? gained : pushed, 0.0f, 0.0f};
     particles_include(&g->particles, moved.low, fastest);
     particles_include(&g->particles, moved.high, fastest);
     ContactExtent extent = k_extent_of_none;
@@ -374,7 +375,7 @@ void granular_after_removal(Granular* g) {
 Stage granular_carry_stage(Granular* granular) {
   const auto next = [](const void* state, uint32_t, WorkUnit* unit) {
     const Granular& g = *static_cast<const Granular*>(state);
-    *unit = {k_unit_carry, carry_items(g), "granular.carry"};
+    carry_unit(g, unit);
     return g.carry.closing && carry_is_due(g);
   };
   const auto run = [](void* state, uint32_t) { granular_carry(static_cast<Granular*>(state)); };
@@ -382,7 +383,8 @@ Stage granular_carry_stage(Granular* granular) {
     const Granular& g = *static_cast<const Granular*>(state);
     if (!carry_is_expected(g)) return 0;
     entries[0] = {k_unit_carry, g.particles.count};
-    return 1;
+    entries[1] = {k_unit_push, giving_usual(g.carry)};
+    return 2;
   };
   const auto close = [](void* state) {
     Granular* g = static_cast<Granular*>(state);

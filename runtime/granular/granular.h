@@ -41,6 +41,7 @@ enum : uint32_t {
   k_unit_drain,
   k_unit_departed,
   k_unit_carry,
+  k_unit_push,
   k_unit_grain_carry,
   k_granular_kinds
 };

@@ -25,11 +25,11 @@ struct HeldGroup {
 // What would be much on the stack: of one group after another.
 struct HeldScratch {
   alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group];
-  HeldLanes lanes, before, corners;
+  HeldLanes lanes, corners;
   HeldGroup group;
   alignas(sizeof(Quad)) float local[3][k_lane_group], traced[3][k_lane_group], normal[3][k_lane_group];
   float last[k_lane_group], distance[k_lane_group], nearest[k_lane_group], below[k_lane_group], found[k_lane_group];
-  float moved[k_lane_group], most[k_lane_group], unused[k_lane_group];
+  float moved[k_lane_group];
   uint32_t support[k_lane_group], enclosing[k_lane_group], holder[k_lane_group];
 };
 

@@ -188,6 +188,7 @@ void substep_abandon(Granular* granular);
 constexpr uint32_t k_carry_groups = 16;
 
 struct HeldScratch;
+struct Giving;
 
 // Colliders that go the same way. Their box is in the axes of the first; hollow: sand may stand in it. slow: they go so
 // little that others press nothing into them.
@@ -200,6 +201,7 @@ struct CarryGroup {
 struct Carry {
   enum class Moment : uint8_t { none, jump, close } due;
   bool moving;   // a collider moves sand
+  bool may_lag;  // by more than is seen, if nothing of the frame is simulated
   bool closing;  // the frame's optional units are over
   bool known;    // ways and groups are found
   bool usual;    // it has closed a frame before: its cost is known
@@ -213,18 +215,21 @@ struct Carry {
   uint16_t body_holders[256];  // the collider that holds a body, plus 1
   // What the units so far have seen.
   Bounds held[k_carry_groups], pushed, resting, standing;
-  float way_max;
+  float way_max, fastest2;
   bool gave_way;
+  Giving* giving;  // what is not held
 };
 
 void carry_layout(Carry* carry, const sandglass_granular_desc& desc, Layout* layout);
 void carry_reset(Carry* carry);
-void carry_begin_frame(Carry* carry, bool jumped, bool moving);
+void carry_begin_frame(Carry* carry, const Granular& granular, bool jumped, bool moving);
 // The optional units of the frame are over. A lag that nobody sees is made up in the next one.
 void carry_close(Carry* carry, const Granular& granular);
 // Whether units are to come, and the items of the next.
 bool carry_is_due(const Granular& granular);
-uint32_t carry_items(const Granular& granular);
+void carry_unit(const Granular& granular, WorkUnit* unit);
+// Items of what gave way in the last frame.
+uint32_t giving_usual(const Carry& carry);
 // Units of a carry of all particles; and whether the end of this frame may have them.
 uint32_t carry_units(const Granular& granular);
 bool carry_is_expected(const Granular& granular);

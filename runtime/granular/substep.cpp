@@ -279,7 +279,7 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
   // What has begun ends, though the last particle is gone and the nozzle closed.
   if (time_paused(g) || (g.particles.count == 0 && g.flow.emitter_count == 0 && substep_idle(g))) return false;
   if (g.carry.due == Carry::Moment::jump) {  // before all else: what is under way goes on where it was carried
-    *unit = {k_unit_carry, carry_items(g), "granular.carry"};
+    carry_unit(g, unit);
     return true;
   }
   // A snapshot under way reads the state in several units and must find it unchanged.
