@@ -8,8 +8,9 @@ namespace {
 constexpr float k_same_way = 0.25f;    // radii by which ways may differ and be one
 constexpr float k_same_share = 0.05f;  // or of the way: parts that turn fast are told with straight velocities
 constexpr float k_unseen = 0.5f;       // radii by which sand may lag behind what is drawn
-constexpr float k_rubbed = 0.5f;       // of the time given up, what counts for the friction of what only lies on a collider
-constexpr float k_pressed = 0.5f;      // radii from a collider that stands; what is nearer is pressed into it
+constexpr float k_rubbed = 0.5f;  // of the time given up, what counts for the friction of what only lies on a collider
+constexpr float k_unseen_alone = 1.0f;  // where one ball or box alone moves
+constexpr float k_pressed = 0.5f;       // radii from a collider that stands; what is nearer is pressed into it
 
 // ---- moving what is held
 
@@ -429,7 +430,9 @@ void carry_reset(Carry* c) {
 }
 
 // Whether sand that stays behind is seen to.
-static bool lag_is_seen(const Granular& g) { return colliders_lag(g) > k_unseen * g.desc.particle_radius; }
+static bool lag_is_seen(const Granular& g) {
+  return colliders_lag(g) > (colliders_may_hold(g) ? k_unseen : k_unseen_alone) * g.desc.particle_radius;
+}
 
 void carry_begin_frame(Carry* c, const Granular& g, bool jumped, bool moving) {
   c->due = jumped ? Carry::Moment::jump : Carry::Moment::none;
@@ -454,7 +457,7 @@ bool carry_is_due(const Granular& g) {
 
 bool carry_is_expected(const Granular& g) {
   const bool owed = g.time.asked > static_cast<double>(g.time.frame_step) + k_time_resolution;
-  return g.carry.usual && g.carry.moving && (g.time.rate < 1.0 ? g.carry.may_lag : owed);
+  return g.carry.moving && (g.time.rate < 1.0 ? g.carry.may_lag : owed);
 }
 
 uint32_t carry_units(const Granular& g) { return (g.particles.count + unit_of(g) - 1) / unit_of(g); }

@@ -17,7 +17,8 @@ constexpr float k_recognised_id = 1.0f;    // and one with an id
 constexpr float k_found_again = 0.01f;     // and that one without an id may, if it was not passed then
 constexpr float k_lost_id = 0.05f;         // metres that one may go while it has lost its id
 constexpr float k_in_place = 0.003f;       // metres; at its place in the list, one that is so near is the same
-constexpr float k_unmoved = 1e-3f;       // radii that a collider goes in a frame, as held poses do at last; what goes less stands
+constexpr float k_unmoved =
+    1e-3f;  // radii that a collider goes in a frame, as held poses do at last; what goes less stands
 
 bool normalise(float q[4]) {
   const float length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -579,6 +580,17 @@ bool colliders_move_sand(const Granular& g) {
     if (flat || apart2 <= reach * reach) return true;
   }
   return false;
+}
+
+bool colliders_may_hold(const Granular& g) {
+  uint32_t movers = 0;
+  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
+    const sandglass_collider& it = g.colliders.given[i];
+    bool moves = false;
+    for (int k = 0; k < 3; ++k) moves = moves || it.linear_velocity[k] != 0.0f || it.angular_velocity[k] != 0.0f;
+    if (moves) movers += it.shape == SANDGLASS_SHAPE_FIELD ? 2 : 1;
+  }
+  return movers > 1;
 }
 
 void colliders_pose_met(const Granular& g, uint32_t i, ColliderFrame* frame) {

@@ -23,21 +23,22 @@ constexpr float k_grip = 2.0f, k_grip_between = 0.6f;  // aside over out; of wha
 constexpr float k_step_out = 1.5f;                     // radii that a collider goes at once
 constexpr float k_out_most = 2.0f;                     // radii that sand goes in such a step
 constexpr uint32_t k_steps_out = 16;                   // at most
-constexpr float k_beside = 6.0f;                       // radii from a collider's way; what is beyond is not pushed
+constexpr float k_ahead = 6.0f, k_beside = 3.0f;       // radii from a collider's way; what is beyond is not pushed
 constexpr float k_least_push = 0.2f;                   // radii; what goes less does not push on
 constexpr uint32_t k_pushed_most = 512;                // in a step; what is beyond does not push on
 constexpr uint32_t k_pushed_at_once = 96;              // in a unit
 constexpr uint32_t k_push_items = 3;                   // a push takes as long as to carry so many
-constexpr float k_cell = 3.0f;                         // radii
-constexpr float k_above = 0.1f;                        // diameters aside; what is less lies above and is lifted
+constexpr uint32_t k_step_items = 4;  // of so many a step begins in the time that it takes to carry one
+constexpr float k_cell = 3.0f;        // radii
+constexpr float k_above = 0.1f;       // diameters aside; what is less lies above and is lifted
 
 }  // namespace
 
 struct Giving {
   OpenSand* open;
   uint32_t capacity, count, queued, cursor, step, steps;
-  uint32_t items, usual;  // of all units so far, and of the last carry
-  Bounds pushing;  // around the ways of all that push
+  uint32_t items, usual;  // of all units so far, and the most of lately
+  Bounds pushing;         // around the ways of all that push
   struct {
     Quad low, high;  // around sixteen, where a step begins
   } boxes[k_open_most / k_lane_group];
@@ -202,7 +203,8 @@ void giving_layout(Carry* c, const sandglass_granular_desc& d, Layout* layout) {
 void giving_begin(Carry* c, const Granular& g) {
   const float r = g.desc.particle_radius;
   Giving& s = *c->giving;
-  s.usual = s.items, s.items = 0;
+  s.usual = s.items > s.usual / 8 * 7 ? s.items : s.usual / 8 * 7;
+  s.items = 0;
   s.pushing = k_nowhere;
   s.count = s.step = s.steps = s.queued = s.cursor = 0;
   for (uint32_t i = 0; i < g.colliders.solid_count && c->due == Carry::Moment::close; ++i) {
@@ -218,6 +220,10 @@ void giving_begin(Carry* c, const Granular& g) {
     const float parts = carry_box(carrier.way, swept, &unused) / (k_step_out * r);
     const uint32_t steps = parts < static_cast<float>(k_steps_out) ? static_cast<uint32_t>(parts) + 1 : k_steps_out;
     s.steps = steps > s.steps ? steps : s.steps;
+    bounds_join(&s.pushing, swept);
+    const Quad way = carrier.way.way(0.5f * (quad(swept.low) + quad(swept.high)));
+    const float length = __builtin_sqrtf(square_of(way)), on = length > 0.0f ? k_ahead * r / length : 0.0f;
+    for (int k = 0; k < 3; ++k) swept.low[k] += on * way[k], swept.high[k] += on * way[k];
     bounds_join(&s.pushing, swept);
   }
 }
@@ -235,7 +241,7 @@ uint32_t giving_items(const Carry& c) {
   const Giving& s = *c.giving;
   if (s.count == 0) return 0;
   const uint32_t left = s.queued - s.cursor;
-  return left == 0 ? s.count / 2 + 1 : k_push_items * (left < k_pushed_at_once ? left : k_pushed_at_once);
+  return left == 0 ? s.count / k_step_items + 1 : k_push_items * (left < k_pushed_at_once ? left : k_pushed_at_once);
 }
 
 uint32_t giving_usual(const Carry& c) { return c.giving->usual; }

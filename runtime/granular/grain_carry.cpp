@@ -24,14 +24,7 @@ bool is_current(const Granular& g) {
 
 // One ball or box alone is no vessel: grains about it are found by the next sweep.
 bool may_hold(const Granular& g) {
-  uint32_t movers = 0;
-  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
-    const sandglass_collider& it = g.colliders.given[i];
-    bool moves = false;
-    for (int k = 0; k < 3; ++k) moves = moves || it.linear_velocity[k] != 0.0f || it.angular_velocity[k] != 0.0f;
-    if (moves) movers += it.shape == SANDGLASS_SHAPE_FIELD ? 2 : 1;
-  }
-  return movers > 1 || g.grain_carry.drawn || g.grain_carry.pending || g.grain_carry.next_pending;
+  return colliders_may_hold(g) || g.grain_carry.drawn || g.grain_carry.pending || g.grain_carry.next_pending;
 }
 
 void hold_lanes(const Granular& g, const HeldGroup& group, uint32_t first, uint32_t count, uint8_t* holders) {

@@ -371,6 +371,9 @@ void granular_after_removal(Granular* g) {
   granular_seal(g);
 }
 
+// Until its own cost is known, carrying a particle counts as completing its sub-step so many times.
+constexpr uint32_t k_like_complete = 4;
+
 // At the end of each frame: what colliders carry.
 Stage granular_carry_stage(Granular* granular) {
   const auto next = [](const void* state, uint32_t, WorkUnit* unit) {
@@ -383,6 +386,7 @@ Stage granular_carry_stage(Granular* granular) {
     const Granular& g = *static_cast<const Granular*>(state);
     if (!carry_is_expected(g)) return 0;
     entries[0] = {k_unit_carry, g.particles.count};
+    if (!g.carry.usual) entries[0] = {k_unit_complete, k_like_complete * g.particles.count};
     entries[1] = {k_unit_push, giving_usual(g.carry)};
     return 2;
   };

@@ -180,8 +180,9 @@ void substep_abandon(Granular* granular);
 //   enclosed   in a field that is solid outside, the nearest
 //   supported  the first surface below, along gravity, is the collider's, and sand is within the box around all that go
 //              the same way: a bucket of five boxes. Not above one ball or box alone, unless it goes along with that.
-// Of both the innermost: a jar that is carried in a car. What is not held and would be in the collider gives way along
-// its normal, without a velocity; but what has jumped gives no way, and carries only what stands in a vessel.
+// Of both the innermost: a jar that is carried in a car. What only lies on a ball or a box goes as much of its way as it
+// has of its velocity, and friction adds to that. What is not held and would be in the collider gives way (giving.cpp).
+// But what has jumped pushes nothing, and carries only what stands in a vessel.
 //
 // All copies of a particle are moved, so that the sub-step under way goes on where it was carried.
 
@@ -204,7 +205,7 @@ struct Carry {
   bool may_lag;  // by more than is seen, if nothing of the frame is simulated
   bool closing;  // the frame's optional units are over
   bool known;    // ways and groups are found
-  bool usual;    // it has closed a frame before: its cost is known
+  bool usual;    // it has closed a frame before: its own cost is known
   uint32_t cursor;
   float faster;       // velocities of colliders, over those before
   uint8_t* group_of;  // of each solid collider; k_carry_groups: it carries nothing
@@ -228,7 +229,7 @@ void carry_close(Carry* carry, const Granular& granular);
 // Whether units are to come, and the items of the next.
 bool carry_is_due(const Granular& granular);
 void carry_unit(const Granular& granular, WorkUnit* unit);
-// Items of what gave way in the last frame.
+// The most items of what gave way lately.
 uint32_t giving_usual(const Carry& carry);
 // Units of a carry of all particles; and whether the end of this frame may have them.
 uint32_t carry_units(const Granular& granular);

@@ -138,6 +138,8 @@ ColliderFrame collider_between(const RigidPose& from, const ColliderFrame& to, f
 RigidPose rigid_pose(const ColliderFrame& frame);
 // Whether one that particles see moves, and near the sand.
 bool colliders_move_sand(const Granular& granular);
+// Whether more than one ball or box alone moves: sand may stand in what does.
+bool colliders_may_hold(const Granular& granular);
 // How they go on without sand. At the begin of a frame: those that jumped. At its end: what is left of their ways
 // in the time debt. From then on they are where they are told to be, with velocities `faster` times as large.
 void colliders_find_jumps(Colliders* colliders, const Granular& granular);

@@ -1,6 +1,7 @@
 // What each work unit of a scene costs on ARM: a pile that collapses, with its shadow, an object's shadow, the lighting
-// network and the room, all work in every frame; and a bucket of sand that is carried without time for it. Prints one line for each unit that ran, in order: its items and its name;
-// "0 frame" for what a frame costs outside of units. count_plugin writes the instructions of each line into its laps.
+// network and the room, all work in every frame; and a bucket of sand that is carried without time for it, and a ball that goes
+// through it. Prints one line for each unit that ran, in order: its items and its name; "0 frame" for what a frame costs
+// outside of units. count_plugin writes the instructions of each line into its laps.
 //   count_units SHADOW_FILE LIGHT_FILE
 #include <algorithm>
 #include <cstdint>
