@@ -292,7 +292,7 @@ TEST(UnsteadyClock, WhatIsDrawnMovesInEachFrameAndNoneIsLate) {
       {"small core, 120 Hz, 2 ms", {Clock::steady, 2, 2, k_a78}, 7, 0.35, 3},
       {"small core, 4 ms", {Clock::steady, 4, 3, k_a78}, 7, 0.35, 3},
       {"small core, 8 ms", {Clock::steady, 8, 3, k_a78}, 7, 0.35, 3},
-      {"3 to 4 times every 2 s, 4 ms", {Clock::spans_of_2s, 4, 8}, 7, 0.35, 99},
+      {"3 to 4 times every 2 s, 4 ms", {Clock::spans_of_2s, 4, 8}, 11, 0.35, 99},
       {"3 to 4 times every 2 s, 8 ms", {Clock::spans_of_2s, 8, 4}, 7, 0.35, 99},
       {"3 to 4 times every 0.25 s, 120 Hz, 2 ms", {Clock::spans_of_quarter, 2, 2}, 28, 1.6, 99},
       {"3 to 4 times every 0.25 s, 4 ms", {Clock::spans_of_quarter, 4, 3}, 28, 1.6, 99},
@@ -301,7 +301,7 @@ TEST(UnsteadyClock, WhatIsDrawnMovesInEachFrameAndNoneIsLate) {
       {"4 times in one frame of 20, 4 ms", {Clock::slow_frames, 4, 4}, 7, 3.9, 99},
       {"cold, 4 ms", {Clock::cold, 4, 2}, 7, 0.35, 99},
       {"1 to 6 ms at random", {Clock::steady, 0, 3}, 7, 0.35, 99},
-      {"heat, 4 ms", {Clock::heat, 4, 7}, 7, 0.35, 99},
+      {"heat, 4 ms", {Clock::heat, 4, 7}, 11, 0.35, 99},
   };
   for (const auto& row : rows) {
     const Seen seen = see(row.run);
