@@ -570,10 +570,11 @@ enum {
  * to be.
  *
  * Carried. A frame ends with colliders where they are told to be, whatever it could afford to simulate: sand is never
- * more than r / 2 behind. Time that is given up moves a collider together with what it holds, rigidly: what a field
- * that is solid outside encloses, and what lies on it, along gravity, in the box around all colliders that go its way.
- * What it does not hold gives way along its surface, without a velocity. In slow motion sand feels a collider slower
- * than told, by as much as time is short, so that what speeds up or brakes throws no more than it should. A frame
+ * more than r / 2 behind, or r where one ball or box alone moves. Time that is given up moves a collider together with
+ * what it holds, rigidly: what a field that is solid outside encloses, and what lies on it, along gravity, in the box
+ * around all colliders that go its way. What only lies on a ball or a box goes as far as friction takes it. What is in
+ * the way goes before it or aside, and pushes on what is in its way. In slow motion sand feels a collider slower than
+ * told, by as much as time is short, so that what speeds up or brakes throws no more than it should. A frame
  * longer than 0.1 s, a jump, and what poses did while frames were paused or told too short carry, too: what is
  * enclosed, and what stands in a vessel of several colliders; of those pass ids. */
 typedef struct sandglass_collider {
