@@ -191,6 +191,24 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
         }
 }
 
+// For which there is no room: out of where colliders are in the end, and nothing is pushed on.
+void give_way_alone(Carry* c, const Granular& g, uint32_t row) {
+  const float r = g.desc.particle_radius;
+  HeldScratch& scratch = scratch_of(g);
+  Quad at = quad(g.particles.records[0][row].position);
+  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
+    if (!pushes(g, i)) continue;
+    for (int k = 0; k < 3; ++k) scratch.corners.at[k][0] = at[k];
+    holding_measure(g, g.colliders.carriers[i].to, scratch.corners.at, scratch.distance, scratch.normal, 1);
+    const float out = r - scratch.distance[0], most = k_out_most * r;
+    const Quad normal = {scratch.normal[0][0], scratch.normal[1][0], scratch.normal[2][0], 0.0f};
+    if (out > 0.0f) at += (out < most ? out : most) * normal;
+  }
+  if (square_of(at - quad(g.particles.records[0][row].position)) == 0.0f) return;
+  carry_leave_standing(g, carry_group_alone(*c), r, &at);
+  carry_put(c, g, row, at);
+}
+
 }  // namespace
 
 void giving_layout(Carry* c, const sandglass_granular_desc& d, Layout* layout) {
@@ -231,9 +249,10 @@ void giving_begin(Carry* c, const Granular& g) {
 void giving_note(Carry* c, const Granular& g, const Bounds& box, uint32_t first, uint32_t which, float scale) {
   Giving& s = *c->giving;
   if (s.steps == 0 || !holding_overlaps(box, s.pushing, k_beside * g.desc.particle_radius)) return;
-  for (; which != 0 && s.count < s.capacity; which &= which - 1) {
+  for (; which != 0; which &= which - 1) {
     const uint32_t i = first + static_cast<uint32_t>(__builtin_ctz(which));
-    s.open[s.count++] = {quad(g.particles.records[0][i].position), Quad{}, i, scale, 0, 0, OpenSand::stays};
+    if (s.count == s.capacity) give_way_alone(c, g, i);
+    else s.open[s.count++] = {quad(g.particles.records[0][i].position), Quad{}, i, scale, 0, 0, OpenSand::stays};
   }
 }
 
