@@ -131,12 +131,6 @@ float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder
 
 // ---- what stands
 
-// Whether a collider holds its place against what one group moves.
-bool stands(const Granular& g, uint32_t i, uint32_t group) {
-  const uint32_t its = g.carry.group_of[i];
-  return its == k_carry_groups || (its != group && g.carry.groups[its].slow);
-}
-
 // Those of what only lies on a collider that have room where it goes: the rest is not pressed into what stands.
 uint32_t find_room(const Granular& g, uint32_t holder, const HeldLanes& lanes, uint32_t mask) {
   HeldScratch& scratch = scratch_of(g);
@@ -149,7 +143,7 @@ uint32_t find_room(const Granular& g, uint32_t holder, const HeldLanes& lanes, u
     for (int k = 0; k < 3; ++k) after[k][l] = at[k];
   }
   for (uint32_t i = 0; i < g.colliders.solid_count && !is_empty(there); ++i) {
-    if (!stands(g, i, g.carry.group_of[holder]) ||
+    if (!carry_stands(g, i, g.carry.group_of[holder]) ||
         !holding_overlaps(there, g.carry.reaches[i], 2.0f * g.desc.particle_radius))
       continue;
     holding_measure(g, g.colliders.carriers[i].to, after, scratch.distance, nullptr, lanes.count);
@@ -164,7 +158,7 @@ bool may_meet_standing(const Granular& g, uint32_t group, const Bounds& here) {
   const float r = g.desc.particle_radius;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     const ColliderFrame& c = g.colliders.carriers[i].to;
-    if (!stands(g, i, group) || !holding_overlaps(here, g.carry.reaches[i], r)) continue;
+    if (!carry_stands(g, i, group) || !holding_overlaps(here, g.carry.reaches[i], r)) continue;
     if (c.shape != SANDGLASS_SHAPE_HALF_SPACE) return true;
     float least = 0.0f;
     for (int k = 0; k < 3; ++k)
@@ -204,12 +198,33 @@ void read_lanes(const Granular& g, const Sixteen& it, HeldLanes* lanes) {
   }
 }
 
+// Out of what stands, of each by no more than `most`.
+void leave_standing(const Granular& g, uint32_t group, float most, Quad* at) {
+  const float r = g.desc.particle_radius;
+  HeldScratch& scratch = scratch_of(g);
+  const Bounds here = {{(*at)[0], (*at)[1], (*at)[2]}, {(*at)[0], (*at)[1], (*at)[2]}};
+  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
+    const ColliderFrame& c = g.colliders.carriers[i].to;
+    const bool flat = c.shape == SANDGLASS_SHAPE_HALF_SPACE;
+    if (!carry_stands(g, i, group) || (!flat && !holding_overlaps(here, g.carry.reaches[i], r))) continue;
+    Quad normal = quad(c.axes[1]);
+    float depth = r - dot(normal, *at - quad(c.position));
+    if (!flat) {
+      for (int k = 0; k < 3; ++k) scratch.corners.at[k][0] = (*at)[k];
+      holding_measure(g, c, scratch.corners.at, scratch.distance, scratch.normal, 1);
+      normal = Quad{scratch.normal[0][0], scratch.normal[1][0], scratch.normal[2][0], 0.0f};
+      depth = r - scratch.distance[0];
+    }
+    if (depth > 0.0f) *at += (depth < most ? depth : most) * normal;
+  }
+}
+
 // Of lanes that were moved so far: out of what stands.
 void settle_lanes(Carry* c, const Granular& g, uint32_t group, const Sixteen& it, const float moved[k_lane_group]) {
   for (uint32_t l = 0; l < it.count; ++l) {
     if (!(moved[l] > 0.0f) || (it.free >> l & 1) == 0) continue;
     Quad at = quad(g.particles.records[0][it.first + l].position);
-    carry_leave_standing(g, group, moved[l], &at);
+    leave_standing(g, group, moved[l], &at);
     carry_put(c, g, it.first + l, at);
   }
 }
@@ -382,24 +397,9 @@ float carry_box(const RigidWay& w, const Bounds& box, Bounds* after) {
   return __builtin_sqrtf(way2);
 }
 
-void carry_leave_standing(const Granular& g, uint32_t group, float most, Quad* at) {
-  const float r = g.desc.particle_radius;
-  HeldScratch& scratch = scratch_of(g);
-  const Bounds here = {{(*at)[0], (*at)[1], (*at)[2]}, {(*at)[0], (*at)[1], (*at)[2]}};
-  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
-    const ColliderFrame& c = g.colliders.carriers[i].to;
-    const bool flat = c.shape == SANDGLASS_SHAPE_HALF_SPACE;
-    if (!stands(g, i, group) || (!flat && !holding_overlaps(here, g.carry.reaches[i], r))) continue;
-    Quad normal = quad(c.axes[1]);
-    float depth = r - dot(normal, *at - quad(c.position));
-    if (!flat) {
-      for (int k = 0; k < 3; ++k) scratch.corners.at[k][0] = (*at)[k];
-      holding_measure(g, c, scratch.corners.at, scratch.distance, scratch.normal, 1);
-      normal = Quad{scratch.normal[0][0], scratch.normal[1][0], scratch.normal[2][0], 0.0f};
-      depth = r - scratch.distance[0];
-    }
-    if (depth > 0.0f) *at += (depth < most ? depth : most) * normal;
-  }
+bool carry_stands(const Granular& g, uint32_t i, uint32_t group) {
+  const uint32_t its = g.carry.group_of[i];
+  return its == k_carry_groups || (its != group && g.carry.groups[its].slow);
 }
 
 void carry_put(Carry* c, const Granular& g, uint32_t i, const Quad& to) {

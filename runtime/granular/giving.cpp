@@ -154,6 +154,31 @@ void push_other(Giving* s, const OpenSand& from, const Quad& apart, float square
   if (out > 0.5f * k_least_push * d) enqueue(s, i);
 }
 
+// A step ends before what stands, by the face that was nearest where it began: nothing is pressed through a wall, and what
+// is pressed against one goes along it.
+void end_before_standing(const Carry& c, const Granular& g, OpenSand* o) {
+  const float r = g.desc.particle_radius, gone = __builtin_sqrtf(square_of(o->way));
+  HeldScratch& scratch = scratch_of(g);
+  const Quad from = o->at - o->way;
+  const Bounds here = {{from[0], from[1], from[2]}, {from[0], from[1], from[2]}};
+  for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
+    const ColliderFrame& wall = g.colliders.carriers[i].to;
+    const bool flat = wall.shape == SANDGLASS_SHAPE_HALF_SPACE;
+    if (!carry_stands(g, i, carry_group_alone(c)) || (!flat && !holding_overlaps(here, c.reaches[i], r + gone)))
+      continue;
+    Quad normal = quad(wall.axes[1]);
+    float before = dot(normal, from - quad(wall.position));
+    if (!flat) {
+      for (int k = 0; k < 3; ++k) scratch.corners.at[k][0] = from[k];
+      holding_measure(g, wall, scratch.corners.at, scratch.distance, scratch.normal, 1);
+      normal = Quad{scratch.normal[0][0], scratch.normal[1][0], scratch.normal[2][0], 0.0f};
+      before = scratch.distance[0];
+    }
+    const float in = (before < r ? before : r) - (before + dot(o->way, normal));
+    if (in > 0.0f) o->at += in * normal, o->way += in * normal;
+  }
+}
+
 // What lies ahead within a diameter, half a ball: its cells are those of the box around that.
 void push_on(Carry* c, const Granular& g, uint32_t i) {
   Giving* const s = c->giving;
@@ -165,7 +190,7 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
     const Quad less = (1.0f - k_out_most * r / gone) * o.way;
     o.at -= less, o.way -= less;
   }
-  carry_leave_standing(g, carry_group_alone(*c), r, &o.at);
+  end_before_standing(*c, g, &o);
   const Quad at = o.at, way = o.way, down = quad(scratch_of(g).group.down);
   const float way2 = square_of(way), scale = way2 > 0.0f ? d2 / way2 : 0.0f;
   int32_t low[3], high[3];
@@ -195,18 +220,18 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
 void give_way_alone(Carry* c, const Granular& g, uint32_t row) {
   const float r = g.desc.particle_radius;
   HeldScratch& scratch = scratch_of(g);
-  Quad at = quad(g.particles.records[0][row].position);
+  OpenSand o = {quad(g.particles.records[0][row].position), Quad{}, row, 0.0f, 0, 0, OpenSand::stays};
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     if (!pushes(g, i)) continue;
-    for (int k = 0; k < 3; ++k) scratch.corners.at[k][0] = at[k];
+    for (int k = 0; k < 3; ++k) scratch.corners.at[k][0] = o.at[k];
     holding_measure(g, g.colliders.carriers[i].to, scratch.corners.at, scratch.distance, scratch.normal, 1);
     const float out = r - scratch.distance[0], most = k_out_most * r;
     const Quad normal = {scratch.normal[0][0], scratch.normal[1][0], scratch.normal[2][0], 0.0f};
-    if (out > 0.0f) at += (out < most ? out : most) * normal;
+    if (out > 0.0f) push(&o, normal, out < most ? out : most, Quad{}, 0.0f, Quad{});
   }
-  if (square_of(at - quad(g.particles.records[0][row].position)) == 0.0f) return;
-  carry_leave_standing(g, carry_group_alone(*c), r, &at);
-  carry_put(c, g, row, at);
+  if (square_of(o.way) == 0.0f) return;
+  end_before_standing(*c, g, &o);
+  carry_put(c, g, row, o.at);
 }
 
 }  // namespace
@@ -277,8 +302,7 @@ bool giving_run(Carry* c, const Granular& g) {
     if (pushes(g, i)) push_by_collider(c, g, g.colliders.carriers[i], last ? 0.0f : k_grip);
   for (uint32_t i = 0; i < s.count && last; ++i) {
     OpenSand& o = s.open[i];
-    if (square_of(o.at - quad(g.particles.records[0][o.row].position)) == 0.0f) continue;
-    carry_leave_standing(g, carry_group_alone(*c), g.desc.particle_radius, &o.at);
+    if (square_of(o.way) != 0.0f) end_before_standing(*c, g, &o);
     carry_put(c, g, o.row, o.at);
   }
   if (last) s.count = 0;

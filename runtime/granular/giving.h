@@ -18,8 +18,8 @@ bool giving_run(Carry* carry, const Granular& granular);
 
 // Of carry.cpp. The longest way of a box, and the box around where it is then.
 float carry_box(const RigidWay& way, const Bounds& box, Bounds* after);
-// Out of what stands against a group, of each by no more than `most`: nothing is pressed through a wall.
-void carry_leave_standing(const Granular& granular, uint32_t group, float most, Quad* at);
+// Whether a collider holds its place against what one group moves.
+bool carry_stands(const Granular& granular, uint32_t collider, uint32_t group);
 // Puts a particle elsewhere, without a velocity.
 void carry_put(Carry* carry, const Granular& granular, uint32_t particle, const Quad& to);
 // The one group that goes on; else k_carry_groups.
