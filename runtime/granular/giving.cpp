@@ -19,8 +19,8 @@ constexpr uint32_t k_open_most = 2048, k_heads = 1024, k_none = 0xffff;
 
 // Sand that is hemmed in slips aside less than friction alone would let it: with these factors a heap that a hand or a
 // finger goes through ends where it does with time, but for a few radii (sandglass_lab verify carried).
-constexpr float k_grip = 1.7f, k_grip_between = 0.6f;  // aside over out; of what a collider meets, of what that meets
-constexpr float k_step_out = 1.0f;                     // radii that a collider goes at once
+constexpr float k_grip = 2.0f, k_grip_between = 0.6f;  // aside over out; of what a collider meets, of what that meets
+constexpr float k_step_out = 1.5f;                     // radii that a collider goes at once
 constexpr float k_out_most = 2.0f;                     // radii that sand goes in such a step
 constexpr uint32_t k_steps_out = 16;                   // at most
 constexpr float k_ahead = 6.0f, k_beside = 3.0f;       // radii from a collider's way; what is beyond is not pushed
