@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -56,6 +58,7 @@ struct Case {
   Speed speed = Speed::learned;
   uint32_t better_after = k_predictor_policy.better_after;
   bool skin = false;  // is drawn, and there are no grains
+  uint64_t starts = 1;  // of the clock's noise: what is seen is their mean
 };
 
 // Of what is drawn: frames in which it stands, and the second difference of moving grains from frame to frame.
@@ -164,9 +167,10 @@ struct Phone {
   }
 };
 
-Seen see(const Case& run) {
+Seen see_from(const Case& run, uint64_t noise) {
   const double hz = run.budget_ms == 2.0 ? 120 : 60;
   Phone phone{run};
+  phone.units = {noise};
   const float r = 0.01f, edge = 0.0068f;
   std::vector<float> particles, grains;
   const Box box{{-0.10f, r, -0.10f}, {0.10f, 0.21f, 0.10f}};
@@ -264,6 +268,16 @@ Seen see(const Case& run) {
   return seen;
 }
 
+Seen see(const Case& run) {
+  using Numbers = std::array<double, sizeof(Seen) / sizeof(double)>;
+  Numbers mean = {};
+  for (uint64_t start = 1; start <= run.starts; ++start) {
+    const Numbers seen = std::bit_cast<Numbers>(see_from(run, start));
+    for (size_t i = 0; i < mean.size(); ++i) mean[i] += seen[i] / static_cast<double>(run.starts);
+  }
+  return std::bit_cast<Seen>(mean);
+}
+
 std::string text(const Seen& s) {
   char line[256];
   std::snprintf(
@@ -341,7 +355,7 @@ TEST(UnsteadyClock, NoTimeIsLostThatAToldGovernorWouldKeep) {
     std::printf("lost %.2f %%, told %.2f\n", learned, told);
     EXPECT_LE(learned, told + 2);
   }
-  EXPECT_LE(see({Clock::spans_of_2s, 4, 4}).late_percent, 1);
+  EXPECT_LE(see({.clock = Clock::spans_of_2s, .budget_ms = 4, .seconds = 4, .starts = 8}).late_percent, 1);
   EXPECT_GE(see({Clock::spans_of_2s, 4, 4, k_x3, Speed::assumed}).late_percent, 10) << "the control";
 }
 
