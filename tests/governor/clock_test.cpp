@@ -57,7 +57,7 @@ struct Case {
   double core = k_x3;
   Speed speed = Speed::learned;
   uint32_t better_after = k_predictor_policy.better_after;
-  bool skin = false;  // is drawn, and there are no grains
+  bool skin = false;    // is drawn, and there are no grains
   uint64_t starts = 1;  // of the clock's noise: what is seen is their mean
 };
 
