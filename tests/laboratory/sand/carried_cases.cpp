@@ -245,7 +245,6 @@ struct Seen {
   uint32_t outside = 0, at_end = 0, sand = 0, grains = 0;  // grains: outside, as drawn
   double fastest = 0.0, simulated = 0.0, need = 0.0;
   double over = 0.0;  // microseconds beyond the budget and a unit, or what may be mandatory
-  double left = 1.0;  // of the budget, beside what may be mandatory
   Vec3 place;
 };
 
@@ -343,12 +342,11 @@ struct Carried {
     }
     return sum;
   }
-  // After a jump, or a start as sudden, which a held pose waits for, sand may be in that for some frames. Where fine sand
-  // runs it is judged by that alone: a held pose lags by up to the band, and that is nearly a radius.
+  // After a jump, or a start as sudden, which a held pose waits for, sand may be in that for some frames.
   void look(const Pose& told) {
     seen.at_end = beyond(told);
     waiting = seen.at_end != 0 && way.told == Told::poses ? waiting + 1 : 0;
-    const Pose shown = waiting != 0 && (waiting <= k_waits || way.flows) ? held(told) : told;
+    const Pose shown = waiting != 0 && waiting <= k_waits ? held(told) : told;
     if (waiting != 0) seen.at_end = beyond(shown);
     seen.outside = std::max(seen.outside, seen.at_end);
     const std::vector<float>&p = scene.particle_positions(), &v = scene.particle_velocities();
@@ -379,7 +377,6 @@ struct Carried {
     for (; t < -0.5 * step; t += step) start = frame(t - step, t, k_no_budget).time.simulated;
     const uint64_t budget = way.share > 0.0 ? static_cast<uint64_t>(way.share * way.need) : k_no_budget;
     const double carrying = 20e3 + 100.0 * seen.sand;  // ns, of the mandatory part, beside one unit
-    if (way.share > 0.0) seen.left = std::max(0.0, 1.0 - carrying / static_cast<double>(budget));
     std::vector<double> times;
     double from = t, ahead = step * static_cast<double>(way.seed % 21) / 21.0;
     for (int f = 0; t < (way.flows ? 100.0 : k_moving); ++f) {
@@ -458,7 +455,7 @@ struct Judge {
         const Seen s = run(scene, {.share = k_shares[i], .need = full.need, .rate = rate, .told = told});
         if (rate == 60.0) {
           tell(who + ", 1/" + std::to_string(std::lround(1.0 / k_shares[i])), s, scene.before[i]);
-          if (s.left > 0.0) flows = std::min(flows, s.simulated / (s.left * scene.before[i]));
+          flows = std::min(flows, s.simulated / scene.before[i]);
         }
         outside = std::max(outside, s.outside), over = std::max(over, s.over);
         lost = std::max(lost, std::fabs(1.0 * s.at_end - full.at_end) / s.sand);
@@ -469,7 +466,7 @@ struct Judge {
     if (scene.judged == k_spills) row(who + ": lost, beside full", "of all", 0.0, lost, 0.1);
     else row(who + ": outside", "particles", 0.0, outside, 0.0);
     row(who + ": faster than at full", "m/s", 0.0, std::max(faster, 0.0), 0.4);
-    row(who + ": simulated, of what is left of before", "", 1.0, flows, 0.15);
+    row(who + ": simulated, of before", "", 1.0, flows, 0.15);
     if (scene.judged == k_rests) row(who + ": place", "m", 0.0, place, 0.02);
     row(who + ": over its budget", "us", 0.0, std::max(over, 0.0), 0.0);
     if (scene.grained) row(who + ": grains outside", "grains", 0.0, grains_outside(scene, told), 0.0);
