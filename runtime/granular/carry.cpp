@@ -277,9 +277,6 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
   for (float& m : moved) m = 0.0f;
   read_lanes(g, it, &lanes);
   holding_find(g, group, lanes, holder);
-  bool alike = holder[0] != k_no_holder && c->groups[c->group_of[holder[0]]].hollow;
-  for (uint32_t l = 1; l < it.count; ++l) alike = alike && holder[l] == holder[0];
-  if (alike && carry_all(c, g, it, holder[0])) return;
   for (uint32_t l = 0; l < it.count; ++l) {
     if ((it.here >> l & 1) == 0) continue;
     const Particle& p = g.particles.records[0][it.first + l];
@@ -388,17 +385,16 @@ uint32_t unit_of(const Granular& g) {
 }  // namespace
 
 float carry_box(const RigidWay& w, const Bounds& box, Bounds* after) {
-  const auto sizes = [](const Quad& v) { return v < 0.0f ? -v : v; };
-  const Quad half = 0.5f * (quad(box.high) - quad(box.low)), middle = quad(box.low) + half, way = w.way(middle);
-  Quad reach = {}, way_beyond = {};  // of what is beside the middle, at most
-  for (int k = 0; k < 3; ++k) {
-    Quad axis = {};
-    axis[k] = half[k];
-    reach += sizes(axis + half[k] * w.turn[k]), way_beyond += sizes(half[k] * w.turn[k]);
+  float way2 = 0.0f;
+  for (int corner = 0; corner < 8; ++corner) {
+    float x[3];
+    for (int k = 0; k < 3; ++k) x[k] = (corner >> k & 1) != 0 ? box.high[k] : box.low[k];
+    const float square = square_of(w.way(quad(x)));
+    way2 = square > way2 ? square : way2;
+    w.move(x);
+    bounds_include(after, x);
   }
-  const Quad low = middle + way - reach, high = middle + way + reach;
-  bounds_join(after, {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}});
-  return __builtin_sqrtf(square_of(way)) + __builtin_sqrtf(square_of(way_beyond));
+  return __builtin_sqrtf(way2);
 }
 
 bool carry_stands(const Granular& g, uint32_t i, uint32_t group) {

@@ -8,8 +8,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -57,8 +55,7 @@ struct Case {
   double core = k_x3;
   Speed speed = Speed::learned;
   uint32_t better_after = k_predictor_policy.better_after;
-  bool skin = false;    // is drawn, and there are no grains
-  uint64_t starts = 1;  // of the clock's noise: what is seen is their mean
+  bool skin = false;  // is drawn, and there are no grains
 };
 
 // Of what is drawn: frames in which it stands, and the second difference of moving grains from frame to frame.
@@ -167,10 +164,9 @@ struct Phone {
   }
 };
 
-Seen see_from(const Case& run, uint64_t noise) {
+Seen see(const Case& run) {
   const double hz = run.budget_ms == 2.0 ? 120 : 60;
   Phone phone{run};
-  phone.units = {noise};
   const float r = 0.01f, edge = 0.0068f;
   std::vector<float> particles, grains;
   const Box box{{-0.10f, r, -0.10f}, {0.10f, 0.21f, 0.10f}};
@@ -268,16 +264,6 @@ Seen see_from(const Case& run, uint64_t noise) {
   return seen;
 }
 
-Seen see(const Case& run) {
-  using Numbers = std::array<double, sizeof(Seen) / sizeof(double)>;
-  Numbers mean = {};
-  for (uint64_t start = 1; start <= run.starts; ++start) {
-    const Numbers seen = std::bit_cast<Numbers>(see_from(run, start));
-    for (size_t i = 0; i < mean.size(); ++i) mean[i] += seen[i] / static_cast<double>(run.starts);
-  }
-  return std::bit_cast<Seen>(mean);
-}
-
 std::string text(const Seen& s) {
   char line[256];
   std::snprintf(
@@ -318,16 +304,15 @@ TEST(UnsteadyClock, WhatIsDrawnMovesInEachFrameAndNoneIsLate) {
       {"heat, 4 ms", {Clock::heat, 4, 7}, 11, 0.35, 99},
   };
   for (const auto& row : rows) {
-    Case run = row.run;
-    run.starts = run.seconds < 4 ? 2 : 1;  // where one frame in one run is more than the bar
-    const Seen seen = see(run);
+    const Seen seen = see(row.run);
     std::printf("%-40s %s\n", row.name, text(seen).c_str());
     SCOPED_TRACE(row.name);
     EXPECT_LE(seen.even.frozen_percent, row.frozen);
     EXPECT_LE(seen.late_by_more_percent, row.late);
     EXPECT_LE(seen.levels, row.levels);
-    run.skin = true;
-    const Seen skin = see(run);
+    Case of_skin = row.run;
+    of_skin.skin = true;
+    const Seen skin = see(of_skin);
     std::printf("%-40s frozen %.1f %%, late %.2f %%, levels %.2f a second, lost %.1f %%\n", "  its skin",
                 100 - skin.new_skins_percent, skin.late_by_more_percent, skin.levels, skin.lost_percent);
     EXPECT_LE(100 - skin.new_skins_percent, row.frozen);
@@ -356,7 +341,7 @@ TEST(UnsteadyClock, NoTimeIsLostThatAToldGovernorWouldKeep) {
     std::printf("lost %.2f %%, told %.2f\n", learned, told);
     EXPECT_LE(learned, told + 2);
   }
-  EXPECT_LE(see({.clock = Clock::spans_of_2s, .budget_ms = 4, .seconds = 4, .starts = 8}).late_percent, 1);
+  EXPECT_LE(see({Clock::spans_of_2s, 4, 4}).late_percent, 1);
   EXPECT_GE(see({Clock::spans_of_2s, 4, 4, k_x3, Speed::assumed}).late_percent, 10) << "the control";
 }
 
