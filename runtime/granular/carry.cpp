@@ -5,12 +5,14 @@ namespace sandglass {
 
 namespace {
 
-constexpr float k_same_way = 0.25f;    // radii by which ways may differ and be one
-constexpr float k_same_share = 0.05f;  // or of the way: parts that turn fast are told with straight velocities
-constexpr float k_unseen = 0.5f;       // radii by which sand may lag behind what is drawn
-constexpr float k_rubbed = 0.5f;  // of the time given up, what counts for the friction of what only lies on a collider
-constexpr float k_unseen_alone = 1.0f;  // where one ball or box alone moves
-constexpr float k_pressed = 0.5f;       // radii from a collider that stands; what is nearer is pressed into it
+constexpr float k_same_way = 0.25f;     // radii by which ways may differ and be one
+constexpr float k_same_share = 0.05f;   // or of the way: parts that turn fast are told with straight velocities
+constexpr float k_unseen = 0.5f;        // radii by which sand may lag behind what is drawn
+constexpr float k_unseen_alone = 0.7f;  // where one ball or box alone moves
+constexpr float k_rubbed = 0.5f;   // of the time given up, what counts for the friction of what only lies on a collider
+constexpr float k_pressed = 0.5f;  // radii from another collider; what is nearer is pressed into it
+constexpr float k_room_step = 1.5f;    // radii of a way; no wall of two lies between its ends
+constexpr uint32_t k_room_steps = 32;  // at most
 
 // ---- moving what is held
 
@@ -131,24 +133,39 @@ float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder
 
 // ---- what stands
 
-// Those of what only lies on a collider that have room where it goes: the rest is not pressed into what stands.
+// Those of what only lies on a collider that have room all the way that it goes, between all that goes elsewhere: the rest
+// is not pressed into that, nor carried through a wall.
 uint32_t find_room(const Granular& g, uint32_t holder, const HeldLanes& lanes, uint32_t mask) {
+  const float r = g.desc.particle_radius;
   HeldScratch& scratch = scratch_of(g);
-  auto& after = scratch.traced;
-  Bounds there = k_nowhere;
+  auto &at = scratch.traced, &way = scratch.normal;
+  Bounds path = k_nowhere;
+  float longest2 = 0.0f;
   for (uint32_t l = 0; l < lanes.count; ++l) {
-    float at[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
-    g.colliders.carriers[holder].way.move(at);
-    if ((mask >> l & 1) != 0) bounds_include(&there, at);
-    for (int k = 0; k < 3; ++k) after[k][l] = at[k];
+    const float from[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
+    const Quad gone = g.colliders.carriers[holder].way.way(quad(from)), there = quad(from) + gone;
+    const float end[3] = {there[0], there[1], there[2]}, length2 = square_of(gone);
+    for (int k = 0; k < 3; ++k) way[k][l] = gone[k];
+    if ((mask >> l & 1) == 0) continue;
+    bounds_include(&path, from), bounds_include(&path, end);
+    longest2 = length2 > longest2 ? length2 : longest2;
   }
-  for (uint32_t i = 0; i < g.colliders.solid_count && !is_empty(there); ++i) {
-    if (!carry_stands(g, i, g.carry.group_of[holder]) ||
-        !holding_overlaps(there, g.carry.reaches[i], 2.0f * g.desc.particle_radius))
-      continue;
-    holding_measure(g, g.colliders.carriers[i].to, after, scratch.distance, nullptr, lanes.count);
-    for (uint32_t l = 0; l < lanes.count; ++l)
-      mask &= scratch.distance[l] < k_pressed * g.desc.particle_radius ? ~(1u << l) : ~0u;
+  const float parts = __builtin_sqrtf(longest2) / (k_room_step * r);
+  for (uint32_t i = 0; i < g.colliders.solid_count && mask != 0; ++i) {
+    const Carrier& other = g.colliders.carriers[i];
+    if (g.carry.group_of[i] == g.carry.group_of[holder]) continue;
+    Bounds reached = g.carry.reaches[i];
+    if (other.moves) bounds_join(&reached, holding_box(other.to));
+    if (!holding_overlaps(path, reached, 2.0f * r)) continue;
+    const bool flat = other.to.shape == SANDGLASS_SHAPE_HALF_SPACE;
+    const uint32_t steps = flat ? 1 : parts < k_room_steps ? static_cast<uint32_t>(parts) + 1 : k_room_steps;
+    for (uint32_t s = 1; s <= steps && mask != 0; ++s) {
+      const float share = static_cast<float>(s) / static_cast<float>(steps);
+      for (int k = 0; k < 3; ++k)
+        for (uint32_t l = 0; l < lanes.count; ++l) at[k][l] = lanes.at[k][l] + share * way[k][l];
+      holding_measure(g, holding_posed(g, other, share), at, scratch.distance, nullptr, lanes.count);
+      for (uint32_t l = 0; l < lanes.count; ++l) mask &= scratch.distance[l] < k_pressed * r ? ~(1u << l) : ~0u;
+    }
   }
   return mask;
 }
@@ -201,20 +218,13 @@ void read_lanes(const Granular& g, const Sixteen& it, HeldLanes* lanes) {
 // Out of what stands, of each by no more than `most`.
 void leave_standing(const Granular& g, uint32_t group, float most, Quad* at) {
   const float r = g.desc.particle_radius;
-  HeldScratch& scratch = scratch_of(g);
   const Bounds here = {{(*at)[0], (*at)[1], (*at)[2]}, {(*at)[0], (*at)[1], (*at)[2]}};
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     const ColliderFrame& c = g.colliders.carriers[i].to;
     const bool flat = c.shape == SANDGLASS_SHAPE_HALF_SPACE;
     if (!carry_stands(g, i, group) || (!flat && !holding_overlaps(here, g.carry.reaches[i], r))) continue;
-    Quad normal = quad(c.axes[1]);
-    float depth = r - dot(normal, *at - quad(c.position));
-    if (!flat) {
-      for (int k = 0; k < 3; ++k) scratch.corners.at[k][0] = (*at)[k];
-      holding_measure(g, c, scratch.corners.at, scratch.distance, scratch.normal, 1);
-      normal = Quad{scratch.normal[0][0], scratch.normal[1][0], scratch.normal[2][0], 0.0f};
-      depth = r - scratch.distance[0];
-    }
+    Quad normal;
+    const float depth = r - holding_distance(g, c, *at, &normal);
     if (depth > 0.0f) *at += (depth < most ? depth : most) * normal;
   }
 }
@@ -277,6 +287,9 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
   for (float& m : moved) m = 0.0f;
   read_lanes(g, it, &lanes);
   holding_find(g, group, lanes, holder);
+  bool alike = holder[0] != k_no_holder && c->groups[c->group_of[holder[0]]].hollow;
+  for (uint32_t l = 1; l < it.count; ++l) alike = alike && holder[l] == holder[0];
+  if (alike && carry_all(c, g, it, holder[0])) return;
   for (uint32_t l = 0; l < it.count; ++l) {
     if ((it.here >> l & 1) == 0) continue;
     const Particle& p = g.particles.records[0][it.first + l];
@@ -385,16 +398,17 @@ uint32_t unit_of(const Granular& g) {
 }  // namespace
 
 float carry_box(const RigidWay& w, const Bounds& box, Bounds* after) {
-  float way2 = 0.0f;
-  for (int corner = 0; corner < 8; ++corner) {
-    float x[3];
-    for (int k = 0; k < 3; ++k) x[k] = (corner >> k & 1) != 0 ? box.high[k] : box.low[k];
-    const float square = square_of(w.way(quad(x)));
-    way2 = square > way2 ? square : way2;
-    w.move(x);
-    bounds_include(after, x);
+  const auto sizes = [](const Quad& v) { return v < 0.0f ? -v : v; };
+  const Quad half = 0.5f * (quad(box.high) - quad(box.low)), middle = quad(box.low) + half, way = w.way(middle);
+  Quad reach = {}, way_beyond = {};  // of what is beside the middle, at most
+  for (int k = 0; k < 3; ++k) {
+    Quad axis = {};
+    axis[k] = half[k];
+    reach += sizes(axis + half[k] * w.turn[k]), way_beyond += sizes(half[k] * w.turn[k]);
   }
-  return __builtin_sqrtf(way2);
+  const Quad low = middle + way - reach, high = middle + way + reach;
+  bounds_join(after, {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}});
+  return __builtin_sqrtf(square_of(way)) + __builtin_sqrtf(square_of(way_beyond));
 }
 
 bool carry_stands(const Granular& g, uint32_t i, uint32_t group) {
@@ -443,9 +457,8 @@ void carry_begin_frame(Carry* c, const Granular& g, bool jumped, bool moving) {
 }
 
 void carry_close(Carry* c, const Granular& g) {
-  const bool late = g.time.debt > static_cast<double>(g.time.frame_step), slow = g.time.rate < 1.0;
-  const bool over = slow && g.time.debt < k_time_resolution;
-  if (c->moving && !c->closing && (lag_is_seen(g) || over || (late && !slow))) c->due = Carry::Moment::close;
+  const bool over = g.time.rate < 1.0 && g.time.debt < k_time_resolution;  // slow motion ends
+  if (c->moving && !c->closing && (lag_is_seen(g) || over)) c->due = Carry::Moment::close;
   c->closing = true;
   c->known = false;
 }
@@ -455,10 +468,7 @@ bool carry_is_due(const Granular& g) {
   return g.carry.known || g.time.debt >= k_time_resolution || g.time.rate < 1.0;
 }
 
-bool carry_is_expected(const Granular& g) {
-  const bool owed = g.time.asked > static_cast<double>(g.time.frame_step) + k_time_resolution;
-  return g.carry.moving && (g.time.rate < 1.0 ? g.carry.may_lag : owed);
-}
+bool carry_is_expected(const Granular& g) { return g.carry.may_lag; }
 
 uint32_t carry_units(const Granular& g) { return (g.particles.count + unit_of(g) - 1) / unit_of(g); }
 

@@ -12,6 +12,7 @@ namespace {
 constexpr float k_collider_speed = 1e4f;   // metres or radians a second, along each axis
 constexpr double k_way_resolution = 1e-6;  // metres or radians; what is shorter counts as none
 constexpr float k_gone_seconds = 0.25f;    // after so long, one that is not passed is no longer recognised by its place
+constexpr float k_as_large = 2.0f;         // of what has no id: a size may grow so much in a frame
 constexpr float k_recognised = 0.25f;      // metres that a collider may have gone since the last frame
 constexpr float k_recognised_id = 1.0f;    // and one with an id
 constexpr float k_found_again = 0.01f;     // and that one without an id may, if it was not passed then
@@ -77,7 +78,20 @@ float apart2(const KnownCollider& known, const sandglass_collider& now) {
   return way * way;
 }
 
+// Whether sizes are about as they were: a hand is no table, though it lay where that is told.
+bool as_large(const Pose& told, const sandglass_collider& now) {
+  const int sizes = now.shape == SANDGLASS_SHAPE_SPHERE    ? 1
+                    : now.shape == SANDGLASS_SHAPE_CAPSULE ? 2
+                    : now.shape == SANDGLASS_SHAPE_BOX     ? 3
+                                                           : 0;
+  bool as = true;
+  for (int k = 0; k < sizes; ++k)
+    as = as && now.size[k] <= k_as_large * told.size[k] && told.size[k] <= k_as_large * now.size[k];
+  return as;
+}
+
 bool recognisable(const KnownCollider& known, const sandglass_collider& now, const SimulatedTime& t) {
+  if (now.id == 0 && !as_large(known.pose.told, now)) return false;
   const bool passed = known.absent <= t.frame_step;
   float most = now.id != 0 ? k_recognised_id : passed ? k_recognised : k_found_again;
   if (passed && t.left_out > 0.0f) most += 2.0f * length_of(now.linear_velocity) * (t.frame_step + t.left_out);
@@ -272,12 +286,13 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   const Placement before = placement_of(c.of_slot[slot]);
   if (c.waits) hold_returns(&known.pose);  // a save may be older than where a lift is now
   if (!same_one) hold_anew(&known.pose, placement_of(now));
-  else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), g.time.frame_step + g.time.left_out, rule);
+  else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), known.absent + g.time.left_out, rule);
   known.used = 1;
   known.id = now.id;
   known.shape = now.shape;
   known.absent = 0.0f;
-  Placement met = continued && !(step > 0.0) ? before : known.pose.held;  // in a pause all stands
+  // In a pause all stands; where that is after a move of the scene, only the held pose knows.
+  Placement met = continued && !c.waits && !(step > 0.0) ? before : known.pose.held;
   if (owed >= k_time_resolution && debt >= k_time_resolution) {
     // Of one that jumped nothing is left: else it would come from as far away as it goes in all of the time debt.
     const double left = continued && !c.arrived && continues(before, met, step, g.desc.particle_radius) ? owed : 0.0;

@@ -19,18 +19,21 @@ constexpr uint32_t k_open_most = 2048, k_heads = 1024, k_none = 0xffff;
 
 // Sand that is hemmed in slips aside less than friction alone would let it: with these factors a heap that a hand or a
 // finger goes through ends where it does with time, but for a few radii (sandglass_lab verify carried).
-constexpr float k_grip = 2.0f, k_grip_between = 0.6f;  // aside over out; of what a collider meets, of what that meets
-constexpr float k_step_out = 1.5f;                     // radii that a collider goes at once
-constexpr float k_out_most = 2.0f;                     // radii that sand goes in such a step
-constexpr uint32_t k_steps_out = 16;                   // at most
-constexpr float k_ahead = 6.0f, k_beside = 3.0f;       // radii from a collider's way; what is beyond is not pushed
-constexpr float k_least_push = 0.2f;                   // radii; what goes less does not push on
-constexpr uint32_t k_pushed_most = 512;                // in a step; what is beyond does not push on
-constexpr uint32_t k_pushed_at_once = 96;              // in a unit
-constexpr uint32_t k_push_items = 3;                   // a push takes as long as to carry so many
-constexpr uint32_t k_step_items = 4;  // of so many a step begins in the time that it takes to carry one
-constexpr float k_cell = 3.0f;        // radii
-constexpr float k_above = 0.1f;       // diameters aside; what is less lies above and is lifted
+constexpr float k_grip = 2.7f, k_grip_between = 0.6f;  // aside over out; of what a collider meets, of what that meets
+// In slow motion sand slides less far off than with time, as the square of its velocity: what is met gets this much of what
+// the collider's velocity lacks beside the told one.
+constexpr float k_thrown = 0.4f;
+constexpr float k_step_out = 1.5f;                // radii that a collider goes at once
+constexpr float k_out_most = 2.0f;                // radii that sand goes in such a step
+constexpr uint32_t k_steps_out = 16;              // at most
+constexpr float k_ahead = 6.0f, k_beside = 3.0f;  // radii from a collider's way; what is beyond is not pushed
+constexpr float k_least_push = 0.2f;              // radii; what goes less does not push on
+constexpr uint32_t k_pushed_most = 512;           // in a step; what is beyond does not push on
+constexpr uint32_t k_pushed_at_once = 96;         // in a unit
+constexpr uint32_t k_push_items = 3;              // a push takes as long as to carry so many
+constexpr uint32_t k_step_items = 4;              // of so many a step begins in the time that it takes to carry one
+constexpr float k_cell = 3.0f;                    // radii
+constexpr float k_above = 0.1f;                   // diameters aside; what is less lies above and is lifted
 
 }  // namespace
 
@@ -116,8 +119,9 @@ void push_by_collider(Carry* c, const Granular& g, const Carrier& carrier, float
   Giving* const s = c->giving;
   const float r = g.desc.particle_radius, parts = static_cast<float>(s->steps);
   const float at = static_cast<float>(s->step) / parts;
-  const ColliderFrame pose = collider_between(rigid_pose(carrier.from), carrier.to, at < 1.0f ? at : 1.0f);
+  const ColliderFrame& pose = holding_posed(g, carrier, at);
   const Bounds box = holding_box(pose);
+  const float thrown = 1.0f + k_thrown * (1.0f / static_cast<float>(g.time.rate) - 1.0f);
   HeldScratch& scratch = scratch_of(g);
   for (uint32_t first = 0; first < s->count; first += k_lane_group) {
     const uint32_t left = s->count - first, count = left < k_lane_group ? left : k_lane_group;
@@ -134,6 +138,7 @@ void push_by_collider(Carry* c, const Granular& g, const Carrier& carrier, float
       const Quad way = carrier.way.way(o.at) / parts;
       float v[3];
       holding_velocity(carrier.to, place, v);
+      for (float& u : v) u *= thrown;
       push(&o, normal, out < k_out_most * r ? out : k_out_most * r, way, grip, Quad{});
       if (dot(normal, way) > 0.0f) take_velocity(c, g, o, v);
       enqueue(s, first + l);
@@ -154,26 +159,21 @@ void push_other(Giving* s, const OpenSand& from, const Quad& apart, float square
   if (out > 0.5f * k_least_push * d) enqueue(s, i);
 }
 
-// A step ends before what stands, by the face that was nearest where it began: nothing is pressed through a wall, and what
-// is pressed against one goes along it.
-void end_before_standing(const Carry& c, const Granular& g, OpenSand* o) {
+// A step ends before what stands, and before what goes another way, by the face that was nearest where it began:
+// nothing is pressed through a wall, and what is pressed against one goes along it.
+void end_before_walls(const Carry& c, const Granular& g, OpenSand* o) {
   const float r = g.desc.particle_radius, gone = __builtin_sqrtf(square_of(o->way));
-  HeldScratch& scratch = scratch_of(g);
   const Quad from = o->at - o->way;
   const Bounds here = {{from[0], from[1], from[2]}, {from[0], from[1], from[2]}};
+  const float share = static_cast<float>(c.giving->step) / static_cast<float>(c.giving->steps);
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
-    const ColliderFrame& wall = g.colliders.carriers[i].to;
-    const bool flat = wall.shape == SANDGLASS_SHAPE_HALF_SPACE;
-    if (!carry_stands(g, i, carry_group_alone(c)) || (!flat && !holding_overlaps(here, c.reaches[i], r + gone)))
-      continue;
-    Quad normal = quad(wall.axes[1]);
-    float before = dot(normal, from - quad(wall.position));
-    if (!flat) {
-      for (int k = 0; k < 3; ++k) scratch.corners.at[k][0] = from[k];
-      holding_measure(g, wall, scratch.corners.at, scratch.distance, scratch.normal, 1);
-      normal = Quad{scratch.normal[0][0], scratch.normal[1][0], scratch.normal[2][0], 0.0f};
-      before = scratch.distance[0];
-    }
+    const Carrier& carrier = g.colliders.carriers[i];
+    const bool flat = carrier.to.shape == SANDGLASS_SHAPE_HALF_SPACE, stands = carry_stands(g, i, carry_group_alone(c));
+    if (!stands && (c.group_count < 2 || !pushes(g, i))) continue;
+    const ColliderFrame& wall = stands ? carrier.to : holding_posed(g, carrier, share);
+    if (!flat && !holding_overlaps(here, stands ? c.reaches[i] : holding_box(wall), r + gone)) continue;
+    Quad normal;
+    const float before = holding_distance(g, wall, from, &normal);
     const float in = (before < r ? before : r) - (before + dot(o->way, normal));
     if (in > 0.0f) o->at += in * normal, o->way += in * normal;
   }
@@ -190,7 +190,7 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
     const Quad less = (1.0f - k_out_most * r / gone) * o.way;
     o.at -= less, o.way -= less;
   }
-  end_before_standing(*c, g, &o);
+  end_before_walls(*c, g, &o);
   const Quad at = o.at, way = o.way, down = quad(scratch_of(g).group.down);
   const float way2 = square_of(way), scale = way2 > 0.0f ? d2 / way2 : 0.0f;
   int32_t low[3], high[3];
@@ -219,18 +219,15 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
 // For which there is no room: out of where colliders are in the end, and nothing is pushed on.
 void give_way_alone(Carry* c, const Granular& g, uint32_t row) {
   const float r = g.desc.particle_radius;
-  HeldScratch& scratch = scratch_of(g);
   OpenSand o = {quad(g.particles.records[0][row].position), Quad{}, row, 0.0f, 0, 0, OpenSand::stays};
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     if (!pushes(g, i)) continue;
-    for (int k = 0; k < 3; ++k) scratch.corners.at[k][0] = o.at[k];
-    holding_measure(g, g.colliders.carriers[i].to, scratch.corners.at, scratch.distance, scratch.normal, 1);
-    const float out = r - scratch.distance[0], most = k_out_most * r;
-    const Quad normal = {scratch.normal[0][0], scratch.normal[1][0], scratch.normal[2][0], 0.0f};
+    Quad normal;
+    const float out = r - holding_distance(g, g.colliders.carriers[i].to, o.at, &normal), most = k_out_most * r;
     if (out > 0.0f) push(&o, normal, out < most ? out : most, Quad{}, 0.0f, Quad{});
   }
   if (square_of(o.way) == 0.0f) return;
-  end_before_standing(*c, g, &o);
+  end_before_walls(*c, g, &o);
   carry_put(c, g, row, o.at);
 }
 
@@ -302,7 +299,7 @@ bool giving_run(Carry* c, const Granular& g) {
     if (pushes(g, i)) push_by_collider(c, g, g.colliders.carriers[i], last ? 0.0f : k_grip);
   for (uint32_t i = 0; i < s.count && last; ++i) {
     OpenSand& o = s.open[i];
-    if (square_of(o.way) != 0.0f) end_before_standing(*c, g, &o);
+    if (square_of(o.way) != 0.0f) end_before_walls(*c, g, &o);
     carry_put(c, g, o.row, o.at);
   }
   if (last) s.count = 0;

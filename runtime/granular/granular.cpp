@@ -209,7 +209,7 @@ static void begin_carry(Granular* g) {
   const bool runs = !time_paused(*g) && g->particles.count != 0, moving = runs && colliders_move_sand(*g);
   carry_begin_frame(&g->carry, *g, runs && g->colliders.jumped, moving);
   if (moving || time_paused(*g) || g->time.rate >= 1.0) return;
-  colliders_arrive(&g->colliders, *g, static_cast<float>(1.0 / g->time.rate));
+  if (g->time.rate > 0.0) colliders_arrive(&g->colliders, *g, static_cast<float>(1.0 / g->time.rate));
   time_forget_rate(&g->time);
 }
 
@@ -372,7 +372,7 @@ void granular_after_removal(Granular* g) {
 }
 
 // Until its own cost is known, carrying a particle counts as completing its sub-step so many times.
-constexpr uint32_t k_like_complete = 4;
+constexpr uint32_t k_like_complete = 8;
 
 // At the end of each frame: what colliders carry.
 Stage granular_carry_stage(Granular* granular) {

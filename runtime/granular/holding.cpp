@@ -300,6 +300,23 @@ void holding_measure(const Granular& g, const ColliderFrame& c, const float at[3
   }
 }
 
+float holding_distance(const Granular& g, const ColliderFrame& c, const Quad& at, Quad* normal) {
+  if (c.shape == SANDGLASS_SHAPE_HALF_SPACE) {
+    *normal = quad(c.axes[1]);
+    return dot(*normal, at - quad(c.position));
+  }
+  HeldScratch& s = scratch_of(g);
+  for (int k = 0; k < 3; ++k) s.corners.at[k][0] = at[k];
+  holding_measure(g, c, s.corners.at, s.distance, s.normal, 1);
+  *normal = Quad{s.normal[0][0], s.normal[1][0], s.normal[2][0], 0.0f};
+  return s.distance[0];
+}
+
+const ColliderFrame& holding_posed(const Granular& g, const Carrier& carrier, float share) {
+  if (!carrier.moves) return carrier.to;
+  return scratch_of(g).posed = collider_between(rigid_pose(carrier.from), carrier.to, share < 1.0f ? share : 1.0f);
+}
+
 void holding_find_near(const Granular& g, HeldGroup* group) {
   for (int k = 0; k < 3; ++k) group->down[k] = g.gravity_length > 0.0f ? g.gravity[k] / g.gravity_length : 0.0f;
   group->count = 0;

@@ -27,6 +27,7 @@ struct HeldScratch {
   alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group];
   HeldLanes lanes, corners;
   HeldGroup group;
+  ColliderFrame posed;
   alignas(sizeof(Quad)) float local[3][k_lane_group], traced[3][k_lane_group], normal[3][k_lane_group];
   float last[k_lane_group], distance[k_lane_group], nearest[k_lane_group], below[k_lane_group], found[k_lane_group];
   float moved[k_lane_group];
@@ -47,6 +48,10 @@ void holding_velocity(const ColliderFrame& collider, const float at[3], float ve
 void holding_measure(const Granular& granular, const ColliderFrame& collider, const float at[3][k_lane_group],
                      float distance[k_lane_group], float (*normal)[k_lane_group] = nullptr,
                      uint32_t count = k_lane_group);
+// Of one place.
+float holding_distance(const Granular& granular, const ColliderFrame& collider, const Quad& at, Quad* normal);
+// A collider after `share` of its way, at most all of it; until the next call.
+const ColliderFrame& holding_posed(const Granular& granular, const Carrier& carrier, float share);
 
 void holding_find_near(const Granular& granular, HeldGroup* group);
 // The collider that holds all of a group, where that is certain.

@@ -28,13 +28,16 @@ constexpr float k_stir_radii = 0.05f;
 // A carrier is slow where it moves on less than this within sleep_after, in units of what counts as moving on. What is
 // carried faster wakes its neighbours by moving on.
 constexpr float k_slow_carrier = 3.0f;
-constexpr uint16_t k_carried_contacts = 40;  // contacts from the carrier that are kept awake: more than piles are high
+constexpr uint8_t k_carried_contacts = 40;  // contacts from the carrier that are kept awake: more than piles are high
 
 // What stands on one other's top tips, but slowly at first: a lattice of 2 r moves on after 1.5 s where r is 3 mm, 2.8 s
 // where it is 1 cm. Twice as long it stays awake, in units of r / sqrt(g d): friction may hold it for ever.
 constexpr float k_tipping_units = 243.0f;
 constexpr uint16_t k_balanced = 0x8000;  // the bit of Anchor::quiet of what was found so since it moved on
 constexpr uint16_t k_look = 0x4000;      // and of what is beside that, and is looked at anew
+// What was woken so often where it lay falls asleep in one check with what it touches. Else what sleeps is hard, what lies
+// pressed in it jumps, and wakes it again, for ever.
+constexpr uint8_t k_woken_often = 8;
 constexpr uint32_t k_touched_most = 16;  // more cannot touch a sphere
 constexpr float k_support = 0.3f;        // what is lower by so much of the distance bears
 constexpr float k_upright = 0.998f;      // and what bears alone, straight below to 3.6 degrees
@@ -50,6 +53,7 @@ void drop_anchor(Anchor* anchor, const float position[3]) {
 // The particle moves on, and with it all of its body: else its particles would never be quiet at one time.
 void move_on(Sleep* sleep, const Granular& g, const Particle& p) {
   drop_anchor(&sleep->anchors[number_of(p)], p.position);
+  sleep->anchors[number_of(p)].woken = 0;
   if (!in_body(p)) return;
   const RigidBody& body = g.bodies.all[body_of(p) - 1];
   for (uint32_t slot = body.first; slot < body.first + body.count; ++slot)
@@ -66,7 +70,9 @@ float moved2(const Sleep& sleep, const Particle& p) { return apart2(p.position, 
 // Particle i, whose state is awake already, counts as awake from now on.
 void begin_waking_one(Sleep* sleep, const Granular& g, uint32_t i) {
   const Particle& p = *particle_at(g, i);
-  drop_anchor(&sleep->anchors[number_of(p)], p.position);
+  Anchor& anchor = sleep->anchors[number_of(p)];
+  drop_anchor(&anchor, p.position);
+  if (anchor.woken < k_woken_often) ++anchor.woken;
   ++sleep->awake_count;
   GroupState& state = sleep->group_states[i / k_lane_group];
   if (state != GroupState::asleep) return;
@@ -156,7 +162,7 @@ void find_carried(Sleep* sleep, const Granular& g, uint32_t group) {
 }
 
 // What a carried particle touches is carried too, up to so many contacts from the carrier, and wakes.
-void carry_neighbours(Sleep* sleep, const Granular& g, uint32_t i, uint16_t carried) {
+void carry_neighbours(Sleep* sleep, const Granular& g, uint32_t i, uint8_t carried) {
   uint32_t count;
   const uint32_t* row = neighbours_of(g, i, &count);
   const float near = (2.0f + k_touch_gap_radii) * g.desc.particle_radius;
@@ -165,7 +171,7 @@ void carry_neighbours(Sleep* sleep, const Granular& g, uint32_t i, uint16_t carr
     const Particle& other = *particle_at(g, row[s]);
     if (apart2(other.position, particle_at(g, i)->position) > near * near) continue;
     wake_if_asleep(sleep, g, row[s]);
-    uint16_t& theirs = sleep->anchors[number_of(other)].carried;
+    uint8_t& theirs = sleep->anchors[number_of(other)].carried;
     if (theirs < carried) theirs = carried;
   }
 }
@@ -207,7 +213,7 @@ void sleep_begin_rest(Sleep* s, uint32_t number, const float position[3]) {
 
 void sleep_add(Sleep* s, uint32_t number, const float position[3]) {
   s->anchors[number].body_slot = 0;
-  s->anchors[number].carried = 0;
+  s->anchors[number].carried = s->anchors[number].woken = 0;
   sleep_begin_rest(s, number, position);
   ++s->awake_count;
 }
@@ -376,8 +382,10 @@ static bool leans(const Sleep& sleep, const Granular& g, uint32_t i) {
 
 // Whether a particle touches a particle, not of its own body, the boundary or a collider, and its centre lies in none:
 // from there it is on its way out. `watched` long enough, it may beside what leans, too; else that would fall on other ways
-// where this stands fast. Without gravity all may rest.
-static bool may_rest(const Sleep& sleep, const Granular& g, uint32_t i, bool watched) {
+// where this stands fast. Without gravity all may rest. It waits for what it touches that has been quiet for `waits` checks
+// and will be for `patience` soon.
+static bool may_rest(const Sleep& sleep, const Granular& g, uint32_t i, bool watched, uint32_t waits,
+                     uint32_t patience) {
   if (!(g.gravity_length > 0.0f)) return true;
   const Particle& p = *particle_at(g, i);
   const float near = (2.0f + k_touch_gap_radii) * g.desc.particle_radius;
@@ -390,6 +398,9 @@ static bool may_rest(const Sleep& sleep, const Granular& g, uint32_t i, bool wat
     if ((in_body(p) && body_of(p) == body_of(other)) || !(apart2(other.position, p.position) < near * near)) continue;
     touches = true;
     if (!watched && leans(sleep, g, row[s])) return false;
+    if (row[s] >= g.particles.count || is_asleep(other)) continue;
+    const uint32_t quiet = sleep.anchors[number_of(other)].quiet & (k_look - 1u);
+    if (quiet >= waits && quiet + 1 < patience) return false;
   }
   return touches && !inside;
 }
@@ -461,7 +472,7 @@ bool sleep_run_sleep(Sleep* sleep, const Granular& g, uint32_t* cursor) {
       const Particle& p = *particle_at(g, i);
       if (!is_awake(p)) continue;
       Anchor& anchor = sleep->anchors[number_of(p)];
-      const uint16_t carried = anchor.carried;
+      const uint8_t carried = anchor.carried;
       const float most = in_body(p) ? body_limit : limit;
       if (moved2(*sleep, p) > most * most) {
         move_on(sleep, g, p);
@@ -476,7 +487,9 @@ bool sleep_run_sleep(Sleep* sleep, const Granular& g, uint32_t* cursor) {
         if (looks) anchor.quiet &= static_cast<uint16_t>(~k_look);
         if (looks && (anchor.quiet & k_balanced) == 0 && is_balanced(*sleep, g, i)) {
           begin_leaning(sleep, g, i);
-        } else if (quiet + 1 >= patience && may_rest(*sleep, g, i, quiet + 1 >= tipping)) {
+        } else if (const bool waits = anchor.woken == k_woken_often && quiet < 2 * patience;
+                   quiet + 1 >= patience &&
+                   may_rest(*sleep, g, i, quiet + 1 >= tipping, waits ? patience / 2 : patience, patience)) {
           fall_asleep(sleep, g, i);
         }
       }
@@ -497,7 +510,7 @@ bool sleep_put_body(Sleep* sleep, const Granular& g, const RigidBody& body) {
   for (uint32_t slot = body.first; slot < body.first + body.count; ++slot)
     quiet = quiet && sleep->anchors[g.bodies.numbers[slot]].quiet >= patience;
   for (uint32_t slot = body.first; quiet && !touches && slot < body.first + body.count; ++slot)
-    touches = may_rest(*sleep, g, g.bodies.rows[slot], true);
+    touches = may_rest(*sleep, g, g.bodies.rows[slot], true, patience, patience);
   quiet = quiet && touches;
   for (uint32_t slot = body.first; quiet && slot < body.first + body.count; ++slot) {
     fall_asleep(sleep, g, g.bodies.rows[slot]);

@@ -396,7 +396,8 @@ enum class GroupState : uint8_t { asleep, active, waking };
 struct Anchor {
   float position[3];
   uint16_t quiet;      // checks in a row that found it near (sleep.cpp: and one bit); k_asleep: it sleeps
-  uint16_t carried;    // contacts from it that a slow carrier still keeps awake
+  uint8_t carried;     // contacts from it that a slow carrier still keeps awake
+  uint8_t woken;       // how often it woke since it moved on, 8 at most
   uint32_t body_slot;  // of a body's particle: its place in the arrays of Bodies
 };
 constexpr uint16_t k_asleep = 0xffff;

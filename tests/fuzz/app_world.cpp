@@ -2,7 +2,8 @@
 //
 //   speed    nothing is faster than the colliders and nozzles of the last seconds + 1.5 m/s, above free fall
 //   walls    nothing goes through a wall that is thicker than 2 r
-//   sleep    when the world stands still and what fell has landed, 95 % are asleep after 5 s and all after 30 s
+//   sleep    when the world stands still and what fell has landed, 95 % are asleep after 5 s and all after 30 s; what a
+//            held pose wakes that is corrected within its band, again after 5 s
 //   depth    nothing is left inside a solid then
 //   energy   kinetic and potential energy together rise by at most 1 % a second then
 //   calls    none is refused
@@ -211,18 +212,21 @@ struct Watch {
     w.stand();
     check(1 / w.rate);
     const bool exact = (w.set.list & (restless | far_hand)) == 0;  // else sleepers may wake yet
+    // A held pose that is nearly its band away from a restless one may still be corrected.
+    const bool corrected = (w.set.list & restless) != 0;
     const double landed = w.simulated + until_landed();
+    double slept = landed;  // or when all did, before a correction woke them
     double next = landed + 2, before = -1, zero = 0;
     for (bool soon = false; w.simulated < landed + k_late;) {
       w.stand();
       check(1 / w.rate);
-      if (!soon && w.simulated > landed + k_soon) {
-        soon = true;
-        check_depth();
-        if (!is_in_body()) check_sleep(k_soon, std::max({5u, w.report.sand.particles / 20, sliding()}));
-      }
-      // A held pose that is nearly its band away from a restless one may still be corrected.
-      if ((w.set.list & restless) == 0 && w.simulated > next) {
+      if (corrected && w.report.sand.awake == 0) slept = w.simulated;
+      const bool first = !soon && w.simulated > landed + k_soon;
+      soon = soon || first;
+      if (first) check_depth();
+      if ((first || (corrected && soon)) && w.simulated > slept + k_soon && !is_in_body())
+        check_sleep(k_soon, std::max({5u, w.report.sand.particles / 20, sliding()}));
+      if (!corrected && w.simulated > next) {
         // The solver's own corrections move a particle by a hundredth of r in a second at most.
         const double after = energy(zero), slack = 0.01 * w.r * length(w.gravity) * w.report.sand.particles;
         if (before >= 0 && !is_in_body() && after > 1.01 * before + slack)
@@ -235,7 +239,7 @@ struct Watch {
       }
       if (exact && soon && w.report.sand.awake == 0 && w.simulated > landed + k_soon + 2) return;
     }
-    check_sleep(k_late, sliding());
+    if (w.simulated > slept + k_soon) check_sleep(k_late, sliding());
   }
 };
 

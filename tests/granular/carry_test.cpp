@@ -285,6 +285,35 @@ TEST(Carry, AHandTakesNothingAlongThatIsBeneathIt) {
   EXPECT_EQ(beneath(), 0u);
 }
 
+// A tray goes up through a shelf, with no time for that: what lies on it stays below, whether the shelf stands or goes
+// aside.
+TEST(Carry, WhatLiesOnATrayIsTakenThroughNoShelf) {
+  for (const float aside : {0.0f, 1.0f}) {
+    sandglass::VirtualClock clock{.step_ns = 10'000};
+    sandglass_scene_desc desc = description(100);
+    desc.granular.particle_radius = k_radius;
+    desc.clock = sandglass::virtual_clock(&clock);
+    GranularScene scene(desc);
+    constexpr float k_top = 0.1f, k_shelf = k_top + 0.06f, k_rises = 2;
+    scene.colliders = {sandglass::box(0, k_top - k_wall, 0, 0.2f, k_wall, 0.2f),
+                       sandglass::box(0, k_shelf, 0, 0.3f, k_wall / 2, 0.3f)};
+    sandglass_collider &tray = scene.colliders[0], &shelf = scene.colliders[1];
+    tray.id = 1, shelf.id = 2;
+    tray.linear_velocity[1] = k_rises, shelf.linear_velocity[0] = aside;
+    for (const float x : {-0.04f, 0.0f, 0.04f})
+      for (const float z : {-0.04f, 0.0f, 0.04f}) scene.add({x, k_top + k_radius, z});
+    float highest = 0;
+    for (int f = 0; f < 6; ++f) {
+      scene.frame(k_step, 10'000);
+      tray.position[1] += k_rises * k_step, shelf.position[0] += aside * k_step;
+      const std::vector<float> p = scene.positions();
+      for (size_t i = 1; i < p.size(); i += 3) highest = std::max(highest, p[i]);
+    }
+    EXPECT_GT(highest, k_top + 0.02f) << "the control: it was not taken along";
+    EXPECT_LT(highest, k_shelf) << aside << " m/s aside";
+  }
+}
+
 TEST(Carry, IsNotThereWhereNothingMoves) {
   Bucket b(stands);
   const uint64_t small = Need(stands).ns / 8 + 50'000;

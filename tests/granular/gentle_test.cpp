@@ -274,6 +274,30 @@ TEST(Held, AHandByPosesAlonePushes) {
   EXPECT_LT(moved(false, 0.003f, 120.0f, true), 0.5 * moved(true, 0.003f, 120.0f)) << "the control";
 }
 
+// A tracker loses a hand, whose box it makes larger, and finds it where a grain falls. Its way meanwhile took as long
+// as it was lost, not a frame: beside that are five frames of free fall, and the speed at which sand leaves.
+TEST(Held, AHandThatIsLostForAWhileComesBackAtItsOwnSpeed) {
+  constexpr float k_hand = 0.2f, k_grows = 0.03f;  // m/s
+  constexpr long k_seen = 6;                       // frames until it is lost
+  for (const long lost : {9, 12}) {
+    sandglass_scene_desc desc = description(300);
+    desc.granular.particle_radius = 0.006f;
+    GranularScene scene(desc);
+    scene.colliders.push_back(sandglass::floor_at(0));
+    float fastest = 0.0f;
+    for (long f = 1; f <= k_seen + lost + 3; ++f) {
+      const float seconds = static_cast<float>(f) * k_frame, side = 0.03f + k_grows * seconds;
+      sandglass_collider hand = sandglass::box(-0.05f + k_hand * seconds, 0.2f, 0.0f, side, side, side);
+      hand.id = 5;
+      scene.colliders.resize(1);
+      if (f <= k_seen || f > k_seen + lost) scene.colliders.push_back(hand);
+      if (f == k_seen + lost - 2) scene.add({0.0f, 0.2f, 0.0f});
+      fastest = std::max(fastest, scene.frame(k_frame).sand.speed_max);
+    }
+    EXPECT_LE(fastest, 1.3f * (k_hand + k_grows) + 0.1f + 5 * k_frame * static_cast<float>(k_gravity)) << lost;
+  }
+}
+
 // A lift that has poses alone goes evenly, not in steps of the band, and carries what lies on it.
 TEST(Held, ALiftByPosesAloneIsFollowedEvenly) {
   for (const float speed : {0.001f, 0.005f, 0.05f}) {
