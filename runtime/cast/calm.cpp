@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint32_t k_window_radius[] = {1, 2, 4};
 constexpr uint32_t k_passes = 3;
-constexpr float k_rim = 4;  // texels at the rim of an ambient texture over which it fades
+constexpr float k_shade = 1.02f;  // times what is left there: more than a texture can say
 
 float* row_of(const CastState& c, uint32_t texels, uint32_t row) {
   return c.values + uint64_t{row} * cast_pitch(texels) + k_lane_group;
@@ -27,21 +27,42 @@ uint64_t eight_counts(const uint64_t* counts, uint64_t words, uint64_t word, uin
   return __builtin_bswap64(sums);
 }
 
+// How many directions of a texel are hidden, and how many of those that real things hide are none of these.
+struct Hidden {
+  float by_virtual, by_real;
+};
+
+void read_counts(const CastState& c, uint32_t light, uint64_t words, uint64_t word, uint32_t byte, Hidden out[8]) {
+  const uint64_t hidden = eight_counts(c.counts[light], words, word, byte);
+  const uint64_t masked = cast_masks(c) ? eight_counts(c.mask_counts[light], words, word, byte) : 0;
+  for (uint32_t i = 0; i < 8; ++i)
+    out[i] = {static_cast<float>(hidden >> (8 * i) & 0xff), static_cast<float>(masked >> (8 * i) & 0xff)};
+}
+
 // A row of counts. What real things hide does not count: of the directions that they leave, as many are hidden as if all
-// were left.
+// were left. Where the shares of both lights are known, of what they leave of both: a thing in the shade of a house
+// hides the sky, which is all the light that is there. Of that, each texture says at most its own light's share, so
+// what the other cannot say is added.
 void read_row(CastState* c, uint32_t texels, uint32_t row) {
   const uint64_t words = uint64_t{texels} * cast_words(texels);
-  const bool masks = cast_masks(*c);
-  const float all = static_cast<float>(c->direction_count);
+  const float all = static_cast<float>(c->direction_count), others = static_cast<float>(c->other_count);
+  const float share = static_cast<float>(c->target == k_cast_light ? c->share : 1 - c->share), rest = 1 - share;
   float* values = row_of(*c, texels, row);
+  Hidden own[8], other[8] = {};
   for (uint32_t u = 0; u < texels; u += 8) {
     const uint64_t word = uint64_t{row} * cast_words(texels) + u / 64;
-    const uint64_t hidden = eight_counts(c->counts, words, word, u / 8 % 8);
-    const uint64_t masked = masks ? eight_counts(c->mask_counts, words, word, u / 8 % 8) : 0;
+    read_counts(*c, 0, words, word, u / 8 % 8, own);
+    if (c->other_count != 0) read_counts(*c, 1, words, word, u / 8 % 8, other);
     for (uint32_t i = 0; i < 8; ++i) {
-      const float left = all - static_cast<float>(masked >> (8 * i) & 0xff);
-      const float count = static_cast<float>(hidden >> (8 * i) & 0xff);
-      values[u + i] = masked == 0 ? count : left > 0 ? count * all / left : 0;
+      const auto [count, masked] = own[i];
+      const float left = all - masked;
+      values[u + i] = masked > 0 ? (left > 0 ? count * all / left : 0) : count;
+      if (c->other_count == 0 || !(masked + other[i].by_real > 0)) continue;
+      const float before = share * left / all + rest * (others - other[i].by_real) / others;
+      const float excess = rest * (other[i].by_virtual / others - before);
+      const float taken = share * count / all + (excess > 0 ? excess : 0);
+      values[u + i] = before > 0 ? all * (taken < share * before ? taken / (share * before) : 1) : 0;
+      c->shade_found = c->shade_found || count > k_shade * before * all;
     }
   }
 }
@@ -94,8 +115,7 @@ void write_row(const CastState& c, uint32_t texels, uint32_t row, uint8_t* bytes
   const float hidden = c.direction_count != 0 ? 255.0f / static_cast<float>(c.direction_count) : 0.0f;
   const float scale = ambient ? hidden * static_cast<float>(sum < 1 ? sum : 1) : hidden;
   const float* values = row_of(c, texels, row);
-  constexpr float k_all_round[2][2] = {{k_rim, k_rim}, {k_rim, k_rim}};  // beyond which no ambient shadow is drawn
-  const float(*fade)[2] = ambient ? k_all_round : c.targets[c.target].back.fade;
+  const float(*fade)[2] = c.targets[c.target].back.fade;
   for (uint32_t u = 0; u < texels; ++u) {
     float value = scale * values[u];
     value *= faded(fade[1], row, texels) * faded(fade[0], u, texels);
@@ -109,6 +129,7 @@ void write_row(const CastState& c, uint32_t texels, uint32_t row, uint8_t* bytes
 void cast_begin_calm(CastState* c) {
   c->phase = CastPhase::calm;
   c->pass = c->row = 0;
+  c->shade_found = false;
 }
 
 bool cast_calm(CastState* c) {

@@ -16,6 +16,7 @@
 namespace sandglass {
 
 constexpr uint32_t k_cast_ambient_directions = 128;
+constexpr uint32_t k_cast_other_directions = 32;   // of the other light, where real things hide some of both
 constexpr uint32_t k_cast_planes = 8;              // bits of a count: up to 128
 constexpr uint32_t k_cast_draft_directions = 8;    // of a first texture
 constexpr uint32_t k_cast_draft_triangles = 4000;  // more than these get a first texture
@@ -27,6 +28,7 @@ constexpr double k_cast_slope_most = 5;            // a shadow is drawn this man
 constexpr double k_cast_slope_fade = 1;            // over which its end fades, if it goes on
 constexpr double k_cast_ambient_slope = 1.5;       // the ambient shadow, this many around the object
 constexpr double k_cast_still = 0.1;               // of a texel; what moves less makes no new texture
+constexpr uint32_t k_cast_reaches = 40;            // octaves of distance, from 2^-16 m on
 constexpr float k_cast_far = 1e6f;                 // metres; corners farther than that are left out
 
 // Kinds of work unit.
@@ -43,8 +45,16 @@ enum : uint32_t { k_cast_real_closed, k_cast_real, k_cast_virtual_closed, k_cast
 // A plane's frame: x and z lie along it, y is its normal.
 struct CastFrame {
   double origin[3], axes[3][3];
-  float low[2], high[2];
+  float low[2], high[2], bias;
   bool is_virtual;
+};
+
+// Gathered triangles that darken the plane, by the octave of the distance that they reach from the anchor: their box,
+// the nearest that one begins, the least that one reaches, how many they are, and how many of the first mesh.
+struct CastReach {
+  float low[3], high[3], nearest, least;
+  uint32_t count, first_mesh;
+  bool is_far;
 };
 
 // A mesh as the app has set it, and as its triangles were gathered.
@@ -65,7 +75,7 @@ struct CastTexture {
   double low[2], texel[2];  // in that frame
   float fade[2][2];  // texels at the low and the high side over which a shadow that goes on fades; 0: it ends there
   double light[3];   // world
-  uint32_t directions, left_out;
+  uint32_t directions, left_out, too_far;
   float open;
 };
 
@@ -98,16 +108,24 @@ struct CastState {
   uint32_t starts[k_cast_groups + 1], room;  // multiples of 16
   CastFrame gathered_frame;
   double low[3], high[3];  // of what darkens the plane
-  uint32_t left_out, triangles;
+  uint32_t left_out, too_far, triangles;
+  float reach;  // of the description
+  CastReach reaches[k_cast_reaches];
+  float anchor[3];  // the middle of the first mesh that darkens the plane
+  uint32_t first_mesh;
+  bool sifts;         // what is too far is taken out
+  uint32_t restarts;  // since the last texture: gatherings that were begun anew as there were other counts
   // The texture under way.
   CastPhase phase;
   uint32_t target, last_target;
   uint32_t group, mesh, cursor, kept;  // of gather: next triangle of a mesh; of draw: next triangle of all
-  CastDirection* directions;
-  uint32_t direction_count, direction;
-  uint64_t *image, *mask;          // words of bits
-  uint64_t *counts, *mask_counts;  // k_cast_planes words for each of those
-  uint64_t covered, drawn;         // texels, once and as often as they are covered
+  CastDirection* directions;           // of the texture's light, then of the other light
+  uint32_t direction_count, other_count, direction;
+  uint64_t *image, *mask;                // words of bits
+  uint64_t *counts[2], *mask_counts[2];  // of the texture's light and the other: k_cast_planes words for each of those
+  double share;                          // of the main light, see cast_share
+  bool shade_found, in_shade;  // the ambient texture holds less than it should, see calm.cpp; the last one did
+  uint64_t covered, drawn;     // texels, once and as often as they are covered
   uint64_t rows;
   uint32_t pass, row;  // of calm
   float* values;       // rows of counts, with k_lane_group before and after each
@@ -122,6 +140,10 @@ inline uint32_t cast_pitch(uint32_t texels) { return texels + 2 * k_lane_group; 
 inline bool cast_masks(const CastState& c) {
   return !c.gathered_frame.is_virtual && c.starts[k_cast_virtual_closed] != 0;
 }
+
+// What the cells leave for the main light, where both textures are divided by what real things leave of both lights; or
+// 0.
+double cast_share(const CastState& cast);
 
 // After a call that has changed meshes or plane: what is gathered and shown may be out of date.
 void cast_compare(CastState* cast);

@@ -16,6 +16,7 @@ namespace {
 
 constexpr float k_extent_limit = 1e4f;  // metres
 constexpr float k_usual_diameter = 0.34906585f;
+constexpr double k_origin_kept = 100;  // metres
 
 sandglass_status check(const sandglass_cast_desc* desc, const char** reason) {
   if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_cast_desc_default");
@@ -33,6 +34,8 @@ sandglass_status check(const sandglass_cast_desc* desc, const char** reason) {
   if (desc->mesh_capacity == 0 || desc->mesh_capacity > 1024)
     return refuse(reason, "desc.mesh_capacity is not in 1..1024");
   if (!within(desc->light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
+  if (!within(desc->reach, 0.0f, 1e6f) || (desc->reach > 0 && desc->reach < 2))
+    return refuse(reason, "desc.reach is neither 0 nor in 2..1000000");
   if (select_cast_kernels(desc->isa) == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
@@ -52,11 +55,15 @@ sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
             k_lane_group;
   c->meshes = layout_region<CastMesh>(layout, "cast.meshes", desc.mesh_capacity);
   for (float*& array : c->corners) array = layout_region<float>(layout, "cast.corners", c->room + k_lane_group);
-  c->directions = layout_region<CastDirection>(layout, "cast.directions", k_cast_ambient_directions);
+  c->directions =
+      layout_region<CastDirection>(layout, "cast.directions", k_cast_ambient_directions + k_cast_other_directions);
   c->image = layout_region<uint64_t>(layout, "cast.image", words);
   c->mask = layout_region<uint64_t>(layout, "cast.mask", words);
-  c->counts = layout_region<uint64_t>(layout, "cast.counts", k_cast_planes * words);
-  c->mask_counts = layout_region<uint64_t>(layout, "cast.mask_counts", k_cast_planes * words);
+  for (uint32_t light = 0; light < 2; ++light) {
+    const uint64_t counted = light == 0 || (desc.texels != 0 && desc.ambient_texels != 0) ? k_cast_planes * words : 0;
+    c->counts[light] = layout_region<uint64_t>(layout, "cast.counts", counted);
+    c->mask_counts[light] = layout_region<uint64_t>(layout, "cast.mask_counts", counted);
+  }
   c->values = layout_region<float>(layout, "cast.values", widest * cast_pitch(static_cast<uint32_t>(widest)));
   for (float*& window : c->windows) window = layout_region<float>(layout, "cast.windows", k_cast_rows * widest);
   const uint32_t sides[k_cast_targets] = {desc.texels, desc.ambient_texels};
@@ -77,12 +84,33 @@ sandglass_status frame_of(const sandglass_cast_plane& plane, CastFrame* frame, c
     if (!within(plane.low[axis], -k_cast_far, k_cast_far) || !within(plane.high[axis], -k_cast_far, k_cast_far) ||
         !(plane.high[axis] > plane.low[axis]))
       return refuse(reason, "plane.low and high are not finite, or high is not above low");
+  if (!within(plane.bias, 0.0f, 1.0f)) return refuse(reason, "plane.bias is not in 0..1 metre");
   if (plane.is_virtual > 1) return refuse(reason, "plane.is_virtual is neither 0 nor 1");
   if (const char* wrong = plane_axes(plane.normal, plane.along, frame->axes)) return refuse(reason, wrong);
   for (uint32_t i = 0; i < 3; ++i) frame->origin[i] = static_cast<double>(plane.origin[i]);
   for (uint32_t axis = 0; axis < 2; ++axis) frame->low[axis] = plane.low[axis], frame->high[axis] = plane.high[axis];
+  frame->bias = plane.bias;
   frame->is_virtual = plane.is_virtual != 0;
   return accept(reason);
+}
+
+// A tracker shifts a plane's origin within the plane, by which nothing changes: its frame keeps the place that is
+// nearest to the origin of what is gathered, if that is not so far that floats get coarse.
+void keep_origin(const CastState& c, CastFrame* frame) {
+  double shift[2];
+  if (c.phase == CastPhase::idle && c.targets[k_cast_light].completed + c.targets[k_cast_ambient].completed == 0)
+    return;
+  for (uint32_t side = 0; side < 2; ++side) {
+    const double* axis = frame->axes[2 * side];
+    shift[side] = 0;
+    for (uint32_t i = 0; i < 3; ++i) shift[side] += axis[i] * (c.gathered_frame.origin[i] - frame->origin[i]);
+    if (!(absolute(shift[side]) <= k_origin_kept)) return;
+  }
+  for (uint32_t side = 0; side < 2; ++side) {
+    for (uint32_t i = 0; i < 3; ++i) frame->origin[i] += shift[side] * frame->axes[2 * side][i];
+    frame->low[side] = static_cast<float>(static_cast<double>(frame->low[side]) - shift[side]);
+    frame->high[side] = static_cast<float>(static_cast<double>(frame->high[side]) - shift[side]);
+  }
 }
 
 __attribute__((noinline)) void build(const sandglass_cast_desc& desc, void* block, sandglass_cast** cast) {
@@ -95,6 +123,7 @@ __attribute__((noinline)) void build(const sandglass_cast_desc& desc, void* bloc
   c->directions_of_light = desc.directions;
   c->triangle_capacity = desc.triangle_capacity;
   c->mesh_capacity = desc.mesh_capacity;
+  c->reach = desc.reach;
   c->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
   sandglass_cast_plane plane;
   sandglass_cast_plane_default(&plane);
@@ -128,6 +157,13 @@ sandglass_status check_mesh(const sandglass_cast_mesh& mesh, const char** reason
   return accept(reason);
 }
 
+// Whether arrays have another length, which nothing has announced.
+bool silently_longer(const sandglass_cast_mesh& now, const sandglass_cast_mesh& before) {
+  return now.positions == before.positions && now.indices == before.indices && now.version == before.version &&
+         now.triangle_count != 0 && before.triangle_count != 0 &&
+         (now.vertex_count != before.vertex_count || now.triangle_count != before.triangle_count);
+}
+
 __attribute__((noinline)) sandglass_status take_meshes(CastState* c, const sandglass_cast_mesh* meshes, uint32_t count,
                                                        const char** reason) {
   if (count > c->mesh_capacity)
@@ -136,12 +172,15 @@ __attribute__((noinline)) sandglass_status take_meshes(CastState* c, const sandg
   uint64_t triangles = 0;
   for (uint32_t i = 0; i < count; ++i) {
     if (const sandglass_status status = check_mesh(meshes[i], reason)) return status;
+    if (i < c->mesh_count && silently_longer(meshes[i], c->meshes[i].asked))
+      return refuse(reason, "a mesh has other counts, but arrays and version are as before: give it another version");
     triangles += meshes[i].triangle_count;
   }
   if (triangles > c->triangle_capacity)
     return refuse(reason, SANDGLASS_ERROR_CAPACITY,
                   "there are more triangles than desc.triangle_capacity: create a larger cast, or pass a coarser mesh");
   for (uint32_t i = 0; i < count; ++i) c->meshes[i].asked = meshes[i];
+  for (uint32_t i = c->mesh_count; i < count; ++i) c->meshes[i].gathered.triangle_count = 0;
   c->mesh_count = count;
   cast_compare(c);
   return accept(reason);
@@ -165,14 +204,16 @@ __attribute__((noinline)) sandglass_status take_light(CastState* c, const float 
   c->half = half;
   c->light_known = true;
   c->targets[k_cast_light].asked = c->targets[k_cast_light].texels != 0;
+  if (cast_share(*c) > 0) c->targets[k_cast_ambient].asked = true;
   return accept(reason);
 }
 
 __attribute__((noinline)) sandglass_status take_cells(CastState* c, const float* cells, const char** reason) {
   if (const sandglass_status status = check_cells(cells, reason)) return status;
   memcpy(c->cells, cells, sizeof c->cells);
-  CastTarget* target = &c->targets[k_cast_ambient];
-  if (cells_differ(c->cells_made, cells)) target->asked = target->texels != 0;
+  if (!cells_differ(c->cells_made, cells)) return accept(reason);
+  c->targets[k_cast_ambient].asked = c->targets[k_cast_ambient].texels != 0;
+  if (cast_share(*c) > 0) c->targets[k_cast_light].asked = true;
   return accept(reason);
 }
 
@@ -194,6 +235,7 @@ void fill_texture(const CastState& c, uint32_t which, sandglass_cast_texture* ou
   texture.directions = front.directions;
   texture.open = front.open;
   texture.left_out = front.left_out;
+  texture.too_far = front.too_far;
   texture.stale = target.asked || (c.phase != CastPhase::idle && c.target == which) ? 1 : 0;
   texture.completed = target.completed;
   fill_struct(&texture, sizeof texture, out);
@@ -212,6 +254,7 @@ void sandglass_cast_desc_default(sandglass_cast_desc* desc) {
   desc->triangle_capacity = 4096;
   desc->mesh_capacity = 16;
   desc->light_tolerance = 0.005f;
+  desc->reach = 8;
 }
 
 sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t* bytes, const char** reason) {
@@ -238,6 +281,7 @@ sandglass_status sandglass_cast_create(const sandglass_cast_desc* desc, void* bl
 void sandglass_cast_plane_default(sandglass_cast_plane* plane) {
   if (!empty_struct(plane)) return;
   plane->normal[1] = plane->along[0] = 1;
+  plane->bias = 0.03f;
   for (uint32_t axis = 0; axis < 2; ++axis)
     plane->low[axis] = -0.5f * k_extent_limit, plane->high[axis] = 0.5f * k_extent_limit;
 }
@@ -251,6 +295,7 @@ sandglass_status sandglass_cast_set_plane(sandglass_cast* cast, const sandglass_
   CastFrame frame;
   const sandglass_status status = frame_of(*plane, &frame, reason);
   if (status == SANDGLASS_OK) {
+    keep_origin(cast->cast, &frame);
     cast->cast.frame = frame;
     cast_compare(&cast->cast);
   }

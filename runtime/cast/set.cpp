@@ -31,7 +31,13 @@ void complete(CastState* c) {
   target->valid = true;
   ++target->completed;
   c->phase = CastPhase::idle;
+  c->restarts = 0;
   c->last_target = c->target;
+  if (c->target == k_cast_ambient && c->shade_found != c->in_shade) {
+    c->in_shade = c->shade_found;
+    c->targets[k_cast_light].asked = c->targets[k_cast_light].texels != 0;
+  }
+  cast_compare(c);  // meshes or plane may have changed meanwhile
 }
 
 void begin(CastState* c) {
@@ -45,7 +51,6 @@ void run_unit(CastState* c) {
   if (c->phase == CastPhase::gather) {
     if (!cast_gather(c)) return;
     cast_begin_draw(c);
-    cast_compare(c);  // meshes may have moved meanwhile
   } else if (c->phase == CastPhase::draw) {
     if (cast_draw(c)) cast_begin_calm(c);
   } else if (cast_calm(c)) {

@@ -63,6 +63,7 @@ Input edited(const uint8_t* data, size_t size) {
       turn.image.strides[0] = 48;
       turn.image.focal_x = turn.image.focal_y = 12;
       turn.image.centre_x = turn.image.centre_y = 7.5f;
+      for (float& gain : turn.image.gains) gain = 1.5f;
       turn.image.timestamp_ns = &turn == input.turns ? 1'000'000'000 : 2'000'000'000;
     }
     return input;

@@ -14,6 +14,7 @@
 #include "tests/laboratory/verify.h"
 #ifdef SANDGLASS_HAVE_EMBREE
 #include "tests/laboratory/shadow/cast_rows.h"
+#include "tests/laboratory/shadow/cast_world.h"
 #include "tests/laboratory/shadow/receiver.h"
 #endif
 
@@ -77,6 +78,15 @@ int verify_cast_command(const VerifyOptions& options) {
       progress.done(done);
       return !interrupted();
     });
+  }
+  if (!interrupted()) {
+    Progress progress("casting in the world", k_cast_worlds);
+    size_t done = 0;
+    const std::vector<Verdict> more = verify_cast_worlds(options.seed, options.quick, pool, [&] {
+      progress.done(++done);
+      return !interrupted();
+    });
+    verdicts.insert(verdicts.end(), more.begin(), more.end());
   }
   if (!interrupted() && !reflected.empty()) {
     Progress progress("reflecting rooms", reflected.size());

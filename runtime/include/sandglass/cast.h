@@ -16,7 +16,11 @@
  *
  * Real and virtual. A plane of the room, which the camera shows, is darkened by virtual objects only: what a real table
  * hides from it is dark in the image already. So a mesh of something real hides light from virtual objects and planes, and
- * keeps virtual objects from darkening a real plane where it does so itself.
+ * keeps virtual objects from darkening a real plane where it does so itself. What it leaves is all the light that is
+ * there: in the shade of a house a virtual object hides the sky, and its shadow is as dark as under a cloud. Both
+ * textures are divided by that, so an app draws them by the same formula everywhere. For that it needs both textures,
+ * the light, and cells that are 1 together less the main light's share; where meshes are real each texture then takes
+ * half as much time again.
  *
  * A texture may take several frames; the one before it stays valid until it is complete. Where there are more than 4,000
  * triangles a coarse first texture comes ahead. Nothing is allocated, no clock is read, and the same bytes come out of
@@ -53,6 +57,11 @@ typedef struct sandglass_cast_desc {
   /* Radians, 0..1: a texture is made anew when the light has turned by more. Default: 0.005, by which no shadow moves by a
    * texel. */
   float light_tolerance;
+  /* The first mesh that darkens the plane, and what is near, set how large the texels are. What is more than so many
+   * times as far from its middle as these reach casts nothing; nor do up to six triangles that reach so far and lead
+   * nowhere. They are counted in `too_far`: give them a cast of their own. 2 or more; 0: all is drawn, however coarse.
+   * Default: 8. */
+  float reach;
 } sandglass_cast_desc;
 
 /* Fills *desc with the defaults. */
@@ -79,17 +88,22 @@ typedef struct sandglass_cast_plane {
   /* A direction along it, world: that of the texture's rows and of azimuth 0 of the cells. It need not be at a right angle
    * to the normal, but not along it. */
   float along[3];
-  /* Its extent from the origin, metres: first along `along`, then along cross(along, normal). No shadow is drawn beyond. */
+  /* Its extent from the origin, metres: first along `along`, then along cross(along, normal). No shadow is drawn
+   * beyond: where an app sees a part of a large plane only, that part's texels are finer. */
   float low[2], high[2];
   /* 1: it is not in the camera's image, so what is real darkens it too. */
   uint32_t is_virtual;
+  /* Metres above it, 0..1. What of a real mesh is lower is taken for the plane, and hides nothing: the mesh of a scan
+   * has the floor in it, some millimetres too high. Default: 0.03. */
+  float bias;
 } sandglass_cast_plane;
 
-/* Fills *plane with the defaults: the real floor y = 0, `along` +x, 10 km wide. */
+/* Fills *plane with the defaults: the real floor y = 0, `along` +x, 10 km wide, `bias` 0.03. */
 SANDGLASS_API void sandglass_cast_plane_default(sandglass_cast_plane* plane);
 
-/* Sets the plane. Moving it by less than a tenth of a texel makes no new texture. Fails with INVALID_ARGUMENT: a number
- * that is not finite, a normal or `along` without a direction, `high` that is not above `low`. */
+/* Sets the plane. Moving it by less than a tenth of a texel, or its origin within it, makes no new texture. Fails with
+ * INVALID_ARGUMENT: a number that is not finite, a normal or `along` without a direction, `high` that is not above
+ * `low`, or a field out of range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_cast_set_plane(sandglass_cast* cast,
                                                                             const sandglass_cast_plane* plane,
                                                                             const char** reason);
@@ -110,7 +124,7 @@ typedef struct sandglass_cast_mesh {
   uint32_t triangle_count;
   /* Column-major, as engines have it; the last row is taken as 0 0 0 1. It may scale and mirror. Default: identity. */
   float world_from_mesh[16];
-  /* Another one when positions or indices have changed. */
+  /* Another one when positions, indices or counts have changed. */
   uint32_t version;
   /* 1: it is closed, and counter-clockwise from outside, so that half of its triangles can be left out at any light. 0
    * (the default): both sides of every triangle cast, in twice the time. */
@@ -123,14 +137,16 @@ typedef struct sandglass_cast_mesh {
 SANDGLASS_API void sandglass_cast_mesh_default(sandglass_cast_mesh* mesh);
 
 /* Sets all meshes that cast. The arrays are read in work units, when a mesh is new or has another pose, version or array:
- * keep them until another call leaves them out. Where positions change while units read them, one texture may show a part
- * of each pose. Engines that skin on the GPU have no positions: pass the pose of a coarse mesh that is skinned here, or a
- * box for each bone.
+ * keep them until another call leaves them out. Arrays may take turns from call to call. Where positions change while
+ * units read them, one texture may show a part of each pose; where a mesh's triangle count changes, they are read anew,
+ * four times at most: of one that changes in every frame, a texture may lack what is new.
+ * Engines that skin on the GPU have no positions: pass the pose of a coarse mesh that is skinned here, or a box for
+ * each bone.
  *
  * Poses that move no corner of a mesh's box by a tenth of a texel make no new texture. Triangles with an index that no
  * vertex has, a corner that is not finite or is 1,000 km away are left out (`left_out` of the texture). Fails with
- * CAPACITY: more meshes or triangles than the description has; and with INVALID_ARGUMENT: a field out of range, or a pose
- * that is not finite. */
+ * CAPACITY: more meshes or triangles than the description has; and with INVALID_ARGUMENT: a field out of range, a pose
+ * that is not finite, or other counts with the arrays and the version of before. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_cast_set_meshes(sandglass_cast* cast,
                                                                              const sandglass_cast_mesh* meshes,
                                                                              uint32_t count, const char** reason);
@@ -146,7 +162,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_cast_set_light(sand
 
 /* Sets the light of the room, in cells (types.h) of the plane's frame: x is `along`, y is the normal. `cells`: the share
  * of the plane's irradiance that comes from each, less what is drawn as the shadow of a light. For a floor with `along` +x
- * they are the ambient_cells of sandglass_room_get. Until the first call they are those of an even sky. Cells that cannot
+ * they are the ambient_cells of sandglass_room_get. What they are less than 1 together is the main light's share, s of
+ * runtime/shadow/README.md. Until the first call they are those of an even sky, and s is 0. Cells that cannot
  * change a texel by a step start no new texture. Fails with INVALID_ARGUMENT: a cell that is negative or not finite, or all
  * together are more than 1.001. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_cast_set_cells(sandglass_cast* cast,
@@ -163,8 +180,9 @@ typedef struct sandglass_cast_texture {
   /* 0: none was completed yet, and it shows no shadow. */
   uint32_t valid;
   /* texels x texels bytes, row after row. Of the light: 255 * coverage, the share of the light that is hidden. Ambient:
-   * 255 * A, the share of the plane's light that is left, as in shadow.h. Stable until units are run again. NULL: the
-   * description has none. */
+   * 255 * A, the share of the plane's light that is left, as in shadow.h. Where real meshes shade the plane, A - s *
+   * coverage is left of what they leave, and neither tells of one light alone. Stable until units are run again. NULL:
+   * the description has none. */
   const uint8_t* bytes;
   /* Along a side. */
   uint32_t texels;
@@ -179,6 +197,8 @@ typedef struct sandglass_cast_texture {
   float open;
   /* Triangles that were left out, see sandglass_cast_set_meshes. */
   uint32_t left_out;
+  /* Triangles that cast nothing because of the description's `reach`; one that the plane cuts may count twice. */
+  uint32_t too_far;
   /* 1: something has changed since it was begun, and a newer one follows. */
   uint32_t stale;
   /* Textures that were completed so far. The bytes have changed when this has. */

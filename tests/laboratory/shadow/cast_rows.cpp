@@ -16,6 +16,7 @@
 #include "runtime/cast/cast.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/room/known_room.h"
+#include "tests/laboratory/shadow/app_cast.h"
 #include "tests/laboratory/shadow/cast_peers.h"
 
 namespace sandglass::host {
@@ -69,17 +70,6 @@ struct CastChoice {
   std::optional<std::array<float, SANDGLASS_LIGHT_CELLS>> cells;  // draws the ambient shadow instead
 };
 
-sandglass_cast_mesh mesh_of(const Mesh& mesh, bool closed, bool is_real) {
-  sandglass_cast_mesh m = cast_mesh();
-  m.positions = mesh.vertices.data();
-  m.vertex_count = mesh.vertex_count();
-  m.indices = mesh.indices.data();
-  m.triangle_count = mesh.triangle_count();
-  m.closed = closed ? 1 : 0;
-  m.is_real = is_real ? 1 : 0;
-  return m;
-}
-
 // On the floor y = 0 of the mesh's frame. `kept`: a cast that has drawn the frame before.
 Drawn cast_of(const Mesh& mesh, const Light& light, const CastChoice& choice, Cast* kept = nullptr) {
   sandglass_cast_desc desc = cast_desc();
@@ -98,9 +88,9 @@ Drawn cast_of(const Mesh& mesh, const Light& light, const CastChoice& choice, Ca
     plane.high[0] = static_cast<float>(choice.limits->high_x),
     plane.high[1] = static_cast<float>(choice.limits->high_z);
   }
-  std::vector<sandglass_cast_mesh> meshes = {mesh_of(mesh, choice.closed, false)};
+  std::vector<sandglass_cast_mesh> meshes = {cast_mesh_of(mesh, choice.closed, false)};
   meshes[0].version = choice.version;
-  if (choice.real != nullptr) meshes.push_back(mesh_of(*choice.real, true, true));
+  if (choice.real != nullptr) meshes.push_back(cast_mesh_of(*choice.real, true, true));
   std::array<float, 3> towards;
   for (size_t i = 0; i < 3; ++i) towards[i] = static_cast<float>(light.direction[i]);
   (void)cast.set_plane(plane);

@@ -17,6 +17,7 @@
 #include "models/work/random.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/room/known_room.h"
+#include "tests/laboratory/shadow/app_cast.h"
 
 namespace sandglass::host {
 
@@ -232,25 +233,11 @@ class Receiver {
 
   double height(Vec3 p) const { return dot(normal_, p - origin_); }
   // By the formula for one object.
-  double left(Vec3 p) const { return std::max(0.0, at(cast_.ambient(), p, 1) - share_ * at(cast_.texture(), p, 0)); }
-
- private:
-  static double at(const sandglass_cast_texture& t, Vec3 p, double outside) {
-    if (t.valid == 0) return outside;
-    const Vec3 along = from_floats(t.along), across = from_floats(t.across), from = p - from_floats(t.corner);
-    const double u = dot(from, along) / dot(along, along), v = dot(from, across) / dot(across, across);
-    if (!(u >= 0 && u <= 1 && v >= 0 && v <= 1)) return outside;
-    const int n = static_cast<int>(t.texels);
-    const double x = u * n - 0.5, y = v * n - 0.5, left = std::floor(x), top = std::floor(y);
-    double sum = 0;
-    for (int i = 0; i < 4; ++i) {
-      const int a = std::clamp(static_cast<int>(left) + i % 2, 0, n - 1),
-                b = std::clamp(static_cast<int>(top) + i / 2, 0, n - 1);
-      sum += (1 - std::fabs(x - left - i % 2)) * (1 - std::fabs(y - top - i / 2)) * t.bytes[b * n + a] / 255.0;
-    }
-    return sum;
+  double left(Vec3 p) const {
+    return std::max(0.0, sampled(cast_.ambient(), p, 1) - share_ * sampled(cast_.texture(), p, 0));
   }
 
+ private:
   cpp::Cast cast_;
   Vec3 normal_, origin_;
   double share_ = 0;
