@@ -12,8 +12,18 @@ namespace {
 
 constexpr float k_intrinsics_limit = 1e6f;
 constexpr float k_exposure_limit = 1e6f;
+constexpr float k_gain_limit = 16.0f;
 constexpr double k_turn_margin =
     0.35;  // of the image's up: 20 degrees beyond the vertical, or beyond half a quarter turn
+
+constexpr uint32_t k_curve_points = 32;
+bool is_curve(const float* curve, uint32_t points) {
+  if (points < 2 || points > k_curve_points || !all_within(curve, 2 * points, 0.0f, 1.0f)) return false;
+  const float* last = curve + 2 * (points - 1);
+  for (const float* at = curve; at != last; at += 2)
+    if (at[2] < at[0] || at[3] < at[1]) return false;
+  return last[0] > curve[0] && last[1] > curve[1];
+}
 
 }  // namespace
 
@@ -100,8 +110,8 @@ sandglass_status sandglass_camera_check(const sandglass_camera_image* image, con
     return refuse(reason, "camera image: struct_size is not this library's; start from sandglass_camera_image_default");
   if (image->format < SANDGLASS_CAMERA_RGB || image->format > SANDGLASS_CAMERA_P010)
     return refuse(reason, "camera image: unknown format; give RGB, RGBA, BGRA, NV12, NV21, I420 or P010");
-  if (image->range < SANDGLASS_YUV_FULL_601 || image->range > SANDGLASS_YUV_VIDEO_709)
-    return refuse(reason, "camera image: unknown YUV range; give one of BT.601 or BT.709, full or video");
+  if (image->range < SANDGLASS_YUV_FULL_601 || image->range > SANDGLASS_YUV_VIDEO_2020)
+    return refuse(reason, "camera image: unknown YUV range; give one of BT.601, BT.709 or BT.2020, full or video");
   if (image->width < 2 || image->height < 2)
     return refuse(reason, "camera image: smaller than 2 x 2 pixels; light cannot be estimated from it");
   if (image->width > SANDGLASS_CAMERA_SIDE_LIMIT || image->height > SANDGLASS_CAMERA_SIDE_LIMIT)
@@ -148,6 +158,22 @@ sandglass_status sandglass_camera_check(const sandglass_camera_image* image, con
     return refuse(reason, "camera image: the position is not finite or beyond 1000 m; give the camera's pose");
   if (!within(image->exposure, 0.0f, k_exposure_limit))
     return refuse(reason, "camera image: the exposure is not in 0..1e6; give seconds times ISO / 100, or 0");
+  if (image->transfer < SANDGLASS_TRANSFER_SRGB || image->transfer > SANDGLASS_TRANSFER_CURVE)
+    return refuse(reason, "camera image: unknown transfer; give SRGB, LINEAR, HLG, PQ or CURVE");
+  const bool has_curve = image->transfer == SANDGLASS_TRANSFER_CURVE;
+  if (has_curve != (image->curve != nullptr) || (!has_curve && image->curve_points != 0))
+    return refuse(reason, "camera image: a curve goes with SANDGLASS_TRANSFER_CURVE, and only with it");
+  if (has_curve && !is_curve(image->curve, image->curve_points))
+    return refuse(reason,
+                  "camera image: the curve is not 2 to 32 pairs of light and value that never fall, of 0 to 1; give "
+                  "both for each point, as TonemapCurve.copyColorCurve does");
+  const float* gains = image->gains;
+  const bool told = gains[0] != 0 || gains[1] != 0 || gains[2] != 0;
+  if (told && !all_within(gains, 3, 1 / k_gain_limit, k_gain_limit))
+    return refuse(
+        reason,
+        "camera image: the gains are not three numbers of 1/16..16; give those of red, green and blue, or 0, 0, "
+        "0 where they are unknown");
   return accept(reason);
 }
 

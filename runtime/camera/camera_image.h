@@ -28,19 +28,20 @@ struct CameraLayout {
 };
 CameraLayout camera_layout(const CameraImage& image);
 
-// One pixel of the stored image, sRGB. x and y lie within it.
+// One pixel of the stored image. x and y lie within it.
 void camera_pixel(const CameraImage& image, const CameraLayout& layout, uint32_t x, uint32_t y, uint8_t rgb[3]);
 
 inline uint8_t clamped_byte(int32_t value) { return static_cast<uint8_t>(value < 0 ? 0 : value > 255 ? 255 : value); }
 
-// Coefficients times 2^16: ITU-R BT.601 and BT.709, for luma over 0..255 and over 16..235 (chroma over 16..240).
+// Coefficients times 2^16: ITU-R BT.601, BT.709 and BT.2020, for luma over 0..255 and over 16..235 (chroma over
+// 16..240).
 struct YuvMatrix {
   int32_t luma_offset, luma, red_v, green_u, green_v, blue_u;
 };
-constexpr YuvMatrix k_yuv_matrices[4] = {{0, 65536, 91881, -22553, -46802, 116130},
-                                         {16, 76309, 104597, -25675, -53279, 132201},
-                                         {0, 65536, 103206, -12276, -30679, 121609},
-                                         {16, 76309, 117489, -13975, -34925, 138438}};
+constexpr YuvMatrix k_yuv_matrices[6] = {
+    {0, 65536, 91881, -22553, -46802, 116130},  {16, 76309, 104597, -25675, -53279, 132201},
+    {0, 65536, 103206, -12276, -30679, 121609}, {16, 76309, 117489, -13975, -34925, 138438},
+    {0, 65536, 96639, -10784, -37444, 123299},  {16, 76309, 110014, -12277, -42626, 140363}};
 
 inline void yuv_to_rgb(sandglass_yuv_range range, uint8_t y, uint8_t u, uint8_t v, uint8_t rgb[3]) {
   const YuvMatrix& m = k_yuv_matrices[range];

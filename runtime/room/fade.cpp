@@ -39,7 +39,8 @@ void turn(float shown[3], const float now[3], float share) {
 bool finite(const sandglass_room_light& l) {
   return all_finite(l.cells, SANDGLASS_LIGHT_CELLS) && all_finite(l.ambient_cells, SANDGLASS_LIGHT_CELLS) &&
          all_finite(l.main_direction, 3) && is_finite(l.main_share) && all_finite(l.main_colour, 3) &&
-         all_finite(l.irradiance, 3) && all_finite(l.sh, 27) && all_finite(l.floor, 3) && is_finite(l.white);
+         all_finite(l.irradiance, 3) && all_finite(l.sh, 27) && all_finite(l.floor, 3) && is_finite(l.white) &&
+         is_finite(l.main_angular_diameter) && all_finite(l.balance, 3);
 }
 
 __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass_room_light& now, float seconds) {
@@ -50,19 +51,29 @@ __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass
   if (gone) {
     memcpy(shown->main_direction, now.main_direction, sizeof now.main_direction);
     memcpy(shown->main_colour, now.main_colour, sizeof now.main_colour);
+    shown->main_angular_diameter = now.main_angular_diameter;
   } else if (!other && now.main_share > k_not_visible) {
     turn(shown->main_direction, now.main_direction, share);
     mix(shown->main_colour, now.main_colour, share);
+    // A size that was not known does not grow out of nothing.
+    float* size = &shown->main_angular_diameter;
+    const bool both = *size > 0 && now.main_angular_diameter > 0;
+    *size = both ? *size + share * (now.main_angular_diameter - *size) : now.main_angular_diameter;
   }
   mix(shown->cells, now.cells, share);
   mix(shown->ambient_cells, other ? now.cells : now.ambient_cells, share);
   shown->main_share += share * ((other ? 0 : now.main_share) - shown->main_share);
   // The shown level, in the scale of the image that is now the last. Where the unit is another one, after a reset or the
   // first exposure that was told, the picture on the screen is still the same.
-  const float scale = shown->valid != 0 && shown->unit == now.unit && now.white > 0 ? shown->white / now.white : 1;
-  for (float& e : shown->irradiance) e *= scale;
-  for (float& c : shown->sh) c *= scale;
-  for (float& c : shown->floor) c *= scale;
+  const bool same = shown->valid != 0 && shown->unit == now.unit;
+  const float scale = same && now.white > 0 ? shown->white / now.white : 1;
+  for (int c = 0; c < 3; ++c) {
+    const float balance = same && shown->balance[c] > 0 ? now.balance[c] / shown->balance[c] : 1;
+    shown->irradiance[c] *= scale * balance;
+    shown->floor[c] *= scale * balance;
+    for (uint32_t i = 0; i < 9; ++i) shown->sh[3 * i + c] *= scale * balance;
+    shown->balance[c] = now.balance[c];
+  }
   mix(shown->irradiance, now.irradiance, share);
   mix(shown->sh, now.sh, share);
   mix(shown->floor, now.floor, share);
@@ -73,6 +84,7 @@ __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass
   shown->seen = now.seen;
   shown->clipped = now.clipped;
   shown->short_exposure = now.short_exposure;
+  shown->main_angular_error = now.main_angular_error;
   memcpy(shown->look, now.look, sizeof now.look);
 }
 

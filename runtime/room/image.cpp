@@ -4,6 +4,7 @@
 //
 // Where the points lie within a part changes from image to image, so that a lamp smaller than a part is met in the end.
 #include "kernels/whole.h"
+#include "runtime/camera/transfer.h"
 #include "runtime/core/luminance.h"
 #include "runtime/core/math.h"
 #include "runtime/core/turn.h"
@@ -15,6 +16,9 @@ namespace {
 
 constexpr uint32_t k_points = 4;        // along each side of a part
 constexpr uint32_t k_lamp_points = 12;  // of one that is brighter than white: a lamp is smaller than a part
+constexpr uint32_t k_finer = 4;         // the same of a cell of those in which the lamp lies
+constexpr float k_lamp_clips = 0.5f;    // share of a part: what clips less of it may be a lamp
+constexpr uint32_t k_close_looks = 6;   // at such parts in an image, about; where there are more they take turns
 constexpr uint32_t k_vote_points = 2;   // the same where the image is only compared
 // The steps of a sequence that fills a square evenly: powers of 1 / x, where x is the root of x^3 = x + 1.
 constexpr double k_step_row = 0.7548776662466927, k_step_column = 0.5698402909980532;
@@ -22,42 +26,23 @@ constexpr uint8_t k_white = 250;  // sRGB: a channel from here on may be clipped
 constexpr double k_margin_sine = 0.5, k_margin_cosine = 0.8660254037844386;  // 30 degrees: half a part, and parallax
 constexpr float k_weight_most = 8.0f;  // what is known of a part counts as no more images than these
 constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // least shares of a new image
-constexpr float k_radiance_most = 1e6f;                        // of a part
+constexpr float k_whole = 0.999f;
+constexpr float k_hardly = 1;            // weight of what one image has shown in part, or many long ago
+constexpr float k_faint = 0.001f;        // share of a part that is clipped: the sun's
+constexpr float k_little = 0.02f;        // the same of a bulb, which points may miss
+constexpr float k_clear = 0.8f;          // an image that counts for more says that nothing is clipped, where it is not
+constexpr float k_radiance_most = 1e6f;  // of a part
 // Time stamps closer than this are no nanoseconds, if they come so many times in a row.
 constexpr uint64_t k_shortest_ns = 1'000'000;
 constexpr uint32_t k_hasty_most = 8;
 constexpr double k_ticks = 2048;  // of a half-life, in the age of a part
 constexpr uint32_t k_oldest = 65535;
+constexpr double k_radius_most = 1000;  // metres, as an app may tell
 // An image counts as taken at most a half-life after the one before; and where it is a day, the clock was another one.
 constexpr uint64_t k_day_ns = 86'400'000'000'000;
 constexpr double k_known = 0.3;  // share of a part from which on it counts as known
 // An image that was exposed so much shorter than the last, and is dark, is one of lamps.
 constexpr double k_short = 8.0, k_short_shows = 0.02;
-
-bool is_short(const Room& room) {
-  return room.images != 0 && room.exposure_known && room.view.scale > k_short * room.scale;
-}
-
-// sRGB to linear light, (c + 0.055) / 1.055 to the power 2.4, by Newton's fifth root: x^2.4 = x^2 (x^2)^(1/5).
-struct LinearTable {
-  float value[256];
-};
-constexpr LinearTable linear_table() {
-  LinearTable table = {};
-  for (int i = 0; i < 256; ++i) {
-    const double c = i / 255.0;
-    if (c <= 0.04045) {
-      table.value[i] = static_cast<float>(c / 12.92);
-      continue;
-    }
-    const double x = (c + 0.055) / 1.055, square = x * x;
-    double root = 1.0;
-    for (int step = 0; step < 60; ++step) root = root - (root - square / (root * root * root * root)) * 0.2;
-    table.value[i] = static_cast<float>(square * root);
-  }
-  return table;
-}
-constexpr LinearTable k_linear = linear_table();
 
 double fraction(double x) { return x - static_cast<double>(floor_index(x)); }
 
@@ -84,53 +69,84 @@ void direction_of(const SinCos& elevation, const SinCos& azimuth, double directi
   direction[2] = elevation.cos * azimuth.sin;
 }
 
-// Points of a part weigh by the area that each stands for: less towards the zenith.
-RoomObservation observe(const RoomView& view, uint32_t images, const PartMiddle& part, uint32_t points) {
-  RoomObservation seen = {};
+// What points of a part have shown.
+struct Points {
+  double colour[3], area, all, white, light, squares, brightest;
+  double middle[2], from[2], clipped[2];  // where points lie, from 0 to 1: of all, by light, of those that are clipped
+};
+
+// One point, which stands for `share` of the area of a cell of the grid.
+void add_point(const RoomView& view, const CameraLayout& layout, const SinCos& elevation, const SinCos& azimuth,
+               const double at[2], double share, Points* points) {
+  double direction[3];
+  direction_of(elevation, azimuth, direction);
+  const double weight = share * elevation.cos;
+  points->all += weight;
+  uint32_t x, y;
+  if (!room_pixel_of(view, direction, &x, &y)) return;
+  uint8_t rgb[3];
+  camera_pixel(view.image, layout, x, y, rgb);
+  double linear[3];
+  for (int c = 0; c < 3; ++c) {
+    linear[c] = static_cast<double>(camera_light(view.image, view.light, rgb[c]));
+    points->colour[c] += weight * linear[c];
+  }
+  const double white = rgb[0] >= k_white || rgb[1] >= k_white || rgb[2] >= k_white ? weight : 0, y_ = luminance(linear);
+  points->white += white;
+  points->area += weight;
+  points->light += weight * y_;
+  points->squares += weight * y_ * y_;
+  points->brightest = y_ > points->brightest ? y_ : points->brightest;
+  for (int k = 0; k < 2; ++k) {
+    points->middle[k] += weight * at[k];
+    points->from[k] += weight * y_ * at[k];
+    points->clipped[k] += white * at[k];
+  }
+}
+
+// Points of a part weigh by the area that each stands for: less towards the zenith. Of a lamp, whose place in the part
+// is known, up to 0.9 degrees beside it lie 16 points for one: the sun is smaller than what lies between points.
+RoomObservation observe(const RoomView& view, uint32_t images, const PartMiddle& part, uint32_t count,
+                        const double* lamp = nullptr) {
   const CameraLayout layout = camera_layout(view.image);
-  const bool is_lamp = points == k_lamp_points;
   // Not the same in all columns: at the zenith they see the same lamp.
   double down, across;
   room_step(images + part.part % k_room_columns, &down, &across);
+  const int64_t lamp_row = lamp != nullptr ? floor_index((0.5 + 0.5 * lamp[0]) * count) : -2;
+  const int64_t lamp_column = lamp != nullptr ? floor_index((0.5 + 0.5 * lamp[1]) * count) : -2;
+  const auto elevation = [&](double at) { return turned(part.elevation, k_pi / k_room_rows * (at - 0.5)); };
+  const auto azimuth = [&](double at) { return turned(part.azimuth, 2 * k_pi / k_room_columns * (at - 0.5)); };
   SinCos elevations[k_lamp_points], azimuths[k_lamp_points];
-  for (uint32_t i = 0; i < points; ++i) {
-    elevations[i] = turned(part.elevation, k_pi / k_room_rows * ((i + down) / points - 0.5));
-    azimuths[i] = turned(part.azimuth, 2 * k_pi / k_room_columns * ((i + across) / points - 0.5));
-  }
-  double area = 0, all = 0, white = 0, light = 0, middle[2] = {}, from[2] = {};
-  for (uint32_t i = 0; i < points; ++i)
-    for (uint32_t j = 0; j < points; ++j) {
-      double direction[3];
-      direction_of(elevations[i], azimuths[j], direction);
-      const double weight = elevations[i].cos;
-      all += weight;
-      uint32_t x, y;
-      if (!room_pixel_of(view, direction, &x, &y)) continue;
-      uint8_t rgb[3];
-      camera_pixel(view.image, layout, x, y, rgb);
-      double linear[3];
-      for (int c = 0; c < 3; ++c) {
-        linear[c] = static_cast<double>(k_linear.value[rgb[c]]);
-        seen.colour[c] += weight * linear[c];
+  for (uint32_t i = 0; i < count; ++i)
+    elevations[i] = elevation((i + down) / count), azimuths[i] = azimuth((i + across) / count);
+  Points points = {};
+  for (int64_t i = 0; i < count; ++i)
+    for (int64_t j = 0; j < count; ++j) {
+      const bool near = i >= lamp_row - 1 && i <= lamp_row + 1 && j >= lamp_column - 1 && j <= lamp_column + 1;
+      const double row = static_cast<double>(i), column = static_cast<double>(j);
+      if (!near) {
+        const double at[2] = {(row + down) / count, (column + across) / count};
+        add_point(view, layout, elevations[i], azimuths[j], at, 1, &points);
+        continue;
       }
-      white += rgb[0] >= k_white || rgb[1] >= k_white || rgb[2] >= k_white ? weight : 0;
-      area += weight;
-      if (!is_lamp) continue;
-      const double shown = weight * luminance(linear), at[2] = {static_cast<double>(i), static_cast<double>(j)};
-      light += shown;
-      for (int k = 0; k < 2; ++k) {
-        middle[k] += weight * at[k];
-        from[k] += shown * at[k];
+      for (uint32_t k = 0; k < k_finer * k_finer; ++k) {
+        const uint32_t up = k / k_finer, aside = k % k_finer;
+        const double at[2] = {(row + (up + down) / k_finer) / count, (column + (aside + across) / k_finer) / count};
+        add_point(view, layout, elevation(at[0]), azimuth(at[1]), at, 1.0 / (k_finer * k_finer), &points);
       }
     }
-  if (!(area > 0)) return seen;
-  for (double& c : seen.colour) c /= area;
-  seen.clipped = white / area;
-  seen.covered = area / all;
-  if (light > 0) {
-    seen.up = 2.0 / points * (from[0] / light - middle[0] / area);
-    seen.aside = 2.0 / points * (from[1] / light - middle[1] / area);
-  }
+  RoomObservation seen = {};
+  if (!(points.area > 0)) return seen;
+  for (int c = 0; c < 3; ++c) seen.colour[c] = points.colour[c] / (points.area * static_cast<double>(view.balance[c]));
+  seen.uneven = points.light > 0 ? points.squares * points.area / (points.light * points.light) - 1 : 0;
+  seen.clipped = points.white / points.area;
+  seen.covered = points.area / points.all;
+  seen.brightest = count == k_lamp_points ? points.brightest : luminance(seen.colour);
+  const auto beside = [&](int k) {
+    const double place = points.white > 0 ? points.clipped[k] / points.white : points.from[k] / points.light;
+    return 2 * (points.white > 0 ? place - 0.5 : place - points.middle[k] / points.area);
+  };
+  if (points.white > 0 || (count == k_lamp_points && points.light > 0)) seen.up = beside(0), seen.aside = beside(1);
   return seen;
 }
 
@@ -140,17 +156,46 @@ int8_t towards(int8_t known, double now, float rate) {
   return static_cast<int8_t>(whole < -127 ? -127 : whole > 127 ? 127 : whole);
 }
 
+// Whether a part that may hold a lamp is looked at closely. Of a short image all are: hardly anything else is clipped
+// there.
+bool looks_closely(Room* room, uint32_t part) {
+  ++room->crowd;
+  const uint32_t turns = 1 + room->crowd_before / k_close_looks;
+  return room_is_short(*room) || (part + room->images) % turns == 0;
+}
+
 // What one part shows, into what is known of it.
 void learn(Room* room, const PartMiddle& part) {
   RoomPart* known = &room->parts[part.part];
   const double memory = room_memory(known->age);
   if (room->view.lesson == RoomLesson::unknown && memory * static_cast<double>(known->seen) >= k_known) return;
-  const bool is_bright = luminance(known->radiance) * room->light > room->scale;
-  const RoomObservation now = observe(room->view, room->images, part, is_bright ? k_lamp_points : k_points);
+  const bool above = part.part >= k_room_below;
+  uint8_t* white = above ? &room->white[part.part - k_room_below] : nullptr;
+  const bool may_hold = known->clipped > 0 && known->clipped < k_lamp_clips;
+  const bool is_lamp =
+      luminance(known->radiance) * room->light > room->scale || (may_hold && looks_closely(room, part.part));
+  const double place[2] = {known->up / 127.0, known->aside / 127.0};
+  RoomObservation now =
+      observe(room->view, room->images, part, is_lamp ? k_lamp_points : k_points, is_lamp && above ? place : nullptr);
+  bool closely = is_lamp;
+  if (!is_lamp && !may_hold && above && now.clipped > 0 && now.clipped < static_cast<double>(k_lamp_clips) &&
+      looks_closely(room, part.part)) {
+    closely = true;
+    const double found[2] = {now.up, now.aside};
+    now = observe(room->view, room->images, part, k_lamp_points, found);
+  }
   float weight = known->weight * static_cast<float>(memory);
   weight = weight < k_weight_most ? weight : k_weight_most;
-  const RoomKnown before = {luminance(known->radiance), known->clipped, weight};
-  if (!(now.covered > 0) || room_tells_nothing(*room, before, now)) return;
+  const RoomKnown before = {luminance(known->radiance), known->clipped, weight,
+                            known->seen * static_cast<float>(memory), white != nullptr ? *white : uint8_t{0}};
+  if (!(now.covered > 0)) return;
+  const uint8_t of_now = room_quarter_octaves(room->view.scale);
+  if (room_tells_nothing(*room, before, now)) {
+    // A lamp so small that its points were missed was looked for: it is not asked for again.
+    if (white != nullptr && known->clipped > 0 && now.covered >= static_cast<double>(k_whole) && of_now > *white)
+      *white = of_now;
+    return;
+  }
   const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
   const float seen = known->seen * static_cast<float>(memory);
   known->seen = seen > covered ? seen : covered;
@@ -161,9 +206,16 @@ void learn(Room* room, const PartMiddle& part) {
     const double radiance = now.colour[c] * room->view.scale / room->light;
     known->radiance[c] += rate * (room_bounded_radiance(radiance) - known->radiance[c]);
   }
-  known->clipped += rate * (clipped - known->clipped);
-  known->up = towards(known->up, now.up, rate);
-  known->aside = towards(known->aside, now.aside, rate);
+  // A lamp that was not known has no place yet.
+  const float moved = before.clipped > 0 || before.luminance * room->light > room->scale ? rate : 1;
+  // What is clipped a little is told at once, and what is no more so: the next image may miss it.
+  const bool at_once = clipped > 0 ? rate > 0 && before.clipped < k_faint && clipped < k_little : rate > k_clear;
+  known->clipped += (at_once ? 1 : rate) * (clipped - known->clipped);
+  if (rate > 0) known->up = towards(known->up, now.up, moved), known->aside = towards(known->aside, now.aside, moved);
+  // Points far apart may have missed a lamp that an ordinary image shows.
+  const bool tells_white = closely || before.clipped > 0 || !room_is_short(*room);
+  if (white != nullptr && rate > 0 && tells_white && (of_now > *white || !(rate < k_changed_rate * covered)))
+    *white = of_now;
   if (part.part >= k_room_below) return;
   for (int k = 0; k < 3; ++k) room->from[part.part][k] = towards(0, room->view.position[k], 1);
 }
@@ -211,14 +263,29 @@ void pass_time(Room* room, uint64_t step_ns) {
   room->settled += room->view.step;
 }
 
+// Beyond the walls it is another room, or a larger one: the sphere goes along, and what was seen counts as far away.
+void go_along(Room* room, const CameraImage& image) {
+  double place[3], sphere[3], squared = 0;
+  for (int k = 0; k < 3; ++k) {
+    place[k] = static_cast<double>(image.position[k]);
+    const double offset = (place[k] - room->centre[k]) / room->radius;
+    squared += offset * offset;
+  }
+  if (!(squared > 1) || room->radius * k_grows > k_radius_most) return;
+  room_place(*room, place, sphere, square_root(squared));
+  for (auto& from : room->from)
+    for (int k = 0; k < 3; ++k) from[k] = towards(0, (from[k] / 127.0 - sphere[k]) / k_grows, 1);
+  for (int k = 0; k < 3; ++k) room->centre[k] = place[k];
+  room->radius *= k_grows;
+  ++room->grown;
+}
+
 bool due(const Room& room, uint64_t time_ns) {
   if (time_ns == 0 || room.images == 0 || time_ns < room.last_ns) return true;  // no clock, or one that restarted
   return time_ns != room.last_ns && time_ns - room.last_ns >= room.interval_ns;
 }
 
 }  // namespace
-
-double room_linear(uint8_t value) { return static_cast<double>(k_linear.value[value]); }
 
 void room_direction(double row, double column, double direction[3]) {
   direction_of(elevation_of(row), azimuth_of(column), direction);
@@ -283,10 +350,24 @@ bool room_pixel_of(const RoomView& view, const double direction[3], uint32_t* x,
   return true;
 }
 
+bool room_is_short(const Room& room) {
+  return room.images != 0 && room.exposure_known && room.view.scale > k_short * room.scale;
+}
+
+bool room_shows_lamps_only(const Room& room) {
+  const RoomVote& v = room.view.vote;
+  return room_is_short(room) && static_cast<double>(v.shown) < k_short_shows * static_cast<double>(v.area);
+}
+
 bool room_tells_nothing(const Room& room, const RoomKnown& known, const RoomObservation& now) {
-  if (now.clipped > 0 || !(luminance(now.colour) < room.tells_from)) return false;
-  if (!(known.weight > 0)) return is_short(room);
-  return known.luminance * room.light < room.tells_from * room.view.scale;
+  if (now.clipped > 0 || !(now.brightest < static_cast<double>(room.tells_from))) return false;
+  if (!(known.weight > 0) || room_shows_lamps_only(room)) return room_is_short(room);
+  return known.luminance * room.light < static_cast<double>(room.tells_from) * room.view.scale;
+}
+
+uint8_t room_quarter_octaves(double radiance) {
+  const double steps = 128.5 + 4 / 0.6931471805599453 * logarithm(radiance);
+  return to_whole<uint8_t>(steps < 1 ? 1 : steps > 255 ? 255 : steps);
 }
 
 // What is clipped more than before says nothing new unless it is brighter; what is clipped less says more than all that
@@ -294,8 +375,20 @@ bool room_tells_nothing(const Room& room, const RoomKnown& known, const RoomObse
 float room_rate(const Room& room, const RoomKnown& known, const RoomObservation& now) {
   const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
   const double before = known.luminance, after = luminance(now.colour) * room.view.scale / room.light;
-  const bool hidden = clipped > 2 * known.clipped && after <= 1.1 * before;
-  if (known.weight > 0 && hidden) return 0;
+  const int white_now = room_quarter_octaves(room.view.scale);
+  const bool less_white = known.white > white_now + 2;
+  const bool more_clipped = known.white != 0 ? less_white && clipped > 0 : clipped > 2 * known.clipped;
+  const bool hidden = more_clipped && after <= 1.1 * before;
+  // Of a part that was hardly seen, the rest is new.
+  if (known.weight > 0 && hidden) return known.weight < k_hardly && covered > known.seen ? 1 - known.seen / covered : 0;
+  // Of a lamp that a picture's rim cuts, it shows too little or too much. But what a shorter image shows of one that is
+  // clipped is there at least, in the whole part: so much is new.
+  const double white = room.scale / room.light, least_now = now.covered * after;
+  const bool is_lamp = before > white || after > white || clipped > 0 || known.clipped > 0;
+  if (covered < k_whole && known.seen >= covered && is_lamp) {
+    const bool tells = known.clipped > 0 && white_now > known.white + 2 && least_now > before;
+    return tells ? static_cast<float>((least_now - before) / (after - before)) : 0;
+  }
   const float rate = covered / (known.weight + covered);
   const bool clearer = 2 * clipped < known.clipped;
   const bool changed = after > 2 * before || after < 0.5 * before;
@@ -319,6 +412,7 @@ bool room_take_image(Room* room, const CameraImage& image) {
   if (room->phase != RoomPhase::idle || !due(*room, image.timestamp_ns)) return false;
   if (room->images == 0 && (room->probe == nullptr || !(room->probe->confidence > 0)))
     for (int k = 0; k < 3; ++k) room->centre[k] = static_cast<double>(image.position[k]);
+  go_along(room, image);
   RoomView* view = &room->view;
   // Without a clock images count as `interval` apart; so do those of a clock that was set back, or of another session.
   const uint64_t since = image.timestamp_ns - room->last_ns;
@@ -328,11 +422,15 @@ bool room_take_image(Room* room, const CameraImage& image) {
   if (room->images != 0) pass_time(room, step < longest ? step : longest);
   room->last_ns = image.timestamp_ns;
   view->image = with_turn(image);
+  view->light = camera_light_table(image);
   view->vote = {};
   view->lesson = RoomLesson::all;
-  view->sparse = room_is_steady(*room) && image.exposure > 0;
+  room->crowd_before = room->crowd;
+  room->crowd = 0;
   place(*room, view);
   view->scale = room->exposure_known && image.exposure > 0 ? 1 / static_cast<double>(image.exposure) : room->scale;
+  const bool told = room_knows_gains(*room, image);
+  for (int c = 0; c < 3; ++c) view->balance[c] = told ? image.gains[c] / room->gains[c] : room->balance[c];
   room->phase = RoomPhase::compare;
   room->cursor = 0;
   return true;
@@ -378,9 +476,8 @@ void run_parts(Room* room) {
       learn(room, middle);
       continue;
     }
-    if (view->sparse && (column + row + room->images) % 2 != 0) continue;
     const RoomObservation now = observe(*view, room->images, middle, k_vote_points);
-    if (now.covered > 0) room_vote(room, room->cursor, (view->sparse ? 2 : 1) * middle.elevation.cos, now);
+    if (now.covered > 0) room_vote(room, room->cursor, middle.elevation.cos, now);
   }
 }
 
@@ -400,9 +497,12 @@ void room_run_unit(Room* room) {
   const bool teaches = view->lesson != RoomLesson::nothing;
   room->phase = phase_after(*room);
   if (room->phase != RoomPhase::idle) return;
+  // A balance that is told holds for an image that teaches nothing, too.
+  if (room_knows_gains(*room, view->image) || (teaches && !room_shows_lamps_only(*room)))
+    for (int c = 0; c < 3; ++c) room->balance[c] = view->balance[c];
   if (teaches) {
-    const bool dark = static_cast<double>(view->vote.shown) < k_short_shows * static_cast<double>(view->vote.area);
-    if (!dark || !is_short(*room)) room->scale = view->scale;
+    room_measure_lamp(room);
+    if (!room_shows_lamps_only(*room)) room->scale = view->scale;
     ++room->images;
   }
   for (const uint8_t*& plane : view->image.planes) plane = nullptr;

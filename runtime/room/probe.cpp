@@ -8,6 +8,7 @@
 // nine moments the one of greatest entropy is taken: e to the power of a sum of the nine harmonics. It is never negative,
 // and as even as it may be. Newton's method finds it, a step a unit.
 #include "kernels/whole.h"
+#include "runtime/camera/transfer.h"
 #include "runtime/core/cube_map.h"
 #include "runtime/core/half.h"
 #include "runtime/core/harmonics.h"
@@ -23,7 +24,7 @@ namespace {
 constexpr uint32_t k_least_points = 3, k_most_points = 13;
 constexpr double k_texels_per_part = 10.2;    // of an edge: 11.25 degrees are one texel where an edge has so many
 constexpr uint8_t k_white = 250;              // sRGB: a channel from here on may be clipped
-constexpr double k_value_most = k_half_most;  // what is above may be clipped
+constexpr double k_value_most = k_half_most;  // what is above stands for light that the cube cannot hold
 // Parts that tell the scale: well remembered, unclipped in both, and of bytes not so dark that they are rounded far.
 constexpr double k_least_shared = 1.0, k_dark_bytes = 0.004;
 constexpr double k_clip_slack = 0.05;
@@ -36,6 +37,8 @@ constexpr uint32_t k_grid_rows = 8, k_grid_columns = 16;
 constexpr double k_exponent_most = 60.0, k_gain_least = 1e-4;
 // No such radiance has the moments of one single direction: all are drawn a little towards even light.
 constexpr double k_even_share = 1e-3;
+constexpr double k_part_area =
+    0.03849124099815343;              // solid angle of a part on the horizon: 2 pi / 32 times 2 sin(pi / 32)
 constexpr double k_hue_least = 0.02;  // of the mean radiance: what is darker has no hue of its own
 
 struct Basis {
@@ -119,11 +122,6 @@ bool step_entropy(RoomHarmonics* h) {
   return false;
 }
 
-double sound(float x) {
-  const auto value = static_cast<double>(x);
-  return value > 0 ? (value < k_value_most ? value : k_value_most) : 0;
-}
-
 void store(RoomProbePart* part, const double colour[3], double clipped) {
   for (int c = 0; c < 3; ++c) part->radiance[c] = half_of(colour[c]);
   part->clipped = half_of(clipped);
@@ -141,7 +139,7 @@ void take_row_of_cube(const Room& room, RoomProbe* probe, uint32_t row) {
   }
   room_place(room, probe->place, at);
   for (uint32_t column = 0; column < k_room_columns; ++column) {
-    double sum[3] = {}, white = 0, area = 0;
+    double sum[3] = {}, white = 0, area = 0, beyond = 0, brightest[3] = {};
     for (uint32_t j = 0; j < points; ++j)
       for (uint32_t i = 0; i < points; ++i) {
         double from[3], d[3], colour[3];
@@ -149,31 +147,31 @@ void take_row_of_cube(const Room& room, RoomProbe* probe, uint32_t row) {
         const double weight = square_root(from[0] * from[0] + from[2] * from[2]);
         for (int k = 0; k < 3; ++k) from[k] -= at[k];
         for (int k = 0; k < 3; ++k) d[k] = to_cube[k][0] * from[0] + to_cube[k][1] * from[1] + to_cube[k][2] * from[2];
-        if (room_cube_texel(cube, d, colour)) white += weight;
+        const RoomCubeTexel kind = room_cube_texel(cube, d, colour);
+        if (kind == RoomCubeTexel::none) continue;
+        if (kind != RoomCubeTexel::sound) white += weight;
         area += weight;
+        if (kind == RoomCubeTexel::beyond) {
+          beyond += weight;
+          continue;
+        }
         for (int c = 0; c < 3; ++c) sum[c] += weight * colour[c];
+        if (luminance(colour) > luminance(brightest)) __builtin_memcpy(brightest, colour, sizeof brightest);
       }
-    for (double& c : sum) c /= area;
-    store(&probe->parts[row * k_room_columns + column], sum, white / area);
+    // What the cube cannot hold is at least as bright as the brightest beside it. Where nothing is sound all is hidden.
+    for (int c = 0; c < 3 && area > 0; ++c) sum[c] = (sum[c] + beyond * brightest[c]) / area;
+    store(&probe->parts[row * k_room_columns + column], sum, area > 0 ? white / area : 1);
   }
 }
 
-// The solid angle of a part from `at`, as in estimate.cpp, and the direction of its middle in the world.
-double part_from(const Room& room, uint32_t part, const double at[3], double world[3]) {
-  const uint32_t row = part / k_room_columns;
-  const double low = sin_cos_turns((static_cast<double>(row) / k_room_rows - 0.5) / 2).sin;
-  const double high = sin_cos_turns(((row + 1.0) / k_room_rows - 0.5) / 2).sin;
-  double d[3], along = 0, squared = 0;
-  room_direction(row + 0.5, part % k_room_columns + 0.5, d);
-  for (int k = 0; k < 3; ++k) {
-    along += d[k] * at[k];
-    d[k] -= at[k];
-    squared += d[k] * d[k];
-  }
-  const double length = square_root(squared);
+// The direction of a part's middle from `at`, in the world.
+void middle_from(const Room& room, uint32_t part, const double at[3], double world[3]) {
+  const uint32_t row = part / k_room_columns, column = part % k_room_columns;
+  double d[3], squared = 0;
+  room_direction(row + 0.5, column + 0.5, d);
+  for (int k = 0; k < 3; ++k) d[k] -= at[k], squared += d[k] * d[k];
   room_to_world(room, d, world);
-  for (int k = 0; k < 3; ++k) world[k] /= length;
-  return 2 * k_pi / k_room_columns * (high - low) * (1 - along) / (squared * length);
+  for (int k = 0; k < 3; ++k) world[k] /= square_root(squared);
 }
 
 void take_row_of_harmonics(const Room& room, RoomProbe* probe, uint32_t row) {
@@ -183,18 +181,14 @@ void take_row_of_harmonics(const Room& room, RoomProbe* probe, uint32_t row) {
   for (uint32_t column = 0; column < k_room_columns; ++column) {
     const uint32_t i = row * k_room_columns + column;
     double world[3], colour[3];
-    const double omega = part_from(room, i, at, world);
+    middle_from(room, i, at, world);
     const Basis basis = basis_of(world);
     for (int c = 0; c < 3; ++c) {
       colour[c] = sum_of(h.sh[c], basis);  // its hue, where it is light enough to have one
       colour[c] = colour[c] > k_hue_least * h.mean ? colour[c] : k_hue_least * h.mean;
     }
     const double to = h.mean * bounded_exponential(sum_of(h.exponents, basis)) / luminance(colour);
-    // The main light goes to the four parts around it, so that its mean direction is kept.
-    const double down = absolute(h.row - (row + 0.5)), aside = absolute(h.column - (column + 0.5));
-    const double around = aside < 0.5 * k_room_columns ? aside : k_room_columns - aside;
-    const double share = down < 1 && around < 1 ? (1 - down) * (1 - around) : 0;
-    for (int c = 0; c < 3; ++c) colour[c] = colour[c] * to + share * h.irradiance[c] / omega;
+    for (double& c : colour) c *= to;
     store(&probe->parts[i], colour, 0);
   }
 }
@@ -214,7 +208,10 @@ void run_unit(Room* room) {
       take_row_of_cube(*room, probe, probe->cursor);
   }
   if (++probe->cursor < k_room_rows) return;
-  probe->confidence = probe->confidence_then;
+  bool any = false;  // of a cube: a texel that is a number
+  for (const RoomProbePart& part : probe->parts)
+    any = any || from_half(part.clipped) < 1 || part.radiance[0] + part.radiance[1] + part.radiance[2] > 0;
+  if (any) probe->confidence = probe->confidence_then;
   room_drop_probe_unit(room);
   if (room->images == 0) room->scale = probe->scale > 0 ? probe->scale : 1;
 }
@@ -229,37 +226,33 @@ bool begin(Room* room, const float position[3], float exposure, float confidence
   probe->confidence_then = static_cast<double>(confidence);
   probe->scale = exposure > 0 ? 1 / static_cast<double>(exposure) : 0;
   probe->dark = 0;
+  probe->far = {};
   probe->cursor = 0;
   probe->run = run_unit;
   return confidence > 0;
 }
 
-// Where the ray towards the main light meets the sphere, in rows and columns of parts.
-void place_main_light(const Room& room, const double at[3], const float direction[3], RoomHarmonics* h) {
-  const double world[3] = {static_cast<double>(direction[0]), static_cast<double>(direction[1]),
-                           static_cast<double>(direction[2])};
-  double light[3], squared = 0, along = 0, from = 0, sphere[3];
-  room_to_sphere(room, world, light);
-  for (const double x : light) squared += x * x;
+// A main light without a direction is none.
+void set_far_light(const Room& room, const sandglass_harmonics& told, RoomFarLight* far) {
+  double world[3], squared = 0;
+  for (int k = 0; k < 3; ++k) world[k] = static_cast<double>(told.main_direction[k]), squared += world[k] * world[k];
   if (!(squared > 0)) return;
-  for (int k = 0; k < 3; ++k) {
-    light[k] /= square_root(squared);
-    along += light[k] * at[k];
-    from += at[k] * at[k];
-  }
-  const double reach = square_root(along * along + 1 - from) - along;
-  for (int k = 0; k < 3; ++k) sphere[k] = at[k] + reach * light[k];
-  const double level = square_root(sphere[0] * sphere[0] + sphere[2] * sphere[2]);
-  const double turns = arc_tangent2(sphere[2], sphere[0]) / (2 * k_pi);
-  h->row = (arc_tangent2(sphere[1], level) / k_pi + 0.5) * k_room_rows;
-  h->row = h->row < 0.5 ? 0.5 : h->row > k_room_rows - 0.5 ? k_room_rows - 0.5 : h->row;
-  h->column = (turns - static_cast<double>(floor_index(turns))) * k_room_columns;
+  for (double& x : world) x /= square_root(squared);
+  room_to_sphere(room, world, far->direction);
+  for (int c = 0; c < 3; ++c) far->irradiance[c] = static_cast<double>(told.main_irradiance[c]);
+  const double* d = far->direction;
+  const double turns = arc_tangent2(d[2], d[0]) / (2 * k_pi), flat = square_root(d[0] * d[0] + d[2] * d[2]);
+  const double row = (arc_tangent2(d[1], flat) / k_pi + 0.5) * k_room_rows;
+  far->row = row < 0.5 ? 0.5 : row > k_room_rows - 0.5 ? k_room_rows - 0.5 : row;
+  far->column = (turns - static_cast<double>(floor_index(turns))) * k_room_columns;
 }
 
 // Logarithms of how much brighter the room remembers a part than the probe shows it. False where the two do not compare.
 bool compared(const Room& room, uint32_t i, const RoomProbePart& shown, double ratio[3]) {
   const RoomPart& part = room.parts[i];
-  const double colour[3] = {from_half(shown.radiance[0]), from_half(shown.radiance[1]), from_half(shown.radiance[2])};
+  double colour[3], far[3];
+  const double share = room_far_share(room.probe->far, static_cast<uint32_t>(&shown - room.probe->parts), far);
+  for (int c = 0; c < 3; ++c) colour[c] = from_half(shown.radiance[c]) + share * far[c];
   if (!room_remembers(part) || shown.clipped > 0 || !(luminance(colour) > room.probe->dark)) return false;
   for (int c = 0; c < 3; ++c) {
     const double known = static_cast<double>(part.radiance[c]) * room.light;
@@ -271,7 +264,7 @@ bool compared(const Room& room, uint32_t i, const RoomProbePart& shown, double r
 
 }  // namespace
 
-bool room_cube_texel(const sandglass_cube& cube, const double d[3], double colour[3]) {
+RoomCubeTexel room_cube_texel(const sandglass_cube& cube, const double d[3], double colour[3]) {
   const double towards[3] = {d[0], d[1], cube.left_handed != 0 ? -d[2] : d[2]};
   const CubePoint at = cube_point(towards);
   const double half = 0.5 * cube.size;
@@ -286,22 +279,26 @@ bool room_cube_texel(const sandglass_cube& cube, const double d[3], double colou
     const uint8_t* p = row + 4 * x;
     for (int c = 0; c < 3; ++c) {
       const uint8_t byte = p[cube.format == SANDGLASS_CUBE_BGRA8 ? 2 - c : c];
-      colour[c] = room_linear(byte);
+      colour[c] = srgb_light(byte);
       white = white || byte >= k_white;
     }
-    return white;
+    return white ? RoomCubeTexel::clipped : RoomCubeTexel::sound;
   }
-  if (cube.format == SANDGLASS_CUBE_RGBA16F) {
-    uint16_t p[3];
-    __builtin_memcpy(p, row + 8 * x, sizeof p);
-    for (int c = 0; c < 3; ++c) colour[c] = from_half(p[c]);
-  } else {
-    float p[3];
-    __builtin_memcpy(p, row + (cube.format == SANDGLASS_CUBE_RGB32F ? 12 : 16) * x, sizeof p);
-    for (int c = 0; c < 3; ++c) colour[c] = sound(p[c]);
+  RoomCubeTexel kind = RoomCubeTexel::sound;
+  for (uint32_t c = 0; c < 3; ++c) {
+    float value;
+    if (cube.format == SANDGLASS_CUBE_RGBA16F) {
+      uint16_t bits;
+      __builtin_memcpy(&bits, row + 8 * x + 2 * c, sizeof bits);
+      value = number_from_half(bits);
+    } else {
+      __builtin_memcpy(&value, row + (cube.format == SANDGLASS_CUBE_RGB32F ? 12 : 16) * x + 4 * c, sizeof value);
+    }
+    colour[c] = value > 0 ? static_cast<double>(value) : 0;
+    if (value != value) kind = RoomCubeTexel::none;
+    else if (colour[c] > k_value_most && kind == RoomCubeTexel::sound) kind = RoomCubeTexel::beyond;
   }
-  for (int c = 0; c < 3; ++c) white = white || colour[c] >= k_value_most;
-  return white;
+  return kind;
 }
 
 void room_begin_cube(Room* room, const sandglass_cube& cube) {
@@ -322,7 +319,7 @@ void room_begin_harmonics(Room* room, const sandglass_harmonics& told) {
   if (!begin(room, told.position, told.exposure, told.confidence)) return;
   RoomHarmonics* h = &probe->harmonics;
   *h = {};
-  double grey[k_harmonics], at[3];
+  double grey[k_harmonics];
   for (uint32_t j = 0; j < k_harmonics; ++j) {
     double colour[3];
     for (uint32_t c = 0; c < 3; ++c)
@@ -333,12 +330,7 @@ void room_begin_harmonics(Room* room, const sandglass_harmonics& told) {
   h->mean = even > 1e-12 ? even : 1e-12;
   for (uint32_t j = 0; j < k_harmonics; ++j) h->target[j] = grey[j] / h->mean * (j == 0 ? 1 : 1 - k_even_share);
   h->cost = cost_of(h->exponents, h->target);
-  room_place(*room, probe->place, at);
-  h->row = -2;  // nowhere
-  if (told.kind == SANDGLASS_HARMONICS_AMBIENT) {
-    place_main_light(*room, at, told.main_direction, h);
-    for (int c = 0; c < 3; ++c) h->irradiance[c] = static_cast<double>(told.main_irradiance[c]);
-  }
+  if (told.kind == SANDGLASS_HARMONICS_AMBIENT) set_far_light(*room, told, &probe->far);
   probe->phase = RoomProbePhase::entropy;
 }
 
@@ -377,17 +369,30 @@ void room_probe_scale(const Room& room, double scale[3]) {
   }
 }
 
+double room_far_share(const RoomFarLight& far, uint32_t part, double radiance[3]) {
+  for (int c = 0; c < 3; ++c) radiance[c] = 0;
+  // It goes to the four parts around it, so that its mean direction is kept.
+  const uint32_t row = part / k_room_columns, column = part % k_room_columns;
+  const double down = absolute(far.row - (row + 0.5)), aside = absolute(far.column - (column + 0.5));
+  const double around = aside < 0.5 * k_room_columns ? aside : k_room_columns - aside;
+  if (!(luminance(far.irradiance) > 0 && down < 1 && around < 1)) return 0;
+  for (int c = 0; c < 3; ++c) radiance[c] = far.irradiance[c] / (k_part_area * room_part_weight(part));
+  return (1 - down) * (1 - around);
+}
+
 RoomPart room_known(const Room& room, uint32_t i, const double scale[3], double seen) {
   RoomPart known = room.parts[i];
   const RoomProbePart& probe = room.probe->parts[i];
   const double confidence = room.probe->confidence, probe_clipped = from_half(probe.clipped);
-  double there[3], here[3], clipped = static_cast<double>(known.clipped);
+  double there[3], here[3], all_there[3], far[3], clipped = static_cast<double>(known.clipped);
+  const double share = room_far_share(room.probe->far, i, far);
   for (int c = 0; c < 3; ++c) {
     there[c] = from_half(probe.radiance[c]) * scale[c] / room.light;
+    all_there[c] = there[c] + share * far[c] * scale[c] / room.light;
     here[c] = static_cast<double>(known.radiance[c]);
   }
-  if (clipped > probe_clipped + k_clip_slack && luminance(there) > luminance(here)) {
-    for (int c = 0; c < 3; ++c) here[c] += confidence * (there[c] - here[c]);
+  if (clipped > probe_clipped + k_clip_slack && luminance(all_there) > luminance(here)) {
+    for (int c = 0; c < 3; ++c) here[c] += confidence * (all_there[c] - here[c]);
     clipped += confidence * (probe_clipped - clipped);
   }
   const double rest = (1 - seen) * confidence, all = seen + rest;

@@ -7,6 +7,7 @@
 #include "runtime/core/finite.h"
 #include "runtime/core/hash.h"
 #include "runtime/core/layout.h"
+#include "runtime/core/luminance.h"
 #include "runtime/core/math.h"
 #include "runtime/core/plane_axes.h"
 #include "runtime/core/refuse.h"
@@ -16,9 +17,11 @@
 namespace sandglass {
 
 constexpr double k_long_ago = 1e9;      // seconds
-constexpr double k_tells_from = 0.004;  // of white: 13 steps of a byte
+constexpr float k_doubts_from = 3.0f;   // parts on the horizon
+constexpr float k_tells_from = 0.004f;  // of white: 13 steps of a byte
 
 void room_reset(Room* room) {
+  for (; room->grown > 0; --room->grown) room->radius /= k_grows;
   const double radius = room->radius, half_life = room->half_life;
   const uint64_t interval_ns = room->interval_ns;
   const uint32_t unit = room->unit;
@@ -28,14 +31,29 @@ void room_reset(Room* room) {
   room->radius = radius;
   room->half_life = half_life;
   room->interval_ns = interval_ns;
-  room->scale = room->light = 1;
+  room->scale = room->light = room->light_before = 1;
+  for (float& b : room->balance) b = 1;
   room->settled = k_long_ago;
   room->tells_from = k_tells_from;
+  room->doubts_from = k_doubts_from;
   room->unit = unit + 1;
   room->probe = probe;
   room->texels = texels;
   if (probe != nullptr) __builtin_memset(static_cast<void*>(probe), 0, sizeof *probe);
   if (texels != nullptr) __builtin_memset(static_cast<void*>(texels), 0, sizeof *texels * k_cube_texels);
+}
+
+void room_leave(Room* room) {
+  for (int k = 0; k < 3; ++k) room->centre[k] = static_cast<double>(room->view.image.position[k]);
+  for (double& x : room->view.position) x = 0;
+  room->light = room->light_before = 1;
+  room->usual = room->doubted = room->shows = 0;
+  room->settled = k_long_ago;
+  for (; room->grown > 0; --room->grown) room->radius /= k_grows;
+  __builtin_memset(room->parts, 0, sizeof room->parts);
+  __builtin_memset(room->white, 0, sizeof room->white);
+  __builtin_memset(room->lamps, 0, sizeof room->lamps);
+  if (room->texels != nullptr) __builtin_memset(room->texels, 0, sizeof *room->texels * k_cube_texels);
 }
 
 namespace {
@@ -231,6 +249,7 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
   layout.base = static_cast<uint8_t*>(block);
   sandglass_room* owner = lay_out(*desc, &layout);
   owner->room.unit = 0;
+  owner->room.grown = 0;
   owner->functions = &k_room_functions;
   owner->version = 0;
   owner->room.radius = static_cast<double>(desc->radius);
@@ -333,7 +352,10 @@ sandglass_status sandglass_room_set_cube(sandglass_room* room, const sandglass_c
   }
   const ExactFloatingPoint exact;
   const sandglass_status status = begin_cube(&room->room, cube, reason);
-  if (status == SANDGLASS_OK && cube->in_frame == 0) run_probe(&room->room);
+  if (status != SANDGLASS_OK || cube->in_frame != 0) return status;
+  run_probe(&room->room);
+  if (cube->confidence > 0 && !(room->room.probe->confidence > 0))
+    return refuse(reason, "no texel of the cube is a number of 0..65000: pass the texture when it has been drawn");
   return status;
 }
 
@@ -385,8 +407,12 @@ uint64_t sandglass_room_hash(const sandglass_room* room) {
   hash = hash_with(hash, hash_bytes(r.centre, sizeof r.centre));
   const double numbers[3] = {r.yaw, r.scale, r.light};
   hash = hash_with(hash, hash_bytes(numbers, sizeof numbers));
+  hash = hash_with(hash, hash_bytes(r.balance, sizeof r.balance));
+  if (r.lamps[0].images > 0) hash = hash_with(hash, hash_bytes(r.lamps, sizeof r.lamps));
   if (r.texels != nullptr) hash = hash_with(hash, hash_bytes(r.texels, sizeof *r.texels * k_cube_texels));
   if (r.probe != nullptr && r.probe->confidence > 0)
     hash = hash_with(hash, hash_bytes(r.probe->parts, sizeof r.probe->parts));
+  if (r.probe != nullptr && r.probe->confidence > 0 && luminance(r.probe->far.irradiance) > 0)
+    hash = hash_with(hash, hash_bytes(&r.probe->far, sizeof r.probe->far));
   return hash_with(hash, r.images);
 }

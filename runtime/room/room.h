@@ -6,6 +6,7 @@
 //
 //   image.cpp     an image into parts, unit by unit
 //   vote.cpp      what an image says of its exposure, and of the light of the whole room
+//   lamp.cpp      how large a lamp is, of an image that shows it unclipped
 //   texels.cpp    an image into the texels of a cube, for reflections, and the cube that is seen from a place
 //   probe.cpp     a cube or harmonics of another system, into a layer below what the camera has seen
 //   estimate.cpp  the light at a place
@@ -43,20 +44,24 @@ struct RoomObservation {
   double clipped;    // share of the points
   double covered;    // share of the points that are in the picture
   double up, aside;  // where the light of a lamp comes from, -1..1 from edge to edge; of all else 0
+  double uneven;     // variance of the points' luminance, beside the square of its mean
+  double brightest;  // luminance of a lamp's brightest point; of all else the mean
 };
 
 // How an image compares with what is remembered of the parts that it shows again. Weights are solid angles, 1 for a part
 // on the horizon. A ratio is that of what the image shows to what is remembered, as a logarithm.
-constexpr uint32_t k_vote_bins = 48;
+constexpr uint32_t k_vote_bins = 36;
 struct RoomVote {
   float weight[k_vote_bins], sum[k_vote_bins];  // of ratios, by their size: weights, and weights times ratios
   float brighter, darker;                       // weights of parts that are clipped or black where they should not be
   float brighter_sum, darker_sum;               // the same times the ratio that is known at least
   float more, less;                             // weights of what became brighter, or darker, by half or more
-  float exact, known, known_squared, error,
-      error_squared;         // weights; of logarithms of what is remembered, and of ratios
+  float exact, known, known_squared, error, error_squared,
+      shown_squared;         // weights; of logarithms of what is remembered, of ratios, and of what is shown
   float now[3], then[3];     // sums of colours that the image shows, and that are remembered
   float area, black, shown;  // all that is in the picture: its weight; what is black of it; luminance
+  float hues;                // weight of what is compared by hue
+  float hue, red, blue;      // what that counts; times how much redder, bluer than green it became, as logarithms
 };
 
 // What an image may teach.
@@ -76,18 +81,24 @@ struct RoomProbePart {
 struct RoomHarmonics {
   double sh[3][9], mean;                 // of a channel; mean radiance
   double target[9], exponents[9], cost;  // Newton's method
-  double row, column, irradiance[3];     // of the main light, where it meets the sphere, in parts
+};
+
+// The main light that is told beside harmonics. It is far: from everywhere it lies in the same direction.
+struct RoomFarLight {
+  double direction[3], row, column;  // in the sphere's frame; and in parts
+  double irradiance[3];              // of a surface that faces it; 0: there is none
 };
 
 enum class RoomProbePhase : uint32_t { idle, cube, entropy, harmonics };
 
 struct Room;
 struct RoomProbe {
-  double confidence;  // 0..1; 0: there is none
-  double scale;       // radiance of value 1; 0: unknown
-  double dark;        // what is darker tells no scale
-  double place[3];    // where it was taken, world
-  RoomProbePart parts[k_room_parts];
+  double confidence;                  // 0..1; 0: there is none
+  double scale;                       // radiance of value 1; 0: unknown
+  double dark;                        // what is darker tells no scale
+  double place[3];                    // where it was taken, world
+  RoomProbePart parts[k_room_parts];  // without the far light
+  RoomFarLight far;
   // Under way.
   RoomProbePhase phase;
   void (*run)(Room* room);  // set where it is begun: the linker drops it from an app that never does
@@ -106,6 +117,17 @@ struct RoomTexel {
   uint16_t age;             // as that of a part
 };
 
+// A lamp whose size was measured.
+constexpr uint32_t k_room_lamps = 3;
+struct RoomLamp {
+  int16_t at[3];        // on the sphere, k_lamp_unit a radius
+  uint8_t images;       // over which it is the mean; 0: there is none
+  uint8_t clipped;      // 1: it was, in all of them
+  float across, error;  // in radii; how far that may be off
+  float strength;       // its irradiance beside that of others, fading
+};
+constexpr double k_lamp_unit = 32767;
+
 enum class RoomPhase : uint32_t {
   idle,
   compare,  // the image with what is remembered
@@ -120,9 +142,10 @@ struct RoomView {
   double position[3];      // of the camera, in the sphere's frame, in radii
   double most_cosine;      // parts farther from the optical axis than this are not in the picture
   double scale;            // radiance of a pixel of linear value 1
+  float balance[3];        // of each channel: what a pixel shows beside that
+  const float* light;      // camera_light_table
   double step;             // seconds since the image before
   RoomLesson lesson;
-  bool sparse;  // every other part votes, for its neighbour too; in the next image the others do
   RoomVote vote;
 };
 
@@ -135,25 +158,38 @@ struct Room {
   uint32_t images;
   uint32_t unit;        // a number for the unit of radiance: another one where it was set anew
   bool exposure_known;  // by the app, for one image at least
+  bool wants_size : 1;  // the last image shows a lamp whole, but clipped, whose size is not known
+  bool strange : 1;     // the last image seems to show another room
+  uint8_t size_looks;   // short images that were to show one
+  uint8_t grown;        // how often `radius` was, because the camera has left the sphere
   double centre[3];     // of the sphere, in the world
   double yaw;           // turns: the sphere's azimuth 0 is at this azimuth of the world
   double scale;         // of the last image that was exposed for the room
-  double light;       // the light of the whole room, beside what it was when its parts were seen: a factor of them all
-  double usual;       // the median of votes while nothing changes: where they are taken is not all that is remembered
-  double settled;     // seconds since the light has changed
-  double doubted;     // seconds for which images have shown what no change of light explains
-  double tells_from;  // of an image's white: what shows as less, and was less, says nothing
+  float balance[3];     // of the same, white balance beside that of all radiance that is kept
+  float gains[3];       // that the camera tells where `balance` is 1; 0: unknown
+  double light;  // the light of the whole room, beside what it was when its parts were seen: a factor of them all
+  double usual;  // the median of votes while nothing changes: where they are taken is not all that is remembered
+  double light_before;  // the same before the last change
+  double settled;       // seconds since the light has changed
+  double doubted;       // seconds for which images have shown what no change of light explains
+  double doubts;        // the median of votes of the last of them
+  double shows;         // mean radiance of those that look like another room; 0: none does
+  float doubts_from;    // weight of what is compared from which on all that agree are believed in the end
+  float tells_from;     // of an image's white: what shows as less, and was less, says nothing
   RoomPhase phase;
-  uint32_t cursor;  // the next part
+  uint32_t cursor;               // the next part
+  uint32_t crowd, crowd_before;  // parts of this image and of the last one that may hold a lamp
   RoomView view;
   RoomPart parts[k_room_parts];
+  // Of each part above the horizon: the white of the image that says how bright it is, in quarters of an octave. What
+  // is clipped in an image of a lower white says less. 0: unknown.
+  uint8_t white[k_room_below];
   int8_t from[k_room_below][3];  // of each part below the horizon: where the camera was that saw it last, 127 a radius
-  RoomProbe* probe;              // NULL in a room that keeps none
-  RoomTexel* texels;             // k_cube_texels, or NULL
+  RoomLamp lamps[k_room_lamps];
+  RoomProbe* probe;   // NULL in a room that keeps none
+  RoomTexel* texels;  // k_cube_texels, or NULL
 };
 
-// sRGB to linear light.
-double room_linear(uint8_t value);
 // The directions of a part: `row` and `column` count from its first corner and may have fractions. Row 0 is below.
 void room_direction(double row, double column, double direction[3]);
 // A direction of the world in the sphere's frame.
@@ -163,10 +199,16 @@ void room_to_world(const Room& room, const double sphere[3], double world[3]);
 constexpr double k_farthest = 0.8;
 void room_place(const Room& room, const double world[3], double sphere[3], double farthest = k_farthest);
 float room_bounded_radiance(double radiance);
+// Whether the camera tells its white balance, and did before.
+inline bool room_knows_gains(const Room& room, const CameraImage& image) {
+  return image.gains[1] > 0 && room.gains[1] > 0;
+}
 // Whether a part is remembered well, and unclipped.
 bool room_remembers(const RoomPart& part);
 // What counts of something that was seen so many ticks ago, 0..1.
 double room_memory(uint32_t age);
+// The sphere grows by this factor when the camera leaves it.
+constexpr double k_grows = 4;
 // False where a direction of the sphere, and what lies up to half a part beside it, is out of the picture.
 bool room_may_be_seen(const RoomView& view, const double direction[3]);
 // Where in a part or a texel, 0..1, its points lie: elsewhere with each step, and evenly.
@@ -177,9 +219,17 @@ bool room_pixel_of(const RoomView& view, const double direction[3], uint32_t* x,
 struct RoomKnown {
   double luminance;
   float clipped, weight;
+  float seen;     // 0..1: the share of it that was in the picture; 0: unknown
+  uint8_t white;  // see Room::white
 };
 // An image so short that it shows a few steps of a byte there says nothing of it, where it was as dark before.
 bool room_tells_nothing(const Room& room, const RoomKnown& known, const RoomObservation& now);
+// Whether the image was exposed so much shorter than the last that it is asked for lamps.
+bool room_is_short(const Room& room);
+// An image that was exposed so much shorter than the last, and is dark, is one of lamps. Known once it was compared.
+bool room_shows_lamps_only(const Room& room);
+// Radiance in quarters of an octave, 1..255.
+uint8_t room_quarter_octaves(double radiance);
 // How far what is known moves towards what an image shows, 0..1.
 float room_rate(const Room& room, const RoomKnown& known, const RoomObservation& now);
 // What an image shows of a unit's texels, into what is known of them.
@@ -190,10 +240,15 @@ double room_part_weight(uint32_t part);
 // One part of an image, beside what is remembered of it; and what all of them say. `area`: what its vote weighs.
 void room_vote(Room* room, uint32_t part, double area, const RoomObservation& now);
 void room_decide(Room* room);
-// Whether exposures are told and the light has not changed of late: then a few votes are enough.
-bool room_is_steady(const Room& room);
+
+// Of an image that was learned: how large its brightest lamp is, if it shows that whole.
+void room_measure_lamp(Room* room);
+// The main light's size as it is seen from a place of the sphere's frame, in radii.
+void room_main_size(const Room& room, const double at[3], sandglass_room_light* light);
 
 void room_reset(Room* room);
+// Forgets what was seen, around the camera of the image under way. The unit of radiance stays.
+void room_leave(Room* room);
 // Whether time stamps can be nanoseconds. Called for every image that is offered.
 bool room_clock_is_sound(Room* room, uint64_t time_ns);
 // Takes an image that has passed sandglass_camera_check, if one is due. The image must stay until the units have run.
@@ -206,13 +261,20 @@ void room_run_unit(Room* room);
 // stay until the units have run; what is dropped leaves no probe.
 void room_begin_cube(Room* room, const sandglass_cube& cube);
 void room_begin_harmonics(Room* room, const sandglass_harmonics& harmonics);
-// The texel that every graphics API samples for a direction, without filtering. True where it is clipped.
-bool room_cube_texel(const sandglass_cube& cube, const double direction[3], double colour[3]);
+// What a texel of a cube says: its light, that there is at least so much, that there is more than a cube can hold, or
+// no number.
+enum class RoomCubeTexel : uint32_t { sound, clipped, beyond, none };
+// The texel that every graphics API samples for a direction, without filtering.
+RoomCubeTexel room_cube_texel(const sandglass_cube& cube, const double direction[3], double colour[3]);
 uint32_t room_probe_units_left(const Room& room);
 void room_drop_probe_unit(Room* room);
 // Radiance of the probe's value 1 in the room's unit, for each channel: as both show the same parts, or as it is told.
 void room_probe_scale(const Room& room, double scale[3]);
-// A part as camera and probe know it together. `seen`: what counts of what the camera has seen of it.
+// The share of the probe's far light that is in this part, and the radiance by which the whole part would give all of
+// it, in the probe's unit.
+double room_far_share(const RoomFarLight& far, uint32_t part, double radiance[3]);
+// A part as camera and probe know it together, without the far light where the camera has not seen it. `seen`: what
+// counts of what the camera has seen of it.
 RoomPart room_known(const Room& room, uint32_t part, const double scale[3], double seen);
 // The quarter turns about y, clockwise seen from above, and the mirror image by which the probe fits best to what the
 // camera has seen. False where they share too little.

@@ -13,7 +13,7 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t k_magic = 0x6d726773;  // "sgrm"
-constexpr uint32_t k_version = 3;
+constexpr uint32_t k_version = 5;
 
 struct SavedRoom {
   uint32_t magic, version;
@@ -21,14 +21,17 @@ struct SavedRoom {
   double radius, yaw, scale;
   double centre[3];
   double light;
+  float balance[3], gains[3];
   uint32_t images, exposure_known;
   uint64_t has_probe;  // then a SavedProbe follows
   RoomPart parts[k_room_parts];
   int8_t from[k_room_below][3];
+  RoomLamp lamps[k_room_lamps];
 };
 struct SavedProbe {
   double confidence, scale, dark;
   double place[3];
+  RoomFarLight far;
   RoomProbePart parts[k_room_parts];
 };
 constexpr uint64_t k_checked_from = 2 * sizeof(uint32_t) + sizeof(uint64_t);
@@ -41,6 +44,9 @@ bool sound(const SavedRoom& saved) {
   for (const double c : saved.centre)
     if (!within(c, -2 * k_limit, 2 * k_limit)) return false;
   if (saved.exposure_known > 1 || saved.has_probe > 1) return false;
+  const bool has_gains = saved.gains[0] != 0 || saved.gains[1] != 0 || saved.gains[2] != 0;
+  if (!all_within(saved.balance, 3, 1e-4f, 1e4f) || (has_gains && !all_within(saved.gains, 3, 1e-4f, 1e4f)))
+    return false;
   for (const auto& from : saved.from)
     for (const int8_t x : from)
       if (x < -127) return false;
@@ -49,6 +55,10 @@ bool sound(const SavedRoom& saved) {
     if (!within(part.weight, 0.0f, 1e3f) || !within(part.seen, 0.0f, 1.0f)) return false;
     if (part.up < -127 || part.aside < -127) return false;
   }
+  for (const RoomLamp& lamp : saved.lamps)
+    if (!within(lamp.across, 0.0f, 4.0f) || !within(lamp.error, 0.0f, 8.0f) || !within(lamp.strength, 0.0f, 1e9f) ||
+        lamp.images > 8 || lamp.clipped > 1)
+      return false;
   return true;
 }
 
@@ -58,6 +68,10 @@ bool sound(const SavedProbe& saved) {
     return false;
   for (const double p : saved.place)
     if (!within(p, -1e6, 1e6)) return false;
+  for (int k = 0; k < 3; ++k)
+    if (!within(saved.far.direction[k], -1.01, 1.01) || !within(saved.far.irradiance[k], 0.0, 1e6)) return false;
+  if (!within(saved.far.row, 0.0, 1.0 * k_room_rows) || !within(saved.far.column, 0.0, 1.0 * k_room_columns))
+    return false;
   for (const RoomProbePart& part : saved.parts)
     if (part.clipped > k_half_of_one) return false;
   return true;
@@ -99,9 +113,12 @@ sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, ui
   put(offsetof(SavedRoom, scale), &room.scale, sizeof room.scale);
   put(offsetof(SavedRoom, centre), room.centre, sizeof room.centre);
   put(offsetof(SavedRoom, light), &room.light, sizeof room.light);
+  put(offsetof(SavedRoom, balance), room.balance, sizeof room.balance);
+  put(offsetof(SavedRoom, gains), room.gains, sizeof room.gains);
   put(offsetof(SavedRoom, images), flags, sizeof flags);
   put(offsetof(SavedRoom, parts), room.parts, sizeof room.parts);
   put(offsetof(SavedRoom, from), room.from, sizeof room.from);
+  put(offsetof(SavedRoom, lamps), room.lamps, sizeof room.lamps);
   const uint64_t probes = has_probe(room) ? 1 : 0;
   put(offsetof(SavedRoom, has_probe), &probes, sizeof probes);
   if (probes != 0) {
@@ -109,6 +126,7 @@ sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, ui
     const double numbers[6] = {probe.confidence, probe.scale,    probe.dark,
                                probe.place[0],   probe.place[1], probe.place[2]};
     put(sizeof(SavedRoom), numbers, sizeof numbers);
+    put(sizeof(SavedRoom) + offsetof(SavedProbe, far), &probe.far, sizeof probe.far);
     put(sizeof(SavedRoom) + offsetof(SavedProbe, parts), probe.parts, sizeof probe.parts);
   }
   const uint64_t checksum = checksum_of(data, needed);
@@ -148,14 +166,18 @@ sandglass_status sandglass_room_restore(sandglass_room* owner, const void* data,
   for (int k = 0; k < 3; ++k) room->centre[k] = saved.centre[k];
   room->images = saved.images;
   room->exposure_known = saved.exposure_known != 0;
-  room->light = saved.light;
+  room->light = room->light_before = saved.light;
+  memcpy(room->balance, saved.balance, sizeof room->balance);
+  memcpy(room->gains, saved.gains, sizeof room->gains);
   memcpy(room->parts, saved.parts, sizeof room->parts);
   memcpy(room->from, saved.from, sizeof room->from);
+  memcpy(room->lamps, saved.lamps, sizeof room->lamps);
   if (!with_probe || room->probe == nullptr) return accept(reason);
   room->probe->confidence = probe->confidence;
   room->probe->scale = probe->scale;
   room->probe->dark = probe->dark;
   for (int k = 0; k < 3; ++k) room->probe->place[k] = probe->place[k];
+  room->probe->far = probe->far;
   memcpy(room->probe->parts, probe->parts, sizeof room->probe->parts);
   return accept(reason);
 }

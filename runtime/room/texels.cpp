@@ -5,6 +5,7 @@
 // change from image to image. What no image has shown is the parts' expected light (estimate.cpp). A direction below the
 // horizon meets what the object stands on, which is looked up where the camera saw that.
 #include "kernels/whole.h"
+#include "runtime/camera/transfer.h"
 #include "runtime/core/cube_map.h"
 #include "runtime/core/half.h"
 #include "runtime/core/luminance.h"
@@ -37,14 +38,15 @@ RoomObservation observe(const RoomView& view, const CameraLayout& layout, const 
     if (!room_pixel_of(view, direction, &x, &y)) continue;
     uint8_t rgb[3];
     camera_pixel(view.image, layout, x, y, rgb);
-    for (int c = 0; c < 3; ++c) seen.colour[c] += room_linear(rgb[c]);
+    for (int c = 0; c < 3; ++c) seen.colour[c] += static_cast<double>(camera_light(view.image, view.light, rgb[c]));
     seen.clipped += rgb[0] >= k_white || rgb[1] >= k_white || rgb[2] >= k_white ? 1 : 0;
     seen.covered += 1;
   }
   if (!(seen.covered > 0)) return seen;
-  for (double& c : seen.colour) c /= seen.covered;
+  for (int c = 0; c < 3; ++c) seen.colour[c] /= seen.covered * static_cast<double>(view.balance[c]);
   seen.clipped /= seen.covered;
   seen.covered /= k_points * k_points;
+  seen.brightest = luminance(seen.colour);
   return seen;
 }
 
@@ -53,7 +55,7 @@ void learn(const Room& room, const RoomObservation& now, RoomTexel* texel) {
   const auto memory = static_cast<float>(room_memory(texel->age));
   float weight = texel->weight / k_image * memory;
   weight = weight < k_weight_most ? weight : k_weight_most;
-  const RoomKnown before = {luminance(texel->radiance), texel->clipped / 255.0f, weight};
+  const RoomKnown before = {luminance(texel->radiance), texel->clipped / 255.0f, weight, 0, 0};
   if (room.view.lesson == RoomLesson::unknown && before.weight > 0) return;
   if (!(now.covered > 0) || room_tells_nothing(room, before, now)) return;
   const float rate = room_rate(room, before, now);
@@ -100,7 +102,7 @@ double smooth_texels(const Room& room, const RoomModel& model, const double dire
     const double share = texel.weight / static_cast<double>(k_image), known = share < k_known ? share / k_known : 1;
     const double weighs = weight * known * room_memory(texel.age);
     const double times = weighs * (1 + model.boost * texel.clipped / 255) * room.light / room.scale;
-    for (int c = 0; c < 3; ++c) colour[c] += times * static_cast<double>(texel.radiance[c]);
+    for (int c = 0; c < 3; ++c) colour[c] += times * static_cast<double>(texel.radiance[c] * room.balance[c]);
     seen += weighs;
   }
   return seen;

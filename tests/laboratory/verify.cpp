@@ -13,6 +13,7 @@
 #include "models/program/command_line.h"
 #include "models/simulation/simulation.h"
 #include "models/work/progress.h"
+#include "tests/laboratory/room/day_rows.h"
 #include "tests/laboratory/sand/carried_cases.h"
 #include "tests/laboratory/sand/follow_cases.h"
 #include "tests/laboratory/sand/physics_cases.h"
@@ -179,6 +180,15 @@ Options verify_room_options(VerifyOptions& o) {
           json_option(o.json)};
 }
 
+Options verify_day_options(VerifyOptions& o) {
+  return {panoramas(o),
+          standard("all", {"--case", &o.cases, "NAMES", "Only these", one_of(day_cases())}),
+          {"--quick", &o.quick, "", "One seed instead of three"},
+          seed_option(o.seed, "Lamps, rooms and ways of looking; the two after it are taken too"),
+          threads_option(o.threads),
+          json_option(o.json)};
+}
+
 Options verify_shot_options(VerifyOptions& o) {
   return {panoramas(o),
           {"--manifest", &o.manifest, "FILE",
@@ -253,6 +263,8 @@ std::vector<Command> verify_suites() {
                              verify_lighting_command),
       command<VerifyOptions>("room", "Rooms: the light as a session has seen it, against the light that is there",
                              verify_room_options, verify_room_command),
+      command<VerifyOptions>("day", "A day with a phone: light that changes, covered lenses, lamps, doors",
+                             verify_day_options, verify_day_command),
       command<VerifyOptions>("shot", "Whole pictures: composites against path traced truth", verify_shot_options,
                              verify_shot_command),
       command<VerifyOptions>("colour",

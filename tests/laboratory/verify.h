@@ -31,6 +31,7 @@ int verify_colour_command(const VerifyOptions& options);
 int verify_look_command(const VerifyOptions& options);
 int verify_files_command(const VerifyOptions& options);
 int verify_cast_command(const VerifyOptions& options);
+int verify_day_command(const VerifyOptions& options);
 std::vector<Command> verify_suites();
 
 // Prints the table, and writes it and `more` where it is asked for. Returns the exit code.

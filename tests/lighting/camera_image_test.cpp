@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "models/rooms/excerpt.h"
+#include "runtime/camera/transfer.h"
 #include "runtime/core/random.h"
 #include "tests/lighting/made_panorama.h"
 #include "tests/reason.h"
@@ -151,11 +152,15 @@ TEST(CameraImage, SeesAPanoramaAsTheDataSetDoes) {
 }
 
 TEST(CameraImage, YuvMatricesAgainstTheirDefinitions) {
-  for (const sandglass_yuv_range range :
-       {SANDGLASS_YUV_FULL_601, SANDGLASS_YUV_VIDEO_601, SANDGLASS_YUV_FULL_709, SANDGLASS_YUV_VIDEO_709}) {
-    const bool video = range == SANDGLASS_YUV_VIDEO_601 || range == SANDGLASS_YUV_VIDEO_709;
-    const bool hd = range == SANDGLASS_YUV_FULL_709 || range == SANDGLASS_YUV_VIDEO_709;
-    const double kr = hd ? 0.2126 : 0.299, kb = hd ? 0.0722 : 0.114, kg = 1.0 - kr - kb;
+  const struct {
+    sandglass_yuv_range range;
+    double kr, kb;
+    bool video;
+  } k_all[] = {{SANDGLASS_YUV_FULL_601, 0.299, 0.114, false},    {SANDGLASS_YUV_VIDEO_601, 0.299, 0.114, true},
+               {SANDGLASS_YUV_FULL_709, 0.2126, 0.0722, false},  {SANDGLASS_YUV_VIDEO_709, 0.2126, 0.0722, true},
+               {SANDGLASS_YUV_FULL_2020, 0.2627, 0.0593, false}, {SANDGLASS_YUV_VIDEO_2020, 0.2627, 0.0593, true}};
+  for (const auto& [range, kr, kb, video] : k_all) {
+    const double kg = 1.0 - kr - kb;
     for (int y = 0; y < 256; y += 15)
       for (int u = 0; u < 256; u += 17)
         for (int v = 0; v < 256; v += 17) {
@@ -396,6 +401,77 @@ TEST(CameraImage, WhatIsWrongIsRefusedWithASentence) {
   refused("format", [](CameraImage& i) { i.format = 9; });
   refused("format", [](CameraImage& i) { i.format = -1; });
   refused("range", [](CameraImage& i) { i.range = 9; });
+  refused("transfer", [](CameraImage& i) { i.transfer = 5; });
+  for (const float gain : {-1.0f, 0.0f, NAN, 17.0f, INFINITY})
+    for (int c = 0; c < 3; ++c) {
+      CameraImage wrong = good.image;
+      for (float& g : wrong.gains) g = 2.0f;
+      EXPECT_EQ(sandglass_camera_check(&wrong, nullptr), SANDGLASS_OK);
+      wrong.gains[c] = gain;
+      tests::expect_refused("gains", [&](const char** reason) { return sandglass_camera_check(&wrong, reason); });
+    }
+  static const float rises[66] = {0, 0, 1, 1}, falls[4] = {0, 1, 1, 0}, stays[4] = {0, 0.5f, 1, 0.5f};
+  const auto of_curve = [](CameraImage& i, const float* curve, uint32_t points) {
+    i.transfer = SANDGLASS_TRANSFER_CURVE, i.curve = curve, i.curve_points = points;
+  };
+  CameraImage told = good.image;
+  of_curve(told, rises, 2);
+  EXPECT_EQ(sandglass_camera_check(&told, nullptr), SANDGLASS_OK);
+  refused("curve", [](CameraImage& i) { i.transfer = SANDGLASS_TRANSFER_CURVE; });
+  refused("curve", [](CameraImage& i) { i.curve = rises; });
+  refused("curve", [](CameraImage& i) { i.curve_points = 2; });
+  for (const auto& [curve, points] : {std::pair(rises, 0u), {rises, 1u}, {rises, 33u}, {falls, 2u}, {stays, 2u}}) {
+    of_curve(told, curve, points);
+    tests::expect_refused("curve", [&](const char** reason) { return sandglass_camera_check(&told, reason); });
+  }
+}
+
+// Against the functions of ITU-R BT.2100 and IEC 61966-2-1 from light to value, which the library has not.
+TEST(CameraImage, EveryTransferIsUndone) {
+  CameraImage image = Camera(SANDGLASS_CAMERA_RGB, 8, 8, 0, 1).image;
+  const auto light_of = [&](int value) {
+    return static_cast<double>(camera_light(image, camera_light_table(image), static_cast<uint8_t>(value)));
+  };
+  const std::pair<sandglass_transfer, double (*)(double)> k_codes[] = {
+      {SANDGLASS_TRANSFER_SRGB,
+       [](double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055; }},
+      {SANDGLASS_TRANSFER_LINEAR, [](double x) { return x; }},
+      {SANDGLASS_TRANSFER_HLG,
+       [](double x) {  // white, 1, is 0.75
+         const double e = x * (std::exp((0.75 - 0.55991073) / 0.17883277) + 0.28466892) / 12;
+         return e <= 1.0 / 12 ? std::sqrt(3 * e) : 0.17883277 * std::log(12 * e - 0.28466892) + 0.55991073;
+       }},
+      {SANDGLASS_TRANSFER_PQ, [](double x) {
+         const double y = std::pow(x * 203 / 10000, 2610.0 / 16384);
+         return std::pow((3424.0 / 4096 + 2413.0 / 128 * y) / (1 + 2392.0 / 128 * y), 2523.0 / 32);
+       }}};
+  for (const auto& [transfer, code] : k_codes) {
+    image.transfer = transfer;
+    for (int value = 0; value < 256; ++value) EXPECT_NEAR(code(light_of(value)), value / 255.0, 2e-6) << transfer;
+  }
+  // Below its first point a curve is its first light, above its last its last.
+  const float curve[] = {0.05f, 0.2f, 0.1f, 0.6f, 0.5f, 0.6f, 0.9f, 0.8f};
+  image.transfer = SANDGLASS_TRANSFER_CURVE, image.curve = curve, image.curve_points = 4;
+  const std::pair<int, double> k_points[] = {
+      {0, 0.05}, {51, 0.05}, {102, 0.075}, {153, 0.1}, {178, 0.5 + 0.4 * 25 / 51}, {230, 0.9}};
+  for (const auto& [value, light] : k_points) EXPECT_NEAR(light_of(value), light, 1e-6);
+}
+
+// The network was trained on sRGB: it sees the sRGB value nearest to the light, and white beyond it.
+TEST(CameraImage, TheNetworkSeesSrgb) {
+  CameraImage image = Camera(SANDGLASS_CAMERA_RGB, 8, 8, 0, 1).image;
+  for (const sandglass_transfer transfer : {SANDGLASS_TRANSFER_LINEAR, SANDGLASS_TRANSFER_HLG, SANDGLASS_TRANSFER_PQ}) {
+    image.transfer = transfer;
+    for (int value = 0; value < 256; ++value) {
+      const auto code = static_cast<uint8_t>(value);
+      uint8_t seen = code;
+      camera_to_srgb(image, &seen, 1);
+      const auto light = static_cast<double>(std::min(1.0f, camera_light(image, camera_light_table(image), code)));
+      const auto off = [&](int byte) { return std::fabs(srgb_light(static_cast<uint8_t>(byte)) - light); };
+      EXPECT_LE(off(seen), off(seen > 0 ? seen - 1 : 0) + 1e-7);
+      EXPECT_LE(off(seen), off(seen < 255 ? seen + 1 : 255) + 1e-7);
+    }
+  }
 }
 
 // A phone held straight down trembles: up is hardly anywhere in its image. It keeps the turn that it had; the control takes

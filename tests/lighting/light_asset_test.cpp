@@ -97,6 +97,10 @@ TEST(LightAsset, OtherKindsGetTheirSentence) {
   const char* reason = nullptr;
   EXPECT_NE(sandglass_shadow_inspect(light.data(), light.bytes, &info, &reason), SANDGLASS_OK);
   EXPECT_NE(std::string(reason).find("not a baked shadow"), std::string::npos) << reason;
+  const std::string pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n";
+  EXPECT_NE(open(AssetFile(std::vector<uint8_t>(pointer.begin(), pointer.end())), pointer.size(), &sentence),
+            SANDGLASS_OK);
+  EXPECT_NE(sentence.find("Git LFS pointer"), std::string::npos) << sentence;
   EXPECT_NE(open_light_asset(nullptr, 100, nullptr, nullptr), SANDGLASS_OK);
   EXPECT_NE(open_light_asset(light.data() + 1, light.bytes - 1, nullptr, nullptr), SANDGLASS_OK);
 }

@@ -292,6 +292,51 @@ TEST(Probe, HarmonicsComeBackAndTheMainLightWithThem) {
   EXPECT_EQ(light_of(other).irradiance[1], again.irradiance[1]);
 }
 
+// The main light that is told is far: at every place it comes from there, also from the zenith, with all of its light
+// (a lamp at `radius` would be seen 18 degrees off from 1 m away, and the middle of a part lies 5.6 beside the zenith),
+// from a room that is saved and turned, too. What the camera has seen there is the camera's.
+TEST(Probe, TheMainLightBesideHarmonicsIsFar) {
+  for (const Direction to : {Direction{0, 1, 0}, k_lamp, towards(200, 20)}) {
+    sandglass_harmonics h = cpp::harmonics();
+    h.kind = SANDGLASS_HARMONICS_AMBIENT;
+    const double toward[3] = {to.x, to.y, to.z}, ambient = 0.5;
+    for (int c = 0; c < 3; ++c) {
+      h.main_direction[c] = static_cast<float>(toward[c]);
+      h.sh[c] = static_cast<float>(ambient / 0.282095);
+      h.main_irradiance[c] = 1.5f;
+    }
+    cpp::Room room = room_with_probe(), restored = room_with_probe();
+    ASSERT_TRUE(takes(room, h));
+    std::vector<std::byte> saved;
+    ASSERT_TRUE(room.save(&saved));
+    ASSERT_TRUE(restored.restore(saved));
+    EXPECT_EQ(restored.hash(), room.hash());
+    for (const cpp::Room* of : {&room, &restored})
+      for (const float x : {0.0f, 1.0f, 2.0f}) {
+        const float place[3] = {x, 0, 0};
+        const sandglass_room_light light = of->light_at(place);
+        EXPECT_LT(angle_deg(main_of(light), to), 0.5) << x;
+        EXPECT_NEAR(light.main_share * light.irradiance[1], 1.5 * to.y, 0.03 * 1.5) << x;
+        EXPECT_NEAR(light.irradiance[1], ambient * std::numbers::pi + 1.5 * to.y, 0.03) << x;
+        EXPECT_EQ(light.valid, 1u);
+      }
+    const float quarter[4] = {0, std::numbers::sqrt2_v<float> / 2, 0, std::numbers::sqrt2_v<float> / 2}, none[3] = {};
+    ASSERT_EQ(sandglass_room_move(room.get(), quarter, none, nullptr), SANDGLASS_OK);
+    EXPECT_LT(angle_deg(main_of(light_of(room)), Direction{to.z, to.y, -to.x}), 0.5);
+    // A camera that looks around and sees no lamp.
+    for (int i = 0; i < 36; ++i) {
+      const Photograph dark = photograph([&](Direction) { return ambient; }, 30 * i,
+                                         i < 12   ? 10
+                                         : i < 24 ? 50
+                                                  : 85,
+                                         1, static_cast<uint64_t>(i + 1) * 200'000'000);
+      int32_t taken = 0;
+      ASSERT_EQ(sandglass_room_set_image(room.get(), &dark.image, &taken, nullptr), SANDGLASS_OK);
+    }
+    EXPECT_LT(light_of(room).main_share, 0.02f);
+  }
+}
+
 // In work units of a frame, as in one call: the same bytes, and the governor knows of them.
 TEST(Probe, AFrameReadsItInUnits) {
   const cpp::Room whole = room_with_probe(), in_units = room_with_probe();
@@ -372,6 +417,50 @@ TEST(Probe, WhatIsNoCubeIsRefused) {
   }
   ASSERT_TRUE(takes(room, odd.cube));
   for (const float q : light_of(room).cells) EXPECT_TRUE(std::isfinite(q));
+}
+
+// One texel of 6144 that no cube can hold: the room's light stays what it is, to what that texel's part may add, and it
+// says that it is clipped. As a number of 65000 it would be 200 times as bright, which the control shows.
+TEST(Probe, ATexelBeyondTheRangeIsClampedAndSaid) {
+  const auto lit = [](float value, sandglass_cube_format format) {
+    const cpp::Room room = room_with_probe();
+    Cube made = cube_of(lamp_room(k_lamp, 8, 30), format, 32);
+    uint8_t* texel = made.bytes[2].data() + 10 * static_cast<uint32_t>(made.cube.stride);
+    const uint16_t half = std::isinf(value) ? 0x7c00 : std::isnan(value) ? 0x7e01 : half_of(value);
+    for (size_t c = 0; c < 3; ++c) {
+      if (format == SANDGLASS_CUBE_RGBA16F) std::memcpy(texel + 8 * 20 + 2 * c, &half, 2);
+      else std::memcpy(texel + 12 * 20 + 4 * c, &value, 4);
+    }
+    EXPECT_TRUE(takes(room, made.cube));
+    return light_of(room);
+  };
+  for (const sandglass_cube_format format : {SANDGLASS_CUBE_RGB32F, SANDGLASS_CUBE_RGBA16F}) {
+    const sandglass_room_light as_it_is = lit(0.2f, format);
+    EXPECT_EQ(as_it_is.clipped, 0);
+    for (const float beyond : {INFINITY, 65504.0f, 1e30f}) {
+      if (format == SANDGLASS_CUBE_RGBA16F && beyond > 1e6f && !std::isinf(beyond)) continue;
+      const sandglass_room_light light = lit(beyond, format);
+      EXPECT_NEAR(light.irradiance[1] / as_it_is.irradiance[1], 1, 0.03) << beyond;
+      EXPECT_NEAR(light.main_share, as_it_is.main_share, 0.03) << beyond;
+      EXPECT_LT(angle_deg(main_of(light), main_of(as_it_is)), 2) << beyond;
+      EXPECT_GT(light.clipped, 0) << beyond;
+    }
+    EXPECT_NEAR(lit(NAN, format).irradiance[1] / as_it_is.irradiance[1], 1, 0.01);
+    EXPECT_GT(lit(64000, format).irradiance[1] / as_it_is.irradiance[1], 20) << "a number that may be told";
+  }
+  // None at all, and the room is what it was without.
+  const cpp::Room room = room_with_probe();
+  for (const float value : {NAN, INFINITY}) {
+    Cube none = cube_of(lamp_room(k_lamp, 8, 30), SANDGLASS_CUBE_RGB32F, 16);
+    for (auto& face : none.bytes)
+      for (size_t at = 0; at + 4 <= face.size(); at += 4) std::memcpy(face.data() + at, &value, 4);
+    const char* reason = nullptr;
+    EXPECT_FALSE(takes(room, none.cube, &reason));
+    EXPECT_NE(std::string(reason).find("no texel"), std::string::npos);
+    EXPECT_EQ(light_of(room).irradiance[1], light_of(room_with_probe()).irradiance[1]);
+    Cube black = cube_of([](Direction) { return 0.0; }, SANDGLASS_CUBE_RGB32F, 16);
+    EXPECT_TRUE(takes(room, black.cube)) << "the control: a dark room is one";
+  }
 }
 
 }  // namespace

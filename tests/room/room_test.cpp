@@ -216,6 +216,33 @@ TEST(RoomLight, AnswersInTheScaleOfTheLastImage) {
   EXPECT_NEAR(room.light().irradiance[1], 2 * before, 0.02f * before);
 }
 
+// What is told of how a camera codes its light is undone. Untold, it is taken for sRGB.
+TEST(RoomLight, IsTheSameByAToneCurve) {
+  static const float k_tone[] = {0, 0, 0.05f, 0.3f, 0.2f, 0.6f, 0.6f, 0.9f, 1, 1};  // light, value
+  const Radiance radiance = lamp_room(towards(0, 40), 20, 0.9);
+  const auto level = [&](bool toned, bool told) {
+    MadeUpRoom room;
+    for (int azimuth = 0; azimuth < 360; azimuth += 30) {
+      Photograph p =
+          photograph(radiance, azimuth, 20, 1.0, 1'000'000'000ull + static_cast<uint64_t>(azimuth) * 10'000'000);
+      for (uint8_t& byte : p.bytes) {
+        const double c = byte / 255.0, light = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+        const float* at = k_tone;
+        while (light > static_cast<double>(at[2])) at += 2;
+        const double along = (light - static_cast<double>(at[0])) / static_cast<double>(at[2] - at[0]);
+        const double value = static_cast<double>(at[1]) + along * static_cast<double>(at[3] - at[1]);
+        if (toned) byte = static_cast<uint8_t>(std::lround(255 * value));
+      }
+      if (told) p.image.transfer = SANDGLASS_TRANSFER_CURVE, p.image.curve = k_tone, p.image.curve_points = 5;
+      room.show(p.image);
+    }
+    return static_cast<double>(room.light().irradiance[1]);
+  };
+  const double truth = level(false, false);
+  EXPECT_NEAR(level(true, true) / truth, 1, 0.02);
+  EXPECT_GT(std::fabs(level(true, false) / truth - 1), 0.1);  // the control
+}
+
 // White pixels hide a lamp; a short exposure shows it, and a long one after that does not hide it again.
 TEST(RoomLight, AShortExposureShowsWhatWasClipped) {
   const Direction lamp = middle_of_part(0, 17);

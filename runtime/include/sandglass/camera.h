@@ -16,7 +16,7 @@ extern "C" {
 
 /* How the bytes of an image are laid out.
  *
- * RGB, RGBA and BGRA: one plane, sRGB. NV12 and NV21: luma, then pairs of chroma at half resolution, U first in NV12, V
+ * RGB, RGBA and BGRA: one plane. NV12 and NV21: luma, then pairs of chroma at half resolution, U first in NV12, V
  * first in NV21. I420: luma, U, V. P010: NV12 in numbers of 16 bits, of which the upper ten count; only the upper eight
  * are read.
  *
@@ -33,14 +33,29 @@ enum {
   SANDGLASS_CAMERA_P010 = 6
 };
 
-/* How luma and chroma become RGB: by ITU-R BT.601 or BT.709, with luma over 0..255 (FULL) or over 16..235 (VIDEO).
- * Android's cameras give FULL_601. iOS names its matrix in the attachments of the pixel buffer. */
+/* How luma and chroma become RGB: by ITU-R BT.601, BT.709 or BT.2020, with luma over 0..255 (FULL) or over 16..235
+ * (VIDEO). Android's cameras give FULL_601. iOS names its matrix in the attachments of the pixel buffer. */
 typedef int32_t sandglass_yuv_range;
 enum {
   SANDGLASS_YUV_FULL_601 = 0,
   SANDGLASS_YUV_VIDEO_601 = 1,
   SANDGLASS_YUV_FULL_709 = 2,
-  SANDGLASS_YUV_VIDEO_709 = 3
+  SANDGLASS_YUV_VIDEO_709 = 3,
+  SANDGLASS_YUV_FULL_2020 = 4,
+  SANDGLASS_YUV_VIDEO_2020 = 5
+};
+
+/* What the values of R, G and B, 0..1, mean: the linear light of a value, in units of the reference white. sRGB; the
+ * value itself; HLG and PQ of ITU-R BT.2100, whose reference white is 75 % of HLG and 203 cd/m^2, and which show up to
+ * 3.8 and 49 times as much; or `curve`. iOS names it in the attachments of the pixel buffer. The colours of BT.2020
+ * are taken for those of BT.709. */
+typedef int32_t sandglass_transfer;
+enum {
+  SANDGLASS_TRANSFER_SRGB = 0,
+  SANDGLASS_TRANSFER_LINEAR = 1,
+  SANDGLASS_TRANSFER_HLG = 2,
+  SANDGLASS_TRANSFER_PQ = 3,
+  SANDGLASS_TRANSFER_CURVE = 4
 };
 
 /* A `turn_deg` that lets the library choose the quarter turn by which the world's up comes nearest to the image's up.
@@ -89,10 +104,22 @@ typedef struct sandglass_camera_image {
    * is proportional to it. ARCore: SENSOR_EXPOSURE_TIME * 1e-9 * SENSOR_SENSITIVITY / 100. ARKit: exposureDuration
    * times the ISO of the frame's EXIF data / 100. 0: unknown. Only room.h reads it. */
   float exposure;
+  /* What the values mean. Default: sRGB. */
+  sandglass_transfer transfer;
+  /* With SANDGLASS_TRANSFER_CURVE the points of `curve`, 2..32; else 0. */
+  uint32_t curve_points;
+  /* Pairs of linear light and value, each 0..1 and never below the one before, the last above the first; straight in
+   * between. Camera2's TonemapCurve.copyColorCurve writes such pairs. Read in the call or the frame that the image is
+   * passed to. */
+  const float* curve;
+  /* White balance: what the camera multiplied linear red, green and blue by, each 1/16..16. ARCore: numbers 0, 1 and 3 of
+   * COLOR_CORRECTION_GAINS. AVFoundation: deviceWhiteBalanceGains. Only ratios from image to image count. 0, 0, 0:
+   * unknown; then room.h finds how it moves. Only room.h reads it. */
+  float gains[3];
 } sandglass_camera_image;
 
 /* Fills *image with the defaults: RGB, no planes, the turn from the pose, no rotation, BT.601 over 0..255, at the origin,
- * exposure unknown. */
+ * exposure and gains unknown. */
 SANDGLASS_API void sandglass_camera_image_default(sandglass_camera_image* image);
 
 /* The focal length, in pixels, of a camera of which only the field of view across the diagonal is known (2.15). The
@@ -108,7 +135,7 @@ SANDGLASS_API int32_t sandglass_camera_orientation(const float matrix[16], float
 /* Whether the library can use an image. Fails with INVALID_ARGUMENT, and says which of these it is: an unknown format
  * or range, a side that is too short or too long, an odd side in YUV, a missing plane, a stride shorter than its row,
  * an unknown turn, a principal point outside the image or at (0, 0), which is where it is left out or normalised,
- * intrinsics or a pose that are not finite. */
+ * intrinsics or a pose that are not finite, an exposure, a transfer or gains out of range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_camera_check(const sandglass_camera_image* image,
                                                                           const char** reason);
 

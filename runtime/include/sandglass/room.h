@@ -20,6 +20,9 @@
  * where the system tells it. Where it is 0, the library finds it from what the image shows again of what was seen
  * before. It may come late, and be missing now and then. sandglass_room_exposure says how bright to draw over an image.
  *
+ * White balance. A camera that adapts shows a warm room and a cold one alike. What is drawn follows the picture: by
+ * sandglass_camera_image.gains where the system tells them, else by the hue of what an image shows again.
+ *
  * Clipped pixels hide how bright a lamp is. sandglass_room_light.clipped says what share of the light comes from there,
  * as far as one can tell: little may hide a strong lamp. An app that can set its camera (AVFoundation, Camera2,
  * ARCore's shared camera) helps most by one image that is exposed for `short_exposure` times as long, when desc.interval
@@ -27,10 +30,15 @@
  * the screen. Lamps that pulse flicker in it: an exposure of a pulse, 1/100 or 1/120 s, through less gain, does not.
  *
  * Light that changes. What the camera sees again is learned within a few images. Where two thirds of that have become
- * brighter or darker by half and the app tells the exposure, the light of the whole room is taken to have changed as
- * much. So the level follows at once, also of what is out of the picture, and returns with the light; from where the
- * light comes is learned when the camera looks there. An image that is black or clipped almost everywhere teaches
- * nothing; one that no change of light explains, such as a finger over the lens, nothing for 2.5 seconds.
+ * brighter or darker by half, or all by a quarter, and the app tells the exposure, the light of the whole room is taken
+ * to have changed as much. So the level follows at once, also of what is out of the picture, and returns with the
+ * light; from where the light comes is learned when the camera looks there. An image that is black or clipped almost
+ * everywhere teaches nothing; one that no change of light explains, such as a finger over the lens, or that is a
+ * twentieth or twenty times as bright, nothing for 2.5 seconds.
+ *
+ * Another room. Where images of which nothing is learned have a room's detail, and are three times as bright or as dark
+ * as known, or the camera has gone farther than `radius` from where the room began, they bound the level. After half a
+ * second of it so far away the old room is forgotten.
  *
  * Radiance is in the camera's scale: 1 is what the last image shows as white, in linear light.
  *
@@ -51,7 +59,9 @@ extern "C" {
 typedef struct sandglass_room_desc {
   uint32_t struct_size;
   /* Metres, 0.1..1000: how far the walls are from the place of the session, roughly. What is seen counts as being that
-   * far away, so that it can be moved to where an object stands. Default: 3. */
+   * far away, so that it can be moved to where an object stands. When the camera goes farther it is another room, or a
+   * larger one: from then on the camera's place is the middle, and walls are four times as far away, up to 1000 m.
+   * Default: 3. */
   float radius;
   /* Seconds, 1..1e6: what was seen counts half after so long, because light changes. Default: 180. */
   float half_life;
@@ -116,7 +126,9 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_image(sand
  * 0: unknown. Then it is found from the parts that both camera and probe show; without camera images the value 1 is
  * white. The white balance of the probe is brought to that of the camera in the same way, by up to a factor of 2. */
 
-/* How the texels of a cube are stored: bytes in sRGB, or linear numbers of 0..65000. RGBA16F: halves. */
+/* How the texels of a cube are stored: bytes in sRGB, or linear numbers of 0..65000. RGBA16F: halves. A number above,
+ * or infinity, is light that the cube cannot hold: it counts as the brightest about it, and as clipped
+ * (sandglass_room_light.clipped). One below counts as 0, and what is NaN is left out. */
 typedef int32_t sandglass_cube_format;
 enum {
   SANDGLASS_CUBE_RGBA8 = 0,
@@ -158,8 +170,9 @@ typedef struct sandglass_cube {
 SANDGLASS_API void sandglass_cube_default(sandglass_cube* cube);
 
 /* Takes a cube in. NULL: forgets the probe. Bytes are read at 9 points of each of the 512 parts, linear texels at as many
- * as hardly leave one out, at most 169. Fails with INVALID_ARGUMENT: a room without `probe`, or a field of *cube that is
- * out of range. */
+ * as hardly leave one out, at most 169. Fails with INVALID_ARGUMENT: a room without `probe`, a field of *cube that is
+ * out of range, or no texel that is a number of 0..65000; there is no probe then, and with `in_frame` none after the
+ * frame. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_set_cube(sandglass_room* room,
                                                                            const sandglass_cube* cube,
                                                                            const char** reason);
@@ -175,7 +188,8 @@ typedef struct sandglass_harmonics {
   sandglass_harmonics_kind kind;
   /* Radiance, world, laid out like sandglass_light_estimate.sh; see `with_phase`. */
   float sh[27];
-  /* Of AMBIENT: world, towards the main light. */
+  /* Of AMBIENT: world, towards the main light, which is far: it comes from there at every place, until the camera has
+   * seen it. 0, 0, 0: there is none. */
   float main_direction[3];
   /* Of AMBIENT: the irradiance of a surface that faces the main light, linear RGB. */
   float main_irradiance[3];
@@ -214,7 +228,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_move(sandglass
 /* The light at one place. */
 typedef struct sandglass_room_light {
   uint32_t struct_size;
-  /* 0: no image was taken in yet, and all is what is usual. */
+  /* 0: neither an image nor a cube or harmonics were taken in yet, and all is what is usual. */
   uint32_t valid;
   /* The share of a level floor's irradiance that comes from each cell (types.h); all are 1 together. */
   float cells[SANDGLASS_LIGHT_CELLS];
@@ -245,7 +259,8 @@ typedef struct sandglass_room_light {
   /* World, unit vector: where looking would tell most. */
   float look[3];
   /* What to multiply the exposure of one image by, so that it tells how bright what is clipped before the camera now is:
-   * 1/64, and where that was not short enough down to 1/4096. 1: there is no need, or no exposure was told. */
+   * 1/64, and where that was not short enough 1/4096 or 1/262144. A lamp of unknown size is asked for, too, twelve times
+   * at most. 1: there is no need, or no exposure was told. */
   float short_exposure;
   /* The radiance that the last image shows as white, in the room's own unit, which no exposure changes. irradiance and
    * sh times this may be compared from image to image. A short exposure for lamps does not count as the last image. */
@@ -255,6 +270,15 @@ typedef struct sandglass_room_light {
   /* A number for the room's own unit: another one after sandglass_room_reset, after sandglass_room_restore, and after
    * the first exposure that was told. */
   uint32_t unit;
+  /* How large the main light is from there, radians, 0..1.5: what sandglass_cast_set_light takes. It is measured in
+   * images that show the light whole and not clipped, as one of `short_exposure` does, or clipped amid black. 0: not
+   * known yet, and the cast takes its usual size. */
+  float main_angular_diameter;
+  /* By how much that may be off, radians: half a pixel of the images, and how far they differ. */
+  float main_angular_error;
+  /* The white balance of the last image beside that of the first one, red, green and blue, all above 0. Every colour here
+   * has it, as the picture has. A colour over it may be compared from image to image. */
+  float balance[3];
 } sandglass_room_light;
 
 /* Where the light is asked for. */
