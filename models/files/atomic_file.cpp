@@ -160,6 +160,8 @@ std::string read_file(const std::string& path, const std::string& kind, uint64_t
     content.append(buffer, static_cast<size_t>(got));
     if (content.size() > limit) throw too_large();  // the file grows, or does not tell its size
   }
+  if (content.starts_with(k_lfs_pointer))
+    throw fail("it is a Git LFS pointer, not the file itself", "Fetch that with git lfs pull");
   return content;
 }
 

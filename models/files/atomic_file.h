@@ -41,6 +41,9 @@ class UnfinishedFile {
 constexpr uint64_t k_text_limit = uint64_t{16} << 20, k_asset_limit = uint64_t{256} << 20,
                    k_file_limit = uint64_t{1} << 30;
 
+// What a checkout without Git LFS holds instead of a large file begins so; read_file refuses it.
+constexpr std::string_view k_lfs_pointer = "version https://git-lfs.github.com/spec/";
+
 // Reads the whole file. Throws a Failure that names it. `kind` is what the file should be, for example "scene". Only
 // ordinary files of at most `limit` bytes are read: no pipe, device or folder.
 std::string read_file(const std::string& path, const std::string& kind, uint64_t limit = k_file_limit);

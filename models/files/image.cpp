@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
+#include "models/files/picture_colour.h"
 #include "models/files/picture_head.h"
 
 // Zeros, so that what a damaged file leaves out is the same every time, and nothing that the program had in memory.
@@ -217,8 +219,8 @@ static void fill_palette(const PictureHead& head, std::string* file) {
 
 // Cameras leave bytes between a picture's data and its end, and stb stops at the first 0xFF among them. They are made
 // zeros, up to the next marker that a picture may have there, and it reads again. PNGs that Xcode made have red and blue
-// exchanged and colours multiplied by their alpha, unless stb is asked to look.
-static uint8_t* decoded(const PictureHead& head, std::string* content, int* width, int* height) {
+// exchanged and colours multiplied by their alpha, unless stb is asked to look. `deep`: with 16 bits a number.
+static void* decoded(const PictureHead& head, bool deep, std::string* content, int* width, int* height) {
   constexpr uint64_t k_attempts = 16, k_pixels = 1u << 27;  // of all attempts but the first: as many as one picture has
   const uint64_t pixels_of_one = uint64_t{head.width} * head.height;
   constexpr std::string_view k_markers = "\xC4\xD9\xDA\xDB\xDD\xFE";  // tables, end, scan, tables, interval, comment
@@ -228,7 +230,8 @@ static uint8_t* decoded(const PictureHead& head, std::string* content, int* widt
     int channels = 0;
     stbi__context context;
     stbi__start_mem(&context, reinterpret_cast<const uint8_t*>(content->data()), static_cast<int>(content->size()));
-    uint8_t* pixels = stbi__load_and_postprocess_8bit(&context, width, height, &channels, 3);
+    void* pixels = deep ? static_cast<void*>(stbi__load_and_postprocess_16bit(&context, width, height, &channels, 3))
+                        : stbi__load_and_postprocess_8bit(&context, width, height, &channels, 3);
     if (pixels != nullptr || std::strcmp(stbi_failure_reason(), "unknown marker") != 0) return pixels;
     const size_t at = static_cast<size_t>(context.img_buffer - context.img_buffer_original) - 2;
     size_t next = at + 2;
@@ -244,17 +247,32 @@ static uint8_t* decoded(const PictureHead& head, std::string* content, int* widt
   return nullptr;
 }
 
+// A PNG packs its profile, behind a name, a zero and the number of the method. Those that picture_colour() knows are
+// far smaller than what is unpacked here at most.
+static PictureColour colour_of(const PictureHead& head) {
+  constexpr size_t k_longest = 1 << 16;
+  if (head.kind != PictureHead::Kind::png || head.icc.empty()) return picture_colour(head, head.icc);
+  const std::string_view packed = head.icc.substr(std::min(head.icc.find('\0') + 2, head.icc.size()));
+  std::string icc(k_longest, '\0');
+  const int size =
+      stbi_zlib_decode_buffer(icc.data(), static_cast<int>(icc.size()), packed.data(), static_cast<int>(packed.size()));
+  return picture_colour(head, std::string_view(icc).substr(0, static_cast<size_t>(std::max(size, 0))));
+}
+
 Picture read_picture(const std::string& path) {
   std::string content = read_file(path, "picture", k_asset_limit);
   const PictureHead head = picture_head(content);
   expect_readable(head, path);
+  const PictureColour colour = colour_of(head);
   fill_palette(head, &content);
   Picture picture;
-  uint8_t* pixels = decoded(head, &content, &picture.width, &picture.height);
+  void* pixels = decoded(head, !colour.is_srgb(), &content, &picture.width, &picture.height);
   if (pixels == nullptr) throw cannot("read", path, "it is cut off or damaged", "Copy or export it again");
-  const size_t bytes = 3 * static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
-  picture.rgb.assign(pixels, pixels + bytes);
+  const size_t numbers = 3 * static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
+  if (colour.is_srgb()) picture.rgb.assign(static_cast<uint8_t*>(pixels), static_cast<uint8_t*>(pixels) + numbers);
+  else picture.rgb = srgb_bytes({static_cast<uint16_t*>(pixels), numbers}, colour);
   std::free(pixels);
+  if (colour.remark != nullptr) std::fprintf(stderr, "sandglass: note: \"%s\": %s.\n", path.c_str(), colour.remark);
   return upright(std::move(picture), head.orientation);
 }
 

@@ -47,7 +47,8 @@ Picture picture_grid(std::span<const Picture> pictures, int columns, int gap);
 Picture scaled(const Picture& picture, int width, int height);
 
 // Reads a PNG or JPEG picture as 8-bit sRGB, upright: EXIF says how the camera was held. Grey becomes colour, and 16 bits
-// become 8. A Failure names the file and what it is instead.
+// become 8. Display P3 and what a PNG says of its colours are converted; of another profile a note on stderr says that
+// it is not. A Failure names the file and what it is instead.
 Picture read_picture(const std::string& path);
 // The same for an image of a data set, which has 256 x 192 pixels. Throws a Failure for any other size.
 Picture read_excerpt(const std::string& path);

@@ -1,6 +1,7 @@
 // Every length in the file may lie, so each access is checked.
 #include "models/files/picture_head.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -48,7 +49,13 @@ void read_png(std::string_view file, PictureHead* head) {
     if (kind == "IHDR")
       head->width = b.number(at + 8, 4), head->height = b.number(at + 12, 4), head->bits = b.number(at + 16, 1);
     if (kind == "PLTE" && length > 0 && length % 3 == 0) head->palette = at + 8, head->colours = length / 3;
-    if (kind == "eXIf") head->orientation = orientation_of(file.substr(at + 8, length));
+    const std::string_view content = file.substr(at + 8, length);
+    if (kind == "eXIf") head->orientation = orientation_of(content);
+    if (kind == "cICP") head->cicp = content;
+    if (kind == "iCCP") head->icc = content;
+    if (kind == "gAMA") head->gamma = content;
+    if (kind == "cHRM") head->chromaticities = content;
+    if (kind == "sRGB") head->says_srgb = true;
     at += 12 + size_t{length};
   }
 }
@@ -98,11 +105,14 @@ void read_scan(std::string_view content, Jpeg* jpeg) {
 void read_segment(uint32_t marker, std::string_view file, size_t size, Jpeg* jpeg) {
   constexpr uint32_t k_exif = 0xE1, k_first_frame = 0xC0, k_last_frame = 0xCF, k_progressive = 0xC2, k_tables = 0xC4,
                      k_scan = 0xDA;
-  constexpr std::string_view k_exif_name("Exif\0\0", 6);
+  constexpr uint32_t k_profile = 0xE2;
+  constexpr std::string_view k_exif_name("Exif\0\0", 6), k_profile_name("ICC_PROFILE\0", 12);
   const std::string_view content = file.substr(0, size);
   PictureHead* head = jpeg->head;
   if (marker == k_exif && content.starts_with(k_exif_name))
     head->orientation = orientation_of(content.substr(k_exif_name.size()));
+  if (marker == k_profile && content.starts_with(k_profile_name) && head->icc.empty())
+    head->icc = content.substr(std::min(k_profile_name.size() + 2, content.size()));  // two bytes say which part it is
   if (marker == k_tables) read_tables(file, size, jpeg);
   if (marker == k_scan) read_scan(content, jpeg);
   // All markers in the range begin a frame but three: tables, a reserved one, and arithmetic conditioning.

@@ -16,6 +16,10 @@ struct PictureHead {
   // 8 by three quarters; 2, 4, 5 and 7 are mirrored.
   int orientation = 1;
   size_t palette = 0, colours = 0;  // of a PNG: where its palette begins in the file, and how many colours that names
+  // What the file says of its colours, as parts of its bytes; of a PNG the contents of cICP, iCCP, gAMA and cHRM. Of a
+  // JPEG's profile it is the first segment, which holds all of one that picture_colour() knows.
+  std::string_view cicp, icc, gamma, chromaticities;
+  bool says_srgb = false;
   // Null, or what is wrong with a JPEG that stb_image would read: tables of codes that it would write behind its own, or
   // that a scan names and nothing defines; no scan at all.
   const char* damage = nullptr;

@@ -25,7 +25,7 @@ constexpr int k_triangles = 4, k_strip = 5, k_fan = 6;
 // Extensions that a file may require, because they are read here or change nothing that a collider or a shadow is of.
 bool is_known(const std::string& name) {
   constexpr const char* k_read[] = {"KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing",
-                                    "KHR_draco_mesh_compression"};
+                                    "KHR_draco_mesh_compression", "KHR_node_visibility"};
   constexpr const char* k_appearance[] = {
       "KHR_texture_transform", "KHR_texture_basisu", "KHR_lights_punctual", "KHR_animation_pointer",
       "KHR_xmp_json_ld",       "EXT_texture_webp",   "EXT_texture_avif",    "EXT_texture_astc",
@@ -670,6 +670,13 @@ class Gltf {
       open.pop_back();
       if (is_done[node]) return fail("has a node that stands in its scene twice");
       is_done[node] = true;
+      if (const Json* shown = find((*find(file_, "nodes"))[node], "KHR_node_visibility", "visible"); shown != nullptr) {
+        if (!shown->is_boolean()) return fail("has a \"visible\" that is neither true nor false");
+        if (!shown->get<bool>()) {  // nor is what stands below it
+          ++mesh_.left_out["hidden nodes"];
+          continue;
+        }
+      }
       if (!add_node(node)) return false;
       std::vector<size_t> children;
       nodes_of((*find(file_, "nodes"))[node], "children", &children);

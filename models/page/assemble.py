@@ -2,13 +2,17 @@
 """Puts the page into one file: python3 assemble.py NPM_FOLDER PAGE_FOLDER SCENE_JSON OUTPUT
 
 The modules are joined in the order of their imports, without import and export, into the page's one script. The
-library, compressed, without and with threads, and the scene go in as text. The page then needs nothing but itself."""
+library, compressed, and the scene go in as text. The page then needs nothing but itself; the library with threads, which
+a page asks for where a server lets it run them, is put beside it."""
 import base64
 import json
 import pathlib
 import re
+import shutil
 import sys
 import zlib
+
+THREADS = "sandglass-threads.wasm"
 
 
 def joined(paths):
@@ -32,8 +36,7 @@ def joined(paths):
 def main():
     npm, parts, scene, output = map(pathlib.Path, sys.argv[1:])
     here = pathlib.Path(__file__).parent
-    modules = {"k_module": npm / "sandglass.wasm", "k_module_threads": npm / "sandglass-threads.wasm", "k_mesh_module": parts / "mesh_reader.wasm",
-               "k_block_module": parts / "sand_block.wasm"}
+    modules = {"k_module": npm / "sandglass.wasm", "k_mesh_module": parts / "mesh_reader.wasm", "k_block_module": parts / "sand_block.wasm"}
     packed = {name: zlib.compress(file.read_bytes(), 9) for name, file in modules.items()}
     data = "".join(f"const {name} = \"{base64.b64encode(content).decode()}\";\n" for name, content in packed.items())
     data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
@@ -43,6 +46,7 @@ def main():
     if "</script" in (data + script):
         sys.exit("assemble.py: a module holds the end of a script")
     output.write_text(page)
+    shutil.copy(npm / THREADS, output.parent / THREADS)
     print(output.resolve())
 
 

@@ -6,7 +6,7 @@ const k_throat = 0.0125, k_bulb = 0.052, k_half = 0.115;  // radii, and half the
 const k_glass = 0.0025, k_cap = 0.012, k_rim = 0.066;   // its thickness; height and radius of the wood at each end
 const k_pillar = 0.0045, k_pillars = 3;
 const k_around = 48;                                     // corners of a circle
-const k_spacing = 0.0035;
+const k_spacing = 0.0042;
 const k_turn_seconds = 1.2, k_lift = 0.03;               // so that it clears the table while it turns
 const k_slowest = 0.3;                                   // of that, in slow motion
 const k_stands = k_half + k_cap;                         // the neck over the table
@@ -25,11 +25,13 @@ const k_line = Float64Array.from(k_profile.slice(k_half_parts).flat());  // of t
 // What is seen of the stream below: as of a nozzle.
 export const k_neck = { position: [0, k_stands, 0], radius: 1.3 * k_throat, speed: 0.12 };
 
-// How far a place is from the glass, above 0 within. The line is followed from its height on, up and down, while it may be nearer.
+// How far a place is from the glass, above 0 within. The line is followed from its height on, up and down, while it may be nearer
+// than it is there.
 function distance(x, y, z) {
-  const out = Math.hypot(x, z), height = Math.abs(y), last = k_line.length - 2, begin = 2 * Math.min(k_half_parts - 1, Math.floor(height / k_half * k_half_parts));
-  if (height > k_half && out < radius(k_half)) return k_half - height;
-  let square = (k_half - height) ** 2;
+  const out = Math.sqrt(x * x + z * z), height = Math.abs(y), last = k_line.length - 2, part = Math.min(k_half_parts - 1, Math.floor(height / k_half * k_half_parts)), begin = 2 * part;
+  if (height > k_half && out < k_line[last]) return k_half - height;
+  const level = out - k_line[begin] - (height / k_half * k_half_parts - part) * (k_line[begin + 2] - k_line[begin]);
+  let square = Math.min((k_half - height) ** 2, height < k_half ? level ** 2 : Infinity);
   for (let step = 2; step >= -2; step -= 4) for (let i = step > 0 ? begin : begin - 2; i >= 0 && i < last; i += step) {
     const a = k_line[i], b = k_line[i + 1], u = k_line[i + 2] - a, v = k_line[i + 3] - b, right = out - a, above = height - b;
     if ((step > 0 ? above < 0 && above ** 2 : above > v && (above - v) ** 2) > square) break;
@@ -40,10 +42,10 @@ function distance(x, y, z) {
 }
 
 export function hourglassField(sand) {
-  const desc = sand.make("sandglass_field_desc"), [wide, high] = [k_bulb, k_half].map((reach) => k_spacing * Math.ceil(reach / k_spacing + 3));
+  const desc = sand.make("sandglass_field_desc"), [wide, high] = [k_bulb, k_half].map((reach) => k_spacing * Math.ceil(reach / k_spacing + 2));
   sand.sandglass_field_desc_default(desc);
   // It is round, and its nodes lie at multiples of the spacing from the neck: up to sixteen have one distance.
-  const nodes = Math.round(high / k_spacing) + 1, known = new Float32Array(2 * nodes ** 3).fill(NaN);
+  const nodes = Math.round(high / k_spacing) + 2, known = new Float32Array(2 * nodes ** 3).fill(NaN);
   let floats = sand.floats(0, 0);
   const asked = sand.pointer((_, at) => {
     if (floats.length === 0) floats = new Float32Array(sand.memory.buffer);  // it has grown
@@ -70,7 +72,10 @@ export function sandBelow(count, r) {
 // Triangles of a surface of revolution: `line` holds radii and heights, from below.
 function lathed(line, [x0, z0] = [0, 0], corners = k_around) {
   const vertices = [], indices = [], n = line.length;
-  for (let k = 0; k < corners; ++k) for (const [r, y] of line) vertices.push(x0 + r * Math.cos(2 * Math.PI * k / corners), y, z0 - r * Math.sin(2 * Math.PI * k / corners));
+  for (let k = 0; k < corners; ++k) {
+    const cosine = Math.cos(2 * Math.PI * k / corners), sine = Math.sin(2 * Math.PI * k / corners);
+    for (const [r, y] of line) vertices.push(x0 + r * cosine, y, z0 - r * sine);
+  }
   for (let k = 0; k < corners; ++k) for (let i = 0; i + 1 < n; ++i) {
     const a = k * n + i, b = (k + 1) % corners * n + i;
     indices.push(a, b, b + 1, a, b + 1, a + 1);
@@ -86,12 +91,13 @@ function joined(parts) {
 }
 
 function smooth(line) {
-  const normals = [];
-  for (let k = 0; k < k_around; ++k) for (let i = 0; i < line.length; ++i) {
-    const [a, b] = line[Math.max(0, i - 1)], [c, d] = line[Math.min(line.length - 1, i + 1)], l = Math.hypot(c - a, d - b), turn = 2 * Math.PI * k / k_around;
-    normals.push((d - b) / l * Math.cos(turn), (a - c) / l, -(d - b) / l * Math.sin(turn));
+  const { vertices, indices } = lathed(line), n = line.length, normals = new Float32Array(vertices.length);
+  const flat = line.map((_, i) => { const [a, b] = line[Math.max(0, i - 1)], [c, d] = line[Math.min(n - 1, i + 1)], l = Math.hypot(c - a, d - b); return [(d - b) / l, (a - c) / l]; });
+  for (let k = 0, at = 0; k < k_around; ++k) {
+    const cosine = Math.cos(2 * Math.PI * k / k_around), sine = Math.sin(2 * Math.PI * k / k_around);
+    for (const [out, up] of flat) normals[at++] = out * cosine, normals[at++] = up, normals[at++] = -out * sine;
   }
-  return { ...joined([lathed(line)]), normals: Float32Array.from(normals) };
+  return { vertices: Float32Array.from(vertices), indices: Uint32Array.from(indices), normals };
 }
 export const glassMesh = () => smooth(k_profile.filter((_, i) => i % 2 === 0).map(([r, y]) => [r + k_glass, y]));
 // What sand is poured from; its spout ends below the nozzle, where the stream is as narrow as it.

@@ -1,5 +1,6 @@
 // The program's mesh readers as a module of the page: the bytes of a file in, triangles or a sentence out. What
 // meshoptimizer packed is unpacked by its own JavaScript; what Draco packed is refused.
+#include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/mesh/packed.h"
 #include "models/mesh/readers.h"
@@ -32,6 +33,8 @@ EXPORTED("mesh_read") const char* mesh_read(const char* bytes, size_t size, cons
   const MeshFormat format = mesh_format(file);
   FileMesh mesh;
   std::string error = format.is_instead + ". Export it as glTF, OBJ, PLY or STL.";
+  if (file.starts_with(k_lfs_pointer))
+    error = "is a Git LFS pointer, not the file itself. Fetch that with git lfs pull.";
   if (format.kind != MeshFormat::none)
     error = read_mesh(
         format.kind, file, [](const std::string&, std::string*) { return false; }, &mesh);

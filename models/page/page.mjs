@@ -14,7 +14,7 @@ import { Pace } from "./pace.mjs";
 import { fixedRun, k_stages, Pauses } from "./measure.mjs";
 import { listen, play } from "./controls.mjs";
 import { by, say, counted } from "./elements.mjs";
-import { k_module, k_module_threads, k_mesh_module, k_block_module, k_scene } from "./data.mjs";
+import { k_module, k_mesh_module, k_block_module, k_scene } from "./data.mjs";
 
 const k_step = k_scene.frame_step, k_radius = k_scene.granular.particle_radius;
 const k_pour = { radius: 4 * k_radius, speed: 0.8 };
@@ -200,7 +200,7 @@ class Page {
     if (!seen && painter.roomKnown) painter.roomKnown = 0, this.room.images = 0;
     // Where the light from all around comes from: the sky of the sliders is even.
     const cells = seen ? Float32Array.from(stage.light.ambient_cells) : new Float32Array(constants.SANDGLASS_LIGHT_CELLS).fill(1);
-    stage.shade(light.toLight, cellsOfTable(cells, painter.tableOfRoom));
+    stage.shade(light.toLight, cellsOfTable(cells, painter.tableOfRoom), light === seen ? stage.light.main_angular_diameter : 0);
     if (!painter.wall) return;
     const table = this.real?.table ?? [0, 0, 0], { at, y, x } = painter.wall;
     sand.floats(stage.words, cells.length).set(seen ? this.room.cellsOfWall(at.map((c, i) => c + table[i]), y, x) : cells);
@@ -557,11 +557,11 @@ class Page {
 
 const inflated = (text) => new Response(new Blob([unpacked(text, Uint8Array)]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
 
-// The library, with a pool where browsers let memory be shared: on a page that is cross-origin isolated. No results
-// depend on it. What fails with threads may do without.
+// The library, with a pool where browsers let memory be shared, on a page that is cross-origin isolated, and its module lies
+// beside the page. No results depend on it. What fails with threads may do without.
 async function loaded() {
   const threads = globalThis.crossOriginIsolated ? Math.min(k_threads_at_most, navigator.hardwareConcurrency) : 1;
-  const pooled = threads > 1 ? await load(await inflated(k_module_threads), { threads }).catch(() => null) : null;
+  const pooled = threads > 1 ? await load("sandglass-threads.wasm", { threads }).catch(() => null) : null;
   return pooled ?? load(await inflated(k_module));
 }
 

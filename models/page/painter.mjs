@@ -25,15 +25,15 @@ float hidden(vec3 place) {
   float sum = 0.0;
   for (int i = 0; i < 4; ++i) {
     ivec2 corner = ivec2(i & 1, i >> 1);
-    float real = texelFetch(real_depth, clamp(ivec2(floor(at)) + corner, ivec2(0), size - 1), 0).r, share = real * gl_FragCoord.w;
-    float from_wall = mix(dot(wall, vec4(eye, 1)), dot(wall, vec4(place, 1)), share);
-    float before = min((1.0 - share) / gl_FragCoord.w, min(mix(eye.y, place.y, share), from_wall));
+    float real = texelFetch(real_depth, clamp(ivec2(floor(at)) + corner, ivec2(0), size - 1), 0).r;
+    float drawn = 1.0 / gl_FragCoord.w, eye_from_wall = dot(wall, vec4(eye, 1)), from_wall = dot(wall, vec4(place, 1));
+    float before = min(sandglass_before(real, drawn, eye.y, place.y, bias), sandglass_before(real, drawn, eye_from_wall, from_wall, bias));
     vec2 weight = mix(1.0 - part, part, vec2(corner));
     sum += weight.x * weight.y * (real > 0.0 ? smoothstep(bias, 2.0 * bias, before) : 0.0);
   }
   return sum;
 }`;
-const k_lighting = k_kit.uniforms + k_kit.light + k_hidden;
+const k_lighting = k_kit.uniforms + k_kit.light + k_kit.before + k_hidden;
 
 const k_solid_vertex = `
 layout(location = 0) in vec3 position;
@@ -59,16 +59,19 @@ vec3 table_top(vec3 place) {
   vec3 lit = shade(k_floor, vec3(0, 1, 0), object_passed(place) * pile_passed(place), opened(place) * under_sky(place));
   return mix(lit, k_around, smoothstep(0.5, 2.2, length(place.xz)));
 }
+#ifdef FULL
 // What lies in a direction. A light of the sliders has a radius of 10 degrees, whose sine's square is 0.03.
 vec3 seen_along(vec3 from, vec3 d) {
   if (real < 0.5 && d.y < 0.0) return table_top(from - d * (from.y / d.y));
   if (room_known > 0.5) return texture(room, d * table_of_room).rgb;
   return around(d) + sun / 0.03 * smoothstep(0.983, 0.986, dot(d, to_light));
 }
+#endif
 void main() {
   if (table > 0.5 && table < 1.5) { pixel = encoded(table_top(world)); return; }
   vec3 n = normalize(cross(dFdx(world), dFdy(world))), back = normalize(world - eye);
   if (dot(n, back) > 0.0) n = -n;
+#ifdef FULL
   float shown = 1.0 - hidden(world);
   if (table > 1.5) {
     vec3 left = shade(vec3(1), n, object_passed(world) * pile_passed(world), opened(world) * under_sky(world)) / max(shade(vec3(1), n, 1.0, 1.0), 1e-4);
@@ -82,6 +85,9 @@ void main() {
     lit = mix(albedo, vec3(1), pow(1.0 + dot(s, back), 5.0)) * seen_along(world, reflect(back, s));
   }
   pixel = vec4(encoded(lit).rgb, shown);
+#else
+  pixel = encoded(shade(albedo, n, 1.0, 1.0));
+#endif
 }`;
 
 const k_glass_vertex = `
@@ -160,8 +166,8 @@ export class Painter {
     const gl = this.gl = canvas.getContext("webgl2", { antialias: false, powerPreference: "low-power" });
     if (!gl) throw new Error("This browser has no WebGL 2, so nothing can be drawn. Update it, or turn hardware acceleration on.");
     this.canvas = canvas;
-    this.solid = program(gl, k_solid_vertex, k_solid_fragment), this.glassProgram = program(gl, k_kit.uniforms + k_glass_vertex, k_lighting + k_glass_fragment), this.glass = null;
-    this.sand = new SandPainter(gl, k_hidden, k_plain, radius);
+    this.plain = program(gl, k_solid_vertex, k_solid_fragment), this.glassProgram = program(gl, k_kit.uniforms + k_glass_vertex, k_lighting + k_glass_fragment), this.glass = null;
+    this.sand = new SandPainter(gl, k_kit.before + k_hidden, k_plain, radius);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     for (const name of ["pile", "onSand", "object", "seen", "sky", "skyOnSand", "wallObject", "wallSeen", "depth", "unknownDepth"]) this[name] = uploadShadow(gl, k_nothing);
     this.room = gl.createTexture(), this.roomKnown = 0;
@@ -174,6 +180,9 @@ export class Painter {
     this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     gl.enable(gl.DEPTH_TEST);
   }
+
+  // With metal, and over what is real. Compilers take as long for it as for all others: it is made when something needs it.
+  get full() { return this.fullProgram ??= program(this.gl, k_solid_vertex, `#define FULL\n${k_solid_fragment}`); }
 
   // What sand_block makes.
   setBlock(block) {
@@ -279,7 +288,8 @@ export class Painter {
 
   // One view of the table. `real`: table and wall are those that a camera shows, and get shadows alone.
   paint({ view, projection, eye, viewport, real }) {
-    const { gl, wall, drawn } = this, still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    const { gl, wall, drawn } = this, all = [...this.objects, ...this.funnels.map((model) => ({ ...this.funnel, model }))];
+    const solid = real || all.some(({ metal }) => metal) ? this.full : this.plain, still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     const depth = real && this.depthOnScreen, m = depth || Array(9).fill(0), [left, low, width, height] = viewport;
     const depthFromScreen = m.map((x, i) => (i < 3 ? x / width : i < 6 ? x / height : x - m[i - 6] * left / width - m[i - 3] * low / height));
     gl.viewport(...viewport);
@@ -293,20 +303,19 @@ export class Painter {
         bias: k_depth_bias, depth_from_screen: depthFromScreen });
     };
     const drawItem = ({ array, count: corners, model, albedo = [0, 0, 0], table = 0, metal = 0 }) => {
-      gl.uniformMatrix4fv(this.solid.at("model"), false, model);
-      gl.uniform3fv(this.solid.at("albedo"), albedo), gl.uniform1f(this.solid.at("table"), table), gl.uniform1f(this.solid.at("metal"), metal);
+      gl.uniformMatrix4fv(solid.at("model"), false, model);
+      gl.uniform3fv(solid.at("albedo"), albedo), gl.uniform1f(solid.at("table"), table), gl.uniform1f(solid.at("metal"), metal);
       gl.bindVertexArray(array);
       gl.drawElements(gl.TRIANGLES, corners, gl.UNSIGNED_INT, 0);
     };
-    common(this.solid, this.pile, this.sky);
-    gl.uniform1f(this.solid.at("real"), real ? 1 : 0), gl.uniform1f(this.solid.at("room_known"), this.roomKnown);
+    common(solid, this.pile, this.sky);
+    gl.uniform1f(solid.at("real"), real ? 1 : 0), gl.uniform1f(solid.at("room_known"), this.roomKnown);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     if (real) gl.enable(gl.BLEND), gl.depthMask(false);  // what shows the real hides nothing
     drawItem({ ...this.table, model: still, table: real ? 2 : 1 });
     gl.depthMask(true);
-    for (const item of this.objects) drawItem(item);
-    for (const model of this.funnels) drawItem({ ...this.funnel, model });
-    if (real && wall) this.paintWall(drawItem);
+    for (const item of all) drawItem(item);
+    if (real && wall) this.paintWall(solid, drawItem);
     gl.bindVertexArray(null);
     const onSand = (p) => {
       common(p, this.onSand, this.skyOnSand);
@@ -333,8 +342,8 @@ export class Painter {
   }
 
   // The objects' shadows on a wall; sand throws none there.
-  paintWall(drawItem) {
-    const { gl, wall, solid, drawn: { boxes, objectOpacity } } = this;
+  paintWall(solid, drawItem) {
+    const { gl, wall, drawn: { boxes, objectOpacity } } = this;
     if (!boxes.wallObject || !boxes.wallSeen) return;
     [this.wallObject, this.wallSeen].forEach((texture, i) => { gl.activeTexture(gl.TEXTURE1 + i), gl.bindTexture(gl.TEXTURE_2D, texture); });
     gl.activeTexture(gl.TEXTURE0);

@@ -24,7 +24,7 @@ inline double absolute(double x) { return __builtin_fabs(x); }
 
 // Written with a cast because the floor of baseline x86-64 is a library call.
 // It bounds the number itself: to_whole would do so a second time, in every function of this file.
-inline int64_t floor_index(double x) {
+constexpr int64_t floor_index(double x) {
   constexpr double k_limit = 0x1p62;
   const double below = x < k_limit ? x : k_limit, bounded = below > -k_limit ? below : -k_limit;
   const int64_t i = static_cast<int64_t>(bounded);
@@ -118,7 +118,7 @@ inline double cube_root(double x) {
 }
 
 // e^x = 2^k e^y with |y| <= ln 2 / 2; ln 2 in two parts, of which the first times k is exact.
-inline double exponential(double x) {
+constexpr double exponential(double x) {
   if (x < -700) return 0;
   if (!(x < 700)) x = 700;
   const int64_t k = floor_index(x * 1.4426950408889634 + 0.5);
@@ -138,20 +138,16 @@ inline double exponential(double x) {
   p = p * y + 1.0;
   p = p * y + 1.0;
   const uint64_t bits = static_cast<uint64_t>(1023 + k) << 52;
-  double power;
-  std::memcpy(&power, &bits, sizeof power);
-  return p * power;
+  return p * __builtin_bit_cast(double, bits);
 }
 
 // ln x = k ln 2 + ln m with m from 0.7 to 1.42; ln m = 2 artanh((m - 1) / (m + 1)), whose first omitted term is below
 // 1e-19.
-inline double logarithm(double x) {
-  int64_t bits;
-  std::memcpy(&bits, &x, sizeof bits);
+constexpr double logarithm(double x) {
+  auto bits = __builtin_bit_cast(int64_t, x);
   int64_t k = (bits >> 52) - 1023;
   bits = (bits & 0x000fffffffffffff) | (static_cast<int64_t>(1023) << 52);
-  double m;
-  std::memcpy(&m, &bits, sizeof m);
+  auto m = __builtin_bit_cast(double, bits);
   if (m > 1.4142135623730951) m *= 0.5, ++k;
   const double s = (m - 1) / (m + 1), q = s * s;
   double p = 1.0 / 21;

@@ -1,4 +1,5 @@
 // One estimate, unit by unit, and the estimator's part in a frame.
+#include "runtime/camera/transfer.h"
 #include "runtime/estimate/estimator.h"
 
 namespace sandglass {
@@ -62,6 +63,7 @@ void estimator_run_image(Estimator* estimator) {
   const CameraBlock block = camera_block(estimator->image, estimator->blocks, estimator->cursor);
   resample_camera_block(estimator->image, block, estimator->rgb, estimator->sums);
   if (++estimator->cursor < estimator->blocks.count) return;
+  camera_to_srgb(estimator->image, estimator->rgb, 3 * k_light_width * k_light_height);
   drop_image(estimator);
   estimator->taken_ns = estimator->image.timestamp_ns;
   estimator->phase = EstimatorPhase::network;

@@ -232,6 +232,18 @@ GltfMaker two_parts(Place second, bool inward) {
   return g;
 }
 
+// A cube far away and hidden, with another one below it that says nothing of itself; and one in sight.
+GltfMaker hidden(const Json& visible) {
+  GltfMaker g = plain();
+  const size_t below = g.add("nodes", {{"mesh", 0}, {"translation", {0, 9, 0}}});
+  g.node({{"mesh", 0},
+          {"translation", {7, 0, 0}},
+          {"children", {below}},
+          {"extensions", {{"KHR_node_visibility", {{"visible", visible}}}}}});
+  g.require("KHR_node_visibility");
+  return g;
+}
+
 std::string requiring(const char* extension) {
   GltfMaker g = plain();
   g.require(extension);
@@ -246,6 +258,8 @@ std::vector<Kind> gltf_kinds() {
   counted.remark = "animations (1), materials (2)";
   Kind beside = with(two_parts({2, 0, 0}, true), "inside_out_beside.glb", {2.75f, 1, 1}, 1.125, 24);
   beside.remark = "1 of its 2 parts";
+  Kind unseen = good("hidden.glb", hidden(false).glb());
+  unseen.remark = "hidden nodes (1)";
   GltfMaker round = plain();
   round.file["nodes"][0]["children"] = {0};
   GltfMaker older = plain();
@@ -265,6 +279,9 @@ std::vector<Kind> gltf_kinds() {
       {"named_twice.glb", moved_twice({}), {1, 1, 1}, 1, 24},
       beside,
       with(two_parts({0, 0, 0}, true), "hollow.glb", {1, 1, 1}, 0.875, 24),
+      unseen,
+      with(hidden(true), "shown.glb", {8, 10, 1}, 3, 36),
+      bad("half_hidden.glb", hidden("no").glb(), "neither true nor false"),
       good("known_required.glb", requiring("KHR_materials_unlit")),
       bad("unknown_required.glb", requiring("ACME_mesh_folding"), "ACME_mesh_folding"),
       bad("below_itself.glb", round.glb(), "below itself"),
@@ -342,6 +359,7 @@ std::vector<Kind> other_kinds() {
       good("returns.obj", returns_alone(places + faces)),
       bad("msvc_nan.obj", replaced(places, "v 0", "v -1.#IND") + faces, "-1.#IND"),
       bad("index.obj", places + "f 1 2 9\n", "9"),
+      bad("pointer.obj", "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n", "Git LFS pointer"),
       bad("cut.obj", places + faces + "f 1 3", "cut off"),
       good("plain.ply", ply_text()),
       good("returns.ply", returns_alone(ply_head("binary_little_endian")) + ply_data()),

@@ -81,6 +81,32 @@ TEST(Sample, OnAHotPhoneLightAndTheBestLevelsRest) {
   EXPECT_EQ(sand.frame(0.01f, 0.8f, nullptr, &image).estimate.ignored_images, 1u);
 }
 
+// Sand is drawn for the image on the screen, which a short one for lamps is not. The control: one that is half as long
+// is, and by the rule for that the short one would be drawn at a 64th.
+TEST(Sample, AShortImageForLampsLeavesTheSandAsBright) {
+  sample::Sand sand;
+  ASSERT_TRUE(sand.create());
+  std::vector<uint8_t> bytes(3 * 64 * 48);
+  sandglass_camera_image image;
+  sandglass_camera_image_default(&image);
+  image.width = 64, image.height = 48, image.planes[0] = bytes.data(), image.strides[0] = 3 * 64;
+  image.focal_x = image.focal_y = 50, image.centre_x = 31.5f, image.centre_y = 23.5f;
+  const auto drawn = [&](float exposure) {  // linear light of 0.25
+    const double light = 0.25 * static_cast<double>(exposure);
+    std::fill(bytes.begin(), bytes.end(),
+              static_cast<uint8_t>(
+                  std::lround(255 * (light < .0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - .055))));
+    image.exposure = exposure, image.timestamp_ns += 200'000'000;
+    sand.frame(0.2f, 1.0f, nullptr, &image);
+    return sand.shading().ambient[1];
+  };
+  for (int i = 0; i < 30; ++i) drawn(1);
+  const float before = drawn(1);
+  EXPECT_NEAR(drawn(1.0f / 64) / before, 1, 0.02);
+  EXPECT_NEAR(drawn(1.0f / 4096) / before, 1, 0.02);
+  EXPECT_NEAR(drawn(0.5f) / before, 0.5, 0.02) << "the control";
+}
+
 // The texel of a texture over a place of the table; `outside` where it has none.
 int at(const sample::ShadowTexture& t, float x, float z, int outside) {
   const float u = (x - t.box[0]) * t.box[2], v = (z - t.box[1]) * t.box[3];

@@ -22,6 +22,10 @@ constexpr float k_table = 0.5f;  // metres, to each side: where shadows are seen
 // Shares of the budget: light and depth rest up to the first, and go on above the second. Switching depth takes a while.
 constexpr float k_rests_at = 0.5f, k_goes_on_above = 0.7f;
 
+// An image that is exposed for less than this share is one for lamps, as sandglass_room_light.short_exposure asks for:
+// a 64th or less. The room learns from it; it is not on the screen.
+constexpr float k_short = 1.0f / 32;
+
 // The light of the room for a grain, linear RGB: what one that faces the main light reflects of it, and what one that
 // faces up reflects of all other light.
 struct Shading {
@@ -108,7 +112,8 @@ class Sand {
   // One frame, `seconds` after the last one. `headroom` is the share of the budget that the device can sustain.
   // `grains` is buffer buffers().next, mapped as it was left, of k_grains items; or null: nothing is written. `camera` is
   // the newest image, or null, also while the session's tracking is limited, because poses are wrong then; it is read in
-  // this call only. Draw report.sand.grain_numbers grains; removed ones lie beyond every far plane.
+  // this call only. It is on the screen, unless it is a short one for lamps (k_short). Draw report.sand.grain_numbers
+  // grains; removed ones lie beyond every far plane.
   sandglass_frame_report frame(float seconds, float headroom, sandglass_grain* grains,
                                const sandglass_camera_image* camera) {
     const sandglass_collider floor = sandglass::floor_at(0.0f);
@@ -130,7 +135,8 @@ class Sand {
     rests_ = headroom <= (rests_ ? k_goes_on_above : k_rests_at);
     input.camera = rests_ ? nullptr : camera;
     (void)pile_.set_light({light_.main_direction[0], light_.main_direction[1], light_.main_direction[2]});
-    (void)cast_.set_light({light_.main_direction[0], light_.main_direction[1], light_.main_direction[2]});
+    (void)cast_.set_light({light_.main_direction[0], light_.main_direction[1], light_.main_direction[2]},
+                          light_.main_angular_diameter);
     (void)pile_.set_cells(light_.ambient_cells);
     (void)cast_.set_cells(light_.ambient_cells);
     input.pile_shadow = pile_.get();
@@ -143,7 +149,7 @@ class Sand {
     else buffers_.follow(report);
     if (camera != nullptr) {
       known_ = room_.light_at(origin_, &light_);
-      screen_ = *camera;
+      if (sandglass_room_exposure(&known_, camera) > k_short) screen_ = *camera;
     }
     sandglass_room_fade(&light_, &known_, seconds);  // light comes and goes softly
     return report;
@@ -202,7 +208,7 @@ class Sand {
   sandglass::Cast cast_;
   Buffers buffers_;
   sandglass_room_light known_ = {}, light_ = {};  // now, and as it is drawn on its way there
-  sandglass_camera_image screen_ = {};            // the last image; its planes are gone
+  sandglass_camera_image screen_ = {};            // the last image that was shown; its planes are gone
   float origin_[3] = {};
   uint32_t pouring_ = 0;
   bool rests_ = false;

@@ -102,7 +102,8 @@ export class SandPainter {
   upload({ chunks, flying, lying, loose, low, high }) {
     const { gl } = this;
     for (const { number, vertices, indices } of chunks) {
-      const chunk = this.chunks[number] ??= this.newChunk();
+      while (this.chunks.length <= number) this.chunks.push(this.newChunk());  // any may be made first
+      const chunk = this.chunks[number];
       chunk.count = indices.length;
       gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices), gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.DYNAMIC_DRAW);
       gl.bindVertexArray(chunk.array);

@@ -7,7 +7,9 @@ import { fieldMade } from "./worker.mjs";
 
 const C = constants, k_colliders = 64, k_nozzles = 8, k_models = 32;
 const k_texels = { pile: 128, sky: 64, object: 256, seen: 128 };
+const k_cast = { texels: k_texels.object, ambient_texels: k_texels.seen, mesh_capacity: k_models, reach: 0 };  // all models cast
 const k_cast_textures = [["object", "seen"], ["wallObject", "wallSeen"]];  // of the floor and the wall
+const k_coarse = 0.125;       // of the smallest model's side: texels are as large as that at most, or it is said
 const k_fade = 5;             // seconds after an image in which light and shadows are told anew
 const k_field_nodes = 4e6;   // at most: a large model gets a coarser field
 const k_longest_side = 256;  // pixels of an image that are read
@@ -107,7 +109,7 @@ export class Stage {
 
   newCast(triangles) {
     const { sand, options } = this, plane = sand.make("sandglass_cast_plane");
-    this.made("cast", "sandglass_cast", { texels: k_texels.object, ambient_texels: k_texels.seen, triangle_capacity: this.triangles = triangles, mesh_capacity: k_models });
+    this.made("cast", "sandglass_cast", { ...k_cast, triangle_capacity: this.triangles = triangles });
     sand.sandglass_cast_plane_default(plane);
     plane.origin.set(options.origin);
     sand.sandglass_cast_set_plane(this.cast, plane), sand.free(plane);
@@ -120,7 +122,7 @@ export class Stage {
     const { sand, casts, castList, triangles } = this;
     if (!this.wallPlane) {
       this.wallPlane = sand.make("sandglass_cast_plane");
-      casts[1] = this.make("sandglass_cast", { texels: k_texels.object, ambient_texels: k_texels.seen, triangle_capacity: triangles, mesh_capacity: k_models });
+      casts[1] = this.make("sandglass_cast", { ...k_cast, triangle_capacity: triangles });
       sand.view().setUint32(castList + 4, casts[1], true), this.castModels();
     }
     sand.sandglass_cast_plane_default(this.wallPlane);
@@ -155,7 +157,9 @@ export class Stage {
     const { sand, models } = this, count = indices.length / 3, { shadow = true, collide = true } = options;
     if (models.size === k_models) throw new Error(`sandglass: a stage holds ${k_models} models. Remove one, or join their meshes.`);
     if (!(count > 0)) throw new Error("sandglass: the model has no triangles. Add an object that has a mesh.");
-    const model = { position, rotation, shadow, collide, count, vertices: positions.length / 3, positions: sand.put(positions), indices: sand.put(indices), field: 0 };
+    const low = [Infinity, Infinity, Infinity], high = low.map((x) => -x);
+    positions.forEach((x, i) => { low[i % 3] = Math.min(low[i % 3], x), high[i % 3] = Math.max(high[i % 3], x); });
+    const model = { position, rotation, shadow, collide, count, vertices: positions.length / 3, positions: sand.put(positions), indices: sand.put(indices), field: 0, side: Math.max(...high.map((x, k) => x - low[k])) };
     models.set(this.next, model);
     const triangles = [...models.values()].reduce((sum, one) => sum + (one.shadow ? 2 * one.count : 0), 0);
     if (triangles > this.triangles) this.newCast(2 * triangles);
@@ -220,7 +224,7 @@ export class Stage {
   // Lets the light fade, and tells the shadows.
   follow(seconds) {
     const light = this.fade(seconds);
-    this.shade(light.toLight, [...this.light.ambient_cells]);
+    this.shade(light.toLight, [...this.light.ambient_cells], this.light.main_angular_diameter);
     return light;
   }
   // Gives the room's light: the direction and irradiance of the main light, the rest as radiance (nine harmonics) and as
@@ -232,10 +236,10 @@ export class Stage {
     sand.sandglass_lighting_to_filament(lighting, C.SANDGLASS_LIGHTING_AMBIENT, 1, filament);
     return { toLight: [...lighting.towards], facing: [...lighting.facing], radiance: [...lighting.ambient_sh], ambient: [...filament.sh], floor: [...light.floor] };
   }
-  // Shadows of a light: towards the main one, and the cells where the rest comes from.
-  shade(toLight, cells) {
+  // Shadows of a light: towards the main one, the cells where the rest comes from, and how large it is, radians; 0: not known.
+  shade(toLight, cells, diameter = 0) {
     const { sand, words, casts, pile } = this, sum = Math.max(cells.reduce((all, cell) => all + cell, 0), 0.001);
-    for (const [kind, handle, ...more] of [...casts.map((cast) => ["cast", cast, 0]), ["pile_shadow", pile]]) {
+    for (const [kind, handle, ...more] of [...casts.map((cast) => ["cast", cast, diameter]), ["pile_shadow", pile]]) {
       if (!handle) continue;
       sand.floats(words, 3).set(toLight);
       sand[`sandglass_${kind}_set_light`](handle, words, ...more);
@@ -246,13 +250,21 @@ export class Stage {
   }
 
   castModels() {
-    const { sand, meshes, models } = this, casting = [...models.values()].filter(({ shadow }) => shadow);
-    casting.forEach(({ positions, vertices, indices, count, position, rotation }, i) => {
+    const { sand, meshes, models } = this, casting = [...models].filter(([, { shadow }]) => shadow);
+    casting.forEach(([version, { positions, vertices, indices, count, position, rotation }], i) => {
       sand.sandglass_cast_mesh_default(meshes[i]);
-      meshes[i].set({ positions, vertex_count: vertices, indices, triangle_count: count, world_from_mesh: matrixOf(position, rotation) });
+      meshes[i].set({ positions, vertex_count: vertices, indices, triangle_count: count, version, world_from_mesh: matrixOf(position, rotation) });
     });
     for (const cast of this.casts) sand.sandglass_cast_set_meshes(cast, meshes, casting.length);
     this.moved = false;
+  }
+
+  // All models share one texture: where they stand far apart its texels, of so many metres, are too coarse for the smallest.
+  warn(texel) {
+    const casting = [...this.models.values()].filter(({ shadow }) => shadow);
+    if (this.warned || casting.length < 2 || texel <= k_coarse * Math.min(...casting.map(({ side }) => side))) return;
+    this.warned = true;
+    console.warn(`sandglass: models stand so far apart that their shadow has texels of ${(100 * texel).toFixed(1)} cm. Put them nearer together, or give each place a stage of its own.`);
   }
 
   // So many seconds go by. Gives what drawn() says.
@@ -280,6 +292,7 @@ export class Stage {
       sand[`sandglass_cast_get_${k === 0 ? "texture" : "ambient"}`](handle, cast);
       if (!cast.valid || !changed(name, `${handle} ${cast.completed}`)) return;
       const { x, z, at } = this.planes[i], { corner, along, across } = cast;
+      if (name === "object") this.warn(Math.hypot(...along) / cast.texels);
       take(name, cast.texels, cast.bytes), this.boxes[name] = [dot(x, corner) - dot(x, at), dot(z, corner) - dot(z, at), 1 / dot(x, along), 1 / dot(z, across)];
     }));
     const boxes = { object: [0, 0, 0, 0], seen: [2, 2, 0, 0], ...this.boxes };

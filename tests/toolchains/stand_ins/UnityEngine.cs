@@ -16,7 +16,9 @@ public struct Vector2 { public float x, y; }
 public struct Vector3 {
   public float x, y, z;
   public static Vector3 one;
+  public float magnitude;
   public static Vector3 operator *(float scale, Vector3 v) { return v; }
+  public static Vector3 operator -(Vector3 a, Vector3 b) { return a; }
 }
 public struct Vector4 {
   public Vector4(float x, float y, float z, float w) {}

@@ -1,5 +1,6 @@
 #pragma once
-// The part of Foundation, ARKit, Metal, CoreVideo and simd that the iOS sample uses, so that a compiler can check it.
+// The part of Foundation, ARKit, AVFoundation, Metal, CoreVideo and simd that the iOS sample uses, so that a compiler
+// can check it.
 #include <stddef.h>
 #include <stdint.h>
 
@@ -172,6 +173,16 @@ typedef enum : NSUInteger { MTLResourceStorageModeShared = 0 } MTLResourceOption
 @property(nonatomic, strong) id<MTLDevice> device;
 @property(nonatomic) MTLPixelFormat colorPixelFormat, depthStencilPixelFormat;
 @property(nonatomic) CGSize drawableSize;
+@end
+
+typedef struct {
+  float redGain, greenGain, blueGain;
+} AVCaptureWhiteBalanceGains;
+@interface AVCaptureDevice : NSObject
+@property(nonatomic, readonly) AVCaptureWhiteBalanceGains deviceWhiteBalanceGains;
+@end
+@interface ARWorldTrackingConfiguration : NSObject
+@property(class, nonatomic, nullable, readonly) AVCaptureDevice* configurableCaptureDeviceForPrimaryCamera;
 @end
 
 typedef enum : NSInteger { UIInterfaceOrientationPortrait = 1 } UIInterfaceOrientation;

@@ -26,10 +26,11 @@ public final class Sand {
    * @param lens focal length x, y and principal point x, y of camera.getImageIntrinsics()
    * @param pose rotation x, y, z, w and translation of camera.getPose(): that of the image as stored, not the display's
    * @param exposure of the function below
+   * @param gains frame.getImageMetadata().getFloatArray(ImageMetadata.COLOR_CORRECTION_GAINS); null where it is missing
    * @return false for an image that the library does not read
    */
   public static native boolean image(long sand, ByteBuffer[] planes, int[] strides, int width, int height, long timestampNs,
-                                     float[] lens, float[] pose, float exposure);
+                                     float[] lens, float[] pose, float exposure, float[] gains);
 
   /**
    * Hands over the newest depth of the camera's image, so that what is real hides the shadows behind it. Without it, or

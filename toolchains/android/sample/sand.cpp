@@ -78,7 +78,8 @@ float hidden() {
     ivec2 corner = ivec2(i & 1, i >> 1);
     float real = 0.001 * float(texelFetch(depth, clamp(ivec2(floor(p)) + corner, ivec2(0), size - 1), 0).r);
     vec2 weight = mix(1.0 - part, part, vec2(corner));
-    float before = (1.0 - real * gl_FragCoord.w) * min(eye_height, 1.0 / gl_FragCoord.w);
+    float before = 1.0 / gl_FragCoord.w - real;  // toolchains/kit/before.glsl
+    if (eye_height > 0.0) before = min(before, (1.0 - real * gl_FragCoord.w) * max(eye_height, 4.0 * bias));
     sum += weight.x * weight.y * (real > 0.0 ? smoothstep(bias, 2.0 * bias, before) : 0.0);
   }
   return sum;
@@ -227,7 +228,7 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Sand_pour(JNIEnv*, jclass, jlon
 JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_image(JNIEnv* env, jclass, jlong handle, jobjectArray planes,
                                                                 jintArray strides, jint width, jint height,
                                                                 jlong timestamp_ns, jfloatArray lens, jfloatArray pose,
-                                                                jfloat exposure) {
+                                                                jfloat exposure, jfloatArray gains) {
   Session* s = of(handle);
   jint of_planes[6];
   float of_lens[4];
@@ -250,6 +251,10 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Sand_image(JNIEnv* env, jcl
   env->GetFloatArrayRegion(pose, 0, 4, s->image.orientation);
   env->GetFloatArrayRegion(pose, 4, 3, s->image.position);
   s->image.exposure = exposure;
+  // Red, both greens of the sensor, blue.
+  constexpr jsize k_of_colour[3] = {0, 1, 3};
+  for (int c = 0; c < 3 && gains != nullptr; ++c)
+    env->GetFloatArrayRegion(gains, k_of_colour[c], 1, &s->image.gains[c]);
   return s->seen = sandglass_camera_check(&s->image, nullptr) == SANDGLASS_OK;
 }
 

@@ -54,6 +54,11 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   sandglass_camera_orientation(matrix_to_world, image.orientation);
   for (int k = 0; k < 3; ++k) image.position[k] = matrix_to_world[12 + k];
   image.exposure = exposure_of(frame);
+  if (@available(iOS 16.0, *)) {
+    AVCaptureDevice *camera = [ARWorldTrackingConfiguration configurableCaptureDeviceForPrimaryCamera];
+    const AVCaptureWhiteBalanceGains gains = camera.deviceWhiteBalanceGains;  // 0 where there is no such camera
+    image.gains[0] = gains.redGain, image.gains[1] = gains.greenGain, image.gains[2] = gains.blueGain;
+  }
   image.timestamp_ns = static_cast<uint64_t>(1e9 * frame.timestamp);
   return image;
 }

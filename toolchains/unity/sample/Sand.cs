@@ -206,8 +206,9 @@ public unsafe class Sand : MonoBehaviour {
     if (taken) held.Dispose();
     Check(status, reason);
     sandglass_unity_light light = Light();
-    float height = cameraManager.transform.position.y - transform.position.y;
-    float nearer = 1 - DepthBias / Math.Max(height, 2 * DepthBias);
+    // By the eye's height over the table; from below, where nothing lies on it, by its distance.
+    Vector3 eye = cameraManager.transform.position - transform.position;
+    float nearer = 1 - DepthBias / Math.Max(eye.y > 0 ? eye.y : eye.magnitude, 2 * DepthBias);
     DrawTable(nearer);
     if (report.sand.grains_time > newerTime) {
       older = newer;
@@ -243,7 +244,7 @@ public unsafe class Sand : MonoBehaviour {
     fixed (float* cells = shown.ambient_cells) {
       if (shown.struct_size == 0) return;  // no frame was lit yet
       Check(Native.sandglass_pile_shadow_set_light(pile, direction, &reason), reason);
-      Check(Native.sandglass_cast_set_light(cast, direction, 0, &reason), reason);
+      Check(Native.sandglass_cast_set_light(cast, direction, shown.main_angular_diameter, &reason), reason);
       Check(Native.sandglass_pile_shadow_set_cells(pile, cells, &reason), reason);
       Check(Native.sandglass_cast_set_cells(cast, cells, &reason), reason);
     }
