@@ -81,8 +81,7 @@ struct Memory {
 void remember(const Room& room, Memory* memory) {
   memory->confidence = room.probe != nullptr ? room.probe->confidence : 0;
   if (memory->confidence > 0) room_probe_scale(room, memory->probe_scale);
-  for (uint32_t i = 0; i < k_room_parts; ++i)
-    memory->seen[i] = static_cast<double>(room.parts[i].seen) * room_memory(room.parts[i].age);
+  for (uint32_t i = 0; i < k_room_parts; ++i) memory->seen[i] = room.parts[i].seen * room_memory(room.parts[i].age);
 }
 // In the white balance of the last image.
 RoomPart part_of(const Room& room, const Memory& memory, uint32_t i) {
@@ -167,7 +166,7 @@ constexpr double k_up = 9.0 / 4 / 127, k_aside = 2.0 / 127;
 
 KnownPart known_part(const Room& room, const Memory& memory, uint32_t i, const RoomModel& model, const Overview& all) {
   const RoomPart part = part_of(room, memory, i);
-  const auto ever = static_cast<double>(room.parts[i].seen), clipped = static_cast<double>(part.clipped);
+  const double ever = room.parts[i].seen, clipped = part.clipped;
   const double lasting = ever > 0 ? ever * square_root(square_root(memory.seen[i] / ever)) : 0;
   const double times = (1 + model.boost * clipped) / all.level;
   // Where it is clipped, up and aside are of that; the rest of its light comes from all of it.
@@ -400,7 +399,7 @@ double floor_seen(const Room& room, const Memory& memory, const double foot[3], 
     room_direction(row + 0.5, i % k_room_columns + 0.5, part);
     double down = 0;
     for (int k = 0; k < 3; ++k) {
-      if (!by_probe) from[k] = room.from[i][k] / 127.0;
+      if (!by_probe) from[k] = room.parts[i].from[k] / 127.0;
       const double a = foot[k] - from[k], b = part[k] - from[k];
       along += a * b;
       to_foot += a * a;
@@ -476,7 +475,7 @@ bool is_whole(const RoomView& view, uint32_t part) {
 // Of what is clipped in the last image, the least bright first: a shorter image would show that as black. The sun is a
 // thousandth of its part.
 float short_exposure(const Room& room) {
-  constexpr float k_clips = 0.0004f;        // share of a part
+  constexpr double k_clips = 0.0004;        // share of a part
   constexpr uint8_t k_size_looks = 12;      // for the size of lamps alone
   constexpr int k_octaves[3] = {3, 9, 15};  // shorter than the last ordinary image: then it was tried
   uint32_t next = 3;

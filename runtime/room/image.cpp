@@ -17,11 +17,12 @@ namespace {
 constexpr uint32_t k_points = 4;        // along each side of a part
 constexpr uint32_t k_lamp_points = 12;  // of one that is brighter than white: a lamp is smaller than a part
 constexpr uint32_t k_finer = 4;         // the same of a cell of those in which the lamp lies
-constexpr float k_lamp_clips = 0.5f;    // share of a part: what clips less of it may be a lamp
+constexpr double k_lamp_clips = 0.5;    // share of a part: what clips less of it may be a lamp
 constexpr uint32_t k_close_looks = 6;   // at such parts in an image, about; where there are more they take turns
 constexpr uint32_t k_vote_points = 2;   // the same where the image is only compared
 // The steps of a sequence that fills a square evenly: powers of 1 / x, where x is the root of x^3 = x + 1.
 constexpr double k_step_row = 0.7548776662466927, k_step_column = 0.5698402909980532;
+constexpr double k_dark = 0.01;   // linear: bytes round what is darker
 constexpr uint8_t k_white = 250;  // sRGB: a channel from here on may be clipped
 constexpr double k_margin_sine = 0.5, k_margin_cosine = 0.8660254037844386;  // 30 degrees: half a part, and parallax
 constexpr float k_weight_most = 8.0f;  // what is known of a part counts as no more images than these
@@ -37,7 +38,6 @@ constexpr uint64_t k_shortest_ns = 1'000'000;
 constexpr uint32_t k_hasty_most = 8;
 constexpr double k_ticks = 2048;  // of a half-life, in the age of a part
 constexpr uint32_t k_oldest = 65535;
-constexpr double k_radius_most = 1000;  // metres, as an app may tell
 // An image counts as taken at most a half-life after the one before; and where it is a day, the clock was another one.
 constexpr uint64_t k_day_ns = 86'400'000'000'000;
 constexpr double k_known = 0.3;  // share of a part from which on it counts as known
@@ -164,11 +164,40 @@ bool looks_closely(Room* room, uint32_t part) {
   return room_is_short(*room) || (part + room->images) % turns == 0;
 }
 
+// What is far is seen in the same direction from everywhere; what is near is not. A part of which an image shows the
+// same as one that was taken elsewhere, if it looks in the same direction, speaks for the one; one that shows the same
+// where the sphere has it, for the other. The sum is bounded below, so that a street behind a door is found, too.
+constexpr double k_parallax = 0.1, k_alike_log = 0.1, k_most_log = 1, k_drift_log = 0.03;
+constexpr double k_surely_far = 0.5, k_surely_near = -3;
+
+void compare_as_far(Room* room, const PartMiddle& part, const RoomKnown& before, const RoomObservation& now) {
+  RoomView* view = &room->view;
+  const RoomPart& known = room->parts[part.part];
+  double from[3], here[3], squared = 0;
+  for (int k = 0; k < 3; ++k) {
+    from[k] = known.from[k] / 127.0, here[k] = view->position[k];
+    squared += (from[k] - here[k]) * (from[k] - here[k]);
+  }
+  if (squared < k_parallax * k_parallax || now.clipped > 0 || !room_remembers(known)) return;
+  for (int k = 0; k < 3; ++k) view->position[k] = from[k];
+  const RoomObservation as_far = observe(*view, room->images, part, k_points);
+  for (int k = 0; k < 3; ++k) view->position[k] = here[k];
+  const double near_light = luminance(now.colour), far_light = luminance(as_far.colour);
+  if (as_far.covered < 1 || as_far.clipped > 0 || !(near_light > k_dark) || !(far_light > k_dark)) return;
+  const double known_light = before.luminance * room->light / view->scale;
+  const double near = absolute(logarithm(near_light / known_light)), far = absolute(logarithm(far_light / known_light));
+  if (near < k_alike_log && far < k_alike_log) return;
+  const double better = near - far;
+  const double says = (better < -k_most_log ? -k_most_log : better > k_most_log ? k_most_log : better) - k_drift_log;
+  room->farther += part.elevation.cos * says;
+  if (room->farther < k_surely_near) room->farther = k_surely_near;
+}
+
 // What one part shows, into what is known of it.
 void learn(Room* room, const PartMiddle& part) {
   RoomPart* known = &room->parts[part.part];
   const double memory = room_memory(known->age);
-  if (room->view.lesson == RoomLesson::unknown && memory * static_cast<double>(known->seen) >= k_known) return;
+  if (room->view.lesson == RoomLesson::unknown && memory * known->seen >= k_known) return;
   const bool above = part.part >= k_room_below;
   uint8_t* white = above ? &room->white[part.part - k_room_below] : nullptr;
   const bool may_hold = known->clipped > 0 && known->clipped < k_lamp_clips;
@@ -178,7 +207,7 @@ void learn(Room* room, const PartMiddle& part) {
   RoomObservation now =
       observe(room->view, room->images, part, is_lamp ? k_lamp_points : k_points, is_lamp && above ? place : nullptr);
   bool closely = is_lamp;
-  if (!is_lamp && !may_hold && above && now.clipped > 0 && now.clipped < static_cast<double>(k_lamp_clips) &&
+  if (!is_lamp && !may_hold && above && now.clipped > 0 && now.clipped < k_lamp_clips &&
       looks_closely(room, part.part)) {
     closely = true;
     const double found[2] = {now.up, now.aside};
@@ -186,8 +215,8 @@ void learn(Room* room, const PartMiddle& part) {
   }
   float weight = known->weight * static_cast<float>(memory);
   weight = weight < k_weight_most ? weight : k_weight_most;
-  const RoomKnown before = {luminance(known->radiance), known->clipped, weight,
-                            known->seen * static_cast<float>(memory), white != nullptr ? *white : uint8_t{0}};
+  const RoomKnown before = {luminance(known->radiance), static_cast<float>(known->clipped), weight,
+                            static_cast<float>(known->seen * memory), white != nullptr ? *white : uint8_t{0}};
   if (!(now.covered > 0)) return;
   const uint8_t of_now = room_quarter_octaves(room->view.scale);
   if (room_tells_nothing(*room, before, now)) {
@@ -196,9 +225,11 @@ void learn(Room* room, const PartMiddle& part) {
       *white = of_now;
     return;
   }
+  if (above && room->told_radius == 0 && !room->far && room->view.lesson == RoomLesson::all && now.covered >= 1 &&
+      !room_is_short(*room))
+    compare_as_far(room, part, before, now);
   const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
-  const float seen = known->seen * static_cast<float>(memory);
-  known->seen = seen > covered ? seen : covered;
+  known->seen = static_cast<double>(before.seen > covered ? before.seen : covered);
   known->age = 0;
   known->weight = weight + covered;
   const float rate = room_rate(*room, before, now);
@@ -210,14 +241,14 @@ void learn(Room* room, const PartMiddle& part) {
   const float moved = before.clipped > 0 || before.luminance * room->light > room->scale ? rate : 1;
   // What is clipped a little is told at once, and what is no more so: the next image may miss it.
   const bool at_once = clipped > 0 ? rate > 0 && before.clipped < k_faint && clipped < k_little : rate > k_clear;
-  known->clipped += (at_once ? 1 : rate) * (clipped - known->clipped);
+  known->clipped = static_cast<double>(before.clipped + (at_once ? 1 : rate) * (clipped - before.clipped));
   if (rate > 0) known->up = towards(known->up, now.up, moved), known->aside = towards(known->aside, now.aside, moved);
   // Points far apart may have missed a lamp that an ordinary image shows.
   const bool tells_white = closely || before.clipped > 0 || !room_is_short(*room);
   if (white != nullptr && rate > 0 && tells_white && (of_now > *white || !(rate < k_changed_rate * covered)))
     *white = of_now;
-  if (part.part >= k_room_below) return;
-  for (int k = 0; k < 3; ++k) room->from[part.part][k] = towards(0, room->view.position[k], 1);
+  for (int k = 0; k < 3 && (covered >= k_whole || covered >= before.seen); ++k)
+    known->from[k] = towards(known->from[k], room->view.position[k], above ? rate : 1);
 }
 
 // The pose of the stored image in the sphere's frame.
@@ -263,21 +294,54 @@ void pass_time(Room* room, uint64_t step_ns) {
   room->settled += room->view.step;
 }
 
+// A lamp that was seen from elsewhere than the centre lies elsewhere, now that it is known to be far: it changes places
+// with what was there. One that is there already, and brighter, is the same.
+void move_lamps(Room* room) {
+  bool moved[k_room_below] = {};
+  for (uint32_t i = k_room_below; i < k_room_parts; ++i) {
+    RoomPart* part = &room->parts[i];
+    while (!moved[i - k_room_below] && (part->clipped > 0 || luminance(part->radiance) * room->light > room->scale)) {
+      double direction[3], squared = 0, row, column;
+      room_direction(i / k_room_columns + 0.5 + part->up / 254.0, i % k_room_columns + 0.5 + part->aside / 254.0,
+                     direction);
+      for (int k = 0; k < 3; ++k) {
+        const double from = part->from[k] / 127.0;
+        direction[k] -= from;
+        squared += from * from;
+      }
+      const uint32_t to = room_part_at(direction, &row, &column);
+      moved[i - k_room_below] = true;
+      if (squared < k_parallax * k_parallax || to == i || to < k_room_below) break;
+      RoomPart* there = &room->parts[to];
+      if (luminance(there->radiance) >= luminance(part->radiance)) {
+        *part = {};
+        break;
+      }
+      const RoomPart was = *there;
+      *there = *part;
+      *part = was;
+      there->up = towards(0, 2 * fraction(row) - 1, 1);
+      there->aside = towards(0, 2 * fraction(column) - 1, 1);
+      const uint8_t white = room->white[to - k_room_below];
+      room->white[to - k_room_below] = room->white[i - k_room_below];
+      room->white[i - k_room_below] = white;
+      moved[i - k_room_below] = moved[to - k_room_below];
+      moved[to - k_room_below] = true;
+    }
+  }
+}
+
 // Beyond the walls it is another room, or a larger one: the sphere goes along, and what was seen counts as far away.
 void go_along(Room* room, const CameraImage& image) {
-  double place[3], sphere[3], squared = 0;
+  double place[3], squared = 0;
   for (int k = 0; k < 3; ++k) {
     place[k] = static_cast<double>(image.position[k]);
     const double offset = (place[k] - room->centre[k]) / room->radius;
     squared += offset * offset;
   }
   if (!(squared > 1) || room->radius * k_grows > k_radius_most) return;
-  room_place(*room, place, sphere, square_root(squared));
-  for (auto& from : room->from)
-    for (int k = 0; k < 3; ++k) from[k] = towards(0, (from[k] / 127.0 - sphere[k]) / k_grows, 1);
-  for (int k = 0; k < 3; ++k) room->centre[k] = place[k];
-  room->radius *= k_grows;
   ++room->grown;
+  room_grow(room, k_grows, place);
 }
 
 bool due(const Room& room, uint64_t time_ns) {
@@ -289,6 +353,14 @@ bool due(const Room& room, uint64_t time_ns) {
 
 void room_direction(double row, double column, double direction[3]) {
   direction_of(elevation_of(row), azimuth_of(column), direction);
+}
+
+uint32_t room_part_at(const double d[3], double* row, double* column) {
+  const double turns = arc_tangent2(d[2], d[0]) / (2 * k_pi);
+  *row = (arc_tangent2(d[1], square_root(d[0] * d[0] + d[2] * d[2])) / k_pi + 0.5) * k_room_rows;
+  *column = fraction(turns) * k_room_columns;
+  const auto whole = static_cast<uint32_t>(floor_index(*row)), row_of = whole < k_room_rows ? whole : k_room_rows - 1;
+  return row_of * k_room_columns + static_cast<uint32_t>(floor_index(*column)) % k_room_columns;
 }
 
 void room_to_sphere(const Room& room, const double world[3], double sphere[3]) {
@@ -303,6 +375,16 @@ void room_to_world(const Room& room, const double sphere[3], double world[3]) {
   world[0] = turn.cos * sphere[0] - turn.sin * sphere[2];
   world[1] = sphere[1];
   world[2] = turn.sin * sphere[0] + turn.cos * sphere[2];
+}
+
+void room_grow(Room* room, double factor, const double centre[3]) {
+  double moved[3], sphere[3];
+  for (int k = 0; k < 3; ++k) moved[k] = (centre[k] - room->centre[k]) / room->radius;
+  room_to_sphere(*room, moved, sphere);
+  for (RoomPart& part : room->parts)
+    for (int k = 0; k < 3; ++k) part.from[k] = towards(0, (part.from[k] / 127.0 - sphere[k]) / factor, 1);
+  for (int k = 0; k < 3; ++k) room->centre[k] = centre[k];
+  room->radius *= factor;
 }
 
 void room_place(const Room& room, const double world[3], double sphere[3], double farthest) {
@@ -412,6 +494,11 @@ bool room_take_image(Room* room, const CameraImage& image) {
   if (room->phase != RoomPhase::idle || !due(*room, image.timestamp_ns)) return false;
   if (room->images == 0 && (room->probe == nullptr || !(room->probe->confidence > 0)))
     for (int k = 0; k < 3; ++k) room->centre[k] = static_cast<double>(image.position[k]);
+  if (room->farther > k_surely_far) {
+    room->far = true, room->farther = 0;
+    move_lamps(room);
+    room_grow(room, k_far, room->centre);
+  }
   go_along(room, image);
   RoomView* view = &room->view;
   // Without a clock images count as `interval` apart; so do those of a clock that was set back, or of another session.
@@ -431,6 +518,8 @@ bool room_take_image(Room* room, const CameraImage& image) {
   view->scale = room->exposure_known && image.exposure > 0 ? 1 / static_cast<double>(image.exposure) : room->scale;
   const bool told = room_knows_gains(*room, image);
   for (int c = 0; c < 3; ++c) view->balance[c] = told ? image.gains[c] / room->gains[c] : room->balance[c];
+  view->shows_steps = room->shows_steps;
+  room->shows_steps = false;  // until it is known how this image is exposed
   room->phase = RoomPhase::compare;
   room->cursor = 0;
   return true;
@@ -471,13 +560,18 @@ void run_parts(Room* room) {
     middle.azimuth = azimuths[column];
     double direction[3];
     direction_of(middle.elevation, middle.azimuth, direction);
-    if (!room_may_be_seen(*view, direction)) continue;
+    if (!room_may_be_seen(*view, direction)) {
+      if (room->phase == RoomPhase::compare) room->parts[room->cursor].shown = 0;
+      continue;
+    }
     if (room->phase == RoomPhase::gather) {
       learn(room, middle);
       continue;
     }
-    const RoomObservation now = observe(*view, room->images, middle, k_vote_points);
+    // Where the exposure is not told, at the same points of each image: so it is known how that changed.
+    const RoomObservation now = observe(*view, view->image.exposure > 0 ? room->images : 0, middle, k_vote_points);
     if (now.covered > 0) room_vote(room, room->cursor, middle.elevation.cos, now);
+    else room->parts[room->cursor].shown = 0;
   }
 }
 

@@ -240,11 +240,9 @@ void set_far_light(const Room& room, const sandglass_harmonics& told, RoomFarLig
   for (double& x : world) x /= square_root(squared);
   room_to_sphere(room, world, far->direction);
   for (int c = 0; c < 3; ++c) far->irradiance[c] = static_cast<double>(told.main_irradiance[c]);
-  const double* d = far->direction;
-  const double turns = arc_tangent2(d[2], d[0]) / (2 * k_pi), flat = square_root(d[0] * d[0] + d[2] * d[2]);
-  const double row = (arc_tangent2(d[1], flat) / k_pi + 0.5) * k_room_rows;
+  double row;
+  room_part_at(far->direction, &row, &far->column);
   far->row = row < 0.5 ? 0.5 : row > k_room_rows - 0.5 ? k_room_rows - 0.5 : row;
-  far->column = (turns - static_cast<double>(floor_index(turns))) * k_room_columns;
 }
 
 // Logarithms of how much brighter the room remembers a part than the probe shows it. False where the two do not compare.
@@ -384,7 +382,7 @@ RoomPart room_known(const Room& room, uint32_t i, const double scale[3], double 
   RoomPart known = room.parts[i];
   const RoomProbePart& probe = room.probe->parts[i];
   const double confidence = room.probe->confidence, probe_clipped = from_half(probe.clipped);
-  double there[3], here[3], all_there[3], far[3], clipped = static_cast<double>(known.clipped);
+  double there[3], here[3], all_there[3], far[3], clipped = known.clipped;
   const double share = room_far_share(room.probe->far, i, far);
   for (int c = 0; c < 3; ++c) {
     there[c] = from_half(probe.radiance[c]) * scale[c] / room.light;
@@ -397,7 +395,7 @@ RoomPart room_known(const Room& room, uint32_t i, const double scale[3], double 
   }
   const double rest = (1 - seen) * confidence, all = seen + rest;
   for (int c = 0; c < 3; ++c) known.radiance[c] = room_bounded_radiance((seen * here[c] + rest * there[c]) / all);
-  known.clipped = static_cast<float>((seen * clipped + rest * probe_clipped) / all);
+  known.clipped = (seen * clipped + rest * probe_clipped) / all;
   return known;
 }
 

@@ -21,17 +21,17 @@ constexpr float k_doubts_from = 3.0f;   // parts on the horizon
 constexpr float k_tells_from = 0.004f;  // of white: 13 steps of a byte
 
 void room_reset(Room* room) {
-  for (; room->grown > 0; --room->grown) room->radius /= k_grows;
-  const double radius = room->radius, half_life = room->half_life;
+  const double told_radius = room->told_radius, half_life = room->half_life;
   const uint64_t interval_ns = room->interval_ns;
   const uint32_t unit = room->unit;
   RoomProbe* const probe = room->probe;
   RoomTexel* const texels = room->texels;
   __builtin_memset(static_cast<void*>(room), 0, sizeof *room);
-  room->radius = radius;
+  room->told_radius = told_radius;
+  room->radius = room_first_radius(*room);
   room->half_life = half_life;
   room->interval_ns = interval_ns;
-  room->scale = room->light = room->light_before = 1;
+  room->scale = room->shown_scale = room->light = room->light_before = 1;
   for (float& b : room->balance) b = 1;
   room->settled = k_long_ago;
   room->tells_from = k_tells_from;
@@ -48,8 +48,11 @@ void room_leave(Room* room) {
   for (double& x : room->view.position) x = 0;
   room->light = room->light_before = 1;
   room->usual = room->doubted = room->shows = 0;
+  room->farther = 0;
   room->settled = k_long_ago;
-  for (; room->grown > 0; --room->grown) room->radius /= k_grows;
+  room->radius = room_first_radius(*room);
+  room->grown = 0;
+  room->far = false;
   __builtin_memset(room->parts, 0, sizeof room->parts);
   __builtin_memset(room->white, 0, sizeof room->white);
   __builtin_memset(room->lamps, 0, sizeof room->lamps);
@@ -64,7 +67,8 @@ sandglass_status check(const sandglass_room_desc* desc, const char** reason) {
   if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_room_desc_default");
   if (desc->struct_size != sizeof *desc)
     return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_room_desc_default");
-  if (!within(desc->radius, 0.1f, 1000.0f)) return refuse(reason, "desc.radius is not in 0.1..1000 metres");
+  if (desc->radius != 0 && !within(desc->radius, 0.1f, 1000.0f))
+    return refuse(reason, "desc.radius is neither 0 nor in 0.1..1000 metres");
   if (!within(desc->half_life, 1.0f, 1e6f)) return refuse(reason, "desc.half_life is not in 1..1e6 seconds");
   if (!within(desc->interval, 0.0f, 60.0f)) return refuse(reason, "desc.interval is not in 0..60 seconds");
   if (desc->probe > 1 || desc->reflections > 1)
@@ -229,7 +233,7 @@ using namespace sandglass;
 
 void sandglass_room_desc_default(sandglass_room_desc* desc) {
   if (desc == nullptr) return;
-  *desc = {sizeof *desc, 3.0f, 180.0f, 0.1f, 0, 0};
+  *desc = {sizeof *desc, 0, 180.0f, 0.1f, 0, 0};
 }
 
 sandglass_status sandglass_room_bytes(const sandglass_room_desc* desc, uint64_t* bytes, const char** reason) {
@@ -249,10 +253,9 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
   layout.base = static_cast<uint8_t*>(block);
   sandglass_room* owner = lay_out(*desc, &layout);
   owner->room.unit = 0;
-  owner->room.grown = 0;
   owner->functions = &k_room_functions;
   owner->version = 0;
-  owner->room.radius = static_cast<double>(desc->radius);
+  owner->room.told_radius = static_cast<double>(desc->radius);
   owner->room.half_life = static_cast<double>(desc->half_life);
   owner->room.interval_ns = to_whole<uint64_t>(static_cast<double>(desc->interval) * 1e9);
   room_reset(&owner->room);
@@ -403,7 +406,7 @@ int32_t sandglass_room_probe_fit(const sandglass_room* room, uint32_t* turn_deg,
 uint64_t sandglass_room_hash(const sandglass_room* room) {
   if (room == nullptr) return 0;
   const Room& r = room->room;
-  uint64_t hash = hash_with(hash_bytes(r.parts, sizeof r.parts), hash_bytes(r.from, sizeof r.from));
+  uint64_t hash = hash_bytes(r.parts, sizeof r.parts);
   hash = hash_with(hash, hash_bytes(r.centre, sizeof r.centre));
   const double numbers[3] = {r.yaw, r.scale, r.light};
   hash = hash_with(hash, hash_bytes(numbers, sizeof numbers));

@@ -28,14 +28,30 @@ constexpr uint32_t k_room_rows = 16, k_room_columns = 32, k_room_parts = k_room_
 constexpr uint32_t k_room_below = k_room_parts / 2;  // the parts below the horizon come first
 constexpr uint32_t k_room_unit_parts = 64;           // what a work unit looks at
 
+// A share, 0..1, in two bytes.
+class RoomShare {
+ public:
+  RoomShare& operator=(double share) {
+    steps_ = static_cast<uint16_t>(share * k_steps + 0.5);
+    return *this;
+  }
+  operator double() const { return steps_ / k_steps; }
+
+ private:
+  static constexpr double k_steps = 65535;
+  uint16_t steps_;
+};
+
 // What was seen of one part of the sphere.
 struct RoomPart {
   float radiance[3];  // the mean, linear, over the room's `light`; a lower bound where `clipped` is above 0
-  float clipped;      // 0..1: the share of its pixels that were clipped
   float weight;       // how many images have shown it, as far as they still count
-  float seen;         // 0..1: the share of it that was ever in the picture
+  RoomShare clipped;  // of its pixels
+  RoomShare seen;     // of it was ever in the picture
   uint16_t age;       // since it was seen last, in ticks: 2048 are a half-life
   int8_t up, aside;   // where in the part its light comes from: 127 at the edge, of rows and of columns
+  int8_t from[3];     // where the camera was that saw it last, 127 a radius
+  uint8_t shown;      // its luminance in the last image, in 16ths of an octave below white from 255; 0: not known
 };
 
 // What an image shows of one part.
@@ -51,11 +67,15 @@ struct RoomObservation {
 // How an image compares with what is remembered of the parts that it shows again. Weights are solid angles, 1 for a part
 // on the horizon. A ratio is that of what the image shows to what is remembered, as a logarithm.
 constexpr uint32_t k_vote_bins = 36;
+struct RoomRatios {
+  float weight[k_vote_bins], sum[k_vote_bins];  // by their size: weights, and weights times ratios
+};
 struct RoomVote {
-  float weight[k_vote_bins], sum[k_vote_bins];  // of ratios, by their size: weights, and weights times ratios
-  float brighter, darker;                       // weights of parts that are clipped or black where they should not be
-  float brighter_sum, darker_sum;               // the same times the ratio that is known at least
-  float more, less;                             // weights of what became brighter, or darker, by half or more
+  RoomRatios ratios;
+  RoomRatios steps;                // to what the image before showed, where the exposure is not told
+  float brighter, darker;          // weights of parts that are clipped or black where they should not be
+  float brighter_sum, darker_sum;  // the same times the ratio that is known at least
+  float more, less;                // weights of what became brighter, or darker, by half or more
   float exact, known, known_squared, error, error_squared,
       shown_squared;         // weights; of logarithms of what is remembered, of ratios, and of what is shown
   float now[3], then[3];     // sums of colours that the image shows, and that are remembered
@@ -145,28 +165,33 @@ struct RoomView {
   float balance[3];        // of each channel: what a pixel shows beside that
   const float* light;      // camera_light_table
   double step;             // seconds since the image before
+  bool shows_steps;        // `shown` of the parts is of that one
   RoomLesson lesson;
   RoomVote vote;
 };
 
 struct Room {
+  double told_radius;  // 0: it is found
   double radius, half_life;
   uint64_t interval_ns, last_ns;  // last_ns: of the last image that was taken
   uint64_t offered_ns;            // of the last image that was offered
   uint64_t rest_ns;               // of the time that ages parts: less than a tick
   uint32_t hasty;                 // images in a row that came less than a millisecond after the one before
   uint32_t images;
-  uint32_t unit;        // a number for the unit of radiance: another one where it was set anew
-  bool exposure_known;  // by the app, for one image at least
-  bool wants_size : 1;  // the last image shows a lamp whole, but clipped, whose size is not known
-  bool strange : 1;     // the last image seems to show another room
-  uint8_t size_looks;   // short images that were to show one
-  uint8_t grown;        // how often `radius` was, because the camera has left the sphere
-  double centre[3];     // of the sphere, in the world
-  double yaw;           // turns: the sphere's azimuth 0 is at this azimuth of the world
-  double scale;         // of the last image that was exposed for the room
-  float balance[3];     // of the same, white balance beside that of all radiance that is kept
-  float gains[3];       // that the camera tells where `balance` is 1; 0: unknown
+  uint32_t unit;         // a number for the unit of radiance: another one where it was set anew
+  bool exposure_known;   // by the app, for one image at least
+  bool wants_size : 1;   // the last image shows a lamp whole, but clipped, whose size is not known
+  bool strange : 1;      // the last image seems to show another room
+  bool far : 1;          // what is seen lies so far away that `radius` has become k_far times as large
+  bool shows_steps : 1;  // `shown` of the parts and `shown_scale` are of the last image
+  uint8_t size_looks;    // short images that were to show one
+  uint8_t grown;         // how often `radius` was, because the camera has left the sphere
+  double centre[3];      // of the sphere, in the world
+  double yaw;            // turns: the sphere's azimuth 0 is at this azimuth of the world
+  double scale;          // of the last image that was exposed for the room
+  double shown_scale;    // of the last image
+  float balance[3];      // of the same, white balance beside that of all radiance that is kept
+  float gains[3];        // that the camera tells where `balance` is 1; 0: unknown
   double light;  // the light of the whole room, beside what it was when its parts were seen: a factor of them all
   double usual;  // the median of votes while nothing changes: where they are taken is not all that is remembered
   double light_before;  // the same before the last change
@@ -174,7 +199,9 @@ struct Room {
   double doubted;       // seconds for which images have shown what no change of light explains
   double doubts;        // the median of votes of the last of them
   double shows;         // mean radiance of those that look like another room; 0: none does
+  double farther;       // how much better images are explained if what they show is far, so far: see compare_as_far
   float doubts_from;    // weight of what is compared from which on all that agree are believed in the end
+  float brightens;      // logarithm by which `scale` last grew, where the exposure is not told
   float tells_from;     // of an image's white: what shows as less, and was less, says nothing
   RoomPhase phase;
   uint32_t cursor;               // the next part
@@ -184,7 +211,6 @@ struct Room {
   // Of each part above the horizon: the white of the image that says how bright it is, in quarters of an octave. What
   // is clipped in an image of a lower white says less. 0: unknown.
   uint8_t white[k_room_below];
-  int8_t from[k_room_below][3];  // of each part below the horizon: where the camera was that saw it last, 127 a radius
   RoomLamp lamps[k_room_lamps];
   RoomProbe* probe;   // NULL in a room that keeps none
   RoomTexel* texels;  // k_cube_texels, or NULL
@@ -192,6 +218,8 @@ struct Room {
 
 // The directions of a part: `row` and `column` count from its first corner and may have fractions. Row 0 is below.
 void room_direction(double row, double column, double direction[3]);
+// Back: row 0..16, column 0..32. The part that lies there.
+uint32_t room_part_at(const double direction[3], double* row, double* column);
 // A direction of the world in the sphere's frame.
 void room_to_sphere(const Room& room, const double world[3], double sphere[3]);
 void room_to_world(const Room& room, const double sphere[3], double world[3]);
@@ -207,8 +235,12 @@ inline bool room_knows_gains(const Room& room, const CameraImage& image) {
 bool room_remembers(const RoomPart& part);
 // What counts of something that was seen so many ticks ago, 0..1.
 double room_memory(uint32_t age);
-// The sphere grows by this factor when the camera leaves it.
-constexpr double k_grows = 4;
+// The sphere grows by this factor when the camera leaves it; and by that one where what is seen is far.
+constexpr double k_grows = 4, k_far = 64;
+constexpr double k_usual_radius = 3;  // metres, where the app tells none
+constexpr double k_radius_most = 1000;
+void room_grow(Room* room, double factor, const double centre[3]);
+inline double room_first_radius(const Room& room) { return room.told_radius > 0 ? room.told_radius : k_usual_radius; }
 // False where a direction of the sphere, and what lies up to half a part beside it, is out of the picture.
 bool room_may_be_seen(const RoomView& view, const double direction[3]);
 // Where in a part or a texel, 0..1, its points lie: elsewhere with each step, and evenly.

@@ -13,7 +13,7 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t k_magic = 0x6d726773;  // "sgrm"
-constexpr uint32_t k_version = 5;
+constexpr uint32_t k_version = 6;
 
 struct SavedRoom {
   uint32_t magic, version;
@@ -23,9 +23,9 @@ struct SavedRoom {
   double light;
   float balance[3], gains[3];
   uint32_t images, exposure_known;
+  uint32_t grown, far;
   uint64_t has_probe;  // then a SavedProbe follows
   RoomPart parts[k_room_parts];
-  int8_t from[k_room_below][3];
   RoomLamp lamps[k_room_lamps];
 };
 struct SavedProbe {
@@ -43,17 +43,15 @@ bool sound(const SavedRoom& saved) {
     return false;
   for (const double c : saved.centre)
     if (!within(c, -2 * k_limit, 2 * k_limit)) return false;
-  if (saved.exposure_known > 1 || saved.has_probe > 1) return false;
+  if (saved.exposure_known > 1 || saved.has_probe > 1 || saved.far > 1 || saved.grown > 6) return false;
   const bool has_gains = saved.gains[0] != 0 || saved.gains[1] != 0 || saved.gains[2] != 0;
   if (!all_within(saved.balance, 3, 1e-4f, 1e4f) || (has_gains && !all_within(saved.gains, 3, 1e-4f, 1e4f)))
     return false;
-  for (const auto& from : saved.from)
-    for (const int8_t x : from)
-      if (x < -127) return false;
   for (const RoomPart& part : saved.parts) {
-    if (!all_within(part.radiance, 3, 0.0f, 1e7f) || !within(part.clipped, 0.0f, 1.0f)) return false;
-    if (!within(part.weight, 0.0f, 1e3f) || !within(part.seen, 0.0f, 1.0f)) return false;
+    if (!all_within(part.radiance, 3, 0.0f, 1e7f) || !within(part.weight, 0.0f, 1e3f)) return false;
     if (part.up < -127 || part.aside < -127) return false;
+    for (const int8_t x : part.from)
+      if (x < -127) return false;
   }
   for (const RoomLamp& lamp : saved.lamps)
     if (!within(lamp.across, 0.0f, 4.0f) || !within(lamp.error, 0.0f, 8.0f) || !within(lamp.strength, 0.0f, 1e9f) ||
@@ -106,7 +104,8 @@ sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, ui
   uint8_t* to = static_cast<uint8_t*>(data);
   // Field by field, because `data` may have any alignment.
   const auto put = [to](uint64_t at, const void* from, uint64_t count) { memcpy(to + at, from, count); };
-  const uint32_t heads[2] = {k_magic, k_version}, flags[2] = {room.images, room.exposure_known ? 1u : 0u};
+  const uint32_t heads[2] = {k_magic, k_version},
+                 flags[4] = {room.images, room.exposure_known ? 1u : 0u, room.grown, room.far ? 1u : 0u};
   put(0, heads, sizeof heads);
   put(offsetof(SavedRoom, radius), &room.radius, sizeof room.radius);
   put(offsetof(SavedRoom, yaw), &room.yaw, sizeof room.yaw);
@@ -117,7 +116,6 @@ sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, ui
   put(offsetof(SavedRoom, gains), room.gains, sizeof room.gains);
   put(offsetof(SavedRoom, images), flags, sizeof flags);
   put(offsetof(SavedRoom, parts), room.parts, sizeof room.parts);
-  put(offsetof(SavedRoom, from), room.from, sizeof room.from);
   put(offsetof(SavedRoom, lamps), room.lamps, sizeof room.lamps);
   const uint64_t probes = has_probe(room) ? 1 : 0;
   put(offsetof(SavedRoom, has_probe), &probes, sizeof probes);
@@ -162,15 +160,16 @@ sandglass_status sandglass_room_restore(sandglass_room* owner, const void* data,
   ++owner->version;
   room->radius = saved.radius;
   room->yaw = saved.yaw;
-  room->scale = saved.scale;
+  room->scale = room->shown_scale = saved.scale;
   for (int k = 0; k < 3; ++k) room->centre[k] = saved.centre[k];
   room->images = saved.images;
   room->exposure_known = saved.exposure_known != 0;
+  room->grown = static_cast<uint8_t>(saved.grown);
+  room->far = saved.far != 0;
   room->light = room->light_before = saved.light;
   memcpy(room->balance, saved.balance, sizeof room->balance);
   memcpy(room->gains, saved.gains, sizeof room->gains);
   memcpy(room->parts, saved.parts, sizeof room->parts);
-  memcpy(room->from, saved.from, sizeof room->from);
   memcpy(room->lamps, saved.lamps, sizeof room->lamps);
   if (!with_probe || room->probe == nullptr) return accept(reason);
   room->probe->confidence = probe->confidence;

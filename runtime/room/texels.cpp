@@ -126,14 +126,10 @@ void seen_through(const Room& room, const double place[3], double d[3]) {
     if (!(squared > k_least_ray)) return;
     for (double& r : ray) r /= square_root(squared);
     meet_sphere(from, ray, d);
-    const double turns = arc_tangent2(d[2], d[0]) / (2 * k_pi);
-    const double row = (arc_tangent2(d[1], square_root(d[0] * d[0] + d[2] * d[2])) / k_pi + 0.5) * k_room_rows;
-    const auto part =
-        static_cast<uint32_t>(floor_index(row)) * k_room_columns +
-        static_cast<uint32_t>(floor_index((turns - static_cast<double>(floor_index(turns))) * k_room_columns)) %
-            k_room_columns;
+    double row, column;
+    const uint32_t part = room_part_at(d, &row, &column);
     if (part >= k_room_below) return;
-    for (int k = 0; k < 3; ++k) from[k] = room.from[part][k] / 127.0;
+    for (int k = 0; k < 3; ++k) from[k] = room.parts[part].from[k] / 127.0;
   }
 }
 

@@ -10,6 +10,7 @@
 // image. Light that returns to what it was is believed at once. What no change of light explains, a finger over the
 // lens, is not believed for a while; nor is what a few parts say, until they have said it for as long. What is black or
 // clipped almost everywhere teaches nothing.
+#include "kernels/whole.h"
 #include "runtime/core/luminance.h"
 #include "runtime/core/math.h"
 #include "runtime/room/room.h"
@@ -41,8 +42,11 @@ constexpr double k_patience = 2.5, k_settling = 3.0;  // seconds
 // A strange image whose logarithms vary by so much shows another room, or another part of it: a finger, a cloth and a
 // glare are even. Where the camera has left the sphere it is another room, and half a second of it is enough.
 constexpr double k_detail = 0.05, k_patience_far = 0.5;
-constexpr double k_far_off = 1.1;     // of logarithms: three times the light, or a third
-constexpr double k_shows_rate = 0.2;  // of a new image in the mean of what such images show
+constexpr double k_far_off = 1.1;        // of logarithms: three times the light, or a third
+constexpr double k_shows_rate = 0.2;     // of a new image in the mean of what such images show
+constexpr double k_unseen_step = 0.025;  // of logarithms
+constexpr double k_goes_on = 0.8, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 16, k_step_alike = 0.75,
+                 k_adapts = 0.25, k_far_apart = 0.4, k_far_rate = 0.5;
 constexpr double k_scale_most = 1e6;
 // White balance. Channels that are darker have no hue: bytes round them. What differs so much from the rest counts a quarter,
 // what is so uneven that four points say little of it half. The noise is the variance of a vote that counts 1.
@@ -57,23 +61,44 @@ void add(float* sum, double value) { *sum += static_cast<float>(value); }
 // Out of line: it is called from many places, and long.
 __attribute__((noinline)) double logarithm_of(double x) { return logarithm(x > 0.5 * k_black ? x : 0.5 * k_black); }
 
-// The median, at the mean of the votes about it.
-double median_of(const RoomVote& v) {
-  double total = static_cast<double>(v.brighter) + static_cast<double>(v.darker);
-  for (const float w : v.weight) total += static_cast<double>(w);
-  double below = static_cast<double>(v.darker);
-  if (v.darker > 0 && below >= 0.5 * total) return static_cast<double>(v.darker_sum / v.darker);
+void add_ratio(RoomRatios* ratios, double weight, double ratio) {
+  const double at = (ratio - k_lowest) / k_bin;
+  const int64_t bin = floor_index(at < 0 ? 0 : at < k_vote_bins - 1 ? at : k_vote_bins - 1);
+  add(&ratios->weight[bin], weight);
+  add(&ratios->sum[bin], weight * ratio);
+}
+
+double weight_of(const RoomRatios& ratios) {
+  double sum = 0;
+  for (const float w : ratios.weight) sum += static_cast<double>(w);
+  return sum;
+}
+
+// The ratio below which lies so much weight, at the mean of the votes about it; 0 where there is less. `near`: their
+// weight.
+double ratio_above(const RoomRatios& ratios, double weight_below, double* near = nullptr) {
+  double below = 0;
   for (uint32_t i = 0; i < k_vote_bins; ++i) {
-    below += static_cast<double>(v.weight[i]);
-    if (!(v.weight[i] > 0) || below < 0.5 * total) continue;
+    below += static_cast<double>(ratios.weight[i]);
+    if (!(ratios.weight[i] > 0) || below < weight_below) continue;
     double weight = 0, sum = 0;
     for (uint32_t k = i > 0 ? i - 1 : 0; k <= i + 1 && k < k_vote_bins; ++k) {
-      weight += static_cast<double>(v.weight[k]);
-      sum += static_cast<double>(v.sum[k]);
+      weight += static_cast<double>(ratios.weight[k]);
+      sum += static_cast<double>(ratios.sum[k]);
     }
+    if (near != nullptr) *near = weight;
     return sum / weight;
   }
-  return v.brighter > 0 ? static_cast<double>(v.brighter_sum / v.brighter) : 0;
+  return 0;
+}
+
+double median_of(const RoomVote& v) {
+  const auto brighter = static_cast<double>(v.brighter), darker = static_cast<double>(v.darker),
+             exact = weight_of(v.ratios);
+  const double half = 0.5 * (brighter + darker + exact);
+  if (darker > 0 && darker >= half) return static_cast<double>(v.darker_sum / v.darker);
+  if (!(exact > 0) || exact + darker < half) return brighter > 0 ? static_cast<double>(v.brighter_sum / v.brighter) : 0;
+  return ratio_above(v.ratios, half - darker);
 }
 
 // Of logarithms of parts that are compared exactly.
@@ -97,10 +122,27 @@ bool is_strange(const RoomVote& v, bool told) {
   return pattern > k_pattern_least && variance(v, v.error, v.error_squared) > k_pattern_lost * pattern;
 }
 
-// How the image is exposed, where that is not told.
-double found_scale(const Room& room) {
-  const RoomVote& v = room.view.vote;
-  return static_cast<double>(v.exact) >= k_scale_least ? bounded(room.scale * exponential(-median_of(v))) : room.scale;
+// How the image is exposed, where that is not told: what it shows as the image before did says how that changed. What
+// is remembered says where it should be, and is approached in steps that nobody sees.
+double found_scale(Room* room) {
+  const RoomVote& v = room->view.vote;
+  const double compared = weight_of(v.steps);
+  const bool steps = compared >= k_scale_least, remembers = static_cast<double>(v.exact) >= k_scale_least;
+  double by_step = k_goes_on * static_cast<double>(room->brightens);
+  if (steps) {
+    double near = 0;
+    const double beside = -ratio_above(v.steps, 0.5 * compared, &near) - by_step, noise = k_step_noise / compared;
+    const bool surely = near >= k_step_alike * compared && beside * beside > k_surely * noise;
+    by_step += (surely ? 1 : k_step_usual / (k_step_usual + noise)) * beside;
+  }
+  const double by_memory = remembers ? logarithm(room->scale / room->shown_scale) - median_of(v) : by_step,
+               apart = by_memory - by_step;
+  const double beyond = absolute(apart) - k_far_apart;
+  const double slowly = k_unseen_step + (beyond > 0 ? k_far_rate * beyond : 0);
+  const double most = steps || static_cast<double>(v.exact) < k_change_least ? slowly : absolute(apart);
+  const double change = by_step + (apart < -most ? -most : apart > most ? most : apart);
+  room->brightens = static_cast<float>(steps ? by_step : 0);
+  return bounded(room->shown_scale * exponential(change));
 }
 
 // While the light settles the factor follows each image. What most of the parts do not say is the noise of where the
@@ -125,8 +167,8 @@ bool all_alike(const Room& room, double median, double hidden) {
   if (exact < k_change_least) return false;
   double near = 0, sum = 0, squares = 0;
   for (uint32_t i = 0; i < k_vote_bins; ++i) {
-    const auto weight = static_cast<double>(v.weight[i]),
-               mean = weight > 0 ? static_cast<double>(v.sum[i]) / weight : 0;
+    const auto weight = static_cast<double>(v.ratios.weight[i]),
+               mean = weight > 0 ? static_cast<double>(v.ratios.sum[i]) / weight : 0;
     if (!(weight > 0) || absolute(mean - median) > k_near) continue;
     near += weight;
     sum += weight * mean;
@@ -137,13 +179,19 @@ bool all_alike(const Room& room, double median, double hidden) {
   return absolute(change) > k_slight && squares / near - mean * mean < k_alike * k_alike * change * change;
 }
 
+// Whether the camera is beyond where the walls were taken to be.
+bool is_beyond(const Room& room) {
+  const double metres = room_first_radius(room) / room.radius, *at = room.view.position;
+  return room.grown > 0 || (room.far && at[0] * at[0] + at[1] * at[1] + at[2] * at[2] > metres * metres);
+}
+
 // Whether an image that is strange has a room's detail.
 bool is_detailed(const RoomVote& v) { return variance(v, v.known + v.error, v.shown_squared) > k_detail; }
 
 // Of an image that shows another room, as it seems: how bright that is.
 void look_through_door(Room* room) {
   const RoomVote& v = room->view.vote;
-  if (!(room->shows > 0) && room->grown == 0 && !is_detailed(v)) return;
+  if (!(room->shows > 0) && !is_beyond(*room) && !is_detailed(v)) return;
   const double shows = bounded(room->view.scale * static_cast<double>(v.shown / v.area));
   room->shows = room->shows > 0 ? room->shows * exponential(k_shows_rate * logarithm(shows / room->shows)) : shows;
 }
@@ -158,6 +206,19 @@ void doubt(Room* room, double median) {
 void begin_to_settle(Room* room, bool back) {
   if (back || !(room->settled < k_settling)) room->light_before = room->light;
   room->settled = room->shows = 0;
+}
+
+// How much brighter an image shows a part than the image before. Bytes round what is dark.
+void vote_of_step(Room* room, uint32_t index, double weight, const RoomObservation& now) {
+  RoomPart* part = &room->parts[index];
+  const double shown = luminance(now.colour);
+  const int before = part->shown;
+  part->shown = 0;
+  if (now.covered < 1 || now.clipped > 0 || !(shown > k_dim)) return;
+  const double octaves = logarithm(shown) / 0.6931471805599453;
+  part->shown = to_whole<uint8_t>(octaves < 0 ? 255.5 + 16 * octaves : 255);
+  if (room->view.shows_steps && before > 0)
+    add_ratio(&room->view.vote.steps, weight, 0.6931471805599453 * (octaves - (before - 255) / 16.0));
 }
 
 // How much redder and bluer an image shows a part than it is remembered. Bright, even parts tell it best.
@@ -235,12 +296,12 @@ RoomLesson lesson_of(Room* room, bool told) {
   if (doubtful && compares) doubt(room, median);
   else if (enough && clear) room->doubted = room->shows = 0;
   // One alone may be a short one of lamps. In the room it is another one only where it is much darker or brighter, too.
-  const bool far_off = room->grown > 0 || absolute(median - room->usual) > k_far_off;
+  const bool far_off = is_beyond(*room) || absolute(median - room->usual) > k_far_off;
   if (!far_off) room->shows = 0;
   if (strange && room->strange && far_off) look_through_door(room);
   room->strange = strange;
   if (!doubtful && room->doubted > 0) return RoomLesson::unknown;
-  const bool other = strange && room->grown > 0 && is_detailed(v);
+  const bool other = strange && is_beyond(*room) && is_detailed(v);
   if (doubtful && room->doubted < (other ? k_patience_far : k_patience)) {
     if (told && !strange && room->settled < k_settling) follow_light(room, median - room->usual, false);
     return strange ? RoomLesson::nothing : RoomLesson::unknown;
@@ -264,8 +325,8 @@ RoomLesson lesson_of(Room* room, bool told) {
 }  // namespace
 
 bool room_remembers(const RoomPart& part) {
-  return room_memory(part.age) * static_cast<double>(part.seen) >= k_memory &&
-         static_cast<double>(part.clipped) <= k_memory_clipped && luminance(part.radiance) > 0;
+  return room_memory(part.age) * part.seen >= k_memory && part.clipped <= k_memory_clipped &&
+         luminance(part.radiance) > 0;
 }
 
 double room_part_weight(uint32_t part) {
@@ -276,6 +337,7 @@ double room_part_weight(uint32_t part) {
 void room_vote(Room* room, uint32_t index, double area, const RoomObservation& now) {
   RoomVote* v = &room->view.vote;
   const double weight = area * now.covered, shown = luminance(now.colour);
+  vote_of_step(room, index, weight, now);
   add(&v->area, weight);
   add(&v->shown, weight * shown);
   const bool black = !(shown > k_black);
@@ -297,10 +359,7 @@ void room_vote(Room* room, uint32_t index, double area, const RoomObservation& n
     return;
   }
   const double known = logarithm_of(expected), ratio = logarithm_of(shown) - known;
-  const double at = (ratio - k_lowest) / k_bin;
-  const int64_t bin = floor_index(at < 0 ? 0 : at < k_vote_bins - 1 ? at : k_vote_bins - 1);
-  add(&v->weight[bin], weight);
-  add(&v->sum[bin], weight * ratio);
+  add_ratio(&v->ratios, weight, ratio);
   add(&v->exact, weight);
   if (ratio > k_change) add(&v->more, weight);
   if (ratio < -k_change) add(&v->less, weight);
@@ -319,9 +378,17 @@ void room_decide(Room* room) {
   RoomView* view = &room->view;
   const double exposure = static_cast<double>(view->image.exposure);
   const bool first_told = exposure > 0 && !room->exposure_known, told = exposure > 0 && !first_told;
-  const double found = found_scale(*room);
+  const double found = told ? room->scale : found_scale(room);
+  room->shown_scale = told ? view->scale : found;
+  room->shows_steps = true;
   view->lesson = lesson_of(room, told);
-  if (view->lesson == RoomLesson::nothing) return;
+  if (view->lesson == RoomLesson::nothing) {
+    // What covers the lens comes and goes at once; the camera adapts to it slowly.
+    if (told || room->exposure_known) return;
+    if (absolute(static_cast<double>(room->brightens)) > k_adapts) room->brightens = 0;
+    room->scale = room->shown_scale = bounded(room->scale * exponential(static_cast<double>(room->brightens)));
+    return;
+  }
   follow_balance(room);
   // Where it is missing once, the exposure is nearly that of the image before.
   const double apart = logarithm(found / room->scale);
@@ -336,6 +403,7 @@ void room_decide(Room* room) {
     for (RoomPart& part : room->parts) turn(part.radiance);
     for (uint32_t i = 0; room->texels != nullptr && i < k_cube_texels; ++i) turn(room->texels[i].radiance);
     room->scale = bounded(room->scale * factor);
+    room->shown_scale = bounded(1 / exposure);
     room->exposure_known = true;
     room->unit += room->images != 0 ? 1 : 0;
     view->scale = bounded(1 / exposure);

@@ -370,7 +370,7 @@ TEST(RoomLight, RefusesWhatItCannotUse) {
     return sandglass_room_bytes(&desc, &bytes, &reason) == SANDGLASS_ERROR_INVALID_ARGUMENT && reason != nullptr;
   };
   EXPECT_TRUE(refused([](sandglass_room_desc* d) { d->struct_size = 4; }));
-  EXPECT_TRUE(refused([](sandglass_room_desc* d) { d->radius = 0; }));
+  EXPECT_TRUE(refused([](sandglass_room_desc* d) { d->radius = 0.01f; }));
   EXPECT_TRUE(refused([](sandglass_room_desc* d) { d->radius = NAN; }));
   EXPECT_TRUE(refused([](sandglass_room_desc* d) { d->half_life = 0; }));
   EXPECT_TRUE(refused([](sandglass_room_desc* d) { d->interval = -1; }));

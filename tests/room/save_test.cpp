@@ -49,6 +49,25 @@ TEST(RoomSave, TheRestoredRoomAnswersAlike) {
   EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0);
 }
 
+// A sphere that has grown, because the camera has left it, is restored; after a reset it is as large as ever.
+TEST(RoomSave, AGrownSphereIsRestoredAndResetToItsFirstSize) {
+  MadeUpRoom first, second, fresh;
+  const Radiance lit = lamp_room(towards(50, 40), 6.0, 20.0);
+  Photograph p = photograph(lit, 50, 40, 1, 1);
+  p.image.position[0] = 4;
+  first.look(lit, 50, 40);
+  ASSERT_EQ(sandglass_room_set_image(first.handle(), &p.image, nullptr, nullptr), SANDGLASS_OK);
+  Saved saved = save(first.handle());
+  ASSERT_EQ(sandglass_room_restore(second.handle(), saved.data(), saved.bytes, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(second.light(2, 0, 0).main_direction[0], first.light(2, 0, 0).main_direction[0]);
+  for (MadeUpRoom* room : {&second, &fresh}) {
+    sandglass_room_reset(room->handle());
+    room->look(lit, 50, 40);
+  }
+  EXPECT_NE(fresh.light(2, 0, 0).main_direction[0], first.light(2, 0, 0).main_direction[0]) << "the control";
+  EXPECT_EQ(second.light(2, 0, 0).main_direction[0], fresh.light(2, 0, 0).main_direction[0]);
+}
+
 TEST(RoomSave, DamagedBytesAreRefusedAndChangeNothing) {
   Saved saved = save(looked_around().handle());
   MadeUpRoom room;

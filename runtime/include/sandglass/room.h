@@ -17,8 +17,8 @@
  * estimate.h is not needed; where an app has one, its estimate is one more input.
  *
  * Exposure. A camera that adapts shows a dark room and a bright one alike. Fill in sandglass_camera_image.exposure
- * where the system tells it. Where it is 0, the library finds it from what the image shows again of what was seen
- * before. It may come late, and be missing now and then. sandglass_room_exposure says how bright to draw over an image.
+ * where the system tells it. Where it is 0, the library finds it from what the image shows again of the image before,
+ * and of what was seen earlier. It may come late, and be missing now and then. sandglass_room_exposure says how bright to draw over an image.
  *
  * White balance. A camera that adapts shows a warm room and a cold one alike. What is drawn follows the picture: by
  * sandglass_camera_image.gains where the system tells them, else by the hue of what an image shows again.
@@ -61,7 +61,8 @@ typedef struct sandglass_room_desc {
   /* Metres, 0.1..1000: how far the walls are from the place of the session, roughly. What is seen counts as being that
    * far away, so that it can be moved to where an object stands. When the camera goes farther it is another room, or a
    * larger one: from then on the camera's place is the middle, and walls are four times as far away, up to 1000 m.
-   * Default: 3. */
+   * 0, the default: 3 m, until a camera that walks sees that what is above the horizon is far, as in the open: then 192.
+   */
   float radius;
   /* Seconds, 1..1e6: what was seen counts half after so long, because light changes. Default: 180. */
   float half_life;

@@ -82,10 +82,11 @@ Vec3 direction_of(Gaze gaze) {
   return {std::cos(e) * std::cos(a), std::sin(e), std::cos(e) * std::sin(a)};
 }
 
-DayPhone::DayPhone(double speed, bool told, double gain) : speed_(speed), gain_(gain), told_(told) {
+DayPhone::DayPhone(double speed, bool told, double gain, double radius) : speed_(speed), gain_(gain), told_(told) {
   sandglass_room_desc desc;
   sandglass_room_desc_default(&desc);
   desc.interval = 0;
+  desc.radius = static_cast<float>(radius);
   uint64_t bytes = 0;
   const char* reason = nullptr;
   expect(sandglass_room_bytes(&desc, &bytes, &reason), reason);
@@ -178,6 +179,11 @@ double DayPhone::level(Vec3 place) const {
   const sandglass_room_light now = light(place);
   const Vec3 e = from_floats(now.irradiance);
   return grey(e) * static_cast<double>(sandglass_room_exposure(&now, &image_)) / last_gain_;
+}
+
+double DayPhone::shown_level() const {
+  return grey(from_floats(shown.irradiance)) * static_cast<double>(sandglass_room_exposure(&shown, &image_)) /
+         last_gain_;
 }
 
 double floor_irradiance(const World& world, Vec3 from) {

@@ -23,7 +23,8 @@ Vec3 direction_of(Gaze gaze);
 class DayPhone {
  public:
   // `speed`: the share of the way to the wanted exposure that each image goes. `told`: exposures are.
-  DayPhone(double speed, bool told, double gain = 0.7);
+  // `radius`: as the app tells it; 0: it does not.
+  DayPhone(double speed, bool told, double gain = 0.7, double radius = 0);
 
   // An image, a tenth of a second after the one before.
   void see(const World& world, Gaze gaze);
@@ -34,6 +35,8 @@ class DayPhone {
   sandglass_room_light shown = {};
   // Irradiance of the floor that is drawn over the last image, over that image's exposure: comparable with the world's.
   double level(Vec3 place = {}) const;
+  // The same of the light that is shown.
+  double shown_level() const;
   sandglass_room* handle() const { return room_; }
 
   Vec3 position = {};

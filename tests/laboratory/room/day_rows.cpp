@@ -297,6 +297,87 @@ double worst_transfer(Draw draw, bool told) {
   return worst;
 }
 
+// A place in the open: a ground that is near, a sun, and houses, trees and clouds that are far. Or a room of 6 m, whose
+// walls and lamp are where they are.
+struct Place {
+  bool open;
+  Vec3 lamp;  // its direction; in a room, where it is
+  double phase[3];
+
+  World world() const {
+    return [*this](Vec3 d, Vec3 from) {
+      const double half = 2 * std::numbers::pi / 180, bright = 900;  // two thirds of the light
+      if (dot(d, open ? lamp : normalised(lamp - from)) > std::cos(half)) return Vec3{1, 1, 1} * bright;
+      const Vec3 low = {-3, -1.4, -3}, high = {3, 1.6, 3}, at = open ? ground(d, from) : wall(d, from, low, high);
+      const double pattern = std::sin(3 * at.x + phase[0]) * std::cos(2.5 * at.z + phase[1]) +
+                             0.5 * std::sin(4 * at.y + phase[2] + 2 * at.x);
+      return Vec3{1, 1, 1} * (0.3 + 0.12 * pattern) * (d.y < 0 ? 0.6 : 1.0);
+    };
+  }
+
+ private:
+  static Vec3 ground(Vec3 d, Vec3 from) {
+    constexpr double k_eye = 1.4, k_far = 40;
+    const double distance = d.y < 0 ? (from.y + k_eye) / -d.y : k_far;
+    return distance < k_far ? from + d * distance : d * 2;
+  }
+  static Vec3 wall(Vec3 d, Vec3 from, Vec3 low, Vec3 high) {
+    double distance = 1e9;
+    for (double Vec3::*k : {&Vec3::x, &Vec3::y, &Vec3::z})
+      if (d.*k != 0) distance = std::min(distance, ((d.*k > 0 ? high.*k : low.*k) - from.*k) / d.*k);
+    return from + d * distance;
+  }
+};
+
+// How far the main light's direction is off, in degrees, at what stands before a camera that has looked around and then
+// walked for 2 m. `radius`: as the app tells it.
+double worst_walk(Draw draw, bool open, double radius) {
+  double worst = 0;
+  for (const double azimuth : k_directions) {
+    const Gaze sun = {draw.between(0, 360), draw.between(25, 60)};
+    const Vec3 lamp =
+        open ? direction_of(sun) : direction_of(sun) * (1.5 / std::sin(sun.elevation_deg * std::numbers::pi / 180));
+    const Place place = {open,
+                         open ? lamp : Vec3{std::clamp(lamp.x, -2.5, 2.5), 1.5, std::clamp(lamp.z, -2.5, 2.5)},
+                         {draw.between(0, 6), draw.between(0, 6), draw.between(0, 6)}};
+    const World world = place.world();
+    DayPhone phone(0.2, true, 1.0, radius);
+    phone.width = 96, phone.height = 72, phone.focal = 75;
+    for (int i = 0; i < 300; ++i) {
+      phone.position = direction_of({azimuth, 0}) * (2 * std::clamp((i - 240) / 50.0, 0.0, 1.0));
+      phone.see_and_obey(world, {azimuth + 4.5 * i, 20 + 25 * std::sin(i / 9.0)});
+    }
+    const Vec3 object = phone.position + direction_of({azimuth, 0}) + Vec3{0, -1.2, 0};
+    const sandglass_room_light light = phone.light(object);
+    const Vec3 truth = open ? lamp : normalised(place.lamp - object);
+    const double cosine = dot(normalised(from_floats(light.main_direction)), truth);
+    worst = std::max(worst, std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi);
+  }
+  return worst;
+}
+
+// By how much the level of what is drawn steps from image to image while a phone looks to and fro, in one image of
+// twenty. The control compares with what is remembered alone.
+double common_step(Draw draw, bool control) {
+  std::vector<double> steps;
+  for (const World& world : rooms_of(&draw))
+    for (const double azimuth : k_directions) {
+      DayPhone phone(0.2, false, 1.0);
+      phone.width = 48, phone.height = 36, phone.focal = 37.5;
+      double before = 0;
+      for (int i = 0; i < 200; ++i) {
+        if (control) phone.handle()->room.shows_steps = false;
+        phone.see_and_obey(world, {azimuth + 40 * std::sin(i / 12.0), 10 + 20 * std::sin(i / 9.0)});
+        const double now = std::log(phone.shown_level());
+        if (i > 50) steps.push_back(std::fabs(now - before));
+        before = now;
+      }
+    }
+  const auto twentieth = steps.end() - static_cast<ptrdiff_t>(steps.size() / 20);
+  std::nth_element(steps.begin(), twentieth, steps.end());
+  return *twentieth;
+}
+
 Vec3 floor_colour(const World& world) {
   const auto of = [&](double Vec3::*c) {
     return floor_irradiance([&](Vec3 d, Vec3 from) { return Vec3{1, 1, 1} * (world(d, from).*c); });
@@ -367,6 +448,14 @@ std::vector<Row> all_rows() {
                     [=](Draw draw) { return worst_balance(draw, told, true); }});
   rows.push_back({"balance", "control: colours that stay", "|log|", 0.1625,
                   [](Draw draw) { return worst_balance(draw, true, false); }, true});
+  rows.push_back(
+      {"open", "the sun after 2 m of walking", "deg", 3, [](Draw draw) { return worst_walk(draw, true, 0); }});
+  rows.push_back({"open", "a lamp in a room of 6 m, beside radius 3", "deg", 0.1,
+                  [](Draw draw) { return worst_walk(draw, false, 0) - worst_walk(draw, false, 3); }});
+  rows.push_back({"open", "control: radius 3", "deg", 3, [](Draw draw) { return worst_walk(draw, true, 3); }, true});
+  for (const bool control : {false, true})
+    rows.push_back({"step", control ? "control: by what is remembered" : "of the level in 1 image of 20, not told",
+                    "|log|", 0.05, [=](Draw draw) { return common_step(draw, control); }, control});
   const auto lamp_row = [&](const char* name, const char* unit, double limit, size_t count, bool are, bool obeys,
                             double LampReport::*of, bool control = false) {
     rows.push_back({count == 1 ? "lamps" : "two", name, unit, limit,

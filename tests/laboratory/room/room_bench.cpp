@@ -61,7 +61,6 @@ RoomBenchRow measured(const std::string& name, bool told, Turn* turn, Room* room
 RoomBench bench_room() {
   Turn turn;
   Room room = {};
-  room.radius = 3;
   room.half_life = 180;
   room.interval_ns = 100'000'000;
   room_reset(&room);

@@ -9,7 +9,7 @@ namespace sandglass::host {
 SeenRoom look_around(const RadianceMap& panorama, Session session, const SessionOptions& options) {
   SeenRoom seen = {};
   Room* room = &seen.room;
-  room->radius = 1.0;
+  room->told_radius = 1.0;
   room->half_life = 1e6;
   room->interval_ns = 0;
   if (options.reflections) {
@@ -77,9 +77,9 @@ Room with_known(const SeenRoom& seen, const PartRadiance& truth, Known known) {
     const Vec3 there = truth[i] * (seen.exposure * room.scale);  // in the room's scale
     const double colour[3] = {there.x, there.y, there.z};
     const bool clipped = known == Known::clipped_light && part.clipped > 0;
-    const float share = known == Known::unseen_parts ? 1 - part.seen : clipped ? 1.0f : 0.0f;
-    for (int c = 0; c < 3; ++c) part.radiance[c] += share * (static_cast<float>(colour[c]) - part.radiance[c]);
-    part.clipped *= 1 - share;
+    const double share = known == Known::unseen_parts ? 1 - part.seen : clipped ? 1.0 : 0.0;
+    for (int c = 0; c < 3; ++c) part.radiance[c] += static_cast<float>(share * (colour[c] - static_cast<double>(part.radiance[c])));
+    part.clipped = part.clipped * (1 - share);
     if (known == Known::unseen_parts) part.seen = 1, part.age = 0;
   }
   return room;
