@@ -166,6 +166,7 @@ struct RoomView {
   const float* light;      // camera_light_table
   double step;             // seconds since the image before
   bool shows_steps;        // `shown` of the parts is of that one
+  bool steps_alike;        // nearly all of it changed by the same
   RoomLesson lesson;
   RoomVote vote;
 };

@@ -44,9 +44,9 @@ constexpr double k_patience = 2.5, k_settling = 3.0;  // seconds
 constexpr double k_detail = 0.05, k_patience_far = 0.5;
 constexpr double k_far_off = 1.1;        // of logarithms: three times the light, or a third
 constexpr double k_shows_rate = 0.2;     // of a new image in the mean of what such images show
-constexpr double k_unseen_step = 0.025;  // of logarithms
-constexpr double k_goes_on = 0.8, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 16, k_step_alike = 0.75,
-                 k_adapts = 0.25, k_far_apart = 0.4, k_far_rate = 0.5;
+constexpr double k_unseen_step = 0.015;  // of logarithms
+constexpr double k_goes_on = 0.8, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 25, k_step_alike = 0.75,
+                 k_adapts = 0.25, k_adapts_alike = 1, k_far_apart = 0.4, k_far_rate = 0.5;
 constexpr double k_scale_most = 1e6;
 // White balance. Channels that are darker have no hue: bytes round them. What differs so much from the rest counts a quarter,
 // what is so uneven that four points say little of it half. The noise is the variance of a vote that counts 1.
@@ -129,18 +129,22 @@ double found_scale(Room* room) {
   const double compared = weight_of(v.steps);
   const bool steps = compared >= k_scale_least, remembers = static_cast<double>(v.exact) >= k_scale_least;
   double by_step = k_goes_on * static_cast<double>(room->brightens);
+  bool alike = false;
   if (steps) {
     double near = 0;
     const double beside = -ratio_above(v.steps, 0.5 * compared, &near) - by_step, noise = k_step_noise / compared;
-    const bool surely = near >= k_step_alike * compared && beside * beside > k_surely * noise;
+    alike = near >= k_step_alike * compared;
+    const bool surely = alike && beside * beside > k_surely * noise;
     by_step += (surely ? 1 : k_step_usual / (k_step_usual + noise)) * beside;
   }
   const double by_memory = remembers ? logarithm(room->scale / room->shown_scale) - median_of(v) : by_step,
                apart = by_memory - by_step;
   const double beyond = absolute(apart) - k_far_apart;
   const double slowly = k_unseen_step + (beyond > 0 ? k_far_rate * beyond : 0);
-  const double most = steps || static_cast<double>(v.exact) < k_change_least ? slowly : absolute(apart);
+  const bool tells = beyond > 0 && !alike && static_cast<double>(v.exact) >= k_change_least;
+  const double most = tells ? absolute(apart) : slowly;
   const double change = by_step + (apart < -most ? -most : apart > most ? most : apart);
+  room->view.steps_alike = alike;
   room->brightens = static_cast<float>(steps ? by_step : 0);
   return bounded(room->shown_scale * exponential(change));
 }
@@ -383,9 +387,10 @@ void room_decide(Room* room) {
   room->shows_steps = true;
   view->lesson = lesson_of(room, told);
   if (view->lesson == RoomLesson::nothing) {
-    // What covers the lens comes and goes at once; the camera adapts to it slowly.
+    // What covers the lens comes and goes at once; the camera adapts to it slowly, or shows the same in other light.
     if (told || room->exposure_known) return;
-    if (absolute(static_cast<double>(room->brightens)) > k_adapts) room->brightens = 0;
+    if (absolute(static_cast<double>(room->brightens)) > (view->steps_alike ? k_adapts_alike : k_adapts))
+      room->brightens = 0;
     room->scale = room->shown_scale = bounded(room->scale * exponential(static_cast<double>(room->brightens)));
     return;
   }
