@@ -432,7 +432,13 @@ struct World {
       s.size = {std::fmax(s.size.x + by, 0.004), std::fmax(s.size.y + by, 0.004), std::fmax(s.size.z + by, 0.004)};
       speed += 2 * k_swelling;  // sqrt(3) at the corner of a box
     }
-    if ((set.hand & leaps) != 0 && one_in(100)) s.pose.p = ground(anywhere(0.1 + 4 * r, 0, 0.1));
+    if ((set.hand & leaps) != 0 && one_in(100)) {
+      const Vec3 before = s.pose.p;
+      s.pose.p = ground(anywhere(0.1 + 4 * r, 0, 0.1));
+      // What 50 m/s^2 can do in a long frame is no jump: the hand went there.
+      const double leap = length(s.pose.p - before);
+      if (leap <= ((set.list & ids) != 0 ? 1.0 : 0.25) && 2 * leap <= 50 * real * real) speed += leap / real;
+    }
     if ((set.hand & flickers) != 0 && one_in(40)) hand->here = !hand->here;
     const bool says = (set.hand & hands_told) != 0;
     s.velocity = says ? velocity : Vec3{};
