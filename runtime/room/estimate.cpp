@@ -263,19 +263,30 @@ void sum_up(const Room& room, const Memory& memory, const RoomModel& model, cons
 }
 
 // The far light of a probe (probe.cpp), as far as the camera has not seen where it is. It is no piece of the sphere, so
-// it neither moves with the place nor fills a cell: it is added to cells that were evened out.
-void add_far_light(const Room& room, const Memory& memory, const Overview& all, const Facing& plane, Sums* sums) {
+// it does not fill a cell: it is added to cells that were evened out. It moves with the place where the app tells how
+// far away the walls are.
+void add_far_light(const Room& room, const Memory& memory, const Overview& all, const Facing& plane, const double at[3],
+                   Sums* sums) {
   if (!(memory.confidence > 0)) return;
   const RoomFarLight& far = room.probe->far;
-  double local[3], world[3], ignored[3], share = 0, polynomials[k_harmonics], light[3];
-  plane.turn(far.direction, local);
+  double q[3], local[3], world[3], ignored[3], share = 0, polynomials[k_harmonics], light[3], along = 0, squared = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double from = room.told_radius > 0 ? at[k] : 0;
+    q[k] = far.direction[k] - from;
+    along += far.direction[k] * from;
+    squared += q[k] * q[k];
+  }
+  if (!(squared > 0)) return;
+  const double distance = square_root(squared);
+  for (double& x : q) x /= distance;
+  plane.turn(q, local);
   if (!(local[1] > 0)) return;
   for (uint32_t i = 0; i < k_room_parts; ++i)
     share += room_far_share(far, i, ignored) * (1 - memory.seen[i]) * memory.confidence;
   for (int c = 0; c < 3; ++c)
-    light[c] = share * far.irradiance[c] * memory.probe_scale[c] * static_cast<double>(room.balance[c]) /
-               (room.light * all.level);
-  room_to_world(room, far.direction, world);
+    light[c] = share * far.irradiance[c] * memory.probe_scale[c] * static_cast<double>(room.balance[c]) * (1 - along) /
+               (squared * distance * room.light * all.level);
+  room_to_world(room, q, world);
   harmonic_polynomials(world, polynomials);
   const uint32_t cell = cell_of(local, plane.yaw);
   const double bright = local[1] * luminance(light);
@@ -601,7 +612,7 @@ void room_estimate(const Room& room, const RoomModel& model, const sandglass_roo
     Sums sums = {};
     sum_up(room, memory, model, all, hint, at, plane, &sums);
     even_out(&sums);
-    add_far_light(room, memory, all, plane, &sums);
+    add_far_light(room, memory, all, plane, at, &sums);
     if (of_floor) unit = unit_of(room, model, all, sums);
     find_cells(room, model, plane, place, sums, unit, &out);
     if (!of_floor) continue;

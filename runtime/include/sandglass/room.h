@@ -190,7 +190,7 @@ typedef struct sandglass_harmonics {
   /* Radiance, world, laid out like sandglass_light_estimate.sh; see `with_phase`. */
   float sh[27];
   /* Of AMBIENT: world, towards the main light, which is far: it comes from there at every place, until the camera has
-   * seen it. 0, 0, 0: there is none. */
+   * seen it. Where desc.radius is told it is so far from `position` as the walls. 0, 0, 0: there is none. */
   float main_direction[3];
   /* Of AMBIENT: the irradiance of a surface that faces the main light, linear RGB. */
   float main_irradiance[3];
