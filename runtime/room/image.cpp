@@ -44,8 +44,6 @@ constexpr double k_known = 0.3;  // share of a part from which on it counts as k
 // An image that was exposed so much shorter than the last, and is dark, is one of lamps.
 constexpr double k_short = 8.0, k_short_shows = 0.02;
 
-double fraction(double x) { return x - static_cast<double>(floor_index(x)); }
-
 SinCos elevation_of(double row) { return sin_cos_turns((row / k_room_rows - 0.5) / 2); }
 SinCos azimuth_of(double column) { return sin_cos_turns(column / k_room_columns); }
 
@@ -106,8 +104,8 @@ void add_point(const RoomView& view, const CameraLayout& layout, const SinCos& e
 
 // Points of a part weigh by the area that each stands for: less towards the zenith. Of a lamp, whose place in the part
 // is known, up to 0.9 degrees beside it lie 16 points for one: the sun is smaller than what lies between points.
-RoomObservation observe(const RoomView& view, uint32_t images, const PartMiddle& part, uint32_t count,
-                        const double* lamp = nullptr) {
+__attribute__((noinline)) RoomObservation observe(const RoomView& view, uint32_t images, const PartMiddle& part,
+                                                  uint32_t count, const double* lamp = nullptr) {
   const CameraLayout layout = camera_layout(view.image);
   // Not the same in all columns: at the zenith they see the same lamp.
   double down, across;
@@ -150,12 +148,6 @@ RoomObservation observe(const RoomView& view, uint32_t images, const PartMiddle&
   return seen;
 }
 
-int8_t towards(int8_t known, double now, float rate) {
-  const double moved = known + static_cast<double>(rate) * (127.0 * now - known);
-  const int64_t whole = floor_index(moved + 0.5);
-  return static_cast<int8_t>(whole < -127 ? -127 : whole > 127 ? 127 : whole);
-}
-
 // Whether a part that may hold a lamp is looked at closely. Of a short image all are: hardly anything else is clipped
 // there.
 bool looks_closely(Room* room, uint32_t part) {
@@ -167,8 +159,8 @@ bool looks_closely(Room* room, uint32_t part) {
 // What is far is seen in the same direction from everywhere; what is near is not. A part of which an image shows the
 // same as one that was taken elsewhere, if it looks in the same direction, speaks for the one; one that shows the same
 // where the sphere has it, for the other. The sum is bounded below, so that a street behind a door is found, too.
-constexpr double k_parallax = 0.1, k_alike_log = 0.1, k_most_log = 1, k_drift_log = 0.03;
-constexpr double k_surely_far = 0.5, k_surely_near = -3;
+constexpr double k_alike_log = 0.1, k_most_log = 1, k_drift_log = 0.03;
+constexpr double k_surely_near = -3;
 
 void compare_as_far(Room* room, const PartMiddle& part, const RoomKnown& before, const RoomObservation& now) {
   RoomView* view = &room->view;
@@ -242,13 +234,14 @@ void learn(Room* room, const PartMiddle& part) {
   // What is clipped a little is told at once, and what is no more so: the next image may miss it.
   const bool at_once = clipped > 0 ? rate > 0 && before.clipped < k_faint && clipped < k_little : rate > k_clear;
   known->clipped = static_cast<double>(before.clipped + (at_once ? 1 : rate) * (clipped - before.clipped));
-  if (rate > 0) known->up = towards(known->up, now.up, moved), known->aside = towards(known->aside, now.aside, moved);
+  if (rate > 0)
+    known->up = room_towards(known->up, now.up, moved), known->aside = room_towards(known->aside, now.aside, moved);
   // Points far apart may have missed a lamp that an ordinary image shows.
   const bool tells_white = closely || before.clipped > 0 || !room_is_short(*room);
   if (white != nullptr && rate > 0 && tells_white && (of_now > *white || !(rate < k_changed_rate * covered)))
     *white = of_now;
   for (int k = 0; k < 3 && (covered >= k_whole || covered >= before.seen); ++k)
-    known->from[k] = towards(known->from[k], room->view.position[k], above ? rate : 1);
+    known->from[k] = room_towards(known->from[k], room->view.position[k], above ? rate : 1);
 }
 
 // The pose of the stored image in the sphere's frame.
@@ -294,109 +287,12 @@ void pass_time(Room* room, uint64_t step_ns) {
   room->settled += room->view.step;
 }
 
-// A lamp that was seen from elsewhere than the centre lies elsewhere, now that it is known to be far: it changes places
-// with what was there. One that is there already, and brighter, is the same.
-void move_lamps(Room* room) {
-  bool moved[k_room_below] = {};
-  for (uint32_t i = k_room_below; i < k_room_parts; ++i) {
-    RoomPart* part = &room->parts[i];
-    while (!moved[i - k_room_below] && (part->clipped > 0 || luminance(part->radiance) * room->light > room->scale)) {
-      double direction[3], squared = 0, row, column;
-      room_direction(i / k_room_columns + 0.5 + part->up / 254.0, i % k_room_columns + 0.5 + part->aside / 254.0,
-                     direction);
-      for (int k = 0; k < 3; ++k) {
-        const double from = part->from[k] / 127.0;
-        direction[k] -= from;
-        squared += from * from;
-      }
-      const uint32_t to = room_part_at(direction, &row, &column);
-      moved[i - k_room_below] = true;
-      if (squared < k_parallax * k_parallax || to == i || to < k_room_below) break;
-      RoomPart* there = &room->parts[to];
-      if (luminance(there->radiance) >= luminance(part->radiance)) {
-        *part = {};
-        break;
-      }
-      const RoomPart was = *there;
-      *there = *part;
-      *part = was;
-      there->up = towards(0, 2 * fraction(row) - 1, 1);
-      there->aside = towards(0, 2 * fraction(column) - 1, 1);
-      const uint8_t white = room->white[to - k_room_below];
-      room->white[to - k_room_below] = room->white[i - k_room_below];
-      room->white[i - k_room_below] = white;
-      moved[i - k_room_below] = moved[to - k_room_below];
-      moved[to - k_room_below] = true;
-    }
-  }
-}
-
-// Beyond the walls it is another room, or a larger one: the sphere goes along, and what was seen counts as far away.
-void go_along(Room* room, const CameraImage& image) {
-  double place[3], squared = 0;
-  for (int k = 0; k < 3; ++k) {
-    place[k] = static_cast<double>(image.position[k]);
-    const double offset = (place[k] - room->centre[k]) / room->radius;
-    squared += offset * offset;
-  }
-  if (!(squared > 1) || room->radius * k_grows > k_radius_most) return;
-  ++room->grown;
-  room_grow(room, k_grows, place);
-}
-
 bool due(const Room& room, uint64_t time_ns) {
   if (time_ns == 0 || room.images == 0 || time_ns < room.last_ns) return true;  // no clock, or one that restarted
   return time_ns != room.last_ns && time_ns - room.last_ns >= room.interval_ns;
 }
 
 }  // namespace
-
-void room_direction(double row, double column, double direction[3]) {
-  direction_of(elevation_of(row), azimuth_of(column), direction);
-}
-
-uint32_t room_part_at(const double d[3], double* row, double* column) {
-  const double turns = arc_tangent2(d[2], d[0]) / (2 * k_pi);
-  *row = (arc_tangent2(d[1], square_root(d[0] * d[0] + d[2] * d[2])) / k_pi + 0.5) * k_room_rows;
-  *column = fraction(turns) * k_room_columns;
-  const auto whole = static_cast<uint32_t>(floor_index(*row)), row_of = whole < k_room_rows ? whole : k_room_rows - 1;
-  return row_of * k_room_columns + static_cast<uint32_t>(floor_index(*column)) % k_room_columns;
-}
-
-void room_to_sphere(const Room& room, const double world[3], double sphere[3]) {
-  const SinCos turn = sin_cos_turns(room.yaw);
-  sphere[0] = turn.cos * world[0] + turn.sin * world[2];
-  sphere[1] = world[1];
-  sphere[2] = turn.cos * world[2] - turn.sin * world[0];
-}
-
-void room_to_world(const Room& room, const double sphere[3], double world[3]) {
-  const SinCos turn = sin_cos_turns(room.yaw);
-  world[0] = turn.cos * sphere[0] - turn.sin * sphere[2];
-  world[1] = sphere[1];
-  world[2] = turn.sin * sphere[0] + turn.cos * sphere[2];
-}
-
-void room_grow(Room* room, double factor, const double centre[3]) {
-  double moved[3], sphere[3];
-  for (int k = 0; k < 3; ++k) moved[k] = (centre[k] - room->centre[k]) / room->radius;
-  room_to_sphere(*room, moved, sphere);
-  for (RoomPart& part : room->parts)
-    for (int k = 0; k < 3; ++k) part.from[k] = towards(0, (part.from[k] / 127.0 - sphere[k]) / factor, 1);
-  for (int k = 0; k < 3; ++k) room->centre[k] = centre[k];
-  room->radius *= factor;
-}
-
-void room_place(const Room& room, const double world[3], double sphere[3], double farthest) {
-  double offset[3], squared = 0;
-  for (int k = 0; k < 3; ++k) {
-    offset[k] = (world[k] - room.centre[k]) / room.radius;
-    squared += offset[k] * offset[k];
-  }
-  if (squared > farthest * farthest)
-    for (double& o : offset) o *= farthest / square_root(squared);
-  room_to_sphere(room, offset, sphere);
-}
 
 double room_memory(uint32_t age) { return age > 0 ? exponential(-0.6931471805599453 / k_ticks * age) : 1.0; }
 
@@ -411,8 +307,8 @@ bool room_may_be_seen(const RoomView& view, const double direction[3]) {
 }
 
 void room_step(uint32_t step, double* down, double* across) {
-  *down = fraction(step * k_step_row);
-  *across = fraction(step * k_step_column);
+  *down = room_fraction(step * k_step_row);
+  *across = room_fraction(step * k_step_column);
 }
 
 bool room_pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint32_t* y) {
@@ -494,12 +390,7 @@ bool room_take_image(Room* room, const CameraImage& image) {
   if (room->phase != RoomPhase::idle || !due(*room, image.timestamp_ns)) return false;
   if (room->images == 0 && (room->probe == nullptr || !(room->probe->confidence > 0)))
     for (int k = 0; k < 3; ++k) room->centre[k] = static_cast<double>(image.position[k]);
-  if (room->farther > k_surely_far) {
-    room->far = true, room->farther = 0;
-    move_lamps(room);
-    room_grow(room, k_far, room->centre);
-  }
-  go_along(room, image);
+  room_fit_sphere(room, image);
   RoomView* view = &room->view;
   // Without a clock images count as `interval` apart; so do those of a clock that was set back, or of another session.
   const uint64_t since = image.timestamp_ns - room->last_ns;

@@ -4,6 +4,7 @@
 // rows of elevation by 32 columns of azimuth, as in a map. What a part shows counts as lying on the sphere, `radius`
 // away. So an image taken elsewhere, and an object that stands elsewhere, see the same part in another direction.
 //
+//   sphere.cpp    where it stands and how large it is
 //   image.cpp     an image into parts, unit by unit
 //   vote.cpp      what an image says of its exposure, and of the light of the whole room
 //   lamp.cpp      how large a lamp is, of an image that shows it unclipped
@@ -20,6 +21,7 @@
 #include "runtime/camera/camera_image.h"
 #include "runtime/core/governor.h"
 #include "runtime/core/light_cells.h"
+#include "runtime/core/math.h"
 #include "sandglass/room.h"
 
 namespace sandglass {
@@ -240,7 +242,15 @@ double room_memory(uint32_t age);
 constexpr double k_grows = 4, k_far = 64;
 constexpr double k_usual_radius = 3;  // metres, where the app tells none
 constexpr double k_radius_most = 1000;
-void room_grow(Room* room, double factor, const double centre[3]);
+constexpr double k_parallax = 0.1;  // radii: what was seen from as near to here tells nothing of how far it is
+// Before an image: the sphere as large as it has to be.
+void room_fit_sphere(Room* room, const CameraImage& image);
+inline double room_fraction(double x) { return x - static_cast<double>(floor_index(x)); }
+// Of 127 a unit: what is known moved by so much towards what is now.
+inline int8_t room_towards(int8_t known, double now, float rate) {
+  const int64_t whole = floor_index(known + static_cast<double>(rate) * (127.0 * now - known) + 0.5);
+  return static_cast<int8_t>(whole < -127 ? -127 : whole > 127 ? 127 : whole);
+}
 inline double room_first_radius(const Room& room) { return room.told_radius > 0 ? room.told_radius : k_usual_radius; }
 // False where a direction of the sphere, and what lies up to half a part beside it, is out of the picture.
 bool room_may_be_seen(const RoomView& view, const double direction[3]);
