@@ -78,7 +78,8 @@ Room with_known(const SeenRoom& seen, const PartRadiance& truth, Known known) {
     const double colour[3] = {there.x, there.y, there.z};
     const bool clipped = known == Known::clipped_light && part.clipped > 0;
     const double share = known == Known::unseen_parts ? 1 - part.seen : clipped ? 1.0 : 0.0;
-    for (int c = 0; c < 3; ++c) part.radiance[c] += static_cast<float>(share * (colour[c] - static_cast<double>(part.radiance[c])));
+    for (int c = 0; c < 3; ++c)
+      part.radiance[c] += static_cast<float>(share * (colour[c] - static_cast<double>(part.radiance[c])));
     part.clipped = part.clipped * (1 - share);
     if (known == Known::unseen_parts) part.seen = 1, part.age = 0;
   }
