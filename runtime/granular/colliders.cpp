@@ -509,6 +509,9 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
       c.known[slot].listed = i;
     }
   }
+  // What comes later than the first after a save comes from nowhere: where it was then is no way.
+  for (uint32_t slot = 0; slot < capacity && c.waits && input.collider_count != 0; ++slot)
+    if (c.known[slot].absent > 0.0f) c.known[slot].absent = k_gone_seconds;
   if (input.collider_count != 0) c.waits = false;
   order(&c, capacity);
   c.jumped = false;
