@@ -156,12 +156,13 @@ bool looks_closely(Room* room, uint32_t part) {
   return room_is_short(*room) || (part + room->images) % turns == 0;
 }
 
+// Of how far what is seen lies, in logarithms: what is as near to both says nothing; what a part says at most; what it has
+// to say beyond chance; and the sum, at least.
+constexpr double k_alike_log = 0.1, k_most_log = 1, k_drift_log = 0.03, k_surely_near = -3;
+
 // What is far is seen in the same direction from everywhere; what is near is not. A part of which an image shows the
 // same as one that was taken elsewhere, if it looks in the same direction, speaks for the one; one that shows the same
 // where the sphere has it, for the other. The sum is bounded below, so that a street behind a door is found, too.
-constexpr double k_alike_log = 0.1, k_most_log = 1, k_drift_log = 0.03;
-constexpr double k_surely_near = -3;
-
 void compare_as_far(Room* room, const PartMiddle& part, const RoomKnown& before, const RoomObservation& now) {
   RoomView* view = &room->view;
   const RoomPart& known = room->parts[part.part];

@@ -42,12 +42,17 @@ constexpr double k_patience = 2.5, k_settling = 3.0;  // seconds
 // A strange image whose logarithms vary by so much shows another room, or another part of it: a finger, a cloth and a
 // glare are even. Where the camera has left the sphere it is another room, and half a second of it is enough.
 constexpr double k_detail = 0.05, k_patience_far = 0.5;
-constexpr double k_far_off = 1.1;        // of logarithms: three times the light, or a third
-constexpr double k_shows_rate = 0.2;     // of a new image in the mean of what such images show
-constexpr double k_unseen_step = 0.015;  // of logarithms
-constexpr double k_goes_on = 0.8, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 25, k_step_alike = 0.75,
-                 k_adapts = 0.25, k_adapts_alike = 1, k_far_apart = 0.4, k_far_rate = 0.5;
+constexpr double k_far_off = 1.1;     // of logarithms: three times the light, or a third
+constexpr double k_shows_rate = 0.2;  // of a new image in the mean of what such images show
 constexpr double k_scale_most = 1e6;
+// An exposure that is not told goes on as it did, by this share. What differs is believed as far as it is more than noise:
+// variances of a vote that counts 1, and of exposures from image to image; wholly where it is five times the noise and
+// three quarters of the votes agree.
+constexpr double k_goes_on = 0.8, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 25, k_step_alike = 0.75;
+// What is remembered corrects it by so much an image; of what lies further apart than 0.4 by half of that.
+constexpr double k_unseen_step = 0.015, k_far_apart = 0.4, k_far_rate = 0.5;
+// While nothing is learned, no greater step is the camera's: of any image, and of one that shows the same as the last.
+constexpr double k_adapts = 0.25, k_adapts_alike = 1;
 // White balance. Channels that are darker have no hue: bytes round them. What differs so much from the rest counts a quarter,
 // what is so uneven that four points say little of it half. The noise is the variance of a vote that counts 1.
 constexpr double k_hue_from = 0.01, k_other_hue = 0.4, k_uneven = 0.1, k_hue_noise = 4e-4;
@@ -92,6 +97,7 @@ double ratio_above(const RoomRatios& ratios, double weight_below, double* near =
   return 0;
 }
 
+// The median, at the mean of the votes about it.
 double median_of(const RoomVote& v) {
   const auto brighter = static_cast<double>(v.brighter), darker = static_cast<double>(v.darker),
              exact = weight_of(v.ratios);
