@@ -18,8 +18,8 @@ void move_lamps(Room* room) {
     RoomPart* part = &room->parts[i];
     while (!moved[i - k_room_below] && (part->clipped > 0 || luminance(part->radiance) * room->light > room->scale)) {
       double direction[3], squared = 0, row, column;
-      room_direction(i / k_room_columns + 0.5 + part->up / 254.0, i % k_room_columns + 0.5 + part->aside / 254.0,
-                     direction);
+      const uint32_t row_of = i / k_room_columns, column_of = i % k_room_columns;
+      room_direction(row_of + 0.5 + part->up / 254.0, column_of + 0.5 + part->aside / 254.0, direction);
       for (int k = 0; k < 3; ++k) {
         const double from = part->from[k] / 127.0;
         direction[k] -= from;
