@@ -168,7 +168,7 @@ struct RoomView {
   const float* light;      // camera_light_table
   double step;             // seconds since the image before
   bool shows_steps;        // `shown` of the parts is of that one
-  bool steps_alike;        // nearly all of it changed by the same
+  bool steps_agree;        // nearly all of it changed by the same, and so it should be by what is remembered
   RoomLesson lesson;
   RoomVote vote;
 };

@@ -51,8 +51,9 @@ constexpr double k_scale_most = 1e6;
 constexpr double k_goes_on = 0.8, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 25, k_step_alike = 0.75;
 // What is remembered corrects it by so much an image; of what lies further apart than 0.4 by half of that.
 constexpr double k_unseen_step = 0.015, k_far_apart = 0.4, k_far_rate = 0.5;
-// While nothing is learned, no greater step is the camera's: of any image, and of one that shows the same as the last.
-constexpr double k_adapts = 0.25, k_adapts_alike = 1;
+// While nothing is learned no greater step is the camera's: where what is remembered says so too; of an image that is
+// strange; and of others.
+constexpr double k_adapts_surely = 1, k_adapts_strange = 0.12, k_adapts = 0.25;
 // White balance. Channels that are darker have no hue: bytes round them. What differs so much from the rest counts a quarter,
 // what is so uneven that four points say little of it half. The noise is the variance of a vote that counts 1.
 constexpr double k_hue_from = 0.01, k_other_hue = 0.4, k_uneven = 0.1, k_hue_noise = 4e-4;
@@ -150,7 +151,7 @@ double found_scale(Room* room) {
   const bool tells = beyond > 0 && !alike && static_cast<double>(v.exact) >= k_change_least;
   const double most = tells ? absolute(apart) : slowly;
   const double change = by_step + (apart < -most ? -most : apart > most ? most : apart);
-  room->view.steps_alike = alike;
+  room->view.steps_agree = alike && remembers && beyond <= 0;
   room->brightens = static_cast<float>(steps ? by_step : 0);
   return bounded(room->shown_scale * exponential(change));
 }
@@ -393,10 +394,10 @@ void room_decide(Room* room) {
   room->shows_steps = true;
   view->lesson = lesson_of(room, told);
   if (view->lesson == RoomLesson::nothing) {
-    // What covers the lens comes and goes at once; the camera adapts to it slowly, or shows the same in other light.
+    // What covers the lens comes and goes at once; the camera adapts to it slowly.
     if (told || room->exposure_known) return;
-    if (absolute(static_cast<double>(room->brightens)) > (view->steps_alike ? k_adapts_alike : k_adapts))
-      room->brightens = 0;
+    const double most = view->steps_agree ? k_adapts_surely : room->strange ? k_adapts_strange : k_adapts;
+    if (absolute(static_cast<double>(room->brightens)) > most) room->brightens = 0;
     room->scale = room->shown_scale = bounded(room->scale * exponential(static_cast<double>(room->brightens)));
     return;
   }
