@@ -17,7 +17,6 @@
 namespace sandglass {
 
 constexpr double k_long_ago = 1e9;      // seconds
-constexpr float k_doubts_from = 3.0f;   // parts on the horizon
 constexpr float k_tells_from = 0.004f;  // of white: 13 steps of a byte
 
 void room_reset(Room* room) {
@@ -35,7 +34,6 @@ void room_reset(Room* room) {
   for (float& b : room->balance) b = 1;
   room->settled = k_long_ago;
   room->tells_from = k_tells_from;
-  room->doubts_from = k_doubts_from;
   room->unit = unit + 1;
   room->probe = probe;
   room->texels = texels;

@@ -203,7 +203,6 @@ struct Room {
   double doubts;        // the median of votes of the last of them
   double shows;         // mean radiance of those that look like another room; 0: none does
   double farther;       // how much better images are explained if what they show is far, so far: see compare_as_far
-  float doubts_from;    // weight of what is compared from which on all that agree are believed in the end
   float brightens;      // logarithm by which `scale` last grew, where the exposure is not told
   float tells_from;     // of an image's white: what shows as less, and was less, says nothing
   RoomPhase phase;

@@ -24,7 +24,7 @@ constexpr double k_memory = 0.3, k_memory_clipped = 0.01;
 // Linear values. Black is one step of a byte: an image that is exposed for a 64th shows little more of a wall. What is
 // darker than `dim` says nothing of a change, because bytes round it; unless it was or is brighter.
 constexpr double k_black = 0.00031, k_dim = 0.01, k_white_from = 0.5;
-constexpr double k_scale_least = 1.0, k_change_least = 8.0;  // weights that are compared at least
+constexpr double k_scale_least = 1.0, k_doubt_least = 3.0, k_change_least = 8.0;  // weights that are compared at least
 // The light of the whole room has changed where two thirds of what is seen again are brighter or darker by half.
 constexpr double k_change = 0.405, k_change_share = 0.65, k_perhaps_share = 0.35, k_few_share = 0.9;
 // A doubt lasts while so much differs: half a finger hides less of a room that becomes brighter.
@@ -293,7 +293,7 @@ RoomLesson lesson_of(Room* room, bool told) {
   // An image of which little can be compared, such as a short one, begins no doubt. It ends none: an exposure that
   // returns from what covered the lens shows little at first, and that much must not be learned before the rest can say
   // why.
-  const bool compares = compared >= static_cast<double>(room->doubts_from);
+  const bool compares = compared >= k_doubt_least;
   const double one_way = static_cast<double>(v.more > v.less ? v.more : v.less);
   const bool back = told && compares && returns(*room, median);
   const bool alike = told && !(room->settled < k_settling) && all_alike(*room, median, hidden);
