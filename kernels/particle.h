@@ -29,7 +29,7 @@ struct alignas(32) Particle {
   float mobility;     // state and inverse mass, see above
   // Between sub-steps the velocity in m/s; between the passes of one sub-step its displacement so far, in metres.
   float velocity[3];
-  // The number by which the app knows it; k_departed, where it can reach nothing (Departed, in runtime/granular/solver.h); in
+  // The number by which the app knows it; k_departed, where it can reach nothing (Departed, in runtime/sand/solver.h); in
   // k_body_mask the number of its rigid body, 0 for sand.
   uint32_t identity;
 };

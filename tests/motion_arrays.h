@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "runtime/granular/grains.h"
+#include "runtime/sand/grains.h"
 
 struct MotionArrays {
   explicit MotionArrays(uint32_t capacity) : slots(4 * capacity), blocks(capacity) {

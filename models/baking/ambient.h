@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "models/baking/cell_visibility.h"
-#include "runtime/shadow/plane.h"
+#include "runtime/math/shadow_rectangle.h"
 
 namespace sandglass::host {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "models/geometry/vec3.h"
-#include "runtime/shadow/cells.h"
+#include "runtime/shadow/receiver/cells.h"
 
 namespace sandglass::host {
 

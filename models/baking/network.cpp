@@ -6,7 +6,7 @@
 
 #include "models/baking/batch_math.h"
 #include "models/work/random.h"
-#include "runtime/core/math.h"
+#include "runtime/math/math.h"
 
 namespace sandglass::host {
 

@@ -8,7 +8,7 @@
 
 #include "models/tracing/directions.h"
 #include "models/work/random.h"
-#include "runtime/core/harmonics.h"
+#include "runtime/light/harmonics.h"
 
 namespace sandglass::host {
 namespace {

@@ -18,7 +18,7 @@
 
 #include "models/mesh/mesh.h"
 #include "models/work/thread_pool.h"
-#include "runtime/shadow/plane.h"
+#include "runtime/math/shadow_rectangle.h"
 
 namespace sandglass::host {
 

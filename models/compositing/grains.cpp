@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "models/tracing/embree_scene.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "toolchains/kit/grain_block.h"
 
 namespace sandglass::host {

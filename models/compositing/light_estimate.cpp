@@ -7,8 +7,8 @@
 
 #include "models/files/failure.h"
 #include "models/files/image.h"
-#include "runtime/core/cube_map.h"
-#include "runtime/core/half.h"
+#include "runtime/light/cube_map.h"
+#include "runtime/math/half.h"
 
 namespace sandglass::host {
 

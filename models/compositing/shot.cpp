@@ -12,7 +12,7 @@
 #include "models/simulation/scene_meshes.h"
 #include "models/simulation/scene_shadows.h"
 #include "models/work/random.h"
-#include "runtime/core/harmonics.h"
+#include "runtime/light/harmonics.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/shadow.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "models/baking/light_cells.h"
-#include "runtime/core/harmonics.h"
-#include "runtime/renderers/lighting.h"
+#include "runtime/light/harmonics.h"
+#include "runtime/light/renderers/lighting.h"
 
 namespace sandglass::host {
 

@@ -11,8 +11,8 @@
 #include "models/tracing/directions.h"
 #include "models/tracing/embree_scene.h"
 #include "models/work/thread_pool.h"
-#include "runtime/core/harmonics.h"
-#include "runtime/core/random.h"
+#include "runtime/light/harmonics.h"
+#include "runtime/math/random.h"
 #include "sandglass/renderers.h"
 
 namespace sandglass::host {

@@ -9,7 +9,7 @@
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/simulation/metrics.h"
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 
 namespace sandglass::host {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/estimate/network.h"
+#include "runtime/light/network/network.h"
 
 namespace sandglass::host {
 

@@ -1,7 +1,7 @@
 #include "models/lighting/light_runner.h"
 
 #include "models/files/failure.h"
-#include "runtime/estimate/backends.h"
+#include "runtime/light/network/backends.h"
 
 namespace sandglass::host {
 

@@ -8,7 +8,7 @@
 
 #include "models/files/aligned_bytes.h"
 #include "models/work/block.h"
-#include "runtime/estimate/network.h"
+#include "runtime/light/network/network.h"
 
 namespace sandglass::host {
 

@@ -6,7 +6,7 @@
 
 #include "models/files/failure.h"
 #include "models/rooms/panorama_file.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 
 namespace sandglass::host {
 

@@ -7,7 +7,7 @@
 
 #include "models/files/failure.h"
 #include "models/geometry/vec3.h"
-#include "runtime/core/math.h"
+#include "runtime/math/math.h"
 
 namespace sandglass::host {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "models/files/failure.h"
 #include "models/geometry/vec3.h"
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 
 namespace sandglass::host {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "models/rooms/room.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 
 namespace sandglass::host {
 

@@ -9,7 +9,7 @@
 #include "models/tracing/embree_scene.h"
 #include "models/work/progress.h"
 #include "models/work/thread_pool.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 
 namespace sandglass::host {
 

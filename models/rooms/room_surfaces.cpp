@@ -5,7 +5,7 @@
 
 #include "models/rooms/panorama.h"
 #include "models/rooms/room.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 
 namespace sandglass::host {
 

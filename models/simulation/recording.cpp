@@ -9,7 +9,7 @@
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 
 namespace sandglass::host {
 namespace {

@@ -11,7 +11,7 @@
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/files/shipped_file.h"
-#include "runtime/core/math.h"
+#include "runtime/math/math.h"
 
 namespace sandglass::host {
 

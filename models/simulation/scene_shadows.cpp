@@ -10,7 +10,7 @@
 #include "models/files/shipped_file.h"
 #include "models/mesh/generated.h"
 #include "models/simulation/scene_meshes.h"
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 
 namespace sandglass::host {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 
 namespace sandglass::host {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "runtime/core/hash.h"
-#include "runtime/core/refuse.h"
+#include "runtime/frame/refuse.h"
+#include "runtime/math/hash.h"
 
 namespace sandglass {
 

@@ -3,7 +3,7 @@
 #include "runtime/asset/light_asset.h"
 
 #include "runtime/asset/file.h"
-#include "runtime/core/finite.h"
+#include "runtime/math/finite.h"
 
 // The verifier asserts things about the calling code only, and assert would bring in stdio.
 #define FLATBUFFERS_ASSERT(condition) ((condition) ? (void)0 : __builtin_trap())

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "kernels/int8.h"
-#include "runtime/shadow/plane.h"
+#include "runtime/math/shadow_rectangle.h"
 #include "sandglass/shadow.h"
 
 namespace sandglass {

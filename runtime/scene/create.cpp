@@ -1,5 +1,5 @@
 // Making a scene: the description is checked, one walk over it lays out the block, and the same walk counts its bytes.
-#include "runtime/core/refuse.h"
+#include "runtime/frame/refuse.h"
 #include "runtime/scene/scene.h"
 
 namespace sandglass {

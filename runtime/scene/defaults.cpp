@@ -1,5 +1,5 @@
 // Descriptions and inputs as an app starts from. The defaults of the sand are calibrated: see the fields' comments.
-#include "runtime/core/filled_struct.h"
+#include "runtime/frame/filled_struct.h"
 #include "sandglass/sandglass.h"
 
 void sandglass_scene_desc_default(sandglass_scene_desc* desc) {

@@ -3,9 +3,9 @@
 //
 // A capability takes part by the one function that returns its Stage. A new one adds a row to the array of run_frame.
 #include "platform/floating_point.h"
-#include "runtime/core/filled_struct.h"
-#include "runtime/core/refuse.h"
-#include "runtime/room/stage.h"
+#include "runtime/frame/filled_struct.h"
+#include "runtime/frame/refuse.h"
+#include "runtime/light/stage.h"
 #include "runtime/scene/scene.h"
 #include "runtime/shadow/stage.h"
 #include "runtime/skin/skin.h"

@@ -1,6 +1,6 @@
 // The state as one number: the sum over all particles and grains of a hash of each. A sum, because their order in
 // memory is not part of the state.
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 
 #include "runtime/scene/scene.h"
 

@@ -1,7 +1,7 @@
 // What the app adds, removes, changes and moves between frames. The functions of the sand do the work.
 #include "platform/floating_point.h"
-#include "runtime/core/finite.h"
-#include "runtime/core/refuse.h"
+#include "runtime/frame/refuse.h"
+#include "runtime/math/finite.h"
 #include "runtime/scene/scene.h"
 
 using namespace sandglass;

@@ -1,6 +1,6 @@
 // The version, and the names of statuses, instruction sets and quality levels.
 #include "kernels/kernels.h"
-#include "runtime/granular/solver.h"
+#include "runtime/sand/solver.h"
 #include "sandglass/sandglass.h"
 
 uint32_t sandglass_version() { return SANDGLASS_VERSION; }

@@ -1,5 +1,5 @@
 // What a frame did: numbers for the report, sentences for the log.
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 #include "runtime/scene/scene.h"
 
 namespace sandglass {

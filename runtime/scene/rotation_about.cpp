@@ -1,5 +1,5 @@
 // A rotation from what people write down: an axis and an angle.
-#include "runtime/core/math.h"
+#include "runtime/math/math.h"
 #include "sandglass/sandglass.h"
 
 int32_t sandglass_rotation_about(const float axis[3], float angle, float rotation[4]) {

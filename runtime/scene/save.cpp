@@ -1,6 +1,6 @@
 // A scene to bytes and back, for an app that goes to the background.
 #include "platform/floating_point.h"
-#include "runtime/core/refuse.h"
+#include "runtime/frame/refuse.h"
 #include "runtime/scene/scene.h"
 
 using namespace sandglass;

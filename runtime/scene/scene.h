@@ -14,9 +14,9 @@
 #pragma once
 
 #include "kernels/kernels.h"
-#include "runtime/core/governor.h"
-#include "runtime/core/layout.h"
-#include "runtime/granular/granular.h"
+#include "runtime/frame/governor.h"
+#include "runtime/frame/layout.h"
+#include "runtime/sand/granular.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass {

@@ -2,9 +2,9 @@
 // turns (stage.cpp).
 #pragma once
 
-#include "runtime/cast/cast.h"
-#include "runtime/shadow/pile.h"
-#include "runtime/shadow/shadow.h"
+#include "runtime/shadow/baked/shadow.h"
+#include "runtime/shadow/cast/cast.h"
+#include "runtime/shadow/pile/pile.h"
 
 namespace sandglass {
 

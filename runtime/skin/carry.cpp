@@ -7,8 +7,8 @@
 // It belongs to what closes a frame: all its units run there, so that no frame shows a mesh of two moments.
 #include <cstring>
 
-#include "runtime/granular/granular.h"
-#include "runtime/granular/holding.h"
+#include "runtime/sand/granular.h"
+#include "runtime/sand/holding.h"
 #include "runtime/skin/skin.h"
 
 namespace sandglass {

@@ -2,10 +2,10 @@
 #include <cstring>
 
 #include "platform/floating_point.h"
-#include "runtime/core/filled_struct.h"
-#include "runtime/core/finite.h"
-#include "runtime/core/hash.h"
-#include "runtime/core/refuse.h"
+#include "runtime/frame/filled_struct.h"
+#include "runtime/frame/refuse.h"
+#include "runtime/math/finite.h"
+#include "runtime/math/hash.h"
 #include "runtime/skin/skin.h"
 
 namespace sandglass {

@@ -8,9 +8,9 @@
 //   calm      the filter once more; what is solid takes no part in it, so that the surface meets a floor at its slope
 #include <cstring>
 
-#include "runtime/field/field.h"
-#include "runtime/granular/granular.h"
+#include "runtime/sand/granular.h"
 #include "runtime/skin/skin.h"
+#include "runtime/solid/field/field.h"
 
 namespace sandglass {
 namespace {

@@ -6,7 +6,7 @@
 // What falls is no part of the surface: a particle counts less the faster it comes down to what is below it.
 #include <cstring>
 
-#include "runtime/granular/granular.h"
+#include "runtime/sand/granular.h"
 #include "runtime/skin/skin.h"
 
 namespace sandglass {

@@ -6,8 +6,8 @@
 // copies of them, so that it is drawn by itself. Chunks are made in the order of their places, so those bricks are done.
 #include <cstring>
 
-#include "runtime/core/random.h"
-#include "runtime/granular/granular.h"
+#include "runtime/math/random.h"
+#include "runtime/sand/granular.h"
 #include "runtime/skin/skin.h"
 
 namespace sandglass {

@@ -17,9 +17,9 @@
 #include <cstring>
 
 #include "kernels/kernels.h"
-#include "runtime/core/governor.h"
-#include "runtime/core/layout.h"
-#include "runtime/core/rigid_way.h"
+#include "runtime/frame/governor.h"
+#include "runtime/frame/layout.h"
+#include "runtime/math/rigid_way.h"
 #include "sandglass/skin.h"
 
 namespace sandglass {

@@ -1,7 +1,7 @@
 // The skin's stage of a frame: what asks for a skin, and its phases one after another.
 #include <cstring>
 
-#include "runtime/granular/granular.h"
+#include "runtime/sand/granular.h"
 #include "runtime/skin/skin.h"
 
 namespace sandglass {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "kernels/kernels.h"
-#include "runtime/granular/particles.h"
+#include "runtime/sand/particles.h"
 #include "tests/bench/counting.h"
 #include "tests/motion_arrays.h"
 

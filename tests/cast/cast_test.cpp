@@ -15,7 +15,7 @@
 #include <set>
 #include <vector>
 
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/reason.h"
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "models/geometry/vec3.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "tests/granular/granular_scene.h"
 
 namespace sandglass::fuzz {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "runtime/core/hash.h"
-#include "runtime/core/random.h"
+#include "runtime/math/hash.h"
+#include "runtime/math/random.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/fuzz/edits.h"
 #include "tests/fuzz/other_kernels.h"

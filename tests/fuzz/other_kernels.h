@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 #include "sandglass/types.h"
 
 namespace sandglass::fuzz {

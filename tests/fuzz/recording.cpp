@@ -1,7 +1,7 @@
 // A recording whose checksums are right and whose content is wrong: it is refused, or what it says is written and read
 // back alike.
 #include "models/simulation/recording.h"
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 #include "tests/fuzz/edits.h"
 
 namespace {

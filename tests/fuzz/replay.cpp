@@ -7,7 +7,7 @@
 #include <iterator>
 #include <vector>
 
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 

@@ -1,7 +1,7 @@
 // A saved room with a right checksum and wrong content: it is refused, or it answers with finite numbers.
 #include <cstring>
 
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/fuzz/edits.h"
 #include "tests/room/made_up_room.h"

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <map>
 
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 #include "tests/fuzz/edits.h"
 #include "tests/fuzz/other_kernels.h"
 #include "tests/granular/granular_scene.h"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "fake_scene.h"
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 
 namespace sandglass::governor_test {
 namespace {

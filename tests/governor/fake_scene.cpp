@@ -1,7 +1,7 @@
 // See fake_scene.h.
 #include "fake_scene.h"
 
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 
 namespace sandglass::governor_test {
 namespace {

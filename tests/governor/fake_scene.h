@@ -7,8 +7,8 @@
 
 #include <cstdint>
 
-#include "runtime/core/governor.h"
-#include "runtime/core/random.h"
+#include "runtime/frame/governor.h"
+#include "runtime/math/random.h"
 
 namespace sandglass::governor_test {
 

@@ -1,7 +1,7 @@
 // Every stage counts its kinds of work unit from 0. The array of stages gives them their places among all kinds.
 #include <gtest/gtest.h>
 
-#include "runtime/core/governor.h"
+#include "runtime/frame/governor.h"
 
 namespace sandglass::governor_test {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "models/geometry/vec3.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {

@@ -1,12 +1,12 @@
 // The sort by cell in place: the order of the sort that copies, and never a record lost or doubled on the way.
-#include "runtime/granular/particles.h"
+#include "runtime/sand/particles.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "tests/granular/invariants.h"
 #include "tests/shadow/shadow_fixture.h"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <vector>
 
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "runtime/scene/scene.h"
 #include "tests/granular/granular_scene.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "kernels/kernels.h"
-#include "runtime/granular/particles.h"
+#include "runtime/sand/particles.h"
 #include "tests/vector.h"
 
 namespace sandglass::tests {

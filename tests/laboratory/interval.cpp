@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "models/simulation/metrics.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 
 namespace sandglass::host {
 

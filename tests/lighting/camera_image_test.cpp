@@ -1,6 +1,6 @@
 // The network's input against a camera model in double that turns rays, and so shares no method with the library's
 // boxes per axis.
-#include "runtime/estimate/resample.h"
+#include "runtime/light/network/resample.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "models/rooms/excerpt.h"
-#include "runtime/camera/transfer.h"
-#include "runtime/core/random.h"
+#include "runtime/light/camera/transfer.h"
+#include "runtime/math/random.h"
 #include "tests/lighting/made_panorama.h"
 #include "tests/reason.h"
 

@@ -1,6 +1,6 @@
 // The temporal filter against the law that the header states: its step response in numbers, what it rejects, and what
 // it accepts.
-#include "runtime/estimate/filter.h"
+#include "runtime/light/network/filter.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "models/lighting/light_file.h"
-#include "runtime/estimate/network.h"
+#include "runtime/light/network/network.h"
 #include "sandglass/shadow.h"
 #include "tests/asset_file.h"
 #include "tests/damaged_file.h"

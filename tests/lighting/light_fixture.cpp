@@ -1,7 +1,7 @@
 #include "tests/lighting/light_fixture.h"
 
 #include "models/lighting/light_file.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 
 namespace sandglass::tests {
 

@@ -10,9 +10,9 @@
 
 #include "models/rooms/panorama.h"
 #include "platform/virtual_clock.h"
-#include "runtime/camera/camera_image.h"
-#include "runtime/core/random.h"
-#include "runtime/estimate/resample.h"
+#include "runtime/light/camera/camera_image.h"
+#include "runtime/light/network/resample.h"
+#include "runtime/math/random.h"
 #include "tests/lighting/light_fixture.h"
 #include "tests/reason.h"
 #include "tests/sand_scene.h"

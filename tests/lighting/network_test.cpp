@@ -1,6 +1,6 @@
 // The lighting network at run time: equal to the naive network of bytes to the bit, equal on every instruction set and in
 // every order that is allowed, and within its memory. excerpts_test.cpp compares it with the float network.
-#include "runtime/estimate/network.h"
+#include "runtime/light/network/network.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 
 #include "models/files/aligned_bytes.h"
 #include "models/lighting/light_runner.h"
-#include "runtime/core/hash.h"
-#include "runtime/estimate/heads.h"
+#include "runtime/light/network/heads.h"
+#include "runtime/math/hash.h"
 #include "tests/lighting/network_checks.h"
 
 namespace sandglass::host {

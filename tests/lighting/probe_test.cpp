@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "tests/lighting/made_panorama.h"
 
 namespace sandglass::host {

@@ -11,7 +11,7 @@
 #include "models/files/failure.h"
 #include "models/lighting/lit_view.h"
 #include "models/rooms/panorama_file.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "tests/laboratory/interval.h"
 #include "tests/lighting/made_panorama.h"
 #include "tests/refusal.h"

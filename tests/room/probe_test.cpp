@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "made_up_room.h"
-#include "runtime/core/harmonics.h"
-#include "runtime/room/room.h"
+#include "runtime/light/harmonics.h"
+#include "runtime/light/room/room.h"
 #include "sandglass/sandglass.hpp"
 
 namespace sandglass {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "made_up_room.h"
-#include "runtime/estimate/radiometry.h"
+#include "runtime/light/network/radiometry.h"
 #include "sandglass/renderers.h"
 #include "tests/reason.h"
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "runtime/core/hash.h"
-#include "runtime/core/random.h"
+#include "runtime/math/hash.h"
+#include "runtime/math/random.h"
 #include "sandglass/sandglass.hpp"
 
 namespace sandglass {

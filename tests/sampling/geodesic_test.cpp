@@ -8,7 +8,7 @@
 #include <span>
 
 #include "models/mesh/generated.h"
-#include "runtime/sampling/geodesic.h"
+#include "runtime/solid/sampling/geodesic.h"
 #include "tests/guarded_block.h"
 #include "tests/sampling/point_checks.h"
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "models/mesh/generated.h"
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {

@@ -7,8 +7,8 @@
 
 #include "models/mesh/generated.h"
 #include "models/tracing/embree_scene.h"
-#include "runtime/core/random.h"
-#include "runtime/sampling/inside.h"
+#include "runtime/math/random.h"
+#include "runtime/solid/sampling/inside.h"
 #include "tests/guarded_block.h"
 #include "tests/sampling/point_checks.h"
 

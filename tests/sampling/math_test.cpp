@@ -1,11 +1,11 @@
-// The functions of runtime/core/math.h against libm in long double, with the error bounds that the header states.
-#include "runtime/core/math.h"
+// The functions of runtime/math/math.h against libm in long double, with the error bounds that the header states.
+#include "runtime/math/math.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 
 namespace sandglass {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "models/mesh/generated.h"
-#include "runtime/sampling/candidates.h"
+#include "runtime/solid/sampling/candidates.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {

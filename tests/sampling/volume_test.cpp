@@ -1,6 +1,6 @@
 // Alg. 2 of the dissertation with its corrections (runtime/README.md): the distribution of the tries, least distance,
 // maximality over the probes, separate parts.
-#include "runtime/sampling/volume.h"
+#include "runtime/solid/sampling/volume.h"
 
 #include <gtest/gtest.h>
 

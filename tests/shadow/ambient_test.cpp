@@ -9,8 +9,8 @@
 #include <set>
 
 #include "runtime/asset/shadow_asset.h"
-#include "runtime/core/hash.h"
-#include "runtime/shadow/cells.h"
+#include "runtime/math/hash.h"
+#include "runtime/shadow/receiver/cells.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/int8_kernels.h"
 #include "tests/shadow/shadow_fixture.h"

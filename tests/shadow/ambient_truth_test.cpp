@@ -18,7 +18,7 @@
 #include "models/tracing/directions.h"
 #include "models/work/random.h"
 #include "runtime/asset/shadow_asset.h"
-#include "runtime/core/harmonics.h"
+#include "runtime/light/harmonics.h"
 
 namespace {
 

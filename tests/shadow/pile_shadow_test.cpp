@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "models/tracing/sphere_caster.h"
-#include "runtime/shadow/pile.h"
+#include "runtime/shadow/pile/pile.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/guarded_block.h"
 #include "tests/measured.h"

@@ -1,5 +1,5 @@
 // The rectangle of plane.h against brute force: every ray of the light's rim through every corner of the box.
-#include "runtime/shadow/plane.h"
+#include "runtime/math/shadow_rectangle.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "runtime/asset/shadow_asset.h"
-#include "runtime/core/hash.h"
+#include "runtime/math/hash.h"
 #include "tests/int8_kernels.h"
 #include "tests/shadow/shadow_fixture.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "platform/virtual_clock.h"
-#include "runtime/shadow/shadow.h"
+#include "runtime/shadow/baked/shadow.h"
 #include "tests/reason.h"
 #include "tests/sand_scene.h"
 #include "tests/shadow/shadow_fixture.h"

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "runtime/skin/skin.h"
 #include "tests/guarded_block.h"
 #include "tests/skin/skin_scene.h"

@@ -1,5 +1,5 @@
 // A part that changes others in each way that owners.py knows. It is read, and never compiled.
-#include "runtime/granular/granular.h"
+#include "runtime/sand/granular.h"
 
 namespace sandglass {
 

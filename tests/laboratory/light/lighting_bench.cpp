@@ -9,7 +9,7 @@
 #include "models/lighting/room_light.h"
 #include "models/rooms/excerpt.h"
 #include "models/work/progress.h"
-#include "runtime/estimate/backends.h"
+#include "runtime/light/network/backends.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/cpu_time.h"
 #include "tests/laboratory/machine_peak.h"

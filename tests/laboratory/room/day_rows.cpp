@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "models/work/thread_pool.h"
-#include "runtime/core/random.h"
-#include "runtime/room/room.h"
+#include "runtime/light/room/room.h"
+#include "runtime/math/random.h"
 
 namespace sandglass::host {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "models/files/failure.h"
-#include "runtime/core/cube_map.h"
+#include "runtime/light/cube_map.h"
 
 namespace sandglass::host {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/core/harmonics.h"
+#include "runtime/light/harmonics.h"
 
 namespace sandglass::host {
 

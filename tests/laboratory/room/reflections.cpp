@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "models/work/random.h"
-#include "runtime/core/cube_map.h"
-#include "runtime/core/half.h"
+#include "runtime/light/cube_map.h"
+#include "runtime/math/half.h"
 #include "tests/laboratory/room/session.h"
 
 namespace sandglass::host {

@@ -4,8 +4,8 @@
 
 #include "models/work/progress.h"
 #include "models/work/random.h"
-#include "runtime/camera/camera_image.h"
-#include "runtime/room/room.h"
+#include "runtime/light/camera/camera_image.h"
+#include "runtime/light/room/room.h"
 #include "sandglass/camera.h"
 #include "tests/laboratory/cpu_time.h"
 

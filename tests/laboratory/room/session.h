@@ -9,7 +9,7 @@
 #include "models/compositing/phone.h"
 #include "models/compositing/surroundings.h"
 #include "models/lighting/room_light.h"
-#include "runtime/room/room.h"
+#include "runtime/light/room/room.h"
 
 namespace sandglass::host {
 

@@ -12,7 +12,7 @@
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
 #include "models/work/progress.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 
 namespace sandglass::host {
 

@@ -13,7 +13,7 @@
 #include "models/baking/truth.h"
 #include "models/files/failure.h"
 #include "models/work/random.h"
-#include "runtime/cast/cast.h"
+#include "runtime/shadow/cast/cast.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/room/known_room.h"
 #include "tests/laboratory/shadow/app_cast.h"

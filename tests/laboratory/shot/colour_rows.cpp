@@ -10,7 +10,7 @@
 #include "models/compositing/surroundings.h"
 #include "models/lighting/dataset.h"
 #include "models/rooms/panorama_file.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "tests/laboratory/interval.h"
 #include "tests/laboratory/room/balls.h"
 #include "tests/laboratory/room/session.h"

@@ -8,7 +8,7 @@
 #include "models/compositing/shot.h"
 #include "models/lighting/dataset.h"
 #include "models/rooms/panorama_file.h"
-#include "runtime/core/random.h"
+#include "runtime/math/random.h"
 #include "tests/laboratory/interval.h"
 #include "tests/laboratory/room/session.h"
 #include "tests/laboratory/shot/shot_stage.h"

@@ -1,0 +1,93 @@
+// The state behind the C API of sandglass/estimate.h, and its work in units that a frame can hand out (frame/governor.h).
+//
+// One estimate at a time. The image is resampled whole, in the frame that brought it, because its planes belong to the
+// app. Then the network runs, unit by unit, over as many frames as it takes. Its answer is turned into the world by the
+// pose of that image and goes through the filter.
+#pragma once
+
+#include <cstdint>
+
+#include "runtime/light/network/filter.h"
+#include "runtime/light/network/network.h"
+#include "runtime/light/network/resample.h"
+
+namespace sandglass {
+
+// Kinds of work unit: the image, then the network's.
+enum : uint32_t {
+  k_estimator_stage_image,
+  k_estimator_stage_network,
+  k_estimator_stage_kinds = k_estimator_stage_network + k_light_kinds
+};
+
+enum class EstimatorPhase : uint32_t { idle, image, network };
+
+struct Estimator {
+  LightNetwork* network;
+  LightFilter filter;
+  uint64_t interval_ns;
+  EstimatorPhase phase;
+  uint32_t cursor;      // next block of the image, or unit of the network
+  CameraImage image;    // the one under way; its planes are NULL once it is resampled
+  uint32_t turn_deg;    // of the last image
+  CameraBlocks blocks;  // the units of that image
+  uint8_t* rgb;         // the image as the network sees it
+  uint32_t* sums;       // scratch of the resampling
+  // Estimates.
+  uint64_t version;
+  LightSample latest;  // before the filter, in the world
+  uint64_t latest_ns, changed_ns, taken_ns;
+  uint32_t estimates;
+  uint64_t frame;           // number of this frame
+  uint64_t image_frame;     // of the frame that brought the image under way
+  uint64_t estimate_frame;  // of the frame that brought the image of the last estimate
+  bool changed;             // the filtered light changed in this frame
+};
+
+// Forgets every estimate and the image under way.
+void estimator_reset(Estimator* estimator);
+
+// Takes an image that has passed sandglass_camera_check, if one is due. Returns whether it did.
+bool estimator_take_image(Estimator* estimator, const sandglass_camera_image& image);
+
+// The image under way: its next unit, and how many are left.
+void estimator_run_image(Estimator* estimator);
+uint32_t estimator_image_units_left(const Estimator& estimator);
+
+// The next unit of the estimate under way, if there is one, and what runs it.
+bool estimator_next_unit(const sandglass_estimator* estimator, WorkUnit* unit);
+void estimator_run_unit(sandglass_estimator* estimator);
+
+// Creation leaves this table in every estimator, and the scene calls through it. So the linker drops the estimator from
+// an app that never creates one.
+struct EstimatorFunctions {
+  // See estimator_stage and estimator_end_frame.
+  Stage (*begin_frame)(sandglass_estimator* estimator, const sandglass_camera_image* image, const char** refused);
+  void (*end_frame)(sandglass_estimator* estimator, sandglass_frame_report* report);
+};
+extern const EstimatorFunctions k_estimator_functions;
+
+}  // namespace sandglass
+
+struct sandglass_estimator {
+  const sandglass::EstimatorFunctions* functions;
+  sandglass::Estimator estimator;
+};
+
+namespace sandglass {
+
+// The estimator's stage of this frame. Takes the frame's image where it is due; the units of that image are then
+// mandatory, because its planes belong to the app. *refused says what is wrong with an image that cannot be used, and
+// is left alone otherwise. `estimator` may be NULL.
+inline Stage estimator_stage(sandglass_estimator* estimator, const sandglass_camera_image* image,
+                             const char** refused) {
+  return estimator == nullptr ? stage_without_work(k_estimator_stage_kinds)
+                              : estimator->functions->begin_frame(estimator, image, refused);
+}
+
+// Drops an image that was not finished and fills in the estimator's part of the report.
+inline void estimator_end_frame(sandglass_estimator* estimator, sandglass_frame_report* report) {
+  if (estimator != nullptr) estimator->functions->end_frame(estimator, report);
+}
+
+}  // namespace sandglass

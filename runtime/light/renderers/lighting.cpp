@@ -1,0 +1,175 @@
+#include "runtime/light/renderers/lighting.h"
+
+#include "runtime/frame/filled_struct.h"
+#include "runtime/frame/refuse.h"
+#include "runtime/light/harmonics.h"
+#include "runtime/light/luminance.h"
+#include "runtime/math/finite.h"
+#include "runtime/math/math.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr double k_least_elevation = 0.1;
+
+bool usable(const sandglass_light_estimate& e) {
+  return is_finite(e.strength) && all_finite(e.direction, 3) && all_finite(e.light, 3) && all_finite(e.ambient, 3) &&
+         all_finite(e.sh, 3 * k_harmonics);
+}
+bool usable(const sandglass_room_light& l) {
+  return is_finite(l.main_share) && all_finite(l.main_direction, 3) && all_finite(l.main_colour, 3) &&
+         all_finite(l.irradiance, 3) && all_finite(l.sh, 3 * k_harmonics);
+}
+bool usable(const sandglass_harmonics& h) {
+  const float* d = h.main_direction;
+  return all_finite(h.sh, 3 * k_harmonics) && all_finite(d, 3) && all_finite(h.main_irradiance, 3) &&
+         (h.kind == SANDGLASS_HARMONICS_TOTAL || d[0] != 0 || d[1] != 0 || d[2] != 0);
+}
+
+sandglass_lighting lighting_of(const sandglass_light_estimate& estimate) {
+  sandglass_lighting lighting = {};
+  const double up = static_cast<double>(estimate.direction[1]);
+  for (int c = 0; c < 3; ++c) {
+    const double even = k_pi * static_cast<double>(estimate.ambient[c]);
+    const double facing = k_pi * static_cast<double>(estimate.strength) * static_cast<double>(estimate.light[c]);
+    lighting.towards[c] = estimate.direction[c];
+    lighting.facing[c] = static_cast<float>(facing);
+    lighting.floor[c] = static_cast<float>(even + (up > 0.0 ? facing * up : 0.0));
+    lighting.ambient_sh[c] = static_cast<float>(even * 4.0 * k_harmonic_factors[0]);
+  }
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) lighting.whole_sh[i] = estimate.sh[i];
+  return lighting;
+}
+
+sandglass_lighting lighting_of(const sandglass_room_light& light) {
+  sandglass_lighting lighting = {};
+  double axis[3], polynomials[k_harmonics], facing[3];
+  for (int i = 0; i < 3; ++i) axis[i] = static_cast<double>(light.main_direction[i]);
+  harmonic_polynomials(axis, polynomials);
+  main_light_of(light, facing);
+  for (int c = 0; c < 3; ++c) {
+    lighting.towards[c] = light.main_direction[c];
+    lighting.facing[c] = static_cast<float>(k_pi * facing[c]);
+    lighting.floor[c] = light.irradiance[c];
+  }
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) {
+    const double main = k_pi * facing[i % 3] * k_harmonic_factors[i / 3] * polynomials[i / 3];
+    lighting.ambient_sh[i] = static_cast<float>(static_cast<double>(light.sh[i]) - main);
+    lighting.whole_sh[i] = light.sh[i];
+  }
+  return lighting;
+}
+
+sandglass_lighting lighting_of(const sandglass_harmonics& told) {
+  sandglass_lighting lighting = {};
+  const bool main = told.kind == SANDGLASS_HARMONICS_AMBIENT;
+  double towards[3] = {0, 1, 0}, level[k_harmonics], polynomials[k_harmonics], squared = 0;
+  harmonic_polynomials(towards, level);
+  for (const float d : told.main_direction) squared += static_cast<double>(d) * static_cast<double>(d);
+  for (int i = 0; main && i < 3; ++i) towards[i] = static_cast<double>(told.main_direction[i]) / square_root(squared);
+  harmonic_polynomials(towards, polynomials);
+  for (uint32_t c = 0; c < 3; ++c) {
+    const double facing = main ? static_cast<double>(told.main_irradiance[c]) : 0;
+    double floor = towards[1] > 0 ? towards[1] * facing : 0;
+    for (uint32_t j = 0, i = c; j < k_harmonics; ++j, i += 3) {
+      const double sh = (told.with_phase == 1 ? phase_of(j) : 1) * static_cast<double>(told.sh[i]);
+      lighting.ambient_sh[i] = static_cast<float>(sh);
+      lighting.whole_sh[i] = static_cast<float>(sh + facing * k_harmonic_factors[j] * polynomials[j]);
+      floor += k_pi * k_cosine_factors[j] * k_harmonic_factors[j] * level[j] * sh;
+    }
+    lighting.towards[c] = static_cast<float>(towards[c]);
+    lighting.facing[c] = static_cast<float>(facing);
+    lighting.floor[c] = floor > 0 ? static_cast<float>(floor) : 0;
+  }
+  return lighting;
+}
+
+// What the sources have in common: `null`, `size` and `number` say what is wrong with them.
+template <class Source>
+sandglass_status make(const Source* source, uint32_t least_bytes, sandglass_lighting* lighting, const char** reason,
+                      const char* null, const char* size, const char* number) {
+  if (source == nullptr || lighting == nullptr) return refuse(reason, null);
+  if (!can_fill(lighting))
+    return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_lighting)");
+  if (source->struct_size < least_bytes) return refuse(reason, size);
+  if (!usable(*source)) return refuse(reason, number);
+  sandglass_lighting filled = lighting_of(*source);
+  fill_struct(&filled, sizeof filled, lighting);
+  return accept(reason);
+}
+
+}  // namespace
+
+bool usable(const sandglass_lighting& l) {
+  return all_finite(l.towards, 3) && all_finite(l.facing, 3) && all_finite(l.floor, 3) &&
+         all_finite(l.ambient_sh, 3 * k_harmonics) && all_finite(l.whole_sh, 3 * k_harmonics);
+}
+
+void main_light_of(const sandglass_room_light& light, double facing[3]) {
+  double irradiance[3];
+  for (int c = 0; c < 3; ++c) irradiance[c] = static_cast<double>(light.irradiance[c]);
+  const double up = static_cast<double>(light.main_direction[1]);
+  const double elevation = up > k_least_elevation ? up : k_least_elevation;
+  const double level = static_cast<double>(light.main_share) * luminance(irradiance) / (k_pi * elevation);
+  for (int c = 0; c < 3; ++c) facing[c] = level * static_cast<double>(light.main_colour[c]);
+}
+
+}  // namespace sandglass
+
+using namespace sandglass;
+
+sandglass_status sandglass_lighting_of_estimate(const sandglass_light_estimate* estimate, sandglass_lighting* lighting,
+                                                const char** reason) {
+  return make(
+      estimate, k_least_estimate_bytes, lighting, reason,
+      "estimate or lighting is NULL: pass an estimate of sandglass_estimator_get and the struct to fill",
+      "estimate.struct_size is not set: set it to sizeof(sandglass_light_estimate) before sandglass_estimator_get",
+      "a number of the estimate is not finite: pass an estimate as sandglass_estimator_get fills it");
+}
+
+sandglass_status sandglass_lighting_of_room(const sandglass_room_light* light, sandglass_lighting* lighting,
+                                            const char** reason) {
+  return make(light, k_least_room_light_bytes, lighting, reason,
+              "light or lighting is NULL: pass a light of sandglass_room_get and the struct to fill",
+              "light.struct_size is not set: set it to sizeof(sandglass_room_light) before sandglass_room_get",
+              "a number of the light is not finite: pass a light as sandglass_room_get fills it");
+}
+
+sandglass_status sandglass_lighting_of_harmonics(const sandglass_harmonics* harmonics, sandglass_lighting* lighting,
+                                                 const char** reason) {
+  return make(harmonics, sizeof(sandglass_harmonics), lighting, reason,
+              "harmonics or lighting is NULL: pass what a system told of the light and the struct to fill",
+              "harmonics.struct_size is not set: start from sandglass_harmonics_default",
+              "a number of the harmonics is not finite, or main_direction is 0: pass them as the system told them");
+}
+
+sandglass_status sandglass_lighting_adapt(const sandglass_lighting* lighting, float strength, int32_t keep_chroma,
+                                          sandglass_lighting* adapted, const char** reason) {
+  if (lighting == nullptr || adapted == nullptr)
+    return refuse(reason, "lighting or adapted is NULL: pass a lighting that was filled and the struct to fill");
+  if (!can_fill(adapted)) return refuse(reason, "adapted.struct_size is not set: set it to sizeof(sandglass_lighting)");
+  if (lighting->struct_size < k_least_lighting_bytes)
+    return refuse(reason, "lighting.struct_size is not set: pass a lighting that was filled");
+  if (!usable(*lighting)) return refuse(reason, "a number of the lighting is not finite: pass it as it was filled");
+  if (!within(strength, 0.0f, 1.0f) || keep_chroma < 0 || keep_chroma > 1)
+    return refuse(reason, "strength is not in 0..1, or keep_chroma not 0 or 1");
+  constexpr double k_even = 4 * k_pi * 0.28209479177387814;  // coefficient 0 of radiance 1
+  const auto adapt = [&](float colour[3], double white) {
+    const auto grey = static_cast<float>(luminance(colour));
+    for (int c = 0; c < 3; ++c) {
+      const float of_room = keep_chroma != 0 ? grey : colour[c];
+      colour[c] = strength * of_room + (1 - strength) * static_cast<float>(white);
+    }
+  };
+  sandglass_lighting out = {};
+  __builtin_memcpy(&out, lighting, lighting->struct_size < sizeof out ? lighting->struct_size : sizeof out);
+  adapt(out.facing, 0);
+  adapt(out.floor, k_pi);
+  for (uint32_t i = 0; i < k_harmonics; ++i) {
+    adapt(out.ambient_sh + 3 * i, i == 0 ? k_even : 0);
+    adapt(out.whole_sh + 3 * i, i == 0 ? k_even : 0);
+  }
+  fill_struct(&out, sizeof out, adapted);
+  return accept(reason);
+}

@@ -1,0 +1,361 @@
+// The state behind the C API of sandglass/room.h: what the camera has seen, in parts of a sphere.
+//
+// The sphere is aligned with gravity and stands around the place where the first image was taken. Its parts are 16
+// rows of elevation by 32 columns of azimuth, as in a map. What a part shows counts as lying on the sphere, `radius`
+// away. So an image taken elsewhere, and an object that stands elsewhere, see the same part in another direction.
+//
+//   sphere.cpp    where it stands and how large it is
+//   image.cpp     an image into parts, unit by unit
+//   vote.cpp      what an image says of its exposure, and of the light of the whole room
+//   lamp.cpp      how large a lamp is, of an image that shows it unclipped
+//   texels.cpp    an image into the texels of a cube, for reflections, and the cube that is seen from a place
+//   probe.cpp     a cube or harmonics of another system, into a layer below what the camera has seen
+//   estimate.cpp  the light at a place
+//   fade.cpp      from the light that is shown to the one that is known
+//   save.cpp      to bytes and back
+//   room.cpp      the C API, and the room's part in a frame
+#pragma once
+
+#include <cstdint>
+
+#include "runtime/frame/governor.h"
+#include "runtime/light/camera/camera_image.h"
+#include "runtime/light/light_cells.h"
+#include "runtime/math/math.h"
+#include "sandglass/room.h"
+
+namespace sandglass {
+
+constexpr uint32_t k_room_rows = 16, k_room_columns = 32, k_room_parts = k_room_rows * k_room_columns;
+constexpr uint32_t k_room_below = k_room_parts / 2;  // the parts below the horizon come first
+constexpr uint32_t k_room_unit_parts = 64;           // what a work unit looks at
+
+// A share, 0..1, in two bytes.
+class RoomShare {
+ public:
+  RoomShare& operator=(double share) {
+    steps_ = static_cast<uint16_t>(share * k_steps + 0.5);
+    return *this;
+  }
+  operator double() const { return steps_ / k_steps; }
+
+ private:
+  static constexpr double k_steps = 65535;
+  uint16_t steps_;
+};
+
+// What was seen of one part of the sphere.
+struct RoomPart {
+  float radiance[3];  // the mean, linear, over the room's `light`; a lower bound where `clipped` is above 0
+  float weight;       // how many images have shown it, as far as they still count
+  RoomShare clipped;  // of its pixels
+  RoomShare seen;     // of it was ever in the picture
+  uint16_t age;       // since it was seen last, in ticks: 2048 are a half-life
+  int8_t up, aside;   // where in the part its light comes from: 127 at the edge, of rows and of columns
+  int8_t from[3];     // where the camera was that saw it last, 127 a radius
+  uint8_t shown;      // its luminance in the last image, in 16ths of an octave below white from 255; 0: not known
+};
+
+// What an image shows of one part.
+struct RoomObservation {
+  double colour[3];  // linear, 1 is white
+  double clipped;    // share of the points
+  double covered;    // share of the points that are in the picture
+  double up, aside;  // where the light of a lamp comes from, -1..1 from edge to edge; of all else 0
+  double uneven;     // variance of the points' luminance, beside the square of its mean
+  double brightest;  // luminance of a lamp's brightest point; of all else the mean
+};
+
+// How an image compares with what is remembered of the parts that it shows again. Weights are solid angles, 1 for a part
+// on the horizon. A ratio is that of what the image shows to what is remembered, as a logarithm.
+constexpr uint32_t k_vote_bins = 36;
+struct RoomRatios {
+  float weight[k_vote_bins], sum[k_vote_bins];  // by their size: weights, and weights times ratios
+};
+struct RoomVote {
+  RoomRatios ratios;
+  RoomRatios steps;                // to what the image before showed, where the exposure is not told
+  float brighter, darker;          // weights of parts that are clipped or black where they should not be
+  float brighter_sum, darker_sum;  // the same times the ratio that is known at least
+  float more, less;                // weights of what became brighter, or darker, by half or more
+  float exact, known, known_squared, error, error_squared,
+      shown_squared;         // weights; of logarithms of what is remembered, of ratios, and of what is shown
+  float now[3], then[3];     // sums of colours that the image shows, and that are remembered
+  float area, black, shown;  // all that is in the picture: its weight; what is black of it; luminance
+  float hues;                // weight of what is compared by hue
+  float hue, red, blue;      // what that counts; times how much redder, bluer than green it became, as logarithms
+};
+
+// What an image may teach.
+enum class RoomLesson : uint32_t {
+  all,
+  unknown,  // only parts that nobody remembers
+  nothing
+};
+
+// What another system says of one part, as halves.
+struct RoomProbePart {
+  uint16_t radiance[3];  // linear, in the system's own unit; a lower bound where `clipped` is above 0
+  uint16_t clipped;      // 0..1: the share of its texels that were clipped
+};
+
+// The way from harmonics to parts.
+struct RoomHarmonics {
+  double sh[3][9], mean;                 // of a channel; mean radiance
+  double target[9], exponents[9], cost;  // Newton's method
+};
+
+// The main light that is told beside harmonics. It is far: from everywhere it lies in the same direction.
+struct RoomFarLight {
+  double direction[3], row, column;  // in the sphere's frame; and in parts
+  double irradiance[3];              // of a surface that faces it; 0: there is none
+};
+
+enum class RoomProbePhase : uint32_t { idle, cube, entropy, harmonics };
+
+struct Room;
+struct RoomProbe {
+  double confidence;                  // 0..1; 0: there is none
+  double scale;                       // radiance of value 1; 0: unknown
+  double dark;                        // what is darker tells no scale
+  double place[3];                    // where it was taken, world
+  RoomProbePart parts[k_room_parts];  // without the far light
+  RoomFarLight far;
+  // Under way.
+  RoomProbePhase phase;
+  void (*run)(Room* room);  // set where it is begun: the linker drops it from an app that never does
+  uint32_t cursor, points;
+  double confidence_then;
+  sandglass_cube cube;
+  RoomHarmonics harmonics;
+};
+
+// What was seen of one texel of a cube around the sphere, in its frame.
+constexpr uint32_t k_cube_size = SANDGLASS_ROOM_CUBE_SIZE, k_cube_texels = 6 * k_cube_size * k_cube_size;
+constexpr uint32_t k_cube_unit_texels = 4 * k_cube_size;  // what a work unit looks at
+struct RoomTexel {
+  float radiance[3];        // as that of a part
+  uint8_t clipped, weight;  // as those of a part, of 255; and of k_texel_weight for each image
+  uint16_t age;             // as that of a part
+};
+
+// A lamp whose size was measured.
+constexpr uint32_t k_room_lamps = 3;
+struct RoomLamp {
+  int16_t at[3];        // on the sphere, k_lamp_unit a radius
+  uint8_t images;       // over which it is the mean; 0: there is none
+  uint8_t clipped;      // 1: it was, in all of them
+  float across, error;  // in radii; how far that may be off
+  float strength;       // its irradiance beside that of others, fading
+};
+constexpr double k_lamp_unit = 32767;
+
+enum class RoomPhase : uint32_t {
+  idle,
+  compare,  // the image with what is remembered
+  gather,   // the image into the parts
+  texels    // and into the texels, where there are any
+};
+
+// The image under way, as the gathering needs it.
+struct RoomView {
+  CameraImage image;
+  double to_camera[3][3];  // from the sphere's frame to the stored image's: x right, y down, z forward
+  double position[3];      // of the camera, in the sphere's frame, in radii
+  double most_cosine;      // parts farther from the optical axis than this are not in the picture
+  double scale;            // radiance of a pixel of linear value 1
+  float balance[3];        // of each channel: what a pixel shows beside that
+  const float* light;      // camera_light_table
+  double step;             // seconds since the image before
+  bool shows_steps;        // `shown` of the parts is of that one
+  bool steps_agree;        // nearly all of it changed by the same, and so it should be by what is remembered
+  RoomLesson lesson;
+  RoomVote vote;
+};
+
+struct Room {
+  double told_radius;  // 0: it is found
+  double radius, half_life;
+  uint64_t interval_ns, last_ns;  // last_ns: of the last image that was taken
+  uint64_t offered_ns;            // of the last image that was offered
+  uint64_t rest_ns;               // of the time that ages parts: less than a tick
+  uint32_t hasty;                 // images in a row that came less than a millisecond after the one before
+  uint32_t images;
+  uint32_t unit;         // a number for the unit of radiance: another one where it was set anew
+  bool exposure_known;   // by the app, for one image at least
+  bool wants_size : 1;   // the last image shows a lamp whole, but clipped, whose size is not known
+  bool strange : 1;      // the last image seems to show another room
+  bool far : 1;          // what is seen lies so far away that `radius` has become k_far times as large
+  bool shows_steps : 1;  // `shown` of the parts and `shown_scale` are of the last image
+  uint8_t size_looks;    // short images that were to show one
+  uint8_t grown;         // how often `radius` was, because the camera has left the sphere
+  double centre[3];      // of the sphere, in the world
+  double yaw;            // turns: the sphere's azimuth 0 is at this azimuth of the world
+  double scale;          // of the last image that was exposed for the room
+  double shown_scale;    // of the last image
+  float balance[3];      // of the same, white balance beside that of all radiance that is kept
+  float gains[3];        // that the camera tells where `balance` is 1; 0: unknown
+  double light;  // the light of the whole room, beside what it was when its parts were seen: a factor of them all
+  double usual;  // the median of votes while nothing changes: where they are taken is not all that is remembered
+  double light_before;  // the same before the last change
+  double settled;       // seconds since the light has changed
+  double doubted;       // seconds for which images have shown what no change of light explains
+  double doubts;        // the median of votes of the last of them
+  double shows;         // mean radiance of those that look like another room; 0: none does
+  double farther;       // how much better images are explained if what they show is far, so far: see compare_as_far
+  float brightens;      // logarithm by which `scale` last grew, where the exposure is not told
+  float tells_from;     // of an image's white: what shows as less, and was less, says nothing
+  RoomPhase phase;
+  uint32_t cursor;               // the next part
+  uint32_t crowd, crowd_before;  // parts of this image and of the last one that may hold a lamp
+  RoomView view;
+  RoomPart parts[k_room_parts];
+  // Of each part above the horizon: the white of the image that says how bright it is, in quarters of an octave. What
+  // is clipped in an image of a lower white says less. 0: unknown.
+  uint8_t white[k_room_below];
+  RoomLamp lamps[k_room_lamps];
+  RoomProbe* probe;   // NULL in a room that keeps none
+  RoomTexel* texels;  // k_cube_texels, or NULL
+};
+
+// The directions of a part: `row` and `column` count from its first corner and may have fractions. Row 0 is below.
+void room_direction(double row, double column, double direction[3]);
+// Back: row 0..16, column 0..32. The part that lies there.
+uint32_t room_part_at(const double direction[3], double* row, double* column);
+// A direction of the world in the sphere's frame.
+void room_to_sphere(const Room& room, const double world[3], double sphere[3]);
+void room_to_world(const Room& room, const double sphere[3], double world[3]);
+// A place of the world in the sphere's frame, in radii. One farther out counts as `farthest`.
+constexpr double k_farthest = 0.8;
+void room_place(const Room& room, const double world[3], double sphere[3], double farthest = k_farthest);
+float room_bounded_radiance(double radiance);
+// Whether the camera tells its white balance, and did before.
+inline bool room_knows_gains(const Room& room, const CameraImage& image) {
+  return image.gains[1] > 0 && room.gains[1] > 0;
+}
+// Whether a part is remembered well, and unclipped.
+bool room_remembers(const RoomPart& part);
+// What counts of something that was seen so many ticks ago, 0..1.
+double room_memory(uint32_t age);
+// The sphere grows by this factor when the camera leaves it; and by that one where what is seen is far.
+constexpr double k_grows = 4, k_far = 64;
+constexpr double k_usual_radius = 3;  // metres, where the app tells none
+constexpr double k_radius_most = 1000;
+constexpr double k_parallax = 0.1;  // radii: what was seen from as near to here tells nothing of how far it is
+// Before an image: the sphere as large as it has to be.
+void room_fit_sphere(Room* room, const CameraImage& image);
+inline double room_fraction(double x) { return x - static_cast<double>(floor_index(x)); }
+// Of 127 a unit: what is known moved by so much towards what is now.
+inline int8_t room_towards(int8_t known, double now, float rate) {
+  const int64_t whole = floor_index(known + static_cast<double>(rate) * (127.0 * now - known) + 0.5);
+  return static_cast<int8_t>(whole < -127 ? -127 : whole > 127 ? 127 : whole);
+}
+inline double room_first_radius(const Room& room) { return room.told_radius > 0 ? room.told_radius : k_usual_radius; }
+// False where a direction of the sphere, and what lies up to half a part beside it, is out of the picture.
+bool room_may_be_seen(const RoomView& view, const double direction[3]);
+// Where in a part or a texel, 0..1, its points lie: elsewhere with each step, and evenly.
+void room_step(uint32_t step, double* down, double* across);
+// The pixel that shows a direction of the sphere, or false.
+bool room_pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint32_t* y);
+// What is known of a part or a texel before an image: its luminance over the room's `light`, and so on.
+struct RoomKnown {
+  double luminance;
+  float clipped, weight;
+  float seen;     // 0..1: the share of it that was in the picture; 0: unknown
+  uint8_t white;  // see Room::white
+};
+// An image so short that it shows a few steps of a byte there says nothing of it, where it was as dark before.
+bool room_tells_nothing(const Room& room, const RoomKnown& known, const RoomObservation& now);
+// Whether the image was exposed so much shorter than the last that it is asked for lamps.
+bool room_is_short(const Room& room);
+// An image that was exposed so much shorter than the last, and is dark, is one of lamps. Known once it was compared.
+bool room_shows_lamps_only(const Room& room);
+// Radiance in quarters of an octave, 1..255.
+uint8_t room_quarter_octaves(double radiance);
+// How far what is known moves towards what an image shows, 0..1.
+float room_rate(const Room& room, const RoomKnown& known, const RoomObservation& now);
+// What an image shows of a unit's texels, into what is known of them.
+void room_learn_texels(Room* room, uint32_t first);
+// The weight of a part in a vote: its solid angle, 1 on the horizon.
+double room_part_weight(uint32_t part);
+
+// One part of an image, beside what is remembered of it; and what all of them say. `area`: what its vote weighs.
+void room_vote(Room* room, uint32_t part, double area, const RoomObservation& now);
+void room_decide(Room* room);
+
+// Of an image that was learned: how large its brightest lamp is, if it shows that whole.
+void room_measure_lamp(Room* room);
+// The main light's size as it is seen from a place of the sphere's frame, in radii.
+void room_main_size(const Room& room, const double at[3], sandglass_room_light* light);
+
+void room_reset(Room* room);
+// Forgets what was seen, around the camera of the image under way. The unit of radiance stays.
+void room_leave(Room* room);
+// Whether time stamps can be nanoseconds. Called for every image that is offered.
+bool room_clock_is_sound(Room* room, uint64_t time_ns);
+// Takes an image that has passed sandglass_camera_check, if one is due. The image must stay until the units have run.
+bool room_take_image(Room* room, const CameraImage& image);
+uint32_t room_units_left(const Room& room);
+uint32_t room_texel_units_left(const Room& room);  // of them
+void room_run_unit(Room* room);
+
+// What another system knows of the light, into the probe that the room keeps, unit by unit (probe.cpp). The texels must
+// stay until the units have run; what is dropped leaves no probe.
+void room_begin_cube(Room* room, const sandglass_cube& cube);
+void room_begin_harmonics(Room* room, const sandglass_harmonics& harmonics);
+// What a texel of a cube says: its light, that there is at least so much, that there is more than a cube can hold, or
+// no number.
+enum class RoomCubeTexel : uint32_t { sound, clipped, beyond, none };
+// The texel that every graphics API samples for a direction, without filtering.
+RoomCubeTexel room_cube_texel(const sandglass_cube& cube, const double direction[3], double colour[3]);
+uint32_t room_probe_units_left(const Room& room);
+void room_drop_probe_unit(Room* room);
+// Radiance of the probe's value 1 in the room's unit, for each channel: as both show the same parts, or as it is told.
+void room_probe_scale(const Room& room, double scale[3]);
+// The share of the probe's far light that is in this part, and the radiance by which the whole part would give all of
+// it, in the probe's unit.
+double room_far_share(const RoomFarLight& far, uint32_t part, double radiance[3]);
+// A part as camera and probe know it together, without the far light where the camera has not seen it. `seen`: what
+// counts of what the camera has seen of it.
+RoomPart room_known(const Room& room, uint32_t part, const double scale[3], double seen);
+// The quarter turns about y, clockwise seen from above, and the mirror image by which the probe fits best to what the
+// camera has seen. False where they share too little.
+bool room_probe_fit(const Room& room, uint32_t* quarters, bool* mirrored);
+
+// What is fitted: how the light that was not seen follows from what was. See estimate.cpp.
+struct RoomModel {
+  double boost;         // a part whose pixels are all clipped is 1 + boost times as bright as white
+  double fill;          // brightness of an unseen part above the horizon, beside the geometric mean of what was seen
+  double fill_below;    // the same below it
+  double network;       // how much brighter the unseen is where the network says that light comes from
+  double sharp;         // how much of what stands out is drawn as a sharp light
+  double albedo;        // of the floor
+  double floor_trust;   // how much the floor's own brightness counts for the level where nothing above was seen
+  double unseen_level;  // logarithm of what unseen lamps add to the level
+};
+extern const RoomModel k_room_model;
+
+// The radiance that is to be expected from each part, where 1 is what the last image shows as white.
+void room_radiance(const Room& room, const RoomModel& model, float parts[k_room_parts][3]);
+// A face of the cube that is seen from a place, as halves.
+void room_face(const Room& room, const RoomModel& model, const float position[3], float height, uint32_t face,
+               bool left_handed, uint16_t* texels);
+void room_estimate(const Room& room, const RoomModel& model, const sandglass_room_place& place,
+                   sandglass_room_light* light);
+
+// Creation leaves this table in every room, and the scene calls through it. So the linker drops the room from an app
+// that never creates one.
+struct RoomFunctions {
+  Stage (*begin_frame)(sandglass_room* room, const sandglass_camera_image* image, const char** refused);
+  void (*end_frame)(sandglass_room* room);
+};
+extern const RoomFunctions k_room_functions;
+constexpr uint32_t k_room_kinds = 3;
+
+}  // namespace sandglass
+
+struct sandglass_room {
+  const sandglass::RoomFunctions* functions;
+  sandglass::Room room;
+  uint64_t version;  // of what it tells of its light
+};

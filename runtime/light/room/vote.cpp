@@ -1,0 +1,425 @@
+// What an image says of its exposure, and of the light of the whole room.
+//
+// Each part that is remembered and shown again votes with the ratio of what the image shows to what is remembered. The
+// weighted median of the votes is how much brighter the image is. A clipped part is only known to be brighter, a black
+// one to be darker: they stand at the ends. With exposures that are told the median is a change of the room's light; else
+// it is the exposure.
+//
+// The light of the whole room is one factor beside its parts. So what is out of the picture follows at once, and a change
+// and its return cancel. For some time after a change the parts themselves are left alone, while the factor follows each
+// image. Light that returns to what it was is believed at once. What no change of light explains, a finger over the
+// lens, is not believed for a while; nor is what a few parts say, until they have said it for as long. What is black or
+// clipped almost everywhere teaches nothing.
+#include "kernels/whole.h"
+#include "runtime/light/luminance.h"
+#include "runtime/light/room/room.h"
+#include "runtime/math/math.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr double k_bin = 0.25, k_lowest = -0.5 * k_bin * k_vote_bins;  // of ratios
+constexpr double k_memory = 0.3, k_memory_clipped = 0.01;
+// Linear values. Black is one step of a byte: an image that is exposed for a 64th shows little more of a wall. What is
+// darker than `dim` says nothing of a change, because bytes round it; unless it was or is brighter.
+constexpr double k_black = 0.00031, k_dim = 0.01, k_white_from = 0.5;
+constexpr double k_scale_least = 1.0, k_doubt_least = 3.0, k_change_least = 8.0;  // weights that are compared at least
+// The light of the whole room has changed where two thirds of what is seen again are brighter or darker by half.
+constexpr double k_change = 0.405, k_change_share = 0.65, k_perhaps_share = 0.35, k_few_share = 0.9;
+// A doubt lasts while so much differs: half a finger hides less of a room that becomes brighter.
+constexpr double k_still_share = 0.15;
+// Or where as many are brighter or darker by a quarter, and their ratios deviate by no more than 0.4 of that: of a
+// change that a seventh of them does not share they deviate by 0.35.
+constexpr double k_slight = 0.223, k_alike = 0.4, k_near = 0.5;
+constexpr double k_blind = 0.8, k_half_blind = 0.5, k_all_black = 0.98;
+// A change of light keeps most of the pattern of what is seen, and its hue: daylight beside a warm bulb are a factor of
+// 1.6 of red and 2.7 of blue. A thing before the lens keeps neither.
+constexpr double k_pattern_least = 0.05, k_pattern_lost = 0.75, k_other_red = 0.7, k_other_blue = 1.2;
+constexpr double k_noise = 0.3, k_usual_rate = 0.1, k_missing_rate = 0.3;
+constexpr double k_short_ratio = 3.0;  // an image so much darker is a short one: bytes have lost its pattern
+constexpr double k_patience = 2.5, k_settling = 3.0;  // seconds
+// A strange image whose logarithms vary by so much shows another room, or another part of it: a finger, a cloth and a
+// glare are even. Where the camera has left the sphere it is another room, and half a second of it is enough.
+constexpr double k_detail = 0.05, k_patience_far = 0.5;
+constexpr double k_far_off = 1.1;     // of logarithms: three times the light, or a third
+constexpr double k_shows_rate = 0.2;  // of a new image in the mean of what such images show
+constexpr double k_scale_most = 1e6;
+// An exposure that is not told goes on as it did, by this share. What differs is believed as far as it is more than noise:
+// variances of a vote that counts 1, and of exposures from image to image; wholly where it is five times the noise and
+// three quarters of the votes agree.
+constexpr double k_goes_on = 0.8, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 25, k_step_alike = 0.75;
+// What is remembered corrects it by so much an image; of what lies further apart than 0.4 by half of that.
+constexpr double k_unseen_step = 0.015, k_far_apart = 0.4, k_far_rate = 0.5;
+// While nothing is learned no greater step is the camera's: where what is remembered says so too; of an image that is
+// strange; and of others.
+constexpr double k_adapts_surely = 1, k_adapts_strange = 0.12, k_adapts = 0.25;
+// White balance. Channels that are darker have no hue: bytes round them. What differs so much from the rest counts a quarter,
+// what is so uneven that four points say little of it half. The noise is the variance of a vote that counts 1.
+constexpr double k_hue_from = 0.01, k_other_hue = 0.4, k_uneven = 0.1, k_hue_noise = 4e-4;
+constexpr double k_hues_least = 4.0;     // weight of parts
+constexpr double k_balance_most = 16.0;  // of a channel, beside the first image
+
+double bounded(double x) { return x < 1 / k_scale_most ? 1 / k_scale_most : x > k_scale_most ? k_scale_most : x; }
+
+void add(float* sum, double value) { *sum += static_cast<float>(value); }
+
+// Out of line: it is called from many places, and long.
+__attribute__((noinline)) double logarithm_of(double x) { return logarithm(x > 0.5 * k_black ? x : 0.5 * k_black); }
+
+void add_ratio(RoomRatios* ratios, double weight, double ratio) {
+  const double at = (ratio - k_lowest) / k_bin;
+  const int64_t bin = floor_index(at < 0 ? 0 : at < k_vote_bins - 1 ? at : k_vote_bins - 1);
+  add(&ratios->weight[bin], weight);
+  add(&ratios->sum[bin], weight * ratio);
+}
+
+double weight_of(const RoomRatios& ratios) {
+  double sum = 0;
+  for (const float w : ratios.weight) sum += static_cast<double>(w);
+  return sum;
+}
+
+// The ratio below which lies so much weight, at the mean of the votes about it; 0 where there is less. `near`: their
+// weight.
+double ratio_above(const RoomRatios& ratios, double weight_below, double* near = nullptr) {
+  double below = 0;
+  for (uint32_t i = 0; i < k_vote_bins; ++i) {
+    below += static_cast<double>(ratios.weight[i]);
+    if (!(ratios.weight[i] > 0) || below < weight_below) continue;
+    double weight = 0, sum = 0;
+    for (uint32_t k = i > 0 ? i - 1 : 0; k <= i + 1 && k < k_vote_bins; ++k) {
+      weight += static_cast<double>(ratios.weight[k]);
+      sum += static_cast<double>(ratios.sum[k]);
+    }
+    if (near != nullptr) *near = weight;
+    return sum / weight;
+  }
+  return 0;
+}
+
+// The median, at the mean of the votes about it.
+double median_of(const RoomVote& v) {
+  const auto brighter = static_cast<double>(v.brighter), darker = static_cast<double>(v.darker),
+             exact = weight_of(v.ratios);
+  const double half = 0.5 * (brighter + darker + exact);
+  if (darker > 0 && darker >= half) return static_cast<double>(v.darker_sum / v.darker);
+  if (!(exact > 0) || exact + darker < half) return brighter > 0 ? static_cast<double>(v.brighter_sum / v.brighter) : 0;
+  return ratio_above(v.ratios, half - darker);
+}
+
+// Of logarithms of parts that are compared exactly.
+double variance(const RoomVote& v, float sum, float squares) {
+  const double mean = static_cast<double>(sum / v.exact);
+  return static_cast<double>(squares / v.exact) - mean * mean;
+}
+
+// Whether the image shows something else than the room in another light. Of one that is so much darker bytes have lost
+// the pattern: where exposures are told it is no short one, so it is strange.
+bool is_strange(const RoomVote& v, bool told) {
+  const auto exact = static_cast<double>(v.exact);
+  if (absolute(median_of(v)) > k_short_ratio) return told;
+  if (exact < k_change_least) return false;
+  double hue[3];
+  for (int c = 0; c < 3; ++c)
+    hue[c] = logarithm_of(static_cast<double>(v.now[c])) - logarithm_of(static_cast<double>(v.then[c]));
+  const double red = hue[0] - hue[1], blue = hue[2] - hue[1];
+  if (absolute(red) > k_other_red || absolute(blue) > k_other_blue) return true;
+  const double pattern = variance(v, v.known, v.known_squared);
+  return pattern > k_pattern_least && variance(v, v.error, v.error_squared) > k_pattern_lost * pattern;
+}
+
+// How the image is exposed, where that is not told: what it shows as the image before did says how that changed. What
+// is remembered says where it should be, and is approached in steps that nobody sees.
+double found_scale(Room* room) {
+  const RoomVote& v = room->view.vote;
+  const double compared = weight_of(v.steps);
+  const bool steps = compared >= k_scale_least, remembers = static_cast<double>(v.exact) >= k_scale_least;
+  double by_step = k_goes_on * static_cast<double>(room->brightens);
+  bool alike = false;
+  if (steps) {
+    double near = 0;
+    const double beside = -ratio_above(v.steps, 0.5 * compared, &near) - by_step, noise = k_step_noise / compared;
+    alike = near >= k_step_alike * compared;
+    const bool surely = alike && beside * beside > k_surely * noise;
+    by_step += (surely ? 1 : k_step_usual / (k_step_usual + noise)) * beside;
+  }
+  const double by_memory = remembers ? logarithm(room->scale / room->shown_scale) - median_of(v) : by_step,
+               apart = by_memory - by_step;
+  const double beyond = absolute(apart) - k_far_apart;
+  const double slowly = k_unseen_step + (beyond > 0 ? k_far_rate * beyond : 0);
+  const bool tells = beyond > 0 && !alike && static_cast<double>(v.exact) >= k_change_least;
+  const double most = tells ? absolute(apart) : slowly;
+  const double change = by_step + (apart < -most ? -most : apart > most ? most : apart);
+  room->view.steps_agree = alike && remembers && beyond <= 0;
+  room->brightens = static_cast<float>(steps ? by_step : 0);
+  return bounded(room->shown_scale * exponential(change));
+}
+
+// While the light settles the factor follows each image. What most of the parts do not say is the noise of where the
+// votes were taken: of that the mean is taken, of what is doubted, too, or it would be of one side.
+void follow_light(Room* room, double change, bool surely) {
+  const double step = room->view.step, rate = step > 0 ? step / (room->settled + step) : 1;
+  room->light = bounded(room->light * exponential(surely && absolute(change) > k_noise ? change : rate * change));
+}
+
+// Whether an image that differs shows the room in the light that it was in before the last change. Light that returns
+// is known, so it is believed at once, however much brighter or darker it is.
+bool returns(const Room& room, double median) {
+  const double back = logarithm(room.light_before / room.light);
+  return absolute(back) > k_noise && absolute(median - back) < 0.5 * absolute(back);
+}
+
+// Whether most of what is compared has changed alike, if by less than a half. What lies far from the median, such as what
+// half a finger hides, is left out.
+bool all_alike(const Room& room, double median, double hidden) {
+  const RoomVote& v = room.view.vote;
+  const auto exact = static_cast<double>(v.exact);
+  if (exact < k_change_least) return false;
+  double near = 0, sum = 0, squares = 0;
+  for (uint32_t i = 0; i < k_vote_bins; ++i) {
+    const auto weight = static_cast<double>(v.ratios.weight[i]),
+               mean = weight > 0 ? static_cast<double>(v.ratios.sum[i]) / weight : 0;
+    if (!(weight > 0) || absolute(mean - median) > k_near) continue;
+    near += weight;
+    sum += weight * mean;
+    squares += weight * (mean * mean + k_bin * k_bin / 12);  // within a bin they are spread evenly
+  }
+  if (near < k_change_share * (exact + hidden)) return false;
+  const double mean = sum / near, change = median - room.usual;
+  return absolute(change) > k_slight && squares / near - mean * mean < k_alike * k_alike * change * change;
+}
+
+// Whether the camera is beyond where the walls were taken to be.
+bool is_beyond(const Room& room) {
+  const double metres = room_first_radius(room) / room.radius, *at = room.view.position;
+  return room.grown > 0 || (room.far && at[0] * at[0] + at[1] * at[1] + at[2] * at[2] > metres * metres);
+}
+
+// Whether an image that is strange has a room's detail.
+bool is_detailed(const RoomVote& v) { return variance(v, v.known + v.error, v.shown_squared) > k_detail; }
+
+// Of an image that shows another room, as it seems: how bright that is.
+void look_through_door(Room* room) {
+  const RoomVote& v = room->view.vote;
+  if (!(room->shows > 0) && !is_beyond(*room) && !is_detailed(v)) return;
+  const double shows = bounded(room->view.scale * static_cast<double>(v.shown / v.area));
+  room->shows = room->shows > 0 ? room->shows * exponential(k_shows_rate * logarithm(shows / room->shows)) : shows;
+}
+
+// Something else than before is doubted anew: a flash after a finger.
+void doubt(Room* room, double median) {
+  const bool other = median * room->doubts < 0 && absolute(median) > k_change && absolute(room->doubts) > k_change;
+  room->doubted = (other ? 0 : room->doubted) + room->view.step;
+  room->doubts = median;
+}
+
+void begin_to_settle(Room* room, bool back) {
+  if (back || !(room->settled < k_settling)) room->light_before = room->light;
+  room->settled = room->shows = 0;
+}
+
+// How much brighter an image shows a part than the image before. Bytes round what is dark.
+void vote_of_step(Room* room, uint32_t index, double weight, const RoomObservation& now) {
+  RoomPart* part = &room->parts[index];
+  const double shown = luminance(now.colour);
+  const int before = part->shown;
+  part->shown = 0;
+  if (now.covered < 1 || now.clipped > 0 || !(shown > k_dim)) return;
+  const double octaves = logarithm(shown) / 0.6931471805599453;
+  part->shown = to_whole<uint8_t>(octaves < 0 ? 255.5 + 16 * octaves : 255);
+  if (room->view.shows_steps && before > 0)
+    add_ratio(&room->view.vote.steps, weight, 0.6931471805599453 * (octaves - (before - 255) / 16.0));
+}
+
+// How much redder and bluer an image shows a part than it is remembered. Bright, even parts tell it best.
+void vote_of_hue(RoomVote* v, const RoomPart& part, const RoomObservation& now, double weight) {
+  double became[3];
+  for (int c = 0; c < 3; ++c) {
+    const auto known = static_cast<double>(part.radiance[c]);
+    if (!(now.colour[c] > k_hue_from) || !(known > 0)) return;
+    became[c] = now.colour[c] / known;
+  }
+  const double red = logarithm(became[0] / became[1]), blue = logarithm(became[2] / became[1]);
+  const double apart = (red * red + blue * blue) / (k_other_hue * k_other_hue);
+  const double counts = weight * luminance(now.colour) / ((1 + apart) * (1 + apart) * (1 + now.uneven / k_uneven));
+  add(&v->hues, weight);
+  add(&v->hue, counts);
+  add(&v->red, counts * red);
+  add(&v->blue, counts * blue);
+}
+
+// White balance that is not told moves as the mean of the votes, as far as that is more than noise; not with the light,
+// and so that grey stays as bright.
+void follow_balance(Room* room) {
+  RoomView* view = &room->view;
+  const RoomVote& v = view->vote;
+  if (room_knows_gains(*room, view->image)) return;
+  const bool settled = !(room->settled < k_settling) && !(room->doubted > 0);
+  if (settled && static_cast<double>(v.hues) >= k_hues_least) {
+    const auto red = static_cast<double>(v.red / v.hue), blue = static_cast<double>(v.blue / v.hue);
+    const double squared = red * red + blue * blue,
+                 rate = squared / (squared + k_hue_noise / static_cast<double>(v.hue));
+    const auto move = [rate](float* balance, double by) {
+      const double to = static_cast<double>(*balance) * exponential(rate * by);
+      *balance = static_cast<float>(to < 1 / k_balance_most ? 1 / k_balance_most
+                                    : to < k_balance_most   ? to
+                                                            : k_balance_most);
+    };
+    move(&view->balance[0], red);
+    move(&view->balance[2], blue);
+    const double balance[3] = {static_cast<double>(view->balance[0]), static_cast<double>(view->balance[1]),
+                               static_cast<double>(view->balance[2])};
+    for (int c = 0; c < 3; ++c) view->balance[c] = static_cast<float>(balance[c] / luminance(balance));
+  }
+  if (view->image.gains[1] > 0)
+    for (int c = 0; c < 3; ++c) room->gains[c] = view->image.gains[c] / view->balance[c];
+}
+
+RoomLesson lesson_of(Room* room, bool told) {
+  const RoomVote& v = room->view.vote;
+  // One of lamps: what it shows of their parts at a few points says nothing of the light of the room. One that shows more
+  // goes on with a doubt.
+  if (room_shows_lamps_only(*room) || (room_is_short(*room) && !(room->doubted > 0)))
+    return room->doubted > 0 || room->settled < k_settling ? RoomLesson::unknown : RoomLesson::all;
+  const double hidden = static_cast<double>(v.brighter) + static_cast<double>(v.darker);
+  const double compared = static_cast<double>(v.exact) + hidden, median = median_of(v);
+  const bool enough = compared >= k_change_least;
+  const bool black = static_cast<double>(v.black) >= k_all_black * static_cast<double>(v.area);
+  if (black || (enough && hidden >= k_blind * compared)) {
+    doubt(room, median);
+    return RoomLesson::nothing;
+  }
+  // An image of which little can be compared, such as a short one, begins no doubt. It ends none: an exposure that
+  // returns from what covered the lens shows little at first, and that much must not be learned before the rest can say
+  // why.
+  const bool compares = compared >= k_doubt_least;
+  const double one_way = static_cast<double>(v.more > v.less ? v.more : v.less);
+  const bool back = told && compares && returns(*room, median);
+  const bool alike = told && !(room->settled < k_settling) && all_alike(*room, median, hidden);
+  const bool still = room->doubted > 0 && static_cast<double>(v.more + v.less) >= k_still_share * compared;
+  const bool perhaps = alike || (told && compared > 0 && (still || one_way >= k_perhaps_share * compared));
+  const bool clear = hidden <= (1 - k_blind) * compared;
+  const bool strange = !back && clear && (perhaps || !told) && is_strange(v, told && enough);
+  const bool surely = back || (told && enough && (alike || one_way >= k_change_share * compared));
+  const bool all_few = compares && one_way >= k_few_share * compared;
+  const bool doubtful = strange || (perhaps && !surely && (enough || all_few || room->doubted > 0));
+  if (doubtful && compares) doubt(room, median);
+  else if (enough && clear) room->doubted = room->shows = 0;
+  // One alone may be a short one of lamps. In the room it is another one only where it is much darker or brighter, too.
+  const bool far_off = is_beyond(*room) || absolute(median - room->usual) > k_far_off;
+  if (!far_off) room->shows = 0;
+  if (strange && room->strange && far_off) look_through_door(room);
+  room->strange = strange;
+  if (!doubtful && room->doubted > 0) return RoomLesson::unknown;
+  const bool other = strange && is_beyond(*room) && is_detailed(v);
+  if (doubtful && room->doubted < (other ? k_patience_far : k_patience)) {
+    if (told && !strange && room->settled < k_settling) follow_light(room, median - room->usual, false);
+    return strange ? RoomLesson::nothing : RoomLesson::unknown;
+  }
+  if (other) {
+    room_leave(room);
+    return RoomLesson::all;
+  }
+  const double change = back ? logarithm(room->light_before / room->light) : median - room->usual;
+  // After so long what half of the parts say is believed.
+  if (surely || (doubtful && (alike || one_way >= 0.5 * compared))) begin_to_settle(room, back);
+  const bool settling = told && room->settled < k_settling;
+  if (told && compares) {
+    const double usual = median > k_noise ? k_noise : median < -k_noise ? -k_noise : median;
+    if (settling) follow_light(room, change, surely);
+    else if (enough && !doubtful) room->usual += k_usual_rate * (usual - room->usual);
+  }
+  return settling || (enough && hidden >= k_half_blind * compared) ? RoomLesson::unknown : RoomLesson::all;
+}
+
+}  // namespace
+
+bool room_remembers(const RoomPart& part) {
+  return room_memory(part.age) * part.seen >= k_memory && part.clipped <= k_memory_clipped &&
+         luminance(part.radiance) > 0;
+}
+
+double room_part_weight(uint32_t part) {
+  const uint32_t row = part / k_room_columns;
+  return sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin;
+}
+
+void room_vote(Room* room, uint32_t index, double area, const RoomObservation& now) {
+  RoomVote* v = &room->view.vote;
+  const double weight = area * now.covered, shown = luminance(now.colour);
+  vote_of_step(room, index, weight, now);
+  add(&v->area, weight);
+  add(&v->shown, weight * shown);
+  const bool black = !(shown > k_black);
+  if (black) add(&v->black, weight);
+  const RoomPart& part = room->parts[index];
+  if (now.covered < 1 || !room_remembers(part)) return;
+  const double to_image = room->light / room->view.scale, expected = luminance(part.radiance) * to_image;
+  const bool told = room->exposure_known && room->view.image.exposure > 0;
+  if (!black && !(now.clipped > 0)) vote_of_hue(v, part, now, weight);
+  if (told && expected < k_dim && shown < k_dim) return;
+  if (now.clipped > 0 || black) {
+    // Where the exposure is not told, what is clipped says only that it is.
+    const bool hides = black ? expected >= k_dim : now.clipped >= k_white_from && expected < 0.9;
+    if (!hides) return;
+    const double ratio = black ? logarithm_of(k_black) - logarithm_of(expected) : -logarithm_of(expected);
+    add(black ? &v->darker : &v->brighter, weight);
+    add(black ? &v->darker_sum : &v->brighter_sum, weight * ratio);
+    if (absolute(ratio) > k_change) add(black ? &v->less : &v->more, weight);
+    return;
+  }
+  const double known = logarithm_of(expected), ratio = logarithm_of(shown) - known;
+  add_ratio(&v->ratios, weight, ratio);
+  add(&v->exact, weight);
+  if (ratio > k_change) add(&v->more, weight);
+  if (ratio < -k_change) add(&v->less, weight);
+  add(&v->known, weight * known);
+  add(&v->known_squared, weight * known * known);
+  add(&v->error, weight * ratio);
+  add(&v->error_squared, weight * ratio * ratio);
+  add(&v->shown_squared, weight * (known + ratio) * (known + ratio));
+  for (int c = 0; c < 3; ++c) {
+    add(&v->now[c], weight * now.colour[c]);
+    add(&v->then[c], weight * static_cast<double>(part.radiance[c]));
+  }
+}
+
+void room_decide(Room* room) {
+  RoomView* view = &room->view;
+  const double exposure = static_cast<double>(view->image.exposure);
+  const bool first_told = exposure > 0 && !room->exposure_known, told = exposure > 0 && !first_told;
+  const double found = told ? room->scale : found_scale(room);
+  room->shown_scale = told ? view->scale : found;
+  room->shows_steps = true;
+  view->lesson = lesson_of(room, told);
+  if (view->lesson == RoomLesson::nothing) {
+    // What covers the lens comes and goes at once; the camera adapts to it slowly.
+    if (told || room->exposure_known) return;
+    const double most = view->steps_agree ? k_adapts_surely : room->strange ? k_adapts_strange : k_adapts;
+    if (absolute(static_cast<double>(room->brightens)) > most) room->brightens = 0;
+    room->scale = room->shown_scale = bounded(room->scale * exponential(static_cast<double>(room->brightens)));
+    return;
+  }
+  follow_balance(room);
+  // Where it is missing once, the exposure is nearly that of the image before.
+  const double apart = logarithm(found / room->scale);
+  const bool once = room->exposure_known && absolute(apart) < k_noise;
+  if (!told) view->scale = once ? room->scale * exponential(k_missing_rate * apart) : found;
+  if (first_told) {
+    // What was seen until now was in units of the first image's white. From now on it is in the app's.
+    const double factor = room->images != 0 ? 1 / (exposure * found) : 1;
+    const auto turn = [factor](float radiance[3]) {
+      for (int c = 0; c < 3; ++c) radiance[c] = room_bounded_radiance(static_cast<double>(radiance[c]) * factor);
+    };
+    for (RoomPart& part : room->parts) turn(part.radiance);
+    for (uint32_t i = 0; room->texels != nullptr && i < k_cube_texels; ++i) turn(room->texels[i].radiance);
+    room->scale = bounded(room->scale * factor);
+    room->shown_scale = bounded(1 / exposure);
+    room->exposure_known = true;
+    room->unit += room->images != 0 ? 1 : 0;
+    view->scale = bounded(1 / exposure);
+  }
+}
+
+}  // namespace sandglass

@@ -1,0 +1,591 @@
+#include "runtime/sand/held_pose.h"
+
+#include "runtime/math/rigid_motion.h"
+
+namespace sandglass {
+
+namespace {
+
+// Frames in a row; fewer are outliers. At 1 mm of noise a pose in fifty is beyond a band of 3 mm.
+constexpr uint32_t k_beyond_frames = 3;
+// A pose that follows closes its distance in about this time.
+constexpr float k_follow_seconds = 0.25f;
+// What stays so near to one place for so long stands. A lift of 0.7 mm/s does not.
+constexpr float k_stand_seconds = 1.5f, k_stand_bands = 1.0f / 3.0f;
+// Told velocities are remembered for about this time.
+constexpr float k_way_seconds = 0.25f;
+// Noise runs in one direction for so many frames once in sixty times.
+constexpr uint32_t k_moved_frames = 4;
+// What shakes within the band never runs further in one direction, in bands.
+constexpr float k_run_bands = 2.0f;
+// A pose that is taken as told from now on catches up in about this time, and is there when it is this near, in metres.
+constexpr float k_catch_up_seconds = 0.05f, k_caught_up = 1e-4f;
+// A tracker may be slower than the frames: a pose that is as old as this has stopped.
+constexpr float k_still_seconds = 0.1f;
+// Metres a second; what is slower does not move.
+constexpr float k_slowest = 1e-4f;
+// What a told velocity lacks of the pose's way, in shares of it. Of a hand that turns or brakes it is less.
+constexpr float k_untold_share = 0.25f;
+// What a told velocity lacks is smoothed over about this time.
+constexpr float k_smooth_seconds = 0.1f;
+// Seconds in which a collider may gain the speed at which sand leaves it.
+constexpr float k_leave_frame = 1.0f / 60.0f;
+// m/s^2: a hand that shakes a jar by 5 cm at 4 Hz reaches 32. A way that needs more is a jump.
+constexpr float k_hand_acceleration = 50.0f;
+// A jump that is so many times as long as one that goes gently has no told velocity: an app that cuts a late frame's time
+// step tells the whole way in it.
+constexpr float k_leap = 4.0f;
+// What goes on errs by no more than this share of its way, if the way before is continued.
+constexpr float k_moves_on_share = 0.75f;
+// Frames: no tracker is waited for longer.
+constexpr float k_slowest_interval = 12.0f;
+// A told speed is remembered for about this time, and what is behind may go by this share faster.
+constexpr float k_speed_seconds = 0.25f, k_catch_up_share = 0.25f;
+
+float dot(const float a[3], const FloatVector& b) { return a[0] * b.x + a[1] * b.y + a[2] * b.z; }
+float dot3(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+float length3(const float v[3]) { return __builtin_sqrtf(dot3(v, v)); }
+float minimum(float a, float b) { return a < b ? a : b; }
+float maximum(float a, float b) { return a > b ? a : b; }
+
+// By how much the sizes differ at most.
+float grown(const Pose& from, const Pose& to) {
+  float most = 0.0f;
+  for (int k = 0; k < 3; ++k) most = maximum(most, __builtin_fabsf(to.size[k] - from.size[k]));
+  return most;
+}
+
+// As far as points of the shape are from its position; of a half-space, as far as sand is.
+float reach_of(sandglass_shape shape, const Pose& pose, const HoldRule& rule) {
+  if (shape == SANDGLASS_SHAPE_SPHERE) return pose.size[0];
+  if (shape == SANDGLASS_SHAPE_CAPSULE) return pose.size[0] + pose.size[1];
+  if (shape != SANDGLASS_SHAPE_HALF_SPACE) return length3(pose.size);
+  float far[3];
+  for (int k = 0; k < 3; ++k)
+    far[k] = maximum(__builtin_fabsf(rule.low[k] - pose.position[k]), __builtin_fabsf(rule.high[k] - pose.position[k]));
+  return length3(far);
+}
+
+// The box of the sand that is near a shape; all of the shape's own box where none is.
+void near_box(sandglass_shape shape, const Pose& pose, const HoldRule& rule, float low[3], float high[3]) {
+  const float reach = reach_of(shape, pose, rule);
+  bool apart = false;
+  for (int k = 0; k < 3; ++k) {
+    low[k] = maximum(rule.low[k], pose.position[k] - reach);
+    high[k] = minimum(rule.high[k], pose.position[k] + reach);
+    apart = apart || low[k] > high[k];
+  }
+  for (int k = 0; apart && k < 3; ++k) low[k] = pose.position[k] - reach, high[k] = pose.position[k] + reach;
+}
+
+template <class Visit>
+void for_corners(const float low[3], const float high[3], const Visit& visit) {
+  for (int corner = 0; corner < 8; ++corner) {
+    const float at[3] = {(corner & 1) != 0 ? high[0] : low[0], (corner & 2) != 0 ? high[1] : low[1],
+                         (corner & 4) != 0 ? high[2] : low[2]};
+    visit(at);
+  }
+}
+
+// The face of a box along its axis `axis`, up or down it: n . x = offset.
+struct Face {
+  FloatVector n;
+  float offset;
+};
+Face face_of(const Pose& pose, int axis, float side) {
+  const FloatVector n =
+      rotated(pose.rotation, {axis == 0 ? side : 0.0f, axis == 1 ? side : 0.0f, axis == 2 ? side : 0.0f});
+  return {n, dot(pose.position, n) + pose.size[axis]};
+}
+
+float way_of_face(const Face& from, const Face& to, const float low[3], const float high[3]) {
+  float most = 0.0f;
+  for_corners(low, high, [&](const float at[3]) {
+    most = maximum(most, __builtin_fabsf((dot(at, to.n) - to.offset) - (dot(at, from.n) - from.offset)));
+  });
+  return most;
+}
+
+// Whether sand may be in front of a face of both boxes. A table's edges are not where its heap lies.
+bool sand_beyond(const Face& from, const Face& to, const float low[3], const float high[3]) {
+  bool beyond = false;
+  for_corners(low, high, [&](const float at[3]) {
+    beyond = beyond || dot(at, from.n) > from.offset || dot(at, to.n) > to.offset;
+  });
+  return beyond;
+}
+
+// Of a box that grows: only faces that sand is in front of.
+float way_of_faces(const Pose& from, const Pose& to, const float low[3], const float high[3]) {
+  float most = 0.0f;
+  for (int side = 0; side < 6; ++side) {
+    const Face a = face_of(from, side / 2, side % 2 != 0 ? 1.0f : -1.0f);
+    const Face b = face_of(to, side / 2, side % 2 != 0 ? 1.0f : -1.0f);
+    if (sand_beyond(a, b, low, high)) most = maximum(most, way_of_face(a, b, low, high));
+  }
+  return most;
+}
+
+// A held box takes over those faces of the told one that no sand is in front of, and its sizes.
+void take_free_faces(HeldPose* p, const HoldRule& rule) {
+  const Pose told = p->told, held = p->held.pose;
+  float low[3], high[3];
+  near_box(SANDGLASS_SHAPE_BOX, held, rule, low, high);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Face up = face_of(held, axis, 1.0f), down = face_of(held, axis, -1.0f);
+    const bool above = sand_beyond(up, face_of(told, axis, 1.0f), low, high);
+    const bool below = sand_beyond(down, face_of(told, axis, -1.0f), low, high);
+    if (above && below) continue;
+    const float half = told.size[axis];
+    const float middle = above ? up.offset - half : below ? half - down.offset : dot(told.position, up.n);
+    const float shift = middle - dot(held.position, up.n);
+    Pose& to = p->held.pose;
+    to.size[axis] = half;
+    to.position[0] += shift * up.n.x;
+    to.position[1] += shift * up.n.y;
+    to.position[2] += shift * up.n.z;
+  }
+}
+
+// A share of the way from one pose to another.
+Pose between(const Pose& from, const Pose& to, float share) {
+  Pose p;
+  float length2 = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    p.position[k] = from.position[k] + share * (to.position[k] - from.position[k]);
+    p.size[k] = from.size[k] + share * (to.size[k] - from.size[k]);
+  }
+  for (int k = 0; k < 4; ++k) {
+    p.rotation[k] = from.rotation[k] + share * (to.rotation[k] - from.rotation[k]);
+    length2 += p.rotation[k] * p.rotation[k];
+  }
+  const float inverse = 1.0f / __builtin_sqrtf(length2);  // both have length 1 and are no more than 90 degrees apart
+  for (float& c : p.rotation) c *= inverse;
+  return p;
+}
+
+// Shift and turn from one pose to another; the turn about the world's axes, as colliders_pose undoes it.
+void motion_between(const Pose& from, const Pose& to, float shift[3], float turn[3]) {
+  const float *a = from.rotation, *b = to.rotation;
+  const FloatVector v = cross(FloatVector{b[0], b[1], b[2]}, {a[0], a[1], a[2]});
+  const float w[3] = {v.x, v.y, v.z};
+  const float with = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];  // cosine of half the angle
+  const float half = with < 0.0f ? minimum(with, -0.1f) : maximum(with, 0.1f);
+  for (int k = 0; k < 3; ++k) {
+    shift[k] = to.position[k] - from.position[k];
+    turn[k] = 2.0f * (b[k] * a[3] - a[k] * b[3] - w[k]) / half;
+  }
+}
+
+// Where a pose is when it has gone on at a velocity.
+Pose advanced(const Pose& from, const float linear[3], const float angular[3], float seconds) {
+  Pose p = from;
+  for (int k = 0; k < 3; ++k) p.position[k] += seconds * linear[k];
+  const float h = 0.5f * seconds, w[4] = {h * angular[0], h * angular[1], h * angular[2], 1.0f};
+  multiply(w, from.rotation, p.rotation);
+  return between(p, p, 0.0f);
+}
+
+// A pose, moved as little as makes its face along a local axis lie where `face` does.
+Pose laid(const Pose& pose, int axis, float side, const Face& face) {
+  Pose p = pose;
+  const FloatVector m = face_of(pose, axis, side).n, n = face.n, v = cross(m, n);
+  const float turn[4] = {v.x, v.y, v.z, 1.0f + m.x * n.x + m.y * n.y + m.z * n.z};
+  if (turn[3] < 0.1f) return p;  // turned over
+  multiply(turn, pose.rotation, p.rotation);
+  p = between(p, p, 0.0f);
+  const float off = face.offset - dot(p.position, n) - p.size[axis];
+  p.position[0] += off * n.x;
+  p.position[1] += off * n.y;
+  p.position[2] += off * n.z;
+  return p;
+}
+
+// A velocity of a collider's own way, in which the poses' noise is smoothed: what makes less than the band in this
+// frame. It gains only so much: a single jump is no motion. Of a turn a point at `lever` counts.
+void gain(float velocity[3], const float way[3], float seconds, float lever, const HoldRule& rule) {
+  constexpr float k_none = 1e-9f;  // m/s or rad/s
+  float next[3], lacks[3], along = 0.0f;
+  for (int k = 0; k < 3; ++k) lacks[k] = way[k] / seconds - velocity[k];
+  const float noise = rule.band / (seconds * lever),
+              most = rule.leave_speed / lever * minimum(seconds / k_leave_frame, 1.0f);
+  const float share = maximum(seconds / (k_smooth_seconds + seconds), 1.0f - noise / (length3(lacks) + k_none));
+  for (int k = 0; k < 3; ++k) next[k] = velocity[k] + share * lacks[k];
+  const float speed = length3(next) + k_none;
+  for (int k = 0; k < 3; ++k) along += velocity[k] * next[k] / speed;
+  const float scale = minimum(1.0f, (maximum(along, 0.0f) + most) / speed);
+  for (int k = 0; k < 3; ++k) velocity[k] = scale * next[k];
+}
+
+// How far a surface goes by a shift and an arc: of a half-space what leads out of it, of a ball no arc.
+float run_of_surface(sandglass_shape shape, const Pose& pose, const float run[6]) {
+  const float *shift = run, *arc = run + 3;
+  float length2 = dot3(shift, shift);
+  const bool ball = shape == SANDGLASS_SHAPE_SPHERE;
+  if (!ball) length2 += dot3(arc, arc);
+  if (shape == SANDGLASS_SHAPE_HALF_SPACE) {
+    const FloatVector n = rotated(pose.rotation, {0, 1, 0});
+    const float out = dot(shift, n), about = dot(arc, n);
+    length2 = out * out + maximum(dot3(arc, arc) - about * about, 0.0f);
+  }
+  return __builtin_sqrtf(length2);
+}
+
+// Whether the told velocities are motion: they have run further than what shakes within the band can, or kept their
+// direction for a while.
+bool believes(HeldPose* p, sandglass_shape shape, const Placement& told, bool jumped, float reach, float step,
+              float band) {
+  float way[6], length2 = 0.0f, with = 0.0f;
+  for (int k = 0; k < 6; ++k) {
+    way[k] = k < 3 ? told.linear[k] * step : told.angular[k - 3] * reach * step;
+    length2 += way[k] * way[k];
+    with += way[k] * p->run[k];
+  }
+  if (!(length2 >= k_slowest * k_slowest * step * step)) {
+    p->since_velocity += step;
+    if (p->since_velocity < k_still_seconds) return false;
+    for (float& r : p->run) r = 0.0f;
+    p->since_turn = k_way_seconds;
+    p->moved = 0;
+    return false;
+  }
+  // Between frames without one, differences of a tracker that is slower than the frames: they are too high.
+  if (p->since_velocity > 0.0f && p->since_velocity < k_still_seconds) {
+    p->since_gap = p->since_turn = 0.0f;
+    for (float& r : p->run) r = 0.0f;
+    p->moved = 0;
+  }
+  const bool outlier = jumped && p->since_velocity > 0.0f;  // or the second pose of a slow tracker
+  p->since_velocity = 0.0f;
+  if (p->moved < k_moved_frames) ++p->moved;
+  const float kept = with < 0.0f ? 0.0f : maximum(1.0f - step / k_way_seconds, 0.0f);
+  p->since_turn = with < 0.0f ? 0.0f : minimum(p->since_turn + step, k_way_seconds);
+  for (int k = 0; k < 6; ++k) p->run[k] = kept * p->run[k] + way[k];
+  const bool steady = p->since_turn >= k_way_seconds && p->moved == k_moved_frames;
+  const bool ran = run_of_surface(shape, told.pose, p->run) > k_run_bands * band;
+  return steady || (ran && !outlier && p->since_gap >= k_way_seconds);
+}
+
+void stop(HeldPose* p) {
+  for (int k = 0; k < 3; ++k) p->held.linear[k] = p->held.angular[k] = 0.0f;
+  for (float& s : p->slide) s = 0.0f;
+}
+
+void begin_following(HeldPose* p) {
+  p->follows = 1;
+  p->beyond = 0;
+  p->stand = p->held.pose;
+  p->stood = 0.0f;
+}
+
+// Adds to a told velocity what it does not tell of the pose's way: of a belt that is lifted, the lift. Of the velocity,
+// so much is the pose's as goes with its way; of a belt that stays in place nothing: it slides.
+void add_untold(float velocity[3], float untold[3], const float way[3], float step, float lever, const HoldRule& rule) {
+  float with = 0.0f, told2 = 0.0f;
+  for (int k = 0; k < 3; ++k) with += way[k] * velocity[k] * step, told2 += velocity[k] * velocity[k] * step * step;
+  const float share = told2 > 0.0f ? minimum(maximum(with / told2, 0.0f), 1.0f) : 0.0f;
+  float rest[3];
+  for (int k = 0; k < 3; ++k) rest[k] = way[k] - share * step * velocity[k];
+  if (length3(rest) > k_untold_share * length3(way)) gain(untold, rest, step, lever, rule);
+  else untold[0] = untold[1] = untold[2] = 0.0f;
+  for (int k = 0; k < 3; ++k) velocity[k] += untold[k];
+}
+
+// The share of a told velocity that the pose does not go.
+void find_slide(float slide[3], const float told[3], const float went[3]) {
+  const float told2 = dot3(told, told), share = told2 > 0.0f ? 1.0f - dot3(told, went) / told2 : 0.0f;
+  for (int k = 0; k < 3; ++k) slide[k] = share > k_untold_share ? minimum(share, 1.0f) * told[k] : 0.0f;
+}
+
+// Pose and velocities as told. What was not believed before has been left behind, and catches up smoothly.
+void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, bool jumped, float reach,
+          float step, const HoldRule& rule) {
+  const Placement before = p->held;
+  p->held = told;
+  if (jumped && surface_way(shape, was_told, told.pose, rule) > k_leap * rule.gentle) {
+    for (int k = 0; k < 3; ++k) p->held.linear[k] = before.linear[k], p->held.angular[k] = before.angular[k];
+    return;
+  }
+  float shift[3], arc[3];
+  motion_between(was_told, told.pose, shift, arc);
+  // A pose that has not changed may be a slow tracker's.
+  if (p->same == 0 || p->age >= k_still_seconds) {
+    find_slide(p->slide, told.linear, p->way);
+    find_slide(p->slide + 3, told.angular, p->way + 3);
+  }
+  if (rule.band <= 0.0f) {
+    const bool alone = dot3(told.linear, told.linear) + dot3(told.angular, told.angular) == 0.0f;
+    for (int k = 0; alone && k < 3; ++k) p->held.linear[k] = shift[k] / step, p->held.angular[k] = arc[k] / step;
+    return;
+  }
+  for (int k = 0; k < 3 && p->believed == 0; ++k) {  // it followed until now
+    p->untold[k] = before.linear[k] - told.linear[k];
+    p->untold[k + 3] = before.angular[k] - told.angular[k];
+  }
+  add_untold(p->held.linear, p->untold, shift, step, 1.0f, rule);
+  add_untold(p->held.angular, p->untold + 3, arc, step, maximum(reach, 1e-6f), rule);
+  // As far from the told pose as it was in the last frame, but of one that had jumped no further than what goes gently.
+  const float lag = surface_way(shape, before.pose, was_told, rule), most = rule.gentle + p->last_speed * step;
+  if (lag <= k_caught_up) return;
+  const Pose was_held = lag > most ? between(was_told, before.pose, most / lag) : before.pose;
+  Pose behind = was_held;
+  const float* w = was_told.rotation;
+  const float back[4] = {-w[0], -w[1], -w[2], w[3]};
+  float turn[4];
+  multiply(told.pose.rotation, back, turn);
+  multiply(turn, was_held.rotation, behind.rotation);
+  for (int k = 0; k < 3; ++k) behind.position[k] += told.pose.position[k] - was_told.position[k];
+  p->held.pose = between(behind, told.pose, step / (k_catch_up_seconds + step));
+  motion_between(behind, p->held.pose, shift, arc);
+  for (int k = 0; k < 3; ++k) p->held.linear[k] += shift[k] / step, p->held.angular[k] += arc[k] / step;
+}
+
+// What the told pose does: how fast, and in which intervals.
+struct Seen {
+  bool jumped;  // faster than a hand gets
+  bool starts;  // it moves on as in the way before, faster than lately
+};
+Seen observe(HeldPose* p, sandglass_shape shape, const Pose& told, float step, const HoldRule& rule) {
+  p->age = minimum(p->age + step, 1.0f);
+  ++p->same;
+  p->speed *= maximum(1.0f - step / k_speed_seconds, 0.0f);
+  const bool stood = p->age >= k_still_seconds && p->same > 1;
+  if (same_pose(told, p->told)) {
+    for (int k = 0; stood && k < 6; ++k) p->way[k] = p->last_speed = 0.0f;
+    return {false, false};
+  }
+  const float frames = static_cast<float>(p->same), seconds = stood ? p->interval * step : p->age;
+  if (!stood) p->interval = maximum(frames, 0.5f * (p->interval + frames));
+  const float way = surface_way(shape, p->told, told, rule), speed = way / seconds;
+  const float errs = surface_way(shape, advanced(p->told, p->way, p->way + 3, seconds), told, rule);
+  const float gains = k_hand_acceleration * seconds;
+  const bool jumped = errs > rule.band + gains * seconds && speed > p->speed + gains;
+  const bool moves_on = errs <= k_moves_on_share * way;
+  const bool starts = moves_on && speed > (1.0f + k_catch_up_share) * p->speed;
+  if (!jumped) p->speed = maximum(p->speed, moves_on ? speed : minimum(speed, p->last_speed));
+  p->last_speed = speed;
+  motion_between(p->told, told, p->way, p->way + 3);
+  for (float& v : p->way) v /= seconds;
+  p->age = 0.0f;
+  p->same = 0;
+  return {jumped, starts};
+}
+
+// Where the held pose goes: a half-space to where it is told to be, and not along itself.
+Pose aim_of(const HeldPose& p, sandglass_shape shape) {
+  if (shape != SANDGLASS_SHAPE_HALF_SPACE) return p.told;
+  return laid(p.held.pose, 1, 1.0f, face_of(p.told, 1, 1.0f));
+}
+
+// What has jumped further than goes gently, and than motion is behind, is there at once. Sand takes no part in what a
+// table jumped along itself: one that has sand in front of one face alone.
+void jump(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule) {
+  Pose& held = p->held.pose;
+  const Pose aim = aim_of(*p, shape);
+  if (shape == SANDGLASS_SHAPE_BOX) {
+    float low[3], high[3];
+    near_box(shape, held, rule, low, high);
+    int faces = 0, face = 0;
+    for (int side = 0; side < 6; ++side) {
+      const float up = side % 2 != 0 ? 1.0f : -1.0f;
+      if (sand_beyond(face_of(held, side / 2, up), face_of(p->told, side / 2, up), low, high)) ++faces, face = side;
+    }
+    const float up = face % 2 != 0 ? 1.0f : -1.0f;
+    if (faces == 1) held = laid(p->told, face / 2, up, face_of(held, face / 2, up));
+  }
+  if (surface_way(shape, aim, held, rule) > rule.gentle + p->speed * (p->interval + 1.0f) * step) held = aim;
+}
+
+// A frame's way: to within the band of the told pose, where that moves, hardly faster than it goes; else gently.
+void follow(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule) {
+  Pose& held = p->held.pose;
+  const Pose aim = aim_of(*p, shape);
+  if (shape == SANDGLASS_SHAPE_BOX && grown(held, aim) > 0.0f) take_free_faces(p, rule);
+  const Pose before = held;
+  const float lag = surface_way(shape, aim, before, rule), gently = rule.leave_speed * step;
+  float share = step / (k_follow_seconds + step);
+  if (share * lag > gently) share = gently / lag;
+  const Pose slow = between(before, aim, share);
+  Pose next = before;
+  if (lag > rule.band) next = between(aim, before, rule.band / lag);
+  // Evenly until a slow tracker tells the next pose.
+  next = between(before, next, 1.0f / maximum(p->interval - static_cast<float>(p->same), 1.0f));
+  const float most = (1.0f + k_catch_up_share) * p->speed * step;
+  float way = surface_way(shape, before, next, rule);
+  if (way > most) next = between(before, next, most / way), way = most;
+  if (surface_way(shape, before, slow, rule) > way) next = slow;
+  motion_between(before, next, p->held.linear, p->held.angular);
+  for (int k = 0; k < 3; ++k) p->held.linear[k] /= step, p->held.angular[k] /= step;
+  held = next;
+  const bool moves = surface_way(shape, p->stand, next, rule) > k_stand_bands * rule.band;
+  if (moves) p->stand = next;
+  p->stood = moves ? 0.0f : p->stood + step;
+  if (p->stood < k_stand_seconds) return;
+  p->follows = 0;
+  stop(p);
+}
+
+// After a frame that is longer than what is simulated of it there is nothing to wait for: it is there, and has gone evenly
+// along an arc. In what is simulated it goes straight on, by the arc's direction then: parts of one thing stay together.
+void arrive(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule) {
+  const Pose before = p->held.pose;
+  begin_following(p);
+  p->held.pose = aim_of(*p, shape);
+  motion_between(before, p->held.pose, p->held.linear, p->held.angular);
+  const float *w = p->held.angular, *v = p->held.linear, later = 0.5f * (1.0f - rule.longest / step);
+  const FloatVector turned = cross(FloatVector{w[0], w[1], w[2]}, {v[0], v[1], v[2]});
+  const float aside[3] = {turned.x, turned.y, turned.z};
+  for (int k = 0; k < 3; ++k) p->held.linear[k] = (v[k] + later * aside[k]) / step, p->held.angular[k] /= step;
+}
+
+// Whether a frame more beyond the band is not enough: an outlier of a slow tracker lasts until its next pose.
+bool may_return(HeldPose* p, const Seen& seen) {
+  const bool motion = ++p->beyond > 1 && seen.starts;
+  const float frames = static_cast<float>(p->beyond);
+  return (p->beyond < k_beyond_frames || frames <= minimum(p->interval, k_slowest_interval)) && !motion;
+}
+
+// Whether a pose that jumped is waited for. Meanwhile it goes on as it did.
+bool waits(HeldPose* p, sandglass_shape shape, const Seen& seen, float step, const HoldRule& rule) {
+  if (p->beyond == 0 && !seen.jumped) return false;
+  if (may_return(p, seen)) {
+    p->held.pose = advanced(p->held.pose, p->held.linear, p->held.angular, step);
+    return true;
+  }
+  p->beyond = 0;
+  jump(p, shape, step, rule);
+  return false;
+}
+
+}  // namespace
+
+bool same_pose(const Pose& a, const Pose& b) {
+  bool same = true;
+  if (__builtin_memcmp(&a, &b, sizeof a) == 0) return true;  // most are; neither holds a NaN
+  for (int k = 0; k < 3; ++k) same = same && a.position[k] == b.position[k] && a.size[k] == b.size[k];
+  for (int k = 0; k < 4; ++k) same = same && a.rotation[k] == b.rotation[k];
+  return same;
+}
+
+bool same_turn(const float a[4], const float b[4]) {
+  if (__builtin_memcmp(a, b, 4 * sizeof *a) == 0) return true;
+  const float with = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3], noise = 1e-10f;  // an angle of 3e-5 rad
+  float apart2 = 0.0f;
+  for (int k = 0; k < 4; ++k) {
+    const float d = a[k] - (with < 0.0f ? -b[k] : b[k]);
+    apart2 += d * d;
+  }
+  return apart2 <= noise;
+}
+
+float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const HoldRule& rule) {
+  if (same_pose(from, to)) return 0.0f;
+  float low[3], high[3], most = 0.0f;
+  near_box(shape, from, rule, low, high);
+  if (shape == SANDGLASS_SHAPE_HALF_SPACE) {
+    const FloatVector a = rotated(from.rotation, {0, 1, 0}), b = rotated(to.rotation, {0, 1, 0});
+    return way_of_face({a, dot(from.position, a)}, {b, dot(to.position, b)}, rule.low, rule.high);
+  }
+  if (shape == SANDGLASS_SHAPE_BOX && grown(from, to) > rule.band) return way_of_faces(from, to, low, high);
+  if (shape == SANDGLASS_SHAPE_SPHERE) {  // however it turns
+    const float way[3] = {to.position[0] - from.position[0], to.position[1] - from.position[1],
+                          to.position[2] - from.position[2]};
+    return length3(way) + grown(from, to);
+  }
+  const float back[4] = {-from.rotation[0], -from.rotation[1], -from.rotation[2], from.rotation[3]};
+  for_corners(low, high, [&](const float at[3]) {
+    const FloatVector r = {at[0] - from.position[0], at[1] - from.position[1], at[2] - from.position[2]};
+    const FloatVector turned = rotated(to.rotation, rotated(back, r));
+    const float way[3] = {turned.x - r.x + (to.position[0] - from.position[0]),
+                          turned.y - r.y + (to.position[1] - from.position[1]),
+                          turned.z - r.z + (to.position[2] - from.position[2])};
+    most = maximum(most, length3(way));
+  });
+  return maximum(most, grown(from, to));
+}
+
+void pose_move(Pose* p, const float rotation[4], const float shift[3]) {
+  const FloatVector at = rotated(rotation, {p->position[0], p->position[1], p->position[2]});
+  float turned[4];
+  multiply(rotation, p->rotation, turned);
+  const float moved[3] = {at.x + shift[0], at.y + shift[1], at.z + shift[2]};
+  for (int k = 0; k < 3; ++k) p->position[k] = moved[k];
+  // Rounding must not add up over a million moves.
+  const float length2 = turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2] + turned[3] * turned[3];
+  const float scale =
+      length2 > 0.5f && __builtin_fabsf(length2 - 1.0f) > 1e-6f ? 1.0f / __builtin_sqrtf(length2) : 1.0f;
+  for (int k = 0; k < 4; ++k) p->rotation[k] = scale * turned[k];
+}
+
+void hold_move(HeldPose* p, const float rotation[4], const float shift[3]) {
+  Pose* const poses[] = {&p->held.pose, &p->told, &p->stand};
+  for (Pose* pose : poses) pose_move(pose, rotation, shift);
+  float* const vectors[] = {p->held.linear, p->held.angular, p->slide,   p->slide + 3, p->way,
+                            p->way + 3,     p->run,          p->run + 3, p->untold,    p->untold + 3};
+  for (float* v : vectors) {
+    const FloatVector turned = rotated(rotation, {v[0], v[1], v[2]});
+    v[0] = turned.x;
+    v[1] = turned.y;
+    v[2] = turned.z;
+  }
+}
+
+float way_of_box(const Pose& from, const Pose& to, const HoldRule& rule) {
+  float low[3], high[3];
+  near_box(SANDGLASS_SHAPE_BOX, from, rule, low, high);
+  return way_of_faces(from, to, low, high);
+}
+
+void hold_anew(HeldPose* p, const Placement& told) {
+  *p = {};
+  p->held = told;
+  p->told = p->stand = told.pose;
+  p->interval = 1.0f;
+  p->since_turn = p->since_gap = k_way_seconds;
+  p->since_velocity = k_still_seconds;
+  // What comes with a velocity is believed, until it turns back.
+  for (int k = 0; k < 3; ++k)
+    if (told.linear[k] != 0.0f || told.angular[k] != 0.0f) p->moved = k_moved_frames, p->believed = 1;
+}
+
+void hold_returns(HeldPose* p) { p->beyond = static_cast<uint32_t>(k_slowest_interval); }
+
+void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, const HoldRule& rule) {
+  Placement told = now;
+  float with = 0.0f;
+  for (int k = 0; k < 4; ++k) with += told.pose.rotation[k] * p->held.pose.rotation[k];
+  for (float& c : told.pose.rotation) c = with < 0.0f ? -c : c;  // q and -q are one turn
+  const Pose was_told = p->told;
+  const Seen seen = observe(p, shape, told.pose, step, rule);
+  p->told = told.pose;
+  p->since_gap = minimum(p->since_gap + step, k_way_seconds);
+  const float reach = reach_of(shape, told.pose, rule);
+  if (rule.band <= 0.0f || believes(p, shape, told, seen.jumped, reach, step, rule.band)) {
+    take(p, shape, told, was_told, seen.jumped, reach, step, rule);
+    p->believed = 1;
+    begin_following(p);
+    return;
+  }
+  if (p->believed != 0) stop(p);
+  p->believed = 0;
+  if (step > rule.longest && surface_way(shape, p->held.pose, told.pose, rule) >= rule.band) {
+    arrive(p, shape, step, rule);
+    return;
+  }
+  if (p->follows != 0) {
+    if (!waits(p, shape, seen, step, rule)) follow(p, shape, step, rule);
+    return;
+  }
+  stop(p);
+  if (same_pose(p->held.pose, told.pose) || surface_way(shape, p->held.pose, told.pose, rule) < rule.band) {
+    p->beyond = 0;
+    if (shape == SANDGLASS_SHAPE_BOX && grown(p->held.pose, told.pose) > rule.band) take_free_faces(p, rule);
+    return;
+  }
+  if (may_return(p, seen)) return;
+  begin_following(p);
+  jump(p, shape, step, rule);
+  follow(p, shape, step, rule);
+}
+
+}  // namespace sandglass

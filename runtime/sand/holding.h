@@ -1,0 +1,63 @@
+// Who holds sand (Carry, in solver.h), for sixteen particles at once.
+#pragma once
+
+#include "runtime/sand/granular.h"
+
+namespace sandglass {
+
+constexpr uint32_t k_no_holder = ~0u;
+constexpr uint32_t k_holders_near = 64;  // colliders that are asked for a group of particles
+
+// Positions and velocities; those that hold nothing are as one that does.
+struct HeldLanes {
+  alignas(sizeof(Quad)) float at[3][k_lane_group], velocity[3][k_lane_group];
+  uint32_t count;
+};
+
+// A box around particles, and the colliders that are below it, near it or around it.
+struct HeldGroup {
+  Bounds box;
+  float down[3];
+  uint32_t near[k_holders_near], count;
+  bool some;  // of these one carries
+};
+
+// What would be much on the stack: of one group after another.
+struct HeldScratch {
+  alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group];
+  HeldLanes lanes, corners;
+  HeldGroup group;
+  ColliderFrame posed;
+  alignas(sizeof(Quad)) float local[3][k_lane_group], traced[3][k_lane_group], normal[3][k_lane_group];
+  float last[k_lane_group], distance[k_lane_group], nearest[k_lane_group], below[k_lane_group], found[k_lane_group];
+  float moved[k_lane_group];
+  uint32_t support[k_lane_group], enclosing[k_lane_group], holder[k_lane_group];
+};
+
+inline HeldScratch& scratch_of(const Granular& granular) { return *granular.carry.scratch; }
+
+bool holding_encloses(const ColliderFrame& collider);
+bool holding_carries(const Granular& granular, uint32_t collider);
+// The box around a collider in the world's axes; of a half-space, everything.
+Bounds holding_box(const ColliderFrame& collider);
+// The same of a group of colliders that go one way, in the axes of its first.
+void holding_join(Bounds* box, const ColliderFrame& first, const ColliderFrame& collider);
+bool holding_overlaps(const Bounds& a, const Bounds& b, float margin);
+void holding_velocity(const ColliderFrame& collider, const float at[3], float velocity[3]);
+// Distances of the first `count` lanes from a collider, and its normals.
+void holding_measure(const Granular& granular, const ColliderFrame& collider, const float at[3][k_lane_group],
+                     float distance[k_lane_group], float (*normal)[k_lane_group] = nullptr,
+                     uint32_t count = k_lane_group);
+// Of one place.
+float holding_distance(const Granular& granular, const ColliderFrame& collider, const Quad& at, Quad* normal);
+// A collider after `share` of its way, at most all of it; until the next call.
+const ColliderFrame& holding_posed(const Granular& granular, const Carrier& carrier, float share);
+
+void holding_find_near(const Granular& granular, HeldGroup* group);
+// The collider that holds all of a group, where that is certain.
+uint32_t holding_sole(const Granular& granular, const HeldGroup& group);
+// The one that holds each lane; k_no_holder: none that moves.
+void holding_find(const Granular& granular, const HeldGroup& group, const HeldLanes& lanes,
+                  uint32_t holder[k_lane_group]);
+
+}  // namespace sandglass

@@ -1,0 +1,342 @@
+// The C API around a Cast: checks, layout, what is asked for, and what the textures look like from outside.
+#include <cstring>
+
+#include "platform/floating_point.h"
+#include "runtime/frame/filled_struct.h"
+#include "runtime/frame/refuse.h"
+#include "runtime/math/finite.h"
+#include "runtime/math/math.h"
+#include "runtime/math/plane_axes.h"
+#include "runtime/shadow/cast/cast.h"
+#include "runtime/shadow/receiver/cells.h"
+#include "runtime/shadow/receiver/light_direction.h"
+
+namespace sandglass {
+namespace {
+
+constexpr float k_extent_limit = 1e4f;  // metres
+constexpr float k_usual_diameter = 0.34906585f;
+constexpr double k_origin_kept = 100;  // metres
+
+sandglass_status check(const sandglass_cast_desc* desc, const char** reason) {
+  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_cast_desc_default");
+  if (desc->struct_size != sizeof *desc)
+    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_cast_desc_default");
+  if (desc->texels != 0 && desc->texels != 64 && desc->texels != 128 && desc->texels != 256)
+    return refuse(reason, "desc.texels is not 0, 64, 128 or 256");
+  if (desc->directions != 32 && desc->directions != 64) return refuse(reason, "desc.directions is neither 32 nor 64");
+  if (desc->ambient_texels != 0 && desc->ambient_texels != 64 && desc->ambient_texels != 128)
+    return refuse(reason, "desc.ambient_texels is not 0, 64 or 128");
+  if (desc->texels == 0 && desc->ambient_texels == 0)
+    return refuse(reason, "desc.texels and ambient_texels are both 0: there is no texture to make");
+  if (desc->triangle_capacity == 0 || desc->triangle_capacity > 1'000'000)
+    return refuse(reason, "desc.triangle_capacity is not in 1..1000000");
+  if (desc->mesh_capacity == 0 || desc->mesh_capacity > 1024)
+    return refuse(reason, "desc.mesh_capacity is not in 1..1024");
+  if (!within(desc->light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
+  if (!within(desc->reach, 0.0f, 1e6f) || (desc->reach > 0 && desc->reach < 2))
+    return refuse(reason, "desc.reach is neither 0 nor in 2..1000000");
+  if (select_cast_kernels(desc->isa) == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
+                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
+  return accept(reason);
+}
+
+// The one walk: counts the bytes, or hands out the regions.
+sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
+  auto* owner = layout_region<sandglass_cast>(layout, "cast.state", 1);
+  CastState nowhere = {};
+  CastState* c = owner == nullptr ? &nowhere : &owner->cast;
+  if (owner != nullptr) *owner = {};
+  const uint64_t widest = desc.texels > desc.ambient_texels ? desc.texels : desc.ambient_texels;
+  const uint64_t words = widest * cast_words(static_cast<uint32_t>(widest));
+  // An eighth more than asked for, for triangles that the plane cuts into two, and what fills groups up.
+  c->room = (desc.triangle_capacity + desc.triangle_capacity / 8 + (k_cast_groups + 1) * k_lane_group) / k_lane_group *
+            k_lane_group;
+  c->meshes = layout_region<CastMesh>(layout, "cast.meshes", desc.mesh_capacity);
+  for (float*& array : c->corners) array = layout_region<float>(layout, "cast.corners", c->room + k_lane_group);
+  c->directions =
+      layout_region<CastDirection>(layout, "cast.directions", k_cast_ambient_directions + k_cast_other_directions);
+  c->image = layout_region<uint64_t>(layout, "cast.image", words);
+  c->mask = layout_region<uint64_t>(layout, "cast.mask", words);
+  for (uint32_t light = 0; light < 2; ++light) {
+    const uint64_t counted = light == 0 || (desc.texels != 0 && desc.ambient_texels != 0) ? k_cast_planes * words : 0;
+    c->counts[light] = layout_region<uint64_t>(layout, "cast.counts", counted);
+    c->mask_counts[light] = layout_region<uint64_t>(layout, "cast.mask_counts", counted);
+  }
+  c->values = layout_region<float>(layout, "cast.values", widest * cast_pitch(static_cast<uint32_t>(widest)));
+  for (float*& window : c->windows) window = layout_region<float>(layout, "cast.windows", k_cast_rows * widest);
+  const uint32_t sides[k_cast_targets] = {desc.texels, desc.ambient_texels};
+  for (uint32_t i = 0; i < k_cast_targets; ++i) {
+    CastTarget* target = &c->targets[i];
+    target->texels = sides[i];
+    CastTexture* const textures[] = {&target->front, &target->back};
+    for (CastTexture* texture : textures)
+      texture->bytes = layout_region<uint8_t>(layout, "cast.texture", uint64_t{sides[i]} * sides[i]);
+  }
+  return owner;
+}
+
+sandglass_status frame_of(const sandglass_cast_plane& plane, CastFrame* frame, const char** reason) {
+  if (!all_within(plane.origin, 3, -k_cast_far, k_cast_far))
+    return refuse(reason, "plane.origin is not finite, or 1000 km away");
+  for (uint32_t axis = 0; axis < 2; ++axis)
+    if (!within(plane.low[axis], -k_cast_far, k_cast_far) || !within(plane.high[axis], -k_cast_far, k_cast_far) ||
+        !(plane.high[axis] > plane.low[axis]))
+      return refuse(reason, "plane.low and high are not finite, or high is not above low");
+  if (!within(plane.bias, 0.0f, 1.0f)) return refuse(reason, "plane.bias is not in 0..1 metre");
+  if (plane.is_virtual > 1) return refuse(reason, "plane.is_virtual is neither 0 nor 1");
+  if (const char* wrong = plane_axes(plane.normal, plane.along, frame->axes)) return refuse(reason, wrong);
+  for (uint32_t i = 0; i < 3; ++i) frame->origin[i] = static_cast<double>(plane.origin[i]);
+  for (uint32_t axis = 0; axis < 2; ++axis) frame->low[axis] = plane.low[axis], frame->high[axis] = plane.high[axis];
+  frame->bias = plane.bias;
+  frame->is_virtual = plane.is_virtual != 0;
+  return accept(reason);
+}
+
+// A tracker shifts a plane's origin within the plane, by which nothing changes: its frame keeps the place that is
+// nearest to the origin of what is gathered, if that is not so far that floats get coarse.
+void keep_origin(const CastState& c, CastFrame* frame) {
+  double shift[2];
+  if (c.phase == CastPhase::idle && c.targets[k_cast_light].completed + c.targets[k_cast_ambient].completed == 0)
+    return;
+  for (uint32_t side = 0; side < 2; ++side) {
+    const double* axis = frame->axes[2 * side];
+    shift[side] = 0;
+    for (uint32_t i = 0; i < 3; ++i) shift[side] += axis[i] * (c.gathered_frame.origin[i] - frame->origin[i]);
+    if (!(absolute(shift[side]) <= k_origin_kept)) return;
+  }
+  for (uint32_t side = 0; side < 2; ++side) {
+    for (uint32_t i = 0; i < 3; ++i) frame->origin[i] += shift[side] * frame->axes[2 * side][i];
+    frame->low[side] = static_cast<float>(static_cast<double>(frame->low[side]) - shift[side]);
+    frame->high[side] = static_cast<float>(static_cast<double>(frame->high[side]) - shift[side]);
+  }
+}
+
+__attribute__((noinline)) void build(const sandglass_cast_desc& desc, void* block, sandglass_cast** cast) {
+  Layout layout;
+  layout.base = static_cast<uint8_t*>(block);
+  sandglass_cast* owner = lay_out(desc, &layout);
+  owner->functions = &k_cast_functions;
+  CastState* c = &owner->cast;
+  c->kernels = select_cast_kernels(desc.isa);
+  c->directions_of_light = desc.directions;
+  c->triangle_capacity = desc.triangle_capacity;
+  c->mesh_capacity = desc.mesh_capacity;
+  c->reach = desc.reach;
+  c->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
+  sandglass_cast_plane plane;
+  sandglass_cast_plane_default(&plane);
+  (void)frame_of(plane, &c->frame, nullptr);
+  c->gathered_frame = c->frame;
+  for (float& cell : c->cells) cell = 1.0f / k_light_cells;
+  memcpy(c->cells_made, c->cells, sizeof c->cells);
+  c->last_target = k_cast_ambient;
+  for (uint32_t i = 0; i < k_cast_targets; ++i) {
+    CastTarget* target = &c->targets[i];
+    target->front.frame = c->frame;
+    target->front.open = 1;
+    if (target->texels != 0)
+      memset(target->front.bytes, i == k_cast_light ? 0 : 255, uint64_t{target->texels} * target->texels);
+  }
+  *cast = owner;
+}
+
+sandglass_status check_mesh(const sandglass_cast_mesh& mesh, const char** reason) {
+  if (mesh.triangle_count == 0) return accept(reason);
+  if (mesh.positions == nullptr) return refuse(reason, "a mesh's positions are NULL, but it has triangles");
+  if (mesh.stride < 12 || mesh.stride % 4 != 0)
+    return refuse(reason,
+                  "a mesh's stride is not a multiple of 4, at least 12: start from sandglass_cast_mesh_default");
+  if (mesh.index_bytes != 2 && mesh.index_bytes != 4)
+    return refuse(reason, "a mesh's index_bytes is neither 2 nor 4: start from sandglass_cast_mesh_default");
+  if (mesh.closed > 1 || mesh.is_real > 1) return refuse(reason, "a mesh's closed or is_real is neither 0 nor 1");
+  for (uint32_t column = 0; column < 4; ++column)
+    if (!all_within(mesh.world_from_mesh + 4 * column, 3, -k_cast_far, k_cast_far))
+      return refuse(reason, "a mesh's world_from_mesh is not finite, or beyond 1000 km");
+  return accept(reason);
+}
+
+// Whether arrays have another length, which nothing has announced.
+bool silently_longer(const sandglass_cast_mesh& now, const sandglass_cast_mesh& before) {
+  return now.positions == before.positions && now.indices == before.indices && now.version == before.version &&
+         now.triangle_count != 0 && before.triangle_count != 0 &&
+         (now.vertex_count != before.vertex_count || now.triangle_count != before.triangle_count);
+}
+
+__attribute__((noinline)) sandglass_status take_meshes(CastState* c, const sandglass_cast_mesh* meshes, uint32_t count,
+                                                       const char** reason) {
+  if (count > c->mesh_capacity)
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "there are more meshes than desc.mesh_capacity: create a larger cast");
+  uint64_t triangles = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    if (const sandglass_status status = check_mesh(meshes[i], reason)) return status;
+    if (i < c->mesh_count && silently_longer(meshes[i], c->meshes[i].asked))
+      return refuse(reason, "a mesh has other counts, but arrays and version are as before: give it another version");
+    triangles += meshes[i].triangle_count;
+  }
+  if (triangles > c->triangle_capacity)
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "there are more triangles than desc.triangle_capacity: create a larger cast, or pass a coarser mesh");
+  for (uint32_t i = 0; i < count; ++i) c->meshes[i].asked = meshes[i];
+  for (uint32_t i = c->mesh_count; i < count; ++i) c->meshes[i].gathered.triangle_count = 0;
+  c->mesh_count = count;
+  cast_compare(c);
+  return accept(reason);
+}
+
+__attribute__((noinline)) sandglass_status take_light(CastState* c, const float direction[3], float diameter,
+                                                      const char** reason) {
+  double light[3], largest = 0, chord = 0;
+  if (const sandglass_status status = check_light_direction(direction, light, reason)) return status;
+  if (!within(diameter, 0.0f, 1.5f)) return refuse(reason, "angular_diameter is not in 0..1.5 radians");
+  for (const double x : light) largest = absolute(x) > largest ? absolute(x) : largest;
+  for (double& x : light) x /= largest;
+  const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
+  for (double& x : light) x /= length;
+  const double half = static_cast<double>(diameter > 0 ? diameter : k_usual_diameter) / (4 * k_pi);
+  for (uint32_t axis = 0; axis < 3; ++axis) chord += (light[axis] - c->light[axis]) * (light[axis] - c->light[axis]);
+  const double wider = (half - c->half) * 2 * k_pi;
+  if (c->light_known && !(chord > c->tolerance_squared) && !(wider * wider > c->tolerance_squared))
+    return accept(reason);
+  for (uint32_t axis = 0; axis < 3; ++axis) c->light[axis] = light[axis];
+  c->half = half;
+  c->light_known = true;
+  c->targets[k_cast_light].asked = c->targets[k_cast_light].texels != 0;
+  if (cast_share(*c) > 0) c->targets[k_cast_ambient].asked = true;
+  return accept(reason);
+}
+
+__attribute__((noinline)) sandglass_status take_cells(CastState* c, const float* cells, const char** reason) {
+  if (const sandglass_status status = check_cells(cells, reason)) return status;
+  memcpy(c->cells, cells, sizeof c->cells);
+  if (!cells_differ(c->cells_made, cells)) return accept(reason);
+  c->targets[k_cast_ambient].asked = c->targets[k_cast_ambient].texels != 0;
+  if (cast_share(*c) > 0) c->targets[k_cast_light].asked = true;
+  return accept(reason);
+}
+
+void fill_texture(const CastState& c, uint32_t which, sandglass_cast_texture* out) {
+  const CastTarget& target = c.targets[which];
+  const CastTexture& front = target.front;
+  sandglass_cast_texture texture = {};
+  texture.valid = target.valid ? 1 : 0;
+  texture.bytes = front.bytes;
+  texture.texels = target.texels;
+  const CastFrame& frame = front.frame;
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    const double u = frame.axes[0][axis], v = frame.axes[2][axis];
+    texture.corner[axis] = static_cast<float>(frame.origin[axis] + front.low[0] * u + front.low[1] * v);
+    texture.along[axis] = static_cast<float>(u * front.texel[0] * target.texels);
+    texture.across[axis] = static_cast<float>(v * front.texel[1] * target.texels);
+    texture.light[axis] = static_cast<float>(front.light[axis]);
+  }
+  texture.directions = front.directions;
+  texture.open = front.open;
+  texture.left_out = front.left_out;
+  texture.too_far = front.too_far;
+  texture.stale = target.asked || (c.phase != CastPhase::idle && c.target == which) ? 1 : 0;
+  texture.completed = target.completed;
+  fill_struct(&texture, sizeof texture, out);
+}
+
+}  // namespace
+}  // namespace sandglass
+
+using namespace sandglass;
+
+void sandglass_cast_desc_default(sandglass_cast_desc* desc) {
+  if (!empty_struct(desc)) return;
+  desc->texels = 128;
+  desc->directions = 64;
+  desc->ambient_texels = 64;
+  desc->triangle_capacity = 4096;
+  desc->mesh_capacity = 16;
+  desc->light_tolerance = 0.005f;
+  desc->reach = 8;
+}
+
+sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t* bytes, const char** reason) {
+  if (const sandglass_status status = check(desc, reason)) return status;
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
+  Layout layout;
+  lay_out(*desc, &layout);
+  *bytes = layout.size;
+  return accept(reason);
+}
+
+sandglass_status sandglass_cast_create(const sandglass_cast_desc* desc, void* block, uint64_t bytes,
+                                       sandglass_cast** cast, const char** reason) {
+  uint64_t need = 0;
+  if (const sandglass_status status = sandglass_cast_bytes(desc, &need, reason)) return status;
+  if (cast == nullptr) return refuse(reason, "cast is NULL: pass where to store it");
+  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
+  memset(block, 0, need);
+  const ExactFloatingPoint exact;
+  build(*desc, block, cast);
+  return accept(reason);
+}
+
+void sandglass_cast_plane_default(sandglass_cast_plane* plane) {
+  if (!empty_struct(plane)) return;
+  plane->normal[1] = plane->along[0] = 1;
+  plane->bias = 0.03f;
+  for (uint32_t axis = 0; axis < 2; ++axis)
+    plane->low[axis] = -0.5f * k_extent_limit, plane->high[axis] = 0.5f * k_extent_limit;
+}
+
+sandglass_status sandglass_cast_set_plane(sandglass_cast* cast, const sandglass_cast_plane* plane,
+                                          const char** reason) {
+  if (cast == nullptr || plane == nullptr) return refuse(reason, "cast or plane is NULL: pass both");
+  if (plane->struct_size != sizeof *plane)
+    return refuse(reason, "plane.struct_size is not that of this library: start from sandglass_cast_plane_default");
+  const ExactFloatingPoint exact;
+  CastFrame frame;
+  const sandglass_status status = frame_of(*plane, &frame, reason);
+  if (status == SANDGLASS_OK) {
+    keep_origin(cast->cast, &frame);
+    cast->cast.frame = frame;
+    cast_compare(&cast->cast);
+  }
+  return status;
+}
+
+void sandglass_cast_mesh_default(sandglass_cast_mesh* mesh) {
+  if (mesh == nullptr) return;
+  *mesh = {};
+  mesh->stride = 12;
+  mesh->index_bytes = 4;
+  for (uint32_t i = 0; i < 4; ++i) mesh->world_from_mesh[5 * i] = 1;
+}
+
+sandglass_status sandglass_cast_set_meshes(sandglass_cast* cast, const sandglass_cast_mesh* meshes, uint32_t count,
+                                           const char** reason) {
+  if (cast == nullptr || (meshes == nullptr && count != 0))
+    return refuse(reason, "cast is NULL, or meshes are NULL while count is above 0");
+  const ExactFloatingPoint exact;
+  return take_meshes(&cast->cast, meshes, count, reason);
+}
+
+sandglass_status sandglass_cast_set_light(sandglass_cast* cast, const float direction[3], float angular_diameter,
+                                          const char** reason) {
+  if (cast == nullptr || direction == nullptr)
+    return refuse(reason, "cast or direction is NULL: pass the cast and 3 floats");
+  const ExactFloatingPoint exact;
+  return take_light(&cast->cast, direction, angular_diameter, reason);
+}
+
+sandglass_status sandglass_cast_set_cells(sandglass_cast* cast, const float cells[SANDGLASS_LIGHT_CELLS],
+                                          const char** reason) {
+  if (cast == nullptr || cells == nullptr) return refuse(reason, "cast or cells is NULL: pass the cast and 64 floats");
+  const ExactFloatingPoint exact;
+  return take_cells(&cast->cast, cells, reason);
+}
+
+void sandglass_cast_get_texture(const sandglass_cast* cast, sandglass_cast_texture* texture) {
+  if (cast != nullptr && texture != nullptr) fill_texture(cast->cast, k_cast_light, texture);
+}
+
+void sandglass_cast_get_ambient(const sandglass_cast* cast, sandglass_cast_texture* texture) {
+  if (cast != nullptr && texture != nullptr) fill_texture(cast->cast, k_cast_ambient, texture);
+}

@@ -1,0 +1,271 @@
+// The C API around a Pile: checks, layout, light, and what the textures look like from outside.
+#include <cstring>
+
+#include "platform/floating_point.h"
+#include "runtime/frame/filled_struct.h"
+#include "runtime/frame/layout.h"
+#include "runtime/frame/refuse.h"
+#include "runtime/math/finite.h"
+#include "runtime/math/hash.h"
+#include "runtime/math/math.h"
+#include "runtime/shadow/pile/pile.h"
+#include "runtime/shadow/receiver/cells.h"
+#include "runtime/shadow/receiver/light_direction.h"
+
+namespace sandglass {
+namespace {
+
+constexpr double k_polar_max = 70 * k_pi / 180;
+constexpr float k_side_limit = 1e4f;  // metres
+
+sandglass_status check(const sandglass_pile_shadow_desc* desc, const char** reason) {
+  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_pile_shadow_desc_default");
+  if (desc->struct_size != sizeof *desc)
+    return refuse(reason,
+                  "desc.struct_size is not that of this library: start from sandglass_pile_shadow_desc_default");
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    if (!within(desc->low[axis], -k_side_limit, k_side_limit) || !within(desc->high[axis], -k_side_limit, k_side_limit))
+      return refuse(reason, "desc.low or high is not finite, or beyond 10 km");
+    if (!(desc->high[axis] - desc->low[axis] >= 1e-3f))
+      return refuse(reason, "desc.high is not above low by at least a millimetre in x and in z");
+  }
+  if (!within(desc->floor, -k_side_limit, k_side_limit))
+    return refuse(reason, "desc.floor is not finite, or beyond 10 km");
+  if (desc->texels < 32 || desc->texels > 256 || desc->texels % 32 != 0)
+    return refuse(reason, "desc.texels is not a multiple of 32 in 32..256");
+  if (!within(desc->angular_diameter, 0.02f, 1.0f))
+    return refuse(reason, "desc.angular_diameter is not in 0.02..1 radians");
+  if (!within(desc->light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
+  if (desc->on_sand > 1) return refuse(reason, "desc.on_sand is neither 0 nor 1");
+  if (desc->sky_texels != 0 && desc->sky_texels != desc->texels && 2 * desc->sky_texels != desc->texels &&
+      4 * desc->sky_texels != desc->texels)
+    return refuse(reason, "desc.sky_texels is neither 0 nor desc.texels, a half or a quarter of it");
+  if (desc->sky_texels != 0 && (desc->sky_texels % k_lane_group != 0 || desc->sky_texels > 128))
+    return refuse(reason, "desc.sky_texels is not a multiple of 16, at most 128");
+  if (select_pile_kernels(desc->isa) == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
+                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
+  return accept(reason);
+}
+
+// The one walk: counts the bytes, or hands out the regions.
+sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* layout) {
+  const uint64_t n = desc.texels, pitch = n + k_lane_group, columns = n * pitch + 2 * k_lane_group;
+  auto* owner = layout_region<sandglass_pile_shadow>(layout, "pile_shadow.state", 1);
+  Pile nowhere = {};
+  Pile* p = owner == nullptr ? &nowhere : &owner->pile;
+  if (owner != nullptr) *owner = {};
+  p->texels = desc.texels;
+  p->pitch = static_cast<uint32_t>(pitch);
+  p->tops = layout_region<float>(layout, "pile_shadow.tops", columns);
+  p->bottoms = layout_region<float>(layout, "pile_shadow.bottoms", columns);
+  p->fills = layout_region<float>(layout, "pile_shadow.fills", columns);
+  p->air = layout_region<float>(layout, "pile_shadow.air", n * n);
+  float** const rows[] = {&p->nothing, &p->receivers, &p->shares};
+  for (float** row : rows) *row = layout_region<float>(layout, "pile_shadow.row", n + k_lane_group);
+  PileAzimuth** const azimuths[] = {&p->azimuths, &p->row_azimuths};
+  for (PileAzimuth** some : azimuths)
+    *some = layout_region<PileAzimuth>(layout, "pile_shadow.azimuths", k_pile_azimuths);
+  PileStep** const steps[] = {&p->steps, &p->row_steps};
+  for (PileStep** some : steps)
+    *some = layout_region<PileStep>(layout, "pile_shadow.steps", k_pile_azimuths * k_pile_steps);
+  PileTexture* const textures[] = {&p->front, &p->back};
+  for (PileTexture* texture : textures) {
+    texture->floor = layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n);
+    texture->sand = desc.on_sand != 0 ? layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n) : nullptr;
+  }
+  sky_lay_out(&p->sky, desc.sky_texels, desc.sky_texels != 0 ? desc.texels / desc.sky_texels : 0, layout);
+  return owner;
+}
+
+__attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, void* block,
+                                     sandglass_pile_shadow** shadow) {
+  Layout layout;
+  layout.base = static_cast<uint8_t*>(block);
+  sandglass_pile_shadow* owner = lay_out(desc, &layout);
+  owner->functions = &k_pile_functions;
+  Pile* p = &owner->pile;
+  p->kernels = select_pile_kernels(desc.isa);
+  p->tops += k_lane_group;
+  p->bottoms += k_lane_group;
+  p->fills += k_lane_group;
+  for (uint32_t i = 0; i < p->texels + k_lane_group; ++i) p->nothing[i] = p->receivers[i] = p->shares[i] = 0;
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    p->low[axis] = desc.low[axis];
+    p->high[axis] = desc.high[axis];
+    p->texel[axis] = (desc.high[axis] - desc.low[axis]) / static_cast<float>(desc.texels);
+  }
+  for (uint64_t i = 0; i < uint64_t{p->texels} * p->texels; ++i) p->air[i] = 1;
+  p->height = desc.floor;
+  const SinCos half = sin_cos_turns(0.25 / k_pi * static_cast<double>(desc.angular_diameter));
+  p->half_sine = half.sin;
+  p->half_cosine = half.cos;
+  p->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
+  p->light[1] = 1;
+  memset(p->front.floor, 0, uint64_t{p->texels} * p->texels);
+  if (p->front.sand != nullptr) memset(p->front.sand, 0, uint64_t{p->texels} * p->texels);
+  sky_build(p);
+  if (p->sky.texels != 0) p->asked = k_ask_sky;
+  *shadow = owner;
+}
+
+__attribute__((noinline)) sandglass_status take_light(Pile* p, const float direction[3], const char** reason) {
+  double light[3], largest = 0;
+  if (const sandglass_status status = check_light_direction(direction, light, reason)) return status;
+  for (const double x : light) largest = absolute(x) > largest ? absolute(x) : largest;
+  for (double& x : light) x /= largest;
+  const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
+  for (double& x : light) x /= length;
+  const double flat = square_root(light[0] * light[0] + light[2] * light[2]), polar = arc_tangent2(flat, light[1]);
+  p->opacity = 1;
+  if (polar > k_polar_max) {
+    const double fade = (0.5 * k_pi - polar) / (0.5 * k_pi - k_polar_max);
+    p->opacity = fade > 0 ? static_cast<float>(fade) : 0.0f;
+    const SinCos most = sin_cos_turns(k_polar_max / (2 * k_pi));
+    light[0] = flat > 0 ? light[0] * (most.sin / flat) : most.sin;
+    light[1] = most.cos;
+    light[2] = flat > 0 ? light[2] * (most.sin / flat) : 0;
+  }
+  double chord = 0;
+  for (uint32_t axis = 0; axis < 3; ++axis) chord += (light[axis] - p->light[axis]) * (light[axis] - p->light[axis]);
+  const bool any = p->valid || ((p->asked | p->making) & k_ask_light) != 0;
+  if (any && !(chord > p->tolerance_squared)) return accept(reason);
+  for (uint32_t axis = 0; axis < 3; ++axis) p->light[axis] = light[axis];
+  p->asked |= k_ask_light;
+  return accept(reason);
+}
+
+__attribute__((noinline)) sandglass_status take_cells(Pile* p, const float* cells, const char** reason) {
+  if (p->sky.texels == 0)
+    return refuse(reason, "this shadow has no texture of the room's light: set desc.sky_texels at create");
+  if (const sandglass_status status = check_cells(cells, reason)) return status;
+  memcpy(p->sky.cells, cells, k_light_cells * sizeof(float));
+  if (cells_differ(p->sky.made_for, cells)) p->asked |= k_ask_sky;
+  return accept(reason);
+}
+
+__attribute__((noinline)) uint32_t run_units(Pile* p, uint32_t units) {
+  uint32_t done = 0;
+  while (done < units && (p->phase != PilePhase::idle || pile_wanted(*p) != 0)) pile_run(p), ++done;
+  return done;
+}
+
+}  // namespace
+}  // namespace sandglass
+
+using namespace sandglass;
+
+void sandglass_pile_shadow_desc_default(sandglass_pile_shadow_desc* desc) {
+  if (!empty_struct(desc)) return;
+  for (uint32_t axis = 0; axis < 2; ++axis) desc->low[axis] = -0.5f, desc->high[axis] = 0.5f;
+  desc->texels = 128;
+  desc->angular_diameter = 0.34906585f;
+  desc->light_tolerance = 0.01f;
+  desc->on_sand = 1;
+}
+
+sandglass_status sandglass_pile_shadow_bytes(const sandglass_pile_shadow_desc* desc, uint64_t* bytes,
+                                             const char** reason) {
+  if (const sandglass_status status = check(desc, reason)) return status;
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
+  Layout layout;
+  lay_out(*desc, &layout);
+  *bytes = layout.size;
+  return accept(reason);
+}
+
+sandglass_status sandglass_pile_shadow_create(const sandglass_pile_shadow_desc* desc, void* block, uint64_t bytes,
+                                              sandglass_pile_shadow** shadow, const char** reason) {
+  uint64_t need = 0;
+  if (const sandglass_status status = sandglass_pile_shadow_bytes(desc, &need, reason)) return status;
+  if (shadow == nullptr) return refuse(reason, "shadow is NULL: pass where to store it");
+  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
+  const ExactFloatingPoint exact;
+  build(*desc, block, shadow);
+  return accept(reason);
+}
+
+sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, const float direction[3],
+                                                 const char** reason) {
+  if (shadow == nullptr || direction == nullptr)
+    return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats");
+  const ExactFloatingPoint exact;
+  return take_light(&shadow->pile, direction, reason);
+}
+
+void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) {
+  if (shadow != nullptr) shadow->pile.asked = k_ask_all;
+}
+
+uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count, float radius,
+                                   uint32_t units) {
+  if (shadow == nullptr || (positions == nullptr && count != 0)) return 0;
+  const ExactFloatingPoint exact;
+  shadow->pile.source = {nullptr, nullptr, positions, radius > 0 && radius < k_pile_radius_limit ? count : 0,
+                         radius,  nullptr, 0};
+  const uint32_t done = run_units(&shadow->pile, units);
+  return done;
+}
+
+void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_texture* out) {
+  if (shadow == nullptr || out == nullptr) return;
+  const Pile& p = shadow->pile;
+  sandglass_pile_shadow_texture texture = {};
+  texture.valid = p.valid ? 1 : 0;
+  texture.texels = p.texels;
+  texture.coverage = p.front.floor;
+  texture.on_sand = p.front.sand;
+  for (uint32_t axis = 0; axis < 2; ++axis) texture.low[axis] = p.low[axis], texture.high[axis] = p.high[axis];
+  texture.opacity = p.opacity;
+  const bool stale = ((p.asked | p.making) & k_ask_light) != 0;
+  texture.version = p.front.version;
+  texture.frames_behind = stale ? static_cast<uint32_t>(p.frame - p.front.frame) : 0;
+  fill_struct(&texture, sizeof texture, out);
+}
+
+uint64_t sandglass_pile_shadow_hash(const sandglass_pile_shadow* shadow) {
+  if (shadow == nullptr) return 0;
+  const Pile& p = shadow->pile;
+  const uint64_t texels = uint64_t{p.texels} * p.texels;
+  uint64_t hash = hash_bytes(p.front.floor, texels);
+  if (p.front.sand != nullptr) hash = hash_with(hash, hash_bytes(p.front.sand, texels));
+  if (p.sky.texels == 0) return hash;
+  const uint64_t of_sky = uint64_t{p.sky.texels} * p.sky.texels;
+  hash = hash_with(hash, hash_bytes(p.sky.front.floor, of_sky));
+  hash = hash_with(hash, hash_bytes(p.sky.front.sand, of_sky));
+  return hash_with(hash, hash_bytes(p.sky.front.heights, texels));
+}
+
+sandglass_status sandglass_pile_shadow_set_cells(sandglass_pile_shadow* shadow,
+                                                 const float cells[SANDGLASS_LIGHT_CELLS], const char** reason) {
+  if (shadow == nullptr || cells == nullptr)
+    return refuse(reason, "shadow or cells is NULL: pass the shadow and 64 floats");
+  const ExactFloatingPoint exact;
+  return take_cells(&shadow->pile, cells, reason);
+}
+
+void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_sky* out) {
+  if (shadow == nullptr || out == nullptr) return;
+  const Pile& p = shadow->pile;
+  const PileSky& s = p.sky;
+  sandglass_pile_shadow_sky sky = {};
+  sky.valid = s.valid ? 1 : 0;
+  sky.texels = s.texels;
+  sky.floor = s.front.floor;
+  sky.on_sand = s.front.sand;
+  sky.heights = s.front.heights;
+  for (uint32_t axis = 0; axis < 2; ++axis) sky.low[axis] = p.low[axis], sky.high[axis] = p.high[axis];
+  sky.height_texels = s.texels != 0 ? p.texels : 0;
+  sky.height = s.front.top;
+  const bool stale = ((p.asked | p.making) & k_ask_sky) != 0;
+  sky.version = s.front.version;
+  sky.frames_behind = stale && s.texels != 0 ? static_cast<uint32_t>(p.frame - s.front.frame) : 0;
+  fill_struct(&sky, sizeof sky, out);
+}
+
+void sandglass_pile_shadow_light_grains(const sandglass_pile_shadow* shadow, const float* positions, uint32_t count,
+                                        float radius, uint8_t* visibility) {
+  if (shadow == nullptr || positions == nullptr || visibility == nullptr) return;
+  const ExactFloatingPoint exact;
+  sky_light_grains(shadow->pile, positions, count, radius, visibility);
+}
