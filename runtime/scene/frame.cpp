@@ -1,20 +1,77 @@
-// One frame, top to bottom: check the input, give every capability its share of it, collect their stages, let the
-// governor run them, report.
-//
-// A capability takes part by the one function that returns its Stage. A new one adds a row to the array of run_frame.
+// One frame, top to bottom: check the input, let every capability look at it, collect their stages, let the governor run them,
+// report. capabilities.inc says who takes part.
 #include "platform/floating_point.h"
 #include "runtime/frame/filled_struct.h"
 #include "runtime/frame/refuse.h"
-#include "runtime/light/stage.h"
+#include "runtime/light/network/estimator.h"
+#include "runtime/light/room/room.h"
 #include "runtime/scene/scene.h"
-#include "runtime/shadow/stage.h"
+#include "runtime/shadow/baked/shadow.h"
+#include "runtime/shadow/cast/cast.h"
+#include "runtime/shadow/pile/pile.h"
 #include "runtime/skin/skin.h"
 
 namespace sandglass {
 namespace {
 
-static_assert(uint32_t{k_granular_kinds} + k_lighting_stage_kinds + k_skin_kinds + k_shadow_stage_kinds <=
-              k_unit_kinds);
+// Stages as they follow one another: the sand's, one for each line, the grains, and what closes the frame.
+enum : uint32_t {
+  k_particles,
+#define STAGE(name, title, share, units, members) k_of_##name,
+#include "runtime/scene/capabilities.inc"
+#undef STAGE
+  k_grains,
+  k_close,
+  k_stages
+};
+static_assert(k_grains == uint32_t{SANDGLASS_STAGE_REFINE} && k_stages == uint32_t{SANDGLASS_STAGE_COUNT});
+constexpr uint32_t k_groups = k_grains - 1;
+
+constexpr uint32_t k_kinds_of_all = uint32_t{k_granular_kinds}
+#define ONE(field, kinds) \
+  +uint32_t {             \
+    kinds                 \
+  }
+#define MANY(field, count, kinds) \
+  +uint32_t {                     \
+    kinds                         \
+  }
+#define STAGE(name, title, share, units, members) members
+#include "runtime/scene/capabilities.inc"
+;
+static_assert(k_kinds_of_all <= k_unit_kinds);
+#undef ONE
+#undef MANY
+#undef STAGE
+
+// What is wrong with the arrays of handles, or null.
+const char* check_handles(const sandglass_frame_input& input) {
+#define ONE(field, kinds)
+#define MANY(field, count, kinds)                                             \
+  for (uint32_t i = 0; i < input.count; ++i)                                  \
+    if (input.field == nullptr || input.field[i] == nullptr)                  \
+      return "input." #field " is NULL or has a NULL among its first " #count \
+             ": pass what was created, or set " #count " to 0.";
+#define STAGE(name, title, share, units, members) members
+#include "runtime/scene/capabilities.inc"
+#undef ONE
+#undef MANY
+#undef STAGE
+  return nullptr;
+}
+
+void find_groups(const sandglass_frame_input& input, Group groups[k_groups]) {
+  Group* group = groups;
+#define ONE(field, kinds) group->members[group->count++] = member_of(input.field, kinds);
+#define MANY(field, number, kinds) group->members[group->count++] = members_of(input.field, input.number, kinds);
+#define STAGE(name, title, of_time, units, all) \
+  *group = {{}, 0, of_time, units};             \
+  all++ group;
+#include "runtime/scene/capabilities.inc"
+#undef ONE
+#undef MANY
+#undef STAGE
+}
 
 sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input* input,
                        const sandglass_frame_report* report, const char** reason) {
@@ -35,17 +92,7 @@ sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input
     return refuse(reason, "input.emitters is NULL but emitter_count is above 0: pass the emitters, or set it to 0.");
   if (input->sink_count != 0 && input->sinks == nullptr)
     return refuse(reason, "input.sinks is NULL but sink_count is above 0: pass the sinks, or set it to 0.");
-  for (uint32_t i = 0; i < input->shadow_count; ++i)
-    if (input->shadows == nullptr || input->shadows[i] == nullptr)
-      return refuse(reason,
-                    "input.shadows is NULL or has a NULL among its first shadow_count: pass the shadows, or set "
-                    "shadow_count to 0.");
-  for (uint32_t i = 0; i < input->cast_count; ++i)
-    if (input->casts == nullptr || input->casts[i] == nullptr)
-      return refuse(
-          reason,
-          "input.casts is NULL or has a NULL among its first cast_count: pass the casts, or set cast_count to "
-          "0.");
+  if (const char* wrong = check_handles(*input)) return refuse(reason, wrong);
   if (input->plan != nullptr &&
       (input->plan->struct_size != sizeof(sandglass_plan) || input->plan->run_count > SANDGLASS_PLAN_RUNS ||
        input->plan->level >= static_cast<uint32_t>(SANDGLASS_LEVEL_COUNT))) {
@@ -60,15 +107,17 @@ sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input
 
 // The sand as the app draws it: by its skin, as soon as there is one; its grains; or the particles of a scene without
 // grains. Particles that stray carry no grains.
-Sand sand_as_drawn(const Granular& g, const sandglass_skin* skin) {
+DrawnSand sand_as_drawn(const Granular& g, const sandglass_skin* skin) {
   if (skin != nullptr && skin->skin.valid) {
     const SkinState& s = skin->skin;
-    return {{nullptr, nullptr, nullptr, skin_items(s), s.desc.particle_radius, &s, s.front_version}, false};
+    return {nullptr, nullptr, nullptr, skin_items(s), s.desc.particle_radius, &s, s.front_version, false};
   }
-  const bool grains = g.grains.count != 0;
-  const bool moving = grains ? output_is_moving(g.output) : g.sleep.awake_count != 0;
-  if (grains) return {{nullptr, &g.grains.records, nullptr, g.grains.count, g.desc.grain_radius, nullptr, 0}, moving};
-  return {{&g.particles.records[0], nullptr, nullptr, g.particles.count, g.desc.particle_radius, nullptr, 0}, moving};
+  if (g.grains.count == 0) {
+    const bool moving = g.sleep.awake_count != 0;
+    return {&g.particles.records[0], nullptr, nullptr, g.particles.count, g.desc.particle_radius, nullptr, 0, moving};
+  }
+  const bool moving = output_is_moving(g.output);
+  return {nullptr, &g.grains.records, nullptr, g.grains.count, g.desc.grain_radius, nullptr, 0, moving};
 }
 
 const Stage* closing_part(const void* state, uint32_t level, WorkUnit* unit) {
@@ -105,31 +154,30 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   Granular* granular = &scene->granular;
   granular_begin_frame(granular, input);
   const char* refused_image = nullptr;
-  FrameLighting lighting = {input->room, input->estimator};
-  FrameShadows shadows = {{input->shadows, input->shadow_count}, input->pile_shadow, {input->casts, input->cast_count}};
+  Group groups[k_groups];
+  find_groups(*input, groups);
+  FrameView view = {input, granular, {}, &refused_image};
   Closing& closing = scene->closing;
   closing = {{granular_carry_stage(granular), stage_without_work(0), granular_output_stage(granular)}};
-  if (input->skin != nullptr) closing.parts[1] = input->skin->functions->carry_stage(input->skin);
-  Stage stages[SANDGLASS_STAGE_COUNT] = {
-      granular_particle_stage(granular),
-      lighting_stage(&lighting, input->camera, &refused_image),
-      input->skin == nullptr ? stage_without_work(k_skin_kinds)
-                             : input->skin->functions->begin_frame(input->skin, *granular),
-      shadow_stage(&shadows, sand_as_drawn(*granular, input->skin)),
-      granular_grain_stage(granular),
-      closing_stage(&closing),
-  };
-  assign_kinds(stages, SANDGLASS_STAGE_COUNT);
-  closing.parts[1].first_kind = stages[SANDGLASS_STAGE_SKIN].first_kind;
-  closing.parts[0].first_kind = closing.parts[2].first_kind = stages[SANDGLASS_STAGE_GRANULAR].first_kind;
-  stages[SANDGLASS_STAGE_OUTPUT].first_kind = 0;
+  if (input->skin != nullptr) closing.parts[1] = input->skin->member.capability->closing(input->skin);
+  Stage stages[k_stages];
+  stages[k_particles] = granular_particle_stage(granular);
+  for (uint32_t i = 0; i < k_groups; ++i) {
+    view.drawn = sand_as_drawn(*granular, input->skin);
+    stages[k_particles + 1 + i] = begin_group(&groups[i], view);
+  }
+  stages[k_grains] = granular_grain_stage(granular);
+  stages[k_close] = closing_stage(&closing);
+  assign_kinds(stages, k_stages);
+  closing.parts[1].first_kind = stages[k_of_SKIN].first_kind;
+  closing.parts[0].first_kind = closing.parts[2].first_kind = stages[k_particles].first_kind;
+  stages[k_close].first_kind = 0;
 
   const uint64_t target = governor_target(input->budget_ns, input->thermal_headroom);
-  const bool ran = governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);
+  const bool ran = governor_frame(&scene->governor, stages, k_stages, target, input->plan, report);
   report->time.budget_ns = input->budget_ns;
   granular_end_frame(granular);
-  lighting_end_frame(lighting, report);
-  shadow_end_frame(shadows, report);
+  for (const Group& group : groups) end_group(group, report);
   if (refused_image != nullptr) {
     report->estimate.ignored_images = 1;
     if (scene->desc.log.write != nullptr) scene->desc.log.write(scene->desc.log.user, refused_image);

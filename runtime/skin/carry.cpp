@@ -236,6 +236,6 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
 
 }  // namespace
 
-Stage skin_carry_stage(sandglass_skin* skin) { return {skin, next, run, forecast, k_skin_kinds, k_all_units, 1.0f}; }
+Stage skin_carry_stage(void* skin) { return {skin, next, run, forecast, k_skin_kinds, k_all_units, 1.0f}; }
 
 }  // namespace sandglass

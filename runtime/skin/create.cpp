@@ -81,7 +81,7 @@ __attribute__((noinline)) void build(const sandglass_skin_desc& desc, void* bloc
   Layout layout;
   layout.base = static_cast<uint8_t*>(block);
   sandglass_skin* owner = lay_out(desc, &layout);
-  owner->functions = &k_skin_functions;
+  owner->member.capability = &k_skin_capability;
   SkinState* s = &owner->skin;
   s->spacing = k_skin_spacing * desc.particle_radius;
   s->inverse_spacing = 1.0f / s->spacing;

@@ -17,7 +17,7 @@
 #include <cstring>
 
 #include "kernels/kernels.h"
-#include "runtime/frame/governor.h"
+#include "runtime/frame/capability.h"
 #include "runtime/frame/layout.h"
 #include "runtime/math/rigid_way.h"
 #include "sandglass/skin.h"
@@ -47,7 +47,6 @@ constexpr uint32_t k_skin_unit_mesh = 2;        // bricks
 constexpr uint32_t k_skin_unit_taken = 16'000;  // particles of which places are taken
 constexpr float k_skin_nowhere = 3e38f;         // metres: of a particle that was not gathered
 constexpr sandglass_shape k_no_shape = -1;
-constexpr float k_skin_share = 0.5f;
 constexpr uint32_t k_skin_in_time = 8;  // skins that are made within their frame, before the next is expected to be
 
 // Kinds of work unit.
@@ -382,7 +381,7 @@ inline bool skin_has_work(const SkinState& s) { return s.phase != SkinPhase::idl
 // A particle against what is below it: a collider that moves, or the world. Whether it flies, and what of it falls.
 void skin_find_fall(const SkinState& s, const float position[3], const float velocity[3], float* falls, bool* flies);
 // Until there is a mesh, and where sand has gone on since what is shown: at the end of a frame, whatever the budget.
-Stage skin_carry_stage(sandglass_skin* skin);
+Stage skin_carry_stage(void* skin);
 
 // Of a place in lattice steps: its cell, and the brick and node of that.
 inline void skin_place(const SkinState& s, const float position[3], int32_t at[3]) {
@@ -398,15 +397,11 @@ inline uint32_t node_of(const int32_t cell[3]) {
 // Triangles and loose sand of the mesh as it is.
 inline uint32_t skin_items(const SkinState& s) { return s.front.index_count / 3 + s.front.flying + s.front.lying; }
 
-struct SkinFunctions {
-  Stage (*begin_frame)(sandglass_skin* skin, const Granular& granular);
-  Stage (*carry_stage)(sandglass_skin* skin);  // a part of the output stage
-};
-extern const SkinFunctions k_skin_functions;
+extern const Capability k_skin_capability;
 
 }  // namespace sandglass
 
 struct sandglass_skin {
-  const sandglass::SkinFunctions* functions;
+  sandglass::Member member;
   sandglass::SkinState skin;
 };

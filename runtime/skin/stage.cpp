@@ -170,8 +170,11 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   return count;
 }
 
-Stage begin_frame(sandglass_skin* skin, const Granular& granular) {
-  SkinState* s = &skin->skin;
+bool under_way(const void* handle) { return static_cast<const sandglass_skin*>(handle)->skin.phase != SkinPhase::idle; }
+
+uint32_t begin_frame(void* handle, const FrameView& view) {
+  SkinState* s = &static_cast<sandglass_skin*>(handle)->skin;
+  const Granular& granular = *view.granular;
   ++s->frame;
   s->granular = &granular;
   s->kernels = granular.kernels;
@@ -190,11 +193,12 @@ Stage begin_frame(sandglass_skin* skin, const Granular& granular) {
   const uint32_t mandatory = takes(*s) && s->ran ? 0 : 1;
   s->ran = false;
   if (!idle) s->in_time = 0;
-  return {skin, next, run, forecast, k_skin_kinds, mandatory, k_skin_share};
+  return mandatory;
 }
 
 }  // namespace
 
-extern const SkinFunctions k_skin_functions = {begin_frame, skin_carry_stage};
+extern const Capability k_skin_capability = {
+    "skin", k_skin_kinds, begin_frame, next, run, forecast, under_way, nullptr, nullptr, nullptr, skin_carry_stage};
 
 }  // namespace sandglass

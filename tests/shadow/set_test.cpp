@@ -106,8 +106,8 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
   refined.light_tolerance = in_full.light_tolerance = 0;
   LiveShadow adaptive(refined), full(in_full);
   sandglass_shadow* both[2] = {adaptive.shadow, full.shadow};
-  ShadowSet set = {both, 2};
-  const Stage stage = shadow_set_stage(&set);
+  Group group = {{members_of(both, 2, k_shadow_kinds)}, 1, 1.0f, 0};
+  const Stage stage = begin_group(&group, {});
   for (const float turn : {0.0f, 0.003f}) {
     uint32_t cells_before[2], cells[2];
     const auto count_cells = [&](uint32_t* of) {
@@ -118,9 +118,9 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
     for (LiveShadow* s : {&adaptive, &full}) set_light(*s, 0, turn, 0.1f), set_light(*s, 1, -0.3f, turn, 0.5f);
     std::vector<std::array<uint64_t, k_shadow_kinds>> foreseen, spent;  // at each unit
     std::array<uint64_t, k_shadow_kinds> total = {};
-    for (WorkUnit unit; stage.next(&set, 0, &unit); stage.run(&set, 0)) {
+    for (WorkUnit unit; stage.next(&group, 0, &unit); stage.run(&group, 0)) {
       Forecast entries[k_unit_kinds];
-      const uint32_t count = stage.forecast(&set, 0, entries);
+      const uint32_t count = stage.forecast(&group, 0, entries);
       foreseen.emplace_back();
       spent.push_back(total);
       for (uint32_t i = 0; i < count; ++i) {

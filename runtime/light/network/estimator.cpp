@@ -1,4 +1,4 @@
-// The C API around an Estimator: checks, layout, and what an estimate looks like from outside. Its units are in stage.cpp.
+// The C API around an Estimator: checks, layout, and what an estimate looks like from outside. Its units are in estimator_stage.cpp.
 #include "runtime/light/network/estimator.h"
 
 #include <cstring>
@@ -77,7 +77,7 @@ __attribute__((noinline)) bool build(const Checked& checked, const sandglass_est
   sandglass_estimator* owner = parts.estimator;
   if (owner == nullptr) return false;  // never: the layout has a block
   *owner = {};
-  owner->functions = &k_estimator_functions;
+  owner->member.capability = &k_estimator_capability;
   Estimator* l = &owner->estimator;
   l->network = create_light_network(checked.asset, checked.kernels, checked.backend, k_light_width, k_light_height,
                                     parts.network, reason);

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 
+#include "runtime/frame/capability.h"
 #include "runtime/light/network/filter.h"
 #include "runtime/light/network/network.h"
 #include "runtime/light/network/resample.h"
@@ -58,36 +59,11 @@ uint32_t estimator_image_units_left(const Estimator& estimator);
 bool estimator_next_unit(const sandglass_estimator* estimator, WorkUnit* unit);
 void estimator_run_unit(sandglass_estimator* estimator);
 
-// Creation leaves this table in every estimator, and the scene calls through it. So the linker drops the estimator from
-// an app that never creates one.
-struct EstimatorFunctions {
-  // See estimator_stage and estimator_end_frame.
-  Stage (*begin_frame)(sandglass_estimator* estimator, const sandglass_camera_image* image, const char** refused);
-  void (*end_frame)(sandglass_estimator* estimator, sandglass_frame_report* report);
-};
-extern const EstimatorFunctions k_estimator_functions;
+extern const Capability k_estimator_capability;
 
 }  // namespace sandglass
 
 struct sandglass_estimator {
-  const sandglass::EstimatorFunctions* functions;
+  sandglass::Member member;
   sandglass::Estimator estimator;
 };
-
-namespace sandglass {
-
-// The estimator's stage of this frame. Takes the frame's image where it is due; the units of that image are then
-// mandatory, because its planes belong to the app. *refused says what is wrong with an image that cannot be used, and
-// is left alone otherwise. `estimator` may be NULL.
-inline Stage estimator_stage(sandglass_estimator* estimator, const sandglass_camera_image* image,
-                             const char** refused) {
-  return estimator == nullptr ? stage_without_work(k_estimator_stage_kinds)
-                              : estimator->functions->begin_frame(estimator, image, refused);
-}
-
-// Drops an image that was not finished and fills in the estimator's part of the report.
-inline void estimator_end_frame(sandglass_estimator* estimator, sandglass_frame_report* report) {
-  if (estimator != nullptr) estimator->functions->end_frame(estimator, report);
-}
-
-}  // namespace sandglass

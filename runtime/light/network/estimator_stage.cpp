@@ -5,8 +5,6 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_estimator_share = 0.2f;  // of the optional time, while a later stage has work
-
 bool due(const Estimator& estimator, uint64_t time_ns) {
   if (time_ns == 0 || estimator.estimates == 0 || time_ns < estimator.taken_ns)
     return true;  // no clock, or one that restarted
@@ -130,21 +128,25 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   return count;
 }
 
-Stage begin_frame(sandglass_estimator* owner, const sandglass_camera_image* image, const char** refused) {
-  Estimator* estimator = &owner->estimator;
-  ++estimator->frame;
-  estimator->changed = false;
-  bool taken = false;
-  if (image != nullptr) {
-    const char* reason = nullptr;
-    if (sandglass_camera_check(image, &reason) != SANDGLASS_OK) *refused = reason;
-    else taken = estimator_take_image(estimator, *image);
-  }
-  const uint32_t mandatory = taken ? 1 + estimator_image_units_left(*estimator) : 1;
-  return {owner, next, run, forecast, k_estimator_stage_kinds, mandatory, k_estimator_share};
+bool under_way(const void* handle) {
+  return static_cast<const sandglass_estimator*>(handle)->estimator.phase != EstimatorPhase::idle;
 }
 
-void end_frame(sandglass_estimator* owner, sandglass_frame_report* report) {
+// The units of an image that is taken must run: its planes belong to the app.
+uint32_t begin_frame(void* handle, const FrameView& view) {
+  Estimator* estimator = &static_cast<sandglass_estimator*>(handle)->estimator;
+  const sandglass_camera_image* image = view.input->camera;
+  ++estimator->frame;
+  estimator->changed = false;
+  if (image == nullptr) return 1;
+  const char* reason = nullptr;
+  if (sandglass_camera_check(image, &reason) != SANDGLASS_OK) *view.refused = reason;
+  else if (estimator_take_image(estimator, *image)) return 1 + estimator_image_units_left(*estimator);
+  return 1;
+}
+
+void end_frame(void* handle, sandglass_frame_report* report) {
+  auto* owner = static_cast<sandglass_estimator*>(handle);
   Estimator* estimator = &owner->estimator;
   if (estimator->phase == EstimatorPhase::image) {
     drop_image(estimator);
@@ -160,6 +162,8 @@ void end_frame(sandglass_estimator* owner, sandglass_frame_report* report) {
 
 }  // namespace
 
-extern const EstimatorFunctions k_estimator_functions = {begin_frame, end_frame};
+extern const Capability k_estimator_capability = {
+    "estimator", k_estimator_stage_kinds, begin_frame, next, run, forecast, under_way, nullptr, nullptr, end_frame,
+    nullptr};
 
 }  // namespace sandglass

@@ -108,24 +108,31 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   return count;
 }
 
-Stage begin_frame(sandglass_room* owner, const sandglass_camera_image* image, const char** refused) {
+bool under_way(const void* handle) {
+  const Room& room = static_cast<const sandglass_room*>(handle)->room;
+  return room.phase != RoomPhase::idle || room_probe_units_left(room) > 0;
+}
+
+uint32_t begin_frame(void* handle, const FrameView& view) {
+  Room* room = &static_cast<sandglass_room*>(handle)->room;
+  const sandglass_camera_image* image = view.input->camera;
   bool taken = false;
   if (image != nullptr) {
     const char* reason = nullptr;
-    if (check_image(&owner->room, image, &reason) != SANDGLASS_OK) *refused = reason;
-    else taken = room_take_image(&owner->room, *image);
+    if (check_image(room, image, &reason) != SANDGLASS_OK) *view.refused = reason;
+    else taken = room_take_image(room, *image);
   }
-  const uint32_t units = (taken ? room_units_left(owner->room) : 0) + room_probe_units_left(owner->room);
-  return {owner, next, run, forecast, k_room_kinds, units, 1.0f};
+  return (taken ? room_units_left(*room) : 0) + room_probe_units_left(*room);
 }
 
 // A frame that ends early, by a broken clock or a plan, leaves an image unfinished. It is dropped, because its planes
 // belong to the app.
-void end_frame(sandglass_room* owner) {
-  Room* room = &owner->room;
-  room->phase = RoomPhase::idle;
-  room->cursor = 0;
-  room_drop_probe_unit(room);
+void end_frame(void* handle, sandglass_frame_report* report) {
+  auto* owner = static_cast<sandglass_room*>(handle);
+  owner->room.phase = RoomPhase::idle;
+  owner->room.cursor = 0;
+  room_drop_probe_unit(&owner->room);
+  report->versions.room = owner->version;
 }
 
 // Out of line: each runs between the two calls that set and restore the floating-point control.
@@ -223,7 +230,8 @@ __attribute__((noinline)) void run_probe(Room* room) {
 
 }  // namespace
 
-extern const RoomFunctions k_room_functions = {begin_frame, end_frame};
+extern const Capability k_room_capability = {"room",    k_room_kinds, begin_frame, next,      run,    forecast,
+                                             under_way, nullptr,      nullptr,     end_frame, nullptr};
 
 }  // namespace sandglass
 
@@ -251,7 +259,7 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
   layout.base = static_cast<uint8_t*>(block);
   sandglass_room* owner = lay_out(*desc, &layout);
   owner->room.unit = 0;
-  owner->functions = &k_room_functions;
+  owner->member = {&k_room_capability, 0};
   owner->version = 0;
   owner->room.told_radius = static_cast<double>(desc->radius);
   owner->room.half_life = static_cast<double>(desc->half_life);

@@ -18,7 +18,7 @@
 
 #include <cstdint>
 
-#include "runtime/frame/governor.h"
+#include "runtime/frame/capability.h"
 #include "runtime/light/camera/camera_image.h"
 #include "runtime/light/light_cells.h"
 #include "runtime/math/math.h"
@@ -343,19 +343,13 @@ void room_face(const Room& room, const RoomModel& model, const float position[3]
 void room_estimate(const Room& room, const RoomModel& model, const sandglass_room_place& place,
                    sandglass_room_light* light);
 
-// Creation leaves this table in every room, and the scene calls through it. So the linker drops the room from an app
-// that never creates one.
-struct RoomFunctions {
-  Stage (*begin_frame)(sandglass_room* room, const sandglass_camera_image* image, const char** refused);
-  void (*end_frame)(sandglass_room* room);
-};
-extern const RoomFunctions k_room_functions;
+extern const Capability k_room_capability;
 constexpr uint32_t k_room_kinds = 3;
 
 }  // namespace sandglass
 
 struct sandglass_room {
-  const sandglass::RoomFunctions* functions;
+  sandglass::Member member;
   sandglass::Room room;
   uint64_t version;  // of what it tells of its light
 };

@@ -108,7 +108,7 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   layout.base = static_cast<uint8_t*>(block);
   PackedShadow packed;
   sandglass_shadow* owner = lay_out(asset, desc.light_count, &layout, &packed);
-  owner->functions = &k_shadow_functions;
+  owner->member.capability = &k_shadow_capability;
   Shadow* s = &owner->shadow;
   s->kernels = kernels;
   s->light_count = desc.light_count;
@@ -129,14 +129,6 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   memset(s->back.coverage, 0, k_shadow_size * k_shadow_size);
   ambient_create(asset.ambient, &s->ambient);
   *shadow = owner;
-}
-
-__attribute__((noinline)) uint32_t run_units(ShadowSet set, uint32_t units) {
-  const Stage stage = shadow_set_stage(&set);
-  WorkUnit unit;
-  uint32_t done = 0;
-  while (done < units && stage.next(stage.state, 0, &unit)) stage.run(stage.state, 0), ++done;
-  return done;
 }
 
 __attribute__((noinline)) sandglass_status take_light(Shadow* s, uint32_t number, const float direction[3],
@@ -256,7 +248,7 @@ uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, uint32_t count, 
   for (uint32_t i = 0; i < count; ++i)
     if (shadows[i] == nullptr) return 0;
   const ExactFloatingPoint exact;
-  return run_units({shadows, count}, units);
+  return run_members(members_of(shadows, count, k_shadow_kinds), units);
 }
 
 uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {

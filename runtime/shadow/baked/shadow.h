@@ -1,5 +1,5 @@
 // The state behind the C API of sandglass/shadow.h: the shadows of one object, one for each light. One texture at a
-// time is under way; set.cpp chooses which. Its work is cut into units that a frame can hand out (frame/governor.h).
+// time is under way; stage.cpp chooses which. Its work is cut into units that a frame can hand out (frame/governor.h).
 //
 // A texture is computed in phases, each a list of units:
 //   rows     the tables of the network's first layer for this light
@@ -14,7 +14,7 @@
 #include <cstdint>
 
 #include "kernels/int8.h"
-#include "runtime/frame/governor.h"
+#include "runtime/frame/capability.h"
 #include "runtime/frame/layout.h"
 #include "runtime/math/shadow_rectangle.h"
 #include "runtime/shadow/baked/ambient.h"
@@ -32,9 +32,6 @@ constexpr uint64_t k_unit_macs = 5'000'000;           // 45 us on a phone's core
 constexpr uint32_t k_unit_table_rows = 64;            // rows of the first layer's table in one unit
 constexpr uint32_t k_unit_cell_rows = 16;             // rows of cells that one unit decides
 constexpr uint32_t k_table_rows = k_shadow_size + 1;  // the last corners lie one texel beyond the texture
-
-// Share of a frame's optional time for all shadows together, while a later stage has work.
-constexpr float k_shadow_share = 0.2f;
 
 // Kinds of work unit.
 enum : uint32_t { k_kind_rows, k_kind_texels, k_kind_decide, k_kind_refine, k_kind_ambient, k_shadow_kinds };
@@ -99,6 +96,7 @@ struct Shadow {
   ShadowLight* lights;
   uint32_t light_count;
   AmbientShadow ambient;
+  bool light_done;  // the last unit completed a texture of a light
 };
 
 void shadow_set_light(Shadow* shadow, uint32_t light, const double unit_vector[3], float irradiance);
@@ -125,27 +123,11 @@ struct ShadowWork {
 };
 ShadowWork shadow_work_left(const Shadow& shadow, bool likely);
 
-// The shadows of several objects under one budget (set.cpp).
-struct ShadowSet {
-  sandglass_shadow* const* shadows;
-  uint32_t count;
-};
-
-// Their work as a stage; `set` must outlive it. The forecast is what is likely left of all textures.
-Stage shadow_set_stage(ShadowSet* set);
-
-// Creation leaves this table in every shadow, and the scene calls through the table of the first. So the linker drops
-// shadows from an app that never creates one.
-struct ShadowFunctions {
-  Stage (*stage)(ShadowSet* set);
-  // Fills in the group `shadows`.
-  void (*report)(const ShadowSet& set, sandglass_frame_report* report);
-};
-extern const ShadowFunctions k_shadow_functions;
+extern const Capability k_shadow_capability;
 
 }  // namespace sandglass
 
 struct sandglass_shadow {
-  const sandglass::ShadowFunctions* functions;
+  sandglass::Member member;
   sandglass::Shadow shadow;
 };

@@ -2,13 +2,13 @@
 //   gather   the meshes' triangles, in the plane's frame (gather.cpp); left out while they are as they were
 //   draw     one image of bits for each direction of the light (directions.cpp), counted (draw.cpp)
 //   calm     the counts become bytes, through a filter (calm.cpp); the last unit swaps the two textures
-// The texture of the light and the ambient one share all of it, and take turns. set.cpp chooses among several casts.
+// The texture of the light and the ambient one share all of it, and take turns (stage.cpp).
 #pragma once
 
 #include <cstdint>
 
 #include "kernels/kernels.h"
-#include "runtime/frame/governor.h"
+#include "runtime/frame/capability.h"
 #include "runtime/frame/layout.h"
 #include "runtime/light/light_cells.h"
 #include "sandglass/cast.h"
@@ -130,8 +130,6 @@ struct CastState {
   uint32_t pass, row;  // of calm
   float* values;       // rows of counts, with k_lane_group before and after each
   float* windows[3];   // least, greatest, sum: k_cast_rows rows each
-  uint64_t served;     // when it was last run, counted by the units of its set
-  bool gives_way;      // of the first of a set: another part of the shadow stage comes before its next texture
 };
 
 inline uint32_t cast_words(uint32_t texels) { return texels / 64; }
@@ -160,24 +158,11 @@ bool cast_calm(CastState* cast);
 uint32_t cast_light_directions(const double light[3], double half_turns, uint32_t count, CastDirection* directions);
 uint32_t cast_cell_directions(const float cells[k_light_cells], uint32_t count, CastDirection* directions);
 
-// Several casts under one budget.
-struct CastSet {
-  sandglass_cast* const* casts;
-  uint32_t count;
-};
-
-// Creation leaves this table in the handle, and the scene calls through it. So the linker drops casts from an app that
-// never creates one.
-struct CastFunctions {
-  Stage (*stage)(CastSet* set);
-  bool (*under_way)(const CastSet& set);
-  uint32_t (*pending)(const CastSet& set);
-};
-extern const CastFunctions k_cast_functions;
+extern const Capability k_cast_capability;
 
 }  // namespace sandglass
 
 struct sandglass_cast {
-  const sandglass::CastFunctions* functions;
+  sandglass::Member member;
   sandglass::CastState cast;
 };

@@ -117,7 +117,7 @@ __attribute__((noinline)) void build(const sandglass_cast_desc& desc, void* bloc
   Layout layout;
   layout.base = static_cast<uint8_t*>(block);
   sandglass_cast* owner = lay_out(desc, &layout);
-  owner->functions = &k_cast_functions;
+  owner->member.capability = &k_cast_capability;
   CastState* c = &owner->cast;
   c->kernels = select_cast_kernels(desc.isa);
   c->directions_of_light = desc.directions;

@@ -83,7 +83,7 @@ __attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, voi
   Layout layout;
   layout.base = static_cast<uint8_t*>(block);
   sandglass_pile_shadow* owner = lay_out(desc, &layout);
-  owner->functions = &k_pile_functions;
+  owner->member.capability = &k_pile_capability;
   Pile* p = &owner->pile;
   p->kernels = select_pile_kernels(desc.isa);
   p->tops += k_lane_group;
@@ -144,12 +144,6 @@ __attribute__((noinline)) sandglass_status take_cells(Pile* p, const float* cell
   return accept(reason);
 }
 
-__attribute__((noinline)) uint32_t run_units(Pile* p, uint32_t units) {
-  uint32_t done = 0;
-  while (done < units && (p->phase != PilePhase::idle || pile_wanted(*p) != 0)) pile_run(p), ++done;
-  return done;
-}
-
 }  // namespace
 }  // namespace sandglass
 
@@ -201,10 +195,9 @@ uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* p
                                    uint32_t units) {
   if (shadow == nullptr || (positions == nullptr && count != 0)) return 0;
   const ExactFloatingPoint exact;
-  shadow->pile.source = {nullptr, nullptr, positions, radius > 0 && radius < k_pile_radius_limit ? count : 0,
-                         radius,  nullptr, 0};
-  const uint32_t done = run_units(&shadow->pile, units);
-  return done;
+  const uint32_t usable = radius > 0 && radius < k_pile_radius_limit ? count : 0;
+  shadow->pile.source = {nullptr, nullptr, positions, usable, radius, nullptr, 0, shadow->pile.source.moving};
+  return run_members(member_of(shadow, k_pile_kinds), units);
 }
 
 void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_texture* out) {

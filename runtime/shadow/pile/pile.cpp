@@ -176,7 +176,7 @@ void begin(Pile* p) {
   p->restarts = 0;
   p->making = pile_wanted(*p);
   // While sand moves, what it leaves of the room's light is made every other time: it is softer.
-  p->skips_sky = p->moving && p->making == k_ask_all && !p->skips_sky;
+  p->skips_sky = p->source.moving && p->making == k_ask_all && !p->skips_sky;
   p->asked &= ~p->making;
   if (p->skips_sky) p->making = k_ask_light;  // the next frame asks again
   p->back.frame = p->frame;
@@ -191,7 +191,7 @@ struct Centres {
   uint64_t stride;
 };
 
-Centres centres_of(const PileSource& source) {
+Centres centres_of(const DrawnSand& source) {
   if (source.grains != nullptr) return {(*source.grains)->position, sizeof(Grain) / sizeof(float)};
   if (source.particles != nullptr) return {(*source.particles)->position, sizeof(Particle) / sizeof(float)};
   return {source.positions, 3};
@@ -200,7 +200,7 @@ Centres centres_of(const PileSource& source) {
 // A skin that is exchanged before its columns stand is taken from the start, so that all are of one; not for ever.
 void run_columns(Pile* p) {
   constexpr uint32_t k_restarts = 3;
-  const PileSource& source = p->source;
+  const DrawnSand& source = p->source;
   if (p->phase == PilePhase::idle) begin(p);
   else if (source.skin != nullptr && source.skin->front_version != p->skin_version && p->restarts++ < k_restarts)
     begin_columns(p);
@@ -315,7 +315,6 @@ void run_rows(Pile* p) {
   p->valid = true;
   p->making &= ~k_ask_light;
   p->phase = p->making != 0 ? PilePhase::levels : PilePhase::idle;
-  p->gives_way = p->phase == PilePhase::idle;
 }
 
 void run_sky(Pile* p) {
@@ -340,7 +339,6 @@ void run_sky(Pile* p) {
   s->valid = true;
   p->making = 0;
   p->phase = PilePhase::idle;
-  p->gives_way = true;
 }
 
 bool has_work(const Pile& p) { return p.phase != PilePhase::idle || pile_wanted(p) != 0; }
@@ -378,14 +376,19 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   return count;
 }
 
-Stage begin_frame(sandglass_pile_shadow* shadow, const PileSource& source, bool moving) {
-  Pile& p = shadow->pile;
+bool under_way(const void* handle) {
+  return static_cast<const sandglass_pile_shadow*>(handle)->pile.phase != PilePhase::idle;
+}
+
+uint32_t begin_frame(void* handle, const FrameView& view) {
+  Pile& p = static_cast<sandglass_pile_shadow*>(handle)->pile;
+  const DrawnSand& sand = view.drawn;
   ++p.frame;
   // Also in the frame after the last motion: the texture under way then shows sand that still moved.
-  if (moving || p.moving || source.count != p.source.count || source.version != p.source.version) p.asked = k_ask_all;
-  p.moving = moving;
-  p.source = source;
-  return {shadow, next, run, forecast, k_pile_kinds, 1, k_shadow_share};
+  const bool changed = sand.count != p.source.count || sand.version != p.source.version;
+  if (sand.moving || p.source.moving || changed) p.asked = k_ask_all;
+  p.source = sand;
+  return 0;
 }
 
 }  // namespace
@@ -427,6 +430,7 @@ void pile_run(Pile* p) {
   else run_rows(p);
 }
 
-extern const PileFunctions k_pile_functions = {begin_frame};
+extern const Capability k_pile_capability = {"pile shadow", k_pile_kinds, begin_frame, next,    run,    forecast,
+                                             under_way,     nullptr,      nullptr,     nullptr, nullptr};
 
 }  // namespace sandglass

@@ -12,7 +12,7 @@
 #include <cstdint>
 
 #include "kernels/kernels.h"
-#include "runtime/frame/governor.h"
+#include "runtime/frame/capability.h"
 #include "runtime/shadow/pile/sky.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/skin.h"
@@ -37,20 +37,7 @@ enum class PilePhase : uint32_t { idle, columns, floor, sand, levels, sky };
 // What is asked for and what is under way, as bits.
 enum : uint32_t { k_ask_light = 1, k_ask_sky = 2, k_ask_all = 3 };
 
-struct SkinState;
 constexpr int32_t k_no_brick = INT32_MAX;  // Pile::skin_brick[0]
-
-// The sand: one of the four pointers is not null. A scene swaps its arrays from sub-step to sub-step, so the first
-// two point to the scene's own pointer.
-struct PileSource {
-  const Particle* const* particles;
-  const Grain* const* grains;
-  const float* positions;  // x y z of each
-  uint32_t count;
-  float radius;  // metres
-  const SkinState* skin;
-  uint32_t version;  // of the skin
-};
 
 struct PileTexture {
   uint8_t *floor, *sand;  // sand: null without
@@ -90,12 +77,10 @@ struct Pile {
   double light[3], made_for[3];
   float opacity;
   // What asks for a texture.
-  PileSource source;
+  DrawnSand source;
   uint64_t frame;
   uint32_t asked, making;
-  bool moving;
   bool skips_sky;  // the texture under way, or the last one
-  bool gives_way;  // a texture of an object comes before the next one of the sand
   PileSky sky;
 };
 
@@ -136,17 +121,11 @@ bool pile_put_flying(Pile* p, const sandglass_skin_loose& loose, uint32_t* visit
 WorkUnit pile_next(const Pile& pile);
 void pile_run(Pile* pile);
 
-// Creation leaves this table in the handle, and the scene calls through it. So the linker drops the sand's shadow from
-// an app that never creates one.
-struct PileFunctions {
-  // Looks at the frame's sand and returns the stage of this shadow. `moving`: some of the sand is awake.
-  Stage (*begin_frame)(sandglass_pile_shadow* shadow, const PileSource& source, bool moving);
-};
-extern const PileFunctions k_pile_functions;
+extern const Capability k_pile_capability;
 
 }  // namespace sandglass
 
 struct sandglass_pile_shadow {
-  const sandglass::PileFunctions* functions;
+  sandglass::Member member;
   sandglass::Pile pile;
 };

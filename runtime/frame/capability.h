@@ -1,0 +1,106 @@
+// What a capability is to a frame: one table of functions, which creation leaves in the first word of the handle. A scene calls
+// through it, so it links no capability that the app never creates.
+//
+// A stage of the frame is a group of capabilities, most often of one. Of one group one unit runs at a time, and they take turns
+// (turns.cpp): what is under way is completed first; then the capability comes that was served longest ago, and of its handles
+// the most urgent one.
+#pragma once
+
+#include <cstdint>
+
+#include "runtime/frame/governor.h"
+
+struct sandglass_skin;
+
+namespace sandglass {
+
+struct Granular;
+struct Particle;
+struct Grain;
+struct SkinState;
+
+// The sand as the app draws it: one of the four pointers is not null. A scene swaps its arrays from sub-step to sub-step, so the
+// first two point to the scene's own pointer.
+struct DrawnSand {
+  const Particle* const* particles;
+  const Grain* const* grains;
+  const float* positions;  // x y z of each
+  uint32_t count;
+  float radius;  // metres
+  const SkinState* skin;
+  uint32_t version;  // of the skin
+  bool moving;       // some of it is awake
+};
+
+// What a capability may look at as a frame begins.
+struct FrameView {
+  const sandglass_frame_input* input;
+  const Granular* granular;
+  DrawnSand drawn;
+  const char** refused;  // what is wrong with the frame's image, where it cannot be used
+};
+
+struct Capability {
+  const char* name;
+  // Kinds of work unit, counted from 0.
+  uint32_t kinds;
+  // Returns how many of its units this frame must run.
+  uint32_t (*begin_frame)(void* handle, const FrameView& view);
+  // These three as in Stage. With several handles in a group, what is left of one kind is added up.
+  bool (*next)(const void* handle, uint32_t level, WorkUnit* unit);
+  void (*run)(void* handle, uint32_t level);
+  uint32_t (*forecast)(const void* handle, uint32_t level, Forecast* entries);
+  // Whether it has begun what it must complete before others of its group have a turn.
+  bool (*under_way)(const void* handle);
+  // Of those of its handles that have work, the one where this is greatest comes first. NULL: the one under way, then the one
+  // that was served longest ago.
+  double (*urgency)(const void* handle);
+  // Told to each of its handles once one of them has run a unit. NULL: nothing is.
+  void (*served)(void* handle, const void* by);
+  // Drops what belongs to the app, and fills in its part of the report.
+  void (*end_frame)(void* handle, sandglass_frame_report* report);
+  // Its part of what closes a frame (Closing, scene.h), with the same kinds. NULL: none.
+  Stage (*closing)(void* handle);
+};
+
+// What every handle begins with.
+struct Member {
+  const Capability* capability;
+  uint64_t served;  // when it last ran a unit, counted by the units of its group
+};
+
+// All handles of one capability in a frame, or none of them.
+struct Members {
+  Member* (*at)(const void* handles, uint32_t i);
+  const void* handles;
+  uint32_t count;
+  uint32_t kinds;  // also of a capability that a frame leaves out: the predictor's memory is by place
+};
+
+// The handles of an array that the app gives, and one handle, which may be NULL.
+template <class Handle>
+Members members_of(Handle* const* handles, uint32_t count, uint32_t kinds) {
+  const auto at = [](const void* all, uint32_t i) {
+    return reinterpret_cast<Member*>(static_cast<Handle* const*>(all)[i]);
+  };
+  return {at, handles, count, kinds};
+}
+template <class Handle>
+Members member_of(Handle* const& handle, uint32_t kinds) {
+  return members_of(&handle, handle == nullptr ? 0 : 1, kinds);
+}
+
+// A group as a stage of the frame; must outlive it.
+constexpr uint32_t k_group_capacity = 3;
+struct Group {
+  Members members[k_group_capacity];
+  uint32_t count;
+  float share;         // see Stage
+  uint32_t mandatory;  // units of each frame, beside those that its members must run
+};
+Stage begin_group(Group* group, const FrameView& view);
+void end_group(const Group& group, sandglass_frame_report* report);
+// Runs up to so many units outside a frame. Returns how many there were.
+uint32_t run_members(const Members& members, uint32_t units);
+
+}  // namespace sandglass
