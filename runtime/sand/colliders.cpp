@@ -284,9 +284,11 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
       known.used != 0 && known.id == now.id && known.shape == now.shape && recognisable(known, now, g.time);
   const bool continued = same_one && known.absent <= g.time.frame_step;
   const Placement before = placement_of(c.of_slot[slot]);
-  if (c.waits) hold_returns(&known.pose);  // a save may be older than where a lift is now
+  // A save may be older than where a lift is now. What it went since is no way of this frame, however late that is.
+  if (c.waits) hold_returns(&known.pose);
+  const float seconds = c.waits ? g.time.frame_step : known.absent + g.time.left_out;
   if (!same_one) hold_anew(&known.pose, placement_of(now));
-  else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), known.absent + g.time.left_out, rule);
+  else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), seconds, rule);
   known.used = 1;
   known.id = now.id;
   known.shape = now.shape;
