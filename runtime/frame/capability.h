@@ -69,25 +69,21 @@ struct Member {
   uint64_t served;  // when it last ran a unit, counted by the units of its group
 };
 
-// All handles of one capability in a frame, or none of them.
+// All handles of one capability in a frame: an array of pointers to them, as the app gives it.
 struct Members {
-  Member* (*at)(const void* handles, uint32_t i);
   const void* handles;
   uint32_t count;
   uint32_t kinds;  // also of a capability that a frame leaves out: the predictor's memory is by place
 };
-
-// The handles of an array that the app gives, and one handle, which may be NULL.
-template <class Handle>
-Members members_of(Handle* const* handles, uint32_t count, uint32_t kinds) {
-  const auto at = [](const void* all, uint32_t i) {
-    return reinterpret_cast<Member*>(static_cast<Handle* const*>(all)[i]);
-  };
-  return {at, handles, count, kinds};
+inline Member* member_at(const Members& members, uint32_t i) {
+  void* handle;
+  __builtin_memcpy(&handle, static_cast<const char*>(members.handles) + i * sizeof handle, sizeof handle);
+  return static_cast<Member*>(handle);
 }
+// One handle, which may be NULL.
 template <class Handle>
 Members member_of(Handle* const& handle, uint32_t kinds) {
-  return members_of(&handle, handle == nullptr ? 0 : 1, kinds);
+  return {&handle, handle == nullptr ? 0u : 1u, kinds};
 }
 
 // A group as a stage of the frame; must outlive it.

@@ -22,7 +22,7 @@ bool choose_member(const Members& members, uint32_t level, Turn* turn) {
   bool goes_on = false;
   double greatest = 0;
   for (uint32_t i = 0; i < members.count; ++i) {
-    Member* member = members.at(members.handles, i);
+    Member* member = member_at(members, i);
     WorkUnit unit;
     if (!member->capability->next(member, level, &unit)) continue;
     goes_on = goes_on || member->capability->under_way(member);
@@ -41,7 +41,7 @@ bool choose_member(const Members& members, uint32_t level, Turn* turn) {
 uint64_t last_served(const Members& members) {
   uint64_t last = 0;
   for (uint32_t i = 0; i < members.count; ++i) {
-    const uint64_t served = members.at(members.handles, i)->served;
+    const uint64_t served = member_at(members, i)->served;
     last = served > last ? served : last;
   }
   return last;
@@ -78,7 +78,7 @@ void run_turn(const Group& group, const Turn& turn, uint32_t level) {
   }
   turn.member->served = last + 1;
   if (c.served == nullptr) return;
-  for (uint32_t i = 0; i < turn.members->count; ++i) c.served(turn.members->at(turn.members->handles, i), turn.member);
+  for (uint32_t i = 0; i < turn.members->count; ++i) c.served(member_at(*turn.members, i), turn.member);
 }
 
 bool next(const void* state, uint32_t level, WorkUnit* unit) {
@@ -102,7 +102,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
     const Members& members = group.members[i];
     const uint32_t begin = count;
     for (uint32_t k = 0; k < members.count; ++k) {
-      Member* member = members.at(members.handles, k);
+      Member* member = member_at(members, k);
       const uint32_t more = member->capability->forecast(member, level, entries + count), end = count + more;
       for (uint32_t e = count; e < end; ++e) {
         const Forecast entry = {first_kind + entries[e].kind, entries[e].items, entries[e].spread};
@@ -127,7 +127,7 @@ Stage begin_group(Group* group, const FrameView& view) {
     const Members& members = group->members[i];
     kinds += members.kinds;
     for (uint32_t k = 0; k < members.count; ++k) {
-      Member* member = members.at(members.handles, k);
+      Member* member = member_at(members, k);
       units += member->capability->begin_frame(member, view);
       any = true;
     }
@@ -140,7 +140,7 @@ void end_group(const Group& group, sandglass_frame_report* report) {
   for (uint32_t i = 0; i < group.count; ++i) {
     const Members& members = group.members[i];
     for (uint32_t k = 0; k < members.count; ++k) {
-      Member* member = members.at(members.handles, k);
+      Member* member = member_at(members, k);
       if (member->capability->end_frame != nullptr) member->capability->end_frame(member, report);
     }
   }

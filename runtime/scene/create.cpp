@@ -1,34 +1,39 @@
 // Making a scene: the description is checked, one walk over it lays out the block, and the same walk counts its bytes.
+#include "runtime/frame/create.h"
 #include "runtime/frame/refuse.h"
 #include "runtime/scene/scene.h"
 
 namespace sandglass {
 namespace {
 
-sandglass_status check(const sandglass_scene_desc* desc, const char** reason) {
-  if (desc == nullptr)
-    return refuse(reason, "desc is NULL: pass a description filled by sandglass_scene_desc_default.");
-  if (desc->struct_size != sizeof(sandglass_scene_desc)) {
-    return refuse(reason,
-                  "desc.struct_size is not this library's: fill the description with sandglass_scene_desc_default.");
-  }
-  if (!gravity_fits(desc->gravity)) return refuse(reason, "desc.gravity must be finite and at most 1000 m/s^2.");
-  if (desc->unit_items < 16 || desc->unit_items > 65536 || desc->unit_items % 16 != 0) {
+sandglass_status check(const sandglass_scene_desc& desc, const char** reason) {
+  if (!gravity_fits(desc.gravity)) return refuse(reason, "desc.gravity must be finite and at most 1000 m/s^2.");
+  if (desc.unit_items < 16 || desc.unit_items > 65536 || desc.unit_items % 16 != 0) {
     return refuse(reason, "desc.unit_items must be a multiple of 16 from 16 to 65536.");
   }
-  if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_WASM) {
+  if (desc.isa < SANDGLASS_ISA_AUTOMATIC || desc.isa > SANDGLASS_ISA_WASM) {
     return refuse(reason, "desc.isa must be a SANDGLASS_ISA value.");
   }
-  if (desc->finest_level >= SANDGLASS_LEVEL_COUNT)
+  if (select_sand_kernels(desc.isa) == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
+                  "desc.isa is not available on this CPU or in this build: use SANDGLASS_ISA_AUTOMATIC.");
+  if (desc.finest_level >= SANDGLASS_LEVEL_COUNT)
     return refuse(reason, "desc.finest_level must be below SANDGLASS_LEVEL_COUNT; 0 is best.");
-  const char* granular = granular_refuse(desc->granular);
+  const char* granular = granular_refuse(desc.granular);
   return granular == nullptr ? SANDGLASS_OK : refuse(reason, granular);
 }
 
-// The one walk: the scene itself, then every stage's regions.
-sandglass_scene* lay_out(const sandglass_scene_desc& desc, Layout* layout, Granular* granular) {
+// The one walk: the scene itself, then the regions of its sand.
+sandglass_scene* walk(const sandglass_scene_desc& desc, Layout* layout, Granular* granular) {
   sandglass_scene* scene = layout_region<sandglass_scene>(layout, "scene", 1);
   granular_layout(granular, desc.granular, layout);
+  return scene;
+}
+
+sandglass_scene* lay_out(const sandglass_scene_desc& desc, Layout* layout) {
+  Granular granular = {};
+  sandglass_scene* scene = walk(desc, layout, &granular);
+  if (scene != nullptr) scene->layout = *layout;
   return scene;
 }
 
@@ -37,7 +42,7 @@ void begin(sandglass_scene* scene) {
   Layout layout;
   layout.base = scene->layout.base;
   Granular granular = {};
-  lay_out(scene->desc, &layout, &granular);
+  walk(scene->desc, &layout, &granular);
   scene->granular = granular;
   granular_configure(&scene->granular, scene->desc, scene->kernels);
   granular_reset(&scene->granular);
@@ -46,43 +51,27 @@ void begin(sandglass_scene* scene) {
   scene->frame = 0;
 }
 
+sandglass_status build(const sandglass_scene_desc& desc, sandglass_scene* scene, const char** reason) {
+  scene->desc = desc;
+  scene->kernels = select_sand_kernels(desc.isa);
+  begin(scene);
+  return accept(reason);
+}
+
+using Maker = MakerOf<check, lay_out, build>;
+
 }  // namespace
 }  // namespace sandglass
 
 using namespace sandglass;
 
 sandglass_status sandglass_scene_bytes(const sandglass_scene_desc* desc, uint64_t* bytes, const char** reason) {
-  if (const sandglass_status status = check(desc, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store the size.");
-  Layout layout;
-  Granular granular = {};
-  lay_out(*desc, &layout, &granular);
-  *bytes = layout.size;
-  return accept(reason);
+  return bytes_of<Maker>(desc, bytes, reason);
 }
 
 sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* block, uint64_t bytes,
                                         sandglass_scene** scene, const char** reason) {
-  uint64_t need = 0;
-  if (const sandglass_status status = sandglass_scene_bytes(desc, &need, reason)) return status;
-  if (scene == nullptr) return refuse(reason, "scene is NULL: pass where to store the scene.");
-  const Kernels* kernels = select_sand_kernels(desc->isa);
-  if (kernels == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
-                  "desc.isa is not available on this CPU or in this build: use SANDGLASS_ISA_AUTOMATIC.");
-  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
-
-  __builtin_memset(block, 0, need);
-  Layout layout;
-  layout.base = static_cast<uint8_t*>(block);
-  Granular granular = {};
-  sandglass_scene* s = lay_out(*desc, &layout, &granular);
-  s->desc = *desc;
-  s->layout = layout;
-  s->kernels = kernels;
-  begin(s);
-  *scene = s;
-  return accept(reason);
+  return create_in<Maker>(desc, block, bytes, scene, reason);
 }
 
 void sandglass_scene_reset(sandglass_scene* scene) {

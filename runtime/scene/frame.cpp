@@ -63,7 +63,7 @@ const char* check_handles(const sandglass_frame_input& input) {
 void find_groups(const sandglass_frame_input& input, Group groups[k_groups]) {
   Group* group = groups;
 #define ONE(field, kinds) group->members[group->count++] = member_of(input.field, kinds);
-#define MANY(field, number, kinds) group->members[group->count++] = members_of(input.field, input.number, kinds);
+#define MANY(field, number, kinds) group->members[group->count++] = Members{input.field, input.number, kinds};
 #define STAGE(name, title, of_time, units, all) \
   *group = {{}, 0, of_time, units};             \
   all++ group;

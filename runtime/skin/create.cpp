@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "platform/floating_point.h"
+#include "runtime/frame/create.h"
 #include "runtime/frame/filled_struct.h"
 #include "runtime/frame/refuse.h"
 #include "runtime/math/finite.h"
@@ -11,18 +12,15 @@
 namespace sandglass {
 namespace {
 
-sandglass_status check(const sandglass_skin_desc* desc, const char** reason) {
-  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_skin_desc_default");
-  if (desc->struct_size != sizeof *desc)
-    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_skin_desc_default");
-  if (desc->particle_capacity == 0 || desc->particle_capacity > 4'000'000)
+sandglass_status check(const sandglass_skin_desc& desc, const char** reason) {
+  if (desc.particle_capacity == 0 || desc.particle_capacity > 4'000'000)
     return refuse(reason, "desc.particle_capacity is not in 1..4000000: take the scene's");
-  if (!within(desc->particle_radius, 0.0001f, 10.0f))
+  if (!within(desc.particle_radius, 0.0001f, 10.0f))
     return refuse(reason, "desc.particle_radius is not in 0.0001..10 metres: take the scene's");
-  if (desc->collider_capacity > 256) return refuse(reason, "desc.collider_capacity is above 256: take the scene's");
-  if (!within(desc->block_side, 0.0001f, 1.0f)) return refuse(reason, "desc.block_side is not in 0.0001..1 metres");
-  if (desc->first_vertex > 1) return refuse(reason, "desc.first_vertex is neither 0 nor 1");
-  if (desc->closed > 1) return refuse(reason, "desc.closed is neither 0 nor 1");
+  if (desc.collider_capacity > 256) return refuse(reason, "desc.collider_capacity is above 256: take the scene's");
+  if (!within(desc.block_side, 0.0001f, 1.0f)) return refuse(reason, "desc.block_side is not in 0.0001..1 metres");
+  if (desc.first_vertex > 1) return refuse(reason, "desc.first_vertex is neither 0 nor 1");
+  if (desc.closed > 1) return refuse(reason, "desc.closed is neither 0 nor 1");
   return accept(reason);
 }
 
@@ -77,10 +75,7 @@ sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
   return owner;
 }
 
-__attribute__((noinline)) void build(const sandglass_skin_desc& desc, void* block, sandglass_skin** skin) {
-  Layout layout;
-  layout.base = static_cast<uint8_t*>(block);
-  sandglass_skin* owner = lay_out(desc, &layout);
+sandglass_status build(const sandglass_skin_desc& desc, sandglass_skin* owner, const char** reason) {
   owner->member.capability = &k_skin_capability;
   SkinState* s = &owner->skin;
   s->spacing = k_skin_spacing * desc.particle_radius;
@@ -105,8 +100,10 @@ __attribute__((noinline)) void build(const sandglass_skin_desc& desc, void* bloc
   s->falls = true;
   skin_forget(s);
   s->asked = true;
-  *skin = owner;
+  return accept(reason);
 }
+
+using Maker = MakerOf<check, lay_out, build>;
 
 }  // namespace
 }  // namespace sandglass
@@ -125,23 +122,12 @@ void sandglass_skin_desc_default(sandglass_skin_desc* desc, const sandglass_gran
 }
 
 sandglass_status sandglass_skin_bytes(const sandglass_skin_desc* desc, uint64_t* bytes, const char** reason) {
-  if (const sandglass_status status = check(desc, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
-  Layout layout;
-  lay_out(*desc, &layout);
-  *bytes = layout.size;
-  return accept(reason);
+  return bytes_of<Maker>(desc, bytes, reason);
 }
 
 sandglass_status sandglass_skin_create(const sandglass_skin_desc* desc, void* block, uint64_t bytes,
                                        sandglass_skin** skin, const char** reason) {
-  uint64_t need = 0;
-  if (const sandglass_status status = sandglass_skin_bytes(desc, &need, reason)) return status;
-  if (skin == nullptr) return refuse(reason, "skin is NULL: pass where to store it");
-  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
-  const ExactFloatingPoint exact;
-  build(*desc, block, skin);
-  return accept(reason);
+  return create_in<Maker>(desc, block, bytes, skin, reason);
 }
 
 void sandglass_skin_get_mesh(const sandglass_skin* skin, sandglass_skin_mesh* out) {

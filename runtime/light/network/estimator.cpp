@@ -5,6 +5,7 @@
 
 #include "kernels/whole.h"
 #include "platform/floating_point.h"
+#include "runtime/frame/create.h"
 #include "runtime/frame/filled_struct.h"
 #include "runtime/frame/refuse.h"
 #include "runtime/light/network/backends.h"
@@ -18,80 +19,61 @@ namespace {
 
 constexpr uint64_t k_rgb_bytes = 3 * k_light_width * k_light_height;
 
-struct Checked {
+// What a description and its asset say, and where the network and an image go.
+struct Maker {
+  using Desc = sandglass_estimator_desc;
+  using Handle = sandglass_estimator;
   LightAsset asset;
   const Int8Kernels* kernels;
   const LightBackend* backend;
-};
-
-sandglass_status check(const sandglass_estimator_desc* desc, Checked* checked, const char** reason) {
-  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_estimator_desc_default");
-  if (desc->struct_size != sizeof *desc)
-    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_estimator_desc_default");
-  if (!(desc->interval >= 0 && desc->interval <= 60)) return refuse(reason, "desc.interval is not in 0..60 seconds");
-  if (!(desc->smoothing >= 0 && desc->smoothing <= 60)) return refuse(reason, "desc.smoothing is not in 0..60 seconds");
-  if (!(desc->turn_limit > 0 && desc->turn_limit <= 1e6f))
-    return refuse(reason, "desc.turn_limit is not above 0 and at most 1e6 radians a second");
-  if (!(desc->outlier_angle >= 0 && desc->outlier_angle <= 3.1416f))
-    return refuse(reason, "desc.outlier_angle is not in 0..pi");
-  if (!(desc->outlier_level >= 0 && desc->outlier_level <= 2))
-    return refuse(reason, "desc.outlier_level is not in 0..2");
-  if (!find_light_backend(desc->backend, &checked->backend, reason)) return SANDGLASS_ERROR_UNSUPPORTED;
-  checked->kernels = select_light_kernels(desc->isa);
-  if (checked->kernels == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
-                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
-  return open_light_asset(desc->asset, desc->asset_bytes, &checked->asset, reason);
-}
-
-struct Parts {
-  sandglass_estimator* estimator;
   LightMemory network;
   uint8_t* rgb;
   uint32_t* sums;
+  sandglass_status check(const sandglass_estimator_desc& desc, const char** reason);
+  sandglass_estimator* lay_out(const sandglass_estimator_desc& desc, Layout* layout);
+  sandglass_status build(const sandglass_estimator_desc& desc, sandglass_estimator* owner, const char** reason) const;
 };
 
+sandglass_status Maker::check(const sandglass_estimator_desc& desc, const char** reason) {
+  if (!(desc.interval >= 0 && desc.interval <= 60)) return refuse(reason, "desc.interval is not in 0..60 seconds");
+  if (!(desc.smoothing >= 0 && desc.smoothing <= 60)) return refuse(reason, "desc.smoothing is not in 0..60 seconds");
+  if (!(desc.turn_limit > 0 && desc.turn_limit <= 1e6f))
+    return refuse(reason, "desc.turn_limit is not above 0 and at most 1e6 radians a second");
+  if (!(desc.outlier_angle >= 0 && desc.outlier_angle <= 3.1416f))
+    return refuse(reason, "desc.outlier_angle is not in 0..pi");
+  if (!(desc.outlier_level >= 0 && desc.outlier_level <= 2)) return refuse(reason, "desc.outlier_level is not in 0..2");
+  if (!find_light_backend(desc.backend, &backend, reason)) return SANDGLASS_ERROR_UNSUPPORTED;
+  kernels = select_light_kernels(desc.isa);
+  if (kernels == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
+                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
+  return open_light_asset(desc.asset, desc.asset_bytes, &asset, reason);
+}
+
 // The one walk: counts the bytes, or hands out the regions.
-Parts lay_out(const LightBackend* backend, Layout* layout) {
-  Parts parts;
-  parts.estimator = layout_region<sandglass_estimator>(layout, "estimator", 1);
-  parts.network = layout_light_network(k_light_width, k_light_height, layout, backend);
-  parts.rgb = layout_region<uint8_t>(layout, "estimator.image", k_rgb_bytes);
-  parts.sums = layout_region<uint32_t>(layout, "estimator.sums", k_camera_sums);
-  return parts;
+sandglass_estimator* Maker::lay_out(const sandglass_estimator_desc&, Layout* layout) {
+  auto* owner = layout_region<sandglass_estimator>(layout, "estimator", 1);
+  network = layout_light_network(k_light_width, k_light_height, layout, backend);
+  rgb = layout_region<uint8_t>(layout, "estimator.image", k_rgb_bytes);
+  sums = layout_region<uint32_t>(layout, "estimator.sums", k_camera_sums);
+  return owner;
 }
 
-// Out of line, so that its layout does not lie on the stack beside that of build.
-__attribute__((noinline)) uint64_t size_of_estimator(const LightBackend* backend) {
-  Layout layout;
-  (void)lay_out(backend, &layout);
-  return layout.size;
-}
-
-// False: the back end cannot be had.
-__attribute__((noinline)) bool build(const Checked& checked, const sandglass_estimator_desc& desc, void* block,
-                                     sandglass_estimator** estimator, const char** reason) {
-  Layout layout;
-  layout.base = static_cast<uint8_t*>(block);
-  const Parts parts = lay_out(checked.backend, &layout);
-  sandglass_estimator* owner = parts.estimator;
-  if (owner == nullptr) return false;  // never: the layout has a block
+sandglass_status Maker::build(const sandglass_estimator_desc& desc, sandglass_estimator* owner,
+                              const char** reason) const {
   *owner = {};
   owner->member.capability = &k_estimator_capability;
   Estimator* l = &owner->estimator;
-  l->network = create_light_network(checked.asset, checked.kernels, checked.backend, k_light_width, k_light_height,
-                                    parts.network, reason);
-  if (l->network == nullptr) return false;
-  l->rgb = parts.rgb;
-  l->sums = parts.sums;
-  memset(l->rgb, 0, k_rgb_bytes);
+  l->network = create_light_network(asset, kernels, backend, k_light_width, k_light_height, network, reason);
+  if (l->network == nullptr) return SANDGLASS_ERROR_UNSUPPORTED;  // the back end cannot be had
+  l->rgb = rgb;
+  l->sums = sums;
   const double interval = static_cast<double>(desc.interval);
   l->interval_ns = to_whole<uint64_t>(interval * 1e9);
   l->filter.law = {static_cast<double>(desc.smoothing), interval, static_cast<double>(desc.turn_limit),
                    static_cast<double>(desc.outlier_angle), static_cast<double>(desc.outlier_level)};
   estimator_reset(l);
-  *estimator = owner;
-  return true;
+  return accept(reason);
 }
 
 void describe(const Estimator& estimator, const LightSample& sample, uint64_t timestamp_ns,
@@ -123,13 +105,6 @@ void describe(const Estimator& estimator, const LightSample& sample, uint64_t ti
 
 __attribute__((noinline)) void resample_now(Estimator* estimator) {
   while (estimator->phase == EstimatorPhase::image) estimator_run_image(estimator);
-}
-
-__attribute__((noinline)) uint32_t run_units(sandglass_estimator* estimator, uint32_t units) {
-  WorkUnit unit;
-  uint32_t done = 0;
-  while (done < units && estimator_next_unit(estimator, &unit)) estimator_run_unit(estimator), ++done;
-  return done;
 }
 
 }  // namespace
@@ -164,23 +139,12 @@ sandglass_status sandglass_estimator_inspect(const void* asset, uint64_t asset_b
 }
 
 sandglass_status sandglass_estimator_bytes(const sandglass_estimator_desc* desc, uint64_t* bytes, const char** reason) {
-  Checked checked;
-  if (const sandglass_status status = check(desc, &checked, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
-  *bytes = size_of_estimator(checked.backend);
-  return accept(reason);
+  return bytes_of<Maker>(desc, bytes, reason);
 }
 
 sandglass_status sandglass_estimator_create(const sandglass_estimator_desc* desc, void* block, uint64_t bytes,
                                             sandglass_estimator** estimator, const char** reason) {
-  Checked checked;
-  if (const sandglass_status status = check(desc, &checked, reason)) return status;
-  if (estimator == nullptr) return refuse(reason, "estimator is NULL: pass where to store it");
-  if (const sandglass_status usable = check_block(block, bytes, size_of_estimator(checked.backend), reason))
-    return usable;
-  const ExactFloatingPoint exact;
-  const bool built = build(checked, *desc, block, estimator, reason);
-  return built ? accept(reason) : SANDGLASS_ERROR_UNSUPPORTED;
+  return create_in<Maker>(desc, block, bytes, estimator, reason);
 }
 
 void sandglass_estimator_release(sandglass_estimator* estimator) {
@@ -223,7 +187,7 @@ sandglass_status sandglass_estimator_set_image(sandglass_estimator* estimator, c
 uint32_t sandglass_estimator_run(sandglass_estimator* estimator, uint32_t units) {
   if (estimator == nullptr) return 0;
   const ExactFloatingPoint exact;
-  return run_units(estimator, units);
+  return run_members(member_of(estimator, k_estimator_stage_kinds), units);
 }
 
 uint32_t sandglass_estimator_units_left(const sandglass_estimator* estimator) {

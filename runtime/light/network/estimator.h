@@ -55,10 +55,6 @@ bool estimator_take_image(Estimator* estimator, const sandglass_camera_image& im
 void estimator_run_image(Estimator* estimator);
 uint32_t estimator_image_units_left(const Estimator& estimator);
 
-// The next unit of the estimate under way, if there is one, and what runs it.
-bool estimator_next_unit(const sandglass_estimator* estimator, WorkUnit* unit);
-void estimator_run_unit(sandglass_estimator* estimator);
-
 extern const Capability k_estimator_capability;
 
 }  // namespace sandglass

@@ -69,25 +69,6 @@ void estimator_run_image(Estimator* estimator) {
   begin_light_network(estimator->network, estimator->rgb);
 }
 
-bool estimator_next_unit(const sandglass_estimator* owner, WorkUnit* unit) {
-  const Estimator& estimator = owner->estimator;
-  if (estimator.phase == EstimatorPhase::idle) return false;
-  if (estimator.phase == EstimatorPhase::image) {
-    *unit = {k_estimator_stage_image, static_cast<uint32_t>(estimator.blocks.bytes / 256 + 1), "light.image"};
-    return true;
-  }
-  *unit = light_unit(*estimator.network, estimator.cursor);
-  unit->kind += k_estimator_stage_network;
-  return true;
-}
-
-void estimator_run_unit(sandglass_estimator* owner) {
-  Estimator* estimator = &owner->estimator;
-  if (estimator->phase == EstimatorPhase::image) return estimator_run_image(estimator);
-  run_light_unit(estimator->network, estimator->cursor);
-  if (++estimator->cursor == estimator->network->units) finish(estimator);
-}
-
 void estimator_reset(Estimator* estimator) {
   light_filter_reset(&estimator->filter);
   drop_image(estimator);
@@ -104,19 +85,31 @@ void estimator_reset(Estimator* estimator) {
 
 namespace {
 
-bool next(const void* state, uint32_t, WorkUnit* unit) {
-  return estimator_next_unit(static_cast<const sandglass_estimator*>(state), unit);
+bool next(const void* handle, uint32_t, WorkUnit* unit) {
+  const Estimator& estimator = static_cast<const sandglass_estimator*>(handle)->estimator;
+  if (estimator.phase == EstimatorPhase::idle) return false;
+  if (estimator.phase == EstimatorPhase::image) {
+    *unit = {k_estimator_stage_image, static_cast<uint32_t>(estimator.blocks.bytes / 256 + 1), "light.image"};
+    return true;
+  }
+  *unit = light_unit(*estimator.network, estimator.cursor);
+  unit->kind += k_estimator_stage_network;
+  return true;
 }
 
-void run(void* state, uint32_t) { estimator_run_unit(static_cast<sandglass_estimator*>(state)); }
+void run(void* handle, uint32_t) {
+  Estimator* estimator = &static_cast<sandglass_estimator*>(handle)->estimator;
+  if (estimator->phase == EstimatorPhase::image) return estimator_run_image(estimator);
+  run_light_unit(estimator->network, estimator->cursor);
+  if (++estimator->cursor == estimator->network->units) finish(estimator);
+}
 
 // The image counts whole: it must be resampled in this frame. The network may take several frames. Its units are all
 // forecast as the next one, which is close enough: the stage's share bounds what they get.
-uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
-  const sandglass_estimator* owner = static_cast<const sandglass_estimator*>(state);
-  const Estimator& estimator = owner->estimator;
+uint32_t forecast(const void* handle, uint32_t level, Forecast* entries) {
+  const Estimator& estimator = static_cast<const sandglass_estimator*>(handle)->estimator;
   WorkUnit unit;
-  if (!estimator_next_unit(owner, &unit)) return 0;
+  if (!next(handle, level, &unit)) return 0;
   uint32_t count = 0;
   if (estimator.phase == EstimatorPhase::image) {
     entries[count++] = {unit.kind, uint64_t{unit.items} * estimator_image_units_left(estimator)};

@@ -3,8 +3,8 @@
 
 #include "kernels/whole.h"
 #include "platform/floating_point.h"
+#include "runtime/frame/create.h"
 #include "runtime/frame/filled_struct.h"
-#include "runtime/frame/layout.h"
 #include "runtime/frame/refuse.h"
 #include "runtime/light/luminance.h"
 #include "runtime/math/finite.h"
@@ -61,15 +61,12 @@ namespace {
 
 static_assert(sizeof(sandglass_room) <= 16 * 1024);
 
-sandglass_status check(const sandglass_room_desc* desc, const char** reason) {
-  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_room_desc_default");
-  if (desc->struct_size != sizeof *desc)
-    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_room_desc_default");
-  if (desc->radius != 0 && !within(desc->radius, 0.1f, 1000.0f))
+sandglass_status check(const sandglass_room_desc& desc, const char** reason) {
+  if (desc.radius != 0 && !within(desc.radius, 0.1f, 1000.0f))
     return refuse(reason, "desc.radius is neither 0 nor in 0.1..1000 metres");
-  if (!within(desc->half_life, 1.0f, 1e6f)) return refuse(reason, "desc.half_life is not in 1..1e6 seconds");
-  if (!within(desc->interval, 0.0f, 60.0f)) return refuse(reason, "desc.interval is not in 0..60 seconds");
-  if (desc->probe > 1 || desc->reflections > 1)
+  if (!within(desc.half_life, 1.0f, 1e6f)) return refuse(reason, "desc.half_life is not in 1..1e6 seconds");
+  if (!within(desc.interval, 0.0f, 60.0f)) return refuse(reason, "desc.interval is not in 0..60 seconds");
+  if (desc.probe > 1 || desc.reflections > 1)
     return refuse(reason, "desc.probe or desc.reflections is neither 0 nor 1");
   return accept(reason);
 }
@@ -174,11 +171,16 @@ sandglass_room* lay_out(const sandglass_room_desc& desc, Layout* layout) {
   return owner;
 }
 
-uint64_t block_bytes(const sandglass_room_desc& desc) {
-  Layout layout;
-  (void)lay_out(desc, &layout);
-  return layout.size;
+sandglass_status build(const sandglass_room_desc& desc, sandglass_room* owner, const char** reason) {
+  owner->member.capability = &k_room_capability;
+  owner->room.told_radius = static_cast<double>(desc.radius);
+  owner->room.half_life = static_cast<double>(desc.half_life);
+  owner->room.interval_ns = to_whole<uint64_t>(static_cast<double>(desc.interval) * 1e9);
+  room_reset(&owner->room);
+  return accept(reason);
 }
+
+using Maker = MakerOf<check, lay_out, build>;
 
 sandglass_status begin_cube(Room* room, const sandglass_cube* cube, const char** reason) {
   if (room->probe == nullptr) return refuse(reason, "room keeps no probe: create it with desc.probe = 1");
@@ -243,30 +245,12 @@ void sandglass_room_desc_default(sandglass_room_desc* desc) {
 }
 
 sandglass_status sandglass_room_bytes(const sandglass_room_desc* desc, uint64_t* bytes, const char** reason) {
-  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store the number of bytes");
-  if (const sandglass_status status = check(desc, reason)) return status;
-  *bytes = block_bytes(*desc);
-  return accept(reason);
+  return bytes_of<Maker>(desc, bytes, reason);
 }
 
 sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* block, uint64_t bytes,
                                        sandglass_room** room, const char** reason) {
-  if (room == nullptr) return refuse(reason, "room is NULL: pass where to store the room");
-  sandglass_status status = check(desc, reason);
-  if (status == SANDGLASS_OK) status = check_block(block, bytes, block_bytes(*desc), reason);
-  if (status != SANDGLASS_OK) return status;
-  Layout layout;
-  layout.base = static_cast<uint8_t*>(block);
-  sandglass_room* owner = lay_out(*desc, &layout);
-  owner->room.unit = 0;
-  owner->member = {&k_room_capability, 0};
-  owner->version = 0;
-  owner->room.told_radius = static_cast<double>(desc->radius);
-  owner->room.half_life = static_cast<double>(desc->half_life);
-  owner->room.interval_ns = to_whole<uint64_t>(static_cast<double>(desc->interval) * 1e9);
-  room_reset(&owner->room);
-  *room = owner;
-  return accept(reason);
+  return create_in<Maker>(desc, block, bytes, room, reason);
 }
 
 void sandglass_room_reset(sandglass_room* room) {

@@ -3,6 +3,7 @@
 
 #include "platform/floating_point.h"
 #include "runtime/asset/shadow_asset.h"
+#include "runtime/frame/create.h"
 #include "runtime/frame/filled_struct.h"
 #include "runtime/frame/refuse.h"
 #include "runtime/math/finite.h"
@@ -15,41 +16,48 @@
 namespace sandglass {
 namespace {
 
-sandglass_status check(const sandglass_shadow_desc* desc, ShadowAsset* asset, const Int8Kernels** kernels,
-                       const char** reason) {
-  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_shadow_desc_default");
-  if (desc->struct_size != sizeof *desc)
-    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_shadow_desc_default");
-  if (desc->mode != SANDGLASS_SHADOW_ADAPTIVE && desc->mode != SANDGLASS_SHADOW_FULL)
+// What a description and its asset say, and where the network is packed.
+struct Maker {
+  using Desc = sandglass_shadow_desc;
+  using Handle = sandglass_shadow;
+  ShadowAsset asset;
+  const Int8Kernels* kernels;
+  PackedShadow packed;
+  sandglass_status check(const sandglass_shadow_desc& desc, const char** reason);
+  sandglass_shadow* lay_out(const sandglass_shadow_desc& desc, Layout* layout);
+  sandglass_status build(const sandglass_shadow_desc& desc, sandglass_shadow* owner, const char** reason) const;
+};
+
+sandglass_status Maker::check(const sandglass_shadow_desc& desc, const char** reason) {
+  if (desc.mode != SANDGLASS_SHADOW_ADAPTIVE && desc.mode != SANDGLASS_SHADOW_FULL)
     return refuse(reason, "desc.mode is neither ADAPTIVE nor FULL");
-  if (desc->threshold > 255) return refuse(reason, "desc.threshold is not in 0..255, steps of coverage");
-  if (!(desc->light_tolerance >= 0 && desc->light_tolerance <= 1))
+  if (desc.threshold > 255) return refuse(reason, "desc.threshold is not in 0..255, steps of coverage");
+  if (!(desc.light_tolerance >= 0 && desc.light_tolerance <= 1))
     return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
-  if (desc->light_count == 0 || desc->light_count > SANDGLASS_SHADOW_LIGHTS)
+  if (desc.light_count == 0 || desc.light_count > SANDGLASS_SHADOW_LIGHTS)
     return refuse(reason, "desc.light_count is not in 1..8: set it to the number of lights");
-  *kernels = select_shadow_kernels(desc->isa);
-  if (*kernels == nullptr)
+  kernels = select_shadow_kernels(desc.isa);
+  if (kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
-  return open_shadow_asset(desc->asset, desc->asset_bytes, asset, reason);
+  return open_shadow_asset(desc.asset, desc.asset_bytes, &asset, reason);
 }
 
 // The one walk: counts the bytes, or hands out the regions.
-sandglass_shadow* lay_out(const ShadowAsset& asset, uint32_t light_count, Layout* layout, PackedShadow* packed) {
+sandglass_shadow* Maker::lay_out(const sandglass_shadow_desc& desc, Layout* layout) {
   const uint64_t width = shadow_padded_width(asset.width);
   sandglass_shadow* owner = layout_region<sandglass_shadow>(layout, "shadow.state", 1);
   Shadow nowhere = {};
   Shadow* s = owner == nullptr ? &nowhere : &owner->shadow;
-  if (owner != nullptr) *s = {};
   for (uint32_t i = 0; i < asset.layers; ++i) {
-    packed->weights[i] = layout_region<int8_t>(layout, "shadow.weights", width * width);
-    packed->bias[i] = layout_region<int32_t>(layout, "shadow.bias", width);
-    packed->multiplier[i] = layout_region<float>(layout, "shadow.multiplier", width);
+    packed.weights[i] = layout_region<int8_t>(layout, "shadow.weights", width * width);
+    packed.bias[i] = layout_region<int32_t>(layout, "shadow.bias", width);
+    packed.multiplier[i] = layout_region<float>(layout, "shadow.multiplier", width);
   }
-  packed->last_weights = layout_region<int8_t>(layout, "shadow.last_weights", width);
-  packed->coverage = layout_region<uint8_t>(layout, "shadow.sigmoid", k_coverage_steps);
-  packed->light_weights = layout_region<float>(layout, "shadow.light_weights", 3 * asset.light_inputs() * width);
-  packed->first_bias = layout_region<float>(layout, "shadow.first_bias", width);
+  packed.last_weights = layout_region<int8_t>(layout, "shadow.last_weights", width);
+  packed.coverage = layout_region<uint8_t>(layout, "shadow.sigmoid", k_coverage_steps);
+  packed.light_weights = layout_region<float>(layout, "shadow.light_weights", 3 * asset.light_inputs() * width);
+  packed.first_bias = layout_region<float>(layout, "shadow.first_bias", width);
   s->columns = layout_region<int16_t>(layout, "shadow.columns", k_table_rows * width);
   s->row_base = layout_region<int16_t>(layout, "shadow.row_base", k_table_rows * width);
   s->rows = layout_region<int16_t>(layout, "shadow.rows", k_table_rows * width);
@@ -61,13 +69,12 @@ sandglass_shadow* lay_out(const ShadowAsset& asset, uint32_t light_count, Layout
   s->unit_v = layout_region<uint16_t>(layout, "shadow.unit_v", k_unit_texels_most);
   s->unit_coverage = layout_region<uint8_t>(layout, "shadow.unit_coverage", k_unit_texels_most);
   s->scratch = layout_region<uint8_t>(layout, "shadow.activations", shadow_scratch_bytes(static_cast<uint32_t>(width)));
-  s->lights = layout_region<ShadowLight>(layout, "shadow.lights", light_count);
-  for (uint32_t i = 0; i < light_count; ++i) {
+  s->lights = layout_region<ShadowLight>(layout, "shadow.lights", desc.light_count);
+  for (uint32_t i = 0; i < desc.light_count; ++i) {
     uint8_t* front = layout_region<uint8_t>(layout, "shadow.front", k_shadow_size * k_shadow_size);
     if (front == nullptr) continue;
     s->lights[i] = {};
     s->lights[i].front.coverage = front;
-    memset(front, 0, k_shadow_size * k_shadow_size);
   }
   s->back.coverage = layout_region<uint8_t>(layout, "shadow.back", k_shadow_size * k_shadow_size);
   ambient_lay_out(asset.ambient, layout, &s->ambient);
@@ -92,22 +99,7 @@ void describe(const ShadowAsset& asset, const sandglass_shadow_desc& desc, Shado
   s->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
 }
 
-// Out of line, so that its layout does not lie on the stack beside that of build.
-__attribute__((noinline)) sandglass_status size_of(const ShadowAsset& asset, const sandglass_shadow_desc& desc,
-                                                   uint64_t* bytes, const char** reason) {
-  Layout layout;
-  PackedShadow packed;
-  lay_out(asset, desc.light_count, &layout, &packed);
-  *bytes = layout.size;
-  return accept(reason);
-}
-
-__attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_shadow_desc& desc,
-                                     const Int8Kernels* kernels, void* block, sandglass_shadow** shadow) {
-  Layout layout;
-  layout.base = static_cast<uint8_t*>(block);
-  PackedShadow packed;
-  sandglass_shadow* owner = lay_out(asset, desc.light_count, &layout, &packed);
+sandglass_status Maker::build(const sandglass_shadow_desc& desc, sandglass_shadow* owner, const char** reason) const {
   owner->member.capability = &k_shadow_capability;
   Shadow* s = &owner->shadow;
   s->kernels = kernels;
@@ -126,9 +118,8 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   pack_shadow_network(asset, packed, s);
   const uint64_t blocks = k_unit_macs / (k_texel_block * asset.layers * s->network.width * s->network.width);
   s->unit_texels = k_texel_block * static_cast<uint32_t>(blocks < 1 ? 1 : blocks > 6 ? 6 : blocks);
-  memset(s->back.coverage, 0, k_shadow_size * k_shadow_size);
   ambient_create(asset.ambient, &s->ambient);
-  *shadow = owner;
+  return accept(reason);
 }
 
 __attribute__((noinline)) sandglass_status take_light(Shadow* s, uint32_t number, const float direction[3],
@@ -212,25 +203,12 @@ sandglass_status sandglass_shadow_inspect(const void* bytes, uint64_t count, san
 }
 
 sandglass_status sandglass_shadow_bytes(const sandglass_shadow_desc* desc, uint64_t* bytes, const char** reason) {
-  ShadowAsset asset;
-  const Int8Kernels* kernels = nullptr;
-  if (const sandglass_status status = check(desc, &asset, &kernels, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
-  return size_of(asset, *desc, bytes, reason);
+  return bytes_of<Maker>(desc, bytes, reason);
 }
 
 sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void* block, uint64_t bytes,
                                          sandglass_shadow** shadow, const char** reason) {
-  ShadowAsset asset;
-  const Int8Kernels* kernels = nullptr;
-  if (const sandglass_status status = check(desc, &asset, &kernels, reason)) return status;
-  uint64_t need = 0;
-  (void)size_of(asset, *desc, &need, reason);
-  if (shadow == nullptr) return refuse(reason, "shadow is NULL: pass where to store it");
-  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
-  const ExactFloatingPoint exact;
-  build(asset, *desc, kernels, block, shadow);
-  return accept(reason);
+  return create_in<Maker>(desc, block, bytes, shadow, reason);
 }
 
 sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t light, const float direction[3],
@@ -248,7 +226,7 @@ uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, uint32_t count, 
   for (uint32_t i = 0; i < count; ++i)
     if (shadows[i] == nullptr) return 0;
   const ExactFloatingPoint exact;
-  return run_members(members_of(shadows, count, k_shadow_kinds), units);
+  return run_members(Members{shadows, count, k_shadow_kinds}, units);
 }
 
 uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {

@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "platform/floating_point.h"
+#include "runtime/frame/create.h"
 #include "runtime/frame/filled_struct.h"
 #include "runtime/frame/refuse.h"
 #include "runtime/math/finite.h"
@@ -18,25 +19,22 @@ constexpr float k_extent_limit = 1e4f;  // metres
 constexpr float k_usual_diameter = 0.34906585f;
 constexpr double k_origin_kept = 100;  // metres
 
-sandglass_status check(const sandglass_cast_desc* desc, const char** reason) {
-  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_cast_desc_default");
-  if (desc->struct_size != sizeof *desc)
-    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_cast_desc_default");
-  if (desc->texels != 0 && desc->texels != 64 && desc->texels != 128 && desc->texels != 256)
+sandglass_status check(const sandglass_cast_desc& desc, const char** reason) {
+  if (desc.texels != 0 && desc.texels != 64 && desc.texels != 128 && desc.texels != 256)
     return refuse(reason, "desc.texels is not 0, 64, 128 or 256");
-  if (desc->directions != 32 && desc->directions != 64) return refuse(reason, "desc.directions is neither 32 nor 64");
-  if (desc->ambient_texels != 0 && desc->ambient_texels != 64 && desc->ambient_texels != 128)
+  if (desc.directions != 32 && desc.directions != 64) return refuse(reason, "desc.directions is neither 32 nor 64");
+  if (desc.ambient_texels != 0 && desc.ambient_texels != 64 && desc.ambient_texels != 128)
     return refuse(reason, "desc.ambient_texels is not 0, 64 or 128");
-  if (desc->texels == 0 && desc->ambient_texels == 0)
+  if (desc.texels == 0 && desc.ambient_texels == 0)
     return refuse(reason, "desc.texels and ambient_texels are both 0: there is no texture to make");
-  if (desc->triangle_capacity == 0 || desc->triangle_capacity > 1'000'000)
+  if (desc.triangle_capacity == 0 || desc.triangle_capacity > 1'000'000)
     return refuse(reason, "desc.triangle_capacity is not in 1..1000000");
-  if (desc->mesh_capacity == 0 || desc->mesh_capacity > 1024)
+  if (desc.mesh_capacity == 0 || desc.mesh_capacity > 1024)
     return refuse(reason, "desc.mesh_capacity is not in 1..1024");
-  if (!within(desc->light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
-  if (!within(desc->reach, 0.0f, 1e6f) || (desc->reach > 0 && desc->reach < 2))
+  if (!within(desc.light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
+  if (!within(desc.reach, 0.0f, 1e6f) || (desc.reach > 0 && desc.reach < 2))
     return refuse(reason, "desc.reach is neither 0 nor in 2..1000000");
-  if (select_cast_kernels(desc->isa) == nullptr)
+  if (select_cast_kernels(desc.isa) == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
   return accept(reason);
@@ -113,10 +111,7 @@ void keep_origin(const CastState& c, CastFrame* frame) {
   }
 }
 
-__attribute__((noinline)) void build(const sandglass_cast_desc& desc, void* block, sandglass_cast** cast) {
-  Layout layout;
-  layout.base = static_cast<uint8_t*>(block);
-  sandglass_cast* owner = lay_out(desc, &layout);
+sandglass_status build(const sandglass_cast_desc& desc, sandglass_cast* owner, const char** reason) {
   owner->member.capability = &k_cast_capability;
   CastState* c = &owner->cast;
   c->kernels = select_cast_kernels(desc.isa);
@@ -136,11 +131,13 @@ __attribute__((noinline)) void build(const sandglass_cast_desc& desc, void* bloc
     CastTarget* target = &c->targets[i];
     target->front.frame = c->frame;
     target->front.open = 1;
-    if (target->texels != 0)
-      memset(target->front.bytes, i == k_cast_light ? 0 : 255, uint64_t{target->texels} * target->texels);
+    if (i == k_cast_ambient && target->texels != 0)
+      memset(target->front.bytes, 255, uint64_t{target->texels} * target->texels);
   }
-  *cast = owner;
+  return accept(reason);
 }
+
+using Maker = MakerOf<check, lay_out, build>;
 
 sandglass_status check_mesh(const sandglass_cast_mesh& mesh, const char** reason) {
   if (mesh.triangle_count == 0) return accept(reason);
@@ -258,24 +255,12 @@ void sandglass_cast_desc_default(sandglass_cast_desc* desc) {
 }
 
 sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t* bytes, const char** reason) {
-  if (const sandglass_status status = check(desc, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
-  Layout layout;
-  lay_out(*desc, &layout);
-  *bytes = layout.size;
-  return accept(reason);
+  return bytes_of<Maker>(desc, bytes, reason);
 }
 
 sandglass_status sandglass_cast_create(const sandglass_cast_desc* desc, void* block, uint64_t bytes,
                                        sandglass_cast** cast, const char** reason) {
-  uint64_t need = 0;
-  if (const sandglass_status status = sandglass_cast_bytes(desc, &need, reason)) return status;
-  if (cast == nullptr) return refuse(reason, "cast is NULL: pass where to store it");
-  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
-  memset(block, 0, need);
-  const ExactFloatingPoint exact;
-  build(*desc, block, cast);
-  return accept(reason);
+  return create_in<Maker>(desc, block, bytes, cast, reason);
 }
 
 void sandglass_cast_plane_default(sandglass_cast_plane* plane) {

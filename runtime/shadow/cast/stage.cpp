@@ -119,5 +119,5 @@ uint32_t sandglass_cast_run(sandglass_cast* const* casts, uint32_t count, uint32
   for (uint32_t i = 0; i < count; ++i)
     if (casts[i] == nullptr) return 0;
   const ExactFloatingPoint exact;
-  return run_members(members_of(casts, count, k_cast_kinds), units);
+  return run_members(Members{casts, count, k_cast_kinds}, units);
 }

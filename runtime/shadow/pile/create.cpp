@@ -2,8 +2,8 @@
 #include <cstring>
 
 #include "platform/floating_point.h"
+#include "runtime/frame/create.h"
 #include "runtime/frame/filled_struct.h"
-#include "runtime/frame/layout.h"
 #include "runtime/frame/refuse.h"
 #include "runtime/math/finite.h"
 #include "runtime/math/hash.h"
@@ -18,31 +18,27 @@ namespace {
 constexpr double k_polar_max = 70 * k_pi / 180;
 constexpr float k_side_limit = 1e4f;  // metres
 
-sandglass_status check(const sandglass_pile_shadow_desc* desc, const char** reason) {
-  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_pile_shadow_desc_default");
-  if (desc->struct_size != sizeof *desc)
-    return refuse(reason,
-                  "desc.struct_size is not that of this library: start from sandglass_pile_shadow_desc_default");
+sandglass_status check(const sandglass_pile_shadow_desc& desc, const char** reason) {
   for (uint32_t axis = 0; axis < 2; ++axis) {
-    if (!within(desc->low[axis], -k_side_limit, k_side_limit) || !within(desc->high[axis], -k_side_limit, k_side_limit))
+    if (!within(desc.low[axis], -k_side_limit, k_side_limit) || !within(desc.high[axis], -k_side_limit, k_side_limit))
       return refuse(reason, "desc.low or high is not finite, or beyond 10 km");
-    if (!(desc->high[axis] - desc->low[axis] >= 1e-3f))
+    if (!(desc.high[axis] - desc.low[axis] >= 1e-3f))
       return refuse(reason, "desc.high is not above low by at least a millimetre in x and in z");
   }
-  if (!within(desc->floor, -k_side_limit, k_side_limit))
+  if (!within(desc.floor, -k_side_limit, k_side_limit))
     return refuse(reason, "desc.floor is not finite, or beyond 10 km");
-  if (desc->texels < 32 || desc->texels > 256 || desc->texels % 32 != 0)
+  if (desc.texels < 32 || desc.texels > 256 || desc.texels % 32 != 0)
     return refuse(reason, "desc.texels is not a multiple of 32 in 32..256");
-  if (!within(desc->angular_diameter, 0.02f, 1.0f))
+  if (!within(desc.angular_diameter, 0.02f, 1.0f))
     return refuse(reason, "desc.angular_diameter is not in 0.02..1 radians");
-  if (!within(desc->light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
-  if (desc->on_sand > 1) return refuse(reason, "desc.on_sand is neither 0 nor 1");
-  if (desc->sky_texels != 0 && desc->sky_texels != desc->texels && 2 * desc->sky_texels != desc->texels &&
-      4 * desc->sky_texels != desc->texels)
+  if (!within(desc.light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
+  if (desc.on_sand > 1) return refuse(reason, "desc.on_sand is neither 0 nor 1");
+  if (desc.sky_texels != 0 && desc.sky_texels != desc.texels && 2 * desc.sky_texels != desc.texels &&
+      4 * desc.sky_texels != desc.texels)
     return refuse(reason, "desc.sky_texels is neither 0 nor desc.texels, a half or a quarter of it");
-  if (desc->sky_texels != 0 && (desc->sky_texels % k_lane_group != 0 || desc->sky_texels > 128))
+  if (desc.sky_texels != 0 && (desc.sky_texels % k_lane_group != 0 || desc.sky_texels > 128))
     return refuse(reason, "desc.sky_texels is not a multiple of 16, at most 128");
-  if (select_pile_kernels(desc->isa) == nullptr)
+  if (select_pile_kernels(desc.isa) == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
   return accept(reason);
@@ -78,18 +74,13 @@ sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* l
   return owner;
 }
 
-__attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, void* block,
-                                     sandglass_pile_shadow** shadow) {
-  Layout layout;
-  layout.base = static_cast<uint8_t*>(block);
-  sandglass_pile_shadow* owner = lay_out(desc, &layout);
+sandglass_status build(const sandglass_pile_shadow_desc& desc, sandglass_pile_shadow* owner, const char** reason) {
   owner->member.capability = &k_pile_capability;
   Pile* p = &owner->pile;
   p->kernels = select_pile_kernels(desc.isa);
   p->tops += k_lane_group;
   p->bottoms += k_lane_group;
   p->fills += k_lane_group;
-  for (uint32_t i = 0; i < p->texels + k_lane_group; ++i) p->nothing[i] = p->receivers[i] = p->shares[i] = 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
     p->low[axis] = desc.low[axis];
     p->high[axis] = desc.high[axis];
@@ -102,12 +93,12 @@ __attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, voi
   p->half_cosine = half.cos;
   p->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
   p->light[1] = 1;
-  memset(p->front.floor, 0, uint64_t{p->texels} * p->texels);
-  if (p->front.sand != nullptr) memset(p->front.sand, 0, uint64_t{p->texels} * p->texels);
   sky_build(p);
   if (p->sky.texels != 0) p->asked = k_ask_sky;
-  *shadow = owner;
+  return accept(reason);
 }
+
+using Maker = MakerOf<check, lay_out, build>;
 
 __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direction[3], const char** reason) {
   double light[3], largest = 0;
@@ -160,23 +151,12 @@ void sandglass_pile_shadow_desc_default(sandglass_pile_shadow_desc* desc) {
 
 sandglass_status sandglass_pile_shadow_bytes(const sandglass_pile_shadow_desc* desc, uint64_t* bytes,
                                              const char** reason) {
-  if (const sandglass_status status = check(desc, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
-  Layout layout;
-  lay_out(*desc, &layout);
-  *bytes = layout.size;
-  return accept(reason);
+  return bytes_of<Maker>(desc, bytes, reason);
 }
 
 sandglass_status sandglass_pile_shadow_create(const sandglass_pile_shadow_desc* desc, void* block, uint64_t bytes,
                                               sandglass_pile_shadow** shadow, const char** reason) {
-  uint64_t need = 0;
-  if (const sandglass_status status = sandglass_pile_shadow_bytes(desc, &need, reason)) return status;
-  if (shadow == nullptr) return refuse(reason, "shadow is NULL: pass where to store it");
-  if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
-  const ExactFloatingPoint exact;
-  build(*desc, block, shadow);
-  return accept(reason);
+  return create_in<Maker>(desc, block, bytes, shadow, reason);
 }
 
 sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, const float direction[3],
