@@ -16,7 +16,7 @@
 #include "models/files/aligned_bytes.h"
 #include "models/lighting/light_file.h"
 #include "sandglass/sandglass.hpp"
-#include "tests/governor/machine_control.h"
+#include "tests/frame/machine_control.h"
 #include "tests/measured.h"
 
 namespace {
