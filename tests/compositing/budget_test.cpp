@@ -23,7 +23,7 @@ namespace {
 
 // The law holds for any build. How much is done in a budget is tested only in builds that are optimised and free of
 // sanitizers.
-#if defined(__OPTIMIZE__) && !defined(SANDGLASS_SANITIZED)
+#if defined(__OPTIMIZE__) && !SANDGLASS_SANITIZED
 constexpr bool k_as_it_ships = true;
 #else
 constexpr bool k_as_it_ships = false;
