@@ -9,7 +9,7 @@
 //   logarithm       of x > 0, natural                     error below 1e-15 relative, or 1e-16 absolute
 //   floor_index     largest integer not above x           exact for |x| < 2^62; beyond, and for NaN, 2^62 or -2^62
 //
-// tests/sampling/math_test.cpp holds these bounds against libm.
+// tests/solid/math_test.cpp holds these bounds against libm.
 #pragma once
 
 #include <cstdint>

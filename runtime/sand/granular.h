@@ -9,7 +9,7 @@
 //
 // A part lays out its own memory, resets itself and changes only itself: its functions take it as a pointer and the
 // rest as `const Granular&`. So what one part does to another is a call, made where the whole is put together: here, in
-// edit.cpp, and in the two machines, substep.cpp and sweep.cpp (tests/granular/owners.py). The records of particles and
+// edit.cpp, and in the two machines, substep.cpp and sweep.cpp (tests/sand/owners.py). The records of particles and
 // grains are what all of them work on.
 #pragma once
 

@@ -16,14 +16,14 @@
 #include "models/files/aligned_bytes.h"
 #include "models/lighting/light_file.h"
 #include "sandglass/sandglass.hpp"
-#include "tests/governor/machine_control.h"
+#include "tests/frame/machine_control.h"
 #include "tests/measured.h"
 
 namespace {
 
 // The law holds for any build. How much is done in a budget is tested only in builds that are optimised and free of
 // sanitizers.
-#if defined(__OPTIMIZE__) && !defined(SANDGLASS_SANITIZED)
+#if defined(__OPTIMIZE__) && !SANDGLASS_SANITIZED
 constexpr bool k_as_it_ships = true;
 #else
 constexpr bool k_as_it_ships = false;

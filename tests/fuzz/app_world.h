@@ -16,7 +16,7 @@
 
 #include "models/geometry/vec3.h"
 #include "runtime/math/random.h"
-#include "tests/granular/granular_scene.h"
+#include "tests/sand/granular_scene.h"
 
 namespace sandglass::fuzz {
 

@@ -5,7 +5,7 @@
 
 #include "tests/fuzz/edits.h"
 #include "tests/fuzz/other_kernels.h"
-#include "tests/granular/granular_scene.h"
+#include "tests/sand/granular_scene.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include "sandglass/sandglass.hpp"
 #include "tests/fuzz/edits.h"
 #include "tests/fuzz/other_kernels.h"
-#include "tests/lighting/light_fixture.h"
+#include "tests/light/light_fixture.h"
 
 namespace {
 

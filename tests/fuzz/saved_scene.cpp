@@ -6,7 +6,7 @@
 #include "runtime/math/hash.h"
 #include "tests/fuzz/edits.h"
 #include "tests/fuzz/other_kernels.h"
-#include "tests/granular/granular_scene.h"
+#include "tests/sand/granular_scene.h"
 
 namespace {
 

@@ -102,7 +102,7 @@ struct Sorted {
   CellSort sort = {};
 };
 
-// In motion_oracle.cpp.
+// In motion_oracle_test.cpp.
 void check_scatter_motion(uint32_t n);
 void check_count_grains(uint32_t n);
 void check_refine_grains(uint32_t n);

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/granular/granular_scene.h"
+#include "tests/sand/granular_scene.h"
 
 constexpr float k_radius = 0.01f;
 
