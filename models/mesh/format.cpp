@@ -24,10 +24,10 @@ const std::vector<const MeshFormat*>& mesh_formats() {
 }
 
 std::string offered_formats() {
-  std::string list;
+  std::vector<std::string> names;
   for (const MeshFormat* format : mesh_formats())
-    if (format->is_offered) list += (list.empty() ? "" : ", ") + std::string(format->name);
-  return list.replace(list.rfind(", "), 2, " or ");
+    if (format->is_offered) names.emplace_back(format->name);
+  return list_of(names, "or");
 }
 
 std::string ends_after(size_t there, size_t told, const char* what) {

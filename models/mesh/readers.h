@@ -34,13 +34,13 @@ struct MeshSource {
   std::string path = {};  // empty: no file holds the bytes
 };
 
-// By a mark that no other format has, or by less.
+// `sure`: by a mark that no other format has.
 enum class Likeness { none, some, sure };
 
 struct MeshFormat {
   const char *name, *endings;
   bool is_offered;  // as one that a refused mesh may be exported as
-  // `text` is what stands in the file's first 4096 bytes or so, from the first word on.
+  // `text`: up to 4096 bytes, from the first word on.
   Likeness (*likeness)(std::string_view file, std::string_view text);
   // Returns nothing, or what is wrong, as a sentence to stand behind "it ".
   std::string (*read)(const MeshSource& source, FileMesh* mesh);
