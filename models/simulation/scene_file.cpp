@@ -225,20 +225,20 @@ Body read_body(Reader& reader) {
       if (counts[i] != std::floor(counts[i])) reader.refuse("counts", "must be three whole numbers");
       body.counts[i] = static_cast<uint32_t>(counts[i]);
     }
-    if (counts[0] * counts[1] * counts[2] > k_particle_limit)
-      reader.refuse("counts", "asks for more than " + number_text(k_particle_limit) + " particles");
+    if (counts[0] * counts[1] * counts[2] > SANDGLASS_PARTICLE_LIMIT)
+      reader.refuse("counts", "asks for more than " + number_text(SANDGLASS_PARTICLE_LIMIT) + " particles");
   } else if (lattice) {
     reader.refuse("counts", "is missing; a lattice block needs [x, y, z]");
   }
   body.spacing = reader.number("spacing", body.spacing, 2.0, 10.0);
   body.jitter = reader.number("jitter", 0.0, 0.0, 0.5);
-  body.particles = reader.integer("particles", 0, 1, k_particle_limit);
+  body.particles = reader.integer("particles", 0, 1, SANDGLASS_PARTICLE_LIMIT);
   if (lattice && body.particles > 0)
     reader.refuse("particles", "does not apply to " + shape + "; \"counts\" says how many");
   if (body.shape == BodyShape::box && body.size.x == 0.0 && body.particles == 0)
     reader.fail(shape, "needs \"size\" [x, y, z] or \"particles\"");
   if (!lattice && body.size.y == 0.0 && body.particles == 0) reader.fail(shape, "needs \"size\" or \"particles\"");
-  body.grains = reader.integer("grains", 0, 0, k_grain_limit);
+  body.grains = reader.integer("grains", 0, 0, SANDGLASS_GRAIN_LIMIT);
   body.grain_distance = reader.number("grain_distance", 0.0, 1e-5, k_length_limit);
   if (body.grains > 0 && body.grain_distance > 0.0)
     reader.refuse("grain_distance", "and \"grains\" are both given; give one of the two");
@@ -421,8 +421,8 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
     friction.finish();
   }
   if (reader.has("solver")) read_solver(reader.child("solver"), &scene.granular);
-  scene.granular.particle_capacity = reader.integer("particle_capacity", 0, 1, k_particle_limit);
-  scene.granular.grain_capacity = reader.integer("grain_capacity", 0, 1, k_grain_limit);
+  scene.granular.particle_capacity = reader.integer("particle_capacity", 0, 1, SANDGLASS_PARTICLE_LIMIT);
+  scene.granular.grain_capacity = reader.integer("grain_capacity", 0, 1, SANDGLASS_GRAIN_LIMIT);
   scene.granular.collider_capacity = reader.integer("collider_capacity", 0, 1, SANDGLASS_COLLIDER_LIMIT);
   uint64_t particles = 0, grains = 0;
   reader.each("bodies", 1000, [&](Reader& entry) {
@@ -430,9 +430,10 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
     particles += body.particles + uint64_t{body.counts[0]} * body.counts[1] * body.counts[2];
     grains += body.grains;
   });
-  if (particles > k_particle_limit)
-    reader.refuse("bodies", "ask for more than " + number_text(k_particle_limit) + " particles");
-  if (grains > k_grain_limit) reader.refuse("bodies", "ask for more than " + number_text(k_grain_limit) + " grains");
+  if (particles > SANDGLASS_PARTICLE_LIMIT)
+    reader.refuse("bodies", "ask for more than " + number_text(SANDGLASS_PARTICLE_LIMIT) + " particles");
+  if (grains > SANDGLASS_GRAIN_LIMIT)
+    reader.refuse("bodies", "ask for more than " + number_text(SANDGLASS_GRAIN_LIMIT) + " grains");
   reader.each("colliders", SANDGLASS_COLLIDER_LIMIT,
               [&](Reader& entry) { scene.colliders.push_back(read_collider(entry)); });
   if (reader.has("light")) scene.light = read_light(reader.child("light"));

@@ -15,9 +15,6 @@
 
 namespace sandglass::host {
 
-// The most particles and grains of all bodies of a scene together: the library's limits.
-constexpr uint32_t k_particle_limit = SANDGLASS_PARTICLE_LIMIT, k_grain_limit = SANDGLASS_GRAIN_LIMIT;
-
 enum class BodyShape { trefoil, mesh, box, sphere, lattice, revolved };
 
 // Signed distance of a point from the solid that the outline makes when it turns about the y axis; above 0 outside.
