@@ -12,48 +12,30 @@
 
 namespace sandglass::host {
 
-namespace {
+// The list of the formats. Sentences name them in this order.
+#define SANDGLASS_MESH_FORMATS(a) a(gltf) a(obj) a(ply) a(stl) a(off) a(fbx) a(collada)
+#define SANDGLASS_DECLARED(name) extern const MeshFormat k_##name;
+#define SANDGLASS_LISTED(name) &k_##name,
+SANDGLASS_MESH_FORMATS(SANDGLASS_DECLARED)
 
-bool is_off(std::string_view word) {
-  const size_t kind = word.find("OFF");
-  return kind != std::string_view::npos && word.substr(0, kind).find_first_not_of("STCN4n") == std::string_view::npos;
+const std::vector<const MeshFormat*>& mesh_formats() {
+  static const std::vector<const MeshFormat*> all = {SANDGLASS_MESH_FORMATS(SANDGLASS_LISTED)};
+  return all;
 }
 
-// JSON with an object "asset", which every glTF has.
-bool is_gltf(std::string_view text) {
-  constexpr std::string_view k_space = " \t\r\n", k_name = "\"asset\"";
-  for (size_t at = text.find(k_name); at != std::string_view::npos; at = text.find(k_name, at + 1)) {
-    const size_t colon = text.find_first_not_of(k_space, at + k_name.size());
-    if (colon == std::string_view::npos || text[colon] != ':') continue;
-    const size_t value = text.find_first_not_of(k_space, colon + 1);
-    if (value != std::string_view::npos && text[value] == '{') return true;
-  }
-  return false;
+std::string offered_formats() {
+  std::vector<std::string> names;
+  for (const MeshFormat* format : mesh_formats())
+    if (format->is_offered) names.emplace_back(format->name);
+  return list_of(names, "or");
 }
-
-// Words that an OBJ may begin with; one of its first lines is a place.
-bool is_obj(std::string_view file) {
-  constexpr size_t k_lines = 10000;
-  Words lines = {file};
-  std::string line;
-  for (size_t i = 0; i < k_lines && lines.line(&line); ++i) {
-    Words words = {line};
-    const std::string_view keyword = words.next();
-    double number = 0;
-    if ((keyword == "v" || keyword == "vn" || keyword == "vt") && number_of(words.next(), &number)) return true;
-    if (line.find('\0') != std::string::npos) return false;
-  }
-  return false;
-}
-
-}  // namespace
 
 std::string ends_after(size_t there, size_t told, const char* what) {
   return "ends after " + std::to_string(there) + " of " + std::to_string(told) + " " + what +
          ". Copy or export it again.";
 }
 
-MeshFormat mesh_format(std::string_view file) {
+MeshKind mesh_kind(std::string_view file) {
   constexpr std::pair<std::string_view, const char*> k_others[] = {{"PK\x03\x04", "a 3MF file or another archive"},
                                                                    {"BLENDER", "a Blender file"},
                                                                    {"#usda", "a USD file"},
@@ -63,40 +45,23 @@ MeshFormat mesh_format(std::string_view file) {
   const std::string_view text = file.substr(std::min(file.find_first_not_of("\xEF\xBB\xBF \t\r\n"), file.size()));
   const std::string_view head = text.substr(0, 4096);
   for (const auto& [magic, name] : k_others)
-    if (head.starts_with(magic)) return {MeshFormat::none, std::string("is ") + name};
-  if (head.starts_with("glTF")) return {MeshFormat::gltf, ""};
-  if (head.starts_with("{")) {
-    return is_gltf(text) ? MeshFormat{MeshFormat::gltf, ""} : MeshFormat{MeshFormat::none, "is JSON, but no glTF"};
+    if (head.starts_with(magic)) return {nullptr, std::string("is ") + name};
+  const MeshFormat* likely = nullptr;
+  for (const MeshFormat* format : mesh_formats()) {
+    const Likeness likeness = format->likeness(file, head);
+    if (likeness == Likeness::sure) return {format, ""};
+    if (likeness == Likeness::some && likely == nullptr) likely = format;
   }
-  if (head.starts_with("ply\n") || head.starts_with("ply\r")) return {MeshFormat::ply, ""};
-  if (is_off(Words{head}.next())) return {MeshFormat::off, ""};
-  if (head.starts_with("Kaydara FBX Binary") || (head.starts_with(";") && head.find("FBX") != std::string_view::npos))
-    return {MeshFormat::fbx, ""};
-  if (head.starts_with("<")) {
-    if (head.find("<COLLADA") != std::string_view::npos) return {MeshFormat::collada, ""};
-    return {MeshFormat::none,
-            head.find("<amf") != std::string_view::npos ? "is an AMF file" : "is XML, but no Collada"};
-  }
-  if (is_stl(file)) return {MeshFormat::stl, ""};
-  if (is_obj(file)) return {MeshFormat::obj, ""};
-  return {MeshFormat::none, "is no kind of mesh that is known here"};
+  if (head.starts_with("{")) return {nullptr, "is JSON, but no glTF"};
+  if (head.starts_with("<"))
+    return {nullptr, head.find("<amf") != std::string_view::npos ? "is an AMF file" : "is XML, but no Collada"};
+  return {likely, "is no kind of mesh that is known here"};
 }
 
-std::string read_mesh(MeshFormat::Kind kind, std::string_view file, const FileBeside& beside, FileMesh* mesh) {
-  switch (kind) {
-    case MeshFormat::gltf:
-      return read_gltf(file, beside, mesh);
-    case MeshFormat::obj:
-      return read_obj(file, mesh);
-    case MeshFormat::ply:
-      return read_ply(file, mesh);
-    case MeshFormat::stl:
-      return read_stl(file, mesh);
-    case MeshFormat::off:
-      return read_off(file, mesh);
-    default:
-      return "is not read here. Export it as glTF, OBJ, PLY or STL.";
-  }
+std::string read_mesh(const MeshSource& source, FileMesh* mesh) {
+  const MeshKind kind = mesh_kind(source.file);
+  if (kind.format != nullptr) return kind.format->read(source, mesh);
+  return kind.is_instead + ". Export it as " + offered_formats() + ".";
 }
 
 MeshResult finished_mesh(FileMesh file, const MeshUnits& units, const std::string& name) {

@@ -1,11 +1,10 @@
-// Mesh files of the program: by the readers beside it, and FBX and Collada by Assimp.
+// Mesh files of the program.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/mesh/assimp.h"
 #include "models/mesh/readers.h"
 
 namespace sandglass::host {
@@ -42,13 +41,8 @@ MeshResult load_mesh(const MeshFile& file) {
   };
   try {
     const std::string content = read_file(path, "mesh");
-    const MeshFormat format = mesh_format(content);
-    if (format.kind == MeshFormat::none) return fail(format.is_instead + ". Export it as glTF, OBJ, PLY or STL.");
     FileMesh mesh;
-    const bool is_assimps = format.kind == MeshFormat::fbx || format.kind == MeshFormat::collada;
-    const std::string error =
-        is_assimps ? read_by_assimp(path, content.size(), &mesh) : read_mesh(format.kind, content, beside, &mesh);
-    if (!error.empty()) return fail(error);
+    if (const std::string error = read_mesh({content, beside, path}, &mesh); !error.empty()) return fail(error);
     MeshResult result = finished_mesh(std::move(mesh), file.units, path);
     if (result) remark_size(&result);
     return result;

@@ -77,9 +77,8 @@ struct MeshFile {
   MeshFile(std::string file = "", MeshUnits of = {}) : path(std::move(file)), units(of) {}
 };
 
-// Reads glTF, OBJ, PLY, STL and OFF, told by their content, and FBX and Collada where the build has Assimp; applies all
-// transforms of the file; cleans. It refuses, with one sentence, a file that is missing, empty, cut off, of another
-// format or wrong, and whatever clean_mesh refuses.
+// Reads a file of any format in readers/, told by its content; applies all transforms of the file; cleans. It refuses,
+// with one sentence, a file that is missing, empty, cut off, of another format or wrong, and whatever clean_mesh refuses.
 MeshResult load_mesh(const MeshFile& file);
 
 // The same for a command: a Failure says what is wrong, and what a user should know is printed to stderr.

@@ -1,5 +1,6 @@
 // The readers of mesh files. Each takes the bytes of a file and gives its triangles as they stand there, before
 // clean_mesh. They open no file themselves, and throw nothing: the page's module is made of the same code.
+// A format is k_NAME in readers/NAME.cpp, with its place in the list of format.cpp.
 #pragma once
 
 #include <cstdint>
@@ -27,23 +28,37 @@ constexpr size_t k_items_of_file = size_t{1} << 25;
 // Gives the content of a file that stands beside the one being read, or false where there is none.
 using FileBeside = std::function<bool(const std::string& name, std::string* content)>;
 
-// Each returns nothing, or what is wrong, as a sentence to stand behind "it ".
-std::string read_gltf(std::string_view file, const FileBeside& beside, FileMesh* mesh);  // glTF 2.0, .glb and .gltf
-std::string read_obj(std::string_view file, FileMesh* mesh);                             // Wavefront
-std::string read_ply(std::string_view file, FileMesh* mesh);                             // text and both binary ones
-std::string read_stl(std::string_view file, FileMesh* mesh);                             // text and binary
-std::string read_off(std::string_view file, FileMesh* mesh);                             // text
+struct MeshSource {
+  std::string_view file;  // its bytes
+  FileBeside beside = [](const std::string&, std::string*) { return false; };
+  std::string path = {};  // empty: no file holds the bytes
+};
+
+// `sure`: by a mark that no other format has.
+enum class Likeness { none, some, sure };
+
+struct MeshFormat {
+  const char *name, *endings;
+  bool is_offered;  // as one that a refused mesh may be exported as
+  // `text`: up to 4096 bytes, from the first word on.
+  Likeness (*likeness)(std::string_view file, std::string_view text);
+  // Returns nothing, or what is wrong, as a sentence to stand behind "it ".
+  std::string (*read)(const MeshSource& source, FileMesh* mesh);
+};
+const std::vector<const MeshFormat*>& mesh_formats();
 
 // What a file is, by its content.
-struct MeshFormat {
-  enum Kind { none, gltf, obj, ply, stl, off, fbx, collada } kind = none;
-  std::string is_instead;  // for none: "is a Blender file"
+struct MeshKind {
+  const MeshFormat* format;  // null: none of these
+  std::string is_instead;    // then: "is a Blender file"
 };
-MeshFormat mesh_format(std::string_view file);
-bool is_stl(std::string_view file);
+MeshKind mesh_kind(std::string_view file);
 
-// By the reader of that format; FBX and Collada have none here.
-std::string read_mesh(MeshFormat::Kind kind, std::string_view file, const FileBeside& beside, FileMesh* mesh);
+// By the reader of its format; returns what that returns.
+std::string read_mesh(const MeshSource& source, FileMesh* mesh);
+
+// "glTF, OBJ, PLY or STL"
+std::string offered_formats();
 
 // Cleaned, in metres and y up. What is too far from its origin for floats is moved there. Remarks say so, and name what
 // was not read, parts that were inside out, and a size that is rarely meant.

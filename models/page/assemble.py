@@ -42,7 +42,9 @@ def main():
     data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
     own = ("elements", "scene", "painter", "mesh_file", "hourglass", "link", "pace", "tilt", "room_light", "real_table", "measure", "controls", "page")
     script = joined([*(npm / f"{name}.mjs" for name in ("abi", "sandglass", "kit", "skin_changes", "stage", "sand_block", "sand_painter", "glsl")), parts / "meshopt_decoder.mjs", *(here / f"{name}.mjs" for name in own)])
-    page = (here / "page.html").read_text().replace("@MODULES@", data + script)
+    readers = sorted(path for path in (here.parent / "mesh/readers").glob("*.cpp") if path.stem != "assimp")
+    endings = [re.search(r"MeshFormat k_\w+ = {\s*\"[^\"]*\", \"([^\"]*)\"", path.read_text())[1] + "," for path in readers]
+    page = (here / "page.html").read_text().replace("@MESHES@", "".join(endings)).replace("@MODULES@", data + script)
     if "</script" in (data + script):
         sys.exit("assemble.py: a module holds the end of a script")
     output.write_text(page)

@@ -30,14 +30,10 @@ void draco_triangles(const DracoMesh&, std::vector<uint32_t>*) {}
 // Returns the sentence that refuses the file, or an empty one; the triangles are then those below, until the next call.
 EXPORTED("mesh_read") const char* mesh_read(const char* bytes, size_t size, const char* name) {
   const std::string_view file(bytes, size);
-  const MeshFormat format = mesh_format(file);
   FileMesh mesh;
-  std::string error = format.is_instead + ". Export it as glTF, OBJ, PLY or STL.";
-  if (file.starts_with(k_lfs_pointer))
-    error = "is a Git LFS pointer, not the file itself. Fetch that with git lfs pull.";
-  if (format.kind != MeshFormat::none)
-    error = read_mesh(
-        format.kind, file, [](const std::string&, std::string*) { return false; }, &mesh);
+  const std::string error = file.starts_with(k_lfs_pointer)
+                                ? "is a Git LFS pointer, not the file itself. Fetch that with git lfs pull."
+                                : read_mesh({file}, &mesh);
   result = {};
   if (error.empty()) result = finished_mesh(std::move(mesh), {}, name);
   else result.error = message("read", name, "it " + error);

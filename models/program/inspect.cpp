@@ -188,25 +188,24 @@ int inspect_command(const InspectOptions& options) {
   if (is_file && content.empty()) throw cannot("inspect", file, "the file is empty", "Name another");
   const auto has_identifier = [&](const char* name) { return content.size() > 8 && content.compare(4, 4, name) == 0; };
   const PictureHead::Kind picture = picture_head(content).kind;
-  const MeshFormat mesh_kind = mesh_format(content);
+  const MeshKind mesh = mesh_kind(content);
   const size_t first = content.find_first_not_of(" \t\r\n");
   const bool is_text_of_braces = first != std::string::npos && content[first] == '{';
-  const bool is_scene = !is_file || (is_text_of_braces && mesh_kind.kind == MeshFormat::none);
+  const bool is_scene = !is_file || (is_text_of_braces && mesh.format == nullptr);
   void (*of_kind)(const std::string& file, const std::string& content) = nullptr;
   if (content.starts_with(k_recording_magic)) of_kind = inspect_recording;
   else if (has_identifier(k_shadow_identifier)) of_kind = inspect_shadow_file;
   else if (has_identifier(k_light_identifier)) of_kind = inspect_light;
   else if (picture == PictureHead::Kind::png || picture == PictureHead::Kind::jpeg) of_kind = inspect_picture;
   else if (content.starts_with("#?") || content.starts_with(k_exr_magic)) of_kind = inspect_panorama;
-  else if (picture == PictureHead::Kind::other && mesh_kind.kind == MeshFormat::none) of_kind = inspect_picture;
+  else if (picture == PictureHead::Kind::other && mesh.format == nullptr) of_kind = inspect_picture;
   if (of_kind != nullptr) of_kind(file, content);
   else if (is_scene) inspect_scene(file);
-  else if (mesh_kind.kind != MeshFormat::none) inspect_mesh({file, options.as_mesh.units()});
+  else if (mesh.format != nullptr) inspect_mesh({file, options.as_mesh.units()});
   else
-    throw cannot(
-        "inspect", file,
-        "it " + mesh_kind.is_instead + ", and no recording, shadow, lighting network, scene, picture or panorama",
-        "Name one of those; export meshes as glTF, OBJ, PLY or STL");
+    throw cannot("inspect", file,
+                 "it " + mesh.is_instead + ", and no recording, shadow, lighting network, scene, picture or panorama",
+                 "Name one of those; export meshes as " + offered_formats());
   return k_exit_done;
 }
 

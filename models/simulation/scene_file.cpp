@@ -21,8 +21,6 @@ using nlohmann::json;
 namespace {
 
 constexpr uint32_t k_frame_limit = 100'000'000;
-constexpr uint32_t k_collider_limit = 256;  // the limit of the public API
-constexpr uint32_t k_flow_limit = 64;       // the limit of the public API for emitters and for sinks
 constexpr double k_length_limit = SANDGLASS_COORDINATE_LIMIT;
 
 // Whole numbers with all their digits: a limit that prints as the number that breaks it helps nobody.
@@ -187,8 +185,8 @@ void read_solver(Reader reader, sandglass_granular_desc* granular) {
   const double relaxation_limit = granular->reference.scheme == SANDGLASS_SCHEME_AVERAGED ? 2.0 : 1.0;
   if (granular->reference.scheme == SANDGLASS_SCHEME_AVERAGED) granular->reference.relaxation = 1.0f;
   granular->reference.relaxation = reader.real("relaxation", granular->reference.relaxation, 1e-3, relaxation_limit);
-  granular->substep_max = reader.real("substep_max", granular->substep_max, 0.0, 0.1);
-  granular->substep_min = reader.real("substep_min", granular->substep_min, 0.0, 0.1);
+  granular->substep_max = reader.real("substep_max", granular->substep_max, 0.0, SANDGLASS_SUBSTEP_LIMIT);
+  granular->substep_min = reader.real("substep_min", granular->substep_min, 0.0, SANDGLASS_SUBSTEP_LIMIT);
   granular->height_weighting = reader.real("height_weighting", granular->height_weighting, 0.0, 1.5);
   granular->courant = reader.real("courant", granular->courant, 1e-3, 1.0);
   granular->list_skin = reader.real("list_skin", granular->list_skin, 0.1, 1.0);
@@ -227,20 +225,20 @@ Body read_body(Reader& reader) {
       if (counts[i] != std::floor(counts[i])) reader.refuse("counts", "must be three whole numbers");
       body.counts[i] = static_cast<uint32_t>(counts[i]);
     }
-    if (counts[0] * counts[1] * counts[2] > k_particle_limit)
-      reader.refuse("counts", "asks for more than " + number_text(k_particle_limit) + " particles");
+    if (counts[0] * counts[1] * counts[2] > SANDGLASS_PARTICLE_LIMIT)
+      reader.refuse("counts", "asks for more than " + number_text(SANDGLASS_PARTICLE_LIMIT) + " particles");
   } else if (lattice) {
     reader.refuse("counts", "is missing; a lattice block needs [x, y, z]");
   }
   body.spacing = reader.number("spacing", body.spacing, 2.0, 10.0);
   body.jitter = reader.number("jitter", 0.0, 0.0, 0.5);
-  body.particles = reader.integer("particles", 0, 1, k_particle_limit);
+  body.particles = reader.integer("particles", 0, 1, SANDGLASS_PARTICLE_LIMIT);
   if (lattice && body.particles > 0)
     reader.refuse("particles", "does not apply to " + shape + "; \"counts\" says how many");
   if (body.shape == BodyShape::box && body.size.x == 0.0 && body.particles == 0)
     reader.fail(shape, "needs \"size\" [x, y, z] or \"particles\"");
   if (!lattice && body.size.y == 0.0 && body.particles == 0) reader.fail(shape, "needs \"size\" or \"particles\"");
-  body.grains = reader.integer("grains", 0, 0, k_grain_limit);
+  body.grains = reader.integer("grains", 0, 0, SANDGLASS_GRAIN_LIMIT);
   body.grain_distance = reader.number("grain_distance", 0.0, 1e-5, k_length_limit);
   if (body.grains > 0 && body.grain_distance > 0.0)
     reader.refuse("grain_distance", "and \"grains\" are both given; give one of the two");
@@ -412,32 +410,37 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   scene.budget_ms = reader.number("budget_ms", scene.budget_ms, 0.0, 1e6);
   scene.seed = reader.integer("seed", 1, 0, ~0u);
   scene.particle_radius = reader.number("particle_radius", 0.0, 1e-4, 10.0);
-  to_floats(reader.vector("gravity", {0.0, -9.81, 0.0}, -1000.0, 1000.0), scene.gravity);
+  to_floats(reader.vector("gravity", {0.0, -9.81, 0.0}, -SANDGLASS_GRAVITY_LIMIT, SANDGLASS_GRAVITY_LIMIT),
+            scene.gravity);
   if (reader.has("friction")) {
     Reader friction = reader.child("friction");
-    scene.granular.static_friction = friction.real("static", scene.granular.static_friction, 0.0, 100.0);
-    scene.granular.kinetic_friction = friction.real("kinetic", scene.granular.kinetic_friction, 0.0, 100.0);
+    scene.granular.static_friction =
+        friction.real("static", scene.granular.static_friction, 0.0, SANDGLASS_FRICTION_LIMIT);
+    scene.granular.kinetic_friction =
+        friction.real("kinetic", scene.granular.kinetic_friction, 0.0, SANDGLASS_FRICTION_LIMIT);
     friction.finish();
   }
   if (reader.has("solver")) read_solver(reader.child("solver"), &scene.granular);
-  scene.granular.particle_capacity = reader.integer("particle_capacity", 0, 1, k_particle_limit);
-  scene.granular.grain_capacity = reader.integer("grain_capacity", 0, 1, k_grain_limit);
-  scene.granular.collider_capacity = reader.integer("collider_capacity", 0, 1, k_collider_limit);
+  scene.granular.particle_capacity = reader.integer("particle_capacity", 0, 1, SANDGLASS_PARTICLE_LIMIT);
+  scene.granular.grain_capacity = reader.integer("grain_capacity", 0, 1, SANDGLASS_GRAIN_LIMIT);
+  scene.granular.collider_capacity = reader.integer("collider_capacity", 0, 1, SANDGLASS_COLLIDER_LIMIT);
   uint64_t particles = 0, grains = 0;
   reader.each("bodies", 1000, [&](Reader& entry) {
     const Body& body = scene.bodies.emplace_back(read_body(entry));
     particles += body.particles + uint64_t{body.counts[0]} * body.counts[1] * body.counts[2];
     grains += body.grains;
   });
-  if (particles > k_particle_limit)
-    reader.refuse("bodies", "ask for more than " + number_text(k_particle_limit) + " particles");
-  if (grains > k_grain_limit) reader.refuse("bodies", "ask for more than " + number_text(k_grain_limit) + " grains");
-  reader.each("colliders", k_collider_limit, [&](Reader& entry) { scene.colliders.push_back(read_collider(entry)); });
+  if (particles > SANDGLASS_PARTICLE_LIMIT)
+    reader.refuse("bodies", "ask for more than " + number_text(SANDGLASS_PARTICLE_LIMIT) + " particles");
+  if (grains > SANDGLASS_GRAIN_LIMIT)
+    reader.refuse("bodies", "ask for more than " + number_text(SANDGLASS_GRAIN_LIMIT) + " grains");
+  reader.each("colliders", SANDGLASS_COLLIDER_LIMIT,
+              [&](Reader& entry) { scene.colliders.push_back(read_collider(entry)); });
   if (reader.has("light")) scene.light = read_light(reader.child("light"));
   if (reader.has("shot")) scene.shot = read_shot(reader.child("shot"));
   if (reader.has("pile_shadow")) scene.pile_shadow = read_pile_shadow(reader.child("pile_shadow"));
-  reader.each("emitters", k_flow_limit, [&](Reader& entry) { scene.emitters.push_back(read_emitter(entry)); });
-  reader.each("sinks", k_flow_limit, [&](Reader& entry) {
+  reader.each("emitters", SANDGLASS_FLOW_LIMIT, [&](Reader& entry) { scene.emitters.push_back(read_emitter(entry)); });
+  reader.each("sinks", SANDGLASS_FLOW_LIMIT, [&](Reader& entry) {
     scene.sinks.push_back(read_collider(entry));
     if (scene.sinks.back().shape == SANDGLASS_SHAPE_FIELD || !scene.sinks.back().motion.empty())
       entry.refuse("shape", "must be a resting half_space, sphere, capsule or box in a sink");
@@ -593,7 +596,14 @@ sandglass_scene_desc describe_scene(const SceneFile& scene, uint32_t particles, 
   fit(&desc.granular.particle_capacity, particles, "particle_capacity");
   fit(&desc.granular.grain_capacity, grains, "grain_capacity");
   fit(&desc.granular.collider_capacity, static_cast<uint32_t>(scene.colliders.size()), "collider_capacity");
+  expect_taken(scene, desc);
   return desc;
+}
+
+void expect_taken(const SceneFile& scene, const sandglass_scene_desc& desc) {
+  uint64_t bytes = 0;
+  const char* reason = nullptr;
+  if (sandglass_scene_bytes(&desc, &bytes, &reason) != SANDGLASS_OK) throw cannot("use", scene.source, reason);
 }
 
 }  // namespace sandglass::host

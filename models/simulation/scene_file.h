@@ -15,9 +15,6 @@
 
 namespace sandglass::host {
 
-// The most particles and grains of all bodies of a scene together: the library's limits.
-constexpr uint32_t k_particle_limit = 4'000'000, k_grain_limit = 64'000'000;
-
 enum class BodyShape { trefoil, mesh, box, sphere, lattice, revolved };
 
 // Signed distance of a point from the solid that the outline makes when it turns about the y axis; above 0 outside.
@@ -126,7 +123,8 @@ Flow flow_over_frame(const SceneFile& scene, double time);
 float drawn_grain_radius(double particle_radius, uint32_t particles, uint32_t grains);
 
 // The description of a scene that holds this many particles and grains. Throws a Failure when the file's own capacities
-// are smaller.
+// are smaller, or the library refuses it.
 sandglass_scene_desc describe_scene(const SceneFile& scene, uint32_t particles, uint32_t grains);
+void expect_taken(const SceneFile& scene, const sandglass_scene_desc& desc);  // by the library
 
 }  // namespace sandglass::host

@@ -117,14 +117,14 @@ void expect_possible(const UnitBody& body, double distance, uint32_t limit, cons
 }
 
 Points lattice_points(const UnitBody& body, double distance) {
-  expect_possible(body, distance, k_particle_limit, "particles");
+  expect_possible(body, distance, SANDGLASS_PARTICLE_LIMIT, "particles");
   Points points;
   body.require(cpp::sample_lattice(body.box, static_cast<float>(distance), std::ref(body.inside), &points));
   return points;
 }
 
 Points poisson_points(const UnitBody& body, double distance, uint64_t seed) {
-  expect_possible(body, distance, k_grain_limit, "grains");
+  expect_possible(body, distance, SANDGLASS_GRAIN_LIMIT, "grains");
   Points points;
   sandglass_sample_desc desc = sample_desc();
   desc.seed = seed;
@@ -134,7 +134,7 @@ Points poisson_points(const UnitBody& body, double distance, uint64_t seed) {
 
 // One random point in each cubic cell of edge `distance`. Points outside the body are left out.
 Points grid_points(const UnitBody& body, double distance, uint64_t seed) {
-  expect_possible(body, distance, k_grain_limit, "grains");
+  expect_possible(body, distance, SANDGLASS_GRAIN_LIMIT, "grains");
   Random random = {seed};
   int64_t cells[3];
   for (int axis = 0; axis < 3; ++axis)
@@ -371,11 +371,12 @@ Material fill_scene(SceneFile* scene, const BodyMeshes& meshes) {
     }
   uint64_t particles = 0, grains = 0;
   for (const Filled& body : filled) particles += body.particles.size(), grains += body.grains.size();
-  if (particles > k_particle_limit || grains > k_grain_limit)
+  if (particles > SANDGLASS_PARTICLE_LIMIT || grains > SANDGLASS_GRAIN_LIMIT)
     throw cannot(
         "fill", scene->source,
         "its bodies hold " + std::to_string(particles) + " particles and " + std::to_string(grains) + " grains",
-        "At most " + std::to_string(k_particle_limit) + " and " + std::to_string(k_grain_limit) + " are taken");
+        "At most " + std::to_string(SANDGLASS_PARTICLE_LIMIT) + " and " + std::to_string(SANDGLASS_GRAIN_LIMIT) +
+            " are taken");
   for (size_t i = 0; i < filled.size(); ++i) {
     if (scene->bodies[i].rigid > 0.0) {
       RigidSample rigid;

@@ -118,6 +118,7 @@ sandglass_scene_desc describe_filled(const SceneFile& scene, const Material& mat
   desc.granular.body_capacity = static_cast<uint32_t>(material.rigid.size());
   desc.granular.body_particle_capacity = material.rigid_particles();
   desc.granular.collider_capacity += static_cast<uint32_t>(material.rigid.size());
+  expect_taken(scene, desc);
   return desc;
 }
 

@@ -17,7 +17,6 @@ constexpr float k_substep_units = 0.01742f;
 // Seconds; what an app may ask for. A frame of 0.2 s then has 200,000 sub-steps.
 constexpr float k_shortest_substep = 1e-6f;
 
-constexpr float k_gravity_max = 1000.0f;  // m/s^2
 // The share of gravity's length by which it may change before what sleeps wakes: a turn by 1.1 degrees.
 constexpr float k_gravity_wakes = 0.02f;
 
@@ -33,13 +32,15 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
                  "or set both to 0."
                : nullptr;
   }
-  if (d.particle_capacity > 4000000) return "granular.particle_capacity is above 4 million: split the scene.";
-  if (d.grain_capacity > 64000000) return "granular.grain_capacity is above 64 million: split the scene.";
-  if (d.boundary_capacity > 4000000)
+  if (d.particle_capacity > SANDGLASS_PARTICLE_LIMIT)
+    return "granular.particle_capacity is above 4 million: split the scene.";
+  if (d.grain_capacity > SANDGLASS_GRAIN_LIMIT) return "granular.grain_capacity is above 64 million: split the scene.";
+  if (d.boundary_capacity > SANDGLASS_PARTICLE_LIMIT)
     return "granular.boundary_capacity is above 4 million: sample the surface more coarsely.";
-  if (d.collider_capacity > 256) return "granular.collider_capacity is above 256: pass the nearest colliders only.";
-  if (d.emitter_capacity > 64) return "granular.emitter_capacity is above 64: join nozzles.";
-  if (d.sink_capacity > 64) return "granular.sink_capacity is above 64: join sinks.";
+  if (d.collider_capacity > SANDGLASS_COLLIDER_LIMIT)
+    return "granular.collider_capacity is above 256: pass the nearest colliders only.";
+  if (d.emitter_capacity > SANDGLASS_FLOW_LIMIT) return "granular.emitter_capacity is above 64: join nozzles.";
+  if (d.sink_capacity > SANDGLASS_FLOW_LIMIT) return "granular.sink_capacity is above 64: join sinks.";
   if (d.body_capacity > 255) return "granular.body_capacity is above 255: join bodies that move together.";
   if (d.body_particle_capacity > d.particle_capacity)
     return "granular.body_particle_capacity is above particle_capacity, which counts the bodies' particles too: raise "
@@ -48,8 +49,8 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
     return "granular.particle_radius must be 0.0001 to 10 metres: set the radius r of a particle.";
   if (outside(d.grain_radius, 0.0f, d.particle_radius))
     return "granular.grain_radius must be 0 (automatic) to particle_radius.";
-  if (outside(d.static_friction, 0.0f, 10.0f)) return "granular.static_friction must be 0 to 10.";
-  if (outside(d.kinetic_friction, 0.0f, 10.0f)) return "granular.kinetic_friction must be 0 to 10.";
+  if (outside(d.static_friction, 0.0f, SANDGLASS_FRICTION_LIMIT)) return "granular.static_friction must be 0 to 10.";
+  if (outside(d.kinetic_friction, 0.0f, SANDGLASS_FRICTION_LIMIT)) return "granular.kinetic_friction must be 0 to 10.";
   if (outside(d.height_weighting, 0.0f, 1.5f)) return "granular.height_weighting must be 0 (off) to 1.5.";
   if (d.reference.scheme != SANDGLASS_SCHEME_SMALL_STEP && d.reference.scheme != SANDGLASS_SCHEME_AVERAGED)
     return "granular.reference.scheme must be a SANDGLASS_SCHEME value.";
@@ -62,9 +63,9 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
            "that, piles blow up.";
   }
   if (!(d.courant > 0.0f && d.courant <= 1.0f)) return "granular.courant must be above 0 and at most 1.";
-  if (d.substep_max != 0.0f && outside(d.substep_max, k_shortest_substep, 0.1f))
+  if (d.substep_max != 0.0f && outside(d.substep_max, k_shortest_substep, SANDGLASS_SUBSTEP_LIMIT))
     return "granular.substep_max must be 0 (automatic), or 0.000001 to 0.1 seconds.";
-  if (d.substep_min != 0.0f && outside(d.substep_min, k_shortest_substep, 0.1f))
+  if (d.substep_min != 0.0f && outside(d.substep_min, k_shortest_substep, SANDGLASS_SUBSTEP_LIMIT))
     return "granular.substep_min must be 0 (automatic), or 0.000001 to 0.1 seconds.";
   if (d.substep_min > 0.0f && d.substep_max > 0.0f && d.substep_min > d.substep_max)
     return "granular.substep_min must not exceed substep_max.";
@@ -126,7 +127,7 @@ void granular_configure(Granular* g, const sandglass_scene_desc& desc, const Ker
   if (g->desc.grain_radius <= 0.0f) g->desc.grain_radius = k_grain_radii * g->desc.particle_radius;
 }
 
-bool gravity_fits(const float gravity[3]) { return length_of(gravity) <= k_gravity_max; }
+bool gravity_fits(const float gravity[3]) { return length_of(gravity) <= SANDGLASS_GRAVITY_LIMIT; }
 
 void granular_set_gravity(Granular* g, const float gravity[3]) {
   for (int k = 0; k < 3; ++k) g->gravity[k] = gravity[k];

@@ -54,7 +54,8 @@ sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene, const f
 sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float static_friction, float kinetic_friction,
                                                  const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
-  if (!within(static_friction, 0.0f, 10.0f) || !within(kinetic_friction, 0.0f, 10.0f)) {
+  if (!within(static_friction, 0.0f, SANDGLASS_FRICTION_LIMIT) ||
+      !within(kinetic_friction, 0.0f, SANDGLASS_FRICTION_LIMIT)) {
     return refuse(reason, "sandglass_granular_set_friction: both coefficients must be 0 to 10.");
   }
   granular_set_friction(&scene->granular, static_friction, kinetic_friction);

@@ -38,10 +38,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     clean_arrays(data + 1, size - 1);
     return 0;
   }
-  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   host::FileMesh mesh;
-  const std::string error = host::read_mesh(
-      host::mesh_format(bytes).kind, bytes, [](const std::string&, std::string*) { return false; }, &mesh);
+  const std::string error = host::read_mesh({{reinterpret_cast<const char*>(data), size}}, &mesh);
   fuzz::expect(error.empty() || error.ends_with("."));
   if (error.empty()) check(host::finished_mesh(std::move(mesh), {}, "file"));
   return 0;

@@ -1,6 +1,6 @@
 // Every kind of mesh file that people bring, in one table: it is read right, or refused with the reason. The sizes and
-// volumes follow from how each file is made. The page's reader runs the same table: this test leaves it as files, with
-// cases.json, in the folder that SANDGLASS_MESH_KINDS names.
+// volumes follow from how each file is made. The page's reader and the fuzzer run the same table: this test leaves it as
+// files, with cases.json, in the folder that SANDGLASS_MESH_KINDS names.
 #include <gtest/gtest.h>
 #ifdef SANDGLASS_HAVE_DRACO
 #include <draco/compression/encode.h>
@@ -15,8 +15,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
-#include "models/mesh/mesh.h"
+#include "models/mesh/readers.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/mesh/makers.h"
 #include "tests/mesh/scenes.h"
@@ -387,7 +388,6 @@ std::vector<Kind> other_kinds() {
 
 std::vector<Kind> assimp_kinds() {
   std::vector<Kind> kinds;
-#ifdef SANDGLASS_HAVE_ASSIMP
   for (const bool z_up : {false, true}) {
     for (const double unit : {1.0, 100.0, 2.54})
       kinds.push_back({(z_up ? "z_" : "y_") + std::to_string(unit) + ".fbx", fbx(z_up, unit), {.2f, 1.8f, .4f}, .144});
@@ -395,6 +395,8 @@ std::vector<Kind> assimp_kinds() {
   }
   kinds.push_back({"skin.fbx", fbx(false, 1, true), {.4f, 3.6f, .8f}, 8 * .144});
   for (Kind& kind : kinds) kind.is_pages = false;
+#ifndef SANDGLASS_HAVE_ASSIMP
+  for (Kind& kind : kinds) kind.refused = "not read here";
 #endif
   return kinds;
 }
@@ -462,6 +464,16 @@ void expect_kind(const Kind& kind, const std::string& path) {
   else EXPECT_NE(remarks.find(kind.remark), std::string::npos) << remarks;
 }
 
+TEST(MeshKinds, EveryFormatHasAFile) {
+  std::set<const host::MeshFormat*> found;
+  for (const Kind& kind : all_kinds()) {
+    const host::MeshFormat* format = host::mesh_kind(kind.bytes).format;
+    if (format != nullptr && std::strstr(format->endings, kind.name.substr(kind.name.rfind('.')).c_str()) != nullptr)
+      found.insert(format);
+  }
+  for (const host::MeshFormat* format : host::mesh_formats()) EXPECT_TRUE(found.contains(format)) << format->name;
+}
+
 TEST(MeshKinds, AreReadRightOrRefusedWithTheReason) {
   const TemporaryFolder folder;
   for (const Kind& kind : all_kinds()) expect_kind(kind, written(folder.path, kind.name, kind.bytes));
@@ -512,8 +524,8 @@ TEST(MeshKinds, AConcavePolygonIsCutWithinItself) {
   EXPECT_DOUBLE_EQ(area, 3);
 }
 
-// For the page's reader: tests/page/mesh_kinds_test.mjs.
-TEST(MeshKinds, AreLeftForThePage) {
+// For the page's reader, tests/page/mesh_files_test.mjs, and the fuzzer.
+TEST(MeshKinds, AreLeftForOthers) {
   const char* folder = std::getenv("SANDGLASS_MESH_KINDS");
   if (folder == nullptr) GTEST_SKIP() << "SANDGLASS_MESH_KINDS names no folder";
   std::filesystem::create_directories(folder);

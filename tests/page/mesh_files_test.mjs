@@ -8,7 +8,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { toLink, fromLink } from "../../models/page/link.mjs";
 
-const k_damages = 5000;
+const k_damages = 800;
 const [page, kinds] = process.argv.slice(2), place = mkdtempSync(join(tmpdir(), "sandglass_"));
 copyFileSync(new URL("../../models/page/mesh_file.mjs", import.meta.url), join(place, "mesh_file.mjs"));
 copyFileSync(join(page, "meshopt_decoder.mjs"), join(place, "meshopt_decoder.mjs"));
@@ -37,10 +37,10 @@ for (const [side, high] of [[1, 0.2], [5, 0.1]]) {
   assert.ok(Math.abs(vertices[7] - high) < 1e-6 && Math.abs(vertices[3] - vertices[0] - high * side) < 1e-6);
 }
 
-// Changed bytes at places of a fixed sequence, in a file of every format.
+// Changed bytes at places of a fixed sequence, in every file that is read.
 let seed = 1, accepted = 0, damaged = 0;
 const random = (below) => (seed = (seed * 1664525 + 1013904223) >>> 0) % below;
-for (const name of ["sparse.glb", "meshopt.glb", "plain.obj", "little.ply", "text.stl", "plain.off"]) {
+for (const { name } of cases.filter(({ refused }) => !refused)) {
   const good = readFileSync(join(kinds, name));
   for (let i = 0; i < k_damages; ++i) {
     const bytes = Buffer.from(good);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "models/files/failure.h"
 #include "models/simulation/metrics.h"
@@ -98,6 +99,8 @@ INSTANTIATE_TEST_SUITE_P(
         in_scene(R"("budget_ms": -1)", R"("budget_ms")"), in_scene(R"("gravity": [0, -9.81])", R"("gravity")"),
         in_scene(R"("gravity": [0, -1e9, 0])", R"("gravity[1]")"), in_scene(R"("budget_ms": 1e999)", "number"),
         in_scene(R"("friction": {"static": -0.1})", R"("friction.static")"),
+        in_scene(R"("friction": {"static": 50})",
+                 R"(cannot read "test.json": "friction.static" is 50. It must lie between 0 and 10.)"),
         in_scene(R"("friction": {"dynamic": 0.1})", R"("friction.dynamic")"),
         in_scene(R"("solver": {"relaxation": 1.5})", R"("solver.relaxation")"),
         in_scene(R"("solver": {"scheme": "fast"})", R"("solver.scheme")"), in_scene(R"("solver": [])", R"("solver")"),
@@ -114,6 +117,27 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"("bodies": [{)", R"("bodies": [], "x": [{)", R"("x")"},
         Refusal{R"("good",)", R"("good")", "line 2"}));
 
+// It is named where the library refuses it; what stands at the ends of the ranges is taken.
+TEST(SceneFile, IsWhatTheLibraryTakes) {
+  const std::pair<const char*, const char*> k_parts[] = {
+      {R"("gravity": [800, -800, 0])", R"(cannot use "test.json": desc.gravity)"},
+      {R"("solver": {"substep_max": 1e-7})", R"(cannot use "test.json": granular.substep_max)"},
+      {R"("gravity": [0, -1000, 0], "friction": {"static": 10, "kinetic": 10})", ""},
+      {R"("friction": {"static": 0, "kinetic": 0}, "solver": {"substep_max": 1e-6, "courant": 1e-3})", ""},
+      {R"("solver": {"substep_max": 0.1, "substep_min": 0.1, "courant": 1, "list_skin": 1, "relaxation": 1})", ""},
+      {R"("solver": {"height_weighting": 1.5, "refine_step": 0.1, "iterations": 64, "stabilisation": 8})", ""},
+      {R"("solver": {"scheme": "averaged", "relaxation": 2, "refine_step": 1e-4, "list_skin": 0.1})", ""}};
+  for (const auto& [part, refused] : k_parts) {
+    std::string reason;
+    try {
+      describe_scene(parse_scene(changed("\"name\"", std::string(part) + ", \"name\""), "test.json"), 1, 0);
+    } catch (const Failure& failure) {
+      reason = failure.what();
+    }
+    EXPECT_EQ(reason.substr(0, *refused == 0 ? std::string::npos : std::strlen(refused)), refused) << part;
+  }
+}
+
 TEST(SceneFile, RefusesWhatIsNoObject) {
   EXPECT_NE(refusal(""), "");
   EXPECT_NE(refusal("[1, 2]"), "");
@@ -129,8 +153,7 @@ TEST(SceneFile, RefusesACapacityBelowTheNeed) {
 // The library would leave it out, and pour nothing.
 TEST(SceneFile, RefusesANozzleThatTheLibraryDoes) {
   const auto described = [](double radii) {
-    SceneFile scene;
-    scene.particle_radius = 0.01;
+    SceneFile scene = parse_scene(k_good, "test.json");
     scene.granular.particle_capacity = 9;
     scene.emitters.emplace_back();
     scene.emitters[0].emitter.radius = 0.01f * static_cast<float>(radii);

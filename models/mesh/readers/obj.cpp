@@ -14,7 +14,24 @@ static bool corner_of(std::string_view word, size_t vertices, uint32_t* corner) 
   return true;
 }
 
-std::string read_obj(std::string_view file, FileMesh* mesh) {
+// Words that an OBJ may begin with; one of its first lines is a place.
+static Likeness likeness(std::string_view file, std::string_view) {
+  constexpr size_t k_lines = 10000;
+  Words lines = {file};
+  std::string line;
+  for (size_t i = 0; i < k_lines && lines.line(&line); ++i) {
+    Words words = {line};
+    const std::string_view keyword = words.next();
+    double number = 0;
+    if ((keyword == "v" || keyword == "vn" || keyword == "vt") && number_of(words.next(), &number))
+      return Likeness::some;
+    if (line.find('\0') != std::string::npos) break;
+  }
+  return Likeness::none;
+}
+
+static std::string read(const MeshSource& source, FileMesh* mesh) {
+  std::string_view file = source.file;
   if (file.starts_with("\xEF\xBB\xBF")) file.remove_prefix(3);
   Words lines = {file};
   std::string line;
@@ -60,5 +77,7 @@ std::string read_obj(std::string_view file, FileMesh* mesh) {
   }
   return "";
 }
+
+extern const MeshFormat k_obj = {"OBJ", ".obj", true, likeness, read};
 
 }  // namespace sandglass::host

@@ -218,8 +218,14 @@ class Ply {
   std::vector<Element> elements_;
 };
 
+Likeness likeness(std::string_view, std::string_view text) {
+  return text.starts_with("ply\n") || text.starts_with("ply\r") ? Likeness::sure : Likeness::none;
+}
+
+std::string read(const MeshSource& source, FileMesh* mesh) { return Ply(source.file, mesh).read(); }
+
 }  // namespace
 
-std::string read_ply(std::string_view file, FileMesh* mesh) { return Ply(file, mesh).read(); }
+extern const MeshFormat k_ply = {"PLY", ".ply", true, likeness, read};
 
 }  // namespace sandglass::host

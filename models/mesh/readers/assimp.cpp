@@ -1,5 +1,7 @@
-// See assimp.h.
-#include "models/mesh/assimp.h"
+// FBX and Collada, by Assimp: files with units, whose figures are animated and nested in ways that no page describes.
+// They become metres and y up, as the file says. Assimp crashes on some damaged files and never returns from others, so
+// it runs in a process of its own, for a bounded time.
+#include "models/mesh/readers.h"
 
 #ifdef SANDGLASS_HAVE_ASSIMP
 #include <assimp/MemoryIOWrapper.h>
@@ -29,9 +31,11 @@
 
 namespace sandglass::host {
 
-#ifdef SANDGLASS_HAVE_ASSIMP
-
 namespace {
+
+std::string not_read() { return "is not read here. Export it as " + offered_formats() + "."; }
+
+#ifdef SANDGLASS_HAVE_ASSIMP
 
 // Gives Assimp the files that it asks for, such as the parts of an FBX. It reads none by itself, so all are ordinary
 // files of a bounded size that no output replaces.
@@ -244,9 +248,8 @@ struct Receiver {
   _exit(0);
 }
 
-}  // namespace
-
-std::string read_by_assimp(const std::string& path, uint64_t file_bytes, FileMesh* mesh) {
+std::string read_by_assimp(const MeshSource& source, FileMesh* mesh) {
+  if (source.path.empty()) return not_read();
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return "cannot be read: there are too many open files. Close some.";
   const pid_t child = fork();
@@ -255,7 +258,7 @@ std::string read_by_assimp(const std::string& path, uint64_t file_bytes, FileMes
     close(ends[1]);
     return "cannot be read: this machine has no room for another process. End some.";
   }
-  if (child == 0) parse_and_send(path, file_bytes, ends[1]);
+  if (child == 0) parse_and_send(source.path, source.file.size(), ends[1]);
   close(ends[1]);
   std::string bytes;
   char buffer[65536];
@@ -283,10 +286,22 @@ std::string read_by_assimp(const std::string& path, uint64_t file_bytes, FileMes
 
 #else
 
-std::string read_by_assimp(const std::string&, uint64_t, FileMesh*) {
-  return "is of a format that this build does not read. Export it as glTF, OBJ, PLY or STL.";
-}
+std::string read_by_assimp(const MeshSource&, FileMesh*) { return not_read(); }
 
 #endif
+
+Likeness likeness_to_fbx(std::string_view, std::string_view text) {
+  const bool is_text = text.starts_with(";") && text.find("FBX") != std::string_view::npos;
+  return is_text || text.starts_with("Kaydara FBX Binary") ? Likeness::sure : Likeness::none;
+}
+
+Likeness likeness_to_collada(std::string_view, std::string_view text) {
+  return text.starts_with("<") && text.find("<COLLADA") != std::string_view::npos ? Likeness::sure : Likeness::none;
+}
+
+}  // namespace
+
+extern const MeshFormat k_fbx = {"FBX", ".fbx", false, likeness_to_fbx, read_by_assimp};
+extern const MeshFormat k_collada = {"Collada", ".dae", false, likeness_to_collada, read_by_assimp};
 
 }  // namespace sandglass::host

@@ -88,18 +88,22 @@ bool is_text_stl(std::string_view file) {
   return first != std::string_view::npos && is_word(file.substr(first, 5), "solid") && !fits && !has_zeros;
 }
 
-}  // namespace
-
 // Binary files may begin with "solid" too: their size tells, or a byte that no text has.
-bool is_stl(std::string_view file) {
+Likeness likeness(std::string_view file, std::string_view) {
   const size_t told = told_facets(file);
   const bool has_zeros = file.substr(0, 4096).find('\0') != std::string_view::npos;
-  if (is_text_stl(file)) return true;
-  return has_zeros && told > 0 && file.size() >= k_header + k_facet && file.size() / k_facet / 4 <= told;
+  if (is_text_stl(file)) return Likeness::sure;
+  return has_zeros && told > 0 && file.size() >= k_header + k_facet && file.size() / k_facet / 4 <= told
+             ? Likeness::some
+             : Likeness::none;
 }
 
-std::string read_stl(std::string_view file, FileMesh* mesh) {
-  return is_text_stl(file) ? read_text(file, mesh) : read_binary(file, mesh);
+std::string read(const MeshSource& source, FileMesh* mesh) {
+  return is_text_stl(source.file) ? read_text(source.file, mesh) : read_binary(source.file, mesh);
 }
+
+}  // namespace
+
+extern const MeshFormat k_stl = {"STL", ".stl", true, likeness, read};
 
 }  // namespace sandglass::host

@@ -4,8 +4,16 @@
 
 namespace sandglass::host {
 
-std::string read_off(std::string_view file, FileMesh* mesh) {
-  Words lines = {file};
+static Likeness likeness(std::string_view, std::string_view text) {
+  const std::string_view word = Words{text}.next();
+  const size_t kind = word.find("OFF");
+  const bool is_off =
+      kind != std::string_view::npos && word.substr(0, kind).find_first_not_of("STCN4n") == std::string_view::npos;
+  return is_off ? Likeness::sure : Likeness::none;
+}
+
+static std::string read(const MeshSource& source, FileMesh* mesh) {
+  Words lines = {source.file};
   std::string line;
   size_t number = 0;
   const auto next = [&] {  // the next line that is not empty
@@ -18,7 +26,7 @@ std::string read_off(std::string_view file, FileMesh* mesh) {
   if (!next()) return "is empty. Export it again.";
   const size_t kind = line.find("OFF");
   if (line.find("BINARY") != std::string::npos || line.substr(0, kind).find_first_of("4n") != std::string::npos)
-    return "is OFF in binary or in other than three dimensions. Export it as OFF text, glTF, OBJ, PLY or STL.";
+    return "is OFF in binary or in other than three dimensions. Export it as OFF text, " + offered_formats() + ".";
   line.erase(0, kind + 3);  // the counts may stand behind it
   if (line.find_first_not_of(" \t\f\v") == std::string::npos && !next())
     return "ends in its first line. Copy or export it again.";
@@ -63,5 +71,7 @@ std::string read_off(std::string_view file, FileMesh* mesh) {
   }
   return "";
 }
+
+extern const MeshFormat k_off = {"OFF", ".off", false, likeness, read};
 
 }  // namespace sandglass::host

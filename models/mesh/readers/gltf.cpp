@@ -703,10 +703,24 @@ class Gltf {
   std::vector<std::optional<Placement>> placements_;
 };
 
+// The binary one, or JSON with an object "asset", which every glTF has.
+Likeness likeness(std::string_view file, std::string_view text) {
+  constexpr std::string_view k_space = " \t\r\n", k_name = "\"asset\"";
+  if (text.starts_with("glTF")) return Likeness::sure;
+  if (!text.starts_with("{")) return Likeness::none;
+  for (size_t at = file.find(k_name); at != std::string_view::npos; at = file.find(k_name, at + 1)) {
+    const size_t colon = file.find_first_not_of(k_space, at + k_name.size());
+    if (colon == std::string_view::npos || file[colon] != ':') continue;
+    const size_t value = file.find_first_not_of(k_space, colon + 1);
+    if (value != std::string_view::npos && file[value] == '{') return Likeness::sure;
+  }
+  return Likeness::none;
+}
+
+std::string read(const MeshSource& source, FileMesh* mesh) { return Gltf(source.beside, mesh).read(source.file); }
+
 }  // namespace
 
-std::string read_gltf(std::string_view file, const FileBeside& beside, FileMesh* mesh) {
-  return Gltf(beside, mesh).read(file);
-}
+extern const MeshFormat k_gltf = {"glTF", ".glb,.gltf", true, likeness, read};
 
 }  // namespace sandglass::host
