@@ -10,7 +10,7 @@
 
 #include "models/tracing/embree_scene.h"
 #include "runtime/math/random.h"
-#include "toolchains/kit/grain_block.h"
+#include "models/kit/grain_block.h"
 
 namespace sandglass::host {
 

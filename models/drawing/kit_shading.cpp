@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "toolchains/kit/grain_block.h"
+#include "models/kit/grain_block.h"
 
 namespace sandglass::host {
 

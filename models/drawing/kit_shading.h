@@ -1,4 +1,4 @@
-// The sand kit's shaders (toolchains/kit), compiled as C++ for pictures that no GPU draws.
+// The sand kit's shaders (models/kit), compiled as C++ for pictures that no GPU draws.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // Draws the table, the object and the sand with WebGL 2. Colours are linear until a shader's last line. The sand is drawn by
-// the sand kit (toolchains/kit, sand_painter.mjs). Shadows are the library's own textures: of the sharp main
+// the sand kit (models/kit, sand_painter.mjs). Shadows are the library's own textures: of the sharp main
 // light, and of the light from all around, which object and sand keep from the table, and the sand from itself. Over a
 // camera's image table and wall get shadows alone, and what is real hides what is drawn behind it
 // (runtime/shadow/README.md). Metal reflects the room's cube, or the sliders' sky, and the table.

@@ -24,7 +24,7 @@ import tempfile
 
 LAB = 'build/host/bin/sandglass_lab'
 PAGES = ['README.md', 'models/RESULTS.md', 'models/lighting/MODEL_CARD.md', 'runtime/README.md', 'runtime/shadow/README.md',
-         'toolchains/kit/README.md', 'toolchains/web/README.md']
+         'models/kit/README.md', 'toolchains/web/README.md']
 FULL = {'models/RESULTS.md'}  # every table there has marks
 # name: commands without --json. The numbers of a list are averaged; of several objects each has its name before the case.
 MEASUREMENTS = {

@@ -6,7 +6,7 @@
 
 #include "models/drawing/sand_layer.h"
 #include "models/files/image.h"
-#include "toolchains/kit/grain_block.h"
+#include "models/kit/grain_block.h"
 
 using namespace sandglass::host;
 

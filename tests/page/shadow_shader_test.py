@@ -150,7 +150,7 @@ def main(arguments):
     readme, painter, sand = [a for a in arguments if not a.startswith("--")]
     sample = re.search(r'k_table_fragment_shader\[\] = R"glsl\(#version 300 es\n(.*?)\)glsl"', open(sand, encoding="utf-8").read(), re.S).group(1)
     text = open(readme, encoding="utf-8").read()
-    kit = pathlib.Path(painter).resolve().parents[2] / "toolchains/kit"
+    kit = pathlib.Path(painter).resolve().parents[2] / "models/kit"
     occlusion = re.search(r"const k_hidden = `(.*?)`;", open(painter, encoding="utf-8").read(), re.S).group(1)
     lighting = (kit / "uniforms.glsl").read_text() + (kit / "light.glsl").read_text() + (kit / "before.glsl").read_text() + occlusion
     vertex, fragment = re.findall(r"```glsl\n(.*?)```", text, re.S)[:2]

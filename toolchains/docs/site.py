@@ -16,7 +16,7 @@ SAMPLES = [("Sand, drawn as a surface", "models/examples/pour.cpp", "skin.h"),
            ("The light of the room", "models/examples/camera_app.cpp", "room.h"),
            ("The soft shadow of an object", "models/examples/shadow_alone.cpp", "shadow.h"),
            ("In three.js: a model with a shadow, and sand", "toolchains/web/README.md", "cast.h"),
-           ("Sand in GLSL", "toolchains/kit/surface.frag", "skin.h")]
+           ("Sand in GLSL", "models/kit/surface.frag", "skin.h")]
 STYLE = """body{margin:0;font:16px/1.5 system-ui,sans-serif;color:#222;background:#f4f1ea}main{max-width:52rem;margin:auto;padding:1rem}
 iframe{display:block;width:100%;height:min(78vh,720px);border:0}pre{overflow:auto;padding:1rem;background:#fff;font-size:13px}a{color:#7a4a12}"""
 

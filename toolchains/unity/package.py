@@ -22,6 +22,7 @@ HEAD = "#version 310 es\nprecision highp float;\nprecision highp int;\nprecision
 HIDDEN = "float hidden(vec3 world) { return 0.0; }  // how much something real hides there\n"
 IMPORTERS = {".cs": "MonoImporter:\n", ".asmdef": "AssemblyDefinitionImporter:\n", ".hlsl": "ShaderIncludeImporter:\n", ".json": "PackageManifestImporter:\n"}
 here = pathlib.Path(__file__).parent
+KIT = here.parents[1] / "models/kit"
 builds, binding, version, output = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3], pathlib.Path(sys.argv[4])
 
 
@@ -30,7 +31,7 @@ def platform(name, enabled, settings):
 
 
 def hlsl(name):
-    text = HEAD + "".join((here.parent / f"kit/{part}.glsl").read_text() for part in SHADERS[name]) + HIDDEN + (here.parent / "kit" / name).read_text()
+    text = HEAD + "".join((KIT / f"{part}.glsl").read_text() for part in SHADERS[name]) + HIDDEN + (KIT / name).read_text()
     (output / name).write_text(text)
     subprocess.run(["glslangValidator", "-V", "-R", "--aml", "--amb", name, "-o", "code"], cwd=output, check=True, stdout=subprocess.DEVNULL)
     made = subprocess.run(["spirv-cross", "code", "--hlsl", "--shader-model", "50", "--hlsl-enable-compat"], cwd=output, check=True, capture_output=True, text=True)

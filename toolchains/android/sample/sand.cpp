@@ -78,7 +78,7 @@ float hidden() {
     ivec2 corner = ivec2(i & 1, i >> 1);
     float real = 0.001 * float(texelFetch(depth, clamp(ivec2(floor(p)) + corner, ivec2(0), size - 1), 0).r);
     vec2 weight = mix(1.0 - part, part, vec2(corner));
-    float before = 1.0 / gl_FragCoord.w - real;  // toolchains/kit/before.glsl
+    float before = 1.0 / gl_FragCoord.w - real;  // models/kit/before.glsl
     if (eye_height > 0.0) before = min(before, (1.0 - real * gl_FragCoord.w) * max(eye_height, 4.0 * bias));
     sum += weight.x * weight.y * (real > 0.0 ? smoothstep(bias, 2.0 * bias, before) : 0.0);
   }

@@ -59,7 +59,7 @@ static float hidden(texture2d<float> depth, constant ShaderFrame& frame, float2 
     const float2 corner = float2(i & 1, i >> 1);
     const float real = depth.read(uint2(clamp(floor(p) + corner, float2(0.0f), size - 1.0f))).r;
     const float2 weight = mix(1.0f - part, part, corner);
-    float before = drawn - real;  // toolchains/kit/before.glsl
+    float before = drawn - real;  // models/kit/before.glsl
     if (frame.eye_height > 0.0f) before = min(before, (1.0f - real / drawn) * max(frame.eye_height, 4.0f * frame.depth_bias));
     sum += weight.x * weight.y * (real > 0.0f ? smoothstep(frame.depth_bias, 2.0f * frame.depth_bias, before) : 0.0f);
   }

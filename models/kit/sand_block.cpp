@@ -4,7 +4,7 @@
 //
 // Minerals are linear albedos of single grains and their shares, as in uniforms.glsl; without them it is sand of a beach. In
 // a page it is a module: sand_block_make(minerals) gives the address of what the file holds.
-#include "toolchains/kit/grain_block.h"
+#include "models/kit/grain_block.h"
 
 using namespace sandglass::kit;
 

@@ -1,0 +1,2 @@
+// It includes what stands on it.
+#include "runtime/frame/governor.h"
