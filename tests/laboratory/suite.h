@@ -1,0 +1,24 @@
+// What every suite of `sandglass_lab` may use.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "models/program/command_line.h"
+#include "models/work/progress.h"
+
+namespace sandglass::host {
+
+using Options = std::vector<CommandOption>;
+
+// Shows a progress bar while `measure` runs; what is passed on to it returns false after Ctrl-C.
+template <class Measure>
+auto with_progress(const char* what, const Measure& measure) {
+  Progress progress(what, 1);
+  return measure([&](uint64_t done, uint64_t total) {
+    progress.total(total);
+    return progress.goes_on(done);
+  });
+}
+
+}  // namespace sandglass::host
