@@ -2,7 +2,7 @@
 
 numbers.py check ROOT           fails where a page shows another number than the JSON, or a table has a number of nobody
 numbers.py show ROOT            writes the JSON's numbers into the pages
-numbers.py measure ROOT [NAME]  runs the command that models/numbers/NAME.json has (all without a name), writes its rows, shows them
+numbers.py measure ROOT [NAME]  runs the command of models/numbers/NAME.json (of all without a name), writes and shows its rows
 
 A JSON file holds the command, its conditions, and rows: case, metric, value. A mark is a comment without spaces:
   <!--FILE#CASE#METRIC-->0.71                the number after it in the line is that of the JSON
@@ -61,7 +61,8 @@ class Numbers:
 def addresses(mark):
     """FILE#CASE#METRIC of every number of a mark."""
     parts = re.split('[{}]', mark)
-    return [''.join(some) for some in itertools.product(*(part.split(';') if k % 2 else [part] for k, part in enumerate(parts)))]
+    choices = [part.split(';') if k % 2 else [part] for k, part in enumerate(parts)]
+    return [''.join(chosen) for chosen in itertools.product(*choices)]
 
 
 def shown(value, like):
@@ -164,7 +165,7 @@ def run(root, command):
 
 
 def measure(root, path, commands):
-    """Of a string of commands, with ; between them, the numbers are averaged. Of several objects each has its name before the case."""
+    """The numbers of commands with ; between them are averaged. Of several objects each has its name before the case."""
     if isinstance(commands, dict):
         rows = {f'{what}: {case}': values for what, command in commands.items() for case, values in run(root, command).items()}
     else:
@@ -184,7 +185,8 @@ def measure(root, path, commands):
 def main():
     verb, root, names = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3:]
     if verb == 'measure':
-        for path in [root / 'models' / 'numbers' / f'{name}.json' for name in names] or sorted((root / 'models' / 'numbers').glob('*.json')):
+        folder = root / 'models' / 'numbers'
+        for path in [folder / f'{name}.json' for name in names] or sorted(folder.glob('*.json')):
             if not path.exists():
                 sys.exit(f'{path} is missing: write it, {{"command": "build/host/bin/sandglass_lab verify NAME"}}')
             commands = json.loads(path.read_text())['command']
