@@ -22,15 +22,7 @@ Bench::Bench(const std::string& s, const std::string& isa_option, Kernels kernel
 void Bench::keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads,
                  const std::string& kernels) {
   if (!keeping_) keeping_.emplace();
-  Measurement m;
-  m.suite = suite;
-  m.scene = scene;
-  m.metric = metric;
-  m.unit = unit;
-  m.value = value;
-  m.isa = kernels.empty() ? isa_name : kernels;
-  m.threads = threads;
-  measurements.push_back(m);
+  measurements.push_back({suite, scene, metric, unit, kernels.empty() ? isa_name : kernels, value, threads, {}});
 }
 
 namespace {

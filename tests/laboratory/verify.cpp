@@ -59,18 +59,9 @@ uint32_t count_failed(const std::vector<Verdict>& rows) {
 std::vector<Measurement> measurements_of(const std::string& suite, const std::string& isa, uint32_t threads,
                                          const std::vector<Verdict>& rows) {
   std::vector<Measurement> measurements;
-  for (const Verdict& v : rows) {
-    Measurement m;
-    m.suite = suite;
-    m.scene = v.name;
-    m.metric = "result";
-    m.unit = v.unit;
-    m.isa = isa;
-    m.value = v.result;
-    m.threads = threads;
-    m.judgement = Measurement::Judgement{v.truth, v.limit, v.pass, v.control};
-    measurements.push_back(m);
-  }
+  for (const Verdict& v : rows)
+    measurements.push_back({suite, v.name, "result", v.unit, isa, v.result, threads,
+                            Measurement::Judgement{v.truth, v.limit, v.pass, v.control}});
   return measurements;
 }
 
