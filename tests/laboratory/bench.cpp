@@ -51,15 +51,7 @@ SceneTable::SceneTable(Bench* bench) : bench_(bench) {
 
 BenchRow SceneTable::row(const std::string& name, uint32_t threads, uint32_t frames, const std::string& kernels,
                          const std::function<BenchRow(const BenchStep&)>& run) const {
-  BenchRow result;
-  {
-    Progress progress(name + ", " + std::to_string(threads) + "T", frames);
-    uint32_t frame = 0;
-    result = run([&] {
-      progress.done(++frame);
-      return !interrupted();
-    });
-  }
+  const BenchRow result = with_steps(name + ", " + std::to_string(threads) + "T", frames, run);
   if (interrupted()) return result;
   std::printf("%-34s %2u %9.2f %9.2f %9.2f %11.4f %10.4f %9.4f %8.1f\n", name.c_str(), threads, result.ms_per_frame,
               result.ms_solver, result.ms_refine, 100.0 * result.overlap_p99, 100.0 * result.overlap_mean,

@@ -32,12 +32,8 @@ void run_peers(const SceneTable& table, const SceneFile& column, const Bench& be
 EqualError search_equal_error(const SceneFile& column, double p99, sandglass_isa isa, uint32_t frames) {
   constexpr uint32_t k_runs_at_most = 16;  // for all bisections; fewer if a cheap setting is found early
   const uint32_t threads = std::min(k_search_threads, std::max(1u, std::thread::hardware_concurrency()));
-  Progress progress("searching source_equal_error", k_runs_at_most * frames);
-  uint32_t frame = 0;
-  return find_equal_error(column, p99, isa, threads, frames, [&] {
-    progress.done(++frame);
-    return !interrupted();
-  });
+  return with_steps("searching source_equal_error", k_runs_at_most * frames,
+                    [&](const auto& step) { return find_equal_error(column, p99, isa, threads, frames, step); });
 }
 
 std::string rounded(const char* format, double value) {
@@ -84,15 +80,9 @@ struct Growth {
 };
 
 void measure_size(const SceneFile& scene, const std::string& name, uint32_t threads, Bench* bench, Growth* growth) {
-  BenchRow result;
-  {
-    Progress progress(name + ", " + std::to_string(threads) + "T", k_growth_frames);
-    uint32_t frame = 0;
-    result = bench_scene(scene, bench->isa, threads, k_growth_frames, true, [&] {
-      progress.done(++frame);
-      return !interrupted();
-    });
-  }
+  const BenchRow result = with_steps(
+      name + ", " + std::to_string(threads) + "T", k_growth_frames,
+      [&](const auto& step) { return bench_scene(scene, bench->isa, threads, k_growth_frames, true, step); });
   if (interrupted()) return;
   const double items = result.particles + result.grains, bytes = static_cast<double>(result.bytes);
   growth->particles.push_back(result.particles);

@@ -89,9 +89,7 @@ int run(const CastOptions& options) {
       with_progress("casting and tracing shadows", [&](const auto& go_on) { return verify_casts(rows, pool, go_on); });
   const auto add = [&](const char* what, size_t all, const auto& verify) {
     if (interrupted() || all == 0) return;
-    size_t done = 0;
-    const std::vector<Verdict> more =
-        with_progress(what, [&](const auto& go_on) { return verify([&] { return go_on(done++, all); }); });
+    const std::vector<Verdict> more = with_steps(what, all, verify);
     verdicts.insert(verdicts.end(), more.begin(), more.end());
   };
   add("casting in the world", k_cast_worlds,
