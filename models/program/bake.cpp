@@ -37,14 +37,7 @@ std::vector<std::pair<std::string, const AmbientErrors*>> rooms_of(const Ambient
 std::string measurements(const BakeReport& r, const BakeSettings& settings) {
   std::vector<Measurement> all;
   const auto keep = [&](const char* name, const char* metric, const char* unit, double value) {
-    Measurement m;
-    m.suite = "bake";
-    m.scene = name;
-    m.metric = metric;
-    m.unit = unit;
-    m.value = value;
-    m.threads = settings.threads;
-    all.push_back(m);
+    all.push_back({"bake", name, metric, unit, "", value, settings.threads, {}});
   };
   const Validation& v = r.validation;
   const std::pair<const char*, const ShadowError*> ways[] = {

@@ -54,6 +54,15 @@ struct PanoramaPlace {
 };
 PanoramaPlace panorama_place(Vec3 direction, int width, int height);
 
+// Of so many pixels; `radiance` gives the colour in a direction.
+template <class Radiance>
+RadianceMap panorama_of(int width, int height, const Radiance& radiance) {
+  RadianceMap map(width, height);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) map.set(u, v, radiance(panorama_direction(u, v, width, height)));
+  return map;
+}
+
 // Solid angle of each pixel of row v (5.23).
 double pixel_solid_angle(int v, int width, int height);
 

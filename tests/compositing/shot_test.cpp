@@ -33,13 +33,9 @@ Camera camera() {
 
 // An even panorama with one bright patch of 10 degrees in the given direction.
 RadianceMap lamp_room(Vec3 towards, double bright, double even = 0.2) {
-  RadianceMap map(256, 128);
-  for (int v = 0; v < map.height; ++v)
-    for (int u = 0; u < map.width; ++u) {
-      const double cosine = dot(panorama_direction(u, v, map.width, map.height), normalised(towards));
-      map.set(u, v, cosine > std::cos(10 * k_pi / 180) ? Vec3{bright, bright, bright} : Vec3{even, even, even});
-    }
-  return map;
+  return panorama_of(256, 128, [&](Vec3 d) {
+    return Vec3{1, 1, 1} * (dot(d, normalised(towards)) > std::cos(10 * k_pi / 180) ? bright : even);
+  });
 }
 
 TEST(ShotCamera, TurnsWithoutMovingAndKeepsItsAxes) {

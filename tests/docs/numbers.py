@@ -1,19 +1,18 @@
-"""The pages' numbers: measured by one command each, kept as JSON, shown between marks.
+"""The pages' numbers: measured by one command each, kept as JSON, shown after marks.
 
 numbers.py check ROOT           fails where a page shows another number than the JSON, or a table has a number of nobody
 numbers.py show ROOT            writes the JSON's numbers into the pages
-numbers.py measure ROOT [NAME]  runs measurements (all without a name), writes models/numbers/NAME.json, then shows them
+numbers.py measure ROOT [NAME]  runs the command of models/numbers/NAME.json (of all without a name), writes and shows its rows
 
-A JSON file holds the command, its conditions, and rows: case, metric, value. Marks are comments without spaces; a space
-of a case is an underscore there.
-  <!--FILE#CASE#METRIC-->0.71        in a text or a cell: the number that follows
-  <!--FILE|COLUMN|COLUMN-->          before a table: what its columns after the first hold
-  | name<!--CASE--> | 0.71 | 18 % |  a row of it; a row without a mark holds no measured number
-A COLUMN is METRIC, or CASE#METRIC with a * where the row's CASE stands, or FILE!METRIC, or empty; METRIC is `result` where
-it is left out, and METRIC@100 or METRIC@/1024 scales. Several numbers of one cell: COLUMN+COLUMN. A number keeps the
-decimals that the page gives it. <!--held:TEST--> before a table names the test that holds its numbers itself.
+A JSON file holds the command, its conditions, and rows: case, metric, value. A mark is a comment without spaces:
+  <!--FILE#CASE#METRIC-->0.71                the number after it in the line is that of the JSON
+  <!--FILE#CASE#{METRIC;METRIC}-->0.71 18 %  braces give each part in turn, so many numbers follow; anywhere in a mark
+  <!--FILE#CASE#METRIC*100-->                is shown 100 times as large; METRIC/1e6 divided
+A space of a case is an underscore in a mark. A number keeps the decimals that the page gives it. All other numbers of a
+line are nobody's, which in a table of RESULTS.md is a fault, unless <!--held:TEST--> before it names who holds them.
 """
 import datetime
+import itertools
 import json
 import pathlib
 import platform
@@ -22,30 +21,11 @@ import subprocess
 import sys
 import tempfile
 
-LAB = 'build/host/bin/sandglass_lab'
 PAGES = ['README.md', 'models/RESULTS.md', 'models/lighting/MODEL_CARD.md', 'runtime/README.md', 'runtime/shadow/README.md',
          'models/kit/README.md', 'toolchains/web/README.md']
 FULL = {'models/RESULTS.md'}  # every table there has marks
-# name: commands without --json. The numbers of a list are averaged; of several objects each has its name before the case.
-MEASUREMENTS = {
-    'bench_granular': [f'{LAB} bench granular --threads 1,2 --peers'],
-    'bench_growth': [f'{LAB} bench growth --threads 1'],
-    'bench_shadow': [f'{LAB} bench shadow'],
-    'bench_lighting': [f'{LAB} bench lighting'],
-    'verify_granular': [f'{LAB} verify granular'],
-    'verify_follow': [f'{LAB} verify follow --seed {seed}' for seed in range(4)],
-    'verify_lighting': [f'{LAB} verify lighting --threads 2'],
-    'verify_room': [f'{LAB} verify room --threads 2'],
-    'verify_shot': [f'{LAB} verify shot --threads 2'],
-    'verify_cast': [f'{LAB} verify cast --threads 2'],
-    'verify_colour': [f'{LAB} verify colour --threads 2'],
-    'verify_look': [f'{LAB} verify look --threads 2'],
-    'shot_budget': ['build/host/tests/compositing/sandglass_shot_budget_tests'],
-    'pile': ['build/host/tests/shadow/sandglass_shadow_tests --gtest_filter=*Pile*'],
-    'bakes': {mesh: f'build/host/bin/sandglass bake {mesh.replace(" ", "_")} --threads 2 -o out/numbers.shadow'
-              for mesh in ('chair', 'armadillo', 'trefoil knot', 'wicker chair', 'bucket')},
-}
-NUMBER = r'[-+−]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?'
+MARK = re.compile(r'<!--(\w+#\S+?)-->')
+NUMBER = r'(?<![\w.])[-+−]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?'
 
 
 class Numbers:
@@ -67,15 +47,22 @@ class Numbers:
                 self.files[name] = {}
         return {case.replace(' ', '_'): values for case, values in self.files[name].items()}
 
-    def value(self, name, case, metric, where):
-        metric, _, scale = metric.partition('@')
+    def value(self, address, where):
+        name, case, metric = (address + '#result').split('#')[:3]
+        metric, sign, factor = re.fullmatch(r'([^*/]+)([*/]?)(.*)', metric).groups()
         value = self.rows(name).get(case, {}).get(metric)
         if value is None:
-            self.faults.append(f'{where}: {name} has no {case}:{metric}')
-            return None
-        if scale:
-            value = value / float(scale[1:]) if scale[0] == '/' else value * float(scale)
+            self.faults.append(f'{where}: {name} has no {case}#{metric}')
+        elif sign:
+            value = value * float(factor) if sign == '*' else value / float(factor)
         return value
+
+
+def addresses(mark):
+    """FILE#CASE#METRIC of every number of a mark."""
+    parts = re.split('[{}]', mark)
+    choices = [part.split(';') if k % 2 else [part] for k, part in enumerate(parts)]
+    return [''.join(chosen) for chosen in itertools.product(*choices)]
 
 
 def shown(value, like):
@@ -92,50 +79,36 @@ def shown(value, like):
     return text.replace('-', '−') if '−' in like else text
 
 
-def cell_of(numbers, table, case, columns, cell, where):
-    """A cell with the measured numbers in place of its first ones."""
-    columns = iter(columns.split('+'))
+def marked(numbers, line, where):
+    """The line with the JSON's numbers after its marks."""
+    pieces = MARK.split(line)
+    for k in range(1, len(pieces), 2):
+        values = [numbers.value(address, where) for address in addresses(pieces[k])]
+        rest = iter(values)
 
-    def next_value(m):
-        column = next(columns, None)
-        if column is None:
-            return m[0]
-        name, _, metric = column.rpartition('!')
-        row, _, metric = metric.partition('#') if '*' in metric else (case, '', metric)
-        value = numbers.value(name or table, row.replace('*', case), metric or 'result', where)
-        return m[0] if value is None else shown(value, m[0])
+        def fresh(m, rest=rest):
+            value = next(rest)
+            return m[0] if value is None else shown(value, m[0])
 
-    return re.sub(NUMBER, next_value, cell)
+        pieces[k + 1], count = re.subn(NUMBER, fresh, pieces[k + 1], count=len(values))
+        if count < len(values):
+            numbers.faults.append(f'{where}: {len(values)} numbers should follow {pieces[k]}, and {count} do')
+        pieces[k] = f'<!--{pieces[k]}-->'
+    return ''.join(pieces)
 
 
 def render(numbers, path, text, full):
     """The page with the JSON's numbers."""
-    lines, columns, table, held = text.split('\n'), [], '', False
+    lines, held = text.split('\n'), False
     for i, line in enumerate(lines):
         where = f'{path}:{i + 1}'
-
-        def marked(m, where=where):
-            value = numbers.value(*m[1].split('#'), where)
-            return m[0] if value is None else f'<!--{m[1]}-->{m[2]}{shown(value, m[3])}'
-
-        line = re.sub(rf'<!--(\w+#[^\s|#]+#[^\s|#]+)-->(\**)({NUMBER})', marked, line)
-        head = re.fullmatch(r'<!--(\w+)((?:\|[^|\s]*)+)-->', line)
-        if head:
-            table, columns = head[1], head[2][1:].split('|')
-        elif line.startswith('<!--held:'):
-            held = True
-        elif not line.startswith(('|', '<!--')):
-            table, held = '', False
-        cells = re.split(r'(?<!\\)\|', line)
-        row = re.search(r'<!--([^#|\s]+)-->', cells[1]) if line.startswith('|') and table else None
-        if row:
-            for k, column in enumerate(columns[:len(cells) - 3], 2):
-                if column and '<!--' not in cells[k]:
-                    cells[k] = cell_of(numbers, table, row[1], column, cells[k], where)
-            line = '|'.join(cells)
-        elif full and not held and re.match(r'\|(?!---).*\d\.\d', line) and '<!--' not in line and lines[i + 1][:4] != '|---':
+        held = line.startswith('<!--held:') or (held and line.startswith(('|', '<!--')))
+        for comment in re.findall(r'<!--\S.*?-->', line):
+            if not MARK.fullmatch(comment) and not comment.startswith('<!--held:'):
+                numbers.faults.append(f'{where}: {comment} is no mark')
+        if full and not held and re.match(r'\|(?!---).*\d\.\d', line) and '<!--' not in line and lines[i + 1][:4] != '|---':
             numbers.faults.append(f'{where}: no measurement gives these numbers: {line}')
-        lines[i] = line
+        lines[i] = marked(numbers, line, where)
     return '\n'.join(lines)
 
 
@@ -160,12 +133,12 @@ def pages(root, write):
 
 def rows_of(data):
     """The rows of the laboratory's JSON, or what the tests of a gtest JSON recorded."""
-    rows = {}
+    rows, threads = {}, {}
     if isinstance(data, list):
         for m in data:
             row = rows.setdefault(m['case'], {})
-            key = m['metric'] if m['threads'] == 1 or m['suite'] in ('lighting', 'room', 'shot', 'colour', 'look') else f"{m['metric']}_{m['threads']}T"
-            row[key] = m['value']
+            first = threads.setdefault((m['case'], m['metric']), m['threads'])
+            row[m['metric'] if m['threads'] == first else f"{m['metric']}_{m['threads']}T"] = m['value']
             for more in ('truth', 'limit'):
                 if m.get(more) is not None:
                     row[more] = m[more]
@@ -184,42 +157,43 @@ def run(root, command):
     print(f'== {command}', flush=True)
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / 'rows.json'
-        option = ['--json', str(out)] if 'sandglass_lab' in command or ' bake ' in command else [f'--gtest_output=json:{out}']
+        option = [f'--gtest_output=json:{out}'] if '_tests' in command else ['--json', str(out)]
         code = subprocess.run(command.split() + option, cwd=root).returncode
         if code not in (0, 1) or not out.exists():
             sys.exit(f'{command} ended with {code} and wrote no numbers')
         return rows_of(json.loads(out.read_text()))
 
 
-def measure(root, name):
-    commands = MEASUREMENTS[name]
+def measure(root, path, commands):
+    """The numbers of commands with ; between them are averaged. Of several objects each has its name before the case."""
     if isinstance(commands, dict):
         rows = {f'{what}: {case}': values for what, command in commands.items() for case, values in run(root, command).items()}
-        commands = commands.values()
     else:
-        runs = [run(root, command) for command in commands]
+        runs = [run(root, command) for command in commands.split(' ; ')]
         rows = {case: {metric: sum(r[case][metric] for r in runs) / len(runs) for metric in values
                        if all(r.get(case, {}).get(metric) is not None for r in runs)} for case, values in runs[0].items()}
     rows = {case: {metric: float(f'{value:.6g}') for metric, value in values.items() if value is not None} for case, values in rows.items()}
     git = subprocess.run(['git', 'describe', '--always', '--dirty'], cwd=root, capture_output=True, text=True).stdout.strip()
     model = re.search(r'model name\s*: (.*)', pathlib.Path('/proc/cpuinfo').read_text())
-    head = {'command': ' ; '.join(commands), 'commit': git, 'date': datetime.date.today().isoformat(),
+    head = {'command': commands, 'commit': git, 'date': datetime.date.today().isoformat(),
             'machine': f'{model[1] if model else platform.machine()}, {len(re.findall("^processor", pathlib.Path("/proc/cpuinfo").read_text(), re.M))} cores'}
     lines = [f'  {json.dumps(case)}: {json.dumps(values)}' for case, values in rows.items()]
     text = json.dumps(head, indent=1)[:-2] + ',\n "rows": {\n' + ',\n'.join(lines) + '\n }\n}\n'
-    folder = root / 'models' / 'numbers'
-    folder.mkdir(exist_ok=True)
-    (folder / f'{name}.json').write_text(text)
+    path.write_text(text)
 
 
 def main():
     verb, root, names = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3:]
-    unknown = [name for name in names if name not in MEASUREMENTS]
-    if unknown:
-        sys.exit(f'no measurement is called {unknown[0]}: take {", ".join(MEASUREMENTS)}')
     if verb == 'measure':
-        for name in names or MEASUREMENTS:
-            measure(root, name)
+        folder = root / 'models' / 'numbers'
+        for path in [folder / f'{name}.json' for name in names] or sorted(folder.glob('*.json')):
+            if not path.exists():
+                sys.exit(f'{path} is missing: write it, {{"command": "build/host/bin/sandglass_lab verify NAME"}}')
+            commands = json.loads(path.read_text())['command']
+            if 'build/host/' in str(commands):
+                measure(root, path, commands)
+            else:
+                print(f'{path.name} is measured otherwise: {commands}')
     return pages(root, write=verb != 'check')
 
 

@@ -7,14 +7,13 @@
 #include <vector>
 
 #include "models/files/measurement_json.h"
-#include "models/program/command_line.h"
-#include "models/work/progress.h"
 #include "sandglass/sandglass.h"
 #include "tests/laboratory/sand/granular_bench.h"
+#include "tests/laboratory/suite.h"
 
 namespace sandglass::host {
 
-// Of all suites; bench.cpp says which takes what.
+// Of all suites of bench.
 struct BenchOptions {
   std::string json, out, isa = "automatic", mesh = "chair", asset;
   uint32_t frames = 100;
@@ -40,19 +39,10 @@ struct Bench {
   std::optional<KeepingResults> keeping_;
 };
 
-// One function a suite (bench_sand.cpp ...).
+// A suite: what `suite` keeps is written for --json.
 using BenchSuite = void (*)(const BenchOptions& options, Bench* bench);
-void bench_granular(const BenchOptions& options, Bench* bench);
-void bench_ladder(const BenchOptions& options, Bench* bench);
-void bench_growth(const BenchOptions& options, Bench* bench);
-void bench_shadow(const BenchOptions& options, Bench* bench);
-void bench_lighting(const BenchOptions& options, Bench* bench);
-void bench_machine(const BenchOptions& options, Bench* bench);
-
-std::vector<Command> bench_suites();
-
-// Runs a suite, writes what it kept, and returns the exit code.
-int run_bench(const char* name, Bench::Kernels kernels, BenchSuite suite, const BenchOptions& options);
+Command bench_command(const char* name, const char* help, Options (*options)(BenchOptions&), BenchSuite suite,
+                      Bench::Kernels kernels = Bench::Kernels::sand);
 
 // A table of scenes: one row a run, with its times and the errors of the same run.
 class SceneTable {
@@ -68,9 +58,5 @@ class SceneTable {
  private:
   Bench* bench_;
 };
-
-// Shows a progress bar while `measure` runs; what is passed on to it returns false after Ctrl-C.
-using Progressed = std::function<bool(uint32_t done, uint32_t total)>;
-void with_progress(const char* what, const std::function<void(const Progressed& go_on)>& measure);
 
 }  // namespace sandglass::host

@@ -3,7 +3,6 @@
 
 #include "models/files/atomic_file.h"
 #include "models/lighting/excerpts.h"
-#include "models/work/progress.h"
 #include "tests/laboratory/bench.h"
 #include "tests/laboratory/light/lighting_bench.h"
 #include "tests/laboratory/room/room_bench.h"
@@ -41,22 +40,28 @@ void print_and_keep(const RoomBench& room, Bench* bench) {
   std::printf("%.1f KiB\n", static_cast<double>(room.bytes) / 1024);
 }
 
-}  // namespace
-
-void bench_lighting(const BenchOptions&, Bench* bench) {
+void measure(const BenchOptions&, Bench* bench) {
   const std::string asset = SANDGLASS_LIGHTS_DIR "/room.light";
   const std::string content = read_file(asset, "lighting network", k_asset_limit);
   const std::vector<Excerpt> excerpts = read_excerpts(SANDGLASS_LIGHTING_DIR "/excerpts");
-  LightingBench result;
-  with_progress("measuring", [&](const Progressed& go_on) {
-    result = bench_lighting(std::span(reinterpret_cast<const uint8_t*>(content.data()), content.size()), asset,
-                            bench->isa, excerpts, go_on);
+  const LightingBench result = with_progress("measuring", [&](const auto& go_on) {
+    return bench_lighting(std::span(reinterpret_cast<const uint8_t*>(content.data()), content.size()), asset,
+                          bench->isa, excerpts, go_on);
   });
   print_and_keep(result, bench);
   if (result.compared)
     std::puts("to float: medians over 56 excerpts of made-up rooms, against the float network behind the file");
   if (!result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
   if (!interrupted()) print_and_keep(bench_room(), bench);
+}
+
+Options options_of(BenchOptions& o) { return {isa_option(o.isa), json_option(o.json)}; }
+
+}  // namespace
+
+Command bench_lighting_suite() {
+  return bench_command("lighting", "The lighting network: one estimate by every back end", options_of, measure,
+                       Bench::Kernels::bytes);
 }
 
 }  // namespace sandglass::host

@@ -6,7 +6,6 @@
 
 #include "models/files/atomic_file.h"
 #include "models/simulation/metrics.h"
-#include "models/work/progress.h"
 #include "tests/laboratory/bench.h"
 #include "tests/laboratory/sand/peer_bullet.h"
 
@@ -33,12 +32,8 @@ void run_peers(const SceneTable& table, const SceneFile& column, const Bench& be
 EqualError search_equal_error(const SceneFile& column, double p99, sandglass_isa isa, uint32_t frames) {
   constexpr uint32_t k_runs_at_most = 16;  // for all bisections; fewer if a cheap setting is found early
   const uint32_t threads = std::min(k_search_threads, std::max(1u, std::thread::hardware_concurrency()));
-  Progress progress("searching source_equal_error", k_runs_at_most * frames);
-  uint32_t frame = 0;
-  return find_equal_error(column, p99, isa, threads, frames, [&] {
-    progress.done(++frame);
-    return !interrupted();
-  });
+  return with_steps("searching source_equal_error", k_runs_at_most * frames,
+                    [&](const auto& step) { return find_equal_error(column, p99, isa, threads, frames, step); });
 }
 
 std::string rounded(const char* format, double value) {
@@ -85,15 +80,9 @@ struct Growth {
 };
 
 void measure_size(const SceneFile& scene, const std::string& name, uint32_t threads, Bench* bench, Growth* growth) {
-  BenchRow result;
-  {
-    Progress progress(name + ", " + std::to_string(threads) + "T", k_growth_frames);
-    uint32_t frame = 0;
-    result = bench_scene(scene, bench->isa, threads, k_growth_frames, true, [&] {
-      progress.done(++frame);
-      return !interrupted();
-    });
-  }
+  const BenchRow result = with_steps(
+      name + ", " + std::to_string(threads) + "T", k_growth_frames,
+      [&](const auto& step) { return bench_scene(scene, bench->isa, threads, k_growth_frames, true, step); });
   if (interrupted()) return;
   const double items = result.particles + result.grains, bytes = static_cast<double>(result.bytes);
   growth->particles.push_back(result.particles);
@@ -113,7 +102,7 @@ void measure_size(const SceneFile& scene, const std::string& name, uint32_t thre
   bench->keep(name, "bytes_an_item", "B", bytes / items, threads);
 }
 
-void measure_growth(uint32_t threads, Bench* bench) {
+void measure_growth_on(uint32_t threads, Bench* bench) {
   const SceneFile column = load_scene("column14k");
   Growth growth;
   for (const auto& [count, each] :
@@ -131,11 +120,9 @@ void measure_growth(uint32_t threads, Bench* bench) {
   bench->keep("growth", "exponent_bytes", "1", of_bytes, threads);
 }
 
-}  // namespace
-
 // The column with the default scheme, with the dissertation's scheme, and with the dissertation's scheme at an equal
 // error.
-void bench_granular(const BenchOptions& options, Bench* bench) {
+void measure_granular(const BenchOptions& options, Bench* bench) {
   constexpr uint32_t k_source_steps = 16, k_source_iterations = 7;  // algorithm 4 as the dissertation runs it
   const SceneFile column = load_scene("column14k");
   const SceneTable table(bench);
@@ -171,7 +158,7 @@ void bench_granular(const BenchOptions& options, Bench* bench) {
 }
 
 // Every level of the quality ladder.
-void bench_ladder(const BenchOptions& options, Bench* bench) {
+void measure_ladder(const BenchOptions& options, Bench* bench) {
   const SceneFile column = load_scene("column14k");
   const SceneTable table(bench);
   std::vector<BenchRow> levels;
@@ -186,11 +173,50 @@ void bench_ladder(const BenchOptions& options, Bench* bench) {
 
 // How time and memory grow with the scene. A column collapses for its first second. Its sizes go from 1,000 particles
 // and 10,000 grains to 100,000 particles and two million grains.
-void bench_growth(const BenchOptions& options, Bench* bench) {
+void measure_growth(const BenchOptions& options, Bench* bench) {
   std::printf("%9s %9s %2s %12s %14s %11s %13s %10s\n", "particles", "grains", "T", "solver, ms", "ns a particle",
               "refine, ms", "ns a grain", "bytes/item");
   for (const uint32_t threads : options.threads)
-    if (!interrupted()) measure_growth(threads, bench);
+    if (!interrupted()) measure_growth_on(threads, bench);
+}
+
+CommandOption thread_counts(BenchOptions& o) {
+  return by_commas({"--threads", &o.threads, "LIST", "Thread counts, separated by commas", whole_number(1, 256)});
+}
+
+CommandOption frames(BenchOptions& o) {
+  return {"--frames", &o.frames, "N", "Frames of a case; errors compare at 100 only", whole_number(1, 10000)};
+}
+
+Options granular_options(BenchOptions& o) {
+  return {thread_counts(o),
+          frames(o),
+          {"--peers", &o.peers, "", "Also run other engines on the same scene, 5 frames each"},
+          isa_option(o.isa),
+          json_option(o.json)};
+}
+
+Options ladder_options(BenchOptions& o) {
+  return {thread_counts(o), frames(o),
+          fills({"--out", &o.out, "FOLDER", "Write the levels' table, of the last thread count, into this new folder"}),
+          isa_option(o.isa), json_option(o.json)};
+}
+
+Options growth_options(BenchOptions& o) { return {thread_counts(o), isa_option(o.isa), json_option(o.json)}; }
+
+}  // namespace
+
+Command bench_granular_suite() {
+  return bench_command("granular", "Sand: a collapsing column, against the dissertation's scheme", granular_options,
+                       measure_granular);
+}
+
+Command bench_ladder_suite() {
+  return bench_command("ladder", "The quality ladder: error and time of every level", ladder_options, measure_ladder);
+}
+
+Command bench_growth_suite() {
+  return bench_command("growth", "Sand: how time and memory grow with the scene", growth_options, measure_growth);
 }
 
 }  // namespace sandglass::host

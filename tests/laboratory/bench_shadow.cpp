@@ -3,12 +3,21 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
-#include "models/work/progress.h"
 #include "tests/laboratory/bench.h"
 #include "tests/laboratory/shadow/pile_bench.h"
+#ifdef SANDGLASS_HAVE_EMBREE
 #include "tests/laboratory/shadow/shadow_bench.h"
+#endif
 
 namespace sandglass::host {
+
+constexpr const char *k_name = "shadow", *k_help = "Shadows: one texture by every way of computing it";
+
+#ifndef SANDGLASS_HAVE_EMBREE
+
+Command bench_shadow_suite() { return {k_name, k_help, {}, {}, {}, k_no_ray_tracer}; }
+
+#else
 
 namespace {
 
@@ -38,16 +47,13 @@ void print_and_keep(const std::vector<PileBenchRow>& rows, Bench* bench) {
   }
 }
 
-}  // namespace
-
-void bench_shadow(const BenchOptions& options, Bench* bench) {
+void measure(const BenchOptions& options, Bench* bench) {
   const std::string asset = options.asset.empty() ? SANDGLASS_SHADOWS_DIR "/chair.shadow" : options.asset;
   const std::string content = read_file(asset, "baked shadow", k_asset_limit);
   const Mesh mesh = named_mesh(options.mesh).mesh;
-  ShadowBench result;
-  with_progress("measuring", [&](const Progressed& go_on) {
-    result = bench_shadow({reinterpret_cast<const uint8_t*>(content.data()), content.size()}, asset, mesh, bench->isa,
-                          go_on);
+  const ShadowBench result = with_progress("measuring", [&](const auto& go_on) {
+    return bench_shadow({reinterpret_cast<const uint8_t*>(content.data()), content.size()}, asset, mesh, bench->isa,
+                        go_on);
   });
   print_and_keep(result.rows, bench);
   if (result.ambient_ms > 0) {
@@ -59,5 +65,17 @@ void bench_shadow(const BenchOptions& options, Bench* bench) {
   if (!interrupted() && !result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
   if (!interrupted()) print_and_keep(bench_pile_shadow(bench->isa), bench);
 }
+
+Options options_of(BenchOptions& o) {
+  return {standard("the shipped chair", {"--asset", &o.asset, "FILE", "A baked shadow"}),
+          {"--mesh", &o.mesh, "MESH", "The mesh that it was baked from: a file, or a generated mesh's name"},
+          isa_option(o.isa),
+          json_option(o.json)};
+}
+}  // namespace
+
+Command bench_shadow_suite() { return bench_command(k_name, k_help, options_of, measure, Bench::Kernels::bytes); }
+
+#endif
 
 }  // namespace sandglass::host

@@ -16,16 +16,11 @@ using tests::TemporaryFolder;
 
 // An even room, and one with a lamp of 6 degrees at 45 degrees above the azimuth that is given.
 RadianceMap room_with_lamp(double azimuth_deg, double lamp) {
-  RadianceMap map(128, 64);
   const double a = azimuth_deg * 3.14159265358979 / 180.0, half = std::sqrt(0.5);
   const Vec3 towards = {half * std::cos(a), half, half * std::sin(a)};
-  for (int v = 0; v < map.height; ++v)
-    for (int u = 0; u < map.width; ++u) {
-      const double near = dot(panorama_direction(u, v, map.width, map.height), towards);
-      const double radiance = near > std::cos(6.0 * 3.14159265358979 / 180.0) ? lamp : 0.5;
-      map.set(u, v, {radiance, radiance, radiance});
-    }
-  return map;
+  return panorama_of(128, 64, [&](Vec3 d) {
+    return Vec3{1, 1, 1} * (dot(d, towards) > std::cos(6.0 * 3.14159265358979 / 180.0) ? lamp : 0.5);
+  });
 }
 
 ThreadPool& single() {

@@ -6,33 +6,24 @@
 #include <vector>
 
 #include "models/files/measurement_json.h"
-#include "models/program/command_line.h"
 #include "tests/laboratory/sand/granular_verdicts.h"
+#include "tests/laboratory/suite.h"
 
 namespace sandglass::host {
 
-// Of all suites; verify.cpp says which takes what.
+// Of several suites. One that takes more inherits these.
 struct VerifyOptions {
-  std::string json, isa = "automatic", manifest, estimates, network, folder, picture, plain;
+  std::string json, isa = "automatic", manifest, network;
   std::vector<std::string> cases, panoramas, meshes;
   bool quick = false;
   uint64_t seed = 0;
   uint32_t threads = 1;
 };
 
-// One function a suite (verify.cpp ...); each returns the exit code.
-int verify_granular_command(const VerifyOptions& options);
-int verify_follow_command(const VerifyOptions& options);
-int verify_carried_command(const VerifyOptions& options);
-int verify_lighting_command(const VerifyOptions& options);
-int verify_room_command(const VerifyOptions& options);
-int verify_shot_command(const VerifyOptions& options);
-int verify_colour_command(const VerifyOptions& options);
-int verify_look_command(const VerifyOptions& options);
-int verify_files_command(const VerifyOptions& options);
-int verify_cast_command(const VerifyOptions& options);
-int verify_day_command(const VerifyOptions& options);
-std::vector<Command> verify_suites();
+CommandOption cases_option(VerifyOptions& o, const char* help, const std::vector<std::string>& all);
+CommandOption panoramas_option(VerifyOptions& o, const char* standard_text = "the interiors of SANDGLASS_DATA_DIR");
+CommandOption manifest_option(VerifyOptions& o);
+CommandOption network_option(VerifyOptions& o, const char* help);
 
 // Prints the table, and writes it and `more` where it is asked for. Returns the exit code.
 int tell(const VerifyOptions& options, const char* suite, const std::string& isa, const std::vector<Verdict>& rows,

@@ -3,13 +3,10 @@
 
 #include "models/compositing/surroundings.h"
 #include "models/files/atomic_file.h"
-#include "models/files/failure.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/lit_view.h"
 #include "models/mesh/generated.h"
-#include "models/program/command_line.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/progress.h"
 #include "tests/laboratory/room/reflections.h"
 #include "tests/laboratory/verify.h"
 #ifdef SANDGLASS_HAVE_EMBREE
@@ -20,11 +17,11 @@
 
 namespace sandglass::host {
 
+constexpr const char *k_name = "cast", *k_help = "Shadows of triangles on floors, walls and below tables, against rays";
+
 #ifndef SANDGLASS_HAVE_EMBREE
 
-int verify_cast_command(const VerifyOptions&) {
-  throw Failure("cannot check shadows: this build lacks Embree. Install it, configure and build again.");
-}
+Command verify_cast_suite() { return {k_name, k_help, {}, {}, {}, k_no_ray_tracer}; }
 
 #else
 
@@ -40,9 +37,23 @@ RadianceMap small_panorama(const std::string& path, int width) {
   return small;
 }
 
-}  // namespace
+struct CastOptions : VerifyOptions {
+  std::string picture;
+};
 
-int verify_cast_command(const VerifyOptions& options) {
+Options options_of(CastOptions& o) {
+  return {
+      standard("chair, and four of SANDGLASS_DATA_DIR",
+               {"--mesh", &o.meshes, "MESHES", "What casts: files, or names of generated meshes"}),
+      panoramas_option(o),
+      {"--quick", &o.quick, "", "Half of the lights, a quarter of the rooms"},
+      seed_option(o.seed, "From where the lights come"),
+      {"--picture", &o.picture, "FILE", "JPEG: a chair whose shadow falls on a table and a wall, behind a real bucket"},
+      threads_option(o.threads),
+      json_option(o.json)};
+}
+
+CastRowsOptions rows_of(const CastOptions& options) {
   CastRowsOptions rows;
   std::vector<std::string> names = options.meshes;
   if (names.empty()) {
@@ -56,65 +67,47 @@ int verify_cast_command(const VerifyOptions& options) {
     rows.meshes.push_back(
         {stem_of(name), std::move(result.mesh), result.report.watertight() && result.report.oriented()});
   }
-  std::vector<RadianceMap> reflected;
-  if (!options.panoramas.empty() || !data_folder().empty())
-    for (const std::string& path :
-         find_panoramas(options.panoramas.empty() ? std::vector<std::string>{data_folder() + "/hdri/indoor"}
-                                                  : options.panoramas)) {
-      rows.rooms.push_back(small_panorama(path, 256));
-      reflected.push_back(small_panorama(path, 512));
-      if (options.quick && rows.rooms.size() == 6) break;
-    }
   const std::string baked = read_file(SANDGLASS_SHADOWS_DIR "/chair.shadow", "baked shadow");
   rows.baked.assign(baked.begin(), baked.end());
   rows.seed = options.seed;
   rows.quick = options.quick;
+  return rows;
+}
+
+int run(const CastOptions& options) {
+  CastRowsOptions rows = rows_of(options);
+  std::vector<RadianceMap> reflected, some;
+  if (!options.panoramas.empty() || !data_folder().empty())
+    for (const std::string& path : panoramas_of(options, "shadows", {"indoor"})) {
+      rows.rooms.push_back(small_panorama(path, 256));
+      reflected.push_back(small_panorama(path, 512));
+      if (options.quick && rows.rooms.size() == 6) break;
+    }
+  for (size_t i = 0; i < rows.rooms.size(); i += options.quick ? 3 : 4) some.push_back(rows.rooms[i]);
   ThreadPool pool(options.threads);
-  std::vector<Verdict> verdicts;
-  {
-    Progress progress("casting and tracing shadows", 1);
-    verdicts = verify_casts(rows, pool, [&](size_t done, size_t all) {
-      progress.total(all);
-      progress.done(done);
-      return !interrupted();
-    });
-  }
-  if (!interrupted()) {
-    Progress progress("casting in the world", k_cast_worlds);
-    size_t done = 0;
-    const std::vector<Verdict> more = verify_cast_worlds(options.seed, options.quick, pool, [&] {
-      progress.done(++done);
-      return !interrupted();
-    });
+  std::vector<Verdict> verdicts =
+      with_progress("casting and tracing shadows", [&](const auto& go_on) { return verify_casts(rows, pool, go_on); });
+  const auto add = [&](const char* what, size_t all, const auto& verify) {
+    if (interrupted() || all == 0) return;
+    const std::vector<Verdict> more = with_steps(what, all, verify);
     verdicts.insert(verdicts.end(), more.begin(), more.end());
-  }
-  if (!interrupted() && !reflected.empty()) {
-    Progress progress("reflecting rooms", reflected.size());
-    size_t done = 0;
-    const std::vector<Verdict> more = verify_reflections(reflected, options.seed, [&] {
-      progress.done(done++);
-      return !interrupted();
-    });
-    verdicts.insert(verdicts.end(), more.begin(), more.end());
-  }
-  if (!interrupted() && !rows.rooms.empty()) {
-    std::vector<RadianceMap> some;
-    for (size_t i = 0; i < rows.rooms.size(); i += options.quick ? 3 : 4) some.push_back(rows.rooms[i]);
-    Progress progress("receiving shadows", some.size());
-    size_t done = 0;
-    const std::vector<Verdict> more = verify_receivers(some, pool, [&] {
-      progress.done(done++);
-      return !interrupted();
-    });
-    verdicts.insert(verdicts.end(), more.begin(), more.end());
-  }
+  };
+  add("casting in the world", k_cast_worlds,
+      [&](const auto& go_on) { return verify_cast_worlds(options.seed, options.quick, pool, go_on); });
+  add("reflecting rooms", reflected.size(),
+      [&](const auto& go_on) { return verify_reflections(reflected, options.seed, go_on); });
+  add("receiving shadows", some.size(), [&](const auto& go_on) { return verify_receivers(some, pool, go_on); });
   if (interrupted()) return k_exit_interrupted;
   if (!options.picture.empty()) {
-    Progress progress("tracing the picture", 1);
+    const Progress progress("tracing the picture", 1);
     write_file(options.picture, jpeg_file(receiver_picture(kept_room("lebombo"), pool), k_picture_quality));
   }
   return tell(options, "cast", "automatic", verdicts);
 }
+
+}  // namespace
+
+Command verify_cast_suite() { return command<CastOptions>(k_name, k_help, options_of, run); }
 
 #endif
 

@@ -8,7 +8,6 @@
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/mesh/mesh.h"
-#include "models/work/progress.h"
 #include "tests/laboratory/verify.h"
 
 namespace sandglass::host {
@@ -59,9 +58,15 @@ Told told_here(const std::string& folder, const std::string& name) {
   return told;
 }
 
-}  // namespace
+struct FilesOptions : VerifyOptions {
+  std::string folder;
+};
 
-int verify_files_command(const VerifyOptions& options) {
+Options options_of(FilesOptions& o) {
+  return {required({"FOLDER", &o.folder, "", "Mesh files, also in folders of it"}), json_option(o.json)};
+}
+
+int run(const FilesOptions& options) {
   if (!std::filesystem::is_directory(options.folder))
     throw cannot("read", options.folder, "it is no folder", "Name a folder of mesh files");
   constexpr double k_limit = 1e-3;  // relative
@@ -101,6 +106,13 @@ int verify_files_command(const VerifyOptions& options) {
               count_failed(rows), refused, both);
   if (!options.json.empty()) write_file(options.json, measurements_json(measurements_of("files", "", 1, rows)));
   return count_failed(rows) > 0 ? k_exit_check_failed : k_exit_done;
+}
+
+}  // namespace
+
+Command verify_files_suite() {
+  return command<FilesOptions>("files", "Mesh files of a folder: as the program reads them, and as trimesh does",
+                               options_of, run);
 }
 
 }  // namespace sandglass::host

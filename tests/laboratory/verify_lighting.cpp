@@ -7,8 +7,6 @@
 #include "models/lighting/dataset.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/lit_view.h"
-#include "models/program/command_line.h"
-#include "models/work/progress.h"
 #include "tests/laboratory/light/verify_lighting.h"
 #include "tests/laboratory/verify.h"
 
@@ -18,6 +16,10 @@ namespace {
 
 constexpr const char* k_cross_validated = SANDGLASS_LIGHTING_DIR "/cross_validated_estimates.csv";
 
+struct LightingOptions : VerifyOptions {
+  std::string estimates;
+};
+
 // What is measured. By default, the data folder's places are measured with their cross-validated estimates, because the
 // shipped network was fitted to them. Panoramas that are named are measured with the shipped network.
 struct LightingSources {
@@ -25,7 +27,7 @@ struct LightingSources {
   std::string manifest, estimates, network;
 };
 
-LightingSources lighting_sources(const VerifyOptions& options) {
+LightingSources lighting_sources(const LightingOptions& options) {
   LightingSources s = {panoramas_of(options, "lighting"), manifest_of(options), options.estimates, options.network};
   const bool own = options.panoramas.empty();
   if (s.estimates.empty() && s.network.empty())
@@ -64,9 +66,19 @@ void tell_of_training(const LightingSources& sources) {
         known, sources.panoramas.size());
 }
 
-}  // namespace
+Options options_of(LightingOptions& o) {
+  return {panoramas_option(o),
+          manifest_option(o),
+          standard("the shipped one for --panoramas", {"--network", &o.network, "FILE", "Network that estimates"}),
+          excludes("--network",
+                   standard("the cross-validated ones for SANDGLASS_DATA_DIR",
+                            {"--estimates", &o.estimates, "FILE", "Estimates of all views, as train.py writes them"})),
+          seed_option(o.seed, "Where the cameras look"),
+          threads_option(o.threads),
+          json_option(o.json)};
+}
 
-int verify_lighting_command(const VerifyOptions& options) {
+int run(const LightingOptions& options) {
   const LightingSources sources = lighting_sources(options);
   const bool in_bytes = !sources.network.empty();
   const LightingVerdictOptions lighting = {.panoramas = sources.panoramas,
@@ -79,6 +91,12 @@ int verify_lighting_command(const VerifyOptions& options) {
   if (interrupted()) return k_exit_interrupted;
   std::printf("estimates: %s\n", in_bytes ? sources.network.c_str() : sources.estimates.c_str());
   return tell(options, "lighting", in_bytes ? "int8" : "f32", rows);
+}
+
+}  // namespace
+
+Command verify_lighting_suite() {
+  return command<LightingOptions>("lighting", "Light: estimates against labels and baselines", options_of, run);
 }
 
 }  // namespace sandglass::host

@@ -1,10 +1,7 @@
 // `sandglass_lab verify room`: the light of rooms as sessions have seen them, against the light that is there.
 #include <memory>
 
-#include "models/files/failure.h"
 #include "models/lighting/dataset.h"
-#include "models/program/command_line.h"
-#include "models/work/progress.h"
 #include "tests/laboratory/verify.h"
 #ifdef SANDGLASS_HAVE_EMBREE
 #include "tests/laboratory/room/room_study.h"
@@ -12,11 +9,12 @@
 
 namespace sandglass::host {
 
+constexpr const char *k_name = "room",
+                     *k_help = "Rooms: the light as a session has seen it, against the light that is there";
+
 #ifndef SANDGLASS_HAVE_EMBREE
 
-int verify_room_command(const VerifyOptions&) {
-  throw Failure("cannot check rooms: this build lacks Embree. Install it, configure and build again.");
-}
+Command verify_room_suite() { return {k_name, k_help, {}, {}, {}, k_no_ray_tracer}; }
 
 #else
 
@@ -41,9 +39,19 @@ std::vector<Condition> conditions_of(RoomStudyOptions options, const RoomStudy& 
   return conditions;
 }
 
-}  // namespace
+Options options_of(VerifyOptions& o) {
+  return {panoramas_option(o, "the interiors and studios of SANDGLASS_DATA_DIR"),
+          manifest_option(o),
+          network_option(o, "Network that estimates one light"),
+          standard("chair, armadillo, trefoil and bucket",
+                   {"--mesh", &o.meshes, "MESHES", "Objects on the floor: files, or names of generated meshes"}),
+          {"--quick", &o.quick, "", "A quarter of the sessions"},
+          seed_option(o.seed, "How the phone sways"),
+          threads_option(o.threads),
+          json_option(o.json)};
+}
 
-int verify_room_command(const VerifyOptions& options) {
+int run(const VerifyOptions& options) {
   RoomStudyOptions study_options;
   study_options.panoramas = panoramas_of(options, "rooms");
   refuse_equal_stems(study_options.panoramas);
@@ -62,6 +70,10 @@ int verify_room_command(const VerifyOptions& options) {
   print_room(conditions.front().table);
   return tell(options, "room", "automatic", room_verdicts(conditions), room_measurements(conditions));
 }
+
+}  // namespace
+
+Command verify_room_suite() { return command<VerifyOptions>(k_name, k_help, options_of, run); }
 
 #endif
 

@@ -28,18 +28,10 @@ RadianceMap coarse(const RadianceMap& panorama) {
 RadianceMap known_map(const SeenRoom& seen, double azimuth, bool mirrored) {
   float parts[k_room_parts][3];
   room_radiance(seen.room, k_room_model, parts);
-  RadianceMap map(k_width, k_height);
-  for (int v = 0; v < k_height; ++v)
-    for (int u = 0; u < k_width; ++u) {
-      const Vec3 d = panorama_direction(u, v, k_width, k_height);
-      const double around = std::atan2(d.z, d.x), seen_at = mirrored ? 2 * azimuth - around : around;
-      const double turns = seen_at / (2 * std::numbers::pi) - seen.room.yaw;
-      const auto column = static_cast<uint32_t>((turns - std::floor(turns)) * k_room_columns) % k_room_columns;
-      const double height = std::asin(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi + 0.5;
-      const uint32_t row = std::min(static_cast<uint32_t>(height * k_room_rows), k_room_rows - 1);
-      map.set(u, v, from_floats(parts[row * k_room_columns + column]) * (1.0 / seen.exposure));
-    }
-  return map;
+  return panorama_of(k_width, k_height, [&](Vec3 d) {
+    const double around = std::atan2(d.z, d.x), seen_at = mirrored ? 2 * azimuth - around : around;
+    return from_floats(parts[part_at(seen_at / (2 * std::numbers::pi) - seen.room.yaw, d.y)]) * (1.0 / seen.exposure);
+  });
 }
 
 // What the pixels of each ball show, seen from the azimuth's other side.

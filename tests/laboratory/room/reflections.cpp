@@ -66,10 +66,7 @@ struct Cube {
     return sum;
   }
   RadianceMap map() const {
-    RadianceMap out(k_width, k_width / 2);
-    for (int v = 0; v < out.height; ++v)
-      for (int u = 0; u < out.width; ++u) out.set(u, v, sample(panorama_direction(u, v, out.width, out.height)));
-    return out;
+    return panorama_of(k_width, k_width / 2, [&](Vec3 d) { return sample(d); });
   }
 };
 

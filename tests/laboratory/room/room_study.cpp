@@ -165,14 +165,7 @@ void print_room(const RoomTable& table) {
 std::vector<Measurement> room_measurements(const std::vector<Condition>& conditions) {
   std::vector<Measurement> all;
   const auto keep = [&](const std::string& name, const std::string& metric, double value, const char* unit = "1") {
-    Measurement m;
-    m.suite = "room";
-    m.scene = name;
-    m.metric = metric;
-    m.unit = unit;
-    m.isa = "automatic";
-    m.value = value;
-    all.push_back(m);
+    all.push_back({"room", name, metric, unit, "automatic", value, 1, {}});
   };
   const auto keep_interval = [&](const std::string& name, const std::string& metric, const Interval& interval) {
     keep(name, metric, interval.mean);

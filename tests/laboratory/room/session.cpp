@@ -51,6 +51,12 @@ ShotLight light_of_session(const Surroundings& room, Session session, const Sess
   return scaled(light, room.exposure / seen.exposure);
 }
 
+uint32_t part_at(double turns, double up) {
+  const auto column = static_cast<uint32_t>((turns - std::floor(turns)) * k_room_columns) % k_room_columns;
+  const double height = std::asin(std::clamp(up, -1.0, 1.0)) / std::numbers::pi + 0.5;
+  return std::min(static_cast<uint32_t>(height * k_room_rows), k_room_rows - 1) * k_room_columns + column;
+}
+
 PartRadiance true_parts(const RadianceMap& panorama) {
   PartRadiance sums = {};
   std::array<double, k_room_parts> areas = {};
@@ -58,12 +64,9 @@ PartRadiance true_parts(const RadianceMap& panorama) {
     const double area = pixel_solid_angle(v, panorama.width, panorama.height);
     for (int u = 0; u < panorama.width; ++u) {
       const Vec3 d = panorama_direction(u, v, panorama.width, panorama.height);
-      const double turns = std::atan2(d.z, d.x) / (2 * std::numbers::pi);
-      const auto column = static_cast<uint32_t>((turns - std::floor(turns)) * k_room_columns) % k_room_columns;
-      const double height = std::asin(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi + 0.5;
-      const uint32_t row = std::min(static_cast<uint32_t>(height * k_room_rows), k_room_rows - 1);
-      sums[row * k_room_columns + column] = sums[row * k_room_columns + column] + panorama.colour(u, v) * area;
-      areas[row * k_room_columns + column] += area;
+      const uint32_t part = part_at(std::atan2(d.z, d.x) / (2 * std::numbers::pi), d.y);
+      sums[part] = sums[part] + panorama.colour(u, v) * area;
+      areas[part] += area;
     }
   }
   for (uint32_t i = 0; i < k_room_parts; ++i) sums[i] = sums[i] * (1 / std::max(areas[i], 1e-12));

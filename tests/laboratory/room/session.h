@@ -36,6 +36,8 @@ SeenRoom look_around(const RadianceMap& panorama, Session session, const Session
 ShotLight light_of_session(const Surroundings& room, Session session, const SessionOptions& options,
                            const sandglass_light_estimate* estimate = nullptr);
 
+// The library's part that a direction so many turns about y and `up` lies in.
+uint32_t part_at(double turns, double up);
 // The panorama's radiance in each part of a room, and the room as it would be had the camera shown more.
 using PartRadiance = std::array<Vec3, k_room_parts>;
 PartRadiance true_parts(const RadianceMap& panorama);

@@ -443,13 +443,7 @@ std::array<float, SANDGLASS_LIGHT_CELLS> floats(const std::array<double, SANDGLA
 
 // A panorama as the wall's frame sees it.
 RadianceMap seen_from_wall(const RadianceMap& room) {
-  RadianceMap seen(room.width, room.height);
-  for (int v = 0; v < room.height; ++v)
-    for (int u = 0; u < room.width; ++u) {
-      const Vec3 d = panorama_direction(u, v, room.width, room.height);
-      seen.set(u, v, look_up(room, {d.x, -d.z, d.y}));
-    }
-  return seen;
+  return panorama_of(room.width, room.height, [&](Vec3 d) { return look_up(room, {d.x, -d.z, d.y}); });
 }
 
 // What an app has that knows the floor's cells alone: their radiance where they are above the wall's horizon, and a floor of

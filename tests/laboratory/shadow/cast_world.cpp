@@ -17,6 +17,14 @@
 
 namespace sandglass::host {
 
+Mesh standing(const char* name, double height, Vec3 at) {
+  MeshResult made = make_named(name);
+  stand_mesh(&made.mesh, height, name);
+  for (size_t i = 0; i < made.mesh.vertices.size(); i += 3)
+    to_floats(from_floats(made.mesh.vertices.data() + i) + at, made.mesh.vertices.data() + i);
+  return made.mesh;
+}
+
 namespace {
 
 constexpr double k_degree = std::numbers::pi / 180, k_lift = 1e-5, k_far = 100;
@@ -26,14 +34,6 @@ struct Draw {
   Random random;
   double between(double low, double high) { return low + (high - low) * random.uniform(); }
 };
-
-Mesh standing(const char* name, double height, Vec3 at) {
-  MeshResult made = make_named(name);
-  stand_mesh(&made.mesh, height, name);
-  for (size_t i = 0; i < made.mesh.vertices.size(); i += 3)
-    to_floats(from_floats(made.mesh.vertices.data() + i) + at, made.mesh.vertices.data() + i);
-  return made.mesh;
-}
 
 Mesh box(Vec3 low, Vec3 high) {
   Mesh mesh;

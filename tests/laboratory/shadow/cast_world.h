@@ -6,10 +6,15 @@
 #include <functional>
 #include <vector>
 
+#include "models/geometry/vec3.h"
+#include "models/mesh/mesh.h"
 #include "models/work/thread_pool.h"
 #include "tests/laboratory/sand/granular_verdicts.h"
 
 namespace sandglass::host {
+
+// A generated mesh of that height with its foot at a place.
+Mesh standing(const char* name, double height, Vec3 at);
 
 constexpr uint32_t k_cast_worlds = 4;
 

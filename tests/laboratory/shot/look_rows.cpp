@@ -113,17 +113,11 @@ Room room_of(const Light& light, const Camera& camera) {
   constexpr double k_half_angle = 10.0 * std::numbers::pi / 180.0, k_reflects = 0.4;
   const double sine = std::sin(k_half_angle);
   const Vec3 disk = light.facing * (1.0 / (sine * sine));
-  RadianceMap sky(k_map, k_map / 2);
   const auto fill = [&](bool with_disk, Vec3 below) {
-    RadianceMap map = sky;
-    for (int v = 0; v < map.height; ++v)
-      for (int u = 0; u < map.width; ++u) {
-        const Vec3 d = panorama_direction(u, v, map.width, map.height);
-        Vec3 radiance = d.y > 0.0 ? light.sky * (0.8 + 0.4 * d.y) : below;
-        if (with_disk && dot(d, light.towards) > std::cos(k_half_angle)) radiance = radiance + disk;
-        map.set(u, v, radiance);
-      }
-    return map;
+    return panorama_of(k_map, k_map / 2, [&](Vec3 d) {
+      const Vec3 radiance = d.y > 0.0 ? light.sky * (0.8 + 0.4 * d.y) : below;
+      return with_disk && dot(d, light.towards) > std::cos(k_half_angle) ? radiance + disk : radiance;
+    });
   };
   const Vec3 main = light.facing * (light.towards.y * std::numbers::pi);  // irradiance of the floor
   const Vec3 rest = light.sky * (std::numbers::pi * (0.8 + 0.4 * 2.0 / 3.0));
