@@ -379,7 +379,10 @@ SANDGLASS_INLINE void contact_pass(const AveragedArgs* args, uint32_t begin, uin
       continue;
     }
     sound_only(move);
-    for (int k = 0; k < 3; ++k) out[k] = self[k], out[k_vx + k] = keep(live, move[k]);
+    for (int k = 0; k < 3; ++k) {
+      out[k] = self[k];
+      out[k_vx + k] = keep(live, move[k]);
+    }
     store_records(floats_of(a->out + i), out);
   }
   if (k_solve && args->last != 0) put_extrema(seen, extent);

@@ -152,8 +152,10 @@ SANDGLASS_APART void solve_touching(const PairArgs* args, const PairTerms& t, To
                                     uint32_t* touched) {
   const uint32_t count = pairs->count;
   // Behind the last pair come copies of it that do nothing.
-  for (uint32_t at = count; at % k_width != 0; ++at)
-    pairs->first[at] = pairs->first[at - 1], pairs->second[at] = pairs->second[at - 1];
+  for (uint32_t at = count; at % k_width != 0; ++at) {
+    pairs->first[at] = pairs->first[at - 1];
+    pairs->second[at] = pairs->second[at - 1];
+  }
   const uint32_t end = all ? count : count / k_width * k_width;
   for (uint32_t at = 0; at < end; at += k_width)
     solve_pairs<k_fixed>(args, t, pairs->first + at, pairs->second + at, count - at, touched);
