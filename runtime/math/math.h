@@ -148,7 +148,10 @@ constexpr double logarithm(double x) {
   int64_t k = (bits >> 52) - 1023;
   bits = (bits & 0x000fffffffffffff) | (static_cast<int64_t>(1023) << 52);
   auto m = __builtin_bit_cast(double, bits);
-  if (m > 1.4142135623730951) m *= 0.5, ++k;
+  if (m > 1.4142135623730951) {
+    m *= 0.5;
+    ++k;
+  }
   const double s = (m - 1) / (m + 1), q = s * s;
   double p = 1.0 / 21;
   p = p * q + 1.0 / 19;
