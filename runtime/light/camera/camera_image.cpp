@@ -200,6 +200,9 @@ int32_t sandglass_camera_orientation(const float matrix[16], float orientation[4
                         axes[2][2] * (x[0] * y[1] - x[1] * y[0]);
   fine = fine && turned > 0.0;
   if (fine) quaternion_of(axes[0], axes[1], axes[2], orientation);
-  else orientation[0] = orientation[1] = orientation[2] = 0.0f, orientation[3] = 1.0f;
+  else {
+    orientation[0] = orientation[1] = orientation[2] = 0.0f;
+    orientation[3] = 1.0f;
+  }
   return fine ? 1 : 0;
 }

@@ -169,7 +169,10 @@ void middle_from(const Room& room, uint32_t part, const double at[3], double wor
   const uint32_t row = part / k_room_columns, column = part % k_room_columns;
   double d[3], squared = 0;
   room_direction(row + 0.5, column + 0.5, d);
-  for (int k = 0; k < 3; ++k) d[k] -= at[k], squared += d[k] * d[k];
+  for (int k = 0; k < 3; ++k) {
+    d[k] -= at[k];
+    squared += d[k] * d[k];
+  }
   room_to_world(room, d, world);
   for (int k = 0; k < 3; ++k) world[k] /= square_root(squared);
 }
@@ -235,7 +238,10 @@ bool begin(Room* room, const float position[3], float exposure, float confidence
 // A main light without a direction is none.
 void set_far_light(const Room& room, const sandglass_harmonics& told, RoomFarLight* far) {
   double world[3], squared = 0;
-  for (int k = 0; k < 3; ++k) world[k] = static_cast<double>(told.main_direction[k]), squared += world[k] * world[k];
+  for (int k = 0; k < 3; ++k) {
+    world[k] = static_cast<double>(told.main_direction[k]);
+    squared += world[k] * world[k];
+  }
   if (!(squared > 0)) return;
   for (double& x : world) x /= square_root(squared);
   room_to_sphere(room, world, far->direction);
