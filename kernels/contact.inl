@@ -99,13 +99,35 @@ SANDGLASS_INLINE Float friction_grip(const FrictionTerms& c, Float t2, Float nor
   return select(slides, minimum((c.kinetic * absolute(normal)) / longest, one), one);
 }
 
+// A particle's share of a correction, and how it is lifted: all of it against what does not move or is asleep, half of it
+// against its like, else by inverse mass.
+SANDGLASS_INLINE void share_by_mass(Float w, Float others_w, Mask touch, bool weighted, Float* mine, Float* lift) {
+  const Float zero = broadcast(0.0f), half = broadcast(0.5f), one = broadcast(1.0f);
+  const Mask free = zero < others_w, differ = (w < others_w) | (others_w < w);
+  if (!any(touch & free & differ)) return;
+  const Mask unequal = (zero < w) & free & differ;
+  const Float heavy = w * (half + *lift), light = others_w * (half - *lift);
+  const Float share = w / select(unequal, w + others_w, one);
+  *mine = select(unequal, share, *mine);
+  if (weighted) *lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, *lift);
+}
+
+// Adds to a correction c what friction takes of a relative displacement r across n.
+SANDGLASS_INLINE void add_friction(const FrictionTerms& t, const Float r[3], const Float n[3], Float mine, Float push,
+                                   Mask touch, Float c[3]) {
+  const Float along = dot3(r[0], r[1], r[2], n[0], n[1], n[2]);
+  Float slip[3];
+  for (int k = 0; k < 3; ++k) slip[k] = mine * (r[k] - along * n[k]);
+  const Float grip = friction_grip(t, dot3(slip[0], slip[1], slip[2], slip[0], slip[1], slip[2]), push, touch);
+  for (int k = 0; k < 3; ++k) c[k] = c[k] + grip * slip[k];
+}
+
 // Goes through the lists of the particles from i on.
 template <bool k_solve>
 SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const ContactTerms& t, const StepTerms& step,
                                             uint32_t i, const Float* self, Float pull) {
   const Float zero = broadcast(0.0f), half = broadcast(0.5f), one = broadcast(1.0f), tiny = broadcast(1e-30f);
   const Float w = self[k_mobility];
-  const Mask moves = zero < w;
   const bool weighted = a->law.weight_linear != 0.0f;
   ContactSum sum = {zero, zero, zero, zero, zero, zero, zero, zero < zero};
   uint32_t slots = 0;
@@ -114,62 +136,45 @@ SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const Contact
   for (uint32_t s = 0; s < slots; ++s) {
     Float other[k_record_floats];
     load_records(floats_of(a->end.in), row + s, k_list_slots, other);
-    Float rx = zero, ry = zero, rz = zero;  // relative displacement (correction to 4.17)
-    Float ex = other[k_x] - self[k_x], ey = other[k_y] - self[k_y], ez = other[k_z] - self[k_z];
+    Float r[3] = {zero, zero, zero}, e[3];  // r: relative displacement (correction to 4.17)
+    for (int k = 0; k < 3; ++k) e[k] = other[k] - self[k];
     const Mask free = zero < other[k_mobility];
     if (k_solve) {
       const Float relative_pull = keep(free, one) - pull;
-      rx = step.scale * (other[k_vx] - self[k_vx]) + step.gravity[0] * relative_pull;
-      ry = step.scale * (other[k_vy] - self[k_vy]) + step.gravity[1] * relative_pull;
-      rz = step.scale * (other[k_vz] - self[k_vz]) + step.gravity[2] * relative_pull;
-      ex = ex + rx;
-      ey = ey + ry;
-      ez = ez + rz;
+      for (int k = 0; k < 3; ++k) {
+        r[k] = step.scale * (other[k_vx + k] - self[k_vx + k]) + step.gravity[k] * relative_pull;
+        e[k] = e[k] + r[k];
+      }
     }
-    const Float d2 = dot3(ex, ey, ez, ex, ey, ez);
+    const Float d2 = dot3(e[0], e[1], e[2], e[0], e[1], e[2]);
     Mask touch = d2 < t.diameter2;
     if (a->law.bodies != 0) touch = and_not(touch, same_body(self[k_identity], other[k_identity]));
     if (!any(touch)) continue;
     const Float d = square_root(maximum(d2, tiny));  // no lane divides by zero, touching or not
     const Float inverse = one / d;
-    Float nx = ex * inverse, ny = ey * inverse, nz = ez * inverse;
+    Float n[3] = {e[0] * inverse, e[1] * inverse, e[2] * inverse};
     const Mask coincident = touch & (d2 < broadcast(1e-24f));
     if (any(coincident)) {
       alignas(64) uint32_t own[k_lane_group];
       store(own, lane_index() + broadcast(static_cast<int32_t>(i)));
-      part_coincident(own, row + s, k_list_slots, coincident, &nx, &ny, &nz);
+      part_coincident(own, row + s, k_list_slots, coincident, &n[0], &n[1], &n[2]);
     }
     const Float overlap = d - t.diameter;  // negative
-    // Share of the correction: all of it against what does not move or is asleep, else by inverse mass.
-    Float mine = select(free, half, one);
-    Float lift = zero;
-    if (weighted) lift = height_share(&a->law, nx, ny, nz);
-    if (a->law.bodies != 0 && any(touch & free & ((w < other[k_mobility]) | (other[k_mobility] < w)))) {
-      const Mask unequal = moves & free & ((w < other[k_mobility]) | (other[k_mobility] < w));
-      const Float heavy = w * (half + lift), light = other[k_mobility] * (half - lift);
-      const Float share = w / select(unequal, w + other[k_mobility], one);
-      mine = select(unequal, share, mine);
-      if (weighted) lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, lift);
-    }
+    Float mine = select(free, half, one), lift = zero;
+    if (weighted) lift = height_share(&a->law, n[0], n[1], n[2]);
+    if (a->law.bodies != 0) share_by_mass(w, other[k_mobility], touch, weighted, &mine, &lift);
     if (weighted) {
       const Float raised = overlap * keep(free & touch, lift);
-      sum.lift_x = sum.lift_x + raised * nx;
-      sum.lift_y = sum.lift_y + raised * ny;
-      sum.lift_z = sum.lift_z + raised * nz;
+      sum.lift_x = sum.lift_x + raised * n[0];
+      sum.lift_y = sum.lift_y + raised * n[1];
+      sum.lift_z = sum.lift_z + raised * n[2];
     }
     const Float push = mine * overlap;
-    Float cx = push * nx, cy = push * ny, cz = push * nz;
-    if (k_solve) {
-      const Float along = dot3(rx, ry, rz, nx, ny, nz);
-      const Float tx = mine * (rx - along * nx), ty = mine * (ry - along * ny), tz = mine * (rz - along * nz);
-      const Float grip = friction_grip(t.friction, dot3(tx, ty, tz, tx, ty, tz), push, touch);
-      cx = cx + grip * tx;
-      cy = cy + grip * ty;
-      cz = cz + grip * tz;
-    }
-    sum.x = sum.x + keep(touch, cx);
-    sum.y = sum.y + keep(touch, cy);
-    sum.z = sum.z + keep(touch, cz);
+    Float c[3] = {push * n[0], push * n[1], push * n[2]};
+    if (k_solve) add_friction(t.friction, r, n, mine, push, touch, c);
+    sum.x = sum.x + keep(touch, c[0]);
+    sum.y = sum.y + keep(touch, c[1]);
+    sum.z = sum.z + keep(touch, c[2]);
     sum.contacts = sum.contacts + keep(touch, one);
     sum.wakes = sum.wakes | (touch & (other[k_mobility] < zero));
   }
