@@ -21,6 +21,7 @@ constexpr double k_pi = 3.14159265358979323846;
 
 inline double square_root(double x) { return __builtin_sqrt(x); }
 inline double absolute(double x) { return __builtin_fabs(x); }
+inline double square_of(const double v[3]) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
 // Written with a cast because the floor of baseline x86-64 is a library call.
 // It bounds the number itself: to_whole would do so a second time, in every function of this file.

@@ -45,11 +45,9 @@ Look look_at(const RoomView& view, const double ahead[3], double side) {
   const CameraLayout layout = camera_layout(view.image);
   // Two axes across.
   const uint32_t least = absolute(ahead[0]) < absolute(ahead[1]) ? 0 : 1;
-  double right[3] = {}, up[3], squared = 0;
-  for (uint32_t k = 0; k < 3; ++k) {
-    right[k] = (k == least ? 1 : 0) - ahead[least] * ahead[k];
-    squared += right[k] * right[k];
-  }
+  double right[3], up[3];
+  for (uint32_t k = 0; k < 3; ++k) right[k] = (k == least ? 1 : 0) - ahead[least] * ahead[k];
+  const double squared = square_of(right);
   for (double& x : right) x /= square_root(squared);
   for (uint32_t k = 0; k < 3; ++k)
     up[k] = ahead[(k + 1) % 3] * right[(k + 2) % 3] - ahead[(k + 2) % 3] * right[(k + 1) % 3];
@@ -92,8 +90,7 @@ Look look_at(const RoomView& view, const double ahead[3], double side) {
     brightest = shown[i] > brightest ? shown[i] : brightest;
   }
   for (int k = 0; k < 3; ++k) look.middle[k] = ahead[k] + (sum > 0 ? (from[0] * right[k] + from[1] * up[k]) / sum : 0);
-  const double* m = look.middle;
-  const double length = square_root(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+  const double length = square_root(square_of(look.middle));
   for (double& x : look.middle) x /= length;
   look.hidden = look.clipped && !(rim < k_black);
   if (brightest > k_stands_out * rim) {
@@ -123,11 +120,8 @@ bool brightest_in_picture(const Room& room, double ahead[3]) {
     room_direction(row + 0.5 + room.parts[i].up / 254.0, column + 0.5 + room.parts[i].aside / 254.0, direction);
     uint32_t x, y;
     if (!room_pixel_of(view, direction, &x, &y)) continue;
-    double squared = 0;
-    for (int k = 0; k < 3; ++k) {
-      ahead[k] = direction[k] - view.position[k];
-      squared += ahead[k] * ahead[k];
-    }
+    for (int k = 0; k < 3; ++k) ahead[k] = direction[k] - view.position[k];
+    const double squared = square_of(ahead);
     for (int k = 0; k < 3; ++k) ahead[k] /= square_root(squared);
     most = bright;
     any = true;
