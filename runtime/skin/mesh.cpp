@@ -134,10 +134,8 @@ struct Nodes {
     Quad sum = {}, over_y = {}, over_z = {};
     for (uint32_t k = 0; k < 4; ++k) {
       Quad column = {}, slope = {};
-      for (uint32_t j = 0; j < 4; ++j) {
-        column += y.weight[j] * v[j][k];
-        slope += y.slope[j] * v[j][k];
-      }
+      for (uint32_t j = 0; j < 4; ++j) column += y.weight[j] * v[j][k];
+      for (uint32_t j = 0; j < 4; ++j) slope += y.slope[j] * v[j][k];
       sum += z.weight[k] * column;
       over_y += z.weight[k] * slope;
       over_z += z.slope[k] * column;
@@ -260,8 +258,7 @@ void read_blocks(const SkinState& s, const Brick& brick, SkinBlocks* blocks) {
 // False: it lies deep in a collider, and nobody sees it.
 bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& blocks, const uint32_t cell[3],
                  sandglass_skin_vertex* out, uint32_t* anchor) {
-  float u[3], normal[3];
-  float floor[3], shift[3] = {0, 0, 0}, over = k_far;
+  float u[3], normal[3], floor[3], shift[3] = {0, 0, 0}, over = k_far;
   constexpr uint32_t k_steps[3] = {1, k_solid_pitch * k_solid_pitch, k_solid_pitch};
   CellValues solid, walls;
   if (!brick.open) {
@@ -415,10 +412,8 @@ Corner below(const SkinState& s, uint32_t number, const uint32_t cell[3], uint32
   for (uint32_t m = 0; m < 3; ++m) {
     local[m] = cell[m];
     if ((which >> m & 1) == 0) continue;
-    if (local[m] == 0) {
-      k -= k_around[m];
-      local[m] = 7;
-    } else --local[m];
+    if (local[m] == 0) k -= k_around[m];
+    local[m] = (local[m] + 7) % 8;
   }
   return {s.bricks[number].around[k], local[0] + 8 * local[2] + 64 * local[1]};
 }
