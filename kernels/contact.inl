@@ -99,27 +99,28 @@ SANDGLASS_INLINE Float friction_grip(const FrictionTerms& c, Float t2, Float nor
   return select(slides, minimum((c.kinetic * absolute(normal)) / longest, one), one);
 }
 
-// A particle's share of a correction, and how it is lifted: all of it against what does not move or is asleep, half of it
-// against its like, else by inverse mass.
-SANDGLASS_INLINE void share_by_mass(Float w, Float others_w, Mask touch, bool weighted, Float* mine, Float* lift) {
-  const Float zero = broadcast(0.0f), half = broadcast(0.5f), one = broadcast(1.0f);
-  const Mask free = zero < others_w, differ = (w < others_w) | (others_w < w);
-  if (!any(touch & free & differ)) return;
-  const Mask unequal = (zero < w) & free & differ;
+// Where masses differ: a particle's share of a correction and of what lifts it, by inverse mass.
+SANDGLASS_INLINE void share_by_mass(Float w, Float others_w, Mask unequal, bool weighted, Float* mine, Float* lift) {
+  const Float half = broadcast(0.5f), one = broadcast(1.0f);
   const Float heavy = w * (half + *lift), light = others_w * (half - *lift);
   const Float share = w / select(unequal, w + others_w, one);
   *mine = select(unequal, share, *mine);
   if (weighted) *lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, *lift);
 }
 
-// Adds to a correction c what friction takes of a relative displacement r across n.
-SANDGLASS_INLINE void add_friction(const FrictionTerms& t, const Float r[3], const Float n[3], Float mine, Float push,
-                                   Mask touch, Float c[3]) {
-  const Float along = dot3(r[0], r[1], r[2], n[0], n[1], n[2]);
-  Float slip[3];
-  for (int k = 0; k < 3; ++k) slip[k] = mine * (r[k] - along * n[k]);
-  const Float grip = friction_grip(t, dot3(slip[0], slip[1], slip[2], slip[0], slip[1], slip[2]), push, touch);
-  for (int k = 0; k < 3; ++k) c[k] = c[k] + grip * slip[k];
+// Directions for the particles from i on that lie in another's place.
+SANDGLASS_INLINE void part_from(uint32_t i, const uint32_t* others, Mask coincident, Float n[3]) {
+  alignas(64) uint32_t own[k_lane_group];
+  store(own, lane_index() + broadcast(static_cast<int32_t>(i)));
+  part_coincident(own, others, k_list_slots, coincident, &n[0], &n[1], &n[2]);
+}
+
+SANDGLASS_INLINE void add_contact(Float x, Float y, Float z, Mask touch, Float others_w, ContactSum* sum) {
+  sum->x = sum->x + keep(touch, x);
+  sum->y = sum->y + keep(touch, y);
+  sum->z = sum->z + keep(touch, z);
+  sum->contacts = sum->contacts + keep(touch, broadcast(1.0f));
+  sum->wakes = sum->wakes | (touch & (others_w < broadcast(0.0f)));
 }
 
 // Goes through the lists of the particles from i on.
@@ -128,6 +129,7 @@ SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const Contact
                                             uint32_t i, const Float* self, Float pull) {
   const Float zero = broadcast(0.0f), half = broadcast(0.5f), one = broadcast(1.0f), tiny = broadcast(1e-30f);
   const Float w = self[k_mobility];
+  const Mask moves = zero < w;
   const bool weighted = a->law.weight_linear != 0.0f;
   ContactSum sum = {zero, zero, zero, zero, zero, zero, zero, zero < zero};
   uint32_t slots = 0;
@@ -154,15 +156,13 @@ SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const Contact
     const Float inverse = one / d;
     Float n[3] = {e[0] * inverse, e[1] * inverse, e[2] * inverse};
     const Mask coincident = touch & (d2 < broadcast(1e-24f));
-    if (any(coincident)) {
-      alignas(64) uint32_t own[k_lane_group];
-      store(own, lane_index() + broadcast(static_cast<int32_t>(i)));
-      part_coincident(own, row + s, k_list_slots, coincident, &n[0], &n[1], &n[2]);
-    }
-    const Float overlap = d - t.diameter;  // negative
-    Float mine = select(free, half, one), lift = zero;
+    if (any(coincident)) part_from(i, row + s, coincident, n);
+    const Float overlap = d - t.diameter;               // negative
+    Float mine = select(free, half, one), lift = zero;  // all of it against what does not move or is asleep
     if (weighted) lift = height_share(&a->law, n[0], n[1], n[2]);
-    if (a->law.bodies != 0) share_by_mass(w, other[k_mobility], touch, weighted, &mine, &lift);
+    const Mask differ = free & ((w < other[k_mobility]) | (other[k_mobility] < w));
+    if (a->law.bodies != 0 && any(touch & differ))
+      share_by_mass(w, other[k_mobility], moves & differ, weighted, &mine, &lift);
     if (weighted) {
       const Float raised = overlap * keep(free & touch, lift);
       sum.lift_x = sum.lift_x + raised * n[0];
@@ -171,12 +171,16 @@ SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const Contact
     }
     const Float push = mine * overlap;
     Float c[3] = {push * n[0], push * n[1], push * n[2]};
-    if (k_solve) add_friction(t.friction, r, n, mine, push, touch, c);
-    sum.x = sum.x + keep(touch, c[0]);
-    sum.y = sum.y + keep(touch, c[1]);
-    sum.z = sum.z + keep(touch, c[2]);
-    sum.contacts = sum.contacts + keep(touch, one);
-    sum.wakes = sum.wakes | (touch & (other[k_mobility] < zero));
+    if (k_solve) {
+      const Float along = dot3(r[0], r[1], r[2], n[0], n[1], n[2]);
+      const Float tx = mine * (r[0] - along * n[0]), ty = mine * (r[1] - along * n[1]),
+                  tz = mine * (r[2] - along * n[2]);
+      const Float grip = friction_grip(t.friction, dot3(tx, ty, tz, tx, ty, tz), push, touch);
+      c[0] = c[0] + grip * tx;
+      c[1] = c[1] + grip * ty;
+      c[2] = c[2] + grip * tz;
+    }
+    add_contact(c[0], c[1], c[2], touch, other[k_mobility], &sum);
   }
   return sum;
 }
