@@ -412,14 +412,12 @@ struct Grains {
 };
 
 // For what needs them in memory: copied one by one, because compilers leave a struct in memory that is copied whole.
-SANDGLASS_INLINE void copy3(const Float from[3], Float to[3]) {
-  for (int k = 0; k < 3; ++k) to[k] = from[k];
-}
-
 SANDGLASS_INLINE Grains copy_of(const Grains& g) {
   Grains copy;
-  copy3(g.position, copy.position);
-  copy3(g.velocity, copy.velocity);
+  for (int k = 0; k < 3; ++k) {
+    copy.position[k] = g.position[k];
+    copy.velocity[k] = g.velocity[k];
+  }
   copy.number = g.number;
   copy.inside = g.inside;
   copy.settled = g.settled;
@@ -509,8 +507,10 @@ SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Fixed& fixed, co
   } else {
     for (int k = 0; k < 3; ++k) way[k] = g->position[k] + step * way[k];
   }
-  copy3(velocity, g->velocity);
-  copy3(way, g->position);
+  for (int k = 0; k < 3; ++k) {
+    g->velocity[k] = velocity[k];
+    g->position[k] = way[k];
+  }
 }
 
 // Whether a lane may be in a collider.
@@ -563,15 +563,19 @@ SANDGLASS_INLINE void follow(const RefineArgs* a, const Fixed& fixed, LastBlock*
     const Following those = {{f.average[0], f.average[1], f.average[2]}, f.lambda};
     Grains stepping = copy_of(*g);
     follow_in_steps(a, those, swift, &stepping);
-    copy3(stepping.position, g->position);
-    copy3(stepping.velocity, g->velocity);
+    for (int k = 0; k < 3; ++k) {
+      g->position[k] = stepping.position[k];
+      g->velocity[k] = stepping.velocity[k];
+    }
   }
   follow_at_once(a, fixed, f, deep, and_not(g->inside, swift), g);
   if (reaches_collider(a, g->position)) {
     Grains leaving = copy_of(*g);
     leave_colliders(a, &leaving);
-    copy3(leaving.position, g->position);
-    copy3(leaving.velocity, g->velocity);
+    for (int k = 0; k < 3; ++k) {
+      g->position[k] = leaving.position[k];
+      g->velocity[k] = leaving.velocity[k];
+    }
   }
 }
 
@@ -618,8 +622,10 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
       Float grain[k_record_floats];
       load_records(record, grain);
       Grains g;
-      copy3(grain, g.position);
-      copy3(grain + k_vx, g.velocity);
+      for (int k = 0; k < 3; ++k) {
+        g.position[k] = grain[k];
+        g.velocity[k] = grain[k_vx + k];
+      }
       g.inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
       g.settled = fixed.still_sweeps <= grain[k_still_sweeps];
       g.number = grain[k_number];
@@ -633,8 +639,10 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
       const Mask rests = (g.velocity[0] == zero) & (g.velocity[1] == zero) & (g.velocity[2] == zero);
       keeps_still = and_not(keeps_still, and_not(g.inside, (fixed.still_sweeps <= sweeps) & rests));
       Float moved[k_record_floats];
-      copy3(g.position, moved);
-      copy3(g.velocity, moved + k_vx);
+      for (int k = 0; k < 3; ++k) {
+        moved[k] = g.position[k];
+        moved[k_vx + k] = g.velocity[k];
+      }
       changes = changes || any(and_not(g.inside, still));
       if (!changes) {
         Mask same = one == one;
