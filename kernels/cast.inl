@@ -63,8 +63,25 @@ static SANDGLASS_INLINE uint32_t fill_rows(const CastBounds& left, const CastBou
   return texels;
 }
 
-static void cast_triangles(const CastTrianglesArgs* a, uint32_t begin, uint32_t end, CastExtent* extent) {
+// Where the edges of triangles cut the middles of row `first`, as the left and the right of CastBounds.
+static SANDGLASS_INLINE void edge_bounds(const Float u[3], const Float v[3], Float first, Float side, Float left[8],
+                                         Float right[8]) {
   const Float zero = broadcast(0.0f), before = broadcast(-1.0f), steepest = broadcast(1e9f);
+  for (uint32_t e = 0; e < 3; ++e) {
+    const uint32_t to = e == 2 ? 0 : e + 1;
+    const Float rise = v[to] - v[e], divisor = select(rise == zero, broadcast(1.0f), rise);  // a level edge has none
+    const Float slope = maximum(minimum((u[to] - u[e]) / divisor, steepest), zero - steepest);
+    const Float cut = u[e] + (first - v[e]) * slope;
+    const Mask down = v[e] < v[to], up = v[to] < v[e];
+    left[e] = select(down, cut, before);
+    left[4 + e] = keep(down, slope);
+    right[e] = select(up, cut, side);
+    right[4 + e] = keep(up, slope);
+  }
+}
+
+static void cast_triangles(const CastTrianglesArgs* a, uint32_t begin, uint32_t end, CastExtent* extent) {
+  const Float zero = broadcast(0.0f), before = broadcast(-1.0f);
   const Float side = broadcast(static_cast<float>(a->texels)), last = broadcast(static_cast<float>(a->texels - 1));
   CastExtent seen = *extent;
   for (uint32_t at = begin; at < end; at += k_width) {
@@ -97,18 +114,7 @@ static void cast_triangles(const CastTrianglesArgs* a, uint32_t begin, uint32_t 
       v[2] = select(turned, v1, v[2]);
     }
     Float left[8], right[8];
-    const Float first = to_float(row);
-    for (uint32_t e = 0; e < 3; ++e) {
-      const uint32_t to = e == 2 ? 0 : e + 1;
-      const Float rise = v[to] - v[e], divisor = select(rise == zero, broadcast(1.0f), rise);  // a level edge has none
-      const Float slope = maximum(minimum((u[to] - u[e]) / divisor, steepest), zero - steepest);
-      const Float cut = u[e] + (first - v[e]) * slope;
-      const Mask down = v[e] < v[to], up = v[to] < v[e];
-      left[e] = select(down, cut, before);
-      left[4 + e] = keep(down, slope);
-      right[e] = select(up, cut, side);
-      right[4 + e] = keep(up, slope);
-    }
+    edge_bounds(u, v, to_float(row), side, left, right);
     left[3] = to_float(column);
     right[3] = to_float(last_column);
     left[7] = right[7] = zero;

@@ -99,6 +99,30 @@ SANDGLASS_INLINE Float friction_grip(const FrictionTerms& c, Float t2, Float nor
   return select(slides, minimum((c.kinetic * absolute(normal)) / longest, one), one);
 }
 
+// Where masses differ: a particle's share of a correction and of what lifts it, by inverse mass.
+SANDGLASS_INLINE void share_by_mass(Float w, Float others_w, Mask unequal, bool weighted, Float* mine, Float* lift) {
+  const Float half = broadcast(0.5f), one = broadcast(1.0f);
+  const Float heavy = w * (half + *lift), light = others_w * (half - *lift);
+  const Float share = w / select(unequal, w + others_w, one);
+  *mine = select(unequal, share, *mine);
+  if (weighted) *lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, *lift);
+}
+
+// Directions for the particles from i on that lie in another's place.
+SANDGLASS_INLINE void part_from(uint32_t i, const uint32_t* others, Mask coincident, Float n[3]) {
+  alignas(64) uint32_t own[k_lane_group];
+  store(own, lane_index() + broadcast(static_cast<int32_t>(i)));
+  part_coincident(own, others, k_list_slots, coincident, &n[0], &n[1], &n[2]);
+}
+
+SANDGLASS_INLINE void add_contact(Float x, Float y, Float z, Mask touch, Float others_w, ContactSum* sum) {
+  sum->x = sum->x + keep(touch, x);
+  sum->y = sum->y + keep(touch, y);
+  sum->z = sum->z + keep(touch, z);
+  sum->contacts = sum->contacts + keep(touch, broadcast(1.0f));
+  sum->wakes = sum->wakes | (touch & (others_w < broadcast(0.0f)));
+}
+
 // Goes through the lists of the particles from i on.
 template <bool k_solve>
 SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const ContactTerms& t, const StepTerms& step,
@@ -114,64 +138,49 @@ SANDGLASS_INLINE ContactSum gather_contacts(const AveragedArgs* a, const Contact
   for (uint32_t s = 0; s < slots; ++s) {
     Float other[k_record_floats];
     load_records(floats_of(a->end.in), row + s, k_list_slots, other);
-    Float rx = zero, ry = zero, rz = zero;  // relative displacement (correction to 4.17)
-    Float ex = other[k_x] - self[k_x], ey = other[k_y] - self[k_y], ez = other[k_z] - self[k_z];
+    Float r[3] = {zero, zero, zero}, e[3];  // r: relative displacement (correction to 4.17)
+    for (int k = 0; k < 3; ++k) e[k] = other[k] - self[k];
     const Mask free = zero < other[k_mobility];
     if (k_solve) {
       const Float relative_pull = keep(free, one) - pull;
-      rx = step.scale * (other[k_vx] - self[k_vx]) + step.gravity[0] * relative_pull;
-      ry = step.scale * (other[k_vy] - self[k_vy]) + step.gravity[1] * relative_pull;
-      rz = step.scale * (other[k_vz] - self[k_vz]) + step.gravity[2] * relative_pull;
-      ex = ex + rx;
-      ey = ey + ry;
-      ez = ez + rz;
+      for (int k = 0; k < 3; ++k) {
+        r[k] = step.scale * (other[k_vx + k] - self[k_vx + k]) + step.gravity[k] * relative_pull;
+        e[k] = e[k] + r[k];
+      }
     }
-    const Float d2 = dot3(ex, ey, ez, ex, ey, ez);
+    const Float d2 = dot3(e[0], e[1], e[2], e[0], e[1], e[2]);
     Mask touch = d2 < t.diameter2;
     if (a->law.bodies != 0) touch = and_not(touch, same_body(self[k_identity], other[k_identity]));
     if (!any(touch)) continue;
     const Float d = square_root(maximum(d2, tiny));  // no lane divides by zero, touching or not
     const Float inverse = one / d;
-    Float nx = ex * inverse, ny = ey * inverse, nz = ez * inverse;
+    Float n[3] = {e[0] * inverse, e[1] * inverse, e[2] * inverse};
     const Mask coincident = touch & (d2 < broadcast(1e-24f));
-    if (any(coincident)) {
-      alignas(64) uint32_t own[k_lane_group];
-      store(own, lane_index() + broadcast(static_cast<int32_t>(i)));
-      part_coincident(own, row + s, k_list_slots, coincident, &nx, &ny, &nz);
-    }
-    const Float overlap = d - t.diameter;  // negative
-    // Share of the correction: all of it against what does not move or is asleep, else by inverse mass.
-    Float mine = select(free, half, one);
-    Float lift = zero;
-    if (weighted) lift = height_share(&a->law, nx, ny, nz);
-    if (a->law.bodies != 0 && any(touch & free & ((w < other[k_mobility]) | (other[k_mobility] < w)))) {
-      const Mask unequal = moves & free & ((w < other[k_mobility]) | (other[k_mobility] < w));
-      const Float heavy = w * (half + lift), light = other[k_mobility] * (half - lift);
-      const Float share = w / select(unequal, w + other[k_mobility], one);
-      mine = select(unequal, share, mine);
-      if (weighted) lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, lift);
-    }
+    if (any(coincident)) part_from(i, row + s, coincident, n);
+    const Float overlap = d - t.diameter;               // negative
+    Float mine = select(free, half, one), lift = zero;  // all of it against what does not move or is asleep
+    if (weighted) lift = height_share(&a->law, n[0], n[1], n[2]);
+    const Mask differ = free & ((w < other[k_mobility]) | (other[k_mobility] < w));
+    if (a->law.bodies != 0 && any(touch & differ))
+      share_by_mass(w, other[k_mobility], moves & differ, weighted, &mine, &lift);
     if (weighted) {
       const Float raised = overlap * keep(free & touch, lift);
-      sum.lift_x = sum.lift_x + raised * nx;
-      sum.lift_y = sum.lift_y + raised * ny;
-      sum.lift_z = sum.lift_z + raised * nz;
+      sum.lift_x = sum.lift_x + raised * n[0];
+      sum.lift_y = sum.lift_y + raised * n[1];
+      sum.lift_z = sum.lift_z + raised * n[2];
     }
     const Float push = mine * overlap;
-    Float cx = push * nx, cy = push * ny, cz = push * nz;
+    Float c[3] = {push * n[0], push * n[1], push * n[2]};
     if (k_solve) {
-      const Float along = dot3(rx, ry, rz, nx, ny, nz);
-      const Float tx = mine * (rx - along * nx), ty = mine * (ry - along * ny), tz = mine * (rz - along * nz);
+      const Float along = dot3(r[0], r[1], r[2], n[0], n[1], n[2]);
+      const Float tx = mine * (r[0] - along * n[0]), ty = mine * (r[1] - along * n[1]),
+                  tz = mine * (r[2] - along * n[2]);
       const Float grip = friction_grip(t.friction, dot3(tx, ty, tz, tx, ty, tz), push, touch);
-      cx = cx + grip * tx;
-      cy = cy + grip * ty;
-      cz = cz + grip * tz;
+      c[0] = c[0] + grip * tx;
+      c[1] = c[1] + grip * ty;
+      c[2] = c[2] + grip * tz;
     }
-    sum.x = sum.x + keep(touch, cx);
-    sum.y = sum.y + keep(touch, cy);
-    sum.z = sum.z + keep(touch, cz);
-    sum.contacts = sum.contacts + keep(touch, one);
-    sum.wakes = sum.wakes | (touch & (other[k_mobility] < zero));
+    add_contact(c[0], c[1], c[2], touch, other[k_mobility], &sum);
   }
   return sum;
 }
@@ -379,7 +388,10 @@ SANDGLASS_INLINE void contact_pass(const AveragedArgs* args, uint32_t begin, uin
       continue;
     }
     sound_only(move);
-    for (int k = 0; k < 3; ++k) out[k] = self[k], out[k_vx + k] = keep(live, move[k]);
+    for (int k = 0; k < 3; ++k) {
+      out[k] = self[k];
+      out[k_vx + k] = keep(live, move[k]);
+    }
     store_records(floats_of(a->out + i), out);
   }
   if (k_solve && args->last != 0) put_extrema(seen, extent);

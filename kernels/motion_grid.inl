@@ -219,7 +219,10 @@ SANDGLASS_INLINE bool find_blocks(const MotionGrid* grid, Mask lanes, const Bloc
     }
   }
   BlockPlace places;  // a copy, so that the original can stay in registers
-  for (int k = 0; k < 3; ++k) places.block[k] = place.block[k], places.inside[k] = place.inside[k];
+  for (int k = 0; k < 3; ++k) {
+    places.block[k] = place.block[k];
+    places.inside[k] = place.inside[k];
+  }
   look_up_blocks(grid, lanes, places, last, numbers);
   return false;
 }

@@ -81,6 +81,17 @@ struct Touching {
   uint32_t count;
 };
 
+// What bodies change of pairs: a body's own particles do not touch. Returns the lanes in which a particle is of a body.
+SANDGLASS_INLINE Mask regard_bodies(const float* particles, const uint32_t* second, const Float* self,
+                                    Float* others_mobility, Mask* touch) {
+  Float other[k_record_floats];
+  load_records(particles, second, 1, other);
+  *others_mobility = other[k_mobility];
+  *touch = and_not(*touch, same_body(self[k_identity], other[k_identity]));
+  const Int bodies = as_int(self[k_identity]) | as_int(other[k_identity]);
+  return and_not(*touch, (bodies & broadcast(static_cast<int32_t>(k_body_mask))) == broadcast(0));
+}
+
 // One vector of pairs that touch: the first `count` lanes.
 template <bool k_fixed>
 SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const PairTerms& t, const uint32_t* first,
@@ -96,15 +107,7 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const PairTerms& t, cons
   Float self[k_record_floats];
   load_records(particles, first, 1, self);
   Float others_mobility = self[k_mobility] + r[k_mobility];
-  Mask of_body = zero < zero;
-  if (a->bodies != 0) {
-    Float other[k_record_floats];
-    load_records(particles, second, 1, other);
-    others_mobility = other[k_mobility];
-    touch = and_not(touch, same_body(self[k_identity], other[k_identity]));
-    const Int bodies = as_int(self[k_identity]) | as_int(other[k_identity]);
-    of_body = and_not(touch, (bodies & broadcast(static_cast<int32_t>(k_body_mask))) == broadcast(0));
-  }
+  const Mask of_body = a->bodies != 0 ? regard_bodies(particles, second, self, &others_mobility, &touch) : zero < zero;
   const Float my_mass = maximum(self[k_mobility], zero);  // inverse masses; sleepers do not yield
   const Float others_mass = k_fixed ? zero : maximum(others_mobility, zero);
   const Float masses = my_mass + others_mass;
@@ -152,8 +155,10 @@ SANDGLASS_APART void solve_touching(const PairArgs* args, const PairTerms& t, To
                                     uint32_t* touched) {
   const uint32_t count = pairs->count;
   // Behind the last pair come copies of it that do nothing.
-  for (uint32_t at = count; at % k_width != 0; ++at)
-    pairs->first[at] = pairs->first[at - 1], pairs->second[at] = pairs->second[at - 1];
+  for (uint32_t at = count; at % k_width != 0; ++at) {
+    pairs->first[at] = pairs->first[at - 1];
+    pairs->second[at] = pairs->second[at - 1];
+  }
   const uint32_t end = all ? count : count / k_width * k_width;
   for (uint32_t at = 0; at < end; at += k_width)
     solve_pairs<k_fixed>(args, t, pairs->first + at, pairs->second + at, count - at, touched);

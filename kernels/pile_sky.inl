@@ -33,11 +33,17 @@ static void pile_sky(const PileSkyArgs* a, uint32_t begin, uint32_t end, uint32_
   for (uint32_t i = begin; i < end; i += k_texels) {
     const int32_t first = static_cast<int32_t>(i), last = first + static_cast<int32_t>(k_texels) - 1;
     Float receiver[k_sky_vectors], left[k_sky_vectors];
-    for (uint32_t v = 0; v < k_sky_vectors; ++v) receiver[v] = load(a->receivers + i + v * k_width), left[v] = one;
+    for (uint32_t v = 0; v < k_sky_vectors; ++v) {
+      receiver[v] = load(a->receivers + i + v * k_width);
+      left[v] = one;
+    }
     for (uint32_t k = 0; k < a->sector_count; ++k) {
       const PileSector& sector = a->sectors[k];
       HiddenSlopes hides;
-      for (uint32_t v = 0; v < k_sky_vectors; ++v) hides.low[v] = steepest, hides.high[v] = hides.reached[v] = zero;
+      for (uint32_t v = 0; v < k_sky_vectors; ++v) {
+        hides.low[v] = steepest;
+        hides.high[v] = hides.reached[v] = zero;
+      }
       bool met = false;
       for (uint32_t s = sector.first_step; s < sector.last_step; ++s) {
         const PileSkyStep& step = a->steps[s];

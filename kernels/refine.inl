@@ -111,7 +111,10 @@ struct Fixed {
 
 SANDGLASS_INLINE Fixed fixed_of(const RefineArgs* a) {
   Fixed f = {};
-  if (a->motion != nullptr) f.grid = place_of(a->motion), f.own = own_units_of(a);
+  if (a->motion != nullptr) {
+    f.grid = place_of(a->motion);
+    f.own = own_units_of(a);
+  }
   f.push = broadcast(a->push);
   f.push_max = broadcast(a->push_max);
   f.pushes = a->push != 0.0f;
@@ -173,7 +176,10 @@ SANDGLASS_INLINE void corner_shares(const Float local[3], Float share[8]) {
   const Float one = broadcast(1.0f);
   const Float to_low[3] = {one - local[0], one - local[1], one - local[2]};
   const Float rows[4] = {to_low[2] * to_low[1], to_low[2] * local[1], local[2] * to_low[1], local[2] * local[1]};
-  for (int row = 0; row < 4; ++row) share[2 * row] = rows[row] * to_low[0], share[2 * row + 1] = rows[row] * local[0];
+  for (int row = 0; row < 4; ++row) {
+    share[2 * row] = rows[row] * to_low[0];
+    share[2 * row + 1] = rows[row] * local[0];
+  }
 }
 
 // What the corners' other halves say.
@@ -227,8 +233,10 @@ SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const Bloc
     const uint8_t* density = density_of(*grid, last->number);
     // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
     store(records, corner + broadcast(static_cast<int32_t>(last->number * k_block_records)));
-    for (uint32_t l = 0; l < k_width; ++l)
-      places->records[l] = grid->nodes + uint64_t{records[l]} * k_record_floats, places->density[l] = density;
+    for (uint32_t l = 0; l < k_width; ++l) {
+      places->records[l] = grid->nodes + uint64_t{records[l]} * k_record_floats;
+      places->density[l] = density;
+    }
     return;
   }
   if (one) store(numbers, broadcast(static_cast<int32_t>(last->number)));
@@ -363,7 +371,10 @@ SANDGLASS_APART Mask keep_outside(const RefineArgs* a, const ColliderFrame* coll
     // The inward part of the relative velocity is removed. Coulomb friction reduces the rest.
     const Mask inward = hit & (along < zero);
     Float tangential[3], t2 = zero;
-    for (int k = 0; k < 3; ++k) tangential[k] = relative[k] - along * n[k], t2 = t2 + tangential[k] * tangential[k];
+    for (int k = 0; k < 3; ++k) {
+      tangential[k] = relative[k] - along * n[k];
+      t2 = t2 + tangential[k] * tangential[k];
+    }
     const Float speed = square_root(t2);
     const Float left =
         maximum(one - (broadcast(a->friction) * absolute(along)) / maximum(speed, broadcast(1e-12f)), zero);
@@ -403,7 +414,10 @@ struct Grains {
 // For what needs them in memory: copied one by one, because compilers leave a struct in memory that is copied whole.
 SANDGLASS_INLINE Grains copy_of(const Grains& g) {
   Grains copy;
-  for (int k = 0; k < 3; ++k) copy.position[k] = g.position[k], copy.velocity[k] = g.velocity[k];
+  for (int k = 0; k < 3; ++k) {
+    copy.position[k] = g.position[k];
+    copy.velocity[k] = g.velocity[k];
+  }
   copy.number = g.number;
   copy.inside = g.inside;
   copy.settled = g.settled;
@@ -466,11 +480,18 @@ SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Fixed& fixed, co
                                      Grains* g) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), step = fixed.step, steps = fixed.steps;
   Float velocity[3], way[3];
-  for (int k = 0; k < 3; ++k) velocity[k] = f.average[k], way[k] = steps * f.average[k];
+  for (int k = 0; k < 3; ++k) {
+    velocity[k] = f.average[k];
+    way[k] = steps * f.average[k];
+  }
   if (!deep) {
     const Mask free = zero < f.lambda;
     Float power = one, sum = zero, sums = zero;
-    for (uint32_t s = 0; s < a->steps; ++s) power = power * f.lambda, sum = sum + power, sums = sums + sum;
+    for (uint32_t s = 0; s < a->steps; ++s) {
+      power = power * f.lambda;
+      sum = sum + power;
+      sums = sums + sum;
+    }
     for (int k = 0; k < 3; ++k) {
       const Float fall = broadcast(a->step * a->gravity[k]), before = g->velocity[k];
       velocity[k] = select(free, (one - power) * f.average[k] + power * before + sum * fall, velocity[k]);
@@ -486,7 +507,10 @@ SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Fixed& fixed, co
   } else {
     for (int k = 0; k < 3; ++k) way[k] = g->position[k] + step * way[k];
   }
-  for (int k = 0; k < 3; ++k) g->velocity[k] = velocity[k], g->position[k] = way[k];
+  for (int k = 0; k < 3; ++k) {
+    g->velocity[k] = velocity[k];
+    g->position[k] = way[k];
+  }
 }
 
 // Whether a lane may be in a collider.
@@ -539,13 +563,19 @@ SANDGLASS_INLINE void follow(const RefineArgs* a, const Fixed& fixed, LastBlock*
     const Following those = {{f.average[0], f.average[1], f.average[2]}, f.lambda};
     Grains stepping = copy_of(*g);
     follow_in_steps(a, those, swift, &stepping);
-    for (int k = 0; k < 3; ++k) g->position[k] = stepping.position[k], g->velocity[k] = stepping.velocity[k];
+    for (int k = 0; k < 3; ++k) {
+      g->position[k] = stepping.position[k];
+      g->velocity[k] = stepping.velocity[k];
+    }
   }
   follow_at_once(a, fixed, f, deep, and_not(g->inside, swift), g);
   if (reaches_collider(a, g->position)) {
     Grains leaving = copy_of(*g);
     leave_colliders(a, &leaving);
-    for (int k = 0; k < 3; ++k) g->position[k] = leaving.position[k], g->velocity[k] = leaving.velocity[k];
+    for (int k = 0; k < 3; ++k) {
+      g->position[k] = leaving.position[k];
+      g->velocity[k] = leaving.velocity[k];
+    }
   }
 }
 
@@ -592,7 +622,10 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
       Float grain[k_record_floats];
       load_records(record, grain);
       Grains g;
-      for (int k = 0; k < 3; ++k) g.position[k] = grain[k], g.velocity[k] = grain[k_vx + k];
+      for (int k = 0; k < 3; ++k) {
+        g.position[k] = grain[k];
+        g.velocity[k] = grain[k_vx + k];
+      }
       g.inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
       g.settled = fixed.still_sweeps <= grain[k_still_sweeps];
       g.number = grain[k_number];
@@ -606,7 +639,10 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
       const Mask rests = (g.velocity[0] == zero) & (g.velocity[1] == zero) & (g.velocity[2] == zero);
       keeps_still = and_not(keeps_still, and_not(g.inside, (fixed.still_sweeps <= sweeps) & rests));
       Float moved[k_record_floats];
-      for (int k = 0; k < 3; ++k) moved[k] = g.position[k], moved[k_vx + k] = g.velocity[k];
+      for (int k = 0; k < 3; ++k) {
+        moved[k] = g.position[k];
+        moved[k_vx + k] = g.velocity[k];
+      }
       changes = changes || any(and_not(g.inside, still));
       if (!changes) {
         Mask same = one == one;
@@ -620,7 +656,10 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
       store_records(record, moved);
     }
     a->still[group_number] = all(keeps_still) ? 1 : 0;
-    if (changes) a->stamps[group_number] = a->stamp, ++changed;
+    if (changes) {
+      a->stamps[group_number] = a->stamp;
+      ++changed;
+    }
   }
   extent->quarantined = quarantined;
   extent->changed = changed;

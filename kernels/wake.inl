@@ -51,7 +51,9 @@ static void surface_at(const SurfaceArgs* a, uint32_t begin, uint32_t end, uint3
     load_records(point, r);
     const Surface surface = collider_surface(*a->collider, r[k_x], r[k_y], r[k_z]);
     r[k_distance] = surface.distance;
-    r[k_normal] = surface.nx, r[k_normal + 1] = surface.ny, r[k_normal + 2] = surface.nz;
+    r[k_normal] = surface.nx;
+    r[k_normal + 1] = surface.ny;
+    r[k_normal + 2] = surface.nz;
     store_records(point, r);
   }
 }

@@ -46,7 +46,10 @@ Piece* piece_at(uint64_t offset) { return reinterpret_cast<Piece*>(g_region + of
 Piece* piece_of(void* pointer) { return reinterpret_cast<Piece*>(static_cast<uint8_t*>(pointer) - k_grain); }
 
 void* take(uint64_t bytes) {
-  if (bytes > k_xnnpack_region_bytes - k_grain) return g_full = true, nullptr;
+  if (bytes > k_xnnpack_region_bytes - k_grain) {
+    g_full = true;
+    return nullptr;
+  }
   const uint64_t need = k_grain + (bytes + k_grain - 1) / k_grain * k_grain;
   if (piece_at(0)->bytes == 0) *piece_at(0) = {k_xnnpack_region_bytes, false};
   for (uint64_t at = 0; at < k_xnnpack_region_bytes; at += piece_at(at)->bytes) {
@@ -61,7 +64,8 @@ void* take(uint64_t bytes) {
     g_used += need;
     return g_region + at + k_grain;
   }
-  return g_full = true, nullptr;
+  g_full = true;
+  return nullptr;
 }
 
 void give(void* pointer) {
@@ -213,13 +217,13 @@ XnnpackOperator* xnnpack_create(const XnnpackConvolution& shape, const float* we
   return create_operator(&xnn_create_convolution2d_nhwc_f32, shape, false, reason, weights, bias, low, high, 0u);
 }
 
-XnnpackOperator* xnnpack_create(const XnnpackConvolution& shape, const int8_t* weights, const int32_t* bias,
-                                const float* multipliers, const char** reason) {
+XnnpackOperator* xnnpack_create([[maybe_unused]] const XnnpackConvolution& shape,
+                                [[maybe_unused]] const int8_t* weights, [[maybe_unused]] const int32_t* bias,
+                                [[maybe_unused]] const float* multipliers, const char** reason) {
 #ifdef SANDGLASS_XNNPACK_INT8
   return create_operator(&SANDGLASS_JOIN(xnn_create_convolution2d_nhwc_, SANDGLASS_XNNPACK_INT8), shape, true, reason,
                          k_zero, 1.0f, multipliers, weights, bias, k_zero, 1.0f, int8_t{-128}, int8_t{127}, 0u);
 #else
-  (void)shape, (void)weights, (void)bias, (void)multipliers;
   g_full = false;
   return refuse(reason);
 #endif

@@ -23,14 +23,21 @@ std::atomic<uint64_t> calls{0};
 }  // namespace
 
 namespace sandglass::host {
-void start_counting_allocations() { calls = 0, counting = true; }
-uint64_t stop_counting_allocations() { return counting = false, calls.load(); }
+void start_counting_allocations() {
+  calls = 0;
+  counting = true;
+}
+uint64_t stop_counting_allocations() {
+  counting = false;
+  return calls.load();
+}
 }  // namespace sandglass::host
 
 #ifndef SANDGLASS_OTHER_ALLOCATOR
 namespace {
-void count() {
+void* counted(void* block) {
   if (counting.load(std::memory_order_relaxed)) calls.fetch_add(1, std::memory_order_relaxed);
+  return block;
 }
 }  // namespace
 
@@ -42,28 +49,27 @@ void* __libc_realloc(void* old, size_t bytes);
 void* __libc_memalign(size_t alignment, size_t bytes);
 void __libc_free(void* block);
 
-void* malloc(size_t bytes) { return count(), __libc_malloc(bytes); }
-void* calloc(size_t items, size_t bytes) { return count(), __libc_calloc(items, bytes); }
-void* realloc(void* old, size_t bytes) { return count(), __libc_realloc(old, bytes); }
-void* memalign(size_t alignment, size_t bytes) { return count(), __libc_memalign(alignment, bytes); }
-void* aligned_alloc(size_t alignment, size_t bytes) { return count(), __libc_memalign(alignment, bytes); }
+void* malloc(size_t bytes) { return counted(__libc_malloc(bytes)); }
+void* calloc(size_t items, size_t bytes) { return counted(__libc_calloc(items, bytes)); }
+void* realloc(void* old, size_t bytes) { return counted(__libc_realloc(old, bytes)); }
+void* memalign(size_t alignment, size_t bytes) { return counted(__libc_memalign(alignment, bytes)); }
+void* aligned_alloc(size_t alignment, size_t bytes) { return counted(__libc_memalign(alignment, bytes)); }
 int posix_memalign(void** block, size_t alignment, size_t bytes) {
-  count();
-  *block = __libc_memalign(alignment, bytes);
+  *block = counted(__libc_memalign(alignment, bytes));
   return *block == nullptr ? ENOMEM : 0;
 }
-void free(void* block) { count(), __libc_free(block); }
+void free(void* block) { __libc_free(counted(block)); }
 }
 
 // The C++ operators call the functions above in every library known. They are replaced too, so that the count does not
 // depend on that.
-void* operator new(size_t bytes) { return count(), __libc_malloc(bytes); }
-void* operator new[](size_t bytes) { return count(), __libc_malloc(bytes); }
-void* operator new(size_t bytes, std::align_val_t a) { return count(), __libc_memalign(static_cast<size_t>(a), bytes); }
-void operator delete(void* block) noexcept { count(), __libc_free(block); }
-void operator delete[](void* block) noexcept { count(), __libc_free(block); }
-void operator delete(void* block, size_t) noexcept { count(), __libc_free(block); }
-void operator delete[](void* block, size_t) noexcept { count(), __libc_free(block); }
-void operator delete(void* block, std::align_val_t) noexcept { count(), __libc_free(block); }
-void operator delete(void* block, size_t, std::align_val_t) noexcept { count(), __libc_free(block); }
+void* operator new(size_t bytes) { return counted(__libc_malloc(bytes)); }
+void* operator new[](size_t bytes) { return counted(__libc_malloc(bytes)); }
+void* operator new(size_t bytes, std::align_val_t a) { return counted(__libc_memalign(static_cast<size_t>(a), bytes)); }
+void operator delete(void* block) noexcept { __libc_free(counted(block)); }
+void operator delete[](void* block) noexcept { __libc_free(counted(block)); }
+void operator delete(void* block, size_t) noexcept { __libc_free(counted(block)); }
+void operator delete[](void* block, size_t) noexcept { __libc_free(counted(block)); }
+void operator delete(void* block, std::align_val_t) noexcept { __libc_free(counted(block)); }
+void operator delete(void* block, size_t, std::align_val_t) noexcept { __libc_free(counted(block)); }
 #endif

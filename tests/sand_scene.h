@@ -20,8 +20,10 @@ struct SandScene {
     std::vector<float> particles, grains;
     for (int i = 0; i < 600; ++i)
       for (const float x : {0.0205f * static_cast<float>(i % 10), 0.02f + 0.0205f * static_cast<float>(i / 100),
-                            0.0205f * static_cast<float>(i / 10 % 10)})
-        particles.push_back(x), grains.push_back(x + 0.004f);
+                            0.0205f * static_cast<float>(i / 10 % 10)}) {
+        particles.push_back(x);
+        grains.push_back(x + 0.004f);
+      }
     EXPECT_TRUE(scene.add(particles, grains));
   }
 

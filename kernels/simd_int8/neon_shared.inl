@@ -50,7 +50,10 @@ SANDGLASS_INT8_INLINE Bytes least(Bytes a, Bytes b) { return {vminq_u8(a.v, b.v)
 SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
   uint16x8_t low = vaddl_u8(vget_low_u8(four[0].v), vget_low_u8(four[1].v));
   uint16x8_t high = vaddl_high_u8(four[0].v, four[1].v);
-  for (uint32_t i = 2; i < 4; ++i) low = vaddw_u8(low, vget_low_u8(four[i].v)), high = vaddw_high_u8(high, four[i].v);
+  for (uint32_t i = 2; i < 4; ++i) {
+    low = vaddw_u8(low, vget_low_u8(four[i].v));
+    high = vaddw_high_u8(high, four[i].v);
+  }
   return {vcombine_u8(vrshrn_n_u16(low, 2), vrshrn_n_u16(high, 2))};
 }
 

@@ -31,7 +31,10 @@ double trace_texel(const EmbreeScene& object, const FloorSquare& square, const E
   const double step = 2 * square.half / square.side;
   for (uint32_t i = 0; i < rays; ++i) {
     double at[5];
-    for (double& x : at) random = random_mix(random), x = random_unit(random);
+    for (double& x : at) {
+      random = random_mix(random);
+      x = random_unit(random);
+    }
     const Vec3 d = room.direction((i + at[0]) / rays, at[1], at[2]);
     const Vec3 from = {step * (texel % square.side + at[3]) - square.half, k_lift,
                        step * (texel / square.side + at[4]) - square.half};

@@ -31,7 +31,10 @@ double unit(uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
 
 StandingObject stand_on_plane(const Mesh& mesh, const std::string& name) {
   double low[3], high[3];
-  for (size_t axis = 0; axis < 3; ++axis) low[axis] = INFINITY, high[axis] = -INFINITY;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = INFINITY;
+    high[axis] = -INFINITY;
+  }
   for (const uint32_t index : mesh.indices)
     for (size_t axis = 0; axis < 3; ++axis) {
       const double x = static_cast<double>(mesh.vertices.at(3 * size_t{index} + axis));

@@ -189,12 +189,19 @@ KitShading::KitShading(const SandLight& light, const CameraFrame& camera, const 
   for (Lit* lit : {static_cast<Lit*>(&state_->vertex), static_cast<Lit*>(&state_->fragment),
                    static_cast<Lit*>(&state_->loose), static_cast<Lit*>(&state_->point)}) {
     lit->light = &light;
-    lit->view = view, lit->projection = mat4(1), lit->eye = at;
-    lit->to_light = to_vec(light.to_light), lit->sun = to_vec(light.sun), lit->wet = static_cast<float>(light.wet);
-    lit->grains = grains, lit->facets = facets;
+    lit->view = view;
+    lit->projection = mat4(1);
+    lit->eye = at;
+    lit->to_light = to_vec(light.to_light);
+    lit->sun = to_vec(light.sun);
+    lit->wet = static_cast<float>(light.wet);
+    lit->grains = grains;
+    lit->facets = facets;
     lit->block_side = k_block_side;
-    lit->particle_radius = shape.particle_radius, lit->pixels = static_cast<float>(pixels);
-    lit->frame_seconds = static_cast<float>(shape.seconds), lit->stream_narrow = k_narrow;
+    lit->particle_radius = shape.particle_radius;
+    lit->pixels = static_cast<float>(pixels);
+    lit->frame_seconds = static_cast<float>(shape.seconds);
+    lit->stream_narrow = k_narrow;
     float share = 0;
     for (int m = 0; m < 4; ++m) {
       const kit::Mineral& mineral = kit::k_beach[m];
@@ -215,7 +222,8 @@ KitShading::KitShading(const SandLight& light, const CameraFrame& camera, const 
   if (!change.plain) return;
   static const std::vector<float> bed = kit::bed_of_grains(kit::k_beach);
   PlainFragment& plain = state_->plain.emplace();
-  plain.sand = &bed, plain.side = k_block_side * kit::k_bed_blocks;
+  plain.sand = &bed;
+  plain.side = k_block_side * kit::k_bed_blocks;
 }
 KitShading::~KitShading() = default;
 KitShading::KitShading(const KitShading& other) : state_(std::make_unique<State>(*other.state_)) {}
@@ -233,13 +241,16 @@ std::optional<Vec3> KitShading::surface(const Fragment& seen) {
     vertex.over = static_cast<float>(v.over) / 32767.0f;
     vertex.main();
     const auto share = static_cast<float>(seen.share[k]);
-    normal += share * vertex.smooth_normal, dent_and_height += share * vertex.dent_and_height;
+    normal += share * vertex.smooth_normal;
+    dent_and_height += share * vertex.dent_and_height;
   }
-  fragment.to_right = to_vec(seen.right * state_->finer), fragment.to_below = to_vec(seen.down * state_->finer),
+  fragment.to_right = to_vec(seen.right * state_->finer);
+  fragment.to_below = to_vec(seen.down * state_->finer);
   fragment.discarded = false;
   if (state_->plain) {
     PlainFragment& plain = *state_->plain;
-    plain.position = to_vec(seen.place), plain.normal = normalize(normal),
+    plain.position = to_vec(seen.place);
+    plain.normal = normalize(normal);
     plain.hollow = 0.5f + 0.5f * dent_and_height.x;
     plain.origin = vertex.origin / static_cast<float>(kit::k_bed_blocks);  // the skin's is of a block
     plain.wide = std::max(length(fragment.to_right), length(fragment.to_below)) / plain.side * kit::k_bed_side;
@@ -277,7 +288,9 @@ uint32_t KitShading::vertices(bool flies, double away) const {
 std::optional<Vec3> KitShading::point(const Loose& loose, double right, double below) {
   LooseFragment& point = state_->point;
   // The shader darkens what is encoded already.
-  point.flies = 0.0f, point.colour = encoded(to_vec(loose.colour)), point.across = static_cast<float>(loose.pixels);
+  point.flies = 0.0f;
+  point.colour = encoded(to_vec(loose.colour));
+  point.across = static_cast<float>(loose.pixels);
   point.gl_PointCoord = vec2(0.5 * right + 0.5, 0.5 * below + 0.5);
   point.discarded = false;
   point.main();

@@ -93,7 +93,10 @@ bool hit_box(Vec3 half, Vec3 o, Vec3 d, SurfaceHit* hit) {
     const double sign = direction[axis] > 0.0 ? 1.0 : -1.0;
     const double in = (-sign * extent[axis] - origin[axis]) / direction[axis];
     const double out = (sign * extent[axis] - origin[axis]) / direction[axis];
-    if (in > enter) enter = in, face = axis;
+    if (in > enter) {
+      enter = in;
+      face = axis;
+    }
     leave = std::min(leave, out);
   }
   if (face < 0 || enter > leave) return false;

@@ -64,7 +64,10 @@ int main() {
   if (status) status = later.restore(saved);
   if (status) status = run(scene, box, 180);
   if (status) status = run(later, box, 180);
-  if (!status) return std::fprintf(stderr, "bodies: %s: %s\n", status.name(), status.reason), 1;
+  if (!status) {
+    std::fprintf(stderr, "bodies: %s: %s\n", status.name(), status.reason);
+    return 1;
+  }
 
   const sandglass_body_pose pose = scene.body_pose(0);
   std::printf("the box's middle ends %.3f m above the floor, moving at %.3f m/s; %zu bytes saved\n",

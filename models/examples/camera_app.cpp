@@ -1,18 +1,17 @@
 // An app in augmented reality. The camera looks around a room. In the light that it has seen stand a chair and a heap
 // of sand on the real floor, lit, with soft and sharp shadows: 4 ms a frame. The camera is made up; copy the rest.
 #include <cmath>
-#include <cstdio>
 
 #include "models/examples/made_up_phone.h"
 #include "sandglass/sandglass.hpp"
 
 int main(int argc, char** argv) {
-  if (argc != 3) return std::fputs("usage: camera_app chair.shadow saved.room\n", stderr), 2;
+  if (argc != 3) return fails("usage", "camera_app chair.shadow saved.room");
   const Asset baked(argv[1]), saved(argv[2]);
   sandglass::Room room;  // an earlier session may have looked around already
   sandglass::Status status = room.create();
   if (saved.bytes > 0) status = room.restore(saved.words.data(), saved.bytes);
-  if (!status) return std::fprintf(stderr, "%s: %s\n", argv[2], status.reason), 1;
+  if (!status) return fails(argv[2], status.reason);
   // The chair's shadows, and how the points of its mesh see the room past the chair itself: here one, on its seat.
   const sandglass_shadow_desc shadow_desc = sandglass::shadow_desc(baked.words.data(), baked.bytes);
   sandglass::Shadow shadow;
@@ -20,7 +19,7 @@ int main(int argc, char** argv) {
   status = shadow.create(shadow_desc);                                    // a shadow from the first frame on
   shadow.run();
   if (status) status = sandglass::shadow_transfer(shadow_desc, seat, normal, &transfer);
-  if (!status) return std::fprintf(stderr, "%s: %s\n", argv[1], status.reason), 1;
+  if (!status) return fails(argv[1], status.reason);
   // Sand is poured beside the chair: particles that collide, grains that are drawn, and the shadow that they cast.
   const sandglass_emitter nozzle = sandglass::emitter(0.32f, 0.3f, 0.08f, 0.04f, 0.5f, 8);
   sandglass_scene_desc desc = sandglass::scene_desc();
@@ -54,7 +53,7 @@ int main(int argc, char** argv) {
   const float s = std::sin(turn), c = std::cos(turn), *d = light.main_direction;
   const float rotation[4] = {0, std::sin(turn / 2), 0, std::cos(turn / 2)};
   float sh[27], green = 0.0f;
-  int hints = 0, shorts = 0;
+  int hints = 0;
   for (int frame = 0; status && frame < MadeUpCamera::k_frames; ++frame) {
     input.camera = camera.next_image();  // NULL where the camera, slower than the display, has no new one
     status = shadow.set_light({c * d[0] - s * d[2], d[1], s * d[0] + c * d[2]});  // the light in the chair's frame
@@ -68,13 +67,14 @@ int main(int argc, char** argv) {
     // chair, as a vertex shader does: nine products a colour (runtime/shadow/README.md).
     if (status) status.code = sandglass_harmonics_turn(light.sh, rotation, sh, &status.reason);
     if (known.seen < 0.5f) ++hints;  // show an arrow to known.look: "please look there"
-    if (known.short_exposure < 1 && frame % 16 == 0) camera.expose_shortly(known.short_exposure), ++shorts;
+    if (known.short_exposure < 1 && frame % 16 == 0) camera.expose_shortly(known.short_exposure);
   }
   for (size_t j = 0; status && j < 9; ++j) green += light.white * transfer[j] * sh[3 * j + 1];  // of the seat
   std::vector<std::byte> kept;
   if (status) status = room.save(&kept);
-  if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;
+  if (!status) return fails(status.name(), status.reason);
   std::printf("seen %.2f, main (%.2f %.2f %.2f), %.2f of the floor's %.2f; %d hints, %d short images; seat %.2f\n",
-              light.seen, d[0], d[1], d[2], light.main_share, light.irradiance[1] * light.white, hints, shorts, green);
+              light.seen, d[0], d[1], d[2], light.main_share, light.irradiance[1] * light.white, hints, camera.asked,
+              green);
   return save(argv[2], kept) ? 0 : 1;
 }

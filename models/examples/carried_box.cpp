@@ -8,12 +8,10 @@
 
 constexpr float k_radius = 0.006f, k_half = 0.06f, k_high = 0.14f, k_wall = 2 * k_radius;  // metres
 constexpr uint32_t k_parts = 5;                                                            // the bottom and four walls
-
 // What a tracker tells: where the middle of the box's lower face is, and how far it is turned about the vertical.
 struct Pose {
   float x, y, turn;
 };
-
 float eased(float t) { return t <= 0 ? 0 : t >= 1 ? 1 : t * t * (3 - 2 * t); }
 Pose hand(float seconds) {  // up by 20 cm; aside by 30, turning; down
   const float aside = eased(seconds - 1);
@@ -25,11 +23,11 @@ void place(const sandglass_collider parts[k_parts], const Pose& pose, sandglass_
   const sandglass::Rotation turn = sandglass::rotation_about(0, 1, 0, pose.turn);
   const float cosine = std::cos(pose.turn), sine = std::sin(pose.turn);
   for (uint32_t i = 0; i < k_parts; ++i) {
-    const float* at = parts[i].position;
-    placed[i] = parts[i], placed[i].id = i + 1;
-    placed[i].position[0] = pose.x + cosine * at[0] + sine * at[2];
-    placed[i].position[1] = pose.y + at[1];
-    placed[i].position[2] = cosine * at[2] - sine * at[0];
+    placed[i] = parts[i];
+    placed[i].id = i + 1;
+    placed[i].position[0] = pose.x + cosine * parts[i].position[0] + sine * parts[i].position[2];
+    placed[i].position[1] = pose.y + parts[i].position[1];
+    placed[i].position[2] = cosine * parts[i].position[2] - sine * parts[i].position[0];
     for (size_t k = 0; k < 4; ++k) placed[i].rotation[k] = turn[k];
   }
 }
@@ -53,18 +51,19 @@ int main() {
   if (status) status = scene.create(desc);
   if (status) status = skin.create(sandglass::skin_desc(desc.granular));
   if (status) status = scene.add(particles);
-
-  sandglass_collider colliders[k_parts + 1], held[k_parts];
+  sandglass_collider colliders[k_parts + 1], held[k_parts] = {};
   colliders[k_parts] = sandglass::floor_at(0);
   sandglass_frame_input input = sandglass::frame_input(1.0f / 60.0f, 4'000'000);
-  input.colliders = colliders, input.collider_count = k_parts + 1, input.skin = skin.get();
+  input.colliders = colliders;
+  input.collider_count = k_parts + 1;
+  input.skin = skin.get();
   sandglass_frame_report report = sandglass::frame_report();
   for (int frame = 0; status && frame < 270; ++frame) {
     place(parts, hand(input.time_step * static_cast<float>(frame - 30)), colliders);
     status = scene.frame(input, &report);
     for (uint32_t i = 0; status && i < k_parts; ++i) scene.held_collider(i, &held[i]);  // an app draws the box there
   }
-  if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;
+  if (!status) std::fprintf(stderr, "%s: %s\n", status.name(), status.reason);
   particles.resize(3 * static_cast<size_t>(report.sand.particle_numbers));
   sandglass_granular_particles(scene.get(), particles.data(), nullptr);
   const float *at = held[0].position, *turn = held[0].rotation;  // of the bottom
@@ -77,4 +76,5 @@ int main() {
   std::printf("%u of %u particles are in the box, %.2f m aside; %u vertices, level %s, time debt %.3f s\n", inside,
               report.sand.particles, static_cast<double>(at[0]), skin.mesh().vertex_count,
               sandglass_level_name(report.level), report.time.debt);
+  return status ? 0 : 1;
 }

@@ -1,12 +1,13 @@
-// What the example's app has from its platform: its files, and a camera in place of ARCore's or ARKit's. It shows a room
-// with a lamp in its ceiling. A hand lets it look at the floor, then around, then up, then at the floor again. It adapts
-// its exposure and clips, as cameras do.
+// What the example's app has from its platform: its files, a place for what it says, and a camera in place of ARCore's
+// or ARKit's. It shows a room with a lamp in its ceiling. A hand lets it look at the floor, then around, then up, then at
+// the floor again. It adapts its exposure and clips, as cameras do.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -31,6 +32,11 @@ struct Asset {
 inline bool save(const char* path, const std::vector<std::byte>& bytes) {
   std::ofstream file(path, std::ios::binary);
   return file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())).good();
+}
+
+inline int fails(const char* what, const char* why) {
+  std::fprintf(stderr, "%s: %s\n", what, why);
+  return 1;
 }
 
 class MadeUpCamera {
@@ -75,7 +81,9 @@ class MadeUpCamera {
   void expose_shortly(float shorter) {
     shorter_ = shorter;
     short_images_ = 4;
+    ++asked;
   }
+  int asked = 0;  // how often
 
  private:
   static constexpr int k_width = 160, k_height = 120;
@@ -107,7 +115,10 @@ class MadeUpCamera {
     int axis = 1;
     for (int k = 0; k < 3; ++k) {
       const float to_wall = ray[k] == 0.0f ? 1e3f : ((ray[k] > 0.0f ? k_high[k] : k_low[k]) - pose_[12 + k]) / ray[k];
-      if (to_wall < along) along = to_wall, axis = k;
+      if (to_wall < along) {
+        along = to_wall;
+        axis = k;
+      }
     }
     const float x = pose_[12] + along * ray[0] - 1.6f, z = pose_[14] + along * ray[2] - 0.2f;  // from below the lamp
     const bool lamp = axis == 1 && ray[1] > 0.0f && std::hypot(x, z) < 0.28f;

@@ -9,7 +9,10 @@
 #include "sandglass/sandglass.hpp"
 
 int main(int argc, char** argv) {
-  if (argc != 2) return std::fputs("usage: shadow_alone chair.shadow\n", stderr), 2;
+  if (argc != 2) {
+    std::fputs("usage: shadow_alone chair.shadow\n", stderr);
+    return 2;
+  }
   // A baked file, aligned to 8 bytes; needed until create returns.
   std::ifstream file(argv[1], std::ios::binary);
   const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
@@ -45,7 +48,10 @@ int main(int argc, char** argv) {
     std::printf("light (%5.2f %5.2f): shadow falls to (%5.2f %5.2f), away from the light by %.2f m\n",
                 static_cast<double>(x), static_cast<double>(z), to_x, to_z, -(to_x * x + to_z * z));
   }
-  if (!status) return std::fprintf(stderr, "%s: %s\n", argv[1], status.reason), 1;
+  if (!status) {
+    std::fprintf(stderr, "%s: %s\n", argv[1], status.reason);
+    return 1;
+  }
   for (int row = 0; row < 24; ++row, std::putchar('\n'))
     for (int column = 0; column < 48; ++column)
       std::putchar(" .:-=+*#%@"[texture.coverage[row * texels / 24 * texels + column * texels / 48] / 26]);

@@ -43,7 +43,10 @@ UnfinishedFile::UnfinishedFile(const std::string& name) : place_(k_writers) {
   writing[place_].named = true;
 }
 UnfinishedFile::~UnfinishedFile() {
-  if (place_ < k_writers) writing[place_].named = false, writing[place_].taken = false;
+  if (place_ < k_writers) {
+    writing[place_].named = false;
+    writing[place_].taken = false;
+  }
 }
 
 void remove_unfinished() {

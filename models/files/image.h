@@ -17,7 +17,11 @@ struct Picture {
 
   Picture() = default;
   Picture(int w, int h, Colour fill) : width(w), height(h), rgb(static_cast<size_t>(w) * static_cast<size_t>(h) * 3) {
-    for (size_t i = 0; i < rgb.size(); i += 3) rgb[i] = fill.r, rgb[i + 1] = fill.g, rgb[i + 2] = fill.b;
+    for (size_t i = 0; i < rgb.size(); i += 3) {
+      rgb[i] = fill.r;
+      rgb[i + 1] = fill.g;
+      rgb[i + 2] = fill.b;
+    }
   }
   uint8_t* at(int x, int y) {
     return rgb.data() + (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) * 3;

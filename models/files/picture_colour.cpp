@@ -42,7 +42,9 @@ Matrix to_xyz(const Primaries& p) {
   Matrix m;
   for (size_t k = 0; k < 3; ++k) {
     const double x = p[2 + 2 * k], y = p[3 + 2 * k];
-    m[k] = x, m[3 + k] = y, m[6 + k] = 1.0 - x - y;
+    m[k] = x;
+    m[3 + k] = y;
+    m[6 + k] = 1.0 - x - y;
   }
   const Matrix of = inverse(m);
   const double white[3] = {p[0] / p[1], 1.0, (1.0 - p[0] - p[1]) / p[1]};
@@ -82,7 +84,8 @@ bool set_cicp(std::string_view chunk, PictureColour* colour) {
   if (chunk.size() != 4 || number(chunk, 2, 2) != 1 || !known) return false;
   for (const auto& transfer : k_transfers) {
     if (transfer.code != code) continue;
-    colour->curve = transfer.curve, colour->exponent = transfer.exponent;
+    colour->curve = transfer.curve;
+    colour->exponent = transfer.exponent;
     set_primaries(primaries == 1 ? k_bt709 : primaries == 9 ? k_bt2020 : k_p3, colour);
     return true;
   }
@@ -188,8 +191,10 @@ PictureColour picture_colour(const PictureHead& head, std::string_view icc) {
     colour.remark = "its colour profile is neither sRGB nor Display P3, and is not applied. Convert it to sRGB";
   }
   if (head.says_srgb) return colour;
-  if (const uint32_t gamma = number(head.gamma, 0, 4); head.gamma.size() == 4 && gamma > 0)
-    colour.curve = Curve::power, colour.exponent = 1e5 / gamma;
+  if (const uint32_t gamma = number(head.gamma, 0, 4); head.gamma.size() == 4 && gamma > 0) {
+    colour.curve = Curve::power;
+    colour.exponent = 1e5 / gamma;
+  }
   if (Primaries told; head.chromaticities.size() == 4 * told.size()) {
     for (size_t i = 0; i < told.size(); ++i) told[i] = number(head.chromaticities, 4 * i, 4) / 1e5;
     set_primaries(told, &colour);

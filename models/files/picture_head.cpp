@@ -46,9 +46,15 @@ void read_png(std::string_view file, PictureHead* head) {
     const uint32_t length = b.number(at, 4);
     const std::string_view kind = file.substr(at + 4, 4);
     if (!b.has(at + 8, length) || kind == "IEND") return;
-    if (kind == "IHDR")
-      head->width = b.number(at + 8, 4), head->height = b.number(at + 12, 4), head->bits = b.number(at + 16, 1);
-    if (kind == "PLTE" && length > 0 && length % 3 == 0) head->palette = at + 8, head->colours = length / 3;
+    if (kind == "IHDR") {
+      head->width = b.number(at + 8, 4);
+      head->height = b.number(at + 12, 4);
+      head->bits = b.number(at + 16, 1);
+    }
+    if (kind == "PLTE" && length > 0 && length % 3 == 0) {
+      head->palette = at + 8;
+      head->colours = length / 3;
+    }
     const std::string_view content = file.substr(at + 8, length);
     if (kind == "eXIf") head->orientation = orientation_of(content);
     if (kind == "cICP") head->cicp = content;

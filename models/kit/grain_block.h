@@ -83,7 +83,8 @@ struct Packing {
         const float length = std::sqrt(dot(to, to)), overlap = a.radius + b.radius - length;
         if (&a == &b || overlap <= 0 || length == 0) return;
         const float half = 0.5f * overlap / length;
-        a.middle = moved(a.middle, to, -half), b.middle = moved(b.middle, to, half);
+        a.middle = moved(a.middle, to, -half);
+        b.middle = moved(b.middle, to, half);
       });
   }
   Vec moved(Vec from, Vec by, float times) const {
@@ -107,7 +108,8 @@ inline Packing packed_grains(const Mineral* minerals, Vec size) {
     while (m < 3 && kind > minerals[m].share) kind -= minerals[m++].share;
     const float light = 0.8f + 0.4f * random();
     for (int k = 0; k < 3; ++k) grain.albedo[k] = minerals[m].albedo[k] * light;
-    grain.lot = random(), grain.radius = 0.40f + 0.22f * random();
+    grain.lot = random();
+    grain.radius = 0.40f + 0.22f * random();
     for (Vec& face : grain.faces) {
       const float height = 2 * random() - 1, turn = 6.2831853f * random(), across = std::sqrt(1 - height * height);
       const float near = 1 / (0.72f + 0.35f * random());
@@ -136,9 +138,13 @@ inline Texel looked_up(Packing& packing, Vec at) {
     float far = 0.8f * length;
     Vec facing{from.x / length, from.y / length, from.z / length};
     for (const Vec& face : grain.faces)
-      if (const float d = dot(from, face); d > far) far = d, facing = face;
+      if (const float d = dot(from, face); d > far) {
+        far = d;
+        facing = face;
+      }
     if (far - grain.radius >= least) return;
-    least = far - grain.radius, nearest = &grain;
+    least = far - grain.radius;
+    nearest = &grain;
     normal = {0.35f * from.x / length + facing.x, 0.35f * from.y / length + facing.y,
               0.35f * from.z / length + facing.z};
   });

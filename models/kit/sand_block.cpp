@@ -32,10 +32,10 @@ int main(int count, char** arguments) {
     right = *end == '\0' && end != arguments[2 + i] && value >= 0.0f && value <= 1.0f;
     (i % 4 < 3 ? minerals[i / 4].albedo[i % 4] : minerals[i / 4].share) = value;
   }
-  if (!right)
-    return std::fprintf(stderr,
-                        "sand_block FILE [RED GREEN BLUE SHARE, up to 4 times]: albedos and shares are 0 to 1.\n"),
-           2;
+  if (!right) {
+    std::fprintf(stderr, "sand_block FILE [RED GREEN BLUE SHARE, up to 4 times]: albedos and shares are 0 to 1.\n");
+    return 2;
+  }
   if (std::string_view(arguments[1]).ends_with(".png")) try {
       const std::vector<float> bed = bed_of_grains(given > 0 ? minerals : k_beach);
       sandglass::host::Picture picture(k_bed_side, k_bed_side, {});
@@ -43,15 +43,16 @@ int main(int count, char** arguments) {
       sandglass::host::write_png(arguments[1], picture);
       return 0;
     } catch (const sandglass::host::Failure& failure) {
-      return std::fprintf(stderr, "sand_block: %s\n", failure.what()), 1;
+      std::fprintf(stderr, "sand_block: %s\n", failure.what());
+      return 1;
     }
   const std::vector<uint8_t> bytes = sand_block(given > 0 ? minerals : k_beach);
   std::FILE* file = std::fopen(arguments[1], "wb");
   const bool written = file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-  if ((file && std::fclose(file) != 0) || !written)
-    return std::fprintf(stderr, "sand_block: cannot write \"%s\". Choose a folder that exists and has room.\n",
-                        arguments[1]),
-           1;
+  if ((file && std::fclose(file) != 0) || !written) {
+    std::fprintf(stderr, "sand_block: cannot write \"%s\". Choose a folder that exists and has room.\n", arguments[1]);
+    return 1;
+  }
   return 0;
 }
 #endif

@@ -13,7 +13,10 @@ struct WeightedColour {
   Vec3 sum;
   double weight = 0.0;
 
-  void add(Vec3 colour, double w) { sum = sum + colour * w, weight += w; }
+  void add(Vec3 colour, double w) {
+    sum = sum + colour * w;
+    weight += w;
+  }
   Vec3 mean() const {
     if (weight <= 0.0) return {};
     const Vec3 colour = sum * (1.0 / weight);

@@ -131,11 +131,14 @@ Json web_scene(const std::string& name, bool with_counts) {
 
 int main(int count, char** arguments) try {
   const bool with_counts = count == 4 && std::string_view(arguments[3]) == "--counted";
-  if (count != 3 && !with_counts)
-    return std::fprintf(stderr, "web_scene NAME FILE [--counted]: a scene, and where it is written\n"), 2;
+  if (count != 3 && !with_counts) {
+    std::fprintf(stderr, "web_scene NAME FILE [--counted]: a scene, and where it is written\n");
+    return 2;
+  }
   const std::string text = sandglass::host::text_of(sandglass::host::web_scene(arguments[1], with_counts));
   sandglass::host::write_file(arguments[2], std::string_view(text));
   return 0;
 } catch (const std::exception& failure) {
-  return std::fprintf(stderr, "web_scene: %s\n", failure.what()), 2;
+  std::fprintf(stderr, "web_scene: %s\n", failure.what());
+  return 2;
 }

@@ -55,14 +55,25 @@ ValueRule one_of(const std::vector<std::string>& names) {
   return {holds, all, all};
 }
 
-CommandOption required(CommandOption option) { return option.required = true, option; }
-CommandOption standard(const char* text, CommandOption option) { return option.standard = text, option; }
-CommandOption by_commas(CommandOption option) { return option.by_commas = true, option; }
-CommandOption writes(CommandOption option) { return option.output = CommandOption::Output::file, option; }
-CommandOption fills(CommandOption option) { return option.output = CommandOption::Output::folder, option; }
-CommandOption fills_partly(CommandOption option) { return option.output = CommandOption::Output::partly, option; }
-CommandOption needs(const char* other, CommandOption option) { return option.needs = other, option; }
-CommandOption excludes(const char* other, CommandOption option) { return option.excludes = other, option; }
+template <class Member, class Value>
+CommandOption with(CommandOption option, Member CommandOption::*member, Value value) {
+  option.*member = value;
+  return option;
+}
+CommandOption required(CommandOption option) { return with(option, &CommandOption::required, true); }
+CommandOption standard(const char* text, CommandOption option) { return with(option, &CommandOption::standard, text); }
+CommandOption by_commas(CommandOption option) { return with(option, &CommandOption::by_commas, true); }
+CommandOption writes(CommandOption option) { return with(option, &CommandOption::output, CommandOption::Output::file); }
+CommandOption fills(CommandOption option) {
+  return with(option, &CommandOption::output, CommandOption::Output::folder);
+}
+CommandOption fills_partly(CommandOption option) {
+  return with(option, &CommandOption::output, CommandOption::Output::partly);
+}
+CommandOption needs(const char* other, CommandOption option) { return with(option, &CommandOption::needs, other); }
+CommandOption excludes(const char* other, CommandOption option) {
+  return with(option, &CommandOption::excludes, other);
+}
 
 CommandOption threads_option(uint32_t& threads) {
   return {"--threads", &threads, "N", "Threads; the result does not depend on them", whole_number(1, 256)};
@@ -96,8 +107,14 @@ std::string name_of(const CLI::App& at) {
 }
 
 // What CLI11 would do by templates, which are slow to compile: the text of a value goes to the target, or is refused.
-bool take(const std::string& text, std::string* value) { return *value = text, true; }
-bool take(const std::string& text, double* value) { return *value = std::strtod(text.c_str(), nullptr), true; }
+bool take(const std::string& text, std::string* value) {
+  *value = text;
+  return true;
+}
+bool take(const std::string& text, double* value) {
+  *value = std::strtod(text.c_str(), nullptr);
+  return true;
+}
 template <class Whole>
 bool take(const std::string& text, Whole* value) {
   return std::from_chars(text.data(), text.data() + text.size(), *value).ec == std::errc();
@@ -247,8 +264,13 @@ std::string in_lines(const std::string& text) {
   std::string lines;
   size_t length = 0;
   for (const std::string& word : CLI::detail::split(text, ' ')) {
-    if (length > 0 && length + 1 + word.size() > k_text_width) lines += '\n', length = 0;
-    else if (length > 0) lines += ' ', ++length;
+    if (length > 0 && length + 1 + word.size() > k_text_width) {
+      lines += '\n';
+      length = 0;
+    } else if (length > 0) {
+      lines += ' ';
+      ++length;
+    }
     lines += word;
     length += word.size();
   }

@@ -111,7 +111,10 @@ void inspect_scene(const std::string& path) {
               scene.colliders.size());
   uint32_t particles = 0, grains = 0;
   if (needs_mesh) {
-    for (const Body& body : scene.bodies) particles += body.particles, grains += body.grains;
+    for (const Body& body : scene.bodies) {
+      particles += body.particles;
+      grains += body.grains;
+    }
     std::printf("  filled with  a mesh file that `run --mesh` names; the counts below are the wanted ones\n");
   } else {
     const LoadedMeshes meshes(scene);

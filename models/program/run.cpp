@@ -107,7 +107,9 @@ void Run::take_shot() {
         "cannot use \"--object\" without \"--asset\": the object needs its own shadow. Bake it with sandglass bake and "
         "name it with --asset.");
   ShotOptions o;
-  o.panorama = options_.panorama, o.later = options_.later, o.photo = options_.photo,
+  o.panorama = options_.panorama;
+  o.later = options_.later;
+  o.photo = options_.photo;
   o.photo_fov_deg = options_.fov_deg;
   o.mesh = {options_.collider_mesh, options_.as_mesh.units()};
   o.folder = options_.out;
@@ -171,7 +173,10 @@ void Run::light_shadows(uint32_t frame) {
   if (!shot_) {
     const Vec3 towards = scene_.light->towards(static_cast<double>(frame) / scene_.frames);
     shadows_->set_light(scene_, frame, towards);
-    if (pile_) pile_->set_light(towards), drawn_pile_->set_light(towards);
+    if (pile_) {
+      pile_->set_light(towards);
+      drawn_pile_->set_light(towards);
+    }
     return;
   }
   const PlacedLight& light = shot_->light(frame);

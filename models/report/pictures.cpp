@@ -41,7 +41,10 @@ SceneShadows shadow_on_sand(const Snapshot& snapshot, const Bounds& bounds, floa
   PileShadowTrack track;
   const double margin = 4.0 * static_cast<double>(radius);
   const double from[2] = {bounds.low.x, bounds.low.z}, to[2] = {bounds.high.x, bounds.high.z};
-  for (int axis = 0; axis < 2; ++axis) track.low[axis] = from[axis] - margin, track.high[axis] = to[axis] + margin;
+  for (int axis = 0; axis < 2; ++axis) {
+    track.low[axis] = from[axis] - margin;
+    track.high[axis] = to[axis] + margin;
+  }
   track.texels = k_pile_texels;
   PileShadow pile(track, SANDGLASS_ISA_AUTOMATIC, k_pile_texels / 2);
   pile.set_light(snapshot.to_light);
@@ -64,7 +67,10 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& b
   const bool glass = behind_glass(snapshot.colliders);  // sand against a wall is not as high as one column says
   const SceneShadows made =
       known || glass || particles ? SceneShadows{} : shadow_on_sand(snapshot, view.bounds, view.radius);
-  if (!particles) view.sand = &snapshot.sand, view.on_sand = known ? &snapshot.shadows : &made;
+  if (!particles) {
+    view.sand = &snapshot.sand;
+    view.on_sand = known ? &snapshot.shadows : &made;
+  }
   RenderOptions options;
   options.width = width;
   options.height = height;

@@ -117,6 +117,12 @@ Sky choose_sky(RoomBuilder* b, bool day) {
   return sky;
 }
 
+void lay(RoomMaterial* m, Pattern pattern, double scale, double darker) {
+  m->pattern = pattern;
+  m->scale = scale;
+  m->second = m->colour * darker;
+}
+
 RoomMaterial wall_material(RoomBuilder* b) {
   RoomMaterial m;
   const bool white = b->chance(0.55);
@@ -125,10 +131,15 @@ RoomMaterial wall_material(RoomBuilder* b) {
   m.second = m.colour * b->between(0.6, 0.95);
   m.pattern = Pattern::blotches;
   m.scale = b->between(0.5, 3.0);
-  if (b->chance(0.12)) m.pattern = Pattern::bricks, m.scale = b->between(0.2, 0.3), m.second = m.colour * 0.6;
-  if (b->chance(0.08)) m.pattern = Pattern::planks, m.scale = b->between(0.08, 0.2), m.second = m.colour * 0.5;
-  if (b->chance(0.08)) m.pattern = Pattern::stripes, m.scale = b->between(0.1, 0.5), m.second = m.colour * 0.75;
-  if (b->chance(0.06)) m.pattern = Pattern::tiles, m.scale = b->between(0.1, 0.4), m.coat = 0.04, m.coat_blur = 0.05;
+  if (b->chance(0.12)) lay(&m, Pattern::bricks, b->between(0.2, 0.3), 0.6);
+  if (b->chance(0.08)) lay(&m, Pattern::planks, b->between(0.08, 0.2), 0.5);
+  if (b->chance(0.08)) lay(&m, Pattern::stripes, b->between(0.1, 0.5), 0.75);
+  if (b->chance(0.06)) {
+    m.pattern = Pattern::tiles;
+    m.scale = b->between(0.1, 0.4);
+    m.coat = 0.04;
+    m.coat_blur = 0.05;
+  }
   return m;
 }
 
@@ -143,8 +154,14 @@ RoomMaterial floor_material(RoomBuilder* b) {
                                   Pattern::blotches};
   m.pattern = k_floors[kind];
   m.scale = kind <= 1 ? b->between(0.07, 0.2) : kind <= 3 ? b->between(0.25, 0.8) : b->between(0.03, 0.6);
-  if (kind == 4 && b->chance(0.5)) m.colour = colour_of_hue(b->between(0.0, 1.0), 0.5, 0.2), m.second = m.colour * 0.6;
-  if (kind < 4 && b->chance(0.6)) m.coat = 0.04, m.coat_blur = b->log_between(0.01, 0.25);
+  if (kind == 4 && b->chance(0.5)) {
+    m.colour = colour_of_hue(b->between(0.0, 1.0), 0.5, 0.2);
+    m.second = m.colour * 0.6;
+  }
+  if (kind < 4 && b->chance(0.6)) {
+    m.coat = 0.04;
+    m.coat_blur = b->log_between(0.01, 0.25);
+  }
   return m;
 }
 
@@ -155,7 +172,7 @@ void build_shell(RoomBuilder* b, bool day) {
   RoomMaterial white;
   white.colour = b->colour({0.0, 1.0}, {0.0, 0.1}, b->between(0.55, 0.88));
   if (b->chance(0.15)) white = wall_material(b);
-  if (b->chance(0.15)) white.pattern = Pattern::tiles, white.scale = 0.6, white.second = white.colour * 0.8;
+  if (b->chance(0.15)) lay(&white, Pattern::tiles, 0.6, 0.8);
   const int ceiling = b->material(white);
   b->quad({0, 0, 0}, {0, 0, s.z}, {s.x, 0, 0}, floor);
   b->quad({0, s.y, 0}, {s.x, 0, 0}, {0, 0, s.z}, ceiling);

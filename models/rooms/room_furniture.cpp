@@ -20,7 +20,10 @@ RoomMaterial wood(RoomBuilder* b) {
   m.second = m.colour * 0.6;
   m.pattern = Pattern::planks;
   m.scale = b->between(0.1, 0.4);
-  if (b->chance(0.3)) m.coat = 0.04, m.coat_blur = b->between(0.05, 0.3);
+  if (b->chance(0.3)) {
+    m.coat = 0.04;
+    m.coat_blur = b->between(0.05, 0.3);
+  }
   return m;
 }
 
@@ -219,7 +222,10 @@ void boxes(RoomBuilder* b) {
   for (int i = 0; i < 1 + b->pick(3); ++i) {
     const double tall = b->between(0.15, 0.6);
     RoomMaterial m = fabric(b);
-    if (b->chance(0.5)) m.colour = {0.42, 0.28, 0.16}, m.pattern = Pattern::plain;
+    if (b->chance(0.5)) {
+      m.colour = {0.42, 0.28, 0.16};
+      m.pattern = Pattern::plain;
+    }
     const double yaw = b->between(0.0, 0.5), wide = side * b->between(0.6, 1.0), deep = side * b->between(0.6, 1.0);
     b->box(at + Vec3{0, y, 0}, {wide, tall, deep}, yaw, b->material(m));
     y += tall;
@@ -230,7 +236,10 @@ void rug(RoomBuilder* b) {
   const Vec3 s = b->room.size;
   const double wide = b->between(0.4, 0.7) * s.x, deep = b->between(0.4, 0.7) * s.z;
   RoomMaterial m = fabric(b);
-  if (b->chance(0.4)) m.pattern = Pattern::mosaic, m.scale = b->between(0.05, 0.3);
+  if (b->chance(0.4)) {
+    m.pattern = Pattern::mosaic;
+    m.scale = b->between(0.05, 0.3);
+  }
   b->quad({b->between(0.0, s.x - wide), 0.008, b->between(0.0, s.z - deep)}, {0, 0, deep}, {wide, 0, 0},
           b->material(m));
 }

@@ -79,9 +79,10 @@ struct Lamps {
       const int first = count();
       b->cylinder(at + Vec3{0, radius, 0}, 0.006, drop - radius, 5, housing);
       if (globes) b->sphere_emitter(at, radius, colour);
-      else
-        b->shade(at, 1.2 * radius, 0.5 * radius, radius, colour * 0.6),
-            b->sphere_emitter(at + Vec3{0, 0.4 * radius, 0}, 0.3 * radius, colour * 4.0);
+      else {
+        b->shade(at, 1.2 * radius, 0.5 * radius, radius, colour * 0.6);
+        b->sphere_emitter(at + Vec3{0, 0.4 * radius, 0}, 0.3 * radius, colour * 4.0);
+      }
       add(first, 1.0);
     }
   }
@@ -164,14 +165,18 @@ void light(RoomBuilder* b, bool daylight) {
   if (kind == 1) lamps.downlights();
   if (kind == 2) lamps.strips();
   if (kind >= 3) lamps.pendants();
-  if (dark_ceiling || (!daylight && b->chance(0.2))) lamps.off(first), lamps.on.clear();
+  if (dark_ceiling || (!daylight && b->chance(0.2))) {
+    lamps.off(first);
+    lamps.on.clear();
+  }
   const int standing = b->pick(3);
   for (int i = 0; i < standing; ++i) b->chance(0.7) ? lamps.floor_lamp() : lamps.globe_on_floor();
   if (b->chance(0.2)) lamps.screen();
   if (lamps.on.empty() && !daylight) lamps.globe_on_floor();
-  if (lamps.on.empty() && !daylight)
-    lamps.panel(0.5 * b->room.size.x, 0.5 * b->room.size.z, 0.4, 0.4, b->room.size.y - k_drop),
-        lamps.add(lamps.count() - 1, 1.0);
+  if (lamps.on.empty() && !daylight) {
+    lamps.panel(0.5 * b->room.size.x, 0.5 * b->room.size.z, 0.4, 0.4, b->room.size.y - k_drop);
+    lamps.add(lamps.count() - 1, 1.0);
+  }
   const double illuminance = b->log_between(40.0, 600.0);
   lamps.set_flux(illuminance * b->room.size.x * b->room.size.z / k_utilisation);
 }

@@ -33,7 +33,10 @@ void expose(RadianceMap* map, double key) {
   };
   // The colour cast is measured on pixels below twice the mean. They show neither a lamp nor its reflection.
   double all = 0.0;
-  for_each([&](Vec3 c, double omega) { all += luminance(c) * omega, area += omega; });
+  for_each([&](Vec3 c, double omega) {
+    all += luminance(c) * omega;
+    area += omega;
+  });
   const double limit = 2.0 * all / area, floor = k_darkest * all / area;
   for_each([&](Vec3 c, double omega) {
     if (luminance(c) < limit) mean = mean + c * omega;

@@ -16,7 +16,13 @@ namespace sandglass::host {
 struct FittedLine {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;  // sums
 
-  void add(double at, double value) { n += 1.0, x += at, y += value, xx += at * at, xy += at * value; }
+  void add(double at, double value) {
+    n += 1.0;
+    x += at;
+    y += value;
+    xx += at * at;
+    xy += at * value;
+  }
   double determinant() const { return n * xx - x * x; }
   double slope() const { return (n * xy - x * y) / determinant(); }
 };
@@ -73,7 +79,10 @@ Pile measure_pile(std::span<const float> positions, double radius) {
   Pile pile;
   if (count == 0) return pile;
   double axis_x = 0.0, axis_z = 0.0;
-  for (size_t i = 0; i < count; ++i) axis_x += positions[3 * i], axis_z += positions[3 * i + 2];
+  for (size_t i = 0; i < count; ++i) {
+    axis_x += positions[3 * i];
+    axis_z += positions[3 * i + 2];
+  }
   axis_x /= static_cast<double>(count);
   axis_z /= static_cast<double>(count);
 
@@ -110,7 +119,10 @@ Pile measure_pile(std::span<const float> positions, double radius) {
       double top = -1.0;
       for (const Item& item : sector)
         if (static_cast<int>(item.distance / ring_width) == ring) top = std::max(top, item.top);
-      if (top >= 0.0) height_sum += top, ++seen;
+      if (top >= 0.0) {
+        height_sum += top;
+        ++seen;
+      }
     }
     if (seen > 0) line.add(middle, height_sum / seen);
   }

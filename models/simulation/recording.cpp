@@ -82,7 +82,10 @@ struct Reader {
     value = low | static_cast<uint64_t>(high) << 32;
   }
   void floats(float* values, size_t count) {
-    for (uint32_t bits; count > 0; --count) u32(bits), *values++ = std::bit_cast<float>(bits);
+    for (uint32_t bits; count > 0; --count) {
+      u32(bits);
+      *values++ = std::bit_cast<float>(bits);
+    }
   }
   void bytes(auto& content) {
     uint32_t size;

@@ -211,9 +211,8 @@ Body read_body(Reader& reader) {
   if (body.shape == BodyShape::revolved) {
     if (body.size.y > 0.0) reader.refuse("size", "does not apply to " + shape + "; its outline has a size");
     body.profile = read_profile(reader);
-    double low = 1e30, high = -1e30;
-    for (const auto& point : body.profile) low = std::min(low, point[1]), high = std::max(high, point[1]);
-    body.size.y = high - low;
+    const ProfileExtent extent = extent_of(body.profile);
+    body.size.y = extent.top - extent.bottom;
     if (!(body.size.y > 0.0)) reader.refuse("profile", "is flat; an outline has a height");
   }
   if (lattice && body.size.y > 0.0)

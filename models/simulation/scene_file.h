@@ -3,6 +3,7 @@
 // models/scenes holds the scenes that ship.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -16,6 +17,16 @@
 namespace sandglass::host {
 
 enum class BodyShape { trefoil, mesh, box, sphere, lattice, revolved };
+
+struct ProfileExtent {
+  double reach = 0.0, bottom = 1e30, top = -1e30;
+};
+inline ProfileExtent extent_of(const Profile& profile) {
+  ProfileExtent e;
+  for (const auto& point : profile)
+    e = {std::max(e.reach, point[0]), std::min(e.bottom, point[1]), std::max(e.top, point[1])};
+  return e;
+}
 
 // Signed distance of a point from the solid that the outline makes when it turns about the y axis; above 0 outside.
 double revolved_distance(const Profile& profile, Vec3 point);

@@ -49,8 +49,7 @@ struct UnitBody {
 };
 
 void make_revolved_body(const Body& source, UnitBody* body) {
-  double bottom = 1e30, reach = 0.0;
-  for (const auto& point : source.profile) bottom = std::min(bottom, point[1]), reach = std::max(reach, point[0]);
+  const auto [reach, bottom, top] = extent_of(source.profile);
   const double scale = 1.0 / source.size.y;
   for (const auto& point : source.profile) body->profile.push_back({point[0] * scale, (point[1] - bottom) * scale});
   const float wide = static_cast<float>(reach * scale);
@@ -370,7 +369,10 @@ Material fill_scene(SceneFile* scene, const BodyMeshes& meshes) {
         for (Vec3& p : *points) p = rotate(body.rotation, p) + offset;
     }
   uint64_t particles = 0, grains = 0;
-  for (const Filled& body : filled) particles += body.particles.size(), grains += body.grains.size();
+  for (const Filled& body : filled) {
+    particles += body.particles.size();
+    grains += body.grains.size();
+  }
   if (particles > SANDGLASS_PARTICLE_LIMIT || grains > SANDGLASS_GRAIN_LIMIT)
     throw cannot(
         "fill", scene->source,

@@ -82,9 +82,7 @@ CollisionFields::CollisionFields(SceneFile* scene, const MeshFile& mesh) {
     cpp::Field& field = fields_.emplace_back();
     Mesh& standing = meshes_.emplace_back();
     if (!track.profile.empty()) {
-      double r = 0.0, bottom = 1e30, top = -1e30;
-      for (const auto& point : track.profile)
-        r = std::max(r, point[0]), bottom = std::min(bottom, point[1]), top = std::max(top, point[1]);
+      const auto [r, bottom, top] = extent_of(track.profile);
       to_floats({-r - margin, bottom - margin, -r - margin}, box.min);
       to_floats({r + margin, top + margin, r + margin}, box.max);
       const double sign = track.solid_outside ? -1.0 : 1.0;
@@ -102,7 +100,10 @@ CollisionFields::CollisionFields(SceneFile* scene, const MeshFile& mesh) {
       stand_mesh(&standing, track.size.y, mesh_path);
       const sandglass_mesh view = standing.view();
       require(*scene, i, cpp::call(sandglass_mesh_bounds, &view, box.min, box.max));
-      for (int k = 0; k < 3; ++k) box.min[k] -= beyond, box.max[k] += beyond;
+      for (int k = 0; k < 3; ++k) {
+        box.min[k] -= beyond;
+        box.max[k] += beyond;
+      }
       plan.rule = inside_rule(loaded.report);
       plan.solid = solid;
       plan.spacing = step;

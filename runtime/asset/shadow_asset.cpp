@@ -91,6 +91,66 @@ const char* check_surface(const asset::Surface& file, SurfaceAsset* out) {
   return nullptr;
 }
 
+// The object's size, and the lights that were baked for it.
+const char* check_box(const asset::Box& box, ShadowAsset* out) {
+  out->origin[0] = box.origin_x();
+  out->origin[1] = box.origin_y();
+  out->origin[2] = box.origin_z();
+  out->box = {box.half_x(), box.half_z(), box.height()};
+  out->angular_diameter = box.angular_diameter();
+  out->polar_max = box.polar_max();
+  for (const double x : out->origin)
+    if (!within(x, -1e30, 1e30)) return "the shadow file's origin is not a number: bake it again";
+  if (!within(out->box.half_x, 0, 1e30) || !within(out->box.half_z, 0, 1e30) || !within(out->box.height, 1e-30, 1e30))
+    return "the shadow file's box is not a size: bake it again";
+  if (!within(out->angular_diameter, 1e-4, k_horizon) || !within(out->polar_max, 1e-4, k_horizon) ||
+      !(out->polar_max + 0.5 * out->angular_diameter <= k_horizon))
+    return "the shadow file's light reaches the horizon: bake it with a smaller --max-polar";
+  return nullptr;
+}
+
+const char* check_network(const asset::Shadow& file, ShadowAsset* out) {
+  out->texel_frequencies = file.texel_frequencies();
+  out->light_frequencies = file.light_frequencies();
+  out->width = file.width();
+  if (out->texel_frequencies > k_frequencies_limit || out->light_frequencies > k_frequencies_limit)
+    return "the shadow file's encoding has more than 16 frequencies, which no baking writes";
+  if (out->width == 0 || out->width > k_shadow_width_limit)
+    return "the shadow file's network is wider than 256 neurons or has none: bake it again";
+  if (file.layers() == nullptr || file.layers()->size() == 0 || file.layers()->size() > k_shadow_layers_limit)
+    return "the shadow file's network does not have 1 to 8 hidden layers: bake it again";
+  out->layers = file.layers()->size();
+  if (file.first_weights() == nullptr || file.first_bias() == nullptr ||
+      file.first_weights()->size() != out->inputs() * out->width || file.first_bias()->size() != out->width)
+    return "the shadow file's first layer has the wrong size: bake it again";
+  if (!numbers_within(*file.first_weights(), -k_weight_limit, k_weight_limit) ||
+      !numbers_within(*file.first_bias(), -k_weight_limit, k_weight_limit) ||
+      !within(static_cast<double>(file.first_step()), 1e-9, 1e9))
+    return "the shadow file's first layer has a weight that is not a number: bake it again";
+  out->first_weights = file.first_weights()->data();
+  out->first_bias = file.first_bias()->data();
+  out->first_step = file.first_step();
+  for (uint32_t i = 0; i < out->layers; ++i)
+    if (const char* fault = check_layer(file.layers()->Get(i), out->width, out->width, &out->layer[i])) return fault;
+  if (const char* fault = check_layer(file.last(), out->width, 1, &out->last)) return fault;
+  out->rmse_float = file.rmse_float();
+  out->rmse_int8 = file.rmse_int8();
+  if (!within(static_cast<double>(out->rmse_float), 0, 1) || !within(static_cast<double>(out->rmse_int8), 0, 1))
+    return "the shadow file's error is not a number in 0..1: bake it again";
+  out->validated_lights = file.validated_lights();
+  out->seed = file.seed();
+  if (file.float_parameters() != nullptr) {
+    const uint32_t expected =
+        out->width * (out->inputs() + 1) + out->layers * out->width * (out->width + 1) + out->width + 1;
+    if (file.float_parameters()->size() != expected ||
+        !numbers_within(*file.float_parameters(), -k_weight_limit, k_weight_limit))
+      return "the shadow file's float network has the wrong size or a weight that is not a number";
+    out->float_parameters = file.float_parameters()->data();
+    out->float_parameter_count = expected;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsset* out, const char** reason) {
@@ -105,64 +165,12 @@ sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsse
   if (file.version() < k_shadow_asset_oldest || file.version() > k_shadow_asset_version)
     return refuse(reason, "the shadow file is of another version than this library reads (1 and 2): bake it again");
   if (file.box() == nullptr) return refuse(reason, "the shadow file says nothing of the object's size: bake it again");
-  const asset::Box& box = *file.box();
   *out = {};
   out->version = file.version();
   out->name = file.name() == nullptr ? "" : file.name()->c_str();
-  out->origin[0] = box.origin_x();
-  out->origin[1] = box.origin_y();
-  out->origin[2] = box.origin_z();
-  out->box = {box.half_x(), box.half_z(), box.height()};
-  out->angular_diameter = box.angular_diameter();
-  out->polar_max = box.polar_max();
   out->plane = file.plane_fitted() ? PlaneRule::fitted : PlaneRule::fixed;
-  for (const double x : out->origin)
-    if (!within(x, -1e30, 1e30)) return refuse(reason, "the shadow file's origin is not a number: bake it again");
-  if (!within(out->box.half_x, 0, 1e30) || !within(out->box.half_z, 0, 1e30) || !within(out->box.height, 1e-30, 1e30))
-    return refuse(reason, "the shadow file's box is not a size: bake it again");
-  if (!within(out->angular_diameter, 1e-4, k_horizon) || !within(out->polar_max, 1e-4, k_horizon) ||
-      !(out->polar_max + 0.5 * out->angular_diameter <= k_horizon))
-    return refuse(reason, "the shadow file's light reaches the horizon: bake it with a smaller --max-polar");
-
-  out->texel_frequencies = file.texel_frequencies();
-  out->light_frequencies = file.light_frequencies();
-  out->width = file.width();
-  if (out->texel_frequencies > k_frequencies_limit || out->light_frequencies > k_frequencies_limit)
-    return refuse(reason, "the shadow file's encoding has more than 16 frequencies, which no baking writes");
-  if (out->width == 0 || out->width > k_shadow_width_limit)
-    return refuse(reason, "the shadow file's network is wider than 256 neurons or has none: bake it again");
-  if (file.layers() == nullptr || file.layers()->size() == 0 || file.layers()->size() > k_shadow_layers_limit)
-    return refuse(reason, "the shadow file's network does not have 1 to 8 hidden layers: bake it again");
-  out->layers = file.layers()->size();
-  if (file.first_weights() == nullptr || file.first_bias() == nullptr ||
-      file.first_weights()->size() != out->inputs() * out->width || file.first_bias()->size() != out->width)
-    return refuse(reason, "the shadow file's first layer has the wrong size: bake it again");
-  if (!numbers_within(*file.first_weights(), -k_weight_limit, k_weight_limit) ||
-      !numbers_within(*file.first_bias(), -k_weight_limit, k_weight_limit) ||
-      !within(static_cast<double>(file.first_step()), 1e-9, 1e9))
-    return refuse(reason, "the shadow file's first layer has a weight that is not a number: bake it again");
-  out->first_weights = file.first_weights()->data();
-  out->first_bias = file.first_bias()->data();
-  out->first_step = file.first_step();
-  for (uint32_t i = 0; i < out->layers; ++i)
-    if (const char* fault = check_layer(file.layers()->Get(i), out->width, out->width, &out->layer[i]))
-      return refuse(reason, fault);
-  if (const char* fault = check_layer(file.last(), out->width, 1, &out->last)) return refuse(reason, fault);
-  out->rmse_float = file.rmse_float();
-  out->rmse_int8 = file.rmse_int8();
-  if (!within(static_cast<double>(out->rmse_float), 0, 1) || !within(static_cast<double>(out->rmse_int8), 0, 1))
-    return refuse(reason, "the shadow file's error is not a number in 0..1: bake it again");
-  out->validated_lights = file.validated_lights();
-  out->seed = file.seed();
-  if (file.float_parameters() != nullptr) {
-    const uint32_t expected =
-        out->width * (out->inputs() + 1) + out->layers * out->width * (out->width + 1) + out->width + 1;
-    if (file.float_parameters()->size() != expected ||
-        !numbers_within(*file.float_parameters(), -k_weight_limit, k_weight_limit))
-      return refuse(reason, "the shadow file's float network has the wrong size or a weight that is not a number");
-    out->float_parameters = file.float_parameters()->data();
-    out->float_parameter_count = expected;
-  }
+  if (const char* fault = check_box(*file.box(), out)) return refuse(reason, fault);
+  if (const char* fault = check_network(file, out)) return refuse(reason, fault);
   if (out->version >= 2 && file.ambient() != nullptr)
     if (const char* fault = check_ambient(*file.ambient(), &out->ambient)) return refuse(reason, fault);
   if (out->version >= 2 && file.surface() != nullptr)

@@ -21,6 +21,7 @@ constexpr double k_pi = 3.14159265358979323846;
 
 inline double square_root(double x) { return __builtin_sqrt(x); }
 inline double absolute(double x) { return __builtin_fabs(x); }
+inline double square_of(const double v[3]) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
 // Written with a cast because the floor of baseline x86-64 is a library call.
 // It bounds the number itself: to_whole would do so a second time, in every function of this file.
@@ -148,7 +149,10 @@ constexpr double logarithm(double x) {
   int64_t k = (bits >> 52) - 1023;
   bits = (bits & 0x000fffffffffffff) | (static_cast<int64_t>(1023) << 52);
   auto m = __builtin_bit_cast(double, bits);
-  if (m > 1.4142135623730951) m *= 0.5, ++k;
+  if (m > 1.4142135623730951) {
+    m *= 0.5;
+    ++k;
+  }
   const double s = (m - 1) / (m + 1), q = s * s;
   double p = 1.0 / 21;
   p = p * q + 1.0 / 19;

@@ -13,7 +13,10 @@ struct Rotation {
 // q at length 1. False where q is zero, NaN or infinite.
 inline bool unit_quaternion(const float q[4], double unit[4]) {
   double squared = 0.0;
-  for (int i = 0; i < 4; ++i) unit[i] = static_cast<double>(q[i]), squared += unit[i] * unit[i];
+  for (int i = 0; i < 4; ++i) {
+    unit[i] = static_cast<double>(q[i]);
+    squared += unit[i] * unit[i];
+  }
   if (!(squared > 0.0) || !is_finite(squared)) return false;
   const double length = square_root(squared);
   for (int i = 0; i < 4; ++i) unit[i] /= length;

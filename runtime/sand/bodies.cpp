@@ -15,7 +15,9 @@ void turn_spread(const double q[4], double spread[9]) {
     double next[9];
     for (int j = 0; j < 3; ++j) {
       const Vector column = rotated(q, {spread[j], spread[3 + j], spread[6 + j]});
-      next[3 * j] = column.x, next[3 * j + 1] = column.y, next[3 * j + 2] = column.z;  // transposed
+      next[3 * j] = column.x;  // transposed
+      next[3 * j + 1] = column.y;
+      next[3 * j + 2] = column.z;
     }
     for (int i = 0; i < 9; ++i) spread[i] = next[i];
   }
@@ -33,7 +35,10 @@ void match(BodyMatch* own, const Granular& g, RigidBody* body, FrameCounts* coun
             __builtin_fabs(body->center[k] + m.shift[k]) < 0.75 * static_cast<double>(k_coordinate_bound);
   }
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) m.a[3 * i + j] -= m.shift[i] * m.offset[j], sound = sound && is_finite(m.a[3 * i + j]);
+    for (int j = 0; j < 3; ++j) {
+      m.a[3 * i + j] -= m.shift[i] * m.offset[j];
+      sound = sound && is_finite(m.a[3 * i + j]);
+    }
   if (!sound) {  // the body stays where it was, at rest
     counts->quarantined += body->count;
     for (int k = 0; k < 3; ++k) m.shift[k] = m.stabilised[k] = m.spin[k] = 0.0;

@@ -29,7 +29,8 @@ CarriedWay carried_way(const Granular& g, const Carrier& carrier, float more) {
   CarriedWay c = {carrier.way, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
   const auto gained = [&](const float u[3]) { return (quad(u) + c.way.turned(quad(u))) * more; };
   for (int k = 0; k < 3; ++k) c.gain.turn[k] = gained(spin[k]);
-  c.gain.from = c.way.from, c.gain.shift = gained(carrier.from.linear);
+  c.gain.from = c.way.from;
+  c.gain.shift = gained(carrier.from.linear);
   return c;
 }
 
@@ -123,7 +124,8 @@ float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder
   const CarriedWay carried = carried_way(g, carrier, more);
   const float way = carry_box(carrier.way, it.box, after);
   Bounds& held = c->held[c->group_of[holder]];
-  bounds_join(&held, it.box), bounds_join(&held, *after);
+  bounds_join(&held, it.box);
+  bounds_join(&held, *after);
   c->way_max = way > c->way_max ? way : c->way_max;
   const bool hollow = c->groups[c->group_of[holder]].hollow;
   for (uint32_t l = 0; l < it.count; ++l)
@@ -147,7 +149,8 @@ uint32_t find_room(const Granular& g, uint32_t holder, const HeldLanes& lanes, u
     const float end[3] = {there[0], there[1], there[2]}, length2 = square_of(gone);
     for (int k = 0; k < 3; ++k) way[k][l] = gone[k];
     if ((mask >> l & 1) == 0) continue;
-    bounds_include(&path, from), bounds_include(&path, end);
+    bounds_include(&path, from);
+    bounds_include(&path, end);
     longest2 = length2 > longest2 ? length2 : longest2;
   }
   const float parts = __builtin_sqrtf(longest2) / (k_room_step * r);
@@ -200,9 +203,13 @@ bool read_sixteen(const Granular& g, uint32_t group, uint32_t active_before, Six
     it->free |= in_body(p) ? 0 : 1u << l;
     Quad at;
     __builtin_memcpy(&at, p.position, sizeof at);
-    low = at < low ? at : low, high = at > high ? at : high;
+    low = at < low ? at : low;
+    high = at > high ? at : high;
   }
-  for (int k = 0; k < 3; ++k) it->box.low[k] = low[k], it->box.high[k] = high[k];
+  for (int k = 0; k < 3; ++k) {
+    it->box.low[k] = low[k];
+    it->box.high[k] = high[k];
+  }
   return it->here != 0;
 }
 
@@ -211,7 +218,10 @@ void read_lanes(const Granular& g, const Sixteen& it, HeldLanes* lanes) {
   lanes->count = it.count;
   for (uint32_t l = 0; l < k_lane_group; ++l) {
     const Particle& p = g.particles.records[0][it.first + ((it.here >> l & 1) != 0 ? l : instead)];
-    for (int k = 0; k < 3; ++k) lanes->at[k][l] = p.position[k], lanes->velocity[k][l] = p.velocity[k];
+    for (int k = 0; k < 3; ++k) {
+      lanes->at[k][l] = p.position[k];
+      lanes->velocity[k][l] = p.velocity[k];
+    }
   }
 }
 
@@ -246,9 +256,13 @@ uint32_t sole_holder(const Granular& g, uint32_t begin, uint32_t end) {
   for (uint32_t i = begin; i < end; ++i) {
     Quad at;
     __builtin_memcpy(&at, g.particles.records[0][i].position, sizeof at);
-    low = at < low ? at : low, high = at > high ? at : high;
+    low = at < low ? at : low;
+    high = at > high ? at : high;
   }
-  for (int k = 0; k < 3; ++k) group.box.low[k] = low[k], group.box.high[k] = high[k];
+  for (int k = 0; k < 3; ++k) {
+    group.box.low[k] = low[k];
+    group.box.high[k] = high[k];
+  }
   holding_find_near(g, &group);
   return group.some ? holding_sole(g, group) : k_no_holder;
 }
@@ -306,9 +320,13 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
     held &= ~mask;
     const uint32_t lies = c->groups[c->group_of[by]].hollow ? 0 : mask & it.free;
     const uint32_t stays = lies & ~find_room(g, by, lanes, lies);
-    open |= stays, mask &= ~stays;
+    open |= stays;
+    mask &= ~stays;
     for (uint32_t l = 0; l < it.count; ++l)
-      if ((lies & mask) >> l & 1) carry_lying(c, g, it, it.first + l, by), moved[l] = c->way_max;
+      if ((lies & mask) >> l & 1) {
+        carry_lying(c, g, it, it.first + l, by);
+        moved[l] = c->way_max;
+      }
     mask &= ~lies;
     if (mask == 0) continue;
     Bounds after = k_nowhere;
@@ -404,7 +422,8 @@ float carry_box(const RigidWay& w, const Bounds& box, Bounds* after) {
   for (int k = 0; k < 3; ++k) {
     Quad axis = {};
     axis[k] = half[k];
-    reach += sizes(axis + half[k] * w.turn[k]), way_beyond += sizes(half[k] * w.turn[k]);
+    reach += sizes(axis + half[k] * w.turn[k]);
+    way_beyond += sizes(half[k] * w.turn[k]);
   }
   const Quad low = middle + way - reach, high = middle + way + reach;
   bounds_join(after, {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}});
@@ -527,7 +546,10 @@ void carry_end(Carry* c) {
 Bounds carry_bounds(const Carry& c, float margin) {
   Bounds all = c.pushed;
   for (uint32_t i = 0; i < c.group_count; ++i) bounds_join(&all, c.held[i]);
-  for (int k = 0; k < 3 && !is_empty(all); ++k) all.low[k] -= margin, all.high[k] += margin;
+  for (int k = 0; k < 3 && !is_empty(all); ++k) {
+    all.low[k] -= margin;
+    all.high[k] += margin;
+  }
   return all;
 }
 

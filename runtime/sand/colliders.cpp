@@ -138,7 +138,10 @@ uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_fr
     if (in_place && passed && way2 <= near2) return slot;
     if (nearest != k_no_slot && !(way2 < nearest2 || (way2 == nearest2 && in_place))) continue;
     const bool is_near = way2 <= k_found_again * k_found_again;
-    if (is_near || !is_anothers(c, capacity, input, slot, now, place, t)) nearest = slot, nearest2 = way2;
+    if (is_near || !is_anothers(c, capacity, input, slot, now, place, t)) {
+      nearest = slot;
+      nearest2 = way2;
+    }
   }
   if (nearest != k_no_slot) return nearest;
   uint32_t oldest = k_no_slot;
@@ -237,8 +240,11 @@ void order(Colliders* c, uint32_t capacity) {
     for (uint32_t slot = 0; slot < capacity; ++slot) {
       if (c->seen_by[slot] != part) continue;
       uint32_t at = c->count++;
-      for (; at > first && pushes_before(c->of_slot[slot], c->given[at - 1]); --at)
-        c->given[at] = c->given[at - 1], c->slots[at] = c->slots[at - 1], c->slides[at] = c->slides[at - 1];
+      for (; at > first && pushes_before(c->of_slot[slot], c->given[at - 1]); --at) {
+        c->given[at] = c->given[at - 1];
+        c->slots[at] = c->slots[at - 1];
+        c->slides[at] = c->slides[at - 1];
+      }
       c->given[at] = c->of_slot[slot];
       c->slots[at] = slot;
       c->slides[at] = c->slides_of_slot[slot];
@@ -316,7 +322,10 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
     met = known.pose.held;
     if (goes_on) met.pose = jumps ? pose_before(met, slide, g.time.frame_step) : c.met[slot];
     const float rate = static_cast<float>(g.time.rate);
-    for (int k = 0; k < 3; ++k) met.linear[k] *= rate, met.angular[k] *= rate;
+    for (int k = 0; k < 3; ++k) {
+      met.linear[k] *= rate;
+      met.angular[k] *= rate;
+    }
     for (float& s : slide) s *= rate;
     if (goes_on) met.pose = pose_before(met, slide, -static_cast<float>(debt));
   }
@@ -402,8 +411,14 @@ void find_moved(const Granular& g, ColliderWatch* watch, float margin) {
     const SeenCollider& seen = watch->seen[slot];
     const bool is = visible(c, *watch, slot), was = seen.present != 0;
     const float reach = margin + (is && was ? half_travel(seen.pose, pose_of(c.of_slot[slot])) : 0.0f);
-    if (is) colliders_pose(&c.of_slot[slot], 1, 0.0f, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
-    if (was) pose_seen(seen, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
+    if (is) {
+      colliders_pose(&c.of_slot[slot], 1, 0.0f, &moved.frames[moved.count]);
+      moved.margins[moved.count++] = reach;
+    }
+    if (was) {
+      pose_seen(seen, &moved.frames[moved.count]);
+      moved.margins[moved.count++] = reach;
+    }
   }
 }
 
@@ -472,7 +487,11 @@ void colliders_reset(Colliders* c, const sandglass_granular_desc& d) {
   for (uint32_t slot = 0; slot < d.collider_capacity; ++slot) {
     c->known[slot] = {};
     c->seen_by[slot] = SeenBy::none;
-    for (ColliderWatch* watch : watches) watch->seen[slot] = {}, watch->fields[slot] = 0, watch->moved.count = 0;
+    for (ColliderWatch* watch : watches) {
+      watch->seen[slot] = {};
+      watch->fields[slot] = 0;
+      watch->moved.count = 0;
+    }
   }
 }
 
@@ -651,7 +670,10 @@ void colliders_arrive(Colliders* c, const Granular& g, float faster) {
     const sandglass_collider went = it;
     Placement end = placement_of(it);
     end.pose = c->ends[c->slots[i]];
-    for (int k = 0; k < 3; ++k) end.linear[k] *= faster, end.angular[k] *= faster;
+    for (int k = 0; k < 3; ++k) {
+      end.linear[k] *= faster;
+      end.angular[k] *= faster;
+    }
     place(&it, end);
     place(&of_slot, end);
     if (i < c->solid_count) {
@@ -707,8 +729,10 @@ void colliders_carry_substep(Colliders* c, float faster) {
 void colliders_settle(Colliders* colliders, const Granular& g) {
   Colliders& c = *colliders;
   c.waits = true;
-  for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot)
-    c.for_particles.fields[slot] = c.for_grains.fields[slot] = 0, c.seen_by[slot] = SeenBy::none;
+  for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot) {
+    c.for_particles.fields[slot] = c.for_grains.fields[slot] = 0;
+    c.seen_by[slot] = SeenBy::none;
+  }
 }
 
 void colliders_move(Colliders* colliders, const Granular& g, const SceneMove& move) {
@@ -783,7 +807,8 @@ void colliders_pose(const sandglass_collider* colliders, uint32_t count, float b
     const float* r = pose.rotation;
     frame.slides = 0;
     for (int k = 0; k < 3; ++k) {
-      frame.slide[k] = slide[k], frame.slide_turn[k] = slide[k + 3];
+      frame.slide[k] = slide[k];
+      frame.slide_turn[k] = slide[k + 3];
       if (slide[k] != 0.0f || slide[k + 3] != 0.0f) frame.slides = 1;
     }
     const float x = r[0], y = r[1], z = r[2], s = r[3];

@@ -176,7 +176,10 @@ PairArgs pair_args(const Granular& g) {
 // A unit of a pass that may be the last one. What it sees counts then.
 template <class Args>
 bool run_seeing(Contacts* c, const Granular& g, uint32_t* cursor, Pass<Args, ContactExtent>* pass, bool last) {
-  for (ContactExtent& e : pass->results) e = c->extent, e.quarantined = e.touched = 0;
+  for (ContactExtent& e : pass->results) {
+    e = c->extent;
+    e.quarantined = e.touched = 0;
+  }
   const bool done = run_unit(g, cursor, pass);
   for (uint32_t piece = 0; last && piece < k_pieces; ++piece) contacts_include(c, pass->results[piece]);
   return done;

@@ -83,7 +83,10 @@ bool meets(const Way& way, const Bounds& box, float margin) {
 // Whether two ways come nearer to each other than this. Gravity is the same on both.
 bool meets(const Way& a, const Way& b, float time, float distance) {
   float apart[3], approach[3];
-  for (int k = 0; k < 3; ++k) apart[k] = b.from[k] - a.from[k], approach[k] = b.velocity[k] - a.velocity[k];
+  for (int k = 0; k < 3; ++k) {
+    apart[k] = b.from[k] - a.from[k];
+    approach[k] = b.velocity[k] - a.velocity[k];
+  }
   const float speed2 = dot(approach, approach), nearer = -dot(apart, approach);
   const float at = nearer > 0.0f ? (nearer < time * speed2 ? nearer / speed2 : time) : 0.0f;
   for (int k = 0; k < 3; ++k) apart[k] += at * approach[k];
@@ -208,7 +211,8 @@ bool beyond(const Granular& g, const Particles& p) {
     if (p.low[k] < -SANDGLASS_COORDINATE_LIMIT || p.high[k] > SANDGLASS_COORDINATE_LIMIT) return true;
   }
   Bounds all;
-  for (int k = 0; k < 3; ++k) all.low[k] = p.low[k], all.high[k] = p.high[k];
+  __builtin_memcpy(all.low, p.low, sizeof all.low);
+  __builtin_memcpy(all.high, p.high, sizeof all.high);
   return g.departed.falls && depth_of(g, all) > g.departed.gone_depth;
 }
 

@@ -193,10 +193,16 @@ void remove_leaving(Granular* g, const SceneMove& move) {
   uint64_t particles = 0, grains = 0;
   for (uint32_t i = g->particles.count; i-- > 0;) {
     const Particle& p = g->particles.records[0][i];
-    if (!stays_within(move, p.position) && !in_body(p)) granular_take_out_particle(g, i), ++particles;
+    if (!stays_within(move, p.position) && !in_body(p)) {
+      granular_take_out_particle(g, i);
+      ++particles;
+    }
   }
   for (uint32_t i = g->grains.count; i-- > 0;) {
-    if (!stays_within(move, g->grains.records[i].position)) granular_take_out_grain(g, i), ++grains;
+    if (!stays_within(move, g->grains.records[i].position)) {
+      granular_take_out_grain(g, i);
+      ++grains;
+    }
   }
   if (particles != 0) granular_after_removal(g);
   if (grains != 0) sweep_grains_removed(g);
@@ -337,7 +343,10 @@ double way_out(const Granular& g, const RigidBody& body, const uint32_t* rows, u
         const double half2 = touching * touching - d * d - e * e;
         if (!(half2 > 0.0)) continue;
         const double along = sign * static_cast<double>(b[axis] - p[axis]), half = __builtin_sqrt(half2);
-        if (along - half < way && along + half > way) way = along + half, moved = true;
+        if (along - half < way && along + half > way) {
+          way = along + half;
+          moved = true;
+        }
       }
     }
   }
@@ -565,7 +574,8 @@ sandglass_status granular_push_body(Granular* g, uint32_t index, const float imp
   substep_abandon(g);  // which may end a sub-step: then the body has new velocities
   add_push();
   RigidBody pushed = body;
-  for (int k = 0; k < 3; ++k) pushed.linear[k] = linear[k], pushed.angular[k] = angular[k];
+  __builtin_memcpy(pushed.linear, linear, sizeof pushed.linear);
+  __builtin_memcpy(pushed.angular, angular, sizeof pushed.angular);
   bodies_set(&g->bodies, index, pushed);
   wake_around(g, body);
   spread_velocities(g, body);

@@ -124,8 +124,10 @@ void flush(const Pouring& to, Batch* batch, bool grains) {
 }
 
 void put(const Pouring& to, Batch* batch, bool grains, const float position[3], const float velocity[3]) {
-  for (uint32_t k = 0; k < 3; ++k)
-    batch->positions[3 * batch->count + k] = position[k], batch->velocities[3 * batch->count + k] = velocity[k];
+  for (uint32_t k = 0; k < 3; ++k) {
+    batch->positions[3 * batch->count + k] = position[k];
+    batch->velocities[3 * batch->count + k] = velocity[k];
+  }
   if (++batch->count == k_batch) flush(to, batch, grains);
 }
 
@@ -229,7 +231,11 @@ void emit_grains(const Pouring& to, const Granular& g, const Layer& layer, const
   const float lag = static_cast<float>(g.time.grain_lag);
   for (uint32_t grain = 0; grain < e.grains_per_particle;) {
     float offset[3], length2 = 0.0f, along = 0.0f, position[3], velocity[3];
-    for (float& o : offset) seed = next_seed(seed), o = symmetric(seed), length2 += o * o;
+    for (float& o : offset) {
+      seed = next_seed(seed);
+      o = symmetric(seed);
+      length2 += o * o;
+    }
     if (length2 > 1.0f) continue;  // uniform within the ball
     for (int k = 0; k < 3; ++k) {
       along += r * offset[k] * layer.way[k];

@@ -69,12 +69,14 @@ void begin_step(Giving* s, const Granular& g, bool cells) {
     OpenSand& o = s->open[i];
     auto& box = s->boxes[i / k_lane_group];
     if (i % k_lane_group == 0) box = {o.at, o.at};
-    box.low = o.at < box.low ? o.at : box.low, box.high = o.at > box.high ? o.at : box.high;
+    box.low = o.at < box.low ? o.at : box.low;
+    box.high = o.at > box.high ? o.at : box.high;
     o.state = OpenSand::stays;
     o.way = Quad{};
     if (!cells) continue;
     uint16_t& head = s->heads[head_of(cell_of(o.at[0], inverse), cell_of(o.at[1], inverse), cell_of(o.at[2], inverse))];
-    o.next = head, head = static_cast<uint16_t>(i);
+    o.next = head;
+    head = static_cast<uint16_t>(i);
   }
 }
 
@@ -96,7 +98,8 @@ void push(OpenSand* o, const Quad& normal, float out, const Quad& way, float gri
     const float aside2 = square_of(aside);
     moved += (aside2 > most * most ? most / __builtin_sqrtf(aside2) : 1.0f) * aside;
   }
-  o->at += moved, o->way += moved;
+  o->at += moved;
+  o->way += moved;
 }
 
 // What is met goes no slower than what meets it.
@@ -175,7 +178,10 @@ void end_before_walls(const Carry& c, const Granular& g, OpenSand* o) {
     Quad normal;
     const float before = holding_distance(g, wall, from, &normal);
     const float in = (before < r ? before : r) - (before + dot(o->way, normal));
-    if (in > 0.0f) o->at += in * normal, o->way += in * normal;
+    if (in > 0.0f) {
+      o->at += in * normal;
+      o->way += in * normal;
+    }
   }
 }
 
@@ -188,7 +194,8 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
   const float gone = __builtin_sqrtf(square_of(o.way));
   if (gone > k_out_most * r) {
     const Quad less = (1.0f - k_out_most * r / gone) * o.way;
-    o.at -= less, o.way -= less;
+    o.at -= less;
+    o.way -= less;
   }
   end_before_walls(*c, g, &o);
   const Quad at = o.at, way = o.way, down = quad(scratch_of(g).group.down);
@@ -237,7 +244,10 @@ void giving_layout(Carry* c, const sandglass_granular_desc& d, Layout* layout) {
   c->giving = layout_region<Giving>(layout, "granular.carry_giving", 1);
   const uint32_t capacity = d.particle_capacity < k_open_most ? d.particle_capacity : k_open_most;
   OpenSand* const open = layout_region<OpenSand>(layout, "granular.carry_open", capacity);
-  if (c->giving != nullptr) c->giving->open = open, c->giving->capacity = capacity;
+  if (c->giving != nullptr) {
+    c->giving->open = open;
+    c->giving->capacity = capacity;
+  }
 }
 
 void giving_begin(Carry* c, const Granular& g) {
@@ -263,7 +273,10 @@ void giving_begin(Carry* c, const Granular& g) {
     bounds_join(&s.pushing, swept);
     const Quad way = carrier.way.way(0.5f * (quad(swept.low) + quad(swept.high)));
     const float length = __builtin_sqrtf(square_of(way)), on = length > 0.0f ? k_ahead * r / length : 0.0f;
-    for (int k = 0; k < 3; ++k) swept.low[k] += on * way[k], swept.high[k] += on * way[k];
+    for (int k = 0; k < 3; ++k) {
+      swept.low[k] += on * way[k];
+      swept.high[k] += on * way[k];
+    }
     bounds_join(&s.pushing, swept);
   }
 }

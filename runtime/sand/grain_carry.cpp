@@ -33,7 +33,10 @@ void hold_lanes(const Granular& g, const HeldGroup& group, uint32_t first, uint3
   lanes.count = count;
   for (uint32_t l = 0; l < k_lane_group; ++l) {
     const Grain& grain = g.grains.records[first + (l < count ? l : 0)];
-    for (int k = 0; k < 3; ++k) lanes.at[k][l] = grain.position[k], lanes.velocity[k][l] = grain.velocity[k];
+    for (int k = 0; k < 3; ++k) {
+      lanes.at[k][l] = grain.position[k];
+      lanes.velocity[k][l] = grain.velocity[k];
+    }
   }
   holding_find(g, group, lanes, holder);
   for (uint32_t l = 0; l < count; ++l) {
@@ -49,9 +52,13 @@ bool hold_together(const Granular& g, uint32_t first, uint32_t count, uint8_t* h
   for (uint32_t i = first; i < first + count; ++i) {
     Quad at;
     __builtin_memcpy(&at, g.grains.records[i].position, sizeof at);
-    low = at < low ? at : low, high = at > high ? at : high;
+    low = at < low ? at : low;
+    high = at > high ? at : high;
   }
-  for (int k = 0; k < 3; ++k) group.box.low[k] = low[k], group.box.high[k] = high[k];
+  for (int k = 0; k < 3; ++k) {
+    group.box.low[k] = low[k];
+    group.box.high[k] = high[k];
+  }
   holding_find_near(g, &group);
   const uint32_t holder = group.some ? holding_sole(g, group) : k_no_holder;
   if (group.some && holder == k_no_holder) {
@@ -141,8 +148,10 @@ void grain_carry_note(GrainCarry* c, const Granular& g) {
     const bool holds = group != k_carry_groups && g.carry.groups[group].hollow && !is_empty(g.carry.held[group]);
     if (!holds || !swept) move_pose(&c->carried[slot], carrier.way);
     if (!holds || swept) move_pose(&c->next_carried[slot], carrier.way);
-    if (!holds) move_pose(&c->met[slot], carrier.way), move_pose(&c->next_met[slot], carrier.way);
-    else if (swept) c->next_pending = true;
+    if (!holds) {
+      move_pose(&c->met[slot], carrier.way);
+      move_pose(&c->next_met[slot], carrier.way);
+    } else if (swept) c->next_pending = true;
     else c->pending = true;
   }
 }
@@ -202,8 +211,10 @@ uint32_t grain_carry_find(GrainCarry* c, const Granular& g, uint32_t begin, uint
     if (!all || !hold_together(g, begin, count, c->holders + begin)) {
       for (uint32_t i = begin; i < begin + count; i += k_lane_group) {
         const uint32_t left = begin + count - i;
-        if (c->holders[i] == k_unknown)
-          hold_together(g, i, left < k_lane_group ? left : k_lane_group, c->holders + i), looked += k_lane_group;
+        if (c->holders[i] == k_unknown) {
+          hold_together(g, i, left < k_lane_group ? left : k_lane_group, c->holders + i);
+          looked += k_lane_group;
+        }
       }
     } else {
       looked += count;
@@ -236,7 +247,8 @@ bool grain_carry_take(GrainCarry* c, const Granular& g, uint32_t begin, uint32_t
     halves[0] += ways[holder].way(halves[0]);
     halves[1] += ways[holder].turned(halves[1]);
     __builtin_memcpy(grain, halves, sizeof halves);
-    grain->number = number, grain->still_sweeps = still;
+    grain->number = number;
+    grain->still_sweeps = still;
     any = true;
   }
   return any;
@@ -252,8 +264,12 @@ void grain_carry_taken(GrainCarry* c) {
 void grain_carry_complete(GrainCarry* c) {
   RigidPose *const met = c->met, *const carried = c->carried;
   uint8_t* const moves = c->moves;
-  c->met = c->next_met, c->carried = c->next_carried, c->moves = c->next_moves;
-  c->next_met = met, c->next_carried = carried, c->next_moves = moves;
+  c->met = c->next_met;
+  c->carried = c->next_carried;
+  c->moves = c->next_moves;
+  c->next_met = met;
+  c->next_carried = carried;
+  c->next_moves = moves;
   c->pending = c->next_pending;
   c->next_pending = false;
 }

@@ -81,7 +81,10 @@ void make_tile(GrainSleep* s, const Granular& g, uint32_t group) {
   float low[3] = {3e38f, 3e38f, 3e38f}, high[3] = {-3e38f, -3e38f, -3e38f};
   for (uint32_t i = first; i < last; ++i) {
     const float* r = g.grains.records[i].position;
-    for (int k = 0; k < 3; ++k) low[k] = r[k] < low[k] ? r[k] : low[k], high[k] = r[k] > high[k] ? r[k] : high[k];
+    for (int k = 0; k < 3; ++k) {
+      low[k] = r[k] < low[k] ? r[k] : low[k];
+      high[k] = r[k] > high[k] ? r[k] : high[k];
+    }
   }
   float radius2 = 0.0f;
   for (int k = 0; k < 3; ++k) {
@@ -198,7 +201,10 @@ bool grain_sleep_run_triage(GrainSleep* s, const Granular& g, uint32_t* cursor) 
     set_asleep(tile, false);
     if (s->groups_changed) s->still[group] = keeps_still(g, group) ? 1 : 0;
     if (s->still[group] == 0) continue;
-    if (s->still[group] != k_tile_made) make_tile(s, g, group), s->still[group] = k_tile_made;
+    if (s->still[group] != k_tile_made) {
+      make_tile(s, g, group);
+      s->still[group] = k_tile_made;
+    }
     ++s->still_groups;
     if (follows && !motion_near(g.motion, g, group, *tile)) set_asleep(tile, true);
   }
@@ -332,7 +338,10 @@ void output_begin_frame(Output* output, const sandglass_frame_input* input) {
 
 void output_end_frame(Output* o) {
   if (o->all_changed) o->all_since = o->frame;
-  if (o->all_changed || o->moved) o->last_change = o->frame, ++o->version;
+  if (o->all_changed || o->moved) {
+    o->last_change = o->frame;
+    ++o->version;
+  }
   o->all_changed = o->moved = false;
 }
 

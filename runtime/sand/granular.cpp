@@ -238,7 +238,8 @@ __attribute__((noinline)) static void end_carry(Granular* g) {
     particles_include(&g->particles, moved.low, fastest);
     particles_include(&g->particles, moved.high, fastest);
     ContactExtent extent = k_extent_of_none;
-    for (int k = 0; k < 3; ++k) extent.low[k] = moved.low[k], extent.high[k] = moved.high[k];
+    __builtin_memcpy(extent.low, moved.low, sizeof extent.low);
+    __builtin_memcpy(extent.high, moved.high, sizeof extent.high);
     contacts_include(&g->contacts, extent);
   }
   if (!is_empty(c.resting)) sleep_include_resting(&g->sleep, c.resting);
@@ -267,7 +268,10 @@ static void carry_grains(Granular* g) {
     if (time_paused(*g)) return grain_carry_begin(&g->grain_carry, *g, g->grain_carry.drawn);  // all stands
     const bool rest = granular_find_grain_ways(g, false),
                any = (moved != 0 && granular_find_grain_ways(g, true)) || rest;
-    if (any || g->grain_carry.drawn) output_changed(&g->output), output_restart(&g->output);
+    if (any || g->grain_carry.drawn) {
+      output_changed(&g->output);
+      output_restart(&g->output);
+    }
     grain_carry_begin(&g->grain_carry, *g, any);
     if (g->grain_carry.cursor == g->grains.count) return;
   } else {

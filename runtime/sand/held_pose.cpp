@@ -75,7 +75,8 @@ void near_box(sandglass_shape shape, const Pose& pose, const HoldRule& rule, flo
     high[k] = minimum(rule.high[k], pose.position[k] + reach);
     apart = apart || low[k] > high[k];
   }
-  for (int k = 0; apart && k < 3; ++k) low[k] = pose.position[k] - reach, high[k] = pose.position[k] + reach;
+  for (int k = 0; apart && k < 3; ++k) low[k] = pose.position[k] - reach;
+  for (int k = 0; apart && k < 3; ++k) high[k] = pose.position[k] + reach;
 }
 
 template <class Visit>
@@ -282,7 +283,8 @@ void begin_following(HeldPose* p) {
 // so much is the pose's as goes with its way; of a belt that stays in place nothing: it slides.
 void add_untold(float velocity[3], float untold[3], const float way[3], float step, float lever, const HoldRule& rule) {
   float with = 0.0f, told2 = 0.0f;
-  for (int k = 0; k < 3; ++k) with += way[k] * velocity[k] * step, told2 += velocity[k] * velocity[k] * step * step;
+  for (int k = 0; k < 3; ++k) with += way[k] * velocity[k] * step;
+  for (int k = 0; k < 3; ++k) told2 += velocity[k] * velocity[k] * step * step;
   const float share = told2 > 0.0f ? minimum(maximum(with / told2, 0.0f), 1.0f) : 0.0f;
   float rest[3];
   for (int k = 0; k < 3; ++k) rest[k] = way[k] - share * step * velocity[k];
@@ -301,11 +303,9 @@ void find_slide(float slide[3], const float told[3], const float went[3]) {
 void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose& was_told, bool jumped, float reach,
           float step, const HoldRule& rule) {
   const Placement before = p->held;
+  p->held.pose = told.pose;
+  if (jumped && surface_way(shape, was_told, told.pose, rule) > k_leap * rule.gentle) return;
   p->held = told;
-  if (jumped && surface_way(shape, was_told, told.pose, rule) > k_leap * rule.gentle) {
-    for (int k = 0; k < 3; ++k) p->held.linear[k] = before.linear[k], p->held.angular[k] = before.angular[k];
-    return;
-  }
   float shift[3], arc[3];
   motion_between(was_told, told.pose, shift, arc);
   // A pose that has not changed may be a slow tracker's.
@@ -315,7 +315,8 @@ void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose&
   }
   if (rule.band <= 0.0f) {
     const bool alone = dot3(told.linear, told.linear) + dot3(told.angular, told.angular) == 0.0f;
-    for (int k = 0; alone && k < 3; ++k) p->held.linear[k] = shift[k] / step, p->held.angular[k] = arc[k] / step;
+    for (int k = 0; alone && k < 3; ++k) p->held.linear[k] = shift[k] / step;
+    for (int k = 0; alone && k < 3; ++k) p->held.angular[k] = arc[k] / step;
     return;
   }
   for (int k = 0; k < 3 && p->believed == 0; ++k) {  // it followed until now
@@ -337,7 +338,8 @@ void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose&
   for (int k = 0; k < 3; ++k) behind.position[k] += told.pose.position[k] - was_told.position[k];
   p->held.pose = between(behind, told.pose, step / (k_catch_up_seconds + step));
   motion_between(behind, p->held.pose, shift, arc);
-  for (int k = 0; k < 3; ++k) p->held.linear[k] += shift[k] / step, p->held.angular[k] += arc[k] / step;
+  for (int k = 0; k < 3; ++k) p->held.linear[k] += shift[k] / step;
+  for (int k = 0; k < 3; ++k) p->held.angular[k] += arc[k] / step;
 }
 
 // What the told pose does: how fast, and in which intervals.
@@ -388,7 +390,10 @@ void jump(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule) 
     int faces = 0, face = 0;
     for (int side = 0; side < 6; ++side) {
       const float up = side % 2 != 0 ? 1.0f : -1.0f;
-      if (sand_beyond(face_of(held, side / 2, up), face_of(p->told, side / 2, up), low, high)) ++faces, face = side;
+      if (sand_beyond(face_of(held, side / 2, up), face_of(p->told, side / 2, up), low, high)) {
+        ++faces;
+        face = side;
+      }
     }
     const float up = face % 2 != 0 ? 1.0f : -1.0f;
     if (faces == 1) held = laid(p->told, face / 2, up, face_of(held, face / 2, up));
@@ -412,10 +417,12 @@ void follow(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule
   next = between(before, next, 1.0f / maximum(p->interval - static_cast<float>(p->same), 1.0f));
   const float most = (1.0f + k_catch_up_share) * p->speed * step;
   float way = surface_way(shape, before, next, rule);
-  if (way > most) next = between(before, next, most / way), way = most;
+  if (way > most) next = between(before, next, most / way);
+  way = minimum(most, way);
   if (surface_way(shape, before, slow, rule) > way) next = slow;
   motion_between(before, next, p->held.linear, p->held.angular);
-  for (int k = 0; k < 3; ++k) p->held.linear[k] /= step, p->held.angular[k] /= step;
+  for (float& v : p->held.linear) v /= step;
+  for (float& w : p->held.angular) w /= step;
   held = next;
   const bool moves = surface_way(shape, p->stand, next, rule) > k_stand_bands * rule.band;
   if (moves) p->stand = next;
@@ -435,7 +442,8 @@ void arrive(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule
   const float *w = p->held.angular, *v = p->held.linear, later = 0.5f * (1.0f - rule.longest / step);
   const FloatVector turned = cross(FloatVector{w[0], w[1], w[2]}, {v[0], v[1], v[2]});
   const float aside[3] = {turned.x, turned.y, turned.z};
-  for (int k = 0; k < 3; ++k) p->held.linear[k] = (v[k] + later * aside[k]) / step, p->held.angular[k] /= step;
+  for (int k = 0; k < 3; ++k) p->held.linear[k] = (v[k] + later * aside[k]) / step;
+  for (float& about : p->held.angular) about /= step;
 }
 
 // Whether a frame more beyond the band is not enough: an outlier of a slow tracker lasts until its next pose.
@@ -545,7 +553,8 @@ void hold_anew(HeldPose* p, const Placement& told) {
   p->since_velocity = k_still_seconds;
   // What comes with a velocity is believed, until it turns back.
   for (int k = 0; k < 3; ++k)
-    if (told.linear[k] != 0.0f || told.angular[k] != 0.0f) p->moved = k_moved_frames, p->believed = 1;
+    if (told.linear[k] != 0.0f || told.angular[k] != 0.0f) p->believed = 1;
+  if (p->believed != 0) p->moved = k_moved_frames;
 }
 
 void hold_returns(HeldPose* p) { p->beyond = static_cast<uint32_t>(k_slowest_interval); }

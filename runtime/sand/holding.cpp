@@ -73,9 +73,15 @@ float capsule_below(const ColliderFrame& c, const HeldLanes& lanes, uint32_t l, 
   float gone = 0.0f;
   for (uint32_t step = 0; step < k_trace_steps && gone < k_coordinate_bound; ++step) {
     float r[3], along = 0.0f, square = 0.0f;
-    for (int k = 0; k < 3; ++k) r[k] = lanes.at[k][l] + gone * down[k] - c.position[k], along += r[k] * c.axes[1][k];
+    for (int k = 0; k < 3; ++k) {
+      r[k] = lanes.at[k][l] + gone * down[k] - c.position[k];
+      along += r[k] * c.axes[1][k];
+    }
     along = along < -half ? -half : along > half ? half : along;
-    for (int k = 0; k < 3; ++k) r[k] -= along * c.axes[1][k], square += r[k] * r[k];
+    for (int k = 0; k < 3; ++k) {
+      r[k] -= along * c.axes[1][k];
+      square += r[k] * r[k];
+    }
     const float distance = __builtin_sqrtf(square) - c.size[0];
     if (distance < 1e-3f * c.size[0]) return gone;
     gone += distance;
@@ -101,8 +107,13 @@ void trace_field(const Granular& g, const ColliderFrame& c, const HeldLanes& lan
       const bool beyond = distance[l] < k_reached * r;
       const float half = 0.5f * __builtin_fabsf(last[l]);
       if (below[l] >= k_far || ((beyond || last[l] < 0.0f) && half < k_reached * r)) continue;
-      if (last[l] < 0.0f || beyond) below[l] += beyond ? -half : half, last[l] = -half;
-      else last[l] = distance[l] > shortest ? distance[l] : shortest, below[l] += last[l];
+      if (last[l] < 0.0f || beyond) {
+        below[l] += beyond ? -half : half;
+        last[l] = -half;
+      } else {
+        last[l] = distance[l] > shortest ? distance[l] : shortest;
+        below[l] += last[l];
+      }
       open = true;
     }
   }
@@ -158,7 +169,10 @@ bool goes_along(const HeldLanes& lanes, uint32_t l, const ColliderFrame& c, floa
   const float x[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
   float v[3], length2 = 0.0f, with = 0.0f, apart2 = 0.0f;
   holding_velocity(c, x, v);
-  for (int k = 0; k < 3; ++k) length2 += v[k] * v[k], with += v[k] * lanes.velocity[k][l];
+  for (int k = 0; k < 3; ++k) {
+    length2 += v[k] * v[k];
+    with += v[k] * lanes.velocity[k][l];
+  }
   float share = length2 > 0.0f ? with / length2 : 0.0f;
   share = share > 0.0f ? (share < 1.0f ? share : 1.0f) : 0.0f;
   for (int k = 0; k < 3; ++k) {
@@ -246,7 +260,8 @@ Bounds holding_box(const ColliderFrame& c) {
       middle += (c.field.low[a] + side) * c.axes[a][k];
       half += side * __builtin_fabsf(c.axes[a][k]);
     }
-    box.low[k] = middle - half, box.high[k] = middle + half;
+    box.low[k] = middle - half;
+    box.high[k] = middle + half;
   }
   return box;
 }
@@ -353,19 +368,27 @@ void holding_find(const Granular& g, const HeldGroup& group, const HeldLanes& la
   HeldScratch& scratch = scratch_of(g);
   auto &nearest = scratch.nearest, &below = scratch.below, &found = scratch.found;
   auto &support = scratch.support, &enclosing = scratch.enclosing;
-  for (uint32_t l = 0; l < k_lane_group; ++l)
-    holder[l] = support[l] = enclosing[l] = k_no_holder, nearest[l] = below[l] = k_far;
+  for (uint32_t l = 0; l < k_lane_group; ++l) {
+    holder[l] = support[l] = enclosing[l] = k_no_holder;
+    nearest[l] = below[l] = k_far;
+  }
   for (uint32_t n = 0; n < group.count && group.some; ++n) {
     const uint32_t i = group.near[n];
     const ColliderFrame& c = g.colliders.carriers[i].from;
     if (holding_encloses(c)) {
       holding_measure(g, c, lanes.at, found);
       for (uint32_t l = 0; l < lanes.count; ++l)
-        if (found[l] > -k_in_wall * r && found[l] < nearest[l]) nearest[l] = found[l], enclosing[l] = i;
+        if (found[l] > -k_in_wall * r && found[l] < nearest[l]) {
+          nearest[l] = found[l];
+          enclosing[l] = i;
+        }
     } else if (g.gravity_length > 0.0f) {
       find_below(g, c, lanes, group.down, found);
       for (uint32_t l = 0; l < lanes.count; ++l)
-        if (found[l] < below[l]) below[l] = found[l], support[l] = i;
+        if (found[l] < below[l]) {
+          below[l] = found[l];
+          support[l] = i;
+        }
     }
   }
   uint32_t asked = k_no_holder, within = 0;
@@ -373,7 +396,10 @@ void holding_find(const Granular& g, const HeldGroup& group, const HeldLanes& la
     const uint32_t on = support[l], in = enclosing[l];
     if (in != k_no_holder && holding_carries(g, in)) holder[l] = in;
     if (on == k_no_holder || !holding_carries(g, on)) continue;
-    if (on != asked) within = within_group(g, on, lanes), asked = on;
+    if (on != asked) {
+      within = within_group(g, on, lanes);
+      asked = on;
+    }
     const bool inside = (within >> l & 1) != 0;
     const bool lies = !inside && below[l] > 0.0f && g.carry.due != Carry::Moment::jump &&
                       goes_along(lanes, l, g.colliders.carriers[on].from, granular_speed_scale(g));

@@ -98,7 +98,10 @@ void collect_counts(const MotionGrid& grid, uint32_t number, uint8_t* cells) {
         const uint8_t* row = from + ((first[2] + z) * k_block_cells + first[1] + y) * k_block_cells;
         uint8_t* into = cells + (to[2] + z) * k_cells_plane + (to[1] + y) * k_cells + to[0];
         if (beyond[0] == 0) __builtin_memcpy(into, row, k_block_cells);
-        else into[0] = row[0], into[1] = row[1];
+        else {
+          into[0] = row[0];
+          into[1] = row[1];
+        }
       }
     }
   }
@@ -242,7 +245,10 @@ void motion_begin(ParticleMotion* m, const Granular& g) {
   m->all_moved = m->movers > g.particles.count / 2;
   m->wanted_groups = m->movers = 0;
   for (PlaceOfBlock& recent : m->recent) recent.at[0] = INT32_MIN;
-  for (int k = 0; k < 3; ++k) m->low[k] = INT32_MAX, m->high[k] = INT32_MIN;
+  for (int k = 0; k < 3; ++k) {
+    m->low[k] = INT32_MAX;
+    m->high[k] = INT32_MIN;
+  }
 }
 
 // Empties the part of the table of blocks that goes with the items from `begin` to `end` of `all`.

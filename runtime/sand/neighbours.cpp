@@ -88,7 +88,10 @@ void measure_row(ListSlack* s, const Blocks& blocks, uint32_t row) {
   const uint32_t rows[4] = {row, blocks.row(y + 1, z), blocks.row(y, z + 1), blocks.row(y + 1, z + 1)};
   const DisplacementBox* boxes[4];
   uint32_t count = 0;
-  for (int k = 0; k < 4; ++k) boxes[k] = s->blocks + rows[k] * blocks.row_length(), count += s->counts[rows[k]];
+  for (int k = 0; k < 4; ++k) {
+    boxes[k] = s->blocks + rows[k] * blocks.row_length();
+    count += s->counts[rows[k]];
+  }
   if (count == 0) return;
   const auto column = [&](uint32_t x) {  // of the four rows
     DisplacementBox box = boxes[0][x];
@@ -172,7 +175,10 @@ ListArgs list_args(const Granular& g) {
   ListArgs args = {};
   args.grid = n.sort.grid;
   args.boundary_grid = g.boundary.sort.grid;
-  for (int k = 0; k < 3; ++k) args.positions[k] = n.positions[k], args.boundary_positions[k] = g.boundary.positions[k];
+  for (int k = 0; k < 3; ++k) {
+    args.positions[k] = n.positions[k];
+    args.boundary_positions[k] = g.boundary.positions[k];
+  }
   args.boundary_count = g.boundary.count;
   args.boundary_first = g.particles.rows;
   args.inert = g.particles.inert;
@@ -200,10 +206,16 @@ struct ListTask {
                  listed = !asleep || args.halves != 0;
       g->neighbours.listed[i / k_lane_group] = listed ? 1 : 0;
       if (listed) continue;
-      if (from < i) g->kernels->neighbour_lists(&args, from, i, &lost), dropped[piece] += lost;
+      if (from < i) {
+        g->kernels->neighbour_lists(&args, from, i, &lost);
+        dropped[piece] += lost;
+      }
       from = i + k_lane_group;
     }
-    if (from < end) g->kernels->neighbour_lists(&args, from, end, &lost), dropped[piece] += lost;
+    if (from < end) {
+      g->kernels->neighbour_lists(&args, from, end, &lost);
+      dropped[piece] += lost;
+    }
     awake[piece] = lanes;
   }
 };

@@ -75,7 +75,10 @@ uint32_t colour_row(PairColours* c, const Granular& g, uint32_t i) {
 void fill_runs(PairColours* own, uint32_t inert) {
   PairColours& c = *own;
   for (const uint32_t end : c.ends) {
-    for (uint32_t at = end; at % k_lane_group != 0; ++at) c.first[at] = inert, c.second[at] = c.second[at - 1];
+    for (uint32_t at = end; at % k_lane_group != 0; ++at) {
+      c.first[at] = inert;
+      c.second[at] = c.second[at - 1];
+    }
   }
 }
 

@@ -83,7 +83,8 @@ void particles_move(Particles* p, const SceneMove& move) {
 
 void particles_restore(Particles* p, const SavedScene& s) {
   p->count = s.particles;
-  for (int k = 0; k < 3; ++k) p->low[k] = s.state.low[k], p->high[k] = s.state.high[k];
+  __builtin_memcpy(p->low, s.state.low, sizeof p->low);
+  __builtin_memcpy(p->high, s.state.high, sizeof p->high);
   p->speed_max = s.state.speed_max;
   p->bounds_known = s.state.bounds_known != 0;
 }
@@ -106,7 +107,10 @@ void particles_take_extent(Particles* p, const ContactExtent& e, const Bounds& r
 }
 
 void particles_narrow(Particles* p, const Bounds& all, float speed_max) {
-  for (int k = 0; k < 3 && !is_empty(all); ++k) p->low[k] = all.low[k], p->high[k] = all.high[k];
+  for (int k = 0; k < 3 && !is_empty(all); ++k) {
+    p->low[k] = all.low[k];
+    p->high[k] = all.high[k];
+  }
   p->speed_max = speed_max;
 }
 
@@ -331,7 +335,10 @@ void granular_ray(const Granular& g, const float origin[3], const float directio
   *hit = {};
   const double o[3] = {static_cast<double>(origin[0]), static_cast<double>(origin[1]), static_cast<double>(origin[2])};
   double u[3], length2 = 0.0;
-  for (int k = 0; k < 3; ++k) u[k] = static_cast<double>(direction[k]), length2 += u[k] * u[k];
+  for (int k = 0; k < 3; ++k) {
+    u[k] = static_cast<double>(direction[k]);
+    length2 += u[k] * u[k];
+  }
   // The squares of the smallest floats are above 0 in double.
   if (!all_finite(origin, 3) || !is_finite(length2) || !(length2 > 0.0) || !(reach > 0.0f)) return;
   for (double& x : u) x /= __builtin_sqrt(length2);
@@ -350,7 +357,10 @@ void granular_ray(const Granular& g, const float origin[3], const float directio
     if (along + half < 0.0) continue;  // behind
     const double at = along - half > 0.0 ? along - half : 0.0;
     const bool nearer = found != nullptr && at == nearest ? number_of(p) < number_of(*found) : at <= nearest;
-    if (nearer) nearest = at, found = &p;
+    if (nearer) {
+      nearest = at;
+      found = &p;
+    }
   }
   if (found == nullptr) return;
   hit->what = in_body(*found) ? SANDGLASS_HIT_BODY : SANDGLASS_HIT_SAND;

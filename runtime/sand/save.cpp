@@ -31,9 +31,11 @@ SavedState state_of(const Granular& g) {
   s.grain_lag = g.time.grain_lag;
   s.next_check = g.sleep.next_check;
   s.shown = g.time.grains;
-  s.share = g.time.share, s.rate = g.time.rate;
+  s.share = g.time.share;
+  s.rate = g.time.rate;
   s.flow = g.flow.counts;
-  for (int k = 0; k < 3; ++k) s.low[k] = g.particles.low[k], s.high[k] = g.particles.high[k];
+  __builtin_memcpy(s.low, g.particles.low, sizeof s.low);
+  __builtin_memcpy(s.high, g.particles.high, sizeof s.high);
   s.speed_max = g.particles.speed_max;
   s.frame_step = g.time.frame_step;
   s.densest_body = g.bodies.densest;

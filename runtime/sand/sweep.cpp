@@ -135,7 +135,10 @@ bool run_refine(const Granular& g, uint32_t* cursor, FrameCounts* counts, Output
   RefineArgs& a = task.args;
   a.grid = snapshot.sort.grid;
   a.snapshot = snapshot.particles;
-  for (int k = 0; k < 3; ++k) a.positions[k] = snapshot.positions[k], a.gravity[k] = g.gravity[k];
+  for (int k = 0; k < 3; ++k) {
+    a.positions[k] = snapshot.positions[k];
+    a.gravity[k] = g.gravity[k];
+  }
   a.motion = source_rule(g) ? nullptr : &g.motion.grid;
   a.grains = g.grains.records;
   a.grain_count = g.grains.count;

@@ -65,11 +65,14 @@ void time_reset(SimulatedTime* t) {
 }
 
 void time_restore(SimulatedTime* t, const SavedScene& s) {
-  t->debt = s.state.debt, t->slipped = s.state.slipped, t->simulated = s.state.simulated,
+  t->debt = s.state.debt;
+  t->slipped = s.state.slipped;
+  t->simulated = s.state.simulated;
   t->grain_lag = s.state.grain_lag;
   t->frame_step = s.state.frame_step;
   t->grains = s.state.shown;
-  t->share = s.state.share, t->rate = s.state.rate;
+  t->share = s.state.share;
+  t->rate = s.state.rate;
 }
 
 static void take_step(SimulatedTime* time, const Granular& g, float asked) {
@@ -81,7 +84,10 @@ static void take_step(SimulatedTime* time, const Granular& g, float asked) {
   t.left_out = (some < k_longest_gap ? some : k_longest_gap) - step;
   t.debt += static_cast<double>(step);
   if (g.substep.interval_left == 0) {
-    if (step > 0.0f && t.debt > most) t.slipped += t.debt - most, t.debt = most;
+    if (step > 0.0f && t.debt > most) {
+      t.slipped += t.debt - most;
+      t.debt = most;
+    }
     return;
   }
   // An interval under way is never cut short.

@@ -61,7 +61,8 @@ void find_motions(SkinState* s) {
 void begin_carry(SkinState* s) {
   SkinCarry& carry = s->carry;
   find_motions(s);
-  carry.frame = s->frame, carry.substeps = s->granular->counts.moments();
+  carry.frame = s->frame;
+  carry.substeps = s->granular->counts.moments();
   carry.record = carry.chunk = carry.flying = carry.lying = 0;
   carry.left = 0;
   carry.motion = k_brick_none;
@@ -137,7 +138,10 @@ QuadWhole floor_of(Quad v) {
 sandglass_skin_vertex carried_vertex(SkinState* s, sandglass_skin_vertex vertex, uint32_t anchor) {
   SkinCarry& carry = s->carry;
   Quad way = {};
-  if (anchor != k_brick_none) way = s->carried[anchor].way, carry.motion = s->carried[anchor].motion;
+  if (anchor != k_brick_none) {
+    way = s->carried[anchor].way;
+    carry.motion = s->carried[anchor].motion;
+  }
   if (carry.motion != k_brick_none) {
     const SkinMotion& motion = carry.motions[carry.motion];
     way += motion.way(quad(vertex.position));
@@ -164,7 +168,8 @@ bool carry_chunk(SkinState* s, uint32_t c) {
   sandglass_skin_vertex* to = s->shown.vertices + first;
   if (s->shown.lost) {
     const bool was = chunk.index_count != 0;
-    chunk.vertex_count = chunk.index_count = 0, chunk.vertices = to;
+    chunk.vertex_count = chunk.index_count = 0;
+    chunk.vertices = to;
     return was;
   }
   bool differs = false;
@@ -190,8 +195,10 @@ void end_carry(SkinState* s) {
   memmove(shown.loose + carry.flying, shown.loose + s->desc.particle_capacity - carry.lying,
           carry.lying * sizeof *shown.loose);
   const bool changed = carry.flying + carry.lying != 0 || shown.flying + shown.lying != 0;
-  shown.flying = carry.flying, shown.lying = carry.lying;
-  shown.frame = carry.frame, shown.substeps = carry.substeps;
+  shown.flying = carry.flying;
+  shown.lying = carry.lying;
+  shown.frame = carry.frame;
+  shown.substeps = carry.substeps;
   shown.lost = shown.lost || carry.left > 0;
   if (carry.changed || changed) ++s->version;
 }

@@ -107,7 +107,10 @@ bool stands_as(const ColliderFrame& a, const ColliderFrame& b) {
 // What stands for a field that may be gone: a box of its reach.
 ColliderFrame box_of(const ColliderFrame& collider) {
   ColliderFrame box = collider;
-  if (box.shape == SANDGLASS_SHAPE_FIELD) box.shape = SANDGLASS_SHAPE_BOX, find_extent(&box);
+  if (box.shape == SANDGLASS_SHAPE_FIELD) {
+    box.shape = SANDGLASS_SHAPE_BOX;
+    find_extent(&box);
+  }
   return box;
 }
 
@@ -142,7 +145,10 @@ bool feels(SkinState* s, uint32_t number, const ColliderFrame& collider) {
   };
   const auto is_felt = [&](uint32_t i, float reach) { return s->points[i].distance < reach * s->spacing; };
   for (uint32_t row = 0; row < k_brick_layer; ++row)
-    if (beside[row] != 0) rows[count] = static_cast<uint8_t>(row), look_at(k_half_row, row);
+    if (beside[row] != 0) {
+      rows[count] = static_cast<uint8_t>(row);
+      look_at(k_half_row, row);
+    }
   s->kernels->surface_at(&args, 0, count, &unused);
   for (uint32_t i = 0; i < count; ++i)
     if (is_felt(i, k_felt + k_half_row)) rows[near++] = rows[i];
@@ -203,8 +209,10 @@ void find_solid(SkinState* s, uint32_t number) {
       if (whole < solid[i]) solid[i] = static_cast<uint8_t>(whole);
       if (whole < 255) brick.open = false;
       for (uint32_t a = 0; a < 3 && walls_too && point->distance < s->spacing; ++a)
-        if (is_between(*point, point[steps[a]], s->axis[a], s->sign[a], s->spacing))
-          walls[i] = static_cast<uint8_t>(walls[i] | 1u << a), brick.walled = true;
+        if (is_between(*point, point[steps[a]], s->axis[a], s->sign[a], s->spacing)) {
+          walls[i] = static_cast<uint8_t>(walls[i] | 1u << a);
+          brick.walled = true;
+        }
     }
   }
 }
@@ -573,7 +581,8 @@ void skin_drop_gone_fields(SkinState* s) {
               grid_of(given.given[i].field).values == was.field.values;
     if (there) continue;
     mark_near(s, box_of(was));
-    was.shape = k_no_shape, s->fields[slot] = 0;
+    was.shape = k_no_shape;
+    s->fields[slot] = 0;
   }
 }
 
@@ -610,9 +619,11 @@ void skin_begin_fill(SkinState* s) {
     if (!s->bricks[b].used) continue;
     const int32_t y = s->bricks[b].at[1];
     if (low > high) low = high = y;
-    low = y < low ? y : low, high = y > high ? y : high;
+    low = y < low ? y : low;
+    high = y > high ? y : high;
   }
-  s->level_low = low, s->level = high;
+  s->level_low = low;
+  s->level = high;
   s->layer = 8;
 }
 

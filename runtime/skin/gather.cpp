@@ -47,7 +47,10 @@ void spread(SkinState* s, uint32_t number, const SkinParticle& p, uint32_t sign)
 }
 
 void cell_of(const SkinParticle& p, int32_t cell[3], int32_t at[3]) {
-  for (uint32_t a = 0; a < 3; ++a) cell[a] = p.at[a] >> 7, at[a] = cell[a] >> 3;
+  for (uint32_t a = 0; a < 3; ++a) {
+    cell[a] = p.at[a] >> 7;
+    at[a] = cell[a] >> 3;
+  }
 }
 
 void take_out(SkinState* s, uint32_t number) {
@@ -133,7 +136,10 @@ void skin_find_fall(const SkinState& s, const float position[3], const float vel
                            velocity[1] - (c.linear[1] + (t[2] * d[0] - t[0] * d[2])),
                            velocity[2] - (c.linear[2] + (t[0] * d[1] - t[1] * d[0]))};
     const float square = rest[0] * rest[0] + rest[1] * rest[1] + rest[2] * rest[2];
-    if (square < least) least = square, memcpy(best, rest, sizeof best);
+    if (square < least) {
+      least = square;
+      memcpy(best, rest, sizeof best);
+    }
   }
   *flies = least > k_flies * k_flies;
   *falls = 0;
@@ -151,10 +157,14 @@ bool skin_take(SkinState* s) {
   constexpr uint32_t k_restarts = 3;
   const Particles& particles = s->granular->particles;
   const uint32_t substeps = s->granular->counts.moments();
-  if (s->cursor != 0 && (s->gathered_frame != s->frame || s->gathered_substeps != substeps) && s->restarts < k_restarts)
-    ++s->restarts, s->cursor = 0;
+  if (s->cursor != 0 && (s->gathered_frame != s->frame || s->gathered_substeps != substeps) &&
+      s->restarts < k_restarts) {
+    ++s->restarts;
+    s->cursor = 0;
+  }
   if (s->cursor == 0) {
-    s->gathered_frame = s->frame, s->gathered_substeps = substeps;
+    s->gathered_frame = s->frame;
+    s->gathered_substeps = substeps;
     s->taken_count = 0;
     skin_take_colliders(s, colliders_behind(*s->granular));
     for (uint32_t b = 0; b < s->brick_count; ++b)

@@ -63,7 +63,10 @@ bool loose_of(const SkinState& s, const SkinTaken& p, uint32_t* brick, sandglass
   const float square = gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2];
   const float scale = square > 1.0f ? (1.0f - weight) / __builtin_sqrtf(square) : 0.0f;
   float way[3], length = 0;
-  for (uint32_t a = 0; a < 3; ++a) way[a] = weight * s.up[a] - scale * gradient[a], length += way[a] * way[a];
+  for (uint32_t a = 0; a < 3; ++a) {
+    way[a] = weight * s.up[a] - scale * gradient[a];
+    length += way[a] * way[a];
+  }
   const float inverse = length > 1e-6f ? 1.0f / __builtin_sqrtf(length) : 0.0f;
   for (uint32_t a = 0; a < 3; ++a) out->way[s.axis[a]] = s.sign[a] * (inverse != 0.0f ? inverse * way[a] : s.up[a]);
   return true;

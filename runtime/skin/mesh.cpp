@@ -68,8 +68,12 @@ struct Spline {
   explicit Spline(float t) {
     const uint32_t first = t < 0.5f ? 0 : 1;
     const float d = t - static_cast<float>(first), low = 0.5f - d, high = 0.5f + d;
-    weight[first] = 0.5f * low * low, weight[first + 1] = 0.75f - d * d, weight[first + 2] = 0.5f * high * high;
-    slope[first] = -low, slope[first + 1] = -2.0f * d, slope[first + 2] = high;
+    weight[first] = 0.5f * low * low;
+    weight[first + 1] = 0.75f - d * d;
+    weight[first + 2] = 0.5f * high * high;
+    slope[first] = -low;
+    slope[first + 1] = -2.0f * d;
+    slope[first + 2] = high;
   }
 };
 
@@ -130,7 +134,8 @@ struct Nodes {
     Quad sum = {}, over_y = {}, over_z = {};
     for (uint32_t k = 0; k < 4; ++k) {
       Quad column = {}, slope = {};
-      for (uint32_t j = 0; j < 4; ++j) column += y.weight[j] * v[j][k], slope += y.slope[j] * v[j][k];
+      for (uint32_t j = 0; j < 4; ++j) column += y.weight[j] * v[j][k];
+      for (uint32_t j = 0; j < 4; ++j) slope += y.slope[j] * v[j][k];
       sum += z.weight[k] * column;
       over_y += z.weight[k] * slope;
       over_z += z.slope[k] * column;
@@ -215,7 +220,10 @@ uint32_t anchor_of(const SkinState& s, const Brick& brick, const uint32_t cell[3
         uint32_t p = s.nodes[three[i >> 3]].particles[(i & 7) + row];
         for (uint32_t n = 0; n < k_looked_at && p != k_brick_none; ++n, p = s.particles[p].next) {
           const float distance = apart2(s.particles[p].at, place);
-          if (distance < least || (distance == least && p < nearest)) least = distance, nearest = p;
+          if (distance < least || (distance == least && p < nearest)) {
+            least = distance;
+            nearest = p;
+          }
         }
       }
     }
@@ -250,8 +258,7 @@ void read_blocks(const SkinState& s, const Brick& brick, SkinBlocks* blocks) {
 // False: it lies deep in a collider, and nobody sees it.
 bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& blocks, const uint32_t cell[3],
                  sandglass_skin_vertex* out, uint32_t* anchor) {
-  float u[3], normal[3];
-  float floor[3], shift[3] = {0, 0, 0}, over = k_far;
+  float u[3], normal[3], floor[3], shift[3] = {0, 0, 0}, over = k_far;
   constexpr uint32_t k_steps[3] = {1, k_solid_pitch * k_solid_pitch, k_solid_pitch};
   CellValues solid, walls;
   if (!brick.open) {
@@ -405,8 +412,8 @@ Corner below(const SkinState& s, uint32_t number, const uint32_t cell[3], uint32
   for (uint32_t m = 0; m < 3; ++m) {
     local[m] = cell[m];
     if ((which >> m & 1) == 0) continue;
-    if (local[m] == 0) k -= k_around[m], local[m] = 7;
-    else --local[m];
+    if (local[m] == 0) k -= k_around[m];
+    local[m] = (local[m] + 7) % 8;
   }
   return {s.bricks[number].around[k], local[0] + 8 * local[2] + 64 * local[1]};
 }
@@ -508,9 +515,11 @@ void end_chunk(SkinState* s, uint32_t chunk, bool copied) {
     float low = 3e38f, high = -3e38f;
     for (uint32_t v = 0; v < now.vertex_count; ++v) {
       const float x = now.vertices[v].position[m];
-      low = x < low ? x : low, high = x > high ? x : high;
+      low = x < low ? x : low;
+      high = x > high ? x : high;
     }
-    now.low[m] = now.vertex_count != 0 ? low : 0, now.high[m] = now.vertex_count != 0 ? high : 0;
+    now.low[m] = now.vertex_count != 0 ? low : 0;
+    now.high[m] = now.vertex_count != 0 ? high : 0;
   }
   const bool same =
       now.vertex_count == before.vertex_count && now.index_count == before.index_count &&

@@ -281,13 +281,16 @@ void each_row(const SkinState& s, const Brick& brick, T (BrickNodes::*field)[k_b
         const bool there = three[x] != k_brick_none;
         from[x] =
             there ? (s.nodes[three[x]].*field) + k_brick_layer * k_first[by] + k_brick_side * k_first[bz] : nothing;
-        step_y[x] = there ? k_brick_layer : 0, step_z[x] = there ? k_brick_side : 0;
+        step_y[x] = there ? k_brick_layer : 0;
+        step_z[x] = there ? k_brick_side : 0;
       }
       for (uint32_t y = 0; y < k_count[by]; ++y) {
         const T *before = from[0] + y * step_y[0], *own = from[1] + y * step_y[1], *after = from[2] + y * step_y[2];
         for (uint32_t z = 0; z < k_count[bz]; ++z) {
           task(k_to[by] + y, k_to[bz] + z, before, own, after);
-          before += step_z[0], own += step_z[1], after += step_z[2];
+          before += step_z[0];
+          own += step_z[1];
+          after += step_z[2];
         }
       }
     }

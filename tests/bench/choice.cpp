@@ -11,7 +11,10 @@
 int main(int argument_count, char** arguments) try {
   using sandglass::Status;
   using sandglass::host::AlignedBytes;
-  if (argument_count < 2) return std::fprintf(stderr, "choice FILE: FILE must be a baked shadow\n"), 2;
+  if (argument_count < 2) {
+    std::fprintf(stderr, "choice FILE: FILE must be a baked shadow\n");
+    return 2;
+  }
   const AlignedBytes shadow_file = sandglass::host::read_aligned(arguments[1], "baked shadow");
   const AlignedBytes light_file(sandglass::host::light_file_bytes(sandglass::host::random_light_file(1)));
   for (const sandglass_isa isa :
@@ -33,10 +36,10 @@ int main(int argument_count, char** arguments) try {
     const bool available = sandglass_isa_available(isa) != 0;
     for (const Status& status :
          {scene.create(of_scene), shadow.create(of_shadow), light.create(of_light), pile.create(of_pile)})
-      if (status.code != (available ? SANDGLASS_OK : SANDGLASS_ERROR_UNSUPPORTED))
-        return std::printf("%s: not the answer of sandglass_isa_available: %s\n", name,
-                           status ? "accepted" : status.reason),
-               1;
+      if (status.code != (available ? SANDGLASS_OK : SANDGLASS_ERROR_UNSUPPORTED)) {
+        std::printf("%s: not the answer of sandglass_isa_available: %s\n", name, status ? "accepted" : status.reason);
+        return 1;
+      }
     if (available)
       std::printf("%s sand %s shadow %s light %s\n", name, sandglass_isa_name(scene.isa()),
                   sandglass_isa_name(sandglass_shadow_isa(shadow.get())),
@@ -45,5 +48,6 @@ int main(int argument_count, char** arguments) try {
   }
   return 0;
 } catch (const std::exception& e) {
-  return std::fprintf(stderr, "choice: %s\n", e.what()), 2;
+  std::fprintf(stderr, "choice: %s\n", e.what());
+  return 2;
 }

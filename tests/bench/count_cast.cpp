@@ -22,7 +22,7 @@ int main(int argument_count, char** arguments) {
   desc.isa = argument_count > 2 ? std::atoi(arguments[2]) : SANDGLASS_ISA_AUTOMATIC;
   sandglass::Cast cast;
   const sandglass::Status made = cast.create(desc);
-  if (!made) return std::fprintf(stderr, "%s\n", made.reason), 2;
+  if (!made) return wrong(made.reason);
   sandglass_cast_mesh mesh = sandglass::cast_mesh();
   mesh.positions = knot.vertices.data();
   mesh.vertex_count = knot.vertex_count();

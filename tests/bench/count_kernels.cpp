@@ -102,7 +102,10 @@ ColliderFrame still(sandglass_shape shape, float size, float height) {
   frame.shape = shape;
   frame.position[0] = frame.position[2] = 0.5f * Pile::side;
   frame.position[1] = height;
-  for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f, frame.size[k] = size;
+  for (int k = 0; k < 3; ++k) {
+    frame.axes[k][k] = 1.0f;
+    frame.size[k] = size;
+  }
   return frame;
 }
 
@@ -331,7 +334,10 @@ void refine(const Kernels& kernels, const ColliderFrame& beside, Motion* motion)
   args.push = 0.15f * k_radius;
   args.push_max = 0.1f * k_radius;
   args.push_reach = 1.2f * k_radius;
-  if (motion != nullptr) motion->fill(kernels, &pile), args.motion = &motion->grid;
+  if (motion != nullptr) {
+    motion->fill(kernels, &pile);
+    args.motion = &motion->grid;
+  }
   args.weight_at_radius = 512.0f / 729.0f;
   args.colliders = &beside;
   args.collider_count = 1;
@@ -359,7 +365,11 @@ void work_pile_light(const Kernels& kernels) {
   CountingRandom random;
   std::vector<float> tops(rows * pitch + 2 * k_lane_group, -1e30f), bottoms(tops.size(), 1e30f), fills(tops.size());
   for (uint32_t i = 0; i < tops.size(); ++i)
-    if (i % pitch >= k_lane_group && random() < 0.5f) tops[i] = 0.1f * random(), bottoms[i] = 0.0f, fills[i] = random();
+    if (i % pitch >= k_lane_group && random() < 0.5f) {
+      tops[i] = 0.1f * random();
+      bottoms[i] = 0.0f;
+      fills[i] = random();
+    }
   std::vector<float> receivers(k_items), shares(k_items);
   PileAzimuth azimuths[azimuth_count];
   PileStep steps[azimuth_count * steps_each];
@@ -393,7 +403,11 @@ void work_pile_sky(const Kernels& kernels) {
   CountingRandom random;
   std::vector<float> tops(rows * pitch + k_lane_group, -1e30f), bottoms(tops.size(), 1e30f), fills(tops.size());
   for (uint32_t i = 0; i < tops.size(); ++i)
-    if (i % pitch >= k_lane_group && random() < 0.5f) tops[i] = 0.1f * random(), bottoms[i] = 0.0f, fills[i] = random();
+    if (i % pitch >= k_lane_group && random() < 0.5f) {
+      tops[i] = 0.1f * random();
+      bottoms[i] = 0.0f;
+      fills[i] = random();
+    }
   std::vector<float> receivers(k_items), lights(k_items);
   PileSector sectors[sector_count];
   PileSkyStep steps[sector_count * rows];
@@ -429,7 +443,11 @@ void work_cast_triangles(const Kernels& kernels) {
   std::vector<uint64_t> image(texels * words);
   CastTrianglesArgs args = {};
   for (uint32_t c = 0; c < 9; ++c) args.corners[c] = corners[c].data();
-  for (uint32_t axis = 0; axis < 2; ++axis) args.scale[axis] = 110, args.shear[axis] = 40, args.offset[axis] = 10;
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    args.scale[axis] = 110;
+    args.shear[axis] = 40;
+    args.offset[axis] = 10;
+  }
   args.texels = texels;
   args.words = words;
   args.image = image.data();
@@ -474,10 +492,13 @@ int main(int argument_count, char** arguments) {
   if (g_all) counting_begins();
   for (const Work& work : k_works) {
     if (argument_count < 2) std::printf("%s\n", work.name);
-    else if (g_all || std::strcmp(arguments[1], work.name) == 0) work.run(kernels), found = true;
+    else if (g_all || std::strcmp(arguments[1], work.name) == 0) {
+      work.run(kernels);
+      found = true;
+    }
   }
   if (g_all) counting_ends();
-  if (!found) return std::fprintf(stderr, "count_kernels: no kernel is named '%s'\n", arguments[1]), 2;
+  if (!found) return wrong("count_kernels: no kernel has the name ", arguments[1]);
   if (argument_count > 1) std::printf("isa %s\nitems %u\n", sandglass_isa_name(kernels.isa), k_items);
   return 0;
 }

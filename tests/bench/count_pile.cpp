@@ -30,11 +30,13 @@ int main(int argument_count, char** arguments) {
   }
   sandglass::PileShadow shadow;
   const sandglass::Status made = shadow.create(desc);
-  if (!made) return std::fprintf(stderr, "%s\n", made.reason), 2;
+  if (!made) return wrong(made.reason);
   constexpr std::array<float, 3> k_lights[k_textures] = {{0.342f, 0.940f, 0}, {0.707f, 0.707f, 0}, {0.906f, 0.423f, 0}};
   std::array<float, SANDGLASS_LIGHT_CELLS> cells[k_textures] = {};
-  for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i)
-    cells[0][i] = 1.0f / SANDGLASS_LIGHT_CELLS, cells[1][i] = unit() / SANDGLASS_LIGHT_CELLS;
+  for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i) {
+    cells[0][i] = 1.0f / SANDGLASS_LIGHT_CELLS;
+    cells[1][i] = unit() / SANDGLASS_LIGHT_CELLS;
+  }
   cells[2][5] = 0.5f;
   uint64_t hash = 0;
   counting_begins();

@@ -60,14 +60,16 @@ static uint32_t function_number(const char* name) {
 
 static void begin(unsigned int processor, void* user) {
   uint32_t i;
-  (void)processor, (void)user;
+  (void)processor;
+  (void)user;
   for (i = 0; i < function_count; ++i) functions[i].count = 0;
 }
 
 static void end(unsigned int processor, void* user) {
   uint32_t i;
   FILE* file = fopen(output, "w");
-  (void)processor, (void)user;
+  (void)processor;
+  (void)user;
   if (file == NULL) {
     perror(output);
     exit(1);
@@ -82,7 +84,8 @@ static void lap(unsigned int processor, void* user) {
   static FILE* laps;
   uint64_t sum = 0;
   uint32_t i;
-  (void)processor, (void)user;
+  (void)processor;
+  (void)user;
   if (laps == NULL) {
     char name[4096];
     snprintf(name, sizeof name, "%s.laps", output);

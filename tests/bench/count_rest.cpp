@@ -4,6 +4,7 @@
 //
 //   count_rest         the names
 //   count_rest NAME    counts 8 frames; prints the instruction set and the number of frames as items
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -20,7 +21,8 @@ int run(const char* name) {
   sandglass_pile_shadow_desc desc = sandglass::pile_shadow_desc();
   desc.sky_texels = 64;
   desc.on_sand = 0;
-  for (int k = 0; k < 2; ++k) desc.low[k] = -0.9f, desc.high[k] = 0.9f;
+  std::fill_n(desc.low, 2, -0.9f);
+  std::fill_n(desc.high, 2, 0.9f);
   sandglass::PileShadow shadow;
   sandglass::Status status = sand.status;
   if (status) status = shadow.create(desc);
@@ -41,7 +43,8 @@ int run(const char* name) {
     const float turn = 0.1f * static_cast<float>(frame++), wide = 0.01f;
     if (edge) {
       hand = sandglass::sphere(0.12f + wide * std::cos(turn), 0.015f, wide * std::sin(turn), 0.015f);
-      hand.linear_velocity[0] = -6 * wide * std::sin(turn), hand.linear_velocity[2] = 6 * wide * std::cos(turn);
+      hand.linear_velocity[0] = -6 * wide * std::sin(turn);
+      hand.linear_velocity[2] = 6 * wide * std::cos(turn);
       sand.input.collider_count = 2;
     }
     if (status) status = sand.scene.frame(sand.input, &sand.report);
@@ -49,9 +52,15 @@ int run(const char* name) {
   for (int i = 0; i < (edge ? 60 : 6); ++i) next();
   uint32_t awake = 0;
   counting_begins();
-  for (int i = 0; i < k_frames; ++i) next(), awake += report.awake;
+  for (int i = 0; i < k_frames; ++i) {
+    next();
+    awake += report.awake;
+  }
   counting_ends();
-  if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;
+  if (!status) {
+    std::fprintf(stderr, "%s: %s\n", status.name(), status.reason);
+    return 1;
+  }
   std::fprintf(stderr, "%s: %.1f particles awake, %u grains followed in the last frame\n", name,
                awake / static_cast<double>(k_frames), report.awake_grains);
   std::printf("isa %s\nitems %d\n", sandglass_isa_name(sand.scene.isa()), k_frames);

@@ -13,7 +13,10 @@
 
 int main(int argument_count, char** arguments) {
   constexpr uint32_t k_images = 24, k_answers = 8, k_width = 640, k_height = 480;
-  if (argument_count < 2) return std::puts("image_told image_untold answer"), 0;
+  if (argument_count < 2) {
+    std::puts("image_told image_untold answer");
+    return 0;
+  }
   const std::string what = arguments[1];
   const bool answer = what == "answer";
   CountingRandom unit;

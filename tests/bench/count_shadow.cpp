@@ -11,7 +11,7 @@
 
 int main(int argument_count, char** arguments) {
   std::FILE* file = argument_count > 1 ? std::fopen(arguments[1], "rb") : nullptr;
-  if (file == nullptr) return std::fprintf(stderr, "count_shadow FILE [ISA]: FILE must be a baked shadow\n"), 2;
+  if (file == nullptr) return wrong("count_shadow FILE [ISA]: FILE must be a baked shadow");
   std::vector<uint64_t> asset(1u << 17);  // aligned to 8 bytes; a megabyte
   sandglass_shadow_desc desc = sandglass::shadow_desc();
   desc.isa = argument_count > 2 ? std::atoi(arguments[2]) : SANDGLASS_ISA_AUTOMATIC;
@@ -24,7 +24,7 @@ int main(int argument_count, char** arguments) {
   sandglass::Status status = shadow.create(desc);
   if (status) status = shadow.set_light({0.3f, 1.0f, 0.2f});
   if (status) status = sandglass::inspect_shadow(desc.asset, desc.asset_bytes, &info);
-  if (!status) return std::fprintf(stderr, "%s\n", status.reason), 2;
+  if (!status) return wrong(status.reason);
 
   counting_begins();
   while (sandglass_shadow_units_left(shadow.get()) != 0) shadow.run(64);

@@ -121,7 +121,7 @@ bool count_carry(std::vector<Lap>* laps) {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-  if (argument_count < 3) return std::fprintf(stderr, "count_units SHADOW_FILE LIGHT_FILE\n"), 2;
+  if (argument_count < 3) return wrong("count_units SHADOW_FILE LIGHT_FILE");
   const Asset of_shadow(arguments[1]), of_light(arguments[2]);
   CountedSand sand;
   sandglass_pile_shadow_desc pile_desc = sandglass::pile_shadow_desc();
@@ -142,7 +142,7 @@ int main(int argument_count, char** arguments) {
   room_desc.reflections = 1;
   if (!sand.status || !pile.create(pile_desc) || !skin.create(sandglass::skin_desc(sand.scene.get()->desc.granular)) ||
       !shadow.create(shadow_desc) || !light.create(light_desc) || !room.create(room_desc))
-    return std::fprintf(stderr, "count_units: cannot create the scene\n"), 2;
+    return wrong("count_units: cannot create the scene");
 
   std::vector<uint8_t> bytes(size_t{k_width} * k_height * 3 / 2, 120);
   sandglass_camera_image image;

@@ -37,7 +37,10 @@ int main(int argument_count, char** arguments) {
     particle_sweeps += report.sand.particles;
   }
   counting_ends();
-  if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;
+  if (!status) {
+    std::fprintf(stderr, "%s: %s\n", status.name(), status.reason);
+    return 1;
+  }
   std::printf(
       "isa %s\nparticles %u\ngrains %u\nframes %d\nparticle_iterations %llu\nparticle_builds %llu\ngrain_sweeps %llu\n"
       "particle_sweeps %llu\n",

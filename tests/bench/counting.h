@@ -2,12 +2,19 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 
 // The marks between which count_plugin counts, and the one at which it writes what it has counted and starts over.
 extern "C" {
 __attribute__((noinline)) void counting_laps() { __asm__ volatile(""); }
 __attribute__((noinline)) void counting_begins() { __asm__ volatile(""); }
 __attribute__((noinline)) void counting_ends() { __asm__ volatile(""); }
+}
+
+// Says why a program cannot count; its exit status.
+inline int wrong(const char* why, const char* what = "") {
+  std::fprintf(stderr, "%s%s\n", why, what);
+  return 2;
 }
 
 // Random numbers from 0 to 1, the same on every machine.

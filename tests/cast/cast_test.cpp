@@ -144,7 +144,10 @@ struct Mixed {
 std::array<float, SANDGLASS_LIGHT_CELLS> uneven_cells() {
   std::array<float, SANDGLASS_LIGHT_CELLS> cells;
   float sum = 0;
-  for (uint32_t i = 0; i < cells.size(); ++i) cells[i] = static_cast<float>(1 + i * i % 17), sum += cells[i];
+  for (uint32_t i = 0; i < cells.size(); ++i) {
+    cells[i] = static_cast<float>(1 + i * i % 17);
+    sum += cells[i];
+  }
   for (float& cell : cells) cell *= 0.9f / sum;
   return cells;
 }
@@ -179,7 +182,10 @@ TEST(Cast, PenumbraOfAnEdgeIsTheDisksShare) {
   const Shape s = square(4, 0.5f);
   for (const double half : {5.0, 10.0, 20.0}) {
     sandglass_cast_plane plane = sandglass::cast_plane();
-    plane.low[0] = 1.5f, plane.high[0] = 2.5f, plane.low[1] = -0.5f, plane.high[1] = 0.5f;  // about the edge x = 2
+    plane.low[0] = 1.5f;  // about the edge x = 2
+    plane.high[0] = 2.5f;
+    plane.low[1] = -0.5f;
+    plane.high[1] = 0.5f;
     const sandglass::Cast cast =
         lit({s.mesh()}, {0, 1, 0}, static_cast<float>(2 * half * k_degree), sandglass::cast_desc(), plane);
     const auto expected = [&](double x, double) {
@@ -218,7 +224,10 @@ TEST(Cast, AnyPlaneIsAFloorOfItsOwn) {
   const auto turned = [](std::array<float, 3> v) { return std::array<float, 3>{v[1], v[2], v[0]}; };
   sandglass_cast_plane wall = sandglass::cast_plane();
   const auto normal = turned({0, 1, 0}), along = turned({1, 0, 0});
-  for (uint32_t i = 0; i < 3; ++i) wall.normal[i] = 3 * normal[i], wall.along[i] = along[i] + 0.5f * normal[i];
+  for (uint32_t i = 0; i < 3; ++i) {
+    wall.normal[i] = 3 * normal[i];
+    wall.along[i] = along[i] + 0.5f * normal[i];
+  }
   std::vector<sandglass_cast_mesh> meshes = scene.meshes();
   for (sandglass_cast_mesh& m : meshes) {
     std::fill(m.world_from_mesh, m.world_from_mesh + 15, 0.0f);
@@ -249,7 +258,9 @@ TEST(Cast, ShadowsReachThePlanesEndAndNotBeyond) {
       const float end = scale * (0.3f + 0.031f * static_cast<float>(i)), from = end - 0.13f * scale;
       const Shape s = box({from, 0, -0.04f * scale}, {from + 0.08f * scale, 0.25f * scale, 0.04f * scale});
       sandglass_cast_plane plane = sandglass::cast_plane();
-      plane.high[0] = end, plane.low[1] = -0.05f * scale, plane.high[1] = 0.045f * scale;
+      plane.high[0] = end;
+      plane.low[1] = -0.05f * scale;
+      plane.high[1] = 0.045f * scale;
       const sandglass::Cast cut = lit({s.mesh(1)}, towards(45, 180), 0.1f, sandglass::cast_desc(), plane),
                             whole = lit({s.mesh(1)}, towards(45, 180), 0.1f);
       for (const bool ambient : {false, true}) {
@@ -330,7 +341,10 @@ TEST(Cast, WhatIsRealMasksWhatIsVirtual) {
   sandglass_cast_mesh real = table.mesh();
   real.is_real = 1;
   sandglass_cast_plane plane = sandglass::cast_plane();
-  plane.low[0] = 1.5f, plane.high[0] = 2.2f, plane.low[1] = -0.5f, plane.high[1] = 0.5f;
+  plane.low[0] = 1.5f;
+  plane.high[0] = 2.2f;
+  plane.low[1] = -0.5f;
+  plane.high[1] = 0.5f;
   const sandglass::Cast cast = lit({real, object.mesh()}, {0, 1, 0}, 0.35f, sandglass::cast_desc(), plane);
   const sandglass_cast_texture t = cast.texture();
   // Well under the table nothing is left to hide, and 0 is said; at its edge all of the rest is hidden.
@@ -578,21 +592,28 @@ TEST(Cast, AnOriginThatShiftsWithinThePlaneCostsNothing) {
   const float tilt = std::sqrt(0.5f);
   for (const float half : {0.07f, 5000.0f}) {
     sandglass_cast_plane plane = sandglass::cast_plane();
-    plane.normal[0] = plane.normal[1] = plane.along[0] = tilt, plane.along[1] = -tilt;
-    for (uint32_t axis = 0; axis < 2; ++axis) plane.low[axis] = -half, plane.high[axis] = half;
+    plane.normal[0] = plane.normal[1] = plane.along[0] = tilt;
+    plane.along[1] = -tilt;
+    std::fill_n(plane.low, 2, -half);
+    std::fill_n(plane.high, 2, half);
     const sandglass_cast_plane first = plane;
     sandglass::Cast cast = lit({mesh}, towards(50, 30), 0.2f, sandglass::cast_desc(), plane);
     const std::vector<uint8_t> bytes = bytes_of(cast.texture());
     for (uint32_t frame = 1; frame <= 60; ++frame) {
       const float way[2] = {0.037f * static_cast<float>(frame % 40), -0.011f * static_cast<float>(frame)};
-      plane.origin[0] = tilt * way[0], plane.origin[1] = -tilt * way[0], plane.origin[2] = way[1];
-      for (uint32_t axis = 0; axis < 2; ++axis)
-        plane.low[axis] = first.low[axis] - way[axis], plane.high[axis] = first.high[axis] - way[axis];
+      plane.origin[0] = tilt * way[0];
+      plane.origin[1] = -tilt * way[0];
+      plane.origin[2] = way[1];
+      for (uint32_t axis = 0; axis < 2; ++axis) {
+        plane.low[axis] = first.low[axis] - way[axis];
+        plane.high[axis] = first.high[axis] - way[axis];
+      }
       EXPECT_TRUE(cast.set_plane(plane));
       EXPECT_EQ(cast.run(), 0u) << frame;
     }
     // The control: what leaves the plane, and ends that shift with the origin where they cut.
-    plane.origin[0] += tilt * 0.01f, plane.origin[1] += tilt * 0.01f;
+    plane.origin[0] += tilt * 0.01f;
+    plane.origin[1] += tilt * 0.01f;
     EXPECT_TRUE(cast.set_plane(plane));
     EXPECT_GT(cast.run(), 0u);
     EXPECT_NE(bytes_of(cast.texture()), bytes);
@@ -670,8 +691,10 @@ TEST(Cast, WhatChangesDuringATextureIsFollowed) {
   const Shape s = box({-0.05f, 0, -0.05f}, {0.05f, 0.3f, 0.05f});
   sandglass_cast_plane small = sandglass::cast_plane(), large = small;
   for (uint32_t axis = 0; axis < 2; ++axis) {
-    small.low[axis] = -0.1f, small.high[axis] = 0.1f;
-    large.low[axis] = -1, large.high[axis] = 1;
+    small.low[axis] = -0.1f;
+    small.high[axis] = 0.1f;
+    large.low[axis] = -1;
+    large.high[axis] = 1;
   }
   const sandglass_cast_mesh here = s.mesh(1);
   sandglass_cast_mesh away = here;
@@ -749,7 +772,10 @@ TEST(Cast, RefusesWhatItCannotUse) {
     expect_refused(words, [&](const char** reason) { return sandglass_cast_set_plane(cast.get(), &p, reason); });
   };
   plane("normal", [](auto* p) { p->normal[1] = 0; });
-  plane("along", [](auto* p) { p->along[0] = 0, p->along[1] = 2; });
+  plane("along", [](auto* p) {
+    p->along[0] = 0;
+    p->along[1] = 2;
+  });
   plane("high", [](auto* p) { p->high[0] = p->low[0]; });
   sandglass_cast_desc near = sandglass::cast_desc();
   near.reach = 1;

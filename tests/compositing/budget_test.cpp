@@ -225,7 +225,10 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
     law.worst_level = std::max(law.worst_level, report.level);
     if (law.first_light == k_never && report.estimate.valid != 0) law.first_light = i + 1;
     const sandglass_shadow_texture t = all.shadow.texture();
-    if (t.valid != 0 && t.light[0] != last_azimuth) ++law.textures, last_azimuth = t.light[0];
+    if (t.valid != 0 && t.light[0] != last_azimuth) {
+      ++law.textures;
+      last_azimuth = t.light[0];
+    }
   }
   law.slowness = beside.slowness();
   const std::string name = std::to_string(budget_ns / 1'000'000) + (units != nullptr ? " ms by units" : " ms");

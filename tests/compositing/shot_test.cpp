@@ -379,8 +379,12 @@ SandShape level_sand(float half, float height) {
   SandShape sand;
   for (int i = 0; i < 4; ++i) {
     sandglass_skin_vertex v = {};
-    v.position[0] = (i & 1) != 0 ? half : -half, v.position[1] = height, v.position[2] = (i & 2) != 0 ? half : -half;
-    v.normal[1] = 127, v.hollow = 128, v.over = 32767;
+    v.position[0] = (i & 1) != 0 ? half : -half;
+    v.position[1] = height;
+    v.position[2] = (i & 2) != 0 ? half : -half;
+    v.normal[1] = 127;
+    v.hollow = 128;
+    v.over = 32767;
     sand.vertices.push_back(v);
   }
   sand.indices = {0, 2, 1, 1, 2, 3};

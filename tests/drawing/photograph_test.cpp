@@ -306,7 +306,8 @@ TEST(Photograph, WhatIsNotReadIsNamed) {
   ASSERT_NE(frame, std::string::npos);
   print[frame + 9] = 4;  // colours
   EXPECT_NE(said_of(print).find("CMYK"), std::string::npos);
-  print[frame + 9] = 3, print[frame + 4] = 12;  // bits
+  print[frame + 9] = 3;
+  print[frame + 4] = 12;  // bits
   EXPECT_NE(said_of(print).find("12 bits a colour"), std::string::npos);
   // Of two frames stb decodes the first.
   std::string two = jpeg_with("");

@@ -166,7 +166,10 @@ TEST(ReportPage, TextStaysTextAndWhatIsNoPictureIsRefused) {
 
 TEST(Measurements, AreFlatObjectsAsScriptsExpectThem) {
   Measurement time, claim, unknown;
-  time.suite = "granular", time.scene = "column14k/default", time.metric = "ms_per_frame", time.unit = "ms",
+  time.suite = "granular";
+  time.scene = "column14k/default";
+  time.metric = "ms_per_frame";
+  time.unit = "ms";
   time.isa = "avx2";
   time.value = 24.5;
   time.threads = 2;

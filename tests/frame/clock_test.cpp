@@ -87,7 +87,8 @@ class Jerk {
       }
       ++count_;
     }
-    before_ = last_, last_ = now;
+    before_ = last_;
+    last_ = now;
   }
   double mm() const { return count_ == 0 ? 0 : 1e3 * std::sqrt(squares_ / static_cast<double>(count_)); }
 
@@ -107,7 +108,10 @@ struct App {
 
   Positions draw(const Positions& written, const sandglass_sand_report& sand) {
     if (newer.grains.empty()) older = newer = {written, sand.grains_time};
-    if (sand.grains_time > newer.time) older = newer, newer = {written, sand.grains_time};
+    if (sand.grains_time > newer.time) {
+      older = newer;
+      newer = {written, sand.grains_time};
+    }
     const double span = newer.time - older.time;
     const double share = span > 0 ? std::clamp((sand.shown_time - older.time) / span, 0.0, 1.0) : 1;
     drawn = older.time + share * span;
@@ -141,7 +145,8 @@ struct Phone {
     }
   }
   uint64_t begin_frame(uint64_t frame, double start_ns) {
-    ns = std::max(ns, start_ns), longest_ns = 0;
+    ns = std::max(ns, start_ns);
+    longest_ns = 0;
     if (run.clock == Clock::slow_frames) frame_factor = frames.uniform() < 0.05 ? 4 : 1;
     if (run.clock == Clock::cold) frame_factor = frame < 10 ? 3 : 1;
     for (Governor::Kind& kind : governor->kinds) {
@@ -159,7 +164,8 @@ struct Phone {
     const double counted = host::unit_instructions(unit.name, unit.items);
     double cost = (counted > 0 ? counted : 20'000) / run.core * std::exp(0.12 * units.normal()) * factor();
     if (units.uniform() < 0.005) cost *= 2;
-    ns += cost, longest_ns = std::max(longest_ns, cost);
+    ns += cost;
+    longest_ns = std::max(longest_ns, cost);
     if (unit.kind < assumed.size()) governor->kinds[unit.kind] = assumed[unit.kind];
   }
 };
@@ -190,8 +196,11 @@ Seen see(const Case& run) {
   PileShadow shadow;
   Skin skin;
   sandglass_pile_shadow_desc of_shadow = pile_shadow_desc();
-  of_shadow.texels = 128, of_shadow.sky_texels = 64, of_shadow.on_sand = 0;
-  for (int k = 0; k < 2; ++k) of_shadow.low[k] = -0.64f, of_shadow.high[k] = 0.64f;
+  of_shadow.texels = 128;
+  of_shadow.sky_texels = 64;
+  of_shadow.on_sand = 0;
+  std::fill_n(of_shadow.low, 2, -0.64f);
+  std::fill_n(of_shadow.high, 2, 0.64f);
   EXPECT_TRUE(scene.create(desc) && scene.add(particles, grains) && shadow.create(of_shadow));
   EXPECT_TRUE(shadow.set_light({0.5f, 0.7f, 0.2f}));
   EXPECT_TRUE(!run.skin || skin.create(skin_desc(desc.granular)));
@@ -205,16 +214,21 @@ Seen see(const Case& run) {
     wall.shape = SANDGLASS_SHAPE_BOX;
     wall.position[side / 2 * 2] = side % 2 ? 0.19f : -0.19f;
     wall.position[1] = 0.05f;
-    wall.size[side / 2 * 2] = 0.03f, wall.size[1] = 0.06f, wall.size[2 - side / 2 * 2] = 0.25f;
+    wall.size[side / 2 * 2] = 0.03f;
+    wall.size[1] = 0.06f;
+    wall.size[2 - side / 2 * 2] = 0.25f;
     tray.push_back(wall);
   }
   tray.push_back(sphere(0.0f, 0.05f, 0.0f, 0.04f));
   Positions written(desc.granular.grain_capacity), some(written.size() / 7);
   sandglass_frame_input input = frame_input();
   input.time_step = static_cast<float>(1 / hz);
-  input.colliders = tray.data(), input.collider_count = static_cast<uint32_t>(tray.size());
-  input.grains = run.skin ? nullptr : written.data(), input.grain_capacity = desc.granular.grain_capacity;
-  input.pile_shadow = shadow.get(), input.skin = run.skin ? skin.get() : nullptr;
+  input.colliders = tray.data();
+  input.collider_count = static_cast<uint32_t>(tray.size());
+  input.grains = run.skin ? nullptr : written.data();
+  input.grain_capacity = desc.granular.grain_capacity;
+  input.pile_shadow = shadow.get();
+  input.skin = run.skin ? skin.get() : nullptr;
   sandglass_frame_report report = frame_report();
   const auto moves = [&](double now, double before) { return (now - before) * hz >= 0.05; };
 
@@ -228,7 +242,9 @@ Seen see(const Case& run) {
     const double turn = k_pi * static_cast<double>(f + 1) / hz;
     const float sine = static_cast<float>(0.11 * std::sin(turn)), cosine = static_cast<float>(0.11 * std::cos(turn));
     sandglass_collider& hand = tray.back();
-    hand.position[0] = cosine, hand.position[1] = 0.045f, hand.position[2] = sine;
+    hand.position[0] = cosine;
+    hand.position[1] = 0.045f;
+    hand.position[2] = sine;
     hand.linear_velocity[0] = -static_cast<float>(k_pi) * sine;
     hand.linear_velocity[2] = static_cast<float>(k_pi) * cosine;
     input.budget_ns = phone.begin_frame(f, static_cast<double>(f) / hz * 1e9);
@@ -236,7 +252,8 @@ Seen see(const Case& run) {
     EXPECT_TRUE(scene.frame(input, &report));
 
     const double over = phone.ns - start - static_cast<double>(input.budget_ns);
-    seen.late_percent += over > 0, seen.late_by_more_percent += over > phone.longest_ns + 1000;
+    seen.late_percent += over > 0;
+    seen.late_by_more_percent += over > phone.longest_ns + 1000;
     seen.levels += f != 0 && report.level != level;
     level = report.level;
     sandglass_skin_mesh mesh = {};
@@ -251,10 +268,12 @@ Seen see(const Case& run) {
     as_written.add(some);
     seen.even.frozen_percent += f >= 2 && !moves(app.drawn, drawn);
     seen.written.frozen_percent += f >= 2 && !moves(sand.grains_time, reached);
-    drawn = app.drawn, reached = sand.grains_time;
+    drawn = app.drawn;
+    reached = sand.grains_time;
     seen.behind_ms += 1e3 * (reached - drawn);
   }
-  seen.even.jerk_mm = even.mm(), seen.written.jerk_mm = as_written.mm();
+  seen.even.jerk_mm = even.mm();
+  seen.written.jerk_mm = as_written.mm();
   for (double* count : {&seen.even.frozen_percent, &seen.written.frozen_percent, &seen.late_percent,
                         &seen.late_by_more_percent, &seen.new_skins_percent})
     *count *= 100 / static_cast<double>(frames);

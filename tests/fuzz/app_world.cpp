@@ -126,7 +126,10 @@ struct Watch {
     for (const Second& s : seconds) {
       all.fastest = std::fmax(all.fastest, s.fastest);
       all.pinched = std::fmax(all.pinched, s.pinched);
-      if (s.low.x < 1e9) all.reaches(s.low), all.reaches(s.high);
+      if (s.low.x < 1e9) {
+        all.reaches(s.low);
+        all.reaches(s.high);
+      }
     }
     const Vec3 g = w.gravity;
     const double top =

@@ -386,8 +386,10 @@ struct World {
       left *= 0.5;
     }
     if ((set.plane & jumps) != 0) ground.p.y += one_in(2) ? left : -left;
-    if ((set.plane & grows) != 0)
-      slide = slide + anywhere(0.1, 0, 0), extent = extent + Vec3{between(0, 0.1), 0, between(0, 0.1)};
+    if ((set.plane & grows) != 0) {
+      slide = slide + anywhere(0.1, 0, 0);
+      extent = extent + Vec3{between(0, 0.1), 0, between(0, 0.1)};
+    }
     next_correction = simulated + 1.5 + between(0, 3);
   }
 
@@ -543,7 +545,10 @@ struct World {
     input.emitters = open.data();
     input.emitter_count = static_cast<uint32_t>(open.size());
     const sandglass_collider drain = ball({8 * r, 0, 0}, 3 * r);
-    if ((set.list & sink) != 0 && pours) input.sinks = &drain, input.sink_count = 1;
+    if ((set.list & sink) != 0 && pours) {
+      input.sinks = &drain;
+      input.sink_count = 1;
+    }
     must(scene.frame(input, &report));
     // A restored scene counts from another time.
     step_done = restored ? std::fmin(step, k_longest) : report.time.simulated - scene_time;

@@ -64,13 +64,21 @@ Input drawn(const uint8_t* data, size_t size) {
       mesh.vertex_count = k_vertices;
       mesh.index_bytes = 2;
       mesh.version += redrawn ? 1 : 0;
-      if (redrawn) mesh.triangle_count = random.below(left + 1), left -= mesh.triangle_count;
-      if (first) mesh.closed = random.below(2), mesh.is_real = random.below(2);
+      if (redrawn) {
+        mesh.triangle_count = random.below(left + 1);
+        left -= mesh.triangle_count;
+      }
+      if (first) {
+        mesh.closed = random.below(2);
+        mesh.is_real = random.below(2);
+      }
       mesh.world_from_mesh[13] = even(-0.2f, 0.5f);
     }
     if (!first && random.below(2) != 0) continue;
-    for (uint32_t axis = 0; axis < 2; ++axis)
-      t.plane.low[axis] = even(-1, 0), t.plane.high[axis] = t.plane.low[axis] + even(0.001f, 1);
+    for (uint32_t axis = 0; axis < 2; ++axis) {
+      t.plane.low[axis] = even(-1, 0);
+      t.plane.high[axis] = t.plane.low[axis] + even(0.001f, 1);
+    }
     for (float& x : t.plane.origin) x = even(-0.2f, 0.2f);
     for (float& x : t.plane.normal) x += even(-0.5f, 0.5f);
     t.plane.is_virtual = random.below(2);
@@ -112,7 +120,8 @@ struct Drawing {
     own = t;
     own.plane.struct_size = sizeof own.plane;
     for (sandglass_cast_mesh& mesh : own.meshes) {
-      mesh.stride %= 16, mesh.vertex_count %= k_vertices + 1;
+      mesh.stride %= 16;
+      mesh.vertex_count %= k_vertices + 1;
       mesh.positions = own.positions;
       mesh.triangle_count %= k_triangles + 1;
       mesh.indices = mesh.index_bytes == 2 ? own.indices : nullptr;
@@ -155,7 +164,11 @@ double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] 
 void check(const sandglass_cast_texture& t, const sandglass_cast_plane* plane, uint8_t light) {
   if (t.valid == 0) return;
   double corner[3], along[3], across[3];
-  for (int k = 0; k < 3; ++k) corner[k] = t.corner[k], along[k] = t.along[k], across[k] = t.across[k];
+  for (int k = 0; k < 3; ++k) {
+    corner[k] = t.corner[k];
+    along[k] = t.along[k];
+    across[k] = t.across[k];
+  }
   expect(std::isfinite(dot(corner, corner) + dot(along, along) + dot(across, across)));
   expect(t.open >= 0 && t.open <= 1);
   if (plane == nullptr || t.bytes == nullptr || dot(corner, corner) > k_large * k_large) return;

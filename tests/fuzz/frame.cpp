@@ -80,7 +80,10 @@ struct World {
           desc.granular.body_particle_capacity = 20;
           desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
           desc.isa = kernels;
-          if (clocked) desc.clock = {now, this}, desc.trace = {nullptr, unit_ends, this};
+          if (clocked) {
+            desc.clock = {now, this};
+            desc.trace = {nullptr, unit_ends, this};
+          }
           return desc;
         }()),
         isa(kernels) {}
@@ -153,7 +156,10 @@ std::vector<int32_t> act(World* world, const Turn& t) {
   call(k_remove_body, [&] { return sandglass_granular_remove_body(scene, t.body_index, &reason); });
   sandglass_ray_hit hit = {};
   const int32_t any = sandglass_granular_ray(scene, t.points, t.translation, t.gravity[1], &hit);
-  if (t.actions & k_ray) statuses.push_back(any), statuses.push_back(static_cast<int32_t>(hit.index));
+  if (t.actions & k_ray) {
+    statuses.push_back(any);
+    statuses.push_back(static_cast<int32_t>(hit.index));
+  }
   call(k_light, [&] { return sandglass_pile_shadow_set_light(world->pile.get(), t.light, &reason); });
   if (t.actions & k_reset) world->scene.scene.reset();
   return statuses;
@@ -239,7 +245,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const bool forged = (turn.actions & k_replay) != 0;
     const int32_t status = run(&scalar, &turn, forged ? &input.plan : nullptr, &a);
     expect(run(&other, &turn, forged ? &input.plan : &a.plan, &b) == status);
-    if (status == SANDGLASS_OK) check(&scalar, a), check(&other, b);
+    if (status == SANDGLASS_OK) {
+      check(&scalar, a);
+      check(&other, b);
+    }
     expect(scalar.scene.hash() == other.scene.hash());
     expect(sandglass_pile_shadow_hash(scalar.pile.get()) == sandglass_pile_shadow_hash(other.pile.get()));
     expect(sandglass_skin_hash(scalar.skin.get()) == sandglass_skin_hash(other.skin.get()));

@@ -60,7 +60,11 @@ struct Node {
       const double d2 = dot(p - x, p - x), w = 1.728 * std::pow(std::max(0.0, 1 - d2 / 6.25e-4), 3);
       weight += w;
       momentum = momentum + w * u;
-      if (w > largest) largest = w, nearest = p, number = i;
+      if (w > largest) {
+        largest = w;
+        nearest = p;
+        number = i;
+      }
     }
   }
   double weight = 0, largest = 0;
@@ -72,7 +76,10 @@ struct Node {
 
 void sandglass::tests::check_scatter_motion(uint32_t n) {
   Cluster particles(n, 0, 0.5, 61);
-  if (n > 3) join_body(&particles.records[3], 1, 1.0f), particles.records[3].position[0] = 3.0f;  // adds nothing
+  if (n > 3) {
+    join_body(&particles.records[3], 1, 1.0f);
+    particles.records[3].position[0] = 3.0f;  // adds nothing
+  }
   fall_in_part(&particles);
   std::vector<float> first;
   for (const Kernels* kernels : tables()) {
@@ -267,7 +274,11 @@ struct Refinement {
     args.snapshot = snapshot.records.data();
     for (int k = 0; k < 3; ++k) args.positions[k] = snapshot.axes[k].data();
     args.grains = moved.data();
-    if (motion) motion->fill(kernels, particles), args.motion = &motion->grid, args.snapshot = particles.records.data();
+    if (motion) {
+      motion->fill(kernels, particles);
+      args.motion = &motion->grid;
+      args.snapshot = particles.records.data();
+    }
     if (args.push != 0.0f) motion->measure_density(kernels, grains, count);
     RefineExtent extent = {};
     kernels.refine_grains(&args, 0, count, &extent);
@@ -324,7 +335,10 @@ Sums sums_of_nodes(const Cluster& particles, Vector x) {
     s.weight += share * node.weight;
     s.flow = s.flow + share * node.momentum;
     const double squared = dot(node.nearest - x, node.nearest - x);
-    if (squared < s.nearest2) s.nearest2 = squared, s.own = &particles.records[node.number];
+    if (squared < s.nearest2) {
+      s.nearest2 = squared;
+      s.own = &particles.records[node.number];
+    }
   }
   if (s.weight >= 2) s.own = nullptr;
   if (s.own != nullptr) s.falling = static_cast<double>(free_fall(*s.own));
@@ -382,8 +396,11 @@ void sandglass::tests::check_refine_grains(uint32_t n) {
     Refinement refinement(n, source_rule, false);
     if (rule >= k_means) refinement.motion = std::make_unique<Motion>();
     if (rule == k_means) refinement.args.own_particles = 0;
-    if (rule == k_pushed)
-      refinement.args.push = 0.0015f, refinement.args.push_max = 0.001f, refinement.args.push_reach = 0.012f;
+    if (rule == k_pushed) {
+      refinement.args.push = 0.0015f;
+      refinement.args.push_max = 0.001f;
+      refinement.args.push_reach = 0.012f;
+    }
     uint32_t pushed = 0;
     std::vector<Grain> first;
     for (const Kernels* kernels : tables()) {
@@ -496,7 +513,10 @@ TEST(Refinement, AStillGrainAmongSleepersStaysAndOthersCountTheirStillSweeps) {
     refinement.run(*kernels);
     EXPECT_EQ(refinement.still[1], 1) << "they rest";
     refinement.args.stamp = 8;
-    for (uint32_t i = 16; i < 32; ++i) set(refinement.grains[i].velocity, {}), refinement.grains[i].still_sweeps = 2.0f;
+    for (uint32_t i = 16; i < 32; ++i) {
+      set(refinement.grains[i].velocity, {});
+      refinement.grains[i].still_sweeps = 2.0f;
+    }
     refinement.run(*kernels);
     EXPECT_EQ(refinement.stamps[1], 7u) << "what rests has not changed";
     EXPECT_EQ(refinement.stamps[0], 8u);

@@ -65,8 +65,10 @@ void check_neighbour_lists(uint32_t n) {
     ListArgs args = {};
     args.grid = moving.sort.grid;
     args.boundary_grid = fixed.sort.grid;
-    for (int k = 0; k < 3; ++k)
-      args.positions[k] = moving.axes[k].data(), args.boundary_positions[k] = fixed.axes[k].data();
+    for (int k = 0; k < 3; ++k) {
+      args.positions[k] = moving.axes[k].data();
+      args.boundary_positions[k] = fixed.axes[k].data();
+    }
     args.boundary_count = n;
     args.boundary_first = cluster.rows;
     args.inert = cluster.inert;
@@ -548,7 +550,10 @@ double trilinear(const FieldGrid& grid, Vector p, Vector* gradient) {
     const uint32_t index = (cell[0] + d[0]) + grid.counts[0] * ((cell[1] + d[1]) + grid.counts[1] * (cell[2] + d[2]));
     const double v = static_cast<double>(grid.values[index]);
     double weight[3], sign[3];
-    for (int k = 0; k < 3; ++k) weight[k] = d[k] != 0 ? f[k] : 1 - f[k], sign[k] = d[k] != 0 ? 1 : -1;
+    for (int k = 0; k < 3; ++k) {
+      weight[k] = d[k] != 0 ? f[k] : 1 - f[k];
+      sign[k] = d[k] != 0 ? 1 : -1;
+    }
     value += v * weight[0] * weight[1] * weight[2];
     for (int k = 0; k < 3; ++k) slope[k] += v * sign[k] * weight[(k + 1) % 3] * weight[(k + 2) % 3];
   }
@@ -816,8 +821,11 @@ void check_cast_triangles(uint32_t n) {
       CastTrianglesArgs args = {};
       for (uint32_t c = 0; c < 9; ++c) args.corners[c] = corners[c].data();
       const float scale[2] = {70, 60}, shear[2] = {25, -14}, offset[2] = {63.2f, 60.9f};
-      for (uint32_t axis = 0; axis < 2; ++axis)
-        args.scale[axis] = scale[axis], args.shear[axis] = shear[axis], args.offset[axis] = offset[axis];
+      for (uint32_t axis = 0; axis < 2; ++axis) {
+        args.scale[axis] = scale[axis];
+        args.shear[axis] = shear[axis];
+        args.offset[axis] = offset[axis];
+      }
       args.texels = texels;
       args.words = words;
       args.closed = closed;
@@ -895,9 +903,13 @@ void check_cast_calm(uint32_t n) {
     std::vector<float> low[k_cast_rows], high[k_cast_rows], sum[k_cast_rows];
     CastCalmArgs args = {};
     for (uint32_t k = 0; k < rows; ++k) {
-      low[k] = counts_of(padded, k), high[k] = low[k], sum[k] = counts_of(padded, 100 + k);
+      low[k] = counts_of(padded, k);
+      high[k] = low[k];
+      sum[k] = counts_of(padded, 100 + k);
       for (float& x : high[k]) x += static_cast<float>(k % 4);
-      args.low[k] = low[k].data(), args.high[k] = high[k].data(), args.sum[k] = sum[k].data();
+      args.low[k] = low[k].data();
+      args.high[k] = high[k].data();
+      args.sum[k] = sum[k].data();
     }
     args.rows = rows;
     args.most = 8;
@@ -911,7 +923,7 @@ void check_cast_calm(uint32_t n) {
       for (uint32_t i = 0; i < n; ++i) {
         double least = 1e9, most = -1e9, all = 0;
         for (uint32_t k = 0; k < rows; ++k) {
-          least = std::min(least, static_cast<double>(low[k][i])),
+          least = std::min(least, static_cast<double>(low[k][i]));
           most = std::max(most, static_cast<double>(high[k][i]));
           all += static_cast<double>(sum[k][i]);
         }

@@ -89,8 +89,10 @@ struct Sorted {
     sort.keys = keys.data();
     float low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
     for (uint32_t i = 0; i < n; ++i) {
-      for (int k = 0; k < 3; ++k)
-        low[k] = std::min(low[k], source[i].position[k]), high[k] = std::max(high[k], source[i].position[k]);
+      for (int k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], source[i].position[k]);
+        high[k] = std::max(high[k], source[i].position[k]);
+      }
     }
     cell_sort_begin(&sort, cell, low, high, bits_min);
     const SortTarget target = {as_records(records.data()), {axes[0].data(), axes[1].data(), axes[2].data()}, false};

@@ -51,12 +51,14 @@ void expect_bounded() {
   }
 }
 
+template <class Real, class... Wholes>
+void expect_all_bounded() {
+  (expect_bounded<Wholes, Real>(), ...);
+}
+
 TEST(Whole, BoundsEverySpecialValueAlikeOnEveryProcessor) {
-  expect_bounded<int32_t, float>(), expect_bounded<uint32_t, float>();
-  expect_bounded<int64_t, float>(), expect_bounded<uint64_t, float>();
-  expect_bounded<int32_t, double>(), expect_bounded<uint32_t, double>();
-  expect_bounded<int64_t, double>(), expect_bounded<uint64_t, double>();
-  expect_bounded<uint8_t, float>(), expect_bounded<uint8_t, double>(), expect_bounded<int16_t, double>();
+  expect_all_bounded<float, int32_t, uint32_t, int64_t, uint64_t, uint8_t>();
+  expect_all_bounded<double, int32_t, uint32_t, int64_t, uint64_t, uint8_t, int16_t>();
 }
 
 TEST(Whole, FloorsLeaveRoomForTheNumbersBeside) {

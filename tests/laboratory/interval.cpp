@@ -10,7 +10,10 @@ namespace sandglass::host {
 
 std::vector<double> place_means(const std::vector<std::pair<std::string, double>>& values_by_place) {
   std::map<std::string, std::pair<double, double>> sums;
-  for (const auto& [place, value] : values_by_place) sums[place].first += value, sums[place].second += 1.0;
+  for (const auto& [place, value] : values_by_place) {
+    sums[place].first += value;
+    sums[place].second += 1.0;
+  }
   std::vector<double> means;
   for (const auto& [place, sum] : sums) means.push_back(sum.first / sum.second);
   return means;

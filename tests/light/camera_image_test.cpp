@@ -194,8 +194,10 @@ TEST(CameraImage, YuvLayoutsOfOnePictureAgreeAndPaddingIsNotRead) {
       for (uint32_t x = 0; x < 160; ++x) {
         const uint8_t u = planar.bytes[1][y * planar.image.strides[1] + x],
                       v = planar.bytes[2][y * planar.image.strides[2] + x];
-        nv12.bytes[1][y * nv12.image.strides[1] + 2 * x] = u, nv12.bytes[1][y * nv12.image.strides[1] + 2 * x + 1] = v;
-        nv21.bytes[1][y * nv21.image.strides[1] + 2 * x] = v, nv21.bytes[1][y * nv21.image.strides[1] + 2 * x + 1] = u;
+        nv12.bytes[1][y * nv12.image.strides[1] + 2 * x] = u;
+        nv12.bytes[1][y * nv12.image.strides[1] + 2 * x + 1] = v;
+        nv21.bytes[1][y * nv21.image.strides[1] + 2 * x] = v;
+        nv21.bytes[1][y * nv21.image.strides[1] + 2 * x + 1] = u;
       }
     planar.image.turn_deg = nv12.image.turn_deg = nv21.image.turn_deg = turn;
     EXPECT_EQ(planar.resampled(), nv12.resampled());
@@ -397,7 +399,10 @@ TEST(CameraImage, WhatIsWrongIsRefusedWithASentence) {
   refused("mirrored", [](CameraImage& i) { i.mirrored = 2; });
   refused("orientation", [](CameraImage& i) { i.orientation[3] = 0.0f; });
   refused("orientation", [](CameraImage& i) { i.orientation[0] = INFINITY; });
-  refused("upright", [](CameraImage& i) { i.turn_deg = SANDGLASS_TURN_FROM_POSE, i.pose_is_upright = 1; });
+  refused("upright", [](CameraImage& i) {
+    i.turn_deg = SANDGLASS_TURN_FROM_POSE;
+    i.pose_is_upright = 1;
+  });
   refused("format", [](CameraImage& i) { i.format = 9; });
   refused("format", [](CameraImage& i) { i.format = -1; });
   refused("range", [](CameraImage& i) { i.range = 9; });
@@ -412,7 +417,9 @@ TEST(CameraImage, WhatIsWrongIsRefusedWithASentence) {
     }
   static const float rises[66] = {0, 0, 1, 1}, falls[4] = {0, 1, 1, 0}, stays[4] = {0, 0.5f, 1, 0.5f};
   const auto of_curve = [](CameraImage& i, const float* curve, uint32_t points) {
-    i.transfer = SANDGLASS_TRANSFER_CURVE, i.curve = curve, i.curve_points = points;
+    i.transfer = SANDGLASS_TRANSFER_CURVE;
+    i.curve = curve;
+    i.curve_points = points;
   };
   CameraImage told = good.image;
   of_curve(told, rises, 2);
@@ -451,7 +458,9 @@ TEST(CameraImage, EveryTransferIsUndone) {
   }
   // Below its first point a curve is its first light, above its last its last.
   const float curve[] = {0.05f, 0.2f, 0.1f, 0.6f, 0.5f, 0.6f, 0.9f, 0.8f};
-  image.transfer = SANDGLASS_TRANSFER_CURVE, image.curve = curve, image.curve_points = 4;
+  image.transfer = SANDGLASS_TRANSFER_CURVE;
+  image.curve = curve;
+  image.curve_points = 4;
   const std::pair<int, double> k_points[] = {
       {0, 0.05}, {51, 0.05}, {102, 0.075}, {153, 0.1}, {178, 0.5 + 0.4 * 25 / 51}, {230, 0.9}};
   for (const auto& [value, light] : k_points) EXPECT_NEAR(light_of(value), light, 1e-6);

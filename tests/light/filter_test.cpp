@@ -121,7 +121,10 @@ TEST(LightFilter, DisagreementDoesNotLockItUp) {
 
 TEST(LightFilter, ConfidenceIsAgreement) {
   Filter steady, torn;
-  for (int i = 0; i < 30; ++i) steady.take(at(0.0)), torn.take(at(i % 2 == 0 ? 100.0 : -100.0));
+  for (int i = 0; i < 30; ++i) {
+    steady.take(at(0.0));
+    torn.take(at(i % 2 == 0 ? 100.0 : -100.0));
+  }
   EXPECT_NEAR(light_filter_confidence(steady), 30.0 / 31.0, 1e-12);
   EXPECT_LT(light_filter_confidence(torn), 0.6);
 }

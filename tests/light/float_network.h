@@ -31,7 +31,12 @@ struct FloatNetwork {
   std::vector<float> parameters() const {
     std::vector<float> all = border;
     const auto add = [&](const std::vector<float>& more) { all.insert(all.end(), more.begin(), more.end()); };
-    for (const FloatConvolution& c : convolutions) add(c.low), add(c.high), add(c.weights), add(c.bias);
+    for (const FloatConvolution& c : convolutions) {
+      add(c.low);
+      add(c.high);
+      add(c.weights);
+      add(c.bias);
+    }
     add(last.low);
     add(last.high);
     add(scale);

@@ -119,7 +119,11 @@ TEST(LightAsset, WrongNumbersBehindARightChecksumAreRefused) {
       {"wrong size", [](host::LightFile* f) { f->narrow[0].weights.pop_back(); }},
       {"bias of the wrong size", [](host::LightFile* f) { f->wide[2].bias.push_back(1); }},
       {"beyond 2^29", [](host::LightFile* f) { f->stem.bias[0] = -(1 << 30); }},
-      {"clamp whose low end", [](host::LightFile* f) { f->narrow[9].low[4] = 9, f->narrow[9].high[4] = 8; }},
+      {"clamp whose low end",
+       [](host::LightFile* f) {
+         f->narrow[9].low[4] = 9;
+         f->narrow[9].high[4] = 8;
+       }},
       {"clamp of the wrong size", [](host::LightFile* f) { f->last_high.clear(); }},
       {"heads", [&](host::LightFile* f) { f->feature_scale[1023] = infinity; }},
       {"heads", [&](host::LightFile* f) { f->latent_scale[0] = nan; }},

@@ -91,7 +91,10 @@ TEST(Estimator, StoredTurnedAndUprightPosesGiveOneWorld) {
     double u = right.y, v = -up.y, least = 2.0;
     uint32_t best = 0;
     for (uint32_t turn = 0; turn < 360; turn += 90) {
-      if (v < least) least = v, best = turn;
+      if (v < least) {
+        least = v;
+        best = turn;
+      }
       const double was = u;
       u = -v;
       v = was;

@@ -27,7 +27,10 @@ const std::vector<uint8_t>& random_file() {
 std::vector<uint8_t> random_image(uint32_t width, uint32_t height) {
   std::vector<uint8_t> rgb(size_t{3} * width * height);
   tests::Integers random = {11};
-  for (uint8_t& b : rgb) random.next(0, 255), b = static_cast<uint8_t>(random.state >> 56);
+  for (uint8_t& b : rgb) {
+    random.next(0, 255);
+    b = static_cast<uint8_t>(random.state >> 56);
+  }
   return rgb;
 }
 

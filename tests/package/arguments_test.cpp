@@ -109,8 +109,10 @@ class Arguments : public ::testing::Test {
       std::vector<void*> pointers;
       std::apply([&](auto&... each) { (pointers.push_back(pointer_at(&each)), ...); }, arguments);
       const auto call = [&]() -> int {
-        if constexpr (std::is_void_v<R>) return std::apply(function, arguments), 0;
-        else if constexpr (k_refuses) return std::apply(function, arguments);
+        if constexpr (std::is_void_v<R>) {
+          std::apply(function, arguments);
+          return 0;
+        } else if constexpr (k_refuses) return std::apply(function, arguments);
         else return std::apply(function, arguments) != R{} ? 1 : 0;
       };
       SCOPED_TRACE(name);

@@ -75,8 +75,10 @@ TEST(BoxBody, ItsSpheresTouchAllFacesFromInside) {
     const sandglass::BoxBody box = make_box(half, {0, 0, 0}, 1.0f);
     for (size_t k = 0; k < 3; ++k) {
       float least = 1.0f, most = -1.0f;
-      for (size_t i = k; i < box.particles.size(); i += 3)
-        least = std::min(least, box.particles[i] - k_radius), most = std::max(most, box.particles[i] + k_radius);
+      for (size_t i = k; i < box.particles.size(); i += 3) {
+        least = std::min(least, box.particles[i] - k_radius);
+        most = std::max(most, box.particles[i] + k_radius);
+      }
       EXPECT_NEAR(least, -half[k], 1e-6f) << h;
       EXPECT_NEAR(most, half[k], 1e-6f) << h;
     }

@@ -47,7 +47,8 @@ SandShape hill(const CameraFrame& camera) {
     to_floats(camera.eye + to + moved(camera.right) + moved(camera.up), v.position);
     for (size_t k = 0; k < 3; ++k) v.normal[k] = static_cast<int8_t>(list(normal)[k]);
     for (size_t k = 0; k < 3; ++k) v.origin[k] = static_cast<uint16_t>(patch >> 8 * k);
-    v.hollow = static_cast<uint8_t>(128 - 100 * std::sin(190 * x)), v.over = static_cast<int16_t>(1e6 * y);
+    v.hollow = static_cast<uint8_t>(128 - 100 * std::sin(190 * x));
+    v.over = static_cast<int16_t>(1e6 * y);
     shape.vertices.push_back(v);
     if (column + 1 == k_side || row + 1 == k_side) continue;
     shape.indices.insert(shape.indices.end(), {i + k_side, i + 1, i, i + 1, i + k_side, i + k_side + 1});
@@ -94,22 +95,34 @@ int main() {
   light.pile_passed = light.object_passed = light.under_sky = [](Vec3) { return 1.0; };
   const SandShape surface = hill(camera);
   SandShape all = surface, loose;
-  add_loose(all), add_loose(loose);
+  add_loose(all);
+  add_loose(loose);
 
   std::printf("{\"flying\":%u,\"size\":[%d,%d]", all.flying, k_width, k_height);
-  picture("surface", surface, light, camera, 1), picture("loose", loose, light, camera, 1);
-  picture("all", all, light, camera, 1), picture("smooth", all, light, camera, 2);
-  bytes("vertices", all.vertices), bytes("indices", all.indices), bytes("particles", all.loose);
+  picture("surface", surface, light, camera, 1);
+  picture("loose", loose, light, camera, 1);
+  picture("all", all, light, camera, 1);
+  picture("smooth", all, light, camera, 2);
+  bytes("vertices", all.vertices);
+  bytes("indices", all.indices);
+  bytes("particles", all.loose);
   bytes("block", sandglass::kit::sand_block(sandglass::kit::k_beach));
   numbers("view", {right.x, up.x, -forward.x, 0, right.y, up.y, -forward.y, 0, right.z, up.z, -forward.z, 0,
                    -dot(right, place), -dot(up, place), dot(forward, place), 1});
   constexpr double k_near = 0.01;  // and nothing is too far
   numbers("projection", {2 * k_pixels / k_width, 0, 0, 0, 0, 2 * k_focal, 0, 0, 0, 0, -1, -1, 0, 0, -2 * k_near, 0});
-  numbers("eye", list(place)), numbers("to_light", list(light.to_light)), numbers("sun", list(light.sun));
+  numbers("eye", list(place));
+  numbers("to_light", list(light.to_light));
+  numbers("sun", list(light.sun));
   numbers("ambient", {k_around.x, k_around.y, k_around.z, k_around_by_height.x, k_around_by_height.y, 0});
-  numbers("below", list(k_below)), numbers("table_of_room", {1, 0, 0, 0, 1, 0, 0, 0, 1}), numbers("wet", {light.wet});
-  numbers("block_side", {0.0084}), numbers("pixels", {k_pixels}), numbers("particle_radius", {all.particle_radius});
-  numbers("frame_seconds", {all.seconds}), numbers("stream_narrow", {0.3});
+  numbers("below", list(k_below));
+  numbers("table_of_room", {1, 0, 0, 0, 1, 0, 0, 0, 1});
+  numbers("wet", {light.wet});
+  numbers("block_side", {0.0084});
+  numbers("pixels", {k_pixels});
+  numbers("particle_radius", {all.particle_radius});
+  numbers("frame_seconds", {all.seconds});
+  numbers("stream_narrow", {0.3});
   const sandglass_emitter& nozzle = all.nozzles[0];
   numbers("streams", {nozzle.position[0], nozzle.position[1], nozzle.position[2], nozzle.radius});
   numbers("stream_ways", {0, -1, 0, nozzle.speed});

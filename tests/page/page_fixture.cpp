@@ -64,7 +64,10 @@ ImageFile plain(const std::string& folder, Colour colour) {
 
 int main(int argc, char** argv) {
   using namespace sandglass::host;
-  if (argc != 2) return std::fputs("usage: page_fixture FOLDER\n", stderr), 2;
+  if (argc != 2) {
+    std::fputs("usage: page_fixture FOLDER\n", stderr);
+    return 2;
+  }
   try {
     make_folder(argv[1]);
     const RunReport run = known_run();
@@ -76,6 +79,7 @@ int main(int argc, char** argv) {
     write_file(std::string(argv[1]) + "/long.html", report_page(long_run(), {}, {}));
     write_file(std::string(argv[1]) + "/empty.html", report_page({}, {}, {}));
   } catch (const std::exception& error) {
-    return std::fprintf(stderr, "page_fixture: %s\n", error.what()), 2;
+    std::fprintf(stderr, "page_fixture: %s\n", error.what());
+    return 2;
   }
 }

@@ -119,8 +119,10 @@ TEST_P(EveryScene, RunsWithoutTrapsAndRepeatsOnAnotherInstructionSet) {
       }
       ASSERT_EQ(report.sand.quarantined, 0u) << "frame " << frame;
       ASSERT_EQ(report.sand.ignored_colliders + report.sand.ignored_emitters + report.sand.ignored_sinks, 0u) << frame;
-      if (first) plans.push_back(report.plan), hashes.push_back(sandglass_scene_hash(simulation.handle()));
-      else ASSERT_EQ(sandglass_scene_hash(simulation.handle()), hashes[frame]) << "frame " << frame;
+      if (first) {
+        plans.push_back(report.plan);
+        hashes.push_back(sandglass_scene_hash(simulation.handle()));
+      } else ASSERT_EQ(sandglass_scene_hash(simulation.handle()), hashes[frame]) << "frame " << frame;
       if (purpose != nullptr && frame + 1 == frames) purpose->check(report);
     }
   }

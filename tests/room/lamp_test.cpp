@@ -77,7 +77,10 @@ TEST(MainLight, ItsSizeIsAskedFor) {
       const double azimuth = 40 + std::fmax(0, 60 - 2 * i);
       room->look(lit, azimuth, 45, 1);
       const auto shorter = static_cast<double>(room->light().short_exposure);
-      if (shorter < 1) room->look(lit, azimuth, 45, shorter), ++count;
+      if (shorter < 1) {
+        room->look(lit, azimuth, 45, shorter);
+        ++count;
+      }
     }
     return count;
   };

@@ -341,7 +341,8 @@ TEST(Renderers, AWhiteCubeInThreeKnownLights) {
   for (const auto& [b, lamp, m] : lights) {
     sandglass_harmonics told;
     sandglass_harmonics_default(&told);
-    told.kind = SANDGLASS_HARMONICS_AMBIENT, told.with_phase = 1;
+    told.kind = SANDGLASS_HARMONICS_AMBIENT;
+    told.with_phase = 1;
     const double axis[3] = {lamp.x, lamp.y, lamp.z},
                  of_polynomials[9] = {0.6, -b.y, b.z, -b.x, m, -m / 2, -m / 2, m, m / 2};
     for (size_t i = 0; i < 27; ++i) told.sh[i] = static_cast<float>(of_polynomials[i / 3] / normalisation()[i / 3]);
@@ -516,7 +517,8 @@ TEST(Lighting, OfWhatIsWrongIsRefusedWithASentence) {
   told.sh[0] = 1;
   expect_checked<sandglass_lighting>(told, {{offsetof(sandglass_harmonics, sh), 33}}, first,
                                      sandglass_lighting_of_harmonics);
-  told.kind = SANDGLASS_HARMONICS_AMBIENT, told.main_direction[1] = 0;
+  told.kind = SANDGLASS_HARMONICS_AMBIENT;
+  told.main_direction[1] = 0;
   auto lighting = sized<sandglass_lighting>();
   expect_refused("main_direction",
                  [&](const char** why) { return sandglass_lighting_of_harmonics(&told, &lighting, why); });

@@ -233,7 +233,11 @@ TEST(RoomLight, IsTheSameByAToneCurve) {
         const double value = static_cast<double>(at[1]) + along * static_cast<double>(at[3] - at[1]);
         if (toned) byte = static_cast<uint8_t>(std::lround(255 * value));
       }
-      if (told) p.image.transfer = SANDGLASS_TRANSFER_CURVE, p.image.curve = k_tone, p.image.curve_points = 5;
+      if (told) {
+        p.image.transfer = SANDGLASS_TRANSFER_CURVE;
+        p.image.curve = k_tone;
+        p.image.curve_points = 5;
+      }
       room.show(p.image);
     }
     return static_cast<double>(room.light().irradiance[1]);

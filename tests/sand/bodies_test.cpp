@@ -71,9 +71,10 @@ TEST(Bodies, ATumblingBrickKeepsItsAngularMomentum) {
     std::array<double, 4> sum = {};
     for (size_t i = 0; i < 48; ++i) {
       double r[3], u[3];
-      for (size_t k = 0; k < 3; ++k)
-        r[k] = static_cast<double>(p[3 * i + k]) - static_cast<double>(pose.position[k]),
+      for (size_t k = 0; k < 3; ++k) {
+        r[k] = static_cast<double>(p[3 * i + k]) - static_cast<double>(pose.position[k]);
         u[k] = static_cast<double>(v[3 * i + k]);
+      }
       sum[0] += r[1] * u[2] - r[2] * u[1];
       sum[1] += r[2] * u[0] - r[0] * u[2];
       sum[2] += r[0] * u[1] - r[1] * u[0];

@@ -72,7 +72,8 @@ struct Bucket {
     at = now;
     for (size_t i = 0; i < boxes.size(); ++i) {
       sandglass_collider& c = scene.colliders[i + 1];
-      c.position[0] = boxes[i].position[0] + now.x, c.position[1] = boxes[i].position[1] + now.y;
+      c.position[0] = boxes[i].position[0] + now.x;
+      c.position[1] = boxes[i].position[1] + now.y;
       c.linear_velocity[0] = told ? (now.x - before.x) / step : 0;
       c.linear_velocity[1] = told ? (now.y - before.y) / step : 0;
     }
@@ -123,7 +124,10 @@ struct Need {
     Bucket b(motion, true, SANDGLASS_ISA_AUTOMATIC, grained);
     for (int f = 1; f <= 90; ++f) {
       const sandglass_frame_report report = b.frame(k_step * static_cast<float>(f - 30), k_all);
-      if (f > 30) ns += report.time.elapsed_ns / 60, fastest = std::max(fastest, b.fastest());
+      if (f > 30) {
+        ns += report.time.elapsed_ns / 60;
+        fastest = std::max(fastest, b.fastest());
+      }
     }
   }
 };
@@ -298,14 +302,17 @@ TEST(Carry, WhatLiesOnATrayIsTakenThroughNoShelf) {
     scene.colliders = {sandglass::box(0, k_top - k_wall, 0, 0.2f, k_wall, 0.2f),
                        sandglass::box(0, k_shelf, 0, 0.3f, k_wall / 2, 0.3f)};
     sandglass_collider &tray = scene.colliders[0], &shelf = scene.colliders[1];
-    tray.id = 1, shelf.id = 2;
-    tray.linear_velocity[1] = k_rises, shelf.linear_velocity[0] = aside;
+    tray.id = 1;
+    shelf.id = 2;
+    tray.linear_velocity[1] = k_rises;
+    shelf.linear_velocity[0] = aside;
     for (const float x : {-0.04f, 0.0f, 0.04f})
       for (const float z : {-0.04f, 0.0f, 0.04f}) scene.add({x, k_top + k_radius, z});
     float highest = 0;
     for (int f = 0; f < 6; ++f) {
       scene.frame(k_step, 10'000);
-      tray.position[1] += k_rises * k_step, shelf.position[0] += aside * k_step;
+      tray.position[1] += k_rises * k_step;
+      shelf.position[0] += aside * k_step;
       const std::vector<float> p = scene.positions();
       for (size_t i = 1; i < p.size(); i += 3) highest = std::max(highest, p[i]);
     }

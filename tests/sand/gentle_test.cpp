@@ -67,8 +67,8 @@ struct Heap {
     double sum = 0.0, count = 0.0;
     for (size_t i = 0; i < p.size(); i += 3) {
       if (static_cast<double>(at_rest[i + 1]) < above) continue;
-      sum += static_cast<double>(p[i + static_cast<size_t>(axis)] - at_rest[i + static_cast<size_t>(axis)]),
-          count += 1.0;
+      sum += static_cast<double>(p[i + static_cast<size_t>(axis)] - at_rest[i + static_cast<size_t>(axis)]);
+      count += 1.0;
     }
     return sum / count;
   }
@@ -98,7 +98,7 @@ TEST(Gentle, ACorrectedFloorMovesSandByTheCorrection) {
         double highest = 0.0, fastest = 0.0;
         for (int f = 0; f < 90; ++f) {
           heap.frame();
-          highest = std::max(highest, heap.top()),
+          highest = std::max(highest, heap.top());
           fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
         }
         const double most = 14.0 * static_cast<double>(r * tilt), lift = static_cast<double>(std::max(up, 0.0f)) + most;
@@ -123,7 +123,10 @@ TEST(Gentle, ControlAFloorWithTheSpeedOfTheRuleBeforeThrows) {
   heap.ground().position[1] = 0.005f;
   heap.ground().linear_velocity[1] = 0.0f;
   double highest = 0.0;
-  for (int f = 0; f < 60; ++f) heap.frame(), highest = std::max(highest, heap.top());
+  for (int f = 0; f < 60; ++f) {
+    heap.frame();
+    highest = std::max(highest, heap.top());
+  }
   EXPECT_GT(highest, top + 0.1);
 }
 
@@ -454,7 +457,10 @@ TEST(Identity, AnIdKeepsACollidersPose) {
     Heap heap(0.01f, Ground::box);
     sandglass_collider table = heap.ground(), other = table;
     other.position[1] += 0.002f;  // within the band, as two trackers of one plane tell it
-    if (ids) table.id = 7, other.id = 9;
+    if (ids) {
+      table.id = 7;
+      other.id = 9;
+    }
     heap.scene.colliders = {table, other};
     heap.run(4.0f);
     heap.scene.colliders = {other, table};
@@ -483,8 +489,8 @@ TEST(Carrier, WhatLiesOnASlowCarrierGoesWithIt) {
     for (size_t i = 0; i < p.size(); i += 3) {
       const float x = heap.at_rest[i], z = heap.at_rest[i + 2];
       if (std::hypot(x, z) < 0.02f) continue;
-      sum += std::atan2(static_cast<double>(p[i] * z - p[i + 2] * x), static_cast<double>(p[i] * x + p[i + 2] * z)),
-          count += 1;
+      sum += std::atan2(static_cast<double>(p[i] * z - p[i + 2] * x), static_cast<double>(p[i] * x + p[i + 2] * z));
+      count += 1;
     }
     return sum / count / (150.0 * static_cast<double>(speed));
   };
@@ -536,8 +542,10 @@ TEST(Adopted, SandIsRestoredOntoTheFloorThatIsThere) {
       EXPECT_NEAR(later.went(1), 0.0, 1e-6) << "it waits for the planes";
       later.scene.colliders = {sandglass::floor_at(floor)};
       double fastest = 0.0;
-      for (int f = 0; f < 480; ++f)
-        later.frame(), fastest = std::max(fastest, static_cast<double>(later.report.sand.speed_max));
+      for (int f = 0; f < 480; ++f) {
+        later.frame();
+        fastest = std::max(fastest, static_cast<double>(later.report.sand.speed_max));
+      }
       EXPECT_NEAR(later.went(1), static_cast<double>(floor), 0.003) << floor;
       EXPECT_LE(fastest, gentle(0.01, std::fabs(static_cast<double>(floor)))) << floor;
       if (floor == 0.0f) {

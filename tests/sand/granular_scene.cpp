@@ -50,7 +50,9 @@ void GranularScene::add_walls(std::array<float, 2> low, std::array<float, 2> hig
   for (const auto& wall : walls) {
     colliders.push_back(sandglass::collider(SANDGLASS_SHAPE_HALF_SPACE, wall.x, 0.0f, wall.z));
     float* const turned = colliders.back().rotation;
-    turned[0] = wall.around_x, turned[2] = wall.around_z, turned[3] = half;
+    turned[0] = wall.around_x;
+    turned[2] = wall.around_z;
+    turned[3] = half;
   }
 }
 
@@ -149,7 +151,11 @@ std::vector<float> grains_about(const std::vector<float>& particles, float offse
 }
 
 std::vector<float> shifted(std::vector<float> points, float x, float y, float z) {
-  for (size_t i = 0; i < points.size(); i += 3) points[i] += x, points[i + 1] += y, points[i + 2] += z;
+  for (size_t i = 0; i < points.size(); i += 3) {
+    points[i] += x;
+    points[i + 1] += y;
+    points[i + 2] += z;
+  }
   return points;
 }
 

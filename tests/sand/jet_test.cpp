@@ -76,7 +76,10 @@ std::vector<float> sites_of(const Pour& pour, uint32_t layer) {
     for (int i = -20; i <= 20; ++i) {
       const float x = (static_cast<float>(i) + (j % 2 != 0 ? 0.5f : 0.0f)) * a + shift_x;
       const float z = static_cast<float>(j) * row + shift_z;
-      if (x * x + z * z <= pour.nozzle * pour.nozzle) sites.push_back(x), sites.push_back(z);
+      if (x * x + z * z <= pour.nozzle * pour.nozzle) {
+        sites.push_back(x);
+        sites.push_back(z);
+      }
     }
   }
   return sites;

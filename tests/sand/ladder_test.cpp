@@ -73,7 +73,8 @@ TEST(Ladder, EachLevelHasItsBudget) {
   double cost[SANDGLASS_LEVEL_COUNT] = {}, dearest[SANDGLASS_LEVEL_COUNT] = {}, sweep = 0;
   for (uint32_t level = 0; level < SANDGLASS_LEVEL_SLOW_MOTION; ++level) {
     const Counted counted(level);
-    cost[level] = static_cast<double>(counted.settled.time.elapsed_ns), dearest[level] = counted.dearest;
+    cost[level] = static_cast<double>(counted.settled.time.elapsed_ns);
+    dearest[level] = counted.dearest;
     sweep = static_cast<double>(counted.settled.stages[SANDGLASS_STAGE_REFINE].elapsed_ns);
     ASSERT_EQ(counted.settled.level, level);
   }

@@ -11,7 +11,10 @@ struct MeshCollider {
     sandglass::Status bounds;
     bounds.code = sandglass_mesh_bounds(&view, box.min, box.max, &bounds.reason);
     accept(bounds);
-    for (int k = 0; k < 3; ++k) box.min[k] -= margin, box.max[k] += margin;
+    for (int k = 0; k < 3; ++k) {
+      box.min[k] -= margin;
+      box.max[k] += margin;
+    }
     sandglass::MeshInside inside;
     accept(inside.create(view));
     accept(field.from_mesh(view, inside, box, spacing, band, solid));

@@ -141,7 +141,10 @@ uint32_t missed_pairs(uint32_t level) {
   desc.finest_level = level;
   GranularScene scene(desc);
   std::vector<float> left = lattice(6, 6, 6, 0.0202f, 0.3f), right = left, all = left, speeds(2 * left.size(), 0.0f);
-  for (size_t i = 0; i < right.size(); i += 3) right[i] += 0.16f, right[i + 1] += 0.013f;
+  for (size_t i = 0; i < right.size(); i += 3) {
+    right[i] += 0.16f;
+    right[i + 1] += 0.013f;
+  }
   all.insert(all.end(), right.begin(), right.end());
   for (size_t i = 0; i < all.size(); i += 3) speeds[i] = i < left.size() ? 3.0f : -3.0f;
   scene.add(all, speeds);

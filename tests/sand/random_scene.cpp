@@ -1,5 +1,6 @@
 #include "tests/sand/random_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -72,8 +73,11 @@ void RandomScene::describe(bool replays) {
   if (one_in(10))
     g.reference = {SANDGLASS_SCHEME_AVERAGED, SANDGLASS_BLEND_SOURCE, 1 + random_.below(4), random_.below(3),
                    between(0.1, 2)};
-  if (one_in(10))
-    desc.gravity[0] = between(-20, 20), desc.gravity[1] = between(-20, 20), desc.gravity[2] = between(-20, 20);
+  if (one_in(10)) {
+    desc.gravity[0] = between(-20, 20);
+    desc.gravity[1] = between(-20, 20);
+    desc.gravity[2] = between(-20, 20);
+  }
   if (one_in(20)) desc.gravity[0] = desc.gravity[1] = desc.gravity[2] = 0.0f;
   desc.unit_items = one_in(2) ? 1024 : 16 * (1 + random_.below(40));
   desc.finest_level = one_in(6) ? random_.below(SANDGLASS_LEVEL_COUNT) : 0;
@@ -84,7 +88,10 @@ void RandomScene::describe(bool replays) {
     desc.isa = SANDGLASS_ISA_SCALAR;
     return;
   }
-  if (clock_kind_ != 0) desc.clock = {now, this}, desc.trace = {unit_begins, unit_ends, this};
+  if (clock_kind_ != 0) {
+    desc.clock = {now, this};
+    desc.trace = {unit_begins, unit_ends, this};
+  }
   if (shared) desc.parallel = {pool, this};
 }
 
@@ -212,7 +219,8 @@ void RandomScene::add_shadows() {
     d.texels = 32;
     d.sky_texels = one_in(2) || every_stage_ ? 32 : 0;
     d.on_sand = random_.below(2);
-    for (int k = 0; k < 2; ++k) d.low[k] = -20 * r_, d.high[k] = 20 * r_;
+    std::fill_n(d.low, 2, -20 * r_);
+    std::fill_n(d.high, 2, 20 * r_);
     ::accept(pile_.create(d));
     if (desc.granular.particle_capacity != 0) ::accept(skin_.create(skin_desc(desc.granular)));
   }
@@ -343,7 +351,10 @@ sandglass_frame_input RandomScene::next_input() {
   input.room = room_.get();
   input.camera = room_ ? &image_ : nullptr;
   input.estimator = light_.get();
-  if (shadow) input.shadows = &shadow->shadow, input.shadow_count = 1;
+  if (shadow) {
+    input.shadows = &shadow->shadow;
+    input.shadow_count = 1;
+  }
   return input;
 }
 

@@ -24,7 +24,10 @@ int nearest_sphere(const std::vector<float>& p, const std::array<float, 3>& o, c
       c += to * to;
     }
     const Real t = b - std::sqrt(b * b - c);  // not a number: past it
-    if (t >= 0 && (found < 0 || t < *nearest)) found = static_cast<int>(i / 3), *nearest = t;
+    if (t >= 0 && (found < 0 || t < *nearest)) {
+      found = static_cast<int>(i / 3);
+      *nearest = t;
+    }
   }
   return found;
 }

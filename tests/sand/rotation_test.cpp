@@ -47,7 +47,10 @@ TEST(Rotation, IsTheBestOneAtAnyScaleFromAnyStart) {
   const auto any = [&] {
     Quaternion q = {};
     double length = 0;
-    for (double& v : q) v = normal(random), length += v * v;
+    for (double& v : q) {
+      v = normal(random);
+      length += v * v;
+    }
     for (double& v : q) v /= std::sqrt(length);
     return q;
   };

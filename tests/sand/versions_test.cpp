@@ -88,10 +88,13 @@ Counts run(uint64_t seed, uint32_t buffers, bool pooled, bool forgets) {
     if (act == 6 && !saved.empty()) accept(scene.scene.restore(saved));
     const uint32_t ring = frame % buffers;
     sandglass_frame_input input = scene.input(act == 7 ? 0.0f : 0.02f, act == 8 ? 0 : ~0ull >> 1);
-    input.grains = rings[ring].data(), input.grain_capacity = 6000;
+    input.grains = rings[ring].data();
+    input.grain_capacity = 6000;
     input.grains_age = written[ring] == 0 || random.below(40) == 0 ? 0 : frame - written[ring];
-    input.emitters = &emitter, input.emitter_count = pours ? 1 : 0;
-    input.sinks = &drain, input.sink_count = drains ? 1 : 0;
+    input.emitters = &emitter;
+    input.emitter_count = pours ? 1 : 0;
+    input.sinks = &drain;
+    input.sink_count = drains ? 1 : 0;
     sandglass::Output& output = scene.scene.get()->granular.output;
     if (forgets)
       for (uint32_t i = 0; i < 6000 / 16; ++i) output.stamps[i] = 0;
@@ -146,7 +149,8 @@ TEST(Versions, WhatRestsIsNotTouched) {
   std::vector<sandglass_grain> buffer(4000), poison(4000);
   const auto frame = [&](std::vector<sandglass_grain>* into) {
     sandglass_frame_input input = scene.input(0.02f);
-    input.grains = into->data(), input.grain_capacity = 4000;
+    input.grains = into->data();
+    input.grain_capacity = 4000;
     input.grains_age = 1;
     input.pile_shadow = pile.get();
     return scene.run(input);

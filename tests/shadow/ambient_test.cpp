@@ -158,8 +158,14 @@ TEST(AmbientShadow, NeitherLightsNorCellsThatNeverRestStarveTheOther) {
     shadow.light(std::sin(0.02f * static_cast<float>(frame)), 1, 0.3f);
     shadow.cells(only(static_cast<uint32_t>(frame) % k_cells_of_light));
     ASSERT_EQ(shadow.run(1), 1u);
-    if (shadow.coverage() != light) ++of_lights, light = shadow.coverage();
-    if (shadow.texture() != ambient) ++of_cells, ambient = shadow.texture();
+    if (shadow.coverage() != light) {
+      ++of_lights;
+      light = shadow.coverage();
+    }
+    if (shadow.texture() != ambient) {
+      ++of_cells;
+      ambient = shadow.texture();
+    }
   }
   EXPECT_GT(of_lights, 10u);
   EXPECT_LE(of_cells, of_lights + 2);  // they take turns
@@ -191,7 +197,8 @@ TEST(AmbientShadow, YawMovesCellsRoundAndKeepsTheirSum) {
   EXPECT_EQ(shadow.mixed(only(16 + 15), 6 * k_sector), in_5);
   EXPECT_EQ(shadow.mixed(only(16 + 4), k_sector + 100 * 6.28318531f - 100 * 6.28318531f), in_5);
   Cells between = {};
-  between[16 + 5] = 0.75f, between[16 + 6] = 0.25f;
+  between[16 + 5] = 0.75f;
+  between[16 + 6] = 0.25f;
   const std::vector<uint8_t> mixed = shadow.mixed(between), turned = shadow.mixed(only(16 + 4), 1.25f * k_sector);
   for (size_t t = 0; t < mixed.size(); ++t) ASSERT_LE(std::abs(mixed[t] - turned[t]), 1) << t;
   double world[k_cells_of_light], object[k_cells_of_light];
@@ -200,8 +207,10 @@ TEST(AmbientShadow, YawMovesCellsRoundAndKeepsTheirSum) {
     turn_cells(world, yaw, object);
     for (uint32_t ring = 0; ring < k_cell_rings; ++ring) {
       double before = 0, after = 0;
-      for (uint32_t s = 0; s < k_cell_sectors; ++s)
-        before += world[ring * k_cell_sectors + s], after += object[ring * k_cell_sectors + s];
+      for (uint32_t s = 0; s < k_cell_sectors; ++s) {
+        before += world[ring * k_cell_sectors + s];
+        after += object[ring * k_cell_sectors + s];
+      }
       EXPECT_NEAR(after, before, 1e-9 * before) << yaw;
     }
   }
@@ -284,7 +293,10 @@ TEST(ShadowSurface, GivesEachVertexTheCoefficientsOfTheNearestPoint) {
     for (uint32_t i = 0; i < surface.vertices; ++i) {
       const double d = std::hypot(p[0] - surface.positions[3 * i], p[1] - surface.positions[3 * i + 1],
                                   p[2] - surface.positions[3 * i + 2]);
-      if (d < best) best = d, nearest = i;
+      if (d < best) {
+        best = d;
+        nearest = i;
+      }
     }
     expected.push_back(nearest);
   }

@@ -153,7 +153,10 @@ TEST(AmbientTruth, YawTurnsTheLightAgainstTheObject) {
         uint64_t random = random_mix(count);
         for (uint32_t i = 0; i < 2 * k_rays; ++i) {
           double at[5];
-          for (double& x : at) random = random_mix(random), x = random_unit(random);
+          for (double& x : at) {
+            random = random_mix(random);
+            x = random_unit(random);
+          }
           const Vec3 place = {step * (u + at[0]) - chair.square.half, 0, step * (v + at[1]) - chair.square.half};
           truth[i % 2] +=
               scene.occluded(rotate(turn, place) + Vec3{0, 1e-5, 0}, room.direction(at[2], at[3], at[4]), 1e9)
@@ -202,7 +205,10 @@ std::vector<SurfacePoint> points_anywhere(const Mesh& mesh, const EmbreeScene& s
   std::vector<SurfacePoint> points;
   for (uint64_t random = 1; points.size() < count;) {
     double drawn[3];
-    for (double& x : drawn) random = random_mix(random), x = random_unit(random);
+    for (double& x : drawn) {
+      random = random_mix(random);
+      x = random_unit(random);
+    }
     const auto above = std::upper_bound(areas.begin() + 1, areas.end() - 1, drawn[0] * areas.back());
     const size_t t = 3 * static_cast<size_t>(above - areas.begin() - 1);
     const double root = std::sqrt(drawn[1]), u = root * (1 - drawn[2]), v = root * drawn[2];
@@ -227,7 +233,8 @@ TEST(SurfaceTruth, PointsLieEverywhereAndNoneIsBuried) {
   std::vector<float> transfer(3 * k_transfer, 0.1f);
   points[1].position = {1, 2, 3};
   points[2].position = {4, 5, 6};
-  transfer[k_transfer] = 0.005f, transfer[2 * k_transfer + 8] = 0.7f;
+  transfer[k_transfer] = 0.005f;
+  transfer[2 * k_transfer + 8] = 0.7f;
   drop_buried(&points, &transfer);
   ASSERT_EQ(points.size(), 2u);
   EXPECT_EQ(points[1].position.y, 5);

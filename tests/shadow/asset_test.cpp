@@ -75,27 +75,29 @@ TEST(ShadowAsset, EveryTruncationAndChangedBitIsRefused) {
 }
 
 TEST(ShadowAsset, RefusesNumbersThatNoBakingWrites) {
-  const auto refused = [](void (*spoil)(RandomShadow&), const char* part) {
-    RandomShadow what = k_small;
+  const auto refused = [](RandomShadow what, const char* part, void (*spoil)(RandomShadow&)) {
     spoil(what);
     std::string sentence;
     EXPECT_NE(open(make_shadow_file(what), &sentence), SANDGLASS_OK) << part;
     EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
   };
-  refused([](RandomShadow& s) { s.forced_first = NAN; }, "not a number");
-  refused([](RandomShadow& s) { s.forced_first = INFINITY; }, "not a number");
-  refused([](RandomShadow& s) { s.forced_weight = -128; }, "-128");
-  refused([](RandomShadow& s) { s.version = 3; }, "another version");
-  refused([](RandomShadow& s) { s.width = 257; }, "wider than 256");
-  refused([](RandomShadow& s) { s.layers = 9; }, "1 to 8");
-  refused([](RandomShadow& s) { s.texel_frequencies = 17; }, "16 frequencies");
-  refused([](RandomShadow& s) { s = with_ambient(), s.ambient_side = 24; }, "in steps of 16");
-  refused([](RandomShadow& s) { s = with_ambient(), s.ambient_side = 272, s.components = 1; }, "16 to 256 texels");
-  refused([](RandomShadow& s) { s = with_ambient(), s.components = 33; }, "1 to 32 components");
-  refused([](RandomShadow& s) { s = with_ambient(), s.forced_mixing = NAN; }, "not a number in -1..1");
-  refused([](RandomShadow& s) { s = with_ambient(), s.forced_mixing = 1.5f; }, "not a number in -1..1");
-  refused([](RandomShadow& s) { s = with_ambient(), s.missing_texels = 1; }, "wrong size");
-  refused([](RandomShadow& s) { s = with_ambient(), s.unsorted_surface = true; }, "not in order");
+  refused(k_small, "not a number", [](RandomShadow& s) { s.forced_first = NAN; });
+  refused(k_small, "not a number", [](RandomShadow& s) { s.forced_first = INFINITY; });
+  refused(k_small, "-128", [](RandomShadow& s) { s.forced_weight = -128; });
+  refused(k_small, "another version", [](RandomShadow& s) { s.version = 3; });
+  refused(k_small, "wider than 256", [](RandomShadow& s) { s.width = 257; });
+  refused(k_small, "1 to 8", [](RandomShadow& s) { s.layers = 9; });
+  refused(k_small, "16 frequencies", [](RandomShadow& s) { s.texel_frequencies = 17; });
+  refused(with_ambient(), "in steps of 16", [](RandomShadow& s) { s.ambient_side = 24; });
+  refused(with_ambient(), "16 to 256 texels", [](RandomShadow& s) {
+    s.ambient_side = 272;
+    s.components = 1;
+  });
+  refused(with_ambient(), "1 to 32 components", [](RandomShadow& s) { s.components = 33; });
+  refused(with_ambient(), "not a number in -1..1", [](RandomShadow& s) { s.forced_mixing = NAN; });
+  refused(with_ambient(), "not a number in -1..1", [](RandomShadow& s) { s.forced_mixing = 1.5f; });
+  refused(with_ambient(), "wrong size", [](RandomShadow& s) { s.missing_texels = 1; });
+  refused(with_ambient(), "not in order", [](RandomShadow& s) { s.unsorted_surface = true; });
 }
 
 TEST(ShadowAsset, RefusesWhatIsNoFileAtAll) {

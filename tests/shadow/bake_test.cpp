@@ -73,7 +73,10 @@ TEST_F(Bake, RefusesWhatItCannotBakeAndLeavesNoFile) {
 
 TEST(ShadowMetrics, SimilarityOfEqualTexturesIsOneAndOfOppositesLow) {
   std::vector<float> a(64 * 64), b(64 * 64);
-  for (size_t i = 0; i < a.size(); ++i) a[i] = static_cast<float>(i % 64 / 8 % 2), b[i] = 1 - a[i];
+  for (size_t i = 0; i < a.size(); ++i) {
+    a[i] = static_cast<float>(i % 64 / 8 % 2);
+    b[i] = 1 - a[i];
+  }
   EXPECT_NEAR(structural_similarity(a, a, 64), 1, 1e-12);
   EXPECT_LT(structural_similarity(a, b, 64), 0.1);
 }

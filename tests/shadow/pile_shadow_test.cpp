@@ -231,7 +231,8 @@ TEST(PileShadow, OfAThinLayerIsTrueToAHundredth) {
       const std::vector<Vec3> points = open_points(SphereCaster(grains, static_cast<float>(radius)), radius, 20000, 6);
       for (const Light light : {Light{5, 200}, Light{25, 35}, Light{45, 200}, Light{45, 35}, Light{65, 35}}) {
         sandglass_pile_shadow_desc desc = description();
-        for (uint32_t axis = 0; axis < 2; ++axis) desc.low[axis] = -0.25f, desc.high[axis] = 0.25f;
+        std::fill_n(desc.low, 2, -0.25f);
+        std::fill_n(desc.high, 2, 0.25f);
         sandglass::PileShadow shadow = lit(light, desc);
         shadow.run(grains, static_cast<float>(radius));
         const sandglass_pile_shadow_texture t = shadow.texture();

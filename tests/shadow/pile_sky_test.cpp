@@ -200,7 +200,10 @@ struct Error {
     without += (1 - truth) * (1 - truth);
     ++count;
   }
-  void finish() { rmse = std::sqrt(rmse / count), without = std::sqrt(without / count); }
+  void finish() {
+    rmse = std::sqrt(rmse / count);
+    without = std::sqrt(without / count);
+  }
 };
 struct Errors {
   Error floor, seen, grains;

@@ -22,7 +22,10 @@ void direction(double polar, double azimuth, double out[3]) {
 // The rectangle on the plane that the rays of the rim through the corners span.
 ShadowRectangle brute_force(const ShadowBox& box, const double light[3]) {
   double across[3] = {light[1], -light[0], 0};
-  if (std::hypot(across[0], across[1]) < 1e-9) across[0] = 1, across[1] = 0;
+  if (std::hypot(across[0], across[1]) < 1e-9) {
+    across[0] = 1;
+    across[1] = 0;
+  }
   const double length = std::hypot(across[0], across[1]);
   for (double& c : across) c /= length;
   const double beside[3] = {light[1] * across[2] - light[2] * across[1], light[2] * across[0] - light[0] * across[2],

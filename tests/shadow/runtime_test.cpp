@@ -92,7 +92,10 @@ TEST(Shadow, ALightThatNeverStopsStillGetsTextures) {
     if (frame == 0) most_units = sandglass_shadow_units_left(shadow.shadow);  // units of one texture
     sandglass_shadow_run(&shadow.shadow, 1, k_units_a_frame);
     oldest = std::max(oldest, shadow.texture().calls_behind);
-    if (shadow.coverage() != last) ++changes, last = shadow.coverage();
+    if (shadow.coverage() != last) {
+      ++changes;
+      last = shadow.coverage();
+    }
   }
   EXPECT_GT(changes, 10u);
   EXPECT_GT(shadow.texture().calls_behind, 0u);
@@ -123,7 +126,8 @@ TEST(Shadow, LightsBeyondTheBakedOnesFadeOut) {
   };
   EXPECT_EQ(at(0).opacity, 1);
   EXPECT_EQ(at(69.9f).beyond, 0u);
-  const std::vector<uint8_t> limit = (at(70.001f), shadow.coverage());
+  EXPECT_EQ(at(70.001f).beyond, 1u);
+  const std::vector<uint8_t> limit = shadow.coverage();
   EXPECT_NEAR(at(80).opacity, 0.5, 1e-4);
   EXPECT_EQ(at(80).beyond, 1u);
   EXPECT_EQ(shadow.coverage(), limit);  // the light is turned up to 70 degrees

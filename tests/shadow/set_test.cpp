@@ -53,7 +53,10 @@ TEST(ShadowSet, TheGreatestVisibleChangeComesFirst) {
   LiveShadow first(describe_lights(file, 2)), second(describe_lights(file, 2));
   sandglass_shadow* both[2] = {first.shadow, second.shadow};
   const LiveShadow* lives[2] = {&first, &second};
-  for (uint32_t l = 0; l < 2; ++l) set_light(first, l, 0, 0, l == 0 ? 3 : 1), set_light(second, l, 0, 0, 1);
+  for (uint32_t l = 0; l < 2; ++l) {
+    set_light(first, l, 0, 0, l == 0 ? 3 : 1);
+    set_light(second, l, 0, 0, 1);
+  }
   while (sandglass_shadow_run(both, 2, 1000) > 0) {
   }
   set_light(first, 0, 0.20f, 0, 3);   // 3/4 of the light: change 0.15
@@ -115,7 +118,10 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
         of[l] = (adaptive.texture(l).evaluated - k_grid * k_grid) / (k_cell * k_cell - 1);
     };
     if (turn > 0) count_cells(cells_before);
-    for (LiveShadow* s : {&adaptive, &full}) set_light(*s, 0, turn, 0.1f), set_light(*s, 1, -0.3f, turn, 0.5f);
+    for (LiveShadow* s : {&adaptive, &full}) {
+      set_light(*s, 0, turn, 0.1f);
+      set_light(*s, 1, -0.3f, turn, 0.5f);
+    }
     std::vector<std::array<uint64_t, k_shadow_kinds>> foreseen, spent;  // at each unit
     std::array<uint64_t, k_shadow_kinds> total = {};
     for (WorkUnit unit; stage.next(&group, 0, &unit); stage.run(&group, 0)) {

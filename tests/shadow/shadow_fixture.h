@@ -47,7 +47,10 @@ struct LiveShadow {
   explicit LiveShadow(const sandglass_shadow_desc& desc);
   void light(float x, float y, float z);
   void finish();
-  void shade(float x, float y, float z) { light(x, y, z), finish(); }  // the whole texture of this light
+  void shade(float x, float y, float z) {  // the whole texture of this light
+    light(x, y, z);
+    finish();
+  }
   sandglass_shadow_texture texture(uint32_t light = 0) const;
   std::vector<uint8_t> coverage(uint32_t light = 0) const;
 

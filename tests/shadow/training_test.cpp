@@ -52,8 +52,10 @@ TEST(ShadowTraining, GradientIsTheSlopeOfTheLoss) {
   Floats input(k_samples * k_inputs), target(k_samples), weight(k_samples);
   Floats scratch(batch_scratch(k_width, k_layers, k_samples));
   for (size_t i = 0; i < input.size(); ++i) input[i] = static_cast<float>(2 * random_unit(900 + i) - 1);
-  for (size_t i = 0; i < k_samples; ++i)
-    target[i] = static_cast<float>(random_unit(i)), weight[i] = static_cast<float>(0.5 + random_unit(i + 99));
+  for (size_t i = 0; i < k_samples; ++i) {
+    target[i] = static_cast<float>(random_unit(i));
+    weight[i] = static_cast<float>(0.5 + random_unit(i + 99));
+  }
   Floats gradient(shape.parameters()), ignored(shape.parameters());
   const auto loss = [&](Floats* into) {
     const Batch batch = {k_inputs,     k_width, k_layers,      k_samples, network.parameters.data(),

@@ -58,7 +58,8 @@ struct Glass {
     glass.linear_velocity[1] = (to[1] - glass.position[1]) * 60;
     glass.angular_velocity[2] = (to[0] - turned) * 60;
     glass.position[1] = to[1];
-    glass.rotation[2] = std::sin(to[0] / 2), glass.rotation[3] = std::cos(to[0] / 2);
+    glass.rotation[2] = std::sin(to[0] / 2);
+    glass.rotation[3] = std::cos(to[0] / 2);
     turned = to[0];
     sandglass_frame_input input = sand->scene.input(1 / 60.0f, k_budget, plan);
     input.skin = sand->skin.get();

@@ -17,7 +17,10 @@ TEST(Skin, OneHashOnEveryInstructionSet) {
       sand.scene.colliders.push_back(sandglass::sphere(0.1f, 0.02f, 0.1f, 0.05f));
       sand.scene.add(lattice(10, 10, 10, 2.05f * k_radius, k_radius));
       uint64_t hash = 0;
-      for (int i = 0; i < 40; ++i) sand.frame(), hash = hash * 31 + sand.skin.hash();
+      for (int i = 0; i < 40; ++i) {
+        sand.frame();
+        hash = hash * 31 + sand.skin.hash();
+      }
       EXPECT_EQ(hash, k_golden) << sandglass_isa_name(isa) << " " << unit;
     }
 }

@@ -385,7 +385,10 @@ TEST(Skin, APushExchangesFewPatches) {
         float least = 0.5f * 1.5f * k_radius;
         for (const Anchored& other : before) {
           const float away = std::hypot(one.at[0] - other.at[0], one.at[1] - other.at[1], one.at[2] - other.at[2]);
-          if (away < least) least = away, nearest = &other;
+          if (away < least) {
+            least = away;
+            nearest = &other;
+          }
         }
         if (nearest == nullptr || least < 1e-6f) continue;  // what stands still is exchanged by none
         ++seen;
@@ -508,7 +511,10 @@ TEST(Skin, ALateSkinIsCarriedAlong) {
     const double seconds = report.time.simulated - simulated;
     const bool is_now = s.shown.frame == s.frame, same = i > 2 && was_now && is_now && s.front_version == front;
     stood += i > 2 && s.version == version ? 1 : 0;
-    simulated = report.time.simulated, front = s.front_version, version = s.version, was_now = is_now;
+    simulated = report.time.simulated;
+    front = s.front_version;
+    version = s.version;
+    was_now = is_now;
     const Mesh mesh = mesh_of(sand.skin);
     for (size_t v = 0; same && v < mesh.vertices.size(); ++v)
       for (int k = 0; k < 3; ++k) {
@@ -621,7 +627,9 @@ TEST(Skin, SandInTheAirThrowsItsOwnShadow) {
       const uint32_t at = on_heap ? n * n + i : i;
       const double passed = (255.0 - after[at]) / (255.0 - before[at]);
       if (before[at] > 128) continue;
-      sum += 1 - passed, x += (1 - passed) * (i % n + 0.5), z += (1 - passed) * (i / n + 0.5);
+      sum += 1 - passed;
+      x += (1 - passed) * (i % n + 0.5);
+      z += (1 - passed) * (i / n + 0.5);
     }
     const double outline = k_loose * M_PI * k_radius * k_radius / 0.8 / (texel * texel);
     EXPECT_NEAR(sum, static_cast<double>(one.weight) * outline, 0.06 * outline) << on_heap;

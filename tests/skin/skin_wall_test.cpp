@@ -32,7 +32,8 @@ std::vector<float> in_bucket(float height, float turn) {
   const float middle = 3.25f * 2.05f * k_radius, c = std::cos(turn), s = std::sin(turn);
   for (size_t i = 0; i < points.size(); i += 3) {
     const float x = points[i] - middle, z = points[i + 2] - middle;
-    points[i] = c * x + s * z, points[i + 2] = c * z - s * x;
+    points[i] = c * x + s * z;
+    points[i + 2] = c * z - s * x;
   }
   return points;
 }

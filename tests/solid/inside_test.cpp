@@ -95,7 +95,9 @@ TEST(Inside, parity_is_right_in_the_planes_of_a_turned_notched_block) {
   for (size_t axis = 0; axis < 3; ++axis) {
     const auto turned = [axis](float along, float x, float y) {
       std::array<float, 3> p;
-      p[axis] = along, p[(axis + 1) % 3] = x, p[(axis + 2) % 3] = y;
+      p[axis] = along;
+      p[(axis + 1) % 3] = x;
+      p[(axis + 2) % 3] = y;
       return p;
     };
     host::Mesh block;

@@ -64,7 +64,10 @@ TEST(Sample, MovesEvenlyAndRests) {
     if (frame >= 150) continue;
     const double was_drawn = std::exchange(drawn, heights(all[now.older], all[now.newer], now.share));
     const double was_written = std::exchange(written, heights(grains, grains, 1));
-    if (frame >= 50) stood_drawn += drawn == was_drawn, stood_written += written == was_written;
+    if (frame >= 50) {
+      stood_drawn += drawn == was_drawn;
+      stood_written += written == was_written;
+    }
   }
   EXPECT_GT(stood_written, 20u) << "the control";
   EXPECT_LE(stood_drawn, stood_written / 20);
@@ -89,14 +92,20 @@ TEST(Sample, AShortImageForLampsLeavesTheSandAsBright) {
   std::vector<uint8_t> bytes(3 * 64 * 48);
   sandglass_camera_image image;
   sandglass_camera_image_default(&image);
-  image.width = 64, image.height = 48, image.planes[0] = bytes.data(), image.strides[0] = 3 * 64;
-  image.focal_x = image.focal_y = 50, image.centre_x = 31.5f, image.centre_y = 23.5f;
+  image.width = 64;
+  image.height = 48;
+  image.planes[0] = bytes.data();
+  image.strides[0] = 3 * 64;
+  image.focal_x = image.focal_y = 50;
+  image.centre_x = 31.5f;
+  image.centre_y = 23.5f;
   const auto drawn = [&](float exposure) {  // linear light of 0.25
     const double light = 0.25 * static_cast<double>(exposure);
     std::fill(bytes.begin(), bytes.end(),
               static_cast<uint8_t>(
                   std::lround(255 * (light < .0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - .055))));
-    image.exposure = exposure, image.timestamp_ns += 200'000'000;
+    image.exposure = exposure;
+    image.timestamp_ns += 200'000'000;
     sand.frame(0.2f, 1.0f, nullptr, &image);
     return sand.shading().ambient[1];
   };

@@ -16,7 +16,10 @@
 
 namespace {
 
-int failed(const char* why) { return std::fprintf(stderr, "sandglass_golden: %s\n", why), 1; }
+int failed(const char* why) {
+  std::fprintf(stderr, "sandglass_golden: %s\n", why);
+  return 1;
+}
 
 uint64_t virtual_now(void*) {
   static uint64_t reading = 0;
@@ -50,8 +53,10 @@ int main(int count, char** words) {
   status.code = sandglass_granular_add(scene.get(), &particles, &grains, &status.reason);
   std::vector<sandglass_grain> drawn(desc.granular.grain_capacity);
   sandglass_frame_input input = sandglass::frame_input(k_frame_step, k_budget_ns);
-  input.colliders = k_colliders, input.collider_count = std::size(k_colliders);
-  input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
+  input.colliders = k_colliders;
+  input.collider_count = std::size(k_colliders);
+  input.grains = drawn.data();
+  input.grain_capacity = desc.granular.grain_capacity;
   sandglass_frame_report report = sandglass::frame_report();
   for (int left = std::atoi(words[4]); status && left > 0; --left) status = scene.frame(input, &report);
   if (!status) return failed(status.reason);

@@ -88,7 +88,8 @@ class Sand {
     sandglass::Status status = scene_.create(desc);
     if (status) status = room_.create();
     sandglass_pile_shadow_desc pile = sandglass::pile_shadow_desc();
-    for (int k = 0; k < 2; ++k) pile.low[k] = -k_table, pile.high[k] = k_table;
+    std::fill_n(pile.low, 2, -k_table);
+    std::fill_n(pile.high, 2, k_table);
     pile.sky_texels = 64;
     if (status) status = pile_.create(pile);
     if (status) status = cast_.create(sandglass::cast_desc());

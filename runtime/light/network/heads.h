@@ -14,12 +14,9 @@ inline double hyperbolic_tangent(double x) { return 2 * sigmoid(2 * x) - 1; }
 inline LightOutputs light_outputs_of(const double heads[k_light_heads]) {
   constexpr double k_shortest = 1e-6;
   LightOutputs out = {};
-  double direction[3], squared = 0;
-  for (uint32_t axis = 0; axis < 3; ++axis) {
-    direction[axis] = hyperbolic_tangent(heads[axis]);
-    squared += direction[axis] * direction[axis];
-  }
-  const double length = square_root(squared);
+  double direction[3];
+  for (uint32_t axis = 0; axis < 3; ++axis) direction[axis] = hyperbolic_tangent(heads[axis]);
+  const double length = square_root(square_of(direction));
   for (uint32_t axis = 0; axis < 3; ++axis) {
     const double up = axis == 1 ? -1 : 0;
     out.direction[axis] = static_cast<float>(length > k_shortest ? direction[axis] / length : up);

@@ -395,9 +395,14 @@ LightFloats light_floats(const LightNetwork& network, const LightOperator& op) {
   for (const LightOperator* o = network.operators; o <= &op; ++o) {
     floats = {};
     if (o->kind == k_light_kind_stem) floats.border = take(3);
-    if (o->kind == k_light_kind_narrow || o->kind == k_light_kind_transition || o->kind == k_light_kind_head)
-      floats.low = take(o->inputs), floats.high = take(o->inputs);
-    if (o->kind == k_light_kind_head) floats.feature_scale = take(o->inputs), floats.feature_shift = take(o->inputs);
+    if (o->kind == k_light_kind_narrow || o->kind == k_light_kind_transition || o->kind == k_light_kind_head) {
+      floats.low = take(o->inputs);
+      floats.high = take(o->inputs);
+    }
+    if (o->kind == k_light_kind_head) {
+      floats.feature_scale = take(o->inputs);
+      floats.feature_shift = take(o->inputs);
+    }
     const Shape shape = shape_of(*o);
     floats.weights = take(shape.places * shape.outputs);
     floats.bias = take(shape.outputs);

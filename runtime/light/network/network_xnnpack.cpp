@@ -61,7 +61,10 @@ void load_clamp(const LightNetwork& net, const LightOperator& op, const uint8_t*
     memcpy(s->high, floats.high, op.inputs * sizeof(float));
     return;
   }
-  for (uint32_t c = 0; c < op.inputs; ++c) s->low[c] = value_of<Value>(low[c]), s->high[c] = value_of<Value>(high[c]);
+  for (uint32_t c = 0; c < op.inputs; ++c) {
+    s->low[c] = value_of<Value>(low[c]);
+    s->high[c] = value_of<Value>(high[c]);
+  }
 }
 
 // In float, NaN becomes the lower end: forged weights may make one.
@@ -291,11 +294,14 @@ bool create_operators(LightNetwork* net, State<Value>* s, const char** reason) {
 template <class Value>
 void release(LightNetwork* net) {
   State<Value>* s = state_of<Value>(*net);
-  xnnpack_release(s->stem);
-  s->stem = nullptr;
-  for (XnnpackOperator*& op : s->narrow) xnnpack_release(op), op = nullptr;
-  for (XnnpackOperator*& op : s->wide) xnnpack_release(op), op = nullptr;
-  for (XnnpackOperator*& op : s->transition) xnnpack_release(op), op = nullptr;
+  const auto give_up = [](XnnpackOperator*& op) {
+    xnnpack_release(op);
+    op = nullptr;
+  };
+  give_up(s->stem);
+  for (XnnpackOperator*& op : s->narrow) give_up(op);
+  for (XnnpackOperator*& op : s->wide) give_up(op);
+  for (XnnpackOperator*& op : s->transition) give_up(op);
 }
 
 template <class Value>

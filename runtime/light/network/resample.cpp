@@ -44,8 +44,14 @@ struct Axis {
 Axis axis_of(float focal, float centre, uint32_t count, bool backwards, bool half) {
   double step = static_cast<double>(focal) / k_light_focal;
   double first = static_cast<double>(centre) - step * 0.5 * (count - 1);
-  if (half) step *= 0.5, first = (first - 0.5) * 0.5;
-  if (backwards) first += step * (count - 1), step = -step;
+  if (half) {
+    step *= 0.5;
+    first = (first - 0.5) * 0.5;
+  }
+  if (backwards) {
+    first += step * (count - 1);
+    step = -step;
+  }
   return {first, step};
 }
 
@@ -233,7 +239,8 @@ void resample_camera_block(const CameraImage& image, const CameraBlock& block, u
       const uint32_t column = block.first_column + a, x = quarter ? b : column, y = quarter ? column : b;
       uint8_t* out = rgb + 3 * (y * k_light_width + x);
       if (yuv) yuv_to_rgb(image.range, bytes[0][a], bytes[1][a], bytes[2][a], out);
-      else out[0] = bytes[0][a], out[1] = bytes[1][a], out[2] = bytes[2][a];
+      else
+        for (uint32_t c = 0; c < 3; ++c) out[c] = bytes[c][a];
     }
   }
 }

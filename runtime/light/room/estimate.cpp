@@ -103,7 +103,10 @@ Overview overview_of(const Room& room, const Memory& memory) {
     // A lamp does not colour the rest: each part counts by the root of its brightness.
     const double root = y > 0 ? weight / square_root(y) : 0;
     for (int c = 0; c < 3; ++c) colour[c] += root * static_cast<double>(part.radiance[c]);
-    if (i / k_room_columns < static_cast<uint32_t>(k_floor_row)) floor += weight * y, floor_area += weight;
+    if (i / k_room_columns < static_cast<uint32_t>(k_floor_row)) {
+      floor += weight * y;
+      floor_area += weight;
+    }
   }
   Overview all = {k_first_level, {1, 1, 1}, 0};
   if (!(area > 0) || !(mean > 0)) return all;
@@ -202,7 +205,11 @@ void add_piece(Sums* sums, const SinCos& turn, const Facing& plane, const double
   const double colour[3] = {seen_share * part.lit[0] + rest * unseen[0], seen_share * part.lit[1] + rest * unseen[1],
                             seen_share * part.lit[2] + rest * unseen[2]};
   double q[3], along = 0, squared = 0;
-  for (int k = 0; k < 3; ++k) q[k] = sphere[k] - at[k], along += sphere[k] * at[k], squared += q[k] * q[k];
+  for (int k = 0; k < 3; ++k) {
+    q[k] = sphere[k] - at[k];
+    along += sphere[k] * at[k];
+    squared += q[k] * q[k];
+  }
   const double distance = square_root(squared), omega = area * (1 - along) / (squared * distance);
   for (double& x : q) x /= distance;
   double local[3];
@@ -462,7 +469,10 @@ void find_look(const Room& room, const Memory& memory, float look[3]) {
           const uint32_t at = (column + c + k_room_columns - k_look_columns) % k_room_columns;
           gain += (1 - memory.known(r * k_room_columns + at)) * facing[r];
         }
-      if (gain > most) most = gain, best = row * k_room_columns + column;
+      if (gain > most) {
+        most = gain;
+        best = row * k_room_columns + column;
+      }
     }
   double direction[3];
   const uint32_t row = best / k_room_columns, column = best % k_room_columns;

@@ -28,11 +28,9 @@ double cosine_between(const float a[3], const float b[3]) {
 }
 
 void turn(float shown[3], const float now[3], float share) {
-  double direction[3], squared = 0;
-  for (int k = 0; k < 3; ++k) {
-    direction[k] = static_cast<double>(shown[k] + share * (now[k] - shown[k]));
-    squared += direction[k] * direction[k];
-  }
+  double direction[3];
+  for (int k = 0; k < 3; ++k) direction[k] = static_cast<double>(shown[k] + share * (now[k] - shown[k]));
+  const double squared = square_of(direction);
   for (int k = 0; k < 3; ++k) shown[k] = static_cast<float>(direction[k] / square_root(squared));
 }
 

@@ -115,8 +115,10 @@ __attribute__((noinline)) RoomObservation observe(const RoomView& view, uint32_t
   const auto elevation = [&](double at) { return turned(part.elevation, k_pi / k_room_rows * (at - 0.5)); };
   const auto azimuth = [&](double at) { return turned(part.azimuth, 2 * k_pi / k_room_columns * (at - 0.5)); };
   SinCos elevations[k_lamp_points], azimuths[k_lamp_points];
-  for (uint32_t i = 0; i < count; ++i)
-    elevations[i] = elevation((i + down) / count), azimuths[i] = azimuth((i + across) / count);
+  for (uint32_t i = 0; i < count; ++i) {
+    elevations[i] = elevation((i + down) / count);
+    azimuths[i] = azimuth((i + across) / count);
+  }
   Points points = {};
   for (int64_t i = 0; i < count; ++i)
     for (int64_t j = 0; j < count; ++j) {
@@ -144,7 +146,10 @@ __attribute__((noinline)) RoomObservation observe(const RoomView& view, uint32_t
     const double place = points.white > 0 ? points.clipped[k] / points.white : points.from[k] / points.light;
     return 2 * (points.white > 0 ? place - 0.5 : place - points.middle[k] / points.area);
   };
-  if (points.white > 0 || (count == k_lamp_points && points.light > 0)) seen.up = beside(0), seen.aside = beside(1);
+  if (points.white > 0 || (count == k_lamp_points && points.light > 0)) {
+    seen.up = beside(0);
+    seen.aside = beside(1);
+  }
   return seen;
 }
 
@@ -168,7 +173,8 @@ void compare_as_far(Room* room, const PartMiddle& part, const RoomKnown& before,
   const RoomPart& known = room->parts[part.part];
   double from[3], here[3], squared = 0;
   for (int k = 0; k < 3; ++k) {
-    from[k] = known.from[k] / 127.0, here[k] = view->position[k];
+    from[k] = known.from[k] / 127.0;
+    here[k] = view->position[k];
     squared += (from[k] - here[k]) * (from[k] - here[k]);
   }
   if (squared < k_parallax * k_parallax || now.clipped > 0 || !room_remembers(known)) return;
@@ -235,8 +241,10 @@ void learn(Room* room, const PartMiddle& part) {
   // What is clipped a little is told at once, and what is no more so: the next image may miss it.
   const bool at_once = clipped > 0 ? rate > 0 && before.clipped < k_faint && clipped < k_little : rate > k_clear;
   known->clipped = static_cast<double>(before.clipped + (at_once ? 1 : rate) * (clipped - before.clipped));
-  if (rate > 0)
-    known->up = room_towards(known->up, now.up, moved), known->aside = room_towards(known->aside, now.aside, moved);
+  if (rate > 0) {
+    known->up = room_towards(known->up, now.up, moved);
+    known->aside = room_towards(known->aside, now.aside, moved);
+  }
   // Points far apart may have missed a lamp that an ordinary image shows.
   const bool tells_white = closely || before.clipped > 0 || !room_is_short(*room);
   if (white != nullptr && rate > 0 && tells_white && (of_now > *white || !(rate < k_changed_rate * covered)))

@@ -45,9 +45,9 @@ Look look_at(const RoomView& view, const double ahead[3], double side) {
   const CameraLayout layout = camera_layout(view.image);
   // Two axes across.
   const uint32_t least = absolute(ahead[0]) < absolute(ahead[1]) ? 0 : 1;
-  double right[3] = {}, up[3], squared = 0;
-  for (uint32_t k = 0; k < 3; ++k)
-    right[k] = (k == least ? 1 : 0) - ahead[least] * ahead[k], squared += right[k] * right[k];
+  double right[3], up[3];
+  for (uint32_t k = 0; k < 3; ++k) right[k] = (k == least ? 1 : 0) - ahead[least] * ahead[k];
+  const double squared = square_of(right);
   for (double& x : right) x /= square_root(squared);
   for (uint32_t k = 0; k < 3; ++k)
     up[k] = ahead[(k + 1) % 3] * right[(k + 2) % 3] - ahead[(k + 2) % 3] * right[(k + 1) % 3];
@@ -71,7 +71,10 @@ Look look_at(const RoomView& view, const double ahead[3], double side) {
     for (int c = 0; c < 3; ++c) linear[c] = static_cast<double>(camera_light(view.image, view.light, rgb[c]));
     shown[i] = luminance(linear);
     look.dark = look.dark && shown[i] < k_dark;
-    if (is_rim(row, column)) rim += shown[i], ++rays_of_rim;
+    if (is_rim(row, column)) {
+      rim += shown[i];
+      ++rays_of_rim;
+    }
   }
   if (rays_of_rim > 0) rim /= rays_of_rim;
   double sum = 0, squares = 0, from[2] = {}, brightest = 0;
@@ -87,11 +90,13 @@ Look look_at(const RoomView& view, const double ahead[3], double side) {
     brightest = shown[i] > brightest ? shown[i] : brightest;
   }
   for (int k = 0; k < 3; ++k) look.middle[k] = ahead[k] + (sum > 0 ? (from[0] * right[k] + from[1] * up[k]) / sum : 0);
-  const double* m = look.middle;
-  const double length = square_root(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+  const double length = square_root(square_of(look.middle));
   for (double& x : look.middle) x /= length;
   look.hidden = look.clipped && !(rim < k_black);
-  if (brightest > k_stands_out * rim) look.solid_angle = sum * sum / squares, look.light = sum;
+  if (brightest > k_stands_out * rim) {
+    look.solid_angle = sum * sum / squares;
+    look.light = sum;
+  }
   return look;
 }
 
@@ -115,8 +120,8 @@ bool brightest_in_picture(const Room& room, double ahead[3]) {
     room_direction(row + 0.5 + room.parts[i].up / 254.0, column + 0.5 + room.parts[i].aside / 254.0, direction);
     uint32_t x, y;
     if (!room_pixel_of(view, direction, &x, &y)) continue;
-    double squared = 0;
-    for (int k = 0; k < 3; ++k) ahead[k] = direction[k] - view.position[k], squared += ahead[k] * ahead[k];
+    for (int k = 0; k < 3; ++k) ahead[k] = direction[k] - view.position[k];
+    const double squared = square_of(ahead);
     for (int k = 0; k < 3; ++k) ahead[k] /= square_root(squared);
     most = bright;
     any = true;
@@ -199,7 +204,10 @@ void room_measure_lamp(Room* room) {
   }
   // Where that ray meets the sphere.
   double along = 0, inside = 1, at[3];
-  for (int k = 0; k < 3; ++k) along += view.position[k] * ahead[k], inside -= view.position[k] * view.position[k];
+  for (int k = 0; k < 3; ++k) {
+    along += view.position[k] * ahead[k];
+    inside -= view.position[k] * view.position[k];
+  }
   const double far = square_root(along * along + inside) - along;
   for (int k = 0; k < 3; ++k) at[k] = view.position[k] + far * ahead[k];
   const double error = 0.5 / static_cast<double>(view.image.focal_x) + (look.clipped ? k_spread : k_sampled) * across;

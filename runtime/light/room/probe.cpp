@@ -167,9 +167,10 @@ void take_row_of_cube(const Room& room, RoomProbe* probe, uint32_t row) {
 // The direction of a part's middle from `at`, in the world.
 void middle_from(const Room& room, uint32_t part, const double at[3], double world[3]) {
   const uint32_t row = part / k_room_columns, column = part % k_room_columns;
-  double d[3], squared = 0;
+  double d[3];
   room_direction(row + 0.5, column + 0.5, d);
-  for (int k = 0; k < 3; ++k) d[k] -= at[k], squared += d[k] * d[k];
+  for (int k = 0; k < 3; ++k) d[k] -= at[k];
+  const double squared = square_of(d);
   room_to_world(room, d, world);
   for (int k = 0; k < 3; ++k) world[k] /= square_root(squared);
 }
@@ -234,8 +235,9 @@ bool begin(Room* room, const float position[3], float exposure, float confidence
 
 // A main light without a direction is none.
 void set_far_light(const Room& room, const sandglass_harmonics& told, RoomFarLight* far) {
-  double world[3], squared = 0;
-  for (int k = 0; k < 3; ++k) world[k] = static_cast<double>(told.main_direction[k]), squared += world[k] * world[k];
+  double world[3];
+  for (int k = 0; k < 3; ++k) world[k] = static_cast<double>(told.main_direction[k]);
+  const double squared = square_of(world);
   if (!(squared > 0)) return;
   for (double& x : world) x /= square_root(squared);
   room_to_sphere(room, world, far->direction);

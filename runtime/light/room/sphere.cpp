@@ -116,7 +116,8 @@ void room_place(const Room& room, const double world[3], double sphere[3], doubl
 void room_fit_sphere(Room* room, const CameraImage& image) {
   constexpr double k_surely_far = 0.5;
   if (room->farther > k_surely_far) {
-    room->far = true, room->farther = 0;
+    room->far = true;
+    room->farther = 0;
     move_lamps(room);
     grow(room, k_far, room->centre);
   }

@@ -112,7 +112,10 @@ double smooth_texels(const Room& room, const RoomModel& model, const double dire
 // outside: then somewhere.
 void meet_sphere(const double from[3], const double direction[3], double d[3]) {
   double along = 0, inside = 1;
-  for (int k = 0; k < 3; ++k) along += from[k] * direction[k], inside -= from[k] * from[k];
+  for (int k = 0; k < 3; ++k) {
+    along += from[k] * direction[k];
+    inside -= from[k] * from[k];
+  }
   const double far = square_root(along * along + (inside > 0 ? inside : 0)) - along;
   for (int k = 0; k < 3; ++k) d[k] = from[k] + far * direction[k];
 }
@@ -121,8 +124,9 @@ void meet_sphere(const double from[3], const double direction[3], double d[3]) {
 void seen_through(const Room& room, const double place[3], double d[3]) {
   double from[3] = {};
   for (int step = 0; step < 2; ++step) {
-    double ray[3], squared = 0;
-    for (int k = 0; k < 3; ++k) ray[k] = place[k] - from[k], squared += ray[k] * ray[k];
+    double ray[3];
+    for (int k = 0; k < 3; ++k) ray[k] = place[k] - from[k];
+    const double squared = square_of(ray);
     if (!(squared > k_least_ray)) return;
     for (double& r : ray) r /= square_root(squared);
     meet_sphere(from, ray, d);
@@ -169,9 +173,9 @@ void room_face(const Room& room, const RoomModel& model, const float position[3]
     if (height > 0 && world[1] < 0) {
       // What it stands on lies nearer than the sphere.
       const double far = -static_cast<double>(height) / (world[1] * room.radius);
-      double below[3], squared = 0;
-      for (int k = 0; k < 3; ++k) below[k] = at[k] + far * d[k], squared += below[k] * below[k];
-      if (squared < 1) seen_through(room, below, d);
+      double below[3];
+      for (int k = 0; k < 3; ++k) below[k] = at[k] + far * d[k];
+      if (square_of(below) < 1) seen_through(room, below, d);
       else meet_sphere(at, d, d);
     } else {
       meet_sphere(at, d, d);

@@ -27,7 +27,7 @@ void choose_steps(const AmbientAsset& asset, AmbientShadow* ambient) {
   }
   uint32_t shift = 1;
   double scale = 2 * 255.0;
-  while (shift < k_ambient_shift_limit && largest * (1 + k_cells_slack) * 2 * scale < 32767) ++shift, scale *= 2;
+  for (; shift < k_ambient_shift_limit && largest * (1 + k_cells_slack) * 2 * scale < 32767; scale *= 2) ++shift;
   ambient->components.shift = shift;
   ambient->weight_scale = scale;
 }

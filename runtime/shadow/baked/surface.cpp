@@ -45,7 +45,10 @@ uint32_t nearest_point(const SurfaceAsset& surface, const Vertex& vertex) {
     const double apart = x - surface.positions[3 * point];
     if (apart * apart > least) return false;
     const double distance = distance_of(surface, point, vertex);
-    if (distance < least) least = distance, nearest = point;
+    if (distance < least) {
+      least = distance;
+      nearest = point;
+    }
     return true;
   };
   for (uint32_t i = low; i < surface.vertices && look_at(i); ++i) {

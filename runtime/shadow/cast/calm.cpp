@@ -146,7 +146,10 @@ bool cast_calm(CastState* c) {
       calm_row(c, texels, ready, radius);
       if (c->pass == k_passes - 1) write_row(*c, texels, ready, target.back.bytes + uint64_t{ready} * texels);
     }
-    if (++c->row == texels + radius) c->row = 0, ++c->pass;
+    if (++c->row == texels + radius) {
+      c->row = 0;
+      ++c->pass;
+    }
   }
   return c->pass == k_passes;
 }

@@ -51,7 +51,8 @@ bool fit(const CastState& c, const CastDirection* directions, CastTexture* textu
     if (!ambient && c.in_shade && c.share > 0) {  // what the ambient texture cannot hold is in this one
       const double around = k_cast_ambient_slope * c.high[1],
                    wide[2] = {c.low[of_box] - around, c.high[of_box] + around};
-      fades[0] = wide[0]<from, fades[1] = wide[1]> to;
+      fades[0] = wide[0] < from;
+      fades[1] = wide[1] > to;
       from = fades[0] ? wide[0] : from;
       to = fades[1] ? wide[1] : to;
     }

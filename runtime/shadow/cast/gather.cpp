@@ -326,12 +326,18 @@ void cast_begin_gather(CastState* c) {
   c->gathered_frame = c->frame;
   c->stale = false;
   constexpr auto k_far = static_cast<double>(k_cast_far);
-  for (uint32_t axis = 0; axis < 3; ++axis) c->low[axis] = k_far, c->high[axis] = -k_far;
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    c->low[axis] = k_far;
+    c->high[axis] = -k_far;
+  }
   for (uint32_t i = 0; i < c->mesh_count; ++i) {
     CastMesh* mesh = &c->meshes[i];
     mesh->gathered = mesh->asked;
     place(c->frame, mesh->gathered.world_from_mesh, mesh->plane_from_mesh);
-    for (uint32_t axis = 0; axis < 3; ++axis) mesh->low[axis] = k_cast_far, mesh->high[axis] = -k_cast_far;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+      mesh->low[axis] = k_cast_far;
+      mesh->high[axis] = -k_cast_far;
+    }
   }
 }
 

@@ -26,7 +26,11 @@ void clear_columns(Pile* p) {
   float* tops = p->tops - k_lane_group;
   float* bottoms = p->bottoms - k_lane_group;
   float* fills = p->fills - k_lane_group;
-  for (uint32_t i = 0; i < count; ++i) tops[i] = -k_pile_empty, bottoms[i] = k_pile_empty, fills[i] = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    tops[i] = -k_pile_empty;
+    bottoms[i] = k_pile_empty;
+    fills[i] = 0;
+  }
   p->sand_rows[0] = p->sand_columns[0] = static_cast<int32_t>(p->texels);
   p->sand_rows[1] = p->sand_columns[1] = -1;
   p->top = 0;
@@ -259,10 +263,15 @@ void gather_row(Pile* p, int32_t row, uint32_t* begin, uint32_t* end) {
 
 void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage) {
   PileLightArgs args = {};
-  args.tops = p->tops, args.bottoms = p->bottoms, args.fills = p->fills, args.pitch = p->pitch,
+  args.tops = p->tops;
+  args.bottoms = p->bottoms;
+  args.fills = p->fills;
+  args.pitch = p->pitch;
   args.row = static_cast<int32_t>(row);
-  for (uint32_t side = 0; side < 2; ++side)
-    args.sand_rows[side] = p->sand_rows[side], args.sand_columns[side] = p->sand_columns[side];
+  for (uint32_t side = 0; side < 2; ++side) {
+    args.sand_rows[side] = p->sand_rows[side];
+    args.sand_columns[side] = p->sand_columns[side];
+  }
   args.receivers = receivers;
   args.on_floor = receivers == p->nothing ? 1 : 0;
   uint32_t begin, end;
@@ -321,7 +330,10 @@ void run_sky(Pile* p) {
   PileSky* s = &p->sky;
   if (p->phase == PilePhase::levels) {
     p->cursor = sky_run_levels(p, p->cursor);
-    if (p->cursor == s->rows) p->phase = PilePhase::sky, p->cursor = 0;
+    if (p->cursor == s->rows) {
+      p->phase = PilePhase::sky;
+      p->cursor = 0;
+    }
     return;
   }
   p->cursor = sky_run_rows(p, p->cursor);
@@ -360,12 +372,17 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const uint32_t making = p.phase == PilePhase::idle ? pile_wanted(p) : p.making;
   uint64_t columns = 0, rows = 0, levels = 0, sky_rows = 0;
   if ((making & k_ask_light) != 0) rows = (p.back.sand != nullptr ? 2u : 1u) * p.texels;
-  if ((making & k_ask_sky) != 0) levels = sky.rows, sky_rows = sky.texels;
+  if ((making & k_ask_sky) != 0) {
+    levels = sky.rows;
+    sky_rows = sky.texels;
+  }
   if (p.phase == PilePhase::idle) columns = p.source.count;
   else if (p.phase == PilePhase::columns) columns = p.source.count > p.cursor ? p.source.count - p.cursor : 0;
   else if (p.phase == PilePhase::levels) levels -= p.cursor;
-  else if (p.phase == PilePhase::sky) levels = 0, sky_rows -= p.cursor;
-  else rows -= p.cursor + (p.phase == PilePhase::sand ? p.texels : 0);
+  else if (p.phase == PilePhase::sky) {
+    levels = 0;
+    sky_rows -= p.cursor;
+  } else rows -= p.cursor + (p.phase == PilePhase::sand ? p.texels : 0);
   const Forecast all[] = {{k_pile_columns, columns, true},
                           {k_pile_rows, rows * p.texels, true},
                           {k_pile_levels, levels * sky.texels, true},

@@ -153,7 +153,10 @@ void make_level_row(Pile* p, uint32_t row) {
   s->in_air[row] = 0;
   LevelRow a = {}, b = {};
   const int32_t half = static_cast<int32_t>(window(level)) / 2;
-  if (level > 0) a = row_at(*s, rows, level - 1, first), b = row_at(*s, rows, level - 1, first + half);
+  if (level > 0) {
+    a = row_at(*s, rows, level - 1, first);
+    b = row_at(*s, rows, level - 1, first + half);
+  }
   for (int32_t u = 1 - static_cast<int32_t>(window(level)); u < static_cast<int32_t>(s->texels); ++u) {
     Column column = k_no_sand;
     if (level == 0 && has_sand(columns, level, u)) {
@@ -290,8 +293,10 @@ void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
   if (texels == 0) return;
   s->pitch = texels + k_before + k_after;
   uint32_t rows = 0;
-  for (uint32_t level = 0; level < k_sky_levels; ++level)
-    s->origins[level] = rows + window(level) - 1, rows = s->origins[level] + texels;
+  for (uint32_t level = 0; level < k_sky_levels; ++level) {
+    s->origins[level] = rows + window(level) - 1;
+    rows = s->origins[level] + texels;
+  }
   s->rows = rows;
   const uint64_t columns = uint64_t{rows} * s->pitch + k_lane_group, n = texels;
   float** const arrays[] = {&s->tops, &s->bottoms, &s->fills};
@@ -317,18 +322,24 @@ void sky_build(Pile* p) {
   PileSky* s = &p->sky;
   if (s->texels == 0) return;
   const uint64_t columns = uint64_t{s->rows} * s->pitch + k_lane_group, texels = uint64_t{s->texels} * s->texels;
-  for (uint64_t i = 0; i < columns; ++i)
-    s->tops[i] = k_no_sand.top, s->bottoms[i] = k_no_sand.bottom, s->fills[i] = k_no_sand.fill;
+  for (uint64_t i = 0; i < columns; ++i) {
+    s->tops[i] = k_no_sand.top;
+    s->bottoms[i] = k_no_sand.bottom;
+    s->fills[i] = k_no_sand.fill;
+  }
   constexpr uint32_t k_first = k_lane_group + k_before;  // row 0, column 0
   s->tops += k_first;
   s->bottoms += k_first;
   s->fills += k_first;
   for (uint32_t u = 0; u < s->texels; ++u) s->nothing[u] = s->receivers[u] = s->lights[u] = 0;
   for (uint32_t k = 0; k < k_cell_sectors; ++k) place_steps(*p, k, s->walks + k * k_sky_steps);
-  for (uint32_t i = 0; i < k_light_cells; ++i)
-    s->cells[i] = k_prior_ring_shares[i / k_cell_sectors], s->made_for[i] = 0;
-  memset(s->front.floor, 255, texels), memset(s->front.sand, 255, texels),
-      memset(s->front.heights, 0, texels * s->joined * s->joined);
+  for (uint32_t i = 0; i < k_light_cells; ++i) {
+    s->cells[i] = k_prior_ring_shares[i / k_cell_sectors];
+    s->made_for[i] = 0;
+  }
+  memset(s->front.floor, 255, texels);
+  memset(s->front.sand, 255, texels);
+  memset(s->front.heights, 0, texels * s->joined * s->joined);
 }
 
 void sky_begin(Pile* p) {

@@ -99,7 +99,10 @@ sandglass_status finish(const Nodes& n, sandglass_solid solid, void* block, sand
   *header = {};
   header->magic = k_field_magic;
   FieldGrid& grid = header->shape;
-  for (int k = 0; k < 3; ++k) grid.counts[k] = n.counts[k], grid.low[k] = n.low[k];
+  for (int k = 0; k < 3; ++k) {
+    grid.counts[k] = n.counts[k];
+    grid.low[k] = n.low[k];
+  }
   grid.spacing = n.spacing;
   grid.inverse_spacing = 1.0f / n.spacing;
   grid.outward = inside ? 1.0f : -1.0f;
@@ -158,8 +161,10 @@ void write_triangle(const Nodes& n, const float* const corners[3], float band) {
   uint32_t range[3][2];
   for (int k = 0; k < 3; ++k) {
     float low = corners[0][k], high = corners[0][k];
-    for (int v = 1; v < 3; ++v)
-      low = corners[v][k] < low ? corners[v][k] : low, high = corners[v][k] > high ? corners[v][k] : high;
+    for (int v = 1; v < 3; ++v) {
+      low = corners[v][k] < low ? corners[v][k] : low;
+      high = corners[v][k] > high ? corners[v][k] : high;
+    }
     if (!node_range(n, k, low - band, high + band, range[k])) return;
   }
   const Vector a = {corners[0][0], corners[0][1], corners[0][2]}, b = {corners[1][0], corners[1][1], corners[1][2]},
@@ -274,7 +279,11 @@ float sandglass_field_distance(const sandglass_field* field, const float point[3
   constexpr float k_farthest = 1e6f;
   if (field == nullptr || point == nullptr) return 0.0f;
   if (!all_finite(point, 3)) {
-    if (normal != nullptr) normal[0] = 0.0f, normal[1] = 1.0f, normal[2] = 0.0f;
+    if (normal != nullptr) {
+      normal[0] = 0.0f;
+      normal[1] = 1.0f;
+      normal[2] = 0.0f;
+    }
     return 0.0f;
   }
   const Kernels* kernels = select_sand_kernels(SANDGLASS_ISA_SCALAR);

@@ -112,7 +112,9 @@ double DayPhone::take(const World& world, Gaze gaze, double exposure) {
       const Vec3 c = {radiance.x * gains.x, radiance.y * gains.y, radiance.z * gains.z};
       seen_ = seen_ + Vec3{std::min(radiance.x, 1.0), std::min(radiance.y, 1.0), std::min(radiance.z, 1.0)};
       uint8_t* byte = &bytes_[static_cast<size_t>(3 * (v * width + u))];
-      byte[0] = byte_of(table, c.x), byte[1] = byte_of(table, c.y), byte[2] = byte_of(table, c.z);
+      byte[0] = byte_of(table, c.x);
+      byte[1] = byte_of(table, c.y);
+      byte[2] = byte_of(table, c.z);
       sum += std::min(grey(c), 1.0);
     }
   sandglass_camera_image_default(&image_);
@@ -131,7 +133,10 @@ double DayPhone::take(const World& world, Gaze gaze, double exposure) {
   to_floats(position, image_.position);
   image_.timestamp_ns = now_ += k_step_ns;
   if (tells_transfer) image_.transfer = transfer;
-  if (image_.transfer == SANDGLASS_TRANSFER_CURVE) image_.curve = k_curve.data(), image_.curve_points = k_curve_points;
+  if (image_.transfer == SANDGLASS_TRANSFER_CURVE) {
+    image_.curve = k_curve.data();
+    image_.curve_points = k_curve_points;
+  }
   if (tells_gains) to_floats(gains, image_.gains);
   image_.exposure = told_ ? static_cast<float>(exposure) : 0.0f;
   const char* reason = nullptr;

@@ -46,6 +46,11 @@ class DayPhone {
   Vec3 gains = {1, 1, 1};
   int width = 96, height = 72;
   double focal = 75;
+  void resolve(int wide, int high, double far) {
+    width = wide;
+    height = high;
+    focal = far;
+  }
   sandglass_transfer transfer = SANDGLASS_TRANSFER_SRGB;  // what its values mean, and whether it says so
   bool tells_transfer = true;
   uint32_t shorts = 0;  // images that the library has asked for

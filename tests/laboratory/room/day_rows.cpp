@@ -61,7 +61,7 @@ std::vector<World> rooms_of(Draw* draw) {
 // A phone that has looked around, and rests.
 std::unique_ptr<DayPhone> settled_phone(const World& world, Gaze gaze) {
   auto phone = std::make_unique<DayPhone>(0.2, true, 1.0);
-  phone->width = 48, phone->height = 36, phone->focal = 37.5;
+  phone->resolve(48, 36, 37.5);
   for (int i = 0; i < 100; ++i) phone->see(world, {18.0 * i, 10 + 45 * std::sin(i / 7.0)});
   for (int i = 0; i < 20; ++i) phone->see(world, gaze);
   return phone;
@@ -80,7 +80,10 @@ double worst_change(Draw draw, bool control) {
       const Gaze gaze = {azimuth + draw.between(0, 90), -20};
       const auto twin = settled_phone(world, gaze);
       double unchanged[2];
-      for (double& level : unchanged) rest(twin.get(), world, gaze, 40), level = twin->level();
+      for (double& level : unchanged) {
+        rest(twin.get(), world, gaze, 40);
+        level = twin->level();
+      }
       for (const double factor : {0.3, 0.1, 6.0}) {
         const auto phone = settled_phone(world, gaze);
         const double held = phone->handle()->room.light;
@@ -166,7 +169,7 @@ double worst_door(Draw draw, Door door) {
       DayPhone phone(0.3, door.told, 1.0), fresh(0.3, door.told, 1.0);
       const auto see = [&](DayPhone* by, const World& world, int i) {
         const Gaze gaze = {azimuth + 1.8 * i, 15 + 35 * std::sin(0.09 * i)};
-        by->width = 48, by->height = 36, by->focal = 37.5;
+        by->resolve(48, 36, 37.5);
         if (!door.control) by->position = direction_of({azimuth, 0}) * (0.15 * std::clamp(i - 360, 0, 40));
         if (door.told) by->see_and_obey(world, gaze);
         else by->see(world, gaze);
@@ -222,7 +225,7 @@ LampReport look_at_lamps(const Lamps& lamps, double azimuth, bool obeys) {
   DayPhone phone(0, true, 1.0);
   // A lamp is a few pixels wide at least, as a phone's camera shows it.
   const int fine = lamps.width_deg < 1.5 ? 3 : 1;
-  phone.width = 160 * fine, phone.height = 120 * fine, phone.focal = 125 * fine;
+  phone.resolve(160 * fine, 120 * fine, 125 * fine);
   const double truth = lamps.irradiance();
   LampReport worst;
   double least = 1, most = 0, last = -1;
@@ -235,7 +238,8 @@ LampReport look_at_lamps(const Lamps& lamps, double azimuth, bool obeys) {
     const auto share = static_cast<double>(phone.light().main_share);
     worst.share = std::max(worst.share, std::fabs(share - lamps.true_share()));
     worst.level = std::max(worst.level, std::fabs(phone.level() / truth - 1));
-    least = std::min(least, share), most = std::max(most, share);
+    least = std::min(least, share);
+    most = std::max(most, share);
     if (last >= 0) worst.jump = std::max(worst.jump, std::fabs(share - last));
     last = share;
     const bool now = static_cast<double>(phone.shown.main_share) > 0.5 * lamps.true_share();
@@ -272,7 +276,7 @@ double worst_size(Draw draw, bool control) {
     lamps.at.push_back(direction_of({azimuth + draw.between(0, 90), draw.between(35, 65)}));
     const World world = lamps.world();
     DayPhone phone(0, true, 1.0);
-    phone.width = 160, phone.height = 120, phone.focal = 125;
+    phone.resolve(160, 120, 125);
     for (int i = 0; i < 600; ++i)
       phone.see_and_obey(world, {azimuth + 9.0 * i + 20 * std::sin(i / 17.0), 20 + 30 * std::sin(i / 23.0)});
     const double found = control ? k_usual_deg * k_radians : static_cast<double>(phone.light().main_angular_diameter);
@@ -290,7 +294,8 @@ double worst_transfer(Draw draw, bool told) {
     double srgb = 0;
     for (sandglass_transfer transfer = SANDGLASS_TRANSFER_SRGB; transfer <= SANDGLASS_TRANSFER_CURVE; ++transfer) {
       DayPhone phone(0.2, true, 1.0);
-      phone.transfer = transfer, phone.tells_transfer = told;
+      phone.transfer = transfer;
+      phone.tells_transfer = told;
       for (int i = 0; i < 300; ++i) phone.see_and_obey(world, {azimuth + 9.0 * i, 20 + 40 * std::sin(i / 13.0)});
       if (transfer == SANDGLASS_TRANSFER_SRGB) srgb = phone.level();
       worst = std::max(worst, std::fabs(phone.level() / srgb - 1));
@@ -344,7 +349,7 @@ double worst_walk(Draw draw, bool open, double radius) {
                          {draw.between(0, 6), draw.between(0, 6), draw.between(0, 6)}};
     const World world = place.world();
     DayPhone phone(0.2, true, 1.0, radius);
-    phone.width = 96, phone.height = 72, phone.focal = 75;
+    phone.resolve(96, 72, 75);
     for (int i = 0; i < 300; ++i) {
       phone.position = direction_of({azimuth, 0}) * (2 * std::clamp((i - 240) / 50.0, 0.0, 1.0));
       phone.see_and_obey(world, {azimuth + 4.5 * i, 20 + 25 * std::sin(i / 9.0)});
@@ -365,7 +370,7 @@ double common_step(Draw draw, bool control) {
   for (const World& world : rooms_of(&draw))
     for (const double azimuth : k_directions) {
       DayPhone phone(0.2, false, 1.0);
-      phone.width = 48, phone.height = 36, phone.focal = 37.5;
+      phone.resolve(48, 36, 37.5);
       double before = 0;
       for (int i = 0; i < 200; ++i) {
         if (control) phone.handle()->room.shows_steps = false;
@@ -403,8 +408,9 @@ double worst_balance(Draw draw, bool told, bool follows) {
     };
     const Vec3 truth = floor_colour(world);
     DayPhone phone(0.2, true, 1.0);
-    phone.width = 80, phone.height = 60, phone.focal = 62;
-    phone.follows = 0.9, phone.tells_gains = told;
+    phone.resolve(80, 60, 62);
+    phone.follows = 0.9;
+    phone.tells_gains = told;
     for (int i = 0; i < 600; ++i) {
       phone.see_and_obey(world, {azimuth + 1.8 * i, 10 + 45 * std::sin(i / 14.0)});
       if (i < 200) continue;

@@ -84,7 +84,10 @@ Room with_known(const SeenRoom& seen, const PartRadiance& truth, Known known) {
     for (int c = 0; c < 3; ++c)
       part.radiance[c] += static_cast<float>(share * (colour[c] - static_cast<double>(part.radiance[c])));
     part.clipped = part.clipped * (1 - share);
-    if (known == Known::unseen_parts) part.seen = 1, part.age = 0;
+    if (known == Known::unseen_parts) {
+      part.seen = 1;
+      part.age = 0;
+    }
   }
   return room;
 }

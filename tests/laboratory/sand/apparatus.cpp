@@ -24,9 +24,7 @@ Profile cylinder(double radius, double bottom, double top) {
 
 cpp::Field vessel(const Profile& outline, double spacing, sandglass_solid solid) {
   const double margin = 3.0 * spacing;
-  double reach = 0.0, bottom = 1e30, top = -1e30;
-  for (const auto& point : outline)
-    reach = std::max(reach, point[0]), bottom = std::min(bottom, point[1]), top = std::max(top, point[1]);
+  const auto [reach, bottom, top] = extent_of(outline);
   const float wide = static_cast<float>(reach + margin);
   const cpp::Box box = {{-wide, static_cast<float>(bottom - margin), -wide},
                         {wide, static_cast<float>(top + margin), wide}};

@@ -33,6 +33,10 @@ struct Pose {
   Vec3 local(Vec3 p) const { return rotate(conjugate(turn()), p - at); }
 };
 
+void add_point(std::vector<float>* points, Vec3 p) {
+  for (const double v : {p.x, p.y, p.z}) points->push_back(static_cast<float>(v));
+}
+
 // What moves, and the sand about it in its own frame; for a hand, the world's.
 struct Vessel {
   std::vector<sandglass_collider> parts;
@@ -47,8 +51,7 @@ struct Vessel {
     for (double y = low.y; y < high.y; y += step)
       for (double z = low.z; z < high.z; z += step)
         for (double x = low.x; x < high.x; x += step)
-          if (inside(x, y, z))
-            for (const double v : {x, y, z}) sand.push_back(static_cast<float>(v));
+          if (inside(x, y, z)) add_point(&sand, {x, y, z});
   }
   void part(double x, double y, double z, double a, double b, double c) {
     const auto f = [](double v) { return static_cast<float>(v); };
@@ -97,7 +100,8 @@ Profile glass_line() {
 Vessel glass(double r) {
   Vessel v;
   Profile outline = glass_line();
-  outline.insert(outline.begin(), {0.0, -k_glass}), outline.push_back({0.0, k_glass});
+  outline.insert(outline.begin(), {0.0, -k_glass});
+  outline.push_back({0.0, k_glass});
   v.field = vessel(outline, r);
   v.parts = {cpp::field_at(v.field, 0, 0, 0)};
   const sandglass_field* field = v.field.get();
@@ -173,9 +177,11 @@ Vessel nested_jars(double r) {
   v.fill(r, {-11 * r, 3.1 * r, -11 * r}, {11 * r, 13 * r, 11 * r}, [&](double x, double y, double z) {
     return std::max(std::fabs(x - at.x), std::fabs(z)) > 8.1 * r && length(Vec3{x, y, z} - ball) > 5.1 * r;
   });
-  for (size_t i = 0; i < inner.sand.size(); i += 3)
-    v.sand.resize(v.sand.size() + 3), to_floats(moved(&inner.sand[i]), &v.sand.end()[-3]);
-  for (sandglass_collider c : inner.parts) to_floats(moved(c.position), c.position), v.parts.push_back(c);
+  for (size_t i = 0; i < inner.sand.size(); i += 3) add_point(&v.sand, moved(&inner.sand[i]));
+  for (sandglass_collider c : inner.parts) {
+    to_floats(moved(c.position), c.position);
+    v.parts.push_back(c);
+  }
   v.parts.push_back(cpp::sphere(0, 0, 0, static_cast<float>(4 * r)));
   to_floats(ball, v.parts.back().position);
   return v;
@@ -289,7 +295,9 @@ struct Carried {
           const size_t sand = vessel.sand.size() + standing.sand.size();
           sandglass_scene_desc desc = with_room(cpp::scene_desc(), static_cast<uint32_t>(sand / 3),
                                                 static_cast<uint32_t>(way.grains ? 8 * sand / 3 : 0));
-          desc.isa = isa, desc.clock = clock.clock(), desc.finest_level = way.finest;
+          desc.isa = isa;
+          desc.clock = clock.clock();
+          desc.finest_level = way.finest;
           desc.granular.collider_capacity = 16;
           desc.granular.particle_radius = static_cast<float>(s.radius);
           if (s.radius == k_fine) desc.granular.static_friction = desc.granular.kinetic_friction = 0.3f;
@@ -299,11 +307,9 @@ struct Carried {
     const Pose first = vessel.pushes ? Pose() : pose(-k_settle);
     std::vector<float> sand;
     for (const auto& [of, at] : {std::pair(&vessel, first), std::pair(&standing, k_beside)})
-      for (size_t i = 0; i < of->sand.size(); i += 3) {
-        sand.resize(sand.size() + 3);
-        to_floats(at.world(from_floats(&of->sand[i])), &sand.end()[-3]);
-      }
-    carried = vessel.sand.size(), seen.sand = static_cast<uint32_t>(carried / 3);
+      for (size_t i = 0; i < of->sand.size(); i += 3) add_point(&sand, at.world(from_floats(&of->sand[i])));
+    carried = vessel.sand.size();
+    seen.sand = static_cast<uint32_t>(carried / 3);
     Material material;
     for (size_t i = 0; way.grains && i < 8 * sand.size(); ++i) {
       const size_t particle = i / 24, axis = i % 3, corner = i / 3 % 8;
@@ -316,7 +322,10 @@ struct Carried {
     scene.add(material);
     colliders.push_back(cpp::floor_at(0));
     colliders.insert(colliders.end(), vessel.parts.begin(), vessel.parts.end());
-    for (sandglass_collider c : standing.parts) place(&c, Vec3(), k_beside), colliders.push_back(c);
+    for (sandglass_collider c : standing.parts) {
+      place(&c, Vec3(), k_beside);
+      colliders.push_back(c);
+    }
     for (size_t i = 0; i < colliders.size(); ++i) colliders[i].id = static_cast<uint32_t>(i + 1);
   }
 
@@ -386,9 +395,10 @@ struct Carried {
   bool half_through(const Pose& told) {
     const std::vector<float>& p = scene.particle_positions();
     const double neck = standing.sand.empty() ? told.at.y : k_stand;
-    size_t below = 0, all = 0;
-    for (size_t i = standing.sand.empty() ? 0 : carried; i < p.size(); i += 3) below += p[i + 1] < neck, ++all;
-    return 2 * below > all;
+    const size_t first = standing.sand.empty() ? 0 : carried;
+    size_t below = 0;
+    for (size_t i = first; i < p.size(); i += 3) below += p[i + 1] < neck;
+    return 2 * below > (p.size() - first) / 3;
   }
 
   Seen run() {
@@ -477,7 +487,8 @@ struct Judge {
           tell(who + ", 1/" + std::to_string(std::lround(1.0 / k_shares[i])), s, scene.before[i]);
           flows = std::min(flows, s.simulated / scene.before[i]);
         }
-        outside = std::max(outside, s.outside), over = std::max(over, s.over);
+        outside = std::max(outside, s.outside);
+        over = std::max(over, s.over);
         lost = std::max(lost, std::fabs(1.0 * s.at_end - full.at_end) / s.sand);
         faster = std::max(faster, s.fastest - full.fastest);
         place = std::max(place, length(s.place - full.place));
@@ -498,7 +509,8 @@ struct Judge {
       uint32_t outside = 0, lost = 0;
       for (const double late : {0.117, 0.25, 0.5, 1.0, 2.0}) {
         const Seen s = run(scene, {.told = told, .late = late, .clamped = clamped});
-        outside = std::max(outside, s.outside), lost = std::max(lost, s.at_end);
+        outside = std::max(outside, s.outside);
+        lost = std::max(lost, s.at_end);
       }
       const std::string who = name_of(scene, told) + (clamped ? ", hitch that no step tells" : ", hitch");
       if (!clamped) row(who + ": outside", "particles", 0.0, outside, 0.0);
@@ -521,7 +533,8 @@ struct Judge {
     way.flows = true;
     for (way.seed = 0; way.seed < k_starts; ++way.seed) {
       const Seen s = run(scene, way);
-      mean.simulated += s.simulated / k_starts, mean.outside = std::max(mean.outside, s.outside);
+      mean.simulated += s.simulated / k_starts;
+      mean.outside = std::max(mean.outside, s.outside);
     }
     return mean;
   }

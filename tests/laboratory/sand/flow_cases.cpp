@@ -180,8 +180,10 @@ double repose(const sandglass_scene_desc& desc, double radius_d, double aspect, 
   simulation.add(points, {});
   settle(&simulation, colliders, d, step);
   const double packing = packing_within(simulation.particle_positions(), r, reach - 2.0 * d, 2.0 * d, 0.5 * height);
-  for (uint32_t frame = 0; frame < frames_in(k_drain_seconds); ++frame)
-    simulation.frame(k_frame, k_no_budget, {colliders, 1}), step();
+  for (uint32_t frame = 0; frame < frames_in(k_drain_seconds); ++frame) {
+    simulation.frame(k_frame, k_no_budget, {colliders, 1});
+    step();
+  }
   uint32_t stay = 0;
   for (size_t i = 1; i < 3 * static_cast<size_t>(count); i += 3) stay += simulation.particle_positions()[i] > 0.0f;
   const double volume = stay * sphere_volume(r) / packing;
@@ -244,7 +246,10 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
     point.orifice_d = orifice_d;
     sandglass_frame_report report = simulation.frame(input);
     const uint32_t settle_frames = frames_in(setting.settle_seconds);
-    for (uint32_t frame = 0; frame < settle_frames; ++frame) report = simulation.frame(input), step();
+    for (uint32_t frame = 0; frame < settle_frames; ++frame) {
+      report = simulation.frame(input);
+      step();
+    }
     const uint64_t start = report.sand.removed_particles;
     // Beverloo's law predicts how long it takes until enough particles have come out.
     const double expected =
@@ -255,7 +260,10 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
     point.head_d = 1e30;
     for (double& rate : rates) {
       const uint64_t before = report.sand.removed_particles;
-      for (uint32_t frame = 0; frame < frames; ++frame) report = simulation.frame(input), step();
+      for (uint32_t frame = 0; frame < frames; ++frame) {
+        report = simulation.frame(input);
+        step();
+      }
       rate = static_cast<double>(report.sand.removed_particles - before) / (frames * k_frame);
       // The bed's height: how high particles lie at a distance of 12 d to 16 d from the axis.
       const std::vector<float> bed = present(&simulation);
@@ -298,8 +306,11 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
     // friction points up.
     piston.linear_velocity[1] = static_cast<float>(-k_sinking_d * d);
     const auto sink = [&] { piston.position[1] += static_cast<float>(k_frame) * piston.linear_velocity[1]; };
-    for (uint32_t frame = 0; frame < frames_in(k_settle_seconds); ++frame)
-      sink(), simulation.frame(k_frame, k_no_budget, colliders), step();
+    for (uint32_t frame = 0; frame < frames_in(k_settle_seconds); ++frame) {
+      sink();
+      simulation.frame(k_frame, k_no_budget, colliders);
+      step();
+    }
     double load = 0.0;
     for (int look = 0; look < k_looks; ++look) {
       sink();

@@ -188,7 +188,8 @@ Followed follow(const FollowScene& what, sandglass_blend blend, uint64_t seed, s
     if (time < what.flow_from - k_way) result.awake = report.sand.awake;
     if (looks < k_looks && time >= what.flow_from + looks * (what.flow_to - what.flow_from) / (k_looks - 1)) {
       const Placement here = look();
-      result.flow.bare += here.bare / k_looks, result.flow.wrong += here.wrong / k_looks;
+      result.flow.bare += here.bare / k_looks;
+      result.flow.wrong += here.wrong / k_looks;
       ++looks;
     }
     step(std::min(time / what.seconds, 1.0));

@@ -17,7 +17,10 @@ namespace sandglass::host {
 BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint32_t frames, bool with_grains,
                      const BenchStep& step, uint32_t level) {
   if (!with_grains)
-    for (Body& body : scene.bodies) body.grains = 0, body.grain_distance = 0.0;
+    for (Body& body : scene.bodies) {
+      body.grains = 0;
+      body.grain_distance = 0.0;
+    }
   const Material material = fill_scene(&scene, {});
   sandglass_scene_desc desc = describe_scene(scene, material.particles(), material.grains());
   ThreadPool pool(threads);
@@ -97,8 +100,10 @@ EqualError find_equal_error(const SceneFile& scene, double p99, sandglass_isa is
       const size_t middle = (low + high) / 2;
       const BenchRow row =
           bench_scene(source_scheme(scene, k_steps[middle], iterations), isa, threads, frames, false, watch);
-      if (row.overlap_p99 <= p99) high = middle, reached = row.overlap_p99;
-      else low = middle + 1;
+      if (row.overlap_p99 <= p99) {
+        high = middle;
+        reached = row.overlap_p99;
+      } else low = middle + 1;
     }
     if (stopped) return {};
     if (high < limit) best = {true, k_steps[high], iterations, reached};

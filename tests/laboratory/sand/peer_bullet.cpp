@@ -69,7 +69,10 @@ struct World {
 bool bullet_available() { return true; }
 
 BenchRow bench_bullet(SceneFile scene, uint32_t frames, const BenchStep& step) {
-  for (Body& body : scene.bodies) body.grains = 0, body.grain_distance = 0.0;
+  for (Body& body : scene.bodies) {
+    body.grains = 0;
+    body.grain_distance = 0.0;
+  }
   const Material material = fill_scene(&scene, {});
   const uint32_t count = material.particles();
 

@@ -238,7 +238,10 @@ double threshold_jump(const sandglass_scene_desc& desc) {
     double largest = -1.0;
     for (size_t i = 0; i + 1 < starts.size(); ++i) {
       const double change = std::fabs(static_cast<double>(end[3 * i + 4]) - static_cast<double>(end[3 * i + 1]));
-      if (change > largest) largest = change, worst = i;
+      if (change > largest) {
+        largest = change;
+        worst = i;
+      }
     }
     jump = largest / d;
     if (worst + 1 >= starts.size()) break;

@@ -68,7 +68,10 @@ ShadowMap::ShadowMap(const Mesh& mesh, const ShadowRectangle& rectangle, const D
   for (double& x : m.low) x = 1e9;
   const auto extend = [&](Vec3 p) {
     const double c[3] = {dot(p, m.u), dot(p, m.v), -dot(p, m.towards)};
-    for (int a = 0; a < 3; ++a) m.low[a] = std::min(m.low[a], c[a]), high[a] = std::max(high[a], c[a]);
+    for (int a = 0; a < 3; ++a) {
+      m.low[a] = std::min(m.low[a], c[a]);
+      high[a] = std::max(high[a], c[a]);
+    }
   };
   for (size_t i = 0; i < mesh.vertices.size(); i += 3)
     extend({mesh.vertices[i], mesh.vertices[i + 1], mesh.vertices[i + 2]});
@@ -114,7 +117,10 @@ double ShadowMap::percentage_closer(double x, double z, uint32_t taps) const {
   double sum = 0, lit = 0;
   uint32_t blockers = 0;
   over_disk(m.tangent * p[2] * m.size[2], [&](double d) {
-    if (d < receiver) sum += d, ++blockers;
+    if (d < receiver) {
+      sum += d;
+      ++blockers;
+    }
   });
   if (blockers == 0) return 1;
   over_disk(m.tangent * (p[2] - sum / blockers) * m.size[2], [&](double d) { lit += d < receiver ? 0 : 1; });

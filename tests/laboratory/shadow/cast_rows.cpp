@@ -84,8 +84,9 @@ Drawn cast_of(const Mesh& mesh, const Light& light, const CastChoice& choice, Ca
   cast.get()->cast.targets[k_cast_light].draft = false;
   sandglass_cast_plane plane = cast_plane();
   if (choice.limits) {
-    plane.low[0] = static_cast<float>(choice.limits->low_x), plane.low[1] = static_cast<float>(choice.limits->low_z);
-    plane.high[0] = static_cast<float>(choice.limits->high_x),
+    plane.low[0] = static_cast<float>(choice.limits->low_x);
+    plane.low[1] = static_cast<float>(choice.limits->low_z);
+    plane.high[0] = static_cast<float>(choice.limits->high_x);
     plane.high[1] = static_cast<float>(choice.limits->high_z);
   }
   std::vector<sandglass_cast_mesh> meshes = {cast_mesh_of(mesh, choice.closed, false)};
@@ -142,8 +143,10 @@ ShadowRectangle fitted(const ShadowBox& box, const Light& light) {
     const double y = std::max(std::cos(light.half) * d[1] + a * flat, 0.02), p = std::cos(light.half) * flat - a * d[1];
     const double x = (p * ax - b * az) / y, z = (p * az + b * ax) / y, length = std::hypot(x, z),
                  k = length > 4 ? 4 / length : 1;
-    low[0] = std::min(low[0], k * x), high[0] = std::max(high[0], k * x);
-    low[1] = std::min(low[1], k * z), high[1] = std::max(high[1], k * z);
+    low[0] = std::min(low[0], k * x);
+    high[0] = std::max(high[0], k * x);
+    low[1] = std::min(low[1], k * z);
+    high[1] = std::max(high[1], k * z);
   }
   return {-box.half_x - high[0] * box.height, -box.half_z - high[1] * box.height, box.half_x - low[0] * box.height,
           box.half_z - low[1] * box.height};
@@ -172,7 +175,11 @@ Direction turned(const Direction& d, double degrees) {
 struct Sum {
   double sum = 0, worst = 0;
   uint32_t count = 0;
-  void add(double x) { sum += x, worst = std::max(worst, x), ++count; }
+  void add(double x) {
+    sum += x;
+    worst = std::max(worst, x);
+    ++count;
+  }
   double mean() const { return sum / std::max(1u, count); }
 };
 
@@ -238,8 +245,8 @@ void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, Thread
     double hidden = 0, all = 0;
     for (size_t i = 0; i < truth.a.size(); ++i) {
       const double dark = 1 - ellipse(object.box, light.direction, light.half, fine.place(i)[0], fine.place(i)[1]);
-      hidden += dark * (1 - 0.5 * (static_cast<double>(truth.a[i]) + static_cast<double>(truth.b[i]))),
-          all += dark * dark;
+      hidden += dark * (1 - 0.5 * (static_cast<double>(truth.a[i]) + static_cast<double>(truth.b[i])));
+      all += dark * dark;
     }
     peer("ellipse", [&](double x, double z) {
       return 1 - hidden / all * (1 - ellipse(object.box, light.direction, light.half, x, z));
@@ -455,7 +462,8 @@ std::array<double, SANDGLASS_LIGHT_CELLS> of_floor(const Environment& floor) {
     for (int i = 0; i < 64; ++i) {
       const Vec3 d = cell_direction(k, (i % 8 + 0.5) / 8, (i / 8 + 0.5) / 8), world = {d.x, -d.z, d.y};
       const double share = world.y > 0 ? floor.cells()[cell_of(world)] : 0.3 / 64;
-      cells[k] += share, sum += share;
+      cells[k] += share;
+      sum += share;
     }
   for (double& cell : cells) cell /= sum;
   return cells;
@@ -537,7 +545,10 @@ void of_surface(const CastMeshFile& file, Rows* rows) {
     const double at = (i + random.uniform()) / k_places * all;
     const size_t t = 3 * static_cast<size_t>(std::lower_bound(areas.begin(), areas.end(), at) - areas.begin());
     double a = random.uniform(), b = random.uniform();
-    if (a + b > 1) a = 1 - a, b = 1 - b;
+    if (a + b > 1) {
+      a = 1 - a;
+      b = 1 - b;
+    }
     const Vec3 ab = corner(t + 1) - corner(t), ac = corner(t + 2) - corner(t), normal = normalised(cross(ab, ac));
     const Vec3 place = corner(t) + ab * a + ac * b + normal * 1e-4;
     double seen = 0, whole = 0;
@@ -549,7 +560,8 @@ void of_surface(const CastMeshFile& file, Rows* rows) {
       whole += facing;
       if (!scene.occluded(place, {flat * std::cos(f), y, flat * std::sin(f)}, 10)) seen += facing;
     }
-    open += seen, sky += whole;
+    open += seen;
+    sky += whole;
   }
   CastChoice choice;
   choice.closed = file.closed;
@@ -579,7 +591,7 @@ void shimmer(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
         if (!of_light)
           for (size_t i = 0; i < mesh.vertices.size(); i += 3) {
             const double x = static_cast<double>(mesh.vertices[i]), z = static_cast<double>(mesh.vertices[i + 2]);
-            mesh.vertices[i] = static_cast<float>(c * x - s * z),
+            mesh.vertices[i] = static_cast<float>(c * x - s * z);
             mesh.vertices[i + 2] = static_cast<float>(s * x + c * z);
           }
         const Light light = {of_light ? turned(from, degrees) : from, half * k_degree};

@@ -100,7 +100,8 @@ Left traced(const World& world, const EmbreeScene& object, const EmbreeScene* re
     (sky ? left.sky_without : left.light_without) += weight;
     if (free) (sky ? left.sky : left.light) += weight;
   }
-  left.light /= lights, left.light_without /= lights;
+  left.light /= lights;
+  left.light_without /= lights;
   return left;
 }
 
@@ -109,7 +110,10 @@ EmbreeScene scene_of(const Mesh& mesh) { return EmbreeScene::triangles(mesh.vert
 // A value of each of two ways to draw: the library's, and a control's.
 struct Pair {
   double value = 0, control = 0;
-  void worst(double a, double b) { value = std::max(value, a), control = std::max(control, b); }
+  void worst(double a, double b) {
+    value = std::max(value, a);
+    control = std::max(control, b);
+  }
 };
 
 // The mesh of a scan, with the floor in it some millimetres too high and noisy: what it takes of a chair's shadows.
@@ -136,7 +140,8 @@ Pair beside_scan(Draw* draw) {
     std::array<double, 2> sums = {};
     for (int i = 0; i < 10000; ++i) {
       const double x = 0.02 * (i % 100 - 50), z = 0.02 * (i / 100 - 50);
-      sums[0] += sampled(cast.texture(), {x, 0, z}, 0), sums[1] += 1 - sampled(cast.ambient(), {x, 0, z}, 1);
+      sums[0] += sampled(cast.texture(), {x, 0, z}, 0);
+      sums[1] += 1 - sampled(cast.ambient(), {x, 0, z}, 1);
     }
     return sums;
   };
@@ -220,11 +225,15 @@ Pair among_far(Draw* draw, int kind, ThreadPool& pool) {
       if (std::hypot(p.x, p.z) < 0.07) continue;
       const double dark = 1 - traced(world, of_mug, nullptr, p).light;
       double* to = off.data() + 2 * (row * k_side + static_cast<uint32_t>(column));
-      to[0] = sampled(cast.texture(), {p.x, 0, p.z}, 0) - dark, to[1] = sampled(all.texture(), {p.x, 0, p.z}, 0) - dark;
+      to[0] = sampled(cast.texture(), {p.x, 0, p.z}, 0) - dark;
+      to[1] = sampled(all.texture(), {p.x, 0, p.z}, 0) - dark;
     }
   });
   Pair sum;
-  for (size_t i = 0; i < off.size(); i += 2) sum.value += off[i] * off[i], sum.control += off[i + 1] * off[i + 1];
+  for (size_t i = 0; i < off.size(); i += 2) {
+    sum.value += off[i] * off[i];
+    sum.control += off[i + 1] * off[i + 1];
+  }
   return {std::sqrt(2 * sum.value / static_cast<double>(off.size())),
           std::sqrt(2 * sum.control / static_cast<double>(off.size()))};
 }
@@ -267,7 +276,10 @@ std::vector<Verdict> verify_cast_worlds(uint64_t seed, bool quick, ThreadPool& p
   for (int i = 0; i < rounds; ++i) take(0, beside_scan(&draw));
   row("a scan with its floor, share of the shadows lost", "share", worst[0], 0.01);
   if (!go_on()) return rows;
-  for (int i = 0; i < rounds; ++i) take(1, in_shade(&draw, false, pool)), take(2, in_shade(&draw, true, pool));
+  for (int i = 0; i < rounds; ++i) {
+    take(1, in_shade(&draw, false, pool));
+    take(2, in_shade(&draw, true, pool));
+  }
   row("in a wall's shade, darkening off by", "share", worst[1], 0.15);
   row("in a table's shade, darkening off by", "share", worst[2], 0.15);
   if (!go_on()) return rows;

@@ -84,7 +84,10 @@ class Traced {
     double sum = 0;
     for (const Pixel& p : pixels_) sum += luminance(p.image);
     const double exposure = k_shown * static_cast<double>(pixels_.size()) / sum;
-    for (Pixel& p : pixels_) p.image = limited(p.image * exposure), p.chair_colour = limited(p.chair_colour * exposure);
+    for (Pixel& p : pixels_) {
+      p.image = limited(p.image * exposure);
+      p.chair_colour = limited(p.chair_colour * exposure);
+    }
   }
 
   int width() const { return width_; }
@@ -135,9 +138,15 @@ class Traced {
     Vec3 normal = {0, 0, 1};
     double distance = d.z < 0 ? (k_wall - eye.z) / d.z : k_far;
     p.surface = Surface::wall;
-    if (d.y < 0 && -eye.y / d.y < distance) distance = -eye.y / d.y, normal = {0, 1, 0}, p.surface = Surface::table;
+    if (d.y < 0 && -eye.y / d.y < distance) {
+      distance = -eye.y / d.y;
+      normal = {0, 1, 0};
+      p.surface = Surface::table;
+    }
     if (const EmbreeHit hit = bucket_.closest(eye, d, distance); hit.found) {
-      distance = static_cast<double>(hit.distance), normal = hit.unit_normal(), p.surface = Surface::bucket;
+      distance = static_cast<double>(hit.distance);
+      normal = hit.unit_normal();
+      p.surface = Surface::bucket;
       if (dot(normal, d) > 0) normal = normal * -1.0;
     }
     p.point = eye + d * distance;
@@ -201,8 +210,10 @@ class Receiver {
     sandglass_cast_plane plane = cpp::cast_plane();
     std::copy(o, o + 3, plane.origin);
     std::copy(n, n + 3, plane.normal);
-    plane.low[0] = -1, plane.high[0] = 1;  // from the edge between table and wall
-    plane.low[1] = normal.y > 0 ? 0.0f : -1.0f, plane.high[1] = normal.y > 0 ? 2.0f : 0.0f;
+    plane.low[0] = -1;  // from the edge between table and wall
+    plane.high[0] = 1;
+    plane.low[1] = normal.y > 0 ? 0.0f : -1.0f;
+    plane.high[1] = normal.y > 0 ? 2.0f : 0.0f;
     sandglass_cast_mesh meshes[2] = {cpp::cast_mesh(), cpp::cast_mesh()};
     for (int i = 0; i < 2; ++i) {
       const Mesh& mesh = i == 0 ? traced.chair() : traced.bucket();
@@ -316,8 +327,13 @@ Errors errors_of(const Traced& traced, const Drawn& drawn, const Way& way) {
       const bool foot = p.chair && p.on_chair->y < k_foot, in_shadow = !p.chair && p.left[0] < k_dark;
       if ((!foot && !in_shadow) || traced.beside_bucket(x, y)) continue;
       const double hidden = drawn.hidden(x, y, foot ? *p.on_chair : p.point, way);
-      if (foot) e.feet += hidden, ++feet;
-      else e.shadow += hidden, ++dark;
+      if (foot) {
+        e.feet += hidden;
+        ++feet;
+      } else {
+        e.shadow += hidden;
+        ++dark;
+      }
     }
   return {std::sqrt(std::max(0.0, e.picture) / static_cast<double>(traced.pixels().size())),
           e.feet / static_cast<double>(std::max<size_t>(feet, 1)),
@@ -380,7 +396,9 @@ Picture receiver_picture(const RadianceMap& room, ThreadPool& pool) {
                        : i == 1 ? drawn.colour(x, y, Way{""})
                                 : (traced.truth(p, 0) + traced.truth(p, 1)) * 0.5;
         uint8_t* pixel = picture.at(x, y);
-        pixel[0] = srgb_byte(c.x), pixel[1] = srgb_byte(c.y), pixel[2] = srgb_byte(c.z);
+        pixel[0] = srgb_byte(c.x);
+        pixel[1] = srgb_byte(c.y);
+        pixel[2] = srgb_byte(c.z);
       }
     pictures[static_cast<size_t>(i)] = scaled(picture, k_width, k_height);
   }

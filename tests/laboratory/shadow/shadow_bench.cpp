@@ -159,7 +159,10 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   }
   ShadowBench bench;
   if (own_float.ms.size() < k_lights) return bench;
-  if (baked.ambient_rmse > 0) bench.ambient_ms = full.ambient_ms(), bench.ambient_rmse = baked.ambient_rmse;
+  if (baked.ambient_rmse > 0) {
+    bench.ambient_ms = full.ambient_ms();
+    bench.ambient_rmse = baked.ambient_rmse;
+  }
   bench.rows = {own_float.row("f32", peak.f32_gmac_per_s), own_int8.row("int8", peak.int8_gmac_per_s),
                 own_adaptive.row("int8_adaptive", peak.int8_gmac_per_s)};
   if (!peer_float.ms.empty()) {

@@ -95,7 +95,10 @@ struct Pile {
     for (const sandglass_skin_vertex& v : sand.vertices) {
       const Vec3 p = from_floats(v.position);
       const double away = std::hypot(p.x - wanted.x, p.z - wanted.z);
-      if (v.normal[1] > 0 && away < nearest) nearest = away, c.target = p;
+      if (v.normal[1] > 0 && away < nearest) {
+        nearest = away;
+        c.target = p;
+      }
     }
     c.eye = c.target + (side * std::cos(k_down) + Vec3{0, std::sin(k_down), 0}) * distance;
     c.fov_deg = 2.0 * std::atan(0.5 * k_height / k_focal) * 180.0 / std::numbers::pi;
@@ -206,7 +209,9 @@ double in_common(const RadianceMap& a, const RadianceMap& b) {
     const auto at = static_cast<size_t>(static_cast<int>(i) / k_width / k_smooth * (k_width / k_smooth) +
                                         static_cast<int>(i) % k_width / k_smooth);
     const double x = fine[0][i] - smooth[0][at], y = fine[1][i] - smooth[1][at];
-    ab += x * y, aa += x * x, bb += y * y;
+    ab += x * y;
+    aa += x * x;
+    bb += y * y;
   }
   return ab / std::sqrt(aa * bb);
 }
@@ -216,7 +221,10 @@ double in_common(const RadianceMap& a, const RadianceMap& b) {
 double change_over_mean(const std::array<RadianceMap, 2>& a, const std::array<RadianceMap, 2>& b) {
   const Grey a0 = grey(a[0]), a1 = grey(a[1]), b0 = grey(b[0]), b1 = grey(b[1]);
   double sum = 0.0, mean = 0.0;
-  for (size_t i = 0; i < a0.size(); ++i) sum += (a0[i] - b0[i]) * (a1[i] - b1[i]), mean += a0[i];
+  for (size_t i = 0; i < a0.size(); ++i) {
+    sum += (a0[i] - b0[i]) * (a1[i] - b1[i]);
+    mean += a0[i];
+  }
   return std::sqrt(std::max(sum, 0.0) * static_cast<double>(a0.size())) / mean;
 }
 
@@ -256,7 +264,10 @@ void beside_truth(const LookOptions& options, const Pile& pile, ShotPicture& pic
   const ShotCamera eye = resting_camera(camera);
   ShotPictureOptions o = how(options);
   RadianceMap truth[2];
-  for (int k = 0; k < 2; ++k) o.seed = static_cast<uint64_t>(k), truth[k] = picture.truth(room.surroundings, eye, o);
+  for (int k = 0; k < 2; ++k) {
+    o.seed = static_cast<uint64_t>(k);
+    truth[k] = picture.truth(room.surroundings, eye, o);
+  }
   const SceneShadows shadows = shadows_of(pile, room.light);
   const auto drawn = [&](const KitChange& change) {
     ShotPictureOptions changed = o;
@@ -266,7 +277,8 @@ void beside_truth(const LookOptions& options, const Pile& pile, ShotPicture& pic
   const RadianceMap kit = drawn({});
   RadianceMap both = truth[0];
   for (size_t i = 0; i < both.rgb.size(); ++i) both.rgb[i] = 0.5f * (truth[0].rgb[i] + truth[1].rgb[i]);
-  sheet->push_back(encoded(kit)), sheet->push_back(encoded(both));
+  sheet->push_back(encoded(kit));
+  sheet->push_back(encoded(both));
   const std::string name = view.name();
   const Vec3 mean = mean_of(kit), right = mean_of(both);
   const double level = view.dark_side ? 0.14 : 0.08;
@@ -311,7 +323,8 @@ void in_motion(const LookOptions& options, Pile* pile, Judge* judge) {
                              how(options));
   };
   const auto moved = [](Camera camera, Vec3 by) {
-    camera.eye = camera.eye + by, camera.target = camera.target + by;
+    camera.eye = camera.eye + by;
+    camera.target = camera.target + by;
     return camera;
   };
   const Camera still = pile->camera({0.2, 0, 1}, k_distances[1]);

@@ -46,8 +46,10 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
     image.strides[plane] = static_cast<int32_t>(CVPixelBufferGetBytesPerRowOfPlane(pixels, plane));
   }
   const simd_float3x3 intrinsics = frame.camera.intrinsics;
-  image.focal_x = intrinsics.columns[0].x, image.focal_y = intrinsics.columns[1].y;
-  image.centre_x = intrinsics.columns[2].x, image.centre_y = intrinsics.columns[2].y;
+  image.focal_x = intrinsics.columns[0].x;
+  image.focal_y = intrinsics.columns[1].y;
+  image.centre_x = intrinsics.columns[2].x;
+  image.centre_y = intrinsics.columns[2].y;
   float matrix_to_world[16];
   const simd_float4x4 transform = frame.camera.transform;
   memcpy(matrix_to_world, &transform, sizeof matrix_to_world);
@@ -57,7 +59,9 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   if (@available(iOS 16.0, *)) {
     AVCaptureDevice *camera = [ARWorldTrackingConfiguration configurableCaptureDeviceForPrimaryCamera];
     const AVCaptureWhiteBalanceGains gains = camera.deviceWhiteBalanceGains;  // 0 where there is no such camera
-    image.gains[0] = gains.redGain, image.gains[1] = gains.greenGain, image.gains[2] = gains.blueGain;
+    image.gains[0] = gains.redGain;
+    image.gains[1] = gains.greenGain;
+    image.gains[2] = gains.blueGain;
   }
   image.timestamp_ns = static_cast<uint64_t>(1e9 * frame.timestamp);
   return image;
@@ -153,7 +157,8 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   constants.depth_from_screen.columns[2] = simd_make_float3(static_cast<float>(t.tx), static_cast<float>(t.ty), 1);
   constants.viewport = simd_make_float2(static_cast<float>(view.drawableSize.width), static_cast<float>(view.drawableSize.height));
   constants.half_side = sample::k_table;
-  constants.main_share = shadows.main_share, constants.sand_opacity = shadows.sand_opacity;
+  constants.main_share = shadows.main_share;
+  constants.sand_opacity = shadows.sand_opacity;
   constants.eye_height = frame.camera.transform.columns[3].y - _sand.origin()[1];
   constants.depth_bias = 0.02f;  // metres: how wrong a LiDAR scanner's depth is at arm's length
   [encoder setRenderPipelineState:_table];
@@ -189,9 +194,12 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   ShaderFrame constants;
   constants.view_from_world = [frame.camera viewMatrixForOrientation:upright];
   constants.clip_from_world = simd_mul(projection, constants.view_from_world);
-  constants.to_light = vector(shading.to_light), constants.sun = vector(shading.sun), constants.ambient = vector(shading.ambient);
+  constants.to_light = vector(shading.to_light);
+  constants.sun = vector(shading.sun);
+  constants.ambient = vector(shading.ambient);
   constants.origin = vector(_sand.origin());
-  constants.share = buffers.share, constants.span = buffers.span;
+  constants.share = buffers.share;
+  constants.span = buffers.span;
   constants.pixels_at_one_metre =  // the radius of a grain is 0.35 of a particle's
       0.35f * sample::k_particle_radius * projection.columns[1].y * static_cast<float>(view.drawableSize.height);
   [self encodeTable:frame constants:constants with:encoder view:view upright:upright];

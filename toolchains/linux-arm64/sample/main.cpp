@@ -32,7 +32,10 @@ int main() {
   input.collider_count = 1;
   sandglass_frame_report report = sandglass::frame_report();
   for (int frame = 0; status && frame < 60; ++frame) status = scene.frame(input, &report);
-  if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;
+  if (!status) {
+    std::fprintf(stderr, "%s: %s\n", status.name(), status.reason);
+    return 1;
+  }
 
   std::printf("%u particles, %s kernels, %.2f s, fastest %.3f m/s\nhash 0x%016" PRIx64 "\n", report.sand.particles,
               sandglass_isa_name(scene.isa()), report.time.simulated, static_cast<double>(report.sand.speed_max),

@@ -51,7 +51,10 @@ xnn_status create(const xnn_operator& values, uint32_t dilation, uint32_t groups
                   xnn_operator_t* result) {
   if (g_allocator == nullptr) return xnn_status_uninitialized;
   if (dilation != 1 || groups != 1 || code != nullptr || cache != nullptr) return xnn_status_unsupported_parameter;
-  if (g_create_failures > 0) return --g_create_failures, xnn_status_unsupported_hardware;
+  if (g_create_failures > 0) {
+    --g_create_failures;
+    return xnn_status_unsupported_hardware;
+  }
   auto* op = static_cast<xnn_operator*>(g_allocator->allocate(g_allocator->context, sizeof(xnn_operator)));
   if (op == nullptr) return xnn_status_out_of_memory;
   *op = values;
@@ -73,11 +76,14 @@ xnn_status create(const xnn_operator& values, uint32_t dilation, uint32_t groups
 xnn_status reshape(xnn_operator_t op, bool bytes, size_t batch, size_t height, size_t width, size_t* workspace_size,
                    size_t* workspace_alignment, size_t* out_height, size_t* out_width) {
   if (batch != 1 || op->bytes != bytes) return xnn_status_invalid_parameter;
-  op->height = height, op->width = width;
+  op->height = height;
+  op->width = width;
   op->out_height = *out_height = (height + op->pad[0] + op->pad[2] - op->size[0]) / op->step[0] + 1;
   op->out_width = *out_width = (width + op->pad[1] + op->pad[3] - op->size[1]) / op->step[1] + 1;
-  op->reshaped = true, op->set_up = false;
-  *workspace_size = op->size[0] > 1 ? k_workspace : 0, *workspace_alignment = 64;
+  op->reshaped = true;
+  op->set_up = false;
+  *workspace_size = op->size[0] > 1 ? k_workspace : 0;
+  *workspace_alignment = 64;
   note(Call::reshape, op);
   return xnn_status_success;
 }
@@ -88,7 +94,9 @@ xnn_status set_up(xnn_operator_t op, bool bytes, void* workspace, const void* in
     if (workspace == nullptr || reinterpret_cast<uintptr_t>(workspace) % 64 != 0) return xnn_status_invalid_parameter;
     std::memset(workspace, 0xA5, k_workspace);
   }
-  op->in = in, op->out = out, op->set_up = true;
+  op->in = in;
+  op->out = out;
+  op->set_up = true;
   note(Call::setup, op);
   return xnn_status_success;
 }
