@@ -81,9 +81,18 @@ Mesh make_icosphere(float radius, uint32_t subdivisions) {
   const double g = (1 + square_root(5.0)) / 2;
   std::vector<Vec3> points;
   const auto add = [&](double x, double y, double z) { points.push_back(unit({x, y, z})); };
-  for (const double y : {g, -g}) add(-1, y, 0), add(1, y, 0);
-  for (const double z : {g, -g}) add(0, -1, z), add(0, 1, z);
-  for (const double x : {g, -g}) add(x, 0, -1), add(x, 0, 1);
+  for (const double y : {g, -g}) {
+    add(-1, y, 0);
+    add(1, y, 0);
+  }
+  for (const double z : {g, -g}) {
+    add(0, -1, z);
+    add(0, 1, z);
+  }
+  for (const double x : {g, -g}) {
+    add(x, 0, -1);
+    add(x, 0, 1);
+  }
   std::vector<uint32_t> triangles = {0, 11, 5,  0, 5,  1, 0, 1, 7, 0, 7,  10, 0, 10, 11, 1, 5, 9, 5, 11,
                                      4, 11, 10, 2, 10, 7, 6, 7, 1, 8, 3,  9,  4, 3,  4,  2, 3, 2, 6, 3,
                                      6, 8,  3,  8, 9,  4, 9, 5, 2, 4, 11, 6,  2, 10, 8,  6, 7, 9, 8, 1};

@@ -30,7 +30,10 @@ uint64_t quantile(const Governor::Kind& kind, uint32_t dropped) {
     for (uint32_t i = 0; i < kind.count; ++i) {
       const uint64_t cost = kind.recent[i];
       if (cost >= bound && bound != k_time_max) continue;
-      if (cost > largest) largest = cost, equals = 0;
+      if (cost > largest) {
+        largest = cost;
+        equals = 0;
+      }
       equals += cost == largest;
     }
     left_out += equals;

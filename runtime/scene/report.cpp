@@ -56,7 +56,10 @@ void follow_bodies(sandglass_scene* scene) {
     granular_body_pose(g, i, &pose);
     hash = hash_with(hash_with(hash, i + 1), hash_bytes(&pose, sizeof pose));
   }
-  if (hash != scene->body_hash) scene->body_hash = hash, ++scene->body_version;
+  if (hash != scene->body_hash) {
+    scene->body_hash = hash;
+    ++scene->body_version;
+  }
 }
 
 void log_frame(const sandglass_scene& scene) {

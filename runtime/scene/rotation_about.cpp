@@ -8,7 +8,10 @@ int32_t sandglass_rotation_about(const float axis[3], float angle, float rotatio
   rotation[3] = 1.0f;
   if (axis == nullptr) return 0;
   double direction[3], squared = 0.0;
-  for (int k = 0; k < 3; ++k) direction[k] = static_cast<double>(axis[k]), squared += direction[k] * direction[k];
+  for (int k = 0; k < 3; ++k) {
+    direction[k] = static_cast<double>(axis[k]);
+    squared += direction[k] * direction[k];
+  }
   const double turns = static_cast<double>(angle) / (2.0 * sandglass::k_pi);
   // The square of the least float above 0 is a double above 0; beyond the limit a turn is below a float's resolution.
   if (!(squared > 0.0 && squared < 1e80) || !(turns > -1e15 && turns < 1e15)) return 0;

@@ -89,13 +89,21 @@ sandglass_status build(const sandglass_skin_desc& desc, sandglass_skin* owner, c
   SkinMesh* const meshes[] = {&s->front, &s->back};
   for (SkinMesh* mesh : meshes) {
     for (uint32_t i = 0; i < desc.particle_capacity; ++i) mesh->from[3 * i] = k_skin_nowhere;
-    for (uint32_t c = 0; c < s->chunk_capacity; ++c)
-      mesh->chunks[c] = s->shown.chunks[c] = {}, mesh->first_vertex[c] = mesh->first_index[c] = 0;
+    for (uint32_t c = 0; c < s->chunk_capacity; ++c) {
+      mesh->chunks[c] = s->shown.chunks[c] = {};
+      mesh->first_vertex[c] = mesh->first_index[c] = 0;
+    }
   }
   ColliderFrame none = {};
   none.shape = k_no_shape;
-  for (uint32_t c = 0; c < desc.collider_capacity; ++c) s->colliders[c] = s->met[c] = none, s->fields[c] = 0;
-  for (uint32_t a = 0; a < 3; ++a) s->axis[a] = a, s->sign[a] = 1.0f;
+  for (uint32_t c = 0; c < desc.collider_capacity; ++c) {
+    s->colliders[c] = s->met[c] = none;
+    s->fields[c] = 0;
+  }
+  for (uint32_t a = 0; a < 3; ++a) {
+    s->axis[a] = a;
+    s->sign[a] = 1.0f;
+  }
   s->up[1] = 1.0f;
   s->falls = true;
   skin_forget(s);

@@ -34,8 +34,12 @@ void choose_axes(SkinState* s, const float up[3]) {
   const float sign = up[most] < 0 ? -1.0f : 1.0f;
   if (s->axis[1] == most && s->sign[1] == sign) return;
   const uint32_t x = (most + 2) % 3, z = (most + 1) % 3;  // x, y, z in a cycle, or with two of them turned round
-  s->axis[0] = x, s->axis[1] = most, s->axis[2] = z;
-  s->sign[0] = sign, s->sign[1] = sign, s->sign[2] = 1.0f;
+  s->axis[0] = x;
+  s->axis[1] = most;
+  s->axis[2] = z;
+  s->sign[0] = sign;
+  s->sign[1] = sign;
+  s->sign[2] = 1.0f;
   skin_forget(s);
 }
 
@@ -71,19 +75,25 @@ void publish(SkinState* s) {
   for (uint32_t c = 0; c < s->chunk_capacity; ++c) {
     sandglass_skin_chunk& chunk = back.chunks[c];
     const bool carried = shown.chunks[c].vertices != front.chunks[c].vertices;
-    if (chunk.version == k_chunk_changed || carried) chunk.version = s->version + 1, changed = true;
+    if (chunk.version == k_chunk_changed || carried) {
+      chunk.version = s->version + 1;
+      changed = true;
+    }
     shown.chunks[c] = chunk;
   }
   memcpy(shown.loose, back.loose, loose);
-  shown.flying = back.flying, shown.lying = back.lying;
+  shown.flying = back.flying;
+  shown.lying = back.lying;
   memcpy(s->met, s->colliders, s->desc.collider_capacity * sizeof *s->met);
   if (changed) ++s->version;
   const SkinMesh swap = front;
   front = back;
   back = swap;
   s->front_version = s->version;
-  shown.frame = s->gathered_frame, shown.substeps = s->gathered_substeps;
-  s->carry.frame = 0, shown.lost = false;
+  shown.frame = s->gathered_frame;
+  shown.substeps = s->gathered_substeps;
+  s->carry.frame = 0;
+  shown.lost = false;
   s->in_time = s->begun == s->frame ? s->in_time + 1 : 0;
   s->valid = true;
   s->front_frame = s->begun;

@@ -30,13 +30,19 @@ Options options_of(VerifyOptions& o) {
 
 int run_shot(const VerifyOptions& options) {
   ShotPictureOptions picture = {160, 120, 4, 256};
-  if (options.quick) picture.samples = 3, picture.paths = 96;
+  if (options.quick) {
+    picture.samples = 3;
+    picture.paths = 96;
+  }
   return study(options, "shot", panoramas_of(options, "shots"), picture, verify_shots);
 }
 
 int run_colour(const VerifyOptions& options) {
   ShotPictureOptions picture = {320, 240, 3, 96};
-  if (options.quick) picture.width = 160, picture.height = 120;
+  if (options.quick) {
+    picture.width = 160;
+    picture.height = 120;
+  }
   std::vector<std::string> furnished;  // with a floor that is seen
   for (const char* name : {"aerodynamics_workshop", "anniversary_lounge", "artist_workshop", "comfy_cafe", "hotel_room",
                            "lebombo", "lythwood_room", "thatch_chapel", "vestibule", "vintage_measuring_lab"})

@@ -211,7 +211,10 @@ struct Receiver {
   void receive(Items* items) {
     size_t count = 0;
     good = good && bytes.size() - at >= sizeof count;
-    if (good) std::memcpy(&count, bytes.data() + at, sizeof count), at += sizeof count;
+    if (good) {
+      std::memcpy(&count, bytes.data() + at, sizeof count);
+      at += sizeof count;
+    }
     good = good && count <= (bytes.size() - at) / sizeof(*items)[0];
     if (!good || count == 0) return;
     items->resize(count);

@@ -254,7 +254,10 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
 }
 
 void sandglass_room_reset(sandglass_room* room) {
-  if (room != nullptr) room_reset(&room->room), ++room->version;
+  if (room != nullptr) {
+    room_reset(&room->room);
+    ++room->version;
+  }
 }
 
 sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_camera_image* image, int32_t* taken,

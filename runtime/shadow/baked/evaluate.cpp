@@ -54,7 +54,10 @@ void end_texture(Shadow* s) {
   s->cursor = 0;
 }
 
-void go_to(Shadow* s, ShadowPhase phase) { s->phase = phase, s->cursor = 0; }
+void go_to(Shadow* s, ShadowPhase phase) {
+  s->phase = phase;
+  s->cursor = 0;
+}
 
 void evaluate_unit(Shadow* s, uint32_t count) {
   const TexelRange range = {s->unit_u, s->unit_v, count, s->scratch, s->unit_coverage};
@@ -276,7 +279,10 @@ ShadowWork shadow_work_left(const Shadow& s, bool likely) {
   const auto whole = [&](uint32_t light) {
     rows += k_table_rows;
     texels += all;
-    if (!full) decide += 2 * k_cells, refine += cells_of(light);
+    if (!full) {
+      decide += 2 * k_cells;
+      refine += cells_of(light);
+    }
   };
   switch (s.phase) {
     case ShadowPhase::idle:

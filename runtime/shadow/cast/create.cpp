@@ -86,7 +86,10 @@ sandglass_status frame_of(const sandglass_cast_plane& plane, CastFrame* frame, c
   if (plane.is_virtual > 1) return refuse(reason, "plane.is_virtual is neither 0 nor 1");
   if (const char* wrong = plane_axes(plane.normal, plane.along, frame->axes)) return refuse(reason, wrong);
   for (uint32_t i = 0; i < 3; ++i) frame->origin[i] = static_cast<double>(plane.origin[i]);
-  for (uint32_t axis = 0; axis < 2; ++axis) frame->low[axis] = plane.low[axis], frame->high[axis] = plane.high[axis];
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    frame->low[axis] = plane.low[axis];
+    frame->high[axis] = plane.high[axis];
+  }
   frame->bias = plane.bias;
   frame->is_virtual = plane.is_virtual != 0;
   return accept(reason);
@@ -267,8 +270,10 @@ void sandglass_cast_plane_default(sandglass_cast_plane* plane) {
   if (!empty_struct(plane)) return;
   plane->normal[1] = plane->along[0] = 1;
   plane->bias = 0.03f;
-  for (uint32_t axis = 0; axis < 2; ++axis)
-    plane->low[axis] = -0.5f * k_extent_limit, plane->high[axis] = 0.5f * k_extent_limit;
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    plane->low[axis] = -0.5f * k_extent_limit;
+    plane->high[axis] = 0.5f * k_extent_limit;
+  }
 }
 
 sandglass_status sandglass_cast_set_plane(sandglass_cast* cast, const sandglass_cast_plane* plane,

@@ -142,7 +142,10 @@ using namespace sandglass;
 
 void sandglass_pile_shadow_desc_default(sandglass_pile_shadow_desc* desc) {
   if (!empty_struct(desc)) return;
-  for (uint32_t axis = 0; axis < 2; ++axis) desc->low[axis] = -0.5f, desc->high[axis] = 0.5f;
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    desc->low[axis] = -0.5f;
+    desc->high[axis] = 0.5f;
+  }
   desc->texels = 128;
   desc->angular_diameter = 0.34906585f;
   desc->light_tolerance = 0.01f;
@@ -188,7 +191,10 @@ void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sand
   texture.texels = p.texels;
   texture.coverage = p.front.floor;
   texture.on_sand = p.front.sand;
-  for (uint32_t axis = 0; axis < 2; ++axis) texture.low[axis] = p.low[axis], texture.high[axis] = p.high[axis];
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    texture.low[axis] = p.low[axis];
+    texture.high[axis] = p.high[axis];
+  }
   texture.opacity = p.opacity;
   const bool stale = ((p.asked | p.making) & k_ask_light) != 0;
   texture.version = p.front.version;
@@ -227,7 +233,10 @@ void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglas
   sky.floor = s.front.floor;
   sky.on_sand = s.front.sand;
   sky.heights = s.front.heights;
-  for (uint32_t axis = 0; axis < 2; ++axis) sky.low[axis] = p.low[axis], sky.high[axis] = p.high[axis];
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    sky.low[axis] = p.low[axis];
+    sky.high[axis] = p.high[axis];
+  }
   sky.height_texels = s.texels != 0 ? p.texels : 0;
   sky.height = s.front.top;
   const bool stale = ((p.asked | p.making) & k_ask_sky) != 0;
