@@ -8,9 +8,9 @@
 #include <cmath>
 #include <vector>
 
+#include "models/kit/grain_block.h"
 #include "models/tracing/embree_scene.h"
 #include "runtime/math/random.h"
-#include "models/kit/grain_block.h"
 
 namespace sandglass::host {
 
