@@ -79,15 +79,13 @@ typedef struct sandglass_reference_scheme {
   float relaxation;
 } sandglass_reference_scheme;
 
-/* The most that a description may ask for: items of each kind (emitters and sinks are flows), a coefficient of friction,
- * m/s^2, and seconds of a sub-step. */
-#define SANDGLASS_PARTICLE_LIMIT 4000000
-#define SANDGLASS_GRAIN_LIMIT 64000000
-#define SANDGLASS_COLLIDER_LIMIT 256
-#define SANDGLASS_FLOW_LIMIT 64
-#define SANDGLASS_FRICTION_LIMIT 10.0f
-#define SANDGLASS_GRAVITY_LIMIT 1000.0f
-#define SANDGLASS_SUBSTEP_LIMIT 0.1f
+#define SANDGLASS_PARTICLE_LIMIT 4000000 /* The most particles that a description may ask for */
+#define SANDGLASS_GRAIN_LIMIT 64000000   /* The most grains */
+#define SANDGLASS_COLLIDER_LIMIT 256     /* The most colliders */
+#define SANDGLASS_FLOW_LIMIT 64          /* The most emitters, and the most sinks */
+#define SANDGLASS_FRICTION_LIMIT 10.0f   /* The largest coefficient of friction */
+#define SANDGLASS_GRAVITY_LIMIT 1000.0f  /* The strongest gravity, m/s^2 */
+#define SANDGLASS_SUBSTEP_LIMIT 0.1f     /* The longest sub-step, seconds */
 
 /* What a scene's granular material is and how much of it there may be (chapter 4).
  *
