@@ -269,6 +269,7 @@ struct World {
     Solid solid;
     Vec3 target, axis;
     bool here = true;
+    double swells = 0;  // seconds
   };
 
   double between(double low, double high) { return low + (high - low) * random.uniform(); }
@@ -429,8 +430,11 @@ struct World {
     }
     if ((set.hand & swells) != 0) {
       constexpr double k_swelling = 0.02;  // m/s
-      // In real time: in slow motion a hand would grow larger than the case.
-      const double by = std::fmod(frames / rate, 2.0) < 1.0 ? k_swelling * real : -k_swelling * real;
+      // By what was swollen, not by frames: where those are uneven, a hand would grow larger than the case.
+      const auto swollen = [&] { return k_swelling * (1 - std::fabs(std::fmod(hand->swells, 2.0) - 1)); };
+      const double before = swollen();
+      hand->swells += real;
+      const double by = swollen() - before;
       s.size = {std::fmax(s.size.x + by, 0.004), std::fmax(s.size.y + by, 0.004), std::fmax(s.size.z + by, 0.004)};
       speed += 2 * k_swelling;  // sqrt(3) at the corner of a box
     }
