@@ -2,10 +2,19 @@
 // of a device is how fast it does what these frames were counted to take on ARM, beside what phones' cores are stated to.
 import { SandScene } from "./scene.mjs";
 import { k_scene } from "./data.mjs";
+import { constants } from "./sandglass.mjs";
 
-export const k_stages = [["granular", "sand", "#ffb454"], ["lighting", "light", "#f4f1a2"], ["skin", "skin", "#d9b38c"],
-  ["shadow", "shadow", "#8fb8ff"], ["refine", "grains", "#e07b39"], ["output", "output", "#9ad6a0"]];
+const k_colours = ["#ffb454", "#f4f1a2", "#d9b38c", "#8fb8ff", "#e07b39", "#9ad6a0", "#c9a0dc", "#7fd1c7"];  // of stages, again and again
+const k_plain = { granular: "sand", lighting: "light", refine: "grains" };
 const k_pause_ms = 100;  // of work, before the page is drawn
+
+// The stages of a frame: their names and the colours of their bars.
+export function stagesOf(sand) {
+  return Array.from({ length: constants.SANDGLASS_STAGE_COUNT }, (_, i) => {
+    const name = sand.sandglass_stage_name(i);
+    return { name: k_plain[name] ?? name, colour: k_colours[i % k_colours.length] };
+  });
+}
 
 // Lets the browser draw where it has waited for long, and tells the share that is done.
 export class Pauses {
@@ -20,7 +29,7 @@ export class Pauses {
 
 // `shown` is called with the share that is done.
 export async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) {
-  const scene = new SandScene(sand, k_scene, { clock: true }), stages = k_stages.map(() => 0), pauses = new Pauses();
+  const scene = new SandScene(sand, k_scene, { clock: true }), names = stagesOf(sand).map(({ name }) => name), stages = names.map(() => 0), pauses = new Pauses();
   let ms = 0;
   for (let frame = 0; frame < frames; ++frame) {
     await pauses.perhaps(shown, frame / frames);
@@ -28,7 +37,7 @@ export async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) 
     ms += report.time.elapsed_ns / 1e6;
     report.stages.forEach((stage, i) => { stages[i] += stage.elapsed_ns / 1e6; });
   }
-  const result = { hash: scene.hash(), ms: ms / frames, stages: stages.map((sum) => sum / frames), particles: scene.report.sand.particles, threads: sand.threads, isa: sand.sandglass_isa_name(sand.sandglass_scene_isa(scene.handle)) };
+  const result = { hash: scene.hash(), ms: ms / frames, stages: stages.map((sum, i) => [names[i], sum / frames]), particles: scene.report.sand.particles, threads: sand.threads, isa: sand.sandglass_isa_name(sand.sandglass_scene_isa(scene.handle)) };
   scene.destroy();
   return result;
 }
@@ -42,5 +51,5 @@ function classOf(ms) {
 export function asText({ hash, ms, stages, particles, threads, isa }) {
   return [`Sandglass, ${k_scene.frames} frames of the page's scene, ${particles} particles at the end`, `browser      ${navigator.userAgent}`,
     `cores        ${navigator.hardwareConcurrency}`, `threads      ${threads}`, `kernels      ${isa}`, `a frame      ${ms.toFixed(2)} ms`,
-    ...k_stages.map(([, name], i) => `  ${name.padEnd(10)} ${stages[i].toFixed(2)} ms`), ...classOf(ms), `hash         ${hash}`].join("\n");
+    ...stages.map(([name, mean]) => `  ${name.padEnd(10)} ${mean.toFixed(2)} ms`), ...classOf(ms), `hash         ${hash}`].join("\n");
 }

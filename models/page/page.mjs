@@ -11,7 +11,7 @@ import { RoomParts, lightOfSky } from "./room_light.mjs";
 import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom, cellsOfTable } from "./tilt.mjs";
 import { fromLink } from "./link.mjs";
 import { Pace } from "./pace.mjs";
-import { fixedRun, k_stages, Pauses } from "./measure.mjs";
+import { fixedRun, Pauses, stagesOf } from "./measure.mjs";
 import { listen, play } from "./controls.mjs";
 import { by, say, counted } from "./elements.mjs";
 import { k_module, k_mesh_module, k_block_module, k_scene } from "./data.mjs";
@@ -419,7 +419,7 @@ class Page {
     by("short").textContent = slow || `Sand: ${ms.toFixed(1)} of ${budget} ms a frame`, by("short").className = slow ? "slow" : ms > budget + 1 ? "late" : "";
     if (!by("more").open) return;
     bar.setAttribute("aria-valuenow", Math.round(100 * ms / budget));
-    const parts = k_stages.map(([, name, colour], i) => [name, colour, mean((frame) => frame.stages[i])]).filter(([, , part]) => part > 0.005);
+    const parts = stagesOf(this.sand).map(({ name, colour }, i) => [name, colour, mean((frame) => frame.stages[i])]).filter(([, , part]) => part > 0.005);
     bar.replaceChildren(...parts.map(([, colour, part]) => Object.assign(document.createElement("span"),
       { style: `width:${100 * part / Math.max(budget, ms)}%;background:${colour}` })));
     const row = (name, value, colour) => {

@@ -54,11 +54,6 @@ void TraceRecorder::end(void* user, const char* name) {
   recorder->open_.pop_back();
 }
 
-const char* stage_name(sandglass_stage stage) {
-  constexpr const char* k_names[SANDGLASS_STAGE_COUNT] = {"granular", "lighting", "skin", "shadow", "refine", "output"};
-  return stage >= 0 && stage < SANDGLASS_STAGE_COUNT ? k_names[stage] : "unknown";
-}
-
 std::string level_text(uint32_t level) {
   const char* name = sandglass_level_name(level);
   return std::to_string(level) + " (" + (name != nullptr ? name : "unnamed") + ")";
@@ -88,7 +83,8 @@ Summary summarise(const std::vector<FrameRow>& frames) {
     elapsed.push_back(ms(r.time.elapsed_ns));
     wall.push_back(row.wall_ms);
     cpu.push_back(row.cpu_ms);
-    for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) stages[stage].push_back(ms(r.stages[stage].elapsed_ns));
+    for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+      stages[stage].push_back(ms(r.stages[stage].elapsed_ns));
     if (r.time.elapsed_ns > r.time.budget_ns) {
       ++summary.misses;
       const double taken_ms = std::max(row.wall_ms - row.cpu_ms, 0.0);
@@ -112,15 +108,16 @@ Summary summarise(const std::vector<FrameRow>& frames) {
   summary.elapsed = distribution(std::move(elapsed));
   summary.wall = distribution(std::move(wall));
   summary.cpu = distribution(std::move(cpu));
-  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+  for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
     summary.stages[stage] = distribution(std::move(stages[stage]));
   return summary;
 }
 
 std::string report_csv(const RunReport& report) {
   std::string text = "frame,level,budget_ms,elapsed_ms,mandatory_ms,last_unit_ms,longest_unit_ms,wall_ms,cpu_ms,";
-  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
-    for (const char* column : {"_ms,", "_units,", "_denied,"}) text += std::string(stage_name(stage)) + column;
+  for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+    for (const char* column : {"_ms,", "_units,", "_denied,"})
+      text += std::string(sandglass_stage_name(stage)) + column;
   text +=
       "simulated_s,debt_s,grain_lag_s,substep_s,substeps,list_builds,particles,grains,dropped_contacts,quarantined,"
       "ignored_colliders,ignored_emitters,ignored_sinks,speed_max,clock_fault,shadows_pending,shadows_calls_behind,"
@@ -145,7 +142,8 @@ std::string report_trace(const RunReport& report) {
   // Track 1 holds the frames. Every stage has its own track: the part of a work unit's name before the dot is the
   // stage.
   std::map<std::string, int> tracks;
-  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) tracks.emplace(stage_name(stage), stage + 2);
+  for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+    tracks.emplace(sandglass_stage_name(stage), stage + 2);
   const auto track_of = [&](const std::string& name) {
     const std::string stage = name.substr(0, name.find('.'));
     return tracks.emplace(stage, static_cast<int>(tracks.size()) + 2).first->second;
@@ -226,8 +224,8 @@ std::string report_summary_text(const RunReport& report) {
   if (!e.core.empty())
     for (const auto& [name, factor] : {std::pair{"  at its fastest", e.low}, std::pair{"  at its slowest", e.high}})
       add_row(&text, name, s.elapsed, factor);
-  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
-    add_row(&text, (std::string("  ") + stage_name(stage)).c_str(), s.stages[stage]);
+  for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+    add_row(&text, (std::string("  ") + sandglass_stage_name(stage)).c_str(), s.stages[stage]);
   add_row(&text, e.core.empty() ? "wall time" : "wall time, this machine", s.wall);
   add_row(&text, "CPU time, one thread", s.cpu);
   if (!e.core.empty()) text += "  " + estimate_text(e) + "\n";

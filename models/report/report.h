@@ -85,8 +85,7 @@ struct Summary {
 };
 Summary summarise(const std::vector<FrameRow>& frames);
 
-const char* stage_name(sandglass_stage stage);  // "granular", "lighting", "shadow", "refine", "output"
-std::string level_text(uint32_t level);         // its number and name
+std::string level_text(uint32_t level);  // its number and name
 
 // One row per frame. Names of times in milliseconds end with _ms, of times in simulated seconds with _s. speed_max is
 // in m/s. Counts have no unit.

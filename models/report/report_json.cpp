@@ -23,7 +23,8 @@ std::string report_summary_json(const RunReport& report) {
                         {"fastest_factor", e.low}, {"slowest_factor", e.high},
                         {"text", estimate_text(e)}};
   Json stages = Json::object(), levels = Json::object();
-  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) stages[stage_name(stage)] = json_of(s.stages[stage]);
+  for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+    stages[sandglass_stage_name(stage)] = json_of(s.stages[stage]);
   for (uint32_t level = 0; level < s.level_frames.size(); ++level)
     if (s.level_frames[level] > 0) levels[level_text(level)] = s.level_frames[level];
   const Json more = {{"threads", report.threads},

@@ -19,8 +19,8 @@ constexpr uint32_t k_grains_only = 0x100;  // a flag in the number of a collider
 // The line ends in it reveal a transfer in text mode.
 constexpr uint8_t k_magic[8] = {'S', 'G', 'R', 'E', 'C', '\r', '\n', 0x1a};
 // Version 2 has the stage of shadows, version 3 also the stage of light, version 4 the ids of colliders, version 5 the stage of
-// the skin.
-constexpr uint32_t k_version = 5;
+// the skin, version 6 the names of stages.
+constexpr uint32_t k_version = 6;
 constexpr uint32_t k_oldest_version = 2;  // still read
 constexpr size_t k_prologue_bytes = sizeof(k_magic) + sizeof(uint32_t);
 constexpr size_t k_record_head_bytes = 2 * sizeof(uint32_t);
@@ -102,15 +102,41 @@ struct Reader {
   }
 };
 
-// Each returns false when the payload is malformed.
-bool transfer_header(auto* io, auto* recording) {
+void transfer_header(auto* io, auto* recording) {
   io->u64(recording->start_hash);
   io->bytes(recording->scene_name);
   io->bytes(recording->description);
-  return io->ok();
 }
 
-bool transfer_frame(auto* io, RecordedFrame* frame) {
+// The names of stages, by their numbers in this file.
+void transfer_stages(auto* io, auto* names) {
+  io->count(*names, sizeof(uint32_t));
+  for (auto& name : *names) io->bytes(name);
+}
+
+// The number that each stage of a file has in this program; SANDGLASS_STAGE_COUNT: none.
+std::vector<uint32_t> numbers_of(const std::vector<std::string>& names) {
+  std::vector<uint32_t> numbers;
+  for (const std::string& name : names) {
+    uint32_t stage = 0;
+    while (stage < SANDGLASS_STAGE_COUNT && name != sandglass_stage_name(stage)) ++stage;
+    numbers.push_back(stage);
+  }
+  return numbers;
+}
+
+// The same of files without names.
+std::vector<uint32_t> numbers_of_version(uint32_t version) {
+  std::vector<uint32_t> numbers = {SANDGLASS_STAGE_GRANULAR};
+  if (version >= 3) numbers.push_back(SANDGLASS_STAGE_LIGHTING);
+  if (version >= 5) numbers.push_back(SANDGLASS_STAGE_SKIN);
+  for (const uint32_t stage : {SANDGLASS_STAGE_SHADOW, SANDGLASS_STAGE_REFINE, SANDGLASS_STAGE_OUTPUT})
+    numbers.push_back(stage);
+  return numbers;
+}
+
+// Returns false when the payload is malformed, as the next does.
+bool transfer_frame(auto* io, RecordedFrame* frame, const std::vector<uint32_t>& stages) {
   constexpr size_t k_collider_bytes = sizeof(uint32_t) * (1 + 3 + 4 + 3 + 3 + 3);
   io->floats(&frame->time_step, 1);
   io->u64(frame->budget_ns);
@@ -135,10 +161,8 @@ bool transfer_frame(auto* io, RecordedFrame* frame) {
   for (uint32_t i = 0; i < plan.run_count; ++i) {
     io->u32(plan.runs[i].stage);
     io->u32(plan.runs[i].units);
-    // In version 2 there was no stage of light between sand and shadows, so later stages had a smaller number.
-    if (io->version < 3 && plan.runs[i].stage >= SANDGLASS_STAGE_LIGHTING) ++plan.runs[i].stage;
-    if (io->version < 5 && plan.runs[i].stage >= SANDGLASS_STAGE_SKIN) ++plan.runs[i].stage;
-    if (plan.runs[i].stage >= SANDGLASS_STAGE_COUNT) return false;
+    if (plan.runs[i].stage >= stages.size() || stages[plan.runs[i].stage] >= SANDGLASS_STAGE_COUNT) return false;
+    plan.runs[i].stage = stages[plan.runs[i].stage];
   }
   return io->ok();
 }
@@ -173,11 +197,14 @@ std::vector<uint8_t> encode_recording(const Recording& recording) {
   file.u32(k_version);
   uint64_t sum = hash_bytes(file.out.data(), file.out.size());
   transfer_header(&header, &recording);
+  std::vector<std::string> names;
+  for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) names.emplace_back(sandglass_stage_name(stage));
+  transfer_stages(&header, &names);
   put_record(&file, &sum, k_record_header, header);
   for (RecordedFrame frame : recording.frames) {
     Writer payload;
     frame.plan.run_count = std::min<uint32_t>(frame.plan.run_count, SANDGLASS_PLAN_RUNS);
-    transfer_frame(&payload, &frame);
+    transfer_frame(&payload, &frame, numbers_of(names));
     put_record(&file, &sum, k_record_frame, payload);
   }
   transfer_trailer(&trailer, recording.frames.size(), &recording);
@@ -197,6 +224,7 @@ bool decode_recording(const uint8_t* data, size_t bytes, Recording* recording, s
                            ". Replay it with the program that recorded it.");
   uint64_t sum = hash_bytes(data, k_prologue_bytes);
   Recording result;
+  std::vector<uint32_t> stages = numbers_of_version(file.version);
   for (size_t index = 0;; ++index) {
     const uint8_t* start = file.at;
     uint32_t kind, size;
@@ -213,9 +241,13 @@ bool decode_recording(const uint8_t* data, size_t bytes, Recording* recording, s
     if ((index == 0) != (kind == k_record_header))
       return fail(error, "has its records out of order" + in_record(index));
     if (kind == k_record_header) {
-      if (!transfer_header(&payload, &result)) return fail(error, "has a malformed header" + in_record(index));
+      std::vector<std::string> names;
+      transfer_header(&payload, &result);
+      if (file.version >= 6) transfer_stages(&payload, &names);
+      if (!payload.ok()) return fail(error, "has a malformed header" + in_record(index));
+      if (file.version >= 6) stages = numbers_of(names);
     } else if (kind == k_record_frame) {
-      if (!transfer_frame(&payload, &result.frames.emplace_back()))
+      if (!transfer_frame(&payload, &result.frames.emplace_back(), stages))
         return fail(error, "has a malformed frame" + in_record(index));
     } else if (kind == k_record_trailer) {
       if (!transfer_trailer(&payload, result.frames.size(), &result) || file.left != 0)

@@ -64,12 +64,13 @@ sandglass_status bytes_of(const typename Maker::Desc* desc, uint64_t* bytes, con
   return accept(reason);
 }
 
+// no_handle: the sentence that refuses a handle of NULL.
 template <class Maker>
 sandglass_status create_in(const typename Maker::Desc* desc, void* block, uint64_t bytes,
-                           typename Maker::Handle** handle, const char** reason) {
+                           typename Maker::Handle** handle, const char* no_handle, const char** reason) {
   Maker maker;
   if (const sandglass_status status = check_desc(desc, &maker, reason)) return status;
-  if (handle == nullptr) return refuse(reason, "the last but one argument is NULL: pass where to store the handle.");
+  if (handle == nullptr) return refuse(reason, no_handle);
   const uint64_t need = count_bytes(*desc, &maker);
   if (const sandglass_status usable = check_block(block, bytes, need, reason)) return usable;
   return build_in(*desc, &maker, block, need, handle, reason);

@@ -71,7 +71,7 @@ sandglass_status sandglass_scene_bytes(const sandglass_scene_desc* desc, uint64_
 
 sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* block, uint64_t bytes,
                                         sandglass_scene** scene, const char** reason) {
-  return create_in<Maker>(desc, block, bytes, scene, reason);
+  return create_in<Maker>(desc, block, bytes, scene, "scene is NULL: pass where to store it.", reason);
 }
 
 void sandglass_scene_reset(sandglass_scene* scene) {

@@ -24,6 +24,9 @@ enum : uint32_t {
   k_close,
   k_stages
 };
+#define STAGE(name, title, share, units, members) static_assert(k_of_##name == uint32_t{SANDGLASS_STAGE_##name});
+#include "runtime/scene/capabilities.inc"
+#undef STAGE
 static_assert(k_grains == uint32_t{SANDGLASS_STAGE_REFINE} && k_stages == uint32_t{SANDGLASS_STAGE_COUNT});
 constexpr uint32_t k_groups = k_grains - 1;
 

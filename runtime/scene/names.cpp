@@ -1,4 +1,4 @@
-// The version, and the names of statuses, instruction sets and quality levels.
+// The version, and the names of statuses, instruction sets, quality levels and stages.
 #include "kernels/kernels.h"
 #include "runtime/sand/solver.h"
 #include "sandglass/sandglass.h"
@@ -50,6 +50,16 @@ const char* sandglass_isa_name(sandglass_isa isa) {
 }
 
 int32_t sandglass_isa_available(sandglass_isa isa) { return sandglass::select_sand_kernels(isa) != nullptr ? 1 : 0; }
+
+const char* sandglass_stage_name(uint32_t stage) {
+  constexpr const char* k_names[] = {"granular",
+#define STAGE(name, title, share, units, members) title,
+#include "runtime/scene/capabilities.inc"
+#undef STAGE
+                                     "refine", "output"};
+  static_assert(sizeof k_names / sizeof *k_names == SANDGLASS_STAGE_COUNT);
+  return stage < SANDGLASS_STAGE_COUNT ? k_names[stage] : nullptr;
+}
 
 const char* sandglass_level_name(uint32_t level) {
   return level < SANDGLASS_LEVEL_COUNT ? sandglass::k_ladder[level].told.name : nullptr;

@@ -135,7 +135,7 @@ sandglass_status sandglass_skin_bytes(const sandglass_skin_desc* desc, uint64_t*
 
 sandglass_status sandglass_skin_create(const sandglass_skin_desc* desc, void* block, uint64_t bytes,
                                        sandglass_skin** skin, const char** reason) {
-  return create_in<Maker>(desc, block, bytes, skin, reason);
+  return create_in<Maker>(desc, block, bytes, skin, "skin is NULL: pass where to store it.", reason);
 }
 
 void sandglass_skin_get_mesh(const sandglass_skin* skin, sandglass_skin_mesh* out) {

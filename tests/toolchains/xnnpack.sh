@@ -31,7 +31,7 @@ case $how in
     configure -DSANDGLASS_XNNPACK=ON "${none[@]}" -DFETCHCONTENT_SOURCE_DIR_SANDGLASS_XNNPACK="$stand_in" "$@" ||
       { cat "$output/log"; fail "does not configure"; }
     grep -q "API of 2023" "$output/log" || fail "the header's generation was not seen"
-    build sandglass_estimate_xnnpack XNNPACK
+    build sandglass_network_xnnpack XNNPACK
     [[ $(asked) == *xnn_reshape_convolution2d_nhwc_f32*xnn_reshape_convolution2d_nhwc_qs8_qc8w* ]] || fail "asks for: $(asked)"
     find "$output/build" -name libXNNPACK.a | grep -q . || fail "the stand-in was not built"
     ! cmake --install "$output/build" --prefix "$output/installed" >"$output/log" 2>&1 || fail "installed without its XNNPACK"

@@ -638,6 +638,9 @@ enum {
   SANDGLASS_STAGE_COUNT = 6
 };
 
+/* "granular", "lighting", "skin", ...: what reports, traces and recordings call a stage. NULL where there is no such stage. */
+SANDGLASS_API const char* sandglass_stage_name(uint32_t stage);
+
 /* The most runs that a plan has. */
 enum { SANDGLASS_PLAN_RUNS = 48 };
 

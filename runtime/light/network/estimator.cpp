@@ -144,7 +144,7 @@ sandglass_status sandglass_estimator_bytes(const sandglass_estimator_desc* desc,
 
 sandglass_status sandglass_estimator_create(const sandglass_estimator_desc* desc, void* block, uint64_t bytes,
                                             sandglass_estimator** estimator, const char** reason) {
-  return create_in<Maker>(desc, block, bytes, estimator, reason);
+  return create_in<Maker>(desc, block, bytes, estimator, "estimator is NULL: pass where to store it.", reason);
 }
 
 void sandglass_estimator_release(sandglass_estimator* estimator) {

@@ -250,7 +250,7 @@ sandglass_status sandglass_room_bytes(const sandglass_room_desc* desc, uint64_t*
 
 sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* block, uint64_t bytes,
                                        sandglass_room** room, const char** reason) {
-  return create_in<Maker>(desc, block, bytes, room, reason);
+  return create_in<Maker>(desc, block, bytes, room, "room is NULL: pass where to store it.", reason);
 }
 
 void sandglass_room_reset(sandglass_room* room) {

@@ -208,7 +208,7 @@ sandglass_status sandglass_shadow_bytes(const sandglass_shadow_desc* desc, uint6
 
 sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void* block, uint64_t bytes,
                                          sandglass_shadow** shadow, const char** reason) {
-  return create_in<Maker>(desc, block, bytes, shadow, reason);
+  return create_in<Maker>(desc, block, bytes, shadow, "shadow is NULL: pass where to store it.", reason);
 }
 
 sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t light, const float direction[3],

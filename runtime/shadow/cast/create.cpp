@@ -263,7 +263,7 @@ sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t*
 
 sandglass_status sandglass_cast_create(const sandglass_cast_desc* desc, void* block, uint64_t bytes,
                                        sandglass_cast** cast, const char** reason) {
-  return create_in<Maker>(desc, block, bytes, cast, reason);
+  return create_in<Maker>(desc, block, bytes, cast, "cast is NULL: pass where to store it.", reason);
 }
 
 void sandglass_cast_plane_default(sandglass_cast_plane* plane) {

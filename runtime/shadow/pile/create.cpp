@@ -159,7 +159,7 @@ sandglass_status sandglass_pile_shadow_bytes(const sandglass_pile_shadow_desc* d
 
 sandglass_status sandglass_pile_shadow_create(const sandglass_pile_shadow_desc* desc, void* block, uint64_t bytes,
                                               sandglass_pile_shadow** shadow, const char** reason) {
-  return create_in<Maker>(desc, block, bytes, shadow, reason);
+  return create_in<Maker>(desc, block, bytes, shadow, "shadow is NULL: pass where to store it.", reason);
 }
 
 sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, const float direction[3],
