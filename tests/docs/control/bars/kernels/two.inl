@@ -1,0 +1,2 @@
+// Two lines
+// where one may be.
