@@ -2,6 +2,7 @@
 // images stay what they were.
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include "made_up_room.h"
 #include "runtime/light/harmonics.h"
@@ -188,6 +189,31 @@ TEST(Probe, CameraImagesStayWhatTheyWereAndNullForgetsTheProbe) {
   EXPECT_EQ(room.hash(), alone.hash());
   const sandglass_room_light a = light_of(room), b = light_of(alone);
   EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0);
+}
+
+// What is refused changes nothing that an app would draw again for.
+TEST(Probe, TheVersionGrowsWithWhatIsTakenAlone) {
+  const cpp::Room room = room_with_probe();
+  const uint64_t& version = room.get()->version;
+  auto grows = [&, before = version]() mutable { return std::exchange(before, version) != version; };
+  Cube made = cube_of(lamp_room(k_lamp, 8, 30), SANDGLASS_CUBE_RGB32F, 16);
+  const float tilted[4] = {0.1f, 0, 0, 0.995f}, turned[4] = {0, 0.6f, 0, 0.8f}, nowhere[3] = {};
+  const Photograph p = photograph(lamp_room(k_lamp, 8, 30), 0, 10, 1, 1'000'000'000);
+  ASSERT_EQ(sandglass_room_set_image(room.get(), &p.image, nullptr, nullptr), SANDGLASS_OK);
+  EXPECT_TRUE(grows());
+  int32_t taken = 1;
+  ASSERT_EQ(sandglass_room_set_image(room.get(), &p.image, &taken, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(taken, 0);  // the same once more
+  EXPECT_FALSE(grows());
+  EXPECT_NE(sandglass_room_move(room.get(), tilted, nowhere, nullptr), SANDGLASS_OK);
+  EXPECT_FALSE(grows());
+  EXPECT_EQ(sandglass_room_move(room.get(), turned, nowhere, nullptr), SANDGLASS_OK);
+  EXPECT_TRUE(grows());
+  ASSERT_TRUE(takes(room, made.cube));
+  EXPECT_TRUE(grows());
+  made.cube.size = 2;
+  EXPECT_NE(sandglass_room_set_cube(room.get(), &made.cube, nullptr), SANDGLASS_OK);
+  EXPECT_FALSE(grows());
 }
 
 // Beside camera images a probe of unknown exposure takes their scale, and one of another white balance their hue.

@@ -133,8 +133,10 @@ void end_frame(void* handle, sandglass_frame_report* report) {
 }
 
 // Out of line: each runs between the two calls that set and restore the floating-point control.
-__attribute__((noinline)) bool take_whole(Room* room, const CameraImage& image) {
+__attribute__((noinline)) bool take_whole(sandglass_room* owner, const CameraImage& image) {
+  Room* room = &owner->room;
   if (!room_take_image(room, image)) return false;
+  ++owner->version;
   while (room->phase != RoomPhase::idle) room_run_unit(room);
   return room->view.lesson != RoomLesson::nothing;
 }
@@ -220,10 +222,12 @@ sandglass_status begin_harmonics(Room* room, const sandglass_harmonics* harmonic
   return accept(reason);
 }
 
-void forget_probe(Room* room) {
+void forget_probe(sandglass_room* owner) {
+  Room* room = &owner->room;
   if (room->probe == nullptr) return;
   room->probe->confidence = 0;
   room_drop_probe_unit(room);
+  ++owner->version;
 }
 
 __attribute__((noinline)) void run_probe(Room* room) {
@@ -266,8 +270,7 @@ sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
   if (const sandglass_status status = check_image(&room->room, image, reason)) return status;
   const ExactFloatingPoint exact;
-  const bool took = take_whole(&room->room, *image);
-  ++room->version;
+  const bool took = take_whole(room, *image);
   if (taken != nullptr) *taken = took ? 1 : 0;
   return accept(reason);
 }
@@ -279,11 +282,10 @@ sandglass_status sandglass_room_move(sandglass_room* room, const float rotation[
   if (!all_within(translation, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
     return refuse(reason, "translation is not finite or beyond 1000 m: keep the world near its origin");
   const ExactFloatingPoint exact;
-  const bool moved = move(&room->room, rotation, translation);
+  if (!move(&room->room, rotation, translation))
+    return refuse(reason, "rotation is not one about the y axis: gravity stays where it is; turn the world about y");
   ++room->version;
-  return moved ? accept(reason)
-               : refuse(reason,
-                        "rotation is not one about the y axis: gravity stays where it is; turn the world about y");
+  return accept(reason);
 }
 
 void sandglass_room_place_default(sandglass_room_place* place) { empty_struct(place); }
@@ -341,14 +343,15 @@ void sandglass_harmonics_default(sandglass_harmonics* harmonics) {
 
 sandglass_status sandglass_room_set_cube(sandglass_room* room, const sandglass_cube* cube, const char** reason) {
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
-  ++room->version;
   if (cube == nullptr) {
-    forget_probe(&room->room);
+    forget_probe(room);
     return accept(reason);
   }
   const ExactFloatingPoint exact;
   const sandglass_status status = begin_cube(&room->room, cube, reason);
-  if (status != SANDGLASS_OK || cube->in_frame != 0) return status;
+  if (status != SANDGLASS_OK) return status;
+  ++room->version;
+  if (cube->in_frame != 0) return status;
   run_probe(&room->room);
   if (cube->confidence > 0 && !(room->room.probe->confidence > 0))
     return refuse(reason, "no texel of the cube is a number of 0..65000: pass the texture when it has been drawn");
@@ -374,14 +377,15 @@ sandglass_status sandglass_room_get_cube(const sandglass_room* room, const float
 sandglass_status sandglass_room_set_harmonics(sandglass_room* room, const sandglass_harmonics* harmonics,
                                               const char** reason) {
   if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
-  ++room->version;
   if (harmonics == nullptr) {
-    forget_probe(&room->room);
+    forget_probe(room);
     return accept(reason);
   }
   const ExactFloatingPoint exact;
   const sandglass_status status = begin_harmonics(&room->room, harmonics, reason);
-  if (status == SANDGLASS_OK && harmonics->in_frame == 0) run_probe(&room->room);
+  if (status != SANDGLASS_OK) return status;
+  ++room->version;
+  if (harmonics->in_frame == 0) run_probe(&room->room);
   return status;
 }
 
