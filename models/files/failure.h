@@ -20,18 +20,15 @@ inline std::string message(const std::string& verb, const std::string& which, co
   return "cannot " + verb + " \"" + which + "\": " + why + ". " + remedy + ".";
 }
 
-// The library's reasons have the form "why: what to do" or "why; what to do". Such a reason ends the message as "why.
-// What to do." A reason that ends in a full stop stays as it is.
+// The library's reasons have the form "why: what to do." or "why; what to do." Such a reason ends the message as "why. What to
+// do."
 inline std::string message(const std::string& verb, const std::string& which, std::string reason) {
   const size_t end = std::max(reason.rfind(": ") + 1, reason.rfind("; ") + 1);  // 0: neither
-  if (!reason.ends_with('.')) {
-    if (end > 0 && end + 1 < reason.size()) {
-      reason[end - 1] = '.';
-      reason[end + 1] = static_cast<char>(std::toupper(static_cast<unsigned char>(reason[end + 1])));
-    }
-    reason += '.';
+  if (end > 0 && end + 1 < reason.size()) {
+    reason[end - 1] = '.';
+    reason[end + 1] = static_cast<char>(std::toupper(static_cast<unsigned char>(reason[end + 1])));
   }
-  return "cannot " + verb + " \"" + which + "\": " + reason;
+  return "cannot " + verb + " \"" + which + "\": " + reason + (reason.ends_with('.') ? "" : ".");
 }
 
 inline std::string in_quotes(const std::string& text) { return '"' + text + '"'; }

@@ -25,10 +25,10 @@ inline sandglass_status check_asset_bytes(const void* bytes, uint64_t count, con
   const uint8_t* data = static_cast<const uint8_t*>(bytes);
   if (data == nullptr) return refuse(reason, refusals.missing);
   if (reinterpret_cast<uintptr_t>(data) % 8 != 0)
-    return refuse(reason, "asset is not aligned to 8 bytes: read the file into memory that is");
+    return refuse(reason, "asset is not aligned to 8 bytes: read the file into memory that is.");
   constexpr char k_lfs_pointer[] = "version https://git-lfs.github.com/spec/";
   if (count >= sizeof k_lfs_pointer && memcmp(data, k_lfs_pointer, sizeof k_lfs_pointer - 1) == 0)
-    return refuse(reason, "the file is a Git LFS pointer, not the asset itself: fetch that with git lfs pull");
+    return refuse(reason, "the file is a Git LFS pointer, not the asset itself: fetch that with git lfs pull.");
   if (count < k_asset_bytes_least || count >= k_asset_bytes_limit || memcmp(data + 4, identifier, 4) != 0)
     return refuse(reason, refusals.other_kind);
   const uint64_t body = count - k_checksum_bytes;

@@ -39,36 +39,36 @@ const int8_t* weights_of(const flatbuffers::Vector<int8_t>* values, uint32_t cou
 
 // Null, or what is wrong.
 const char* check(const asset::Convolution* file, uint32_t inputs, uint32_t outputs, AssetConvolution* out) {
-  if (file == nullptr) return "the lighting file lacks a layer of its network: quantise it again";
+  if (file == nullptr) return "the lighting file lacks a layer of its network: quantise it again.";
   out->weights = weights_of(file->weights(), inputs * outputs);
   if (out->weights == nullptr)
-    return "the lighting file has a layer of the wrong size, or a weight of -128: quantise it again";
+    return "the lighting file has a layer of the wrong size, or a weight of -128: quantise it again.";
   if (file->bias() == nullptr || file->bias()->size() != outputs)
-    return "the lighting file has a layer with a bias of the wrong size: quantise it again";
+    return "the lighting file has a layer with a bias of the wrong size: quantise it again.";
   out->bias = file->bias()->data();
   for (uint32_t i = 0; i < outputs; ++i)
     if (out->bias[i] < -k_bias_limit || out->bias[i] > k_bias_limit)
-      return "the lighting file has a bias beyond 2^29, which no quantisation writes";
+      return "the lighting file has a bias beyond 2^29, which no quantisation writes.";
   out->multiplier = numbers(file->multiplier(), outputs, k_multiplier_limit);
   for (uint32_t i = 0; out->multiplier != nullptr && i < outputs; ++i)
     if (out->multiplier[i] < 0) out->multiplier = nullptr;
   if (out->multiplier == nullptr)
-    return "the lighting file has a multiplier that is not a number in 0..1e6, which no quantisation writes";
+    return "the lighting file has a multiplier that is not a number in 0..1e6, which no quantisation writes.";
   return nullptr;
 }
 
 const char* check_clamp(const flatbuffers::Vector<uint8_t>* low, const flatbuffers::Vector<uint8_t>* high,
                         uint32_t inputs) {
   if (low == nullptr || high == nullptr || low->size() != inputs || high->size() != inputs)
-    return "the lighting file has a clamp of the wrong size: quantise it again";
+    return "the lighting file has a clamp of the wrong size: quantise it again.";
   for (uint32_t i = 0; i < inputs; ++i)
     if (low->data()[i] > high->data()[i])
-      return "the lighting file has a clamp whose low end is above its high end, which no quantisation writes";
+      return "the lighting file has a clamp whose low end is above its high end, which no quantisation writes.";
   return nullptr;
 }
 
 const char* check(const asset::ClampedConvolution* file, uint32_t inputs, uint32_t outputs, AssetConvolution* out) {
-  if (file == nullptr) return "the lighting file lacks a layer of its network: quantise it again";
+  if (file == nullptr) return "the lighting file lacks a layer of its network: quantise it again.";
   if (const char* fault = check_clamp(file->low(), file->high(), inputs)) return fault;
   out->low = file->low()->data();
   out->high = file->high()->data();
@@ -77,16 +77,16 @@ const char* check(const asset::ClampedConvolution* file, uint32_t inputs, uint32
 
 const char* check_blocks(const asset::Light& file, LightAsset* out) {
   if (file.blocks() == nullptr || file.blocks()->size() != k_dense_blocks)
-    return "the lighting file's network is not a DenseNet-121: quantise it again";
+    return "the lighting file's network is not a DenseNet-121: quantise it again.";
   uint32_t layer = 0;
   for (uint32_t b = 0; b < k_dense_blocks; ++b) {
     const asset::Block* block = file.blocks()->Get(b);
     if (block == nullptr || block->layers() == nullptr || block->layers()->size() != k_block_layers[b])
-      return "the lighting file's network is not a DenseNet-121: quantise it again";
+      return "the lighting file's network is not a DenseNet-121: quantise it again.";
     uint32_t channels = light_channels_before(b);
     for (uint32_t i = 0; i < k_block_layers[b]; ++i, ++layer, channels += k_light_growth) {
       const asset::DenseLayer* dense = block->layers()->Get(i);
-      if (dense == nullptr) return "the lighting file lacks a layer of its network: quantise it again";
+      if (dense == nullptr) return "the lighting file lacks a layer of its network: quantise it again.";
       if (const char* fault = check(dense->narrow(), channels, k_light_bottleneck, &out->narrow[layer])) return fault;
       if (const char* fault = check(dense->wide(), 9 * k_light_bottleneck, k_light_growth, &out->wide[layer]))
         return fault;
@@ -111,7 +111,7 @@ const char* check_heads(const asset::Light& file, LightAsset* out) {
   if (out->feature_scale == nullptr || out->feature_shift == nullptr || out->latent_weights == nullptr ||
       out->latent_scale == nullptr || out->latent_bias == nullptr || out->heads_weights == nullptr ||
       out->heads_bias == nullptr)
-    return "the lighting file's heads have the wrong size or hold what is not a number: quantise it again";
+    return "the lighting file's heads have the wrong size or hold what is not a number: quantise it again.";
   return nullptr;
 }
 
@@ -123,15 +123,15 @@ sandglass_status open_light_asset(const void* bytes, uint64_t count, LightAsset*
   const uint8_t* data = static_cast<const uint8_t*>(bytes);
   flatbuffers::Verifier verifier(data, count - k_checksum_bytes, 8, k_tables_limit);
   if (!asset::VerifyLightBuffer(verifier))
-    return refuse(reason, "the lighting file has an offset that leads outside of it: quantise it again");
+    return refuse(reason, "the lighting file has an offset that leads outside of it: quantise it again.");
 
   const asset::Light& file = *asset::GetLight(data);
   if (file.version() != k_light_asset_version)
-    return refuse(reason, "the lighting file is of another version than this library reads (1): quantise it again");
+    return refuse(reason, "the lighting file is of another version than this library reads (1): quantise it again.");
   *out = {};
   out->name = file.name() == nullptr ? "" : file.name()->c_str();
   if (file.border() == nullptr || file.border()->size() != 3)
-    return refuse(reason, "the lighting file does not say what colour lies beyond the image: quantise it again");
+    return refuse(reason, "the lighting file does not say what colour lies beyond the image: quantise it again.");
   for (uint32_t i = 0; i < 3; ++i) out->border[i] = file.border()->data()[i];
   if (const char* fault = check(file.stem(), 3 * k_stem_size * k_stem_size, k_light_stem, &out->stem))
     return refuse(reason, fault);
@@ -142,7 +142,7 @@ sandglass_status open_light_asset(const void* bytes, uint64_t count, LightAsset*
     if (out->float_parameters == nullptr)
       return refuse(reason,
                     "the lighting file's float network has the wrong size or holds what is not a number: quantise it "
-                    "again");
+                    "again.");
   }
   out->data_hash = file.data_hash();
   out->seed = file.seed();
@@ -151,7 +151,7 @@ sandglass_status open_light_asset(const void* bytes, uint64_t count, LightAsset*
   out->angle_deg = file.angle_deg();
   out->difference = file.difference();
   if (!(out->angle_deg >= 0 && out->angle_deg <= 180) || !(out->difference >= 0 && out->difference <= 1))
-    return refuse(reason, "the lighting file's errors are not numbers in 0..180 degrees and 0..1: quantise it again");
+    return refuse(reason, "the lighting file's errors are not numbers in 0..180 degrees and 0..1: quantise it again.");
   return accept(reason);
 }
 

@@ -56,7 +56,8 @@ __attribute__((noinline)) sandglass_status build_in(const typename Maker::Desc& 
 }
 
 template <class Maker>
-sandglass_status bytes_of(const typename Maker::Desc* desc, uint64_t* bytes, const char** reason) {
+__attribute__((always_inline)) inline sandglass_status bytes_of(const typename Maker::Desc* desc, uint64_t* bytes,
+                                                                const char** reason) {
   Maker maker;
   if (const sandglass_status status = check_desc(desc, &maker, reason)) return status;
   if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store the size.");
@@ -64,10 +65,11 @@ sandglass_status bytes_of(const typename Maker::Desc* desc, uint64_t* bytes, con
   return accept(reason);
 }
 
-// no_handle: the sentence that refuses a handle of NULL.
+// no_handle: the sentence that refuses a handle of NULL. Always inline: a maker lies on the stack once.
 template <class Maker>
-sandglass_status create_in(const typename Maker::Desc* desc, void* block, uint64_t bytes,
-                           typename Maker::Handle** handle, const char* no_handle, const char** reason) {
+__attribute__((always_inline)) inline sandglass_status create_in(const typename Maker::Desc* desc, void* block,
+                                                                 uint64_t bytes, typename Maker::Handle** handle,
+                                                                 const char* no_handle, const char** reason) {
   Maker maker;
   if (const sandglass_status status = check_desc(desc, &maker, reason)) return status;
   if (handle == nullptr) return refuse(reason, no_handle);

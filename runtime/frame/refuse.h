@@ -23,13 +23,13 @@ inline sandglass_status accept(const char** reason) { return refuse(reason, SAND
 // Whether the app's memory can hold what is created in it, or is worked in.
 inline sandglass_status check_block(const void* block, uint64_t bytes, uint64_t need, const char** reason) {
   if (block == nullptr)
-    return refuse(reason, "block or scratch is NULL: pass as many bytes as the _bytes function says");
+    return refuse(reason, "block or scratch is NULL: pass as many bytes as the _bytes function says.");
   if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
     return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT,
-                  "the memory block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64 bytes): align it");
+                  "the memory block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64 bytes): align it.");
   if (bytes < need)
     return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
-                  "the memory block is too small: ask the matching _bytes function for the need");
+                  "the memory block is too small: ask the matching _bytes function for the need.");
   return accept(reason);
 }
 

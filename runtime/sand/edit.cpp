@@ -97,11 +97,11 @@ bool granular_pour_in(Granular* g, const sandglass_points& particles, const sand
 sandglass_status granular_remove(Granular* g, const sandglass_collider* region, uint32_t* particles, uint32_t* grains,
                                  const char** reason) {
   sandglass_collider accepted;
-  if (region == nullptr) return refuse(reason, "sandglass_granular_remove: region is NULL: pass the shape to empty.");
+  if (region == nullptr) return refuse(reason, "region is NULL: pass the shape to empty.");
   if (!collider_accept(*region, &accepted)) {
     return refuse(
         reason,
-        "sandglass_granular_remove: region is not a usable shape: its numbers must be finite, its position within "
+        "region is not a usable shape: its numbers must be finite, its position within "
         "the coordinate limit, its sizes above 0, its rotation not zero, and its field made by this library.");
   }
   ColliderFrame shape;
@@ -136,19 +136,15 @@ sandglass_status granular_remove(Granular* g, const sandglass_collider* region, 
 
 sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
   if (count != 0 && positions == nullptr) {
-    return refuse(
-        reason,
-        "sandglass_granular_set_boundary: positions is NULL but count is above 0: pass 3 floats for each sample.");
+    return refuse(reason, "positions is NULL but count is above 0: pass 3 floats for each sample.");
   }
   if (count > g->desc.boundary_capacity) {
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.");
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more particles than granular.boundary_capacity: raise it.");
   }
   if (!items_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
-    return refuse(
-        reason,
-        "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin: "
-        "move the origin nearer.");
+    return refuse(reason,
+                  "a position is not finite or more than 1000 m from the scene origin: "
+                  "move the origin nearer.");
   }
   granular_wake_all(g);
   for (uint32_t i = 0; i < count; ++i) boundary_particles(*g)[i] = fixed_particle(positions + 3ull * i, i);
@@ -168,7 +164,7 @@ void granular_set_friction(Granular* g, float static_friction, float kinetic_fri
 namespace {
 
 constexpr char k_moved_too_far[] =
-    "sandglass_scene_move: the move would leave the coordinate limit, 1000 m from the scene origin; nothing "
+    "the move would leave the coordinate limit, 1000 m from the scene origin; nothing "
     "was moved.";
 
 bool stays_within(const SceneMove& move, const float position[3]) {
@@ -221,8 +217,7 @@ sandglass_status granular_move(Granular* g, const float rotation[4], const float
       return refuse(reason, k_moved_too_far);
   }
   if (!collider_accept(frame, &accepted))
-    return refuse(reason,
-                  "sandglass_scene_move: rotation or translation is not finite, or the rotation has no length.");
+    return refuse(reason, "rotation or translation is not finite, or the rotation has no length.");
   if (g->desc.particle_capacity == 0) return accept(reason);
   ColliderFrame posed;
   colliders_pose(&accepted, 1, 0.0f, &posed);
@@ -436,26 +431,21 @@ Vector spin_of_push(const Granular& g, const RigidBody& body, const Vector& arm,
 }  // namespace
 
 sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint32_t* index, const char** reason) {
-  if (desc == nullptr)
-    return refuse(reason, "sandglass_granular_add_body: body is NULL: pass a body filled by sandglass_body_default.");
+  if (desc == nullptr) return refuse(reason, "body is NULL: pass a body filled by sandglass_body_default.");
   if (desc->struct_size != sizeof *desc)
-    return refuse(
-        reason,
-        "sandglass_granular_add_body: body.struct_size is not this library's: fill it with sandglass_body_default.");
-  if (desc->particle_count == 0)
-    return refuse(reason, "sandglass_granular_add_body: body.particle_count is 0: a body needs at least one particle.");
+    return refuse(reason, "body.struct_size is not this library's: fill it with sandglass_body_default.");
+  if (desc->particle_count == 0) return refuse(reason, "body.particle_count is 0: a body needs at least one particle.");
   if (desc->particle_positions == nullptr)
-    return refuse(reason,
-                  "sandglass_granular_add_body: body.particle_positions is NULL: pass 3 floats for each particle.");
+    return refuse(reason, "body.particle_positions is NULL: pass 3 floats for each particle.");
   if (!(desc->density_ratio >= 1e-3f && desc->density_ratio <= 1e3f))
-    return refuse(reason, "sandglass_granular_add_body: density_ratio must be 0.001 to 1000.");
+    return refuse(reason, "density_ratio must be 0.001 to 1000.");
   if (!speeds_fit(desc->linear_velocity, desc->angular_velocity))
-    return refuse(reason, "sandglass_granular_add_body: a velocity is not finite or above 10000 m/s or rad/s.");
+    return refuse(reason, "a velocity is not finite or above 10000 m/s or rad/s.");
   const uint32_t number = bodies_free_number(g->bodies, g->desc.body_capacity);
   if (number == g->desc.body_capacity ||
       desc->particle_count > g->desc.body_particle_capacity - g->bodies.particle_count)
     return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "sandglass_granular_add_body: more bodies or body particles than granular.body_capacity and "
+                  "more bodies or body particles than granular.body_capacity and "
                   "body_particle_capacity have room for: raise them.");
   const uint32_t first_record = g->particles.count;
   if (const sandglass_status added =
@@ -488,26 +478,23 @@ void granular_take_out_body(Granular* g, uint32_t index) {
 
 sandglass_status granular_remove_body(Granular* g, uint32_t index, const char** reason) {
   if (!bodies_has(g->bodies, index))
-    return refuse(reason,
-                  "sandglass_granular_remove_body: no body has this index: pass that of a body that was added.");
+    return refuse(reason, "no body has this index: pass that of a body that was added.");
   substep_abandon(g);
   granular_take_out_body(g, index);
   return accept(reason);
 }
 
 sandglass_status granular_set_body(Granular* g, uint32_t index, const sandglass_body_pose* pose, const char** reason) {
-  if (pose == nullptr)
-    return refuse(reason, "sandglass_granular_set_body: pose is NULL: pass where the body shall be.");
+  if (pose == nullptr) return refuse(reason, "pose is NULL: pass where the body shall be.");
   if (!bodies_has(g->bodies, index))
-    return refuse(reason, "sandglass_granular_set_body: no body has this index: pass that of a body that was added.");
+    return refuse(reason, "no body has this index: pass that of a body that was added.");
   sandglass_collider frame = {}, accepted;
   for (int k = 0; k < 3; ++k) frame.position[k] = pose->position[k];
   for (int k = 0; k < 4; ++k) frame.rotation[k] = pose->rotation[k];
   if (!speeds_fit(pose->linear_velocity, pose->angular_velocity) || !collider_accept(frame, &accepted))
-    return refuse(
-        reason,
-        "sandglass_granular_set_body: a number of the pose is not finite, a velocity is above 10000 m/s or rad/s, or "
-        "the rotation has no length.");
+    return refuse(reason,
+                  "a number of the pose is not finite, a velocity is above 10000 m/s or rad/s, or "
+                  "the rotation has no length.");
   RigidBody placed = g->bodies.all[index];
   double length2 = 0.0;
   for (const float q : pose->rotation) length2 += static_cast<double>(q) * static_cast<double>(q);
@@ -522,7 +509,7 @@ sandglass_status granular_set_body(Granular* g, uint32_t index, const sandglass_
     bodies_place(g->bodies, placed, slot, at);
     if (!all_within(at, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
       return refuse(reason,
-                    "sandglass_granular_set_body: a particle of the body would be more than 1000 m from the scene "
+                    "a particle of the body would be more than 1000 m from the scene "
                     "origin: move the origin nearer.");
   }
   substep_abandon(g);
@@ -541,14 +528,13 @@ sandglass_status granular_set_body(Granular* g, uint32_t index, const sandglass_
 
 sandglass_status granular_push_body(Granular* g, uint32_t index, const float impulse[3], const float* point,
                                     const char** reason) {
-  if (impulse == nullptr)
-    return refuse(reason, "sandglass_granular_push_body: impulse is NULL: pass its x, y and z in m/s.");
+  if (impulse == nullptr) return refuse(reason, "impulse is NULL: pass its x, y and z in m/s.");
   if (!bodies_has(g->bodies, index))
-    return refuse(reason, "sandglass_granular_push_body: no body has this index: pass that of a body that was added.");
+    return refuse(reason, "no body has this index: pass that of a body that was added.");
   if (!all_finite(impulse, 3) ||
       (point != nullptr && !all_within(point, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT)))
     return refuse(reason,
-                  "sandglass_granular_push_body: impulse or point is not finite, or the point is more than 1000 m from "
+                  "impulse or point is not finite, or the point is more than 1000 m from "
                   "the scene origin.");
   const RigidBody& body = g->bodies.all[index];
   Vector arm = {};
@@ -567,10 +553,9 @@ sandglass_status granular_push_body(Granular* g, uint32_t index, const float imp
   };
   add_push();
   if (!speeds_fit(linear, angular))
-    return refuse(
-        reason,
-        "sandglass_granular_push_body: the body would be faster than 10000 m/s or rad/s along an axis: push it "
-        "less, or nearer to its centre.");
+    return refuse(reason,
+                  "the body would be faster than 10000 m/s or rad/s along an axis: push it "
+                  "less, or nearer to its centre.");
   substep_abandon(g);  // which may end a sub-step: then the body has new velocities
   add_push();
   RigidBody pushed = body;
@@ -596,11 +581,10 @@ void granular_body_pose(const Granular& g, uint32_t index, sandglass_body_pose* 
 
 sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t* written, const char** reason) {
   if (data == nullptr || written == nullptr)
-    return refuse(reason,
-                  "sandglass_scene_save: data or written is NULL: pass the memory and where to store its length.");
+    return refuse(reason, "data or written is NULL: pass the memory and where to store its length.");
   if (bytes < granular_save_bytes(*g))  // before anything changes
     return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
-                  "sandglass_scene_save: bytes is less than the scene needs: ask sandglass_scene_save_bytes.");
+                  "bytes is less than the scene needs: ask sandglass_scene_save_bytes.");
   granular_settle(g);
   return saved_write(*g, data, bytes, written, reason);
 }
@@ -612,7 +596,7 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
   SavedScene saved;
   if (!saved_read(*g, data, &saved)) {
     granular_reset(g);
-    return refuse(reason, "sandglass_scene_restore: the data contradicts itself; the scene was reset.");
+    return refuse(reason, "the data contradicts itself; the scene was reset.");
   }
   particles_restore(&g->particles, saved);
   flow_restore(&g->flow, saved);

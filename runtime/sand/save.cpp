@@ -292,7 +292,7 @@ sandglass_status saved_write(const Granular& g, void* data, uint64_t bytes, uint
   h.bytes = size_of(g, h);
   if (bytes < h.bytes)
     return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
-                  "sandglass_scene_save: bytes is less than the scene needs: ask sandglass_scene_save_bytes.");
+                  "bytes is less than the scene needs: ask sandglass_scene_save_bytes.");
   SavedState s = state_of(g);
   uint8_t* to = static_cast<uint8_t*>(data) + sizeof h;
   for_arrays(g, h, &s, [&to](const void* from, uint64_t count) {
@@ -307,37 +307,29 @@ sandglass_status saved_write(const Granular& g, void* data, uint64_t bytes, uint
 
 sandglass_status saved_check(const Granular& g, const void* data, uint64_t bytes, const char** reason) {
   Header h;
-  if (data == nullptr)
-    return refuse(reason, "sandglass_scene_restore: data is NULL: pass the bytes that sandglass_scene_save wrote.");
-  if (bytes < sizeof h)
-    return refuse(reason, "sandglass_scene_restore: the data is shorter than any saved scene: it was cut.");
+  if (data == nullptr) return refuse(reason, "data is NULL: pass the bytes that sandglass_scene_save wrote.");
+  if (bytes < sizeof h) return refuse(reason, "the data is shorter than any saved scene: it was cut.");
   __builtin_memcpy(&h, data, sizeof h);
   if (h.magic != k_magic)
-    return refuse(
-        reason, "sandglass_scene_restore: the data is no saved scene: pass the bytes that sandglass_scene_save wrote.");
+    return refuse(reason, "the data is no saved scene: pass the bytes that sandglass_scene_save wrote.");
   if (h.version != k_version)
     return refuse(reason,
-                  "sandglass_scene_restore: the data has the format of another version of the library: save again with "
+                  "the data has the format of another version of the library: save again with "
                   "this one.");
   const sandglass_granular_desc& d = g.desc;
   if (h.bytes != bytes || hash_bytes(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
-    return refuse(reason,
-                  "sandglass_scene_restore: the bytes are cut or damaged: pass all that sandglass_scene_save wrote.");
+    return refuse(reason, "the bytes are cut or damaged: pass all that sandglass_scene_save wrote.");
   if (h.particle_radius != d.particle_radius)
-    return refuse(
-        reason,
-        "sandglass_scene_restore: the scene was saved with another granular.particle_radius: create it with that one.");
+    return refuse(reason, "the scene was saved with another granular.particle_radius: create it with that one.");
   if (static_cast<uint64_t>(h.particles) + h.free_particles > d.particle_capacity ||
       static_cast<uint64_t>(h.grains) + h.free_grains > d.grain_capacity || h.boundary > d.boundary_capacity ||
       h.bodies > d.body_capacity || h.body_particles > d.body_particle_capacity || h.emitters > d.emitter_capacity ||
       h.colliders > d.collider_capacity) {
-    return refuse(
-        reason, SANDGLASS_ERROR_CAPACITY,
-        "sandglass_scene_restore: the saved scene holds more than this one has room for: raise its capacities.");
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "the saved scene holds more than this one has room for: raise its capacities.");
   }
   if (size_of(g, h) != bytes)
-    return refuse(reason,
-                  "sandglass_scene_restore: the bytes are cut or damaged: pass all that sandglass_scene_save wrote.");
+    return refuse(reason, "the bytes are cut or damaged: pass all that sandglass_scene_save wrote.");
   return accept(reason);
 }
 

@@ -56,7 +56,7 @@ sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float s
   if (scene == nullptr) return refuse(reason, k_no_scene);
   if (!within(static_friction, 0.0f, SANDGLASS_FRICTION_LIMIT) ||
       !within(kinetic_friction, 0.0f, SANDGLASS_FRICTION_LIMIT)) {
-    return refuse(reason, "sandglass_granular_set_friction: both coefficients must be 0 to 10.");
+    return refuse(reason, "both coefficients must be 0 to 10.");
   }
   granular_set_friction(&scene->granular, static_friction, kinetic_friction);
   return accept(reason);
@@ -64,10 +64,8 @@ sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float s
 
 sandglass_status sandglass_scene_set_gravity(sandglass_scene* scene, const float gravity[3], const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
-  if (gravity == nullptr)
-    return refuse(reason, "sandglass_scene_set_gravity: gravity is NULL: pass its x, y and z in m/s^2.");
-  if (!gravity_fits(gravity))
-    return refuse(reason, "sandglass_scene_set_gravity: gravity must be finite and at most 1000 m/s^2.");
+  if (gravity == nullptr) return refuse(reason, "gravity is NULL: pass its x, y and z in m/s^2.");
+  if (!gravity_fits(gravity)) return refuse(reason, "gravity must be finite and at most 1000 m/s^2.");
   const ExactFloatingPoint exact;
   granular_set_gravity(&scene->granular, gravity);
   return accept(reason);

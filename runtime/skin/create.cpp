@@ -14,13 +14,13 @@ namespace {
 
 sandglass_status check(const sandglass_skin_desc& desc, const char** reason) {
   if (desc.particle_capacity == 0 || desc.particle_capacity > 4'000'000)
-    return refuse(reason, "desc.particle_capacity is not in 1..4000000: take the scene's");
+    return refuse(reason, "desc.particle_capacity is not in 1..4000000: take the scene's.");
   if (!within(desc.particle_radius, 0.0001f, 10.0f))
-    return refuse(reason, "desc.particle_radius is not in 0.0001..10 metres: take the scene's");
-  if (desc.collider_capacity > 256) return refuse(reason, "desc.collider_capacity is above 256: take the scene's");
-  if (!within(desc.block_side, 0.0001f, 1.0f)) return refuse(reason, "desc.block_side is not in 0.0001..1 metres");
-  if (desc.first_vertex > 1) return refuse(reason, "desc.first_vertex is neither 0 nor 1");
-  if (desc.closed > 1) return refuse(reason, "desc.closed is neither 0 nor 1");
+    return refuse(reason, "desc.particle_radius is not in 0.0001..10 metres: take the scene's.");
+  if (desc.collider_capacity > 256) return refuse(reason, "desc.collider_capacity is above 256: take the scene's.");
+  if (!within(desc.block_side, 0.0001f, 1.0f)) return refuse(reason, "desc.block_side is not in 0.0001..1 metres.");
+  if (desc.first_vertex > 1) return refuse(reason, "desc.first_vertex is neither 0 nor 1.");
+  if (desc.closed > 1) return refuse(reason, "desc.closed is neither 0 nor 1.");
   return accept(reason);
 }
 

@@ -233,7 +233,7 @@ run none.json | --collider-mesh
 run size.json | size
 run solid.json | solid
 run coarse.json | spacing
-run fine.json | enlarge the spacing
+run fine.json | Enlarge the spacing
 run mesh.json --collider-mesh missing.obj | missing.obj
 run tiny.json --collider-mesh cube.obj | --collider-mesh
 )");

@@ -96,29 +96,29 @@ namespace {
 // What is wrong with where an image's pixels lie, or null.
 const char* layout_fault(const sandglass_camera_image& image) {
   if (image.format < SANDGLASS_CAMERA_RGB || image.format > SANDGLASS_CAMERA_P010)
-    return "camera image: unknown format; give RGB, RGBA, BGRA, NV12, NV21, I420 or P010";
+    return "camera image: unknown format; give RGB, RGBA, BGRA, NV12, NV21, I420 or P010.";
   if (image.range < SANDGLASS_YUV_FULL_601 || image.range > SANDGLASS_YUV_VIDEO_2020)
-    return "camera image: unknown YUV range; give one of BT.601, BT.709 or BT.2020, full or video";
+    return "camera image: unknown YUV range; give one of BT.601, BT.709 or BT.2020, full or video.";
   if (image.width < 2 || image.height < 2)
-    return "camera image: smaller than 2 x 2 pixels; light cannot be estimated from it";
+    return "camera image: smaller than 2 x 2 pixels; light cannot be estimated from it.";
   if (image.width > SANDGLASS_CAMERA_SIDE_LIMIT || image.height > SANDGLASS_CAMERA_SIDE_LIMIT)
-    return "camera image: a side is longer than 16384 pixels; scale it down";
+    return "camera image: a side is longer than 16384 pixels; scale it down.";
   const bool yuv = is_yuv(image.format);
   if (yuv && (image.width % 2 != 0 || image.height % 2 != 0))
-    return "camera image: YUV with an odd width or height; crop it to even numbers";
+    return "camera image: YUV with an odd width or height; crop it to even numbers.";
   if (image.chroma_step > 2 || (image.chroma_step != 0 && image.format != SANDGLASS_CAMERA_I420))
-    return "camera image: chroma_step is not 0, or 1 or 2 in I420; give the pixel stride of U and V";
-  if (image.mirrored > 1) return "camera image: mirrored is neither 0 nor 1";
+    return "camera image: chroma_step is not 0, or 1 or 2 in I420; give the pixel stride of U and V.";
+  if (image.mirrored > 1) return "camera image: mirrored is neither 0 nor 1.";
   const CameraLayout layout = camera_layout(image);
   for (uint32_t i = 0; i < layout.planes; ++i) {
-    if (image.planes[i] == nullptr) return "camera image: a plane is NULL; give every plane of the format";
+    if (image.planes[i] == nullptr) return "camera image: a plane is NULL; give every plane of the format.";
     // The last pixel of planes that lie in each other ends before its step does.
     const uint32_t pixels = i != 0 ? image.width / 2 : image.width;
     const bool lone = image.format == SANDGLASS_CAMERA_I420 && i != 0;
     const int64_t row = lone ? int64_t{pixels - 1} * layout.step[i] + 1 : int64_t{pixels} * layout.step[i];
     const int64_t stride = image.strides[i];
     if ((stride < 0 ? -stride : stride) < row)
-      return "camera image: a stride is smaller than its row; strides are bytes from row to row";
+      return "camera image: a stride is smaller than its row; strides are bytes from row to row.";
   }
   return nullptr;
 }
@@ -127,41 +127,41 @@ const char* layout_fault(const sandglass_camera_image& image) {
 const char* view_fault(const sandglass_camera_image& image) {
   const bool from_pose = image.turn_deg == SANDGLASS_TURN_FROM_POSE;
   if (!from_pose && image.turn_deg != 0 && image.turn_deg != 90 && image.turn_deg != 180 && image.turn_deg != 270)
-    return "camera image: the turn is not 0, 90, 180 or 270 degrees; give the sensor's orientation";
+    return "camera image: the turn is not 0, 90, 180 or 270 degrees; give the sensor's orientation.";
   if (from_pose && image.pose_is_upright != 0)
-    return "camera image: the pose of an upright image does not tell its turn; give the turn in degrees";
+    return "camera image: the pose of an upright image does not tell its turn; give the turn in degrees.";
   if (!within(image.focal_x, 1.0f, k_intrinsics_limit) || !within(image.focal_y, 1.0f, k_intrinsics_limit))
-    return "camera image: a focal length is not a number from 1 to a million pixels; give the camera's intrinsics";
+    return "camera image: a focal length is not a number from 1 to a million pixels; give the camera's intrinsics.";
   if (!within(image.centre_x, 0.0f, static_cast<float>(image.width - 1)) ||
       !within(image.centre_y, 0.0f, static_cast<float>(image.height - 1)) ||
       (image.centre_x == 0 && image.centre_y == 0))
     return "camera image: the principal point is outside the image or at (0, 0); give the intrinsics of this image, "
-           "in its pixels";
+           "in its pixels.";
   Rotation rotation = {};
   if (!rotation_of(image.orientation, &rotation))
-    return "camera image: the orientation is zero or not finite; give the camera's pose";
+    return "camera image: the orientation is zero or not finite; give the camera's pose.";
   if (!all_within(image.position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
-    return "camera image: the position is not finite or beyond 1000 m; give the camera's pose";
+    return "camera image: the position is not finite or beyond 1000 m; give the camera's pose.";
   return nullptr;
 }
 
 // What is wrong with the light that its values mean, or null.
 const char* value_fault(const sandglass_camera_image& image) {
   if (!within(image.exposure, 0.0f, k_exposure_limit))
-    return "camera image: the exposure is not in 0..1e6; give seconds times ISO / 100, or 0";
+    return "camera image: the exposure is not in 0..1e6; give seconds times ISO / 100, or 0.";
   if (image.transfer < SANDGLASS_TRANSFER_SRGB || image.transfer > SANDGLASS_TRANSFER_CURVE)
-    return "camera image: unknown transfer; give SRGB, LINEAR, HLG, PQ or CURVE";
+    return "camera image: unknown transfer; give SRGB, LINEAR, HLG, PQ or CURVE.";
   const bool has_curve = image.transfer == SANDGLASS_TRANSFER_CURVE;
   if (has_curve != (image.curve != nullptr) || (!has_curve && image.curve_points != 0))
-    return "camera image: a curve goes with SANDGLASS_TRANSFER_CURVE, and only with it";
+    return "camera image: a curve goes with SANDGLASS_TRANSFER_CURVE, and only with it.";
   if (has_curve && !is_curve(image.curve, image.curve_points))
     return "camera image: the curve is not 2 to 32 pairs of light and value that never fall, of 0 to 1; give "
-           "both for each point, as TonemapCurve.copyColorCurve does";
+           "both for each point, as TonemapCurve.copyColorCurve does.";
   const float* gains = image.gains;
   const bool told = gains[0] != 0 || gains[1] != 0 || gains[2] != 0;
   if (told && !all_within(gains, 3, 1 / k_gain_limit, k_gain_limit))
     return "camera image: the gains are not three numbers of 1/16..16; give those of red, green and blue, or 0, 0, "
-           "0 where they are unknown";
+           "0 where they are unknown.";
   return nullptr;
 }
 
@@ -181,9 +181,10 @@ float sandglass_camera_focal(uint32_t width, uint32_t height, float diagonal_deg
 }
 
 sandglass_status sandglass_camera_check(const sandglass_camera_image* image, const char** reason) {
-  if (image == nullptr) return refuse(reason, "camera image: the image is NULL; give an image");
+  if (image == nullptr) return refuse(reason, "camera image: the image is NULL; give an image.");
   if (image->struct_size != sizeof *image)
-    return refuse(reason, "camera image: struct_size is not this library's; start from sandglass_camera_image_default");
+    return refuse(reason,
+                  "camera image: struct_size is not this library's; start from sandglass_camera_image_default.");
   const char* fault = layout_fault(*image);
   if (fault == nullptr) fault = view_fault(*image);
   if (fault == nullptr) fault = value_fault(*image);

@@ -17,12 +17,12 @@ bool find_light_backend(sandglass_estimator_backend choice, const LightBackend**
       return true;
 #else
       (void)refuse(reason,
-                   "desc.backend is XNNPACK, which this build leaves out: configure it with SANDGLASS_XNNPACK=ON");
+                   "desc.backend is XNNPACK, which this build leaves out: configure it with SANDGLASS_XNNPACK=ON.");
       return false;
 #endif
     default:
       (void)refuse(reason,
-                   "desc.backend is not one of sandglass_estimator_backend: take SANDGLASS_ESTIMATOR_BACKEND_OWN");
+                   "desc.backend is not one of sandglass_estimator_backend: take SANDGLASS_ESTIMATOR_BACKEND_OWN.");
       return false;
   }
 }

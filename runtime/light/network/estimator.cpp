@@ -35,18 +35,19 @@ struct Maker {
 };
 
 sandglass_status Maker::check(const sandglass_estimator_desc& desc, const char** reason) {
-  if (!(desc.interval >= 0 && desc.interval <= 60)) return refuse(reason, "desc.interval is not in 0..60 seconds");
-  if (!(desc.smoothing >= 0 && desc.smoothing <= 60)) return refuse(reason, "desc.smoothing is not in 0..60 seconds");
+  if (!(desc.interval >= 0 && desc.interval <= 60)) return refuse(reason, "desc.interval is not in 0..60 seconds.");
+  if (!(desc.smoothing >= 0 && desc.smoothing <= 60)) return refuse(reason, "desc.smoothing is not in 0..60 seconds.");
   if (!(desc.turn_limit > 0 && desc.turn_limit <= 1e6f))
-    return refuse(reason, "desc.turn_limit is not above 0 and at most 1e6 radians a second");
+    return refuse(reason, "desc.turn_limit is not above 0 and at most 1e6 radians a second.");
   if (!(desc.outlier_angle >= 0 && desc.outlier_angle <= 3.1416f))
-    return refuse(reason, "desc.outlier_angle is not in 0..pi");
-  if (!(desc.outlier_level >= 0 && desc.outlier_level <= 2)) return refuse(reason, "desc.outlier_level is not in 0..2");
+    return refuse(reason, "desc.outlier_angle is not in 0..pi.");
+  if (!(desc.outlier_level >= 0 && desc.outlier_level <= 2))
+    return refuse(reason, "desc.outlier_level is not in 0..2.");
   if (!find_light_backend(desc.backend, &backend, reason)) return SANDGLASS_ERROR_UNSUPPORTED;
   kernels = select_light_kernels(desc.isa);
   if (kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
-                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
+                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC.");
   return open_light_asset(desc.asset, desc.asset_bytes, &asset, reason);
 }
 
@@ -124,7 +125,7 @@ void sandglass_estimator_desc_default(sandglass_estimator_desc* desc) {
 sandglass_status sandglass_estimator_inspect(const void* asset, uint64_t asset_bytes, sandglass_estimator_info* info,
                                              const char** reason) {
   if (info == nullptr || !can_fill(info))
-    return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_estimator_info)");
+    return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_estimator_info).");
   LightAsset file;
   if (const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason)) return status;
   sandglass_estimator_info filled = {};
@@ -158,10 +159,10 @@ void sandglass_estimator_reset(sandglass_estimator* estimator) {
 sandglass_status sandglass_estimator_turn(sandglass_estimator* estimator, const float rotation[4],
                                           const char** reason) {
   if (estimator == nullptr || rotation == nullptr)
-    return refuse(reason, "estimator or rotation is NULL: pass the estimator and a quaternion (x, y, z, w)");
+    return refuse(reason, "estimator or rotation is NULL: pass the estimator and a quaternion (x, y, z, w).");
   Rotation turn = {};
   if (!rotation_of(rotation, &turn))
-    return refuse(reason, "rotation is not finite or has no length: pass a quaternion (x, y, z, w)");
+    return refuse(reason, "rotation is not finite or has no length: pass a quaternion (x, y, z, w).");
   const ExactFloatingPoint exact;
   light_filter_turn(&estimator->estimator.filter, turn.m);
   double turned[3];
@@ -175,7 +176,7 @@ sandglass_status sandglass_estimator_turn(sandglass_estimator* estimator, const 
 sandglass_status sandglass_estimator_set_image(sandglass_estimator* estimator, const sandglass_camera_image* image,
                                                int32_t* taken, const char** reason) {
   if (estimator == nullptr)
-    return refuse(reason, "estimator is NULL: pass the estimator that sandglass_estimator_create made");
+    return refuse(reason, "estimator is NULL: pass the estimator that sandglass_estimator_create made.");
   if (const sandglass_status status = sandglass_camera_check(image, reason)) return status;
   const ExactFloatingPoint exact;
   const bool took = estimator_take_image(&estimator->estimator, *image);

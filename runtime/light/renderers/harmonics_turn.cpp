@@ -43,8 +43,8 @@ void turn_colour(const Rotation& rotation, const float* sh, float* turned) {
 __attribute__((noinline)) sandglass_status turn_harmonics(const float sh[27], const float rotation[4], float turned[27],
                                                           const char** reason) {
   Rotation matrix;
-  if (!rotation_of(rotation, &matrix)) return refuse(reason, "rotation is zero or not finite: pass a quaternion");
-  if (!all_finite(sh, 27)) return refuse(reason, "a coefficient of sh is not finite");
+  if (!rotation_of(rotation, &matrix)) return refuse(reason, "rotation is zero or not finite: pass a quaternion.");
+  if (!all_finite(sh, 27)) return refuse(reason, "a coefficient of sh is not finite.");
   float result[27];
   for (uint32_t colour = 0; colour < 3; ++colour) turn_colour(matrix, sh + colour, result + colour);
   for (uint32_t i = 0; i < 27; ++i) turned[i] = result[i];
@@ -59,7 +59,7 @@ using namespace sandglass;
 sandglass_status sandglass_harmonics_turn(const float sh[27], const float rotation[4], float turned[27],
                                           const char** reason) {
   if (sh == nullptr || rotation == nullptr || turned == nullptr)
-    return refuse(reason, "sh, rotation or turned is NULL: pass 27 floats, 4 floats, and room for 27");
+    return refuse(reason, "sh, rotation or turned is NULL: pass 27 floats, 4 floats, and room for 27.");
   const ExactFloatingPoint exact;
   return turn_harmonics(sh, rotation, turned, reason);
 }

@@ -91,7 +91,7 @@ sandglass_status make(const Source* source, uint32_t least_bytes, sandglass_ligh
                       const char* null, const char* size, const char* number) {
   if (source == nullptr || lighting == nullptr) return refuse(reason, null);
   if (!can_fill(lighting))
-    return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_lighting)");
+    return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_lighting).");
   if (source->struct_size < least_bytes) return refuse(reason, size);
   if (!usable(*source)) return refuse(reason, number);
   sandglass_lighting filled = lighting_of(*source);
@@ -147,13 +147,14 @@ sandglass_status sandglass_lighting_of_harmonics(const sandglass_harmonics* harm
 sandglass_status sandglass_lighting_adapt(const sandglass_lighting* lighting, float strength, int32_t keep_chroma,
                                           sandglass_lighting* adapted, const char** reason) {
   if (lighting == nullptr || adapted == nullptr)
-    return refuse(reason, "lighting or adapted is NULL: pass a lighting that was filled and the struct to fill");
-  if (!can_fill(adapted)) return refuse(reason, "adapted.struct_size is not set: set it to sizeof(sandglass_lighting)");
+    return refuse(reason, "lighting or adapted is NULL: pass a lighting that was filled and the struct to fill.");
+  if (!can_fill(adapted))
+    return refuse(reason, "adapted.struct_size is not set: set it to sizeof(sandglass_lighting).");
   if (lighting->struct_size < k_least_lighting_bytes)
-    return refuse(reason, "lighting.struct_size is not set: pass a lighting that was filled");
-  if (!usable(*lighting)) return refuse(reason, "a number of the lighting is not finite: pass it as it was filled");
+    return refuse(reason, "lighting.struct_size is not set: pass a lighting that was filled.");
+  if (!usable(*lighting)) return refuse(reason, "a number of the lighting is not finite: pass it as it was filled.");
   if (!within(strength, 0.0f, 1.0f) || keep_chroma < 0 || keep_chroma > 1)
-    return refuse(reason, "strength is not in 0..1, or keep_chroma not 0 or 1");
+    return refuse(reason, "strength is not in 0..1, or keep_chroma not 0 or 1.");
   constexpr double k_even = 4 * k_pi * 0.28209479177387814;  // coefficient 0 of radiance 1
   const auto adapt = [&](float colour[3], double white) {
     const auto grey = static_cast<float>(luminance(colour));

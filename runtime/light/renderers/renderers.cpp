@@ -157,15 +157,16 @@ template <class Renderer, class... More>
 sandglass_status convert(const sandglass_lighting* lighting, sandglass_lighting_model model, Renderer* out,
                          const char** reason, More... more) {
   if (lighting == nullptr)
-    return refuse(reason, "lighting is NULL: pass one of sandglass_lighting_of_estimate or sandglass_lighting_of_room");
+    return refuse(reason,
+                  "lighting is NULL: pass one of sandglass_lighting_of_estimate or sandglass_lighting_of_room.");
   if (out == nullptr)
-    return refuse(reason, "filament, arkit, arcore, unity, three or babylon is NULL: pass the struct to fill");
-  if (!can_fill(out)) return refuse(reason, "the struct to fill has no struct_size: set it to the struct's sizeof");
+    return refuse(reason, "filament, arkit, arcore, unity, three or babylon is NULL: pass the struct to fill.");
+  if (!can_fill(out)) return refuse(reason, "the struct to fill has no struct_size: set it to the struct's sizeof.");
   if (lighting->struct_size < k_least_lighting_bytes)
-    return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_lighting) before it is filled");
+    return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_lighting) before it is filled.");
   if (model != SANDGLASS_LIGHTING_AMBIENT && model != SANDGLASS_LIGHTING_WHOLE)
-    return refuse(reason, "model is none of SANDGLASS_LIGHTING_AMBIENT and SANDGLASS_LIGHTING_WHOLE");
-  if (!usable(*lighting)) return refuse(reason, "a number of the lighting is not finite: pass it as it was filled");
+    return refuse(reason, "model is none of SANDGLASS_LIGHTING_AMBIENT and SANDGLASS_LIGHTING_WHOLE.");
+  if (!usable(*lighting)) return refuse(reason, "a number of the lighting is not finite: pass it as it was filled.");
   write(lights_of(*lighting, model), more..., out);
   return accept(reason);
 }
@@ -177,7 +178,7 @@ using namespace sandglass;
 
 sandglass_status sandglass_lighting_to_filament(const sandglass_lighting* lighting, sandglass_lighting_model model,
                                                 float nits, sandglass_filament_light* filament, const char** reason) {
-  if (!(nits > 0.0f && nits <= 1e9f)) return refuse(reason, "nits is not a number above 0 and up to 1e9");
+  if (!(nits > 0.0f && nits <= 1e9f)) return refuse(reason, "nits is not a number above 0 and up to 1e9.");
   return convert(lighting, model, filament, reason, nits);
 }
 sandglass_status sandglass_lighting_to_arkit(const sandglass_lighting* lighting, sandglass_lighting_model model,
@@ -199,6 +200,6 @@ sandglass_status sandglass_lighting_to_three(const sandglass_lighting* lighting,
 sandglass_status sandglass_lighting_to_babylon(const sandglass_lighting* lighting, sandglass_lighting_model model,
                                                int32_t right_handed, sandglass_babylon_light* babylon,
                                                const char** reason) {
-  if (right_handed != 0 && right_handed != 1) return refuse(reason, "right_handed is neither 0 nor 1");
+  if (right_handed != 0 && right_handed != 1) return refuse(reason, "right_handed is neither 0 nor 1.");
   return convert(lighting, model, babylon, reason, right_handed);
 }

@@ -63,18 +63,18 @@ static_assert(sizeof(sandglass_room) <= 16 * 1024);
 
 sandglass_status check(const sandglass_room_desc& desc, const char** reason) {
   if (desc.radius != 0 && !within(desc.radius, 0.1f, 1000.0f))
-    return refuse(reason, "desc.radius is neither 0 nor in 0.1..1000 metres");
-  if (!within(desc.half_life, 1.0f, 1e6f)) return refuse(reason, "desc.half_life is not in 1..1e6 seconds");
-  if (!within(desc.interval, 0.0f, 60.0f)) return refuse(reason, "desc.interval is not in 0..60 seconds");
+    return refuse(reason, "desc.radius is neither 0 nor in 0.1..1000 metres.");
+  if (!within(desc.half_life, 1.0f, 1e6f)) return refuse(reason, "desc.half_life is not in 1..1e6 seconds.");
+  if (!within(desc.interval, 0.0f, 60.0f)) return refuse(reason, "desc.interval is not in 0..60 seconds.");
   if (desc.probe > 1 || desc.reflections > 1)
-    return refuse(reason, "desc.probe or desc.reflections is neither 0 nor 1");
+    return refuse(reason, "desc.probe or desc.reflections is neither 0 nor 1.");
   return accept(reason);
 }
 
 sandglass_status check_image(Room* room, const sandglass_camera_image* image, const char** reason) {
   const sandglass_status status = sandglass_camera_check(image, reason);
   if (status != SANDGLASS_OK || room_clock_is_sound(room, image->timestamp_ns)) return status;
-  return refuse(reason, "camera image: time stamps grow by less than a millisecond: give nanoseconds");
+  return refuse(reason, "camera image: time stamps grow by less than a millisecond: give nanoseconds.");
 }
 
 bool next(const void* state, uint32_t, WorkUnit* unit) {
@@ -185,39 +185,39 @@ sandglass_status build(const sandglass_room_desc& desc, sandglass_room* owner, c
 using Maker = MakerOf<check, lay_out, build>;
 
 sandglass_status begin_cube(Room* room, const sandglass_cube* cube, const char** reason) {
-  if (room->probe == nullptr) return refuse(reason, "room keeps no probe: create it with desc.probe = 1");
+  if (room->probe == nullptr) return refuse(reason, "room keeps no probe: create it with desc.probe = 1.");
   if (cube->struct_size != sizeof *cube)
-    return refuse(reason, "cube.struct_size is not that of this library: start from sandglass_cube_default");
+    return refuse(reason, "cube.struct_size is not that of this library: start from sandglass_cube_default.");
   if (cube->format < SANDGLASS_CUBE_RGBA8 || cube->format > SANDGLASS_CUBE_RGBA32F)
-    return refuse(reason, "cube.format is unknown: give one of sandglass_cube_format");
-  if (cube->size < 4 || cube->size > 1024) return refuse(reason, "cube.size is not in 4..1024 texels: scale it");
+    return refuse(reason, "cube.format is unknown: give one of sandglass_cube_format.");
+  if (cube->size < 4 || cube->size > 1024) return refuse(reason, "cube.size is not in 4..1024 texels: scale it.");
   constexpr int32_t k_texel[] = {4, 4, 8, 12, 16};
   const int32_t row = static_cast<int32_t>(cube->size) * k_texel[cube->format];
   if (cube->stride < row && cube->stride > -row)
-    return refuse(reason, "cube.stride is shorter than a row: it is bytes from row to row");
+    return refuse(reason, "cube.stride is shorter than a row: it is bytes from row to row.");
   for (const void* face : cube->faces)
-    if (face == nullptr) return refuse(reason, "a face of the cube is NULL: pass all six");
+    if (face == nullptr) return refuse(reason, "a face of the cube is NULL: pass all six.");
   Rotation turn = {};
-  if (!rotation_of(cube->orientation, &turn)) return refuse(reason, "cube.orientation is no rotation: pass its pose");
+  if (!rotation_of(cube->orientation, &turn)) return refuse(reason, "cube.orientation is no rotation: pass its pose.");
   if (cube->left_handed > 1 || cube->in_frame > 1 || !within(cube->exposure, 0.0f, 1e6f) ||
       !within(cube->confidence, 0.0f, 1.0f) ||
       !all_within(cube->position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
-    return refuse(reason, "left_handed, in_frame, exposure, confidence or position of the cube is out of range");
+    return refuse(reason, "left_handed, in_frame, exposure, confidence or position of the cube is out of range.");
   room_begin_cube(room, *cube);
   return accept(reason);
 }
 
 sandglass_status begin_harmonics(Room* room, const sandglass_harmonics* harmonics, const char** reason) {
-  if (room->probe == nullptr) return refuse(reason, "room keeps no probe: create it with desc.probe = 1");
+  if (room->probe == nullptr) return refuse(reason, "room keeps no probe: create it with desc.probe = 1.");
   if (harmonics->struct_size != sizeof *harmonics)
-    return refuse(reason, "harmonics.struct_size is not that of this library: start from sandglass_harmonics_default");
+    return refuse(reason, "harmonics.struct_size is not that of this library: start from sandglass_harmonics_default.");
   if (harmonics->kind < SANDGLASS_HARMONICS_TOTAL || harmonics->kind > SANDGLASS_HARMONICS_AMBIENT)
-    return refuse(reason, "harmonics.kind is neither TOTAL nor AMBIENT");
+    return refuse(reason, "harmonics.kind is neither TOTAL nor AMBIENT.");
   if (!all_within(harmonics->sh, 27, -1e6f, 1e6f) || !all_within(harmonics->main_direction, 3, -2.0f, 2.0f) ||
       !all_within(harmonics->main_irradiance, 3, 0.0f, 1e6f) || !within(harmonics->exposure, 0.0f, 1e6f) ||
       !within(harmonics->confidence, 0.0f, 1.0f) || harmonics->in_frame > 1 || harmonics->with_phase > 1 ||
       !all_within(harmonics->position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
-    return refuse(reason, "harmonics hold a number that is not finite or out of range");
+    return refuse(reason, "harmonics hold a number that is not finite or out of range.");
   room_begin_harmonics(room, *harmonics);
   return accept(reason);
 }
@@ -267,7 +267,7 @@ void sandglass_room_reset(sandglass_room* room) {
 sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_camera_image* image, int32_t* taken,
                                           const char** reason) {
   if (taken != nullptr) *taken = 0;
-  if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
+  if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made.");
   if (const sandglass_status status = check_image(&room->room, image, reason)) return status;
   const ExactFloatingPoint exact;
   const bool took = take_whole(room, *image);
@@ -278,12 +278,12 @@ sandglass_status sandglass_room_set_image(sandglass_room* room, const sandglass_
 sandglass_status sandglass_room_move(sandglass_room* room, const float rotation[4], const float translation[3],
                                      const char** reason) {
   if (room == nullptr || rotation == nullptr || translation == nullptr)
-    return refuse(reason, "room, rotation or translation is NULL: pass all three");
+    return refuse(reason, "room, rotation or translation is NULL: pass all three.");
   if (!all_within(translation, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
-    return refuse(reason, "translation is not finite or beyond 1000 m: keep the world near its origin");
+    return refuse(reason, "translation is not finite or beyond 1000 m: keep the world near its origin.");
   const ExactFloatingPoint exact;
   if (!move(&room->room, rotation, translation))
-    return refuse(reason, "rotation is not one about the y axis: gravity stays where it is; turn the world about y");
+    return refuse(reason, "rotation is not one about the y axis: gravity stays where it is; turn the world about y.");
   ++room->version;
   return accept(reason);
 }
@@ -293,24 +293,24 @@ void sandglass_room_place_default(sandglass_room_place* place) { empty_struct(pl
 sandglass_status sandglass_room_get(const sandglass_room* room, const sandglass_room_place* place,
                                     sandglass_room_light* light, const char** reason) {
   if (room == nullptr || place == nullptr || light == nullptr)
-    return refuse(reason, "room, place or light is NULL: pass the room, a place and the struct to fill");
+    return refuse(reason, "room, place or light is NULL: pass the room, a place and the struct to fill.");
   if (place->struct_size != sizeof *place)
-    return refuse(reason, "place.struct_size is not that of this library: start from sandglass_room_place_default");
-  if (!can_fill(light)) return refuse(reason, "light.struct_size is not set: set it to sizeof(sandglass_room_light)");
+    return refuse(reason, "place.struct_size is not that of this library: start from sandglass_room_place_default.");
+  if (!can_fill(light)) return refuse(reason, "light.struct_size is not set: set it to sizeof(sandglass_room_light).");
   if (!all_within(place->position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
-    return refuse(reason, "place.position is not finite or beyond 1000 m: pass where the object stands");
+    return refuse(reason, "place.position is not finite or beyond 1000 m: pass where the object stands.");
   const sandglass_light_estimate* estimate = place->estimate;
   if (estimate != nullptr && (estimate->struct_size < sizeof *estimate || !all_finite(estimate->direction, 3) ||
                               !within(estimate->confidence, 0.0f, 1.0f) || !within(estimate->contrast, 0.0f, 1.0f)))
-    return refuse(reason, "place.estimate is not one of sandglass_estimator_get: pass it as it was filled, or NULL");
+    return refuse(reason, "place.estimate is not one of sandglass_estimator_get: pass it as it was filled, or NULL.");
   const sandglass_room_light* shown = place->shown;
   if (shown != nullptr && shown->struct_size >= sizeof *shown &&
       (!all_within(shown->main_direction, 3, -1.01f, 1.01f) || !is_finite(shown->main_share)))
-    return refuse(reason, "place.shown holds a main light that is none: pass what sandglass_room_fade moves, or NULL");
+    return refuse(reason, "place.shown holds a main light that is none: pass what sandglass_room_fade moves, or NULL.");
   if (place->floor != nullptr && !all_within(place->floor, 3, 0.0f, 1e6f))
-    return refuse(reason, "place.floor is not three numbers of 0..1e6: pass linear RGB, or NULL");
+    return refuse(reason, "place.floor is not three numbers of 0..1e6: pass linear RGB, or NULL.");
   if (place->normal == nullptr && place->along != nullptr)
-    return refuse(reason, "place.along is given without a normal: pass both, or neither");
+    return refuse(reason, "place.along is given without a normal: pass both, or neither.");
   constexpr float k_along[3] = {1, 0, 0};
   double axes[3][3];
   const char* wrong = place->normal == nullptr
@@ -342,7 +342,7 @@ void sandglass_harmonics_default(sandglass_harmonics* harmonics) {
 }
 
 sandglass_status sandglass_room_set_cube(sandglass_room* room, const sandglass_cube* cube, const char** reason) {
-  if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
+  if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made.");
   if (cube == nullptr) {
     forget_probe(room);
     return accept(reason);
@@ -354,21 +354,21 @@ sandglass_status sandglass_room_set_cube(sandglass_room* room, const sandglass_c
   if (cube->in_frame != 0) return status;
   run_probe(&room->room);
   if (cube->confidence > 0 && !(room->room.probe->confidence > 0))
-    return refuse(reason, "no texel of the cube is a number of 0..65000: pass the texture when it has been drawn");
+    return refuse(reason, "no texel of the cube is a number of 0..65000: pass the texture when it has been drawn.");
   return status;
 }
 
 sandglass_status sandglass_room_get_cube(const sandglass_room* room, const float position[3], float height,
                                          uint32_t face, uint32_t left_handed, uint16_t* texels, const char** reason) {
   if (room == nullptr || position == nullptr || texels == nullptr)
-    return refuse(reason, "room, position or texels is NULL: pass the room, a place and 4 * 32 * 32 halves");
+    return refuse(reason, "room, position or texels is NULL: pass the room, a place and 4 * 32 * 32 halves.");
   if (room->room.texels == nullptr)
-    return refuse(reason, "room keeps no reflections: create it with desc.reflections = 1");
-  if (face > 5 || left_handed > 1) return refuse(reason, "face is not in 0..5, or left_handed is neither 0 nor 1");
+    return refuse(reason, "room keeps no reflections: create it with desc.reflections = 1.");
+  if (face > 5 || left_handed > 1) return refuse(reason, "face is not in 0..5, or left_handed is neither 0 nor 1.");
   if (!all_within(position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
-    return refuse(reason, "position is not finite or beyond 1000 m: pass where the object is");
+    return refuse(reason, "position is not finite or beyond 1000 m: pass where the object is.");
   if (!within(height, 0.0f, SANDGLASS_COORDINATE_LIMIT))
-    return refuse(reason, "height is not in 0..1000 m: pass how far above its floor the position is");
+    return refuse(reason, "height is not in 0..1000 m: pass how far above its floor the position is.");
   const ExactFloatingPoint exact;
   face_at(room->room, position, height, face, left_handed != 0, texels);
   return accept(reason);
@@ -376,7 +376,7 @@ sandglass_status sandglass_room_get_cube(const sandglass_room* room, const float
 
 sandglass_status sandglass_room_set_harmonics(sandglass_room* room, const sandglass_harmonics* harmonics,
                                               const char** reason) {
-  if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made");
+  if (room == nullptr) return refuse(reason, "room is NULL: pass the room that sandglass_room_create made.");
   if (harmonics == nullptr) {
     forget_probe(room);
     return accept(reason);

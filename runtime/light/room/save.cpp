@@ -95,11 +95,11 @@ uint64_t sandglass_room_save_bytes(const sandglass_room* room) {
 sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, uint64_t bytes, uint64_t* written,
                                      const char** reason) {
   if (owner == nullptr || data == nullptr || written == nullptr)
-    return refuse(reason, "sandglass_room_save: room, data or written is NULL: pass the room and where to write to.");
+    return refuse(reason, "room, data or written is NULL: pass the room and where to write to.");
   const uint64_t needed = bytes_of(has_probe(owner->room));
   if (bytes < needed)
     return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
-                  "sandglass_room_save: bytes is less than the room needs: ask sandglass_room_save_bytes.");
+                  "bytes is less than the room needs: ask sandglass_room_save_bytes.");
   const Room& room = owner->room;
   uint8_t* to = static_cast<uint8_t*>(data);
   // Field by field, because `data` may have any alignment.
@@ -135,26 +135,25 @@ sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, ui
 
 sandglass_status sandglass_room_restore(sandglass_room* owner, const void* data, uint64_t bytes, const char** reason) {
   if (owner == nullptr || data == nullptr)
-    return refuse(reason, "sandglass_room_restore: room or data is NULL: pass the room and the saved bytes.");
+    return refuse(reason, "room or data is NULL: pass the room and the saved bytes.");
   uint32_t heads[2];
   if (bytes != bytes_of(false) && bytes != bytes_of(true))
-    return refuse(reason, "sandglass_room_restore: the bytes are not as many as a saved room has: pass all of them.");
+    return refuse(reason, "the bytes are not as many as a saved room has: pass all of them.");
   memcpy(heads, data, sizeof heads);
-  if (heads[0] != k_magic) return refuse(reason, "sandglass_room_restore: the bytes are no saved room.");
-  if (heads[1] != k_version)
-    return refuse(reason, "sandglass_room_restore: the room was saved by another version: look around again.");
+  if (heads[0] != k_magic) return refuse(reason, "the bytes are no saved room.");
+  if (heads[1] != k_version) return refuse(reason, "the room was saved by another version: look around again.");
   uint64_t checksum;
   memcpy(&checksum, static_cast<const uint8_t*>(data) + offsetof(SavedRoom, checksum), sizeof checksum);
   if (checksum != checksum_of(data, bytes))
-    return refuse(reason, "sandglass_room_restore: the bytes were damaged since they were saved: look around again.");
+    return refuse(reason, "the bytes were damaged since they were saved: look around again.");
   // A copy of its 14 KiB would take nearly all of the stack that a call may use. So it is checked where it lies.
   if (reinterpret_cast<uintptr_t>(data) % alignof(SavedRoom) != 0)
-    return refuse(reason, "sandglass_room_restore: data is not aligned to 8 bytes: align it.");
+    return refuse(reason, "data is not aligned to 8 bytes: align it.");
   const SavedRoom& saved = *static_cast<const SavedRoom*>(data);
   const auto* probe = reinterpret_cast<const SavedProbe*>(static_cast<const uint8_t*>(data) + sizeof(SavedRoom));
   const bool with_probe = bytes == bytes_of(true);
   if (!sound(saved) || (saved.has_probe != 0) != with_probe || (with_probe && !sound(*probe)))
-    return refuse(reason, "sandglass_room_restore: the bytes hold a number that no room has.");
+    return refuse(reason, "the bytes hold a number that no room has.");
   Room* room = &owner->room;
   room_reset(room);
   ++owner->version;

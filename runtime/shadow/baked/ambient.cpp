@@ -60,7 +60,7 @@ void end_texture(AmbientShadow* ambient) {
 __attribute__((noinline)) sandglass_status take_cells(AmbientShadow* ambient, const float* cells, float yaw,
                                                       const char** reason) {
   if (const sandglass_status status = check_cells(cells, reason)) return status;
-  if (!within(yaw, -k_yaw_limit, k_yaw_limit)) return refuse(reason, "yaw is not a number of radians within 1e6");
+  if (!within(yaw, -k_yaw_limit, k_yaw_limit)) return refuse(reason, "yaw is not a number of radians within 1e6.");
   if (ambient->components.count != 0) ambient_set_cells(ambient, cells, yaw);
   return accept(reason);
 }
@@ -138,7 +138,7 @@ using namespace sandglass;
 sandglass_status sandglass_shadow_set_cells(sandglass_shadow* shadow, const float cells[SANDGLASS_LIGHT_CELLS],
                                             float yaw, const char** reason) {
   if (shadow == nullptr || cells == nullptr)
-    return refuse(reason, "shadow or cells is NULL: pass the shadow and 64 floats");
+    return refuse(reason, "shadow or cells is NULL: pass the shadow and 64 floats.");
   const ExactFloatingPoint exact;
   return take_cells(&shadow->shadow.ambient, cells, yaw, reason);
 }

@@ -30,16 +30,16 @@ struct Maker {
 
 sandglass_status Maker::check(const sandglass_shadow_desc& desc, const char** reason) {
   if (desc.mode != SANDGLASS_SHADOW_ADAPTIVE && desc.mode != SANDGLASS_SHADOW_FULL)
-    return refuse(reason, "desc.mode is neither ADAPTIVE nor FULL");
-  if (desc.threshold > 255) return refuse(reason, "desc.threshold is not in 0..255, steps of coverage");
+    return refuse(reason, "desc.mode is neither ADAPTIVE nor FULL.");
+  if (desc.threshold > 255) return refuse(reason, "desc.threshold is not in 0..255, steps of coverage.");
   if (!(desc.light_tolerance >= 0 && desc.light_tolerance <= 1))
-    return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
+    return refuse(reason, "desc.light_tolerance is not in 0..1 radians.");
   if (desc.light_count == 0 || desc.light_count > SANDGLASS_SHADOW_LIGHTS)
-    return refuse(reason, "desc.light_count is not in 1..8: set it to the number of lights");
+    return refuse(reason, "desc.light_count is not in 1..8: set it to the number of lights.");
   kernels = select_shadow_kernels(desc.isa);
   if (kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
-                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
+                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC.");
   return open_shadow_asset(desc.asset, desc.asset_bytes, &asset, reason);
 }
 
@@ -124,7 +124,7 @@ sandglass_status Maker::build(const sandglass_shadow_desc& desc, sandglass_shado
 
 __attribute__((noinline)) sandglass_status take_light(Shadow* s, uint32_t number, const float direction[3],
                                                       float irradiance, const char** reason) {
-  if (!(irradiance >= 0 && is_finite(irradiance))) return refuse(reason, "irradiance is negative or not finite");
+  if (!(irradiance >= 0 && is_finite(irradiance))) return refuse(reason, "irradiance is negative or not finite.");
   double light[3];
   if (const sandglass_status status = check_light_direction(direction, light, reason)) return status;
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
@@ -195,7 +195,7 @@ void sandglass_shadow_desc_default(sandglass_shadow_desc* desc) {
 sandglass_status sandglass_shadow_inspect(const void* bytes, uint64_t count, sandglass_shadow_info* info,
                                           const char** reason) {
   if (info == nullptr || !can_fill(info))
-    return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_shadow_info)");
+    return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_shadow_info).");
   ShadowAsset asset;
   if (const sandglass_status status = open_shadow_asset(bytes, count, &asset, reason)) return status;
   fill_info(asset, info);
@@ -214,9 +214,9 @@ sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void
 sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t light, const float direction[3],
                                             float irradiance, const char** reason) {
   if (shadow == nullptr || direction == nullptr)
-    return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats");
+    return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats.");
   if (light >= shadow->shadow.light_count)
-    return refuse(reason, "light is not below the light_count of the description: count from 0");
+    return refuse(reason, "light is not below the light_count of the description: count from 0.");
   const ExactFloatingPoint exact;
   return take_light(&shadow->shadow, light, direction, irradiance, reason);
 }

@@ -89,10 +89,10 @@ using namespace sandglass;
 sandglass_status sandglass_shadow_resample(const sandglass_shadow* shadow, uint32_t light, uint8_t* out, uint32_t size,
                                            const char** reason) {
   if (shadow == nullptr || out == nullptr)
-    return refuse(reason, "shadow or coverage is NULL: pass the shadow and room for size * size bytes");
-  if (size != 128 && size != 256 && size != 512) return refuse(reason, "size is not 128, 256 or 512");
+    return refuse(reason, "shadow or coverage is NULL: pass the shadow and room for size * size bytes.");
+  if (size != 128 && size != 256 && size != 512) return refuse(reason, "size is not 128, 256 or 512.");
   if (light >= shadow->shadow.light_count)
-    return refuse(reason, "light is not below the light_count of the description: count from 0");
+    return refuse(reason, "light is not below the light_count of the description: count from 0.");
   const uint8_t* in = shadow->shadow.lights[light].front.coverage;
   if (size == n) memcpy(out, in, n * n);
   if (size == 128)
@@ -118,8 +118,8 @@ sandglass_status sandglass_shadow_combine(const sandglass_shadow* shadow, uint8_
   if (shadow == nullptr || coverage == nullptr || low == nullptr || high == nullptr)
     return refuse(
         reason,
-        "shadow, coverage, low or high is NULL: pass the shadow, room for size * size bytes and for two floats each");
-  if (size == 0 || size > k_combined_most) return refuse(reason, "size is not in 1..1024");
+        "shadow, coverage, low or high is NULL: pass the shadow, room for size * size bytes and for two floats each.");
+  if (size == 0 || size > k_combined_most) return refuse(reason, "size is not in 1..1024.");
   const ExactFloatingPoint exact;
   combine(shadow->shadow, size, coverage, low, high);
   return accept(reason);

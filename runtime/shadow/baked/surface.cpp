@@ -86,13 +86,13 @@ using namespace sandglass;
 sandglass_status sandglass_shadow_transfer(const void* bytes, uint64_t size, const float* positions,
                                            const float* normals, uint32_t count, float* transfer, const char** reason) {
   if (count != 0 && (positions == nullptr || transfer == nullptr))
-    return refuse(reason, "positions or transfer is NULL: pass 3 floats a vertex, and room for 9 a vertex");
+    return refuse(reason, "positions or transfer is NULL: pass 3 floats a vertex, and room for 9 a vertex.");
   if (!all_finite(positions, uint64_t{3} * count) || (normals != nullptr && !all_finite(normals, uint64_t{3} * count)))
-    return refuse(reason, "a position or a normal is not finite");
+    return refuse(reason, "a position or a normal is not finite.");
   ShadowAsset asset;
   if (const sandglass_status status = open_shadow_asset(bytes, size, &asset, reason)) return status;
   if (asset.surface.vertices == 0)
-    return refuse(reason, "the shadow file says nothing of the object's surface: bake it again");
+    return refuse(reason, "the shadow file says nothing of the object's surface: bake it again.");
   const ExactFloatingPoint exact;
   look_up_surface(asset.surface, positions, normals, count, transfer);
   return accept(reason);

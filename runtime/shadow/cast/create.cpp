@@ -21,22 +21,22 @@ constexpr double k_origin_kept = 100;  // metres
 
 sandglass_status check(const sandglass_cast_desc& desc, const char** reason) {
   if (desc.texels != 0 && desc.texels != 64 && desc.texels != 128 && desc.texels != 256)
-    return refuse(reason, "desc.texels is not 0, 64, 128 or 256");
-  if (desc.directions != 32 && desc.directions != 64) return refuse(reason, "desc.directions is neither 32 nor 64");
+    return refuse(reason, "desc.texels is not 0, 64, 128 or 256.");
+  if (desc.directions != 32 && desc.directions != 64) return refuse(reason, "desc.directions is neither 32 nor 64.");
   if (desc.ambient_texels != 0 && desc.ambient_texels != 64 && desc.ambient_texels != 128)
-    return refuse(reason, "desc.ambient_texels is not 0, 64 or 128");
+    return refuse(reason, "desc.ambient_texels is not 0, 64 or 128.");
   if (desc.texels == 0 && desc.ambient_texels == 0)
-    return refuse(reason, "desc.texels and ambient_texels are both 0: there is no texture to make");
+    return refuse(reason, "desc.texels and ambient_texels are both 0: there is no texture to make.");
   if (desc.triangle_capacity == 0 || desc.triangle_capacity > 1'000'000)
-    return refuse(reason, "desc.triangle_capacity is not in 1..1000000");
+    return refuse(reason, "desc.triangle_capacity is not in 1..1000000.");
   if (desc.mesh_capacity == 0 || desc.mesh_capacity > 1024)
-    return refuse(reason, "desc.mesh_capacity is not in 1..1024");
-  if (!within(desc.light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
+    return refuse(reason, "desc.mesh_capacity is not in 1..1024.");
+  if (!within(desc.light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians.");
   if (!within(desc.reach, 0.0f, 1e6f) || (desc.reach > 0 && desc.reach < 2))
-    return refuse(reason, "desc.reach is neither 0 nor in 2..1000000");
+    return refuse(reason, "desc.reach is neither 0 nor in 2..1000000.");
   if (select_cast_kernels(desc.isa) == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
-                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
+                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC.");
   return accept(reason);
 }
 
@@ -77,13 +77,13 @@ sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
 
 sandglass_status frame_of(const sandglass_cast_plane& plane, CastFrame* frame, const char** reason) {
   if (!all_within(plane.origin, 3, -k_cast_far, k_cast_far))
-    return refuse(reason, "plane.origin is not finite, or 1000 km away");
+    return refuse(reason, "plane.origin is not finite, or 1000 km away.");
   for (uint32_t axis = 0; axis < 2; ++axis)
     if (!within(plane.low[axis], -k_cast_far, k_cast_far) || !within(plane.high[axis], -k_cast_far, k_cast_far) ||
         !(plane.high[axis] > plane.low[axis]))
-      return refuse(reason, "plane.low and high are not finite, or high is not above low");
-  if (!within(plane.bias, 0.0f, 1.0f)) return refuse(reason, "plane.bias is not in 0..1 metre");
-  if (plane.is_virtual > 1) return refuse(reason, "plane.is_virtual is neither 0 nor 1");
+      return refuse(reason, "plane.low and high are not finite, or high is not above low.");
+  if (!within(plane.bias, 0.0f, 1.0f)) return refuse(reason, "plane.bias is not in 0..1 metre.");
+  if (plane.is_virtual > 1) return refuse(reason, "plane.is_virtual is neither 0 nor 1.");
   if (const char* wrong = plane_axes(plane.normal, plane.along, frame->axes)) return refuse(reason, wrong);
   for (uint32_t i = 0; i < 3; ++i) frame->origin[i] = static_cast<double>(plane.origin[i]);
   for (uint32_t axis = 0; axis < 2; ++axis) {
@@ -144,16 +144,16 @@ using Maker = MakerOf<check, lay_out, build>;
 
 sandglass_status check_mesh(const sandglass_cast_mesh& mesh, const char** reason) {
   if (mesh.triangle_count == 0) return accept(reason);
-  if (mesh.positions == nullptr) return refuse(reason, "a mesh's positions are NULL, but it has triangles");
+  if (mesh.positions == nullptr) return refuse(reason, "a mesh's positions are NULL, but it has triangles.");
   if (mesh.stride < 12 || mesh.stride % 4 != 0)
     return refuse(reason,
-                  "a mesh's stride is not a multiple of 4, at least 12: start from sandglass_cast_mesh_default");
+                  "a mesh's stride is not a multiple of 4, at least 12: start from sandglass_cast_mesh_default.");
   if (mesh.index_bytes != 2 && mesh.index_bytes != 4)
-    return refuse(reason, "a mesh's index_bytes is neither 2 nor 4: start from sandglass_cast_mesh_default");
-  if (mesh.closed > 1 || mesh.is_real > 1) return refuse(reason, "a mesh's closed or is_real is neither 0 nor 1");
+    return refuse(reason, "a mesh's index_bytes is neither 2 nor 4: start from sandglass_cast_mesh_default.");
+  if (mesh.closed > 1 || mesh.is_real > 1) return refuse(reason, "a mesh's closed or is_real is neither 0 nor 1.");
   for (uint32_t column = 0; column < 4; ++column)
     if (!all_within(mesh.world_from_mesh + 4 * column, 3, -k_cast_far, k_cast_far))
-      return refuse(reason, "a mesh's world_from_mesh is not finite, or beyond 1000 km");
+      return refuse(reason, "a mesh's world_from_mesh is not finite, or beyond 1000 km.");
   return accept(reason);
 }
 
@@ -168,17 +168,18 @@ __attribute__((noinline)) sandglass_status take_meshes(CastState* c, const sandg
                                                        const char** reason) {
   if (count > c->mesh_capacity)
     return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "there are more meshes than desc.mesh_capacity: create a larger cast");
+                  "there are more meshes than desc.mesh_capacity: create a larger cast.");
   uint64_t triangles = 0;
   for (uint32_t i = 0; i < count; ++i) {
     if (const sandglass_status status = check_mesh(meshes[i], reason)) return status;
     if (i < c->mesh_count && silently_longer(meshes[i], c->meshes[i].asked))
-      return refuse(reason, "a mesh has other counts, but arrays and version are as before: give it another version");
+      return refuse(reason, "a mesh has other counts, but arrays and version are as before: give it another version.");
     triangles += meshes[i].triangle_count;
   }
   if (triangles > c->triangle_capacity)
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "there are more triangles than desc.triangle_capacity: create a larger cast, or pass a coarser mesh");
+    return refuse(
+        reason, SANDGLASS_ERROR_CAPACITY,
+        "there are more triangles than desc.triangle_capacity: create a larger cast, or pass a coarser mesh.");
   for (uint32_t i = 0; i < count; ++i) c->meshes[i].asked = meshes[i];
   for (uint32_t i = c->mesh_count; i < count; ++i) c->meshes[i].gathered.triangle_count = 0;
   c->mesh_count = count;
@@ -190,7 +191,7 @@ __attribute__((noinline)) sandglass_status take_light(CastState* c, const float 
                                                       const char** reason) {
   double light[3], largest = 0, chord = 0;
   if (const sandglass_status status = check_light_direction(direction, light, reason)) return status;
-  if (!within(diameter, 0.0f, 1.5f)) return refuse(reason, "angular_diameter is not in 0..1.5 radians");
+  if (!within(diameter, 0.0f, 1.5f)) return refuse(reason, "angular_diameter is not in 0..1.5 radians.");
   for (const double x : light) largest = absolute(x) > largest ? absolute(x) : largest;
   for (double& x : light) x /= largest;
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
@@ -278,9 +279,9 @@ void sandglass_cast_plane_default(sandglass_cast_plane* plane) {
 
 sandglass_status sandglass_cast_set_plane(sandglass_cast* cast, const sandglass_cast_plane* plane,
                                           const char** reason) {
-  if (cast == nullptr || plane == nullptr) return refuse(reason, "cast or plane is NULL: pass both");
+  if (cast == nullptr || plane == nullptr) return refuse(reason, "cast or plane is NULL: pass both.");
   if (plane->struct_size != sizeof *plane)
-    return refuse(reason, "plane.struct_size is not that of this library: start from sandglass_cast_plane_default");
+    return refuse(reason, "plane.struct_size is not that of this library: start from sandglass_cast_plane_default.");
   const ExactFloatingPoint exact;
   CastFrame frame;
   const sandglass_status status = frame_of(*plane, &frame, reason);
@@ -303,7 +304,7 @@ void sandglass_cast_mesh_default(sandglass_cast_mesh* mesh) {
 sandglass_status sandglass_cast_set_meshes(sandglass_cast* cast, const sandglass_cast_mesh* meshes, uint32_t count,
                                            const char** reason) {
   if (cast == nullptr || (meshes == nullptr && count != 0))
-    return refuse(reason, "cast is NULL, or meshes are NULL while count is above 0");
+    return refuse(reason, "cast is NULL, or meshes are NULL while count is above 0.");
   const ExactFloatingPoint exact;
   return take_meshes(&cast->cast, meshes, count, reason);
 }
@@ -311,14 +312,14 @@ sandglass_status sandglass_cast_set_meshes(sandglass_cast* cast, const sandglass
 sandglass_status sandglass_cast_set_light(sandglass_cast* cast, const float direction[3], float angular_diameter,
                                           const char** reason) {
   if (cast == nullptr || direction == nullptr)
-    return refuse(reason, "cast or direction is NULL: pass the cast and 3 floats");
+    return refuse(reason, "cast or direction is NULL: pass the cast and 3 floats.");
   const ExactFloatingPoint exact;
   return take_light(&cast->cast, direction, angular_diameter, reason);
 }
 
 sandglass_status sandglass_cast_set_cells(sandglass_cast* cast, const float cells[SANDGLASS_LIGHT_CELLS],
                                           const char** reason) {
-  if (cast == nullptr || cells == nullptr) return refuse(reason, "cast or cells is NULL: pass the cast and 64 floats");
+  if (cast == nullptr || cells == nullptr) return refuse(reason, "cast or cells is NULL: pass the cast and 64 floats.");
   const ExactFloatingPoint exact;
   return take_cells(&cast->cast, cells, reason);
 }

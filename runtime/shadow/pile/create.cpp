@@ -21,26 +21,26 @@ constexpr float k_side_limit = 1e4f;  // metres
 sandglass_status check(const sandglass_pile_shadow_desc& desc, const char** reason) {
   for (uint32_t axis = 0; axis < 2; ++axis) {
     if (!within(desc.low[axis], -k_side_limit, k_side_limit) || !within(desc.high[axis], -k_side_limit, k_side_limit))
-      return refuse(reason, "desc.low or high is not finite, or beyond 10 km");
+      return refuse(reason, "desc.low or high is not finite, or beyond 10 km.");
     if (!(desc.high[axis] - desc.low[axis] >= 1e-3f))
-      return refuse(reason, "desc.high is not above low by at least a millimetre in x and in z");
+      return refuse(reason, "desc.high is not above low by at least a millimetre in x and in z.");
   }
   if (!within(desc.floor, -k_side_limit, k_side_limit))
-    return refuse(reason, "desc.floor is not finite, or beyond 10 km");
+    return refuse(reason, "desc.floor is not finite, or beyond 10 km.");
   if (desc.texels < 32 || desc.texels > 256 || desc.texels % 32 != 0)
-    return refuse(reason, "desc.texels is not a multiple of 32 in 32..256");
+    return refuse(reason, "desc.texels is not a multiple of 32 in 32..256.");
   if (!within(desc.angular_diameter, 0.02f, 1.0f))
-    return refuse(reason, "desc.angular_diameter is not in 0.02..1 radians");
-  if (!within(desc.light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
-  if (desc.on_sand > 1) return refuse(reason, "desc.on_sand is neither 0 nor 1");
+    return refuse(reason, "desc.angular_diameter is not in 0.02..1 radians.");
+  if (!within(desc.light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians.");
+  if (desc.on_sand > 1) return refuse(reason, "desc.on_sand is neither 0 nor 1.");
   if (desc.sky_texels != 0 && desc.sky_texels != desc.texels && 2 * desc.sky_texels != desc.texels &&
       4 * desc.sky_texels != desc.texels)
-    return refuse(reason, "desc.sky_texels is neither 0 nor desc.texels, a half or a quarter of it");
+    return refuse(reason, "desc.sky_texels is neither 0 nor desc.texels, a half or a quarter of it.");
   if (desc.sky_texels != 0 && (desc.sky_texels % k_lane_group != 0 || desc.sky_texels > 128))
-    return refuse(reason, "desc.sky_texels is not a multiple of 16, at most 128");
+    return refuse(reason, "desc.sky_texels is not a multiple of 16, at most 128.");
   if (select_pile_kernels(desc.isa) == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
-                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
+                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC.");
   return accept(reason);
 }
 
@@ -128,7 +128,7 @@ __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direc
 
 __attribute__((noinline)) sandglass_status take_cells(Pile* p, const float* cells, const char** reason) {
   if (p->sky.texels == 0)
-    return refuse(reason, "this shadow has no texture of the room's light: set desc.sky_texels at create");
+    return refuse(reason, "this shadow has no texture of the room's light: set desc.sky_texels at create.");
   if (const sandglass_status status = check_cells(cells, reason)) return status;
   memcpy(p->sky.cells, cells, k_light_cells * sizeof(float));
   if (cells_differ(p->sky.made_for, cells)) p->asked |= k_ask_sky;
@@ -165,7 +165,7 @@ sandglass_status sandglass_pile_shadow_create(const sandglass_pile_shadow_desc* 
 sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, const float direction[3],
                                                  const char** reason) {
   if (shadow == nullptr || direction == nullptr)
-    return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats");
+    return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats.");
   const ExactFloatingPoint exact;
   return take_light(&shadow->pile, direction, reason);
 }
@@ -218,7 +218,7 @@ uint64_t sandglass_pile_shadow_hash(const sandglass_pile_shadow* shadow) {
 sandglass_status sandglass_pile_shadow_set_cells(sandglass_pile_shadow* shadow,
                                                  const float cells[SANDGLASS_LIGHT_CELLS], const char** reason) {
   if (shadow == nullptr || cells == nullptr)
-    return refuse(reason, "shadow or cells is NULL: pass the shadow and 64 floats");
+    return refuse(reason, "shadow or cells is NULL: pass the shadow and 64 floats.");
   const ExactFloatingPoint exact;
   return take_cells(&shadow->pile, cells, reason);
 }

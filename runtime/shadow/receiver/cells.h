@@ -17,11 +17,11 @@ inline sandglass_status check_cells(const float cells[SANDGLASS_LIGHT_CELLS], co
   double sum = 0;
   for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i) {
     if (!(cells[i] >= 0 && is_finite(cells[i])))
-      return refuse(reason, "a cell is negative or not finite: pass shares of the plane's light");
+      return refuse(reason, "a cell is negative or not finite: pass shares of the plane's light.");
     sum += static_cast<double>(cells[i]);
   }
   if (!(sum <= 1 + k_cells_slack))
-    return refuse(reason, "the cells are more than 1 together: divide them by the irradiance of the plane");
+    return refuse(reason, "the cells are more than 1 together: divide them by the irradiance of the plane.");
   return accept(reason);
 }
 

@@ -9,10 +9,10 @@ namespace sandglass {
 // Refuses what points nowhere; `towards` is the same direction in double, of the same length.
 inline sandglass_status check_light_direction(const float direction[3], double towards[3], const char** reason) {
   if (!all_finite(direction, 3))
-    return refuse(reason, "direction is not finite: check where it comes from; the light is as it was");
+    return refuse(reason, "direction is not finite: check where it comes from; the light is as it was.");
   for (uint32_t axis = 0; axis < 3; ++axis) towards[axis] = static_cast<double>(direction[axis]);
   if (towards[0] == 0 && towards[1] == 0 && towards[2] == 0)
-    return refuse(reason, "direction is the zero vector: it must point to the light");
+    return refuse(reason, "direction is the zero vector: it must point to the light.");
   return accept(reason);
 }
 

@@ -20,31 +20,28 @@ constexpr float k_far = 1e30f;
 // Counts the nodes of the box. Null, or a sentence that says what is wrong; the mesh is not looked into.
 const char* measure(const sandglass_field_desc* desc, uint32_t counts[3]) {
   if (desc == nullptr || desc->struct_size != sizeof *desc)
-    return "sandglass_field: desc is NULL or its struct_size is wrong: start from sandglass_field_desc_default.";
+    return "desc is NULL or its struct_size is wrong: start from sandglass_field_desc_default.";
   if (desc->solid != SANDGLASS_SOLID_INSIDE && desc->solid != SANDGLASS_SOLID_OUTSIDE)
-    return "sandglass_field: solid must be a SANDGLASS_SOLID value.";
+    return "solid must be a SANDGLASS_SOLID value.";
   if ((desc->mesh == nullptr) == (desc->distance == nullptr))
-    return "sandglass_field: mesh and distance are both NULL, or neither is: pass one of them.";
+    return "mesh and distance are both NULL, or neither is: pass one of them.";
   if (desc->mesh != nullptr && desc->inside == nullptr)
-    return "sandglass_field: inside is NULL: pass sandglass_mesh_inside_test, or a function of yours.";
-  if (!(desc->band >= 0.0f && desc->band <= SANDGLASS_COORDINATE_LIMIT))
-    return "sandglass_field: band must be 0 to 1000 metres.";
+    return "inside is NULL: pass sandglass_mesh_inside_test, or a function of yours.";
+  if (!(desc->band >= 0.0f && desc->band <= SANDGLASS_COORDINATE_LIMIT)) return "band must be 0 to 1000 metres.";
   const float *low = desc->bounds_min, *high = desc->bounds_max, spacing = desc->spacing;
-  if (!(spacing >= 1e-5f && spacing <= 100.0f)) return "sandglass_field: spacing must be 0.00001 to 100 metres.";
+  if (!(spacing >= 1e-5f && spacing <= 100.0f)) return "spacing must be 0.00001 to 100 metres.";
   double nodes = 1.0;
   for (int k = 0; k < 3; ++k) {
     if (!(low[k] >= -SANDGLASS_COORDINATE_LIMIT && high[k] <= SANDGLASS_COORDINATE_LIMIT && low[k] < high[k]))
-      return "sandglass_field: bounds must be finite, within 1000 m, and bounds_min below bounds_max.";
+      return "bounds must be finite, within 1000 m, and bounds_min below bounds_max.";
     const double cells = (static_cast<double>(high[k]) - static_cast<double>(low[k])) / static_cast<double>(spacing);
-    if (!(cells < static_cast<double>(k_nodes_max)))
-      return "sandglass_field: more than 2^24 nodes: enlarge the spacing.";
+    if (!(cells < static_cast<double>(k_nodes_max))) return "more than 2^24 nodes: enlarge the spacing.";
     const uint32_t whole = to_whole<uint32_t>(cells);
     counts[k] = whole + (cells > static_cast<double>(whole) ? 2 : 1);
     if (counts[k] < 2) counts[k] = 2;
     nodes *= counts[k];
   }
-  return nodes <= static_cast<double>(k_nodes_max) ? nullptr
-                                                   : "sandglass_field: more than 2^24 nodes: enlarge the spacing.";
+  return nodes <= static_cast<double>(k_nodes_max) ? nullptr : "more than 2^24 nodes: enlarge the spacing.";
 }
 
 uint64_t bytes_of(const uint32_t counts[3]) {
@@ -80,7 +77,7 @@ sandglass_status finish(const Nodes& n, sandglass_solid solid, void* block, sand
     for (uint32_t j = 0; j < n.counts[1]; ++j) {
       for (uint32_t i = 0; i < n.counts[0]; ++i) {
         const float value = n.values[n.at(i, j, k)];
-        if (!(value > -1e6f && value < 1e6f)) return refuse(reason, "sandglass_field: a distance is not finite.");
+        if (!(value > -1e6f && value < 1e6f)) return refuse(reason, "a distance is not finite.");
         const bool face =
             i == 0 || j == 0 || k == 0 || i + 1 == n.counts[0] || j + 1 == n.counts[1] || k + 1 == n.counts[2];
         two_sided = two_sided || (inside ? value < 0.0f : value > 0.0f);
@@ -89,11 +86,10 @@ sandglass_status finish(const Nodes& n, sandglass_solid solid, void* block, sand
     }
   }
   if (inside ? border <= 0.0f : border >= 0.0f)
-    return refuse(reason, "sandglass_field: the surface crosses the faces of the box: enlarge the bounds.");
+    return refuse(reason, "the surface crosses the faces of the box: enlarge the bounds.");
   if (!two_sided) {
-    return refuse(reason, inside
-                              ? "sandglass_field: no node is solid: make spacing smaller than the thinnest wall."
-                              : "sandglass_field: no node is free: make spacing smaller than the narrowest passage.");
+    return refuse(reason, inside ? "no node is solid: make spacing smaller than the thinnest wall."
+                                 : "no node is free: make spacing smaller than the narrowest passage.");
   }
   sandglass_field* header = static_cast<sandglass_field*>(block);
   *header = {};
@@ -256,7 +252,7 @@ void sandglass_field_desc_default(sandglass_field_desc* desc) { empty_struct(des
 sandglass_status sandglass_field_bytes(const sandglass_field_desc* desc, uint64_t* bytes, const char** reason) {
   uint32_t counts[3];
   if (const sandglass_status status = check(desc, counts, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, "sandglass_field_bytes: bytes is NULL: pass where to store the size.");
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store the size.");
   *bytes = bytes_of(counts);
   return accept(reason);
 }
@@ -265,7 +261,7 @@ sandglass_status sandglass_field_create(const sandglass_field_desc* desc, void* 
                                         sandglass_field** field, const char** reason) {
   Nodes n = {};
   if (const sandglass_status status = check(desc, n.counts, reason)) return status;
-  if (field == nullptr) return refuse(reason, "sandglass_field: field is NULL: pass where to store the field.");
+  if (field == nullptr) return refuse(reason, "field is NULL: pass where to store the field.");
   if (const sandglass_status status = check_block(block, bytes, bytes_of(n.counts), reason)) return status;
   n.values = reinterpret_cast<float*>(static_cast<sandglass_field*>(block) + 1);
   for (int k = 0; k < 3; ++k) n.low[k] = desc->bounds_min[k];

@@ -23,7 +23,7 @@ sandglass_status measure(const sandglass_mesh* mesh, sandglass_inside_rule rule,
   } else if (rule == SANDGLASS_INSIDE_WINDING) {
     plan->winding = measure_winding(*mesh);
   } else {
-    return refuse(reason, "rule is none of sandglass_inside_rule: use PARITY or WINDING");
+    return refuse(reason, "rule is none of sandglass_inside_rule: use PARITY or WINDING.");
   }
   return accept(reason);
 }
@@ -46,7 +46,7 @@ sandglass_status sandglass_mesh_inside_bytes(const sandglass_mesh* mesh, sandgla
                                              const char** reason) {
   sandglass_mesh_inside plan;
   if (const sandglass_status status = measure(mesh, rule, &plan, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass room for a number");
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass room for a number.");
   Layout layout;
   lay_out(&layout, *mesh, &plan);
   *bytes = layout.size;
@@ -56,7 +56,7 @@ sandglass_status sandglass_mesh_inside_bytes(const sandglass_mesh* mesh, sandgla
 sandglass_status sandglass_mesh_inside_create(const sandglass_mesh* mesh, sandglass_inside_rule rule, void* block,
                                               uint64_t bytes, sandglass_mesh_inside** inside, const char** reason) {
   sandglass_mesh_inside plan;
-  if (inside == nullptr) return refuse(reason, "inside is NULL: pass room for a pointer");
+  if (inside == nullptr) return refuse(reason, "inside is NULL: pass room for a pointer.");
   if (const sandglass_status status = measure(mesh, rule, &plan, reason)) return status;
   Layout size;
   lay_out(&size, *mesh, &plan);

@@ -31,7 +31,7 @@ sandglass_status measure(const sandglass_sample_desc& desc, Lattice* lattice, co
     const double sites = (lattice->far[k] - lattice->origin[k]) / (spacing[k] * lattice->distance);
     total *= sites + 1;
     if (!(total <= static_cast<double>(k_point_limit)))
-      return refuse(reason, "distance is too small: more than 2^30 lattice sites in the bounding box; enlarge it");
+      return refuse(reason, "distance is too small: more than 2^30 lattice sites in the bounding box; enlarge it.");
     lattice->sites[k] = to_whole<uint32_t>(sites) + 1;
   }
   lattice->total = static_cast<uint64_t>(lattice->sites[0]) * lattice->sites[1] * lattice->sites[2];

@@ -29,9 +29,10 @@ void place_on_sphere(double radius, uint64_t i, double sphere_count, float* poin
 
 sandglass_status check_shape(float radius, uint32_t count, const float* points, const char** reason) {
   if (!is_finite(radius) || !(radius > 0))
-    return refuse(reason, "radius is not a finite number above 0: give it in metres");
-  if (count == 0 || count > k_point_limit) return refuse(reason, "count is not in 1..2^30: ask for at least one point");
-  if (points == nullptr) return refuse(reason, "points is NULL: pass room for 3*count floats");
+    return refuse(reason, "radius is not a finite number above 0: give it in metres.");
+  if (count == 0 || count > k_point_limit)
+    return refuse(reason, "count is not in 1..2^30: ask for at least one point.");
+  if (points == nullptr) return refuse(reason, "points is NULL: pass room for 3*count floats.");
   return accept(reason);
 }
 
@@ -94,11 +95,11 @@ sandglass_status sandglass_sample_ring(float radius, float theta_a, float theta_
                                        const char** reason) {
   if (const sandglass_status status = check_shape(radius, count, points, reason)) return status;
   if (!(theta_a >= 0 && theta_a < theta_b && theta_b <= static_cast<float>(k_pi)))
-    return refuse(reason, "the ring is not 0 <= theta_a < theta_b <= pi: give polar angles in radians");
+    return refuse(reason, "the ring is not 0 <= theta_a < theta_b <= pi: give polar angles in radians.");
   const double low = half_angle_sine_squared(theta_a), high = half_angle_sine_squared(theta_b);
   if (!(count / (high - low) <= k_sphere_limit))
     return refuse(reason,
-                  "the ring is too thin for that many points (2^40 on the whole sphere): widen theta_a..theta_b");
+                  "the ring is too thin for that many points (2^40 on the whole sphere): widen theta_a..theta_b.");
   const int64_t sphere_count = ring_sphere_count(count, low, high);
   const IndexRange range = ring_indices(sphere_count, low, high);
   for (int64_t i = range.first; i <= range.last; ++i)

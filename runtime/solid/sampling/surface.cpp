@@ -40,14 +40,14 @@ sandglass_status measure(SurfaceNeed* need, const char** reason) {
   if (const sandglass_status status = sandglass_mesh_bounds(mesh, need->bounds_min, need->bounds_max, reason))
     return status;
   need->area = sum_areas(*mesh, nullptr);
-  if (!(need->area > 0)) return refuse(reason, "the mesh's triangles have no area: check its vertices");
+  if (!(need->area > 0)) return refuse(reason, "the mesh's triangles have no area: check its vertices.");
   const double candidates = candidate_count(need->area, distance, need->desc.tries);
   if (!(candidates <= k_point_limit))
-    return refuse(reason, "distance is too small: more than 2^30 candidates; enlarge it or shrink the mesh");
+    return refuse(reason, "distance is too small: more than 2^30 candidates; enlarge it or shrink the mesh.");
   for (int k = 0; k < 3; ++k) {
     const double extent = static_cast<double>(need->bounds_max[k]) - static_cast<double>(need->bounds_min[k]);
     if (!(extent * cells_per_metre(distance) < k_axis_cell_limit))
-      return refuse(reason, "distance is too small: more than 2^20 of it along the bounding box; enlarge it");
+      return refuse(reason, "distance is too small: more than 2^20 of it along the bounding box; enlarge it.");
   }
   need->candidates = to_whole<uint32_t>(candidates);
   // With 30 tries, a cell that the surface crosses holds about ten candidates.

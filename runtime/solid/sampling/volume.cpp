@@ -46,7 +46,7 @@ double packing_bound(const CellGrid& grid) {
 sandglass_status measure(const sandglass_sample_desc& desc, CellGrid* grid, const char** reason) {
   if (const sandglass_status status = check_volume(desc, reason)) return status;
   if (!make_cell_grid(desc.bounds_min, desc.bounds_max, desc.distance, grid) || !(packing_bound(*grid) < 0xFFFFFFFEu))
-    return refuse(reason, "distance is too small: more than 2^30 cells of it in the bounding box; enlarge it");
+    return refuse(reason, "distance is too small: more than 2^30 cells of it in the bounding box; enlarge it.");
   return accept(reason);
 }
 

@@ -236,11 +236,11 @@ extern "C" sandglass_status sandglass_mesh_winding_number(const sandglass_mesh* 
   using namespace sandglass;
   if (const sandglass_status status = check_mesh(mesh, reason)) return status;
   if (position == nullptr || winding == nullptr)
-    return refuse(reason, "point or winding is NULL: pass 3 floats and room for a double");
+    return refuse(reason, "point or winding is NULL: pass 3 floats and room for a double.");
   double point[3], sum = 0;
   for (int k = 0; k < 3; ++k) {
     point[k] = static_cast<double>(position[k]);
-    if (!is_finite(point[k])) return refuse(reason, "the point is not finite: check where it comes from");
+    if (!is_finite(point[k])) return refuse(reason, "the point is not finite: check where it comes from.");
   }
   for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
     float t[9];

@@ -1,0 +1,2 @@
+// It refuses without a full stop.
+int no(const char** reason) { return refuse(reason, "it is NULL: pass one"); }
