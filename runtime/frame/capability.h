@@ -90,10 +90,16 @@ Members member_of(Handle* const& handle, uint32_t kinds) {
 constexpr uint32_t k_group_capacity = 3;
 struct Group {
   Members members[k_group_capacity];
-  uint32_t count;
-  float share;         // see Stage
-  uint32_t mandatory;  // units of each frame, beside those that its members must run
+  uint32_t count;           // of these
+  uint32_t handles, kinds;  // of all of them
+  float share;              // see Stage
+  uint32_t mandatory;       // units of each frame, beside those that its members must run
 };
+inline void add_members(Group* group, const Members& members) {
+  group->members[group->count++] = members;
+  group->handles += members.count;
+  group->kinds += members.kinds;
+}
 Stage begin_group(Group* group, const FrameView& view);
 void end_group(const Group& group, sandglass_frame_report* report);
 // Runs up to so many units outside a frame. Returns how many there were.

@@ -121,19 +121,16 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
 }  // namespace
 
 Stage begin_group(Group* group, const FrameView& view) {
-  uint32_t kinds = 0, units = group->mandatory;
-  bool any = false;
+  if (group->handles == 0) return stage_without_work(group->kinds);
+  uint32_t units = group->mandatory;
   for (uint32_t i = 0; i < group->count; ++i) {
     const Members& members = group->members[i];
-    kinds += members.kinds;
     for (uint32_t k = 0; k < members.count; ++k) {
       Member* member = member_at(members, k);
       units += member->capability->begin_frame(member, view);
-      any = true;
     }
   }
-  if (!any) return stage_without_work(kinds);
-  return {group, next, run, forecast, kinds, units, group->share};
+  return {group, next, run, forecast, group->kinds, units, group->share};
 }
 
 void end_group(const Group& group, sandglass_frame_report* report) {
@@ -147,7 +144,7 @@ void end_group(const Group& group, sandglass_frame_report* report) {
 }
 
 uint32_t run_members(const Members& members, uint32_t units) {
-  const Group group = {{members}, 1, 1.0f, 0};
+  const Group group = {{members}, 1, members.count, members.kinds, 1.0f, 0};
   uint32_t done = 0;
   for (; done < units; ++done) {
     const Turn turn = choose(group, 0);

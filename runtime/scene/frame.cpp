@@ -1,5 +1,8 @@
 // One frame, top to bottom: check the input, let every capability look at it, collect their stages, let the governor run them,
 // report. capabilities.inc says who takes part.
+#include <cstddef>
+#include <cstring>
+
 #include "platform/floating_point.h"
 #include "runtime/frame/filled_struct.h"
 #include "runtime/frame/refuse.h"
@@ -14,66 +17,82 @@
 namespace sandglass {
 namespace {
 
-// Stages as they follow one another: the sand's, one for each line, the grains, and what closes the frame.
-enum : uint32_t {
-  k_particles,
-#define STAGE(name, title, share, units, members) k_of_##name,
-#include "runtime/scene/capabilities.inc"
-#undef STAGE
-  k_grains,
-  k_close,
-  k_stages
+// The tables that capabilities.inc makes.
+struct StageRow {
+  sandglass_stage stage;
+  float share;
+  uint32_t units;
 };
-#define STAGE(name, title, share, units, members) static_assert(k_of_##name == uint32_t{SANDGLASS_STAGE_##name});
+constexpr StageRow k_stage_rows[] = {
+#define STAGE(name, title, share, units) {SANDGLASS_STAGE_##name, share, units},
 #include "runtime/scene/capabilities.inc"
-#undef STAGE
-static_assert(k_grains == uint32_t{SANDGLASS_STAGE_REFINE} && k_stages == uint32_t{SANDGLASS_STAGE_COUNT});
-constexpr uint32_t k_groups = k_grains - 1;
+};
+struct MemberRow {
+  sandglass_stage stage;
+  size_t handles, count;  // offsets in the frame's input; of one handle the second is 0
+  uint32_t kinds;
+  const char* refusal;  // where there should be handles and are none
+};
+constexpr MemberRow k_member_rows[] = {
+#define ONE(stage, field, kinds) {SANDGLASS_STAGE_##stage, offsetof(sandglass_frame_input, field), 0, kinds, nullptr},
+#define MANY(stage, field, number, kinds)                                                                           \
+  {SANDGLASS_STAGE_##stage, offsetof(sandglass_frame_input, field), offsetof(sandglass_frame_input, number), kinds, \
+   "input." #field " is NULL or has a NULL among its first " #number ": pass what was created, or set " #number     \
+   " to 0."},
+#include "runtime/scene/capabilities.inc"
+};
 
-constexpr uint32_t k_kinds_of_all = uint32_t{k_granular_kinds}
-#define ONE(field, kinds) \
-  +uint32_t {             \
-    kinds                 \
+constexpr uint32_t kinds_of_all() {
+  uint32_t kinds = k_granular_kinds;
+  for (const MemberRow& row : k_member_rows) kinds += row.kinds;
+  return kinds;
+}
+static_assert(kinds_of_all() <= k_unit_kinds);
+
+constexpr uint32_t k_groups = sizeof k_stage_rows / sizeof *k_stage_rows;
+constexpr bool stages_follow_one_another() {
+  for (uint32_t i = 0; i < k_groups; ++i) {
+    uint32_t members = 0;
+    for (const MemberRow& row : k_member_rows) members += row.stage == k_stage_rows[i].stage ? 1 : 0;
+    const sandglass_stage expected = SANDGLASS_STAGE_GRANULAR + 1 + static_cast<sandglass_stage>(i);
+    if (k_stage_rows[i].stage != expected || members > k_group_capacity) return false;
   }
-#define MANY(field, count, kinds) \
-  +uint32_t {                     \
-    kinds                         \
-  }
-#define STAGE(name, title, share, units, members) members
-#include "runtime/scene/capabilities.inc"
-;
-static_assert(k_kinds_of_all <= k_unit_kinds);
-#undef ONE
-#undef MANY
-#undef STAGE
+  return SANDGLASS_STAGE_REFINE == k_groups + 1 && SANDGLASS_STAGE_OUTPUT == k_groups + 2;
+}
+static_assert(stages_follow_one_another());
+
+template <class Field>
+Field field_at(const sandglass_frame_input& input, size_t offset) {
+  Field field;
+  memcpy(&field, reinterpret_cast<const char*>(&input) + offset, sizeof field);
+  return field;
+}
+
+Members members_of(const sandglass_frame_input& input, const MemberRow& row) {
+  const auto* there = field_at<const void*>(input, row.handles);
+  if (row.count != 0) return {there, field_at<uint32_t>(input, row.count), row.kinds};
+  return {reinterpret_cast<const char*>(&input) + row.handles, there == nullptr ? 0u : 1u, row.kinds};
+}
 
 // What is wrong with the arrays of handles, or null.
 const char* check_handles(const sandglass_frame_input& input) {
-#define ONE(field, kinds)
-#define MANY(field, count, kinds)                                             \
-  for (uint32_t i = 0; i < input.count; ++i)                                  \
-    if (input.field == nullptr || input.field[i] == nullptr)                  \
-      return "input." #field " is NULL or has a NULL among its first " #count \
-             ": pass what was created, or set " #count " to 0.";
-#define STAGE(name, title, share, units, members) members
-#include "runtime/scene/capabilities.inc"
-#undef ONE
-#undef MANY
-#undef STAGE
+  for (const MemberRow& row : k_member_rows) {
+    const Members members = members_of(input, row);
+    if (members.handles == nullptr && members.count != 0) return row.refusal;
+    for (uint32_t i = 0; i < members.count; ++i)
+      if (member_at(members, i) == nullptr) return row.refusal;
+  }
   return nullptr;
 }
 
 void find_groups(const sandglass_frame_input& input, Group groups[k_groups]) {
-  Group* group = groups;
-#define ONE(field, kinds) group->members[group->count++] = member_of(input.field, kinds);
-#define MANY(field, number, kinds) group->members[group->count++] = Members{input.field, input.number, kinds};
-#define STAGE(name, title, of_time, units, all) \
-  *group = {{}, 0, of_time, units};             \
-  all++ group;
-#include "runtime/scene/capabilities.inc"
-#undef ONE
-#undef MANY
-#undef STAGE
+  for (uint32_t i = 0; i < k_groups; ++i) {
+    groups[i].count = groups[i].handles = groups[i].kinds = 0;
+    groups[i].share = k_stage_rows[i].share;
+    groups[i].mandatory = k_stage_rows[i].units;
+  }
+  for (const MemberRow& row : k_member_rows)
+    add_members(&groups[row.stage - k_stage_rows[0].stage], members_of(input, row));
 }
 
 sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input* input,
@@ -163,24 +182,25 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   Closing& closing = scene->closing;
   closing = {{granular_carry_stage(granular), stage_without_work(0), granular_output_stage(granular)}};
   if (input->skin != nullptr) closing.parts[1] = input->skin->member.capability->closing(input->skin);
-  Stage stages[k_stages];
-  stages[k_particles] = granular_particle_stage(granular);
+  Stage stages[SANDGLASS_STAGE_COUNT];
+  stages[SANDGLASS_STAGE_GRANULAR] = granular_particle_stage(granular);
   for (uint32_t i = 0; i < k_groups; ++i) {
-    view.drawn = sand_as_drawn(*granular, input->skin);
-    stages[k_particles + 1 + i] = begin_group(&groups[i], view);
+    if (groups[i].handles != 0) view.drawn = sand_as_drawn(*granular, input->skin);
+    stages[k_stage_rows[i].stage] = begin_group(&groups[i], view);
   }
-  stages[k_grains] = granular_grain_stage(granular);
-  stages[k_close] = closing_stage(&closing);
-  assign_kinds(stages, k_stages);
-  closing.parts[1].first_kind = stages[k_of_SKIN].first_kind;
-  closing.parts[0].first_kind = closing.parts[2].first_kind = stages[k_particles].first_kind;
-  stages[k_close].first_kind = 0;
+  stages[SANDGLASS_STAGE_REFINE] = granular_grain_stage(granular);
+  stages[SANDGLASS_STAGE_OUTPUT] = closing_stage(&closing);
+  assign_kinds(stages, SANDGLASS_STAGE_COUNT);
+  closing.parts[1].first_kind = stages[SANDGLASS_STAGE_SKIN].first_kind;
+  closing.parts[0].first_kind = closing.parts[2].first_kind = stages[SANDGLASS_STAGE_GRANULAR].first_kind;
+  stages[SANDGLASS_STAGE_OUTPUT].first_kind = 0;
 
   const uint64_t target = governor_target(input->budget_ns, input->thermal_headroom);
-  const bool ran = governor_frame(&scene->governor, stages, k_stages, target, input->plan, report);
+  const bool ran = governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);
   report->time.budget_ns = input->budget_ns;
   granular_end_frame(granular);
-  for (const Group& group : groups) end_group(group, report);
+  for (const Group& group : groups)
+    if (group.handles != 0) end_group(group, report);
   if (refused_image != nullptr) {
     report->estimate.ignored_images = 1;
     if (scene->desc.log.write != nullptr) scene->desc.log.write(scene->desc.log.user, refused_image);

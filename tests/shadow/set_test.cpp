@@ -109,7 +109,7 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
   refined.light_tolerance = in_full.light_tolerance = 0;
   LiveShadow adaptive(refined), full(in_full);
   sandglass_shadow* both[2] = {adaptive.shadow, full.shadow};
-  Group group = {{Members{both, 2, k_shadow_kinds}}, 1, 1.0f, 0};
+  Group group = {{Members{both, 2, k_shadow_kinds}}, 1, 2, k_shadow_kinds, 1.0f, 0};
   const Stage stage = begin_group(&group, {});
   for (const float turn : {0.0f, 0.003f}) {
     uint32_t cells_before[2], cells[2];
