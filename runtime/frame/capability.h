@@ -41,9 +41,6 @@ struct FrameView {
 };
 
 struct Capability {
-  const char* name;
-  // Kinds of work unit, counted from 0.
-  uint32_t kinds;
   // Returns how many of its units this frame must run.
   uint32_t (*begin_frame)(void* handle, const FrameView& view);
   // These three as in Stage. With several handles in a group, what is left of one kind is added up.
@@ -54,13 +51,13 @@ struct Capability {
   bool (*under_way)(const void* handle);
   // Of those of its handles that have work, the one where this is greatest comes first. NULL: the one under way, then the one
   // that was served longest ago.
-  double (*urgency)(const void* handle);
+  double (*urgency)(const void* handle) = nullptr;
   // Told to each of its handles once one of them has run a unit. NULL: nothing is.
-  void (*served)(void* handle, const void* by);
-  // Drops what belongs to the app, and fills in its part of the report.
-  void (*end_frame)(void* handle, sandglass_frame_report* report);
+  void (*served)(void* handle, const void* by) = nullptr;
+  // Drops what belongs to the app, and fills in its part of the report. NULL: it has none.
+  void (*end_frame)(void* handle, sandglass_frame_report* report) = nullptr;
   // Its part of what closes a frame (Closing, scene.h), with the same kinds. NULL: none.
-  Stage (*closing)(void* handle);
+  Stage (*closing)(void* handle) = nullptr;
 };
 
 // What every handle begins with.

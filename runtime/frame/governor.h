@@ -23,7 +23,18 @@
 
 namespace sandglass {
 
-constexpr uint32_t k_unit_kinds = 53;                // no more than 64, the bits of a word
+// Kinds of work unit: the sand's, then those of capabilities.inc.
+constexpr uint32_t k_sand_kinds = 24;
+constexpr uint32_t k_unit_kinds = k_sand_kinds
+#define ONE(stage, field, kinds) +kinds
+#define MANY(stage, field, number, handle, kinds) +kinds
+#include "runtime/frame/capabilities.inc"
+    ;
+static_assert(k_unit_kinds <= 64);  // the bits of a word
+// Those of each.
+#define ONE(stage, field, kinds) constexpr uint32_t k_##field##_kinds = kinds;
+#define MANY(stage, field, number, handle, kinds) constexpr uint32_t k_##handle##_kinds = kinds;
+#include "runtime/frame/capabilities.inc"
 constexpr uint32_t k_unit_kind_none = k_unit_kinds;  // a unit of this kind is never predicted
 constexpr uint32_t k_all_units = ~0u;                // Stage::mandatory_units of the output stage
 

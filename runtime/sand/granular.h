@@ -45,6 +45,7 @@ enum : uint32_t {
   k_unit_grain_carry,
   k_granular_kinds
 };
+static_assert(k_granular_kinds == k_sand_kinds);
 
 // Of the frame under way. Each part counts what it sees.
 struct FrameCounts {

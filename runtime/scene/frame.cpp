@@ -6,12 +6,7 @@
 #include "platform/floating_point.h"
 #include "runtime/frame/filled_struct.h"
 #include "runtime/frame/refuse.h"
-#include "runtime/light/network/estimator.h"
-#include "runtime/light/room/room.h"
 #include "runtime/scene/scene.h"
-#include "runtime/shadow/baked/shadow.h"
-#include "runtime/shadow/cast/cast.h"
-#include "runtime/shadow/pile/pile.h"
 #include "runtime/skin/skin.h"
 
 namespace sandglass {
@@ -25,7 +20,7 @@ struct StageRow {
 };
 constexpr StageRow k_stage_rows[] = {
 #define STAGE(name, title, share, units) {SANDGLASS_STAGE_##name, share, units},
-#include "runtime/scene/capabilities.inc"
+#include "runtime/frame/capabilities.inc"
 };
 struct MemberRow {
   sandglass_stage stage;
@@ -35,19 +30,12 @@ struct MemberRow {
 };
 constexpr MemberRow k_member_rows[] = {
 #define ONE(stage, field, kinds) {SANDGLASS_STAGE_##stage, offsetof(sandglass_frame_input, field), 0, kinds, nullptr},
-#define MANY(stage, field, number, kinds)                                                                           \
+#define MANY(stage, field, number, handle, kinds)                                                                   \
   {SANDGLASS_STAGE_##stage, offsetof(sandglass_frame_input, field), offsetof(sandglass_frame_input, number), kinds, \
    "input." #field " is NULL or has a NULL among its first " #number ": pass what was created, or set " #number     \
    " to 0."},
-#include "runtime/scene/capabilities.inc"
+#include "runtime/frame/capabilities.inc"
 };
-
-constexpr uint32_t kinds_of_all() {
-  uint32_t kinds = k_granular_kinds;
-  for (const MemberRow& row : k_member_rows) kinds += row.kinds;
-  return kinds;
-}
-static_assert(kinds_of_all() <= k_unit_kinds);
 
 constexpr uint32_t k_groups = sizeof k_stage_rows / sizeof *k_stage_rows;
 constexpr bool stages_follow_one_another() {

@@ -54,7 +54,7 @@ int32_t sandglass_isa_available(sandglass_isa isa) { return sandglass::select_sa
 const char* sandglass_stage_name(uint32_t stage) {
   constexpr const char* k_names[] = {"granular",
 #define STAGE(name, title, share, units) title,
-#include "runtime/scene/capabilities.inc"
+#include "runtime/frame/capabilities.inc"
                                      "refine", "output"};
   static_assert(sizeof k_names / sizeof *k_names == SANDGLASS_STAGE_COUNT);
   return stage < SANDGLASS_STAGE_COUNT ? k_names[stage] : nullptr;

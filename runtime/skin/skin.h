@@ -50,16 +50,8 @@ constexpr sandglass_shape k_no_shape = -1;
 constexpr uint32_t k_skin_in_time = 8;  // skins that are made within their frame, before the next is expected to be
 
 // Kinds of work unit.
-enum : uint32_t {
-  k_skin_gather,
-  k_skin_density,
-  k_skin_fill,
-  k_skin_calm,
-  k_skin_mesh,
-  k_skin_loose,
-  k_skin_carry,
-  k_skin_kinds
-};
+enum : uint32_t { k_skin_gather, k_skin_density, k_skin_fill, k_skin_calm, k_skin_mesh, k_skin_loose, k_skin_carry };
+static_assert(k_skin_carry + 1 == k_skin_kinds);
 enum class SkinPhase : uint32_t { idle, take, gather, leave, density, fill, calm, mesh, loose };
 
 // What has to be made anew of a brick, as bits.

@@ -208,7 +208,11 @@ uint32_t begin_frame(void* handle, const FrameView& view) {
 
 }  // namespace
 
-extern const Capability k_skin_capability = {
-    "skin", k_skin_kinds, begin_frame, next, run, forecast, under_way, nullptr, nullptr, nullptr, skin_carry_stage};
+extern const Capability k_skin_capability = {.begin_frame = begin_frame,
+                                             .next = next,
+                                             .run = run,
+                                             .forecast = forecast,
+                                             .under_way = under_way,
+                                             .closing = skin_carry_stage};
 
 }  // namespace sandglass

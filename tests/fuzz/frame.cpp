@@ -71,7 +71,57 @@ Input edited(const uint8_t* data, size_t size) {
   return sandglass::fuzz::edited(base, data, size);
 }
 
-// A scene with its clock, shadow and room.
+// What takes part in a frame beside the sand: one of each that is made from its defaults. The others are left out.
+template <class Handle>
+struct Made {
+  sandglass::Block block;
+  Handle* handle = nullptr;
+
+  template <class Desc>
+  void create(void (*defaults)(Desc*), sandglass_status (*bytes_of)(const Desc*, uint64_t*, const char**),
+              sandglass_status (*create_in)(const Desc*, void*, uint64_t, Handle**, const char**), sandglass_isa isa) {
+    Desc desc;
+    defaults(&desc);
+    if constexpr (requires { desc.texels = 32; }) desc.texels = 32;
+    if constexpr (requires { desc.sky_texels = 32; }) desc.sky_texels = 32;
+    if constexpr (requires { desc.isa = isa; }) desc.isa = isa;
+    create(desc, bytes_of, create_in);
+  }
+  template <class Defaults>
+  void create(Defaults, sandglass_status (*bytes_of)(const sandglass_skin_desc*, uint64_t*, const char**),
+              sandglass_status (*create_in)(const sandglass_skin_desc*, void*, uint64_t, Handle**, const char**),
+              sandglass_isa) {
+    create(sandglass::skin_desc(description(64, 128, 16).granular), bytes_of, create_in);
+  }
+  template <class Desc, class Bytes, class Create>
+  void create(const Desc& desc, Bytes bytes_of, Create create_in) {
+    uint64_t bytes = 0;
+    if (bytes_of(&desc, &bytes, nullptr) != SANDGLASS_OK) return;
+    block = sandglass::allocate_block(bytes);
+    accept(sandglass::call(create_in, &desc, block.get(), bytes, &handle));
+  }
+};
+struct Others {
+#define ONE(stage, field, kinds) Made<sandglass_##field> field;
+#define MANY(stage, field, number, name, kinds) Made<sandglass_##name> field;
+#include "runtime/frame/capabilities.inc"
+  void create(sandglass_isa isa) {
+#define CREATE(field, name) \
+  field.create(sandglass_##name##_desc_default, sandglass_##name##_bytes, sandglass_##name##_create, isa);
+#define ONE(stage, field, kinds) CREATE(field, field)
+#define MANY(stage, field, number, name, kinds) CREATE(field, name)
+#include "runtime/frame/capabilities.inc"
+  }
+  void join(sandglass_frame_input* input) const {
+#define ONE(stage, field, kinds) input->field = field.handle;
+#define MANY(stage, field, number, name, kinds) \
+  input->field = &field.handle;                 \
+  input->number = field.handle != nullptr ? 1 : 0;
+#include "runtime/frame/capabilities.inc"
+  }
+};
+
+// A scene with its clock, and all that takes part.
 struct World {
   explicit World(sandglass_isa kernels, bool clocked)
       : scene([&] {
@@ -94,13 +144,7 @@ struct World {
     const std::vector<float> block = lattice(2, 2, 2, 2.02f * k_radius, k_radius);
     scene.add(block, {}, grains_about(block, 0.004f));
     scene.add_body(shifted(lattice(2, 2, 1, 2.01f * k_radius, k_radius), 0.0f, 0.1f, 0.0f), 2.0f);
-    sandglass_pile_shadow_desc shadow = sandglass::pile_shadow_desc();
-    shadow.texels = 32;
-    shadow.sky_texels = 32;
-    shadow.isa = isa;
-    accept(pile.create(shadow));
-    accept(skin.create(sandglass::skin_desc(description(64, 128, 16).granular)));
-    accept(room.create());
+    others.create(isa);
     clock_ns = 0;
   }
 
@@ -112,9 +156,7 @@ struct World {
 
   GranularScene scene;
   sandglass_isa isa;
-  sandglass::PileShadow pile;
-  sandglass::Skin skin;
-  sandglass::Room room;
+  Others others;
   uint64_t clock_ns = 0, unit_ns = 0;
   alignas(8) uint8_t grains[k_grain_bytes];
 };
@@ -160,7 +202,7 @@ std::vector<int32_t> act(World* world, const Turn& t) {
     statuses.push_back(any);
     statuses.push_back(static_cast<int32_t>(hit.index));
   }
-  call(k_light, [&] { return sandglass_pile_shadow_set_light(world->pile.get(), t.light, &reason); });
+  call(k_light, [&] { return sandglass_pile_shadow_set_light(world->others.pile_shadow.handle, t.light, &reason); });
   if (t.actions & k_reset) world->scene.scene.reset();
   return statuses;
 }
@@ -202,9 +244,7 @@ int32_t run(World* world, Turn* t, const sandglass_plan* plan, sandglass_frame_r
   input.grains = reinterpret_cast<sandglass_grain*>(world->grains);
   const uint64_t stride = t->grain_stride < sizeof(sandglass_grain) ? sizeof(sandglass_grain) : t->grain_stride;
   input.grain_capacity = static_cast<uint32_t>(std::min<uint64_t>(t->grain_capacity, k_grain_bytes / stride));
-  input.pile_shadow = world->pile.get();
-  input.skin = world->skin.get();
-  input.room = world->room.get();
+  world->others.join(&input);
   input.camera = &image;
   input.plan = plan;
   world->clock_ns += t->jump_ns;
@@ -250,9 +290,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       check(&other, b);
     }
     expect(scalar.scene.hash() == other.scene.hash());
-    expect(sandglass_pile_shadow_hash(scalar.pile.get()) == sandglass_pile_shadow_hash(other.pile.get()));
-    expect(sandglass_skin_hash(scalar.skin.get()) == sandglass_skin_hash(other.skin.get()));
-    expect(sandglass_room_hash(scalar.room.get()) == sandglass_room_hash(other.room.get()));
+    expect(sandglass_pile_shadow_hash(scalar.others.pile_shadow.handle) ==
+           sandglass_pile_shadow_hash(other.others.pile_shadow.handle));
+    expect(sandglass_skin_hash(scalar.others.skin.handle) == sandglass_skin_hash(other.others.skin.handle));
+    expect(sandglass_room_hash(scalar.others.room.handle) == sandglass_room_hash(other.others.room.handle));
   }
   std::vector<std::byte> saved;
   accept(scalar.scene.scene.save(&saved));

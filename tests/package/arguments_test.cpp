@@ -7,7 +7,8 @@
 //   - a block in which it makes something: one too small or not aligned is refused, and nothing is touched; one of the
 //     size announced suffices, and no byte outside is touched, in what follows neither.
 //
-// The names of the arguments come from the headers (header_facts.py), which also say whether the table is complete.
+// The names of the arguments come from the headers (header_facts.py), which also say whether the table is complete. Of what
+// is made from its defaults they give the rows of creation, and of functions that take the handle alone.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -214,6 +215,13 @@ class Arguments : public ::testing::Test {
     }
   }
 
+  // Fills the description; whether it is enough for creation.
+  template <class Desc>
+  bool is_made(Desc* desc_of, void (*fill)(Desc*), sandglass_status (*bytes_of)(const Desc*, uint64_t*, const char**)) {
+    fill(desc_of);
+    return bytes_of(desc_of, &need, nullptr) == SANDGLASS_OK;
+  }
+
   // What good arguments make in the block, by rows of the three functions that lead there.
   template <class Handle, class Desc>
   Handle* made(GuardedBlock* block, Desc* desc_of, const char* bytes_name,
@@ -249,6 +257,7 @@ class Arguments : public ::testing::Test {
     return words;
   }
 
+  void made_from_defaults();
   void scenes();
   void sampling();
   void fields();
@@ -271,6 +280,19 @@ class Arguments : public ::testing::Test {
   sandglass::Block spare;
   float point[4] = {0.0f, 0.5f, 0.0f, 1.0f}, low[3] = {-0.1f, -0.1f, -0.1f}, high[3] = {0.1f, 0.1f, 0.1f};
 };
+
+void Arguments::made_from_defaults() {
+#define MADE_ALONE(type)                                                           \
+  if (type##_desc desc_of; is_made(&desc_of, type##_desc_default, type##_bytes)) { \
+    GuardedBlock block{0};                                                         \
+    type* const handle = MADE(type, &block, &desc_of);
+#define OF_HANDLE(function) row(NAMED(function), "", handle);
+#define MADE_END                      \
+  EXPECT_NE(handle, nullptr);         \
+  EXPECT_TRUE(block.guards_intact()); \
+  }
+#include "handles.inc"
+}
 
 void Arguments::scenes() {
   sandglass_scene* const s = scene.get();
@@ -487,13 +509,10 @@ void Arguments::rooms() {
   row(NAMED(sandglass_lighting_to_babylon), "", &lighting, model, 1, &babylon);
   row(NAMED(sandglass_lighting_of_harmonics), "", &harmonics, &adapted);
   row(NAMED(sandglass_harmonics_turn), "", sh, point, turned);
-  row(NAMED(sandglass_room_save_bytes), "", room);
   const uint64_t saved_bytes = sandglass_room_save_bytes(room);
   std::vector<uint64_t> saved(saved_bytes / 8);
   row(NAMED(sandglass_room_save), "", room, static_cast<void*>(saved.data()), saved_bytes, &need);
   row(NAMED(sandglass_room_restore), "", room, static_cast<const void*>(saved.data()), saved_bytes);
-  row(NAMED(sandglass_room_reset), "", room);
-  row(NAMED(sandglass_room_hash), "", room);
   EXPECT_TRUE(block.guards_intact());
 }
 
@@ -566,7 +585,6 @@ void Arguments::pile_shadows() {
   row(NAMED(sandglass_pile_shadow_set_light), "", shadow, point);
   const float cells[SANDGLASS_LIGHT_CELLS] = {};
   row(NAMED(sandglass_pile_shadow_set_cells), "", shadow, cells);
-  row(NAMED(sandglass_pile_shadow_refresh), "", shadow);
   row(NAMED(sandglass_pile_shadow_run), "", shadow, point, 1u, 0.01f, 1u);
   while (sandglass_pile_shadow_run(shadow, point, 1, 0.01f, UINT32_MAX) > 0) {
   }
@@ -576,7 +594,6 @@ void Arguments::pile_shadows() {
   row(NAMED(sandglass_pile_shadow_get_sky), "", shadow, &sky);
   uint8_t visibility[1];
   row(NAMED(sandglass_pile_shadow_light_grains), "", shadow, point, 1u, 0.01f, visibility);
-  row(NAMED(sandglass_pile_shadow_hash), "", shadow);
   EXPECT_TRUE(block.guards_intact());
 }
 
@@ -601,6 +618,7 @@ void Arguments::skins() {
 }
 
 TEST_F(Arguments, EveryFunctionKeepsTheThreeRules) {
+  made_from_defaults();
   scenes();
   sampling();
   fields();
@@ -615,7 +633,7 @@ TEST_F(Arguments, EveryFunctionKeepsTheThreeRules) {
   std::printf("%zu functions, %d cases; %d structs; %d blocks\n", covered_.size(), cases_, filled_, blocks_);
   EXPECT_GT(cases_, 200);
   EXPECT_GT(filled_, 15);
-  EXPECT_EQ(blocks_, 10);
+  EXPECT_GE(blocks_, 13);
 }
 
 TEST_F(Arguments, RegionsLieInTheBlockInOrderAndAligned) {

@@ -38,6 +38,9 @@
 extern "C" {
 #endif
 
+/* The shadows of any triangles on a plane, in a block of the app. */
+typedef struct sandglass_cast sandglass_cast;
+
 /* What a cast is: set once, at create. */
 typedef struct sandglass_cast_desc {
   uint32_t struct_size;

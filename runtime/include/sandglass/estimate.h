@@ -42,6 +42,9 @@
 extern "C" {
 #endif
 
+/* The light of the room as a network estimates it from one image, in a block of the app. */
+typedef struct sandglass_estimator sandglass_estimator;
+
 /* The width of what the network sees, pixels. */
 #define SANDGLASS_ESTIMATOR_WIDTH 256
 /* The height of what the network sees, pixels. */

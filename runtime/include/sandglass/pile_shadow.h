@@ -48,6 +48,9 @@
 extern "C" {
 #endif
 
+/* The shadow that the sand casts, in a block of the app. */
+typedef struct sandglass_pile_shadow sandglass_pile_shadow;
+
 /* What a shadow of sand is: set once, at create. */
 typedef struct sandglass_pile_shadow_desc {
   uint32_t struct_size;

@@ -55,6 +55,9 @@
 extern "C" {
 #endif
 
+/* The light of the room from all that the camera has seen, in a block of the app. */
+typedef struct sandglass_room sandglass_room;
+
 /* How a room is remembered: set once, at create. */
 typedef struct sandglass_room_desc {
   uint32_t struct_size;

@@ -38,6 +38,9 @@
 extern "C" {
 #endif
 
+/* The shadows of one baked object, in a block of the app. */
+typedef struct sandglass_shadow sandglass_shadow;
+
 /* Texels along a side of the texture that networks are baked for. */
 #define SANDGLASS_SHADOW_TEXELS 256
 /* The most lights of one object. */

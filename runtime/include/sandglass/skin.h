@@ -39,6 +39,9 @@
 extern "C" {
 #endif
 
+/* The surface of the sand as a mesh, in a block of the app. */
+typedef struct sandglass_skin sandglass_skin;
+
 /* What a skin is: set once, at create. */
 typedef struct sandglass_skin_desc {
   uint32_t struct_size;

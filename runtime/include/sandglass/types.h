@@ -243,23 +243,6 @@ SANDGLASS_API int32_t sandglass_rotation_about(const float axis[3], float angle,
  * floor's irradiance that comes from each; all shares together are 1, or less where a part is drawn in another way. */
 #define SANDGLASS_LIGHT_CELLS 64
 
-/* ------------------------------------------------------------------------------------------------ handles */
-
-/* Objects that an app creates in blocks of its own and hands to sandglass_scene_frame: the shadows of one object
- * (shadow.h), the shadow that the sand casts (pile_shadow.h), those of any triangles on a plane (cast.h), the light of the
- * room (estimate.h, room.h). */
-typedef struct sandglass_shadow sandglass_shadow;
-/* The shadow that the sand casts (pile_shadow.h). */
-typedef struct sandglass_pile_shadow sandglass_pile_shadow;
-/* The shadows of any triangles on a plane (cast.h). */
-typedef struct sandglass_cast sandglass_cast;
-/* The surface of the sand as a mesh (skin.h). */
-typedef struct sandglass_skin sandglass_skin;
-/* The light of the room as a network estimates it from one image (estimate.h). */
-typedef struct sandglass_estimator sandglass_estimator;
-/* The light of the room from all that the camera has seen (room.h). */
-typedef struct sandglass_room sandglass_room;
-
 #ifdef __cplusplus
 } /* extern "C" */
 #endif

@@ -188,7 +188,7 @@ sandglass_status sandglass_estimator_set_image(sandglass_estimator* estimator, c
 uint32_t sandglass_estimator_run(sandglass_estimator* estimator, uint32_t units) {
   if (estimator == nullptr) return 0;
   const ExactFloatingPoint exact;
-  return run_members(member_of(estimator, k_estimator_stage_kinds), units);
+  return run_members(member_of(estimator, k_estimator_kinds), units);
 }
 
 uint32_t sandglass_estimator_units_left(const sandglass_estimator* estimator) {

@@ -15,11 +15,8 @@
 namespace sandglass {
 
 // Kinds of work unit: the image, then the network's.
-enum : uint32_t {
-  k_estimator_stage_image,
-  k_estimator_stage_network,
-  k_estimator_stage_kinds = k_estimator_stage_network + k_light_kinds
-};
+enum : uint32_t { k_estimator_stage_image, k_estimator_stage_network };
+static_assert(uint32_t{k_estimator_stage_network} + k_light_kinds == k_estimator_kinds);
 
 enum class EstimatorPhase : uint32_t { idle, image, network };
 

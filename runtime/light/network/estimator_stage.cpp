@@ -155,8 +155,11 @@ void end_frame(void* handle, sandglass_frame_report* report) {
 
 }  // namespace
 
-extern const Capability k_estimator_capability = {
-    "estimator", k_estimator_stage_kinds, begin_frame, next, run, forecast, under_way, nullptr, nullptr, end_frame,
-    nullptr};
+extern const Capability k_estimator_capability = {.begin_frame = begin_frame,
+                                                  .next = next,
+                                                  .run = run,
+                                                  .forecast = forecast,
+                                                  .under_way = under_way,
+                                                  .end_frame = end_frame};
 
 }  // namespace sandglass

@@ -236,8 +236,12 @@ __attribute__((noinline)) void run_probe(Room* room) {
 
 }  // namespace
 
-extern const Capability k_room_capability = {"room",    k_room_kinds, begin_frame, next,      run,    forecast,
-                                             under_way, nullptr,      nullptr,     end_frame, nullptr};
+extern const Capability k_room_capability = {.begin_frame = begin_frame,
+                                             .next = next,
+                                             .run = run,
+                                             .forecast = forecast,
+                                             .under_way = under_way,
+                                             .end_frame = end_frame};
 
 }  // namespace sandglass
 

@@ -344,7 +344,6 @@ void room_estimate(const Room& room, const RoomModel& model, const sandglass_roo
                    sandglass_room_light* light);
 
 extern const Capability k_room_capability;
-constexpr uint32_t k_room_kinds = 3;
 
 }  // namespace sandglass
 

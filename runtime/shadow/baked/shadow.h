@@ -34,7 +34,8 @@ constexpr uint32_t k_unit_cell_rows = 16;             // rows of cells that one 
 constexpr uint32_t k_table_rows = k_shadow_size + 1;  // the last corners lie one texel beyond the texture
 
 // Kinds of work unit.
-enum : uint32_t { k_kind_rows, k_kind_texels, k_kind_decide, k_kind_refine, k_kind_ambient, k_shadow_kinds };
+enum : uint32_t { k_kind_rows, k_kind_texels, k_kind_decide, k_kind_refine, k_kind_ambient };
+static_assert(k_kind_ambient + 1 == k_shadow_kinds);
 
 enum class ShadowPhase : uint32_t { idle, rows, coarse, decide, refine, full };
 

@@ -118,7 +118,13 @@ void end_frame(void* handle, sandglass_frame_report* report) {
 
 }  // namespace
 
-extern const Capability k_shadow_capability = {"shadow",  k_shadow_kinds, begin_frame, next,      run,    forecast,
-                                               under_way, urgency,        served,      end_frame, nullptr};
+extern const Capability k_shadow_capability = {.begin_frame = begin_frame,
+                                               .next = next,
+                                               .run = run,
+                                               .forecast = forecast,
+                                               .under_way = under_way,
+                                               .urgency = urgency,
+                                               .served = served,
+                                               .end_frame = end_frame};
 
 }  // namespace sandglass

@@ -32,7 +32,8 @@ constexpr uint32_t k_cast_reaches = 40;            // octaves of distance, from 
 constexpr float k_cast_far = 1e6f;                 // metres; corners farther than that are left out
 
 // Kinds of work unit.
-enum : uint32_t { k_cast_gather, k_cast_draw, k_cast_calm, k_cast_kinds };
+enum : uint32_t { k_cast_gather, k_cast_draw, k_cast_calm };
+static_assert(k_cast_calm + 1 == k_cast_kinds);
 
 enum class CastPhase : uint32_t { idle, gather, draw, calm };
 

@@ -180,7 +180,7 @@ uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* p
   const ExactFloatingPoint exact;
   const uint32_t usable = radius > 0 && radius < k_pile_radius_limit ? count : 0;
   shadow->pile.source = {nullptr, nullptr, positions, usable, radius, nullptr, 0, shadow->pile.source.moving};
-  return run_members(member_of(shadow, k_pile_kinds), units);
+  return run_members(member_of(shadow, k_pile_shadow_kinds), units);
 }
 
 void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_texture* out) {

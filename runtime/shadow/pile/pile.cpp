@@ -447,7 +447,7 @@ void pile_run(Pile* p) {
   else run_rows(p);
 }
 
-extern const Capability k_pile_capability = {"pile shadow", k_pile_kinds, begin_frame, next,    run,    forecast,
-                                             under_way,     nullptr,      nullptr,     nullptr, nullptr};
+extern const Capability k_pile_capability = {
+    .begin_frame = begin_frame, .next = next, .run = run, .forecast = forecast, .under_way = under_way};
 
 }  // namespace sandglass

@@ -30,7 +30,8 @@ constexpr float k_pile_highest = 1e6f;       // metres over the floor; what is h
 constexpr float k_pile_radius_limit = 1e6f;  // metres; spheres of such a radius are left out
 
 // Kinds of work unit.
-enum : uint32_t { k_pile_columns, k_pile_rows, k_pile_levels, k_pile_sky_rows, k_pile_kinds };
+enum : uint32_t { k_pile_columns, k_pile_rows, k_pile_levels, k_pile_sky_rows };
+static_assert(k_pile_sky_rows + 1 == k_pile_shadow_kinds);
 
 enum class PilePhase : uint32_t { idle, columns, floor, sand, levels, sky };
 
