@@ -5,14 +5,12 @@ import { k_scene } from "./data.mjs";
 import { constants } from "./sandglass.mjs";
 
 const k_colours = ["#ffb454", "#f4f1a2", "#d9b38c", "#8fb8ff", "#e07b39", "#9ad6a0", "#c9a0dc", "#7fd1c7"];  // of stages, again and again
-const k_said = { granular: "sand", lighting: "light", refine: "grains" };
 const k_pause_ms = 100;  // of work, before the page is drawn
 
 // The stages of a frame: their names and the colours of their bars.
 export function stagesOf(sand) {
   return Array.from({ length: constants.SANDGLASS_STAGE_COUNT }, (_, i) => {
-    const name = sand.sandglass_stage_name(i);
-    return { name: k_said[name] ?? name, colour: k_colours[i % k_colours.length] };
+    return { name: sand.sandglass_stage_name(i), colour: k_colours[i % k_colours.length] };
   });
 }
 

@@ -638,7 +638,7 @@ enum {
   SANDGLASS_STAGE_COUNT = 6
 };
 
-/* "granular", "lighting", "skin", ...: what reports, traces and recordings call a stage. NULL where there is no such stage. */
+/* What reports, traces and recordings call a stage, such as "granular". NULL where there is no such stage. */
 SANDGLASS_API const char* sandglass_stage_name(uint32_t stage);
 
 /* The most runs that a plan has. */
