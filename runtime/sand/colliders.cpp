@@ -277,6 +277,7 @@ HoldRule hold_rule(const Granular& g) {
   const float r = g.desc.particle_radius, bands = 2.0f * rule.band;
   rule.gentle = 1.5f * (r > bands ? r : bands);
   rule.longest = k_longest_step;
+  rule.returns = g.colliders.waits;
   return rule;
 }
 
@@ -290,8 +291,6 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
       known.used != 0 && known.id == now.id && known.shape == now.shape && recognisable(known, now, g.time);
   const bool continued = same_one && known.absent <= g.time.frame_step;
   const Placement before = placement_of(c.of_slot[slot]);
-  // A save may be older than where a lift is now. What it went since is no way of this frame, however late that is.
-  if (c.waits) hold_returns(&known.pose);
   const float seconds = c.waits ? g.time.frame_step : known.absent + g.time.left_out;
   if (!same_one) hold_anew(&known.pose, placement_of(now));
   else if (step > 0.0) hold(&known.pose, now.shape, placement_of(now), seconds, rule);
@@ -533,7 +532,7 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
   // What comes later than the first after a save comes from nowhere: where it was then is no way.
   for (uint32_t slot = 0; slot < capacity && c.waits && input.collider_count != 0; ++slot)
     if (c.known[slot].absent > 0.0f) c.known[slot].absent = k_gone_seconds;
-  if (input.collider_count != 0) c.waits = false;
+  if (input.collider_count != 0 && g.time.frame_step > 0.0f) c.waits = false;
   order(&c, capacity);
   c.jumped = false;
   if (g.time.frame_step > 0.0f) c.arrived = false;

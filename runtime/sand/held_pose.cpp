@@ -365,9 +365,11 @@ Seen observe(HeldPose* p, sandglass_shape shape, const Pose& told, float step, c
   const bool moves_on = errs <= k_moves_on_share * way;
   const bool starts = moves_on && speed > (1.0f + k_catch_up_share) * p->speed;
   if (!jumped) p->speed = maximum(p->speed, moves_on ? speed : minimum(speed, p->last_speed));
-  p->last_speed = speed;
-  motion_between(p->told, told, p->way, p->way + 3);
-  for (float& v : p->way) v /= seconds;
+  if (!rule.returns) {
+    p->last_speed = speed;
+    motion_between(p->told, told, p->way, p->way + 3);
+    for (float& v : p->way) v /= seconds;
+  }
   p->age = 0.0f;
   p->same = 0;
   return {jumped, starts};
@@ -557,14 +559,13 @@ void hold_anew(HeldPose* p, const Placement& told) {
   if (p->believed != 0) p->moved = k_moved_frames;
 }
 
-void hold_returns(HeldPose* p) { p->beyond = static_cast<uint32_t>(k_slowest_interval); }
-
 void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, const HoldRule& rule) {
   Placement told = now;
   float with = 0.0f;
   for (int k = 0; k < 4; ++k) with += told.pose.rotation[k] * p->held.pose.rotation[k];
   for (float& c : told.pose.rotation) c = with < 0.0f ? -c : c;  // q and -q are one turn
   const Pose was_told = p->told;
+  if (rule.returns) p->beyond = static_cast<uint32_t>(k_slowest_interval);
   const Seen seen = observe(p, shape, told.pose, step, rule);
   p->told = told.pose;
   p->since_gap = minimum(p->since_gap + step, k_way_seconds);

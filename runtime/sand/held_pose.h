@@ -57,12 +57,13 @@ struct HoldRule {
   float leave_speed;      // m/s: at which sand leaves a collider that jumped
   float gentle;           // what jumped no further goes there gently, else it is there at once
   float longest;          // seconds; of a longer frame only so much is simulated
+  // The first frame after a save was restored. How long ago that was nobody knows: the way from there is no motion. Nor
+  // whether the told pose is an outlier, because none came before: it is followed at once.
+  bool returns;
 };
 
 // A collider that was not known before is where it is told to be.
 void hold_anew(HeldPose* pose, const Placement& told);
-// Of the next told pose nobody knows whether it is an outlier, because none came before: it is followed at once.
-void hold_returns(HeldPose* pose);
 // A frame of `step` seconds, above 0. told.pose.rotation has length 1.
 void hold(HeldPose* pose, sandglass_shape shape, const Placement& told, float step, const HoldRule& rule);
 
