@@ -22,7 +22,7 @@ ShadowRunner::ShadowRunner(std::span<const uint8_t> file, const std::string& nam
   if (const cpp::Status made = shadow_.create(desc); !made) throw cannot("read", name, made.reason);
 }
 
-sandglass_shadow_texture ShadowRunner::texture(const Direction& light) {
+sandglass_texture ShadowRunner::texture(const Direction& light) {
   const cpp::Status turned =
       shadow_.set_light({static_cast<float>(light[0]), static_cast<float>(light[1]), static_cast<float>(light[2])});
   if (!turned) throw cannot("turn", "light", turned.reason);
@@ -37,8 +37,8 @@ std::vector<uint8_t> ShadowRunner::ambient(const std::array<double, SANDGLASS_LI
   if (const cpp::Status set = shadow_.set_cells(shares); !set) throw cannot("set", "cells", set.reason);
   while (shadow_.run() > 0) {
   }
-  const sandglass_shadow_ambient now = shadow_.ambient();
-  return {now.visibility, now.visibility + size_t{now.side} * now.side};
+  const sandglass_texture now = shadow_.ambient();
+  return {now.bytes, now.bytes + size_t{now.side} * now.side};
 }
 
 double ShadowRunner::ambient_ms() {

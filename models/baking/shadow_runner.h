@@ -19,7 +19,9 @@ class ShadowRunner {
   ShadowRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_shadow_mode mode);
 
   // Computes the whole texture of `light`. The result points into the shadow's own memory.
-  sandglass_shadow_texture texture(const Direction& light);
+  sandglass_texture texture(const Direction& light);
+  // Of that texture: how many texels the network was asked for.
+  uint32_t evaluated() const { return shadow_.evaluated(); }
   // Computes the whole ambient shadow in the light of `cells`, in the object's frame.
   std::vector<uint8_t> ambient(const std::array<double, SANDGLASS_LIGHT_CELLS>& cells);
   // CPU time of one ambient shadow on this machine (the median of some), in ms.

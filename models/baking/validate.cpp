@@ -65,9 +65,8 @@ struct Validator {
                   truth.data());
     results[0].resize(count);
     evaluate_texels(network, light, k_size, uv.data(), count, results[0].data());
-    const sandglass_shadow_texture refined = adaptive->texture(light);
-    const std::vector<float> textures[2] = {transparency(full->texture(light).coverage),
-                                            transparency(refined.coverage)};
+    const sandglass_texture refined = adaptive->texture(light);
+    const std::vector<float> textures[2] = {transparency(full->texture(light).bytes), transparency(refined.bytes)};
     for (uint32_t way = 0; way < 2; ++way)
       for (uint32_t i = 0; i < count; ++i)
         results[1 + way].push_back(textures[way][size_t{uv[2 * i + 1]} * k_size + uv[2 * i]]);
@@ -86,7 +85,7 @@ struct Validator {
     }
     error.int8_to_float = mean_square(results[1], results[0]);
     error.adaptive_to_float = mean_square(results[2], results[0]);
-    error.evaluated = refined.evaluated / static_cast<double>(k_size * k_size);
+    error.evaluated = adaptive->evaluated() / static_cast<double>(k_size * k_size);
     return error;
   }
 };
@@ -197,7 +196,7 @@ Picture shadow_picture(const LightGeometry& geometry, const ShadowCaster& caster
                              std::sin(polar) * std::sin(k_azimuth[row])};
     const std::vector<float> truth =
         caster.texture(geometry.rectangle(light), light, k_first_stream + row, k_size, pool);
-    const std::vector<float> network = transparency(runner.texture(light).coverage);
+    const std::vector<float> network = transparency(runner.texture(light).bytes);
     double square = 0;
     for (size_t i = 0; i < truth.size(); ++i) square += std::pow(static_cast<double>(truth[i] - network[i]), 2);
     char traced[64], difference[64];

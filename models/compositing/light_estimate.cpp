@@ -120,12 +120,12 @@ const sandglass_camera_image* SeenLight::take(const Surroundings& room, uint64_t
   return &image_.image;
 }
 
-ShotLight SeenLight::follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate,
+ShotLight SeenLight::follow(Vec3 standing, double seconds, const sandglass_estimator_light* estimate,
                             sandglass_room_light* shown) {
   sandglass_room_place place;
   sandglass_room_place_default(&place);
   to_floats(standing, place.position);
-  place.estimate = estimate;
+  place.network = estimate;
   place.shown = shown;
   sandglass_room_light now = {};
   now.struct_size = sizeof now;

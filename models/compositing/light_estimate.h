@@ -28,7 +28,7 @@ class LightEstimate {
   void finish() { light_.follow(taken_.image); }
 
   sandglass_estimator* handle() const { return light_.handle(); }
-  sandglass_light_estimate now() const { return light_.now().filtered; }
+  sandglass_estimator_light now() const { return light_.now().filtered; }
   bool valid() const { return now().valid != 0; }
   ShotLight light() const { return scaled(one_light(now()), scale_); }
 
@@ -53,7 +53,7 @@ class SeenLight {
   const sandglass_camera_image* take(const Surroundings& room, uint64_t time_ns);
   // Moves *shown, from {} on, towards what is known now of the light where a thing stands now, and gives it in the
   // picture's scale. `estimate`: the network's, or null.
-  ShotLight follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate,
+  ShotLight follow(Vec3 standing, double seconds, const sandglass_estimator_light* estimate,
                    sandglass_room_light* shown);
 
   // What is seen of the room from there, so high above the floor, in the picture's scale, as the library's cube has it now.

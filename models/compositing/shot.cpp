@@ -147,7 +147,7 @@ void add_casting(const ColliderTrack& track, const Quaternion& frame, LitObject*
   casting.closed = 1;
   if (const cpp::Status status = cast.set_meshes(&casting, 1); !status) throw cannot("cast", track.mesh, status.reason);
   cast.run();
-  const auto open = static_cast<double>(cast.ambient().open);
+  const auto open = static_cast<double>(cast.report().open);
   const auto first = static_cast<uint32_t>(object->mesh.vertices.size() / 3);
   if (track.metal) {
     if (object->metal_from == UINT32_MAX) object->metal_from = object->mesh.triangle_count();
@@ -353,7 +353,7 @@ void Shot::begin(uint32_t frame) {
     light = network_->valid() ? network_->light() : arbitrary_light(resting_camera(camera_), {1, 1, 1});
   } else {
     image_ = seen_->take(around(frame), now);
-    sandglass_light_estimate estimate = {};
+    sandglass_estimator_light estimate = {};
     if (network_) estimate = network_->now();
     light = {seen_->follow(standing_at(frame), scene_.frame_step, &estimate, &shown_[0]),
              seen_->follow(sand_at(frame), scene_.frame_step, &estimate, &shown_[1])};

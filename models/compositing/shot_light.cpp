@@ -117,7 +117,7 @@ ShotLight one_light(Vec3 towards, double share, Vec3 irradiance) {
   return light;
 }
 
-ShotLight one_light(const sandglass_light_estimate& e) {
+ShotLight one_light(const sandglass_estimator_light& e) {
   ShotLight light = dark();
   const Vec3 d = normalised(from_floats(e.direction));
   std::copy_n(e.sh, 27, light.sh);

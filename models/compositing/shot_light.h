@@ -9,7 +9,7 @@
 #include "models/geometry/vec3.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama.h"
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 #include "sandglass/room.h"
 
 namespace sandglass::host {
@@ -51,8 +51,8 @@ ShotLight light_above_floor(const RadianceMap& panorama, View view, Vec3 floor);
 // One light and nothing else, as the app draws it that knows of no more: a share of the floor's irradiance is the
 // opacity of its shadow, the rest comes from all sides and hides nothing.
 ShotLight one_light(Vec3 towards, double share, Vec3 irradiance);
-// What the network of estimate.h says.
-ShotLight one_light(const sandglass_light_estimate& estimate);
+// What the network of estimator.h says.
+ShotLight one_light(const sandglass_estimator_light& estimate);
 
 // The light times a factor, with another level or from another scale.
 ShotLight scaled(ShotLight light, double factor);

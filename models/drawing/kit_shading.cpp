@@ -268,7 +268,7 @@ std::optional<Vec3> KitShading::surface(const Fragment& seen) {
 std::optional<KitShading::Loose> KitShading::loose(const sandglass_skin_loose& particle, bool flies, uint32_t vertex) {
   LooseVertex& loose = state_->loose;
   loose.place = {particle.position[0], particle.position[1], particle.position[2], particle.weight};
-  loose.way = {particle.way[0], particle.way[1], particle.way[2]};
+  loose.way = {particle.vector[0], particle.vector[1], particle.vector[2]};
   loose.number = particle.number;
   loose.flies = flies ? 1.0f : 0.0f;
   loose.gl_VertexID = static_cast<int>(vertex);

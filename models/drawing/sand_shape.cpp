@@ -60,10 +60,10 @@ SandShape SandShaper::shape(const LyingSand& sand, sandglass_pile_shadow* pile) 
 
   auto& [skin, made] = *state_;
   sandglass_skin_desc wanted = cpp::skin_desc(desc.granular);
-  wanted.closed = behind_glass(sand.colliders) ? 1 : 0;
+  wanted.capped = behind_glass(sand.colliders) ? 1 : 0;
   const bool larger =
       wanted.particle_capacity > made.particle_capacity || wanted.collider_capacity > made.collider_capacity;
-  if (!skin || larger || wanted.closed != made.closed || wanted.particle_radius != made.particle_radius) {
+  if (!skin || larger || wanted.capped != made.capped || wanted.particle_radius != made.particle_radius) {
     if (const cpp::Status status = skin.create(wanted); !status) throw cannot("make", "skin", status.reason);
     made = wanted;
   }

@@ -65,7 +65,7 @@ int main() {
   }
   if (!status) std::fprintf(stderr, "%s: %s\n", status.name(), status.reason);
   particles.resize(3 * static_cast<size_t>(report.sand.particle_numbers));
-  sandglass_granular_particles(scene.get(), particles.data(), nullptr);
+  sandglass_scene_particles(scene.get(), particles.data(), nullptr);
   const float *at = held[0].position, *turn = held[0].rotation;  // of the bottom
   const float cosine = 1 - 2 * turn[1] * turn[1], sine = 2 * turn[1] * turn[3];
   uint32_t inside = 0;

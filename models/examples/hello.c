@@ -40,7 +40,7 @@ int main(void) {
     positions[i][2] = 0.02f * (float)(i / SIDE % SIDE) + 0.01f * (float)(layer % 2);
   }
   const sandglass_points sand = {positions[0], NULL, PARTICLES};
-  if (sandglass_granular_add(scene, &sand, NULL, &reason) != SANDGLASS_OK) return fail(reason);
+  if (sandglass_scene_add(scene, &sand, NULL, &reason) != SANDGLASS_OK) return fail(reason);
 
   /* Frames: 60 a second, above a floor at height 0. */
   sandglass_collider ground = {.shape = SANDGLASS_SHAPE_HALF_SPACE, .rotation = {0, 0, 0, 1}};
@@ -54,7 +54,7 @@ int main(void) {
   for (int frame = 0; frame < 120; ++frame)
     if (sandglass_scene_frame(scene, &input, &report, &reason) != SANDGLASS_OK) return fail(reason);
 
-  sandglass_granular_particles(scene, positions[0], NULL);
+  sandglass_scene_particles(scene, positions[0], NULL);
   float top = 0;
   for (int i = 0; i < PARTICLES; ++i) top = positions[i][1] > top ? positions[i][1] : top;
   printf("%u particles after %.1f s: the pile is %.3f m high, the fastest particle has %.3f m/s\n", report.sand.particles,

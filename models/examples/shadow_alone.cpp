@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
   if (status) status = shadow.create(desc);
 
   const int texels = SANDGLASS_SHADOW_TEXELS;
-  sandglass_shadow_texture texture{};
+  sandglass_texture texture{};
   for (int light = 0; status && light < 8; ++light) {
     const float azimuth = 0.7853982f * static_cast<float>(light), x = std::cos(azimuth), z = std::sin(azimuth);
     status = shadow.set_light({x, 1.2f, z});  // towards the light, in the object's frame
@@ -38,13 +38,13 @@ int main(int argc, char** argv) {
     double sum = 0, middle_x = 0, middle_z = 0;
     for (int v = 0; v < texels; ++v)
       for (int u = 0; u < texels; ++u) {
-        const double covered = texture.coverage[v * texels + u];
+        const double covered = texture.bytes[v * texels + u];
         sum += covered;
         middle_x += covered * (u + 0.5) / texels;
         middle_z += covered * (v + 0.5) / texels;
       }
-    const double to_x = texture.low[0] + middle_x / sum * (texture.high[0] - texture.low[0]) - chair.origin[0];
-    const double to_z = texture.low[1] + middle_z / sum * (texture.high[1] - texture.low[1]) - chair.origin[2];
+    const double to_x = texture.corner[0] + middle_x / sum * texture.along[0] - chair.origin[0];
+    const double to_z = texture.corner[2] + middle_z / sum * texture.across[2] - chair.origin[2];
     std::printf("light (%5.2f %5.2f): shadow falls to (%5.2f %5.2f), away from the light by %.2f m\n",
                 static_cast<double>(x), static_cast<double>(z), to_x, to_z, -(to_x * x + to_z * z));
   }
@@ -54,5 +54,5 @@ int main(int argc, char** argv) {
   }
   for (int row = 0; row < 24; ++row, std::putchar('\n'))
     for (int column = 0; column < 48; ++column)
-      std::putchar(" .:-=+*#%@"[texture.coverage[row * texels / 24 * texels + column * texels / 48] / 26]);
+      std::putchar(" .:-=+*#%@"[texture.bytes[row * texels / 24 * texels + column * texels / 48] / 26]);
 }

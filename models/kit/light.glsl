@@ -15,9 +15,9 @@ float passed(sampler2D image, vec2 at, float opacity) {
 }
 // What objects and sand leave of the room's light.
 float opened(vec3 place) {
-  vec2 at = ((on_plane * vec4(place, 1)).xz - seen_box.xy) * seen_box.zw;
+  vec2 at = ((on_plane * vec4(place, 1)).xz - occlusion_box.xy) * occlusion_box.zw;
   bool on = all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
-  return on ? texture(seen, at).r : 1.0;
+  return on ? texture(occlusion, at).r : 1.0;
 }
 float under_sky(vec3 place) {
   vec2 at = (place.xz - pile_box.xy) * pile_box.zw;
@@ -27,7 +27,7 @@ float under_sky(vec3 place) {
 // What they leave of the main light. Its ray through the place goes on to the plane, where the objects' shadows were made.
 float object_passed(vec3 place) {
   vec3 p = (on_plane * vec4(place, 1)).xyz, l = mat3(on_plane) * to_light;
-  return passed(object, (p.xz - l.xz * (p.y / max(l.y, 0.05)) - object_box.xy) * object_box.zw, object_opacity);
+  return passed(shadow, (p.xz - l.xz * (p.y / max(l.y, 0.05)) - shadow_box.xy) * shadow_box.zw, shadow_opacity);
 }
 float pile_passed(vec3 place) { return passed(pile, (place.xz - pile_box.xy) * pile_box.zw, pile_opacity); }
 vec4 encoded(vec3 linear) {

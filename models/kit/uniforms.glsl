@@ -8,11 +8,11 @@ uniform vec3 to_light, sun, ambient[9], below;
 uniform mat3 table_of_room;
 
 // Shadows of the library: what the sand hides of the main light (`pile`) and leaves of the room's (`sky`), on the floor
-// or on itself; what objects hide (`object`) and leave (`seen`). Boxes: x and z of the lower corner, and one over the extent.
-uniform sampler2D pile, object, seen, sky;
-uniform vec4 pile_box, object_box, seen_box;
+// or on itself; what objects hide (`shadow`) and leave (`occlusion`). Boxes: x and z of the lower corner, and one over the extent.
+uniform sampler2D pile, shadow, occlusion, sky;
+uniform vec4 pile_box, shadow_box, occlusion_box;
 uniform mat4 on_plane;  // of a place on the plane that the objects' shadows lie on: x, height and z
-uniform float pile_opacity, object_opacity, sky_known;
+uniform float pile_opacity, shadow_opacity, sky_known;
 
 // The sand. Minerals: the albedo of a grain by itself, and the share of all grains that have this one or one before it.
 uniform sampler3D grains, facets;  // the block of packed grains

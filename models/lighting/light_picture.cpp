@@ -41,7 +41,7 @@ void draw_light_arrow(Picture* picture, Vec3 d, Colour colour) {
 
 }  // namespace
 
-Picture light_picture(const Picture& photograph, const sandglass_light_estimate& estimate, const std::string& name) {
+Picture light_picture(const Picture& photograph, const sandglass_estimator_light& estimate, const std::string& name) {
   const int wide = std::clamp(k_side * photograph.width / photograph.height, 64, 3 * k_side);
   const int swatch = wide + k_gap, half = k_side / 2;
   Picture sheet(swatch + half, k_side + k_text_height, k_white);

@@ -5,11 +5,11 @@
 #include <string>
 
 #include "models/files/image.h"
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 
 namespace sandglass::host {
 
 // `estimate.direction` must be in the camera's frame.
-Picture light_picture(const Picture& photograph, const sandglass_light_estimate& estimate, const std::string& name);
+Picture light_picture(const Picture& photograph, const sandglass_estimator_light& estimate, const std::string& name);
 
 }  // namespace sandglass::host

@@ -20,7 +20,7 @@ RoomLight::RoomLight(const std::string& path, bool filter, sandglass_isa isa)
     throw cannot("read", path, reason);
 }
 
-sandglass_light_estimate RoomLight::estimate(const sandglass_camera_image& image) {
+sandglass_estimator_light RoomLight::estimate(const sandglass_camera_image& image) {
   sandglass_estimator_reset(light_);
   return follow(image).filtered;
 }
@@ -36,7 +36,7 @@ FollowedLight RoomLight::follow(const sandglass_camera_image& image) {
 
 FollowedLight RoomLight::now() const {
   FollowedLight light = {};
-  light.filtered.struct_size = light.latest.struct_size = sizeof(sandglass_light_estimate);
+  light.filtered.struct_size = light.latest.struct_size = sizeof(sandglass_estimator_light);
   sandglass_estimator_get(light_, &light.filtered);
   sandglass_estimator_get_latest(light_, &light.latest);
   return light;
@@ -56,7 +56,7 @@ sandglass_camera_image camera_image_of(const Picture& picture, double diagonal_d
   return image;
 }
 
-sandglass_light_estimate in_camera_frame(sandglass_light_estimate estimate) {
+sandglass_estimator_light in_camera_frame(sandglass_estimator_light estimate) {
   estimate.direction[1] = -estimate.direction[1];
   estimate.direction[2] = -estimate.direction[2];
   return estimate;

@@ -7,13 +7,13 @@
 #include "models/files/aligned_bytes.h"
 #include "models/files/image.h"
 #include "models/work/block.h"
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 
 namespace sandglass::host {
 
 // What an app has after an image: the light, and the last estimate before the filter.
 struct FollowedLight {
-  sandglass_light_estimate filtered, latest;
+  sandglass_estimator_light filtered, latest;
 };
 
 class RoomLight {
@@ -22,7 +22,7 @@ class RoomLight {
   explicit RoomLight(const std::string& path, bool filter = false, sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC);
 
   // The world's frame is that of `orientation`: with the identity, a level camera that looks along -z.
-  sandglass_light_estimate estimate(const sandglass_camera_image& image);
+  sandglass_estimator_light estimate(const sandglass_camera_image& image);
   // The next image of the same camera; its timestamp and pose are used.
   FollowedLight follow(const sandglass_camera_image& image);
   // The light and the newest estimate, of the images so far.
@@ -40,6 +40,6 @@ class RoomLight {
 sandglass_camera_image camera_image_of(const Picture& picture, double diagonal_deg);
 
 // The estimate of an image without a pose, with its direction in the camera's frame (x right, y down, z forward).
-sandglass_light_estimate in_camera_frame(sandglass_light_estimate estimate);
+sandglass_estimator_light in_camera_frame(sandglass_estimator_light estimate);
 
 }  // namespace sandglass::host

@@ -130,7 +130,7 @@ class Page {
   }
   get inGlass() { return this.stands.glass.scene.file.particles.length / 3; }
 
-  newSkin({ desc }, closed) { return this.stage.make("sandglass_skin", { closed }, desc.granular); }
+  newSkin({ desc }, capped) { return this.stage.make("sandglass_skin", { capped }, desc.granular); }
 
   // Puts the hourglass or the table before the camera; the other one stands still.
   show(name) {
@@ -394,7 +394,7 @@ class Page {
   // What changed of shadows and sand, and where it is poured from. Shadows of the sliders' light are not quite dark.
   takeDrawn() {
     const { stage, painter } = this, umbra = this.lit ? 1 : 0.9, drawn = stage.drawn(painter.light);
-    drawn.pileOpacity *= umbra, drawn.objectOpacity *= umbra;
+    drawn.pileOpacity *= umbra, drawn.shadowOpacity *= umbra;
     painter.take(drawn);
     painter.funnels = this.onTable ? drawn.streams.map(({ nozzle: [x, y, z] }) => matrixOf([x, y, z], [0, 0, 0, 1])) : [];
     const metal = this.objects.find((object) => object.metal);
@@ -402,9 +402,9 @@ class Page {
   }
 
   draw() {
-    const { painter, pace, stage: { pile_shadow_texture: pile, pile_shadow_sky: sky, cast_texture: cast }, skinMesh } = this;
+    const { painter, pace, stage, skinMesh } = this;
     this.takeDrawn();
-    this.behind = pile.frames_behind + sky.frames_behind + cast.stale + skinMesh.frames_behind;
+    this.behind = stage.behind + skinMesh.frames_behind;
     painter.sand.share = pace.now.loose;
     if (!this.onTable) this.camera.fit = k_views.glass.fit + k_turn_fit * this.turning.wide;
     painter.draw(this.camera, pace.now);

@@ -169,7 +169,7 @@ export class Painter {
     this.plain = program(gl, k_solid_vertex, k_solid_fragment), this.glassProgram = program(gl, k_kit.uniforms + k_glass_vertex, k_lighting + k_glass_fragment), this.glass = null;
     this.sand = new SandPainter(gl, k_kit.before + k_hidden, k_plain, radius);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    for (const name of ["pile", "onSand", "object", "seen", "sky", "skyOnSand", "wallObject", "wallSeen", "depth", "unknownDepth"]) this[name] = uploadShadow(gl, k_nothing);
+    for (const name of ["pile", "onSand", "shadow", "occlusion", "sky", "skyOnSand", "wallShadow", "wallOcclusion", "depth", "unknownDepth"]) this[name] = uploadShadow(gl, k_nothing);
     this.room = gl.createTexture(), this.roomKnown = 0;
     for (let face = 0; face < 6; ++face) this.uploadFace(face, 1, new Uint16Array(4));
     this.objects = [], this.funnels = [];  // funnels: matrices of `funnel`, an item
@@ -295,8 +295,8 @@ export class Painter {
     gl.viewport(...viewport);
     const common = (p, pile, sky) => {
       gl.useProgram(p.made);
-      [pile, this.object, this.seen, sky, depth ? this.depth : this.unknownDepth].forEach((texture, unit) => { gl.activeTexture(gl.TEXTURE0 + unit), gl.bindTexture(gl.TEXTURE_2D, texture); });
-      ["pile", "object", "seen", "sky", "real_depth", "room"].forEach((name, unit) => gl.uniform1i(p.at(name), unit));
+      [pile, this.shadow, this.occlusion, sky, depth ? this.depth : this.unknownDepth].forEach((texture, unit) => { gl.activeTexture(gl.TEXTURE0 + unit), gl.bindTexture(gl.TEXTURE_2D, texture); });
+      ["pile", "shadow", "occlusion", "sky", "real_depth", "room"].forEach((name, unit) => gl.uniform1i(p.at(name), unit));
       gl.activeTexture(gl.TEXTURE5), gl.bindTexture(gl.TEXTURE_CUBE_MAP, this.room);
       gl.activeTexture(gl.TEXTURE0);
       setUniforms(gl, p, { ...kitValues(drawn), view, projection, eye, table_of_room: this.tableOfRoom, wall: real && wall ? wall.plane : [0, 0, 0, 1e9],
@@ -320,7 +320,7 @@ export class Painter {
     const onSand = (p) => {
       common(p, this.onSand, this.skyOnSand);
       // Shadows on the table say nothing of sand that stands over wood, or over other sand.
-      if (this.glass) setUniforms(gl, p, { object_opacity: 0, pile_opacity: 0, sky_known: 0 });
+      if (this.glass) setUniforms(gl, p, { shadow_opacity: 0, pile_opacity: 0, sky_known: 0 });
     };
     this.sand.draw(onSand, eye, 0.5 * height * projection[5]);
     if (this.glass) this.paintGlass(common);
@@ -343,11 +343,11 @@ export class Painter {
 
   // The objects' shadows on a wall; sand throws none there.
   paintWall(solid, drawItem) {
-    const { gl, wall, drawn: { boxes, objectOpacity } } = this;
-    if (!boxes.wallObject || !boxes.wallSeen) return;
-    [this.wallObject, this.wallSeen].forEach((texture, i) => { gl.activeTexture(gl.TEXTURE1 + i), gl.bindTexture(gl.TEXTURE_2D, texture); });
+    const { gl, wall, drawn: { boxes, shadowOpacity } } = this;
+    if (!boxes.wallShadow || !boxes.wallOcclusion) return;
+    [this.wallShadow, this.wallOcclusion].forEach((texture, i) => { gl.activeTexture(gl.TEXTURE1 + i), gl.bindTexture(gl.TEXTURE_2D, texture); });
     gl.activeTexture(gl.TEXTURE0);
-    setUniforms(gl, solid, { on_plane: wall.on, object_box: boxes.wallObject, seen_box: boxes.wallSeen, object_opacity: objectOpacity, pile_opacity: 0, sky_known: 0 });
+    setUniforms(gl, solid, { on_plane: wall.on, shadow_box: boxes.wallShadow, occlusion_box: boxes.wallOcclusion, shadow_opacity: shadowOpacity, pile_opacity: 0, sky_known: 0 });
     gl.depthMask(false);
     drawItem({ ...this.table, model: wall.model, table: 2 });
     gl.depthMask(true);

@@ -24,7 +24,7 @@ export function fieldBytes(sand, plan) {
 export function addPoints(sand, scene, ...particlesAndGrains) {
   const made = particlesAndGrains.map(({ positions, velocities }) => sand.make("sandglass_points",
     { positions: sand.put(positions), velocities: velocities && sand.put(velocities), count: positions.length / 3 }));
-  try { sand.sandglass_granular_add(scene, ...made); } finally {
+  try { sand.sandglass_scene_add(scene, ...made); } finally {
     for (const points of made) for (const used of [points.positions, points.velocities, points]) sand.free(used);
   }
 }

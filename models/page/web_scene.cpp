@@ -42,7 +42,7 @@ Json granular(const sandglass_granular_desc& g) {
           {"courant", g.courant},
           {"substep_max", g.substep_max},
           {"substep_min", g.substep_min},
-          {"list_skin", g.list_skin},
+          {"list_margin", g.list_margin},
           {"sleep_after", g.sleep_after},
           {"refine_step", g.refine_step}};
 }

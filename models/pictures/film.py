@@ -12,7 +12,7 @@ from browser import Browser  # noqa: E402
 
 WIDTH, HEIGHT, FRAMES_A_PICTURE, REST = 480, 560, 5, 4  # 12 pictures a second; pictures of rest at both ends
 ABOVE = """(() => { const {page} = sandglassPage, n = page.scene.report.sand.particle_numbers, p = page.sand.allocate(12 * n);
-    page.sand.sandglass_granular_particles(page.scene.handle, p, 0);
+    page.sand.sandglass_scene_particles(page.scene.handle, p, 0);
     const above = page.sand.floats(p, 3 * n).filter((y, i) => i % 3 === 1 && y > 0.127).length;
     page.sand.free(p);
     return above; })()"""

@@ -20,7 +20,7 @@
 #include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
 #include "runtime/asset/light_asset.h"
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 #include "sandglass/shadow.h"
 
 namespace sandglass::host {

@@ -51,13 +51,13 @@ int light_command(const LightOptions& options) {
     sandglass_camera_image image = camera_image_of(pictures[i], options.fov_deg);
     image.pose_is_upright = 1;
     image.turn_deg = 0;
-    sandglass_light_estimate world;
+    sandglass_estimator_light world;
     try {
       world = light.estimate(image);
     } catch (const Failure& failure) {
       throw cannot("estimate the light of", options.images[i], failure.what());
     }
-    const sandglass_light_estimate e = in_camera_frame(world);
+    const sandglass_estimator_light e = in_camera_frame(world);
     const std::string name = fs::path(outputs[i]).filename().string();
     write_png(outputs[i] + ".png", light_picture(pictures[i], e, name));
     write_file(outputs[i] + ".json", light_estimate_json(options.images[i], options.fov_deg, e, world));

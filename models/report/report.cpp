@@ -133,7 +133,7 @@ std::string report_csv(const RunReport& report) {
         static_cast<double>(r.sand.grain_lag), static_cast<double>(r.sand.substep), r.sand.substeps, r.sand.list_builds,
         r.sand.particles, r.sand.grains, r.sand.dropped_contacts, r.sand.quarantined, r.sand.ignored_colliders,
         r.sand.ignored_emitters, r.sand.ignored_sinks, static_cast<double>(r.sand.speed_max), r.time.clock_fault,
-        r.shadows.pending, r.shadows.calls_behind, r.estimate.changed, r.estimate.units_left);
+        r.shadows.pending, r.shadows.calls_behind, r.estimator.changed, r.estimator.units_left);
   }
   return text;
 }

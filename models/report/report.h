@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {
@@ -98,7 +98,7 @@ std::string estimate_text(const PhoneEstimate& estimate);  // what it is and is 
 
 // The light of a photograph. Both directions point towards the light. In the camera's axes x is right, y down and z
 // forward. In the world's axes, for a level camera that looks along -z, x is right and y is up.
-std::string light_estimate_json(const std::string& image, double fov_deg, const sandglass_light_estimate& in_camera,
-                                const sandglass_light_estimate& in_world);
+std::string light_estimate_json(const std::string& image, double fov_deg, const sandglass_estimator_light& in_camera,
+                                const sandglass_estimator_light& in_world);
 
 }  // namespace sandglass::host

@@ -54,8 +54,8 @@ std::string report_summary_json(const RunReport& report) {
   return text_of(file);
 }
 
-std::string light_estimate_json(const std::string& image, double fov_deg, const sandglass_light_estimate& in_camera,
-                                const sandglass_light_estimate& in_world) {
+std::string light_estimate_json(const std::string& image, double fov_deg, const sandglass_estimator_light& in_camera,
+                                const sandglass_estimator_light& in_world) {
   return text_of({{"image", image},
                   {"field_of_view_deg", fov_deg},
                   {"direction_camera", in_camera.direction},

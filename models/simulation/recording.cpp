@@ -119,7 +119,8 @@ std::vector<uint32_t> numbers_of(const std::vector<std::string>& names) {
   std::vector<uint32_t> numbers;
   for (const std::string& name : names) {
     uint32_t stage = 0;
-    while (stage < SANDGLASS_STAGE_COUNT && name != sandglass_stage_name(stage)) ++stage;
+    const std::string now = name == "lighting" ? "light" : name;  // as it was called before
+    while (stage < SANDGLASS_STAGE_COUNT && now != sandglass_stage_name(stage)) ++stage;
     numbers.push_back(stage);
   }
   return numbers;
@@ -128,7 +129,7 @@ std::vector<uint32_t> numbers_of(const std::vector<std::string>& names) {
 // The same of files without names.
 std::vector<uint32_t> numbers_of_version(uint32_t version) {
   std::vector<uint32_t> numbers = {SANDGLASS_STAGE_GRANULAR};
-  if (version >= 3) numbers.push_back(SANDGLASS_STAGE_LIGHTING);
+  if (version >= 3) numbers.push_back(SANDGLASS_STAGE_LIGHT);
   if (version >= 5) numbers.push_back(SANDGLASS_STAGE_SKIN);
   for (const uint32_t stage : {SANDGLASS_STAGE_SHADOW, SANDGLASS_STAGE_REFINE, SANDGLASS_STAGE_OUTPUT})
     numbers.push_back(stage);

@@ -189,7 +189,7 @@ void read_solver(Reader reader, sandglass_granular_desc* granular) {
   granular->substep_min = reader.real("substep_min", granular->substep_min, 0.0, SANDGLASS_SUBSTEP_LIMIT);
   granular->height_weighting = reader.real("height_weighting", granular->height_weighting, 0.0, 1.5);
   granular->courant = reader.real("courant", granular->courant, 1e-3, 1.0);
-  granular->list_skin = reader.real("list_skin", granular->list_skin, 0.1, 1.0);
+  granular->list_margin = reader.real("list_margin", granular->list_margin, 0.1, 1.0);
   granular->reference.blend = reader.choice("blend", {"continuous", "source", "means"}, granular->reference.blend);
   granular->refine_step = reader.real("refine_step", granular->refine_step, 1e-4, 0.1);
   reader.finish();

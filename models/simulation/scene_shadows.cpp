@@ -106,8 +106,8 @@ uint64_t StandingShadows::hash() const {
   uint64_t sum = 0;
   for (const sandglass_shadow* shadow : handles_) sum += sandglass_shadow_hash(shadow);
   for (const Casting& casting : casting_)
-    for (const sandglass_cast_texture& t : {casting.cast.texture(), casting.cast.ambient()})
-      sum += hash_bytes(t.bytes, uint64_t{t.texels} * t.texels);
+    for (const sandglass_texture& t : {casting.cast.texture(), casting.cast.ambient()})
+      sum += hash_bytes(t.bytes, uint64_t{t.side} * t.side);
   return sum;
 }
 
@@ -123,54 +123,52 @@ void StandingShadows::set_cells(const SceneFile& scene, uint32_t frame, const fl
     if (const cpp::Status lit = casting.cast.set_cells(cells); !lit) throw cannot("set", "cells", lit.reason);
 }
 
+// A texture as a shadow; `visible`: its bytes are what is left of the light.
+static FloorShadow shadow_of(const sandglass_texture& t, bool visible) {
+  FloorShadow shadow;
+  shadow.collider = ~0u;
+  shadow.texels = t.side;
+  for (size_t i = 0; i < size_t{t.side} * t.side; ++i)
+    shadow.coverage.push_back(visible ? static_cast<uint8_t>(255 - t.bytes[i]) : t.bytes[i]);
+  shadow.opacity = t.valid != 0 ? static_cast<double>(t.scale) : 0.0;
+  for (size_t axis = 0; axis < 2; ++axis) {
+    const float extent = axis == 0 ? t.along[0] : t.across[2];
+    shadow.low[axis] = static_cast<double>(t.corner[2 * axis]);
+    shadow.high[axis] = static_cast<double>(t.corner[2 * axis] + extent);
+  }
+  return shadow;
+}
+
 void StandingShadows::draw(std::span<const sandglass_collider> colliders, SceneShadows* shadows) const {
   shadows->object.clear();
   shadows->ambient.clear();
   for (const Object& object : objects_) {
     if (object.collider >= colliders.size()) continue;
-    const sandglass_shadow_texture texture = object.shadow.texture();
-    const sandglass_shadow_ambient ambient = object.shadow.ambient();
     const sandglass_collider& now = colliders[object.collider];
-    FloorShadow shadow;
-    shadow.collider = object.collider;
-    shadow.half_angle = 0.5 * static_cast<double>(object.info.angular_diameter);
-    shadow.position = from_floats(now.position);
-    shadow.rotation = rotation_of(now);
     const double scale = object.size / static_cast<double>(object.info.height);
-    const auto place = [&](const float(&low)[2], const float(&high)[2]) {
+    const auto add = [&](const sandglass_texture& t, bool visible, std::vector<FloorShadow>* to) {
+      FloorShadow shadow = shadow_of(t, visible);
+      shadow.collider = object.collider;
+      shadow.half_angle = 0.5 * static_cast<double>(object.info.angular_diameter);
+      shadow.position = from_floats(now.position);
+      shadow.rotation = rotation_of(now);
       for (size_t axis = 0; axis < 2; ++axis) {
         const double origin = static_cast<double>(object.info.origin[2 * axis]);
-        shadow.low[axis] = (static_cast<double>(low[axis]) - origin) * scale;
-        shadow.high[axis] = (static_cast<double>(high[axis]) - origin) * scale;
+        shadow.low[axis] = (shadow.low[axis] - origin) * scale;
+        shadow.high[axis] = (shadow.high[axis] - origin) * scale;
       }
+      to->push_back(std::move(shadow));
     };
-    shadow.texels = SANDGLASS_SHADOW_TEXELS;
-    shadow.coverage.assign(texture.coverage, texture.coverage + shadow.texels * shadow.texels);
-    shadow.opacity = texture.valid != 0 ? static_cast<double>(texture.opacity) : 0.0;
-    place(texture.low, texture.high);
-    shadows->object.push_back(shadow);
-    if (ambient.side == 0) continue;
-    shadow.texels = ambient.side;
-    shadow.opacity = 1.0;
-    shadow.coverage.resize(size_t{ambient.side} * ambient.side);
-    for (size_t i = 0; i < shadow.coverage.size(); ++i)
-      shadow.coverage[i] = static_cast<uint8_t>(255 - ambient.visibility[i]);
-    place(ambient.low, ambient.high);
-    shadows->ambient.push_back(std::move(shadow));
+    add(object.shadow.texture(), false, &shadows->object);
+    if (object.shadow.ambient().side != 0) add(object.shadow.ambient(), true, &shadows->ambient);
   }
   constexpr double k_half_angle = 0.17453292519943295;
   for (const Casting& casting : casting_) {
-    const auto add = [&](const sandglass_cast_texture& t, bool is_ambient, std::vector<FloorShadow>* to) {
+    const auto add = [&](const sandglass_texture& t, bool visible, std::vector<FloorShadow>* to) {
       if (t.valid == 0) return;
-      FloorShadow shadow;
+      FloorShadow shadow = shadow_of(t, visible);
       shadow.collider = casting.collider;
       shadow.half_angle = k_half_angle;
-      shadow.texels = t.texels;
-      for (uint32_t i = 0; i < t.texels * t.texels; ++i)
-        shadow.coverage.push_back(is_ambient ? static_cast<uint8_t>(255 - t.bytes[i]) : t.bytes[i]);
-      for (size_t axis = 0; axis < 2; ++axis) shadow.low[axis] = static_cast<double>(t.corner[2 * axis]);
-      shadow.high[0] = shadow.low[0] + static_cast<double>(t.along[0]);
-      shadow.high[1] = shadow.low[1] + static_cast<double>(t.across[2]);
       to->push_back(std::move(shadow));
     };
     add(casting.cast.texture(), false, &shadows->object);
@@ -196,40 +194,14 @@ PileShadow::PileShadow(const PileShadowTrack& track, sandglass_isa isa, uint32_t
 
 void PileShadow::set_light(Vec3 towards) { require(shadow_.set_light(floats_of(towards))); }
 
-FloorShadow PileShadow::drawn(bool on_sand) const {
-  const sandglass_pile_shadow_texture texture = shadow_.texture();
-  FloorShadow drawn;
-  drawn.collider = ~0u;
-  drawn.texels = texture.texels;
-  const uint8_t* bytes = on_sand ? texture.on_sand : texture.coverage;
-  drawn.coverage.assign(bytes, bytes + drawn.texels * drawn.texels);
-  drawn.opacity = texture.valid != 0 ? static_cast<double>(texture.opacity) : 0.0;
-  std::copy_n(texture.low, 2, drawn.low);
-  std::copy_n(texture.high, 2, drawn.high);
-  return drawn;
-}
-
 void PileShadow::set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS]) { require(shadow_.set_cells(cells)); }
 
 void PileShadow::draw(SceneShadows* shadows) const {
-  shadows->pile = {drawn(false)};
-  shadows->pile_on_sand = {drawn(true)};
-  if (shadow_.sky().texels == 0) return;
-  shadows->sky = {drawn_sky(false)};
-  shadows->sky_on_sand = {drawn_sky(true)};
-}
-
-FloorShadow PileShadow::drawn_sky(bool on_sand) const {
-  const sandglass_pile_shadow_sky sky = shadow_.sky();
-  FloorShadow drawn;
-  drawn.collider = ~0u;
-  drawn.texels = sky.texels;
-  const uint8_t* visible = on_sand ? sky.on_sand : sky.floor;
-  for (size_t i = 0; i < size_t{sky.texels} * sky.texels; ++i)
-    drawn.coverage.push_back(static_cast<uint8_t>(255 - visible[i]));
-  std::copy_n(sky.low, 2, drawn.low);
-  std::copy_n(sky.high, 2, drawn.high);
-  return drawn;
+  shadows->pile = {shadow_of(shadow_.texture(), false)};
+  shadows->pile_on_sand = {shadow_of(shadow_.texture(SANDGLASS_PILE_SHADOW_SAND), false)};
+  if (shadow_.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR).side == 0) return;
+  shadows->sky = {shadow_of(shadow_.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR), true)};
+  shadows->sky_on_sand = {shadow_of(shadow_.texture(SANDGLASS_PILE_SHADOW_SKY_SAND), true)};
 }
 
 double floor_transparency(const FloorShadow& shadow, double px, double pz) {

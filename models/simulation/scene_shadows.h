@@ -64,10 +64,6 @@ class PileShadow {
   void set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS]);
   sandglass_pile_shadow* handle() const { return shadow_.get(); }
 
-  // A copy of the current texture. With `on_sand` it is the shadow on the sand itself, else that on the floor.
-  FloorShadow drawn(bool on_sand) const;
-  // The same of the room's light.
-  FloorShadow drawn_sky(bool on_sand) const;
   // Copies of all textures, into *shadows.
   void draw(SceneShadows* shadows) const;
 

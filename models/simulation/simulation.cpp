@@ -28,7 +28,7 @@ void Simulation::add(const Material& material) {
                                       material.particles()},
                          grains = {material.grain_positions.data(), material.grain_velocities.data(),
                                    material.grains()};
-  require(sandglass_granular_add(scene_, &particles, &grains, &reason), reason);
+  require(sandglass_scene_add(scene_, &particles, &grains, &reason), reason);
   for (const RigidSample& sample : material.rigid) {
     sandglass_body body;
     sandglass_body_default(&body);
@@ -37,7 +37,7 @@ void Simulation::add(const Material& material) {
     body.density_ratio = static_cast<float>(sample.density);
     to_floats(sample.velocity, body.linear_velocity);
     to_floats(sample.spin, body.angular_velocity);
-    require(sandglass_granular_add_body(scene_, &body, nullptr, &reason), reason);
+    require(sandglass_scene_add_body(scene_, &body, nullptr, &reason), reason);
   }
   particles_ += material.particles() + material.rigid_particles();
   grains_ += material.grains();
@@ -100,16 +100,16 @@ static const std::vector<float>& refreshed(std::vector<float>* array, uint32_t c
   return *array;
 }
 const std::vector<float>& Simulation::particle_positions() {
-  return refreshed(&positions_, particles_, [&](float* to) { sandglass_granular_particles(scene_, to, nullptr); });
+  return refreshed(&positions_, particles_, [&](float* to) { sandglass_scene_particles(scene_, to, nullptr); });
 }
 const std::vector<float>& Simulation::particle_velocities() {
-  return refreshed(&velocities_, particles_, [&](float* to) { sandglass_granular_particles(scene_, nullptr, to); });
+  return refreshed(&velocities_, particles_, [&](float* to) { sandglass_scene_particles(scene_, nullptr, to); });
 }
 const std::vector<float>& Simulation::grain_positions() {
-  return refreshed(&grain_positions_, grains_, [&](float* to) { sandglass_granular_grains(scene_, to, nullptr); });
+  return refreshed(&grain_positions_, grains_, [&](float* to) { sandglass_scene_grains(scene_, to, nullptr); });
 }
 const std::vector<float>& Simulation::grain_velocities() {
-  return refreshed(&grain_velocities_, grains_, [&](float* to) { sandglass_granular_grains(scene_, nullptr, to); });
+  return refreshed(&grain_velocities_, grains_, [&](float* to) { sandglass_scene_grains(scene_, nullptr, to); });
 }
 
 sandglass_scene_desc describe_filled(const SceneFile& scene, const Material& material) {
@@ -134,8 +134,8 @@ void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state, doub
   uint32_t index = 0;
   for (const Body& body : scene.bodies) {
     if (body.rigid == 0.0) continue;
-    const bool there = sandglass_granular_has_body(state, index) != 0;  // no sink has taken it
-    const sandglass_body_pose pose = sandglass_granular_body_pose(state, index++);
+    const bool there = sandglass_scene_has_body(state, index) != 0;  // no sink has taken it
+    const sandglass_body_pose pose = sandglass_scene_body_pose(state, index++);
     if (!there || (body.shape != BodyShape::box && body.shape != BodyShape::sphere)) continue;
     sandglass_collider shape = {};
     shape.shape = body.shape == BodyShape::box ? SANDGLASS_SHAPE_BOX : SANDGLASS_SHAPE_SPHERE;

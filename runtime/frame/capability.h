@@ -92,6 +92,11 @@ struct Group {
   float share;              // see Stage
   uint32_t mandatory;       // units of each frame, beside those that its members must run
 };
+inline void clear_group(Group* group, float share, uint32_t mandatory) {
+  group->count = group->handles = group->kinds = 0;
+  group->share = share;
+  group->mandatory = mandatory;
+}
 inline void add_members(Group* group, const Members& members) {
   group->members[group->count++] = members;
   group->handles += members.count;

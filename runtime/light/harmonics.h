@@ -1,4 +1,4 @@
-// Real spherical harmonics up to order 2, as sandglass_light_estimate.sh lists them.
+// Real spherical harmonics up to order 2, as sandglass_estimator_light.sh lists them.
 #pragma once
 
 #include <cstdint>

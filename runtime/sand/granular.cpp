@@ -69,7 +69,7 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
     return "granular.substep_min must be 0 (automatic), or 0.000001 to 0.1 seconds.";
   if (d.substep_min > 0.0f && d.substep_max > 0.0f && d.substep_min > d.substep_max)
     return "granular.substep_min must not exceed substep_max.";
-  if (outside(d.list_skin, 0.1f, 1.0f)) return "granular.list_skin must be 0.1 to 1 particle radius.";
+  if (outside(d.list_margin, 0.1f, 1.0f)) return "granular.list_margin must be 0.1 to 1 particle radius.";
   if (d.reference.blend < SANDGLASS_BLEND_CONTINUOUS || d.reference.blend > SANDGLASS_BLEND_MEANS)
     return "granular.reference.blend must be a SANDGLASS_BLEND value.";
   if (outside(d.sleep_after, 0.0f, 5.0f)) return "granular.sleep_after must be 0 (never) to 5 seconds.";

@@ -37,6 +37,8 @@ constexpr float k_hand_acceleration = 50.0f;
 constexpr float k_leap = 4.0f;
 // What goes on errs by no more than this share of its way, if the way before is continued.
 constexpr float k_moves_on_share = 0.75f;
+// While it is waited for, a pose goes on as it did for no longer than this in a frame: how it did was noise, perhaps.
+constexpr float k_goes_on_seconds = 0.05f;
 // Frames: no tracker is waited for longer.
 constexpr float k_slowest_interval = 12.0f;
 // A told speed is remembered for about this time, and what is behind may go by this share faster.
@@ -455,11 +457,11 @@ bool may_return(HeldPose* p, const Seen& seen) {
   return (p->beyond < k_beyond_frames || frames <= minimum(p->interval, k_slowest_interval)) && !motion;
 }
 
-// Whether a pose that jumped is waited for. Meanwhile it goes on as it did.
+// Whether a pose that jumped is waited for. Meanwhile it goes on as it did. In a late frame nothing is waited for.
 bool waits(HeldPose* p, sandglass_shape shape, const Seen& seen, float step, const HoldRule& rule) {
   if (p->beyond == 0 && !seen.jumped) return false;
-  if (may_return(p, seen)) {
-    p->held.pose = advanced(p->held.pose, p->held.linear, p->held.angular, step);
+  if (step <= rule.longest && may_return(p, seen)) {
+    p->held.pose = advanced(p->held.pose, p->held.linear, p->held.angular, minimum(step, k_goes_on_seconds));
     return true;
   }
   p->beyond = 0;

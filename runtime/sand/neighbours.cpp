@@ -245,12 +245,12 @@ void neighbours_forget(Neighbours* n, float substep) {
   n->last_substep = substep;
 }
 
-float neighbours_reach(const Granular& g) { return (2.0f + g.desc.list_skin) * g.desc.particle_radius; }
+float neighbours_reach(const Granular& g) { return (2.0f + g.desc.list_margin) * g.desc.particle_radius; }
 
 bool neighbours_stale(const Granular& g, uint32_t level, float substep) {
   const Neighbours& n = g.neighbours;
   // The pass looks ahead by one sub-step of about the last one's motion. A measurement has done that already.
-  const float extra = (k_ladder[level].list_reuse - 1.0f) * g.desc.list_skin * g.desc.particle_radius;
+  const float extra = (k_ladder[level].list_reuse - 1.0f) * g.desc.list_margin * g.desc.particle_radius;
   const float ahead = n.measured ? 0.0f : 2.0f * n.last_spread * (substep / n.last_substep);
   return !n.valid || ahead > n.slack + extra;
 }
@@ -293,7 +293,7 @@ bool neighbours_run_lists(Neighbours* n, const Granular& g, uint32_t* cursor, Li
   *cursor = end;
   if (end < count) return false;
   n->valid = true;
-  n->slack = g.desc.list_skin * g.desc.particle_radius - n->worn;
+  n->slack = g.desc.list_margin * g.desc.particle_radius - n->worn;
   n->worn = 0.0f;
   return true;
 }

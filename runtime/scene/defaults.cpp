@@ -13,7 +13,7 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.kinetic_friction = 0.16f;
   g.height_weighting = 0.45f;
   g.courant = 0.5f;
-  g.list_skin = 0.8f;
+  g.list_margin = 0.8f;
   g.sleep_after = 0.5f;
   g.refine_step = 0.008f;
   g.collider_band = 0.003f;
@@ -28,6 +28,22 @@ void sandglass_frame_input_default(sandglass_frame_input* input) {
   if (!sandglass::empty_struct(input)) return;
   input->thermal_headroom = 1.0f;
   input->grain_stride = sizeof(sandglass_grain);
+}
+
+void sandglass_collider_default(sandglass_collider* collider) {
+  if (collider == nullptr) return;
+  *collider = {};
+  collider->shape = SANDGLASS_SHAPE_HALF_SPACE;
+  collider->rotation[3] = 1.0f;
+  for (float& size : collider->size) size = 1.0f;
+}
+
+void sandglass_emitter_default(sandglass_emitter* emitter) {
+  if (emitter == nullptr) return;
+  *emitter = {};
+  emitter->rotation[3] = 1.0f;
+  emitter->radius = 0.03f;
+  emitter->speed = 0.5f;
 }
 
 void sandglass_body_default(sandglass_body* body) {

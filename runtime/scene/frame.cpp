@@ -1,8 +1,5 @@
 // One frame, top to bottom: check the input, let every capability look at it, collect their stages, let the governor run them,
 // report. capabilities.inc says who takes part.
-#include <cstddef>
-#include <cstring>
-
 #include "platform/floating_point.h"
 #include "runtime/frame/filled_struct.h"
 #include "runtime/frame/refuse.h"
@@ -12,75 +9,52 @@
 namespace sandglass {
 namespace {
 
-// The tables that capabilities.inc makes.
-struct StageRow {
-  sandglass_stage stage;
-  float share;
-  uint32_t units;
-};
-constexpr StageRow k_stage_rows[] = {
-#define STAGE(name, title, share, units) {SANDGLASS_STAGE_##name, share, units},
+constexpr sandglass_stage k_first_group = SANDGLASS_STAGE_GRANULAR + 1;
+constexpr sandglass_stage k_group_stages[] = {
+#define STAGE(name, title, share, units) SANDGLASS_STAGE_##name,
 #include "runtime/frame/capabilities.inc"
 };
-struct MemberRow {
-  sandglass_stage stage;
-  size_t handles, count;  // offsets in the frame's input; of one handle the second is 0
-  uint32_t kinds;
-  const char* refusal;  // where there should be handles and are none
-};
-constexpr MemberRow k_member_rows[] = {
-#define ONE(stage, field, kinds) {SANDGLASS_STAGE_##stage, offsetof(sandglass_frame_input, field), 0, kinds, nullptr},
-#define MANY(stage, field, number, handle, kinds)                                                                   \
-  {SANDGLASS_STAGE_##stage, offsetof(sandglass_frame_input, field), offsetof(sandglass_frame_input, number), kinds, \
-   "input." #field " is NULL or has a NULL among its first " #number ": pass what was created, or set " #number     \
-   " to 0."},
-#include "runtime/frame/capabilities.inc"
-};
-
-constexpr uint32_t k_groups = sizeof k_stage_rows / sizeof *k_stage_rows;
+constexpr uint32_t k_groups = sizeof k_group_stages / sizeof *k_group_stages;
 constexpr bool stages_follow_one_another() {
+  constexpr sandglass_stage k_member_stages[] = {
+#define ONE(stage, ...) SANDGLASS_STAGE_##stage,
+#define MANY(stage, ...) SANDGLASS_STAGE_##stage,
+#include "runtime/frame/capabilities.inc"
+  };
   for (uint32_t i = 0; i < k_groups; ++i) {
     uint32_t members = 0;
-    for (const MemberRow& row : k_member_rows) members += row.stage == k_stage_rows[i].stage ? 1 : 0;
-    const sandglass_stage expected = SANDGLASS_STAGE_GRANULAR + 1 + static_cast<sandglass_stage>(i);
-    if (k_stage_rows[i].stage != expected || members > k_group_capacity) return false;
+    for (const sandglass_stage stage : k_member_stages) members += stage == k_group_stages[i] ? 1 : 0;
+    if (k_group_stages[i] != k_first_group + static_cast<sandglass_stage>(i) || members > k_group_capacity)
+      return false;
   }
   return SANDGLASS_STAGE_REFINE == k_groups + 1 && SANDGLASS_STAGE_OUTPUT == k_groups + 2;
 }
 static_assert(stages_follow_one_another());
 
-template <class Field>
-Field field_at(const sandglass_frame_input& input, size_t offset) {
-  Field field;
-  memcpy(&field, reinterpret_cast<const char*>(&input) + offset, sizeof field);
-  return field;
-}
-
-Members members_of(const sandglass_frame_input& input, const MemberRow& row) {
-  const auto* there = field_at<const void*>(input, row.handles);
-  if (row.count != 0) return {there, field_at<uint32_t>(input, row.count), row.kinds};
-  return {reinterpret_cast<const char*>(&input) + row.handles, there == nullptr ? 0u : 1u, row.kinds};
+template <class Handle>
+bool all_there(Handle* const* handles, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i)
+    if (handles == nullptr || handles[i] == nullptr) return false;
+  return true;
 }
 
 // What is wrong with the arrays of handles, or null.
 const char* check_handles(const sandglass_frame_input& input) {
-  for (const MemberRow& row : k_member_rows) {
-    const Members members = members_of(input, row);
-    if (members.handles == nullptr && members.count != 0) return row.refusal;
-    for (uint32_t i = 0; i < members.count; ++i)
-      if (member_at(members, i) == nullptr) return row.refusal;
-  }
+#define MANY(stage, field, number, ...)                                      \
+  if (!all_there(input.field, input.number))                                 \
+    return "input." #field " is NULL or has a NULL among its first " #number \
+           ": pass what was created, or set " #number " to 0.";
+#include "runtime/frame/capabilities.inc"
   return nullptr;
 }
 
 void find_groups(const sandglass_frame_input& input, Group groups[k_groups]) {
-  for (uint32_t i = 0; i < k_groups; ++i) {
-    groups[i].count = groups[i].handles = groups[i].kinds = 0;
-    groups[i].share = k_stage_rows[i].share;
-    groups[i].mandatory = k_stage_rows[i].units;
-  }
-  for (const MemberRow& row : k_member_rows)
-    add_members(&groups[row.stage - k_stage_rows[0].stage], members_of(input, row));
+#define STAGE(name, title, share, units) clear_group(&groups[SANDGLASS_STAGE_##name - k_first_group], share, units);
+#define ONE(stage, field, kinds) \
+  add_members(&groups[SANDGLASS_STAGE_##stage - k_first_group], member_of(input.field, kinds));
+#define MANY(stage, field, number, handle, kinds) \
+  add_members(&groups[SANDGLASS_STAGE_##stage - k_first_group], {input.field, input.number, kinds});
+#include "runtime/frame/capabilities.inc"
 }
 
 sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input* input,
@@ -174,7 +148,7 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   stages[SANDGLASS_STAGE_GRANULAR] = granular_particle_stage(granular);
   for (uint32_t i = 0; i < k_groups; ++i) {
     if (groups[i].handles != 0) view.drawn = sand_as_drawn(*granular, input->skin);
-    stages[k_stage_rows[i].stage] = begin_group(&groups[i], view);
+    stages[k_group_stages[i]] = begin_group(&groups[i], view);
   }
   stages[SANDGLASS_STAGE_REFINE] = granular_grain_stage(granular);
   stages[SANDGLASS_STAGE_OUTPUT] = closing_stage(&closing);
@@ -190,7 +164,7 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   for (const Group& group : groups)
     if (group.handles != 0) end_group(group, report);
   if (refused_image != nullptr) {
-    report->estimate.ignored_images = 1;
+    report->estimator.ignored_images = 1;
     if (scene->desc.log.write != nullptr) scene->desc.log.write(scene->desc.log.user, refused_image);
   }
   return ran;

@@ -33,14 +33,14 @@ void copy_items(const Item* items, uint32_t count, const uint32_t* removed, uint
 
 using namespace sandglass;
 
-void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities) {
+void sandglass_scene_particles(const sandglass_scene* scene, float* positions, float* velocities) {
   if (scene == nullptr) return;
   const Granular& g = scene->granular;
   copy_items(g.particles.records[0], g.particles.count, g.flow.free_particles, g.flow.free_particle_count, positions,
              velocities);
 }
 
-void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities) {
+void sandglass_scene_grains(const sandglass_scene* scene, float* positions, float* velocities) {
   if (scene == nullptr) return;
   const Granular& g = scene->granular;
   copy_items(g.grains.records, g.grains.count, g.flow.free_grains, g.flow.free_grain_count, positions, velocities);
@@ -54,23 +54,23 @@ void sandglass_granular_grains(const sandglass_scene* scene, float* positions, f
   }
 }
 
-int32_t sandglass_granular_held_collider(const sandglass_scene* scene, uint32_t index, sandglass_collider* held) {
+int32_t sandglass_scene_held_collider(const sandglass_scene* scene, uint32_t index, sandglass_collider* held) {
   if (scene == nullptr || held == nullptr) return 0;
   return collider_held(scene->granular, index, held) ? 1 : 0;
 }
 
-sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index) {
+sandglass_body_pose sandglass_scene_body_pose(const sandglass_scene* scene, uint32_t index) {
   sandglass_body_pose pose = {};
   pose.rotation[3] = 1.0f;
-  if (sandglass_granular_has_body(scene, index) != 0) granular_body_pose(scene->granular, index, &pose);
+  if (sandglass_scene_has_body(scene, index) != 0) granular_body_pose(scene->granular, index, &pose);
   return pose;
 }
 
-int32_t sandglass_granular_has_body(const sandglass_scene* scene, uint32_t index) {
+int32_t sandglass_scene_has_body(const sandglass_scene* scene, uint32_t index) {
   return scene != nullptr && bodies_has(scene->granular.bodies, index) ? 1 : 0;
 }
 
-int32_t sandglass_granular_ray(const sandglass_scene* scene, const float origin[3], const float direction[3],
+int32_t sandglass_scene_ray(const sandglass_scene* scene, const float origin[3], const float direction[3],
                                float reach, sandglass_ray_hit* hit) {
   if (scene == nullptr || origin == nullptr || direction == nullptr || hit == nullptr) return 0;
   granular_ray(scene->granular, origin, direction, reach, hit);

@@ -122,7 +122,7 @@ void carry_particle(SkinState* s, const Particle& p) {
     one.weight = 1.0f;
     one.number = number;
     skin_find_fall(*s, p.position, p.velocity, &falls, &flies);
-    for (uint32_t a = 0; a < 3; ++a) one.way[s->axis[a]] = flies ? p.velocity[s->axis[a]] : s->sign[a] * s->up[a];
+    for (uint32_t a = 0; a < 3; ++a) one.vector[s->axis[a]] = flies ? p.velocity[s->axis[a]] : s->sign[a] * s->up[a];
   }
   show_loose(s, one, flies);
 }

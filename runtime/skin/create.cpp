@@ -20,7 +20,7 @@ sandglass_status check(const sandglass_skin_desc& desc, const char** reason) {
   if (desc.collider_capacity > 256) return refuse(reason, "desc.collider_capacity is above 256: take the scene's.");
   if (!within(desc.block_side, 0.0001f, 1.0f)) return refuse(reason, "desc.block_side is not in 0.0001..1 metres.");
   if (desc.first_vertex > 1) return refuse(reason, "desc.first_vertex is neither 0 nor 1.");
-  if (desc.closed > 1) return refuse(reason, "desc.closed is neither 0 nor 1.");
+  if (desc.capped > 1) return refuse(reason, "desc.capped is neither 0 nor 1.");
   return accept(reason);
 }
 
@@ -45,7 +45,7 @@ sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
   const uint32_t n = desc.particle_capacity;
   s->brick_capacity = 96 + n / 16;
   s->chunk_capacity = 16 + s->brick_capacity / 8;
-  s->vertex_capacity = 2048 + (desc.closed != 0 ? 8 : 4) * n;
+  s->vertex_capacity = 2048 + (desc.capped != 0 ? 8 : 4) * n;
   s->index_capacity = 6 * s->vertex_capacity;
   uint32_t slots = 64;
   while (slots < 2 * s->brick_capacity) slots *= 2;

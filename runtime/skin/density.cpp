@@ -499,7 +499,7 @@ void find_calm(SkinState* s, uint32_t number) {
         fresh[i] = static_cast<uint16_t>(room > k_least ? calm : kept);
       }
     }
-    if (s->desc.closed != 0)
+    if (s->desc.capped != 0)
       for (uint32_t i = 0; i < k_brick_nodes; ++i) fresh[i] = within_wall(fresh[i], nodes.solid[i]);
   }
   for (uint32_t i = 0; i < k_brick_nodes; i += k_brick_side) {  // what hardly differs stays

@@ -56,7 +56,7 @@ bool loose_of(const SkinState& s, const SkinTaken& p, uint32_t* brick, sandglass
   out->weight = weight;
   out->number = p.number;
   if (p.flies) {
-    memcpy(out->way, p.velocity, sizeof out->way);
+    memcpy(out->vector, p.velocity, sizeof out->vector);
     return true;
   }
   // Away from the sand about it, and upward where there is little.
@@ -68,7 +68,7 @@ bool loose_of(const SkinState& s, const SkinTaken& p, uint32_t* brick, sandglass
     length += way[a] * way[a];
   }
   const float inverse = length > 1e-6f ? 1.0f / __builtin_sqrtf(length) : 0.0f;
-  for (uint32_t a = 0; a < 3; ++a) out->way[s.axis[a]] = s.sign[a] * (inverse != 0.0f ? inverse * way[a] : s.up[a]);
+  for (uint32_t a = 0; a < 3; ++a) out->vector[s.axis[a]] = s.sign[a] * (inverse != 0.0f ? inverse * way[a] : s.up[a]);
   return true;
 }
 

@@ -287,9 +287,9 @@ bool make_vertex(const SkinState& s, const Brick& brick, const SkinBlocks& block
       solid.gradient(u, floor);
       const float length = inverse_length(floor);
       for (uint32_t m = 0; m < 3; ++m) floor[m] *= length;
-      const float lifted = over < k_deepest && s.desc.closed == 0 ? k_deepest - over : 0.0f;
+      const float lifted = over < k_deepest && s.desc.capped == 0 ? k_deepest - over : 0.0f;
       over += lifted;
-      if (s.desc.closed != 0 && dot(normal, floor) < 0) over = k_far;  // it faces the wall
+      if (s.desc.capped != 0 && dot(normal, floor) < 0) over = k_far;  // it faces the wall
       else run_out(s, floor, over, walled ? 0 : room_aside(blocks, cell), shift, normal);
       for (uint32_t m = 0; m < 3; ++m) shift[m] += lifted * floor[m];
     }
@@ -465,7 +465,7 @@ void make_quad(SkinState* s, uint32_t chunk, uint32_t number, const uint32_t cel
     }
   }
   const float below = 1e6f * s->spacing * k_below;
-  bool hidden = s->desc.closed == 0;  // what lies wholly in colliders
+  bool hidden = s->desc.capped == 0;  // what lies wholly in colliders
   for (const uint32_t v : at) hidden = hidden && back.vertices[back.first_vertex[chunk] + v].over < below;
   if (hidden) return;
   if (!inside) {

@@ -41,8 +41,8 @@ int main(int argument_count, char** arguments) {
       ++mesh.version;
       if (!cast.set_meshes(&mesh, 1) || !cast.set_light(light, 2 * half * k_degree)) return 2;
       for (uint32_t ran; (ran = cast.run(16)) != 0;) units += ran;
-      const sandglass_cast_texture t = ambient ? cast.ambient() : cast.texture();
-      for (uint32_t i = 0; i < t.texels * t.texels; ++i) hash = hash * 31 + t.bytes[i];
+      const sandglass_texture t = ambient ? cast.ambient() : cast.texture();
+      for (uint32_t i = 0; i < t.side * t.side; ++i) hash = hash * 31 + t.bytes[i];
     }
   counting_ends();
   std::printf("isa %s\ntextures %u\nunits %u\nhash 0x%016llx\n", sandglass_isa_name(desc.isa), textures, units,

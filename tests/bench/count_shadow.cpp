@@ -30,11 +30,12 @@ int main(int argument_count, char** arguments) {
   while (sandglass_shadow_units_left(shadow.get()) != 0) shadow.run(64);
   counting_ends();
 
-  const sandglass_shadow_texture texture = shadow.texture();
-  const uint64_t macs = texture.evaluated * info.macs_per_texel;
+  const sandglass_texture texture = shadow.texture();
+  const uint32_t evaluated = shadow.evaluated();
+  const uint64_t macs = evaluated * info.macs_per_texel;
   std::printf("isa %s\nambient_texels %u\ntexels %u\nthousand_macs %llu\ntextures 1\nhash 0x%016llx\n",
               sandglass_isa_name(sandglass_shadow_isa(shadow.get())), info.ambient_texels * info.ambient_texels,
-              texture.evaluated, static_cast<unsigned long long>(macs / 1000),
+              evaluated, static_cast<unsigned long long>(macs / 1000),
               static_cast<unsigned long long>(shadow.hash()));
   return texture.valid == 1 ? 0 : 1;
 }

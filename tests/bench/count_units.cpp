@@ -12,7 +12,7 @@
 
 #include "runtime/scene/scene.h"
 #include "runtime/skin/skin.h"
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 #include "sandglass/room.h"
 #include "tests/bench/counted_sand.h"
 

@@ -102,25 +102,25 @@ sandglass::Cast lit(const std::vector<sandglass_cast_mesh>& meshes, std::array<f
   return cast;
 }
 
-std::vector<uint8_t> bytes_of(const sandglass_cast_texture& t) { return {t.bytes, t.bytes + t.texels * t.texels}; }
+std::vector<uint8_t> bytes_of(const sandglass_texture& t) { return {t.bytes, t.bytes + t.side * t.side}; }
 
 // Where a texel's middle lies, world.
-std::array<double, 3> place_of(const sandglass_cast_texture& t, uint32_t u, uint32_t v) {
+std::array<double, 3> place_of(const sandglass_texture& t, uint32_t u, uint32_t v) {
   std::array<double, 3> p = {};
   for (uint32_t axis = 0; axis < 3; ++axis)
-    p[axis] = t.corner[axis] + (u + 0.5) / t.texels * t.along[axis] + (v + 0.5) / t.texels * t.across[axis];
+    p[axis] = t.corner[axis] + (u + 0.5) / t.side * t.along[axis] + (v + 0.5) / t.side * t.across[axis];
   return p;
 }
 
-double root_mean_square(const sandglass_cast_texture& t, const std::function<double(double x, double z)>& expected) {
+double root_mean_square(const sandglass_texture& t, const std::function<double(double x, double z)>& expected) {
   double sum = 0;
-  for (uint32_t v = 0; v < t.texels; ++v)
-    for (uint32_t u = 0; u < t.texels; ++u) {
+  for (uint32_t v = 0; v < t.side; ++v)
+    for (uint32_t u = 0; u < t.side; ++u) {
       const auto p = place_of(t, u, v);
-      const double e = t.bytes[v * t.texels + u] / 255.0 - expected(p[0], p[2]);
+      const double e = t.bytes[v * t.side + u] / 255.0 - expected(p[0], p[2]);
       sum += e * e;
     }
-  return std::sqrt(sum / t.texels / t.texels);
+  return std::sqrt(sum / t.side / t.side);
 }
 
 double farthest(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
@@ -158,18 +158,18 @@ std::array<float, SANDGLASS_LIGHT_CELLS> uneven_cells() {
 TEST(Cast, SmallLightThrowsTheSquareItself) {
   const Shape s = square(0.4f, 0.5f);
   const sandglass::Cast cast = lit({s.mesh()}, towards(45, 0), 1e-4f);
-  const sandglass_cast_texture t = cast.texture();
+  const sandglass_texture t = cast.texture();
   ASSERT_EQ(t.valid, 1u);
-  const double texel = std::max<double>(std::abs(t.along[0]), std::abs(t.across[2])) / t.texels;
+  const double texel = std::max<double>(std::abs(t.along[0]), std::abs(t.across[2])) / t.side;
   uint32_t inside = 0, outside = 0;
-  for (uint32_t v = 0; v < t.texels; ++v)
-    for (uint32_t u = 0; u < t.texels; ++u) {
+  for (uint32_t v = 0; v < t.side; ++v)
+    for (uint32_t u = 0; u < t.side; ++u) {
       const auto p = place_of(t, u, v);
       const double to_edge = 0.2 - std::max(std::abs(p[0] + 0.5), std::abs(p[2]));  // moved by -0.5 along x
       if (std::abs(to_edge) < texel) continue;
       // The three windows reach seven texels, and only where counts differ by less than 8 of 64.
       const int filtered = std::abs(to_edge) < 8 * texel ? 8 * 255 / 64 : 0;
-      ASSERT_NEAR(t.bytes[v * t.texels + u], to_edge > 0 ? 255 : 0, filtered) << p[0] << " " << p[2];
+      ASSERT_NEAR(t.bytes[v * t.side + u], to_edge > 0 ? 255 : 0, filtered) << p[0] << " " << p[2];
       ++(to_edge > 0 ? inside : outside);
     }
   EXPECT_GT(inside, 5000u);
@@ -206,12 +206,12 @@ TEST(Cast, AmbientBelowASquareIsItsFormFactor) {
   for (const float height : {0.3f, 0.5f, 1.0f}) {
     const Shape s = square(1, height);
     sandglass::Cast cast = lit({s.mesh()}, {0, 1, 0}, 0);
-    const sandglass_cast_texture t = cast.ambient();
+    const sandglass_texture t = cast.ambient();
     ASSERT_EQ(t.valid, 1u);
     const double a = 0.5 / height, r = std::sqrt(1 + a * a), factor = 4 / std::numbers::pi * (a / r) * std::atan(a / r);
     double middle = 0;
-    for (uint32_t v = t.texels / 2 - 1; v <= t.texels / 2; ++v)
-      for (uint32_t u = t.texels / 2 - 1; u <= t.texels / 2; ++u) middle += t.bytes[v * t.texels + u] / 255.0 / 4;
+    for (uint32_t v = t.side / 2 - 1; v <= t.side / 2; ++v)
+      for (uint32_t u = t.side / 2 - 1; u <= t.side / 2; ++u) middle += t.bytes[v * t.side + u] / 255.0 / 4;
     EXPECT_NEAR(middle, 1 - factor, 0.02) << height;
   }
 }
@@ -248,7 +248,7 @@ TEST(Cast, OnlyWhatIsAboveThePlaneCasts) {
   EXPECT_EQ(of(whole), of(upper));
   const sandglass::Cast both = lit({upper.mesh(1), below.mesh(1)}, towards(40, 200), 0.3f);
   EXPECT_EQ(of(upper), bytes_of(both.texture()));
-  EXPECT_EQ(both.texture().left_out, 0u);
+  EXPECT_EQ(both.report().left_out, 0u);
 }
 
 // A table's end is where its shadows end, with what falls there, whatever the table's size is.
@@ -264,8 +264,8 @@ TEST(Cast, ShadowsReachThePlanesEndAndNotBeyond) {
       const sandglass::Cast cut = lit({s.mesh(1)}, towards(45, 180), 0.1f, sandglass::cast_desc(), plane),
                             whole = lit({s.mesh(1)}, towards(45, 180), 0.1f);
       for (const bool ambient : {false, true}) {
-        const sandglass_cast_texture t = ambient ? cut.ambient() : cut.texture(),
-                                     all = ambient ? whole.ambient() : whole.texture();
+        const sandglass_texture t = ambient ? cut.ambient() : cut.texture(),
+                                all = ambient ? whole.ambient() : whole.texture();
         EXPECT_NEAR(t.corner[0] + t.along[0], end, 1e-5f * scale);
         EXPECT_NEAR(t.corner[2], plane.low[1], 1e-5f * scale);
         EXPECT_NEAR(t.corner[2] + t.across[2], plane.high[1], 1e-5f * scale);
@@ -273,15 +273,15 @@ TEST(Cast, ShadowsReachThePlanesEndAndNotBeyond) {
         EXPECT_GT(all.corner[0] + all.along[0], end + 0.02f * scale);
         // In the last column there is as much of it as where nothing ends.
         double there = 0, without = 0;
-        for (uint32_t v = 0; v < t.texels; ++v) {
-          const auto p = place_of(t, t.texels - 1, v);
+        for (uint32_t v = 0; v < t.side; ++v) {
+          const auto p = place_of(t, t.side - 1, v);
           const auto texel = [&](double x, double corner, double extent) {
-            return static_cast<uint32_t>((x - corner) / extent * all.texels);
+            return static_cast<uint32_t>((x - corner) / extent * all.side);
           };
-          there += t.bytes[v * t.texels + t.texels - 1] / 255.0 / t.texels;
-          without += all.bytes[texel(p[2], all.corner[2], all.across[2]) * all.texels +
+          there += t.bytes[v * t.side + t.side - 1] / 255.0 / t.side;
+          without += all.bytes[texel(p[2], all.corner[2], all.across[2]) * all.side +
                                texel(p[0], all.corner[0], all.along[0])] /
-                     255.0 / t.texels;
+                     255.0 / t.side;
         }
         EXPECT_NEAR(there, without, 0.04) << ambient << " " << end;
         EXPECT_GT(ambient ? 1 - there : there, 0.05);
@@ -346,14 +346,14 @@ TEST(Cast, WhatIsRealMasksWhatIsVirtual) {
   plane.low[1] = -0.5f;
   plane.high[1] = 0.5f;
   const sandglass::Cast cast = lit({real, object.mesh()}, {0, 1, 0}, 0.35f, sandglass::cast_desc(), plane);
-  const sandglass_cast_texture t = cast.texture();
+  const sandglass_texture t = cast.texture();
   // Well under the table nothing is left to hide, and 0 is said; at its edge all of the rest is hidden.
-  for (uint32_t v = 8; v < t.texels - 8; ++v)
-    for (uint32_t u = 0; u < t.texels; ++u) {
+  for (uint32_t v = 8; v < t.side - 8; ++v)
+    for (uint32_t u = 0; u < t.side; ++u) {
       const double x = place_of(t, u, v)[0];
       if (x > 2.2 || std::abs(place_of(t, u, v)[2]) > 0.5) continue;
       if (x < 1.85 || x > 2.0) {
-        EXPECT_EQ(t.bytes[v * t.texels + u], x < 1.85 ? 0 : 255) << x;
+        EXPECT_EQ(t.bytes[v * t.side + u], x < 1.85 ? 0 : 255) << x;
       }
     }
 }
@@ -404,20 +404,19 @@ TEST(Cast, WhatIsFarDoesNotMakeAShadowCoarse) {
   const Shape stray = {{0.04f, 0, 0.04f, -0.04f, 0, 0.04f, 3, 40, 2}, {0, 1, 2}}, bird = ball({30, 10, 0}, 0.1f, 12);
   const auto light = towards(54, 31);
   const sandglass::Cast alone = lit({mug.mesh()}, light, 0.35f);
-  EXPECT_EQ(alone.texture().too_far, 0u);
+  EXPECT_EQ(alone.report().too_far, 0u);
   const Shape in_one[] = {together(mug, stray), together(stray, mug)};
   for (const std::vector<sandglass_cast_mesh>& meshes :
        {std::vector{mug.mesh(), second.mesh(1)}, std::vector{mug.mesh(), bird.mesh()}, std::vector{in_one[0].mesh()},
         std::vector{in_one[1].mesh()}}) {
     const sandglass::Cast cast = lit(meshes, light, 0.35f);
-    EXPECT_GT(cast.texture().too_far, 0u);
-    EXPECT_EQ(cast.ambient().too_far, cast.texture().too_far);
+    EXPECT_GT(cast.report().too_far, 0u);
     EXPECT_EQ(bytes_of(cast.texture()), bytes_of(alone.texture()));
     EXPECT_EQ(bytes_of(cast.ambient()), bytes_of(alone.ambient()));
     sandglass_cast_desc desc = sandglass::cast_desc();
     desc.reach = 0;
     const sandglass::Cast control = lit(meshes, light, 0.35f, desc);
-    EXPECT_EQ(control.texture().too_far, 0u);
+    EXPECT_EQ(control.report().too_far, 0u);
     EXPECT_GT(control.texture().along[0], 10 * alone.texture().along[0]);
   }
 }
@@ -426,7 +425,7 @@ TEST(Cast, WhatIsFarDoesNotMakeAShadowCoarse) {
 // its middle. The first mesh says what near is.
 TEST(Cast, WhatIsNearIsInTheRectangle) {
   const auto far = [](const std::vector<sandglass_cast_mesh>& meshes) {
-    return lit(meshes, towards(50, 30), 0.2f).texture().too_far;
+    return lit(meshes, towards(50, 30), 0.2f).report().too_far;
   };
   std::vector<Shape> pawns;
   for (uint32_t i = 0; i < 16; ++i) {
@@ -458,7 +457,7 @@ TEST(Cast, WhatIsNearIsInTheRectangle) {
   sandglass::Cast parts = made(desc);
   EXPECT_TRUE(parts.set_meshes(mixed.data(), 2) && parts.set_light(towards(50, 30), 0.2f));
   while (parts.run(1) == 1) continue;
-  EXPECT_GT(parts.texture().too_far, 16000u);
+  EXPECT_GT(parts.report().too_far, 16000u);
   EXPECT_EQ(bytes_of(parts.texture()), bytes_of(lit({many.mesh()}, towards(50, 30), 0.2f, desc).texture()));
 }
 
@@ -545,13 +544,13 @@ TEST(Cast, WhatIsAsItWasCostsNothing) {
   const Mixed scene;
   std::vector<sandglass_cast_mesh> meshes = scene.meshes();
   sandglass::Cast cast = lit(meshes, towards(50, 30), 0.3f);
-  const double texel = std::min<double>(cast.texture().along[0], cast.texture().across[2]) / cast.texture().texels;
+  const double texel = std::min<double>(cast.texture().along[0], cast.texture().across[2]) / cast.texture().side;
   const auto again = [&] {
     EXPECT_TRUE(cast.set_meshes(meshes.data(), static_cast<uint32_t>(meshes.size())));
     return cast.run();
   };
   EXPECT_EQ(again(), 0u);
-  EXPECT_EQ(cast.texture().stale, 0u);
+  EXPECT_EQ(cast.texture().behind, 0u);
   // An anchor that trembles by a hundredth of a texel, for long, but one that creeps as far is followed.
   for (uint32_t i = 0; i < 100; ++i) {
     meshes[0].world_from_mesh[12] = static_cast<float>((i % 2 == 0 ? 0.01 : -0.01) * texel);
@@ -633,13 +632,13 @@ TEST(Cast, ManyTrianglesGetAFirstTextureAhead) {
   EXPECT_TRUE(cast.set_light(towards(50, 30)));
   uint32_t first = 0, full = 0;
   for (uint32_t units = 1; full == 0 && cast.run(1) == 1; ++units) {
-    const sandglass_cast_texture t = cast.texture();
+    const sandglass_texture t = cast.texture();
     if (first == 0 && t.valid != 0) {
       first = units;
-      EXPECT_EQ(t.directions, 8u);
-      EXPECT_EQ(t.stale, 1u);
+      EXPECT_EQ(cast.report().directions, 8u);
+      EXPECT_EQ(t.behind, 1u);
     }
-    if (t.directions == 64) full = units;
+    if (cast.report().directions == 64) full = units;
   }
   EXPECT_GT(first, 0u);
   EXPECT_LT(4 * first, full);
@@ -648,7 +647,7 @@ TEST(Cast, ManyTrianglesGetAFirstTextureAhead) {
   sandglass_cast_mesh moved = mesh;
   moved.world_from_mesh[12] = 0.1f;
   EXPECT_TRUE(cast.set_meshes(&moved, 1));
-  while (cast.run(1) == 1) EXPECT_EQ(cast.texture().directions, 64u);
+  while (cast.run(1) == 1) EXPECT_EQ(cast.report().directions, 64u);
 }
 
 // An engine that skins on a thread hands out another array in every frame, and frees the one before; one that scans, of
@@ -671,8 +670,8 @@ TEST(Cast, ArraysThatTakeTurnsAreAsGoodAsOne) {
       last.swap(fresh);
       cast.run(20);
     }
-    EXPECT_EQ(cast.texture().directions, 64u);  // no coarse one follows a good one
-    const uint32_t completed = cast.texture().completed;
+    EXPECT_EQ(cast.report().directions, 64u);  // no coarse one follows a good one
+    const auto completed = static_cast<uint32_t>(cast.texture().version);
     const sandglass_cast_mesh mesh = s.mesh(1);
     EXPECT_TRUE(cast.set_meshes(&mesh, 1));
     cast.run();
@@ -726,9 +725,9 @@ TEST(Cast, WhatChangesDuringATextureIsFollowed) {
 // The mean over a convex surface is 1; two parallel squares hide the lower one from all but the light at the side.
 TEST(Cast, OpenIsTheShareThatTheSurfaceReceives) {
   const Shape convex = ball({0, 0.4f, 0}, 0.2f, 24);
-  EXPECT_GT(lit({convex.mesh(1)}, {0, 1, 0}, 0).ambient().open, 0.97f);
+  EXPECT_GT(lit({convex.mesh(1)}, {0, 1, 0}, 0).report().open, 0.97f);
   const Shape upper = square(1, 0.52f), lower = square(1, 0.5f);
-  EXPECT_NEAR(lit({upper.mesh(), lower.mesh()}, {0, 1, 0}, 0).ambient().open, 0.52f, 0.03f);
+  EXPECT_NEAR(lit({upper.mesh(), lower.mesh()}, {0, 1, 0}, 0).report().open, 0.52f, 0.03f);
 }
 
 TEST(Cast, LightBelowThePlaneThrowsNoShadow) {
@@ -739,9 +738,9 @@ TEST(Cast, LightBelowThePlaneThrowsNoShadow) {
   EXPECT_EQ(std::count(bytes.begin(), bytes.end(), 0), static_cast<long>(bytes.size()));
   // A low one throws one that goes on beyond five heights, and ends softly there: in a fifth of that.
   const sandglass::Cast low = lit({s.mesh(1)}, towards(6, 0), 0.02f);
-  const sandglass_cast_texture t = low.texture();
-  const uint32_t fading = static_cast<uint32_t>(0.4 / static_cast<double>(t.along[0]) * t.texels);
-  const uint8_t* row = t.bytes + t.texels / 2 * t.texels;
+  const sandglass_texture t = low.texture();
+  const uint32_t fading = static_cast<uint32_t>(0.4 / static_cast<double>(t.along[0]) * t.side);
+  const uint8_t* row = t.bytes + t.side / 2 * t.side;
   EXPECT_EQ(row[0], 0);
   EXPECT_EQ(row[fading + 8], 255);
   for (uint32_t u = 0; u < fading; ++u) EXPECT_LE(std::abs(row[u + 1] - row[u]), 255 / 10) << u;
@@ -760,7 +759,7 @@ TEST(Cast, BadTrianglesAreLeftOutAndCounted) {
   s.indices.insert(s.indices.end(), {0, 1, 8, 0, 9, 1, 10, 1, 2, 0, 1, 4000000000u, 3, 3, 5, 6, 6, 6});
   const sandglass::Cast cast = lit({s.mesh(1)}, towards(50, 30), 0.3f);
   EXPECT_EQ(bytes_of(cast.texture()), clean);
-  EXPECT_EQ(cast.texture().left_out, 4u);  // the last two are degenerate, and draw nothing
+  EXPECT_EQ(cast.report().left_out, 4u);  // the last two are degenerate, and draw nothing
 }
 
 TEST(Cast, RefusesWhatItCannotUse) {
@@ -826,7 +825,7 @@ TEST(Cast, MeshesMayGoWhileUnitsReadThem) {
     EXPECT_TRUE(cast.set_meshes(nullptr, 0));
   }
   cast.run();
-  EXPECT_EQ(cast.texture().stale, 0u);
+  EXPECT_EQ(cast.texture().behind, 0u);
   const std::vector<uint8_t> bytes = bytes_of(cast.texture());
   EXPECT_EQ(std::count(bytes.begin(), bytes.end(), 0), static_cast<long>(bytes.size()));
 }
@@ -862,12 +861,11 @@ TEST(Cast, ArrivesInFramesWithoutTime) {
     EXPECT_TRUE(sand.set_light(light));
     ASSERT_EQ(sandglass_scene_frame(scene.get(), &input, nullptr, nullptr), SANDGLASS_OK);
     sands += sand.texture().valid;
-    if (casts[0].texture().completed > 2 && casts[1].texture().completed > 2 && casts[0].ambient().completed > 0 &&
-        sands > 0)
+    if (casts[0].texture().version > 2 && casts[1].texture().version > 2 && casts[0].ambient().version > 0 && sands > 0)
       break;
   }
   EXPECT_LT(frames, 1500u);
-  EXPECT_GT(casts[0].texture().completed + 2, casts[1].texture().completed);
+  EXPECT_GT(casts[0].texture().version + 2, casts[1].texture().version);
 }
 
 }  // namespace

@@ -223,8 +223,8 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
     law.debt = std::max(law.debt, report.time.debt);
     law.owing += report.time.debt > 0 ? 1 : 0;
     law.worst_level = std::max(law.worst_level, report.level);
-    if (law.first_light == k_never && report.estimate.valid != 0) law.first_light = i + 1;
-    const sandglass_shadow_texture t = all.shadow.texture();
+    if (law.first_light == k_never && report.estimator.valid != 0) law.first_light = i + 1;
+    const sandglass_texture t = all.shadow.texture();
     if (t.valid != 0 && t.light[0] != last_azimuth) {
       ++law.textures;
       last_azimuth = t.light[0];
@@ -321,7 +321,7 @@ TEST(ShotBudget, NoFrameHasTimeDebtWhereTheBudgetFits) {
   UnitClock alone;
   Everything light(k_light, &alone);
   int frames = 0;
-  while (light.frame(8'000'000, 0.8, 0).estimate.valid == 0 && frames < 100) ++frames;
+  while (light.frame(8'000'000, 0.8, 0).estimator.valid == 0 && frames < 100) ++frames;
   const double estimate_ns = static_cast<double>(alone.spent_ns["light"]);
   EXPECT_LE(law.first_light, 1 + std::ceil(estimate_ns / (0.2 * 7e6)));
 }

@@ -215,7 +215,7 @@ struct World {
   void read() {
     const uint32_t numbers = report.sand.particle_numbers;
     std::vector<float> p(3ull * numbers, SANDGLASS_REMOVED_Y), v(p.size());
-    sandglass_granular_particles(scene.get(), p.data(), v.data());
+    sandglass_scene_particles(scene.get(), p.data(), v.data());
     positions.resize(numbers);
     velocities.resize(numbers);
     present.resize(numbers);

@@ -107,8 +107,8 @@ struct Drawing {
     return sandglass_cast_create(&desc, block->data(), bytes, &cast, nullptr);
   }
 
-  sandglass_cast_texture texture(bool ambient) const {
-    sandglass_cast_texture t = {};
+  sandglass_texture texture(bool ambient) const {
+    sandglass_texture t = {};
     t.struct_size = sizeof t;
     (ambient ? sandglass_cast_get_ambient : sandglass_cast_get_texture)(cast, &t);
     return t;
@@ -152,16 +152,16 @@ struct Drawing {
   }
 };
 
-bool same(const sandglass_cast_texture& a, const sandglass_cast_texture& b) {
-  const uint64_t bytes = uint64_t{a.texels} * a.texels;
-  return a.valid == b.valid && a.texels == b.texels && a.completed == b.completed && a.stale == b.stale &&
+bool same(const sandglass_texture& a, const sandglass_texture& b) {
+  const uint64_t bytes = uint64_t{a.side} * a.side;
+  return a.valid == b.valid && a.side == b.side && a.version == b.version && a.behind == b.behind &&
          (a.valid == 0 || bytes == 0 || std::memcmp(a.bytes, b.bytes, bytes) == 0);
 }
 
 double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 // Numbers are finite, and a texel that lies wholly beyond the plane's extent is as light as without any mesh.
-void check(const sandglass_cast_texture& t, const sandglass_cast_plane* plane, uint8_t light) {
+void check(const sandglass_texture& t, const sandglass_cast_plane* plane, uint8_t light) {
   if (t.valid == 0) return;
   double corner[3], along[3], across[3];
   for (int k = 0; k < 3; ++k) {
@@ -170,7 +170,6 @@ void check(const sandglass_cast_texture& t, const sandglass_cast_plane* plane, u
     across[k] = t.across[k];
   }
   expect(std::isfinite(dot(corner, corner) + dot(along, along) + dot(across, across)));
-  expect(t.open >= 0 && t.open <= 1);
   if (plane == nullptr || t.bytes == nullptr || dot(corner, corner) > k_large * k_large) return;
   double from[3];
   for (int k = 0; k < 3; ++k) from[k] = corner[k] - static_cast<double>(plane->origin[k]);
@@ -179,12 +178,12 @@ void check(const sandglass_cast_texture& t, const sandglass_cast_plane* plane, u
   const auto outside = [&](double at, double texel, int axis) {
     return at < static_cast<double>(plane->low[axis]) - texel || at > static_cast<double>(plane->high[axis]) + texel;
   };
-  for (uint32_t y = 0; y < t.texels; ++y) {
-    for (uint32_t x = 0; x < t.texels; ++x) {
+  for (uint32_t y = 0; y < t.side; ++y) {
+    for (uint32_t x = 0; x < t.side; ++x) {
       double p[3];
-      for (int k = 0; k < 3; ++k) p[k] = from[k] + ((x + 0.5) * along[k] + (y + 0.5) * across[k]) / t.texels;
-      if (outside(dot(p, along) / wide, wide / t.texels, 0) || outside(dot(p, across) / high, high / t.texels, 1))
-        expect(t.bytes[y * t.texels + x] == light);
+      for (int k = 0; k < 3; ++k) p[k] = from[k] + ((x + 0.5) * along[k] + (y + 0.5) * across[k]) / t.side;
+      if (outside(dot(p, along) / wide, wide / t.side, 0) || outside(dot(p, across) / high, high / t.side, 1))
+        expect(t.bytes[y * t.side + x] == light);
     }
   }
 }
@@ -215,8 +214,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (!last) continue;
     expect(scalar.set(turn, &kept[0][i % 2]) == statuses && scalar.run(10) == 0);
     for (const bool ambient : {false, true}) {  // without a light there is no texture of it, but one is asked for
-      const sandglass_cast_texture texture = scalar.texture(ambient);
-      expect(texture.stale == 0 || texture.valid == 0);
+      const sandglass_texture texture = scalar.texture(ambient);
+      expect(texture.behind == 0 || texture.valid == 0);
     }
   }
   return 0;

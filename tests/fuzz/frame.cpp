@@ -179,30 +179,32 @@ std::vector<int32_t> act(World* world, const Turn& t) {
     if (t.actions & action) statuses.push_back(checked(world, &reason, function));
   };
   call(k_gravity, [&] { return sandglass_scene_set_gravity(scene, t.gravity, &reason); });
-  call(k_friction,
-       [&] { return sandglass_granular_set_friction(scene, t.static_friction, t.kinetic_friction, &reason); });
+  call(k_friction, [&] { return sandglass_scene_set_friction(scene, t.static_friction, t.kinetic_friction, &reason); });
   const sandglass_points points = {t.points, t.speeds, k_points};
-  call(k_add, [&] { return sandglass_granular_add(scene, &points, &points, &reason); });
+  call(k_add, [&] { return sandglass_scene_add(scene, &points, &points, &reason); });
   sandglass_body body = t.body;
   body.struct_size = sizeof body;
   body.particle_positions = t.points;
   body.particle_count %= k_points + 1;
-  call(k_add_body, [&] { return sandglass_granular_add_body(scene, &body, nullptr, &reason); });
+  call(k_add_body, [&] { return sandglass_scene_add_body(scene, &body, nullptr, &reason); });
   sandglass_collider region = t.colliders[1];
   region.field = nullptr;
-  call(k_remove, [&] { return sandglass_granular_remove(scene, &region, nullptr, nullptr, &reason); });
+  call(k_remove, [&] { return sandglass_scene_remove(scene, &region, nullptr, nullptr, &reason); });
   call(k_move, [&] { return sandglass_scene_move(scene, t.rotation, t.translation, &reason); });
-  call(k_boundary, [&] { return sandglass_granular_set_boundary(scene, t.points, k_points, &reason); });
-  call(k_set_body, [&] { return sandglass_granular_set_body(scene, t.body_index, &t.pose, &reason); });
-  call(k_push_body, [&] { return sandglass_granular_push_body(scene, t.body_index, t.speeds, t.points, &reason); });
-  call(k_remove_body, [&] { return sandglass_granular_remove_body(scene, t.body_index, &reason); });
+  call(k_boundary, [&] { return sandglass_scene_set_boundary(scene, t.points, k_points, &reason); });
+  call(k_set_body, [&] { return sandglass_scene_set_body(scene, t.body_index, &t.pose, &reason); });
+  call(k_push_body, [&] { return sandglass_scene_push_body(scene, t.body_index, t.speeds, t.points, &reason); });
+  call(k_remove_body, [&] { return sandglass_scene_remove_body(scene, t.body_index, &reason); });
   sandglass_ray_hit hit = {};
-  const int32_t any = sandglass_granular_ray(scene, t.points, t.translation, t.gravity[1], &hit);
+  const int32_t any = sandglass_scene_ray(scene, t.points, t.translation, t.gravity[1], &hit);
   if (t.actions & k_ray) {
     statuses.push_back(any);
     statuses.push_back(static_cast<int32_t>(hit.index));
   }
-  call(k_light, [&] { return sandglass_pile_shadow_set_light(world->others.pile_shadow.handle, t.light, &reason); });
+  call(k_light, [&] {
+    return sandglass_pile_shadow_set_light(world->others.pile_shadow.handle, t.light,
+                                           t.grain_stride % 2 != 0 ? 0.2f : 0.0f, &reason);
+  });
   if (t.actions & k_reset) world->scene.scene.reset();
   return statuses;
 }

@@ -43,7 +43,7 @@ struct Base {
 struct Estimate {
   bool taken = false, made = false;
   uint64_t hash = 0;
-  sandglass_light_estimate light = {};
+  sandglass_estimator_light light = {};
 };
 
 Estimate estimate_of(const tests::AssetFile& file, sandglass_isa isa, bool run) {
@@ -63,7 +63,7 @@ Estimate estimate_of(const tests::AssetFile& file, sandglass_isa isa, bool run) 
   return estimate;
 }
 
-void check(const sandglass_light_estimate& estimate) {
+void check(const sandglass_estimator_light& estimate) {
   if (estimate.valid == 0) return;
   for (const float d : estimate.direction) fuzz::expect(std::isfinite(d));
   for (const float c : estimate.light) fuzz::expect(std::isfinite(c));

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 
 namespace sandglass {
 namespace {

@@ -27,7 +27,7 @@ constexpr uint64_t k_period_ns = 300'000'000;
 
 TEST(Light, BeforeTheFirstEstimateItComesFromAboveAndIsNotValid) {
   const LiveLight live;
-  const sandglass_light_estimate e = live.estimated();
+  const sandglass_estimator_light e = live.light();
   EXPECT_EQ(e.valid, 0u);
   EXPECT_EQ(e.direction[1], 1.0f);
   EXPECT_EQ(e.contrast, 0.0f);
@@ -47,12 +47,12 @@ TEST(Estimator, TheCamerasTurnIsTakenOut) {
   LiveLight live(desc);
   TestImage picture(5);
   live.estimate(picture.image);
-  const Vec3 straight = vector_of(live.estimated().direction);
+  const Vec3 straight = vector_of(live.light().direction);
   const double angle = 0.7;
   picture.image.orientation[1] = static_cast<float>(std::sin(0.5 * angle));
   picture.image.orientation[3] = static_cast<float>(std::cos(0.5 * angle));
   live.estimate(picture.image);
-  const Vec3 turned = vector_of(live.estimated().direction);
+  const Vec3 turned = vector_of(live.light().direction);
   EXPECT_NEAR(turned.x, std::cos(angle) * straight.x + std::sin(angle) * straight.z, 1e-6);
   EXPECT_NEAR(turned.y, straight.y, 1e-6);
   EXPECT_NEAR(turned.z, -std::sin(angle) * straight.x + std::cos(angle) * straight.z, 1e-6);
@@ -132,15 +132,15 @@ TEST(Estimator, ResetForgetsAndTurnTurns) {
   LiveLight live, fresh;
   TestImage picture(3);
   live.estimate(picture.image);
-  const Vec3 before = vector_of(live.estimated().direction);
+  const Vec3 before = vector_of(live.light().direction);
   const float quarter[4] = {0.0f, 0.0f, 2.0f, 2.0f};  // about z, of any length
   ASSERT_EQ(sandglass_estimator_turn(live.get(), quarter, nullptr), SANDGLASS_OK);
-  const Vec3 after = vector_of(live.estimated().direction);
+  const Vec3 after = vector_of(live.light().direction);
   EXPECT_NEAR(host::length(after - Vec3{-before.y, before.x, before.z}), 0.0, 1e-6);
   const float none[4] = {};
   EXPECT_EQ(sandglass_estimator_turn(live.get(), none, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
   sandglass_estimator_reset(live.get());
-  EXPECT_EQ(live.estimated().valid, 0u);
+  EXPECT_EQ(live.light().valid, 0u);
   live.estimate(picture.image);
   fresh.estimate(picture.image);
   EXPECT_EQ(sandglass_estimator_hash(live.get()), sandglass_estimator_hash(fresh.get()));
@@ -159,8 +159,8 @@ TEST(Estimator, PosesAndTurnsOfAnyLengthTurnTheImageUnderWay) {
     if (!under_way) live.finish();
     EXPECT_EQ(sandglass_estimator_turn(live.get(), turn, nullptr), SANDGLASS_OK);
     live.finish();
-    EXPECT_EQ(live.estimated().valid, 1u);
-    return vector_of(live.estimated().direction);
+    EXPECT_EQ(live.light().valid, 1u);
+    return vector_of(live.light().direction);
   };
   const Vec3 expected = turned_at_length(1.0f, false);
   EXPECT_NEAR(host::length(expected), 1.0, 1e-6);
@@ -227,7 +227,7 @@ TEST(LightInput, ABadImageIsRefusedAndChangesNothing) {
   EXPECT_EQ(sandglass_estimator_units_left(live.get()), 0u);
 }
 
-void expect_usable(const sandglass_light_estimate& e) {
+void expect_usable(const sandglass_estimator_light& e) {
   EXPECT_EQ(e.valid, 1u);
   EXPECT_NEAR(host::length(vector_of(e.direction)), 1.0, 1e-6);
   for (int c = 0; c < 3; ++c) {
@@ -246,17 +246,17 @@ TEST(LightInput, BlackWhiteTinyAndHugeImagesGiveUsableLight) {
     TestImage flat(1);
     std::fill(flat.bytes.begin(), flat.bytes.end(), level);
     live.estimate(flat.image);
-    expect_usable(live.estimated());
+    expect_usable(live.light());
   }
   LiveLight live;
   const TestImage tiny(2, 2, 2);
   live.estimate(tiny.image);
-  expect_usable(live.estimated());
+  expect_usable(live.light());
   if (SANDGLASS_EMULATED) return;
   LiveLight other;
   const TestImage huge(3, 16384, 1024);
   other.estimate(huge.image);
-  expect_usable(other.estimated());
+  expect_usable(other.light());
 }
 
 // An image that is enlarged or shrunk by far stays the same picture: a ramp stays a ramp, also where only the middle
@@ -336,34 +336,34 @@ TEST(LightFrame, ABudgetOfNothingStillBringsTheEstimate) {
   picture.image.timestamp_ns = 2 * k_period_ns;
   for (LiveLight* light : {&expected, &live}) light->estimate(first.image);
   expected.estimate(picture.image);
-  const sandglass_light_estimate before = live.estimated();
+  const sandglass_estimator_light before = live.light();
   EXPECT_EQ(before.timestamp_ns, k_period_ns);
   VirtualClock time;
   time.step_ns = 1000;
   SandScene sand(virtual_clock(&time));
   sandglass_frame_report report = frame(sand, live.get(), &picture.image, 0);
   std::fill(picture.bytes.begin(), picture.bytes.end(), uint8_t{0});
-  EXPECT_GT(report.stages[SANDGLASS_STAGE_LIGHTING].units, 1u);
-  uint32_t left = report.estimate.units_left, frames = 1;
+  EXPECT_GT(report.stages[SANDGLASS_STAGE_LIGHT].units, 1u);
+  uint32_t left = report.estimator.units_left, frames = 1;
   EXPECT_GT(left, 100u);
   for (; left > 0; ++frames) {
-    const sandglass_light_estimate now = live.estimated();
+    const sandglass_estimator_light now = live.light();
     ASSERT_EQ(std::memcmp(&now, &before, sizeof now), 0) << left;
     ASSERT_EQ(sandglass_estimator_units_left(live.get()), left);
     report = frame(sand, live.get(), &picture.image, 0);  // images during an estimate are ignored
-    ASSERT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 1u);
-    ASSERT_EQ(report.estimate.units_left, left - 1);
-    left = report.estimate.units_left;
-    ASSERT_EQ(report.estimate.changed, left == 0 ? 1u : 0u);
+    ASSERT_EQ(report.stages[SANDGLASS_STAGE_LIGHT].units, 1u);
+    ASSERT_EQ(report.estimator.units_left, left - 1);
+    left = report.estimator.units_left;
+    ASSERT_EQ(report.estimator.changed, left == 0 ? 1u : 0u);
   }
-  EXPECT_EQ(report.estimate.valid, 1u);
-  EXPECT_EQ(report.estimate.frames_behind, frames - 1);
+  EXPECT_EQ(report.estimator.valid, 1u);
+  EXPECT_EQ(report.estimator.frames_behind, frames - 1);
   EXPECT_EQ(sandglass_estimator_hash(live.get()), sandglass_estimator_hash(expected.get()));
   report = frame(sand, live.get(), nullptr, 0);
-  EXPECT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 0u);
-  EXPECT_EQ(report.estimate.frames_behind, frames);
-  EXPECT_EQ(report.estimate.changed, 0u);
-  EXPECT_EQ(live.estimated().estimates, 2u);
+  EXPECT_EQ(report.stages[SANDGLASS_STAGE_LIGHT].units, 0u);
+  EXPECT_EQ(report.estimator.frames_behind, frames);
+  EXPECT_EQ(report.estimator.changed, 0u);
+  EXPECT_EQ(live.light().estimates, 2u);
 }
 
 TEST(LightFrame, WithoutAClockTheEstimateIsDoneInItsFrame) {
@@ -371,10 +371,10 @@ TEST(LightFrame, WithoutAClockTheEstimateIsDoneInItsFrame) {
   SandScene sand;
   const TestImage picture(6);
   const sandglass_frame_report report = frame(sand, live.get(), &picture.image, 1);
-  EXPECT_EQ(report.estimate.valid, 1u);
-  EXPECT_EQ(report.estimate.changed, 1u);
-  EXPECT_EQ(report.estimate.units_left, 0u);
-  EXPECT_EQ(report.estimate.frames_behind, 0u);
+  EXPECT_EQ(report.estimator.valid, 1u);
+  EXPECT_EQ(report.estimator.changed, 1u);
+  EXPECT_EQ(report.estimator.units_left, 0u);
+  EXPECT_EQ(report.estimator.frames_behind, 0u);
 }
 
 TEST(LightFrame, ABadImageIsLeftOutAndReported) {
@@ -386,7 +386,7 @@ TEST(LightFrame, ABadImageIsLeftOutAndReported) {
   const uint64_t before = sandglass_estimator_hash(live.get());
   const sandglass_frame_report report = frame(sand, live.get(), &picture.image, 1'000'000);
   EXPECT_EQ(sand.status, SANDGLASS_OK);
-  EXPECT_EQ(report.estimate.ignored_images, 1u);
+  EXPECT_EQ(report.estimator.ignored_images, 1u);
   EXPECT_NE(said.find("focal"), std::string::npos) << said;
   EXPECT_EQ(sandglass_estimator_hash(live.get()), before);
 }

@@ -92,7 +92,7 @@ TEST_P(XnnpackInBytes, IsTheOwnNetworkButForItsRounding) {
   const double rms = std::sqrt(square / static_cast<double>(own.size()));
   EXPECT_LE(rms, 0.01);
 #if defined(__x86_64__)
-  EXPECT_EQ(own, features) << "README and estimate.h say: to the bit";
+  EXPECT_EQ(own, features) << "README and estimator.h say: to the bit";
 #endif
   std::printf("root mean square of 1024 features' differences: %.2g of their range\n", rms);
 }
@@ -172,7 +172,7 @@ TEST_P(XnnpackInFrames, AnEstimateTakesSeveralAndNoMemory) {
       input.camera = nullptr;
       ASSERT_LE(report.time.elapsed_ns,
                 std::max(report.time.budget_ns, report.time.mandatory_ns) + report.time.last_unit_ns);
-    } while (report.estimate.changed == 0 && ++frames < 100);
+    } while (report.estimator.changed == 0 && ++frames < 100);
     EXPECT_EQ(stop_counting_allocations(), 0u);
     EXPECT_EQ(xnnpack_region_used(), used);
     EXPECT_GE(frames, 3u);
@@ -180,7 +180,7 @@ TEST_P(XnnpackInFrames, AnEstimateTakesSeveralAndNoMemory) {
 
     // It is the own network's estimate of that image, except for the rounding to bytes.
     ASSERT_TRUE(own.estimate(picture.image));
-    const sandglass_light_estimate a = own.estimated(), b = light.estimated();
+    const sandglass_estimator_light a = own.light(), b = light.light();
     EXPECT_EQ(b.valid, 1u);
     double cosine = 0;
     for (int i = 0; i < 3; ++i) {

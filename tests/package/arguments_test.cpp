@@ -313,13 +313,13 @@ void Arguments::scenes() {
   row(NAMED(sandglass_scene_isa), "", s);
   row(NAMED(sandglass_scene_hash), "", s);
   const sandglass_points sand = {point, low, 1};
-  row(NAMED(sandglass_granular_add), "particles grains", s, &sand, &sand);
+  row(NAMED(sandglass_scene_add), "particles grains", s, &sand, &sand);
   const sandglass_collider ball = sandglass::sphere(5.0f, 5.0f, 5.0f, 0.1f);
-  row(NAMED(sandglass_granular_remove), "particles grains", s, &ball, &count, &other);
+  row(NAMED(sandglass_scene_remove), "particles grains", s, &ball, &count, &other);
   sandglass_body body = sandglass::body();
   body.particle_positions = point;
   body.particle_count = 1;
-  row(NAMED(sandglass_granular_add_body), "index", s, &body, &count);
+  row(NAMED(sandglass_scene_add_body), "index", s, &body, &count);
   row(NAMED(sandglass_body_default), "", &body);
   float points[64 * 3];
   sandglass_box_desc box = sandglass::box_desc();
@@ -328,31 +328,34 @@ void Arguments::scenes() {
   box.particle_radius = 0.01f;
   row(NAMED(sandglass_box_count), "", &box, &count);
   row(NAMED(sandglass_box_body), "", &box, points, 64u, &body);
-  sandglass_body_pose pose = sandglass_granular_body_pose(s, 0);
+  sandglass_body_pose pose = sandglass_scene_body_pose(s, 0);
   sandglass_collider collider = {};
   row(NAMED(sandglass_box_collider), "", &box, &pose, &collider);
-  row(NAMED(sandglass_granular_held_collider), "", s, 0u, &collider);
-  row(NAMED(sandglass_granular_set_body), "", s, 0u, &pose);
-  row(NAMED(sandglass_granular_push_body), "point", s, 0u, low, point);
+  row(NAMED(sandglass_scene_held_collider), "", s, 0u, &collider);
+  row(NAMED(sandglass_collider_default), "", &collider);
+  sandglass_emitter emitter;
+  row(NAMED(sandglass_emitter_default), "", &emitter);
+  row(NAMED(sandglass_scene_set_body), "", s, 0u, &pose);
+  row(NAMED(sandglass_scene_push_body), "point", s, 0u, low, point);
   sandglass_ray_hit hit = {};
-  row(NAMED(sandglass_granular_ray), "", s, point, low, 1.0f, &hit);
-  row(NAMED(sandglass_granular_has_body), "", s, 0u);
-  row(NAMED(sandglass_granular_remove_body), "", s, 0u);
+  row(NAMED(sandglass_scene_ray), "", s, point, low, 1.0f, &hit);
+  row(NAMED(sandglass_scene_has_body), "", s, 0u);
+  row(NAMED(sandglass_scene_remove_body), "", s, 0u);
   row(NAMED(sandglass_rotation_about), "", low, 1.0f, points);
-  covered_.insert("sandglass_granular_body_pose");
+  covered_.insert("sandglass_scene_body_pose");
   ++cases_;
-  pose = sandglass_granular_body_pose(nullptr, 0);
+  pose = sandglass_scene_body_pose(nullptr, 0);
   EXPECT_EQ(pose.rotation[3], 1.0f);
   EXPECT_EQ(pose.position[1], 0.0f);
-  row(NAMED(sandglass_granular_set_boundary), "", s, low, 1u);
-  row(NAMED(sandglass_granular_set_friction), "", s, 0.2f, 0.2f);
+  row(NAMED(sandglass_scene_set_boundary), "", s, low, 1u);
+  row(NAMED(sandglass_scene_set_friction), "", s, 0.2f, 0.2f);
   sandglass_frame_input input = sandglass::frame_input();
   sandglass_frame_report report = sandglass::frame_report();
   row(NAMED(sandglass_frame_input_default), "", &input);
   input.time_step = 0.01f;
   row(NAMED(sandglass_scene_frame), "report", s, &input, &report);
-  row(NAMED(sandglass_granular_particles), "", s, points, points);
-  row(NAMED(sandglass_granular_grains), "", s, points, points);
+  row(NAMED(sandglass_scene_particles), "", s, points, points);
+  row(NAMED(sandglass_scene_grains), "", s, points, points);
 }
 
 constexpr float k_vertices[] = {0, -0.05f, 0, 0.05f, 0, 0, 0, 0, 0.05f, 0, 0.05f, 0};
@@ -437,14 +440,14 @@ void Arguments::lights() {
   row(NAMED(sandglass_estimator_run), "", estimator, 1u);
   row(NAMED(sandglass_estimator_units_left), "", estimator);
   sandglass_estimator_run(estimator, UINT32_MAX);  // so that there is an estimate to read
-  auto estimate = sized<sandglass_light_estimate>();
+  auto estimate = sized<sandglass_estimator_light>();
   row(NAMED(sandglass_estimator_get_latest), "", estimator, &estimate);
   row(NAMED(sandglass_estimator_get), "", estimator, &estimate);
   sandglass_estimator_get(estimator, &estimate);
   row(NAMED(sandglass_estimator_hash), "", estimator);
   row(NAMED(sandglass_estimator_isa), "", estimator);
-  auto lighting = sized<sandglass_lighting>();
-  row(NAMED(sandglass_lighting_of_estimate), "", &estimate, &lighting);
+  auto lighting = sized<sandglass_light>();
+  row(NAMED(sandglass_light_of_estimator), "", &estimate, &lighting);
   row(NAMED(sandglass_estimator_release), "", estimator);
   sandglass_estimator_release(estimator);
   EXPECT_TRUE(block.guards_intact());
@@ -459,12 +462,12 @@ void Arguments::rooms() {
   row(NAMED(sandglass_room_set_image), "taken", room, &image, &taken);
   const float level[4] = {0, 0, 0, 1};
   row(NAMED(sandglass_room_move), "", room, level, point);
-  auto estimate = sized<sandglass_light_estimate>();
+  auto estimate = sized<sandglass_estimator_light>();
   auto light = sized<sandglass_room_light>();
   auto place = sized<sandglass_room_place>();
-  place.estimate = &estimate;
+  place.network = &estimate;
   row(NAMED(sandglass_room_get), "", room, &place, &light);
-  place.estimate = nullptr;
+  place.network = nullptr;
   row(NAMED(sandglass_room_place_default), "", &place);
   row(NAMED(sandglass_room_exposure), "", &light, &image);
   auto cube = sized<sandglass_cube>();
@@ -488,26 +491,22 @@ void Arguments::rooms() {
   sandglass_room_light shown = light;
   row(NAMED(sandglass_room_fade), "", &shown, &light, 0.1f);
   ASSERT_EQ(sandglass_room_get(room, &place, &light, nullptr), SANDGLASS_OK);
-  auto lighting = sized<sandglass_lighting>();
-  row(NAMED(sandglass_lighting_of_room), "", &light, &lighting);
-  ASSERT_EQ(sandglass_lighting_of_room(&light, &lighting, nullptr), SANDGLASS_OK);
-  auto adapted = sized<sandglass_lighting>();
-  row(NAMED(sandglass_lighting_adapt), "", &lighting, 0.5f, 0, &adapted);
-  const sandglass_lighting_model model = SANDGLASS_LIGHTING_WHOLE;
+  auto lighting = sized<sandglass_light>();
+  row(NAMED(sandglass_light_of_room), "", &light, &lighting);
+  ASSERT_EQ(sandglass_light_of_room(&light, &lighting, nullptr), SANDGLASS_OK);
+  auto adapted = sized<sandglass_light>();
+  row(NAMED(sandglass_light_adapt), "", &lighting, 0.5f, 0, &adapted);
+  const sandglass_light_model model = SANDGLASS_LIGHT_WHOLE;
   float sh[27] = {}, turned[27];
   auto filament = sized<sandglass_filament_light>();
   auto arkit = sized<sandglass_arkit_light>();
   auto arcore = sized<sandglass_arcore_light>();
   auto unity = sized<sandglass_unity_light>();
-  row(NAMED(sandglass_lighting_to_filament), "", &lighting, model, 30.0f, &filament);
-  row(NAMED(sandglass_lighting_to_arkit), "", &lighting, model, &arkit);
-  row(NAMED(sandglass_lighting_to_arcore), "", &lighting, model, &arcore);
-  row(NAMED(sandglass_lighting_to_unity), "", &lighting, model, &unity);
-  auto three = sized<sandglass_three_light>();
-  auto babylon = sized<sandglass_babylon_light>();
-  row(NAMED(sandglass_lighting_to_three), "", &lighting, model, &three);
-  row(NAMED(sandglass_lighting_to_babylon), "", &lighting, model, 1, &babylon);
-  row(NAMED(sandglass_lighting_of_harmonics), "", &harmonics, &adapted);
+  row(NAMED(sandglass_light_to_filament), "", &lighting, model, 30.0f, &filament);
+  row(NAMED(sandglass_light_to_arkit), "", &lighting, model, &arkit);
+  row(NAMED(sandglass_light_to_arcore), "", &lighting, model, &arcore);
+  row(NAMED(sandglass_light_to_unity), "", &lighting, model, &unity);
+  row(NAMED(sandglass_light_of_harmonics), "", &harmonics, &adapted);
   row(NAMED(sandglass_harmonics_turn), "", sh, point, turned);
   const uint64_t saved_bytes = sandglass_room_save_bytes(room);
   std::vector<uint64_t> saved(saved_bytes / 8);
@@ -531,14 +530,15 @@ void Arguments::shadows() {
   sandglass_shadow* const with_null[] = {shadow, nullptr};
   EXPECT_EQ(sandglass_shadow_run(with_null, 2, 1), 0u);
   row(NAMED(sandglass_shadow_units_left), "", shadow);
-  auto texture = sized<sandglass_shadow_texture>();
+  auto texture = sized<sandglass_texture>();
   while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
   }
   for (const uint32_t light : {0u, 1u})  // the second does not exist
     row(NAMED(sandglass_shadow_get_texture), "", shadow, light, &texture);
+  row(NAMED(sandglass_shadow_evaluated), "", shadow, 0u);
   std::vector<float> cells(SANDGLASS_LIGHT_CELLS), transfer(9);
   row(NAMED(sandglass_shadow_set_cells), "", shadow, cells.data(), 0.0f);
-  auto ambient = sized<sandglass_shadow_ambient>();
+  auto ambient = sized<sandglass_texture>();
   while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
   }
   row(NAMED(sandglass_shadow_get_ambient), "", shadow, &ambient);
@@ -571,9 +571,11 @@ void Arguments::casts() {
   row(NAMED(sandglass_cast_run), "", &cast, 1u, 1u);
   while (sandglass_cast_run(&cast, 1, UINT32_MAX) > 0) {
   }
-  auto texture = sized<sandglass_cast_texture>();
+  auto texture = sized<sandglass_texture>();
   row(NAMED(sandglass_cast_get_texture), "", cast, &texture);
   row(NAMED(sandglass_cast_get_ambient), "", cast, &texture);
+  auto report = sized<sandglass_cast_report>();
+  row(NAMED(sandglass_cast_get_report), "", cast, &report);
   EXPECT_TRUE(block.guards_intact());
 }
 
@@ -582,16 +584,15 @@ void Arguments::pile_shadows() {
   desc_of.sky_texels = 64;
   GuardedBlock block{0};
   sandglass_pile_shadow* const shadow = MADE(sandglass_pile_shadow, &block, &desc_of);
-  row(NAMED(sandglass_pile_shadow_set_light), "", shadow, point);
+  row(NAMED(sandglass_pile_shadow_set_light), "", shadow, point, 0.0f);
   const float cells[SANDGLASS_LIGHT_CELLS] = {};
   row(NAMED(sandglass_pile_shadow_set_cells), "", shadow, cells);
   row(NAMED(sandglass_pile_shadow_run), "", shadow, point, 1u, 0.01f, 1u);
   while (sandglass_pile_shadow_run(shadow, point, 1, 0.01f, UINT32_MAX) > 0) {
   }
-  auto texture = sized<sandglass_pile_shadow_texture>();
-  row(NAMED(sandglass_pile_shadow_get_texture), "", shadow, &texture);
-  auto sky = sized<sandglass_pile_shadow_sky>();
-  row(NAMED(sandglass_pile_shadow_get_sky), "", shadow, &sky);
+  auto texture = sized<sandglass_texture>();
+  for (const sandglass_pile_shadow_part part : {SANDGLASS_PILE_SHADOW_FLOOR, SANDGLASS_PILE_SHADOW_HEIGHTS})
+    row(NAMED(sandglass_pile_shadow_get_texture), "", shadow, part, &texture);
   uint8_t visibility[1];
   row(NAMED(sandglass_pile_shadow_light_grains), "", shadow, point, 1u, 0.01f, visibility);
   EXPECT_TRUE(block.guards_intact());
@@ -662,10 +663,10 @@ TEST_F(Arguments, PointersWithinStructsFollowTheRule) {
   };
   sandglass_body body = sandglass::body();
   body.particle_count = 1;
-  names("particle_positions", sandglass_granular_add_body(scene.get(), &body, nullptr, &reason));
+  names("particle_positions", sandglass_scene_add_body(scene.get(), &body, nullptr, &reason));
   body.particle_positions = point;
   body.particle_count = 0;
-  names("particle_count", sandglass_granular_add_body(scene.get(), &body, nullptr, &reason));
+  names("particle_count", sandglass_scene_add_body(scene.get(), &body, nullptr, &reason));
   sandglass_mesh mesh = k_mesh;
   mesh.vertices = nullptr;
   names("vertices", sandglass_mesh_bounds(&mesh, low, high, &reason));
@@ -684,8 +685,8 @@ TEST_F(Arguments, PointersWithinStructsFollowTheRule) {
   field.distance = from_plane;
   names("neither", sandglass_field_bytes(&field, &need, &reason));
   const sandglass_points nowhere = {nullptr, nullptr, 1};
-  names("particles.positions", sandglass_granular_add(scene.get(), &nowhere, nullptr, &reason));
-  names("grains.positions", sandglass_granular_add(scene.get(), nullptr, &nowhere, &reason));
+  names("particles.positions", sandglass_scene_add(scene.get(), &nowhere, nullptr, &reason));
+  names("grains.positions", sandglass_scene_add(scene.get(), nullptr, &nowhere, &reason));
   const sandglass_shadow_desc shadow_desc = sandglass::shadow_desc();
   names("asset", sandglass_shadow_bytes(&shadow_desc, &need, &reason));
   const sandglass_estimator_desc estimator_desc = sandglass::estimator_desc();
@@ -700,7 +701,7 @@ TEST_F(Arguments, PointersWithinStructsFollowTheRule) {
   names("input.emitters", frame_with(&sandglass_frame_input::emitter_count));
   names("input.sinks", frame_with(&sandglass_frame_input::sink_count));
   // The number of samples is beyond the capacity too: what is NULL is said first.
-  names("positions", sandglass_granular_set_boundary(scene.get(), nullptr, 1000000, &reason));
+  names("positions", sandglass_scene_set_boundary(scene.get(), nullptr, 1000000, &reason));
 }
 
 // What is left out is logged as what it is.

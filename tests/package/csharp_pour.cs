@@ -33,7 +33,7 @@ static unsafe class Pour {
     Check(Native.sandglass_scene_create(&desc, (void*)block, bytes, &scene, &reason), reason);
     fixed (float* positions = particles) {
       var sand = new sandglass_points { positions = positions, count = desc.granular.particle_capacity };
-      Check(Native.sandglass_granular_add(scene, &sand, null, &reason), reason);
+      Check(Native.sandglass_scene_add(scene, &sand, null, &reason), reason);
     }
 
     var floor = new sandglass_collider();

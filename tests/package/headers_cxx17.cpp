@@ -1,7 +1,7 @@
 // The public headers in the oldest C++ that they promise, without exceptions and RTTI, with the layout that C has.
 #include "sandglass/camera.h"
 #include "sandglass/cast.h"
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 #include "sandglass/field.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/renderers.h"

@@ -116,7 +116,7 @@ TEST(BoxBody, TheColliderAtItsPoseFitsItsParticles) {
   EXPECT_EQ(collider.grains_only, 1u);
   EXPECT_LT(collider.position[1], 0.5f) << "it fell";
   std::vector<float> now(box.particles.size());
-  sandglass_granular_particles(scene.get(), now.data(), nullptr);
+  sandglass_scene_particles(scene.get(), now.data(), nullptr);
   const float inverse[4] = {-collider.rotation[0], -collider.rotation[1], -collider.rotation[2], collider.rotation[3]};
   double most[3] = {};
   for (size_t i = 0; i < now.size(); i += 3) {

@@ -139,7 +139,7 @@ TEST(OwnerTypes, EmptyOnesRefuseOrDoNothing) {
   scene.reset();
   light.reset();
   EXPECT_EQ(scene.hash(), 0u);
-  EXPECT_EQ(light.estimated().valid, 0u);
+  EXPECT_EQ(light.light().valid, 0u);
   EXPECT_EQ(shadow.run(), 0u);
   EXPECT_EQ(shadow.texture().valid, 0u);
   EXPECT_FALSE(shadow.set_light({0, 1, 0}));

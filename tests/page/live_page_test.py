@@ -102,7 +102,7 @@ def report(browser, field):
 
 # Where the particles are: [x, y, z] of each.
 PLACES = """(() => { const {page} = sandglassPage, n = page.scene.report.sand.particle_numbers, p = page.sand.allocate(12 * n);
-    page.sand.sandglass_granular_particles(page.scene.handle, p, 0);
+    page.sand.sandglass_scene_particles(page.scene.handle, p, 0);
     const x = page.sand.floats(p, 3 * n);
     const places = Array.from({ length: n }, (_, i) => [...x.subarray(3 * i, 3 * i + 3)]);
     page.sand.free(p);
@@ -299,9 +299,9 @@ def check_hidden(browser, open_pixels):
     half = drawn(pixels("[200, 9000]")) / drawn(open_pixels)
     check(0.2 < half < 0.8, f"half a picture hides {half:.2f}")
     browser.ask("emulated.depths = null, emulated.walls = [emulated.wall]")
-    dark = "(() => { const {painter} = sandglassPage.page; return painter.wall !== null && painter.drawn.boxes.wallObject?.[2] > 0; })()"
+    dark = "(() => { const {painter} = sandglassPage.page; return painter.wall !== null && painter.drawn.boxes.wallShadow?.[2] > 0; })()"
     browser.ask("emulated.step(3)")
-    browser.ask("for (let i = 0; i < 600 && !(sandglassPage.page.stage.boxes.wallObject && sandglassPage.page.stage.boxes.wallSeen); ++i) emulated.step()")
+    browser.ask("for (let i = 0; i < 600 && !(sandglassPage.page.stage.boxes.wallShadow && sandglassPage.page.stage.boxes.wallOcclusion); ++i) emulated.step()")
     check(browser.ask(dark), "no shadow was made for the wall")
     with_wall = browser.ask("(emulated.step(), emulated.pixels())")
     check(with_wall["shadow"] > 1.1 * open_pixels["shadow"], f"on the wall lies no shadow: {with_wall} beside {open_pixels}")

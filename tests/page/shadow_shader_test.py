@@ -108,15 +108,15 @@ void main() {{
 }}"""
     vertex = """#version 300 es
 void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1, 0, 1); }"""
-    rectangles = {"pile": [0.1, 0.0, 0.9, 0.8], "object": [-0.5, -0.4, 0.3, 0.5], "seen": [-0.7, -0.6, 0.6, 0.7]}
-    maps = noise_of(("pile", "object", "seen", "sky", "real_depth"), draw)
+    rectangles = {"pile": [0.1, 0.0, 0.9, 0.8], "shadow": [-0.5, -0.4, 0.3, 0.5], "occlusion": [-0.7, -0.6, 0.6, 0.7]}
+    maps = noise_of(("pile", "shadow", "occlusion", "sky", "real_depth"), draw)
     # A wall at z = -0.2, and an eye in front of it.
-    uniforms = {**{f"{name}_box": box_of(r) for name, r in rectangles.items()}, "pile_opacity": 0.7, "object_opacity": 0.9, "sky_known": 1.0, "bias": BIAS, "eye": [0.3, eye, 0.9], "wall": [0, 0, 1, 0.2],
+    uniforms = {**{f"{name}_box": box_of(r) for name, r in rectangles.items()}, "pile_opacity": 0.7, "shadow_opacity": 0.9, "sky_known": 1.0, "bias": BIAS, "eye": [0.3, eye, 0.9], "wall": [0, 0, 1, 0.2],
                 "on_plane": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], "depth_from_screen": [1 / SIDE, 0, 0, 0, 1 / SIDE, 0, 0, 0, 1]}
 
     def formula(x, z):
         left = (1 - 0.7 * sampled(maps["pile"], rectangles["pile"], x, z, 0)) * sampled(maps["sky"], rectangles["pile"], x, z, 1) * (
-            1 - 0.9 * sampled(maps["object"], rectangles["object"], x, z, 0)) * sampled(maps["seen"], rectangles["seen"], x, z, 1)
+            1 - 0.9 * sampled(maps["shadow"], rectangles["shadow"], x, z, 0)) * sampled(maps["occlusion"], rectangles["occlusion"], x, z, 1)
         away = hidden(maps["real_depth"], x, z, BIAS, [(eye, 0), (1.1, z + 0.2)])
         return 255 * (left + (1 - left) * away)
 

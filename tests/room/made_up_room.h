@@ -133,7 +133,7 @@ class MadeUpRoom {
     for (int elevation = -80; elevation <= 80; elevation += 40)
       for (int azimuth = 0; azimuth < 360; azimuth += 30) look(radiance, azimuth, elevation, exposure);
   }
-  sandglass_room_light light(float x = 0, float y = 0, float z = 0, const sandglass_light_estimate* estimate = nullptr,
+  sandglass_room_light light(float x = 0, float y = 0, float z = 0, const sandglass_estimator_light* estimate = nullptr,
                              const sandglass_room_light* shown = nullptr, const float* floor = nullptr) const {
     sandglass_room_light out = {};
     out.struct_size = sizeof out;

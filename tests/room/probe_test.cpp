@@ -383,7 +383,7 @@ TEST(Probe, AFrameReadsItInUnits) {
     input.time_step = 1.0f / 60;
     sandglass_frame_report report = cpp::frame_report();
     ASSERT_TRUE(scene.frame(input, &report));
-    EXPECT_GE(report.stages[SANDGLASS_STAGE_LIGHTING].units, 16u);
+    EXPECT_GE(report.stages[SANDGLASS_STAGE_LIGHT].units, 16u);
     EXPECT_EQ(whole.hash(), in_units.hash());
     // One that is believed nothing ends one under way.
     ASSERT_TRUE(takes(in_units, made.cube));
@@ -391,7 +391,7 @@ TEST(Probe, AFrameReadsItInUnits) {
     nothing.confidence = 0;
     ASSERT_TRUE(takes(in_units, nothing));
     ASSERT_TRUE(scene.frame(input, &report));
-    EXPECT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 0u);
+    EXPECT_EQ(report.stages[SANDGLASS_STAGE_LIGHT].units, 0u);
     EXPECT_EQ(light_of(in_units).valid, 0u);
   }
 }

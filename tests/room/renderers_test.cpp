@@ -20,7 +20,7 @@ using Colour = std::array<double, 3>;
 using Nine = std::array<double, 9>;
 
 constexpr double k_pi_double = std::numbers::pi;
-constexpr sandglass_lighting_model k_ambient = SANDGLASS_LIGHTING_AMBIENT, k_whole = SANDGLASS_LIGHTING_WHOLE;
+constexpr sandglass_light_model k_ambient = SANDGLASS_LIGHT_AMBIENT, k_whole = SANDGLASS_LIGHT_WHOLE;
 constexpr float k_nits = 40.0f;
 
 template <class Struct>
@@ -52,7 +52,7 @@ double sum_of(const float* sh, size_t stride, Direction n) {
 // An even sky and one light; what is known of them in double.
 struct Source {
   std::string name;
-  sandglass_lighting lighting;
+  sandglass_light lighting;
   Direction towards;
   Colour sky;     // radiance from everywhere
   Colour facing;  // irradiance of a surface that faces the light
@@ -68,8 +68,8 @@ std::vector<Direction> normals_with(Direction towards) {
 
 constexpr Colour k_sky = {0.2, 0.25, 0.35};
 
-sandglass_light_estimate estimate_of(Direction d) {
-  auto e = sized<sandglass_light_estimate>();
+sandglass_estimator_light estimate_of(Direction d) {
+  auto e = sized<sandglass_estimator_light>();
   e.valid = 1;
   const double v[3] = {d.x, d.y, d.z}, light[3] = {0.9, 0.7, 0.4};
   for (size_t i = 0; i < 3; ++i) {
@@ -89,9 +89,9 @@ double gaussian(double cosine) { return std::exp(2 * k_pi_double * (cosine - 1))
 // The light of an estimate is a lobe as the header describes it in words. The integrals over the sphere are sums over
 // rings of equal height.
 Source estimated(Direction d) {
-  const sandglass_light_estimate e = estimate_of(d);
-  Source s = {"estimate", sized<sandglass_lighting>(), d, k_sky, {}, normals_with(d), {}, 0.03, {}};
-  EXPECT_EQ(sandglass_lighting_of_estimate(&e, &s.lighting, nullptr), SANDGLASS_OK);
+  const sandglass_estimator_light e = estimate_of(d);
+  Source s = {"estimate", sized<sandglass_light>(), d, k_sky, {}, normals_with(d), {}, 0.03, {}};
+  EXPECT_EQ(sandglass_light_of_estimator(&e, &s.lighting, nullptr), SANDGLASS_OK);
   for (size_t c = 0; c < 3; ++c)
     s.facing[c] = k_pi_double * static_cast<double>(e.strength) * static_cast<double>(e.light[c]);
   double facing_gaussian = 0;
@@ -142,9 +142,9 @@ sandglass_room_light lit_room(Direction lamp) {
   return light;
 }
 
-sandglass_lighting lighting_of(const sandglass_room_light& light) {
-  auto lighting = sized<sandglass_lighting>();
-  EXPECT_EQ(sandglass_lighting_of_room(&light, &lighting, nullptr), SANDGLASS_OK);
+sandglass_light lighting_of(const sandglass_room_light& light) {
+  auto lighting = sized<sandglass_light>();
+  EXPECT_EQ(sandglass_light_of_room(&light, &lighting, nullptr), SANDGLASS_OK);
   return lighting;
 }
 
@@ -170,7 +170,7 @@ const std::vector<Source>& sources() {
 TEST(Lighting, IsTheLightOfItsSource) {
   for (const Source& s : sources()) {
     SCOPED_TRACE(s.name);
-    const sandglass_lighting& l = s.lighting;
+    const sandglass_light& l = s.lighting;
     EXPECT_NEAR(cosine({l.towards[0], l.towards[1], l.towards[2]}, s.towards), 1.0, 1e-6);
     for (size_t c = 0; c < 3; ++c) {
       EXPECT_NEAR(l.facing[c], s.facing[c], 1e-6 * s.facing[c]);
@@ -206,23 +206,23 @@ TEST(Lighting, StrengthMakesTheContrastTheShareOfTheFloor) {
 // ------------------------------------------------------------------------------------------------------- renderers
 
 template <class Struct, class Convert, class... More>
-Struct converted(Convert convert, const sandglass_lighting& lighting, sandglass_lighting_model model, More... more) {
+Struct converted(Convert convert, const sandglass_light& lighting, sandglass_light_model model, More... more) {
   auto out = sized<Struct>();
   const char* reason = nullptr;
   EXPECT_EQ(convert(&lighting, model, more..., &out, &reason), SANDGLASS_OK) << reason;
   return out;
 }
-sandglass_filament_light filament_of(const sandglass_lighting& lighting, sandglass_lighting_model model) {
-  return converted<sandglass_filament_light>(sandglass_lighting_to_filament, lighting, model, k_nits);
+sandglass_filament_light filament_of(const sandglass_light& lighting, sandglass_light_model model) {
+  return converted<sandglass_filament_light>(sandglass_light_to_filament, lighting, model, k_nits);
 }
-sandglass_arkit_light arkit_of(const sandglass_lighting& lighting, sandglass_lighting_model model) {
-  return converted<sandglass_arkit_light>(sandglass_lighting_to_arkit, lighting, model);
+sandglass_arkit_light arkit_of(const sandglass_light& lighting, sandglass_light_model model) {
+  return converted<sandglass_arkit_light>(sandglass_light_to_arkit, lighting, model);
 }
-sandglass_arcore_light arcore_of(const sandglass_lighting& lighting, sandglass_lighting_model model) {
-  return converted<sandglass_arcore_light>(sandglass_lighting_to_arcore, lighting, model);
+sandglass_arcore_light arcore_of(const sandglass_light& lighting, sandglass_light_model model) {
+  return converted<sandglass_arcore_light>(sandglass_light_to_arcore, lighting, model);
 }
-sandglass_unity_light unity_of(const sandglass_lighting& lighting, sandglass_lighting_model model) {
-  return converted<sandglass_unity_light>(sandglass_lighting_to_unity, lighting, model);
+sandglass_unity_light unity_of(const sandglass_light& lighting, sandglass_light_model model) {
+  return converted<sandglass_unity_light>(sandglass_light_to_unity, lighting, model);
 }
 
 // The vector v turned by a unit quaternion.
@@ -236,44 +236,26 @@ Direction turned(const float q[4], Direction v) {
 constexpr double k_table[9] = {0.282095,  -0.325735, 0.325735,  -0.325735, 0.273137,
                                -0.273137, 0.078848,  -0.273137, 0.136569};
 
-// Of three.js's shGetIrradianceAt, and of Babylon.js's SH3ylmBasisConstants.
-constexpr double k_three[9] = {0.886227, 1.023328,     1.023328, 1.023328, 0.858086,
-                               0.858086, 0.743125 / 3, 0.858086, 0.429043};
-constexpr double k_babylon[9] = {0.282095,  -0.488603, 0.488603,  -0.488603, 1.092548,
-                                 -1.092548, 0.315392,  -1.092548, 0.546274};
-
 // What a white surface shows by a renderer's own formula.
 struct Shown {
   double by_light, by_harmonics;
 };
-// Babylon.js's world is mirrored where it is left-handed; its shader looks up the normal with z reversed where it is not.
-template <int k_right_handed>
-Shown babylon_shows(const sandglass_lighting& lighting, sandglass_lighting_model model, Direction n, size_t c) {
-  auto b = sized<sandglass_babylon_light>();
-  EXPECT_EQ(sandglass_lighting_to_babylon(&lighting, model, k_right_handed, &b, nullptr), SANDGLASS_OK);
-  const Direction world = {n.x, n.y, k_right_handed == 1 ? n.z : -n.z};
-  const Nine p = polynomials({world.x, world.y, k_right_handed == 1 ? -world.z : world.z});
-  double sum = 0;
-  for (size_t i = 0; i < 9; ++i) sum += static_cast<double>(b.sh[3 * i + c]) * k_babylon[i] * p[i];
-  const double facing = std::max(0.0, -cosine(world, {b.direction[0], b.direction[1], b.direction[2]}));
-  return {static_cast<double>(b.intensity * b.colour[c]) / k_pi_double * facing, sum};
-}
 struct Renderer {
   const char* name;
-  Shown (*shown)(const sandglass_lighting&, sandglass_lighting_model, Direction normal, size_t colour);
+  Shown (*shown)(const sandglass_light&, sandglass_light_model, Direction normal, size_t colour);
 };
 const Renderer k_renderers[] = {
     // A directional light of E lux gives a white surface that faces it the luminance E / pi, an IndirectLight of
     // intensity I gives it I x polynomial. Both are nits x the header's radiance.
     {"filament",
-     [](const sandglass_lighting& lighting, sandglass_lighting_model model, Direction n, size_t c) -> Shown {
+     [](const sandglass_light& lighting, sandglass_light_model model, Direction n, size_t c) -> Shown {
        const sandglass_filament_light f = filament_of(lighting, model);
        const double facing = std::max(0.0, -cosine(n, {f.direction[0], f.direction[1], f.direction[2]}));
        return {static_cast<double>(f.intensity * f.colour[c] / k_nits) / k_pi_double * facing,
                static_cast<double>(f.sh_intensity / k_nits) * sum_of(f.sh + c, 3, n)};
      }},
     {"arcore",
-     [](const sandglass_lighting& lighting, sandglass_lighting_model model, Direction n, size_t c) -> Shown {
+     [](const sandglass_light& lighting, sandglass_light_model model, Direction n, size_t c) -> Shown {
        const sandglass_arcore_light a = arcore_of(lighting, model);
        const double facing =
            cosine(n, {a.main_light_direction[0], a.main_light_direction[1], a.main_light_direction[2]});
@@ -282,20 +264,8 @@ const Renderer k_renderers[] = {
        for (size_t i = 0; i < 9; ++i) sum += static_cast<double>(a.sh[3 * i + c]) * k_table[i] * p[i];
        return {static_cast<double>(a.main_light_intensity[c]) / k_pi_double * std::max(0.0, facing), sum};
      }},
-    // Irradiance of a light is intensity x colour; Lambert's surface shows irradiance over pi.
-    {"three",
-     [](const sandglass_lighting& lighting, sandglass_lighting_model model, Direction n, size_t c) -> Shown {
-       const sandglass_three_light t = converted<sandglass_three_light>(sandglass_lighting_to_three, lighting, model);
-       const Nine p = polynomials(n);
-       double sum = 0;
-       for (size_t i = 0; i < 9; ++i) sum += static_cast<double>(t.sh[3 * i + c]) * k_three[i] * p[i];
-       const double facing = std::max(0.0, cosine(n, {t.position[0], t.position[1], t.position[2]}));
-       return {static_cast<double>(t.intensity * t.colour[c]) / k_pi_double * facing, sum / k_pi_double};
-     }},
-    {"babylon, left-handed", babylon_shows<0>},
-    {"babylon, right-handed", babylon_shows<1>},
     // In Unity's world z is turned over. Its light of intensity I shows a white surface I max(0, cos), without 1 / pi.
-    {"unity", [](const sandglass_lighting& lighting, sandglass_lighting_model model, Direction n, size_t c) -> Shown {
+    {"unity", [](const sandglass_light& lighting, sandglass_light_model model, Direction n, size_t c) -> Shown {
        const sandglass_unity_light u = unity_of(lighting, model);
        const Direction mirrored = {n.x, n.y, -n.z}, forward = turned(u.rotation, {0, 0, 1});
        EXPECT_NEAR(cosine(forward, {u.forward[0], u.forward[1], u.forward[2]}), 1.0, 1e-6);
@@ -350,10 +320,10 @@ TEST(Renderers, AWhiteCubeInThreeKnownLights) {
       told.main_direction[c] = static_cast<float>(2 * axis[c]);  // of any length
       told.main_irradiance[c] = static_cast<float>(k_lamp[c]);
     }
-    auto lighting = sized<sandglass_lighting>(), signs = lighting;
-    ASSERT_EQ(sandglass_lighting_of_harmonics(&told, &lighting, nullptr), SANDGLASS_OK);
+    auto lighting = sized<sandglass_light>(), signs = lighting;
+    ASSERT_EQ(sandglass_light_of_harmonics(&told, &lighting, nullptr), SANDGLASS_OK);
     told.with_phase = 0;
-    ASSERT_EQ(sandglass_lighting_of_harmonics(&told, &signs, nullptr), SANDGLASS_OK);
+    ASSERT_EQ(sandglass_light_of_harmonics(&told, &signs, nullptr), SANDGLASS_OK);
     for (const Renderer& renderer : k_renderers) {
       std::array<double, 4> worst = {};
       for (const Direction& n : k_faces)
@@ -419,10 +389,10 @@ TEST(Renderers, ColourTemperaturesOfKnownIlluminants) {
   const Colour incandescent = {3.2404542 * X - 1.5371385 - 0.4985314 * Z, -0.9692660 * X + 1.8760108 + 0.0415560 * Z,
                                0.0556434 * X - 0.2040259 + 1.0572252 * Z};
   const auto kelvin = [](const Colour& ambient) {
-    sandglass_light_estimate e = estimate_of(towards(-59, 54));
+    sandglass_estimator_light e = estimate_of(towards(-59, 54));
     for (size_t c = 0; c < 3; ++c) e.ambient[c] = static_cast<float>(0.3 * ambient[c]);
-    auto lighting = sized<sandglass_lighting>();
-    EXPECT_EQ(sandglass_lighting_of_estimate(&e, &lighting, nullptr), SANDGLASS_OK);
+    auto lighting = sized<sandglass_light>();
+    EXPECT_EQ(sandglass_light_of_estimator(&e, &lighting, nullptr), SANDGLASS_OK);
     return arkit_of(lighting, k_ambient).ambient_colour_temperature;
   };
   EXPECT_NEAR(kelvin({1, 1, 1}), 6504, 10);
@@ -451,7 +421,7 @@ TEST(Renderers, ASessionsLightKeepsTheFloorsLevel) {
   for (int turn = 0; turn < 3; ++turn) room.look_everywhere(radiance, 1.0 / 64);
   const sandglass_room_light light = room.light();
   ASSERT_GT(light.main_share, 0.3f);
-  const sandglass_lighting lighting = lighting_of(light);
+  const sandglass_light lighting = lighting_of(light);
   for (size_t c = 0; c < 3; ++c) {
     const Shown ambient = k_renderers[0].shown(lighting, k_ambient, {0, 1, 0}, c);
     const Shown whole = k_renderers[0].shown(lighting, k_whole, {0, 1, 0}, c);
@@ -497,31 +467,30 @@ void expect_checked(const Given& good, const Fields& fields, float (*first)(cons
 }
 
 TEST(Lighting, OfWhatIsWrongIsRefusedWithASentence) {
-  const auto first = [](const sandglass_lighting& l) { return l.whole_sh[0]; };
-  expect_checked<sandglass_lighting>(estimate_of({0, 1, 0}),
-                                     {{offsetof(sandglass_light_estimate, direction), 3},
-                                      {offsetof(sandglass_light_estimate, light), 3},
-                                      {offsetof(sandglass_light_estimate, strength), 1},
-                                      {offsetof(sandglass_light_estimate, ambient), 3},
-                                      {offsetof(sandglass_light_estimate, sh), 27}},
-                                     first, sandglass_lighting_of_estimate);
-  expect_checked<sandglass_lighting>(lit_room({0, 1, 0}),
-                                     {{offsetof(sandglass_room_light, main_direction), 3},
-                                      {offsetof(sandglass_room_light, main_share), 1},
-                                      {offsetof(sandglass_room_light, main_colour), 3},
-                                      {offsetof(sandglass_room_light, irradiance), 3},
-                                      {offsetof(sandglass_room_light, sh), 27}},
-                                     first, sandglass_lighting_of_room);
+  const auto first = [](const sandglass_light& l) { return l.whole_sh[0]; };
+  expect_checked<sandglass_light>(estimate_of({0, 1, 0}),
+                                  {{offsetof(sandglass_estimator_light, direction), 3},
+                                   {offsetof(sandglass_estimator_light, light), 3},
+                                   {offsetof(sandglass_estimator_light, strength), 1},
+                                   {offsetof(sandglass_estimator_light, ambient), 3},
+                                   {offsetof(sandglass_estimator_light, sh), 27}},
+                                  first, sandglass_light_of_estimator);
+  expect_checked<sandglass_light>(lit_room({0, 1, 0}),
+                                  {{offsetof(sandglass_room_light, main_direction), 3},
+                                   {offsetof(sandglass_room_light, main_share), 1},
+                                   {offsetof(sandglass_room_light, main_colour), 3},
+                                   {offsetof(sandglass_room_light, irradiance), 3},
+                                   {offsetof(sandglass_room_light, sh), 27}},
+                                  first, sandglass_light_of_room);
   sandglass_harmonics told;
   sandglass_harmonics_default(&told);
   told.sh[0] = 1;
-  expect_checked<sandglass_lighting>(told, {{offsetof(sandglass_harmonics, sh), 33}}, first,
-                                     sandglass_lighting_of_harmonics);
+  expect_checked<sandglass_light>(told, {{offsetof(sandglass_harmonics, sh), 33}}, first, sandglass_light_of_harmonics);
   told.kind = SANDGLASS_HARMONICS_AMBIENT;
   told.main_direction[1] = 0;
-  auto lighting = sized<sandglass_lighting>();
+  auto lighting = sized<sandglass_light>();
   expect_refused("main_direction",
-                 [&](const char** why) { return sandglass_lighting_of_harmonics(&told, &lighting, why); });
+                 [&](const char** why) { return sandglass_light_of_harmonics(&told, &lighting, why); });
 }
 
 // Even white light that shows white as 1 has the irradiance pi and 2 sqrt(pi) in coefficient 0. All is linear.
@@ -529,8 +498,8 @@ TEST(Lighting, AThingMayKeepItsOwnColours) {
   for (const Source& source : sources()) {
     for (const float strength : {0.0f, 0.3f, 1.0f})
       for (const int32_t keep : {0, 1}) {
-        sandglass_lighting l = source.lighting;
-        ASSERT_EQ(sandglass_lighting_adapt(&l, strength, keep, &l, nullptr), SANDGLASS_OK);
+        sandglass_light l = source.lighting;
+        ASSERT_EQ(sandglass_light_adapt(&l, strength, keep, &l, nullptr), SANDGLASS_OK);
         const double s = static_cast<double>(strength);
         const auto expect = [&](const float* now, const float* then, double white) {
           const Colour before = {static_cast<double>(then[0]), static_cast<double>(then[1]),
@@ -547,52 +516,46 @@ TEST(Lighting, AThingMayKeepItsOwnColours) {
         }
         EXPECT_EQ(memcmp(l.towards, source.lighting.towards, sizeof l.towards), 0);
       }
-    sandglass_lighting same = source.lighting;
-    ASSERT_EQ(sandglass_lighting_adapt(&same, 1, 0, &same, nullptr), SANDGLASS_OK);
+    sandglass_light same = source.lighting;
+    ASSERT_EQ(sandglass_light_adapt(&same, 1, 0, &same, nullptr), SANDGLASS_OK);
     EXPECT_EQ(memcmp(&same, &source.lighting, sizeof same), 0);
   }
-  sandglass_lighting l = sources()[0].lighting;
+  sandglass_light l = sources()[0].lighting;
   for (const float bad : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()})
-    expect_refused("strength", [&](const char** why) { return sandglass_lighting_adapt(&l, bad, 0, &l, why); });
-  expect_refused("keep_chroma", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 2, &l, why); });
-  expect_refused("NULL", [&](const char** why) { return sandglass_lighting_adapt(nullptr, 1, 0, &l, why); });
+    expect_refused("strength", [&](const char** why) { return sandglass_light_adapt(&l, bad, 0, &l, why); });
+  expect_refused("keep_chroma", [&](const char** why) { return sandglass_light_adapt(&l, 1, 2, &l, why); });
+  expect_refused("NULL", [&](const char** why) { return sandglass_light_adapt(nullptr, 1, 0, &l, why); });
   l.struct_size = 0;
-  expect_refused("struct_size", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 0, &l, why); });
+  expect_refused("struct_size", [&](const char** why) { return sandglass_light_adapt(&l, 1, 0, &l, why); });
   l = sources()[0].lighting;
   l.facing[1] = std::numeric_limits<float>::infinity();
-  expect_refused("not finite", [&](const char** why) { return sandglass_lighting_adapt(&l, 1, 0, &l, why); });
+  expect_refused("not finite", [&](const char** why) { return sandglass_light_adapt(&l, 1, 0, &l, why); });
 }
 
 template <class Out, class Convert, class... More>
 void expect_renderer_checked(Convert to, More... more) {
-  const sandglass_lighting& good = sources()[0].lighting;
-  constexpr size_t k_first = offsetof(sandglass_lighting, towards);
-  const auto with = [=](sandglass_lighting_model model) {
-    return [=](const sandglass_lighting* l, Out* out, const char** why) { return to(l, model, more..., out, why); };
+  const sandglass_light& good = sources()[0].lighting;
+  constexpr size_t k_first = offsetof(sandglass_light, towards);
+  const auto with = [=](sandglass_light_model model) {
+    return [=](const sandglass_light* l, Out* out, const char** why) { return to(l, model, more..., out, why); };
   };
   expect_checked<Out>(
       good, {{k_first, (sizeof good - k_first) / sizeof(float)}}, [](const Out& out) { return out.sh[0]; },
       with(k_ambient));
   auto out = sized<Out>();
-  for (const sandglass_lighting_model model : {-1, 2})
+  for (const sandglass_light_model model : {-1, 2})
     expect_refused("model", [&](const char** why) { return with(model)(&good, &out, why); });
 }
 
 TEST(Renderers, WhatIsWrongIsRefusedWithASentence) {
-  expect_renderer_checked<sandglass_filament_light>(sandglass_lighting_to_filament, k_nits);
-  expect_renderer_checked<sandglass_arkit_light>(sandglass_lighting_to_arkit);
-  expect_renderer_checked<sandglass_arcore_light>(sandglass_lighting_to_arcore);
-  expect_renderer_checked<sandglass_unity_light>(sandglass_lighting_to_unity);
-  expect_renderer_checked<sandglass_three_light>(sandglass_lighting_to_three);
-  expect_renderer_checked<sandglass_babylon_light>(sandglass_lighting_to_babylon, 0);
-  auto babylon = sized<sandglass_babylon_light>();
-  expect_refused("right_handed", [&](const char** why) {
-    return sandglass_lighting_to_babylon(&sources()[0].lighting, k_whole, 2, &babylon, why);
-  });
+  expect_renderer_checked<sandglass_filament_light>(sandglass_light_to_filament, k_nits);
+  expect_renderer_checked<sandglass_arkit_light>(sandglass_light_to_arkit);
+  expect_renderer_checked<sandglass_arcore_light>(sandglass_light_to_arcore);
+  expect_renderer_checked<sandglass_unity_light>(sandglass_light_to_unity);
   auto filament = sized<sandglass_filament_light>();
   for (const float nits : {0.0f, 2e9f, std::numeric_limits<float>::quiet_NaN()})
     expect_refused("nits", [&](const char** why) {
-      return sandglass_lighting_to_filament(&sources()[0].lighting, k_whole, nits, &filament, why);
+      return sandglass_light_to_filament(&sources()[0].lighting, k_whole, nits, &filament, why);
     });
 }
 

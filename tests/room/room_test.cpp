@@ -392,8 +392,8 @@ TEST(RoomLight, RefusesWhatItCannotUse) {
 }
 
 // A network's estimate of a light from there, of which it is sure.
-sandglass_light_estimate sure_of(Direction d) {
-  sandglass_light_estimate estimate = {};
+sandglass_estimator_light sure_of(Direction d) {
+  sandglass_estimator_light estimate = {};
   estimate.struct_size = sizeof estimate;
   estimate.valid = 1;
   const double axes[3] = {d.x, d.y, d.z};
@@ -409,10 +409,10 @@ bool same(const sandglass_room_light& a, const sandglass_room_light& b) { return
 TEST(RoomLight, AnEstimateThatIsNoneIsRefused) {
   const MadeUpRoom room;
   const Direction lamp = towards(60, 40);
-  const sandglass_light_estimate good = sure_of(lamp);
+  const sandglass_estimator_light good = sure_of(lamp);
   EXPECT_GT(room.light(0, 0, 0, &good).cells[cell_at(lamp)], 1.1f / 64);
   const auto refused = [&](auto change) {
-    sandglass_light_estimate estimate = good;
+    sandglass_estimator_light estimate = good;
     change(&estimate);
     sandglass_room_light light;
     std::memset(&light, 0x5a, sizeof light);
@@ -425,14 +425,14 @@ TEST(RoomLight, AnEstimateThatIsNoneIsRefused) {
   };
   for (const float bad : {NAN, INFINITY, -INFINITY}) {
     SCOPED_TRACE(bad);
-    for (int k = 0; k < 3; ++k) EXPECT_TRUE(refused([&](sandglass_light_estimate* e) { e->direction[k] = bad; })) << k;
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(refused([&](sandglass_estimator_light* e) { e->direction[k] = bad; })) << k;
   }
   for (const float bad : {NAN, INFINITY, -INFINITY, -0.5f, 1.5f}) {
     SCOPED_TRACE(bad);
-    EXPECT_TRUE(refused([&](sandglass_light_estimate* e) { e->confidence = bad; }));
-    EXPECT_TRUE(refused([&](sandglass_light_estimate* e) { e->contrast = bad; }));
+    EXPECT_TRUE(refused([&](sandglass_estimator_light* e) { e->confidence = bad; }));
+    EXPECT_TRUE(refused([&](sandglass_estimator_light* e) { e->contrast = bad; }));
   }
-  EXPECT_TRUE(refused([](sandglass_light_estimate* e) { e->struct_size = 4; }));
+  EXPECT_TRUE(refused([](sandglass_estimator_light* e) { e->struct_size = 4; }));
 }
 
 // A finite direction that is far from a unit vector is no direction. The answer is that without an estimate.
@@ -442,7 +442,7 @@ TEST(RoomLight, AnEstimateWithoutAUnitVectorSaysNothing) {
   for (const float length : {2.0f, 1e20f, -1e30f, 3e38f}) {
     SCOPED_TRACE(length);
     for (int k = 0; k < 3; ++k) {
-      sandglass_light_estimate estimate = sure_of(towards(60, 40));
+      sandglass_estimator_light estimate = sure_of(towards(60, 40));
       estimate.direction[k] = length;
       EXPECT_TRUE(same(room.light(0, 0, 0, &estimate), without)) << k;
     }

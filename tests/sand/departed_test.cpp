@@ -299,7 +299,7 @@ TEST(Sleep, WhatTouchesAFloorABoxTheBoundaryOrSandSleepsAndSoDoesWhatFloatsWitho
     box.colliders = {table(10 * radius)};
     const float sample[3] = {0, -radius, 0};
     const char* reason = nullptr;
-    ASSERT_EQ(sandglass_granular_set_boundary(boundary.scene.get(), sample, 1, &reason), SANDGLASS_OK) << reason;
+    ASSERT_EQ(sandglass_scene_set_boundary(boundary.scene.get(), sample, 1, &reason), SANDGLASS_OK) << reason;
     for (GranularScene* scene : {&floor, &box}) scene->add({0, radius, 0, 0, 3 * radius, 0});
     boundary.add({0, radius, 0});
     alone.add({0, 5 * radius, 0});

@@ -184,7 +184,7 @@ TEST(Output, LagsByTheTimeAskedFor) {
   flow.frame();
   const std::vector<sandglass_grain> newest = flow.scene.grains;
   std::vector<float> positions(3 * 600 * 4), velocities(3 * 600 * 4);
-  sandglass_granular_grains(flow.scene.scene.get(), positions.data(), velocities.data());
+  sandglass_scene_grains(flow.scene.scene.get(), positions.data(), velocities.data());
   // A frame without time draws the same state as it was 4 ms earlier.
   sandglass_frame_input input = flow.scene.input(0.0f);
   input.output_lag = 0.004f;

@@ -22,7 +22,7 @@ void GranularScene::add(const std::vector<float>& particles, const std::vector<f
                         const std::vector<float>& fine, const std::vector<float>& fine_velocities) {
   const sandglass_points sand = as_points(particles, velocities), grain_points = as_points(fine, fine_velocities);
   sandglass::Status status;
-  status.code = sandglass_granular_add(scene.get(), &sand, &grain_points, &status.reason);
+  status.code = sandglass_scene_add(scene.get(), &sand, &grain_points, &status.reason);
   accept(status);
   particle_count += points_in(particles);
   grains.resize(grains.size() + points_in(fine));
@@ -81,13 +81,13 @@ sandglass_frame_report GranularScene::run(const sandglass_frame_input& input) {
 
 std::vector<float> GranularScene::positions() const {
   std::vector<float> values(3ull * particle_count);
-  sandglass_granular_particles(scene.get(), values.data(), nullptr);
+  sandglass_scene_particles(scene.get(), values.data(), nullptr);
   return values;
 }
 
 std::vector<float> GranularScene::velocities() const {
   std::vector<float> values(3ull * particle_count);
-  sandglass_granular_particles(scene.get(), nullptr, values.data());
+  sandglass_scene_particles(scene.get(), nullptr, values.data());
   return values;
 }
 

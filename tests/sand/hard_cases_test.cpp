@@ -161,7 +161,7 @@ TEST(HardCase, AnEmptySceneRunsAndAFullOneRefusesAndStaysAsItIs) {
     const char* reason = nullptr;
     const sandglass_points particles = {particle.data(), velocity, 1}, grains = {grain, nullptr, 1};
     const sandglass_status status =
-        sandglass_granular_add(scene.scene.get(), &particles, grain == nullptr ? nullptr : &grains, &reason);
+        sandglass_scene_add(scene.scene.get(), &particles, grain == nullptr ? nullptr : &grains, &reason);
     EXPECT_EQ(reason == nullptr, status == SANDGLASS_OK);
     return status;
   };

@@ -32,7 +32,7 @@ std::string Invariants::particles(const sandglass_frame_report& report) {
   const sandglass_granular_desc& g = s_.desc.granular;
   positions_.resize(3ull * report.sand.particle_numbers);
   velocities_.resize(3ull * report.sand.particle_numbers);
-  sandglass_granular_particles(s_.scene.get(), positions_.data(), velocities_.data());
+  sandglass_scene_particles(s_.scene.get(), positions_.data(), velocities_.data());
   // The limit of a pass, on which a body's rotation comes. Sand of the app or of a nozzle has its own speed at first. The
   // report's sub-step may have just begun: speeds are then of the one before.
   const float substep = substep_before_ > 0.0f ? std::min(report.sand.substep, substep_before_) : report.sand.substep;
@@ -60,7 +60,7 @@ std::string Invariants::particles(const sandglass_frame_report& report) {
 
 // No other particle within the reach of a neighbour list.
 bool Invariants::alone(uint32_t particle, uint32_t count) const {
-  const float reach = (2.0f + s_.desc.granular.list_skin) * s_.desc.granular.particle_radius;
+  const float reach = (2.0f + s_.desc.granular.list_margin) * s_.desc.granular.particle_radius;
   const float* p = &positions_[3 * particle];
   for (uint32_t i = 0; i < count; ++i) {
     const float* q = &positions_[3 * i];
@@ -73,7 +73,7 @@ std::string Invariants::grains(const sandglass_frame_report& report) {
   positions_.resize(3ull * report.sand.grain_numbers);
   velocities_.resize(3ull * report.sand.grain_numbers);
   if (report.sand.grain_numbers == 0) return "";
-  sandglass_granular_grains(s_.scene.get(), positions_.data(), velocities_.data());
+  sandglass_scene_grains(s_.scene.get(), positions_.data(), velocities_.data());
   for (uint32_t i = 0; i < report.sand.grain_numbers; ++i) {
     const float *p = &positions_[3 * i], *v = &velocities_[3 * i];
     if (!finite(p) || !finite(v)) return "grain " + std::to_string(i) + " is not finite";

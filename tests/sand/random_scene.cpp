@@ -66,7 +66,7 @@ void RandomScene::describe(bool replays) {
   }
   if (one_in(8)) g.height_weighting = between(0, 1.5);
   if (one_in(8)) g.courant = between(0.05, 1);
-  if (one_in(8)) g.list_skin = between(0.1, 1);
+  if (one_in(8)) g.list_margin = between(0.1, 1);
   if (one_in(4)) g.sleep_after = one_in(2) ? 0.0f : between(0.02, 0.5);
   if (one_in(8)) g.refine_step = log_between(0.001, 0.1);
   if (one_in(8)) g.grain_radius = r_ * between(0, 1);
@@ -133,7 +133,7 @@ void RandomScene::add_sand(uint32_t most) {
   const sandglass_points sand = {particles.data(), velocities.data(), count},
                          fine = {grains.data(), nullptr, count * each};
   Status status;
-  status.code = sandglass_granular_add(scene.get(), &sand, &fine, &status.reason);
+  status.code = sandglass_scene_add(scene.get(), &sand, &fine, &status.reason);
   if (status.code == SANDGLASS_ERROR_CAPACITY) return;
   ::accept(status);
   particles_added += count;
@@ -321,7 +321,7 @@ void RandomScene::act() {
   const float time = static_cast<float>(time_), middle[3] = {};
   shadow->light(std::cos(time), 0.8f, std::sin(time));
   const sandglass_room_light seen = room_.light_at(middle);
-  if (pile_ && pile_.sky().texels > 0) ::accept(pile_.set_cells(seen.cells));
+  if (pile_ && pile_.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR).side > 0) ::accept(pile_.set_cells(seen.cells));
   EXPECT_EQ(sandglass_shadow_set_cells(shadow->shadow, seen.cells, time, nullptr), SANDGLASS_OK);
 }
 

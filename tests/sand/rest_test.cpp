@@ -138,7 +138,7 @@ TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
   EXPECT_GT(moved, 50u);
 }
 
-// Particles to a side of a cube that falls down, on the spacing that sandglass_granular_add recommends or loose.
+// Particles to a side of a cube that falls down, on the spacing that sandglass_scene_add recommends or loose.
 struct Fallen {
   double spread = 0.0,
          rest = 0.0;  // metres from the middle, rms; seconds until a twentieth of the greatest energy is left

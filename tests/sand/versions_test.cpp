@@ -33,7 +33,7 @@ struct Drawn {
 Drawn drawn(const GranularScene& scene, const sandglass_frame_report& report) {
   Drawn now;
   std::vector<float> x(3 * report.sand.grain_numbers), v(x.size());
-  sandglass_granular_grains(scene.scene.get(), x.data(), v.data());
+  sandglass_scene_grains(scene.scene.get(), x.data(), v.data());
   for (uint32_t i = 0; i < report.sand.grain_numbers; ++i) {
     sandglass_grain grain = {{x[3 * i], x[3 * i + 1], x[3 * i + 2]}, 0};
     grain.speed = std::sqrt(v[3 * i] * v[3 * i] + v[3 * i + 1] * v[3 * i + 1] + v[3 * i + 2] * v[3 * i + 2]);
@@ -41,8 +41,8 @@ Drawn drawn(const GranularScene& scene, const sandglass_frame_report& report) {
     now.grains.push_back(grain);
   }
   for (uint32_t i = 0; i < 2; ++i)
-    if (sandglass_granular_has_body(scene.scene.get(), i) != 0)
-      now.bodies.push_back(sandglass_granular_body_pose(scene.scene.get(), i));
+    if (sandglass_scene_has_body(scene.scene.get(), i) != 0)
+      now.bodies.push_back(sandglass_scene_body_pose(scene.scene.get(), i));
   return now;
 }
 
@@ -162,12 +162,12 @@ TEST(Versions, WhatRestsIsNotTouched) {
   std::memset(static_cast<void*>(poison.data()), 0x5a, poison.size() * sizeof(sandglass_grain));
   const std::vector<sandglass_grain> untouched = poison;
   const auto rests = [&](const char* what) {
-    const uint64_t grains = report.versions.grains, light = pile.texture().version, sky = pile.sky().version;
+    const uint64_t grains = report.versions.grains, light = pile.texture().version, sky = pile.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR).version;
     report = frame(&poison);
     EXPECT_TRUE(Drawn::same(poison, untouched)) << what;
     EXPECT_EQ(report.versions.grains, grains) << what;
     EXPECT_EQ(pile.texture().version, light) << what;
-    EXPECT_EQ(pile.sky().version, sky) << what;
+    EXPECT_EQ(pile.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR).version, sky) << what;
     EXPECT_EQ(report.stages[SANDGLASS_STAGE_SHADOW].units, 0u) << what;
     EXPECT_EQ(report.sand.awake_grains, 0u) << what;
   };

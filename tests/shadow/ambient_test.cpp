@@ -56,15 +56,15 @@ struct Ambient : LiveShadow {
     const char* reason = nullptr;
     EXPECT_EQ(sandglass_shadow_set_cells(shadow, q.data(), yaw, &reason), SANDGLASS_OK) << reason;
   }
-  sandglass_shadow_ambient now() const {
-    sandglass_shadow_ambient ambient = {};
+  sandglass_texture now() const {
+    sandglass_texture ambient = {};
     ambient.struct_size = sizeof ambient;
     sandglass_shadow_get_ambient(shadow, &ambient);
     return ambient;
   }
   std::vector<uint8_t> texture() const {
-    const sandglass_shadow_ambient ambient = now();
-    return {ambient.visibility, ambient.visibility + ambient.side * ambient.side};
+    const sandglass_texture ambient = now();
+    return {ambient.bytes, ambient.bytes + ambient.side * ambient.side};
   }
   std::vector<uint8_t> mixed(const Cells& q, float yaw = 0) {
     cells(q, yaw);
@@ -122,14 +122,14 @@ TEST(AmbientShadow, OneUnitAFrameGivesTheSameTextureLater) {
   EXPECT_EQ(left, 4u);  // of 4096 texels
   for (; left > 0; ++units) {
     EXPECT_EQ(pieces.texture(), before);  // the old texture stays complete
-    EXPECT_EQ(pieces.now().calls_behind, 1u);
-    EXPECT_EQ(pieces.now().completed, 1u);
+    EXPECT_EQ(pieces.now().behind, 1u);
+    EXPECT_EQ(pieces.now().version, 1u);
     ASSERT_EQ(pieces.run(1), 1u);
     ASSERT_EQ(sandglass_shadow_units_left(pieces.shadow), --left);
   }
   EXPECT_EQ(pieces.texture(), expected);
-  EXPECT_EQ(pieces.now().calls_behind, 0u);
-  EXPECT_EQ(pieces.now().completed, 2u);
+  EXPECT_EQ(pieces.now().behind, 0u);
+  EXPECT_EQ(pieces.now().version, 2u);
   EXPECT_EQ(pieces.run(1), 0u);
 }
 
@@ -181,7 +181,7 @@ TEST(AmbientShadow, AChangeThatNoTexelCanShowStartsNoTexture) {
   q[9] -= 0.9f / 255;
   shadow.cells(q);
   EXPECT_EQ(shadow.run(1), 0u);
-  EXPECT_EQ(shadow.now().calls_behind, 0u);
+  EXPECT_EQ(shadow.now().behind, 0u);
   q[6] += 0.2f / 255;  // the changes add up since the texture that is shown
   shadow.cells(q);
   EXPECT_EQ(shadow.run(1), 1u);
@@ -243,7 +243,7 @@ TEST(AmbientShadow, AFileOfVersionOneHasNone) {
   old.version = 1;
   Ambient shadow(make_shadow_file(old));
   const uint64_t hash = sandglass_shadow_hash(shadow.shadow);
-  EXPECT_EQ(shadow.now().visibility, nullptr);
+  EXPECT_EQ(shadow.now().bytes, nullptr);
   EXPECT_EQ(shadow.now().side, 0u);
   EXPECT_EQ(shadow.now().valid, 0u);
   shadow.cells(only(3));
@@ -328,7 +328,7 @@ TEST(ShadowSurface, RefusesNumbersThatAreNoPlacesAndFilesWithoutASurface) {
   EXPECT_EQ(sandglass_shadow_transfer(file.data(), file.bytes, good, good, 1, transfer, nullptr), SANDGLASS_OK);
 }
 
-// The basis of sandglass_light_estimate.sh, written out from estimate.h.
+// The basis of sandglass_estimator_light.sh, written out from estimator.h.
 double radiance(const float* sh, uint32_t colour, const double d[3]) {
   const double x = d[0], y = d[1], z = d[2];
   const double basis[9] = {0.28209479177387814,

@@ -142,10 +142,10 @@ TEST(AmbientTruth, YawTurnsTheLightAgainstTheObject) {
       sandglass_shadow* const handle = chair.runner.handle();
       while (sandglass_shadow_run(&handle, 1, 100) > 0) {
       }
-      sandglass_shadow_ambient now = {};
+      sandglass_texture now = {};
       now.struct_size = sizeof now;
       sandglass_shadow_get_ambient(handle, &now);
-      textures.emplace_back(now.visibility, now.visibility + now.side * now.side);
+      textures.emplace_back(now.bytes, now.bytes + now.side * now.side);
     }
     for (uint32_t v = 1; v < chair.square.side; v += 3)
       for (uint32_t u = 1; u < chair.square.side; u += 3, ++count) {

@@ -92,7 +92,7 @@ Error error_of(const std::vector<float>& spheres, const Light& light, uint32_t t
   desc.texels = texels;
   sandglass::PileShadow shadow = lit(light, desc);
   shadow.run(spheres, k_radius);
-  const sandglass_pile_shadow_texture t = shadow.texture();
+  const sandglass_texture t = shadow.texture();
   EXPECT_EQ(t.valid, 1u);
   Error error;
   const SphereCaster caster(spheres, k_radius);
@@ -105,7 +105,7 @@ Error error_of(const std::vector<float>& spheres, const Light& light, uint32_t t
         under = spheres[s + 1] < 2 * k_radius && std::hypot(static_cast<double>(spheres[s]) - point.x,
                                                             static_cast<double>(spheres[s + 2]) - point.z) < 0.02;
       if (under) continue;
-      const double truth = traced(caster, point, light), shown = 1 - t.coverage[v * texels + u] / 255.0;
+      const double truth = traced(caster, point, light), shown = 1 - t.bytes[v * texels + u] / 255.0;
       if (truth > 0.999 && shown > 0.999) continue;
       error.rmse += (truth - shown) * (truth - shown);
       error.without += (1 - truth) * (1 - truth);
@@ -143,9 +143,9 @@ TEST(PileShadow, OfSandInTheAirStandsOffFromItsFoot) {
   expect_truth("ball", ball, {4, 70}, 0.063);
   sandglass::PileShadow shadow = lit(light);
   shadow.run(ball, k_radius);
-  const sandglass_pile_shadow_texture t = shadow.texture();
+  const sandglass_texture t = shadow.texture();
   const auto at = [&](double x, double z) {
-    return t.coverage[static_cast<size_t>((z + 0.5) * 128) * 128 + static_cast<size_t>((x + 0.5) * 128)];
+    return t.bytes[static_cast<size_t>((z + 0.5) * 128) * 128 + static_cast<size_t>((x + 0.5) * 128)];
   };
   EXPECT_GT(at(-0.2, 0), 200) << "in the shadow";
   EXPECT_EQ(at(0, 0), 0) << "below the ball";
@@ -235,11 +235,11 @@ TEST(PileShadow, OfAThinLayerIsTrueToAHundredth) {
         std::fill_n(desc.high, 2, 0.25f);
         sandglass::PileShadow shadow = lit(light, desc);
         shadow.run(grains, static_cast<float>(radius));
-        const sandglass_pile_shadow_texture t = shadow.texture();
+        const sandglass_texture t = shadow.texture();
         double shown = 0;
         for (const Vec3& point : points) {
           const auto texel = [](double metres) { return static_cast<size_t>((metres + 0.25) * 256); };
-          shown += 1 - t.coverage[texel(point.z) * 128 + texel(point.x)] / 255.0;
+          shown += 1 - t.bytes[texel(point.z) * 128 + texel(point.x)] / 255.0;
         }
         const double error = shown / static_cast<double>(points.size()) - open_share(light.polar_deg, coverage);
         EXPECT_NEAR(error, 0, 0.01) << per_texel << " coverage " << coverage << " light " << light.polar_deg;
@@ -299,8 +299,8 @@ TEST(PileShadow, WorkOfAUnitIsBoundedForEverySphere) {
   for (const float radius : {1e7f, INFINITY, NAN, 3e38f, 0.0f, -1.0f}) {
     shadow.refresh();
     EXPECT_LE(shadow.run(spheres, radius), 1 + k_rows) << radius << ": no sphere is left";
-    const sandglass_pile_shadow_texture t = shadow.texture();
-    EXPECT_TRUE(std::all_of(t.coverage, t.coverage + k_columns, [](uint8_t c) { return c == 0; })) << radius;
+    const sandglass_texture t = shadow.texture();
+    EXPECT_TRUE(std::all_of(t.bytes, t.bytes + k_columns, [](uint8_t c) { return c == 0; })) << radius;
   }
   // In pieces or at once, spheres with many columns give one texture.
   sandglass::PileShadow whole = lit({40, 90}), pieces = lit({40, 90});
@@ -321,7 +321,6 @@ TEST(PileShadow, RefusesWithASentence) {
   refused("low or high", [](auto* d) { d->low[1] = NAN; });
   refused("floor", [](auto* d) { d->floor = INFINITY; });
   refused("texels", [](auto* d) { d->texels = 100; });
-  refused("angular_diameter", [](auto* d) { d->angular_diameter = 2; });
   refused("light_tolerance", [](auto* d) { d->light_tolerance = -1; });
   refused("on_sand", [](auto* d) { d->on_sand = 2; });
 
@@ -331,12 +330,13 @@ TEST(PileShadow, RefusesWithASentence) {
   sandglass::test::GuardedBlock block(bytes);
   sandglass_pile_shadow* handle = nullptr;
   ASSERT_EQ(sandglass_pile_shadow_create(&desc, block.data(), bytes, &handle, nullptr), SANDGLASS_OK);
-  const auto set_light = [&](const std::array<float, 3>& d) {
-    return sandglass_pile_shadow_set_light(handle, d.data(), nullptr);
+  const auto set_light = [&](const std::array<float, 3>& d, float width = 0) {
+    return sandglass_pile_shadow_set_light(handle, d.data(), width, nullptr);
   };
   const std::array<float, 3> good = {1e-20f, 3e-20f, 0};
   EXPECT_EQ(set_light({0, 0, 0}), SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(set_light({0, NAN, 0}), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  for (const float width : {-0.1f, 1.6f, NAN}) EXPECT_EQ(set_light({0, 1, 0}, width), SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(set_light(good), SANDGLASS_OK);
   EXPECT_EQ(set_light({1, -0.1f, 0}), SANDGLASS_OK);
   EXPECT_EQ(sandglass_pile_shadow_run(handle, nullptr, 0, k_radius, 10), 0u)
@@ -345,11 +345,11 @@ TEST(PileShadow, RefusesWithASentence) {
   const float wild[] = {NAN, 0, 0, 1e30f, 0.1f, 0, 0, INFINITY, 0, 0, -5, 0, 0, 0.1f, NAN};
   EXPECT_EQ(set_light(good), SANDGLASS_OK);
   EXPECT_GT(sandglass_pile_shadow_run(handle, wild, 5, k_radius, 100000), 0u);
-  sandglass_pile_shadow_texture t = {};
+  sandglass_texture t = {};
   t.struct_size = sizeof t;
-  sandglass_pile_shadow_get_texture(handle, &t);
+  sandglass_pile_shadow_get_texture(handle, SANDGLASS_PILE_SHADOW_FLOOR, &t);
   ASSERT_EQ(t.valid, 1u);
-  EXPECT_TRUE(std::all_of(t.coverage, t.coverage + 128 * 128, [](uint8_t c) { return c == 0; }));
+  EXPECT_TRUE(std::all_of(t.bytes, t.bytes + 128 * 128, [](uint8_t c) { return c == 0; }));
   EXPECT_TRUE(block.guards_intact());
 }
 
@@ -376,11 +376,11 @@ TEST(PileShadow, FollowsTheSandOfAScene) {
   }
   EXPECT_EQ(rested, 10u) << "the shadow and the light of sand at rest must cost nothing";
   EXPECT_GT(worked, 10u);
-  EXPECT_EQ(shadow.texture().valid & shadow.sky().valid, 1u);
-  EXPECT_EQ(shadow.texture().frames_behind | shadow.sky().frames_behind, 0u);
+  EXPECT_EQ(shadow.texture().valid & shadow.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR).valid, 1u);
+  EXPECT_EQ(shadow.texture().behind | shadow.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR).behind, 0u);
   // The textures that the frames made are those that the positions give.
   std::vector<float> positions(sand.size());
-  sandglass_granular_particles(falling.scene.get(), positions.data(), nullptr);
+  sandglass_scene_particles(falling.scene.get(), positions.data(), nullptr);
   sandglass::PileShadow again = lit({40, 90}, with_sky);
   again.run(positions, k_radius);
   EXPECT_EQ(again.hash(), shadow.hash());

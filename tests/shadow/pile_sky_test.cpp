@@ -97,7 +97,7 @@ std::vector<float> poured() {
   SandOnTheFloor falling(desc);
   EXPECT_TRUE(falling.scene.add(particles, grains));
   for (int frame = 0; frame < 120; ++frame) falling.frame();
-  sandglass_granular_grains(falling.scene.get(), grains.data(), nullptr);
+  sandglass_scene_grains(falling.scene.get(), grains.data(), nullptr);
   return grains;
 }
 
@@ -176,18 +176,23 @@ struct Sand {
 
 // ---- what the textures show
 
+constexpr sandglass_pile_shadow_part k_floor = SANDGLASS_PILE_SHADOW_SKY_FLOOR,
+                                     k_upper = SANDGLASS_PILE_SHADOW_SKY_SAND,
+                                     k_heights = SANDGLASS_PILE_SHADOW_HEIGHTS;
+
 // Between the middles of the texels, as a GPU samples.
-double sampled(const uint8_t* texture, uint32_t texels, const sandglass_pile_shadow_sky& sky,
-               const std::array<float, 3>& at) {
+double sampled(const sandglass_texture& t, const std::array<float, 3>& at) {
+  const float low[2] = {t.corner[0], t.corner[2]}, extents[2] = {t.along[0], t.across[2]};
+  const uint32_t texels = t.side;
   uint32_t texel[2];
   double beyond[2];
   for (uint32_t axis = 0; axis < 2; ++axis) {
-    const double extent = static_cast<double>(sky.high[axis] - sky.low[axis]);
-    const double place = static_cast<double>(at[2 * axis] - sky.low[axis]) / extent * texels - 0.5;
+    const double place =
+        static_cast<double>(at[2 * axis] - low[axis]) / static_cast<double>(extents[axis]) * texels - 0.5;
     texel[axis] = static_cast<uint32_t>(std::min(std::max(place, 0.0), texels - 2.0));
     beyond[axis] = std::min(std::max(place - texel[axis], 0.0), 1.0);
   }
-  const uint8_t* row = texture + texel[1] * texels + texel[0];
+  const uint8_t* row = t.bytes + texel[1] * texels + texel[0];
   const auto along = [&](const uint8_t* p) { return p[0] * (1 - beyond[0]) + p[1] * beyond[0]; };
   return (along(row) * (1 - beyond[1]) + along(row + texels) * beyond[1]) / 255;
 }
@@ -214,29 +219,29 @@ sandglass::PileShadow made(const std::vector<float>& sand, const Cells& cells) {
   EXPECT_TRUE(shadow.create(description()));
   EXPECT_TRUE(shadow.set_cells(cells));
   shadow.run(sand, k_grain);
-  EXPECT_EQ(shadow.sky().valid, 1u);
+  EXPECT_EQ(shadow.texture(k_floor).valid, 1u);
   return shadow;
 }
 
 // What the shader of the README gives a point of the sand.
-double shaded(const sandglass_pile_shadow_sky& sky, float floor, const std::array<float, 3>& point) {
-  const double surface = sampled(sky.heights, sky.height_texels, sky, point) * static_cast<double>(sky.height);
+double shaded(const sandglass::PileShadow& shadow, float floor, const std::array<float, 3>& point) {
+  const sandglass_texture heights = shadow.texture(k_heights);
+  const double surface = sampled(heights, point) * static_cast<double>(heights.scale);
   const double below = std::max((surface - static_cast<double>(point[1] - floor)) / static_cast<double>(k_grain), 0.0);
-  return sampled(sky.on_sand, sky.texels, sky, point) / (1 + 0.9 * below);
+  return sampled(shadow.texture(k_upper), point) / (1 + 0.9 * below);
 }
 
 // The error where the room has light `truth` and the texture is made for light `drawn`.
 Errors errors_of(const Sand& sand, const Cells& truth, const Cells& drawn) {
   const sandglass::PileShadow shadow = made(sand.spheres, drawn);
-  const sandglass_pile_shadow_sky sky = shadow.sky();
   Errors errors;
   for (const Receiver& r : sand.floor) {
-    const double real = lit(r.truth.light, truth), shown = sampled(sky.floor, sky.texels, sky, r.at);
+    const double real = lit(r.truth.light, truth), shown = sampled(shadow.texture(k_floor), r.at);
     if (real < 0.999 || shown < 0.999) errors.floor.add(real, shown);
   }
   for (const Receiver& r : sand.seen) {
     const double open = lit(r.truth.open, truth);
-    if (open > 0.05) errors.seen.add(lit(r.truth.light, truth) / open, shaded(sky, 0, r.at));
+    if (open > 0.05) errors.seen.add(lit(r.truth.light, truth) / open, shaded(shadow, 0, r.at));
   }
   std::vector<float> centres;
   for (const Receiver& r : sand.grains) centres.insert(centres.end(), r.at.begin(), r.at.end());
@@ -307,11 +312,10 @@ TEST(PileSky, AShaderGivesGrainsTheSameLight) {
   std::vector<float> sand = heap();
   for (size_t i = 1; i < sand.size(); i += 3) sand[i] += desc.floor;
   shadow.run(sand, k_grain);
-  const sandglass_pile_shadow_sky sky = shadow.sky();
   std::vector<uint8_t> light(sand.size() / 3);
   shadow.light_grains(sand, k_grain, light.data());
   for (size_t i = 0; i < light.size(); ++i)
-    ASSERT_NEAR(light[i], 255 * shaded(sky, desc.floor, {sand[3 * i], sand[3 * i + 1] + k_grain, sand[3 * i + 2]}),
+    ASSERT_NEAR(light[i], 255 * shaded(shadow, desc.floor, {sand[3 * i], sand[3 * i + 1] + k_grain, sand[3 * i + 2]}),
                 0.52)
         << i;
 }
@@ -346,10 +350,10 @@ TEST(PileSky, MakesOnlyWhatIsAskedFor) {
   ASSERT_TRUE(shadow.create(description()));
   ASSERT_TRUE(without.create(description(0)));
   EXPECT_EQ(without.run(sand, k_grain), 0u) << "no light and no cells: nothing to make";
-  EXPECT_EQ(shadow.sky().valid, 0u);
+  EXPECT_EQ(shadow.texture(k_floor).valid, 0u);
   const uint32_t of_sky = shadow.run(sand, k_grain);
   EXPECT_GT(of_sky, 0u) << "a room that nobody has seen has light, too";
-  EXPECT_EQ(shadow.sky().valid, 1u);
+  EXPECT_EQ(shadow.texture(k_floor).valid, 1u);
   EXPECT_EQ(shadow.texture().valid, 0u);
   EXPECT_EQ(shadow.run(sand, k_grain), 0u) << "nothing has changed";
 
@@ -369,7 +373,7 @@ TEST(PileSky, MakesOnlyWhatIsAskedFor) {
   const uint32_t of_light = without.run(sand, k_grain);
   EXPECT_EQ(shadow.run(sand, k_grain), of_light) << "the light asks for its textures only";
   EXPECT_EQ(without.hash() == shadow.hash(), false) << "the hash covers the sky";
-  EXPECT_EQ(std::memcmp(without.texture().coverage, shadow.texture().coverage, k_texels * k_texels), 0);
+  EXPECT_EQ(std::memcmp(without.texture().bytes, shadow.texture().bytes, k_texels * k_texels), 0);
 
   shadow.refresh();
   EXPECT_GT(shadow.run(sand, k_grain), std::max(of_light, of_sky)) << "moved sand asks for all";
@@ -389,9 +393,9 @@ TEST(PileSky, WithoutSandHidesNothing) {
     const float nan = std::numeric_limits<float>::quiet_NaN(),
                 wild[] = {nan, 0, 0, 1e30f, 0.1f, 0, 0, -5, 0, 0, 0.1f, nan};
     shadow.run({wild, 4}, k_grain);
-    const sandglass_pile_shadow_sky sky = shadow.sky();
-    for (uint32_t i = 0; i < texels * texels; ++i) ASSERT_EQ(sky.floor[i] & sky.on_sand[i], 255) << i;
-    for (uint32_t i = 0; i < k_texels * k_texels; ++i) ASSERT_EQ(sky.heights[i], 0) << i;
+    const uint8_t *floor = shadow.texture(k_floor).bytes, *upper = shadow.texture(k_upper).bytes;
+    for (uint32_t i = 0; i < texels * texels; ++i) ASSERT_EQ(floor[i] & upper[i], 255) << i;
+    for (uint32_t i = 0; i < k_texels * k_texels; ++i) ASSERT_EQ(shadow.texture(k_heights).bytes[i], 0) << i;
     uint8_t light[4];
     shadow.light_grains({wild, 4}, k_grain, light);
   }
@@ -421,9 +425,8 @@ TEST(PileSky, RefusesWithASentence) {
   EXPECT_FALSE(takes(INFINITY, 0));
   EXPECT_FALSE(takes(0.5f, 0.01f)) << "more than 1 together";
   EXPECT_EQ(without.set_cells(even_sky()).code, SANDGLASS_ERROR_INVALID_ARGUMENT);
-  const sandglass_pile_shadow_sky none = without.sky();
-  EXPECT_EQ(none.texels, 0u);
-  EXPECT_EQ(none.floor, nullptr);
+  EXPECT_EQ(without.texture(k_floor).side, 0u);
+  EXPECT_EQ(without.texture(k_floor).bytes, nullptr);
 }
 
 TEST(PileSky, StaysWithinItsBlock) {
@@ -435,7 +438,7 @@ TEST(PileSky, StaysWithinItsBlock) {
     sandglass_pile_shadow* handle = nullptr;
     ASSERT_EQ(sandglass_pile_shadow_create(&desc, block.data(), bytes, &handle, nullptr), SANDGLASS_OK);
     const float light[3] = {0.3f, 0.8f, 0};
-    ASSERT_EQ(sandglass_pile_shadow_set_light(handle, light, nullptr), SANDGLASS_OK);
+    ASSERT_EQ(sandglass_pile_shadow_set_light(handle, light, 0, nullptr), SANDGLASS_OK);
     // Sand up to and beyond all edges.
     const std::vector<float> sand = grains_in([](const float* p) { return p[1] < 0.05f; });
     std::vector<float> wide;

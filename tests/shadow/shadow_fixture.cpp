@@ -161,14 +161,14 @@ void LiveShadow::finish() {
   while (sandglass_shadow_run(&shadow, 1, 1000) > 0) {
   }
 }
-sandglass_shadow_texture LiveShadow::texture(uint32_t light) const {
-  sandglass_shadow_texture texture = {};
+sandglass_texture LiveShadow::texture(uint32_t light) const {
+  sandglass_texture texture = {};
   texture.struct_size = sizeof texture;
   sandglass_shadow_get_texture(shadow, light, &texture);
   return texture;
 }
 std::vector<uint8_t> LiveShadow::coverage(uint32_t light) const {
-  const uint8_t* c = texture(light).coverage;
+  const uint8_t* c = texture(light).bytes;
   return {c, c + SANDGLASS_SHADOW_TEXELS * SANDGLASS_SHADOW_TEXELS};
 }
 

@@ -51,7 +51,8 @@ struct LiveShadow {
     light(x, y, z);
     finish();
   }
-  sandglass_shadow_texture texture(uint32_t light = 0) const;
+  sandglass_texture texture(uint32_t light = 0) const;
+  uint32_t evaluated(uint32_t light = 0) const { return sandglass_shadow_evaluated(shadow, light); }
   std::vector<uint8_t> coverage(uint32_t light = 0) const;
 
   test::GuardedBlock block;

@@ -62,7 +62,7 @@ TEST(ShippedChair, IsAsCloseToRayTracingAsItsFileSays) {
     chair.caster->texels(chair.geometry.rectangle(lights[l]), lights[l], 1000 + l, k_size, k_size, uv.data(), count,
                          truth.data());
     evaluate_texels(chair.network, lights[l], k_size, uv.data(), count, values.data());
-    const uint8_t* textures[2] = {full.texture(lights[l]).coverage, adaptive.texture(lights[l]).coverage};
+    const uint8_t* textures[2] = {full.texture(lights[l]).bytes, adaptive.texture(lights[l]).bytes};
     double squares[3] = {};
     for (uint32_t i = 0; i < count; ++i) {
       const size_t at = size_t{uv[2 * i + 1]} * k_size + uv[2 * i];
@@ -136,12 +136,12 @@ TEST(ShippedChair, ShadowIsAttachedAndOnTheRightSide) {
   const double polar = 50 * k_pi / 180;
   for (const double azimuth : {0.0, 0.25, 0.5, 0.75}) {
     const double x = std::cos(2 * k_pi * azimuth), z = std::sin(2 * k_pi * azimuth);
-    const sandglass_shadow_texture t = runner.texture({std::sin(polar) * x, std::cos(polar), std::sin(polar) * z});
+    const sandglass_texture t = runner.texture({std::sin(polar) * x, std::cos(polar), std::sin(polar) * z});
     const auto at = [&](double px, double pz) {
-      const double u = (px - static_cast<double>(t.low[0])) / static_cast<double>(t.high[0] - t.low[0]) * k_size;
-      const double v = (pz - static_cast<double>(t.low[1])) / static_cast<double>(t.high[1] - t.low[1]) * k_size;
+      const double u = (px - static_cast<double>(t.corner[0])) / static_cast<double>(t.along[0]) * k_size;
+      const double v = (pz - static_cast<double>(t.corner[2])) / static_cast<double>(t.across[2]) * k_size;
       const bool inside = u >= 0 && v >= 0 && u < k_size && v < k_size;
-      return inside ? t.coverage[static_cast<size_t>(v) * k_size + static_cast<size_t>(u)] / 255.0 : 0.0;
+      return inside ? t.bytes[static_cast<size_t>(v) * k_size + static_cast<size_t>(u)] / 255.0 : 0.0;
     };
     for (const double leg_x : {-0.19, 0.19})
       for (const double leg_z : {-0.19, 0.19}) EXPECT_GT(at(leg_x, leg_z), 0.9) << azimuth;

@@ -121,7 +121,7 @@ TEST(ShadowTraining, LearnsABallAndTheBytesFollow) {
     const std::vector<float> truth =
         ball().caster->texture(ball().geometry.rectangle(light), light, 999, k_native_size, pool);
     const std::vector<float> network = evaluate(state.float_network, light, k_native_size, pool);
-    const uint8_t *f = full.texture(light).coverage, *a = adaptive.texture(light).coverage;
+    const uint8_t *f = full.texture(light).bytes, *a = adaptive.texture(light).bytes;
     for (size_t i = 0; i < truth.size(); ++i, ++count) {
       const double t = static_cast<double>(truth[i]);
       float_error += std::pow(static_cast<double>(network[i]) - t, 2);

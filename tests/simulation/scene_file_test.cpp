@@ -124,9 +124,9 @@ TEST(SceneFile, IsWhatTheLibraryTakes) {
       {R"("solver": {"substep_max": 1e-7})", R"(cannot use "test.json": granular.substep_max)"},
       {R"("gravity": [0, -1000, 0], "friction": {"static": 10, "kinetic": 10})", ""},
       {R"("friction": {"static": 0, "kinetic": 0}, "solver": {"substep_max": 1e-6, "courant": 1e-3})", ""},
-      {R"("solver": {"substep_max": 0.1, "substep_min": 0.1, "courant": 1, "list_skin": 1, "relaxation": 1})", ""},
+      {R"("solver": {"substep_max": 0.1, "substep_min": 0.1, "courant": 1, "list_margin": 1, "relaxation": 1})", ""},
       {R"("solver": {"height_weighting": 1.5, "refine_step": 0.1, "iterations": 64, "stabilisation": 8})", ""},
-      {R"("solver": {"scheme": "averaged", "relaxation": 2, "refine_step": 1e-4, "list_skin": 0.1})", ""}};
+      {R"("solver": {"scheme": "averaged", "relaxation": 2, "refine_step": 1e-4, "list_margin": 0.1})", ""}};
   for (const auto& [part, refused] : k_parts) {
     std::string reason;
     try {

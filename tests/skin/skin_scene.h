@@ -17,13 +17,12 @@ inline sandglass_scene_desc rough(uint32_t particles) {
 struct Sand {
   explicit Sand(sandglass_scene_desc desc, uint32_t closed = 0) : scene(desc) {
     sandglass_skin_desc of_skin = sandglass::skin_desc(desc.granular);
-    of_skin.closed = closed;
+    of_skin.capped = closed;
     accept(skin.create(of_skin));
   }
 
-  void throw_shadow(float angular_diameter = sandglass::pile_shadow_desc().angular_diameter) {
+  void throw_shadow() {
     sandglass_pile_shadow_desc desc = sandglass::pile_shadow_desc();
-    desc.angular_diameter = angular_diameter;
     desc.sky_texels = 64;
     accept(pile.create(desc));
   }

@@ -137,11 +137,11 @@ TEST(Skin, HoldsTheSandWhileItIsPoured) {
     EXPECT_EQ(faults, 0u);
     EXPECT_NEAR(volume / (k_particle * particles), 1, 0.06) << i;
     // The columns of the pile's shadow are those of one skin, though skins follow each other while they are made: no holes.
-    const sandglass_pile_shadow_sky sky = sand.pile.sky();
-    const uint32_t n = sky.height_texels;
+    const sandglass_texture sky = sand.pile.texture(SANDGLASS_PILE_SHADOW_HEIGHTS);
+    const uint32_t n = sky.side;
     uint32_t holes = 0;
     for (uint32_t at = n + 1; at < n * n - n - 1; ++at) {
-      const uint8_t* h = sky.heights + at;
+      const uint8_t* h = sky.bytes + at;
       holes += h[0] == 0 && std::min({h[-1], h[1], *(h - n), h[n]}) > 40 ? 1 : 0;
     }
     EXPECT_EQ(holes, 0u) << i;
@@ -423,7 +423,7 @@ TEST(Skin, HoldsForSandThatHardlyIsAny) {
     if (count == 1) {
       ASSERT_EQ(now.lying_count, 1u);
       EXPECT_EQ(now.loose[0].weight, 1.0f);
-      EXPECT_GT(now.loose[0].way[1], 0.5f);
+      EXPECT_GT(now.loose[0].vector[1], 0.5f);
     }
   }
 }
@@ -539,19 +539,19 @@ TEST(Skin, ThePileShadowIsOfWhatIsDrawn) {
   sand.throw_shadow();
   sand.until_rested();
   const Mesh mesh = mesh_of(sand.skin);
-  const sandglass_pile_shadow_sky sky = sand.pile.sky();
+  const sandglass_texture sky = sand.pile.texture(SANDGLASS_PILE_SHADOW_HEIGHTS);
   const sandglass_skin_mesh now = sand.skin.mesh();
-  const uint32_t n = sky.height_texels;
-  const float texel = (sky.high[0] - sky.low[0]) / static_cast<float>(n);
+  const uint32_t n = sky.side;
+  const float texel = sky.along[0] / static_cast<float>(n);
   std::vector<float> truth(n * n, 0.0f);
   for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
     Point p[3];
     for (size_t k = 0; k < 3; ++k) p[k] = place(mesh.vertices[mesh.triangles[t + k]]);
-    const auto first = static_cast<uint32_t>((p[0][2] - 0.05f - sky.low[1]) / texel);  // rows near it
+    const auto first = static_cast<uint32_t>((p[0][2] - 0.05f - sky.corner[2]) / texel);  // rows near it
     for (uint32_t at = first * n; at < n * n && at < (first + n / 8) * n; ++at) {
       const uint32_t column = at % n, row = at / n;
-      const float x = sky.low[0] + (static_cast<float>(column) + 0.5f) * texel;
-      const float z = sky.low[1] + (static_cast<float>(row) + 0.5f) * texel;
+      const float x = sky.corner[0] + (static_cast<float>(column) + 0.5f) * texel;
+      const float z = sky.corner[2] + (static_cast<float>(row) + 0.5f) * texel;
       const auto side = [&](size_t k) {
         const Point &a = p[k], &b = p[(k + 1) % 3];
         return (b[2] - a[2]) * (x - a[0]) - (b[0] - a[0]) * (z - a[2]);
@@ -564,7 +564,7 @@ TEST(Skin, ThePileShadowIsOfWhatIsDrawn) {
   uint32_t wrong = 0, high = 0;
   for (uint32_t at = 0; at < n * n; ++at) {
     high += truth[at] > 0.05f ? 1 : 0;
-    wrong += std::abs(static_cast<float>(sky.heights[at]) * sky.height / 255 - truth[at]) > sky.height / 255 ? 1 : 0;
+    wrong += std::abs(static_cast<float>(sky.bytes[at]) * sky.scale / 255 - truth[at]) > sky.scale / 255 ? 1 : 0;
   }
   EXPECT_GT(high, 100u);
   EXPECT_LE(wrong, now.flying_count + now.lying_count);  // loose sand has a column each
@@ -581,12 +581,13 @@ TEST(Skin, BelowASeatTheFloorIsLit) {
   sand.scene.add(shifted(lattice(6, 5, 6, 2.05f * k_radius, k_radius), 0.36f, 0.0f, 0.3f));
   sand.throw_shadow();
   sand.until_rested();
-  const sandglass_pile_shadow_sky sky = sand.pile.sky();
+  const sandglass_texture sky = sand.pile.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR);
   const auto left = [&](float x, float z) {
-    const auto texel = [&](float at, float low, float high) {
-      return static_cast<uint32_t>((at - low) / (high - low) * static_cast<float>(sky.texels));
+    const auto texel = [&](float from, float extent) {
+      return static_cast<uint32_t>(from / extent * static_cast<float>(sky.side));
     };
-    return sky.floor[texel(z, sky.low[1], sky.high[1]) * sky.texels + texel(x, sky.low[0], sky.high[0])] / 255.0;
+    return sky.bytes[texel(z - sky.corner[2], sky.across[2]) * sky.side + texel(x - sky.corner[0], sky.along[0])] /
+           255.0;
   };
   EXPECT_GT(left(0.12f, 0.12f), 0.70);
   EXPECT_LT(left(0.12f, 0.12f), 0.95);
@@ -600,14 +601,14 @@ TEST(Skin, SandInTheAirThrowsItsOwnShadow) {
   Sand sand(rough(1600));
   sand.scene.add_floor();
   sand.scene.add(shifted(lattice(8, 9, 8, 2.05f * k_radius, k_radius), -0.25f, 0, 0));
-  sand.throw_shadow(0.02f);
-  accept(sand.pile.set_light({0.36f, 0.8f, 0.48f}));
+  sand.throw_shadow();
+  accept(sand.pile.set_light({0.36f, 0.8f, 0.48f}, 0.02f));
   const uint32_t n = sandglass::pile_shadow_desc().texels;
   const float texel = 1.0f / static_cast<float>(n);
   const auto textures = [&] {
-    const sandglass_pile_shadow_texture texture = sand.pile.texture();
-    std::vector<int> all(texture.coverage, texture.coverage + n * n);
-    all.insert(all.end(), texture.on_sand, texture.on_sand + n * n);
+    const uint8_t *floor = sand.pile.texture().bytes, *upper = sand.pile.texture(SANDGLASS_PILE_SHADOW_SAND).bytes;
+    std::vector<int> all(floor, floor + n * n);
+    all.insert(all.end(), upper, upper + n * n);
     return all;
   };
   sand.until_rested();
@@ -637,9 +638,9 @@ TEST(Skin, SandInTheAirThrowsItsOwnShadow) {
     const double fell_x = (one.position[0] - (x / sum * texel - 0.5)) / (0.36 / 0.8);
     const double fell_z = (one.position[2] - (z / sum * texel - 0.5)) / (0.48 / 0.8);
     EXPECT_NEAR(fell_x, fell_z, 1.5 * texel);
-    const sandglass_pile_shadow_sky sky = sand.pile.sky();
+    const sandglass_texture sky = sand.pile.texture(SANDGLASS_PILE_SHADOW_HEIGHTS);
     const auto at = static_cast<uint32_t>(x / sum) + n * static_cast<uint32_t>(z / sum);
-    const double top = static_cast<double>(sky.heights[at]) * static_cast<double>(sky.height) / 255;
+    const double top = static_cast<double>(sky.bytes[at]) * static_cast<double>(sky.scale) / 255;
     EXPECT_EQ(top > 0.03, on_heap);
     EXPECT_NEAR(fell_z, one.position[1] - top, (on_heap ? 1.5 : 0.5) * texel);
   }

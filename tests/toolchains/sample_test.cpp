@@ -80,8 +80,8 @@ TEST(Sample, OnAHotPhoneLightAndTheBestLevelsRest) {
   ASSERT_TRUE(sand.create(sample::k_rests_at));
   EXPECT_EQ(sand.frame(0.01f, 0.6f, nullptr, nullptr).level, SANDGLASS_LEVEL_COARSE) << "all fits";
   const sandglass_camera_image image = {};  // one that cannot be used: the report says whether it was looked at
-  EXPECT_EQ(sand.frame(0.01f, 0.6f, nullptr, &image).estimate.ignored_images, 0u);
-  EXPECT_EQ(sand.frame(0.01f, 0.8f, nullptr, &image).estimate.ignored_images, 1u);
+  EXPECT_EQ(sand.frame(0.01f, 0.6f, nullptr, &image).estimator.ignored_images, 0u);
+  EXPECT_EQ(sand.frame(0.01f, 0.8f, nullptr, &image).estimator.ignored_images, 1u);
 }
 
 // Sand is drawn for the image on the screen, which a short one for lamps is not. The control: one that is half as long

@@ -14,7 +14,7 @@ for (const [away, times] of [[0.5, 0], [6, 1]]) {
   let textures = 0;
   said.length = 0;
   for (let i = 0; i < 200 && textures < 2; ++i) {
-    if (stage.frame(1 / 60).textures.object) ++textures, stage.move(first, [0, 0.01, 0], [0, 0, 0, 1]);
+    if (stage.frame(1 / 60).textures.shadow) ++textures, stage.move(first, [0, 0.01, 0], [0, 0, 0, 1]);
   }
   assert.equal(textures, 2);
   assert.equal(said.length, times, `${away} m apart: ${said}`);

@@ -50,7 +50,7 @@ int main(int count, char** words) {
 
   const sandglass_points particles = {k_particles, k_particle_velocities, std::size(k_particles) / 3};
   const sandglass_points grains = {k_grains, k_grain_velocities, std::size(k_grains) / 3};
-  status.code = sandglass_granular_add(scene.get(), &particles, &grains, &status.reason);
+  status.code = sandglass_scene_add(scene.get(), &particles, &grains, &status.reason);
   std::vector<sandglass_grain> drawn(desc.granular.grain_capacity);
   sandglass_frame_input input = sandglass::frame_input(k_frame_step, k_budget_ns);
   input.colliders = k_colliders;

@@ -69,7 +69,7 @@ class Headers:
 
     def __init__(self, include):
         folder = pathlib.Path(include) / "sandglass"
-        first = ["types.h", "sampling.h", "field.h", "sandglass.h"]  # structs come before those that hold them
+        first = ["types.h", "sampling.h", "field.h", "reference.h", "sand.h", "scene.h", "bodies.h", "frame.h"]  # structs come before those that hold them
         self.names = sorted((path.name for path in folder.glob("*.h")), key=lambda name: ((first + [name]).index(name), name))
         texts = [(folder / name).read_text() for name in self.names]
         self.constants, self.enumerations, self.callbacks, self.structs, self.functions = {}, set(), {}, {}, {}

@@ -11,8 +11,8 @@ import sys
 
 # Capability, its sample, its header. Of a .md file the first block of that language is shown.
 SAMPLES = [("Sand, drawn as a surface", "models/examples/pour.cpp", "skin.h"),
-           ("Sand from C", "models/examples/hello.c", "sandglass.h"),
-           ("Bodies that sand carries", "models/examples/bodies.cpp", "sandglass.h"),
+           ("Sand from C", "models/examples/hello.c", "scene.h"),
+           ("Bodies that sand carries", "models/examples/bodies.cpp", "bodies.h"),
            ("The light of the room", "models/examples/camera_app.cpp", "room.h"),
            ("The soft shadow of an object", "models/examples/shadow_alone.cpp", "shadow.h"),
            ("In three.js: a model with a shadow, and sand", "toolchains/web/README.md", "cast.h"),

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -135,9 +136,9 @@ class Sand {
     input.room = room_.get();
     rests_ = headroom <= (rests_ ? k_goes_on_above : k_rests_at);
     input.camera = rests_ ? nullptr : camera;
-    (void)pile_.set_light({light_.main_direction[0], light_.main_direction[1], light_.main_direction[2]});
-    (void)cast_.set_light({light_.main_direction[0], light_.main_direction[1], light_.main_direction[2]},
-                          light_.main_angular_diameter);
+    const std::array<float, 3> towards = {light_.main_direction[0], light_.main_direction[1], light_.main_direction[2]};
+    (void)pile_.set_light(towards, light_.main_angular_diameter);
+    (void)cast_.set_light(towards, light_.main_angular_diameter);
     (void)pile_.set_cells(light_.ambient_cells);
     (void)cast_.set_cells(light_.ambient_cells);
     input.pile_shadow = pile_.get();
@@ -158,13 +159,13 @@ class Sand {
 
   Shading shading() const {
     const float scale = sandglass_room_exposure(&light_, &screen_);  // of the image on the screen
-    sandglass_lighting lighting = {};
+    sandglass_light lighting = {};
     sandglass_filament_light of = {};
     lighting.struct_size = sizeof lighting;
     of.struct_size = sizeof of;
     Shading shading = {};
-    if (sandglass_lighting_of_room(&light_, &lighting, nullptr) != SANDGLASS_OK ||
-        sandglass_lighting_to_filament(&lighting, SANDGLASS_LIGHTING_AMBIENT, scale, &of, nullptr) != SANDGLASS_OK)
+    if (sandglass_light_of_room(&light_, &lighting, nullptr) != SANDGLASS_OK ||
+        sandglass_light_to_filament(&lighting, SANDGLASS_LIGHT_AMBIENT, scale, &of, nullptr) != SANDGLASS_OK)
       return shading;
     for (int k = 0; k < 3; ++k) {
       const float up = of.sh[k] + of.sh[3 + k] - of.sh[18 + k] - of.sh[24 + k];  // the harmonics at (0, 1, 0)
@@ -176,15 +177,12 @@ class Sand {
   }
 
   Shadows shadows() const {
-    const sandglass_pile_shadow_texture sand = pile_.texture();
-    const sandglass_pile_shadow_sky sky = pile_.sky();
-    const float extent = 2 * k_table;
     Shadows all;
     take(&all.object, cast_.texture());
     take(&all.object_room, cast_.ambient());
-    if (sand.valid) all.sand = {sand.coverage, sand.texels, {-k_table, -k_table, 1 / extent, 1 / extent}, sand.version};
-    if (sky.valid) all.sand_room = {sky.floor, sky.texels, {-k_table, -k_table, 1 / extent, 1 / extent}, sky.version};
-    all.sand_opacity = sand.opacity;
+    take(&all.sand, pile_.texture());
+    take(&all.sand_room, pile_.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR));
+    all.sand_opacity = pile_.texture().scale;
     all.main_share = light_.main_share;
     return all;
   }
@@ -198,9 +196,9 @@ class Sand {
   sandglass::Room& room() { return room_; }
 
  private:
-  static void take(ShadowTexture* shadow, const sandglass_cast_texture& t) {
+  static void take(ShadowTexture* shadow, const sandglass_texture& t) {
     if (t.valid)
-      *shadow = {t.bytes, t.texels, {t.corner[0], t.corner[2], 1 / t.along[0], 1 / t.across[2]}, t.completed};
+      *shadow = {t.bytes, t.side, {t.corner[0], t.corner[2], 1 / t.along[0], 1 / t.across[2]}, t.version};
   }
 
   sandglass::Scene scene_;

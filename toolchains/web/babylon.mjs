@@ -4,7 +4,7 @@ import { Engine, oneMesh } from "./engine.mjs";
 import { checked } from "./stage.mjs";
 import { receive, receivers, receiverValues } from "./glsl.mjs";
 
-const k_vectors = ["sandglass_pile_box", "sandglass_object_box", "sandglass_seen_box", "sandglass_numbers", "sandglass_to_light"];
+const k_vectors = ["sandglass_pile_box", "sandglass_shadow_box", "sandglass_occlusion_box", "sandglass_numbers", "sandglass_to_light"];
 
 // `scene` is needed; `worker`: the stage runs in a Worker; else options of Stage.create.
 export async function createStage(BABYLON, { scene, ...options } = {}) {
@@ -20,9 +20,9 @@ class BabylonStage extends Engine {
     // The engine takes harmonics from a cube map; this one is black, so that nothing is reflected.
     this.around = new BABYLON.RawCubeTexture(scene, Array.from({ length: 6 }, () => new Uint8Array([0, 0, 0, 255])), 1);
     scene.environmentTexture ??= this.around;
-    this.textures = Object.fromEntries(receivers.map((name) => [name, this.texture(1, new Uint8Array([name === "seen" || name === "sky" ? 255 : 0]))]));
+    this.textures = Object.fromEntries(receivers.map((name) => [name, this.texture(1, new Uint8Array([name === "occlusion" || name === "sky" ? 255 : 0]))]));
     for (const name of k_vectors) this.vectors[name] = [0, 0, 0, 0];
-    this.vectors.sandglass_seen_box = [2, 2, 0, 0];
+    this.vectors.sandglass_occlusion_box = [2, 2, 0, 0];
     this.Receiver = this.receiver();
   }
   texture(side, bytes) {

@@ -6,7 +6,7 @@ import { SandPainter, setUniforms, uploadShadow } from "./sand_painter.mjs";
 import { k_block_text } from "./block_module.mjs";
 import { kit, kitValues, receivers } from "./glsl.mjs";
 
-const k_units = { pile: 0, object: 1, seen: 2, sky: 3 }, k_painter_units = [0, 1, 2, 3, 8, 9];
+const k_units = { pile: 0, shadow: 1, occlusion: 2, sky: 3 }, k_painter_units = [0, 1, 2, 3, 8, 9];
 const k_hidden = "float hidden(vec3 world) { return 0.0; }\n";
 const k_light = `uniform float linear_output;\n${kit.light.replace("linear = clamp", "if (linear_output > 0.5) return vec4(linear, 1);\n  linear = clamp")}`;
 const k_capabilities = ["BLEND", "CULL_FACE", "DEPTH_TEST", "SCISSOR_TEST", "STENCIL_TEST", "POLYGON_OFFSET_FILL"];
@@ -58,7 +58,7 @@ class Sand {
     this.gl = gl, this.textures = {};
     unnoticed(gl, () => {
       this.painter = new SandPainter(gl, k_hidden, block, radius, k_light);
-      for (const name of ["onSand", "skyOnSand", "object", "seen"]) this.upload(name, { side: 1, bytes: new Uint8Array([name === "onSand" || name === "object" ? 0 : 255]) });
+      for (const name of ["onSand", "skyOnSand", "shadow", "occlusion"]) this.upload(name, { side: 1, bytes: new Uint8Array([name === "onSand" || name === "shadow" ? 0 : 255]) });
     });
   }
   upload(name, texture) { this.textures[name] = uploadShadow(this.gl, texture, this.textures[name]); }
@@ -83,7 +83,7 @@ class Sand {
       const set = { ...this.values, view, projection, eye, linear_output: linear ? 1 : 0 };
       painter.draw((program) => {
         gl.useProgram(program.made);
-        for (const [name, texture] of [["pile", textures.onSand], ["object", textures.object], ["seen", textures.seen], ["sky", textures.skyOnSand]])
+        for (const [name, texture] of [["pile", textures.onSand], ["shadow", textures.shadow], ["occlusion", textures.occlusion], ["sky", textures.skyOnSand]])
           gl.activeTexture(gl.TEXTURE0 + k_units[name]), gl.bindTexture(gl.TEXTURE_2D, texture), gl.uniform1i(program.at(name), k_units[name]);
         setUniforms(gl, program, set);
       }, eye, 0.5 * height * projection[5]);

@@ -14,9 +14,9 @@ export interface View { orientation?: readonly number[]; position?: Triple; diag
 export interface Texture { side: number; bytes: Uint8Array; }
 export interface Drawn {
   light: { toLight: number[]; facing: number[]; radiance: number[]; ambient: number[]; floor: number[] };
-  textures: { [Name in "pile" | "onSand" | "sky" | "skyOnSand" | "object" | "seen"]?: Texture };
-  pileBox: number[]; objectBox: number[]; seenBox: number[]; floor: number;
-  pileOpacity: number; objectOpacity: number; skyKnown: number; milliseconds: number; particles: number;
+  textures: { [Name in "pile" | "onSand" | "sky" | "skyOnSand" | "shadow" | "occlusion"]?: Texture };
+  pileBox: number[]; shadowBox: number[]; occlusionBox: number[]; floor: number;
+  pileOpacity: number; shadowOpacity: number; skyKnown: number; milliseconds: number; particles: number;
   skin?: { chunks: { number: number; vertices: Uint8Array; indices: Uint16Array }[]; flying: number; lying: number; loose: Float32Array } | null;
 }
 interface Methods {

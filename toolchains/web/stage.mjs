@@ -6,9 +6,10 @@ import { SkinChanges } from "./skin_changes.mjs";
 import { fieldMade } from "./worker.mjs";
 
 const C = constants, k_colliders = 64, k_nozzles = 8, k_models = 32;
-const k_texels = { pile: 128, sky: 64, object: 256, seen: 128 };
-const k_cast = { texels: k_texels.object, ambient_texels: k_texels.seen, mesh_capacity: k_models, reach: 0 };  // all models cast
-const k_cast_textures = [["object", "seen"], ["wallObject", "wallSeen"]];  // of the floor and the wall
+const k_texels = { pile: 128, sky: 64, shadow: 256, occlusion: 128 };
+const k_cast = { texels: k_texels.shadow, ambient_texels: k_texels.occlusion, mesh_capacity: k_models, reach: 0 };  // all models cast
+const k_cast_textures = [["shadow", "occlusion"], ["wallShadow", "wallOcclusion"]];  // of the floor and the wall
+const k_pile_textures = ["pile", "onSand", "sky", "skyOnSand"];  // in the order of sandglass_pile_shadow_part
 const k_coarse = 0.125;       // of the smallest model's side: texels are as large as that at most, or it is said
 const k_fade = 5;             // seconds after an image in which light and shadows are told anew
 const k_field_nodes = 4e6;   // at most: a large model gets a coarser field
@@ -71,8 +72,8 @@ export class Stage {
     Object.assign(this, { sand, options, models: new Map(), nozzles: [], hands: [], shown: {}, next: 1, images: 0, fading: k_fade, cast: 0, casts: [], planes: [{ x: [1, 0, 0], z: [0, 0, 1], at: [0, 0, 0] }], boxes: {}, room: 0, fields: Promise.resolve(), unmade: 0 });
     this.made("room", "sandglass_room");
     this.words = sand.allocate(4 * C.SANDGLASS_LIGHT_CELLS), this.castList = sand.allocate(8);
-    for (const name of ["camera_image", "room_light", "room_place", "lighting", "filament_light", "frame_input", "frame_report", "cast_texture",
-      "pile_shadow_texture", "pile_shadow_sky"]) this[name] = sand.make(`sandglass_${name}`);
+    for (const name of ["camera_image", "room_light", "room_place", "lighting", "filament_light", "frame_input", "frame_report",
+      "texture"]) this[name] = sand.make(`sandglass_${name}`);
     this.light = sand.make("sandglass_room_light"), this.light.struct_size = 0;
     sand.sandglass_room_place_default(this.room_place);
     this.room_place.set({ position: options.origin, shown: this.light });
@@ -232,17 +233,17 @@ export class Stage {
   fade(seconds) {
     const { sand, light, lighting, filament_light: filament } = this;
     sand.sandglass_room_fade(light, this.room_light, seconds);
-    sand.sandglass_lighting_of_room(light, lighting);
-    sand.sandglass_lighting_to_filament(lighting, C.SANDGLASS_LIGHTING_AMBIENT, 1, filament);
+    sand.sandglass_light_of_room(light, lighting);
+    sand.sandglass_light_to_filament(lighting, C.SANDGLASS_LIGHT_AMBIENT, 1, filament);
     return { toLight: [...lighting.towards], facing: [...lighting.facing], radiance: [...lighting.ambient_sh], ambient: [...filament.sh], floor: [...light.floor] };
   }
   // Shadows of a light: towards the main one, the cells where the rest comes from, and how large it is, radians; 0: not known.
   shade(toLight, cells, diameter = 0) {
     const { sand, words, casts, pile } = this, sum = Math.max(cells.reduce((all, cell) => all + cell, 0), 0.001);
-    for (const [kind, handle, ...more] of [...casts.map((cast) => ["cast", cast, diameter]), ["pile_shadow", pile]]) {
+    for (const [kind, handle] of [...casts.map((cast) => ["cast", cast]), ["pile_shadow", pile]]) {
       if (!handle) continue;
       sand.floats(words, 3).set(toLight);
-      sand[`sandglass_${kind}_set_light`](handle, words, ...more);
+      sand[`sandglass_${kind}_set_light`](handle, words, diameter);
       // What is drawn by these cells is the light without the main one: they are 1 together.
       sand.floats(words, C.SANDGLASS_LIGHT_CELLS).set(cells.map((cell) => cell / sum));
       sand[`sandglass_${kind}_set_cells`](handle, words);
@@ -284,27 +285,34 @@ export class Stage {
 
   // What changed since the call before. Its arrays are views of the module's memory, valid until the next call.
   drawn(light) {
-    const { sand, shown, cast_texture: cast, pile_shadow_texture: pile, pile_shadow_sky: sky, options: { origin: [x, y, z], half } } = this;
+    const { sand, shown, texture, options: { origin: [x, y, z], half } } = this;
+    let behind = 0;  // of textures that show what was
     const textures = {}, changed = (key, version) => shown[key] !== version && (shown[key] = version, true);
-    const take = (name, side, at) => { textures[name] = { side, bytes: sand.bytes(at, side ** 2) }; };
+    const take = (name) => { textures[name] = { side: texture.side, bytes: sand.bytes(texture.bytes, texture.side ** 2) }; };
     const dot = (a, b) => a.reduce((sum, c, k) => sum + c * b[k], 0);
     this.casts.forEach((handle, i) => k_cast_textures[i].forEach((name, k) => {
-      sand[`sandglass_cast_get_${k === 0 ? "texture" : "ambient"}`](handle, cast);
-      if (!cast.valid || !changed(name, `${handle} ${cast.completed}`)) return;
-      const { x, z, at } = this.planes[i], { corner, along, across } = cast;
-      if (name === "object") this.warn(Math.hypot(...along) / cast.texels);
-      take(name, cast.texels, cast.bytes), this.boxes[name] = [dot(x, corner) - dot(x, at), dot(z, corner) - dot(z, at), 1 / dot(x, along), 1 / dot(z, across)];
+      sand[`sandglass_cast_get_${k === 0 ? "texture" : "ambient"}`](handle, texture);
+      behind += texture.behind;
+      if (!texture.valid || !changed(name, `${handle} ${texture.version}`)) return;
+      const { x, z, at } = this.planes[i], { corner, along, across } = texture;
+      if (name === "shadow") this.warn(Math.hypot(...along) / texture.side);
+      take(name), this.boxes[name] = [dot(x, corner) - dot(x, at), dot(z, corner) - dot(z, at), 1 / dot(x, along), 1 / dot(z, across)];
     }));
-    const boxes = { object: [0, 0, 0, 0], seen: [2, 2, 0, 0], ...this.boxes };
-    const out = { light, textures, floor: y, pileBox: [x - half, z - half, 0.5 / half, 0.5 / half], objectBox: boxes.object, seenBox: boxes.seen, boxes,
-      objectOpacity: this.boxes.object ? 1 : 0, pileOpacity: 0, skyKnown: 0, milliseconds: this.frame_report.time.elapsed_ns / 1e6, particles: this.frame_report.sand.particles };
+    const boxes = { shadow: [0, 0, 0, 0], occlusion: [2, 2, 0, 0], ...this.boxes };
+    const out = { light, textures, floor: y, pileBox: [x - half, z - half, 0.5 / half, 0.5 / half], shadowBox: boxes.shadow, occlusionBox: boxes.occlusion, boxes,
+      shadowOpacity: this.boxes.shadow ? 1 : 0, pileOpacity: 0, skyKnown: 0, milliseconds: this.frame_report.time.elapsed_ns / 1e6, particles: this.frame_report.sand.particles };
+    if (this.radius) k_pile_textures.forEach((name, part) => {
+      sand.sandglass_pile_shadow_get_texture(this.pile, part, texture);
+      behind += texture.behind;
+      if (name === "pile" && texture.valid) out.pileOpacity = texture.scale;
+      if (name === "sky") out.skyKnown = texture.valid;
+      if (texture.valid && changed(name, texture.version)) take(name);
+    });
+    this.behind = behind;
     if (!this.radius) return out;
-    sand.sandglass_pile_shadow_get_texture(this.pile, pile), sand.sandglass_pile_shadow_get_sky(this.pile, sky);
-    if (pile.valid && changed("pile", pile.version)) take("pile", pile.texels, pile.coverage), take("onSand", pile.texels, pile.on_sand);
-    if (sky.valid && changed("sky", sky.version)) take("sky", sky.texels, sky.floor), take("skyOnSand", sky.texels, sky.on_sand);
     const skin = this.changes.take();
     const streams = this.nozzles.slice(0, 3).map(({ position, rotation, radius, speed }) => ({ nozzle: [...position, radius], way: [...matrixOf(position, rotation).slice(4, 7).map((c) => -c), speed] }));
-    return Object.assign(out, { skin, streams, radius: this.radius, pileOpacity: pile.valid ? pile.opacity : 0, skyKnown: sky.valid });
+    return Object.assign(out, { skin, streams, radius: this.radius });
   }
 }
 

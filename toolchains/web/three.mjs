@@ -18,8 +18,8 @@ class ThreeStage extends Engine {
     Object.assign(this, { THREE, scene, renderer, probe: new THREE.LightProbe(), sun: new THREE.DirectionalLight(), group: null, placing: "updateWorldMatrix" });
     scene.add(this.probe, this.sun, this.sun.target);
     this.uniforms = Object.fromEntries(Object.keys(receiverValues({ light: { toLight: [] } })).map((name) => [name, { value: new THREE.Vector4() }]));
-    for (const name of receivers) this.uniforms[`sandglass_${name}`] = { value: this.texture(1, new Uint8Array([name === "seen" || name === "sky" ? 255 : 0])) };
-    this.uniforms.sandglass_seen_box.value.set(2, 2, 0, 0);
+    for (const name of receivers) this.uniforms[`sandglass_${name}`] = { value: this.texture(1, new Uint8Array([name === "occlusion" || name === "sky" ? 255 : 0])) };
+    this.uniforms.sandglass_occlusion_box.value.set(2, 2, 0, 0);
   }
   texture(side, bytes) {
     const { LinearFilter, RedFormat, DataTexture } = this.THREE;

@@ -1,5 +1,5 @@
 /* Sandglass camera: one image of the camera, as it lies in the app's memory, and where the camera looked. One image is
- * estimated by a network (estimate.h); many are gathered into a room (room.h).
+ * estimated by a network (estimator.h); many are gathered into a room (room.h).
  *
  * The world frame is right-handed with y up, as in sandglass.h. Units, errors and the rule for NULL: see types.h. */
 #ifndef SANDGLASS_CAMERA_H

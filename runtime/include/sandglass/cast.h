@@ -147,7 +147,7 @@ SANDGLASS_API void sandglass_cast_mesh_default(sandglass_cast_mesh* mesh);
  * each bone.
  *
  * Poses that move no corner of a mesh's box by a tenth of a texel make no new texture. Triangles with an index that no
- * vertex has, a corner that is not finite or is 1,000 km away are left out (`left_out` of the texture). Fails with
+ * vertex has, a corner that is not finite or is 1,000 km away are left out (`left_out` of the report). Fails with
  * CAPACITY: more meshes or triangles than the description has; and with INVALID_ARGUMENT: a field out of range, a pose
  * that is not finite, or other counts with the arrays and the version of before. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_cast_set_meshes(sandglass_cast* cast,
@@ -177,42 +177,31 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_cast_set_cells(sand
  * that every texture is up to date. If any of the casts is NULL, it runs none. */
 SANDGLASS_API uint32_t sandglass_cast_run(sandglass_cast* const* casts, uint32_t count, uint32_t units);
 
-/* A texture as it is now: that of the light, or the ambient one. */
-typedef struct sandglass_cast_texture {
+/* Fills *texture with the shadow of the light; set texture->struct_size before. 255 * coverage, the share of the light that
+ * is hidden. */
+SANDGLASS_API void sandglass_cast_get_texture(const sandglass_cast* cast, sandglass_texture* texture);
+
+/* Fills *texture with the ambient shadow; set texture->struct_size before. 255 * A, the share of the plane's light that is
+ * left, as in shadow.h. Where real meshes shade the plane, A - s * coverage is left of what they leave, and neither tells
+ * of one light alone. */
+SANDGLASS_API void sandglass_cast_get_ambient(const sandglass_cast* cast, sandglass_texture* texture);
+
+/* What the textures of now were made of. */
+typedef struct sandglass_cast_report {
   uint32_t struct_size;
-  /* 0: none was completed yet, and it shows no shadow. */
-  uint32_t valid;
-  /* texels x texels bytes, row after row. Of the light: 255 * coverage, the share of the light that is hidden. Ambient:
-   * 255 * A, the share of the plane's light that is left, as in shadow.h. Where real meshes shade the plane, A - s *
-   * coverage is left of what they leave, and neither tells of one light alone. Stable until units are run again. NULL:
-   * the description has none. */
-  const uint8_t* bytes;
-  /* Along a side. */
-  uint32_t texels;
-  /* Where it lies, world, metres: its first corner, the edge along a row, and the edge across the rows. */
-  float corner[3], along[3], across[3];
-  /* Of the light: the unit vector towards the light that it was made for. */
-  float light[3];
-  /* Directions that it was made of. Fewer than the description has: a first one, which a better one will replace. */
+  /* Directions of the light's texture. Fewer than the description has: a first one, which a better one will replace. */
   uint32_t directions;
-  /* Ambient: the share of that light which the meshes' own surface receives, on average, that is, which other parts of it
-   * do not hide. */
-  float open;
   /* Triangles that were left out, see sandglass_cast_set_meshes. */
   uint32_t left_out;
   /* Triangles that cast nothing because of the description's `reach`; one that the plane cuts may count twice. */
   uint32_t too_far;
-  /* 1: something has changed since it was begun, and a newer one follows. */
-  uint32_t stale;
-  /* Textures that were completed so far. The bytes have changed when this has. */
-  uint32_t completed;
-} sandglass_cast_texture;
+  /* The share of the ambient texture's light which the meshes' own surface receives, on average, that is, which other parts
+   * of it do not hide. 1 without one. */
+  float open;
+} sandglass_cast_report;
 
-/* Fills *texture with that of the light; set texture->struct_size before. */
-SANDGLASS_API void sandglass_cast_get_texture(const sandglass_cast* cast, sandglass_cast_texture* texture);
-
-/* Fills *texture with the ambient one; set texture->struct_size before. */
-SANDGLASS_API void sandglass_cast_get_ambient(const sandglass_cast* cast, sandglass_cast_texture* texture);
+/* Fills *report; set report->struct_size before. */
+SANDGLASS_API void sandglass_cast_get_report(const sandglass_cast* cast, sandglass_cast_report* report);
 
 #ifdef __cplusplus
 } /* extern "C" */

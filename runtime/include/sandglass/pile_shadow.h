@@ -19,16 +19,16 @@
  *   2. calls sandglass_pile_shadow_set_light, every frame if it likes,
  *   3. passes the shadow to sandglass_scene_frame (input.pile_shadow), which gives it part of the time of the shadow
  *      stage; its textures and those of shadow.h take turns. Without a scene it calls sandglass_pile_shadow_run,
- *   4. draws the texture like that of an object: c = coverage / 255 * opacity of the light, 0 outside the rectangle. Of
+ *   4. draws the texture like that of an object: c = scale * bytes / 255 of FLOOR, 0 outside the rectangle. Of
  *      one light object and sand leave (1 - c of the object) * (1 - c of the sand).
  *
  * The room's light. An app that sets desc.sky_texels also gets a texture of the light that arrives from all sides, on
  * the floor and on the sand. It calls sandglass_pile_shadow_set_cells when its estimate of the room has changed, or
- * never: then the texture is made for a room that nobody has seen. To draw the floor, it multiplies by A = `floor` / 255 of
- * sandglass_pile_shadow_sky, 1 outside the rectangle. Where it draws a share s of the light as a sharp shadow, it leaves
+ * never: then the texture is made for a room that nobody has seen. To draw the floor, it multiplies by A = bytes / 255 of
+ * SKY_FLOOR, 1 outside the rectangle. Where it draws a share s of the light as a sharp shadow, it leaves
  * that share out of the cells and multiplies by A - s * c instead. Where object and sand lie in each other's shadow, the
  * floor keeps s (1 - c1) (1 - c2) + (A1 - s) (A2 - s) / (1 - s), no factor below 0, the second term 0 where s is 1;
- * runtime/shadow/README.md has the shader, and the formula for more objects. Sand is drawn in the same way by `on_sand`,
+ * runtime/shadow/README.md has the shader, and the formula for more objects. Sand is drawn in the same way by SAND,
  * and grains in the gaps between others are darker, see sandglass_pile_shadow_light_grains.
  *
  * What is said above of columns holds here too. Light and shadow of one bright cell are as soft as the cell is wide,
@@ -64,13 +64,11 @@ typedef struct sandglass_pile_shadow_desc {
   /* Texels along a side: 32..256, a multiple of 32. Default: 128. A texel as wide as a particle, or half as wide, is
    * fine enough. It is then one to three grains wide. */
   uint32_t texels;
-  /* Of the light, radians, 0.02..1. Default: 0.34907 (20 degrees). */
-  float angular_diameter;
   /* Radians, 0..1: the texture is made anew when the light has turned by more. Default: 0.01. */
   float light_tolerance;
   /* 1 (the default): also the shadow of the sand on itself. 0 saves half the time and memory. */
   uint32_t on_sand;
-  /* Along a side of the texture of the room's light (sandglass_pile_shadow_sky): `texels`, a half or a quarter of it, a
+  /* Along a side of the texture of the room's light (SANDGLASS_PILE_SHADOW_SKY_FLOOR): `texels`, a half or a quarter of it, a
    * multiple of 16, at most 128. A half is fine enough. 0 (the default): there is none. */
   uint32_t sky_texels;
 } sandglass_pile_shadow_desc;
@@ -90,11 +88,13 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_create(
                                                                                 sandglass_pile_shadow** shadow,
                                                                                 const char** reason);
 
-/* Sets the direction towards the light: world, of any length above 0. A light more than 70 degrees from the zenith is
+/* Sets the light. `direction`: towards it, world, of any length above 0. `angular_diameter`: radians, 0..1.5; 0 means
+ * 0.34907 (20 degrees), and it counts as within 0.02..1. A light more than 70 degrees from the zenith is
  * taken as one at 70 degrees, and `opacity` falls linearly to 0 at the horizon, as in shadow.h. Fails with
- * INVALID_ARGUMENT: the direction is zero or not finite. */
+ * INVALID_ARGUMENT: a direction that is zero or not finite, or a diameter out of range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow,
                                                                                    const float direction[3],
+                                                                                   float angular_diameter,
                                                                                    const char** reason);
 
 /* Makes the next textures even if nothing seems to have moved: call it after sandglass_scene_move or _restore. */
@@ -107,30 +107,25 @@ SANDGLASS_API void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow);
 SANDGLASS_API uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count,
                                                  float radius, uint32_t units);
 
-/* A texture as it is now. */
-typedef struct sandglass_pile_shadow_texture {
-  uint32_t struct_size;
-  /* 0: no texture was completed yet; all coverage is 0. */
-  uint32_t valid;
-  /* On the floor: texels x texels bytes, row v along z, column u along x. Stable until units are run again. */
-  const uint8_t* coverage;
-  /* On the upper surface of the sand, where there is any; NULL when the description left it out. */
-  const uint8_t* on_sand;
-  /* Along a side. */
-  uint32_t texels;
-  /* The rectangle of the description, world, metres. */
-  float low[2], high[2];
-  /* 1; less for a light more than 70 degrees from the zenith; 0 at and below the horizon. */
-  float opacity;
-  /* Frames since the one that the texture was begun in. 0: nothing has changed since. */
-  uint32_t frames_behind;
-  /* Another one when a byte of the textures has changed: upload it then. 0: none was completed. */
-  uint64_t version;
-} sandglass_pile_shadow_texture;
+/* The textures of a pile shadow. All lie on the rectangle of the description: row v along z, column u along x. */
+typedef int32_t sandglass_pile_shadow_part;
+enum {
+  /* The light's shadow on the floor: 255 * coverage. */
+  SANDGLASS_PILE_SHADOW_FLOOR = 0,
+  /* The same on the upper surface of the sand, where there is any. No bytes when the description left it out. */
+  SANDGLASS_PILE_SHADOW_SAND = 1,
+  /* The share of the light of the cells that the sand leaves, on the floor; no bytes where desc.sky_texels was 0, as of the
+   * two that follow. */
+  SANDGLASS_PILE_SHADOW_SKY_FLOOR = 2,
+  /* The same on the upper surface of the sand; where there is none, as on the floor. */
+  SANDGLASS_PILE_SHADOW_SKY_SAND = 3,
+  /* The height of the sand's surface over the floor, on desc.texels x desc.texels bytes: `scale` is in metres. */
+  SANDGLASS_PILE_SHADOW_HEIGHTS = 4
+};
 
-/* Fills *texture; set texture->struct_size before. */
-SANDGLASS_API void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow,
-                                                     sandglass_pile_shadow_texture* texture);
+/* Fills *texture; set texture->struct_size before. For a part that there is not, it has no bytes. */
+SANDGLASS_API void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_part part,
+                                                     sandglass_texture* texture);
 
 /* Sets the light of the room, by the cells of types.h: the share of the floor's light that comes from each, less what
  * is drawn as the shadow of a light. Until the first call they are those of a room that nobody has seen. Cells that
@@ -139,40 +134,11 @@ SANDGLASS_API void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_set_cells(
     sandglass_pile_shadow* shadow, const float cells[SANDGLASS_LIGHT_CELLS], const char** reason);
 
-/* The light of the room that the sand leaves, as it is now. */
-typedef struct sandglass_pile_shadow_sky {
-  uint32_t struct_size;
-  /* 0: no texture was completed yet; nothing is hidden. */
-  uint32_t valid;
-  /* On the floor: texels x texels bytes, row v along z, column u along x; 255 where the sand hides none of the light of
-   * the cells. Stable until units are run again, like those below. */
-  const uint8_t* floor;
-  /* On the upper surface of the sand; where there is none, as on the floor. */
-  const uint8_t* on_sand;
-  /* Along a side; 0 and NULL textures where desc.sky_texels was 0. */
-  uint32_t texels;
-  /* The height of the sand's surface over the floor, on desc.texels x desc.texels bytes: 255 is `height` metres. */
-  const uint8_t* heights;
-  /* Along a side of `heights`. */
-  uint32_t height_texels;
-  /* Metres over the floor that 255 stands for. */
-  float height;
-  /* The rectangle of the description, world, metres. */
-  float low[2], high[2];
-  /* Frames since the one that the texture was begun in. 0: nothing has changed since. */
-  uint32_t frames_behind;
-  /* Another one when a byte of the textures has changed: upload it then. 0: none was completed. */
-  uint64_t version;
-} sandglass_pile_shadow_sky;
-
-/* Fills *sky; set sky->struct_size before. */
-SANDGLASS_API void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_sky* sky);
-
 /* Writes the light of `count` grains of `radius` metres: 255 times the share of the room's light that reaches the
  * topmost point of each. `positions` holds 3 floats each, metres. A grain whose topmost point lies below the surface of
- * the sand gets on_sand / (1 + 0.9 depth / radius). Without a complete texture all get 255.
+ * the sand gets SKY_SAND / (1 + 0.9 depth / radius). Without a complete texture all get 255.
  *
- * A shader gets the same from `on_sand` and `heights`, filtered linearly, and more evenly so for each point of a
+ * A shader gets the same from SKY_SAND and HEIGHTS, filtered linearly, and more evenly so for each point of a
  * grain's surface: see runtime/shadow/README.md. */
 SANDGLASS_API void sandglass_pile_shadow_light_grains(const sandglass_pile_shadow* shadow, const float* positions,
                                                       uint32_t count, float radius, uint8_t* visibility);

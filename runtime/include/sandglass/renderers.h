@@ -1,9 +1,9 @@
-/* Sandglass renderers: an estimate (estimate.h), or the light of a room (room.h), in the terms of a renderer.
+/* Sandglass renderers: an estimate (estimator.h), or the light of a room (room.h), in the terms of a renderer.
  *
  * An app
- *   1. makes a sandglass_lighting of one (sandglass_lighting_of_estimate, _of_room, _of_harmonics),
- *   2. where a thing must keep its own colours, adapts it (sandglass_lighting_adapt),
- *   3. converts it for its renderer (sandglass_lighting_to_filament, _arkit, _arcore, _unity, _three, _babylon).
+ *   1. makes a sandglass_light of one (sandglass_light_of_estimator, _of_room, _of_harmonics),
+ *   2. where a thing must keep its own colours, adapts it (sandglass_light_adapt),
+ *   3. converts it for its renderer (sandglass_light_to_filament, _arkit, _arcore, _unity).
  *
  * Set the struct_size of each struct before its function is called. What is converted may be of an older or a newer
  * header: what the functions need is in every version.
@@ -12,7 +12,7 @@
 #ifndef SANDGLASS_RENDERERS_H
 #define SANDGLASS_RENDERERS_H
 
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 #include "sandglass/room.h"
 
 #ifdef __cplusplus
@@ -22,7 +22,7 @@ extern "C" {
 /* ------------------------------------------------------------------------------------------------ lighting */
 
 /* Light as one directional light and the rest. All of it is linear RGB in the world's frame. */
-typedef struct sandglass_lighting {
+typedef struct sandglass_light {
   uint32_t struct_size;
   /* Unit vector towards the directional light. */
   float towards[3];
@@ -30,16 +30,16 @@ typedef struct sandglass_lighting {
   float facing[3];
   /* The irradiance of a level floor by everything, the directional light included. A white floor shows floor / pi. */
   float floor[3];
-  /* Radiance without the directional light as real spherical harmonics, laid out like sandglass_light_estimate.sh. */
+  /* Radiance without the directional light as real spherical harmonics, laid out like sandglass_estimator_light.sh. */
   float ambient_sh[27];
   /* The same of everything. */
   float whole_sh[27];
-} sandglass_lighting;
+} sandglass_light;
 
 /* The light of an estimate: facing is pi * strength * c, ambient_sh the ambient radiance a alone, whole_sh its `sh`.
  * Fails with INVALID_ARGUMENT: a struct_size that is not set, or an estimate that is not finite. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_of_estimate(
-    const sandglass_light_estimate* estimate, sandglass_lighting* lighting, const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_of_estimator(
+    const sandglass_estimator_light* estimate, sandglass_light* lighting, const char** reason);
 
 /* The light of a room: whole_sh is its `sh`, floor its `irradiance`. The directional light is its main light, with
  * facing = main_share * Y(irradiance) * main_colour / cos(theta), the luminance Y (5.2) and the angle theta of
@@ -47,16 +47,16 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_of_estimat
  * facing * Y_lm(main_direction). So the two together are whole_sh, and nothing is counted twice.
  *
  * Fails with INVALID_ARGUMENT: a struct_size that is not set, or a light that is not finite. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_of_room(const sandglass_room_light* light,
-                                                                              sandglass_lighting* lighting,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_of_room(const sandglass_room_light* light,
+                                                                              sandglass_light* lighting,
                                                                               const char** reason);
 
 /* The light that ARCore, WebXR or OpenXR estimates, without a room: facing is main_irradiance, 0 of TOTAL; whole_sh has
  * facing * Y_lm(main_direction) besides; the harmonics' part of floor is that of Ramamoorthi and Hanrahan 2001 (5). The
  * other fields do not count. Fails with INVALID_ARGUMENT: a struct_size that is not set, a number that is not finite, or
  * AMBIENT whose main_direction is 0. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_of_harmonics(const sandglass_harmonics* harmonics,
-                                                                                   sandglass_lighting* lighting,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_of_harmonics(const sandglass_harmonics* harmonics,
+                                                                                   sandglass_light* lighting,
                                                                                    const char** reason);
 
 /* For things that must keep their own colours, such as a product in a shop: *adapted becomes *lighting in other colours,
@@ -66,9 +66,9 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_of_harmoni
  * surface shows 1. `keep_chroma` 1: the room's light loses its hue, each colour becomes its luminance; 0: it stays.
  * With 1 and 0 nothing changes. Fails with INVALID_ARGUMENT: a lighting that was not filled or is not finite, an
  * argument out of range, or a struct_size that is not set. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_adapt(const sandglass_lighting* lighting,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_adapt(const sandglass_light* lighting,
                                                                             float strength, int32_t keep_chroma,
-                                                                            sandglass_lighting* adapted,
+                                                                            sandglass_light* adapted,
                                                                             const char** reason);
 
 /* How a renderer is to draw a lighting.
@@ -76,11 +76,11 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_adapt(cons
  * AMBIENT: by harmonics and a directional light that casts shadows. The two together are everything.
  *
  * WHOLE: by harmonics alone. They hold everything, so the directional light beside them is 0. */
-typedef int32_t sandglass_lighting_model;
-enum { SANDGLASS_LIGHTING_AMBIENT = 0, SANDGLASS_LIGHTING_WHOLE = 1 };
+typedef int32_t sandglass_light_model;
+enum { SANDGLASS_LIGHT_AMBIENT = 0, SANDGLASS_LIGHT_WHOLE = 1 };
 
 /* The harmonics of a lighting, a room or an estimate as an object sees them that is turned by `rotation` (object to
- * world, any length above 0). Both arrays are interleaved (r0 g0 b0 ...), as in sandglass_light_estimate.sh; they may be
+ * world, any length above 0). Both arrays are interleaved (r0 g0 b0 ...), as in sandglass_estimator_light.sh; they may be
  * the same. Fails with INVALID_ARGUMENT: a number that is not finite, or a rotation of length 0. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_harmonics_turn(const float sh[27], const float rotation[4],
                                                                             float turned[27], const char** reason);
@@ -109,8 +109,8 @@ typedef struct sandglass_filament_light {
 /* Converts for Filament. `nits` is the luminance that radiance 1 stands for, in cd/m^2, above 0 and at most 1e9; it is
  * also the intensity of the IndirectLight. Take about 30 for Filament's default indoor exposure. With the camera's
  * exposure e (Camera::setExposure), 1 / e shows radiance 1 as 1. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_to_filament(const sandglass_lighting* lighting,
-                                                                                  sandglass_lighting_model model,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_filament(const sandglass_light* lighting,
+                                                                                  sandglass_light_model model,
                                                                                   float nits,
                                                                                   sandglass_filament_light* filament,
                                                                                   const char** reason);
@@ -135,8 +135,8 @@ typedef struct sandglass_arkit_light {
 } sandglass_arkit_light;
 
 /* Converts for SceneKit and RealityKit. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_to_arkit(const sandglass_lighting* lighting,
-                                                                               sandglass_lighting_model model,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_arkit(const sandglass_light* lighting,
+                                                                               sandglass_light_model model,
                                                                                sandglass_arkit_light* arkit,
                                                                                const char** reason);
 
@@ -154,8 +154,8 @@ typedef struct sandglass_arcore_light {
 } sandglass_arcore_light;
 
 /* Converts into what ARCore gives. The model AMBIENT is what ARCore means. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_to_arcore(const sandglass_lighting* lighting,
-                                                                                sandglass_lighting_model model,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_arcore(const sandglass_light* lighting,
+                                                                                sandglass_light_model model,
                                                                                 sandglass_arcore_light* arcore,
                                                                                 const char** reason);
 
@@ -178,51 +178,10 @@ typedef struct sandglass_unity_light {
 } sandglass_unity_light;
 
 /* Converts for Unity. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_to_unity(const sandglass_lighting* lighting,
-                                                                               sandglass_lighting_model model,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_unity(const sandglass_light* lighting,
+                                                                               sandglass_light_model model,
                                                                                sandglass_unity_light* unity,
                                                                                const char** reason);
-
-/* For three.js, release 155 or newer: a DirectionalLight whose target is the origin, and a LightProbe of intensity 1. */
-typedef struct sandglass_three_light {
-  uint32_t struct_size;
-  /* Of the DirectionalLight: unit vector towards the light. */
-  float position[3];
-  /* Linear; the greatest channel is 1. */
-  float colour[3];
-  /* The greatest channel of the irradiance of a facing surface. A white surface shows it over pi. */
-  float intensity;
-  /* For LightProbe.sh.fromArray: radiance, as in a lighting. The shader (shGetIrradianceAt) convolves it. */
-  float sh[27];
-} sandglass_three_light;
-
-/* Converts for three.js. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_to_three(const sandglass_lighting* lighting,
-                                                                               sandglass_lighting_model model,
-                                                                               sandglass_three_light* three,
-                                                                               const char** reason);
-
-/* For Babylon.js and its PBR materials: a DirectionalLight, and the harmonics of an environment texture. */
-typedef struct sandglass_babylon_light {
-  uint32_t struct_size;
-  /* The way the light travels, in the scene's world. */
-  float direction[3];
-  /* diffuse and specular, linear; the greatest channel is 1. */
-  float colour[3];
-  /* The greatest channel of the irradiance of a facing surface. A white surface shows it over pi. */
-  float intensity;
-  /* For SphericalPolynomial.FromHarmonics(new SphericalHarmonics().updateFromFloatsArray(sh)), the sphericalPolynomial of
-   * a cube texture with invertZ false: irradiance over pi, interleaved, with the Condon-Shortley phase and z reversed. */
-  float sh[27];
-} sandglass_babylon_light;
-
-/* Converts for Babylon.js. `right_handed`: 1 where scene.useRightHandedSystem is set; 0: a left-handed world, z reversed.
- * Only `direction` differs: in a right-handed scene the shader reverses z. Fails also where it is neither. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_lighting_to_babylon(const sandglass_lighting* lighting,
-                                                                                 sandglass_lighting_model model,
-                                                                                 int32_t right_handed,
-                                                                                 sandglass_babylon_light* babylon,
-                                                                                 const char** reason);
 
 #ifdef __cplusplus
 } /* extern "C" */

@@ -14,7 +14,7 @@
  *      of the sand (sandglass_pile_shadow_set_cells).
  *
  * It works from the first frame on: before any image the light is what is usual in a room. The network of
- * estimate.h is not needed; where an app has one, its estimate is one more input.
+ * estimator.h is not needed; where an app has one, its estimate is one more input.
  *
  * Exposure. A camera that adapts shows a dark room and a bright one alike. Fill in sandglass_camera_image.exposure
  * where the system tells it. Where it is 0, the library finds it from what the image shows again of the image before,
@@ -49,7 +49,7 @@
 #ifndef SANDGLASS_ROOM_H
 #define SANDGLASS_ROOM_H
 
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -190,7 +190,7 @@ typedef struct sandglass_harmonics {
   uint32_t struct_size;
   /* Whether `sh` has the main light. */
   sandglass_harmonics_kind kind;
-  /* Radiance, world, laid out like sandglass_light_estimate.sh; see `with_phase`. */
+  /* Radiance, world, laid out like sandglass_estimator_light.sh; see `with_phase`. */
   float sh[27];
   /* Of AMBIENT: world, towards the main light, which is far: it comes from there at every place, until the camera has
    * seen it. Where desc.radius is told it is so far from `position` as the walls. 0, 0, 0: there is none. */
@@ -248,7 +248,7 @@ typedef struct sandglass_room_light {
   float main_colour[3];
   /* The irradiance of a level floor, linear RGB. A white floor shows irradiance / pi. */
   float irradiance[3];
-  /* Radiance of all directions as real spherical harmonics, laid out like sandglass_light_estimate.sh. What comes from
+  /* Radiance of all directions as real spherical harmonics, laid out like sandglass_estimator_light.sh. What comes from
    * below is `floor`. */
   float sh[27];
   /* The radiance of the floor around the place, linear RGB, as far as `sh` shows it below: sh is what comes from above
@@ -290,9 +290,9 @@ typedef struct sandglass_room_place {
   uint32_t struct_size;
   /* Metres in the world's frame: the object's foot, on the floor or whatever it stands on. */
   float position[3];
-  /* Optional: that of a network (estimate.h), whose direction says where light is to be expected among what was not
+  /* Optional: that of a network (estimator.h), whose direction says where light is to be expected among what was not
    * seen. */
-  const sandglass_light_estimate* estimate;
+  const sandglass_estimator_light* network;
   /* Optional: the light that is shown there (sandglass_room_fade). Its main light stays the main one until another is
    * a quarter stronger. */
   const sandglass_room_light* shown;

@@ -33,7 +33,7 @@
 
 #include "sandglass/camera.h"
 #include "sandglass/cast.h"
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 #include "sandglass/field.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/renderers.h"
@@ -216,13 +216,11 @@ inline Rotation rotation_about(float x, float y, float z, float angle) {
 
 // Colliders at rest and unrotated; set `rotation` and the velocities afterwards for others. Metres.
 inline sandglass_collider collider(sandglass_shape shape, float x, float y, float z) {
-  sandglass_collider c{};
+  sandglass_collider c = filled(sandglass_collider_default);
   c.shape = shape;
   c.position[0] = x;
   c.position[1] = y;
   c.position[2] = z;
-  c.rotation[3] = 1.0f;
-  c.size[0] = c.size[1] = c.size[2] = 1.0f;
   return c;
 }
 inline sandglass_collider floor_at(float height) { return collider(SANDGLASS_SHAPE_HALF_SPACE, 0.0f, height, 0.0f); }
@@ -248,11 +246,10 @@ inline sandglass_collider box(float x, float y, float z, float half_x, float hal
 // A nozzle that pours straight down. Metres, m/s.
 inline sandglass_emitter emitter(float x, float y, float z, float radius, float speed,
                                  uint32_t grains_per_particle = 0) {
-  sandglass_emitter e{};
+  sandglass_emitter e = filled(sandglass_emitter_default);
   e.position[0] = x;
   e.position[1] = y;
   e.position[2] = z;
-  e.rotation[3] = 1.0f;
   e.radius = radius;
   e.speed = speed;
   e.grains_per_particle = grains_per_particle;
@@ -317,51 +314,49 @@ class Scene : public Owned<sandglass_scene> {
   }
 #endif
 
-  // Adds particles and grains at rest. For moving ones: sandglass_granular_add(get(), ...).
+  // Adds particles and grains at rest. For moving ones: sandglass_scene_add(get(), ...).
   Status add(Points particles, Points grains = {}) {
     const sandglass_points sand = {particles.xyz, nullptr, particles.count}, fine = {grains.xyz, nullptr, grains.count};
-    return call(sandglass_granular_add, get(), &sand, &fine);
+    return call(sandglass_scene_add, get(), &sand, &fine);
   }
   // Removes the sand inside a shape; the counts may be null.
   Status remove(const sandglass_collider& region, uint32_t* particles = nullptr, uint32_t* grains = nullptr) {
-    return call(sandglass_granular_remove, get(), &region, particles, grains);
+    return call(sandglass_scene_remove, get(), &region, particles, grains);
   }
   // Adds a rigid body; *index, which may be null, is its number.
   Status add_body(const sandglass_body& body, uint32_t* index = nullptr) {
-    return call(sandglass_granular_add_body, get(), &body, index);
+    return call(sandglass_scene_add_body, get(), &body, index);
   }
-  // See sandglass_granular_held_collider.
+  // See sandglass_scene_held_collider.
   bool held_collider(uint32_t index, sandglass_collider* held) const {
-    return sandglass_granular_held_collider(get(), index, held) != 0;
+    return sandglass_scene_held_collider(get(), index, held) != 0;
   }
-  // See sandglass_granular_body_pose.
-  sandglass_body_pose body_pose(uint32_t index) const { return sandglass_granular_body_pose(get(), index); }
-  // See sandglass_granular_has_body.
-  bool has_body(uint32_t index) const { return sandglass_granular_has_body(get(), index) != 0; }
-  // See sandglass_granular_remove_body.
-  Status remove_body(uint32_t index) { return call(sandglass_granular_remove_body, get(), index); }
-  // See sandglass_granular_set_body.
+  // See sandglass_scene_body_pose.
+  sandglass_body_pose body_pose(uint32_t index) const { return sandglass_scene_body_pose(get(), index); }
+  // See sandglass_scene_has_body.
+  bool has_body(uint32_t index) const { return sandglass_scene_has_body(get(), index) != 0; }
+  // See sandglass_scene_remove_body.
+  Status remove_body(uint32_t index) { return call(sandglass_scene_remove_body, get(), index); }
+  // See sandglass_scene_set_body.
   Status set_body(uint32_t index, const sandglass_body_pose& pose) {
-    return call(sandglass_granular_set_body, get(), index, &pose);
+    return call(sandglass_scene_set_body, get(), index, &pose);
   }
   // At a point of the world, 3 floats such as sandglass_ray_hit::point, by default the centre of mass: see
-  // sandglass_granular_push_body.
+  // sandglass_scene_push_body.
   Status push_body(uint32_t index, const std::array<float, 3>& impulse, const float* point = nullptr) {
-    return call(sandglass_granular_push_body, get(), index, impulse.data(), point);
+    return call(sandglass_scene_push_body, get(), index, impulse.data(), point);
   }
-  // See sandglass_granular_ray. `what` is SANDGLASS_HIT_NOTHING where nothing was hit.
+  // See sandglass_scene_ray. `what` is SANDGLASS_HIT_NOTHING where nothing was hit.
   sandglass_ray_hit ray(const std::array<float, 3>& origin, const std::array<float, 3>& direction, float reach) const {
     sandglass_ray_hit hit{};
-    sandglass_granular_ray(get(), origin.data(), direction.data(), reach, &hit);
+    sandglass_scene_ray(get(), origin.data(), direction.data(), reach, &hit);
     return hit;
   }
-  // See sandglass_granular_set_boundary.
-  Status set_boundary(Points samples) {
-    return call(sandglass_granular_set_boundary, get(), samples.xyz, samples.count);
-  }
-  // See sandglass_granular_set_friction.
+  // See sandglass_scene_set_boundary.
+  Status set_boundary(Points samples) { return call(sandglass_scene_set_boundary, get(), samples.xyz, samples.count); }
+  // See sandglass_scene_set_friction.
   Status set_friction(float static_friction, float kinetic_friction) {
-    return call(sandglass_granular_set_friction, get(), static_friction, kinetic_friction);
+    return call(sandglass_scene_set_friction, get(), static_friction, kinetic_friction);
   }
 
   // One frame; see sandglass_scene_frame. `report` may be null.
@@ -434,7 +429,7 @@ class Estimator : public Owned<sandglass_estimator> {
     return status;
   }
   // See sandglass_estimator_get.
-  sandglass_light_estimate estimated() const { return told<sandglass_light_estimate>(sandglass_estimator_get, get()); }
+  sandglass_estimator_light light() const { return told<sandglass_estimator_light>(sandglass_estimator_get, get()); }
   // See sandglass_estimator_turn.
   Status turn(const Rotation& rotation) { return call(sandglass_estimator_turn, get(), rotation.data()); }
   // See sandglass_estimator_reset.
@@ -452,13 +447,13 @@ inline sandglass_cube cube() { return filled(sandglass_cube_default); }
 // Harmonics with the defaults: see sandglass_harmonics.
 inline sandglass_harmonics harmonics() { return filled(sandglass_harmonics_default); }
 
-// Where light is asked for: see sandglass_room_place. `shown` and `estimate` may be NULL.
+// Where light is asked for: see sandglass_room_place. `shown` and `network` may be NULL.
 inline sandglass_room_place room_place(const float position[3], const sandglass_room_light* shown = nullptr,
-                                       const sandglass_light_estimate* estimate = nullptr) {
+                                       const sandglass_estimator_light* network = nullptr) {
   sandglass_room_place place = filled(sandglass_room_place_default);
   for (int k = 0; k < 3; ++k) place.position[k] = position[k];
   place.shown = shown;
-  place.estimate = estimate;
+  place.network = network;
   return place;
 }
 
@@ -474,18 +469,20 @@ class Room : public Owned<sandglass_room> {
   Status set_image(const sandglass_camera_image& image) {
     return call(sandglass_room_set_image, get(), &image, nullptr);
   }
-  // The light at a place. Where the room is not created or the place is not finite, the light has struct_size 0. See
+  // The light at a place. Where it fails, the light has struct_size 0, and *status, which may be null, says why. See
   // sandglass_room_get.
-  sandglass_room_light light_at(const sandglass_room_place& place) const {
+  sandglass_room_light light_at(const sandglass_room_place& place, Status* status = nullptr) const {
     sandglass_room_light light{};
     light.struct_size = sizeof light;
-    if (sandglass_room_get(get(), &place, &light, nullptr) != SANDGLASS_OK) light = {};
+    const Status got = call(sandglass_room_get, get(), &place, &light);
+    if (!got) light = {};
+    if (status != nullptr) *status = got;
     return light;
   }
-  // The same; `shown` and `estimate` may be NULL.
+  // The same; `shown`, `network` and `status` may be null.
   sandglass_room_light light_at(const float position[3], const sandglass_room_light* shown = nullptr,
-                                const sandglass_light_estimate* estimate = nullptr) const {
-    return light_at(room_place(position, shown, estimate));
+                                const sandglass_estimator_light* network = nullptr, Status* status = nullptr) const {
+    return light_at(room_place(position, shown, network), status);
   }
   // A face of what a shiny object reflects, 4 * 32 * 32 halves. See sandglass_room_get_cube.
   Status get_cube(const float position[3], float height, uint32_t face, uint16_t* texels,
@@ -555,9 +552,11 @@ class Shadow : public Owned<sandglass_shadow> {
     return sandglass_shadow_run(&one, 1, units);
   }
   // See sandglass_shadow_get_texture.
-  sandglass_shadow_texture texture(uint32_t light = 0) const {
-    return told<sandglass_shadow_texture>(sandglass_shadow_get_texture, get(), light);
+  sandglass_texture texture(uint32_t light = 0) const {
+    return told<sandglass_texture>(sandglass_shadow_get_texture, get(), light);
   }
+  // See sandglass_shadow_evaluated.
+  uint32_t evaluated(uint32_t light = 0) const { return sandglass_shadow_evaluated(get(), light); }
   // The light of the room: see sandglass_shadow_set_cells.
   Status set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells, float yaw = 0.0f) {
     return call(sandglass_shadow_set_cells, get(), cells.data(), yaw);
@@ -567,9 +566,7 @@ class Shadow : public Owned<sandglass_shadow> {
     return call(sandglass_shadow_set_cells, get(), cells, yaw);
   }
   // See sandglass_shadow_get_ambient.
-  sandglass_shadow_ambient ambient() const {
-    return told<sandglass_shadow_ambient>(sandglass_shadow_get_ambient, get());
-  }
+  sandglass_texture ambient() const { return told<sandglass_texture>(sandglass_shadow_get_ambient, get()); }
   // See sandglass_shadow_hash.
   uint64_t hash() const { return sandglass_shadow_hash(get()); }
 };
@@ -628,9 +625,11 @@ class Cast : public Owned<sandglass_cast> {
     return sandglass_cast_run(&one, 1, units);
   }
   // See sandglass_cast_get_texture.
-  sandglass_cast_texture texture() const { return told<sandglass_cast_texture>(sandglass_cast_get_texture, get()); }
+  sandglass_texture texture() const { return told<sandglass_texture>(sandglass_cast_get_texture, get()); }
   // See sandglass_cast_get_ambient.
-  sandglass_cast_texture ambient() const { return told<sandglass_cast_texture>(sandglass_cast_get_ambient, get()); }
+  sandglass_texture ambient() const { return told<sandglass_texture>(sandglass_cast_get_ambient, get()); }
+  // See sandglass_cast_get_report.
+  sandglass_cast_report report() const { return told<sandglass_cast_report>(sandglass_cast_get_report, get()); }
 };
 
 // The surface of a scene's sand as a mesh and the block it lives in. Movable, not copyable.
@@ -658,8 +657,8 @@ class PileShadow : public Owned<sandglass_pile_shadow> {
   }
 
   // See sandglass_pile_shadow_set_light.
-  Status set_light(const std::array<float, 3>& direction) {
-    return call(sandglass_pile_shadow_set_light, get(), direction.data());
+  Status set_light(const std::array<float, 3>& direction, float angular_diameter = 0) {
+    return call(sandglass_pile_shadow_set_light, get(), direction.data(), angular_diameter);
   }
   // See sandglass_pile_shadow_set_cells.
   Status set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells) {
@@ -676,12 +675,8 @@ class PileShadow : public Owned<sandglass_pile_shadow> {
     return sandglass_pile_shadow_run(get(), spheres.xyz, spheres.count, radius, units);
   }
   // See sandglass_pile_shadow_get_texture.
-  sandglass_pile_shadow_texture texture() const {
-    return told<sandglass_pile_shadow_texture>(sandglass_pile_shadow_get_texture, get());
-  }
-  // See sandglass_pile_shadow_get_sky.
-  sandglass_pile_shadow_sky sky() const {
-    return told<sandglass_pile_shadow_sky>(sandglass_pile_shadow_get_sky, get());
+  sandglass_texture texture(sandglass_pile_shadow_part part = SANDGLASS_PILE_SHADOW_FLOOR) const {
+    return told<sandglass_texture>(sandglass_pile_shadow_get_texture, get(), part);
   }
   // See sandglass_pile_shadow_light_grains.
   void light_grains(Points grains, float radius, uint8_t* visibility) const {

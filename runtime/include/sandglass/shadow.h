@@ -162,33 +162,14 @@ SANDGLASS_API uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, ui
  * adaptive grid is not decided yet. */
 SANDGLASS_API uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow);
 
-/* The texture of one light as it is now. */
-typedef struct sandglass_shadow_texture {
-  uint32_t struct_size;
-  /* 0: no texture was completed yet; coverage is all 0. */
-  uint32_t valid;
-  /* 256 x 256 bytes, row v along z, column u along x. Stable until units are run again. */
-  const uint8_t* coverage;
-  /* x and z of the rectangle's corners in the coordinates of the mesh, metres, on the plane y = origin[1]. */
-  float low[2], high[2];
-  /* The unit vector towards the light that the texture was computed for. */
-  float light[3];
-  /* 1; less for a light beyond polar_max; 0 at and below the horizon. */
-  float opacity;
-  /* 1: the present light lies beyond polar_max. */
-  uint32_t beyond;
-  /* Calls of set_light since the one that the texture was begun for. 0: it is that of the present light. */
-  uint32_t calls_behind;
-  /* Texels that the network was asked for. */
-  uint32_t evaluated;
-  /* Another one when a byte of the texture has changed: upload it then. 0: none was completed. */
-  uint64_t version;
-} sandglass_shadow_texture;
-
-/* Fills *texture; set texture->struct_size before. For a number that no light has, the texture is not valid and its
- * coverage is NULL. */
+/* Fills *texture with the shadow of a light, 256 x 256 bytes of coverage, row v along z, column u along x, in the coordinates
+ * of the mesh, on the plane y = origin[1]; set texture->struct_size before. `scale` is below 1 for a light beyond polar_max,
+ * and 0 at and below the horizon. For a number that no light has, the texture is not valid and has no bytes. */
 SANDGLASS_API void sandglass_shadow_get_texture(const sandglass_shadow* shadow, uint32_t light,
-                                                sandglass_shadow_texture* texture);
+                                                sandglass_texture* texture);
+
+/* How many texels the network was asked for in the texture of a light. 0 for a number that no light has. */
+SANDGLASS_API uint32_t sandglass_shadow_evaluated(const sandglass_shadow* shadow, uint32_t light);
 
 /* Writes the texture of a light in another size: 128 (the mean of 2 x 2 texels), 256, or 512 texels along a side
  * (interpolated). `coverage` takes size * size bytes. Fails with INVALID_ARGUMENT: another size, or a number that no
@@ -226,27 +207,11 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_set_cells(sa
                                                                               const float cells[SANDGLASS_LIGHT_CELLS],
                                                                               float yaw, const char** reason);
 
-/* The ambient shadow as it is now. */
-typedef struct sandglass_shadow_ambient {
-  uint32_t struct_size;
-  /* 0: no texture was completed yet, and visibility is 255 everywhere. */
-  uint32_t valid;
-  /* side x side bytes, row v along z, column u along x: 255 * A, where A = 1 - sum(q (1 - V)) with the cells q and the
-   * visibility V of each from the floor. So 255 means that the object hides nothing. It is 255 along the rim. Stable
-   * until units are run again. NULL: the file has no ambient shadow. */
-  const uint8_t* visibility;
-  /* Texels along a side; 0: the file has no ambient shadow. */
-  uint32_t side;
-  /* x and z of the square's corners in the coordinates of the mesh, metres, on the plane y = origin[1]. */
-  float low[2], high[2];
-  /* Calls of set_cells since the one that the texture was begun for. 0: it is that of the present cells. */
-  uint32_t calls_behind;
-  /* Textures that were completed so far. The bytes have changed when this has. */
-  uint32_t completed;
-} sandglass_shadow_ambient;
-
-/* Fills *ambient; set ambient->struct_size before. */
-SANDGLASS_API void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_shadow_ambient* ambient);
+/* Fills *texture with the ambient shadow; set texture->struct_size before. 255 * A, where A = 1 - sum(q (1 - V)) with the
+ * cells q and the visibility V of each from the floor. So 255 means that the object hides nothing; it is 255 along the rim.
+ * Row v lies along z, column u along x, in the coordinates of the mesh, on the plane y = origin[1]. Where the file has no
+ * ambient shadow, the side is 0. */
+SANDGLASS_API void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_texture* texture);
 
 /* Reads from a baked file how the vertices of the object see the room past the object itself: nine coefficients a
  * vertex. The irradiance of a vertex over pi is, for each colour, the sum of the nine products with the harmonics of

@@ -58,8 +58,8 @@ typedef struct sandglass_skin_desc {
    * 0 (the default): the last one, as in OpenGL and WebGL. 1: the first one, as in Metal, Vulkan and Direct3D. */
   uint32_t first_vertex;
   /* 0 (the default): the mesh is open where it meets colliders, and ends half a particle radius within them. 1: it is
-   * closed there, just within them, for sand behind glass. It then has up to twice the vertices. */
-  uint32_t closed;
+   * capped there, just within them, for sand behind glass. It then has up to twice the vertices. */
+  uint32_t capped;
 } sandglass_skin_desc;
 
 /* Fills *desc with the defaults, and with what the skin must know of the scene; `granular` may be NULL. */
@@ -116,8 +116,8 @@ typedef struct sandglass_skin_loose {
   /* The share of the particle that the mesh does not hold, above 0, at most 1. */
   float weight;
   /* Of one that flies: its velocity, m/s. Of one that lies: the direction away from the sand, of length 1. */
-  float way[3];
-  /* Its number, as in sandglass_granular_particles: a seed. */
+  float vector[3];
+  /* Its number, as in sandglass_scene_particles: a seed. */
   uint32_t number;
 } sandglass_skin_loose;
 

@@ -43,7 +43,7 @@
  *   - sandglass_granular_desc is the last member of sandglass_scene_desc and grows with it, at its end only.
  *   - All other structs are frozen from 1.0 on: sandglass_clock, _parallel, _trace, _log, _reference_scheme, _region,
  *     _collider, _body_pose, _emitter, _grain, _plan_run, _stage_report, _ray_hit, _mesh, _points and the groups of a
- *     report (_time_report, _sand_report, _shadow_report, _estimate_report) keep their size and fields, because they
+ *     report (_time_report, _sand_report, _shadow_report, _estimator_report) keep their size and fields, because they
  *     stand in arrays, in other structs or by value. What they lack then comes as a new struct and a new function; what
  *     a group lacks, as a new group at the end of its report. Before 1.0 a minor version may add a field at the end, 0
  *     of which means what held before (sandglass_collider.id): fill such a struct with zeros first.
@@ -242,6 +242,30 @@ SANDGLASS_API int32_t sandglass_rotation_about(const float axis[3], float angle,
  * Under an even sky every cell gives a level floor the same irradiance. An array of cells holds the share of the
  * floor's irradiance that comes from each; all shares together are 1, or less where a part is drawn in another way. */
 #define SANDGLASS_LIGHT_CELLS 64
+
+/* ------------------------------------------------------------------------------------------------ textures */
+
+/* A square texture on a plane, as it is now. Its bytes are stable until units are run again. */
+typedef struct sandglass_texture {
+  uint32_t struct_size;
+  /* 0: none was completed yet; the bytes then say that nothing is hidden. */
+  uint32_t valid;
+  /* side x side of them, row after row. NULL: the description has none. */
+  const uint8_t* bytes;
+  /* Texels along a side. */
+  uint32_t side;
+  /* 0: it shows what is now. Else so many frames, or calls that set what it shows, have passed since it was begun. */
+  uint32_t behind;
+  /* Where it lies, metres: its first corner, the edge along a row, and the edge across the rows. In the world, of a baked
+   * object in its mesh's coordinates. */
+  float corner[3], along[3], across[3];
+  /* What 255 stands for. Of a light's shadow its opacity: 1, and less for a light that is too low to be followed. */
+  float scale;
+  /* Of a light's shadow, but not of the sand's: the unit vector towards the light that it was made for. */
+  float light[3];
+  /* Another one when a byte has changed: upload it then. 0: none was completed. */
+  uint64_t version;
+} sandglass_texture;
 
 #ifdef __cplusplus
 } /* extern "C" */

@@ -78,8 +78,8 @@ sandglass_status Maker::build(const sandglass_estimator_desc& desc, sandglass_es
 }
 
 void describe(const Estimator& estimator, const LightSample& sample, uint64_t timestamp_ns,
-              sandglass_light_estimate* out) {
-  sandglass_light_estimate estimate = {};
+              sandglass_estimator_light* out) {
+  sandglass_estimator_light estimate = {};
   estimate.valid = estimator.filter.accepted != 0 ? 1 : 0;
   estimate.timestamp_ns = timestamp_ns;
   estimate.image_ns = estimator.latest_ns;
@@ -199,13 +199,13 @@ uint32_t sandglass_estimator_units_left(const sandglass_estimator* estimator) {
                                             : estimator_image_units_left(l) + l.network->units;
 }
 
-void sandglass_estimator_get(const sandglass_estimator* estimator, sandglass_light_estimate* estimate) {
+void sandglass_estimator_get(const sandglass_estimator* estimator, sandglass_estimator_light* estimate) {
   if (estimator == nullptr || estimate == nullptr) return;
   const ExactFloatingPoint exact;
   describe(estimator->estimator, estimator->estimator.filter.state, estimator->estimator.changed_ns, estimate);
 }
 
-void sandglass_estimator_get_latest(const sandglass_estimator* estimator, sandglass_light_estimate* estimate) {
+void sandglass_estimator_get_latest(const sandglass_estimator* estimator, sandglass_estimator_light* estimate) {
   if (estimator == nullptr || estimate == nullptr) return;
   const ExactFloatingPoint exact;
   describe(estimator->estimator, estimator->estimator.latest, estimator->estimator.latest_ns, estimate);

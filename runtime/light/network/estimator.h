@@ -1,4 +1,4 @@
-// The state behind the C API of sandglass/estimate.h, and its work in units that a frame can hand out (frame/governor.h).
+// The state behind the C API of sandglass/estimator.h, and its work in units that a frame can hand out (frame/governor.h).
 //
 // One estimate at a time. The image is resampled whole, in the frame that brought it, because its planes belong to the
 // app. Then the network runs, unit by unit, over as many frames as it takes. Its answer is turned into the world by the

@@ -145,12 +145,12 @@ void end_frame(void* handle, sandglass_frame_report* report) {
     drop_image(estimator);
     estimator->phase = EstimatorPhase::idle;
   }
-  report->versions.light = estimator->version;
-  report->estimate.valid = estimator->filter.accepted != 0 ? 1 : 0;
-  report->estimate.changed = estimator->changed ? 1 : 0;
-  report->estimate.frames_behind =
+  report->versions.estimator = estimator->version;
+  report->estimator.valid = estimator->filter.accepted != 0 ? 1 : 0;
+  report->estimator.changed = estimator->changed ? 1 : 0;
+  report->estimator.frames_behind =
       estimator->estimates != 0 ? static_cast<uint32_t>(estimator->frame - estimator->estimate_frame) : 0;
-  report->estimate.units_left = sandglass_estimator_units_left(owner);
+  report->estimator.units_left = sandglass_estimator_units_left(owner);
 }
 
 }  // namespace

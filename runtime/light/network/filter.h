@@ -36,7 +36,7 @@ void light_filter_reset(LightFilter* filter);
 // Whether the state changed. Where time_ns is 0 or not after that of the last estimate, `interval` counts as passed.
 bool light_filter_take(LightFilter* filter, const LightSample& sample, uint64_t time_ns);
 
-// 0..1, as documented at sandglass_light_estimate.
+// 0..1, as documented at sandglass_estimator_light.
 double light_filter_confidence(const LightFilter& filter);
 
 void light_filter_turn(LightFilter* filter, const double rotation[3][3]);

@@ -26,7 +26,7 @@
 #include "runtime/asset/light_asset.h"
 #include "runtime/frame/governor.h"
 #include "runtime/frame/layout.h"
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 
 namespace sandglass {
 

@@ -35,7 +35,7 @@ double light_strength(const double direction[3], const double light[3], const do
   return strength < k_most_strength ? strength : k_most_strength;
 }
 
-void estimate_harmonics(const sandglass_light_estimate& estimate, double sh[3 * k_harmonics]) {
+void estimate_harmonics(const sandglass_estimator_light& estimate, double sh[3 * k_harmonics]) {
   double axis[3], polynomials[k_harmonics];
   for (int i = 0; i < 3; ++i) axis[i] = static_cast<double>(estimate.direction[i]);
   harmonic_polynomials(axis, polynomials);

@@ -13,7 +13,7 @@
 #include <cstdint>
 
 #include "runtime/light/camera/camera_image.h"
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 
 namespace sandglass {
 

@@ -9,7 +9,7 @@ namespace sandglass {
 namespace {
 
 // Real harmonics of order 2 are a number, a vector and a symmetric matrix without trace: with the factors of
-// sandglass_light_estimate.sh taken out, L(d) = c + v . d + d^T M d. Seen by an object that is turned by R they are c,
+// sandglass_estimator_light.sh taken out, L(d) = c + v . d + d^T M d. Seen by an object that is turned by R they are c,
 // R^T v and R^T M R.
 constexpr double k_product = 1.0925484305920792, k_zonal = 0.31539156525252005, k_difference = 0.54627421529603959;
 

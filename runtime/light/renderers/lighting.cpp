@@ -13,7 +13,7 @@ namespace {
 
 constexpr double k_least_elevation = 0.1;
 
-bool usable(const sandglass_light_estimate& e) {
+bool usable(const sandglass_estimator_light& e) {
   return is_finite(e.strength) && all_finite(e.direction, 3) && all_finite(e.light, 3) && all_finite(e.ambient, 3) &&
          all_finite(e.sh, 3 * k_harmonics);
 }
@@ -27,8 +27,8 @@ bool usable(const sandglass_harmonics& h) {
          (h.kind == SANDGLASS_HARMONICS_TOTAL || d[0] != 0 || d[1] != 0 || d[2] != 0);
 }
 
-sandglass_lighting lighting_of(const sandglass_light_estimate& estimate) {
-  sandglass_lighting lighting = {};
+sandglass_light lighting_of(const sandglass_estimator_light& estimate) {
+  sandglass_light lighting = {};
   const double up = static_cast<double>(estimate.direction[1]);
   for (int c = 0; c < 3; ++c) {
     const double even = k_pi * static_cast<double>(estimate.ambient[c]);
@@ -42,8 +42,8 @@ sandglass_lighting lighting_of(const sandglass_light_estimate& estimate) {
   return lighting;
 }
 
-sandglass_lighting lighting_of(const sandglass_room_light& light) {
-  sandglass_lighting lighting = {};
+sandglass_light lighting_of(const sandglass_room_light& light) {
+  sandglass_light lighting = {};
   double axis[3], polynomials[k_harmonics], facing[3];
   for (int i = 0; i < 3; ++i) axis[i] = static_cast<double>(light.main_direction[i]);
   harmonic_polynomials(axis, polynomials);
@@ -61,8 +61,8 @@ sandglass_lighting lighting_of(const sandglass_room_light& light) {
   return lighting;
 }
 
-sandglass_lighting lighting_of(const sandglass_harmonics& told) {
-  sandglass_lighting lighting = {};
+sandglass_light lighting_of(const sandglass_harmonics& told) {
+  sandglass_light lighting = {};
   const bool main = told.kind == SANDGLASS_HARMONICS_AMBIENT;
   double towards[3] = {0, 1, 0}, level[k_harmonics], polynomials[k_harmonics], squared = 0;
   harmonic_polynomials(towards, level);
@@ -87,21 +87,20 @@ sandglass_lighting lighting_of(const sandglass_harmonics& told) {
 
 // What the sources have in common: `null`, `size` and `number` say what is wrong with them.
 template <class Source>
-sandglass_status make(const Source* source, uint32_t least_bytes, sandglass_lighting* lighting, const char** reason,
+sandglass_status make(const Source* source, uint32_t least_bytes, sandglass_light* lighting, const char** reason,
                       const char* null, const char* size, const char* number) {
   if (source == nullptr || lighting == nullptr) return refuse(reason, null);
-  if (!can_fill(lighting))
-    return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_lighting).");
+  if (!can_fill(lighting)) return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_light).");
   if (source->struct_size < least_bytes) return refuse(reason, size);
   if (!usable(*source)) return refuse(reason, number);
-  sandglass_lighting filled = lighting_of(*source);
+  sandglass_light filled = lighting_of(*source);
   fill_struct(&filled, sizeof filled, lighting);
   return accept(reason);
 }
 
 }  // namespace
 
-bool usable(const sandglass_lighting& l) {
+bool usable(const sandglass_light& l) {
   return all_finite(l.towards, 3) && all_finite(l.facing, 3) && all_finite(l.floor, 3) &&
          all_finite(l.ambient_sh, 3 * k_harmonics) && all_finite(l.whole_sh, 3 * k_harmonics);
 }
@@ -119,37 +118,36 @@ void main_light_of(const sandglass_room_light& light, double facing[3]) {
 
 using namespace sandglass;
 
-sandglass_status sandglass_lighting_of_estimate(const sandglass_light_estimate* estimate, sandglass_lighting* lighting,
-                                                const char** reason) {
+sandglass_status sandglass_light_of_estimator(const sandglass_estimator_light* estimate, sandglass_light* lighting,
+                                              const char** reason) {
   return make(
       estimate, k_least_estimate_bytes, lighting, reason,
       "estimate or lighting is NULL: pass an estimate of sandglass_estimator_get and the struct to fill",
-      "estimate.struct_size is not set: set it to sizeof(sandglass_light_estimate) before sandglass_estimator_get",
+      "estimate.struct_size is not set: set it to sizeof(sandglass_estimator_light) before sandglass_estimator_get",
       "a number of the estimate is not finite: pass an estimate as sandglass_estimator_get fills it");
 }
 
-sandglass_status sandglass_lighting_of_room(const sandglass_room_light* light, sandglass_lighting* lighting,
-                                            const char** reason) {
+sandglass_status sandglass_light_of_room(const sandglass_room_light* light, sandglass_light* lighting,
+                                         const char** reason) {
   return make(light, k_least_room_light_bytes, lighting, reason,
               "light or lighting is NULL: pass a light of sandglass_room_get and the struct to fill",
               "light.struct_size is not set: set it to sizeof(sandglass_room_light) before sandglass_room_get",
               "a number of the light is not finite: pass a light as sandglass_room_get fills it");
 }
 
-sandglass_status sandglass_lighting_of_harmonics(const sandglass_harmonics* harmonics, sandglass_lighting* lighting,
-                                                 const char** reason) {
+sandglass_status sandglass_light_of_harmonics(const sandglass_harmonics* harmonics, sandglass_light* lighting,
+                                              const char** reason) {
   return make(harmonics, sizeof(sandglass_harmonics), lighting, reason,
               "harmonics or lighting is NULL: pass what a system told of the light and the struct to fill",
               "harmonics.struct_size is not set: start from sandglass_harmonics_default",
               "a number of the harmonics is not finite, or main_direction is 0: pass them as the system told them");
 }
 
-sandglass_status sandglass_lighting_adapt(const sandglass_lighting* lighting, float strength, int32_t keep_chroma,
-                                          sandglass_lighting* adapted, const char** reason) {
+sandglass_status sandglass_light_adapt(const sandglass_light* lighting, float strength, int32_t keep_chroma,
+                                       sandglass_light* adapted, const char** reason) {
   if (lighting == nullptr || adapted == nullptr)
     return refuse(reason, "lighting or adapted is NULL: pass a lighting that was filled and the struct to fill.");
-  if (!can_fill(adapted))
-    return refuse(reason, "adapted.struct_size is not set: set it to sizeof(sandglass_lighting).");
+  if (!can_fill(adapted)) return refuse(reason, "adapted.struct_size is not set: set it to sizeof(sandglass_light).");
   if (lighting->struct_size < k_least_lighting_bytes)
     return refuse(reason, "lighting.struct_size is not set: pass a lighting that was filled.");
   if (!usable(*lighting)) return refuse(reason, "a number of the lighting is not finite: pass it as it was filled.");
@@ -163,7 +161,7 @@ sandglass_status sandglass_lighting_adapt(const sandglass_lighting* lighting, fl
       colour[c] = strength * of_room + (1 - strength) * static_cast<float>(white);
     }
   };
-  sandglass_lighting out = {};
+  sandglass_light out = {};
   __builtin_memcpy(&out, lighting, lighting->struct_size < sizeof out ? lighting->struct_size : sizeof out);
   adapt(out.facing, 0);
   adapt(out.floor, k_pi);

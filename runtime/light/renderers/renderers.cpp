@@ -55,9 +55,9 @@ struct Lights {
 // What rounding leaves of a floor that the directional light lights alone, of the whole.
 constexpr double k_rounding = 1e-6;
 
-Lights lights_of(const sandglass_lighting& lighting, sandglass_lighting_model model) {
+Lights lights_of(const sandglass_light& lighting, sandglass_light_model model) {
   Lights lights;
-  const bool whole = model == SANDGLASS_LIGHTING_WHOLE;
+  const bool whole = model == SANDGLASS_LIGHT_WHOLE;
   for (int i = 0; i < 3; ++i) lights.towards[i] = static_cast<double>(lighting.towards[i]);
   const double up = lights.towards[1] > 0.0 ? lights.towards[1] : 0.0;
   for (int i = 0; i < 3; ++i) {
@@ -132,40 +132,18 @@ void write(Lights lights, sandglass_unity_light* unity) {
   fill_struct(&filled, sizeof filled, unity);
 }
 
-void write(const Lights& lights, sandglass_three_light* three) {
-  sandglass_three_light filled = {};
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) filled.sh[i] = static_cast<float>(lights.sh[i]);
-  for (int i = 0; i < 3; ++i) filled.position[i] = static_cast<float>(lights.towards[i]);
-  filled.intensity = static_cast<float>(k_pi * split_colour(lights.facing, filled.colour));
-  fill_struct(&filled, sizeof filled, three);
-}
-
-void write(const Lights& lights, int32_t right_handed, sandglass_babylon_light* babylon) {
-  sandglass_babylon_light filled = {};
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) {
-    const double factor = k_cosine_factors[i / 3];
-    filled.sh[i] = static_cast<float>((i >= 3 && i < 12 ? -factor : factor) * lights.sh[i]);  // index 1, 2, 3
-  }
-  for (int i = 0; i < 3; ++i) filled.direction[i] = static_cast<float>(-lights.towards[i]);
-  if (right_handed == 0) filled.direction[2] = -filled.direction[2];
-  filled.intensity = static_cast<float>(k_pi * split_colour(lights.facing, filled.colour));
-  fill_struct(&filled, sizeof filled, babylon);
-}
-
 // What all conversions have in common; `more` is what the renderer asks for besides.
 template <class Renderer, class... More>
-sandglass_status convert(const sandglass_lighting* lighting, sandglass_lighting_model model, Renderer* out,
+sandglass_status convert(const sandglass_light* lighting, sandglass_light_model model, Renderer* out,
                          const char** reason, More... more) {
   if (lighting == nullptr)
-    return refuse(reason,
-                  "lighting is NULL: pass one of sandglass_lighting_of_estimate or sandglass_lighting_of_room.");
-  if (out == nullptr)
-    return refuse(reason, "filament, arkit, arcore, unity, three or babylon is NULL: pass the struct to fill.");
+    return refuse(reason, "lighting is NULL: pass one of sandglass_light_of_estimator or sandglass_light_of_room.");
+  if (out == nullptr) return refuse(reason, "filament, arkit, arcore or unity is NULL: pass the struct to fill.");
   if (!can_fill(out)) return refuse(reason, "the struct to fill has no struct_size: set it to the struct's sizeof.");
   if (lighting->struct_size < k_least_lighting_bytes)
-    return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_lighting) before it is filled.");
-  if (model != SANDGLASS_LIGHTING_AMBIENT && model != SANDGLASS_LIGHTING_WHOLE)
-    return refuse(reason, "model is none of SANDGLASS_LIGHTING_AMBIENT and SANDGLASS_LIGHTING_WHOLE.");
+    return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_light) before it is filled.");
+  if (model != SANDGLASS_LIGHT_AMBIENT && model != SANDGLASS_LIGHT_WHOLE)
+    return refuse(reason, "model is none of SANDGLASS_LIGHT_AMBIENT and SANDGLASS_LIGHT_WHOLE.");
   if (!usable(*lighting)) return refuse(reason, "a number of the lighting is not finite: pass it as it was filled.");
   write(lights_of(*lighting, model), more..., out);
   return accept(reason);
@@ -176,30 +154,20 @@ sandglass_status convert(const sandglass_lighting* lighting, sandglass_lighting_
 
 using namespace sandglass;
 
-sandglass_status sandglass_lighting_to_filament(const sandglass_lighting* lighting, sandglass_lighting_model model,
-                                                float nits, sandglass_filament_light* filament, const char** reason) {
+sandglass_status sandglass_light_to_filament(const sandglass_light* lighting, sandglass_light_model model, float nits,
+                                             sandglass_filament_light* filament, const char** reason) {
   if (!(nits > 0.0f && nits <= 1e9f)) return refuse(reason, "nits is not a number above 0 and up to 1e9.");
   return convert(lighting, model, filament, reason, nits);
 }
-sandglass_status sandglass_lighting_to_arkit(const sandglass_lighting* lighting, sandglass_lighting_model model,
-                                             sandglass_arkit_light* arkit, const char** reason) {
+sandglass_status sandglass_light_to_arkit(const sandglass_light* lighting, sandglass_light_model model,
+                                          sandglass_arkit_light* arkit, const char** reason) {
   return convert(lighting, model, arkit, reason);
 }
-sandglass_status sandglass_lighting_to_arcore(const sandglass_lighting* lighting, sandglass_lighting_model model,
-                                              sandglass_arcore_light* arcore, const char** reason) {
+sandglass_status sandglass_light_to_arcore(const sandglass_light* lighting, sandglass_light_model model,
+                                           sandglass_arcore_light* arcore, const char** reason) {
   return convert(lighting, model, arcore, reason);
 }
-sandglass_status sandglass_lighting_to_unity(const sandglass_lighting* lighting, sandglass_lighting_model model,
-                                             sandglass_unity_light* unity, const char** reason) {
+sandglass_status sandglass_light_to_unity(const sandglass_light* lighting, sandglass_light_model model,
+                                          sandglass_unity_light* unity, const char** reason) {
   return convert(lighting, model, unity, reason);
-}
-sandglass_status sandglass_lighting_to_three(const sandglass_lighting* lighting, sandglass_lighting_model model,
-                                             sandglass_three_light* three, const char** reason) {
-  return convert(lighting, model, three, reason);
-}
-sandglass_status sandglass_lighting_to_babylon(const sandglass_lighting* lighting, sandglass_lighting_model model,
-                                               int32_t right_handed, sandglass_babylon_light* babylon,
-                                               const char** reason) {
-  if (right_handed != 0 && right_handed != 1) return refuse(reason, "right_handed is neither 0 nor 1.");
-  return convert(lighting, model, babylon, reason, right_handed);
 }

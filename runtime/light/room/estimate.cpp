@@ -15,7 +15,7 @@
 //
 // A floor shadow is linear in the cells. So the shadow of least expected squared error is the one drawn in the expected
 // light. Where nothing was seen that is an even sky, and the shadow is soft; a guess of one light is not.
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 #include "kernels/whole.h"
 #include "runtime/frame/filled_struct.h"
 #include "runtime/light/harmonics.h"
@@ -128,7 +128,7 @@ Overview overview_of(const Room& room, const Memory& memory) {
 struct Hint {
   double direction[3], weight;
 };
-Hint hint_of(const Room& room, const RoomModel& model, const sandglass_light_estimate* estimate) {
+Hint hint_of(const Room& room, const RoomModel& model, const sandglass_estimator_light* estimate) {
   Hint hint = {{0, 1, 0}, 0};
   if (estimate == nullptr || estimate->valid == 0) return hint;
   if (!all_within(estimate->direction, 3, -1.01f, 1.01f) || !within(estimate->confidence, 0.0f, 1.01f) ||
@@ -612,7 +612,7 @@ void room_estimate(const Room& room, const RoomModel& model, const sandglass_roo
   Memory memory;
   remember(room, &memory);
   const Overview all = overview_of(room, memory);
-  const Hint hint = hint_of(room, model, place.estimate);
+  const Hint hint = hint_of(room, model, place.network);
   sandglass_room_light out = {};
   out.valid = is_known ? 1 : 0;
   double unit = 0;  // the floor's, which a plane has in common with it

@@ -12,7 +12,7 @@
 #include "runtime/math/math.h"
 #include "runtime/math/plane_axes.h"
 #include "runtime/math/turn.h"
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 
 namespace sandglass {
 
@@ -303,10 +303,10 @@ sandglass_status sandglass_room_get(const sandglass_room* room, const sandglass_
   if (!can_fill(light)) return refuse(reason, "light.struct_size is not set: set it to sizeof(sandglass_room_light).");
   if (!all_within(place->position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
     return refuse(reason, "place.position is not finite or beyond 1000 m: pass where the object stands.");
-  const sandglass_light_estimate* estimate = place->estimate;
+  const sandglass_estimator_light* estimate = place->network;
   if (estimate != nullptr && (estimate->struct_size < sizeof *estimate || !all_finite(estimate->direction, 3) ||
                               !within(estimate->confidence, 0.0f, 1.0f) || !within(estimate->contrast, 0.0f, 1.0f)))
-    return refuse(reason, "place.estimate is not one of sandglass_estimator_get: pass it as it was filled, or NULL.");
+    return refuse(reason, "place.network is not one of sandglass_estimator_get: pass it as it was filled, or NULL.");
   const sandglass_room_light* shown = place->shown;
   if (shown != nullptr && shown->struct_size >= sizeof *shown &&
       (!all_within(shown->main_direction, 3, -1.01f, 1.01f) || !is_finite(shown->main_share)))

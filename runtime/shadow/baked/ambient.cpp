@@ -143,21 +143,22 @@ sandglass_status sandglass_shadow_set_cells(sandglass_shadow* shadow, const floa
   return take_cells(&shadow->shadow.ambient, cells, yaw, reason);
 }
 
-void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_shadow_ambient* ambient) {
+void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_texture* ambient) {
   if (shadow == nullptr || ambient == nullptr) return;
   const Shadow& s = shadow->shadow;
   const AmbientShadow& a = s.ambient;
-  sandglass_shadow_ambient out = {};
+  sandglass_texture out = {};
   if (a.components.count != 0) {
     out.valid = a.valid ? 1 : 0;
-    out.visibility = a.front;
+    out.bytes = a.front;
     out.side = a.side;
-    for (uint32_t axis = 0; axis < 2; ++axis) {
-      out.low[axis] = static_cast<float>(s.origin[2 * axis] - a.half);
-      out.high[axis] = static_cast<float>(s.origin[2 * axis] + a.half);
-    }
-    out.completed = a.completed;
-    out.calls_behind = ambient_waits(a) ? static_cast<uint32_t>(a.calls - a.front_call) : 0;
+    for (uint32_t axis = 0; axis < 3; ++axis) out.corner[axis] = static_cast<float>(s.origin[axis]);
+    out.corner[0] = static_cast<float>(s.origin[0] - a.half);
+    out.corner[2] = static_cast<float>(s.origin[2] - a.half);
+    out.along[0] = out.across[2] = static_cast<float>(2 * a.half);
+    out.scale = 1;
+    out.version = a.completed;
+    out.behind = ambient_waits(a) ? static_cast<uint32_t>(a.calls - a.front_call) : 0;
   }
   fill_struct(&out, sizeof out, ambient);
 }

@@ -158,23 +158,23 @@ void fill_info(const ShadowAsset& asset, sandglass_shadow_info* out) {
   fill_struct(&info, sizeof info, out);
 }
 
-void fill_texture(const Shadow& s, uint32_t light, sandglass_shadow_texture* out) {
-  sandglass_shadow_texture texture = {};
+void fill_texture(const Shadow& s, uint32_t light, sandglass_texture* out) {
+  sandglass_texture texture = {};
   if (light < s.light_count) {
     const ShadowLight& l = s.lights[light];
     const ShadowTexture& t = l.front;
     texture.valid = t.valid ? 1 : 0;
-    texture.coverage = t.coverage;
-    texture.low[0] = static_cast<float>(t.rectangle.low_x + s.origin[0]);
-    texture.low[1] = static_cast<float>(t.rectangle.low_z + s.origin[2]);
-    texture.high[0] = static_cast<float>(t.rectangle.high_x + s.origin[0]);
-    texture.high[1] = static_cast<float>(t.rectangle.high_z + s.origin[2]);
+    texture.bytes = t.coverage;
+    texture.side = SANDGLASS_SHADOW_TEXELS;
+    texture.corner[0] = static_cast<float>(t.rectangle.low_x + s.origin[0]);
+    texture.corner[1] = static_cast<float>(s.origin[1]);
+    texture.corner[2] = static_cast<float>(t.rectangle.low_z + s.origin[2]);
+    texture.along[0] = static_cast<float>(t.rectangle.high_x - t.rectangle.low_x);
+    texture.across[2] = static_cast<float>(t.rectangle.high_z - t.rectangle.low_z);
     for (uint32_t axis = 0; axis < 3; ++axis) texture.light[axis] = static_cast<float>(t.light[axis]);
-    texture.opacity = l.opacity;
-    texture.beyond = l.beyond ? 1 : 0;
+    texture.scale = l.opacity;
     const bool under_way = s.phase != ShadowPhase::idle && s.active == light;
-    texture.calls_behind = l.pending || under_way ? static_cast<uint32_t>(l.calls - t.light_call) : 0;
-    texture.evaluated = t.evaluated;
+    texture.behind = l.pending || under_way ? static_cast<uint32_t>(l.calls - t.light_call) : 0;
     texture.version = t.version;
   }
   fill_struct(&texture, sizeof texture, out);
@@ -244,8 +244,12 @@ uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {
   return units;
 }
 
-void sandglass_shadow_get_texture(const sandglass_shadow* shadow, uint32_t light, sandglass_shadow_texture* texture) {
+void sandglass_shadow_get_texture(const sandglass_shadow* shadow, uint32_t light, sandglass_texture* texture) {
   if (shadow != nullptr && texture != nullptr) fill_texture(shadow->shadow, light, texture);
+}
+
+uint32_t sandglass_shadow_evaluated(const sandglass_shadow* shadow, uint32_t light) {
+  return shadow != nullptr && light < shadow->shadow.light_count ? shadow->shadow.lights[light].front.evaluated : 0;
 }
 
 uint64_t sandglass_shadow_hash(const sandglass_shadow* shadow) {

@@ -16,8 +16,7 @@ namespace sandglass {
 namespace {
 
 constexpr float k_extent_limit = 1e4f;  // metres
-constexpr float k_usual_diameter = 0.34906585f;
-constexpr double k_origin_kept = 100;  // metres
+constexpr double k_origin_kept = 100;   // metres
 
 sandglass_status check(const sandglass_cast_desc& desc, const char** reason) {
   if (desc.texels != 0 && desc.texels != 64 && desc.texels != 128 && desc.texels != 256)
@@ -218,13 +217,14 @@ __attribute__((noinline)) sandglass_status take_cells(CastState* c, const float*
   return accept(reason);
 }
 
-void fill_texture(const CastState& c, uint32_t which, sandglass_cast_texture* out) {
+void fill_texture(const CastState& c, uint32_t which, sandglass_texture* out) {
   const CastTarget& target = c.targets[which];
   const CastTexture& front = target.front;
-  sandglass_cast_texture texture = {};
+  sandglass_texture texture = {};
   texture.valid = target.valid ? 1 : 0;
   texture.bytes = front.bytes;
-  texture.texels = target.texels;
+  texture.side = target.texels;
+  texture.scale = 1;
   const CastFrame& frame = front.frame;
   for (uint32_t axis = 0; axis < 3; ++axis) {
     const double u = frame.axes[0][axis], v = frame.axes[2][axis];
@@ -233,12 +233,8 @@ void fill_texture(const CastState& c, uint32_t which, sandglass_cast_texture* ou
     texture.across[axis] = static_cast<float>(v * front.texel[1] * target.texels);
     texture.light[axis] = static_cast<float>(front.light[axis]);
   }
-  texture.directions = front.directions;
-  texture.open = front.open;
-  texture.left_out = front.left_out;
-  texture.too_far = front.too_far;
-  texture.stale = target.asked || (c.phase != CastPhase::idle && c.target == which) ? 1 : 0;
-  texture.completed = target.completed;
+  texture.behind = target.asked || (c.phase != CastPhase::idle && c.target == which) ? 1 : 0;
+  texture.version = target.completed;
   fill_struct(&texture, sizeof texture, out);
 }
 
@@ -324,10 +320,22 @@ sandglass_status sandglass_cast_set_cells(sandglass_cast* cast, const float cell
   return take_cells(&cast->cast, cells, reason);
 }
 
-void sandglass_cast_get_texture(const sandglass_cast* cast, sandglass_cast_texture* texture) {
+void sandglass_cast_get_texture(const sandglass_cast* cast, sandglass_texture* texture) {
   if (cast != nullptr && texture != nullptr) fill_texture(cast->cast, k_cast_light, texture);
 }
 
-void sandglass_cast_get_ambient(const sandglass_cast* cast, sandglass_cast_texture* texture) {
+void sandglass_cast_get_ambient(const sandglass_cast* cast, sandglass_texture* texture) {
   if (cast != nullptr && texture != nullptr) fill_texture(cast->cast, k_cast_ambient, texture);
+}
+
+void sandglass_cast_get_report(const sandglass_cast* cast, sandglass_cast_report* out) {
+  if (cast == nullptr || out == nullptr) return;
+  const CastTexture &light = cast->cast.targets[k_cast_light].front,
+                    &ambient = cast->cast.targets[k_cast_ambient].front;
+  sandglass_cast_report report = {};
+  report.directions = light.directions;
+  report.left_out = light.left_out > ambient.left_out ? light.left_out : ambient.left_out;
+  report.too_far = light.too_far > ambient.too_far ? light.too_far : ambient.too_far;
+  report.open = ambient.open;
+  fill_struct(&report, sizeof report, out);
 }

@@ -16,7 +16,8 @@ namespace sandglass {
 namespace {
 
 constexpr double k_polar_max = 70 * k_pi / 180;
-constexpr float k_side_limit = 1e4f;  // metres
+constexpr double k_narrowest = 0.02, k_widest = 1;  // light, radians
+constexpr float k_side_limit = 1e4f;                // metres
 
 sandglass_status check(const sandglass_pile_shadow_desc& desc, const char** reason) {
   for (uint32_t axis = 0; axis < 2; ++axis) {
@@ -29,8 +30,6 @@ sandglass_status check(const sandglass_pile_shadow_desc& desc, const char** reas
     return refuse(reason, "desc.floor is not finite, or beyond 10 km.");
   if (desc.texels < 32 || desc.texels > 256 || desc.texels % 32 != 0)
     return refuse(reason, "desc.texels is not a multiple of 32 in 32..256.");
-  if (!within(desc.angular_diameter, 0.02f, 1.0f))
-    return refuse(reason, "desc.angular_diameter is not in 0.02..1 radians.");
   if (!within(desc.light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians.");
   if (desc.on_sand > 1) return refuse(reason, "desc.on_sand is neither 0 nor 1.");
   if (desc.sky_texels != 0 && desc.sky_texels != desc.texels && 2 * desc.sky_texels != desc.texels &&
@@ -88,9 +87,7 @@ sandglass_status build(const sandglass_pile_shadow_desc& desc, sandglass_pile_sh
   }
   for (uint64_t i = 0; i < uint64_t{p->texels} * p->texels; ++i) p->air[i] = 1;
   p->height = desc.floor;
-  const SinCos half = sin_cos_turns(0.25 / k_pi * static_cast<double>(desc.angular_diameter));
-  p->half_sine = half.sin;
-  p->half_cosine = half.cos;
+  p->width = static_cast<double>(k_usual_diameter);
   p->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
   p->light[1] = 1;
   sky_build(p);
@@ -100,9 +97,11 @@ sandglass_status build(const sandglass_pile_shadow_desc& desc, sandglass_pile_sh
 
 using Maker = MakerOf<check, lay_out, build>;
 
-__attribute__((noinline)) sandglass_status take_light(Pile* p, const float direction[3], const char** reason) {
+__attribute__((noinline)) sandglass_status take_light(Pile* p, const float direction[3], float angular_diameter,
+                                                      const char** reason) {
   double light[3], largest = 0;
   if (const sandglass_status status = check_light_direction(direction, light, reason)) return status;
+  if (!within(angular_diameter, 0.0f, 1.5f)) return refuse(reason, "angular_diameter is not in 0..1.5 radians.");
   for (const double x : light) largest = absolute(x) > largest ? absolute(x) : largest;
   for (double& x : light) x /= largest;
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
@@ -120,7 +119,13 @@ __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direc
   double chord = 0;
   for (uint32_t axis = 0; axis < 3; ++axis) chord += (light[axis] - p->light[axis]) * (light[axis] - p->light[axis]);
   const bool any = p->valid || ((p->asked | p->making) & k_ask_light) != 0;
-  if (any && !(chord > p->tolerance_squared)) return accept(reason);
+  const double told = static_cast<double>(angular_diameter > 0.0f ? angular_diameter : k_usual_diameter);
+  const double width = told < k_narrowest ? k_narrowest
+                       : told > k_widest  ? k_widest
+                                          : told,
+               edge = 0.5 * (width - p->width);
+  if (any && !(chord + edge * edge > p->tolerance_squared)) return accept(reason);
+  p->width = width;
   for (uint32_t axis = 0; axis < 3; ++axis) p->light[axis] = light[axis];
   p->asked |= k_ask_light;
   return accept(reason);
@@ -147,7 +152,6 @@ void sandglass_pile_shadow_desc_default(sandglass_pile_shadow_desc* desc) {
     desc->high[axis] = 0.5f;
   }
   desc->texels = 128;
-  desc->angular_diameter = 0.34906585f;
   desc->light_tolerance = 0.01f;
   desc->on_sand = 1;
 }
@@ -163,11 +167,11 @@ sandglass_status sandglass_pile_shadow_create(const sandglass_pile_shadow_desc* 
 }
 
 sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, const float direction[3],
-                                                 const char** reason) {
+                                                 float angular_diameter, const char** reason) {
   if (shadow == nullptr || direction == nullptr)
     return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats.");
   const ExactFloatingPoint exact;
-  return take_light(&shadow->pile, direction, reason);
+  return take_light(&shadow->pile, direction, angular_diameter, reason);
 }
 
 void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) {
@@ -183,22 +187,29 @@ uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* p
   return run_members(member_of(shadow, k_pile_shadow_kinds), units);
 }
 
-void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_texture* out) {
+void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_part part,
+                                       sandglass_texture* out) {
   if (shadow == nullptr || out == nullptr) return;
   const Pile& p = shadow->pile;
-  sandglass_pile_shadow_texture texture = {};
-  texture.valid = p.valid ? 1 : 0;
-  texture.texels = p.texels;
-  texture.coverage = p.front.floor;
-  texture.on_sand = p.front.sand;
-  for (uint32_t axis = 0; axis < 2; ++axis) {
-    texture.low[axis] = p.low[axis];
-    texture.high[axis] = p.high[axis];
+  const PileSky& s = p.sky;
+  const uint8_t* const bytes[] = {p.front.floor, p.front.sand, s.front.floor, s.front.sand, s.front.heights};
+  const bool of_light = part <= SANDGLASS_PILE_SHADOW_SAND, heights = part == SANDGLASS_PILE_SHADOW_HEIGHTS;
+  sandglass_texture texture = {};
+  if (part >= 0 && part <= SANDGLASS_PILE_SHADOW_HEIGHTS && bytes[part] != nullptr && (of_light || s.texels != 0)) {
+    const bool stale = ((p.asked | p.making) & (of_light ? k_ask_light : k_ask_sky)) != 0;
+    const uint64_t frame = of_light ? p.front.frame : s.front.frame;
+    texture.valid = of_light ? p.valid : s.valid;
+    texture.bytes = bytes[part];
+    texture.side = of_light || heights ? p.texels : s.texels;
+    texture.behind = stale ? static_cast<uint32_t>(p.frame - frame) : 0;
+    texture.corner[0] = p.low[0];
+    texture.corner[1] = p.height;
+    texture.corner[2] = p.low[1];
+    texture.along[0] = p.high[0] - p.low[0];
+    texture.across[2] = p.high[1] - p.low[1];
+    texture.scale = of_light ? p.opacity : heights ? s.front.top : 1.0f;
+    texture.version = of_light ? p.front.version : s.front.version;
   }
-  texture.opacity = p.opacity;
-  const bool stale = ((p.asked | p.making) & k_ask_light) != 0;
-  texture.version = p.front.version;
-  texture.frames_behind = stale ? static_cast<uint32_t>(p.frame - p.front.frame) : 0;
   fill_struct(&texture, sizeof texture, out);
 }
 
@@ -221,28 +232,6 @@ sandglass_status sandglass_pile_shadow_set_cells(sandglass_pile_shadow* shadow,
     return refuse(reason, "shadow or cells is NULL: pass the shadow and 64 floats.");
   const ExactFloatingPoint exact;
   return take_cells(&shadow->pile, cells, reason);
-}
-
-void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_sky* out) {
-  if (shadow == nullptr || out == nullptr) return;
-  const Pile& p = shadow->pile;
-  const PileSky& s = p.sky;
-  sandglass_pile_shadow_sky sky = {};
-  sky.valid = s.valid ? 1 : 0;
-  sky.texels = s.texels;
-  sky.floor = s.front.floor;
-  sky.on_sand = s.front.sand;
-  sky.heights = s.front.heights;
-  for (uint32_t axis = 0; axis < 2; ++axis) {
-    sky.low[axis] = p.low[axis];
-    sky.high[axis] = p.high[axis];
-  }
-  sky.height_texels = s.texels != 0 ? p.texels : 0;
-  sky.height = s.front.top;
-  const bool stale = ((p.asked | p.making) & k_ask_sky) != 0;
-  sky.version = s.front.version;
-  sky.frames_behind = stale && s.texels != 0 ? static_cast<uint32_t>(p.frame - s.front.frame) : 0;
-  fill_struct(&sky, sizeof sky, out);
 }
 
 void sandglass_pile_shadow_light_grains(const sandglass_pile_shadow* shadow, const float* positions, uint32_t count,

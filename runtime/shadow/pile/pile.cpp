@@ -186,6 +186,9 @@ void begin(Pile* p) {
   p->back.frame = p->frame;
   if ((p->making & k_ask_sky) != 0) sky_begin(p);
   for (uint32_t axis = 0; axis < 3; ++axis) p->made_for[axis] = p->light[axis];
+  const SinCos half = sin_cos_turns(0.25 / k_pi * p->width);
+  p->half_sine = half.sin;
+  p->half_cosine = half.cos;
   begin_columns(p);
 }
 

@@ -52,7 +52,8 @@ struct Pile {
   float height;           // of the floor
   float texel[2];         // metres
   uint32_t texels, pitch;
-  double half_sine, half_cosine;  // of half the light's angular diameter
+  double width;                   // of the light, radians
+  double half_sine, half_cosine;  // of half of it, as the texture under way is made for
   double tolerance_squared;
   float *tops, *bottoms, *fills;        // texels x pitch, after k_lane_group of padding
   float *nothing, *receivers, *shares;  // one row each: heights of the floor, of the receivers, the kernel's output

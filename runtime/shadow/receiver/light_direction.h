@@ -6,6 +6,9 @@
 
 namespace sandglass {
 
+// Of a light whose size is not told, radians: 20 degrees.
+constexpr float k_usual_diameter = 0.34906585f;
+
 // Refuses what points nowhere; `towards` is the same direction in double, of the same length.
 inline sandglass_status check_light_direction(const float direction[3], double towards[3], const char** reason) {
   if (!all_finite(direction, 3))

@@ -23,7 +23,7 @@ constexpr uint32_t k_width = 256, k_height = 192;
 constexpr double k_macs = 2.549e9;  // with pooling before the transitions' convolutions, and with the heads
 
 // Without a camera pose, directions are in the world's axes: x right, y up, z backward.
-LightValues values_of(const sandglass_light_estimate& e) {
+LightValues values_of(const sandglass_estimator_light& e) {
   return {e.direction[0], -e.direction[1], -e.direction[2], e.light[0],   e.light[1],
           e.light[2],     e.ambient[0],    e.ambient[1],    e.ambient[2], e.contrast};
 }
@@ -73,7 +73,7 @@ bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_i
       sandglass_estimator_run(light.get(), UINT32_MAX);
       row->ms = std::min(row->ms, cpu_ms_now() - begin);
     }
-    sandglass_light_estimate latest = light.estimated();
+    sandglass_estimator_light latest = light.light();
     sandglass_estimator_get_latest(light.get(), &latest);  // the filter rejects what contradicts the image before
     row->estimates.push_back(values_of(latest));
   }

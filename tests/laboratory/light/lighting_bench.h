@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "models/lighting/excerpts.h"
-#include "sandglass/estimate.h"
+#include "sandglass/estimator.h"
 
 namespace sandglass::host {
 

@@ -20,7 +20,7 @@ sandglass_room_light light_at(const StudiedPlace& p, const Room& room) {
   sandglass_room_place at;
   sandglass_room_place_default(&at);
   to_floats(p.place, at.position);
-  if (!p.estimates.empty() && room.images != 0) at.estimate = &p.network;
+  if (!p.estimates.empty() && room.images != 0) at.network = &p.network;
   room_estimate(room, k_room_model, at, &light);
   return light;
 }

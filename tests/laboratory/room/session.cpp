@@ -39,12 +39,12 @@ SeenRoom look_around(const RadianceMap& panorama, Session session, const Session
 }
 
 ShotLight light_of_session(const Surroundings& room, Session session, const SessionOptions& options,
-                           const sandglass_light_estimate* estimate) {
+                           const sandglass_estimator_light* estimate) {
   const SeenRoom seen = look_around(room.panorama, session, options);
   sandglass_room_place at;
   sandglass_room_place_default(&at);
   to_floats(room.foot, at.position);
-  at.estimate = estimate;
+  at.network = estimate;
   ShotLight light = {};
   light.struct_size = sizeof light;
   room_estimate(seen.room, k_room_model, at, &light);
@@ -92,7 +92,7 @@ Room with_known(const SeenRoom& seen, const PartRadiance& truth, Known known) {
   return room;
 }
 
-sandglass_light_estimate estimate_of_table(const RadianceMap& panorama, const SessionOptions& options,
+sandglass_estimator_light estimate_of_table(const RadianceMap& panorama, const SessionOptions& options,
                                            RoomLight* network) {
   const SessionImage image = session_images(Session::table, options.seed).front();
   const PhoneImage shot = take_image(panorama, session_camera(options.azimuth, image), 4 * k_session_width,

@@ -34,7 +34,7 @@ SeenRoom look_around(const RadianceMap& panorama, Session session, const Session
 
 // What a session of a phone, and one image where there is an estimate, tell of the light at the chair, in the picture's scale.
 ShotLight light_of_session(const Surroundings& room, Session session, const SessionOptions& options,
-                           const sandglass_light_estimate* estimate = nullptr);
+                           const sandglass_estimator_light* estimate = nullptr);
 
 // The library's part that a direction so many turns about y and `up` lies in.
 uint32_t part_at(double turns, double up);
@@ -44,8 +44,8 @@ PartRadiance true_parts(const RadianceMap& panorama);
 enum class Known { clipped_light, unseen_parts };
 Room with_known(const SeenRoom& seen, const PartRadiance& truth, Known known);
 
-// What the network of estimate.h makes of the one image of a table, in the panorama's frame.
-sandglass_light_estimate estimate_of_table(const RadianceMap& panorama, const SessionOptions& options,
+// What the network of estimator.h makes of the one image of a table, in the panorama's frame.
+sandglass_estimator_light estimate_of_table(const RadianceMap& panorama, const SessionOptions& options,
                                            RoomLight* network);
 
 }  // namespace sandglass::host

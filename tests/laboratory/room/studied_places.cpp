@@ -88,7 +88,7 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std
       places[a].probes = probe_lights(coarse, turn, options.exposure_known, places[a].place);
     });
     for (uint32_t a = 0; a < options.azimuths && network; ++a) {
-      const sandglass_light_estimate e =
+      const sandglass_estimator_light e =
           estimate_of_table(coarse, {azimuth_of(a, options), true, seed_of(a)}, &*network);
       places[a].network = e;
       places[a].estimates = {{Vec3{e.direction[0], e.direction[1], e.direction[2]}, static_cast<double>(e.contrast)}};

@@ -341,7 +341,7 @@ struct Carried {
   // Where the vessel is held, by its first part.
   Pose held(const Pose& told) const {
     sandglass_collider c = {};
-    if (way.told == Told::velocities || sandglass_granular_held_collider(scene.handle(), 1, &c) == 0) return told;
+    if (way.told == Told::velocities || sandglass_scene_held_collider(scene.handle(), 1, &c) == 0) return told;
     const double turned = 2.0 * std::atan2(static_cast<double>(c.rotation[2]), static_cast<double>(c.rotation[3]));
     Pose pose = {{}, told.angle + std::remainder(turned - told.angle, 2.0 * k_pi)};
     pose.at = from_floats(c.position) - rotate(pose.turn(), from_floats(vessel.parts[0].position));

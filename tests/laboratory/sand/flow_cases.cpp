@@ -140,7 +140,7 @@ Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setti
   const sandglass_collider above =
       cpp::box(static_cast<float>(far), static_cast<float>(height - r) + 10.0f, 0.0f, 10.0f, 10.0f, 10.0f);
   const char* reason = nullptr;
-  require(sandglass_granular_remove(simulation.handle(), &above, nullptr, nullptr, &reason), reason);
+  require(sandglass_scene_remove(simulation.handle(), &above, nullptr, nullptr, &reason), reason);
 
   Collapse result;
   result.packing = packing_within(present(&simulation), r, r0 - 2.0 * d, 2.0 * d, height - 2.0 * d, far);

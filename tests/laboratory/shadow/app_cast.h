@@ -22,12 +22,12 @@ inline sandglass_cast_mesh cast_mesh_of(const Mesh& mesh, bool closed, bool is_r
 }
 
 // 0..1 at a place of the plane, between the four texels about it; `outside` beyond the texture, or where none is valid.
-inline double sampled(const sandglass_cast_texture& t, Vec3 p, double outside) {
+inline double sampled(const sandglass_texture& t, Vec3 p, double outside) {
   if (t.valid == 0) return outside;
   const Vec3 along = from_floats(t.along), across = from_floats(t.across), from = p - from_floats(t.corner);
   const double u = dot(from, along) / dot(along, along), v = dot(from, across) / dot(across, across);
   if (!(u >= 0 && u <= 1 && v >= 0 && v <= 1)) return outside;
-  const int n = static_cast<int>(t.texels);
+  const int n = static_cast<int>(t.side);
   const double x = u * n - 0.5, y = v * n - 0.5, left = std::floor(x), top = std::floor(y);
   double sum = 0;
   for (int i = 0; i < 4; ++i) {

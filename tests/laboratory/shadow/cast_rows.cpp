@@ -100,13 +100,13 @@ Drawn cast_of(const Mesh& mesh, const Light& light, const CastChoice& choice, Ca
   (void)cast.set_light(towards, static_cast<float>(2 * light.half));
   if (choice.cells) (void)cast.set_cells(*choice.cells);
   cast.run();
-  const sandglass_cast_texture t = choice.cells ? cast.ambient() : cast.texture();
+  const sandglass_texture t = choice.cells ? cast.ambient() : cast.texture();
   Drawn drawn;
-  drawn.texels = t.texels;
-  drawn.open = static_cast<double>(t.open);
+  drawn.texels = t.side;
+  drawn.open = static_cast<double>(cast.report().open);
   drawn.rectangle = {t.corner[0], t.corner[2], static_cast<double>(t.corner[0]) + static_cast<double>(t.along[0]),
                      static_cast<double>(t.corner[2]) + static_cast<double>(t.across[2])};
-  for (uint32_t i = 0; i < t.texels * t.texels; ++i) {
+  for (uint32_t i = 0; i < t.side * t.side; ++i) {
     const float byte = static_cast<float>(t.bytes[i]) / 255.0f;
     drawn.left.push_back(choice.cells ? byte : 1 - byte);
   }
@@ -287,14 +287,15 @@ void baked_lights(const CastRowsOptions& options, const CastMeshFile& file, Thre
     sandglass_shadow* handle = network.get();
     while (sandglass_shadow_run(&handle, 1, UINT32_MAX) > 0) {
     }
-    const sandglass_shadow_texture t = network.texture(0);
+    const sandglass_texture t = network.texture(0);
     Drawn other;
     other.texels = SANDGLASS_SHADOW_TEXELS;
     const double s = object.scale;
-    other.rectangle = {(t.low[0] - object.origin[0]) / s, (t.low[1] - object.origin[2]) / s,
-                       (t.high[0] - object.origin[0]) / s, (t.high[1] - object.origin[2]) / s};
+    other.rectangle = {(t.corner[0] - object.origin[0]) / s, (t.corner[2] - object.origin[2]) / s,
+                       (t.corner[0] + t.along[0] - object.origin[0]) / s,
+                       (t.corner[2] + t.across[2] - object.origin[2]) / s};
     for (uint32_t i = 0; i < other.texels * other.texels; ++i)
-      other.left.push_back(1 - static_cast<float>(t.coverage[i]) / 255.0f * t.opacity);
+      other.left.push_back(1 - static_cast<float>(t.bytes[i]) / 255.0f * t.scale);
     of_network.add(
         error_of([&](size_t i) { return other.at(drawn.place(i)[0], drawn.place(i)[1]); }, truth, drawn.area(), area));
   }

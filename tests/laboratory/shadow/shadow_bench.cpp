@@ -133,11 +133,11 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
     const Direction other = lights[(i + 1) % k_lights];
     const auto bytes = [&](ShadowRunner* runner, Samples* samples) {
       if (interrupted()) return;
-      sandglass_shadow_texture texture = {};
+      sandglass_texture texture = {};
       samples->ms.push_back(best_cpu_ms([&] { texture = runner->texture(light); }, [&] { runner->texture(other); }));
-      samples->macs += separated_macs * texture.evaluated;
-      samples->evaluated += texture.evaluated;
-      for (uint32_t t = 0; t < k_texels; ++t) output[t] = 1 - static_cast<float>(texture.coverage[t]) / 255;
+      samples->macs += separated_macs * runner->evaluated();
+      samples->evaluated += runner->evaluated();
+      for (uint32_t t = 0; t < k_texels; ++t) output[t] = 1 - static_cast<float>(texture.bytes[t]) / 255;
       samples->judge(output, reference, truth);
     };
     bytes(&full, &own_int8);

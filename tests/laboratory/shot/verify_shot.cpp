@@ -64,7 +64,7 @@ void take_lights(const ShotVerdictOptions& options, const ShotStage& stage, size
   view->truth = room.true_light();
   const Vec3 ahead = resting_camera(*stage.scene.camera).forward;
   const SessionOptions session = {std::atan2(ahead.z, ahead.x), true, mix_bits(options.seed + 1000 * index)};
-  sandglass_light_estimate estimate = {};
+  sandglass_estimator_light estimate = {};
   if (!options.network.empty()) {
     RoomLight network(options.network);
     estimate = estimate_of_table(room.panorama, session, &network);

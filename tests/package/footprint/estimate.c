@@ -5,8 +5,8 @@ int main(int count, char** arguments) {
   sandglass_estimator_desc desc;
   sandglass_camera_image image;
   sandglass_estimator* estimator = NULL;
-  sandglass_light_estimate estimate;
-  sandglass_lighting lighting;
+  sandglass_estimator_light estimate;
+  sandglass_light lighting;
   sandglass_filament_light filament;
   const char* reason = NULL;
   sandglass_estimator_desc_default(&desc);
@@ -19,9 +19,9 @@ int main(int count, char** arguments) {
   estimate.struct_size = sizeof estimate;
   sandglass_estimator_get(estimator, &estimate);
   lighting.struct_size = sizeof lighting;
-  if (sandglass_lighting_of_estimate(&estimate, &lighting, &reason) != SANDGLASS_OK) return 1;
+  if (sandglass_light_of_estimator(&estimate, &lighting, &reason) != SANDGLASS_OK) return 1;
   filament.struct_size = sizeof filament;
-  if (sandglass_lighting_to_filament(&lighting, SANDGLASS_LIGHTING_AMBIENT, 30.0f, &filament, &reason) != SANDGLASS_OK)
+  if (sandglass_light_to_filament(&lighting, SANDGLASS_LIGHT_AMBIENT, 30.0f, &filament, &reason) != SANDGLASS_OK)
     return 1;
   return estimate.valid != 1;
 }

@@ -5,10 +5,10 @@
 int main(int count, char** arguments) {
   const float up[3] = {0, 1, 0}, upright[4] = {0, 0, 0, 1};
   float cells[SANDGLASS_LIGHT_CELLS] = {0}, sh[27] = {0}, transfer[9];
-  sandglass_shadow_ambient ambient;
+  sandglass_texture ambient;
   sandglass_shadow_desc desc;
   sandglass_shadow* shadow = NULL;
-  sandglass_shadow_texture texture;
+  sandglass_texture texture;
   const char* reason = NULL;
   sandglass_shadow_desc_default(&desc);
   desc.asset = arguments;

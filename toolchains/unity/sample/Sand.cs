@@ -243,7 +243,7 @@ public unsafe class Sand : MonoBehaviour {
     fixed (float* direction = shown.main_direction)
     fixed (float* cells = shown.ambient_cells) {
       if (shown.struct_size == 0) return;  // no frame was lit yet
-      Check(Native.sandglass_pile_shadow_set_light(pile, direction, &reason), reason);
+      Check(Native.sandglass_pile_shadow_set_light(pile, direction, shown.main_angular_diameter, &reason), reason);
       Check(Native.sandglass_cast_set_light(cast, direction, shown.main_angular_diameter, &reason), reason);
       Check(Native.sandglass_pile_shadow_set_cells(pile, cells, &reason), reason);
       Check(Native.sandglass_cast_set_cells(cast, cells, &reason), reason);
@@ -251,39 +251,34 @@ public unsafe class Sand : MonoBehaviour {
   }
 
   // A texture of shadows, and where it lies from this object.
-  void Load(MaterialPropertyBlock block, int i, bool valid, byte* bytes, uint texels, ulong version, Vector4 box) {
-    block.SetVector(names[i] + "Box", valid ? box : new Vector4(0, 0, 0, 0));
+  void Load(MaterialPropertyBlock block, int i, bool valid, in sandglass_texture texture) {
+    block.SetVector(names[i] + "Box", valid ? new Vector4(texture.corner[0], texture.corner[2], 1 / texture.along[0], 1 / texture.across[2]) : new Vector4(0, 0, 0, 0));
     if (!valid) return;
-    if (textures[i] == null || textures[i].width != texels)
-      textures[i] = new Texture2D((int)texels, (int)texels, TextureFormat.R8, false, true);
-    if (versions[i] != version) {
-      textures[i].LoadRawTextureData((IntPtr)bytes, (int)(texels * texels));
+    int side = (int)texture.side;
+    if (textures[i] == null || textures[i].width != side) textures[i] = new Texture2D(side, side, TextureFormat.R8, false, true);
+    if (versions[i] != texture.version) {
+      textures[i].LoadRawTextureData((IntPtr)texture.bytes, side * side);
       textures[i].Apply();
-      versions[i] = version;
+      versions[i] = texture.version;
     }
     block.SetTexture(names[i], textures[i]);
   }
 
   void DrawTable(float nearer) {
     var draw = new RenderParams(table) { worldBounds = new Bounds(transform.position, 2 * HalfSide * Vector3.one), matProps = new MaterialPropertyBlock() };
-    var texture = new sandglass_cast_texture { struct_size = (uint)sizeof(sandglass_cast_texture) };
+    var texture = new sandglass_texture { struct_size = (uint)sizeof(sandglass_texture) };
     for (int i = 0; i < 2; ++i) {
       if (i == 0) Native.sandglass_cast_get_texture(cast, &texture); else Native.sandglass_cast_get_ambient(cast, &texture);
-      bool made = texture.valid != 0 && triangleCount > 0;
-      Load(draw.matProps, i, made, texture.bytes, texture.texels, texture.completed,
-           made ? new Vector4(texture.corner[0], texture.corner[2], 1 / texture.along[0], 1 / texture.across[2]) : new Vector4(0, 0, 0, 0));
+      Load(draw.matProps, i, texture.valid != 0 && triangleCount > 0, texture);
     }
-    var sand = new sandglass_pile_shadow_texture { struct_size = (uint)sizeof(sandglass_pile_shadow_texture) };
-    Native.sandglass_pile_shadow_get_texture(pile, &sand);
-    var sky = new sandglass_pile_shadow_sky { struct_size = (uint)sizeof(sandglass_pile_shadow_sky) };
-    Native.sandglass_pile_shadow_get_sky(pile, &sky);
-    var box = new Vector4(-HalfSide, -HalfSide, 0.5f / HalfSide, 0.5f / HalfSide);
-    Load(draw.matProps, 2, sand.valid != 0, sand.coverage, sand.texels, sand.version, box);
-    Load(draw.matProps, 3, sky.valid != 0, sky.floor, sky.texels, sky.version, box);
+    Native.sandglass_pile_shadow_get_texture(pile, Native.SANDGLASS_PILE_SHADOW_SKY_FLOOR, &texture);
+    Load(draw.matProps, 3, texture.valid != 0, texture);
+    Native.sandglass_pile_shadow_get_texture(pile, Native.SANDGLASS_PILE_SHADOW_FLOOR, &texture);
+    Load(draw.matProps, 2, texture.valid != 0, texture);
     draw.matProps.SetVector("_Origin", transform.position);
     draw.matProps.SetFloat("_HalfSide", HalfSide);
     draw.matProps.SetFloat("_MainShare", shown.main_share);
-    draw.matProps.SetFloat("_SandOpacity", sand.opacity);
+    draw.matProps.SetFloat("_SandOpacity", texture.scale);
     draw.matProps.SetFloat("_Nearer", nearer);
     Graphics.RenderPrimitives(draw, MeshTopology.Triangles, 6);
   }
@@ -298,7 +293,7 @@ public unsafe class Sand : MonoBehaviour {
     place.position[0] = transform.position.x;
     place.position[1] = transform.position.y;
     place.position[2] = -transform.position.z;
-    var lighting = new sandglass_lighting { struct_size = (uint)sizeof(sandglass_lighting) };
+    var lighting = new sandglass_light { struct_size = (uint)sizeof(sandglass_light) };
     var unity = new sandglass_unity_light { struct_size = (uint)sizeof(sandglass_unity_light) };
     float scale;
     fixed (sandglass_room_light* light = &shown)
@@ -306,10 +301,10 @@ public unsafe class Sand : MonoBehaviour {
       place.shown = light;
       Check(Native.sandglass_room_get(room, &place, &known, &reason), reason);
       Native.sandglass_room_fade(light, &known, Time.deltaTime);
-      Check(Native.sandglass_lighting_of_room(light, &lighting, &reason), reason);
+      Check(Native.sandglass_light_of_room(light, &lighting, &reason), reason);
       scale = Native.sandglass_room_exposure(light, image);  // of the image on the screen
     }
-    Check(Native.sandglass_lighting_to_unity(&lighting, Native.SANDGLASS_LIGHTING_AMBIENT, &unity, &reason), reason);
+    Check(Native.sandglass_light_to_unity(&lighting, Native.SANDGLASS_LIGHT_AMBIENT, &unity, &reason), reason);
     unity.intensity *= scale;
     for (int i = 0; i < 27; ++i) unity.sh[i] *= scale;
     return unity;

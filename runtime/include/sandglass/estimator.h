@@ -33,8 +33,8 @@
  * curve over all at the end.
  *
  * Units, errors and the rule for NULL: see types.h. */
-#ifndef SANDGLASS_ESTIMATE_H
-#define SANDGLASS_ESTIMATE_H
+#ifndef SANDGLASS_ESTIMATOR_H
+#define SANDGLASS_ESTIMATOR_H
 
 #include "sandglass/camera.h"
 
@@ -143,7 +143,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_estimator_inspect(c
                                                                                const char** reason);
 
 /* The light of a room. */
-typedef struct sandglass_light_estimate {
+typedef struct sandglass_estimator_light {
   uint32_t struct_size;
   /* 0: no estimate was completed yet. Then the light comes from above, is grey, and has contrast 0. */
   uint32_t valid;
@@ -179,7 +179,7 @@ typedef struct sandglass_light_estimate {
    * without the Condon-Shortley phase. The light is the spherical Gaussian of (5.27), exp(2 pi (cos - 1)), times the
    * factor by which a facing surface receives pi * strength * c, as from the directional light. */
   float sh[27];
-} sandglass_light_estimate;
+} sandglass_estimator_light;
 
 /* The exact number of bytes that sandglass_estimator_create needs. Fails with INVALID_ARGUMENT: a field out of range, or a
  * file that sandglass_estimator_inspect refuses; and with UNSUPPORTED (isa, backend). */
@@ -226,12 +226,12 @@ SANDGLASS_API uint32_t sandglass_estimator_run(sandglass_estimator* estimator, u
 SANDGLASS_API uint32_t sandglass_estimator_units_left(const sandglass_estimator* estimator);
 
 /* Gives the estimate after the filter. Set estimate->struct_size before. */
-SANDGLASS_API void sandglass_estimator_get(const sandglass_estimator* estimator, sandglass_light_estimate* estimate);
+SANDGLASS_API void sandglass_estimator_get(const sandglass_estimator* estimator, sandglass_estimator_light* estimate);
 
 /* Gives the last estimate as the network made it, turned into the world, before the filter. Set estimate->struct_size
  * before. */
 SANDGLASS_API void sandglass_estimator_get_latest(const sandglass_estimator* estimator,
-                                                  sandglass_light_estimate* estimate);
+                                                  sandglass_estimator_light* estimate);
 
 /* A 64-bit hash of the filtered estimate and the image under way. It is equal on every instruction set and compiler. */
 SANDGLASS_API uint64_t sandglass_estimator_hash(const sandglass_estimator* estimator);
@@ -244,4 +244,4 @@ SANDGLASS_API sandglass_isa sandglass_estimator_isa(const sandglass_estimator* e
 } /* extern "C" */
 #endif
 
-#endif /* SANDGLASS_ESTIMATE_H */
+#endif /* SANDGLASS_ESTIMATOR_H */
