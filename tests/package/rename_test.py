@@ -2,16 +2,18 @@
 
 before/examples.diff, taken back, makes the examples of the version before. With the script applied to them, they are those of now, or
 build and print the same."""
+import os
 import pathlib
 import shutil
 import subprocess
 import sys
 
-source, work, compiler, library = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3], sys.argv[4]
+source, work, compiler, library = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve(), sys.argv[3], sys.argv[4]
 
 
 def run(*command, cwd=None):
-    return subprocess.run([str(word) for word in command], cwd=cwd, check=True, stdout=subprocess.PIPE, text=True).stdout
+    apart = {**os.environ, "GIT_CEILING_DIRECTORIES": str(work.parent)}  # git applies nothing to what another repository ignores
+    return subprocess.run([str(word) for word in command], cwd=cwd, env=apart, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 def says(file, made):

@@ -251,7 +251,7 @@ public unsafe class Sand : MonoBehaviour {
   }
 
   // A texture of shadows, and where it lies from this object.
-  void Load(MaterialPropertyBlock block, int i, bool valid, in sandglass_texture texture) {
+  void Load(MaterialPropertyBlock block, int i, bool valid, sandglass_texture texture) {
     block.SetVector(names[i] + "Box", valid ? new Vector4(texture.corner[0], texture.corner[2], 1 / texture.along[0], 1 / texture.across[2]) : new Vector4(0, 0, 0, 0));
     if (!valid) return;
     int side = (int)texture.side;
