@@ -54,7 +54,7 @@ def renamed(text, suffix, rows):
 def files(paths):
     for path in map(pathlib.Path, paths):
         for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
-            if file.is_file() and file.suffix in CODE | {".json"} and not {".git", "build", "node_modules"} & set(file.parts):
+            if file.is_file() and file.suffix in CODE | {".json"} and not {".git", "build", "node_modules"} & set(file.relative_to(path).parts):
                 yield file
 
 
