@@ -7,8 +7,8 @@
 //   - a block in which it makes something: one too small or not aligned is refused, and nothing is touched; one of the
 //     size announced suffices, and no byte outside is touched, in what follows neither.
 //
-// The names of the arguments come from the headers (header_facts.py), which also say whether the table is complete. Of what
-// is made from its defaults they give the rows of creation, and of functions that take the handle alone.
+// The names of the arguments come from the headers (header_facts.py), which also say whether the table is complete. They
+// give the rows of functions that take one pointer and nothing else, and of creation where the defaults are enough.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -53,8 +53,7 @@ const std::map<std::string, std::vector<std::string>> k_functions = {
 
 // A function with its name.
 #define NAMED(function) #function, function
-#define MADE(type, block, desc_of) \
-  made<type>(block, desc_of, NAMED(type##_bytes), NAMED(type##_create), NAMED(type##_desc_default))
+#define MADE(type, block, desc_of) made<type>(block, desc_of, NAMED(type##_bytes), NAMED(type##_create))
 
 // Where a pointer stands; null for anything else.
 template <class T>
@@ -222,18 +221,16 @@ class Arguments : public ::testing::Test {
     return bytes_of(desc_of, &need, nullptr) == SANDGLASS_OK;
   }
 
-  // What good arguments make in the block, by rows of the three functions that lead there.
+  // What good arguments make in the block, by rows of the two functions that lead there.
   template <class Handle, class Desc>
   Handle* made(GuardedBlock* block, Desc* desc_of, const char* bytes_name,
                sandglass_status (*bytes_of)(const Desc*, uint64_t*, const char**), const char* create_name,
-               sandglass_status (*create)(const Desc*, void*, uint64_t, Handle**, const char**),
-               const char* default_name, void (*fill)(Desc*)) {
+               sandglass_status (*create)(const Desc*, void*, uint64_t, Handle**, const char**)) {
     row(bytes_name, bytes_of, "", desc_of, &need);
     EXPECT_EQ(bytes_of(desc_of, &need, nullptr), SANDGLASS_OK);
     *block = GuardedBlock(need);
     Handle* handle = nullptr;
     row(create_name, create, "", desc_of, block->data(), need, &handle);
-    row(default_name, fill, "", desc_of);
     EXPECT_NE(handle, nullptr);
     return handle;
   }
@@ -282,14 +279,13 @@ class Arguments : public ::testing::Test {
 };
 
 void Arguments::made_from_defaults() {
+  // Only NULL is handed over: what else the pointer may be is never looked at.
+#define ONE_POINTER(function, type) row(NAMED(function), "", reinterpret_cast<type*>(point));
 #define MADE_ALONE(type)                                                           \
   if (type##_desc desc_of; is_made(&desc_of, type##_desc_default, type##_bytes)) { \
     GuardedBlock block{0};                                                         \
-    type* const handle = MADE(type, &block, &desc_of);
-#define OF_HANDLE(function) row(NAMED(function), "", handle);
-#define MADE_END                      \
-  EXPECT_NE(handle, nullptr);         \
-  EXPECT_TRUE(block.guards_intact()); \
+    MADE(type, &block, &desc_of);                                                  \
+    EXPECT_TRUE(block.guards_intact());                                            \
   }
 #include "handles.inc"
 }
@@ -299,19 +295,14 @@ void Arguments::scenes() {
   sandglass_scene* made = nullptr;
   row(NAMED(sandglass_scene_bytes), "", &desc, &need);
   row(NAMED(sandglass_scene_create), "", &desc, spare.get(), bytes, &made);
-  row(NAMED(sandglass_scene_desc_default), "", &desc);
-  row(NAMED(sandglass_scene_reset), "", s);
   row(NAMED(sandglass_scene_set_gravity), "", s, low);
   row(NAMED(sandglass_scene_move), "rotation translation", s, point, low);
   std::vector<uint8_t> saved(1 << 20);
   uint64_t written = 0;
-  row(NAMED(sandglass_scene_save_bytes), "", s);
   row(NAMED(sandglass_scene_save), "", s, saved.data(), uint64_t{saved.size()}, &written);
   row(NAMED(sandglass_scene_restore), "", s, saved.data(), written);
   sandglass_region region;
   row(NAMED(sandglass_scene_regions), "regions", s, &region, 1u);
-  row(NAMED(sandglass_scene_isa), "", s);
-  row(NAMED(sandglass_scene_hash), "", s);
   const sandglass_points sand = {point, low, 1};
   row(NAMED(sandglass_granular_add), "particles grains", s, &sand, &sand);
   const sandglass_collider ball = sandglass::sphere(5.0f, 5.0f, 5.0f, 0.1f);
@@ -320,10 +311,8 @@ void Arguments::scenes() {
   body.particle_positions = point;
   body.particle_count = 1;
   row(NAMED(sandglass_granular_add_body), "index", s, &body, &count);
-  row(NAMED(sandglass_body_default), "", &body);
   float points[64 * 3];
   sandglass_box_desc box = sandglass::box_desc();
-  row(NAMED(sandglass_box_desc_default), "", &box);
   for (float& half : box.half_extents) half = 0.02f;
   box.particle_radius = 0.01f;
   row(NAMED(sandglass_box_count), "", &box, &count);
@@ -348,7 +337,6 @@ void Arguments::scenes() {
   row(NAMED(sandglass_granular_set_friction), "", s, 0.2f, 0.2f);
   sandglass_frame_input input = sandglass::frame_input();
   sandglass_frame_report report = sandglass::frame_report();
-  row(NAMED(sandglass_frame_input_default), "", &input);
   input.time_step = 0.01f;
   row(NAMED(sandglass_scene_frame), "report", s, &input, &report);
   row(NAMED(sandglass_granular_particles), "", s, points, points);
@@ -365,7 +353,6 @@ float from_plane(void*, const float p[3]) { return std::sqrt(p[0] * p[0] + p[1] 
 void Arguments::sampling() {
   std::vector<float> points(3 * 4096);
   sandglass_sample_desc sample = sandglass::sample_desc();
-  row(NAMED(sandglass_sample_desc_default), "", &sample);
   row(NAMED(sandglass_sample_disk), "", 1.0f, points.data(), 8u);
   row(NAMED(sandglass_sample_sphere), "", 1.0f, points.data(), 8u);
   row(NAMED(sandglass_sample_ring), "", 1.0f, 0.5f, 1.0f, points.data(), 8u);
@@ -395,7 +382,6 @@ void Arguments::sampling() {
 
 void Arguments::fields() {
   sandglass_field_desc from_mesh = sandglass::field_desc();
-  row(NAMED(sandglass_field_desc_default), "", &from_mesh);
   for (float& edge : from_mesh.bounds_min) edge = -0.1f;
   for (float& edge : from_mesh.bounds_max) edge = 0.1f;
   from_mesh.spacing = 0.01f;
@@ -425,27 +411,21 @@ void Arguments::lights() {
   row(NAMED(sandglass_estimator_inspect), "", file.data(), file_bytes, &info);
   GuardedBlock block{0};
   sandglass_estimator* const estimator = MADE(sandglass_estimator, &block, &desc_of);
-  row(NAMED(sandglass_estimator_reset), "", estimator);
   row(NAMED(sandglass_estimator_turn), "", estimator, point);
   sandglass_camera_image image = grey_image();
   row(NAMED(sandglass_camera_check), "", &image);
   row(NAMED(sandglass_estimator_set_image), "taken", estimator, &image, &taken);
-  row(NAMED(sandglass_camera_image_default), "", &image);
   float sh[27];
   const float matrix[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   row(NAMED(sandglass_camera_orientation), "", matrix, sh);
   row(NAMED(sandglass_estimator_run), "", estimator, 1u);
-  row(NAMED(sandglass_estimator_units_left), "", estimator);
   sandglass_estimator_run(estimator, UINT32_MAX);  // so that there is an estimate to read
   auto estimate = sized<sandglass_light_estimate>();
   row(NAMED(sandglass_estimator_get_latest), "", estimator, &estimate);
   row(NAMED(sandglass_estimator_get), "", estimator, &estimate);
   sandglass_estimator_get(estimator, &estimate);
-  row(NAMED(sandglass_estimator_hash), "", estimator);
-  row(NAMED(sandglass_estimator_isa), "", estimator);
   auto lighting = sized<sandglass_lighting>();
   row(NAMED(sandglass_lighting_of_estimate), "", &estimate, &lighting);
-  row(NAMED(sandglass_estimator_release), "", estimator);
   sandglass_estimator_release(estimator);
   EXPECT_TRUE(block.guards_intact());
 }
@@ -465,12 +445,9 @@ void Arguments::rooms() {
   place.estimate = &estimate;
   row(NAMED(sandglass_room_get), "", room, &place, &light);
   place.estimate = nullptr;
-  row(NAMED(sandglass_room_place_default), "", &place);
   row(NAMED(sandglass_room_exposure), "", &light, &image);
   auto cube = sized<sandglass_cube>();
   auto harmonics = sized<sandglass_harmonics>();
-  row(NAMED(sandglass_cube_default), "", &cube);
-  row(NAMED(sandglass_harmonics_default), "", &harmonics);
   std::vector<float> face(3 * 16, 0.5f);
   sandglass_cube_default(&cube);
   sandglass_harmonics_default(&harmonics);
@@ -530,7 +507,6 @@ void Arguments::shadows() {
   row(NAMED(sandglass_shadow_run), "", &shadow, 1u, 1u);
   sandglass_shadow* const with_null[] = {shadow, nullptr};
   EXPECT_EQ(sandglass_shadow_run(with_null, 2, 1), 0u);
-  row(NAMED(sandglass_shadow_units_left), "", shadow);
   auto texture = sized<sandglass_shadow_texture>();
   while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
   }
@@ -546,8 +522,6 @@ void Arguments::shadows() {
   std::vector<uint8_t> coverage(256 * 256);
   row(NAMED(sandglass_shadow_resample), "", shadow, 0u, coverage.data(), 128u);
   row(NAMED(sandglass_shadow_combine), "", shadow, coverage.data(), 64u, low, high);
-  row(NAMED(sandglass_shadow_hash), "", shadow);
-  row(NAMED(sandglass_shadow_isa), "", shadow);
   EXPECT_TRUE(block.guards_intact());
 }
 
@@ -556,10 +530,8 @@ void Arguments::casts() {
   GuardedBlock block{0};
   sandglass_cast* cast = MADE(sandglass_cast, &block, &desc_of);
   sandglass_cast_plane plane = sandglass::cast_plane();
-  row(NAMED(sandglass_cast_plane_default), "", &plane);
   row(NAMED(sandglass_cast_set_plane), "", cast, &plane);
   sandglass_cast_mesh mesh = sandglass::cast_mesh();
-  row(NAMED(sandglass_cast_mesh_default), "", &mesh);
   const float triangle[9] = {0, 1, 0, 1, 1, 0, 0, 1, 1};
   mesh.positions = triangle;
   mesh.vertex_count = 3;
@@ -610,10 +582,8 @@ void Arguments::skins() {
   row(NAMED(sandglass_skin_create), "", &desc_of, block.data(), need, &skin);
   row(NAMED(sandglass_skin_desc_default), "N", &desc_of, &granular);
   ASSERT_NE(skin, nullptr);
-  row(NAMED(sandglass_skin_refresh), "", skin);
   auto mesh = sized<sandglass_skin_mesh>();
   row(NAMED(sandglass_skin_get_mesh), "", skin, &mesh);
-  row(NAMED(sandglass_skin_hash), "", skin);
   EXPECT_TRUE(block.guards_intact());
 }
 
