@@ -124,6 +124,13 @@ class Arguments : public ::testing::Test {
     }
   }
 
+  // The same for one whose next argument is a struct to be filled.
+  template <class R, class... P, class... A>
+  void fills(const char* name, R (*function)(P...), A... given) {
+    auto filled = sized<std::remove_pointer_t<std::tuple_element_t<sizeof...(A), std::tuple<P...>>>>();
+    row(name, function, "", given..., &filled);
+  }
+
   template <class... P, size_t... I, class Accepted, class Call>
   void sizes(const std::string& name, std::tuple<P...>& arguments, std::index_sequence<I...>, bool refuses,
              const Accepted& accepted, const Call& call) {
@@ -407,8 +414,7 @@ void Arguments::lights() {
   sandglass_estimator_desc desc_of = sandglass::estimator_desc();
   desc_of.asset = file.data();
   desc_of.asset_bytes = file_bytes;
-  auto info = sized<sandglass_estimator_info>();
-  row(NAMED(sandglass_estimator_inspect), "", file.data(), file_bytes, &info);
+  fills(NAMED(sandglass_estimator_inspect), file.data(), file_bytes);
   GuardedBlock block{0};
   sandglass_estimator* const estimator = MADE(sandglass_estimator, &block, &desc_of);
   row(NAMED(sandglass_estimator_turn), "", estimator, point);
@@ -424,8 +430,7 @@ void Arguments::lights() {
   row(NAMED(sandglass_estimator_get_latest), "", estimator, &estimate);
   row(NAMED(sandglass_estimator_get), "", estimator, &estimate);
   sandglass_estimator_get(estimator, &estimate);
-  auto lighting = sized<sandglass_lighting>();
-  row(NAMED(sandglass_lighting_of_estimate), "", &estimate, &lighting);
+  fills(NAMED(sandglass_lighting_of_estimate), &estimate);
   sandglass_estimator_release(estimator);
   EXPECT_TRUE(block.guards_intact());
 }
@@ -468,23 +473,16 @@ void Arguments::rooms() {
   auto lighting = sized<sandglass_lighting>();
   row(NAMED(sandglass_lighting_of_room), "", &light, &lighting);
   ASSERT_EQ(sandglass_lighting_of_room(&light, &lighting, nullptr), SANDGLASS_OK);
-  auto adapted = sized<sandglass_lighting>();
-  row(NAMED(sandglass_lighting_adapt), "", &lighting, 0.5f, 0, &adapted);
+  fills(NAMED(sandglass_lighting_adapt), &lighting, 0.5f, 0);
   const sandglass_lighting_model model = SANDGLASS_LIGHTING_WHOLE;
   float sh[27] = {}, turned[27];
-  auto filament = sized<sandglass_filament_light>();
-  auto arkit = sized<sandglass_arkit_light>();
-  auto arcore = sized<sandglass_arcore_light>();
-  auto unity = sized<sandglass_unity_light>();
-  row(NAMED(sandglass_lighting_to_filament), "", &lighting, model, 30.0f, &filament);
-  row(NAMED(sandglass_lighting_to_arkit), "", &lighting, model, &arkit);
-  row(NAMED(sandglass_lighting_to_arcore), "", &lighting, model, &arcore);
-  row(NAMED(sandglass_lighting_to_unity), "", &lighting, model, &unity);
-  auto three = sized<sandglass_three_light>();
-  auto babylon = sized<sandglass_babylon_light>();
-  row(NAMED(sandglass_lighting_to_three), "", &lighting, model, &three);
-  row(NAMED(sandglass_lighting_to_babylon), "", &lighting, model, 1, &babylon);
-  row(NAMED(sandglass_lighting_of_harmonics), "", &harmonics, &adapted);
+  fills(NAMED(sandglass_lighting_to_filament), &lighting, model, 30.0f);
+  fills(NAMED(sandglass_lighting_to_arkit), &lighting, model);
+  fills(NAMED(sandglass_lighting_to_arcore), &lighting, model);
+  fills(NAMED(sandglass_lighting_to_unity), &lighting, model);
+  fills(NAMED(sandglass_lighting_to_three), &lighting, model);
+  fills(NAMED(sandglass_lighting_to_babylon), &lighting, model, 1);
+  fills(NAMED(sandglass_lighting_of_harmonics), &harmonics);
   row(NAMED(sandglass_harmonics_turn), "", sh, point, turned);
   const uint64_t saved_bytes = sandglass_room_save_bytes(room);
   std::vector<uint64_t> saved(saved_bytes / 8);
@@ -499,25 +497,22 @@ void Arguments::shadows() {
   sandglass_shadow_desc desc_of = sandglass::shadow_desc();
   desc_of.asset = file.data();
   desc_of.asset_bytes = file_bytes;
-  auto info = sized<sandglass_shadow_info>();
-  row(NAMED(sandglass_shadow_inspect), "", file.data(), file_bytes, &info);
+  fills(NAMED(sandglass_shadow_inspect), file.data(), file_bytes);
   GuardedBlock block{0};
   sandglass_shadow* shadow = MADE(sandglass_shadow, &block, &desc_of);
   row(NAMED(sandglass_shadow_set_light), "", shadow, 0u, point, 1.0f);
   row(NAMED(sandglass_shadow_run), "", &shadow, 1u, 1u);
   sandglass_shadow* const with_null[] = {shadow, nullptr};
   EXPECT_EQ(sandglass_shadow_run(with_null, 2, 1), 0u);
-  auto texture = sized<sandglass_shadow_texture>();
   while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
   }
   for (const uint32_t light : {0u, 1u})  // the second does not exist
-    row(NAMED(sandglass_shadow_get_texture), "", shadow, light, &texture);
+    fills(NAMED(sandglass_shadow_get_texture), shadow, light);
   std::vector<float> cells(SANDGLASS_LIGHT_CELLS), transfer(9);
   row(NAMED(sandglass_shadow_set_cells), "", shadow, cells.data(), 0.0f);
-  auto ambient = sized<sandglass_shadow_ambient>();
   while (sandglass_shadow_run(&shadow, 1, UINT32_MAX) > 0) {
   }
-  row(NAMED(sandglass_shadow_get_ambient), "", shadow, &ambient);
+  fills(NAMED(sandglass_shadow_get_ambient), shadow);
   row(NAMED(sandglass_shadow_transfer), "normals", file.data(), file_bytes, point, high, 1u, transfer.data());
   std::vector<uint8_t> coverage(256 * 256);
   row(NAMED(sandglass_shadow_resample), "", shadow, 0u, coverage.data(), 128u);
@@ -543,9 +538,8 @@ void Arguments::casts() {
   row(NAMED(sandglass_cast_run), "", &cast, 1u, 1u);
   while (sandglass_cast_run(&cast, 1, UINT32_MAX) > 0) {
   }
-  auto texture = sized<sandglass_cast_texture>();
-  row(NAMED(sandglass_cast_get_texture), "", cast, &texture);
-  row(NAMED(sandglass_cast_get_ambient), "", cast, &texture);
+  fills(NAMED(sandglass_cast_get_texture), cast);
+  fills(NAMED(sandglass_cast_get_ambient), cast);
   EXPECT_TRUE(block.guards_intact());
 }
 
@@ -560,10 +554,8 @@ void Arguments::pile_shadows() {
   row(NAMED(sandglass_pile_shadow_run), "", shadow, point, 1u, 0.01f, 1u);
   while (sandglass_pile_shadow_run(shadow, point, 1, 0.01f, UINT32_MAX) > 0) {
   }
-  auto texture = sized<sandglass_pile_shadow_texture>();
-  row(NAMED(sandglass_pile_shadow_get_texture), "", shadow, &texture);
-  auto sky = sized<sandglass_pile_shadow_sky>();
-  row(NAMED(sandglass_pile_shadow_get_sky), "", shadow, &sky);
+  fills(NAMED(sandglass_pile_shadow_get_texture), shadow);
+  fills(NAMED(sandglass_pile_shadow_get_sky), shadow);
   uint8_t visibility[1];
   row(NAMED(sandglass_pile_shadow_light_grains), "", shadow, point, 1u, 0.01f, visibility);
   EXPECT_TRUE(block.guards_intact());
@@ -582,8 +574,7 @@ void Arguments::skins() {
   row(NAMED(sandglass_skin_create), "", &desc_of, block.data(), need, &skin);
   row(NAMED(sandglass_skin_desc_default), "N", &desc_of, &granular);
   ASSERT_NE(skin, nullptr);
-  auto mesh = sized<sandglass_skin_mesh>();
-  row(NAMED(sandglass_skin_get_mesh), "", skin, &mesh);
+  fills(NAMED(sandglass_skin_get_mesh), skin);
   EXPECT_TRUE(block.guards_intact());
 }
 
