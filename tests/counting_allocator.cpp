@@ -9,14 +9,6 @@
 #include <cstddef>
 #include <new>
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SANDGLASS_OTHER_ALLOCATOR
-#endif
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SANDGLASS_OTHER_ALLOCATOR
-#endif
-
 namespace {
 std::atomic<bool> counting{false};
 std::atomic<uint64_t> calls{0};
@@ -33,7 +25,7 @@ uint64_t stop_counting_allocations() {
 }
 }  // namespace sandglass::host
 
-#ifndef SANDGLASS_OTHER_ALLOCATOR
+#if !SANDGLASS_SANITIZED
 namespace {
 void* counted(void* block) {
   if (counting.load(std::memory_order_relaxed)) calls.fetch_add(1, std::memory_order_relaxed);

@@ -89,10 +89,9 @@ class MadeUpCamera {
   static constexpr int k_width = 160, k_height = 120;
   static constexpr float k_focal = 150.0f;  // pixels
 
-  static uint8_t srgb_byte(float value) {
-    const float v = std::min(value, 1.0f);
-    return static_cast<uint8_t>(255.0f * (v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1.0f / 2.4f) - 0.055f) +
-                                0.5f);
+  static uint8_t srgb_byte(float v) {
+    return static_cast<uint8_t>(
+        255 * (v < 0.0031308f ? 12.92f * v : 1.055f * std::pow(std::min(v, 1.0f), 1 / 2.4f) - 0.055f) + 0.5f);
   }
 
   // The pose as ARKit gives it: columns x, y and z of a camera that looks along -z, and its place. Frames 0 to 12 show
@@ -111,15 +110,11 @@ class MadeUpCamera {
     constexpr float k_low[3] = {-2.5f, 0.0f, -2.5f}, k_high[3] = {2.5f, 2.6f, 2.5f};
     constexpr float k_wall[3] = {0.50f, 0.48f, 0.44f}, k_floor[3] = {0.52f, 0.38f, 0.26f},
                     k_lamp[3] = {66.0f, 60.0f, 45.0f};
-    float along = 1e3f;
-    int axis = 1;
-    for (int k = 0; k < 3; ++k) {
-      const float to_wall = ray[k] == 0.0f ? 1e3f : ((ray[k] > 0.0f ? k_high[k] : k_low[k]) - pose_[12 + k]) / ray[k];
-      if (to_wall < along) {
-        along = to_wall;
-        axis = k;
-      }
-    }
+    float to_wall[3];
+    for (int k = 0; k < 3; ++k)
+      to_wall[k] = ray[k] == 0.0f ? 1e3f : ((ray[k] > 0.0f ? k_high[k] : k_low[k]) - pose_[12 + k]) / ray[k];
+    const auto axis = std::min_element(to_wall, to_wall + 3) - to_wall;
+    const float along = to_wall[axis];
     const float x = pose_[12] + along * ray[0] - 1.6f, z = pose_[14] + along * ray[2] - 0.2f;  // from below the lamp
     const bool lamp = axis == 1 && ray[1] > 0.0f && std::hypot(x, z) < 0.28f;
     std::copy_n(lamp ? k_lamp : axis == 1 && ray[1] < 0.0f ? k_floor : k_wall, 3, colour);

@@ -63,6 +63,9 @@ void remove_unfinished() {
 
 namespace {
 
+constexpr const char *k_unwritable = "its folder is missing, full or may not be written to",
+                     *k_check = "Check the folder";
+
 // The file behind symbolic links. A link that leads nowhere is replaced.
 fs::path behind_links(const std::string& path) {
   std::error_code error;
@@ -70,22 +73,11 @@ fs::path behind_links(const std::string& path) {
   return error ? fs::path(path) : target;
 }
 
-}  // namespace
-
 std::string unfinished_name(const std::string& path) {
-  const fs::path target = behind_links(path);
-  return (target.parent_path() /
-          (target.stem().string() + ".unfinished." + std::to_string(getpid()) + target.extension().string()))
-      .string();
+  return behind_links(path).string() + ".unfinished." + std::to_string(getpid());
 }
 
-void finish_file(const std::string& path) {
-  std::error_code error, of_removal;
-  fs::rename(unfinished_name(path), behind_links(path), error);
-  if (!error) return;
-  fs::remove(unfinished_name(path), of_removal);
-  throw cannot("write", path, error.message(), "Check the folder's permissions");
-}
+}  // namespace
 
 // Only asks the file system and writes nothing. A full or failing disk is noticed later, on writing.
 void require_writable(const std::string& path) {
@@ -104,7 +96,7 @@ void require_writable(const std::string& path) {
       fs::symlink_status(unfinished_name(path), error);  // this name is the longer one, so test it
   if (!has_name || unfinished.type() == fs::file_type::none || !fs::is_directory(folder, error) ||
       access(folder.c_str(), W_OK | X_OK) != 0)
-    throw cannot("write", path, "its folder is missing, full or may not be written to", "Check the folder");
+    throw cannot("write", path, k_unwritable, k_check);
 }
 
 void require_space(const std::string& path) {
@@ -127,11 +119,11 @@ void write_file(const std::string& path, std::string_view content) {
     good = std::fwrite(content.data(), 1, content.size(), file) == content.size();
     good = std::fclose(file) == 0 && good;
   }
-  if (!good) {
-    std::remove(unfinished.c_str());
-    throw cannot("write", path, "its folder is missing, full or may not be written to", "Check the folder");
-  }
-  finish_file(path);
+  std::error_code error;
+  if (good) fs::rename(unfinished, behind_links(path), error);
+  if (good && !error) return;
+  std::remove(unfinished.c_str());
+  throw cannot("write", path, k_unwritable, k_check);
 }
 
 void write_file(const std::string& path, std::span<const uint8_t> content) {

@@ -19,11 +19,6 @@ void require_space(const std::string& path);
 void write_file(const std::string& path, std::string_view content);
 void write_file(const std::string& path, std::span<const uint8_t> content);
 
-// The name under which another program (ffmpeg) writes, with the same extension. finish_file then renames the result to
-// `path`.
-std::string unfinished_name(const std::string& path);
-void finish_file(const std::string& path);
-
 // Lives while a file or a folder has that name: then a Ctrl-C that ends the program removes it.
 class UnfinishedFile {
  public:

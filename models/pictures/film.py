@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Pictures of the page's hourglass, turned over once and run down, as headless Chromium draws them: film.py PAGE FOLDER
+"""Pictures of the page's hourglass, turned over once and run down, as headless Chromium draws them, and a GIF of at most 2 MB that goes round, because the
+first and the last show the same: film.py PAGE FOLDER GIF
 
-The first and the last show the same, so that a film of them can go round. PAGE is what `./sg page` makes."""
+PAGE is what `./sg page` makes."""
 import pathlib
 import shutil
+import subprocess
 import sys
 import time
 
@@ -17,9 +19,12 @@ ABOVE = """(() => { const {page} = sandglassPage, n = page.scene.report.sand.par
     page.sand.free(p);
     return above; })()"""
 
+GIF = ("[0]scale=360:-1:flags=area,crop=360:350:0:15,split[film][colours]; [colours]palettegen=max_colors=96:stats_mode=full[palette];"
+       "[film][palette]paletteuse=dither=none:diff_mode=rectangle")
+
 
 def main():
-    page, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+    page, folder, film = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     browser = Browser(shutil.which("chromium"), WIDTH, HEIGHT)
@@ -51,6 +56,9 @@ def main():
     finally:
         browser.close()
     print(file=sys.stderr)
+    subprocess.run(["ffmpeg", "-v", "error", "-y", "-framerate", "12", "-i", folder / "%04d.png", "-filter_complex", GIF, film], check=True)
+    if film.stat().st_size > 2e6:
+        sys.exit(f"film.py: {film} is larger than 2 MB")
 
 
 if __name__ == "__main__":

@@ -23,14 +23,23 @@ namespace fs = std::filesystem;
 
 // ----------------------------------------------------------------------------------------------- values of options
 
-// CLI11 itself reads -1 as 2^64 - 1 and 010 as 8.
+// The number that the whole text is. CLI11 itself reads -1 as 2^64 - 1 and 010 as 8, and rounds by long double, which is
+// not the same on every machine.
+template <class Number>
+std::optional<Number> number_of(const std::string& text) {
+  Number value = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  if (read.ec != std::errc() || read.ptr != end) return {};
+  return value;
+}
+
 ValueRule whole_number(uint64_t low, uint64_t high) {
   const bool open = high == UINT64_MAX;
   const std::string range = std::to_string(low) + " to " + (open ? "2^64 - 1" : std::to_string(high));
   const auto holds = [=](const std::string& text) {
-    uint64_t value = 0;
-    std::from_chars(text.data(), text.data() + text.size(), value);
-    return std::to_string(value) == text && value >= low && value <= high;
+    const auto value = number_of<uint64_t>(text);
+    return value && *value >= low && *value <= high;
   };
   return {holds, open ? "" : range, "a whole number from " + range};
 }
@@ -40,9 +49,8 @@ ValueRule number(double low, double high) {
   char range[64];
   std::snprintf(range, sizeof range, "%.9g to %.9g", low, high);
   const auto holds = [=](const std::string& text) {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    return !text.empty() && *end == '\0' && value >= low && value <= high;
+    const auto value = number_of<double>(text);
+    return value && *value >= low && *value <= high;
   };
   return {holds, range, std::string("a number from ") + range};
 }
@@ -106,52 +114,26 @@ std::string name_of(const CLI::App& at) {
   return at.get_parent() == nullptr ? at.get_name() : name_of(*at.get_parent());
 }
 
-// What CLI11 would do by templates, which are slow to compile: the text of a value goes to the target, or is refused.
+// The text of a value goes to its target, or is refused.
 bool take(const std::string& text, std::string* value) {
   *value = text;
   return true;
 }
-bool take(const std::string& text, double* value) {
-  *value = std::strtod(text.c_str(), nullptr);
-  return true;
-}
-template <class Whole>
-bool take(const std::string& text, Whole* value) {
-  return std::from_chars(text.data(), text.data() + text.size(), *value).ec == std::errc();
+template <class Number>
+bool take(const std::string& text, Number* value) {
+  const auto number = number_of<Number>(text);
+  if (number) *value = *number;
+  return number.has_value();
 }
 template <class Value>
-bool take_all(const std::vector<std::string>& texts, Value* value) {
-  return take(texts[0], value);
-}
-template <class Value>
-bool take_all(const std::vector<std::string>& texts, std::vector<Value>* values) {
+bool take(const std::vector<std::string>& texts, std::vector<Value>* values) {
   values->resize(texts.size());
-  for (size_t i = 0; i < texts.size(); ++i)
-    if (!take(texts[i], &(*values)[i])) return false;
-  return true;
-}
-
-// The value as the help shows it.
-template <class Value>
-std::string shown(const Value& value) {
-  return CLI::detail::to_string(value);
+  return std::equal(texts.begin(), texts.end(), values->begin(),
+                    [](const std::string& text, Value& value) { return take(text, &value); });
 }
 template <class Value>
-std::string shown(const std::vector<Value>& values) {
-  return CLI::detail::join(values);
-}
-
-template <class Value>
-CLI::Option* declare(const CommandOption& option, Value* value, CLI::App* command) {
-  const auto taken = [value](const std::vector<std::string>& texts) { return take_all(texts, value); };
-  return command->add_option(option.names, taken, option.help)->default_str(shown(*value));
-}
-template <class Value>
-CLI::Option* declare(const CommandOption& option, std::vector<Value>* values, CLI::App* command) {
-  return declare<std::vector<Value>>(option, values, command)->expected(CLI::detail::expected_max_vector_size);
-}
-CLI::Option* declare(const CommandOption& option, bool* value, CLI::App* command) {
-  return command->add_flag(option.names, *value, option.help);
+bool take(const std::vector<std::string>& texts, Value* value) {
+  return take(texts[0], value);
 }
 
 // What is wrong with a text that no rule is for; empty if nothing is.
@@ -163,7 +145,18 @@ std::string fault_of(const std::string& text) {
 }
 
 void declare(const CommandOption& option, CLI::App* command) {
-  CLI::Option* declared = std::visit([&](auto* value) { return declare(option, value, command); }, option.target);
+  const auto to_target = [&](auto* value) {
+    using Value = std::decay_t<decltype(*value)>;
+    if constexpr (std::is_same_v<Value, bool>) {
+      return command->add_flag(option.names, *value, option.help);
+    } else {
+      const auto taken = [value](const std::vector<std::string>& texts) { return take(texts, value); };
+      return command->add_option(option.names, taken, option.help)
+          ->default_str(CLI::detail::checked_to_string<Value, Value>(*value))
+          ->expected(CLI::detail::expected_count<Value>::value);
+    }
+  };
+  CLI::Option* declared = std::visit(to_target, option.target);
   if (*option.type != '\0') declared->type_name(option.type);
   if (option.by_commas) declared->delimiter(',');
   if (const ValueRule& rule = option.rule; rule.holds != nullptr)

@@ -1,5 +1,4 @@
 // The program `sandglass`, and every command on its command line: the options with their units, ranges and defaults.
-#include <cmath>
 #include <thread>
 
 #include "models/files/failure.h"
@@ -115,22 +114,14 @@ Options bake_options(BakeOptions& o) {
 #endif
 
 Options sample_options(SampleOptions& o) {
-  const auto above_zero = [](const std::string& text) {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    return !text.empty() && *end == '\0' && value > 0.0 && std::isfinite(value);
-  };
   return {
       required({"MESH", &o.mesh, "", "A mesh file, or " + list_of(mesh_names(), "or")}),
       required(
           {"WHERE", &o.where, "",
            "Poisson disk samples on its surface, or in its volume, or a lattice in its volume: the densest packing",
            one_of({"surface", "volume", "lattice"})}),
-      required(standard("", {"--distance",
-                             &o.distance,
-                             "METRES",
-                             "Least distance between two points, metres",
-                             {above_zero, "above 0", "a number above 0"}})),
+      required(standard(
+          "", {"--distance", &o.distance, "METRES", "Least distance between two points, metres", number(1e-9, 1e9)})),
       scale_option(o.as_mesh),
       up_option(o.as_mesh),
       seed_option(o.seed, "Equal seeds give equal points"),

@@ -64,19 +64,17 @@ void inspect_shadow_file(const std::string& path, const std::string& content) {
   const auto degrees = [](float radians) { return static_cast<double>(radians) * 180 / 3.14159265358979; };
   std::printf("baked shadow, version %u\n  network      %u neurons x (1 + %u) hidden layers, %llu MAC a texel\n",
               info.version, info.width, info.layers, static_cast<unsigned long long>(info.macs_per_texel));
-  std::printf("  box          %g x %g x %g m, on the plane at [%g, %g, %g]\n", 2 * static_cast<double>(info.half_x),
-              static_cast<double>(info.height), 2 * static_cast<double>(info.half_z),
-              static_cast<double>(info.origin[0]), static_cast<double>(info.origin[1]),
-              static_cast<double>(info.origin[2]));
+  std::printf("  box          %g x %g x %g m, on the plane at [%g, %g, %g]\n", 2 * info.half_x, info.height,
+              2 * info.half_z, info.origin[0], info.origin[1], info.origin[2]);
   std::printf("  light        %.3g degrees wide, up to %.3g degrees from the zenith\n", degrees(info.angular_diameter),
               degrees(info.polar_max));
   std::printf("  plane        %s\n", info.plane_fitted != 0 ? "fitted to the light" : "one square for all lights");
-  std::printf("  RMSE         %.4f float, %.4f int8, over %u unseen lights\n", static_cast<double>(info.rmse_float),
-              static_cast<double>(info.rmse_int8), info.validated_lights);
+  std::printf("  RMSE         %.4f float, %.4f int8, over %u unseen lights\n", info.rmse_float, info.rmse_int8,
+              info.validated_lights);
   if (info.ambient_texels > 0)
     std::printf("  ambient      %u components of %u x %u texels, %g m a side, RMSE %.4f in made-up rooms\n",
-                info.ambient_components, info.ambient_texels, info.ambient_texels,
-                2 * static_cast<double>(info.ambient_half), static_cast<double>(info.ambient_rmse));
+                info.ambient_components, info.ambient_texels, info.ambient_texels, 2 * info.ambient_half,
+                info.ambient_rmse);
   else std::printf("  ambient      none: it was baked without\n");
   std::printf("  surface      %u points\n", info.surface_vertices);
   std::printf("  float copy   %s\n  memory       %llu bytes\n", info.float_parameters > 0 ? "yes" : "no",
@@ -96,8 +94,8 @@ void inspect_light(const std::string& path, const std::string& content) {
   if (sandglass_estimator_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
   std::printf("lighting network '%s', version %u\n  trained on   %u images, calibrated on %u\n", asset.name,
               k_light_asset_version, asset.training_images, asset.calibration_images);
-  std::printf("  int8         %.2f degrees and %.4f of a colour from float, medians\n",
-              static_cast<double>(asset.angle_deg), static_cast<double>(asset.difference));
+  std::printf("  int8         %.2f degrees and %.4f of a colour from float, medians\n", asset.angle_deg,
+              asset.difference);
   std::printf("  float copy   %s\n  memory       %llu bytes\n", asset.float_parameters != nullptr ? "yes" : "no",
               static_cast<unsigned long long>(memory));
 }
@@ -123,8 +121,7 @@ void inspect_scene(const std::string& path) {
     grains = material.grains();
   }
   std::printf("  particles    %u of radius %g m\n  grains       %u\n  friction     %g static, %g kinetic\n", particles,
-              scene.particle_radius, grains, static_cast<double>(scene.granular.static_friction),
-              static_cast<double>(scene.granular.kinetic_friction));
+              scene.particle_radius, grains, scene.granular.static_friction, scene.granular.kinetic_friction);
   if (scene.particle_radius == 0.0) return;
   Simulation simulation(describe_scene(scene, particles, grains));
   std::printf("  memory       %llu bytes\n", static_cast<unsigned long long>(simulation.bytes()));
@@ -156,9 +153,7 @@ void inspect_mesh(const MeshFile& file) {
   std::printf("mesh\n  vertices     %u\n  triangles    %u\n", mesh.vertex_count(), mesh.triangle_count());
   std::printf("  parts        %u\n  size         %g x %g (up) x %g m\n", loaded.report.parts, box.size(0), box.size(1),
               box.size(2));
-  std::printf("  bounds       [%g, %g, %g] to [%g, %g, %g]\n", static_cast<double>(low[0]), static_cast<double>(low[1]),
-              static_cast<double>(low[2]), static_cast<double>(high[0]), static_cast<double>(high[1]),
-              static_cast<double>(high[2]));
+  std::printf("  bounds       [%g, %g, %g] to [%g, %g, %g]\n", low[0], low[1], low[2], high[0], high[1], high[2]);
   std::printf("  watertight   %s\n  manifold     %s\n", loaded.report.watertight() ? "yes" : "no",
               loaded.report.manifold() ? "yes" : "no");
   std::printf("  orientation  %s\n  volume       %g\n",

@@ -62,9 +62,8 @@ int light_command(const LightOptions& options) {
     write_png(outputs[i] + ".png", light_picture(pictures[i], e, name));
     write_file(outputs[i] + ".json", light_estimate_json(options.images[i], options.fov_deg, e, world));
     std::printf("%-24s towards the light %6.3f right %6.3f down %6.3f forward, contrast %.2f, light %.2f %.2f %.2f\n",
-                name.c_str(), static_cast<double>(e.direction[0]), static_cast<double>(e.direction[1]),
-                static_cast<double>(e.direction[2]), static_cast<double>(e.contrast), static_cast<double>(e.light[0]),
-                static_cast<double>(e.light[1]), static_cast<double>(e.light[2]));
+                name.c_str(), e.direction[0], e.direction[1], e.direction[2], e.contrast, e.light[0], e.light[1],
+                e.light[2]);
     progress.done(i + 1);
   }
   return interrupted() ? k_exit_interrupted : k_exit_done;

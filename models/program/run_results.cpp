@@ -18,20 +18,12 @@ namespace {
 constexpr int k_figure_quality = 92;  // JPEG
 
 void write_reports(const std::string& folder, const RunReport& report) {
-  struct Part {
-    const char* file;
-    std::string (*content)(const RunReport& report);
-  };
-  constexpr Part k_parts[] = {{"report.csv", report_csv},
-                              {"trace.json", report_trace},
-                              {"summary.json", report_summary_json},
-                              {"summary.txt", report_summary_text}};
-  Progress progress("writing reports", std::size(k_parts));
-  uint64_t written = 0;
-  for (const Part& part : k_parts) {
-    write_file((fs::path(folder) / part.file).string(), part.content(report));
-    progress.done(++written);
-  }
+  constexpr std::pair<const char*, std::string (*)(const RunReport&)> k_parts[] = {
+      {"report.csv", report_csv},
+      {"trace.json", report_trace},
+      {"summary.json", report_summary_json},
+      {"summary.txt", report_summary_text}};
+  for (const auto& [file, content] : k_parts) write_file((fs::path(folder) / file).string(), content(report));
 }
 
 }  // namespace

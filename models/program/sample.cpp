@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <optional>
 
 #include "models/drawing/render.h"
 #include "models/files/failure.h"
@@ -34,32 +33,24 @@ bool has_volume(const Mesh& mesh) {
   return std::fabs(signed_volume(moved)) > k_none * longest * longest * longest;
 }
 
-struct ProgressRelay {
-  std::string what;
-  uint64_t expected;  // used where the library does not know the total
-  std::optional<Progress> progress = {};
-
-  static void report(void* user, uint64_t done, uint64_t total) {
-    auto* relay = static_cast<ProgressRelay*>(user);
-    if (!relay->progress) relay->progress.emplace(relay->what, total > 0 ? total : relay->expected);
-    relay->progress->done(done);
-  }
-};
-
-sandglass_sample_desc how_to_sample(const SampleOptions& options, ProgressRelay* relay) {
+sandglass_sample_desc how_to_sample(const SampleOptions& options, Progress* progress) {
   sandglass_sample_desc how = sandglass::sample_desc();
   how.seed = options.seed;
-  how.progress = ProgressRelay::report;
-  how.progress_user = relay;
+  how.progress = [](void* user, uint64_t done, uint64_t total) {
+    auto* shown = static_cast<Progress*>(user);
+    if (total > 0) shown->total(total);
+    shown->done(done);
+  };
+  how.progress_user = progress;
   return how;
 }
 
 Points sample_surface(const Mesh& mesh, const SampleOptions& options) {
-  ProgressRelay relay = {"sampling the surface", 0};
+  Progress progress("sampling the surface", 1);
   Points points;
-  expect(
-      cpp::sample_surface(mesh.view(), static_cast<float>(options.distance), &points, how_to_sample(options, &relay)),
-      options);
+  expect(cpp::sample_surface(mesh.view(), static_cast<float>(options.distance), &points,
+                             how_to_sample(options, &progress)),
+         options);
   return points;
 }
 
@@ -83,8 +74,8 @@ Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOpt
   }
   const double volume = std::fabs(signed_volume(mesh)), cube = options.distance * options.distance * options.distance;
   const double expected = k_poisson_per_cube * volume / cube + 1;
-  ProgressRelay relay = {"sampling the volume", static_cast<uint64_t>(expected < 1e18 ? expected : 1e18)};
-  expect(cpp::sample_volume(box, distance, std::ref(inside), &points, how_to_sample(options, &relay)), options);
+  Progress progress("sampling the volume", static_cast<uint64_t>(std::min(expected, 1e18)));
+  expect(cpp::sample_volume(box, distance, std::ref(inside), &points, how_to_sample(options, &progress)), options);
   return points;
 }
 

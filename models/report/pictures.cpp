@@ -115,16 +115,13 @@ bool run_ffmpeg(std::vector<std::string> arguments) {
 
 // Makes the film of the frames. Its path; empty where there is none.
 std::string write_film(const PictureSet& set, const std::string& frames_folder) {
-  const std::string film = (fs::path(set.folder) / "film.mp4").string(), unfinished = unfinished_name(film);
+  const std::string film = (fs::path(set.folder) / "film.mp4").string();
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6g", 1.0 / set.seconds_per_snapshot);
-  const UnfinishedFile listed(unfinished);
   if (run_ffmpeg({"-v", "error", "-y", "-framerate", rate, "-i", (fs::path(frames_folder) / "frame_%06d.png").string(),
-                  "-pix_fmt", "yuv420p", "-movflags", "+faststart", unfinished})) {
-    finish_file(film);
+                  "-pix_fmt", "yuv420p", "-movflags", "+faststart", film}))
     return film;
-  }
-  std::remove(unfinished.c_str());
+  std::remove(film.c_str());
   if (!interrupted())
     std::fprintf(stderr, "sandglass: note: no film, which needs ffmpeg with an H.264 encoder. Its frames are there.\n");
   return "";

@@ -7,12 +7,10 @@
 
 #include "sandglass/sandglass.hpp"
 #include "tests/counting_allocator.h"
+#include "tests/sand/granular_scene.h"
 
 namespace {
 
-constexpr uint32_t k_side = 4;
-constexpr uint32_t k_particles = k_side * k_side * k_side;
-constexpr uint32_t k_grains = 4 * k_particles;
 constexpr uint64_t k_half_budget_ns = 300'000;
 
 void on_this_thread(void*, sandglass_task_function task, void* context, uint32_t count) {
@@ -29,29 +27,20 @@ TEST(Allocation, TheCountersCount) {
 }
 
 TEST(Allocation, TenThousandFramesMakeNoCall) {
-  sandglass_scene_desc desc = sandglass::scene_desc();
+  const std::vector<float> particles = lattice(4, 4, 4, 0.02f, 0.01f);
+  const std::vector<float> grains = grains_about(particles, 0.005f);
+  const std::vector<float> boundary = shifted(lattice(1, 8, 5, 0.02f, 0.01f), 0.3f, 0, 0);
+  const auto count = [](const std::vector<float>& points) { return static_cast<uint32_t>(points.size() / 3); };
+  sandglass_scene_desc desc = description(count(particles), count(grains), count(boundary));
   desc.clock = sandglass_clock_system();
   desc.parallel.run = on_this_thread;
   desc.trace = {ignore, ignore, nullptr};
   desc.log = {ignore, nullptr};
-  desc.granular.particle_capacity = k_particles;
-  desc.granular.grain_capacity = k_grains;
-  desc.granular.boundary_capacity = k_particles;
   desc.granular.collider_capacity = 4;
   const uint64_t bytes = sandglass::Scene::bytes(desc);
   const sandglass::Block block = sandglass::allocate_block(bytes);
 
-  std::vector<float> particles, grains, boundary;
-  for (uint32_t i = 0; i < k_particles; ++i)
-    for (uint32_t cell : {i % k_side, i / k_side % k_side + 1, i / (k_side * k_side)})
-      particles.push_back(0.02f * static_cast<float>(cell));
-  for (uint32_t i = 0; i < k_grains; ++i)
-    for (uint32_t axis = 0; axis < 3; ++axis)
-      grains.push_back(particles[3 * (i / 4) + axis] + (axis == i % 4 ? 0.005f : 0.0f));
-  for (uint32_t i = 0; i < 40; ++i)
-    for (float x : {0.3f, 0.02f * static_cast<float>(i % 8), 0.02f * static_cast<float>(i) / 8.0f})
-      boundary.push_back(x);
-  std::vector<sandglass_grain> output(k_grains);
+  std::vector<sandglass_grain> output(count(grains));
 
   sandglass_collider colliders[4] = {sandglass::floor_at(0.0f), sandglass::sphere(0.0f, 0.0f, 0.0f, 0.03f),
                                      sandglass::capsule(0.0f, 0.0f, 0.0f, 0.03f, 0.03f),
@@ -61,7 +50,7 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
   input.colliders = colliders;
   input.collider_count = 4;
   input.grains = output.data();
-  input.grain_capacity = k_grains;
+  input.grain_capacity = count(grains);
   sandglass_frame_report report;
 
   // From creation on there is only the block, and no call to get it.
@@ -84,7 +73,7 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
   const uint64_t calls = sandglass::host::stop_counting_allocations();
   EXPECT_TRUE(fine);
   EXPECT_EQ(calls, 0u);
-  EXPECT_EQ(report.sand.particles, k_particles);
+  EXPECT_EQ(report.sand.particles, count(particles));
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # How large a capability is in an app after the linker has dropped unused sections: the code and constant data of a
-# program, or of a shared library (which every Android app is), less those of an empty one.
+# shared library less those of an empty one.
 #   footprint.sh EMPTY CAPABILITY APP FIGURE FORBIDDEN_SYMBOLS
 # FIGURE is the size in KiB, or the name of a row of the table in $README. Fails if the size is more than a quarter
-# above it, if a symbol of another capability (an extended regular expression) was linked, or if a shared library
-# exports functions of Sandglass. With ROUNDING=PERCENT the figure must be right to within PERCENT. NM and SIZE name the
+# above it, if a symbol of another capability (an extended regular expression) was linked, or if the library exports
+# functions of Sandglass. With ROUNDING=PERCENT the figure must be right to within PERCENT. NM and SIZE name the
 # tools of the target.
 set -euo pipefail
 empty=$1 capability=$2 app=$3 figure=$4 forbidden=$5
@@ -30,7 +30,7 @@ if "$NM" -C "$app" | grep -E "$forbidden" >&2; then
   echo "a capability that the app does not use was linked: the symbols above"
   exit 1
 fi
-if [[ $app == *.so ]] && "$NM" -D --defined-only "$app" | grep sandglass_ >&2; then
+if "$NM" -D --defined-only "$app" | grep sandglass_ >&2; then
   echo "the app's library exports functions of Sandglass, the symbols above: a linker keeps them, used or not"
   exit 1
 fi

@@ -4,7 +4,7 @@
 Writes to OUTPUT_FOLDER:
   layout.c        a claim for each size and offset, for every language that has the headers
   arguments.inc   the names of the arguments of each function that has a pointer among them, for arguments_test.cpp
-  handles.inc     what is made by a description alone: its name, and its functions that take the handle and nothing else
+  handles.inc     functions that take one pointer and nothing else; and what is made by a description alone
 It refuses headers in which a function has more than 7 parameters.
 """
 import pathlib
@@ -20,11 +20,10 @@ if wide := [name for name, function in headers.functions.items() if len(function
 rows = [f'{{"{name}", {{{", ".join(chr(34) + item.name + chr(34) for item in function.parameters)}}}}},\n'
         for name, function in headers.functions.items() if any(item.pointer for item in function.parameters)]
 (output / "arguments.inc").write_text("".join(rows))
-made = []
+made = [f"ONE_POINTER({name}, {function.parameters[0].base})\n" for name, function in headers.functions.items()
+        if len(function.parameters) == 1 and function.parameters[0].pointers == 1]
 for name in headers.handles:
     described = [headers.functions.get(name + verb) for verb in ("_desc_default", "_bytes", "_create")]
     if all(described) and [len(function.parameters) for function in described] == [1, 3, 5]:
-        alone = [other for other, function in headers.functions.items()
-                 if len(function.parameters) == 1 and function.parameters[0].pointers == 1 and function.parameters[0].base == name]
-        made.append(f"MADE_ALONE({name})\n" + "".join(f"OF_HANDLE({other})\n" for other in alone) + "MADE_END\n")
+        made.append(f"MADE_ALONE({name})\n")
 (output / "handles.inc").write_text("".join(made))

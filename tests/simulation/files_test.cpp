@@ -70,7 +70,7 @@ TEST(AtomicFile, ASecondCtrlCLeavesNothingHalfWritten) {
   if (child == 0) {
     listen_for_interrupt();
     std::raise(SIGINT);
-    if (!interrupted() || mkfifo(unfinished_name(path).c_str(), 0600) != 0) _exit(3);
+    if (!interrupted() || mkfifo((path + ".unfinished." + std::to_string(getpid())).c_str(), 0600) != 0) _exit(3);
     write_file(path, std::string(1 << 24, 'x'));
     _exit(4);
   }

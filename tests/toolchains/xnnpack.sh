@@ -19,6 +19,9 @@ configure() {
   cmake -S "$source" -B "$output/build" -G "$generator" -DCMAKE_BUILD_TYPE=Debug -DSANDGLASS_DEVELOPER=OFF \
     -DCMAKE_COMPILE_WARNING_AS_ERROR=ON "$@" >"$output/log" 2>&1
 }
+configured() { configure "$@" || { cat "$output/log"; fail "does not configure"; }; }
+# The log has this sentence, whose line breaks do not count.
+says() { tr -s ' \n' '  ' <"$output/log" | grep -q "$1" || { cat "$output/log"; fail "no sentence: $1"; }; }
 build() { cmake --build "$output/build" --target "$@" >>"$output/log" 2>&1 || { cat "$output/log"; fail "does not build"; }; }
 # The functions of XNNPACK that the objects of the back ends need.
 asked() { find "$output/build" -name '*xnnpack.cpp.o' -exec nm -u {} + | grep -oE 'xnn_[a-z0-9_]+' | sort -u; }
@@ -28,23 +31,21 @@ pin=$(sed -nE 's/.*GIT_TAG ([0-9a-f]+)\)?.*/\1/p' "$source/toolchains/cmake/Sand
 
 case $how in
   fetched)
-    configure -DSANDGLASS_XNNPACK=ON "${none[@]}" -DFETCHCONTENT_SOURCE_DIR_SANDGLASS_XNNPACK="$stand_in" "$@" ||
-      { cat "$output/log"; fail "does not configure"; }
-    grep -q "API of 2023" "$output/log" || fail "the header's generation was not seen"
+    configured -DSANDGLASS_XNNPACK=ON "${none[@]}" -DFETCHCONTENT_SOURCE_DIR_SANDGLASS_XNNPACK="$stand_in" "$@"
+    says "API of 2023"
     build sandglass_network_xnnpack XNNPACK
     [[ $(asked) == *xnn_reshape_convolution2d_nhwc_f32*xnn_reshape_convolution2d_nhwc_qs8_qc8w* ]] || fail "asks for: $(asked)"
     find "$output/build" -name libXNNPACK.a | grep -q . || fail "the stand-in was not built"
     ! cmake --install "$output/build" --prefix "$output/installed" >"$output/log" 2>&1 || fail "installed without its XNNPACK"
-    tr -s ' \n' '  ' <"$output/log" | grep -q "Sandglass is not installed: its XNNPACK was built with it" || { cat "$output/log"; fail "no sentence"; }
+    says "Sandglass is not installed: its XNNPACK was built with it"
     [[ ! -e $output/installed ]] || fail "a part was installed" ;;
   prefix)
     mkdir -p "$output/prefix/lib"
     cp -r "$stand_in/include" "$output/prefix"
     : >"$output/prefix/lib/libXNNPACK.so"
     : >"$output/prefix/lib/libpthreadpool.so"
-    configure -DSANDGLASS_XNNPACK=ON -DSANDGLASS_FETCH=OFF -DCMAKE_PREFIX_PATH="$output/prefix" "$@" ||
-      { cat "$output/log"; fail "does not configure"; }
-    grep -q "XNNPACK: $output/prefix/include/xnnpack.h, API of 2023" "$output/log" || fail "the prefix was not seen" ;;
+    configured -DSANDGLASS_XNNPACK=ON -DSANDGLASS_FETCH=OFF -DCMAKE_PREFIX_PATH="$output/prefix" "$@"
+    says "XNNPACK: $output/prefix/include/xnnpack.h, API of 2023" ;;
   installed)
     mkdir -p "$output"/{xnnpack/lib,app}
     cp -r "$stand_in/include" "$output/xnnpack"
@@ -57,8 +58,7 @@ case $how in
     archive cc xnnpack-microkernels-prod "$output/kernels.c"
     archive cc pthreadpool "$output/pthreadpool.c"
     archive c++ XNNPACK -std=c++20 -include "$output/needs.h" "$stand_in/xnnpack.cpp"
-    configure -DSANDGLASS_XNNPACK=ON -DSANDGLASS_SCALAR_ONLY=ON -DSANDGLASS_FETCH=OFF -DCMAKE_PREFIX_PATH="$output/xnnpack" "$@" ||
-      { cat "$output/log"; fail "does not configure"; }
+    configured -DSANDGLASS_XNNPACK=ON -DSANDGLASS_SCALAR_ONLY=ON -DSANDGLASS_FETCH=OFF -DCMAKE_PREFIX_PATH="$output/xnnpack" "$@"
     build sandglass
     cmake --install "$output/build" --prefix "$output/installed" >>"$output/log"
     cp "$source/tests/package/footprint/estimate.c" "$output/app/app.c"
@@ -78,16 +78,15 @@ case $how in
     done
     mv "$output/xnnpack" "$output/moved"
     ! app lost || fail "linked without XNNPACK"
-    tr -s ' \n' '  ' <"$output/log" | grep -q "built with XNNPACK, of which the library [A-Za-z-]* was not found: name its prefix" ||
-      { cat "$output/log"; fail "no sentence"; }
+    says "built with XNNPACK, of which the library [A-Za-z-]* was not found: name its prefix"
     app moved "$output/moved" || { cat "$output/log"; fail "does not link with the prefix that was moved"; } ;;
   refused)
     if configure -DSANDGLASS_XNNPACK=ON -DSANDGLASS_FETCH=OFF "${none[@]}" "$@"; then fail "not refused"; fi
-    tr -s ' \n' '  ' <"$output/log" | grep -q "XNNPACK was not found and SANDGLASS_XNNPACK is ON: install it" || { cat "$output/log"; fail "no sentence"; }
+    says "XNNPACK was not found and SANDGLASS_XNNPACK is ON: install it"
     rm -rf "$output/build"
     if configure -DSANDGLASS_XNNPACK=ON -DFETCHCONTENT_FULLY_DISCONNECTED=ON "${none[@]}" "$@"; then fail "an empty folder was taken for XNNPACK"; fi
-    tr -s ' \n' '  ' <"$output/log" | grep -q "XNNPACK is not in $output/build/_deps/sandglass_xnnpack-src: install it" || { cat "$output/log"; fail "no sentence"; }
+    says "XNNPACK is not in $output/build/_deps/sandglass_xnnpack-src: install it"
     rm -rf "$output/build"
-    configure "$@" || { cat "$output/log"; fail "does not configure without the option"; }
+    configured "$@"
     ! grep -q XNNPACK "$output/log" || fail "XNNPACK was looked for" ;;
 esac

@@ -3,8 +3,9 @@
 
 The headers carry plain comments. Doxygen must be told which of them are documentation. This filter tells it, and keeps every line at
 its number, so that Doxygen's messages name the right line:
-  a comment that begins a line     documents the declaration below it; also further functions that follow without a blank line
-  a comment behind code            documents that field or constant; all fields, where the line has several
+  a comment that begins a line     documents the declaration below it; also further functions that follow without a blank line, and all
+                                   fields, where the line has several
+  a comment behind a #define       documents that constant; behind other code it is no documentation
   the first comment of a file      documents the file
   the name of a function           becomes a link
   /* ---- title ---- */            heads a section of the page
@@ -50,10 +51,6 @@ class Prose:
         return re.sub(r"\bsandglass_\w+\b(?!\()", lambda name: name.group() + "()" * (name.group() in self.functions), part)
 
 
-def begins_line(text, start):
-    return not text[text.rfind("\n", 0, start) + 1:start].strip()
-
-
 def marked(text):
     """The text with its comments marked as documentation."""
     out, end, prose, in_section, first = [], 0, None, False, True
@@ -62,7 +59,7 @@ def marked(text):
         out.append(between)
         end = token.end()
         line = text[text.rfind("\n", 0, token.start()) + 1:token.start()]
-        if comment.startswith('"') or re.match(r"\s*#(?!\s*define)", line):
+        if line.strip() and not line.startswith("#define"):
             out.append(comment)
             continue
         if ruler := RULER.match(comment):
@@ -71,16 +68,15 @@ def marked(text):
                 out.append(("/** @} */ " if in_section else "") + f"/** @name {title} */ /** @{{ */")
             in_section = in_section or bool(title)
             continue
-        below = begins_line(text, token.start())
         if comment.startswith("//"):
-            if not (below and prose and between.strip(" ") == "\n"):
+            if not (prose and between.strip(" ") == "\n"):
                 prose = Prose()
-            out.append(("///" if below else "///<") + prose.line(comment[2:]) + (" @file" if first else ""))
+            out.append("///" + prose.line(comment[2:]) + (" @file" if first else ""))
         else:
             prose = Prose()
             lines = [prose.line(line) for line in comment[2:-2].split("\n")]
             lines[0] += " @file" if first else ""
-            out.append(("/**" if below else "/**<") + "\n".join(lines) + "*/")
+            out.append(("/**<" if line.strip() else "/**") + "\n".join(lines) + "*/")
         first = False
     out.append(text[end:])
     if in_section:
@@ -89,7 +85,7 @@ def marked(text):
 
 
 FUNCTION = re.compile(r"(?:SANDGLASS_API|inline)\b[\w\s*:<>,]*?(\w+)\(")
-FIELDS = re.compile(r"( +)([\w ]+?\**) (\w+[][\w]*)((?:, \w+[][\w]*)+);(.*)")
+FIELDS = re.compile(r"( +)([\w ]+?\**) (\w+)([][\w]*)((?:, \w+[][\w]*)+);")
 
 
 def shared(text):
@@ -105,11 +101,9 @@ def shared(text):
                 line = f"/** @copydoc {above} */ {line}"
             above = above or found.group(1)
         elif struct and (found := FIELDS.match(line)):
-            space, kind, first, others, comment = found.groups()
-            names = [first, *others[2:].split(", ")]
-            shown = names[-1 if comment else 0]
-            reference = f"/**< @copydoc {struct}::{re.match('[a-z_0-9]+', shown).group()} */"
-            line = space + " ".join(f"{kind} {name};" + (comment if name == shown else reference) for name in names)
+            space, kind, first, size, others = found.groups()
+            reference = f"/**< @copydoc {struct}::{first} */"
+            line = f"{space}{kind} {first}{size}; " + " ".join(f"{kind} {name};{reference}" for name in others[2:].split(", "))
         out.append(line)
     return "\n".join(out)
 

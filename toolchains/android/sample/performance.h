@@ -7,24 +7,22 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 namespace sample {
 
-template <class Function>
-Function* find(const char* name) {
+inline void* in_libandroid(const char* name) {
   static void* const library = dlopen("libandroid.so", RTLD_NOW);
-  return library == nullptr ? nullptr : reinterpret_cast<Function*>(dlsym(library, name));
+  return library == nullptr ? nullptr : dlsym(library, name);
 }
 
 // Make it on the thread of the library's frame: the session is of that thread. An app with a pool adds its threads' ids.
 class Performance {
  public:
-  explicit Performance(uint64_t budget_ns) : target_(budget_ns) {
-    auto* const acquire = find<void*()>("AThermal_acquireManager");                 // API 30
-    auto* const manager = find<void*()>("APerformanceHint_getManager");             // API 33
-    auto* const listen = find<Listen>("AThermal_registerThermalHeadroomListener");  // API 36
+  explicit Performance(uint64_t budget_ns, void* (*look_up)(const char* name) = in_libandroid)
+      : look_up_(look_up), target_(budget_ns) {
+    auto* const acquire = find<void*()>("AThermal_acquireManager");      // API 30
+    auto* const manager = find<void*()>("APerformanceHint_getManager");  // API 33
     auto* const interval = find<int(int64_t*)>("ASystemHealth_getCpuHeadroomMinIntervalMillis");
     if (acquire != nullptr) thermal_ = acquire();
     if (void* const hints = manager != nullptr ? manager() : nullptr; hints != nullptr) {
@@ -32,7 +30,6 @@ class Performance {
       auto* const create = find<void*(void*, const int32_t*, size_t, int64_t)>("APerformanceHint_createSession");
       session_ = create(hints, &thread, 1, static_cast<int64_t>(budget_ns));
     }
-    if (thermal_ != nullptr && listen != nullptr) listens_ = listen(thermal_, &pushed, this) == 0;
     int64_t ms = 0;
     if (interval == nullptr || interval(&ms) != 0) cpu_headroom_ = nullptr;
     cpu_interval_ = std::max(1.0, 1e-3 * static_cast<double>(ms));
@@ -40,18 +37,17 @@ class Performance {
 
   ~Performance() {
     if (session_ != nullptr) find<void(void*)>("APerformanceHint_closeSession")(session_);
-    if (listens_) find<Listen>("AThermal_unregisterThermalHeadroomListener")(thermal_, &pushed, this);
     if (thermal_ != nullptr) find<void(void*)>("AThermal_releaseManager")(thermal_);
   }
 
-  // The share of the budget that the device can keep up, for frame_input.thermal_headroom. A pushed forecast counts at
-  // once. It comes only where the phone crosses a threshold, so the app also asks, as often as it may: once a second.
+  // The share of the budget that the device can keep up, for frame_input.thermal_headroom. The system may be asked once a
+  // second. NaN, which means unknown, leaves a share as it is.
   float headroom(double now_seconds) {
-    const float news = pushed_.exchange(NAN);
-    const bool ask = thermal_ != nullptr && thermal_headroom_ != nullptr && now_seconds - asked_ >= 1.0;
-    if (!std::isnan(news) || ask) {
+    if (thermal_ != nullptr && thermal_headroom_ != nullptr && now_seconds - asked_ >= 1.0) {
       asked_ = now_seconds;
-      warm(std::isnan(news) ? thermal_headroom_(thermal_, 5) : news);  // forecast, seconds
+      // The forecast in five seconds, 1 where throttling becomes severe. Up to 0.7 the share is 1; it falls to a quarter.
+      const float hot = thermal_headroom_(thermal_, 5);
+      if (!std::isnan(hot)) cool_ = std::clamp(1.0f - (hot - 0.7f) * 2.5f, 0.25f, 1.0f);
     }
     if (cpu_headroom_ != nullptr && now_seconds - cpu_asked_ >= cpu_interval_) {
       cpu_asked_ = now_seconds;
@@ -70,29 +66,19 @@ class Performance {
   }
 
  private:
-  using Pushed = void(void* self, float now, float forecast, int seconds, const void* thresholds, size_t count);
-  using Listen = int(void* manager, Pushed*, void* self);
-
-  // On a thread of the system. The worse of the two counts; NaN, which means unknown, does not.
-  static void pushed(void* self, float now, float forecast, int, const void*, size_t) {
-    static_cast<Performance*>(self)->pushed_ = std::fmax(now, forecast);
+  template <class Function>
+  Function* find(const char* name) {
+    return reinterpret_cast<Function*>(look_up_(name));
   }
 
-  // Android's number is 1 where throttling becomes severe. Up to 0.7 the share is 1; it falls to a quarter at 1. NaN,
-  // which means unknown, leaves it as it is.
-  void warm(float hot) {
-    if (!std::isnan(hot)) cool_ = std::clamp(1.0f - (hot - 0.7f) * 2.5f, 0.25f, 1.0f);
-  }
-
+  void* (*look_up_)(const char* name);
   float (*thermal_headroom_)(void*, int) = find<float(void*, int)>("AThermal_getThermalHeadroom");             // API 31
   int (*cpu_headroom_)(const void*, float*) = find<int(const void*, float*)>("ASystemHealth_getCpuHeadroom");  // API 36
   int (*update_target_)(void*, int64_t) = find<int(void*, int64_t)>("APerformanceHint_updateTargetWorkDuration");
   int (*report_actual_)(void*, int64_t) = find<int(void*, int64_t)>("APerformanceHint_reportActualWorkDuration");
   void *thermal_ = nullptr, *session_ = nullptr;
-  bool listens_ = false;
   double asked_ = -1.0, cpu_asked_ = -60.0, cpu_interval_ = 1.0;
   float cool_ = 1.0f, cpu_ = 1.0f;
-  std::atomic<float> pushed_ = NAN;  // what no frame has taken yet
   uint64_t target_;
 };
 
