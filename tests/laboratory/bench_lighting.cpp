@@ -12,16 +12,14 @@ namespace sandglass::host {
 namespace {
 
 void print_and_keep(const LightingBench& result, Bench* bench) {
-  std::printf("%-13s %8s %8s %9s %11s %17s %10s\n", "case", "ms", "GMAC/s", "of peak", "arena, MiB", "longest unit, ms",
-              "to float");
+  std::printf("%-13s %8s %8s %11s %17s %10s\n", "case", "ms", "GMAC/s", "arena, MiB", "longest unit, ms", "to float");
   for (const LightingBenchRow& r : result.rows) {
     char to_float[32] = "-";
     if (result.compared) std::snprintf(to_float, sizeof to_float, "%5.2f deg, %.4f", r.angle_deg, r.difference);
-    std::printf("%-13s %8.2f %8.1f %8.1f%% %11.2f %17.3f %s\n", r.name.c_str(), r.ms, r.gmac_per_s, 100 * r.fraction,
-                r.arena_bytes / (1 << 20), r.longest_unit_ms, to_float);
+    std::printf("%-13s %8.2f %8.1f %11.2f %17.3f %s\n", r.name.c_str(), r.ms, r.gmac_per_s, r.arena_bytes / (1 << 20),
+                r.longest_unit_ms, to_float);
     bench->keep(r.name, "ms", "ms", r.ms);
     bench->keep(r.name, "gmac_per_s", "GMAC/s", r.gmac_per_s);
-    bench->keep(r.name, "fraction_of_peak", "1", r.fraction);
     bench->keep(r.name, "arena_bytes", "B", r.arena_bytes);
     bench->keep(r.name, "longest_unit_ms", "ms", r.longest_unit_ms);
     if (result.compared) {

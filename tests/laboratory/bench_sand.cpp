@@ -7,27 +7,13 @@
 #include "models/files/atomic_file.h"
 #include "models/simulation/metrics.h"
 #include "tests/laboratory/bench.h"
-#include "tests/laboratory/sand/peer_bullet.h"
 
 namespace sandglass::host {
 
 namespace {
 
-constexpr uint32_t k_peer_frames = 5;     // other engines take seconds a frame
+constexpr uint32_t k_first_frames = 5;    // in these the column still stands
 constexpr uint32_t k_search_threads = 4;  // the search needs only errors, which do not depend on threads
-
-// Runs other engines, and ours for as many frames. In these the column still stands.
-void run_peers(const SceneTable& table, const SceneFile& column, const Bench& bench) {
-  if (!bullet_available()) {
-    std::puts(
-        "column14k/bullet: left out, this build has no Bullet. Install libbullet-dev, configure and build again.");
-    return;
-  }
-  table.row("column14k/bullet, 5 frames", 1, k_peer_frames, "bullet",
-            [&](const BenchStep& step) { return bench_bullet(column, k_peer_frames, step); });
-  table.row("column14k/default, 5 frames", 1, k_peer_frames, bench.isa_name,
-            [&](const BenchStep& step) { return bench_scene(column, bench.isa, 1, k_peer_frames, false, step); });
-}
 
 EqualError search_equal_error(const SceneFile& column, double p99, sandglass_isa isa, uint32_t frames) {
   constexpr uint32_t k_runs_at_most = 16;  // for all bisections; fewer if a cheap setting is found early
@@ -133,7 +119,7 @@ void measure_granular(const BenchOptions& options, Bench* bench) {
     table.row("column14k/source", source_scheme(column, k_source_steps, k_source_iterations), threads, options.frames);
     if (interrupted()) return;
   }
-  if (options.peers) run_peers(table, column, *bench);
+  table.row("column14k/default, 5 frames", column, options.threads[0], k_first_frames, 0, false);
   if (interrupted()) return;
   const EqualError equal = search_equal_error(column, standard.overlap_p99, bench->isa, options.frames);
   if (interrupted()) return;
@@ -189,11 +175,7 @@ CommandOption frames(BenchOptions& o) {
 }
 
 Options granular_options(BenchOptions& o) {
-  return {thread_counts(o),
-          frames(o),
-          {"--peers", &o.peers, "", "Also run other engines on the same scene, 5 frames each"},
-          isa_option(o.isa),
-          json_option(o.json)};
+  return {thread_counts(o), frames(o), isa_option(o.isa), json_option(o.json)};
 }
 
 Options ladder_options(BenchOptions& o) {

@@ -12,7 +12,6 @@
 #include "runtime/light/network/backends.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/cpu_time.h"
-#include "tests/laboratory/machine_peak.h"
 
 namespace sandglass::host {
 
@@ -93,7 +92,6 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
                               {"xnnpack_f32", SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32},
                               {"xnnpack_int8", SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_INT8}};
   constexpr uint32_t k_steps = std::size(k_cases);
-  const MachinePeak peak = measure_machine_peak();
   LightingBench bench;
   const LightBackend* xnnpack = nullptr;
   bench.has_xnnpack = find_light_backend(SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
@@ -109,10 +107,7 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
     if (!measure(file, name, isa, c.backend, images, &row)) break;
     row.longest_unit_ms = longest_unit(file, name, isa, c.backend, images[0].rgb);
     if (interrupted()) return bench;
-    const double fastest =
-        c.backend == SANDGLASS_ESTIMATOR_BACKEND_XNNPACK_F32 ? peak.f32_gmac_per_s : peak.int8_gmac_per_s;
     row.gmac_per_s = k_macs / row.ms * 1e-6;
-    row.fraction = fastest > 0 ? row.gmac_per_s / fastest : 0;
     bench.rows.push_back(row);
     if (!go_on(static_cast<uint32_t>(bench.rows.size()), k_steps)) return bench;
   }

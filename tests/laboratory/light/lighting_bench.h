@@ -18,7 +18,6 @@ struct LightingBenchRow {
   std::string name;            // int8, xnnpack_f32, xnnpack_int8
   double ms = 0;               // CPU time of the thread, the best of some repeats: the machine may be shared
   double gmac_per_s = 0;       // of the network's 2.549 G multiplications; padding does not count
-  double fraction = 0;         // of this CPU's measured peak, f32 or int8
   double arena_bytes = 0;      // weights and activations: the block, and what XNNPACK holds of its region
   double longest_unit_ms = 0;  // the largest of the work units' best times
   // Against the float network, medians over the images.

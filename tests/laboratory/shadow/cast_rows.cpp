@@ -17,7 +17,6 @@
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/room/known_room.h"
 #include "tests/laboratory/shadow/app_cast.h"
-#include "tests/laboratory/shadow/cast_peers.h"
 
 namespace sandglass::host {
 
@@ -235,22 +234,6 @@ void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, Thread
     sums["half as wide"].add(of({light.direction, 0.5 * light.half}, 64, choice.closed));
     sums["a point"].add(of({light.direction, 1e-3}, 64, choice.closed));
     sums["from the other side"].add(of({turned(light.direction, 180), light.half}, 64, choice.closed));
-    const ShadowMap map(object.mesh, fine.rectangle, light.direction, light.half);
-    const auto peer = [&](const std::string& name, const auto& left) {
-      sums[name].add(error_of([&](size_t i) { return left(fine.place(i)[0], fine.place(i)[1]); }, truth, texel, area));
-    };
-    peer("map, 32 taps", [&](double x, double z) { return map.percentage_closer(x, z, 32); });
-    peer("map, exponential variance", [&](double x, double z) { return map.exponential_variance(x, z); });
-    // With the one opacity that fits best.
-    double hidden = 0, all = 0;
-    for (size_t i = 0; i < truth.a.size(); ++i) {
-      const double dark = 1 - ellipse(object.box, light.direction, light.half, fine.place(i)[0], fine.place(i)[1]);
-      hidden += dark * (1 - 0.5 * (static_cast<double>(truth.a[i]) + static_cast<double>(truth.b[i])));
-      all += dark * dark;
-    }
-    peer("ellipse", [&](double x, double z) {
-      return 1 - hidden / all * (1 - ellipse(object.box, light.direction, light.half, x, z));
-    });
   }
   const std::string& g = file.name;
   rows->at_most(g, "K 64", sums["64"].mean(), 0.012);
@@ -259,8 +242,6 @@ void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, Thread
   rows->at_most(g, "K 32", sums["32"].mean(), 0.016);
   for (const char* control : {"8", "turned by 5 degrees", "half as wide", "a point", "from the other side"})
     rows->at_most(g, control[0] == '8' ? "K 8" : std::string("light ") + control, sums[control].mean(), 0.016, true);
-  for (const char* peer : {"map, 32 taps", "map, exponential variance", "ellipse"})
-    rows->at_most(g, peer, sums[peer].mean(), k_reported);
 }
 
 // The lights of the baked network, beside it.

@@ -1,5 +1,4 @@
-// What one texture costs and how wrong it is, for every way of computing it, on one thread of this machine: the
-// project's own kernels and, where XNNPACK is installed, XNNPACK on the same network and the same inputs.
+// What one texture costs and how wrong it is, for every way of computing it, on one thread of this machine.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +16,9 @@
 namespace sandglass::host {
 
 struct ShadowBenchRow {
-  std::string name;       // f32, int8, int8_adaptive, xnnpack_f32, xnnpack_int8
+  std::string name;       // f32, int8, int8_adaptive
   double ms = 0;          // CPU time of the thread: each light's best of some repeats, the median over the lights
   double gmac_per_s = 0;  // of what it computes
-  double fraction = 0;    // of this CPU's measured peak, f32 or int8
   double rmse = 0;        // against the float network
   double rmse_truth = 0;  // against ray tracing
   double evaluated = 1;   // share of the texels that the network was asked for
@@ -28,7 +26,6 @@ struct ShadowBenchRow {
 
 struct ShadowBench {
   std::vector<ShadowBenchRow> rows;
-  bool has_xnnpack = false;
   // Of one ambient shadow: CPU time, and the error that the file states. 0: the file has none.
   double ambient_ms = 0, ambient_rmse = 0;
 };
