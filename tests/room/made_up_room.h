@@ -98,11 +98,13 @@ inline Photograph photograph(const Radiance& radiance, double azimuth_deg, doubl
 
 class MadeUpRoom {
  public:
-  explicit MadeUpRoom(float half_life = 1e6f, bool probe = false, bool reflections = false)
+  // `radius`: as the app tells it; 0: it does not.
+  explicit MadeUpRoom(float half_life = 1e6f, bool probe = false, bool reflections = false, float radius = 0)
       : memory_(24576 + 64 + (reflections ? 98304 : 0)) {
     sandglass_room_desc desc;
     sandglass_room_desc_default(&desc);
     desc.half_life = half_life;
+    desc.radius = radius;
     desc.interval = 0;
     desc.probe = probe ? 1 : 0;
     desc.reflections = reflections ? 1 : 0;
