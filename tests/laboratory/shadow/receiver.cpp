@@ -390,28 +390,4 @@ std::vector<Verdict> verify_receivers(const std::vector<RadianceMap>& rooms, Thr
   return rows;
 }
 
-Picture receiver_picture(const RadianceMap& room, ThreadPool& pool) {
-  constexpr int k_width = 480, k_height = 360, k_fine = 2;
-  const RadianceMap light = before_wall(room);
-  const Traced traced(light, k_fine * k_width, k_fine * k_height, pool);
-  const Drawn drawn(light, traced);
-  std::array<Picture, 3> pictures;
-  for (int i = 0; i < 3; ++i) {
-    Picture picture(traced.width(), traced.height(), {0, 0, 0});
-    for (int y = 0; y < traced.height(); ++y)
-      for (int x = 0; x < traced.width(); ++x) {
-        const Pixel& p = traced.pixels()[static_cast<size_t>(y * traced.width() + x)];
-        const Vec3 c = i == 0   ? p.image
-                       : i == 1 ? drawn.colour(x, y, Way{""})
-                                : (traced.truth(p, 0) + traced.truth(p, 1)) * 0.5;
-        uint8_t* pixel = picture.at(x, y);
-        pixel[0] = srgb_byte(c.x);
-        pixel[1] = srgb_byte(c.y);
-        pixel[2] = srgb_byte(c.z);
-      }
-    pictures[static_cast<size_t>(i)] = scaled(picture, k_width, k_height);
-  }
-  return picture_grid(pictures, 3, 4);
-}
-
 }  // namespace sandglass::host
