@@ -10,11 +10,7 @@
 namespace sandglass::host {
 
 Bench::Bench(const std::string& s, const std::string& isa_option, Kernels kernels)
-    : suite(s), isa(find_isa(isa_option)) {
-  sandglass_scene_desc desc;
-  sandglass_scene_desc_default(&desc);
-  desc.isa = isa;
-  isa_name = sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
+    : suite(s), isa(find_isa(isa_option)), isa_name(kernels_of(isa)) {
   const Int8Kernels* of_bytes = select_int8_kernels(isa);
   if (kernels == Kernels::bytes && of_bytes != nullptr) isa_name = sandglass_isa_name(of_bytes->isa);
 }
