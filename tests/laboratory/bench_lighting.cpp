@@ -16,6 +16,7 @@
 #include "runtime/light/network/backends.h"
 #include "runtime/light/room/room.h"
 #include "sandglass/sandglass.hpp"
+#include "tests/camera_picture.h"
 #include "tests/laboratory/bench.h"
 #include "tests/laboratory/cpu_time.h"
 
@@ -134,14 +135,7 @@ void measure_room(Bench* bench) {
   constexpr uint32_t k_images = 24, k_columns = 640, k_rows = 480;
   std::vector<uint8_t> pixels(size_t{3} * k_columns * k_rows);
   for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(64 + 120 * random_unit(i));
-  sandglass_camera_image image = camera_image();
-  image.width = k_columns;
-  image.height = k_rows;
-  image.planes[0] = pixels.data();
-  image.strides[0] = 3 * k_columns;
-  image.focal_x = image.focal_y = 520.0f;
-  image.centre_x = 319.5f;
-  image.centre_y = 239.5f;
+  sandglass_camera_image image = tests::camera_picture(pixels.data(), k_columns, k_rows, 520.0f);
   decltype(sandglass_room::room) room = {};
   room.half_life = 180;
   room.interval_ns = 100'000'000;

@@ -2,17 +2,13 @@
 // late, clocks that are wrong, lamps at the zenith. The room is known, so is what must come out.
 #include <string>
 
-#include "made_up_room.h"
 #include "runtime/light/room/room.h"
+#include "tests/room/made_up_room.h"
 
 namespace sandglass {
 namespace {
 
 double level_of(const sandglass_room_light& light) { return static_cast<double>(light.irradiance[1] * light.white); }
-Direction main_of(const sandglass_room_light& l) {
-  return {static_cast<double>(l.main_direction[0]), static_cast<double>(l.main_direction[1]),
-          static_cast<double>(l.main_direction[2])};
-}
 
 // Walls with a pattern, and a lamp.
 double patterned(Direction d) {

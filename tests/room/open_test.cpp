@@ -72,9 +72,7 @@ double worst_walk(bool open, float radius) {
     const Direction object = along(along(at, ahead, 1), {0, 1, 0}, -1.2);
     const sandglass_room_light light =
         room.light(static_cast<float>(object.x), static_cast<float>(object.y), static_cast<float>(object.z));
-    const Direction main = {static_cast<double>(light.main_direction[0]), static_cast<double>(light.main_direction[1]),
-                            static_cast<double>(light.main_direction[2])};
-    worst = std::max(worst, angle_deg(main, place.towards_lamp(object)));
+    worst = std::max(worst, angle_deg(main_of(light), place.towards_lamp(object)));
   }
   return worst;
 }
