@@ -115,15 +115,6 @@ MeshBox box_of(const Mesh& mesh) {
   return box;
 }
 
-double surface_area(const Mesh& mesh) {
-  double sum = 0;
-  for (size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
-    const auto corner = [&](size_t k) { return from_floats(&mesh.vertices[3 * size_t{mesh.indices[t + k]}]); };
-    sum += 0.5 * length(cross(corner(1) - corner(0), corner(2) - corner(0)));
-  }
-  return sum;
-}
-
 Mesh with_short_edges(const Mesh& mesh, double longest) {
   Mesh fine = {mesh.vertices, {}};
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;

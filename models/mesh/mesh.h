@@ -96,9 +96,6 @@ struct MeshBox {
 };
 MeshBox box_of(const Mesh& mesh);
 
-// In m^2.
-double surface_area(const Mesh& mesh);
-
 // The same surface with no edge longer than `longest`: the longest edge of a triangle is halved until none is.
 // Triangles that share an edge share its middle.
 Mesh with_short_edges(const Mesh& mesh, double longest);

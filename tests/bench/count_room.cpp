@@ -10,6 +10,7 @@
 #include "sandglass/camera.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/bench/counting.h"
+#include "tests/camera_picture.h"
 
 int main(int argument_count, char** arguments) {
   constexpr uint32_t k_images = 24, k_answers = 8, k_width = 640, k_height = 480;
@@ -22,17 +23,8 @@ int main(int argument_count, char** arguments) {
   CountingRandom unit;
   std::vector<uint8_t> bytes(size_t{k_width} * k_height * 3 / 2);
   for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(64 + 120 * unit());
-  sandglass_camera_image image;
-  sandglass_camera_image_default(&image);
-  image.format = SANDGLASS_CAMERA_NV12;
-  image.width = k_width;
-  image.height = k_height;
-  image.planes[0] = bytes.data();
-  image.planes[1] = bytes.data() + size_t{k_width} * k_height;
-  image.strides[0] = image.strides[1] = k_width;
-  image.focal_x = image.focal_y = 520.0f;
-  image.centre_x = 319.5f;
-  image.centre_y = 239.5f;
+  sandglass_camera_image image =
+      sandglass::tests::camera_picture(bytes.data(), k_width, k_height, 520.0f, SANDGLASS_CAMERA_NV12);
   image.exposure = what == "image_untold" ? 0.0f : 1.0f;
   sandglass::cpp::Room room;
   if (!room.create()) return 2;

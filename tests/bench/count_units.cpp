@@ -15,6 +15,7 @@
 #include "sandglass/estimator.h"
 #include "sandglass/room.h"
 #include "tests/bench/counted_sand.h"
+#include "tests/camera_picture.h"
 
 namespace {
 
@@ -145,17 +146,8 @@ int main(int argument_count, char** arguments) {
     return wrong("count_units: cannot create the scene");
 
   std::vector<uint8_t> bytes(size_t{k_width} * k_height * 3 / 2, 120);
-  sandglass_camera_image image;
-  sandglass_camera_image_default(&image);
-  image.format = SANDGLASS_CAMERA_NV12;
-  image.width = k_width;
-  image.height = k_height;
-  image.planes[0] = bytes.data();
-  image.planes[1] = bytes.data() + size_t{k_width} * k_height;
-  image.strides[0] = image.strides[1] = k_width;
-  image.focal_x = image.focal_y = 520.0f;
-  image.centre_x = 319.5f;
-  image.centre_y = 239.5f;
+  sandglass_camera_image image =
+      sandglass::tests::camera_picture(bytes.data(), k_width, k_height, 520.0f, SANDGLASS_CAMERA_NV12);
 
   const Grid leaf;
   sandglass::Cast cast;

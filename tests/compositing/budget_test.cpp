@@ -16,6 +16,7 @@
 #include "models/files/aligned_bytes.h"
 #include "models/lighting/light_file.h"
 #include "sandglass/sandglass.hpp"
+#include "tests/camera_picture.h"
 #include "tests/frame/machine_control.h"
 #include "tests/measured.h"
 
@@ -137,14 +138,7 @@ struct Everything {
       EXPECT_EQ(sandglass_estimator_bytes(&d, &light_bytes, nullptr), SANDGLASS_OK);
       pixels.resize(3 * 640 * 480);
       for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(i * 7 / 31 ^ i >> 9);
-      image = sandglass::camera_image();
-      image.width = 640;
-      image.height = 480;
-      image.planes[0] = pixels.data();
-      image.strides[0] = 3 * 640;
-      image.focal_x = image.focal_y = sandglass_camera_focal(640, 480, 80);
-      image.centre_x = 319.5f;
-      image.centre_y = 239.5f;
+      image = sandglass::tests::camera_picture(pixels.data(), 640, 480, sandglass_camera_focal(640, 480, 80));
     }
     bytes += shadow_bytes + pile_bytes + light_bytes;
   }

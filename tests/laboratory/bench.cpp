@@ -10,11 +10,7 @@
 namespace sandglass::host {
 
 Bench::Bench(const std::string& s, const std::string& isa_option, Kernels kernels)
-    : suite(s), isa(find_isa(isa_option)) {
-  sandglass_scene_desc desc;
-  sandglass_scene_desc_default(&desc);
-  desc.isa = isa;
-  isa_name = sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
+    : suite(s), isa(find_isa(isa_option)), isa_name(kernels_of(isa)) {
   const Int8Kernels* of_bytes = select_int8_kernels(isa);
   if (kernels == Kernels::bytes && of_bytes != nullptr) isa_name = sandglass_isa_name(of_bytes->isa);
 }
@@ -49,9 +45,11 @@ SceneTable::SceneTable(Bench* bench) : bench_(bench) {
               "mean", "max", "angle");
 }
 
-BenchRow SceneTable::row(const std::string& name, uint32_t threads, uint32_t frames, const std::string& kernels,
-                         const std::function<BenchRow(const BenchStep&)>& run) const {
-  const BenchRow result = with_steps(name + ", " + std::to_string(threads) + "T", frames, run);
+BenchRow SceneTable::row(const std::string& name, const SceneFile& scene, uint32_t threads, uint32_t frames,
+                         uint32_t level, bool with_grains) const {
+  const BenchRow result = with_steps(name + ", " + std::to_string(threads) + "T", frames, [&](const BenchStep& step) {
+    return bench_scene(scene, bench_->isa, threads, frames, with_grains, step, level);
+  });
   if (interrupted()) return result;
   std::printf("%-34s %2u %9.2f %9.2f %9.2f %11.4f %10.4f %9.4f %8.1f\n", name.c_str(), threads, result.ms_per_frame,
               result.ms_solver, result.ms_refine, 100.0 * result.overlap_p99, 100.0 * result.overlap_mean,
@@ -62,15 +60,8 @@ BenchRow SceneTable::row(const std::string& name, uint32_t threads, uint32_t fra
       {"ms_refine", "ms", result.ms_refine},       {"overlap_p99", "r", result.overlap_p99},
       {"overlap_mean", "r", result.overlap_mean},  {"overlap_max", "r", result.overlap_max},
       {"angle_deg", "deg", result.angle_deg}};
-  for (const auto& [metric, unit, value] : values) bench_->keep(name, metric, unit, value, threads, kernels);
+  for (const auto& [metric, unit, value] : values) bench_->keep(name, metric, unit, value, threads);
   return result;
-}
-
-BenchRow SceneTable::row(const std::string& name, const SceneFile& scene, uint32_t threads, uint32_t frames,
-                         uint32_t level) const {
-  return row(name, threads, frames, bench_->isa_name, [&](const BenchStep& step) {
-    return bench_scene(scene, bench_->isa, threads, frames, true, step, level);
-  });
 }
 
 }  // namespace sandglass::host

@@ -17,7 +17,6 @@ namespace sandglass::host {
 struct BenchOptions {
   std::string json, out, isa = "automatic", mesh = "chair", asset;
   uint32_t frames = 100;
-  bool peers = false;
   std::vector<uint32_t> threads = {1};
 };
 
@@ -49,11 +48,9 @@ class SceneTable {
  public:
   explicit SceneTable(Bench* bench);  // prints the head
 
-  // Runs a case behind a progress bar, prints its row and keeps its numbers. `kernels`: what computed it.
-  BenchRow row(const std::string& name, uint32_t threads, uint32_t frames, const std::string& kernels,
-               const std::function<BenchRow(const BenchStep&)>& run) const;
-  BenchRow row(const std::string& name, const SceneFile& scene, uint32_t threads, uint32_t frames,
-               uint32_t level = 0) const;
+  // Runs a case behind a progress bar, prints its row and keeps its numbers.
+  BenchRow row(const std::string& name, const SceneFile& scene, uint32_t threads, uint32_t frames, uint32_t level = 0,
+               bool with_grains = true) const;
 
  private:
   Bench* bench_;

@@ -82,28 +82,6 @@ TEST(RoomStudy, ALampIsDrawnTheBetterTheMoreWasSeen) {
   EXPECT_LT(row_of(table.drawn, "the true label and ambient occlusion").floor.mean, 0.6 * ambient);
 }
 
-// Sessions do not depend on where the object stands; its light does.
-TEST(RoomStudy, MovedObjectsAreLitAsInAStudyThatBeginsThere) {
-  const TemporaryFolder folder;
-  RoomStudyOptions options;
-  options.panoramas = {folder / "room.hdr"};
-  options.azimuths = 2;
-  write_hdr(options.panoramas.front(), room_with_lamp(100.0, 20.0));
-  const auto objects = std::make_shared<const std::vector<FloorObject>>(1, pole());
-  const RoomStudy near = study_rooms(options, objects);
-  options.place = 0.8;
-  const RoomStudy there = study_rooms(options, objects), carried = moved(near, options);
-  ASSERT_EQ(carried.places.size(), there.places.size());
-  EXPECT_NE(near.places[1].truths, there.places[1].truths);
-  for (size_t i = 0; i < there.places.size(); ++i) EXPECT_EQ(carried.places[i].truths, there.places[i].truths);
-  const RoomTable tables[2] = {room_table(carried, &single()), room_table(there, &single())};
-  for (size_t s = 0; s < std::size(k_sessions); ++s) {
-    EXPECT_EQ(tables[0].sessions[s].seen.mean, tables[1].sessions[s].seen.mean);
-    EXPECT_EQ(tables[0].sessions[s].direction_deg.mean, tables[1].sessions[s].direction_deg.mean);
-    EXPECT_EQ(tables[0].sessions[s].level.mean, tables[1].sessions[s].level.mean);
-  }
-}
-
 TEST(RoomStudy, ItsLimitsAreHeldByGoodRowsAndBrokenByBadOnes) {
   RoomTable table;
   const auto add = [&](const std::string& name, double share, Interval none, Interval ambient, bool control = false) {

@@ -31,4 +31,7 @@ auto with_steps(const std::string& what, uint64_t all, const Measure& measure) {
   });
 }
 
+// The kernels of sand that this picks.
+std::string kernels_of(sandglass_isa isa);
+
 }  // namespace sandglass::host

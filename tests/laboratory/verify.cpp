@@ -8,6 +8,7 @@
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/lighting/dataset.h"
+#include "models/simulation/simulation.h"
 
 namespace sandglass::host {
 
@@ -63,6 +64,13 @@ std::vector<Measurement> measurements_of(const std::string& suite, const std::st
     measurements.push_back({suite, v.name, "result", v.unit, isa, v.result, threads,
                             Measurement::Judgement{v.truth, v.limit, v.pass, v.control}});
   return measurements;
+}
+
+std::string kernels_of(sandglass_isa isa) {
+  sandglass_scene_desc desc;
+  sandglass_scene_desc_default(&desc);
+  desc.isa = isa;
+  return sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
 }
 
 int tell(const VerifyOptions& options, const char* suite, const std::string& isa, const std::vector<Verdict>& rows,

@@ -11,7 +11,6 @@
 #include "tests/laboratory/verify.h"
 #ifdef SANDGLASS_HAVE_EMBREE
 #include "tests/laboratory/shadow/cast_rows.h"
-#include "tests/laboratory/shadow/cast_world.h"
 #include "tests/laboratory/shadow/receiver.h"
 #endif
 
@@ -27,8 +26,6 @@ Command verify_cast_suite() { return {k_name, k_help, {}, {}, {}, k_no_ray_trace
 
 namespace {
 
-constexpr int k_picture_quality = 88;
-
 // Means of pixels. 256 x 128 are as many as the cells of a room can use.
 RadianceMap small_panorama(const std::string& path, int width) {
   const RadianceMap whole = read_panorama(path);
@@ -37,23 +34,17 @@ RadianceMap small_panorama(const std::string& path, int width) {
   return small;
 }
 
-struct CastOptions : VerifyOptions {
-  std::string picture;
-};
-
-Options options_of(CastOptions& o) {
-  return {
-      standard("chair, and four of SANDGLASS_DATA_DIR",
-               {"--mesh", &o.meshes, "MESHES", "What casts: files, or names of generated meshes"}),
-      panoramas_option(o),
-      {"--quick", &o.quick, "", "Half of the lights, a quarter of the rooms"},
-      seed_option(o.seed, "From where the lights come"),
-      {"--picture", &o.picture, "FILE", "JPEG: a chair whose shadow falls on a table and a wall, behind a real bucket"},
-      threads_option(o.threads),
-      json_option(o.json)};
+Options options_of(VerifyOptions& o) {
+  return {standard("chair, and four of SANDGLASS_DATA_DIR",
+                   {"--mesh", &o.meshes, "MESHES", "What casts: files, or names of generated meshes"}),
+          panoramas_option(o),
+          {"--quick", &o.quick, "", "Half of the lights, a quarter of the rooms"},
+          seed_option(o.seed, "From where the lights come"),
+          threads_option(o.threads),
+          json_option(o.json)};
 }
 
-CastRowsOptions rows_of(const CastOptions& options) {
+CastRowsOptions rows_of(const VerifyOptions& options) {
   CastRowsOptions rows;
   std::vector<std::string> names = options.meshes;
   if (names.empty()) {
@@ -74,7 +65,7 @@ CastRowsOptions rows_of(const CastOptions& options) {
   return rows;
 }
 
-int run(const CastOptions& options) {
+int run(const VerifyOptions& options) {
   CastRowsOptions rows = rows_of(options);
   std::vector<RadianceMap> reflected, some;
   if (!options.panoramas.empty() || !data_folder().empty())
@@ -92,22 +83,16 @@ int run(const CastOptions& options) {
     const std::vector<Verdict> more = with_steps(what, all, verify);
     verdicts.insert(verdicts.end(), more.begin(), more.end());
   };
-  add("casting in the world", k_cast_worlds,
-      [&](const auto& go_on) { return verify_cast_worlds(options.seed, options.quick, pool, go_on); });
   add("reflecting rooms", reflected.size(),
       [&](const auto& go_on) { return verify_reflections(reflected, options.seed, go_on); });
   add("receiving shadows", some.size(), [&](const auto& go_on) { return verify_receivers(some, pool, go_on); });
   if (interrupted()) return k_exit_interrupted;
-  if (!options.picture.empty()) {
-    const Progress progress("tracing the picture", 1);
-    write_file(options.picture, jpeg_file(receiver_picture(kept_room("lebombo"), pool), k_picture_quality));
-  }
   return tell(options, "cast", "automatic", verdicts);
 }
 
 }  // namespace
 
-Command verify_cast_suite() { return command<CastOptions>(k_name, k_help, options_of, run); }
+Command verify_cast_suite() { return command<VerifyOptions>(k_name, k_help, options_of, run); }
 
 #endif
 

@@ -1,12 +1,9 @@
-// The suites of sand: `sandglass_lab verify granular`, `follow` and `carried`.
+// The suites of sand: `sandglass_lab verify granular` and `follow`.
 #include <algorithm>
-#include <cstdio>
 
 #include "models/files/failure.h"
 #include "models/simulation/simulation.h"
-#include "tests/laboratory/sand/carried_cases.h"
 #include "tests/laboratory/sand/follow_cases.h"
-#include "tests/laboratory/sand/physics_cases.h"
 #include "tests/laboratory/verify.h"
 
 namespace sandglass::host {
@@ -20,13 +17,6 @@ void expect_quick(const std::vector<std::string>& cases) {
     if (std::find(quick.begin(), quick.end(), name) == quick.end())
       throw cannot("check", name, "it takes minutes, and --quick leaves such cases out",
                    "Leave --quick out, or name quick cases: " + list_of(quick, "or"));
-}
-
-std::string kernels_of(sandglass_isa isa) {
-  sandglass_scene_desc desc = physics_desc(0.6);
-  desc.isa = isa;
-  desc.granular.particle_capacity = 1;
-  return sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
 }
 
 Options granular_options(VerifyOptions& o) {
@@ -59,23 +49,6 @@ int run_follow(const VerifyOptions& options) {
               }));
 }
 
-Options carried_options(VerifyOptions& o) {
-  return {cases_option(o, "Only these", carried_groups()),
-          {"--quick", &o.quick, "", "Three scenes, two budgets, 60 Hz"},
-          seed_option(o.seed, "By which part of a frame a way begins later"),
-          isa_option(o.isa),
-          json_option(o.json)};
-}
-
-int run_carried(const VerifyOptions& options) {
-  const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa), options.seed};
-  std::string table;
-  const std::vector<Verdict> rows =
-      with_progress("verifying", [&](const auto& progress) { return carried_verdicts(choice, &table, progress); });
-  std::fputs(table.c_str(), stdout);
-  return tell(options, "carried", kernels_of(choice.isa), rows);
-}
-
 }  // namespace
 
 Command verify_granular_suite() {
@@ -88,11 +61,4 @@ Command verify_follow_suite() {
                                 "Grains: whether what is drawn is where the particles are, and moves with them",
                                 follow_options, run_follow);
 }
-
-Command verify_carried_suite() {
-  return command<VerifyOptions>("carried",
-                                "Sand in what is moved: whether it stays and flows where the budget is short",
-                                carried_options, run_carried);
-}
-
 }  // namespace sandglass::host

@@ -1,4 +1,5 @@
 #include "tests/light/light_fixture.h"
+#include "tests/camera_picture.h"
 
 #include "models/lighting/light_file.h"
 #include "runtime/math/random.h"
@@ -18,15 +19,7 @@ sandglass_estimator_desc describe_light() {
 }
 
 TestImage::TestImage(uint64_t seed, uint32_t width, uint32_t height) : bytes(3 * size_t{width} * height) {
-  image = camera_image();
-  image.format = SANDGLASS_CAMERA_RGB;
-  image.width = width;
-  image.height = height;
-  image.planes[0] = bytes.data();
-  image.strides[0] = 3 * width;
-  image.focal_x = image.focal_y = sandglass_camera_focal(width, height, 85.0f);
-  image.centre_x = 0.5f * static_cast<float>(width - 1);
-  image.centre_y = 0.5f * static_cast<float>(height - 1);
+  image = camera_picture(bytes.data(), width, height, sandglass_camera_focal(width, height, 85.0f));
   Random random = random_stream(seed, 4);
   uint32_t cells[3][8][8];
   for (auto& channel : cells)

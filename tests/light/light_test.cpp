@@ -13,6 +13,7 @@
 #include "runtime/light/camera/camera_image.h"
 #include "runtime/light/network/resample.h"
 #include "runtime/math/random.h"
+#include "tests/camera_picture.h"
 #include "tests/light/light_fixture.h"
 #include "tests/reason.h"
 #include "tests/sand_scene.h"
@@ -295,20 +296,10 @@ TEST(LightHash, IsOneOnEveryMachineAndCompiler) {
   TestImage picture{21};
   picture.image.timestamp_ns = k_period_ns;
   live.estimate(picture.image);
-  std::vector<uint8_t> luma(640 * 480), chroma(640 * 240);
+  std::vector<uint8_t> planes(640 * 480 * 3 / 2);
   Random random = random_stream(5, 5);
-  for (std::vector<uint8_t>* plane : {&luma, &chroma})
-    for (uint8_t& b : *plane) b = static_cast<uint8_t>(random.below(256));
-  sandglass_camera_image image = picture.image;
-  image.format = SANDGLASS_CAMERA_NV12;
-  image.width = 640;
-  image.height = 480;
-  image.planes[0] = luma.data();
-  image.planes[1] = chroma.data();
-  image.strides[0] = image.strides[1] = 640;
-  image.focal_x = image.focal_y = 525.0f;
-  image.centre_x = 319.5f;
-  image.centre_y = 239.5f;
+  for (uint8_t& b : planes) b = static_cast<uint8_t>(random.below(256));
+  sandglass_camera_image image = camera_picture(planes.data(), 640, 480, 525.0f, SANDGLASS_CAMERA_NV12);
   image.turn_deg = 90;
   image.orientation[0] = 0.3f;
   image.orientation[2] = -0.6f;

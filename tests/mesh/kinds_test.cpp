@@ -401,6 +401,20 @@ std::vector<Kind> assimp_kinds() {
   return kinds;
 }
 
+// The page has sentences of its own for these.
+std::vector<Kind> broken_kinds() {
+  const std::string places = obj_places(), faces = obj_faces();
+  std::vector<Kind> kinds = {
+      bad("empty.obj", "", "is empty"),
+      bad("no_faces.obj", places, "no triangles"),
+      bad("infinite.obj", replaced(places, "v 0.500000", "v inf") + faces, "inf"),
+      bad("degenerate.obj", places + "f 1 2 2\n", "degenerate"),
+      bad("cut_vertex.obj", "v 0 0 0\nv 1 0 0\nv 0 1", "cut off"),
+  };
+  for (Kind& kind : kinds) kind.is_pages = false;
+  return kinds;
+}
+
 std::vector<Kind> all_kinds() {
   std::vector<Kind> all = gltf_kinds();
 #ifdef SANDGLASS_HAVE_DRACO
@@ -411,7 +425,8 @@ std::vector<Kind> all_kinds() {
     all.back().is_pages = false;
   }
 #endif
-  for (const auto& more : {other_kinds(), assimp_kinds()}) all.insert(all.end(), more.begin(), more.end());
+  for (const auto& more : {other_kinds(), broken_kinds(), assimp_kinds()})
+    all.insert(all.end(), more.begin(), more.end());
   return all;
 }
 
@@ -493,6 +508,11 @@ TEST(MeshKinds, NoPartOfAFileIsTakenForTheWhole) {
       EXPECT_TRUE(!read || (!says_its_length && read.report.boundary_edges > 0)) << kind.name << " " << length;
     }
   }
+}
+
+TEST(MeshKinds, WhatIsNotThereOrNoFileIsRefused) {
+  for (const auto& [path, why] : {std::pair("/no/such/mesh.obj", "does not exist"), {"/", "is not a file"}})
+    expect_kind(bad("", "", why), path);
 }
 
 TEST(MeshKinds, AGltfFindsItsFilesByTheirNamesAsUrisWriteThem) {

@@ -78,10 +78,9 @@ TEST(RoomBalance, IsSavedWithTheRoom) {
   uint64_t now = 1;
   for (const double red : {1.0, 2.0})
     for (int i = 0; i < 4; ++i) look(&room, grey, 10 * i, {red, 1, 1}, true, &now);
-  std::vector<uint64_t> bytes(sandglass_room_save_bytes(room.handle()) / 8 + 1);
-  uint64_t written = 0;
-  ASSERT_EQ(sandglass_room_save(room.handle(), bytes.data(), 8 * bytes.size(), &written, nullptr), SANDGLASS_OK);
-  ASSERT_EQ(sandglass_room_restore(other.handle(), bytes.data(), written, nullptr), SANDGLASS_OK);
+  std::vector<std::byte> saved;
+  ASSERT_TRUE(room.save(&saved));
+  ASSERT_TRUE(other.restore(saved));
   EXPECT_EQ(other.light().balance[0], 2.0f);
   look(&other, grey, 0, {3, 1, 1}, true, &now);
   EXPECT_EQ(other.light().balance[0], 3.0f);

@@ -2,16 +2,13 @@
 // late, clocks that are wrong, lamps at the zenith. The room is known, so is what must come out.
 #include <string>
 
-#include "made_up_room.h"
+#include "runtime/light/room/room.h"
+#include "tests/room/made_up_room.h"
 
 namespace sandglass {
 namespace {
 
 double level_of(const sandglass_room_light& light) { return static_cast<double>(light.irradiance[1] * light.white); }
-Direction main_of(const sandglass_room_light& l) {
-  return {static_cast<double>(l.main_direction[0]), static_cast<double>(l.main_direction[1]),
-          static_cast<double>(l.main_direction[2])};
-}
 
 // Walls with a pattern, and a lamp.
 double patterned(Direction d) {
@@ -24,13 +21,22 @@ class AdaptingPhone {
  public:
   explicit AdaptingPhone(double speed) : speed_(speed) { room.may_teach_nothing = true; }
   MadeUpRoom room;
-  float walked = 0;  // metres
+  float walked = 0;   // metres
+  bool tells = true;  // its exposures
+  // What is shown over the last image, comparable with the world's.
+  sandglass_room_light shown = {};
+  double shown_level = 0;
 
   void see(const Radiance& radiance, double azimuth, double elevation) {
     now_ += 100'000'000;
     Photograph p = photograph(radiance, azimuth, elevation, gain_, now_);
     p.image.position[0] = walked;
+    if (!tells) p.image.exposure = 0;
     room.show(p.image);
+    const sandglass_room_light now = light();
+    if (shown.struct_size == 0) shown = now;
+    sandglass_room_fade(&shown, &now, 0.1f);
+    shown_level = static_cast<double>(shown.irradiance[1] * sandglass_room_exposure(&shown, &p.image)) / gain_;
     double sum = 0;
     for (const uint8_t byte : p.bytes) sum += std::pow(byte / 255.0, 2.2);
     const double wanted = gain_ * 0.18 / std::max(sum / static_cast<double>(p.bytes.size()), 1e-3);
@@ -203,6 +209,32 @@ TEST(RoomDay, WhatIsShownStaysOverAResetAndTheFirstExposure) {
   }
 }
 
+// A phone that looks to and fro and tells no exposure: from image to image the level of what is drawn steps by 2.5 % or
+// more in one image of twenty at most. The control compares an image with what is remembered alone.
+TEST(RoomDay, WhatIsDrawnHardlyStepsWhereNoExposureIsTold) {
+  double twentieth[2];
+  for (const bool control : {false, true}) {
+    std::vector<double> steps;
+    for (const double azimuth : {0.0, 90.0, 180.0, 270.0}) {
+      AdaptingPhone phone(0.7);
+      phone.tells = false;
+      double before = 0;
+      for (int i = 0; i < 200; ++i) {
+        if (control) phone.room.handle()->room.shows_steps = false;
+        phone.see(patterned, azimuth + 40 * std::sin(i / 12.0), 10 + 20 * std::sin(i / 9.0));
+        const double now = std::log(phone.shown_level);
+        if (i > 50) steps.push_back(std::fabs(now - before));
+        before = now;
+      }
+    }
+    const auto at = steps.end() - static_cast<ptrdiff_t>(steps.size() / 20);
+    std::nth_element(steps.begin(), at, steps.end());
+    twentieth[control ? 1 : 0] = *at;
+  }
+  EXPECT_LE(twentieth[0], 0.025);
+  EXPECT_GT(twentieth[1], 0.025);
+}
+
 // A short image is for lamps alone: what is drawn over ordinary images is as bright as before, and over the short one as
 // dark as that is.
 TEST(RoomDay, AShortImageBelongsToItself) {
@@ -241,6 +273,26 @@ TEST(RoomDay, ALampAtTheZenithIsFound) {
       // A low and wide lamp gives the floor more light by its upper half.
       EXPECT_LT(angle_deg(main_of(light), lamp), elevation < 20 && radius > 10 ? 4 : 3);
     }
+}
+
+// A white window clips as a lamp does, and is none. The control: a lamp of which no short image is taken.
+TEST(RoomDay, WhatIsWhiteIsNoLamp) {
+  constexpr double k_wall = 0.3, k_radius = 4;
+  const Direction at = towards(128, 50);
+  const double facing = std::pow(std::sin(degrees(k_radius)), 2) * at.y;  // of a half space of the same radiance
+  const auto share_of = [&](double radiance, bool shorter) {
+    const Radiance lit = lamp_room(at, k_radius, radiance, k_wall);
+    MadeUpRoom room;
+    room.may_teach_nothing = true;
+    room.look_everywhere(lit);
+    for (int i = 0; i < 30; ++i) room.look(lit, 128, 42, shorter && i % 2 == 0 ? 1.0 / 64 : 1.0);
+    return static_cast<double>(room.light().main_share);
+  };
+  const double white = 1.5, lamp = 60;
+  const auto truth = [&](double radiance) { return 1 - 1 / (1 + (radiance / k_wall - 1) * facing); };
+  EXPECT_NEAR(share_of(white, true), truth(white), 0.1);
+  EXPECT_NEAR(share_of(lamp, true), truth(lamp), 0.1);
+  EXPECT_GT(std::fabs(share_of(lamp, false) - truth(lamp)), 0.1);
 }
 
 // Of two lamps that are as good as equal, now this one stronger by a fifth and now that one, the one that is shown

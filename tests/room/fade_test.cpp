@@ -1,7 +1,7 @@
 // What is shown, frame by frame, beside what is known: no jump while a session goes on.
 #include <cstring>
 
-#include "made_up_room.h"
+#include "tests/room/made_up_room.h"
 
 namespace sandglass {
 namespace {
@@ -20,11 +20,6 @@ double all_shares(const sandglass_room_light& light) {
   for (const float c : light.ambient_cells) sum += static_cast<double>(c);
   return sum;
 }
-Direction main_of(const sandglass_room_light& l) {
-  return {static_cast<double>(l.main_direction[0]), static_cast<double>(l.main_direction[1]),
-          static_cast<double>(l.main_direction[2])};
-}
-
 // Ten images a second, sixty frames: the camera turns around once in ten seconds, its exposure swings by a factor of
 // four, and after twelve seconds the lamp is switched off while the camera looks at it.
 TEST(RoomFade, NothingJumpsInASession) {

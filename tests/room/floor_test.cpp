@@ -1,7 +1,7 @@
 // What a thing gets from below: the floor that it stands on, as it was seen there. And how lamps are seen by short images.
 #include <string>
 
-#include "made_up_room.h"
+#include "tests/room/made_up_room.h"
 
 namespace sandglass {
 namespace {

@@ -1,5 +1,5 @@
 // How large the main light is: against round lamps of known size, by images of short exposure.
-#include "made_up_room.h"
+#include "tests/room/made_up_room.h"
 
 namespace sandglass {
 namespace {
@@ -36,10 +36,9 @@ TEST(MainLight, ItsSizeIsMeasured) {
         room.light(static_cast<float>(to.x), static_cast<float>(to.y), static_cast<float>(to.z));
     EXPECT_NEAR(nearer.main_angular_diameter / light.main_angular_diameter, 1.5, 0.02);
     // In another session, and on its way to what is shown: at once where none was known.
-    std::vector<uint64_t> saved(sandglass_room_save_bytes(room.handle()) / 8 + 1);
-    uint64_t written = 0;
-    ASSERT_EQ(sandglass_room_save(room.handle(), saved.data(), 8 * saved.size(), &written, nullptr), SANDGLASS_OK);
-    ASSERT_EQ(sandglass_room_restore(other.handle(), saved.data(), written, nullptr), SANDGLASS_OK);
+    std::vector<std::byte> saved;
+    ASSERT_TRUE(room.save(&saved));
+    ASSERT_TRUE(other.restore(saved));
     EXPECT_EQ(other.light().main_angular_diameter, light.main_angular_diameter);
     sandglass_room_light shown = light;
     shown.main_angular_diameter = 0;

@@ -11,8 +11,8 @@
 #include <numbers>
 #include <vector>
 
-#include "sandglass/camera.h"
-#include "sandglass/room.h"
+#include "sandglass/sandglass.hpp"
+#include "tests/camera_picture.h"
 
 namespace sandglass {
 
@@ -30,6 +30,11 @@ inline Direction towards(double azimuth_deg, double elevation_deg) {
 inline double cosine(Direction a, Direction b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline double angle_deg(Direction a, Direction b) {
   return std::acos(std::clamp(cosine(a, b), -1.0, 1.0)) * 180.0 / std::numbers::pi;
+}
+
+inline Direction main_of(const sandglass_room_light& light) {
+  const float* d = light.main_direction;
+  return {static_cast<double>(d[0]), static_cast<double>(d[1]), static_cast<double>(d[2])};
 }
 
 // A dim sphere with one round lamp.
@@ -66,53 +71,36 @@ inline Photograph photograph(const Radiance& radiance, double azimuth_deg, doubl
       for (int c = 0; c < 3; ++c)
         p.bytes[3 * (v * k_width + u) + static_cast<uint32_t>(c)] = static_cast<uint8_t>(std::lround(255 * coded));
     }
-  sandglass_camera_image_default(&p.image);
-  p.image.width = k_width;
-  p.image.height = k_height;
-  p.image.planes[0] = p.bytes.data();
-  p.image.strides[0] = 3 * k_width;
-  p.image.focal_x = p.image.focal_y = static_cast<float>(k_focal);
-  p.image.centre_x = 47.5f;
-  p.image.centre_y = 63.5f;
-  const float columns[16] = {static_cast<float>(right.x),
-                             static_cast<float>(right.y),
-                             static_cast<float>(right.z),
-                             0,
-                             static_cast<float>(up.x),
-                             static_cast<float>(up.y),
-                             static_cast<float>(up.z),
-                             0,
-                             static_cast<float>(-ahead.x),
-                             static_cast<float>(-ahead.y),
-                             static_cast<float>(-ahead.z),
-                             0,
-                             0,
-                             0,
-                             0,
-                             1};
+  p.image = tests::camera_picture(p.bytes.data(), k_width, k_height, static_cast<float>(k_focal));
+  float columns[16] = {};
+  for (size_t k = 0; k < 3; ++k) {
+    const Direction& axis = k == 0 ? right : k == 1 ? up : ahead;
+    const double values[3] = {axis.x, axis.y, axis.z};
+    for (size_t row = 0; row < 3; ++row) columns[4 * k + row] = static_cast<float>(k == 2 ? -values[row] : values[row]);
+  }
+  columns[15] = 1;
   EXPECT_EQ(sandglass_camera_orientation(columns, p.image.orientation), 1);
   p.image.timestamp_ns = time_ns;
   p.image.exposure = static_cast<float>(exposure);
   return p;
 }
 
-class MadeUpRoom {
+class MadeUpRoom : public cpp::Room {
  public:
-  explicit MadeUpRoom(float half_life = 1e6f, bool probe = false, bool reflections = false)
-      : memory_(24576 + 64 + (reflections ? 98304 : 0)) {
-    sandglass_room_desc desc;
-    sandglass_room_desc_default(&desc);
+  // `radius`: as the app tells it; 0: it does not.
+  explicit MadeUpRoom(float half_life = 1e6f, bool probe = false, bool reflections = false, float radius = 0) {
+    sandglass_room_desc desc = cpp::room_desc();
     desc.half_life = half_life;
+    desc.radius = radius;
     desc.interval = 0;
     desc.probe = probe ? 1 : 0;
     desc.reflections = reflections ? 1 : 0;
     uint64_t bytes = 0;
     EXPECT_EQ(sandglass_room_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
     EXPECT_LE(bytes, (probe ? 24576u : 16384u) + (reflections ? 98304u : 0u));
-    const auto at = reinterpret_cast<uintptr_t>(memory_.data());
-    EXPECT_EQ(sandglass_room_create(&desc, memory_.data() + (64 - at % 64) % 64, bytes, &room_, nullptr), SANDGLASS_OK);
+    EXPECT_TRUE(create(desc));
   }
-  sandglass_room* handle() const { return room_; }
+  sandglass_room* handle() const { return get(); }
 
   void look(const Radiance& radiance, double azimuth_deg, double elevation_deg, double exposure = 1.0,
             bool tell_exposure = true, double seconds = 0.1) {
@@ -122,7 +110,7 @@ class MadeUpRoom {
     show(p.image);
   }
   void show(const sandglass_camera_image& image) {
-    ASSERT_EQ(sandglass_room_set_image(room_, &image, &taken_, nullptr), SANDGLASS_OK);
+    ASSERT_EQ(sandglass_room_set_image(get(), &image, &taken_, nullptr), SANDGLASS_OK);
     if (!may_teach_nothing) {
       ASSERT_EQ(taken_, 1);
     }
@@ -138,13 +126,11 @@ class MadeUpRoom {
     sandglass_room_light out = {};
     out.struct_size = sizeof out;
     const sandglass_room_place place = {sizeof place, {x, y, z}, estimate, shown, floor, nullptr, nullptr};
-    EXPECT_EQ(sandglass_room_get(room_, &place, &out, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(sandglass_room_get(get(), &place, &out, nullptr), SANDGLASS_OK);
     return out;
   }
 
  private:
-  std::vector<uint8_t> memory_;
-  sandglass_room* room_ = nullptr;
   int32_t taken_ = 0;
   uint64_t time_ns_ = 0;
 };

@@ -2,8 +2,8 @@
 #include <array>
 #include <cstring>
 
-#include "made_up_room.h"
 #include "tests/reason.h"
+#include "tests/room/made_up_room.h"
 
 namespace sandglass {
 namespace {

@@ -4,10 +4,10 @@
 #include <cstring>
 #include <utility>
 
-#include "made_up_room.h"
 #include "runtime/light/harmonics.h"
 #include "runtime/light/room/room.h"
 #include "sandglass/sandglass.hpp"
+#include "tests/room/made_up_room.h"
 
 namespace sandglass {
 namespace {
@@ -78,10 +78,6 @@ cpp::Room room_with_probe() {
 sandglass_room_light light_of(const cpp::Room& room) {
   const float place[3] = {0, 0, 0};
   return room.light_at(place);
-}
-Direction main_of(const sandglass_room_light& light) {
-  return {static_cast<double>(light.main_direction[0]), static_cast<double>(light.main_direction[1]),
-          static_cast<double>(light.main_direction[2])};
 }
 bool takes(const cpp::Room& room, const sandglass_cube& cube, const char** reason = nullptr) {
   return sandglass_room_set_cube(room.get(), &cube, reason) == SANDGLASS_OK;

@@ -7,10 +7,10 @@
 #include <string>
 #include <utility>
 
-#include "made_up_room.h"
 #include "runtime/light/network/radiometry.h"
 #include "sandglass/renderers.h"
 #include "tests/reason.h"
+#include "tests/room/made_up_room.h"
 
 namespace sandglass {
 namespace {

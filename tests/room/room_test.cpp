@@ -2,7 +2,7 @@
 #include <cstring>
 #include <string>
 
-#include "made_up_room.h"
+#include "tests/room/made_up_room.h"
 
 namespace sandglass {
 namespace {
@@ -13,10 +13,6 @@ uint32_t cell_at(Direction d) {
   const double turns = std::atan2(d.z, d.x) / (2 * k_pi_double);
   const auto sector = static_cast<uint32_t>((turns - std::floor(turns)) * 16) % 16;
   return 16 * std::min(3u, static_cast<uint32_t>(4 * d.y * d.y)) + sector;
-}
-Direction main_of(const sandglass_room_light& l) {
-  return {static_cast<double>(l.main_direction[0]), static_cast<double>(l.main_direction[1]),
-          static_cast<double>(l.main_direction[2])};
 }
 double sum(const float (&cells)[64]) {
   double all = 0;

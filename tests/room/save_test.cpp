@@ -3,29 +3,15 @@
 #include <cstring>
 #include <string>
 
-#include "made_up_room.h"
 #include "tests/damaged_file.h"
+#include "tests/room/made_up_room.h"
 
 namespace sandglass {
 namespace {
 
-struct alignas(8) Word {
-  uint8_t bytes[8];
-};
-
-struct Saved {
-  std::vector<Word> words;
-  uint64_t bytes = 0;
-  uint8_t* data() { return words[0].bytes; }
-};
-
-Saved save(const sandglass_room* room) {
-  Saved saved;
-  saved.bytes = sandglass_room_save_bytes(room);
-  saved.words.resize((saved.bytes + 7) / 8);
-  uint64_t written = 0;
-  EXPECT_EQ(sandglass_room_save(room, saved.data(), saved.bytes, &written, nullptr), SANDGLASS_OK);
-  EXPECT_EQ(written, saved.bytes);
+std::vector<std::byte> save(const MadeUpRoom& room) {
+  std::vector<std::byte> saved;
+  EXPECT_TRUE(room.save(&saved));
   return saved;
 }
 
@@ -38,10 +24,10 @@ MadeUpRoom looked_around() {
 
 TEST(RoomSave, TheRestoredRoomAnswersAlike) {
   const MadeUpRoom first = looked_around();
-  Saved saved = save(first.handle());
+  const std::vector<std::byte> saved = save(first);
   MadeUpRoom second(60.0f);
   second.look([](Direction) { return 0.7; }, 0, 0);  // forgotten by restoring
-  ASSERT_EQ(sandglass_room_restore(second.handle(), saved.data(), saved.bytes, nullptr), SANDGLASS_OK);
+  ASSERT_TRUE(second.restore(saved));
   EXPECT_EQ(sandglass_room_hash(first.handle()), sandglass_room_hash(second.handle()));
   sandglass_room_light a = first.light(1, 0, 0), b = second.light(1, 0, 0);
   EXPECT_NE(a.unit, b.unit);
@@ -57,8 +43,8 @@ TEST(RoomSave, AGrownSphereIsRestoredAndResetToItsFirstSize) {
   p.image.position[0] = 4;
   first.look(lit, 50, 40);
   ASSERT_EQ(sandglass_room_set_image(first.handle(), &p.image, nullptr, nullptr), SANDGLASS_OK);
-  Saved saved = save(first.handle());
-  ASSERT_EQ(sandglass_room_restore(second.handle(), saved.data(), saved.bytes, nullptr), SANDGLASS_OK);
+  const std::vector<std::byte> saved = save(first);
+  ASSERT_TRUE(second.restore(saved));
   EXPECT_EQ(second.light(2, 0, 0).main_direction[0], first.light(2, 0, 0).main_direction[0]);
   for (MadeUpRoom* room : {&second, &fresh}) {
     sandglass_room_reset(room->handle());
@@ -69,7 +55,7 @@ TEST(RoomSave, AGrownSphereIsRestoredAndResetToItsFirstSize) {
 }
 
 TEST(RoomSave, DamagedBytesAreRefusedAndChangeNothing) {
-  Saved saved = save(looked_around().handle());
+  const std::vector<std::byte> saved = save(looked_around());
   MadeUpRoom room;
   const uint64_t before = sandglass_room_hash(room.handle());
   const auto take = [&](const std::vector<uint8_t>& bytes) {
@@ -81,7 +67,8 @@ TEST(RoomSave, DamagedBytesAreRefusedAndChangeNothing) {
     EXPECT_EQ(sandglass_room_hash(room.handle()), before);
     return false;
   };
-  std::vector<uint8_t> bytes(saved.data(), saved.data() + saved.bytes);
+  const auto* first = reinterpret_cast<const uint8_t*>(saved.data());
+  std::vector<uint8_t> bytes(first, first + saved.size());
   bytes.push_back(0);
   EXPECT_FALSE(take(bytes));
   bytes.pop_back();

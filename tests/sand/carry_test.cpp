@@ -135,40 +135,27 @@ struct Need {
 class Carried : public testing::TestWithParam<Motion> {};
 INSTANTIATE_TEST_SUITE_P(Motions, Carried, testing::Values(lifted, driven));
 
+// The sand, and its grains as they are drawn.
 TEST_P(Carried, SandIsInItsVesselInEveryFrameAtAnyBudget) {
-  const Need need(GetParam());
-  for (const uint64_t part : {2, 4, 8, 16, 32, 64}) {
-    Bucket b(GetParam());
-    size_t worst = 0, behind = 0;
-    float fastest = 0;
-    sandglass_frame_report report = {};
-    for (int f = 1; f <= 150; ++f) {
-      report = b.frame(k_step * static_cast<float>(f - 30), f > 30 ? need.ns / part : k_all);
-      worst = std::max(worst, b.outside(b.at));
-      behind = std::max(behind, b.outside(GetParam()(k_step * static_cast<float>(f - 33))));
-      fastest = std::max(fastest, b.fastest());
+  for (const bool grained : {false, true}) {
+    const Need need(GetParam(), grained);
+    for (const uint64_t part : {2, 4, 8, 16, 32, 64}) {
+      Bucket b(GetParam(), true, SANDGLASS_ISA_AUTOMATIC, grained);
+      size_t worst = 0, behind = 0;
+      float fastest = 0;
+      sandglass_frame_report report = {};
+      for (int f = 1; f <= 150; ++f) {
+        report = b.frame(k_step * static_cast<float>(f - 30), f > 30 ? need.ns / part : k_all);
+        worst = std::max(worst, b.outside(b.at, grained));
+        behind = std::max(behind, b.outside(GetParam()(k_step * static_cast<float>(f - 33)), grained));
+        fastest = std::max(fastest, b.fastest());
+      }
+      EXPECT_EQ(worst, 0u) << "at 1/" << part;
+      EXPECT_LE(fastest, need.fastest + 0.4f) << "at 1/" << part;
+      EXPECT_GT(report.time.debt, 0) << "the budget was enough";
+      EXPECT_GT(report.time.simulated, 30 * static_cast<double>(k_step)) << "nothing but the vessel went on";
+      EXPECT_GT(behind, 0u) << "the control: a vessel that is drawn three frames late";
     }
-    EXPECT_EQ(worst, 0u) << "at 1/" << part;
-    EXPECT_LE(fastest, need.fastest + 0.4f) << "at 1/" << part;
-    EXPECT_GT(report.time.debt, 0) << "the budget was enough";
-    EXPECT_GT(report.time.simulated, 30 * static_cast<double>(k_step)) << "nothing but the vessel went on";
-    EXPECT_GT(behind, 0u) << "the control: a vessel that is drawn three frames late";
-  }
-}
-
-// As they are drawn.
-TEST_P(Carried, GrainsAreInTheirVesselInEveryFrameAtAnyBudget) {
-  const Need need(GetParam(), true);
-  for (const uint64_t part : {2, 4, 8, 16, 32, 64}) {
-    Bucket b(GetParam(), true, SANDGLASS_ISA_AUTOMATIC, true);
-    size_t worst = 0, behind = 0;
-    for (int f = 1; f <= 150; ++f) {
-      b.frame(k_step * static_cast<float>(f - 30), f > 30 ? need.ns / part : k_all);
-      worst = std::max(worst, b.outside(b.at, true));
-      behind = std::max(behind, b.outside(GetParam()(k_step * static_cast<float>(f - 33)), true));
-    }
-    EXPECT_EQ(worst, 0u) << "at 1/" << part;
-    EXPECT_GT(behind, 0u) << "the control: a vessel that is drawn three frames late";
   }
 }
 

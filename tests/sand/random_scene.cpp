@@ -1,4 +1,5 @@
 #include "tests/sand/random_scene.h"
+#include "tests/camera_picture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -229,14 +230,7 @@ void RandomScene::add_shadows() {
   ::accept(room_.create());
   pixels_.resize(3 * 48 * 32);
   for (uint8_t& p : pixels_) p = static_cast<uint8_t>(random_.next());
-  image_ = camera_image();
-  image_.width = 48;
-  image_.height = 32;
-  image_.planes[0] = pixels_.data();
-  image_.strides[0] = 3 * 48;
-  image_.focal_x = image_.focal_y = sandglass_camera_focal(48, 32, 80);
-  image_.centre_x = 23.5f;
-  image_.centre_y = 15.5f;
+  image_ = camera_picture(pixels_.data(), 48, 32, sandglass_camera_focal(48, 32, 80));
 }
 
 RandomScene::RandomScene(uint64_t number, bool replays)

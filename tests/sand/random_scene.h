@@ -11,12 +11,13 @@
 #include <vector>
 
 #include "runtime/math/random.h"
-#include "tests/sand/invariants.h"
+#include "sandglass/sandglass.hpp"
+#include "tests/guarded_block.h"
 #include "tests/shadow/shadow_fixture.h"
 
 namespace sandglass::tests {
 
-struct RandomScene : WatchedScene {
+struct RandomScene {
   // How a run differs from the recorded one: its plans are given, so no clock is asked; other kernels; no pool.
   explicit RandomScene(uint64_t number, bool replays = false);
 
@@ -25,6 +26,21 @@ struct RandomScene : WatchedScene {
   // Of all that the frames change.
   uint64_t hash() const;
 
+  // What a test knows about it. The floor is the last of its colliders.
+  // Sand and bodies that the app has put into the scene. Emitters and sinks are in the reports.
+  uint64_t particles_added = 0, grains_added = 0;
+  // Seconds that the frames so far have asked for, as the library counts them.
+  double asked = 0.0;
+  // Numbers of particles from which those of bodies begin; bodies are added first, so they are below it.
+  uint32_t in_bodies = 0;
+  // A collider that only grains see comes after the floor, and may push grains below it.
+  bool grains_have_floor = true;
+  // A rigid body that another collider presses into the floor cannot obey both.
+  bool bodies_have_floor = true;
+
+  sandglass_scene_desc desc;
+  Scene scene;
+  test::GuardedBlock block{0}, drawn{0};
   uint32_t frames;
   std::optional<LiveShadow> shadow;
 

@@ -79,12 +79,6 @@ foreach(name qc8 qs8_qc8w)
     target_compile_definitions(sandglass_xnnpack_api INTERFACE SANDGLASS_XNNPACK_INT8=${name})
   endif()
 endforeach()
-# The benchmark that runs a shadow network by XNNPACK is written for the API of 2022 and for one that has a single
-# operator for all functions of single values.
-set(SANDGLASS_XNNPACK_PEER OFF)
-if(SANDGLASS_XNNPACK_GENERATION STREQUAL "2022" OR declared MATCHES "xnn_create_unary_elementwise_nc")
-  set(SANDGLASS_XNNPACK_PEER ON)
-endif()
 # Names and folders of the libraries, by which the installed package finds them again. There are none where the
 # libraries are built with this project or are not needed.
 set(SANDGLASS_XNNPACK_PARTS "")

@@ -7,10 +7,21 @@
 
 #include "models/files/measurement_json.h"
 #include "models/work/thread_pool.h"
-#include "tests/laboratory/room/floor_rows.h"
+#include "tests/laboratory/room/studied_places.h"
 #include "tests/laboratory/sand/granular_verdicts.h"
 
 namespace sandglass::host {
+
+// A way to draw an object's shadow, held against rays.
+struct DrawnRow {
+  std::string name;
+  Interval floor, against_none, against_ambient;  // RMSE of the floor's ratio; differences are paired by place
+  double share_of_ambient = 0.0;                  // of the mean error of ambient occlusion
+  bool control = false;
+};
+
+// Throws std::out_of_range.
+const DrawnRow& row_of(const std::vector<DrawnRow>& rows, const std::string& name);
 
 // What a session makes known.
 struct SessionRow {

@@ -99,24 +99,4 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std
   return study;
 }
 
-RoomStudy moved(const RoomStudy& study, const RoomStudyOptions& options) {
-  RoomStudy there = study;
-  ThreadPool pool(options.threads);
-  Progress progress("moving the objects", options.panoramas.size());
-  for (size_t i = 0; i < options.panoramas.size() && !interrupted(); ++i) {
-    const RadianceMap coarse = coarse_panorama(options.panoramas[i]);
-    pool.run(options.azimuths, [&](uint32_t a) {
-      StudiedPlace& place = there.places[i * options.azimuths + a];
-      const StudiedPlace light = place_in(coarse, azimuth_of(a, options), options.place, *there.objects);
-      place.place = light.place;
-      place.light = light.light;
-      place.label = light.label;
-      place.truths = light.truths;
-      place.probes.clear();
-    });
-    progress.done(i + 1);
-  }
-  return there;
-}
-
 }  // namespace sandglass::host

@@ -66,9 +66,6 @@ struct RoomStudyOptions {
 
 // Throws a Failure for a file that is no panorama. Stops early, with what it has, when it is interrupted.
 RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std::vector<FloorObject>> objects);
-// The same sessions beside objects that stand at `options.place`; nothing to fit constants with. `study` is of the same
-// panoramas and azimuths.
-RoomStudy moved(const RoomStudy& study, const RoomStudyOptions& options);
 
 // The mean of a measure over each place, by its location.
 template <class Measure>

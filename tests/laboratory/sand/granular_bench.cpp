@@ -2,7 +2,6 @@
 #include "tests/laboratory/sand/granular_bench.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "models/simulation/metrics.h"
@@ -79,36 +78,6 @@ SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterati
   changed.granular.substep_max = changed.granular.substep_min =
       static_cast<float>(scene.frame_step / steps * k_rounding);
   return changed;
-}
-
-EqualError find_equal_error(const SceneFile& scene, double p99, sandglass_isa isa, uint32_t threads, uint32_t frames,
-                            const BenchStep& step) {
-  constexpr std::array<uint32_t, 15> k_steps = {16, 20, 24, 28, 32, 40, 48, 56, 64, 80, 96, 128, 160, 192, 256};
-  constexpr std::array<uint32_t, 4> k_iterations = {1, 2, 4, 7};
-  EqualError best;
-  bool stopped = false;
-  const BenchStep watch = [&] { return !(stopped = stopped || !step()); };
-  const auto cost = [](uint32_t steps, uint32_t iterations) { return steps * (iterations + 2); };
-  for (const uint32_t iterations : k_iterations) {
-    // Looks for the fewest steps that suffice, which lie in [low, high). If the search ends at `limit`, none suffices.
-    size_t low = 0, high = k_steps.size();
-    double reached = 0.0;
-    // A setting that costs at least as much as the best known one is not worth a run.
-    while (high > low && best.found && cost(k_steps[high - 1], iterations) >= cost(best.steps, best.iterations)) --high;
-    const size_t limit = high;
-    while (low < high && !stopped) {
-      const size_t middle = (low + high) / 2;
-      const BenchRow row =
-          bench_scene(source_scheme(scene, k_steps[middle], iterations), isa, threads, frames, false, watch);
-      if (row.overlap_p99 <= p99) {
-        high = middle;
-        reached = row.overlap_p99;
-      } else low = middle + 1;
-    }
-    if (stopped) return {};
-    if (high < limit) best = {true, k_steps[high], iterations, reached};
-  }
-  return best;
 }
 
 }  // namespace sandglass::host

@@ -36,16 +36,4 @@ SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t gr
 // relaxation 1.
 SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterations);
 
-// The cheapest setting of the dissertation's scheme whose P99 is no worse than `p99`. For each of
-// 1, 2, 4 and 7 iterations the fewest steps a frame that reach it are found by bisection, from 16 to 256. The cost is
-// steps x (iterations + 2): the stabilisation and the rest of a step count one iteration each. Only errors decide, so
-// the result is the same on every machine.
-struct EqualError {
-  bool found = false;
-  uint32_t steps = 0, iterations = 0;
-  double p99 = 0.0;
-};
-EqualError find_equal_error(const SceneFile& scene, double p99, sandglass_isa isa, uint32_t threads, uint32_t frames,
-                            const BenchStep& step);
-
 }  // namespace sandglass::host

@@ -17,7 +17,6 @@
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/room/known_room.h"
 #include "tests/laboratory/shadow/app_cast.h"
-#include "tests/laboratory/shadow/cast_peers.h"
 
 namespace sandglass::host {
 
@@ -235,22 +234,6 @@ void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, Thread
     sums["half as wide"].add(of({light.direction, 0.5 * light.half}, 64, choice.closed));
     sums["a point"].add(of({light.direction, 1e-3}, 64, choice.closed));
     sums["from the other side"].add(of({turned(light.direction, 180), light.half}, 64, choice.closed));
-    const ShadowMap map(object.mesh, fine.rectangle, light.direction, light.half);
-    const auto peer = [&](const std::string& name, const auto& left) {
-      sums[name].add(error_of([&](size_t i) { return left(fine.place(i)[0], fine.place(i)[1]); }, truth, texel, area));
-    };
-    peer("map, 32 taps", [&](double x, double z) { return map.percentage_closer(x, z, 32); });
-    peer("map, exponential variance", [&](double x, double z) { return map.exponential_variance(x, z); });
-    // With the one opacity that fits best.
-    double hidden = 0, all = 0;
-    for (size_t i = 0; i < truth.a.size(); ++i) {
-      const double dark = 1 - ellipse(object.box, light.direction, light.half, fine.place(i)[0], fine.place(i)[1]);
-      hidden += dark * (1 - 0.5 * (static_cast<double>(truth.a[i]) + static_cast<double>(truth.b[i])));
-      all += dark * dark;
-    }
-    peer("ellipse", [&](double x, double z) {
-      return 1 - hidden / all * (1 - ellipse(object.box, light.direction, light.half, x, z));
-    });
   }
   const std::string& g = file.name;
   rows->at_most(g, "K 64", sums["64"].mean(), 0.012);
@@ -259,8 +242,6 @@ void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, Thread
   rows->at_most(g, "K 32", sums["32"].mean(), 0.016);
   for (const char* control : {"8", "turned by 5 degrees", "half as wide", "a point", "from the other side"})
     rows->at_most(g, control[0] == '8' ? "K 8" : std::string("light ") + control, sums[control].mean(), 0.016, true);
-  for (const char* peer : {"map, 32 taps", "map, exponential variance", "ellipse"})
-    rows->at_most(g, peer, sums[peer].mean(), k_reported);
 }
 
 // The lights of the baked network, beside it.
@@ -395,50 +376,6 @@ void below_table(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
   rows->at_most(file.name, "below a table, masked", masked.mean(), 0.016);
   rows->chosen_on(file.name, "below a table, unmasked", alone.mean(), 0.016, true);
   rows->at_most(file.name, "below a table, no shadow", none.mean(), 0.016, true);
-}
-
-// A heap of sand in the object's shadow, as steep as sand lies: what both leave of the light, in one cast.
-void with_heap(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
-  constexpr uint32_t k_around = 48;
-  const StandingObject object = stand_on_plane(file.mesh, file.name);
-  const float height = 0.12f * static_cast<float>(object.box.height), radius = height / 0.6f;
-  Sum together;
-  uint64_t stream = 350;
-  for (const double half : {5.0, 10.0, 20.0})
-    for (const double azimuth : {20.0, 140.0, 260.0}) {
-      const Light light = {direction_at(40 * k_degree, azimuth * k_degree), half * k_degree};
-      const double reach = 0.6 * object.box.height;  // from the object's middle, away from the light
-      const double x = -reach * std::cos(azimuth * k_degree), z = -reach * std::sin(azimuth * k_degree);
-      Mesh heap;
-      heap.vertices = {static_cast<float>(x), height, static_cast<float>(z),
-                       static_cast<float>(x), 0,      static_cast<float>(z)};
-      for (uint32_t i = 0; i < k_around; ++i) {
-        const double turn = 2 * std::numbers::pi * i / k_around;
-        for (const double c :
-             {x + static_cast<double>(radius) * std::cos(turn), 0.0, z + static_cast<double>(radius) * std::sin(turn)})
-          heap.vertices.push_back(static_cast<float>(c));
-        const uint32_t a = 2 + i, b = 2 + (i + 1) % k_around;
-        heap.indices.insert(heap.indices.end(), {0, b, a, 1, a, b});
-      }
-      Mesh both = object.mesh;
-      both.vertices.insert(both.vertices.end(), heap.vertices.begin(), heap.vertices.end());
-      for (const uint32_t i : heap.indices) both.indices.push_back(object.mesh.vertex_count() + i);
-      CastChoice choice;
-      choice.closed = file.closed;
-      const Drawn of_both = cast_of(both, light, choice);
-      const Truth truth = truth_of(both, light, of_both, ++stream, pool);
-      const double area = area_of(fitted(object.box, light));
-      // Of the floor that is seen: what the heap covers is sand, which has a texture of its own.
-      double sum = 0;
-      for (size_t i = 0; i < truth.a.size(); ++i) {
-        const auto p = of_both.place(i);
-        if (std::hypot(p[0] - x, p[1] - z) < static_cast<double>(radius)) continue;
-        const double left = static_cast<double>(of_both.left[i]);
-        sum += (left - static_cast<double>(truth.a[i])) * (left - static_cast<double>(truth.b[i]));
-      }
-      together.add(std::sqrt(std::max(sum, 0.0) * of_both.area() / area));
-    }
-  rows->at_most(file.name, "beside a heap, both in one cast", together.mean(), 0.012);
 }
 
 // ------------------------------------------------------------------------------------------------ rooms
@@ -645,7 +582,6 @@ std::vector<Verdict> verify_casts(const CastRowsOptions& options, ThreadPool& po
     on_wall(file, pool, &rows);
     if (!next()) return rows.rows;
     below_table(file, pool, &rows);
-    with_heap(file, pool, &rows);
     of_surface(file, &rows);
     if (!next()) return rows.rows;
     shimmer(file, pool, &rows);

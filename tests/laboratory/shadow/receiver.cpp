@@ -11,13 +11,13 @@
 #include "models/files/failure.h"
 #include "models/mesh/generated.h"
 #include "models/rooms/probe_light.h"
+#include "models/simulation/scene_meshes.h"
 #include "models/tracing/directions.h"
 #include "models/tracing/embree_scene.h"
 #include "models/work/random.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/room/known_room.h"
 #include "tests/laboratory/shadow/app_cast.h"
-#include "tests/laboratory/shadow/cast_world.h"
 
 namespace sandglass::host {
 
@@ -46,6 +46,15 @@ struct Pixel {
   std::optional<Vec3> on_chair;  // or behind it
   Vec3 chair_colour;
 };
+
+// A generated mesh of that height with its foot at a place.
+Mesh standing(const char* name, double height, Vec3 at) {
+  MeshResult made = make_named(name);
+  stand_mesh(&made.mesh, height, name);
+  for (size_t i = 0; i < made.mesh.vertices.size(); i += 3)
+    to_floats(from_floats(made.mesh.vertices.data() + i) + at, made.mesh.vertices.data() + i);
+  return made.mesh;
+}
 
 // Only what comes from above the table and before the wall.
 RadianceMap before_wall(const RadianceMap& room) {
@@ -379,30 +388,6 @@ std::vector<Verdict> verify_receivers(const std::vector<RadianceMap>& rooms, Thr
     row(name + ", of the shadow hidden", "share", sums[i].shadow, k_hidden, noisy);
   }
   return rows;
-}
-
-Picture receiver_picture(const RadianceMap& room, ThreadPool& pool) {
-  constexpr int k_width = 480, k_height = 360, k_fine = 2;
-  const RadianceMap light = before_wall(room);
-  const Traced traced(light, k_fine * k_width, k_fine * k_height, pool);
-  const Drawn drawn(light, traced);
-  std::array<Picture, 3> pictures;
-  for (int i = 0; i < 3; ++i) {
-    Picture picture(traced.width(), traced.height(), {0, 0, 0});
-    for (int y = 0; y < traced.height(); ++y)
-      for (int x = 0; x < traced.width(); ++x) {
-        const Pixel& p = traced.pixels()[static_cast<size_t>(y * traced.width() + x)];
-        const Vec3 c = i == 0   ? p.image
-                       : i == 1 ? drawn.colour(x, y, Way{""})
-                                : (traced.truth(p, 0) + traced.truth(p, 1)) * 0.5;
-        uint8_t* pixel = picture.at(x, y);
-        pixel[0] = srgb_byte(c.x);
-        pixel[1] = srgb_byte(c.y);
-        pixel[2] = srgb_byte(c.z);
-      }
-    pictures[static_cast<size_t>(i)] = scaled(picture, k_width, k_height);
-  }
-  return picture_grid(pictures, 3, 4);
 }
 
 }  // namespace sandglass::host

@@ -5,7 +5,6 @@
 #include <functional>
 #include <vector>
 
-#include "models/files/image.h"
 #include "models/rooms/panorama.h"
 #include "models/work/thread_pool.h"
 #include "tests/laboratory/sand/granular_verdicts.h"
@@ -15,8 +14,5 @@ namespace sandglass::host {
 // `go_on` is called before each room; false ends.
 std::vector<Verdict> verify_receivers(const std::vector<RadianceMap>& rooms, ThreadPool& pool,
                                       const std::function<bool()>& go_on);
-
-// Side by side: the camera's image, the chair in it, and by rays.
-Picture receiver_picture(const RadianceMap& room, ThreadPool& pool);
 
 }  // namespace sandglass::host

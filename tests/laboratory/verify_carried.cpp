@@ -1,10 +1,11 @@
+// `sandglass_lab verify carried`: what holds sand is moved while the budget is short: whether the sand stays in it, still
+// flows, and is thrown by nothing. A frame costs the instructions of its work units on a phone's core (models/phones), so
+// results are the same everywhere.
+//
 // One list of scenes, and one function that runs any of them in any way: at a share of the time that its frames need, by
 // velocities or poses alone, at any rate, with a frame that is late or a pose that jumps. The rest says what must hold.
-#include "tests/laboratory/sand/carried_cases.h"
-
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 
@@ -13,6 +14,7 @@
 #include "models/simulation/metrics.h"
 #include "models/simulation/simulation.h"
 #include "tests/laboratory/sand/apparatus.h"
+#include "tests/laboratory/verify.h"
 
 namespace sandglass::host {
 
@@ -432,7 +434,6 @@ struct Stopped {};
 
 struct Judge {
   const VerdictChoice& choice;
-  std::string* table;
   const std::function<bool(uint64_t, uint64_t)>& progress;
   std::vector<Verdict> rows = {};
   uint64_t done = 0, total = 0;
@@ -446,16 +447,6 @@ struct Judge {
   void row(const std::string& name, const char* unit, double truth, double result, double limit, bool control = false) {
     const bool within = std::fabs(result - truth) <= limit;
     rows.push_back({group, name, unit, truth, result, limit, within != control, control});
-  }
-  void tell(const std::string& who, const Seen& s, double before) {
-    if (table == nullptr) return;
-    char line[200];
-    std::snprintf(line, sizeof line,
-                  "%-28s outside %4u, at the end %4u of %4u; fastest %.2f m/s; %.3f s (before %.3f); "
-                  "place %6.3f %6.3f; over %.0f us\n",
-                  who.c_str(), s.outside, s.at_end, s.sand, s.fastest, s.simulated, before, s.place.x, s.place.y,
-                  s.over);
-    *table += line;
   }
 
   static std::string name_of(const CarriedScene& scene, Told told) {
@@ -478,15 +469,11 @@ struct Judge {
     for (const double rate : k_rates) {
       if (choice.quick && rate != 60.0) continue;
       const Seen full = run(scene, {.rate = rate, .told = told});
-      if (rate == 60.0) tell(who + ", full", full, full.simulated);
       if (scene.judged != k_spills) outside = std::max(outside, full.outside);
       for (size_t i = 0; i < std::size(k_shares); ++i) {
         if (choice.quick && k_shares[i] != 1.0 / 4 && k_shares[i] != 1.0 / 16) continue;
         const Seen s = run(scene, {.share = k_shares[i], .need = full.need, .rate = rate, .told = told});
-        if (rate == 60.0) {
-          tell(who + ", 1/" + std::to_string(std::lround(1.0 / k_shares[i])), s, scene.before[i]);
-          flows = std::min(flows, s.simulated / scene.before[i]);
-        }
+        if (rate == 60.0) flows = std::min(flows, s.simulated / scene.before[i]);
         outside = std::max(outside, s.outside);
         over = std::max(over, s.over);
         lost = std::max(lost, std::fabs(1.0 * s.at_end - full.at_end) / s.sand);
@@ -565,8 +552,6 @@ struct Judge {
   }
 };
 
-}  // namespace
-
 std::vector<std::string> carried_groups() {
   std::vector<std::string> groups;
   for (const CarriedScene& scene : k_scenes) groups.emplace_back(scene.name);
@@ -574,9 +559,11 @@ std::vector<std::string> carried_groups() {
   return groups;
 }
 
-std::vector<Verdict> carried_verdicts(const VerdictChoice& choice, std::string* table,
+// `quick`: three scenes at 60 Hz. `seed` moves the start of every way by less than a frame. For `progress` see
+// granular_verdicts: in runs.
+std::vector<Verdict> carried_verdicts(const VerdictChoice& choice,
                                       const std::function<bool(uint64_t, uint64_t)>& progress) {
-  Judge judge{.choice = choice, .table = table, .progress = progress};
+  Judge judge{.choice = choice, .progress = progress};
   std::vector<std::string> quick = carried_groups();
   if (choice.quick) quick = {"glass", "bucket", "control"};  // a hand is not yet as it must be
   const auto among = [](const std::vector<std::string>& all, const std::string& one) {
@@ -601,6 +588,28 @@ std::vector<Verdict> carried_verdicts(const VerdictChoice& choice, std::string* 
   } catch (const Stopped&) {
   }
   return judge.rows;
+}
+
+Options options_of(VerifyOptions& o) {
+  return {cases_option(o, "Only these", carried_groups()),
+          {"--quick", &o.quick, "", "Three scenes, two budgets, 60 Hz"},
+          seed_option(o.seed, "By which part of a frame a way begins later"),
+          isa_option(o.isa),
+          json_option(o.json)};
+}
+
+int run(const VerifyOptions& options) {
+  const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa), options.seed};
+  const std::vector<Verdict> rows =
+      with_progress("verifying", [&](const auto& progress) { return carried_verdicts(choice, progress); });
+  return tell(options, "carried", kernels_of(choice.isa), rows);
+}
+
+}  // namespace
+
+Command verify_carried_suite() {
+  return command<VerifyOptions>(
+      "carried", "Sand in what is moved: whether it stays and flows where the budget is short", options_of, run);
 }
 
 }  // namespace sandglass::host
