@@ -66,22 +66,23 @@ bool put_triangle(Pile* p, const float* a, const float* b, const float* c, float
 // Where the sand below a triangle begins: bricks with particles follow one another down to there. Triangles come brick by
 // brick. Where the skin's "up" is not the world's, the chunk's lowest place stands for it.
 float lowest_below(Pile* p, const SkinState& skin, const sandglass_skin_vertex& vertex, float low) {
-  if (skin.axis[1] != 1 || skin.sign[1] < 0) return low;
+  if (skin.lattice.axis[1] != 1 || skin.lattice.sign[1] < 0) return low;
   float inside[3];
   int32_t at[3], brick[3];
   for (uint32_t k = 0; k < 3; ++k)
-    inside[k] = vertex.position[k] - 0.5f / 127 * skin.spacing * static_cast<float>(vertex.normal[k]);
-  skin_place(skin, inside, at);
-  for (uint32_t k = 0; k < 3; ++k) brick[k] = at[k] >> 10;  // k_skin_steps a node, k_brick_side nodes
+    inside[k] = vertex.position[k] - 0.5f / 127 * skin.lattice.spacing * static_cast<float>(vertex.normal[k]);
+  lattice_place(skin.lattice, inside, at);
+  for (uint32_t k = 0; k < 3; ++k) brick[k] = brick_along(at[k] >> k_skin_step_shift);
   if (brick[0] == p->skin_brick[0] && brick[1] == p->skin_brick[1] && brick[2] == p->skin_brick[2]) return p->skin_low;
   for (uint32_t k = 0; k < 3; ++k) p->skin_brick[k] = brick[k];
   const auto has_sand = [&] {
-    const uint32_t number = brick_find(skin, brick);
-    return number != k_brick_none && skin.bricks[number].touches != 0;
+    const uint32_t number = brick_find(skin.bricks, brick);
+    return number != k_none && skin.bricks.records[number].touches != 0;
   };
   if (!has_sand()) --brick[1];
   while (has_sand()) --brick[1];
-  const float begins = (static_cast<float>(k_brick_side) * static_cast<float>(brick[1] + 1) + 0.5f) * skin.spacing;
+  const float begins =
+      (static_cast<float>(k_brick_side) * static_cast<float>(brick[1] + 1) + 0.5f) * skin.lattice.spacing;
   const float lowest = begins - p->source.radius - p->height;
   return p->skin_low = lowest > low ? lowest : low;
 }
@@ -90,7 +91,7 @@ float lowest_below(Pile* p, const SkinState& skin, const sandglass_skin_vertex& 
 
 bool pile_put_skin(Pile* p, uint32_t item, uint32_t* visits) {
   const SkinState& skin = *p->source.skin;
-  const SkinMesh& mesh = skin.front;
+  const SkinMesh& mesh = skin.meshes.front;
   const uint32_t triangles = mesh.index_count / 3;
   if (item >= triangles) {
     const uint32_t loose = item - triangles;
@@ -98,9 +99,9 @@ bool pile_put_skin(Pile* p, uint32_t item, uint32_t* visits) {
     if (loose < mesh.flying + mesh.lying) put_lying(p, mesh.loose[loose]);
     return true;
   }
-  while (p->chunk < skin.chunk_capacity && item - p->chunk_first >= mesh.chunks[p->chunk].index_count / 3)
+  while (p->chunk < skin.bricks.chunks.capacity && item - p->chunk_first >= mesh.chunks[p->chunk].index_count / 3)
     p->chunk_first += mesh.chunks[p->chunk++].index_count / 3;
-  if (p->chunk == skin.chunk_capacity) return true;  // the mesh was exchanged meanwhile
+  if (p->chunk == skin.bricks.chunks.capacity) return true;  // the mesh was exchanged meanwhile
   const sandglass_skin_chunk& chunk = mesh.chunks[p->chunk];
   const uint16_t* corner = chunk.indices + 3 * (item - p->chunk_first);
   const float low = lowest_below(p, skin, chunk.vertices[corner[0]], chunk.low[1] - p->height);
