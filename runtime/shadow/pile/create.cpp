@@ -51,21 +51,21 @@ sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* l
   Pile nowhere = {};
   Pile* p = owner == nullptr ? &nowhere : &owner->pile;
   if (owner != nullptr) *owner = {};
-  p->texels = desc.texels;
-  p->pitch = static_cast<uint32_t>(pitch);
-  p->tops = layout_region<float>(layout, "pile_shadow.tops", columns);
-  p->bottoms = layout_region<float>(layout, "pile_shadow.bottoms", columns);
-  p->fills = layout_region<float>(layout, "pile_shadow.fills", columns);
-  p->air = layout_region<float>(layout, "pile_shadow.air", n * n);
-  float** const rows[] = {&p->nothing, &p->receivers, &p->shares};
+  p->rectangle.texels = desc.texels;
+  p->columns.pitch = static_cast<uint32_t>(pitch);
+  p->columns.tops = layout_region<float>(layout, "pile_shadow.tops", columns);
+  p->columns.bottoms = layout_region<float>(layout, "pile_shadow.bottoms", columns);
+  p->columns.fills = layout_region<float>(layout, "pile_shadow.fills", columns);
+  p->air.shares = layout_region<float>(layout, "pile_shadow.air", n * n);
+  float** const rows[] = {&p->lighting.nothing, &p->lighting.receivers, &p->lighting.shares};
   for (float** row : rows) *row = layout_region<float>(layout, "pile_shadow.row", n + k_lane_group);
-  PileAzimuth** const azimuths[] = {&p->azimuths, &p->row_azimuths};
+  PileAzimuth** const azimuths[] = {&p->lighting.azimuths, &p->lighting.row_azimuths};
   for (PileAzimuth** some : azimuths)
     *some = layout_region<PileAzimuth>(layout, "pile_shadow.azimuths", k_pile_azimuths);
-  PileStep** const steps[] = {&p->steps, &p->row_steps};
+  PileStep** const steps[] = {&p->lighting.steps, &p->lighting.row_steps};
   for (PileStep** some : steps)
     *some = layout_region<PileStep>(layout, "pile_shadow.steps", k_pile_azimuths * k_pile_steps);
-  PileTexture* const textures[] = {&p->front, &p->back};
+  PileTexture* const textures[] = {&p->textures.front, &p->textures.back};
   for (PileTexture* texture : textures) {
     texture->floor = layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n);
     texture->sand = desc.on_sand != 0 ? layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n) : nullptr;
@@ -78,23 +78,23 @@ sandglass_status build(const sandglass_pile_shadow_desc& desc, sandglass_pile_sh
   owner->member.capability = &k_pile_capability;
   Pile* p = &owner->pile;
   p->kernels = select_pile_kernels(desc.isa);
-  p->tops += k_lane_group;
-  p->bottoms += k_lane_group;
-  p->fills += k_lane_group;
+  p->columns.tops += k_lane_group;
+  p->columns.bottoms += k_lane_group;
+  p->columns.fills += k_lane_group;
   for (uint32_t axis = 0; axis < 2; ++axis) {
-    p->low[axis] = desc.low[axis];
-    p->high[axis] = desc.high[axis];
-    p->texel[axis] = (desc.high[axis] - desc.low[axis]) / static_cast<float>(desc.texels);
+    p->rectangle.low[axis] = desc.low[axis];
+    p->rectangle.high[axis] = desc.high[axis];
+    p->rectangle.texel[axis] = (desc.high[axis] - desc.low[axis]) / static_cast<float>(desc.texels);
   }
-  for (uint64_t i = 0; i < uint64_t{p->texels} * p->texels; ++i) p->air[i] = 1;
-  p->height = desc.floor;
+  for (uint64_t i = 0; i < uint64_t{p->rectangle.texels} * p->rectangle.texels; ++i) p->air.shares[i] = 1;
+  p->rectangle.height = desc.floor;
   const SinCos half = sin_cos_turns(0.25 / k_pi * static_cast<double>(desc.angular_diameter));
-  p->half_sine = half.sin;
-  p->half_cosine = half.cos;
-  p->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
-  p->light[1] = 1;
-  sky_build(p);
-  if (p->sky.texels != 0) p->asked = k_ask_sky;
+  p->lighting.half_sine = half.sin;
+  p->lighting.half_cosine = half.cos;
+  p->request.tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
+  p->request.light[1] = 1;
+  sky_build(&p->sky, p->rectangle);
+  if (p->sky.texels != 0) p->request.asked = k_ask_sky;
   return accept(reason);
 }
 
@@ -108,21 +108,22 @@ __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direc
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
   for (double& x : light) x /= length;
   const double flat = square_root(light[0] * light[0] + light[2] * light[2]), polar = arc_tangent2(flat, light[1]);
-  p->opacity = 1;
+  p->request.opacity = 1;
   if (polar > k_polar_max) {
     const double fade = (0.5 * k_pi - polar) / (0.5 * k_pi - k_polar_max);
-    p->opacity = fade > 0 ? static_cast<float>(fade) : 0.0f;
+    p->request.opacity = fade > 0 ? static_cast<float>(fade) : 0.0f;
     const SinCos most = sin_cos_turns(k_polar_max / (2 * k_pi));
     light[0] = flat > 0 ? light[0] * (most.sin / flat) : most.sin;
     light[1] = most.cos;
     light[2] = flat > 0 ? light[2] * (most.sin / flat) : 0;
   }
   double chord = 0;
-  for (uint32_t axis = 0; axis < 3; ++axis) chord += (light[axis] - p->light[axis]) * (light[axis] - p->light[axis]);
-  const bool any = p->valid || ((p->asked | p->making) & k_ask_light) != 0;
-  if (any && !(chord > p->tolerance_squared)) return accept(reason);
-  for (uint32_t axis = 0; axis < 3; ++axis) p->light[axis] = light[axis];
-  p->asked |= k_ask_light;
+  for (uint32_t axis = 0; axis < 3; ++axis)
+    chord += (light[axis] - p->request.light[axis]) * (light[axis] - p->request.light[axis]);
+  const bool any = p->textures.valid || ((p->request.asked | p->progress.making) & k_ask_light) != 0;
+  if (any && !(chord > p->request.tolerance_squared)) return accept(reason);
+  for (uint32_t axis = 0; axis < 3; ++axis) p->request.light[axis] = light[axis];
+  p->request.asked |= k_ask_light;
   return accept(reason);
 }
 
@@ -131,7 +132,7 @@ __attribute__((noinline)) sandglass_status take_cells(Pile* p, const float* cell
     return refuse(reason, "this shadow has no texture of the room's light: set desc.sky_texels at create.");
   if (const sandglass_status status = check_cells(cells, reason)) return status;
   memcpy(p->sky.cells, cells, k_light_cells * sizeof(float));
-  if (cells_differ(p->sky.made_for, cells)) p->asked |= k_ask_sky;
+  if (cells_differ(p->sky.made_for, cells)) p->request.asked |= k_ask_sky;
   return accept(reason);
 }
 
@@ -171,7 +172,7 @@ sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, 
 }
 
 void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) {
-  if (shadow != nullptr) shadow->pile.asked = k_ask_all;
+  if (shadow != nullptr) shadow->pile.request.asked = k_ask_all;
 }
 
 uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count, float radius,
@@ -179,7 +180,8 @@ uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* p
   if (shadow == nullptr || (positions == nullptr && count != 0)) return 0;
   const ExactFloatingPoint exact;
   const uint32_t usable = radius > 0 && radius < k_pile_radius_limit ? count : 0;
-  shadow->pile.source = {nullptr, nullptr, positions, usable, radius, nullptr, 0, shadow->pile.source.moving};
+  shadow->pile.request.source = {nullptr, nullptr, positions, usable,
+                                 radius,  nullptr, 0,         shadow->pile.request.source.moving};
   return run_members(member_of(shadow, k_pile_shadow_kinds), units);
 }
 
@@ -187,27 +189,27 @@ void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sand
   if (shadow == nullptr || out == nullptr) return;
   const Pile& p = shadow->pile;
   sandglass_pile_shadow_texture texture = {};
-  texture.valid = p.valid ? 1 : 0;
-  texture.texels = p.texels;
-  texture.coverage = p.front.floor;
-  texture.on_sand = p.front.sand;
+  texture.valid = p.textures.valid ? 1 : 0;
+  texture.texels = p.rectangle.texels;
+  texture.coverage = p.textures.front.floor;
+  texture.on_sand = p.textures.front.sand;
   for (uint32_t axis = 0; axis < 2; ++axis) {
-    texture.low[axis] = p.low[axis];
-    texture.high[axis] = p.high[axis];
+    texture.low[axis] = p.rectangle.low[axis];
+    texture.high[axis] = p.rectangle.high[axis];
   }
-  texture.opacity = p.opacity;
-  const bool stale = ((p.asked | p.making) & k_ask_light) != 0;
-  texture.version = p.front.version;
-  texture.frames_behind = stale ? static_cast<uint32_t>(p.frame - p.front.frame) : 0;
+  texture.opacity = p.request.opacity;
+  const bool stale = ((p.request.asked | p.progress.making) & k_ask_light) != 0;
+  texture.version = p.textures.front.version;
+  texture.frames_behind = stale ? static_cast<uint32_t>(p.request.frame - p.textures.front.frame) : 0;
   fill_struct(&texture, sizeof texture, out);
 }
 
 uint64_t sandglass_pile_shadow_hash(const sandglass_pile_shadow* shadow) {
   if (shadow == nullptr) return 0;
   const Pile& p = shadow->pile;
-  const uint64_t texels = uint64_t{p.texels} * p.texels;
-  uint64_t hash = hash_bytes(p.front.floor, texels);
-  if (p.front.sand != nullptr) hash = hash_with(hash, hash_bytes(p.front.sand, texels));
+  const uint64_t texels = uint64_t{p.rectangle.texels} * p.rectangle.texels;
+  uint64_t hash = hash_bytes(p.textures.front.floor, texels);
+  if (p.textures.front.sand != nullptr) hash = hash_with(hash, hash_bytes(p.textures.front.sand, texels));
   if (p.sky.texels == 0) return hash;
   const uint64_t of_sky = uint64_t{p.sky.texels} * p.sky.texels;
   hash = hash_with(hash, hash_bytes(p.sky.front.floor, of_sky));
@@ -234,14 +236,14 @@ void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglas
   sky.on_sand = s.front.sand;
   sky.heights = s.front.heights;
   for (uint32_t axis = 0; axis < 2; ++axis) {
-    sky.low[axis] = p.low[axis];
-    sky.high[axis] = p.high[axis];
+    sky.low[axis] = p.rectangle.low[axis];
+    sky.high[axis] = p.rectangle.high[axis];
   }
-  sky.height_texels = s.texels != 0 ? p.texels : 0;
+  sky.height_texels = s.texels != 0 ? p.rectangle.texels : 0;
   sky.height = s.front.top;
-  const bool stale = ((p.asked | p.making) & k_ask_sky) != 0;
+  const bool stale = ((p.request.asked | p.progress.making) & k_ask_sky) != 0;
   sky.version = s.front.version;
-  sky.frames_behind = stale && s.texels != 0 ? static_cast<uint32_t>(p.frame - s.front.frame) : 0;
+  sky.frames_behind = stale && s.texels != 0 ? static_cast<uint32_t>(p.request.frame - s.front.frame) : 0;
   fill_struct(&sky, sizeof sky, out);
 }
 
