@@ -1,7 +1,7 @@
-// The flow of the particles at grains: sums over the particles near a lane, from the particles themselves or between the nodes of
-// the motion grid. Lane = grain. Grains are sorted by cell, so k_width neighbouring lanes share almost all candidates. The
-// candidates are found once for such a group of lanes, by their distance to the group's bounding box, and each is then broadcast
-// to all lanes.
+// The flow of the particles at grains: sums over the particles near a lane, from the particles themselves or between
+// the nodes of the motion grid. Lane = grain. Grains are sorted by cell, so k_width neighbouring lanes share almost all
+// candidates. The candidates are found once for such a group of lanes, by their distance to the group's bounding box,
+// and each is then broadcast to all lanes.
 //
 // A candidate out of the box's reach has weight exactly 0 in every lane: the box's distance is computed with the same
 // operations, which round monotonically, and the weight is max(0, (h^2 - d^2)/h^2)^3. So neither the lane count nor the

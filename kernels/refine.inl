@@ -1,5 +1,5 @@
-// Grains are advected by the velocity field of the particles (read_flow.inl), (4.39)-(4.44) of the dissertation, blended into
-// free flight near and outside the surface, and kept outside the colliders. Lane = grain.
+// Grains are advected by the velocity field of the particles (read_flow.inl), (4.39)-(4.44) of the dissertation,
+// blended into free flight near and outside the surface, and kept outside the colliders. Lane = grain.
 
 // The share of free flight in a grain's motion: (4.44), or the continuous rule, which has the same two thresholds and
 // passes them without a jump.
@@ -136,8 +136,8 @@ SANDGLASS_APART void follow_in_steps(const RefineArgs* a, const Following& f, Ma
   }
 }
 
-// All steps at once: after s of them the velocity is (1 - lambda^s) average + lambda^s v + (lambda + .. + lambda^s) step
-// gravity.
+// All steps at once: after s of them the velocity is (1 - lambda^s) average + lambda^s v + (lambda + .. + lambda^s)
+// step gravity.
 SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Fixed& fixed, const Following& f, bool deep, Mask lanes,
                                      Grains* g) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), step = fixed.step, steps = fixed.steps;

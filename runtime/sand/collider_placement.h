@@ -31,8 +31,8 @@ Pose pose_before(const Placement& at, const float slide[6], float before);
 // Metres a second that a point of it moves at, at most; of a half-space, one metre away.
 float fastness(const sandglass_collider& collider);
 HoldRule hold_rule(const Granular& granular);
-// A field that is not passed any longer may be gone, while a step that meets it is under way. A ball of no size, far from
-// everything, takes its place.
+// A field that is not passed any longer may be gone, while a step that meets it is under way. A ball of no size, far
+// from everything, takes its place.
 void colliders_drop_gone_fields(Colliders* colliders);
 
 inline float length_of(const float v[3]) { return __builtin_sqrtf(square_of(quad(v))); }

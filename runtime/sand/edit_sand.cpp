@@ -1,4 +1,5 @@
-// What the app does to the sand between frames: adds it, and removes what lies in a shape. A nozzle adds it within a frame.
+// What the app does to the sand between frames: adds it, and removes what lies in a shape. A nozzle adds it within a
+// frame.
 #include "runtime/frame/refuse.h"
 #include "runtime/math/finite.h"
 #include "runtime/sand/granular.h"

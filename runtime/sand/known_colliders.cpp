@@ -91,8 +91,9 @@ bool is_anothers(const Colliders& c, uint32_t capacity, const sandglass_frame_in
   return false;
 }
 
-// By its place in the list where it lies near, else the nearest, unless that is far and nearer to another; of two that are
-// near the one that was passed in the last frame; else a slot for a new one, if need be of one that is not passed any more.
+// By its place in the list where it lies near, else the nearest, unless that is far and nearer to another; of two that
+// are near the one that was passed in the last frame; else a slot for a new one, if need be of one that is not passed
+// any more.
 uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_frame_input& input,
                        const sandglass_collider& now, uint32_t place, const SimulatedTime& t) {
   uint32_t nearest = k_no_slot;
@@ -150,7 +151,8 @@ bool turns_on(const Placement& before, const Placement& now, double step, float 
 
 // ---- a frame's colliders
 
-// The velocity at which a collider goes what is left of its distance and this frame's, in the simulated time that is left.
+// The velocity at which a collider goes what is left of its distance and this frame's, in the simulated time that is
+// left.
 float spread(float left, double owed, float now, double step, double debt) {
   const double distance = static_cast<double>(left) * owed + static_cast<double>(now) * step;
   if (now == 0.0f && distance < k_least_distance && distance > -k_least_distance) return 0.0f;

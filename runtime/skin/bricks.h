@@ -1,5 +1,5 @@
-// The lattice's nodes, in bricks of 8^3 where there is sand. Each brick knows those around it, and lies in a chunk of 4^3: what
-// is drawn at once.
+// The lattice's nodes, in bricks of 8^3 where there is sand. Each brick knows those around it, and lies in a chunk of
+// 4^3: what is drawn at once.
 #pragma once
 
 #include <cstdint>
@@ -28,8 +28,8 @@ constexpr uint32_t node_along(T node) {
 // The place of a brick's first node.
 constexpr int32_t first_node(int32_t brick) { return brick * static_cast<int32_t>(k_brick_side); }
 
-// Of a node by its place in a brick: where it stands in an array of BrickNodes. Of its row: where that does. Of its column:
-// as of its node in the layer y = 0.
+// Of a node by its place in a brick: where it stands in an array of BrickNodes. Of its row: where that does. Of its
+// column: as of its node in the layer y = 0.
 constexpr uint32_t k_node_step[3] = {1, k_brick_layer, k_brick_side};
 constexpr uint32_t node_index(uint32_t x, uint32_t y, uint32_t z) { return x + k_brick_layer * y + k_brick_side * z; }
 constexpr uint32_t row_index(uint32_t y, uint32_t z) { return k_brick_side * y + z; }
@@ -37,8 +37,8 @@ inline uint32_t node_of(const int32_t cell[3]) {
   return node_index(node_along(cell[0]), node_along(cell[1]), node_along(cell[2]));
 }
 
-// Of a brick of the 3^3 around one, which is at 1, 1, 1: where it stands in Brick::around. And where one beside it does: so
-// much on from it along x, y, z.
+// Of a brick of the 3^3 around one, which is at 1, 1, 1: where it stands in Brick::around. And where one beside it
+// does: so much on from it along x, y, z.
 constexpr uint32_t k_around_step[3] = {1, 9, 3};
 constexpr uint32_t around_index(uint32_t x, uint32_t y, uint32_t z) {
   return k_around_step[0] * x + k_around_step[1] * y + k_around_step[2] * z;
@@ -48,7 +48,8 @@ constexpr uint32_t around_y(uint32_t k) { return k / 9; }
 constexpr uint32_t around_z(uint32_t k) { return k / 3 % 3; }
 constexpr uint32_t k_brick_itself = around_index(1, 1, 1), k_bricks_around = 27;
 constexpr uint32_t k_all_around = (1u << k_bricks_around) - 1;
-// The one in which a node lies whose place is counted from the first's nodes on: 0..2 * k_brick_side - 1 along each axis.
+// The one in which a node lies whose place is counted from the first's nodes on: 0..2 * k_brick_side - 1 along each
+// axis.
 constexpr uint32_t brick_around(uint32_t x, uint32_t y, uint32_t z) {
   return around_index(1 + brick_along(x), 1 + brick_along(y), 1 + brick_along(z));
 }
@@ -133,8 +134,9 @@ inline void mark_around(SkinBricks* bricks, const Brick& brick, uint32_t around,
 
 // ---- reading a brick and those around it
 
-// Calls task(y, z, before, own, after) for each row of a brick and of the bricks around, `apron` nodes beyond it on every
-// side: where a value of its eight nodes stands, and those of the rows before and after it. `outside` where there is no brick.
+// Calls task(y, z, before, own, after) for each row of a brick and of the bricks around, `apron` nodes beyond it on
+// every side: where a value of its eight nodes stands, and those of the rows before and after it. `outside` where there
+// is no brick.
 template <uint32_t apron, class T, class Task>
 void each_row(const SkinBricks& bricks, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], T outside,
               Task task) {

@@ -1,8 +1,9 @@
-// What is shown at the end of a frame whose skin is not complete. The mesh before is carried along: each vertex goes with its
-// particle. Where a collider's motion explains the particle's displacement best, it goes rigidly with that; what is left of
-// it is held to about a node. So sand moves in every frame, and with its vessel, however slow the processor is. Loose sand is
-// where its particles are; sand that came since the mesh was gathered is loose, before the first mesh all of it, and from
-// when most of a mesh's sand has left it. What is made goes on from the mesh as it was made.
+// What is shown at the end of a frame whose skin is not complete. The mesh before is carried along: each vertex goes
+// with its particle. Where a collider's motion explains the particle's displacement best, it goes rigidly with that;
+// what is left of it is held to about a node. So sand moves in every frame, and with its vessel, however slow the
+// processor is. Loose sand is where its particles are; sand that came since the mesh was gathered is loose, before the
+// first mesh all of it, and from when most of a mesh's sand has left it. What is made goes on from the mesh as it was
+// made.
 //
 // It belongs to what closes a frame: all its units run there, so that no frame shows a mesh of two moments.
 #include <cstring>
@@ -244,10 +245,7 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
 
 }  // namespace
 
-void carry_from_here(SkinCarry* carry, SkinSand* sand, const SkinState& s) {
-  float* const from = carry->from;
-  carry->from = sand->from;
-  sand->from = from;
+void carry_from_here(SkinCarry* carry, const SkinState& s) {
   memcpy(carry->met, s.solids.colliders, s.desc.collider_capacity * sizeof *carry->met);
   carry->frame = 0;
 }

@@ -1,9 +1,9 @@
 // Sums to density, and density to what the surface is made of, brick by brick.
 //
-//   density   the sums through a filter [1 2 1] / 4 along each axis, over the room: a node beside a collider has less room, and
-//             its density counts for more
-//   calm      once sand is filled, the filter once more; what is solid takes no part in it, so that the surface meets a floor
-//             at its slope
+//   density   the sums through a filter [1 2 1] / 4 along each axis, over the room: a node beside a collider has less
+//             room, and its density counts for more
+//   calm      once sand is filled, the filter once more; what is solid takes no part in it, so that the surface meets a
+//             floor at its slope
 #include <cstring>
 
 #include "runtime/skin/rows.h"

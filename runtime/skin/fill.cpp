@@ -1,5 +1,5 @@
-// What dry sand fills: it does not overhang, and stands no steeper than one in one. From above to below a node gets the most of
-// the nodes over it, a little less, where it is not far above sand or a collider.
+// What dry sand fills: it does not overhang, and stands no steeper than one in one. From above to below a node gets the
+// most of the nodes over it, a little less, where it is not far above sand or a collider.
 #include <cstring>
 
 #include "runtime/skin/rows.h"

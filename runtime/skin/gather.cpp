@@ -1,7 +1,7 @@
 // Sand and colliders are taken at one moment: a skin may need more than a frame, and sand goes on with what holds it.
 //
-// What of the sand has moved: it is taken out of the sums where it was, and put in where it is. A particle is spread over
-// the eight nodes about it, in whole numbers, so that what was put in can be taken out again exactly.
+// What of the sand has moved: it is taken out of the sums where it was, and put in where it is. A particle is spread
+// over the eight nodes about it, in whole numbers, so that what was put in can be taken out again exactly.
 //
 // What falls is no part of the surface: a particle counts less the faster it comes down to what is below it.
 #include <cstring>
@@ -127,7 +127,8 @@ bool is_near(const int32_t a[3], const int32_t b[3]) {
 
 }  // namespace
 
-// Sand in a bucket that is lowered lies as still as on the floor. Below sand is what its box, drawn out upward, holds it.
+// Sand in a bucket that is lowered lies as still as on the floor. Below sand is what its box, drawn out upward, holds
+// it.
 void skin_find_fall(const SkinState& s, const float position[3], const float velocity[3], float* falls, bool* flies) {
   float best[3] = {velocity[0], velocity[1], velocity[2]};
   float least = best[0] * best[0] + best[1] * best[1] + best[2] * best[2];

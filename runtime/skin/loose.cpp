@@ -1,5 +1,5 @@
-// What of the sand is not in the mesh: what flies, and what lies in too thin a density. And the end of a skin: bricks that
-// nothing needs any more are released, and the two meshes change places.
+// What of the sand is not in the mesh: what flies, and what lies in too thin a density. And the end of a skin: bricks
+// that nothing needs any more are released, and the two meshes change places.
 #include <cstring>
 
 #include "runtime/skin/skin.h"

@@ -1,9 +1,10 @@
-// The mesh: surface nets (Gibson 1998). A cell between eight nodes that the surface passes has one vertex, an edge between two
-// nodes that it crosses has one quad, of the four cells about it.
+// The mesh: surface nets (Gibson 1998). A cell between eight nodes that the surface passes has one vertex, an edge
+// between two nodes that it crosses has one quad, of the four cells about it.
 //
 // A brick that has changed makes its vertices anew; those of others are copied from the mesh before. A chunk in which
-// nothing has changed is copied whole. A chunk's triangles need vertices of the bricks below it along each axis: it holds
-// copies of them, so that it is drawn by itself. Chunks are made in the order of their places, so those bricks are done.
+// nothing has changed is copied whole. A chunk's triangles need vertices of the bricks below it along each axis: it
+// holds copies of them, so that it is drawn by itself. Chunks are made in the order of their places, so those bricks
+// are done.
 #include <cstring>
 
 #include "runtime/skin/skin.h"

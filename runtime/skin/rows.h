@@ -1,5 +1,5 @@
-// Eight nodes along x at once: compilers know vectors, and do the same to each lane. And which bricks feel what has changed in
-// the rows of one.
+// Eight nodes along x at once: compilers know vectors, and do the same to each lane. And which bricks feel what has
+// changed in the rows of one.
 #pragma once
 
 #include "runtime/skin/bricks.h"
@@ -54,7 +54,8 @@ struct Reach {
 };
 constexpr Reach k_wanted = {6, 6, 6, 2}, k_filter_reach = {1, 1, 1, 1}, k_mesh_reach = {2, 1, 2, 1};
 
-// Bits of Brick::around that nodes reach, by the planes along each axis in which they are; its own one where there are any.
+// Bits of Brick::around that nodes reach, by the planes along each axis in which they are; its own one where there are
+// any.
 inline uint32_t around_of(Row any_x, uint32_t any_y, uint32_t any_z, const Reach& reach) {
   if (any_y == 0) return 0;
   uint32_t bits_x = 0, bits = 0;

@@ -1,6 +1,6 @@
-// The state behind sandglass/skin.h. The surface is found on a lattice of nodes 1.5 particle radii apart, which stands still
-// in the world and exists in bricks of 8^3 nodes where there is sand (bricks.h). Its y axis is the axis of the world that is
-// nearest to "up". A skin is made in phases, cut into units of the skin's stage:
+// The state behind sandglass/skin.h. The surface is found on a lattice of nodes 1.5 particle radii apart, which stands
+// still in the world and exists in bricks of 8^3 nodes where there is sand (bricks.h). Its y axis is the axis of the
+// world that is nearest to "up". A skin is made in phases, cut into units of the skin's stage:
 //   take          where sand and colliders are, at one moment, for all that follows (gather.cpp, solid.cpp)
 //   gather_moved  what moved is taken out of the sums and put in again (gather.cpp)
 //   gather_gone   what is there no more is taken out (gather.cpp)
@@ -13,8 +13,9 @@
 // Each works on what the one before has changed. All up to the mesh is in whole numbers, so that sums can be taken back
 // exactly and every instruction set gives the same bits.
 //
-// The state is put together from parts. Each is a section here, which names the source file that changes it: functions take
-// that part as a pointer, and the rest as `const SkinState&`. stage.cpp puts the whole together.
+// The state is put together from parts. Each is a section here, which names the source file that changes it: functions
+// take that part as a pointer, and the rest as `const SkinState&`. stage.cpp puts the whole together
+// (tests/docs/parts.py).
 #pragma once
 
 #include <cstdint>
@@ -190,7 +191,8 @@ struct SkinMeshes {
   // The mesh that was made last, and the one under way.
   SkinMesh front, back;
   uint32_t vertex_capacity, index_capacity;
-  // The next chunk in their order, and step in it: first the vertices of each of its bricks, then the triangles of each.
+  // The next chunk in their order, and step in it: first the vertices of each of its bricks, then the triangles of
+  // each.
   uint32_t chunk, step;
   // Of the sand that was taken, for the loose sand.
   uint32_t next_loose;
@@ -323,21 +325,23 @@ void sand_forget(SkinSand* sand, uint32_t capacity);
 // A particle against what is below it: a collider that moves, or the world. Whether it flies, and what of it falls.
 void skin_find_fall(const SkinState& s, const float position[3], const float velocity[3], float* falls, bool* flies);
 
-// Colliders as they are `before` seconds before the frame's end. `asked` becomes true where sand feels what has changed.
+// Colliders as they are `before` seconds before the frame's end. `asked` becomes true where sand feels what has
+// changed.
 void solids_take(SkinSolids* solids, SkinBricks* bricks, const SkinState& s, float before, bool* asked);
 // A field that is not passed any more must not be read: a skin under way goes on without it.
 void solids_drop_gone_fields(SkinSolids* solids, SkinBricks* bricks, const SkinState& s, bool* asked);
 // Finds what is solid in a brick, and what that changes.
 void solids_renew(SkinSolids* solids, SkinBricks* bricks, const SkinState& s, uint32_t number);
-// How free the surroundings of a node are, in 1/256, by BrickNodes::solid: the ramp of a wall through the sums' spread and the
-// filter, whose slope is 0.49 a node.
+// How free the surroundings of a node are, in 1/256, by BrickNodes::solid: the ramp of a wall through the sums' spread
+// and the filter, whose slope is 0.49 a node.
 inline uint16_t skin_free(uint8_t solid) {
   constexpr uint16_t k_least = 208;  // 128 * 21 / 8 - 128
   const uint16_t scaled = static_cast<uint16_t>(static_cast<uint16_t>(solid * 21) >> 3);
   const uint16_t above = static_cast<uint16_t>((scaled > k_least ? scaled : k_least) - k_least);
   return above < 256 ? above : uint16_t{256};
 }
-// A node's part in the calm density: as free as it is; a little even in a collider, so that the surface goes on in there.
+// A node's part in the calm density: as free as it is; a little even in a collider, so that the surface goes on in
+// there.
 inline uint16_t skin_part(uint8_t solid) {
   const uint16_t free = skin_free(solid), deep = solid >> 3;
   return free > deep ? free : deep;
@@ -356,8 +360,8 @@ bool skin_fill(SkinFill* fill, SkinBricks* bricks, const SkinLattice& lattice);
 
 void skin_begin_mesh(SkinMeshes* meshes, const SkinState& s);
 bool skin_mesh(SkinMeshes* meshes, SkinBricks* bricks, const SkinState& s);
-// What a brick's vertices are made of, and the one of a cell (vertex.cpp). `anchor`: the particle of the one before, then of
-// this one. False: it lies deep in a collider, and nobody sees it.
+// What a brick's vertices are made of, and the one of a cell (vertex.cpp). `anchor`: the particle of the one before,
+// then of this one. False: it lies deep in a collider, and nobody sees it.
 void vertex_read_blocks(const SkinState& s, const Brick& brick, SkinBlocks* blocks);
 bool vertex_make(const SkinState& s, const Brick& brick, const SkinBlocks& blocks, const uint32_t cell[3],
                  sandglass_skin_vertex* out, uint32_t* anchor);
@@ -370,8 +374,8 @@ bool skin_loose(SkinMeshes* meshes, SkinBricks* bricks, const SkinState& s);
 // Whether a skin may take more than a frame.
 inline bool skin_is_late(const SkinState& s) { return s.progress.in_time < k_skin_in_time; }
 inline bool skin_has_work(const SkinState& s) { return s.progress.phase != SkinPhase::idle || s.requests.asked; }
-// The mesh that goes from here on is of the sand and the colliders that were taken. The sand gets the room of the last ones.
-void carry_from_here(SkinCarry* carry, SkinSand* sand, const SkinState& s);
+// The mesh that is carried from here on is of the colliders that were taken.
+void carry_from_here(SkinCarry* carry, const SkinState& s);
 // Until there is a mesh, and where sand has gone on since what is shown: at the end of a frame, whatever the budget.
 Stage skin_carry_stage(void* skin);
 

@@ -55,8 +55,8 @@ bool is_near(const SkinState& s, SurfacePoint* points, const Brick& brick, const
   return points[0].distance < (k_half + k_solid_reach + 0.5f) * s.lattice.spacing;
 }
 
-// Whether sand of a brick feels a collider: it changes what is made of a node beside sand. First rows of nodes are looked
-// at, then the nodes of those that are near.
+// Whether sand of a brick feels a collider: it changes what is made of a node beside sand. First rows of nodes are
+// looked at, then the nodes of those that are near.
 bool feels(const SkinState& s, SurfacePoint* points, uint32_t number, const ColliderFrame& collider) {
   constexpr float k_felt = k_solid_reach + 0.25f;
   const Brick& brick = s.bricks.records[number];

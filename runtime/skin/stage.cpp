@@ -59,7 +59,10 @@ void publish(SkinState* s) {
   memcpy(shown.loose, back.loose, loose);
   shown.flying = back.flying;
   shown.lying = back.lying;
-  carry_from_here(&s->carry, &s->sand, *s);
+  float* const from = s->carry.from;
+  s->carry.from = s->sand.from;
+  s->sand.from = from;
+  carry_from_here(&s->carry, *s);
   if (changed) ++s->shown.version;
   const SkinMesh swap = front;
   front = back;
@@ -148,8 +151,8 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
 
 void run(void* state, uint32_t) { run_unit(&static_cast<sandglass_skin*>(state)->skin); }
 
-// What is left of the skin under way, or asked for, if it takes what the last one took. One that takes more than a frame is
-// followed by another at once: then quality must not follow what is left of it.
+// What is left of the skin under way, or asked for, if it takes what the last one took. One that takes more than a
+// frame is followed by another at once: then quality must not follow what is left of it.
 uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
   if (!skin_has_work(s)) return 0;

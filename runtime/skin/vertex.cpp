@@ -1,5 +1,5 @@
-// The vertex of a cell that the surface passes: where the density has the level, moved out of colliders and out along a floor;
-// its normal; and the particle that it goes with.
+// The vertex of a cell that the surface passes: where the density has the level, moved out of colliders and out along a
+// floor; its normal; and the particle that it goes with.
 #include <cstring>
 
 #include "runtime/math/random.h"
@@ -55,8 +55,8 @@ struct Nodes {
     return ((sum[0] + sum[1]) + (sum[2] + sum[3])) * (1.0f / 64);
   }
 
-  // Where the level crosses the cell's edges, on average. At a wall it does so where the wall begins: `solid` of the corner
-  // within. True: there was one.
+  // Where the level crosses the cell's edges, on average. At a wall it does so where the wall begins: `solid` of the
+  // corner within. True: there was one.
   bool crossing(const CellValues& solid, const CellValues& walls, float u[3]) const {
     bool walled = false;
     float value[8], sum[3] = {0, 0, 0}, count = 0;
@@ -116,8 +116,8 @@ float inverse_length(const float a[3]) {
   return square > 1e-20f ? 1.0f / __builtin_sqrtf(square) : 0.0f;
 }
 
-// The foot: near a floor a vertex moves outward along it, so that the sand runs out at a slope. The normal goes with it.
-// `most`: nodes.
+// The foot: near a floor a vertex moves outward along it, so that the sand runs out at a slope. The normal goes with
+// it. `most`: nodes.
 void run_out(const SkinState& s, const float floor[3], float over, float most, float shift[3], float normal[3]) {
   const float top = k_foot_radii * s.desc.particle_radius * s.lattice.inverse_spacing;
   const float level = dot(floor, s.lattice.up), y = over > 0 ? over : 0.0f;
@@ -157,8 +157,8 @@ float apart2(const int32_t a[3], const float b[3]) {
   return sum;
 }
 
-// The particle whose sand lies about a place (in lattice steps): the one of before while it is near, else the nearest of
-// those about the cell.
+// The particle whose sand lies about a place (in lattice steps): the one of before while it is near, else the nearest
+// of those about the cell.
 uint32_t anchor_of(const SkinState& s, const Brick& brick, const uint32_t cell[3], const float place[3],
                    uint32_t before) {
   constexpr uint32_t k_looked_at = 4;  // of a cell
@@ -197,8 +197,8 @@ uint16_t turns(float turns) {
 
 int8_t of_127(float x) { return static_cast<int8_t>(floor_whole(127.0f * x + 0.5f)); }
 
-// Where the smoothed density has the level, in the cell. `normal`: away from the sand; `around`: how much of the level the mean
-// density about there is above that of a plane. True: at a wall.
+// Where the smoothed density has the level, in the cell. `normal`: away from the sand; `around`: how much of the level
+// the mean density about there is above that of a plane. True: at a wall.
 bool find_level(const SkinState& s, const Nodes& nodes, const CellValues& solid, const CellValues& walls, float u[3],
                 float normal[3], float* around) {
   const bool walled = nodes.crossing(solid, walls, u);

@@ -3,8 +3,8 @@
 // The level counts what was seen for four times as long as the direction does: light that comes from elsewhere is
 // likelier than a room that has become as dark as an unseen one. So an object does not change while the camera rests.
 //
-// What lies below the horizon of the object is the floor that it stands on, as it was seen around the foot: by the parts
-// that lie, from where the camera saw them, in the direction of the foot.
+// What lies below the horizon of the object is the floor that it stands on, as it was seen around the foot: by the
+// parts that lie, from where the camera saw them, in the direction of the foot.
 //
 // A floor shadow is linear in the cells. So the shadow of least expected squared error is the one drawn in the expected
 // light. Where nothing was seen that is an even sky, and the shadow is soft; a guess of one light is not.
@@ -103,8 +103,8 @@ void find_main_light(const RoomSums& sums, const RoomModel& model, double total,
   }
 }
 
-// The floor around the foot, as the camera has seen it, in the room's unit; and what that weighs. The nearer a part lies
-// to the foot's direction, and the steeper and closer the camera saw it, the more it tells.
+// The floor around the foot, as the camera has seen it, in the room's unit; and what that weighs. The nearer a part
+// lies to the foot's direction, and the steeper and closer the camera saw it, the more it tells.
 double floor_seen(const Room& room, const RoomMemory& memory, const double foot[3], double radiance[3]) {
   double area = 0;
   for (uint32_t i = 0; i < k_room_below; ++i) {

@@ -20,8 +20,8 @@ constexpr double k_floor_row = 5.0;  // rows below this see the floor: 33.75 deg
 
 double bounded_tilt(double k) { return k < -1 ? -1 : k > 1 ? 1 : k; }
 
-// The pieces of a part lie at -2/3, 0 and 2/3 of the way to its edge, and at -1/2 and 1/2. Weights of 1 + k times a third
-// or a half of that move the light's middle by 4/9 k and 1/2 k; none is below 0.
+// The pieces of a part lie at -2/3, 0 and 2/3 of the way to its edge, and at -1/2 and 1/2. Weights of 1 + k times a
+// third or a half of that move the light's middle by 4/9 k and 1/2 k; none is below 0.
 static_assert(k_row_split == 3 && k_column_split == 2);
 constexpr double k_up = 9.0 / 4 / 127, k_aside = 2.0 / 127;
 

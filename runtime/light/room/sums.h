@@ -52,8 +52,8 @@ struct RoomHint {
 };
 RoomHint room_hint(const Room& room, const RoomModel& model, const sandglass_light_estimate* estimate);
 
-// A part as it is known: what it sends out where it was seen, beside the geometric mean, and the shares of it that count
-// as seen, now and for the level.
+// A part as it is known: what it sends out where it was seen, beside the geometric mean, and the shares of it that
+// count as seen, now and for the level.
 struct KnownPart {
   double lit[3], bright;  // bright: luminance of `lit`
   double clipped;         // share of the pixels that were clipped
@@ -63,8 +63,8 @@ struct KnownPart {
 KnownPart room_known_part(const Room& room, const RoomMemory& memory, uint32_t i, const RoomModel& model,
                           const RoomOverview& all);
 
-// The plane whose light is asked for: a level one, whose azimuth 0 is `yaw` turns away; or its axes (along, normal, across)
-// in the sphere's frame.
+// The plane whose light is asked for: a level one, whose azimuth 0 is `yaw` turns away; or its axes (along, normal,
+// across) in the sphere's frame.
 struct RoomFacing {
   bool level;
   double yaw, axes[3][3];

@@ -1,6 +1,6 @@
-// Counts to bytes. Where counts change slowly they are steps of one direction each, which the eye sees as bands: there a texel
-// becomes the mean of a window. Where they change fast they are an edge and stay. Windows of 3, 5 and 9 texels follow each
-// other, each on the result of the one before.
+// Counts to bytes. Where counts change slowly they are steps of one direction each, which the eye sees as bands: there
+// a texel becomes the mean of a window. Where they change fast they are an edge and stay. Windows of 3, 5 and 9 texels
+// follow each other, each on the result of the one before.
 #include <cstring>
 
 #include "kernels/whole.h"
@@ -39,8 +39,8 @@ void read_counts(const CastState& c, uint32_t light, uint64_t words, uint64_t wo
     out[i] = {static_cast<float>(hidden >> (8 * i) & 0xff), static_cast<float>(masked >> (8 * i) & 0xff)};
 }
 
-// A row of counts. What real things hide does not count: of the directions that they leave, as many are hidden as if all
-// were left. Where the shares of both lights are known, of what they leave of both: a thing in the shade of a house
+// A row of counts. What real things hide does not count: of the directions that they leave, as many are hidden as if
+// all were left. Where the shares of both lights are known, of what they leave of both: a thing in the shade of a house
 // hides the sky, which is all the light that is there. Of that, each texture says at most its own light's share, so
 // what the other cannot say is added.
 void read_row(CastCalm* calm, const CastState& c, uint32_t texels, uint32_t row) {

@@ -2,11 +2,12 @@
 //   gather   the meshes' triangles, in the plane's frame (gather.cpp); left out while they are as they were
 //   draw     one image of bits for each direction of the light (directions.cpp), counted (draw.cpp)
 //   calm     the counts become bytes, through a filter (calm.cpp); the last unit swaps the two textures
-// The texture of the light and the ambient one share all of it, and take turns (stage.cpp). What the app sets is compared with
-// what was gathered (compare.cpp).
+// The texture of the light and the ambient one share all of it, and take turns (stage.cpp). What the app sets is
+// compared with what was gathered (compare.cpp).
 //
-// The state is put together from parts. Each is a section here, which names the source file that changes it: functions take
-// that part as a pointer, and the rest as `const CastState&`. stage.cpp and compare.cpp put the whole together.
+// The state is put together from parts. Each is a section here, which names the source file that changes it: functions
+// take that part as a pointer, and the rest as `const CastState&`. stage.cpp and compare.cpp put the whole together
+// (tests/docs/parts.py).
 #pragma once
 
 #include <cstdint>

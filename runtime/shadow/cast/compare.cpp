@@ -1,4 +1,5 @@
-// Whether what is gathered and shown is out of date: where meshes or plane are other ones, or have moved so far that it is seen.
+// Whether what is gathered and shown is out of date: where meshes or plane are other ones, or have moved so far that it
+// is seen.
 #include "runtime/math/math.h"
 #include "runtime/shadow/cast/cast.h"
 
@@ -77,8 +78,8 @@ void cast_compare(CastState* c) {
   c->comparison.stale = true;
   for (CastTarget& target : c->targets) target.asked = target.texels != 0;
   if (anew) c->targets[k_cast_light].draft = true;
-  // Where the counts are as they were, it goes on in the new arrays: an engine may hand out other ones in every frame. And
-  // after a few with other counts, too, in what both have: a scan grows in every frame.
+  // Where the counts are as they were, it goes on in the new arrays: an engine may hand out other ones in every frame.
+  // And after a few with other counts, too, in what both have: a scan grows in every frame.
   if (!counts || c->progress.phase != CastPhase::gather || c->comparison.restarts == k_restarts_most) return;
   ++c->comparison.restarts;
   c->comparison.stale = false;

@@ -1,7 +1,7 @@
 // One texture: its directions and its rectangle, the images of all directions, and their count.
 //
-// Counts are kept as bit planes: word i of plane b holds bit b of the counts of 64 texels. Adding an image is then a chain of
-// half adders, 64 texels at a time.
+// Counts are kept as bit planes: word i of plane b holds bit b of the counts of 64 texels. Adding an image is then a
+// chain of half adders, 64 texels at a time.
 #include <cstring>
 
 #include "runtime/math/math.h"
@@ -24,7 +24,8 @@ double texel_size(double x) {
   return finer < size ? finer : size;
 }
 
-// The least and the greatest slope of directions along an axis, no steeper than is drawn; and of those that are cut for it.
+// The least and the greatest slope of directions along an axis, no steeper than is drawn; and of those that are cut for
+// it.
 struct Slopes {
   double low = 0, high = 0, low_cut = 0, high_cut = 0;
   void include(double slope, bool cut) {
@@ -36,9 +37,9 @@ struct Slopes {
   }
 };
 
-// Along one axis, the rectangle of the texture: what the shadows of the triangles' box reach, on a grid that lies still. Where the
-// plane ends before, so does the rectangle, with a whole texel. `around`: metres about the box that are in it, too, and fade.
-// False: nothing can be seen.
+// Along one axis, the rectangle of the texture: what the shadows of the triangles' box reach, on a grid that lies
+// still. Where the plane ends before, so does the rectangle, with a whole texel. `around`: metres about the box that
+// are in it, too, and fade. False: nothing can be seen.
 bool fit_along(const CastGathered& g, uint32_t axis, const Slopes& slopes, bool ambient, double around,
                CastTexture* texture, uint32_t texels) {
   const double low = g.low[2 * axis], high = g.high[2 * axis];

@@ -1,5 +1,5 @@
-// The triangles of all meshes in the plane's frame, cut at the plane, in arrays of corners: no index is followed while they
-// are drawn. What is too far from the first mesh is taken out at the end: all share one rectangle of texels.
+// The triangles of all meshes in the plane's frame, cut at the plane, in arrays of corners: no index is followed while
+// they are drawn. What is too far from the first mesh is taken out at the end: all share one rectangle of texels.
 #include <cstring>
 
 #include "runtime/math/finite.h"

@@ -1,9 +1,10 @@
-// The shadow of sand that flies beside a skin. It is no column: what lies between it and the floor is air, and a stream is
-// as thin as it is.
+// The shadow of sand that flies beside a skin. It is no column: what lies between it and the floor is air, and a stream
+// is as thin as it is.
 //
-// Each particle in the air is followed along the light to where it meets the sand under the skin, or the floor. There it
-// leaves the shadow of its outline, k_loose_outline * pi * radius^2 / sine of the light's elevation in all, spread over the
-// ellipse that the light's own width makes of it, and never finer than texels. What several hide is taken as independent.
+// Each particle in the air is followed along the light to where it meets the sand under the skin, or the floor. There
+// it leaves the shadow of its outline, k_loose_outline * pi * radius^2 / sine of the light's elevation in all, spread
+// over the ellipse that the light's own width makes of it, and never finer than texels. What several hide is taken as
+// independent.
 #include "kernels/whole.h"
 #include "runtime/math/math.h"
 #include "runtime/shadow/pile/pile.h"

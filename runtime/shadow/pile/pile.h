@@ -3,13 +3,12 @@
 // units swaps the two textures. The texture of the room's light follows (pile_sky.h). Either is left out where nothing
 // asks for it.
 //
-// The spheres are the grains, or the particles of a scene without grains; or sand is what lies under a skin (pile_skin.cpp),
-// as it was last completed. They are read in place, without a copy. The
-// scene may sort them between two units of the first phase: then a sphere may be missed or taken twice, in that one
-// texture.
+// The spheres are the grains, or the particles of a scene without grains; or sand is what lies under a skin
+// (pile_skin.cpp), as it was last completed. They are read in place, without a copy. The scene may sort them between
+// two units of the first phase: then a sphere may be missed or taken twice, in that one texture.
 //
-// The state is put together from parts. Each is a section here, which names the source file that changes it: functions take
-// that part as a pointer, and the rest as `const Pile&`. stage.cpp puts the whole together.
+// The state is put together from parts. Each is a section here, which names the source file that changes it: functions
+// take that part as a pointer, and the rest as `const Pile&`. stage.cpp puts the whole together (tests/docs/parts.py).
 #pragma once
 
 #include <cstdint>
@@ -172,8 +171,8 @@ struct PileReach {
 };
 PileReach pile_reach(const PileRectangle& rectangle, const float* centre, float radius);
 
-// Adds to a column: `share` of its texel is covered from `low` to `high` over the floor. What lies in one column is taken
-// to lie independently of each other.
+// Adds to a column: `share` of its texel is covered from `low` to `high` over the floor. What lies in one column is
+// taken to lie independently of each other.
 inline void pile_put_column(PileColumns* p, int32_t column, int32_t row, float share, float low, float high) {
   if (!(high > 0)) return;
   const int64_t at = static_cast<int64_t>(row) * p->pitch + column;

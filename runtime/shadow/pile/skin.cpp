@@ -1,8 +1,8 @@
 // Columns from a skin: sand lies under its surface, and its loose sand beside it, thinner than particles are.
 //
-// A triangle that looks up fills each column whose middle it covers, from where the sand below it begins, or from the floor
-// where that is near: below sand on a seat the floor is free. Loose sand that lies goes into the column of its centre; for
-// what flies see pile_air.cpp.
+// A triangle that looks up fills each column whose middle it covers, from where the sand below it begins, or from the
+// floor where that is near: below sand on a seat the floor is free. Loose sand that lies goes into the column of its
+// centre; for what flies see pile_air.cpp.
 #include "runtime/skin/skin.h"
 #include "kernels/whole.h"
 #include "runtime/math/math.h"
@@ -65,8 +65,8 @@ bool put_triangle(PileColumns* columns, const PileRectangle& r, const float* a, 
   return true;
 }
 
-// Where the sand below a triangle begins: bricks with particles follow one another down to there. Triangles come brick by
-// brick. Where the skin's "up" is not the world's, the chunk's lowest place stands for it.
+// Where the sand below a triangle begins: bricks with particles follow one another down to there. Triangles come brick
+// by brick. Where the skin's "up" is not the world's, the chunk's lowest place stands for it.
 float lowest_below(PileSkin* walk, const Pile& p, const SkinState& skin, const sandglass_skin_vertex& vertex,
                    float low) {
   if (skin.lattice.axis[1] != 1 || skin.lattice.sign[1] < 0) return low;

@@ -37,6 +37,8 @@ struct SkyTexture {
   uint64_t version;
 };
 
+// ---- PileSky (sky.cpp)
+
 struct PileSky {
   uint32_t texels;  // along a side; 0: the app asked for none
   uint32_t joined;  // columns of the pile along a side of a texel

@@ -20,9 +20,9 @@ double share_under(double radius) {  // in sides of the square, at most 1
   return radius * radius * (k_pi - radius * (8.0 / 3) + 0.5 * radius * radius);
 }
 
-// What of a layer is missing from the steps at elevations spread evenly over the azimuth's: expected grains in the way of
-// a light, for one grain a texel. None is negative; their sum is what is missing in all. Where the steps meet the layer at
-// most elevations, what is missing comes from where steps happen to end, and is spread evenly.
+// What of a layer is missing from the steps at elevations spread evenly over the azimuth's: expected grains in the way
+// of a light, for one grain a texel. None is negative; their sum is what is missing in all. Where the steps meet the
+// layer at most elevations, what is missing comes from where steps happen to end, and is spread evenly.
 void missing_from_steps(const Pile& p, const PileStep* steps, uint32_t count, const PileAzimuth& azimuth,
                         double missing[k_elevations]) {
   const double radius = static_cast<double>(p.request.source.radius), share = static_cast<double>(sphere_share(p));
