@@ -13,6 +13,7 @@ namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/pairs.inl"
 #include "kernels/pile_light.inl"
 #include "kernels/pile_sky.inl"
+#include "kernels/read_flow.inl"
 #include "kernels/refine.inl"
 #include "kernels/wake.inl"
 

@@ -378,6 +378,54 @@ void clear_report(sandglass_frame_report* report, uint64_t budget) {
   report->plan.struct_size = sizeof(sandglass_plan);
 }
 
+Frame frame_of(Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget, bool replays,
+               sandglass_frame_report* report) {
+  const bool has_output = stage_count > 0 && stages[stage_count - 1].mandatory_units == k_all_units;
+  Frame frame = {};
+  frame.governor = governor;
+  frame.stages = stages;
+  frame.report = report;
+  frame.open_count = has_output ? stage_count - 1 : stage_count;
+  frame.budget = budget;
+  frame.reads = governor->clock.now_ns != nullptr;
+  frame.timed = frame.reads && !replays;
+  if (frame.reads) frame.reading = governor->clock.now_ns(governor->clock.user);
+  return frame;
+}
+
+// Keeps time free for the output stage. What it is estimated to cost; 0: not known.
+uint64_t reserve_output(Frame* frame, uint32_t output, uint64_t* last_unit) {
+  learn_output(frame, output, last_unit);
+  const Governor* governor = frame->governor;
+  bool unknown = false;
+  const uint64_t closing = predict_stage(governor, frame->stages[output], frame->level, frame->budget, &unknown);
+  frame->reserve = with_margin(governor->policy, governor->closing, closing);
+  frame->reserve_margin = frame->reserve - closing;
+  if (unknown && frame->reserve < frame->budget / 2) frame->reserve = frame->budget / 2;
+  return unknown ? 0 : closing;
+}
+
+// All units, as the clock allows. Returns the nanoseconds of the optional ones.
+uint64_t run_units(Frame* frame, uint32_t stage_count, uint64_t* last_unit) {
+  Governor* governor = frame->governor;
+  const uint32_t output = frame->open_count;
+  const bool has_output = output < stage_count;
+  uint64_t last_optional = 0;
+  run_mandatory(frame, last_unit);
+  const uint64_t closing = has_output && frame->timed ? reserve_output(frame, output, last_unit) : 0;
+  const uint64_t optional_from = frame->elapsed;
+  const bool any = run_optional(frame, &last_optional);
+  const uint64_t output_from = frame->elapsed;
+  close_frame(frame, stage_count);
+  if (has_output) run_closing(frame, output, last_unit);
+  const uint64_t output_ns = frame->elapsed - output_from;
+  if (output_ns != 0) spread_observe(governor->policy, &governor->closing, output_ns, closing);
+  if (any && output_ns > frame->reserve && frame->timed) governor->closing_excess_ns = output_ns - frame->reserve;
+  if (any) *last_unit = last_optional;
+  if (frame->timed) remember_denials(governor, *frame);
+  return output_from - optional_from;
+}
+
 }  // namespace
 
 void governor_init(Governor* governor, sandglass_clock clock, sandglass_trace trace, uint32_t level_count) {
@@ -436,22 +484,10 @@ uint64_t governor_target(uint64_t budget_ns, float headroom) {
 bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget_ns,
                     const sandglass_plan* replay, sandglass_frame_report* report) {
   SANDGLASS_CHECK(report != nullptr && stage_count <= SANDGLASS_STAGE_COUNT);
-  const uint32_t last = stage_count == 0 ? 0 : stage_count - 1;
-  for (uint32_t i = 0; i < last; ++i) SANDGLASS_CHECK(stages[i].mandatory_units != k_all_units);
-  const bool has_output = stage_count > 0 && stages[last].mandatory_units == k_all_units;
-
+  for (uint32_t i = 0; i + 1 < stage_count; ++i) SANDGLASS_CHECK(stages[i].mandatory_units != k_all_units);
   clear_report(report, budget_ns);
   governor->closing_excess_ns = 0;
-  Frame frame = {};
-  frame.governor = governor;
-  frame.stages = stages;
-  frame.report = report;
-  frame.open_count = has_output ? last : stage_count;
-  frame.budget = budget_ns;
-  frame.reads = governor->clock.now_ns != nullptr;
-  frame.timed = frame.reads && replay == nullptr;
-  if (frame.reads) frame.reading = governor->clock.now_ns(governor->clock.user);
-
+  Frame frame = frame_of(governor, stages, stage_count, budget_ns, replay != nullptr, report);
   if (replay != nullptr) {
     if (replay->run_count > SANDGLASS_PLAN_RUNS || replay->level >= governor->level_count) return false;
     frame.level = replay->level;
@@ -463,49 +499,17 @@ bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_coun
     const uint64_t difference = read_difference(&frame);
     if (difference != k_time_max) frame.elapsed = difference;
   }
-
   bool complete = true;
-  uint64_t last_mandatory = 0;
-  uint64_t last_optional = 0;
-  uint64_t optional_ns = 0;
-  if (replay != nullptr) {
-    complete = run_plan(&frame, *replay, stage_count, &last_mandatory);
-  } else {
-    uint64_t closing = 0;  // what the output stage is estimated to cost
-    run_mandatory(&frame, &last_mandatory);
-    if (has_output && frame.timed) {
-      learn_output(&frame, last, &last_mandatory);
-      bool unknown = false;
-      closing = predict_stage(governor, stages[last], frame.level, budget_ns, &unknown);
-      frame.reserve = with_margin(governor->policy, governor->closing, closing);
-      frame.reserve_margin = frame.reserve - closing;
-      if (unknown) closing = 0;
-      if (unknown && frame.reserve < budget_ns / 2) frame.reserve = budget_ns / 2;
-    }
-    const uint64_t optional_from = frame.elapsed;
-    const bool any = run_optional(&frame, &last_optional);
-    optional_ns = frame.elapsed - optional_from;
-
-    const uint64_t output_from = frame.elapsed;
-    WorkUnit unit;
-    close_frame(&frame, stage_count);
-    while (has_output && offers(frame, last, &unit) && plan_has_room(frame, last)) {
-      last_mandatory = run_unit(&frame, last, unit);
-    }
-    const uint64_t output_ns = frame.elapsed - output_from;
-    if (output_ns != 0) spread_observe(governor->policy, &governor->closing, output_ns, closing);
-    if (any && output_ns > frame.reserve && frame.timed) governor->closing_excess_ns = output_ns - frame.reserve;
-    if (any) last_mandatory = last_optional;
-    if (frame.timed) remember_denials(governor, frame);
-  }
-
+  uint64_t last_unit = 0, optional_ns = 0;
+  if (replay != nullptr) complete = run_plan(&frame, *replay, stage_count, &last_unit);
+  else optional_ns = run_units(&frame, stage_count, &last_unit);
   for (uint32_t i = 0; i < frame.open_count; ++i) {
     WorkUnit unit;
     report->stages[i].denied = (frame.quiet >> i & 1) == 0 && offers(frame, i, &unit) ? 1 : 0;
   }
   report->time.elapsed_ns = frame.elapsed;
   report->time.mandatory_ns = frame.elapsed - optional_ns;
-  report->time.last_unit_ns = add(last_mandatory, governor->closing_excess_ns);
+  report->time.last_unit_ns = add(last_unit, governor->closing_excess_ns);
   return complete;
 }
 

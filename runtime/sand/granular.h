@@ -9,7 +9,7 @@
 //
 // A part lays out its own memory, resets itself and changes only itself: its functions take it as a pointer and the
 // rest as `const Granular&`. So what one part does to another is a call, made where the whole is put together: here, in
-// edit.cpp, and in the two machines, substep.cpp and sweep.cpp (tests/sand/owners.py). The records of particles and
+// edit_*.cpp, and in the two machines, substep.cpp and sweep.cpp (tests/sand/owners.py). The records of particles and
 // grains are what all of them work on.
 #pragma once
 
@@ -159,7 +159,7 @@ uint32_t granular_drain_grains(Granular* granular, uint32_t first);
 // After particles were taken out: indices mean others now.
 void granular_after_removal(Granular* granular);
 
-// What the app does between frames (edit.cpp).
+// What the app does between frames (edit_*.cpp).
 sandglass_status granular_add(Granular* granular, const sandglass_points& particles, const sandglass_points& grains,
                               const char** reason);
 // From a nozzle, within a frame. False: there is no room.

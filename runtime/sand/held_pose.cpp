@@ -1,6 +1,6 @@
 #include "runtime/sand/held_pose.h"
 
-#include "runtime/math/rigid_motion.h"
+#include "runtime/sand/pose_surface.h"
 
 namespace sandglass {
 
@@ -44,91 +44,6 @@ constexpr float k_slowest_interval = 12.0f;
 // A told speed is remembered for about this time, and what is behind may go by this share faster.
 constexpr float k_speed_seconds = 0.25f, k_catch_up_share = 0.25f;
 
-float dot(const float a[3], const FloatVector& b) { return a[0] * b.x + a[1] * b.y + a[2] * b.z; }
-float dot3(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-float length3(const float v[3]) { return __builtin_sqrtf(dot3(v, v)); }
-float minimum(float a, float b) { return a < b ? a : b; }
-float maximum(float a, float b) { return a > b ? a : b; }
-
-// By how much the sizes differ at most.
-float grown(const Pose& from, const Pose& to) {
-  float most = 0.0f;
-  for (int k = 0; k < 3; ++k) most = maximum(most, __builtin_fabsf(to.size[k] - from.size[k]));
-  return most;
-}
-
-// As far as points of the shape are from its position; of a half-space, as far as sand is.
-float reach_of(sandglass_shape shape, const Pose& pose, const HoldRule& rule) {
-  if (shape == SANDGLASS_SHAPE_SPHERE) return pose.size[0];
-  if (shape == SANDGLASS_SHAPE_CAPSULE) return pose.size[0] + pose.size[1];
-  if (shape != SANDGLASS_SHAPE_HALF_SPACE) return length3(pose.size);
-  float far[3];
-  for (int k = 0; k < 3; ++k)
-    far[k] = maximum(__builtin_fabsf(rule.low[k] - pose.position[k]), __builtin_fabsf(rule.high[k] - pose.position[k]));
-  return length3(far);
-}
-
-// The box of the sand that is near a shape; all of the shape's own box where none is.
-void near_box(sandglass_shape shape, const Pose& pose, const HoldRule& rule, float low[3], float high[3]) {
-  const float reach = reach_of(shape, pose, rule);
-  bool apart = false;
-  for (int k = 0; k < 3; ++k) {
-    low[k] = maximum(rule.low[k], pose.position[k] - reach);
-    high[k] = minimum(rule.high[k], pose.position[k] + reach);
-    apart = apart || low[k] > high[k];
-  }
-  for (int k = 0; apart && k < 3; ++k) low[k] = pose.position[k] - reach;
-  for (int k = 0; apart && k < 3; ++k) high[k] = pose.position[k] + reach;
-}
-
-template <class Visit>
-void for_corners(const float low[3], const float high[3], const Visit& visit) {
-  for (int corner = 0; corner < 8; ++corner) {
-    const float at[3] = {(corner & 1) != 0 ? high[0] : low[0], (corner & 2) != 0 ? high[1] : low[1],
-                         (corner & 4) != 0 ? high[2] : low[2]};
-    visit(at);
-  }
-}
-
-// The face of a box along its axis `axis`, up or down it: n . x = offset.
-struct Face {
-  FloatVector n;
-  float offset;
-};
-Face face_of(const Pose& pose, int axis, float side) {
-  const FloatVector n =
-      rotated(pose.rotation, {axis == 0 ? side : 0.0f, axis == 1 ? side : 0.0f, axis == 2 ? side : 0.0f});
-  return {n, dot(pose.position, n) + pose.size[axis]};
-}
-
-float way_of_face(const Face& from, const Face& to, const float low[3], const float high[3]) {
-  float most = 0.0f;
-  for_corners(low, high, [&](const float at[3]) {
-    most = maximum(most, __builtin_fabsf((dot(at, to.n) - to.offset) - (dot(at, from.n) - from.offset)));
-  });
-  return most;
-}
-
-// Whether sand may be in front of a face of both boxes. A table's edges are not where its heap lies.
-bool sand_beyond(const Face& from, const Face& to, const float low[3], const float high[3]) {
-  bool beyond = false;
-  for_corners(low, high, [&](const float at[3]) {
-    beyond = beyond || dot(at, from.n) > from.offset || dot(at, to.n) > to.offset;
-  });
-  return beyond;
-}
-
-// Of a box that grows: only faces that sand is in front of.
-float way_of_faces(const Pose& from, const Pose& to, const float low[3], const float high[3]) {
-  float most = 0.0f;
-  for (int side = 0; side < 6; ++side) {
-    const Face a = face_of(from, side / 2, side % 2 != 0 ? 1.0f : -1.0f);
-    const Face b = face_of(to, side / 2, side % 2 != 0 ? 1.0f : -1.0f);
-    if (sand_beyond(a, b, low, high)) most = maximum(most, way_of_face(a, b, low, high));
-  }
-  return most;
-}
-
 // A held box takes over those faces of the told one that no sand is in front of, and its sizes.
 void take_free_faces(HeldPose* p, const HoldRule& rule) {
   const Pose told = p->told, held = p->held.pose;
@@ -150,66 +65,12 @@ void take_free_faces(HeldPose* p, const HoldRule& rule) {
   }
 }
 
-// A share of the way from one pose to another.
-Pose between(const Pose& from, const Pose& to, float share) {
-  Pose p;
-  float length2 = 0.0f;
-  for (int k = 0; k < 3; ++k) {
-    p.position[k] = from.position[k] + share * (to.position[k] - from.position[k]);
-    p.size[k] = from.size[k] + share * (to.size[k] - from.size[k]);
-  }
-  for (int k = 0; k < 4; ++k) {
-    p.rotation[k] = from.rotation[k] + share * (to.rotation[k] - from.rotation[k]);
-    length2 += p.rotation[k] * p.rotation[k];
-  }
-  const float inverse = 1.0f / __builtin_sqrtf(length2);  // both have length 1 and are no more than 90 degrees apart
-  for (float& c : p.rotation) c *= inverse;
-  return p;
-}
-
-// Shift and turn from one pose to another; the turn about the world's axes, as colliders_pose undoes it.
-void motion_between(const Pose& from, const Pose& to, float shift[3], float turn[3]) {
-  const float *a = from.rotation, *b = to.rotation;
-  const FloatVector v = cross(FloatVector{b[0], b[1], b[2]}, {a[0], a[1], a[2]});
-  const float w[3] = {v.x, v.y, v.z};
-  const float with = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];  // cosine of half the angle
-  const float half = with < 0.0f ? minimum(with, -0.1f) : maximum(with, 0.1f);
-  for (int k = 0; k < 3; ++k) {
-    shift[k] = to.position[k] - from.position[k];
-    turn[k] = 2.0f * (b[k] * a[3] - a[k] * b[3] - w[k]) / half;
-  }
-}
-
-// Where a pose is when it has gone on at a velocity.
-Pose advanced(const Pose& from, const float linear[3], const float angular[3], float seconds) {
-  Pose p = from;
-  for (int k = 0; k < 3; ++k) p.position[k] += seconds * linear[k];
-  const float h = 0.5f * seconds, w[4] = {h * angular[0], h * angular[1], h * angular[2], 1.0f};
-  multiply(w, from.rotation, p.rotation);
-  return between(p, p, 0.0f);
-}
-
-// A pose, moved as little as makes its face along a local axis lie where `face` does.
-Pose laid(const Pose& pose, int axis, float side, const Face& face) {
-  Pose p = pose;
-  const FloatVector m = face_of(pose, axis, side).n, n = face.n, v = cross(m, n);
-  const float turn[4] = {v.x, v.y, v.z, 1.0f + m.x * n.x + m.y * n.y + m.z * n.z};
-  if (turn[3] < 0.1f) return p;  // turned over
-  multiply(turn, pose.rotation, p.rotation);
-  p = between(p, p, 0.0f);
-  const float off = face.offset - dot(p.position, n) - p.size[axis];
-  p.position[0] += off * n.x;
-  p.position[1] += off * n.y;
-  p.position[2] += off * n.z;
-  return p;
-}
-
 // A velocity of a collider's own way, in which the poses' noise is smoothed: what makes less than the band in this
 // frame. It gains only so much: a single jump is no motion. Of a turn a point at `lever` counts.
-void gain(float velocity[3], const float way[3], float seconds, float lever, const HoldRule& rule) {
+void gain(float velocity[3], const float went[3], float seconds, float lever, const HoldRule& rule) {
   constexpr float k_none = 1e-9f;  // m/s or rad/s
   float next[3], lacks[3], along = 0.0f;
-  for (int k = 0; k < 3; ++k) lacks[k] = way[k] / seconds - velocity[k];
+  for (int k = 0; k < 3; ++k) lacks[k] = went[k] / seconds - velocity[k];
   const float noise = rule.band / (seconds * lever),
               most = rule.leave_speed / lever * minimum(seconds / k_leave_frame, 1.0f);
   const float share = maximum(seconds / (k_smooth_seconds + seconds), 1.0f - noise / (length3(lacks) + k_none));
@@ -238,11 +99,11 @@ float run_of_surface(sandglass_shape shape, const Pose& pose, const float run[6]
 // direction for a while.
 bool believes(HeldPose* p, sandglass_shape shape, const Placement& told, bool jumped, float reach, float step,
               float band) {
-  float way[6], length2 = 0.0f, with = 0.0f;
+  float went[6], length2 = 0.0f, with = 0.0f;
   for (int k = 0; k < 6; ++k) {
-    way[k] = k < 3 ? told.linear[k] * step : told.angular[k - 3] * reach * step;
-    length2 += way[k] * way[k];
-    with += way[k] * p->run[k];
+    went[k] = k < 3 ? told.linear[k] * step : told.angular[k - 3] * reach * step;
+    length2 += went[k] * went[k];
+    with += went[k] * p->run[k];
   }
   if (!(length2 >= k_slowest * k_slowest * step * step)) {
     p->since_velocity += step;
@@ -263,7 +124,7 @@ bool believes(HeldPose* p, sandglass_shape shape, const Placement& told, bool ju
   if (p->moved < k_moved_frames) ++p->moved;
   const float kept = with < 0.0f ? 0.0f : maximum(1.0f - step / k_way_seconds, 0.0f);
   p->since_turn = with < 0.0f ? 0.0f : minimum(p->since_turn + step, k_way_seconds);
-  for (int k = 0; k < 6; ++k) p->run[k] = kept * p->run[k] + way[k];
+  for (int k = 0; k < 6; ++k) p->run[k] = kept * p->run[k] + went[k];
   const bool steady = p->since_turn >= k_way_seconds && p->moved == k_moved_frames;
   const bool ran = run_of_surface(shape, told.pose, p->run) > k_run_bands * band;
   return steady || (ran && !outlier && p->since_gap >= k_way_seconds);
@@ -283,14 +144,15 @@ void begin_following(HeldPose* p) {
 
 // Adds to a told velocity what it does not tell of the pose's way: of a belt that is lifted, the lift. Of the velocity,
 // so much is the pose's as goes with its way; of a belt that stays in place nothing: it slides.
-void add_untold(float velocity[3], float untold[3], const float way[3], float step, float lever, const HoldRule& rule) {
+void add_untold(float velocity[3], float untold[3], const float went[3], float step, float lever,
+                const HoldRule& rule) {
   float with = 0.0f, told2 = 0.0f;
-  for (int k = 0; k < 3; ++k) with += way[k] * velocity[k] * step;
+  for (int k = 0; k < 3; ++k) with += went[k] * velocity[k] * step;
   for (int k = 0; k < 3; ++k) told2 += velocity[k] * velocity[k] * step * step;
   const float share = told2 > 0.0f ? minimum(maximum(with / told2, 0.0f), 1.0f) : 0.0f;
   float rest[3];
-  for (int k = 0; k < 3; ++k) rest[k] = way[k] - share * step * velocity[k];
-  if (length3(rest) > k_untold_share * length3(way)) gain(untold, rest, step, lever, rule);
+  for (int k = 0; k < 3; ++k) rest[k] = went[k] - share * step * velocity[k];
+  if (length3(rest) > k_untold_share * length3(went)) gain(untold, rest, step, lever, rule);
   else untold[0] = untold[1] = untold[2] = 0.0f;
   for (int k = 0; k < 3; ++k) velocity[k] += untold[k];
 }
@@ -360,11 +222,11 @@ Seen observe(HeldPose* p, sandglass_shape shape, const Pose& told, float step, c
   }
   const float frames = static_cast<float>(p->same), seconds = stood ? p->interval * step : p->age;
   if (!stood) p->interval = maximum(frames, 0.5f * (p->interval + frames));
-  const float way = surface_way(shape, p->told, told, rule), speed = way / seconds;
+  const float distance = surface_way(shape, p->told, told, rule), speed = distance / seconds;
   const float errs = surface_way(shape, advanced(p->told, p->way, p->way + 3, seconds), told, rule);
   const float gains = k_hand_acceleration * seconds;
   const bool jumped = errs > rule.band + gains * seconds && speed > p->speed + gains;
-  const bool moves_on = errs <= k_moves_on_share * way;
+  const bool moves_on = errs <= k_moves_on_share * distance;
   const bool starts = moves_on && speed > (1.0f + k_catch_up_share) * p->speed;
   if (!jumped) p->speed = maximum(p->speed, moves_on ? speed : minimum(speed, p->last_speed));
   if (!rule.returns) {
@@ -420,10 +282,10 @@ void follow(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule
   // Evenly until a slow tracker tells the next pose.
   next = between(before, next, 1.0f / maximum(p->interval - static_cast<float>(p->same), 1.0f));
   const float most = (1.0f + k_catch_up_share) * p->speed * step;
-  float way = surface_way(shape, before, next, rule);
-  if (way > most) next = between(before, next, most / way);
-  way = minimum(most, way);
-  if (surface_way(shape, before, slow, rule) > way) next = slow;
+  float distance = surface_way(shape, before, next, rule);
+  if (distance > most) next = between(before, next, most / distance);
+  distance = minimum(most, distance);
+  if (surface_way(shape, before, slow, rule) > distance) next = slow;
   motion_between(before, next, p->held.linear, p->held.angular);
   for (float& v : p->held.linear) v /= step;
   for (float& w : p->held.angular) w /= step;
@@ -471,64 +333,6 @@ bool waits(HeldPose* p, sandglass_shape shape, const Seen& seen, float step, con
 
 }  // namespace
 
-bool same_pose(const Pose& a, const Pose& b) {
-  bool same = true;
-  if (__builtin_memcmp(&a, &b, sizeof a) == 0) return true;  // most are; neither holds a NaN
-  for (int k = 0; k < 3; ++k) same = same && a.position[k] == b.position[k] && a.size[k] == b.size[k];
-  for (int k = 0; k < 4; ++k) same = same && a.rotation[k] == b.rotation[k];
-  return same;
-}
-
-bool same_turn(const float a[4], const float b[4]) {
-  if (__builtin_memcmp(a, b, 4 * sizeof *a) == 0) return true;
-  const float with = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3], noise = 1e-10f;  // an angle of 3e-5 rad
-  float apart2 = 0.0f;
-  for (int k = 0; k < 4; ++k) {
-    const float d = a[k] - (with < 0.0f ? -b[k] : b[k]);
-    apart2 += d * d;
-  }
-  return apart2 <= noise;
-}
-
-float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const HoldRule& rule) {
-  if (same_pose(from, to)) return 0.0f;
-  float low[3], high[3], most = 0.0f;
-  near_box(shape, from, rule, low, high);
-  if (shape == SANDGLASS_SHAPE_HALF_SPACE) {
-    const FloatVector a = rotated(from.rotation, {0, 1, 0}), b = rotated(to.rotation, {0, 1, 0});
-    return way_of_face({a, dot(from.position, a)}, {b, dot(to.position, b)}, rule.low, rule.high);
-  }
-  if (shape == SANDGLASS_SHAPE_BOX && grown(from, to) > rule.band) return way_of_faces(from, to, low, high);
-  if (shape == SANDGLASS_SHAPE_SPHERE) {  // however it turns
-    const float way[3] = {to.position[0] - from.position[0], to.position[1] - from.position[1],
-                          to.position[2] - from.position[2]};
-    return length3(way) + grown(from, to);
-  }
-  const float back[4] = {-from.rotation[0], -from.rotation[1], -from.rotation[2], from.rotation[3]};
-  for_corners(low, high, [&](const float at[3]) {
-    const FloatVector r = {at[0] - from.position[0], at[1] - from.position[1], at[2] - from.position[2]};
-    const FloatVector turned = rotated(to.rotation, rotated(back, r));
-    const float way[3] = {turned.x - r.x + (to.position[0] - from.position[0]),
-                          turned.y - r.y + (to.position[1] - from.position[1]),
-                          turned.z - r.z + (to.position[2] - from.position[2])};
-    most = maximum(most, length3(way));
-  });
-  return maximum(most, grown(from, to));
-}
-
-void pose_move(Pose* p, const float rotation[4], const float shift[3]) {
-  const FloatVector at = rotated(rotation, {p->position[0], p->position[1], p->position[2]});
-  float turned[4];
-  multiply(rotation, p->rotation, turned);
-  const float moved[3] = {at.x + shift[0], at.y + shift[1], at.z + shift[2]};
-  for (int k = 0; k < 3; ++k) p->position[k] = moved[k];
-  // Rounding must not add up over a million moves.
-  const float length2 = turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2] + turned[3] * turned[3];
-  const float scale =
-      length2 > 0.5f && __builtin_fabsf(length2 - 1.0f) > 1e-6f ? 1.0f / __builtin_sqrtf(length2) : 1.0f;
-  for (int k = 0; k < 4; ++k) p->rotation[k] = scale * turned[k];
-}
-
 void hold_move(HeldPose* p, const float rotation[4], const float shift[3]) {
   Pose* const poses[] = {&p->held.pose, &p->told, &p->stand};
   for (Pose* pose : poses) pose_move(pose, rotation, shift);
@@ -540,12 +344,6 @@ void hold_move(HeldPose* p, const float rotation[4], const float shift[3]) {
     v[1] = turned.y;
     v[2] = turned.z;
   }
-}
-
-float way_of_box(const Pose& from, const Pose& to, const HoldRule& rule) {
-  float low[3], high[3];
-  near_box(SANDGLASS_SHAPE_BOX, from, rule, low, high);
-  return way_of_faces(from, to, low, high);
 }
 
 void hold_anew(HeldPose* p, const Placement& told) {

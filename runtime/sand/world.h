@@ -30,7 +30,7 @@ struct SceneMove {
   }
 };
 
-// ---- Colliders (colliders.cpp)
+// ---- Colliders (colliders.cpp; a frame's list: known_colliders.cpp)
 //
 // Colliders on their way through a frame: checked once, recognised, held still (runtime/sand/held_pose.h), posed at the
 // instant at which a sub-step ends, and compared with those of earlier frames, because sand sleeps on them.

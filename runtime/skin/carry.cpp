@@ -1,8 +1,9 @@
-// What is shown at the end of a frame whose skin is not complete. The mesh before is carried along: each vertex goes with its
-// particle. Where a collider's motion explains the particle's way best, it goes rigidly with that; what is left of the way
-// is held to about a node. So sand moves in every frame, and with its vessel, however slow the processor is. Loose sand is
-// where its particles are; sand that came since the mesh was gathered is loose, before the first mesh all of it, and from
-// when most of a mesh's sand has left it. What is made goes on from the mesh as it was made.
+// What is shown at the end of a frame whose skin is not complete. The mesh before is carried along: each vertex goes
+// with its particle. Where a collider's motion explains the particle's displacement best, it goes rigidly with that;
+// what is left of it is held to about a node. So sand moves in every frame, and with its vessel, however slow the
+// processor is. Loose sand is where its particles are; sand that came since the mesh was gathered is loose, before the
+// first mesh all of it, and from when most of a mesh's sand has left it. What is made goes on from the mesh as it was
+// made.
 //
 // It belongs to what closes a frame: all its units run there, so that no frame shows a mesh of two moments.
 #include <cstring>
@@ -39,92 +40,92 @@ bool is_alike(const RigidWay& a, const RigidWay& b) {
 }
 
 // The different ways of colliders since the mesh was gathered, as sand met them then and meets them now.
-void find_motions(SkinState* s) {
-  const Colliders& c = s->granular->colliders;
-  SkinCarry& carry = s->carry;
-  carry.motion_count = 0;
-  for (uint32_t i = 0; i < c.solid_count && carry.motion_count < k_skin_motions; ++i) {
-    if (c.slots[i] >= s->desc.collider_capacity) continue;
-    const ColliderFrame& from = s->met[c.slots[i]];
+void find_motions(SkinCarry* carry, const SkinState& s) {
+  const Colliders& c = s.granular->colliders;
+  carry->motion_count = 0;
+  for (uint32_t i = 0; i < c.solid_count && carry->motion_count < k_skin_motions; ++i) {
+    if (c.slots[i] >= s.desc.collider_capacity) continue;
+    const ColliderFrame& from = carry->met[c.slots[i]];
     ColliderFrame to;
-    colliders_pose(&c.given[i], 1, colliders_behind(*s->granular), &to);
+    colliders_pose(&c.given[i], 1, colliders_behind(*s.granular), &to);
     if (from.shape != to.shape) continue;
     const SkinMotion motion = {rigid_way(from, to), holding_encloses(from)};
     RigidWay still = {};
     still.from = motion.from;
     bool known = is_alike(motion, still);
-    for (uint32_t k = 0; k < carry.motion_count && !known; ++k) known = is_alike(motion, carry.motions[k]);
-    if (!known) carry.motions[carry.motion_count++] = motion;
+    for (uint32_t k = 0; k < carry->motion_count && !known; ++k) known = is_alike(motion, carry->motions[k]);
+    if (!known) carry->motions[carry->motion_count++] = motion;
   }
 }
 
-void begin_carry(SkinState* s) {
-  SkinCarry& carry = s->carry;
-  find_motions(s);
-  carry.frame = s->frame;
-  carry.substeps = s->granular->counts.moments();
-  carry.record = carry.chunk = carry.flying = carry.lying = 0;
-  carry.left = 0;
-  carry.motion = k_brick_none;
-  carry.changed = false;
-  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->carried[i] = {Quad{}, k_brick_none, k_brick_none};
-  for (uint32_t i = 0; i < s->front.flying + s->front.lying; ++i)
-    if (s->front.loose[i].number < s->desc.particle_capacity) s->carried[s->front.loose[i].number].loose = i;
+void begin_carry(SkinCarry* carry, const SkinState& s) {
+  const SkinMesh& made = s.meshes.front;
+  find_motions(carry, s);
+  carry->frame = s.frame;
+  carry->substeps = s.granular->counts.moments();
+  carry->record = carry->chunk = carry->flying = carry->lying = 0;
+  carry->left = 0;
+  carry->motion = k_none;
+  carry->changed = false;
+  for (uint32_t i = 0; i < s.desc.particle_capacity; ++i) carry->carried[i] = {Quad{}, k_none, k_none};
+  for (uint32_t i = 0; i < made.flying + made.lying; ++i)
+    if (made.loose[i].number < s.desc.particle_capacity) carry->carried[made.loose[i].number].loose = i;
 }
 
-void show_loose(SkinState* s, const sandglass_skin_loose& one, bool flies) {
-  SkinCarry& carry = s->carry;
-  if (carry.flying + carry.lying == s->desc.particle_capacity) return;
-  s->shown.loose[flies ? carry.flying++ : s->desc.particle_capacity - ++carry.lying] = one;
+void show_loose(SkinCarry* carry, SkinShown* shown, uint32_t capacity, const sandglass_skin_loose& one, bool flies) {
+  if (carry->flying + carry->lying == capacity) return;
+  shown->loose[flies ? carry->flying++ : capacity - ++carry->lying] = one;
 }
 
 // How far a particle has gone with which motion, and beside it. False: it was not there when the mesh was gathered.
-bool find_way(SkinState& s, const Particle& p, SkinCarried* carried) {
+bool find_offset(SkinCarry* carry, const SkinState& s, const Particle& p, SkinCarried* carried) {
   const float radius = s.desc.particle_radius, most = k_most_radii * radius, other = k_other_radii * radius;
   const float left = k_left_radii * radius;
-  const float least = static_cast<float>(k_skin_held) / k_skin_steps * s.spacing;
-  const float* from = s.front.from + 3 * number_of(p);
+  const float least = static_cast<float>(k_skin_held) / k_skin_steps * s.lattice.spacing;
+  const float* from = carry->from + 3 * number_of(p);
   if (from[0] == k_skin_nowhere || s.shown.lost) return false;
   const Quad at = quad(from), gone = quad(p.position) - at;
-  Quad way = gone;
-  float square = square_of(way);
+  Quad offset = gone;
+  float square = square_of(offset);
   bool enclosed = false;
-  for (uint32_t m = 0; m < s.carry.motion_count; ++m) {
-    const SkinMotion& motion = s.carry.motions[m];
+  for (uint32_t m = 0; m < carry->motion_count; ++m) {
+    const SkinMotion& motion = carry->motions[m];
     const Quad rest = gone - motion.way(at);
     const float square_rest = square_of(rest);
     if (motion.encloses == enclosed ? !(square_rest < square) : enclosed) continue;
     enclosed = motion.encloses;
     square = square_rest;
     carried->motion = m;
-    way = rest;
+    offset = rest;
   }
   const float scale = square > most * most ? most / __builtin_sqrtf(square) : 1.0f;
-  carried->way = square > least * least ? scale * way : Quad{};
-  if (carried->loose != k_brick_none) return true;
-  s.carry.left += square > left * left ? 1 : -1;
+  carried->offset = square > least * least ? scale * offset : Quad{};
+  if (carried->loose != k_none) return true;
+  carry->left += square > left * left ? 1 : -1;
   return square < other * other;
 }
 
-void carry_particle(SkinState* s, const Particle& p) {
+void carry_particle(SkinCarry* carry, SkinShown* shown, const SkinState& s, const Particle& p) {
+  const SkinMesh& made = s.meshes.front;
   if (in_body(p) || has_departed(p)) return;
   const uint32_t number = number_of(p);
-  SkinCarried none = {Quad{}, k_brick_none, k_brick_none};
-  SkinCarried& carried = number < s->desc.particle_capacity ? s->carried[number] : none;
-  const bool known = &carried != &none && find_way(*s, p, &carried);
+  SkinCarried none = {Quad{}, k_none, k_none};
+  SkinCarried& carried = number < s.desc.particle_capacity ? carry->carried[number] : none;
+  const bool known = &carried != &none && find_offset(carry, s, p, &carried);
   sandglass_skin_loose one = {};
   float falls;
-  bool flies = carried.loose < s->front.flying;
-  if (carried.loose != k_brick_none) one = s->front.loose[carried.loose];
+  bool flies = carried.loose < made.flying;
+  if (carried.loose != k_none) one = made.loose[carried.loose];
   else if (known) return;
   memcpy(one.position, p.position, sizeof one.position);
   if (!known) {
     one.weight = 1.0f;
     one.number = number;
-    skin_find_fall(*s, p.position, p.velocity, &falls, &flies);
-    for (uint32_t a = 0; a < 3; ++a) one.vector[s->axis[a]] = flies ? p.velocity[s->axis[a]] : s->sign[a] * s->up[a];
+    skin_find_fall(s, p.position, p.velocity, &falls, &flies);
+    for (uint32_t a = 0; a < 3; ++a)
+      one.vector[s.lattice.axis[a]] = flies ? p.velocity[s.lattice.axis[a]] : s.lattice.sign[a] * s.lattice.up[a];
   }
-  show_loose(s, one, flies);
+  show_loose(carry, shown, s.desc.particle_capacity, one, flies);
 }
 
 // The whole numbers below, of what is bounded to 2^30.
@@ -135,38 +136,37 @@ QuadWhole floor_of(Quad v) {
 }
 
 // A vertex without a particle goes with the motion of the one before it; the first ones as the first that has one.
-sandglass_skin_vertex carried_vertex(SkinState* s, sandglass_skin_vertex vertex, uint32_t anchor) {
-  SkinCarry& carry = s->carry;
-  Quad way = {};
-  if (anchor != k_brick_none) {
-    way = s->carried[anchor].way;
-    carry.motion = s->carried[anchor].motion;
+sandglass_skin_vertex carried_vertex(SkinCarry* carry, sandglass_skin_vertex vertex, uint32_t anchor) {
+  Quad offset = {};
+  if (anchor != k_none) {
+    offset = carry->carried[anchor].offset;
+    carry->motion = carry->carried[anchor].motion;
   }
-  if (carry.motion != k_brick_none) {
-    const SkinMotion& motion = carry.motions[carry.motion];
-    way += motion.way(quad(vertex.position));
+  if (carry->motion != k_none) {
+    const SkinMotion& motion = carry->motions[carry->motion];
+    offset += motion.way(quad(vertex.position));
     Quad normal = {};
     for (int k = 0; k < 3; ++k) normal[k] = static_cast<float>(vertex.normal[k]);
     const QuadWhole turned = floor_of(normal + motion.turned(normal) + 0.5f);
     for (int k = 0; k < 3; ++k)
       vertex.normal[k] = static_cast<int8_t>(turned[k] > -127 ? (turned[k] < 127 ? turned[k] : 127) : -127);
   }
-  const QuadWhole turns = floor_of(way * (65536.0f * s->inverse_side));  // of the block of grains
+  const QuadWhole turns = floor_of(offset * (65536.0f * carry->inverse_side));  // of the block of grains
   for (int k = 0; k < 3; ++k) {
-    vertex.position[k] += way[k];
+    vertex.position[k] += offset[k];
     vertex.origin[k] = static_cast<uint16_t>(vertex.origin[k] + turns[k]);
   }
   return vertex;
 }
 
 // Whether a byte of the chunk that is shown has changed.
-bool carry_chunk(SkinState* s, uint32_t c) {
-  const sandglass_skin_chunk& made = s->front.chunks[c];
-  sandglass_skin_chunk& chunk = s->shown.chunks[c];
-  const uint32_t first = s->front.first_vertex[c];
+bool carry_chunk(SkinCarry* carry, SkinShown* shown, const SkinMesh& mesh, uint32_t c) {
+  const sandglass_skin_chunk& made = mesh.chunks[c];
+  sandglass_skin_chunk& chunk = shown->chunks[c];
+  const uint32_t first = mesh.first_vertex[c];
   const sandglass_skin_vertex* before = chunk.vertices;
-  sandglass_skin_vertex* to = s->shown.vertices + first;
-  if (s->shown.lost) {
+  sandglass_skin_vertex* to = shown->vertices + first;
+  if (shown->lost) {
     const bool was = chunk.index_count != 0;
     chunk.vertex_count = chunk.index_count = 0;
     chunk.vertices = to;
@@ -174,10 +174,10 @@ bool carry_chunk(SkinState* s, uint32_t c) {
   }
   bool differs = false;
   for (uint32_t v = made.vertex_count; v-- != 0;)
-    if (s->front.anchors[first + v] != k_brick_none) s->carry.motion = s->carried[s->front.anchors[first + v]].motion;
+    if (mesh.anchors[first + v] != k_none) carry->motion = carry->carried[mesh.anchors[first + v]].motion;
   Bounds box = k_nowhere;
   for (uint32_t v = 0; v < made.vertex_count; ++v) {
-    const sandglass_skin_vertex vertex = carried_vertex(s, s->front.vertices[first + v], s->front.anchors[first + v]);
+    const sandglass_skin_vertex vertex = carried_vertex(carry, mesh.vertices[first + v], mesh.anchors[first + v]);
     bounds_include(&box, vertex.position);
     differs = differs || !same_bytes(before + v, &vertex, sizeof vertex);
     to[v] = vertex;
@@ -189,41 +189,43 @@ bool carry_chunk(SkinState* s, uint32_t c) {
   return true;
 }
 
-void end_carry(SkinState* s) {
-  SkinCarry& carry = s->carry;
-  SkinShown& shown = s->shown;
-  memmove(shown.loose + carry.flying, shown.loose + s->desc.particle_capacity - carry.lying,
-          carry.lying * sizeof *shown.loose);
-  const bool changed = carry.flying + carry.lying != 0 || shown.flying + shown.lying != 0;
-  shown.flying = carry.flying;
-  shown.lying = carry.lying;
-  shown.frame = carry.frame;
-  shown.substeps = carry.substeps;
-  shown.lost = shown.lost || carry.left > 0;
-  if (carry.changed || changed) ++s->version;
+void end_carry(SkinShown* shown, const SkinCarry& carry, uint32_t capacity) {
+  memmove(shown->loose + carry.flying, shown->loose + capacity - carry.lying, carry.lying * sizeof *shown->loose);
+  const bool changed = carry.flying + carry.lying != 0 || shown->flying + shown->lying != 0;
+  shown->flying = carry.flying;
+  shown->lying = carry.lying;
+  shown->frame = carry.frame;
+  shown->substeps = carry.substeps;
+  shown->lost = shown->lost || carry.left > 0;
+  if (carry.changed || changed) ++shown->version;
+}
+
+// One unit.
+void carry_on(SkinCarry* carry, SkinShown* shown, const SkinState& s) {
+  const Particles& particles = s.granular->particles;
+  const uint32_t chunks = s.bricks.chunks.capacity;
+  if (!is_begun(s)) begin_carry(carry, s);
+  uint32_t done = 0;
+  for (; carry->record < particles.count && done < k_unit_items; ++carry->record, ++done)
+    carry_particle(carry, shown, s, particles.records[0][carry->record]);
+  for (; carry->chunk < chunks && done < k_unit_items; ++carry->chunk) {
+    const uint32_t vertices = s.meshes.front.chunks[carry->chunk].vertex_count;
+    if (vertices == 0) continue;
+    done += vertices;
+    if (!carry_chunk(carry, shown, s.meshes.front, carry->chunk)) continue;
+    shown->chunks[carry->chunk].version = shown->version + 1;
+    carry->changed = true;
+  }
+  if (carry->record == particles.count && carry->chunk == chunks) end_carry(shown, *carry, s.desc.particle_capacity);
 }
 
 void run(void* state, uint32_t) {
-  SkinState* s = &static_cast<sandglass_skin*>(state)->skin;
-  SkinCarry& carry = s->carry;
-  const Particles& particles = s->granular->particles;
-  if (!is_begun(*s)) begin_carry(s);
-  uint32_t done = 0;
-  for (; carry.record < particles.count && done < k_unit_items; ++carry.record, ++done)
-    carry_particle(s, particles.records[0][carry.record]);
-  for (; carry.chunk < s->chunk_capacity && done < k_unit_items; ++carry.chunk) {
-    const uint32_t vertices = s->front.chunks[carry.chunk].vertex_count;
-    if (vertices == 0) continue;
-    done += vertices;
-    if (!carry_chunk(s, carry.chunk)) continue;
-    s->shown.chunks[carry.chunk].version = s->version + 1;
-    carry.changed = true;
-  }
-  if (carry.record == particles.count && carry.chunk == s->chunk_capacity) end_carry(s);
+  SkinState& s = static_cast<sandglass_skin*>(state)->skin;
+  carry_on(&s.carry, &s.shown, s);
 }
 
 uint32_t items_left(const SkinState& s) {
-  return s.granular->particles.count - (is_begun(s) ? s.carry.record : 0) + s.front.vertex_count;
+  return s.granular->particles.count - (is_begun(s) ? s.carry.record : 0) + s.meshes.front.vertex_count;
 }
 
 bool next(const void* state, uint32_t, WorkUnit* unit) {
@@ -237,11 +239,16 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
 uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
   if (!skin_has_work(s) || !(skin_is_late(s) || !s.valid)) return 0;
-  entries[0] = {k_skin_carry, s.granular->particles.count + s.front.vertex_count};
+  entries[0] = {k_skin_carry, s.granular->particles.count + s.meshes.front.vertex_count};
   return 1;
 }
 
 }  // namespace
+
+void carry_from_here(SkinCarry* carry, const SkinState& s) {
+  memcpy(carry->met, s.solids.colliders, s.desc.collider_capacity * sizeof *carry->met);
+  carry->frame = 0;
+}
 
 Stage skin_carry_stage(void* skin) { return {skin, next, run, forecast, k_skin_kinds, k_all_units, 1.0f}; }
 

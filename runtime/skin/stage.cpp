@@ -7,76 +7,51 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_turned = 0.05f;  // of the unit vector up: so far it turns before sand is filled anew
+// To the state without sand.
+void forget(SkinState* s) {
+  bricks_forget(&s->bricks);
+  sand_forget(&s->sand, s->desc.particle_capacity);
+  s->progress.phase = SkinPhase::idle;
+}
+
 constexpr uint32_t k_kind_of[] = {k_skin_gather, k_skin_gather, k_skin_gather, k_skin_gather, k_skin_density,
                                   k_skin_fill,   k_skin_calm,   k_skin_mesh,   k_skin_loose};
 constexpr const char* k_names[k_skin_kinds] = {"skin.gather", "skin.density", "skin.fill",
                                                "skin.calm",   "skin.mesh",    "skin.loose"};
 constexpr uint32_t k_items[k_skin_kinds] = {k_skin_unit_items,
                                             k_skin_unit_bricks,
-                                            8 * k_skin_unit_bricks,
+                                            k_skin_unit_layers,
                                             k_skin_unit_bricks,
                                             k_skin_unit_mesh,
                                             k_skin_unit_items,
                                             0};
 
-bool takes(const SkinState& s) { return s.phase <= SkinPhase::take; }
+bool takes(const SkinState& s) { return s.progress.phase <= SkinPhase::take; }
 
-uint32_t kind_of(const SkinState& s) { return k_kind_of[static_cast<uint32_t>(s.phase)]; }
+uint32_t kind_of(const SkinState& s) { return k_kind_of[static_cast<uint32_t>(s.progress.phase)]; }
 
 uint32_t items_of(const SkinState& s) { return takes(s) ? skin_take_items(s) : k_items[kind_of(s)]; }
 
-// The lattice's axes, right-handed: y is the world's axis nearest to up.
-void choose_axes(SkinState* s, const float up[3]) {
-  uint32_t most = s->axis[1];
-  for (uint32_t k = 0; k < 3; ++k)
-    if (__builtin_fabsf(up[k]) > 1.2f * __builtin_fabsf(up[most])) most = k;
-  const float sign = up[most] < 0 ? -1.0f : 1.0f;
-  if (s->axis[1] == most && s->sign[1] == sign) return;
-  const uint32_t x = (most + 2) % 3, z = (most + 1) % 3;  // x, y, z in a cycle, or with two of them turned round
-  s->axis[0] = x;
-  s->axis[1] = most;
-  s->axis[2] = z;
-  s->sign[0] = sign;
-  s->sign[1] = sign;
-  s->sign[2] = 1.0f;
-  skin_forget(s);
-}
-
-// Up as gravity has it; the world's y where there is none. Held still while it turns little.
-void find_up(SkinState* s, const Granular& g) {
-  float up[3] = {0, 1, 0}, turned = 0;
-  if (g.gravity_length > 0)
-    for (uint32_t k = 0; k < 3; ++k) up[k] = -g.gravity[k] / g.gravity_length;
-  for (uint32_t a = 0; a < 3; ++a) {
-    const float d = s->sign[a] * up[s->axis[a]] - s->up[a];
-    turned += d * d;
-  }
-  const bool falls = g.gravity_length > 0;
-  if (turned <= k_turned * k_turned && falls == s->falls) return;
-  s->falls = falls;
-  choose_axes(s, up);
-  for (uint32_t a = 0; a < 3; ++a) s->up[a] = s->sign[a] * up[s->axis[a]];
-  for (uint32_t k = 0; k < 2; ++k) {
-    const float lean = -s->up[2 * k] / s->up[1];  // aside for one down
-    const float bounded = lean > -1.0f ? (lean < 1.0f ? lean : 1.0f) : -1.0f;
-    s->lean[k] = floor_whole(bounded * k_skin_one + 0.5f);
-  }
-  for (uint32_t b = 0; b < s->brick_count; ++b) s->bricks[b].stale |= k_stale_fill;
-  s->asked = true;
+// What lies otherwise, or lies anew, is filled anew.
+void follow_up(SkinState* s) {
+  const SkinTurn turn = lattice_follow(&s->lattice, *s->granular);
+  if (turn == SkinTurn::none) return;
+  if (turn == SkinTurn::other_axes) forget(s);
+  for (uint32_t b = 0; b < s->bricks.count; ++b) s->bricks.records[b].stale |= k_stale_fill;
+  s->requests.asked = true;
 }
 
 void publish(SkinState* s) {
-  SkinMesh &back = s->back, &front = s->front;
+  SkinMesh &back = s->meshes.back, &front = s->meshes.front;
   SkinShown& shown = s->shown;
   const size_t loose = (back.flying + back.lying) * sizeof *back.loose;
   bool changed = !s->valid || back.flying != shown.flying || back.lying != shown.lying ||
                  memcmp(back.loose, shown.loose, loose) != 0;
-  for (uint32_t c = 0; c < s->chunk_capacity; ++c) {
+  for (uint32_t c = 0; c < s->bricks.chunks.capacity; ++c) {
     sandglass_skin_chunk& chunk = back.chunks[c];
     const bool carried = shown.chunks[c].vertices != front.chunks[c].vertices;
     if (chunk.version == k_chunk_changed || carried) {
-      chunk.version = s->version + 1;
+      chunk.version = s->shown.version + 1;
       changed = true;
     }
     shown.chunks[c] = chunk;
@@ -84,75 +59,86 @@ void publish(SkinState* s) {
   memcpy(shown.loose, back.loose, loose);
   shown.flying = back.flying;
   shown.lying = back.lying;
-  memcpy(s->met, s->colliders, s->desc.collider_capacity * sizeof *s->met);
-  if (changed) ++s->version;
+  float* const from = s->carry.from;
+  s->carry.from = s->sand.from;
+  s->sand.from = from;
+  carry_from_here(&s->carry, *s);
+  if (changed) ++s->shown.version;
   const SkinMesh swap = front;
   front = back;
   back = swap;
-  s->front_version = s->version;
-  shown.frame = s->gathered_frame;
-  shown.substeps = s->gathered_substeps;
-  s->carry.frame = 0;
+  s->front_version = s->shown.version;
+  shown.frame = s->sand.frame;
+  shown.substeps = s->sand.substeps;
   shown.lost = false;
-  s->in_time = s->begun == s->frame ? s->in_time + 1 : 0;
+  s->progress.in_time = s->progress.begun == s->frame ? s->progress.in_time + 1 : 0;
   s->valid = true;
-  s->front_frame = s->begun;
-  s->left_out = s->left_out_now;
-  memcpy(s->usual, s->spent, sizeof s->usual);
+  s->shown.begun = s->progress.begun;
+  s->shown.left_out = s->sand.left_out;
+  memcpy(s->progress.usual, s->progress.spent, sizeof s->progress.usual);
 }
 
 void begin(SkinState* s) {
-  s->asked = false;
-  if (s->whole_asked) skin_forget(s);
-  s->whole_asked = false;
-  s->begun = s->frame;
-  s->left_out_now = 0;
-  ++s->cycle;
-  s->cursor = s->restarts = 0;
-  memset(s->spent, 0, sizeof s->spent);
-  for (uint32_t i = 0; i < s->desc.particle_capacity; ++i) s->back.from[3 * i] = k_skin_nowhere;
-  s->phase = SkinPhase::take;
+  s->requests.asked = false;
+  if (s->requests.whole_asked) forget(s);
+  s->requests.whole_asked = false;
+  s->progress.begun = s->frame;
+  sand_begin_cycle(&s->sand, s->desc.particle_capacity);
+  s->filter.next = 0;
+  memset(s->progress.spent, 0, sizeof s->progress.spent);
+  s->progress.phase = SkinPhase::take;
+}
+
+// Sand and colliders of one moment.
+bool take(SkinState* s) {
+  if (sand_begins(&s->sand, *s)) {
+    solids_take(&s->solids, &s->bricks, *s, colliders_behind(*s->granular), &s->requests.asked);
+    for (uint32_t b = 0; b < s->bricks.count; ++b)
+      if ((s->bricks.records[b].stale & k_stale_solid) != 0) s->bricks.records[b].stale |= k_stale_density;
+  }
+  return skin_take(&s->sand, *s);
 }
 
 void run_unit(SkinState* s) {
-  if (s->phase == SkinPhase::idle) begin(s);
+  if (s->progress.phase == SkinPhase::idle) begin(s);
   // Sand that was taken as the frame began is taken again after its sub-steps.
-  const bool early = s->gathered_frame == s->frame && s->gathered_substeps != s->granular->counts.moments();
-  if (s->phase == SkinPhase::gather && s->cursor == 0 && early) s->phase = SkinPhase::take;
-  s->spent[kind_of(*s)] += items_of(*s);
-  s->ran = true;
-  switch (s->phase) {
+  const bool early = s->sand.frame == s->frame && s->sand.substeps != s->granular->counts.moments();
+  if (s->progress.phase == SkinPhase::gather_moved && s->sand.next_taken == 0 && early)
+    s->progress.phase = SkinPhase::take;
+  s->progress.spent[kind_of(*s)] += items_of(*s);
+  s->requests.ran = true;
+  switch (s->progress.phase) {
     case SkinPhase::take:
-      if (skin_take(s)) s->phase = SkinPhase::gather;
+      if (take(s)) s->progress.phase = SkinPhase::gather_moved;
       break;
-    case SkinPhase::gather:
-      if (skin_gather(s)) s->phase = SkinPhase::leave;
+    case SkinPhase::gather_moved:
+      if (skin_gather_moved(&s->sand, &s->bricks, *s)) s->progress.phase = SkinPhase::gather_gone;
       break;
-    case SkinPhase::leave:
-      if (skin_leave(s)) s->phase = SkinPhase::density;
+    case SkinPhase::gather_gone:
+      if (skin_gather_gone(&s->sand, &s->bricks)) s->progress.phase = SkinPhase::density;
       break;
     case SkinPhase::density:
-      if (!skin_density(s)) break;
-      skin_begin_fill(s);
-      s->phase = SkinPhase::fill;
+      if (!skin_density(&s->filter, &s->solids, &s->bricks, *s)) break;
+      skin_begin_fill(&s->fill, s->bricks);
+      s->progress.phase = SkinPhase::fill;
       break;
     case SkinPhase::fill:
-      if (skin_fill(s)) s->phase = SkinPhase::calm;
+      if (skin_fill(&s->fill, &s->bricks, s->lattice)) s->progress.phase = SkinPhase::calm;
       break;
     case SkinPhase::calm:
-      if (!skin_calm(s)) break;
-      skin_begin_mesh(s);
-      s->phase = SkinPhase::mesh;
+      if (!skin_calm(&s->filter, &s->bricks, s->desc.capped != 0)) break;
+      skin_begin_mesh(&s->meshes, *s);
+      s->progress.phase = SkinPhase::mesh;
       break;
     case SkinPhase::mesh:
-      if (!skin_mesh(s)) break;
-      skin_begin_loose(s);
-      s->phase = SkinPhase::loose;
+      if (!skin_mesh(&s->meshes, &s->bricks, *s)) break;
+      skin_begin_loose(&s->meshes);
+      s->progress.phase = SkinPhase::loose;
       break;
     default:
-      if (!skin_loose(s)) break;
+      if (!skin_loose(&s->meshes, &s->bricks, *s)) break;
       publish(s);
-      s->phase = SkinPhase::idle;
+      s->progress.phase = SkinPhase::idle;
   }
 }
 
@@ -165,22 +151,24 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
 
 void run(void* state, uint32_t) { run_unit(&static_cast<sandglass_skin*>(state)->skin); }
 
-// What is left of the skin under way, or asked for, if it takes what the last one took. One that takes more than a frame is
-// followed by another at once: then quality must not follow what is left of it.
+// What is left of the skin under way, or asked for, if it takes what the last one took. One that takes more than a
+// frame is followed by another at once: then quality must not follow what is left of it.
 uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const SkinState& s = static_cast<const sandglass_skin*>(state)->skin;
   if (!skin_has_work(s)) return 0;
   uint32_t count = 0;
   for (uint32_t kind = 0; kind < k_skin_carry; ++kind) {
-    const uint32_t spent = s.phase == SkinPhase::idle || skin_is_late(s) ? 0 : s.spent[kind];
-    const uint32_t left = s.usual[kind] > spent ? s.usual[kind] - spent : 0;
+    const uint32_t spent = s.progress.phase == SkinPhase::idle || skin_is_late(s) ? 0 : s.progress.spent[kind];
+    const uint32_t left = s.progress.usual[kind] > spent ? s.progress.usual[kind] - spent : 0;
     const uint32_t least = kind == kind_of(s) ? items_of(s) : 0;
     if ((left > least ? left : least) != 0) entries[count++] = {kind, left > least ? left : least, true};
   }
   return count;
 }
 
-bool under_way(const void* handle) { return static_cast<const sandglass_skin*>(handle)->skin.phase != SkinPhase::idle; }
+bool under_way(const void* handle) {
+  return static_cast<const sandglass_skin*>(handle)->skin.progress.phase != SkinPhase::idle;
+}
 
 uint32_t begin_frame(void* handle, const FrameView& view) {
   SkinState* s = &static_cast<sandglass_skin*>(handle)->skin;
@@ -188,21 +176,23 @@ uint32_t begin_frame(void* handle, const FrameView& view) {
   ++s->frame;
   s->granular = &granular;
   s->kernels = granular.kernels;
-  find_up(s, granular);
+  follow_up(s);
   // Also in the frame after the last motion: the skin under way then shows sand that still moved.
   const bool moving = granular.sleep.awake_count != 0;
-  if (moving || s->moving || granular.particles.count != s->sand) s->asked = true;
-  s->moving = moving;
-  s->sand = granular.particles.count;
+  if (moving || s->requests.moving || granular.particles.count != s->requests.particles) s->requests.asked = true;
+  s->requests.moving = moving;
+  s->requests.particles = granular.particles.count;
   // A skin under way keeps the colliders of its moment: else, beside one that moves, it would begin anew in each frame.
-  const bool idle = s->phase == SkinPhase::idle;
-  if (!idle) skin_drop_gone_fields(s);
-  else if (!s->asked) skin_take_colliders(s, granular.time.frame_step > 0 ? 0.0f : colliders_behind(granular));
+  const bool idle = s->progress.phase == SkinPhase::idle;
+  if (!idle) solids_drop_gone_fields(&s->solids, &s->bricks, *s, &s->requests.asked);
+  else if (!s->requests.asked)
+    solids_take(&s->solids, &s->bricks, *s, granular.time.frame_step > 0 ? 0.0f : colliders_behind(granular),
+                &s->requests.asked);
   // A mandatory unit comes before the frame's sub-steps: too early for particles to be taken, unless nothing ran in the
   // last frame either.
-  const uint32_t mandatory = takes(*s) && s->ran ? 0 : 1;
-  s->ran = false;
-  if (!idle) s->in_time = 0;
+  const uint32_t mandatory = takes(*s) && s->requests.ran ? 0 : 1;
+  s->requests.ran = false;
+  if (!idle) s->progress.in_time = 0;
   return mandatory;
 }
 

@@ -47,7 +47,7 @@ METRICS = {
     ],
     "pile": [
         ("pile_light per texel", r"::pile_light\(", "texels"),
-        ("columns per grain", r"sandglass::pile_run\(|::run_columns\(|::put_sphere\(|::put_column\(", "grains_put"),
+        ("columns per grain", r"::columns_(run|begin)\(|::put_sphere\(", "grains_put"),
         ("whole texture", None, "textures"),
     ],
     "sky": [

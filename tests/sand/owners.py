@@ -14,7 +14,7 @@ import pathlib
 import re
 import sys
 
-WHOLE = {"granular", "edit", "substep", "sweep"}
+WHOLE = {"granular", "edit_bodies", "edit_sand", "edit_scene", "substep", "sweep"}
 RECORDS = r"(particles\.records|grains\.records|grains\.snapshot\.particles)\b"
 PART = r"\b(?:g|granular)(?:->|\.)(?P<part>\w+)"
 FIELD = r"(?:(?:->|\.)\w+|\[[^][]*(?:\[[^][]*\][^][]*)*\])"

@@ -258,7 +258,7 @@ TEST(PileShadow, ReachesNoTexelBeyondTheTexture) {
   const int32_t n = 128;
   const auto check = [&](float x, float y, float z, float radius) {
     const float centre[3] = {x, y, z};
-    const sandglass::PileReach reach = sandglass::pile_reach(pile, centre, radius);
+    const sandglass::PileReach reach = sandglass::pile_reach(pile.rectangle, centre, radius);
     for (int axis = 0; axis < 2; ++axis) {
       if (reach.last[axis] < reach.first[axis]) continue;
       ASSERT_GE(reach.first[axis], 0) << x << ' ' << y << ' ' << z << ' ' << radius;
@@ -295,7 +295,7 @@ TEST(PileShadow, WorkOfAUnitIsBoundedForEverySphere) {
   EXPECT_EQ(shadow.run(spheres, 5), k_spheres * k_columns / sandglass::k_pile_unit_columns + k_rows);
   EXPECT_EQ(shadow.texture().valid, 1u);
   // The columns are those of the spheres: the highest is 0.1 m above the floor.
-  EXPECT_NEAR(shadow.get()->pile.top, 0.1f, 1e-4f);
+  EXPECT_NEAR(shadow.get()->pile.columns.top, 0.1f, 1e-4f);
   for (const float radius : {1e7f, INFINITY, NAN, 3e38f, 0.0f, -1.0f}) {
     shadow.refresh();
     EXPECT_LE(shadow.run(spheres, radius), 1 + k_rows) << radius << ": no sphere is left";

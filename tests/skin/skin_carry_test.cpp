@@ -104,7 +104,7 @@ TEST(SkinCarry, NoVertexIsBeyondTheGlass) {
         glass.frame(way(static_cast<float>(i + 1) / 60));
         const sandglass_skin_mesh mesh = glass.sand->skin.mesh();
         beyond += glass.beyond(mesh.chunks, mesh.chunk_count);
-        as_made += glass.beyond(glass.sand->skin.get()->skin.front.chunks, mesh.chunk_count);
+        as_made += glass.beyond(glass.sand->skin.get()->skin.meshes.front.chunks, mesh.chunk_count);
         behind = std::max(behind, mesh.frames_behind);
         const std::vector<float> at = glass.sand->scene.positions();
         for (size_t p = 0; p < at.size(); p += 3) ASSERT_FALSE(glass.is_beyond(&at[p], k_small));

@@ -370,11 +370,11 @@ TEST(Skin, APushExchangesFewPatches) {
     uint32_t seen = 0, exchanged = 0;
     for (int i = 0; i < 120; ++i) {
       sand.scene.colliders.back().position[0] = -0.3f + 0.2f * static_cast<float>(i) / 60;
-      sandglass::SkinMesh& mesh = sand.skin.get()->skin.front;
-      if (forgets) std::fill_n(mesh.anchors, mesh.vertex_count, sandglass::k_brick_none);
+      sandglass::SkinMesh& mesh = sand.skin.get()->skin.meshes.front;
+      if (forgets) std::fill_n(mesh.anchors, mesh.vertex_count, sandglass::k_none);
       sand.frame(1 / 60.0f);
       std::vector<Anchored> now;
-      for (uint32_t c = 0; c < sand.skin.get()->skin.chunk_capacity; ++c)
+      for (uint32_t c = 0; c < sand.skin.get()->skin.bricks.chunks.capacity; ++c)
         for (uint32_t v = 0; v < mesh.chunks[c].vertex_count; ++v) {
           const auto at = static_cast<size_t>(mesh.chunks[c].vertices - mesh.vertices) + v;
           now.push_back({place(mesh.vertices[at]), mesh.anchors[at]});
@@ -510,10 +510,10 @@ TEST(Skin, ALateSkinIsCarriedAlong) {
     const sandglass_frame_report report = sand.frame(1.0f / 60, i == 0 ? 1'000'000'000 : 1'000'000);
     const double seconds = report.time.simulated - simulated;
     const bool is_now = s.shown.frame == s.frame, same = i > 2 && was_now && is_now && s.front_version == front;
-    stood += i > 2 && s.version == version ? 1 : 0;
+    stood += i > 2 && s.shown.version == version ? 1 : 0;
     simulated = report.time.simulated;
     front = s.front_version;
-    version = s.version;
+    version = s.shown.version;
     was_now = is_now;
     const Mesh mesh = mesh_of(sand.skin);
     for (size_t v = 0; same && v < mesh.vertices.size(); ++v)

@@ -10,7 +10,8 @@
 //   lamp.cpp      how large a lamp is, of an image that shows it unclipped
 //   texels.cpp    an image into the texels of a cube, for reflections, and the cube that is seen from a place
 //   probe.cpp     a cube or harmonics of another system, into a layer below what the camera has seen
-//   estimate.cpp  the light at a place
+//   sums.cpp      what was seen, and what is to be expected elsewhere, summed up at a place
+//   estimate.cpp  the light there
 //   fade.cpp      from the light that is shown to the one that is known
 //   save.cpp      to bytes and back
 //   room.cpp      the C API, and the room's part in a frame
@@ -322,7 +323,7 @@ RoomPart room_known(const Room& room, uint32_t part, const double scale[3], doub
 // camera has seen. False where they share too little.
 bool room_probe_fit(const Room& room, uint32_t* quarters, bool* mirrored);
 
-// What is fitted: how the light that was not seen follows from what was. See estimate.cpp.
+// What is fitted: how the light that was not seen follows from what was. See sums.h and estimate.cpp.
 struct RoomModel {
   double boost;         // a part whose pixels are all clipped is 1 + boost times as bright as white
   double fill;          // brightness of an unseen part above the horizon, beside the geometric mean of what was seen

@@ -2,7 +2,12 @@
 //   gather   the meshes' triangles, in the plane's frame (gather.cpp); left out while they are as they were
 //   draw     one image of bits for each direction of the light (directions.cpp), counted (draw.cpp)
 //   calm     the counts become bytes, through a filter (calm.cpp); the last unit swaps the two textures
-// The texture of the light and the ambient one share all of it, and take turns (stage.cpp).
+// The texture of the light and the ambient one share all of it, and take turns (stage.cpp). What the app sets is
+// compared with what was gathered (compare.cpp).
+//
+// The state is put together from parts. Each is a section here, which names the source file that changes it: functions
+// take that part as a pointer, and the rest as `const CastState&`. stage.cpp and compare.cpp put the whole together
+// (tests/docs/parts.py).
 #pragma once
 
 #include <cstdint>
@@ -37,7 +42,7 @@ static_assert(k_cast_calm + 1 == k_cast_kinds);
 
 enum class CastPhase : uint32_t { idle, gather, draw, calm };
 
-// The two textures, also as bits of what is asked for.
+// The two textures.
 enum : uint32_t { k_cast_light, k_cast_ambient, k_cast_targets };
 
 // What is drawn together. Real ones come first, because they mask the others.
@@ -50,32 +55,21 @@ struct CastFrame {
   bool is_virtual;
 };
 
-// Gathered triangles that darken the plane, by the octave of the distance that they reach from the anchor: their box,
-// the nearest that one begins, the least that one reaches, how many they are, and how many of the first mesh.
-struct CastReach {
-  float low[3], high[3], nearest, least;
-  uint32_t count, first_mesh;
-  bool is_far;
-};
-
-// A mesh as the app has set it, and as its triangles were gathered.
-struct CastMesh {
-  sandglass_cast_mesh asked, gathered;
-  double plane_from_mesh[12];  // of `gathered`: three rows of four
-  float low[3], high[3];       // of the corners that were gathered, in the mesh's frame
-};
-
 // One direction of the light: how far a metre of height moves a shadow, and where in a texel its grid is.
 struct CastDirection {
   float slope[2], shift[2];
 };
 
+// ---- CastTarget (stage.cpp; the texture under way: draw.cpp, calm.cpp)
+
 struct CastTexture {
   uint8_t* bytes;
   CastFrame frame;
-  double low[2], texel[2];  // in that frame
-  float fade[2][2];  // texels at the low and the high side over which a shadow that goes on fades; 0: it ends there
-  double light[3];   // world
+  // In that frame.
+  double low[2], texel[2];
+  // Texels at the low and the high side over which a shadow that goes on fades; 0: it ends there.
+  float fade[2][2];
+  double light[3];  // world
   uint32_t directions, left_out, too_far;
   float open;
 };
@@ -85,60 +79,137 @@ struct CastTarget {
   uint32_t texels;  // 0: none
   CastTexture front, back;
   bool valid;
-  bool asked;  // something has changed since the texture under way, or the last one, was begun
-  bool draft;  // the next one is a first texture
+  // Something has changed since the texture under way, or the last one, was begun.
+  bool asked;
+  // The next one is a first texture.
+  bool draft;
   uint32_t completed;
-  uint64_t rows;  // that the last one drew, counted as in k_cast_unit_rows
+  // That the last one drew, counted as in k_cast_unit_rows.
+  uint64_t rows;
 };
 
-struct CastState {
-  const Kernels* kernels;
-  uint32_t directions_of_light, triangle_capacity, mesh_capacity;
-  double tolerance_squared;
-  CastTarget targets[k_cast_targets];
-  // What is asked for.
+// ---- CastRequest (create.cpp)
+
+// A mesh as the app has set it; and as its triangles were gathered (gather.cpp).
+struct CastMesh {
+  sandglass_cast_mesh asked, gathered;
+  // Of `gathered`: three rows of four.
+  double plane_from_mesh[12];
+  // Of the corners that were gathered, in the mesh's frame.
+  float low[3], high[3];
+};
+
+// What is asked for.
+struct CastRequest {
   CastFrame frame;
   CastMesh* meshes;
   uint32_t mesh_count;
-  bool stale;  // the gathered triangles are not those of the meshes
   bool light_known;
-  double light[3], half;  // world; half the angular diameter, in turns
-  float cells[k_light_cells], cells_made[k_light_cells];
-  // The gathered triangles.
+  // Direction in the world, and half the angular diameter in turns.
+  double light[3], half;
+  float cells[k_light_cells];
+};
+
+// ---- CastGathered (gather.cpp)
+
+// Gathered triangles that darken the plane, by the octave of the distance that they reach from the anchor: their box,
+// the nearest that one begins, the least that one reaches, how many they are, and how many of the first mesh.
+struct CastReach {
+  float low[3], high[3], nearest, least;
+  uint32_t count, first_mesh;
+  bool is_far;
+};
+
+// The triangles of the meshes.
+struct CastGathered {
   float* corners[9];
   uint32_t starts[k_cast_groups + 1], room;  // multiples of 16
-  CastFrame gathered_frame;
-  double low[3], high[3];  // of what darkens the plane
-  uint32_t left_out, too_far, triangles;
-  float reach;  // of the description
+  CastFrame frame;
+  // Whether something darkens the plane, and its box.
+  bool darkens;
+  double low[3], high[3];
+  uint32_t left_out, too_far;
   CastReach reaches[k_cast_reaches];
-  float anchor[3];  // the middle of the first mesh that darkens the plane
+  // The middle of the first mesh that darkens the plane.
+  float anchor[3];
   uint32_t first_mesh;
-  bool sifts;         // what is too far is taken out
-  uint32_t restarts;  // since the last texture: gatherings that were begun anew as there were other counts
-  // The texture under way.
+  // The next triangle: of a mesh, or while what is too far is taken out, of all; and how many are kept.
+  bool sifts;
+  uint32_t group, mesh, triangle, kept;
+};
+
+// ---- CastComparison (compare.cpp)
+
+struct CastComparison {
+  // The gathered triangles are not those of the meshes.
+  bool stale;
+  // Of all meshes.
+  uint32_t triangles;
+  // Since the last texture: gatherings that were begun anew as there were other counts.
+  uint32_t restarts;
+};
+
+// ---- CastDrawing (draw.cpp)
+
+struct CastDrawing {
+  // Of the texture's light, then of the other light.
+  CastDirection* directions;
+  uint32_t direction_count, other_count;
+  // Of the main light, see cast_share.
+  double share;
+  // Of the last ambient texture.
+  float cells[k_light_cells];
+  // The next direction, and triangle of all.
+  uint32_t direction, group, triangle;
+  // Words of bits.
+  uint64_t *image, *mask;
+  // Of the texture's light and the other: k_cast_planes words for each of those.
+  uint64_t *counts[2], *mask_counts[2];
+  // Texels, once and as often as they are covered.
+  uint64_t covered, drawn;
+  // Counted as in k_cast_unit_rows.
+  uint64_t rows;
+};
+
+// ---- CastCalm (calm.cpp)
+
+struct CastCalm {
+  uint32_t pass, row;
+  // Rows of counts, with k_lane_group before and after each.
+  float* values;
+  // Least, greatest, sum: k_cast_rows rows each.
+  float* windows[3];
+  // The ambient texture holds less than it should.
+  bool shade_found;
+};
+
+// ---- CastProgress (stage.cpp)
+
+struct CastProgress {
   CastPhase phase;
   uint32_t target, last_target;
-  uint32_t group, mesh, cursor, kept;  // of gather: next triangle of a mesh; of draw: next triangle of all
-  CastDirection* directions;           // of the texture's light, then of the other light
-  uint32_t direction_count, other_count, direction;
-  uint64_t *image, *mask;                // words of bits
-  uint64_t *counts[2], *mask_counts[2];  // of the texture's light and the other: k_cast_planes words for each of those
-  double share;                          // of the main light, see cast_share
-  bool shade_found, in_shade;  // the ambient texture holds less than it should, see calm.cpp; the last one did
-  uint64_t covered, drawn;     // texels, once and as often as they are covered
-  uint64_t rows;
-  uint32_t pass, row;  // of calm
-  float* values;       // rows of counts, with k_lane_group before and after each
-  float* windows[3];   // least, greatest, sum: k_cast_rows rows each
+  // CastCalm::shade_found of the last ambient texture.
+  bool in_shade;
+};
+
+// ---- the whole
+
+struct CastState {
+  sandglass_cast_desc desc;
+  const Kernels* kernels;
+  CastTarget targets[k_cast_targets];
+  CastRequest request;
+  CastGathered gathered;
+  CastComparison comparison;
+  CastDrawing drawing;
+  CastCalm calm;
+  CastProgress progress;
 };
 
 inline uint32_t cast_words(uint32_t texels) { return texels / 64; }
 inline uint32_t cast_pitch(uint32_t texels) { return texels + 2 * k_lane_group; }
 // Whether what is real keeps virtual objects from darkening the plane.
-inline bool cast_masks(const CastState& c) {
-  return !c.gathered_frame.is_virtual && c.starts[k_cast_virtual_closed] != 0;
-}
+inline bool cast_masks(const CastGathered& g) { return !g.frame.is_virtual && g.starts[k_cast_virtual_closed] != 0; }
 
 // What the cells leave for the main light, where both textures are divided by what real things leave of both lights; or
 // 0.
@@ -146,14 +217,16 @@ double cast_share(const CastState& cast);
 
 // After a call that has changed meshes or plane: what is gathered and shown may be out of date.
 void cast_compare(CastState* cast);
+// Three rows of four, from a mesh's frame into the plane's.
+void cast_place(const CastFrame& frame, const float world_from_mesh[16], double rows[12]);
 
 // The phases: each runs one unit, and returns true once its phase is done.
-void cast_begin_gather(CastState* cast);
-bool cast_gather(CastState* cast);
-void cast_begin_draw(CastState* cast);
-bool cast_draw(CastState* cast);
-void cast_begin_calm(CastState* cast);
-bool cast_calm(CastState* cast);
+void cast_begin_gather(CastGathered* gathered, CastMesh* meshes, const CastRequest& request);
+bool cast_gather(CastGathered* gathered, CastMesh* meshes, uint32_t mesh_count, float farthest);
+void cast_begin_draw(CastDrawing* drawing, CastTarget* target, const CastState& c);
+bool cast_draw(CastDrawing* drawing, CastTarget* target, const CastState& c);
+void cast_begin_calm(CastCalm* calm);
+bool cast_calm(CastCalm* calm, uint8_t* bytes, const CastState& c);
 
 // Directions of equal irradiance on the plane, in its frame. 0: the light is below it.
 uint32_t cast_light_directions(const double light[3], double half_turns, uint32_t count, CastDirection* directions);

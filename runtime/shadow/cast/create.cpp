@@ -48,21 +48,22 @@ sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
   const uint64_t widest = desc.texels > desc.ambient_texels ? desc.texels : desc.ambient_texels;
   const uint64_t words = widest * cast_words(static_cast<uint32_t>(widest));
   // An eighth more than asked for, for triangles that the plane cuts into two, and what fills groups up.
-  c->room = (desc.triangle_capacity + desc.triangle_capacity / 8 + (k_cast_groups + 1) * k_lane_group) / k_lane_group *
-            k_lane_group;
-  c->meshes = layout_region<CastMesh>(layout, "cast.meshes", desc.mesh_capacity);
-  for (float*& array : c->corners) array = layout_region<float>(layout, "cast.corners", c->room + k_lane_group);
-  c->directions =
+  c->gathered.room = (desc.triangle_capacity + desc.triangle_capacity / 8 + (k_cast_groups + 1) * k_lane_group) /
+                     k_lane_group * k_lane_group;
+  c->request.meshes = layout_region<CastMesh>(layout, "cast.meshes", desc.mesh_capacity);
+  for (float*& array : c->gathered.corners)
+    array = layout_region<float>(layout, "cast.corners", c->gathered.room + k_lane_group);
+  c->drawing.directions =
       layout_region<CastDirection>(layout, "cast.directions", k_cast_ambient_directions + k_cast_other_directions);
-  c->image = layout_region<uint64_t>(layout, "cast.image", words);
-  c->mask = layout_region<uint64_t>(layout, "cast.mask", words);
+  c->drawing.image = layout_region<uint64_t>(layout, "cast.image", words);
+  c->drawing.mask = layout_region<uint64_t>(layout, "cast.mask", words);
   for (uint32_t light = 0; light < 2; ++light) {
     const uint64_t counted = light == 0 || (desc.texels != 0 && desc.ambient_texels != 0) ? k_cast_planes * words : 0;
-    c->counts[light] = layout_region<uint64_t>(layout, "cast.counts", counted);
-    c->mask_counts[light] = layout_region<uint64_t>(layout, "cast.mask_counts", counted);
+    c->drawing.counts[light] = layout_region<uint64_t>(layout, "cast.counts", counted);
+    c->drawing.mask_counts[light] = layout_region<uint64_t>(layout, "cast.mask_counts", counted);
   }
-  c->values = layout_region<float>(layout, "cast.values", widest * cast_pitch(static_cast<uint32_t>(widest)));
-  for (float*& window : c->windows) window = layout_region<float>(layout, "cast.windows", k_cast_rows * widest);
+  c->calm.values = layout_region<float>(layout, "cast.values", widest * cast_pitch(static_cast<uint32_t>(widest)));
+  for (float*& window : c->calm.windows) window = layout_region<float>(layout, "cast.windows", k_cast_rows * widest);
   const uint32_t sides[k_cast_targets] = {desc.texels, desc.ambient_texels};
   for (uint32_t i = 0; i < k_cast_targets; ++i) {
     CastTarget* target = &c->targets[i];
@@ -98,12 +99,13 @@ sandglass_status frame_of(const sandglass_cast_plane& plane, CastFrame* frame, c
 // nearest to the origin of what is gathered, if that is not so far that floats get coarse.
 void keep_origin(const CastState& c, CastFrame* frame) {
   double shift[2];
-  if (c.phase == CastPhase::idle && c.targets[k_cast_light].completed + c.targets[k_cast_ambient].completed == 0)
+  if (c.progress.phase == CastPhase::idle &&
+      c.targets[k_cast_light].completed + c.targets[k_cast_ambient].completed == 0)
     return;
   for (uint32_t side = 0; side < 2; ++side) {
     const double* axis = frame->axes[2 * side];
     shift[side] = 0;
-    for (uint32_t i = 0; i < 3; ++i) shift[side] += axis[i] * (c.gathered_frame.origin[i] - frame->origin[i]);
+    for (uint32_t i = 0; i < 3; ++i) shift[side] += axis[i] * (c.gathered.frame.origin[i] - frame->origin[i]);
     if (!(absolute(shift[side]) <= k_origin_kept)) return;
   }
   for (uint32_t side = 0; side < 2; ++side) {
@@ -117,21 +119,17 @@ sandglass_status build(const sandglass_cast_desc& desc, sandglass_cast* owner, c
   owner->member.capability = &k_cast_capability;
   CastState* c = &owner->cast;
   c->kernels = select_cast_kernels(desc.isa);
-  c->directions_of_light = desc.directions;
-  c->triangle_capacity = desc.triangle_capacity;
-  c->mesh_capacity = desc.mesh_capacity;
-  c->reach = desc.reach;
-  c->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
+  c->desc = desc;
   sandglass_cast_plane plane;
   sandglass_cast_plane_default(&plane);
-  (void)frame_of(plane, &c->frame, nullptr);
-  c->gathered_frame = c->frame;
-  for (float& cell : c->cells) cell = 1.0f / k_light_cells;
-  memcpy(c->cells_made, c->cells, sizeof c->cells);
-  c->last_target = k_cast_ambient;
+  (void)frame_of(plane, &c->request.frame, nullptr);
+  c->gathered.frame = c->request.frame;
+  for (float& cell : c->request.cells) cell = 1.0f / k_light_cells;
+  memcpy(c->drawing.cells, c->request.cells, sizeof c->request.cells);
+  c->progress.last_target = k_cast_ambient;
   for (uint32_t i = 0; i < k_cast_targets; ++i) {
     CastTarget* target = &c->targets[i];
-    target->front.frame = c->frame;
+    target->front.frame = c->request.frame;
     target->front.open = 1;
     if (i == k_cast_ambient && target->texels != 0)
       memset(target->front.bytes, 255, uint64_t{target->texels} * target->texels);
@@ -165,23 +163,23 @@ bool silently_longer(const sandglass_cast_mesh& now, const sandglass_cast_mesh& 
 
 __attribute__((noinline)) sandglass_status take_meshes(CastState* c, const sandglass_cast_mesh* meshes, uint32_t count,
                                                        const char** reason) {
-  if (count > c->mesh_capacity)
+  if (count > c->desc.mesh_capacity)
     return refuse(reason, SANDGLASS_ERROR_CAPACITY,
                   "there are more meshes than desc.mesh_capacity: create a larger cast.");
   uint64_t triangles = 0;
   for (uint32_t i = 0; i < count; ++i) {
     if (const sandglass_status status = check_mesh(meshes[i], reason)) return status;
-    if (i < c->mesh_count && silently_longer(meshes[i], c->meshes[i].asked))
+    if (i < c->request.mesh_count && silently_longer(meshes[i], c->request.meshes[i].asked))
       return refuse(reason, "a mesh has other counts, but arrays and version are as before: give it another version.");
     triangles += meshes[i].triangle_count;
   }
-  if (triangles > c->triangle_capacity)
+  if (triangles > c->desc.triangle_capacity)
     return refuse(
         reason, SANDGLASS_ERROR_CAPACITY,
         "there are more triangles than desc.triangle_capacity: create a larger cast, or pass a coarser mesh.");
-  for (uint32_t i = 0; i < count; ++i) c->meshes[i].asked = meshes[i];
-  for (uint32_t i = c->mesh_count; i < count; ++i) c->meshes[i].gathered.triangle_count = 0;
-  c->mesh_count = count;
+  for (uint32_t i = 0; i < count; ++i) c->request.meshes[i].asked = meshes[i];
+  for (uint32_t i = c->request.mesh_count; i < count; ++i) c->request.meshes[i].gathered.triangle_count = 0;
+  c->request.mesh_count = count;
   cast_compare(c);
   return accept(reason);
 }
@@ -196,13 +194,14 @@ __attribute__((noinline)) sandglass_status take_light(CastState* c, const float 
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
   for (double& x : light) x /= length;
   const double half = static_cast<double>(diameter > 0 ? diameter : k_usual_diameter) / (4 * k_pi);
-  for (uint32_t axis = 0; axis < 3; ++axis) chord += (light[axis] - c->light[axis]) * (light[axis] - c->light[axis]);
-  const double wider = (half - c->half) * 2 * k_pi;
-  if (c->light_known && !(chord > c->tolerance_squared) && !(wider * wider > c->tolerance_squared))
+  for (uint32_t axis = 0; axis < 3; ++axis)
+    chord += (light[axis] - c->request.light[axis]) * (light[axis] - c->request.light[axis]);
+  const double tolerance = static_cast<double>(c->desc.light_tolerance), wider = (half - c->request.half) * 2 * k_pi;
+  if (c->request.light_known && !(chord > tolerance * tolerance) && !(wider * wider > tolerance * tolerance))
     return accept(reason);
-  for (uint32_t axis = 0; axis < 3; ++axis) c->light[axis] = light[axis];
-  c->half = half;
-  c->light_known = true;
+  for (uint32_t axis = 0; axis < 3; ++axis) c->request.light[axis] = light[axis];
+  c->request.half = half;
+  c->request.light_known = true;
   c->targets[k_cast_light].asked = c->targets[k_cast_light].texels != 0;
   if (cast_share(*c) > 0) c->targets[k_cast_ambient].asked = true;
   return accept(reason);
@@ -210,8 +209,8 @@ __attribute__((noinline)) sandglass_status take_light(CastState* c, const float 
 
 __attribute__((noinline)) sandglass_status take_cells(CastState* c, const float* cells, const char** reason) {
   if (const sandglass_status status = check_cells(cells, reason)) return status;
-  memcpy(c->cells, cells, sizeof c->cells);
-  if (!cells_differ(c->cells_made, cells)) return accept(reason);
+  memcpy(c->request.cells, cells, sizeof c->request.cells);
+  if (!cells_differ(c->drawing.cells, cells)) return accept(reason);
   c->targets[k_cast_ambient].asked = c->targets[k_cast_ambient].texels != 0;
   if (cast_share(*c) > 0) c->targets[k_cast_light].asked = true;
   return accept(reason);
@@ -233,7 +232,7 @@ void fill_texture(const CastState& c, uint32_t which, sandglass_texture* out) {
     texture.across[axis] = static_cast<float>(v * front.texel[1] * target.texels);
     texture.light[axis] = static_cast<float>(front.light[axis]);
   }
-  texture.behind = target.asked || (c.phase != CastPhase::idle && c.target == which) ? 1 : 0;
+  texture.behind = target.asked || (c.progress.phase != CastPhase::idle && c.progress.target == which) ? 1 : 0;
   texture.version = target.completed;
   fill_struct(&texture, sizeof texture, out);
 }
@@ -283,7 +282,7 @@ sandglass_status sandglass_cast_set_plane(sandglass_cast* cast, const sandglass_
   const sandglass_status status = frame_of(*plane, &frame, reason);
   if (status == SANDGLASS_OK) {
     keep_origin(cast->cast, &frame);
-    cast->cast.frame = frame;
+    cast->cast.request.frame = frame;
     cast_compare(&cast->cast);
   }
   return status;

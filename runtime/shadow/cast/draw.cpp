@@ -1,7 +1,7 @@
 // One texture: its directions and its rectangle, the images of all directions, and their count.
 //
-// Counts are kept as bit planes: word i of plane b holds bit b of the counts of 64 texels. Adding an image is then a chain of
-// half adders, 64 texels at a time.
+// Counts are kept as bit planes: word i of plane b holds bit b of the counts of 64 texels. Adding an image is then a
+// chain of half adders, 64 texels at a time.
 #include <cstring>
 
 #include "runtime/math/math.h"
@@ -24,63 +24,79 @@ double texel_size(double x) {
   return finer < size ? finer : size;
 }
 
-// The rectangle of the texture: what the shadows of the triangles' box reach, on a grid that lies still. Where the
-// plane ends before, so does the rectangle, with a whole texel. False: nothing can be seen.
-bool fit(const CastState& c, const CastDirection* directions, CastTexture* texture, uint32_t texels) {
+// The least and the greatest slope of directions along an axis, no steeper than is drawn; and of those that are cut for
+// it.
+struct Slopes {
+  double low = 0, high = 0, low_cut = 0, high_cut = 0;
+  void include(double slope, bool cut) {
+    low = slope < low ? slope : low;
+    high = slope > high ? slope : high;
+    if (!cut) return;
+    low_cut = slope < low_cut ? slope : low_cut;
+    high_cut = slope > high_cut ? slope : high_cut;
+  }
+};
+
+// Along one axis, the rectangle of the texture: what the shadows of the triangles' box reach, on a grid that lies
+// still. Where the plane ends before, so does the rectangle, with a whole texel. `around`: metres about the box that
+// are in it, too, and fade. False: nothing can be seen.
+bool fit_along(const CastGathered& g, uint32_t axis, const Slopes& slopes, bool ambient, double around,
+               CastTexture* texture, uint32_t texels) {
+  const double low = g.low[2 * axis], high = g.high[2 * axis];
+  const double most = ambient ? k_cast_ambient_slope : slopes.high,
+               least = ambient ? -k_cast_ambient_slope : slopes.low;
+  double from = low - most * g.high[1], to = high - least * g.high[1];
+  bool fades[2] = {ambient, ambient};
+  if (around > 0) {
+    const double wide[2] = {low - around, high + around};
+    fades[0] = wide[0] < from;
+    fades[1] = wide[1] > to;
+    from = fades[0] ? wide[0] : from;
+    to = fades[1] ? wide[1] : to;
+  }
+  const double bounds[2] = {static_cast<double>(g.frame.low[axis]), static_cast<double>(g.frame.high[axis])};
+  const bool cut[2] = {from < bounds[0] || from > bounds[1], to > bounds[1] || to < bounds[0]};
+  double* const ends[2] = {&from, &to};
+  for (double* end : ends) *end = *end < bounds[0] ? bounds[0] : *end > bounds[1] ? bounds[1] : *end;
+  const double least_side = 1e-4;
+  const double side = to - from > least_side ? to - from : least_side;
+  const double texel = cut[0] && cut[1] ? side / texels : texel_size(side / (texels - 2));
+  texture->texel[axis] = texel;
+  texture->low[axis] = cut[0]   ? from
+                       : cut[1] ? to - texel * texels
+                                : static_cast<double>(floor_index(from / texel)) * texel;
+  // Nor do the texels beyond what was asked for pass the plane's end.
+  const double last = texture->low[axis] + texel * texels;
+  if (texture->low[axis] < bounds[0] || last > bounds[1]) {
+    texture->low[axis] = texture->low[axis] < bounds[0] ? bounds[0] : texture->low[axis];
+    texture->texel[axis] = ((last > bounds[1] ? bounds[1] : last) - texture->low[axis]) / texels;
+  }
+  // A shadow that goes on ends softly.
+  const bool goes_on[2] = {slopes.high_cut > k_cast_slope_fade, slopes.low_cut < -k_cast_slope_fade};
+  const float fade = static_cast<float>(k_cast_slope_fade * g.high[1] / texel);
+  for (int end = 0; end < 2; ++end)
+    texture->fade[axis][end] = cut[end] ? 0.0f : fades[end] ? k_rim : goes_on[end] ? fade : 0.0f;
+  return to > from;
+}
+
+// The rectangle. False: nothing can be seen.
+bool fit(const CastDrawing& drawing, const CastState& c, CastTexture* texture, uint32_t texels) {
+  const bool ambient = c.progress.target == k_cast_ambient;
+  Slopes slopes[2];
+  for (uint32_t i = 0; i < drawing.direction_count && !ambient; ++i) {
+    const float* slope = drawing.directions[i].slope;
+    const double x = static_cast<double>(slope[0]), z = static_cast<double>(slope[1]);
+    const double length = square_root(x * x + z * z),
+                 part = length > k_cast_slope_most ? k_cast_slope_most / length : 1;
+    slopes[0].include(x * part, part < 1);
+    slopes[1].include(z * part, part < 1);
+  }
+  // What the ambient texture cannot hold is in that of the light.
+  const bool holds_shade = !ambient && c.progress.in_shade && drawing.share > 0;
+  const double around = holds_shade ? k_cast_ambient_slope * c.gathered.high[1] : 0;
   bool seen = true;
-  double low[2] = {0, 0}, high[2] = {0, 0}, low_cut[2] = {0, 0}, high_cut[2] = {0, 0};  // of slopes, and of those cut
-  const bool ambient = c.target == k_cast_ambient;
-  for (uint32_t i = 0; i < c.direction_count && !ambient; ++i) {
-    const double x = static_cast<double>(directions[i].slope[0]), z = static_cast<double>(directions[i].slope[1]);
-    const double length = square_root(x * x + z * z), cut = length > k_cast_slope_most ? k_cast_slope_most / length : 1;
-    const double slopes[2] = {x * cut, z * cut};
-    for (uint32_t axis = 0; axis < 2; ++axis) {
-      low[axis] = slopes[axis] < low[axis] ? slopes[axis] : low[axis];
-      high[axis] = slopes[axis] > high[axis] ? slopes[axis] : high[axis];
-      if (!(cut < 1)) continue;
-      low_cut[axis] = slopes[axis] < low_cut[axis] ? slopes[axis] : low_cut[axis];
-      high_cut[axis] = slopes[axis] > high_cut[axis] ? slopes[axis] : high_cut[axis];
-    }
-  }
-  for (uint32_t axis = 0; axis < 2; ++axis) {
-    const uint32_t of_box = 2 * axis;
-    const double most = ambient ? k_cast_ambient_slope : high[axis],
-                 least = ambient ? -k_cast_ambient_slope : low[axis];
-    double from = c.low[of_box] - most * c.high[1], to = c.high[of_box] - least * c.high[1];
-    bool fades[2] = {ambient, ambient};
-    if (!ambient && c.in_shade && c.share > 0) {  // what the ambient texture cannot hold is in this one
-      const double around = k_cast_ambient_slope * c.high[1],
-                   wide[2] = {c.low[of_box] - around, c.high[of_box] + around};
-      fades[0] = wide[0] < from;
-      fades[1] = wide[1] > to;
-      from = fades[0] ? wide[0] : from;
-      to = fades[1] ? wide[1] : to;
-    }
-    const double bounds[2] = {static_cast<double>(c.gathered_frame.low[axis]),
-                              static_cast<double>(c.gathered_frame.high[axis])};
-    const bool cut[2] = {from < bounds[0] || from > bounds[1], to > bounds[1] || to < bounds[0]};
-    double* const ends[2] = {&from, &to};
-    for (double* end : ends) *end = *end < bounds[0] ? bounds[0] : *end > bounds[1] ? bounds[1] : *end;
-    seen = seen && to > from;
-    const double least_side = 1e-4;
-    const double side = to - from > least_side ? to - from : least_side;
-    const double texel = cut[0] && cut[1] ? side / texels : texel_size(side / (texels - 2));
-    texture->texel[axis] = texel;
-    texture->low[axis] = cut[0]   ? from
-                         : cut[1] ? to - texel * texels
-                                  : static_cast<double>(floor_index(from / texel)) * texel;
-    // Nor do the texels beyond what was asked for pass the plane's end.
-    const double last = texture->low[axis] + texel * texels;
-    if (texture->low[axis] < bounds[0] || last > bounds[1]) {
-      texture->low[axis] = texture->low[axis] < bounds[0] ? bounds[0] : texture->low[axis];
-      texture->texel[axis] = ((last > bounds[1] ? bounds[1] : last) - texture->low[axis]) / texels;
-    }
-    // A shadow that goes on ends softly.
-    const bool goes_on[2] = {high_cut[axis] > k_cast_slope_fade, low_cut[axis] < -k_cast_slope_fade};
-    const float fade = static_cast<float>(k_cast_slope_fade * c.high[1] / texel);
-    for (int end = 0; end < 2; ++end)
-      texture->fade[axis][end] = cut[end] ? 0.0f : fades[end] ? k_rim : goes_on[end] ? fade : 0.0f;
-  }
+  for (uint32_t axis = 0; axis < 2; ++axis)
+    seen = fit_along(c.gathered, axis, slopes[axis], ambient, around, texture, texels) && seen;
   return seen;
 }
 
@@ -109,127 +125,123 @@ uint64_t count_image(uint64_t* image, uint64_t* counts, uint64_t words) {
   return bits;
 }
 
-void end_direction(CastState* c) {
-  const uint64_t texels = c->targets[c->target].texels, words = texels * cast_words(c->targets[c->target].texels);
-  const uint32_t light = c->direction < c->direction_count ? 0 : 1;
-  if (cast_masks(*c)) {
-    for (uint64_t i = 0; i < words; ++i) c->image[i] &= ~c->mask[i];
-    count_image(c->mask, c->mask_counts[light], words);
+void end_direction(CastDrawing* drawing, const CastGathered& gathered, uint32_t texels) {
+  const uint64_t words = uint64_t{texels} * cast_words(texels);
+  const uint32_t light = drawing->direction < drawing->direction_count ? 0 : 1;
+  if (cast_masks(gathered)) {
+    for (uint64_t i = 0; i < words; ++i) drawing->image[i] &= ~drawing->mask[i];
+    count_image(drawing->mask, drawing->mask_counts[light], words);
   }
-  c->covered += count_image(c->image, c->counts[light], words);
-  ++c->direction;
-  c->group = 0;
-  c->cursor = 0;
+  drawing->covered += count_image(drawing->image, drawing->counts[light], words);
+  ++drawing->direction;
+  drawing->group = 0;
+  drawing->triangle = 0;
 }
 
 // Directions of the main light or of the cells, in the gathered frame.
 uint32_t directions_of(const CastState& c, uint32_t which, uint32_t count, CastDirection* out) {
-  if (which == k_cast_ambient) return cast_cell_directions(c.cells, count, out);
+  if (which == k_cast_ambient) return cast_cell_directions(c.request.cells, count, out);
   double light[3];
   for (uint32_t axis = 0; axis < 3; ++axis) {
-    const double* to = c.gathered_frame.axes[axis];
-    light[axis] = to[0] * c.light[0] + to[1] * c.light[1] + to[2] * c.light[2];
+    const double* to = c.gathered.frame.axes[axis];
+    light[axis] = to[0] * c.request.light[0] + to[1] * c.request.light[1] + to[2] * c.request.light[2];
   }
-  return cast_light_directions(light, c.half, count, out);
+  return cast_light_directions(light, c.request.half, count, out);
 }
 
 }  // namespace
 
 double cast_share(const CastState& c) {
   constexpr double k_step = 1.0 / 255;  // of a texel: less does not show
-  if (!cast_masks(c) || !c.light_known || c.targets[0].texels == 0 || c.targets[1].texels == 0) return 0;
+  if (!cast_masks(c.gathered) || !c.request.light_known || c.targets[0].texels == 0 || c.targets[1].texels == 0)
+    return 0;
   double share = 1;
-  for (const float cell : c.cells) share -= static_cast<double>(cell);
+  for (const float cell : c.request.cells) share -= static_cast<double>(cell);
   return share > k_step && share < 1 - k_step ? share : 0;
 }
 
-void cast_begin_draw(CastState* c) {
-  CastTarget* target = &c->targets[c->target];
+void cast_begin_draw(CastDrawing* drawing, CastTarget* target, const CastState& c) {
+  const uint32_t which = c.progress.target;
   CastTexture* texture = &target->back;
-  texture->frame = c->gathered_frame;
-  texture->left_out = c->left_out;
-  texture->too_far = c->too_far;
-  for (uint32_t axis = 0; axis < 3; ++axis) texture->light[axis] = c->light[axis];
-  const bool draft = target->draft && c->triangles > k_cast_draft_triangles;
+  texture->frame = c.gathered.frame;
+  texture->left_out = c.gathered.left_out;
+  texture->too_far = c.gathered.too_far;
+  for (uint32_t axis = 0; axis < 3; ++axis) texture->light[axis] = c.request.light[axis];
+  const bool draft = target->draft && c.comparison.triangles > k_cast_draft_triangles;
   uint32_t count = k_cast_ambient_directions;
-  if (c->target == k_cast_light) {
-    count = draft ? k_cast_draft_directions : c->directions_of_light;
+  if (which == k_cast_light) {
+    count = draft ? k_cast_draft_directions : c.desc.directions;
     target->draft = false;
   } else {
-    memcpy(c->cells_made, c->cells, sizeof c->cells);
+    memcpy(drawing->cells, c.request.cells, sizeof drawing->cells);
   }
-  target->asked = draft || c->stale;  // meshes have changed while they were gathered
-  c->direction_count = directions_of(*c, c->target, count, c->directions);
-  texture->directions = c->direction_count;
-  c->share = cast_share(*c);
-  c->other_count = 0;
-  if (c->share > 0)
-    c->other_count = directions_of(*c, 1 - c->target, draft ? k_cast_draft_directions : k_cast_other_directions,
-                                   c->directions + c->direction_count);
-  if (c->low[0] > c->high[0]) {  // no triangle darkens the plane
-    for (uint32_t axis = 0; axis < 3; ++axis) c->low[axis] = c->high[axis] = 0;
-    c->direction_count = 0;
-  }
-  if (!fit(*c, c->directions, texture, target->texels)) c->direction_count = 0;
-  if (c->direction_count == 0) c->other_count = 0;
+  target->asked = draft || c.comparison.stale;  // meshes have changed while they were gathered
+  drawing->direction_count = directions_of(c, which, count, drawing->directions);
+  texture->directions = drawing->direction_count;
+  drawing->share = cast_share(c);
+  drawing->other_count = 0;
+  if (drawing->share > 0)
+    drawing->other_count = directions_of(c, 1 - which, draft ? k_cast_draft_directions : k_cast_other_directions,
+                                         drawing->directions + drawing->direction_count);
+  if (!c.gathered.darkens) drawing->direction_count = 0;
+  if (!fit(*drawing, c, texture, target->texels)) drawing->direction_count = 0;
+  if (drawing->direction_count == 0) drawing->other_count = 0;
+  const bool masks = cast_masks(c.gathered);
   const uint64_t bytes = sizeof(uint64_t) * target->texels * cast_words(target->texels);
-  memset(c->image, 0, bytes);
-  if (cast_masks(*c)) memset(c->mask, 0, bytes);
-  for (uint32_t light = 0; light < (c->other_count != 0 ? 2u : 1u); ++light) {
-    memset(c->counts[light], 0, k_cast_planes * bytes);
-    if (cast_masks(*c)) memset(c->mask_counts[light], 0, k_cast_planes * bytes);
+  memset(drawing->image, 0, bytes);
+  if (masks) memset(drawing->mask, 0, bytes);
+  for (uint32_t light = 0; light < (drawing->other_count != 0 ? 2u : 1u); ++light) {
+    memset(drawing->counts[light], 0, k_cast_planes * bytes);
+    if (masks) memset(drawing->mask_counts[light], 0, k_cast_planes * bytes);
   }
-  c->covered = c->drawn = c->rows = 0;
-  c->direction = c->group = c->cursor = 0;
-  c->phase = CastPhase::draw;
+  drawing->covered = drawing->drawn = drawing->rows = 0;
+  drawing->direction = drawing->group = drawing->triangle = 0;
 }
 
-bool cast_draw(CastState* c) {
-  const CastTarget& target = c->targets[c->target];
-  const CastTexture& texture = target.back;
+bool cast_draw(CastDrawing* drawing, CastTarget* target, const CastState& c) {
   CastTrianglesArgs args = {};
-  for (uint32_t i = 0; i < 9; ++i) args.corners[i] = c->corners[i];
-  args.texels = target.texels;
-  args.words = cast_words(target.texels);
+  for (uint32_t i = 0; i < 9; ++i) args.corners[i] = c.gathered.corners[i];
+  args.texels = target->texels;
+  args.words = cast_words(target->texels);
   uint32_t spent = 0;
-  const uint32_t directions = c->direction_count + c->other_count;
-  while (c->direction < directions) {
-    const CastDirection& d = c->directions[c->direction];
+  const uint32_t directions = drawing->direction_count + drawing->other_count;
+  while (drawing->direction < directions) {
+    const CastDirection& d = drawing->directions[drawing->direction];
     for (uint32_t axis = 0; axis < 2; ++axis) {
-      const double scale = 1 / texture.texel[axis];
+      const double scale = 1 / target->back.texel[axis];
       args.scale[axis] = static_cast<float>(scale);
       args.shear[axis] = static_cast<float>(static_cast<double>(d.slope[axis]) * scale);
-      args.offset[axis] = static_cast<float>(static_cast<double>(d.shift[axis]) - 0.5 - texture.low[axis] * scale);
+      args.offset[axis] = static_cast<float>(static_cast<double>(d.shift[axis]) - 0.5 - target->back.low[axis] * scale);
     }
-    for (; c->group < k_cast_groups; ++c->group) {
-      const uint32_t end = c->starts[c->group + 1];
-      c->cursor = c->cursor < c->starts[c->group] ? c->starts[c->group] : c->cursor;
-      const bool masks = c->group < k_cast_virtual_closed && cast_masks(*c);
-      args.image = masks ? c->mask : c->image;
-      args.closed = c->group == k_cast_real_closed || c->group == k_cast_virtual_closed ? 1 : 0;
-      while (c->cursor < end) {
+    for (; drawing->group < k_cast_groups; ++drawing->group) {
+      const uint32_t begin = c.gathered.starts[drawing->group], end = c.gathered.starts[drawing->group + 1];
+      drawing->triangle = drawing->triangle < begin ? begin : drawing->triangle;
+      const bool masks = drawing->group < k_cast_virtual_closed && cast_masks(c.gathered);
+      args.image = masks ? drawing->mask : drawing->image;
+      args.closed = drawing->group == k_cast_real_closed || drawing->group == k_cast_virtual_closed ? 1 : 0;
+      while (drawing->triangle < end) {
         if (spent >= k_cast_unit_rows) {
-          c->rows += spent;
+          drawing->rows += spent;
           return false;
         }
-        const uint32_t to = c->cursor + k_cast_step < end ? c->cursor + k_cast_step : end;
+        const uint32_t to = drawing->triangle + k_cast_step < end ? drawing->triangle + k_cast_step : end;
         CastExtent extent = {0, 0, ~0u, 0};
-        c->kernels->cast_triangles(&args, c->cursor, to, &extent);
-        spent += extent.rows + (to - c->cursor);
-        if (!masks) c->drawn += extent.texels;
-        c->cursor = to;
+        c.kernels->cast_triangles(&args, drawing->triangle, to, &extent);
+        spent += extent.rows + (to - drawing->triangle);
+        if (!masks) drawing->drawn += extent.texels;
+        drawing->triangle = to;
       }
     }
-    end_direction(c);
-    spent += target.texels * args.words / 8;
+    end_direction(drawing, c.gathered, target->texels);
+    spent += target->texels * args.words / 8;
     if (spent >= k_cast_unit_rows) break;
   }
-  c->rows += spent;
-  if (c->direction < directions) return false;
-  c->targets[c->target].rows = c->rows;
+  drawing->rows += spent;
+  if (drawing->direction < directions) return false;
+  target->rows = drawing->rows;
   // Of what the meshes' own surface throws onto the plane, the share that is not thrown twice is seen by the light.
-  c->targets[c->target].back.open =
-      c->drawn != 0 && !cast_masks(*c) ? static_cast<float>(c->covered) / static_cast<float>(c->drawn) : 1.0f;
+  const bool shares = drawing->drawn != 0 && !cast_masks(c.gathered);
+  target->back.open = shares ? static_cast<float>(drawing->covered) / static_cast<float>(drawing->drawn) : 1.0f;
   return true;
 }
 

@@ -6,65 +6,77 @@ namespace sandglass {
 namespace {
 
 bool wanted(const CastState& c, uint32_t which) {
-  return c.targets[which].asked && (which != k_cast_light || c.light_known);
+  return c.targets[which].asked && (which != k_cast_light || c.request.light_known);
 }
 
 // Whether that texture is asked for or under way.
 bool is_pending(const CastState& c, uint32_t which) {
-  return wanted(c, which) || (c.phase != CastPhase::idle && c.target == which);
+  return wanted(c, which) || (c.progress.phase != CastPhase::idle && c.progress.target == which);
 }
 
 bool has_work(const CastState& c) {
-  return c.phase != CastPhase::idle || wanted(c, k_cast_light) || wanted(c, k_cast_ambient);
+  return c.progress.phase != CastPhase::idle || wanted(c, k_cast_light) || wanted(c, k_cast_ambient);
 }
 
 // Each texture in turn; a better one follows a first one at once.
 uint32_t next_target(const CastState& c) {
-  const uint32_t other = 1 - c.last_target;
+  const uint32_t other = 1 - c.progress.last_target;
   const bool improves =
-      c.last_target == k_cast_light && c.targets[k_cast_light].front.directions == k_cast_draft_directions;
-  return wanted(c, other) && !(improves && wanted(c, c.last_target)) ? other : c.last_target;
+      c.progress.last_target == k_cast_light && c.targets[k_cast_light].front.directions == k_cast_draft_directions;
+  return wanted(c, other) && !(improves && wanted(c, c.progress.last_target)) ? other : c.progress.last_target;
 }
 
 void complete(CastState* c) {
-  CastTarget* target = &c->targets[c->target];
+  CastProgress* progress = &c->progress;
+  CastTarget* target = &c->targets[progress->target];
   const CastTexture swap = target->front;
   target->front = target->back;
   target->back = swap;
   target->valid = true;
   ++target->completed;
-  c->phase = CastPhase::idle;
-  c->restarts = 0;
-  c->last_target = c->target;
-  if (c->target == k_cast_ambient && c->shade_found != c->in_shade) {
-    c->in_shade = c->shade_found;
+  progress->phase = CastPhase::idle;
+  c->comparison.restarts = 0;
+  progress->last_target = progress->target;
+  if (progress->target == k_cast_ambient && c->calm.shade_found != progress->in_shade) {
+    progress->in_shade = c->calm.shade_found;
     c->targets[k_cast_light].asked = c->targets[k_cast_light].texels != 0;
   }
   cast_compare(c);  // meshes or plane may have changed meanwhile
 }
 
+void begin_draw(CastState* c) {
+  cast_begin_draw(&c->drawing, &c->targets[c->progress.target], *c);
+  c->progress.phase = CastPhase::draw;
+}
+
 void begin(CastState* c) {
-  c->target = next_target(*c);
-  if (c->stale) cast_begin_gather(c);
-  else cast_begin_draw(c);
+  c->progress.target = next_target(*c);
+  if (!c->comparison.stale) return begin_draw(c);
+  c->comparison.stale = false;
+  cast_begin_gather(&c->gathered, c->request.meshes, c->request);
+  c->progress.phase = CastPhase::gather;
 }
 
 void run_unit(CastState* c) {
-  if (c->phase == CastPhase::idle) begin(c);
-  if (c->phase == CastPhase::gather) {
-    if (!cast_gather(c)) return;
-    cast_begin_draw(c);
-  } else if (c->phase == CastPhase::draw) {
-    if (cast_draw(c)) cast_begin_calm(c);
-  } else if (cast_calm(c)) {
+  CastProgress* progress = &c->progress;
+  if (progress->phase == CastPhase::idle) begin(c);
+  CastTarget* target = &c->targets[progress->target];
+  if (progress->phase == CastPhase::gather) {
+    if (cast_gather(&c->gathered, c->request.meshes, c->request.mesh_count, c->desc.reach)) begin_draw(c);
+  } else if (progress->phase == CastPhase::draw) {
+    if (!cast_draw(&c->drawing, target, *c)) return;
+    cast_begin_calm(&c->calm);
+    progress->phase = CastPhase::calm;
+  } else if (cast_calm(&c->calm, target->back.bytes, *c)) {
     complete(c);
   }
 }
 
 WorkUnit unit_of(const CastState& c) {
-  const bool gathers = c.phase == CastPhase::gather || (c.phase == CastPhase::idle && c.stale);
+  const bool gathers =
+      c.progress.phase == CastPhase::gather || (c.progress.phase == CastPhase::idle && c.comparison.stale);
   if (gathers) return {k_cast_gather, k_cast_unit_triangles, "cast.gather"};
-  if (c.phase == CastPhase::calm) return {k_cast_calm, k_cast_unit_texels, "cast.calm"};
+  if (c.progress.phase == CastPhase::calm) return {k_cast_calm, k_cast_unit_texels, "cast.calm"};
   return {k_cast_draw, k_cast_unit_rows, "cast.draw"};
 }
 
@@ -83,7 +95,7 @@ void run(void* handle, uint32_t) { run_unit(&static_cast<sandglass_cast*>(handle
 uint32_t forecast(const void* handle, uint32_t, Forecast* entries) {
   const CastState& c = cast_of(handle);
   uint64_t items[k_cast_kinds] = {};
-  if (c.phase == CastPhase::gather || c.stale) items[k_cast_gather] = c.triangles;
+  if (c.progress.phase == CastPhase::gather || c.comparison.stale) items[k_cast_gather] = c.comparison.triangles;
   for (uint32_t which = 0; which < k_cast_targets; ++which) {
     if (!is_pending(c, which)) continue;
     const CastTarget& target = c.targets[which];
@@ -96,7 +108,7 @@ uint32_t forecast(const void* handle, uint32_t, Forecast* entries) {
   return count;
 }
 
-bool under_way(const void* handle) { return cast_of(handle).phase != CastPhase::idle; }
+bool under_way(const void* handle) { return cast_of(handle).progress.phase != CastPhase::idle; }
 
 uint32_t begin_frame(void*, const FrameView&) { return 0; }
 

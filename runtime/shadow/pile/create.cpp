@@ -50,21 +50,21 @@ sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* l
   Pile nowhere = {};
   Pile* p = owner == nullptr ? &nowhere : &owner->pile;
   if (owner != nullptr) *owner = {};
-  p->texels = desc.texels;
-  p->pitch = static_cast<uint32_t>(pitch);
-  p->tops = layout_region<float>(layout, "pile_shadow.tops", columns);
-  p->bottoms = layout_region<float>(layout, "pile_shadow.bottoms", columns);
-  p->fills = layout_region<float>(layout, "pile_shadow.fills", columns);
-  p->air = layout_region<float>(layout, "pile_shadow.air", n * n);
-  float** const rows[] = {&p->nothing, &p->receivers, &p->shares};
+  p->rectangle.texels = desc.texels;
+  p->columns.pitch = static_cast<uint32_t>(pitch);
+  p->columns.tops = layout_region<float>(layout, "pile_shadow.tops", columns);
+  p->columns.bottoms = layout_region<float>(layout, "pile_shadow.bottoms", columns);
+  p->columns.fills = layout_region<float>(layout, "pile_shadow.fills", columns);
+  p->air.shares = layout_region<float>(layout, "pile_shadow.air", n * n);
+  float** const rows[] = {&p->lighting.nothing, &p->lighting.receivers, &p->lighting.shares};
   for (float** row : rows) *row = layout_region<float>(layout, "pile_shadow.row", n + k_lane_group);
-  PileAzimuth** const azimuths[] = {&p->azimuths, &p->row_azimuths};
+  PileAzimuth** const azimuths[] = {&p->lighting.azimuths, &p->lighting.row_azimuths};
   for (PileAzimuth** some : azimuths)
     *some = layout_region<PileAzimuth>(layout, "pile_shadow.azimuths", k_pile_azimuths);
-  PileStep** const steps[] = {&p->steps, &p->row_steps};
+  PileStep** const steps[] = {&p->lighting.steps, &p->lighting.row_steps};
   for (PileStep** some : steps)
     *some = layout_region<PileStep>(layout, "pile_shadow.steps", k_pile_azimuths * k_pile_steps);
-  PileTexture* const textures[] = {&p->front, &p->back};
+  PileTexture* const textures[] = {&p->textures.front, &p->textures.back};
   for (PileTexture* texture : textures) {
     texture->floor = layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n);
     texture->sand = desc.on_sand != 0 ? layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n) : nullptr;
@@ -77,21 +77,21 @@ sandglass_status build(const sandglass_pile_shadow_desc& desc, sandglass_pile_sh
   owner->member.capability = &k_pile_capability;
   Pile* p = &owner->pile;
   p->kernels = select_pile_kernels(desc.isa);
-  p->tops += k_lane_group;
-  p->bottoms += k_lane_group;
-  p->fills += k_lane_group;
+  p->columns.tops += k_lane_group;
+  p->columns.bottoms += k_lane_group;
+  p->columns.fills += k_lane_group;
   for (uint32_t axis = 0; axis < 2; ++axis) {
-    p->low[axis] = desc.low[axis];
-    p->high[axis] = desc.high[axis];
-    p->texel[axis] = (desc.high[axis] - desc.low[axis]) / static_cast<float>(desc.texels);
+    p->rectangle.low[axis] = desc.low[axis];
+    p->rectangle.high[axis] = desc.high[axis];
+    p->rectangle.texel[axis] = (desc.high[axis] - desc.low[axis]) / static_cast<float>(desc.texels);
   }
-  for (uint64_t i = 0; i < uint64_t{p->texels} * p->texels; ++i) p->air[i] = 1;
-  p->height = desc.floor;
-  p->width = static_cast<double>(k_usual_diameter);
-  p->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
-  p->light[1] = 1;
-  sky_build(p);
-  if (p->sky.texels != 0) p->asked = k_ask_sky;
+  for (uint64_t i = 0; i < uint64_t{p->rectangle.texels} * p->rectangle.texels; ++i) p->air.shares[i] = 1;
+  p->rectangle.height = desc.floor;
+  p->request.width = static_cast<double>(k_usual_diameter);
+  p->request.tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
+  p->request.light[1] = 1;
+  sky_build(&p->sky, p->rectangle);
+  if (p->sky.side != 0) p->request.asked = k_ask_sky;
   return accept(reason);
 }
 
@@ -107,36 +107,35 @@ __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direc
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
   for (double& x : light) x /= length;
   const double flat = square_root(light[0] * light[0] + light[2] * light[2]), polar = arc_tangent2(flat, light[1]);
-  p->opacity = 1;
+  p->request.opacity = 1;
   if (polar > k_polar_max) {
     const double fade = (0.5 * k_pi - polar) / (0.5 * k_pi - k_polar_max);
-    p->opacity = fade > 0 ? static_cast<float>(fade) : 0.0f;
+    p->request.opacity = fade > 0 ? static_cast<float>(fade) : 0.0f;
     const SinCos most = sin_cos_turns(k_polar_max / (2 * k_pi));
     light[0] = flat > 0 ? light[0] * (most.sin / flat) : most.sin;
     light[1] = most.cos;
     light[2] = flat > 0 ? light[2] * (most.sin / flat) : 0;
   }
   double chord = 0;
-  for (uint32_t axis = 0; axis < 3; ++axis) chord += (light[axis] - p->light[axis]) * (light[axis] - p->light[axis]);
-  const bool any = p->valid || ((p->asked | p->making) & k_ask_light) != 0;
+  for (uint32_t axis = 0; axis < 3; ++axis)
+    chord += (light[axis] - p->request.light[axis]) * (light[axis] - p->request.light[axis]);
+  const bool any = p->textures.valid || ((p->request.asked | p->progress.making) & k_ask_light) != 0;
   const double told = static_cast<double>(angular_diameter > 0.0f ? angular_diameter : k_usual_diameter);
-  const double width = told < k_narrowest ? k_narrowest
-                       : told > k_widest  ? k_widest
-                                          : told,
-               edge = 0.5 * (width - p->width);
-  if (any && !(chord + edge * edge > p->tolerance_squared)) return accept(reason);
-  p->width = width;
-  for (uint32_t axis = 0; axis < 3; ++axis) p->light[axis] = light[axis];
-  p->asked |= k_ask_light;
+  const double width = told < k_narrowest ? k_narrowest : told > k_widest ? k_widest : told;
+  const double edge = 0.5 * (width - p->request.width);
+  if (any && !(chord + edge * edge > p->request.tolerance_squared)) return accept(reason);
+  p->request.width = width;
+  for (uint32_t axis = 0; axis < 3; ++axis) p->request.light[axis] = light[axis];
+  p->request.asked |= k_ask_light;
   return accept(reason);
 }
 
 __attribute__((noinline)) sandglass_status take_cells(Pile* p, const float* cells, const char** reason) {
-  if (p->sky.texels == 0)
+  if (p->sky.side == 0)
     return refuse(reason, "this shadow has no texture of the room's light: set desc.sky_texels at create.");
   if (const sandglass_status status = check_cells(cells, reason)) return status;
   memcpy(p->sky.cells, cells, k_light_cells * sizeof(float));
-  if (cells_differ(p->sky.made_for, cells)) p->asked |= k_ask_sky;
+  if (cells_differ(p->sky.made_for, cells)) p->request.asked |= k_ask_sky;
   return accept(reason);
 }
 
@@ -175,7 +174,7 @@ sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, 
 }
 
 void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) {
-  if (shadow != nullptr) shadow->pile.asked = k_ask_all;
+  if (shadow != nullptr) shadow->pile.request.asked = k_ask_all;
 }
 
 uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count, float radius,
@@ -183,7 +182,8 @@ uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* p
   if (shadow == nullptr || (positions == nullptr && count != 0)) return 0;
   const ExactFloatingPoint exact;
   const uint32_t usable = radius > 0 && radius < k_pile_radius_limit ? count : 0;
-  shadow->pile.source = {nullptr, nullptr, positions, usable, radius, nullptr, 0, shadow->pile.source.moving};
+  shadow->pile.request.source = {nullptr, nullptr, positions, usable,
+                                 radius,  nullptr, 0,         shadow->pile.request.source.moving};
   return run_members(member_of(shadow, k_pile_shadow_kinds), units);
 }
 
@@ -191,24 +191,25 @@ void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sand
                                        sandglass_texture* out) {
   if (shadow == nullptr || out == nullptr) return;
   const Pile& p = shadow->pile;
+  const PileTexture& light = p.textures.front;
   const PileSky& s = p.sky;
-  const uint8_t* const bytes[] = {p.front.floor, p.front.sand, s.front.floor, s.front.sand, s.front.heights};
+  const uint8_t* const bytes[] = {light.floor, light.sand, s.front.floor, s.front.sand, s.front.heights};
   const bool of_light = part <= SANDGLASS_PILE_SHADOW_SAND, heights = part == SANDGLASS_PILE_SHADOW_HEIGHTS;
   sandglass_texture texture = {};
   if (part >= 0 && part <= SANDGLASS_PILE_SHADOW_HEIGHTS && bytes[part] != nullptr && (of_light || s.texels != 0)) {
-    const bool stale = ((p.asked | p.making) & (of_light ? k_ask_light : k_ask_sky)) != 0;
-    const uint64_t frame = of_light ? p.front.frame : s.front.frame;
-    texture.valid = of_light ? p.valid : s.valid;
+    const bool stale = ((p.request.asked | p.progress.making) & (of_light ? k_ask_light : k_ask_sky)) != 0;
+    const PileRectangle& r = p.rectangle;
+    texture.valid = of_light ? p.textures.valid : s.valid;
     texture.bytes = bytes[part];
-    texture.side = of_light || heights ? p.texels : s.texels;
-    texture.behind = stale ? static_cast<uint32_t>(p.frame - frame) : 0;
-    texture.corner[0] = p.low[0];
-    texture.corner[1] = p.height;
-    texture.corner[2] = p.low[1];
-    texture.along[0] = p.high[0] - p.low[0];
-    texture.across[2] = p.high[1] - p.low[1];
-    texture.scale = of_light ? p.opacity : heights ? s.front.top : 1.0f;
-    texture.version = of_light ? p.front.version : s.front.version;
+    texture.side = of_light || heights ? r.texels : s.texels;
+    texture.behind = stale ? static_cast<uint32_t>(p.request.frame - (of_light ? light.frame : s.front.frame)) : 0;
+    texture.corner[0] = r.low[0];
+    texture.corner[1] = r.height;
+    texture.corner[2] = r.low[1];
+    texture.along[0] = r.high[0] - r.low[0];
+    texture.across[2] = r.high[1] - r.low[1];
+    texture.scale = of_light ? p.request.opacity : heights ? s.front.top : 1.0f;
+    texture.version = of_light ? light.version : s.front.version;
   }
   fill_struct(&texture, sizeof texture, out);
 }
@@ -216,9 +217,9 @@ void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sand
 uint64_t sandglass_pile_shadow_hash(const sandglass_pile_shadow* shadow) {
   if (shadow == nullptr) return 0;
   const Pile& p = shadow->pile;
-  const uint64_t texels = uint64_t{p.texels} * p.texels;
-  uint64_t hash = hash_bytes(p.front.floor, texels);
-  if (p.front.sand != nullptr) hash = hash_with(hash, hash_bytes(p.front.sand, texels));
+  const uint64_t texels = uint64_t{p.rectangle.texels} * p.rectangle.texels;
+  uint64_t hash = hash_bytes(p.textures.front.floor, texels);
+  if (p.textures.front.sand != nullptr) hash = hash_with(hash, hash_bytes(p.textures.front.sand, texels));
   if (p.sky.texels == 0) return hash;
   const uint64_t of_sky = uint64_t{p.sky.texels} * p.sky.texels;
   hash = hash_with(hash, hash_bytes(p.sky.front.floor, of_sky));

@@ -3,10 +3,12 @@
 // units swaps the two textures. The texture of the room's light follows (pile_sky.h). Either is left out where nothing
 // asks for it.
 //
-// The spheres are the grains, or the particles of a scene without grains; or sand is what lies under a skin (pile_skin.cpp),
-// as it was last completed. They are read in place, without a copy. The
-// scene may sort them between two units of the first phase: then a sphere may be missed or taken twice, in that one
-// texture.
+// The spheres are the grains, or the particles of a scene without grains; or sand is what lies under a skin
+// (pile_skin.cpp), as it was last completed. They are read in place, without a copy. The scene may sort them between
+// two units of the first phase: then a sphere may be missed or taken twice, in that one texture.
+//
+// The state is put together from parts. Each is a section here, which names the source file that changes it: functions
+// take that part as a pointer, and the rest as `const Pile&`. stage.cpp puts the whole together (tests/docs/parts.py).
 #pragma once
 
 #include <cstdint>
@@ -38,58 +40,128 @@ enum class PilePhase : uint32_t { idle, columns, floor, sand, levels, sky };
 // What is asked for and what is under way, as bits.
 enum : uint32_t { k_ask_light = 1, k_ask_sky = 2, k_ask_all = 3 };
 
-constexpr int32_t k_no_brick = INT32_MAX;  // Pile::skin_brick[0]
+// ---- PileRectangle (create.cpp)
+
+// Of the floor.
+struct PileRectangle {
+  // Its corners, x and z, and its height.
+  float low[2], high[2], height;
+  // Metres, and how many along a side.
+  float texel[2];
+  uint32_t texels;
+};
+
+// ---- PileColumns (columns.cpp, skin.cpp)
+
+struct PileColumns {
+  // texels x pitch, after k_lane_group of padding.
+  float *tops, *bottoms, *fills;
+  uint32_t pitch;
+  // The first and last row and column with sand, and the highest sand, over the floor.
+  int32_t sand_rows[2], sand_columns[2];
+  float top;
+  // The next sphere or item of a skin; and how many of its rows are done, where it takes several units.
+  uint32_t next, sphere_row;
+};
+
+// ---- PileSkin (skin.cpp)
+
+constexpr int32_t k_no_brick = INT32_MAX;  // PileSkin::brick[0]
+
+// The walk over a skin's triangles.
+struct PileSkin {
+  // SkinState::front_version that the columns were begun with.
+  uint32_t version;
+  // The chunk of the next triangle, and that chunk's first triangle.
+  uint32_t chunk, chunk_first;
+  // The brick of the last triangle, and where the sand below that begins, over the floor.
+  int32_t brick[3];
+  float low;
+};
+
+// ---- PileAir (air.cpp)
+
+struct PileAir {
+  // Of each texel: what sand in the air leaves of the light; and whether some of that is below 1.
+  float* shares;
+  bool any;
+};
+
+// ---- PileLighting (lighting.cpp)
+
+struct PileLighting {
+  // The light of the texture under way, or of the last one; of half its angular diameter.
+  double made_for[3];
+  double half_sine, half_cosine;
+  PileAzimuth* azimuths;
+  PileStep* steps;
+  uint32_t azimuth_count;
+  float inverse_total;
+  // The next row. And of that under way: azimuths and steps that meet rows of sand; heights of the floor and of the
+  // receivers; the kernel's output.
+  uint32_t row;
+  PileAzimuth* row_azimuths;
+  PileStep* row_steps;
+  float *nothing, *receivers, *shares;
+};
+
+// ---- PileTextures (stage.cpp)
 
 struct PileTexture {
-  uint8_t *floor, *sand;  // sand: null without
-  uint64_t frame;         // in which it was begun
+  // sand: null without.
+  uint8_t *floor, *sand;
+  // The frame in which it was begun.
+  uint64_t frame;
   uint64_t version;
 };
 
-struct Pile {
-  const Kernels* kernels;
-  float low[2], high[2];  // corners of the rectangle, x and z
-  float height;           // of the floor
-  float texel[2];         // metres
-  uint32_t texels, pitch;
-  double width;                   // of the light, radians
-  double half_sine, half_cosine;  // of half of it, as the texture under way is made for
-  double tolerance_squared;
-  float *tops, *bottoms, *fills;        // texels x pitch, after k_lane_group of padding
-  float *nothing, *receivers, *shares;  // one row each: heights of the floor, of the receivers, the kernel's output
-  PileAzimuth *azimuths, *row_azimuths;
-  PileStep *steps, *row_steps;  // of the row under way: those that meet rows of sand
-  // The texture under way.
-  PilePhase phase;
-  uint32_t cursor;              // next particle or row
-  uint32_t sphere_row;          // rows of this particle that are done, where it takes several units
-  uint32_t chunk, chunk_first;  // of the skin: where the cursor is, and that chunk's first triangle
-  int32_t skin_brick[3];        // of the last triangle,
-  float skin_low;               // and where the sand below it begins, over the floor
-  uint32_t skin_version;        // that the columns were begun with
-  uint32_t restarts;
-  int32_t sand_rows[2], sand_columns[2];
-  float top;    // of the highest sand, above the floor
-  float* air;   // of each texel: what sand in the air leaves of the light (pile_air.cpp)
-  bool in_air;  // some of that is below 1
-  uint32_t azimuth_count;
-  float inverse_total;
+struct PileTextures {
   PileTexture front, back;
   bool valid;
-  double light[3], made_for[3];
-  float opacity;
-  // What asks for a texture.
+};
+
+// ---- PileRequest (create.cpp; of a frame: stage.cpp)
+
+// What asks for a texture.
+struct PileRequest {
   DrawnSand source;
   uint64_t frame;
-  uint32_t asked, making;
-  bool skips_sky;  // the texture under way, or the last one
+  uint32_t asked;
+  // Its angular diameter in radians.
+  double light[3], width, tolerance_squared;
+  float opacity;
+};
+
+// ---- PileProgress (stage.cpp)
+
+struct PileProgress {
+  PilePhase phase;
+  uint32_t making;
+  // How often the columns were begun anew.
+  uint32_t restarts;
+  // The texture under way does, or the last one did.
+  bool skips_sky;
+};
+
+// ---- the whole
+
+struct Pile {
+  const Kernels* kernels;
+  PileRectangle rectangle;
+  PileColumns columns;
+  PileSkin skin;
+  PileAir air;
+  PileLighting lighting;
+  PileTextures textures;
+  PileRequest request;
+  PileProgress progress;
   PileSky sky;
 };
 
 // What of that which is asked for can be made: nothing where the light is below the horizon, or there is no such
 // texture.
 inline uint32_t pile_wanted(const Pile& p) {
-  return p.asked & ((p.opacity > 0 ? k_ask_light : 0u) | (p.sky.texels != 0 ? k_ask_sky : 0u));
+  return p.request.asked & ((p.request.opacity > 0 ? k_ask_light : 0u) | (p.sky.texels != 0 ? k_ask_sky : 0u));
 }
 
 // The columns of the texture whose middles a sphere covers: rows from first[1] to last[1], columns from first[0] to
@@ -97,11 +169,11 @@ inline uint32_t pile_wanted(const Pile& p) {
 struct PileReach {
   int32_t first[2], last[2];
 };
-PileReach pile_reach(const Pile& pile, const float* centre, float radius);
+PileReach pile_reach(const PileRectangle& rectangle, const float* centre, float radius);
 
-// Adds to a column: `share` of its texel is covered from `low` to `high` over the floor. What lies in one column is taken
-// to lie independently of each other.
-inline void pile_put_column(Pile* p, int32_t column, int32_t row, float share, float low, float high) {
+// Adds to a column: `share` of its texel is covered from `low` to `high` over the floor. What lies in one column is
+// taken to lie independently of each other.
+inline void pile_put_column(PileColumns* p, int32_t column, int32_t row, float share, float low, float high) {
   if (!(high > 0)) return;
   const int64_t at = static_cast<int64_t>(row) * p->pitch + column;
   float *top = p->tops + at, *bottom = p->bottoms + at, *fill = p->fills + at;
@@ -115,10 +187,22 @@ inline void pile_put_column(Pile* p, int32_t column, int32_t row, float share, f
   p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
 }
 
-// The columns of one of a skin's items. False: as put_sphere says (pile.cpp).
-bool pile_put_skin(Pile* p, uint32_t item, uint32_t* visits);
+// There is no sand yet.
+void columns_begin(PileColumns* columns, uint32_t texels);
+uint32_t columns_unit_items(const Pile& p);
+// One unit. False: there are more.
+bool columns_run(PileColumns* columns, PileSkin* skin, PileAir* air, const Pile& p);
+void walk_begin(PileSkin* skin, const DrawnSand& source);
+// The columns of one of a skin's items. False: as put_sphere says (columns.cpp).
+bool pile_put_skin(PileColumns* columns, PileSkin* skin, PileAir* air, const Pile& p, uint32_t item, uint32_t* visits);
+void air_begin(PileAir* air, uint32_t texels);
 // What one particle in the air hides, once the columns of the mesh stand. False: as above.
-bool pile_put_flying(Pile* p, const sandglass_skin_loose& loose, uint32_t* visits);
+bool pile_put_flying(PileAir* air, const Pile& p, const sandglass_skin_loose& loose, uint32_t* visits);
+
+// Cuts the light into azimuths.
+void lighting_cut(PileLighting* lighting, const Pile& p);
+// One unit: rows of the floor, or of the sand's own surface. False: there are more.
+bool lighting_run(PileLighting* lighting, const Pile& p, uint8_t* texture, bool floor);
 
 WorkUnit pile_next(const Pile& pile);
 void pile_run(Pile* pile);

@@ -66,8 +66,8 @@ Column join(const Column& a, const Column& b, const Column& c, const Column& d) 
 }
 
 Column column_of(const Pile& p, uint32_t u, uint32_t v) {
-  const uint64_t at = uint64_t{v} * p.pitch + u;
-  return {p.tops[at], p.bottoms[at], p.fills[at]};
+  const uint64_t at = uint64_t{v} * p.columns.pitch + u;
+  return {p.columns.tops[at], p.columns.bottoms[at], p.columns.fills[at]};
 }
 
 Column joined_four(const Pile& p, uint32_t u, uint32_t v) {
@@ -115,21 +115,21 @@ int32_t columns_within(float radius, float texel) {
 
 // The surface of the sand over the columns under one row of level 0: the highest column within a sphere's radius, so
 // that the gaps between spheres lie below it also where columns are finer than spheres. A skin has no gaps.
-void make_heights(Pile* p, uint32_t row) {
-  const int32_t n = static_cast<int32_t>(p->texels), joined = static_cast<int32_t>(p->sky.joined);
-  const float per_metre = p->top > k_flat ? 255 / p->top : 0;
-  const float gaps = p->source.skin == nullptr ? p->source.radius : 0;
-  const int32_t across = columns_within(gaps, p->texel[0]), along = columns_within(gaps, p->texel[1]);
+void make_heights(PileSky* s, const Pile& p, uint32_t row) {
+  const int32_t n = static_cast<int32_t>(p.rectangle.texels), joined = static_cast<int32_t>(s->joined);
+  const float per_metre = p.columns.top > k_flat ? 255 / p.columns.top : 0;
+  const float gaps = p.request.source.skin == nullptr ? p.request.source.radius : 0;
+  const int32_t across = columns_within(gaps, p.rectangle.texel[0]), along = columns_within(gaps, p.rectangle.texel[1]);
   for (int32_t v = static_cast<int32_t>(row) * joined, end = v + joined; v < end; ++v) {
-    uint8_t* heights = p->sky.back.heights + static_cast<int64_t>(v) * n;
-    memset(heights, 0, p->texels);
-    if (v + along < p->sand_rows[0] || v - along > p->sand_rows[1]) continue;
-    const int32_t left = p->sand_columns[0] - across, right = p->sand_columns[1] + across;
+    uint8_t* heights = s->back.heights + static_cast<int64_t>(v) * n;
+    memset(heights, 0, p.rectangle.texels);
+    if (v + along < p.columns.sand_rows[0] || v - along > p.columns.sand_rows[1]) continue;
+    const int32_t left = p.columns.sand_columns[0] - across, right = p.columns.sand_columns[1] + across;
     for (int32_t u = left > 0 ? left : 0; u <= right && u < n; ++u) {
       float top = 0;
       for (int32_t y = v > along ? v - along : 0; y <= v + along && y < n; ++y)
         for (int32_t x = u > across ? u - across : 0; x <= u + across && x < n; ++x) {
-          const float here = p->tops[static_cast<int64_t>(y) * p->pitch + x];
+          const float here = p.columns.tops[static_cast<int64_t>(y) * p.columns.pitch + x];
           top = here > top ? here : top;
         }
       heights[u] = static_cast<uint8_t>(to_whole<uint32_t>(top * per_metre + 0.5f));
@@ -142,12 +142,11 @@ Column joined_windows(const LevelRow& a, const LevelRow& b, int32_t u, int32_t h
   return join(window_at(a, u), window_at(a, u + half), window_at(b, u), window_at(b, u + half));
 }
 
-void make_level_row(Pile* p, uint32_t row) {
-  PileSky* s = &p->sky;
-  if (row < s->texels) make_heights(p, row);
+void make_level_row(PileSky* s, const Pile& p, uint32_t row) {
+  if (row < s->texels) make_heights(s, p, row);
   uint32_t level = 0;
   while (level + 1 < k_sky_levels && row + window(level + 1) > s->origins[level + 1]) ++level;
-  const Extent rows = extent(p->sand_rows, s->joined), columns = extent(p->sand_columns, s->joined);
+  const Extent rows = extent(p.columns.sand_rows, s->joined), columns = extent(p.columns.sand_columns, s->joined);
   const int32_t first = static_cast<int32_t>(row) - static_cast<int32_t>(s->origins[level]);
   if (!has_sand(rows, level, first)) return;
   s->in_air[row] = 0;
@@ -161,8 +160,8 @@ void make_level_row(Pile* p, uint32_t row) {
     Column column = k_no_sand;
     if (level == 0 && has_sand(columns, level, u)) {
       const uint32_t joined = s->joined;
-      column = joined_columns(*p, static_cast<uint32_t>(u) * joined, static_cast<uint32_t>(first) * joined, joined);
-      if (column.bottom < k_on_floor * p->source.radius) column.bottom = 0;
+      column = joined_columns(p, static_cast<uint32_t>(u) * joined, static_cast<uint32_t>(first) * joined, joined);
+      if (column.bottom < k_on_floor * p.request.source.radius) column.bottom = 0;
     } else if (has_sand(columns, level, u)) {
       column = joined_windows(a, b, u, half);
     }
@@ -170,10 +169,9 @@ void make_level_row(Pile* p, uint32_t row) {
   }
 }
 
-void place_steps(const Pile& p, uint32_t sector, SkyStep* steps) {
-  const PileSky& s = p.sky;
+void place_steps(const PileRectangle& r, uint32_t joined, uint32_t sector, SkyStep* steps) {
   const SinCos turn = sin_cos_turns((sector + 0.5) / k_cell_sectors);
-  const double side[2] = {static_cast<double>(p.texel[0]) * s.joined, static_cast<double>(p.texel[1]) * s.joined};
+  const double side[2] = {static_cast<double>(r.texel[0]) * joined, static_cast<double>(r.texel[1]) * joined};
   const double least = side[0] < side[1] ? side[0] : side[1];
   for (const Walk& walk : k_walk) {
     const double to_middle = 0.5 * (window(walk.level) - 1);
@@ -195,10 +193,8 @@ bool has_light(const PileSector& sector) {
 }
 
 // The steps and sectors of a row, without those that meet no sand or have no light.
-void gather_steps(Pile* pile, uint32_t row, PileSkyArgs* args) {
-  const Pile& p = *pile;
-  PileSky& s = pile->sky;
-  const Extent rows = extent(p.sand_rows, s.joined), columns = extent(p.sand_columns, s.joined);
+void gather_steps(const PileSky& s, const PileColumns& sand, uint32_t row, PileSkyArgs* args) {
+  const Extent rows = extent(sand.sand_rows, s.joined), columns = extent(sand.sand_columns, s.joined);
   uint32_t count = 0;
   for (uint32_t k = 0; k < k_cell_sectors; ++k) {
     if (!has_light(s.sectors[k])) continue;
@@ -222,8 +218,7 @@ void gather_steps(Pile* pile, uint32_t row, PileSkyArgs* args) {
 
 uint8_t byte_of(float share) { return static_cast<uint8_t>(to_whole<uint32_t>(255.0f * share + 0.5f)); }
 
-void light_row(Pile* p, uint32_t row) {
-  PileSky* s = &p->sky;
+void light_row(PileSky* s, const Pile& p, uint32_t row) {
   const uint32_t n = s->texels;
   const uint64_t at = uint64_t{row} * n;
   uint8_t *floor = s->back.floor + at, *sand = s->back.sand + at;
@@ -236,19 +231,19 @@ void light_row(Pile* p, uint32_t row) {
   args.cap = k_cap;
   args.receivers = s->nothing;
   args.lights = s->lights;
-  gather_steps(p, row, &args);
+  gather_steps(*s, p.columns, row, &args);
   uint32_t unused = 0;
-  p->kernels->pile_sky(&args, 0, n, &unused);
+  p.kernels->pile_sky(&args, 0, n, &unused);
   for (uint32_t u = 0; u < n; ++u) floor[u] = byte_of(s->lights[u]);
   memcpy(sand, floor, n);
-  const Extent rows = extent(p->sand_rows, s->joined), columns = extent(p->sand_columns, s->joined);
+  const Extent rows = extent(p.columns.sand_rows, s->joined), columns = extent(p.columns.sand_columns, s->joined);
   if (!has_sand(rows, 0, static_cast<int32_t>(row))) return;
   const float* tops = s->tops + uint64_t{row} * s->pitch;
   for (uint32_t u = 0; u < n; ++u) s->receivers[u] = tops[u] > 0 ? tops[u] : 0;
   args.receivers = s->receivers;
   const uint32_t begin = static_cast<uint32_t>(columns.first) / k_lane_group * k_lane_group;
   const uint32_t end = (static_cast<uint32_t>(columns.last) / k_lane_group + 1) * k_lane_group;
-  p->kernels->pile_sky(&args, begin, end, &unused);
+  p.kernels->pile_sky(&args, begin, end, &unused);
   for (uint32_t u = begin; u < end; ++u)
     if (tops[u] > 0) sand[u] = byte_of(s->lights[u]);
 }
@@ -258,9 +253,9 @@ struct Place {
   uint32_t texel;
   float beyond;  // the share of the way to the next texel
 };
-Place place_of(const Pile& p, float coordinate, uint32_t axis, uint32_t texels) {
+Place place_of(const PileRectangle& r, float coordinate, uint32_t axis, uint32_t texels) {
   const float count = static_cast<float>(texels);
-  float at = (coordinate - p.low[axis]) / (p.high[axis] - p.low[axis]) * count - 0.5f;
+  float at = (coordinate - r.low[axis]) / (r.high[axis] - r.low[axis]) * count - 0.5f;
   at = at > 0 ? (at < count - 1 ? at : count - 1) : 0;
   uint32_t texel = to_whole<uint32_t>(at);
   if (texel > texels - 2) texel = texels - 2;
@@ -268,8 +263,8 @@ Place place_of(const Pile& p, float coordinate, uint32_t axis, uint32_t texels) 
 }
 
 // A texture between the middles of its texels.
-float sampled(const Pile& p, const uint8_t* texture, uint32_t texels, const float* point) {
-  const Place x = place_of(p, point[0], 0, texels), z = place_of(p, point[2], 1, texels);
+float sampled(const PileRectangle& r, const uint8_t* texture, uint32_t texels, const float* point) {
+  const Place x = place_of(r, point[0], 0, texels), z = place_of(r, point[2], 1, texels);
   const uint8_t* at = texture + uint64_t{z.texel} * texels + x.texel;
   const auto along = [&](const uint8_t* row) {
     const float a = row[0], b = row[1];
@@ -318,8 +313,7 @@ void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
   }
 }
 
-void sky_build(Pile* p) {
-  PileSky* s = &p->sky;
+void sky_build(PileSky* s, const PileRectangle& rectangle) {
   if (s->texels == 0) return;
   const uint64_t columns = uint64_t{s->rows} * s->pitch + k_lane_group, texels = uint64_t{s->texels} * s->texels;
   for (uint64_t i = 0; i < columns; ++i) {
@@ -332,7 +326,7 @@ void sky_build(Pile* p) {
   s->bottoms += k_first;
   s->fills += k_first;
   for (uint32_t u = 0; u < s->texels; ++u) s->nothing[u] = s->receivers[u] = s->lights[u] = 0;
-  for (uint32_t k = 0; k < k_cell_sectors; ++k) place_steps(*p, k, s->walks + k * k_sky_steps);
+  for (uint32_t k = 0; k < k_cell_sectors; ++k) place_steps(rectangle, s->joined, k, s->walks + k * k_sky_steps);
   for (uint32_t i = 0; i < k_light_cells; ++i) {
     s->cells[i] = k_prior_ring_shares[i / k_cell_sectors];
     s->made_for[i] = 0;
@@ -342,25 +336,38 @@ void sky_build(Pile* p) {
   memset(s->front.heights, 0, texels * s->joined * s->joined);
 }
 
-void sky_begin(Pile* p) {
-  PileSky* s = &p->sky;
+void sky_begin(PileSky* s, uint64_t frame) {
   memcpy(s->made_for, s->cells, k_light_cells * sizeof(float));
   for (uint32_t i = 0; i < k_light_cells; ++i)
     s->sectors[i % k_cell_sectors].bends[i / k_cell_sectors] =
         s->cells[i] - (i < k_cell_sectors ? 0 : s->cells[i - k_cell_sectors]);
-  s->back.frame = p->frame;
+  s->back.frame = frame;
+  s->level_row = s->row = 0;
 }
 
-uint32_t sky_run_levels(Pile* p, uint32_t cursor) {
-  const uint32_t end = unit_end(p->sky, k_sky_unit_windows, cursor, p->sky.rows);
-  for (; cursor < end; ++cursor) make_level_row(p, cursor);
-  return cursor;
+bool sky_run_levels(PileSky* s, const Pile& p) {
+  const uint32_t end = unit_end(*s, k_sky_unit_windows, s->level_row, s->rows);
+  for (; s->level_row < end; ++s->level_row) make_level_row(s, p, s->level_row);
+  return s->level_row == s->rows;
 }
 
-uint32_t sky_run_rows(Pile* p, uint32_t cursor) {
-  const uint32_t end = unit_end(p->sky, k_sky_unit_texels, cursor, p->sky.texels);
-  for (; cursor < end; ++cursor) light_row(p, cursor);
-  return cursor;
+bool sky_run_rows(PileSky* s, const Pile& p) {
+  const uint32_t end = unit_end(*s, k_sky_unit_texels, s->row, s->texels);
+  for (; s->row < end; ++s->row) light_row(s, p, s->row);
+  return s->row == s->texels;
+}
+
+void sky_end(PileSky* s, const Pile& p) {
+  SkyTexture &front = s->front, &back = s->back;
+  back.top = p.columns.top;
+  const uint64_t texels = uint64_t{s->texels} * s->texels, heights = uint64_t{p.rectangle.texels} * p.rectangle.texels;
+  const bool same = front.version != 0 && front.top == back.top && memcmp(front.floor, back.floor, texels) == 0 &&
+                    memcmp(front.sand, back.sand, texels) == 0 && memcmp(front.heights, back.heights, heights) == 0;
+  back.version = front.version + (same ? 0 : 1);
+  const SkyTexture swap = front;
+  front = back;
+  back = swap;
+  s->valid = true;
 }
 
 void sky_light_grains(const Pile& p, const float* positions, uint32_t count, float radius, uint8_t* visibility) {
@@ -372,10 +379,11 @@ void sky_light_grains(const Pile& p, const float* positions, uint32_t count, flo
   const float per_radius = 1 / radius, step = sky.top * (1.0f / 255);
   for (uint32_t i = 0; i < count; ++i) {
     const float* centre = positions + 3 * uint64_t{i};
-    const float surface = step * sampled(p, sky.heights, p.texels, centre);
-    const float depth = (surface - (centre[1] + radius - p.height)) * per_radius, below = depth > 0 ? depth : 0;
+    const float surface = step * sampled(p.rectangle, sky.heights, p.rectangle.texels, centre);
+    const float depth = (surface - (centre[1] + radius - p.rectangle.height)) * per_radius,
+                below = depth > 0 ? depth : 0;
     visibility[i] = static_cast<uint8_t>(
-        to_whole<uint32_t>(sampled(p, sky.sand, p.sky.texels, centre) / (1 + k_depth_loss * below) + 0.5f));
+        to_whole<uint32_t>(sampled(p.rectangle, sky.sand, p.sky.texels, centre) / (1 + k_depth_loss * below) + 0.5f));
   }
 }
 

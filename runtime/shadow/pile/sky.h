@@ -16,6 +16,7 @@
 namespace sandglass {
 
 struct Pile;
+struct PileRectangle;
 
 constexpr uint32_t k_sky_levels = 4;
 constexpr uint32_t k_sky_steps = 18;  // along an azimuth
@@ -36,6 +37,8 @@ struct SkyTexture {
   uint64_t version;
 };
 
+// ---- PileSky (sky.cpp)
+
 struct PileSky {
   uint32_t texels;  // along a side; 0: the app asked for none
   uint32_t joined;  // columns of the pile along a side of a texel
@@ -51,20 +54,23 @@ struct PileSky {
   PileSector *sectors, *row_sectors;    // row_sectors: those with such steps
   SkyTexture front, back;
   bool valid;
+  // The next row of the levels, and of the texture.
+  uint32_t level_row, row;
   float *cells, *made_for;  // k_light_cells each
 };
 
 // The one walk of the layout; `owner` may be a stand-in.
 void sky_lay_out(PileSky* sky, uint32_t texels, uint32_t joined, Layout* layout);
-void sky_build(Pile* pile);
+void sky_build(PileSky* sky, const PileRectangle& rectangle);
 
-// Fixes the cells that the texture under way is made for.
-void sky_begin(Pile* pile);
+// Fixes the cells that the texture under way is made for. `frame`: in which it is begun.
+void sky_begin(PileSky* sky, uint64_t frame);
 
-// The phases: every row of every level, then every row of the texture. They run at most a unit from `cursor` on and
-// return where they stopped.
-uint32_t sky_run_levels(Pile* pile, uint32_t cursor);
-uint32_t sky_run_rows(Pile* pile, uint32_t cursor);
+// The phases: every row of every level, then every row of the texture. They run a unit. False: there are more.
+bool sky_run_levels(PileSky* sky, const Pile& pile);
+bool sky_run_rows(PileSky* sky, const Pile& pile);
+// Swaps the two textures.
+void sky_end(PileSky* sky, const Pile& pile);
 
 // See sandglass_pile_shadow_light_grains.
 void sky_light_grains(const Pile& pile, const float* positions, uint32_t count, float radius, uint8_t* visibility);

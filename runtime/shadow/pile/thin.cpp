@@ -20,13 +20,13 @@ double share_under(double radius) {  // in sides of the square, at most 1
   return radius * radius * (k_pi - radius * (8.0 / 3) + 0.5 * radius * radius);
 }
 
-// What of a layer is missing from the steps at elevations spread evenly over the azimuth's: expected grains in the way of
-// a light, for one grain a texel. None is negative; their sum is what is missing in all. Where the steps meet the layer at
-// most elevations, what is missing comes from where steps happen to end, and is spread evenly.
+// What of a layer is missing from the steps at elevations spread evenly over the azimuth's: expected grains in the way
+// of a light, for one grain a texel. None is negative; their sum is what is missing in all. Where the steps meet the
+// layer at most elevations, what is missing comes from where steps happen to end, and is spread evenly.
 void missing_from_steps(const Pile& p, const PileStep* steps, uint32_t count, const PileAzimuth& azimuth,
                         double missing[k_elevations]) {
-  const double radius = static_cast<double>(p.source.radius), share = static_cast<double>(sphere_share(p));
-  const double texel = static_cast<double>(p.texel[0]) * static_cast<double>(p.texel[1]);
+  const double radius = static_cast<double>(p.request.source.radius), share = static_cast<double>(sphere_share(p));
+  const double texel = static_cast<double>(p.rectangle.texel[0]) * static_cast<double>(p.rectangle.texel[1]);
   const double top = radius + static_cast<double>(k_fine_rise) * radius;
   const double low = static_cast<double>(azimuth.low), width = static_cast<double>(azimuth.high) - low;
   double sum = 0, positive = 0;
@@ -58,10 +58,11 @@ void interpolate_power(double power, double* weights) {
 }  // namespace
 
 float sphere_share(const Pile& p) {
-  const float longer = p.texel[0] > p.texel[1] ? p.texel[0] : p.texel[1], radius = p.source.radius;
-  const float share = is_finer_than_texels(p)
-                          ? k_side * radius / longer
-                          : 4 * k_half_face * k_half_face * (radius / p.texel[0]) * (radius / p.texel[1]);
+  const float longer = p.rectangle.texel[0] > p.rectangle.texel[1] ? p.rectangle.texel[0] : p.rectangle.texel[1],
+              radius = p.request.source.radius;
+  const float share = is_finer_than_texels(p) ? k_side * radius / longer
+                                              : 4 * k_half_face * k_half_face * (radius / p.rectangle.texel[0]) *
+                                                    (radius / p.rectangle.texel[1]);
   return share < 1 ? share : 1;
 }
 
@@ -78,9 +79,9 @@ double shadow_beyond_outline(double sine) {
 
 void thin_own_column(const Pile& p, const PileStep* steps, uint32_t count, PileAzimuth* azimuth) {
   azimuth->thin = 0;
-  if (!is_finer_than_texels(p) || p.source.skin != nullptr) return;
-  const double radius = static_cast<double>(p.source.radius);
-  const double texel[2] = {static_cast<double>(p.texel[0]), static_cast<double>(p.texel[1])};
+  if (!is_finer_than_texels(p) || p.request.source.skin != nullptr) return;
+  const double radius = static_cast<double>(p.request.source.radius);
+  const double texel[2] = {static_cast<double>(p.rectangle.texel[0]), static_cast<double>(p.rectangle.texel[1])};
   const double under = share_under(radius / square_root(texel[0] * texel[1]));
   double missing[k_elevations], weights[5] = {};
   missing_from_steps(p, steps, count, *azimuth, missing);

@@ -19,7 +19,7 @@ constexpr float k_fine_rise = 2.0f / 3;
 
 // Whether spheres are smaller than texels along both sides.
 inline bool is_finer_than_texels(const Pile& p) {
-  return p.source.radius < 0.5f * p.texel[0] && p.source.radius < 0.5f * p.texel[1];
+  return p.request.source.radius < 0.5f * p.rectangle.texel[0] && p.request.source.radius < 0.5f * p.rectangle.texel[1];
 }
 
 // The share of its texel by which a sphere fills the column of its centre.

@@ -79,7 +79,7 @@ Drawn cast_of(const Mesh& mesh, const Light& light, const CastChoice& choice, Ca
   Cast& cast = kept != nullptr ? *kept : fresh;
   if (!cast)
     if (const Status made = cast.create(desc); !made) throw Failure(made.reason);
-  cast.get()->cast.directions_of_light = choice.directions;  // controls take fewer than an app may
+  cast.get()->cast.desc.directions = choice.directions;  // controls take fewer than an app may
   cast.get()->cast.targets[k_cast_light].draft = false;
   sandglass_cast_plane plane = cast_plane();
   if (choice.limits) {

@@ -1,257 +1,10 @@
-// What the app does to the sand between frames: adds and removes it, sets the boundary and friction, moves the scene,
-// adds, places, pushes and removes rigid bodies, saves and restores.
+// What the app does to rigid bodies between frames: adds, removes, places and pushes them, and asks where they are.
 #include "runtime/frame/refuse.h"
 #include "runtime/math/finite.h"
 #include "runtime/math/rigid_motion.h"
 #include "runtime/sand/granular.h"
 
 namespace sandglass {
-
-// ---- Adding sand
-
-namespace {
-
-constexpr float k_at_rest[3] = {0.0f, 0.0f, 0.0f};
-
-constexpr float k_speed_limit = 1e4f;  // m/s that material may be added with
-
-// The coordinates of `count` positions or velocities.
-bool items_within(const float* values, uint32_t count, float limit) {
-  return all_within(values, 3ull * count, -limit, limit);
-}
-
-void add_particle(Granular* g, const float position[3], const float velocity[3]) {
-  const uint32_t number = flow_take_particle_number(&g->flow, g->particles.count);
-  particles_append(&g->particles, position, velocity, number);
-  sleep_add(&g->sleep, number, position);
-  motion_add(g->motion, *g, number, position, velocity);
-}
-
-void add_grain(Granular* g, const float position[3], const float velocity[3]) {
-  grains_append(&g->grains, position, velocity, flow_take_grain_number(&g->flow, g->grains.count));
-}
-
-}  // namespace
-
-static sandglass_status check_add(const Granular* g, const sandglass_points& particles, const sandglass_points& grains,
-                                  const char** reason) {
-  if ((particles.count != 0 && particles.positions == nullptr) || (grains.count != 0 && grains.positions == nullptr)) {
-    return refuse(
-        reason,
-        "particles.positions or grains.positions is NULL but its count is above 0: pass 3 floats for each item.");
-  }
-  if (particles.count > g->desc.particle_capacity - g->particles.count) {
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "more particles than granular.particle_capacity has room for: raise it.");
-  }
-  if (grains.count > g->desc.grain_capacity - g->grains.count) {
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.");
-  }
-  if (!items_within(particles.positions, particles.count, SANDGLASS_COORDINATE_LIMIT) ||
-      !items_within(grains.positions, grains.count, SANDGLASS_COORDINATE_LIMIT)) {
-    return refuse(reason,
-                  "a position is not finite or more than 1000 m from the scene origin: move the "
-                  "origin nearer.");
-  }
-  if ((particles.velocities != nullptr && !items_within(particles.velocities, particles.count, k_speed_limit)) ||
-      (grains.velocities != nullptr && !items_within(grains.velocities, grains.count, k_speed_limit))) {
-    return refuse(reason, "a velocity is not finite or above 10000 m/s: check where it comes from.");
-  }
-  return accept(reason);
-}
-
-static void put_in(Granular* g, const sandglass_points& particles, const sandglass_points& grains) {
-  const auto velocity = [](const sandglass_points& points, uint64_t i) {
-    return points.velocities == nullptr ? k_at_rest : points.velocities + 3 * i;
-  };
-  if (particles.count != 0) {
-    substep_abandon(g);
-    for (uint64_t i = 0; i < particles.count; ++i) add_particle(g, particles.positions + 3 * i, velocity(particles, i));
-    neighbours_invalidate(&g->neighbours);
-    sweep_particles_changed(&g->sweep);
-    granular_seal(g);
-  }
-  if (grains.count != 0) {
-    if (g->grains.count == 0) motion_begin_here(g->motion, *g);
-    for (uint64_t i = 0; i < grains.count; ++i) add_grain(g, grains.positions + 3 * i, velocity(grains, i));
-    sweep_grains_added(g, grains.count);
-  }
-}
-
-sandglass_status granular_add(Granular* g, const sandglass_points& particles, const sandglass_points& grains,
-                              const char** reason) {
-  if (const sandglass_status refused = check_add(g, particles, grains, reason)) return refused;
-  if (grains.count != 0 && !sweep_takes_grains(*g)) sweep_end(g);
-  put_in(g, particles, grains);
-  return SANDGLASS_OK;
-}
-
-bool granular_pour_in(Granular* g, const sandglass_points& particles, const sandglass_points& grains) {
-  if (check_add(g, particles, grains, nullptr)) return false;
-  put_in(g, particles, grains);
-  return true;
-}
-
-// ---- Removing sand
-
-sandglass_status granular_remove(Granular* g, const sandglass_collider* region, uint32_t* particles, uint32_t* grains,
-                                 const char** reason) {
-  sandglass_collider accepted;
-  if (region == nullptr) return refuse(reason, "region is NULL: pass the shape to empty.");
-  if (!collider_accept(*region, &accepted)) {
-    return refuse(
-        reason,
-        "region is not a usable shape: its numbers must be finite, its position within "
-        "the coordinate limit, its sizes above 0, its rotation not zero, and its field made by this library.");
-  }
-  ColliderFrame shape;
-  colliders_pose(&accepted, 1, 0.0f, &shape);
-  granular_wake_all(g);
-  sweep_end(g);
-  uint32_t removed = 0, removed_grains = 0, found[k_lane_group];
-  for (uint32_t group = (g->particles.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
-    const uint32_t inside = flow_find_inside(*g, as_records(g->particles.records[0]), g->particles.count,
-                                             group * k_lane_group, &shape, 1, found);
-    for (uint32_t k = 0; k < inside; ++k) {
-      if (in_body(g->particles.records[0][found[k]])) continue;
-      granular_take_out_particle(g, found[k]);
-      ++removed;
-    }
-  }
-  for (uint32_t group = (g->grains.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
-    const uint32_t inside =
-        flow_find_inside(*g, as_records(g->grains.records), g->grains.count, group * k_lane_group, &shape, 1, found);
-    for (uint32_t k = 0; k < inside; ++k) granular_take_out_grain(g, found[k]);
-    removed_grains += inside;
-  }
-  if (g->desc.particle_capacity != 0) granular_after_removal(g);
-  if (removed_grains != 0) sweep_grains_removed(g);
-  flow_count_removed(&g->flow, removed, removed_grains, 0);
-  if (particles != nullptr) *particles = removed;
-  if (grains != nullptr) *grains = removed_grains;
-  return accept(reason);
-}
-
-// ---- The boundary, and friction
-
-sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
-  if (count != 0 && positions == nullptr) {
-    return refuse(reason, "positions is NULL but count is above 0: pass 3 floats for each sample.");
-  }
-  if (count > g->desc.boundary_capacity) {
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more particles than granular.boundary_capacity: raise it.");
-  }
-  if (!items_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
-    return refuse(reason,
-                  "a position is not finite or more than 1000 m from the scene origin: "
-                  "move the origin nearer.");
-  }
-  granular_wake_all(g);
-  for (uint32_t i = 0; i < count; ++i) boundary_particles(*g)[i] = fixed_particle(positions + 3ull * i, i);
-  boundary_sort(&g->boundary, *g, count);
-  return accept(reason);
-}
-
-void granular_set_friction(Granular* g, float static_friction, float kinetic_friction) {
-  granular_take_friction(g, static_friction, kinetic_friction);
-  granular_wake_all(g);
-}
-
-// ---- Moving the scene
-//
-// A scene that is moved rigidly, when the app's coordinates change under it.
-
-namespace {
-
-constexpr char k_moved_too_far[] =
-    "the move would leave the coordinate limit, 1000 m from the scene origin; nothing "
-    "was moved.";
-
-bool stays_within(const SceneMove& move, const float position[3]) {
-  float p[3] = {position[0], position[1], position[2]};
-  move.move(p);
-  for (const float c : p) {
-    if (!(__builtin_fabsf(c) <= SANDGLASS_COORDINATE_LIMIT)) return false;
-  }
-  return true;
-}
-
-// What leaves the limit must have left the scene before.
-template <class Item>
-bool all_stay(const Granular& g, const SceneMove& move, const Item* items, uint32_t count) {
-  for (uint32_t i = 0; i < count; ++i) {
-    if (!stays_within(move, items[i].position) && !departed_has_left(g, items[i])) return false;
-  }
-  return true;
-}
-
-void remove_leaving(Granular* g, const SceneMove& move) {
-  uint64_t particles = 0, grains = 0;
-  for (uint32_t i = g->particles.count; i-- > 0;) {
-    const Particle& p = g->particles.records[0][i];
-    if (!stays_within(move, p.position) && !in_body(p)) {
-      granular_take_out_particle(g, i);
-      ++particles;
-    }
-  }
-  for (uint32_t i = g->grains.count; i-- > 0;) {
-    if (!stays_within(move, g->grains.records[i].position)) {
-      granular_take_out_grain(g, i);
-      ++grains;
-    }
-  }
-  if (particles != 0) granular_after_removal(g);
-  if (grains != 0) sweep_grains_removed(g);
-  flow_count_removed(&g->flow, particles, grains, 0);
-}
-
-}  // namespace
-
-sandglass_status granular_move(Granular* g, const float rotation[4], const float translation[3], const char** reason) {
-  sandglass_collider frame = {}, accepted;
-  frame.rotation[3] = 1.0f;
-  for (int k = 0; rotation != nullptr && k < 4; ++k) frame.rotation[k] = rotation[k];
-  for (int k = 0; translation != nullptr && k < 3; ++k) {
-    frame.position[k] = translation[k];
-    if (is_finite(translation[k]) && __builtin_fabsf(translation[k]) > k_coordinate_bound)
-      return refuse(reason, k_moved_too_far);
-  }
-  if (!collider_accept(frame, &accepted))
-    return refuse(reason, "rotation or translation is not finite, or the rotation has no length.");
-  if (g->desc.particle_capacity == 0) return accept(reason);
-  ColliderFrame posed;
-  colliders_pose(&accepted, 1, 0.0f, &posed);
-  SceneMove move;
-  __builtin_memcpy(move.axes, posed.axes, sizeof move.axes);
-  for (int k = 0; k < 3; ++k) move.shift[k] = accepted.position[k];
-  for (int k = 0; k < 4; ++k) move.rotation[k] = static_cast<double>(accepted.rotation[k]);
-  Particle* boundary = boundary_particles(*g);
-  if (!all_stay(*g, move, g->particles.records[0], g->particles.count) ||
-      !all_stay(*g, move, g->grains.records, g->grains.count) || !all_stay(*g, move, boundary, g->boundary.count)) {
-    return refuse(reason, k_moved_too_far);
-  }
-  granular_settle(g);
-  remove_leaving(g, move);
-  particles_move(&g->particles, move);
-  grains_move(&g->grains, move);
-  output_changed(&g->output);
-  sleep_move(&g->sleep, g->particles.count + g->flow.free_particle_count, move);
-  bodies_move(&g->bodies, move);
-  granular_forget_departed(g);
-  motion_begin_here(g->motion, *g);
-  boundary_move(&g->boundary, *g, move);
-  colliders_move(&g->colliders, *g, move);
-  float resting[3] = {g->resting_gravity[0], g->resting_gravity[1], g->resting_gravity[2]};
-  move.turn(resting);  // what rests has turned under gravity
-  granular_set_resting_gravity(g, resting);
-  granular_feel_gravity(g);
-  return accept(reason);
-}
-
-// ---- Rigid bodies
-//
-// What the app does to rigid bodies between frames: adds, removes, places and pushes them, and asks where they are.
-
 namespace {
 
 constexpr float k_body_speed = 1e4f;  // metres or radians a second, along each axis, that a body may be given
@@ -316,19 +69,19 @@ bool caught(const Granular& g, const RigidBody& body, const Vector& p) {
     around += 1.0;
     overlaps = overlaps || distance < k_overlap_radii * r;
   }
-  const double way2 = away.x * away.x + away.y * away.y + away.z * away.z;
-  return overlaps && way2 < k_one_sided * k_one_sided * around * around;
+  const double length2 = away.x * away.x + away.y * away.y + away.z * away.z;
+  return overlaps && length2 < k_one_sided * k_one_sided * around * around;
 }
 
 // How far along an axis of the world, forward or backward, these particles have to go so that none overlaps the body.
 // Gives up where that is as far as `least`.
-double way_out(const Granular& g, const RigidBody& body, const uint32_t* rows, uint32_t count, int axis, double sign,
-               double least) {
+double distance_out(const Granular& g, const RigidBody& body, const uint32_t* rows, uint32_t count, int axis,
+                    double sign, double least) {
   const int other = (axis + 1) % 3, third = (axis + 2) % 3;
   const Particle* particles = g.particles.records[0];
   const double touching = 2.0 * static_cast<double>(g.desc.particle_radius);
-  double way = 0.0;
-  for (bool moved = true; moved && way < least;) {
+  double distance = 0.0;
+  for (bool moved = true; moved && distance < least;) {
     moved = false;
     for (uint32_t i = 0; i < count; ++i) {
       const float* p = particles[rows[i]].position;
@@ -338,14 +91,14 @@ double way_out(const Granular& g, const RigidBody& body, const uint32_t* rows, u
         const double half2 = touching * touching - d * d - e * e;
         if (!(half2 > 0.0)) continue;
         const double along = sign * static_cast<double>(b[axis] - p[axis]), half = __builtin_sqrt(half2);
-        if (along - half < way && along + half > way) {
-          way = along + half;
+        if (along - half < distance && along + half > distance) {
+          distance = along + half;
           moved = true;
         }
       }
     }
   }
-  return way;
+  return distance;
 }
 
 // Puts these particles beside the body, along the axis of the world on which that is nearest, but not downward: there
@@ -357,11 +110,11 @@ void put_beside(Granular* g, const RigidBody& body, const uint32_t* rows, uint32
     const int axis = side / 2;
     const double sign = side % 2 == 0 ? 1.0 : -1.0;
     if (sign * static_cast<double>(g->gravity[axis]) > 0.5 * static_cast<double>(g->gravity_length)) continue;
-    const double way = way_out(*g, body, rows, count, axis, sign, least);
-    if (!(way < least)) continue;
-    least = way;
+    const double distance = distance_out(*g, body, rows, count, axis, sign, least);
+    if (!(distance < least)) continue;
+    least = distance;
     shift[0] = shift[1] = shift[2] = 0.0f;
-    shift[axis] = static_cast<float>(sign * way);
+    shift[axis] = static_cast<float>(sign * distance);
   }
   const Particle& first = g->particles.records[0][rows[0]];
   if (in_body(first)) {
@@ -575,43 +328,6 @@ void granular_body_pose(const Granular& g, uint32_t index, sandglass_body_pose* 
     pose->angular_velocity[k] = body.angular[k];
   }
   for (int k = 0; k < 4; ++k) pose->rotation[k] = static_cast<float>(body.rotation[k]);
-}
-
-// ---- Saving and restoring
-
-sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t* written, const char** reason) {
-  if (data == nullptr || written == nullptr)
-    return refuse(reason, "data or written is NULL: pass the memory and where to store its length.");
-  if (bytes < granular_save_bytes(*g))  // before anything changes
-    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
-                  "bytes is less than the scene needs: ask sandglass_scene_save_bytes.");
-  granular_settle(g);
-  return saved_write(*g, data, bytes, written, reason);
-}
-
-sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes, const char** reason) {
-  if (const sandglass_status status = saved_check(*g, data, bytes, reason)) return status;
-  granular_reset(g);
-  if (g->desc.particle_capacity == 0) return accept(reason);
-  SavedScene saved;
-  if (!saved_read(*g, data, &saved)) {
-    granular_reset(g);
-    return refuse(reason, "the data contradicts itself; the scene was reset.");
-  }
-  particles_restore(&g->particles, saved);
-  flow_restore(&g->flow, saved);
-  grains_restore(&g->grains, saved);
-  output_changed(&g->output);
-  bodies_restore(&g->bodies, saved);
-  time_restore(&g->time, saved);
-  sleep_restore(&g->sleep, saved);
-  neighbours_restore(&g->neighbours, saved);
-  contacts_restore(&g->contacts, saved);
-  granular_set_resting_gravity(g, saved.state.resting_gravity);
-  boundary_sort(&g->boundary, *g, saved.boundary);
-  granular_settle(g);
-  granular_feel_gravity(g);
-  return accept(reason);
 }
 
 }  // namespace sandglass

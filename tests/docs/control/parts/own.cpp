@@ -1,0 +1,1 @@
+void change(Part* part) { part->count = 1; }
