@@ -100,7 +100,8 @@ struct SkinChunk {
 
 struct SkinChunks {
   SkinChunk* records;
-  uint32_t* order;  // by place
+  // Their numbers, by place.
+  uint32_t* order;
   uint32_t capacity, count;
 };
 
@@ -108,10 +109,14 @@ struct SkinChunks {
 struct SkinBricks {
   Brick* records;
   BrickNodes* nodes;
-  uint32_t* slots;  // an open hash table: the number of a brick, plus 1
+  // Room for so many; and how many were ever used.
+  uint32_t capacity, count;
+  // The numbers of those that are not used any more.
   uint32_t* free;
-  uint32_t capacity, count;  // count: that were ever used
-  uint32_t free_count, slot_mask;
+  uint32_t free_count;
+  // An open hash table: the number of a brick, plus 1.
+  uint32_t* slots;
+  uint32_t slot_mask;
   SkinChunks chunks;
 };
 

@@ -11,7 +11,7 @@
 namespace sandglass {
 namespace {
 
-// A sphere goes into the column that holds its centre, and covers it by `share` (pile_thin.h). It reaches as high and
+// A sphere goes into the column that holds its centre, and covers it by `share` (thin.h). It reaches as high and
 // as low as its two halves do in the mean. A sphere as wide as a texel counts as the cube whose faces are as large as
 // its silhouette. It also fills every column whose middle lies under or over it. `visits` is what is left of this
 // unit's columns. False: it is spent, and the sphere goes on in the next unit.

@@ -1,10 +1,10 @@
 // The state behind sandglass/pile_shadow.h. Its work is cut into units of the shadow stage. A texture is made in
 // phases: columns from the spheres, then rows of the floor, then rows of the sand's own surface. The last of these
-// units swaps the two textures. The texture of the room's light follows (pile_sky.h). Either is left out where nothing
+// units swaps the two textures. The texture of the room's light follows (sky.h). Either is left out where nothing
 // asks for it.
 //
 // The spheres are the grains, or the particles of a scene without grains; or sand is what lies under a skin
-// (pile_skin.cpp), as it was last completed. They are read in place, without a copy. The scene may sort them between
+// (skin.cpp), as it was last completed. They are read in place, without a copy. The scene may sort them between
 // two units of the first phase: then a sphere may be missed or taken twice, in that one texture.
 //
 // The state is put together from parts. Each is a section here, which names the source file that changes it: functions

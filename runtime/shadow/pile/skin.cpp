@@ -2,7 +2,7 @@
 //
 // A triangle that looks up fills each column whose middle it covers, from where the sand below it begins, or from the
 // floor where that is near: below sand on a seat the floor is free. Loose sand that lies goes into the column of its
-// centre; for what flies see pile_air.cpp.
+// centre; for what flies see air.cpp.
 #include "runtime/skin/skin.h"
 #include "kernels/whole.h"
 #include "runtime/math/math.h"

@@ -1,4 +1,4 @@
-// See pile_sky.h.
+// See sky.h.
 #include "runtime/shadow/pile/sky.h"
 
 #include <cstring>

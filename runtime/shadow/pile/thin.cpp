@@ -1,4 +1,4 @@
-// See pile_thin.h.
+// See thin.h.
 #include "runtime/shadow/pile/thin.h"
 
 #include "runtime/math/math.h"
