@@ -91,7 +91,7 @@ sandglass_status build(const sandglass_pile_shadow_desc& desc, sandglass_pile_sh
   p->request.tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
   p->request.light[1] = 1;
   sky_build(&p->sky, p->rectangle);
-  if (p->sky.side != 0) p->request.asked = k_ask_sky;
+  if (p->sky.texels != 0) p->request.asked = k_ask_sky;
   return accept(reason);
 }
 
@@ -131,7 +131,7 @@ __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direc
 }
 
 __attribute__((noinline)) sandglass_status take_cells(Pile* p, const float* cells, const char** reason) {
-  if (p->sky.side == 0)
+  if (p->sky.texels == 0)
     return refuse(reason, "this shadow has no texture of the room's light: set desc.sky_texels at create.");
   if (const sandglass_status status = check_cells(cells, reason)) return status;
   memcpy(p->sky.cells, cells, k_light_cells * sizeof(float));
