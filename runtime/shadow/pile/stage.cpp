@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "runtime/math/math.h"
 #include "runtime/shadow/pile/pile.h"
 #include "runtime/skin/skin.h"
 
