@@ -7,7 +7,7 @@ mkdir -p "$output/page/reference"
 release() { python3 -B "$source/toolchains/release.py" "$@"; }
 
 echo "<p>live</p>" >"$output/page/live.html"
-for page in index sandglass_8h skin_8h room_8h shadow_8h cast_8h; do echo "$page" >"$output/page/reference/$page.html"; done
+for page in index scene_8h bodies_8h skin_8h room_8h shadow_8h cast_8h; do echo "$page" >"$output/page/reference/$page.html"; done
 python3 -B "$source/toolchains/docs/site.py" "$source" "$output/page/live.html" "$output/page/reference" "$output/site"
 for link in $(grep -ohE '(href|src)="[^"]*"' "$output"/site/*.html | cut -d'"' -f2 | sort -u); do
   [[ -e $output/site/$link ]] || { echo "the site links to $link, which is not there"; exit 1; }
