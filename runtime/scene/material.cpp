@@ -7,21 +7,21 @@
 using namespace sandglass;
 
 sandglass_status sandglass_scene_add(sandglass_scene* scene, const sandglass_points* particles,
-                                        const sandglass_points* grains, const char** reason) {
+                                     const sandglass_points* grains, const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
   const sandglass_points none = {};
   return granular_add(&scene->granular, particles != nullptr ? *particles : none, grains != nullptr ? *grains : none,
                       reason);
 }
 
-sandglass_status sandglass_scene_remove(sandglass_scene* scene, const sandglass_collider* region,
-                                           uint32_t* particles, uint32_t* grains, const char** reason) {
+sandglass_status sandglass_scene_remove(sandglass_scene* scene, const sandglass_collider* region, uint32_t* particles,
+                                        uint32_t* grains, const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
   return granular_remove(&scene->granular, region, particles, grains, reason);
 }
 
 sandglass_status sandglass_scene_add_body(sandglass_scene* scene, const sandglass_body* body, uint32_t* index,
-                                             const char** reason) {
+                                          const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
   return granular_add_body(&scene->granular, body, index, reason);
 }
@@ -32,27 +32,27 @@ sandglass_status sandglass_scene_remove_body(sandglass_scene* scene, uint32_t in
 }
 
 sandglass_status sandglass_scene_set_body(sandglass_scene* scene, uint32_t index, const sandglass_body_pose* pose,
-                                             const char** reason) {
+                                          const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
   const ExactFloatingPoint exact;
   return granular_set_body(&scene->granular, index, pose, reason);
 }
 
 sandglass_status sandglass_scene_push_body(sandglass_scene* scene, uint32_t index, const float impulse[3],
-                                              const float point[3], const char** reason) {
+                                           const float point[3], const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
   const ExactFloatingPoint exact;
   return granular_push_body(&scene->granular, index, impulse, point, reason);
 }
 
 sandglass_status sandglass_scene_set_boundary(sandglass_scene* scene, const float* positions, uint32_t count,
-                                                 const char** reason) {
+                                              const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
   return granular_set_boundary(&scene->granular, positions, count, reason);
 }
 
 sandglass_status sandglass_scene_set_friction(sandglass_scene* scene, float static_friction, float kinetic_friction,
-                                                 const char** reason) {
+                                              const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);
   if (!within(static_friction, 0.0f, SANDGLASS_FRICTION_LIMIT) ||
       !within(kinetic_friction, 0.0f, SANDGLASS_FRICTION_LIMIT)) {

@@ -70,8 +70,8 @@ int32_t sandglass_scene_has_body(const sandglass_scene* scene, uint32_t index) {
   return scene != nullptr && bodies_has(scene->granular.bodies, index) ? 1 : 0;
 }
 
-int32_t sandglass_scene_ray(const sandglass_scene* scene, const float origin[3], const float direction[3],
-                               float reach, sandglass_ray_hit* hit) {
+int32_t sandglass_scene_ray(const sandglass_scene* scene, const float origin[3], const float direction[3], float reach,
+                            sandglass_ray_hit* hit) {
   if (scene == nullptr || origin == nullptr || direction == nullptr || hit == nullptr) return 0;
   granular_ray(scene->granular, origin, direction, reach, hit);
   return hit->what != SANDGLASS_HIT_NOTHING ? 1 : 0;

@@ -35,7 +35,6 @@ int main(int argument_count, char** arguments) {
   const uint64_t macs = evaluated * info.macs_per_texel;
   std::printf("isa %s\nambient_texels %u\ntexels %u\nthousand_macs %llu\ntextures 1\nhash 0x%016llx\n",
               sandglass_isa_name(sandglass_shadow_isa(shadow.get())), info.ambient_texels * info.ambient_texels,
-              evaluated, static_cast<unsigned long long>(macs / 1000),
-              static_cast<unsigned long long>(shadow.hash()));
+              evaluated, static_cast<unsigned long long>(macs / 1000), static_cast<unsigned long long>(shadow.hash()));
   return texture.valid == 1 ? 0 : 1;
 }

@@ -79,8 +79,7 @@ TEST(RoomHash, IsOneOnEveryMachineAndInFramesOfAScene) {
       sandglass_frame_report report = cpp::frame_report();
       ASSERT_TRUE(scene.frame(input, &report));
       // One unit looks at 64 of 512 parts; an image is compared, and then gathered where it teaches something.
-      EXPECT_TRUE(report.stages[SANDGLASS_STAGE_LIGHT].units == 8 ||
-                  report.stages[SANDGLASS_STAGE_LIGHT].units == 16);
+      EXPECT_TRUE(report.stages[SANDGLASS_STAGE_LIGHT].units == 8 || report.stages[SANDGLASS_STAGE_LIGHT].units == 16);
     }
     EXPECT_EQ(hash_of(room.get()), k_golden) << std::hex << hash_of(room.get());
   }

@@ -162,7 +162,8 @@ TEST(Versions, WhatRestsIsNotTouched) {
   std::memset(static_cast<void*>(poison.data()), 0x5a, poison.size() * sizeof(sandglass_grain));
   const std::vector<sandglass_grain> untouched = poison;
   const auto rests = [&](const char* what) {
-    const uint64_t grains = report.versions.grains, light = pile.texture().version, sky = pile.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR).version;
+    const uint64_t grains = report.versions.grains, light = pile.texture().version,
+                   sky = pile.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR).version;
     report = frame(&poison);
     EXPECT_TRUE(Drawn::same(poison, untouched)) << what;
     EXPECT_EQ(report.versions.grains, grains) << what;

@@ -197,8 +197,7 @@ class Sand {
 
  private:
   static void take(ShadowTexture* shadow, const sandglass_texture& t) {
-    if (t.valid)
-      *shadow = {t.bytes, t.side, {t.corner[0], t.corner[2], 1 / t.along[0], 1 / t.across[2]}, t.version};
+    if (t.valid) *shadow = {t.bytes, t.side, {t.corner[0], t.corner[2], 1 / t.along[0], 1 / t.across[2]}, t.version};
   }
 
   sandglass::Scene scene_;

@@ -45,8 +45,8 @@ SANDGLASS_API void sandglass_body_default(sandglass_body* body);
  * sandglass_scene_set_body. Fails with CAPACITY, and with INVALID_ARGUMENT: a body without particles, or a number
  * out of range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_add_body(sandglass_scene* scene,
-                                                                               const sandglass_body* body,
-                                                                               uint32_t* index, const char** reason);
+                                                                            const sandglass_body* body, uint32_t* index,
+                                                                            const char** reason);
 
 /* Where a body is. */
 typedef struct sandglass_body_pose {
@@ -70,8 +70,8 @@ SANDGLASS_API int32_t sandglass_scene_has_body(const sandglass_scene* scene, uin
  * are free for the next sandglass_scene_add_body. What lies within 2r + list_margin * r of the box around the centres
  * of its particles wakes up. report.sand counts it in removed_bodies, and its particles in removed_particles. Fails
  * with INVALID_ARGUMENT: no body has this index. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_remove_body(sandglass_scene* scene,
-                                                                                  uint32_t index, const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_remove_body(sandglass_scene* scene, uint32_t index,
+                                                                               const char** reason);
 
 /* Puts a body somewhere else, from one moment to the next, with these velocities: at most 10,000 m/s and rad/s along
  * each axis. The rotation has any length above 0. It may be called before every frame, to drag a body: give the
@@ -87,8 +87,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_remove_body(s
  * Fails with INVALID_ARGUMENT: no body has this index, a number out of range, or one of its particles would lie beyond
  * SANDGLASS_COORDINATE_LIMIT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_set_body(sandglass_scene* scene, uint32_t index,
-                                                                               const sandglass_body_pose* pose,
-                                                                               const char** reason);
+                                                                            const sandglass_body_pose* pose,
+                                                                            const char** reason);
 
 /* Pushes a body at a point, as a finger that flicks it does.
  *
@@ -105,9 +105,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_set_body(sand
  * anew in the next frame. Fails with INVALID_ARGUMENT: no body has this index, a number is not finite, the point is
  * beyond SANDGLASS_COORDINATE_LIMIT, or the body would be faster than 10,000 m/s or rad/s along an axis. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_push_body(sandglass_scene* scene, uint32_t index,
-                                                                                const float impulse[3],
-                                                                                const float point[3],
-                                                                                const char** reason);
+                                                                             const float impulse[3],
+                                                                             const float point[3], const char** reason);
 
 /* A box as a rigid body. Its particles (sandglass_box_body), the collider that keeps grains out of it
  * (sandglass_box_collider) and the mesh of a box of these half extents fit each other: the particles form a regular

@@ -124,8 +124,8 @@ enum {
 };
 
 /* Fills *texture; set texture->struct_size before. For a part that there is not, it has no bytes. */
-SANDGLASS_API void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_part part,
-                                                     sandglass_texture* texture);
+SANDGLASS_API void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow,
+                                                     sandglass_pile_shadow_part part, sandglass_texture* texture);
 
 /* Sets the light of the room, by the cells of types.h: the share of the floor's light that comes from each, less what
  * is drawn as the shadow of a light. Until the first call they are those of a room that nobody has seen. Cells that

@@ -38,8 +38,8 @@ typedef struct sandglass_light {
 
 /* The light of an estimate: facing is pi * strength * c, ambient_sh the ambient radiance a alone, whole_sh its `sh`.
  * Fails with INVALID_ARGUMENT: a struct_size that is not set, or an estimate that is not finite. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_of_estimator(
-    const sandglass_estimator_light* estimate, sandglass_light* lighting, const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status
+sandglass_light_of_estimator(const sandglass_estimator_light* estimate, sandglass_light* lighting, const char** reason);
 
 /* The light of a room: whole_sh is its `sh`, floor its `irradiance`. The directional light is its main light, with
  * facing = main_share * Y(irradiance) * main_colour / cos(theta), the luminance Y (5.2) and the angle theta of
@@ -48,16 +48,16 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_of_estimator(
  *
  * Fails with INVALID_ARGUMENT: a struct_size that is not set, or a light that is not finite. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_of_room(const sandglass_room_light* light,
-                                                                              sandglass_light* lighting,
-                                                                              const char** reason);
+                                                                           sandglass_light* lighting,
+                                                                           const char** reason);
 
 /* The light that ARCore, WebXR or OpenXR estimates, without a room: facing is main_irradiance, 0 of TOTAL; whole_sh has
  * facing * Y_lm(main_direction) besides; the harmonics' part of floor is that of Ramamoorthi and Hanrahan 2001 (5). The
  * other fields do not count. Fails with INVALID_ARGUMENT: a struct_size that is not set, a number that is not finite, or
  * AMBIENT whose main_direction is 0. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_of_harmonics(const sandglass_harmonics* harmonics,
-                                                                                   sandglass_light* lighting,
-                                                                                   const char** reason);
+                                                                                sandglass_light* lighting,
+                                                                                const char** reason);
 
 /* For things that must keep their own colours, such as a product in a shop: *adapted becomes *lighting in other colours,
  * for each converter below. The two may be the same.
@@ -67,9 +67,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_of_harmonics(
  * With 1 and 0 nothing changes. Fails with INVALID_ARGUMENT: a lighting that was not filled or is not finite, an
  * argument out of range, or a struct_size that is not set. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_adapt(const sandglass_light* lighting,
-                                                                            float strength, int32_t keep_chroma,
-                                                                            sandglass_light* adapted,
-                                                                            const char** reason);
+                                                                         float strength, int32_t keep_chroma,
+                                                                         sandglass_light* adapted, const char** reason);
 
 /* How a renderer is to draw a lighting.
  *
@@ -110,10 +109,9 @@ typedef struct sandglass_filament_light {
  * also the intensity of the IndirectLight. Take about 30 for Filament's default indoor exposure. With the camera's
  * exposure e (Camera::setExposure), 1 / e shows radiance 1 as 1. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_filament(const sandglass_light* lighting,
-                                                                                  sandglass_light_model model,
-                                                                                  float nits,
-                                                                                  sandglass_filament_light* filament,
-                                                                                  const char** reason);
+                                                                               sandglass_light_model model, float nits,
+                                                                               sandglass_filament_light* filament,
+                                                                               const char** reason);
 
 /* For SceneKit and RealityKit, in the layout of ARDirectionalLightEstimate. 1000 lumens are what ARKit calls neutral,
  * and what SceneKit's lights have by default: they stand for irradiance pi on a facing surface, and for ambient
@@ -136,9 +134,9 @@ typedef struct sandglass_arkit_light {
 
 /* Converts for SceneKit and RealityKit. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_arkit(const sandglass_light* lighting,
-                                                                               sandglass_light_model model,
-                                                                               sandglass_arkit_light* arkit,
-                                                                               const char** reason);
+                                                                            sandglass_light_model model,
+                                                                            sandglass_arkit_light* arkit,
+                                                                            const char** reason);
 
 /* For shaders that were written for ARCore's Environmental HDR. */
 typedef struct sandglass_arcore_light {
@@ -155,9 +153,9 @@ typedef struct sandglass_arcore_light {
 
 /* Converts into what ARCore gives. The model AMBIENT is what ARCore means. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_arcore(const sandglass_light* lighting,
-                                                                                sandglass_light_model model,
-                                                                                sandglass_arcore_light* arcore,
-                                                                                const char** reason);
+                                                                             sandglass_light_model model,
+                                                                             sandglass_arcore_light* arcore,
+                                                                             const char** reason);
 
 /* For Unity, whose world is left-handed: z is reversed, as AR Foundation does with poses. */
 typedef struct sandglass_unity_light {
@@ -179,9 +177,9 @@ typedef struct sandglass_unity_light {
 
 /* Converts for Unity. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_unity(const sandglass_light* lighting,
-                                                                               sandglass_light_model model,
-                                                                               sandglass_unity_light* unity,
-                                                                               const char** reason);
+                                                                            sandglass_light_model model,
+                                                                            sandglass_unity_light* unity,
+                                                                            const char** reason);
 
 #ifdef __cplusplus
 } /* extern "C" */

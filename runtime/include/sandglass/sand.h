@@ -196,7 +196,7 @@ SANDGLASS_API void sandglass_collider_default(sandglass_collider* collider);
  * 1 where there is one. Else, where the collider was left out, and from a save, restore or reset until the next frame,
  * it returns 0, and *held stays as it was. */
 SANDGLASS_API int32_t sandglass_scene_held_collider(const sandglass_scene* scene, uint32_t index,
-                                                       sandglass_collider* held);
+                                                    sandglass_collider* held);
 
 /* ------------------------------------------------------------------------------------------------ emitters */
 
@@ -245,32 +245,32 @@ typedef struct sandglass_points {
  * and with INVALID_ARGUMENT: a coordinate is not finite or beyond SANDGLASS_COORDINATE_LIMIT, or a velocity is out of
  * range. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_add(sandglass_scene* scene,
-                                                                          const sandglass_points* particles,
-                                                                          const sandglass_points* grains,
-                                                                          const char** reason);
+                                                                       const sandglass_points* particles,
+                                                                       const sandglass_points* grains,
+                                                                       const char** reason);
 
 /* Removes the sand whose centres lie inside a shape; its velocities mean nothing. *particles and *grains receive the
  * counts; both are optional. Rigid bodies stay: see sandglass_scene_remove_body. What is left wakes up. Fails with
  * INVALID_ARGUMENT: the shape is not usable. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_remove(sandglass_scene* scene,
-                                                                             const sandglass_collider* region,
-                                                                             uint32_t* particles, uint32_t* grains,
-                                                                             const char** reason);
+                                                                          const sandglass_collider* region,
+                                                                          uint32_t* particles, uint32_t* grains,
+                                                                          const char** reason);
 
 /* Replaces the static boundary particles: fixed spheres of the particles' radius, samples of a surface
  * (SANDGLASS_SAMPLE_SURFACE with a distance of at most 2r). Particles collide with them; grains do not see them.
  * `positions`: 3 floats each, metres. Fails with CAPACITY, and with INVALID_ARGUMENT: a coordinate is not finite or
  * beyond SANDGLASS_COORDINATE_LIMIT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_set_boundary(sandglass_scene* scene,
-                                                                                   const float* positions,
-                                                                                   uint32_t count, const char** reason);
+                                                                                const float* positions, uint32_t count,
+                                                                                const char** reason);
 
 /* Replaces the two friction coefficients from the next frame on; each 0..10. Everything wakes up. Fails with
  * INVALID_ARGUMENT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_set_friction(sandglass_scene* scene,
-                                                                                   float static_friction,
-                                                                                   float kinetic_friction,
-                                                                                   const char** reason);
+                                                                                float static_friction,
+                                                                                float kinetic_friction,
+                                                                                const char** reason);
 
 /* ------------------------------------------------------------------------------------------------ reading */
 
@@ -322,8 +322,8 @@ typedef struct sandglass_ray_hit {
  * equally near, the lower number counts. Grains, colliders and boundary particles are not hit. For a normal of the heap
  * rather than of one sphere, take the mean over some rays about the first. The call looks at every particle once: some
  * 30 microseconds for 14,000 on a workstation. */
-SANDGLASS_API int32_t sandglass_scene_ray(const sandglass_scene* scene, const float origin[3],
-                                             const float direction[3], float reach, sandglass_ray_hit* hit);
+SANDGLASS_API int32_t sandglass_scene_ray(const sandglass_scene* scene, const float origin[3], const float direction[3],
+                                          float reach, sandglass_ray_hit* hit);
 
 #ifdef __cplusplus
 } /* extern "C" */

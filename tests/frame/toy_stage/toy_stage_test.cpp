@@ -49,7 +49,8 @@ TEST(ToyStage, IsRunReportedTracedAndRecorded) {
   ASSERT_TRUE(sandglass::host::decode_recording(bytes.data(), bytes.size(), &read, &error)) << error;
   ASSERT_EQ(read.frames.size(), 3u);
   EXPECT_EQ(std::memcmp(&read.frames[0].plan, &recording.frames[0].plan, sizeof(sandglass_plan)), 0);
-  for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) std::printf("stage %s\n", sandglass_stage_name(stage));
+  for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+    std::printf("stage %s\n", sandglass_stage_name(stage));
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ Room with_known(const SeenRoom& seen, const PartRadiance& truth, Known known) {
 }
 
 sandglass_estimator_light estimate_of_table(const RadianceMap& panorama, const SessionOptions& options,
-                                           RoomLight* network) {
+                                            RoomLight* network) {
   const SessionImage image = session_images(Session::table, options.seed).front();
   const PhoneImage shot = take_image(panorama, session_camera(options.azimuth, image), 4 * k_session_width,
                                      4 * k_session_height, image.exposure);

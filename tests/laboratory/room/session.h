@@ -46,6 +46,6 @@ Room with_known(const SeenRoom& seen, const PartRadiance& truth, Known known);
 
 // What the network of estimator.h makes of the one image of a table, in the panorama's frame.
 sandglass_estimator_light estimate_of_table(const RadianceMap& panorama, const SessionOptions& options,
-                                           RoomLight* network);
+                                            RoomLight* network);
 
 }  // namespace sandglass::host

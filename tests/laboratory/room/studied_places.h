@@ -38,7 +38,7 @@ struct StudiedPlace {
   SeenRoom unguarded;                        // control: the last of them, believing what dark bytes say
   PartRadiance parts;                        // the panorama's, of all directions
   std::vector<OneLight> estimates;           // of one light, from an image
-  sandglass_estimator_light network = {};     // the network's, as it gives it
+  sandglass_estimator_light network = {};    // the network's, as it gives it
   std::vector<sandglass_room_light> probes;  // by k_probe_ways; of objects that were moved there are none
 };
 
