@@ -11,6 +11,7 @@
 #include "tests/laboratory/verify.h"
 #ifdef SANDGLASS_HAVE_EMBREE
 #include "tests/laboratory/shadow/cast_rows.h"
+#include "tests/laboratory/shadow/cast_world.h"
 #include "tests/laboratory/shadow/receiver.h"
 #endif
 
@@ -83,6 +84,8 @@ int run(const VerifyOptions& options) {
     const std::vector<Verdict> more = with_steps(what, all, verify);
     verdicts.insert(verdicts.end(), more.begin(), more.end());
   };
+  add("casting in the world", k_cast_worlds,
+      [&](const auto& go_on) { return verify_cast_worlds(options.seed, options.quick, pool, go_on); });
   add("reflecting rooms", reflected.size(),
       [&](const auto& go_on) { return verify_reflections(reflected, options.seed, go_on); });
   add("receiving shadows", some.size(), [&](const auto& go_on) { return verify_receivers(some, pool, go_on); });

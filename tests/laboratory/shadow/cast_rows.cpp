@@ -378,6 +378,50 @@ void below_table(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
   rows->at_most(file.name, "below a table, no shadow", none.mean(), 0.016, true);
 }
 
+// A heap of sand in the object's shadow, as steep as sand lies: what both leave of the light, in one cast.
+void with_heap(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
+  constexpr uint32_t k_around = 48;
+  const StandingObject object = stand_on_plane(file.mesh, file.name);
+  const float height = 0.12f * static_cast<float>(object.box.height), radius = height / 0.6f;
+  Sum together;
+  uint64_t stream = 350;
+  for (const double half : {5.0, 10.0, 20.0})
+    for (const double azimuth : {20.0, 140.0, 260.0}) {
+      const Light light = {direction_at(40 * k_degree, azimuth * k_degree), half * k_degree};
+      const double reach = 0.6 * object.box.height;  // from the object's middle, away from the light
+      const double x = -reach * std::cos(azimuth * k_degree), z = -reach * std::sin(azimuth * k_degree);
+      Mesh heap;
+      heap.vertices = {static_cast<float>(x), height, static_cast<float>(z),
+                       static_cast<float>(x), 0,      static_cast<float>(z)};
+      for (uint32_t i = 0; i < k_around; ++i) {
+        const double turn = 2 * std::numbers::pi * i / k_around;
+        for (const double c :
+             {x + static_cast<double>(radius) * std::cos(turn), 0.0, z + static_cast<double>(radius) * std::sin(turn)})
+          heap.vertices.push_back(static_cast<float>(c));
+        const uint32_t a = 2 + i, b = 2 + (i + 1) % k_around;
+        heap.indices.insert(heap.indices.end(), {0, b, a, 1, a, b});
+      }
+      Mesh both = object.mesh;
+      both.vertices.insert(both.vertices.end(), heap.vertices.begin(), heap.vertices.end());
+      for (const uint32_t i : heap.indices) both.indices.push_back(object.mesh.vertex_count() + i);
+      CastChoice choice;
+      choice.closed = file.closed;
+      const Drawn of_both = cast_of(both, light, choice);
+      const Truth truth = truth_of(both, light, of_both, ++stream, pool);
+      const double area = area_of(fitted(object.box, light));
+      // Of the floor that is seen: what the heap covers is sand, which has a texture of its own.
+      double sum = 0;
+      for (size_t i = 0; i < truth.a.size(); ++i) {
+        const auto p = of_both.place(i);
+        if (std::hypot(p[0] - x, p[1] - z) < static_cast<double>(radius)) continue;
+        const double left = static_cast<double>(of_both.left[i]);
+        sum += (left - static_cast<double>(truth.a[i])) * (left - static_cast<double>(truth.b[i]));
+      }
+      together.add(std::sqrt(std::max(sum, 0.0) * of_both.area() / area));
+    }
+  rows->at_most(file.name, "beside a heap, both in one cast", together.mean(), 0.012);
+}
+
 // ------------------------------------------------------------------------------------------------ rooms
 
 std::array<float, SANDGLASS_LIGHT_CELLS> floats(const std::array<double, SANDGLASS_LIGHT_CELLS>& cells) {
@@ -582,6 +626,7 @@ std::vector<Verdict> verify_casts(const CastRowsOptions& options, ThreadPool& po
     on_wall(file, pool, &rows);
     if (!next()) return rows.rows;
     below_table(file, pool, &rows);
+    with_heap(file, pool, &rows);
     of_surface(file, &rows);
     if (!next()) return rows.rows;
     shimmer(file, pool, &rows);

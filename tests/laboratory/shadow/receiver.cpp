@@ -11,13 +11,13 @@
 #include "models/files/failure.h"
 #include "models/mesh/generated.h"
 #include "models/rooms/probe_light.h"
-#include "models/simulation/scene_meshes.h"
 #include "models/tracing/directions.h"
 #include "models/tracing/embree_scene.h"
 #include "models/work/random.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/room/known_room.h"
 #include "tests/laboratory/shadow/app_cast.h"
+#include "tests/laboratory/shadow/cast_world.h"
 
 namespace sandglass::host {
 
@@ -46,15 +46,6 @@ struct Pixel {
   std::optional<Vec3> on_chair;  // or behind it
   Vec3 chair_colour;
 };
-
-// A generated mesh of that height with its foot at a place.
-Mesh standing(const char* name, double height, Vec3 at) {
-  MeshResult made = make_named(name);
-  stand_mesh(&made.mesh, height, name);
-  for (size_t i = 0; i < made.mesh.vertices.size(); i += 3)
-    to_floats(from_floats(made.mesh.vertices.data() + i) + at, made.mesh.vertices.data() + i);
-  return made.mesh;
-}
 
 // Only what comes from above the table and before the wall.
 RadianceMap before_wall(const RadianceMap& room) {
