@@ -254,7 +254,7 @@ Pair at_end(Draw* draw) {
     const auto of = [&](const Cast& c) {
       return std::max(sampled(c.texture(), {x, 0, z}, 0), 1 - sampled(c.ambient(), {x, 0, z}, 1));
     };
-    const double texel = static_cast<double>(whole.texture().along[0]) / whole.texture().texels;
+    const double texel = static_cast<double>(whole.texture().along[0]) / whole.texture().side;
     dark.worst(of(cast), x < end + texel ? of(whole) : 0);
   }
   return dark;
