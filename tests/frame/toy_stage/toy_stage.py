@@ -76,14 +76,15 @@ def names(tree, build, work, node):
 
 
 def lists(source):
-    """Where else a line names two stages or more as strings, or one by its number. The frame's own tests make up stages."""
-    table = re.findall(r'STAGE\(\w+, "(\w+)"', (source / "runtime/frame/capabilities.inc").read_text())
+    """Where else a line names three stages or more as strings, or one by its number: "light" and "shadow" are words, too. The frame's
+    own tests make up stages."""
+    table = ["granular", *re.findall(r'STAGE\(\w+, "(\w+)"', (source / "runtime/frame/capabilities.inc").read_text()), "refine", "output"]
     found = []
     for top in ("kernels", "runtime", "models", "toolchains", "tests"):
         for path in (source / top).rglob("*"):
             if path.suffix in (".cpp", ".h", ".inc", ".mjs", ".mts", ".py", ".html") and source / "tests/frame" not in path.parents:
                 for line in path.read_text().splitlines():
-                    if sum(f'"{name}"' in line for name in table) > 1 or re.search(r"\bstages\[\d", line):
+                    if sum(f'"{name}"' in line for name in table) > 2 or re.search(r"\bstages\[\d", line):
                         found.append(f"{path.relative_to(source)}: {line.strip()}")
     return found
 
