@@ -64,7 +64,8 @@ bool feels(const SkinState& s, SurfacePoint* points, uint32_t number, const Coll
   uint8_t rows[k_brick_layer];
   uint32_t count = 0, near = 0;
   const auto look_at = [&](float x, uint32_t row) {
-    const float node[3] = {x, static_cast<float>(row / k_brick_side), static_cast<float>(row % k_brick_side)};
+    const uint32_t y = row / k_brick_side, z = row % k_brick_side;
+    const float node[3] = {x, static_cast<float>(y), static_cast<float>(z)};
     place_of(s.lattice, brick, node, points[count++].position);
   };
   const auto is_felt = [&](uint32_t i, float reach) { return points[i].distance < reach * s.lattice.spacing; };
