@@ -27,7 +27,8 @@ bool is_curve(const float* curve, uint32_t points) {
 
 }  // namespace
 
-CameraImage with_turn(const CameraImage& image, uint32_t last) {
+// Once an image: made small, as sandglass_camera_check.
+__attribute__((cold)) CameraImage with_turn(const CameraImage& image, uint32_t last) {
   CameraImage turned = image;
   if (image.turn_deg != SANDGLASS_TURN_FROM_POSE) return turned;
   Rotation rotation = {};
@@ -180,7 +181,9 @@ float sandglass_camera_focal(uint32_t width, uint32_t height, float diagonal_deg
   return static_cast<float>(0.5 * square_root(w * w + h * h) * half.cos / half.sin);
 }
 
-sandglass_status sandglass_camera_check(const sandglass_camera_image* image, const char** reason) {
+// Once an image, as above.
+__attribute__((cold)) sandglass_status sandglass_camera_check(const sandglass_camera_image* image,
+                                                              const char** reason) {
   if (image == nullptr) return refuse(reason, "camera image: the image is NULL; give an image.");
   if (image->struct_size != sizeof *image)
     return refuse(reason,
