@@ -137,9 +137,10 @@ def check_pours(browser):
     counts = browser.ask("[sandglassPage.page.painter.sand.chunks.reduce((sum, {count}) => sum + count, 0), sandglassPage.page.skinMesh.index_count]")
     check(counts[0] == counts[1] > 0, f"of {counts[1]} indices {counts[0]} are drawn")
     check(browser.ask("sandglassPage.page.at") is None, "the finger still pours after it was lifted")
-    # The sand keeps light of the room from the table beside it; far from it nothing does.
-    floor = """(() => { const {page} = sandglassPage, {pile_shadow_sky: s} = page.stage;
-        return s.valid ? [page.painter.drawn.skyKnown, Math.min(...page.sand.bytes(s.floor, s.texels ** 2)), page.sand.bytes(s.floor, 1)[0]] : []; })()"""
+    # The sand keeps light of the room from the table beside it (SANDGLASS_PILE_SHADOW_SKY_FLOOR, 2); far from it nothing does.
+    floor = """(() => { const {page} = sandglassPage, {pile, texture: s} = page.stage;
+        page.sand.sandglass_pile_shadow_get_texture(pile, 2, s);
+        return s.valid ? [page.painter.drawn.skyKnown, Math.min(...page.sand.bytes(s.bytes, s.side ** 2)), page.sand.bytes(s.bytes, 1)[0]] : []; })()"""
     wait_until(browser, f"(([known, least, corner]) => known === 1 && least < 128 && corner > 250)({floor})")
     return at
 
@@ -217,9 +218,9 @@ def check_camera(browser):
     """The light becomes that of what a (green) camera sees, and the sliders' again when it is off."""
     light = "[...sandglassPage.page.painter.light.ambient.slice(0, 3)]"
     # What the chair leaves of the light from all around, which follows where that light comes from.
-    left = """(() => { const {sand, cast, cast_texture: seen} = sandglassPage.page.stage;
+    left = """(() => { const {sand, cast, texture: seen} = sandglassPage.page.stage;
         sand.sandglass_cast_get_ambient(cast, seen);
-        return seen.stale ? 0 : sand.bytes(seen.bytes, seen.texels ** 2).reduce((sum, x, i) => (sum * 31 + x + i) % 1000003, 1); })()"""
+        return seen.behind ? 0 : sand.bytes(seen.bytes, seen.side ** 2).reduce((sum, x, i) => (sum * 31 + x + i) % 1000003, 1); })()"""
     wait_until(browser, f"{left} !== 0")
     slid, even = browser.ask(light), browser.ask(left)
     browser.ask("document.getElementById('camera').click()")
@@ -353,10 +354,10 @@ def act_for_recording(browser):
 def check_object(browser):
     """A mesh stands at the mark: it casts from the frames on that follow, and sand that is poured over it stays outside."""
     height, mark = 0.22, [-0.3, 0, 0.25]
-    shadow = """(() => { const {sand, cast, cast_texture: t} = sandglassPage.page.stage;
+    shadow = """(() => { const {sand, cast, texture: t} = sandglassPage.page.stage;
         sand.sandglass_cast_get_texture(cast, t);
-        const bytes = sand.bytes(t.bytes, t.texels ** 2), at = (x, z) => bytes[Math.floor((z - t.corner[2]) / t.across[2] * t.texels) * t.texels + Math.floor((x - t.corner[0]) / t.along[0] * t.texels)];
-        return [t.stale, at(%f, %f) ?? 0]; })()""" % (mark[0], mark[2])
+        const bytes = sand.bytes(t.bytes, t.side ** 2), at = (x, z) => bytes[Math.floor((z - t.corner[2]) / t.across[2] * t.side) * t.side + Math.floor((x - t.corner[0]) / t.along[0] * t.side)];
+        return [t.behind, at(%f, %f) ?? 0]; })()""" % (mark[0], mark[2])
     browser.ask(f"document.querySelector('[value=object]').click(); sandglassPage.page.mark = {mark}")
     check(browser.ask(shadow)[1] == 0, "something casts there already")
     said = drop(browser, "cube.obj", CUBE)

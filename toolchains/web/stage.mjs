@@ -72,8 +72,9 @@ export class Stage {
     Object.assign(this, { sand, options, models: new Map(), nozzles: [], hands: [], shown: {}, next: 1, images: 0, fading: k_fade, cast: 0, casts: [], planes: [{ x: [1, 0, 0], z: [0, 0, 1], at: [0, 0, 0] }], boxes: {}, room: 0, fields: Promise.resolve(), unmade: 0 });
     this.made("room", "sandglass_room");
     this.words = sand.allocate(4 * C.SANDGLASS_LIGHT_CELLS), this.castList = sand.allocate(8);
-    for (const name of ["camera_image", "room_light", "room_place", "lighting", "filament_light", "frame_input", "frame_report",
+    for (const name of ["camera_image", "room_light", "room_place", "filament_light", "frame_input", "frame_report",
       "texture"]) this[name] = sand.make(`sandglass_${name}`);
+    this.lights = sand.make("sandglass_light");
     this.light = sand.make("sandglass_room_light"), this.light.struct_size = 0;
     sand.sandglass_room_place_default(this.room_place);
     this.room_place.set({ position: options.origin, shown: this.light });
@@ -231,11 +232,11 @@ export class Stage {
   // Gives the room's light: the direction and irradiance of the main light, the rest as radiance (nine harmonics) and as
   // irradiance over pi (nine terms of a polynomial, see sandglass_filament_light).
   fade(seconds) {
-    const { sand, light, lighting, filament_light: filament } = this;
+    const { sand, light, lights, filament_light: filament } = this;
     sand.sandglass_room_fade(light, this.room_light, seconds);
-    sand.sandglass_light_of_room(light, lighting);
-    sand.sandglass_light_to_filament(lighting, C.SANDGLASS_LIGHT_AMBIENT, 1, filament);
-    return { toLight: [...lighting.towards], facing: [...lighting.facing], radiance: [...lighting.ambient_sh], ambient: [...filament.sh], floor: [...light.floor] };
+    sand.sandglass_light_of_room(light, lights);
+    sand.sandglass_light_to_filament(lights, C.SANDGLASS_LIGHT_AMBIENT, 1, filament);
+    return { toLight: [...lights.towards], facing: [...lights.facing], radiance: [...lights.ambient_sh], ambient: [...filament.sh], floor: [...light.floor] };
   }
   // Shadows of a light: towards the main one, the cells where the rest comes from, and how large it is, radians; 0: not known.
   shade(toLight, cells, diameter = 0) {
