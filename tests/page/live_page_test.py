@@ -218,8 +218,7 @@ def check_camera(browser):
     """The light becomes that of what a (green) camera sees, and the sliders' again when it is off."""
     light = "[...sandglassPage.page.painter.light.ambient.slice(0, 3)]"
     # What the chair leaves of the light from all around, which follows where that light comes from.
-    left = """(() => { const {sand, cast, texture: seen} = sandglassPage.page.stage;
-        sand.sandglass_cast_get_ambient(cast, seen);
+    left = """(() => { const {sand, cast, texture: seen} = sandglassPage.page.stage; sand.sandglass_cast_get_ambient(cast, seen);
         return seen.behind ? 0 : sand.bytes(seen.bytes, seen.side ** 2).reduce((sum, x, i) => (sum * 31 + x + i) % 1000003, 1); })()"""
     wait_until(browser, f"{left} !== 0")
     slid, even = browser.ask(light), browser.ask(left)

@@ -74,8 +74,7 @@ export class Stage {
     this.words = sand.allocate(4 * C.SANDGLASS_LIGHT_CELLS), this.castList = sand.allocate(8);
     for (const name of ["camera_image", "room_light", "room_place", "filament_light", "frame_input", "frame_report",
       "texture"]) this[name] = sand.make(`sandglass_${name}`);
-    this.lights = sand.make("sandglass_light");
-    this.light = sand.make("sandglass_room_light"), this.light.struct_size = 0;
+    this.lights = sand.make("sandglass_light"), this.light = sand.make("sandglass_room_light"), this.light.struct_size = 0;
     sand.sandglass_room_place_default(this.room_place);
     this.room_place.set({ position: options.origin, shown: this.light });
     this.colliders = sand.array("sandglass_collider", k_colliders), this.emitters = sand.array("sandglass_emitter", k_nozzles);
