@@ -1,6 +1,7 @@
 // `sandglass bake MESH -o FILE`: the soft shadow of a mesh as a network small enough for a phone's frame.
 #include <array>
 #include <cstdio>
+#include <thread>
 
 #include "models/baking/bake.h"
 #include "models/files/atomic_file.h"
@@ -13,6 +14,32 @@
 namespace sandglass::host {
 
 namespace {
+
+struct BakeOptions {
+  std::string mesh, output, json;
+  BakeSettings settings;
+  MeshOptions as_mesh;
+  bool quick = false;
+};
+
+Options options_of(BakeOptions& o) {
+  BakeSettings& s = o.settings;
+  s.threads = std::max(1u, std::thread::hardware_concurrency());
+  return {
+      required({"MESH", &o.mesh, "", "A mesh file, or the name of a generated mesh"}),
+      scale_option(o.as_mesh),
+      up_option(o.as_mesh),
+      output_file(o.output, "Write the shadow to this file, and beside it FILE.png: truth, result and difference"),
+      {"--size", &s.shape.width, "N", "Neurons in each layer of the network", whole_number(8, 256)},
+      {"--angle", &s.angular_diameter, "DEGREES", "Angular diameter of the light, degrees", number(1, 60)},
+      {"--max-polar", &s.polar_max, "DEGREES", "Largest angle of the light from the zenith, degrees", number(1, 84)},
+      seed_option(s.seed, "Equal seeds give equal files on CPUs of one instruction set"),
+      standard("all of this machine", threads_option(s.threads)),
+      {"--quick", &o.quick, "", "A rough shadow in seconds, to see whether mesh and light are what was meant"},
+      json_option(o.json),
+      {"--keep-float", &s.keep_float, "", "Keep the float network in the file, for `bench shadow`"},
+  };
+}
 
 void print(const char* name, const ShadowError& e) {
   std::printf("  %-14s %9.4f %9.4f %9.2f %9.4f %12.4f\n", name, e.rmse, e.rmse_max, e.psnr, e.ssim, e.block);
@@ -109,7 +136,7 @@ void print(const BakeReport& r, const BakeSettings& s) {
 
 }  // namespace
 
-int bake_command(const BakeOptions& options) {
+static int run(const BakeOptions& options) {
   BakeSettings s = options.settings;
   if (options.quick) make_quick(&s);
   s.ambient.data = data_folder();
@@ -124,5 +151,7 @@ int bake_command(const BakeOptions& options) {
   if (!options.json.empty()) write_file(options.json, measurements(report, s));
   return k_exit_done;
 }
+
+Command bake_command() { return command<BakeOptions>("bake", k_bake_help, options_of, run); }
 
 }  // namespace sandglass::host

@@ -11,6 +11,19 @@ namespace sandglass::host {
 
 namespace {
 
+struct BudgetOptions {
+  std::string scene, mesh;
+  uint32_t frames = 0;  // 0: the scene's
+};
+
+Options options_of(BudgetOptions& o) {
+  return {
+      required({"SCENE", &o.scene, "", k_scene_argument}),
+      {"--mesh", &o.mesh, "FILE", k_body_mesh},
+      standard(k_scene, {"--frames", &o.frames, "N", "Frames to run", whole_number(1, 100'000'000)}),
+  };
+}
+
 constexpr double k_no_limit_ms = 1e6;
 // The governor keeps some of a budget free, so that the last work unit and the output fit.
 constexpr double k_used_of_a_budget = 0.9;
@@ -22,7 +35,7 @@ struct LevelCost {
 
 }  // namespace
 
-int budget_command(const BudgetOptions& options) {
+static int run(const BudgetOptions& options) {
   RunOptions run_options;
   run_options.scene = options.scene;
   run_options.mesh = options.mesh;
@@ -81,6 +94,11 @@ int budget_command(const BudgetOptions& options) {
     std::printf("not counted, taken as 20,000 instructions each: %s, %llu units\n", name.c_str(),
                 static_cast<unsigned long long>(units));
   return k_exit_done;
+}
+
+Command budget_command() {
+  return command<BudgetOptions>("budget", "Estimate the budget that a scene needs on a phone, at each quality level",
+                                options_of, run);
 }
 
 }  // namespace sandglass::host

@@ -1,20 +1,31 @@
-// The commands of the program: the options of each, and what it does with them. Each function returns the exit code.
-// command_options.cpp declares the options for the command line.
+// The commands of the program, each from its own file, and what several of them take in the same words.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "models/files/shipped_file.h"
-#include "models/lighting/dataset.h"
 #include "models/mesh/mesh.h"
 #include "models/program/command_line.h"
-#ifdef SANDGLASS_HAVE_BAKE
-#include "models/baking/bake.h"
-#endif
 
 namespace sandglass::host {
+
+Command run_command();
+Command budget_command();
+Command light_command();
+Command inspect_command();
+Command bake_command();
+Command sample_command();
+Command room_command();
+Command dataset_command();
+Command light_features_command();
+
+using Options = std::vector<CommandOption>;
+
+constexpr const char* k_bake_help = "Train the soft shadow of a mesh";
+constexpr const char* k_shipped = "the shipped one";
+constexpr const char* k_scene = "the scene's";
+constexpr const char* k_scene_argument = "Scene file, or the name of a shipped scene";
+constexpr const char* k_body_mesh = "Mesh of the scene's bodies of shape \"mesh\"";
 
 // What --scale and --up say of mesh files.
 struct MeshOptions {
@@ -23,71 +34,17 @@ struct MeshOptions {
   MeshUnits units() const { return {scale, up == "z"}; }
 };
 
-struct RunOptions {
-  std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, out;
-  std::string panorama, later, photo, asset, light;
-  uint32_t frames = 0, threads = 1;  // frames 0: the scene's
-  double budget_ms = -1.0;           // below 0: the scene's
-  double fov_deg = 0.0;
-  MeshOptions as_mesh;
-  std::string as;  // a core of models/phones, or empty
-};
-int run_command(const RunOptions& options);
+inline CommandOption output(std::string& file, const char* type, const char* help) {
+  return required({"-o,--output", &file, type, help});
+}
+inline CommandOption output_file(std::string& file, const char* help) { return writes(output(file, "FILE", help)); }
 
-struct BudgetOptions {
-  std::string scene, mesh;
-  uint32_t frames = 0;  // 0: the scene's
-};
-int budget_command(const BudgetOptions& options);
-
-struct LightOptions {
-  std::vector<std::string> images;
-  std::string folder, network = shipped_file("lights", "room.light");
-  double fov_deg = 75.0;
-};
-int light_command(const LightOptions& options);
-
-struct InspectOptions {
-  std::string file;
-  MeshOptions as_mesh;
-};
-int inspect_command(const InspectOptions& options);
-
-struct SampleOptions {
-  std::string mesh;     // a file, or the name of a generated mesh
-  std::string where;    // "surface", "volume" or "lattice"
-  double distance = 0;  // metres
-  uint64_t seed = 1;
-  std::string picture, output;
-  MeshOptions as_mesh;
-};
-int sample_command(const SampleOptions& options);
-
-struct RoomOptions {
-  std::string output, picture;
-  uint64_t seed = 1;
-  int width = 512, samples = 64;  // of the panorama, and paths a pixel
-  uint32_t threads = 1;
-  bool lamps_off = false;
-};
-int room_command(const RoomOptions& options);
-
-int dataset_command(const DatasetOptions& options);
-
-struct LightFeaturesOptions {
-  std::string network, folder, output;
-  bool mirror = false;
-};
-int light_features_command(const LightFeaturesOptions& options);
-
-#ifdef SANDGLASS_HAVE_BAKE
-struct BakeOptions {
-  std::string mesh, output, json;
-  BakeSettings settings;
-  MeshOptions as_mesh;
-  bool quick = false;
-};
-int bake_command(const BakeOptions& options);
-#endif
+inline CommandOption scale_option(MeshOptions& o) {
+  return {"--scale", &o.scale, "METRES", "Metres of a mesh file's unit, such as 0.001 for millimetres",
+          number(1e-9, 1e9)};
+}
+inline CommandOption up_option(MeshOptions& o) {
+  return {"--up", &o.up, "AXIS", "Which axis of a mesh file points up", one_of({"y", "z"})};
+}
 
 }  // namespace sandglass::host

@@ -27,6 +27,19 @@ namespace sandglass::host {
 
 namespace {
 
+struct InspectOptions {
+  std::string file;
+  MeshOptions as_mesh;
+};
+
+Options options_of(InspectOptions& o) {
+  return {
+      required({"FILE", &o.file, "", "The file, or the name of a shipped scene"}),
+      scale_option(o.as_mesh),
+      up_option(o.as_mesh),
+  };
+}
+
 constexpr char k_recording_magic[] = "SGREC";   // the first bytes of models/simulation/recording.h's format
 constexpr char k_shadow_identifier[] = "SGSH";  // bytes 4..7 of a file by runtime/asset/shadow.fbs
 constexpr char k_light_identifier[] = "SGLN";   // bytes 4..7 of a file by runtime/asset/light.fbs
@@ -178,7 +191,7 @@ static uint64_t limit_of(const std::string& file) {
   return k_file_limit;
 }
 
-int inspect_command(const InspectOptions& options) {
+static int run(const InspectOptions& options) {
   const std::string& file = options.file;
   std::error_code error;
   const bool is_file = std::filesystem::exists(file, error);
@@ -205,6 +218,12 @@ int inspect_command(const InspectOptions& options) {
                  "it " + mesh.is_instead + ", and no recording, shadow, lighting network, scene, picture or panorama",
                  "Name one of those; export meshes as " + offered_formats());
   return k_exit_done;
+}
+
+Command inspect_command() {
+  return command<InspectOptions>(
+      "inspect", "Say what a file is: a recording, a shadow, a lighting network, a scene, a picture or a mesh",
+      options_of, run);
 }
 
 }  // namespace sandglass::host

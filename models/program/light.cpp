@@ -7,6 +7,7 @@
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
+#include "models/files/shipped_file.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/room_light.h"
 #include "models/program/commands.h"
@@ -16,6 +17,21 @@
 namespace sandglass::host {
 
 namespace {
+
+struct LightOptions {
+  std::vector<std::string> images;
+  std::string folder, network = shipped_file("lights", "room.light");
+  double fov_deg = 75.0;
+};
+
+Options options_of(LightOptions& o) {
+  return {
+      required({"IMAGES", &o.images, "", "PNG or JPEG files"}),
+      fills(output(o.folder, "FOLDER", "Write a JSON file and a picture for each image into this new folder")),
+      {"--fov", &o.fov_deg, "DEGREES", "Field of view across the diagonal, degrees", number(10, 170)},
+      standard(k_shipped, {"--network", &o.network, "FILE", "The lighting network"}),
+  };
+}
 
 namespace fs = std::filesystem;
 constexpr uint8_t k_black = 8;  // of 255: all of a picture that was taken through a covered lens
@@ -35,7 +51,7 @@ std::vector<std::string> outputs_of(const LightOptions& options) {
 
 }  // namespace
 
-int light_command(const LightOptions& options) {
+static int run(const LightOptions& options) {
   RoomLight light(options.network);
   // A photograph that cannot be read is reported before anything is written.
   std::vector<Picture> pictures;
@@ -68,5 +84,7 @@ int light_command(const LightOptions& options) {
   }
   return interrupted() ? k_exit_interrupted : k_exit_done;
 }
+
+Command light_command() { return command<LightOptions>("light", "Estimate the light of photographs", options_of, run); }
 
 }  // namespace sandglass::host

@@ -19,6 +19,53 @@ namespace sandglass::host {
 
 namespace {
 
+struct RoomOptions {
+  std::string output, picture;
+  uint64_t seed = 1;
+  int width = 512, samples = 64;  // of the panorama, and paths a pixel
+  uint32_t threads = 1;
+  bool lamps_off = false;
+};
+
+struct LightFeaturesOptions {
+  std::string network, folder, output;
+  bool mirror = false;
+};
+
+constexpr const char* k_panoramas = "Files that end in .hdr or .exr, or folders of them";
+
+Options room_options(RoomOptions& o) {
+  return {
+      seed_option(o.seed, "Equal seeds give equal rooms"),
+      output_file(o.output, "Write the panorama to this file, .hdr, with its depth beside it; or .jpg, to ship"),
+      writes({"--picture", &o.picture, "FILE", "Also write a tone-mapped picture, .png"}),
+      {"--width", &o.width, "N", "Width in pixels, even; the height is half of it", whole_number(16, 8192)},
+      {"--samples", &o.samples, "N", "Paths a pixel", whole_number(1, 65536)},
+      {"--lamps-off", &o.lamps_off, "", "By daylight alone, as the camera sees it that was exposed with lamps on"},
+      threads_option(o.threads),
+  };
+}
+
+Options dataset_options(DatasetOptions& o) {
+  return {
+      required({"PANORAMAS", &o.panoramas, "", k_panoramas}),
+      fills(output(o.folder, "FOLDER", "Write images and manifest.csv into this new folder")),
+      {"--manifest", &o.manifest, "FILE",
+       "CSV with the columns file, group and fold: which panoramas show the same place"},
+      seed_option(o.seed, "Equal seeds give equal views"),
+      threads_option(o.threads),
+  };
+}
+
+Options features_options(LightFeaturesOptions& o) {
+  return {
+      required({"NETWORK", &o.network, "", "File of the lighting network"}),
+      required({"DATASET", &o.folder, "", "Folder that `sandglass dataset` made"}),
+      output_file(o.output, "Write one row an image to this file, .npy"),
+      {"--mirror", &o.mirror, "", "Add the rows of the mirrored images behind them"},
+  };
+}
+
 std::string without_extension(const std::string& path) {
   const size_t dot = path.find_last_of('.');
   if (dot == std::string::npos || (path.substr(dot) != ".hdr" && path.substr(dot) != ".jpg"))
@@ -52,7 +99,7 @@ static Vec3 exposure_of(const Room& room, uint32_t threads) {
 }
 
 // One procedural room as a panorama, its depth, and a picture for the eye.
-int room_command(const RoomOptions& options) {
+static int make_room_file(const RoomOptions& options) {
   const std::string stem = without_extension(options.output), depth = stem + "_depth.npy";
   if (!options.output.ends_with(".jpg")) require_writable(depth);
   if (options.width % 2 != 0)
@@ -82,7 +129,7 @@ int room_command(const RoomOptions& options) {
   return 0;
 }
 
-int dataset_command(const DatasetOptions& options) {
+static int make_dataset_folder(const DatasetOptions& options) {
   const DatasetSummary made = make_dataset(options);
   if (interrupted()) return k_exit_interrupted;
   std::printf("%zu images of %zu panoramas in %s; %zu of them have no direction of light\n", made.excerpts,
@@ -91,7 +138,7 @@ int dataset_command(const DatasetOptions& options) {
 }
 
 // The features that the heads of the lighting network get for each image of a data set, as the runtime computes them.
-int light_features_command(const LightFeaturesOptions& options) {
+static int write_features(const LightFeaturesOptions& options) {
   const std::string bytes = read_file(options.network, "lighting network", k_asset_limit);
   LightRunner runner({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, options.network);
   const std::vector<std::string> images = images_of_dataset(options.folder);
@@ -111,6 +158,19 @@ int light_features_command(const LightFeaturesOptions& options) {
   std::printf("%s: %zu rows of %zu features\n", options.output.c_str(), copies * images.size(),
               features.size() / (copies * images.size()));
   return 0;
+}
+
+Command room_command() {
+  return command<RoomOptions>("room", "Make up an indoor room and trace its HDR panorama", room_options,
+                              make_room_file);
+}
+Command dataset_command() {
+  return command<DatasetOptions>("dataset", "Cut camera images and light labels out of HDR panoramas", dataset_options,
+                                 make_dataset_folder);
+}
+Command light_features_command() {
+  return command<LightFeaturesOptions>("light-features", "Write what the lighting network's heads see",
+                                       features_options, write_features);
 }
 
 }  // namespace sandglass::host

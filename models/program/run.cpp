@@ -14,6 +14,42 @@ namespace sandglass::host {
 
 namespace {
 
+constexpr const char* k_collider_mesh = "Mesh of the scene's colliders of shape \"mesh\"";
+
+Options options_of(RunOptions& o) {
+  return {
+      required({"SCENE", &o.scene, "", k_scene_argument}),
+      {"--mesh", &o.mesh, "FILE", k_body_mesh},
+      {"--object,--collider-mesh", &o.collider_mesh, "FILE", k_collider_mesh},
+      scale_option(o.as_mesh),
+      up_option(o.as_mesh),
+      standard(k_scene, {"--asset", &o.asset, "FILE", "Baked shadow of that object"}),
+      standard(k_scene, {"--frames", &o.frames, "N", "Frames to run", whole_number(1, 100'000'000)}),
+      standard(k_scene, {"--budget-ms", &o.budget_ms, "MS", "Budget of a frame, ms", number(0, 1e6)}),
+      {"--panorama", &o.panorama, "FILE", "For a shot: the room, .hdr or .exr"},
+      needs("--panorama",
+            {"--later", &o.later, "FILE", "That room from the middle of the run on: a lamp is switched off"}),
+      needs("--fov", excludes("--panorama",
+                              {"--photo", &o.photo, "FILE", "For a shot: a photograph behind the scene, PNG or JPEG"})),
+      needs("--photo", standard("", {"--fov", &o.fov_deg, "DEGREES",
+                                     "Field of view of --photo across the diagonal, degrees", number(5, 150)})),
+      {"--light", &o.light, "KIND",
+       "For a shot: the room as a session sees it, the truth, one light by the network, or nothing known",
+       one_of({"room", "truth", "estimate", "nothing"})},
+      threads_option(o.threads),
+      isa_option(o.isa),
+      {"--clock", &o.clock, "KIND",
+       "Clock of the budget; virtual adds 5 microseconds a reading: equal plans everywhere",
+       one_of({"real", "virtual"})},
+      excludes("--clock",
+               standard("", {"--as", &o.as, "CORE", "Estimate the times of a phone's core from counted instructions",
+                             one_of(phone_core_names())})),
+      fills_partly({"--out", &o.out, "FOLDER", "Write reports, contact sheet, frames and film into this new folder"}),
+      writes({"--record", &o.record, "FILE", "Write what every frame was given and did to this file"}),
+      excludes("--record", {"--replay", &o.replay, "FILE", "Repeat the run of such a file, to the bit"}),
+  };
+}
+
 // The positions, of removed particles not a number.
 std::vector<float> present(std::vector<float> positions) {
   for (size_t i = 0; i < positions.size(); i += 3)
@@ -258,7 +294,7 @@ void Run::execute() {
   report_.units = std::move(recorder_.events);
 }
 
-int run_command(const RunOptions& options) {
+static int run(const RunOptions& options) {
   Run run(options);
   run.execute();
   const uint64_t hash = run.hash();
@@ -266,6 +302,10 @@ int run_command(const RunOptions& options) {
   const int exit_code = run.exit_code(hash);
   std::printf("hash 0x%016llx\n", static_cast<unsigned long long>(hash));
   return exit_code;
+}
+
+Command run_command() {
+  return command<RunOptions>("run", "Run a scene under its budget, report on it and draw it", options_of, run);
 }
 
 }  // namespace sandglass::host

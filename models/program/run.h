@@ -25,6 +25,16 @@
 
 namespace sandglass::host {
 
+struct RunOptions {
+  std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, out;
+  std::string panorama, later, photo, asset, light;
+  uint32_t frames = 0, threads = 1;  // frames 0: the scene's
+  double budget_ms = -1.0;           // below 0: the scene's
+  double fov_deg = 0.0;
+  MeshOptions as_mesh;
+  std::string as;  // a core of models/phones, or empty
+};
+
 class Run {
  public:
   // Loads the scene, fills it, and is ready for the first frame.

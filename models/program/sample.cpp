@@ -16,6 +16,32 @@
 namespace sandglass::host {
 namespace {
 
+struct SampleOptions {
+  std::string mesh;     // a file, or the name of a generated mesh
+  std::string where;    // "surface", "volume" or "lattice"
+  double distance = 0;  // metres
+  uint64_t seed = 1;
+  std::string picture, output;
+  MeshOptions as_mesh;
+};
+
+Options options_of(SampleOptions& o) {
+  return {
+      required({"MESH", &o.mesh, "", "A mesh file, or " + list_of(mesh_names(), "or")}),
+      required(
+          {"WHERE", &o.where, "",
+           "Poisson disk samples on its surface, or in its volume, or a lattice in its volume: the densest packing",
+           one_of({"surface", "volume", "lattice"})}),
+      required(standard(
+          "", {"--distance", &o.distance, "METRES", "Least distance between two points, metres", number(1e-9, 1e9)})),
+      scale_option(o.as_mesh),
+      up_option(o.as_mesh),
+      seed_option(o.seed, "Equal seeds give equal points"),
+      writes({"--picture", &o.picture, "FILE", "Also draw the points, .png"}),
+      output_file(o.output, "Write the points to this file, .ply"),
+  };
+}
+
 constexpr double k_poisson_per_cube = 0.6;  // expected points per distance^3 in a volume, to estimate the time left
 
 using Points = std::vector<float>;
@@ -93,7 +119,7 @@ void write_picture(const SampleOptions& options, const Points& points) {
 
 }  // namespace
 
-int sample_command(const SampleOptions& options) {
+static int run(const SampleOptions& options) {
   try {
     const MeshResult loaded = named_mesh({options.mesh, options.as_mesh.units()});
     const Points points = options.where == "surface" ? sample_surface(loaded.mesh, options)
@@ -111,6 +137,10 @@ int sample_command(const SampleOptions& options) {
     throw cannot("sample", options.mesh, "this machine has too little memory for so many points", "Enlarge --distance");
   }
   return k_exit_done;
+}
+
+Command sample_command() {
+  return command<SampleOptions>("sample", "Fill or cover a mesh with points", options_of, run);
 }
 
 }  // namespace sandglass::host
