@@ -6,7 +6,7 @@
 #include <cmath>
 #include <ctime>
 
-#include "models/baking/quantise.h"
+#include "models/baking/shadow_file.h"
 #include "models/baking/shadow_runner.h"
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "models/baking/ambient_errors.h"
-#include "models/baking/quantise.h"
+#include "models/baking/shadow_file.h"
 
 namespace sandglass::host {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "models/baking/batch_math.h"
-#include "models/baking/quantise.h"
+#include "models/baking/shadow_file.h"
 #include "models/baking/shadow_runner.h"
 #include "models/baking/trainer.h"
 #include "models/baking/validate.h"
