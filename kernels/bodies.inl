@@ -5,6 +5,8 @@ namespace sandglass::SANDGLASS_SIMD {
 
 #include "kernels/cast.inl"
 #include "kernels/colliders.inl"
+#include "kernels/push_out.inl"
+
 #include "kernels/contact.inl"
 #include "kernels/grid_cells.inl"
 #include "kernels/motion_grid.inl"
@@ -14,7 +16,7 @@ namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/pile_light.inl"
 #include "kernels/pile_sky.inl"
 #include "kernels/read_flow.inl"
-#include "kernels/refine.inl"
+#include "kernels/grain_motion.inl"
 #include "kernels/wake.inl"
 
 extern const Kernels k_table, k_sand_table, k_pile_table, k_cast_table;

@@ -11,7 +11,7 @@ namespace sandglass {
 
 struct Granular;
 
-// ---- Grains (grains.cpp)
+// ---- Grains (grain_records.cpp)
 //
 // The grains: what is drawn. They follow a snapshot of the particles.
 
@@ -48,7 +48,7 @@ bool grains_run_snapshot(Grains* grains, const Granular& granular);
 void grains_begin_sort(Grains* grains, const Granular& granular);
 bool grains_run_sort(Grains* grains, const Granular& granular);
 
-// ---- GrainSleep (grains.cpp)
+// ---- GrainSleep (grain_records.cpp)
 //
 // Sleep of the grains: which of them a sweep refines. A group of 16 grains, neighbours in storage and so mostly in
 // space, is left out when three things hold: all of it has kept still for some sweeps, no particle that moves is near
@@ -96,7 +96,7 @@ uint32_t grain_sleep_items(const Granular& granular);  // of the next unit
 void grain_sleep_begin_triage(GrainSleep* sleep);
 bool grain_sleep_run_triage(GrainSleep* sleep, const Granular& granular, uint32_t* cursor);
 
-// ---- Output (grains.cpp)
+// ---- Output (grain_records.cpp)
 //
 // The output: grains are written to the app's buffer, at the end of each frame, whatever the budget: those of groups that
 // have changed since that buffer was written, or all where the app does not say when that was.
@@ -202,7 +202,7 @@ void grain_carry_begin(GrainCarry* carry, const Granular& granular, bool any);
 void grain_carry_found(GrainCarry* carry, uint32_t cursor);
 GrainWays grain_carry_ways(const Granular& granular);
 
-// ---- ParticleMotion (motion.cpp)
+// ---- ParticleMotion (motion_grid.cpp)
 //
 // The motion of the particles during a sweep, on the nodes of a sparse grid, for the grains to read (kernels.h). What
 // counts is a particle's displacement since the last sweep, at the place where it began: then one sweep a frame follows

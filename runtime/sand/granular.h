@@ -2,7 +2,7 @@
 //
 //   particles   physics          [sort, lists], contacts, bodies     substep.cpp   Alg. 4, in sub-steps
 //   grains      what is drawn    snapshot, [sort], refine            sweep.cpp     (4.39-4.44), in sweeps
-//   output      grains into the app's buffer                         grains.cpp    mandatory, at the end of a frame
+//   output      grains into the app's buffer                         grain_records.cpp  mandatory, at a frame's end
 //
 // Each of the three is a stage: a sequence of work units, after each of which a frame may end. Four headers hold the
 // parts in layers; a part is a section there, which names the source file of the part.

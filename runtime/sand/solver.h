@@ -12,7 +12,7 @@ namespace sandglass {
 
 struct Granular;
 
-// ---- SimulatedTime (time.cpp)
+// ---- SimulatedTime (time_debt.cpp)
 //
 // Simulated time: what the frames ask for, what is still to make up (the debt), and how it is cut into equal intervals,
 // after each of which the grains may follow, and these into equal sub-steps.
@@ -95,7 +95,7 @@ double time_lag_limit(const Granular& granular);
 // behind further. With the dissertation's rule they follow after each interval.
 bool time_awaits_grains(const Granular& granular);
 
-// ---- The quality ladder (time.cpp)
+// ---- The quality ladder (time_debt.cpp)
 //
 // The quality ladder: what a frame gives up, in order, when its budget does not hold everything. A level includes what
 // the levels before it gave up. The governor takes the first one whose predicted cost fits.

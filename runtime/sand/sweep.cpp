@@ -1,4 +1,4 @@
-// The grains' machine: which phase of a sweep follows which.
+// The grains' machine: which phase of a sweep follows which. Where a grain goes: kernels/grain_motion.inl.
 #include "kernels/whole.h"
 #include "runtime/sand/granular.h"
 

@@ -8,14 +8,14 @@
 //   fill          from above to below, what dry sand fills (fill.cpp)
 //   calm          once more through a filter (density.cpp)
 //   mesh          vertices brick by brick, triangles chunk by chunk (mesh.cpp), into the other of two meshes
-//   loose         what is not in the mesh (loose.cpp); the last unit swaps the two
+//   loose         what is not in the mesh (loose.cpp); the last unit swaps the two, and numbers chunks (versions.cpp)
 // Where that takes more than a frame, the mesh before follows its particles meanwhile, at each frame's end (carry.cpp).
 // Each works on what the one before has changed. All up to the mesh is in whole numbers, so that sums can be taken back
 // exactly and every instruction set gives the same bits.
 //
 // The state is put together from parts. Each is a section here, which names the source file that changes it: functions
-// take that part as a pointer, and the rest as `const SkinState&`. stage.cpp puts the whole together
-// (tests/docs/parts.py).
+// take that part as a pointer, and the rest as `const SkinState&`. stage.cpp and versions.cpp put the whole
+// together (tests/docs/parts.py).
 #pragma once
 
 #include <cstdint>
@@ -239,7 +239,7 @@ struct SkinCarry {
   bool changed;
 };
 
-// ---- SkinShown (stage.cpp; as it is carried: carry.cpp)
+// ---- SkinShown (versions.cpp; as it is carried: carry.cpp)
 
 // What an app is given: the mesh as it was made, or carried on from there.
 struct SkinShown {
@@ -368,6 +368,9 @@ bool vertex_make(const SkinState& s, const Brick& brick, const SkinBlocks& block
 
 void skin_begin_loose(SkinMeshes* meshes);
 bool skin_loose(SkinMeshes* meshes, SkinBricks* bricks, const SkinState& s);
+
+// The mesh that is complete becomes the shown one (versions.cpp).
+void skin_publish(SkinState* s);
 
 // ---- between two skins (carry.cpp)
 

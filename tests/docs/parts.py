@@ -13,7 +13,7 @@ import pathlib
 import re
 import sys
 
-WHOLE = {"stage.cpp", "create.cpp", "compare.cpp"}
+WHOLE = {"stage.cpp", "create.cpp", "compare.cpp", "versions.cpp"}
 RECORDS = {"records", "nodes"}
 FIELD = r"(?:(?:->|\.)\w+|\[[^][]*(?:\[[^][]*\][^][]*)*\])*"
 WRITES = [r"\b(\w+)->(\w+)" + FIELD + r"\s*(?:[-+*/|&^]|<<|>>)?=(?!=)", r"(?:\+\+|--)(\w+)->(\w+)", r"\b(\w+)->(\w+)" + FIELD + r"(?:\+\+|--)"]

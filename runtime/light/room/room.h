@@ -6,7 +6,7 @@
 //
 //   sphere.cpp    where it stands and how large it is
 //   image.cpp     an image into parts, unit by unit
-//   vote.cpp      what an image says of its exposure, and of the light of the whole room
+//   exposure.cpp  what an image says of its exposure, and of the light of the whole room
 //   lamp.cpp      how large a lamp is, of an image that shows it unclipped
 //   texels.cpp    an image into the texels of a cube, for reflections, and the cube that is seen from a place
 //   probe.cpp     a cube or harmonics of another system, into a layer below what the camera has seen

@@ -1,6 +1,6 @@
 // The state behind sandglass/cast.h. A texture is made in phases, cut into units of the shadow stage:
-//   gather   the meshes' triangles, in the plane's frame (gather.cpp); left out while they are as they were
-//   draw     one image of bits for each direction of the light (directions.cpp), counted (draw.cpp)
+//   gather   the meshes' triangles, in the plane's frame (triangles.cpp); left out while they are as they were
+//   draw     one image of bits for each direction of the light (directions.cpp), counted (accumulate.cpp)
 //   calm     the counts become bytes, through a filter (calm.cpp); the last unit swaps the two textures
 // The texture of the light and the ambient one share all of it, and take turns (stage.cpp). What the app sets is
 // compared with what was gathered (compare.cpp).
@@ -60,7 +60,7 @@ struct CastDirection {
   float slope[2], shift[2];
 };
 
-// ---- CastTarget (stage.cpp; the texture under way: draw.cpp, calm.cpp)
+// ---- CastTarget (stage.cpp; the texture under way: accumulate.cpp, calm.cpp)
 
 struct CastTexture {
   uint8_t* bytes;
@@ -90,7 +90,7 @@ struct CastTarget {
 
 // ---- CastRequest (create.cpp)
 
-// A mesh as the app has set it; and as its triangles were gathered (gather.cpp).
+// A mesh as the app has set it; and as its triangles were gathered (triangles.cpp).
 struct CastMesh {
   sandglass_cast_mesh asked, gathered;
   // Of `gathered`: three rows of four.
@@ -110,7 +110,7 @@ struct CastRequest {
   float cells[k_light_cells];
 };
 
-// ---- CastGathered (gather.cpp)
+// ---- CastGathered (triangles.cpp)
 
 // Gathered triangles that darken the plane, by the octave of the distance that they reach from the anchor: their box,
 // the nearest that one begins, the least that one reaches, how many they are, and how many of the first mesh.
@@ -149,7 +149,7 @@ struct CastComparison {
   uint32_t restarts;
 };
 
-// ---- CastDrawing (draw.cpp)
+// ---- CastDrawing (accumulate.cpp)
 
 struct CastDrawing {
   // Of the texture's light, then of the other light.

@@ -1,4 +1,5 @@
-// How much time is simulated, in how many parts, and what is given up where time is short.
+// How much time is simulated, in how many parts, and what is given up where time is short. Whether a sub-step still
+// fits into the frame, the governor decides (frame/governor.cpp).
 #include "kernels/whole.h"
 #include "runtime/math/finite.h"
 #include "runtime/sand/granular.h"

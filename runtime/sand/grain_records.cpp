@@ -1,4 +1,5 @@
-// The grains: their records, who of them sleeps, and their way into the app's buffer.
+// The grains: their records, who of them sleeps, and how they get into the app's buffer. Where they go:
+// kernels/grain_motion.inl.
 #include "kernels/whole.h"
 #include "runtime/sand/granular.h"
 
