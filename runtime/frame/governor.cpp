@@ -446,7 +446,7 @@ void assign_kinds(Stage* stages, uint32_t count) {
       SANDGLASS_CHECK(stages[same].kinds == stages[i].kinds);
       stages[i].first_kind = stages[same].first_kind;
     } else {
-      stages[i].first_kind = next;
+      stages[i].first_kind += next;
       next += stages[i].kinds;
     }
   }

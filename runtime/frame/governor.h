@@ -76,7 +76,8 @@ struct Stage {
   // Share of the time left after mandatory units and reserve. While a later stage has optional work, this stage's
   // optional units take no more; what the later stage leaves comes back. 1: all.
   float share;
-  uint32_t first_kind = 0;  // see assign_kinds
+  // Before assign_kinds: how many of the stage's kinds come before the first one that it names 0.
+  uint32_t first_kind = 0;
   // Of the output stage: the frame's optional units are over, and what it offers from now on is the end of the frame.
   void (*close)(void* state) = nullptr;
 };

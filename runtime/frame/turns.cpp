@@ -118,10 +118,31 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   return count;
 }
 
+void run_alone(void* handle, uint32_t level) {
+  Member* member = static_cast<Member*>(handle);
+  const Capability& c = *member->capability;
+  c.run(handle, level);
+  ++member->served;
+  if (c.served != nullptr) c.served(handle, handle);
+}
+
+// The stage of a group of one handle: nobody takes turns with it.
+Stage begin_alone(const Group& group, const FrameView& view) {
+  uint32_t i = 0, kinds_before = 0;
+  for (; group.members[i].count == 0; ++i) kinds_before += group.members[i].kinds;
+  Member* member = member_at(group.members[i], 0);
+  const Capability& c = *member->capability;
+  const uint32_t units = group.mandatory + c.begin_frame(member, view);
+  Stage stage = {member, c.next, run_alone, c.forecast, group.kinds, units, group.share};
+  stage.first_kind = kinds_before;
+  return stage;
+}
+
 }  // namespace
 
 Stage begin_group(Group* group, const FrameView& view) {
   if (group->handles == 0) return stage_without_work(group->kinds);
+  if (group->handles == 1) return begin_alone(*group, view);
   uint32_t units = group->mandatory;
   for (uint32_t i = 0; i < group->count; ++i) {
     const Members& members = group->members[i];
