@@ -11,7 +11,12 @@ const float k_exposure = 0.0025; // seconds
 const float k_beside = 2.4;      // nozzle radii that a stream bursts out to
 layout(location = 0) in vec4 place;  // and weight
 layout(location = 1) in vec3 way;
+#ifdef FLOAT_NUMBER  // where all attributes are floats
+layout(location = 2) in float seed;
+#define number uint(seed)
+#else
 layout(location = 2) in uint number;
+#endif
 flat out vec3 colour, stands_at;
 flat out float across;
 uint hashed(uint v) {

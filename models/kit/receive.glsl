@@ -1,7 +1,9 @@
 // For a surface of the app's own material: what shadows leave at a place, x of the main light, y of the room's. It has its own
 // uniforms: textures and boxes as in uniforms.glsl; numbers: opacity of pile and object, sky_known, the floor's height.
 uniform sampler2D sandglass_pile, sandglass_shadow, sandglass_occlusion, sandglass_sky;
+#ifndef SANDGLASS_VECTORS_DECLARED  // by the engine, in a block
 uniform vec4 sandglass_pile_box, sandglass_shadow_box, sandglass_occlusion_box, sandglass_numbers, sandglass_to_light;
+#endif
 float sandglass_at(sampler2D image, vec2 at, float outside) {
   return all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1))) ? texture(image, at).r : outside;
 }

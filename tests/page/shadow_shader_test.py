@@ -41,7 +41,7 @@ DRAW = "(given) => {" + USED_PROGRAM + """
   gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   const pixels = new Uint8Array(4 * given.side ** 2);
   gl.readPixels(0, 0, given.side, given.side, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-  return [...pixels].filter((_, i) => i % 4 === 1);
+  return [...pixels].filter((_, i) => i % 4 === given.channel);
 }"""
 
 
@@ -77,9 +77,9 @@ def hidden(metres, x, z, bias, heights):
     return sampled([by(byte) for byte in metres], [-1, -1, 1, 1], x, z, None)
 
 
-def farthest(browser, vertex, fragment, uniforms, textures, formula):
-    """How far the picture is from `formula(x, z)`, in steps of a byte."""
-    given = {"side": SIDE, "vertex": vertex, "fragment": fragment, "uniforms": list(uniforms.items()), "textures": textures}
+def farthest(browser, vertex, fragment, uniforms, textures, formula, channel="green"):
+    """How far a channel of the picture is from `formula(x, z)`, in steps of a byte."""
+    given = {"side": SIDE, "channel": ["red", "green", "blue", "alpha"].index(channel), "vertex": vertex, "fragment": fragment, "uniforms": list(uniforms.items()), "textures": textures}
     places = [2 * (i + 0.5) / SIDE - 1 for i in range(SIDE)]
     return max(abs(drawn - formula(places[i % SIDE], places[i // SIDE])) for i, drawn in enumerate(browser.ask(f"({DRAW})({json.dumps(given)})")))
 
@@ -94,9 +94,6 @@ def noise_of(names, draw):
 
 def farthest_on_page(browser, lighting, draw, eye):
     """Of models/page/painter.mjs: what both lights and the sky leave of a table, in steps of a byte."""
-    uniform, constant = "uniform vec3 to_light, sun, ", "const vec3 to_light = vec3(0, 1, 0), sun = vec3(1); uniform vec3 "
-    assert uniform in lighting
-    lighting = lighting.replace(uniform, constant)
     fragment = f"""#version 300 es
 precision highp float;
 precision highp sampler3D;
@@ -111,7 +108,7 @@ void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 
     rectangles = {"pile": [0.1, 0.0, 0.9, 0.8], "shadow": [-0.5, -0.4, 0.3, 0.5], "occlusion": [-0.7, -0.6, 0.6, 0.7]}
     maps = noise_of(("pile", "shadow", "occlusion", "sky", "real_depth"), draw)
     # A wall at z = -0.2, and an eye in front of it.
-    uniforms = {**{f"{name}_box": box_of(r) for name, r in rectangles.items()}, "pile_opacity": 0.7, "shadow_opacity": 0.9, "sky_known": 1.0, "bias": BIAS, "eye": [0.3, eye, 0.9], "wall": [0, 0, 1, 0.2],
+    uniforms = {**{f"{name}_box": box_of(r) for name, r in rectangles.items()}, "pile_opacity": 0.7, "shadow_opacity": 0.9, "sky_known": 1.0, "bias": BIAS, "eye": [0.3, eye, 0.9], "to_light": [0, 1, 0], "wall": [0, 0, 1, 0.2],
                 "on_plane": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], "depth_from_screen": [1 / SIDE, 0, 0, 0, 1 / SIDE, 0, 0, 0, 1]}
 
     def formula(x, z):
@@ -125,9 +122,7 @@ void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 
 
 def farthest_on_sample(browser, fragment, draw, eye):
     """Of toolchains/android/sample/sand.cpp: what it leaves of the table's light, in steps of a byte."""
-    blended = "vec4(0.0, 0.0, 0.0, 1.0 - pow(left, 1.0 / 2.2))"
-    assert blended in fragment
-    fragment = "#version 300 es\n" + fragment.replace(blended, "vec4(vec3(left), 1.0)")
+    fragment = "#version 300 es\n" + fragment
     vertex = """#version 300 es
 out vec2 place;
 void main() { place = vec2(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1); gl_Position = vec4(place, 0, 1); }"""
@@ -139,10 +134,11 @@ void main() { place = vec2(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1
     def formula(x, z):
         at = lambda name, outside: sampled(maps[name], rectangles[name], x, z, outside)
         left = s * (1 - at("object", 0)) * (1 - 0.7 * at("sand", 0)) + max(at("object_room", 1) - s, 0) * max(at("sand_room", 1) - s, 0) / (1 - s)
-        return 255 * (left + (1 - left) * hidden(depth, x, z, BIAS, [(eye, 0)]))
+        left += (1 - left) * hidden(depth, x, z, BIAS, [(eye, 0)])
+        return 255 * (1 - left ** (1 / 2.2))  # opacity of the black that is blended over the table
 
     textures = [[name, TEXELS, maps[name]] for name in maps] + [["depth", TEXELS, [1000 * byte // 255 for byte in depth]]]
-    return farthest(browser, vertex, fragment, uniforms, textures, formula)
+    return farthest(browser, vertex, fragment, uniforms, textures, formula, "alpha")
 
 
 def main(arguments):

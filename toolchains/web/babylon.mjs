@@ -1,7 +1,7 @@
 // sandglass/babylon: a stage in a scene of Babylon.js, right-handed or left-handed, which the app hands over; nothing is
 // imported of it. In a left-handed scene the stage's z is the scene's -z.
 import { Engine, oneMesh } from "./engine.mjs";
-import { checked } from "./stage.mjs";
+import { checked } from "./options.mjs";
 import { receive, receivers, receiverValues } from "./glsl.mjs";
 
 const k_vectors = ["sandglass_pile_box", "sandglass_shadow_box", "sandglass_occlusion_box", "sandglass_numbers", "sandglass_to_light"];
@@ -62,11 +62,11 @@ class BabylonStage extends Engine {
 
   // A plugin of materials: what the library says is left of the light.
   receiver() {
-    const stage = this, text = receive.replace(/^uniform vec4[^;]*;\n/m, ""), place = this.z < 0 ? "vec3(vPositionW.xy, -vPositionW.z)" : "vPositionW";
+    const stage = this, place = this.z < 0 ? "vec3(vPositionW.xy, -vPositionW.z)" : "vPositionW";
     return class extends this.BABYLON.MaterialPluginBase {
-      constructor(material, shadowOnly) { super(material, "SandglassReceiver", 200, { SANDGLASS_RECEIVER: false, SANDGLASS_SHADOW_ONLY: false }), this.shadowOnly = shadowOnly, this._enable(true); }
+      constructor(material, shadowOnly) { super(material, "SandglassReceiver", 200, { SANDGLASS_VECTORS_DECLARED: false, SANDGLASS_SHADOW_ONLY: false }), this.shadowOnly = shadowOnly, this._enable(true); }
       getClassName() { return "SandglassReceiver"; }
-      prepareDefines(defines) { defines.SANDGLASS_RECEIVER = true, defines.SANDGLASS_SHADOW_ONLY = this.shadowOnly; }
+      prepareDefines(defines) { defines.SANDGLASS_VECTORS_DECLARED = true, defines.SANDGLASS_SHADOW_ONLY = this.shadowOnly; }
       getSamplers(samplers) { samplers.push(...receivers.map((name) => `sandglass_${name}`)); }
       getUniforms() { return { ubo: k_vectors.map((name) => ({ name, size: 4, type: "vec4" })), fragment: k_vectors.map((name) => `uniform vec4 ${name};`).join("\n") }; }
       bindForSubMesh(buffer) {
@@ -74,7 +74,7 @@ class BabylonStage extends Engine {
         for (const name of receivers) buffer.setTexture(`sandglass_${name}`, stage.textures[name]);
       }
       getCustomCode(kind) {
-        return kind !== "fragment" ? null : { CUSTOM_FRAGMENT_DEFINITIONS: text, CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `
+        return kind !== "fragment" ? null : { CUSTOM_FRAGMENT_DEFINITIONS: receive, CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `
           vec2 sandglass_rest = sandglass_left(${place});
           vec3 sandglass_all = finalDiffuse, sandglass_some = finalDiffuse *= sandglass_rest.x;
           #ifdef SPECULARTERM

@@ -1,6 +1,7 @@
 // What sandglass/three and sandglass/babylon have in common: a stage here or in a worker, the objects that were added to
 // it, and the sand, which is drawn by WebGL itself amid the engine's own frame.
-import { Stage, pixelsOf } from "./stage.mjs";
+import { Stage } from "./stage.mjs";
+import { pixelsOf } from "./place_light.mjs";
 import { WorkerStage, blockMade } from "./worker.mjs";
 import { SandPainter, setUniforms, uploadShadow } from "./sand_painter.mjs";
 import { k_block_text } from "./block_module.mjs";
@@ -8,7 +9,7 @@ import { kit, kitValues, receivers } from "./glsl.mjs";
 
 const k_units = { pile: 0, shadow: 1, occlusion: 2, sky: 3 }, k_painter_units = [0, 1, 2, 3, 8, 9];
 const k_hidden = "float hidden(vec3 world) { return 0.0; }\n";
-const k_light = `uniform float linear_output;\n${kit.light.replace("linear = clamp", "if (linear_output > 0.5) return vec4(linear, 1);\n  linear = clamp")}`;
+const k_light = `#define LINEAR_OUTPUT\n${kit.light}`;
 const k_capabilities = ["BLEND", "CULL_FACE", "DEPTH_TEST", "SCISSOR_TEST", "STENCIL_TEST", "POLYGON_OFFSET_FILL"];
 const k_unpack = ["UNPACK_FLIP_Y_WEBGL", "UNPACK_PREMULTIPLY_ALPHA_WEBGL"];  // engines leave the others at 0
 

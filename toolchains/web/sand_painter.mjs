@@ -11,7 +11,7 @@ const k_minerals = [[0.80, 0.66, 0.46, 0.62], [0.90, 0.83, 0.72, 0.24], [0.58, 0
 const k_block_side = 0.0084;
 const k_block_unit = 8;  // of the painter's textures; those below are others
 const k_stream_narrow = 0.3;
-const k_loose_vertex = k_kit.loose_vert.replace("in uint number;", "in float seed;\n#define number uint(seed)");
+const k_loose_vertex = `#define FLOAT_NUMBER\n${k_kit.loose_vert}`;
 
 // Compiles for WebGL 2. `at` gives the place of a uniform, and is the first that waits for the compiler.
 export function program(gl, vertex, fragment) {
