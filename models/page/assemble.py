@@ -40,8 +40,8 @@ def main():
     packed = {name: zlib.compress(file.read_bytes(), 9) for name, file in modules.items()}
     data = "".join(f"const {name} = \"{base64.b64encode(content).decode()}\";\n" for name, content in packed.items())
     data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
-    own = ("elements", "scene", "painter", "mesh_file", "hourglass", "link", "pace", "tilt", "room_light", "real_table", "measure", "controls", "page")
-    script = joined([*(npm / f"{name}.mjs" for name in ("abi", "sandglass", "kit", "skin_changes", "stage", "sand_block", "sand_painter", "glsl")), parts / "meshopt_decoder.mjs", *(here / f"{name}.mjs" for name in own)])
+    own = ("elements", "scene", "painter", "mesh_file", "hourglass", "link", "pace", "tilt", "room_light", "real_table", "measure", "stands", "objects", "recording", "controls", "readout", "loaded", "page")
+    script = joined([*(npm / f"{name}.mjs" for name in ("abi", "sandglass", "kit", "skin_changes", "options", "mesh_field", "place_light", "stage_shadows", "stage", "sand_block", "sand_painter", "glsl")), parts / "meshopt_decoder.mjs", *(here / f"{name}.mjs" for name in own)])
     readers = sorted(path for path in (here.parent / "mesh/readers").glob("*.cpp") if path.stem != "assimp")
     endings = [re.search(r"MeshFormat k_\w+ = {\s*\"[^\"]*\", \"([^\"]*)\"", path.read_text())[1] + "," for path in readers]
     page = (here / "page.html").read_text().replace("@MESHES@", "".join(endings)).replace("@MODULES@", data + script)

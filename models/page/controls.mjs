@@ -4,6 +4,8 @@ import { followDevice } from "./tilt.mjs";
 import { CameraImages } from "./room_light.mjs";
 import { RealTable } from "./real_table.mjs";
 import { fixedRun, asText } from "./measure.mjs";
+import { addMesh, addObject } from "./objects.mjs";
+import { playRecording, recording } from "./recording.mjs";
 import { by, say, counted } from "./elements.mjs";
 import { k_scene } from "./data.mjs";
 
@@ -103,11 +105,11 @@ async function switchCamera(page) {
 }
 
 // Plays a recording, to the bit, and goes on from its end.
-export async function play(page, recording) {
+export async function play(page, told) {
   if (page.tool === "glass") choose(page, "pour");
   page.measuring = true;
   try {
-    const hash = await page.play(recording, (share) => say(`Playing: ${Math.round(100 * share)} %`));
+    const hash = await playRecording(page, told, (share) => say(`Playing: ${Math.round(100 * share)} %`));
     say(`The recording ends here as it did where it was made, to the bit: ${hash}.`);
   } finally { page.measuring = false; }
 }
@@ -117,18 +119,18 @@ async function take(page, file) {
   if (page.tool === "glass") choose(page, "pour");
   const mesh = (await page.readMesh())(new Uint8Array(await file.arrayBuffer()), file.name);
   const becomes = document.querySelector("[name=dropped]:checked").value, note = mesh.remarks && ` Note: ${mesh.remarks}.`;
-  say(becomes === "sand" ? `${counted(page.addMesh(mesh))} particles of "${file.name}".${note}` : `"${file.name}" stands at the mark: ${counted(page.addObject(mesh, becomes === "metal"))} triangles.${note}`);
+  say(becomes === "sand" ? `${counted(addMesh(page, mesh))} particles of "${file.name}".${note}` : `"${file.name}" stands at the mark: ${counted(addObject(page, mesh, becomes === "metal"))} triangles.${note}`);
 }
 
 async function share(page) {
-  const url = location.href.replace(/#.*/, "") + await toLink(page.recording());
+  const url = location.href.replace(/#.*/, "") + await toLink(recording(page));
   history.replaceState(null, "", url);
   await navigator.clipboard.writeText(url).then(() => say(`The link to these ${page.recorded.length} frames is copied.`),
     () => say(`The link to these ${page.recorded.length} frames is in the address bar. Copy it there.`));
 }
 
 function save(page) {
-  const link = document.createElement("a"), url = URL.createObjectURL(new Blob([JSON.stringify(page.recording())], { type: "application/json" }));
+  const link = document.createElement("a"), url = URL.createObjectURL(new Blob([JSON.stringify(recording(page))], { type: "application/json" }));
   Object.assign(link, { href: url, download: "sandglass_recording.json" }).click();
   setTimeout(() => URL.revokeObjectURL(url), 1000);
   say(`Saved ${page.recorded.length} frames. Drop the file on this page, on any device, to play it.`);
@@ -169,5 +171,5 @@ export function listen(page) {
   by("file").addEventListener("change", () => { if (by("file").files[0]) tried(take)(page, by("file").files[0]); });
   addEventListener("dragover", (event) => event.preventDefault());
   addEventListener("drop", (event) => { event.preventDefault(); if (event.dataTransfer.files[0]) tried(take)(page, event.dataTransfer.files[0]); });
-  addEventListener("hashchange", tried(async () => { const recording = await fromLink(location.hash); if (recording) await play(page, recording); }));
+  addEventListener("hashchange", tried(async () => { const told = await fromLink(location.hash); if (told) await play(page, told); }));
 }

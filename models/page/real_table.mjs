@@ -12,6 +12,7 @@ const k_shrunk_every_ms = 250;
 
 export class RealTable {
   // Throws what is missing.
+  /** @param {import("./page.mjs").Page} page */
   static async start(page) {
     const { xr } = navigator, { gl } = page.painter;
     if (!xr) throw new Error("This browser has no WebXR, which would put the sand on a table of yours. Chrome on an Android phone with ARCore has it.");
@@ -30,6 +31,7 @@ export class RealTable {
     return new RealTable(page, session, layer, space, hits, probe);
   }
 
+  /** @param {import("./page.mjs").Page} page */
   constructor(page, session, layer, space, hits, probe) {
     Object.assign(this, { page, session, layer, space, hits, probe, table: null, placed: false, finger: null, before: null, shrunk: -Infinity });
     page.real = this;

@@ -1,7 +1,7 @@
 // Light in the painter's terms, and what the page asks of a stage's room besides: a wall's light, and what metal reflects.
 // Images stay in this page's memory and are gone once they are read.
 import { constants } from "./sandglass.mjs";
-import { pixelsOf } from "./stage.mjs";
+import { pixelsOf } from "./place_light.mjs";
 
 const k_every_ms = 250;
 
@@ -22,18 +22,18 @@ export function lightOfDevice({ sphericalHarmonicsCoefficients: sh, primaryLight
 }
 
 export class RoomParts {
+  /** @param {import("./stage.mjs").Stage} stage */
   constructor(stage) {
     this.stage = stage, this.sand = stage.sand, this.face = this.images = this.facesLeft = 0, this.wallKey = "";
-    stage.made("room", "sandglass_room", { reflections: 1 });
-    this.words = this.sand.allocate(64), this.halves = this.sand.allocate(8 * constants.SANDGLASS_ROOM_CUBE_SIZE ** 2);
+    this.words = this.sand.allocate(64), this.turn = this.sand.allocate(16), this.halves = this.sand.allocate(8 * constants.SANDGLASS_ROOM_CUBE_SIZE ** 2);
   }
 
   // Of a column-major matrix.
   orientationOf(pose) {
-    const { sand, words, stage: { camera_image: { orientation } } } = this;
+    const { sand, words, turn } = this;
     sand.floats(words, 16).set(pose);
-    sand.sandglass_camera_orientation(words, orientation);
-    return [...orientation];
+    sand.sandglass_camera_orientation(words, turn);
+    return [...sand.floats(turn, 4)];
   }
 
   // The light of a wall there, whose normal and a direction along it are given: its cells without the main light.

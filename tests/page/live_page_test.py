@@ -138,7 +138,7 @@ def check_pours(browser):
     check(counts[0] == counts[1] > 0, f"of {counts[1]} indices {counts[0]} are drawn")
     check(browser.ask("sandglassPage.page.at") is None, "the finger still pours after it was lifted")
     # The sand keeps light of the room from the table beside it (SANDGLASS_PILE_SHADOW_SKY_FLOOR, 2); far from it nothing does.
-    floor = """(() => { const {page} = sandglassPage, {pile, texture: s} = page.stage;
+    floor = """(() => { const {page} = sandglassPage, s = page.sand.make("sandglass_texture"), {pile_shadow: pile} = page.stage.frameFields;
         page.sand.sandglass_pile_shadow_get_texture(pile, 2, s);
         return s.valid ? [page.painter.drawn.skyKnown, Math.min(...page.sand.bytes(s.bytes, s.side ** 2)), page.sand.bytes(s.bytes, 1)[0]] : []; })()"""
     wait_until(browser, f"(([known, least, corner]) => known === 1 && least < 128 && corner > 250)({floor})")
@@ -218,15 +218,15 @@ def check_camera(browser):
     """The light becomes that of what a (green) camera sees, and the sliders' again when it is off."""
     light = "[...sandglassPage.page.painter.light.ambient.slice(0, 3)]"
     # What the chair leaves of the light from all around, which follows where that light comes from.
-    left = """(() => { const {sand, cast, texture: seen} = sandglassPage.page.stage; sand.sandglass_cast_get_ambient(cast, seen);
+    left = """(() => { const {sand, frameFields: {casts}} = sandglassPage.page.stage, seen = sand.make("sandglass_texture"), cast = sand.view().getUint32(casts, true); sand.sandglass_cast_get_ambient(cast, seen);
         return seen.behind ? 0 : sand.bytes(seen.bytes, seen.side ** 2).reduce((sum, x, i) => (sum * 31 + x + i) % 1000003, 1); })()"""
     wait_until(browser, f"{left} !== 0")
     slid, even = browser.ask(light), browser.ask(left)
     browser.ask("document.getElementById('camera').click()")
-    wait_until(browser, "sandglassPage.page.stage.room_light.valid === 1 && sandglassPage.page.lit")
+    wait_until(browser, "sandglassPage.page.stage.roomLight.valid === 1 && sandglassPage.page.lit")
     wait_until(browser, f"(([r, g, b]) => g > 1.2 * r && g > 1.2 * b)({light})")
     wait_until(browser, f"(now => now !== 0 && now !== {even})({left})")
-    print("the room's light:", browser.ask("(({seen, main_share, irradiance}) => ({seen, main_share, irradiance: [...irradiance]}))(sandglassPage.page.stage.room_light)"))
+    print("the room's light:", browser.ask("(({seen, main_share, irradiance}) => ({seen, main_share, irradiance: [...irradiance]}))(sandglassPage.page.stage.roomLight)"))
     browser.ask("window.track = sandglassPage.page.watching.stream.getTracks()[0]; document.getElementById('camera').click()")
     check(browser.ask("window.track.readyState") == "ended", "the camera goes on after it was switched off")
     check(browser.ask(light) == slid, "the light is not the sliders' again")
@@ -278,7 +278,7 @@ def check_real(browser):
     light = browser.ask("(({toLight, facing, ambient}) => [toLight, facing.map(x => x / Math.PI), [...ambient.slice(0, 4)]])(sandglassPage.page.painter.light)")
     wanted = [[0, 0.6, 0.8], [1, 1, 0], [0.282095, 0.56419, 0.846285, 0.6 * 0.325735]]
     check(all(abs(a - b) < 1e-5 for got, want in zip(light, wanted) for a, b in zip(got, want)), f"the device's light is drawn as {light}")
-    own = browser.ask("(({valid, irradiance}) => [valid, ...irradiance])(sandglassPage.page.stage.room_light)")
+    own = browser.ask("(({valid, irradiance}) => [valid, ...irradiance])(sandglassPage.page.stage.roomLight)")
     check(own[0] == 1 and own[1] > 1.5 * own[2], f"of a red picture the library makes the light {own}")
     pixels = browser.ask("(emulated.step(), emulated.pixels())")
     print("augmented reality, pixels:", pixels)
@@ -301,7 +301,7 @@ def check_hidden(browser, open_pixels):
     browser.ask("emulated.depths = null, emulated.walls = [emulated.wall]")
     dark = "(() => { const {painter} = sandglassPage.page; return painter.wall !== null && painter.drawn.boxes.wallShadow?.[2] > 0; })()"
     browser.ask("emulated.step(3)")
-    browser.ask("for (let i = 0; i < 600 && !(sandglassPage.page.stage.boxes.wallShadow && sandglassPage.page.stage.boxes.wallOcclusion); ++i) emulated.step()")
+    browser.ask("for (let i = 0; i < 600 && !(sandglassPage.page.painter.drawn.boxes.wallShadow && sandglassPage.page.painter.drawn.boxes.wallOcclusion); ++i) emulated.step()")
     check(browser.ask(dark), "no shadow was made for the wall")
     with_wall = browser.ask("(emulated.step(), emulated.pixels())")
     check(with_wall["shadow"] > 1.1 * open_pixels["shadow"], f"on the wall lies no shadow: {with_wall} beside {open_pixels}")
@@ -353,7 +353,7 @@ def act_for_recording(browser):
 def check_object(browser):
     """A mesh stands at the mark: it casts from the frames on that follow, and sand that is poured over it stays outside."""
     height, mark = 0.22, [-0.3, 0, 0.25]
-    shadow = """(() => { const {sand, cast, texture: t} = sandglassPage.page.stage;
+    shadow = """(() => { const {sand, frameFields: {casts}} = sandglassPage.page.stage, t = sand.make("sandglass_texture"), cast = sand.view().getUint32(casts, true);
         sand.sandglass_cast_get_texture(cast, t);
         const bytes = sand.bytes(t.bytes, t.side ** 2), at = (x, z) => bytes[Math.floor((z - t.corner[2]) / t.across[2] * t.side) * t.side + Math.floor((x - t.corner[0]) / t.along[0] * t.side)];
         return [t.behind, at(%f, %f) ?? 0]; })()""" % (mark[0], mark[2])

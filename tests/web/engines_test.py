@@ -166,7 +166,7 @@ def cubes(browser, how):
 
 def grows(browser):
     """By 96 MiB between two frames."""
-    browser.ask("renderer.setAnimationLoop(null); globalThis.held = stage.stage.sand.floats(stage.stage.words, 4); 0")
+    browser.ask("renderer.setAnimationLoop(null); globalThis.held = stage.stage.sand.floats(stage.stage.sand.allocate(16), 4); 0")
     places = json.dumps([[0.05 + 0.1 * (i % 10), 0.05 + 0.1 * (i // 10)] for i in range(100)])
     before = browser.ask(f"{LOOK}(0, {places})")
     browser.ask("stage.stage.sand.allocate(96 << 20)")

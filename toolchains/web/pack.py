@@ -15,7 +15,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "models/page"))
 from assemble import joined
 
-IN_WORKER = ("sandglass", "skin_changes", "sand_block", "worker", "stage", "worker_commands")
+IN_WORKER = ("sandglass", "skin_changes", "sand_block", "options", "mesh_field", "place_light", "stage_shadows", "worker", "stage", "worker_commands")
 
 
 def module(path, **constants):

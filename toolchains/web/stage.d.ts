@@ -1,35 +1,210 @@
 // The types of sandglass/stage and sandglass/worker. Numbers are metres and seconds; rotations are (x, y, z, w).
-import type { Sandglass, Values, sandglass_granular_desc } from "sandglass";
+import type {
+  Handle,
+  Pointer,
+  Sandglass,
+  Values,
+  sandglass_granular_desc,
+  sandglass_room_light,
+} from "sandglass";
 
-type Triple = readonly number[];
+type Triple = ArrayLike<number>;
 export interface StageOptions {
-  sand?: Sandglass; source?: URL | string | BufferSource | WebAssembly.Module; threads?: number;
-  origin?: Triple; half?: number; budget?: number;
+  sand?: Sandglass;
+  source?: URL | string | BufferSource | WebAssembly.Module;
+  threads?: number;
+  origin?: Triple;
+  half?: number;
+  budget?: number;
+  /** The room keeps what metal reflects: sandglass_room_get_cube(). */
+  reflections?: boolean;
 }
-export interface SandOptions extends Values<sandglass_granular_desc> { particles?: number; radius?: number; }
-export interface ModelOptions { shadow?: boolean; collide?: boolean; }
-export interface Nozzle { position: Triple; rotation?: readonly number[]; radius?: number; speed?: number; }
-export interface Ball { position: Triple; radius: number; velocity?: Triple; }
-export interface View { orientation?: readonly number[]; position?: Triple; diagonal?: number; exposure?: number; ms?: number; }
-export interface Texture { side: number; bytes: Uint8Array; }
+export interface SandOptions extends Values<sandglass_granular_desc> {
+  particles?: number;
+  radius?: number;
+}
+export interface Pose {
+  position: Triple;
+  rotation: ArrayLike<number>;
+}
+export interface Mesh {
+  positions: Float32Array;
+  indices: Uint32Array;
+}
+export interface ModelOptions {
+  shadow?: boolean;
+  collide?: boolean;
+}
+export interface Nozzle {
+  position: Triple;
+  rotation?: ArrayLike<number>;
+  radius?: number;
+  speed?: number;
+}
+export interface Ball {
+  position: Triple;
+  radius: number;
+  velocity?: Triple;
+}
+/** RGBA bytes, the upper row first. */
+export interface Image {
+  data: ArrayLike<number>;
+  width: number;
+  height: number;
+}
+export interface View {
+  orientation?: ArrayLike<number>;
+  position?: Triple;
+  diagonal?: number;
+  exposure?: number;
+  ms?: number;
+}
+/** A plane by its axes, of which y is the normal, and how far it reaches from `at` along x and z. */
+export interface Wall {
+  x: number[];
+  y: number[];
+  z: number[];
+  at: number[];
+  low: number[];
+  high: number[];
+}
+
+/** The room's light: the direction and irradiance of the main light, the rest as radiance (nine harmonics) and as
+ * irradiance over pi (nine terms of a polynomial, see sandglass_filament_light), and the floor's radiance. */
+export interface Light {
+  toLight: number[];
+  facing: number[];
+  radiance: number[];
+  ambient: number[];
+  floor: number[];
+}
+/** One byte a texel. */
+export interface Texture {
+  side: number;
+  bytes: Uint8Array;
+}
+/** A chunk of the skin's mesh: vertices as in sandglass_skin_vertex. */
+export interface Chunk {
+  number: number;
+  vertices: Uint8Array;
+  indices: Uint16Array;
+}
+/** What changed of the sand's skin. `loose`: eight numbers a particle (sandglass_skin_loose), in the box from low to high. */
+export interface SkinChange {
+  chunks: Chunk[];
+  flying: number;
+  lying: number;
+  loose: Float32Array;
+  low: number[];
+  high: number[];
+}
+/** Sand that falls from a nozzle: its place and radius; its direction and speed. */
+export interface Stream {
+  nozzle: number[];
+  way: number[];
+}
+/** What has to be drawn anew. Boxes: x and z of a texture's lower corner, and one over its extent. */
 export interface Drawn {
-  light: { toLight: number[]; facing: number[]; radiance: number[]; ambient: number[]; floor: number[] };
-  textures: { [Name in "pile" | "onSand" | "sky" | "skyOnSand" | "shadow" | "occlusion"]?: Texture };
-  pileBox: number[]; shadowBox: number[]; occlusionBox: number[]; floor: number;
-  pileOpacity: number; shadowOpacity: number; skyKnown: number; milliseconds: number; particles: number;
-  skin?: { chunks: { number: number; vertices: Uint8Array; indices: Uint16Array }[]; flying: number; lying: number; loose: Float32Array } | null;
+  light: Light;
+  /** Those that changed. */
+  textures: {
+    pile?: Texture;
+    onSand?: Texture;
+    sky?: Texture;
+    skyOnSand?: Texture;
+    shadow?: Texture;
+    occlusion?: Texture;
+    wallShadow?: Texture;
+    wallOcclusion?: Texture;
+  };
+  floor: number;
+  pileBox: number[];
+  shadowBox: number[];
+  occlusionBox: number[];
+  boxes: { shadow: number[]; occlusion: number[]; wallShadow?: number[]; wallOcclusion?: number[] };
+  pileOpacity: number;
+  shadowOpacity: number;
+  skyKnown: number;
+  /** How many textures show what was. */
+  behind: number;
+  milliseconds: number;
+  particles: number;
+  /** null: as before. Without sand neither this nor the two below are there. */
+  skin?: SkinChange | null;
+  streams?: Stream[];
+  /** Of a particle. */
+  radius?: number;
 }
+
 interface Methods {
   createSand(options?: SandOptions): { radius: number };
-  addModel(mesh: { positions: Float32Array; indices: Uint32Array; position: Triple; rotation: readonly number[] }, options?: ModelOptions): number;
-  move(model: number, position: Triple, rotation: readonly number[]): void;
+  /** Gives the number that move() and remove() take. */
+  addModel(model: Mesh & Pose, options?: ModelOptions): number;
+  move(model: number, position: Triple, rotation: ArrayLike<number>): void;
   remove(model: number): void;
   pour(...nozzles: Nozzle[]): void;
   push(...balls: Ball[]): void;
-  see(image: { data: ArrayLike<number>; width: number; height: number }, view?: View): void;
+  see(image: Image, view?: View): void;
   frame(seconds: number): Drawn;
 }
-export interface Stage extends Methods { readonly sand: Sandglass; readonly fields: Promise<unknown>; }
-export declare const Stage: { create(options?: StageOptions): Promise<Stage> };
-export type WorkerStage = { [Name in keyof Methods]: (...values: Parameters<Methods[Name]>) => Promise<ReturnType<Methods[Name]>> } & { readonly fields: Promise<unknown> };
+
+/** Besides: what an app needs that runs the frames of a scene of its own, as the project's page does. */
+export declare class Stage implements Methods {
+  static create(options?: StageOptions): Promise<Stage>;
+  constructor(sand: Sandglass, options?: Omit<StageOptions, "sand" | "source" | "threads">);
+  readonly sand: Sandglass;
+  /** Settles when sand lies on all models that it has to. */
+  readonly fields: Promise<unknown>;
+
+  createSand(options?: SandOptions): { radius: number };
+  addModel(model: Mesh & Pose, options?: ModelOptions): number;
+  move(model: number, position: Triple, rotation: ArrayLike<number>): void;
+  remove(model: number): void;
+  pour(...nozzles: Nozzle[]): void;
+  push(...balls: Ball[]): void;
+  see(image: Image, view?: View): void;
+  frame(seconds: number): Drawn;
+
+  /** Draws the sand of another scene, by its skin and the radius of its particles. */
+  showSand(skin: Handle<"sandglass_skin">, radius: number): void;
+  /** What the frames of that scene take, so that they make this stage's shadows: fields of sandglass_frame_input. */
+  readonly frameFields: {
+    pile_shadow: Handle<"sandglass_pile_shadow">;
+    casts: Pointer;
+    cast_count: number;
+    skin: Handle<"sandglass_skin">;
+  };
+  /** Its sand is other sand at once: nothing of what was drawn is kept. */
+  refresh(): void;
+  /** What changed since the call before, drawn in this light. Arrays are views of the module's memory, valid until the
+   * next call. */
+  drawn<Given>(light: Given): Omit<Drawn, "light"> & { light: Given };
+
+  /** Room for the shadows of models of so many triangles, before they come. */
+  reserve(triangles: number): void;
+  /** These models throw shadows from now on, and no others. */
+  castOnly(...models: number[]): void;
+  /** Models throw shadows on this plane, too; null: there is none. */
+  setWall(wall: Wall | null): void;
+
+  /** Of images that see() was given. */
+  readonly images: number;
+  readonly room: Handle<"sandglass_room">;
+  /** The light of the place that the room tells now, and the light that fade() has come to. */
+  readonly roomLight: sandglass_room_light;
+  readonly fadedLight: sandglass_room_light;
+  /** Something is placed there: its light does not fade from that of another place. */
+  stand(position: Triple): void;
+  /** What was seen is of another frame of the world. */
+  forget(): void;
+  fade(seconds: number): Light;
+  /** Shadows of a light: towards the main one, the cells (sandglass_room_light.ambient_cells) where the rest comes from,
+   * and its diameter, radians; 0: not known. */
+  shade(toLight: Triple, cells: number[] | Float32Array, diameter?: number): void;
+  /** The cells above the wall. */
+  shadeWall(cells: number[] | Float32Array): void;
+}
+export type WorkerStage = {
+  [Name in keyof Methods]: (...values: Parameters<Methods[Name]>) => Promise<ReturnType<Methods[Name]>>;
+} & { readonly fields: Promise<unknown> };
 export declare const WorkerStage: { create(options?: StageOptions): Promise<WorkerStage> };

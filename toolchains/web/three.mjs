@@ -1,6 +1,6 @@
 // sandglass/three: a stage in a scene of three.js, which the app hands over; nothing is imported of it.
 import { Engine, oneMesh } from "./engine.mjs";
-import { checked } from "./stage.mjs";
+import { checked } from "./options.mjs";
 import { receive, receivers, receiverValues } from "./glsl.mjs";
 
 const k_lit = ["MeshStandardMaterial", "MeshPhysicalMaterial", "MeshLambertMaterial", "MeshPhongMaterial"];

@@ -1,6 +1,7 @@
 // What runs in a worker that openWorker (worker.mjs) makes: this file behind those that it imports, as one text.
 import { load } from "./sandglass.mjs";
-import { Stage, fieldOf } from "./stage.mjs";
+import { Stage } from "./stage.mjs";
+import { fieldOf } from "./mesh_field.mjs";
 import { sandBlock } from "./sand_block.mjs";
 
 let stage, own;

@@ -1,0 +1,68 @@
+// The field of a mesh, which sand lies on, and the matrix of its pose.
+import { constants } from "./sandglass.mjs";
+
+const k_field_nodes = 4e6; // at most: a large model gets a coarser field
+const k_band = 4; // spacings around the mesh that the field knows
+
+// Column-major, of a pose.
+export function matrixOf([px, py, pz], [x, y, z, w]) {
+  const right = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0];
+  const up = [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0];
+  const back = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0];
+  return [...right, ...up, ...back, px, py, pz, 1];
+}
+
+// One of the library's objects, of its description's defaults and `fields`, or what they give of the description.
+export function made(sand, name, fields = {}, ...more) {
+  const desc = sand.make(`${name}_desc`);
+  sand[`${name}_desc_default`](desc, ...more);
+  desc.set(typeof fields === "function" ? fields(desc) : fields);
+  try {
+    return sand.create(name, desc);
+  } finally {
+    sand.free(desc);
+  }
+}
+
+// The bytes of the field, for another instance's memory too. `spacing`: of its nodes, metres.
+export function fieldOf(sand, { positions, indices }, spacing) {
+  const used = [];
+  const keep = (block) => {
+    used.push(block);
+    return block;
+  };
+  try {
+    const mesh = keep(
+      sand.make("sandglass_mesh", {
+        vertices: keep(sand.put(positions)),
+        vertex_count: positions.length / 3,
+        indices: keep(sand.put(indices)),
+        triangle_count: indices.length / 3,
+      }),
+    );
+    const inside = keep(sand.create("sandglass_mesh_inside", mesh, constants.SANDGLASS_INSIDE_WINDING));
+    const desc = keep(
+      sand.make("sandglass_field_desc", {
+        solid: constants.SANDGLASS_SOLID_INSIDE,
+        mesh,
+        inside: sand.pointer("sandglass_mesh_inside_test"),
+        inside_user: inside,
+      }),
+    );
+    const { bounds_min: low, bounds_max: high } = desc;
+    sand.sandglass_mesh_bounds(mesh, low, high);
+    const volume = [...high].reduce((product, top, k) => product * (top - low[k] + 2 * k_band * spacing), 1);
+    desc.spacing = Math.max(spacing, Math.cbrt(volume / k_field_nodes));
+    desc.band = k_band * desc.spacing;
+    for (let k = 0; k < 3; ++k) {
+      low[k] -= desc.band;
+      high[k] += desc.band;
+    }
+    const size = keep(sand.allocate(8));
+    sand.sandglass_field_bytes(desc, size);
+    const bytes = Number(sand.view().getBigUint64(size, true));
+    return sand.bytes(keep(sand.create("sandglass_field", desc)), bytes).slice();
+  } finally {
+    for (const block of used) sand.free(block);
+  }
+}

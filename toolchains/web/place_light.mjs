@@ -1,0 +1,114 @@
+// The light of a place in a room: what a camera's images tell of it, how it fades from one to the next, and the terms in
+// which renderers take it.
+import { constants } from "./sandglass.mjs";
+import { made } from "./mesh_field.mjs";
+
+const k_longest_side = 256; // pixels of an image that are read
+const k_not_read = "sandglass: see takes an image element, an ImageBitmap, a canvas or a video";
+
+// What see() takes, of an image, a video or a canvas.
+export function pixelsOf(image) {
+  if (image?.data) return image;
+  const wide = image?.videoWidth || image?.naturalWidth || image?.width;
+  const high = image?.videoHeight || image?.naturalHeight || image?.height;
+  if (!(wide > 1 && high > 1)) throw new Error(`${k_not_read} that is loaded.`);
+  const smaller = Math.min(1, k_longest_side / Math.max(wide, high));
+  const [width, height] = [wide, high].map((side) => Math.max(1, Math.round(side * smaller)));
+  const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+  try {
+    context.drawImage(image, 0, 0, width, height);
+  } catch {
+    throw new Error(`${k_not_read}. Of a texture pass its image.`);
+  }
+  return { data: context.getImageData(0, 0, width, height).data, width, height };
+}
+
+export class PlaceLight {
+  #sand;
+  #image;
+  #words;
+  #place;
+  #lights;
+  #filament;
+
+  // `origin`: the place. `reflections`: the room can be asked for what metal reflects.
+  constructor(sand, origin, reflections) {
+    this.#sand = sand;
+    this.room = made(sand, "sandglass_room", { reflections: reflections ? 1 : 0 });
+    this.images = 0;
+    this.now = sand.make("sandglass_room_light");
+    this.faded = sand.make("sandglass_room_light");
+    this.#words = sand.allocate(8);
+    this.#image = sand.make("sandglass_camera_image");
+    this.#place = sand.make("sandglass_room_place");
+    this.#lights = sand.make("sandglass_light");
+    this.#filament = sand.make("sandglass_filament_light");
+    sand.sandglass_room_place_default(this.#place);
+    this.#place.set({ position: origin, shown: this.faded });
+    this.#begin();
+    this.#get();
+  }
+
+  // Light that comes next is taken as it is.
+  #begin() {
+    this.faded.struct_size = 0;
+  }
+  #get() {
+    this.#sand.sandglass_room_get(this.room, this.#place, this.now);
+  }
+
+  see({ data, width, height }, { orientation, position, diagonal, exposure, ms }) {
+    const sand = this.#sand;
+    const pixels = sand.put(data);
+    const focal = sand.sandglass_camera_focal(width, height, diagonal);
+    sand.sandglass_camera_image_default(this.#image);
+    this.#image.set({
+      format: constants.SANDGLASS_CAMERA_RGBA,
+      width,
+      height,
+      focal_x: focal,
+      focal_y: focal,
+      centre_x: (width - 1) / 2,
+      centre_y: (height - 1) / 2,
+      planes: [pixels, 0, 0],
+      strides: [4 * width, 0, 0],
+      orientation,
+      position,
+      exposure,
+      timestamp_ns: Math.round(ms * 1e6),
+    });
+    try {
+      sand.sandglass_room_set_image(this.room, this.#image, this.#words);
+    } finally {
+      sand.free(pixels);
+    }
+    if (this.images++ === 0) this.#begin();
+    this.#get();
+  }
+
+  stand(position) {
+    this.#place.position.set(position);
+    this.#begin();
+    this.#get();
+  }
+  forget() {
+    this.#sand.sandglass_room_reset(this.room);
+    this.#get();
+  }
+
+  fade(seconds) {
+    const sand = this.#sand;
+    const lights = this.#lights;
+    const filament = this.#filament;
+    sand.sandglass_room_fade(this.faded, this.now, seconds);
+    sand.sandglass_light_of_room(this.faded, lights);
+    sand.sandglass_light_to_filament(lights, constants.SANDGLASS_LIGHT_AMBIENT, 1, filament);
+    return {
+      toLight: [...lights.towards],
+      facing: [...lights.facing],
+      radiance: [...lights.ambient_sh],
+      ambient: [...filament.sh],
+      floor: [...this.faded.floor],
+    };
+  }
+}
