@@ -47,7 +47,7 @@ def renamed(text, suffix, rows):
             for variable in variables(text, words[0]):
                 new = words[2] if "@" in words[2] else "@." + words[2]
                 pattern = rf"(?<![\w.>])({re.escape(variable)}(?:\[\w+\])?)(\.|->){re.escape(words[1])}(?!\w)"
-                text = re.sub(pattern, lambda found: new.replace("@.", found[1] + found[2]), text)
+                text = re.sub(pattern, lambda found, new=new: new.replace("@.", found[1] + found[2]), text)
     return text
 
 

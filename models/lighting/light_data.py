@@ -73,7 +73,7 @@ class Rows:
         """The indices to train on, and those to test on. With None, none are for tests."""
         test = (self.fold == test_fold) & (self.kind == 0) if test_fold is not None else np.zeros(len(self.fold), bool)
         held_out = {self.location[i] for i in np.flatnonzero(test)}
-        train = ~test & np.array([l not in held_out for l in self.location])
+        train = ~test & np.array([place not in held_out for place in self.location])
         return np.flatnonzero(train), np.flatnonzero(test)
 
 

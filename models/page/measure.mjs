@@ -27,7 +27,10 @@ export class Pauses {
 
 // `shown` is called with the share that is done.
 export async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) {
-  const scene = new SandScene(sand, k_scene, { clock: true }), names = stagesOf(sand).map(({ name }) => name), stages = names.map(() => 0), pauses = new Pauses();
+  const scene = new SandScene(sand, k_scene, { clock: true });
+const names = stagesOf(sand).map(({ name }) => name);
+const stages = names.map(() => 0);
+const pauses = new Pauses();
   let ms = 0;
   for (let frame = 0; frame < frames; ++frame) {
     await pauses.perhaps(shown, frame / frames);
@@ -41,7 +44,8 @@ export async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) 
 }
 
 function classOf(ms) {
-  const billions = k_scene.counted.instructions / k_scene.frames / ms / 1e6, shown = (x) => x.toPrecision(2);
+  const billions = k_scene.counted.instructions / k_scene.frames / ms / 1e6;
+const shown = (x) => x.toPrecision(2);
   return [`class        ${shown(billions)} billion NEON instructions a second, as counted on ARM`,
     ...k_scene.counted.cores.map(({ name, low, high }) => `  ${name.padEnd(10)} ${shown(low)} to ${shown(high)} as stated, without a browser`)];
 }

@@ -14,7 +14,7 @@ import { listen, play } from "./controls.mjs";
 import { by, say, counted } from "./elements.mjs";
 import { fitting, k_glass_min, k_walls, makeGlass, makeTable } from "./stands.mjs";
 import { dropObjects, k_mesh_height } from "./objects.mjs";
-import { playRecording, record, recording } from "./recording.mjs";
+import { playRecording, record, recordingOf } from "./recording.mjs";
 import { slowMotion, tell } from "./readout.mjs";
 import { help, letHelp, loaded, loadedMeshReader } from "./loaded.mjs";
 import { k_scene } from "./data.mjs";
@@ -428,7 +428,7 @@ export class Page {
   }
 
   recording() {
-    return recording(this);
+    return recordingOf(this);
   }
   play(recording, shown) {
     return playRecording(this, recording, shown);

@@ -36,7 +36,7 @@ export function record(page, emitters, plan, first) {
   if (page.recorded.length === k_frames_at_most) page.recordedHash = scene.hash();
 }
 
-export function recording({ recorded, recordedHash, scene }) {
+export function recordingOf({ recorded, recordedHash, scene }) {
   const hash = recordedHash ?? scene.hash();
   return { sandglass: "recording", scene: k_scene.name, step: k_scene.frame_step, frames: recorded, hash };
 }
@@ -59,7 +59,7 @@ export async function playRecording(page, told, shown) {
     Object.assign(page, before);
     showObjects(page);
     const ours = error.message.startsWith("sandglass") || error.constructor === Error;
-    throw new Error(ours ? error.message : "The recording is damaged, so it cannot be played. Ask for it again.");
+    throw new Error(ours ? error.message : "The recording is damaged, so it cannot be played. Ask for it again.", { cause: error });
   }
   const hash = scene.hash();
   replaceScene(page, scene, before.objects, told.frames);

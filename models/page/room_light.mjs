@@ -8,7 +8,10 @@ const k_every_ms = 250;
 // Irradiance over pi as the library's polynomial (sandglass_filament_light.sh): nine colours.
 export function lightOfSky(sun, sky, ground) {
   const ambient = new Float32Array(27);
-  for (let k = 0; k < 3; ++k) ambient[k] = (sky[k] + ground[k]) / 2, ambient[3 + k] = (sky[k] - ground[k]) / 2;
+  for (let k = 0; k < 3; ++k) {
+ambient[k] = (sky[k] + ground[k]) / 2;
+ambient[3 + k] = (sky[k] - ground[k]) / 2;
+}
   return { facing: sun.map((x) => x * Math.PI), ambient, floor: ground };
 }
 
@@ -24,8 +27,13 @@ export function lightOfDevice({ sphericalHarmonicsCoefficients: sh, primaryLight
 export class RoomParts {
   /** @param {import("./stage.mjs").Stage} stage */
   constructor(stage) {
-    this.stage = stage, this.sand = stage.sand, this.face = this.images = this.facesLeft = 0, this.wallKey = "";
-    this.words = this.sand.allocate(64), this.turn = this.sand.allocate(16), this.halves = this.sand.allocate(8 * constants.SANDGLASS_ROOM_CUBE_SIZE ** 2);
+    this.stage = stage;
+this.sand = stage.sand;
+this.face = this.images = this.facesLeft = 0;
+this.wallKey = "";
+    this.words = this.sand.allocate(64);
+this.turn = this.sand.allocate(16);
+this.halves = this.sand.allocate(8 * constants.SANDGLASS_ROOM_CUBE_SIZE ** 2);
   }
 
   // Of a column-major matrix.
@@ -39,10 +47,12 @@ export class RoomParts {
   // The light of a wall there, whose normal and a direction along it are given: its cells without the main light.
   // It is asked anew after an image, and where the wall has moved by a centimetre or turned by half a degree.
   cellsOfWall(position, normal, along) {
-    const { sand, words, stage: { room, images } } = this, key = [images, ...[...position, ...normal, ...along].map((x) => Math.round(100 * x))].join();
+    const { sand, words, stage: { room, images } } = this;
+const key = [images, ...[...position, ...normal, ...along].map((x) => Math.round(100 * x))].join();
     if (key === this.wallKey) return this.wallLight.ambient_cells.slice();
     this.wallKey = key;
-    this.wallPlace ??= sand.make("sandglass_room_place"), this.wallLight ??= sand.make("sandglass_room_light");
+    this.wallPlace ??= sand.make("sandglass_room_place");
+this.wallLight ??= sand.make("sandglass_room_light");
     sand.sandglass_room_place_default(this.wallPlace);
     sand.floats(words, 6).set([...normal, ...along]);
     this.wallPlace.set({ position, normal: words, along: words + 12 });
@@ -52,8 +62,12 @@ export class RoomParts {
 
   // The next face of what metal reflects there, so high above its table, for the painter: one a call, after an image.
   reflect(position, height, painter) {
-    const { sand, words, halves, face, stage: { room, images } } = this, side = constants.SANDGLASS_ROOM_CUBE_SIZE;
-    if (this.images !== images) this.images = images, this.facesLeft = 6;
+    const { sand, words, halves, face, stage: { room, images } } = this;
+const side = constants.SANDGLASS_ROOM_CUBE_SIZE;
+    if (this.images !== images) {
+this.images = images;
+this.facesLeft = 6;
+}
     if (this.facesLeft === 0) return;
     --this.facesLeft;
     sand.floats(words, 3).set(position);
@@ -77,7 +91,9 @@ export class CameraImages {
     return new CameraImages(stream, video);
   }
   constructor(stream, video) {
-    this.stream = stream, this.video = video, this.last = -Infinity;
+    this.stream = stream;
+this.video = video;
+this.last = -Infinity;
     this.towardsUser = stream.getVideoTracks()[0].getSettings().facingMode !== "environment";
   }
   // { data, width, height }, or null where it is too early for another.

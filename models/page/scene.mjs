@@ -5,7 +5,9 @@ export const unpacked = (text, Type) => new Type((Uint8Array.fromBase64?.(text) 
 // The field of a file's mesh, made by the library as the file says: its bytes, for another instance's memory too. Throws the
 // library's sentence.
 export function fieldBytes(sand, plan) {
-  const vertices = unpacked(plan.vertices, Float32Array), indices = unpacked(plan.indices, Uint32Array), size = sand.allocate(8);
+  const vertices = unpacked(plan.vertices, Float32Array);
+const indices = unpacked(plan.indices, Uint32Array);
+const size = sand.allocate(8);
   const mesh = sand.make("sandglass_mesh", {
     vertices: sand.put(vertices), vertex_count: vertices.length / 3,
     indices: sand.put(indices), triangle_count: indices.length / 3,
@@ -32,11 +34,15 @@ export function addPoints(sand, scene, ...particlesAndGrains) {
 // With the module's pool, if it has one. `changes` are fields of sandglass_granular_desc that differ from the file's; `isa` is a sandglass_isa.
 export class SandScene {
   constructor(sand, file, { isa = 0, clock = false, changes = {}, colliders = 0 } = {}) {
-    this.sand = sand, this.file = file, this.frames = 0;
+    this.sand = sand;
+this.file = file;
+this.frames = 0;
     const desc = this.desc = sand.make("sandglass_scene_desc");
     sand.sandglass_scene_desc_default(desc);
-    desc.isa = isa, desc.gravity = file.gravity;
-    desc.granular.set(file.granular).set(changes), desc.parallel.set(sand.parallel);
+    desc.isa = isa;
+desc.gravity = file.gravity;
+    desc.granular.set(file.granular).set(changes);
+desc.parallel.set(sand.parallel);
     if (clock) desc.clock = sand.sandglass_clock_system();
     this.handle = sand.create("sandglass_scene", desc);
     this.fill();
@@ -52,16 +58,19 @@ export class SandScene {
     this.grains = sand.allocate(16 * Math.max(1, desc.granular.grain_capacity));
     this.input = sand.make("sandglass_frame_input");
     sand.sandglass_frame_input_default(this.input);
-    this.input.colliders = this.colliders.address, this.input.collider_count = file.colliders.length;
+    this.input.colliders = this.colliders.address;
+this.input.collider_count = file.colliders.length;
     this.input.emitters = this.emitters.address;
-    this.input.grains = this.grains, this.input.grain_capacity = desc.granular.grain_capacity;
+    this.input.grains = this.grains;
+this.input.grain_capacity = desc.granular.grain_capacity;
     this.report = sand.make("sandglass_frame_report");
   }
 
   fill() {
     const { sand, file } = this;
     const array = (name) => (file[name] instanceof Float32Array ? file[name] : unpacked(file[name] ?? "", Float32Array));
-    const particles = array("particles"), velocities = file.particle_velocities ? array("particle_velocities") : undefined;
+    const particles = array("particles");
+const velocities = file.particle_velocities ? array("particle_velocities") : undefined;
     addPoints(sand, this.handle, { positions: particles, velocities },
       { positions: array("grains"), velocities: array("grain_velocities") });
   }
@@ -78,7 +87,8 @@ export class SandScene {
   // One frame; without a budget it does all its work.
   frame(step = this.file.frame_step, budget_ms = Infinity, emitters = this.pourAsTheFileSays()) {
     const { sand, input } = this;
-    input.time_step = step, input.emitter_count = emitters;
+    input.time_step = step;
+input.emitter_count = emitters;
     input.budget_ns = budget_ms === Infinity ? 2n ** 64n - 1n : BigInt(Math.round(budget_ms * 1e6));
     sand.sandglass_scene_frame(this.handle, input, this.report);
     ++this.frames;

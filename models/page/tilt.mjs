@@ -27,7 +27,8 @@ export function downOnScreen({ beta, gamma }, screenAngle = 0) {
 }
 
 function limited(down) {
-  const flat = Math.hypot(down[0], down[2]), angle = Math.atan2(flat, -down[1]);
+  const flat = Math.hypot(down[0], down[2]);
+const angle = Math.atan2(flat, -down[1]);
   if (angle <= k_tilt_at_most) return down;
   return [down[0] / flat * Math.sin(k_tilt_at_most), -Math.cos(k_tilt_at_most), down[2] / flat * Math.sin(k_tilt_at_most)];
 }
@@ -45,7 +46,9 @@ export function gravityOfScreen(down, level, { right, up, away }) {
 // From the frame of screenPose to that of a table that is fixed to the picture since `level`: a column-major 3 x 3
 // rotation. What is straight down in the room becomes what gravityOfScreen says.
 export function tableOfRoom(down, level, axes, yaw = 0) {
-  const { right, up, away } = axes, pose = screenPose(down, axes, yaw), q = shortest(level, [right, up, away].map((axis) => -axis[1]));
+  const { right, up, away } = axes;
+const pose = screenPose(down, axes, yaw);
+const q = shortest(level, [right, up, away].map((axis) => -axis[1]));
   return [0, 1, 2].flatMap((k) => {
     const [x, y, z] = turned([pose[k], pose[4 + k], pose[8 + k]], q);  // the room's axis k on the screen
     return [0, 1, 2].map((i) => x * right[i] + y * up[i] + z * away[i]);
@@ -55,10 +58,13 @@ export function tableOfRoom(down, level, axes, yaw = 0) {
 // The room's cells of light (types.h) as they stand above a table that is tipped in it; together they are 1, or all 0.
 // What is below the room's horizon is its floor.
 export function cellsOfTable(cells, m) {
-  const out = new Float32Array(cells.length), mean = cells.reduce((sum, x) => sum + x, 0) / cells.length;
+  const out = new Float32Array(cells.length);
+const mean = cells.reduce((sum, x) => sum + x, 0) / cells.length;
   for (let i = 0; i < 9 * cells.length; ++i) {  // three by three directions of a cell, of equal weight for a level floor
-    const cell = Math.floor(i / 9), azimuth = 2 * Math.PI * (cell % 16 + (i % 3 + 0.5) / 3) / 16;
-    const up2 = (Math.floor(cell / 16) + (Math.floor(i % 9 / 3) + 0.5) / 3) / 4, flat = Math.sqrt(1 - up2);
+    const cell = Math.floor(i / 9);
+const azimuth = 2 * Math.PI * (cell % 16 + (i % 3 + 0.5) / 3) / 16;
+    const up2 = (Math.floor(cell / 16) + (Math.floor(i % 9 / 3) + 0.5) / 3) / 4;
+const flat = Math.sqrt(1 - up2);
     const d = [flat * Math.cos(azimuth), Math.sqrt(up2), flat * Math.sin(azimuth)];
     const [x, y, z] = [0, 1, 2].map((k) => m[3 * k] * d[0] + m[3 * k + 1] * d[1] + m[3 * k + 2] * d[2]);
     const sector = Math.floor((Math.atan2(z, x) / (2 * Math.PI) + 1) * 16) % 16;
@@ -70,16 +76,20 @@ export function cellsOfTable(cells, m) {
 
 // By two angles, degrees: the right side lower, the near side lower.
 export function gravityOfAngles(right, near) {
-  const [a, b] = [right, near].map((degrees) => Math.tan(degrees * Math.PI / 180)), length = Math.hypot(a, b, 1);
+  const [a, b] = [right, near].map((degrees) => Math.tan(degrees * Math.PI / 180));
+const length = Math.hypot(a, b, 1);
   return gravityAlong(limited([a / length, -1 / length, b / length]));
 }
 
 // The pose of the screen in a frame whose y is up, as a column-major matrix: as it is drawn, where nothing is known of
 // `down`; else upright as the device is, turned by `yaw` radians since it was drawn so.
 export function screenPose(down, { right, up, away }, yaw = 0) {
-  const view = [right, up, away].map((axis) => -axis[1]), q = shortest(down ?? view, view), [c, s] = [Math.cos(yaw), Math.sin(yaw)];
+  const view = [right, up, away].map((axis) => -axis[1]);
+const q = shortest(down ?? view, view);
+const [c, s] = [Math.cos(yaw), Math.sin(yaw)];
   const columns = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => {
-    const [x, y, z] = turned(axis, q), at = [0, 1, 2].map((k) => x * right[k] + y * up[k] + z * away[k]);
+    const [x, y, z] = turned(axis, q);
+const at = [0, 1, 2].map((k) => x * right[k] + y * up[k] + z * away[k]);
     return [c * at[0] + s * at[2], at[1], c * at[2] - s * at[0], 0];
   });
   return new Float32Array([...columns.flat(), 0, 0, 0, 1]);

@@ -29,7 +29,10 @@ CUBE = ("".join(f"v {k & 1} {k >> 1 & 1} {k >> 2}\n" for k in range(8)) +
 def ball(rings=12, around=24):
     points = [(0, -1, 0), (0, 1, 0)] + [(math.sin(math.pi * r / rings) * math.cos(2 * math.pi * k / around), -math.cos(math.pi * r / rings),
                                          math.sin(math.pi * r / rings) * math.sin(2 * math.pi * k / around)) for r in range(1, rings) for k in range(around)]
-    at = lambda r, k: 0 if r == 0 else 1 if r == rings else 2 + (r - 1) * around + k % around
+
+    def at(r, k):
+        return 0 if r == 0 else 1 if r == rings else 2 + (r - 1) * around + k % around
+
     faces = [f for r in range(rings) for k in range(around) for f in ((at(r, k), at(r + 1, k), at(r + 1, k + 1)), (at(r, k), at(r + 1, k + 1), at(r, k + 1))) if len(set(f)) == 3]
     return "".join("v %.6f %.6f %.6f\n" % p for p in points) + "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces)
 
@@ -193,7 +196,10 @@ def check_keyboard(browser):
 
 def check_tilt(browser):
     """The phone is tipped to its right, and the sand's middle goes there; sliders and keys do the same."""
-    hold = lambda beta, gamma: browser.call("DeviceOrientation.setDeviceOrientationOverride", alpha=0, beta=beta, gamma=gamma)
+
+    def hold(beta, gamma):
+        browser.call("DeviceOrientation.setDeviceOrientationOverride", alpha=0, beta=beta, gamma=gamma)
+
     middle = "((places, right) => places.reduce((sum, place) => sum + place.reduce((s, x, k) => s + x * right[k], 0), 0) / places.length)(" + PLACES + ", sandglassPage.page.camera.axes().right)"
     before = browser.ask(middle)
     hold(40, 0)
@@ -292,8 +298,13 @@ def check_real(browser):
 def check_hidden(browser, open_pixels):
     """What is real and near hides everything, what is far nothing, and half a picture half of it; what is known of table and wall hides
     nothing on them. Objects cast on the wall."""
-    pixels = lambda depths: browser.ask(f"(emulated.depths = {depths}, emulated.step(), emulated.pixels())")
-    drawn = lambda count: count["shadow"] + count["scene"]
+
+    def pixels(depths):
+        return browser.ask(f"(emulated.depths = {depths}, emulated.step(), emulated.pixels())")
+
+    def drawn(count):
+        return count["shadow"] + count["scene"]
+
     check(drawn(pixels("[200, 200]")) == 0, "something is drawn before a hand that is nearer")
     check(abs(drawn(pixels("[9000, 9000]")) / drawn(open_pixels) - 1) < 0.02, "what is far hides something")
     half = drawn(pixels("[200, 9000]")) / drawn(open_pixels)
@@ -423,7 +434,10 @@ def check_recording(browser):
     frames, added = browser.ask("[recording.frames.length, recording.frames.filter(f => f.added).length]")
     check(frames > 60 and added == 2, f"{frames} frames were recorded, and sand was added {added} times")
     check(browser.ask("new Set(recording.frames.map(f => `${f.gravity}`)).size > 2"), "no tilt was recorded")
-    play = lambda: browser.ask("sandglassPage.page.play(recording, () => 0).catch((error) => error.message)")
+
+    def play():
+        return browser.ask("sandglassPage.page.play(recording, () => 0).catch((error) => error.message)")
+
     played = play()
     check(played == browser.ask("recording.hash"), played)
     memory = browser.ask("sandglassPage.page.sand.memory.buffer.byteLength")

@@ -9,7 +9,8 @@ import { join } from "node:path";
 import { toLink, fromLink } from "../../models/page/link.mjs";
 
 const k_damages = 800;
-const [page, kinds] = process.argv.slice(2), place = mkdtempSync(join(tmpdir(), "sandglass_"));
+const [page, kinds] = process.argv.slice(2);
+const place = mkdtempSync(join(tmpdir(), "sandglass_"));
 copyFileSync(new URL("../../models/page/mesh_file.mjs", import.meta.url), join(place, "mesh_file.mjs"));
 copyFileSync(join(page, "meshopt_decoder.mjs"), join(place, "meshopt_decoder.mjs"));
 const { meshReader, standing } = await import(join(place, "mesh_file.mjs"));
@@ -25,7 +26,8 @@ for (const { name, size, triangles, refused } of cases) {
   const mesh = read(bytes, name);
   assert.equal(mesh.indices.length, 3 * triangles, name);
   for (let axis = 0; axis < 3; ++axis) {
-    const along = mesh.vertices.filter((_, i) => i % 3 === axis), found = Math.max(...along) - Math.min(...along);
+    const along = mesh.vertices.filter((_, i) => i % 3 === axis);
+const found = Math.max(...along) - Math.min(...along);
     assert.ok(Math.abs(found - size[axis]) <= 1e-4 * size[axis], `${name} is ${found} along axis ${axis}`);
   }
 }
@@ -38,7 +40,9 @@ for (const [side, high] of [[1, 0.2], [5, 0.1]]) {
 }
 
 // Changed bytes at places of a fixed sequence, in every file that is read.
-let seed = 1, accepted = 0, damaged = 0;
+let seed = 1;
+let accepted = 0;
+let damaged = 0;
 const random = (below) => (seed = (seed * 1664525 + 1013904223) >>> 0) % below;
 for (const { name } of cases.filter(({ refused }) => !refused)) {
   const good = readFileSync(join(kinds, name));
@@ -64,10 +68,13 @@ const frame = { emitters: [{ position: [third, 0.5, -third], rotation: [0, 0, 0,
 const plain = { emitters: [], colliders: [], level: 0, runs: [[0, 1]] };
 const recording = { sandglass: "recording", scene: "table", step: 1 / 60, hash: "0x0123456789abcdef", frames: [plain, frame, frame, { ...frame, added: [{ particles: [third, 1e-7] }] }, plain] };
 const bits = (value) => JSON.stringify(value, (_, x) => (typeof x === "number" ? Math.fround(x) : x === undefined ? null : x));
-const link = await toLink(recording), back = await fromLink(link);
-assert.equal(back.hash, recording.hash), assert.equal(back.step, recording.step);
+const link = await toLink(recording);
+const back = await fromLink(link);
+assert.equal(back.hash, recording.hash);
+assert.equal(back.step, recording.step);
 recording.frames.forEach((wanted, i) => { for (const [name, value] of Object.entries(wanted)) assert.equal(bits(back.frames[i][name]), bits(value)); });
-assert.equal(back.frames[4].gravity, undefined), assert.equal(back.frames[4].added, undefined);
+assert.equal(back.frames[4].gravity, undefined);
+assert.equal(back.frames[4].added, undefined);
 assert.match(link, /^#r=[\w-]+$/);
 const long = await toLink({ ...recording, frames: Array(3000).fill(frame) });
 assert.ok(long.length < link.length + 100, `${long.length} characters for 3000 equal frames`);

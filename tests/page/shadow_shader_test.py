@@ -132,7 +132,9 @@ void main() { place = vec2(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1
                 **{f"{name}_box": box_of(r) for name, r in rectangles.items()}}
 
     def formula(x, z):
-        at = lambda name, outside: sampled(maps[name], rectangles[name], x, z, outside)
+        def at(name, outside):
+            return sampled(maps[name], rectangles[name], x, z, outside)
+
         left = s * (1 - at("object", 0)) * (1 - 0.7 * at("sand", 0)) + max(at("object_room", 1) - s, 0) * max(at("sand_room", 1) - s, 0) / (1 - s)
         left += (1 - left) * hidden(depth, x, z, BIAS, [(eye, 0)])
         return 255 * (1 - left ** (1 / 2.2))  # opacity of the black that is blended over the table
@@ -181,7 +183,7 @@ def main(arguments):
                         "world_from_object": [0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, shift[0], 0, shift[1], 1]}
             textures = [[name, TEXELS, maps[name]] for name in names] + [["real_depth", TEXELS, depth], ["camera_image", 1, [floor] * 3]]
 
-            def formula(x, z):
+            def formula(x, z, s=s, eye=eye, maps=maps, opacity=opacity, depth=depth):
                 world = (z + shift[0], -x + shift[1])
                 sharp = (1 - opacity[0] * sampled(maps["object_coverage"], rectangles["object_light"], x, z, 0)) * (
                     1 - opacity[1] * sampled(maps["sand_coverage"], rectangles["sand_rectangle"], *world, 0)) * (

@@ -20,9 +20,13 @@ input.set({ time_step: 1 / 60, budget_ns: 1e9, colliders: floor.address, collide
 const report = sand.make("sandglass_frame_report");
 for (let frame = 0; frame < 90; ++frame) sand.sandglass_scene_frame(scene, input, report);
 
-let lowest = Infinity, highest = -Infinity;
+let lowest = Infinity;
+let highest = -Infinity;
 const floats = sand.floats(grains, 4 * report.sand.grain_numbers);
-for (let i = 1; i < floats.length; i += 4) lowest = Math.min(lowest, floats[i]), highest = Math.max(highest, floats[i]);
+for (let i = 1; i < floats.length; i += 4) {
+lowest = Math.min(lowest, floats[i]);
+highest = Math.max(highest, floats[i]);
+}
 console.log(`${report.sand.grains} grains of ${report.sand.particles} particles from ${lowest.toFixed(3)} to ${highest.toFixed(3)} m`);
 if (report.sand.grains < 1000 || report.sand.grains !== 8 * report.sand.particles) throw new Error("the nozzle does not pour");
 if (lowest < 0 || highest > 0.41) throw new Error("the sand is not between floor and nozzle");
@@ -46,7 +50,9 @@ for (let i = 0; i < 50; ++i) {
 }
 if (sand.memory.buffer.byteLength !== memory) throw new Error("memory grows");
 // Memory grows after the array was looked up, and the write arrives. The control: a view that was held has ended.
-const image = sand.make("sandglass_camera_image"), held = sand.floats(grains, 4), view = sand.view();
+const image = sand.make("sandglass_camera_image");
+const held = sand.floats(grains, 4);
+const view = sand.view();
 image.planes[0] = sand.put(new Uint8Array(96 << 20));
 if (image.planes[0] === 0 || sand.view() === view || held.length !== 0) throw new Error("a write is lost when memory grows");
 let beyond = false;

@@ -201,7 +201,10 @@ def main(arguments):
     npm, work, readme = map(pathlib.Path, arguments)
     prepare(npm, work, readme)
     (work / "pictures").mkdir(exist_ok=True)
-    run = lambda *command: subprocess.run(command, cwd=work, check=True, timeout=300)
+
+    def run(*command):
+        subprocess.run(command, cwd=work, check=True, timeout=300)
+
     run("node", "node_modules/vite/bin/vite.js", "build", "--logLevel", "error", "--outDir", "built", "--emptyOutDir")
     run("node_modules/.bin/esbuild", "main.mjs", "babylon.mjs", "--bundle", "--format=esm", "--splitting", "--outdir=bundled", "--log-level=error")
     shutil.copy(npm / "sandglass.wasm", work / "bundled")

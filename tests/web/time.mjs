@@ -11,10 +11,14 @@ const { SandScene } = await import(pathToFileURL(join(npm, "scene.mjs")));
 const sand = await load(undefined, { threads: Number(threads) });
 const isa = [...Array(16).keys()].find((number) => sand.sandglass_isa_name(number) === isaName);
 const scene = new SandScene(sand, JSON.parse(readFileSync(path, "utf8")), { isa });
-const first = 30, last = 90;
+const first = 30;
+const last = 90;
 let used, since;
 for (let frame = 0; frame < last; ++frame) {
-  if (frame === first) used = process.cpuUsage(), since = performance.now();
+  if (frame === first) {
+used = process.cpuUsage();
+since = performance.now();
+}
   scene.frame();
 }
 console.log(`${isaName}: ${(process.cpuUsage(used).user / 1e3 / (last - first)).toFixed(2)} ms a frame, ${((performance.now() - since) / (last - first)).toFixed(2)} by the wall, hash ${scene.hash()}`);

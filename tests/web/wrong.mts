@@ -2,8 +2,11 @@
 import { load } from "sandglass";
 import { Stage } from "sandglass/stage";
 
-const sand = await load(), desc = sand.make("sandglass_scene_desc"), input = sand.make("sandglass_frame_input");
-const scene = sand.create("sandglass_scene", desc), room = sand.create("sandglass_room", sand.make("sandglass_room_desc"));
+const sand = await load();
+const desc = sand.make("sandglass_scene_desc");
+const input = sand.make("sandglass_frame_input");
+const scene = sand.create("sandglass_scene", desc);
+const room = sand.create("sandglass_room", sand.make("sandglass_room_desc"));
 // @ts-expect-error: a room is no scene
 sand.sandglass_scene_hash(room);
 // @ts-expect-error: a scene is no room

@@ -97,7 +97,7 @@ def typescript(headers):
         out.append("}\n\n")
     out.append("export interface Structs {\n" + "".join(f"  {name}: {name};\n" for name in headers.structs) + "}\n\n")
     out.append("/** What create() takes for each: the arguments of its _bytes function. */\nexport interface Descriptions {\n")
-    for name, function in headers.functions.items():
+    for name in headers.functions:
         if name.endswith("_create") and (size := headers.functions.get(name[:-7] + "_bytes")):
             out.append(f"  {name[:-7]}: [{listed(headers, arguments(size)[:-1])}];\n")
     out.append("}\n\n/** Every function of the C API. One that fails throws an Error whose message is the library's sentence. */\n"

@@ -28,18 +28,23 @@ class BabylonStage extends Engine {
   texture(side, bytes) {
     const { RawTexture, Constants } = this.BABYLON;
     const made = RawTexture.CreateRTexture(bytes, side, side, this.scene, false, false, Constants.TEXTURE_BILINEAR_SAMPLINGMODE, Constants.TEXTURETYPE_UNSIGNED_BYTE);
-    return made.wrapU = made.wrapV = Constants.TEXTURE_CLAMP_ADDRESSMODE, made;
+    made.wrapU = made.wrapV = Constants.TEXTURE_CLAMP_ADDRESSMODE;
+return made;
   }
   mirrored([x, y, z]) { return [x, y, this.z * z]; }
 
   poseOf(object) {
-    const { Vector3, Quaternion } = this.BABYLON, position = new Vector3(), rotation = new Quaternion();
+    const { Vector3, Quaternion } = this.BABYLON;
+const position = new Vector3();
+const rotation = new Quaternion();
     object.computeWorldMatrix(true).decompose(new Vector3(), rotation, position);
     return { position: this.mirrored(position.asArray()), rotation: [this.z * rotation.x, this.z * rotation.y, rotation.z, rotation.w] };
   }
   meshOf(object, { position, rotation }) {
-    const { Vector3, Matrix, Quaternion } = this.BABYLON, parts = [];
-    const from = Matrix.Compose(Vector3.One(), Quaternion.FromArray(rotation), Vector3.FromArray(position)).invert(), mirror = Matrix.Scaling(1, 1, this.z);
+    const { Vector3, Matrix, Quaternion } = this.BABYLON;
+const parts = [];
+    const from = Matrix.Compose(Vector3.One(), Quaternion.FromArray(rotation), Vector3.FromArray(position)).invert();
+const mirror = Matrix.Scaling(1, 1, this.z);
     for (const mesh of [object, ...object.getChildMeshes(false)]) {
       const positions = mesh.getPositionData?.(true, true);
       if (positions) parts.push({ positions, corners: mesh.getIndices(), matrix: mesh.computeWorldMatrix(true).multiply(mirror).multiply(from).m });
@@ -48,25 +53,32 @@ class BabylonStage extends Engine {
   }
   // Column-major matrices of a camera that looks along -z of the stage's world.
   matricesOf(camera) {
-    const view = [...camera.getViewMatrix().m], projection = [...camera.getProjectionMatrix().m];
+    const view = [...camera.getViewMatrix().m];
+const projection = [...camera.getProjectionMatrix().m];
     if (this.z < 0) for (let i = 0; i < 16; ++i) if ((i % 4 === 2) !== (i >> 2 === 2)) view[i] = -view[i];
     if (this.z < 0) for (let i = 8; i < 12; ++i) projection[i] = -projection[i];
     return { view, projection };
   }
   cameraOf(camera) {
     if (camera.mode !== 0) throw new Error("sandglass: see needs a camera with perspective, not this orthographic one.");
-    const { Matrix, Quaternion } = this.BABYLON, { view } = this.matricesOf(camera), aspect = this.scene.getEngine().getAspectRatio(camera);
+    const { Matrix, Quaternion } = this.BABYLON;
+const { view } = this.matricesOf(camera);
+const aspect = this.scene.getEngine().getAspectRatio(camera);
     const orientation = Quaternion.FromRotationMatrix(Matrix.FromArray(view).invert().getRotationMatrix()).asArray();
     return { position: this.mirrored(camera.globalPosition.asArray()), orientation, diagonal: 360 / Math.PI * Math.atan(Math.hypot(1, aspect) * Math.tan(camera.fov / 2)) };
   }
 
   // A plugin of materials: what the library says is left of the light.
   receiver() {
-    const stage = this, place = this.z < 0 ? "vec3(vPositionW.xy, -vPositionW.z)" : "vPositionW";
+    const stage = this;
+const place = this.z < 0 ? "vec3(vPositionW.xy, -vPositionW.z)" : "vPositionW";
     return class extends this.BABYLON.MaterialPluginBase {
-      constructor(material, shadowOnly) { super(material, "SandglassReceiver", 200, { SANDGLASS_VECTORS_DECLARED: false, SANDGLASS_SHADOW_ONLY: false }), this.shadowOnly = shadowOnly, this._enable(true); }
+      constructor(material, shadowOnly) { super(material, "SandglassReceiver", 200, { SANDGLASS_VECTORS_DECLARED: false, SANDGLASS_SHADOW_ONLY: false });
+this.shadowOnly = shadowOnly;
+this._enable(true); }
       getClassName() { return "SandglassReceiver"; }
-      prepareDefines(defines) { defines.SANDGLASS_VECTORS_DECLARED = true, defines.SANDGLASS_SHADOW_ONLY = this.shadowOnly; }
+      prepareDefines(defines) { defines.SANDGLASS_VECTORS_DECLARED = true;
+defines.SANDGLASS_SHADOW_ONLY = this.shadowOnly; }
       getSamplers(samplers) { samplers.push(...receivers.map((name) => `sandglass_${name}`)); }
       getUniforms() { return { ubo: k_vectors.map((name) => ({ name, size: 4, type: "vec4" })), fragment: k_vectors.map((name) => `uniform vec4 ${name};`).join("\n") }; }
       bindForSubMesh(buffer) {
@@ -101,14 +113,16 @@ class BabylonStage extends Engine {
     const kind = material?.getClassName?.() ?? "thing without a class name";
     if (!/^PBR/.test(kind)) throw new Error(`sandglass: no shadow falls on a ${kind}: Babylon.js does not light it by harmonics. Take a PBRMaterial.`);
     if (shadowOnly) material.transparencyMode = 2;  // MATERIAL_ALPHABLEND
-    return new this.Receiver(material, shadowOnly), material;
+    new this.Receiver(material, shadowOnly);
+return material;
   }
 
   // Sand, drawn before the scene's meshes. Options as for Stage.createSand.
   async createSand(options) {
     await this.newSand(options);
     this.drawing ??= this.scene.onBeforeDrawPhaseObservable.add(() => {
-      const { scene, gl } = this, camera = scene.activeCamera;
+      const { scene, gl } = this;
+const camera = scene.activeCamera;
       this.sand.draw({ ...this.matricesOf(camera), eye: this.mirrored(camera.globalPosition.asArray()), height: gl.getParameter(gl.VIEWPORT)[3],
         linear: scene.imageProcessingConfiguration.applyByPostProcess, reversed: scene.getEngine().useReverseDepthBuffer });
     });
@@ -116,18 +130,27 @@ class BabylonStage extends Engine {
 
   leave() {
     if (this.scene.environmentTexture === this.around) this.scene.environmentTexture = null;
-    this.around.dispose(), this.sun.dispose(), this.scene.onBeforeDrawPhaseObservable.remove(this.drawing);
+    this.around.dispose();
+this.sun.dispose();
+this.scene.onBeforeDrawPhaseObservable.remove(this.drawing);
   }
   show(drawn, changed) {
-    const { BABYLON, around, sun } = this, { toLight, facing, ambient } = drawn.light;
+    const { BABYLON, around, sun } = this;
+const { toLight, facing, ambient } = drawn.light;
     // The engine's vectors have their z reversed, in scenes of both hands. The terms are those that it would make of harmonics.
     const harmonics = BABYLON.SphericalHarmonics.FromArray(Array.from({ length: 9 }, (_, k) => ambient.slice(3 * k, 3 * k + 3).map((x) => ([2, 5, 7].includes(k) ? -x : x))));
-    harmonics.preScaled = true, around.sphericalPolynomial = BABYLON.SphericalPolynomial.FromHarmonics(harmonics);
-    sun.direction = BABYLON.Vector3.FromArray(this.mirrored(toLight)).negate(), sun.diffuse = BABYLON.Color3.FromArray(facing), sun.specular = sun.diffuse;
+    harmonics.preScaled = true;
+around.sphericalPolynomial = BABYLON.SphericalPolynomial.FromHarmonics(harmonics);
+    sun.direction = BABYLON.Vector3.FromArray(this.mirrored(toLight)).negate();
+sun.diffuse = BABYLON.Color3.FromArray(facing);
+sun.specular = sun.diffuse;
     Object.assign(this.vectors, receiverValues(drawn));
     for (const name of changed) {
       const { side, bytes } = drawn.textures[name];
-      if (this.textures[name].getSize().width !== side) this.textures[name].dispose(), this.textures[name] = this.texture(side, bytes.slice());
+      if (this.textures[name].getSize().width !== side) {
+this.textures[name].dispose();
+this.textures[name] = this.texture(side, bytes.slice());
+}
       else this.textures[name].update(bytes.slice());
     }
   }

@@ -7,7 +7,8 @@ import { SandPainter, setUniforms, uploadShadow } from "./sand_painter.mjs";
 import { k_block_text } from "./block_module.mjs";
 import { kit, kitValues, receivers } from "./glsl.mjs";
 
-const k_units = { pile: 0, shadow: 1, occlusion: 2, sky: 3 }, k_painter_units = [0, 1, 2, 3, 8, 9];
+const k_units = { pile: 0, shadow: 1, occlusion: 2, sky: 3 };
+const k_painter_units = [0, 1, 2, 3, 8, 9];
 const k_hidden = "float hidden(vec3 world) { return 0.0; }\n";
 const k_light = `#define LINEAR_OUTPUT\n${kit.light}`;
 const k_capabilities = ["BLEND", "CULL_FACE", "DEPTH_TEST", "SCISSOR_TEST", "STENCIL_TEST", "POLYGON_OFFSET_FILL"];
@@ -16,18 +17,34 @@ const k_unpack = ["UNPACK_FLIP_Y_WEBGL", "UNPACK_PREMULTIPLY_ALPHA_WEBGL"];  // 
 // Does some work and leaves WebGL as it was, so that what the engine believes of it stays true. Browsers answer at once but
 // for the depth buffer's state, which uploads do not touch.
 function unnoticed(gl, work, draws = false) {
-  const get = (name) => gl.getParameter(gl[name]), can = k_capabilities.map((name) => [gl[name], gl.isEnabled(gl[name])]);
-  const stores = ["UNPACK_ALIGNMENT", ...k_unpack].map((name) => [gl[name], get(name)]), active = get("ACTIVE_TEXTURE");
+  const get = (name) => gl.getParameter(gl[name]);
+const can = k_capabilities.map((name) => [gl[name], gl.isEnabled(gl[name])]);
+  const stores = ["UNPACK_ALIGNMENT", ...k_unpack].map((name) => [gl[name], get(name)]);
+const active = get("ACTIVE_TEXTURE");
   const before = { program: get("CURRENT_PROGRAM"), array: get("VERTEX_ARRAY_BINDING"), buffer: get("ARRAY_BUFFER_BINDING"), ...(draws ? { mask: get("DEPTH_WRITEMASK"), order: get("DEPTH_FUNC") } : {}) };
-  const textures = k_painter_units.map((unit) => (gl.activeTexture(gl.TEXTURE0 + unit), [unit, get("TEXTURE_BINDING_2D"), get("TEXTURE_BINDING_3D")]));
+  const textures = k_painter_units.map((unit) => {
+gl.activeTexture(gl.TEXTURE0 + unit);
+return [unit, get("TEXTURE_BINDING_2D"), get("TEXTURE_BINDING_3D")];
+});
   try {
     for (const name of k_unpack) gl.pixelStorei(gl[name], 0);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1), gl.bindVertexArray(null);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+gl.bindVertexArray(null);
     work();
   } finally {
-    for (const [unit, flat, solid] of textures) gl.activeTexture(gl.TEXTURE0 + unit), gl.bindTexture(gl.TEXTURE_2D, flat), gl.bindTexture(gl.TEXTURE_3D, solid);
-    gl.activeTexture(active), gl.useProgram(before.program), gl.bindVertexArray(before.array), gl.bindBuffer(gl.ARRAY_BUFFER, before.buffer);
-    if (draws) gl.depthMask(before.mask), gl.depthFunc(before.order);
+    for (const [unit, flat, solid] of textures) {
+gl.activeTexture(gl.TEXTURE0 + unit);
+gl.bindTexture(gl.TEXTURE_2D, flat);
+gl.bindTexture(gl.TEXTURE_3D, solid);
+}
+    gl.activeTexture(active);
+gl.useProgram(before.program);
+gl.bindVertexArray(before.array);
+gl.bindBuffer(gl.ARRAY_BUFFER, before.buffer);
+    if (draws) {
+gl.depthMask(before.mask);
+gl.depthFunc(before.order);
+}
     for (const [name, on] of can) if (on) gl.enable(name); else gl.disable(name);
     for (const [name, value] of stores) gl.pixelStorei(name, value);
   }
@@ -35,11 +52,16 @@ function unnoticed(gl, work, draws = false) {
 
 // One mesh of several: positions, the corners of triangles (null: in order), and a column-major matrix; mirrored ones turn.
 export function oneMesh(parts) {
-  const total = (of) => parts.reduce((sum, part) => sum + of(part), 0), corners_of = ({ positions, corners }) => corners?.length ?? positions.length / 3;
-  const positions = new Float32Array(total((part) => part.positions.length)), indices = new Uint32Array(total(corners_of));
-  let end = 0, last = 0;
+  const total = (of) => parts.reduce((sum, part) => sum + of(part), 0);
+const corners_of = ({ positions, corners }) => corners?.length ?? positions.length / 3;
+  const positions = new Float32Array(total((part) => part.positions.length));
+const indices = new Uint32Array(total(corners_of));
+  let end = 0;
+let last = 0;
   for (const part of parts) {
-    const { positions: p, corners, matrix: [a, b, c, , d, e, f, , g, h, k, , x, y, z] } = part, base = end / 3, count = corners_of(part);
+    const { positions: p, corners, matrix: [a, b, c, , d, e, f, , g, h, k, , x, y, z] } = part;
+const base = end / 3;
+const count = corners_of(part);
     for (let i = 0; i < p.length; i += 3, end += 3) {
       positions[end] = a * p[i] + d * p[i + 1] + g * p[i + 2] + x;
       positions[end + 1] = b * p[i] + e * p[i + 1] + h * p[i + 2] + y;
@@ -56,7 +78,8 @@ export function oneMesh(parts) {
 
 class Sand {
   constructor(gl, block, radius) {
-    this.gl = gl, this.textures = {};
+    this.gl = gl;
+this.textures = {};
     unnoticed(gl, () => {
       this.painter = new SandPainter(gl, k_hidden, block, radius, k_light);
       for (const name of ["onSand", "skyOnSand", "shadow", "occlusion"]) this.upload(name, { side: 1, bytes: new Uint8Array([name === "onSand" || name === "shadow" ? 0 : 255]) });
@@ -67,25 +90,37 @@ class Sand {
     this.values = kitValues(drawn);
     unnoticed(this.gl, () => {
       for (const name of Object.keys(this.textures)) if (drawn.textures[name]) this.upload(name, drawn.textures[name]);
-      if (drawn.skin) this.painter.upload(drawn.skin), this.filled = true;
+      if (drawn.skin) {
+this.painter.upload(drawn.skin);
+this.filled = true;
+}
     });
     this.painter.streams = drawn.streams;
   }
   end() {
     for (const texture of Object.values(this.textures)) this.gl.deleteTexture(texture);
-    this.painter.end(), this.filled = false;
+    this.painter.end();
+this.filled = false;
   }
   // `view` and `projection` are column-major; the view looks along -z.
   draw({ view, projection, eye, height, linear, reversed }) {
     if (!this.filled) return;
     const { gl, painter, textures } = this;
     unnoticed(gl, () => {
-      gl.disable(gl.BLEND), gl.disable(gl.CULL_FACE), gl.enable(gl.DEPTH_TEST), gl.depthMask(true), gl.depthFunc(reversed ? gl.GEQUAL : gl.LEQUAL);
+      gl.disable(gl.BLEND);
+gl.disable(gl.CULL_FACE);
+gl.enable(gl.DEPTH_TEST);
+gl.depthMask(true);
+gl.depthFunc(reversed ? gl.GEQUAL : gl.LEQUAL);
       const set = { ...this.values, view, projection, eye, linear_output: linear ? 1 : 0 };
       painter.draw((program) => {
         gl.useProgram(program.made);
         for (const [name, texture] of [["pile", textures.onSand], ["shadow", textures.shadow], ["occlusion", textures.occlusion], ["sky", textures.skyOnSand]])
-          gl.activeTexture(gl.TEXTURE0 + k_units[name]), gl.bindTexture(gl.TEXTURE_2D, texture), gl.uniform1i(program.at(name), k_units[name]);
+          {
+gl.activeTexture(gl.TEXTURE0 + k_units[name]);
+gl.bindTexture(gl.TEXTURE_2D, texture);
+gl.uniform1i(program.at(name), k_units[name]);
+}
         setUniforms(gl, program, set);
       }, eye, 0.5 * height * projection[5]);
     }, true);
@@ -132,12 +167,14 @@ export class Engine {
   update(seconds = (performance.now() - this.last) / 1000) {
     if (this.ended) return;
     if (!(seconds >= 0)) throw new Error("sandglass: update takes the seconds since the last frame.");
-    this.last = performance.now(), this.owed += seconds;
+    this.last = performance.now();
+this.owed += seconds;
     if (this.busy) return;
     for (const [object, model] of this.objects) {
       const pose = this.poseOf(object);
       if (String(pose.position) === String(model.pose.position) && String(pose.rotation) === String(model.pose.rotation)) continue;
-      model.pose = pose, this.stage.move(model.number, pose.position, pose.rotation);
+      model.pose = pose;
+this.stage.move(model.number, pose.position, pose.rotation);
     }
     const drawn = this.stage.frame(Math.min(this.owed, 0.1));
     this.owed = 0;
@@ -146,7 +183,10 @@ export class Engine {
     drawn.then((arrived) => this.ended || this.take(arrived)).finally(() => { this.busy = false; });
   }
   // Takes light and sand out of the scene, and ends the worker. Materials keep the last shadows.
-  dispose() { this.ended = true, this.leave(), this.sand?.end(), this.stage.call?.end(); }
+  dispose() { this.ended = true;
+this.leave();
+this.sand?.end();
+this.stage.call?.end(); }
   take(drawn) {
     this.drawn = drawn;
     this.sand?.take(drawn);

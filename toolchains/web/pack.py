@@ -22,13 +22,16 @@ def module(path, **constants):
     path.write_text("// Made by pack.py.\n" + "".join(f"export const {name} = {json.dumps(value)};\n" for name, value in constants.items()))
 
 
+def encoded(file):
+    return base64.b64encode(file.read_bytes()).decode()
+
+
 def main():
     npm, kit, block = map(pathlib.Path, sys.argv[1:])
     texts = {file.name.replace(".glsl", "").replace(".", "_"): file.read_text() for file in sorted(kit.iterdir()) if file.suffix in (".glsl", ".vert", ".frag")}
-    text = lambda file: base64.b64encode(file.read_bytes()).decode()
     module(npm / "kit.mjs", k_kit=texts)
-    module(npm / "inlined.mjs", k_inlined=text(npm / "sandglass.wasm"))
-    module(npm / "block_module.mjs", k_block_text=text(block))
+    module(npm / "inlined.mjs", k_inlined=encoded(npm / "sandglass.wasm"))
+    module(npm / "block_module.mjs", k_block_text=encoded(block))
     module(npm / "worker_text.mjs", text=joined([npm / f"{name}.mjs" for name in IN_WORKER]).replace("import.meta.url", "location.href"))
     (npm / "README.md").write_text(re.sub(r"<!--.*?-->|!\[.*\n\n|\[([^]]*)\]\(\.\./[^)]*\)", r"\1", pathlib.Path("README.md").read_text()))
 

@@ -1,6 +1,7 @@
 // The block of packed grains that the sand kit draws with: its levels, one after another. `bytes` are sand_block.wasm.
 export async function sandBlock(bytes) {
-  const k_texels = 64, nothing = new Proxy({}, { get: () => () => 0 });  // what it imports for failures
+  const k_texels = 64;
+const nothing = new Proxy({}, { get: () => () => 0 });  // what it imports for failures
   const { exports } = (await WebAssembly.instantiate(bytes, { env: nothing, wasi_snapshot_preview1: nothing })).instance;
   exports._initialize?.();
   let size = 0;

@@ -5,8 +5,11 @@ import { k_loose_words, k_vertex_bytes } from "./skin_changes.mjs";
 
 const k_block_texels = 64;
 const k_loose_bytes = 4 * k_loose_words;
-const k_points = 256, k_lines = 384;  // of a loose particle at most, as in loose.vert
-const k_grain_radius = 0.0003, k_point_pixels = 1.5, k_line_pixels = 1.2;
+const k_points = 256;  // of a loose particle at most, as in loose.vert
+const k_lines = 384;
+const k_grain_radius = 0.0003;
+const k_point_pixels = 1.5;
+const k_line_pixels = 1.2;
 const k_minerals = [[0.80, 0.66, 0.46, 0.62], [0.90, 0.83, 0.72, 0.24], [0.58, 0.34, 0.17, 0.09], [0.13, 0.115, 0.10, 0.05]];  // as in sand_block.cpp
 const k_block_side = 0.0084;
 const k_block_unit = 8;  // of the painter's textures; those below are others
@@ -19,7 +22,8 @@ export function program(gl, vertex, fragment) {
   for (const [kind, body] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
     const shader = gl.createShader(kind);
     gl.shaderSource(shader, `#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n${body}`);
-    gl.compileShader(shader), gl.attachShader(made, shader);
+    gl.compileShader(shader);
+gl.attachShader(made, shader);
   }
   gl.linkProgram(made);
   const at = new Map();
@@ -54,18 +58,29 @@ export class SandPainter {
   // `hidden`: GLSL, how much something real hides of a place; `block`: of sandBlock; `radius`: a particle's.
   constructor(gl, hidden, block, radius, light = k_kit.light) {
     const before = k_kit.uniforms + light;
-    this.gl = gl, this.radius = radius, this.chunks = [], this.counts = [0, 0];
+    this.gl = gl;
+this.radius = radius;
+this.chunks = [];
+this.counts = [0, 0];
     this.surface = program(gl, before + k_kit.surface_vert, before + hidden + k_kit.sand + k_kit.surface + k_kit.surface_frag);
     this.loose = program(gl, before + k_kit.sand + k_loose_vertex, before + hidden + k_kit.loose_frag);
-    this.looseBuffer = gl.createBuffer(), this.looseArray = gl.createVertexArray(), this.streams = [], this.wet = 0, this.share = 1;
+    this.looseBuffer = gl.createBuffer();
+this.looseArray = gl.createVertexArray();
+this.streams = [];
+this.wet = 0;
+this.share = 1;
     gl.bindVertexArray(this.looseArray);
-    for (const at of [0, 1, 2]) gl.enableVertexAttribArray(at), gl.vertexAttribDivisor(at, 1);
+    for (const at of [0, 1, 2]) {
+gl.enableVertexAttribArray(at);
+gl.vertexAttribDivisor(at, 1);
+}
     gl.bindVertexArray(null);
     this.block = [0, 1].map((which) => this.blockTexture(block, which));
   }
 
   blockTexture(block, which) {
-    const { gl } = this, made = gl.createTexture();
+    const { gl } = this;
+const made = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_3D, made);
     for (let side = block.length > 8 ? k_block_texels : 1, level = 0, at = 0; side >= 1; side >>= 1, ++level) {
       const bytes = 4 * side ** 3;
@@ -78,11 +93,14 @@ export class SandPainter {
   }
 
   newChunk() {
-    const { gl } = this, chunk = { count: 0, array: gl.createVertexArray(), vertices: gl.createBuffer(), indices: gl.createBuffer() };
+    const { gl } = this;
+const chunk = { count: 0, array: gl.createVertexArray(), vertices: gl.createBuffer(), indices: gl.createBuffer() };
     gl.bindVertexArray(chunk.array);
-    gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices), gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, chunk.indices);
+    gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices);
+gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, chunk.indices);
     [[3, gl.FLOAT, 0], [3, gl.BYTE, 12], [1, gl.UNSIGNED_BYTE, 15], [3, gl.UNSIGNED_SHORT, 16], [1, gl.SHORT, 22]].forEach(([size, type, offset], at) => {
-      gl.enableVertexAttribArray(at), gl.vertexAttribPointer(at, size, type, type !== gl.FLOAT, k_vertex_bytes, offset);
+      gl.enableVertexAttribArray(at);
+gl.vertexAttribPointer(at, size, type, type !== gl.FLOAT, k_vertex_bytes, offset);
     });
     gl.bindVertexArray(null);
     return chunk;
@@ -91,8 +109,13 @@ export class SandPainter {
   // What it holds of the context.
   end() {
     const { gl } = this;
-    for (const { array, vertices, indices } of this.chunks) gl.deleteVertexArray(array), gl.deleteBuffer(vertices), gl.deleteBuffer(indices);
-    gl.deleteVertexArray(this.looseArray), gl.deleteBuffer(this.looseBuffer);
+    for (const { array, vertices, indices } of this.chunks) {
+gl.deleteVertexArray(array);
+gl.deleteBuffer(vertices);
+gl.deleteBuffer(indices);
+}
+    gl.deleteVertexArray(this.looseArray);
+gl.deleteBuffer(this.looseBuffer);
     for (const { made } of [this.surface, this.loose]) gl.deleteProgram(made);
     for (const texture of this.block) gl.deleteTexture(texture);
   }
@@ -105,12 +128,15 @@ export class SandPainter {
       while (this.chunks.length <= number) this.chunks.push(this.newChunk());  // any may be made first
       const chunk = this.chunks[number];
       chunk.count = indices.length;
-      gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices), gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.DYNAMIC_DRAW);
+      gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices);
+gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.DYNAMIC_DRAW);
       gl.bindVertexArray(chunk.array);
       gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.DYNAMIC_DRAW);
       gl.bindVertexArray(null);
     }
-    this.counts = [flying, lying], this.low = low, this.high = high;
+    this.counts = [flying, lying];
+this.low = low;
+this.high = high;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.looseBuffer);
     gl.bufferData(gl.ARRAY_BUFFER, loose, gl.STREAM_DRAW);
   }
@@ -125,18 +151,28 @@ export class SandPainter {
     const { gl, surface, loose, counts: [flying, lying] } = this;
     const own = (p) => {
       common(p);
-      this.block.forEach((texture, k) => { gl.activeTexture(gl.TEXTURE0 + k_block_unit + k), gl.bindTexture(gl.TEXTURE_3D, texture); });
+      this.block.forEach((texture, k) => { gl.activeTexture(gl.TEXTURE0 + k_block_unit + k);
+gl.bindTexture(gl.TEXTURE_3D, texture); });
       gl.activeTexture(gl.TEXTURE0);
-      gl.uniform1i(p.at("grains"), k_block_unit), gl.uniform1i(p.at("facets"), k_block_unit + 1);
-      gl.uniform1f(p.at("block_side"), k_block_side), gl.uniform1f(p.at("wet"), this.wet);
+      gl.uniform1i(p.at("grains"), k_block_unit);
+gl.uniform1i(p.at("facets"), k_block_unit + 1);
+      gl.uniform1f(p.at("block_side"), k_block_side);
+gl.uniform1f(p.at("wet"), this.wet);
     };
     own(surface);
-    for (const { array, count } of this.chunks) if (count > 0) gl.bindVertexArray(array), gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 0);
+    for (const { array, count } of this.chunks) if (count > 0) {
+gl.bindVertexArray(array);
+gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 0);
+}
     gl.bindVertexArray(null);
     if (flying + lying === 0) return;
     own(loose);
-    const set = (name, value) => gl.uniform1f(loose.at(name), value), streams = this.streams.slice(0, 3);
-    set("particle_radius", this.radius), set("pixels", pixels), set("frame_seconds", 1 / 60), set("stream_narrow", k_stream_narrow);
+    const set = (name, value) => gl.uniform1f(loose.at(name), value);
+const streams = this.streams.slice(0, 3);
+    set("particle_radius", this.radius);
+set("pixels", pixels);
+set("frame_seconds", 1 / 60);
+set("stream_narrow", k_stream_narrow);
     gl.uniform4fv(loose.at("minerals"), k_minerals.flatMap(([r, g, b], i) => [r, g, b, k_minerals.slice(0, i + 1).reduce((sum, m) => sum + m[3], 0)]));
     gl.uniform4fv(loose.at("streams"), Float32Array.from({ length: 12 }, (_, i) => streams[i >> 2]?.nozzle[i & 3] ?? 0));
     gl.uniform4fv(loose.at("stream_ways"), Float32Array.from({ length: 12 }, (_, i) => streams[i >> 2]?.way[i & 3] ?? 0));
@@ -146,9 +182,11 @@ export class SandPainter {
     for (const [count, first, flies, kind, vertices] of lists) {
       if (count === 0) continue;
       const at = k_loose_bytes * first;
-      gl.vertexAttribPointer(0, 4, gl.FLOAT, false, k_loose_bytes, at), gl.vertexAttribPointer(1, 3, gl.FLOAT, false, k_loose_bytes, at + 16);
+      gl.vertexAttribPointer(0, 4, gl.FLOAT, false, k_loose_bytes, at);
+gl.vertexAttribPointer(1, 3, gl.FLOAT, false, k_loose_bytes, at + 16);
       gl.vertexAttribPointer(2, 1, gl.FLOAT, false, k_loose_bytes, at + 28);
-      set("flies", flies), gl.drawArraysInstanced(kind, 0, vertices, count);
+      set("flies", flies);
+gl.drawArraysInstanced(kind, 0, vertices, count);
     }
     gl.bindVertexArray(null);
   }

@@ -17,7 +17,8 @@ export { constants };
 
 const k_block_alignment = constants.SANDGLASS_BLOCK_ALIGNMENT;
 const k_least_step_ns = 1000n;  // from one reading of the clock to the next
-const k_shared_pages = 256, k_shared_pages_at_most = 8192;  // of 64 KiB, as sandglass-threads.wasm is linked
+const k_shared_pages = 256;  // of 64 KiB, as sandglass-threads.wasm is linked
+const k_shared_pages_at_most = 8192;
 const k_worker_stack = 65536;  // a task needs less than 16 KiB
 const k_arrays = {
   u8: Uint8Array, i8: Int8Array, u16: Uint16Array, i16: Int16Array, u32: Uint32Array, i32: Int32Array, ptr: Uint32Array,
@@ -44,13 +45,16 @@ const address = (value) => (value === null || value === undefined ? 0 : typeof v
 
 // A class for the array fields of one type and length. Every access goes to the module's memory as it is then.
 function arrayClass(type, count, memory, view) {
-  const Typed = k_arrays[type], size = Typed.BYTES_PER_ELEMENT;
+  const Typed = k_arrays[type];
+const size = Typed.BYTES_PER_ELEMENT;
   class Numbers {
-    constructor(at) { Object.defineProperty(this, "address", { value: at }), Object.preventExtensions(this); }  // no index beyond the last
+    constructor(at) { Object.defineProperty(this, "address", { value: at });
+Object.preventExtensions(this); }  // no index beyond the last
     get length() { return count; }
     slice(begin, end) { return new Typed(memory.buffer, this.address, count).slice(begin, end); }
     set(values, first = 0) { Array.from(values).forEach((value, i) => { this[first + i] = value; }); }
-    fill(value) { return this.set(Array(count).fill(value)), this; }
+    fill(value) { this.set(Array(count).fill(value));
+return this; }
     *[Symbol.iterator]() { for (let i = 0; i < count; ++i) yield this[i]; }
   }
   for (let i = 0; i < count; ++i)
@@ -75,7 +79,8 @@ function structClass(name, memory, view, classes) {
     }
   }
   for (const [field, type, offset, count] of fields) {
-    const inner = type in structs ? structs[type].size : 0, Numbers = count && !inner ? arrayClass(type, count, memory, view) : null;
+    const inner = type in structs ? structs[type].size : 0;
+const Numbers = count && !inner ? arrayClass(type, count, memory, view) : null;
     Object.defineProperty(View.prototype, field, {
       enumerable: true,
       get() {
@@ -118,7 +123,8 @@ export async function compile(source, threads = 1) {
   if (ArrayBuffer.isView(source) || source instanceof ArrayBuffer) return WebAssembly.compile(source);
   const url = source instanceof URL ? source : new URL(source, globalThis.location?.href ?? import.meta.url);
   if (url.protocol === "file:" && typeof process !== "undefined") return WebAssembly.compile(await (await fromNode("fs/promises")).readFile(url));
-  const answer = await fetch(url).catch(() => null), bytes = new Uint8Array(await answer?.arrayBuffer() ?? 0);
+  const answer = await fetch(url).catch(() => null);
+const bytes = new Uint8Array(await answer?.arrayBuffer() ?? 0);
   if (answer?.ok && String(bytes.subarray(0, 4)) === "0,97,115,109") return WebAssembly.compile(bytes);
   throw new Error(`sandglass: cannot load "${url}": ${!answer ? "there is no answer" : answer.ok ? "the answer is no WebAssembly" : `the server answers ${answer.status}`}. ` +
     'For Vite before 8, write optimizeDeps: { exclude: ["sandglass"] } into vite.config.js; for others, copy sandglass.wasm there or import "sandglass/inline".');
@@ -145,7 +151,8 @@ async function newWorker() {
     worker.unref();
     return worker;
   }
-  const url = URL.createObjectURL(new Blob([k_worker], { type: "text/javascript" })), worker = new Worker(url);
+  const url = URL.createObjectURL(new Blob([k_worker], { type: "text/javascript" }));
+const worker = new Worker(url);
   URL.revokeObjectURL(url);
   return worker;
 }
@@ -155,8 +162,14 @@ async function startWorker(message) {
   const worker = await newWorker();
   await new Promise((ready, failed) => {
     const refused = () => failed(new Error("sandglass: a worker does not start. Load the library without threads."));
-    if (worker.once) worker.once("message", ready), worker.once("error", refused);
-    else worker.onmessage = ready, worker.onerror = refused;
+    if (worker.once) {
+worker.once("message", ready);
+worker.once("error", refused);
+}
+    else {
+worker.onmessage = ready;
+worker.onerror = refused;
+}
     worker.postMessage(message);
   });
 }
@@ -166,10 +179,12 @@ async function startWorker(message) {
 // With `options.threads` above 1 there is a pool of so many, the calling one included: `sand.parallel` is for
 // desc.parallel. `source` then is sandglass-threads.wasm. In a browser the page must be cross-origin isolated.
 export async function load(source, options = {}) {
-  const now = options.now ?? (() => performance.now()), threads = options.threads ?? 1;
+  const now = options.now ?? (() => performance.now());
+const threads = options.threads ?? 1;
   const module = await compile(source, threads);
   const shared = WebAssembly.Module.imports(module).some(({ kind }) => kind === "memory");
-  let memory = shared ? new WebAssembly.Memory({ initial: k_shared_pages, maximum: k_shared_pages_at_most, shared }) : undefined, reading = 0n;
+  let memory = shared ? new WebAssembly.Memory({ initial: k_shared_pages, maximum: k_shared_pages_at_most, shared }) : undefined;
+let reading = 0n;
   const host = {
     clock_time_get(_clock, _precision, at) {
       // Browsers round their clock, up to 0.1 ms. One that stands still over several work units would count as broken.
@@ -202,7 +217,10 @@ class Sandglass {
   #view;
 
   constructor(exports, memory, threads, module) {
-    this.#exports = exports, this.#memory = memory, this.threads = threads, this.module = module;
+    this.#exports = exports;
+this.#memory = memory;
+this.threads = threads;
+this.module = module;
     const classes = this.#classes;  // each is made when it is first asked for
     for (const name of Object.keys(structs))
       Object.defineProperty(classes, name, { configurable: true, get: () => {
@@ -272,7 +290,8 @@ class Sandglass {
   at(name, pointer, index = 0) { return new this.#classes[name](address(pointer) + index * structs[name].size); }
   // An array of structs: views, and the address of the first.
   array(name, count) {
-    const size = structs[name].size, first = this.allocate(size * count);
+    const size = structs[name].size;
+const first = this.allocate(size * count);
     const items = Array.from({ length: count }, (_, i) => this.at(name, first + i * size));
     return Object.assign(items, { address: first });
   }
@@ -298,7 +317,8 @@ class Sandglass {
   // result, then the parameters, "v" none, "i" 32 bits or a pointer, "j" 64 bits (a bigint), "f", "d".
   pointer(f, signature) {
     if (this.#pointers.has(f)) return this.#pointers.get(f);
-    const table = this.#exports.__indirect_function_table, index = table.grow(1);
+    const table = this.#exports.__indirect_function_table;
+const index = table.grow(1);
     table.set(index, typeof f === "string" ? this.#exports[f] : trampoline(f, signature));
     if (typeof f === "string") this.#pointers.set(f, index);
     return index;

@@ -27,18 +27,25 @@ class ThreeStage extends Engine {
   }
 
   rigid(object) {
-    const { Vector3, Quaternion } = this.THREE, position = new Vector3(), rotation = new Quaternion();
-    object.updateWorldMatrix(true, false), object.matrixWorld.decompose(position, rotation, new Vector3());
+    const { Vector3, Quaternion } = this.THREE;
+const position = new Vector3();
+const rotation = new Quaternion();
+    object.updateWorldMatrix(true, false);
+object.matrixWorld.decompose(position, rotation, new Vector3());
     return { position, rotation };
   }
   poseOf(object) { const { position, rotation } = this.rigid(object); return { position: position.toArray(), rotation: rotation.toArray() }; }
   meshOf(object) {
-    const { Vector3, Matrix4 } = this.THREE, { position, rotation } = this.rigid(object), from = new Matrix4().compose(position, rotation, new Vector3(1, 1, 1)).invert();
-    const parts = [], v = new Vector3();
+    const { Vector3, Matrix4 } = this.THREE;
+const { position, rotation } = this.rigid(object);
+const from = new Matrix4().compose(position, rotation, new Vector3(1, 1, 1)).invert();
+    const parts = [];
+const v = new Vector3();
     object.updateMatrixWorld(true);
     object.traverse((mesh) => {
       if (!mesh.isMesh) return;
-      const { index, attributes: { position } } = mesh.geometry, as_it_is = position.array instanceof Float32Array && position.isBufferAttribute && !mesh.isSkinnedMesh && !mesh.morphTargetInfluences;
+      const { index, attributes: { position } } = mesh.geometry;
+const as_it_is = position.array instanceof Float32Array && position.isBufferAttribute && !mesh.isSkinnedMesh && !mesh.morphTargetInfluences;
       const positions = as_it_is ? position.array : new Float32Array(3 * position.count);
       if (!as_it_is) for (let i = 0; i < position.count; ++i) mesh.getVertexPosition(i, v).toArray(positions, 3 * i);
       parts.push({ positions, corners: index?.array, matrix: from.clone().multiply(mesh.matrixWorld).elements });
@@ -47,7 +54,8 @@ class ThreeStage extends Engine {
   }
   cameraOf(camera) {
     if (!camera.isPerspectiveCamera) throw new Error(`sandglass: see needs a PerspectiveCamera, not this ${camera.type}.`);
-    const { position, rotation } = this.poseOf(camera), { fov = 50, aspect = 1 } = camera;
+    const { position, rotation } = this.poseOf(camera);
+const { fov = 50, aspect = 1 } = camera;
     return { position, orientation: rotation, diagonal: 360 / Math.PI * Math.atan(Math.hypot(1, aspect) * Math.tan(fov * Math.PI / 360)) };
   }
 
@@ -58,7 +66,8 @@ class ThreeStage extends Engine {
     const { shadowOnly = false } = options;
     if (!k_lit.includes(material?.type)) throw new Error(`sandglass: no shadow falls on a ${material?.type ?? "thing without a type"}. receive takes the material of a mesh, which three lights: a MeshStandardMaterial.`);
     if (shadowOnly) material.transparent = true;
-    const before = material.onBeforeCompile, key = material.customProgramCacheKey();
+    const before = material.onBeforeCompile;
+const key = material.customProgramCacheKey();
     material.onBeforeCompile = (shader, renderer) => {
       before.call(material, shader, renderer);
       Object.assign(shader.uniforms, this.uniforms);
@@ -81,27 +90,40 @@ class ThreeStage extends Engine {
 
   // Sand, as a Group in the scene. Options as for Stage.createSand.
   async createSand(options) {
-    const { THREE, scene, renderer } = this, mesh = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({ colorWrite: false, depthWrite: false })), eye = new THREE.Vector3();
+    const { THREE, scene, renderer } = this;
+const mesh = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({ colorWrite: false, depthWrite: false }));
+const eye = new THREE.Vector3();
     await this.newSand(options);
-    mesh.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(9), 3)), mesh.frustumCulled = false;
+    mesh.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(9), 3));
+mesh.frustumCulled = false;
     mesh.onBeforeRender = (_renderer, _scene, camera) => {
-      const target = renderer.getRenderTarget(), space = target ? (target.isXRRenderTarget ? target.texture.colorSpace : "") : renderer.outputColorSpace;
+      const target = renderer.getRenderTarget();
+const space = target ? (target.isXRRenderTarget ? target.texture.colorSpace : "") : renderer.outputColorSpace;
       this.sand.draw({ view: camera.matrixWorldInverse.elements, projection: camera.projectionMatrix.elements, eye: eye.setFromMatrixPosition(camera.matrixWorld).toArray(),
         height: this.gl.getParameter(this.gl.VIEWPORT)[3], linear: space !== THREE.SRGBColorSpace, reversed: camera.reversedDepth });
     };
     if (this.group) scene.remove(this.group);
-    return scene.add(this.group = new THREE.Group().add(mesh)), this.group;
+    scene.add(this.group = new THREE.Group().add(mesh));
+return this.group;
   }
 
   leave() { for (const one of [this.probe, this.sun, this.sun.target, this.group]) one?.removeFromParent(); }
   show(drawn, changed) {
-    const { uniforms } = this, { toLight, facing, radiance } = drawn.light;
-    this.probe.sh.fromArray(radiance), this.sun.color.setRGB(...facing), this.sun.position.set(...toLight);
+    const { uniforms } = this;
+const { toLight, facing, radiance } = drawn.light;
+    this.probe.sh.fromArray(radiance);
+this.sun.color.setRGB(...facing);
+this.sun.position.set(...toLight);
     for (const [name, value] of Object.entries(receiverValues(drawn))) uniforms[name].value.fromArray(value);
     for (const name of changed) {
-      const { side, bytes } = drawn.textures[name], uniform = uniforms[`sandglass_${name}`];
-      if (uniform.value.image.width !== side) uniform.value.dispose(), uniform.value = this.texture(side, new Uint8Array(side * side));
-      uniform.value.image.data.set(bytes), uniform.value.needsUpdate = true;
+      const { side, bytes } = drawn.textures[name];
+const uniform = uniforms[`sandglass_${name}`];
+      if (uniform.value.image.width !== side) {
+uniform.value.dispose();
+uniform.value = this.texture(side, new Uint8Array(side * side));
+}
+      uniform.value.image.data.set(bytes);
+uniform.value.needsUpdate = true;
     }
   }
 }

@@ -11,7 +11,8 @@ let worker_url, field_worker;
 export function openWorker() {
   worker_url ??= typeof document === "undefined" ? location.href : URL.createObjectURL(new Blob(
     [`const structs = ${JSON.stringify(structs)}, functions = ${JSON.stringify(functions)}, constants = ${JSON.stringify(constants)};\n`, text], { type: "text/javascript" }));
-  const worker = new Worker(worker_url, { type: "module" }), waiting = new Map();
+  const worker = new Worker(worker_url, { type: "module" });
+const waiting = new Map();
   let last = 0;
   worker.onmessage = ({ data: { id, result, error } }) => {
     const { done, failed } = waiting.get(id);
@@ -19,7 +20,8 @@ export function openWorker() {
     if (error === undefined) done(result); else failed(new Error(error));
   };
   worker.onerror = ({ message }) => { for (const { failed } of waiting.values()) failed(new Error(`sandglass: a worker does not start: ${message}. Allow worker-src blob: in the page's policy.`)); };
-  return Object.assign((command, ...values) => new Promise((done, failed) => { waiting.set(++last, { done, failed }), worker.postMessage({ id: last, command, values }); }), { end: () => worker.terminate() });
+  return Object.assign((command, ...values) => new Promise((done, failed) => { waiting.set(++last, { done, failed });
+worker.postMessage({ id: last, command, values }); }), { end: () => worker.terminate() });
 }
 
 const fieldWorker = () => field_worker ??= openWorker();

@@ -14,13 +14,15 @@ const commands = {
 };
 // Arrays as copies that leave for good.
 function leaving(value, buffers) {
-  if (ArrayBuffer.isView(value)) { const copy = value.slice(); return buffers.push(copy.buffer), copy; }
+  if (ArrayBuffer.isView(value)) { const copy = value.slice(); buffers.push(copy.buffer);
+return copy; }
   if (Array.isArray(value)) return value.map((item) => leaving(item, buffers));
   return value && typeof value === "object" ? Object.fromEntries(Object.entries(value).map(([key, item]) => [key, leaving(item, buffers)])) : value;
 }
 onmessage = async ({ data: { id, command, values } }) => {
   try {
-    const buffers = [], result = leaving(await commands[command](...values), buffers);
+    const buffers = [];
+const result = leaving(await commands[command](...values), buffers);
     postMessage({ id, result }, buffers);
   } catch (error) { postMessage({ id, error: error.message }); }
 };
