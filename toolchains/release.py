@@ -4,6 +4,7 @@
 FOLDER is new; SECONDS is the time that files in archives get, so that equal input gives equal bytes. A PATH is a folder, which
 becomes FOLDER/sandglass-VERSION-NAME.tar.gz, or a file, which is copied as sandglass-VERSION-NAME with its ending. An npm package
 (`npm`, `unity`) becomes the tarball that npm would make of it. Beside them: SHA256SUMS and the SBOM, in SPDX 2.3."""
+
 import gzip
 import hashlib
 import io
@@ -16,9 +17,16 @@ import tarfile
 import time
 
 # What a release contains that others wrote: name, licence, where it comes from, in what.
-OTHERS = [("FlatBuffers", "Apache-2.0", "https://github.com/google/flatbuffers", "its headers are compiled into the library"),
-          ("DenseNet-121 weights", "BSD-3-Clause", "https://github.com/liuzhuang13/DenseNet", "models/lights/room.light descends from them"),
-          ("meshoptimizer", "MIT", "https://github.com/zeux/meshoptimizer", "its decoder is part of the page")]
+OTHERS = [
+    ("FlatBuffers", "Apache-2.0", "https://github.com/google/flatbuffers", "its headers are compiled into the library"),
+    (
+        "DenseNet-121 weights",
+        "BSD-3-Clause",
+        "https://github.com/liuzhuang13/DenseNet",
+        "models/lights/room.light descends from them",
+    ),
+    ("meshoptimizer", "MIT", "https://github.com/zeux/meshoptimizer", "its decoder is part of the page"),
+]
 NPM = ("npm", "unity")
 
 
@@ -26,7 +34,9 @@ def members(name, root):
     """The files of an archive, and their names in it."""
     if name == "npm":
         files = set()
-        for entry in ["package.json", "README.md", "LICENSE"] + json.loads((root / "package.json").read_text())["files"]:
+        for entry in ["package.json", "README.md", "LICENSE"] + json.loads((root / "package.json").read_text())[
+            "files"
+        ]:
             found = set(root.glob(entry.lstrip("!")))
             if not found:
                 sys.exit(f"release.py: {root} lacks {entry}, which its package.json names: build it again")
@@ -58,18 +68,58 @@ def sha256(path):
 def sbom(folder, version, seconds):
     own = "SPDXRef-Package-sandglass"
     package = {"downloadLocation": "NOASSERTION", "filesAnalyzed": False, "copyrightText": "NOASSERTION"}
-    packages = [{**package, "SPDXID": own, "name": "sandglass", "versionInfo": version, "licenseDeclared": "Apache-2.0", "licenseConcluded": "Apache-2.0"}]
-    packages += [{**package, "SPDXID": "SPDXRef-Package-" + re.sub(r"\W", "-", name), "name": name, "downloadLocation": place, "comment": what,
-                  "licenseDeclared": licence, "licenseConcluded": licence} for name, licence, place, what in OTHERS]
-    files = [{"SPDXID": f"SPDXRef-File-{i}", "fileName": "./" + path.name, "checksums": [{"algorithm": "SHA256", "checksumValue": sha256(path)}]}
-             for i, path in enumerate(sorted(folder.iterdir()))]
-    links = [("SPDXRef-DOCUMENT", "DESCRIBES", own)] + [(own, "CONTAINS", p["SPDXID"]) for p in packages[1:]] + [(own, "GENERATES", f["SPDXID"]) for f in files]
+    packages = [
+        {
+            **package,
+            "SPDXID": own,
+            "name": "sandglass",
+            "versionInfo": version,
+            "licenseDeclared": "Apache-2.0",
+            "licenseConcluded": "Apache-2.0",
+        }
+    ]
+    packages += [
+        {
+            **package,
+            "SPDXID": "SPDXRef-Package-" + re.sub(r"\W", "-", name),
+            "name": name,
+            "downloadLocation": place,
+            "comment": what,
+            "licenseDeclared": licence,
+            "licenseConcluded": licence,
+        }
+        for name, licence, place, what in OTHERS
+    ]
+    files = [
+        {
+            "SPDXID": f"SPDXRef-File-{i}",
+            "fileName": "./" + path.name,
+            "checksums": [{"algorithm": "SHA256", "checksumValue": sha256(path)}],
+        }
+        for i, path in enumerate(sorted(folder.iterdir()))
+    ]
+    links = (
+        [("SPDXRef-DOCUMENT", "DESCRIBES", own)]
+        + [(own, "CONTAINS", p["SPDXID"]) for p in packages[1:]]
+        + [(own, "GENERATES", f["SPDXID"]) for f in files]
+    )
     digest = hashlib.sha256("".join(f["checksums"][0]["checksumValue"] for f in files).encode()).hexdigest()
-    return {"spdxVersion": "SPDX-2.3", "dataLicense": "CC0-1.0", "SPDXID": "SPDXRef-DOCUMENT", "name": f"sandglass-{version}",
-            "documentNamespace": f"urn:sandglass:{version}:{digest}",
-            "creationInfo": {"created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(seconds)), "creators": ["Tool: sandglass-release"]},
-            "packages": packages, "files": files,
-            "relationships": [{"spdxElementId": a, "relationshipType": kind, "relatedSpdxElement": b} for a, kind, b in links]}
+    return {
+        "spdxVersion": "SPDX-2.3",
+        "dataLicense": "CC0-1.0",
+        "SPDXID": "SPDXRef-DOCUMENT",
+        "name": f"sandglass-{version}",
+        "documentNamespace": f"urn:sandglass:{version}:{digest}",
+        "creationInfo": {
+            "created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(seconds)),
+            "creators": ["Tool: sandglass-release"],
+        },
+        "packages": packages,
+        "files": files,
+        "relationships": [
+            {"spdxElementId": a, "relationshipType": kind, "relatedSpdxElement": b} for a, kind, b in links
+        ],
+    }
 
 
 def main():
@@ -89,7 +139,12 @@ def main():
     for name, path in pieces:
         stem = f"sandglass-{version}-{name}"
         if name in inside:
-            pack(made / (stem + (".tgz" if name in NPM else ".tar.gz")), "package" if name in NPM else stem, inside[name], seconds)
+            pack(
+                made / (stem + (".tgz" if name in NPM else ".tar.gz")),
+                "package" if name in NPM else stem,
+                inside[name],
+                seconds,
+            )
         else:
             shutil.copyfile(path, made / (stem + path.suffix))
     bill = json.dumps(sbom(made, version, seconds), indent=1) + "\n"

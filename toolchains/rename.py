@@ -8,18 +8,38 @@ Applies the tables of CHANGELOG.md, prints each file that it changed, and each l
   member TYPE OLD NEW   a field of a struct, or a function of an owner, of what is declared as TYPE; @ is what it is a member of
   key OLD NEW           of a scene file
   hand WORD WHAT        nothing that a script can do"""
+
 import pathlib
 import re
 import sys
 
-CODE = {".c", ".h", ".cc", ".cpp", ".hpp", ".inl", ".mm", ".m", ".mjs", ".js", ".mts", ".ts", ".cs", ".kt", ".swift", ".md", ".txt", ".py"}
+CODE = {
+    ".c",
+    ".h",
+    ".cc",
+    ".cpp",
+    ".hpp",
+    ".inl",
+    ".mm",
+    ".m",
+    ".mjs",
+    ".js",
+    ".mts",
+    ".ts",
+    ".cs",
+    ".kt",
+    ".swift",
+    ".md",
+    ".txt",
+    ".py",
+}
 
 
 def spread(old, new):
     """Each OLD that the braces stand for, with its NEW."""
     if not (braces := re.search(r"\{(.*)\}", old)):
         return [(old, new)]
-    return [(old[:braces.start()] + one + old[braces.end():], new.replace("*", one)) for one in braces[1].split(",")]
+    return [(old[: braces.start()] + one + old[braces.end() :], new.replace("*", one)) for one in braces[1].split(",")]
 
 
 def tables(text):
@@ -54,7 +74,11 @@ def renamed(text, suffix, rows):
 def files(paths):
     for path in map(pathlib.Path, paths):
         for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
-            if file.is_file() and file.suffix in CODE | {".json"} and not {".git", "build", "node_modules"} & set(file.relative_to(path).parts):
+            if (
+                file.is_file()
+                and file.suffix in CODE | {".json"}
+                and not {".git", "build", "node_modules"} & set(file.relative_to(path).parts)
+            ):
                 yield file
 
 
@@ -69,8 +93,12 @@ def main():
             text = file.read_text()
         except UnicodeDecodeError:
             continue
-        by_hand = [(number, words) for number, line in enumerate(text.splitlines(), 1) for kind, *words in rows
-                   if kind == "hand" and re.search(rf"\b{re.escape(words[0])}\b", line)]
+        by_hand = [
+            (number, words)
+            for number, line in enumerate(text.splitlines(), 1)
+            for kind, *words in rows
+            if kind == "hand" and re.search(rf"\b{re.escape(words[0])}\b", line)
+        ]
         if (after := renamed(text, file.suffix, rows)) != text:
             file.write_text(after)
             print(file)

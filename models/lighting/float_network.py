@@ -11,6 +11,7 @@ them from seed 1. Every array equals, bit for bit, the one from which the shippe
       Writes PyTorch's estimates of the excerpts. PIXELS has the bytes of all excerpts by name, as the tests' reader decodes them,
       because decoders of JPEG differ.
 """
+
 import argparse
 import csv
 import glob
@@ -57,12 +58,14 @@ def write_weights(pretrained, path):
         kernel, bias = arrays[name + "/kernel"], arrays[name + "/bias"]
         kernel[:] = 0
         for o in range(len(bias)):
-            kernel[copies * j:copies * (j + 1), o], bias[o] = heads["spread"][j], heads["bias"][j]
+            kernel[copies * j : copies * (j + 1), o], bias[o] = heads["spread"][j], heads["bias"][j]
             j += 1
     for name in ("data_hash", "seed", "training_images"):
         arrays[name] = heads[name]
     if sha256_of(arrays) != WEIGHTS_SHA256:
-        print(f"PyTorch {torch.__version__} draws other numbers from seed {SEED}, or sums otherwise, than the one that made the network")
+        print(
+            f"PyTorch {torch.__version__} draws other numbers from seed {SEED}, or sums otherwise, than the one that made the network"
+        )
         sys.exit(EXIT_OTHER_PYTORCH)
     np.savez(path, **arrays)
 

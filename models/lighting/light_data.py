@@ -1,4 +1,5 @@
 """What training reads: the manifests of `sandglass dataset`, their images and labels, and the features of the images."""
+
 import csv
 import hashlib
 import math
@@ -11,9 +12,24 @@ from PIL import Image
 
 WIDTH, HEIGHT = 256, 192
 COPIES = 2  # of an image: itself and its mirror image
-LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
-          "contrast")
-GROUPS = (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 10))  # columns of the labels: direction, light, ambient, contrast
+LABELS = (
+    "direction_x",
+    "direction_y",
+    "direction_z",
+    "light_r",
+    "light_g",
+    "light_b",
+    "ambient_r",
+    "ambient_g",
+    "ambient_b",
+    "contrast",
+)
+GROUPS = (
+    slice(0, 3),
+    slice(3, 6),
+    slice(6, 9),
+    slice(9, 10),
+)  # columns of the labels: direction, light, ambient, contrast
 
 
 def fail(sentence):
@@ -30,6 +46,7 @@ def save_arrays(path, **arrays):
     def write(unfinished):
         with open(unfinished, "wb") as file:  # a name would get another ending
             np.savez(file, **arrays)
+
     save(path, write)
 
 
@@ -44,14 +61,18 @@ class Rows:
                 path = os.path.join(folder, "manifest.csv")
                 if not os.path.exists(path):
                     fail(f"'{folder}' has no manifest.csv; make it with `sandglass dataset`")
-                for number, row in enumerate(csv.DictReader(open(path, newline="", encoding="utf-8", errors="replace"))):
+                for number, row in enumerate(
+                    csv.DictReader(open(path, newline="", encoding="utf-8", errors="replace"))
+                ):
                     missing = [k for k in ("image", "location", "fold") + LABELS if not row.get(k)]
                     if missing:
                         fail(f"line {number + 2} of '{path}' has no {missing[0]}; make the data set again")
                     try:
                         fold, values = int(row["fold"]), [float(row[k]) for k in LABELS]
                     except ValueError:
-                        fail(f"line {number + 2} of '{path}' has words in the place of numbers; make the data set again")
+                        fail(
+                            f"line {number + 2} of '{path}' has words in the place of numbers; make the data set again"
+                        )
                     if not all(map(math.isfinite, values)) or not any(values[:3]):
                         fail(f"line {number + 2} of '{path}' has labels that are no light; make the data set again")
                     self.image.append(os.path.join(folder, row["image"]))

@@ -1,5 +1,6 @@
 """Writes a lighting file: the FlatBuffer of runtime/asset/light.fbs, then the FNV-1a hash of its bytes. Tables and vectors are written in
 the same order as in light_file.cpp, so that equal networks give equal bytes."""
+
 import struct
 from dataclasses import dataclass
 
@@ -8,10 +9,30 @@ import numpy as np
 VERSION, IDENTIFIER = 1, b"SGLN"
 FNV_BASIS, FNV_PRIME, MASK_64 = 0xCBF29CE484222325, 0x100000001B3, (1 << 64) - 1
 # The fields of table Light in the order of the schema, which numbers them.
-FIELDS = ("version", "name", "border", "stem", "blocks", "last_low", "last_high", "feature_scale", "feature_shift", "latent_weights",
-          "latent_scale", "latent_bias", "heads_weights", "heads_bias", "data_hash", "seed", "training_images", "calibration_images",
-          "angle_deg", "difference", "float_parameters")
-VECTORS = FIELDS[FIELDS.index("last_low"):FIELDS.index("heads_bias") + 1]
+FIELDS = (
+    "version",
+    "name",
+    "border",
+    "stem",
+    "blocks",
+    "last_low",
+    "last_high",
+    "feature_scale",
+    "feature_shift",
+    "latent_weights",
+    "latent_scale",
+    "latent_bias",
+    "heads_weights",
+    "heads_bias",
+    "data_hash",
+    "seed",
+    "training_images",
+    "calibration_images",
+    "angle_deg",
+    "difference",
+    "float_parameters",
+)
+VECTORS = FIELDS[FIELDS.index("last_low") : FIELDS.index("heads_bias") + 1]
 REFERENCE = "reference"
 
 
@@ -63,7 +84,9 @@ class FlatBuffer:
                 at[slot] = self.reference(value) if kind == REFERENCE else self.number(kind, value)
         self.align(4)
         here, slots = self.size + 4, max(at) + 1
-        layout = struct.pack(f"<{slots + 2}H", 2 * slots + 4, here - start, *(here - at[s] if s in at else 0 for s in range(slots)))
+        layout = struct.pack(
+            f"<{slots + 2}H", 2 * slots + 4, here - start, *(here - at[s] if s in at else 0 for s in range(slots))
+        )
         new = layout not in self.layouts
         position = self.layouts.setdefault(layout, here + len(layout))
         self.number("<i", position - here)
@@ -116,14 +139,24 @@ def light_file_bytes(file):
         layers, transition = buffer.references(layers), next(transitions, None)
         transition = 0 if transition is None else add_convolution(buffer, transition)
         blocks.append(buffer.table([(1, REFERENCE, transition), (0, REFERENCE, layers)]))
-    to = {"blocks": buffer.references(blocks), "stem": add_convolution(buffer, file.stem), "name": buffer.string(file.name)}
+    to = {
+        "blocks": buffer.references(blocks),
+        "stem": add_convolution(buffer, file.stem),
+        "name": buffer.string(file.name),
+    }
     for name in ("border",) + VECTORS + ("float_parameters",):
         values = getattr(file, name)
         to[name] = 0 if values is None else buffer.vector(values)
     # The widest numbers come first, so that none needs a gap before it.
-    fields = [("seed", "<Q", file.seed), ("data_hash", "<Q", file.data_hash), ("float_parameters", REFERENCE, to["float_parameters"]),
-              ("difference", "<f", file.difference), ("angle_deg", "<f", file.angle_deg),
-              ("calibration_images", "<I", file.calibration_images), ("training_images", "<I", file.training_images)]
+    fields = [
+        ("seed", "<Q", file.seed),
+        ("data_hash", "<Q", file.data_hash),
+        ("float_parameters", REFERENCE, to["float_parameters"]),
+        ("difference", "<f", file.difference),
+        ("angle_deg", "<f", file.angle_deg),
+        ("calibration_images", "<I", file.calibration_images),
+        ("training_images", "<I", file.training_images),
+    ]
     fields += [(name, REFERENCE, to[name]) for name in VECTORS[::-1] + ("blocks", "stem", "border", "name")]
     fields.append(("version", "<H", VERSION))
     content = buffer.finished(buffer.table([(FIELDS.index(name), kind, value) for name, kind, value in fields]))

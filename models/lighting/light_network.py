@@ -5,6 +5,7 @@ Convolutions are HWIO. Every batch normalisation is gamma, beta, moving_mean and
   latent/kernel (1024, 512), latent/bias, latent/bn/{gamma,beta,moving_mean,moving_variance} (epsilon 1e-5), then ELU,
   direction/kernel (512, 3), direction/bias (tanh, then normalised), light/..., ambient/... (3), contrast/... (1; sigmoid).
 """
+
 import math
 import zipfile
 import zlib
@@ -19,7 +20,12 @@ from light_ridge import TRUSTS, Regression
 
 LAYERS, GROWTH, BOTTLENECK, EPSILON = (6, 12, 24, 16), 32, 128, 1.001e-5
 MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
-NORM_NAMES = (("weight", "gamma"), ("bias", "beta"), ("running_mean", "moving_mean"), ("running_var", "moving_variance"))
+NORM_NAMES = (
+    ("weight", "gamma"),
+    ("bias", "beta"),
+    ("running_mean", "moving_mean"),
+    ("running_var", "moving_variance"),
+)
 COPIES_OF_START, SHIFT_OF_START = 16, 3.0
 LANES = tuple((channel, threshold) for threshold in (0.0, 0.5, 0.75, 0.9) for channel in range(3))  # brightness in sRGB
 LAYOUT_LAYERS = 4  # shifts by so many of the last map's 6 rows and 8 columns
@@ -28,10 +34,10 @@ LAYOUT_LAYERS = 4  # shifts by so many of the last map's 6 rows and 8 columns
 def expected(norm, at):
     """The mean and the deviation of the channels `at` after a batch normalisation and ReLU. Assumes normal distributions."""
     shift, spread = norm.bias[at].double(), norm.weight[at].double().abs() + 1e-9
-    below = 0.5 * (1 + torch.erf(shift / spread / 2 ** 0.5))
+    below = 0.5 * (1 + torch.erf(shift / spread / 2**0.5))
     density = spread * torch.exp(-0.5 * (shift / spread) ** 2) / math.sqrt(2 * math.pi)
     mean = shift * below + density
-    return mean, ((shift ** 2 + spread ** 2) * below + shift * density - mean ** 2).clamp(min=0).sqrt()
+    return mean, ((shift**2 + spread**2) * below + shift * density - mean**2).clamp(min=0).sqrt()
 
 
 def pass_through(norm, at):
@@ -80,8 +86,9 @@ class LightNet(nn.Module):
         self.last = nn.BatchNorm2d(channels, eps=EPSILON)
         self.latent = nn.Sequential(nn.Linear(channels, 512), nn.BatchNorm1d(512), nn.ELU())
         self.lanes = None  # which features belong to lanes, if there are lanes
-        self.heads = nn.ModuleDict({k: nn.Linear(512, n) for k, n in
-                                    (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))})
+        self.heads = nn.ModuleDict(
+            {k: nn.Linear(512, n) for k, n in (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))}
+        )
 
     def readers(self, stage):
         """The layers that read the maps of one width. Each is a batch normalisation, the 1 x 1 convolution after it, and the
@@ -98,7 +105,7 @@ class LightNet(nn.Module):
             if narrow is not None:
                 constant = (narrow.weight[:, at, 0, 0].double() @ expected(before, at)[0]).float()
                 for norm in behind:
-                    norm.running_mean[:len(constant)] -= constant
+                    norm.running_mean[: len(constant)] -= constant
                 narrow.weight[:, at] = 0
             pass_through(before, at)
 
@@ -107,7 +114,7 @@ class LightNet(nn.Module):
         count, places = len(LANES), []
         for stage, width in enumerate((64, 128, 256, 512)):
             use, every = torch.zeros(width, dtype=torch.float64), torch.arange(width)
-            for before, narrow, _ in self.readers(stage)[:LAYERS[stage] + (stage < 3)]:
+            for before, narrow, _ in self.readers(stage)[: LAYERS[stage] + (stage < 3)]:
                 share = expected(before, every)[1] * narrow.weight[:, :width, 0, 0].double().norm(dim=0)
                 use += share / share.sum()
             places.append(use.argsort()[:count].sort().values)
@@ -125,13 +132,13 @@ class LightNet(nn.Module):
         block, first = self.blocks[3], LAYERS[3] - LAYOUT_LAYERS
         made = [torch.arange(2 * count) + 512 + GROWTH * layer for layer in range(first, LAYERS[3])]
         for layer, at in zip(range(first, LAYERS[3]), made):
-            self.free(self.readers(3)[layer + 1:], at)
+            self.free(self.readers(3)[layer + 1 :], at)
             up, left = (places[3], places[3]) if layer == first else made[layer - first - 1].chunk(2)
             read = block[layer]
-            read.narrow.weight[:2 * count] = 0
+            read.narrow.weight[: 2 * count] = 0
             read.narrow.weight[torch.arange(2 * count), torch.cat([up, left])] = 1.0
             pass_through(read.between, torch.arange(2 * count))
-            read.wide.weight[:, :2 * count], read.wide.weight[:2 * count] = 0, 0
+            read.wide.weight[:, : 2 * count], read.wide.weight[: 2 * count] = 0, 0
             for k in range(count):  # the row below, the column to the right
                 read.wide.weight[k, k, 2, 1] = read.wide.weight[count + k, count + k, 1, 2] = 1.0
         self.lanes = np.isin(np.arange(self.last.num_features), torch.cat([places[3]] + made).numpy())
@@ -147,8 +154,11 @@ class LightNet(nn.Module):
     def estimate(self, features):
         latent = self.latent(features)
         out = {k: head(latent) for k, head in self.heads.items()}
-        return torch.cat([F.normalize(torch.tanh(out["direction"]), dim=1)] +
-                         [torch.sigmoid(out[k]) for k in ("light", "ambient", "contrast")], 1)
+        return torch.cat(
+            [F.normalize(torch.tanh(out["direction"]), dim=1)]
+            + [torch.sigmoid(out[k]) for k in ("light", "ambient", "contrast")],
+            1,
+        )
 
     def trusts(self):
         """The factors of the standardised features from which training chooses."""
@@ -173,16 +183,18 @@ class LightNet(nn.Module):
             for head in self.heads.values():
                 head.weight.zero_()
             linear.bias.zero_()
-            linear.weight[:len(to)] = torch.from_numpy(slopes.T.astype(np.float32))[to]
+            linear.weight[: len(to)] = torch.from_numpy(slopes.T.astype(np.float32))[to]
             outputs = torch.from_numpy(features.astype(np.float32)) @ linear.weight.T
             shares = torch.from_numpy(weights.astype(np.float32))
             norm.running_mean.copy_((shares * outputs).sum(0))
             norm.running_var.copy_((shares * (outputs - norm.running_mean) ** 2).sum(0))
-            norm.bias[:len(to)] = SHIFT_OF_START
+            norm.bias[: len(to)] = SHIFT_OF_START
             j = 0
             for head in self.heads.values():
                 for row in range(len(head.bias)):
-                    head.weight[row, j * COPIES_OF_START:(j + 1) * COPIES_OF_START] = float(spread[j]) / COPIES_OF_START
+                    head.weight[row, j * COPIES_OF_START : (j + 1) * COPIES_OF_START] = (
+                        float(spread[j]) / COPIES_OF_START
+                    )
                     head.bias[row] = float(answer[j] - SHIFT_OF_START * spread[j])
                     j += 1
 
@@ -209,14 +221,17 @@ class LightNet(nn.Module):
 
     def exported(self):
         """The arrays of --export."""
-        arrays = {name: np.ascontiguousarray(parameter.detach().cpu().numpy().transpose(axes))
-                  for name, parameter, axes in self.arrays(True)}
+        arrays = {
+            name: np.ascontiguousarray(parameter.detach().cpu().numpy().transpose(axes))
+            for name, parameter, axes in self.arrays(True)
+        }
         if self.lanes is not None:
             arrays["lanes"] = self.lanes.astype(np.float32)
         return arrays
 
     def arrays(self, with_heads):
         """The arrays of a file: the name, the parameter, and the parameter's axes in the file's order."""
+
         def norm(name, module):
             for ours, theirs in NORM_NAMES:
                 yield f"{name}/{theirs}", getattr(module, ours), (0,)

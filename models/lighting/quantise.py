@@ -11,6 +11,7 @@ each feature is fitted to the float network's. For that the runtime itself runs 
 
 Exit code 1: the bytes are further from the float network than the limits, on images that did not calibrate.
 """
+
 import argparse
 import os
 import subprocess
@@ -30,7 +31,7 @@ from light_network import DEVIATION, LAYERS, MEAN, LightNet
 MARGIN = 0.1  # the share of a range that is added beyond the observed values
 SAMPLES_AN_IMAGE = 128  # samples of products
 RIDGE = 0.5  # added to a byte's variance; rounding alone makes a variance of 1/12
-BIAS_LIMIT = 2.0 ** 28
+BIAS_LIMIT = 2.0**28
 FLOAT_LIMIT = 1e9  # greatest number of a float network in a file
 FIT_SLOPES = 0.5, 1.5
 ANGLE_LIMIT_DEG, DIFFERENCE_LIMIT = 1.0, 0.01  # of medians over images: the direction; colours and contrast
@@ -38,6 +39,7 @@ ANGLE_LIMIT_DEG, DIFFERENCE_LIMIT = 1.0, 0.01  # of medians over images: the dir
 
 class Seen:
     """The observed values of the channels at one place in the network."""
+
     count = 0
 
     def note(self, values):
@@ -57,6 +59,7 @@ class Seen:
 
 class Products:
     """Sums of the inputs of a convolution, and of their products."""
+
     count = 0
 
     def note(self, samples):
@@ -70,7 +73,9 @@ class Products:
         mean, units = self.sums / self.count, np.resize(units, len(self.sums))
         divided = np.divide(1.0, units, out=np.zeros_like(units), where=units != 0)
         covariance = (self.products / self.count - np.outer(mean, mean)) * np.outer(divided, divided)
-        lower = np.linalg.cholesky((covariance + RIDGE * np.eye(len(units)))[::-1, ::-1])  # from the last input to the first
+        lower = np.linalg.cholesky(
+            (covariance + RIDGE * np.eye(len(units)))[::-1, ::-1]
+        )  # from the last input to the first
         return (lower / np.diag(lower))[::-1, ::-1]
 
 
@@ -83,7 +88,7 @@ def windows_of(values):
     """The 3 x 3 windows around all pixels: row, column, channel. Beyond the edge lie zeros."""
     padded = F.pad(values, (1, 1, 1, 1))[0].permute(1, 2, 0)
     rows, columns = values.shape[2:]
-    parts = [padded[y:y + rows, x:x + columns] for y in range(3) for x in range(3)]
+    parts = [padded[y : y + rows, x : x + columns] for y in range(3) for x in range(3)]
     return torch.cat(parts, 2).reshape(rows * columns, -1).numpy()
 
 
@@ -120,11 +125,13 @@ class Observations:
 
     def products(self, products, rows_of, outputs=None):
         """Some rows of a convolution's inputs, at equal distances; each image has different ones. And what it makes."""
+
         def note(given, made):
             rows = rows_of(given)
             products.note(rows[(np.arange(len(rows)) + 7 * self.images) % max(1, len(rows) // SAMPLES_AN_IMAGE) == 0])
             if outputs is not None:
                 outputs.note(pixels_of(made))
+
         return note
 
     def end(self):
@@ -152,8 +159,9 @@ def latent_of(net):
     """The latent layer with its batch normalisation: features x outputs, and the bias."""
     scale, shift = affine_of(net.latent[1])
     linear = net.latent[0]
-    return (linear.weight.numpy() * scale[:, None]).T, (linear.bias.numpy() - net.latent[1].running_mean.numpy()) * scale + \
-        net.latent[1].bias.numpy()
+    return (linear.weight.numpy() * scale[:, None]).T, (
+        linear.bias.numpy() - net.latent[1].running_mean.numpy()
+    ) * scale + net.latent[1].bias.numpy()
 
 
 def heads_of(net):
@@ -174,7 +182,9 @@ def grid_of(seen, rectified):
 def inputs_of(slope, origin=0.0, constant=0.0, mean=0.0, variance=0.0, low=None, high=None):
     """Inputs enter a convolution as slope * (clamped byte - origin) + constant. Mean and variance are those of the byte."""
     wide = [np.broadcast_to(np.asarray(v, np.float64), slope.shape) for v in (origin, constant, mean, variance)]
-    return SimpleNamespace(slope=slope, origin=wide[0], constant=wide[1], mean=wide[2], variance=wide[3], low=low, high=high)
+    return SimpleNamespace(
+        slope=slope, origin=wide[0], constant=wide[1], mean=wide[2], variance=wide[3], low=low, high=high
+    )
 
 
 def rectified_inputs(grid, norm, seen):
@@ -192,9 +202,15 @@ def rectified_inputs(grid, norm, seen):
     # Below the threshold the result is not zero but the threshold's rounding error. On average that is a constant.
     constant = -np.where(cuts, seen.sums[2] / seen.count, 0.0) * slope * (whole - threshold)
     byte = np.clip(threshold + (mean - constant) / slope, 0.0, 255.0)
-    return inputs_of(np.where(used, slope, 0.0), threshold, np.where(used, constant, np.where(depends & never, 0.0, mean)),
-                     np.where(used, byte, 0.0), np.where(used, variance / (slope * slope), 0.0),
-                     np.where(used & (slope > 0), whole, 0).astype(np.uint8), np.where(used & (slope < 0), whole, 255).astype(np.uint8))
+    return inputs_of(
+        np.where(used, slope, 0.0),
+        threshold,
+        np.where(used, constant, np.where(depends & never, 0.0, mean)),
+        np.where(used, byte, 0.0),
+        np.where(used, variance / (slope * slope), 0.0),
+        np.where(used & (slope > 0), whole, 0).astype(np.uint8),
+        np.where(used & (slope < 0), whole, 255).astype(np.uint8),
+    )
 
 
 def plain_inputs(grid, seen):
@@ -220,14 +236,17 @@ def rounded(aims, factor):
     for k in range(len(aims)):
         integers[k] = np.clip(np.rint(aims[k] - owed[k]), -127, 127)
         errors = (integers[k] - aims[k]).astype(factor.dtype)
-        owed[k + 1:] += factor[k, k + 1:, None] * errors
+        owed[k + 1 :] += factor[k, k + 1 :, None] * errors
     return integers
 
 
 def byte_rows(weights, constant, inputs, factor=None):
     """Integers (places x outputs), scales and biases of outputs scale * (sum of integer * byte) + bias. `weights` are those of the
     inputs' values, for all places; `constant` is added."""
-    each = {name: np.resize(getattr(inputs, name), len(weights))[:, None] for name in ("slope", "origin", "constant", "mean", "variance")}
+    each = {
+        name: np.resize(getattr(inputs, name), len(weights))[:, None]
+        for name in ("slope", "origin", "constant", "mean", "variance")
+    }
     of_bytes = weights * each["slope"]
     bias = constant + (weights * (each["constant"] - each["slope"] * each["origin"])).sum(0)
     largest = np.abs(of_bytes).max(0)
@@ -247,12 +266,19 @@ def byte_convolution(convolution, behind, inputs, outputs, products=None):
     if behind is not None:
         scale, shift = (v.astype(np.float64) for v in affine_of(behind))
         weights = weights * scale
-    integers, scale, bias = byte_rows(weights, shift, inputs, None if products is None else products.factor(inputs.slope))
+    integers, scale, bias = byte_rows(
+        weights, shift, inputs, None if products is None else products.factor(inputs.slope)
+    )
     bias = bias + outputs.step * outputs.zero
     # The bias may be at most 2^28 steps. So an output that hardly depends on its inputs gets coarser steps.
     scale = np.maximum(scale, np.abs(bias) / BIAS_LIMIT)
-    return Convolution(np.ascontiguousarray(integers.T).astype(np.int8), np.rint(bias / scale).astype(np.int32),
-                       (scale / outputs.step).astype(np.float32), inputs.low, inputs.high)
+    return Convolution(
+        np.ascontiguousarray(integers.T).astype(np.int8),
+        np.rint(bias / scale).astype(np.int32),
+        (scale / outputs.step).astype(np.float32),
+        inputs.low,
+        inputs.high,
+    )
 
 
 def put_latent(net, inputs, file):
@@ -263,14 +289,18 @@ def put_latent(net, inputs, file):
 
 
 def quantised(net, seen):
-    file = SimpleNamespace(layers=LAYERS, narrow=[], wide=[], transition=[], border=np.rint(255 * np.array(MEAN)).astype(np.uint8))
+    file = SimpleNamespace(
+        layers=LAYERS, narrow=[], wide=[], transition=[], border=np.rint(255 * np.array(MEAN)).astype(np.uint8)
+    )
     block, at = grid_of(seen.stem, True), 0
     file.stem = byte_convolution(net.stem, net.stem_norm, image_inputs(), block)
     for b, layers in enumerate(net.blocks):
         for layer in layers:
             bottleneck, growth = grid_of(seen.bottlenecks[at], True), grid_of(seen.growths[at], False)
             inputs = rectified_inputs(block, layer.before, seen.narrow_inputs[at])
-            file.narrow.append(byte_convolution(layer.narrow, layer.between, inputs, bottleneck, seen.narrow_products[at]))
+            file.narrow.append(
+                byte_convolution(layer.narrow, layer.between, inputs, bottleneck, seen.narrow_products[at])
+            )
             inputs = plain_inputs(bottleneck, seen.bottlenecks[at])
             file.wide.append(byte_convolution(layer.wide, None, inputs, growth, seen.wide_products[at]))
             block = SimpleNamespace(step=np.append(block.step, growth.step), zero=np.append(block.zero, growth.zero))
@@ -279,7 +309,9 @@ def quantised(net, seen):
             break
         inputs = rectified_inputs(block, net.transitions[b].before, seen.transition_inputs[b])
         block = grid_of(seen.transitions[b], False)
-        file.transition.append(byte_convolution(net.transitions[b].narrow, None, inputs, block, seen.transition_products[b]))
+        file.transition.append(
+            byte_convolution(net.transitions[b].narrow, None, inputs, block, seen.transition_products[b])
+        )
     inputs = rectified_inputs(block, net.last, seen.last)
     file.last_low, file.last_high = inputs.low, inputs.high
     file.feature_scale = inputs.slope.astype(np.float32)
@@ -380,7 +412,9 @@ def averages_of(program, file, images):
         with open(os.path.join(data_set, "manifest.csv"), "w") as out:
             out.write("image\n" + "".join(f"{i}.png\n" for i in range(len(images))))
         try:
-            subprocess.run([program, "light-features", network, data_set, "-o", features], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run(
+                [program, "light-features", network, data_set, "-o", features], check=True, stdout=subprocess.DEVNULL
+            )
         except (OSError, subprocess.CalledProcessError) as error:
             fail(f"the runtime did not run the bytes ({error}); name the program `sandglass` with --program")
         averages = np.load(features)
@@ -396,10 +430,17 @@ def estimates_of(net, features):
 
 def byte_estimates(file, averages):
     """The same as the runtime gives it."""
-    latent = averages.astype(np.float64) @ file.latent_weights.T.astype(np.float64) * file.latent_scale + file.latent_bias
-    out = np.where(latent > 0, latent, np.expm1(np.minimum(latent, 0))) @ file.heads_weights.T.astype(np.float64) + file.heads_bias
+    latent = (
+        averages.astype(np.float64) @ file.latent_weights.T.astype(np.float64) * file.latent_scale + file.latent_bias
+    )
+    out = (
+        np.where(latent > 0, latent, np.expm1(np.minimum(latent, 0))) @ file.heads_weights.T.astype(np.float64)
+        + file.heads_bias
+    )
     direction = np.tanh(out[:, :3])
-    return np.concatenate([direction / np.linalg.norm(direction, axis=1, keepdims=True), 1 / (1 + np.exp(-out[:, 3:]))], 1)
+    return np.concatenate(
+        [direction / np.linalg.norm(direction, axis=1, keepdims=True), 1 / (1 + np.exp(-out[:, 3:]))], 1
+    )
 
 
 def quantile(values, share):
@@ -409,12 +450,25 @@ def quantile(values, share):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("weights", help="what `train.py --export` wrote")
-    parser.add_argument("--calibrate", nargs="+", required=True, metavar="FOLDER", help="data sets whose images give the ranges")
-    parser.add_argument("--measure", nargs="+", default=[], metavar="FOLDER",
-                        help="data sets to compare with the float network on; without them, every other image of --calibrate")
-    parser.add_argument("--images", type=int, default=96, metavar="N", help="images to calibrate with, and as many to measure on")
+    parser.add_argument(
+        "--calibrate", nargs="+", required=True, metavar="FOLDER", help="data sets whose images give the ranges"
+    )
+    parser.add_argument(
+        "--measure",
+        nargs="+",
+        default=[],
+        metavar="FOLDER",
+        help="data sets to compare with the float network on; without them, every other image of --calibrate",
+    )
+    parser.add_argument(
+        "--images", type=int, default=96, metavar="N", help="images to calibrate with, and as many to measure on"
+    )
     parser.add_argument("--name", default="lighting", help="the name of the network in its file")
-    parser.add_argument("--keep-float", action="store_true", help="keep the float network beside the bytes, for XNNPACK in float (30 MB)")
+    parser.add_argument(
+        "--keep-float",
+        action="store_true",
+        help="keep the float network beside the bytes, for XNNPACK in float (30 MB)",
+    )
     parser.add_argument("--program", default="sandglass", help="the program `sandglass`, whose runtime runs the bytes")
     parser.add_argument("-o", "--output", required=True, help="the lighting file to write")
     options = parser.parse_args()
@@ -438,10 +492,12 @@ def main():
     file = quantised(net, seen)
     file.name = options.name
     file.data_hash = int(bytes(arrays["data_hash"]).decode(), 16) if "data_hash" in arrays else 0
-    file.seed, file.training_images = (int(arrays[name][0]) if name in arrays else 0 for name in ("seed", "training_images"))
+    file.seed, file.training_images = (
+        int(arrays[name][0]) if name in arrays else 0 for name in ("seed", "training_images")
+    )
     averages = averages_of(options.program, file, calibration + measured)
-    fit_features(net, truth, averages[:len(calibration)], file)
-    averages = averages[len(calibration):]
+    fit_features(net, truth, averages[: len(calibration)], file)
+    averages = averages[len(calibration) :]
     expected, made = estimates_of(net, features), byte_estimates(file, averages)
     angles = np.degrees(np.arccos(np.clip((expected[:, :3] * made[:, :3]).sum(1), -1, 1)))
     others = np.abs(expected[:, 3:] - made[:, 3:]).max(1)
@@ -451,11 +507,17 @@ def main():
         file.float_parameters = float_parameters(net)
     content = light_file_bytes(file)
     save(options.output, lambda path: open(path, "wb").write(content))
-    print(f"{options.output}: {len(content)} bytes, calibrated on {seen.images} images; int8 against float on {len(measured)} others:")
-    print(f"direction            median {file.angle_deg:.3f} deg, 90th percentile {quantile(angles, 0.9):.3f}, greatest "
-          f"{angles.max():.3f} (limit of the median {ANGLE_LIMIT_DEG:g})")
-    print(f"colours, contrast    median {file.difference:.4f}, 90th percentile {quantile(others, 0.9):.4f}, greatest {others.max():.4f} "
-          f"(limit of the median {DIFFERENCE_LIMIT:g})")
+    print(
+        f"{options.output}: {len(content)} bytes, calibrated on {seen.images} images; int8 against float on {len(measured)} others:"
+    )
+    print(
+        f"direction            median {file.angle_deg:.3f} deg, 90th percentile {quantile(angles, 0.9):.3f}, greatest "
+        f"{angles.max():.3f} (limit of the median {ANGLE_LIMIT_DEG:g})"
+    )
+    print(
+        f"colours, contrast    median {file.difference:.4f}, 90th percentile {quantile(others, 0.9):.4f}, greatest {others.max():.4f} "
+        f"(limit of the median {DIFFERENCE_LIMIT:g})"
+    )
     print(f"features             median of the relative error {quantile(off, 0.5):.4f}")
     return 0 if file.angle_deg <= ANGLE_LIMIT_DEG and file.difference <= DIFFERENCE_LIMIT else 1
 

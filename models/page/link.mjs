@@ -1,7 +1,7 @@
 // A recording as the fragment of a URL, and back. A browser sends no fragment to any server. What a frame has in common
 // with the one before is left out, and the rest is compressed (deflate) and written in the letters of base64url.
 const k_link = "#r=";
-const k_link_at_most = 30000;  // characters of the fragment; messengers and browsers cut longer ones
+const k_link_at_most = 30000; // characters of the fragment; messengers and browsers cut longer ones
 const k_frame_fields = ["emitters", "colliders", "level", "runs", "gravity", "tipped", "added"];
 
 // Numbers that come from 32-bit floats, in as few digits as give them again.
@@ -28,12 +28,17 @@ export async function toLink(recording) {
     return `[${said}]`;
   });
   const { scene, step, hash } = recording;
-  const bytes = await through(new CompressionStream("deflate-raw"), new TextEncoder().encode(JSON.stringify({ scene, step, hash }).slice(0, -1) + `,"frames":[${frames}]}`));
+  const bytes = await through(
+    new CompressionStream("deflate-raw"),
+    new TextEncoder().encode(JSON.stringify({ scene, step, hash }).slice(0, -1) + `,"frames":[${frames}]}`),
+  );
   let text = "";
   for (const byte of bytes) text += String.fromCharCode(byte);
   const link = k_link + btoa(text).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
   if (link.length > k_link_at_most)
-    throw new Error(`The recording has ${link.length} characters, and a link holds ${k_link_at_most}. Save it as a file, or start again and record less.`);
+    throw new Error(
+      `The recording has ${link.length} characters, and a link holds ${k_link_at_most}. Save it as a file, or start again and record less.`,
+    );
   return link;
 }
 
@@ -42,14 +47,26 @@ export async function fromLink(fragment) {
   if (!fragment.startsWith(k_link)) return null;
   try {
     if (fragment.length > k_link_at_most) throw new Error();
-    const bytes = Uint8Array.from(atob(fragment.slice(k_link.length).replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
-    const { scene, step, hash, frames } = JSON.parse(new TextDecoder().decode(await through(new DecompressionStream("deflate-raw"), bytes)));
+    const bytes = Uint8Array.from(atob(fragment.slice(k_link.length).replaceAll("-", "+").replaceAll("_", "/")), (c) =>
+      c.charCodeAt(0),
+    );
+    const { scene, step, hash, frames } = JSON.parse(
+      new TextDecoder().decode(await through(new DecompressionStream("deflate-raw"), bytes)),
+    );
     let before = [];
-    return { sandglass: "recording", scene, step, hash, frames: frames.map((said) => {
-      before = k_frame_fields.map((_, i) => (said[i] === undefined || said[i] === 0 ? before[i] : said[i][0]));
-      return Object.fromEntries(k_frame_fields.map((name, i) => [name, before[i] ?? undefined]));
-    }) };
+    return {
+      sandglass: "recording",
+      scene,
+      step,
+      hash,
+      frames: frames.map((said) => {
+        before = k_frame_fields.map((_, i) => (said[i] === undefined || said[i] === 0 ? before[i] : said[i][0]));
+        return Object.fromEntries(k_frame_fields.map((name, i) => [name, before[i] ?? undefined]));
+      }),
+    };
   } catch {
-    throw new Error("The link is cut off or damaged, so its recording cannot be played. Ask for it again, or for the file.");
+    throw new Error(
+      "The link is cut off or damaged, so its recording cannot be played. Ask for it again, or for the file.",
+    );
   }
 }

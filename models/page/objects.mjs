@@ -83,8 +83,7 @@ export function dropObjects(page) {
 export function addMesh(page, read) {
   const mesh = standing(read, k_mesh_height, k_mesh_width);
   let particles = filled(page.sand, mesh);
-  if (particles.length === 0)
-    throw new Error("The mesh is too thin to be filled with sand. Choose one with a volume.");
+  if (particles.length === 0) throw new Error("The mesh is too thin to be filled with sand. Choose one with a volume.");
   const smaller = Math.cbrt((3 * k_mesh_particles) / particles.length);
   if (smaller < 1) particles = filled(page.sand, { ...mesh, vertices: mesh.vertices.map((x) => x * smaller) });
   const count = particles.length / 3;

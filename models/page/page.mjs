@@ -279,7 +279,8 @@ export class Page {
     const still = { rotation: [0, 0, 0, 1], size: [1, 1, 1] };
     let first = k_scene.colliders.length;
     for (const { field, at } of this.objects)
-      if (field) scene.colliders[first++].set({ shape: constants.SANDGLASS_SHAPE_FIELD, position: at, ...still, field });
+      if (field)
+        scene.colliders[first++].set({ shape: constants.SANDGLASS_SHAPE_FIELD, position: at, ...still, field });
     if (!this.tipped) return first;
     k_walls.forEach((wall, i) => scene.colliders[first + i].set(wall));
     return first + k_walls.length;
@@ -522,8 +523,7 @@ class Frames {
       tell(page);
       this.#told = now;
     }
-    if (page.scene.report.sand.particles > 0)
-      document.documentElement.dataset.sand ??= Math.round(performance.now());
+    if (page.scene.report.sand.particles > 0) document.documentElement.dataset.sand ??= Math.round(performance.now());
     this.#next(runs);
   }
   #run(now, seconds) {

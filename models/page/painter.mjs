@@ -7,10 +7,10 @@ import { SandPainter, program, setUniforms, uploadShadow } from "./sand_painter.
 import { kitValues } from "./glsl.mjs";
 import { k_kit } from "./kit.mjs";
 
-const k_depth_bias = 0.02;  // metres
-const k_samples = 4;        // of a smooth pixel
+const k_depth_bias = 0.02; // metres
+const k_samples = 4; // of a smooth pixel
 const k_nothing = { side: 1, bytes: new Uint8Array(1) };
-const k_plain = Uint8Array.of(197, 165, 122, 168, 127, 127, 128, 130);  // a block without grains: the last level of the one with them
+const k_plain = Uint8Array.of(197, 165, 122, 168, 127, 127, 128, 130); // a block without grains: the last level of the one with them
 
 const k_hidden = `
 uniform sampler2D real_depth;    // of the camera, metres along its axis; 0: not known
@@ -136,10 +136,14 @@ export class Camera {
   elevation = 0.4;
   distance = 1;
   fov = 0.6;
-  fit = 0.66;  // the least width that is seen, of the height
-  turn(right, up) { this.azimuth -= right;
-this.elevation = Math.min(1.5, Math.max(0.08, this.elevation + up)); }
-  zoom(factor) { this.distance = Math.min(3, Math.max(0.25, this.distance * factor)); }
+  fit = 0.66; // the least width that is seen, of the height
+  turn(right, up) {
+    this.azimuth -= right;
+    this.elevation = Math.min(1.5, Math.max(0.08, this.elevation + up));
+  }
+  zoom(factor) {
+    this.distance = Math.min(3, Math.max(0.25, this.distance * factor));
+  }
   axes() {
     const flat = Math.cos(this.elevation);
     const away = [Math.sin(this.azimuth) * flat, Math.sin(this.elevation), Math.cos(this.azimuth) * flat];
@@ -149,7 +153,7 @@ this.elevation = Math.min(1.5, Math.max(0.08, this.elevation + up)); }
   // Where the ray through a point of the canvas, 0..1 from its upper left corner, meets the plane y = height.
   onPlane(x, y, aspect, height = 0) {
     const { eye, right, up, away } = this.axes();
-const half = this.half(aspect);
+    const half = this.half(aspect);
     const ray = unit(away.map((a, i) => -a + right[i] * (2 * x - 1) * half[0] + up[i] * (1 - 2 * y) * half[1]));
     if (ray[1] > -0.02) return null;
     const along = (height - eye[1]) / ray[1];
@@ -165,30 +169,50 @@ const half = this.half(aspect);
 export class Painter {
   // `radius`: a particle's. Sand is plain until the block of grains comes.
   constructor(canvas, radius) {
-    const gl = this.gl = canvas.getContext("webgl2", { antialias: false, powerPreference: "low-power" });
-    if (!gl) throw new Error("This browser has no WebGL 2, so nothing can be drawn. Update it, or turn hardware acceleration on.");
+    const gl = (this.gl = canvas.getContext("webgl2", { antialias: false, powerPreference: "low-power" }));
+    if (!gl)
+      throw new Error(
+        "This browser has no WebGL 2, so nothing can be drawn. Update it, or turn hardware acceleration on.",
+      );
     this.canvas = canvas;
     this.plain = program(gl, k_solid_vertex, k_solid_fragment);
-this.glassProgram = program(gl, k_kit.uniforms + k_glass_vertex, k_lighting + k_glass_fragment);
-this.glass = null;
+    this.glassProgram = program(gl, k_kit.uniforms + k_glass_vertex, k_lighting + k_glass_fragment);
+    this.glass = null;
     this.sand = new SandPainter(gl, k_kit.before + k_hidden, k_plain, radius);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    for (const name of ["pile", "onSand", "shadow", "occlusion", "sky", "skyOnSand", "wallShadow", "wallOcclusion", "depth", "unknownDepth"]) this[name] = uploadShadow(gl, k_nothing);
+    for (const name of [
+      "pile",
+      "onSand",
+      "shadow",
+      "occlusion",
+      "sky",
+      "skyOnSand",
+      "wallShadow",
+      "wallOcclusion",
+      "depth",
+      "unknownDepth",
+    ])
+      this[name] = uploadShadow(gl, k_nothing);
     this.room = gl.createTexture();
-this.roomKnown = 0;
+    this.roomKnown = 0;
     for (let face = 0; face < 6; ++face) this.uploadFace(face, 1, new Uint16Array(4));
     this.objects = [];
-this.funnels = [];  // matrices of `funnel`, an item
+    this.funnels = []; // matrices of `funnel`, an item
     const s = 3;
-    this.table = this.mesh(new Float32Array([-s, 0, -s, -s, 0, s, s, 0, s, s, 0, -s]), new Uint32Array([0, 1, 2, 0, 2, 3]));
-    this.wall = null;        // { model, on, plane }: what makes a place of its own one of the world, and back
-    this.depthOnScreen = null;  // where a share of the screen, from its lower left corner, lies in the depth image
+    this.table = this.mesh(
+      new Float32Array([-s, 0, -s, -s, 0, s, s, 0, s, s, 0, -s]),
+      new Uint32Array([0, 1, 2, 0, 2, 3]),
+    );
+    this.wall = null; // { model, on, plane }: what makes a place of its own one of the world, and back
+    this.depthOnScreen = null; // where a share of the screen, from its lower left corner, lies in the depth image
     this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     gl.enable(gl.DEPTH_TEST);
   }
 
   // With metal, and over what is real. Compilers take as long for it as for all others: it is made when something needs it.
-  get full() { return this.fullProgram ??= program(this.gl, k_solid_vertex, `#define FULL\n${k_solid_fragment}`); }
+  get full() {
+    return (this.fullProgram ??= program(this.gl, k_solid_vertex, `#define FULL\n${k_solid_fragment}`));
+  }
 
   // What sand_block makes.
   setBlock(block) {
@@ -198,7 +222,7 @@ this.funnels = [];  // matrices of `funnel`, an item
   // What drawn() of a stage gives.
   take(drawn) {
     this.drawn = drawn;
-this.sand.streams = drawn.streams;
+    this.sand.streams = drawn.streams;
     for (const [name, texture] of Object.entries(drawn.textures)) uploadShadow(this.gl, texture, this[name]);
     if (drawn.skin) this.sand.upload(drawn.skin);
   }
@@ -207,7 +231,8 @@ this.sand.streams = drawn.streams;
     const { gl } = this;
     gl.bindTexture(gl.TEXTURE_CUBE_MAP, this.room);
     gl.texImage2D(gl.TEXTURE_CUBE_MAP_POSITIVE_X + face, 0, gl.RGBA16F, side, side, 0, gl.RGBA, gl.HALF_FLOAT, halves);
-    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_CUBE_MAP, name, gl.LINEAR);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+      gl.texParameteri(gl.TEXTURE_CUBE_MAP, name, gl.LINEAR);
   }
   // Metres, the upper row first. `onScreen`: columns of the 3 x 3 matrix of depthOnScreen.
   uploadDepth(width, height, metres, onScreen) {
@@ -219,7 +244,7 @@ this.sand.streams = drawn.streams;
   // `normals`: of metal, one a vertex.
   mesh(vertices, indices, normals = null) {
     const { gl } = this;
-const made = { array: gl.createVertexArray(), count: indices.length };
+    const made = { array: gl.createVertexArray(), count: indices.length };
     gl.bindVertexArray(made.array);
     for (const [at, values] of [vertices, normals].entries()) {
       if (!values) continue;
@@ -233,16 +258,28 @@ const made = { array: gl.createVertexArray(), count: indices.length };
     gl.bindVertexArray(null);
     return made;
   }
-  item(vertices, indices, model, albedo, normals = null) { return { ...this.mesh(vertices, indices, normals), model, albedo, metal: normals ? 1 : 0 }; }
+  item(vertices, indices, model, albedo, normals = null) {
+    return { ...this.mesh(vertices, indices, normals), model, albedo, metal: normals ? 1 : 0 };
+  }
   // Gives what `remove` takes.
-  add(...item) { return this.objects[this.objects.push(this.item(...item)) - 1]; }
-  remove(object) { this.objects = this.objects.filter((other) => other !== object);
-this.gl.deleteVertexArray(object.array); }
+  add(...item) {
+    return this.objects[this.objects.push(this.item(...item)) - 1];
+  }
+  remove(object) {
+    this.objects = this.objects.filter((other) => other !== object);
+    this.gl.deleteVertexArray(object.array);
+  }
 
   // What is drawn with several samples a pixel, before it is shown.
   manySamples(width, height) {
     const { gl } = this;
-const made = this.samples ??= { frame: gl.createFramebuffer(), parts: [[gl.COLOR_ATTACHMENT0, gl.RGBA8], [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24]].map((part) => [...part, gl.createRenderbuffer()]) };
+    const made = (this.samples ??= {
+      frame: gl.createFramebuffer(),
+      parts: [
+        [gl.COLOR_ATTACHMENT0, gl.RGBA8],
+        [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24],
+      ].map((part) => [...part, gl.createRenderbuffer()]),
+    });
     gl.bindFramebuffer(gl.FRAMEBUFFER, made.frame);
     if (made.width === width && made.height === height) return;
     for (const [attached, format, buffer] of made.parts) {
@@ -251,25 +288,57 @@ const made = this.samples ??= { frame: gl.createFramebuffer(), parts: [[gl.COLOR
       gl.framebufferRenderbuffer(gl.FRAMEBUFFER, attached, gl.RENDERBUFFER, buffer);
     }
     made.width = width;
-made.height = height;
+    made.height = height;
   }
   // The picture of a camera on the canvas.
   draw(camera, { pixels, smooth } = { pixels: 2, smooth: true }) {
     const { gl, canvas } = this;
-const scale = Math.min(devicePixelRatio, pixels);
+    const scale = Math.min(devicePixelRatio, pixels);
     const [width, height] = [Math.round(canvas.clientWidth * scale), Math.round(canvas.clientHeight * scale)];
     if (canvas.width !== width || canvas.height !== height) {
-canvas.width = width;
-canvas.height = height;
-}
+      canvas.width = width;
+      canvas.height = height;
+    }
     const { eye, right, up, away } = camera.axes();
-const half = camera.half(width / height);
-const near = 0.05;
-const far = 12;
-    const view = new Float32Array([right[0], up[0], away[0], 0, right[1], up[1], away[1], 0, right[2], up[2], away[2], 0,
-      -dot(right, eye), -dot(up, eye), -dot(away, eye), 1]);
-    const projection = new Float32Array([1 / half[0], 0, 0, 0, 0, 1 / half[1], 0, 0, 0, 0, (far + near) / (near - far), -1,
-      0, 0, 2 * far * near / (near - far), 0]);
+    const half = camera.half(width / height);
+    const near = 0.05;
+    const far = 12;
+    const view = new Float32Array([
+      right[0],
+      up[0],
+      away[0],
+      0,
+      right[1],
+      up[1],
+      away[1],
+      0,
+      right[2],
+      up[2],
+      away[2],
+      0,
+      -dot(right, eye),
+      -dot(up, eye),
+      -dot(away, eye),
+      1,
+    ]);
+    const projection = new Float32Array([
+      1 / half[0],
+      0,
+      0,
+      0,
+      0,
+      1 / half[1],
+      0,
+      0,
+      0,
+      0,
+      (far + near) / (near - far),
+      -1,
+      0,
+      0,
+      (2 * far * near) / (near - far),
+      0,
+    ]);
     if (smooth) this.manySamples(width, height);
     else gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.clearColor(0.807, 0.796, 0.772, 1);
@@ -286,18 +355,22 @@ const far = 12;
   shrink(texture, width, height) {
     const { gl } = this;
     if (!this.small) {
-      this.small = { copy: program(gl, k_copy_vertex, k_copy_fragment), frame: gl.createFramebuffer(), texture: uploadShadow(gl, k_nothing) };
+      this.small = {
+        copy: program(gl, k_copy_vertex, k_copy_fragment),
+        frame: gl.createFramebuffer(),
+        texture: uploadShadow(gl, k_nothing),
+      };
       gl.bindTexture(gl.TEXTURE_2D, this.small.texture);
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
     }
     const { copy, frame, texture: target } = this.small;
-const bytes = new Uint8Array(4 * width * height);
+    const bytes = new Uint8Array(4 * width * height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, target, 0);
     gl.viewport(0, 0, width, height);
     gl.useProgram(copy.made);
     gl.activeTexture(gl.TEXTURE0);
-gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.uniform1i(copy.at("image"), 0);
     gl.disable(gl.DEPTH_TEST);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
@@ -309,41 +382,55 @@ gl.bindTexture(gl.TEXTURE_2D, texture);
   // One view of the table. `real`: table and wall are those that a camera shows, and get shadows alone.
   paint({ view, projection, eye, viewport, real }) {
     const { gl, wall, drawn } = this;
-const all = [...this.objects, ...this.funnels.map((model) => ({ ...this.funnel, model }))];
+    const all = [...this.objects, ...this.funnels.map((model) => ({ ...this.funnel, model }))];
     const solid = real || all.some(({ metal }) => metal) ? this.full : this.plain;
-const still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    const still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     const depth = real && this.depthOnScreen;
-const m = depth || Array(9).fill(0);
-const [left, low, width, height] = viewport;
-    const depthFromScreen = m.map((x, i) => (i < 3 ? x / width : i < 6 ? x / height : x - m[i - 6] * left / width - m[i - 3] * low / height));
+    const m = depth || Array(9).fill(0);
+    const [left, low, width, height] = viewport;
+    const depthFromScreen = m.map((x, i) =>
+      i < 3 ? x / width : i < 6 ? x / height : x - (m[i - 6] * left) / width - (m[i - 3] * low) / height,
+    );
     gl.viewport(...viewport);
     const common = (p, pile, sky) => {
       gl.useProgram(p.made);
-      [pile, this.shadow, this.occlusion, sky, depth ? this.depth : this.unknownDepth].forEach((texture, unit) => { gl.activeTexture(gl.TEXTURE0 + unit);
-gl.bindTexture(gl.TEXTURE_2D, texture); });
-      ["pile", "shadow", "occlusion", "sky", "real_depth", "room"].forEach((name, unit) => gl.uniform1i(p.at(name), unit));
+      [pile, this.shadow, this.occlusion, sky, depth ? this.depth : this.unknownDepth].forEach((texture, unit) => {
+        gl.activeTexture(gl.TEXTURE0 + unit);
+        gl.bindTexture(gl.TEXTURE_2D, texture);
+      });
+      ["pile", "shadow", "occlusion", "sky", "real_depth", "room"].forEach((name, unit) =>
+        gl.uniform1i(p.at(name), unit),
+      );
       gl.activeTexture(gl.TEXTURE5);
-gl.bindTexture(gl.TEXTURE_CUBE_MAP, this.room);
+      gl.bindTexture(gl.TEXTURE_CUBE_MAP, this.room);
       gl.activeTexture(gl.TEXTURE0);
-      setUniforms(gl, p, { ...kitValues(drawn), view, projection, eye, table_of_room: this.tableOfRoom, wall: real && wall ? wall.plane : [0, 0, 0, 1e9],
-        bias: k_depth_bias, depth_from_screen: depthFromScreen });
+      setUniforms(gl, p, {
+        ...kitValues(drawn),
+        view,
+        projection,
+        eye,
+        table_of_room: this.tableOfRoom,
+        wall: real && wall ? wall.plane : [0, 0, 0, 1e9],
+        bias: k_depth_bias,
+        depth_from_screen: depthFromScreen,
+      });
     };
     const drawItem = ({ array, count: corners, model, albedo = [0, 0, 0], table = 0, metal = 0 }) => {
       gl.uniformMatrix4fv(solid.at("model"), false, model);
       gl.uniform3fv(solid.at("albedo"), albedo);
-gl.uniform1f(solid.at("table"), table);
-gl.uniform1f(solid.at("metal"), metal);
+      gl.uniform1f(solid.at("table"), table);
+      gl.uniform1f(solid.at("metal"), metal);
       gl.bindVertexArray(array);
       gl.drawElements(gl.TRIANGLES, corners, gl.UNSIGNED_INT, 0);
     };
     common(solid, this.pile, this.sky);
     gl.uniform1f(solid.at("real"), real ? 1 : 0);
-gl.uniform1f(solid.at("room_known"), this.roomKnown);
+    gl.uniform1f(solid.at("room_known"), this.roomKnown);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     if (real) {
-gl.enable(gl.BLEND);
-gl.depthMask(false);
-}  // what shows the real hides nothing
+      gl.enable(gl.BLEND);
+      gl.depthMask(false);
+    } // what shows the real hides nothing
     drawItem({ ...this.table, model: still, table: real ? 2 : 1 });
     gl.depthMask(true);
     for (const item of all) drawItem(item);
@@ -365,28 +452,41 @@ gl.depthMask(false);
     common(p, this.pile, this.sky);
     gl.uniformMatrix4fv(p.at("model"), false, glass.model);
     gl.enable(gl.BLEND);
-gl.enable(gl.CULL_FACE);
-gl.depthMask(false);
+    gl.enable(gl.CULL_FACE);
+    gl.depthMask(false);
     gl.blendFuncSeparate(gl.ONE, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.bindVertexArray(glass.array);
     for (const side of [gl.FRONT, gl.BACK]) {
-gl.cullFace(side);
-gl.drawElements(gl.TRIANGLES, glass.count, gl.UNSIGNED_INT, 0);
-}
+      gl.cullFace(side);
+      gl.drawElements(gl.TRIANGLES, glass.count, gl.UNSIGNED_INT, 0);
+    }
     gl.bindVertexArray(null);
     gl.depthMask(true);
-gl.disable(gl.CULL_FACE);
+    gl.disable(gl.CULL_FACE);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
   // The objects' shadows on a wall; sand throws none there.
   paintWall(solid, drawItem) {
-    const { gl, wall, drawn: { boxes, shadowOpacity } } = this;
+    const {
+      gl,
+      wall,
+      drawn: { boxes, shadowOpacity },
+    } = this;
     if (!boxes.wallShadow || !boxes.wallOcclusion) return;
-    [this.wallShadow, this.wallOcclusion].forEach((texture, i) => { gl.activeTexture(gl.TEXTURE1 + i);
-gl.bindTexture(gl.TEXTURE_2D, texture); });
+    [this.wallShadow, this.wallOcclusion].forEach((texture, i) => {
+      gl.activeTexture(gl.TEXTURE1 + i);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+    });
     gl.activeTexture(gl.TEXTURE0);
-    setUniforms(gl, solid, { on_plane: wall.on, shadow_box: boxes.wallShadow, occlusion_box: boxes.wallOcclusion, shadow_opacity: shadowOpacity, pile_opacity: 0, sky_known: 0 });
+    setUniforms(gl, solid, {
+      on_plane: wall.on,
+      shadow_box: boxes.wallShadow,
+      occlusion_box: boxes.wallOcclusion,
+      shadow_opacity: shadowOpacity,
+      pile_opacity: 0,
+      sky_known: 0,
+    });
     gl.depthMask(false);
     drawItem({ ...this.table, model: wall.model, table: 2 });
     gl.depthMask(true);

@@ -59,14 +59,14 @@ export async function playRecording(page, told, shown) {
     Object.assign(page, before);
     showObjects(page);
     const ours = error.message.startsWith("sandglass") || error.constructor === Error;
-    throw new Error(ours ? error.message : "The recording is damaged, so it cannot be played. Ask for it again.", { cause: error });
+    throw new Error(ours ? error.message : "The recording is damaged, so it cannot be played. Ask for it again.", {
+      cause: error,
+    });
   }
   const hash = scene.hash();
   replaceScene(page, scene, before.objects, told.frames);
   if (hash !== told.hash)
-    throw new Error(
-      `The recording ends in ${hash} here and in ${told.hash} where it was made. Please report this.`,
-    );
+    throw new Error(`The recording ends in ${hash} here and in ${told.hash} where it was made. Please report this.`);
   return hash;
 }
 

@@ -3,6 +3,7 @@
 first and the last show the same: film.py PAGE FOLDER GIF
 
 PAGE is what `./sg page` makes."""
+
 import pathlib
 import shutil
 import subprocess
@@ -19,8 +20,10 @@ ABOVE = """(() => { const {page} = sandglassPage, n = page.scene.report.sand.par
     page.sand.free(p);
     return above; })()"""
 
-GIF = ("[0]scale=360:-1:flags=area,crop=360:350:0:15,split[film][colours]; [colours]palettegen=max_colors=96:stats_mode=full[palette];"
-       "[film][palette]paletteuse=dither=none:diff_mode=rectangle")
+GIF = (
+    "[0]scale=360:-1:flags=area,crop=360:350:0:15,split[film][colours]; [colours]palettegen=max_colors=96:stats_mode=full[palette];"
+    "[film][palette]paletteuse=dither=none:diff_mode=rectangle"
+)
 
 
 def main():
@@ -29,7 +32,9 @@ def main():
     folder.mkdir(parents=True)
     browser = Browser(shutil.which("chromium"), WIDTH, HEIGHT)
     try:
-        browser.call("Emulation.setDeviceMetricsOverride", width=WIDTH, height=HEIGHT, deviceScaleFactor=1, mobile=False)
+        browser.call(
+            "Emulation.setDeviceMetricsOverride", width=WIDTH, height=HEIGHT, deviceScaleFactor=1, mobile=False
+        )
         browser.open(page)
         end = time.monotonic() + 120
         while not browser.ask("!!window.sandglassPage"):
@@ -46,7 +51,9 @@ def main():
         while rest < REST:
             if number == REST:
                 browser.ask("sandglassPage.page.turnOver()")
-            browser.ask(f"(() => {{ const {{page}} = sandglassPage; for (let i = 0; i < {FRAMES_A_PICTURE}; ++i) page.advance(1 / 60); page.draw(); }})()")
+            browser.ask(
+                f"(() => {{ const {{page}} = sandglassPage; for (let i = 0; i < {FRAMES_A_PICTURE}; ++i) page.advance(1 / 60); page.draw(); }})()"
+            )
             browser.screenshot(folder / f"{number:04}.png")
             number += 1
             rest = rest + 1 if number > REST + 20 and browser.ask(ABOVE) == 0 else 0
@@ -56,7 +63,10 @@ def main():
     finally:
         browser.close()
     print(file=sys.stderr)
-    subprocess.run(["ffmpeg", "-v", "error", "-y", "-framerate", "12", "-i", folder / "%04d.png", "-filter_complex", GIF, film], check=True)
+    subprocess.run(
+        ["ffmpeg", "-v", "error", "-y", "-framerate", "12", "-i", folder / "%04d.png", "-filter_complex", GIF, film],
+        check=True,
+    )
     if film.stat().st_size > 2e6:
         sys.exit(f"film.py: {film} is larger than 2 MB")
 

@@ -9,6 +9,7 @@ baseline: a change that is meant to cost more says why in its message. --control
 of `kernels`, `rest` and `room` are the workloads that the program lists, each run by itself; every_kernel_counted.py looks for a line of each
 kernel. What an image may cost a frame is a limit of its own.
 """
+
 import argparse
 import pathlib
 import re
@@ -25,9 +26,17 @@ MOST = {"image_told per item": 1e6, "image_untold per item": 1e6}  # instruction
 # metric, the functions it sums up (None: all), and the number printed by the workload that it is divided by
 METRICS = {
     "sand": [
-        ("contacts per particle and sub-step", r"::(predict_motion|contact_pairs|solve_touching<\w+>|complete_motion)\(", "particle_iterations"),
+        (
+            "contacts per particle and sub-step",
+            r"::(predict_motion|contact_pairs|solve_touching<\w+>|complete_motion)\(",
+            "particle_iterations",
+        ),
         ("neighbour_lists per particle and build", r"::(neighbour_lists|find_ranges)\(", "particle_builds"),
-        ("colours and slack per particle and build", r"::(pair_colours_run|colour_class|neighbours_run_measuring|list_slack_run|gather_row|measure_row)\(", "particle_builds"),
+        (
+            "colours and slack per particle and build",
+            r"::(pair_colours_run|colour_class|neighbours_run_measuring|list_slack_run|gather_row|measure_row)\(",
+            "particle_builds",
+        ),
         ("refine_grains per grain and sweep", r"::refine_grains\(", "grain_sweeps"),
         ("scatter_motion and join per particle and sweep", r"::scatter_motion\(|::motion_join\(", "particle_sweeps"),
         ("count_grains and smooth per grain and sweep", r"::count_grains\(|::motion_smooth\(", "grain_sweeps"),
@@ -61,7 +70,11 @@ METRICS = {
         ("pool per thousand bytes compared", r"sandglass::int8_[a-z0-9_]+::pool\(", "pool_thousand_bytes"),
         ("narrow (1x1) per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::narrow\(", "narrow_thousand_macs"),
         ("wide (3x3) per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::wide\(", "wide_thousand_macs"),
-        ("transition per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::transition\(", "transition_thousand_macs"),
+        (
+            "transition per thousand multiply-adds",
+            r"sandglass::int8_[a-z0-9_]+::transition\(",
+            "transition_thousand_macs",
+        ),
         ("dot per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::dot\(", "dot_thousand_macs"),
         ("all per thousand multiply-adds", None, "thousand_macs"),
         ("whole pass", None, "passes"),
@@ -95,7 +108,9 @@ def measure(arguments):
     """Instructions an item by metric, and the instruction set of the kernels."""
     if arguments.suite in NAMED:
         names = subprocess.run(command_of(arguments), check=True, capture_output=True, text=True).stdout.split()
-        runs = {name: (*run(arguments, name), [(f"{name} per item", NAMED[arguments.suite], "items")]) for name in names}
+        runs = {
+            name: (*run(arguments, name), [(f"{name} per item", NAMED[arguments.suite], "items")]) for name in names
+        }
     else:
         runs = {arguments.suite: (*run(arguments), METRICS[arguments.suite])}
         for name, workload in MORE.get(arguments.suite, {}).items():

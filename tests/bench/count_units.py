@@ -7,6 +7,7 @@ Each kind is fitted as instructions = base + per_item * items over its units. Fa
 5 %. The numbers belong to one compiler; with another the table is printed and the test is skipped (exit code 77). --write replaces
 the table: do so after a change to a kernel or to what a unit does.
 """
+
 import argparse
 import pathlib
 import re
@@ -23,7 +24,12 @@ def measure(arguments):
     """For each name the pairs (items, instructions)."""
     with tempfile.TemporaryDirectory() as folder:
         counts = pathlib.Path(folder) / "counts"
-        command = [*arguments.emulator.split(" "), "-plugin", f"{arguments.plugin},out={counts}", *arguments.program.split(" ")]
+        command = [
+            *arguments.emulator.split(" "),
+            "-plugin",
+            f"{arguments.plugin},out={counts}",
+            *arguments.program.split(" "),
+        ]
         printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
         laps = [int(line.split(" ")[0]) for line in pathlib.Path(f"{counts}.laps").read_text().splitlines()]
     if len(laps) != len(printed):
@@ -69,13 +75,16 @@ def main():
         path.write_text(
             "// Executed NEON instructions of a work unit: its name, what it costs at least, and what each of its items adds.\n"
             "// Written by the target count_baseline (tests/bench/count_units.py).\n"
-            f"// compiler {arguments.compiler}\n" + "".join(f'{{"{n}", {b:.1f}, {p:.2f}}},\n' for n, b, p in rows))
+            f"// compiler {arguments.compiler}\n" + "".join(f'{{"{n}", {b:.1f}, {p:.2f}}},\n' for n, b, p in rows)
+        )
     table, off = read(path), []
     for name, pairs in sorted(units.items()):
         base, per_item = table.get(name, (0, 0))
         counted, told = sum(y for _, y in pairs), sum(base + per_item * x for x, _ in pairs)
-        print(f"{counted / len(pairs):14.1f}  {name}, a unit of {sum(x for x, _ in pairs) / len(pairs):.1f} items "
-              f"({100 * (told / counted - 1):+.2f} % by the table)")
+        print(
+            f"{counted / len(pairs):14.1f}  {name}, a unit of {sum(x for x, _ in pairs) / len(pairs):.1f} items "
+            f"({100 * (told / counted - 1):+.2f} % by the table)"
+        )
         if abs(told - counted) > ALLOWED * counted:
             off.append(name)
     if f"// compiler {arguments.compiler}" not in path.read_text():

@@ -5,6 +5,7 @@
 
 The float kernels are those of kernels.inc. The kernels of bytes are the members of Int8Kernels, each for NEON, SDOT and SMMLA.
 """
+
 import pathlib
 import re
 import sys
@@ -28,7 +29,12 @@ def main():
     wanted = {"counts_kernels.txt": floats}
     for isa in ("neon", "dotprod", "i8mm"):
         wanted[f"counts_*_{isa}.txt"] = of_bytes
-    missing = [f"{name} ({pattern})" for pattern, names in wanted.items() for name in names if name not in lines_of(baselines, pattern)]
+    missing = [
+        f"{name} ({pattern})"
+        for pattern, names in wanted.items()
+        for name in names
+        if name not in lines_of(baselines, pattern)
+    ]
     if missing:
         sys.exit("kernels without a counted line: " + ", ".join(missing))
     print(f"{len(floats)} float kernels and {len(of_bytes)} of bytes, for three instruction sets, are counted")

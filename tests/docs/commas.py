@@ -3,20 +3,28 @@
 
 Left alone are declarations, the step of a for loop, and what folds and the arguments of templates separate.
 """
+
 import pathlib
 import re
 import sys
 
 LEFT_OUT = {".git", "build", "out", "control", "node_modules"}
 SUFFIXES = {".c", ".cpp", ".h", ".inc", ".inl", ".m", ".mm"}
-SILENT = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<!\w)\'(?:\\.|[^\'\\\n])+\'|'
-                    r'__attribute__\(\((?:[^()]|\([^()]*\))*\)\)|^ *#(?:\\\n|[^\n])*', re.S | re.M)
+SILENT = re.compile(
+    r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<!\w)\'(?:\\.|[^\'\\\n])+\'|'
+    r"__attribute__\(\((?:[^()]|\([^()]*\))*\)\)|^ *#(?:\\\n|[^\n])*",
+    re.S | re.M,
+)
 TOKEN = re.compile(r"operator\W+?(?=\()|\w+|::|->|\+\+|--|<<|[<>]=|\.\.\.|\S")
 BRACKETS = {"(": "()", "[": "[]", "{": "{}"}
-HEAD = re.compile(r"((if|for|while|switch|else|do|constexpr|alignas|case .*? :|default :|public :|private :|\[\]|extern) (\(\) )?)+")
+HEAD = re.compile(
+    r"((if|for|while|switch|else|do|constexpr|alignas|case .*? :|default :|public :|private :|\[\]|extern) (\(\) )?)+"
+)
 SEPARATED = re.compile(r"< (?:[\w:,*&()\[\]{}. ]|<>)*>|\.\.\. ,|, \.\.\.")
-DECLARATION = re.compile(r"(?!(return|throw|delete|co_return)\b)(@|(auto|class|const|constexpr|enum|static|struct|template|union|using)\b|"
-                         r"(:: )?(\w+ )+(:: \w+ |<> |[*&] |const )*(?<=\w |> |\* |& )\w+ [=,;({[])")
+DECLARATION = re.compile(
+    r"(?!(return|throw|delete|co_return)\b)(@|(auto|class|const|constexpr|enum|static|struct|template|union|using)\b|"
+    r"(:: )?(\w+ )+(:: \w+ |<> |[*&] |const )*(?<=\w |> |\* |& )\w+ [=,;({[])"
+)
 GROUPS = re.compile(r"(if|while|switch|return|[-=(,;{?:+/<|!])$")  # what stands before a bracket that is no call's
 AFTER_BLOCK = re.compile(r"[\w{}]|\+\+|--|::")
 
@@ -41,7 +49,11 @@ def faults(code):
             if bracket == "(" and GROUPS.match(head) and joined(["return", *part]):
                 yield token.start()
             parts[-1].append(BRACKETS[bracket])
-            if bracket == "{" and AFTER_BLOCK.match(following) and parts[-1][0] not in ("class", "enum", "struct", "union"):
+            if (
+                bracket == "{"
+                and AFTER_BLOCK.match(following)
+                and parts[-1][0] not in ("class", "enum", "struct", "union")
+            ):
                 parts[-1] = []
         elif token[0] == ";":
             if joined(parts[-1]):

@@ -9,6 +9,7 @@ neither the part names nor WHOLE:
   a parameter STATE* without const
 RECORDS are what all files work on. What is written through a reference to a part is not seen.
 """
+
 import pathlib
 import re
 import sys
@@ -16,7 +17,11 @@ import sys
 WHOLE = {"stage.cpp", "create.cpp", "compare.cpp", "versions.cpp"}
 RECORDS = {"records", "nodes"}
 FIELD = r"(?:(?:->|\.)\w+|\[[^][]*(?:\[[^][]*\][^][]*)*\])*"
-WRITES = [r"\b(\w+)->(\w+)" + FIELD + r"\s*(?:[-+*/|&^]|<<|>>)?=(?!=)", r"(?:\+\+|--)(\w+)->(\w+)", r"\b(\w+)->(\w+)" + FIELD + r"(?:\+\+|--)"]
+WRITES = [
+    r"\b(\w+)->(\w+)" + FIELD + r"\s*(?:[-+*/|&^]|<<|>>)?=(?!=)",
+    r"(?:\+\+|--)(\w+)->(\w+)",
+    r"\b(\w+)->(\w+)" + FIELD + r"(?:\+\+|--)",
+]
 
 
 def faults(path, owners, state):
@@ -34,7 +39,16 @@ def faults(path, owners, state):
 
 folder, state = pathlib.Path(sys.argv[1]), sys.argv[2]
 text = "\n".join(header.read_text() for header in sorted(folder.glob("*.h")))
-owners = {part: set(re.findall(r"\w+\.cpp", files)) for part, files in re.findall(r"^// ---- (\w+) \((.*)\)$", text, re.MULTILINE)}
-missing = [f"{state} has no {part}" for part in owners if not re.search(rf"^struct {state} \{{.*?^  {part} \w+[;\[]", text, re.MULTILINE | re.DOTALL)]
-found = missing + [fault for path in sorted(folder.glob("*.cpp")) if path.name not in WHOLE for fault in faults(path, owners, state)]
+owners = {
+    part: set(re.findall(r"\w+\.cpp", files))
+    for part, files in re.findall(r"^// ---- (\w+) \((.*)\)$", text, re.MULTILINE)
+}
+missing = [
+    f"{state} has no {part}"
+    for part in owners
+    if not re.search(rf"^struct {state} \{{.*?^  {part} \w+[;\[]", text, re.MULTILINE | re.DOTALL)
+]
+found = missing + [
+    fault for path in sorted(folder.glob("*.cpp")) if path.name not in WHOLE for fault in faults(path, owners, state)
+]
 sys.exit("\n".join(found + [f"{len(found)} faults"]) if found or not owners else None)

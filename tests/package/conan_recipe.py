@@ -6,6 +6,7 @@
 
 The exported sources are first copied to a folder of their own, so a file that the recipe does not export fails the build.
 """
+
 import importlib.util
 import pathlib
 import shutil
@@ -42,12 +43,24 @@ class CMake:
         subprocess.run(["cmake", *arguments], check=True, stdout=subprocess.DEVNULL)
 
     def configure(self):
-        variables = [f"-D{name}={'ON' if value is True else 'OFF' if value is False else value}"
-                     for name, value in self.recipe.cache_variables.items()]
+        variables = [
+            f"-D{name}={'ON' if value is True else 'OFF' if value is False else value}"
+            for name, value in self.recipe.cache_variables.items()
+        ]
         if launcher:
             variables.append(f"-DCMAKE_CXX_COMPILER_LAUNCHER={launcher}")
-        self.run("-S", self.recipe.source_folder, "-B", self.recipe.build_folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                 f"-DCMAKE_INSTALL_PREFIX={self.recipe.package_folder}", "-DCMAKE_INSTALL_LIBDIR=lib", *variables)
+        self.run(
+            "-S",
+            self.recipe.source_folder,
+            "-B",
+            self.recipe.build_folder,
+            "-G",
+            "Ninja",
+            "-DCMAKE_BUILD_TYPE=Release",
+            f"-DCMAKE_INSTALL_PREFIX={self.recipe.package_folder}",
+            "-DCMAKE_INSTALL_LIBDIR=lib",
+            *variables,
+        )
 
     def build(self):
         self.run("--build", self.recipe.build_folder, "--parallel", "2")
@@ -94,13 +107,23 @@ def main():
     recipe.export_sources_folder = recipe.source_folder = str(work / "source")
     recipe.build_folder, recipe.package_folder = str(work / "build"), str(work / "package")
     recipe.settings = types.SimpleNamespace(os="Linux", arch="armv7", compiler="gcc", build_type="Release")
-    recipe.cpp_info = types.SimpleNamespace(builddirs=[], libs=[], system_libs=[], set_property=lambda name, value: None)
+    recipe.cpp_info = types.SimpleNamespace(
+        builddirs=[], libs=[], system_libs=[], set_property=lambda name, value: None
+    )
 
     # The rows of the table of targets in tests/README.md.
-    for system, processor, built in (("Linux", "armv7", False), ("Android", "armv7", False), ("Android", "x86_64", False),
-                                     ("iOS", "x86_64", False), ("Macos", "armv8", False), ("Windows", "x86_64", False),
-                                     ("Android", "armv8", True), ("iOS", "armv8", True), ("Linux", "armv8", True),
-                                     ("Linux", "x86_64", True)):
+    for system, processor, built in (
+        ("Linux", "armv7", False),
+        ("Android", "armv7", False),
+        ("Android", "x86_64", False),
+        ("iOS", "x86_64", False),
+        ("Macos", "armv8", False),
+        ("Windows", "x86_64", False),
+        ("Android", "armv8", True),
+        ("iOS", "armv8", True),
+        ("Linux", "armv8", True),
+        ("Linux", "x86_64", True),
+    ):
         recipe.settings.os, recipe.settings.arch = system, processor
         try:
             recipe.validate()
@@ -109,14 +132,29 @@ def main():
             expect(not built, str(refusal))
     if settings_only:
         return print("the recipe builds for what is built")
-    for step in (recipe.validate, recipe.export_sources, recipe.layout, recipe.generate, recipe.build, recipe.package,
-                 recipe.package_info):
+    for step in (
+        recipe.validate,
+        recipe.export_sources,
+        recipe.layout,
+        recipe.generate,
+        recipe.build,
+        recipe.package,
+        recipe.package_info,
+    ):
         step()
 
     package = pathlib.Path(recipe.package_folder)
-    for file in ("lib/libsandglass.a", "include/sandglass/sandglass.h", "lib/cmake/sandglass/sandglassConfig.cmake", "licenses/LICENSE"):
+    for file in (
+        "lib/libsandglass.a",
+        "include/sandglass/sandglass.h",
+        "lib/cmake/sandglass/sandglassConfig.cmake",
+        "licenses/LICENSE",
+    ):
         expect((package / file).is_file(), f"the recipe did not package {file}")
-    expect(all((package / folder).is_dir() for folder in recipe.cpp_info.builddirs), "builddirs names a folder that is not there")
+    expect(
+        all((package / folder).is_dir() for folder in recipe.cpp_info.builddirs),
+        "builddirs names a folder that is not there",
+    )
     expect(recipe.cpp_info.libs == ["sandglass"], "libs")
     print("the recipe packages what a consumer needs")
 

@@ -10,6 +10,7 @@ A call through a pointer is taken to reach any function that is never called by 
 entered. Such calls nest at most three deep: governor -> stage, stage -> pool task, task -> kernel. The bound is therefore too high
 rather than too low. It leaves out the app's own hooks and the C library's memory functions.
 """
+
 import argparse
 import pathlib
 import re
@@ -62,7 +63,7 @@ def main():
         if key in known:
             return known[key]
         if key in open_calls:
-            sys.exit("recursion: " + " -> ".join(names[f] for f, _ in open_calls[open_calls.index(key):] + [key]))
+            sys.exit("recursion: " + " -> ".join(names[f] for f, _ in open_calls[open_calls.index(key) :] + [key]))
         open_calls.append(key)
         best = (0, ())
         for target in sorted(calls.get(function, ())):

@@ -13,7 +13,7 @@ import threading
 import time
 
 PATIENCE = 60  # seconds for one answer, on a busy machine
-SKIPPED = 77   # a test's exit status where there is no browser
+SKIPPED = 77  # a test's exit status where there is no browser
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 SOFTWARE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")  # WebGL without a GPU
 # JavaScript: a program of two shaders of WebGL, in use.
@@ -39,7 +39,11 @@ def check(condition, sentence):
 
 
 class Files(http.server.SimpleHTTPRequestHandler):
-    extensions_map = {**http.server.SimpleHTTPRequestHandler.extensions_map, ".mjs": "text/javascript", ".wasm": "application/wasm"}
+    extensions_map = {
+        **http.server.SimpleHTTPRequestHandler.extensions_map,
+        ".mjs": "text/javascript",
+        ".wasm": "application/wasm",
+    }
 
     def log_message(self, *_):
         pass
@@ -47,6 +51,7 @@ class Files(http.server.SimpleHTTPRequestHandler):
 
 class Isolated(Files):
     """Its pages are cross-origin isolated: browsers then let them share memory."""
+
     def end_headers(self):
         self.send_header("Cross-Origin-Opener-Policy", "same-origin")
         self.send_header("Cross-Origin-Embedder-Policy", "require-corp")
@@ -72,11 +77,28 @@ class Browser:
             os.dup2(held[1], 4)
 
         self.process = subprocess.Popen(
-            [program, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars",
-             "--disable-background-networking", "--disable-component-update", "--no-first-run", "--remote-debugging-pipe",
-             f"--window-size={width},{height}", f"--user-data-dir={self.profile}", *flags, "about:blank"],
-            preexec_fn=place_pipes, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL)
+            [
+                program,
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-dev-shm-usage",
+                "--hide-scrollbars",
+                "--disable-background-networking",
+                "--disable-component-update",
+                "--no-first-run",
+                "--remote-debugging-pipe",
+                f"--window-size={width},{height}",
+                f"--user-data-dir={self.profile}",
+                *flags,
+                "about:blank",
+            ],
+            preexec_fn=place_pipes,
+            close_fds=False,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         os.close(to_read)
         os.close(from_write)
         self.number, self.buffer, self.session = 0, b"", None
@@ -126,7 +148,9 @@ class Browser:
 
     def open(self, path_or_url):
         self.events.clear()
-        self.call("Page.navigate", url=path_or_url if "://" in str(path_or_url) else "file://" + os.path.abspath(path_or_url))
+        self.call(
+            "Page.navigate", url=path_or_url if "://" in str(path_or_url) else "file://" + os.path.abspath(path_or_url)
+        )
         deadline = time.monotonic() + PATIENCE
         while "Page.loadEventFired" not in self.events:
             self.keep(self.message(deadline))
@@ -138,7 +162,15 @@ class Browser:
         return answer["result"].get("value")
 
     def mouse(self, kind, x, y, button="none", buttons=0):
-        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button=button, buttons=buttons, clickCount=1 if button != "none" else 0)
+        self.call(
+            "Input.dispatchMouseEvent",
+            type=kind,
+            x=x,
+            y=y,
+            button=button,
+            buttons=buttons,
+            clickCount=1 if button != "none" else 0,
+        )
 
     def drag(self, x0, y0, x1, y1):
         self.mouse("mouseMoved", x0, y0)

@@ -4,6 +4,7 @@ in one place, it is not.
 
 kit_test.py KIT_PICTURE KIT FOLDER      FOLDER gets kit.png: pairs of the browser's picture and the program's, controls last.
 Exit code 77: there is no Chromium here."""
+
 import base64
 import json
 import pathlib
@@ -19,16 +20,32 @@ STEPS = 4  # of 255
 # its rim: of loose sand 4.9 % differ. The smooth picture has its samples elsewhere in a pixel: of those that an edge cuts many
 # differ (11 % of all), but the sum does not.
 ALL = ["surface", "lines", "points"]
-LIMITS = {"surface": (["surface"], 0.01, 0.001), "loose": (["lines", "points"], 0.08, 0.02),
-          "all": (ALL, 0.02, 0.002), "smooth": (ALL, 0.15, 0.002)}
-CONTROLS = [("surface", "k_own = 1.45", "k_own = 1.1"), ("surface", "k_sharper = 0.6", "k_sharper = 0.7"),
-            ("surface", "smooth_normal = normal", "smooth_normal = vec3(-1, 1, 1) * normal"),
-            ("loose", "k_clouds = 16u", "k_clouds = 15u")]
-HEAD = "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n" \
+LIMITS = {
+    "surface": (["surface"], 0.01, 0.001),
+    "loose": (["lines", "points"], 0.08, 0.02),
+    "all": (ALL, 0.02, 0.002),
+    "smooth": (ALL, 0.15, 0.002),
+}
+CONTROLS = [
+    ("surface", "k_own = 1.45", "k_own = 1.1"),
+    ("surface", "k_sharper = 0.6", "k_sharper = 0.7"),
+    ("surface", "smooth_normal = normal", "smooth_normal = vec3(-1, 1, 1) * normal"),
+    ("loose", "k_clouds = 16u", "k_clouds = 15u"),
+]
+HEAD = (
+    "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n"
     "float hidden(vec3 world) { return 0.0; }\n"
-STAGES = {"surface.vert": ["uniforms"], "surface.frag": ["uniforms", "light", "sand", "surface"],
-          "loose.vert": ["uniforms", "light", "sand"], "loose.frag": ["uniforms", "light"]}
-DRAW = "(given) => {" + USED_PROGRAM + """
+)
+STAGES = {
+    "surface.vert": ["uniforms"],
+    "surface.frag": ["uniforms", "light", "sand", "surface"],
+    "loose.vert": ["uniforms", "light", "sand"],
+    "loose.frag": ["uniforms", "light"],
+}
+DRAW = (
+    "(given) => {"
+    + USED_PROGRAM
+    + """
   const [width, height] = given.size, bytes = (hex) => Uint8Array.from(hex.match(/../g), (two) => parseInt(two, 16));
   document.body.style.background = "black";
   const [canvas, beside] = [0, 1].map(() => document.body.appendChild(Object.assign(document.createElement("canvas"), { width, height })));
@@ -76,14 +93,17 @@ DRAW = "(given) => {" + USED_PROGRAM + """
   if (gl.getError()) throw new Error("WebGL refuses a call");
   return btoa(Array.from(pixels, (byte) => String.fromCharCode(byte)).join(""));
 }"""
+)
 
 
 def main(arguments):
     if CHROMIUM is None:
         return SKIPPED
     given, kit, failures = json.loads(subprocess.check_output([arguments[0]])), pathlib.Path(arguments[1]), 0
-    sources = {stage: HEAD + "".join((kit / part).read_text() for part in [f"{b}.glsl" for b in before] + [stage])
-               for stage, before in STAGES.items()}
+    sources = {
+        stage: HEAD + "".join((kit / part).read_text() for part in [f"{b}.glsl" for b in before] + [stage])
+        for stage, before in STAGES.items()
+    }
     browser = Browser(CHROMIUM, width=1320, height=1020, flags=SOFTWARE)
     try:
         for name, old, new in [(name, "", "") for name in LIMITS] + CONTROLS:
@@ -91,10 +111,15 @@ def main(arguments):
             texts = {stage: text.replace(old, new) if old else text for stage, text in sources.items()}
             order = {**given, **texts, "parts": parts, "smooth": name == "smooth", "ours": given[name]}
             theirs, ours = base64.b64decode(browser.ask(f"({DRAW})({json.dumps(order)})")), bytes.fromhex(given[name])
-            worst = [max(abs(ours[k] - theirs[k]) for k in range(i, i + 4))
-                     for i in range(0, len(ours), 4) if ours[i + 3] + theirs[i + 3] > 0]
+            worst = [
+                max(abs(ours[k] - theirs[k]) for k in range(i, i + 4))
+                for i in range(0, len(ours), 4)
+                if ours[i + 3] + theirs[i + 3] > 0
+            ]
             share, of_sum = sum(w > STEPS for w in worst) / len(worst), abs(sum(ours) / sum(theirs) - 1)
-            print(f"{name} {new}: of {len(worst)} pixels {share:.2%} differ by more than {STEPS} of 255, the sum by {of_sum:.2%}")
+            print(
+                f"{name} {new}: of {len(worst)} pixels {share:.2%} differ by more than {STEPS} of 255, the sum by {of_sum:.2%}"
+            )
             # A control is far beyond the limit.
             failures += share < 5 * most if old else share > most or of_sum > most_of_sum
         pathlib.Path(arguments[2]).mkdir(parents=True, exist_ok=True)

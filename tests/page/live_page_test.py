@@ -7,6 +7,7 @@ what comes at any speed, or counts frames (run_frames).
 
 live_page_test.py WEB_SCENE SANDGLASS NPM_FOLDER WORK_FOLDER
 Exit code 77: there is no Chromium here, or no program to compare with."""
+
 import base64
 import json
 import math
@@ -24,23 +25,55 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FRAMES = 300
 THREADS, THREADS_FRAMES = 4, 90
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0.5 0 0.9\nv 0.5 0.9 0.3\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n"
-CUBE = ("".join(f"v {k & 1} {k >> 1 & 1} {k >> 2}\n" for k in range(8)) +
-        "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n")
+CUBE = (
+    "".join(f"v {k & 1} {k >> 1 & 1} {k >> 2}\n" for k in range(8))
+    + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
+)
+
+
 def ball(rings=12, around=24):
-    points = [(0, -1, 0), (0, 1, 0)] + [(math.sin(math.pi * r / rings) * math.cos(2 * math.pi * k / around), -math.cos(math.pi * r / rings),
-                                         math.sin(math.pi * r / rings) * math.sin(2 * math.pi * k / around)) for r in range(1, rings) for k in range(around)]
+    points = [(0, -1, 0), (0, 1, 0)] + [
+        (
+            math.sin(math.pi * r / rings) * math.cos(2 * math.pi * k / around),
+            -math.cos(math.pi * r / rings),
+            math.sin(math.pi * r / rings) * math.sin(2 * math.pi * k / around),
+        )
+        for r in range(1, rings)
+        for k in range(around)
+    ]
 
     def at(r, k):
         return 0 if r == 0 else 1 if r == rings else 2 + (r - 1) * around + k % around
 
-    faces = [f for r in range(rings) for k in range(around) for f in ((at(r, k), at(r + 1, k), at(r + 1, k + 1)), (at(r, k), at(r + 1, k + 1), at(r, k + 1))) if len(set(f)) == 3]
-    return "".join("v %.6f %.6f %.6f\n" % p for p in points) + "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces)
+    faces = [
+        f
+        for r in range(rings)
+        for k in range(around)
+        for f in ((at(r, k), at(r + 1, k), at(r + 1, k + 1)), (at(r, k), at(r + 1, k + 1), at(r, k + 1)))
+        if len(set(f)) == 3
+    ]
+    return "".join("v %.6f %.6f %.6f\n" % p for p in points) + "".join(
+        "f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces
+    )
 
 
 BALL = ball()
 CAMERA = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
-OF_THE_MACHINE = ("fallback to software WebGL", "GPU stall due to ReadPixels")  # there is no GPU, and screenshots are read back
-BAD_FILES = {"a.obj": "v 0 0 0\nf 1 2 3\n", "b.obj": "v 0 zero 0\n", "c.obj": "", "d.gltf": "{}", "e.glb": "glTF", "g.stl": "solid", "e.json": "{", "f.json": '{"sandglass": "recording"}', "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"}
+OF_THE_MACHINE = (
+    "fallback to software WebGL",
+    "GPU stall due to ReadPixels",
+)  # there is no GPU, and screenshots are read back
+BAD_FILES = {
+    "a.obj": "v 0 0 0\nf 1 2 3\n",
+    "b.obj": "v 0 zero 0\n",
+    "c.obj": "",
+    "d.gltf": "{}",
+    "e.glb": "glTF",
+    "g.stl": "solid",
+    "e.json": "{",
+    "f.json": '{"sandglass": "recording"}',
+    "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n",
+}
 
 
 def wait_until(browser, expression, patience=240):
@@ -51,15 +84,32 @@ def wait_until(browser, expression, patience=240):
 
 
 def native_hash(sandglass, frames):
-    out = subprocess.run([sandglass, "run", str(ROOT / "models/page/page.json"), "--frames", str(frames), "--clock", "virtual", "--budget-ms",
-                          "100000"], check=True, capture_output=True, text=True).stdout
+    out = subprocess.run(
+        [
+            sandglass,
+            "run",
+            str(ROOT / "models/page/page.json"),
+            "--frames",
+            str(frames),
+            "--clock",
+            "virtual",
+            "--budget-ms",
+            "100000",
+        ],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
     return next(line.split()[1] for line in out.splitlines() if line.startswith("hash "))
 
 
 def assemble(web_scene, npm, work):
     scene, page = work / "page.json", work / "sandglass.html"
     subprocess.run([web_scene, ROOT / "models/page/page.json", scene, "--counted"], check=True)
-    subprocess.run([sys.executable, ROOT / "models/page/assemble.py", npm, pathlib.Path(npm).parent / "page", scene, page], check=True)
+    subprocess.run(
+        [sys.executable, ROOT / "models/page/assemble.py", npm, pathlib.Path(npm).parent / "page", scene, page],
+        check=True,
+    )
     return page
 
 
@@ -67,12 +117,20 @@ def gltf_tetrahedron():
     places = struct.pack("<12f", 0, 0, 0, 1, 0, 0, 0.5, 0, 0.9, 0.5, 0.9, 0.3)
     corners = struct.pack("<12H", 0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0)
     uri = "data:application/octet-stream;base64," + base64.b64encode(places + corners).decode()
-    return json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-                       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-                       "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
-                                     {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}],
-                       "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
-                       "buffers": [{"byteLength": 72, "uri": uri}]})
+    return json.dumps(
+        {
+            "asset": {"version": "2.0"},
+            "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+            "accessors": [
+                {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"},
+            ],
+            "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
+            "buffers": [{"byteLength": 72, "uri": uri}],
+        }
+    )
 
 
 def drop(browser, name, text):
@@ -92,7 +150,9 @@ def run_frames(browser, count, acts="", until="false"):
 
 
 def set_budget(browser, ms):
-    browser.ask(f"document.getElementById('budget').value = {ms}; document.getElementById('budget').dispatchEvent(new Event('input'))")
+    browser.ask(
+        f"document.getElementById('budget').value = {ms}; document.getElementById('budget').dispatchEvent(new Event('input'))"
+    )
 
 
 def particles_of(said):
@@ -113,7 +173,9 @@ PLACES = """(() => { const {page} = sandglassPage, n = page.scene.report.sand.pa
 
 
 def place_on_view(browser, right, down):
-    return browser.ask(f"(({{ left, top, width, height }}) => [left + {right} * width, top + {down} * height])(document.getElementById('view').getBoundingClientRect())")
+    return browser.ask(
+        f"(({{ left, top, width, height }}) => [left + {right} * width, top + {down} * height])(document.getElementById('view').getBoundingClientRect())"
+    )
 
 
 def check_pours(browser):
@@ -137,7 +199,9 @@ def check_pours(browser):
     wait_until(browser, drawn)
     # As many triangles are drawn as the skin has: none of the hourglass's.
     browser.ask("sandglassPage.page.draw()")
-    counts = browser.ask("[sandglassPage.page.painter.sand.chunks.reduce((sum, {count}) => sum + count, 0), sandglassPage.page.skinMesh.index_count]")
+    counts = browser.ask(
+        "[sandglassPage.page.painter.sand.chunks.reduce((sum, {count}) => sum + count, 0), sandglassPage.page.skinMesh.index_count]"
+    )
     check(counts[0] == counts[1] > 0, f"of {counts[1]} indices {counts[0]} are drawn")
     check(browser.ask("sandglassPage.page.at") is None, "the finger still pours after it was lifted")
     # The sand keeps light of the room from the table beside it (SANDGLASS_PILE_SHADOW_SKY_FLOOR, 2); far from it nothing does.
@@ -161,7 +225,10 @@ def check_hourglass(browser):
     run_frames(browser, 400, until="!page.turning.turns")
     turned = browser.ask(above)
     run_frames(browser, 600, until=f"{above} < 0.1")
-    left, outside = browser.ask(above), browser.ask(PLACES + ".filter(([x, y, z]) => Math.hypot(x, z) > 0.053 || y < 0.012 || y > 0.242).length")
+    left, outside = (
+        browser.ask(above),
+        browser.ask(PLACES + ".filter(([x, y, z]) => Math.hypot(x, z) > 0.053 || y < 0.012 || y > 0.242).length"),
+    )
     print(f"of the sand {turned:.2f} is above once the glass is turned, {left:.2f} in the end")
     check(turned > 0.6 and left < 0.1, f"{turned} and then {left} of the sand is above the neck")
     check(outside == 0, f"{outside} particles left the glass")
@@ -174,8 +241,13 @@ def check_pushes(browser, at):
     browser.ask(f"sandglassPage.page.at = [{at[0]} + 0.08, 0, {at[2]}]")
     wait_until(browser, "sandglassPage.page.pushing !== null")
     browser.ask(f"sandglassPage.page.at = [{at[0]}, 0, {at[2]}]")
-    wait_until(browser, f"Math.hypot(sandglassPage.page.pushing[0] - {at[0]}, sandglassPage.page.pushing[2] - {at[2]}) < 0.01")
-    wait_until(browser, PLACES + ".every((place) => Math.hypot(...place.map((x, k) => x - sandglassPage.page.pushing[k])) > 0.03)")
+    wait_until(
+        browser, f"Math.hypot(sandglassPage.page.pushing[0] - {at[0]}, sandglassPage.page.pushing[2] - {at[2]}) < 0.01"
+    )
+    wait_until(
+        browser,
+        PLACES + ".every((place) => Math.hypot(...place.map((x, k) => x - sandglassPage.page.pushing[k])) > 0.03)",
+    )
     browser.ask("sandglassPage.page.at = null")
     browser.ask("document.querySelector('[value=pour]').click()")
 
@@ -200,7 +272,11 @@ def check_tilt(browser):
     def hold(beta, gamma):
         browser.call("DeviceOrientation.setDeviceOrientationOverride", alpha=0, beta=beta, gamma=gamma)
 
-    middle = "((places, right) => places.reduce((sum, place) => sum + place.reduce((s, x, k) => s + x * right[k], 0), 0) / places.length)(" + PLACES + ", sandglassPage.page.camera.axes().right)"
+    middle = (
+        "((places, right) => places.reduce((sum, place) => sum + place.reduce((s, x, k) => s + x * right[k], 0), 0) / places.length)("
+        + PLACES
+        + ", sandglassPage.page.camera.axes().right)"
+    )
     before = browser.ask(middle)
     hold(40, 0)
     browser.ask("document.getElementById('tilt').click()")
@@ -215,8 +291,14 @@ def check_tilt(browser):
     check(browser.ask("sandglassPage.page.gravity[1]") < -9.8, "switched off, the table is not level")
     browser.ask("document.getElementById('view').focus()")
     browser.key("j", 74)
-    check(browser.ask("document.getElementById('right').value") == "-2" and browser.ask("sandglassPage.page.gravity[0]") < -0.3, "the key J does not tip")
-    browser.ask("document.getElementById('right').value = 0; document.getElementById('right').dispatchEvent(new Event('input'))")
+    check(
+        browser.ask("document.getElementById('right').value") == "-2"
+        and browser.ask("sandglassPage.page.gravity[0]") < -0.3,
+        "the key J does not tip",
+    )
+    browser.ask(
+        "document.getElementById('right').value = 0; document.getElementById('right').dispatchEvent(new Event('input'))"
+    )
     check("level" in browser.ask("document.getElementById('says').textContent"), "the slider says nothing")
 
 
@@ -232,8 +314,15 @@ def check_camera(browser):
     wait_until(browser, "sandglassPage.page.stage.roomLight.valid === 1 && sandglassPage.page.lit")
     wait_until(browser, f"(([r, g, b]) => g > 1.2 * r && g > 1.2 * b)({light})")
     wait_until(browser, f"(now => now !== 0 && now !== {even})({left})")
-    print("the room's light:", browser.ask("(({seen, main_share, irradiance}) => ({seen, main_share, irradiance: [...irradiance]}))(sandglassPage.page.stage.roomLight)"))
-    browser.ask("window.track = sandglassPage.page.watching.stream.getTracks()[0]; document.getElementById('camera').click()")
+    print(
+        "the room's light:",
+        browser.ask(
+            "(({seen, main_share, irradiance}) => ({seen, main_share, irradiance: [...irradiance]}))(sandglassPage.page.stage.roomLight)"
+        ),
+    )
+    browser.ask(
+        "window.track = sandglassPage.page.watching.stream.getTracks()[0]; document.getElementById('camera').click()"
+    )
     check(browser.ask("window.track.readyState") == "ended", "the camera goes on after it was switched off")
     check(browser.ask(light) == slid, "the light is not the sliders' again")
     wait_until(browser, f"{left} === {even}")
@@ -252,8 +341,14 @@ def check_link(browser):
     browser.events.clear()
     browser.call("Page.reload")
     said = "document.getElementById('says').textContent"
-    wait_until(browser, f"document.readyState === 'complete' && !!{said} && !{said}.startsWith('Playing') && !{said}.startsWith('The link')")
-    check(browser.ask(said) == f"The recording ends here as it did where it was made, to the bit: {wanted}.", browser.ask(said))
+    wait_until(
+        browser,
+        f"document.readyState === 'complete' && !!{said} && !{said}.startsWith('Playing') && !{said}.startsWith('The link')",
+    )
+    check(
+        browser.ask(said) == f"The recording ends here as it did where it was made, to the bit: {wanted}.",
+        browser.ask(said),
+    )
     browser.ask("document.getElementById('says').textContent = ''; location.hash = location.hash.slice(0, -40)")
     wait_until(browser, f"{said} !== ''")
     check("cut off or damaged" in browser.ask(said), f"a link that was cut is answered: {browser.ask(said)}")
@@ -265,11 +360,19 @@ def check_real(browser):
     said = "document.getElementById('says').textContent"
     browser.ask("document.getElementById('says').textContent = ''; document.getElementById('real').click()")
     wait_until(browser, f"{said} !== ''")
-    check("missing" in browser.ask(said) or "no WebXR" in browser.ask(said), f"without a device it says: {browser.ask(said)}")
+    check(
+        "missing" in browser.ask(said) or "no WebXR" in browser.ask(said),
+        f"without a device it says: {browser.ask(said)}",
+    )
     browser.ask((ROOT / "tests/page/emulated_xr.js").read_text() + "; document.getElementById('real').click()")
     wait_until(browser, "!!sandglassPage.page.real")
     asked = browser.ask("emulated.asked")
-    check(asked["mode"] == "immersive-ar" and "hit-test" in asked["requiredFeatures"] and "light-estimation" in asked["optionalFeatures"], str(asked))
+    check(
+        asked["mode"] == "immersive-ar"
+        and "hit-test" in asked["requiredFeatures"]
+        and "light-estimation" in asked["optionalFeatures"],
+        str(asked),
+    )
     browser.ask("sandglassPage.page.again(); emulated.step()")
     check(browser.ask("sandglassPage.page.scene.frames") == 0, "time passes before the scene was placed")
     browser.ask("emulated.select('selectstart'); emulated.select('selectend'); emulated.step(2)")
@@ -278,12 +381,20 @@ def check_real(browser):
     browser.ask("emulated.select('selectstart'); emulated.step(30)")
     at = browser.ask("sandglassPage.page.at")
     check(at is not None and max(abs(x) for x in at) < 0.01, f"the finger points at {at}, and not at the middle")
-    check(browser.ask("sandglassPage.page.recorded.some(f => f.emitters.some(e => Math.abs(e.position[0]) < 0.01))"), "no sand was poured there")
+    check(
+        browser.ask("sandglassPage.page.recorded.some(f => f.emitters.some(e => Math.abs(e.position[0]) < 0.01))"),
+        "no sand was poured there",
+    )
     browser.ask("emulated.select('selectend')")
     browser.ask("emulated.step(20)")
-    light = browser.ask("(({toLight, facing, ambient}) => [toLight, facing.map(x => x / Math.PI), [...ambient.slice(0, 4)]])(sandglassPage.page.painter.light)")
+    light = browser.ask(
+        "(({toLight, facing, ambient}) => [toLight, facing.map(x => x / Math.PI), [...ambient.slice(0, 4)]])(sandglassPage.page.painter.light)"
+    )
     wanted = [[0, 0.6, 0.8], [1, 1, 0], [0.282095, 0.56419, 0.846285, 0.6 * 0.325735]]
-    check(all(abs(a - b) < 1e-5 for got, want in zip(light, wanted) for a, b in zip(got, want)), f"the device's light is drawn as {light}")
+    check(
+        all(abs(a - b) < 1e-5 for got, want in zip(light, wanted) for a, b in zip(got, want)),
+        f"the device's light is drawn as {light}",
+    )
     own = browser.ask("(({valid, irradiance}) => [valid, ...irradiance])(sandglassPage.page.stage.roomLight)")
     check(own[0] == 1 and own[1] > 1.5 * own[2], f"of a red picture the library makes the light {own}")
     pixels = browser.ask("(emulated.step(), emulated.pixels())")
@@ -312,10 +423,15 @@ def check_hidden(browser, open_pixels):
     browser.ask("emulated.depths = null, emulated.walls = [emulated.wall]")
     dark = "(() => { const {painter} = sandglassPage.page; return painter.wall !== null && painter.drawn.boxes.wallShadow?.[2] > 0; })()"
     browser.ask("emulated.step(3)")
-    browser.ask("for (let i = 0; i < 600 && !(sandglassPage.page.painter.drawn.boxes.wallShadow && sandglassPage.page.painter.drawn.boxes.wallOcclusion); ++i) emulated.step()")
+    browser.ask(
+        "for (let i = 0; i < 600 && !(sandglassPage.page.painter.drawn.boxes.wallShadow && sandglassPage.page.painter.drawn.boxes.wallOcclusion); ++i) emulated.step()"
+    )
     check(browser.ask(dark), "no shadow was made for the wall")
     with_wall = browser.ask("(emulated.step(), emulated.pixels())")
-    check(with_wall["shadow"] > 1.1 * open_pixels["shadow"], f"on the wall lies no shadow: {with_wall} beside {open_pixels}")
+    check(
+        with_wall["shadow"] > 1.1 * open_pixels["shadow"],
+        f"on the wall lies no shadow: {with_wall} beside {open_pixels}",
+    )
     print("with a wall, pixels:", with_wall)
     browser.ask("emulated.walls = [], emulated.step()")
     check(browser.ask("sandglassPage.page.painter.wall") is None, "the wall stays after it was lost")
@@ -323,7 +439,9 @@ def check_hidden(browser, open_pixels):
 
 def check_metal(browser):
     """A mesh of metal shows what lies about it: the table below, which is warm, and the sliders' sky above, which is not."""
-    browser.ask("sandglassPage.page.measuring = true; sandglassPage.page.again(); sandglassPage.page.mark = [0.2, 0, 0.2]; document.querySelector('[value=metal]').click()")
+    browser.ask(
+        "sandglassPage.page.measuring = true; sandglassPage.page.again(); sandglassPage.page.mark = [0.2, 0, 0.2]; document.querySelector('[value=metal]').click()"
+    )
     said = drop(browser, "ball.obj", BALL)
     check("stands at the mark" in said, f"a mesh of metal is answered: {said}")
     wait_until(browser, "sandglassPage.page.objects[0].field !== 0")
@@ -336,7 +454,9 @@ def check_metal(browser):
         return [...pixel]; }"""
     low, high = browser.ask(f"({read})(0.05)"), browser.ask(f"({read})(0.2)")
     check(low[0] > 1.1 * low[2] and high[2] >= high[0], f"metal shows {low} low and {high} high")
-    browser.ask("document.querySelector('[value=sand]').click(); sandglassPage.page.again(); sandglassPage.page.measuring = false")
+    browser.ask(
+        "document.querySelector('[value=sand]').click(); sandglassPage.page.again(); sandglassPage.page.measuring = false"
+    )
 
 
 def check_memory(browser):
@@ -401,7 +521,9 @@ def check_mesh(browser):
 
 def check_full_table(browser, needed):
     """Meshes are dropped until there is no room. Then the page says so in the user's words, and so it does to a finger that pours."""
-    capacity, there = browser.ask("(({desc, report}) => [desc.granular.particle_capacity, report.sand.particles])(sandglassPage.page.scene)")
+    capacity, there = browser.ask(
+        "(({desc, report}) => [desc.granular.particle_capacity, report.sand.particles])(sandglassPage.page.scene)"
+    )
     fit = (capacity - there) // needed
     for k in range(fit):
         browser.ask(f"sandglassPage.page.mark = [{0.26 * (k % 4) - 0.39}, 0, {0.26 * (k // 4) - 0.39}]")
@@ -409,14 +531,22 @@ def check_full_table(browser, needed):
         check(said == f'{needed:,} particles of "mesh.obj".', f"drop {k + 1} of {fit} is answered: {said}")
     button = browser.ask("document.getElementById('again').textContent")
     full = f"The table is full: {there + fit * needed:,} of {capacity:,} particles are there"
-    said, wanted = drop(browser, "mesh.obj", TETRAHEDRON), f'{full}, and the mesh needs {needed:,}. Press "{button}", then drop it again.'
+    said, wanted = (
+        drop(browser, "mesh.obj", TETRAHEDRON),
+        f'{full}, and the mesh needs {needed:,}. Press "{button}", then drop it again.',
+    )
     check(said == wanted, f"a mesh without room is answered: {said}")
-    print(f"{fit} meshes of {needed} particles fit beside {there}; {report(browser, 'sand.particles')} particles after it")
+    print(
+        f"{fit} meshes of {needed} particles fit beside {there}; {report(browser, 'sand.particles')} particles after it"
+    )
     browser.ask("document.getElementById('says').textContent = '', document.getElementById('budget').max = 1e4")
     set_budget(browser, 1e4)
     run_frames(browser, 60, "page.at = [0.2, 0, 0.2]", until="document.getElementById('says').textContent")
     said = browser.ask("sandglassPage.page.at = null; document.getElementById('says').textContent")
-    check(said.startswith("The table is full: ") and said.endswith(f'Press "{button}" to clear it.'), f"a finger without room is answered: {said}")
+    check(
+        said.startswith("The table is full: ") and said.endswith(f'Press "{button}" to clear it.'),
+        f"a finger without room is answered: {said}",
+    )
     browser.ask("document.getElementById('budget').max = 16; document.getElementById('again').click()")
     set_budget(browser, 8)
     # A cube as high as the mesh that is dropped would take nearly all the room. It is made smaller.
@@ -444,7 +574,10 @@ def check_recording(browser):
     # The control: one frame less of pouring.
     browser.ask("void recording.frames.find(f => f.emitters.length).emitters.pop()")
     check(play() != played, "another recording ends in the same hash")
-    check(browser.ask("sandglassPage.page.sand.memory.buffer.byteLength") == memory, "what is played twice takes more memory")
+    check(
+        browser.ask("sandglassPage.page.sand.memory.buffer.byteLength") == memory,
+        "what is played twice takes more memory",
+    )
 
 
 def check_reduced_motion(browser):
@@ -464,24 +597,32 @@ def check_narrow(browser):
     browser.call("Emulation.setDeviceMetricsOverride", width=360, height=740, deviceScaleFactor=2, mobile=True)
     wait_until(browser, "innerWidth === 360")
     check(browser.ask("document.documentElement.scrollWidth") <= 360, "the page is wider than the screen")
-    beyond = browser.ask("[...document.querySelectorAll('button, label, canvas')].filter(e => e.getBoundingClientRect().right > 361).map(e => e.textContent)")
+    beyond = browser.ask(
+        "[...document.querySelectorAll('button, label, canvas')].filter(e => e.getBoundingClientRect().right > 361).map(e => e.textContent)"
+    )
     check(not beyond, f"beyond the edge: {beyond}")
     check(browser.ask("document.getElementById('view').clientHeight") > 250, "the table has no room")
 
 
 def check_measures(browser, work, wanted):
-    """"Measure this phone" ends in the program's hash; its text says how long the run took, and the class that follows from it."""
+    """ "Measure this phone" ends in the program's hash; its text says how long the run took, and the class that follows from it."""
     browser.ask("document.getElementById('measure').click()")
     wait_until(browser, "document.getElementById('result').open", 900)
     text = browser.ask("document.getElementById('text').textContent")
     print(text)
     said = dict(line.strip().split(maxsplit=1) for line in text.splitlines()[1:])
     check(said["hash"] == wanted, f"the page ends in {said['hash']} and the program in {wanted}")
-    check(said["kernels"] == "wasm" and said["threads"] == "1", f"a page from a file runs {said['kernels']} on {said['threads']} threads")
+    check(
+        said["kernels"] == "wasm" and said["threads"] == "1",
+        f"a page from a file runs {said['kernels']} on {said['threads']} threads",
+    )
     counted = json.loads((work / "page.json").read_text())["counted"]["instructions"]
     check(1e9 < counted < 1e11, f"{FRAMES} frames take {counted} instructions")
     billions = counted / FRAMES / float(text.split("a frame      ")[1].split()[0]) / 1e6
-    check(abs(float(said["class"].split()[0]) / billions - 1) < 0.06, f"the class is {said['class']} and not {billions:.3f}")
+    check(
+        abs(float(said["class"].split()[0]) / billions - 1) < 0.06,
+        f"the class is {said['class']} and not {billions:.3f}",
+    )
     check("cortex-a55" in said, "no core to compare with")
     browser.ask("document.getElementById('close').click()")
 
@@ -498,7 +639,10 @@ def check_threads(browser, url, wanted):
     browser.ask("sandglassPage.page.measuring = true")
     ran = browser.ask(f"sandglassPage.fixedRun({THREADS_FRAMES})")
     print(f"with {THREADS} threads:", ran)
-    check(ran["threads"] == THREADS and ran["hash"] == wanted, f"with threads the page ends in {ran['hash']} and the program in {wanted}")
+    check(
+        ran["threads"] == THREADS and ran["hash"] == wanted,
+        f"with threads the page ends in {ran['hash']} and the program in {wanted}",
+    )
 
 
 def main():
@@ -515,7 +659,13 @@ def main():
     try:
         browser.open(page)
         wait_until(browser, "document.documentElement.dataset.sand")
-        print("first sand after", browser.ask("document.documentElement.dataset.sand"), "ms;", page.stat().st_size, "bytes")
+        print(
+            "first sand after",
+            browser.ask("document.documentElement.dataset.sand"),
+            "ms;",
+            page.stat().st_size,
+            "bytes",
+        )
         check_hourglass(browser)
         wait_until(browser, "sandglassPage.page.scene.report.sand.particles > 300")
         check(report(browser, "time.clock_fault") == 0, "the browser's clock counts as broken")
@@ -543,8 +693,15 @@ def main():
         check_threads(browser, url, native_hash(sandglass, THREADS_FRAMES))
         complaints = [text for text in browser.complaints if not any(own in text for own in OF_THE_MACHINE)]
         check(not complaints, f"the console complains: {complaints}")
-        others = [other for other in browser.requests if not other.startswith(("data:", "blob:", "file://" + str(page))) and other != url]
-        check(all(other == url.replace(page.name, "sandglass-threads.wasm") for other in others), f"the page asks for {others}")
+        others = [
+            other
+            for other in browser.requests
+            if not other.startswith(("data:", "blob:", "file://" + str(page))) and other != url
+        ]
+        check(
+            all(other == url.replace(page.name, "sandglass-threads.wasm") for other in others),
+            f"the page asks for {others}",
+        )
     except Exception:
         print("page says:", browser.ask("document.getElementById('says').textContent"), browser.complaints)
         raise

@@ -4,6 +4,7 @@ drawn, and 90 frames end in the program's hash.
 
 other_browsers_test.py WEB_SCENE SANDGLASS NPM_FOLDER WORK_FOLDER firefox|webkit
 Runs under xvfb-run: without a screen Firefox has no WebGL 2. Exit code 77: the browser is not here."""
+
 import glob
 import json
 import os
@@ -19,8 +20,13 @@ import urllib.request
 from live_page_test import SKIPPED, assemble, check, native_hash, wait_until
 
 FRAMES, PATIENCE = 90, 300
-PREFERENCES = {"webgl.force-enabled": True, "webgl.disable-fail-if-major-performance-caveat": True, "webgl.out-of-process": False,
-               "gfx.x11-egl.force-enabled": True, "layers.acceleration.force-enabled": True}
+PREFERENCES = {
+    "webgl.force-enabled": True,
+    "webgl.disable-fail-if-major-performance-caveat": True,
+    "webgl.out-of-process": False,
+    "gfx.x11-egl.force-enabled": True,
+    "layers.acceleration.force-enabled": True,
+}
 SOFTWARE = {"LIBGL_ALWAYS_SOFTWARE": "1", "MOZ_X11_EGL": "1", "WEBKIT_DISABLE_SANDBOX_THIS_IS_DANGEROUS": "1"}
 QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": {**os.environ, **SOFTWARE}}
 
@@ -42,10 +48,18 @@ def patiently(connect, name):
 
 class Firefox:
     """Over Marionette, its own protocol: a length, a colon, and JSON."""
+
     def __init__(self):
         self.profile, port = tempfile.mkdtemp(prefix="sandglass-page-"), free_port()
-        pathlib.Path(self.profile, "user.js").write_text("".join(f"user_pref({json.dumps(k)}, {json.dumps(v)});" for k, v in {**PREFERENCES, "marionette.port": port}.items()))
-        self.process = subprocess.Popen(["firefox-esr", "--marionette", "--profile", self.profile, "--width", "800", "--height", "900"], **QUIET)
+        pathlib.Path(self.profile, "user.js").write_text(
+            "".join(
+                f"user_pref({json.dumps(k)}, {json.dumps(v)});"
+                for k, v in {**PREFERENCES, "marionette.port": port}.items()
+            )
+        )
+        self.process = subprocess.Popen(
+            ["firefox-esr", "--marionette", "--profile", self.profile, "--width", "800", "--height", "900"], **QUIET
+        )
         self.stream = patiently(lambda: socket.create_connection(("127.0.0.1", port), PATIENCE), "Firefox")
         self.buffer, self.number = b"", 0
         self.message()
@@ -57,7 +71,7 @@ class Firefox:
         length, self.buffer = self.buffer.split(b":", 1)
         while len(self.buffer) < int(length):
             self.buffer += self.more()
-        text, self.buffer = self.buffer[:int(length)], self.buffer[int(length):]
+        text, self.buffer = self.buffer[: int(length)], self.buffer[int(length) :]
         return json.loads(text)
 
     def more(self):
@@ -91,11 +105,20 @@ class WebKit:
         self.port = free_port()
         self.process = subprocess.Popen(["WebKitWebDriver", f"--port={self.port}"], **QUIET)
         options = {"webkitgtk:browserOptions": {"binary": browser[0], "args": ["--automation"]}}
-        self.session = "/session/" + patiently(lambda: self.call("POST", "/session", {"capabilities": {"alwaysMatch": options}}), "WebKit")["sessionId"]
+        self.session = (
+            "/session/"
+            + patiently(lambda: self.call("POST", "/session", {"capabilities": {"alwaysMatch": options}}), "WebKit")[
+                "sessionId"
+            ]
+        )
 
     def call(self, method, path, body=None):
-        request = urllib.request.Request(f"http://127.0.0.1:{self.port}{path}", method=method, data=None if body is None else json.dumps(body).encode(),
-                                         headers={"Content-Type": "application/json"})
+        request = urllib.request.Request(
+            f"http://127.0.0.1:{self.port}{path}",
+            method=method,
+            data=None if body is None else json.dumps(body).encode(),
+            headers={"Content-Type": "application/json"},
+        )
         with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
             return json.load(answer)["value"]
 
@@ -116,8 +139,13 @@ class WebKit:
 def run(browser, page, wanted):
     browser.open(page)
     wait_until(browser, "!!window.sandglassPage || document.getElementById('says').textContent !== ''")
-    check(browser.ask("document.getElementById('says').textContent") == "", browser.ask("document.getElementById('says').textContent"))
-    browser.ask("(window.wrong = [], addEventListener('error', (e) => wrong.push(e.message)), addEventListener('unhandledrejection', (e) => wrong.push(String(e.reason))), true)")
+    check(
+        browser.ask("document.getElementById('says').textContent") == "",
+        browser.ask("document.getElementById('says').textContent"),
+    )
+    browser.ask(
+        "(window.wrong = [], addEventListener('error', (e) => wrong.push(e.message)), addEventListener('unhandledrejection', (e) => wrong.push(String(e.reason))), true)"
+    )
     wait_until(browser, "!sandglassPage.page.turning.turns")
     browser.ask("(sandglassPage.page.turnOver(), true)")
     check(browser.ask("sandglassPage.page.turning.turns"), "the hourglass does not turn")
@@ -132,7 +160,9 @@ def run(browser, page, wanted):
         }
         return [counts.filter((warm) => warm).length, gl.getError()]; })(sandglassPage.page)""")
     check(drawn[0] > 10 and drawn[1] == 0, f"sand is seen at {drawn[0]} places, error {drawn[1]}")
-    browser.ask(f"(sandglassPage.page.measuring = true, void sandglassPage.fixedRun({FRAMES}).then(r => {{ window.ran = r; }}), true)")
+    browser.ask(
+        f"(sandglassPage.page.measuring = true, void sandglassPage.fixedRun({FRAMES}).then(r => {{ window.ran = r; }}), true)"
+    )
     wait_until(browser, "!!window.ran")
     ran = browser.ask("window.ran")
     print(browser.ask("navigator.userAgent"), ran)

@@ -5,6 +5,7 @@ the numbers of the CSV, what is over the budget is marked, pointing at a bar rea
 page_test.py FIXTURE FOLDER                         FIXTURE writes FOLDER/report.html and FOLDER/report.csv
 page_test.py --control FIXTURE FOLDER               damages the page in three ways, each of which the checks must notice
 Exit code 77: there is no Chromium here."""
+
 import csv
 import subprocess
 import sys
@@ -23,7 +24,9 @@ def check_opens(browser, page):
     check(not browser.complaints, f"the console complains: {browser.complaints}")
     others = [url for url in browser.requests if not url.startswith(("data:", "file://" + page))]
     check(not others, f"the page asks for {others}")
-    check(browser.ask("document.querySelectorAll('[src^=http], link[href^=http]').length") == 0, "the page names a server")
+    check(
+        browser.ask("document.querySelectorAll('[src^=http], link[href^=http]').length") == 0, "the page names a server"
+    )
     missing = browser.ask("[...document.images].filter(i => !i.naturalWidth).length")
     check(missing == 0, f"{missing} pictures cannot be decoded")
 
@@ -58,15 +61,19 @@ def check_the_rest(browser, rows):
     levels = browser.ask("[...document.querySelectorAll('#timeline rect[data-level]')].map(r => +r.dataset.level)")
     check(levels == [int(row["level"]) for row in rows], f"quality is drawn as {levels}")
     legend = browser.ask("[...document.querySelectorAll('#levels li')].map(l => l.textContent)")
-    check(len(legend) == len(set(levels)) and legend[0] == "level 0 (full): 60 of 120 frames", f"the levels are {legend}")
+    check(
+        len(legend) == len(set(levels)) and legend[0] == "level 0 (full): 60 of 120 frames", f"the levels are {legend}"
+    )
     text = browser.ask("document.body.innerText")
     for word in ('known <run> & "page"', "</script> is text.", "0x<7>", "budget used", "45 of 120 frames over it"):
         check(word in text, f"'{word}' is not on the page")
     row = rows[-1]
     bar = f"""document.querySelector('#timeline rect[data-frame="{row["frame"]}"]').parentElement"""
     read = browser.ask(f"{bar}.querySelector('title').textContent")
-    for word in (f"frame {row['frame']}: {float(row['elapsed_ms']):.3f} of 4 ms",
-                 f"shadow {float(row['shadow_ms']):.3f} ms, {row['shadow_units']} units"):
+    for word in (
+        f"frame {row['frame']}: {float(row['elapsed_ms']):.3f} of 4 ms",
+        f"shadow {float(row['shadow_ms']):.3f} ms, {row['shadow_units']} units",
+    ):
         check(word in read, f"pointing at a bar says: {read}")
     unnamed = browser.ask("""[...document.querySelectorAll('svg, img, input')].filter(e =>
         !(e.getAttribute('aria-label') || e.alt)).length""")
@@ -75,7 +82,9 @@ def check_the_rest(browser, rows):
 
 def box_of(browser, selector):
     browser.ask(f"document.querySelector('{selector}').scrollIntoView({{block: 'center'}})")
-    return browser.ask(f"(r => [r.left, r.top, r.width, r.height])(document.querySelector('{selector}').getBoundingClientRect())")
+    return browser.ask(
+        f"(r => [r.left, r.top, r.width, r.height])(document.querySelector('{selector}').getBoundingClientRect())"
+    )
 
 
 def check_slider(browser):
@@ -105,14 +114,18 @@ def check_extremes(browser, folder):
     """A run of thousands of frames, whose longest must be seen; and one that was interrupted before its first."""
     browser.open(folder + "/long.html")
     wait_until_drawn(browser)
-    drawn = browser.ask("new Set([...document.querySelectorAll('#timeline rect[data-frame]')].map(r => r.dataset.frame)).size")
+    drawn = browser.ask(
+        "new Set([...document.querySelectorAll('#timeline rect[data-frame]')].map(r => r.dataset.frame)).size"
+    )
     check(drawn == 1000, f"{drawn} bars for 3000 frames")
     longest = browser.ask("+document.querySelector('#timeline rect[data-frame=\"1234\"]').dataset.ms")
     check(longest == 3.9, f"the longest frame's bar says {longest} ms")
     browser.open(folder + "/empty.html")
     wait_until_drawn(browser)
     check(browser.ask("document.querySelectorAll('#timeline rect[data-frame]').length") == 0, "an empty run has bars")
-    odd = browser.ask("[...document.querySelectorAll('svg *')].filter(e => [...e.attributes].some(a => /NaN|Infinity/.test(a.value))).length")
+    odd = browser.ask(
+        "[...document.querySelectorAll('svg *')].filter(e => [...e.attributes].some(a => /NaN|Infinity/.test(a.value))).length"
+    )
     check(odd == 0, f"{odd} shapes of the empty run have no place")
 
 
@@ -137,7 +150,9 @@ def controls(page, rows):
     damages = {
         "a bar of": text.replace("y(from + ms)", "y(from + 1.1 * ms)"),
         "the slider": text.replace("addEventListener('input'", "addEventListener('no'"),
-        "console complains": text.replace("document.documentElement.dataset.drawn", "console.error('no'); document.documentElement.dataset.drawn"),
+        "console complains": text.replace(
+            "document.documentElement.dataset.drawn", "console.error('no'); document.documentElement.dataset.drawn"
+        ),
     }
     for expected, damaged in damages.items():
         check(damaged != text, f"the control '{expected}' changes nothing")

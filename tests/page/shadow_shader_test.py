@@ -6,6 +6,7 @@ rectangles, whose rims are dark, and behind what is real.
 shadow_shader_test.py README PAINTER SAND_CPP      --control: a sampler that clamps instead must be noticed
                                                    --depth: and an eye below the plane that is taken for one above
 Exit code 77: there is no Chromium here."""
+
 import json
 import pathlib
 import random
@@ -16,7 +17,10 @@ from browser import CHROMIUM, SKIPPED, SOFTWARE, USED_PROGRAM, Browser
 
 SIDE, TEXELS, BIAS = 48, 8, 0.2
 EYES = (0.8, 0.1, -0.3)  # metres above the plane: as usual, low, and below a shelf
-DRAW = "(given) => {" + USED_PROGRAM + """
+DRAW = (
+    "(given) => {"
+    + USED_PROGRAM
+    + """
   const canvas = Object.assign(document.createElement("canvas"), { width: given.side, height: given.side });
   const gl = canvas.getContext("webgl2", { antialias: false, preserveDrawingBuffer: true }), program = used(gl, given.vertex, given.fragment);
   const at = (name) => gl.getUniformLocation(program, name);
@@ -43,6 +47,7 @@ DRAW = "(given) => {" + USED_PROGRAM + """
   gl.readPixels(0, 0, given.side, given.side, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
   return [...pixels].filter((_, i) => i % 4 === given.channel);
 }"""
+)
 
 
 def decoded(byte):
@@ -68,6 +73,7 @@ def sampled(texels, rectangle, x, z, outside):
 def hidden(metres, x, z, bias, heights):
     """By a depth map over the whole picture, where what is drawn is 1 m away. `heights`: of eye and point above each plane: what is
     real lies on it up to the bias, or to a quarter of a low eye's height; an eye below it sees nothing that does."""
+
     def by(byte):
         real = byte / 255
         over = [(eye + (point - eye) * real) / min(bias, eye / 4) for eye, point in heights if eye > 0]
@@ -79,9 +85,19 @@ def hidden(metres, x, z, bias, heights):
 
 def farthest(browser, vertex, fragment, uniforms, textures, formula, channel="green"):
     """How far a channel of the picture is from `formula(x, z)`, in steps of a byte."""
-    given = {"side": SIDE, "channel": ["red", "green", "blue", "alpha"].index(channel), "vertex": vertex, "fragment": fragment, "uniforms": list(uniforms.items()), "textures": textures}
+    given = {
+        "side": SIDE,
+        "channel": ["red", "green", "blue", "alpha"].index(channel),
+        "vertex": vertex,
+        "fragment": fragment,
+        "uniforms": list(uniforms.items()),
+        "textures": textures,
+    }
     places = [2 * (i + 0.5) / SIDE - 1 for i in range(SIDE)]
-    return max(abs(drawn - formula(places[i % SIDE], places[i // SIDE])) for i, drawn in enumerate(browser.ask(f"({DRAW})({json.dumps(given)})")))
+    return max(
+        abs(drawn - formula(places[i % SIDE], places[i // SIDE]))
+        for i, drawn in enumerate(browser.ask(f"({DRAW})({json.dumps(given)})"))
+    )
 
 
 def box_of(r):
@@ -108,12 +124,26 @@ void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 
     rectangles = {"pile": [0.1, 0.0, 0.9, 0.8], "shadow": [-0.5, -0.4, 0.3, 0.5], "occlusion": [-0.7, -0.6, 0.6, 0.7]}
     maps = noise_of(("pile", "shadow", "occlusion", "sky", "real_depth"), draw)
     # A wall at z = -0.2, and an eye in front of it.
-    uniforms = {**{f"{name}_box": box_of(r) for name, r in rectangles.items()}, "pile_opacity": 0.7, "shadow_opacity": 0.9, "sky_known": 1.0, "bias": BIAS, "eye": [0.3, eye, 0.9], "to_light": [0, 1, 0], "wall": [0, 0, 1, 0.2],
-                "on_plane": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], "depth_from_screen": [1 / SIDE, 0, 0, 0, 1 / SIDE, 0, 0, 0, 1]}
+    uniforms = {
+        **{f"{name}_box": box_of(r) for name, r in rectangles.items()},
+        "pile_opacity": 0.7,
+        "shadow_opacity": 0.9,
+        "sky_known": 1.0,
+        "bias": BIAS,
+        "eye": [0.3, eye, 0.9],
+        "to_light": [0, 1, 0],
+        "wall": [0, 0, 1, 0.2],
+        "on_plane": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1],
+        "depth_from_screen": [1 / SIDE, 0, 0, 0, 1 / SIDE, 0, 0, 0, 1],
+    }
 
     def formula(x, z):
-        left = (1 - 0.7 * sampled(maps["pile"], rectangles["pile"], x, z, 0)) * sampled(maps["sky"], rectangles["pile"], x, z, 1) * (
-            1 - 0.9 * sampled(maps["shadow"], rectangles["shadow"], x, z, 0)) * sampled(maps["occlusion"], rectangles["occlusion"], x, z, 1)
+        left = (
+            (1 - 0.7 * sampled(maps["pile"], rectangles["pile"], x, z, 0))
+            * sampled(maps["sky"], rectangles["pile"], x, z, 1)
+            * (1 - 0.9 * sampled(maps["shadow"], rectangles["shadow"], x, z, 0))
+            * sampled(maps["occlusion"], rectangles["occlusion"], x, z, 1)
+        )
         away = hidden(maps["real_depth"], x, z, BIAS, [(eye, 0), (1.1, z + 0.2)])
         return 255 * (left + (1 - left) * away)
 
@@ -126,37 +156,69 @@ def farthest_on_sample(browser, fragment, draw, eye):
     vertex = """#version 300 es
 out vec2 place;
 void main() { place = vec2(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1); gl_Position = vec4(place, 0, 1); }"""
-    rectangles = {"object": [-0.5, -0.4, 0.3, 0.5], "object_room": [-0.7, -0.6, 0.6, 0.7], "sand": [0.1, 0.0, 0.9, 0.8], "sand_room": [0.1, 0.0, 0.9, 0.8]}
+    rectangles = {
+        "object": [-0.5, -0.4, 0.3, 0.5],
+        "object_room": [-0.7, -0.6, 0.6, 0.7],
+        "sand": [0.1, 0.0, 0.9, 0.8],
+        "sand_room": [0.1, 0.0, 0.9, 0.8],
+    }
     maps, depth, s = noise_of(rectangles, draw), [51 * draw.randrange(6) for _ in range(TEXELS * TEXELS)], 0.35
-    uniforms = {"s": s, "sand_opacity": 0.7, "viewport": [SIDE, SIDE], "eye_height": eye, "bias": BIAS, "depth_from_screen": [1, 0, 0, 0, 1, 0, 0, 0, 1],
-                **{f"{name}_box": box_of(r) for name, r in rectangles.items()}}
+    uniforms = {
+        "s": s,
+        "sand_opacity": 0.7,
+        "viewport": [SIDE, SIDE],
+        "eye_height": eye,
+        "bias": BIAS,
+        "depth_from_screen": [1, 0, 0, 0, 1, 0, 0, 0, 1],
+        **{f"{name}_box": box_of(r) for name, r in rectangles.items()},
+    }
 
     def formula(x, z):
         def at(name, outside):
             return sampled(maps[name], rectangles[name], x, z, outside)
 
-        left = s * (1 - at("object", 0)) * (1 - 0.7 * at("sand", 0)) + max(at("object_room", 1) - s, 0) * max(at("sand_room", 1) - s, 0) / (1 - s)
+        left = s * (1 - at("object", 0)) * (1 - 0.7 * at("sand", 0)) + max(at("object_room", 1) - s, 0) * max(
+            at("sand_room", 1) - s, 0
+        ) / (1 - s)
         left += (1 - left) * hidden(depth, x, z, BIAS, [(eye, 0)])
         return 255 * (1 - left ** (1 / 2.2))  # opacity of the black that is blended over the table
 
-    textures = [[name, TEXELS, maps[name]] for name in maps] + [["depth", TEXELS, [1000 * byte // 255 for byte in depth]]]
+    textures = [[name, TEXELS, maps[name]] for name in maps] + [
+        ["depth", TEXELS, [1000 * byte // 255 for byte in depth]]
+    ]
     return farthest(browser, vertex, fragment, uniforms, textures, formula, "alpha")
 
 
 def main(arguments):
     control = "--control" in arguments
     readme, painter, sand = [a for a in arguments if not a.startswith("--")]
-    sample = re.search(r'k_table_fragment_shader\[\] = R"glsl\(#version 300 es\n(.*?)\)glsl"', open(sand, encoding="utf-8").read(), re.S).group(1)
+    sample = re.search(
+        r'k_table_fragment_shader\[\] = R"glsl\(#version 300 es\n(.*?)\)glsl"',
+        open(sand, encoding="utf-8").read(),
+        re.S,
+    ).group(1)
     text = open(readme, encoding="utf-8").read()
     kit = pathlib.Path(painter).resolve().parents[2] / "models/kit"
     occlusion = re.search(r"const k_hidden = `(.*?)`;", open(painter, encoding="utf-8").read(), re.S).group(1)
-    lighting = (kit / "uniforms.glsl").read_text() + (kit / "light.glsl").read_text() + (kit / "before.glsl").read_text() + occlusion
+    lighting = (
+        (kit / "uniforms.glsl").read_text()
+        + (kit / "light.glsl").read_text()
+        + (kit / "before.glsl").read_text()
+        + occlusion
+    )
     vertex, fragment = re.findall(r"```glsl\n(.*?)```", text, re.S)[:2]
     # A third object, as the page says: a call more.
     call = "  take(sand_coverage"
     assert call in fragment
-    fragment = fragment.replace("in vec2 floor_position", "uniform sampler2D third_coverage, third_visibility;\nuniform vec4 third_rectangle;\nin vec2 floor_position")
-    fragment = fragment.replace(call, "  take(third_coverage, third_rectangle, opacity.x, third_visibility, third_rectangle, floor_position);\n" + call)
+    fragment = fragment.replace(
+        "in vec2 floor_position",
+        "uniform sampler2D third_coverage, third_visibility;\nuniform vec4 third_rectangle;\nin vec2 floor_position",
+    )
+    fragment = fragment.replace(
+        call,
+        "  take(third_coverage, third_rectangle, opacity.x, third_visibility, third_rectangle, floor_position);\n"
+        + call,
+    )
     if control:
         fragment = fragment.replace("p == clamp(p, 0.0, 1.0) ? texture(map, p).r : outside", "texture(map, p).r")
         lighting = lighting.replace("all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)))", "true")
@@ -167,39 +229,76 @@ def main(arguments):
     if CHROMIUM is None:
         return SKIPPED
     draw = random.Random(7)
-    rectangles = {"object_light": [-0.5, -0.4, 0.3, 0.5], "object_ambient": [-0.7, -0.6, 0.6, 0.7], "sand_rectangle": [0.1, 0.0, 0.9, 0.8],
-                  "third_rectangle": [-0.2, -0.9, 0.8, 0.2]}
+    rectangles = {
+        "object_light": [-0.5, -0.4, 0.3, 0.5],
+        "object_ambient": [-0.7, -0.6, 0.6, 0.7],
+        "sand_rectangle": [0.1, 0.0, 0.9, 0.8],
+        "third_rectangle": [-0.2, -0.9, 0.8, 0.2],
+    }
     shift, quad, floor = [0.2, 0.1], [-1, -1, 1, 1], 180
     browser = Browser(CHROMIUM, flags=SOFTWARE)
     worst = 0
     try:
         for s, eye in zip((0.0, 0.35, 0.8, 1.0), EYES + EYES):
-            names = ("object_coverage", "object_visibility", "sand_coverage", "sand_visibility", "third_coverage", "third_visibility")
+            names = (
+                "object_coverage",
+                "object_visibility",
+                "sand_coverage",
+                "sand_visibility",
+                "third_coverage",
+                "third_visibility",
+            )
             maps, opacity, depth = noise_of(names, draw), [0.9, 0.7], noise_of(["depth"], draw)["depth"]
-            uniforms = {**rectangles, "opacity": opacity, "s": s, "viewport": [SIDE, SIDE], "quad": quad, "plane": 0.0,
-                        "depth_from_screen": [1, 0, 0, 0, 1, 0, 0, 0, 1], "eye_height": eye, "bias": BIAS,
-                        # x and z of the mesh to clip space; and to the world: turned by a quarter, and moved
-                        "clip_from_object": [1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1],
-                        "world_from_object": [0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, shift[0], 0, shift[1], 1]}
-            textures = [[name, TEXELS, maps[name]] for name in names] + [["real_depth", TEXELS, depth], ["camera_image", 1, [floor] * 3]]
+            uniforms = {
+                **rectangles,
+                "opacity": opacity,
+                "s": s,
+                "viewport": [SIDE, SIDE],
+                "quad": quad,
+                "plane": 0.0,
+                "depth_from_screen": [1, 0, 0, 0, 1, 0, 0, 0, 1],
+                "eye_height": eye,
+                "bias": BIAS,
+                # x and z of the mesh to clip space; and to the world: turned by a quarter, and moved
+                "clip_from_object": [1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1],
+                "world_from_object": [0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, shift[0], 0, shift[1], 1],
+            }
+            textures = [[name, TEXELS, maps[name]] for name in names] + [
+                ["real_depth", TEXELS, depth],
+                ["camera_image", 1, [floor] * 3],
+            ]
 
             def formula(x, z, s=s, eye=eye, maps=maps, opacity=opacity, depth=depth):
                 world = (z + shift[0], -x + shift[1])
-                sharp = (1 - opacity[0] * sampled(maps["object_coverage"], rectangles["object_light"], x, z, 0)) * (
-                    1 - opacity[1] * sampled(maps["sand_coverage"], rectangles["sand_rectangle"], *world, 0)) * (
-                    1 - opacity[0] * sampled(maps["third_coverage"], rectangles["third_rectangle"], x, z, 0))
-                rest = max(sampled(maps["object_visibility"], rectangles["object_ambient"], x, z, 1) - s, 0) * max(
-                    sampled(maps["sand_visibility"], rectangles["sand_rectangle"], *world, 1) - s, 0) * max(
-                    sampled(maps["third_visibility"], rectangles["third_rectangle"], x, z, 1) - s, 0)
+                sharp = (
+                    (1 - opacity[0] * sampled(maps["object_coverage"], rectangles["object_light"], x, z, 0))
+                    * (1 - opacity[1] * sampled(maps["sand_coverage"], rectangles["sand_rectangle"], *world, 0))
+                    * (1 - opacity[0] * sampled(maps["third_coverage"], rectangles["third_rectangle"], x, z, 0))
+                )
+                rest = (
+                    max(sampled(maps["object_visibility"], rectangles["object_ambient"], x, z, 1) - s, 0)
+                    * max(sampled(maps["sand_visibility"], rectangles["sand_rectangle"], *world, 1) - s, 0)
+                    * max(sampled(maps["third_visibility"], rectangles["third_rectangle"], x, z, 1) - s, 0)
+                )
                 left = s * sharp + (rest / (1 - s) ** 2 if s < 1 else 0)
                 left += (1 - left) * hidden(depth, x, z, BIAS, [(eye, 0)])
                 return encoded(decoded(floor) * left)
 
             worst = max(worst, farthest(browser, vertex, fragment, uniforms, textures, formula))
-        all_three = [worst, *(max(of(browser, text, draw, eye) for eye in EYES) for of, text in ((farthest_on_page, lighting), (farthest_on_sample, sample)))]
+        all_three = [
+            worst,
+            *(
+                max(of(browser, text, draw, eye) for eye in EYES)
+                for of, text in ((farthest_on_page, lighting), (farthest_on_sample, sample))
+            ),
+        ]
     finally:
         browser.close()
-    print("farthest from the formula, steps of a byte: {:.2f}, on the page {:.2f}, in Android's sample {:.2f}".format(*all_three))
+    print(
+        "farthest from the formula, steps of a byte: {:.2f}, on the page {:.2f}, in Android's sample {:.2f}".format(
+            *all_three
+        )
+    )
     return 0 if (min(all_three) > 1.5 if control or "--depth" in arguments else max(all_three) <= 1.5) else 1
 
 

@@ -7,6 +7,7 @@ control, a glass that is drawn by a pose 0.1 of a turn ahead, must fail.
 
 slow_page_test.py WEB_SCENE NPM_FOLDER WORK_FOLDER [--full]     --full: all throttles, and one core beside a busy loop
 Exit code 77: there is no Chromium here."""
+
 import os
 import pathlib
 import subprocess
@@ -21,10 +22,10 @@ TALL, WIDE = (390, 844), (844, 390)
 SHORT = [(1, TALL, False), (6, WIDE, False)]
 FULL = [(rate, size, False) for rate in (1, 4, 6, 20) for size in (TALL, WIDE)] + [(1, TALL, True)]
 FIRST = {1: 2, 4: 2, 6: 5, 20: 5}  # seconds until the first picture
-TURNED = 8                         # seconds after it until the glass has turned and sand runs
-NEAR = 2                           # pixels that an edge of sand may be beside the glass
-SEEN = 0.75                        # of the sand's share of the glass, with all work, at least
-BESIDE = 0.01                      # of the sand at most: ends of lines, where a grain falls along the wall
+TURNED = 8  # seconds after it until the glass has turned and sand runs
+NEAR = 2  # pixels that an edge of sand may be beside the glass
+SEEN = 0.75  # of the sand's share of the glass, with all work, at least
+BESIDE = 0.01  # of the sand at most: ends of lines, where a grain falls along the wall
 
 # Takes pictures: `moments` seconds after the first one, and where `seen.now` was set.
 WATCH = """(moments) => {
@@ -95,7 +96,9 @@ def complain(shot, least, what):
 
 def with_all_work(browser):
     """The same scene with all its work, over one turn: the least share of the glass that shows sand. The control fails here."""
-    browser.ask("(() => { const { page } = sandglassPage; page.measuring = true, page.again(), document.getElementById('budget').max = 1e4; })()")
+    browser.ask(
+        "(() => { const { page } = sandglassPage; page.measuring = true, page.again(), document.getElementById('budget').max = 1e4; })()"
+    )
     set_budget(browser, 1e4)
     shots = browser.ask(f"""(() => {{ const {{ page }} = sandglassPage, shots = [];
         page.turnOver();
@@ -144,7 +147,10 @@ def disturbed(browser, size):
     wait_until(browser, f"innerWidth === {size[1]}")
     browser.ask(taken)
     turned = counts_of(browser)
-    check((turned[-1]["size"][0] > turned[-1]["size"][1]) == (size[1] > size[0]), f"on a turned screen the picture is {turned[-1]['size']}")
+    check(
+        (turned[-1]["size"][0] > turned[-1]["size"][1]) == (size[1] > size[0]),
+        f"on a turned screen the picture is {turned[-1]['size']}",
+    )
     return shots + turned
 
 
@@ -156,11 +162,17 @@ def run(page, rate, size, one_core, moments, work):
     name, problems = f"{size[0]} x {size[1]}, throttled {rate} times{', one core' if one_core else ''}", []
     browser = Browser(CHROMIUM, *size)
     try:
-        browser.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1, mobile=False)
-        browser.call("Page.addScriptToEvaluateOnNewDocument", source=f"({WATCH})({[moment * factor for moment in moments]})")
+        browser.call(
+            "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1, mobile=False
+        )
+        browser.call(
+            "Page.addScriptToEvaluateOnNewDocument", source=f"({WATCH})({[moment * factor for moment in moments]})"
+        )
         browser.call("Emulation.setCPUThrottlingRate", rate=rate)
         browser.open(page)
-        wait_until(browser, f"!!window.sandglassPage && (sandglassPage.page.wake(), seen.shots.length === {len(moments)})")  # sand may lie still
+        wait_until(
+            browser, f"!!window.sandglassPage && (sandglassPage.page.wake(), seen.shots.length === {len(moments)})"
+        )  # sand may lie still
         said = browser.ask("document.getElementById('short').textContent")
         browser.screenshot(work / f"slow_{size[0]}_{rate}{'_one' if one_core else ''}.png")
         browser.call("Emulation.setCPUThrottlingRate", rate=1)
@@ -172,7 +184,9 @@ def run(page, rate, size, one_core, moments, work):
         browser.ask("sandglassPage.page.measuring = false")
         browser.call("Emulation.setCPUThrottlingRate", rate=rate)
         after = disturbed(browser, size)
-        print(f"{name}: first picture after {first:.1f} s, others take {factor:.1f} times; it says \"{said}\"; with all work sand is on {least:.2f} of the glass or more")
+        print(
+            f'{name}: first picture after {first:.1f} s, others take {factor:.1f} times; it says "{said}"; with all work sand is on {least:.2f} of the glass or more'
+        )
         for shot in shots + after:
             print("  ", shot)
         problems += [complain(shot, least, f"{name}, after {shot['at'] / 1e3:.1f} s") for shot in shots + after]

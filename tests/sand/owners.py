@@ -10,6 +10,7 @@ type is granular.cpp's. Faults are, in any other file of the folder and in each 
   Granular* without const, but in the files that put the whole together (WHOLE)
 The records of particles and grains are what all of them work on.
 """
+
 import pathlib
 import re
 import sys

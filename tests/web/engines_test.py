@@ -4,6 +4,7 @@ scenes of both hands: shadow and sand are seen, the light is the library's, memo
 
 engines_test.py NPM_FOLDER WORK_FOLDER README    WORK_FOLDER has node_modules, and gets pictures/*.png.
 Exit code 77: there is no Chromium here."""
+
 import http.server
 import json
 import pathlib
@@ -21,7 +22,11 @@ from browser import CHROMIUM, SKIPPED, SOFTWARE, Browser, Files, served
 PATIENCE = 60
 PLACES = (0.5, 0.88), (0.1, 0.9)  # of the README's picture: a shadow, and the floor beside it
 HERE = pathlib.Path(__file__).parent / "engines"
-MAP = {"three": "three/build/three.module.js", "three/addons/": "three/examples/jsm/", "sandglass/three": "sandglass/three.mjs"}
+MAP = {
+    "three": "three/build/three.module.js",
+    "three/addons/": "three/examples/jsm/",
+    "sandglass/three": "sandglass/three.mjs",
+}
 HANDLES = """
 import "./three_cube.mjs";
 await stage.stage.fields;
@@ -90,19 +95,47 @@ def check(right, sentence):
 
 def stool():
     """A .glb of five boxes: a seat of 40 cm, 45 cm high."""
-    boxes = [((-.2, .42, -.2), (.2, .45, .2))] + [((x, 0, z), (x + .04, .42, z + .04)) for x in (-.19, .15) for z in (-.19, .15)]
+    boxes = [((-0.2, 0.42, -0.2), (0.2, 0.45, 0.2))] + [
+        ((x, 0, z), (x + 0.04, 0.42, z + 0.04)) for x in (-0.19, 0.15) for z in (-0.19, 0.15)
+    ]
     corners = [tuple(box[i >> k & 1][k] for k in range(3)) for box in boxes for i in range(8)]
     sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
     indices = [8 * box + side[i] for box in range(len(boxes)) for side in sides for i in (0, 1, 2, 0, 2, 3)]
     data = struct.pack(f"<{3 * len(corners)}f{len(indices)}H", *sum(corners, ()), *indices)
-    views = [{"buffer": 0, "byteOffset": at, "byteLength": size} for at, size in ((0, 12 * len(corners)), (12 * len(corners), 2 * len(indices)))]
-    text = json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "buffers": [{"byteLength": len(data)}], "bufferViews": views,
-                       "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [.2, .35, .5, 1], "metallicFactor": 0}}],
-                       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
-                       "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(corners), "type": "VEC3", "min": [-.2, 0, -.2], "max": [.2, .45, .2]},
-                                     {"bufferView": 1, "componentType": 5123, "count": len(indices), "type": "SCALAR"}]})
+    views = [
+        {"buffer": 0, "byteOffset": at, "byteLength": size}
+        for at, size in ((0, 12 * len(corners)), (12 * len(corners), 2 * len(indices)))
+    ]
+    text = json.dumps(
+        {
+            "asset": {"version": "2.0"},
+            "scene": 0,
+            "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0}],
+            "buffers": [{"byteLength": len(data)}],
+            "bufferViews": views,
+            "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.2, 0.35, 0.5, 1], "metallicFactor": 0}}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+            "accessors": [
+                {
+                    "bufferView": 0,
+                    "componentType": 5126,
+                    "count": len(corners),
+                    "type": "VEC3",
+                    "min": [-0.2, 0, -0.2],
+                    "max": [0.2, 0.45, 0.2],
+                },
+                {"bufferView": 1, "componentType": 5123, "count": len(indices), "type": "SCALAR"},
+            ],
+        }
+    )
     text += " " * (-len(text) % 4)
-    return struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + len(data), len(text), b"JSON") + text.encode() + struct.pack("<I4s", len(data), b"BIN\0") + data
+    return (
+        struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + len(data), len(text), b"JSON")
+        + text.encode()
+        + struct.pack("<I4s", len(data), b"BIN\0")
+        + data
+    )
 
 
 def prepare(npm, work, readme):
@@ -120,10 +153,13 @@ def prepare(npm, work, readme):
         (work / f"{name}.mjs").write_text(text + HANDLES)
     (work / "public").mkdir(exist_ok=True)
     for folder in (work, work / "public"):
-        (folder / "model.glb").write_bytes(stool()), shutil.copy(readme.parents[2] / "models/pictures/room.jpg", folder / "room.jpg")
+        (
+            (folder / "model.glb").write_bytes(stool()),
+            shutil.copy(readme.parents[2] / "models/pictures/room.jpg", folder / "room.jpg"),
+        )
     page = (HERE / "index.html").read_text()
     names = json.dumps({"imports": {name: f"/node_modules/{path}" for name, path in MAP.items()}})
-    (work / "map.html").write_text(page.replace("<!-- import map -->", f"<script type=\"importmap\">{names}</script>"))
+    (work / "map.html").write_text(page.replace("<!-- import map -->", f'<script type="importmap">{names}</script>'))
     (work / "vite.config.js").write_text('export default { optimizeDeps: { exclude: ["sandglass"] } };\n')
 
 
@@ -148,7 +184,10 @@ def shows(browser, work, how, url, frames=60, places=PLACES, photo=True):
         check(False, f"{how}: {ready}")
     dark, clear = lit(browser, frames, places, photo)
     browser.screenshot(work / "pictures" / f"{how}.png")
-    check(0.3 < dark < 0.85 and abs(clear - 1) < 0.05 and browser.ask("gl.getError()") == 0, f"{how}: the floor has {dark:.2f} of the light in the shadow, {clear:.2f} beside it")
+    check(
+        0.3 < dark < 0.85 and abs(clear - 1) < 0.05 and browser.ask("gl.getError()") == 0,
+        f"{how}: the floor has {dark:.2f} of the light in the shadow, {clear:.2f} beside it",
+    )
     return dark
 
 
@@ -156,23 +195,33 @@ def poured(browser, how, seat, bare):
     """Sand lies on the seat: there red is more than blue, and not on the bare model."""
     on, beside = browser.ask(f"{LOOK}(150, {json.dumps([seat, bare])})")
     particles = browser.ask("stage.drawn.particles")
-    check(particles > 100 and on[0] > on[2] and beside[0] < beside[2], f"{how}: sand of {particles} particles on the seat")
+    check(
+        particles > 100 and on[0] > on[2] and beside[0] < beside[2], f"{how}: sand of {particles} particles on the seat"
+    )
 
 
 def cubes(browser, how):
     right, signs, pi = (browser.ask(f"cube({json.dumps(fault)})") for fault in ("", "signs", "pi"))
-    check(right <= 0.005 < 0.3 < min(signs, pi), f"{how}: worst face of a white cube {right:.2%}; with wrong signs {signs:.0%}, with a sun over pi {pi:.0%}")
+    check(
+        right <= 0.005 < 0.3 < min(signs, pi),
+        f"{how}: worst face of a white cube {right:.2%}; with wrong signs {signs:.0%}, with a sun over pi {pi:.0%}",
+    )
 
 
 def grows(browser):
     """By 96 MiB between two frames."""
-    browser.ask("renderer.setAnimationLoop(null); globalThis.held = stage.stage.sand.floats(stage.stage.sand.allocate(16), 4); 0")
+    browser.ask(
+        "renderer.setAnimationLoop(null); globalThis.held = stage.stage.sand.floats(stage.stage.sand.allocate(16), 4); 0"
+    )
     places = json.dumps([[0.05 + 0.1 * (i % 10), 0.05 + 0.1 * (i // 10)] for i in range(100)])
     before = browser.ask(f"{LOOK}(0, {places})")
     browser.ask("stage.stage.sand.allocate(96 << 20)")
     after = browser.ask(f"{LOOK}(0, {places})")
     same = sum(max(abs(a - b) for a, b in zip(one, two)) < 0.02 for one, two in zip(before, after))
-    check(same >= 95 and browser.ask("gl.getError()") == 0 and browser.ask("held.length") == 0, f"memory grew: {same} of 100 pixels are as before; a held view has ended")
+    check(
+        same >= 95 and browser.ask("gl.getError()") == 0 and browser.ask("held.length") == 0,
+        f"memory grew: {same} of 100 pixels are as before; a held view has ended",
+    )
 
 
 def vite(work, look):
@@ -180,7 +229,21 @@ def vite(work, look):
     with http.server.HTTPServer(("127.0.0.1", 0), Files) as free:
         port = free.server_port
     url, end = f"http://127.0.0.1:{port}/?app=light", time.monotonic() + PATIENCE
-    server = subprocess.Popen(["node", "node_modules/vite/bin/vite.js", "--host", "127.0.0.1", "--port", str(port), "--strictPort", "--force", "--logLevel", "error"], cwd=work)
+    server = subprocess.Popen(
+        [
+            "node",
+            "node_modules/vite/bin/vite.js",
+            "--host",
+            "127.0.0.1",
+            "--port",
+            str(port),
+            "--strictPort",
+            "--force",
+            "--logLevel",
+            "error",
+        ],
+        cwd=work,
+    )
     try:
         while True:
             try:
@@ -206,10 +269,21 @@ def main(arguments):
         subprocess.run(command, cwd=work, check=True, timeout=300)
 
     run("node", "node_modules/vite/bin/vite.js", "build", "--logLevel", "error", "--outDir", "built", "--emptyOutDir")
-    run("node_modules/.bin/esbuild", "main.mjs", "babylon.mjs", "--bundle", "--format=esm", "--splitting", "--outdir=bundled", "--log-level=error")
+    run(
+        "node_modules/.bin/esbuild",
+        "main.mjs",
+        "babylon.mjs",
+        "--bundle",
+        "--format=esm",
+        "--splitting",
+        "--outdir=bundled",
+        "--log-level=error",
+    )
     shutil.copy(npm / "sandglass.wasm", work / "bundled")
     for name in ("main", "babylon"):
-        (work / "bundled" / f"{name}.html").write_text((HERE / "index.html").read_text().replace("main.mjs", f"{name}.js"))
+        (work / "bundled" / f"{name}.html").write_text(
+            (HERE / "index.html").read_text().replace("main.mjs", f"{name}.js")
+        )
     for name in ("model.glb", "room.jpg"):
         shutil.copy(work / name, work / "bundled")
     browser = Browser(CHROMIUM, width=800, height=760, flags=SOFTWARE)
@@ -225,20 +299,39 @@ def main(arguments):
         browser.screenshot(work / "pictures/import map, sand.png")
         grows(browser)
         far = browser.ask(WORKER)
-        check(far["particles"] > 100 and far["longest"] < far["field"] / 4 and far["adding"] <= 16 and far["frame"] <= 0.5,
-              "in a worker: a model of {vertices} vertices takes {adding:.1f} ms of the page, its field {field:.0f} ms of none, longest wait {longest:.0f} ms; a frame takes {frame:.2f} ms".format(**far))
+        check(
+            far["particles"] > 100
+            and far["longest"] < far["field"] / 4
+            and far["adding"] <= 16
+            and far["frame"] <= 0.5,
+            "in a worker: a model of {vertices} vertices takes {adding:.1f} ms of the page, its field {field:.0f} ms of none, longest wait {longest:.0f} ms; a frame takes {frame:.2f} ms".format(
+                **far
+            ),
+        )
         shows(browser, work, "vite build", built + "?app=light")
         for call, sentence in REFUSED.items():
             told = browser.ask(f"(async () => {call})().catch((error) => error.message)")
             check(sentence in str(told), f"{call}: {told}")
         check(abs(browser.ask(VOLUME) - 6) < 1e-4, "a mirrored model is no hole")
-        left = browser.ask("(stage.dispose(), step(), [scene.children.includes(stage.sun), stage.probe.parent !== null, gl.getError()])")
+        left = browser.ask(
+            "(stage.dispose(), step(), [scene.children.includes(stage.sun), stage.probe.parent !== null, gl.getError()])"
+        )
         check(left == [False, False, 0], f"after dispose the scene has no light of the stage, and is drawn: {left}")
         vite(work, lambda url: shows(browser, work, "vite", url))
         shows(browser, work, "esbuild", bundled + "main.html?app=light")
         dark = []
         for hand in ("right", "left"):
-            dark += [shows(browser, work, f"babylon, {hand}-handed", bundled + f"babylon.html?app={hand}", 20, ((0.5, 0.92), (0.1, 0.9)), hand == "right")]
+            dark += [
+                shows(
+                    browser,
+                    work,
+                    f"babylon, {hand}-handed",
+                    bundled + f"babylon.html?app={hand}",
+                    20,
+                    ((0.5, 0.92), (0.1, 0.9)),
+                    hand == "right",
+                )
+            ]
             poured(browser, f"babylon, {hand}-handed", (0.5, 0.66), (0.5, 0.85))
             browser.screenshot(work / "pictures" / f"babylon, {hand}-handed.png")
             cubes(browser, f"babylon, {hand}-handed")

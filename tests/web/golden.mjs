@@ -17,7 +17,10 @@ const file = JSON.parse(readFileSync(join(folder, "demo.json"), "utf8"));
 rmSync(folder, { recursive: true });
 
 let reading = 0;
-const sand = await load(undefined, { now: () => (reading += file.virtual_step_ns) / 1e6, threads: option === "--threads" ? Number(number) : 1 });
+const sand = await load(undefined, {
+  now: () => (reading += file.virtual_step_ns) / 1e6,
+  threads: option === "--threads" ? Number(number) : 1,
+});
 const isa = [...Array(16).keys()].find((number) => sand.sandglass_isa_name(number) === isaName);
 if (!sand.sandglass_isa_available(isa)) throw new Error(`this build lacks ${isaName}`);
 const changes = option === "--friction" ? { static_friction: Number(number) } : {};
@@ -28,7 +31,12 @@ for (let frame = 0; frame < Number(frames); ++frame) scene.frame(file.frame_step
 
 if (sand.threads > 1 && sand.helped === 0) throw new Error("the other threads did nothing");
 
-const golden = new Map(readFileSync(hashFile, "utf8").split("\n").filter((line) => /^\d/.test(line)).map((line) => line.split(" ")));
+const golden = new Map(
+  readFileSync(hashFile, "utf8")
+    .split("\n")
+    .filter((line) => /^\d/.test(line))
+    .map((line) => line.split(" ")),
+);
 console.log(`${isaName}, ${sand.threads} threads: hash ${scene.hash()} after ${frames} frames`);
 if (scene.hash() !== golden.get(frames)) {
   console.log(`it differs from the golden ${golden.get(frames)}`);

@@ -4,14 +4,24 @@ import assert from "node:assert/strict";
 import { pathToFileURL } from "node:url";
 const { SandPainter } = await import(pathToFileURL(`${process.argv[2]}/sand_painter.mjs`));
 
-const drawn = [];  // the counts of gl.drawElements
-const gl = new Proxy({}, { get: (_, name) => (...given) => { if (name === "drawElements") drawn.push(given[1]); return 1; } });
+const drawn = []; // the counts of gl.drawElements
+const gl = new Proxy(
+  {},
+  {
+    get:
+      (_, name) =>
+      (...given) => {
+        if (name === "drawElements") drawn.push(given[1]);
+        return 1;
+      },
+  },
+);
 const painter = new SandPainter(gl, "", new Uint8Array(8), 0.003);
 const chunk = (number, count) => ({ number, vertices: new Uint8Array(24), indices: new Uint16Array(count) });
 const shown = (...chunks) => {
   painter.upload({ chunks, flying: 0, lying: 0, loose: new Float32Array(0), low: [0, 0, 0], high: [0, 0, 0] });
   drawn.length = 0;
-painter.draw(() => {}, [0, 0, 1], 1);
+  painter.draw(() => {}, [0, 0, 1], 1);
   return [...drawn];
 };
 assert.deepEqual(shown(), []);

@@ -39,7 +39,12 @@ sand.destroy(room);
 other.destroy(other.create("sandglass_room", other.make("sandglass_room_desc")));
 const stage = await Stage.create({ sand, budget: 4 });
 const far = await WorkerStage.create({ source: wasm() });
-const number: number = stage.addModel({ positions: new Float32Array(9), indices: new Uint32Array(3), position: [0, 0, 0], rotation: [0, 0, 0, 1] });
+const number: number = stage.addModel({
+  positions: new Float32Array(9),
+  indices: new Uint32Array(3),
+  position: [0, 0, 0],
+  rotation: [0, 0, 0, 1],
+});
 stage.createSand({ particles: 100, particle_radius: 0.01 });
 stage.pour({ position: [0, 1, 0] });
 const side: number | undefined = stage.frame(1 / 60).textures.pile?.side;

@@ -5,20 +5,27 @@ import { pathToFileURL } from "node:url";
 const { Stage } = await import(pathToFileURL(`${process.argv[2]}/stage.mjs`));
 
 const side = 0.1;
-const positions = Float32Array.from({ length: 24 }, (_, i) => (i / 3 >> i % 3 & 1) * side);
-const indices = Uint32Array.from([0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3]);
+const positions = Float32Array.from({ length: 24 }, (_, i) => (((i / 3) >> (i % 3)) & 1) * side);
+const indices = Uint32Array.from([
+  0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3,
+]);
 const said = [];
 console.warn = (message) => said.push(message);
-for (const [away, times] of [[0.5, 0], [6, 1]]) {
+for (const [away, times] of [
+  [0.5, 0],
+  [6, 1],
+]) {
   const stage = await Stage.create({});
-  const [first] = [0, away].map((x) => stage.addModel({ positions, indices, position: [x, 0, 0], rotation: [0, 0, 0, 1] }));
+  const [first] = [0, away].map((x) =>
+    stage.addModel({ positions, indices, position: [x, 0, 0], rotation: [0, 0, 0, 1] }),
+  );
   let textures = 0;
   said.length = 0;
   for (let i = 0; i < 200 && textures < 2; ++i) {
     if (stage.frame(1 / 60).textures.shadow) {
-++textures;
-stage.move(first, [0, 0.01, 0], [0, 0, 0, 1]);
-}
+      ++textures;
+      stage.move(first, [0, 0.01, 0], [0, 0, 0, 1]);
+    }
   }
   assert.equal(textures, 2);
   assert.equal(said.length, times, `${away} m apart: ${said}`);

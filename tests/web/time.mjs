@@ -16,9 +16,11 @@ const last = 90;
 let used, since;
 for (let frame = 0; frame < last; ++frame) {
   if (frame === first) {
-used = process.cpuUsage();
-since = performance.now();
-}
+    used = process.cpuUsage();
+    since = performance.now();
+  }
   scene.frame();
 }
-console.log(`${isaName}: ${(process.cpuUsage(used).user / 1e3 / (last - first)).toFixed(2)} ms a frame, ${((performance.now() - since) / (last - first)).toFixed(2)} by the wall, hash ${scene.hash()}`);
+console.log(
+  `${isaName}: ${(process.cpuUsage(used).user / 1e3 / (last - first)).toFixed(2)} ms a frame, ${((performance.now() - since) / (last - first)).toFixed(2)} by the wall, hash ${scene.hash()}`,
+);

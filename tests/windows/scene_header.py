@@ -2,6 +2,7 @@
 """Makes of the scene that web_scene wrote the header that golden.cpp includes.
 
 scene_header.py SCENE.json HEADER"""
+
 import base64
 import json
 import struct
@@ -22,11 +23,15 @@ lines = []
 for name in ("particles", "particle_velocities", "grains", "grain_velocities"):
     data = base64.b64decode(scene[name])
     lines.append(f"const float k_{name}[] = {literal(struct.unpack(f'<{len(data) // 4}f', data))};")
-colliders = ["{" + ", ".join(literal(c[part]) for part in ("shape", "position", "rotation", "size")) + ", {}, {}, 0, nullptr, 0}"
-             for c in scene["colliders"]]
+colliders = [
+    "{" + ", ".join(literal(c[part]) for part in ("shape", "position", "rotation", "size")) + ", {}, {}, 0, nullptr, 0}"
+    for c in scene["colliders"]
+]
 lines.append("const sandglass_collider k_colliders[] = {" + ", ".join(colliders) + "};")
 lines.append(f"const float k_frame_step = {literal(scene['frame_step'])}, k_gravity[] = {literal(scene['gravity'])};")
-lines.append(f"const uint64_t k_budget_ns = {round(1e6 * scene['budget_ms'])}, k_virtual_step_ns = {scene['virtual_step_ns']};")
+lines.append(
+    f"const uint64_t k_budget_ns = {round(1e6 * scene['budget_ms'])}, k_virtual_step_ns = {scene['virtual_step_ns']};"
+)
 lines.append("inline void describe(sandglass_granular_desc* desc) {")
 lines += [f"  desc->{name} = {literal(value)};" for name, value in scene["granular"].items()]
 open(sys.argv[2], "w").write("\n".join(lines + ["}\n"]))

@@ -5,15 +5,44 @@ One to one, by one rule. A pointer in C is a pointer here, and NULL is null; a h
 int. A callback is a delegate as an argument of a function, else an IntPtr. An array of structs or pointers becomes fields: the address of
 the first, name_0, is that of the array.
 """
+
 import html
 import pathlib
 import sys
 
 from headers import Headers, Refused
 
-TYPES = {"uint8_t": "byte", "int8_t": "sbyte", "char": "byte", "uint16_t": "ushort", "int16_t": "short", "uint32_t": "uint", "int32_t": "int",
-         "int": "int", "uint64_t": "ulong", "int64_t": "long", "float": "float", "double": "double", "void": "void"}
-KEYWORDS = {"in", "out", "ref", "params", "object", "string", "base", "lock", "fixed", "event", "operator", "checked", "is", "as"}
+TYPES = {
+    "uint8_t": "byte",
+    "int8_t": "sbyte",
+    "char": "byte",
+    "uint16_t": "ushort",
+    "int16_t": "short",
+    "uint32_t": "uint",
+    "int32_t": "int",
+    "int": "int",
+    "uint64_t": "ulong",
+    "int64_t": "long",
+    "float": "float",
+    "double": "double",
+    "void": "void",
+}
+KEYWORDS = {
+    "in",
+    "out",
+    "ref",
+    "params",
+    "object",
+    "string",
+    "base",
+    "lock",
+    "fixed",
+    "event",
+    "operator",
+    "checked",
+    "is",
+    "as",
+}
 
 HEAD = """\
 // Generated from Sandglass's public headers by csharp.py: the C API, one to one. Nothing here allocates; what calls it every frame should
@@ -76,8 +105,10 @@ def parameters(headers, items):
 
 def delegate(headers, name, callback):
     given = [item._replace(base="") if item.callback else item for item in callback.parameters]
-    return ("[UnmanagedFunctionPointer(CallingConvention.Cdecl)]\n"
-            f"public unsafe delegate {spelled(headers, callback.returns)} {name}({parameters(headers, given)});\n\n")
+    return (
+        "[UnmanagedFunctionPointer(CallingConvention.Cdecl)]\n"
+        f"public unsafe delegate {spelled(headers, callback.returns)} {name}({parameters(headers, given)});\n\n"
+    )
 
 
 def field(headers, item):
@@ -98,11 +129,13 @@ def csharp(headers):
         out += [doc(item.comment, "  ") + field(headers, item) for item in struct.fields] + ["}\n\n"]
     out.append(NATIVE)
     for name, value in headers.constants.items():
-        kind, end = ("float", "f") if isinstance(value, float) else ("uint", "") if value > 0x7fffffff else ("int", "")
+        kind, end = ("float", "f") if isinstance(value, float) else ("uint", "") if value > 0x7FFFFFFF else ("int", "")
         out.append(f"  public const {kind} {name} = {value}{end};\n")
     for name, function in headers.functions.items():
-        out.append(f"\n{doc(function.comment, '  ')}  [DllImport(k_library)]\n"
-                   f"  public static extern {spelled(headers, function.returns)} {name}({parameters(headers, function.parameters)});\n")
+        out.append(
+            f"\n{doc(function.comment, '  ')}  [DllImport(k_library)]\n"
+            f"  public static extern {spelled(headers, function.returns)} {name}({parameters(headers, function.parameters)});\n"
+        )
     return "".join(out) + "}\n\n}  // namespace Sandglass\n"
 
 

@@ -2,12 +2,25 @@
 
 It knows the subset of C that the headers are written in and refuses a line that it does not understand.
 """
+
 import pathlib
 import re
 from typing import NamedTuple, Optional
 
-SIZES = {"uint8_t": 1, "int8_t": 1, "char": 1, "uint16_t": 2, "int16_t": 2, "uint32_t": 4, "int32_t": 4, "int": 4, "float": 4,
-         "uint64_t": 8, "int64_t": 8, "double": 8}
+SIZES = {
+    "uint8_t": 1,
+    "int8_t": 1,
+    "char": 1,
+    "uint16_t": 2,
+    "int16_t": 2,
+    "uint32_t": 4,
+    "int32_t": 4,
+    "int": 4,
+    "float": 4,
+    "uint64_t": 8,
+    "int64_t": 8,
+    "double": 8,
+}
 COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 
 
@@ -22,6 +35,7 @@ class Callback(NamedTuple):
 
 class Item(NamedTuple):
     """A field, a parameter, or what a function returns (which has no name)."""
+
     name: str
     base: str  # the type's name in C, without const and *; of an enumeration the header's name for it
     const: bool
@@ -69,8 +83,19 @@ class Headers:
 
     def __init__(self, include):
         folder = pathlib.Path(include) / "sandglass"
-        first = ["types.h", "sampling.h", "field.h", "reference.h", "sand.h", "scene.h", "bodies.h", "frame.h"]  # structs come before those that hold them
-        self.names = sorted((path.name for path in folder.glob("*.h")), key=lambda name: ((first + [name]).index(name), name))
+        first = [
+            "types.h",
+            "sampling.h",
+            "field.h",
+            "reference.h",
+            "sand.h",
+            "scene.h",
+            "bodies.h",
+            "frame.h",
+        ]  # structs come before those that hold them
+        self.names = sorted(
+            (path.name for path in folder.glob("*.h")), key=lambda name: ((first + [name]).index(name), name)
+        )
         texts = [(folder / name).read_text() for name in self.names]
         self.constants, self.enumerations, self.callbacks, self.structs, self.functions = {}, set(), {}, {}, {}
         for text in texts:
@@ -88,7 +113,9 @@ class Headers:
                 raise Refused(f"struct_size is not the first field of {name}")
 
     def read_constants(self, text):
-        for name, value in re.findall(r"#define (SANDGLASS_(?!BRACKETS)\w+) (-?[\d.][\d.e+-]*f?|0x[0-9a-f]+)u?\n", text):
+        for name, value in re.findall(
+            r"#define (SANDGLASS_(?!BRACKETS)\w+) (-?[\d.][\d.e+-]*f?|0x[0-9a-f]+)u?\n", text
+        ):
             self.constants[name] = float(value.rstrip("f")) if re.search(r"^[^x]*[.e]", value) else int(value, 0)
         for body in re.findall(r"\benum \{(.*?)\};", text, re.DOTALL):
             for name, value in re.findall(r"(SANDGLASS_\w+) = (-?\d+)", body):
@@ -99,15 +126,20 @@ class Headers:
 
     def read_declarations(self, text):
         comment = r"/\*(?:(?!\*/).)*\*/\s*\n"
-        pattern = re.compile(rf"(?P<comment>{comment})?typedef struct (?P<struct>sandglass_\w+) \{{\n(?P<body>.*?)\n\}} \w+;|"
-                             rf"(?P<above>{comment})?SANDGLASS_API (?:SANDGLASS_NODISCARD )?(?P<returns>[\w ]+\**)\s+"
-                             r"(?P<function>sandglass_\w+)\((?P<parameters>[^;]*?)\);", re.DOTALL)
+        pattern = re.compile(
+            rf"(?P<comment>{comment})?typedef struct (?P<struct>sandglass_\w+) \{{\n(?P<body>.*?)\n\}} \w+;|"
+            rf"(?P<above>{comment})?SANDGLASS_API (?:SANDGLASS_NODISCARD )?(?P<returns>[\w ]+\**)\s+"
+            r"(?P<function>sandglass_\w+)\((?P<parameters>[^;]*?)\);",
+            re.DOTALL,
+        )
         for found in pattern.finditer(text):
             if found["struct"]:
                 self.structs[found["struct"]] = Struct(self.fields(found["body"]), prose(found["comment"]))
             else:
                 returns = self.items(" ".join(found["returns"].split()) + " returned")[0]
-                self.functions[found["function"]] = Function(returns, self.parameters(found["parameters"]), prose(found["above"]))
+                self.functions[found["function"]] = Function(
+                    returns, self.parameters(found["parameters"]), prose(found["above"])
+                )
 
     def fields(self, body):
         fields, comment = [], []
@@ -134,9 +166,14 @@ class Headers:
         names = [re.fullmatch(r"(\w+)(?:\[(\w+)\])?", one.strip()) for one in match[4].split(",")] if match else [None]
         if None in names:
             raise Refused(declaration)
-        counts = [int(name[2]) if (name[2] or "0").isdigit() and name[2] else self.constants[name[2]] if name[2] else 0 for name in names]
-        return [Item(name[1], match[2], bool(match[1]), match[3].count("*"), count, self.callbacks.get(match[2]), [])
-                for name, count in zip(names, counts)]
+        counts = [
+            int(name[2]) if (name[2] or "0").isdigit() and name[2] else self.constants[name[2]] if name[2] else 0
+            for name in names
+        ]
+        return [
+            Item(name[1], match[2], bool(match[1]), match[3].count("*"), count, self.callbacks.get(match[2]), [])
+            for name, count in zip(names, counts)
+        ]
 
     def size(self, item, pointer):
         """Bytes and alignment of an item, or of one of its elements, where a pointer has so many bytes."""
@@ -167,5 +204,8 @@ class Headers:
             size, _, offsets = self.layout(name, pointer)
             claimed += [f"sizeof({name}) == {size}"]
             claimed += [f"offsetof({name}, {field.name}) == {offset}" for field, offset in zip(struct.fields, offsets)]
-        return ("#include <stddef.h>\n" + "".join(f"#include \"sandglass/{name}\"\n" for name in self.names) +
-                "".join(f"typedef char claim_{number}[({claim}) ? 1 : -1];\n" for number, claim in enumerate(claimed)))
+        return (
+            "#include <stddef.h>\n"
+            + "".join(f'#include "sandglass/{name}"\n' for name in self.names)
+            + "".join(f"typedef char claim_{number}[({claim}) ? 1 : -1];\n" for number, claim in enumerate(claimed))
+        )

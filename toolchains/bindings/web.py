@@ -7,6 +7,7 @@ Writes to OUTPUT_FOLDER:
   exports.txt     the names for the linker, in Emscripten's form
   layout.c        a claim for each size and offset; the target's compiler checks them
 """
+
 import json
 import pathlib
 import sys
@@ -14,10 +15,31 @@ import sys
 from headers import Headers, Refused, doc, fails
 
 POINTER = 4
-SCALARS = {"uint8_t": "u8", "int8_t": "i8", "uint16_t": "u16", "int16_t": "i16", "uint32_t": "u32", "int32_t": "i32", "int": "i32",
-           "uint64_t": "u64", "int64_t": "i64", "float": "f32", "double": "f64"}
-ARRAYS = {"f32": "Float32Array", "f64": "Float64Array", "u32": "Uint32Array", "i32": "Int32Array", "u64": "BigUint64Array",
-          "u8": "Uint8Array", "i8": "Int8Array", "u16": "Uint16Array", "i16": "Int16Array", "ptr": "Uint32Array"}
+SCALARS = {
+    "uint8_t": "u8",
+    "int8_t": "i8",
+    "uint16_t": "u16",
+    "int16_t": "i16",
+    "uint32_t": "u32",
+    "int32_t": "i32",
+    "int": "i32",
+    "uint64_t": "u64",
+    "int64_t": "i64",
+    "float": "f32",
+    "double": "f64",
+}
+ARRAYS = {
+    "f32": "Float32Array",
+    "f64": "Float64Array",
+    "u32": "Uint32Array",
+    "i32": "Int32Array",
+    "u64": "BigUint64Array",
+    "u8": "Uint8Array",
+    "i8": "Int8Array",
+    "u16": "Uint16Array",
+    "i16": "Int16Array",
+    "ptr": "Uint32Array",
+}
 
 
 def kind(headers, item):
@@ -48,7 +70,13 @@ def pointer_type(headers, item, otherwise):
     """Of one pointer: to what only the library knows, to a struct, to anything else."""
     if item.pointers != 1 or item.callback:
         return "Pointer"
-    return f"Handle<\"{item.base}\">" if item.base in headers.handles else f"{item.base} | Pointer | null" if item.base in headers.structs else otherwise
+    return (
+        f'Handle<"{item.base}">'
+        if item.base in headers.handles
+        else f"{item.base} | Pointer | null"
+        if item.base in headers.structs
+        else otherwise
+    )
 
 
 def field_type(headers, field):
@@ -79,7 +107,14 @@ def result_type(headers, function):
     name, of = result(headers, function.returns)
     if name == "ptr" and of in headers.handles:
         return pointer_type(headers, function.returns, "")
-    return {"void": "void", "text": "string | null", "ptr": "Pointer", "u64": "bigint", "i64": "bigint", "struct": of}.get(name, "number")
+    return {
+        "void": "void",
+        "text": "string | null",
+        "ptr": "Pointer",
+        "u64": "bigint",
+        "i64": "bigint",
+        "struct": of,
+    }.get(name, "number")
 
 
 def listed(headers, items):
@@ -89,23 +124,37 @@ def listed(headers, items):
 def typescript(headers):
     out = ["// Generated from the public headers by web.py.\n"]
     for name, struct in headers.structs.items():
-        out.append(doc(struct.comment, "") + f"export interface {name} extends Struct<\"{name}\"> {{\n")
+        out.append(doc(struct.comment, "") + f'export interface {name} extends Struct<"{name}"> {{\n')
         for field in struct.fields:
             read, written = field_type(headers, field)
-            one = f"get {field.name}(): {read};\n  set {field.name}(value: {written})" if written else f"{'readonly ' * (field.count > 0)}{field.name}: {read}"
+            one = (
+                f"get {field.name}(): {read};\n  set {field.name}(value: {written})"
+                if written
+                else f"{'readonly ' * (field.count > 0)}{field.name}: {read}"
+            )
             out.append(doc(field.comment, "  ") + f"  {one};\n")
         out.append("}\n\n")
     out.append("export interface Structs {\n" + "".join(f"  {name}: {name};\n" for name in headers.structs) + "}\n\n")
-    out.append("/** What create() takes for each: the arguments of its _bytes function. */\nexport interface Descriptions {\n")
+    out.append(
+        "/** What create() takes for each: the arguments of its _bytes function. */\nexport interface Descriptions {\n"
+    )
     for name in headers.functions:
         if name.endswith("_create") and (size := headers.functions.get(name[:-7] + "_bytes")):
             out.append(f"  {name[:-7]}: [{listed(headers, arguments(size)[:-1])}];\n")
-    out.append("}\n\n/** Every function of the C API. One that fails throws an Error whose message is the library's sentence. */\n"
-               "export interface Functions {\n")
+    out.append(
+        "}\n\n/** Every function of the C API. One that fails throws an Error whose message is the library's sentence. */\n"
+        "export interface Functions {\n"
+    )
     for name, function in headers.functions.items():
-        out.append(doc(function.comment, "  ") + f"  {name}({listed(headers, arguments(function))}): {result_type(headers, function)};\n")
-    out.append("}\n\nexport declare const constants: {\n" +
-               "".join(f"  readonly {name}: {value};\n" for name, value in headers.constants.items()) + "};\n\n")
+        out.append(
+            doc(function.comment, "  ")
+            + f"  {name}({listed(headers, arguments(function))}): {result_type(headers, function)};\n"
+        )
+    out.append(
+        "}\n\nexport declare const constants: {\n"
+        + "".join(f"  readonly {name}: {value};\n" for name, value in headers.constants.items())
+        + "};\n\n"
+    )
     return "".join(out)
 
 
@@ -113,12 +162,21 @@ def abi(headers):
     structs, functions = {}, {}
     for name, struct in headers.structs.items():
         size, _, offsets = headers.layout(name, POINTER)
-        structs[name] = {"size": size, "fields": [[f.name, kind(headers, f), o, f.count] for f, o in zip(struct.fields, offsets)]}
+        structs[name] = {
+            "size": size,
+            "fields": [[f.name, kind(headers, f), o, f.count] for f, o in zip(struct.fields, offsets)],
+        }
     for name, function in headers.functions.items():
-        functions[name] = [[parameter(headers, item) for item in arguments(function)], *result(headers, function.returns), fails(function)]
-    return ("// Generated from the public headers by web.py.\n"
-            f"export const structs = {json.dumps(structs)};\nexport const functions = {json.dumps(functions)};\n"
-            f"export const constants = {json.dumps(headers.constants)};\n")
+        functions[name] = [
+            [parameter(headers, item) for item in arguments(function)],
+            *result(headers, function.returns),
+            fails(function),
+        ]
+    return (
+        "// Generated from the public headers by web.py.\n"
+        f"export const structs = {json.dumps(structs)};\nexport const functions = {json.dumps(functions)};\n"
+        f"export const constants = {json.dumps(headers.constants)};\n"
+    )
 
 
 def main():

@@ -1,4 +1,5 @@
 """Conan 2 recipe over this checkout:  conan create toolchains/conan"""
+
 import os
 
 from conan import ConanFile
@@ -19,13 +20,25 @@ class SandglassRecipe(ConanFile):
         built = {"Linux": ("x86_64", "armv8"), "Android": ("armv8",), "iOS": ("armv8",)}
         system, processor = str(self.settings.os), str(self.settings.arch)
         if processor not in built.get(system, ()):
-            raise ConanInvalidConfiguration(f"Sandglass is built for Linux on x86_64 and armv8, and for Android and iOS on armv8, not for "
-                                            f"{system} on {processor}: set os and arch to one of these.")
+            raise ConanInvalidConfiguration(
+                f"Sandglass is built for Linux on x86_64 and armv8, and for Android and iOS on armv8, not for "
+                f"{system} on {processor}: set os and arch to one of these."
+            )
 
     def export_sources(self):
         checkout = os.path.join(self.recipe_folder, "..", "..")
-        for part in ("CMakeLists.txt", "LICENSE", "platform/*", "kernels/*", "runtime/*", "toolchains/cmake/*", "toolchains/bindings/*",
-                     "toolchains/unity/*", "toolchains/android/*", "toolchains/ios/*"):
+        for part in (
+            "CMakeLists.txt",
+            "LICENSE",
+            "platform/*",
+            "kernels/*",
+            "runtime/*",
+            "toolchains/cmake/*",
+            "toolchains/bindings/*",
+            "toolchains/unity/*",
+            "toolchains/android/*",
+            "toolchains/ios/*",
+        ):
             copy(self, part, checkout, self.export_sources_folder)
 
     def layout(self):

@@ -13,6 +13,7 @@ its number, so that Doxygen's messages name the right line:
 A comment is prose. What Doxygen would take for a command or a tag is escaped, but not in `backticks`, which show code. Lines that are
 indented by four or more, behind a blank line, are shown as they stand.
 """
+
 import pathlib
 import re
 import sys
@@ -48,17 +49,19 @@ class Prose:
         return start + "`".join(parts)
 
     def linked(self, part):
-        return re.sub(r"\bsandglass_\w+\b(?!\()", lambda name: name.group() + "()" * (name.group() in self.functions), part)
+        return re.sub(
+            r"\bsandglass_\w+\b(?!\()", lambda name: name.group() + "()" * (name.group() in self.functions), part
+        )
 
 
 def marked(text):
     """The text with its comments marked as documentation."""
     out, end, prose, in_section, first = [], 0, None, False, True
     for token in TOKEN.finditer(text):
-        comment, between = token.group(), text[end:token.start()]
+        comment, between = token.group(), text[end : token.start()]
         out.append(between)
         end = token.end()
-        line = text[text.rfind("\n", 0, token.start()) + 1:token.start()]
+        line = text[text.rfind("\n", 0, token.start()) + 1 : token.start()]
         if line.strip() and not line.startswith("#define"):
             out.append(comment)
             continue
@@ -96,14 +99,16 @@ def shared(text):
             struct = found.group(1)
         if not line.strip() or re.match(r"/\*\*|///", line):
             above = None
-        elif found := FUNCTION.match("\n".join(lines[number:number + 2])):
+        elif found := FUNCTION.match("\n".join(lines[number : number + 2])):
             if above:
                 line = f"/** @copydoc {above} */ {line}"
             above = above or found.group(1)
         elif struct and (found := FIELDS.match(line)):
             space, kind, first, size, others = found.groups()
             reference = f"/**< @copydoc {struct}::{first} */"
-            line = f"{space}{kind} {first}{size}; " + " ".join(f"{kind} {name};{reference}" for name in others[2:].split(", "))
+            line = f"{space}{kind} {first}{size}; " + " ".join(
+                f"{kind} {name};{reference}" for name in others[2:].split(", ")
+            )
         out.append(line)
     return "\n".join(out)
 

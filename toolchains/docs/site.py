@@ -3,6 +3,7 @@
 
 It opens with the live page PAGE; below, one sample a capability by name, each a page of its own, and the API reference, a copy of the
 folder REFERENCE. FOLDER is made anew."""
+
 import html
 import pathlib
 import re
@@ -10,20 +11,24 @@ import shutil
 import sys
 
 # Capability, its sample, its header. Of a .md file the first block of that language is shown.
-SAMPLES = [("Sand, drawn as a surface", "models/examples/pour.cpp", "skin.h"),
-           ("Sand from C", "models/examples/hello.c", "scene.h"),
-           ("Bodies that sand carries", "models/examples/bodies.cpp", "bodies.h"),
-           ("The light of the room", "models/examples/camera_app.cpp", "room.h"),
-           ("The soft shadow of an object", "models/examples/shadow_alone.cpp", "shadow.h"),
-           ("In three.js: a model with a shadow, and sand", "toolchains/web/README.md", "cast.h"),
-           ("Sand in GLSL", "models/kit/surface.frag", "skin.h")]
+SAMPLES = [
+    ("Sand, drawn as a surface", "models/examples/pour.cpp", "skin.h"),
+    ("Sand from C", "models/examples/hello.c", "scene.h"),
+    ("Bodies that sand carries", "models/examples/bodies.cpp", "bodies.h"),
+    ("The light of the room", "models/examples/camera_app.cpp", "room.h"),
+    ("The soft shadow of an object", "models/examples/shadow_alone.cpp", "shadow.h"),
+    ("In three.js: a model with a shadow, and sand", "toolchains/web/README.md", "cast.h"),
+    ("Sand in GLSL", "models/kit/surface.frag", "skin.h"),
+]
 STYLE = """body{margin:0;font:16px/1.5 system-ui,sans-serif;color:#222;background:#f4f1ea}main{max-width:52rem;margin:auto;padding:1rem}
 iframe{display:block;width:100%;height:min(78vh,720px);border:0}pre{overflow:auto;padding:1rem;background:#fff;font-size:13px}a{color:#7a4a12}"""
 
 
 def page(title, body):
-    return (f'<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{html.escape(title)}</title>'
-            f"<style>{STYLE}</style>{body}</html>\n")
+    return (
+        f'<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{html.escape(title)}</title>'
+        f"<style>{STYLE}</style>{body}</html>\n"
+    )
 
 
 def code_of(path):
@@ -55,11 +60,21 @@ def main():
         if not (folder / at).exists():
             sys.exit(f"site.py: the reference has no page {at}")
         links += f'<li><a href="{name}">{html.escape(title)}</a></li>'
-        (folder / name).write_text(page(title, f'<main><p><a href="index.html">Sandglass</a></p><h1>{html.escape(title)}</h1>'
-                                               f'<p><code>{sample}</code>; the API: <a href="{at}">{header}</a></p><pre>{html.escape(code)}</pre></main>'))
-    (folder / "index.html").write_text(page("Sandglass", '<iframe src="live.html" title="Sand and light, live" allow="camera; accelerometer; gyroscope; xr-spatial-tracking"></iframe>'
-                                            "<main><h1>Sandglass</h1><p>Sand, light and shadow for augmented reality, inside a fixed slice of every frame. Above it runs in this browser.</p>"
-                                            f'<h2>Samples</h2><ul>{links}</ul><p><a href="reference/index.html">API reference</a></p></main>'))
+        (folder / name).write_text(
+            page(
+                title,
+                f'<main><p><a href="index.html">Sandglass</a></p><h1>{html.escape(title)}</h1>'
+                f'<p><code>{sample}</code>; the API: <a href="{at}">{header}</a></p><pre>{html.escape(code)}</pre></main>',
+            )
+        )
+    (folder / "index.html").write_text(
+        page(
+            "Sandglass",
+            '<iframe src="live.html" title="Sand and light, live" allow="camera; accelerometer; gyroscope; xr-spatial-tracking"></iframe>'
+            "<main><h1>Sandglass</h1><p>Sand, light and shadow for augmented reality, inside a fixed slice of every frame. Above it runs in this browser.</p>"
+            f'<h2>Samples</h2><ul>{links}</ul><p><a href="reference/index.html">API reference</a></p></main>',
+        )
+    )
 
 
 main()

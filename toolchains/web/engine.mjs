@@ -12,40 +12,47 @@ const k_painter_units = [0, 1, 2, 3, 8, 9];
 const k_hidden = "float hidden(vec3 world) { return 0.0; }\n";
 const k_light = `#define LINEAR_OUTPUT\n${kit.light}`;
 const k_capabilities = ["BLEND", "CULL_FACE", "DEPTH_TEST", "SCISSOR_TEST", "STENCIL_TEST", "POLYGON_OFFSET_FILL"];
-const k_unpack = ["UNPACK_FLIP_Y_WEBGL", "UNPACK_PREMULTIPLY_ALPHA_WEBGL"];  // engines leave the others at 0
+const k_unpack = ["UNPACK_FLIP_Y_WEBGL", "UNPACK_PREMULTIPLY_ALPHA_WEBGL"]; // engines leave the others at 0
 
 // Does some work and leaves WebGL as it was, so that what the engine believes of it stays true. Browsers answer at once but
 // for the depth buffer's state, which uploads do not touch.
 function unnoticed(gl, work, draws = false) {
   const get = (name) => gl.getParameter(gl[name]);
-const can = k_capabilities.map((name) => [gl[name], gl.isEnabled(gl[name])]);
+  const can = k_capabilities.map((name) => [gl[name], gl.isEnabled(gl[name])]);
   const stores = ["UNPACK_ALIGNMENT", ...k_unpack].map((name) => [gl[name], get(name)]);
-const active = get("ACTIVE_TEXTURE");
-  const before = { program: get("CURRENT_PROGRAM"), array: get("VERTEX_ARRAY_BINDING"), buffer: get("ARRAY_BUFFER_BINDING"), ...(draws ? { mask: get("DEPTH_WRITEMASK"), order: get("DEPTH_FUNC") } : {}) };
+  const active = get("ACTIVE_TEXTURE");
+  const before = {
+    program: get("CURRENT_PROGRAM"),
+    array: get("VERTEX_ARRAY_BINDING"),
+    buffer: get("ARRAY_BUFFER_BINDING"),
+    ...(draws ? { mask: get("DEPTH_WRITEMASK"), order: get("DEPTH_FUNC") } : {}),
+  };
   const textures = k_painter_units.map((unit) => {
-gl.activeTexture(gl.TEXTURE0 + unit);
-return [unit, get("TEXTURE_BINDING_2D"), get("TEXTURE_BINDING_3D")];
-});
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    return [unit, get("TEXTURE_BINDING_2D"), get("TEXTURE_BINDING_3D")];
+  });
   try {
     for (const name of k_unpack) gl.pixelStorei(gl[name], 0);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-gl.bindVertexArray(null);
+    gl.bindVertexArray(null);
     work();
   } finally {
     for (const [unit, flat, solid] of textures) {
-gl.activeTexture(gl.TEXTURE0 + unit);
-gl.bindTexture(gl.TEXTURE_2D, flat);
-gl.bindTexture(gl.TEXTURE_3D, solid);
-}
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_2D, flat);
+      gl.bindTexture(gl.TEXTURE_3D, solid);
+    }
     gl.activeTexture(active);
-gl.useProgram(before.program);
-gl.bindVertexArray(before.array);
-gl.bindBuffer(gl.ARRAY_BUFFER, before.buffer);
+    gl.useProgram(before.program);
+    gl.bindVertexArray(before.array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, before.buffer);
     if (draws) {
-gl.depthMask(before.mask);
-gl.depthFunc(before.order);
-}
-    for (const [name, on] of can) if (on) gl.enable(name); else gl.disable(name);
+      gl.depthMask(before.mask);
+      gl.depthFunc(before.order);
+    }
+    for (const [name, on] of can)
+      if (on) gl.enable(name);
+      else gl.disable(name);
     for (const [name, value] of stores) gl.pixelStorei(name, value);
   }
 }
@@ -53,22 +60,27 @@ gl.depthFunc(before.order);
 // One mesh of several: positions, the corners of triangles (null: in order), and a column-major matrix; mirrored ones turn.
 export function oneMesh(parts) {
   const total = (of) => parts.reduce((sum, part) => sum + of(part), 0);
-const corners_of = ({ positions, corners }) => corners?.length ?? positions.length / 3;
+  const corners_of = ({ positions, corners }) => corners?.length ?? positions.length / 3;
   const positions = new Float32Array(total((part) => part.positions.length));
-const indices = new Uint32Array(total(corners_of));
+  const indices = new Uint32Array(total(corners_of));
   let end = 0;
-let last = 0;
+  let last = 0;
   for (const part of parts) {
-    const { positions: p, corners, matrix: [a, b, c, , d, e, f, , g, h, k, , x, y, z] } = part;
-const base = end / 3;
-const count = corners_of(part);
+    const {
+      positions: p,
+      corners,
+      matrix: [a, b, c, , d, e, f, , g, h, k, , x, y, z],
+    } = part;
+    const base = end / 3;
+    const count = corners_of(part);
     for (let i = 0; i < p.length; i += 3, end += 3) {
       positions[end] = a * p[i] + d * p[i + 1] + g * p[i + 2] + x;
       positions[end + 1] = b * p[i] + e * p[i + 1] + h * p[i + 2] + y;
       positions[end + 2] = c * p[i] + f * p[i + 1] + k * p[i + 2] + z;
     }
-    const own = indices.subarray(last, last += count);
-    if (corners) own.set(corners); else for (let i = 0; i < count; ++i) own[i] = i;
+    const own = indices.subarray(last, (last += count));
+    if (corners) own.set(corners);
+    else for (let i = 0; i < count; ++i) own[i] = i;
     if (base > 0) for (let i = 0; i < count; ++i) own[i] += base;
     if (a * (e * k - f * h) - d * (b * k - c * h) + g * (b * f - c * e) < 0)
       for (let i = 0; i < count; i += 3) [own[i + 1], own[i + 2]] = [own[i + 2], own[i + 1]];
@@ -79,64 +91,87 @@ const count = corners_of(part);
 class Sand {
   constructor(gl, block, radius) {
     this.gl = gl;
-this.textures = {};
+    this.textures = {};
     unnoticed(gl, () => {
       this.painter = new SandPainter(gl, k_hidden, block, radius, k_light);
-      for (const name of ["onSand", "skyOnSand", "shadow", "occlusion"]) this.upload(name, { side: 1, bytes: new Uint8Array([name === "onSand" || name === "shadow" ? 0 : 255]) });
+      for (const name of ["onSand", "skyOnSand", "shadow", "occlusion"])
+        this.upload(name, { side: 1, bytes: new Uint8Array([name === "onSand" || name === "shadow" ? 0 : 255]) });
     });
   }
-  upload(name, texture) { this.textures[name] = uploadShadow(this.gl, texture, this.textures[name]); }
+  upload(name, texture) {
+    this.textures[name] = uploadShadow(this.gl, texture, this.textures[name]);
+  }
   take(drawn) {
     this.values = kitValues(drawn);
     unnoticed(this.gl, () => {
       for (const name of Object.keys(this.textures)) if (drawn.textures[name]) this.upload(name, drawn.textures[name]);
       if (drawn.skin) {
-this.painter.upload(drawn.skin);
-this.filled = true;
-}
+        this.painter.upload(drawn.skin);
+        this.filled = true;
+      }
     });
     this.painter.streams = drawn.streams;
   }
   end() {
     for (const texture of Object.values(this.textures)) this.gl.deleteTexture(texture);
     this.painter.end();
-this.filled = false;
+    this.filled = false;
   }
   // `view` and `projection` are column-major; the view looks along -z.
   draw({ view, projection, eye, height, linear, reversed }) {
     if (!this.filled) return;
     const { gl, painter, textures } = this;
-    unnoticed(gl, () => {
-      gl.disable(gl.BLEND);
-gl.disable(gl.CULL_FACE);
-gl.enable(gl.DEPTH_TEST);
-gl.depthMask(true);
-gl.depthFunc(reversed ? gl.GEQUAL : gl.LEQUAL);
-      const set = { ...this.values, view, projection, eye, linear_output: linear ? 1 : 0 };
-      painter.draw((program) => {
-        gl.useProgram(program.made);
-        for (const [name, texture] of [["pile", textures.onSand], ["shadow", textures.shadow], ["occlusion", textures.occlusion], ["sky", textures.skyOnSand]])
-          {
-gl.activeTexture(gl.TEXTURE0 + k_units[name]);
-gl.bindTexture(gl.TEXTURE_2D, texture);
-gl.uniform1i(program.at(name), k_units[name]);
-}
-        setUniforms(gl, program, set);
-      }, eye, 0.5 * height * projection[5]);
-    }, true);
+    unnoticed(
+      gl,
+      () => {
+        gl.disable(gl.BLEND);
+        gl.disable(gl.CULL_FACE);
+        gl.enable(gl.DEPTH_TEST);
+        gl.depthMask(true);
+        gl.depthFunc(reversed ? gl.GEQUAL : gl.LEQUAL);
+        const set = { ...this.values, view, projection, eye, linear_output: linear ? 1 : 0 };
+        painter.draw(
+          (program) => {
+            gl.useProgram(program.made);
+            for (const [name, texture] of [
+              ["pile", textures.onSand],
+              ["shadow", textures.shadow],
+              ["occlusion", textures.occlusion],
+              ["sky", textures.skyOnSand],
+            ]) {
+              gl.activeTexture(gl.TEXTURE0 + k_units[name]);
+              gl.bindTexture(gl.TEXTURE_2D, texture);
+              gl.uniform1i(program.at(name), k_units[name]);
+            }
+            setUniforms(gl, program, set);
+          },
+          eye,
+          0.5 * height * projection[5],
+        );
+      },
+      true,
+    );
   }
 }
 
 // A subclass has meshOf(object), poseOf(object), cameraOf(camera), show(drawn) and leave().
 export class Engine {
-  static async stageOf({ worker = false, ...options }) { return (worker ? WorkerStage : Stage).create(options); }
-  constructor(stage, gl) { Object.assign(this, { stage, gl, objects: new Map(), owed: 0, last: performance.now(), sand: null, busy: false }); }
+  static async stageOf({ worker = false, ...options }) {
+    return (worker ? WorkerStage : Stage).create(options);
+  }
+  constructor(stage, gl) {
+    Object.assign(this, { stage, gl, objects: new Map(), owed: 0, last: performance.now(), sand: null, busy: false });
+  }
 
   // An object's meshes throw a shadow, and sand lies on them. They are taken at their present size; the pose is followed.
   async addModel(object, options) {
-    if (typeof object?.[this.placing] !== "function") throw new Error("sandglass: addModel takes an object of the scene. Of a loaded glTF pass gltf.scene.");
+    if (typeof object?.[this.placing] !== "function")
+      throw new Error("sandglass: addModel takes an object of the scene. Of a loaded glTF pass gltf.scene.");
     const pose = this.poseOf(object);
-    this.objects.set(object, { pose, number: await this.stage.addModel({ ...this.meshOf(object, pose), ...pose }, options) });
+    this.objects.set(object, {
+      pose,
+      number: await this.stage.addModel({ ...this.meshOf(object, pose), ...pose }, options),
+    });
     this.watchFields();
   }
   async removeModel(object) {
@@ -147,20 +182,30 @@ export class Engine {
   }
   // An image of the room as the camera sees it: a photograph or a video's picture, not a panorama.
   async see(image, camera, options) {
-    if (typeof camera?.[this.placing] !== "function") throw new Error("sandglass: see takes an image and the camera that took it.");
+    if (typeof camera?.[this.placing] !== "function")
+      throw new Error("sandglass: see takes an image and the camera that took it.");
     await this.stage.see(pixelsOf(image), { ...this.cameraOf(camera), ...options });
   }
 
   async newSand(options) {
-    const [{ radius }, block] = await Promise.all([this.stage.createSand(options), blockMade(Uint8Array.from(atob(k_block_text), (letter) => letter.charCodeAt(0)))]);
+    const [{ radius }, block] = await Promise.all([
+      this.stage.createSand(options),
+      blockMade(Uint8Array.from(atob(k_block_text), (letter) => letter.charCodeAt(0))),
+    ]);
     this.watchFields();
     this.sand?.end();
     this.sand = new Sand(this.gl, block, radius);
   }
   // Where sand cannot lie on a model, that is said once; the rest goes on.
-  watchFields() { Promise.resolve(this.stage.fields).catch(({ message }) => console.error(message)); }
-  pour(...nozzles) { return this.stage.pour(...nozzles); }
-  push(...balls) { return this.stage.push(...balls); }
+  watchFields() {
+    Promise.resolve(this.stage.fields).catch(({ message }) => console.error(message));
+  }
+  pour(...nozzles) {
+    return this.stage.pour(...nozzles);
+  }
+  push(...balls) {
+    return this.stage.push(...balls);
+  }
 
   // Once a frame, before it is rendered. `seconds` go by; without it, as many as since the last call. A stage in a worker
   // shows each frame when it is done.
@@ -168,28 +213,41 @@ export class Engine {
     if (this.ended) return;
     if (!(seconds >= 0)) throw new Error("sandglass: update takes the seconds since the last frame.");
     this.last = performance.now();
-this.owed += seconds;
+    this.owed += seconds;
     if (this.busy) return;
     for (const [object, model] of this.objects) {
       const pose = this.poseOf(object);
-      if (String(pose.position) === String(model.pose.position) && String(pose.rotation) === String(model.pose.rotation)) continue;
+      if (
+        String(pose.position) === String(model.pose.position) &&
+        String(pose.rotation) === String(model.pose.rotation)
+      )
+        continue;
       model.pose = pose;
-this.stage.move(model.number, pose.position, pose.rotation);
+      this.stage.move(model.number, pose.position, pose.rotation);
     }
     const drawn = this.stage.frame(Math.min(this.owed, 0.1));
     this.owed = 0;
     if (!(drawn instanceof Promise)) return this.take(drawn);
     this.busy = true;
-    drawn.then((arrived) => this.ended || this.take(arrived)).finally(() => { this.busy = false; });
+    drawn
+      .then((arrived) => this.ended || this.take(arrived))
+      .finally(() => {
+        this.busy = false;
+      });
   }
   // Takes light and sand out of the scene, and ends the worker. Materials keep the last shadows.
-  dispose() { this.ended = true;
-this.leave();
-this.sand?.end();
-this.stage.call?.end(); }
+  dispose() {
+    this.ended = true;
+    this.leave();
+    this.sand?.end();
+    this.stage.call?.end();
+  }
   take(drawn) {
     this.drawn = drawn;
     this.sand?.take(drawn);
-    this.show(drawn, receivers.filter((name) => drawn.textures[name]));
+    this.show(
+      drawn,
+      receivers.filter((name) => drawn.textures[name]),
+    );
   }
 }

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Writes what the npm package makes of other files: python3 pack.py NPM_FOLDER KIT_FOLDER SAND_BLOCK_MODULE
 
-  kit.mjs          the sand kit's GLSL
-  inlined.mjs      sandglass.wasm as text; block_module.mjs: sand_block.wasm
-  worker_text.mjs  what runs in a worker, as one text
-  README.md        without the marks of its numbers and without links to what the package has not
+kit.mjs          the sand kit's GLSL
+inlined.mjs      sandglass.wasm as text; block_module.mjs: sand_block.wasm
+worker_text.mjs  what runs in a worker, as one text
+README.md        without the marks of its numbers and without links to what the package has not
 """
+
 import base64
 import json
 import pathlib
@@ -15,11 +16,25 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "models/page"))
 from assemble import joined
 
-IN_WORKER = ("sandglass", "skin_changes", "sand_block", "options", "mesh_field", "place_light", "stage_shadows", "worker", "stage", "worker_commands")
+IN_WORKER = (
+    "sandglass",
+    "skin_changes",
+    "sand_block",
+    "options",
+    "mesh_field",
+    "place_light",
+    "stage_shadows",
+    "worker",
+    "stage",
+    "worker_commands",
+)
 
 
 def module(path, **constants):
-    path.write_text("// Made by pack.py.\n" + "".join(f"export const {name} = {json.dumps(value)};\n" for name, value in constants.items()))
+    path.write_text(
+        "// Made by pack.py.\n"
+        + "".join(f"export const {name} = {json.dumps(value)};\n" for name, value in constants.items())
+    )
 
 
 def encoded(file):
@@ -28,12 +43,21 @@ def encoded(file):
 
 def main():
     npm, kit, block = map(pathlib.Path, sys.argv[1:])
-    texts = {file.name.replace(".glsl", "").replace(".", "_"): file.read_text() for file in sorted(kit.iterdir()) if file.suffix in (".glsl", ".vert", ".frag")}
+    texts = {
+        file.name.replace(".glsl", "").replace(".", "_"): file.read_text()
+        for file in sorted(kit.iterdir())
+        if file.suffix in (".glsl", ".vert", ".frag")
+    }
     module(npm / "kit.mjs", k_kit=texts)
     module(npm / "inlined.mjs", k_inlined=encoded(npm / "sandglass.wasm"))
     module(npm / "block_module.mjs", k_block_text=encoded(block))
-    module(npm / "worker_text.mjs", text=joined([npm / f"{name}.mjs" for name in IN_WORKER]).replace("import.meta.url", "location.href"))
-    (npm / "README.md").write_text(re.sub(r"<!--.*?-->|!\[.*\n\n|\[([^]]*)\]\(\.\./[^)]*\)", r"\1", pathlib.Path("README.md").read_text()))
+    module(
+        npm / "worker_text.mjs",
+        text=joined([npm / f"{name}.mjs" for name in IN_WORKER]).replace("import.meta.url", "location.href"),
+    )
+    (npm / "README.md").write_text(
+        re.sub(r"<!--.*?-->|!\[.*\n\n|\[([^]]*)\]\(\.\./[^)]*\)", r"\1", pathlib.Path("README.md").read_text())
+    )
 
 
 main()

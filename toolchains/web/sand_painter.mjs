@@ -5,34 +5,50 @@ import { k_loose_words, k_vertex_bytes } from "./skin_changes.mjs";
 
 const k_block_texels = 64;
 const k_loose_bytes = 4 * k_loose_words;
-const k_points = 256;  // of a loose particle at most, as in loose.vert
+const k_points = 256; // of a loose particle at most, as in loose.vert
 const k_lines = 384;
 const k_grain_radius = 0.0003;
 const k_point_pixels = 1.5;
 const k_line_pixels = 1.2;
-const k_minerals = [[0.80, 0.66, 0.46, 0.62], [0.90, 0.83, 0.72, 0.24], [0.58, 0.34, 0.17, 0.09], [0.13, 0.115, 0.10, 0.05]];  // as in sand_block.cpp
+const k_minerals = [
+  [0.8, 0.66, 0.46, 0.62],
+  [0.9, 0.83, 0.72, 0.24],
+  [0.58, 0.34, 0.17, 0.09],
+  [0.13, 0.115, 0.1, 0.05],
+]; // as in sand_block.cpp
 const k_block_side = 0.0084;
-const k_block_unit = 8;  // of the painter's textures; those below are others
+const k_block_unit = 8; // of the painter's textures; those below are others
 const k_stream_narrow = 0.3;
 const k_loose_vertex = `#define FLOAT_NUMBER\n${k_kit.loose_vert}`;
 
 // Compiles for WebGL 2. `at` gives the place of a uniform, and is the first that waits for the compiler.
 export function program(gl, vertex, fragment) {
   const made = gl.createProgram();
-  for (const [kind, body] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+  for (const [kind, body] of [
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment],
+  ]) {
     const shader = gl.createShader(kind);
-    gl.shaderSource(shader, `#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n${body}`);
+    gl.shaderSource(
+      shader,
+      `#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n${body}`,
+    );
     gl.compileShader(shader);
-gl.attachShader(made, shader);
+    gl.attachShader(made, shader);
   }
   gl.linkProgram(made);
   const at = new Map();
-  return { made, at: (name) => {
-    if (at.size === 0 && !gl.getProgramParameter(made, gl.LINK_STATUS))
-      throw new Error(`This browser refuses a shader: ${[gl.getProgramInfoLog(made), ...gl.getAttachedShaders(made).map((shader) => gl.getShaderInfoLog(shader))].join(" ")}`);
-    if (!at.has(name)) at.set(name, gl.getUniformLocation(made, name));
-    return at.get(name);
-  } };
+  return {
+    made,
+    at: (name) => {
+      if (at.size === 0 && !gl.getProgramParameter(made, gl.LINK_STATUS))
+        throw new Error(
+          `This browser refuses a shader: ${[gl.getProgramInfoLog(made), ...gl.getAttachedShaders(made).map((shader) => gl.getShaderInfoLog(shader))].join(" ")}`,
+        );
+      if (!at.has(name)) at.set(name, gl.getUniformLocation(made, name));
+      return at.get(name);
+    },
+  };
 }
 
 // Of any names; their kind is told by the value.
@@ -48,7 +64,8 @@ export function setUniforms(gl, { at }, values) {
 // A texture that a stage gives. `made`: what this gave before.
 export function uploadShadow(gl, { side, bytes }, made = gl.createTexture()) {
   gl.bindTexture(gl.TEXTURE_2D, made);
-  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
+  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+    gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
   for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
   gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, side, side, 0, gl.RED, gl.UNSIGNED_BYTE, bytes);
   return made;
@@ -59,48 +76,75 @@ export class SandPainter {
   constructor(gl, hidden, block, radius, light = k_kit.light) {
     const before = k_kit.uniforms + light;
     this.gl = gl;
-this.radius = radius;
-this.chunks = [];
-this.counts = [0, 0];
-    this.surface = program(gl, before + k_kit.surface_vert, before + hidden + k_kit.sand + k_kit.surface + k_kit.surface_frag);
+    this.radius = radius;
+    this.chunks = [];
+    this.counts = [0, 0];
+    this.surface = program(
+      gl,
+      before + k_kit.surface_vert,
+      before + hidden + k_kit.sand + k_kit.surface + k_kit.surface_frag,
+    );
     this.loose = program(gl, before + k_kit.sand + k_loose_vertex, before + hidden + k_kit.loose_frag);
     this.looseBuffer = gl.createBuffer();
-this.looseArray = gl.createVertexArray();
-this.streams = [];
-this.wet = 0;
-this.share = 1;
+    this.looseArray = gl.createVertexArray();
+    this.streams = [];
+    this.wet = 0;
+    this.share = 1;
     gl.bindVertexArray(this.looseArray);
     for (const at of [0, 1, 2]) {
-gl.enableVertexAttribArray(at);
-gl.vertexAttribDivisor(at, 1);
-}
+      gl.enableVertexAttribArray(at);
+      gl.vertexAttribDivisor(at, 1);
+    }
     gl.bindVertexArray(null);
     this.block = [0, 1].map((which) => this.blockTexture(block, which));
   }
 
   blockTexture(block, which) {
     const { gl } = this;
-const made = gl.createTexture();
+    const made = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_3D, made);
     for (let side = block.length > 8 ? k_block_texels : 1, level = 0, at = 0; side >= 1; side >>= 1, ++level) {
       const bytes = 4 * side ** 3;
-      gl.texImage3D(gl.TEXTURE_3D, level, gl.RGBA8, side, side, side, 0, gl.RGBA, gl.UNSIGNED_BYTE, block.subarray(at + which * bytes, at + (which + 1) * bytes));
+      gl.texImage3D(
+        gl.TEXTURE_3D,
+        level,
+        gl.RGBA8,
+        side,
+        side,
+        side,
+        0,
+        gl.RGBA,
+        gl.UNSIGNED_BYTE,
+        block.subarray(at + which * bytes, at + (which + 1) * bytes),
+      );
       at += 2 * bytes;
     }
-    for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
-      [gl.TEXTURE_WRAP_S, gl.REPEAT], [gl.TEXTURE_WRAP_T, gl.REPEAT], [gl.TEXTURE_WRAP_R, gl.REPEAT]]) gl.texParameteri(gl.TEXTURE_3D, name, value);
+    for (const [name, value] of [
+      [gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR],
+      [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
+      [gl.TEXTURE_WRAP_S, gl.REPEAT],
+      [gl.TEXTURE_WRAP_T, gl.REPEAT],
+      [gl.TEXTURE_WRAP_R, gl.REPEAT],
+    ])
+      gl.texParameteri(gl.TEXTURE_3D, name, value);
     return made;
   }
 
   newChunk() {
     const { gl } = this;
-const chunk = { count: 0, array: gl.createVertexArray(), vertices: gl.createBuffer(), indices: gl.createBuffer() };
+    const chunk = { count: 0, array: gl.createVertexArray(), vertices: gl.createBuffer(), indices: gl.createBuffer() };
     gl.bindVertexArray(chunk.array);
     gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices);
-gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, chunk.indices);
-    [[3, gl.FLOAT, 0], [3, gl.BYTE, 12], [1, gl.UNSIGNED_BYTE, 15], [3, gl.UNSIGNED_SHORT, 16], [1, gl.SHORT, 22]].forEach(([size, type, offset], at) => {
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, chunk.indices);
+    [
+      [3, gl.FLOAT, 0],
+      [3, gl.BYTE, 12],
+      [1, gl.UNSIGNED_BYTE, 15],
+      [3, gl.UNSIGNED_SHORT, 16],
+      [1, gl.SHORT, 22],
+    ].forEach(([size, type, offset], at) => {
       gl.enableVertexAttribArray(at);
-gl.vertexAttribPointer(at, size, type, type !== gl.FLOAT, k_vertex_bytes, offset);
+      gl.vertexAttribPointer(at, size, type, type !== gl.FLOAT, k_vertex_bytes, offset);
     });
     gl.bindVertexArray(null);
     return chunk;
@@ -110,83 +154,108 @@ gl.vertexAttribPointer(at, size, type, type !== gl.FLOAT, k_vertex_bytes, offset
   end() {
     const { gl } = this;
     for (const { array, vertices, indices } of this.chunks) {
-gl.deleteVertexArray(array);
-gl.deleteBuffer(vertices);
-gl.deleteBuffer(indices);
-}
+      gl.deleteVertexArray(array);
+      gl.deleteBuffer(vertices);
+      gl.deleteBuffer(indices);
+    }
     gl.deleteVertexArray(this.looseArray);
-gl.deleteBuffer(this.looseBuffer);
+    gl.deleteBuffer(this.looseBuffer);
     for (const { made } of [this.surface, this.loose]) gl.deleteProgram(made);
     for (const texture of this.block) gl.deleteTexture(texture);
   }
   // Another skin comes.
-  clear() { for (const chunk of this.chunks) chunk.count = 0; }
+  clear() {
+    for (const chunk of this.chunks) chunk.count = 0;
+  }
   // `changes`: of SkinChanges.
   upload({ chunks, flying, lying, loose, low, high }) {
     const { gl } = this;
     for (const { number, vertices, indices } of chunks) {
-      while (this.chunks.length <= number) this.chunks.push(this.newChunk());  // any may be made first
+      while (this.chunks.length <= number) this.chunks.push(this.newChunk()); // any may be made first
       const chunk = this.chunks[number];
       chunk.count = indices.length;
       gl.bindBuffer(gl.ARRAY_BUFFER, chunk.vertices);
-gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.DYNAMIC_DRAW);
+      gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.DYNAMIC_DRAW);
       gl.bindVertexArray(chunk.array);
       gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.DYNAMIC_DRAW);
       gl.bindVertexArray(null);
     }
     this.counts = [flying, lying];
-this.low = low;
-this.high = high;
+    this.low = low;
+    this.high = high;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.looseBuffer);
     gl.bufferData(gl.ARRAY_BUFFER, loose, gl.STREAM_DRAW);
   }
   // How many points or lines the nearest loose particle needs; the shader leaves out what the others do not.
   needed(eye, pixels, most, least) {
     const away = Math.max(0.1, Math.hypot(...eye.map((x, k) => Math.max(this.low[k] - x, 0, x - this.high[k]))));
-    return Math.max(1, Math.min(this.share * most, Math.ceil(most * (2 * k_grain_radius * pixels / away / least) ** 2)));
+    return Math.max(
+      1,
+      Math.min(this.share * most, Math.ceil(most * ((2 * k_grain_radius * pixels) / away / least) ** 2)),
+    );
   }
 
   // `common(program)` sets the uniforms of view, light and shadows.
   draw(common, eye, pixels) {
-    const { gl, surface, loose, counts: [flying, lying] } = this;
+    const {
+      gl,
+      surface,
+      loose,
+      counts: [flying, lying],
+    } = this;
     const own = (p) => {
       common(p);
-      this.block.forEach((texture, k) => { gl.activeTexture(gl.TEXTURE0 + k_block_unit + k);
-gl.bindTexture(gl.TEXTURE_3D, texture); });
+      this.block.forEach((texture, k) => {
+        gl.activeTexture(gl.TEXTURE0 + k_block_unit + k);
+        gl.bindTexture(gl.TEXTURE_3D, texture);
+      });
       gl.activeTexture(gl.TEXTURE0);
       gl.uniform1i(p.at("grains"), k_block_unit);
-gl.uniform1i(p.at("facets"), k_block_unit + 1);
+      gl.uniform1i(p.at("facets"), k_block_unit + 1);
       gl.uniform1f(p.at("block_side"), k_block_side);
-gl.uniform1f(p.at("wet"), this.wet);
+      gl.uniform1f(p.at("wet"), this.wet);
     };
     own(surface);
-    for (const { array, count } of this.chunks) if (count > 0) {
-gl.bindVertexArray(array);
-gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 0);
-}
+    for (const { array, count } of this.chunks)
+      if (count > 0) {
+        gl.bindVertexArray(array);
+        gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 0);
+      }
     gl.bindVertexArray(null);
     if (flying + lying === 0) return;
     own(loose);
     const set = (name, value) => gl.uniform1f(loose.at(name), value);
-const streams = this.streams.slice(0, 3);
+    const streams = this.streams.slice(0, 3);
     set("particle_radius", this.radius);
-set("pixels", pixels);
-set("frame_seconds", 1 / 60);
-set("stream_narrow", k_stream_narrow);
-    gl.uniform4fv(loose.at("minerals"), k_minerals.flatMap(([r, g, b], i) => [r, g, b, k_minerals.slice(0, i + 1).reduce((sum, m) => sum + m[3], 0)]));
-    gl.uniform4fv(loose.at("streams"), Float32Array.from({ length: 12 }, (_, i) => streams[i >> 2]?.nozzle[i & 3] ?? 0));
-    gl.uniform4fv(loose.at("stream_ways"), Float32Array.from({ length: 12 }, (_, i) => streams[i >> 2]?.way[i & 3] ?? 0));
+    set("pixels", pixels);
+    set("frame_seconds", 1 / 60);
+    set("stream_narrow", k_stream_narrow);
+    gl.uniform4fv(
+      loose.at("minerals"),
+      k_minerals.flatMap(([r, g, b], i) => [r, g, b, k_minerals.slice(0, i + 1).reduce((sum, m) => sum + m[3], 0)]),
+    );
+    gl.uniform4fv(
+      loose.at("streams"),
+      Float32Array.from({ length: 12 }, (_, i) => streams[i >> 2]?.nozzle[i & 3] ?? 0),
+    );
+    gl.uniform4fv(
+      loose.at("stream_ways"),
+      Float32Array.from({ length: 12 }, (_, i) => streams[i >> 2]?.way[i & 3] ?? 0),
+    );
     gl.bindVertexArray(this.looseArray);
-    const lists = [[flying, 0, 1, gl.LINES, 2 * this.needed(eye, pixels, k_lines, k_line_pixels)], [lying, flying, 0, gl.POINTS, this.needed(eye, pixels, k_points, k_point_pixels)]];
+    const lists = [
+      [flying, 0, 1, gl.LINES, 2 * this.needed(eye, pixels, k_lines, k_line_pixels)],
+      [lying, flying, 0, gl.POINTS, this.needed(eye, pixels, k_points, k_point_pixels)],
+    ];
     gl.bindBuffer(gl.ARRAY_BUFFER, this.looseBuffer);
     for (const [count, first, flies, kind, vertices] of lists) {
       if (count === 0) continue;
       const at = k_loose_bytes * first;
       gl.vertexAttribPointer(0, 4, gl.FLOAT, false, k_loose_bytes, at);
-gl.vertexAttribPointer(1, 3, gl.FLOAT, false, k_loose_bytes, at + 16);
+      gl.vertexAttribPointer(1, 3, gl.FLOAT, false, k_loose_bytes, at + 16);
       gl.vertexAttribPointer(2, 1, gl.FLOAT, false, k_loose_bytes, at + 28);
       set("flies", flies);
-gl.drawArraysInstanced(kind, 0, vertices, count);
+      gl.drawArraysInstanced(kind, 0, vertices, count);
     }
     gl.bindVertexArray(null);
   }

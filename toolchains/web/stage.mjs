@@ -186,7 +186,9 @@ export class Stage {
       indices: new Uint32Array(sand.memory.buffer, indices, 3 * count).slice(),
     };
     const here = typeof Worker === "undefined";
-    const field = here ? Promise.resolve(fieldOf(sand, mesh, this.#radius)) : fieldMade(sand.module, mesh, this.#radius);
+    const field = here
+      ? Promise.resolve(fieldOf(sand, mesh, this.#radius))
+      : fieldMade(sand.module, mesh, this.#radius);
     const taken = field.then(
       (bytes) => {
         if (model.count && !model.field) model.field = sand.put(bytes);

@@ -173,7 +173,12 @@ export class StageShadows {
         if (!this.#take(textures, name, handle)) return;
         const { corner, along, across } = this.#texture;
         if (name === "shadow") this.#warn(Math.hypot(...along) / this.#texture.side, models);
-        this.#boxes[name] = [scalar_product(x, corner) - scalar_product(x, at), scalar_product(z, corner) - scalar_product(z, at), 1 / scalar_product(x, along), 1 / scalar_product(z, across)];
+        this.#boxes[name] = [
+          scalar_product(x, corner) - scalar_product(x, at),
+          scalar_product(z, corner) - scalar_product(z, at),
+          1 / scalar_product(x, along),
+          1 / scalar_product(z, across),
+        ];
       });
     });
     const { origin, half } = this.#area;

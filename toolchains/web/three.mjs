@@ -7,7 +7,10 @@ const k_lit = ["MeshStandardMaterial", "MeshPhysicalMaterial", "MeshLambertMater
 
 // `renderer` and `scene` are needed; `worker`: the stage runs in a Worker; else options of Stage.create.
 export async function createStage(THREE, { renderer, scene, ...options } = {}) {
-  if (!renderer?.isWebGLRenderer) throw new Error("sandglass: createStage needs three's WebGLRenderer (WebGPURenderer has no onBeforeCompile). Call createStage(THREE, { renderer: new THREE.WebGLRenderer(), scene }).");
+  if (!renderer?.isWebGLRenderer)
+    throw new Error(
+      "sandglass: createStage needs three's WebGLRenderer (WebGPURenderer has no onBeforeCompile). Call createStage(THREE, { renderer: new THREE.WebGLRenderer(), scene }).",
+    );
   if (!scene?.isScene) throw new Error("sandglass: createStage needs the scene that is lit. Pass { scene }.");
   return new ThreeStage(THREE, renderer, scene, await Engine.stageOf(options));
 }
@@ -15,37 +18,65 @@ export async function createStage(THREE, { renderer, scene, ...options } = {}) {
 class ThreeStage extends Engine {
   constructor(THREE, renderer, scene, stage) {
     super(stage, renderer.getContext());
-    Object.assign(this, { THREE, scene, renderer, probe: new THREE.LightProbe(), sun: new THREE.DirectionalLight(), group: null, placing: "updateWorldMatrix" });
+    Object.assign(this, {
+      THREE,
+      scene,
+      renderer,
+      probe: new THREE.LightProbe(),
+      sun: new THREE.DirectionalLight(),
+      group: null,
+      placing: "updateWorldMatrix",
+    });
     scene.add(this.probe, this.sun, this.sun.target);
-    this.uniforms = Object.fromEntries(Object.keys(receiverValues({ light: { toLight: [] } })).map((name) => [name, { value: new THREE.Vector4() }]));
-    for (const name of receivers) this.uniforms[`sandglass_${name}`] = { value: this.texture(1, new Uint8Array([name === "occlusion" || name === "sky" ? 255 : 0])) };
+    this.uniforms = Object.fromEntries(
+      Object.keys(receiverValues({ light: { toLight: [] } })).map((name) => [name, { value: new THREE.Vector4() }]),
+    );
+    for (const name of receivers)
+      this.uniforms[`sandglass_${name}`] = {
+        value: this.texture(1, new Uint8Array([name === "occlusion" || name === "sky" ? 255 : 0])),
+      };
     this.uniforms.sandglass_occlusion_box.value.set(2, 2, 0, 0);
   }
   texture(side, bytes) {
     const { LinearFilter, RedFormat, DataTexture } = this.THREE;
-    return Object.assign(new DataTexture(bytes, side, side, RedFormat), { minFilter: LinearFilter, magFilter: LinearFilter, unpackAlignment: 1, needsUpdate: true });
+    return Object.assign(new DataTexture(bytes, side, side, RedFormat), {
+      minFilter: LinearFilter,
+      magFilter: LinearFilter,
+      unpackAlignment: 1,
+      needsUpdate: true,
+    });
   }
 
   rigid(object) {
     const { Vector3, Quaternion } = this.THREE;
-const position = new Vector3();
-const rotation = new Quaternion();
+    const position = new Vector3();
+    const rotation = new Quaternion();
     object.updateWorldMatrix(true, false);
-object.matrixWorld.decompose(position, rotation, new Vector3());
+    object.matrixWorld.decompose(position, rotation, new Vector3());
     return { position, rotation };
   }
-  poseOf(object) { const { position, rotation } = this.rigid(object); return { position: position.toArray(), rotation: rotation.toArray() }; }
+  poseOf(object) {
+    const { position, rotation } = this.rigid(object);
+    return { position: position.toArray(), rotation: rotation.toArray() };
+  }
   meshOf(object) {
     const { Vector3, Matrix4 } = this.THREE;
-const { position, rotation } = this.rigid(object);
-const from = new Matrix4().compose(position, rotation, new Vector3(1, 1, 1)).invert();
+    const { position, rotation } = this.rigid(object);
+    const from = new Matrix4().compose(position, rotation, new Vector3(1, 1, 1)).invert();
     const parts = [];
-const v = new Vector3();
+    const v = new Vector3();
     object.updateMatrixWorld(true);
     object.traverse((mesh) => {
       if (!mesh.isMesh) return;
-      const { index, attributes: { position } } = mesh.geometry;
-const as_it_is = position.array instanceof Float32Array && position.isBufferAttribute && !mesh.isSkinnedMesh && !mesh.morphTargetInfluences;
+      const {
+        index,
+        attributes: { position },
+      } = mesh.geometry;
+      const as_it_is =
+        position.array instanceof Float32Array &&
+        position.isBufferAttribute &&
+        !mesh.isSkinnedMesh &&
+        !mesh.morphTargetInfluences;
       const positions = as_it_is ? position.array : new Float32Array(3 * position.count);
       if (!as_it_is) for (let i = 0; i < position.count; ++i) mesh.getVertexPosition(i, v).toArray(positions, 3 * i);
       parts.push({ positions, corners: index?.array, matrix: from.clone().multiply(mesh.matrixWorld).elements });
@@ -53,10 +84,15 @@ const as_it_is = position.array instanceof Float32Array && position.isBufferAttr
     return oneMesh(parts);
   }
   cameraOf(camera) {
-    if (!camera.isPerspectiveCamera) throw new Error(`sandglass: see needs a PerspectiveCamera, not this ${camera.type}.`);
+    if (!camera.isPerspectiveCamera)
+      throw new Error(`sandglass: see needs a PerspectiveCamera, not this ${camera.type}.`);
     const { position, rotation } = this.poseOf(camera);
-const { fov = 50, aspect = 1 } = camera;
-    return { position, orientation: rotation, diagonal: 360 / Math.PI * Math.atan(Math.hypot(1, aspect) * Math.tan(fov * Math.PI / 360)) };
+    const { fov = 50, aspect = 1 } = camera;
+    return {
+      position,
+      orientation: rotation,
+      diagonal: (360 / Math.PI) * Math.atan(Math.hypot(1, aspect) * Math.tan((fov * Math.PI) / 360)),
+    };
   }
 
   // The material of a surface that shadows fall on. It stays as it is otherwise. With `shadowOnly` it is seen through but for
@@ -64,24 +100,39 @@ const { fov = 50, aspect = 1 } = camera;
   receive(material, options = {}) {
     checked("receive", options, { shadowOnly: 0 });
     const { shadowOnly = false } = options;
-    if (!k_lit.includes(material?.type)) throw new Error(`sandglass: no shadow falls on a ${material?.type ?? "thing without a type"}. receive takes the material of a mesh, which three lights: a MeshStandardMaterial.`);
+    if (!k_lit.includes(material?.type))
+      throw new Error(
+        `sandglass: no shadow falls on a ${material?.type ?? "thing without a type"}. receive takes the material of a mesh, which three lights: a MeshStandardMaterial.`,
+      );
     if (shadowOnly) material.transparent = true;
     const before = material.onBeforeCompile;
-const key = material.customProgramCacheKey();
+    const key = material.customProgramCacheKey();
     material.onBeforeCompile = (shader, renderer) => {
       before.call(material, shader, renderer);
       Object.assign(shader.uniforms, this.uniforms);
-      shader.vertexShader = shader.vertexShader.replace("#include <common>", "#include <common>\nvarying vec3 sandglass_world;")
-        .replace("#include <project_vertex>", "#include <project_vertex>\nsandglass_world = (modelMatrix * vec4(transformed, 1)).xyz;");
-      shader.fragmentShader = shader.fragmentShader.replace("#include <common>", `#include <common>\nvarying vec3 sandglass_world;\n${receive}`).replace("#include <aomap_fragment>",
-        `#include <aomap_fragment>
+      shader.vertexShader = shader.vertexShader
+        .replace("#include <common>", "#include <common>\nvarying vec3 sandglass_world;")
+        .replace(
+          "#include <project_vertex>",
+          "#include <project_vertex>\nsandglass_world = (modelMatrix * vec4(transformed, 1)).xyz;",
+        );
+      shader.fragmentShader = shader.fragmentShader
+        .replace("#include <common>", `#include <common>\nvarying vec3 sandglass_world;\n${receive}`)
+        .replace(
+          "#include <aomap_fragment>",
+          `#include <aomap_fragment>
         vec3 sandglass_all = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse;
         vec2 sandglass_rest = sandglass_left(sandglass_world);
         reflectedLight.directDiffuse *= sandglass_rest.x, reflectedLight.directSpecular *= sandglass_rest.x;
-        reflectedLight.indirectDiffuse *= sandglass_rest.y, reflectedLight.indirectSpecular *= sandglass_rest.y;`);
-      if (shadowOnly) shader.fragmentShader = shader.fragmentShader.replace("#include <opaque_fragment>", `
+        reflectedLight.indirectDiffuse *= sandglass_rest.y, reflectedLight.indirectSpecular *= sandglass_rest.y;`,
+        );
+      if (shadowOnly)
+        shader.fragmentShader = shader.fragmentShader.replace(
+          "#include <opaque_fragment>",
+          `
         float sandglass_share = dot(reflectedLight.directDiffuse + reflectedLight.indirectDiffuse, vec3(1)) / max(dot(sandglass_all, vec3(1)), 1e-6);
-        gl_FragColor = vec4(vec3(0), 1.0 - linearToOutputTexel(vec4(sandglass_share)).r);`);
+        gl_FragColor = vec4(vec3(0), 1.0 - linearToOutputTexel(vec4(sandglass_share)).r);`,
+        );
     };
     material.customProgramCacheKey = () => `${key} sandglass ${shadowOnly}`;
     material.needsUpdate = true;
@@ -91,39 +142,50 @@ const key = material.customProgramCacheKey();
   // Sand, as a Group in the scene. Options as for Stage.createSand.
   async createSand(options) {
     const { THREE, scene, renderer } = this;
-const mesh = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({ colorWrite: false, depthWrite: false }));
-const eye = new THREE.Vector3();
+    const mesh = new THREE.Mesh(
+      new THREE.BufferGeometry(),
+      new THREE.MeshBasicMaterial({ colorWrite: false, depthWrite: false }),
+    );
+    const eye = new THREE.Vector3();
     await this.newSand(options);
     mesh.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(9), 3));
-mesh.frustumCulled = false;
+    mesh.frustumCulled = false;
     mesh.onBeforeRender = (_renderer, _scene, camera) => {
       const target = renderer.getRenderTarget();
-const space = target ? (target.isXRRenderTarget ? target.texture.colorSpace : "") : renderer.outputColorSpace;
-      this.sand.draw({ view: camera.matrixWorldInverse.elements, projection: camera.projectionMatrix.elements, eye: eye.setFromMatrixPosition(camera.matrixWorld).toArray(),
-        height: this.gl.getParameter(this.gl.VIEWPORT)[3], linear: space !== THREE.SRGBColorSpace, reversed: camera.reversedDepth });
+      const space = target ? (target.isXRRenderTarget ? target.texture.colorSpace : "") : renderer.outputColorSpace;
+      this.sand.draw({
+        view: camera.matrixWorldInverse.elements,
+        projection: camera.projectionMatrix.elements,
+        eye: eye.setFromMatrixPosition(camera.matrixWorld).toArray(),
+        height: this.gl.getParameter(this.gl.VIEWPORT)[3],
+        linear: space !== THREE.SRGBColorSpace,
+        reversed: camera.reversedDepth,
+      });
     };
     if (this.group) scene.remove(this.group);
-    scene.add(this.group = new THREE.Group().add(mesh));
-return this.group;
+    scene.add((this.group = new THREE.Group().add(mesh)));
+    return this.group;
   }
 
-  leave() { for (const one of [this.probe, this.sun, this.sun.target, this.group]) one?.removeFromParent(); }
+  leave() {
+    for (const one of [this.probe, this.sun, this.sun.target, this.group]) one?.removeFromParent();
+  }
   show(drawn, changed) {
     const { uniforms } = this;
-const { toLight, facing, radiance } = drawn.light;
+    const { toLight, facing, radiance } = drawn.light;
     this.probe.sh.fromArray(radiance);
-this.sun.color.setRGB(...facing);
-this.sun.position.set(...toLight);
+    this.sun.color.setRGB(...facing);
+    this.sun.position.set(...toLight);
     for (const [name, value] of Object.entries(receiverValues(drawn))) uniforms[name].value.fromArray(value);
     for (const name of changed) {
       const { side, bytes } = drawn.textures[name];
-const uniform = uniforms[`sandglass_${name}`];
+      const uniform = uniforms[`sandglass_${name}`];
       if (uniform.value.image.width !== side) {
-uniform.value.dispose();
-uniform.value = this.texture(side, new Uint8Array(side * side));
-}
+        uniform.value.dispose();
+        uniform.value = this.texture(side, new Uint8Array(side * side));
+      }
       uniform.value.image.data.set(bytes);
-uniform.value.needsUpdate = true;
+      uniform.value.needsUpdate = true;
     }
   }
 }

@@ -5,6 +5,7 @@ toy.diff adds one to a copy of the tree: its header and source, its number and i
 the table, its owner in C++, a line for users. What is built there must know its name: report, trace, page, recording,
 reference, owner, web binding, table of NULLs, fuzzer. Where a line that names the toy is taken away again, something fails.
 And nothing else in the tree lists the stages."""
+
 import os
 import pathlib
 import re
@@ -15,12 +16,17 @@ import sys
 HERE = pathlib.Path(__file__).parent
 TARGETS = ["sandglass_toy_tests", "package_api", "fuzz_frame"]
 # One of these in the copy, each by the file that has it: without it the stage cannot be whole.
-LINES = {"runtime/frame/capabilities.inc": ["STAGE(TOY", "ONE(TOY"], "runtime/include/sandglass/frame.h": ["STAGE_TOY = 4", "sandglass_toy* toy"],
-         "runtime/include/sandglass/sandglass.hpp": ["class Toy"]}
+LINES = {
+    "runtime/frame/capabilities.inc": ["STAGE(TOY", "ONE(TOY"],
+    "runtime/include/sandglass/frame.h": ["STAGE_TOY = 4", "sandglass_toy* toy"],
+    "runtime/include/sandglass/sandglass.hpp": ["class Toy"],
+}
 
 
 def run(*command, cwd=None, fails=False):
-    done = subprocess.run([str(word) for word in command], cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    done = subprocess.run(
+        [str(word) for word in command], cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
     if done.returncode and not fails:
         sys.exit(f"{done.stdout[-8000:]}\ntoy_stage.py: this failed: {command[0]}")
     return None if done.returncode else done.stdout
@@ -28,12 +34,19 @@ def run(*command, cwd=None, fails=False):
 
 def copied(source, tree):
     """The tree with the diff; its files."""
-    shutil.copytree(source, tree, ignore=shutil.ignore_patterns(".git", "build", "out", "node_modules", "numbers", "pictures"))
+    shutil.copytree(
+        source, tree, ignore=shutil.ignore_patterns(".git", "build", "out", "node_modules", "numbers", "pictures")
+    )
     (tree / "tests/toy").mkdir()
     shutil.copyfile(HERE / "toy_stage_test.cpp", tree / "tests/toy/toy_stage_test.cpp")
     (tree / "tests/toy/CMakeLists.txt").write_text("sandglass_test(sandglass_toy_tests LIBRARIES models_report)\n")
     apply = ["git", "apply", "--recount"]
-    subprocess.run([*apply, HERE / "toy.diff"], cwd=tree, check=True, env={**os.environ, "GIT_CEILING_DIRECTORIES": str(tree.parent)})
+    subprocess.run(
+        [*apply, HERE / "toy.diff"],
+        cwd=tree,
+        check=True,
+        env={**os.environ, "GIT_CEILING_DIRECTORIES": str(tree.parent)},
+    )
     return re.findall(r"^\+\+\+ b/(\S+)", (HERE / "toy.diff").read_text(), re.MULTILINE)
 
 
@@ -59,8 +72,12 @@ def names(tree, build, work, node):
     run(build / "tests/fuzz/fuzz_frame", tree / "tests/fuzz/corpus/frame")
     run(sys.executable, "-B", tree / "toolchains/bindings/web.py", tree / "runtime/include", work)
     expect("the web binding", (work / "abi.mjs").read_text())
-    for name, text in (("measure.mjs", (tree / "models/page/measure.mjs").read_text()), ("scene.mjs", "export class SandScene {}"),
-                       ("data.mjs", "export const k_scene = {};"), ("sandglass.mjs", 'export { constants } from "./abi.mjs";')):
+    for name, text in (
+        ("measure.mjs", (tree / "models/page/measure.mjs").read_text()),
+        ("scene.mjs", "export class SandScene {}"),
+        ("data.mjs", "export const k_scene = {};"),
+        ("sandglass.mjs", 'export { constants } from "./abi.mjs";'),
+    ):
         (work / name).write_text(text)
     said = re.findall(r"^stage (\w+)", passes(build), re.MULTILINE)
     script = f"import {{ stagesOf }} from './measure.mjs'; console.log(stagesOf({{ sandglass_stage_name: (i) => {said}[i] }}).map(({{ name }}) => name).join());"
@@ -78,11 +95,19 @@ def names(tree, build, work, node):
 def lists(source):
     """Where else a line names three stages or more as strings, or one by its number: "light" and "shadow" are words, too. The frame's
     own tests make up stages."""
-    table = ["granular", *re.findall(r'STAGE\(\w+, "(\w+)"', (source / "runtime/frame/capabilities.inc").read_text()), "refine", "output"]
+    table = [
+        "granular",
+        *re.findall(r'STAGE\(\w+, "(\w+)"', (source / "runtime/frame/capabilities.inc").read_text()),
+        "refine",
+        "output",
+    ]
     found = []
     for top in ("kernels", "runtime", "models", "toolchains", "tests"):
         for path in (source / top).rglob("*"):
-            if path.suffix in (".cpp", ".h", ".inc", ".mjs", ".mts", ".py", ".html") and source / "tests/frame" not in path.parents:
+            if (
+                path.suffix in (".cpp", ".h", ".inc", ".mjs", ".mts", ".py", ".html")
+                and source / "tests/frame" not in path.parents
+            ):
                 for line in path.read_text().splitlines():
                     if sum(f'"{name}"' in line for name in table) > 2 or re.search(r"\bstages\[\d", line):
                         found.append(f"{path.relative_to(source)}: {line.strip()}")
@@ -99,10 +124,25 @@ def main():
     files = copied(source, tree)
     if len(files) > 6:
         sys.exit(f"toy_stage.py: a new stage touches {len(files)} files")
-    run("cmake", "-S", tree, "-B", build, "-G", "Ninja", "-DBUILD_TESTING=ON", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O0",
-        "-DSANDGLASS_SCALAR_ONLY=ON", *sys.argv[4:])
+    run(
+        "cmake",
+        "-S",
+        tree,
+        "-B",
+        build,
+        "-G",
+        "Ninja",
+        "-DBUILD_TESTING=ON",
+        "-DCMAKE_BUILD_TYPE=Debug",
+        "-DCMAKE_CXX_FLAGS_DEBUG=-O0",
+        "-DSANDGLASS_SCALAR_ONLY=ON",
+        *sys.argv[4:],
+    )
     if passes(build) is None:
-        sys.exit("toy_stage.py: the toy stage is not run, reported, traced and recorded:\n" + run("ninja", "-C", build, *TARGETS))
+        sys.exit(
+            "toy_stage.py: the toy stage is not run, reported, traced and recorded:\n"
+            + run("ninja", "-C", build, *TARGETS)
+        )
     names(tree, build, work, node)
     for name, starts in LINES.items():
         text = (tree / name).read_text()

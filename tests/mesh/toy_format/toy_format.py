@@ -4,6 +4,7 @@
 toy.diff adds one: its reader, its place in the list, its test case. The mesh library and its test are built in a copy of
 the tree with that diff. The test passes there, and fails wherever the last line of a file that names the toy is as it was
 before."""
+
 import os
 import pathlib
 import re
@@ -24,8 +25,16 @@ def main():
     shutil.rmtree(work, ignore_errors=True)
     for folder in ("models/mesh", "tests/mesh"):
         shutil.copytree(source / folder, tree / folder)
-    subprocess.run(["git", "apply", HERE / "toy.diff"], cwd=tree, check=True, env={**os.environ, "GIT_CEILING_DIRECTORIES": str(work)})
-    subprocess.run(["cmake", "-S", HERE, "-B", build, "-G", "Ninja", f"-DTREE={tree}", f"-DSOURCE={source}", *sys.argv[3:]], check=True)
+    subprocess.run(
+        ["git", "apply", HERE / "toy.diff"],
+        cwd=tree,
+        check=True,
+        env={**os.environ, "GIT_CEILING_DIRECTORIES": str(work)},
+    )
+    subprocess.run(
+        ["cmake", "-S", HERE, "-B", build, "-G", "Ninja", f"-DTREE={tree}", f"-DSOURCE={source}", *sys.argv[3:]],
+        check=True,
+    )
 
     def passes():
         built = subprocess.run(["cmake", "--build", build], stderr=subprocess.STDOUT)
