@@ -78,7 +78,9 @@ class Rows:
                     self.image.append(os.path.join(folder, row["image"]))
                     self.location.append(row["location"])
                     self.fold.append(fold)
-                    self.folder.append(folder), self.number.append(number), self.kind.append(kind)
+                    self.folder.append(folder)
+                    self.number.append(number)
+                    self.kind.append(kind)
                     labels.append(values)
         if not labels:
             fail("the manifests have no lines; make the data set again")

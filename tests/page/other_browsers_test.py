@@ -17,7 +17,8 @@ import tempfile
 import time
 import urllib.request
 
-from live_page_test import SKIPPED, assemble, check, native_hash, wait_until
+from browser import SKIPPED, check
+from live_page import assemble, native_hash, wait_until
 
 FRAMES, PATIENCE = 90, 300
 PREFERENCES = {

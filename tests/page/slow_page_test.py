@@ -16,7 +16,7 @@ import time
 
 import browser as driver
 from browser import CHROMIUM, SKIPPED, Browser, check
-from live_page_test import assemble, set_budget, wait_until
+from live_page import assemble, set_budget, wait_until
 
 TALL, WIDE = (390, 844), (844, 390)
 SHORT = [(1, TALL, False), (6, WIDE, False)]

@@ -153,10 +153,8 @@ def prepare(npm, work, readme):
         (work / f"{name}.mjs").write_text(text + HANDLES)
     (work / "public").mkdir(exist_ok=True)
     for folder in (work, work / "public"):
-        (
-            (folder / "model.glb").write_bytes(stool()),
-            shutil.copy(readme.parents[2] / "models/pictures/room.jpg", folder / "room.jpg"),
-        )
+        (folder / "model.glb").write_bytes(stool())
+        shutil.copy(readme.parents[2] / "models/pictures/room.jpg", folder / "room.jpg")
     page = (HERE / "index.html").read_text()
     names = json.dumps({"imports": {name: f"/node_modules/{path}" for name, path in MAP.items()}})
     (work / "map.html").write_text(page.replace("<!-- import map -->", f'<script type="importmap">{names}</script>'))
@@ -255,15 +253,12 @@ def vite(work, look):
                 time.sleep(0.1)
         look(url)
     finally:
-        server.kill(), server.wait()
+        server.kill()
+        server.wait()
 
 
-def main(arguments):
-    if CHROMIUM is None:
-        return SKIPPED
-    npm, work, readme = map(pathlib.Path, arguments)
-    prepare(npm, work, readme)
-    (work / "pictures").mkdir(exist_ok=True)
+def bundle(npm, work):
+    """By Vite, and by esbuild, which leaves the module and files of the page to the app."""
 
     def run(*command):
         subprocess.run(command, cwd=work, check=True, timeout=300)
@@ -286,6 +281,15 @@ def main(arguments):
         )
     for name in ("model.glb", "room.jpg"):
         shutil.copy(work / name, work / "bundled")
+
+
+def main(arguments):
+    if CHROMIUM is None:
+        return SKIPPED
+    npm, work, readme = map(pathlib.Path, arguments)
+    prepare(npm, work, readme)
+    (work / "pictures").mkdir(exist_ok=True)
+    bundle(npm, work)
     browser = Browser(CHROMIUM, width=800, height=760, flags=SOFTWARE)
     try:
         plain, built, bundled = served(work), served(work / "built"), served(work / "bundled")

@@ -66,7 +66,8 @@ def hlsl(name):
         capture_output=True,
         text=True,
     )
-    (output / name).unlink(), (output / "code").unlink()
+    (output / name).unlink()
+    (output / "code").unlink()
     # Names that a material can set: sand_wet; samplers as Unity calls them.
     return re.sub(r"\b_([a-z]+)_sampler\b", r"sampler\1", re.sub(r"\b_\d+_([a-z])", r"sand_\1", made.stdout))
 
