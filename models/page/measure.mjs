@@ -36,8 +36,8 @@ export async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) 
     await pauses.perhaps(shown, frame / frames);
     const report = scene.frame(k_scene.frame_step, 1e6);
     ms += report.time.elapsed_ns / 1e6;
-    report.stages.forEach((stage, i) => {
-      stages[i] += stage.elapsed_ns / 1e6;
+    report.stages.forEach((one, i) => {
+      stages[i] += one.elapsed_ns / 1e6;
     });
   }
   const result = {

@@ -46,6 +46,7 @@ function giveField(page, object) {
   page.added.push({ vertices: [...vertices], indices: [...indices], at, metal });
 }
 
+/** @param {import("./page.mjs").Page} page */
 export function objectOf(page, { vertices, indices }, at, metal) {
   const pose = { position: at, rotation: [0, 0, 0, 1] };
   const number = page.stage.addModel({ positions: vertices, indices, ...pose }, k_casts);
@@ -68,6 +69,7 @@ function drawnObject(painter, { vertices, indices, model, metal }) {
   return painter.add(corners, inOrder, model, k_metal, normals);
 }
 
+/** @param {import("./page.mjs").Page} page */
 export function dropObjects(page) {
   const gone = page.objects;
   page.objects = [];

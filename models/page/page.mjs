@@ -373,7 +373,7 @@ export class Page {
     record(this, emitters, report.plan, first);
     this.tellFull(report.sand);
     const ms = (ns) => ns / 1e6 / this.late;
-    this.spent.push({ ms: ms(report.time.elapsed_ns), stages: report.stages.map((stage) => ms(stage.elapsed_ns)) });
+    this.spent.push({ ms: ms(report.time.elapsed_ns), stages: report.stages.map((one) => ms(one.elapsed_ns)) });
     if (this.spent.length > k_seconds_at_most / k_step) this.spent.shift();
   }
 

@@ -59,6 +59,7 @@ export function tell(page) {
 }
 
 // What the camera knows of the room's light, and in augmented reality how far from the device's it is.
+/** @param {import("./page.mjs").Page} page */
 function tellLight({ stage, watching, real, deviceLight }) {
   const { valid, seen, main_share, main_direction } = stage.roomLight;
   if (valid !== 1 || !(watching || real)) return [];

@@ -49,8 +49,8 @@ export class RealTable {
 
   /** @param {import("./page.mjs").Page} page */
   constructor(page, session, layer, space, hits, probe) {
+    this.page = page;
     Object.assign(this, {
-      page,
       session,
       layer,
       space,

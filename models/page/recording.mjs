@@ -84,6 +84,7 @@ async function playFrames(page, scene, { frames, step }, shown) {
   }
 }
 
+/** @param {import("./page.mjs").Page} page */
 function replaceScene(page, scene, objectsBefore, frames) {
   const { skin, pile_shadow, casts, cast_count } = page.scene.input;
   const after = page.objects;

@@ -41,6 +41,7 @@ export function newTableScene(sand) {
 const newSkin = (sand, { desc }, capped) => made(sand, "sandglass_skin", { capped }, desc.granular);
 
 // With its funnel and what the scene's file puts there.
+/** @param {import("./stage.mjs").Stage} stage */
 export function makeTable(sand, stage, painter) {
   const scene = newTableScene(sand);
   const standing = [];
@@ -81,6 +82,7 @@ function glassScene(sand, particles) {
 }
 
 // The hourglass stands still with all its sand below until it is turned over. `pose`: how it stands.
+/** @param {import("./stage.mjs").Stage} stage */
 export function makeGlass(sand, stage, painter, pose) {
   const below = sandBelow(k_glass_particles, k_glass_radius);
   const scene = glassScene(sand, below.subarray(0, 3 * k_glass_min));

@@ -30,4 +30,13 @@ if command -v tsc >/dev/null; then
   grep -v @ts-expect-error wrong.mts >unexpected.mts  # the control
   errors=$("${check[@]}" unexpected.mts | grep -c '^unexpected.mts.*error') || true
   [[ $errors == $(grep -c @ts-expect-error wrong.mts) ]] || { echo "the types refuse $errors lines"; exit 1; }
+  # A stage is what its types say, and the page keeps to them.
+  page=$here/../../models/page
+  mkdir page
+  cp "$npm"/*.{mjs,d.ts} page
+  cp "$page"/*.mjs page
+  for types in page/*.d.ts; do mv "$types" "${types%.ts}.mts"; done
+  (cd "$page" && ls -- *.mjs) >page/own.txt
+  cp "$here/types_test.mjs" .
+  node types_test.mjs "$(dirname "$(realpath "$(command -v tsc)")")/../lib/typescript.js" "$PWD/page"
 fi
