@@ -43,8 +43,7 @@ struct Motion : MotionArrays {
   void measure_density(const Kernels& kernels, const std::vector<Grain>& grains, uint32_t n) {
     std::fill(counts.begin(), counts.end(), uint8_t{0});
     const CountGrainsArgs args = {&grid, grains.data(), n};
-    uint32_t unused = 0;
-    kernels.count_grains(&args, 0, (n + 15) / 16 * 16, &unused);
+    run(kernels.count_grains, args, whole_groups(n));
     for (uint32_t b = 0; b < grid.block_count; ++b) motion_smooth(grid, b);
   }
   static constexpr float k_time = 0.02f;
@@ -81,10 +80,9 @@ void sandglass::tests::check_scatter_motion(uint32_t n) {
     particles.records[3].position[0] = 3.0f;  // adds nothing
   }
   fall_in_part(&particles);
-  std::vector<float> first;
-  for (const Kernels* kernels : tables()) {
+  on_every_table([&](const Kernels& kernels, SameBits& same) {
     Motion motion;
-    motion.fill(*kernels, particles);
+    motion.fill(kernels, particles);
     const MotionGrid& grid = motion.grid;
     ASSERT_EQ(grid.overflowed, 0u);
     Cluster sand = particles;
@@ -107,7 +105,7 @@ void sandglass::tests::check_scatter_motion(uint32_t n) {
                                          0.015 * (4 * grid.blocks[b].at[2] + place[2])};
         const Node node(sand, x);
         const float* record = grid.nodes + (b * k_block_records + r) * k_record_floats;
-        ASSERT_NEAR(record[k_node_weight], node.weight, 2e-5) << sandglass_isa_name(kernels->isa);
+        ASSERT_NEAR(record[k_node_weight], node.weight, 2e-5);
         ASSERT_LT(length(at(record + k_node_momentum) - node.momentum), 2e-5);
         if (node.largest > 1e-6) {
           // Another particle may be as near.
@@ -137,9 +135,8 @@ void sandglass::tests::check_scatter_motion(uint32_t n) {
     std::vector<float> all;
     for (uint32_t b = 0; b < grid.block_count; ++b)
       all.insert(all.end(), grid.nodes + b * 1024, grid.nodes + b * 1024 + 125 * k_record_floats);
-    if (first.empty()) first = all;
-    ASSERT_TRUE(same_bits(all, first)) << sandglass_isa_name(kernels->isa);
-  }
+    ASSERT_TRUE(same(all));
+  });
 }
 
 // ---- count_grains
@@ -152,12 +149,12 @@ void sandglass::tests::check_count_grains(uint32_t n) {
   for (uint32_t i = 0; i < n; ++i)
     grains[i] = item_at<Grain>(
         {particles.side * unit(random), particles.side * unit(random), particles.side * unit(random)}, {}, i);
-  for (const Kernels* kernels : tables()) {
+  on_every_table([&](const Kernels& kernels) {
     Motion motion;
-    motion.fill(*kernels, particles);
+    motion.fill(kernels, particles);
     const CountGrainsArgs args = {&motion.grid, grains.data(), n};
-    uint32_t unused = 0, counted = 0, within = 0;
-    kernels->count_grains(&args, 0, (n + 15) / 16 * 16, &unused);
+    uint32_t counted = 0, within = 0;
+    run(kernels.count_grains, args, whole_groups(n));
     for (uint32_t b = 0; b < motion.grid.block_count; ++b) {
       for (uint32_t c = 0; c < k_block_counts; ++c) {
         uint32_t expected = 0;
@@ -171,8 +168,7 @@ void sandglass::tests::check_count_grains(uint32_t n) {
           expected += inside ? 1 : 0;
         }
         counted += motion.counts[b * k_block_counts + c] / k_grain_count;
-        ASSERT_EQ(motion.counts[b * k_block_counts + c], std::min(expected, 15u) * k_grain_count)
-            << sandglass_isa_name(kernels->isa);
+        ASSERT_EQ(motion.counts[b * k_block_counts + c], std::min(expected, 15u) * k_grain_count);
       }
     }
     for (uint32_t i = 0; i < n; ++i) {
@@ -182,7 +178,7 @@ void sandglass::tests::check_count_grains(uint32_t n) {
       within += motion_find(motion.grid, block[0], block[1], block[2]) != k_no_block ? 1 : 0;
     }
     ASSERT_EQ(counted, within);
-  }
+  });
 }
 
 namespace {
@@ -222,13 +218,13 @@ TEST(MotionGrid, DensitySpreadsEachGrainOverTheCellsAround) {
 
 TEST(MotionGrid, WithoutRoomItSaysSo) {
   Cluster particles(64, 0, 0.5, 61);
-  for (const Kernels* kernels : tables()) {
+  on_every_table([&](const Kernels& kernels) {
     Motion motion(3);
-    motion.fill(*kernels, particles);
+    motion.fill(kernels, particles);
     EXPECT_EQ(motion.grid.block_count, 3u);
     EXPECT_EQ(motion.grid.overflowed, 1u);
     for (uint32_t b = 0; b < 3; ++b) EXPECT_NE(motion.grid.blocks[b].state & k_block_incomplete, 0u) << b;
-  }
+  });
 }
 
 // ---- refine_grains
@@ -402,9 +398,8 @@ void sandglass::tests::check_refine_grains(uint32_t n) {
       refinement.args.push_reach = 0.012f;
     }
     uint32_t pushed = 0;
-    std::vector<Grain> first;
-    for (const Kernels* kernels : tables()) {
-      const std::vector<Grain> all = refinement.run(*kernels);
+    on_every_table([&](const Kernels& kernels, SameBits& same) {
+      const std::vector<Grain> all = refinement.run(kernels);
       for (uint32_t i = 0; i < n; ++i) {
         const Vector x = at(refinement.grains[i].position), v = at(refinement.grains[i].velocity);
         const Sums sums =
@@ -425,14 +420,13 @@ void sandglass::tests::check_refine_grains(uint32_t n) {
         const Vector expected = weight > 0 ? (1 - lambda) * mean + lambda * fall : fall;
         const Vector push = rule == k_pushed ? push_at(refinement.args, sums, x) : Vector{};
         pushed += length(push) > 1e-5 ? 1 : 0;
-        ASSERT_LT(length(at(all[i].velocity) - expected), 2e-5) << sandglass_isa_name(kernels->isa) << " grain " << i;
+        ASSERT_LT(length(at(all[i].velocity) - expected), 2e-5) << "grain " << i;
         ASSERT_LT(length(at(all[i].position) - (x + push + 0.004 * expected)), 2e-7);
       }
       ASSERT_GE(pushed, rule == k_pushed && n >= 64 ? n / 4 : 0);
       pushed = 0;
-      if (first.empty()) first = all;
-      ASSERT_TRUE(same_bits(all, first)) << sandglass_isa_name(kernels->isa);
-    }
+      ASSERT_TRUE(same(all));
+    });
   }
 }
 
@@ -457,7 +451,7 @@ TEST(Refinement, GrainsLeaveABoxOnAllItsSides) {
     for (int k = 0; k < 3; ++k) *out_of[k] = std::max(std::abs(dot(from, axes[k])) - half[k], 0.0);
     return length(out);
   };
-  for (const Kernels* kernels : tables()) {
+  on_every_table([&](const Kernels& kernels) {
     Refinement refinement(n, false, true);
     refinement.motion = std::make_unique<Motion>();
     refinement.args.colliders = &slab;
@@ -476,13 +470,13 @@ TEST(Refinement, GrainsLeaveABoxOnAllItsSides) {
         ASSERT_NEAR(beyond(refinement.grains[i]), 0.98 * radius, 1e-6);
       }
     }
-    for (const Grain& grain : refinement.run(*kernels)) ASSERT_NEAR(beyond(grain), radius, 1e-6) << grain.number / 16;
-  }
+    for (const Grain& grain : refinement.run(kernels)) ASSERT_NEAR(beyond(grain), radius, 1e-6) << grain.number / 16;
+  });
 }
 
 TEST(Refinement, AStillGrainAmongSleepersStaysAndOthersCountTheirStillSweeps) {
   constexpr uint32_t n = 64;
-  for (const Kernels* kernels : tables()) {
+  on_every_table([&](const Kernels& kernels) {
     Refinement refinement(n, false, true);
     for (uint32_t j = 0; j < 200; ++j) set(refinement.particles.records[j].velocity, {});
     // Every third grain has been still for two sweeps, the others have not. Grain 40 falls, far from all particles.
@@ -492,7 +486,7 @@ TEST(Refinement, AStillGrainAmongSleepersStaysAndOthersCountTheirStillSweeps) {
     }
     refinement.grains[40].position[0] = 5.0f;
     refinement.grains[40].velocity[1] = -4.0f;
-    const std::vector<Grain> all = refinement.run(*kernels);
+    const std::vector<Grain> all = refinement.run(kernels);
     for (uint32_t i = 0; i < n; ++i) {
       const double moved = length(at(all[i].position) - at(refinement.grains[i].position));
       if (i % 3 == 0) {
@@ -505,22 +499,22 @@ TEST(Refinement, AStillGrainAmongSleepersStaysAndOthersCountTheirStillSweeps) {
     EXPECT_EQ(all[40].still_sweeps, 0.0f);
     for (uint32_t g = 0; g < n / k_lane_group; ++g) EXPECT_EQ(refinement.still[g], 0) << "not all of them";
     for (uint32_t i = 16; i < 32; ++i) refinement.grains[i].still_sweeps = 1.0f;
-    const std::vector<Grain> twice = refinement.run(*kernels);
+    const std::vector<Grain> twice = refinement.run(kernels);
     EXPECT_EQ(refinement.still[0], 0);
     EXPECT_EQ(refinement.still[1], 0) << "the second still sweep of all sixteen, but some still move";
     EXPECT_EQ(refinement.stamps[1], 7u);
     std::copy(twice.begin(), twice.end(), refinement.grains.begin());
-    refinement.run(*kernels);
+    refinement.run(kernels);
     EXPECT_EQ(refinement.still[1], 1) << "they rest";
     refinement.args.stamp = 8;
     for (uint32_t i = 16; i < 32; ++i) {
       set(refinement.grains[i].velocity, {});
       refinement.grains[i].still_sweeps = 2.0f;
     }
-    refinement.run(*kernels);
+    refinement.run(kernels);
     EXPECT_EQ(refinement.stamps[1], 7u) << "what rests has not changed";
     EXPECT_EQ(refinement.stamps[0], 8u);
-  }
+  });
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // What the oracles of the kernels share: the tables of this machine, vectors in double, clusters of particles.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -27,6 +29,43 @@ inline std::vector<const Kernels*> tables() {
   return all;
 }
 
+// Whether each of the results has the bits of the first.
+class SameBits {
+ public:
+  template <class Item>
+  bool operator()(const std::vector<Item>& result) {
+    const auto* bytes = reinterpret_cast<const uint8_t*>(result.data());
+    const std::vector<uint8_t> bits(bytes, bytes + result.size() * sizeof(Item));
+    if (first_.empty()) first_ = bits;
+    return bits == first_;
+  }
+
+ private:
+  std::vector<uint8_t> first_;
+};
+
+// Calls check(kernels), or check(kernels, same), with each of them, until one fails.
+template <class Check>
+void on_every_table(const Check& check) {
+  SameBits same;
+  for (const Kernels* kernels : tables()) {
+    if (testing::Test::HasFatalFailure()) return;
+    SCOPED_TRACE(sandglass_isa_name(kernels->isa));
+    if constexpr (std::is_invocable_v<Check, const Kernels&, SameBits&>) check(*kernels, same);
+    else check(*kernels);
+  }
+}
+
+// A kernel's result, of n items.
+template <class Args, class Result>
+Result run(void (*kernel)(const Args*, uint32_t, uint32_t, Result*), const Args& args, uint32_t n) {
+  Result result = {};
+  kernel(&args, 0, n, &result);
+  return result;
+}
+
+inline uint32_t whole_groups(uint32_t n) { return (n + k_lane_group - 1) / k_lane_group * k_lane_group; }
+
 // A moving particle or a grain.
 template <class Item>
 Item item_at(Vector position, Vector velocity, uint32_t number) {
@@ -37,17 +76,11 @@ Item item_at(Vector position, Vector velocity, uint32_t number) {
   else return moving_grain(x, v, number);
 }
 
-// The same bits, number by number.
-template <class Item>
-bool same_bits(const std::vector<Item>& a, const std::vector<Item>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Item)) == 0;
-}
-
 // n particles in a cube that holds about `density` of them per diameter cubed, then `fixed` boundary particles, then
 // the inert one.
 struct Cluster {
   Cluster(uint32_t n, uint32_t fixed, double density, uint32_t seed)
-      : count(n), rows((n + 15) / 16 * 16 + k_slack), boundary(fixed), inert(rows + fixed), records(inert + k_slack) {
+      : count(n), rows(whole_groups(n) + k_slack), boundary(fixed), inert(rows + fixed), records(inert + k_slack) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(-0.5, 0.5);
     side = 0.02 * std::cbrt((n + fixed + 1) / density);
@@ -72,9 +105,27 @@ struct Cluster {
   double side;
 };
 
+// Masses, sleepers and rigid bodies among the particles of a cluster.
+inline void mix(Cluster* c) {
+  for (uint32_t i = 0; i < c->count; ++i) {
+    join_body(&c->records[i], i % 6 == 1 ? 1 : i % 6 == 4 ? 2 : 0, i % 7 == 3 ? 0.25f : 1.0f);
+    if (i % 5 == 2) put_to_sleep(&c->records[i]);
+  }
+}
+
 inline double distance(const Particle& a, const Particle& b) {
   const Vector apart = at(a.position) - at(b.position);
   return std::hypot(apart.x, apart.y, apart.z);
+}
+
+// A collider that is not turned.
+inline ColliderFrame upright(sandglass_shape shape, Vector place, float size = 0.0f) {
+  ColliderFrame frame = {};
+  frame.shape = shape;
+  set(frame.position, place);
+  frame.size[0] = size;
+  for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f;
+  return frame;
 }
 
 // Positions sorted by cell, one array an axis, as the stage makes them.
@@ -104,9 +155,9 @@ struct Sorted {
   CellSort sort = {};
 };
 
-// In motion_oracle_test.cpp.
-void check_scatter_motion(uint32_t n);
-void check_count_grains(uint32_t n);
-void check_refine_grains(uint32_t n);
+// The checks: check_<name>(n) of each kernel, with n items.
+#define SANDGLASS_KERNEL(user, name, Args, Result) void check_##name(uint32_t n);
+#include "kernels/kernels.inc"
+#undef SANDGLASS_KERNEL
 
 }  // namespace sandglass::tests
