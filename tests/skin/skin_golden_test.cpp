@@ -15,7 +15,7 @@ TEST(Skin, OneHashOnEveryInstructionSet) {
       Sand sand(desc);
       sand.scene.add_floor();
       sand.scene.colliders.push_back(sandglass::sphere(0.1f, 0.02f, 0.1f, 0.05f));
-      sand.scene.add(lattice(10, 10, 10, 2.05f * k_radius, k_radius));
+      sand.scene.add(block(10, 10, 10));
       uint64_t hash = 0;
       for (int i = 0; i < 40; ++i) {
         sand.frame();

@@ -14,6 +14,10 @@ inline sandglass_scene_desc rough(uint32_t particles) {
   return desc;
 }
 
+inline std::vector<float> block(uint32_t x, uint32_t y, uint32_t z) {
+  return lattice(x, y, z, 2.05f * k_radius, k_radius);
+}
+
 struct Sand {
   explicit Sand(sandglass_scene_desc desc, uint32_t closed = 0) : scene(desc) {
     sandglass_skin_desc of_skin = sandglass::skin_desc(desc.granular);
@@ -21,6 +25,11 @@ struct Sand {
     accept(skin.create(of_skin));
   }
 
+  // On a floor.
+  void lie(const std::vector<float>& points) {
+    scene.add_floor();
+    scene.add(points);
+  }
   void throw_shadow() {
     sandglass_pile_shadow_desc desc = sandglass::pile_shadow_desc();
     desc.sky_texels = 64;

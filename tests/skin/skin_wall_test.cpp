@@ -94,7 +94,7 @@ TEST(SkinWalls, NothingStandsBehindADam) {
     const float axis[3] = {0, 0, 1};
     ASSERT_EQ(sandglass_rotation_about(axis, 0.35f, dam.rotation), 1);
     sand.scene.colliders.push_back(dam);
-    sand.scene.add(shifted(lattice(8, 8, 9, 2.05f * k_radius, k_radius), 0.1f, 0, -0.1f));
+    sand.scene.add(shifted(block(8, 8, 9), 0.1f, 0, -0.1f));
     sand.until_rested();
     float least = 1;
     each_vertex(sand, [&](const float* p) {
@@ -110,7 +110,7 @@ TEST(SkinWalls, NothingLiesBelowTheFloor) {
   for (const bool strewn : {false, true}) {
     Sand sand(rough(900));
     sand.scene.add_floor();
-    std::vector<float> points = lattice(9, 10, 9, 2.05f * k_radius, k_radius);
+    std::vector<float> points = block(9, 10, 9);
     if (strewn) points = lattice(30, 1, 30, 2.6f * k_radius, k_radius);  // gaps of 0.6 radii
     sand.scene.add(points);
     sand.until_rested();
@@ -143,7 +143,7 @@ TEST(SkinWalls, ALoweredBucketKeepsItsSkin) {
       EXPECT_GT(sand.skin.mesh().index_count, rested * 8 / 10) << speed << " " << i;
       EXPECT_LE(sand.skin.mesh().flying_count, 4u) << speed << " " << i;
     }
-    const std::vector<float> drops = shifted(lattice(3, 3, 3, 2.05f * k_radius, k_radius), 0.3f, height + 0.5f, 0);
+    const std::vector<float> drops = shifted(block(3, 3, 3), 0.3f, height + 0.5f, 0);
     std::vector<float> falling;
     for (size_t i = 0; i < drops.size(); ++i) falling.push_back(i % 3 == 1 ? -1.0f : 0.0f);
     sand.scene.add(drops, falling);
@@ -156,8 +156,7 @@ TEST(SkinWalls, ALoweredBucketKeepsItsSkin) {
 TEST(SkinWalls, AHandInTheAirCostsNothing) {
   for (const bool near : {false, true}) {
     Sand sand(rough(500));
-    sand.scene.add_floor();
-    sand.scene.add(lattice(10, 3, 10, 2.05f * k_radius, k_radius));
+    sand.lie(block(10, 3, 10));
     sand.scene.colliders.push_back(sandglass::sphere(0.1f, near ? 0.1f : 0.17f, 0.1f, 0.01f));
     sand.until_rested();
     uint32_t units = 0;
