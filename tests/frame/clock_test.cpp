@@ -170,76 +170,79 @@ struct Phone {
   }
 };
 
-Seen see(const Case& run) {
-  const double hz = run.budget_ms == 2.0 ? 120 : 60;
-  Phone phone{run};
-  const float r = 0.01f, edge = 0.0068f;
-  std::vector<float> particles, grains;
-  const Box box{{-0.10f, r, -0.10f}, {0.10f, 0.21f, 0.10f}};
-  EXPECT_TRUE(sample_lattice(
-      box, 2.02f * r, [](const float*) { return true; }, &particles));
-  uint32_t random = 1;
-  for (float y = r; !run.skin && y < 0.21f; y += edge)
-    for (float z = -0.1f; z < 0.1f; z += edge)
-      for (float x = -0.1f; x < 0.1f; x += edge)
-        for (const float at : {x, y, z}) {
-          random = random * 1664525u + 1013904223u;
-          grains.push_back(at + 0.5f * edge * static_cast<float>(random >> 8) / 16777216.0f);
-        }
-  sandglass_scene_desc desc = scene_desc();
-  desc.clock = {[](void* user) { return static_cast<uint64_t>(static_cast<Phone*>(user)->ns); }, &phone};
-  desc.granular.particle_radius = r;
-  desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
-  desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
-  desc.granular.collider_capacity = 8;
+// A tray of sand under a hand that stirs, as the phone runs it.
+struct Stirred {
+  const double hz;
+  std::vector<sandglass_collider> tray;
   Scene scene;
   PileShadow shadow;
   Skin skin;
-  sandglass_pile_shadow_desc of_shadow = pile_shadow_desc();
-  of_shadow.texels = 128;
-  of_shadow.sky_texels = 64;
-  of_shadow.on_sand = 0;
-  std::fill_n(of_shadow.low, 2, -0.64f);
-  std::fill_n(of_shadow.high, 2, 0.64f);
-  EXPECT_TRUE(scene.create(desc) && scene.add(particles, grains) && shadow.create(of_shadow));
-  EXPECT_TRUE(shadow.set_light({0.5f, 0.7f, 0.2f}));
-  EXPECT_TRUE(!run.skin || skin.create(skin_desc(desc.granular)));
-  Governor* governor = phone.governor = &scene.get()->governor;
-  governor->observer = {[](void* user, const WorkUnit& unit) { static_cast<Phone*>(user)->ran(unit); }, &phone};
-  governor->policy.better_after = run.better_after;
-
-  std::vector<sandglass_collider> tray = {floor_at(0.0f)};
-  for (int side = 0; side < 4; ++side) {
-    sandglass_collider wall = floor_at(0.0f);
-    wall.shape = SANDGLASS_SHAPE_BOX;
-    wall.position[side / 2 * 2] = side % 2 ? 0.19f : -0.19f;
-    wall.position[1] = 0.05f;
-    wall.size[side / 2 * 2] = 0.03f;
-    wall.size[1] = 0.06f;
-    wall.size[2 - side / 2 * 2] = 0.25f;
-    tray.push_back(wall);
-  }
-  tray.push_back(sphere(0.0f, 0.05f, 0.0f, 0.04f));
-  Positions written(desc.granular.grain_capacity), some(written.size() / 7);
+  Positions written;
   sandglass_frame_input input = frame_input();
-  input.time_step = static_cast<float>(1 / hz);
-  input.colliders = tray.data();
-  input.collider_count = static_cast<uint32_t>(tray.size());
-  input.grains = run.skin ? nullptr : written.data();
-  input.grain_capacity = desc.granular.grain_capacity;
-  input.pile_shadow = shadow.get();
-  input.skin = run.skin ? skin.get() : nullptr;
   sandglass_frame_report report = frame_report();
-  const auto moves = [&](double now, double before) { return (now - before) * hz >= 0.05; };
 
-  Seen seen = {};
-  Jerk even, as_written;
-  App app;
-  double drawn = 0, reached = 0;
-  uint32_t level = 0, skins = 0;
-  const uint64_t frames = static_cast<uint64_t>(run.seconds * hz);
-  for (uint64_t f = 0; f < frames; ++f) {
-    const double turn = k_pi * static_cast<double>(f + 1) / hz;
+  Stirred(const Case& run, Phone* phone) : hz(run.budget_ms == 2.0 ? 120 : 60) {
+    create(run, phone);
+    put_tray();
+    input.time_step = static_cast<float>(1 / hz);
+    input.colliders = tray.data();
+    input.collider_count = static_cast<uint32_t>(tray.size());
+    input.grains = run.skin ? nullptr : written.data();
+    input.grain_capacity = static_cast<uint32_t>(written.size());
+    input.pile_shadow = shadow.get();
+    input.skin = run.skin ? skin.get() : nullptr;
+  }
+  void create(const Case& run, Phone* phone) {
+    constexpr float k_radius = 0.01f, k_edge = 0.0068f;
+    std::vector<float> particles, grains;
+    const Box box{{-0.10f, k_radius, -0.10f}, {0.10f, 0.21f, 0.10f}};
+    EXPECT_TRUE(sample_lattice(
+        box, 2.02f * k_radius, [](const float*) { return true; }, &particles));
+    uint32_t random = 1;
+    for (float y = k_radius; !run.skin && y < 0.21f; y += k_edge)
+      for (float z = -0.1f; z < 0.1f; z += k_edge)
+        for (float x = -0.1f; x < 0.1f; x += k_edge)
+          for (const float at : {x, y, z}) {
+            random = random * 1664525u + 1013904223u;
+            grains.push_back(at + 0.5f * k_edge * static_cast<float>(random >> 8) / 16777216.0f);
+          }
+    written.resize(grains.size() / 3);
+    sandglass_scene_desc desc = scene_desc();
+    desc.clock = {[](void* user) { return static_cast<uint64_t>(static_cast<Phone*>(user)->ns); }, phone};
+    desc.granular.particle_radius = k_radius;
+    desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
+    desc.granular.grain_capacity = static_cast<uint32_t>(written.size());
+    desc.granular.collider_capacity = 8;
+    sandglass_pile_shadow_desc of_shadow = pile_shadow_desc();
+    of_shadow.texels = 128;
+    of_shadow.sky_texels = 64;
+    of_shadow.on_sand = 0;
+    std::fill_n(of_shadow.low, 2, -0.64f);
+    std::fill_n(of_shadow.high, 2, 0.64f);
+    EXPECT_TRUE(scene.create(desc) && scene.add(particles, grains) && shadow.create(of_shadow));
+    EXPECT_TRUE(shadow.set_light({0.5f, 0.7f, 0.2f}));
+    EXPECT_TRUE(!run.skin || skin.create(skin_desc(desc.granular)));
+    Governor* governor = phone->governor = &scene.get()->governor;
+    governor->observer = {[](void* user, const WorkUnit& unit) { static_cast<Phone*>(user)->ran(unit); }, phone};
+    governor->policy.better_after = run.better_after;
+  }
+  // A floor, four walls, and the hand.
+  void put_tray() {
+    tray = {floor_at(0.0f)};
+    for (int side = 0; side < 4; ++side) {
+      sandglass_collider wall = floor_at(0.0f);
+      wall.shape = SANDGLASS_SHAPE_BOX;
+      wall.position[side / 2 * 2] = side % 2 ? 0.19f : -0.19f;
+      wall.position[1] = 0.05f;
+      wall.size[side / 2 * 2] = 0.03f;
+      wall.size[1] = 0.06f;
+      wall.size[2 - side / 2 * 2] = 0.25f;
+      tray.push_back(wall);
+    }
+    tray.push_back(sphere(0.0f, 0.05f, 0.0f, 0.04f));
+  }
+  void stir(uint64_t frame) {
+    const double turn = k_pi * static_cast<double>(frame + 1) / hz;
     const float sine = static_cast<float>(0.11 * std::sin(turn)), cosine = static_cast<float>(0.11 * std::cos(turn));
     sandglass_collider& hand = tray.back();
     hand.position[0] = cosine;
@@ -247,23 +250,43 @@ Seen see(const Case& run) {
     hand.position[2] = sine;
     hand.linear_velocity[0] = -static_cast<float>(k_pi) * sine;
     hand.linear_velocity[2] = static_cast<float>(k_pi) * cosine;
-    input.budget_ns = phone.begin_frame(f, static_cast<double>(f) / hz * 1e9);
-    const double start = phone.ns;
-    EXPECT_TRUE(scene.frame(input, &report));
-
-    const double over = phone.ns - start - static_cast<double>(input.budget_ns);
-    seen.late_percent += over > 0;
-    seen.late_by_more_percent += over > phone.longest_ns + 1000;
-    seen.levels += f != 0 && report.level != level;
-    level = report.level;
+  }
+  uint32_t skin_version() const {
     sandglass_skin_mesh mesh = {};
     mesh.struct_size = sizeof mesh;
-    if (run.skin) sandglass_skin_get_mesh(skin.get(), &mesh);
-    seen.new_skins_percent += mesh.version != skins;
-    skins = mesh.version;
+    if (input.skin != nullptr) sandglass_skin_get_mesh(skin.get(), &mesh);
+    return mesh.version;
+  }
+};
 
-    const sandglass_sand_report& sand = report.sand;
-    for (size_t i = 0; i < some.size(); ++i) some[i] = written[7 * i];
+Seen see(const Case& run) {
+  Phone phone{run};
+  Stirred stirred(run, &phone);
+  const auto moves = [&](double now, double before) { return (now - before) * stirred.hz >= 0.05; };
+  Positions some(stirred.written.size() / 7);
+  Seen seen = {};
+  Jerk even, as_written;
+  App app;
+  double drawn = 0, reached = 0;
+  uint32_t level = 0, skins = 0;
+  const uint64_t frames = static_cast<uint64_t>(run.seconds * stirred.hz);
+  for (uint64_t f = 0; f < frames; ++f) {
+    stirred.stir(f);
+    stirred.input.budget_ns = phone.begin_frame(f, static_cast<double>(f) / stirred.hz * 1e9);
+    const double start = phone.ns;
+    EXPECT_TRUE(stirred.scene.frame(stirred.input, &stirred.report));
+
+    const double over = phone.ns - start - static_cast<double>(stirred.input.budget_ns);
+    seen.late_percent += over > 0;
+    seen.late_by_more_percent += over > phone.longest_ns + 1000;
+    seen.levels += f != 0 && stirred.report.level != level;
+    level = stirred.report.level;
+    const uint32_t skin = stirred.skin_version();
+    seen.new_skins_percent += skin != skins;
+    skins = skin;
+
+    const sandglass_sand_report& sand = stirred.report.sand;
+    for (size_t i = 0; i < some.size(); ++i) some[i] = stirred.written[7 * i];
     even.add(app.draw(some, sand));
     as_written.add(some);
     seen.even.frozen_percent += f >= 2 && !moves(app.drawn, drawn);
@@ -279,7 +302,7 @@ Seen see(const Case& run) {
     *count *= 100 / static_cast<double>(frames);
   seen.behind_ms /= static_cast<double>(frames);
   seen.levels /= run.seconds;
-  seen.lost_percent = 100 * report.time.debt / run.seconds;
+  seen.lost_percent = 100 * stirred.report.time.debt / run.seconds;
   return seen;
 }
 

@@ -22,19 +22,24 @@ uint64_t need(const sandglass_shadow_desc& desc) {
   return bytes;
 }
 
-}  // namespace
-
-AssetFile make_shadow_file(const RandomShadow& what) {
+// The parts of a file, of one sequence of random numbers: they are made in the order below.
+struct RandomWriter {
+  const RandomShadow& what;
   uint64_t state = what.seed;
-  const auto unit = [&] {  // -1..1
+  flatbuffers::FlatBufferBuilder builder{};
+
+  double unit() {  // -1..1
     state = state * 6364136223846793005ull + 1442695040888963407ull;
     return static_cast<double>(static_cast<int64_t>(state) >> 11) * 0x1p-52;
-  };
-  flatbuffers::FlatBufferBuilder builder;
-  const uint32_t inputs = 2 * (1 + 2 * what.texel_frequencies) + 3 * (1 + 2 * what.light_frequencies);
-  const auto layer_of = [&](uint32_t outputs, float multiplier, bool hidden) {
-    std::vector<int8_t> weights(what.width * outputs);
-    for (int8_t& w : weights) w = static_cast<int8_t>(127 * unit());
+  }
+  std::vector<int8_t> bytes(size_t count) {
+    std::vector<int8_t> all(count);
+    for (int8_t& x : all) x = static_cast<int8_t>(127 * unit());
+    return all;
+  }
+
+  flatbuffers::Offset<asset::Layer> layer(uint32_t outputs, float multiplier, bool hidden) {
+    std::vector<int8_t> weights = bytes(what.width * outputs);
     if (hidden && what.forced_weight != 0) weights[3] = what.forced_weight;
     std::vector<int32_t> bias(outputs);
     for (int32_t& b : bias) b = static_cast<int32_t>(4000 * unit());
@@ -46,48 +51,45 @@ AssetFile make_shadow_file(const RandomShadow& what) {
     builder.AddOffset(asset::Layer::VT_BIAS, b);
     builder.AddOffset(asset::Layer::VT_WEIGHTS, w);
     return flatbuffers::Offset<asset::Layer>(builder.EndTable(start));
-  };
-  std::vector<float> first(inputs * what.width), first_bias(what.width);
-  for (float& w : first) w = static_cast<float>(static_cast<double>(what.spread) * unit());
-  for (float& b : first_bias) b = static_cast<float>(unit());
-  // High frequencies have smaller weights, so that a texture has smooth parts for the adaptive mode to find.
-  for (uint32_t i = 0; i < 2 * (1 + 2 * what.texel_frequencies); ++i)
-    for (uint32_t c = 0; c < what.width; ++c)
-      first[i * what.width + c] /= std::ldexp(1.0f, static_cast<int>(i % (1 + 2 * what.texel_frequencies)));
-  if (what.forced_first != 0 || what.forced_first != what.forced_first) first[5] = what.forced_first;
-  std::vector<flatbuffers::Offset<asset::Layer>> layers;
-  for (uint32_t i = 0; i < what.layers; ++i) layers.push_back(layer_of(what.width, 0.004f, true));
-  const auto last = layer_of(1, 0.0001f, false);
-  const auto all = builder.CreateVector(layers);
-  const auto first_weights = builder.CreateVector(first);
-  const auto biases = builder.CreateVector(first_bias);
-  const auto name = builder.CreateString("random");
-  flatbuffers::Offset<asset::Ambient> ambient = 0;
-  flatbuffers::Offset<asset::Surface> surface = 0;
-  if (what.ambient_side != 0) {
+  }
+
+  void first_layer(std::vector<float>* first, std::vector<float>* bias) {
+    const uint32_t of_texel = 1 + 2 * what.texel_frequencies, of_light = 1 + 2 * what.light_frequencies;
+    first->resize((2 * of_texel + 3 * of_light) * what.width);
+    bias->resize(what.width);
+    for (float& w : *first) w = static_cast<float>(static_cast<double>(what.spread) * unit());
+    for (float& b : *bias) b = static_cast<float>(unit());
+    // High frequencies have smaller weights, so that a texture has smooth parts for the adaptive mode to find.
+    for (uint32_t i = 0; i < 2 * of_texel; ++i)
+      for (uint32_t c = 0; c < what.width; ++c)
+        (*first)[i * what.width + c] /= std::ldexp(1.0f, static_cast<int>(i % of_texel));
+    if (what.forced_first != 0 || what.forced_first != what.forced_first) (*first)[5] = what.forced_first;
+  }
+
+  flatbuffers::Offset<asset::Ambient> ambient() {
+    if (what.ambient_side == 0) return 0;
     std::vector<float> mixing(what.components * SANDGLASS_LIGHT_CELLS);
     for (float& x : mixing) x = static_cast<float>(unit() / 127);
     if (what.forced_mixing != 0) mixing[7] = what.forced_mixing;
-    std::vector<int8_t> texels(what.components * what.ambient_side * what.ambient_side - what.missing_texels);
-    for (int8_t& x : texels) x = static_cast<int8_t>(127 * unit());
+    const auto texels = bytes(what.components * what.ambient_side * what.ambient_side - what.missing_texels);
     const auto weights = builder.CreateVector(mixing);
-    const auto bytes = builder.CreateVector(texels);
+    const auto written = builder.CreateVector(texels);
     using Table = asset::Ambient;
     const auto start = builder.StartTable();
     builder.AddElement<uint16_t>(Table::VT_SIDE, static_cast<uint16_t>(what.ambient_side), 128);
     builder.AddElement<double>(Table::VT_HALF, 1.5, 0);
     builder.AddElement<uint8_t>(Table::VT_COMPONENTS, static_cast<uint8_t>(what.components), 0);
     builder.AddOffset(Table::VT_MIXING, weights);
-    builder.AddOffset(Table::VT_TEXELS, bytes);
+    builder.AddOffset(Table::VT_TEXELS, written);
     builder.AddElement<float>(Table::VT_RMSE, 0.02f, 0);
-    ambient = builder.EndTable(start);
+    return flatbuffers::Offset<Table>(builder.EndTable(start));
   }
-  if (what.surface_vertices != 0) {
+
+  flatbuffers::Offset<asset::Surface> surface() {
+    if (what.surface_vertices == 0) return 0;
     std::vector<float> steps(9);
     for (float& x : steps) x = static_cast<float>(0.01 + 0.001 * unit());
-    std::vector<int8_t> transfer(9 * what.surface_vertices), normals(3 * what.surface_vertices);
-    for (int8_t& x : transfer) x = static_cast<int8_t>(127 * unit());
-    for (int8_t& x : normals) x = static_cast<int8_t>(127 * unit());
+    const auto transfer = bytes(9 * what.surface_vertices), normals = bytes(3 * what.surface_vertices);
     std::vector<uint16_t> positions(3 * what.surface_vertices);
     for (size_t i = 0; i < positions.size(); ++i)
       positions[i] = i % 3 == 0 ? static_cast<uint16_t>(200 * (i / 6)) : static_cast<uint16_t>(30000 + 20000 * unit());
@@ -95,7 +97,7 @@ AssetFile make_shadow_file(const RandomShadow& what) {
     const auto places = builder.CreateVector(positions);
     const auto axes = builder.CreateVector(normals);
     const auto sizes = builder.CreateVector(steps);
-    const auto bytes = builder.CreateVector(transfer);
+    const auto written = builder.CreateVector(transfer);
     using Table = asset::Surface;
     const auto start = builder.StartTable();
     builder.AddElement<uint32_t>(Table::VT_VERTICES, what.surface_vertices, 0);
@@ -106,9 +108,27 @@ AssetFile make_shadow_file(const RandomShadow& what) {
     builder.AddOffset(Table::VT_POSITIONS, places);
     builder.AddOffset(Table::VT_NORMALS, axes);
     builder.AddOffset(Table::VT_STEPS, sizes);
-    builder.AddOffset(Table::VT_TRANSFER, bytes);
-    surface = builder.EndTable(start);
+    builder.AddOffset(Table::VT_TRANSFER, written);
+    return flatbuffers::Offset<Table>(builder.EndTable(start));
   }
+};
+
+}  // namespace
+
+AssetFile make_shadow_file(const RandomShadow& what) {
+  RandomWriter writer{what};
+  flatbuffers::FlatBufferBuilder& builder = writer.builder;
+  std::vector<float> first, first_bias;
+  writer.first_layer(&first, &first_bias);
+  std::vector<flatbuffers::Offset<asset::Layer>> layers;
+  for (uint32_t i = 0; i < what.layers; ++i) layers.push_back(writer.layer(what.width, 0.004f, true));
+  const auto last = writer.layer(1, 0.0001f, false);
+  const auto all = builder.CreateVector(layers);
+  const auto first_weights = builder.CreateVector(first);
+  const auto biases = builder.CreateVector(first_bias);
+  const auto name = builder.CreateString("random");
+  const auto ambient = writer.ambient();
+  const auto surface = writer.surface();
   const asset::Box box(1, 2, 3, 0.2, 0.1, 0.5, 0.349065850398866, 1.2217304763960306);  // 20 and 70 degrees
   using Table = asset::Shadow;
   const auto start = builder.StartTable();
