@@ -1,9 +1,7 @@
-// Reads JSON strictly: the reader remembers which keys were asked for, and refuses every other key.
 #include "models/simulation/scene_file.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -11,6 +9,7 @@
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/files/shipped_file.h"
+#include "models/simulation/strict_reader.h"
 #include "runtime/math/math.h"
 
 namespace sandglass::host {
@@ -21,162 +20,8 @@ using nlohmann::json;
 namespace {
 
 constexpr uint32_t k_frame_limit = 100'000'000;
-constexpr double k_length_limit = SANDGLASS_COORDINATE_LIMIT;
 
-// Whole numbers with all their digits: a limit that prints as the number that breaks it helps nobody.
-std::string number_text(double value) {
-  char text[40];
-  const bool whole = value == std::floor(value) && std::fabs(value) < 1e9;
-  std::snprintf(text, sizeof text, whole ? "%.0f" : "%g", value);
-  return text;
-}
-
-// Reads one JSON object. `where` is "" for the file itself, "bodies[0]." for a body in it.
-class Reader {
- public:
-  Reader(const json& object, const std::string& source, const std::string& where)
-      : object_(object), source_(source), where_(where) {
-    if (!object.is_object())
-      fail(where.empty() ? "the file" : "\"" + where.substr(0, where.size() - 1) + "\"", "must be an object { }");
-  }
-
-  [[noreturn]] void fail(const std::string& what, const std::string& problem) const {
-    throw cannot("read", source_, what + " " + problem);
-  }
-  [[noreturn]] void refuse(const std::string& key, const std::string& problem) const { fail(quoted(key), problem); }
-
-  bool is_array(const std::string& key) const { return object_.contains(key) && object_[key].is_array(); }
-  bool has(const std::string& key) {
-    known_.insert(key);
-    return object_.contains(key);
-  }
-
-  double number(const std::string& key, double otherwise, double low, double high) {
-    return has(key) ? checked(key, object_[key], low, high) : otherwise;
-  }
-  uint32_t integer(const std::string& key, uint32_t otherwise, uint32_t low, uint32_t high) {
-    return has(key) ? checked_integer(key, object_[key], low, high) : otherwise;
-  }
-  float real(const std::string& key, float otherwise, double low, double high) {
-    return has(key) ? static_cast<float>(checked(key, object_[key], low, high)) : otherwise;
-  }
-
-  std::string text(const std::string& key, const std::string& otherwise) {
-    if (!has(key)) return otherwise;
-    if (!object_[key].is_string()) refuse(key, "must be a text in quotes");
-    return object_[key].get<std::string>();
-  }
-
-  // The index of the key's text among `choices`. A missing key gives `otherwise`, or is refused when that is negative.
-  int choice(const std::string& key, const std::vector<std::string>& choices, int otherwise) {
-    std::string list;
-    for (const std::string& name : choices) list += (list.empty() ? "\"" : ", \"") + name + "\"";
-    if (!has(key)) {
-      if (otherwise < 0) refuse(key, "is missing; give one of " + list);
-      return otherwise;
-    }
-    const std::string value = text(key, "");
-    const auto found = std::find(choices.begin(), choices.end(), value);
-    if (found == choices.end()) refuse(key, "is \"" + value + "\"; it must be one of " + list);
-    return static_cast<int>(found - choices.begin());
-  }
-
-  std::vector<double> numbers(const std::string& key, size_t count, double low, double high) {
-    const json& list = object_[key];
-    if (!list.is_array() || list.size() != count)
-      refuse(key, "must be a list of " + std::to_string(count) + " numbers");
-    std::vector<double> values;
-    for (size_t i = 0; i < count; ++i)
-      values.push_back(checked(key + "[" + std::to_string(i) + "]", list[i], low, high));
-    return values;
-  }
-  Profile outline(const std::string& key) {
-    const json& list = object_[key];
-    if (!list.is_array() || list.size() < 3 || list.size() > 1000)
-      refuse(key, "must be a list of 3 to 1000 points [r, y]");
-    Profile profile;
-    for (size_t i = 0; i < list.size(); ++i) {
-      const std::string at = key + "[" + std::to_string(i) + "]";
-      if (!list[i].is_array() || list[i].size() != 2) refuse(at, "must be a point [r, y]");
-      profile.push_back({checked(at + "[0]", list[i][0], 0.0, k_length_limit),
-                         checked(at + "[1]", list[i][1], -k_length_limit, k_length_limit)});
-    }
-    return profile;
-  }
-  Vec3 vector(const std::string& key, Vec3 otherwise, double low, double high) {
-    if (!has(key)) return otherwise;
-    const std::vector<double> v = numbers(key, 3, low, high);
-    return {v[0], v[1], v[2]};
-  }
-
-  Quaternion rotation(const std::string& key) {
-    if (!has(key)) return k_no_rotation;
-    if (object_[key].is_array()) {
-      const std::vector<double> v = numbers(key, 4, -1e6, 1e6);
-      if (v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3] < 1e-12)
-        refuse(key, "is a quaternion of length 0; use [0, 0, 0, 1]");
-      return normalised(Quaternion{v[0], v[1], v[2], v[3]});
-    }
-    Reader turn = child(key);
-    const Vec3 axis = turn.vector("axis", {0, 1, 0}, -1e6, 1e6);
-    if (length(axis) < 1e-6) turn.refuse("axis", "has length 0; give a direction");
-    constexpr double k_radians_per_degree = 0.017453292519943295;
-    const double radians = turn.number("degrees", 0.0, -360.0, 360.0) * k_radians_per_degree;
-    turn.finish();
-    return rotation_by(normalised(axis) * radians);
-  }
-
-  Reader child(const std::string& key) const { return Reader(object_[key], source_, where_ + key + "."); }
-
-  template <class Read>
-  void each(const std::string& key, size_t limit, Read read) {
-    if (!has(key)) return;
-    const json& list = object_[key];
-    if (!list.is_array()) refuse(key, "must be a list [ ]");
-    if (list.size() > limit)
-      refuse(key, "has " + std::to_string(list.size()) + " entries; at most " + std::to_string(limit) + " are taken");
-    for (size_t i = 0; i < list.size(); ++i) {
-      Reader entry(list[i], source_, where_ + key + "[" + std::to_string(i) + "].");
-      read(entry);
-      entry.finish();
-    }
-  }
-
-  // Refuses the first key that nobody asked for.
-  void finish() const {
-    for (const auto& [key, value] : object_.items())
-      if (!known_.contains(key)) {
-        std::string list;
-        for (const std::string& name : known_) list += (list.empty() ? "" : ", ") + name;
-        refuse(key, "is not a known key; known here are " + list);
-      }
-  }
-
-  std::string quoted(const std::string& key) const { return "\"" + where_ + key + "\""; }
-
- private:
-  double checked(const std::string& key, const json& value, double low, double high) const {
-    if (!value.is_number()) refuse(key, "must be a number");
-    const double number = value.get<double>();
-    if (!std::isfinite(number)) refuse(key, "is not a finite number");
-    if (number < low || number > high)
-      refuse(key,
-             "is " + number_text(number) + "; it must lie between " + number_text(low) + " and " + number_text(high));
-    return number;
-  }
-  uint32_t checked_integer(const std::string& key, const json& value, uint32_t low, uint32_t high) const {
-    const double number = checked(key, value, low, high);
-    if (number != std::floor(number)) refuse(key, "is " + number_text(number) + "; it must be a whole number");
-    return static_cast<uint32_t>(number);
-  }
-
-  const json& object_;
-  const std::string& source_;
-  std::string where_;
-  std::set<std::string> known_;
-};
-
-void read_solver(Reader reader, sandglass_granular_desc* granular) {
+void read_solver(StrictReader reader, sandglass_granular_desc* granular) {
   granular->reference.scheme = reader.choice("scheme", {"small_step", "averaged"}, granular->reference.scheme);
   granular->reference.solver_iterations = reader.integer("iterations", granular->reference.solver_iterations, 1, 64);
   granular->reference.stabilisation_iterations =
@@ -195,12 +40,12 @@ void read_solver(Reader reader, sandglass_granular_desc* granular) {
   reader.finish();
 }
 
-Profile read_profile(Reader& reader) {
+Profile read_profile(StrictReader& reader) {
   if (!reader.has("profile")) reader.refuse("profile", "is missing; give a closed outline [[r, y], ...]");
   return reader.outline("profile");
 }
 
-Body read_body(Reader& reader) {
+Body read_body(StrictReader& reader) {
   Body body;
   const std::vector<std::string> shapes = {"trefoil", "mesh", "box", "sphere", "lattice", "revolved"};
   body.shape = static_cast<BodyShape>(reader.choice("shape", shapes, -1));
@@ -257,7 +102,7 @@ Body read_body(Reader& reader) {
   return body;
 }
 
-ColliderTrack read_collider(Reader& reader) {
+ColliderTrack read_collider(StrictReader& reader) {
   ColliderTrack track;
   const int shape = reader.choice("shape", {"half_space", "sphere", "capsule", "box", "revolved", "mesh"}, -1);
   constexpr int k_revolved = 4, k_mesh = 5;
@@ -289,7 +134,7 @@ ColliderTrack read_collider(Reader& reader) {
     track.size = {size[0], size[1], 0.0};
   }
   if (track.shape == SANDGLASS_SHAPE_BOX) track.size = reader.vector("size", {}, 1e-4, k_length_limit);
-  reader.each("motion", 10000, [&](Reader& entry) {
+  reader.each("motion", 10000, [&](StrictReader& entry) {
     MotionSegment segment;
     segment.start = entry.number("start", 0.0, 0.0, 1e6);
     segment.end = entry.number("end", 1e6, 0.0, 1e6);
@@ -301,7 +146,7 @@ ColliderTrack read_collider(Reader& reader) {
   return track;
 }
 
-LightTrack read_light(Reader reader) {
+LightTrack read_light(StrictReader reader) {
   LightTrack light;
   const auto angles = [&](const char* key, double least, double most, double(&out)[2]) {
     if (!reader.has(key)) return;
@@ -319,7 +164,7 @@ LightTrack read_light(Reader reader) {
   return light;
 }
 
-ShotTrack read_shot(Reader reader) {
+ShotTrack read_shot(StrictReader reader) {
   ShotTrack shot;
   shot.turn_deg = reader.number("turn", 0.0, -360.0, 360.0);
   shot.sway_deg = reader.number("sway", 0.0, 0.0, 10.0);
@@ -330,7 +175,7 @@ ShotTrack read_shot(Reader reader) {
   return shot;
 }
 
-PileShadowTrack read_pile_shadow(Reader reader) {
+PileShadowTrack read_pile_shadow(StrictReader reader) {
   PileShadowTrack track;
   for (const char* key : {"low", "high"})
     if (!reader.has(key))
@@ -348,7 +193,7 @@ PileShadowTrack read_pile_shadow(Reader reader) {
   return track;
 }
 
-EmitterTrack read_emitter(Reader& reader) {
+EmitterTrack read_emitter(StrictReader& reader) {
   EmitterTrack track;
   to_floats(reader.vector("position", {}, -k_length_limit, k_length_limit), track.emitter.position);
   const Quaternion rotation = reader.rotation("rotation");
@@ -363,7 +208,7 @@ EmitterTrack read_emitter(Reader& reader) {
   return track;
 }
 
-Camera read_camera(Reader reader) {
+Camera read_camera(StrictReader reader) {
   Camera camera;
   camera.eye = reader.vector("eye", {0.5, 0.5, 1.0}, -10.0 * k_length_limit, 10.0 * k_length_limit);
   camera.target = reader.vector("target", {}, -k_length_limit, k_length_limit);
@@ -375,20 +220,17 @@ Camera read_camera(Reader reader) {
   return camera;
 }
 
-}  // namespace
-
-SceneFile parse_scene(const std::string& text, const std::string& source) {
-  json file;
+json parsed(const std::string& text, const std::string& source) {
   std::vector<std::set<std::string>> names;  // of every object that is open
-  const auto refuse_twice = [&](int, json::parse_event_t event, const json& parsed) {
+  const auto refuse_twice = [&](int, json::parse_event_t event, const json& value) {
     if (event == json::parse_event_t::object_start) names.emplace_back();
     if (event == json::parse_event_t::object_end) names.pop_back();
-    if (event == json::parse_event_t::key && !names.back().insert(parsed.get<std::string>()).second)
-      throw cannot("read", source, "one object has " + in_quotes(parsed.get<std::string>()) + " twice", "Remove one");
+    if (event == json::parse_event_t::key && !names.back().insert(value.get<std::string>()).second)
+      throw cannot("read", source, "one object has " + in_quotes(value.get<std::string>()) + " twice", "Remove one");
     return true;
   };
   try {
-    file = json::parse(text, refuse_twice);
+    return json::parse(text, refuse_twice);
   } catch (const json::parse_error& error) {
     size_t line = 1;
     for (size_t i = 0; i + 1 < error.byte && i < text.size(); ++i) line += text[i] == '\n';
@@ -396,56 +238,10 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   } catch (const json::exception&) {
     throw cannot("read", source, "it has a number that no double can hold", "Correct it");
   }
-  SceneFile scene;
-  scene.source = source;
-  sandglass_scene_desc defaults;
-  sandglass_scene_desc_default(&defaults);
-  scene.granular = defaults.granular;
+}
 
-  Reader reader(file, source, "");
-  scene.name = reader.text("name", fs::path(source).stem().string());
-  scene.frames = reader.integer("frames", scene.frames, 1, k_frame_limit);
-  scene.frame_step = reader.number("frame_step", scene.frame_step, 1e-4, 0.1);
-  scene.budget_ms = reader.number("budget_ms", scene.budget_ms, 0.0, 1e6);
-  scene.seed = reader.integer("seed", 1, 0, ~0u);
-  scene.particle_radius = reader.number("particle_radius", 0.0, 1e-4, 10.0);
-  to_floats(reader.vector("gravity", {0.0, -9.81, 0.0}, -SANDGLASS_GRAVITY_LIMIT, SANDGLASS_GRAVITY_LIMIT),
-            scene.gravity);
-  if (reader.has("friction")) {
-    Reader friction = reader.child("friction");
-    scene.granular.static_friction =
-        friction.real("static", scene.granular.static_friction, 0.0, SANDGLASS_FRICTION_LIMIT);
-    scene.granular.kinetic_friction =
-        friction.real("kinetic", scene.granular.kinetic_friction, 0.0, SANDGLASS_FRICTION_LIMIT);
-    friction.finish();
-  }
-  if (reader.has("solver")) read_solver(reader.child("solver"), &scene.granular);
-  scene.granular.particle_capacity = reader.integer("particle_capacity", 0, 1, SANDGLASS_PARTICLE_LIMIT);
-  scene.granular.grain_capacity = reader.integer("grain_capacity", 0, 1, SANDGLASS_GRAIN_LIMIT);
-  scene.granular.collider_capacity = reader.integer("collider_capacity", 0, 1, SANDGLASS_COLLIDER_LIMIT);
-  uint64_t particles = 0, grains = 0;
-  reader.each("bodies", 1000, [&](Reader& entry) {
-    const Body& body = scene.bodies.emplace_back(read_body(entry));
-    particles += body.particles + uint64_t{body.counts[0]} * body.counts[1] * body.counts[2];
-    grains += body.grains;
-  });
-  if (particles > SANDGLASS_PARTICLE_LIMIT)
-    reader.refuse("bodies", "ask for more than " + number_text(SANDGLASS_PARTICLE_LIMIT) + " particles");
-  if (grains > SANDGLASS_GRAIN_LIMIT)
-    reader.refuse("bodies", "ask for more than " + number_text(SANDGLASS_GRAIN_LIMIT) + " grains");
-  reader.each("colliders", SANDGLASS_COLLIDER_LIMIT,
-              [&](Reader& entry) { scene.colliders.push_back(read_collider(entry)); });
-  if (reader.has("light")) scene.light = read_light(reader.child("light"));
-  if (reader.has("shot")) scene.shot = read_shot(reader.child("shot"));
-  if (reader.has("pile_shadow")) scene.pile_shadow = read_pile_shadow(reader.child("pile_shadow"));
-  reader.each("emitters", SANDGLASS_FLOW_LIMIT, [&](Reader& entry) { scene.emitters.push_back(read_emitter(entry)); });
-  reader.each("sinks", SANDGLASS_FLOW_LIMIT, [&](Reader& entry) {
-    scene.sinks.push_back(read_collider(entry));
-    if (scene.sinks.back().shape == SANDGLASS_SHAPE_FIELD || !scene.sinks.back().motion.empty())
-      entry.refuse("shape", "must be a resting half_space, sphere, capsule or box in a sink");
-  });
-  if (reader.has("camera")) scene.camera = read_camera(reader.child("camera"));
-  reader.finish();
+// What one part of a scene needs of another.
+void expect_whole(const SceneFile& scene, const StrictReader& reader) {
   const bool shaded = std::any_of(scene.colliders.begin(), scene.colliders.end(),
                                   [](const ColliderTrack& track) { return !track.shadow.empty() || track.casts; });
   if ((shaded || scene.pile_shadow) && !scene.light && !scene.shot)
@@ -469,6 +265,64 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   if (scene.particle_radius > 0.0 && radius_follows)
     reader.refuse("particle_radius",
                   "and a body with both \"size\" and \"particles\" contradict each other; leave one of the three out");
+}
+
+}  // namespace
+
+SceneFile parse_scene(const std::string& text, const std::string& source) {
+  const json file = parsed(text, source);
+  SceneFile scene;
+  scene.source = source;
+  sandglass_scene_desc defaults;
+  sandglass_scene_desc_default(&defaults);
+  scene.granular = defaults.granular;
+
+  StrictReader reader(file, source, "");
+  scene.name = reader.text("name", fs::path(source).stem().string());
+  scene.frames = reader.integer("frames", scene.frames, 1, k_frame_limit);
+  scene.frame_step = reader.number("frame_step", scene.frame_step, 1e-4, 0.1);
+  scene.budget_ms = reader.number("budget_ms", scene.budget_ms, 0.0, 1e6);
+  scene.seed = reader.integer("seed", 1, 0, ~0u);
+  scene.particle_radius = reader.number("particle_radius", 0.0, 1e-4, 10.0);
+  to_floats(reader.vector("gravity", {0.0, -9.81, 0.0}, -SANDGLASS_GRAVITY_LIMIT, SANDGLASS_GRAVITY_LIMIT),
+            scene.gravity);
+  if (reader.has("friction")) {
+    StrictReader friction = reader.child("friction");
+    scene.granular.static_friction =
+        friction.real("static", scene.granular.static_friction, 0.0, SANDGLASS_FRICTION_LIMIT);
+    scene.granular.kinetic_friction =
+        friction.real("kinetic", scene.granular.kinetic_friction, 0.0, SANDGLASS_FRICTION_LIMIT);
+    friction.finish();
+  }
+  if (reader.has("solver")) read_solver(reader.child("solver"), &scene.granular);
+  scene.granular.particle_capacity = reader.integer("particle_capacity", 0, 1, SANDGLASS_PARTICLE_LIMIT);
+  scene.granular.grain_capacity = reader.integer("grain_capacity", 0, 1, SANDGLASS_GRAIN_LIMIT);
+  scene.granular.collider_capacity = reader.integer("collider_capacity", 0, 1, SANDGLASS_COLLIDER_LIMIT);
+  uint64_t particles = 0, grains = 0;
+  reader.each("bodies", 1000, [&](StrictReader& entry) {
+    const Body& body = scene.bodies.emplace_back(read_body(entry));
+    particles += body.particles + uint64_t{body.counts[0]} * body.counts[1] * body.counts[2];
+    grains += body.grains;
+  });
+  if (particles > SANDGLASS_PARTICLE_LIMIT)
+    reader.refuse("bodies", "ask for more than " + number_text(SANDGLASS_PARTICLE_LIMIT) + " particles");
+  if (grains > SANDGLASS_GRAIN_LIMIT)
+    reader.refuse("bodies", "ask for more than " + number_text(SANDGLASS_GRAIN_LIMIT) + " grains");
+  reader.each("colliders", SANDGLASS_COLLIDER_LIMIT,
+              [&](StrictReader& entry) { scene.colliders.push_back(read_collider(entry)); });
+  if (reader.has("light")) scene.light = read_light(reader.child("light"));
+  if (reader.has("shot")) scene.shot = read_shot(reader.child("shot"));
+  if (reader.has("pile_shadow")) scene.pile_shadow = read_pile_shadow(reader.child("pile_shadow"));
+  reader.each("emitters", SANDGLASS_FLOW_LIMIT,
+              [&](StrictReader& entry) { scene.emitters.push_back(read_emitter(entry)); });
+  reader.each("sinks", SANDGLASS_FLOW_LIMIT, [&](StrictReader& entry) {
+    scene.sinks.push_back(read_collider(entry));
+    if (scene.sinks.back().shape == SANDGLASS_SHAPE_FIELD || !scene.sinks.back().motion.empty())
+      entry.refuse("shape", "must be a resting half_space, sphere, capsule or box in a sink");
+  });
+  if (reader.has("camera")) scene.camera = read_camera(reader.child("camera"));
+  reader.finish();
+  expect_whole(scene, reader);
   return scene;
 }
 

@@ -18,7 +18,7 @@ light_file runtime/asset/light_asset.cpp
 saved_scene runtime/sand/save.cpp
 saved_room runtime/light/room/save.cpp
 recording models/simulation/recording.cpp
-scene_json models/simulation/scene_file.cpp
+scene_json models/simulation/scene_file.cpp models/simulation/strict_reader.h
 picture models/files/image.cpp models/files/picture_head.cpp models/files/npy.cpp models/rooms/panorama_file.cpp
 mesh models/mesh/mesh.cpp
 READERS
