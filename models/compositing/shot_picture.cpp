@@ -297,43 +297,107 @@ std::vector<ShotPicture::Seen> ShotPicture::seen(const ShotCamera& camera, int w
   return all;
 }
 
-RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camera,
-                               const ShotPictureOptions& options) const {
-  if (!state_->grains && !state_->sand.indices.empty()) state_->grains = std::make_unique<PackedGrains>(state_->sand);
-  // The floor hides what lies below the horizon, and is itself what one sees there. Light on the floor is sampled by
-  // its cosine too.
-  const ViewRotation rotation(room.view);
-  const RadianceMap above = above_horizon(room.warped, room.view);
-  RadianceMap on_floor = above;
-  for (int v = 0; v < above.height; ++v)
-    for (int u = 0; u < above.width; ++u) {
-      const double up = rotation.to_panorama(panorama_direction(u, v, above.width, above.height)).y;
-      on_floor.set(u, v, on_floor.colour(u, v) * std::max(up, 0.0));
+// The rays of the truth.
+class ShotPicture::Paths {
+ public:
+  Paths(const State& state, const Surroundings& room, const ShotCamera& camera)
+      : state_(state),
+        room_(room),
+        camera_(camera),
+        rotation_(room.view),
+        above_(above_horizon(room.warped, room.view)),
+        on_floor_(by_cosine(above_, rotation_)),
+        environment_(above_, rotation_),
+        floor_light_(on_floor_, rotation_) {
+    const Vec3 irradiance = irradiance_of(light_of(above_, room.view));
+    const auto reflects = [](double radiance, double e) { return e > 0.0 ? k_pi * radiance / e : 0.0; };
+    reflectance_ = {reflects(room.floor.x, irradiance.x), reflects(room.floor.y, irradiance.y),
+                    reflects(room.floor.z, irradiance.z)};
+  }
+
+  Vec3 pixel(int x, int y, const ShotPictureOptions& options) const {
+    Random random = random_stream(static_cast<uint64_t>(y) * 65536u + static_cast<uint64_t>(x),
+                                  k_truth_stream + (options.seed << 8));
+    const double shift[2] = {random.uniform(), random.uniform()};
+    Vec3 solid, background, with, without;
+    int caught = 0, behind = 0;
+    for (int i = 0; i < options.paths; ++i) {
+      const auto even = [&](int k) { return lattice_point(shift[k], i, k_plane_steps[k]); };
+      const double down = random.uniform(), across = random.uniform();
+      const Vec3 direction = normalised(camera_.ray(x + across, y + down, options.width, options.height));
+      const Hit hit = state_.closest(camera_.eye, direction);
+      if (hit.surface == Surface::none || (hit.surface == Surface::floor && length(hit.point) > k_catcher_reach)) {
+        background = background + look_up(room_.panorama, direction);
+        ++behind;
+        continue;
+      }
+      const Vec3 start = lifted(hit);
+      if (hit.surface == Surface::metal) {
+        const double a = random.uniform(), b = random.uniform();
+        const Vec3 from = reflected_from(direction, hit.normal, a, b);
+        const Vec3 radiance = arriving(start, from, k_bounces, true, &random);
+        solid = solid +
+                limited(product(metal_share(direction, hit.normal), radiance) * room_.exposure) * (1 / room_.exposure);
+        continue;
+      }
+      Vec3 open;
+      const Vec3 seen = direct(start, hit.normal, hit.surface, even(0), even(1), &open);
+      const double second = random.uniform(), first = random.uniform();
+      const Vec3 indirect =
+          arriving(start, cosine_direction(hit.normal, first, second), k_bounces - 1, false, &random) * k_pi;
+      if (hit.surface == Surface::floor) {
+        // Without what stands on it, a level floor gets no indirect light: it sends none to itself.
+        with = with + seen + indirect;
+        without = without + open;
+        background = background + look_up(room_.panorama, direction);
+        ++caught;
+        ++behind;
+      } else {
+        solid = solid + product(hit.reflectance, seen + indirect) * (1.0 / k_pi);
+      }
     }
-  const ProbeLight environment(above, rotation), floor_light(on_floor, rotation);
-  const Vec3 irradiance = irradiance_of(light_of(above, room.view));
-  const auto reflects = [](double radiance, double e) { return e > 0.0 ? k_pi * radiance / e : 0.0; };
-  const Vec3 reflectance = {reflects(room.floor.x, irradiance.x), reflects(room.floor.y, irradiance.y),
-                            reflects(room.floor.z, irradiance.z)};
-  RadianceMap picture(options.width, options.height);
+    const int n = options.paths;
+    Vec3 radiance = solid * (1.0 / n);
+    if (behind > 0) {
+      const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 1.0; };
+      const Vec3 kept = {ratio(with.x, without.x), ratio(with.y, without.y), ratio(with.z, without.z)};
+      const double share = static_cast<double>(caught) / behind;
+      radiance = radiance + product(background * (1.0 / n), kept * share + Vec3{1, 1, 1} * (1.0 - share));
+    }
+    return limited(radiance * room_.exposure);
+  }
+
+ private:
+  // Light on the floor is sampled by its cosine too.
+  static RadianceMap by_cosine(const RadianceMap& above, const ViewRotation& rotation) {
+    RadianceMap on_floor = above;
+    for (int v = 0; v < above.height; ++v)
+      for (int u = 0; u < above.width; ++u) {
+        const double up = rotation.to_panorama(panorama_direction(u, v, above.width, above.height)).y;
+        on_floor.set(u, v, on_floor.colour(u, v) * std::max(up, 0.0));
+      }
+    return on_floor;
+  }
+
   // The irradiance that one ray of the room's light brings. *open gets what it would bring with nothing in its way.
-  const auto direct = [&](Vec3 start, Vec3 normal, Surface surface, double a, double b, Vec3* open) {
+  Vec3 direct(Vec3 start, Vec3 normal, Surface surface, double a, double b, Vec3* open) const {
     const bool floor = surface == Surface::floor;
-    const ProbeLight::Sample s = (floor ? floor_light : environment).sample(a, b);
+    const ProbeLight::Sample s = (floor ? floor_light_ : environment_).sample(a, b);
     const double cosine = floor ? 1.0 : dot(s.direction, normal);
     if (cosine <= 0.0) return Vec3{};
     if (open != nullptr) *open = s.weight * cosine;
-    return state_->blocked(start, s.direction, k_far) ? Vec3{} : s.weight * cosine;
-  };
+    return state_.blocked(start, s.direction, k_far) ? Vec3{} : s.weight * cosine;
+  }
+
   // The radiance that arrives along a ray after it met the floor, the object or the grains. Light that comes straight
-  // from the room counts only where nothing but metal lies between it and the eye. To what is painted, metal is paint of its
-  // colour: so no light is lost, and none is focused.
-  const auto arriving = [&](Vec3 origin, Vec3 direction, int bounces, bool mirrored, Random* random) {
+  // from the room counts only where nothing but metal lies between it and the eye. To what is painted, metal is paint
+  // of its colour: so no light is lost, and none is focused.
+  Vec3 arriving(Vec3 origin, Vec3 direction, int bounces, bool mirrored, Random* random) const {
     Vec3 sum, throughput = {1, 1, 1};
     for (int bounce = 0; bounce < bounces; ++bounce) {
-      const Hit hit = state_->closest(origin, direction);
+      const Hit hit = state_.closest(origin, direction);
       if (hit.surface == Surface::none) {
-        if (mirrored) sum = sum + product(throughput, look_up(above, rotation.to_rotated(direction)));
+        if (mirrored) sum = sum + product(throughput, look_up(above_, rotation_.to_rotated(direction)));
         break;
       }
       origin = lifted(hit);
@@ -344,73 +408,39 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
         continue;
       }
       if (mirrored && hit.surface == Surface::floor) {
-        // What the camera shows there, times the share of its light that is left, of which the ray is one part of equals.
+        // What the camera shows there, times the share of its light that is left: of that the ray is one part of equals.
         const double a = random->uniform(), b = random->uniform();
-        const bool dark = state_->blocked(origin, floor_light.sample(a, b).direction, k_far);
-        if (!dark) sum = sum + product(throughput, look_up(room.panorama, hit.point - camera.eye));
+        const bool dark = state_.blocked(origin, floor_light_.sample(a, b).direction, k_far);
+        if (!dark) sum = sum + product(throughput, look_up(room_.panorama, hit.point - camera_.eye));
         break;
       }
       mirrored = false;
-      throughput = product(throughput, hit.surface == Surface::floor ? reflectance : hit.reflectance);
+      throughput = product(throughput, hit.surface == Surface::floor ? reflectance_ : hit.reflectance);
       const double a = random->uniform(), b = random->uniform();
       sum = sum + product(throughput, direct(origin, hit.normal, hit.surface, a, b, nullptr)) * (1.0 / k_pi);
       direction = cosine_direction(hit.normal, random->uniform(), random->uniform());
     }
     return sum;
-  };
+  }
+
+  const State& state_;
+  const Surroundings& room_;
+  const ShotCamera& camera_;
+  const ViewRotation rotation_;
+  // The floor hides what lies below the horizon, and is itself what one sees there.
+  const RadianceMap above_, on_floor_;
+  const ProbeLight environment_, floor_light_;
+  Vec3 reflectance_;  // of the floor
+};
+
+RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camera,
+                               const ShotPictureOptions& options) const {
+  if (!state_->grains && !state_->sand.indices.empty()) state_->grains = std::make_unique<PackedGrains>(state_->sand);
+  const Paths paths(*state_, room, camera);
+  RadianceMap picture(options.width, options.height);
   ThreadPool(options.threads).run(static_cast<uint32_t>(options.height), [&](uint32_t row) {
     const int y = static_cast<int>(row);
-    for (int x = 0; x < options.width; ++x) {
-      Random random = random_stream(static_cast<uint64_t>(y) * 65536u + static_cast<uint64_t>(x),
-                                    k_truth_stream + (options.seed << 8));
-      const double shift[2] = {random.uniform(), random.uniform()};
-      Vec3 solid, background, with, without;
-      int caught = 0, behind = 0;
-      for (int i = 0; i < options.paths; ++i) {
-        const auto even = [&](int k) { return lattice_point(shift[k], i, k_plane_steps[k]); };
-        const double down = random.uniform(), across = random.uniform();
-        const Vec3 direction = normalised(camera.ray(x + across, y + down, options.width, options.height));
-        const Hit hit = state_->closest(camera.eye, direction);
-        if (hit.surface == Surface::none || (hit.surface == Surface::floor && length(hit.point) > k_catcher_reach)) {
-          background = background + look_up(room.panorama, direction);
-          ++behind;
-          continue;
-        }
-        const Vec3 start = lifted(hit);
-        if (hit.surface == Surface::metal) {
-          const double a = random.uniform(), b = random.uniform();
-          const Vec3 from = reflected_from(direction, hit.normal, a, b);
-          const Vec3 radiance = arriving(start, from, k_bounces, true, &random);
-          solid = solid +
-                  limited(product(metal_share(direction, hit.normal), radiance) * room.exposure) * (1 / room.exposure);
-          continue;
-        }
-        Vec3 open;
-        const Vec3 seen = direct(start, hit.normal, hit.surface, even(0), even(1), &open);
-        const double second = random.uniform(), first = random.uniform();
-        const Vec3 indirect =
-            arriving(start, cosine_direction(hit.normal, first, second), k_bounces - 1, false, &random) * k_pi;
-        if (hit.surface == Surface::floor) {
-          // Without what stands on it, a level floor gets no indirect light: it sends none to itself.
-          with = with + seen + indirect;
-          without = without + open;
-          background = background + look_up(room.panorama, direction);
-          ++caught;
-          ++behind;
-        } else {
-          solid = solid + product(hit.reflectance, seen + indirect) * (1.0 / k_pi);
-        }
-      }
-      const int n = options.paths;
-      Vec3 radiance = solid * (1.0 / n);
-      if (behind > 0) {
-        const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 1.0; };
-        const Vec3 kept = {ratio(with.x, without.x), ratio(with.y, without.y), ratio(with.z, without.z)};
-        const double share = static_cast<double>(caught) / behind;
-        radiance = radiance + product(background * (1.0 / n), kept * share + Vec3{1, 1, 1} * (1.0 - share));
-      }
-      picture.set(x, y, limited(radiance * room.exposure));
-    }
+    for (int x = 0; x < options.width; ++x) picture.set(x, y, paths.pixel(x, y, options));
   });
   return picture;
 }

@@ -78,6 +78,7 @@ class ShotPicture {
 
  private:
   struct State;
+  class Paths;
   std::unique_ptr<State> state_;
 };
 
