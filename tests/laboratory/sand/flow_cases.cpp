@@ -190,9 +190,80 @@ double repose(const sandglass_scene_desc& desc, double radius_d, double aspect, 
   return std::atan(3.0 * volume / (std::numbers::pi * reach * reach * reach)) * 180.0 / std::numbers::pi;
 }
 
+namespace {
+
+constexpr double k_silo_d = 40.0, k_fill_d = 24.0;
+
+// A silo that is filled from above as it runs out through an orifice.
+class Silo {
+ public:
+  Silo(const sandglass_scene_desc& full, const std::vector<unsigned char>& filled, double orifice_d,
+       const CaseStep& step)
+      : d_(2.0 * static_cast<double>(full.granular.particle_radius)), step_(step), simulation_(full) {
+    constexpr double k_plate_d = 1.5, k_nozzle_d = 14.0, k_height_d = 1.6 * k_fill_d, k_below_d = -8.0;
+    constexpr float k_pour_speed = 1.0f;
+    const double silo = 0.5 * k_silo_d * d_, hole = 0.5 * orifice_d * d_, height = k_height_d * d_,
+                 below = k_below_d * d_, plate = -k_plate_d * d_;
+    // The field's nodes are half a radius apart, because the orifice's edge decides the result.
+    open_ = vessel({{0.0, below},
+                    {silo, below},
+                    {silo, plate},
+                    {hole, plate},
+                    {hole, 0.0},
+                    {silo, 0.0},
+                    {silo, height},
+                    {0.0, height}},
+                   0.25 * d_);
+    collider_ = cpp::field_at(open_, 0.0f, 0.0f, 0.0f);
+    emitter_ = cpp::emitter(0.0f, static_cast<float>(height - 2.0 * d_), 0.0f, static_cast<float>(k_nozzle_d * d_),
+                            k_pour_speed, 0);
+    sink_ = cpp::floor_at(static_cast<float>(below + 4.0 * d_));
+    restore(&simulation_, filled);
+    input_.time_step = static_cast<float>(k_frame);
+    input_.budget_ns = k_no_budget;
+    input_.colliders = &collider_;
+    input_.collider_count = 1;
+    input_.emitters = &emitter_;
+    input_.emitter_count = 1;
+    input_.sinks = &sink_;
+    input_.sink_count = 1;
+    removed_ = simulation_.frame(input_).sand.removed_particles;
+  }
+
+  // How many particles come out in so many frames.
+  double run(uint32_t frames) {
+    const uint64_t before = removed_;
+    for (uint32_t frame = 0; frame < frames; ++frame) {
+      removed_ = simulation_.frame(input_).sand.removed_particles;
+      step_();
+    }
+    return static_cast<double>(removed_ - before);
+  }
+  // The bed's height: how high particles lie at a distance of 12 d to 16 d from the axis.
+  double head_d() {
+    const std::vector<float> bed = present(&simulation_);
+    std::vector<double> heights;
+    for (size_t i = 0; i < bed.size(); i += 3) {
+      const double at = std::hypot(static_cast<double>(bed[i]), static_cast<double>(bed[i + 2]));
+      if (at > 12.0 * d_ && at < 16.0 * d_) heights.push_back(bed[i + 1]);
+    }
+    return quantile(heights, 0.98) / d_;
+  }
+
+ private:
+  double d_;
+  const CaseStep& step_;
+  Simulation simulation_;
+  cpp::Field open_;
+  sandglass_collider collider_ = {}, sink_ = {};
+  sandglass_emitter emitter_ = {};
+  sandglass_frame_input input_ = cpp::frame_input();
+  uint64_t removed_ = 0;
+};
+
+}  // namespace
+
 DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSetting& setting, const CaseStep& step) {
-  constexpr double k_silo_d = 40.0, k_fill_d = 24.0, k_plate_d = 1.5, k_nozzle_d = 14.0;
-  constexpr float k_pour_speed = 1.0f;
   constexpr int k_quarters = 4;
   const double r = desc.granular.particle_radius, d = 2.0 * r, silo = 0.5 * k_silo_d * d;
   const uint32_t count = static_cast<uint32_t>(0.58 * std::numbers::pi * silo * silo * k_fill_d * d / sphere_volume(r));
@@ -200,7 +271,6 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
   full.granular.emitter_capacity = full.granular.sink_capacity = 1;
 
   const std::vector<float> points = scattered(count, silo, 0.0, r, 1);
-  const double below = -8.0 * d;
   Simulation filled(full);
   filled.add(points, {});
   {
@@ -212,69 +282,27 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
   curve.packing = packing_within(filled.particle_positions(), r, silo - 3.0 * d, 3.0 * d, 0.6 * k_fill_d * d);
   const std::vector<unsigned char> bytes = saved(filled);
 
-  const double height = 1.6 * k_fill_d * d;
-  const sandglass_emitter emitter = cpp::emitter(0.0f, static_cast<float>(height - 2.0 * d), 0.0f,
-                                                 static_cast<float>(k_nozzle_d * d), k_pour_speed, 0);
-  const sandglass_collider sink = cpp::floor_at(static_cast<float>(below + 4.0 * d));
-
   std::vector<double> openings, flows;
   for (const double orifice_d : setting.orifices_d) {
-    const double hole = 0.5 * orifice_d * d;
-    // The field's nodes are half a radius apart, because the orifice's edge decides the result.
-    const cpp::Field open = vessel({{0.0, below},
-                                    {silo, below},
-                                    {silo, -k_plate_d * d},
-                                    {hole, -k_plate_d * d},
-                                    {hole, 0.0},
-                                    {silo, 0.0},
-                                    {silo, height},
-                                    {0.0, height}},
-                                   0.5 * r);
-    const sandglass_collider collider = cpp::field_at(open, 0.0f, 0.0f, 0.0f);
-    Simulation simulation(full);
-    restore(&simulation, bytes);
-    sandglass_frame_input input = cpp::frame_input();
-    input.time_step = static_cast<float>(k_frame);
-    input.budget_ns = k_no_budget;
-    input.colliders = &collider;
-    input.collider_count = 1;
-    input.emitters = &emitter;
-    input.emitter_count = 1;
-    input.sinks = &sink;
-    input.sink_count = 1;
+    Silo open(full, bytes, orifice_d, step);
+    open.run(frames_in(setting.settle_seconds));
     Discharge point;
     point.orifice_d = orifice_d;
-    sandglass_frame_report report = simulation.frame(input);
-    const uint32_t settle_frames = frames_in(setting.settle_seconds);
-    for (uint32_t frame = 0; frame < settle_frames; ++frame) {
-      report = simulation.frame(input);
-      step();
-    }
-    const uint64_t start = report.sand.removed_particles;
     // Beverloo's law predicts how long it takes until enough particles have come out.
     const double expected =
         0.58 * curve.packing * std::sqrt(k_gravity) * std::pow((orifice_d - k_beverloo_k) * d, 2.5) / sphere_volume(r);
     const uint32_t frames =
         frames_in(std::min(setting.measure_seconds, setting.enough_particles / expected) / k_quarters);
     std::array<double, k_quarters> rates;
+    double out = 0.0;
     point.head_d = 1e30;
     for (double& rate : rates) {
-      const uint64_t before = report.sand.removed_particles;
-      for (uint32_t frame = 0; frame < frames; ++frame) {
-        report = simulation.frame(input);
-        step();
-      }
-      rate = static_cast<double>(report.sand.removed_particles - before) / (frames * k_frame);
-      // The bed's height: how high particles lie at a distance of 12 d to 16 d from the axis.
-      const std::vector<float> bed = present(&simulation);
-      std::vector<double> heights;
-      for (size_t i = 0; i < bed.size(); i += 3) {
-        const double at = std::hypot(static_cast<double>(bed[i]), static_cast<double>(bed[i + 2]));
-        if (at > 12.0 * d && at < 16.0 * d) heights.push_back(bed[i + 1]);
-      }
-      point.head_d = std::min(point.head_d, quantile(heights, 0.98) / d);
+      const double came = open.run(frames);
+      out += came;
+      rate = came / (frames * k_frame);
+      point.head_d = std::min(point.head_d, open.head_d());
     }
-    point.rate = static_cast<double>(report.sand.removed_particles - start) / (frames * k_quarters * k_frame);
+    point.rate = out / (frames * k_quarters * k_frame);
     for (const double rate : rates) point.unsteady = std::max(point.unsteady, std::fabs(rate / point.rate - 1.0));
     openings.push_back((orifice_d - k_beverloo_k) * d);
     flows.push_back(std::max(point.rate, 1e-9));

@@ -6,151 +6,21 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <optional>
 
 #include "models/baking/ambient_errors.h"
 #include "models/baking/light_cells.h"
 #include "models/baking/truth.h"
 #include "models/files/failure.h"
 #include "models/work/random.h"
-#include "runtime/shadow/cast/cast.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/laboratory/room/known_room.h"
-#include "tests/laboratory/shadow/app_cast.h"
+#include "tests/laboratory/shadow/cast_drawing.h"
 
 namespace sandglass::host {
 
 namespace {
 
-constexpr double k_degree = std::numbers::pi / 180, k_reported = std::numeric_limits<double>::infinity();
-
-// A plane's rectangle with what is left of the light in each texel; nothing is hidden beyond it.
-struct Drawn {
-  ShadowRectangle rectangle;
-  uint32_t texels = 0;
-  std::vector<float> left;
-  double open = 1;
-
-  double area() const {
-    return (rectangle.high_x - rectangle.low_x) * (rectangle.high_z - rectangle.low_z) / texels / texels;
-  }
-  double at(double x, double z) const {
-    const double u = (x - rectangle.low_x) / (rectangle.high_x - rectangle.low_x) * texels - 0.5;
-    const double v = (z - rectangle.low_z) / (rectangle.high_z - rectangle.low_z) * texels - 0.5;
-    const int i = static_cast<int>(std::floor(u)), j = static_cast<int>(std::floor(v)), n = static_cast<int>(texels);
-    const auto of = [&](int a, int b) {
-      return a < 0 || b < 0 || a >= n || b >= n ? 1.0 : static_cast<double>(left[static_cast<size_t>(b * n + a)]);
-    };
-    const double p = u - i, q = v - j;
-    return (of(i, j) * (1 - p) + of(i + 1, j) * p) * (1 - q) + (of(i, j + 1) * (1 - p) + of(i + 1, j + 1) * p) * q;
-  }
-  std::array<double, 2> place(size_t i) const {
-    return {rectangle.low_x + (static_cast<double>(i % texels) + 0.5) / texels * (rectangle.high_x - rectangle.low_x),
-            rectangle.low_z + (static_cast<double>(i / texels) + 0.5) / texels * (rectangle.high_z - rectangle.low_z)};
-  }
-};
-
-struct Light {
-  Direction direction;
-  double half;  // radians
-};
-
-Direction direction_at(double elevation, double azimuth) {
-  return {std::cos(elevation) * std::cos(azimuth), std::sin(elevation), std::cos(elevation) * std::sin(azimuth)};
-}
-
-// What is drawn, and how.
-struct CastChoice {
-  uint32_t texels = 128, directions = 64;
-  bool closed = true;
-  uint32_t version = 0;                                           // of the mesh
-  const Mesh* real = nullptr;                                     // stands in the camera's image
-  std::optional<ShadowRectangle> limits;                          // of the plane
-  std::optional<std::array<float, SANDGLASS_LIGHT_CELLS>> cells;  // draws the ambient shadow instead
-};
-
-// On the floor y = 0 of the mesh's frame. `kept`: a cast that has drawn the frame before.
-Drawn cast_of(const Mesh& mesh, const Light& light, const CastChoice& choice, Cast* kept = nullptr) {
-  sandglass_cast_desc desc = cast_desc();
-  desc.texels = choice.cells ? 0 : choice.texels;
-  desc.ambient_texels = choice.cells ? choice.texels : 0;
-  desc.triangle_capacity = mesh.triangle_count() + (choice.real != nullptr ? choice.real->triangle_count() : 0);
-  Cast fresh;
-  Cast& cast = kept != nullptr ? *kept : fresh;
-  if (!cast)
-    if (const Status made = cast.create(desc); !made) throw Failure(made.reason);
-  cast.get()->cast.desc.directions = choice.directions;  // controls take fewer than an app may
-  cast.get()->cast.targets[k_cast_light].draft = false;
-  sandglass_cast_plane plane = cast_plane();
-  if (choice.limits) {
-    plane.low[0] = static_cast<float>(choice.limits->low_x);
-    plane.low[1] = static_cast<float>(choice.limits->low_z);
-    plane.high[0] = static_cast<float>(choice.limits->high_x);
-    plane.high[1] = static_cast<float>(choice.limits->high_z);
-  }
-  std::vector<sandglass_cast_mesh> meshes = {cast_mesh_of(mesh, choice.closed, false)};
-  meshes[0].version = choice.version;
-  if (choice.real != nullptr) meshes.push_back(cast_mesh_of(*choice.real, true, true));
-  std::array<float, 3> towards;
-  for (size_t i = 0; i < 3; ++i) towards[i] = static_cast<float>(light.direction[i]);
-  (void)cast.set_plane(plane);
-  (void)cast.set_meshes(meshes.data(), static_cast<uint32_t>(meshes.size()));
-  cast.get()->cast.targets[k_cast_light].draft = false;
-  (void)cast.set_light(towards, static_cast<float>(2 * light.half));
-  if (choice.cells) (void)cast.set_cells(*choice.cells);
-  cast.run();
-  const sandglass_texture t = choice.cells ? cast.ambient() : cast.texture();
-  Drawn drawn;
-  drawn.texels = t.side;
-  drawn.open = static_cast<double>(cast.report().open);
-  drawn.rectangle = {t.corner[0], t.corner[2], static_cast<double>(t.corner[0]) + static_cast<double>(t.along[0]),
-                     static_cast<double>(t.corner[2]) + static_cast<double>(t.across[2])};
-  for (uint32_t i = 0; i < t.side * t.side; ++i) {
-    const float byte = static_cast<float>(t.bytes[i]) / 255.0f;
-    drawn.left.push_back(choice.cells ? byte : 1 - byte);
-  }
-  return drawn;
-}
-
-// Two sets of rays on the texels of a drawing, so that their noise cancels.
-struct Truth {
-  std::vector<float> a, b;
-};
-
-Truth truth_of(const Mesh& mesh, const Light& light, const Drawn& drawn, uint64_t stream, ThreadPool& pool) {
-  const ShadowCaster one(mesh, light.half, {2, 8}, 1), two(mesh, light.half, {2, 8}, 2);
-  return {one.texture(drawn.rectangle, light.direction, stream, drawn.texels, pool),
-          two.texture(drawn.rectangle, light.direction, stream, drawn.texels, pool)};
-}
-
-// Root mean square over the rectangle of `area` that the shadow was measured in by those who set the bar.
-double error_of(const std::function<double(size_t)>& left, const Truth& truth, double texel, double area) {
-  double sum = 0;
-  for (size_t i = 0; i < truth.a.size(); ++i)
-    sum += (left(i) - static_cast<double>(truth.a[i])) * (left(i) - static_cast<double>(truth.b[i]));
-  return std::sqrt(std::max(sum, 0.0) * texel / area);
-}
-
-// The shadow's own rectangle: the box, and what the light's cone throws of it, up to four heights long.
-ShadowRectangle fitted(const ShadowBox& box, const Light& light) {
-  double low[2] = {0, 0}, high[2] = {0, 0};
-  const Direction& d = light.direction;
-  const double flat = std::hypot(d[0], d[2]), ax = flat > 0 ? d[0] / flat : 1, az = flat > 0 ? d[2] / flat : 0;
-  for (int i = 0; i < 720; ++i) {
-    const double f = 2 * std::numbers::pi * i / 720, a = std::sin(light.half) * std::cos(f),
-                 b = std::sin(light.half) * std::sin(f);
-    const double y = std::max(std::cos(light.half) * d[1] + a * flat, 0.02), p = std::cos(light.half) * flat - a * d[1];
-    const double x = (p * ax - b * az) / y, z = (p * az + b * ax) / y, length = std::hypot(x, z),
-                 k = length > 4 ? 4 / length : 1;
-    low[0] = std::min(low[0], k * x);
-    high[0] = std::max(high[0], k * x);
-    low[1] = std::min(low[1], k * z);
-    high[1] = std::max(high[1], k * z);
-  }
-  return {-box.half_x - high[0] * box.height, -box.half_z - high[1] * box.height, box.half_x - low[0] * box.height,
-          box.half_z - low[1] * box.height};
-}
-double area_of(const ShadowRectangle& r) { return (r.high_x - r.low_x) * (r.high_z - r.low_z); }
+constexpr double k_reported = std::numeric_limits<double>::infinity();
 
 // Twelve lights, 2 to 20 degrees wide to each side and 20 to 70 high.
 std::vector<Light> wide_lights(const CastRowsOptions& options) {
@@ -165,22 +35,6 @@ std::vector<Light> wide_lights(const CastRowsOptions& options) {
   if (options.quick) lights.resize(6);
   return lights;
 }
-
-Direction turned(const Direction& d, double degrees) {
-  const double c = std::cos(degrees * k_degree), s = std::sin(degrees * k_degree);
-  return {c * d[0] - s * d[2], d[1], s * d[0] + c * d[2]};
-}
-
-struct Sum {
-  double sum = 0, worst = 0;
-  uint32_t count = 0;
-  void add(double x) {
-    sum += x;
-    worst = std::max(worst, x);
-    ++count;
-  }
-  double mean() const { return sum / std::max(1u, count); }
-};
 
 class Rows {
  public:
@@ -205,9 +59,7 @@ void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, Thread
   std::map<std::string, Sum> sums;
   uint64_t stream = 0;
   for (const Light& light : wide_lights(options)) {
-    CastChoice choice;
-    choice.closed = file.closed;
-    const Drawn fine = cast_of(object.mesh, light, choice);
+    const Drawn fine = cast_of(object.mesh, light, {.closed = file.closed});
     const ShadowRectangle rectangle = fitted(object.box, light);
     const double texel = fine.area(), area = area_of(rectangle);
     const Truth truth = truth_of(object.mesh, light, fine, ++stream, pool);
@@ -222,18 +74,15 @@ void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, Thread
     };
     sums["64"].add(error(fine));
     const auto of = [&](Light l, uint32_t directions, bool closed) {
-      CastChoice other = choice;
-      other.directions = directions;
-      other.closed = closed;
-      return error(cast_of(object.mesh, l, other));
+      return error(cast_of(object.mesh, l, {.directions = directions, .closed = closed}));
     };
-    sums["32"].add(of(light, 32, choice.closed));
+    sums["32"].add(of(light, 32, file.closed));
     sums["both sides"].add(of(light, 64, false));
-    sums["8"].add(of(light, 8, choice.closed));
-    sums["turned by 5 degrees"].add(of({turned(light.direction, 5), light.half}, 64, choice.closed));
-    sums["half as wide"].add(of({light.direction, 0.5 * light.half}, 64, choice.closed));
-    sums["a point"].add(of({light.direction, 1e-3}, 64, choice.closed));
-    sums["from the other side"].add(of({turned(light.direction, 180), light.half}, 64, choice.closed));
+    sums["8"].add(of(light, 8, file.closed));
+    sums["turned by 5 degrees"].add(of({turned(light.direction, 5), light.half}, 64, file.closed));
+    sums["half as wide"].add(of({light.direction, 0.5 * light.half}, 64, file.closed));
+    sums["a point"].add(of({light.direction, 1e-3}, 64, file.closed));
+    sums["from the other side"].add(of({turned(light.direction, 180), light.half}, 64, file.closed));
   }
   const std::string& g = file.name;
   rows->at_most(g, "K 64", sums["64"].mean(), 0.012);
@@ -256,9 +105,7 @@ void baked_lights(const CastRowsOptions& options, const CastMeshFile& file, Thre
   uint64_t stream = 100;
   for (const Direction& d : ring_directions(70 * k_degree, options.quick ? 4 : 12)) {
     const Light light = {d, 10 * k_degree};
-    CastChoice choice;
-    choice.closed = file.closed;
-    const Drawn drawn = cast_of(object.mesh, light, choice);
+    const Drawn drawn = cast_of(object.mesh, light, {.closed = file.closed});
     const double area = area_of(fitted(object.box, light));
     const Truth truth = truth_of(object.mesh, light, drawn, ++stream, pool);
     of_cast.add(error_of([&](size_t i) { return static_cast<double>(drawn.left[i]); }, truth, drawn.area(), area));
@@ -309,9 +156,7 @@ void on_wall(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
         for (const double azimuth : {60.0, 100.0}) {  // 90: straight at the wall
           const Direction w = direction_at(elevation * k_degree, azimuth * k_degree);
           const Light light = {{w[0], w[2], -w[1]}, half * k_degree};
-          CastChoice choice;
-          choice.closed = file.closed;
-          choice.limits = ShadowRectangle{-h, -h, h, 0};
+          const CastChoice choice = {.closed = file.closed, .limits = ShadowRectangle{-h, -h, h, 0}};
           const Drawn drawn = cast_of(mesh, light, choice);
           const Truth truth = truth_of(mesh, light, drawn, ++stream, pool);
           const double area = 2 * h * h;
@@ -322,6 +167,13 @@ void on_wall(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
     rows->at_most(file.name, name + ", K 64", sum.mean(), 0.010);
     rows->at_most(file.name, name + ", no shadow", none.mean(), 0.010, true);
   }
+}
+
+Mesh together(const Mesh& a, const Mesh& b) {
+  Mesh both = a;
+  both.vertices.insert(both.vertices.end(), b.vertices.begin(), b.vertices.end());
+  for (const uint32_t i : b.indices) both.indices.push_back(a.vertex_count() + i);
+  return both;
 }
 
 // The object at a table's edge, the floor 0.7 heights below. What the floor's image must be multiplied by.
@@ -337,17 +189,13 @@ void below_table(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
     for (uint32_t axis = 0; axis < 3; ++axis) board.vertices.push_back((i >> axis & 1) != 0 ? high[axis] : low[axis]);
   board.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
                    2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
-  Mesh both = up;
-  both.vertices.insert(both.vertices.end(), board.vertices.begin(), board.vertices.end());
-  for (const uint32_t i : board.indices) both.indices.push_back(up.vertex_count() + i);
+  const Mesh both = together(up, board);
   Sum masked, alone, none;
   uint64_t stream = 300;
   for (const double half : {5.0, 10.0, 20.0})
     for (const double azimuth : {150.0, 200.0}) {
       const Light light = {direction_at(45 * k_degree, azimuth * k_degree), half * k_degree};
-      CastChoice choice;
-      choice.closed = file.closed;
-      choice.limits = ShadowRectangle{-0.5, -1.25, 2.0, 1.25};
+      const CastChoice choice = {.closed = file.closed, .limits = ShadowRectangle{-0.5, -1.25, 2.0, 1.25}};
       CastChoice with_table = choice;
       with_table.real = &board;
       const Drawn drawn = cast_of(up, light, with_table), plain = cast_of(up, light, choice);
@@ -383,7 +231,7 @@ void with_heap(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
   constexpr uint32_t k_around = 48;
   const StandingObject object = stand_on_plane(file.mesh, file.name);
   const float height = 0.12f * static_cast<float>(object.box.height), radius = height / 0.6f;
-  Sum together;
+  Sum errors;
   uint64_t stream = 350;
   for (const double half : {5.0, 10.0, 20.0})
     for (const double azimuth : {20.0, 140.0, 260.0}) {
@@ -401,12 +249,8 @@ void with_heap(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
         const uint32_t a = 2 + i, b = 2 + (i + 1) % k_around;
         heap.indices.insert(heap.indices.end(), {0, b, a, 1, a, b});
       }
-      Mesh both = object.mesh;
-      both.vertices.insert(both.vertices.end(), heap.vertices.begin(), heap.vertices.end());
-      for (const uint32_t i : heap.indices) both.indices.push_back(object.mesh.vertex_count() + i);
-      CastChoice choice;
-      choice.closed = file.closed;
-      const Drawn of_both = cast_of(both, light, choice);
+      const Mesh both = together(object.mesh, heap);
+      const Drawn of_both = cast_of(both, light, {.closed = file.closed});
       const Truth truth = truth_of(both, light, of_both, ++stream, pool);
       const double area = area_of(fitted(object.box, light));
       // Of the floor that is seen: what the heap covers is sand, which has a texture of its own.
@@ -417,9 +261,9 @@ void with_heap(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
         const double left = static_cast<double>(of_both.left[i]);
         sum += (left - static_cast<double>(truth.a[i])) * (left - static_cast<double>(truth.b[i]));
       }
-      together.add(std::sqrt(std::max(sum, 0.0) * of_both.area() / area));
+      errors.add(std::sqrt(std::max(sum, 0.0) * of_both.area() / area));
     }
-  rows->at_most(file.name, "beside a heap, both in one cast", together.mean(), 0.012);
+  rows->at_most(file.name, "beside a heap, both in one cast", errors.mean(), 0.012);
 }
 
 // ------------------------------------------------------------------------------------------------ rooms
@@ -484,11 +328,8 @@ void in_rooms(const CastRowsOptions& options, const CastMeshFile& file, bool wal
     grid.rectangle = around;
     grid.texels = square.side;
     const auto error = [&](const std::array<double, SANDGLASS_LIGHT_CELLS>& shares) {
-      CastChoice choice;
-      choice.texels = 64;
-      choice.closed = file.closed;
-      choice.cells = floats(shares);
-      const Drawn drawn = cast_of(mesh, {{0, 1, 0}, 0.1}, choice);
+      const Drawn drawn =
+          cast_of(mesh, {{0, 1, 0}, 0.1}, {.texels = 64, .closed = file.closed, .cells = floats(shares)});
       return error_of([&](size_t i) { return drawn.at(grid.place(i)[0], grid.place(i)[1]); }, truth, 1, 64 * 64);
     };
     cells.add(error(environment.cells()));
@@ -545,8 +386,7 @@ void of_surface(const CastMeshFile& file, Rows* rows) {
     open += seen;
     sky += whole;
   }
-  CastChoice choice;
-  choice.closed = file.closed;
+  CastChoice choice = {.closed = file.closed};
   choice.cells.emplace();
   choice.cells->fill(1.0f / SANDGLASS_LIGHT_CELLS);
   const double told = cast_of(object.mesh, {{0, 1, 0}, 0.1}, choice).open;
@@ -577,9 +417,7 @@ void shimmer(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
             mesh.vertices[i + 2] = static_cast<float>(s * x + c * z);
           }
         const Light light = {of_light ? turned(from, degrees) : from, half * k_degree};
-        CastChoice choice;
-        choice.closed = file.closed;
-        choice.version = static_cast<uint32_t>(f);
+        const CastChoice choice = {.closed = file.closed, .version = static_cast<uint32_t>(f)};
         const Drawn drawn = cast_of(mesh, light, choice, &cast);
         if (f == 0) first = drawn;
         const Truth truth = truth_of(mesh, light, first, 400 + static_cast<uint64_t>(f), pool);
