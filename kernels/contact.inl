@@ -34,10 +34,10 @@ SANDGLASS_APART Direction direction_of(const uint32_t* first, const uint32_t* se
 // Coincident particles part along a fixed direction.
 SANDGLASS_INLINE void part_coincident(const uint32_t* first, const uint32_t* second, uint32_t stride, Mask coincident,
                                       Float* nx, Float* ny, Float* nz) {
-  const Direction way = direction_of(first, second, stride);
-  *nx = select(coincident, way.x, *nx);
-  *ny = select(coincident, way.y, *ny);
-  *nz = select(coincident, way.z, *nz);
+  const Direction direction = direction_of(first, second, stride);
+  *nx = select(coincident, direction.x, *nx);
+  *ny = select(coincident, direction.y, *ny);
+  *nz = select(coincident, direction.z, *nz);
 }
 
 // Particles of one rigid body do not touch each other: the upper bits of the number name the body.
@@ -224,7 +224,7 @@ SANDGLASS_INLINE Mask sound_only(Float move[3]) {
 }
 
 // After the last pass: moves the particles from i on, by no more than the CFL limit, and gives them their velocity. The
-// limit is not for those that have departed, and the extrema are not of them. Returns the squares of the ways.
+// limit is not for those that have departed, and the extrema are not of them. Returns the squares of the displacements.
 SANDGLASS_INLINE Float put_moved(const CompleteArgs* a, uint32_t i, const Float* self, Mask live, Float move[3],
                                  ContactExtrema* seen) {
   const Mask sound = sound_only(move);

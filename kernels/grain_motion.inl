@@ -65,7 +65,7 @@ SANDGLASS_INLINE Mask sound_places(Mask lanes, const Float position[3]) {
   return lanes & within(position[0], limit) & within(position[1], limit) & within(position[2], limit);
 }
 
-// As many grains as there are lanes, on their way through a sweep.
+// As many grains as there are lanes, during a sweep.
 struct Grains {
   Float position[3], velocity[3];
   Float number;  // its bits
@@ -127,7 +127,7 @@ SANDGLASS_APART void follow_in_steps(const RefineArgs* a, const Following& f, Ma
   for (uint32_t s = 0; s < a->steps; ++s) {
     take_step(a, f, &one_by_one);
     const ColliderFrame* const after =
-        a->on_their_way != nullptr ? a->on_their_way + s * a->collider_count : a->colliders;
+        a->step_colliders != nullptr ? a->step_colliders + s * a->collider_count : a->colliders;
     if (s + 1 != a->steps) keep_outside(a, after, lanes, one_by_one.position, one_by_one.velocity);
   }
   for (int k = 0; k < 3; ++k) {
@@ -141,10 +141,10 @@ SANDGLASS_APART void follow_in_steps(const RefineArgs* a, const Following& f, Ma
 SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Fixed& fixed, const Following& f, bool deep, Mask lanes,
                                      Grains* g) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), step = fixed.step, steps = fixed.steps;
-  Float velocity[3], way[3];
+  Float velocity[3], moved[3];  // moved: the sum of the velocities of all steps; then the position
   for (int k = 0; k < 3; ++k) {
     velocity[k] = f.average[k];
-    way[k] = steps * f.average[k];
+    moved[k] = steps * f.average[k];
   }
   if (!deep) {
     const Mask free = zero < f.lambda;
@@ -157,21 +157,21 @@ SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Fixed& fixed, co
     for (int k = 0; k < 3; ++k) {
       const Float fall = broadcast(a->step * a->gravity[k]), before = g->velocity[k];
       velocity[k] = select(free, (one - power) * f.average[k] + power * before + sum * fall, velocity[k]);
-      way[k] = select(free, (steps - sum) * f.average[k] + sum * before + sums * fall, way[k]);
+      moved[k] = select(free, (steps - sum) * f.average[k] + sum * before + sums * fall, moved[k]);
     }
   }
   const Mask stays = g->settled | and_not(g->inside, lanes);
   if (any(stays)) {
     for (int k = 0; k < 3; ++k) {
       velocity[k] = select(stays, select(g->settled, zero, g->velocity[k]), velocity[k]);
-      way[k] = select(stays, g->position[k], g->position[k] + step * way[k]);
+      moved[k] = select(stays, g->position[k], g->position[k] + step * moved[k]);
     }
   } else {
-    for (int k = 0; k < 3; ++k) way[k] = g->position[k] + step * way[k];
+    for (int k = 0; k < 3; ++k) moved[k] = g->position[k] + step * moved[k];
   }
   for (int k = 0; k < 3; ++k) {
     g->velocity[k] = velocity[k];
-    g->position[k] = way[k];
+    g->position[k] = moved[k];
   }
 }
 

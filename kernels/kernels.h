@@ -318,7 +318,7 @@ struct RefineArgs {
   int32_t own_particles;   // 0: with a motion grid, grains follow means alone
   float weight_at_radius;  // W(r)
   const ColliderFrame* colliders;
-  const ColliderFrame* on_their_way;  // as many after each step but the last; null: they are where they end
+  const ColliderFrame* step_colliders;  // the colliders after each step but the last; null: they are where they end
   uint32_t collider_count;
   float grain_radius;
   float friction;
@@ -391,7 +391,8 @@ struct PileSkyArgs {
 // Triangles above a plane, in its frame: y is the height over it. A point throws its shadow where the line from the light
 // through it meets the plane; in texels, whose middles are whole numbers, at
 //   u = x scale[0] - y shear[0] + offset[0], v = z scale[1] - y shear[1] + offset[1].
-// The range is of triangles. What turns the image's way (area 0 and NaN among them) draws nothing where `closed` is 1.
+// The range is of triangles. Where `closed` is 1, what turns as the image does (area 0 and NaN among them) draws
+// nothing.
 struct CastTrianglesArgs {
   const float* corners[9];  // x y z of the first corners, of the second, of the third
   float scale[2], shear[2], offset[2];

@@ -37,11 +37,11 @@ SANDGLASS_INLINE Own nobodys_own() {
 
 // Arguments in every lane.
 struct OwnUnits {
-  Float time;                // seconds of the sweep
-  Float speed, per_speed;    // metres a second, sqrt(g d), and its inverse
-  Float per_radius;          // of the particles
-  Float gravity[3], way[3];  // metres a second squared; its direction
-  Float added[3];            // metres a second that gravity adds to the mean velocity of a sweep
+  Float time;                 // seconds of the sweep
+  Float speed, per_speed;     // metres a second, sqrt(g d), and its inverse
+  Float per_radius;           // of the particles
+  Float gravity[3], down[3];  // metres a second squared; its direction
+  Float added[3];             // metres a second that gravity adds to the mean velocity of a sweep
 };
 
 SANDGLASS_INLINE OwnUnits own_units_of(const RefineArgs* a) {
@@ -55,7 +55,7 @@ SANDGLASS_INLINE OwnUnits own_units_of(const RefineArgs* a) {
   u.per_radius = broadcast(3.0f / a->support);
   for (int k = 0; k < 3; ++k) {
     u.gravity[k] = broadcast(g[k]);
-    u.way[k] = broadcast(inverse * g[k]);
+    u.down[k] = broadcast(inverse * g[k]);
     u.added[k] = broadcast(0.5f * (time + a->step) * g[k]);
   }
   return u;
@@ -100,9 +100,9 @@ SANDGLASS_INLINE void keep_flight(const OwnUnits& units, const Own& own, Float a
   }
   // So slowly that it does not fall into a pile on which its particle lands.
   const Float slow = fade(units.per_speed * speed, 0.1f, 0.3f);
-  const Float sinks = minimum(maximum(dot3(away, units.way), zero),
+  const Float sinks = minimum(maximum(dot3(away, units.down), zero),
                               units.speed * (broadcast(0.01f) + broadcast(0.03f) * slow + broadcast(0.02f) * own.free));
-  for (int k = 0; k < 3; ++k) away[k] = away[k] - sinks * units.way[k];
+  for (int k = 0; k < 3; ++k) away[k] = away[k] - sinks * units.down[k];
 }
 
 // `weight`: the sum at the grain. `number`: of the grain, as its bits. Changes the mean motion that it follows, and its
@@ -119,7 +119,7 @@ SANDGLASS_INLINE void stay_with_own(const OwnUnits& units, const Own& own, Float
     away[k] = velocity[k] + units.added[k] - own.velocity[k];
   }
   keep_flight(units, own, away);
-  // Where the particle goes another way than the mean, the grain goes with it.
+  // Where the particle goes elsewhere than the mean, the grain goes with it.
   const Float parts = near * fade(weight, 0.9f * k_weight_inside, k_weight_inside) *
                       (one - fade(units.per_speed * square_root(dot3(apart, apart)), 0.15f, 0.4f));
   for (int k = 0; k < 3; ++k) {

@@ -5,9 +5,9 @@
 //
 // Sand that does not fill its texel lets light through. `reached` begins at the light's lower edge. Each column moves
 // it towards the column's top by the share of the texel that the column fills. Full columns therefore make it the
-// highest top; n columns that cover the whole light and fill f of their texels leave (1 - f)^n of the way. The share of
-// the way that is reached is the share of the hidden interval that is dark. The walk is from far to near: for columns of
-// one height, whose slopes then rise, the result is exactly the mean over the elevations below each top.
+// highest top; n columns that cover the whole light and fill f of their texels leave (1 - f)^n of the interval between.
+// The share of it that is reached is the share of the hidden interval that is dark. The walk is from far to near: for
+// columns of one height, whose slopes then rise, the result is exactly the mean over the elevations below each top.
 //
 // On the floor the receiver's own column is no step but a factor (PileAzimuth::own). Its sand is nearer than any
 // distance that could stand for it.
@@ -56,8 +56,8 @@ static void pile_light(const PileLightArgs* a, uint32_t begin, uint32_t end, uin
         reached = reached + load(a->fills + at) * maximum(minimum(slope, cap) - reached, zero);
         low = minimum((load(a->bottoms + at) - receiver) * inverse, low);
       }
-      const Float foot = broadcast(azimuth.foot), way = maximum(minimum(high, cap) - foot, shortest);
-      const Float dark = minimum((reached - foot) / way, one);
+      const Float foot = broadcast(azimuth.foot), hides = maximum(minimum(high, cap) - foot, shortest);
+      const Float dark = minimum((reached - foot) / hides, one);
       high = minimum(high, steepest);
       low = maximum(low, zero);
       const Float high_square = high * high, low_square = low * low;

@@ -1,6 +1,6 @@
 // Rigid bodies: the motion that fits what the contacts did to their particles.
 #include "runtime/math/finite.h"
-#include "runtime/math/rigid_motion.h"
+#include "runtime/math/rotation.h"
 #include "runtime/sand/granular.h"
 
 namespace sandglass {
@@ -294,20 +294,20 @@ static void move_body(RigidBody* moved, const double rotation[4], const float sh
   }
 }
 
-void bodies_carry(const Granular& g, uint32_t index, const RigidWay& way, const float faster[3]) {
+void bodies_carry(const Granular& g, uint32_t index, const RigidMotion& motion, const float faster[3]) {
   RigidBody& body = g.bodies.all[index];
   const double straight[4] = {0, 0, 0, 1};
   float center[3];
   double a[9], turn[4], turned[4], length2 = 0.0;
   for (int k = 0; k < 3; ++k) center[k] = static_cast<float>(body.center[k]);
-  const Quad u = way.way(quad(center));
-  for (int i = 0; i < 9; ++i) a[i] = static_cast<double>(way.turn[i % 3][i / 3]) + (i % 4 == 0 ? 1.0 : 0.0);
+  const Quad u = motion.displacement(quad(center));
+  for (int i = 0; i < 9; ++i) a[i] = static_cast<double>(motion.turn[i % 3][i / 3]) + (i % 4 == 0 ? 1.0 : 0.0);
   nearest_rotation(a, straight, turn);
   multiply(turn, body.rotation, turned);
   for (const double q : turned) length2 += q * q;
   for (int k = 0; k < 4; ++k) body.rotation[k] = turned[k] / __builtin_sqrt(length2);
-  way.rotate(body.linear);
-  way.rotate(body.angular);
+  motion.rotate(body.linear);
+  motion.rotate(body.angular);
   const bool awake = bodies_awake(g, body);
   for (int k = 0; k < 3; ++k) {
     body.center[k] += static_cast<double>(u[k]);

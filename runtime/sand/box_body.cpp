@@ -4,7 +4,7 @@
 #include "runtime/frame/refuse.h"
 #include "runtime/math/finite.h"
 #include "runtime/math/math.h"
-#include "runtime/math/rigid_motion.h"
+#include "runtime/math/rotation.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass {

@@ -5,50 +5,50 @@ namespace sandglass {
 
 namespace {
 
-constexpr float k_same_way = 0.25f;     // radii by which ways may differ and be one
-constexpr float k_same_share = 0.05f;   // or of the way: parts that turn fast are told with straight velocities
+constexpr float k_same_motion = 0.25f;  // radii by which displacements of one motion may differ
+constexpr float k_same_share = 0.05f;   // or this share of them: parts that turn fast are given straight velocities
 constexpr float k_unseen = 0.5f;        // radii by which sand may lag behind what is drawn
 constexpr float k_unseen_alone = 0.7f;  // where one ball or box alone moves
 constexpr float k_rubbed = 0.5f;   // of the time given up, what counts for the friction of what only lies on a collider
 constexpr float k_pressed = 0.5f;  // radii from another collider; what is nearer is pressed into it
-constexpr float k_room_step = 1.5f;    // radii of a way; no wall of two lies between its ends
+constexpr float k_room_step = 1.5f;    // radii that are looked at at once; no wall of two radii lies between
 constexpr uint32_t k_room_steps = 32;  // at most
 
 // ---- moving what is held
 
-// Where to, and what is gained: `more` times the collider's velocity, as the way of a point in a second; but no speed above
-// `most`, what a sub-step allows.
-struct CarriedWay {
-  RigidWay way, gain;
-  float most;
+// Where to, and what is gained: `more` times the collider's velocity, as the displacement of a point in a second. No
+// speed exceeds speed_max, what a sub-step allows.
+struct CarriedMotion {
+  RigidMotion motion, gain;
+  float speed_max;
 };
 
-CarriedWay carried_way(const Granular& g, const Carrier& carrier, float more) {
+CarriedMotion carried_motion(const Granular& g, const Carrier& carrier, float more) {
   const float* s = carrier.from.angular;
   const float spin[3][3] = {{0, s[2], -s[1]}, {-s[2], 0, s[0]}, {s[1], -s[0], 0}};
-  CarriedWay c = {carrier.way, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
-  const auto gained = [&](const float u[3]) { return (quad(u) + c.way.turned(quad(u))) * more; };
+  CarriedMotion c = {carrier.motion, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
+  const auto gained = [&](const float u[3]) { return (quad(u) + c.motion.turned(quad(u))) * more; };
   for (int k = 0; k < 3; ++k) c.gain.turn[k] = gained(spin[k]);
-  c.gain.from = c.way.from;
+  c.gain.from = c.motion.from;
   c.gain.shift = gained(carrier.from.linear);
   return c;
 }
 
 // A copy of a particle, which holds `scale` seconds of its velocity.
-void carry_copy(const CarriedWay& c, float scale, Particle* p) {
+void carry_copy(const CarriedMotion& c, float scale, Particle* p) {
   struct Halves {
     Quad at, velocity;
   } halves;
   static_assert(sizeof halves == sizeof *p);
   const uint32_t identity = p->identity;
   __builtin_memcpy(&halves, p, sizeof halves);
-  const Quad gained = c.gain.way(halves.at);
-  halves.at += c.way.way(halves.at);
-  halves.velocity += c.way.turned(halves.velocity);
+  const Quad gained = c.gain.displacement(halves.at);
+  halves.at += c.motion.displacement(halves.at);
+  halves.velocity += c.motion.turned(halves.velocity);
   if (scale != 0.0f) {
     halves.velocity += gained * scale;
-    const float speed2 = square_of(halves.velocity), most = c.most * scale;
-    if (speed2 > most * most) halves.velocity *= most / __builtin_sqrtf(speed2);
+    const float speed2 = square_of(halves.velocity), limit = c.speed_max * scale;
+    if (speed2 > limit * limit) halves.velocity *= limit / __builtin_sqrtf(speed2);
   }
   __builtin_memcpy(p, &halves, sizeof halves);
   p->identity = identity;  // no number
@@ -73,7 +73,7 @@ struct Sixteen {
   uint32_t here, free;    // bits: these; and of them what is sand
 };
 
-void carry_one(Carry* c, const Granular& g, uint32_t i, const CarriedWay& carried, float gains, float scale,
+void carry_one(Carry* c, const Granular& g, uint32_t i, const CarriedMotion& carried, float gains, float scale,
                bool hollow) {
   Particle& p = g.particles.records[0][i];
   const bool awake = is_awake(p);
@@ -82,72 +82,74 @@ void carry_one(Carry* c, const Granular& g, uint32_t i, const CarriedWay& carrie
     if (g.particles.records[copy] != nullptr)
       carry_copy(carried, awake ? gains * scale : 0.0f, &g.particles.records[copy][i]);
   if (!awake) bounds_include(&c->resting, p.position);
-  sleep_carry(g, number_of(p), carried.way);
-  if (hollow) motion_carry(g.motion, g, number_of(p), carried.way);
+  sleep_carry(g, number_of(p), carried.motion);
+  if (hollow) motion_carry(g.motion, g, number_of(p), carried.motion);
 }
 
-// Moves one that only lies on a collider: with its rise and fall, and else as much of its way as it has of its velocity,
-// which friction brings nearer to 1.
+// Moves one that only lies on a collider: with its rise and fall, and else by the share of its displacement that
+// the particle has of its velocity. Friction brings that share nearer to 1.
 void carry_lying(Carry* c, const Granular& g, const Sixteen& it, uint32_t i, uint32_t holder) {
   const Carrier& carrier = g.colliders.carriers[holder];
   const Particle& p = g.particles.records[0][i];
-  CarriedWay carried = {{}, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
-  const Quad down = quad(scratch_of(g).group.down), all = carrier.way.way(quad(p.position));
+  CarriedMotion carried = {{}, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
+  const Quad down = quad(scratch_of(g).group.down), displacement = carrier.motion.displacement(quad(p.position));
   float told[3];
   holding_velocity(carrier.from, p.position, told);
-  const Quad sinks = dot(all, down) * down, way = all - sinks, falls = dot(quad(told), down) * down;
+  const Quad sinks = dot(displacement, down) * down, level = displacement - sinks, falls = dot(quad(told), down) * down;
   const Quad v = quad(told) - falls;
   const float v2 = square_of(v), rate = static_cast<float>(g.time.rate) / c->faster;
   const float with = v2 > 0.0f ? dot(v, quad(p.velocity)) / v2 : 1.0f,
               had = with > 0.0f ? (with < 1.0f ? with : 1.0f) : 0.0f;
   const float rubs =
-      k_rubbed * g.desc.kinetic_friction * g.gravity_length * __builtin_sqrtf(square_of(way)) * rate * rate;
+      k_rubbed * g.desc.kinetic_friction * g.gravity_length * __builtin_sqrtf(square_of(level)) * rate * rate;
   const float share = is_asleep(p) || had * v2 + rubs >= v2 ? 1.0f : had + rubs / v2;
-  carried.way.shift = share * way + sinks;
+  carried.motion.shift = share * level + sinks;
   carried.gain.shift = (c->faster * share - had) * v + (c->faster - 1.0f) * falls;
-  const float length = __builtin_sqrtf(square_of(carried.way.shift));
+  const float length = __builtin_sqrtf(square_of(carried.motion.shift));
   Bounds& held = c->held[c->group_of[holder]];
   bounds_include(&held, p.position);
   carry_one(c, g, i, carried, 1.0f, it.scale, false);
   bounds_include(&held, p.position);
-  c->way_max = length > c->way_max ? length : c->way_max;
+  c->displacement_max = length > c->displacement_max ? length : c->displacement_max;
   float speed2 = 0.0f;
   for (const float u : p.velocity) speed2 += u * u;
   c->fastest2 = speed2 > c->fastest2 ? speed2 : c->fastest2;
   c->gave_way = c->gave_way || share < 1.0f;
 }
 
-// Moves those that one collider holds, in all that is kept of them. Returns the longest way; *after holds all of them.
+// Moves those that one collider holds, in all that is kept of them. Returns the longest displacement; *after holds all
+// of them.
 float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder, uint32_t mask, Bounds* after) {
   const Carrier& carrier = g.colliders.carriers[holder];
   const float more = c->faster - 1.0f, gains = more != 0.0f ? 1.0f : 0.0f;
-  const CarriedWay carried = carried_way(g, carrier, more);
-  const float way = carry_box(carrier.way, it.box, after);
+  const CarriedMotion carried = carried_motion(g, carrier, more);
+  const float displacement = carry_box(carrier.motion, it.box, after);
   Bounds& held = c->held[c->group_of[holder]];
   bounds_join(&held, it.box);
   bounds_join(&held, *after);
-  c->way_max = way > c->way_max ? way : c->way_max;
+  c->displacement_max = displacement > c->displacement_max ? displacement : c->displacement_max;
   const bool hollow = c->groups[c->group_of[holder]].hollow;
   for (uint32_t l = 0; l < it.count; ++l)
     if ((mask >> l & 1) != 0) carry_one(c, g, it.first + l, carried, gains, it.scale, hollow);
-  return way;
+  return displacement;
 }
 
 // ---- what stands
 
-// Those of what only lies on a collider that have room all the way that it goes, between all that goes elsewhere: the rest
-// is not pressed into that, nor carried through a wall.
+// Those of what only lies on a collider that have room wherever it takes them, between all that goes elsewhere. The
+// rest is not pressed into that, nor carried through a wall.
 uint32_t find_room(const Granular& g, uint32_t holder, const HeldLanes& lanes, uint32_t mask) {
   const float r = g.desc.particle_radius;
   HeldScratch& scratch = scratch_of(g);
-  auto &at = scratch.traced, &way = scratch.normal;
+  auto &at = scratch.traced, &displacements = scratch.normal;
   Bounds path = k_nowhere;
   float longest2 = 0.0f;
   for (uint32_t l = 0; l < lanes.count; ++l) {
     const float from[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
-    const Quad gone = g.colliders.carriers[holder].way.way(quad(from)), there = quad(from) + gone;
-    const float end[3] = {there[0], there[1], there[2]}, length2 = square_of(gone);
-    for (int k = 0; k < 3; ++k) way[k][l] = gone[k];
+    const Quad displacement = g.colliders.carriers[holder].motion.displacement(quad(from)),
+               there = quad(from) + displacement;
+    const float end[3] = {there[0], there[1], there[2]}, length2 = square_of(displacement);
+    for (int k = 0; k < 3; ++k) displacements[k][l] = displacement[k];
     if ((mask >> l & 1) == 0) continue;
     bounds_include(&path, from);
     bounds_include(&path, end);
@@ -165,7 +167,7 @@ uint32_t find_room(const Granular& g, uint32_t holder, const HeldLanes& lanes, u
     for (uint32_t s = 1; s <= steps && mask != 0; ++s) {
       const float share = static_cast<float>(s) / static_cast<float>(steps);
       for (int k = 0; k < 3; ++k)
-        for (uint32_t l = 0; l < lanes.count; ++l) at[k][l] = lanes.at[k][l] + share * way[k][l];
+        for (uint32_t l = 0; l < lanes.count; ++l) at[k][l] = lanes.at[k][l] + share * displacements[k][l];
       holding_measure(g, holding_posed(g, other, share), at, scratch.distance, nullptr, lanes.count);
       for (uint32_t l = 0; l < lanes.count; ++l) mask &= scratch.distance[l] < k_pressed * r ? ~(1u << l) : ~0u;
     }
@@ -272,10 +274,10 @@ bool carry_all(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder) 
   const uint32_t all = it.count == k_lane_group ? (1u << k_lane_group) - 1 : (1u << it.count) - 1;
   if (it.free != all) return false;
   Bounds after = k_nowhere;
-  const float way = carry_some(c, g, it, holder, all, &after);
+  const float displacement = carry_some(c, g, it, holder, all, &after);
   if (!may_meet_standing(g, c->group_of[holder], after)) return true;
   auto& moved = scratch_of(g).moved;
-  for (float& m : moved) m = way;
+  for (float& m : moved) m = displacement;
   settle_lanes(c, g, c->group_of[holder], it, moved);
   return true;
 }
@@ -325,13 +327,13 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
     for (uint32_t l = 0; l < it.count; ++l)
       if ((lies & mask) >> l & 1) {
         carry_lying(c, g, it, it.first + l, by);
-        moved[l] = c->way_max;
+        moved[l] = c->displacement_max;
       }
     mask &= ~lies;
     if (mask == 0) continue;
     Bounds after = k_nowhere;
-    const float way = carry_some(c, g, it, by, mask, &after);
-    for (uint32_t l = 0; l < it.count; ++l) moved[l] = (mask >> l & 1) != 0 ? way : moved[l];
+    const float displacement = carry_some(c, g, it, by, mask, &after);
+    for (uint32_t l = 0; l < it.count; ++l) moved[l] = (mask >> l & 1) != 0 ? displacement : moved[l];
   }
   giving_note(c, g, it.box, it.first, open, it.scale);
   settle_lanes(c, g, carry_group_alone(*c), it, moved);
@@ -339,9 +341,9 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
 
 // ---- the colliders
 
-// Colliders that go the same way.
+// Groups of colliders that share one motion.
 void find_groups(Carry* c, const Granular& g) {
-  const float same = k_same_way * g.desc.particle_radius;
+  const float same = k_same_motion * g.desc.particle_radius;
   c->group_count = 0;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     const Carrier& carrier = g.colliders.carriers[i];
@@ -354,9 +356,9 @@ void find_groups(Carry* c, const Granular& g) {
       const float* const places[] = {carrier.from.position, first.from.position};
       bool alike = true;
       for (const float* place : places) {
-        const Quad mine = carrier.way.way(quad(place));
-        const float apart2 = square_of(mine - first.way.way(quad(place)));
-        alike = alike && (apart2 <= same * same || apart2 <= k_same_share * k_same_share * square_of(mine));
+        const Quad displacement = carrier.motion.displacement(quad(place));
+        const float apart2 = square_of(displacement - first.motion.displacement(quad(place)));
+        alike = alike && (apart2 <= same * same || apart2 <= k_same_share * k_same_share * square_of(displacement));
       }
       if (alike) break;
     }
@@ -367,7 +369,7 @@ void find_groups(Carry* c, const Granular& g) {
         near.low[k] = near.low[k] > g.particles.low[k] ? near.low[k] : g.particles.low[k];
         near.high[k] = near.high[k] < g.particles.high[k] ? near.high[k] : g.particles.high[k];
       }
-      c->groups[c->group_count++] = {i, 0, k_nowhere, false, carry_box(carrier.way, near, &unused) < same};
+      c->groups[c->group_count++] = {i, 0, k_nowhere, false, carry_box(carrier.motion, near, &unused) < same};
     }
     CarryGroup& group = c->groups[at];
     c->group_of[i] = static_cast<uint8_t>(at);
@@ -400,9 +402,9 @@ void carry_bodies(Carry* c, const Granular& g) {
     const float center[3] = {lanes.at[0][0], lanes.at[1][0], lanes.at[2][0]};
     float gain[3];
     holding_velocity(carrier.from, center, gain);
-    carrier.way.rotate(gain);
+    carrier.motion.rotate(gain);
     for (float& v : gain) v *= c->faster - 1.0f;
-    bodies_carry(g, b, carrier.way, gain);
+    bodies_carry(g, b, carrier.motion, gain);
     c->body_holders[b] = static_cast<uint16_t>(holder[0] + 1);
   }
 }
@@ -415,19 +417,20 @@ uint32_t unit_of(const Granular& g) {
 
 }  // namespace
 
-float carry_box(const RigidWay& w, const Bounds& box, Bounds* after) {
+float carry_box(const RigidMotion& motion, const Bounds& box, Bounds* after) {
   const auto sizes = [](const Quad& v) { return v < 0.0f ? -v : v; };
-  const Quad half = 0.5f * (quad(box.high) - quad(box.low)), middle = quad(box.low) + half, way = w.way(middle);
-  Quad reach = {}, way_beyond = {};  // of what is beside the middle, at most
+  const Quad half = 0.5f * (quad(box.high) - quad(box.low)), middle = quad(box.low) + half,
+             displacement = motion.displacement(middle);
+  Quad reach = {}, more = {};  // of what is beside the middle: how far from it; how much more it moves
   for (int k = 0; k < 3; ++k) {
     Quad axis = {};
     axis[k] = half[k];
-    reach += sizes(axis + half[k] * w.turn[k]);
-    way_beyond += sizes(half[k] * w.turn[k]);
+    reach += sizes(axis + half[k] * motion.turn[k]);
+    more += sizes(half[k] * motion.turn[k]);
   }
-  const Quad low = middle + way - reach, high = middle + way + reach;
+  const Quad low = middle + displacement - reach, high = middle + displacement + reach;
   bounds_join(after, {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}});
-  return __builtin_sqrtf(square_of(way)) + __builtin_sqrtf(square_of(way_beyond));
+  return __builtin_sqrtf(square_of(displacement)) + __builtin_sqrtf(square_of(more));
 }
 
 bool carry_stands(const Granular& g, uint32_t i, uint32_t group) {
@@ -437,12 +440,12 @@ bool carry_stands(const Granular& g, uint32_t i, uint32_t group) {
 
 void carry_put(Carry* c, const Granular& g, uint32_t i, const Quad& to) {
   const Particle& p = g.particles.records[0][i];
-  const Quad way = to - quad(p.position);
-  const float way2 = square_of(way), length = __builtin_sqrtf(way2);
-  if (way2 == 0.0f) return;
+  const Quad displacement = to - quad(p.position);
+  const float squared = square_of(displacement), length = __builtin_sqrtf(squared);
+  if (squared == 0.0f) return;
   for (Particle* records : g.particles.records)
-    for (int k = 0; k < 3 && records != nullptr; ++k) records[i].position[k] += way[k];
-  c->way_max = length > c->way_max ? length : c->way_max;
+    for (int k = 0; k < 3 && records != nullptr; ++k) records[i].position[k] += displacement[k];
+  c->displacement_max = length > c->displacement_max ? length : c->displacement_max;
   c->gave_way = true;
   bounds_include(&c->pushed, p.position);
   if (is_asleep(p)) bounds_include(&c->resting, p.position);
@@ -514,7 +517,7 @@ void carry_begin(Carry* c, const Granular& g, float faster) {
   c->cursor = 0;
   c->gave_way = false;
   c->pushed = c->resting = c->standing = k_nowhere;
-  c->way_max = c->fastest2 = 0.0f;
+  c->displacement_max = c->fastest2 = 0.0f;
   find_groups(c, g);
   giving_begin(c, g);
   carry_bodies(c, g);

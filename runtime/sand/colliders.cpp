@@ -1,4 +1,4 @@
-// The solids on their way through a frame. world.h has the rules; how they push a particle: kernels/push_out.inl.
+// The solids during a frame. world.h has the rules; how they push a particle: kernels/push_out.inl.
 //
 // Rotations by angular velocity use the first-order quaternion step, renormalised. So there is no sine or cosine in a
 // hashed path. The error is angle^3 / 12: 7e-4 rad for a turn of 0.2 rad within one frame.
@@ -19,7 +19,7 @@ bool normalise(float q[4]) {
   return true;
 }
 
-void find_way(Carrier* carrier, bool goes) {
+void find_motion(Carrier* carrier, bool goes) {
   constexpr float k_least = 1e-7f;
   const ColliderFrame &from = carrier->from, &to = carrier->to;
   bool differ = false;
@@ -28,7 +28,7 @@ void find_way(Carrier* carrier, bool goes) {
     for (int j = 0; j < 3; ++j) differ = differ || __builtin_fabsf(from.axes[k][j] - to.axes[k][j]) > k_least;
   }
   carrier->moves = goes && differ;
-  carrier->way = rigid_way(from, to);
+  carrier->motion = rigid_motion(from, to);
 }
 
 // ---- what sleepers have seen
@@ -53,7 +53,7 @@ bool same(const Granular& g, const ColliderWatch& watch, uint32_t slot) {
   const Pose pose = pose_of(now);
   if (seen.shape != now.shape || (watch.fields[slot] != 0 && watch.fields[slot] != version_of(now))) return false;
   if (same_pose(pose, seen.pose)) return true;
-  return now.shape == SANDGLASS_SHAPE_BOX && way_of_box(seen.pose, pose, hold_rule(g)) < k_rounding;
+  return now.shape == SANDGLASS_SHAPE_BOX && box_surface_distance(seen.pose, pose, hold_rule(g)) < k_rounding;
 }
 
 // About half of what a point of the collider can have travelled between two poses: half the shift, and half the arc of
@@ -168,7 +168,7 @@ HoldRule hold_rule(const Granular& g) {
 void colliders_drop_gone_fields(Colliders* c) {
   drop_gone_fields(*c, c->substep_frames, c->substep_count);
   drop_gone_fields(*c, c->sweep_frames, c->sweep_count);
-  drop_gone_fields(*c, c->sweep_ways, c->sweep_way_count);
+  drop_gone_fields(*c, c->sweep_step_frames, c->sweep_step_frame_count);
   drop_gone_fields(*c, c->for_grains.moved.frames, c->for_grains.moved.count);
 }
 
@@ -190,8 +190,8 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
   c->substep_frames = layout_region<ColliderFrame>(layout, "granular.substep_colliders", capacity);
   c->sweep_frames = layout_region<ColliderFrame>(layout, "granular.sweep_colliders", capacity);
   if (d.grain_capacity != 0)
-    c->sweep_ways =
-        layout_region<ColliderFrame>(layout, "granular.sweep_collider_ways", (k_sweep_steps_max - 1) * capacity);
+    c->sweep_step_frames =
+        layout_region<ColliderFrame>(layout, "granular.sweep_step_colliders", (k_sweep_steps_max - 1) * capacity);
   ColliderWatch* const watches[] = {&c->for_particles, &c->for_grains};
   for (ColliderWatch* watch : watches) {
     const bool grains = watch == &c->for_grains;
@@ -207,7 +207,7 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
 }
 
 void colliders_reset(Colliders* c, const sandglass_granular_desc& d) {
-  c->count = c->solid_count = c->substep_count = c->sweep_count = c->sweep_way_count = 0;
+  c->count = c->solid_count = c->substep_count = c->sweep_count = c->sweep_step_frame_count = 0;
   c->waits = c->arrived = c->jumped = false;
   ColliderWatch* const watches[] = {&c->for_particles, &c->for_grains};
   for (uint32_t slot = 0; slot < d.collider_capacity; ++slot) {
@@ -269,12 +269,12 @@ ColliderFrame collider_between(const RigidPose& from, const ColliderFrame& to, f
 void colliders_begin_sweep(Colliders* c, float before, const RigidPose* from, uint32_t steps) {
   colliders_pose(c->given, c->count, before, c->sweep_frames, c->slides);
   c->sweep_count = c->count;
-  c->sweep_way_count = from == nullptr ? 0 : (steps - 1) * c->count;
-  for (uint32_t i = 0; i < c->sweep_way_count; ++i) {
+  c->sweep_step_frame_count = from == nullptr ? 0 : (steps - 1) * c->count;
+  for (uint32_t i = 0; i < c->sweep_step_frame_count; ++i) {
     const uint32_t of = i % c->count, step = i / c->count + 1;
     const float share = static_cast<float>(step) / static_cast<float>(steps);
     const ColliderFrame& end = c->sweep_frames[of];
-    c->sweep_ways[i] = of < c->solid_count ? collider_between(from[c->slots[of]], end, share) : end;
+    c->sweep_step_frames[i] = of < c->solid_count ? collider_between(from[c->slots[of]], end, share) : end;
   }
 }
 
@@ -315,7 +315,7 @@ void colliders_pose_met(const Granular& g, uint32_t i, ColliderFrame* frame) {
   colliders_pose(&met, 1, 0.0f, frame);
 }
 
-void colliders_find_ways(Colliders* c, const RigidPose* from, const uint8_t* moves) {
+void colliders_find_motions(Colliders* c, const RigidPose* from, const uint8_t* moves) {
   for (uint32_t i = 0; i < c->solid_count; ++i) {
     Carrier& carrier = c->carriers[i];
     const RigidPose& pose = from[c->slots[i]];
@@ -326,7 +326,7 @@ void colliders_find_ways(Colliders* c, const RigidPose* from, const uint8_t* mov
     __builtin_memcpy(carrier.from.position, pose.position, sizeof pose.position);
     __builtin_memcpy(carrier.from.axes, pose.axes, sizeof pose.axes);
     find_extent(&carrier.from);
-    find_way(&carrier, true);
+    find_motion(&carrier, true);
     carrier.moves = carrier.moves || moves[c->slots[i]] != 0;
   }
 }
@@ -336,7 +336,7 @@ void colliders_find_jumps(Colliders* c, const Granular& g) {
     Carrier& carrier = c->carriers[i];
     colliders_pose(&c->given[i], 1, static_cast<float>(g.time.debt), &carrier.to, &c->slides[i]);
     colliders_pose_met(g, i, &carrier.from);
-    find_way(&carrier, c->jumps[c->slots[i]] == 1);
+    find_motion(&carrier, c->jumps[c->slots[i]] == 1);
   }
 }
 
@@ -359,7 +359,7 @@ void colliders_arrive(Colliders* c, const Granular& g, float faster) {
     }
     for (float& s : c->slides_of_slot[c->slots[i]]) s *= faster;
     if (i >= c->solid_count) continue;
-    find_way(&c->carriers[i], true);
+    find_motion(&c->carriers[i], true);
   }
 }
 
@@ -395,9 +395,9 @@ void colliders_carry_substep(Colliders* c, float faster) {
     for (uint32_t i = 0; i < c->solid_count; ++i) {
       const Carrier& carrier = c->carriers[i];
       if (!carrier.moves || c->slots[i] != c->substep_slots[s]) continue;
-      carrier.way.move(frame.position);
+      carrier.motion.move(frame.position);
       float* const vectors[] = {frame.linear, frame.angular, frame.axes[0], frame.axes[1], frame.axes[2]};
-      for (float* v : vectors) carrier.way.rotate(v);
+      for (float* v : vectors) carrier.motion.rotate(v);
       find_extent(&frame);
     }
   }

@@ -22,15 +22,15 @@ float depth_of(const Granular& g, const Bounds& b) {
 }
 
 // How far a bounded collider reaches from its position along a direction of length 1.
-float reach_along(const ColliderFrame& c, const float way[3]) {
+float reach_along(const ColliderFrame& c, const float direction[3]) {
   float along[3];
-  for (int a = 0; a < 3; ++a) along[a] = __builtin_fabsf(dot(c.axes[a], way));
+  for (int a = 0; a < 3; ++a) along[a] = __builtin_fabsf(dot(c.axes[a], direction));
   if (c.shape == SANDGLASS_SHAPE_BOX) return along[0] * c.size[0] + along[1] * c.size[1] + along[2] * c.size[2];
   if (c.shape == SANDGLASS_SHAPE_CAPSULE) return c.size[0] + along[1] * c.size[1];
   if (c.shape != SANDGLASS_SHAPE_FIELD) return c.size[0];
   float reach = 0.0f;  // of the farthest corner of the grid
   for (int a = 0; a < 3; ++a) {
-    const float side = dot(c.axes[a], way), low = c.field.low[a];
+    const float side = dot(c.axes[a], direction), low = c.field.low[a];
     const float high = low + c.field.spacing * static_cast<float>(c.field.counts[a] - 1);
     reach += side * (side > 0.0f ? high : low);
   }
@@ -52,36 +52,36 @@ void include_solid(Departed* departed, const Granular& g, const ColliderFrame& c
   departed->bottom = depth > departed->bottom ? depth : departed->bottom;
 }
 
-// A fast particle's way: where it begins and ends, and its velocity on average.
-struct Way {
+// A fast particle's path: where it begins and ends, and its velocity on average.
+struct Path {
   float from[3], to[3], velocity[3];
 };
 
-Way way_of(const Granular& g, uint32_t i) {
+Path path_of(const Granular& g, uint32_t i) {
   const Particle& p = g.particles.records[0][i];
-  Way way;
+  Path path;
   for (int k = 0; k < 3; ++k) {
-    way.from[k] = p.position[k];
-    way.velocity[k] = p.velocity[k] + 0.5f * g.departed.horizon * g.gravity[k];
-    way.to[k] = way.from[k] + g.departed.horizon * way.velocity[k];
+    path.from[k] = p.position[k];
+    path.velocity[k] = p.velocity[k] + 0.5f * g.departed.horizon * g.gravity[k];
+    path.to[k] = path.from[k] + g.departed.horizon * path.velocity[k];
   }
-  return way;
+  return path;
 }
 
-// What an interval's gravity adds to a way, at most.
+// What an interval's gravity adds to a path, at most.
 float fall_of(const Granular& g) { return g.gravity_length * g.departed.horizon * g.departed.horizon; }
 
-bool meets(const Way& way, const Bounds& box, float margin) {
+bool meets(const Path& path, const Bounds& box, float margin) {
   for (int k = 0; k < 3; ++k) {
-    const float low = way.from[k] < way.to[k] ? way.from[k] : way.to[k];
-    const float high = way.from[k] < way.to[k] ? way.to[k] : way.from[k];
+    const float low = path.from[k] < path.to[k] ? path.from[k] : path.to[k];
+    const float high = path.from[k] < path.to[k] ? path.to[k] : path.from[k];
     if (high < box.low[k] - margin || low > box.high[k] + margin) return false;
   }
   return true;
 }
 
-// Whether two ways come nearer to each other than this. Gravity is the same on both.
-bool meets(const Way& a, const Way& b, float time, float distance) {
+// Whether two paths come nearer to each other than this. Gravity is the same on both.
+bool meets(const Path& a, const Path& b, float time, float distance) {
   float apart[3], approach[3];
   for (int k = 0; k < 3; ++k) {
     apart[k] = b.from[k] - a.from[k];
@@ -159,17 +159,17 @@ void look_at(Departed* departed, const Granular& g, uint32_t i) {
   ++d.fast_count;
 }
 
-// Whether a way leads near a collider, which goes from one pose to the other.
-bool meets(const Way& way, const ColliderFrame poses[2], float margin) {
+// Whether a path leads near a collider, which goes from one pose to the other.
+bool meets(const Path& path, const ColliderFrame poses[2], float margin) {
   if (poses[0].shape != SANDGLASS_SHAPE_HALF_SPACE) {
     Bounds box = holding_box(poses[0]);
     bounds_join(&box, holding_box(poses[1]));
-    return meets(way, box, margin);
+    return meets(path, box, margin);
   }
   for (int pose = 0; pose < 2; ++pose) {
     const float* normal = poses[pose].axes[1];
     const float plane = dot(normal, poses[pose].position) + margin;
-    if (dot(normal, way.from) < plane || dot(normal, way.to) < plane) return true;
+    if (dot(normal, path.from) < plane || dot(normal, path.to) < plane) return true;
   }
   return false;
 }
@@ -185,16 +185,16 @@ void judge_fast(Departed* departed, const Granular& g) {
   bounds_join(&there, g.sleep.resting);
   const bool few = d.fast_count <= k_fast_most && (!is_empty(there) || d.bounded);
   bool reaches[k_fast_most];
-  for (uint32_t f = 0; f < count; ++f) reaches[f] = !few || meets(way_of(g, d.fast[f]), there, margin);
+  for (uint32_t f = 0; f < count; ++f) reaches[f] = !few || meets(path_of(g, d.fast[f]), there, margin);
   for (uint32_t c = 0; few && c < g.colliders.solid_count; ++c) {
     ColliderFrame poses[2];
     pose_both(g, c, poses);
-    for (uint32_t f = 0; f < count; ++f) reaches[f] = reaches[f] || meets(way_of(g, d.fast[f]), poses, margin);
+    for (uint32_t f = 0; f < count; ++f) reaches[f] = reaches[f] || meets(path_of(g, d.fast[f]), poses, margin);
   }
   for (uint32_t f = 0; few && f < count; ++f) {
-    const Way way = way_of(g, d.fast[f]);
+    const Path path = path_of(g, d.fast[f]);
     for (uint32_t other = 0; other < f; ++other) {
-      if (meets(way, way_of(g, d.fast[other]), d.horizon, neighbours_reach(g))) reaches[f] = reaches[other] = true;
+      if (meets(path, path_of(g, d.fast[other]), d.horizon, neighbours_reach(g))) reaches[f] = reaches[other] = true;
     }
   }
   for (uint32_t f = 0; f < count; ++f) {
@@ -282,8 +282,8 @@ bool departed_due(const Granular& g) {
   const Departed& d = g.departed;
   if (d.known || g.particles.count == 0) return false;
   const float time = static_cast<float>(time_interval(g));
-  const float way = time * (g.particles.speed_max + time * g.gravity_length);
-  return d.count != 0 || way > neighbours_reach(g) || beyond(g, g.particles);
+  const float distance = time * (g.particles.speed_max + time * g.gravity_length);
+  return d.count != 0 || distance > neighbours_reach(g) || beyond(g, g.particles);
 }
 
 // The passes' groups are those of the lists: without lists all groups are looked at.

@@ -1,7 +1,7 @@
 // What the app does to rigid bodies between frames: adds, removes, places and pushes them, and asks where they are.
 #include "runtime/frame/refuse.h"
 #include "runtime/math/finite.h"
-#include "runtime/math/rigid_motion.h"
+#include "runtime/math/rotation.h"
 #include "runtime/sand/granular.h"
 
 namespace sandglass {

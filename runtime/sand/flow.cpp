@@ -23,14 +23,14 @@ constexpr uint32_t k_batch = 64;  // sites added at once
 
 }  // namespace
 
-// Sites of a layer on their way into the scene.
+// Sites of a layer, before particles are put there.
 struct Sites {
   SurfacePoint at[k_batch];
   uint64_t seeds[k_batch];  // what is drawn for the grains of each
   float back[k_batch];      // metres to step back
   bool taken[k_batch];
   uint32_t count;
-  ColliderFrame box;  // what may be in their way has its centre in here
+  ColliderFrame box;  // what may overlap them has its centre in here
 };
 
 // Particles or grains to add.
@@ -93,9 +93,9 @@ void for_sites(const sandglass_emitter& e, float radius, uint32_t layer, const f
 // Of which layer sites are.
 struct Layer {
   const Nozzle* nozzle;
-  float way[3];   // unit vector; what leaves the nozzle goes this way
-  float since;    // seconds since it left the nozzle
-  float drop[3];  // by which it has fallen since
+  float direction[3];  // unit vector: of what leaves the nozzle
+  float since;         // seconds since it left the nozzle
+  float drop[3];       // by which it has fallen since
 };
 
 // Where a layer goes.
@@ -149,7 +149,7 @@ void step_back(Sites* sites, const Layer& layer, const float particle[3], float 
     for (int k = 0; k < 3; ++k) {
       const float apart = particle[k] - sites->at[s].position[k];
       length2 += apart * apart;
-      ahead += apart * layer.way[k];
+      ahead += apart * layer.direction[k];
     }
     const float aside2 = length2 - ahead * ahead;
     if (aside2 >= touch2) continue;
@@ -158,7 +158,7 @@ void step_back(Sites* sites, const Layer& layer, const float particle[3], float 
   }
 }
 
-// The sites step back from those of `count` records that are in their way.
+// The sites step back from those of `count` records that overlap them.
 void step_back_from(const Granular& g, Sites* sites, const Layer& layer, const Record* records, uint32_t count) {
   uint8_t inside[k_lane_group];
   const InsideArgs args = {records, count, &sites->box, 1, inside};
@@ -178,7 +178,7 @@ void avoid_colliders(const Granular& g, Sites* sites, const Layer& layer) {
   const uint32_t end = (sites->count + k_lane_group - 1) / k_lane_group * k_lane_group;
   const auto go_on = [&](float by) {
     for (uint32_t s = 0; s < sites->count; ++s)
-      for (int k = 0; k < 3; ++k) sites->at[s].position[k] += by * layer.way[k];
+      for (int k = 0; k < 3; ++k) sites->at[s].position[k] += by * layer.direction[k];
   };
   go_on(r);
   for (uint32_t s = sites->count; s < end; ++s) sites->at[s] = sites->at[0];  // whole vectors
@@ -215,7 +215,7 @@ void find_room(const Granular& g, Sites* sites, const Layer& layer) {
   step_back_from(g, sites, layer, as_records(boundary_particles(g)), g.boundary.count);
   for (uint32_t s = 0; s < sites->count; ++s) {
     sites->taken[s] = sites->back[s] > most;
-    for (int k = 0; k < 3; ++k) sites->at[s].position[k] -= sites->back[s] * layer.way[k];
+    for (int k = 0; k < 3; ++k) sites->at[s].position[k] -= sites->back[s] * layer.direction[k];
   }
   avoid_colliders(g, sites, layer);
 }
@@ -238,8 +238,8 @@ void emit_grains(const Pouring& to, const Granular& g, const Layer& layer, const
     }
     if (length2 > 1.0f) continue;  // uniform within the ball
     for (int k = 0; k < 3; ++k) {
-      along += r * offset[k] * layer.way[k];
-      velocity[k] = e.speed * layer.way[k];
+      along += r * offset[k] * layer.direction[k];
+      velocity[k] = e.speed * layer.direction[k];
       position[k] = at.position[k] - layer.drop[k] - lag * velocity[k] + r * offset[k];
     }
     const float earlier = along / e.speed;
@@ -285,7 +285,7 @@ void emit_sites(const Pouring& to, const Granular& g, Sites* sites, const Layer&
   batch->count = 0;
   find_room(g, sites, layer);
   float velocity[3];
-  for (int k = 0; k < 3; ++k) velocity[k] = e.speed * layer.way[k] + layer.since * g.gravity[k];
+  for (int k = 0; k < 3; ++k) velocity[k] = e.speed * layer.direction[k] + layer.since * g.gravity[k];
   uint32_t free = 0;
   for (uint32_t s = 0; s < sites->count; ++s) {
     if (!room || sites->taken[s]) continue;
@@ -301,13 +301,13 @@ void emit_sites(const Pouring& to, const Granular& g, Sites* sites, const Layer&
 }
 
 // `number` names the layer: of all layers of all emitters.
-void emit_layer(const Pouring& to, const Granular& g, const Nozzle& nozzle, uint64_t number, float gone) {
+void emit_layer(const Pouring& to, const Granular& g, const Nozzle& nozzle, uint64_t number, float fallen) {
   const sandglass_emitter& e = nozzle.emitter;
   const uint32_t index = static_cast<uint32_t>(number), count = nozzle.sites[index % 2];
   if (!has_room(g, e, count)) return deny(to, count);
-  Layer layer = {&nozzle, {}, gone / e.speed, {}};
+  Layer layer = {&nozzle, {}, fallen / e.speed, {}};
   for (int k = 0; k < 3; ++k) {
-    layer.way[k] = -nozzle.axes[1][k];
+    layer.direction[k] = -nozzle.axes[1][k];
     layer.drop[k] = 0.5f * layer.since * layer.since * g.gravity[k];
   }
   Sites& sites = *to.flow->sites;
@@ -317,7 +317,7 @@ void emit_layer(const Pouring& to, const Granular& g, const Nozzle& nozzle, uint
     SurfacePoint& at = sites.at[sites.count];
     for (int k = 0; k < 3; ++k) {
       seed = next_seed(seed);
-      at.position[k] = e.position[k] + x * nozzle.axes[0][k] + gone * layer.way[k] + z * nozzle.axes[2][k] +
+      at.position[k] = e.position[k] + x * nozzle.axes[0][k] + fallen * layer.direction[k] + z * nozzle.axes[2][k] +
                        k_jitter_radii * g.desc.particle_radius * symmetric(seed) + layer.drop[k];
     }
     sites.seeds[sites.count] = mix_bits(seed);

@@ -6,7 +6,7 @@ namespace sandglass {
 
 // Sand that is not held, while it gives way.
 struct OpenSand {
-  Quad at, way;  // way: of a step
+  Quad at, displacement;  // displacement: of this step
   uint32_t row;
   float scale;           // of its copies' velocities
   uint16_t next, queue;  // in its cell; the one that is to push on at this place of the queue
@@ -26,7 +26,7 @@ constexpr float k_thrown = 0.4f;
 constexpr float k_step_out = 1.5f;                // radii that a collider goes at once
 constexpr float k_out_most = 2.0f;                // radii that sand goes in such a step
 constexpr uint32_t k_steps_out = 16;              // at most
-constexpr float k_ahead = 6.0f, k_beside = 3.0f;  // radii from a collider's way; what is beyond is not pushed
+constexpr float k_ahead = 6.0f, k_beside = 3.0f;  // radii from a collider's path; what is beyond is not pushed
 constexpr float k_least_push = 0.2f;              // radii; what goes less does not push on
 constexpr uint32_t k_pushed_most = 512;           // in a step; what is beyond does not push on
 constexpr uint32_t k_pushed_at_once = 96;         // in a unit
@@ -41,7 +41,7 @@ struct Giving {
   OpenSand* open;
   uint32_t capacity, count, queued, cursor, step, steps;
   uint32_t items, usual;  // of all units so far, and the most of lately
-  Bounds pushing;         // around the ways of all that push
+  Bounds pushing;         // around the paths of all that push
   struct {
     Quad low, high;  // around sixteen, where a step begins
   } boxes[k_open_most / k_lane_group];
@@ -72,7 +72,7 @@ void begin_step(Giving* s, const Granular& g, bool cells) {
     box.low = o.at < box.low ? o.at : box.low;
     box.high = o.at > box.high ? o.at : box.high;
     o.state = OpenSand::stays;
-    o.way = Quad{};
+    o.displacement = Quad{};
     if (!cells) continue;
     uint16_t& head = s->heads[head_of(cell_of(o.at[0], inverse), cell_of(o.at[1], inverse), cell_of(o.at[2], inverse))];
     o.next = head;
@@ -86,20 +86,20 @@ void enqueue(Giving* s, uint32_t i) {
   s->open[s->queued++].queue = static_cast<uint16_t>(i);
 }
 
-// Out of what has gone this way, by so much along the normal, and along with it as far as the grip has it; if level, not
-// upwards.
-void push(OpenSand* o, const Quad& normal, float out, const Quad& way, float grip, const Quad& level) {
-  const float with = dot(normal, way), most = grip * out;
+// Out of what has moved by `displacement`: so far `out` along the normal, and aside with it, as far as the grip
+// reaches. `level` other than 0: not upwards.
+void push(OpenSand* o, const Quad& normal, float out, const Quad& displacement, float grip, const Quad& level) {
+  const float with = dot(normal, displacement), limit = grip * out;
   Quad moved = out * normal;
   if (with > 0.0f) {
-    Quad aside = way - with * normal;
+    Quad aside = displacement - with * normal;
     const float falls = dot(aside, level);
     if (falls < 0.0f) aside -= falls * level;
     const float aside2 = square_of(aside);
-    moved += (aside2 > most * most ? most / __builtin_sqrtf(aside2) : 1.0f) * aside;
+    moved += (aside2 > limit * limit ? limit / __builtin_sqrtf(aside2) : 1.0f) * aside;
   }
   o->at += moved;
-  o->way += moved;
+  o->displacement += moved;
 }
 
 // What is met goes no slower than what meets it.
@@ -117,7 +117,7 @@ void take_velocity(Carry* c, const Granular& g, const OpenSand& o, const float v
   c->fastest2 = speed2 > c->fastest2 ? speed2 : c->fastest2;
 }
 
-// What a collider meets on a step of its way.
+// What a collider meets in a step.
 void push_by_collider(Carry* c, const Granular& g, const Carrier& carrier, float grip) {
   Giving* const s = c->giving;
   const float r = g.desc.particle_radius, parts = static_cast<float>(s->steps);
@@ -138,12 +138,12 @@ void push_by_collider(Carry* c, const Granular& g, const Carrier& carrier, float
       const float out = r - scratch.distance[l], place[3] = {o.at[0], o.at[1], o.at[2]};
       if (!(out > 0.0f)) continue;
       const Quad normal = {scratch.normal[0][l], scratch.normal[1][l], scratch.normal[2][l], 0.0f};
-      const Quad way = carrier.way.way(o.at) / parts;
+      const Quad displacement = carrier.motion.displacement(o.at) / parts;
       float v[3];
       holding_velocity(carrier.to, place, v);
       for (float& u : v) u *= thrown;
-      push(&o, normal, out < k_out_most * r ? out : k_out_most * r, way, grip, Quad{});
-      if (dot(normal, way) > 0.0f) take_velocity(c, g, o, v);
+      push(&o, normal, out < k_out_most * r ? out : k_out_most * r, displacement, grip, Quad{});
+      if (dot(normal, displacement) > 0.0f) take_velocity(c, g, o, v);
       enqueue(s, first + l);
     }
   }
@@ -158,15 +158,15 @@ void push_other(Giving* s, const OpenSand& from, const Quad& apart, float square
   const bool aside = above > 0.0f && level2 > k_above * k_above * d * d;
   const float length = __builtin_sqrtf(aside ? level2 : square);
   const float out = (aside ? __builtin_sqrtf(d * d - above * above) : d) - length;
-  push(&s->open[i], (aside ? level : apart) * (1.0f / length), out, from.way, k_grip_between, down);
+  push(&s->open[i], (aside ? level : apart) * (1.0f / length), out, from.displacement, k_grip_between, down);
   if (out > 0.5f * k_least_push * d) enqueue(s, i);
 }
 
-// A step ends before what stands, and before what goes another way, by the face that was nearest where it began:
+// A step ends before what stands, and before what goes elsewhere, by the face that was nearest where it began:
 // nothing is pressed through a wall, and what is pressed against one goes along it.
 void end_before_walls(const Carry& c, const Granular& g, OpenSand* o) {
-  const float r = g.desc.particle_radius, gone = __builtin_sqrtf(square_of(o->way));
-  const Quad from = o->at - o->way;
+  const float r = g.desc.particle_radius, length = __builtin_sqrtf(square_of(o->displacement));
+  const Quad from = o->at - o->displacement;
   const Bounds here = {{from[0], from[1], from[2]}, {from[0], from[1], from[2]}};
   const float share = static_cast<float>(c.giving->step) / static_cast<float>(c.giving->steps);
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
@@ -174,13 +174,13 @@ void end_before_walls(const Carry& c, const Granular& g, OpenSand* o) {
     const bool flat = carrier.to.shape == SANDGLASS_SHAPE_HALF_SPACE, stands = carry_stands(g, i, carry_group_alone(c));
     if (!stands && (c.group_count < 2 || !pushes(g, i))) continue;
     const ColliderFrame& wall = stands ? carrier.to : holding_posed(g, carrier, share);
-    if (!flat && !holding_overlaps(here, stands ? c.reaches[i] : holding_box(wall), r + gone)) continue;
+    if (!flat && !holding_overlaps(here, stands ? c.reaches[i] : holding_box(wall), r + length)) continue;
     Quad normal;
     const float before = holding_distance(g, wall, from, &normal);
-    const float in = (before < r ? before : r) - (before + dot(o->way, normal));
+    const float in = (before < r ? before : r) - (before + dot(o->displacement, normal));
     if (in > 0.0f) {
       o->at += in * normal;
-      o->way += in * normal;
+      o->displacement += in * normal;
     }
   }
 }
@@ -191,20 +191,20 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
   const float r = g.desc.particle_radius, d = 2.0f * r, d2 = d * d, inverse = 1.0f / (k_cell * r);
   OpenSand& o = s->open[i];
   o.state = OpenSand::gone;
-  const float gone = __builtin_sqrtf(square_of(o.way));
-  if (gone > k_out_most * r) {
-    const Quad less = (1.0f - k_out_most * r / gone) * o.way;
+  const float length = __builtin_sqrtf(square_of(o.displacement));
+  if (length > k_out_most * r) {
+    const Quad less = (1.0f - k_out_most * r / length) * o.displacement;
     o.at -= less;
-    o.way -= less;
+    o.displacement -= less;
   }
   end_before_walls(*c, g, &o);
-  const Quad at = o.at, way = o.way, down = quad(scratch_of(g).group.down);
-  const float way2 = square_of(way), scale = way2 > 0.0f ? d2 / way2 : 0.0f;
+  const Quad at = o.at, displacement = o.displacement, down = quad(scratch_of(g).group.down);
+  const float squared = square_of(displacement), scale = squared > 0.0f ? d2 / squared : 0.0f;
   int32_t low[3], high[3];
   for (int k = 0; k < 3; ++k) {
-    const float behind = __builtin_sqrtf(__builtin_fabsf(d2 - scale * way[k] * way[k]));
-    low[k] = cell_of(at[k] - (way[k] > 0.0f ? behind : d), inverse);
-    high[k] = cell_of(at[k] + (way[k] < 0.0f ? behind : d), inverse);
+    const float behind = __builtin_sqrtf(__builtin_fabsf(d2 - scale * displacement[k] * displacement[k]));
+    low[k] = cell_of(at[k] - (displacement[k] > 0.0f ? behind : d), inverse);
+    high[k] = cell_of(at[k] + (displacement[k] < 0.0f ? behind : d), inverse);
   }
   for (int32_t z = low[2]; z <= high[2]; ++z)
     for (int32_t y = low[1]; y <= high[1]; ++y)
@@ -217,7 +217,7 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
           }
           const Quad apart = other.at - at;
           const float square = square_of(apart);
-          if (square < d2 && square > 1e-8f * d2 && dot(apart, way) > 0.0f)
+          if (square < d2 && square > 1e-8f * d2 && dot(apart, displacement) > 0.0f)
             push_other(s, o, apart, square, d, down, *next);
           next = &other.next;
         }
@@ -233,7 +233,7 @@ void give_way_alone(Carry* c, const Granular& g, uint32_t row) {
     const float out = r - holding_distance(g, g.colliders.carriers[i].to, o.at, &normal), most = k_out_most * r;
     if (out > 0.0f) push(&o, normal, out < most ? out : most, Quad{}, 0.0f, Quad{});
   }
-  if (square_of(o.way) == 0.0f) return;
+  if (square_of(o.displacement) == 0.0f) return;
   end_before_walls(*c, g, &o);
   carry_put(c, g, row, o.at);
 }
@@ -267,15 +267,15 @@ void giving_begin(Carry* c, const Granular& g) {
       swept.high[k] = swept.high[k] < g.particles.high[k] ? swept.high[k] : g.particles.high[k];
     }
     if (is_empty(swept)) continue;
-    const float parts = carry_box(carrier.way, swept, &unused) / (k_step_out * r);
+    const float parts = carry_box(carrier.motion, swept, &unused) / (k_step_out * r);
     const uint32_t steps = parts < static_cast<float>(k_steps_out) ? static_cast<uint32_t>(parts) + 1 : k_steps_out;
     s.steps = steps > s.steps ? steps : s.steps;
     bounds_join(&s.pushing, swept);
-    const Quad way = carrier.way.way(0.5f * (quad(swept.low) + quad(swept.high)));
-    const float length = __builtin_sqrtf(square_of(way)), on = length > 0.0f ? k_ahead * r / length : 0.0f;
+    const Quad displacement = carrier.motion.displacement(0.5f * (quad(swept.low) + quad(swept.high)));
+    const float length = __builtin_sqrtf(square_of(displacement)), on = length > 0.0f ? k_ahead * r / length : 0.0f;
     for (int k = 0; k < 3; ++k) {
-      swept.low[k] += on * way[k];
-      swept.high[k] += on * way[k];
+      swept.low[k] += on * displacement[k];
+      swept.high[k] += on * displacement[k];
     }
     bounds_join(&s.pushing, swept);
   }
@@ -312,7 +312,7 @@ bool giving_run(Carry* c, const Granular& g) {
     if (pushes(g, i)) push_by_collider(c, g, g.colliders.carriers[i], last ? 0.0f : k_grip);
   for (uint32_t i = 0; i < s.count && last; ++i) {
     OpenSand& o = s.open[i];
-    if (square_of(o.way) != 0.0f) end_before_walls(*c, g, &o);
+    if (square_of(o.displacement) != 0.0f) end_before_walls(*c, g, &o);
     carry_put(c, g, o.row, o.at);
   }
   if (last) s.count = 0;

@@ -16,8 +16,8 @@ uint32_t giving_items(const Carry& carry);
 // One unit. True once all have given way.
 bool giving_run(Carry* carry, const Granular& granular);
 
-// Of carry.cpp. A bound of the ways of what is in a box; joins the box around where it is then.
-float carry_box(const RigidWay& way, const Bounds& box, Bounds* after);
+// Of carry.cpp. The longest displacement of what is in a box, at most. *after grows to hold the box after the motion.
+float carry_box(const RigidMotion& motion, const Bounds& box, Bounds* after);
 // Whether a collider holds its place against what one group moves.
 bool carry_stands(const Granular& granular, uint32_t collider, uint32_t group);
 // Puts a particle elsewhere, without a velocity.

@@ -10,9 +10,9 @@ namespace {
 constexpr uint8_t k_free = 255, k_unknown = k_grain_holders;
 constexpr uint32_t k_held_together = 4 * k_lane_group;  // grains that are asked for at once
 
-void move_pose(RigidPose* pose, const RigidWay& way) {
-  way.move(pose->position);
-  for (float(&axis)[3] : pose->axes) way.rotate(axis);
+void move_pose(RigidPose* pose, const RigidMotion& motion) {
+  motion.move(pose->position);
+  for (float(&axis)[3] : pose->axes) motion.rotate(axis);
 }
 
 // Grains are where sand is.
@@ -81,7 +81,8 @@ void grain_carry_layout(GrainCarry* c, const sandglass_granular_desc& d, Layout*
   c->next_carried = layout_region<RigidPose>(layout, "granular.sweep_carried", d.collider_capacity);
   c->moves = layout_region<uint8_t>(layout, "granular.grain_carriers", d.collider_capacity);
   c->next_moves = layout_region<uint8_t>(layout, "granular.sweep_carriers", d.collider_capacity);
-  for (RigidWay*& ways : c->ways) ways = layout_region<RigidWay>(layout, "granular.grain_ways", d.collider_capacity);
+  for (RigidMotion*& motions : c->motions)
+    motions = layout_region<RigidMotion>(layout, "granular.grain_motions", d.collider_capacity);
 }
 
 void grain_carry_reset(GrainCarry* c, const Granular& g) {
@@ -89,7 +90,7 @@ void grain_carry_reset(GrainCarry* c, const Granular& g) {
   c->cursor = c->looked = c->unknown = 0;
   for (uint32_t slot = 0; slot < g.desc.collider_capacity && g.desc.grain_capacity != 0; ++slot) {
     c->moves[slot] = c->next_moves[slot] = 0;
-    for (RigidWay* ways : c->ways) ways[slot] = RigidWay();
+    for (RigidMotion* motions : c->motions) motions[slot] = RigidMotion();
   }
 }
 
@@ -146,11 +147,11 @@ void grain_carry_note(GrainCarry* c, const Granular& g) {
     const uint32_t slot = g.colliders.slots[i], group = g.carry.group_of[i];
     if (!carrier.moves) continue;
     const bool holds = group != k_carry_groups && g.carry.groups[group].hollow && !is_empty(g.carry.held[group]);
-    if (!holds || !swept) move_pose(&c->carried[slot], carrier.way);
-    if (!holds || swept) move_pose(&c->next_carried[slot], carrier.way);
+    if (!holds || !swept) move_pose(&c->carried[slot], carrier.motion);
+    if (!holds || swept) move_pose(&c->next_carried[slot], carrier.motion);
     if (!holds) {
-      move_pose(&c->met[slot], carrier.way);
-      move_pose(&c->next_met[slot], carrier.way);
+      move_pose(&c->met[slot], carrier.motion);
+      move_pose(&c->next_met[slot], carrier.motion);
     } else if (swept) c->next_pending = true;
     else c->pending = true;
   }
@@ -171,13 +172,13 @@ GrainStance grain_carry_stance(const Granular& g, bool moved) {
   return {c.next_met, c.next_moves};
 }
 
-bool grain_carry_take_ways(GrainCarry* c, const Granular& g, bool moved) {
+bool grain_carry_take_motions(GrainCarry* c, const Granular& g, bool moved) {
   uint8_t* const moves = moved && g.sweep.phase != SweepPhase::carry ? c->next_moves : c->moves;
   bool more = false, any = false;
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     const Carrier& carrier = g.colliders.carriers[i];
     const uint32_t slot = g.colliders.slots[i];
-    c->ways[moved ? 1 : 0][slot] = carrier.way;
+    c->motions[moved ? 1 : 0][slot] = carrier.motion;
     const uint32_t group = g.carry.group_of[i];
     const bool holds = c->pending || c->next_pending || (group != k_carry_groups && g.carry.groups[group].hollow);
     any = any || (carrier.moves && holds);
@@ -230,10 +231,10 @@ void grain_carry_found(GrainCarry* c, uint32_t cursor) { c->cursor = cursor; }
 
 bool grain_carry_take(GrainCarry* c, const Granular& g, uint32_t begin, uint32_t end) {
   bool any = false;
-  RigidWay* const ways = c->ways[1];
+  RigidMotion* const motions = c->motions[1];
   for (uint32_t slot = 0; slot < g.desc.collider_capacity; ++slot) {
     const RigidPose &from = c->met[slot], &to = c->carried[slot];
-    ways[slot] = rigid_way(from, to);
+    motions[slot] = rigid_motion(from, to);
   }
   for (uint32_t i = begin; i < end; ++i) {
     const uint8_t holder = c->holders[i];
@@ -244,8 +245,8 @@ bool grain_carry_take(GrainCarry* c, const Granular& g, uint32_t begin, uint32_t
     const uint32_t number = grain->number;
     const float still = grain->still_sweeps;
     __builtin_memcpy(halves, grain, sizeof halves);
-    halves[0] += ways[holder].way(halves[0]);
-    halves[1] += ways[holder].turned(halves[1]);
+    halves[0] += motions[holder].displacement(halves[0]);
+    halves[1] += motions[holder].turned(halves[1]);
     __builtin_memcpy(grain, halves, sizeof halves);
     grain->number = number;
     grain->still_sweeps = still;
@@ -279,9 +280,9 @@ void grain_carry_settle(GrainCarry* c, const Granular& g) {
   grain_carry_forget(c, g, 0);
 }
 
-GrainWays grain_carry_ways(const Granular& g) {
+GrainMotions grain_carry_motions(const Granular& g) {
   const GrainCarry& c = g.grain_carry;
-  return {c.known && c.drawn ? c.holders : nullptr, {c.ways[0], c.ways[1]}, grain_carry_moved(g)};
+  return {c.known && c.drawn ? c.holders : nullptr, {c.motions[0], c.motions[1]}, grain_carry_moved(g)};
 }
 
 }  // namespace sandglass

@@ -249,7 +249,7 @@ struct OutputTask {
   float lag;
   const uint32_t* stamps;  // of the groups; null: all are written
   uint32_t least;          // those from this one on are written
-  GrainWays ways;
+  GrainMotions motions;
   template <bool k_carried>
   void write(uint32_t begin, uint32_t end) const {
     const OutputTask t = *this;  // what is written may not be this
@@ -263,8 +263,8 @@ struct OutputTask {
       const Quad* record = reinterpret_cast<const Quad*>(&t.grains[i]);
       Quad grain = record[0] - t.lag * record[1];
       if constexpr (k_carried) {
-        const RigidWay* const way = t.ways.of(i);
-        if (way != nullptr) grain += way->way(grain);
+        const RigidMotion* const motion = t.motions.of(i);
+        if (motion != nullptr) grain += motion->displacement(grain);
       }
       grain[3] = __builtin_sqrtf(square_of(record[1]));
       __builtin_memcpy(t.out + number * t.stride, &grain, sizeof grain);
@@ -273,7 +273,7 @@ struct OutputTask {
   void run(uint32_t piece, uint32_t begin, uint32_t end) {
     (void)piece;
     const uint32_t last = end < grain_count ? end : grain_count;
-    if (ways.holders != nullptr) write<true>(begin, last);
+    if (motions.holders != nullptr) write<true>(begin, last);
     else write<false>(begin, last);
     for (uint32_t i = begin > grain_count ? begin : grain_count; i < end; ++i) {
       const sandglass_grain grain = {{0.0f, SANDGLASS_REMOVED_Y, 0.0f}, -1.0f};
@@ -311,7 +311,7 @@ void output_run(Output* output, const Granular& g) {
                      lag,
                      output->all_changed || output->all_since >= output->least ? nullptr : output->stamps,
                      output->least,
-                     grain_carry_ways(g)};
+                     grain_carry_motions(g)};
   const uint32_t end = all - output->cursor < g.unit ? all : output->cursor + g.unit;
   granular_split(g, output->cursor, end, &task);
   output->cursor = end;

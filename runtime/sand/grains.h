@@ -133,9 +133,9 @@ uint32_t output_forecast(const Granular& granular, Forecast* entries);
 // ---- GrainCarry (grain_carry.cpp)
 //
 // A sweep takes grains to where sand was when its snapshot was taken. Since then colliders have gone on, in simulated time
-// and without (Carry, in solver.h). So a grain is drawn where its collider's way since then takes it. What of that way
-// took no time is taken into the records before the next sweep looks at them; the rest that sweep finds. Who holds a
-// grain is as for particles, and is looked up once a sweep, where some collider has gone on at all.
+// and without (Carry, in solver.h). So a grain is drawn where the motion of its collider since then takes it. What of
+// that motion took no time is taken into the records before the next sweep looks at them; the rest that sweep finds.
+// Who holds a grain is as for particles, and is looked up once a sweep, where some collider has gone on at all.
 //
 // In a sweep a group of grains has three states: as the last sweep left it, carried, and refined. Two of them can be met at
 // a time: the groups that the phase has come to have the later one.
@@ -146,9 +146,9 @@ struct GrainCarry {
   // for the sweep under way.
   RigidPose *met, *carried, *next_met, *next_carried;
   uint8_t *moves, *next_moves;  // 1: it has gone on since
-  RigidWay* ways[2];            // by slot, to where they are drawn; [1]: of groups with the later state
+  RigidMotion* motions[2];      // by slot, to where they are drawn; [1]: of groups with the later state
   bool pending, next_pending;   // a carry was
-  bool known, drawn;            // this frame's ways are, and some are more than nothing
+  bool known, drawn;            // this frame's motions are known; some of them move grains
   uint32_t unknown;             // groups whose holders are not
   uint32_t cursor, looked;      // at the frame's end: grains that have holders, and for how many they were looked up
 };
@@ -157,15 +157,15 @@ struct GrainStance {
   const uint8_t* moves;
 };
 
-// The ways on which grains are drawn.
+// The motions by which grains are drawn elsewhere than their records say.
 constexpr uint8_t k_grain_holders = 254;  // slots that can hold one; a higher number stands for none
-struct GrainWays {
+struct GrainMotions {
   const uint8_t* holders;  // null: all are drawn where they are
-  const RigidWay* ways[2];
+  const RigidMotion* motions[2];
   uint32_t moved;
 
-  const RigidWay* of(uint32_t i) const {
-    return holders == nullptr || holders[i] >= k_grain_holders ? nullptr : &ways[i < moved ? 1 : 0][holders[i]];
+  const RigidMotion* of(uint32_t i) const {
+    return holders == nullptr || holders[i] >= k_grain_holders ? nullptr : &motions[i < moved ? 1 : 0][holders[i]];
   }
 };
 
@@ -188,8 +188,8 @@ void grain_carry_note(GrainCarry* carry, const Granular& granular);
 // Grains before this one have the later state. Where their colliders were then.
 uint32_t grain_carry_moved(const Granular& granular);
 GrainStance grain_carry_stance(const Granular& granular, bool moved);
-// The carriers go from there: takes their ways. False: none goes on that holds grains: a hand over sand does not.
-bool grain_carry_take_ways(GrainCarry* carry, const Granular& granular, bool moved);
+// The carriers go from there: takes their motions. False: none goes on that holds grains, as a hand over sand does not.
+bool grain_carry_take_motions(GrainCarry* carry, const Granular& granular, bool moved);
 // Finds holders of grains of one state, until a unit of them were looked up. Returns the next grain.
 uint32_t grain_carry_find(GrainCarry* carry, const Granular& granular, uint32_t begin, uint32_t end);
 // A sweep's unit: takes carries into the records. True: some were. Then, all were.
@@ -200,7 +200,7 @@ void grain_carry_taken(GrainCarry* carry);
 bool grain_carry_is_due(const Granular& granular);
 void grain_carry_begin(GrainCarry* carry, const Granular& granular, bool any);
 void grain_carry_found(GrainCarry* carry, uint32_t cursor);
-GrainWays grain_carry_ways(const Granular& granular);
+GrainMotions grain_carry_motions(const Granular& granular);
 
 // ---- ParticleMotion (motion_grid.cpp)
 //
@@ -245,13 +245,13 @@ void motion_configure(ParticleMotion* motion, const sandglass_granular_desc& des
 // by half of what gravity adds in that time. From 1, it did, to 0.
 float motion_free_fall(const float at_end[3], const float mean[3], const float gravity[3], float time);
 
-// A particle that is added, as if it had come this way with its velocity.
+// A particle that is added, as if it had come here with its velocity.
 void motion_add(const ParticleMotion& motion, const Granular& granular, uint32_t number, const float position[3],
                 const float velocity[3]);
-// The particles from the row `first` on, which were just added, have fallen freely on their way.
+// The particles from the row `first` on, which were just added, have fallen freely until now.
 void motion_fall(const ParticleMotion& motion, const Granular& granular, uint32_t first);
 // A particle was carried: that is no motion for grains to follow.
-void motion_carry(const ParticleMotion& motion, const Granular& granular, uint32_t number, const RigidWay& way);
+void motion_carry(const ParticleMotion& motion, const Granular& granular, uint32_t number, const RigidMotion& carrier);
 // What the particles do from now on is what the next sweep covers. The grains lag behind by nothing.
 void motion_begin_here(const ParticleMotion& motion, const Granular& granular);
 // Nothing is remembered of how many particles moved.
@@ -319,8 +319,8 @@ struct Sweep {
   uint32_t since_push;  // sweeps since the last one in which grains were counted and pushed apart; 0: in this one
   uint32_t particles;   // in the snapshot
   double time;          // simulated time that the sweep covers, seconds
-  // A sweep was late: from then on grains meet colliders on their way, as these may go farther in a sweep than a wall is
-  // thick.
+  // A sweep was late: from then on grains meet colliders in each step, as these may go farther in a sweep than a wall
+  // is thick.
   bool late;
 };
 

@@ -243,7 +243,7 @@ __attribute__((noinline)) static void end_carry(Granular* g) {
     contacts_include(&g->contacts, extent);
   }
   if (!is_empty(c.resting)) sleep_include_resting(&g->sleep, c.resting);
-  if (carry_mixes(*g)) neighbours_carried(&g->neighbours, (c.group_count > 1 ? 2.0f : 1.0f) * c.way_max);
+  if (carry_mixes(*g)) neighbours_carried(&g->neighbours, (c.group_count > 1 ? 2.0f : 1.0f) * c.displacement_max);
   ++g->counts.carries;
   grain_carry_note(&g->grain_carry, *g);
   carry_end(&g->carry);
@@ -254,20 +254,20 @@ void granular_carry(Granular* g) {
   if (carry_run(&g->carry, *g)) end_carry(g);
 }
 
-bool granular_find_grain_ways(Granular* g, bool moved) {
+bool granular_find_grain_motions(Granular* g, bool moved) {
   const GrainStance stance = grain_carry_stance(*g, moved);
-  colliders_find_ways(&g->colliders, stance.met, stance.moves);
+  colliders_find_motions(&g->colliders, stance.met, stance.moves);
   carry_find_groups(&g->carry, *g);
-  return grain_carry_take_ways(&g->grain_carry, *g, moved);
+  return grain_carry_take_motions(&g->grain_carry, *g, moved);
 }
 
-// At the end of a frame: which ways grains are drawn, then who holds them.
+// At the end of a frame: the motions by which grains are drawn, then who holds them.
 static void carry_grains(Granular* g) {
   const uint32_t moved = grain_carry_moved(*g);
   if (!g->grain_carry.known) {
     if (time_paused(*g)) return grain_carry_begin(&g->grain_carry, *g, g->grain_carry.drawn);  // all stands
-    const bool rest = granular_find_grain_ways(g, false),
-               any = (moved != 0 && granular_find_grain_ways(g, true)) || rest;
+    const bool rest = granular_find_grain_motions(g, false),
+               any = (moved != 0 && granular_find_grain_motions(g, true)) || rest;
     if (any || g->grain_carry.drawn) {
       output_changed(&g->output);
       output_restart(&g->output);
@@ -275,7 +275,7 @@ static void carry_grains(Granular* g) {
     grain_carry_begin(&g->grain_carry, *g, any);
     if (g->grain_carry.cursor == g->grains.count) return;
   } else {
-    granular_find_grain_ways(g, g->grain_carry.cursor < moved);
+    granular_find_grain_motions(g, g->grain_carry.cursor < moved);
   }
   const uint32_t cursor = g->grain_carry.cursor, end = cursor < moved ? moved : g->grains.count;
   grain_carry_found(&g->grain_carry, grain_carry_find(&g->grain_carry, *g, cursor, end));
@@ -402,15 +402,15 @@ Stage granular_carry_stage(Granular* granular) {
   return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f, 0, close};
 }
 
-// Grains whose holders take as long as the ways of colliders.
-constexpr uint32_t k_ways_items = 512;
+// Finding the motions of colliders takes as long as finding the holders of so many grains.
+constexpr uint32_t k_motions_items = 512;
 
 // The whole output runs, after that.
 Stage granular_output_stage(Granular* granular) {
   const auto next = [](const void* state, uint32_t, WorkUnit* unit) {
     const Granular& g = *static_cast<const Granular*>(state);
     const uint32_t left = g.grain_carry.unknown * k_lane_group;
-    *unit = {k_unit_grain_carry, k_ways_items + (left < g.unit ? left : g.unit), "output.carry"};
+    *unit = {k_unit_grain_carry, k_motions_items + (left < g.unit ? left : g.unit), "output.carry"};
     return grain_carry_is_due(g) || output_next(g, unit);
   };
   const auto run = [](void* state, uint32_t) {
@@ -420,7 +420,7 @@ Stage granular_output_stage(Granular* granular) {
   };
   const auto forecast = [](const void* state, uint32_t, Forecast* entries) {
     const Granular& g = *static_cast<const Granular*>(state);
-    entries[0] = {k_unit_grain_carry, g.grain_carry.drawn ? k_ways_items + g.grain_carry.looked : 0};
+    entries[0] = {k_unit_grain_carry, g.grain_carry.drawn ? k_motions_items + g.grain_carry.looked : 0};
     return 1 + output_forecast(g, entries + 1);
   };
   return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f};

@@ -134,8 +134,9 @@ void granular_begin_frame(Granular* granular, const sandglass_frame_input* input
 void granular_end_frame(Granular* granular);
 // A unit of the carry: sand that colliders hold goes with them where they go on without time for it.
 void granular_carry(Granular* granular);
-// The ways of colliders since grains were as they are, those with the later state of a sweep or the others. False: none.
-bool granular_find_grain_ways(Granular* granular, bool moved);
+// The motions of colliders since grains were as they are. `moved`: for grains with the later state of a sweep, else for
+// the others. False: there is none.
+bool granular_find_grain_motions(Granular* granular, bool moved);
 // While all sleep, time passes without sub-steps: then true.
 bool granular_skip_time(Granular* granular);
 // Lets in the layers that are due.

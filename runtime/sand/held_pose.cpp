@@ -13,7 +13,7 @@ constexpr float k_follow_seconds = 0.25f;
 // What stays so near to one place for so long stands. A lift of 0.7 mm/s does not.
 constexpr float k_stand_seconds = 1.5f, k_stand_bands = 1.0f / 3.0f;
 // Told velocities are remembered for about this time.
-constexpr float k_way_seconds = 0.25f;
+constexpr float k_remembered_seconds = 0.25f;
 // Noise runs in one direction for so many frames once in sixty times.
 constexpr uint32_t k_moved_frames = 4;
 // What shakes within the band never runs further in one direction, in bands.
@@ -24,18 +24,18 @@ constexpr float k_catch_up_seconds = 0.05f, k_caught_up = 1e-4f;
 constexpr float k_still_seconds = 0.1f;
 // Metres a second; what is slower does not move.
 constexpr float k_slowest = 1e-4f;
-// What a told velocity lacks of the pose's way, in shares of it. Of a hand that turns or brakes it is less.
+// What a told velocity lacks of the pose's displacement, in shares of it. Of a hand that turns or brakes it is less.
 constexpr float k_untold_share = 0.25f;
 // What a told velocity lacks is smoothed over about this time.
 constexpr float k_smooth_seconds = 0.1f;
 // Seconds in which a collider may gain the speed at which sand leaves it.
 constexpr float k_leave_frame = 1.0f / 60.0f;
-// m/s^2: a hand that shakes a jar by 5 cm at 4 Hz reaches 32. A way that needs more is a jump.
+// m/s^2: a hand that shakes a jar by 5 cm at 4 Hz reaches 32. What needs more is a jump.
 constexpr float k_hand_acceleration = 50.0f;
 // A jump that is so many times as long as one that goes gently has no told velocity: an app that cuts a late frame's time
-// step tells the whole way in it.
+// step gives the whole displacement in it.
 constexpr float k_leap = 4.0f;
-// What goes on errs by no more than this share of its way, if the way before is continued.
+// What goes on errs by no more than this share of its displacement, if its velocity stays.
 constexpr float k_moves_on_share = 0.75f;
 // While it is waited for, a pose goes on as it did for no longer than this in a frame: how it did was noise, perhaps.
 constexpr float k_goes_on_seconds = 0.05f;
@@ -65,12 +65,12 @@ void take_free_faces(HeldPose* p, const HoldRule& rule) {
   }
 }
 
-// A velocity of a collider's own way, in which the poses' noise is smoothed: what makes less than the band in this
+// A velocity of a collider's own motion, in which the poses' noise is smoothed: what makes less than the band in this
 // frame. It gains only so much: a single jump is no motion. Of a turn a point at `lever` counts.
-void gain(float velocity[3], const float went[3], float seconds, float lever, const HoldRule& rule) {
+void gain(float velocity[3], const float displacement[3], float seconds, float lever, const HoldRule& rule) {
   constexpr float k_none = 1e-9f;  // m/s or rad/s
   float next[3], lacks[3], along = 0.0f;
-  for (int k = 0; k < 3; ++k) lacks[k] = went[k] / seconds - velocity[k];
+  for (int k = 0; k < 3; ++k) lacks[k] = displacement[k] / seconds - velocity[k];
   const float noise = rule.band / (seconds * lever),
               most = rule.leave_speed / lever * minimum(seconds / k_leave_frame, 1.0f);
   const float share = maximum(seconds / (k_smooth_seconds + seconds), 1.0f - noise / (length3(lacks) + k_none));
@@ -99,17 +99,17 @@ float run_of_surface(sandglass_shape shape, const Pose& pose, const float run[6]
 // direction for a while.
 bool believes(HeldPose* p, sandglass_shape shape, const Placement& told, bool jumped, float reach, float step,
               float band) {
-  float went[6], length2 = 0.0f, with = 0.0f;
+  float displacement[6], length2 = 0.0f, with = 0.0f;
   for (int k = 0; k < 6; ++k) {
-    went[k] = k < 3 ? told.linear[k] * step : told.angular[k - 3] * reach * step;
-    length2 += went[k] * went[k];
-    with += went[k] * p->run[k];
+    displacement[k] = k < 3 ? told.linear[k] * step : told.angular[k - 3] * reach * step;
+    length2 += displacement[k] * displacement[k];
+    with += displacement[k] * p->run[k];
   }
   if (!(length2 >= k_slowest * k_slowest * step * step)) {
     p->since_velocity += step;
     if (p->since_velocity < k_still_seconds) return false;
     for (float& r : p->run) r = 0.0f;
-    p->since_turn = k_way_seconds;
+    p->since_turn = k_remembered_seconds;
     p->moved = 0;
     return false;
   }
@@ -122,12 +122,12 @@ bool believes(HeldPose* p, sandglass_shape shape, const Placement& told, bool ju
   const bool outlier = jumped && p->since_velocity > 0.0f;  // or the second pose of a slow tracker
   p->since_velocity = 0.0f;
   if (p->moved < k_moved_frames) ++p->moved;
-  const float kept = with < 0.0f ? 0.0f : maximum(1.0f - step / k_way_seconds, 0.0f);
-  p->since_turn = with < 0.0f ? 0.0f : minimum(p->since_turn + step, k_way_seconds);
-  for (int k = 0; k < 6; ++k) p->run[k] = kept * p->run[k] + went[k];
-  const bool steady = p->since_turn >= k_way_seconds && p->moved == k_moved_frames;
+  const float kept = with < 0.0f ? 0.0f : maximum(1.0f - step / k_remembered_seconds, 0.0f);
+  p->since_turn = with < 0.0f ? 0.0f : minimum(p->since_turn + step, k_remembered_seconds);
+  for (int k = 0; k < 6; ++k) p->run[k] = kept * p->run[k] + displacement[k];
+  const bool steady = p->since_turn >= k_remembered_seconds && p->moved == k_moved_frames;
   const bool ran = run_of_surface(shape, told.pose, p->run) > k_run_bands * band;
-  return steady || (ran && !outlier && p->since_gap >= k_way_seconds);
+  return steady || (ran && !outlier && p->since_gap >= k_remembered_seconds);
 }
 
 void stop(HeldPose* p) {
@@ -142,24 +142,24 @@ void begin_following(HeldPose* p) {
   p->stood = 0.0f;
 }
 
-// Adds to a told velocity what it does not tell of the pose's way: of a belt that is lifted, the lift. Of the velocity,
-// so much is the pose's as goes with its way; of a belt that stays in place nothing: it slides.
-void add_untold(float velocity[3], float untold[3], const float went[3], float step, float lever,
+// Adds to a told velocity what it lacks of the pose's motion: of a belt that is lifted, the lift. Of the velocity,
+// so much is the pose's as goes along its displacement; of a belt that stays in place nothing: it slides.
+void add_untold(float velocity[3], float untold[3], const float displacement[3], float step, float lever,
                 const HoldRule& rule) {
   float with = 0.0f, told2 = 0.0f;
-  for (int k = 0; k < 3; ++k) with += went[k] * velocity[k] * step;
+  for (int k = 0; k < 3; ++k) with += displacement[k] * velocity[k] * step;
   for (int k = 0; k < 3; ++k) told2 += velocity[k] * velocity[k] * step * step;
   const float share = told2 > 0.0f ? minimum(maximum(with / told2, 0.0f), 1.0f) : 0.0f;
   float rest[3];
-  for (int k = 0; k < 3; ++k) rest[k] = went[k] - share * step * velocity[k];
-  if (length3(rest) > k_untold_share * length3(went)) gain(untold, rest, step, lever, rule);
+  for (int k = 0; k < 3; ++k) rest[k] = displacement[k] - share * step * velocity[k];
+  if (length3(rest) > k_untold_share * length3(displacement)) gain(untold, rest, step, lever, rule);
   else untold[0] = untold[1] = untold[2] = 0.0f;
   for (int k = 0; k < 3; ++k) velocity[k] += untold[k];
 }
 
 // The share of a told velocity that the pose does not go.
-void find_slide(float slide[3], const float told[3], const float went[3]) {
-  const float told2 = dot3(told, told), share = told2 > 0.0f ? 1.0f - dot3(told, went) / told2 : 0.0f;
+void find_slide(float slide[3], const float told[3], const float displacement[3]) {
+  const float told2 = dot3(told, told), share = told2 > 0.0f ? 1.0f - dot3(told, displacement) / told2 : 0.0f;
   for (int k = 0; k < 3; ++k) slide[k] = share > k_untold_share ? minimum(share, 1.0f) * told[k] : 0.0f;
 }
 
@@ -168,14 +168,14 @@ void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose&
           float step, const HoldRule& rule) {
   const Placement before = p->held;
   p->held.pose = told.pose;
-  if (jumped && surface_way(shape, was_told, told.pose, rule) > k_leap * rule.gentle) return;
+  if (jumped && surface_distance(shape, was_told, told.pose, rule) > k_leap * rule.gentle) return;
   p->held = told;
   float shift[3], arc[3];
   motion_between(was_told, told.pose, shift, arc);
   // A pose that has not changed may be a slow tracker's.
   if (p->same == 0 || p->age >= k_still_seconds) {
-    find_slide(p->slide, told.linear, p->way);
-    find_slide(p->slide + 3, told.angular, p->way + 3);
+    find_slide(p->slide, told.linear, p->given_velocity);
+    find_slide(p->slide + 3, told.angular, p->given_velocity + 3);
   }
   if (rule.band <= 0.0f) {
     const bool alone = dot3(told.linear, told.linear) + dot3(told.angular, told.angular) == 0.0f;
@@ -190,7 +190,7 @@ void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose&
   add_untold(p->held.linear, p->untold, shift, step, 1.0f, rule);
   add_untold(p->held.angular, p->untold + 3, arc, step, maximum(reach, 1e-6f), rule);
   // As far from the told pose as it was in the last frame, but of one that had jumped no further than what goes gently.
-  const float lag = surface_way(shape, before.pose, was_told, rule), most = rule.gentle + p->last_speed * step;
+  const float lag = surface_distance(shape, before.pose, was_told, rule), most = rule.gentle + p->last_speed * step;
   if (lag <= k_caught_up) return;
   const Pose was_held = lag > most ? between(was_told, before.pose, most / lag) : before.pose;
   Pose behind = was_held;
@@ -209,7 +209,7 @@ void take(HeldPose* p, sandglass_shape shape, const Placement& told, const Pose&
 // What the told pose does: how fast, and in which intervals.
 struct Seen {
   bool jumped;  // faster than a hand gets
-  bool starts;  // it moves on as in the way before, faster than lately
+  bool starts;  // it moves on as it did before, faster than lately
 };
 Seen observe(HeldPose* p, sandglass_shape shape, const Pose& told, float step, const HoldRule& rule) {
   p->age = minimum(p->age + step, 1.0f);
@@ -217,13 +217,14 @@ Seen observe(HeldPose* p, sandglass_shape shape, const Pose& told, float step, c
   p->speed *= maximum(1.0f - step / k_speed_seconds, 0.0f);
   const bool stood = p->age >= k_still_seconds && p->same > 1;
   if (same_pose(told, p->told)) {
-    for (int k = 0; stood && k < 6; ++k) p->way[k] = p->last_speed = 0.0f;
+    for (int k = 0; stood && k < 6; ++k) p->given_velocity[k] = p->last_speed = 0.0f;
     return {false, false};
   }
   const float frames = static_cast<float>(p->same), seconds = stood ? p->interval * step : p->age;
   if (!stood) p->interval = maximum(frames, 0.5f * (p->interval + frames));
-  const float distance = surface_way(shape, p->told, told, rule), speed = distance / seconds;
-  const float errs = surface_way(shape, advanced(p->told, p->way, p->way + 3, seconds), told, rule);
+  const float distance = surface_distance(shape, p->told, told, rule), speed = distance / seconds;
+  const float errs =
+      surface_distance(shape, advanced(p->told, p->given_velocity, p->given_velocity + 3, seconds), told, rule);
   const float gains = k_hand_acceleration * seconds;
   const bool jumped = errs > rule.band + gains * seconds && speed > p->speed + gains;
   const bool moves_on = errs <= k_moves_on_share * distance;
@@ -231,8 +232,8 @@ Seen observe(HeldPose* p, sandglass_shape shape, const Pose& told, float step, c
   if (!jumped) p->speed = maximum(p->speed, moves_on ? speed : minimum(speed, p->last_speed));
   if (!rule.returns) {
     p->last_speed = speed;
-    motion_between(p->told, told, p->way, p->way + 3);
-    for (float& v : p->way) v /= seconds;
+    motion_between(p->told, told, p->given_velocity, p->given_velocity + 3);
+    for (float& v : p->given_velocity) v /= seconds;
   }
   p->age = 0.0f;
   p->same = 0;
@@ -264,16 +265,16 @@ void jump(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule) 
     const float up = face % 2 != 0 ? 1.0f : -1.0f;
     if (faces == 1) held = laid(p->told, face / 2, up, face_of(held, face / 2, up));
   }
-  if (surface_way(shape, aim, held, rule) > rule.gentle + p->speed * (p->interval + 1.0f) * step) held = aim;
+  if (surface_distance(shape, aim, held, rule) > rule.gentle + p->speed * (p->interval + 1.0f) * step) held = aim;
 }
 
-// A frame's way: to within the band of the told pose, where that moves, hardly faster than it goes; else gently.
+// A frame's motion: to within the band of the told pose, where that moves, hardly faster than it goes; else gently.
 void follow(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule) {
   Pose& held = p->held.pose;
   const Pose aim = aim_of(*p, shape);
   if (shape == SANDGLASS_SHAPE_BOX && grown(held, aim) > 0.0f) take_free_faces(p, rule);
   const Pose before = held;
-  const float lag = surface_way(shape, aim, before, rule), gently = rule.leave_speed * step;
+  const float lag = surface_distance(shape, aim, before, rule), gently = rule.leave_speed * step;
   float share = step / (k_follow_seconds + step);
   if (share * lag > gently) share = gently / lag;
   const Pose slow = between(before, aim, share);
@@ -282,15 +283,15 @@ void follow(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule
   // Evenly until a slow tracker tells the next pose.
   next = between(before, next, 1.0f / maximum(p->interval - static_cast<float>(p->same), 1.0f));
   const float most = (1.0f + k_catch_up_share) * p->speed * step;
-  float distance = surface_way(shape, before, next, rule);
+  float distance = surface_distance(shape, before, next, rule);
   if (distance > most) next = between(before, next, most / distance);
   distance = minimum(most, distance);
-  if (surface_way(shape, before, slow, rule) > distance) next = slow;
+  if (surface_distance(shape, before, slow, rule) > distance) next = slow;
   motion_between(before, next, p->held.linear, p->held.angular);
   for (float& v : p->held.linear) v /= step;
   for (float& w : p->held.angular) w /= step;
   held = next;
-  const bool moves = surface_way(shape, p->stand, next, rule) > k_stand_bands * rule.band;
+  const bool moves = surface_distance(shape, p->stand, next, rule) > k_stand_bands * rule.band;
   if (moves) p->stand = next;
   p->stood = moves ? 0.0f : p->stood + step;
   if (p->stood < k_stand_seconds) return;
@@ -336,8 +337,8 @@ bool waits(HeldPose* p, sandglass_shape shape, const Seen& seen, float step, con
 void hold_move(HeldPose* p, const float rotation[4], const float shift[3]) {
   Pose* const poses[] = {&p->held.pose, &p->told, &p->stand};
   for (Pose* pose : poses) pose_move(pose, rotation, shift);
-  float* const vectors[] = {p->held.linear, p->held.angular, p->slide,   p->slide + 3, p->way,
-                            p->way + 3,     p->run,          p->run + 3, p->untold,    p->untold + 3};
+  float* const vectors[] = {p->held.linear,        p->held.angular, p->slide,   p->slide + 3, p->given_velocity,
+                            p->given_velocity + 3, p->run,          p->run + 3, p->untold,    p->untold + 3};
   for (float* v : vectors) {
     const FloatVector turned = rotated(rotation, {v[0], v[1], v[2]});
     v[0] = turned.x;
@@ -351,7 +352,7 @@ void hold_anew(HeldPose* p, const Placement& told) {
   p->held = told;
   p->told = p->stand = told.pose;
   p->interval = 1.0f;
-  p->since_turn = p->since_gap = k_way_seconds;
+  p->since_turn = p->since_gap = k_remembered_seconds;
   p->since_velocity = k_still_seconds;
   // What comes with a velocity is believed, until it turns back.
   for (int k = 0; k < 3; ++k)
@@ -368,7 +369,7 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
   if (rule.returns) p->beyond = static_cast<uint32_t>(k_slowest_interval);
   const Seen seen = observe(p, shape, told.pose, step, rule);
   p->told = told.pose;
-  p->since_gap = minimum(p->since_gap + step, k_way_seconds);
+  p->since_gap = minimum(p->since_gap + step, k_remembered_seconds);
   const float reach = reach_of(shape, told.pose, rule);
   if (rule.band <= 0.0f || believes(p, shape, told, seen.jumped, reach, step, rule.band)) {
     take(p, shape, told, was_told, seen.jumped, reach, step, rule);
@@ -378,7 +379,7 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
   }
   if (p->believed != 0) stop(p);
   p->believed = 0;
-  if (step > rule.longest && surface_way(shape, p->held.pose, told.pose, rule) >= rule.band) {
+  if (step > rule.longest && surface_distance(shape, p->held.pose, told.pose, rule) >= rule.band) {
     arrive(p, shape, step, rule);
     return;
   }
@@ -387,7 +388,7 @@ void hold(HeldPose* p, sandglass_shape shape, const Placement& now, float step, 
     return;
   }
   stop(p);
-  if (same_pose(p->held.pose, told.pose) || surface_way(shape, p->held.pose, told.pose, rule) < rule.band) {
+  if (same_pose(p->held.pose, told.pose) || surface_distance(shape, p->held.pose, told.pose, rule) < rule.band) {
     p->beyond = 0;
     if (shape == SANDGLASS_SHAPE_BOX && grown(p->held.pose, told.pose) > rule.band) take_free_faces(p, rule);
     return;

@@ -3,9 +3,9 @@
 //
 //   held      as long as the told surface, where sand is, stays within a band of the held one, nothing moves
 //   follows   a pose that stays beyond the band for some frames, or moves on there, is followed all the way, never ahead
-//             of it. The held velocity is that of the held pose's way, so sand meets what it sees. Where the told pose
-//             moves, it is followed to within the band, hardly faster than it goes; where it has jumped, gently. It is
-//             held again once it has stood for a while
+//             of it. The held velocity is that of the held pose's motion, so sand meets what it sees. Where the told
+//             pose moves, it is followed to within the band, hardly faster than it goes; where it has jumped, gently.
+//             It is held again once it has stood for a while
 //   believed  where the app tells a velocity that keeps its direction, pose and velocity are taken as told
 //
 // What counts is the surface, not the numbers: a half-space may slide along itself, a ball may turn, and a box that grows
@@ -29,15 +29,15 @@ struct Placement {
 // State that is saved as it is.
 struct HeldPose {
   Placement held;
-  float slide[6];        // of the held velocities what is no way of the pose: a belt's
-  Pose told;             // in the last frame
-  Pose stand;            // while it follows: where it stands if it stands
-  float way[6];          // the velocity of the told pose's last way, m/s and rad/s
-  float speed;           // m/s: at which its surface went on lately, two ways in a row
-  float last_speed;      // m/s: of the last way
-  float interval;        // frames from one told pose to the next
-  float run[6];          // the way that told velocities went lately: shift and arc
-  float untold[6];       // while it is believed: what the pose's own way has beside told velocities, m/s and rad/s
+  float slide[6];           // the part of the held velocities that does not move the pose: a belt's
+  Pose told;                // in the last frame
+  Pose stand;               // while it follows: where it stands if it stands
+  float given_velocity[6];  // of the told pose's last motion, m/s and rad/s
+  float speed;              // m/s: at which its surface went on lately, in two motions in a row
+  float last_speed;         // m/s: of the last motion
+  float interval;           // frames from one told pose to the next
+  float run[6];             // how far told velocities have gone lately: shift and arc
+  float untold[6];       // while it is believed: what the pose's own motion has beside told velocities, m/s and rad/s
   float since_turn;      // seconds since they turned back
   float since_velocity;  // seconds without one
   float since_gap;       // seconds since one came after frames without
@@ -57,8 +57,8 @@ struct HoldRule {
   float leave_speed;      // m/s: at which sand leaves a collider that jumped
   float gentle;           // what jumped no further goes there gently, else it is there at once
   float longest;          // seconds; of a longer frame only so much is simulated
-  // The first frame after a save was restored. How long ago that was nobody knows: the way from there is no motion. Nor
-  // whether the told pose is an outlier, because none came before: it is followed at once.
+  // The first frame after a save was restored. How long ago that was nobody knows: the difference from there is no
+  // motion. Nor whether the told pose is an outlier, because none came before: it is followed at once.
   bool returns;
 };
 
@@ -72,10 +72,10 @@ void pose_move(Pose* pose, const float rotation[4], const float shift[3]);
 void hold_move(HeldPose* pose, const float rotation[4], const float shift[3]);
 
 // How far the surface of `to` is from that of `from`, at most, where sand is.
-float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const HoldRule& rule);
+float surface_distance(sandglass_shape shape, const Pose& from, const Pose& to, const HoldRule& rule);
 
 // The same of a box as if it had grown: only of faces that sand is in front of.
-float way_of_box(const Pose& from, const Pose& to, const HoldRule& rule);
+float box_surface_distance(const Pose& from, const Pose& to, const HoldRule& rule);
 
 bool same_pose(const Pose& a, const Pose& b);
 // The same turn up to the sign and the noise of a quaternion.

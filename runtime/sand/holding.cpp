@@ -25,8 +25,8 @@ void to_local(const Granular& g, const ColliderFrame& c, const float at[3][k_lan
   }
 }
 
-// Metres along `way` until each ray is in the box; k_far: never.
-void enter_box(const Granular& g, const float way[3], const float low[3], const float high[3],
+// Metres along `direction` until each ray is in the box; k_far: never.
+void enter_box(const Granular& g, const float direction[3], const float low[3], const float high[3],
                float enter[k_lane_group]) {
   constexpr float k_along = 1e-6f;
   const auto& at = scratch_of(g).local;
@@ -35,14 +35,14 @@ void enter_box(const Granular& g, const float way[3], const float low[3], const 
     Quad in = {}, out = far;
     for (int k = 0; k < 3; ++k) {
       const Quad x = four(at[k], l);
-      if (__builtin_fabsf(way[k]) < k_along) {
+      if (__builtin_fabsf(direction[k]) < k_along) {
         out = x < low[k] ? never : out;
         out = x > high[k] ? never : out;
         continue;
       }
-      const float inverse = 1.0f / way[k];
-      const Quad first = ((way[k] > 0.0f ? low[k] : high[k]) - x) * inverse;
-      const Quad last = ((way[k] > 0.0f ? high[k] : low[k]) - x) * inverse;
+      const float inverse = 1.0f / direction[k];
+      const Quad first = ((direction[k] > 0.0f ? low[k] : high[k]) - x) * inverse;
+      const Quad last = ((direction[k] > 0.0f ? high[k] : low[k]) - x) * inverse;
       in = in < first ? first : in;
       out = last < out ? last : out;
     }
@@ -125,21 +125,21 @@ void trace_field(const Granular& g, const ColliderFrame& c, const HeldLanes& lan
 void find_below(const Granular& g, const ColliderFrame& c, const HeldLanes& lanes, const float down[3],
                 float below[k_lane_group]) {
   const auto& local = scratch_of(g).local;
-  float way[3];
-  for (int a = 0; a < 3; ++a) way[a] = c.axes[a][0] * down[0] + c.axes[a][1] * down[1] + c.axes[a][2] * down[2];
+  float direction[3];
+  for (int a = 0; a < 3; ++a) direction[a] = c.axes[a][0] * down[0] + c.axes[a][1] * down[1] + c.axes[a][2] * down[2];
   to_local(g, c, lanes.at);
   if (c.shape == SANDGLASS_SHAPE_HALF_SPACE) {
     for (uint32_t l = 0; l < k_lane_group; l += 4) {
-      const Quad y = four(local[1], l), down_to = way[1] < -1e-6f ? y / -way[1] : Quad{} + k_far;
+      const Quad y = four(local[1], l), down_to = direction[1] < -1e-6f ? y / -direction[1] : Quad{} + k_far;
       four(below, l) = y <= 0.0f ? Quad{} : down_to;
     }
   } else if (c.shape == SANDGLASS_SHAPE_BOX) {
     const float least[3] = {-c.size[0], -c.size[1], -c.size[2]};
-    enter_box(g, way, least, c.size, below);
+    enter_box(g, direction, least, c.size, below);
   } else if (c.shape == SANDGLASS_SHAPE_FIELD) {
     float most[3];
     for (int a = 0; a < 3; ++a) most[a] = c.field.low[a] + c.field.spacing * static_cast<float>(c.field.counts[a] - 1);
-    enter_box(g, way, c.field.low, most, below);
+    enter_box(g, direction, c.field.low, most, below);
     trace_field(g, c, lanes, down, below);
   } else if (c.shape == SANDGLASS_SHAPE_SPHERE) {
     enter_ball(c, lanes, down, below);

@@ -40,7 +40,7 @@ bool holding_encloses(const ColliderFrame& collider);
 bool holding_carries(const Granular& granular, uint32_t collider);
 // The box around a collider in the world's axes; of a half-space, everything.
 Bounds holding_box(const ColliderFrame& collider);
-// The same of a group of colliders that go one way, in the axes of its first.
+// The same of a group of colliders of one motion, in the axes of its first.
 void holding_join(Bounds* box, const ColliderFrame& first, const ColliderFrame& collider);
 bool holding_overlaps(const Bounds& a, const Bounds& b, float margin);
 void holding_velocity(const ColliderFrame& collider, const float at[3], float velocity[3]);
@@ -50,7 +50,7 @@ void holding_measure(const Granular& granular, const ColliderFrame& collider, co
                      uint32_t count = k_lane_group);
 // Of one place.
 float holding_distance(const Granular& granular, const ColliderFrame& collider, const Quad& at, Quad* normal);
-// A collider after `share` of its way, at most all of it; until the next call.
+// A collider after `share` of its motion, at most all of it; until the next call.
 const ColliderFrame& holding_posed(const Granular& granular, const Carrier& carrier, float share);
 
 void holding_find_near(const Granular& granular, HeldGroup* group);

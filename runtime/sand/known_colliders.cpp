@@ -40,7 +40,7 @@ float apart2(const KnownCollider& known, const sandglass_collider& now) {
   // A half-space may have slid along itself: what counts is how its plane lies.
   HoldRule at = {};
   for (int k = 0; k < 3; ++k) at.low[k] = at.high[k] = now.position[k];
-  const float distance = surface_way(now.shape, told, pose_of(now), at);
+  const float distance = surface_distance(now.shape, told, pose_of(now), at);
   return distance * distance;
 }
 
@@ -201,7 +201,8 @@ void order(Colliders* c, uint32_t capacity) {
   }
 }
 
-// What sand meets of a collider in this frame. owed: see colliders_take; 0 where what is left of its way is not known.
+// What sand meets of a collider in this frame. owed: see colliders_take; 0 where how far it still has to go is not
+// known.
 void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const sandglass_collider& now, double owed,
                const HoldRule& rule) {
   Colliders& c = *colliders;
@@ -271,7 +272,7 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
   Colliders& c = *colliders;
   const uint32_t capacity = g.desc.collider_capacity;
   const HoldRule rule = hold_rule(g);
-  if (c.waits) owed = 0.0;  // what is left of ways is not saved
+  if (c.waits) owed = 0.0;  // how far colliders still have to go is not saved
   for (uint32_t slot = 0; slot < capacity; ++slot) {
     c.seen_by[slot] = SeenBy::none;
     if (c.known[slot].used != 0 && !(c.waits && input.collider_count == 0)) c.known[slot].absent += g.time.frame_step;
@@ -300,7 +301,7 @@ void colliders_take(Colliders* colliders, const Granular& g, const sandglass_fra
       c.known[slot].listed = i;
     }
   }
-  // What comes later than the first after a save comes from nowhere: where it was then is no way.
+  // What comes later than the first after a save comes from nowhere: where it was then, it has not moved from.
   for (uint32_t slot = 0; slot < capacity && c.waits && input.collider_count != 0; ++slot)
     if (c.known[slot].absent > 0.0f) c.known[slot].absent = k_gone_seconds;
   if (input.collider_count != 0 && g.time.frame_step > 0.0f) c.waits = false;

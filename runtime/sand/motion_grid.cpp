@@ -193,10 +193,10 @@ void motion_fall(const ParticleMotion& m, const Granular& g, uint32_t first) {
   }
 }
 
-void motion_carry(const ParticleMotion& m, const Granular& g, uint32_t number, const RigidWay& motion) {
+void motion_carry(const ParticleMotion& m, const Granular& g, uint32_t number, const RigidMotion& motion) {
   if (g.desc.grain_capacity == 0) return;
   float* const at = (sweep_has_snapshot(g) ? m.ends : m.starts)[number].position;
-  const Quad from = quad(at), to = from + motion.way(from);
+  const Quad from = quad(at), to = from + motion.displacement(from);
   for (int k = 0; k < 3; ++k) at[k] = to[k];
 }
 

@@ -144,7 +144,7 @@ bool same_turn(const float a[4], const float b[4]) {
   return apart2 <= noise;
 }
 
-float surface_way(sandglass_shape shape, const Pose& from, const Pose& to, const HoldRule& rule) {
+float surface_distance(sandglass_shape shape, const Pose& from, const Pose& to, const HoldRule& rule) {
   if (same_pose(from, to)) return 0.0f;
   float low[3], high[3], most = 0.0f;
   near_box(shape, from, rule, low, high);
@@ -183,7 +183,7 @@ void pose_move(Pose* p, const float rotation[4], const float shift[3]) {
   for (int k = 0; k < 4; ++k) p->rotation[k] = scale * turned[k];
 }
 
-float way_of_box(const Pose& from, const Pose& to, const HoldRule& rule) {
+float box_surface_distance(const Pose& from, const Pose& to, const HoldRule& rule) {
   float low[3], high[3];
   near_box(SANDGLASS_SHAPE_BOX, from, rule, low, high);
   return apart_of_faces(from, to, low, high);

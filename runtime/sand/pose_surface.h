@@ -1,7 +1,7 @@
 // Poses, and how far the surfaces of shapes at them are apart where sand is. For held poses alone.
 #pragma once
 
-#include "runtime/math/rigid_motion.h"
+#include "runtime/math/rotation.h"
 #include "runtime/sand/held_pose.h"
 
 namespace sandglass {

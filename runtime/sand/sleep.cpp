@@ -1,7 +1,7 @@
 // Who rests: which particles sleep, and what wakes them. solver.h has the rules.
 #include "kernels/whole.h"
 #include "runtime/math/finite.h"
-#include "runtime/math/rigid_motion.h"
+#include "runtime/math/rotation.h"
 #include "runtime/sand/granular.h"
 
 namespace sandglass {
@@ -41,7 +41,7 @@ constexpr uint8_t k_woken_often = 8;
 constexpr uint32_t k_touched_most = 16;  // more cannot touch a sphere
 constexpr float k_support = 0.3f;        // what is lower by so much of the distance bears
 constexpr float k_upright = 0.998f;      // and what bears alone, straight below to 3.6 degrees
-constexpr float k_way_aside = 0.05f;     // what is nearer than that along a way, of the distance, stops it
+constexpr float k_free_aside = 0.05f;    // what is nearer than that along a direction, of the distance, stops it
 
 Particle* particle_at(const Granular& g, uint32_t i) { return &g.particles.records[0][i]; }
 
@@ -197,8 +197,8 @@ void sleep_restore(Sleep* s, const SavedScene& saved) {
   s->awake_count = saved.state.awake;
 }
 
-void sleep_carry(const Granular& g, uint32_t number, const RigidWay& way) {
-  way.move(g.sleep.anchors[number].position);
+void sleep_carry(const Granular& g, uint32_t number, const RigidMotion& motion) {
+  motion.move(g.sleep.anchors[number].position);
 }
 
 void sleep_include_resting(Sleep* s, const Bounds& carried) { bounds_join(&s->resting, carried); }
@@ -381,9 +381,9 @@ static bool leans(const Sleep& sleep, const Granular& g, uint32_t i) {
 }
 
 // Whether a particle touches a particle, not of its own body, the boundary or a collider, and its centre lies in none:
-// from there it is on its way out. `watched` long enough, it may beside what leans, too; else that would fall on other ways
-// where this stands fast. Without gravity all may rest. It waits for what it touches that has been quiet for `waits` checks
-// and will be for `patience` soon.
+// from there it is pushed out. `watched` long enough, it may beside what leans, too; else that would fall in other
+// directions where this stands fast. Without gravity all may rest. It waits for what it touches that has been quiet for
+// `waits` checks and will be for `patience` soon.
 static bool may_rest(const Sleep& sleep, const Granular& g, uint32_t i, bool watched, uint32_t waits,
                      uint32_t patience) {
   if (!(g.gravity_length > 0.0f)) return true;
@@ -405,8 +405,8 @@ static bool may_rest(const Sleep& sleep, const Granular& g, uint32_t i, bool wat
   return touches && !inside;
 }
 
-// Whether a particle stands upright on a single other one, and some way aside leads past all that it touches. What is
-// balanced itself stops nothing: so a lattice leans as a whole, and between walls it stands.
+// Whether a particle stands upright on a single other one, and some direction aside leads past all that it touches.
+// What is balanced itself stops nothing: so a lattice leans as a whole, and between walls it stands.
 static bool is_balanced(const Sleep& sleep, const Granular& g, uint32_t i) {
   if (!(g.gravity_length > 0.0f)) return false;
   const float* at = particle_at(g, i)->position;
@@ -425,13 +425,13 @@ static bool is_balanced(const Sleep& sleep, const Granular& g, uint32_t i) {
     if (height > k_support && (height < k_upright || ++supports > 1)) return false;
     if (height > -k_support && !leans(sleep, g, row[s])) normals[stops++] = n;
   }
-  // Where any way is free, one leads along the side of what is beside the particle, or nothing is.
+  // Where any direction is free, one leads along the side of what is beside the particle, or nothing is.
   bool beside = false, free = false;
   for (uint32_t s = 0; s < 2 * stops && !free; ++s) {
-    const FloatVector way = s % 2 == 0 ? cross(up, normals[s / 2]) : cross(normals[s / 2], up);
-    if (dot(way, way) < k_way_aside) continue;
+    const FloatVector direction = s % 2 == 0 ? cross(up, normals[s / 2]) : cross(normals[s / 2], up);
+    if (dot(direction, direction) < k_free_aside) continue;
     beside = free = true;
-    for (uint32_t t = 0; t < stops; ++t) free = free && dot(way, normals[t]) > -k_way_aside;
+    for (uint32_t t = 0; t < stops; ++t) free = free && dot(direction, normals[t]) > -k_free_aside;
   }
   return supports != 0 && (free || !beside) && !touches_collider(g, i, &beside);
 }

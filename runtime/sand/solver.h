@@ -178,11 +178,11 @@ void substep_abandon(Granular* granular);
 // those that have jumped do; in its last ones, before output, all that move where the frame's time was not enough. So
 // sand is where its vessel is drawn, whatever the budget. Who is held is geometry alone:
 //   enclosed   in a field that is solid outside, the nearest
-//   supported  the first surface below, along gravity, is the collider's, and sand is within the box around all that go
-//              the same way: a bucket of five boxes. Not above one ball or box alone, unless it goes along with that.
-// Of both the innermost: a jar that is carried in a car. What only lies on a ball or a box goes as much of its way as it
-// has of its velocity, and friction adds to that. What is not held and would be in the collider gives way (giving.cpp).
-// But what has jumped pushes nothing, and carries only what stands in a vessel.
+//   supported  the first surface below, along gravity, is the collider's, and sand is within the box around all that
+//              share its motion: a bucket of five boxes. Not above one ball or box alone, unless it goes along with it.
+// Of both the innermost: a jar that is carried in a car. What only lies on a ball or a box goes by the share of its
+// displacement that the sand has of its velocity, and friction adds to that. What is not held and would be in the
+// collider gives way (giving.cpp). But what has jumped pushes nothing, and carries only what stands in a vessel.
 //
 // All copies of a particle are moved, so that the sub-step under way goes on where it was carried.
 
@@ -191,7 +191,7 @@ constexpr uint32_t k_carry_groups = 16;
 struct HeldScratch;
 struct Giving;
 
-// Colliders that go the same way. Their box is in the axes of the first; hollow: sand may stand in it. slow: they go so
+// Colliders that share a motion. Their box is in the axes of the first; hollow: sand may stand in it. slow: they go so
 // little that others press nothing into them.
 struct CarryGroup {
   uint32_t first, members;
@@ -204,7 +204,7 @@ struct Carry {
   bool moving;   // a collider moves sand
   bool may_lag;  // by more than is seen, if nothing of the frame is simulated
   bool closing;  // the frame's optional units are over
-  bool known;    // ways and groups are found
+  bool known;    // motions and groups are found
   bool usual;    // it has closed a frame before: its own cost is known
   uint32_t cursor;
   float faster;       // velocities of colliders, over those before
@@ -216,7 +216,7 @@ struct Carry {
   uint16_t body_holders[256];  // the collider that holds a body, plus 1
   // What the units so far have seen.
   Bounds held[k_carry_groups], pushed, resting, standing;
-  float way_max, fastest2;
+  float displacement_max, fastest2;
   bool gave_way;
   Giving* giving;  // what is not held
 };
@@ -229,21 +229,21 @@ void carry_close(Carry* carry, const Granular& granular);
 // Whether units are to come, and the items of the next.
 bool carry_is_due(const Granular& granular);
 void carry_unit(const Granular& granular, WorkUnit* unit);
-// The most items of what gave way lately.
+// The most items of lately for what gives way.
 uint32_t giving_usual(const Carry& carry);
 // Units of a carry of all particles; and whether the end of this frame may have them.
 uint32_t carry_units(const Granular& granular);
 bool carry_is_expected(const Granular& granular);
 // The carriers are known. faster: what their velocities are over those before.
 void carry_begin(Carry* carry, const Granular& granular, float faster);
-// Which of the carriers go the same way.
+// Which of the carriers share a motion.
 void carry_find_groups(Carry* carry, const Granular& granular);
 // One unit. True once all particles are carried.
 bool carry_run(Carry* carry, const Granular& granular);
 void carry_end(Carry* carry);
 // A box around all that was moved, where it was and where it is, and as much wider.
 Bounds carry_bounds(const Carry& carry, float margin);
-// Whether particles that are held in different ways, or not at all, may be near each other.
+// Whether particles that are held by different groups, or not at all, may be near each other.
 bool carry_mixes(const Granular& granular);
 
 // ---- Contacts (contacts.cpp)
@@ -350,7 +350,7 @@ void bodies_place(const Bodies& bodies, const RigidBody& body, uint32_t slot, fl
 void bodies_stop(Bodies* bodies, uint32_t index);
 void bodies_move(Bodies* bodies, const SceneMove& move);
 // One goes along with what holds it, and takes on this velocity besides.
-void bodies_carry(const Granular& granular, uint32_t index, const RigidWay& way, const float faster[3]);
+void bodies_carry(const Granular& granular, uint32_t index, const RigidMotion& motion, const float faster[3]);
 
 // The phase of a sub-step. False: no body is awake.
 bool bodies_begin(Bodies* bodies, const Granular& granular);
@@ -421,7 +421,7 @@ void sleep_restore(Sleep* sleep, const SavedScene& saved);
 // Of so many numbers.
 void sleep_move(Sleep* sleep, uint32_t numbers, const SceneMove& move);
 // The particle with this number was carried: it rests where it rests in what holds it.
-void sleep_carry(const Granular& granular, uint32_t number, const RigidWay& way);
+void sleep_carry(const Granular& granular, uint32_t number, const RigidMotion& motion);
 void sleep_include_resting(Sleep* sleep, const Bounds& carried);
 
 // A particle that was added under this number is awake.
@@ -473,13 +473,13 @@ float sleep_wake_speed(const Granular& granular);
 // ---- Departed (departed.cpp)
 //
 // What has departed: particles that can reach nothing before the interval ends. They fall and fly as all do, but the
-// sub-steps are not chosen for their speed, lists are not built for their ways, and they wake nobody. So one fast
+// sub-steps are not chosen for their speed, lists are not built for their paths, and they wake nobody. So one fast
 // particle does not drive all. Before each interval of simulated time the particles are looked through, where one is
 // fast enough to matter. A particle has departed
 //
 //   below   where it falls, lower than all that is there, with nothing under it. What falls there together keeps the
 //           contacts that its lists know.
-//   beside  where it is fast, and its way clear of the box that holds all the others, of each collider, and of the ways
+//   beside  where it is fast, and its path clear of the box that holds all the others, of each collider, and of the paths
 //           of the other fast ones. That is for few: from k_fast_most on they are a flow.
 //
 // What comes back counts again before it touches anything: lists are built then. What has fallen by `lowest`, or is

@@ -96,7 +96,7 @@ bool run_snapshot(Granular* g) {
 
 bool run_carry(Granular* g) {
   const uint32_t all = g->grains.count, begin = g->sweep.cursor, end = all - begin < g->unit ? all : begin + g->unit;
-  granular_find_grain_ways(g, false);
+  granular_find_grain_motions(g, false);
   for (uint32_t at = begin; at < end;) at = grain_carry_find(&g->grain_carry, *g, at, end);
   if (grain_carry_take(&g->grain_carry, *g, begin, end))
     grain_sleep_carried(&g->grain_sleep, begin / k_lane_group, (end + k_lane_group - 1) / k_lane_group);
@@ -162,7 +162,7 @@ bool run_refine(const Granular& g, uint32_t* cursor, FrameCounts* counts, Output
   a.own_particles = g.desc.reference.blend == SANDGLASS_BLEND_CONTINUOUS ? 1 : 0;
   a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
   a.colliders = g.colliders.sweep_frames;
-  a.on_their_way = g.colliders.sweep_way_count != 0 ? g.colliders.sweep_ways : nullptr;
+  a.step_colliders = g.colliders.sweep_step_frame_count != 0 ? g.colliders.sweep_step_frames : nullptr;
   a.collider_count = g.colliders.sweep_count;
   a.grain_radius = g.desc.grain_radius;
   a.friction = g.desc.kinetic_friction;

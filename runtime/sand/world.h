@@ -5,7 +5,7 @@
 
 #include "kernels/kernels.h"
 #include "runtime/frame/layout.h"
-#include "runtime/math/rigid_way.h"
+#include "runtime/math/rigid_motion.h"
 #include "runtime/sand/held_pose.h"
 
 namespace sandglass {
@@ -32,7 +32,7 @@ struct SceneMove {
 
 // ---- Colliders (colliders.cpp; a frame's list: known_colliders.cpp)
 //
-// Colliders on their way through a frame: checked once, recognised, held still (runtime/sand/held_pose.h), posed at the
+// Colliders through a frame: checked once, recognised, held still (runtime/sand/held_pose.h), posed at the
 // instant at which a sub-step ends, and compared with those of earlier frames, because sand sleeps on them.
 //
 // A collider is recognised from frame to frame by its id, else by an equal pose, else by its place in the list, else as
@@ -76,30 +76,30 @@ struct ColliderWatch {
 // How a collider goes on without time for sand: because it has jumped, or because the frame's time is given up.
 struct Carrier {
   ColliderFrame from, to;
-  RigidWay way;
+  RigidMotion motion;
   bool moves;
 };
 
 struct Colliders {
-  KnownCollider* known;           // one a slot
-  sandglass_collider* of_slot;    // of this frame, as sand meets them, one a slot
-  SeenBy* seen_by;                // in this frame, one a slot
-  sandglass_collider* given;      // of this frame, as sand meets them, in the order in which they push
-  uint32_t* slots;                // of `given`
-  float (*slides_of_slot)[6];     // of each slot, what of its velocities is no way of the pose: linear, angular
-  const float** slides;           // the same, of each `given`
-  uint32_t* slot_of_place;        // of the usable colliders of this frame's list
-  Pose* met;                      // where sand met them last, before this frame, one a slot
-  uint8_t* jumps;                 // 1: it has jumped, in this frame, one a slot; or k_is_new
-  Pose* ends;                     // where they are at the frame's end, one a slot
-  Carrier* carriers;              // of the solid ones of `given`
-  uint32_t* substep_slots;        // of `substep_frames`
-  ColliderFrame* substep_frames;  // posed for the sub-step
-  ColliderFrame* sweep_frames;    // posed for the grains' sweep
-  ColliderFrame* sweep_ways;      // and on their way there, after each step but the last
+  KnownCollider* known;         // one a slot
+  sandglass_collider* of_slot;  // of this frame, as sand meets them, one a slot
+  SeenBy* seen_by;              // in this frame, one a slot
+  sandglass_collider* given;    // of this frame, as sand meets them, in the order in which they push
+  uint32_t* slots;              // of `given`
+  float (*slides_of_slot)[6];   // of each slot, the part of its velocities that does not move its pose: linear, angular
+  const float** slides;         // the same, of each `given`
+  uint32_t* slot_of_place;      // of the usable colliders of this frame's list
+  Pose* met;                    // where sand met them last, before this frame, one a slot
+  uint8_t* jumps;               // 1: it has jumped, in this frame, one a slot; or k_is_new
+  Pose* ends;                   // where they are at the frame's end, one a slot
+  Carrier* carriers;            // of the solid ones of `given`
+  uint32_t* substep_slots;      // of `substep_frames`
+  ColliderFrame* substep_frames;     // posed for the sub-step
+  ColliderFrame* sweep_frames;       // posed for the grains' sweep
+  ColliderFrame* sweep_step_frames;  // the same after each step of the sweep but the last
   // How many were posed. A step that goes on in the next frame ends with the colliders with which it began.
   uint32_t substep_count, sweep_count;
-  uint32_t sweep_way_count;  // 0: they are met where they end
+  uint32_t sweep_step_frame_count;  // 0: they are met where they end
   uint32_t count;
   uint32_t solid_count;  // those that particles see; they come first
   bool jumped;           // in this frame, one of these
@@ -114,11 +114,11 @@ void colliders_layout(Colliders* colliders, const sandglass_granular_desc& desc,
 void colliders_reset(Colliders* colliders, const sandglass_granular_desc& desc);
 
 // Takes a frame's colliders. Counts those that it leaves out. owed: the time debt, in seconds, before the frame's time
-// step was added. Sand that owes time has not gone the whole of the last frames' way yet. So a collider goes what is
-// left of its way, and this frame's, spread over all the simulated time left: one that stops has not jumped.
+// step was added. Sand that owes time has not met all of the colliders' earlier motion yet. So a collider goes what
+// is left of that, and this frame's motion, spread over all the simulated time left: one that stops has not jumped.
 //
-// In slow motion it goes from where sand met it last, at SimulatedTime::rate of its velocity. The rest of its way it
-// carries what it holds (Carry, in solver.h), and ends where it is told to be.
+// In slow motion it goes from where sand met it last, at SimulatedTime::rate of its velocity. In the rest of its
+// motion it carries what it holds (Carry, in solver.h), and ends where it is told to be.
 //
 // The smallest push first. The last one to push is not entered: a hand presses no sand through the table.
 void colliders_take(Colliders* colliders, const Granular& granular, const sandglass_frame_input& input, double owed,
@@ -140,11 +140,11 @@ RigidPose rigid_pose(const ColliderFrame& frame);
 bool colliders_move_sand(const Granular& granular);
 // Whether more than one ball or box alone moves: sand may stand in what does.
 bool colliders_may_hold(const Granular& granular);
-// How they go on without sand. At the begin of a frame: those that jumped. At its end: what is left of their ways
+// How they go on without sand. At the begin of a frame: those that jumped. At its end: what is left of their motions
 // in the time debt. From then on they are where they are told to be, with velocities `faster` times as large.
 void colliders_find_jumps(Colliders* colliders, const Granular& granular);
 // And for grains: from these poses, by slot. moves: which count as moving even where they stand.
-void colliders_find_ways(Colliders* colliders, const RigidPose* from, const uint8_t* moves);
+void colliders_find_motions(Colliders* colliders, const RigidPose* from, const uint8_t* moves);
 // Where sand met one of `given` last, before this frame.
 void colliders_pose_met(const Granular& granular, uint32_t index, ColliderFrame* frame);
 void colliders_arrive(Colliders* colliders, const Granular& granular, float faster);
@@ -242,8 +242,8 @@ void flow_pass_time(Flow* flow, double seconds);
 bool flow_is_due(const Granular& granular);
 // m/s of the fastest emitter; 0 without one.
 float flow_speed(const Flow& flow);
-// The way into the scene for what flow has prepared: so many particles, or so many grains (granular.cpp). False: one was
-// beyond the coordinate limit, and none came.
+// The entrance to the scene for what flow has prepared: so many particles, or so many grains (granular.cpp). False: one
+// was beyond the coordinate limit, and none came.
 struct Inlet {
   void* scene;
 };

@@ -44,13 +44,13 @@ void sandglass_scene_grains(const sandglass_scene* scene, float* positions, floa
   if (scene == nullptr) return;
   const Granular& g = scene->granular;
   copy_items(g.grains.records, g.grains.count, g.flow.free_grains, g.flow.free_grain_count, positions, velocities);
-  const GrainWays ways = grain_carry_ways(g);
+  const GrainMotions motions = grain_carry_motions(g);
   for (uint32_t i = 0; i < g.grains.count && positions != nullptr; ++i) {
-    const RigidWay* const way = ways.of(i);
-    if (way == nullptr) continue;
+    const RigidMotion* const motion = motions.of(i);
+    if (motion == nullptr) continue;
     float* const at = positions + 3ull * g.grains.records[i].number;
-    const Quad gone = way->way(quad(at));
-    for (int k = 0; k < 3; ++k) at[k] += gone[k];
+    const Quad displacement = motion->displacement(quad(at));
+    for (int k = 0; k < 3; ++k) at[k] += displacement[k];
   }
 }
 

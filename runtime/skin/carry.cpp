@@ -33,13 +33,13 @@ bool is_due(const SkinState& s) {
   return (skin_has_work(s) || substeps != 0) && (s.shown.frame != s.frame || s.shown.substeps != substeps);
 }
 
-bool is_alike(const RigidWay& a, const RigidWay& b) {
-  float square = square_of(a.way(a.from) - b.way(a.from));
+bool is_alike(const RigidMotion& a, const RigidMotion& b) {
+  float square = square_of(a.displacement(a.from) - b.displacement(a.from));
   for (int k = 0; k < 3; ++k) square += square_of(a.turn[k] - b.turn[k]);
   return square < k_least_motion * k_least_motion;
 }
 
-// The different ways of colliders since the mesh was gathered, as sand met them then and meets them now.
+// The different motions of colliders since the mesh was gathered, as sand met them then and meets them now.
 void find_motions(SkinCarry* carry, const SkinState& s) {
   const Colliders& c = s.granular->colliders;
   carry->motion_count = 0;
@@ -49,8 +49,8 @@ void find_motions(SkinCarry* carry, const SkinState& s) {
     ColliderFrame to;
     colliders_pose(&c.given[i], 1, colliders_behind(*s.granular), &to);
     if (from.shape != to.shape) continue;
-    const SkinMotion motion = {rigid_way(from, to), holding_encloses(from)};
-    RigidWay still = {};
+    const SkinMotion motion = {rigid_motion(from, to), holding_encloses(from)};
+    RigidMotion still = {};
     still.from = motion.from;
     bool known = is_alike(motion, still);
     for (uint32_t k = 0; k < carry->motion_count && !known; ++k) known = is_alike(motion, carry->motions[k]);
@@ -90,7 +90,7 @@ bool find_offset(SkinCarry* carry, const SkinState& s, const Particle& p, SkinCa
   bool enclosed = false;
   for (uint32_t m = 0; m < carry->motion_count; ++m) {
     const SkinMotion& motion = carry->motions[m];
-    const Quad rest = gone - motion.way(at);
+    const Quad rest = gone - motion.displacement(at);
     const float square_rest = square_of(rest);
     if (motion.encloses == enclosed ? !(square_rest < square) : enclosed) continue;
     enclosed = motion.encloses;
@@ -144,7 +144,7 @@ sandglass_skin_vertex carried_vertex(SkinCarry* carry, sandglass_skin_vertex ver
   }
   if (carry->motion != k_none) {
     const SkinMotion& motion = carry->motions[carry->motion];
-    offset += motion.way(quad(vertex.position));
+    offset += motion.displacement(quad(vertex.position));
     Quad normal = {};
     for (int k = 0; k < 3; ++k) normal[k] = static_cast<float>(vertex.normal[k]);
     const QuadWhole turned = floor_of(normal + motion.turned(normal) + 0.5f);

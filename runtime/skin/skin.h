@@ -23,7 +23,7 @@
 #include "kernels/kernels.h"
 #include "runtime/frame/capability.h"
 #include "runtime/frame/layout.h"
-#include "runtime/math/rigid_way.h"
+#include "runtime/math/rigid_motion.h"
 #include "runtime/skin/bricks.h"
 #include "sandglass/skin.h"
 
@@ -211,7 +211,7 @@ struct SkinCarried {
 };
 
 // How colliders have gone since the mesh was gathered.
-struct SkinMotion : RigidWay {
+struct SkinMotion : RigidMotion {
   bool encloses;  // a field that is solid outside: its sand goes with no other
 };
 constexpr uint32_t k_skin_motions = 16;

@@ -1,5 +1,5 @@
 // The nearest rotation of matrices with known singular values: the best trace is s1 + s2 + sign(det A) s3.
-#include "runtime/math/rigid_motion.h"
+#include "runtime/math/rotation.h"
 
 #include <gtest/gtest.h>
 

@@ -404,12 +404,12 @@ RoomPart room_known(const Room& room, uint32_t i, const double scale[3], double 
 bool room_probe_fit(const Room& room, uint32_t* quarters, bool* mirrored) {
   double least = 0;
   bool any = false;
-  for (uint32_t way = 0; way < 8; ++way) {
+  for (uint32_t orientation = 0; orientation < 8; ++orientation) {
     double sum = 0, squares = 0, area = 0;
     for (uint32_t i = 0; i < k_room_parts; ++i) {
       const uint32_t row = i / k_room_columns, column = i % k_room_columns;
-      const uint32_t turned = column + way % 4 * (k_room_columns / 4);
-      const uint32_t from = (way < 4 ? turned : 2 * k_room_columns - 1 - turned) % k_room_columns;
+      const uint32_t turned = column + orientation % 4 * (k_room_columns / 4);
+      const uint32_t from = (orientation < 4 ? turned : 2 * k_room_columns - 1 - turned) % k_room_columns;
       double ratio[3];
       if (!compared(room, i, room.probe->parts[row * k_room_columns + from], ratio)) continue;
       const double weight = room_part_weight(i), grey = luminance(ratio);
@@ -422,8 +422,8 @@ bool room_probe_fit(const Room& room, uint32_t* quarters, bool* mirrored) {
     if (any && spread >= least) continue;
     any = true;
     least = spread;
-    *quarters = way % 4;
-    *mirrored = way >= 4;
+    *quarters = orientation % 4;
+    *mirrored = orientation >= 4;
   }
   return any;
 }

@@ -100,7 +100,7 @@ struct RoomProbePart {
   uint16_t clipped;      // 0..1: the share of its texels that were clipped
 };
 
-// The way from harmonics to parts.
+// Finding parts that have given harmonics, under way.
 struct RoomHarmonics {
   double sh[3][9], mean;                 // of a channel; mean radiance
   double target[9], exponents[9], cost;  // Newton's method

@@ -14,7 +14,7 @@ namespace {
 constexpr uint32_t n = k_shadow_size;
 constexpr uint32_t k_combined_most = 1024;  // texels a side
 
-// Where a coordinate lies between texel centres: the index of the lower one, -1..n-1, and 256ths of the way to the
+// Where a coordinate lies between texel centres: the index of the lower one, -1..n-1, and 256ths of the distance to the
 // next. Index -2: outside the texture.
 struct Between {
   int32_t index;

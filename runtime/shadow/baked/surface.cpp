@@ -9,7 +9,7 @@
 namespace sandglass {
 namespace {
 
-// How far a point of the surface is from a vertex, in squared steps of its positions. A point that faces another way
+// How far a point of the surface is from a vertex, in squared steps of its positions. A point that faces elsewhere
 // counts as farther: one on the back of a thin board is nearer than the next one on the front, and sees another room.
 // Points of one crease have one place, and `k_least` lets the normals decide there.
 constexpr double k_normal_weight = 4, k_least = 4;

@@ -251,7 +251,7 @@ void light_row(PileSky* s, const Pile& p, uint32_t row) {
 // Where a coordinate lies between the middles of two texels.
 struct Place {
   uint32_t texel;
-  float beyond;  // the share of the way to the next texel
+  float beyond;  // the share of the distance to the next texel
 };
 Place place_of(const PileRectangle& r, float coordinate, uint32_t axis, uint32_t texels) {
   const float count = static_cast<float>(texels);

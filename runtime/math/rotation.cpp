@@ -2,7 +2,7 @@
 // 1987). Other than a polar decomposition it is a proper rotation for every input. Other than an iteration from the
 // last rotation it does not stall at a half turn. Jacobi's method finds all four eigenvectors with + - * / and sqrt
 // alone.
-#include "runtime/math/rigid_motion.h"
+#include "runtime/math/rotation.h"
 
 namespace sandglass {
 
