@@ -52,7 +52,7 @@ struct Capability {
   // Of those of its handles that have work, the one where this is greatest comes first. NULL: the one under way, then the one
   // that was served longest ago.
   double (*urgency)(const void* handle) = nullptr;
-  // Told to each of its handles once one of them has run a unit. NULL: nothing is.
+  // Called for each of its handles once one of them, `by`, has run a unit. May be NULL.
   void (*served)(void* handle, const void* by) = nullptr;
   // Drops what belongs to the app, and fills in its part of the report. NULL: it has none.
   void (*end_frame)(void* handle, sandglass_frame_report* report) = nullptr;

@@ -50,7 +50,7 @@ struct Frame {
   uint32_t unseen_units;
   uint32_t optional_units;
   bool closed;            // one of those has run
-  bool closing;           // the output stage was told that it is the frame's end; its units are a run of their own
+  bool closing;           // the output stage knows that it is the frame's end; its units are a run of their own
   uint32_t quiet;         // bit i: stage i offered nothing, and no unit has run since
   uint64_t kinds_run;     // bit k: kind k
   uint64_t kinds_denied;  // bit k: a unit of kind k was predicted not to fit
@@ -213,12 +213,12 @@ bool offers(const Frame& frame, uint32_t index, WorkUnit* unit) {
 
 // Whether `cost` still fits: by the clock, and by what was charged where the clock said nothing.
 bool fits(Frame* frame, uint64_t cost) {
-  const uint64_t told = add(frame->elapsed, frame->assumed);
+  const uint64_t charged = add(frame->elapsed, frame->assumed);
   const uint64_t needed = add(cost, frame->reserve);
-  if (add(add(told, frame->unseen), needed) <= frame->budget) return true;
+  if (add(add(charged, frame->unseen), needed) <= frame->budget) return true;
   // Would the clock alone have said yes? Then it stands still, unless it is merely coarse.
-  const bool clock_agrees = add(told, needed) > frame->budget;
-  if (!clock_agrees && (told == 0 || frame->unseen_units >= k_frozen_units)) frame->report->time.clock_fault = 1;
+  const bool clock_agrees = add(charged, needed) > frame->budget;
+  if (!clock_agrees && (charged == 0 || frame->unseen_units >= k_frozen_units)) frame->report->time.clock_fault = 1;
   return false;
 }
 

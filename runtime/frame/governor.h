@@ -130,7 +130,7 @@ struct Spread {
   uint32_t ratio = k_least_spread;
 };
 
-// Told of every unit that has run, before the clock is read. The library sets none; the program's estimates of other
+// Called for every unit that has run, before the clock is read. The library sets none; the program's estimates of other
 // processors do.
 struct UnitObserver {
   void (*ran)(void* user, const WorkUnit& unit);

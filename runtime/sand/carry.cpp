@@ -93,10 +93,11 @@ void carry_lying(Carry* c, const Granular& g, const Sixteen& it, uint32_t i, uin
   const Particle& p = g.particles.records[0][i];
   CarriedMotion carried = {{}, {}, g.desc.courant * g.desc.particle_radius / g.substep.length};
   const Quad down = quad(scratch_of(g).group.down), displacement = carrier.motion.displacement(quad(p.position));
-  float told[3];
-  holding_velocity(carrier.from, p.position, told);
-  const Quad sinks = dot(displacement, down) * down, level = displacement - sinks, falls = dot(quad(told), down) * down;
-  const Quad v = quad(told) - falls;
+  float carrier_velocity[3];
+  holding_velocity(carrier.from, p.position, carrier_velocity);
+  const Quad sinks = dot(displacement, down) * down, level = displacement - sinks,
+             falls = dot(quad(carrier_velocity), down) * down;
+  const Quad v = quad(carrier_velocity) - falls;
   const float v2 = square_of(v), rate = static_cast<float>(g.time.rate) / c->faster;
   const float with = v2 > 0.0f ? dot(v, quad(p.velocity)) / v2 : 1.0f,
               had = with > 0.0f ? (with < 1.0f ? with : 1.0f) : 0.0f;

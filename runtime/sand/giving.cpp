@@ -21,7 +21,7 @@ constexpr uint32_t k_open_most = 2048, k_heads = 1024, k_none = 0xffff;
 // finger goes through ends where it does with time, but for a few radii (sandglass_lab verify carried).
 constexpr float k_grip = 2.7f, k_grip_between = 0.6f;  // aside over out; of what a collider meets, of what that meets
 // In slow motion sand slides less far off than with time, as the square of its velocity: what is met gets this much of what
-// the collider's velocity lacks beside the told one.
+// the collider's velocity lacks beside the given one.
 constexpr float k_thrown = 0.4f;
 constexpr float k_step_out = 1.5f;                // radii that a collider goes at once
 constexpr float k_out_most = 2.0f;                // radii that sand goes in such a step

@@ -4,14 +4,14 @@
 namespace sandglass {
 namespace {
 
-constexpr double k_least_distance = 1e-6;  // metres or radians; what is shorter counts as none
-constexpr float k_gone_seconds = 0.25f;    // after so long, one that is not passed is no longer recognised by its place
-constexpr float k_as_large = 2.0f;         // of what has no id: a size may grow so much in a frame
-constexpr float k_recognised = 0.25f;      // metres that a collider may have gone since the last frame
-constexpr float k_recognised_id = 1.0f;    // and one with an id
-constexpr float k_found_again = 0.01f;     // and that one without an id may, if it was not passed then
-constexpr float k_lost_id = 0.05f;         // metres that one may go while it has lost its id
-constexpr float k_in_place = 0.003f;       // metres; at its place in the list, one that is so near is the same
+constexpr double k_distance_min = 1e-6;  // metres or radians; what is shorter counts as none
+constexpr float k_gone_seconds = 0.25f;  // after so long, one that is not passed is no longer recognised by its place
+constexpr float k_as_large = 2.0f;       // of what has no id: a size may grow so much in a frame
+constexpr float k_recognised = 0.25f;    // metres that a collider may have gone since the last frame
+constexpr float k_recognised_id = 1.0f;  // and one with an id
+constexpr float k_found_again = 0.01f;   // and that one without an id may, if it was not passed then
+constexpr float k_lost_id = 0.05f;       // metres that one may go while it has lost its id
+constexpr float k_in_place = 0.003f;     // metres; at its place in the list, one that is so near is the same
 
 // ---- recognising
 
@@ -23,45 +23,46 @@ bool free_slot(const Colliders& c, uint32_t slot, const sandglass_collider& now)
 }
 
 bool equal_pose(const KnownCollider& known, const sandglass_collider& now) {
-  const Pose& told = known.pose.told;
-  return equal3(told.position, now.position) && equal3(told.size, now.size) && same_turn(told.rotation, now.rotation);
+  const Pose& given = known.pose.given;
+  return equal3(given.position, now.position) && equal3(given.size, now.size) &&
+         same_turn(given.rotation, now.rotation);
 }
 
 // Square of about how far a collider has gone since it was known.
-float apart2(const KnownCollider& known, const sandglass_collider& now) {
-  const Pose& told = known.pose.told;
-  if (same_pose(told, pose_of(now))) return 0.0f;
+float distance_squared(const KnownCollider& known, const sandglass_collider& now) {
+  const Pose& given = known.pose.given;
+  if (same_pose(given, pose_of(now))) return 0.0f;
   float sum = 0.0f;
   for (int k = 0; k < 3; ++k) {
-    const float went = now.position[k] - told.position[k], more = now.size[k] - told.size[k];
-    sum += (now.shape == SANDGLASS_SHAPE_HALF_SPACE ? 0.0f : went * went + more * more);
+    const float shift = now.position[k] - given.position[k], more = now.size[k] - given.size[k];
+    sum += (now.shape == SANDGLASS_SHAPE_HALF_SPACE ? 0.0f : shift * shift + more * more);
   }
   if (now.shape != SANDGLASS_SHAPE_HALF_SPACE) return sum;
   // A half-space may have slid along itself: what counts is how its plane lies.
   HoldRule at = {};
   for (int k = 0; k < 3; ++k) at.low[k] = at.high[k] = now.position[k];
-  const float distance = surface_distance(now.shape, told, pose_of(now), at);
+  const float distance = surface_distance(now.shape, given, pose_of(now), at);
   return distance * distance;
 }
 
-// Whether sizes are about as they were: a hand is no table, though it lay where that is told.
-bool as_large(const Pose& told, const sandglass_collider& now) {
+// Whether sizes are about as they were: a hand is no table, though it lay where the table is given.
+bool as_large(const Pose& given, const sandglass_collider& now) {
   const int sizes = now.shape == SANDGLASS_SHAPE_SPHERE    ? 1
                     : now.shape == SANDGLASS_SHAPE_CAPSULE ? 2
                     : now.shape == SANDGLASS_SHAPE_BOX     ? 3
                                                            : 0;
   bool as = true;
   for (int k = 0; k < sizes; ++k)
-    as = as && now.size[k] <= k_as_large * told.size[k] && told.size[k] <= k_as_large * now.size[k];
+    as = as && now.size[k] <= k_as_large * given.size[k] && given.size[k] <= k_as_large * now.size[k];
   return as;
 }
 
 bool recognisable(const KnownCollider& known, const sandglass_collider& now, const SimulatedTime& t) {
-  if (now.id == 0 && !as_large(known.pose.told, now)) return false;
+  if (now.id == 0 && !as_large(known.pose.given, now)) return false;
   const bool passed = known.absent <= t.frame_step;
-  float most = now.id != 0 ? k_recognised_id : passed ? k_recognised : k_found_again;
-  if (passed && t.left_out > 0.0f) most += 2.0f * length_of(now.linear_velocity) * (t.frame_step + t.left_out);
-  return known.absent < k_gone_seconds && apart2(known, now) <= most * most;
+  float limit = now.id != 0 ? k_recognised_id : passed ? k_recognised : k_found_again;
+  if (passed && t.left_out > 0.0f) limit += 2.0f * length_of(now.linear_velocity) * (t.frame_step + t.left_out);
+  return known.absent < k_gone_seconds && distance_squared(known, now) <= limit * limit;
 }
 
 // The slot of a collider, by id or by an equal pose, the last passed if there are several; k_no_slot: neither.
@@ -79,14 +80,14 @@ uint32_t slot_by_identity(const Colliders& c, uint32_t capacity, const sandglass
 // Whether another collider of the list, which has no slot yet either, lies nearer to a slot.
 bool is_anothers(const Colliders& c, uint32_t capacity, const sandglass_frame_input& input, uint32_t slot,
                  const sandglass_collider& now, uint32_t place, const SimulatedTime& t) {
-  const float mine2 = apart2(c.known[slot], now);
+  const float own_squared = distance_squared(c.known[slot], now);
   uint32_t other_place = 0;
   for (uint32_t i = 0; i < input.collider_count && other_place < capacity; ++i) {
     sandglass_collider other;
     if (!collider_accept(input.colliders[i], &other)) continue;
     const uint32_t at = other_place++;
     if (at == place || c.slot_of_place[at] != k_no_slot || other.shape != now.shape || other.id != now.id) continue;
-    if (recognisable(c.known[slot], other, t) && apart2(c.known[slot], other) < mine2) return true;
+    if (recognisable(c.known[slot], other, t) && distance_squared(c.known[slot], other) < own_squared) return true;
   }
   return false;
 }
@@ -101,7 +102,7 @@ uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_fr
   for (uint32_t slot = 0; slot < capacity; ++slot) {
     if (!free_slot(c, slot, now) || !recognisable(c.known[slot], now, t)) continue;
     const bool in_place = c.known[slot].place == place, passed = c.known[slot].absent <= t.frame_step;
-    const float near2 = k_in_place * k_in_place, far2 = apart2(c.known[slot], now) + (passed ? 0.0f : near2);
+    const float near2 = k_in_place * k_in_place, far2 = distance_squared(c.known[slot], now) + (passed ? 0.0f : near2);
     if (in_place && passed && far2 <= near2) return slot;
     if (nearest != k_no_slot && !(far2 < nearest2 || (far2 == nearest2 && in_place))) continue;
     const bool is_near = far2 <= k_found_again * k_found_again;
@@ -122,14 +123,14 @@ uint32_t slot_by_place(const Colliders& c, uint32_t capacity, const sandglass_fr
 
 // Whether `now` continues `before`, which was a frame of `step` seconds ago: it has not jumped.
 bool continues(const Placement& before, const Placement& now, double step, float margin) {
-  float went2 = 0.0f, speed2 = 0.0f;
+  float shift2 = 0.0f, speed2 = 0.0f;
   for (int k = 0; k < 3; ++k) {
-    const float went = now.pose.position[k] - before.pose.position[k];
+    const float shift = now.pose.position[k] - before.pose.position[k];
     const float speed = __builtin_fabsf(before.linear[k]) + __builtin_fabsf(now.linear[k]);
-    went2 += went * went;
+    shift2 += shift * shift;
     speed2 += speed * speed;
   }
-  return __builtin_sqrtf(went2) <= static_cast<float>(step) * __builtin_sqrtf(speed2) + margin;
+  return __builtin_sqrtf(shift2) <= static_cast<float>(step) * __builtin_sqrtf(speed2) + margin;
 }
 
 // The same of its turning, for what is as far from it as its sizes.
@@ -155,13 +156,13 @@ bool turns_on(const Placement& before, const Placement& now, double step, float 
 // left.
 float spread(float left, double owed, float now, double step, double debt) {
   const double distance = static_cast<double>(left) * owed + static_cast<double>(now) * step;
-  if (now == 0.0f && distance < k_least_distance && distance > -k_least_distance) return 0.0f;
-  const double velocity = distance / debt, most = static_cast<double>(k_collider_speed);
-  return static_cast<float>(velocity < most ? (velocity > -most ? velocity : -most) : most);
+  if (now == 0.0f && distance < k_distance_min && distance > -k_distance_min) return 0.0f;
+  const double velocity = distance / debt, limit = static_cast<double>(k_collider_speed);
+  return static_cast<float>(velocity < limit ? (velocity > -limit ? velocity : -limit) : limit);
 }
 
 // Whether a pushes before b: the smaller first, of equal ones the faster. A table that is followed may for a while be
-// faster than the hand that presses on it. Equal ones are told apart by their shapes and poses, not by their places.
+// faster than the hand that presses on it. Equal ones are distinguished by their shapes and poses, not by their places.
 bool pushes_before(const sandglass_collider& a, const sandglass_collider& b) {
   const bool endless = a.shape == SANDGLASS_SHAPE_HALF_SPACE, other_endless = b.shape == SANDGLASS_SHAPE_HALF_SPACE;
   if (endless != other_endless) return other_endless;
@@ -255,12 +256,12 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
 }
 
 // A collider that had lost its id, and has it again: what was known without one about there is not another that jumps.
-// `most`: metres that it may have gone meanwhile.
-void forget_without_id(Colliders* c, uint32_t capacity, const sandglass_collider& now, float most) {
+// distance_max: metres that it may have gone meanwhile.
+void forget_without_id(Colliders* c, uint32_t capacity, const sandglass_collider& now, float distance_max) {
   for (uint32_t slot = 0; now.id != 0 && slot < capacity; ++slot) {
     KnownCollider& known = c->known[slot];
     if (known.used == 0 || known.id != 0 || known.shape != now.shape || c->seen_by[slot] != SeenBy::none) continue;
-    if (apart2(known, now) <= most * most) known.used = 0;
+    if (distance_squared(known, now) <= distance_max * distance_max) known.used = 0;
   }
 }
 

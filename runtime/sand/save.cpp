@@ -225,13 +225,13 @@ bool sound_known(const KnownCollider& known) {
   if (known.used == 0) return true;
   const HeldPose& p = known.pose;
   constexpr float k_speed = 2e4f, k_path = 1e6f, k_long = 1e9f;
-  const Pose* poses[] = {&p.held.pose, &p.told, &p.stand};
+  const Pose* poses[] = {&p.held.pose, &p.given, &p.stand};
   bool good = known.used == 1 && sound_shape(known.shape) && p.follows <= 1 && p.believed <= 1 &&
               within(known.absent, 0.0f, k_long);
   for (const Pose* pose : poses) good = good && sound_pose(*pose, known.shape);
   good = good && all_within(p.held.linear, 3, -k_speed, k_speed) && all_within(p.held.angular, 3, -k_speed, k_speed);
-  good = good && all_within(p.run, 6, -k_path, k_path) && all_within(p.untold, 6, -k_speed, k_speed);
-  good = good && all_within(p.slide, 6, -k_speed, k_speed) && all_within(p.given_velocity, 6, -k_long, k_long);
+  good = good && all_within(p.run, 6, -k_path, k_path) && all_within(p.missing_velocity, 6, -k_speed, k_speed);
+  good = good && all_within(p.slide, 6, -k_speed, k_speed) && all_within(p.pose_velocity, 6, -k_long, k_long);
   const float lengths[] = {p.since_turn, p.since_velocity, p.since_gap, p.age, p.stood, p.speed, p.last_speed};
   good = good && all_within(lengths, 7, 0.0f, k_long) && within(p.interval, 1.0f, k_long);
   return good;

@@ -63,7 +63,7 @@ void time_restore(SimulatedTime* time, const SavedScene& saved);
 void time_take(SimulatedTime* time, const Granular& granular, float step);
 // A frame in which colliders move ends, and they go on to where it ends whatever was simulated. In the next frame they go
 // less than their velocities, so that what they gain is in proportion to the time in which sand feels it, and no further
-// than told in the debt and that frame's step. Returns the next rate over this one.
+// than given in the debt and that frame's step. Returns the next rate over this one.
 float time_find_rate(SimulatedTime* time);
 // No collider moves.
 void time_forget_rate(SimulatedTime* time);
@@ -106,9 +106,9 @@ bool time_awaits_grains(const Granular& granular);
 // half a radius.
 
 struct QualityLevel {
-  float list_reuse;      // lists are kept until the particles' motion could have closed so many skins
-  float coarsening;      // one solver iteration: sub-steps so many times as long; several: so many times fewer of them
-  sandglass_level told;  // what the app is told
+  float list_reuse;  // lists are kept until the particles' motion could have closed so many skins
+  float coarsening;  // one solver iteration: sub-steps so many times as long; several: so many times fewer of them
+  sandglass_level reported;  // to the app
 };
 
 extern const QualityLevel k_ladder[SANDGLASS_LEVEL_COUNT];

@@ -114,8 +114,8 @@ float time_find_rate(SimulatedTime* time) {
   t.share += (now < t.share ? k_falls : k_rises) * (now - t.share);
   if (t.debt < k_time_resolution && t.share > k_whole) t.share = 1.0;
   if (t.share < k_least_share) t.share = k_least_share;
-  const double told = t.debt < k_time_resolution ? 1.0 : step / (step + t.debt);
-  t.rate = t.share < told ? t.share : told;
+  const double needed = t.debt < k_time_resolution ? 1.0 : step / (step + t.debt);
+  t.rate = t.share < needed ? t.share : needed;
   return static_cast<float>(t.rate / before);
 }
 
@@ -234,7 +234,7 @@ constexpr bool each_gives_up_accuracy_for_time() {
 }
 static_assert(each_gives_up_accuracy_for_time(), "a level that is both dearer and worse than another has no use");
 
-constexpr sandglass_level told(const char* name, uint32_t measured) {
+constexpr sandglass_level reported(const char* name, uint32_t measured) {
   const Measured& m = k_measured[measured];
   return {sizeof(sandglass_level), name, m.cost_solver, m.cost_refine, m.overlap_p99, m.overlap_mean, m.angle_deg};
 }
@@ -242,11 +242,11 @@ constexpr sandglass_level told(const char* name, uint32_t measured) {
 }  // namespace
 
 const QualityLevel k_ladder[SANDGLASS_LEVEL_COUNT] = {
-    {1.0f, 1.0f, told("full", 0)},
-    {2.0f, 1.0f, told("lists kept longer", 1)},
-    {2.0f, 4.0f / 3.0f, told("sub-steps 4/3 as long", 2)},
-    {2.0f, 2.0f, told("sub-steps twice as long", 3)},
-    {2.0f, 2.0f, told("slow motion", 3)},
+    {1.0f, 1.0f, reported("full", 0)},
+    {2.0f, 1.0f, reported("lists kept longer", 1)},
+    {2.0f, 4.0f / 3.0f, reported("sub-steps 4/3 as long", 2)},
+    {2.0f, 2.0f, reported("sub-steps twice as long", 3)},
+    {2.0f, 2.0f, reported("slow motion", 3)},
 };
 
 uint32_t level_iterations(const QualityLevel& level, uint32_t iterations) {

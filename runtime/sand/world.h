@@ -103,7 +103,7 @@ struct Colliders {
   uint32_t count;
   uint32_t solid_count;  // those that particles see; they come first
   bool jumped;           // in this frame, one of these
-  bool arrived;          // at the end of the last one, they were carried to where they are told to be
+  bool arrived;          // at the end of the last one, they were carried to where the app gives them
   ColliderWatch for_particles, for_grains;
   bool waits;  // after saving or restoring: as long as no collider is passed, the planes are not found yet
 };
@@ -118,7 +118,7 @@ void colliders_reset(Colliders* colliders, const sandglass_granular_desc& desc);
 // is left of that, and this frame's motion, spread over all the simulated time left: one that stops has not jumped.
 //
 // In slow motion it goes from where sand met it last, at SimulatedTime::rate of its velocity. In the rest of its
-// motion it carries what it holds (Carry, in solver.h), and ends where it is told to be.
+// motion it carries what it holds (Carry, in solver.h), and ends where the app gives it.
 //
 // The smallest push first. The last one to push is not entered: a hand presses no sand through the table.
 void colliders_take(Colliders* colliders, const Granular& granular, const sandglass_frame_input& input, double owed,
@@ -141,7 +141,7 @@ bool colliders_move_sand(const Granular& granular);
 // Whether more than one ball or box alone moves: sand may stand in what does.
 bool colliders_may_hold(const Granular& granular);
 // How they go on without sand. At the begin of a frame: those that jumped. At its end: what is left of their motions
-// in the time debt. From then on they are where they are told to be, with velocities `faster` times as large.
+// in the time debt. From then on they are where the app gives them, with velocities `faster` times as large.
 void colliders_find_jumps(Colliders* colliders, const Granular& granular);
 // And for grains: from these poses, by slot. moves: which count as moving even where they stand.
 void colliders_find_motions(Colliders* colliders, const RigidPose* from, const uint8_t* moves);
@@ -150,7 +150,7 @@ void colliders_pose_met(const Granular& granular, uint32_t index, ColliderFrame*
 void colliders_arrive(Colliders* colliders, const Granular& granular, float faster);
 // Seconds before they are where `given` has them: there sand has met them.
 float colliders_behind(const Granular& granular);
-// Metres by which sand lags behind where they are told to be, at the frame's end.
+// Metres by which sand lags behind where the app gives them, at the frame's end.
 float colliders_lag(const Granular& granular);
 // Metres a second that what they carry may gain by that.
 float colliders_gain(const Colliders& colliders, float faster);

@@ -61,9 +61,9 @@ const char* sandglass_stage_name(uint32_t stage) {
 }
 
 const char* sandglass_level_name(uint32_t level) {
-  return level < SANDGLASS_LEVEL_COUNT ? sandglass::k_ladder[level].told.name : nullptr;
+  return level < SANDGLASS_LEVEL_COUNT ? sandglass::k_ladder[level].reported.name : nullptr;
 }
 
 const sandglass_level* sandglass_level_describe(uint32_t level) {
-  return level < SANDGLASS_LEVEL_COUNT ? &sandglass::k_ladder[level].told : nullptr;
+  return level < SANDGLASS_LEVEL_COUNT ? &sandglass::k_ladder[level].reported : nullptr;
 }

@@ -8,7 +8,7 @@ namespace {
 uint32_t number_in(const Particle& particle) { return number_of(particle); }
 uint32_t number_in(const Grain& grain) { return grain.number; }
 
-// Particles or grains in the order of their numbers; removed ones are told by their place.
+// Particles or grains in the order of their numbers; removed ones are known by their place.
 template <class Item>
 void copy_items(const Item* items, uint32_t count, const uint32_t* removed, uint32_t removed_count, float* positions,
                 float* velocities) {

@@ -6,7 +6,7 @@
 //   box_body.cpp         a box as a rigid body
 //   save.cpp             to bytes and back
 //   frame.cpp            one frame: the stages, under the governor
-//   report.cpp           what a frame did, told to the app
+//   report.cpp           what a frame did, as the app reads it
 //   read.cpp             positions and poses by number
 //   hash.cpp             the state as one number
 //   names.cpp            the version, and names of statuses, instruction sets and quality levels

@@ -193,7 +193,7 @@ typedef struct sandglass_harmonics {
   /* Radiance, world, laid out like sandglass_estimator_light.sh; see `with_phase`. */
   float sh[27];
   /* Of AMBIENT: world, towards the main light, which is far: it comes from there at every place, until the camera has
-   * seen it. Where desc.radius is told it is so far from `position` as the walls. 0, 0, 0: there is none. */
+   * seen it. Where desc.radius is given it is so far from `position` as the walls. 0, 0, 0: there is none. */
   float main_direction[3];
   /* Of AMBIENT: the irradiance of a surface that faces the main light, linear RGB. */
   float main_irradiance[3];
@@ -264,15 +264,15 @@ typedef struct sandglass_room_light {
   float look[3];
   /* What to multiply the exposure of one image by, so that it tells how bright what is clipped before the camera now is:
    * 1/64, and where that was not short enough 1/4096 or 1/262144. A lamp of unknown size is asked for, too, twelve times
-   * at most. 1: there is no need, or no exposure was told. */
+   * at most. 1: there is no need, or no exposure was given. */
   float short_exposure;
   /* The radiance that the last image shows as white, in the room's own unit, which no exposure changes. irradiance and
    * sh times this may be compared from image to image. A short exposure for lamps does not count as the last image. */
   float white;
-  /* 1: the app has told an exposure, and `white` is 1 / exposure. */
+  /* 1: the app has given an exposure, and `white` is 1 / exposure. */
   uint32_t exposure_known;
   /* A number for the room's own unit: another one after sandglass_room_reset, after sandglass_room_restore, and after
-   * the first exposure that was told. */
+   * the first exposure that was given. */
   uint32_t unit;
   /* How large the main light is from there, radians, 0..1.5: what sandglass_cast_set_light takes. It is measured in
    * images that show the light whole and not clipped, as one of `short_exposure` does, or clipped amid black. 0: not

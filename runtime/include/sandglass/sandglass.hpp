@@ -167,9 +167,9 @@ Struct filled(void (*fill)(Struct*)) {
   fill(&made);
   return made;
 }
-// What one of the C functions tells in a struct of the size of these headers.
+// What one of the C functions reports, in a struct of the size of these headers.
 template <class Struct, class Function, class... Arguments>
-Struct told(Function function, Arguments... arguments) {
+Struct reported(Function function, Arguments... arguments) {
   Struct now{};
   now.struct_size = sizeof now;
   function(arguments..., &now);
@@ -429,7 +429,9 @@ class Estimator : public Owned<sandglass_estimator> {
     return status;
   }
   // See sandglass_estimator_get.
-  sandglass_estimator_light light() const { return told<sandglass_estimator_light>(sandglass_estimator_get, get()); }
+  sandglass_estimator_light light() const {
+    return reported<sandglass_estimator_light>(sandglass_estimator_get, get());
+  }
   // See sandglass_estimator_turn.
   Status turn(const Rotation& rotation) { return call(sandglass_estimator_turn, get(), rotation.data()); }
   // See sandglass_estimator_reset.
@@ -553,7 +555,7 @@ class Shadow : public Owned<sandglass_shadow> {
   }
   // See sandglass_shadow_get_texture.
   sandglass_texture texture(uint32_t light = 0) const {
-    return told<sandglass_texture>(sandglass_shadow_get_texture, get(), light);
+    return reported<sandglass_texture>(sandglass_shadow_get_texture, get(), light);
   }
   // See sandglass_shadow_evaluated.
   uint32_t evaluated(uint32_t light = 0) const { return sandglass_shadow_evaluated(get(), light); }
@@ -566,7 +568,7 @@ class Shadow : public Owned<sandglass_shadow> {
     return call(sandglass_shadow_set_cells, get(), cells, yaw);
   }
   // See sandglass_shadow_get_ambient.
-  sandglass_texture ambient() const { return told<sandglass_texture>(sandglass_shadow_get_ambient, get()); }
+  sandglass_texture ambient() const { return reported<sandglass_texture>(sandglass_shadow_get_ambient, get()); }
   // See sandglass_shadow_hash.
   uint64_t hash() const { return sandglass_shadow_hash(get()); }
 };
@@ -625,11 +627,11 @@ class Cast : public Owned<sandglass_cast> {
     return sandglass_cast_run(&one, 1, units);
   }
   // See sandglass_cast_get_texture.
-  sandglass_texture texture() const { return told<sandglass_texture>(sandglass_cast_get_texture, get()); }
+  sandglass_texture texture() const { return reported<sandglass_texture>(sandglass_cast_get_texture, get()); }
   // See sandglass_cast_get_ambient.
-  sandglass_texture ambient() const { return told<sandglass_texture>(sandglass_cast_get_ambient, get()); }
+  sandglass_texture ambient() const { return reported<sandglass_texture>(sandglass_cast_get_ambient, get()); }
   // See sandglass_cast_get_report.
-  sandglass_cast_report report() const { return told<sandglass_cast_report>(sandglass_cast_get_report, get()); }
+  sandglass_cast_report report() const { return reported<sandglass_cast_report>(sandglass_cast_get_report, get()); }
 };
 
 // The surface of a scene's sand as a mesh and the block it lives in. Movable, not copyable.
@@ -641,7 +643,7 @@ class Skin : public Owned<sandglass_skin> {
   }
 
   // See sandglass_skin_get_mesh.
-  sandglass_skin_mesh mesh() const { return told<sandglass_skin_mesh>(sandglass_skin_get_mesh, get()); }
+  sandglass_skin_mesh mesh() const { return reported<sandglass_skin_mesh>(sandglass_skin_get_mesh, get()); }
   // See sandglass_skin_refresh.
   void refresh() { sandglass_skin_refresh(get()); }
   // See sandglass_skin_hash.
@@ -676,7 +678,7 @@ class PileShadow : public Owned<sandglass_pile_shadow> {
   }
   // See sandglass_pile_shadow_get_texture.
   sandglass_texture texture(sandglass_pile_shadow_part part = SANDGLASS_PILE_SHADOW_FLOOR) const {
-    return told<sandglass_texture>(sandglass_pile_shadow_get_texture, get(), part);
+    return reported<sandglass_texture>(sandglass_pile_shadow_get_texture, get(), part);
   }
   // See sandglass_pile_shadow_light_grains.
   void light_grains(Points grains, float radius, uint8_t* visibility) const {

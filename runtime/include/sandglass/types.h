@@ -171,7 +171,7 @@ typedef struct sandglass_parallel {
   void* user;
 } sandglass_parallel;
 
-/* Is told the name of a work unit, a static string such as "granular.solve". */
+/* Is called with the name of a work unit, a static string such as "granular.solve". */
 typedef void (*sandglass_trace_function)(void* user, const char* name);
 
 /* A profiling hook, on the thread that called sandglass_scene_frame. Either function may be NULL. */

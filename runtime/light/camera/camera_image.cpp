@@ -159,8 +159,8 @@ const char* value_fault(const sandglass_camera_image& image) {
     return "camera image: the curve is not 2 to 32 pairs of light and value that never fall, of 0 to 1; give "
            "both for each point, as TonemapCurve.copyColorCurve does.";
   const float* gains = image.gains;
-  const bool told = gains[0] != 0 || gains[1] != 0 || gains[2] != 0;
-  if (told && !all_within(gains, 3, 1 / k_gain_limit, k_gain_limit))
+  const bool given = gains[0] != 0 || gains[1] != 0 || gains[2] != 0;
+  if (given && !all_within(gains, 3, 1 / k_gain_limit, k_gain_limit))
     return "camera image: the gains are not three numbers of 1/16..16; give those of red, green and blue, or 0, 0, "
            "0 where they are unknown.";
   return nullptr;

@@ -61,19 +61,19 @@ sandglass_light lighting_of(const sandglass_room_light& light) {
   return lighting;
 }
 
-sandglass_light lighting_of(const sandglass_harmonics& told) {
+sandglass_light lighting_of(const sandglass_harmonics& given) {
   sandglass_light lighting = {};
-  const bool main = told.kind == SANDGLASS_HARMONICS_AMBIENT;
+  const bool main = given.kind == SANDGLASS_HARMONICS_AMBIENT;
   double towards[3] = {0, 1, 0}, level[k_harmonics], polynomials[k_harmonics], squared = 0;
   harmonic_polynomials(towards, level);
-  for (const float d : told.main_direction) squared += static_cast<double>(d) * static_cast<double>(d);
-  for (int i = 0; main && i < 3; ++i) towards[i] = static_cast<double>(told.main_direction[i]) / square_root(squared);
+  for (const float d : given.main_direction) squared += static_cast<double>(d) * static_cast<double>(d);
+  for (int i = 0; main && i < 3; ++i) towards[i] = static_cast<double>(given.main_direction[i]) / square_root(squared);
   harmonic_polynomials(towards, polynomials);
   for (uint32_t c = 0; c < 3; ++c) {
-    const double facing = main ? static_cast<double>(told.main_irradiance[c]) : 0;
+    const double facing = main ? static_cast<double>(given.main_irradiance[c]) : 0;
     double floor = towards[1] > 0 ? towards[1] * facing : 0;
     for (uint32_t j = 0, i = c; j < k_harmonics; ++j, i += 3) {
-      const double sh = (told.with_phase == 1 ? phase_of(j) : 1) * static_cast<double>(told.sh[i]);
+      const double sh = (given.with_phase == 1 ? phase_of(j) : 1) * static_cast<double>(given.sh[i]);
       lighting.ambient_sh[i] = static_cast<float>(sh);
       lighting.whole_sh[i] = static_cast<float>(sh + facing * k_harmonic_factors[j] * polynomials[j]);
       floor += k_pi * k_cosine_factors[j] * k_harmonic_factors[j] * level[j] * sh;
@@ -138,9 +138,9 @@ sandglass_status sandglass_light_of_room(const sandglass_room_light* light, sand
 sandglass_status sandglass_light_of_harmonics(const sandglass_harmonics* harmonics, sandglass_light* lighting,
                                               const char** reason) {
   return make(harmonics, sizeof(sandglass_harmonics), lighting, reason,
-              "harmonics or lighting is NULL: pass what a system told of the light and the struct to fill",
+              "harmonics or lighting is NULL: pass what a system reports of the light and the struct to fill",
               "harmonics.struct_size is not set: start from sandglass_harmonics_default",
-              "a number of the harmonics is not finite, or main_direction is 0: pass them as the system told them");
+              "a number of the harmonics is not finite, or main_direction is 0: pass them as the system reports them");
 }
 
 sandglass_status sandglass_light_adapt(const sandglass_light* lighting, float strength, int32_t keep_chroma,

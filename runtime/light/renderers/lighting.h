@@ -1,4 +1,4 @@
-// The sources of a lighting: an estimate, the light of a room, and what a system tells of it.
+// The sources of a lighting: an estimate, the light of a room, and what a system reports of it.
 #pragma once
 
 #include "sandglass/renderers.h"

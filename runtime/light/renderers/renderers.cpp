@@ -44,7 +44,7 @@ float temperature_of(const double c[3]) {
   return static_cast<float>(kelvin < k_warmest ? k_warmest : kelvin > k_coldest ? k_coldest : kelvin);
 }
 
-// What every renderer is told, in double.
+// What every renderer is given, in double.
 struct Lights {
   double towards[3];           // the directional light
   double facing[3];            // the radiance of a white surface that faces it, by it alone

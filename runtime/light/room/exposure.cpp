@@ -2,7 +2,7 @@
 //
 // Each part that is remembered and shown again votes with the ratio of what the image shows to what is remembered. The
 // weighted median of the votes is how much brighter the image is. A clipped part is only known to be brighter, a black
-// one to be darker: they stand at the ends. With exposures that are told the median is a change of the room's light; else
+// one to be darker: they stand at the ends. With known exposures the median is a change of the room's light; else
 // it is the exposure.
 //
 // The light of the whole room is one factor beside its parts. So what is out of the picture follows at once, and a change
@@ -45,7 +45,7 @@ constexpr double k_detail = 0.05, k_patience_far = 0.5;
 constexpr double k_far_off = 1.1;     // of logarithms: three times the light, or a third
 constexpr double k_shows_rate = 0.2;  // of a new image in the mean of what such images show
 constexpr double k_scale_most = 1e6;
-// An exposure that is not told goes on as it did, by this share. What differs is believed as far as it is more than noise:
+// An unknown exposure goes on as it did, by this share. What differs is believed as far as it is more than noise:
 // variances of a vote that counts 1, and of exposures from image to image; wholly where it is five times the noise and
 // three quarters of the votes agree.
 constexpr double k_goes_on = 0.8, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 25, k_step_alike = 0.75;
@@ -115,10 +115,10 @@ double variance(const RoomVote& v, float sum, float squares) {
 }
 
 // Whether the image shows something else than the room in another light. Of one that is so much darker bytes have lost
-// the pattern: where exposures are told it is no short one, so it is strange.
-bool is_strange(const RoomVote& v, bool told) {
+// the pattern: where exposures are known it is no short one, so it is strange.
+bool is_strange(const RoomVote& v, bool exposure_known) {
   const auto exact = static_cast<double>(v.exact);
-  if (absolute(median_of(v)) > k_short_ratio) return told;
+  if (absolute(median_of(v)) > k_short_ratio) return exposure_known;
   if (exact < k_change_least) return false;
   double hue[3];
   for (int c = 0; c < 3; ++c)
@@ -129,7 +129,7 @@ bool is_strange(const RoomVote& v, bool told) {
   return pattern > k_pattern_least && variance(v, v.error, v.error_squared) > k_pattern_lost * pattern;
 }
 
-// How the image is exposed, where that is not told: what it shows as the image before did says how that changed. What
+// How the image is exposed, where that is not known: what it shows as the image before did says how that changed. What
 // is remembered says where it should be, and is approached in steps that nobody sees.
 double found_scale(Room* room) {
   const RoomVote& v = room->view.vote;
@@ -249,7 +249,7 @@ void vote_of_hue(RoomVote* v, const RoomPart& part, const RoomObservation& now, 
   add(&v->blue, counts * blue);
 }
 
-// White balance that is not told moves as the mean of the votes, as far as that is more than noise; not with the light,
+// Unknown white balance moves as the mean of the votes, as far as that is more than noise; not with the light,
 // and so that grey stays as bright.
 void follow_balance(Room* room) {
   RoomView* view = &room->view;
@@ -276,7 +276,7 @@ void follow_balance(Room* room) {
     for (int c = 0; c < 3; ++c) room->gains[c] = view->image.gains[c] / view->balance[c];
 }
 
-RoomLesson lesson_of(Room* room, bool told) {
+RoomLesson lesson_of(Room* room, bool exposure_known) {
   const RoomVote& v = room->view.vote;
   // One of lamps: what it shows of their parts at a few points says nothing of the light of the room. One that shows more
   // goes on with a doubt.
@@ -295,13 +295,13 @@ RoomLesson lesson_of(Room* room, bool told) {
   // why.
   const bool compares = compared >= k_doubt_least;
   const double one_way = static_cast<double>(v.more > v.less ? v.more : v.less);
-  const bool back = told && compares && returns(*room, median);
-  const bool alike = told && !(room->settled < k_settling) && all_alike(*room, median, hidden);
+  const bool back = exposure_known && compares && returns(*room, median);
+  const bool alike = exposure_known && !(room->settled < k_settling) && all_alike(*room, median, hidden);
   const bool still = room->doubted > 0 && static_cast<double>(v.more + v.less) >= k_still_share * compared;
-  const bool perhaps = alike || (told && compared > 0 && (still || one_way >= k_perhaps_share * compared));
+  const bool perhaps = alike || (exposure_known && compared > 0 && (still || one_way >= k_perhaps_share * compared));
   const bool clear = hidden <= (1 - k_blind) * compared;
-  const bool strange = !back && clear && (perhaps || !told) && is_strange(v, told && enough);
-  const bool surely = back || (told && enough && (alike || one_way >= k_change_share * compared));
+  const bool strange = !back && clear && (perhaps || !exposure_known) && is_strange(v, exposure_known && enough);
+  const bool surely = back || (exposure_known && enough && (alike || one_way >= k_change_share * compared));
   const bool all_few = compares && one_way >= k_few_share * compared;
   const bool doubtful = strange || (perhaps && !surely && (enough || all_few || room->doubted > 0));
   if (doubtful && compares) doubt(room, median);
@@ -314,7 +314,7 @@ RoomLesson lesson_of(Room* room, bool told) {
   if (!doubtful && room->doubted > 0) return RoomLesson::unknown;
   const bool other = strange && is_beyond(*room) && is_detailed(v);
   if (doubtful && room->doubted < (other ? k_patience_far : k_patience)) {
-    if (told && !strange && room->settled < k_settling) follow_light(room, median - room->usual, false);
+    if (exposure_known && !strange && room->settled < k_settling) follow_light(room, median - room->usual, false);
     return strange ? RoomLesson::nothing : RoomLesson::unknown;
   }
   if (other) {
@@ -324,8 +324,8 @@ RoomLesson lesson_of(Room* room, bool told) {
   const double change = back ? logarithm(room->light_before / room->light) : median - room->usual;
   // After so long what half of the parts say is believed.
   if (surely || (doubtful && (alike || one_way >= 0.5 * compared))) begin_to_settle(room, back);
-  const bool settling = told && room->settled < k_settling;
-  if (told && compares) {
+  const bool settling = exposure_known && room->settled < k_settling;
+  if (exposure_known && compares) {
     const double usual = median > k_noise ? k_noise : median < -k_noise ? -k_noise : median;
     if (settling) follow_light(room, change, surely);
     else if (enough && !doubtful) room->usual += k_usual_rate * (usual - room->usual);
@@ -356,11 +356,11 @@ void room_vote(Room* room, uint32_t index, double area, const RoomObservation& n
   const RoomPart& part = room->parts[index];
   if (now.covered < 1 || !room_remembers(part)) return;
   const double to_image = room->light / room->view.scale, expected = luminance(part.radiance) * to_image;
-  const bool told = room->exposure_known && room->view.image.exposure > 0;
+  const bool exposure_known = room->exposure_known && room->view.image.exposure > 0;
   if (!black && !(now.clipped > 0)) vote_of_hue(v, part, now, weight);
-  if (told && expected < k_dim && shown < k_dim) return;
+  if (exposure_known && expected < k_dim && shown < k_dim) return;
   if (now.clipped > 0 || black) {
-    // Where the exposure is not told, what is clipped says only that it is.
+    // Where the exposure is not known, what is clipped says only that it is.
     const bool hides = black ? expected >= k_dim : now.clipped >= k_white_from && expected < 0.9;
     if (!hides) return;
     const double ratio = black ? logarithm_of(k_black) - logarithm_of(expected) : -logarithm_of(expected);
@@ -388,14 +388,14 @@ void room_vote(Room* room, uint32_t index, double area, const RoomObservation& n
 void room_decide(Room* room) {
   RoomView* view = &room->view;
   const double exposure = static_cast<double>(view->image.exposure);
-  const bool first_told = exposure > 0 && !room->exposure_known, told = exposure > 0 && !first_told;
-  const double found = told ? room->scale : found_scale(room);
-  room->shown_scale = told ? view->scale : found;
+  const bool first_exposure = exposure > 0 && !room->exposure_known, exposure_known = exposure > 0 && !first_exposure;
+  const double found = exposure_known ? room->scale : found_scale(room);
+  room->shown_scale = exposure_known ? view->scale : found;
   room->shows_steps = true;
-  view->lesson = lesson_of(room, told);
+  view->lesson = lesson_of(room, exposure_known);
   if (view->lesson == RoomLesson::nothing) {
     // What covers the lens comes and goes at once; the camera adapts to it slowly.
-    if (told || room->exposure_known) return;
+    if (exposure_known || room->exposure_known) return;
     const double most = view->steps_agree ? k_adapts_surely : room->strange ? k_adapts_strange : k_adapts;
     if (absolute(static_cast<double>(room->brightens)) > most) room->brightens = 0;
     room->scale = room->shown_scale = bounded(room->scale * exponential(static_cast<double>(room->brightens)));
@@ -405,8 +405,8 @@ void room_decide(Room* room) {
   // Where it is missing once, the exposure is nearly that of the image before.
   const double apart = logarithm(found / room->scale);
   const bool once = room->exposure_known && absolute(apart) < k_noise;
-  if (!told) view->scale = once ? room->scale * exponential(k_missing_rate * apart) : found;
-  if (first_told) {
+  if (!exposure_known) view->scale = once ? room->scale * exponential(k_missing_rate * apart) : found;
+  if (first_exposure) {
     // What was seen until now was in units of the first image's white. From now on it is in the app's.
     const double factor = room->images != 0 ? 1 / (exposure * found) : 1;
     const auto turn = [factor](float radiance[3]) {

@@ -62,7 +62,7 @@ __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass
   mix(shown->ambient_cells, other ? now.cells : now.ambient_cells, share);
   shown->main_share += share * ((other ? 0 : now.main_share) - shown->main_share);
   // The shown level, in the scale of the image that is now the last. Where the unit is another one, after a reset or the
-  // first exposure that was told, the picture on the screen is still the same.
+  // first exposure that was given, the picture on the screen is still the same.
   const bool same = shown->valid != 0 && shown->unit == now.unit;
   const float scale = same && now.white > 0 ? shown->white / now.white : 1;
   for (int c = 0; c < 3; ++c) {

@@ -224,7 +224,7 @@ void learn(Room* room, const PartMiddle& part) {
       *white = of_now;
     return;
   }
-  if (above && room->told_radius == 0 && !room->far && room->view.lesson == RoomLesson::all && now.covered >= 1 &&
+  if (above && room->given_radius == 0 && !room->far && room->view.lesson == RoomLesson::all && now.covered >= 1 &&
       !room_is_short(*room))
     compare_as_far(room, part, before, now);
   const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
@@ -238,7 +238,7 @@ void learn(Room* room, const PartMiddle& part) {
   }
   // A lamp that was not known has no place yet.
   const float moved = before.clipped > 0 || before.luminance * room->light > room->scale ? rate : 1;
-  // What is clipped a little is told at once, and what is no more so: the next image may miss it.
+  // What is clipped a little counts at once, and what is no more so: the next image may miss it.
   const bool at_once = clipped > 0 ? rate > 0 && before.clipped < k_faint && clipped < k_little : rate > k_clear;
   known->clipped = static_cast<double>(before.clipped + (at_once ? 1 : rate) * (clipped - before.clipped));
   if (rate > 0) {
@@ -416,8 +416,8 @@ bool room_take_image(Room* room, const CameraImage& image) {
   room->crowd = 0;
   place(*room, view);
   view->scale = room->exposure_known && image.exposure > 0 ? 1 / static_cast<double>(image.exposure) : room->scale;
-  const bool told = room_knows_gains(*room, image);
-  for (int c = 0; c < 3; ++c) view->balance[c] = told ? image.gains[c] / room->gains[c] : room->balance[c];
+  const bool known = room_knows_gains(*room, image);
+  for (int c = 0; c < 3; ++c) view->balance[c] = known ? image.gains[c] / room->gains[c] : room->balance[c];
   view->shows_steps = room->shows_steps;
   room->shows_steps = false;  // until it is known how this image is exposed
   room->phase = RoomPhase::compare;
@@ -468,7 +468,7 @@ void run_parts(Room* room) {
       learn(room, middle);
       continue;
     }
-    // Where the exposure is not told, at the same points of each image: so it is known how that changed.
+    // Where the exposure is not known, at the same points of each image: so it is known how that changed.
     const RoomObservation now = observe(*view, view->image.exposure > 0 ? room->images : 0, middle, k_vote_points);
     if (now.covered > 0) room_vote(room, room->cursor, middle.elevation.cos, now);
     else room->parts[room->cursor].shown = 0;
@@ -491,7 +491,7 @@ void room_run_unit(Room* room) {
   const bool teaches = view->lesson != RoomLesson::nothing;
   room->phase = phase_after(*room);
   if (room->phase != RoomPhase::idle) return;
-  // A balance that is told holds for an image that teaches nothing, too.
+  // A given balance holds for an image that teaches nothing, too.
   if (room_knows_gains(*room, view->image) || (teaches && !room_shows_lamps_only(*room)))
     for (int c = 0; c < 3; ++c) room->balance[c] = view->balance[c];
   if (teaches) {

@@ -234,14 +234,14 @@ bool begin(Room* room, const float position[3], float exposure, float confidence
 }
 
 // A main light without a direction is none.
-void set_far_light(const Room& room, const sandglass_harmonics& told, RoomFarLight* far) {
+void set_far_light(const Room& room, const sandglass_harmonics& given, RoomFarLight* far) {
   double world[3];
-  for (int k = 0; k < 3; ++k) world[k] = static_cast<double>(told.main_direction[k]);
+  for (int k = 0; k < 3; ++k) world[k] = static_cast<double>(given.main_direction[k]);
   const double squared = square_of(world);
   if (!(squared > 0)) return;
   for (double& x : world) x /= square_root(squared);
   room_to_sphere(room, world, far->direction);
-  for (int c = 0; c < 3; ++c) far->irradiance[c] = static_cast<double>(told.main_irradiance[c]);
+  for (int c = 0; c < 3; ++c) far->irradiance[c] = static_cast<double>(given.main_irradiance[c]);
   double row;
   room_part_at(far->direction, &row, &far->column);
   far->row = row < 0.5 ? 0.5 : row > k_room_rows - 0.5 ? k_room_rows - 0.5 : row;
@@ -314,23 +314,23 @@ void room_begin_cube(Room* room, const sandglass_cube& cube) {
   probe->phase = RoomProbePhase::cube;
 }
 
-void room_begin_harmonics(Room* room, const sandglass_harmonics& told) {
+void room_begin_harmonics(Room* room, const sandglass_harmonics& given) {
   RoomProbe* probe = room->probe;
-  if (!begin(room, told.position, told.exposure, told.confidence)) return;
+  if (!begin(room, given.position, given.exposure, given.confidence)) return;
   RoomHarmonics* h = &probe->harmonics;
   *h = {};
   double grey[k_harmonics];
   for (uint32_t j = 0; j < k_harmonics; ++j) {
     double colour[3];
     for (uint32_t c = 0; c < 3; ++c)
-      h->sh[c][j] = colour[c] = (told.with_phase == 1 ? phase_of(j) : 1) * static_cast<double>(told.sh[3 * j + c]);
+      h->sh[c][j] = colour[c] = (given.with_phase == 1 ? phase_of(j) : 1) * static_cast<double>(given.sh[3 * j + c]);
     grey[j] = luminance(colour);
   }
   const double even = grey[0] * k_harmonic_factors[0];  // mean radiance
   h->mean = even > 1e-12 ? even : 1e-12;
   for (uint32_t j = 0; j < k_harmonics; ++j) h->target[j] = grey[j] / h->mean * (j == 0 ? 1 : 1 - k_even_share);
   h->cost = cost_of(h->exponents, h->target);
-  if (told.kind == SANDGLASS_HARMONICS_AMBIENT) set_far_light(*room, told, &probe->far);
+  if (given.kind == SANDGLASS_HARMONICS_AMBIENT) set_far_light(*room, given, &probe->far);
   probe->phase = RoomProbePhase::entropy;
 }
 
@@ -360,8 +360,9 @@ void room_probe_scale(const Room& room, double scale[3]) {
     area += weight;
     for (int c = 0; c < 3; ++c) sum[c] += weight * ratio[c];
   }
-  const bool told = room.exposure_known && probe->scale > 0, shared = area >= k_least_shared;
-  const double found = shared ? exponential(luminance(sum) / area) : room.scale, grey = told ? probe->scale : found;
+  const bool scale_known = room.exposure_known && probe->scale > 0, shared = area >= k_least_shared;
+  const double found = shared ? exponential(luminance(sum) / area) : room.scale,
+               grey = scale_known ? probe->scale : found;
   for (int c = 0; c < 3; ++c) {
     double balance = shared ? exponential(sum[c] / area) / found : 1;
     balance = balance < 1 / k_balance_most ? 1 / k_balance_most : balance > k_balance_most ? k_balance_most : balance;

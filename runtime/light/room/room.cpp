@@ -20,13 +20,13 @@ constexpr double k_long_ago = 1e9;      // seconds
 constexpr float k_tells_from = 0.004f;  // of white: 13 steps of a byte
 
 void room_reset(Room* room) {
-  const double told_radius = room->told_radius, half_life = room->half_life;
+  const double given_radius = room->given_radius, half_life = room->half_life;
   const uint64_t interval_ns = room->interval_ns;
   const uint32_t unit = room->unit;
   RoomProbe* const probe = room->probe;
   RoomTexel* const texels = room->texels;
   __builtin_memset(static_cast<void*>(room), 0, sizeof *room);
-  room->told_radius = told_radius;
+  room->given_radius = given_radius;
   room->radius = room_first_radius(*room);
   room->half_life = half_life;
   room->interval_ns = interval_ns;
@@ -175,7 +175,7 @@ sandglass_room* lay_out(const sandglass_room_desc& desc, Layout* layout) {
 
 sandglass_status build(const sandglass_room_desc& desc, sandglass_room* owner, const char** reason) {
   owner->member.capability = &k_room_capability;
-  owner->room.told_radius = static_cast<double>(desc.radius);
+  owner->room.given_radius = static_cast<double>(desc.radius);
   owner->room.half_life = static_cast<double>(desc.half_life);
   owner->room.interval_ns = to_whole<uint64_t>(static_cast<double>(desc.interval) * 1e9);
   room_reset(&owner->room);

@@ -75,7 +75,7 @@ struct RoomRatios {
 };
 struct RoomVote {
   RoomRatios ratios;
-  RoomRatios steps;                // to what the image before showed, where the exposure is not told
+  RoomRatios steps;                // to what the image before showed, where the exposure is not known
   float brighter, darker;          // weights of parts that are clipped or black where they should not be
   float brighter_sum, darker_sum;  // the same times the ratio that is known at least
   float more, less;                // weights of what became brighter, or darker, by half or more
@@ -106,7 +106,7 @@ struct RoomHarmonics {
   double target[9], exponents[9], cost;  // Newton's method
 };
 
-// The main light that is told beside harmonics. It is far: from everywhere it lies in the same direction.
+// The main light that is given beside harmonics. It is far: from everywhere it lies in the same direction.
 struct RoomFarLight {
   double direction[3], row, column;  // in the sphere's frame; and in parts
   double irradiance[3];              // of a surface that faces it; 0: there is none
@@ -175,7 +175,7 @@ struct RoomView {
 };
 
 struct Room {
-  double told_radius;  // 0: it is found
+  double given_radius;  // 0: it is found
   double radius, half_life;
   uint64_t interval_ns, last_ns;  // last_ns: of the last image that was taken
   uint64_t offered_ns;            // of the last image that was offered
@@ -195,7 +195,7 @@ struct Room {
   double scale;          // of the last image that was exposed for the room
   double shown_scale;    // of the last image
   float balance[3];      // of the same, white balance beside that of all radiance that is kept
-  float gains[3];        // that the camera tells where `balance` is 1; 0: unknown
+  float gains[3];        // that the camera reports where `balance` is 1; 0: unknown
   double light;  // the light of the whole room, beside what it was when its parts were seen: a factor of them all
   double usual;  // the median of votes while nothing changes: where they are taken is not all that is remembered
   double light_before;  // the same before the last change
@@ -204,7 +204,7 @@ struct Room {
   double doubts;        // the median of votes of the last of them
   double shows;         // mean radiance of those that look like another room; 0: none does
   double farther;       // how much better images are explained if what they show is far, so far: see compare_as_far
-  float brightens;      // logarithm by which `scale` last grew, where the exposure is not told
+  float brightens;      // logarithm by which `scale` last grew, where the exposure is not known
   float tells_from;     // of an image's white: what shows as less, and was less, says nothing
   RoomPhase phase;
   uint32_t cursor;               // the next part
@@ -230,7 +230,7 @@ void room_to_world(const Room& room, const double sphere[3], double world[3]);
 constexpr double k_farthest = 0.8;
 void room_place(const Room& room, const double world[3], double sphere[3], double farthest = k_farthest);
 float room_bounded_radiance(double radiance);
-// Whether the camera tells its white balance, and did before.
+// Whether the camera reports its white balance, and did before.
 inline bool room_knows_gains(const Room& room, const CameraImage& image) {
   return image.gains[1] > 0 && room.gains[1] > 0;
 }
@@ -240,7 +240,7 @@ bool room_remembers(const RoomPart& part);
 double room_memory(uint32_t age);
 // The sphere grows by this factor when the camera leaves it; and by that one where what is seen is far.
 constexpr double k_grows = 4, k_far = 64;
-constexpr double k_usual_radius = 3;  // metres, where the app tells none
+constexpr double k_usual_radius = 3;  // metres, where the app gives none
 constexpr double k_radius_most = 1000;
 constexpr double k_parallax = 0.1;  // radii: what was seen from as near to here tells nothing of how far it is
 // Before an image: the sphere as large as it has to be.
@@ -251,7 +251,7 @@ inline int8_t room_towards(int8_t known, double now, float rate) {
   const int64_t whole = floor_index(known + static_cast<double>(rate) * (127.0 * now - known) + 0.5);
   return static_cast<int8_t>(whole < -127 ? -127 : whole > 127 ? 127 : whole);
 }
-inline double room_first_radius(const Room& room) { return room.told_radius > 0 ? room.told_radius : k_usual_radius; }
+inline double room_first_radius(const Room& room) { return room.given_radius > 0 ? room.given_radius : k_usual_radius; }
 // False where a direction of the sphere, and what lies up to half a part beside it, is out of the picture.
 bool room_may_be_seen(const RoomView& view, const double direction[3]);
 // Where in a part or a texel, 0..1, its points lie: elsewhere with each step, and evenly.
@@ -311,7 +311,7 @@ enum class RoomCubeTexel : uint32_t { sound, clipped, beyond, none };
 RoomCubeTexel room_cube_texel(const sandglass_cube& cube, const double direction[3], double colour[3]);
 uint32_t room_probe_units_left(const Room& room);
 void room_drop_probe_unit(Room* room);
-// Radiance of the probe's value 1 in the room's unit, for each channel: as both show the same parts, or as it is told.
+// Radiance of the probe's value 1 in the room's unit, for each channel: as both show the same parts, or as it is given.
 void room_probe_scale(const Room& room, double scale[3]);
 // The share of the probe's far light that is in this part, and the radiance by which the whole part would give all of
 // it, in the probe's unit.

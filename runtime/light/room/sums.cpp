@@ -193,7 +193,7 @@ void sums_add_far_light(const Room& room, const RoomMemory& memory, const RoomOv
   const RoomFarLight& far = room.probe->far;
   double q[3], local[3], world[3], ignored[3], share = 0, polynomials[k_harmonics], light[3], along = 0, squared = 0;
   for (int k = 0; k < 3; ++k) {
-    const double from = room.told_radius > 0 ? at[k] : 0;
+    const double from = room.given_radius > 0 ? at[k] : 0;
     q[k] = far.direction[k] - from;
     along += far.direction[k] * from;
     squared += q[k] * q[k];

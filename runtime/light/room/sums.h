@@ -83,7 +83,7 @@ void sums_add_sphere(const Room& room, const RoomMemory& memory, const RoomModel
 // then as the next one around that holds some.
 void sums_even_out(RoomSums* sums);
 // The far light of a probe (probe.cpp), as far as the camera has not seen where it is. It is no piece of the sphere, so
-// it does not fill a cell: it is added to cells that were evened out. It moves with the place where the app tells how
+// it does not fill a cell: it is added to cells that were evened out. It moves with the place where the app gives how
 // far away the walls are.
 void sums_add_far_light(const Room& room, const RoomMemory& memory, const RoomOverview& all, const RoomFacing& plane,
                         const double at[3], RoomSums* sums);

@@ -120,8 +120,8 @@ __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direc
   for (uint32_t axis = 0; axis < 3; ++axis)
     chord += (light[axis] - p->request.light[axis]) * (light[axis] - p->request.light[axis]);
   const bool any = p->textures.valid || ((p->request.asked | p->progress.making) & k_ask_light) != 0;
-  const double told = static_cast<double>(angular_diameter > 0.0f ? angular_diameter : k_usual_diameter);
-  const double width = told < k_narrowest ? k_narrowest : told > k_widest ? k_widest : told;
+  const double diameter = static_cast<double>(angular_diameter > 0.0f ? angular_diameter : k_usual_diameter);
+  const double width = diameter < k_narrowest ? k_narrowest : diameter > k_widest ? k_widest : diameter;
   const double edge = 0.5 * (width - p->request.width);
   if (any && !(chord + edge * edge > p->request.tolerance_squared)) return accept(reason);
   p->request.width = width;

@@ -9,7 +9,7 @@ namespace sandglass::host {
 SeenRoom look_around(const RadianceMap& panorama, Session session, const SessionOptions& options) {
   SeenRoom seen = {};
   Room* room = &seen.room;
-  room->told_radius = 1.0;
+  room->given_radius = 1.0;
   room->half_life = 1e6;
   room->interval_ns = 0;
   if (options.reflections) {
