@@ -4,7 +4,7 @@
 // Lane = triangle while triangles are projected, then lane = edge of one triangle. A row's span ends where three edges cut
 // it: of a triangle that turns against the clock (u to the right, v down) edges that go down bound it on the left, edges
 // that go up on the right. Beside the three stands the triangle's own extent, so that the bounds of a row are the greatest
-// and the least of four.
+// and the smallest of four.
 
 // Where four bounds are in a triangle's first row, and how far each moves from row to row. What bounds nothing lies beyond
 // the image.
@@ -26,24 +26,24 @@ static SANDGLASS_INLINE void fill_span(uint64_t* row, uint32_t from, uint32_t to
   row[end] |= last;
 }
 
-// The bounds of row j: the same bits however many lanes there are, because the greatest and the least are exact.
+// The bounds of row j: the same bits however many lanes there are, because maximum and minimum are exact.
 static SANDGLASS_INLINE float left_bound(const CastBounds& b, float j) {
   if constexpr (k_width == 4) return lane_maximum(load(b.at) + load(b.step) * broadcast(j));
-  float most = b.at[3];
+  float largest = b.at[3];
   for (uint32_t e = 0; e < 3; ++e) {
     const float x = b.at[e] + b.step[e] * j;
-    most = x > most ? x : most;
+    largest = x > largest ? x : largest;
   }
-  return most;
+  return largest;
 }
 static SANDGLASS_INLINE float right_bound(const CastBounds& b, float j) {
   if constexpr (k_width == 4) return lane_minimum(load(b.at) + load(b.step) * broadcast(j));
-  float least = b.at[3];
+  float smallest = b.at[3];
   for (uint32_t e = 0; e < 3; ++e) {
     const float x = b.at[e] + b.step[e] * j;
-    least = x < least ? x : least;
+    smallest = x < smallest ? x : smallest;
   }
-  return least;
+  return smallest;
 }
 
 // Returns how many texels it covers.
@@ -136,7 +136,7 @@ static void cast_triangles(const CastTrianglesArgs* a, uint32_t begin, uint32_t 
   *extent = seen;
 }
 
-// Along a row: the least, the greatest and the sum of 2 radius + 1 values about each texel.
+// Along a row: the smallest, the largest and the sum of 2 radius + 1 values about each texel.
 static void cast_window(const CastWindowArgs* a, uint32_t begin, uint32_t end, uint32_t* unused) {
   (void)unused;
   for (uint32_t at = begin; at < end; at += k_width) {
@@ -154,13 +154,13 @@ static void cast_window(const CastWindowArgs* a, uint32_t begin, uint32_t end, u
   }
 }
 
-// Across rows: where all values of the window differ by at most half of `most`, a texel becomes their mean; where they
-// differ by `most` or more, it stays; in between it is blended.
+// Across rows: where all values of the window differ by at most half of difference_max, a texel becomes their mean;
+// where they differ by difference_max or more, it stays; in between it is blended.
 static void cast_calm(const CastCalmArgs* a, uint32_t begin, uint32_t end, uint32_t* unused) {
   (void)unused;
   const float area = static_cast<float>(a->rows * a->rows);
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), two = broadcast(2.0f);
-  const Float inverse_area = broadcast(1.0f / area), slope = broadcast(2.0f / a->most);
+  const Float inverse_area = broadcast(1.0f / area), slope = broadcast(2.0f / a->difference_max);
   for (uint32_t at = begin; at < end; at += k_width) {
     Float low = load(a->low[0] + at), high = load(a->high[0] + at), sum = load(a->sum[0] + at);
     for (uint32_t k = 1; k < a->rows; ++k) {

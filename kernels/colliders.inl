@@ -56,7 +56,7 @@ SANDGLASS_INLINE Surface box(const ColliderFrame& c, Float x, Float y, Float z) 
 #include "kernels/field.inl"
 
 // One copy for all kernels: together they are a quarter of their code.
-SANDGLASS_APART Surface bounded_surface(const ColliderFrame& c, Float x, Float y, Float z) {
+SANDGLASS_NOINLINE Surface bounded_surface(const ColliderFrame& c, Float x, Float y, Float z) {
   const float* up = c.axes[1];
   switch (c.shape) {
     case SANDGLASS_SHAPE_CAPSULE: {

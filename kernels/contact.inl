@@ -21,7 +21,7 @@ struct Direction {
 };
 
 // A unit vector for each pair, chosen by its indices: both sides agree on it. One copy for all kernels.
-SANDGLASS_APART Direction direction_of(const uint32_t* first, const uint32_t* second, uint32_t stride) {
+SANDGLASS_NOINLINE Direction direction_of(const uint32_t* first, const uint32_t* second, uint32_t stride) {
   alignas(64) uint32_t others[k_lane_group];
   for (uint32_t l = 0; l < k_width; ++l) others[l] = second[l * stride];
   const Int i = load(first), j = load(others), sum = i + j, none = broadcast(0);

@@ -25,8 +25,8 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
 }
 
 // Returns the lanes that a field moved: its distance is rough, in corners and far inside.
-SANDGLASS_APART Mask keep_outside(const RefineArgs* a, const ColliderFrame* colliders, Mask lanes, Float position[3],
-                                  Float velocity[3]) {
+SANDGLASS_NOINLINE Mask keep_outside(const RefineArgs* a, const ColliderFrame* colliders, Mask lanes, Float position[3],
+                                     Float velocity[3]) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   Mask rough = and_not(lanes, lanes);
   for (uint32_t c = 0; c < a->collider_count; ++c) {
@@ -122,7 +122,7 @@ SANDGLASS_INLINE void take_step(const RefineArgs* a, const Following& f, Grains*
 }
 
 // Step by step, because they are fast enough to pass through something thin.
-SANDGLASS_APART void follow_in_steps(const RefineArgs* a, const Following& f, Mask lanes, Grains* g) {
+SANDGLASS_NOINLINE void follow_in_steps(const RefineArgs* a, const Following& f, Mask lanes, Grains* g) {
   Grains one_by_one = *g;
   for (uint32_t s = 0; s < a->steps; ++s) {
     take_step(a, f, &one_by_one);
@@ -190,7 +190,7 @@ SANDGLASS_INLINE bool reaches_collider(const RefineArgs* a, const Float position
   return false;
 }
 
-SANDGLASS_APART void leave_colliders(const RefineArgs* a, Grains* g) {
+SANDGLASS_NOINLINE void leave_colliders(const RefineArgs* a, Grains* g) {
   const Mask again = keep_outside(a, a->colliders, g->inside, g->position, g->velocity);
   if (any(again)) keep_outside(a, a->colliders, again, g->position, g->velocity);
 }
@@ -242,7 +242,7 @@ SANDGLASS_INLINE void follow(const RefineArgs* a, const Fixed& fixed, LastBlock*
 }
 
 // Without one: a look-up for each step.
-SANDGLASS_APART void follow_particles(const RefineArgs* a, Grains* g) {
+SANDGLASS_NOINLINE void follow_particles(const RefineArgs* a, Grains* g) {
   for (uint32_t s = 0; s < a->steps; ++s) {
     Flow flow = no_flow();
     gather_all(a, sound_places(g->inside, g->position), g->position, &flow);

@@ -418,7 +418,7 @@ constexpr uint32_t k_cast_rows = 9;
 struct CastCalmArgs {
   const float *low[k_cast_rows], *high[k_cast_rows], *sum[k_cast_rows];
   uint32_t rows;
-  float most;
+  float difference_max;
   float* row;
 };
 

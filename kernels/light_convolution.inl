@@ -30,14 +30,14 @@ static void narrow(const Int8Convolution* convolution, const PixelRow* row) {
   const Int8Convolution& c = *convolution;
   alignas(64) uint8_t packed[k_packed_bytes];
   const Window window = {c.inputs, 1, c.inputs, 0};
-  const uint32_t most = packed_pixels(c.inputs);
-  for (uint32_t first = 0; first < row->count; first += most) {
-    const uint32_t count = row->count - first < most ? row->count - first : most;
+  const uint32_t limit = packed_pixels(c.inputs);
+  for (uint32_t first = 0; first < row->count; first += limit) {
+    const uint32_t count = row->count - first < limit ? row->count - first : limit;
     for (uint32_t t = 0; t < count; ++t) {
       const uint8_t* in = row->in + (first + t) * row->in_stride;
       uint8_t* out = packed + t * c.inputs;
       for (uint32_t i = 0; i < c.inputs; i += k_bytes)
-        store_bytes(out + i, least(greatest(load_bytes(in + i), load_bytes(c.low + i)), load_bytes(c.high + i)));
+        store_bytes(out + i, minimum(maximum(load_bytes(in + i), load_bytes(c.low + i)), load_bytes(c.high + i)));
     }
     convolve(c, packed, window, count, row->out + first * row->out_stride, row->out_stride);
   }
@@ -47,9 +47,9 @@ static void transition(const Int8Convolution* convolution, const PixelRow* row) 
   const Int8Convolution& c = *convolution;
   alignas(64) uint8_t packed[k_packed_bytes];
   const Window window = {c.inputs, 1, c.inputs, 0};
-  const uint32_t most = packed_pixels(c.inputs);
-  for (uint32_t first = 0; first < row->count; first += most) {
-    const uint32_t count = row->count - first < most ? row->count - first : most;
+  const uint32_t limit = packed_pixels(c.inputs);
+  for (uint32_t first = 0; first < row->count; first += limit) {
+    const uint32_t count = row->count - first < limit ? row->count - first : limit;
     for (uint32_t t = 0; t < count; ++t) {
       const uint8_t* in = row->in + 2 * (first + t) * row->in_stride;
       uint8_t* out = packed + t * c.inputs;
@@ -57,7 +57,7 @@ static void transition(const Int8Convolution* convolution, const PixelRow* row) 
         const Bytes low = load_bytes(c.low + i), high = load_bytes(c.high + i);
         Bytes four[4];
         for (uint32_t k = 0; k < 4; ++k)
-          four[k] = least(greatest(load_bytes(in + k / 2 * row->in_pitch + k % 2 * row->in_stride + i), low), high);
+          four[k] = minimum(maximum(load_bytes(in + k / 2 * row->in_pitch + k % 2 * row->in_stride + i), low), high);
         store_bytes(out + i, average(four));
       }
     }
@@ -108,13 +108,13 @@ static void pool(const uint8_t* rows, uint32_t width, uint32_t height, uint32_t 
   }
   for (uint32_t x = 0; x < width / 2; ++x)
     for (uint32_t i = 0; i < k_stem_outputs; i += k_bytes) {
-      Bytes most = load_bytes(row[0] + 2 * x * k_stem_outputs + i);
+      Bytes largest = load_bytes(row[0] + 2 * x * k_stem_outputs + i);
       for (uint32_t r = 0; r < 3; ++r)
         for (uint32_t s = 0; s < 3; ++s) {
           const uint32_t u = 2 * x + s;  // column of the image, plus 1
-          most = greatest(most, load_bytes(row[r] + (u == 0 || u > width ? 2 * x : u - 1) * k_stem_outputs + i));
+          largest = maximum(largest, load_bytes(row[r] + (u == 0 || u > width ? 2 * x : u - 1) * k_stem_outputs + i));
         }
-      store_bytes(out + x * out_stride + i, most);
+      store_bytes(out + x * out_stride + i, largest);
     }
 }
 

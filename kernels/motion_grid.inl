@@ -178,8 +178,8 @@ SANDGLASS_INLINE LastBlock no_block_yet() {
 }
 
 // Looks up every block of the lanes, which may be far apart.
-SANDGLASS_APART void look_up_blocks(const MotionGrid* grid, Mask lanes, const BlockPlace& place, LastBlock* last,
-                                    uint32_t* numbers) {
+SANDGLASS_NOINLINE void look_up_blocks(const MotionGrid* grid, Mask lanes, const BlockPlace& place, LastBlock* last,
+                                       uint32_t* numbers) {
   alignas(64) float at[3][k_lane_group];
   for (int k = 0; k < 3; ++k) store(at[k], place.block[k]);
   store(numbers, broadcast(static_cast<int32_t>(k_no_block)));
@@ -236,7 +236,7 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
   (void)result;
   const MotionGrid* grid = a->grid;
   const Float limit = broadcast(k_coordinate_bound);
-  const Int most = broadcast(static_cast<int32_t>(k_block_cells - 1));
+  const Int last_cell = broadcast(static_cast<int32_t>(k_block_cells - 1));
   MotionBlock* const blocks = grid->blocks;
   uint8_t* const all_counts = grid->counts;
   const GridPlace grid_place = place_of(grid);
@@ -251,18 +251,18 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
     const BlockPlace place = place_in_block(grid_place, lanes, grain);
     Int cell = broadcast(0);
     for (int k = 2; k >= 0; --k)
-      cell = shift_left(cell, 3) + shift_left(cell, 2) + minimum(to_int(place.inside[k] * broadcast(3.0f)), most);
+      cell = shift_left(cell, 3) + shift_left(cell, 2) + minimum(to_int(place.inside[k] * broadcast(3.0f)), last_cell);
     alignas(64) uint32_t cells[2 * k_lane_group], numbers[k_lane_group];
-    const bool one = find_blocks(grid, lanes, place, &last, numbers);
-    if (one && last.number == k_no_block) continue;
+    const bool single = find_blocks(grid, lanes, place, &last, numbers);
+    if (single && last.number == k_no_block) continue;
     store(cells, cell);
-    if (one && all(lanes)) {
+    if (single && all(lanes)) {
       blocks[last.number].state |= k_block_holds;
       uint8_t* counts = all_counts + static_cast<uint64_t>(last.number) * k_block_counts;
       for (uint32_t l = 0; l < k_width; ++l) count_grain(counts + cells[l]);
       continue;
     }
-    if (one) store(numbers, broadcast(static_cast<int32_t>(last.number)));
+    if (single) store(numbers, broadcast(static_cast<int32_t>(last.number)));
     const Mask counted = and_not(lanes, load(numbers) == broadcast(static_cast<int32_t>(k_no_block)));
     const bool some = !all(counted);
     alignas(64) uint32_t chosen[k_lane_group];

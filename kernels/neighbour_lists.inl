@@ -16,9 +16,9 @@ struct Ranges {
   uint32_t count;
 };
 
-// Adds what of [begin, end) comes from `least` on.
-SANDGLASS_INLINE void add_range(Ranges* ranges, uint32_t begin, uint32_t end, uint32_t least) {
-  const uint32_t from = begin < least ? least : begin;
+// Adds what of [begin, end) comes from `first` on.
+SANDGLASS_INLINE void add_range(Ranges* ranges, uint32_t begin, uint32_t end, uint32_t first) {
+  const uint32_t from = begin < first ? first : begin;
   ranges->begin[ranges->count] = from;
   ranges->end[ranges->count] = end;
   ranges->count += from < end ? 1u : 0u;
@@ -39,19 +39,20 @@ SANDGLASS_INLINE void find_rows(const Grid& grid, const int32_t cell[3], Rows* r
 }
 
 // Apart, since it is inlined twice and unrolled else.
-SANDGLASS_APART void find_ranges(const Grid& grid, const Rows& rows, int32_t cell_x, uint32_t least, Ranges* ranges) {
+SANDGLASS_NOINLINE void find_ranges(const Grid& grid, const Rows& rows, int32_t cell_x, uint32_t first,
+                                    Ranges* ranges) {
   const uint32_t mask = (1u << grid.bits[0]) - 1;
   const uint32_t middle = static_cast<uint32_t>(cell_x), left = (middle - 1) & mask, right = (middle + 1) & mask;
   ranges->count = 0;
   if (left < right) {
     const uint32_t* const starts = grid.starts + left;
-    for (const uint32_t row : rows.begin) add_range(ranges, starts[row], starts[row + 3], least);
+    for (const uint32_t row : rows.begin) add_range(ranges, starts[row], starts[row + 3], first);
     return;
   }
   for (const uint32_t row : rows.begin) {  // the rows wrap round between the three cells
     for (uint32_t dx = 0; dx < 3; ++dx) {
       const uint32_t x = row + ((left + dx) & mask);
-      add_range(ranges, grid.starts[x], grid.starts[x + 1], least);
+      add_range(ranges, grid.starts[x], grid.starts[x + 1], first);
     }
   }
 }
@@ -66,23 +67,23 @@ struct Row {
   uint32_t dropped;
 };
 
-SANDGLASS_INLINE void limit_to(uint32_t most, uint32_t* count, uint32_t* dropped) {
-  if (*count <= most) return;
-  *dropped += *count - most;
-  *count = most;
+SANDGLASS_INLINE void limit_to(uint32_t limit, uint32_t* count, uint32_t* dropped) {
+  if (*count <= limit) return;
+  *dropped += *count - limit;
+  *count = limit;
 }
 
 // Of eight candidates or more one is in reach so often that a branch is mispredicted more than it saves.
 constexpr bool k_skips_empty = k_width < 8;
 
-// Tests the candidates from `least` on.
+// Tests the candidates from `first` on.
 SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* positions, uint32_t first_record,
-                                  uint32_t least, int32_t self, const float* at, Float reach, Float near, Row* row) {
+                                  uint32_t first, int32_t self, const float* at, Float reach, Float near, Row* row) {
   const Float x = broadcast(at[0]), y = broadcast(at[1]), z = broadcast(at[2]);
   uint32_t nears = row->near_count, others = row->other_count;  // not in memory: the stores below might change it
   for (uint32_t r = 0; r < ranges.count; ++r) {
     const uint32_t end = ranges.end[r];
-    for (uint32_t c = ranges.begin[r] < least ? least : ranges.begin[r]; c < end; c += k_width) {
+    for (uint32_t c = ranges.begin[r] < first ? first : ranges.begin[r]; c < end; c += k_width) {
       const Float dx = load(positions[0] + c) - x, dy = load(positions[1] + c) - y, dz = load(positions[2] + c) - z;
       const Float d2 = dx * dx + dy * dy + dz * dz;
       const Mask within = d2 < reach;

@@ -91,9 +91,9 @@ SANDGLASS_INLINE void keep_flight(const OwnUnits& units, const Own& own, Float a
     const Float falls = own.free * dot3(units.gravity, own.velocity) * inverse;
     const Float lag = half * units.time * maximum(falls, zero), along = dot3(away, own.velocity) * inverse;
     // By its speed when the sweep began. Of what starts to fall nothing is known: the difference is at most half of it.
-    const Float began = maximum(speed - lag, half * units.speed), most = half * speed;
+    const Float began = maximum(speed - lag, half * units.speed), limit = half * speed;
     const Float ahead = dot3(own.offset, own.velocity) * inverse;
-    const Float steady = maximum(minimum(broadcast(1.25f) * falls * ahead / began, most), zero - most);
+    const Float steady = maximum(minimum(broadcast(1.25f) * falls * ahead / began, limit), zero - limit);
     const Float slower = minimum(steady, zero) - lag, faster = maximum(steady, zero);
     const Float stretch = minimum(maximum(along, slower), faster) * inverse;
     for (int k = 0; k < 3; ++k) away[k] = select(flies, away[k] - stretch * own.velocity[k], away[k]);
@@ -113,17 +113,17 @@ SANDGLASS_INLINE void stay_with_own(const OwnUnits& units, const Own& own, Float
   const Float distance = square_root(dot3(own.offset, own.offset)), radii = units.per_radius * distance;
   // It ends where nodes no longer know the particle (k_reach_radii), so that no grain jumps there.
   const Float near = fade(radii, 2.35f, 2.47f);
-  Float apart[3], away[3];
+  Float difference[3], away[3];
   for (int k = 0; k < 3; ++k) {
-    apart[k] = own.velocity[k] - mean[k];
+    difference[k] = own.velocity[k] - mean[k];
     away[k] = velocity[k] + units.added[k] - own.velocity[k];
   }
   keep_flight(units, own, away);
   // Where the particle goes elsewhere than the mean, the grain goes with it.
   const Float parts = near * fade(weight, 0.9f * k_weight_inside, k_weight_inside) *
-                      (one - fade(units.per_speed * square_root(dot3(apart, apart)), 0.15f, 0.4f));
+                      (one - fade(units.per_speed * square_root(dot3(difference, difference)), 0.15f, 0.4f));
   for (int k = 0; k < 3; ++k) {
-    mean[k] = select(own.known, mean[k] + parts * apart[k], mean[k]);
+    mean[k] = select(own.known, mean[k] + parts * difference[k], mean[k]);
     velocity[k] = select(own.known, velocity[k] - near * away[k], velocity[k]);
   }
   const Mask lone = own.known & (broadcast(0.0f) < own.lone);

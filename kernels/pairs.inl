@@ -50,7 +50,7 @@ SANDGLASS_INLINE void level_lift(const ContactLaw* a, Mask of_body, const Float 
 }
 
 // Marks the groups of some particles. One copy: it is rare.
-SANDGLASS_APART void mark_groups(const ContactLaw* a, Mask which, const uint32_t* particles, uint32_t* touched) {
+SANDGLASS_NOINLINE void mark_groups(const ContactLaw* a, Mask which, const uint32_t* particles, uint32_t* touched) {
   alignas(64) float flags[k_lane_group];
   store(flags, keep(which, broadcast(1.0f)));
   for (uint32_t l = 0; l < k_width; ++l) {
@@ -151,8 +151,8 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const PairTerms& t, cons
 
 // Solves whole vectors and keeps the rest; at the end, the rest too.
 template <bool k_fixed>
-SANDGLASS_APART void solve_touching(const PairArgs* args, const PairTerms& t, Touching* pairs, bool all,
-                                    uint32_t* touched) {
+SANDGLASS_NOINLINE void solve_touching(const PairArgs* args, const PairTerms& t, Touching* pairs, bool all,
+                                       uint32_t* touched) {
   const uint32_t count = pairs->count;
   // Behind the last pair come copies of it that do nothing.
   for (uint32_t at = count; at % k_width != 0; ++at) {
@@ -183,9 +183,10 @@ static void contact_pairs(const PairArgs* args, uint32_t begin, uint32_t end, ui
     const uint32_t *first = args->first + group, *second = args->second + group;
     uint32_t count = pairs.count;
     for (const uint32_t* const behind = first + k_lane_group; first < behind; first += k_width, second += k_width) {
-      Float apart[3];
-      load_approaches(floats_of(args->particles), first, second, apart);
-      const Mask touch = dot3(apart[0], apart[1], apart[2], apart[0], apart[1], apart[2]) < terms.contact.diameter2;
+      Float approach[3];
+      load_approaches(floats_of(args->particles), first, second, approach);
+      const Mask touch =
+          dot3(approach[0], approach[1], approach[2], approach[0], approach[1], approach[2]) < terms.contact.diameter2;
       if (__builtin_expect(!any(touch), 1)) continue;
       compress_store(pairs.first + count, load(first), touch);
       count += compress_store(pairs.second + count, load(second), touch);

@@ -101,7 +101,7 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, const Float p
 }
 
 // The sums at the lanes that `lanes` holds, from the particles. Lanes that are far apart are gathered separately.
-SANDGLASS_APART void gather_all(const RefineArgs* a, Mask lanes, const Float position[3], Flow* flow) {
+SANDGLASS_NOINLINE void gather_all(const RefineArgs* a, Mask lanes, const Float position[3], Flow* flow) {
   const Float wide = broadcast(1.0f / a->grid.inverse_cell);
   alignas(64) float at[3][k_lane_group];
   for (int k = 0; k < 3; ++k) store(at[k], position[k]);
@@ -227,7 +227,7 @@ struct Places {
 };
 
 // The grid had no room for some block, so the records of those beside it do not tell all.
-SANDGLASS_APART void find_lacking(const MotionGrid* grid, Mask lanes, const uint32_t* numbers, Places* places) {
+SANDGLASS_NOINLINE void find_lacking(const MotionGrid* grid, Mask lanes, const uint32_t* numbers, Places* places) {
   alignas(64) uint32_t lacks[k_lane_group];
   for (uint32_t l = 0; l < k_width; ++l) {
     const uint32_t number = numbers[l];
@@ -241,10 +241,10 @@ SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const Bloc
                                   LastBlock* last, Places* places) {
   const Int none = broadcast(static_cast<int32_t>(k_no_block));
   alignas(64) uint32_t numbers[k_lane_group], records[k_lane_group];
-  const bool one = find_blocks(grid, lanes, place, last, numbers);
+  const bool single = find_blocks(grid, lanes, place, last, numbers);
   places->known = lanes;
   places->lacking = and_not(lanes, lanes);
-  if (one && last->number != k_no_block && grid->overflowed == 0) {
+  if (single && last->number != k_no_block && grid->overflowed == 0) {
     const uint8_t* density = density_of(*grid, last->number);
     // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
     store(records, corner + broadcast(static_cast<int32_t>(last->number * k_block_records)));
@@ -254,7 +254,7 @@ SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const Bloc
     }
     return;
   }
-  if (one) store(numbers, broadcast(static_cast<int32_t>(last->number)));
+  if (single) store(numbers, broadcast(static_cast<int32_t>(last->number)));
   const Mask nowhere = load(numbers) == none;
   places->known = and_not(lanes, nowhere);
   if (grid->overflowed != 0) find_lacking(grid, lanes, numbers, places);

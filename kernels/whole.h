@@ -49,18 +49,18 @@ template <class Whole, class Real>
 // set compiles it anew.
 template <class Whole, class Real>
 [[gnu::always_inline]] inline Whole to_whole(Real x) {
-  constexpr Whole k_least = std::numeric_limits<Whole>::min(), k_most = std::numeric_limits<Whole>::max();
+  constexpr Whole k_min = std::numeric_limits<Whole>::min(), k_max = std::numeric_limits<Whole>::max();
 #if defined(__aarch64__) || defined(__wasm_nontrapping_fptoint__)
   if constexpr (sizeof(Whole) >= 4) return convert_bounded<Whole>(x);
 #endif
   // Powers of two.
-  constexpr Whole k_half = k_most / 2 + 1;
-  constexpr Real k_low = static_cast<Real>(k_least), k_above = 2 * static_cast<Real>(k_half);
-  if (!(x > k_low)) return x <= k_low ? k_least : Whole{0};
-  return x < k_above ? static_cast<Whole>(x) : k_most;
+  constexpr Whole k_half = k_max / 2 + 1;
+  constexpr Real k_low = static_cast<Real>(k_min), k_above = 2 * static_cast<Real>(k_half);
+  if (!(x > k_low)) return x <= k_low ? k_min : Whole{0};
+  return x < k_above ? static_cast<Whole>(x) : k_max;
 }
 
-// The largest whole number not above x, within +-2^29: the numbers beside it fit as well. NaN becomes the least.
+// The largest whole number not above x, within +-2^29: the numbers beside it fit as well. NaN becomes the smallest.
 [[gnu::always_inline]] inline int32_t floor_whole(float x) {
   const float bounded = x > -536870912.0f ? (x < 536870912.0f ? x : 536870912.0f) : -536870912.0f;
   const int32_t truncated = to_whole<int32_t>(bounded);

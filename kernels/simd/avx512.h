@@ -7,7 +7,7 @@
 namespace sandglass::simd_avx512 {
 
 #define SANDGLASS_INLINE inline __attribute__((always_inline))
-#define SANDGLASS_APART static __attribute__((noinline))
+#define SANDGLASS_NOINLINE static __attribute__((noinline))
 
 constexpr uint32_t k_width = 16;
 

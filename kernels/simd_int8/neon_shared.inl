@@ -45,8 +45,8 @@ struct Bytes {
 };
 SANDGLASS_INT8_INLINE Bytes load_bytes(const uint8_t* p) { return {vld1q_u8(p)}; }
 SANDGLASS_INT8_INLINE void store_bytes(uint8_t* p, Bytes b) { vst1q_u8(p, b.v); }
-SANDGLASS_INT8_INLINE Bytes greatest(Bytes a, Bytes b) { return {vmaxq_u8(a.v, b.v)}; }
-SANDGLASS_INT8_INLINE Bytes least(Bytes a, Bytes b) { return {vminq_u8(a.v, b.v)}; }
+SANDGLASS_INT8_INLINE Bytes maximum(Bytes a, Bytes b) { return {vmaxq_u8(a.v, b.v)}; }
+SANDGLASS_INT8_INLINE Bytes minimum(Bytes a, Bytes b) { return {vminq_u8(a.v, b.v)}; }
 SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
   uint16x8_t low = vaddl_u8(vget_low_u8(four[0].v), vget_low_u8(four[1].v));
   uint16x8_t high = vaddl_high_u8(four[0].v, four[1].v);

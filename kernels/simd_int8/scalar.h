@@ -14,7 +14,7 @@
 //   A tile of a shadow network is k_tile_texels texels x k_tile_sums Sums, as many as fit the registers beside weights
 //   and activations. k_tile_texels divides k_texel_block. k_sum_lanes * k_tile_sums divides k_channel_group.
 //   A tile of a convolution is k_row_texels texels of one row x k_tile_sums Sums. k_row_texels divides k_tile_slack.
-//   Bytes holds k_bytes unsigned bytes. load_bytes and store_bytes take any address. greatest and least work byte by
+//   Bytes holds k_bytes unsigned bytes. load_bytes and store_bytes take any address. maximum and minimum work byte by
 //   byte; average of four is (a + b + c + d + 2) / 4, rounded down.
 //   A Mixture holds k_bytes 32-bit sums, one a byte. mix(sums, first, second, a, b): sum t += a * first[t] + b *
 //   second[t]; the bytes are signed, at any address. visibility_of is 255 - clamp(sum >> shift, 0, 255).
@@ -88,11 +88,11 @@ SANDGLASS_INT8_INLINE Bytes load_bytes(const uint8_t* p) {
   return b;
 }
 SANDGLASS_INT8_INLINE void store_bytes(uint8_t* p, const Bytes& b) { __builtin_memcpy(p, b.v, k_bytes); }
-SANDGLASS_INT8_INLINE Bytes greatest(Bytes a, const Bytes& b) {
+SANDGLASS_INT8_INLINE Bytes maximum(Bytes a, const Bytes& b) {
   for (uint32_t i = 0; i < k_bytes; ++i) a.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
   return a;
 }
-SANDGLASS_INT8_INLINE Bytes least(Bytes a, const Bytes& b) {
+SANDGLASS_INT8_INLINE Bytes minimum(Bytes a, const Bytes& b) {
   for (uint32_t i = 0; i < k_bytes; ++i) a.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
   return a;
 }

@@ -78,8 +78,8 @@ struct Bytes {
 };
 SANDGLASS_INT8_INLINE Bytes load_bytes(const uint8_t* p) { return {wasm_v128_load(p)}; }
 SANDGLASS_INT8_INLINE void store_bytes(uint8_t* p, Bytes b) { wasm_v128_store(p, b.v); }
-SANDGLASS_INT8_INLINE Bytes greatest(Bytes a, Bytes b) { return {wasm_u8x16_max(a.v, b.v)}; }
-SANDGLASS_INT8_INLINE Bytes least(Bytes a, Bytes b) { return {wasm_u8x16_min(a.v, b.v)}; }
+SANDGLASS_INT8_INLINE Bytes maximum(Bytes a, Bytes b) { return {wasm_u8x16_max(a.v, b.v)}; }
+SANDGLASS_INT8_INLINE Bytes minimum(Bytes a, Bytes b) { return {wasm_u8x16_min(a.v, b.v)}; }
 SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
   v128_t low = wasm_i16x8_const_splat(2), high = low;
   for (const Bytes& b : four) {

@@ -7,8 +7,8 @@ SANDGLASS_INT8_INLINE Bytes load_bytes(const uint8_t* p) {
   return {_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p))};
 }
 SANDGLASS_INT8_INLINE void store_bytes(uint8_t* p, Bytes b) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), b.v); }
-SANDGLASS_INT8_INLINE Bytes greatest(Bytes a, Bytes b) { return {_mm256_max_epu8(a.v, b.v)}; }
-SANDGLASS_INT8_INLINE Bytes least(Bytes a, Bytes b) { return {_mm256_min_epu8(a.v, b.v)}; }
+SANDGLASS_INT8_INLINE Bytes maximum(Bytes a, Bytes b) { return {_mm256_max_epu8(a.v, b.v)}; }
+SANDGLASS_INT8_INLINE Bytes minimum(Bytes a, Bytes b) { return {_mm256_min_epu8(a.v, b.v)}; }
 // Unpacking splits each 128-bit half into two vectors of 16-bit sums; packing restores the order.
 SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
   const __m256i zero = _mm256_setzero_si256();

@@ -11,7 +11,7 @@
 namespace sandglass {
 
 constexpr uint64_t k_checksum_bytes = 8;
-constexpr uint64_t k_asset_bytes_least = 32;
+constexpr uint64_t k_asset_bytes_min = 32;
 constexpr uint64_t k_asset_bytes_limit = uint64_t{1} << 31;  // FlatBuffers' offsets have 31 bits
 
 // How a kind of file is refused, in its own words.
@@ -29,7 +29,7 @@ inline sandglass_status check_asset_bytes(const void* bytes, uint64_t count, con
   constexpr char k_lfs_pointer[] = "version https://git-lfs.github.com/spec/";
   if (count >= sizeof k_lfs_pointer && memcmp(data, k_lfs_pointer, sizeof k_lfs_pointer - 1) == 0)
     return refuse(reason, "the file is a Git LFS pointer, not the asset itself: fetch that with git lfs pull.");
-  if (count < k_asset_bytes_least || count >= k_asset_bytes_limit || memcmp(data + 4, identifier, 4) != 0)
+  if (count < k_asset_bytes_min || count >= k_asset_bytes_limit || memcmp(data + 4, identifier, 4) != 0)
     return refuse(reason, refusals.other_kind);
   const uint64_t body = count - k_checksum_bytes;
   uint64_t stored = 0;

@@ -18,7 +18,7 @@ constexpr double k_horizon = 1.5533430;       // 89 degrees: polar_max plus half
 constexpr float k_mixing_limit = 1.0f;        // of a step of a component's byte, for all light from one cell
 constexpr uint32_t k_points_limit = 1 << 24;  // of the surface
 constexpr uint32_t k_tables_limit =
-    16;  // most tables that the verifier follows: the root, `last`, the layers, two more
+    16;  // tables that the verifier follows, at most: the root, `last`, the layers, two more
 
 constexpr AssetRefusals k_refusals = {
     "asset is NULL: pass the bytes of a file that `sandglass bake` wrote",

@@ -8,13 +8,13 @@
 namespace sandglass {
 
 // A struct_size below this was never set: the field itself and one more must fit.
-constexpr uint32_t k_least_struct_size = 2 * sizeof(uint32_t);
+constexpr uint32_t k_struct_size_min = 2 * sizeof(uint32_t);
 
 // Whether `out`, which begins with its struct_size, has room for anything.
 inline bool can_fill(const void* out) {
   uint32_t room;
   memcpy(&room, out, sizeof room);
-  return room >= k_least_struct_size;
+  return room >= k_struct_size_min;
 }
 
 // Empties a struct that the app will change, and writes its size. False: there is none.

@@ -75,8 +75,8 @@ uint64_t predict_stage(const Governor* governor, const Stage& stage, uint32_t le
     if (entries[i].spread) spread = add(spread, ns);
     else sum = add(sum, ns);
   }
-  const uint64_t most = share_of(budget, stage.share);
-  return add(sum, spread < most ? spread : most);
+  const uint64_t limit = share_of(budget, stage.share);
+  return add(sum, spread < limit ? spread : limit);
 }
 
 // Out of line: its entries are not on the stack below every unit.
@@ -236,10 +236,10 @@ bool admitted(Frame* frame, const WorkUnit& unit) {
   const Governor::Kind& kind = frame->governor->kinds[unit.kind];
   uint64_t cost = with_margin(policy, kind.spread, predicted);
   // The unit and the output stage seldom exceed their estimates in the same frame: half the smaller margin serves both,
-  // down to the least one.
-  const uint64_t margin = cost - predicted, least = with_margin(policy, Spread{}, predicted);
+  // but no less than the smallest margin is left.
+  const uint64_t margin = cost - predicted, smallest = with_margin(policy, Spread{}, predicted);
   const uint64_t shared = (margin < frame->reserve_margin ? margin : frame->reserve_margin) / 2;
-  cost = cost - shared > least ? cost - shared : least;
+  cost = cost - shared > smallest ? cost - shared : smallest;
   if (policy.capped && cost > frame->budget / 2) cost = frame->budget / 2;
   if (policy.probe_frames != 0) {
     if (kind.frames_denied + 1 >= policy.probe_frames) return true;

@@ -125,9 +125,9 @@ constexpr PredictorPolicy k_predictor_policy = {2, 3, 8, true, 512, 4};
 // It is never less than a quarter above 1: a quantile of 16 costs may lie that far below what comes next, also of a kind
 // that has always been even.
 constexpr uint32_t k_spread_one = 1u << 16;
-constexpr uint32_t k_least_spread = k_spread_one + k_spread_one / 4;
+constexpr uint32_t k_spread_min = k_spread_one + k_spread_one / 4;
 struct Spread {
-  uint32_t ratio = k_least_spread;
+  uint32_t ratio = k_spread_min;
 };
 
 // Called for every unit that has run, before the clock is read. The library sets none; the program's estimates of other

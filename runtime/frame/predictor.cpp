@@ -45,7 +45,7 @@ uint64_t quantile(const Governor::Kind& kind, uint32_t dropped) {
 }  // namespace
 
 uint64_t with_margin(const PredictorPolicy& policy, const Spread& spread, uint64_t ns) {
-  const uint32_t ratio = policy.exceeded_once_in == 0 ? k_least_spread : spread.ratio;
+  const uint32_t ratio = policy.exceeded_once_in == 0 ? k_spread_min : spread.ratio;
   return add(ns, multiply(ns, ratio - k_spread_one) / k_spread_one);
 }
 
@@ -56,7 +56,7 @@ void spread_observe(const PredictorPolicy& policy, Spread* spread, uint64_t cost
     return;
   }
   const uint32_t lower = k_spread_step / policy.exceeded_once_in;
-  if (spread->ratio >= k_least_spread + lower) spread->ratio -= lower;
+  if (spread->ratio >= k_spread_min + lower) spread->ratio -= lower;
 }
 
 void predictor_observe(Governor* governor, const WorkUnit& unit, uint64_t ns) {

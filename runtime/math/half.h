@@ -7,10 +7,10 @@
 
 namespace sandglass {
 
-constexpr double k_half_most = 65000.0;
+constexpr double k_half_max = 65000.0;
 
 inline uint16_t half_of(double value) {
-  const float x = static_cast<float>(value < k_half_most ? value : k_half_most);
+  const float x = static_cast<float>(value < k_half_max ? value : k_half_max);
   if (!(x > 0)) return 0;
   if (x < 0x1p-14f) return to_whole<uint16_t>(static_cast<double>(x) * 0x1p24 + 0.5);
   uint32_t bits;
@@ -31,7 +31,7 @@ inline float number_from_half(uint16_t h) {
 inline double from_half(uint16_t h) {
   const float value = number_from_half(h);
   if (!(value > 0)) return 0;
-  return value <= 65504.0f ? static_cast<double>(value) : k_half_most;
+  return value <= 65504.0f ? static_cast<double>(value) : k_half_max;
 }
 
 }  // namespace sandglass

@@ -27,7 +27,7 @@ struct ShadowRectangle {
 
 enum class PlaneRule : uint8_t { fitted, fixed };
 
-// The least and greatest slope p = r_x / r_y of the light's rays r. `d` is the light's component along the axis, `up`
+// The smallest and largest slope p = r_x / r_y of the light's rays r. `d` is the light's component along the axis, `up`
 // its vertical one. up > sine, so that no ray of the light comes from below the horizon.
 struct SlopeRange {
   double low, high;

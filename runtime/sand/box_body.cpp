@@ -11,7 +11,7 @@ namespace sandglass {
 
 namespace {
 
-constexpr uint32_t k_box_particles_most = 1u << 20;
+constexpr uint32_t k_box_particles_max = 1u << 20;
 constexpr double k_packed_volume = 5.65685424949238;  // of a particle in a hexagonal close packing: 4 sqrt(2) r^3
 
 // What turns a vector: the columns of the rotation, by the unit quaternion q.
@@ -50,7 +50,7 @@ const char* lattice_of(const sandglass_box_desc* desc, uint32_t counts[3], Axes*
   if (!axes_of(desc->rotation, axes)) return "rotation is not finite or has no length: pass a quaternion (x, y, z, w).";
   if (!all_finite(desc->position, 3) || !is_finite(desc->density))
     return "position or density is not finite: check where they come from.";
-  return all <= k_box_particles_most ? nullptr : "the box has more than 2^20 particles: make it smaller, or hollow.";
+  return all <= k_box_particles_max ? nullptr : "the box has more than 2^20 particles: make it smaller, or hollow.";
 }
 
 }  // namespace

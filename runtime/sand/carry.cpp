@@ -183,10 +183,10 @@ bool may_meet_standing(const Granular& g, uint32_t group, const Bounds& here) {
     const ColliderFrame& c = g.colliders.carriers[i].to;
     if (!carry_stands(g, i, group) || !holding_overlaps(here, g.carry.reaches[i], r)) continue;
     if (c.shape != SANDGLASS_SHAPE_HALF_SPACE) return true;
-    float least = 0.0f;
+    float nearest = 0.0f;
     for (int k = 0; k < 3; ++k)
-      least += c.axes[1][k] * ((c.axes[1][k] > 0.0f ? here.low[k] : here.high[k]) - c.position[k]);
-    if (least < r) return true;
+      nearest += c.axes[1][k] * ((c.axes[1][k] > 0.0f ? here.low[k] : here.high[k]) - c.position[k]);
+    if (nearest < r) return true;
   }
   return false;
 }
@@ -228,8 +228,8 @@ void read_lanes(const Granular& g, const Sixteen& it, HeldLanes* lanes) {
   }
 }
 
-// Out of what stands, of each by no more than `most`.
-void leave_standing(const Granular& g, uint32_t group, float most, Quad* at) {
+// Out of what stands, of each by no more than depth_max.
+void leave_standing(const Granular& g, uint32_t group, float depth_max, Quad* at) {
   const float r = g.desc.particle_radius;
   const Bounds here = {{(*at)[0], (*at)[1], (*at)[2]}, {(*at)[0], (*at)[1], (*at)[2]}};
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
@@ -238,7 +238,7 @@ void leave_standing(const Granular& g, uint32_t group, float most, Quad* at) {
     if (!carry_stands(g, i, group) || (!flat && !holding_overlaps(here, g.carry.reaches[i], r))) continue;
     Quad normal;
     const float depth = r - holding_distance(g, c, *at, &normal);
-    if (depth > 0.0f) *at += (depth < most ? depth : most) * normal;
+    if (depth > 0.0f) *at += (depth < depth_max ? depth : depth_max) * normal;
   }
 }
 
@@ -358,8 +358,8 @@ void find_groups(Carry* c, const Granular& g) {
       bool alike = true;
       for (const float* place : places) {
         const Quad displacement = carrier.motion.displacement(quad(place));
-        const float apart2 = square_of(displacement - first.motion.displacement(quad(place)));
-        alike = alike && (apart2 <= same * same || apart2 <= k_same_share * k_same_share * square_of(displacement));
+        const float squared = square_of(displacement - first.motion.displacement(quad(place)));
+        alike = alike && (squared <= same * same || squared <= k_same_share * k_same_share * square_of(displacement));
       }
       if (alike) break;
     }

@@ -20,12 +20,12 @@ bool normalise(float q[4]) {
 }
 
 void find_motion(Carrier* carrier, bool goes) {
-  constexpr float k_least = 1e-7f;
+  constexpr float k_difference_min = 1e-7f;
   const ColliderFrame &from = carrier->from, &to = carrier->to;
   bool differ = false;
   for (int k = 0; k < 3; ++k) {
-    differ = differ || __builtin_fabsf(from.position[k] - to.position[k]) > k_least;
-    for (int j = 0; j < 3; ++j) differ = differ || __builtin_fabsf(from.axes[k][j] - to.axes[k][j]) > k_least;
+    differ = differ || __builtin_fabsf(from.position[k] - to.position[k]) > k_difference_min;
+    for (int j = 0; j < 3; ++j) differ = differ || __builtin_fabsf(from.axes[k][j] - to.axes[k][j]) > k_difference_min;
   }
   carrier->moves = goes && differ;
   carrier->motion = rigid_motion(from, to);
@@ -282,18 +282,18 @@ bool colliders_move_sand(const Granular& g) {
   const Colliders& c = g.colliders;
   for (uint32_t i = 0; i < c.solid_count && g.particles.count != 0; ++i) {
     const sandglass_collider& it = c.given[i];
-    float apart2 = 0.0f;
+    float distance_squared = 0.0f;
     for (int k = 0; k < 3; ++k) {
       const float below = g.particles.low[k] - it.position[k], above = it.position[k] - g.particles.high[k];
-      const float apart = below > above ? below : above;
-      apart2 += apart > 0.0f ? apart * apart : 0.0f;
+      const float gap = below > above ? below : above;
+      distance_squared += gap > 0.0f ? gap * gap : 0.0f;
     }
     const float frame = g.time.frame_step + g.time.left_out, spin = length_of(it.angular_velocity);
     const float far = length_of(it.linear_velocity) * frame, size = length_of(it.size);
     const bool flat = it.shape == SANDGLASS_SHAPE_HALF_SPACE;
     if (far + spin * frame * size <= k_unmoved * g.desc.particle_radius && !(flat && spin > 0.0f)) continue;
     const float reach = far + size + 2.0f * g.desc.particle_radius;
-    if (flat || apart2 <= reach * reach) return true;
+    if (flat || distance_squared <= reach * reach) return true;
   }
   return false;
 }
@@ -344,7 +344,7 @@ void colliders_arrive(Colliders* c, const Granular& g, float faster) {
   c->arrived = true;
   for (uint32_t i = 0; i < c->count; ++i) {
     sandglass_collider &it = c->given[i], &of_slot = c->of_slot[c->slots[i]];
-    const sandglass_collider went = it;
+    const sandglass_collider before = it;
     Placement end = placement_of(it);
     end.pose = c->ends[c->slots[i]];
     for (int k = 0; k < 3; ++k) {
@@ -354,7 +354,7 @@ void colliders_arrive(Colliders* c, const Granular& g, float faster) {
     place(&it, end);
     place(&of_slot, end);
     if (i < c->solid_count) {
-      colliders_pose(&went, 1, static_cast<float>(g.time.debt), &c->carriers[i].from, &c->slides[i]);
+      colliders_pose(&before, 1, static_cast<float>(g.time.debt), &c->carriers[i].from, &c->slides[i]);
       colliders_pose(&it, 1, 0.0f, &c->carriers[i].to);
     }
     for (float& s : c->slides_of_slot[c->slots[i]]) s *= faster;
@@ -367,23 +367,23 @@ float colliders_behind(const Granular& g) { return g.colliders.arrived ? 0.0f : 
 
 float colliders_lag(const Granular& g) {
   const Colliders& c = g.colliders;
-  float most = 0.0f;
+  float largest = 0.0f;
   for (uint32_t i = 0; i < c.solid_count; ++i) {
     const Pose at = pose_before(placement_of(c.given[i]), c.slides[i], static_cast<float>(g.time.debt));
     const Pose& end = c.ends[c.slots[i]];
     const float lag = 2.0f * half_travel(at, end);
-    most = lag > most ? lag : most;
+    largest = lag > largest ? lag : largest;
   }
-  return most;
+  return largest;
 }
 
 float colliders_gain(const Colliders& c, float faster) {
-  float most = 0.0f;
+  float largest = 0.0f;
   for (uint32_t i = 0; i < c.solid_count; ++i) {
     const float speed = fastness(c.given[i]);
-    most = c.carriers[i].moves && speed > most ? speed : most;
+    largest = c.carriers[i].moves && speed > largest ? speed : largest;
   }
-  return __builtin_fabsf(faster - 1.0f) / faster * most;
+  return __builtin_fabsf(faster - 1.0f) / faster * largest;
 }
 
 void colliders_carry_substep(Colliders* c, float faster) {

@@ -82,15 +82,15 @@ bool meets(const Path& path, const Bounds& box, float margin) {
 
 // Whether two paths come nearer to each other than this. Gravity is the same on both.
 bool meets(const Path& a, const Path& b, float time, float distance) {
-  float apart[3], approach[3];
+  float difference[3], approach[3];
   for (int k = 0; k < 3; ++k) {
-    apart[k] = b.from[k] - a.from[k];
+    difference[k] = b.from[k] - a.from[k];
     approach[k] = b.velocity[k] - a.velocity[k];
   }
-  const float speed2 = dot(approach, approach), nearer = -dot(apart, approach);
+  const float speed2 = dot(approach, approach), nearer = -dot(difference, approach);
   const float at = nearer > 0.0f ? (nearer < time * speed2 ? nearer / speed2 : time) : 0.0f;
-  for (int k = 0; k < 3; ++k) apart[k] += at * approach[k];
-  return dot(apart, apart) < distance * distance;
+  for (int k = 0; k < 3; ++k) difference[k] += at * approach[k];
+  return dot(difference, difference) < distance * distance;
 }
 
 void mark(Departed* departed, const Granular& g, uint32_t i, bool departs) {
@@ -154,7 +154,7 @@ void look_at(Departed* departed, const Granular& g, uint32_t i) {
   }
   d.fast_speed2 = speed2 > d.fast_speed2 ? speed2 : d.fast_speed2;
   bounds_include(&d.fast_ones, p.position);
-  if (d.fast_count < k_fast_most) d.fast[d.fast_count] = i;
+  if (d.fast_count < k_fast_max) d.fast[d.fast_count] = i;
   else mark(departed, g, i, false);
   ++d.fast_count;
 }
@@ -177,14 +177,14 @@ bool meets(const Path& path, const ColliderFrame poses[2], float margin) {
 // Those of the fast ones that can reach nothing depart, where there is something to depart from.
 void judge_fast(Departed* departed, const Granular& g) {
   Departed& d = *departed;
-  const uint32_t count = d.fast_count <= k_fast_most ? d.fast_count : k_fast_most;
+  const uint32_t count = d.fast_count <= k_fast_max ? d.fast_count : k_fast_max;
   // The others may go as far as lists reach.
   const float margin = 2.0f * neighbours_reach(g) + fall_of(g);
   Bounds there = d.others;
   bounds_join(&there, g.boundary.bounds);
   bounds_join(&there, g.sleep.resting);
-  const bool few = d.fast_count <= k_fast_most && (!is_empty(there) || d.bounded);
-  bool reaches[k_fast_most];
+  const bool few = d.fast_count <= k_fast_max && (!is_empty(there) || d.bounded);
+  bool reaches[k_fast_max];
   for (uint32_t f = 0; f < count; ++f) reaches[f] = !few || meets(path_of(g, d.fast[f]), there, margin);
   for (uint32_t c = 0; few && c < g.colliders.solid_count; ++c) {
     ColliderFrame poses[2];
@@ -201,7 +201,7 @@ void judge_fast(Departed* departed, const Granular& g) {
     mark(departed, g, d.fast[f], !reaches[f]);
     if (reaches[f]) count_in(&d, g.particles.records[0][d.fast[f]]);
   }
-  if (d.fast_count <= k_fast_most) return;
+  if (d.fast_count <= k_fast_max) return;
   d.others_speed2 = d.fast_speed2 > d.others_speed2 ? d.fast_speed2 : d.others_speed2;
   bounds_join(&d.others, d.fast_ones);
 }
@@ -272,8 +272,8 @@ void departed_begin_frame(Departed* departed, const Granular& g) {
     d.bottom = depth > d.bottom ? depth : d.bottom;
     d.falls = d.bottom > -k_endless;
   }
-  const float reach = neighbours_reach(g), most = g.desc.lowest > reach ? g.desc.lowest : reach;
-  d.gone_depth = g.desc.lowest > 0.0f ? d.bottom + most : k_endless;
+  const float reach = neighbours_reach(g), depth = g.desc.lowest > reach ? g.desc.lowest : reach;
+  d.gone_depth = g.desc.lowest > 0.0f ? d.bottom + depth : k_endless;
 }
 
 void departed_begin_interval(Departed* d) { d->known = false; }
@@ -307,7 +307,7 @@ bool departed_run(Departed* departed, const Granular& g, uint32_t* cursor) {
     const uint32_t first = (g.neighbours.valid ? g.sleep.active_groups[group] : group) * k_lane_group;
     for (uint32_t i = first; i < first + k_lane_group && i < g.particles.count; ++i) look_at(departed, g, i);
     // A flow that has nothing to depart from, and that nothing has departed from, is not looked at any further.
-    if (!d.falls && d.count == 0 && d.found == 0 && d.fast_count > k_fast_most && !beyond(g, g.particles)) {
+    if (!d.falls && d.count == 0 && d.found == 0 && d.fast_count > k_fast_max && !beyond(g, g.particles)) {
       d.known = true;
       return true;
     }

@@ -74,14 +74,14 @@ bool caught(const Granular& g, const RigidBody& body, const Vector& p) {
 }
 
 // How far along an axis of the world, forward or backward, these particles have to go so that none overlaps the body.
-// Gives up where that is as far as `least`.
+// Gives up where that is as far as `limit`.
 double distance_out(const Granular& g, const RigidBody& body, const uint32_t* rows, uint32_t count, int axis,
-                    double sign, double least) {
+                    double sign, double limit) {
   const int other = (axis + 1) % 3, third = (axis + 2) % 3;
   const Particle* particles = g.particles.records[0];
   const double touching = 2.0 * static_cast<double>(g.desc.particle_radius);
   double distance = 0.0;
-  for (bool moved = true; moved && distance < least;) {
+  for (bool moved = true; moved && distance < limit;) {
     moved = false;
     for (uint32_t i = 0; i < count; ++i) {
       const float* p = particles[rows[i]].position;
@@ -104,15 +104,15 @@ double distance_out(const Granular& g, const RigidBody& body, const uint32_t* ro
 // Puts these particles beside the body, along the axis of the world on which that is nearest, but not downward: there
 // the floor is.
 void put_beside(Granular* g, const RigidBody& body, const uint32_t* rows, uint32_t count) {
-  double least = 1e30;
+  double nearest = 1e30;
   float shift[3] = {};
   for (int side = 0; side < 6; ++side) {
     const int axis = side / 2;
     const double sign = side % 2 == 0 ? 1.0 : -1.0;
     if (sign * static_cast<double>(g->gravity[axis]) > 0.5 * static_cast<double>(g->gravity_length)) continue;
-    const double distance = distance_out(*g, body, rows, count, axis, sign, least);
-    if (!(distance < least)) continue;
-    least = distance;
+    const double distance = distance_out(*g, body, rows, count, axis, sign, nearest);
+    if (!(distance < nearest)) continue;
+    nearest = distance;
     shift[0] = shift[1] = shift[2] = 0.0f;
     shift[axis] = static_cast<float>(sign * distance);
   }

@@ -147,9 +147,9 @@ void step_back(Sites* sites, const Layer& layer, const float particle[3], float 
   for (uint32_t s = 0; s < sites->count; ++s) {
     float length2 = 0.0f, ahead = 0.0f;
     for (int k = 0; k < 3; ++k) {
-      const float apart = particle[k] - sites->at[s].position[k];
-      length2 += apart * apart;
-      ahead += apart * layer.direction[k];
+      const float difference = particle[k] - sites->at[s].position[k];
+      length2 += difference * difference;
+      ahead += difference * layer.direction[k];
     }
     const float aside2 = length2 - ahead * ahead;
     if (aside2 >= touch2) continue;
@@ -194,7 +194,7 @@ void avoid_colliders(const Granular& g, Sites* sites, const Layer& layer) {
 
 // Moves the sites to where they overlap nothing, or finds that there is no such place.
 void find_room(const Granular& g, Sites* sites, const Layer& layer) {
-  const float most = k_back_radii * g.desc.particle_radius;
+  const float back_max = k_back_radii * g.desc.particle_radius;
   ColliderFrame& box = sites->box;
   box = {};
   box.shape = SANDGLASS_SHAPE_BOX;
@@ -207,14 +207,14 @@ void find_room(const Granular& g, Sites* sites, const Layer& layer) {
     }
     box.axes[k][k] = 1.0f;
     box.position[k] = 0.5f * (low + high);
-    box.size[k] = 0.5f * (high - low) + 2.0f * g.desc.particle_radius + most;
+    box.size[k] = 0.5f * (high - low) + 2.0f * g.desc.particle_radius + back_max;
   }
   for (uint32_t s = 0; s < sites->count; ++s) sites->back[s] = 0.0f;
   find_extent(&box);
   step_back_from(g, sites, layer, as_records(g.particles.records[0]), g.particles.count);
   step_back_from(g, sites, layer, as_records(boundary_particles(g)), g.boundary.count);
   for (uint32_t s = 0; s < sites->count; ++s) {
-    sites->taken[s] = sites->back[s] > most;
+    sites->taken[s] = sites->back[s] > back_max;
     for (int k = 0; k < 3; ++k) sites->at[s].position[k] -= sites->back[s] * layer.direction[k];
   }
   avoid_colliders(g, sites, layer);
@@ -226,7 +226,7 @@ void emit_grains(const Pouring& to, const Granular& g, const Layer& layer, const
   const sandglass_emitter& e = layer.nozzle->emitter;
   const float r = g.desc.particle_radius;
   // A grain is no more than this before or after its particle, so that gravity turns none of them round.
-  const float most = e.speed / (g.gravity_length > 0.0f ? g.gravity_length : 1e-6f);
+  const float limit = e.speed / (g.gravity_length > 0.0f ? g.gravity_length : 1e-6f);
   // Grains that are behind the particles catch up with the next sweep.
   const float lag = static_cast<float>(g.time.grain_lag);
   for (uint32_t grain = 0; grain < e.grains_per_particle;) {
@@ -243,7 +243,7 @@ void emit_grains(const Pouring& to, const Granular& g, const Layer& layer, const
       position[k] = at.position[k] - layer.drop[k] - lag * velocity[k] + r * offset[k];
     }
     const float earlier = along / e.speed;
-    fall(g, layer.since - lag + (earlier < -most ? -most : earlier > most ? most : earlier), position, velocity);
+    fall(g, layer.since - lag + (earlier < -limit ? -limit : earlier > limit ? limit : earlier), position, velocity);
     put(to, batch, true, position, velocity);
     ++grain;
   }

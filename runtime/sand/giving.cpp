@@ -15,7 +15,7 @@ struct OpenSand {
 
 namespace {
 
-constexpr uint32_t k_open_most = 2048, k_heads = 1024, k_none = 0xffff;
+constexpr uint32_t k_open_max = 2048, k_heads = 1024, k_none = 0xffff;
 
 // Sand that is hemmed in slips aside less than friction alone would let it: with these factors a heap that a hand or a
 // finger goes through ends where it does with time, but for a few radii (sandglass_lab verify carried).
@@ -24,11 +24,11 @@ constexpr float k_grip = 2.7f, k_grip_between = 0.6f;  // aside over out; of wha
 // the collider's velocity lacks beside the given one.
 constexpr float k_thrown = 0.4f;
 constexpr float k_step_out = 1.5f;                // radii that a collider goes at once
-constexpr float k_out_most = 2.0f;                // radii that sand goes in such a step
+constexpr float k_out_max = 2.0f;                 // radii that sand goes in such a step
 constexpr uint32_t k_steps_out = 16;              // at most
 constexpr float k_ahead = 6.0f, k_beside = 3.0f;  // radii from a collider's path; what is beyond is not pushed
-constexpr float k_least_push = 0.2f;              // radii; what goes less does not push on
-constexpr uint32_t k_pushed_most = 512;           // in a step; what is beyond does not push on
+constexpr float k_push_min = 0.2f;                // radii; what goes less does not push on
+constexpr uint32_t k_pushed_max = 512;            // in a step; what is beyond does not push on
 constexpr uint32_t k_pushed_at_once = 96;         // in a unit
 constexpr uint32_t k_push_items = 3;              // a push takes as long as to carry so many
 constexpr uint32_t k_step_items = 4;              // of so many a step begins in the time that it takes to carry one
@@ -40,11 +40,11 @@ constexpr float k_above = 0.1f;                   // diameters aside; what is le
 struct Giving {
   OpenSand* open;
   uint32_t capacity, count, queued, cursor, step, steps;
-  uint32_t items, usual;  // of all units so far, and the most of lately
+  uint32_t items, usual;  // of all units so far, and the largest of lately
   Bounds pushing;         // around the paths of all that push
   struct {
     Quad low, high;  // around sixteen, where a step begins
-  } boxes[k_open_most / k_lane_group];
+  } boxes[k_open_max / k_lane_group];
   uint16_t heads[k_heads];
 };
 
@@ -81,7 +81,7 @@ void begin_step(Giving* s, const Granular& g, bool cells) {
 }
 
 void enqueue(Giving* s, uint32_t i) {
-  if (s->open[i].state != OpenSand::stays || s->queued == k_pushed_most) return;
+  if (s->open[i].state != OpenSand::stays || s->queued == k_pushed_max) return;
   s->open[i].state = OpenSand::waits;
   s->open[s->queued++].queue = static_cast<uint16_t>(i);
 }
@@ -142,7 +142,7 @@ void push_by_collider(Carry* c, const Granular& g, const Carrier& carrier, float
       float v[3];
       holding_velocity(carrier.to, place, v);
       for (float& u : v) u *= thrown;
-      push(&o, normal, out < k_out_most * r ? out : k_out_most * r, displacement, grip, Quad{});
+      push(&o, normal, out < k_out_max * r ? out : k_out_max * r, displacement, grip, Quad{});
       if (dot(normal, displacement) > 0.0f) take_velocity(c, g, o, v);
       enqueue(s, first + l);
     }
@@ -150,16 +150,16 @@ void push_by_collider(Carry* c, const Granular& g, const Carrier& carrier, float
 }
 
 // What is run into gives way in turn, on its level where it lies higher.
-void push_other(Giving* s, const OpenSand& from, const Quad& apart, float square, float d, const Quad& down,
-                uint32_t i) {
-  const float above = -dot(apart, down);
-  const Quad level = apart + above * down;
+void push_other(Giving* s, const OpenSand& from, const Quad& difference, float distance_squared, float d,
+                const Quad& down, uint32_t i) {
+  const float above = -dot(difference, down);
+  const Quad level = difference + above * down;
   const float level2 = square_of(level);
   const bool aside = above > 0.0f && level2 > k_above * k_above * d * d;
-  const float length = __builtin_sqrtf(aside ? level2 : square);
+  const float length = __builtin_sqrtf(aside ? level2 : distance_squared);
   const float out = (aside ? __builtin_sqrtf(d * d - above * above) : d) - length;
-  push(&s->open[i], (aside ? level : apart) * (1.0f / length), out, from.displacement, k_grip_between, down);
-  if (out > 0.5f * k_least_push * d) enqueue(s, i);
+  push(&s->open[i], (aside ? level : difference) * (1.0f / length), out, from.displacement, k_grip_between, down);
+  if (out > 0.5f * k_push_min * d) enqueue(s, i);
 }
 
 // A step ends before what stands, and before what goes elsewhere, by the face that was nearest where it began:
@@ -192,8 +192,8 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
   OpenSand& o = s->open[i];
   o.state = OpenSand::gone;
   const float length = __builtin_sqrtf(square_of(o.displacement));
-  if (length > k_out_most * r) {
-    const Quad less = (1.0f - k_out_most * r / length) * o.displacement;
+  if (length > k_out_max * r) {
+    const Quad less = (1.0f - k_out_max * r / length) * o.displacement;
     o.at -= less;
     o.displacement -= less;
   }
@@ -215,10 +215,10 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
             *next = other.next;
             continue;
           }
-          const Quad apart = other.at - at;
-          const float square = square_of(apart);
-          if (square < d2 && square > 1e-8f * d2 && dot(apart, displacement) > 0.0f)
-            push_other(s, o, apart, square, d, down, *next);
+          const Quad difference = other.at - at;
+          const float square = square_of(difference);
+          if (square < d2 && square > 1e-8f * d2 && dot(difference, displacement) > 0.0f)
+            push_other(s, o, difference, square, d, down, *next);
           next = &other.next;
         }
 }
@@ -230,8 +230,8 @@ void give_way_alone(Carry* c, const Granular& g, uint32_t row) {
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     if (!pushes(g, i)) continue;
     Quad normal;
-    const float out = r - holding_distance(g, g.colliders.carriers[i].to, o.at, &normal), most = k_out_most * r;
-    if (out > 0.0f) push(&o, normal, out < most ? out : most, Quad{}, 0.0f, Quad{});
+    const float out = r - holding_distance(g, g.colliders.carriers[i].to, o.at, &normal), limit = k_out_max * r;
+    if (out > 0.0f) push(&o, normal, out < limit ? out : limit, Quad{}, 0.0f, Quad{});
   }
   if (square_of(o.displacement) == 0.0f) return;
   end_before_walls(*c, g, &o);
@@ -242,7 +242,7 @@ void give_way_alone(Carry* c, const Granular& g, uint32_t row) {
 
 void giving_layout(Carry* c, const sandglass_granular_desc& d, Layout* layout) {
   c->giving = layout_region<Giving>(layout, "granular.carry_giving", 1);
-  const uint32_t capacity = d.particle_capacity < k_open_most ? d.particle_capacity : k_open_most;
+  const uint32_t capacity = d.particle_capacity < k_open_max ? d.particle_capacity : k_open_max;
   OpenSand* const open = layout_region<OpenSand>(layout, "granular.carry_open", capacity);
   if (c->giving != nullptr) {
     c->giving->open = open;

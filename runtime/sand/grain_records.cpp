@@ -248,13 +248,13 @@ struct OutputTask {
   uint32_t capacity;
   float lag;
   const uint32_t* stamps;  // of the groups; null: all are written
-  uint32_t least;          // those from this one on are written
+  uint32_t oldest;         // stamps from this one on are written
   GrainMotions motions;
   template <bool k_carried>
   void write(uint32_t begin, uint32_t end) const {
     const OutputTask t = *this;  // what is written may not be this
     for (uint32_t i = begin; i < end; ++i) {
-      if (t.stamps != nullptr && t.stamps[i / k_lane_group] < t.least) {
+      if (t.stamps != nullptr && t.stamps[i / k_lane_group] < t.oldest) {
         i |= k_lane_group - 1;
         continue;
       }
@@ -290,7 +290,7 @@ bool output_next(const Granular& g, WorkUnit* unit) {
   const uint32_t all = g.grains.count + g.flow.free_grain_count;
   if (output_count(g) == 0 || g.output.cursor >= all) return false;
   const Output& o = g.output;
-  if (o.least != 0 && !o.moved && !o.all_changed && o.last_change < o.least) return false;  // the buffer holds it
+  if (o.oldest != 0 && !o.moved && !o.all_changed && o.last_change < o.oldest) return false;  // the buffer holds it
   const uint32_t left = all - g.output.cursor;
   unit->kind = k_unit_output;
   unit->name = "output.grains";
@@ -309,8 +309,8 @@ void output_run(Output* output, const Granular& g) {
                      output->input->grain_stride,
                      output_count(g),
                      lag,
-                     output->all_changed || output->all_since >= output->least ? nullptr : output->stamps,
-                     output->least,
+                     output->all_changed || output->all_since >= output->oldest ? nullptr : output->stamps,
+                     output->oldest,
                      grain_carry_motions(g)};
   const uint32_t end = all - output->cursor < g.unit ? all : output->cursor + g.unit;
   granular_split(g, output->cursor, end, &task);
@@ -334,7 +334,7 @@ void output_begin_frame(Output* output, const sandglass_frame_input* input) {
   output->cursor = 0;
   ++output->frame;
   const uint32_t age = input->grains_age;
-  output->least = age == 0 || age >= output->frame ? 0 : output->frame - age + 1;
+  output->oldest = age == 0 || age >= output->frame ? 0 : output->frame - age + 1;
 }
 
 void output_end_frame(Output* o) {

@@ -106,7 +106,7 @@ struct Output {
   uint32_t cursor;                     // next grain, then next free number
   uint32_t* stamps;                    // one a group: the frame in which it last changed
   uint32_t frame;                      // counts all frames
-  uint32_t least;                      // stamps from this one on are written; 0: all are
+  uint32_t oldest;                     // stamps from this one on are written; 0: all are
   uint32_t last_change,
       all_since;            // the frames in which some grain, and in which all may have changed or changed groups
   bool moved, all_changed;  // in this frame, or since the last one

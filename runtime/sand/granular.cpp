@@ -57,8 +57,8 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (d.reference.solver_iterations < 1 || d.reference.solver_iterations > 64)
     return "granular.reference.solver_iterations must be 1 to 64.";
   if (d.reference.stabilisation_iterations > 8) return "granular.reference.stabilisation_iterations must be 0 to 8.";
-  const float most = d.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 1.0f : 2.0f;
-  if (!(d.reference.relaxation > 0.0f && d.reference.relaxation <= most)) {
+  const float limit = d.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 1.0f : 2.0f;
+  if (!(d.reference.relaxation > 0.0f && d.reference.relaxation <= limit)) {
     return "granular.reference.relaxation must be above 0 and at most 1 (SMALL_STEP) or 2 (AVERAGED): above "
            "that, piles blow up.";
   }

@@ -73,12 +73,12 @@ void gain(float velocity[3], const float displacement[3], float seconds, float l
   float next[3], lacks[3], along = 0.0f;
   for (int k = 0; k < 3; ++k) lacks[k] = displacement[k] / seconds - velocity[k];
   const float noise = rule.band / (seconds * lever),
-              most = rule.leave_speed / lever * minimum(seconds / k_leave_frame, 1.0f);
+              gain_max = rule.leave_speed / lever * minimum(seconds / k_leave_frame, 1.0f);
   const float share = maximum(seconds / (k_smooth_seconds + seconds), 1.0f - noise / (length3(lacks) + k_none));
   for (int k = 0; k < 3; ++k) next[k] = velocity[k] + share * lacks[k];
   const float speed = length3(next) + k_none;
   for (int k = 0; k < 3; ++k) along += velocity[k] * next[k] / speed;
-  const float scale = minimum(1.0f, (maximum(along, 0.0f) + most) / speed);
+  const float scale = minimum(1.0f, (maximum(along, 0.0f) + gain_max) / speed);
   for (int k = 0; k < 3; ++k) velocity[k] = scale * next[k];
 }
 
@@ -193,9 +193,9 @@ void take(HeldPose* p, sandglass_shape shape, const Placement& given, const Pose
   add_missing(p->held.angular, p->missing_velocity + 3, arc, step, maximum(reach, 1e-6f), rule);
   // As far from the given pose as it was in the last frame, but of one that had jumped no further than what goes
   // gently.
-  const float lag = surface_distance(shape, before.pose, was_given, rule), most = rule.gentle + p->last_speed * step;
+  const float lag = surface_distance(shape, before.pose, was_given, rule), lag_max = rule.gentle + p->last_speed * step;
   if (lag <= k_caught_up) return;
-  const Pose was_held = lag > most ? between(was_given, before.pose, most / lag) : before.pose;
+  const Pose was_held = lag > lag_max ? between(was_given, before.pose, lag_max / lag) : before.pose;
   Pose behind = was_held;
   const float* w = was_given.rotation;
   const float back[4] = {-w[0], -w[1], -w[2], w[3]};
@@ -285,10 +285,10 @@ void follow(HeldPose* p, sandglass_shape shape, float step, const HoldRule& rule
   if (lag > rule.band) next = between(aim, before, rule.band / lag);
   // Evenly until a slow tracker gives the next pose.
   next = between(before, next, 1.0f / maximum(p->interval - static_cast<float>(p->same), 1.0f));
-  const float most = (1.0f + k_catch_up_share) * p->speed * step;
+  const float limit = (1.0f + k_catch_up_share) * p->speed * step;
   float distance = surface_distance(shape, before, next, rule);
-  if (distance > most) next = between(before, next, most / distance);
-  distance = minimum(most, distance);
+  if (distance > limit) next = between(before, next, limit / distance);
+  distance = minimum(limit, distance);
   if (surface_distance(shape, before, slow, rule) > distance) next = slow;
   motion_between(before, next, p->held.linear, p->held.angular);
   for (float& v : p->held.linear) v /= step;

@@ -134,12 +134,12 @@ void find_below(const Granular& g, const ColliderFrame& c, const HeldLanes& lane
       four(below, l) = y <= 0.0f ? Quad{} : down_to;
     }
   } else if (c.shape == SANDGLASS_SHAPE_BOX) {
-    const float least[3] = {-c.size[0], -c.size[1], -c.size[2]};
-    enter_box(g, direction, least, c.size, below);
+    const float low[3] = {-c.size[0], -c.size[1], -c.size[2]};
+    enter_box(g, direction, low, c.size, below);
   } else if (c.shape == SANDGLASS_SHAPE_FIELD) {
-    float most[3];
-    for (int a = 0; a < 3; ++a) most[a] = c.field.low[a] + c.field.spacing * static_cast<float>(c.field.counts[a] - 1);
-    enter_box(g, direction, c.field.low, most, below);
+    float high[3];
+    for (int a = 0; a < 3; ++a) high[a] = c.field.low[a] + c.field.spacing * static_cast<float>(c.field.counts[a] - 1);
+    enter_box(g, direction, c.field.low, high, below);
     trace_field(g, c, lanes, down, below);
   } else if (c.shape == SANDGLASS_SHAPE_SPHERE) {
     enter_ball(c, lanes, down, below);
@@ -165,9 +165,9 @@ float meets_below(const Bounds& box, const Bounds& here, const float down[3]) {
 }
 
 // Whether the velocity is near to one between rest and the collider's: not that of sand that falls onto it.
-bool goes_along(const HeldLanes& lanes, uint32_t l, const ColliderFrame& c, float most) {
+bool goes_along(const HeldLanes& lanes, uint32_t l, const ColliderFrame& c, float speed_max) {
   const float x[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
-  float v[3], length2 = 0.0f, with = 0.0f, apart2 = 0.0f;
+  float v[3], length2 = 0.0f, with = 0.0f, squared = 0.0f;
   holding_velocity(c, x, v);
   for (int k = 0; k < 3; ++k) {
     length2 += v[k] * v[k];
@@ -176,10 +176,10 @@ bool goes_along(const HeldLanes& lanes, uint32_t l, const ColliderFrame& c, floa
   float share = length2 > 0.0f ? with / length2 : 0.0f;
   share = share > 0.0f ? (share < 1.0f ? share : 1.0f) : 0.0f;
   for (int k = 0; k < 3; ++k) {
-    const float apart = lanes.velocity[k][l] - share * v[k];
-    apart2 += apart * apart;
+    const float difference = lanes.velocity[k][l] - share * v[k];
+    squared += difference * difference;
   }
-  return apart2 <= most * most;
+  return squared <= speed_max * speed_max;
 }
 
 // Of a support's group: bits of the lanes within its box.
@@ -277,13 +277,13 @@ void holding_join(Bounds* box, const ColliderFrame& first, const ColliderFrame& 
     high[a] = field ? c.field.low[a] + c.field.spacing * static_cast<float>(c.field.counts[a] - 1) : half;
   }
   for (uint32_t corner = 0; corner < k_corners; ++corner) {
-    float apart[3], local[3] = {};
+    float difference[3], local[3] = {};
     for (int k = 0; k < 3; ++k) {
-      apart[k] = c.position[k] - first.position[k];
-      for (int a = 0; a < 3; ++a) apart[k] += ((corner >> a & 1) != 0 ? high[a] : low[a]) * c.axes[a][k];
+      difference[k] = c.position[k] - first.position[k];
+      for (int a = 0; a < 3; ++a) difference[k] += ((corner >> a & 1) != 0 ? high[a] : low[a]) * c.axes[a][k];
     }
     for (int a = 0; a < 3; ++a)
-      for (int k = 0; k < 3; ++k) local[a] += first.axes[a][k] * apart[k];
+      for (int k = 0; k < 3; ++k) local[a] += first.axes[a][k] * difference[k];
     bounds_include(box, local);
   }
 }

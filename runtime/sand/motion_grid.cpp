@@ -298,19 +298,19 @@ bool motion_measure(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
 }
 
 // What a phase has left is cut into equal units: a rest of a few items would look dear for what it does.
-static uint32_t next_part(uint32_t left, uint32_t most) {
+static uint32_t next_part(uint32_t left, uint32_t limit) {
   if (left == 0) return 0;
-  const uint32_t parts = (left + most - 1) / most, part = (left + parts - 1) / parts;
+  const uint32_t parts = (left + limit - 1) / limit, part = (left + parts - 1) / parts;
   return part;
 }
 
 // Things that the next unit handles: particles, blocks or grains.
 static uint32_t motion_part(const Granular& g, uint32_t each) {
-  const uint32_t most = g.unit < each ? 1 : g.unit / each, cursor = g.sweep.cursor;
-  if (g.sweep.phase == SweepPhase::scatter) return next_part(g.sweep.particles - cursor, most);
-  if (g.sweep.phase != SweepPhase::count) return next_part(g.motion.grid.block_count - cursor, most);
+  const uint32_t limit = g.unit < each ? 1 : g.unit / each, cursor = g.sweep.cursor;
+  if (g.sweep.phase == SweepPhase::scatter) return next_part(g.sweep.particles - cursor, limit);
+  if (g.sweep.phase != SweepPhase::count) return next_part(g.motion.grid.block_count - cursor, limit);
   const uint32_t groups = (g.grains.count - cursor + k_lane_group - 1) / k_lane_group;
-  return next_part(groups, most < k_lane_group ? 1 : most / k_lane_group) * k_lane_group;
+  return next_part(groups, limit < k_lane_group ? 1 : limit / k_lane_group) * k_lane_group;
 }
 
 static uint32_t items_each(SweepPhase phase) {
@@ -394,15 +394,15 @@ bool motion_near(const ParticleMotion& m, const Granular& g, uint32_t group, con
 }
 
 // Where more groups than that are refined, looking their blocks up costs more than it spares.
-static uint32_t most_wanted(const Granular& g) { return g.grains.count / (4 * k_lane_group); }
+static uint32_t wanted_max(const Granular& g) { return g.grains.count / (4 * k_lane_group); }
 
 void motion_begin_wanting(ParticleMotion* m, const Granular& g) {
-  m->all_wanted = g.grain_sleep.group_count > most_wanted(g);
+  m->all_wanted = g.grain_sleep.group_count > wanted_max(g);
 }
 
 void motion_want(ParticleMotion* m, const Granular& g, uint32_t group) {
   if (m->all_wanted) return;
-  if (++m->wanted_groups > most_wanted(g)) {
+  if (++m->wanted_groups > wanted_max(g)) {
     m->all_wanted = true;
     return;
   }

@@ -146,12 +146,12 @@ bool pair_colours_run(PairColours* own, const Granular& g, uint32_t* cursor, Fra
 uint32_t pair_count(const PairColours& c) { return c.starts[k_pair_runs]; }
 
 uint32_t pair_unit(const PairColours& c, uint32_t items) {
-  const uint32_t all = pair_count(c), most = k_pairs_an_item * items, units = (all + most - 1) / most;
+  const uint32_t all = pair_count(c), limit = k_pairs_an_item * items, units = (all + limit - 1) / limit;
   if (units <= 1) return all;
   return ((all + units - 1) / units + k_lane_group - 1) / k_lane_group * k_lane_group;
 }
 
-PairPiece pair_piece(const PairColours& c, uint32_t done, uint32_t most) {
+PairPiece pair_piece(const PairColours& c, uint32_t done, uint32_t limit) {
   // Runs that hold no pairs begin and end at the same place.
   uint32_t low = 0, high = c.filled_count;
   while (high - low > 1) {
@@ -160,7 +160,7 @@ PairPiece pair_piece(const PairColours& c, uint32_t done, uint32_t most) {
     else high = middle;
   }
   const uint32_t run = c.filled[low], left = c.starts[run + 1] - done;
-  return {done, done + (left < most ? left : most), run % 2 != 0};
+  return {done, done + (left < limit ? left : limit), run % 2 != 0};
 }
 
 }  // namespace sandglass

@@ -91,9 +91,9 @@ void particles_restore(Particles* p, const SavedScene& s) {
 
 void particles_recall(Particles* p) {
   for (uint32_t i = 0; i < p->count; ++i) {
-    Particle* one = &p->records[0][i];
-    if (has_departed(*one)) particles_include(p, one->position, one->velocity);
-    set_departed(one, false);
+    Particle* particle = &p->records[0][i];
+    if (has_departed(*particle)) particles_include(p, particle->position, particle->velocity);
+    set_departed(particle, false);
   }
 }
 

@@ -293,7 +293,7 @@ struct PairPiece {
 uint32_t pair_count(const PairColours& colours);  // with what fills the runs
 // Pairs of a work unit of at most `items` items. A pass is cut evenly: a short last unit would look dear for its items.
 uint32_t pair_unit(const PairColours& colours, uint32_t items);
-// The piece of at most `most` pairs that comes after `done` pairs of a pass.
-PairPiece pair_piece(const PairColours& colours, uint32_t done, uint32_t most);
+// The piece of at most `limit` pairs that comes after `done` pairs of a pass.
+PairPiece pair_piece(const PairColours& colours, uint32_t done, uint32_t limit);
 
 }  // namespace sandglass

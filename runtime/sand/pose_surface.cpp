@@ -12,31 +12,31 @@ void for_corners(const float low[3], const float high[3], const Visit& visit) {
   }
 }
 
-float apart_of_face(const Face& from, const Face& to, const float low[3], const float high[3]) {
-  float most = 0.0f;
+float face_distance(const Face& from, const Face& to, const float low[3], const float high[3]) {
+  float largest = 0.0f;
   for_corners(low, high, [&](const float at[3]) {
-    most = maximum(most, __builtin_fabsf((dot(at, to.n) - to.offset) - (dot(at, from.n) - from.offset)));
+    largest = maximum(largest, __builtin_fabsf((dot(at, to.n) - to.offset) - (dot(at, from.n) - from.offset)));
   });
-  return most;
+  return largest;
 }
 
 // Of a box that grows: only faces that sand is in front of.
-float apart_of_faces(const Pose& from, const Pose& to, const float low[3], const float high[3]) {
-  float most = 0.0f;
+float faces_distance(const Pose& from, const Pose& to, const float low[3], const float high[3]) {
+  float largest = 0.0f;
   for (int side = 0; side < 6; ++side) {
     const Face a = face_of(from, side / 2, side % 2 != 0 ? 1.0f : -1.0f);
     const Face b = face_of(to, side / 2, side % 2 != 0 ? 1.0f : -1.0f);
-    if (sand_beyond(a, b, low, high)) most = maximum(most, apart_of_face(a, b, low, high));
+    if (sand_beyond(a, b, low, high)) largest = maximum(largest, face_distance(a, b, low, high));
   }
-  return most;
+  return largest;
 }
 
 }  // namespace
 
 float grown(const Pose& from, const Pose& to) {
-  float most = 0.0f;
-  for (int k = 0; k < 3; ++k) most = maximum(most, __builtin_fabsf(to.size[k] - from.size[k]));
-  return most;
+  float largest = 0.0f;
+  for (int k = 0; k < 3; ++k) largest = maximum(largest, __builtin_fabsf(to.size[k] - from.size[k]));
+  return largest;
 }
 
 float reach_of(sandglass_shape shape, const Pose& pose, const HoldRule& rule) {
@@ -51,14 +51,14 @@ float reach_of(sandglass_shape shape, const Pose& pose, const HoldRule& rule) {
 
 void near_box(sandglass_shape shape, const Pose& pose, const HoldRule& rule, float low[3], float high[3]) {
   const float reach = reach_of(shape, pose, rule);
-  bool apart = false;
+  bool disjoint = false;
   for (int k = 0; k < 3; ++k) {
     low[k] = maximum(rule.low[k], pose.position[k] - reach);
     high[k] = minimum(rule.high[k], pose.position[k] + reach);
-    apart = apart || low[k] > high[k];
+    disjoint = disjoint || low[k] > high[k];
   }
-  for (int k = 0; apart && k < 3; ++k) low[k] = pose.position[k] - reach;
-  for (int k = 0; apart && k < 3; ++k) high[k] = pose.position[k] + reach;
+  for (int k = 0; disjoint && k < 3; ++k) low[k] = pose.position[k] - reach;
+  for (int k = 0; disjoint && k < 3; ++k) high[k] = pose.position[k] + reach;
 }
 
 Face face_of(const Pose& pose, int axis, float side) {
@@ -136,23 +136,23 @@ bool same_pose(const Pose& a, const Pose& b) {
 bool same_turn(const float a[4], const float b[4]) {
   if (__builtin_memcmp(a, b, 4 * sizeof *a) == 0) return true;
   const float with = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3], noise = 1e-10f;  // an angle of 3e-5 rad
-  float apart2 = 0.0f;
+  float squared = 0.0f;
   for (int k = 0; k < 4; ++k) {
     const float d = a[k] - (with < 0.0f ? -b[k] : b[k]);
-    apart2 += d * d;
+    squared += d * d;
   }
-  return apart2 <= noise;
+  return squared <= noise;
 }
 
 float surface_distance(sandglass_shape shape, const Pose& from, const Pose& to, const HoldRule& rule) {
   if (same_pose(from, to)) return 0.0f;
-  float low[3], high[3], most = 0.0f;
+  float low[3], high[3], largest = 0.0f;
   near_box(shape, from, rule, low, high);
   if (shape == SANDGLASS_SHAPE_HALF_SPACE) {
     const FloatVector a = rotated(from.rotation, {0, 1, 0}), b = rotated(to.rotation, {0, 1, 0});
-    return apart_of_face({a, dot(from.position, a)}, {b, dot(to.position, b)}, rule.low, rule.high);
+    return face_distance({a, dot(from.position, a)}, {b, dot(to.position, b)}, rule.low, rule.high);
   }
-  if (shape == SANDGLASS_SHAPE_BOX && grown(from, to) > rule.band) return apart_of_faces(from, to, low, high);
+  if (shape == SANDGLASS_SHAPE_BOX && grown(from, to) > rule.band) return faces_distance(from, to, low, high);
   if (shape == SANDGLASS_SHAPE_SPHERE) {  // however it turns
     const float shift[3] = {to.position[0] - from.position[0], to.position[1] - from.position[1],
                             to.position[2] - from.position[2]};
@@ -162,12 +162,12 @@ float surface_distance(sandglass_shape shape, const Pose& from, const Pose& to, 
   for_corners(low, high, [&](const float at[3]) {
     const FloatVector r = {at[0] - from.position[0], at[1] - from.position[1], at[2] - from.position[2]};
     const FloatVector turned = rotated(to.rotation, rotated(back, r));
-    const float went[3] = {turned.x - r.x + (to.position[0] - from.position[0]),
-                           turned.y - r.y + (to.position[1] - from.position[1]),
-                           turned.z - r.z + (to.position[2] - from.position[2])};
-    most = maximum(most, length3(went));
+    const float displacement[3] = {turned.x - r.x + (to.position[0] - from.position[0]),
+                                   turned.y - r.y + (to.position[1] - from.position[1]),
+                                   turned.z - r.z + (to.position[2] - from.position[2])};
+    largest = maximum(largest, length3(displacement));
   });
-  return maximum(most, grown(from, to));
+  return maximum(largest, grown(from, to));
 }
 
 void pose_move(Pose* p, const float rotation[4], const float shift[3]) {
@@ -186,7 +186,7 @@ void pose_move(Pose* p, const float rotation[4], const float shift[3]) {
 float box_surface_distance(const Pose& from, const Pose& to, const HoldRule& rule) {
   float low[3], high[3];
   near_box(SANDGLASS_SHAPE_BOX, from, rule, low, high);
-  return apart_of_faces(from, to, low, high);
+  return faces_distance(from, to, low, high);
 }
 
 }  // namespace sandglass

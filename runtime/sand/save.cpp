@@ -148,10 +148,10 @@ bool sound_state(const Granular& g, const Header& h, const SavedState& s) {
   if (!within(s.builds_per_substep, 0.0f, k_builds_bound) || !gravity_fits(s.resting_gravity)) return false;
   // What has run out of a nozzle comes at once when it is restored: no more than a second's.
   const float fastest = g.desc.courant * g.desc.particle_radius / g.substep.shortest;
-  const double most = static_cast<double>((fastest < 100.0f ? fastest : 100.0f) + 4.0f * g.desc.particle_radius);
+  const double run_max = static_cast<double>((fastest < 100.0f ? fastest : 100.0f) + 4.0f * g.desc.particle_radius);
   for (uint32_t e = 0; e < h.emitters; ++e) {
     const EmitterState& state = g.flow.emitter_states[e];
-    if (!within(state.run, 0.0, most) || !all_within(state.origin, 3, -k_coordinate_bound, k_coordinate_bound))
+    if (!within(state.run, 0.0, run_max) || !all_within(state.origin, 3, -k_coordinate_bound, k_coordinate_bound))
       return false;
   }
   return true;
@@ -165,13 +165,13 @@ bool at_rest(const RigidBody& body) {
 
 // What a removed body leaves: nothing but zeros.
 bool is_hole(const RigidBody& body) {
-  double most = static_cast<double>(body.first);
+  double sum = static_cast<double>(body.first);
   for (int k = 0; k < 3; ++k) {
     const float moves = __builtin_fabsf(body.linear[k]) + __builtin_fabsf(body.angular[k]);
-    most += __builtin_fabs(body.center[k]) + static_cast<double>(moves);
+    sum += __builtin_fabs(body.center[k]) + static_cast<double>(moves);
   }
-  for (int k = 0; k < 4; ++k) most += __builtin_fabs(body.rotation[k]);
-  return most == 0.0;  // not for NaN
+  for (int k = 0; k < 4; ++k) sum += __builtin_fabs(body.rotation[k]);
+  return sum == 0.0;  // not for NaN
 }
 
 // A body is a unit quaternion and particles that are where its pose says, all awake or all asleep, and at rest then.

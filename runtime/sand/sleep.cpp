@@ -18,7 +18,7 @@ constexpr float k_body_rest_radii = 0.3f;
 // below soon after. So in a time t it moves on by more than 0.0858 g t^2, however large it is.
 constexpr float k_flight_share = 0.08f;
 // One check finds a particle that turned in the air where it was 20 ms ago.
-constexpr uint32_t k_checks_least = 2;
+constexpr uint32_t k_checks_min = 2;
 constexpr float k_touch_gap_radii = 0.1f;   // what is nearer is touched
 constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d)
 // Jammed particles, under a heavy body say, tremble faster than the wake speed, but stay within a hundredth of a
@@ -38,10 +38,10 @@ constexpr uint16_t k_look = 0x4000;      // and of what is beside that, and is l
 // What was woken so often where it lay falls asleep in one check with what it touches. Else what sleeps is hard, what lies
 // pressed in it jumps, and wakes it again, for ever.
 constexpr uint8_t k_woken_often = 8;
-constexpr uint32_t k_touched_most = 16;  // more cannot touch a sphere
-constexpr float k_support = 0.3f;        // what is lower by so much of the distance bears
-constexpr float k_upright = 0.998f;      // and what bears alone, straight below to 3.6 degrees
-constexpr float k_free_aside = 0.05f;    // what is nearer than that along a direction, of the distance, stops it
+constexpr uint32_t k_touched_max = 16;  // more cannot touch a sphere
+constexpr float k_support = 0.3f;       // what is lower by so much of the distance bears
+constexpr float k_upright = 0.998f;     // and what bears alone, straight below to 3.6 degrees
+constexpr float k_free_aside = 0.05f;   // what is nearer than that along a direction, of the distance, stops it
 
 Particle* particle_at(const Granular& g, uint32_t i) { return &g.particles.records[0][i]; }
 
@@ -62,10 +62,12 @@ void move_on(Sleep* sleep, const Granular& g, const Particle& p) {
 
 float dot(const FloatVector& a, const FloatVector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-float apart2(const float a[3], const float b[3]) { return square_of(quad(a) - quad(b)); }
+float distance_squared(const float a[3], const float b[3]) { return square_of(quad(a) - quad(b)); }
 
 // Squared distance from where the particle last moved on or woke.
-float moved2(const Sleep& sleep, const Particle& p) { return apart2(p.position, sleep.anchors[number_of(p)].position); }
+float moved2(const Sleep& sleep, const Particle& p) {
+  return distance_squared(p.position, sleep.anchors[number_of(p)].position);
+}
 
 // Particle i, whose state is awake already, counts as awake from now on.
 void begin_waking_one(Sleep* sleep, const Granular& g, uint32_t i) {
@@ -169,7 +171,7 @@ void carry_neighbours(Sleep* sleep, const Granular& g, uint32_t i, uint8_t carri
   for (uint32_t s = 0; s < count; ++s) {
     if (row[s] >= g.particles.count) continue;
     const Particle& other = *particle_at(g, row[s]);
-    if (apart2(other.position, particle_at(g, i)->position) > near * near) continue;
+    if (distance_squared(other.position, particle_at(g, i)->position) > near * near) continue;
     wake_if_asleep(sleep, g, row[s]);
     uint8_t& theirs = sleep->anchors[number_of(other)].carried;
     if (theirs < carried) theirs = carried;
@@ -395,7 +397,8 @@ static bool may_rest(const Sleep& sleep, const Granular& g, uint32_t i, bool wat
   const uint32_t* row = neighbours_of(g, i, &count);
   for (uint32_t s = 0; s < count && !inside; ++s) {
     const Particle& other = *particle_at(g, row[s]);
-    if ((in_body(p) && body_of(p) == body_of(other)) || !(apart2(other.position, p.position) < near * near)) continue;
+    if ((in_body(p) && body_of(p) == body_of(other)) || !(distance_squared(other.position, p.position) < near * near))
+      continue;
     touches = true;
     if (!watched && leans(sleep, g, row[s])) return false;
     if (row[s] >= g.particles.count || is_asleep(other)) continue;
@@ -412,12 +415,12 @@ static bool is_balanced(const Sleep& sleep, const Granular& g, uint32_t i) {
   const float* at = particle_at(g, i)->position;
   const float near = (2.0f + k_touch_gap_radii) * g.desc.particle_radius, pull = -1.0f / g.gravity_length;
   const FloatVector up = {g.gravity[0] * pull, g.gravity[1] * pull, g.gravity[2] * pull};
-  FloatVector normals[k_touched_most];  // of what might stop it
+  FloatVector normals[k_touched_max];  // of what might stop it
   uint32_t count, supports = 0, stops = 0;
   const uint32_t* row = neighbours_of(g, i, &count);
-  for (uint32_t s = 0; s < count && stops < k_touched_most; ++s) {
+  for (uint32_t s = 0; s < count && stops < k_touched_max; ++s) {
     const float* other = particle_at(g, row[s])->position;
-    const float gap2 = apart2(other, at);
+    const float gap2 = distance_squared(other, at);
     if (!(gap2 < near * near) || !(gap2 > 0.0f)) continue;
     const float scale = 1.0f / __builtin_sqrtf(gap2);
     const FloatVector n = {(at[0] - other[0]) * scale, (at[1] - other[1]) * scale, (at[2] - other[2]) * scale};
@@ -450,14 +453,14 @@ static void begin_leaning(Sleep* sleep, const Granular& g, uint32_t i) {
 // Checks in a row that must find a particle near one place.
 static uint32_t patience_of(const Granular& g) {
   const uint32_t checks = to_whole<uint32_t>(g.desc.sleep_after * static_cast<float>(1.0 / k_sleep_period));
-  return checks > k_checks_least ? checks : k_checks_least;
+  return checks > k_checks_min ? checks : k_checks_min;
 }
 
 // And those for which what is balanced beside others is watched.
 static uint32_t tipping_of(const Granular& g) {
   const float time = k_tipping_units * g.desc.particle_radius / granular_speed_scale(g);
-  const float checks = time * static_cast<float>(1.0 / k_sleep_period), most = static_cast<float>(k_look - 2);
-  return to_whole<uint32_t>(checks < most ? checks : most);
+  const float checks = time * static_cast<float>(1.0 / k_sleep_period), limit = static_cast<float>(k_look - 2);
+  return to_whole<uint32_t>(checks < limit ? checks : limit);
 }
 
 bool sleep_run_sleep(Sleep* sleep, const Granular& g, uint32_t* cursor) {
@@ -473,8 +476,8 @@ bool sleep_run_sleep(Sleep* sleep, const Granular& g, uint32_t* cursor) {
       if (!is_awake(p)) continue;
       Anchor& anchor = sleep->anchors[number_of(p)];
       const uint8_t carried = anchor.carried;
-      const float most = in_body(p) ? body_limit : limit;
-      if (moved2(*sleep, p) > most * most) {
+      const float distance_max = in_body(p) ? body_limit : limit;
+      if (moved2(*sleep, p) > distance_max * distance_max) {
         move_on(sleep, g, p);
         if (!has_departed(p)) wake_neighbours(sleep, g, i);
       } else if (carried != 0) {

@@ -26,7 +26,7 @@ struct ShownTime {
   double reached;  // by what is drawn, in the last frame
   double shown;
   double rate;   // simulated seconds a second of the app's, smoothed
-  double spare;  // the least, of late, that was reached beyond what is shown: so much less would have done
+  double spare;  // the smallest, of late, that was reached beyond what is shown: so much less would have done
 };
 
 void shown_reset(ShownTime* shown);
@@ -229,7 +229,7 @@ void carry_close(Carry* carry, const Granular& granular);
 // Whether units are to come, and the items of the next.
 bool carry_is_due(const Granular& granular);
 void carry_unit(const Granular& granular, WorkUnit* unit);
-// The most items of lately for what gives way.
+// The largest number of items of lately for what gives way.
 uint32_t giving_usual(const Carry& carry);
 // Units of a carry of all particles; and whether the end of this frame may have them.
 uint32_t carry_units(const Granular& granular);
@@ -480,7 +480,7 @@ float sleep_wake_speed(const Granular& granular);
 //   below   where it falls, lower than all that is there, with nothing under it. What falls there together keeps the
 //           contacts that its lists know.
 //   beside  where it is fast, and its path clear of the box that holds all the others, of each collider, and of the paths
-//           of the other fast ones. That is for few: from k_fast_most on they are a flow.
+//           of the other fast ones. That is for few: from k_fast_max on they are a flow.
 //
 // What comes back counts again before it touches anything: lists are built then. What has fallen by `lowest`, or is
 // beyond the coordinate limit, is gone: the drains take it out.
@@ -491,7 +491,7 @@ struct BodySpan {
   bool below;
 };
 
-constexpr uint32_t k_fast_most = 64;
+constexpr uint32_t k_fast_max = 64;
 
 struct Departed {
   uint32_t count;      // particles, as the last look found
@@ -513,7 +513,7 @@ struct Departed {
   Bounds others, fast_ones;
   float others_speed2, fast_speed2;
   uint32_t found, fast_count;
-  uint32_t fast[k_fast_most];
+  uint32_t fast[k_fast_max];
   bool narrow;    // it ended with other bounds and another speed for the others
   bool returned;  // one that had departed has not any more
 };

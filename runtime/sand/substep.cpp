@@ -290,8 +290,8 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
   const uint32_t left = items_left(g, phase);
   unit->kind = next.kind;
   unit->name = next.name;
-  const uint32_t most = phase == SubstepPhase::pairs ? pair_unit(g.colours, g.unit) / k_pairs_an_item : g.unit;
-  unit->items = left < most || (phase == SubstepPhase::sort && g.substep.phase == phase) ? left : most;
+  const uint32_t limit = phase == SubstepPhase::pairs ? pair_unit(g.colours, g.unit) / k_pairs_an_item : g.unit;
+  unit->items = left < limit || (phase == SubstepPhase::sort && g.substep.phase == phase) ? left : limit;
   return true;
 }
 

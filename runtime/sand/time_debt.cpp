@@ -11,28 +11,28 @@ namespace sandglass {
 namespace {
 
 constexpr double k_rate_frames = 8.0;      // over which the rate is smoothed
-constexpr double k_most_frames = 4.0;      // in one frame; more says nothing about the rate
-constexpr double k_most_behind = 2.0;      // frames
+constexpr double k_frames_max = 4.0;       // in one frame; more says nothing about the rate
+constexpr double k_behind_max = 2.0;       // frames
 constexpr double k_spare_frames = 32.0;    // in which a frame's worth of spare time may come back
 constexpr double k_spare_taken = 1.0 / 8;  // of it, a frame
-constexpr double k_least = 1e-5;           // seconds; less is none
+constexpr double k_duration_min = 1e-5;    // seconds; less is none
 
 }  // namespace
 
 void shown_reset(ShownTime* s) { *s = {0.0, 0.0, 1.0, 0.0}; }
 
 void shown_follow(ShownTime* s, double reached, double step) {
-  if (__builtin_fabs(reached - s->reached) < k_least) reached = s->reached;  // rounding
+  if (__builtin_fabs(reached - s->reached) < k_duration_min) reached = s->reached;  // rounding
   if (step > 0.0) {
     const double frames = (reached - s->reached) / step;
-    const double counted = frames > 0.0 ? (frames < k_most_frames ? frames : k_most_frames) : 0.0;
+    const double counted = frames > 0.0 ? (frames < k_frames_max ? frames : k_frames_max) : 0.0;
     s->rate += (counted - s->rate) / k_rate_frames;
     double ahead = reached - (s->shown + s->rate * step);
-    if (ahead > k_most_behind * step) ahead = k_most_behind * step;
+    if (ahead > k_behind_max * step) ahead = k_behind_max * step;
     s->spare += step / k_spare_frames;
     if (ahead < s->spare) s->spare = ahead > 0.0 ? ahead : 0.0;
     ahead -= k_spare_taken * s->spare;
-    s->shown = ahead < k_least ? reached : reached - ahead;
+    s->shown = ahead < k_duration_min ? reached : reached - ahead;
   }
   s->reached = reached;
   if (s->shown > reached) s->shown = reached;
@@ -48,7 +48,7 @@ constexpr double k_frames_made_up = 2.0;  // an older debt becomes slow motion
 constexpr double k_frames_in_sweep = 2.0;
 
 // Of an interval. Where the shortest sub-step would need more, sub-steps are longer, or no frame would end.
-constexpr uint32_t k_substeps_most = 10000;
+constexpr uint32_t k_substeps_max = 10000;
 
 // Rounded up; but a hair above a whole number is that number: 20 ms in steps of 20/64 ms are 64.
 uint32_t whole_parts(double count) {
@@ -80,23 +80,23 @@ static void take_step(SimulatedTime* time, const Granular& g, float asked) {
   SimulatedTime& t = *time;
   const float some = is_finite(asked) && asked > 0.0f ? asked : 0.0f;
   const float step = some < k_longest_step ? some : k_longest_step;
-  const double most = k_frames_made_up * static_cast<double>(step);
+  const double debt_max = k_frames_made_up * static_cast<double>(step);
   t.frame_step = step;
   t.left_out = (some < k_longest_gap ? some : k_longest_gap) - step;
   t.debt += static_cast<double>(step);
   if (g.substep.interval_left == 0) {
-    if (step > 0.0f && t.debt > most) {
-      t.slipped += t.debt - most;
-      t.debt = most;
+    if (step > 0.0f && t.debt > debt_max) {
+      t.slipped += t.debt - debt_max;
+      t.debt = debt_max;
     }
     return;
   }
   // An interval under way is never cut short.
   t.interval_debt += static_cast<double>(step);
-  if (step > 0.0f && t.interval_debt > most) {
-    t.slipped += t.interval_debt - most;
-    t.debt -= t.interval_debt - most;
-    t.interval_debt = most;
+  if (step > 0.0f && t.interval_debt > debt_max) {
+    t.slipped += t.interval_debt - debt_max;
+    t.debt -= t.interval_debt - debt_max;
+    t.interval_debt = debt_max;
   }
 }
 
@@ -107,13 +107,13 @@ void time_take(SimulatedTime* t, const Granular& g, float asked) {
 
 float time_find_rate(SimulatedTime* time) {
   // It falls faster than it rises: a collider that is too fast for the time that sand has presses it together.
-  constexpr double k_falls = 0.5, k_rises = 0.25, k_whole = 0.9, k_least_share = 1.0 / 64;
+  constexpr double k_falls = 0.5, k_rises = 0.25, k_whole = 0.9, k_share_min = 1.0 / 64;
   SimulatedTime& t = *time;
   const double step = static_cast<double>(t.frame_step), done = (t.asked - t.debt) / step, before = t.rate;
   const double now = done < 1.0 ? done : 1.0;
   t.share += (now < t.share ? k_falls : k_rises) * (now - t.share);
   if (t.debt < k_time_resolution && t.share > k_whole) t.share = 1.0;
-  if (t.share < k_least_share) t.share = k_least_share;
+  if (t.share < k_share_min) t.share = k_share_min;
   const double needed = t.debt < k_time_resolution ? 1.0 : step / (step + t.debt);
   t.rate = t.share < needed ? t.share : needed;
   return static_cast<float>(t.rate / before);
@@ -182,7 +182,7 @@ uint32_t time_substeps(const Granular& g, double interval, uint32_t level) {
     limit = limit < g.substep.shortest ? g.substep.shortest : limit;
   }
   const uint32_t count = whole_parts(interval / static_cast<double>(limit));
-  return count < k_substeps_most ? count : k_substeps_most;
+  return count < k_substeps_max ? count : k_substeps_max;
 }
 
 SubstepPlan time_plan_substep(const Granular& g, uint32_t level) {

@@ -13,7 +13,8 @@ int32_t sandglass_rotation_about(const float axis[3], float angle, float rotatio
     squared += direction[k] * direction[k];
   }
   const double turns = static_cast<double>(angle) / (2.0 * sandglass::k_pi);
-  // The square of the least float above 0 is a double above 0; beyond the limit a turn is below a float's resolution.
+  // The square of the smallest float above 0 is a double above 0; beyond the limit a turn is below a float's
+  // resolution.
   if (!(squared > 0.0 && squared < 1e80) || !(turns > -1e15 && turns < 1e15)) return 0;
   const sandglass::SinCos half = sandglass::sin_cos_turns(0.5 * turns);
   const double scale = half.sin / sandglass::square_root(squared);

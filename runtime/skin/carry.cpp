@@ -15,11 +15,11 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_most_radii = 1.5f;     // that a vertex is carried beside a motion: about a node
-constexpr float k_left_radii = 6.0f;     // one that went further has left the mesh: that is nodes away from it
-constexpr float k_other_radii = 16.0f;   // one that went further has taken the number of one that left
-constexpr uint32_t k_unit_items = 4096;  // particles and vertices: about 0.2 ms of a phone
-constexpr float k_least_motion = 1e-5f;  // metres, or of a turn: the rest is rounding
+constexpr float k_offset_radii_max = 1.5f;  // that a vertex is carried beside a motion: about a node
+constexpr float k_left_radii = 6.0f;        // one that went further has left the mesh: that is nodes away from it
+constexpr float k_other_radii = 16.0f;      // one that went further has taken the number of one that left
+constexpr uint32_t k_unit_items = 4096;     // particles and vertices: about 0.2 ms of a phone
+constexpr float k_motion_min = 1e-5f;       // metres, or of a turn: the rest is rounding
 
 bool same_bytes(const void* a, const void* b, size_t count) { return memcmp(a, b, count) == 0; }
 
@@ -36,7 +36,7 @@ bool is_due(const SkinState& s) {
 bool is_alike(const RigidMotion& a, const RigidMotion& b) {
   float square = square_of(a.displacement(a.from) - b.displacement(a.from));
   for (int k = 0; k < 3; ++k) square += square_of(a.turn[k] - b.turn[k]);
-  return square < k_least_motion * k_least_motion;
+  return square < k_motion_min * k_motion_min;
 }
 
 // The different motions of colliders since the mesh was gathered, as sand met them then and meets them now.
@@ -72,16 +72,16 @@ void begin_carry(SkinCarry* carry, const SkinState& s) {
     if (made.loose[i].number < s.desc.particle_capacity) carry->carried[made.loose[i].number].loose = i;
 }
 
-void show_loose(SkinCarry* carry, SkinShown* shown, uint32_t capacity, const sandglass_skin_loose& one, bool flies) {
+void show_loose(SkinCarry* carry, SkinShown* shown, uint32_t capacity, const sandglass_skin_loose& loose, bool flies) {
   if (carry->flying + carry->lying == capacity) return;
-  shown->loose[flies ? carry->flying++ : capacity - ++carry->lying] = one;
+  shown->loose[flies ? carry->flying++ : capacity - ++carry->lying] = loose;
 }
 
 // How far a particle has gone with which motion, and beside it. False: it was not there when the mesh was gathered.
 bool find_offset(SkinCarry* carry, const SkinState& s, const Particle& p, SkinCarried* carried) {
-  const float radius = s.desc.particle_radius, most = k_most_radii * radius, other = k_other_radii * radius;
+  const float radius = s.desc.particle_radius, offset_max = k_offset_radii_max * radius, other = k_other_radii * radius;
   const float left = k_left_radii * radius;
-  const float least = static_cast<float>(k_skin_held) / k_skin_steps * s.lattice.spacing;
+  const float offset_min = static_cast<float>(k_skin_held) / k_skin_steps * s.lattice.spacing;
   const float* from = carry->from + 3 * number_of(p);
   if (from[0] == k_skin_nowhere || s.shown.lost) return false;
   const Quad at = quad(from), gone = quad(p.position) - at;
@@ -98,8 +98,8 @@ bool find_offset(SkinCarry* carry, const SkinState& s, const Particle& p, SkinCa
     carried->motion = m;
     offset = rest;
   }
-  const float scale = square > most * most ? most / __builtin_sqrtf(square) : 1.0f;
-  carried->offset = square > least * least ? scale * offset : Quad{};
+  const float scale = square > offset_max * offset_max ? offset_max / __builtin_sqrtf(square) : 1.0f;
+  carried->offset = square > offset_min * offset_min ? scale * offset : Quad{};
   if (carried->loose != k_none) return true;
   carry->left += square > left * left ? 1 : -1;
   return square < other * other;
@@ -112,25 +112,25 @@ void carry_particle(SkinCarry* carry, SkinShown* shown, const SkinState& s, cons
   SkinCarried none = {Quad{}, k_none, k_none};
   SkinCarried& carried = number < s.desc.particle_capacity ? carry->carried[number] : none;
   const bool known = &carried != &none && find_offset(carry, s, p, &carried);
-  sandglass_skin_loose one = {};
+  sandglass_skin_loose loose = {};
   float falls;
   bool flies = carried.loose < made.flying;
-  if (carried.loose != k_none) one = made.loose[carried.loose];
+  if (carried.loose != k_none) loose = made.loose[carried.loose];
   else if (known) return;
-  memcpy(one.position, p.position, sizeof one.position);
+  memcpy(loose.position, p.position, sizeof loose.position);
   if (!known) {
-    one.weight = 1.0f;
-    one.number = number;
+    loose.weight = 1.0f;
+    loose.number = number;
     skin_find_fall(s, p.position, p.velocity, &falls, &flies);
     for (uint32_t a = 0; a < 3; ++a)
-      one.vector[s.lattice.axis[a]] = flies ? p.velocity[s.lattice.axis[a]] : s.lattice.sign[a] * s.lattice.up[a];
+      loose.vector[s.lattice.axis[a]] = flies ? p.velocity[s.lattice.axis[a]] : s.lattice.sign[a] * s.lattice.up[a];
   }
-  show_loose(carry, shown, s.desc.particle_capacity, one, flies);
+  show_loose(carry, shown, s.desc.particle_capacity, loose, flies);
 }
 
 // The whole numbers below, of what is bounded to 2^30.
 QuadWhole floor_of(Quad v) {
-  const Quad most = Quad{} + 1073741824.0f, low = v < most ? v : most, bounded = low > -most ? low : -most;
+  const Quad limit = Quad{} + 1073741824.0f, low = v < limit ? v : limit, bounded = low > -limit ? low : -limit;
   const QuadWhole whole = __builtin_convertvector(bounded, QuadWhole);
   return whole + (bounded < __builtin_convertvector(whole, Quad));
 }

@@ -83,8 +83,8 @@ sandglass_status build(const sandglass_skin_desc& desc, sandglass_skin* owner, c
   s->carry.inverse_side = 1.0f / desc.block_side;
   s->progress.in_time = k_skin_in_time;
   for (uint32_t v = 0; v < 256; ++v) {
-    const uint32_t free = skin_free(static_cast<uint8_t>(v)), least = free < 64 ? 64 : free;
-    s->filter.by_free[v] = static_cast<uint16_t>(free < 5 ? 0 : 256 * k_skin_one / least);
+    const uint32_t free = skin_free(static_cast<uint8_t>(v)), bounded = free < 64 ? 64 : free;
+    s->filter.by_free[v] = static_cast<uint16_t>(free < 5 ? 0 : 256 * k_skin_one / bounded);
   }
   s->solids.solid_before = s->meshes.blocks->solid;
   s->solids.walls_before = s->meshes.blocks->walls;

@@ -12,11 +12,11 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_skin_volume = 6.986f;          // particle radii cubed that a particle takes in a pile (packed to 0.6)
-constexpr uint32_t k_most = 4 * k_skin_one - 1;  // so that the filter's sums fit 16 bits
+constexpr float k_skin_volume = 6.986f;  // particle radii cubed that a particle takes in a pile (packed to 0.6)
+constexpr uint32_t k_density_max = 4 * k_skin_one - 1;  // so that the filter's sums fit 16 bits
 constexpr uint32_t k_gain = static_cast<uint32_t>(k_skin_volume / (k_skin_spacing * k_skin_spacing * k_skin_spacing) *
                                                   (65536.0f / k_skin_shares));  // of sums, in 1/65536
-constexpr uint32_t k_most_sum = static_cast<uint32_t>(uint64_t{k_most} * 65536 / k_gain);
+constexpr uint32_t k_sum_max = static_cast<uint32_t>(uint64_t{k_density_max} * 65536 / k_gain);
 constexpr uint16_t k_reaches = 1376;  // a density that may become surface beside it: 0.34
 constexpr uint16_t k_held = 8;        // of the calm density: about a hundredth of a node
 
@@ -82,8 +82,7 @@ __attribute__((noinline)) void find_density(SkinBricks* bricks, const uint16_t b
   if (sand_is_around(*bricks, brick))
     filter(
         *bricks, brick, &BrickNodes::sums, 0u,
-        [](uint32_t sum) { return static_cast<uint16_t>((sum < k_most_sum ? sum : k_most_sum) * k_gain >> 16); },
-        fresh);
+        [](uint32_t sum) { return static_cast<uint16_t>((sum < k_sum_max ? sum : k_sum_max) * k_gain >> 16); }, fresh);
   Row standing[k_brick_side] = {};
   for (uint32_t i = 0; i < k_brick_nodes; i += k_brick_side) {
     const Row solid = solid_at(nodes.solid + i);
@@ -92,7 +91,7 @@ __attribute__((noinline)) void find_density(SkinBricks* bricks, const uint16_t b
         const uint32_t more = uint32_t{fresh[x]} * by_free[nodes.solid[x]] >> k_skin_one_shift;
         fresh[x] = static_cast<uint16_t>(more < k_skin_one ? more : k_skin_one);
       }
-    const Row density = least_of(row_at(fresh + i), Row{} + uint16_t{k_skin_one});
+    const Row density = min_of(row_at(fresh + i), Row{} + uint16_t{k_skin_one});
     set_row(fresh + i, density);
     standing[i / k_brick_side % k_brick_side] |= (where_above(density, k_skin_level) | ~where_above(solid, 127)) &
                                                  static_cast<uint16_t>(1u << i / k_brick_layer);
@@ -115,13 +114,13 @@ __attribute__((noinline)) void find_density(SkinBricks* bricks, const uint16_t b
 
 // Sand fades within a wall, so that its surface lies a third of a node deep in it.
 uint16_t within_wall(uint16_t value, uint8_t solid) {
-  constexpr int32_t k_one = 48, k_deepest = 128 - 36;
+  constexpr int32_t k_node = 48, k_deepest = 128 - 36;
   const int32_t part = solid - k_deepest;
-  return static_cast<uint16_t>(value * (part < 0 ? 0 : part < k_one ? part : k_one) / k_one);
+  return static_cast<uint16_t>(value * (part < 0 ? 0 : part < k_node ? part : k_node) / k_node);
 }
 
 void find_calm(SkinBricks* bricks, uint32_t number, bool closed) {
-  constexpr uint16_t k_least = k_skin_one / 128;
+  constexpr uint16_t k_room_min = k_skin_one / 128;
   Brick& brick = bricks->records[number];
   BrickNodes& nodes = bricks->nodes[number];
   uint16_t fresh[k_brick_nodes];
@@ -138,11 +137,11 @@ void find_calm(SkinBricks* bricks, uint32_t number, bool closed) {
     for (uint32_t row = 0; row < k_brick_nodes; row += k_brick_side) {
       if (!any_of(row_at(nodes.room + row) ^ uint16_t{k_skin_one})) continue;
       for (uint32_t i = row; i < row + k_brick_side; ++i) {
-        const int32_t room = nodes.room[i], kept = nodes.filled[i], most = room > k_least ? room : k_least;
+        const int32_t room = nodes.room[i], kept = nodes.filled[i], bounded = room > k_room_min ? room : k_room_min;
         const int32_t share =
-            static_cast<int32_t>(k_skin_one * static_cast<float>(int32_t{fresh[i]}) / static_cast<float>(most));
+            static_cast<int32_t>(k_skin_one * static_cast<float>(int32_t{fresh[i]}) / static_cast<float>(bounded));
         const int32_t calm = share < int32_t{k_skin_one} ? share : int32_t{k_skin_one};
-        fresh[i] = static_cast<uint16_t>(room > k_least ? calm : kept);
+        fresh[i] = static_cast<uint16_t>(room > k_room_min ? calm : kept);
       }
     }
     if (closed)
@@ -150,8 +149,8 @@ void find_calm(SkinBricks* bricks, uint32_t number, bool closed) {
   }
   for (uint32_t i = 0; i < k_brick_nodes; i += k_brick_side) {  // what hardly differs stays
     const Row now = row_at(fresh + i), before = row_at(nodes.calm + i);
-    const Row apart = most_of(now, before) - least_of(now, before);
-    set_row(fresh + i, apart > k_held ? now : before);
+    const Row difference = max_of(now, before) - min_of(now, before);
+    set_row(fresh + i, difference > k_held ? now : before);
   }
   const uint32_t reach =
       reach_of(k_mesh_reach, [&](uint32_t row) { return row_at(fresh + row) ^ row_at(nodes.calm + row); });

@@ -8,7 +8,7 @@
 namespace sandglass {
 namespace {
 
-constexpr uint16_t k_fill_less = 410, k_fill_least = 819;  // of k_skin_one: 0.1 and 0.2
+constexpr uint16_t k_fill_less = 410, k_fill_min = 819;  // of k_skin_one: 0.1 and 0.2
 
 // Where sand has something to stand on: within four nodes below. Without gravity nothing falls.
 void find_where(SkinBricks* bricks, uint32_t number, bool falls) {
@@ -48,13 +48,15 @@ void layer_above(const SkinBricks& bricks, const Brick& brick, T (BrickNodes::*f
   }
 }
 
-// The most of the nodes over each of a row. `walls`: of those over it, which bar the step aside.
-Row most_over(const uint16_t* up, const uint8_t* walls, bool corners) {
+// The maximum of the nodes over each of a row. `walls`: of those over it, which bar the step aside.
+Row max_over(const uint16_t* up, const uint8_t* walls, bool corners) {
   constexpr int32_t k_next = k_wide;
-  Row most = row_at(up);
+  Row fullest = row_at(up);
   for (int32_t x = 0; x < static_cast<int32_t>(k_brick_side); ++x)
     for (int32_t side = -1; side <= 1; side += 2) {
-      const auto take = [&](bool open, int32_t from) { most[x] = open && up[from] > most[x] ? up[from] : most[x]; };
+      const auto take = [&](bool open, int32_t from) {
+        fullest[x] = open && up[from] > fullest[x] ? up[from] : fullest[x];
+      };
       // Whether nothing stands between two nodes beside each other.
       const auto along_x = [&](int32_t at) { return (walls[side > 0 ? at : at - 1] & 1) == 0; };
       const auto along_z = [&](int32_t at, int32_t toward) { return (walls[toward > 0 ? at : at - k_next] & 4) == 0; };
@@ -63,7 +65,7 @@ Row most_over(const uint16_t* up, const uint8_t* walls, bool corners) {
       for (int32_t toward = -1; toward <= 1 && corners; toward += 2)
         take(along_x(x) && along_z(x + side, toward), x + side + toward * k_next);
     }
-  return most;
+  return fullest;
 }
 
 // Fills one layer by what falls from the one above. Bits of Brick::around that feel what has changed.
@@ -84,18 +86,18 @@ uint32_t fill_layer(SkinBricks* bricks, const SkinLattice& lattice, uint32_t num
     const uint16_t *up = above + static_cast<int32_t>(k_wide * (z + k_beside) + k_beside) - lean, *l = up - k_wide,
                    *r = up + k_wide;
     const auto three = [](const uint16_t* row) {
-      return most_of(row_at(row), most_of(row_at(row - 1), row_at(row + 1)));
+      return max_of(row_at(row), max_of(row_at(row - 1), row_at(row + 1)));
     };
-    Row most = most_of(three(up), most_of(row_at(l), row_at(r)));
-    if ((height & 1) != 0) most = most_of(most, most_of(three(l), three(r)));
-    if (walled) most = most_over(up, walls + (up - above), (height & 1) != 0);
-    const Row less = most_of(most, Row{} + k_fill_less) - k_fill_less;
+    Row fullest = max_of(three(up), max_of(row_at(l), row_at(r)));
+    if ((height & 1) != 0) fullest = max_of(fullest, max_of(three(l), three(r)));
+    if (walled) fullest = max_over(up, walls + (up - above), (height & 1) != 0);
+    const Row less = max_of(fullest, Row{} + k_fill_less) - k_fill_less;
     const uint32_t row = k_brick_side * z, at = node_index(0, layer, z);
     Row can = -(row_at(nodes.can + row) >> static_cast<uint16_t>(layer) & 1);
     if (walled) can &= where_above(solid_at(nodes.solid + at), 128);  // nothing falls into a wall, and out below
     for (uint32_t x = 0; x < k_brick_side && walled; ++x)
       if ((nodes.walls[at + x] & 2) != 0) can[x] = 0;
-    const Row fresh = most_of(row_at(nodes.density + at), less & where_above(less, k_fill_least) & can);
+    const Row fresh = max_of(row_at(nodes.density + at), less & where_above(less, k_fill_min) & can);
     const Row difference = fresh ^ row_at(nodes.filled + at);
     if (!any_of(difference)) continue;
     changed |= difference;

@@ -131,8 +131,8 @@ bool is_near(const int32_t a[3], const int32_t b[3]) {
 // it.
 void skin_find_fall(const SkinState& s, const float position[3], const float velocity[3], float* falls, bool* flies) {
   float best[3] = {velocity[0], velocity[1], velocity[2]};
-  float least = best[0] * best[0] + best[1] * best[1] + best[2] * best[2];
-  for (uint32_t m = 0; m < s.solids.mover_count && least > k_flies * k_flies; ++m) {
+  float slowest = best[0] * best[0] + best[1] * best[1] + best[2] * best[2];
+  for (uint32_t m = 0; m < s.solids.mover_count && slowest > k_flies * k_flies; ++m) {
     const ColliderFrame& c = s.solids.colliders[s.solids.movers[m]];
     float d[3];
     bool over = true;
@@ -148,12 +148,12 @@ void skin_find_fall(const SkinState& s, const float position[3], const float vel
                            velocity[1] - (c.linear[1] + (t[2] * d[0] - t[0] * d[2])),
                            velocity[2] - (c.linear[2] + (t[0] * d[1] - t[1] * d[0]))};
     const float square = rest[0] * rest[0] + rest[1] * rest[1] + rest[2] * rest[2];
-    if (square < least) {
-      least = square;
+    if (square < slowest) {
+      slowest = square;
       memcpy(best, rest, sizeof best);
     }
   }
-  *flies = least > k_flies * k_flies;
+  *flies = slowest > k_flies * k_flies;
   *falls = 0;
   for (uint32_t a = 0; a < 3; ++a) *falls -= s.lattice.up[a] * s.lattice.sign[a] * best[s.lattice.axis[a]];
 }
@@ -193,8 +193,8 @@ bool sand_begins(SkinSand* sand, const SkinState& s) {
 
 bool skin_take(SkinSand* sand, const SkinState& s) {
   const Particles& particles = s.granular->particles;
-  const uint32_t most = particles.count - (sand->next_record < particles.count ? sand->next_record : particles.count);
-  const uint32_t end = sand->next_record + (most < k_unit_taken ? most : k_unit_taken);
+  const uint32_t left = particles.count - (sand->next_record < particles.count ? sand->next_record : particles.count);
+  const uint32_t end = sand->next_record + (left < k_unit_taken ? left : k_unit_taken);
   for (; sand->next_record < end; ++sand->next_record) {
     const Particle& record = particles.records[0][sand->next_record];
     if (in_body(record) || has_departed(record) || sand->taken_count == s.desc.particle_capacity) continue;
@@ -213,8 +213,8 @@ bool skin_take(SkinSand* sand, const SkinState& s) {
 }
 
 bool skin_gather_moved(SkinSand* sand, SkinBricks* bricks, const SkinState& s) {
-  const uint32_t most = sand->taken_count - sand->next_taken;
-  const uint32_t end = sand->next_taken + (most < k_skin_unit_items ? most : k_skin_unit_items);
+  const uint32_t left = sand->taken_count - sand->next_taken;
+  const uint32_t end = sand->next_taken + (left < k_skin_unit_items ? left : k_skin_unit_items);
   for (; sand->next_taken < end; ++sand->next_taken) {
     const SkinTaken& taken = sand->taken[sand->next_taken];
     const uint32_t number = taken.number;
@@ -242,8 +242,8 @@ bool skin_gather_moved(SkinSand* sand, SkinBricks* bricks, const SkinState& s) {
 bool skin_gather_gone(SkinSand* sand, SkinBricks* bricks) {
   // While particles are taken they may be sorted, and one be missed; not twice in a row.
   const uint8_t missed = sand->missing ? 2 : 1;
-  const uint32_t left = sand->numbers - sand->next_number, most = 4 * k_skin_unit_items;
-  const uint32_t end = sand->next_number + (left < most ? left : most);
+  const uint32_t left = sand->numbers - sand->next_number, limit = 4 * k_skin_unit_items;
+  const uint32_t end = sand->next_number + (left < limit ? left : limit);
   for (; sand->next_number < end; ++sand->next_number) {
     const SkinParticle& p = sand->particles[sand->next_number];
     if (p.share != 0 && static_cast<uint8_t>(sand->cycle - p.seen) >= missed) take_out(sand, bricks, sand->next_number);

@@ -9,14 +9,15 @@ constexpr float k_turned = 0.05f;  // of the unit vector up: so far it turns bef
 
 // The lattice's axes, right-handed: y is the world's axis nearest to up. True: they are others.
 bool choose_axes(SkinLattice* lattice, const float up[3]) {
-  uint32_t most = lattice->axis[1];
+  uint32_t steepest = lattice->axis[1];
   for (uint32_t k = 0; k < 3; ++k)
-    if (__builtin_fabsf(up[k]) > 1.2f * __builtin_fabsf(up[most])) most = k;
-  const float sign = up[most] < 0 ? -1.0f : 1.0f;
-  if (lattice->axis[1] == most && lattice->sign[1] == sign) return false;
-  const uint32_t x = (most + 2) % 3, z = (most + 1) % 3;  // x, y, z in a cycle, or with two of them turned round
+    if (__builtin_fabsf(up[k]) > 1.2f * __builtin_fabsf(up[steepest])) steepest = k;
+  const float sign = up[steepest] < 0 ? -1.0f : 1.0f;
+  if (lattice->axis[1] == steepest && lattice->sign[1] == sign) return false;
+  // x, y, z in a cycle, or with two of them turned round.
+  const uint32_t x = (steepest + 2) % 3, z = (steepest + 1) % 3;
   lattice->axis[0] = x;
-  lattice->axis[1] = most;
+  lattice->axis[1] = steepest;
   lattice->axis[2] = z;
   lattice->sign[0] = sign;
   lattice->sign[1] = sign;

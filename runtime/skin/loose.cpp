@@ -7,7 +7,7 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_least_weight = 0.04f;
+constexpr float k_weight_min = 0.04f;
 // Of the level: none of it is in the mesh, all of it is. What moves lies in a thinner density.
 constexpr float k_thin = 0.45f, k_thick = 1.2f, k_thick_flying = 0.6f;
 
@@ -33,7 +33,7 @@ bool density_about(const SkinBricks& bricks, const int32_t cell[3], uint32_t* br
 
 // False: all of it is in the mesh.
 bool loose_of(const SkinState& s, const SkinTaken& p, uint32_t* brick, sandglass_skin_loose* out) {
-  const float least = k_thin * k_skin_level, most = (p.flies ? k_thick_flying : k_thick) * k_skin_level;
+  const float low = k_thin * k_skin_level, high = (p.flies ? k_thick_flying : k_thick) * k_skin_level;
   int32_t place[3], cell[3];
   float u[3], gradient[3] = {0, 0, 0};
   CellValues density;
@@ -44,11 +44,11 @@ bool loose_of(const SkinState& s, const SkinTaken& p, uint32_t* brick, sandglass
   }
   const bool any = density_about(s.bricks, cell, brick, &density);
   bool buried = any;
-  for (const float corner : density.v) buried = buried && corner >= most;
+  for (const float corner : density.v) buried = buried && corner >= high;
   if (buried) return false;
-  const float t = any ? (density.at(u) - least) / (most - least) : 0.0f;
+  const float t = any ? (density.at(u) - low) / (high - low) : 0.0f;
   const float weight = t < 0 ? 1.0f : t < 1 ? 1.0f - t * t * (3.0f - 2.0f * t) : 0.0f;
-  if (weight < k_least_weight) return false;
+  if (weight < k_weight_min) return false;
   if (any) density.gradient(u, gradient);
   *out = {};
   memcpy(out->position, p.position, sizeof out->position);
@@ -103,14 +103,14 @@ void skin_begin_loose(SkinMeshes* meshes) {
 // Those that fly are written from the front of the list on, those that lie from its end on.
 bool skin_loose(SkinMeshes* meshes, SkinBricks* bricks, const SkinState& s) {
   SkinMesh& back = meshes->back;
-  const uint32_t capacity = s.desc.particle_capacity, most = s.sand.taken_count - meshes->next_loose;
-  const uint32_t end = meshes->next_loose + (most < k_skin_unit_items ? most : k_skin_unit_items);
+  const uint32_t capacity = s.desc.particle_capacity, left = s.sand.taken_count - meshes->next_loose;
+  const uint32_t end = meshes->next_loose + (left < k_skin_unit_items ? left : k_skin_unit_items);
   uint32_t last = k_none;
   for (; meshes->next_loose < end; ++meshes->next_loose) {
     const SkinTaken& p = s.sand.taken[meshes->next_loose];
-    sandglass_skin_loose one;
-    if (!loose_of(s, p, &last, &one)) continue;
-    back.loose[p.flies ? back.flying++ : capacity - ++back.lying] = one;
+    sandglass_skin_loose loose;
+    if (!loose_of(s, p, &last, &loose)) continue;
+    back.loose[p.flies ? back.flying++ : capacity - ++back.lying] = loose;
   }
   if (meshes->next_loose < s.sand.taken_count) return false;
   memmove(back.loose + back.flying, back.loose + capacity - back.lying, back.lying * sizeof *back.loose);

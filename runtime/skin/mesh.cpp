@@ -204,9 +204,9 @@ uint32_t index_of(SkinMeshes* meshes, const SkinBricks& bricks, uint32_t chunk, 
 // The vertices of the four cells about the edge that begins at a node and goes along `axis`. False: one is missing.
 bool find_corners(SkinMeshes* meshes, const SkinBricks& bricks, uint32_t chunk, uint32_t number, const uint32_t cell[3],
                   uint32_t axis, uint32_t at[4]) {
-  const uint32_t one = (axis + 1) % 3, two = (axis + 2) % 3;
-  if (cell[one] != 0 && cell[two] != 0) {  // all in this brick
-    const uint32_t node = node_index(cell[0], cell[1], cell[2]), step[2] = {k_node_step[one], k_node_step[two]};
+  const uint32_t second = (axis + 1) % 3, third = (axis + 2) % 3;
+  if (cell[second] != 0 && cell[third] != 0) {  // all in this brick
+    const uint32_t node = node_index(cell[0], cell[1], cell[2]), step[2] = {k_node_step[second], k_node_step[third]};
     const uint32_t nodes[4] = {node, node - step[0], node - step[0] - step[1], node - step[1]};
     for (uint32_t c = 0; c < 4; ++c) {
       at[c] = bricks.nodes[number].vertices[nodes[c]];
@@ -215,7 +215,7 @@ bool find_corners(SkinMeshes* meshes, const SkinBricks& bricks, uint32_t chunk, 
     }
     return true;
   }
-  const uint32_t which[4] = {0, 1u << one, 1u << one | 1u << two, 1u << two};
+  const uint32_t which[4] = {0, 1u << second, 1u << second | 1u << third, 1u << third};
   for (uint32_t c = 0; c < 4; ++c) {
     at[c] = index_of(meshes, bricks, chunk, cell_before(bricks, number, cell, which[c]));
     if (at[c] == k_vertex_none) return false;

@@ -14,8 +14,8 @@ inline Row row_at(const uint16_t* nodes) {
 }
 inline void set_row(uint16_t* nodes, Row row) { memcpy(nodes, &row, sizeof row); }
 
-inline Row most_of(Row a, Row b) { return a > b ? a : b; }
-inline Row least_of(Row a, Row b) { return a < b ? a : b; }
+inline Row max_of(Row a, Row b) { return a > b ? a : b; }
+inline Row min_of(Row a, Row b) { return a < b ? a : b; }
 inline Row where_above(Row a, uint16_t level) {
   return reinterpret_cast<Row>(a > level);
 }  // all bits of a node, or none

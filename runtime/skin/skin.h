@@ -335,9 +335,9 @@ void solids_renew(SkinSolids* solids, SkinBricks* bricks, const SkinState& s, ui
 // How free the surroundings of a node are, in 1/256, by BrickNodes::solid: the ramp of a wall through the sums' spread
 // and the filter, whose slope is 0.49 a node.
 inline uint16_t skin_free(uint8_t solid) {
-  constexpr uint16_t k_least = 208;  // 128 * 21 / 8 - 128
+  constexpr uint16_t k_scaled_min = 208;  // 128 * 21 / 8 - 128
   const uint16_t scaled = static_cast<uint16_t>(static_cast<uint16_t>(solid * 21) >> 3);
-  const uint16_t above = static_cast<uint16_t>((scaled > k_least ? scaled : k_least) - k_least);
+  const uint16_t above = static_cast<uint16_t>((scaled > k_scaled_min ? scaled : k_scaled_min) - k_scaled_min);
   return above < 256 ? above : uint16_t{256};
 }
 // A node's part in the calm density: as free as it is; a little even in a collider, so that the surface goes on in

@@ -12,7 +12,7 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_solid_one = 48.0f, k_solid_reach = 2.6f;                 // of BrickNodes::solid: a node; nodes
+constexpr float k_solid_node = 48.0f, k_solid_reach = 2.6f;                // of BrickNodes::solid: a node; nodes
 constexpr float k_half_row = 0.5f * static_cast<float>(k_brick_side - 1);  // nodes from a brick's middle to its faces
 
 bool stands_as(const ColliderFrame& a, const ColliderFrame& b) {
@@ -100,10 +100,10 @@ void mark_near(SkinBricks* bricks, const SkinState& s, const ColliderFrame& coll
 
 // Whether a solid lies between two nodes: its distance falls from either towards the other, and would be below 0 where
 // both meet. So it does in a wall of any thickness, and not beside a floor or an edge that both look at.
-bool is_between(const SurfacePoint& a, const SurfacePoint& b, uint32_t axis, float sign, float apart) {
-  if (a.distance + b.distance >= apart) return false;
+bool is_between(const SurfacePoint& a, const SurfacePoint& b, uint32_t axis, float sign, float distance) {
+  if (a.distance + b.distance >= distance) return false;
   const float from_a = -sign * a.normal[axis], from_b = sign * b.normal[axis];
-  return from_a > 0 && from_b > 0 && a.distance * from_b + b.distance * from_a < from_a * from_b * apart;
+  return from_a > 0 && from_b > 0 && a.distance * from_b + b.distance * from_a < from_a * from_b * distance;
 }
 
 // The distances of a brick's nodes, and of those after them up to `side` along each axis, from a collider.
@@ -138,7 +138,7 @@ void find_solid(SkinBricks* bricks, const SkinState& s, uint32_t number) {
     for (uint32_t i = 0; i < k_brick_nodes; ++i) {
       const uint32_t x = i % k_brick_side, y = i / k_brick_layer, z = i / k_brick_side % k_brick_side;
       const SurfacePoint* point = points + x + steps[2] * z + steps[1] * y;
-      const float value = 128.5f + k_solid_one * l.inverse_spacing * point->distance;
+      const float value = 128.5f + k_solid_node * l.inverse_spacing * point->distance;
       const uint32_t whole = to_whole<uint32_t>(value < 255.0f ? value : 255.0f);
       if (whole < solid[i]) solid[i] = static_cast<uint8_t>(whole);
       if (whole < 255) brick.open = false;

@@ -117,8 +117,8 @@ float inverse_length(const float a[3]) {
 }
 
 // The foot: near a floor a vertex moves outward along it, so that the sand runs out at a slope. The normal goes with
-// it. `most`: nodes.
-void run_out(const SkinState& s, const float floor[3], float over, float most, float shift[3], float normal[3]) {
+// it. `limit`: nodes.
+void run_out(const SkinState& s, const float floor[3], float over, float limit, float shift[3], float normal[3]) {
   const float top = k_foot_radii * s.desc.particle_radius * s.lattice.inverse_spacing;
   const float level = dot(floor, s.lattice.up), y = over > 0 ? over : 0.0f;
   if (y >= top || level < 0.5f) return;
@@ -129,7 +129,7 @@ void run_out(const SkinState& s, const float floor[3], float over, float most, f
   if (across < 0.2f) return;
   const float fade = clamped((across - 0.2f) * (1.0f / 0.3f), 0, 1) * clamped((level - 0.5f) * 5.0f, 0, 1);
   const float missing = fade * clamped(k_foot_slope - rise / across, 0, 2.2f);
-  const float wanted = missing * (top - y) * (top - y) / top, far = (wanted < most ? wanted : most) / across;
+  const float wanted = missing * (top - y) * (top - y) / top, far = (wanted < limit ? wanted : limit) / across;
   for (uint32_t m = 0; m < 3; ++m) shift[m] = far * flat[m];
   const float more = 2.0f * missing * (1.0f - y / top) * across;
   for (uint32_t m = 0; m < 3; ++m) normal[m] += more * floor[m];
@@ -148,7 +148,7 @@ float room_aside(const SkinBlocks& blocks, const uint32_t cell[3]) {
   return (any & 5) == 0 ? 1.0f : 0.0f;  // edges along x and z
 }
 
-float apart2(const int32_t a[3], const float b[3]) {
+float distance_squared(const int32_t a[3], const float b[3]) {
   float sum = 0;
   for (uint32_t m = 0; m < 3; ++m) {
     const float d = static_cast<float>(a[m]) - b[m];
@@ -164,10 +164,10 @@ uint32_t anchor_of(const SkinState& s, const Brick& brick, const uint32_t cell[3
   constexpr uint32_t k_looked_at = 4;  // of a cell
   const float keep = k_kept_radii / k_skin_spacing * k_skin_steps;
   if (before != k_none && s.sand.particles[before].share != 0 &&
-      apart2(s.sand.particles[before].at, place) < keep * keep)
+      distance_squared(s.sand.particles[before].at, place) < keep * keep)
     return before;
   uint32_t nearest = k_none;
-  float least = 3e38f;
+  float smallest = 3e38f;
   // From the brick before.
   const uint32_t x = cell[0] + k_brick_side, y = cell[1] + k_brick_side, z = cell[2] + k_brick_side;
   for (uint32_t j = y - 1; j <= y + 1; ++j)
@@ -178,9 +178,9 @@ uint32_t anchor_of(const SkinState& s, const Brick& brick, const uint32_t cell[3
         if (three[brick_along(i)] == k_none) continue;
         uint32_t p = s.bricks.nodes[three[brick_along(i)]].particles[row + node_along(i)];
         for (uint32_t n = 0; n < k_looked_at && p != k_none; ++n, p = s.sand.particles[p].next) {
-          const float distance = apart2(s.sand.particles[p].at, place);
-          if (distance < least || (distance == least && p < nearest)) {
-            least = distance;
+          const float distance = distance_squared(s.sand.particles[p].at, place);
+          if (distance < smallest || (distance == smallest && p < nearest)) {
+            smallest = distance;
             nearest = p;
           }
         }

@@ -465,7 +465,7 @@ void work_cast_calm(const Kernels& kernels) {
   CastCalmArgs args = {};
   for (uint32_t k = 0; k < k_cast_rows; ++k) args.low[k] = args.high[k] = args.sum[k] = window.data();
   args.rows = k_cast_rows;
-  args.most = 8;
+  args.difference_max = 8;
   args.row = row.data();
   count(kernels.cast_calm, args);
 }

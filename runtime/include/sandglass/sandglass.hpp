@@ -550,8 +550,8 @@ class Shadow : public Owned<sandglass_shadow> {
   }
   // Without a scene: runs at most `units` work units, by default all; returns how many it ran.
   uint32_t run(uint32_t units = UINT32_MAX) {
-    sandglass_shadow* const one = get();
-    return sandglass_shadow_run(&one, 1, units);
+    sandglass_shadow* const handle = get();
+    return sandglass_shadow_run(&handle, 1, units);
   }
   // See sandglass_shadow_get_texture.
   sandglass_texture texture(uint32_t light = 0) const {
@@ -623,8 +623,8 @@ class Cast : public Owned<sandglass_cast> {
   Status set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS]) { return call(sandglass_cast_set_cells, get(), cells); }
   // Without a scene: see sandglass_cast_run.
   uint32_t run(uint32_t units = UINT32_MAX) {
-    sandglass_cast* const one = get();
-    return sandglass_cast_run(&one, 1, units);
+    sandglass_cast* const handle = get();
+    return sandglass_cast_run(&handle, 1, units);
   }
   // See sandglass_cast_get_texture.
   sandglass_texture texture() const { return reported<sandglass_texture>(sandglass_cast_get_texture, get()); }

@@ -33,7 +33,7 @@ __attribute__((cold)) CameraImage with_turn(const CameraImage& image, uint32_t l
   if (image.turn_deg != SANDGLASS_TURN_FROM_POSE) return turned;
   Rotation rotation = {};
   (void)rotation_of(image.orientation, &rotation);
-  // The world's up in the stored image, x right and y down. The turn is right in which up has the least y.
+  // The world's up in the stored image, x right and y down. The turn is right in which up has the smallest y.
   const double right = rotation.m[1][0], down = -rotation.m[1][1];
   const double upright[4] = {down, right, -down, -right};
   uint32_t best = 0;

@@ -20,7 +20,7 @@ double normalise(double v[3]) {
   return length;
 }
 
-bool apart(const LightFilterLaw& law, const LightSample& a, const LightSample& b) {
+bool contradicts(const LightFilterLaw& law, const LightSample& a, const LightSample& b) {
   const double light = luminance(a.levels + k_sample_light) - luminance(b.levels + k_sample_light);
   const double ambient = luminance(a.levels + k_sample_ambient) - luminance(b.levels + k_sample_ambient);
   return angle_between(a.direction, b.direction) > law.outlier_angle || absolute(light) > law.outlier_level ||
@@ -35,11 +35,11 @@ double seconds_since(const LightFilter& filter, uint64_t time_ns) {
 
 // Whether the sample is believed. One that contradicts the state is remembered.
 bool believed(LightFilter* filter, const LightSample& sample) {
-  if (!apart(filter->law, sample, filter->state)) {
+  if (!contradicts(filter->law, sample, filter->state)) {
     filter->outliers_in_a_row = 0;
     return true;
   }
-  const bool agrees = filter->outliers_in_a_row > 0 && !apart(filter->law, sample, filter->outlier);
+  const bool agrees = filter->outliers_in_a_row > 0 && !contradicts(filter->law, sample, filter->outlier);
   const bool take = agrees || filter->outliers_in_a_row + 1 >= k_patience;
   filter->outlier = sample;
   filter->outliers_in_a_row = take ? 1 : filter->outliers_in_a_row + 1;  // what follows this change agrees with it
@@ -47,10 +47,10 @@ bool believed(LightFilter* filter, const LightSample& sample) {
   return take;
 }
 
-void move_state(LightFilter* filter, const LightSample& sample, double part, double turn_most) {
+void move_state(LightFilter* filter, const LightSample& sample, double part, double turn_max) {
   const double angle = part * angle_between(filter->state.direction, sample.direction);
   double moved[3];
-  turn_towards(filter->state.direction, sample.direction, angle < turn_most ? angle : turn_most, moved);
+  turn_towards(filter->state.direction, sample.direction, angle < turn_max ? angle : turn_max, moved);
   for (int i = 0; i < 3; ++i) filter->state.direction[i] = moved[i];
   for (uint32_t i = 0; i < k_sample_levels; ++i)
     filter->state.levels[i] += part * (sample.levels[i] - filter->state.levels[i]);

@@ -62,8 +62,8 @@ constexpr Sizes packed_sizes() {
 
 void add_operator(LightNetwork* net, uint32_t* count, LightOperator op) {
   const uint64_t rows = k_light_unit_macs / op.row_macs;
-  const uint32_t most = static_cast<uint32_t>(rows < 1 ? 1 : rows > op.rows ? op.rows : rows);
-  uint32_t units = (op.rows + most - 1) / most;
+  const uint32_t unit_rows = static_cast<uint32_t>(rows < 1 ? 1 : rows > op.rows ? op.rows : rows);
+  uint32_t units = (op.rows + unit_rows - 1) / unit_rows;
   while (net->backend != nullptr && op.rows % units != 0) ++units;  // all of one size
   op.unit_rows = (op.rows + units - 1) / units;                     // alike in size
   op.first_unit = net->units;

@@ -16,7 +16,7 @@ namespace sandglass {
 namespace {
 
 // XNNPACK takes multipliers below 256. With this one, as with all greater ones, any sum but 0 gives 255 or 0.
-constexpr float k_least_multiplier = 1e-9f, k_greatest_multiplier = 255.5f;
+constexpr float k_multiplier_min = 1e-9f, k_multiplier_max = 255.5f;
 
 float value_of(uint8_t byte, float) { return static_cast<float>(byte); }
 int8_t value_of(uint8_t byte, int8_t) { return static_cast<int8_t>(byte - 128); }
@@ -110,9 +110,9 @@ void pool_row(const Value* rows, uint32_t width, uint32_t height, uint32_t y, Va
       nine[i] = rows + (uint64_t{row} * width + column) * k_light_stem;
     }
     for (uint32_t c = 0; c < k_light_stem; ++c) {
-      Value most = nine[0][c];
-      for (uint32_t i = 1; i < 9; ++i) most = nine[i][c] > most ? nine[i][c] : most;
-      out[c] = most;
+      Value largest = nine[0][c];
+      for (uint32_t i = 1; i < 9; ++i) largest = nine[i][c] > largest ? nine[i][c] : largest;
+      out[c] = largest;
     }
   }
 }
@@ -252,7 +252,7 @@ XnnpackOperator* create(const XnnpackConvolution& shape, const LightNetwork&, co
                         const AssetConvolution& file, int8_t* scratch, const char** reason) {
   float* multipliers = reinterpret_cast<float*>(scratch);
   for (uint32_t o = 0; o < shape.outputs; ++o)
-    multipliers[o] = clamped(file.multiplier[o], k_least_multiplier, k_greatest_multiplier);
+    multipliers[o] = clamped(file.multiplier[o], k_multiplier_min, k_multiplier_max);
   return xnnpack_create(shape, file.weights, file.bias, multipliers, reason);
 }
 

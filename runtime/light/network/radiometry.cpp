@@ -22,17 +22,17 @@ constexpr double k_zonal[3] = {2.0 * k_pi * k_moment_0, 2.0 * k_pi* k_moment_1,
 // The irradiance that it gives a facing surface, 0.841: the first moment over 0..1.
 constexpr double k_facing = 2.0 * k_pi * (1.0 / k_sharpness - (1.0 - k_at_side) / (k_sharpness * k_sharpness));
 
-constexpr double k_most_contrast = 0.95, k_least_elevation = 0.1, k_most_strength = 64.0;
+constexpr double k_contrast_max = 0.95, k_elevation_min = 0.1, k_strength_max = 64.0;
 
 }  // namespace
 
 double light_strength(const double direction[3], const double light[3], const double ambient[3], double contrast) {
   const double colour = luminance(light);
   if (!(colour > 0.0)) return 0.0;
-  const double o = contrast < k_most_contrast ? contrast : k_most_contrast;
-  const double elevation = direction[1] > k_least_elevation ? direction[1] : k_least_elevation;
+  const double o = contrast < k_contrast_max ? contrast : k_contrast_max;
+  const double elevation = direction[1] > k_elevation_min ? direction[1] : k_elevation_min;
   const double strength = luminance(ambient) / colour * o / (1.0 - o) / elevation;
-  return strength < k_most_strength ? strength : k_most_strength;
+  return strength < k_strength_max ? strength : k_strength_max;
 }
 
 void estimate_harmonics(const sandglass_estimator_light& estimate, double sh[3 * k_harmonics]) {

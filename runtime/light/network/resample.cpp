@@ -7,9 +7,10 @@ namespace sandglass {
 
 namespace {
 
-constexpr int32_t k_one = 256;  // a pixel, in the fixed point of boxes
-constexpr uint32_t k_block_rows_most = 16;
-constexpr uint32_t k_camera_box_columns = k_camera_sums / 4;  // most pixels of a box that are read, of up to four bytes
+constexpr int32_t k_fixed_one = 256;  // a pixel, in the fixed point of boxes
+constexpr uint32_t k_block_rows_max = 16;
+constexpr uint32_t k_camera_box_columns =
+    k_camera_sums / 4;  // pixels of a box that are read, at most; of up to four bytes
 
 // The interval of the input that an output pixel covers along one axis, in 1/256 pixel from the image's edge. It is
 // never empty.
@@ -24,11 +25,11 @@ Box box_of(uint32_t index, double first, double step, uint32_t size) {
   double middle = first + step * index + 0.5;  // 0 is the image's edge
   middle = middle < -limit ? -limit : middle > limit ? limit : middle;
   const double half = width < limit ? 0.5 * width : 0.5 * limit;
-  const int32_t end = static_cast<int32_t>(size) * k_one;
-  auto low = static_cast<int32_t>(floor_index((middle - half) * k_one + 0.5));
-  auto high = static_cast<int32_t>(floor_index((middle + half) * k_one + 0.5));
-  if (high <= 0) return {0, k_one};
-  if (low >= end) return {end - k_one, end};
+  const int32_t end = static_cast<int32_t>(size) * k_fixed_one;
+  auto low = static_cast<int32_t>(floor_index((middle - half) * k_fixed_one + 0.5));
+  auto high = static_cast<int32_t>(floor_index((middle + half) * k_fixed_one + 0.5));
+  if (high <= 0) return {0, k_fixed_one};
+  if (low >= end) return {end - k_fixed_one, end};
   low = low < 0 ? 0 : low;
   high = high > end ? end : high;
   return high > low ? Box{low, high} : Box{low, low + 1};
@@ -74,19 +75,19 @@ struct Plane {
 
 // The part of pixel i that lies in the box, in 1/256.
 uint32_t part(const Box& box, int32_t i) {
-  const int32_t from = i * k_one > box.low ? i * k_one : box.low;
-  const int32_t to = (i + 1) * k_one < box.high ? (i + 1) * k_one : box.high;
+  const int32_t from = i * k_fixed_one > box.low ? i * k_fixed_one : box.low;
+  const int32_t to = (i + 1) * k_fixed_one < box.high ? (i + 1) * k_fixed_one : box.high;
   return static_cast<uint32_t>(to - from);
 }
 
-int32_t first_of(const Box& box) { return box.low / k_one; }
-int32_t last_of(const Box& box) { return (box.high - 1) / k_one; }
+int32_t first_of(const Box& box) { return box.low / k_fixed_one; }
+int32_t last_of(const Box& box) { return (box.high - 1) / k_fixed_one; }
 
-// The middle of a box, at most `most` pixels of it.
-Box middle_of(const Box& box, int32_t most) {
-  if (last_of(box) - first_of(box) < most) return box;
-  const int32_t first = (first_of(box) + last_of(box) + 1 - most) / 2;
-  return {first * k_one, (first + most) * k_one};
+// The middle of a box, at most `limit` pixels of it.
+Box middle_of(const Box& box, int32_t limit) {
+  if (last_of(box) - first_of(box) < limit) return box;
+  const int32_t first = (first_of(box) + last_of(box) + 1 - limit) / 2;
+  return {first * k_fixed_one, (first + limit) * k_fixed_one};
 }
 
 // sums[i] is the weighted sum of the box's rows at byte `from` + i.
@@ -107,7 +108,7 @@ uint8_t box_mean(const uint32_t* sums, uint32_t step, int32_t from, const Box& a
   const uint32_t* at = sums + static_cast<uint64_t>(x0 - from) * step;
   uint64_t sum = static_cast<uint64_t>(part(across, x0)) * *at, inner = 0;
   for (int32_t x = x0 + 1; x < x1; ++x) inner += *(at += step);
-  sum += inner * k_one;
+  sum += inner * k_fixed_one;
   if (x1 > x0) sum += static_cast<uint64_t>(part(across, x1)) * at[step];
   const uint64_t area = static_cast<uint64_t>(across.high - across.low) * static_cast<uint64_t>(down.high - down.low);
   return static_cast<uint8_t>((sum + area / 2) / area);
@@ -147,9 +148,9 @@ CameraBlock whole_camera_block(const CameraImage& image) {
 namespace {
 
 // About how many pixels of the input a box reads along an axis.
-uint64_t box_pixels(float focal, uint32_t most) {
+uint64_t box_pixels(float focal, uint32_t limit) {
   const auto step = to_whole<uint64_t>(static_cast<double>(focal) / k_light_focal);
-  return (step < 1 ? 1 : step > most ? most : step) + 1;
+  return (step < 1 ? 1 : step > limit ? limit : step) + 1;
 }
 
 }  // namespace
@@ -162,7 +163,7 @@ CameraBlocks camera_blocks(const CameraImage& image) {
   CameraBlocks blocks;
   if (row <= k_camera_block_bytes) {
     const uint64_t rows = k_camera_block_bytes / row;
-    blocks.rows = static_cast<uint32_t>(rows > k_block_rows_most ? k_block_rows_most : rows);
+    blocks.rows = static_cast<uint32_t>(rows > k_block_rows_max ? k_block_rows_max : rows);
     blocks.columns = whole.columns;
     blocks.bytes = blocks.rows * row;
   } else {

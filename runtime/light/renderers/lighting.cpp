@@ -11,7 +11,7 @@ namespace sandglass {
 
 namespace {
 
-constexpr double k_least_elevation = 0.1;
+constexpr double k_elevation_min = 0.1;
 
 bool usable(const sandglass_estimator_light& e) {
   return is_finite(e.strength) && all_finite(e.direction, 3) && all_finite(e.light, 3) && all_finite(e.ambient, 3) &&
@@ -87,11 +87,11 @@ sandglass_light lighting_of(const sandglass_harmonics& given) {
 
 // What the sources have in common: `null`, `size` and `number` say what is wrong with them.
 template <class Source>
-sandglass_status make(const Source* source, uint32_t least_bytes, sandglass_light* lighting, const char** reason,
+sandglass_status make(const Source* source, uint32_t bytes_min, sandglass_light* lighting, const char** reason,
                       const char* null, const char* size, const char* number) {
   if (source == nullptr || lighting == nullptr) return refuse(reason, null);
   if (!can_fill(lighting)) return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_light).");
-  if (source->struct_size < least_bytes) return refuse(reason, size);
+  if (source->struct_size < bytes_min) return refuse(reason, size);
   if (!usable(*source)) return refuse(reason, number);
   sandglass_light filled = lighting_of(*source);
   fill_struct(&filled, sizeof filled, lighting);
@@ -109,7 +109,7 @@ void main_light_of(const sandglass_room_light& light, double facing[3]) {
   double irradiance[3];
   for (int c = 0; c < 3; ++c) irradiance[c] = static_cast<double>(light.irradiance[c]);
   const double up = static_cast<double>(light.main_direction[1]);
-  const double elevation = up > k_least_elevation ? up : k_least_elevation;
+  const double elevation = up > k_elevation_min ? up : k_elevation_min;
   const double level = static_cast<double>(light.main_share) * luminance(irradiance) / (k_pi * elevation);
   for (int c = 0; c < 3; ++c) facing[c] = level * static_cast<double>(light.main_colour[c]);
 }
@@ -121,7 +121,7 @@ using namespace sandglass;
 sandglass_status sandglass_light_of_estimator(const sandglass_estimator_light* estimate, sandglass_light* lighting,
                                               const char** reason) {
   return make(
-      estimate, k_least_estimate_bytes, lighting, reason,
+      estimate, k_estimate_bytes_min, lighting, reason,
       "estimate or lighting is NULL: pass an estimate of sandglass_estimator_get and the struct to fill",
       "estimate.struct_size is not set: set it to sizeof(sandglass_estimator_light) before sandglass_estimator_get",
       "a number of the estimate is not finite: pass an estimate as sandglass_estimator_get fills it");
@@ -129,7 +129,7 @@ sandglass_status sandglass_light_of_estimator(const sandglass_estimator_light* e
 
 sandglass_status sandglass_light_of_room(const sandglass_room_light* light, sandglass_light* lighting,
                                          const char** reason) {
-  return make(light, k_least_room_light_bytes, lighting, reason,
+  return make(light, k_room_light_bytes_min, lighting, reason,
               "light or lighting is NULL: pass a light of sandglass_room_get and the struct to fill",
               "light.struct_size is not set: set it to sizeof(sandglass_room_light) before sandglass_room_get",
               "a number of the light is not finite: pass a light as sandglass_room_get fills it");
@@ -148,7 +148,7 @@ sandglass_status sandglass_light_adapt(const sandglass_light* lighting, float st
   if (lighting == nullptr || adapted == nullptr)
     return refuse(reason, "lighting or adapted is NULL: pass a lighting that was filled and the struct to fill.");
   if (!can_fill(adapted)) return refuse(reason, "adapted.struct_size is not set: set it to sizeof(sandglass_light).");
-  if (lighting->struct_size < k_least_lighting_bytes)
+  if (lighting->struct_size < k_light_bytes_min)
     return refuse(reason, "lighting.struct_size is not set: pass a lighting that was filled.");
   if (!usable(*lighting)) return refuse(reason, "a number of the lighting is not finite: pass it as it was filled.");
   if (!within(strength, 0.0f, 1.0f) || keep_chroma < 0 || keep_chroma > 1)

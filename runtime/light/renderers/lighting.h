@@ -6,10 +6,10 @@
 namespace sandglass {
 
 // The sizes of a source and of a lighting in the first version of their headers. All that is read lies within.
-constexpr uint32_t k_least_estimate_bytes = 192, k_least_room_light_bytes = 688, k_least_lighting_bytes = 256;
-static_assert(k_least_estimate_bytes <= sizeof(sandglass_estimator_light));
-static_assert(k_least_room_light_bytes <= sizeof(sandglass_room_light));
-static_assert(k_least_lighting_bytes <= sizeof(sandglass_light));
+constexpr uint32_t k_estimate_bytes_min = 192, k_room_light_bytes_min = 688, k_light_bytes_min = 256;
+static_assert(k_estimate_bytes_min <= sizeof(sandglass_estimator_light));
+static_assert(k_room_light_bytes_min <= sizeof(sandglass_room_light));
+static_assert(k_light_bytes_min <= sizeof(sandglass_light));
 
 bool usable(const sandglass_light& lighting);
 // The radiance of a white surface that faces the main light of a room, by that light alone.

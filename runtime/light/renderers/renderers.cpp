@@ -140,7 +140,7 @@ sandglass_status convert(const sandglass_light* lighting, sandglass_light_model 
     return refuse(reason, "lighting is NULL: pass one of sandglass_light_of_estimator or sandglass_light_of_room.");
   if (out == nullptr) return refuse(reason, "filament, arkit, arcore or unity is NULL: pass the struct to fill.");
   if (!can_fill(out)) return refuse(reason, "the struct to fill has no struct_size: set it to the struct's sizeof.");
-  if (lighting->struct_size < k_least_lighting_bytes)
+  if (lighting->struct_size < k_light_bytes_min)
     return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_light) before it is filled.");
   if (model != SANDGLASS_LIGHT_AMBIENT && model != SANDGLASS_LIGHT_WHOLE)
     return refuse(reason, "model is none of SANDGLASS_LIGHT_AMBIENT and SANDGLASS_LIGHT_WHOLE.");

@@ -25,8 +25,8 @@ constexpr double k_near_foot = 40.0;  // sharpness of what counts as the foot's 
 constexpr double k_floor_elsewhere = 1e-4, k_floor_unseen = 1e-4;
 // Of the mean of images that show another room, as it seems: irradiance over pi. In 27 captured rooms it is 2.6 in the
 // median.
-constexpr double k_other_least = 2, k_other_most = 3;
-constexpr double k_floor_most = 0.9;              // reflectance of a floor at most
+constexpr double k_other_min = 2, k_other_max = 3;
+constexpr double k_floor_max = 0.9;               // reflectance of a floor
 constexpr double k_wide = 0.95, k_narrow = 0.99;  // mean cosine about the axis: too wide for a sharp shadow; as a lamp
 constexpr uint32_t k_look_rows = 1, k_look_columns = 2;  // parts to each side that one look takes in
 
@@ -144,9 +144,9 @@ void find_floor(const Room& room, const RoomModel& model, const RoomMemory& memo
   double seen[3] = {};
   const double area = place.floor != nullptr ? 0 : floor_seen(room, memory, foot, seen);
   for (int c = 0; c < 3; ++c) {
-    const double white = static_cast<double>(out->irradiance[c]) / k_pi, most = k_floor_most * white;
+    const double white = static_cast<double>(out->irradiance[c]) / k_pi, limit = k_floor_max * white;
     double floor = (area * seen[c] / room.scale + k_floor_unseen * model.albedo * white) / (area + k_floor_unseen);
-    floor = floor < most ? floor : most;
+    floor = floor < limit ? floor : limit;
     out->floor[c] = place.floor != nullptr ? place.floor[c] : static_cast<float>(floor);
     for (int i = 0; i < 2; ++i) out->sh[3 * i + c] += static_cast<float>(k_below_harmonics[i]) * out->floor[c];
   }
@@ -154,7 +154,7 @@ void find_floor(const Room& room, const RoomModel& model, const RoomMemory& memo
 
 // The direction in which one look takes in most of the sky that was not seen, weighted by what it gives the floor.
 void find_look(const Room& room, const RoomMemory& memory, float look[3]) {
-  double most = -1, facing[k_room_rows];  // cosine and solid angle of a part of the row
+  double best_gain = -1, facing[k_room_rows];  // cosine and solid angle of a part of the row
   for (uint32_t row = 0; row < k_room_rows; ++row) {
     const SinCos elevation = sin_cos_turns(((row + 0.5) / k_room_rows - 0.5) / 2);
     facing[row] = elevation.sin > 0 ? elevation.sin * elevation.cos : 0;
@@ -168,8 +168,8 @@ void find_look(const Room& room, const RoomMemory& memory, float look[3]) {
           const uint32_t at = (column + c + k_room_columns - k_look_columns) % k_room_columns;
           gain += (1 - memory.known(r * k_room_columns + at)) * facing[r];
         }
-      if (gain > most) {
-        most = gain;
+      if (gain > best_gain) {
+        best_gain = gain;
         best = row * k_room_columns + column;
       }
     }
@@ -222,8 +222,8 @@ double level_of(const Room& room, const RoomModel& model, const RoomOverview& al
   }
   if (!(room.shows > 0)) return level;
   const double other = k_pi * room.shows / room.scale;
-  level = level < k_other_most * other ? level : k_other_most * other;
-  return level > k_other_least * other ? level : k_other_least * other;
+  level = level < k_other_max * other ? level : k_other_max * other;
+  return level > k_other_min * other ? level : k_other_min * other;
 }
 
 // What one of the sums' units is, in those of the last image's white.

@@ -24,7 +24,8 @@ constexpr double k_memory = 0.3, k_memory_clipped = 0.01;
 // Linear values. Black is one step of a byte: an image that is exposed for a 64th shows little more of a wall. What is
 // darker than `dim` says nothing of a change, because bytes round it; unless it was or is brighter.
 constexpr double k_black = 0.00031, k_dim = 0.01, k_white_from = 0.5;
-constexpr double k_scale_least = 1.0, k_doubt_least = 3.0, k_change_least = 8.0;  // weights that are compared at least
+constexpr double k_scale_weight_min = 1.0, k_doubt_weight_min = 3.0,
+                 k_change_weight_min = 8.0;  // weights that are compared at least
 // The light of the whole room has changed where two thirds of what is seen again are brighter or darker by half.
 constexpr double k_change = 0.405, k_change_share = 0.65, k_perhaps_share = 0.35, k_few_share = 0.9;
 // A doubt lasts while so much differs: half a finger hides less of a room that becomes brighter.
@@ -35,7 +36,7 @@ constexpr double k_slight = 0.223, k_alike = 0.4, k_near = 0.5;
 constexpr double k_blind = 0.8, k_half_blind = 0.5, k_all_black = 0.98;
 // A change of light keeps most of the pattern of what is seen, and its hue: daylight beside a warm bulb are a factor of
 // 1.6 of red and 2.7 of blue. A thing before the lens keeps neither.
-constexpr double k_pattern_least = 0.05, k_pattern_lost = 0.75, k_other_red = 0.7, k_other_blue = 1.2;
+constexpr double k_pattern_min = 0.05, k_pattern_lost = 0.75, k_other_red = 0.7, k_other_blue = 1.2;
 constexpr double k_noise = 0.3, k_usual_rate = 0.1, k_missing_rate = 0.3;
 constexpr double k_short_ratio = 3.0;  // an image so much darker is a short one: bytes have lost its pattern
 constexpr double k_patience = 2.5, k_settling = 3.0;  // seconds
@@ -44,23 +45,23 @@ constexpr double k_patience = 2.5, k_settling = 3.0;  // seconds
 constexpr double k_detail = 0.05, k_patience_far = 0.5;
 constexpr double k_far_off = 1.1;     // of logarithms: three times the light, or a third
 constexpr double k_shows_rate = 0.2;  // of a new image in the mean of what such images show
-constexpr double k_scale_most = 1e6;
+constexpr double k_scale_max = 1e6;
 // An unknown exposure goes on as it did, by this share. What differs is believed as far as it is more than noise:
 // variances of a vote that counts 1, and of exposures from image to image; wholly where it is five times the noise and
 // three quarters of the votes agree.
 constexpr double k_goes_on = 0.8, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 25, k_step_alike = 0.75;
 // What is remembered corrects it by so much an image; of what lies further apart than 0.4 by half of that.
-constexpr double k_unseen_step = 0.015, k_far_apart = 0.4, k_far_rate = 0.5;
+constexpr double k_unseen_step = 0.015, k_far_difference = 0.4, k_far_rate = 0.5;
 // While nothing is learned no greater step is the camera's: where what is remembered says so too; of an image that is
 // strange; and of others.
 constexpr double k_adapts_surely = 1, k_adapts_strange = 0.12, k_adapts = 0.25;
 // White balance. Channels that are darker have no hue: bytes round them. What differs so much from the rest counts a quarter,
 // what is so uneven that four points say little of it half. The noise is the variance of a vote that counts 1.
 constexpr double k_hue_from = 0.01, k_other_hue = 0.4, k_uneven = 0.1, k_hue_noise = 4e-4;
-constexpr double k_hues_least = 4.0;     // weight of parts
-constexpr double k_balance_most = 16.0;  // of a channel, beside the first image
+constexpr double k_hues_weight_min = 4.0;  // weight of parts
+constexpr double k_balance_max = 16.0;     // of a channel, beside the first image
 
-double bounded(double x) { return x < 1 / k_scale_most ? 1 / k_scale_most : x > k_scale_most ? k_scale_most : x; }
+double bounded(double x) { return x < 1 / k_scale_max ? 1 / k_scale_max : x > k_scale_max ? k_scale_max : x; }
 
 void add(float* sum, double value) { *sum += static_cast<float>(value); }
 
@@ -119,14 +120,14 @@ double variance(const RoomVote& v, float sum, float squares) {
 bool is_strange(const RoomVote& v, bool exposure_known) {
   const auto exact = static_cast<double>(v.exact);
   if (absolute(median_of(v)) > k_short_ratio) return exposure_known;
-  if (exact < k_change_least) return false;
+  if (exact < k_change_weight_min) return false;
   double hue[3];
   for (int c = 0; c < 3; ++c)
     hue[c] = logarithm_of(static_cast<double>(v.now[c])) - logarithm_of(static_cast<double>(v.then[c]));
   const double red = hue[0] - hue[1], blue = hue[2] - hue[1];
   if (absolute(red) > k_other_red || absolute(blue) > k_other_blue) return true;
   const double pattern = variance(v, v.known, v.known_squared);
-  return pattern > k_pattern_least && variance(v, v.error, v.error_squared) > k_pattern_lost * pattern;
+  return pattern > k_pattern_min && variance(v, v.error, v.error_squared) > k_pattern_lost * pattern;
 }
 
 // How the image is exposed, where that is not known: what it shows as the image before did says how that changed. What
@@ -134,7 +135,7 @@ bool is_strange(const RoomVote& v, bool exposure_known) {
 double found_scale(Room* room) {
   const RoomVote& v = room->view.vote;
   const double compared = weight_of(v.steps);
-  const bool steps = compared >= k_scale_least, remembers = static_cast<double>(v.exact) >= k_scale_least;
+  const bool steps = compared >= k_scale_weight_min, remembers = static_cast<double>(v.exact) >= k_scale_weight_min;
   double by_step = k_goes_on * static_cast<double>(room->brightens);
   bool alike = false;
   if (steps) {
@@ -145,12 +146,12 @@ double found_scale(Room* room) {
     by_step += (surely ? 1 : k_step_usual / (k_step_usual + noise)) * beside;
   }
   const double by_memory = remembers ? logarithm(room->scale / room->shown_scale) - median_of(v) : by_step,
-               apart = by_memory - by_step;
-  const double beyond = absolute(apart) - k_far_apart;
+               difference = by_memory - by_step;
+  const double beyond = absolute(difference) - k_far_difference;
   const double slowly = k_unseen_step + (beyond > 0 ? k_far_rate * beyond : 0);
-  const bool tells = beyond > 0 && !alike && static_cast<double>(v.exact) >= k_change_least;
-  const double most = tells ? absolute(apart) : slowly;
-  const double change = by_step + (apart < -most ? -most : apart > most ? most : apart);
+  const bool tells = beyond > 0 && !alike && static_cast<double>(v.exact) >= k_change_weight_min;
+  const double limit = tells ? absolute(difference) : slowly;
+  const double change = by_step + (difference < -limit ? -limit : difference > limit ? limit : difference);
   room->view.steps_agree = alike && remembers && beyond <= 0;
   room->brightens = static_cast<float>(steps ? by_step : 0);
   return bounded(room->shown_scale * exponential(change));
@@ -175,7 +176,7 @@ bool returns(const Room& room, double median) {
 bool all_alike(const Room& room, double median, double hidden) {
   const RoomVote& v = room.view.vote;
   const auto exact = static_cast<double>(v.exact);
-  if (exact < k_change_least) return false;
+  if (exact < k_change_weight_min) return false;
   double near = 0, sum = 0, squares = 0;
   for (uint32_t i = 0; i < k_vote_bins; ++i) {
     const auto weight = static_cast<double>(v.ratios.weight[i]),
@@ -241,8 +242,8 @@ void vote_of_hue(RoomVote* v, const RoomPart& part, const RoomObservation& now, 
     became[c] = now.colour[c] / known;
   }
   const double red = logarithm(became[0] / became[1]), blue = logarithm(became[2] / became[1]);
-  const double apart = (red * red + blue * blue) / (k_other_hue * k_other_hue);
-  const double counts = weight * luminance(now.colour) / ((1 + apart) * (1 + apart) * (1 + now.uneven / k_uneven));
+  const double other = (red * red + blue * blue) / (k_other_hue * k_other_hue);
+  const double counts = weight * luminance(now.colour) / ((1 + other) * (1 + other) * (1 + now.uneven / k_uneven));
   add(&v->hues, weight);
   add(&v->hue, counts);
   add(&v->red, counts * red);
@@ -256,15 +257,15 @@ void follow_balance(Room* room) {
   const RoomVote& v = view->vote;
   if (room_knows_gains(*room, view->image)) return;
   const bool settled = !(room->settled < k_settling) && !(room->doubted > 0);
-  if (settled && static_cast<double>(v.hues) >= k_hues_least) {
+  if (settled && static_cast<double>(v.hues) >= k_hues_weight_min) {
     const auto red = static_cast<double>(v.red / v.hue), blue = static_cast<double>(v.blue / v.hue);
     const double squared = red * red + blue * blue,
                  rate = squared / (squared + k_hue_noise / static_cast<double>(v.hue));
     const auto move = [rate](float* balance, double by) {
       const double to = static_cast<double>(*balance) * exponential(rate * by);
-      *balance = static_cast<float>(to < 1 / k_balance_most ? 1 / k_balance_most
-                                    : to < k_balance_most   ? to
-                                                            : k_balance_most);
+      *balance = static_cast<float>(to < 1 / k_balance_max ? 1 / k_balance_max
+                                    : to < k_balance_max   ? to
+                                                           : k_balance_max);
     };
     move(&view->balance[0], red);
     move(&view->balance[2], blue);
@@ -284,7 +285,7 @@ RoomLesson lesson_of(Room* room, bool exposure_known) {
     return room->doubted > 0 || room->settled < k_settling ? RoomLesson::unknown : RoomLesson::all;
   const double hidden = static_cast<double>(v.brighter) + static_cast<double>(v.darker);
   const double compared = static_cast<double>(v.exact) + hidden, median = median_of(v);
-  const bool enough = compared >= k_change_least;
+  const bool enough = compared >= k_change_weight_min;
   const bool black = static_cast<double>(v.black) >= k_all_black * static_cast<double>(v.area);
   if (black || (enough && hidden >= k_blind * compared)) {
     doubt(room, median);
@@ -293,16 +294,16 @@ RoomLesson lesson_of(Room* room, bool exposure_known) {
   // An image of which little can be compared, such as a short one, begins no doubt. It ends none: an exposure that
   // returns from what covered the lens shows little at first, and that much must not be learned before the rest can say
   // why.
-  const bool compares = compared >= k_doubt_least;
-  const double one_way = static_cast<double>(v.more > v.less ? v.more : v.less);
+  const bool compares = compared >= k_doubt_weight_min;
+  const double one_sided = static_cast<double>(v.more > v.less ? v.more : v.less);
   const bool back = exposure_known && compares && returns(*room, median);
   const bool alike = exposure_known && !(room->settled < k_settling) && all_alike(*room, median, hidden);
   const bool still = room->doubted > 0 && static_cast<double>(v.more + v.less) >= k_still_share * compared;
-  const bool perhaps = alike || (exposure_known && compared > 0 && (still || one_way >= k_perhaps_share * compared));
+  const bool perhaps = alike || (exposure_known && compared > 0 && (still || one_sided >= k_perhaps_share * compared));
   const bool clear = hidden <= (1 - k_blind) * compared;
   const bool strange = !back && clear && (perhaps || !exposure_known) && is_strange(v, exposure_known && enough);
-  const bool surely = back || (exposure_known && enough && (alike || one_way >= k_change_share * compared));
-  const bool all_few = compares && one_way >= k_few_share * compared;
+  const bool surely = back || (exposure_known && enough && (alike || one_sided >= k_change_share * compared));
+  const bool all_few = compares && one_sided >= k_few_share * compared;
   const bool doubtful = strange || (perhaps && !surely && (enough || all_few || room->doubted > 0));
   if (doubtful && compares) doubt(room, median);
   else if (enough && clear) room->doubted = room->shows = 0;
@@ -323,7 +324,7 @@ RoomLesson lesson_of(Room* room, bool exposure_known) {
   }
   const double change = back ? logarithm(room->light_before / room->light) : median - room->usual;
   // After so long what half of the parts say is believed.
-  if (surely || (doubtful && (alike || one_way >= 0.5 * compared))) begin_to_settle(room, back);
+  if (surely || (doubtful && (alike || one_sided >= 0.5 * compared))) begin_to_settle(room, back);
   const bool settling = exposure_known && room->settled < k_settling;
   if (exposure_known && compares) {
     const double usual = median > k_noise ? k_noise : median < -k_noise ? -k_noise : median;
@@ -396,16 +397,16 @@ void room_decide(Room* room) {
   if (view->lesson == RoomLesson::nothing) {
     // What covers the lens comes and goes at once; the camera adapts to it slowly.
     if (exposure_known || room->exposure_known) return;
-    const double most = view->steps_agree ? k_adapts_surely : room->strange ? k_adapts_strange : k_adapts;
-    if (absolute(static_cast<double>(room->brightens)) > most) room->brightens = 0;
+    const double limit = view->steps_agree ? k_adapts_surely : room->strange ? k_adapts_strange : k_adapts;
+    if (absolute(static_cast<double>(room->brightens)) > limit) room->brightens = 0;
     room->scale = room->shown_scale = bounded(room->scale * exponential(static_cast<double>(room->brightens)));
     return;
   }
   follow_balance(room);
   // Where it is missing once, the exposure is nearly that of the image before.
-  const double apart = logarithm(found / room->scale);
-  const bool once = room->exposure_known && absolute(apart) < k_noise;
-  if (!exposure_known) view->scale = once ? room->scale * exponential(k_missing_rate * apart) : found;
+  const double difference = logarithm(found / room->scale);
+  const bool once = room->exposure_known && absolute(difference) < k_noise;
+  if (!exposure_known) view->scale = once ? room->scale * exponential(k_missing_rate * difference) : found;
   if (first_exposure) {
     // What was seen until now was in units of the first image's white. From now on it is in the app's.
     const double factor = room->images != 0 ? 1 / (exposure * found) : 1;

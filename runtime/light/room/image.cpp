@@ -25,17 +25,17 @@ constexpr double k_step_row = 0.7548776662466927, k_step_column = 0.569840290998
 constexpr double k_dark = 0.01;   // linear: bytes round what is darker
 constexpr uint8_t k_white = 250;  // sRGB: a channel from here on may be clipped
 constexpr double k_margin_sine = 0.5, k_margin_cosine = 0.8660254037844386;  // 30 degrees: half a part, and parallax
-constexpr float k_weight_most = 8.0f;  // what is known of a part counts as no more images than these
-constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // least shares of a new image
+constexpr float k_weight_max = 8.0f;  // what is known of a part counts as no more images than these
+constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // shares of a new image, at least
 constexpr float k_whole = 0.999f;
-constexpr float k_hardly = 1;            // weight of what one image has shown in part, or many long ago
-constexpr float k_faint = 0.001f;        // share of a part that is clipped: the sun's
-constexpr float k_little = 0.02f;        // the same of a bulb, which points may miss
-constexpr float k_clear = 0.8f;          // an image that counts for more says that nothing is clipped, where it is not
-constexpr float k_radiance_most = 1e6f;  // of a part
+constexpr float k_hardly = 1;           // weight of what one image has shown in part, or many long ago
+constexpr float k_faint = 0.001f;       // share of a part that is clipped: the sun's
+constexpr float k_little = 0.02f;       // the same of a bulb, which points may miss
+constexpr float k_clear = 0.8f;         // an image that counts for more says that nothing is clipped, where it is not
+constexpr float k_radiance_max = 1e6f;  // of a part
 // Time stamps closer than this are no nanoseconds, if they come so many times in a row.
 constexpr uint64_t k_shortest_ns = 1'000'000;
-constexpr uint32_t k_hasty_most = 8;
+constexpr uint32_t k_hasty_max = 8;
 constexpr double k_ticks = 2048;  // of a half-life, in the age of a part
 constexpr uint32_t k_oldest = 65535;
 // An image counts as taken at most a half-life after the one before; and where it is a day, the clock was another one.
@@ -163,7 +163,7 @@ bool looks_closely(Room* room, uint32_t part) {
 
 // Of how far what is seen lies, in logarithms: what is as near to both says nothing; what a part says at most; what it has
 // to say beyond chance; and the sum, at least.
-constexpr double k_alike_log = 0.1, k_most_log = 1, k_drift_log = 0.03, k_surely_near = -3;
+constexpr double k_alike_log = 0.1, k_log_max = 1, k_drift_log = 0.03, k_surely_near = -3;
 
 // What is far is seen in the same direction from everywhere; what is near is not. A part of which an image shows the
 // same as one that was taken elsewhere, if it looks in the same direction, speaks for the one; one that shows the same
@@ -187,7 +187,7 @@ void compare_as_far(Room* room, const PartMiddle& part, const RoomKnown& before,
   const double near = absolute(logarithm(near_light / known_light)), far = absolute(logarithm(far_light / known_light));
   if (near < k_alike_log && far < k_alike_log) return;
   const double better = near - far;
-  const double says = (better < -k_most_log ? -k_most_log : better > k_most_log ? k_most_log : better) - k_drift_log;
+  const double says = (better < -k_log_max ? -k_log_max : better > k_log_max ? k_log_max : better) - k_drift_log;
   room->farther += part.elevation.cos * says;
   if (room->farther < k_surely_near) room->farther = k_surely_near;
 }
@@ -213,7 +213,7 @@ void learn(Room* room, const PartMiddle& part) {
     now = observe(room->view, room->images, part, k_lamp_points, found);
   }
   float weight = known->weight * static_cast<float>(memory);
-  weight = weight < k_weight_most ? weight : k_weight_most;
+  weight = weight < k_weight_max ? weight : k_weight_max;
   const RoomKnown before = {luminance(known->radiance), static_cast<float>(known->clipped), weight,
                             static_cast<float>(known->seen * memory), white != nullptr ? *white : uint8_t{0}};
   if (!(now.covered > 0)) return;
@@ -277,7 +277,7 @@ void place(const Room& room, RoomView* view) {
   const double down = farther(static_cast<double>(image.centre_y), image.height) / static_cast<double>(image.focal_y);
   const double tangent = square_root(across * across + down * down);
   const double cosine = 1 / square_root(1 + tangent * tangent), sine = tangent * cosine;
-  view->most_cosine = cosine * k_margin_cosine - sine * k_margin_sine;
+  view->cosine_min = cosine * k_margin_cosine - sine * k_margin_sine;
 }
 
 // All that was seen is so much older.
@@ -312,7 +312,7 @@ bool room_may_be_seen(const RoomView& view, const double direction[3]) {
     squared += v * v;
     along += v * view.to_camera[2][k];
   }
-  return along >= view.most_cosine * square_root(squared);
+  return along >= view.cosine_min * square_root(squared);
 }
 
 void room_step(uint32_t step, double* down, double* across) {
@@ -370,29 +370,29 @@ float room_rate(const Room& room, const RoomKnown& known, const RoomObservation&
   if (known.weight > 0 && hidden) return known.weight < k_hardly && covered > known.seen ? 1 - known.seen / covered : 0;
   // Of a lamp that a picture's rim cuts, it shows too little or too much. But what a shorter image shows of one that is
   // clipped is there at least, in the whole part: so much is new.
-  const double white = room.scale / room.light, least_now = now.covered * after;
+  const double white = room.scale / room.light, now_at_least = now.covered * after;
   const bool is_lamp = before > white || after > white || clipped > 0 || known.clipped > 0;
   if (covered < k_whole && known.seen >= covered && is_lamp) {
-    const bool tells = known.clipped > 0 && white_now > known.white + 2 && least_now > before;
-    return tells ? static_cast<float>((least_now - before) / (after - before)) : 0;
+    const bool tells = known.clipped > 0 && white_now > known.white + 2 && now_at_least > before;
+    return tells ? static_cast<float>((now_at_least - before) / (after - before)) : 0;
   }
   const float rate = covered / (known.weight + covered);
   const bool clearer = 2 * clipped < known.clipped;
   const bool changed = after > 2 * before || after < 0.5 * before;
-  const float least = covered * (clearer ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
-  return rate > least ? rate : least;
+  const float rate_min = covered * (clearer ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
+  return rate > rate_min ? rate : rate_min;
 }
 
 float room_bounded_radiance(double radiance) {
   const auto bounded = static_cast<float>(radiance);
-  return bounded < k_radiance_most ? bounded : k_radiance_most;
+  return bounded < k_radiance_max ? bounded : k_radiance_max;
 }
 
 bool room_clock_is_sound(Room* room, uint64_t time_ns) {
   const bool hasty = time_ns > room->offered_ns && time_ns - room->offered_ns < k_shortest_ns;
   if (time_ns != room->offered_ns) room->hasty = hasty ? room->hasty + 1 : 0;
   room->offered_ns = time_ns;
-  return room->hasty < k_hasty_most;
+  return room->hasty < k_hasty_max;
 }
 
 bool room_take_image(Room* room, const CameraImage& image) {

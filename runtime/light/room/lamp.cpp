@@ -22,14 +22,14 @@ constexpr double k_fits = 0.2;                     // share by which it may diff
 constexpr double k_widest = 0.8;                   // the square at most: of a lamp of 28 degrees
 constexpr double k_sampled = 0.03;                 // share by which a size is off because rays are few
 constexpr double k_spread = 0.2;                   // the same of a clipped one, whose glow may be clipped, too
-constexpr double k_most = 1.5;                     // radians that a cast takes
+constexpr double k_angle_max = 1.5;                // radians that a cast takes
 constexpr uint32_t k_looks = 5;                    // until the square fits
 constexpr uint8_t k_white = 250;                   // sRGB: a channel from here on may be clipped
 constexpr double k_dark = 0.02;                    // of white: a lamp that shows less has too few steps of a byte
 constexpr double k_black = 0.02;                   // of white, what lies about a lamp that is clipped
 constexpr double k_stands_out = 2.0;               // times the rim's mean: else the square lies in the lamp
 constexpr double k_same_lamp = 0.984807753012208;  // cosine of 10 degrees
-constexpr uint8_t k_images_most = 8;               // the mean is over so many images
+constexpr uint8_t k_images_max = 8;                // the mean is over so many images
 constexpr float k_fades = 0.95f;                   // of a lamp's strength with each that is measured
 
 // What the rays of a square show.
@@ -44,9 +44,9 @@ Look look_at(const RoomView& view, const double ahead[3], double side) {
   Look look = {{}, 0, 0, true, false, true, false};
   const CameraLayout layout = camera_layout(view.image);
   // Two axes across.
-  const uint32_t least = absolute(ahead[0]) < absolute(ahead[1]) ? 0 : 1;
+  const uint32_t axis = absolute(ahead[0]) < absolute(ahead[1]) ? 0 : 1;
   double right[3], up[3];
-  for (uint32_t k = 0; k < 3; ++k) right[k] = (k == least ? 1 : 0) - ahead[least] * ahead[k];
+  for (uint32_t k = 0; k < 3; ++k) right[k] = (k == axis ? 1 : 0) - ahead[axis] * ahead[k];
   const double squared = square_of(right);
   for (double& x : right) x /= square_root(squared);
   for (uint32_t k = 0; k < 3; ++k)
@@ -109,12 +109,12 @@ double diameter_of(double solid_angle) {
 // The direction from the camera of the brightest part in the picture, if that is brighter than white.
 bool brightest_in_picture(const Room& room, double ahead[3]) {
   const RoomView& view = room.view;
-  double most = room.scale / room.light;
+  double brightest = room.scale / room.light;
   bool any = false;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
     if (room.parts[i].age > 0) continue;  // another image's
     const double bright = luminance(room.parts[i].radiance);
-    if (!(bright > most)) continue;
+    if (!(bright > brightest)) continue;
     double direction[3];
     const uint32_t row = i / k_room_columns, column = i % k_room_columns;
     room_direction(row + 0.5 + room.parts[i].up / 254.0, column + 0.5 + room.parts[i].aside / 254.0, direction);
@@ -123,7 +123,7 @@ bool brightest_in_picture(const Room& room, double ahead[3]) {
     for (int k = 0; k < 3; ++k) ahead[k] = direction[k] - view.position[k];
     const double squared = square_of(ahead);
     for (int k = 0; k < 3; ++k) ahead[k] /= square_root(squared);
-    most = bright;
+    brightest = bright;
     any = true;
   }
   return any;
@@ -144,7 +144,7 @@ void keep(Room* room, const double at[3], double across, double error, float str
   if (same != nullptr && clipped && lamp->clipped == 0) return;
   if (same == nullptr || (!clipped && lamp->clipped != 0)) *lamp = {};
   lamp->clipped = clipped ? 1 : 0;
-  if (lamp->images < k_images_most) ++lamp->images;
+  if (lamp->images < k_images_max) ++lamp->images;
   const float share = 1.0f / lamp->images, differs = static_cast<float>(across) - lamp->across;
   const float off = static_cast<float>(error) + (lamp->images > 1 ? (differs < 0 ? -differs : differs) : 0);
   for (int k = 0; k < 3; ++k) {
@@ -224,7 +224,7 @@ void room_main_size(const Room& room, const double at[3], sandglass_room_light* 
   if (lamp == nullptr) return;
   const auto seen = [distance](float across) {
     const double angle = static_cast<double>(across) / distance;
-    return static_cast<float>(angle < k_most ? angle : k_most);
+    return static_cast<float>(angle < k_angle_max ? angle : k_angle_max);
   };
   light->main_angular_diameter = seen(lamp->across);
   light->main_angular_error = seen(lamp->error);

@@ -21,25 +21,25 @@ namespace sandglass {
 
 namespace {
 
-constexpr uint32_t k_least_points = 3, k_most_points = 13;
-constexpr double k_texels_per_part = 10.2;    // of an edge: 11.25 degrees are one texel where an edge has so many
-constexpr uint8_t k_white = 250;              // sRGB: a channel from here on may be clipped
-constexpr double k_value_most = k_half_most;  // what is above stands for light that the cube cannot hold
+constexpr uint32_t k_points_min = 3, k_points_max = 13;
+constexpr double k_texels_per_part = 10.2;  // of an edge: 11.25 degrees are one texel where an edge has so many
+constexpr uint8_t k_white = 250;            // sRGB: a channel from here on may be clipped
+constexpr double k_value_max = k_half_max;  // what is above stands for light that the cube cannot hold
 // Parts that tell the scale: well remembered, unclipped in both, and of bytes not so dark that they are rounded far.
-constexpr double k_least_shared = 1.0, k_dark_bytes = 0.004;
+constexpr double k_shared_min = 1.0, k_dark_bytes = 0.004;
 constexpr double k_clip_slack = 0.05;
 // A scale for each channel, as another white balance needs, is believed so far from that of the luminance.
-constexpr double k_balance_most = 2.0;
+constexpr double k_balance_max = 2.0;
 
 // Greatest entropy.
-constexpr uint32_t k_steps_most = 24, k_halvings_most = 12;
+constexpr uint32_t k_steps_max = 24, k_halvings_max = 12;
 constexpr uint32_t k_grid_rows = 8, k_grid_columns = 16;
-constexpr double k_exponent_most = 60.0, k_gain_least = 1e-4;
+constexpr double k_exponent_max = 60.0, k_gain_min = 1e-4;
 // No such radiance has the moments of one single direction: all are drawn a little towards even light.
 constexpr double k_even_share = 1e-3;
 constexpr double k_part_area =
-    0.03849124099815343;              // solid angle of a part on the horizon: 2 pi / 32 times 2 sin(pi / 32)
-constexpr double k_hue_least = 0.02;  // of the mean radiance: what is darker has no hue of its own
+    0.03849124099815343;            // solid angle of a part on the horizon: 2 pi / 32 times 2 sin(pi / 32)
+constexpr double k_hue_min = 0.02;  // of the mean radiance: what is darker has no hue of its own
 
 struct Basis {
   double value[k_harmonics];
@@ -58,7 +58,7 @@ double sum_of(const double x[k_harmonics], const Basis& basis) {
   return sum;
 }
 
-double bounded_exponential(double e) { return exponential(e < k_exponent_most ? e : k_exponent_most); }
+double bounded_exponential(double e) { return exponential(e < k_exponent_max ? e : k_exponent_max); }
 
 // Calls use(basis, solid angle) for each point of a grid over the sphere, fine enough for nine harmonics.
 template <class Use>
@@ -74,7 +74,7 @@ void over_sphere(const Use& use) {
   }
 }
 
-// The convex function whose least value has the exponents.
+// The convex function whose minimum is at the exponents.
 double cost_of(const double x[k_harmonics], const double target[k_harmonics]) {
   double sum = 0;
   over_sphere([&](const Basis& basis, double area) { sum += area * bounded_exponential(sum_of(x, basis)); });
@@ -111,12 +111,12 @@ bool step_entropy(RoomHarmonics* h) {
   });
   solve(hessian, gradient);
   double rate = 1, next[k_harmonics], there = h->cost;
-  for (uint32_t halving = 0; halving < k_halvings_most; ++halving, rate *= 0.5) {
+  for (uint32_t halving = 0; halving < k_halvings_max; ++halving, rate *= 0.5) {
     for (uint32_t j = 0; j < k_harmonics; ++j) next[j] = h->exponents[j] + rate * gradient[j];
     there = cost_of(next, h->target);
     if (there < h->cost) break;
   }
-  if (!(there < h->cost - k_gain_least)) return true;
+  if (!(there < h->cost - k_gain_min)) return true;
   h->cost = there;
   for (uint32_t j = 0; j < k_harmonics; ++j) h->exponents[j] = next[j];
   return false;
@@ -186,7 +186,7 @@ void take_row_of_harmonics(const Room& room, RoomProbe* probe, uint32_t row) {
     const Basis basis = basis_of(world);
     for (int c = 0; c < 3; ++c) {
       colour[c] = sum_of(h.sh[c], basis);  // its hue, where it is light enough to have one
-      colour[c] = colour[c] > k_hue_least * h.mean ? colour[c] : k_hue_least * h.mean;
+      colour[c] = colour[c] > k_hue_min * h.mean ? colour[c] : k_hue_min * h.mean;
     }
     const double to = h.mean * bounded_exponential(sum_of(h.exponents, basis)) / luminance(colour);
     for (double& c : colour) c *= to;
@@ -198,7 +198,7 @@ void run_unit(Room* room) {
   RoomProbe* probe = room->probe;
   switch (probe->phase) {
     case RoomProbePhase::entropy:
-      if (!step_entropy(&probe->harmonics) && ++probe->cursor < k_steps_most) return;
+      if (!step_entropy(&probe->harmonics) && ++probe->cursor < k_steps_max) return;
       probe->phase = RoomProbePhase::harmonics;
       probe->cursor = 0;
       return;
@@ -296,7 +296,7 @@ RoomCubeTexel room_cube_texel(const sandglass_cube& cube, const double d[3], dou
     }
     colour[c] = value > 0 ? static_cast<double>(value) : 0;
     if (value != value) kind = RoomCubeTexel::none;
-    else if (colour[c] > k_value_most && kind == RoomCubeTexel::sound) kind = RoomCubeTexel::beyond;
+    else if (colour[c] > k_value_max && kind == RoomCubeTexel::sound) kind = RoomCubeTexel::beyond;
   }
   return kind;
 }
@@ -306,9 +306,9 @@ void room_begin_cube(Room* room, const sandglass_cube& cube) {
   if (!begin(room, cube.position, cube.exposure, cube.confidence)) return;
   const bool bytes = cube.format <= SANDGLASS_CUBE_BGRA8;
   // What bytes say of a lamp is little anyway: its share of white texels, for which a few points are enough.
-  uint32_t points = bytes ? k_least_points : to_whole<uint32_t>(cube.size / k_texels_per_part) + 1;
-  points = points < k_least_points ? k_least_points : points;
-  probe->points = points < k_most_points ? points : k_most_points;
+  uint32_t points = bytes ? k_points_min : to_whole<uint32_t>(cube.size / k_texels_per_part) + 1;
+  points = points < k_points_min ? k_points_min : points;
+  probe->points = points < k_points_max ? points : k_points_max;
   probe->dark = bytes ? k_dark_bytes : 0;
   probe->cube = cube;
   probe->phase = RoomProbePhase::cube;
@@ -337,7 +337,7 @@ void room_begin_harmonics(Room* room, const sandglass_harmonics& given) {
 uint32_t room_probe_units_left(const Room& room) {
   const RoomProbe* probe = room.probe;
   if (probe == nullptr || probe->phase == RoomProbePhase::idle) return 0;
-  return probe->phase == RoomProbePhase::entropy ? k_steps_most - probe->cursor + k_room_rows
+  return probe->phase == RoomProbePhase::entropy ? k_steps_max - probe->cursor + k_room_rows
                                                  : k_room_rows - probe->cursor;
 }
 
@@ -360,12 +360,12 @@ void room_probe_scale(const Room& room, double scale[3]) {
     area += weight;
     for (int c = 0; c < 3; ++c) sum[c] += weight * ratio[c];
   }
-  const bool scale_known = room.exposure_known && probe->scale > 0, shared = area >= k_least_shared;
+  const bool scale_known = room.exposure_known && probe->scale > 0, shared = area >= k_shared_min;
   const double found = shared ? exponential(luminance(sum) / area) : room.scale,
                grey = scale_known ? probe->scale : found;
   for (int c = 0; c < 3; ++c) {
     double balance = shared ? exponential(sum[c] / area) / found : 1;
-    balance = balance < 1 / k_balance_most ? 1 / k_balance_most : balance > k_balance_most ? k_balance_most : balance;
+    balance = balance < 1 / k_balance_max ? 1 / k_balance_max : balance > k_balance_max ? k_balance_max : balance;
     scale[c] = grey * balance;
   }
 }
@@ -403,7 +403,7 @@ RoomPart room_known(const Room& room, uint32_t i, const double scale[3], double 
 }
 
 bool room_probe_fit(const Room& room, uint32_t* quarters, bool* mirrored) {
-  double least = 0;
+  double smallest = 0;
   bool any = false;
   for (uint32_t orientation = 0; orientation < 8; ++orientation) {
     double sum = 0, squares = 0, area = 0;
@@ -418,11 +418,11 @@ bool room_probe_fit(const Room& room, uint32_t* quarters, bool* mirrored) {
       sum += weight * grey;
       squares += weight * grey * grey;
     }
-    if (area < k_least_shared) continue;
+    if (area < k_shared_min) continue;
     const double spread = squares / area - sum / area * (sum / area);
-    if (any && spread >= least) continue;
+    if (any && spread >= smallest) continue;
     any = true;
-    least = spread;
+    smallest = spread;
     *quarters = orientation % 4;
     *mirrored = orientation >= 4;
   }

@@ -163,7 +163,7 @@ struct RoomView {
   CameraImage image;
   double to_camera[3][3];  // from the sphere's frame to the stored image's: x right, y down, z forward
   double position[3];      // of the camera, in the sphere's frame, in radii
-  double most_cosine;      // parts farther from the optical axis than this are not in the picture
+  double cosine_min;       // parts farther from the optical axis than this are not in the picture
   double scale;            // radiance of a pixel of linear value 1
   float balance[3];        // of each channel: what a pixel shows beside that
   const float* light;      // camera_light_table
@@ -241,7 +241,7 @@ double room_memory(uint32_t age);
 // The sphere grows by this factor when the camera leaves it; and by that one where what is seen is far.
 constexpr double k_grows = 4, k_far = 64;
 constexpr double k_usual_radius = 3;  // metres, where the app gives none
-constexpr double k_radius_most = 1000;
+constexpr double k_radius_max = 1000;
 constexpr double k_parallax = 0.1;  // radii: what was seen from as near to here tells nothing of how far it is
 // Before an image: the sphere as large as it has to be.
 void room_fit_sphere(Room* room, const CameraImage& image);

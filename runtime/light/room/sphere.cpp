@@ -65,7 +65,7 @@ void go_along(Room* room, const CameraImage& image) {
     const double offset = (place[k] - room->centre[k]) / room->radius;
     squared += offset * offset;
   }
-  if (!(squared > 1) || room->radius * k_grows > k_radius_most) return;
+  if (!(squared > 1) || room->radius * k_grows > k_radius_max) return;
   ++room->grown;
   grow(room, k_grows, place);
 }

@@ -98,12 +98,12 @@ RoomOverview room_overview(const Room& room, const RoomMemory& memory) {
   }
   RoomOverview all = {k_first_level, {1, 1, 1}, 0};
   if (!(area > 0) || !(mean > 0)) return all;
-  const double least = k_darkest * mean / area;
+  const double darkest = k_darkest * mean / area;
   double logarithms = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
     const RoomPart part = room_part_of(room, memory, i);
     const double weight = memory.known(i) * solid_angles[i / k_room_columns], y = luminance(part.radiance);
-    if (weight > 0) logarithms += weight * logarithm(y > least ? y : least);
+    if (weight > 0) logarithms += weight * logarithm(y > darkest ? y : darkest);
   }
   all.level = exponential(logarithms / area);
   const double grey = luminance(colour);

@@ -16,12 +16,12 @@ namespace sandglass {
 
 namespace {
 
-constexpr uint32_t k_points = 2;       // along each side of a texel
-constexpr float k_image = 16.0f;       // the weight of an image
-constexpr float k_weight_most = 15;    // what is known counts as no more images than these
-constexpr uint8_t k_white = 250;       // sRGB: a channel from here on may be clipped
-constexpr double k_known = 1.0;        // the weight from which on a texel counts as seen
-constexpr double k_least_ray = 1e-12;  // a squared length, in radii
+constexpr uint32_t k_points = 2;     // along each side of a texel
+constexpr float k_image = 16.0f;     // the weight of an image
+constexpr float k_weight_max = 15;   // what is known counts as no more images than these
+constexpr uint8_t k_white = 250;     // sRGB: a channel from here on may be clipped
+constexpr double k_known = 1.0;      // the weight from which on a texel counts as seen
+constexpr double k_ray_min = 1e-12;  // a squared length, in radii
 
 double at_texel(double texel) { return texel * (2.0 / k_cube_size) - 1; }
 
@@ -54,7 +54,7 @@ void learn(const Room& room, const RoomObservation& now, RoomTexel* texel) {
   const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
   const auto memory = static_cast<float>(room_memory(texel->age));
   float weight = texel->weight / k_image * memory;
-  weight = weight < k_weight_most ? weight : k_weight_most;
+  weight = weight < k_weight_max ? weight : k_weight_max;
   const RoomKnown before = {luminance(texel->radiance), texel->clipped / 255.0f, weight, 0, 0};
   if (room.view.lesson == RoomLesson::unknown && before.weight > 0) return;
   if (!(now.covered > 0) || room_tells_nothing(room, before, now)) return;
@@ -127,7 +127,7 @@ void seen_through(const Room& room, const double place[3], double d[3]) {
     double ray[3];
     for (int k = 0; k < 3; ++k) ray[k] = place[k] - from[k];
     const double squared = square_of(ray);
-    if (!(squared > k_least_ray)) return;
+    if (!(squared > k_ray_min)) return;
     for (double& r : ray) r /= square_root(squared);
     meet_sphere(from, ray, d);
     double row, column;

@@ -65,9 +65,9 @@ sandglass_shadow* Maker::lay_out(const sandglass_shadow_desc& desc, Layout* layo
   s->coarse = layout_region<uint8_t>(layout, "shadow.coarse", k_grid * k_grid);
   s->marked = layout_region<uint8_t>(layout, "shadow.marked", k_cells * k_cells);
   s->refined = layout_region<uint16_t>(layout, "shadow.refined", k_cells * k_cells);
-  s->unit_u = layout_region<uint16_t>(layout, "shadow.unit_u", k_unit_texels_most);
-  s->unit_v = layout_region<uint16_t>(layout, "shadow.unit_v", k_unit_texels_most);
-  s->unit_coverage = layout_region<uint8_t>(layout, "shadow.unit_coverage", k_unit_texels_most);
+  s->unit_u = layout_region<uint16_t>(layout, "shadow.unit_u", k_unit_texels_max);
+  s->unit_v = layout_region<uint16_t>(layout, "shadow.unit_v", k_unit_texels_max);
+  s->unit_coverage = layout_region<uint8_t>(layout, "shadow.unit_coverage", k_unit_texels_max);
   s->scratch = layout_region<uint8_t>(layout, "shadow.activations", shadow_scratch_bytes(static_cast<uint32_t>(width)));
   s->lights = layout_region<ShadowLight>(layout, "shadow.lights", desc.light_count);
   for (uint32_t i = 0; i < desc.light_count; ++i) {
@@ -88,9 +88,9 @@ void describe(const ShadowAsset& asset, const sandglass_shadow_desc& desc, Shado
   s->polar_max = asset.polar_max;
   const double turn = 1 / (2 * k_pi);
   const SinCos half = sin_cos_turns(0.5 * asset.angular_diameter * turn), polar = sin_cos_turns(asset.polar_max * turn);
-  const SinCos most = sin_cos_turns((asset.polar_max + 0.5 * asset.angular_diameter) * turn);
+  const SinCos steepest = sin_cos_turns((asset.polar_max + 0.5 * asset.angular_diameter) * turn);
   s->half_sine = half.sin;
-  s->reach = most.sin / most.cos;
+  s->reach = steepest.sin / steepest.cos;
   s->polar_sine = polar.sin;
   s->polar_cosine = polar.cos;
   s->light_frequencies = asset.light_frequencies;

@@ -34,27 +34,27 @@ int16_t table_entry(double x) {
 // The finest shift at which the table entries of every channel fit 16 bits, whatever the texel and the light. Out of
 // line, so that its arrays do not lie on the stack beside those of fill_tables.
 __attribute__((noinline)) uint32_t choose_shift(const ShadowAsset& asset) {
-  double sums[k_shadow_width_limit], column_most[k_shadow_width_limit] = {}, row_most[k_shadow_width_limit] = {};
+  double sums[k_shadow_width_limit], column_max[k_shadow_width_limit] = {}, row_max[k_shadow_width_limit] = {};
   const uint32_t width = asset.width;
   const float* row_weights = asset.first_weights + asset.texel_inputs() * width;
   for (uint32_t i = 0; i < k_table_rows; ++i) {
     table_row(asset.first_weights, width, asset.texel_frequencies, i, sums);
     for (uint32_t c = 0; c < width; ++c)
-      column_most[c] = absolute(sums[c]) > column_most[c] ? absolute(sums[c]) : column_most[c];
+      column_max[c] = absolute(sums[c]) > column_max[c] ? absolute(sums[c]) : column_max[c];
     table_row(row_weights, width, asset.texel_frequencies, i, sums);
-    for (uint32_t c = 0; c < width; ++c)
-      row_most[c] = absolute(sums[c]) > row_most[c] ? absolute(sums[c]) : row_most[c];
+    for (uint32_t c = 0; c < width; ++c) row_max[c] = absolute(sums[c]) > row_max[c] ? absolute(sums[c]) : row_max[c];
   }
   const float* light_weights = row_weights + asset.texel_inputs() * width;
-  double most = 0;
+  double largest = 0;
   for (uint32_t c = 0; c < width; ++c) {
-    double sum = column_most[c] + row_most[c] + absolute(static_cast<double>(asset.first_bias[c]));
+    double sum = column_max[c] + row_max[c] + absolute(static_cast<double>(asset.first_bias[c]));
     for (uint32_t i = 0; i < 3 * asset.light_inputs(); ++i)
       sum += absolute(static_cast<double>(light_weights[i * width + c]));
-    most = sum > most ? sum : most;
+    largest = sum > largest ? sum : largest;
   }
   uint32_t shift = k_shift_limit;
-  while (shift > 0 && most * static_cast<double>(1u << shift) > k_table_limit * static_cast<double>(asset.first_step))
+  while (shift > 0 &&
+         largest * static_cast<double>(1u << shift) > k_table_limit * static_cast<double>(asset.first_step))
     --shift;
   return shift;
 }

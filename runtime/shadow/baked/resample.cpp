@@ -12,7 +12,7 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t n = k_shadow_size;
-constexpr uint32_t k_combined_most = 1024;  // texels a side
+constexpr uint32_t k_combined_max = 1024;  // texels a side
 
 // Where a coordinate lies between texel centres: the index of the lower one, -1..n-1, and 256ths of the distance to the
 // next. Index -2: outside the texture.
@@ -119,7 +119,7 @@ sandglass_status sandglass_shadow_combine(const sandglass_shadow* shadow, uint8_
     return refuse(
         reason,
         "shadow, coverage, low or high is NULL: pass the shadow, room for size * size bytes and for two floats each.");
-  if (size == 0 || size > k_combined_most) return refuse(reason, "size is not in 1..1024.");
+  if (size == 0 || size > k_combined_max) return refuse(reason, "size is not in 1..1024.");
   const ExactFloatingPoint exact;
   combine(shadow->shadow, size, coverage, low, high);
   return accept(reason);

@@ -11,8 +11,8 @@ namespace {
 
 // How far a point of the surface is from a vertex, in squared steps of its positions. A point that faces elsewhere
 // counts as farther: one on the back of a thin board is nearer than the next one on the front, and sees another room.
-// Points of one crease have one place, and `k_least` lets the normals decide there.
-constexpr double k_normal_weight = 4, k_least = 4;
+// Points of one crease have one place, and `k_distance_offset` lets the normals decide there.
+constexpr double k_normal_weight = 4, k_distance_offset = 4;
 
 struct Vertex {
   double position[3];  // in steps
@@ -22,11 +22,11 @@ struct Vertex {
 double distance_of(const SurfaceAsset& surface, uint32_t point, const Vertex& vertex) {
   double squared = 0, cosine = 0;
   for (uint32_t axis = 0; axis < 3; ++axis) {
-    const double apart = vertex.position[axis] - surface.positions[3 * point + axis];
-    squared += apart * apart;
+    const double difference = vertex.position[axis] - surface.positions[3 * point + axis];
+    squared += difference * difference;
     cosine += vertex.normal[axis] * surface.normals[3 * point + axis] / 127;
   }
-  return (squared + k_least) * (1 + k_normal_weight * (cosine < 1 ? 1 - cosine : 0));  // bytes round normals
+  return (squared + k_distance_offset) * (1 + k_normal_weight * (cosine < 1 ? 1 - cosine : 0));  // bytes round normals
 }
 
 // Points are in order of x. So the search begins at the vertex's own x, and ends where the points beyond differ by more
@@ -40,13 +40,13 @@ uint32_t nearest_point(const SurfaceAsset& surface, const Vertex& vertex) {
     else high = middle;
   }
   uint32_t nearest = low < surface.vertices ? low : surface.vertices - 1;
-  double least = distance_of(surface, nearest, vertex);
+  double smallest = distance_of(surface, nearest, vertex);
   const auto look_at = [&](uint32_t point) {
-    const double apart = x - surface.positions[3 * point];
-    if (apart * apart > least) return false;
+    const double difference = x - surface.positions[3 * point];
+    if (difference * difference > smallest) return false;
     const double distance = distance_of(surface, point, vertex);
-    if (distance < least) {
-      least = distance;
+    if (distance < smallest) {
+      smallest = distance;
       nearest = point;
     }
     return true;

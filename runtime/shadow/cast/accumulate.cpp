@@ -12,8 +12,8 @@ namespace {
 
 constexpr float k_rim = 4;  // texels at the rim of an ambient texture over which it fades: none is drawn beyond
 
-// The least number of the form 2^(k / 8) that is not below x, so that a texel keeps its size while a shadow changes a
-// little.
+// The smallest number of the form 2^(k / 8) that is not below x, so that a texel keeps its size while a shadow changes
+// a little.
 double texel_size(double x) {
   constexpr double k_eighth = 1.0905077326652577;
   double size = 1;
@@ -24,8 +24,8 @@ double texel_size(double x) {
   return finer < size ? finer : size;
 }
 
-// The least and the greatest slope of directions along an axis, no steeper than is drawn; and of those that are cut for
-// it.
+// The smallest and the largest slope of directions along an axis, no steeper than is drawn; and of those that are cut
+// for it.
 struct Slopes {
   double low = 0, high = 0, low_cut = 0, high_cut = 0;
   void include(double slope, bool cut) {
@@ -43,9 +43,9 @@ struct Slopes {
 bool fit_along(const CastGathered& g, uint32_t axis, const Slopes& slopes, bool ambient, double around,
                CastTexture* texture, uint32_t texels) {
   const double low = g.low[2 * axis], high = g.high[2 * axis];
-  const double most = ambient ? k_cast_ambient_slope : slopes.high,
-               least = ambient ? -k_cast_ambient_slope : slopes.low;
-  double from = low - most * g.high[1], to = high - least * g.high[1];
+  const double steepest = ambient ? k_cast_ambient_slope : slopes.high,
+               lowest = ambient ? -k_cast_ambient_slope : slopes.low;
+  double from = low - steepest * g.high[1], to = high - lowest * g.high[1];
   bool fades[2] = {ambient, ambient};
   if (around > 0) {
     const double wide[2] = {low - around, high + around};
@@ -58,8 +58,8 @@ bool fit_along(const CastGathered& g, uint32_t axis, const Slopes& slopes, bool 
   const bool cut[2] = {from < bounds[0] || from > bounds[1], to > bounds[1] || to < bounds[0]};
   double* const ends[2] = {&from, &to};
   for (double* end : ends) *end = *end < bounds[0] ? bounds[0] : *end > bounds[1] ? bounds[1] : *end;
-  const double least_side = 1e-4;
-  const double side = to - from > least_side ? to - from : least_side;
+  const double side_min = 1e-4;
+  const double side = to - from > side_min ? to - from : side_min;
   const double texel = cut[0] && cut[1] ? side / texels : texel_size(side / (texels - 2));
   texture->texel[axis] = texel;
   texture->low[axis] = cut[0]   ? from
@@ -86,8 +86,7 @@ bool fit(const CastDrawing& drawing, const CastState& c, CastTexture* texture, u
   for (uint32_t i = 0; i < drawing.direction_count && !ambient; ++i) {
     const float* slope = drawing.directions[i].slope;
     const double x = static_cast<double>(slope[0]), z = static_cast<double>(slope[1]);
-    const double length = square_root(x * x + z * z),
-                 part = length > k_cast_slope_most ? k_cast_slope_most / length : 1;
+    const double length = square_root(x * x + z * z), part = length > k_cast_slope_max ? k_cast_slope_max / length : 1;
     slopes[0].include(x * part, part < 1);
     slopes[1].include(z * part, part < 1);
   }

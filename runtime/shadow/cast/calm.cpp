@@ -97,7 +97,7 @@ void calm_row(const CastCalm& calm, const CastState& c, uint32_t texels, uint32_
     args.high[k] = calm.windows[1] + at;
     args.sum[k] = calm.windows[2] + at;
   }
-  args.most = c.drawing.direction_count > k_cast_draft_directions ? 8.0f : 2.0f;
+  args.difference_max = c.drawing.direction_count > k_cast_draft_directions ? 8.0f : 2.0f;
   args.row = row_of(calm, texels, row);
   uint32_t unused = 0;
   c.kernels->cast_calm(&args, 0, texels, &unused);

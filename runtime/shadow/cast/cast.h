@@ -29,7 +29,7 @@ constexpr uint32_t k_cast_unit_triangles = 512;    // gathered in one unit
 constexpr uint32_t k_cast_unit_rows = 4500;        // rows of triangles, and triangles, drawn in one unit
 constexpr uint32_t k_cast_step = 16;               // triangles between two looks at that
 constexpr uint32_t k_cast_unit_texels = 4096;      // filtered in one unit
-constexpr double k_cast_slope_most = 5;            // a shadow is drawn this many heights long
+constexpr double k_cast_slope_max = 5;             // a shadow is drawn this many heights long
 constexpr double k_cast_slope_fade = 1;            // over which its end fades, if it goes on
 constexpr double k_cast_ambient_slope = 1.5;       // the ambient shadow, this many around the object
 constexpr double k_cast_still = 0.1;               // of a texel; what moves less makes no new texture
@@ -113,9 +113,9 @@ struct CastRequest {
 // ---- CastGathered (triangles.cpp)
 
 // Gathered triangles that darken the plane, by the octave of the distance that they reach from the anchor: their box,
-// the nearest that one begins, the least that one reaches, how many they are, and how many of the first mesh.
+// the nearest that one begins, the shortest that one reaches, how many they are, and how many of the first mesh.
 struct CastReach {
-  float low[3], high[3], nearest, least;
+  float low[3], high[3], nearest, farthest_min;
   uint32_t count, first_mesh;
   bool is_far;
 };

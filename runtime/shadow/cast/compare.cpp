@@ -6,7 +6,7 @@
 namespace sandglass {
 namespace {
 
-constexpr uint32_t k_restarts_most = 4;  // gatherings that other counts end, before a texture
+constexpr uint32_t k_restarts_max = 4;   // gatherings that other counts end, before a texture
 constexpr double k_finest_texel = 1e-5;  // metres
 
 bool same_arrays(const sandglass_cast_mesh& a, const sandglass_cast_mesh& b) {
@@ -80,7 +80,7 @@ void cast_compare(CastState* c) {
   if (anew) c->targets[k_cast_light].draft = true;
   // Where the counts are as they were, it goes on in the new arrays: an engine may hand out other ones in every frame.
   // And after a few with other counts, too, in what both have: a scan grows in every frame.
-  if (!counts || c->progress.phase != CastPhase::gather || c->comparison.restarts == k_restarts_most) return;
+  if (!counts || c->progress.phase != CastPhase::gather || c->comparison.restarts == k_restarts_max) return;
   ++c->comparison.restarts;
   c->comparison.stale = false;
   cast_begin_gather(&c->gathered, c->request.meshes, c->request);

@@ -72,7 +72,7 @@ void emit(CastGathered* g, const float* p, const float* q, const float* r) {
       if (corner[axis] > reach->high[axis]) reach->high[axis] = corner[axis];
     }
   if (nearest < reach->nearest) reach->nearest = nearest;
-  if (farthest < reach->least) reach->least = farthest;
+  if (farthest < reach->farthest_min) reach->farthest_min = farthest;
   ++reach->count;
   if (g->mesh == g->first_mesh) ++reach->first_mesh;
 }
@@ -181,9 +181,9 @@ bool take_near(CastGathered* g, float farthest) {
   for (uint32_t round = 0; round < k_cast_reaches; ++round)  // each takes one at least, or is the last
     for (CastReach& reach : g->reaches) {
       if (!reach.is_far) continue;
-      const float most = farthest * size;
-      const bool spike = reach.least > most && reach.count <= k_spike && k_spike_share * reach.count <= count;
-      if (farthest > 0 && (spike || (reach.first_mesh == 0 && reach.nearest > most && count > 0))) continue;
+      const float limit = farthest * size;
+      const bool spike = reach.farthest_min > limit && reach.count <= k_spike && k_spike_share * reach.count <= count;
+      if (farthest > 0 && (spike || (reach.first_mesh == 0 && reach.nearest > limit && count > 0))) continue;
       reach.is_far = false;
       count += reach.count;
       for (uint32_t axis = 0; axis < 3; ++axis) {

@@ -68,11 +68,11 @@ bool pile_put_flying(PileAir* air, const Pile& p, const sandglass_skin_loose& lo
   const float lz = static_cast<float>(p.lighting.made_for[2]), radius = p.request.source.radius;
   const float flat = __builtin_sqrtf(lx * lx + lz * lz);
   const float cosine = flat > 0 ? lx / flat : 1, sine = flat > 0 ? lz / flat : 0;
-  const float least = p.rectangle.texel[0] > p.rectangle.texel[1] ? p.rectangle.texel[0] : p.rectangle.texel[1];
+  const float texel = p.rectangle.texel[0] > p.rectangle.texel[1] ? p.rectangle.texel[0] : p.rectangle.texel[1];
   const float smaller = p.rectangle.texel[0] < p.rectangle.texel[1] ? p.rectangle.texel[0] : p.rectangle.texel[1];
   // The ellipse's half axes, across the light and along it.
   float across = radius + landing.fall / ly * static_cast<float>(p.lighting.half_sine / p.lighting.half_cosine);
-  across = across > least ? across : least;
+  across = across > texel ? across : texel;
   across = across < k_widest * ly * smaller ? across : k_widest * ly * smaller;
   const float along = across / ly;
   const float half[2] = {

@@ -111,8 +111,8 @@ uint32_t columns_unit_items(const Pile& p) {
 bool columns_run(PileColumns* columns, PileSkin* skin, PileAir* air, const Pile& p) {
   const DrawnSand& source = p.request.source;
   const uint32_t count = source.skin != nullptr ? skin_items(*source.skin) : source.count;
-  const uint32_t left = count > columns->next ? count - columns->next : 0, most = columns_unit_items(p);
-  const uint32_t end = columns->next + (left < most ? left : most);
+  const uint32_t left = count > columns->next ? count - columns->next : 0, limit = columns_unit_items(p);
+  const uint32_t end = columns->next + (left < limit ? left : limit);
   uint32_t visits = k_pile_unit_columns;
   if (source.skin != nullptr) {
     for (; columns->next < end; ++columns->next)

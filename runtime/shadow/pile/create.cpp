@@ -111,10 +111,10 @@ __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direc
   if (polar > k_polar_max) {
     const double fade = (0.5 * k_pi - polar) / (0.5 * k_pi - k_polar_max);
     p->request.opacity = fade > 0 ? static_cast<float>(fade) : 0.0f;
-    const SinCos most = sin_cos_turns(k_polar_max / (2 * k_pi));
-    light[0] = flat > 0 ? light[0] * (most.sin / flat) : most.sin;
-    light[1] = most.cos;
-    light[2] = flat > 0 ? light[2] * (most.sin / flat) : 0;
+    const SinCos lowest = sin_cos_turns(k_polar_max / (2 * k_pi));
+    light[0] = flat > 0 ? light[0] * (lowest.sin / flat) : lowest.sin;
+    light[1] = lowest.cos;
+    light[2] = flat > 0 ? light[2] * (lowest.sin / flat) : 0;
   }
   double chord = 0;
   for (uint32_t axis = 0; axis < 3; ++axis)

@@ -66,7 +66,7 @@ uint32_t walk(const Pile& p, double cosine, double sine, double low, PileStep* s
 // meet sand.
 void gather_row(PileLighting* lighting, const Pile& p, int32_t row, uint32_t* begin, uint32_t* end) {
   uint32_t count = 0;
-  int32_t least = INT32_MAX, most = INT32_MIN;
+  int32_t first_texel = INT32_MAX, last_texel = INT32_MIN;
   for (uint32_t k = 0; k < lighting->azimuth_count; ++k) {
     PileAzimuth* out = &lighting->row_azimuths[k];
     *out = lighting->azimuths[k];
@@ -79,18 +79,18 @@ void gather_row(PileLighting* lighting, const Pile& p, int32_t row, uint32_t* be
       if (!meets) continue;
       const int32_t from = p.columns.sand_columns[0] - lighting->steps[s].columns,
                     to = p.columns.sand_columns[1] - lighting->steps[s].columns;
-      least = from < least ? from : least;
-      most = to > most ? to : most;
+      first_texel = from < first_texel ? from : first_texel;
+      last_texel = to > last_texel ? to : last_texel;
     }
     out->last_step = count;
   }
   const int32_t n = static_cast<int32_t>(p.rectangle.texels);
-  least = least > 0 ? least : 0;
-  most = most < n ? most : n - 1;
+  first_texel = first_texel > 0 ? first_texel : 0;
+  last_texel = last_texel < n ? last_texel : n - 1;
   *begin = *end = 0;
-  if (least > most) return;
-  *begin = static_cast<uint32_t>(least) / k_lane_group * k_lane_group;
-  *end = (static_cast<uint32_t>(most) / k_lane_group + 1) * k_lane_group;
+  if (first_texel > last_texel) return;
+  *begin = static_cast<uint32_t>(first_texel) / k_lane_group * k_lane_group;
+  *end = (static_cast<uint32_t>(last_texel) / k_lane_group + 1) * k_lane_group;
 }
 
 void light_row(PileLighting* lighting, const Pile& p, const float* receivers, uint8_t* coverage) {
@@ -172,8 +172,8 @@ void lighting_cut(PileLighting* lighting, const Pile& p) {
 
 bool lighting_run(PileLighting* lighting, const Pile& p, uint8_t* texture, bool floor) {
   const uint32_t texels = p.rectangle.texels;
-  const uint32_t most = k_pile_unit_texels / texels > 0 ? k_pile_unit_texels / texels : 1;
-  const uint32_t end = lighting->row + most > texels ? texels : lighting->row + most;
+  const uint32_t rows = k_pile_unit_texels / texels > 0 ? k_pile_unit_texels / texels : 1;
+  const uint32_t end = lighting->row + rows > texels ? texels : lighting->row + rows;
   for (; lighting->row < end; ++lighting->row) {
     uint8_t* coverage = texture + uint64_t{lighting->row} * texels;
     if (p.columns.sand_rows[1] < 0 && !p.air.any) {

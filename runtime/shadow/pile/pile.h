@@ -22,7 +22,7 @@
 namespace sandglass {
 
 constexpr uint32_t k_pile_azimuths = 12;  // of a light that holds the zenith; other lights have half as many
-constexpr uint32_t k_pile_steps = 48;     // most steps along one azimuth
+constexpr uint32_t k_pile_steps = 48;     // along one azimuth, at most
 constexpr uint32_t k_pile_unit_texels = 512;
 constexpr uint32_t k_pile_unit_columns = 8192;    // about as many as the spheres of one unit write
 constexpr uint32_t k_pile_unit_triangles = 1024;  // of a skin

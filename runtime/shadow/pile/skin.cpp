@@ -36,10 +36,10 @@ bool put_triangle(PileColumns* columns, const PileRectangle& r, const float* a, 
   int32_t first[2], last[2];
   for (uint32_t axis = 0; axis < 2; ++axis) {
     const uint32_t w = 2 * axis;
-    const float least = a[w] < b[w] ? (a[w] < c[w] ? a[w] : c[w]) : (b[w] < c[w] ? b[w] : c[w]);
-    const float most = a[w] > b[w] ? (a[w] > c[w] ? a[w] : c[w]) : (b[w] > c[w] ? b[w] : c[w]);
-    const float low = (least - r.low[axis]) / r.texel[axis] - 0.5f, n = static_cast<float>(r.texels);
-    const float high = (most - r.low[axis]) / r.texel[axis] - 0.5f;
+    const float smallest = a[w] < b[w] ? (a[w] < c[w] ? a[w] : c[w]) : (b[w] < c[w] ? b[w] : c[w]);
+    const float largest = a[w] > b[w] ? (a[w] > c[w] ? a[w] : c[w]) : (b[w] > c[w] ? b[w] : c[w]);
+    const float low = (smallest - r.low[axis]) / r.texel[axis] - 0.5f, n = static_cast<float>(r.texels);
+    const float high = (largest - r.low[axis]) / r.texel[axis] - 0.5f;
     if (!(low < n && high >= 0)) return true;
     first[axis] = low > 0 ? static_cast<int32_t>(ceiling_index(static_cast<double>(low))) : 0;
     last[axis] = high < n - 1 ? to_whole<int32_t>(high) : static_cast<int32_t>(r.texels) - 1;

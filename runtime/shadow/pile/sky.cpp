@@ -172,17 +172,17 @@ void make_level_row(PileSky* s, const Pile& p, uint32_t row) {
 void place_steps(const PileRectangle& r, uint32_t joined, uint32_t sector, SkyStep* steps) {
   const SinCos turn = sin_cos_turns((sector + 0.5) / k_cell_sectors);
   const double side[2] = {static_cast<double>(r.texel[0]) * joined, static_cast<double>(r.texel[1]) * joined};
-  const double least = side[0] < side[1] ? side[0] : side[1];
+  const double texel = side[0] < side[1] ? side[0] : side[1];
   for (const Walk& walk : k_walk) {
     const double to_middle = 0.5 * (window(walk.level) - 1);
-    const int64_t columns = floor_index(walk.distance * least * turn.cos / side[0] - to_middle + 0.5);
-    const int64_t rows = floor_index(walk.distance * least * turn.sin / side[1] - to_middle + 0.5);
+    const int64_t columns = floor_index(walk.distance * texel * turn.cos / side[0] - to_middle + 0.5);
+    const int64_t rows = floor_index(walk.distance * texel * turn.sin / side[1] - to_middle + 0.5);
     const double dx = (static_cast<double>(columns) + to_middle) * side[0];
     const double dz = (static_cast<double>(rows) + to_middle) * side[1];
     const double distance = square_root(dx * dx + dz * dz);
     // Along an axis two random places in the receiver's own texel are a third of its width apart on average.
     *steps++ = {walk.level, static_cast<int32_t>(columns), static_cast<int32_t>(rows),
-                static_cast<float>(distance > 0 ? 1 / distance : 3 / least)};
+                static_cast<float>(distance > 0 ? 1 / distance : 3 / texel)};
   }
 }
 

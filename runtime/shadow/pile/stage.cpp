@@ -136,9 +136,9 @@ uint32_t begin_frame(void* handle, const FrameView& view) {
 
 WorkUnit pile_next(const Pile& p) {
   if (p.progress.phase == PilePhase::idle || p.progress.phase == PilePhase::columns) {
-    const uint32_t from = p.progress.phase == PilePhase::idle ? 0 : p.columns.next, most = columns_unit_items(p);
+    const uint32_t from = p.progress.phase == PilePhase::idle ? 0 : p.columns.next, limit = columns_unit_items(p);
     const uint32_t left = p.request.source.count > from ? p.request.source.count - from : 0;
-    return {k_pile_columns, left == 0 ? 1 : left < most ? left : most, "pile_shadow.columns"};
+    return {k_pile_columns, left == 0 ? 1 : left < limit ? left : limit, "pile_shadow.columns"};
   }
   if (p.progress.phase == PilePhase::levels) return {k_pile_levels, k_sky_unit_windows, "pile_shadow.levels"};
   if (p.progress.phase == PilePhase::sky) return {k_pile_sky_rows, k_sky_unit_texels, "pile_shadow.sky"};

@@ -9,9 +9,9 @@ namespace {
 // Radii: the width of the box by which a grain blocks light from the side. It is below that of a box with the sphere's
 // silhouette, 1.77, so that the steps hide no more than the layer does also where it is low.
 constexpr float k_side = 1.6f;
-constexpr uint32_t k_elevations = 16;   // at which a layer is compared with its steps
-constexpr double k_most_hidden = 0.95;  // by one grain of the own column
-constexpr double k_most_power = 2;      // the last of k_powers
+constexpr uint32_t k_elevations = 16;  // at which a layer is compared with its steps
+constexpr double k_hidden_max = 0.95;  // by one grain of the own column
+constexpr double k_power_max = 2;      // the last of k_powers
 constexpr double k_powers[5] = {0, 0.25, 0.5, 1, 2};
 
 // The share of the texel that grains on the floor hide from its uncovered points at most: the mean over random places
@@ -90,9 +90,9 @@ void thin_own_column(const Pile& p, const PileStep* steps, uint32_t count, PileA
   if (!(left < 0)) return;  // a grain too small to hide anything of its texel
   const double per_grain = 1 / left;
   for (const double rest : missing) {
-    const double hidden = rest / (1 - under) < k_most_hidden ? rest / (1 - under) : k_most_hidden;
+    const double hidden = rest / (1 - under) < k_hidden_max ? rest / (1 - under) : k_hidden_max;
     const double power = logarithm(1 - hidden) * per_grain;
-    interpolate_power(power < k_most_power ? power : k_most_power, weights);
+    interpolate_power(power < k_power_max ? power : k_power_max, weights);
   }
   for (uint32_t i = 0; i < 5; ++i) azimuth->own[i] = static_cast<float>(weights[i] / k_elevations);
   azimuth->own[0] -= 1;

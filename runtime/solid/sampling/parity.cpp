@@ -27,18 +27,18 @@ void snap_triangle(const Parity& p, const sandglass_mesh& mesh, uint32_t triangl
   }
 }
 
-int32_t least(int32_t a, int32_t b, int32_t c) { return a < b ? (a < c ? a : c) : (b < c ? b : c); }
-int32_t greatest(int32_t a, int32_t b, int32_t c) { return a > b ? (a > c ? a : c) : (b > c ? b : c); }
+int32_t minimum(int32_t a, int32_t b, int32_t c) { return a < b ? (a < c ? a : c) : (b < c ? b : c); }
+int32_t maximum(int32_t a, int32_t b, int32_t c) { return a > b ? (a > c ? a : c) : (b > c ? b : c); }
 
 struct ColumnRange {
   uint32_t u_first, u_last, v_first, v_last;
 };
 
 ColumnRange columns_of(const int32_t t[9], uint32_t shift) {
-  return {static_cast<uint32_t>(least(t[0], t[3], t[6])) >> shift,
-          static_cast<uint32_t>(greatest(t[0], t[3], t[6])) >> shift,
-          static_cast<uint32_t>(least(t[1], t[4], t[7])) >> shift,
-          static_cast<uint32_t>(greatest(t[1], t[4], t[7])) >> shift};
+  return {static_cast<uint32_t>(minimum(t[0], t[3], t[6])) >> shift,
+          static_cast<uint32_t>(maximum(t[0], t[3], t[6])) >> shift,
+          static_cast<uint32_t>(minimum(t[1], t[4], t[7])) >> shift,
+          static_cast<uint32_t>(maximum(t[1], t[4], t[7])) >> shift};
 }
 
 void set_columns(Parity* p, uint32_t shift) {
@@ -75,8 +75,8 @@ bool covers(const int32_t t[9], int64_t u, int64_t v) {
 // projected area. The minors have 55 bits and the factors 28. So each minor is split, and the three products are added
 // in two parts.
 bool passes_above(const int32_t t[9], int64_t u, int64_t v, int64_t w) {
-  if (w >= greatest(t[2], t[5], t[8])) return false;
-  if (w < least(t[2], t[5], t[8])) return true;
+  if (w >= maximum(t[2], t[5], t[8])) return false;
+  if (w < minimum(t[2], t[5], t[8])) return true;
   int64_t e[3], f[3];
   const int64_t d[3] = {u - t[0], v - t[1], w - t[2]};
   for (int k = 0; k < 3; ++k) {
