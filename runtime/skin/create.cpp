@@ -37,10 +37,10 @@ void lay_out_mesh(const SkinState& s, Layout* layout, SkinMesh* mesh, float** fr
 
 // The one walk: counts the bytes, or hands out the regions. Capacities by what heaps, layers and strewn sand take.
 sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
-  auto* owner = layout_region<sandglass_skin>(layout, "skin.state", 1);
+  auto* handle = layout_region<sandglass_skin>(layout, "skin.state", 1);
   SkinState nowhere = {};
-  SkinState* s = owner == nullptr ? &nowhere : &owner->skin;
-  if (owner != nullptr) *owner = {};
+  SkinState* s = handle == nullptr ? &nowhere : &handle->skin;
+  if (handle != nullptr) *handle = {};
   s->desc = desc;
   const uint32_t n = desc.particle_capacity;
   s->bricks.capacity = 96 + n / 16;
@@ -72,12 +72,12 @@ sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
   s->shown.chunks = layout_region<sandglass_skin_chunk>(layout, "skin.shown_chunks", s->bricks.chunks.capacity);
   s->shown.loose = layout_region<sandglass_skin_loose>(layout, "skin.shown_loose", n);
   s->carry.carried = layout_region<SkinCarried>(layout, "skin.carried", n);
-  return owner;
+  return handle;
 }
 
-sandglass_status build(const sandglass_skin_desc& desc, sandglass_skin* owner, const char** reason) {
-  owner->member.capability = &k_skin_capability;
-  SkinState* s = &owner->skin;
+sandglass_status build(const sandglass_skin_desc& desc, sandglass_skin* handle, const char** reason) {
+  handle->member.capability = &k_skin_capability;
+  SkinState* s = &handle->skin;
   s->lattice.spacing = k_skin_spacing * desc.particle_radius;
   s->lattice.inverse_spacing = 1.0f / s->lattice.spacing;
   s->carry.inverse_side = 1.0f / desc.block_side;

@@ -123,8 +123,9 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   for (uint32_t kind = 0; kind < k_skin_carry; ++kind) {
     const uint32_t spent = s.progress.phase == SkinPhase::idle || skin_is_late(s) ? 0 : s.progress.spent[kind];
     const uint32_t left = s.progress.usual[kind] > spent ? s.progress.usual[kind] - spent : 0;
-    const uint32_t next = kind == kind_of(s) ? items_of(s) : 0;
-    if ((left > next ? left : next) != 0) entries[count++] = {kind, left > next ? left : next, true};
+    const uint32_t next_items = kind == kind_of(s) ? items_of(s) : 0;
+    if ((left > next_items ? left : next_items) != 0)
+      entries[count++] = {kind, left > next_items ? left : next_items, true};
   }
   return count;
 }

@@ -31,7 +31,7 @@ struct Maker {
   uint32_t* sums;
   sandglass_status check(const sandglass_estimator_desc& desc, const char** reason);
   sandglass_estimator* lay_out(const sandglass_estimator_desc& desc, Layout* layout);
-  sandglass_status build(const sandglass_estimator_desc& desc, sandglass_estimator* owner, const char** reason) const;
+  sandglass_status build(const sandglass_estimator_desc& desc, sandglass_estimator* handle, const char** reason) const;
 };
 
 sandglass_status Maker::check(const sandglass_estimator_desc& desc, const char** reason) {
@@ -53,18 +53,18 @@ sandglass_status Maker::check(const sandglass_estimator_desc& desc, const char**
 
 // The one walk: counts the bytes, or hands out the regions.
 sandglass_estimator* Maker::lay_out(const sandglass_estimator_desc&, Layout* layout) {
-  auto* owner = layout_region<sandglass_estimator>(layout, "estimator", 1);
+  auto* handle = layout_region<sandglass_estimator>(layout, "estimator", 1);
   network = layout_light_network(k_light_width, k_light_height, layout, backend);
   rgb = layout_region<uint8_t>(layout, "estimator.image", k_rgb_bytes);
   sums = layout_region<uint32_t>(layout, "estimator.sums", k_camera_sums);
-  return owner;
+  return handle;
 }
 
-sandglass_status Maker::build(const sandglass_estimator_desc& desc, sandglass_estimator* owner,
+sandglass_status Maker::build(const sandglass_estimator_desc& desc, sandglass_estimator* handle,
                               const char** reason) const {
-  *owner = {};
-  owner->member.capability = &k_estimator_capability;
-  Estimator* l = &owner->estimator;
+  *handle = {};
+  handle->member.capability = &k_estimator_capability;
+  Estimator* l = &handle->estimator;
   l->network = create_light_network(asset, kernels, backend, k_light_width, k_light_height, network, reason);
   if (l->network == nullptr) return SANDGLASS_ERROR_UNSUPPORTED;  // the back end cannot be had
   l->rgb = rgb;

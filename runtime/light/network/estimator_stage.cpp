@@ -139,8 +139,7 @@ uint32_t begin_frame(void* handle, const FrameView& view) {
 }
 
 void end_frame(void* handle, sandglass_frame_report* report) {
-  auto* owner = static_cast<sandglass_estimator*>(handle);
-  Estimator* estimator = &owner->estimator;
+  Estimator* estimator = &static_cast<sandglass_estimator*>(handle)->estimator;
   if (estimator->phase == EstimatorPhase::image) {
     drop_image(estimator);
     estimator->phase = EstimatorPhase::idle;
@@ -150,7 +149,7 @@ void end_frame(void* handle, sandglass_frame_report* report) {
   report->estimator.changed = estimator->changed ? 1 : 0;
   report->estimator.frames_behind =
       estimator->estimates != 0 ? static_cast<uint32_t>(estimator->frame - estimator->estimate_frame) : 0;
-  report->estimator.units_left = sandglass_estimator_units_left(owner);
+  report->estimator.units_left = sandglass_estimator_units_left(static_cast<sandglass_estimator*>(handle));
 }
 
 }  // namespace

@@ -87,9 +87,9 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
 }
 
 void run(void* state, uint32_t) {
-  auto* owner = static_cast<sandglass_room*>(state);
-  ++owner->version;
-  Room* room = &owner->room;
+  auto* handle = static_cast<sandglass_room*>(state);
+  ++handle->version;
+  Room* room = &handle->room;
   if (room->phase != RoomPhase::idle) room_run_unit(room);
   else room->probe->run(room);
 }
@@ -124,19 +124,19 @@ uint32_t begin_frame(void* handle, const FrameView& view) {
 
 // A frame that ends early, by a broken clock or a plan, leaves an image unfinished. It is dropped, because its planes
 // belong to the app.
-void end_frame(void* handle, sandglass_frame_report* report) {
-  auto* owner = static_cast<sandglass_room*>(handle);
-  owner->room.phase = RoomPhase::idle;
-  owner->room.cursor = 0;
-  room_drop_probe_unit(&owner->room);
-  report->versions.room = owner->version;
+void end_frame(void* member, sandglass_frame_report* report) {
+  auto* handle = static_cast<sandglass_room*>(member);
+  handle->room.phase = RoomPhase::idle;
+  handle->room.cursor = 0;
+  room_drop_probe_unit(&handle->room);
+  report->versions.room = handle->version;
 }
 
 // Out of line: each runs between the two calls that set and restore the floating-point control.
-__attribute__((noinline)) bool take_whole(sandglass_room* owner, const CameraImage& image) {
-  Room* room = &owner->room;
+__attribute__((noinline)) bool take_whole(sandglass_room* handle, const CameraImage& image) {
+  Room* room = &handle->room;
   if (!room_take_image(room, image)) return false;
-  ++owner->version;
+  ++handle->version;
   while (room->phase != RoomPhase::idle) room_run_unit(room);
   return room->view.lesson != RoomLesson::nothing;
 }
@@ -164,21 +164,21 @@ __attribute__((noinline)) bool move(Room* room, const float rotation[4], const f
 }
 
 sandglass_room* lay_out(const sandglass_room_desc& desc, Layout* layout) {
-  auto* owner = layout_region<sandglass_room>(layout, "room", 1);
+  auto* handle = layout_region<sandglass_room>(layout, "room", 1);
   auto* probe = layout_region<RoomProbe>(layout, "room.probe", desc.probe);
   auto* texels = layout_region<RoomTexel>(layout, "room.texels", desc.reflections * k_cube_texels);
-  if (owner == nullptr) return owner;
-  owner->room.probe = probe;
-  owner->room.texels = texels;
-  return owner;
+  if (handle == nullptr) return handle;
+  handle->room.probe = probe;
+  handle->room.texels = texels;
+  return handle;
 }
 
-sandglass_status build(const sandglass_room_desc& desc, sandglass_room* owner, const char** reason) {
-  owner->member.capability = &k_room_capability;
-  owner->room.given_radius = static_cast<double>(desc.radius);
-  owner->room.half_life = static_cast<double>(desc.half_life);
-  owner->room.interval_ns = to_whole<uint64_t>(static_cast<double>(desc.interval) * 1e9);
-  room_reset(&owner->room);
+sandglass_status build(const sandglass_room_desc& desc, sandglass_room* handle, const char** reason) {
+  handle->member.capability = &k_room_capability;
+  handle->room.given_radius = static_cast<double>(desc.radius);
+  handle->room.half_life = static_cast<double>(desc.half_life);
+  handle->room.interval_ns = to_whole<uint64_t>(static_cast<double>(desc.interval) * 1e9);
+  room_reset(&handle->room);
   return accept(reason);
 }
 
@@ -222,12 +222,12 @@ sandglass_status begin_harmonics(Room* room, const sandglass_harmonics* harmonic
   return accept(reason);
 }
 
-void forget_probe(sandglass_room* owner) {
-  Room* room = &owner->room;
+void forget_probe(sandglass_room* handle) {
+  Room* room = &handle->room;
   if (room->probe == nullptr) return;
   room->probe->confidence = 0;
   room_drop_probe_unit(room);
-  ++owner->version;
+  ++handle->version;
 }
 
 __attribute__((noinline)) void run_probe(Room* room) {

@@ -92,15 +92,15 @@ uint64_t sandglass_room_save_bytes(const sandglass_room* room) {
   return room == nullptr ? 0 : bytes_of(has_probe(room->room));
 }
 
-sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, uint64_t bytes, uint64_t* written,
+sandglass_status sandglass_room_save(const sandglass_room* handle, void* data, uint64_t bytes, uint64_t* written,
                                      const char** reason) {
-  if (owner == nullptr || data == nullptr || written == nullptr)
+  if (handle == nullptr || data == nullptr || written == nullptr)
     return refuse(reason, "room, data or written is NULL: pass the room and where to write to.");
-  const uint64_t needed = bytes_of(has_probe(owner->room));
+  const uint64_t needed = bytes_of(has_probe(handle->room));
   if (bytes < needed)
     return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
                   "bytes is less than the room needs: ask sandglass_room_save_bytes.");
-  const Room& room = owner->room;
+  const Room& room = handle->room;
   uint8_t* to = static_cast<uint8_t*>(data);
   // Field by field, because `data` may have any alignment.
   const auto put = [to](uint64_t at, const void* from, uint64_t count) { memcpy(to + at, from, count); };
@@ -133,8 +133,8 @@ sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, ui
   return accept(reason);
 }
 
-sandglass_status sandglass_room_restore(sandglass_room* owner, const void* data, uint64_t bytes, const char** reason) {
-  if (owner == nullptr || data == nullptr)
+sandglass_status sandglass_room_restore(sandglass_room* handle, const void* data, uint64_t bytes, const char** reason) {
+  if (handle == nullptr || data == nullptr)
     return refuse(reason, "room or data is NULL: pass the room and the saved bytes.");
   uint32_t heads[2];
   if (bytes != bytes_of(false) && bytes != bytes_of(true))
@@ -154,9 +154,9 @@ sandglass_status sandglass_room_restore(sandglass_room* owner, const void* data,
   const bool with_probe = bytes == bytes_of(true);
   if (!sound(saved) || (saved.has_probe != 0) != with_probe || (with_probe && !sound(*probe)))
     return refuse(reason, "the bytes hold a number that no room has.");
-  Room* room = &owner->room;
+  Room* room = &handle->room;
   room_reset(room);
-  ++owner->version;
+  ++handle->version;
   room->radius = saved.radius;
   room->yaw = saved.yaw;
   room->scale = room->shown_scale = saved.scale;

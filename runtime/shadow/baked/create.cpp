@@ -25,7 +25,7 @@ struct Maker {
   PackedShadow packed;
   sandglass_status check(const sandglass_shadow_desc& desc, const char** reason);
   sandglass_shadow* lay_out(const sandglass_shadow_desc& desc, Layout* layout);
-  sandglass_status build(const sandglass_shadow_desc& desc, sandglass_shadow* owner, const char** reason) const;
+  sandglass_status build(const sandglass_shadow_desc& desc, sandglass_shadow* handle, const char** reason) const;
 };
 
 sandglass_status Maker::check(const sandglass_shadow_desc& desc, const char** reason) {
@@ -46,9 +46,9 @@ sandglass_status Maker::check(const sandglass_shadow_desc& desc, const char** re
 // The one walk: counts the bytes, or hands out the regions.
 sandglass_shadow* Maker::lay_out(const sandglass_shadow_desc& desc, Layout* layout) {
   const uint64_t width = shadow_padded_width(asset.width);
-  sandglass_shadow* owner = layout_region<sandglass_shadow>(layout, "shadow.state", 1);
+  sandglass_shadow* handle = layout_region<sandglass_shadow>(layout, "shadow.state", 1);
   Shadow nowhere = {};
-  Shadow* s = owner == nullptr ? &nowhere : &owner->shadow;
+  Shadow* s = handle == nullptr ? &nowhere : &handle->shadow;
   for (uint32_t i = 0; i < asset.layers; ++i) {
     packed.weights[i] = layout_region<int8_t>(layout, "shadow.weights", width * width);
     packed.bias[i] = layout_region<int32_t>(layout, "shadow.bias", width);
@@ -78,7 +78,7 @@ sandglass_shadow* Maker::lay_out(const sandglass_shadow_desc& desc, Layout* layo
   }
   s->back.coverage = layout_region<uint8_t>(layout, "shadow.back", k_shadow_size * k_shadow_size);
   ambient_lay_out(asset.ambient, layout, &s->ambient);
-  return owner;
+  return handle;
 }
 
 void describe(const ShadowAsset& asset, const sandglass_shadow_desc& desc, Shadow* s) {
@@ -99,9 +99,9 @@ void describe(const ShadowAsset& asset, const sandglass_shadow_desc& desc, Shado
   s->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
 }
 
-sandglass_status Maker::build(const sandglass_shadow_desc& desc, sandglass_shadow* owner, const char** reason) const {
-  owner->member.capability = &k_shadow_capability;
-  Shadow* s = &owner->shadow;
+sandglass_status Maker::build(const sandglass_shadow_desc& desc, sandglass_shadow* handle, const char** reason) const {
+  handle->member.capability = &k_shadow_capability;
+  Shadow* s = &handle->shadow;
   s->kernels = kernels;
   s->light_count = desc.light_count;
   describe(asset, desc, s);

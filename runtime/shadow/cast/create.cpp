@@ -41,10 +41,10 @@ sandglass_status check(const sandglass_cast_desc& desc, const char** reason) {
 
 // The one walk: counts the bytes, or hands out the regions.
 sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
-  auto* owner = layout_region<sandglass_cast>(layout, "cast.state", 1);
+  auto* handle = layout_region<sandglass_cast>(layout, "cast.state", 1);
   CastState nowhere = {};
-  CastState* c = owner == nullptr ? &nowhere : &owner->cast;
-  if (owner != nullptr) *owner = {};
+  CastState* c = handle == nullptr ? &nowhere : &handle->cast;
+  if (handle != nullptr) *handle = {};
   const uint64_t widest = desc.texels > desc.ambient_texels ? desc.texels : desc.ambient_texels;
   const uint64_t words = widest * cast_words(static_cast<uint32_t>(widest));
   // An eighth more than asked for, for triangles that the plane cuts into two, and what fills groups up.
@@ -72,7 +72,7 @@ sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
     for (CastTexture* texture : textures)
       texture->bytes = layout_region<uint8_t>(layout, "cast.texture", uint64_t{sides[i]} * sides[i]);
   }
-  return owner;
+  return handle;
 }
 
 sandglass_status frame_of(const sandglass_cast_plane& plane, CastFrame* frame, const char** reason) {
@@ -115,9 +115,9 @@ void keep_origin(const CastState& c, CastFrame* frame) {
   }
 }
 
-sandglass_status build(const sandglass_cast_desc& desc, sandglass_cast* owner, const char** reason) {
-  owner->member.capability = &k_cast_capability;
-  CastState* c = &owner->cast;
+sandglass_status build(const sandglass_cast_desc& desc, sandglass_cast* handle, const char** reason) {
+  handle->member.capability = &k_cast_capability;
+  CastState* c = &handle->cast;
   c->kernels = select_cast_kernels(desc.isa);
   c->desc = desc;
   sandglass_cast_plane plane;

@@ -46,10 +46,10 @@ sandglass_status check(const sandglass_pile_shadow_desc& desc, const char** reas
 // The one walk: counts the bytes, or hands out the regions.
 sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* layout) {
   const uint64_t n = desc.texels, pitch = n + k_lane_group, columns = n * pitch + 2 * k_lane_group;
-  auto* owner = layout_region<sandglass_pile_shadow>(layout, "pile_shadow.state", 1);
+  auto* handle = layout_region<sandglass_pile_shadow>(layout, "pile_shadow.state", 1);
   Pile nowhere = {};
-  Pile* p = owner == nullptr ? &nowhere : &owner->pile;
-  if (owner != nullptr) *owner = {};
+  Pile* p = handle == nullptr ? &nowhere : &handle->pile;
+  if (handle != nullptr) *handle = {};
   p->rectangle.texels = desc.texels;
   p->columns.pitch = static_cast<uint32_t>(pitch);
   p->columns.tops = layout_region<float>(layout, "pile_shadow.tops", columns);
@@ -70,12 +70,12 @@ sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* l
     texture->sand = desc.on_sand != 0 ? layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n) : nullptr;
   }
   sky_lay_out(&p->sky, desc.sky_texels, desc.sky_texels != 0 ? desc.texels / desc.sky_texels : 0, layout);
-  return owner;
+  return handle;
 }
 
-sandglass_status build(const sandglass_pile_shadow_desc& desc, sandglass_pile_shadow* owner, const char** reason) {
-  owner->member.capability = &k_pile_capability;
-  Pile* p = &owner->pile;
+sandglass_status build(const sandglass_pile_shadow_desc& desc, sandglass_pile_shadow* handle, const char** reason) {
+  handle->member.capability = &k_pile_capability;
+  Pile* p = &handle->pile;
   p->kernels = select_pile_kernels(desc.isa);
   p->columns.tops += k_lane_group;
   p->columns.bottoms += k_lane_group;

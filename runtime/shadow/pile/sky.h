@@ -59,7 +59,7 @@ struct PileSky {
   float *cells, *made_for;  // k_light_cells each
 };
 
-// The one walk of the layout; `owner` may be a stand-in.
+// The one walk of the layout; `sky` may be a stand-in.
 void sky_lay_out(PileSky* sky, uint32_t texels, uint32_t joined, Layout* layout);
 void sky_build(PileSky* sky, const PileRectangle& rectangle);
 
