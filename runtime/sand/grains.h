@@ -66,10 +66,11 @@ struct GrainSleep {
   Sleeper* tiles;    // one a group: the sphere that holds its grains
   uint32_t group_count;
   uint32_t still_groups;  // that the last triage found
-  bool groups_changed;    // by sorting or removal since the last triage: `still` is of other groups
-  bool all_asleep;        // the last sweep refined no grain, and all particles slept
-  bool wakes;             // a whole triage must still wake every grain
-  bool waking;            // the triage under way does
+  // Sorting or removal has changed the groups since the last triage: `still` is of other groups.
+  bool groups_changed;
+  bool all_asleep;  // the last sweep refined no grain, and all particles slept
+  bool wakes;       // the next triage wakes every grain
+  bool waking;      // the triage under way does
 };
 
 void grain_sleep_layout(GrainSleep* sleep, const sandglass_granular_desc& desc, Layout* layout);
@@ -106,10 +107,11 @@ struct Output {
   uint32_t cursor;                     // next grain, then next free number
   uint32_t* stamps;                    // one a group: the frame in which it last changed
   uint32_t frame;                      // counts all frames
-  uint32_t oldest;                     // stamps from this one on are written; 0: all are
-  uint32_t last_change,
-      all_since;            // the frames in which some grain, and in which all may have changed or changed groups
-  bool moved, all_changed;  // in this frame, or since the last one
+  uint32_t oldest;                     // groups with this stamp or a later one are written; 0: all are
+  // The last frame in which some grain changed, and in which all may have: their values, or their groups.
+  uint32_t last_change, all_since;
+  // Some grain, and all grains, in this frame or since the last one.
+  bool moved, all_changed;
   uint64_t version;
 };
 
@@ -141,16 +143,23 @@ uint32_t output_forecast(const Granular& granular, Forecast* entries);
 // a time: the groups that the phase has come to have the later one.
 
 struct GrainCarry {
-  uint8_t* holders;  // one a grain: a slot
+  // The slot of the collider that holds each grain.
+  uint8_t* holders;
   // By slot: where colliders were when sand was as the grains are now, and where carries took them from there; the same
   // for the sweep under way.
   RigidPose *met, *carried, *next_met, *next_carried;
-  uint8_t *moves, *next_moves;  // 1: it has gone on since
-  RigidMotion* motions[2];      // by slot, to where they are drawn; [1]: of groups with the later state
-  bool pending, next_pending;   // a carry was
-  bool known, drawn;            // this frame's motions are known; some of them move grains
-  uint32_t unknown;             // groups whose holders are not
-  uint32_t cursor, looked;      // at the frame's end: grains that have holders, and for how many they were looked up
+  // By slot, for both: 1 where the collider has moved since.
+  uint8_t *moves, *next_moves;
+  // By slot, from where grains are to where they are drawn. [1]: of groups with the later state.
+  RigidMotion* motions[2];
+  // For both states: grains are still to be moved by a carry.
+  bool pending, next_pending;
+  // This frame's motions are known; some of them move grains.
+  bool known, drawn;
+  // Groups whose holders are not known.
+  uint32_t unknown;
+  // At the frame's end: the next grain whose holder is looked up, and how many were.
+  uint32_t cursor, looked;
 };
 struct GrainStance {
   const RigidPose* met;
@@ -171,12 +180,13 @@ struct GrainMotions {
 
 void grain_carry_layout(GrainCarry* carry, const sandglass_granular_desc& desc, Layout* layout);
 void grain_carry_reset(GrainCarry* carry, const Granular& granular);
-// Grains are drawn as their records are.
+// From now on grains are drawn where their records have them.
 void grain_carry_settle(GrainCarry* carry, const Granular& granular);
-// Of the grains from the group of `first` on, which are others now, nothing is known; of those that units of a sweep refined.
+// The holders of grains from the group of `first` on are not known any more: other grains stand there now.
 void grain_carry_forget(GrainCarry* carry, const Granular& granular, uint32_t first);
-// All are in other groups, or will be.
+// All grains are in other groups, or will be.
 void grain_carry_regrouped(GrainCarry* carry, const Granular& granular);
+// A unit of a sweep has refined these grains: their holders are not known any more.
 void grain_carry_refined(GrainCarry* carry, const Granular& granular, uint32_t begin, uint32_t end);
 // The frame's colliders are known, but nobody was carried yet.
 void grain_carry_begin_frame(GrainCarry* carry, const Granular& granular);
@@ -185,15 +195,17 @@ void grain_carry_complete(GrainCarry* carry);
 // Particles were carried.
 void grain_carry_note(GrainCarry* carry, const Granular& granular);
 
-// Grains before this one have the later state. Where their colliders were then.
+// Grains before this one have the later state.
 uint32_t grain_carry_moved(const Granular& granular);
+// Where colliders were when grains had their state. `moved`: the later one.
 GrainStance grain_carry_stance(const Granular& granular, bool moved);
 // The carriers go from there: takes their motions. False: none goes on that holds grains, as a hand over sand does not.
 bool grain_carry_take_motions(GrainCarry* carry, const Granular& granular, bool moved);
-// Finds holders of grains of one state, until a unit of them were looked up. Returns the next grain.
+// Finds holders of grains of one state, at most a unit of them. Returns the next grain.
 uint32_t grain_carry_find(GrainCarry* carry, const Granular& granular, uint32_t begin, uint32_t end);
-// A sweep's unit: takes carries into the records. True: some were. Then, all were.
+// A unit of the phase that takes carries into the records. Whether a record has changed.
 bool grain_carry_take(GrainCarry* carry, const Granular& granular, uint32_t begin, uint32_t end);
+// That phase is done.
 void grain_carry_taken(GrainCarry* carry);
 
 // At a frame's end: what must be known before grains are written.
@@ -205,32 +217,36 @@ GrainMotions grain_carry_motions(const Granular& granular);
 // ---- ParticleMotion (motion_grid.cpp)
 //
 // The motion of the particles during a sweep, on the nodes of a sparse grid, for the grains to read (kernels.h). What
-// counts is a particle's displacement since the last sweep, at the place where it began: then one sweep a frame follows
-// as closely as many with the velocities of their ends.
+// counts is a particle's displacement since the last sweep, at the place where it began. So one sweep a frame follows
+// as closely as several that use the velocities at their ends.
 //
 //   scatter  the particles of the snapshot, in their order
 //   join     each block gets the nodes of the next blocks that its cells reach
+
+// Only what a grain needs is made. Which places particles move near is known before the triage; and where few groups
+// are refined, blocks far from them are left out.
 
 struct Place {
   float position[3];
 };
 
-//
-// Only what a grain needs is made. Which places particles move near is known before the triage; and where few groups are
-// refined, blocks far from them are left out.
 struct PlaceOfBlock {
   int32_t at[3];
 };
 
 struct ParticleMotion {
   MotionGrid grid;
-  PlaceSet moved;              // cells of 2 nodes in which what a grain reads may move
-  int32_t low[3], high[3];     // nodes that bound them
-  PlaceSet wanted;             // blocks: those of the grains that are refined, and the ones about them
-  PlaceSet read;               // those of them whose nodes are read
-  bool all_moved, all_wanted;  // most particles moved in the last sweep; a share of all groups is refined
+  // Cells of two nodes a side in which something moves that a grain may read, and the nodes that bound them.
+  PlaceSet moved;
+  int32_t low[3], high[3];
+  // The blocks of grains that are refined and those about them; and those of these whose nodes are read.
+  PlaceSet wanted;
+  PlaceSet read;
+  // Most particles moved in the last sweep, or many groups are refined: then the sets are not used.
+  bool all_moved, all_wanted;
   uint32_t movers, wanted_groups;
-  PlaceOfBlock recent[8];  // that were put in, by whether their coordinates are odd
+  // The last blocks that were put into `wanted`, by which of their coordinates are odd.
+  PlaceOfBlock recent[8];
   // One a number: where the particle was at the last sweep's snapshot, and at that of the sweep under way.
   Place* starts;
   Place* ends;
@@ -241,8 +257,8 @@ void motion_layout(ParticleMotion* motion, const sandglass_granular_desc& desc, 
 void motion_planes_layout(ParticleMotion* motion, const sandglass_granular_desc& desc, Layout* layout);
 void motion_configure(ParticleMotion* motion, const sandglass_granular_desc& desc);
 
-// How nearly a particle with these velocities, at the end of `time` and on average, fell freely: then the first is larger
-// by half of what gravity adds in that time. From 1, it did, to 0.
+// How nearly a particle fell freely during `time`: 1 if it did, down to 0. In free fall the velocity at the end exceeds
+// the mean by half of what gravity adds in that time.
 float motion_free_fall(const float at_end[3], const float mean[3], const float gravity[3], float time);
 
 // A particle that is added, as if it had come here with its velocity.
@@ -252,7 +268,7 @@ void motion_add(const ParticleMotion& motion, const Granular& granular, uint32_t
 void motion_fall(const ParticleMotion& motion, const Granular& granular, uint32_t first);
 // A particle was carried: that is no motion for grains to follow.
 void motion_carry(const ParticleMotion& motion, const Granular& granular, uint32_t number, const RigidMotion& carrier);
-// What the particles do from now on is what the next sweep covers. The grains lag behind by nothing.
+// The next sweep covers what the particles do from now on: the grains have caught up.
 void motion_begin_here(const ParticleMotion& motion, const Granular& granular);
 // Nothing is remembered of how many particles moved.
 void motion_forget(ParticleMotion* motion);
@@ -272,14 +288,14 @@ bool motion_run_join(ParticleMotion* motion, const Granular& granular, uint32_t*
 bool motion_run_count(ParticleMotion* motion, const Granular& granular, uint32_t* cursor);
 bool motion_run_smooth(ParticleMotion* motion, const Granular& granular, uint32_t* cursor);
 
-// A block that has all its own nodes learns of those about it, and gets its records if they are read.
+// A block whose own nodes are complete finds the blocks about it, and gets its records if they are read.
 void motion_join(MotionGrid* grid, uint32_t number, bool is_read = true);
-// A block, around which all grains are counted, gets its density.
+// A block gets its density, once all grains in it and in the blocks about it are counted.
 void motion_smooth(const MotionGrid& grid, uint32_t number);
 
 // Whether a particle moves so near to a grain of a group that the sums at it may change. `tile` holds the group.
 bool motion_near(const ParticleMotion& motion, const Granular& granular, uint32_t group, const Sleeper& tile);
-// Where the last sweep refined many groups, so will this one.
+// Before the triage. If the last sweep refined many groups, this one will, too: then all blocks are made.
 void motion_begin_wanting(ParticleMotion* motion, const Granular& granular);
 // The group is refined.
 void motion_want(ParticleMotion* motion, const Granular& granular, uint32_t group);
@@ -335,13 +351,13 @@ void sweep_finish(Granular* granular);
 // A snapshot under way ends.
 void sweep_end_snapshot(Granular* granular);
 
-// Whether one is under way for which sand was looked at: what happens from now on is for the next one.
+// Whether a sweep is under way that has its snapshot: what sand does from now on is for the next sweep.
 bool sweep_has_snapshot(const Granular& granular);
 // Whether grains may be added: no phase is under way that would have to begin again.
 bool sweep_takes_grains(const Granular& granular);
 // Between frames: the sweep under way ends, so that all grains have one state.
 void sweep_end(Granular* granular);
-// What material that comes and goes means for the sweep under way.
+// Particles or grains were added or removed: the sweep under way takes that into account.
 void sweep_particles_changed(Sweep* sweep);
 void sweep_grains_added(Granular* granular, uint32_t count);
 void sweep_grains_removed(Granular* granular);

@@ -29,37 +29,44 @@ struct Placement {
 // State that is saved as it is.
 struct HeldPose {
   Placement held;
-  float slide[6];          // the part of the held velocities that does not move the pose: a belt's
-  Pose given;              // in the last frame
-  Pose stand;              // while it follows: where it stands if it stands
-  float pose_velocity[6];  // of the given pose's last motion, m/s and rad/s
-  float speed;             // m/s: at which its surface went on lately, in two motions in a row
-  float last_speed;        // m/s: of the last motion
-  float interval;          // frames from one given pose to the next
-  float run[6];            // how far given velocities have gone lately: shift and arc
-  float missing_velocity
-      [6];               // while it is believed: what the pose's own motion has beside given velocities, m/s and rad/s
-  float since_turn;      // seconds since they turned back
-  float since_velocity;  // seconds without one
-  float since_gap;       // seconds since one came after frames without
-  float age;             // seconds since the given pose changed
-  float stood;           // seconds near `stand`
-  uint32_t moved;        // frames with a velocity since there was none
-  uint32_t same;         // frames since the given pose changed
-  uint32_t beyond;       // frames in a row in which the given surface was beyond the band, or since it jumped
-  uint32_t follows;      // 1: it follows
-  uint32_t believed;     // 1: it was taken as given
+  // The part of the held velocities that does not move the pose: a belt's.
+  float slide[6];
+  // As the app gave it in the last frame.
+  Pose given;
+  // While the held pose follows: where it was when it last moved on (k_stand_bands).
+  Pose stand;
+  // Velocity of the given pose by its last change, m/s and rad/s.
+  float pose_velocity[6];
+  // The speed that the surface has reached lately in two changes in a row, m/s.
+  float speed;
+  // The speed of the surface in the last change, m/s.
+  float last_speed;
+  // Frames from one given pose to the next, smoothed.
+  float interval;
+  // How far the given velocities have gone lately: a shift and an arc, metres.
+  float run[6];
+  // While the pose is believed: velocity that its changes show and the given velocities lack, m/s and rad/s.
+  float missing_velocity[6];
+  // Seconds since the given velocities turned back; without a given velocity; since one came after frames without.
+  float since_turn, since_velocity, since_gap;
+  float age;          // seconds since the given pose changed
+  float stood;        // seconds near `stand`
+  uint32_t moved;     // frames with a given velocity since there was none
+  uint32_t same;      // frames since the given pose changed
+  uint32_t beyond;    // frames in a row in which the given surface was beyond the band, or since it jumped
+  uint32_t follows;   // 1: it follows
+  uint32_t believed;  // 1: it was taken as given
 };
 
 // What the rule depends on besides the poses.
 struct HoldRule {
-  float band;             // 0: every pose is taken as given
+  float band;             // metres; 0: every pose is taken as given
   float low[3], high[3];  // the box that holds the sand
   float leave_speed;      // m/s: at which sand leaves a collider that jumped
-  float gentle;           // what jumped no further goes there gently, else it is there at once
+  float gentle;           // metres: what jumped further is there at once, else it goes there gently
   float longest;          // seconds; of a longer frame only so much is simulated
-  // The first frame after a save was restored. How long ago that was nobody knows: the difference from there is no
-  // motion. Nor whether the given pose is an outlier, because none came before: it is followed at once.
+  // The first frame after a save was restored. Nobody knows how long ago the save was, so the pose's change since then
+  // is no motion. Nor can the given pose be recognised as an outlier: it is followed at once.
   bool returns;
 };
 

@@ -8,7 +8,7 @@ namespace sandglass {
 constexpr uint32_t k_no_holder = ~0u;
 constexpr uint32_t k_holders_near = 64;  // colliders that are asked for a group of particles
 
-// Positions and velocities; those that hold nothing are as one that does.
+// Positions and velocities of sixteen particles. Lanes without a particle repeat one of the others.
 struct HeldLanes {
   alignas(sizeof(Quad)) float at[3][k_lane_group], velocity[3][k_lane_group];
   uint32_t count;
@@ -19,10 +19,10 @@ struct HeldGroup {
   Bounds box;
   float down[3];
   uint32_t near[k_holders_near], count;
-  bool some;  // of these one carries
+  bool some;  // one of these carries
 };
 
-// What would be much on the stack: of one group after another.
+// Scratch for one group after another, which would be too much for the stack.
 struct HeldScratch {
   alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group];
   HeldLanes lanes, corners;
@@ -48,15 +48,15 @@ void holding_velocity(const ColliderFrame& collider, const float at[3], float ve
 void holding_measure(const Granular& granular, const ColliderFrame& collider, const float at[3][k_lane_group],
                      float distance[k_lane_group], float (*normal)[k_lane_group] = nullptr,
                      uint32_t count = k_lane_group);
-// Of one place.
+// The same of one place.
 float holding_distance(const Granular& granular, const ColliderFrame& collider, const Quad& at, Quad* normal);
 // A collider after `share` of its motion, at most all of it; until the next call.
 const ColliderFrame& holding_posed(const Granular& granular, const Carrier& carrier, float share);
 
 void holding_find_near(const Granular& granular, HeldGroup* group);
-// The collider that holds all of a group, where that is certain.
+// The collider that holds all of a group, if that is certain; else k_no_holder.
 uint32_t holding_sole(const Granular& granular, const HeldGroup& group);
-// The one that holds each lane; k_no_holder: none that moves.
+// The collider that holds each lane; k_no_holder: none that moves.
 void holding_find(const Granular& granular, const HeldGroup& group, const HeldLanes& lanes,
                   uint32_t holder[k_lane_group]);
 

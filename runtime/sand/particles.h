@@ -23,24 +23,24 @@ constexpr uint32_t k_array_slack = 2 * k_lane_group;
 struct CellSort {
   Grid grid;         // grid.starts == starts
   uint32_t* starts;  // cells + 2
-  uint32_t* keys;    // one a record; in place: later its place in the order
+  uint32_t* keys;    // one a record: its cell; then, in a sort in place, its place in the order
   uint32_t cells;
   uint32_t cells_max;  // a power of two
   uint32_t phase;      // k_sort_clear ... k_sort_done
   uint32_t cursor;
   uint32_t sum;
-  bool serpentine;   // an order only, not looked up: see GridCellsArgs
+  bool serpentine;   // see GridCellsArgs
   int32_t first[3];  // cell of the lower bound
 };
 
 enum : uint32_t { k_sort_clear, k_sort_count, k_sort_prefix, k_sort_scatter, k_sort_swap, k_sort_done };
 
-// Where the sorted copy goes: records (the source itself: in place), and where wanted their positions, one array for
-// each axis.
+// Where the sorted copy goes.
 struct SortTarget {
-  Record* records;
-  float* positions[3];  // null: not wanted
-  bool sand_only;       // the records are particles; those of bodies get a position far from everything
+  Record* records;      // the source itself: the sort is in place
+  float* positions[3];  // x, y and z of the records; null: not wanted
+  // The records are particles, and those of bodies get positions far from everything.
+  bool sand_only;
 };
 
 // Regions for sorting up to `records` records into about `cells` cells.
@@ -87,9 +87,10 @@ struct Particles {
   uint32_t count;
   uint32_t rows;   // room for particles and padding; the boundary follows
   uint32_t inert;  // index of the inert particle that pads neighbour rows
+  // The box that holds the particles. Not known: no particle has been added yet.
   float low[3], high[3];
-  bool bounds_known;  // false: no particle has been added yet
-  float speed_max;    // m/s, of the last sub-step and of what was added since
+  bool bounds_known;
+  float speed_max;  // m/s, of the last sub-step and of what was added since
 };
 
 void particles_layout(Particles* particles, const sandglass_granular_desc& desc, Layout* layout);
@@ -111,13 +112,13 @@ void particles_find_bounds(Particles* particles);
 void particles_move(Particles* particles, const SceneMove& move);
 void particles_restore(Particles* particles, const SavedScene& saved);
 
-// What has departed counts again.
+// Particles that have departed count again.
 void particles_recall(Particles* particles);
-// The bounds and the greatest speed of a sub-step, besides what rests.
+// After a sub-step: bounds and greatest speed are those of `extent` and of what rests.
 void particles_take_extent(Particles* particles, const ContactExtent& extent, const Bounds& resting);
-// What counts has this speed and, where they are not empty, these bounds.
+// The particles that count have this greatest speed and, where they are not empty, these bounds.
 void particles_narrow(Particles* particles, const Bounds& all, float speed_max);
-// Something as fast as this comes.
+// Particles as fast as this will be added.
 void particles_expect_speed(Particles* particles, float speed);
 // All stand still.
 void particles_stand(Particles* particles);
@@ -199,25 +200,25 @@ struct Neighbours {
 
 void neighbours_layout(Neighbours* neighbours, uint32_t rows, Layout* layout);
 void neighbours_reset(Neighbours* neighbours, float substep);
-// Forgets what the lists were good for: the particles start as if they had just been added.
+// Forgets the lists, as if the particles had just been added.
 void neighbours_forget(Neighbours* neighbours, float substep);
 
 // How far apart two particles of a list were at most when it was built, metres.
 float neighbours_reach(const Granular& granular);
 
-// Whether a sub-step of this length may need pairs that the lists lack, for all that is known.
+// Whether a sub-step of this length may need pairs that the lists lack.
 bool neighbours_stale(const Granular& granular, uint32_t level, float substep);
-// What the answer to that is worth: true where the slack can be measured.
+// Whether measuring the slack could show that the lists are not stale after all.
 bool neighbours_doubt(const Granular& granular);
 // Measuring it, in units. True once it is done.
 void neighbours_begin_measuring(Neighbours* neighbours);
 bool neighbours_run_measuring(Neighbours* neighbours, const Granular& granular, uint32_t* cursor);
 
-// What a unit of building lists has seen.
+// What a unit of building lists has found.
 struct ListsSeen {
   uint32_t dropped;  // neighbours that had no room
   uint32_t awake;    // particles
-  Bounds resting;    // of the others
+  Bounds resting;    // around particles that sleep
 };
 
 // Rebuilding, in units: sort, after which the particles are swapped, then lists. A `run` function is true once its phase
@@ -228,16 +229,16 @@ bool neighbours_run_lists(Neighbours* neighbours, const Granular& granular, uint
 // The lists must be rebuilt: the records are not what they were built from.
 void neighbours_invalidate(Neighbours* neighbours);
 
-// Whole lists of the particles [begin, end), from the grid of the last build. Returns how many neighbours had no room.
+// Builds the lists of particles [begin, end) from the grid of the last build. Returns how many neighbours had no room.
 uint32_t neighbours_build(const Granular& granular, uint32_t begin, uint32_t end);
-// The same for a group that has had none.
+// The same for a group that has no lists.
 uint32_t neighbours_build_group(const Granular& granular, uint32_t group);
 // The whole list of particle i.
 const uint32_t* neighbours_of(const Granular& granular, uint32_t i, uint32_t* count);
 
 // After a sub-step: uses up the slack by its motion.
 void neighbours_wear(Neighbours* neighbours, const Granular& granular);
-// Particles were put elsewhere, others not: pairs have approached by so much.
+// Some particles were put elsewhere and others not: pairs have approached by so much.
 void neighbours_carried(Neighbours* neighbours, float metres);
 // Nothing moves.
 void neighbours_stand(Neighbours* neighbours);
@@ -266,14 +267,19 @@ constexpr uint32_t k_pair_runs = 4 * k_pair_colours;
 constexpr uint32_t k_pairs_an_item = 4;
 
 struct PairColours {
-  uint32_t *first, *second;          // indices of the particles of each pair, in groups as they were needed
-  uint32_t* groups;                  // the groups in the order of a pass
-  uint8_t* runs;                     // the run of each group
-  uint32_t* taken[2];                // colours that a particle has: of near pairs, of the others
-  uint32_t capacity, group_count;    // groups
-  uint32_t starts[k_pair_runs + 1];  // of the runs, in pairs of a pass
-  uint32_t ends[k_pair_runs];        // behind the last pair of each run in `first` and `second`; 0: it has none
-  uint8_t filled[k_pair_runs];       // the runs that hold pairs, in order
+  // The particles of each pair, in groups as they were needed; the groups in the order of a pass; the run of each
+  // group.
+  uint32_t *first, *second;
+  uint32_t* groups;
+  uint8_t* runs;
+  // Bits of the colours that a particle has: of near pairs, and of the others.
+  uint32_t* taken[2];
+  uint32_t capacity, group_count;  // groups
+  // Where each run starts, in pairs of a pass; and the place after its last pair in `first` and `second`, 0: it has
+  // none.
+  uint32_t starts[k_pair_runs + 1];
+  uint32_t ends[k_pair_runs];
+  uint8_t filled[k_pair_runs];  // the runs that hold pairs, in order
   uint32_t filled_count;
   uint32_t step;  // of the colouring
   bool ready;     // false: the lists have changed since

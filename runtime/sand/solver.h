@@ -23,10 +23,12 @@ constexpr float k_longest_step = 0.1f;      // seconds; a frame asks for no more
 // The instant that is drawn. In slow motion what is drawn catches up in some frames and stands in the others; between
 // its last two states lies an instant that moves on evenly, and never beyond what was reached. In simulated seconds.
 struct ShownTime {
-  double reached;  // by what is drawn, in the last frame
-  double shown;
-  double rate;   // simulated seconds a second of the app's, smoothed
-  double spare;  // the smallest, of late, that was reached beyond what is shown: so much less would have done
+  // What the simulation had reached in the last frame, and what was drawn.
+  double reached, shown;
+  // Simulated seconds a second of the app's, smoothed.
+  double rate;
+  // The smallest of the recent differences between the two: what is drawn could be as much nearer to what was reached.
+  double spare;
 };
 
 void shown_reset(ShownTime* shown);
@@ -44,8 +46,10 @@ struct SimulatedTime {
   ShownTime grains;      // of the grains; of the particles where there are none
   double asked;          // the debt, with this frame's step
   float left_out;        // what the app asked for in this frame beyond the longest step
-  double share;          // of the time asked for, what is simulated while colliders move, smoothed; 1: no slow motion
-  double rate;           // of their velocities, what colliders have in simulated time; 1: all
+  // The share of the time asked for that is simulated while colliders move, smoothed. 1: no slow motion.
+  double share;
+  // The share of their given velocities that colliders have in simulated time.
+  double rate;
 };
 
 // What the next sub-step will be.
@@ -61,9 +65,10 @@ void time_restore(SimulatedTime* time, const SavedScene& saved);
 
 // Adds a frame's time step to the debt.
 void time_take(SimulatedTime* time, const Granular& granular, float step);
-// A frame in which colliders move ends, and they go on to where it ends whatever was simulated. In the next frame they go
-// less than their velocities, so that what they gain is in proportion to the time in which sand feels it, and no further
-// than given in the debt and that frame's step. Returns the next rate over this one.
+// At the end of a frame in which colliders move: finds `share` and the next `rate`. Colliders end the frame where the
+// app gives them, whatever was simulated. In the next frame they are slower than given: sand feels them for less time
+// than the app's, and they must not go further than given in the debt and that frame's step. Returns the next rate over
+// this one.
 float time_find_rate(SimulatedTime* time);
 // No collider moves.
 void time_forget_rate(SimulatedTime* time);
@@ -106,8 +111,11 @@ bool time_awaits_grains(const Granular& granular);
 // half a radius.
 
 struct QualityLevel {
-  float list_reuse;  // lists are kept until the particles' motion could have closed so many skins
-  float coarsening;  // one solver iteration: sub-steps so many times as long; several: so many times fewer of them
+  // Neighbour lists are kept until the particles' motion could have closed so many skins.
+  float list_reuse;
+  // With one solver iteration, sub-steps are so many times as long; with several, there are so many times fewer
+  // iterations.
+  float coarsening;
   sandglass_level reported;  // to the app
 };
 
@@ -191,57 +199,66 @@ constexpr uint32_t k_carry_groups = 16;
 struct HeldScratch;
 struct Giving;
 
-// Colliders that share a motion. Their box is in the axes of the first; hollow: sand may stand in it. slow: they go so
-// little that others press nothing into them.
+// Colliders that share a motion.
 struct CarryGroup {
   uint32_t first, members;
+  // Around all of them, in the axes of the first.
   Bounds box;
-  bool hollow, slow;
+  // Sand may stand in the box.
+  bool hollow;
+  // They move so little that sand is not pressed into them by other colliders.
+  bool slow;
 };
 
 struct Carry {
   enum class Moment : uint8_t { none, jump, close } due;
   bool moving;   // a collider moves sand
-  bool may_lag;  // by more than is seen, if nothing of the frame is simulated
+  bool may_lag;  // so far that it shows, if nothing of the frame is simulated
   bool closing;  // the frame's optional units are over
   bool known;    // motions and groups are found
   bool usual;    // it has closed a frame before: its own cost is known
   uint32_t cursor;
-  float faster;       // velocities of colliders, over those before
-  uint8_t* group_of;  // of each solid collider; k_carry_groups: it carries nothing
-  Bounds* reaches;    // around each solid collider, where it goes on from
+  // Velocities of colliders, over those before.
+  float faster;
+  // Of each solid collider: its group, or k_carry_groups where it carries nothing; and the box around where it starts.
+  uint8_t* group_of;
+  Bounds* reaches;
   HeldScratch* scratch;
   CarryGroup groups[k_carry_groups];
   uint32_t group_count;
-  uint16_t body_holders[256];  // the collider that holds a body, plus 1
-  // What the units so far have seen.
+  // The collider that holds a body, plus 1.
+  uint16_t body_holders[256];
+  // Boxes around particles that the units so far have found: those that each group holds, before and after; that were
+  // pushed; that sleep and were moved; and that nothing holds.
   Bounds held[k_carry_groups], pushed, resting, standing;
+  // The longest displacement of a particle, metres, and the greatest square of a speed.
   float displacement_max, fastest2;
+  // Some particle has moved otherwise than its holder.
   bool gave_way;
-  Giving* giving;  // what is not held
+  Giving* giving;
 };
 
 void carry_layout(Carry* carry, const sandglass_granular_desc& desc, Layout* layout);
 void carry_reset(Carry* carry);
 void carry_begin_frame(Carry* carry, const Granular& granular, bool jumped, bool moving);
-// The optional units of the frame are over. A lag that nobody sees is made up in the next one.
+// The optional units of the frame are over. Sand is carried now, unless it lags so little that nobody sees it.
 void carry_close(Carry* carry, const Granular& granular);
 // Whether units are to come, and the items of the next.
 bool carry_is_due(const Granular& granular);
 void carry_unit(const Granular& granular, WorkUnit* unit);
-// The largest number of items of lately for what gives way.
+// How many items recent frames took for what gives way, at most.
 uint32_t giving_usual(const Carry& carry);
 // Units of a carry of all particles; and whether the end of this frame may have them.
 uint32_t carry_units(const Granular& granular);
 bool carry_is_expected(const Granular& granular);
-// The carriers are known. faster: what their velocities are over those before.
+// The carriers are known. `faster`: their velocities over those before.
 void carry_begin(Carry* carry, const Granular& granular, float faster);
 // Which of the carriers share a motion.
 void carry_find_groups(Carry* carry, const Granular& granular);
 // One unit. True once all particles are carried.
 bool carry_run(Carry* carry, const Granular& granular);
 void carry_end(Carry* carry);
-// A box around all that was moved, where it was and where it is, and as much wider.
+// A box around all that was moved, where it was and where it is, wider by `margin`.
 Bounds carry_bounds(const Carry& carry, float margin);
 // Whether particles that are held by different groups, or not at all, may be near each other.
 bool carry_mixes(const Granular& granular);
@@ -315,9 +332,10 @@ struct BodyMatch {
 struct Bodies {
   RigidBody* all;
   float* rest_shape;  // 3 a slot: position from the centre of mass, unturned
-  uint32_t* rows;     // the index of each slot's particle
-  uint32_t* numbers;  // and its number
-  uint32_t* inside;   // of each body: particles that the drain under way found in a sink
+  // Of each slot: its particle's index, and its number.
+  uint32_t *rows, *numbers;
+  // Of each body: particles that the drain under way found in a sink.
+  uint32_t* inside;
   uint32_t count, particle_count;
   float densest;  // density relative to sand
   // Progress of the phase: the particles of a body are summed up, then moved.
@@ -395,10 +413,14 @@ enum class GroupState : uint8_t { asleep, active, waking };
 // Where a particle last moved on, and for how long it has stayed near. Kept by the particle's number.
 struct Anchor {
   float position[3];
-  uint16_t quiet;      // checks in a row that found it near (sleep.cpp: and one bit); k_asleep: it sleeps
-  uint8_t carried;     // contacts from it that a slow carrier still keeps awake
-  uint8_t woken;       // how often it woke since it moved on, 8 at most
-  uint32_t body_slot;  // of a body's particle: its place in the arrays of Bodies
+  // Checks in a row that found it near, and two bits (sleep.cpp). k_asleep: it sleeps.
+  uint16_t quiet;
+  // How many contacts further a slow carrier still keeps particles awake.
+  uint8_t carried;
+  // How often it woke since it moved on, 8 at most.
+  uint8_t woken;
+  // Of a body's particle: its place in the arrays of Bodies.
+  uint32_t body_slot;
 };
 constexpr uint16_t k_asleep = 0xffff;
 
@@ -460,7 +482,7 @@ bool sleep_run_touch(Sleep* sleep, const Granular& granular, uint32_t* cursor);
 bool sleep_run_wake(Sleep* sleep, const Granular& granular, uint32_t* cursor);
 bool sleep_run_sleep(Sleep* sleep, const Granular& granular, uint32_t* cursor);
 bool sleep_run_wake_lists(Sleep* sleep, const Granular& granular, uint32_t* cursor, FrameCounts* counts);
-// Bodies whose particles have all kept still fall asleep: whether this one does.
+// A body whose particles have all kept still falls asleep. Whether this one does.
 bool sleep_put_body(Sleep* sleep, const Granular& granular, const RigidBody& body);
 // Who sleeps has changed: which groups the passes run over.
 void sleep_collect_groups(Sleep* sleep, const Granular& granular);

@@ -44,7 +44,8 @@ struct SceneMove {
 struct KnownCollider {
   uint32_t used;
   uint32_t id;
-  uint32_t place, listed;  // in the last list: among the usable colliders, among all
+  // Its place in the last list: among the usable colliders, and among all.
+  uint32_t place, listed;
   sandglass_shape shape;
   float absent;  // seconds since it was last passed
   HeldPose pose;
@@ -81,57 +82,76 @@ struct Carrier {
 };
 
 struct Colliders {
-  KnownCollider* known;         // one a slot
-  sandglass_collider* of_slot;  // of this frame, as sand meets them, one a slot
-  SeenBy* seen_by;              // in this frame, one a slot
-  sandglass_collider* given;    // of this frame, as sand meets them, in the order in which they push
-  uint32_t* slots;              // of `given`
-  float (*slides_of_slot)[6];   // of each slot, the part of its velocities that does not move its pose: linear, angular
-  const float** slides;         // the same, of each `given`
-  uint32_t* slot_of_place;      // of the usable colliders of this frame's list
-  Pose* met;                    // where sand met them last, before this frame, one a slot
-  uint8_t* jumps;               // 1: it has jumped, in this frame, one a slot; or k_is_new
-  Pose* ends;                   // where they are at the frame's end, one a slot
-  Carrier* carriers;            // of the solid ones of `given`
-  uint32_t* substep_slots;      // of `substep_frames`
-  ColliderFrame* substep_frames;     // posed for the sub-step
-  ColliderFrame* sweep_frames;       // posed for the grains' sweep
-  ColliderFrame* sweep_step_frames;  // the same after each step of the sweep but the last
+  // One a slot: what is known, this frame's collider as sand meets it, and who sees it.
+  KnownCollider* known;
+  sandglass_collider* of_slot;
+  SeenBy* seen_by;
+  // This frame's colliders as sand meets them, in the order in which they push, and their slots.
+  sandglass_collider* given;
+  uint32_t* slots;
+  // The part of a collider's velocities, linear and angular, that does not move its pose: one a slot, and of each
+  // `given`.
+  float (*slides_of_slot)[6];
+  const float** slides;
+  // The slots of this frame's list, by place among the usable colliders.
+  uint32_t* slot_of_place;
+  // One a slot: where sand met it last, before this frame.
+  Pose* met;
+  // One a slot: 1 where it has jumped in this frame; or k_is_new.
+  uint8_t* jumps;
+  // One a slot: where it is at the frame's end.
+  Pose* ends;
+  // Of the solid ones of `given`.
+  Carrier* carriers;
+  // Posed for the sub-step, with their slots.
+  uint32_t* substep_slots;
+  ColliderFrame* substep_frames;
+  // Posed for the grains' sweep; and after each step of it but the last.
+  ColliderFrame* sweep_frames;
+  ColliderFrame* sweep_step_frames;
   // How many were posed. A step that goes on in the next frame ends with the colliders with which it began.
   uint32_t substep_count, sweep_count;
-  uint32_t sweep_step_frame_count;  // 0: they are met where they end
+  // 0: grains meet colliders where these end, in all steps.
+  uint32_t sweep_step_frame_count;
+  // All of `given`; and those that particles see, too, which come first.
   uint32_t count;
-  uint32_t solid_count;  // those that particles see; they come first
-  bool jumped;           // in this frame, one of these
-  bool arrived;          // at the end of the last one, they were carried to where the app gives them
+  uint32_t solid_count;
+  // A solid one has jumped in this frame.
+  bool jumped;
+  // At the end of the last frame, colliders were carried to where the app gives them.
+  bool arrived;
   ColliderWatch for_particles, for_grains;
-  bool waits;  // after saving or restoring: as long as no collider is passed, the planes are not found yet
+  // After saving or restoring, until a collider is passed.
+  bool waits;
 };
 constexpr uint32_t k_no_slot = ~0u;
-constexpr uint8_t k_is_new = 2;  // another one had the slot, or nothing is known of where it was
+constexpr uint8_t k_is_new = 2;  // another collider had the slot, or nobody knows where this one was
 
 void colliders_layout(Colliders* colliders, const sandglass_granular_desc& desc, Layout* layout);
 void colliders_reset(Colliders* colliders, const sandglass_granular_desc& desc);
 
-// Takes a frame's colliders. Counts those that it leaves out. owed: the time debt, in seconds, before the frame's time
-// step was added. Sand that owes time has not met all of the colliders' earlier motion yet. So a collider goes what
-// is left of that, and this frame's motion, spread over all the simulated time left: one that stops has not jumped.
+// Takes a frame's colliders. Counts those that it leaves out. `owed`: the time debt, in seconds, before the frame's
+// time step was added.
 //
-// In slow motion it goes from where sand met it last, at SimulatedTime::rate of its velocity. In the rest of its
-// motion it carries what it holds (Carry, in solver.h), and ends where the app gives it.
+// With a time debt, sand has not met all of the colliders' earlier motion yet. So what is left of that motion and this
+// frame's are spread over all the simulated time that is left: a collider that stops has not jumped.
 //
-// The smallest push first. The last one to push is not entered: a hand presses no sand through the table.
+// In slow motion a collider goes from where sand met it last, at SimulatedTime::rate of its velocity. In the rest of
+// its motion it carries what it holds (Carry, in solver.h), and ends where the app gives it.
+//
+// The smallest push first. Sand cannot enter the last one to push: a hand presses no sand through the table.
 void colliders_take(Colliders* colliders, const Granular& granular, const sandglass_frame_input& input, double owed,
                     FrameCounts* counts);
-// Finds what has changed for the particles since they were last woken. A change makes the touch phase due; after it they
-// have seen the colliders as they are.
+// Finds what has changed for the particles since they were last woken. A change makes the touch phase due. After that
+// phase, colliders_seen_by_particles notes the colliders as they are.
 bool colliders_find_moved(Colliders* colliders, const Granular& granular);
 void colliders_seen_by_particles(Colliders* colliders, const Granular& granular);
 // The same for the grains, which see them at once.
 void colliders_find_moved_for_grains(Colliders* colliders, const Granular& granular);
 // Poses them as they are `before` seconds before the end of the frame.
 void colliders_begin_substep(Colliders* colliders, float before);
-// from: where they were when the sweep before ended, by slot; null: they are met where this one ends, in all its steps.
+// `from`: where they were when the sweep before ended, by slot. Null: grains meet them where this sweep ends, in all
+// steps.
 void colliders_begin_sweep(Colliders* colliders, float before, const RigidPose* from, uint32_t steps);
 // A pose between two.
 ColliderFrame collider_between(const RigidPose& from, const ColliderFrame& to, float share);
@@ -140,19 +160,20 @@ RigidPose rigid_pose(const ColliderFrame& frame);
 bool colliders_move_sand(const Granular& granular);
 // Whether more than one ball or box alone moves: sand may stand in what does.
 bool colliders_may_hold(const Granular& granular);
-// How they go on without sand. At the begin of a frame: those that jumped. At its end: what is left of their motions
-// in the time debt. From then on they are where the app gives them, with velocities `faster` times as large.
+// Carriers of colliders that have jumped, at the begin of a frame.
 void colliders_find_jumps(Colliders* colliders, const Granular& granular);
-// And for grains: from these poses, by slot. moves: which count as moving even where they stand.
+// Carriers for grains: from these poses, by slot. `moves`: which count as moving even where they stand.
 void colliders_find_motions(Colliders* colliders, const RigidPose* from, const uint8_t* moves);
 // Where sand met one of `given` last, before this frame.
 void colliders_pose_met(const Granular& granular, uint32_t index, ColliderFrame* frame);
+// At a frame's end: all go where the app gives them, with velocities `faster` times as large. Carriers of what that
+// leaves out for sand.
 void colliders_arrive(Colliders* colliders, const Granular& granular, float faster);
-// Seconds before they are where `given` has them: there sand has met them.
+// How many seconds sand is behind `given`: it has met the colliders as they were then.
 float colliders_behind(const Granular& granular);
-// Metres by which sand lags behind where the app gives them, at the frame's end.
+// How many metres sand is behind where the app gives the colliders, at the frame's end.
 float colliders_lag(const Granular& granular);
-// Metres a second that what they carry may gain by that.
+// Metres a second that carried sand may gain as velocities become `faster` times as large.
 float colliders_gain(const Colliders& colliders, float faster);
 // The sub-step under way goes on where its colliders were carried.
 void colliders_carry_substep(Colliders* colliders, float faster);
@@ -189,16 +210,19 @@ void colliders_pose(const sandglass_collider* colliders, uint32_t count, float b
 // Numbers of removed items are used again, the last removed first.
 
 struct EmitterState {
-  double run;       // metres that sand has come since the last layer, by the speeds of the time
-  uint32_t layer;   // layers so far
-  float origin[3];  // a point of the last layer's lattice, where the layer left the nozzle, world, metres
+  // Metres that sand has left the nozzle since the last layer, summed up frame by frame.
+  double run;
+  uint32_t layer;  // layers so far
+  // A point of the last layer's lattice as it left the nozzle, world, metres.
+  float origin[3];
 };
 
 struct Nozzle {
   sandglass_emitter emitter;  // with the speed that it has, and a rotation of length 1
   float axes[3][3];           // local x, y, z in the world
   float shift[2];             // of the coming layer's lattice along x and z, metres
-  uint32_t sites[2];          // of an even and of an odd layer that is not shifted; 0: not counted yet
+  // Sites of an even layer and of an odd one, not shifted. 0: not counted yet.
+  uint32_t sites[2];
 };
 
 struct Sites;
@@ -217,8 +241,9 @@ struct Flow {
   uint32_t free_particle_count, free_grain_count;
   Nozzle* nozzles;  // of this frame
   EmitterState* emitter_states;
-  Sites* sites;          // of the layer that comes
-  Batch* batch;          // of it, what is added next
+  // The layer that is being poured, and what of it is added next.
+  Sites* sites;
+  Batch* batch;
   ColliderFrame* sinks;  // of this frame
   uint32_t emitter_count, sink_count;
   FlowCounts counts;
@@ -252,8 +277,8 @@ bool inlet_let_in(const Inlet& inlet, const float* positions, const float* veloc
 // Lets in the layers that are due. The colliders are those of the coming sub-step.
 void flow_emit(Flow* flow, const Granular& granular, const Inlet& inlet, FrameCounts* counts);
 
-// Which of a group's items lie inside the shapes, from the last to the first: then what moves into the gap of one that
-// is taken out has been looked at. Returns how many.
+// Which of a group's items lie inside the shapes, from the last to the first: an item that moves into the gap of one
+// that is taken out has then been looked at already. Returns how many.
 uint32_t flow_find_inside(const Granular& granular, const Record* records, uint32_t count, uint32_t first,
                           const ColliderFrame* shapes, uint32_t shape_count, uint32_t found[k_lane_group]);
 // The same of what the frame's sinks or the void take: sand that is awake, and grains. Bodies note what of them is
