@@ -29,7 +29,7 @@ struct DrawnSand {
   float radius;  // metres
   const SkinState* skin;
   uint32_t version;  // of the skin
-  bool moving;       // some of it is awake
+  bool moving;       // some sand is awake
 };
 
 // What a capability may look at as a frame begins.
@@ -43,14 +43,14 @@ struct FrameView {
 struct Capability {
   // Returns how many of its units this frame must run.
   uint32_t (*begin_frame)(void* handle, const FrameView& view);
-  // These three as in Stage. With several handles in a group, what is left of one kind is added up.
+  // These three are as in Stage. Forecasts of several handles are added up kind by kind.
   bool (*next)(const void* handle, uint32_t level, WorkUnit* unit);
   void (*run)(void* handle, uint32_t level);
   uint32_t (*forecast)(const void* handle, uint32_t level, Forecast* entries);
   // Whether it has begun what it must complete before others of its group have a turn.
   bool (*under_way)(const void* handle);
-  // Of those of its handles that have work, the one where this is greatest comes first. NULL: the one under way, then the one
-  // that was served longest ago.
+  // Of its handles that have work, the one for which this is greatest comes first. NULL: the one under way, then the
+  // one that was served longest ago.
   double (*urgency)(const void* handle) = nullptr;
   // Called for each of its handles once one of them, `by`, has run a unit. May be NULL.
   void (*served)(void* handle, const void* by) = nullptr;

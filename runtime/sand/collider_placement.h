@@ -26,13 +26,13 @@ inline void place(sandglass_collider* c, const Placement& p) {
   __builtin_memcpy(reinterpret_cast<uint8_t*>(c) + k_placement_at, &p, sizeof p);
 }
 
-// Where it is `before` seconds before it is there.
+// The pose `before` seconds before the placement.
 Pose pose_before(const Placement& at, const float slide[6], float before);
-// Metres a second that a point of it moves at, at most; of a half-space, one metre away.
+// The greatest speed of a point of it, m/s; of a half-space, of a point one metre away.
 float fastness(const sandglass_collider& collider);
 HoldRule hold_rule(const Granular& granular);
-// A field that is not passed any longer may be gone, while a step that meets it is under way. A ball of no size, far
-// from everything, takes its place.
+// The app may free a field that it does not pass any more, while a step that meets it is under way. A ball of no size,
+// far from everything, takes its place.
 void colliders_drop_gone_fields(Colliders* colliders);
 
 inline float length_of(const float v[3]) { return __builtin_sqrtf(square_of(quad(v))); }

@@ -70,7 +70,7 @@ struct Granular {
   sandglass_granular_desc desc;
   float gravity[3];
   float gravity_length;
-  float resting_gravity[3];  // when what sleeps was last woken by it: they sleep under that or nearly that
+  float resting_gravity[3];  // under which all that sleeps fell asleep, nearly
   uint32_t unit;             // items of a work unit
   const Kernels* kernels;
   sandglass_parallel parallel;
@@ -111,15 +111,15 @@ void granular_layout(Granular* granular, const sandglass_granular_desc& desc, La
 // After layout: takes the rest of the description, and chooses what it leaves to the library.
 void granular_configure(Granular* granular, const sandglass_scene_desc& desc, const Kernels* kernels);
 
-// Whether it is finite and not too large.
+// Whether this gravity is finite and not too large.
 bool gravity_fits(const float gravity[3]);
-// Gravity, and the sub-steps that go with it. Sleepers feel it.
+// Sets gravity and the limits of sub-steps that follow from it, and wakes what has to wake.
 void granular_set_gravity(Granular* granular, const float gravity[3]);
 // Wakes what sleeps where gravity differs by enough from that under which it fell asleep.
 void granular_feel_gravity(Granular* granular);
-// What sleeps fell asleep under this gravity.
+// From now on this is the gravity under which what sleeps fell asleep.
 void granular_set_resting_gravity(Granular* granular, const float gravity[3]);
-// Friction from now on. Wakes nobody.
+// Sets friction. Wakes nobody.
 void granular_take_friction(Granular* granular, float static_friction, float kinetic_friction);
 
 // To the state without material. The description and the regions are in place.
@@ -144,7 +144,7 @@ void granular_pour(Granular* granular);
 
 // Everything wakes. Only outside a frame.
 void granular_wake_all(Granular* granular);
-// Nothing has departed, for all that is known. Finds what rests.
+// From now on no particle counts as departed. Finds what rests.
 void granular_forget_departed(Granular* granular);
 // Puts inert particles with empty lists behind the last one, so that kernels may process whole vectors.
 void granular_seal(Granular* granular);
@@ -154,10 +154,10 @@ void granular_seal(Granular* granular);
 void granular_take_out_particle(Granular* granular, uint32_t i);
 void granular_take_out_grain(Granular* granular, uint32_t i);
 void granular_take_out_body(Granular* granular, uint32_t index);
-// What sinks or the void take of the group that begins at `first`. Returns how many.
+// Takes out what of the group that begins at `first` is in a sink, or has fallen or flown too far. Returns how many.
 uint32_t granular_drain_particles(Granular* granular, uint32_t first);
 uint32_t granular_drain_grains(Granular* granular, uint32_t first);
-// After particles were taken out: indices mean others now.
+// After particles were taken out: their indices have changed.
 void granular_after_removal(Granular* granular);
 
 // What the app does between frames (edit_*.cpp).
@@ -198,11 +198,12 @@ struct SavedScene {
   uint32_t particles, free_particles, grains, free_grains, boundary, bodies, body_particles;
   SavedState state;
 };
-// Of a settled scene (save.cpp): its length in bytes; the bytes; whether bytes are those of a scene that this one has room
-// for; and then its arrays and numbers from them. False: they contradict each other.
+// Saving a settled scene (save.cpp): how many bytes, and the bytes.
 uint64_t granular_save_bytes(const Granular& granular);
 sandglass_status saved_write(const Granular& granular, void* data, uint64_t bytes, uint64_t* written,
                              const char** reason);
+// Whether bytes are a saved scene that this one has room for. Then saved_read reads its arrays and numbers. False: they
+// contradict each other.
 sandglass_status saved_check(const Granular& granular, const void* data, uint64_t bytes, const char** reason);
 bool saved_read(const Granular& granular, const void* data, SavedScene* saved);
 

@@ -1,4 +1,4 @@
-// Poses, and how far the surfaces of shapes at them are apart where sand is. For held poses alone.
+// Poses, and distances between the surfaces of a shape at two poses, where sand is. For held poses alone.
 #pragma once
 
 #include "runtime/math/rotation.h"
@@ -12,9 +12,9 @@ inline float length3(const float v[3]) { return __builtin_sqrtf(dot3(v, v)); }
 inline float minimum(float a, float b) { return a < b ? a : b; }
 inline float maximum(float a, float b) { return a > b ? a : b; }
 
-// By how much the sizes differ at most.
+// The largest difference of a size.
 float grown(const Pose& from, const Pose& to);
-// As far as points of the shape are from its position; of a half-space, as far as sand is.
+// The largest distance of a point of the shape from its position; of a half-space, of sand.
 float reach_of(sandglass_shape shape, const Pose& pose, const HoldRule& rule);
 // The box of the sand that is near a shape; all of the shape's own box where none is.
 void near_box(sandglass_shape shape, const Pose& pose, const HoldRule& rule, float low[3], float high[3]);
@@ -32,9 +32,9 @@ bool sand_beyond(const Face& from, const Face& to, const float low[3], const flo
 Pose between(const Pose& from, const Pose& to, float share);
 // Shift and turn from one pose to another; the turn about the world's axes, as colliders_pose undoes it.
 void motion_between(const Pose& from, const Pose& to, float shift[3], float turn[3]);
-// Where a pose is when it has gone on at a velocity.
+// A pose that has gone on at a velocity for some seconds.
 Pose advanced(const Pose& from, const float linear[3], const float angular[3], float seconds);
-// A pose, moved as little as makes its face along a local axis lie where `face` does.
+// A pose, moved as little as possible so that its face along a local axis lies where `face` does.
 Pose laid(const Pose& pose, int axis, float side, const Face& face);
 
 }  // namespace sandglass

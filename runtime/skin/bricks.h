@@ -15,7 +15,7 @@ constexpr uint32_t k_brick_layer = k_brick_side * k_brick_side, k_brick_nodes = 
 constexpr uint32_t k_chunk_shift = 2, k_chunk_bricks = 1u << k_chunk_shift;  // along an axis
 constexpr uint16_t k_vertex_none = 0xffff;
 
-// Of a node by its place along an axis, in nodes: the brick along that axis, and the place in there.
+// A node's place along an axis, counted in nodes, gives the brick along that axis and the node's place in the brick.
 template <class T>
 constexpr T brick_along(T node) {
   return node >> k_brick_shift;
@@ -28,8 +28,8 @@ constexpr uint32_t node_along(T node) {
 // The place of a brick's first node.
 constexpr int32_t first_node(int32_t brick) { return brick * static_cast<int32_t>(k_brick_side); }
 
-// Of a node by its place in a brick: where it stands in an array of BrickNodes. Of its row: where that does. Of its
-// column: as of its node in the layer y = 0.
+// Indices into the arrays of BrickNodes by a node's place in its brick: of the node, and of its row along x. The index
+// of a column along y is that of its node in the layer y = 0.
 constexpr uint32_t k_node_step[3] = {1, k_brick_layer, k_brick_side};
 constexpr uint32_t node_index(uint32_t x, uint32_t y, uint32_t z) { return x + k_brick_layer * y + k_brick_side * z; }
 constexpr uint32_t row_index(uint32_t y, uint32_t z) { return k_brick_side * y + z; }
@@ -37,8 +37,8 @@ inline uint32_t node_of(const int32_t cell[3]) {
   return node_index(node_along(cell[0]), node_along(cell[1]), node_along(cell[2]));
 }
 
-// Of a brick of the 3^3 around one, which is at 1, 1, 1: where it stands in Brick::around. And where one beside it
-// does: so much on from it along x, y, z.
+// Indices into Brick::around: of a brick of the 3^3 about one, which itself is at 1, 1, 1. The next brick along x, y or
+// z has an index larger by k_around_step.
 constexpr uint32_t k_around_step[3] = {1, 9, 3};
 constexpr uint32_t around_index(uint32_t x, uint32_t y, uint32_t z) {
   return k_around_step[0] * x + k_around_step[1] * y + k_around_step[2] * z;
@@ -48,15 +48,15 @@ constexpr uint32_t around_y(uint32_t k) { return k / 9; }
 constexpr uint32_t around_z(uint32_t k) { return k / 3 % 3; }
 constexpr uint32_t k_brick_itself = around_index(1, 1, 1), k_bricks_around = 27;
 constexpr uint32_t k_all_around = (1u << k_bricks_around) - 1;
-// The one in which a node lies whose place is counted from the first's nodes on: 0..2 * k_brick_side - 1 along each
-// axis.
+// The index of the brick in which a node lies whose place is counted on from the first node of the brick itself:
+// 0..2 * k_brick_side - 1 along each axis.
 constexpr uint32_t brick_around(uint32_t x, uint32_t y, uint32_t z) {
   return around_index(1 + brick_along(x), 1 + brick_along(y), 1 + brick_along(z));
 }
-// As one of them sees the first.
+// The index of the brick itself among those around the brick at `around`.
 constexpr uint32_t seen_from(uint32_t around) { return k_bricks_around - 1 - around; }
 
-// What has to be made anew of a brick, as bits.
+// What of a brick has to be made anew, as bits.
 enum : uint32_t { k_stale_solid = 1, k_stale_density = 2, k_stale_fill = 4, k_stale_calm = 8, k_stale_mesh = 16 };
 
 struct Brick {
@@ -66,20 +66,20 @@ struct Brick {
   uint32_t chunk;
   uint32_t stale;
   uint32_t touches;          // particles that are in its sums
-  uint32_t wants;            // bits of `around` that its density reaches
+  uint32_t wants;            // bits of `around`: the bricks that its density reaches
   uint32_t first, count;     // its vertices, from the chunk's first
   bool open;                 // no collider is near
   bool walled;               // some of BrickNodes::walls is not 0
-  bool room_known;           // BrickNodes::room is that of the colliders
-  bool dense, filled, calm;  // some of that is above 0
+  bool room_known;           // BrickNodes::room is up to date
+  bool dense, filled, calm;  // some of BrickNodes::density, filled, calm is above 0
 };
 
 // What one brick holds, in the order of node_index, row_index or columns.
 struct BrickNodes {
   uint32_t sums[k_brick_nodes];
   uint16_t density[k_brick_nodes], filled[k_brick_nodes], calm[k_brick_nodes];
-  uint16_t part[k_brick_nodes];        // of what is filled: what takes part in the filter
-  uint16_t room[k_brick_nodes];        // the free shares through the filter, in k_skin_one
+  uint16_t part[k_brick_nodes];        // the part of `filled` that goes into the filter
+  uint16_t room[k_brick_nodes];        // what the filter makes of the free shares, in k_skin_one
   uint8_t solid[k_brick_nodes];        // 128 + 48 times the distance to the nearest collider, in nodes
   uint8_t walls[k_brick_nodes];        // bits: a solid lies between this node and the next one along x, y, z
   uint16_t stands[k_brick_layer];      // of each column: bits of the nodes that hold sand or are solid
@@ -100,18 +100,18 @@ struct SkinChunk {
 
 struct SkinChunks {
   SkinChunk* records;
-  // Their numbers, by place.
+  // Numbers of chunks, sorted by place.
   uint32_t* order;
   uint32_t capacity, count;
 };
 
-// Which bricks there are. What stands in records and nodes is what all phases work on.
+// Which bricks there are. All phases work on what records and nodes hold.
 struct SkinBricks {
   Brick* records;
   BrickNodes* nodes;
   // Room for so many; and how many were ever used.
   uint32_t capacity, count;
-  // The numbers of those that are not used any more.
+  // Numbers that are free again.
   uint32_t* free;
   uint32_t free_count;
   // An open hash table: the number of a brick, plus 1.
@@ -120,16 +120,16 @@ struct SkinBricks {
   SkinChunks chunks;
 };
 
-// Where the brick is that `around` of one at `at` has at k.
+// The place of the brick with index k around a brick at `at`.
 void brick_beside(const int32_t at[3], uint32_t k, int32_t other[3]);
 uint32_t brick_find(const SkinBricks& bricks, const int32_t at[3]);
-// Makes it where it is not there; k_none: there is no room.
+// Finds or makes a brick; k_none: there is no room.
 uint32_t brick_make(SkinBricks* bricks, const int32_t at[3]);
 void brick_release(SkinBricks* bricks, uint32_t brick);
-// There are none.
+// From now on there are none.
 void bricks_forget(SkinBricks* bricks);
 
-// Marks the bricks around one, by bits of its `around`.
+// Marks the bricks around one: those of the bits of `around`.
 inline void mark_around(SkinBricks* bricks, const Brick& brick, uint32_t around, uint32_t stale) {
   for (; around != 0; around &= around - 1) {
     const uint32_t other = brick.around[__builtin_ctz(around)];
@@ -139,9 +139,9 @@ inline void mark_around(SkinBricks* bricks, const Brick& brick, uint32_t around,
 
 // ---- reading a brick and those around it
 
-// Calls task(y, z, before, own, after) for each row of a brick and of the bricks around, `apron` nodes beyond it on
-// every side: where a value of its eight nodes stands, and those of the rows before and after it. `outside` where there
-// is no brick.
+// Calls task(y, z, before, own, after) for each row along x of a brick, and of the bricks around up to `apron` nodes
+// beyond it. `own` points to the row's eight values in the middle; `before` and `after` to those of the bricks at lower
+// and higher x. Where there is no brick they are `outside`.
 template <uint32_t apron, class T, class Task>
 void each_row(const SkinBricks& bricks, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], T outside,
               Task task) {
@@ -172,7 +172,8 @@ void each_row(const SkinBricks& bricks, const Brick& brick, T (BrickNodes::*fiel
     }
 }
 
-// A value of a brick's nodes and of those around: a cube of k_brick_side + 2 * apron, in the order of nodes.
+// A field of a brick's nodes and of the nodes up to `apron` beyond it: a cube of k_brick_side + 2 * apron, in the order
+// of nodes.
 template <uint32_t apron, class T>
 void brick_block(const SkinBricks& bricks, const Brick& brick, T (BrickNodes::*field)[k_brick_nodes], T outside,
                  T* block) {
@@ -197,7 +198,7 @@ inline bool has_walls(const SkinBricks& bricks, const Brick& brick) {
 struct CellValues {
   float v[8] = {};
   CellValues() = default;
-  // The first one's place, and how far the others are along x, y and z.
+  // The first node's address, and how far the next ones are along x, y and z.
   template <class T>
   CellValues(const T* node, const uint32_t step[3]) {
     for (uint32_t c = 0; c < 8; ++c)

@@ -64,7 +64,7 @@ void begin_carry(SkinCarry* carry, const SkinState& s) {
   carry->frame = s.frame;
   carry->substeps = s.granular->counts.moments();
   carry->record = carry->chunk = carry->flying = carry->lying = 0;
-  carry->left = 0;
+  carry->left_surplus = 0;
   carry->motion = k_none;
   carry->changed = false;
   for (uint32_t i = 0; i < s.desc.particle_capacity; ++i) carry->carried[i] = {Quad{}, k_none, k_none};
@@ -101,7 +101,7 @@ bool find_offset(SkinCarry* carry, const SkinState& s, const Particle& p, SkinCa
   const float scale = square > offset_max * offset_max ? offset_max / __builtin_sqrtf(square) : 1.0f;
   carried->offset = square > offset_min * offset_min ? scale * offset : Quad{};
   if (carried->loose != k_none) return true;
-  carry->left += square > left * left ? 1 : -1;
+  carry->left_surplus += square > left * left ? 1 : -1;
   return square < other * other;
 }
 
@@ -196,7 +196,7 @@ void end_carry(SkinShown* shown, const SkinCarry& carry, uint32_t capacity) {
   shown->lying = carry.lying;
   shown->frame = carry.frame;
   shown->substeps = carry.substeps;
-  shown->lost = shown->lost || carry.left > 0;
+  shown->lost = shown->lost || carry.left_surplus > 0;
   if (carry.changed || changed) ++shown->version;
 }
 

@@ -48,14 +48,14 @@ inline Row solid_at(const uint8_t* solid) {
   return __builtin_convertvector(eight, Row);
 }
 
-// How near to a brick's faces a node may be and count beyond them: below and above along an axis.
+// How many nodes from a brick's faces what is there counts for the next brick: low and high along x and z, down and up.
 struct Reach {
   uint32_t low, high, down, up;
 };
 constexpr Reach k_wanted = {6, 6, 6, 2}, k_filter_reach = {1, 1, 1, 1}, k_mesh_reach = {2, 1, 2, 1};
 
-// Bits of Brick::around that nodes reach, by the planes along each axis in which they are; its own one where there are
-// any.
+// Bits of Brick::around: the bricks that some nodes reach, given the planes along each axis in which these nodes are.
+// The brick itself is among them if there are any nodes.
 inline uint32_t around_of(Row any_x, uint32_t any_y, uint32_t any_z, const Reach& reach) {
   if (any_y == 0) return 0;
   uint32_t bits_x = 0, bits = 0;
@@ -70,7 +70,7 @@ inline uint32_t around_of(Row any_x, uint32_t any_y, uint32_t any_z, const Reach
   return bits;
 }
 
-// `found` tells of a row which nodes count.
+// The same for the nodes that `found` returns of each row.
 template <class Found>
 inline uint32_t reach_of(const Reach& reach, Found found) {
   Row any_x = {}, along_y[k_brick_side] = {}, along_z[k_brick_side] = {};

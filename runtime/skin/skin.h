@@ -62,10 +62,11 @@ struct SkinLattice {
   // Lattice axis a is the world's axis[a], times sign[a].
   uint32_t axis[3];
   float sign[3];
-  // Where "up" is, along the lattice's axes; and whether there is gravity.
+  // The direction "up" along the lattice's axes.
   float up[3];
+  // There is gravity.
   bool falls;
-  // How far the nodes of a layer move aside for one of height, in k_skin_one of a node.
+  // How far the next layer of nodes up lies aside along x and z, in k_skin_one of a node.
   int32_t lean[2];
 };
 
@@ -91,8 +92,9 @@ struct SkinSolids {
   // Slots of those that move.
   uint32_t* movers;
   uint32_t mover_count;
-  // Of the brick under way: its nodes, and those after it along each axis; and what it held before.
+  // Of the brick under way: its nodes and the next ones after it along each axis.
   SurfacePoint* points;
+  // BrickNodes::solid and walls of that brick, as they were.
   uint8_t *solid_before, *walls_before;
 };
 
@@ -101,9 +103,10 @@ struct SkinSolids {
 // A particle as it was last summed, by number.
 struct SkinParticle {
   int32_t at[3];        // in k_skin_steps of a node
-  uint32_t next, last;  // of the same cell
-  uint8_t share;        // of it that is summed, 1..k_skin_shares; 0: none
-  uint8_t seen, moved;  // the cycles in which it was last there, and last summed anew, modulo 256
+  uint32_t next, last;  // numbers of the next and the last particle of the same cell
+  uint8_t share;        // k_skin_shares are a whole particle; 0: it is not summed
+  // The cycles in which it was last there, and last summed anew, modulo 256.
+  uint8_t seen, moved;
 };
 
 // A particle as a skin finds it.
@@ -119,28 +122,30 @@ struct SkinSand {
   // The moment at which sand was taken last: a frame, and so many of its sub-steps.
   uint64_t frame;
   uint32_t substeps;
-  // How often it was taken anew for this skin; and whether particles moved on while it was.
+  // How often it was taken anew for this skin.
   uint32_t restarts;
+  // Particles moved on while sand was taken.
   bool missing;
   SkinTaken* taken;
   uint32_t taken_count;
-  // What comes next: of the scene's particles to be taken, of `taken` to be gathered, of `particles` to be missed.
+  // The next item of each phase: a particle of the scene to take, one of `taken` to gather, a number to look for in
+  // gather_gone.
   uint32_t next_record, next_taken, next_number;
-  // By number, of which so many have been seen.
+  // By number; and how many numbers there have been.
   SkinParticle* particles;
   uint32_t numbers;
-  // Where each was gathered, by number: three each; k_skin_nowhere: it was not.
+  // By number, three coordinates each: where the particle was gathered. k_skin_nowhere: it was not.
   float* from;
   // Particles for which there was no room.
   uint32_t left_out;
-  // Of skins, modulo 256.
+  // Counts skins, modulo 256.
   uint8_t cycle;
 };
 
 // ---- SkinFilter (density.cpp)
 
 struct SkinFilter {
-  // The brick at which those that are stale are looked for.
+  // The next brick of which the phase asks whether it is stale.
   uint32_t next;
   // k_skin_one over the free share, by BrickNodes::solid.
   uint16_t by_free[256];
@@ -151,7 +156,7 @@ struct SkinFilter {
 // Bricks of one height are a level. Levels are filled from the highest one down, each layer by layer.
 struct SkinFill {
   int32_t level, level_low;
-  // k_brick_side: the level's bricks are still to be found.
+  // The next layer. k_brick_side: the level's bricks are still to be found.
   uint32_t layer;
   // Bricks of the level, and the next one of them.
   uint32_t* work;
@@ -191,13 +196,12 @@ struct SkinMeshes {
   // The mesh that was made last, and the one under way.
   SkinMesh front, back;
   uint32_t vertex_capacity, index_capacity;
-  // The next chunk in their order, and step in it: first the vertices of each of its bricks, then the triangles of
-  // each.
+  // The next chunk in their order, and the next step in it: vertices of each of its bricks, then triangles of each.
   uint32_t chunk, step;
-  // Of the sand that was taken, for the loose sand.
+  // The next of SkinSand::taken that may be loose.
   uint32_t next_loose;
   SkinBlocks* blocks;
-  // Of a chunk's outer bricks: the index of each cell's vertex in this chunk.
+  // Of each cell in a chunk's outer bricks: the index of its vertex in this chunk.
   uint16_t* outer;
 };
 
@@ -206,21 +210,21 @@ struct SkinMeshes {
 // Of a particle, by number.
 struct SkinCarried {
   Quad offset;      // its displacement, less that of the motion
-  uint32_t loose;   // of the mesh's list
-  uint32_t motion;  // of SkinCarry::motions; k_none: it goes with none
+  uint32_t loose;   // its index in the mesh's list of loose sand; k_none: it is not in there
+  uint32_t motion;  // in SkinCarry::motions; k_none: it goes with none
 };
 
-// How colliders have gone since the mesh was gathered.
+// How colliders have moved since the mesh was gathered.
 struct SkinMotion : RigidMotion {
   bool encloses;  // a field that is solid outside: its sand goes with no other
 };
 constexpr uint32_t k_skin_motions = 16;
 
 struct SkinCarry {
-  // Of the mesh that was made last: where its sand was gathered, as SkinSand::from, and colliders then.
+  // Of the mesh that was made last: where its sand was gathered, as in SkinSand::from, and where colliders were then.
   float* from;
   ColliderFrame* met;
-  float inverse_side;  // of the block of grains
+  float inverse_side;  // 1 / metres, of the block of grains
   // The moment to which it is carried: a frame, and so many of its sub-steps.
   uint64_t frame;
   uint32_t substeps;
@@ -231,11 +235,11 @@ struct SkinCarry {
   uint32_t record, chunk;
   // Loose sand that is written.
   uint32_t flying, lying;
-  // So many more particles have left the mesh than are in it.
-  int32_t left;
-  // Of the last vertex.
+  // Particles that have left the mesh, less those that are still in it.
+  int32_t left_surplus;
+  // The motion of the last vertex.
   uint32_t motion;
-  // Some chunk has.
+  // Some chunk has changed.
   bool changed;
 };
 
@@ -253,9 +257,10 @@ struct SkinShown {
   uint32_t left_out;
   // Most of the mesh's sand has left it: from the next frame on it is not shown.
   bool lost;
-  // The moment that it shows: a frame, and so many of its sub-steps. And the frame in which the mesh was begun.
+  // The moment that it shows: a frame, and so many of its sub-steps.
   uint64_t frame;
   uint32_t substeps;
+  // The frame in which the mesh was begun.
   uint64_t begun;
 };
 
@@ -280,7 +285,7 @@ struct SkinProgress {
   SkinPhase phase;
   // The frame in which it was begun.
   uint64_t begun;
-  // Items that it has taken, and that the last one took.
+  // Items of each kind that it has taken, and that the last skin took.
   uint32_t spent[k_skin_kinds], usual[k_skin_kinds];
   // Skins in a row that took no more than a frame.
   uint32_t in_time;
@@ -291,7 +296,7 @@ struct SkinProgress {
 struct SkinState {
   sandglass_skin_desc desc;
   const Kernels* kernels;
-  // Of the frame under way: its sand and its number.
+  // The sand and the number of the frame under way.
   const Granular* granular;
   uint64_t frame;
   SkinLattice lattice;
@@ -305,8 +310,9 @@ struct SkinState {
   SkinShown shown;
   SkinRequests requests;
   SkinProgress progress;
-  // Whether there is a mesh, and SkinShown::version as it was made. For what draws it.
+  // There is a mesh.
   bool valid;
+  // SkinShown::version of the mesh as it was made, for what draws that.
   uint32_t front_version;
 };
 
@@ -318,17 +324,18 @@ uint32_t skin_take_items(const SkinState& s);
 bool skin_take(SkinSand* sand, const SkinState& s);
 bool skin_gather_moved(SkinSand* sand, SkinBricks* bricks, const SkinState& s);
 bool skin_gather_gone(SkinSand* sand, SkinBricks* bricks);
-// For a skin that begins.
+// A skin begins.
 void sand_begin_cycle(SkinSand* sand, uint32_t capacity);
-// There is none.
+// From now on no particle is in the sums.
 void sand_forget(SkinSand* sand, uint32_t capacity);
-// A particle against what is below it: a collider that moves, or the world. Whether it flies, and what of it falls.
+// Compares a particle's velocity with that of what is below it: a collider that moves, or the world. *falls: m/s
+// towards it.
 void skin_find_fall(const SkinState& s, const float position[3], const float velocity[3], float* falls, bool* flies);
 
 // Colliders as they are `before` seconds before the frame's end. `asked` becomes true where sand feels what has
 // changed.
 void solids_take(SkinSolids* solids, SkinBricks* bricks, const SkinState& s, float before, bool* asked);
-// A field that is not passed any more must not be read: a skin under way goes on without it.
+// The app may free a field that it does not pass any more: a skin under way goes on without it.
 void solids_drop_gone_fields(SkinSolids* solids, SkinBricks* bricks, const SkinState& s, bool* asked);
 // Finds what is solid in a brick, and what that changes.
 void solids_renew(SkinSolids* solids, SkinBricks* bricks, const SkinState& s, uint32_t number);
@@ -360,9 +367,10 @@ bool skin_fill(SkinFill* fill, SkinBricks* bricks, const SkinLattice& lattice);
 
 void skin_begin_mesh(SkinMeshes* meshes, const SkinState& s);
 bool skin_mesh(SkinMeshes* meshes, SkinBricks* bricks, const SkinState& s);
-// What a brick's vertices are made of, and the one of a cell (vertex.cpp). `anchor`: the particle of the one before,
-// then of this one. False: it lies deep in a collider, and nobody sees it.
+// Reads what a brick's vertices are made of (vertex.cpp).
 void vertex_read_blocks(const SkinState& s, const Brick& brick, SkinBlocks* blocks);
+// Makes the vertex of a cell. `anchor`: the particle of the vertex before, then of this one. False: it lies deep in a
+// collider, where nobody sees it.
 bool vertex_make(const SkinState& s, const Brick& brick, const SkinBlocks& blocks, const uint32_t cell[3],
                  sandglass_skin_vertex* out, uint32_t* anchor);
 
@@ -379,7 +387,8 @@ inline bool skin_is_late(const SkinState& s) { return s.progress.in_time < k_ski
 inline bool skin_has_work(const SkinState& s) { return s.progress.phase != SkinPhase::idle || s.requests.asked; }
 // The mesh that is carried from here on is of the colliders that were taken.
 void carry_from_here(SkinCarry* carry, const SkinState& s);
-// Until there is a mesh, and where sand has gone on since what is shown: at the end of a frame, whatever the budget.
+// At the end of a frame, whatever the budget: carries what is shown to where sand is, if sand has moved since or there
+// is no mesh yet.
 Stage skin_carry_stage(void* skin);
 
 // Triangles and loose sand of the mesh as it is.

@@ -36,10 +36,12 @@ struct Estimator {
   LightSample latest;  // before the filter, in the world
   uint64_t latest_ns, changed_ns, taken_ns;
   uint32_t estimates;
-  uint64_t frame;           // number of this frame
-  uint64_t image_frame;     // of the frame that brought the image under way
-  uint64_t estimate_frame;  // of the frame that brought the image of the last estimate
-  bool changed;             // the filtered light changed in this frame
+  // Numbers of frames: this one; the one that brought the image under way; the one that brought the last estimate's
+  // image.
+  uint64_t frame;
+  uint64_t image_frame;
+  uint64_t estimate_frame;
+  bool changed;  // the filtered light changed in this frame
 };
 
 // Forgets every estimate and the image under way.

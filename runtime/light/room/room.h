@@ -47,14 +47,21 @@ class RoomShare {
 
 // What was seen of one part of the sphere.
 struct RoomPart {
-  float radiance[3];  // the mean, linear, over the room's `light`; a lower bound where `clipped` is above 0
-  float weight;       // how many images have shown it, as far as they still count
-  RoomShare clipped;  // of its pixels
-  RoomShare seen;     // of it was ever in the picture
-  uint16_t age;       // since it was seen last, in ticks: 2048 are a half-life
-  int8_t up, aside;   // where in the part its light comes from: 127 at the edge, of rows and of columns
-  int8_t from[3];     // where the camera was that saw it last, 127 a radius
-  uint8_t shown;      // its luminance in the last image, in 16ths of an octave below white from 255; 0: not known
+  // The mean, linear, divided by the room's `light`. A lower bound where `clipped` is above 0.
+  float radiance[3];
+  // How many images have shown the part, each as far as it still counts.
+  float weight;
+  // Shares: of its pixels that were clipped; of the part that was ever in the picture.
+  RoomShare clipped;
+  RoomShare seen;
+  // Since it was seen last, in ticks: 2048 are a half-life.
+  uint16_t age;
+  // Where in the part its light comes from, along rows and along columns: +-127 at the edges.
+  int8_t up, aside;
+  // Where the camera stood that saw it last; 127 is a radius.
+  int8_t from[3];
+  // Luminance in the last image: 255 is white, and 16 less an octave less. 0: not known.
+  uint8_t shown;
 };
 
 // What an image shows of one part.
@@ -62,29 +69,41 @@ struct RoomObservation {
   double colour[3];  // linear, 1 is white
   double clipped;    // share of the points
   double covered;    // share of the points that are in the picture
-  double up, aside;  // where the light of a lamp comes from, -1..1 from edge to edge; of all else 0
-  double uneven;     // variance of the points' luminance, beside the square of its mean
-  double brightest;  // luminance of a lamp's brightest point; of all else the mean
+  double up, aside;  // of a lamp, where its light comes from, -1..1 from edge to edge; else 0
+  double uneven;     // variance of the points' luminance, over the square of its mean
+  double brightest;  // of a lamp, luminance of its brightest point; else the mean luminance
 };
 
-// How an image compares with what is remembered of the parts that it shows again. Weights are solid angles, 1 for a part
-// on the horizon. A ratio is that of what the image shows to what is remembered, as a logarithm.
+// How an image compares with what is remembered of the parts that it shows again. Every part counts with a weight: its
+// solid angle, 1 for a part on the horizon. A ratio is the logarithm of shown over remembered luminance. Sums are
+// weighted.
 constexpr uint32_t k_vote_bins = 36;
+// A histogram of ratios: of each bin the weight, and the sum of ratios.
 struct RoomRatios {
-  float weight[k_vote_bins], sum[k_vote_bins];  // by their size: weights, and weights times ratios
+  float weight[k_vote_bins], sum[k_vote_bins];
 };
 struct RoomVote {
   RoomRatios ratios;
-  RoomRatios steps;                // to what the image before showed, where the exposure is not known
-  float brighter, darker;          // weights of parts that are clipped or black where they should not be
-  float brighter_sum, darker_sum;  // the same times the ratio that is known at least
-  float more, less;                // weights of what became brighter, or darker, by half or more
-  float exact, known, known_squared, error, error_squared,
-      shown_squared;         // weights; of logarithms of what is remembered, of ratios, and of what is shown
-  float now[3], then[3];     // sums of colours that the image shows, and that are remembered
-  float area, black, shown;  // all that is in the picture: its weight; what is black of it; luminance
-  float hues;                // weight of what is compared by hue
-  float hue, red, blue;      // what that counts; times how much redder, bluer than green it became, as logarithms
+  // Ratios to what the image before showed, where the exposure is not known.
+  RoomRatios steps;
+  // Parts that are clipped, or black, and were not expected to be: their weight, and the sum of the ratios that they
+  // show at least.
+  float brighter, darker;
+  float brighter_sum, darker_sum;
+  // Weight of the parts that became brighter, or darker, by half or more.
+  float more, less;
+  // Parts of which the ratio is known exactly: their weight; sums of the logarithm of the remembered luminance and of
+  // its square, of the ratio and of its square, and of the square of the logarithm of the shown luminance.
+  float exact, known, known_squared, error, error_squared, shown_squared;
+  // Sums of their colours: as the image shows them, and as they are remembered.
+  float now[3], then[3];
+  // All parts in the picture: their weight, the weight of the black ones, and the sum of luminance.
+  float area, black, shown;
+  // Weight of the parts that are compared by hue.
+  float hues;
+  // They count by how well they show it: the sum of that, and sums of how much redder and bluer they became, beside
+  // green, as logarithms.
+  float hue, red, blue;
 };
 
 // What an image may teach.
@@ -100,16 +119,18 @@ struct RoomProbePart {
   uint16_t clipped;      // 0..1: the share of its texels that were clipped
 };
 
-// Finding parts that have given harmonics, under way.
+// Finding parts that have given harmonics, under way (probe.cpp).
 struct RoomHarmonics {
-  double sh[3][9], mean;                 // of a channel; mean radiance
-  double target[9], exponents[9], cost;  // Newton's method
+  double sh[3][9], mean;  // of each channel; mean radiance
+  // Newton's method.
+  double target[9], exponents[9], cost;
 };
 
 // The main light that is given beside harmonics. It is far: from everywhere it lies in the same direction.
 struct RoomFarLight {
-  double direction[3], row, column;  // in the sphere's frame; and in parts
-  double irradiance[3];              // of a surface that faces it; 0: there is none
+  // In the sphere's frame, and as a place on it in rows and columns.
+  double direction[3], row, column;
+  double irradiance[3];  // of a surface that faces it; 0: there is none
 };
 
 enum class RoomProbePhase : uint32_t { idle, cube, entropy, harmonics };
@@ -118,13 +139,14 @@ struct Room;
 struct RoomProbe {
   double confidence;                  // 0..1; 0: there is none
   double scale;                       // radiance of value 1; 0: unknown
-  double dark;                        // what is darker tells no scale
+  double dark;                        // values below this are too dark to find the scale by
   double place[3];                    // where it was taken, world
   RoomProbePart parts[k_room_parts];  // without the far light
   RoomFarLight far;
   // Under way.
   RoomProbePhase phase;
-  void (*run)(Room* room);  // set where it is begun: the linker drops it from an app that never does
+  // Set by the function that begins a probe, so that the linker drops it from an app that never calls that.
+  void (*run)(Room* room);
   uint32_t cursor, points;
   double confidence_then;
   sandglass_cube cube;
@@ -135,19 +157,20 @@ struct RoomProbe {
 constexpr uint32_t k_cube_size = SANDGLASS_ROOM_CUBE_SIZE, k_cube_texels = 6 * k_cube_size * k_cube_size;
 constexpr uint32_t k_cube_unit_texels = 4 * k_cube_size;  // what a work unit looks at
 struct RoomTexel {
-  float radiance[3];        // as that of a part
-  uint8_t clipped, weight;  // as those of a part, of 255; and of k_texel_weight for each image
-  uint16_t age;             // as that of a part
+  float radiance[3];  // as of a part
+  // As of a part: `clipped` in 255ths, `weight` in 16ths of an image.
+  uint8_t clipped, weight;
+  uint16_t age;  // as of a part
 };
 
 // A lamp whose size was measured.
 constexpr uint32_t k_room_lamps = 3;
 struct RoomLamp {
-  int16_t at[3];        // on the sphere, k_lamp_unit a radius
-  uint8_t images;       // over which it is the mean; 0: there is none
-  uint8_t clipped;      // 1: it was, in all of them
-  float across, error;  // in radii; how far that may be off
-  float strength;       // its irradiance beside that of others, fading
+  int16_t at[3];        // on the sphere; k_lamp_unit is a radius
+  uint8_t images;       // that the size is the mean of; 0: there is no lamp here
+  uint8_t clipped;      // 1: it was clipped in all of them
+  float across, error;  // radii: its width, and how far that may be off
+  float strength;       // its irradiance, to compare it with other lamps; fades
 };
 constexpr double k_lamp_unit = 32767;
 
@@ -165,68 +188,83 @@ struct RoomView {
   double position[3];      // of the camera, in the sphere's frame, in radii
   double cosine_min;       // parts farther from the optical axis than this are not in the picture
   double scale;            // radiance of a pixel of linear value 1
-  float balance[3];        // of each channel: what a pixel shows beside that
+  float balance[3];        // of each channel: what a pixel shows, over what it would show at a white balance of 1
   const float* light;      // camera_light_table
   double step;             // seconds since the image before
-  bool shows_steps;        // `shown` of the parts is of that one
-  bool steps_agree;        // nearly all of it changed by the same, and so it should be by what is remembered
+  bool shows_steps;        // RoomPart::shown is of the image before
+  // Nearly all parts changed alike since the image before, as they should by what is remembered.
+  bool steps_agree;
   RoomLesson lesson;
   RoomVote vote;
 };
 
 struct Room {
-  double given_radius;  // 0: it is found
+  double given_radius;  // 0: the app gave none, and `radius` is found
   double radius, half_life;
-  uint64_t interval_ns, last_ns;  // last_ns: of the last image that was taken
-  uint64_t offered_ns;            // of the last image that was offered
-  uint64_t rest_ns;               // of the time that ages parts: less than a tick
-  uint32_t hasty;                 // images in a row that came less than a millisecond after the one before
+  uint64_t interval_ns;
+  // Of the last image that was taken, and of the last that was offered.
+  uint64_t last_ns;
+  uint64_t offered_ns;
+  uint64_t rest_ns;  // of the time that ages parts: less than a tick
+  uint32_t hasty;    // images in a row that came less than a millisecond after the one before
   uint32_t images;
-  uint32_t unit;         // a number for the unit of radiance: another one where it was set anew
-  bool exposure_known;   // by the app, for one image at least
-  bool wants_size : 1;   // the last image shows a lamp whole, but clipped, whose size is not known
-  bool strange : 1;      // the last image seems to show another room
-  bool far : 1;          // what is seen lies so far away that `radius` has become k_far times as large
-  bool shows_steps : 1;  // `shown` of the parts and `shown_scale` are of the last image
-  uint8_t size_looks;    // short images that were to show one
-  uint8_t grown;         // how often `radius` was, because the camera has left the sphere
-  double centre[3];      // of the sphere, in the world
-  double yaw;            // turns: the sphere's azimuth 0 is at this azimuth of the world
-  double scale;          // of the last image that was exposed for the room
-  double shown_scale;    // of the last image
-  float balance[3];      // of the same, white balance beside that of all radiance that is kept
-  float gains[3];        // that the camera reports where `balance` is 1; 0: unknown
-  double light;  // the light of the whole room, beside what it was when its parts were seen: a factor of them all
-  double usual;  // the median of votes while nothing changes: where they are taken is not all that is remembered
-  double light_before;  // the same before the last change
+  uint32_t unit;        // number of the unit of radiance: another one where the unit was set anew
+  bool exposure_known;  // the app has given an exposure for one image at least
+  // The last image shows a whole lamp, but clipped, whose size is not known.
+  bool wants_size : 1;
+  // The last image seems to show another room.
+  bool strange : 1;
+  // What is seen lies so far away that `radius` has become k_far times as large.
+  bool far : 1;
+  // RoomPart::shown and shown_scale are of the last image.
+  bool shows_steps : 1;
+  uint8_t size_looks;  // short images that were to show the size of a lamp
+  uint8_t grown;       // how often `radius` grew because the camera has left the sphere
+  double centre[3];    // of the sphere, in the world
+  double yaw;          // turns: the sphere's azimuth 0 is at this azimuth of the world
+  double scale;        // of the last image that was exposed for the room
+  double shown_scale;  // of the last image
+  // White balance of the last image, beside that of all radiance that is kept.
+  float balance[3];
+  // The gains that the camera reports where `balance` is 1. 0: unknown.
+  float gains[3];
+  // The light of the whole room, over what it was when its parts were seen: a factor of them all.
+  double light;
+  // The median of votes while nothing changes. It is not 0, because votes are not taken of all that is remembered.
+  double usual;
+  double light_before;  // `light` before its last change
   double settled;       // seconds since the light has changed
   double doubted;       // seconds for which images have shown what no change of light explains
-  double doubts;        // the median of votes of the last of them
+  double doubts;        // the median of votes of the last of these images
   double shows;         // mean radiance of those that look like another room; 0: none does
-  double farther;       // how much better images are explained if what they show is far, so far: see compare_as_far
-  float brightens;      // logarithm by which `scale` last grew, where the exposure is not known
-  float tells_from;     // of an image's white: what shows as less, and was less, says nothing
+  // How much better images so far are explained if what they show is far: see compare_as_far.
+  double farther;
+  // The logarithm by which `scale` last grew, where the exposure is not known.
+  float brightens;
+  // Share of an image's white. A part that shows less, and showed less before, says nothing.
+  float tells_from;
   RoomPhase phase;
-  uint32_t cursor;               // the next part
-  uint32_t crowd, crowd_before;  // parts of this image and of the last one that may hold a lamp
+  uint32_t cursor;  // the next part
+  // Parts of this image and of the last one that may hold a lamp.
+  uint32_t crowd, crowd_before;
   RoomView view;
   RoomPart parts[k_room_parts];
-  // Of each part above the horizon: the white of the image that says how bright it is, in quarters of an octave. What
-  // is clipped in an image of a lower white says less. 0: unknown.
+  // Of each part above the horizon: the white of the image by which its radiance is known, in quarters of an octave. An
+  // image of a lower white that is clipped there says less. 0: unknown.
   uint8_t white[k_room_below];
   RoomLamp lamps[k_room_lamps];
   RoomProbe* probe;   // NULL in a room that keeps none
   RoomTexel* texels;  // k_cube_texels, or NULL
 };
 
-// The directions of a part: `row` and `column` count from its first corner and may have fractions. Row 0 is below.
+// The direction of a place on the sphere: `row` and `column` may have fractions. Row 0 is below.
 void room_direction(double row, double column, double direction[3]);
-// Back: row 0..16, column 0..32. The part that lies there.
+// The place of a direction, row 0..16 and column 0..32. Returns the part that lies there.
 uint32_t room_part_at(const double direction[3], double* row, double* column);
 // A direction of the world in the sphere's frame.
 void room_to_sphere(const Room& room, const double world[3], double sphere[3]);
 void room_to_world(const Room& room, const double sphere[3], double world[3]);
-// A place of the world in the sphere's frame, in radii. One farther out counts as `farthest`.
+// A place of the world in the sphere's frame, in radii. A place farther out than `farthest` is moved in to there.
 constexpr double k_farthest = 0.8;
 void room_place(const Room& room, const double world[3], double sphere[3], double farthest = k_farthest);
 float room_bounded_radiance(double radiance);
@@ -236,40 +274,41 @@ inline bool room_knows_gains(const Room& room, const CameraImage& image) {
 }
 // Whether a part is remembered well, and unclipped.
 bool room_remembers(const RoomPart& part);
-// What counts of something that was seen so many ticks ago, 0..1.
+// How much something counts that was seen so many ticks ago, 0..1.
 double room_memory(uint32_t age);
 // The sphere grows by this factor when the camera leaves it; and by that one where what is seen is far.
 constexpr double k_grows = 4, k_far = 64;
 constexpr double k_usual_radius = 3;  // metres, where the app gives none
 constexpr double k_radius_max = 1000;
-constexpr double k_parallax = 0.1;  // radii: what was seen from as near to here tells nothing of how far it is
-// Before an image: the sphere as large as it has to be.
+constexpr double k_parallax = 0.1;  // radii: two views from places nearer to each other do not tell how far a thing is
+// Before an image: makes the sphere as large as it has to be.
 void room_fit_sphere(Room* room, const CameraImage& image);
 inline double room_fraction(double x) { return x - static_cast<double>(floor_index(x)); }
-// Of 127 a unit: what is known moved by so much towards what is now.
+// Moves `known`, of which 127 is 1, towards `now` by the share `rate`.
 inline int8_t room_towards(int8_t known, double now, float rate) {
   const int64_t whole = floor_index(known + static_cast<double>(rate) * (127.0 * now - known) + 0.5);
   return static_cast<int8_t>(whole < -127 ? -127 : whole > 127 ? 127 : whole);
 }
 inline double room_first_radius(const Room& room) { return room.given_radius > 0 ? room.given_radius : k_usual_radius; }
-// False where a direction of the sphere, and what lies up to half a part beside it, is out of the picture.
+// False: a direction of the sphere, and all within half a part of it, is out of the picture.
 bool room_may_be_seen(const RoomView& view, const double direction[3]);
-// Where in a part or a texel, 0..1, its points lie: elsewhere with each step, and evenly.
+// A point in a part or a texel, 0..1: another one for each step, spread evenly.
 void room_step(uint32_t step, double* down, double* across);
 // The pixel that shows a direction of the sphere, or false.
 bool room_pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint32_t* y);
-// What is known of a part or a texel before an image: its luminance over the room's `light`, and so on.
+// What is known of a part or a texel before an image. The fields are as in RoomPart and Room.
 struct RoomKnown {
   double luminance;
   float clipped, weight;
-  float seen;     // 0..1: the share of it that was in the picture; 0: unknown
-  uint8_t white;  // see Room::white
+  float seen;
+  uint8_t white;
 };
-// An image so short that it shows a few steps of a byte there says nothing of it, where it was as dark before.
+// Whether an image says nothing of a part, because it is exposed so short that it shows the part in a few steps of a
+// byte, and would have before.
 bool room_tells_nothing(const Room& room, const RoomKnown& known, const RoomObservation& now);
-// Whether the image was exposed so much shorter than the last that it is asked for lamps.
+// Whether the image was exposed so much shorter than the last that it can only be meant for lamps.
 bool room_is_short(const Room& room);
-// An image that was exposed so much shorter than the last, and is dark, is one of lamps. Known once it was compared.
+// Whether the image is a short one and dark but for lamps. Known once the image was compared.
 bool room_shows_lamps_only(const Room& room);
 // Radiance in quarters of an octave, 1..255.
 uint8_t room_quarter_octaves(double radiance);
@@ -280,11 +319,12 @@ void room_learn_texels(Room* room, uint32_t first);
 // The weight of a part in a vote: its solid angle, 1 on the horizon.
 double room_part_weight(uint32_t part);
 
-// One part of an image, beside what is remembered of it; and what all of them say. `area`: what its vote weighs.
+// Compares one part of an image with what is remembered of it. `area`: what its vote weighs.
 void room_vote(Room* room, uint32_t part, double area, const RoomObservation& now);
+// Once all parts have voted: decides what the image teaches.
 void room_decide(Room* room);
 
-// Of an image that was learned: how large its brightest lamp is, if it shows that whole.
+// Measures the brightest lamp of an image that was learned, if the image shows it whole.
 void room_measure_lamp(Room* room);
 // The main light's size as it is seen from a place of the sphere's frame, in radii.
 void room_main_size(const Room& room, const double at[3], sandglass_room_light* light);
@@ -297,37 +337,37 @@ bool room_clock_is_sound(Room* room, uint64_t time_ns);
 // Takes an image that has passed sandglass_camera_check, if one is due. The image must stay until the units have run.
 bool room_take_image(Room* room, const CameraImage& image);
 uint32_t room_units_left(const Room& room);
-uint32_t room_texel_units_left(const Room& room);  // of them
+uint32_t room_texel_units_left(const Room& room);  // of these units
 void room_run_unit(Room* room);
 
-// What another system knows of the light, into the probe that the room keeps, unit by unit (probe.cpp). The texels must
-// stay until the units have run; what is dropped leaves no probe.
+// Makes the room's probe of what another system knows of the light, unit by unit (probe.cpp). The texels must stay
+// until the units have run. A probe that is dropped before leaves none.
 void room_begin_cube(Room* room, const sandglass_cube& cube);
 void room_begin_harmonics(Room* room, const sandglass_harmonics& harmonics);
-// What a texel of a cube says: its light, that there is at least so much, that there is more than a cube can hold, or
-// no number.
+// What a texel of a cube says: its light; that there is at least so much; that there is more than a cube can hold;
+// nothing, because it is no number.
 enum class RoomCubeTexel : uint32_t { sound, clipped, beyond, none };
 // The texel that every graphics API samples for a direction, without filtering.
 RoomCubeTexel room_cube_texel(const sandglass_cube& cube, const double direction[3], double colour[3]);
 uint32_t room_probe_units_left(const Room& room);
 void room_drop_probe_unit(Room* room);
-// Radiance of the probe's value 1 in the room's unit, for each channel: as both show the same parts, or as it is given.
+// Radiance of the probe's value 1 in the room's unit, for each channel: found from parts that both show, or as given.
 void room_probe_scale(const Room& room, double scale[3]);
-// The share of the probe's far light that is in this part, and the radiance by which the whole part would give all of
-// it, in the probe's unit.
+// Returns the share of the probe's far light that lies in this part. `radiance`: what the whole part would have to send
+// out to give all of that light, in the probe's unit.
 double room_far_share(const RoomFarLight& far, uint32_t part, double radiance[3]);
-// A part as camera and probe know it together, without the far light where the camera has not seen it. `seen`: what
-// counts of what the camera has seen of it.
+// A part as camera and probe know it together, without the far light where the camera has not seen it. `seen`: how much
+// the camera's view of it counts, 0..1.
 RoomPart room_known(const Room& room, uint32_t part, const double scale[3], double seen);
-// The quarter turns about y, clockwise seen from above, and the mirror image by which the probe fits best to what the
-// camera has seen. False where they share too little.
+// How the probe would fit best to what the camera has seen: after so many quarter turns about y, clockwise seen from
+// above, and mirrored or not. False: they share too little to tell.
 bool room_probe_fit(const Room& room, uint32_t* quarters, bool* mirrored);
 
 // What is fitted: how the light that was not seen follows from what was. See sums.h and estimate.cpp.
 struct RoomModel {
   double boost;         // a part whose pixels are all clipped is 1 + boost times as bright as white
-  double fill;          // brightness of an unseen part above the horizon, beside the geometric mean of what was seen
-  double fill_below;    // the same below it
+  double fill;          // brightness of an unseen part above the horizon, over the geometric mean of what was seen
+  double fill_below;    // the same below the horizon
   double network;       // how much brighter the unseen is where the network says that light comes from
   double sharp;         // how much of what stands out is drawn as a sharp light
   double albedo;        // of the floor
@@ -351,5 +391,5 @@ extern const Capability k_room_capability;
 struct sandglass_room {
   sandglass::Member member;
   sandglass::Room room;
-  uint64_t version;  // of what it tells of its light
+  uint64_t version;  // of the light that it reports
 };

@@ -21,9 +21,12 @@ struct RoomSums {
   double moments[k_light_cells][3];       // the same times the direction
   double even_moments[k_light_cells][3];  // `even` times the direction
   double sh[3 * k_harmonics];
-  double lasting[k_light_cells];       // luminance of `cells`, if what was seen lasts
-  double all_lasting;                  // of the even sky, the part that was seen, if that lasts
-  double all_even, all_seen, clipped;  // even sky, the seen part of it; luminance that comes through clipped pixels
+  // Luminance of `cells`, and the seen part of the even sky, where what was seen counts for longer (estimate.cpp).
+  double lasting[k_light_cells];
+  double all_lasting;
+  // The even sky, and the seen part of it.
+  double all_even, all_seen;
+  double clipped;  // luminance that comes through clipped pixels
 };
 
 // What was seen, on the whole.
@@ -33,7 +36,8 @@ struct RoomOverview {
   double floor;      // mean luminance of what lies below; 0: not seen
 };
 
-// What counts of each part: the share that the camera has seen, as far as it is remembered, and what a probe adds.
+// How much of each part counts as seen: the share that the camera has seen, as far as it is remembered; and what a
+// probe adds.
 struct RoomMemory {
   double seen[k_room_parts];
   double confidence, probe_scale[3];
@@ -42,7 +46,7 @@ struct RoomMemory {
   double known(uint32_t i) const { return with_probe(seen[i]); }
 };
 void room_remember(const Room& room, RoomMemory* memory);
-// In the white balance of the last image.
+// A part in the white balance of the last image.
 RoomPart room_part_of(const Room& room, const RoomMemory& memory, uint32_t i);
 RoomOverview room_overview(const Room& room, const RoomMemory& memory);
 
@@ -52,13 +56,14 @@ struct RoomHint {
 };
 RoomHint room_hint(const Room& room, const RoomModel& model, const sandglass_estimator_light* estimate);
 
-// A part as it is known: what it sends out where it was seen, beside the geometric mean, and the shares of it that
-// count as seen, now and for the level.
+// A part as it is known.
 struct KnownPart {
-  double lit[3], bright;  // bright: luminance of `lit`
-  double clipped;         // share of the pixels that were clipped
+  // What it sends out where it was seen, over the geometric mean of all; and the luminance of that.
+  double lit[3], bright;
+  double clipped;  // share of the pixels that were clipped
+  // The share of it that counts as seen: for its direction, and for the level.
   double seen, lasting;
-  double up, aside;  // how its light is tilted
+  double up, aside;  // see RoomPart
 };
 KnownPart room_known_part(const Room& room, const RoomMemory& memory, uint32_t i, const RoomModel& model,
                           const RoomOverview& all);
@@ -79,8 +84,8 @@ uint32_t room_cell_of(const double direction[3], double yaw);
 
 void sums_add_sphere(const Room& room, const RoomMemory& memory, const RoomModel& model, const RoomOverview& all,
                      const RoomHint& hint, const double at[3], const RoomFacing& plane, RoomSums* sums);
-// A cell is the mean over it, however many pieces lie in it. Far from the sphere's middle a cell may hold none: it is
-// then as the next one around that holds some.
+// Turns the sums of each cell into its mean, however many pieces of the sphere lie in it. A cell without a piece, as
+// may be far from the sphere's middle, gets the values of the next cell around that has some.
 void sums_even_out(RoomSums* sums);
 // The far light of a probe (probe.cpp), as far as the camera has not seen where it is. It is no piece of the sphere, so
 // it does not fill a cell: it is added to cells that were evened out. It moves with the place where the app gives how

@@ -16,24 +16,27 @@ namespace sandglass {
 constexpr uint32_t k_unit_ambient_texels = 4096;
 
 struct AmbientShadow {
-  AmbientComponents components;          // count 0: the file has none, and nothing below is used
-  const float* mixing;                   // SANDGLASS_LIGHT_CELLS for each component
-  int16_t* weights;                      // of the texture under way
-  double weight_scale;                   // weight = share of light * weight_scale
-  uint32_t side;                         // texels
-  double half;                           // metres
-  double wanted[SANDGLASS_LIGHT_CELLS];  // cells in the object's frame, of the last texture that was asked for
-  bool pending;                          // the texture for `wanted` is neither done nor under way
+  AmbientComponents components;  // count 0: the file has none, and nothing below is used
+  const float* mixing;           // SANDGLASS_LIGHT_CELLS for each component
+  int16_t* weights;              // of the texture under way
+  double weight_scale;           // weight = share of light * weight_scale
+  uint32_t side;                 // texels
+  double half;                   // half the side, metres
+  // Cells in the object's frame, of the last texture that was asked for.
+  double wanted[SANDGLASS_LIGHT_CELLS];
+  bool pending;  // the texture for `wanted` is neither done nor under way
   bool under_way;
-  bool valid;       // `front` was completed once
-  bool gives_way;   // a texture here was completed since the last one of a light: that of a waiting light comes first
+  bool valid;  // `front` was completed once
+  // An ambient texture was completed since the last texture of a light: a light that waits comes first.
+  bool gives_way;
   uint32_t cursor;  // next texel
   uint8_t *front, *back;
-  uint32_t completed;                      // textures so far
-  uint64_t calls, begun_call, front_call;  // calls of set_cells: so far, when the texture under way and `front` began
+  uint32_t completed;  // textures so far
+  // Calls of set_cells: so far; when the texture under way was begun; and when `front` was.
+  uint64_t calls, begun_call, front_call;
 };
 
-// Regions of the block, counted or handed out; none where the file has no ambient shadow.
+// Counts or hands out regions of the block; none where the file has no ambient shadow.
 void ambient_lay_out(const AmbientAsset& asset, Layout* layout, AmbientShadow* ambient);
 // Fills the regions in. The first texture waits for its units: that of the expected light.
 void ambient_create(const AmbientAsset& asset, AmbientShadow* ambient);

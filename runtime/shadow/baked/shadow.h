@@ -43,7 +43,8 @@ struct ShadowTexture {
   uint8_t* coverage;
   ShadowRectangle rectangle;  // in the object's frame
   double light[3];
-  uint64_t light_call;  // number of the call of set_light that it was begun for
+  // The number of the call of set_light that it was begun for.
+  uint64_t light_call;
   uint32_t evaluated;
   bool valid;
   uint64_t version;
@@ -56,7 +57,8 @@ struct ShadowLight {
   bool pending;      // the texture for `wanted` is neither done nor under way
   bool beyond;
   float opacity, irradiance;
-  uint64_t calls, pending_since;  // calls of set_light so far, and when `pending` began
+  // Calls of set_light: so far, and when `pending` began.
+  uint64_t calls, pending_since;
 };
 
 struct Shadow {
@@ -66,7 +68,8 @@ struct Shadow {
   double origin[3];
   ShadowBox box;
   PlaneRule plane;
-  double half_sine, reach;          // sin(half the light), tan(polar_max + half the light), in angles
+  // The sine of the light's half angle, and the tangent of polar_max plus that angle.
+  double half_sine, reach;
   double polar_sine, polar_cosine;  // of polar_max
   double polar_max;
   uint32_t light_frequencies;
@@ -117,8 +120,8 @@ struct ShadowUnit {
 };
 ShadowUnit shadow_unit(const Shadow& shadow, uint32_t kind);
 
-// Pieces left of each kind, in the texture under way and those that lights wait for. How many cells will be refined is
-// known once the grid is decided. Until then all of them count; with `likely`, as many as in the light's last texture.
+// Pieces left of each kind, in the texture under way and in those that lights wait for. How many cells will be refined
+// is known once the grid is decided. Until then all cells count; with `likely`, as many as in the light's last texture.
 struct ShadowWork {
   uint64_t pieces[k_shadow_kinds];
 };

@@ -55,7 +55,8 @@ struct CastFrame {
   bool is_virtual;
 };
 
-// One direction of the light: how far a metre of height moves a shadow, and where in a texel its grid is.
+// One direction of the light: how many metres a metre of height moves a shadow along x and z, and the shift of its
+// image's grid in texels.
 struct CastDirection {
   float slope[2], shift[2];
 };
@@ -81,10 +82,10 @@ struct CastTarget {
   bool valid;
   // Something has changed since the texture under way, or the last one, was begun.
   bool asked;
-  // The next one is a first texture.
+  // The next texture is a draft, of few directions.
   bool draft;
   uint32_t completed;
-  // That the last one drew, counted as in k_cast_unit_rows.
+  // Rows that the last texture took, counted as in k_cast_unit_rows.
   uint64_t rows;
 };
 
@@ -112,10 +113,12 @@ struct CastRequest {
 
 // ---- CastGathered (triangles.cpp)
 
-// Gathered triangles that darken the plane, by the octave of the distance that they reach from the anchor: their box,
-// the nearest that one begins, the shortest that one reaches, how many they are, and how many of the first mesh.
+// Gathered triangles that darken the plane, by the octave of the distance of their farthest point from the anchor.
 struct CastReach {
-  float low[3], high[3], nearest, farthest_min;
+  float low[3], high[3];
+  // The smallest distance of a triangle's nearest point, and of a triangle's farthest point.
+  float nearest, farthest_min;
+  // Triangles, and those of the first mesh.
   uint32_t count, first_mesh;
   bool is_far;
 };
@@ -133,8 +136,9 @@ struct CastGathered {
   // The middle of the first mesh that darkens the plane.
   float anchor[3];
   uint32_t first_mesh;
-  // The next triangle: of a mesh, or while what is too far is taken out, of all; and how many are kept.
+  // Triangles that are too far are being taken out.
   bool sifts;
+  // The next triangle: of a mesh, or while `sifts` of all. How many are kept.
   uint32_t group, mesh, triangle, kept;
 };
 
@@ -145,17 +149,17 @@ struct CastComparison {
   bool stale;
   // Of all meshes.
   uint32_t triangles;
-  // Since the last texture: gatherings that were begun anew as there were other counts.
+  // Gatherings since the last texture that were begun anew because a mesh had another count.
   uint32_t restarts;
 };
 
 // ---- CastDrawing (accumulate.cpp)
 
 struct CastDrawing {
-  // Of the texture's light, then of the other light.
+  // Directions of the texture's light, then of the other light.
   CastDirection* directions;
   uint32_t direction_count, other_count;
-  // Of the main light, see cast_share.
+  // The share of the main light, see cast_share.
   double share;
   // Of the last ambient texture.
   float cells[k_light_cells];
@@ -163,9 +167,9 @@ struct CastDrawing {
   uint32_t direction, group, triangle;
   // Words of bits.
   uint64_t *image, *mask;
-  // Of the texture's light and the other: k_cast_planes words for each of those.
+  // k_cast_planes words for each word of an image: of the texture's light, and of the other.
   uint64_t *counts[2], *mask_counts[2];
-  // Texels, once and as often as they are covered.
+  // Covered texels: each once, and each as often as it is covered.
   uint64_t covered, drawn;
   // Counted as in k_cast_unit_rows.
   uint64_t rows;
@@ -177,7 +181,7 @@ struct CastCalm {
   uint32_t pass, row;
   // Rows of counts, with k_lane_group before and after each.
   float* values;
-  // Least, greatest, sum: k_cast_rows rows each.
+  // Minimum, maximum and sum: k_cast_rows rows each.
   float* windows[3];
   // The ambient texture holds less than it should.
   bool shade_found;
@@ -211,8 +215,7 @@ inline uint32_t cast_pitch(uint32_t texels) { return texels + 2 * k_lane_group; 
 // Whether what is real keeps virtual objects from darkening the plane.
 inline bool cast_masks(const CastGathered& g) { return !g.frame.is_virtual && g.starts[k_cast_virtual_closed] != 0; }
 
-// What the cells leave for the main light, where both textures are divided by what real things leave of both lights; or
-// 0.
+// The main light's share of all light, where textures are divided by what real things leave of both lights; else 0.
 double cast_share(const CastState& cast);
 
 // After a call that has changed meshes or plane: what is gathered and shown may be out of date.

@@ -57,10 +57,11 @@ struct PileColumns {
   // texels x pitch, after k_lane_group of padding.
   float *tops, *bottoms, *fills;
   uint32_t pitch;
-  // The first and last row and column with sand, and the highest sand, over the floor.
+  // The first and last row and column with sand.
   int32_t sand_rows[2], sand_columns[2];
+  // The highest sand, over the floor.
   float top;
-  // The next sphere or item of a skin; and how many of its rows are done, where it takes several units.
+  // The next sphere, or item of a skin. A large sphere takes several units: how many of its rows are done.
   uint32_t next, sphere_row;
 };
 
@@ -74,34 +75,38 @@ struct PileSkin {
   uint32_t version;
   // The chunk of the next triangle, and that chunk's first triangle.
   uint32_t chunk, chunk_first;
-  // The brick of the last triangle, and where the sand below that begins, over the floor.
+  // The brick of the last triangle.
   int32_t brick[3];
+  // The height over the floor at which the sand in and below that brick begins.
   float low;
 };
 
 // ---- PileAir (air.cpp)
 
 struct PileAir {
-  // Of each texel: what sand in the air leaves of the light; and whether some of that is below 1.
+  // Of each texel: the share of the light that sand in the air leaves.
   float* shares;
+  // Some share is below 1.
   bool any;
 };
 
 // ---- PileLighting (lighting.cpp)
 
 struct PileLighting {
-  // The light of the texture under way, or of the last one; of half its angular diameter.
+  // The light of the texture under way, or of the last one.
   double made_for[3];
+  // Sine and cosine of half its angular diameter.
   double half_sine, half_cosine;
   PileAzimuth* azimuths;
   PileStep* steps;
   uint32_t azimuth_count;
   float inverse_total;
-  // The next row. And of that under way: azimuths and steps that meet rows of sand; heights of the floor and of the
-  // receivers; the kernel's output.
+  // The next row.
   uint32_t row;
+  // Of the row under way: azimuths and steps that meet rows of sand.
   PileAzimuth* row_azimuths;
   PileStep* row_steps;
+  // Of the row under way: heights of the floor and of the receivers, and the kernel's output.
   float *nothing, *receivers, *shares;
 };
 
@@ -127,7 +132,7 @@ struct PileRequest {
   DrawnSand source;
   uint64_t frame;
   uint32_t asked;
-  // Its angular diameter in radians.
+  // The light's direction; its angular diameter in radians; how far both may move before a new texture, squared.
   double light[3], width, tolerance_squared;
   float opacity;
 };
@@ -139,7 +144,7 @@ struct PileProgress {
   uint32_t making;
   // How often the columns were begun anew.
   uint32_t restarts;
-  // The texture under way does, or the last one did.
+  // The texture under way, or the last one, leaves the sky out.
   bool skips_sky;
 };
 
@@ -158,21 +163,21 @@ struct Pile {
   PileSky sky;
 };
 
-// What of that which is asked for can be made: nothing where the light is below the horizon, or there is no such
-// texture.
+// Which textures are asked for and can be made: that of the light while it is above the horizon, that of the sky if
+// there is one.
 inline uint32_t pile_wanted(const Pile& p) {
   return p.request.asked & ((p.request.opacity > 0 ? k_ask_light : 0u) | (p.sky.texels != 0 ? k_ask_sky : 0u));
 }
 
-// The columns of the texture whose middles a sphere covers: rows from first[1] to last[1], columns from first[0] to
-// last[0]. A last one before the first: none. Any centre and radius will do.
+// The columns of the texture whose middles a sphere covers: columns from first[0] to last[0], rows from first[1] to
+// last[1]. None where a last one lies before the first. The sphere may lie anywhere and have any radius.
 struct PileReach {
   int32_t first[2], last[2];
 };
 PileReach pile_reach(const PileRectangle& rectangle, const float* centre, float radius);
 
-// Adds to a column: `share` of its texel is covered from `low` to `high` over the floor. What lies in one column is
-// taken to lie independently of each other.
+// Adds to a column: `share` of its texel is covered from `low` to `high` over the floor. Shares that are added to one
+// column count as independent of each other.
 inline void pile_put_column(PileColumns* p, int32_t column, int32_t row, float share, float low, float high) {
   if (!(high > 0)) return;
   const int64_t at = static_cast<int64_t>(row) * p->pitch + column;

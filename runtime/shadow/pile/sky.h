@@ -50,8 +50,8 @@ struct PileSky {
   uint8_t* in_air;                      // one for each row: 1 where some of its columns do not stand on the floor
   float *nothing, *receivers, *lights;  // one row each
   SkyStep* walks;                       // k_sky_steps for every sector
-  PileSkyStep* steps;                   // those of the row under way that meet sand
-  PileSector *sectors, *row_sectors;    // row_sectors: those with such steps
+  PileSkyStep* steps;                   // of the row under way: those that meet sand
+  PileSector *sectors, *row_sectors;    // all; those with steps that meet sand
   SkyTexture front, back;
   bool valid;
   // The next row of the levels, and of the texture.

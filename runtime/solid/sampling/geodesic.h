@@ -21,10 +21,10 @@ namespace sandglass {
 struct Window {
   double from, to;      // stretch of the half-edge, metres from its start
   double x, y;          // the unfolded source: along the half-edge, and behind it (y >= 0)
-  double sigma;         // metres before the source
+  double sigma;         // length of the path up to the source, metres
   uint32_t half_edge;   // of the triangle that is entered
   uint32_t depth : 31;  // triangles crossed
-  uint32_t forked : 1;  // an edge of three or more triangles, too
+  uint32_t forked : 1;  // one of the edges crossed has three or more triangles
 };
 
 // The candidates that are asked for, in one list a triangle.
