@@ -75,7 +75,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_remove_body(s
 
 /* Puts a body somewhere else, from one moment to the next, with these velocities: at most 10,000 m/s and rad/s along
  * each axis. The rotation has any length above 0. It may be called before every frame, to drag a body: give the
- * velocity of the way then, so that the body pushes what it meets.
+ * velocity of that motion then, so that the body pushes what it meets.
  *
  * The body wakes up, and so does what is near it, at the old place and at the new one, as for removing. Overlap with
  * sand and bodies is resolved gently, as for sandglass_scene_add: a pair parts at no more than 0.9 sqrt(2 g r),

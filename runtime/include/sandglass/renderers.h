@@ -19,7 +19,7 @@
 extern "C" {
 #endif
 
-/* ------------------------------------------------------------------------------------------------ lighting */
+/* ------------------------------------------------------------------------------------------------ light */
 
 /* Light as one directional light and the rest. All of it is linear RGB in the world's frame. */
 typedef struct sandglass_light {
@@ -39,7 +39,7 @@ typedef struct sandglass_light {
 /* The light of an estimate: facing is pi * strength * c, ambient_sh the ambient radiance a alone, whole_sh its `sh`.
  * Fails with INVALID_ARGUMENT: a struct_size that is not set, or an estimate that is not finite. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status
-sandglass_light_of_estimator(const sandglass_estimator_light* estimate, sandglass_light* lighting, const char** reason);
+sandglass_light_of_estimator(const sandglass_estimator_light* estimate, sandglass_light* light, const char** reason);
 
 /* The light of a room: whole_sh is its `sh`, floor its `irradiance`. The directional light is its main light, with
  * facing = main_share * Y(irradiance) * main_colour / cos(theta), the luminance Y (5.2) and the angle theta of
@@ -47,30 +47,29 @@ sandglass_light_of_estimator(const sandglass_estimator_light* estimate, sandglas
  * facing * Y_lm(main_direction). So the two together are whole_sh, and nothing is counted twice.
  *
  * Fails with INVALID_ARGUMENT: a struct_size that is not set, or a light that is not finite. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_of_room(const sandglass_room_light* light,
-                                                                           sandglass_light* lighting,
-                                                                           const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_of_room(const sandglass_room_light* room_light,
+                                                                           sandglass_light* light, const char** reason);
 
 /* The light that ARCore, WebXR or OpenXR estimates, without a room: facing is main_irradiance, 0 of TOTAL; whole_sh has
  * facing * Y_lm(main_direction) besides; the harmonics' part of floor is that of Ramamoorthi and Hanrahan 2001 (5). The
  * other fields do not count. Fails with INVALID_ARGUMENT: a struct_size that is not set, a number that is not finite, or
  * AMBIENT whose main_direction is 0. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_of_harmonics(const sandglass_harmonics* harmonics,
-                                                                                sandglass_light* lighting,
+                                                                                sandglass_light* light,
                                                                                 const char** reason);
 
-/* For things that must keep their own colours, such as a product in a shop: *adapted becomes *lighting in other colours,
+/* For things that must keep their own colours, such as a product in a shop: *adapted becomes *light in other colours,
  * for each converter below. The two may be the same.
  *
  * `strength`, 0..1: how much of the room's light reaches the thing; the rest is even white light, in which a white
  * surface shows 1. `keep_chroma` 1: the room's light loses its hue, each colour becomes its luminance; 0: it stays.
- * With 1 and 0 nothing changes. Fails with INVALID_ARGUMENT: a lighting that was not filled or is not finite, an
+ * With 1 and 0 nothing changes. Fails with INVALID_ARGUMENT: a light that was not filled or is not finite, an
  * argument out of range, or a struct_size that is not set. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_adapt(const sandglass_light* lighting,
-                                                                         float strength, int32_t keep_chroma,
-                                                                         sandglass_light* adapted, const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_adapt(const sandglass_light* light, float strength,
+                                                                         int32_t keep_chroma, sandglass_light* adapted,
+                                                                         const char** reason);
 
-/* How a renderer is to draw a lighting.
+/* How a renderer is to draw a light.
  *
  * AMBIENT: by harmonics and a directional light that casts shadows. The two together are everything.
  *
@@ -78,7 +77,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_adapt(const s
 typedef int32_t sandglass_light_model;
 enum { SANDGLASS_LIGHT_AMBIENT = 0, SANDGLASS_LIGHT_WHOLE = 1 };
 
-/* The harmonics of a lighting, a room or an estimate as an object sees them that is turned by `rotation` (object to
+/* The harmonics of a light, a room or an estimate as an object sees them that is turned by `rotation` (object to
  * world, any length above 0). Both arrays are interleaved (r0 g0 b0 ...), as in sandglass_estimator_light.sh; they may be
  * the same. Fails with INVALID_ARGUMENT: a number that is not finite, or a rotation of length 0. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_harmonics_turn(const float sh[27], const float rotation[4],
@@ -86,13 +85,13 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_harmonics_turn(cons
 
 /* ------------------------------------------------------------------------------------------------ renderers */
 
-/* All conversions fail with INVALID_ARGUMENT: an unknown model, a struct_size that is not set, or a lighting that is not
+/* All conversions fail with INVALID_ARGUMENT: an unknown model, a struct_size that is not set, or a light that is not
  * finite. */
 
 /* For Filament: a LightManager of type DIRECTIONAL or SUN, and an IndirectLight. */
 typedef struct sandglass_filament_light {
   uint32_t struct_size;
-  /* LightManager direction: the way the light travels. */
+  /* LightManager direction: the direction in which the light travels. */
   float direction[3];
   /* Linear sRGB; the greatest channel is 1. */
   float colour[3];
@@ -108,7 +107,7 @@ typedef struct sandglass_filament_light {
 /* Converts for Filament. `nits` is the luminance that radiance 1 stands for, in cd/m^2, above 0 and at most 1e9; it is
  * also the intensity of the IndirectLight. Take about 30 for Filament's default indoor exposure. With the camera's
  * exposure e (Camera::setExposure), 1 / e shows radiance 1 as 1. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_filament(const sandglass_light* lighting,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_filament(const sandglass_light* light,
                                                                                sandglass_light_model model, float nits,
                                                                                sandglass_filament_light* filament,
                                                                                const char** reason);
@@ -118,7 +117,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_filament(c
  * radiance 1. */
 typedef struct sandglass_arkit_light {
   uint32_t struct_size;
-  /* The way the light travels: -z of an SCNLight's node. */
+  /* The direction in which the light travels: -z of an SCNLight's node. */
   float primary_light_direction[3];
   /* Lumens: 1000 * luminance of a white surface that faces the light. */
   float primary_light_intensity;
@@ -133,7 +132,7 @@ typedef struct sandglass_arkit_light {
 } sandglass_arkit_light;
 
 /* Converts for SceneKit and RealityKit. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_arkit(const sandglass_light* lighting,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_arkit(const sandglass_light* light,
                                                                             sandglass_light_model model,
                                                                             sandglass_arkit_light* arkit,
                                                                             const char** reason);
@@ -147,12 +146,12 @@ typedef struct sandglass_arcore_light {
    * over pi. */
   float main_light_intensity[3];
   /* Environmental HDR ambient spherical harmonics: radiance, interleaved, with the Condon-Shortley phase:
-   * those of index 1, 3, 5 and 7 are minus these of a lighting. */
+   * those of index 1, 3, 5 and 7 are minus these of a light. */
   float sh[27];
 } sandglass_arcore_light;
 
 /* Converts into what ARCore gives. The model AMBIENT is what ARCore means. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_arcore(const sandglass_light* lighting,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_arcore(const sandglass_light* light,
                                                                              sandglass_light_model model,
                                                                              sandglass_arcore_light* arcore,
                                                                              const char** reason);
@@ -160,7 +159,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_arcore(con
 /* For Unity, whose world is left-handed: z is reversed, as AR Foundation does with poses. */
 typedef struct sandglass_unity_light {
   uint32_t struct_size;
-  /* Of the Light's transform: the way the light travels. */
+  /* Of the Light's transform: the direction in which the light travels. */
   float forward[3];
   /* The Quaternion (x, y, z, w) of that transform. */
   float rotation[4];
@@ -176,7 +175,7 @@ typedef struct sandglass_unity_light {
 } sandglass_unity_light;
 
 /* Converts for Unity. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_unity(const sandglass_light* lighting,
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_unity(const sandglass_light* light,
                                                                             sandglass_light_model model,
                                                                             sandglass_unity_light* unity,
                                                                             const char** reason);

@@ -94,8 +94,8 @@ typedef struct sandglass_granular_desc {
   sandglass_reference_scheme reference;
 
   /* Metres, 0..0.1: a collider does not move while its given surface, where sand is, is less than this away from where
-   * it is held; see sandglass_collider. 0: every pose is taken as given, and without velocities the way from frame to
-   * frame is its velocity. Default: 0.003, above the noise of a tracker. */
+   * it is held; see sandglass_collider. 0: every pose is taken as given, and without velocities its change from frame
+   * to frame is its velocity. Default: 0.003, above the noise of a tracker. */
   float collider_band;
   /* Metres, 0..2000: what falls so far is removed: particles, grains, and rigid bodies that are wholly so low. It
    * counts along gravity, as it is now, from the lowest point of this frame's bounded colliders, of the boundary
@@ -131,11 +131,11 @@ enum {
  * the square of the highest density_ratio, counted up to 5. Of two colliders that press sand into each other the slower
  * one holds: it is not entered.
  *
- * Held. The pose that a tracker tells is never twice the same. A collider does not move, and what sleeps on it does not
+ * Held. The pose that a tracker gives is never twice the same. A collider does not move, and what sleeps on it does not
  * wake, while its given surface, where sand is, is less than granular.collider_band away from where it is held. A
  * half-space may slide along itself, a ball may turn, and a box that grows keeps the faces that sand lies on. A pose
- * that stays beyond the band for 3 frames, or that moves on there, is followed, with the velocity of the way that it is
- * held to go: so walls of 2 r keep sand by poses alone. It is held never ahead of the given pose; where that moves, at
+ * that stays beyond the band for 3 frames, or that moves on there, is followed. Its velocity is then that of the
+ * held pose's motion: so walls of 2 r keep sand by poses alone. It is held never ahead of the given pose; where that moves, at
  * most the band behind, once it has made up what it waited for, at 1.25 times the given speed. A tracker may be slower
  * than the frames: then it goes evenly from pose to pose. What needs more than 50 m/s^2 is a jump. It is waited for 3
  * frames, or for the tracker's next pose; a single outlier does nothing. Then it comes gently, at most as fast as sand
@@ -143,25 +143,25 @@ enum {
  * table, takes no sand along itself. The collider is held again once it has stood for 1.5 s.
  * sandglass_scene_held_collider tells where.
  *
- * Velocities that the app tells are believed once they have kept their direction for 4 frames, or for 0.25 s after they
+ * Velocities that the app gives are believed once they have kept their direction for 4 frames, or for 0.25 s after they
  * turned back, or have led its surface further than twice the band. Then pose and velocities are taken as given; what
  * the collider was behind them it makes up with a time constant of 0.05 s. Velocities below 0.1 mm/s, or that only
  * shake the surface within the band, are noise; those that come between frames without any are a slow tracker's
- * differences, and its poses count alone. A way of more than 6 r and 12 bands in a frame that needs more than 50 m/s^2
- * is a jump whatever velocity tells it: that of a late frame whose time step was cut. A collider that comes new with a
- * velocity is believed at once. What a given velocity has and its pose does not go, for 0.1 s or in a frame in which it
- * changes, drags sand along faces and pushes none: a belt, a treadmill.
+ * differences, and its poses count alone. A displacement of more than 6 r and 12 bands in a frame that needs more than
+ * 50 m/s^2 is a jump whatever velocity is given: that of a late frame whose time step was cut. A collider that comes new with a
+ * velocity is believed at once. The part of a given velocity that does not move the pose, for 0.1 s or in a frame in
+ * which it changes, drags sand along faces and pushes none: a belt, a treadmill.
  *
  * Identity. A collider is recognised from frame to frame by its `id`; without one by an equal pose, else as the nearest
  * of its shape. Its place in the list decides between those that are equally near. One that is not recognised, that
- * went more than 0.25 m in a frame (1 m with an id), or that was left out for 0.25 s, is new: it is where the
- * app gives it.
+ * went more than 0.25 m in a frame (1 m with an id), or that was left out for 0.25 s, is new: it is where the app
+ * gives it.
  *
  * Carried. A frame ends with colliders where the app gives them, whatever it could afford to simulate: sand is never
  * more than r / 2 behind, or r where one ball or box alone moves. Time that is given up moves a collider together with
  * what it holds, rigidly: what a field that is solid outside encloses, and what lies on it, along gravity, in the box
- * around all colliders that go its way. What only lies on a ball or a box goes as far as friction takes it. What is in
- * the way goes before it or aside, and pushes on what is in its way. In slow motion sand feels a collider slower than
+ * around all colliders that share its motion. What only lies on a ball or a box goes as far as friction takes it. What
+ * is in the way goes before it or aside, and pushes on what it meets. In slow motion sand feels a collider slower than
  * given, by as much as time is short, so that what speeds up or brakes throws no more than it should. A frame
  * longer than 0.1 s, a jump, and what poses did while frames were paused or given too short carry, too: what is
  * enclosed, and what stands in a vessel of several colliders; of those pass ids. */

@@ -1,4 +1,4 @@
-// A lighting in the terms of renderers. The header states each target's convention; the tests
+// A light in the terms of renderers. The header states each target's convention; the tests
 // evaluate the target's own formula on what comes out.
 #include "runtime/frame/filled_struct.h"
 #include "runtime/frame/refuse.h"
@@ -55,18 +55,18 @@ struct Lights {
 // What rounding leaves of a floor that the directional light lights alone, of the whole.
 constexpr double k_rounding = 1e-6;
 
-Lights lights_of(const sandglass_light& lighting, sandglass_light_model model) {
+Lights lights_of(const sandglass_light& light, sandglass_light_model model) {
   Lights lights;
   const bool whole = model == SANDGLASS_LIGHT_WHOLE;
-  for (int i = 0; i < 3; ++i) lights.towards[i] = static_cast<double>(lighting.towards[i]);
+  for (int i = 0; i < 3; ++i) lights.towards[i] = static_cast<double>(light.towards[i]);
   const double up = lights.towards[1] > 0.0 ? lights.towards[1] : 0.0;
   for (int i = 0; i < 3; ++i) {
-    const double floor = static_cast<double>(lighting.floor[i]) / k_pi;
-    lights.facing[i] = whole ? 0.0 : static_cast<double>(lighting.facing[i]) / k_pi;
+    const double floor = static_cast<double>(light.floor[i]) / k_pi;
+    lights.facing[i] = whole ? 0.0 : static_cast<double>(light.facing[i]) / k_pi;
     const double rest = floor - lights.facing[i] * up;
     lights.ambient[i] = rest > k_rounding * floor ? rest : 0.0;
   }
-  const float* sh = whole ? lighting.whole_sh : lighting.ambient_sh;
+  const float* sh = whole ? light.whole_sh : light.ambient_sh;
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) lights.sh[i] = static_cast<double>(sh[i]);
   return lights;
 }
@@ -134,18 +134,18 @@ void write(Lights lights, sandglass_unity_light* unity) {
 
 // What all conversions have in common; `more` is what the renderer asks for besides.
 template <class Renderer, class... More>
-sandglass_status convert(const sandglass_light* lighting, sandglass_light_model model, Renderer* out,
-                         const char** reason, More... more) {
-  if (lighting == nullptr)
-    return refuse(reason, "lighting is NULL: pass one of sandglass_light_of_estimator or sandglass_light_of_room.");
+sandglass_status convert(const sandglass_light* light, sandglass_light_model model, Renderer* out, const char** reason,
+                         More... more) {
+  if (light == nullptr)
+    return refuse(reason, "light is NULL: pass one of sandglass_light_of_estimator or sandglass_light_of_room.");
   if (out == nullptr) return refuse(reason, "filament, arkit, arcore or unity is NULL: pass the struct to fill.");
   if (!can_fill(out)) return refuse(reason, "the struct to fill has no struct_size: set it to the struct's sizeof.");
-  if (lighting->struct_size < k_light_bytes_min)
-    return refuse(reason, "lighting.struct_size is not set: set it to sizeof(sandglass_light) before it is filled.");
+  if (light->struct_size < k_light_bytes_min)
+    return refuse(reason, "light.struct_size is not set: set it to sizeof(sandglass_light) before it is filled.");
   if (model != SANDGLASS_LIGHT_AMBIENT && model != SANDGLASS_LIGHT_WHOLE)
     return refuse(reason, "model is none of SANDGLASS_LIGHT_AMBIENT and SANDGLASS_LIGHT_WHOLE.");
-  if (!usable(*lighting)) return refuse(reason, "a number of the lighting is not finite: pass it as it was filled.");
-  write(lights_of(*lighting, model), more..., out);
+  if (!usable(*light)) return refuse(reason, "a number of the light is not finite: pass it as it was filled.");
+  write(lights_of(*light, model), more..., out);
   return accept(reason);
 }
 
@@ -154,20 +154,20 @@ sandglass_status convert(const sandglass_light* lighting, sandglass_light_model 
 
 using namespace sandglass;
 
-sandglass_status sandglass_light_to_filament(const sandglass_light* lighting, sandglass_light_model model, float nits,
+sandglass_status sandglass_light_to_filament(const sandglass_light* light, sandglass_light_model model, float nits,
                                              sandglass_filament_light* filament, const char** reason) {
   if (!(nits > 0.0f && nits <= 1e9f)) return refuse(reason, "nits is not a number above 0 and up to 1e9.");
-  return convert(lighting, model, filament, reason, nits);
+  return convert(light, model, filament, reason, nits);
 }
-sandglass_status sandglass_light_to_arkit(const sandglass_light* lighting, sandglass_light_model model,
+sandglass_status sandglass_light_to_arkit(const sandglass_light* light, sandglass_light_model model,
                                           sandglass_arkit_light* arkit, const char** reason) {
-  return convert(lighting, model, arkit, reason);
+  return convert(light, model, arkit, reason);
 }
-sandglass_status sandglass_light_to_arcore(const sandglass_light* lighting, sandglass_light_model model,
+sandglass_status sandglass_light_to_arcore(const sandglass_light* light, sandglass_light_model model,
                                            sandglass_arcore_light* arcore, const char** reason) {
-  return convert(lighting, model, arcore, reason);
+  return convert(light, model, arcore, reason);
 }
-sandglass_status sandglass_light_to_unity(const sandglass_light* lighting, sandglass_light_model model,
+sandglass_status sandglass_light_to_unity(const sandglass_light* light, sandglass_light_model model,
                                           sandglass_unity_light* unity, const char** reason) {
-  return convert(lighting, model, unity, reason);
+  return convert(light, model, unity, reason);
 }
