@@ -12,9 +12,9 @@ constexpr float k_body_speed = 1e4f;  // metres or radians a second, along each 
 // Particles within this of a line, in radii, as a root mean square: the body has no inertia about that line.
 constexpr double k_straight_radii = 0.1;
 
-// A particle is caught in a body where it overlaps one of the body's, is nearer than this to others, and the directions
-// from all of these to it add up to less than this share. Where it lies on a regular face, the share is 0.7; where it
-// is level with the outermost layer, 0.4.
+// A particle is caught in a body if it overlaps one of the body's particles, and the unit vectors to it from all of
+// them within k_around_radii have a mean shorter than k_one_sided. Where it lies on a regular face, the mean is 0.7
+// long; where it is level with the outermost layer, 0.4.
 constexpr double k_overlap_radii = 1.9, k_around_radii = 3.0, k_one_sided = 0.5;
 
 bool speeds_fit(const float linear[3], const float angular[3]) {
@@ -29,14 +29,14 @@ Bounds box_around(const Granular& g, const RigidBody& body, float margin) {
   return box;
 }
 
-// What is within reach of that box wakes, and so does the body.
+// Wakes a body and what is near it.
 void wake_around(Granular* g, const RigidBody& body) {
   const Bounds box = box_around(*g, body, neighbours_reach(*g));
   sleep_wake_box(&g->sleep, *g, box.low, box.high);
   neighbours_invalidate(&g->neighbours);
 }
 
-// The particles of a body have the velocities that its own say.
+// Gives the particles of a body the velocities of its rigid motion.
 void spread_velocities(Granular* g, const RigidBody& body) {
   bodies_spread_velocities(*g, body);
   for (uint32_t slot = body.first; slot < body.first + body.count; ++slot) {
@@ -45,8 +45,8 @@ void spread_velocities(Granular* g, const RigidBody& body) {
   }
 }
 
-// An awake particle was put somewhere else: it rests anew from there, and no grain follows it.
-void went_nowhere(Granular* g, const Particle& p) {
+// An awake particle was put somewhere else: it begins to rest anew there, and grains do not follow that.
+void begin_anew(Granular* g, const Particle& p) {
   sleep_begin_rest(&g->sleep, number_of(p), p.position);
   motion_add(g->motion, *g, number_of(p), p.position, p.velocity);
   particles_include(&g->particles, p.position, p.velocity);
@@ -73,8 +73,8 @@ bool caught(const Granular& g, const RigidBody& body, const Vector& p) {
   return overlaps && length2 < k_one_sided * k_one_sided * around * around;
 }
 
-// How far along an axis of the world, forward or backward, these particles have to go so that none overlaps the body.
-// Gives up where that is as far as `limit`.
+// How far these particles have to be moved along an axis of the world, forward or backward, so that none overlaps the
+// body. Gives up at `limit`.
 double distance_out(const Granular& g, const RigidBody& body, const uint32_t* rows, uint32_t count, int axis,
                     double sign, double limit) {
   const int other = (axis + 1) % 3, third = (axis + 2) % 3;
@@ -125,12 +125,12 @@ void put_beside(Granular* g, const RigidBody& body, const uint32_t* rows, uint32
   for (uint32_t i = 0; i < count; ++i) {
     Particle* p = &g->particles.records[0][rows[i]];
     for (int k = 0; k < 3; ++k) p->position[k] += shift[k];
-    went_nowhere(g, *p);
+    begin_anew(g, *p);
   }
 }
 
-// What a body is put around is caught between its particles: they push it to and fro for ever, sand at metres a second
-// and other bodies at ten times that. It is put beside the body.
+// A particle inside a body that was just placed would be caught between the body's particles: they push it to and fro
+// for ever, sand at metres a second and other bodies at ten times that. Puts it beside the body.
 void free_caught(Granular* g, const RigidBody& body) {
   const Bounds box = box_around(*g, body, 0.0f);
   const auto caught_at = [&](uint32_t row) {
@@ -156,7 +156,7 @@ void free_caught(Granular* g, const RigidBody& body) {
   }
 }
 
-// The spread of the body as it is turned, and what a push of the whole body at `arm` turns it by.
+// The angular velocity that an impulse at `arm` from the centre gives the body.
 Vector spin_of_push(const Granular& g, const RigidBody& body, const Vector& arm, const Vector& impulse) {
   double spread[9] = {};
   for (uint32_t slot = body.first; slot < body.first + body.count; ++slot) {
@@ -272,7 +272,7 @@ sandglass_status granular_set_body(Granular* g, uint32_t index, const sandglass_
     bodies_place(g->bodies, placed, slot, g->particles.records[0][g->bodies.rows[slot]].position);
   spread_velocities(g, placed);
   for (uint32_t slot = placed.first; slot < placed.first + placed.count; ++slot)
-    went_nowhere(g, g->particles.records[0][g->bodies.rows[slot]]);
+    begin_anew(g, g->particles.records[0][g->bodies.rows[slot]]);
   wake_around(g, placed);
   free_caught(g, placed);
   sweep_particles_changed(&g->sweep);

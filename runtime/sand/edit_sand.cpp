@@ -1,4 +1,4 @@
-// What the app does to the sand between frames: adds it, and removes what lies in a shape. A nozzle adds it within a
+// What the app does to the sand between frames: adds it, and removes what lies in a shape. A nozzle adds sand during a
 // frame.
 #include "runtime/frame/refuse.h"
 #include "runtime/math/finite.h"

@@ -19,7 +19,7 @@ bool stays_within(const SceneMove& move, const float position[3]) {
   return true;
 }
 
-// What leaves the limit must have left the scene before.
+// Whether all items stay within the limit. Those that had left the scene before need not.
 template <class Item>
 bool all_stay(const Granular& g, const SceneMove& move, const Item* items, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {

@@ -69,14 +69,14 @@ void take_free_faces(HeldPose* p, const HoldRule& rule) {
 // A velocity of a collider's own motion, in which the poses' noise is smoothed: what makes less than the band in this
 // frame. It gains only so much: a single jump is no motion. Of a turn a point at `lever` counts.
 void gain(float velocity[3], const float displacement[3], float seconds, float lever, const HoldRule& rule) {
-  constexpr float k_none = 1e-9f;  // m/s or rad/s
+  constexpr float k_negligible = 1e-9f;  // m/s or rad/s
   float next[3], lacks[3], along = 0.0f;
   for (int k = 0; k < 3; ++k) lacks[k] = displacement[k] / seconds - velocity[k];
   const float noise = rule.band / (seconds * lever),
               gain_max = rule.leave_speed / lever * minimum(seconds / k_leave_frame, 1.0f);
-  const float share = maximum(seconds / (k_smooth_seconds + seconds), 1.0f - noise / (length3(lacks) + k_none));
+  const float share = maximum(seconds / (k_smooth_seconds + seconds), 1.0f - noise / (length3(lacks) + k_negligible));
   for (int k = 0; k < 3; ++k) next[k] = velocity[k] + share * lacks[k];
-  const float speed = length3(next) + k_none;
+  const float speed = length3(next) + k_negligible;
   for (int k = 0; k < 3; ++k) along += velocity[k] * next[k] / speed;
   const float scale = minimum(1.0f, (maximum(along, 0.0f) + gain_max) / speed);
   for (int k = 0; k < 3; ++k) velocity[k] = scale * next[k];

@@ -1,10 +1,11 @@
 // The light to be expected at a place, from what was seen: read from the sums of sums.h.
 //
-// The level counts what was seen for four times as long as the direction does: light that comes from elsewhere is
-// likelier than a room that has become as dark as an unseen one. So an object does not change while the camera rests.
+// What was seen counts four times as long for the level as for the directions. After a while light is likely to come
+// from elsewhere, but the room is not likely to be as dark as one that was never seen. So an object does not change
+// while the camera rests.
 //
 // What lies below the horizon of the object is the floor that it stands on, as it was seen around the foot: by the
-// parts that lie, from where the camera saw them, in the direction of the foot.
+// parts that lie in the direction of the foot from where the camera saw them.
 //
 // A floor shadow is linear in the cells. So the shadow of least expected squared error is the one drawn in the expected
 // light. Where nothing was seen that is an even sky, and the shadow is soft; a guess of one light is not.
@@ -17,17 +18,18 @@
 namespace sandglass {
 namespace {
 
-constexpr double k_stands_out = 3.0;  // times the mean of the cells farther away: may be a light of its own
+constexpr double k_stands_out = 3.0;  // times the mean of the cells farther away: a cell may hold a light of its own
 constexpr double k_clearly = 1.25;    // another main light takes over where it is so many times as strong
 constexpr float k_shown = 0.01f;      // share of a main light that can be seen
 constexpr double k_near_foot = 40.0;  // sharpness of what counts as the foot's surroundings: 9 degrees
-// Beside 1, of a part right at the foot that was seen from above: what a part elsewhere weighs, and the usual floor.
+// A part right at the foot that was seen from above weighs 1. What a part elsewhere weighs, and the usual floor.
 constexpr double k_floor_elsewhere = 1e-4, k_floor_unseen = 1e-4;
-// Of the mean of images that show another room, as it seems: irradiance over pi. In 27 captured rooms it is 2.6 in the
-// median.
+// While images seem to show another room: the floor's irradiance over pi, as a multiple of their mean radiance, lies
+// within these bounds. In 27 captured rooms it is 2.6 in the median.
 constexpr double k_other_min = 2, k_other_max = 3;
-constexpr double k_floor_max = 0.9;               // reflectance of a floor
-constexpr double k_wide = 0.95, k_narrow = 0.99;  // mean cosine about the axis: too wide for a sharp shadow; as a lamp
+constexpr double k_floor_max = 0.9;  // reflectance of a floor
+// Mean cosine about a light's axis: of one too wide for a sharp shadow, and of one as narrow as a lamp.
+constexpr double k_wide = 0.95, k_narrow = 0.99;
 constexpr uint32_t k_look_rows = 1, k_look_columns = 2;  // parts to each side that one look takes in
 
 // Cells that touch each other. All of the top ring meet at the zenith.
@@ -38,7 +40,7 @@ bool touch(uint32_t a, uint32_t b) {
   return rings >= -1 && rings <= 1 && (beside || (rings == 0 && a / k_cell_sectors == k_cell_rings - 1));
 }
 
-// A light of its own: what stands out of a cell that was seen and of those that touch it.
+// A light of its own: what a seen cell and those that touch it hold beyond the cells farther away.
 struct Lamp {
   double mass, moment[3], colour[3];
   double excess[k_light_cells];  // of each cell
@@ -74,8 +76,8 @@ uint32_t brightest(const RoomSums& sums, const uint32_t* near) {
   return best;
 }
 
-// The main light is drawn sharp as far as it is narrow. That which is shown stays until another is clearly stronger: of
-// two equal lamps, each new image would choose another one.
+// The main light is drawn sharp as far as it is narrow. The one that is shown stays until another is clearly stronger:
+// else each new image might choose another one of two equal lamps.
 void find_main_light(const RoomSums& sums, const RoomModel& model, double total, const uint32_t* shown,
                      sandglass_room_light* out) {
   Lamp lamp = lamp_at(sums, brightest(sums, nullptr));
@@ -103,8 +105,8 @@ void find_main_light(const RoomSums& sums, const RoomModel& model, double total,
   }
 }
 
-// The floor around the foot, as the camera has seen it, in the room's unit; and what that weighs. The nearer a part
-// lies to the foot's direction, and the steeper and closer the camera saw it, the more it tells.
+// The floor around the foot as the camera has seen it: its radiance in the room's unit. Returns what that weighs. A
+// part weighs the more the nearer it lies to the foot's direction, and the more steeply the camera looked down on it.
 double floor_seen(const Room& room, const RoomMemory& memory, const double foot[3], double radiance[3]) {
   double area = 0;
   for (uint32_t i = 0; i < k_room_below; ++i) {
@@ -192,12 +194,13 @@ bool is_whole(const RoomView& view, uint32_t part) {
   return whole;
 }
 
-// Of what is clipped in the last image, the least bright first: a shorter image would show that as black. The sun is a
-// thousandth of its part.
+// The exposure that the next short image should have, over the ordinary one, so that it shows what is clipped in the
+// last image. The darkest of that comes first, because an even shorter image would show it black. 1: nothing is
+// clipped.
 float short_exposure(const Room& room) {
-  constexpr double k_clips = 0.0004;        // share of a part
-  constexpr uint8_t k_size_looks = 12;      // for the size of lamps alone
-  constexpr int k_octaves[3] = {3, 9, 15};  // shorter than the last ordinary image: then it was tried
+  constexpr double k_clips = 0.0004;        // share of a part; the sun is a thousandth of its part
+  constexpr uint8_t k_size_looks = 12;      // short images for the size of lamps alone
+  constexpr int k_octaves[3] = {3, 9, 15};  // by which an image was shorter if this exposure was tried
   uint32_t next = 3;
   for (uint32_t i = k_room_below; i < k_room_parts && room.exposure_known; ++i) {
     const RoomPart& part = room.parts[i];
@@ -226,7 +229,7 @@ double level_of(const Room& room, const RoomModel& model, const RoomOverview& al
   return level > k_other_min * other ? level : k_other_min * other;
 }
 
-// What one of the sums' units is, in those of the last image's white.
+// The unit of the sums, as a multiple of the last image's white.
 double unit_of(const Room& room, const RoomModel& model, const RoomOverview& all, const RoomSums& sums) {
   double total = 0, lasting = 0;
   for (uint32_t i = 0; i < k_light_cells; ++i) {
@@ -245,7 +248,7 @@ uint32_t shown_cell(const Room& room, const RoomFacing& plane, const float direc
   return room_cell_of(local, plane.yaw);
 }
 
-// What is asked of a plane: its cells, its main light, and the irradiance, in units of `unit`.
+// The answer for a plane: its cells, its main light, and its irradiance. `unit`: of the sums.
 void find_cells(const Room& room, const RoomModel& model, const RoomFacing& plane, const sandglass_room_place& place,
                 const RoomSums& sums, double unit, sandglass_room_light* out) {
   double total = 0, colour[3] = {};

@@ -24,18 +24,18 @@ constexpr double k_memory = 0.3, k_memory_clipped = 0.01;
 // Linear values. Black is one step of a byte: an image that is exposed for a 64th shows little more of a wall. What is
 // darker than `dim` says nothing of a change, because bytes round it; unless it was or is brighter.
 constexpr double k_black = 0.00031, k_dim = 0.01, k_white_from = 0.5;
-constexpr double k_scale_weight_min = 1.0, k_doubt_weight_min = 3.0,
-                 k_change_weight_min = 8.0;  // weights that are compared at least
+// Weights of compared parts, at least: for a scale, for a doubt, for a change.
+constexpr double k_scale_weight_min = 1.0, k_doubt_weight_min = 3.0, k_change_weight_min = 8.0;
 // The light of the whole room has changed where two thirds of what is seen again are brighter or darker by half.
 constexpr double k_change = 0.405, k_change_share = 0.65, k_perhaps_share = 0.35, k_few_share = 0.9;
 // A doubt lasts while so much differs: half a finger hides less of a room that becomes brighter.
 constexpr double k_still_share = 0.15;
-// Or where as many are brighter or darker by a quarter, and their ratios deviate by no more than 0.4 of that: of a
-// change that a seventh of them does not share they deviate by 0.35.
+// It has changed, too, where as many parts are brighter or darker by a quarter, and their ratios deviate from the
+// median by no more than 0.4 of it. In a change that a seventh of the parts does not share, they deviate by 0.35.
 constexpr double k_slight = 0.223, k_alike = 0.4, k_near = 0.5;
 constexpr double k_blind = 0.8, k_half_blind = 0.5, k_all_black = 0.98;
-// A change of light keeps most of the pattern of what is seen, and its hue: daylight beside a warm bulb are a factor of
-// 1.6 of red and 2.7 of blue. A thing before the lens keeps neither.
+// A change of light keeps most of the pattern of what is seen, and its hue: daylight and a warm bulb differ by factors
+// of 1.6 in red and 2.7 in blue. A thing before the lens keeps neither.
 constexpr double k_pattern_min = 0.05, k_pattern_lost = 0.75, k_other_red = 0.7, k_other_blue = 1.2;
 constexpr double k_noise = 0.3, k_usual_rate = 0.1, k_missing_rate = 0.3;
 constexpr double k_short_ratio = 3.0;  // an image so much darker is a short one: bytes have lost its pattern
@@ -46,17 +46,18 @@ constexpr double k_detail = 0.05, k_patience_far = 0.5;
 constexpr double k_far_off = 1.1;     // of logarithms: three times the light, or a third
 constexpr double k_shows_rate = 0.2;  // of a new image in the mean of what such images show
 constexpr double k_scale_max = 1e6;
-// An unknown exposure goes on as it did, by this share. What differs is believed as far as it is more than noise:
-// variances of a vote that counts 1, and of exposures from image to image; wholly where it is five times the noise and
-// three quarters of the votes agree.
+// An unknown exposure is expected to change again by this share of its last change. A deviation from that counts as far
+// as it exceeds the noise: of a vote of weight 1, and of exposures from image to image (variances). It counts wholly
+// where it is five times the noise and three quarters of the votes agree.
 constexpr double k_goes_on = 0.8, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 25, k_step_alike = 0.75;
-// What is remembered corrects it by so much an image; of what lies further apart than 0.4 by half of that.
+// What is remembered corrects the exposure by so much in an image, and by half of what a difference exceeds 0.4 by.
 constexpr double k_unseen_step = 0.015, k_far_difference = 0.4, k_far_rate = 0.5;
-// While nothing is learned no greater step is the camera's: where what is remembered says so too; of an image that is
-// strange; and of others.
+// While nothing is learned, a greater step is not one of the camera's exposure: where what is remembered agrees with
+// the step; in an image that is strange; in others.
 constexpr double k_adapts_surely = 1, k_adapts_strange = 0.12, k_adapts = 0.25;
-// White balance. Channels that are darker have no hue: bytes round them. What differs so much from the rest counts a quarter,
-// what is so uneven that four points say little of it half. The noise is the variance of a vote that counts 1.
+// White balance. Darker channels have no hue, because bytes round them. A part whose hue differs by k_other_hue counts
+// a quarter; one that is as uneven as k_uneven counts half, because four points say little of it. The noise is the
+// variance of a vote of weight 1.
 constexpr double k_hue_from = 0.01, k_other_hue = 0.4, k_uneven = 0.1, k_hue_noise = 4e-4;
 constexpr double k_hues_weight_min = 4.0;  // weight of parts
 constexpr double k_balance_max = 16.0;     // of a channel, beside the first image
@@ -81,8 +82,8 @@ double weight_of(const RoomRatios& ratios) {
   return sum;
 }
 
-// The ratio below which lies so much weight, at the mean of the votes about it; 0 where there is less. `near`: their
-// weight.
+// The ratio below which lies so much weight: the mean of the votes in the bins about it. 0: there is less weight.
+// `near`: the weight of these votes.
 double ratio_above(const RoomRatios& ratios, double weight_below, double* near = nullptr) {
   double below = 0;
   for (uint32_t i = 0; i < k_vote_bins; ++i) {
@@ -109,14 +110,14 @@ double median_of(const RoomVote& v) {
   return ratio_above(v.ratios, half - darker);
 }
 
-// Of logarithms of parts that are compared exactly.
+// The variance over the parts whose ratio is known exactly, of a sum and a sum of squares of RoomVote.
 double variance(const RoomVote& v, float sum, float squares) {
   const double mean = static_cast<double>(sum / v.exact);
   return static_cast<double>(squares / v.exact) - mean * mean;
 }
 
-// Whether the image shows something else than the room in another light. Of one that is so much darker bytes have lost
-// the pattern: where exposures are known it is no short one, so it is strange.
+// Whether the image shows something else than the room in another light. In an image that is so much darker, bytes have
+// lost the pattern. If its exposure is known and not short, that is strange.
 bool is_strange(const RoomVote& v, bool exposure_known) {
   const auto exact = static_cast<double>(v.exact);
   if (absolute(median_of(v)) > k_short_ratio) return exposure_known;
@@ -130,8 +131,8 @@ bool is_strange(const RoomVote& v, bool exposure_known) {
   return pattern > k_pattern_min && variance(v, v.error, v.error_squared) > k_pattern_lost * pattern;
 }
 
-// How the image is exposed, where that is not known: what it shows as the image before did says how that changed. What
-// is remembered says where it should be, and is approached in steps that nobody sees.
+// The scale of an image whose exposure is not known. Parts that the image before showed as well say how the exposure
+// changed. What is remembered says what it should be, and is approached in steps that nobody sees.
 double found_scale(Room* room) {
   const RoomVote& v = room->view.vote;
   const double compared = weight_of(v.steps);
@@ -157,8 +158,9 @@ double found_scale(Room* room) {
   return bounded(room->shown_scale * exponential(change));
 }
 
-// While the light settles the factor follows each image. What most of the parts do not say is the noise of where the
-// votes were taken: of that the mean is taken, of what is doubted, too, or it would be of one side.
+// While the light settles, the room's factor follows each image. A change that most parts do not agree on may be noise
+// of which parts vote: then the factor follows the mean of the images. So it does in a doubt, or only one sign would
+// count.
 void follow_light(Room* room, double change, bool surely) {
   const double step = room->view.step, rate = step > 0 ? step / (room->settled + step) : 1;
   room->light = bounded(room->light * exponential(surely && absolute(change) > k_noise ? change : rate * change));
@@ -171,8 +173,8 @@ bool returns(const Room& room, double median) {
   return absolute(back) > k_noise && absolute(median - back) < 0.5 * absolute(back);
 }
 
-// Whether most of what is compared has changed alike, if by less than a half. What lies far from the median, such as what
-// half a finger hides, is left out.
+// Whether most of what is compared has changed alike, even if by less than a half. Ratios far from the median, as of
+// what half a finger hides, do not count.
 bool all_alike(const Room& room, double median, double hidden) {
   const RoomVote& v = room.view.vote;
   const auto exact = static_cast<double>(v.exact);
@@ -200,7 +202,7 @@ bool is_beyond(const Room& room) {
 // Whether an image that is strange has a room's detail.
 bool is_detailed(const RoomVote& v) { return variance(v, v.known + v.error, v.shown_squared) > k_detail; }
 
-// Of an image that shows another room, as it seems: how bright that is.
+// The image seems to show another room: remembers how bright that is.
 void look_through_door(Room* room) {
   const RoomVote& v = room->view.vote;
   if (!(room->shows > 0) && !is_beyond(*room) && !is_detailed(v)) return;
@@ -208,7 +210,7 @@ void look_through_door(Room* room) {
   room->shows = room->shows > 0 ? room->shows * exponential(k_shows_rate * logarithm(shows / room->shows)) : shows;
 }
 
-// Something else than before is doubted anew: a flash after a finger.
+// A doubt of the other sign begins anew: a flash after a finger.
 void doubt(Room* room, double median) {
   const bool other = median * room->doubts < 0 && absolute(median) > k_change && absolute(room->doubts) > k_change;
   room->doubted = (other ? 0 : room->doubted) + room->view.step;
@@ -279,8 +281,8 @@ void follow_balance(Room* room) {
 
 RoomLesson lesson_of(Room* room, bool exposure_known) {
   const RoomVote& v = room->view.vote;
-  // One of lamps: what it shows of their parts at a few points says nothing of the light of the room. One that shows more
-  // goes on with a doubt.
+  // A short image for lamps: what it shows of their parts at a few points says nothing of the light of the room. One
+  // that shows more goes on with a doubt.
   if (room_shows_lamps_only(*room) || (room_is_short(*room) && !(room->doubted > 0)))
     return room->doubted > 0 || room->settled < k_settling ? RoomLesson::unknown : RoomLesson::all;
   const double hidden = static_cast<double>(v.brighter) + static_cast<double>(v.darker);
@@ -291,9 +293,9 @@ RoomLesson lesson_of(Room* room, bool exposure_known) {
     doubt(room, median);
     return RoomLesson::nothing;
   }
-  // An image of which little can be compared, such as a short one, begins no doubt. It ends none: an exposure that
-  // returns from what covered the lens shows little at first, and that much must not be learned before the rest can say
-  // why.
+  // An image of which little can be compared, such as a short one, neither begins nor ends a doubt. While the exposure
+  // returns from what covered the lens, an image shows little at first: that must not be learned before the rest can
+  // say why it differs.
   const bool compares = compared >= k_doubt_weight_min;
   const double one_sided = static_cast<double>(v.more > v.less ? v.more : v.less);
   const bool back = exposure_known && compares && returns(*room, median);
@@ -307,7 +309,8 @@ RoomLesson lesson_of(Room* room, bool exposure_known) {
   const bool doubtful = strange || (perhaps && !surely && (enough || all_few || room->doubted > 0));
   if (doubtful && compares) doubt(room, median);
   else if (enough && clear) room->doubted = room->shows = 0;
-  // One alone may be a short one of lamps. In the room it is another one only where it is much darker or brighter, too.
+  // One strange image alone may be a short one for lamps. While the camera is in the room, it shows another room only
+  // if it is much darker or brighter, too.
   const bool far_off = is_beyond(*room) || absolute(median - room->usual) > k_far_off;
   if (!far_off) room->shows = 0;
   if (strange && room->strange && far_off) look_through_door(room);
@@ -323,7 +326,7 @@ RoomLesson lesson_of(Room* room, bool exposure_known) {
     return RoomLesson::all;
   }
   const double change = back ? logarithm(room->light_before / room->light) : median - room->usual;
-  // After so long what half of the parts say is believed.
+  // After so long a doubt, half of the parts are enough.
   if (surely || (doubtful && (alike || one_sided >= 0.5 * compared))) begin_to_settle(room, back);
   const bool settling = exposure_known && room->settled < k_settling;
   if (exposure_known && compares) {
