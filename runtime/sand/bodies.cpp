@@ -239,11 +239,11 @@ void bodies_add(Bodies* b, const Granular& g, uint32_t number, const sandglass_b
 }
 
 void bodies_remove(Bodies* b, const Granular& g, uint32_t index) {
-  const RigidBody gone = b->all[index];
+  const RigidBody removed = b->all[index];
   // The slots behind it close the gap.
-  b->particle_count -= gone.count;
-  for (uint32_t to = gone.first; to < b->particle_count; ++to) {
-    const uint32_t from = to + gone.count;
+  b->particle_count -= removed.count;
+  for (uint32_t to = removed.first; to < b->particle_count; ++to) {
+    const uint32_t from = to + removed.count;
     for (int k = 0; k < 3; ++k) b->rest_shape[3ull * to + k] = b->rest_shape[3ull * from + k];
     b->rows[to] = b->rows[from];
     b->numbers[to] = b->numbers[from];
@@ -254,7 +254,7 @@ void bodies_remove(Bodies* b, const Granular& g, uint32_t index) {
   for (uint32_t i = 0; i < b->count; ++i) {
     RigidBody& other = b->all[i];
     if (other.count == 0) continue;
-    if (other.first > gone.first) other.first -= gone.count;
+    if (other.first > removed.first) other.first -= removed.count;
     const float density = 1.0f / inverse_mass(g.particles.records[0][b->rows[other.first]]);
     if (density > b->densest) b->densest = density;
   }

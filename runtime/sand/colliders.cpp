@@ -157,7 +157,7 @@ HoldRule hold_rule(const Granular& g) {
     rule.high[k] = g.particles.high[k] + g.desc.particle_radius;
   }
   rule.leave_speed = contacts_leave_speed(g);
-  // Well below the 2 r at which sand is beyond a wall. What starts by less, at once, costs a heap more than by all.
+  // Well below the 2 r at which sand is beyond a wall. What starts by less, at once, costs a pile more than by all.
   const float r = g.desc.particle_radius, bands = 2.0f * rule.band;
   rule.gentle = 1.5f * (r > bands ? r : bands);
   rule.longest = k_longest_step;

@@ -218,14 +218,14 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
 }
 
 void granular_take_out_body(Granular* g, uint32_t index) {
-  const RigidBody gone = g->bodies.all[index];
-  wake_around(g, gone);
-  for (uint32_t slot = gone.first; slot < gone.first + gone.count; ++slot)
+  const RigidBody removed = g->bodies.all[index];
+  wake_around(g, removed);
+  for (uint32_t slot = removed.first; slot < removed.first + removed.count; ++slot)
     granular_take_out_particle(g, g->bodies.rows[slot]);
   bodies_remove(&g->bodies, *g, index);
-  for (uint32_t slot = gone.first; slot < g->bodies.particle_count; ++slot)
+  for (uint32_t slot = removed.first; slot < g->bodies.particle_count; ++slot)
     sleep_set_body_slot(&g->sleep, g->bodies.numbers[slot], slot);
-  flow_count_removed(&g->flow, gone.count, 0, 1);
+  flow_count_removed(&g->flow, removed.count, 0, 1);
   granular_after_removal(g);
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr uint32_t k_open_max = 2048, k_heads = 1024, k_none = 0xffff;
 
-// Sand that is hemmed in slips aside less than friction alone would let it: with these factors a heap that a hand or a
+// Sand that is hemmed in slips aside less than friction alone would let it: with these factors a pile that a hand or a
 // finger goes through ends where it does with time, but for a few radii (sandglass_lab verify carried).
 constexpr float k_grip = 2.7f, k_grip_between = 0.6f;  // aside over out; of what a collider meets, of what that meets
 // In slow motion sand slides less far off than with time, as the square of its velocity: what is met gets this much of what

@@ -341,9 +341,9 @@ void granular_seal(Granular* g) {
 }
 
 void granular_take_out_particle(Granular* g, uint32_t i) {
-  const Particle& gone = g->particles.records[0][i];
-  flow_free_particle_number(&g->flow, number_of(gone));
-  if (is_awake(gone)) sleep_removed(&g->sleep);
+  const Particle& removed = g->particles.records[0][i];
+  flow_free_particle_number(&g->flow, number_of(removed));
+  if (is_awake(removed)) sleep_removed(&g->sleep);
   particles_remove(&g->particles, i);
   if (i < g->particles.count && in_body(g->particles.records[0][i])) bodies_note_row(*g, i);
 }

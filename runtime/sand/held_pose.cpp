@@ -123,9 +123,9 @@ bool believes(HeldPose* p, sandglass_shape shape, const Placement& given, bool j
   const bool outlier = jumped && p->since_velocity > 0.0f;  // or the second pose of a slow tracker
   p->since_velocity = 0.0f;
   if (p->moved < k_moved_frames) ++p->moved;
-  const float kept = with < 0.0f ? 0.0f : maximum(1.0f - step / k_remembered_seconds, 0.0f);
+  const float remembered = with < 0.0f ? 0.0f : maximum(1.0f - step / k_remembered_seconds, 0.0f);
   p->since_turn = with < 0.0f ? 0.0f : minimum(p->since_turn + step, k_remembered_seconds);
-  for (int k = 0; k < 6; ++k) p->run[k] = kept * p->run[k] + displacement[k];
+  for (int k = 0; k < 6; ++k) p->run[k] = remembered * p->run[k] + displacement[k];
   const bool steady = p->since_turn >= k_remembered_seconds && p->moved == k_moved_frames;
   const bool ran = run_of_surface(shape, given.pose, p->run) > k_run_bands * band;
   return steady || (ran && !outlier && p->since_gap >= k_remembered_seconds);

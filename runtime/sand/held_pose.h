@@ -1,5 +1,5 @@
 // The pose that sand meets in place of the one that the app gives. A tracker's pose is never twice the same: a floor
-// that trembles by a tenth of a millimetre would shake a heap flat, and one that is corrected would throw it.
+// that trembles by a tenth of a millimetre would shake a pile flat, and one that is corrected would throw it.
 //
 //   held      as long as the given surface, where sand is, stays within a band of the held one, nothing moves
 //   follows   a pose that stays beyond the band for some frames, or moves on there, is followed all the way, never ahead

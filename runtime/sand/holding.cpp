@@ -70,11 +70,11 @@ void enter_ball(const ColliderFrame& c, const HeldLanes& lanes, const float down
 // To a ball about the nearest point of a segment.
 float capsule_below(const ColliderFrame& c, const HeldLanes& lanes, uint32_t l, const float down[3]) {
   const float half = c.size[1];
-  float gone = 0.0f;
-  for (uint32_t step = 0; step < k_trace_steps && gone < k_coordinate_bound; ++step) {
+  float travelled = 0.0f;
+  for (uint32_t step = 0; step < k_trace_steps && travelled < k_coordinate_bound; ++step) {
     float r[3], along = 0.0f, square = 0.0f;
     for (int k = 0; k < 3; ++k) {
-      r[k] = lanes.at[k][l] + gone * down[k] - c.position[k];
+      r[k] = lanes.at[k][l] + travelled * down[k] - c.position[k];
       along += r[k] * c.axes[1][k];
     }
     along = along < -half ? -half : along > half ? half : along;
@@ -83,8 +83,8 @@ float capsule_below(const ColliderFrame& c, const HeldLanes& lanes, uint32_t l, 
       square += r[k] * r[k];
     }
     const float distance = __builtin_sqrtf(square) - c.size[0];
-    if (distance < 1e-3f * c.size[0]) return gone;
-    gone += distance;
+    if (distance < 1e-3f * c.size[0]) return travelled;
+    travelled += distance;
   }
   return k_far;
 }

@@ -41,27 +41,27 @@ bool put_pair(PairColours* c, uint32_t run, uint32_t i, uint32_t j) {
 }
 
 // Colours the near pairs of particle i, or the others. Returns how many pairs had no place.
-uint32_t colour_class(PairColours* own, const Granular& g, uint32_t i, bool far, uint32_t slot, uint32_t end) {
-  PairColours& c = *own;
+uint32_t colour_class(PairColours* colours, const Granular& g, uint32_t i, bool far, uint32_t slot, uint32_t end) {
+  PairColours& c = *colours;
   const Neighbours& n = g.neighbours;
   const uint8_t* const listed = n.listed;
   const uint32_t* const row = n.lists + static_cast<uint64_t>(i) * k_list_slots;
   const uint32_t rows = g.particles.rows, first_run = run_of(0, far, false);
   uint32_t* const taken = c.taken[far];
-  uint32_t mine = taken[i], dropped = 0;
+  uint32_t own = taken[i], dropped = 0;
   for (uint32_t s = slot; s < end; ++s) {
     const uint32_t j = row[s];
     if (j < i && listed[j / k_lane_group] != 0) continue;  // the list of j holds the pair
     const bool fixed = j >= rows;
-    const uint32_t free = ~(fixed ? mine : mine | taken[j]), bit = free & (0u - free);
+    const uint32_t free = ~(fixed ? own : own | taken[j]), bit = free & (0u - free);
     if (free == 0 || !put_pair(&c, first_run + 2 * static_cast<uint32_t>(__builtin_ctz(free)) + fixed, i, j)) {
       ++dropped;
       continue;
     }
-    mine |= bit;
+    own |= bit;
     if (!fixed) taken[j] |= bit;
   }
-  taken[i] = mine;
+  taken[i] = own;
   return dropped;
 }
 
@@ -72,8 +72,8 @@ uint32_t colour_row(PairColours* c, const Granular& g, uint32_t i) {
 
 // Fills the last group of each run with pairs that never touch: the inert particle and one of the last pair, which no
 // other thread writes.
-void fill_runs(PairColours* own, uint32_t inert) {
-  PairColours& c = *own;
+void fill_runs(PairColours* colours, uint32_t inert) {
+  PairColours& c = *colours;
   for (const uint32_t end : c.ends) {
     for (uint32_t at = end; at % k_lane_group != 0; ++at) {
       c.first[at] = inert;
@@ -117,8 +117,8 @@ void pair_colours_forget(PairColours* c) {
   c->step = k_clear;
 }
 
-bool pair_colours_run(PairColours* own, const Granular& g, uint32_t* cursor, FrameCounts* counts) {
-  PairColours& c = *own;
+bool pair_colours_run(PairColours* colours, const Granular& g, uint32_t* cursor, FrameCounts* counts) {
+  PairColours& c = *colours;
   const uint32_t count = g.particles.count, begin = *cursor, end = count - begin < g.unit ? count : begin + g.unit;
   if (c.step == k_clear) {
     for (uint32_t* const taken : c.taken) __builtin_memset(taken + begin, 0, (end - begin) * sizeof *taken);

@@ -25,7 +25,7 @@ struct Face {
   float offset;
 };
 Face face_of(const Pose& pose, int axis, float side);
-// Whether sand may be in front of a face of both boxes. A table's edges are not where its heap lies.
+// Whether sand may be in front of a face of both boxes. A table's edges are not where its pile lies.
 bool sand_beyond(const Face& from, const Face& to, const float low[3], const float high[3]);
 
 // A share of the motion from one pose to another.

@@ -501,8 +501,8 @@ float sleep_wake_speed(const Granular& granular);
 //
 //   below   where it falls, lower than all that is there, with nothing under it. What falls there together keeps the
 //           contacts that its lists know.
-//   beside  where it is fast, and its path clear of the box that holds all the others, of each collider, and of the paths
-//           of the other fast ones. That is for few: from k_fast_max on they are a flow.
+//   beside  where it is fast, and its path clear of the box that holds all the others, of each collider, and of the
+//           paths of the other fast ones. That is for few: from k_fast_max on they are a flow.
 //
 // What comes back counts again before it touches anything: lists are built then. What has fallen by `lowest`, or is
 // beyond the coordinate limit, is gone: the drains take it out.

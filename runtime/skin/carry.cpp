@@ -84,13 +84,13 @@ bool find_offset(SkinCarry* carry, const SkinState& s, const Particle& p, SkinCa
   const float offset_min = static_cast<float>(k_skin_held) / k_skin_steps * s.lattice.spacing;
   const float* from = carry->from + 3 * number_of(p);
   if (from[0] == k_skin_nowhere || s.shown.lost) return false;
-  const Quad at = quad(from), gone = quad(p.position) - at;
-  Quad offset = gone;
+  const Quad at = quad(from), displacement = quad(p.position) - at;
+  Quad offset = displacement;
   float square = square_of(offset);
   bool enclosed = false;
   for (uint32_t m = 0; m < carry->motion_count; ++m) {
     const SkinMotion& motion = carry->motions[m];
-    const Quad rest = gone - motion.displacement(at);
+    const Quad rest = displacement - motion.displacement(at);
     const float square_rest = square_of(rest);
     if (motion.encloses == enclosed ? !(square_rest < square) : enclosed) continue;
     enclosed = motion.encloses;

@@ -35,7 +35,7 @@ void lay_out_mesh(const SkinState& s, Layout* layout, SkinMesh* mesh, float** fr
   *from = layout_region<float>(layout, "skin.from", uint64_t{3} * s.desc.particle_capacity);
 }
 
-// The one walk: counts the bytes, or hands out the regions. Capacities by what heaps, layers and strewn sand take.
+// The one walk: counts the bytes, or hands out the regions. Capacities by what piles, layers and strewn sand take.
 sandglass_skin* lay_out(const sandglass_skin_desc& desc, Layout* layout) {
   auto* handle = layout_region<sandglass_skin>(layout, "skin.state", 1);
   SkinState nowhere = {};

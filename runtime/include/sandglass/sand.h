@@ -135,12 +135,12 @@ enum {
  * wake, while its given surface, where sand is, is less than granular.collider_band away from where it is held. A
  * half-space may slide along itself, a ball may turn, and a box that grows keeps the faces that sand lies on. A pose
  * that stays beyond the band for 3 frames, or that moves on there, is followed. Its velocity is then that of the
- * held pose's motion: so walls of 2 r keep sand by poses alone. It is held never ahead of the given pose; where that moves, at
- * most the band behind, once it has made up what it waited for, at 1.25 times the given speed. A tracker may be slower
- * than the frames: then it goes evenly from pose to pose. What needs more than 50 m/s^2 is a jump. It is waited for 3
- * frames, or for the tracker's next pose; a single outlier does nothing. Then it comes gently, at most as fast as sand
- * leaves what jumped; one of more than 1.5 r and 3 bands is there at once. The correction of a plane, or a jump of a
- * table, takes no sand along itself. The collider is held again once it has stood for 1.5 s.
+ * held pose's motion: so walls of 2 r keep sand by poses alone. It is held never ahead of the given pose; where that
+ * moves, at most the band behind, once it has made up what it waited for, at 1.25 times the given speed. A tracker may
+ * be slower than the frames: then it goes evenly from pose to pose. What needs more than 50 m/s^2 is a jump. It is
+ * waited for 3 frames, or for the tracker's next pose; a single outlier does nothing. Then it comes gently, at most as
+ * fast as sand leaves what jumped; one of more than 1.5 r and 3 bands is there at once. The correction of a plane, or a
+ * jump of a table, takes no sand along itself. The collider is held again once it has stood for 1.5 s.
  * sandglass_scene_held_collider tells where.
  *
  * Velocities that the app gives are believed once they have kept their direction for 4 frames, or for 0.25 s after they
@@ -148,9 +148,9 @@ enum {
  * the collider was behind them it makes up with a time constant of 0.05 s. Velocities below 0.1 mm/s, or that only
  * shake the surface within the band, are noise; those that come between frames without any are a slow tracker's
  * differences, and its poses count alone. A displacement of more than 6 r and 12 bands in a frame that needs more than
- * 50 m/s^2 is a jump whatever velocity is given: that of a late frame whose time step was cut. A collider that comes new with a
- * velocity is believed at once. The part of a given velocity that does not move the pose, for 0.1 s or in a frame in
- * which it changes, drags sand along faces and pushes none: a belt, a treadmill.
+ * 50 m/s^2 is a jump whatever velocity is given: that of a late frame whose time step was cut. A collider that comes
+ * new with a velocity is believed at once. The part of a given velocity that does not move the pose, for 0.1 s or in a
+ * frame in which it changes, drags sand along faces and pushes none: a belt, a treadmill.
  *
  * Identity. A collider is recognised from frame to frame by its `id`; without one by an equal pose, else as the nearest
  * of its shape. Its place in the list decides between those that are equally near. One that is not recognised, that
@@ -319,7 +319,7 @@ typedef struct sandglass_ray_hit {
  * finite, the direction has no length, or reach is not above 0. *hit is written in both cases.
  *
  * Particles are spheres of radius r, as physics sees them now: between two of them a ray goes deeper. Where two are
- * equally near, the lower number counts. Grains, colliders and boundary particles are not hit. For a normal of the heap
+ * equally near, the lower number counts. Grains, colliders and boundary particles are not hit. For a normal of the pile
  * rather than of one sphere, take the mean over some rays about the first. The call looks at every particle once: some
  * 30 microseconds for 14,000 on a workstation. */
 SANDGLASS_API int32_t sandglass_scene_ray(const sandglass_scene* scene, const float origin[3], const float direction[3],

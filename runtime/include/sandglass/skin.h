@@ -22,11 +22,10 @@
  * Only what moved is made anew, and at rest nothing; a collider that moves where no sand feels it costs nothing. A skin
  * that the budget does not complete goes on in the next frame. Until then the one before is carried along at each
  * frame's end, in time that is kept for it: rigidly with the collider that its sand goes along with, by 1.5 particle
- * radii beside that. So sand moves in every frame, and stays in its vessel. Once most of it has gone elsewhere the mesh is left
- * out, and all sand is loose. A particle that moves by less than a fortieth of
- * its radius stays where it was drawn. Nothing is allocated, no clock is read, and every
- * instruction set gives the same bytes. There is nothing to save: after a restore the skin is made anew from the
- * particles. The patches may then take their blocks from others.
+ * radii beside that. So sand moves in every frame, and stays in its vessel. Once most of it has gone elsewhere the mesh
+ * is left out, and all sand is loose. A particle that moves by less than a fortieth of its radius stays where it was
+ * drawn. Nothing is allocated, no clock is read, and every instruction set gives the same bytes. There is nothing to
+ * save: after a restore the skin is made anew from the particles. The patches may then take their blocks from others.
  *
  * Units, errors and the rule for NULL: see types.h. */
 #ifndef SANDGLASS_SKIN_H

@@ -96,9 +96,9 @@ void find_main_light(const RoomSums& sums, const RoomModel& model, double total,
     const double taken = share * lamp.excess[i], had = static_cast<double>(out->cells[i]);
     out->ambient_cells[i] = static_cast<float>(had > taken ? had - taken : 0.0);
   }
-  double kept = 0;
-  for (const float q : out->ambient_cells) kept += static_cast<double>(q);
-  out->main_share = kept < 1 ? static_cast<float>(1 - kept) : 0.0f;
+  double ambient = 0;
+  for (const float q : out->ambient_cells) ambient += static_cast<double>(q);
+  out->main_share = ambient < 1 ? static_cast<float>(1 - ambient) : 0.0f;
   for (int k = 0; k < 3; ++k) {
     out->main_direction[k] = static_cast<float>(lamp.moment[k] / length);
     out->main_colour[k] = static_cast<float>(lamp.colour[k] / grey);

@@ -43,10 +43,10 @@ bool finite(const sandglass_room_light& l) {
 
 __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass_room_light& now, float seconds) {
   const auto share = static_cast<float>(1 - exponential(static_cast<double>(-seconds) / k_seconds));
-  const bool gone = shown->main_share <= k_not_visible;
-  const bool other = !gone && now.main_share > k_not_visible &&
+  const bool invisible = shown->main_share <= k_not_visible;
+  const bool other = !invisible && now.main_share > k_not_visible &&
                      cosine_between(shown->main_direction, now.main_direction) < k_same_light;
-  if (gone) {
+  if (invisible) {
     memcpy(shown->main_direction, now.main_direction, sizeof now.main_direction);
     memcpy(shown->main_colour, now.main_colour, sizeof now.main_colour);
     shown->main_angular_diameter = now.main_angular_diameter;

@@ -187,8 +187,8 @@ void compare_as_far(Room* room, const PartMiddle& part, const RoomKnown& before,
   const double near = absolute(logarithm(near_light / known_light)), far = absolute(logarithm(far_light / known_light));
   if (near < k_alike_log && far < k_alike_log) return;
   const double better = near - far;
-  const double says = (better < -k_log_max ? -k_log_max : better > k_log_max ? k_log_max : better) - k_drift_log;
-  room->farther += part.elevation.cos * says;
+  const double evidence = (better < -k_log_max ? -k_log_max : better > k_log_max ? k_log_max : better) - k_drift_log;
+  room->farther += part.elevation.cos * evidence;
   if (room->farther < k_surely_near) room->farther = k_surely_near;
 }
 
