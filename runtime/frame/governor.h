@@ -145,14 +145,14 @@ struct Governor {
   uint32_t level_count;
   // Levels better than this are not used.
   uint32_t finest_level;
-  // Of the last frame. A better one must fit into 7/8 of the budget, so that quality does not flicker.
+  // The level of the last frame. A better one must fit into 7/8 of the budget, so that quality does not flicker.
   uint32_t level;
   // The worst level of those that fit in the last `better_frames` frames, which were all better than `level`.
   uint32_t better_level, better_frames;
   PredictorPolicy policy;
-  // Of the last frame: time that the output stage took beyond what was kept free for it.
+  // Time that the last frame's output stage took beyond what was kept free for it.
   uint64_t closing_excess_ns;
-  // Of the output stage as a whole. A sum of units varies less than each of them.
+  // The spread of the output stage as a whole. A sum of units varies less than each of them.
   Spread closing;
   // Recent costs of each kind in picoseconds an item. Integers, so the same clock gives the same plan everywhere.
   struct Kind {

@@ -242,7 +242,7 @@ void leave_standing(const Granular& g, uint32_t group, float depth_max, Quad* at
   }
 }
 
-// Of lanes that were moved so far: out of what stands.
+// Moves lanes that were moved so far out of what stands.
 void settle_lanes(Carry* c, const Granular& g, uint32_t group, const Sixteen& it, const float moved[k_lane_group]) {
   for (uint32_t l = 0; l < it.count; ++l) {
     if (!(moved[l] > 0.0f) || (it.free >> l & 1) == 0) continue;

@@ -16,8 +16,9 @@ constexpr float k_lift_gravities = 2.0f;
 // need n g dt to carry n layers, and stay far below the limit up to 100 of them.
 constexpr float k_separation_units = 0.9f;
 
-// Of the speed of separation of a pair, what a collider may add to its own. What dense bodies press into it must come
-// out faster: times the square of the density that counts, or it never comes to rest under them.
+// The share of a pair's speed of separation that a particle may leave a collider with, besides the collider's own
+// velocity. Under dense bodies it is times the square of the density that counts: else what they press into a collider
+// never comes to rest.
 constexpr float k_leave_share = 0.25f;
 
 // Sand under a heavy body carries its weight as so many layers more, up to a density ratio of this: sand that may be
@@ -72,7 +73,7 @@ float sticking_share(float friction) {
   return share < k_stick ? k_stick : (share < 1.0f ? share : 1.0f);
 }
 
-// Of dense bodies, as far as it counts.
+// The greatest density ratio of a body, as far as it counts.
 float heaviest(const Granular& g) {
   const float densest = g.bodies.densest;
   return densest < 1.0f ? 1.0f : (densest < k_heaviest_counted ? densest : k_heaviest_counted);

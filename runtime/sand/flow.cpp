@@ -90,7 +90,7 @@ void for_sites(const sandglass_emitter& e, float radius, uint32_t layer, const f
   }
 }
 
-// Of which layer sites are.
+// The layer that sites belong to.
 struct Layer {
   const Nozzle* nozzle;
   float direction[3];  // unit vector: of what leaves the nozzle

@@ -17,7 +17,8 @@ uint32_t giving_items(const Carry& carry);
 // One unit. True once all have given way.
 bool giving_run(Carry* carry, const Granular& granular);
 
-// Of carry.cpp. The longest displacement of what is in a box, at most. *after grows to hold the box after the motion.
+// These are in carry.cpp. A bound of the displacements of what is in a box; *after grows to hold the box after the
+// motion.
 float carry_box(const RigidMotion& motion, const Bounds& box, Bounds* after);
 // Whether a collider holds its place against what one group moves.
 bool carry_stands(const Granular& granular, uint32_t collider, uint32_t group);

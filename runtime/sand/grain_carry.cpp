@@ -45,7 +45,7 @@ void hold_lanes(const Granular& g, const HeldGroup& group, uint32_t first, uint3
   }
 }
 
-// Of up to four groups. True: one answer was good for all.
+// Finds the holders of up to four groups. True: one answer was good for all of them.
 bool hold_together(const Granular& g, uint32_t first, uint32_t count, uint8_t* holders) {
   HeldGroup& group = scratch_of(g).group;
   Quad low = Quad{} + 3e38f, high = Quad{} - 3e38f;

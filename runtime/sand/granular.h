@@ -47,7 +47,7 @@ enum : uint32_t {
 };
 static_assert(k_granular_kinds == k_sand_kinds);
 
-// Of the frame under way. Each part counts what it sees.
+// Counts of the frame under way. Each part of the sand counts what it finds.
 struct FrameCounts {
   uint32_t substeps, list_builds;
   uint32_t dropped_contacts;  // neighbours for which a list had no room

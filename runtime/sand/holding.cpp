@@ -182,7 +182,7 @@ bool goes_along(const HeldLanes& lanes, uint32_t l, const ColliderFrame& c, floa
   return squared <= speed_max * speed_max;
 }
 
-// Of a support's group: bits of the lanes within its box.
+// Bits of the lanes that are within the box of a collider's group.
 uint32_t within_group(const Granular& g, uint32_t collider, const HeldLanes& lanes) {
   const CarryGroup& group = g.carry.groups[g.carry.group_of[collider]];
   if (!group.hollow) return 0;

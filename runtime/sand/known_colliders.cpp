@@ -223,7 +223,7 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   // In a pause all stands; where that is after a move of the scene, only the held pose knows.
   Placement met = continued && !c.waits && !(step > 0.0) ? before : known.pose.held;
   if (owed >= k_time_resolution && debt >= k_time_resolution) {
-    // Of one that jumped nothing is left: else it would come from as far away as it goes in all of the time debt.
+    // One that jumped has nothing left to go: else it would come from as far away as it goes in all of the time debt.
     const double left = continued && !c.arrived && continues(before, met, step, g.desc.particle_radius) ? owed : 0.0;
     for (int k = 0; k < 3; ++k) {
       met.linear[k] = spread(before.linear[k], left, met.linear[k], step, debt);

@@ -20,7 +20,7 @@ float face_distance(const Face& from, const Face& to, const float low[3], const 
   return largest;
 }
 
-// Of a box that grows: only faces that sand is in front of.
+// The same for a box that grows: of faces that sand is in front of alone.
 float faces_distance(const Pose& from, const Pose& to, const float low[3], const float high[3]) {
   float largest = 0.0f;
   for (int side = 0; side < 6; ++side) {

@@ -11,8 +11,8 @@ namespace {
 constexpr float k_rest_radii = 0.1f;  // moving further than this is moving on
 // Metres; below it the distance shrinks with the root of the radius, as the speed does at which sand creeps in a corner.
 constexpr float k_rest_radius = 0.01f;
-// Of a rigid body. Friction holds the particles that touch, not the others, so on a slope a body creeps by some
-// 2 g dt sin(slope), for ever.
+// As k_rest_radii, for a rigid body. Friction holds the particles that touch, not the others, so on a slope a body creeps by
+// some 2 g dt sin(slope), for ever.
 constexpr float k_body_rest_radii = 0.3f;
 // What flies stays within h of one place for at most (1 + sqrt 2) sqrt(2 h / g): it passes there, turns h above, and is h
 // below soon after. So in a time t it moves on by more than 0.0858 g t^2, however large it is.

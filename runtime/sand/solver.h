@@ -188,9 +188,10 @@ void substep_abandon(Granular* granular);
 //   enclosed   in a field that is solid outside, the nearest
 //   supported  the first surface below, along gravity, is the collider's, and sand is within the box around all that
 //              share its motion: a bucket of five boxes. Not above one ball or box alone, unless it goes along with it.
-// Of both the innermost: a jar that is carried in a car. What only lies on a ball or a box goes by the share of its
-// displacement that the sand has of its velocity, and friction adds to that. What is not held and would be in the
-// collider gives way (giving.cpp). But what has jumped pushes nothing, and carries only what stands in a vessel.
+// Of several holders the innermost counts: a jar that is carried in a car. What only lies on a ball or a box goes by
+// the share of its displacement that the sand has of its velocity, and friction adds to that. What is not held and
+// would be in the collider gives way (giving.cpp). But what has jumped pushes nothing, and carries only what stands in
+// a vessel.
 //
 // All copies of a particle are moved, so that the sub-step under way goes on where it was carried.
 
@@ -267,7 +268,7 @@ bool carry_mixes(const Granular& granular);
 //
 // The passes of a sub-step over the particles: what the contact kernels are given, and what they have seen.
 
-// Of a pass that has seen no particle.
+// The extent of a pass that has seen no particle.
 constexpr ContactExtent k_extent_of_none = {
     0.0f, {3e38f, 3e38f, 3e38f}, {-3e38f, -3e38f, -3e38f}, {3e38f, 3e38f, 3e38f}, {-3e38f, -3e38f, -3e38f}, 0, 0};
 
@@ -440,7 +441,7 @@ struct Sleep {
 void sleep_layout(Sleep* sleep, const sandglass_granular_desc& desc, uint32_t rows, Layout* layout);
 void sleep_reset(Sleep* sleep);
 void sleep_restore(Sleep* sleep, const SavedScene& saved);
-// Of so many numbers.
+// `numbers`: how many there are.
 void sleep_move(Sleep* sleep, uint32_t numbers, const SceneMove& move);
 // The particle with this number was carried: it rests where it rests in what holds it.
 void sleep_carry(const Granular& granular, uint32_t number, const RigidMotion& motion);
@@ -507,7 +508,7 @@ float sleep_wake_speed(const Granular& granular);
 // What comes back counts again before it touches anything: lists are built then. What has fallen by `lowest`, or is
 // beyond the coordinate limit, is gone: the drains take it out.
 
-// From the highest to the lowest of a body's particles, along gravity; and whether it has departed.
+// Depths of the highest and the lowest of a body's particles; and whether the body has departed below.
 struct BodySpan {
   float top, bottom;
   bool below;
@@ -516,28 +517,29 @@ struct BodySpan {
 constexpr uint32_t k_fast_max = 64;
 
 struct Departed {
-  uint32_t count;      // particles, as the last look found
-  bool known;          // the look at the interval that begins is done
-  bool gone;           // something has to be taken out
-  bool grains_go;      // the grains' drain looks for some
-  double next_grains;  // simulated time of its next look
-  // Of the frame. Depths are along gravity, metres from the origin.
+  uint32_t count;      // particles that have departed, as the last look found
+  bool known;          // the look for the interval that begins is done
+  bool gone;           // some particle has to be taken out
+  bool grains_go;      // the grains' drain looks for grains to take out
+  double next_grains;  // simulated time of the next such look
+  // ---- the frame; depths are along gravity, metres from the origin
   bool falls;        // there is something to fall from, and no half-space under it
   bool open;         // no collider fills all space beyond it
   bool bounded;      // a collider has an end
   float bottom;      // depth of the lowest thing that is there
   float gone_depth;  // what is deeper is taken out
-  // Of the look under way.
+  // ---- the look under way
   BodySpan* spans;  // one a body
   float below;      // depth from which on sand has departed
-  float horizon;    // seconds
-  float reach;      // metres that a particle may go in that time, besides its fall, and not be fast
+  float horizon;    // seconds until the interval ends
+  float reach;      // metres; a particle that goes further until then, besides its fall, is fast
+  // The particles that have not departed: those that are not fast, and the fast ones. Boxes and squares of speeds.
   Bounds others, fast_ones;
   float others_speed2, fast_speed2;
   uint32_t found, fast_count;
   uint32_t fast[k_fast_max];
-  bool narrow;    // it ended with other bounds and another speed for the others
-  bool returned;  // one that had departed has not any more
+  bool narrow;    // bounds and speed of the others have changed
+  bool returned;  // some particle that had departed counts again
 };
 
 void departed_layout(Departed* departed, const sandglass_granular_desc& desc, Layout* layout);

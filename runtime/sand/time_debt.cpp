@@ -47,7 +47,7 @@ constexpr double k_frames_made_up = 2.0;  // an older debt becomes slow motion
 // With time debt a sweep covers up to so many frames. It costs the same whatever time it covers.
 constexpr double k_frames_in_sweep = 2.0;
 
-// Of an interval. Where the shortest sub-step would need more, sub-steps are longer, or no frame would end.
+// Sub-steps of an interval. Where the shortest sub-step would need more, they are longer: else no frame would end.
 constexpr uint32_t k_substeps_max = 10000;
 
 // Rounded up; but a hair above a whole number is that number: 20 ms in steps of 20/64 ms are 64.

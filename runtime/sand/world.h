@@ -101,7 +101,7 @@ struct Colliders {
   uint8_t* jumps;
   // One a slot: where it is at the frame's end.
   Pose* ends;
-  // Of the solid ones of `given`.
+  // One for each solid one of `given`.
   Carrier* carriers;
   // Posed for the sub-step, with their slots.
   uint32_t* substep_slots;

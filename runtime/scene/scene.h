@@ -34,7 +34,7 @@ struct sandglass_scene {
   sandglass::Granular granular;
   const sandglass::Kernels* kernels;
   uint64_t frame;
-  // Of the rigid bodies' poses, as they were when they had the hash `body_hash`.
+  // The version of the rigid bodies' poses, and the hash that they had then.
   uint64_t body_version, body_hash;
   uint32_t body_count;
   bool bodies_moved;           // in the last frame

@@ -47,7 +47,7 @@ void spread(SkinBricks* bricks, uint32_t number, const SkinParticle& p, uint32_t
       }
 }
 
-// Of a particle: its cell, and the brick of that.
+// The cell of a particle, and the brick of that cell.
 void cell_of(const SkinParticle& p, int32_t cell[3], int32_t at[3]) {
   for (uint32_t a = 0; a < 3; ++a) {
     cell[a] = p.at[a] >> k_skin_step_shift;

@@ -8,7 +8,8 @@ namespace sandglass {
 namespace {
 
 constexpr float k_weight_min = 0.04f;
-// Of the level: none of it is in the mesh, all of it is. What moves lies in a thinner density.
+// Shares of the level. At a density below k_thin nothing of a particle is in the mesh, above k_thick all of it; of one
+// that flies, above k_thick_flying.
 constexpr float k_thin = 0.45f, k_thick = 1.2f, k_thick_flying = 0.6f;
 
 // The density at the corners of a cell. False: there is none. `brick`: that of the particle before, then of this one.

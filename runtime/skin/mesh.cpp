@@ -172,7 +172,7 @@ Corner cell_before(const SkinBricks& bricks, uint32_t number, const uint32_t cel
   return {bricks.records[number].around[around], node_index(local[0], local[1], local[2])};
 }
 
-// Of the outer bricks of a chunk, by their place in k_outer_side^3: first those below it along x, then along y, then z.
+// The number of an outer brick of a chunk: first come those below the chunk along x, then along y, then along z.
 uint32_t outer_of(const int32_t brick[3], const SkinChunk& chunk) {
   uint32_t at[3];
   for (uint32_t m = 0; m < 3; ++m)

@@ -175,7 +175,7 @@ struct SkinMesh {
   uint16_t* indices;
   sandglass_skin_loose* loose;
   sandglass_skin_chunk* chunks;
-  // Of each chunk.
+  // The first vertex and index of each chunk.
   uint32_t *first_vertex, *first_index;
   uint32_t vertex_count, index_count, flying, lying;
 };
@@ -207,7 +207,7 @@ struct SkinMeshes {
 
 // ---- SkinCarry (carry.cpp)
 
-// Of a particle, by number.
+// How a particle has moved since the mesh was gathered. By number.
 struct SkinCarried {
   Quad offset;      // its displacement, less that of the motion
   uint32_t loose;   // its index in the mesh's list of loose sand; k_none: it is not in there
@@ -247,7 +247,7 @@ struct SkinCarry {
 
 // What an app is given: the mesh as it was made, or carried on from there.
 struct SkinShown {
-  // Of the chunks that are carried, as in SkinMesh.
+  // As in SkinMesh, of the chunks that are carried.
   sandglass_skin_vertex* vertices;
   sandglass_skin_chunk* chunks;
   sandglass_skin_loose* loose;
@@ -280,7 +280,7 @@ struct SkinRequests {
 
 constexpr uint32_t k_skin_in_time = 8;  // skins that are made within their frame, before the next is expected to be
 
-// Of the skin under way.
+// How far the skin under way has come.
 struct SkinProgress {
   SkinPhase phase;
   // The frame in which it was begun.

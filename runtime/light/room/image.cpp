@@ -161,8 +161,8 @@ bool looks_closely(Room* room, uint32_t part) {
   return room_is_short(*room) || (part + room->images) % turns == 0;
 }
 
-// Of how far what is seen lies, in logarithms: what is as near to both says nothing; what a part says at most; what it has
-// to say beyond chance; and the sum, at least.
+// How far away is what the camera sees? In logarithms: below k_alike_log a part speaks for neither answer; it speaks
+// for one by at most k_log_max, less k_drift_log, which is chance; and the sum stays above k_surely_near.
 constexpr double k_alike_log = 0.1, k_log_max = 1, k_drift_log = 0.03, k_surely_near = -3;
 
 // What is far is seen in the same direction from everywhere; what is near is not. A part of which an image shows the
@@ -366,10 +366,10 @@ float room_rate(const Room& room, const RoomKnown& known, const RoomObservation&
   const bool less_white = known.white > white_now + 2;
   const bool more_clipped = known.white != 0 ? less_white && clipped > 0 : clipped > 2 * known.clipped;
   const bool hidden = more_clipped && after <= 1.1 * before;
-  // Of a part that was hardly seen, the rest is new.
+  // If a part was hardly seen before, what was not seen of it is new.
   if (known.weight > 0 && hidden) return known.weight < k_hardly && covered > known.seen ? 1 - known.seen / covered : 0;
-  // Of a lamp that a picture's rim cuts, it shows too little or too much. But what a shorter image shows of one that is
-  // clipped is there at least, in the whole part: so much is new.
+  // A picture whose rim cuts a lamp shows too little or too much of it. But what a shorter image shows of a clipped
+  // lamp is there at least, in the whole part: so much is new.
   const double white = room.scale / room.light, now_at_least = now.covered * after;
   const bool is_lamp = before > white || after > white || clipped > 0 || known.clipped > 0;
   if (covered < k_whole && known.seen >= covered && is_lamp) {

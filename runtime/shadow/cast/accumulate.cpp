@@ -238,7 +238,7 @@ bool cast_draw(CastDrawing* drawing, CastTarget* target, const CastState& c) {
   drawing->rows += spent;
   if (drawing->direction < directions) return false;
   target->rows = drawing->rows;
-  // Of what the meshes' own surface throws onto the plane, the share that is not thrown twice is seen by the light.
+  // The share of the meshes' own surface that the light sees: covered texels, over the texels that all triangles draw.
   const bool shares = drawing->drawn != 0 && !cast_masks(c.gathered);
   target->back.open = shares ? static_cast<float>(drawing->covered) / static_cast<float>(drawing->drawn) : 1.0f;
   return true;

@@ -94,9 +94,9 @@ struct CastTarget {
 // A mesh as the app has set it; and as its triangles were gathered (triangles.cpp).
 struct CastMesh {
   sandglass_cast_mesh asked, gathered;
-  // Of `gathered`: three rows of four.
+  // Into the plane's frame, as `gathered` was placed: three rows of four.
   double plane_from_mesh[12];
-  // Of the corners that were gathered, in the mesh's frame.
+  // The box of the corners that were gathered, in the mesh's frame.
   float low[3], high[3];
 };
 
@@ -147,7 +147,7 @@ struct CastGathered {
 struct CastComparison {
   // The gathered triangles are not those of the meshes.
   bool stale;
-  // Of all meshes.
+  // All triangles of all meshes.
   uint32_t triangles;
   // Gatherings since the last texture that were begun anew because a mesh had another count.
   uint32_t restarts;
@@ -161,7 +161,7 @@ struct CastDrawing {
   uint32_t direction_count, other_count;
   // The share of the main light, see cast_share.
   double share;
-  // Of the last ambient texture.
+  // The cells of the last ambient texture.
   float cells[k_light_cells];
   // The next direction, and triangle of all.
   uint32_t direction, group, triangle;

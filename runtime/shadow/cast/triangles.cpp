@@ -98,8 +98,8 @@ void emit_above(CastGathered* g, const float corners[3][3]) {
   if (count == 4) emit(g, kept[0], kept[2], kept[3]);
 }
 
-// Of the newest arrays: those that the mesh was begun with may be gone. False: an index that no vertex has, or a corner
-// that is not finite or too far away.
+// Reads from the newest arrays, because the app may have freed those that the mesh was begun with. False: an index that
+// no vertex has, or a corner that is not finite or too far away.
 bool corners_of(CastMesh* mesh, uint32_t triangle, const float rows[12], bool mirrored, float corners[3][3]) {
   const sandglass_cast_mesh& arrays = mesh->asked;
   for (uint32_t i = 0; i < 3; ++i) {

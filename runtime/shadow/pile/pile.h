@@ -42,7 +42,7 @@ enum : uint32_t { k_ask_light = 1, k_ask_sky = 2, k_ask_all = 3 };
 
 // ---- PileRectangle (create.cpp)
 
-// Of the floor.
+// The rectangle of the floor that the texture covers.
 struct PileRectangle {
   // Its corners, x and z, and its height.
   float low[2], high[2], height;

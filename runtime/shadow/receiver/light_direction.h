@@ -6,7 +6,7 @@
 
 namespace sandglass {
 
-// Of a light whose size is not given, radians: 20 degrees.
+// The diameter of a light whose size is not given, radians: 20 degrees.
 constexpr float k_usual_diameter = 0.34906585f;
 
 // Refuses what points nowhere; `towards` is the same direction in double, of the same length.
