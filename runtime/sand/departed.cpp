@@ -326,7 +326,7 @@ bool departed_narrows(const Departed& d, const Granular& g, Bounds* all, float* 
   return true;
 }
 
-// Not where anything lies, and nothing below it: by the last frame's colliders.
+// Whether a place is below all that is there, by the last frame's colliders.
 static bool is_below_all(const Granular& g, const float position[3]) {
   return departed_is_gone(g, position) ||
          (g.departed.falls && depth_of(g, position) > g.departed.bottom + neighbours_reach(g));
@@ -336,7 +336,7 @@ bool departed_has_left(const Granular& g, const Particle& p) {
   return is_awake(p) && !in_body(p) && (has_departed(p) || is_below_all(g, p.position));
 }
 
-// Or where no particle is that has not departed.
+// A grain has left, too, where it is far from all particles that have not departed.
 bool departed_has_left(const Granular& g, const Grain& grain) {
   bool alone = false;
   for (int k = 0; k < 3; ++k) {

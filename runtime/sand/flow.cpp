@@ -17,7 +17,7 @@ constexpr float k_jitter_radii = 0.005f;
 static_assert(2.0f * 1.7320508f * k_jitter_radii < k_spacing_radii - 2.0f);
 constexpr float k_back_radii = k_spacing_radii * k_layer;  // that a particle may step back: to the next layer
 constexpr float k_clear_radii = 0.9f;  // from a particle's centre to a collider, where its place is free
-// That a lattice off the nozzle's middle comes back from layer to layer, about what gravity parts two layers by.
+// By so much a lattice off the nozzle's middle comes back with each layer: about what gravity parts two layers by.
 constexpr float k_centring_radii = 0.02f;
 constexpr uint32_t k_batch = 64;  // sites added at once
 
@@ -249,7 +249,7 @@ void emit_grains(const Pouring& to, const Granular& g, const Layer& layer, const
   }
 }
 
-// Where the nozzle has moved aside, the lattice stays behind, and comes back to its middle in small steps: a nozzle that
+// If the nozzle moves aside, the lattice stays behind and comes back to its middle in small steps: so a nozzle that
 // stands still pours as much everywhere.
 void follow_lattice(const Granular& g, EmitterState* state, Nozzle* nozzle) {
   const float* here = nozzle->emitter.position;
@@ -326,7 +326,8 @@ void emit_layer(const Pouring& to, const Granular& g, const Nozzle& nozzle, uint
   if (sites.count != 0) emit_sites(to, g, &sites, layer);
 }
 
-// What lies inside the shapes, or if `going` is gone (departed.cpp), of the group that begins at `first`.
+// The items of the group that begins at `first` that lie inside the shapes; if `going`, also those that have fallen or
+// flown too far (departed.cpp).
 uint32_t find_leaving(const Granular& g, const Record* records, uint32_t count, uint32_t first,
                       const ColliderFrame* shapes, uint32_t shape_count, bool going, uint32_t leaving[k_lane_group]) {
   uint8_t inside[k_lane_group];

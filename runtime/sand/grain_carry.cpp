@@ -6,7 +6,8 @@ namespace sandglass {
 
 namespace {
 
-// In place of a slot: nothing holds it; and of a group's first grain: that was not looked at since the group moved.
+// In place of a slot. k_free: nothing holds the grain. k_unknown, of a group's first grain: the group has moved since
+// its holders were found.
 constexpr uint8_t k_free = 255, k_unknown = k_grain_holders;
 constexpr uint32_t k_held_together = 4 * k_lane_group;  // grains that are asked for at once
 
@@ -15,7 +16,7 @@ void move_pose(RigidPose* pose, const RigidMotion& motion) {
   for (float(&axis)[3] : pose->axes) motion.rotate(axis);
 }
 
-// Grains are where sand is.
+// Whether grains have caught up with the particles.
 bool is_current(const Granular& g) {
   const SweepPhase phase = g.sweep.phase;
   const bool idle = phase == SweepPhase::idle || phase == SweepPhase::drain;

@@ -50,7 +50,7 @@ void enter_box(const Granular& g, const float direction[3], const float low[3], 
   }
 }
 
-// To a ball.
+// Metres down until each ray is in a ball; k_far: never.
 void enter_ball(const ColliderFrame& c, const HeldLanes& lanes, const float down[3], float enter[k_lane_group]) {
   for (uint32_t l = 0; l < k_lane_group; l += 4) {
     Quad along = {}, square = {};
@@ -67,7 +67,7 @@ void enter_ball(const ColliderFrame& c, const HeldLanes& lanes, const float down
   }
 }
 
-// To a ball about the nearest point of a segment.
+// Metres down until a ray is in a capsule: in steps as long as the distance to it.
 float capsule_below(const ColliderFrame& c, const HeldLanes& lanes, uint32_t l, const float down[3]) {
   const float half = c.size[1];
   float travelled = 0.0f;
@@ -89,7 +89,7 @@ float capsule_below(const ColliderFrame& c, const HeldLanes& lanes, uint32_t l, 
   return k_far;
 }
 
-// On from where rays entered the grid of a field, to its surface. A step that comes to it or beyond is halved.
+// From where rays entered the grid of a field on to its surface. A step that goes beyond the surface is halved.
 void trace_field(const Granular& g, const ColliderFrame& c, const HeldLanes& lanes, const float down[3],
                  float below[k_lane_group]) {
   const float r = g.desc.particle_radius;
@@ -195,7 +195,7 @@ uint32_t within_group(const Granular& g, uint32_t collider, const HeldLanes& lan
   return within;
 }
 
-// All corners of the group's box are in the field.
+// Whether the field encloses the whole box of the group.
 bool field_holds_all(const Granular& g, const HeldGroup& group, const ColliderFrame& field) {
   auto& middle = scratch_of(g).traced;
   auto& distance = scratch_of(g).distance;
@@ -209,7 +209,8 @@ bool field_holds_all(const Granular& g, const HeldGroup& group, const ColliderFr
   return distance[0] - __builtin_sqrtf(half2) > -k_in_wall * g.desc.particle_radius;
 }
 
-// All corners of the group's box are in the box of one vessel and over its colliders, and what else is below is lower.
+// The collider of a vessel that holds the whole group, or k_no_holder: all corners of the group's box are in the
+// vessel's box and above its colliders, and other colliders below are lower.
 uint32_t vessel_that_holds_all(const Granular& g, const HeldGroup& group, uint32_t vessel) {
   HeldLanes& corners = scratch_of(g).corners;
   auto& found = scratch_of(g).found;
@@ -403,7 +404,7 @@ void holding_find(const Granular& g, const HeldGroup& group, const HeldLanes& la
     const bool inside = (within >> l & 1) != 0;
     const bool lies = !inside && below[l] > 0.0f && g.carry.due != Carry::Moment::jump &&
                       goes_along(lanes, l, g.colliders.carriers[on].from, granular_speed_scale(g));
-    // In a vessel within a field, or the other way round: what is nearer is the inner one.
+    // Of a vessel within a field, or a field within a vessel, the nearer one is the inner one.
     if (lies || (inside && (holder[l] == k_no_holder || below[l] < nearest[l] + 2.0f * r))) holder[l] = on;
   }
 }

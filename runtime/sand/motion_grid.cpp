@@ -297,7 +297,7 @@ bool motion_measure(ParticleMotion* m, const Granular& g, uint32_t* cursor) {
   return end >= all;
 }
 
-// What a phase has left is cut into equal units: a rest of a few items would look dear for what it does.
+// What a phase has left is cut into equal units: a short last unit would look dear for its items.
 static uint32_t next_part(uint32_t left, uint32_t limit) {
   if (left == 0) return 0;
   const uint32_t parts = (left + limit - 1) / limit, part = (left + parts - 1) / parts;
@@ -393,7 +393,7 @@ bool motion_near(const ParticleMotion& m, const Granular& g, uint32_t group, con
   return false;
 }
 
-// Where more groups than that are refined, looking their blocks up costs more than it spares.
+// If more groups than this are refined, looking up which blocks they need costs more than it saves.
 static uint32_t wanted_max(const Granular& g) { return g.grains.count / (4 * k_lane_group); }
 
 void motion_begin_wanting(ParticleMotion* m, const Granular& g) {

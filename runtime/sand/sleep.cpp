@@ -11,8 +11,8 @@ namespace {
 constexpr float k_rest_radii = 0.1f;  // moving further than this is moving on
 // Metres; below it the distance shrinks with the root of the radius, as the speed does at which sand creeps in a corner.
 constexpr float k_rest_radius = 0.01f;
-// As k_rest_radii, for a rigid body. Friction holds the particles that touch, not the others, so on a slope a body creeps by
-// some 2 g dt sin(slope), for ever.
+// As k_rest_radii, for a rigid body. Friction holds the particles that touch, not the others, so on a slope a body
+// creeps by some 2 g dt sin(slope), for ever.
 constexpr float k_body_rest_radii = 0.3f;
 // What flies stays within h of one place for at most (1 + sqrt 2) sqrt(2 h / g): it passes there, turns h above, and is h
 // below soon after. So in a time t it moves on by more than 0.0858 g t^2, however large it is.
@@ -30,13 +30,14 @@ constexpr float k_stir_radii = 0.05f;
 constexpr float k_slow_carrier = 3.0f;
 constexpr uint8_t k_carried_contacts = 40;  // contacts from the carrier that are kept awake: more than piles are high
 
-// What stands on one other's top tips, but slowly at first: a lattice of 2 r moves on after 1.5 s where r is 3 mm, 2.8 s
-// where it is 1 cm. Twice as long it stays awake, in units of r / sqrt(g d): friction may hold it for ever.
+// A particle that stands on the top of a single other one tips, but slowly at first: a lattice of 2 r moves on after
+// 1.5 s if r is 3 mm, after 2.8 s if r is 1 cm. It is kept awake for twice that, in units of r / sqrt(g d), and not for
+// ever, because friction may hold it.
 constexpr float k_tipping_units = 243.0f;
 constexpr uint16_t k_balanced = 0x8000;  // the bit of Anchor::quiet of what was found so since it moved on
 constexpr uint16_t k_look = 0x4000;      // and of what is beside that, and is looked at anew
-// What was woken so often where it lay falls asleep in one check with what it touches. Else what sleeps is hard, what lies
-// pressed in it jumps, and wakes it again, for ever.
+// A particle that was woken so often at one place falls asleep in the same check as what it touches. Otherwise a
+// sleeper is hard, a particle that is pressed into it jumps and wakes it again, for ever.
 constexpr uint8_t k_woken_often = 8;
 constexpr uint32_t k_touched_max = 16;  // more cannot touch a sphere
 constexpr float k_support = 0.3f;       // what is lower by so much of the distance bears
@@ -82,7 +83,7 @@ void begin_waking_one(Sleep* sleep, const Granular& g, uint32_t i) {
   ++sleep->waking_count;
 }
 
-// And so does the rest of its body.
+// The same, with the rest of its body.
 void begin_waking(Sleep* sleep, const Granular& g, uint32_t i) {
   begin_waking_one(sleep, g, i);
   const Particle& woken = *particle_at(g, i);
@@ -382,10 +383,11 @@ static bool leans(const Sleep& sleep, const Granular& g, uint32_t i) {
   return i < g.particles.count && is_awake(p) && (sleep.anchors[number_of(p)].quiet & k_balanced) != 0;
 }
 
-// Whether a particle touches a particle, not of its own body, the boundary or a collider, and its centre lies in none:
-// from there it is pushed out. `watched` long enough, it may beside what leans, too; else that would fall in other
-// directions where this stands fast. Without gravity all may rest. It waits for what it touches that has been quiet for
-// `waits` checks and will be for `patience` soon.
+// Whether a particle may fall asleep. Without gravity all may. Otherwise it must touch something: the boundary, a
+// collider, or a particle that is not of its own body; and its centre must not lie in a collider, which pushes it out.
+// Beside a particle that leans it must have been `watched` long enough: what leans would fall differently if this one
+// stood fast. It waits for a particle that it touches and that has been quiet for `waits` checks, but not yet for
+// `patience`.
 static bool may_rest(const Sleep& sleep, const Granular& g, uint32_t i, bool watched, uint32_t waits,
                      uint32_t patience) {
   if (!(g.gravity_length > 0.0f)) return true;
@@ -428,7 +430,7 @@ static bool is_balanced(const Sleep& sleep, const Granular& g, uint32_t i) {
     if (height > k_support && (height < k_upright || ++supports > 1)) return false;
     if (height > -k_support && !leans(sleep, g, row[s])) normals[stops++] = n;
   }
-  // Where any direction is free, one leads along the side of what is beside the particle, or nothing is.
+  // If any direction is free, one along the side of a particle beside this one is, or there is none beside it.
   bool beside = false, free = false;
   for (uint32_t s = 0; s < 2 * stops && !free; ++s) {
     const FloatVector direction = s % 2 == 0 ? cross(up, normals[s / 2]) : cross(normals[s / 2], up);
@@ -439,8 +441,8 @@ static bool is_balanced(const Sleep& sleep, const Granular& g, uint32_t i) {
   return supports != 0 && (free || !beside) && !touches_collider(g, i, &beside);
 }
 
-// From now on the particle is balanced. What is near is looked at anew: it may be, too. Checks are counted on: what does not
-// fall asleep together with its neighbours is pushed, and wakes.
+// From now on the particle counts as balanced. Its neighbours are looked at anew, because they may be balanced, too.
+// Their checks go on counting: particles that do not fall asleep together push each other, and wake.
 static void begin_leaning(Sleep* sleep, const Granular& g, uint32_t i) {
   sleep->anchors[number_of(*particle_at(g, i))].quiet |= k_balanced;
   uint32_t count;
@@ -450,13 +452,13 @@ static void begin_leaning(Sleep* sleep, const Granular& g, uint32_t i) {
       sleep->anchors[number_of(*particle_at(g, row[s]))].quiet |= k_look;
 }
 
-// Checks in a row that must find a particle near one place.
+// Checks in a row that must find a particle near one place before it sleeps.
 static uint32_t patience_of(const Granular& g) {
   const uint32_t checks = to_whole<uint32_t>(g.desc.sleep_after * static_cast<float>(1.0 / k_sleep_period));
   return checks > k_checks_min ? checks : k_checks_min;
 }
 
-// And those for which what is balanced beside others is watched.
+// Checks in a row for which a particle beside one that leans is watched.
 static uint32_t tipping_of(const Granular& g) {
   const float time = k_tipping_units * g.desc.particle_radius / granular_speed_scale(g);
   const float checks = time * static_cast<float>(1.0 / k_sleep_period), limit = static_cast<float>(k_look - 2);
