@@ -1,5 +1,5 @@
-// What dry sand fills: it does not overhang, and stands no steeper than one in one. From above to below a node gets the
-// most of the nodes over it, a little less, where it is not far above sand or a collider.
+// What dry sand fills: it does not overhang, and stands no steeper than one in one. From above to below each node gets
+// the maximum of the nodes over it, less a little, unless it is far above sand and colliders.
 #include <cstring>
 
 #include "runtime/skin/rows.h"
@@ -108,13 +108,13 @@ uint32_t fill_layer(SkinBricks* bricks, const SkinLattice& lattice, uint32_t num
   return around_of(changed, changed_z != 0 ? 1u << layer : 0, changed_z, k_filter_reach);
 }
 
-// Takes a brick to those of the level.
+// Adds a brick to those of the level.
 void add_work(SkinFill* fill, SkinBricks* bricks, uint32_t number, bool falls) {
   find_where(bricks, number, falls);
   fill->work[fill->work_count++] = number;
 }
 
-// The bricks beside one read its layer for their next one.
+// Adds the bricks beside one, because their next layer depends on its layer.
 void join_beside(SkinFill* fill, SkinBricks* bricks, const Brick& brick, bool falls) {
   for (uint32_t k = around_index(0, 1, 0); k < around_index(0, 2, 0); ++k) {
     const uint32_t other = brick.around[k];

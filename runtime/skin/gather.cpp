@@ -1,6 +1,6 @@
 // Sand and colliders are taken at one moment: a skin may need more than a frame, and sand goes on with what holds it.
 //
-// What of the sand has moved: it is taken out of the sums where it was, and put in where it is. A particle is spread
+// Sand that has moved is taken out of the sums where it was and put in where it is. A particle is spread
 // over the eight nodes about it, in whole numbers, so that what was put in can be taken out again exactly.
 //
 // What falls is no part of the surface: a particle counts less the faster it comes down to what is below it.

@@ -83,7 +83,7 @@ bool is_needed(const SkinBricks& bricks, const Brick& brick) {
   return false;
 }
 
-// Nothing of a brick has changed since the mesh was made of it; and what nothing needs is released.
+// The mesh is made: no brick counts as changed. Releases bricks that nothing needs.
 void settle_bricks(SkinBricks* bricks) {
   for (uint32_t b = 0; b < bricks->count; ++b) {
     Brick& brick = bricks->records[b];

@@ -68,7 +68,8 @@ uint32_t brick_of_chunk(const SkinBricks& bricks, const SkinChunk& chunk, int32_
   return brick_find(bricks, at);
 }
 
-// Adds the vertices of a cell after another; where nothing of it has changed, the one of the mesh before.
+// Adds the vertices of a brick, cell by cell. Where nothing about a cell has changed, it takes the vertex of the mesh
+// before.
 struct CellVertices {
   SkinMeshes* meshes;
   const SkinState& s;
@@ -128,7 +129,7 @@ void make_vertices(SkinMeshes* meshes, SkinBricks* bricks, const SkinState& s, u
       }
 }
 
-// As they were in the mesh before.
+// Copies a brick's vertices from the mesh before.
 void copy_vertices(SkinMeshes* meshes, SkinBricks* bricks, uint32_t number, uint32_t chunk) {
   Brick& brick = bricks->records[number];
   SkinMesh &back = meshes->back, &front = meshes->front;
@@ -295,7 +296,7 @@ void end_chunk(SkinMeshes* meshes, uint32_t chunk, bool copied) {
   if (!same) now.version = k_chunk_changed;
 }
 
-// Where nothing of a chunk has changed and there is room: it is copied whole.
+// Copies a whole chunk, if nothing of it has changed and there is room.
 bool copy_chunk(SkinMeshes* meshes, const SkinState& s, uint32_t chunk) {
   SkinMesh &back = meshes->back, &front = meshes->front;
   const sandglass_skin_chunk& before = front.chunks[chunk];

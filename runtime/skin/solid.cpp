@@ -24,7 +24,7 @@ bool stands_as(const ColliderFrame& a, const ColliderFrame& b) {
   return same;
 }
 
-// What stands for a field that may be gone: a box of its reach.
+// A box of its extent stands for a field that the app may have freed.
 ColliderFrame box_of(const ColliderFrame& collider) {
   ColliderFrame box = collider;
   if (box.shape == SANDGLASS_SHAPE_FIELD) {
@@ -34,13 +34,13 @@ ColliderFrame box_of(const ColliderFrame& collider) {
   return box;
 }
 
-// World, metres; `node` in nodes from the brick's first.
+// The place of a node in the world, metres. `node`: counted from the brick's first one.
 void place_of(const SkinLattice& l, const Brick& brick, const float node[3], float place[3]) {
   for (uint32_t a = 0; a < 3; ++a)
     place[l.axis[a]] = l.sign[a] * l.spacing * (static_cast<float>(first_node(brick.at[a])) + node[a] + 0.5f);
 }
 
-// The distances of `points`, the first ones of them, from a collider.
+// The distances of the first of `points` from a collider.
 void find_distances(const SkinState& s, SurfacePoint* points, uint32_t count, const ColliderFrame& collider) {
   const SurfaceArgs args = {points, &collider};
   uint32_t unused = 0;

@@ -32,7 +32,7 @@ uint32_t kind_of(const SkinState& s) { return k_kind_of[static_cast<uint32_t>(s.
 
 uint32_t items_of(const SkinState& s) { return takes(s) ? skin_take_items(s) : k_items[kind_of(s)]; }
 
-// What lies otherwise, or lies anew, is filled anew.
+// Follows gravity: if up has changed, all bricks are filled anew, or the skin starts over.
 void follow_up(SkinState* s) {
   const SkinTurn turn = lattice_follow(&s->lattice, *s->granular);
   if (turn == SkinTurn::none) return;

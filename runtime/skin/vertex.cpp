@@ -18,7 +18,7 @@ constexpr float k_buried = -1.6f;     // nodes over a collider, of a cell's midd
 constexpr float k_kept_radii = 2.2f;  // so far a vertex keeps its particle
 constexpr float k_hollow_flat = 0.5f, k_hollow_gain = 2.6f;
 
-// A point's uniform quadratic B-spline along an axis: what the four nodes about its cell weigh, and how that changes.
+// The uniform quadratic B-spline at a point, along an axis: weights of the four nodes about its cell, and their slopes.
 struct Spline {
   float weight[4] = {}, slope[4] = {};
   explicit Spline(float t) {
@@ -55,8 +55,8 @@ struct Nodes {
     return ((sum[0] + sum[1]) + (sum[2] + sum[3])) * (1.0f / 64);
   }
 
-  // Where the level crosses the cell's edges, on average. At a wall it does so where the wall begins: `solid` of the
-  // corner within. True: there was one.
+  // The mean of the places where the level crosses the cell's edges. On an edge with a wall that is where the wall
+  // begins, by `solid` of the corner within it. Whether there was such an edge.
   bool crossing(const CellValues& solid, const CellValues& walls, float u[3]) const {
     bool walled = false;
     float value[8], sum[3] = {0, 0, 0}, count = 0;
@@ -84,7 +84,7 @@ struct Nodes {
     return walled;
   }
 
-  // At u in the cell, and how it changes, in nodes.
+  // The smoothed density at u in the cell, and its gradient for a node's distance.
   float smoothed(const float u[3], float gradient[3]) const {
     const Spline x(u[0]), y(u[1]), z(u[2]);
     Quad sum = {}, over_y = {}, over_z = {};
@@ -110,7 +110,7 @@ struct Nodes {
 
 float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-// One over the length, 0 of nothing.
+// One over the length; 0 for a vector of length 0.
 float inverse_length(const float a[3]) {
   const float square = dot(a, a);
   return square > 1e-20f ? 1.0f / __builtin_sqrtf(square) : 0.0f;
@@ -137,7 +137,7 @@ void run_out(const SkinState& s, const float floor[3], float over, float limit, 
   for (uint32_t m = 0; m < 3; ++m) normal[m] *= inverse;
 }
 
-// How many nodes aside a cell's vertex may go: behind a wall there is another place.
+// How many nodes aside a cell's vertex may be moved: not through a wall.
 float room_aside(const SkinBlocks& blocks, const uint32_t cell[3]) {
   if (!blocks.walled) return 3.0f;
   uint32_t any = 0;
@@ -189,7 +189,7 @@ uint32_t anchor_of(const SkinState& s, const Brick& brick, const uint32_t cell[3
   return nearest;
 }
 
-// In 1/65536 of the block's side, from whole turns of it.
+// The fraction of a number, in 65536ths.
 uint16_t turns(float turns) {
   const float whole = static_cast<float>(floor_whole(turns));
   return static_cast<uint16_t>(to_whole<uint32_t>((turns - whole) * 65536.0f) & 0xffff);
@@ -197,8 +197,8 @@ uint16_t turns(float turns) {
 
 int8_t of_127(float x) { return static_cast<int8_t>(floor_whole(127.0f * x + 0.5f)); }
 
-// Where the smoothed density has the level, in the cell. `normal`: away from the sand; `around`: how much of the level
-// the mean density about there is above that of a plane. True: at a wall.
+// Finds where in the cell the smoothed density has the level. `normal`: away from the sand. `around`: by how much the
+// mean density about there exceeds that beside a plane. True: it is at a wall.
 bool find_level(const SkinState& s, const Nodes& nodes, const CellValues& solid, const CellValues& walls, float u[3],
                 float normal[3], float* around) {
   const bool walled = nodes.crossing(solid, walls, u);
@@ -214,7 +214,8 @@ bool find_level(const SkinState& s, const Nodes& nodes, const CellValues& solid,
   return walled;
 }
 
-// Beside a collider: how many nodes it is over it, and its shift: out of it, and along it. The normal goes with that.
+// Shifts a vertex beside a collider out of it and outward along it, with its normal. Returns its height over the
+// collider, in nodes.
 float meet_collider(const SkinState& s, const SkinBlocks& blocks, const uint32_t cell[3], const CellValues& solid,
                     bool walled, const float u[3], float shift[3], float normal[3]) {
   const float distance = solid.at(u);
@@ -231,7 +232,7 @@ float meet_collider(const SkinState& s, const SkinBlocks& blocks, const uint32_t
   return over;
 }
 
-// Its place in the world and in the block of grains: that lies the same about the same particle.
+// Writes a vertex: its place in the world, and in the block of grains, which lies the same about the same particle.
 void put_vertex(const SkinState& s, const float place[3], const float shift[3], const float normal[3], uint32_t anchor,
                 sandglass_skin_vertex* out) {
   for (uint32_t m = 0; m < 3; ++m) {
