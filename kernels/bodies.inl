@@ -16,8 +16,9 @@ namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/pile_light.inl"
 #include "kernels/pile_sky.inl"
 #include "kernels/read_flow.inl"
-#include "kernels/grain_motion.inl"
 #include "kernels/wake.inl"
+
+#include "kernels/grain_motion.inl"
 
 extern const Kernels k_table, k_sand_table, k_pile_table, k_cast_table;
 #define SANDGLASS_KERNEL(user, name, Args, Result) , name

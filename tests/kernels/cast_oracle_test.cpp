@@ -133,7 +133,7 @@ void check_cast_calm(uint32_t n) {
       args.sum[k] = sum[k].data();
     }
     args.rows = rows;
-    args.most = 8;
+    args.difference_max = 8;
     const std::vector<float> before = counts_of(padded, 73);
     on_every_table([&](const Kernels& kernels, SameBits& same) {
       std::vector<float> row = before;
