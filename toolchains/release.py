@@ -19,12 +19,7 @@ import time
 # What a release contains that others wrote: name, licence, where it comes from, in what.
 OTHERS = [
     ("FlatBuffers", "Apache-2.0", "https://github.com/google/flatbuffers", "its headers are compiled into the library"),
-    (
-        "DenseNet-121 weights",
-        "BSD-3-Clause",
-        "https://github.com/liuzhuang13/DenseNet",
-        "models/lights/room.light descends from them",
-    ),
+    ("DenseNet-121 weights", "BSD-3-Clause", "https://github.com/liuzhuang13/DenseNet", "models/lights/room.light descends from them"),
     ("meshoptimizer", "MIT", "https://github.com/zeux/meshoptimizer", "its decoder is part of the page"),
 ]
 NPM = ("npm", "unity")
@@ -34,9 +29,7 @@ def members(name, root):
     """The files of an archive, and their names in it."""
     if name == "npm":
         files = set()
-        for entry in ["package.json", "README.md", "LICENSE"] + json.loads((root / "package.json").read_text())[
-            "files"
-        ]:
+        for entry in ["package.json", "README.md", "LICENSE"] + json.loads((root / "package.json").read_text())["files"]:
             found = set(root.glob(entry.lstrip("!")))
             if not found:
                 sys.exit(f"release.py: {root} lacks {entry}, which its package.json names: build it again")
@@ -91,11 +84,7 @@ def sbom(folder, version, seconds):
         for name, licence, place, what in OTHERS
     ]
     files = [
-        {
-            "SPDXID": f"SPDXRef-File-{i}",
-            "fileName": "./" + path.name,
-            "checksums": [{"algorithm": "SHA256", "checksumValue": sha256(path)}],
-        }
+        {"SPDXID": f"SPDXRef-File-{i}", "fileName": "./" + path.name, "checksums": [{"algorithm": "SHA256", "checksumValue": sha256(path)}]}
         for i, path in enumerate(sorted(folder.iterdir()))
     ]
     links = (
@@ -110,15 +99,10 @@ def sbom(folder, version, seconds):
         "SPDXID": "SPDXRef-DOCUMENT",
         "name": f"sandglass-{version}",
         "documentNamespace": f"urn:sandglass:{version}:{digest}",
-        "creationInfo": {
-            "created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(seconds)),
-            "creators": ["Tool: sandglass-release"],
-        },
+        "creationInfo": {"created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(seconds)), "creators": ["Tool: sandglass-release"]},
         "packages": packages,
         "files": files,
-        "relationships": [
-            {"spdxElementId": a, "relationshipType": kind, "relatedSpdxElement": b} for a, kind, b in links
-        ],
+        "relationships": [{"spdxElementId": a, "relationshipType": kind, "relatedSpdxElement": b} for a, kind, b in links],
     }
 
 
@@ -139,12 +123,7 @@ def main():
     for name, path in pieces:
         stem = f"sandglass-{version}-{name}"
         if name in inside:
-            pack(
-                made / (stem + (".tgz" if name in NPM else ".tar.gz")),
-                "package" if name in NPM else stem,
-                inside[name],
-                seconds,
-            )
+            pack(made / (stem + (".tgz" if name in NPM else ".tar.gz")), "package" if name in NPM else stem, inside[name], seconds)
         else:
             shutil.copyfile(path, made / (stem + path.suffix))
     bill = json.dumps(sbom(made, version, seconds), indent=1) + "\n"

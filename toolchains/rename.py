@@ -13,26 +13,7 @@ import pathlib
 import re
 import sys
 
-CODE = {
-    ".c",
-    ".h",
-    ".cc",
-    ".cpp",
-    ".hpp",
-    ".inl",
-    ".mm",
-    ".m",
-    ".mjs",
-    ".js",
-    ".mts",
-    ".ts",
-    ".cs",
-    ".kt",
-    ".swift",
-    ".md",
-    ".txt",
-    ".py",
-}
+CODE = {".c", ".h", ".cc", ".cpp", ".hpp", ".inl", ".mm", ".m", ".mjs", ".js", ".mts", ".ts", ".cs", ".kt", ".swift", ".md", ".txt", ".py"}
 
 
 def spread(old, new):

@@ -63,9 +63,7 @@ def write_weights(pretrained, path):
     for name in ("data_hash", "seed", "training_images"):
         arrays[name] = heads[name]
     if sha256_of(arrays) != WEIGHTS_SHA256:
-        print(
-            f"PyTorch {torch.__version__} draws other numbers from seed {SEED}, or sums otherwise, than the one that made the network"
-        )
+        print(f"PyTorch {torch.__version__} draws other numbers from seed {SEED}, or sums otherwise, than the one that made the network")
         sys.exit(EXIT_OTHER_PYTORCH)
     np.savez(path, **arrays)
 

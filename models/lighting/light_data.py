@@ -12,24 +12,8 @@ from PIL import Image
 
 WIDTH, HEIGHT = 256, 192
 COPIES = 2  # of an image: itself and its mirror image
-LABELS = (
-    "direction_x",
-    "direction_y",
-    "direction_z",
-    "light_r",
-    "light_g",
-    "light_b",
-    "ambient_r",
-    "ambient_g",
-    "ambient_b",
-    "contrast",
-)
-GROUPS = (
-    slice(0, 3),
-    slice(3, 6),
-    slice(6, 9),
-    slice(9, 10),
-)  # columns of the labels: direction, light, ambient, contrast
+LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b", "contrast")
+GROUPS = (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 10))  # columns of the labels: direction, light, ambient, contrast
 
 
 def fail(sentence):
@@ -61,18 +45,14 @@ class Rows:
                 path = os.path.join(folder, "manifest.csv")
                 if not os.path.exists(path):
                     fail(f"'{folder}' has no manifest.csv; make it with `sandglass dataset`")
-                for number, row in enumerate(
-                    csv.DictReader(open(path, newline="", encoding="utf-8", errors="replace"))
-                ):
+                for number, row in enumerate(csv.DictReader(open(path, newline="", encoding="utf-8", errors="replace"))):
                     missing = [k for k in ("image", "location", "fold") + LABELS if not row.get(k)]
                     if missing:
                         fail(f"line {number + 2} of '{path}' has no {missing[0]}; make the data set again")
                     try:
                         fold, values = int(row["fold"]), [float(row[k]) for k in LABELS]
                     except ValueError:
-                        fail(
-                            f"line {number + 2} of '{path}' has words in the place of numbers; make the data set again"
-                        )
+                        fail(f"line {number + 2} of '{path}' has words in the place of numbers; make the data set again")
                     if not all(map(math.isfinite, values)) or not any(values[:3]):
                         fail(f"line {number + 2} of '{path}' has labels that are no light; make the data set again")
                     self.image.append(os.path.join(folder, row["image"]))

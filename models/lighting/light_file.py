@@ -84,9 +84,7 @@ class FlatBuffer:
                 at[slot] = self.reference(value) if kind == REFERENCE else self.number(kind, value)
         self.align(4)
         here, slots = self.size + 4, max(at) + 1
-        layout = struct.pack(
-            f"<{slots + 2}H", 2 * slots + 4, here - start, *(here - at[s] if s in at else 0 for s in range(slots))
-        )
+        layout = struct.pack(f"<{slots + 2}H", 2 * slots + 4, here - start, *(here - at[s] if s in at else 0 for s in range(slots)))
         new = layout not in self.layouts
         position = self.layouts.setdefault(layout, here + len(layout))
         self.number("<i", position - here)
@@ -139,11 +137,7 @@ def light_file_bytes(file):
         layers, transition = buffer.references(layers), next(transitions, None)
         transition = 0 if transition is None else add_convolution(buffer, transition)
         blocks.append(buffer.table([(1, REFERENCE, transition), (0, REFERENCE, layers)]))
-    to = {
-        "blocks": buffer.references(blocks),
-        "stem": add_convolution(buffer, file.stem),
-        "name": buffer.string(file.name),
-    }
+    to = {"blocks": buffer.references(blocks), "stem": add_convolution(buffer, file.stem), "name": buffer.string(file.name)}
     for name in ("border",) + VECTORS + ("float_parameters",):
         values = getattr(file, name)
         to[name] = 0 if values is None else buffer.vector(values)

@@ -20,12 +20,7 @@ from light_ridge import TRUSTS, Regression
 
 LAYERS, GROWTH, BOTTLENECK, EPSILON = (6, 12, 24, 16), 32, 128, 1.001e-5
 MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
-NORM_NAMES = (
-    ("weight", "gamma"),
-    ("bias", "beta"),
-    ("running_mean", "moving_mean"),
-    ("running_var", "moving_variance"),
-)
+NORM_NAMES = (("weight", "gamma"), ("bias", "beta"), ("running_mean", "moving_mean"), ("running_var", "moving_variance"))
 COPIES_OF_START, SHIFT_OF_START = 16, 3.0
 LANES = tuple((channel, threshold) for threshold in (0.0, 0.5, 0.75, 0.9) for channel in range(3))  # brightness in sRGB
 LAYOUT_LAYERS = 4  # shifts by so many of the last map's 6 rows and 8 columns
@@ -86,9 +81,7 @@ class LightNet(nn.Module):
         self.last = nn.BatchNorm2d(channels, eps=EPSILON)
         self.latent = nn.Sequential(nn.Linear(channels, 512), nn.BatchNorm1d(512), nn.ELU())
         self.lanes = None  # which features belong to lanes, if there are lanes
-        self.heads = nn.ModuleDict(
-            {k: nn.Linear(512, n) for k, n in (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))}
-        )
+        self.heads = nn.ModuleDict({k: nn.Linear(512, n) for k, n in (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))})
 
     def readers(self, stage):
         """The layers that read the maps of one width. Each is a batch normalisation, the 1 x 1 convolution after it, and the
@@ -155,9 +148,7 @@ class LightNet(nn.Module):
         latent = self.latent(features)
         out = {k: head(latent) for k, head in self.heads.items()}
         return torch.cat(
-            [F.normalize(torch.tanh(out["direction"]), dim=1)]
-            + [torch.sigmoid(out[k]) for k in ("light", "ambient", "contrast")],
-            1,
+            [F.normalize(torch.tanh(out["direction"]), dim=1)] + [torch.sigmoid(out[k]) for k in ("light", "ambient", "contrast")], 1
         )
 
     def trusts(self):
@@ -192,9 +183,7 @@ class LightNet(nn.Module):
             j = 0
             for head in self.heads.values():
                 for row in range(len(head.bias)):
-                    head.weight[row, j * COPIES_OF_START : (j + 1) * COPIES_OF_START] = (
-                        float(spread[j]) / COPIES_OF_START
-                    )
+                    head.weight[row, j * COPIES_OF_START : (j + 1) * COPIES_OF_START] = float(spread[j]) / COPIES_OF_START
                     head.bias[row] = float(answer[j] - SHIFT_OF_START * spread[j])
                     j += 1
 
@@ -222,8 +211,7 @@ class LightNet(nn.Module):
     def exported(self):
         """The arrays of --export."""
         arrays = {
-            name: np.ascontiguousarray(parameter.detach().cpu().numpy().transpose(axes))
-            for name, parameter, axes in self.arrays(True)
+            name: np.ascontiguousarray(parameter.detach().cpu().numpy().transpose(axes)) for name, parameter, axes in self.arrays(True)
         }
         if self.lanes is not None:
             arrays["lanes"] = self.lanes.astype(np.float32)

@@ -26,9 +26,7 @@ class Regression:
         self.mean, self.answer = (weights * features).sum(0), (weights * targets).sum(0)
         centred = features - self.mean
         deviation = np.sqrt((weights * centred**2).sum(0))
-        self.deviation = (
-            np.maximum(deviation, LEAST_DEVIATION * np.median(deviation)) / trust
-        )  # bytes lose what hardly varies
+        self.deviation = np.maximum(deviation, LEAST_DEVIATION * np.median(deviation)) / trust  # bytes lose what hardly varies
         centred = centred / self.deviation
         self.values, self.vectors = np.linalg.eigh((weights * centred).T @ centred)
         self.products = self.vectors.T @ ((weights * centred).T @ (targets - self.answer))
@@ -42,9 +40,7 @@ class Regression:
         """The errors by group of labels: the mean angle first, then mean absolute differences."""
         out = self.answer + (features - self.mean) @ self.slopes(ridges)
         out = np.concatenate([np.tanh(out[:, :3]), 1 / (1 + np.exp(-out[:, 3:]))], 1)
-        return [angles_deg(out[:, :3], labels[:, :3]).mean()] + [
-            np.abs(out[:, g] - labels[:, g]).mean() for g in GROUPS[1:]
-        ]
+        return [angles_deg(out[:, :3], labels[:, :3]).mean()] + [np.abs(out[:, g] - labels[:, g]).mean() for g in GROUPS[1:]]
 
 
 def ridge_errors(features, labels, weights, folds, judged, trust=1.0):

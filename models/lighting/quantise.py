@@ -73,9 +73,7 @@ class Products:
         mean, units = self.sums / self.count, np.resize(units, len(self.sums))
         divided = np.divide(1.0, units, out=np.zeros_like(units), where=units != 0)
         covariance = (self.products / self.count - np.outer(mean, mean)) * np.outer(divided, divided)
-        lower = np.linalg.cholesky(
-            (covariance + RIDGE * np.eye(len(units)))[::-1, ::-1]
-        )  # from the last input to the first
+        lower = np.linalg.cholesky((covariance + RIDGE * np.eye(len(units)))[::-1, ::-1])  # from the last input to the first
         return (lower / np.diag(lower))[::-1, ::-1]
 
 
@@ -159,9 +157,9 @@ def latent_of(net):
     """The latent layer with its batch normalisation: features x outputs, and the bias."""
     scale, shift = affine_of(net.latent[1])
     linear = net.latent[0]
-    return (linear.weight.numpy() * scale[:, None]).T, (
-        linear.bias.numpy() - net.latent[1].running_mean.numpy()
-    ) * scale + net.latent[1].bias.numpy()
+    return (linear.weight.numpy() * scale[:, None]).T, (linear.bias.numpy() - net.latent[1].running_mean.numpy()) * scale + net.latent[
+        1
+    ].bias.numpy()
 
 
 def heads_of(net):
@@ -182,9 +180,7 @@ def grid_of(seen, rectified):
 def inputs_of(slope, origin=0.0, constant=0.0, mean=0.0, variance=0.0, low=None, high=None):
     """Inputs enter a convolution as slope * (clamped byte - origin) + constant. Mean and variance are those of the byte."""
     wide = [np.broadcast_to(np.asarray(v, np.float64), slope.shape) for v in (origin, constant, mean, variance)]
-    return SimpleNamespace(
-        slope=slope, origin=wide[0], constant=wide[1], mean=wide[2], variance=wide[3], low=low, high=high
-    )
+    return SimpleNamespace(slope=slope, origin=wide[0], constant=wide[1], mean=wide[2], variance=wide[3], low=low, high=high)
 
 
 def rectified_inputs(grid, norm, seen):
@@ -243,10 +239,7 @@ def rounded(aims, factor):
 def byte_rows(weights, constant, inputs, factor=None):
     """Integers (places x outputs), scales and biases of outputs scale * (sum of integer * byte) + bias. `weights` are those of the
     inputs' values, for all places; `constant` is added."""
-    each = {
-        name: np.resize(getattr(inputs, name), len(weights))[:, None]
-        for name in ("slope", "origin", "constant", "mean", "variance")
-    }
+    each = {name: np.resize(getattr(inputs, name), len(weights))[:, None] for name in ("slope", "origin", "constant", "mean", "variance")}
     of_bytes = weights * each["slope"]
     bias = constant + (weights * (each["constant"] - each["slope"] * each["origin"])).sum(0)
     largest = np.abs(of_bytes).max(0)
@@ -266,9 +259,7 @@ def byte_convolution(convolution, behind, inputs, outputs, products=None):
     if behind is not None:
         scale, shift = (v.astype(np.float64) for v in affine_of(behind))
         weights = weights * scale
-    integers, scale, bias = byte_rows(
-        weights, shift, inputs, None if products is None else products.factor(inputs.slope)
-    )
+    integers, scale, bias = byte_rows(weights, shift, inputs, None if products is None else products.factor(inputs.slope))
     bias = bias + outputs.step * outputs.zero
     # The bias may be at most 2^28 steps. So an output that hardly depends on its inputs gets coarser steps.
     scale = np.maximum(scale, np.abs(bias) / BIAS_LIMIT)
@@ -289,18 +280,14 @@ def put_latent(net, inputs, file):
 
 
 def quantised(net, seen):
-    file = SimpleNamespace(
-        layers=LAYERS, narrow=[], wide=[], transition=[], border=np.rint(255 * np.array(MEAN)).astype(np.uint8)
-    )
+    file = SimpleNamespace(layers=LAYERS, narrow=[], wide=[], transition=[], border=np.rint(255 * np.array(MEAN)).astype(np.uint8))
     block, at = grid_of(seen.stem, True), 0
     file.stem = byte_convolution(net.stem, net.stem_norm, image_inputs(), block)
     for b, layers in enumerate(net.blocks):
         for layer in layers:
             bottleneck, growth = grid_of(seen.bottlenecks[at], True), grid_of(seen.growths[at], False)
             inputs = rectified_inputs(block, layer.before, seen.narrow_inputs[at])
-            file.narrow.append(
-                byte_convolution(layer.narrow, layer.between, inputs, bottleneck, seen.narrow_products[at])
-            )
+            file.narrow.append(byte_convolution(layer.narrow, layer.between, inputs, bottleneck, seen.narrow_products[at]))
             inputs = plain_inputs(bottleneck, seen.bottlenecks[at])
             file.wide.append(byte_convolution(layer.wide, None, inputs, growth, seen.wide_products[at]))
             block = SimpleNamespace(step=np.append(block.step, growth.step), zero=np.append(block.zero, growth.zero))
@@ -309,9 +296,7 @@ def quantised(net, seen):
             break
         inputs = rectified_inputs(block, net.transitions[b].before, seen.transition_inputs[b])
         block = grid_of(seen.transitions[b], False)
-        file.transition.append(
-            byte_convolution(net.transitions[b].narrow, None, inputs, block, seen.transition_products[b])
-        )
+        file.transition.append(byte_convolution(net.transitions[b].narrow, None, inputs, block, seen.transition_products[b]))
     inputs = rectified_inputs(block, net.last, seen.last)
     file.last_low, file.last_high = inputs.low, inputs.high
     file.feature_scale = inputs.slope.astype(np.float32)
@@ -412,9 +397,7 @@ def averages_of(program, file, images):
         with open(os.path.join(data_set, "manifest.csv"), "w") as out:
             out.write("image\n" + "".join(f"{i}.png\n" for i in range(len(images))))
         try:
-            subprocess.run(
-                [program, "light-features", network, data_set, "-o", features], check=True, stdout=subprocess.DEVNULL
-            )
+            subprocess.run([program, "light-features", network, data_set, "-o", features], check=True, stdout=subprocess.DEVNULL)
         except (OSError, subprocess.CalledProcessError) as error:
             fail(f"the runtime did not run the bytes ({error}); name the program `sandglass` with --program")
         averages = np.load(features)
@@ -430,17 +413,10 @@ def estimates_of(net, features):
 
 def byte_estimates(file, averages):
     """The same as the runtime gives it."""
-    latent = (
-        averages.astype(np.float64) @ file.latent_weights.T.astype(np.float64) * file.latent_scale + file.latent_bias
-    )
-    out = (
-        np.where(latent > 0, latent, np.expm1(np.minimum(latent, 0))) @ file.heads_weights.T.astype(np.float64)
-        + file.heads_bias
-    )
+    latent = averages.astype(np.float64) @ file.latent_weights.T.astype(np.float64) * file.latent_scale + file.latent_bias
+    out = np.where(latent > 0, latent, np.expm1(np.minimum(latent, 0))) @ file.heads_weights.T.astype(np.float64) + file.heads_bias
     direction = np.tanh(out[:, :3])
-    return np.concatenate(
-        [direction / np.linalg.norm(direction, axis=1, keepdims=True), 1 / (1 + np.exp(-out[:, 3:]))], 1
-    )
+    return np.concatenate([direction / np.linalg.norm(direction, axis=1, keepdims=True), 1 / (1 + np.exp(-out[:, 3:]))], 1)
 
 
 def quantile(values, share):
@@ -450,9 +426,7 @@ def quantile(values, share):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("weights", help="what `train.py --export` wrote")
-    parser.add_argument(
-        "--calibrate", nargs="+", required=True, metavar="FOLDER", help="data sets whose images give the ranges"
-    )
+    parser.add_argument("--calibrate", nargs="+", required=True, metavar="FOLDER", help="data sets whose images give the ranges")
     parser.add_argument(
         "--measure",
         nargs="+",
@@ -460,15 +434,9 @@ def main():
         metavar="FOLDER",
         help="data sets to compare with the float network on; without them, every other image of --calibrate",
     )
-    parser.add_argument(
-        "--images", type=int, default=96, metavar="N", help="images to calibrate with, and as many to measure on"
-    )
+    parser.add_argument("--images", type=int, default=96, metavar="N", help="images to calibrate with, and as many to measure on")
     parser.add_argument("--name", default="lighting", help="the name of the network in its file")
-    parser.add_argument(
-        "--keep-float",
-        action="store_true",
-        help="keep the float network beside the bytes, for XNNPACK in float (30 MB)",
-    )
+    parser.add_argument("--keep-float", action="store_true", help="keep the float network beside the bytes, for XNNPACK in float (30 MB)")
     parser.add_argument("--program", default="sandglass", help="the program `sandglass`, whose runtime runs the bytes")
     parser.add_argument("-o", "--output", required=True, help="the lighting file to write")
     options = parser.parse_args()
@@ -492,9 +460,7 @@ def main():
     file = quantised(net, seen)
     file.name = options.name
     file.data_hash = int(bytes(arrays["data_hash"]).decode(), 16) if "data_hash" in arrays else 0
-    file.seed, file.training_images = (
-        int(arrays[name][0]) if name in arrays else 0 for name in ("seed", "training_images")
-    )
+    file.seed, file.training_images = (int(arrays[name][0]) if name in arrays else 0 for name in ("seed", "training_images"))
     averages = averages_of(options.program, file, calibration + measured)
     fit_features(net, truth, averages[: len(calibration)], file)
     averages = averages[len(calibration) :]
@@ -507,9 +473,7 @@ def main():
         file.float_parameters = float_parameters(net)
     content = light_file_bytes(file)
     save(options.output, lambda path: open(path, "wb").write(content))
-    print(
-        f"{options.output}: {len(content)} bytes, calibrated on {seen.images} images; int8 against float on {len(measured)} others:"
-    )
+    print(f"{options.output}: {len(content)} bytes, calibrated on {seen.images} images; int8 against float on {len(measured)} others:")
     print(
         f"direction            median {file.angle_deg:.3f} deg, 90th percentile {quantile(angles, 0.9):.3f}, greatest "
         f"{angles.max():.3f} (limit of the median {ANGLE_LIMIT_DEG:g})"

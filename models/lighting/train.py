@@ -52,8 +52,7 @@ def fitted_rows(rows, train_rows, net, features_of):
     the errors of the ridges within these folds. Captured images together have the weight 1, others EXTRA_WEIGHT."""
     pairs = [(i, c) for c in range(COPIES) for i in train_rows]
     features, labels = (
-        np.stack([of(i, c) for i, c in pairs]).astype(np.float64)
-        for of in (features_of, lambda i, c: label_of(rows, i, c))
+        np.stack([of(i, c) for i, c in pairs]).astype(np.float64) for of in (features_of, lambda i, c: label_of(rows, i, c))
     )
     extra = rows.kind[[i for i, _ in pairs]] == 2
     weights = np.where(extra, EXTRA_WEIGHT / max(1, extra.sum()), 1.0 / max(1, (~extra).sum()))
@@ -78,12 +77,7 @@ def fit_heads(rows, train_rows, net, sources):
         trusts = tuple(errors.min(1).argmin(0).tolist())
         ridges = tuple(best_ridges(errors[k])[group] for group, k in enumerate(trusts))
     net.give_heads(features, labels, weights, ridges, trusts)
-    return {
-        "features": chosen,
-        "ridges": ridges,
-        "inner": least,
-        **({} if net.lanes is None else {"trusts": [TRUSTS[k] for k in trusts]}),
-    }
+    return {"features": chosen, "ridges": ridges, "inner": least, **({} if net.lanes is None else {"trusts": [TRUSTS[k] for k in trusts]})}
 
 
 def initial(arguments):
@@ -130,24 +124,17 @@ def fit_fold(arguments, fold, rows, net, sources):
     }
     if len(test_rows):
         with torch.no_grad():
-            made = net.estimate(
-                torch.from_numpy(np.stack([sources[found["features"]](i, 0) for i in test_rows]))
-            ).numpy()
+            made = net.estimate(torch.from_numpy(np.stack([sources[found["features"]](i, 0) for i in test_rows]))).numpy()
         truth = rows.labels[test_rows]
         mean = mean_light[None].repeat(len(test_rows), 0)
         result.update(network=measures(made, truth), mean_training_light=measures(mean, truth))
         lines = ["image," + ",".join(LABELS)] + [
             os.path.basename(rows.image[i]) + "".join(f",{x:.6f}" for x in made[at]) for at, i in enumerate(test_rows)
         ]
-        save(
-            os.path.join(arguments.output, name + "_estimates.csv"),
-            lambda path: open(path, "w").write("\n".join(lines) + "\n"),
-        )
+        save(os.path.join(arguments.output, name + "_estimates.csv"), lambda path: open(path, "w").write("\n".join(lines) + "\n"))
         for k in ("network", "mean_training_light"):
             print(k, json.dumps(result[k]), flush=True)
-    save(
-        os.path.join(arguments.output, name + ".json"), lambda path: open(path, "w").write(json.dumps(result, indent=1))
-    )
+    save(os.path.join(arguments.output, name + ".json"), lambda path: open(path, "w").write(json.dumps(result, indent=1)))
     if arguments.export:
         save_arrays(
             arguments.export,
@@ -166,19 +153,13 @@ class Parser(argparse.ArgumentParser):
 def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("dataset", nargs="*", help="folders made by `sandglass dataset`")
-    parser.add_argument(
-        "--views", nargs="*", default=[], help="folders with more views of the same places, to train on"
-    )
+    parser.add_argument("--views", nargs="*", default=[], help="folders with more views of the same places, to train on")
     parser.add_argument("--train-only", nargs="*", default=[], help="further folders that never test (made-up rooms)")
     parser.add_argument("--weights", help="densenet121_imagenet_keras_fp32.npz or an exported file; without it, random")
     parser.add_argument("-o", "--output", default=".", help="folder for results")
     parser.add_argument("--export", metavar="FILE", help="write the weights as .npz")
     parser.add_argument(
-        "--features",
-        nargs="*",
-        default=[],
-        metavar="FILE",
-        help="of each folder, in their order, by `sandglass light-features --mirror`",
+        "--features", nargs="*", default=[], metavar="FILE", help="of each folder, in their order, by `sandglass light-features --mirror`"
     )
     parser.add_argument(
         "--or-features",
@@ -189,13 +170,9 @@ def main():
         help="another such set, of another trunk: for each test fold the other folds choose; may be repeated",
     )
     parser.add_argument("--initial", action="store_true", help="only write the weights of the trunk")
-    parser.add_argument(
-        "--lanes", action="store_true", help="with --initial: channels that carry brightness past the pretrained layers"
-    )
+    parser.add_argument("--lanes", action="store_true", help="with --initial: channels that carry brightness past the pretrained layers")
     parser.add_argument("--test-fold", type=int, nargs="+", default=[1], help="one run for each")
-    parser.add_argument(
-        "--all", action="store_true", help="train on every fold and test on none: for the shipped weights"
-    )
+    parser.add_argument("--all", action="store_true", help="train on every fold and test on none: for the shipped weights")
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     if arguments.lanes and not (arguments.initial and arguments.weights):
@@ -206,9 +183,7 @@ def main():
         write_initial(arguments)
         return 0
     if not arguments.features:
-        fail(
-            "the heads are fitted to features; make them with `sandglass light-features --mirror` and name them with --features"
-        )
+        fail("the heads are fitted to features; make them with `sandglass light-features --mirror` and name them with --features")
     if arguments.or_features and arguments.export:
         fail("--or-features only tests a choice; leave out --export, or name what was chosen with --features")
     if not arguments.dataset and not (arguments.all and arguments.train_only):

@@ -26,9 +26,7 @@ def joined(paths):
         text = re.sub(r"^import \{[^;]*?\} from \"\./[\w.]+\";\n", "", text, flags=re.MULTILINE)
         text = re.sub(r"^export \{[^}]*\}(?: from [^;]*)?;\n", "", text, flags=re.MULTILINE)
         text = re.sub(r"^export ", "", text, flags=re.MULTILINE)
-        for name in re.findall(
-            r"^(?:const|let|class|function|async function) (?:\[[^\]]*\]|(\w+))", text, re.MULTILINE
-        ):
+        for name in re.findall(r"^(?:const|let|class|function|async function) (?:\[[^\]]*\]|(\w+))", text, re.MULTILINE):
             if name in names:
                 sys.exit(f"assemble.py: {path.name} and {names[name]} both have a {name}")
             names[name] = path.name
@@ -39,11 +37,7 @@ def joined(paths):
 def main():
     npm, parts, scene, output = map(pathlib.Path, sys.argv[1:])
     here = pathlib.Path(__file__).parent
-    modules = {
-        "k_module": npm / "sandglass.wasm",
-        "k_mesh_module": parts / "mesh_reader.wasm",
-        "k_block_module": parts / "sand_block.wasm",
-    }
+    modules = {"k_module": npm / "sandglass.wasm", "k_mesh_module": parts / "mesh_reader.wasm", "k_block_module": parts / "sand_block.wasm"}
     packed = {name: zlib.compress(file.read_bytes(), 9) for name, file in modules.items()}
     data = "".join(f'const {name} = "{base64.b64encode(content).decode()}";\n' for name, content in packed.items())
     data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
@@ -91,9 +85,7 @@ def main():
         ]
     )
     readers = sorted(path for path in (here.parent / "mesh/readers").glob("*.cpp") if path.stem != "assimp")
-    endings = [
-        re.search(r"MeshFormat k_\w+ = {\s*\"[^\"]*\", \"([^\"]*)\"", path.read_text())[1] + "," for path in readers
-    ]
+    endings = [re.search(r"MeshFormat k_\w+ = {\s*\"[^\"]*\", \"([^\"]*)\"", path.read_text())[1] + "," for path in readers]
     page = (here / "page.html").read_text().replace("@MESHES@", "".join(endings)).replace("@MODULES@", data + script)
     if "</script" in (data + script):
         sys.exit("assemble.py: a module holds the end of a script")

@@ -32,9 +32,7 @@ def main():
     folder.mkdir(parents=True)
     browser = Browser(shutil.which("chromium"), WIDTH, HEIGHT)
     try:
-        browser.call(
-            "Emulation.setDeviceMetricsOverride", width=WIDTH, height=HEIGHT, deviceScaleFactor=1, mobile=False
-        )
+        browser.call("Emulation.setDeviceMetricsOverride", width=WIDTH, height=HEIGHT, deviceScaleFactor=1, mobile=False)
         browser.open(page)
         end = time.monotonic() + 120
         while not browser.ask("!!window.sandglassPage"):
@@ -63,10 +61,7 @@ def main():
     finally:
         browser.close()
     print(file=sys.stderr)
-    subprocess.run(
-        ["ffmpeg", "-v", "error", "-y", "-framerate", "12", "-i", folder / "%04d.png", "-filter_complex", GIF, film],
-        check=True,
-    )
+    subprocess.run(["ffmpeg", "-v", "error", "-y", "-framerate", "12", "-i", folder / "%04d.png", "-filter_complex", GIF, film], check=True)
     if film.stat().st_size > 2e6:
         sys.exit(f"film.py: {film} is larger than 2 MB")
 

@@ -70,11 +70,7 @@ METRICS = {
         ("pool per thousand bytes compared", r"sandglass::int8_[a-z0-9_]+::pool\(", "pool_thousand_bytes"),
         ("narrow (1x1) per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::narrow\(", "narrow_thousand_macs"),
         ("wide (3x3) per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::wide\(", "wide_thousand_macs"),
-        (
-            "transition per thousand multiply-adds",
-            r"sandglass::int8_[a-z0-9_]+::transition\(",
-            "transition_thousand_macs",
-        ),
+        ("transition per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::transition\(", "transition_thousand_macs"),
         ("dot per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::dot\(", "dot_thousand_macs"),
         ("all per thousand multiply-adds", None, "thousand_macs"),
         ("whole pass", None, "passes"),
@@ -108,9 +104,7 @@ def measure(arguments):
     """Instructions an item by metric, and the instruction set of the kernels."""
     if arguments.suite in NAMED:
         names = subprocess.run(command_of(arguments), check=True, capture_output=True, text=True).stdout.split()
-        runs = {
-            name: (*run(arguments, name), [(f"{name} per item", NAMED[arguments.suite], "items")]) for name in names
-        }
+        runs = {name: (*run(arguments, name), [(f"{name} per item", NAMED[arguments.suite], "items")]) for name in names}
     else:
         runs = {arguments.suite: (*run(arguments), METRICS[arguments.suite])}
         for name, workload in MORE.get(arguments.suite, {}).items():

@@ -24,12 +24,7 @@ def measure(arguments):
     """For each name the pairs (items, instructions)."""
     with tempfile.TemporaryDirectory() as folder:
         counts = pathlib.Path(folder) / "counts"
-        command = [
-            *arguments.emulator.split(" "),
-            "-plugin",
-            f"{arguments.plugin},out={counts}",
-            *arguments.program.split(" "),
-        ]
+        command = [*arguments.emulator.split(" "), "-plugin", f"{arguments.plugin},out={counts}", *arguments.program.split(" ")]
         printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
         laps = [int(line.split(" ")[0]) for line in pathlib.Path(f"{counts}.laps").read_text().splitlines()]
     if len(laps) != len(printed):

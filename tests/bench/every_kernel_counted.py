@@ -29,12 +29,7 @@ def main():
     wanted = {"counts_kernels.txt": floats}
     for isa in ("neon", "dotprod", "i8mm"):
         wanted[f"counts_*_{isa}.txt"] = of_bytes
-    missing = [
-        f"{name} ({pattern})"
-        for pattern, names in wanted.items()
-        for name in names
-        if name not in lines_of(baselines, pattern)
-    ]
+    missing = [f"{name} ({pattern})" for pattern, names in wanted.items() for name in names if name not in lines_of(baselines, pattern)]
     if missing:
         sys.exit("kernels without a counted line: " + ", ".join(missing))
     print(f"{len(floats)} float kernels and {len(of_bytes)} of bytes, for three instruction sets, are counted")

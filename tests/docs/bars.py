@@ -42,11 +42,7 @@ def main():
         for folder, lines in sorted(there.items())
         if lines > bars.get(folder, 0)
     ]
-    return (
-        "\n".join([*faults, f"{len(faults)} faults: take lines away, or commit the new bar (bars.py write .)"])
-        if faults
-        else 0
-    )
+    return "\n".join([*faults, f"{len(faults)} faults: take lines away, or commit the new bar (bars.py write .)"]) if faults else 0
 
 
 if __name__ == "__main__":

@@ -17,9 +17,7 @@ SILENT = re.compile(
 )
 TOKEN = re.compile(r"operator\W+?(?=\()|\w+|::|->|\+\+|--|<<|[<>]=|\.\.\.|\S")
 BRACKETS = {"(": "()", "[": "[]", "{": "{}"}
-HEAD = re.compile(
-    r"((if|for|while|switch|else|do|constexpr|alignas|case .*? :|default :|public :|private :|\[\]|extern) (\(\) )?)+"
-)
+HEAD = re.compile(r"((if|for|while|switch|else|do|constexpr|alignas|case .*? :|default :|public :|private :|\[\]|extern) (\(\) )?)+")
 SEPARATED = re.compile(r"< (?:[\w:,*&()\[\]{}. ]|<>)*>|\.\.\. ,|, \.\.\.")
 DECLARATION = re.compile(
     r"(?!(return|throw|delete|co_return)\b)(@|(auto|class|const|constexpr|enum|static|struct|template|union|using)\b|"
@@ -49,11 +47,7 @@ def faults(code):
             if bracket == "(" and GROUPS.match(head) and joined(["return", *part]):
                 yield token.start()
             parts[-1].append(BRACKETS[bracket])
-            if (
-                bracket == "{"
-                and AFTER_BLOCK.match(following)
-                and parts[-1][0] not in ("class", "enum", "struct", "union")
-            ):
+            if bracket == "{" and AFTER_BLOCK.match(following) and parts[-1][0] not in ("class", "enum", "struct", "union"):
                 parts[-1] = []
         elif token[0] == ";":
             if joined(parts[-1]):

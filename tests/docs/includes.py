@@ -49,11 +49,7 @@ for top in ("platform", "kernels", "runtime", "models", "toolchains"):
             continue
         path = file.relative_to(root)
         for name in re.findall(r'^#include "(.+)"', file.read_text(), re.MULTILINE):
-            included = (
-                pathlib.PurePosixPath("runtime/include", name)
-                if name.startswith("sandglass/")
-                else pathlib.PurePosixPath(name)
-            )
+            included = pathlib.PurePosixPath("runtime/include", name) if name.startswith("sandglass/") else pathlib.PurePosixPath(name)
             to = place(included)
             if place(path) is None or (to is not None and to > place(path)):
                 faults.append(f"{path} includes {name}: {path.parent} comes before {included.parent}")

@@ -19,8 +19,7 @@ CPP = (".cpp", ".h", ".hpp", ".inl")
 LONGER = {"runtime/include/sandglass/sandglass.hpp": 850}
 # Comments, strings and preprocessor lines are left out of the search for braces.
 NO_CODE = re.compile(
-    r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'|^[ ]*#(?:[^\n]*\\\n)*[^\n]*',
-    re.DOTALL | re.MULTILINE,
+    r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'|^[ ]*#(?:[^\n]*\\\n)*[^\n]*', re.DOTALL | re.MULTILINE
 )
 HOLDER = re.compile(r"\b(?:namespace|struct|class|union|extern)\b[^()=]*$")
 
@@ -51,9 +50,7 @@ def functions_of_python(text):
 
 
 root, most_lines, faults = pathlib.Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 60, []
-for path in sorted(
-    path for folder in FOLDERS for path in (root / folder).rglob("*") if path.suffix in (*CPP, ".mjs", ".mts", ".py")
-):
+for path in sorted(path for folder in FOLDERS for path in (root / folder).rglob("*") if path.suffix in (*CPP, ".mjs", ".mts", ".py")):
     name, text = path.relative_to(root).as_posix(), path.read_text()
     if "/control/" in name or "node_modules" in name:
         continue
@@ -61,7 +58,5 @@ for path in sorted(
         faults.append(f"{name} has {lines} lines, more than {most}")
     most = most_lines if name.startswith(("runtime/", "kernels/")) else most_lines * 4 // 3
     found = functions(text) if path.suffix in CPP else functions_of_python(text) if path.suffix == ".py" else []
-    faults += [
-        f"{name}:{first}: {head}: {lines} lines, more than {most}" for first, head, lines in found if lines > most
-    ]
+    faults += [f"{name}:{first}: {head}: {lines} lines, more than {most}" for first, head, lines in found if lines > most]
 sys.exit("\n".join(faults + [f"{len(faults)} faults: cut by ideas"]) if faults else None)

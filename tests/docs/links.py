@@ -34,9 +34,7 @@ def prose(text):
 
 def commands(text):
     """Fenced blocks, and what in backticks has more than one word."""
-    return "\n".join(
-        re.findall(r"^```.*?^```", text, re.MULTILINE | re.DOTALL) + re.findall(r"`([^`\n]* [^`\n]*)`", prose(text))
-    )
+    return "\n".join(re.findall(r"^```.*?^```", text, re.MULTILINE | re.DOTALL) + re.findall(r"`([^`\n]* [^`\n]*)`", prose(text)))
 
 
 def headings(text):
@@ -62,11 +60,7 @@ def check_link(document, target):
 
 def check_name(root, document, name, names):
     name = name.split("#")[0]
-    if (
-        re.search(r"[\s<>*$…(){}|=,;:\"'\[\]]|\.\.\.", name)
-        or name.startswith(("-", "/", "~", ".", "@"))
-        or name.startswith(MADE)
-    ):
+    if re.search(r"[\s<>*$…(){}|=,;:\"'\[\]]|\.\.\.", name) or name.startswith(("-", "/", "~", ".", "@")) or name.startswith(MADE):
         return None
     if any(re.fullmatch(r"[A-Z_]{3,}", part) for part in name.split("/")):
         return None
@@ -100,17 +94,11 @@ def check_readme(root, most_lines):
 def main():
     root = pathlib.Path(sys.argv[1]).resolve()
     most_lines = int(sys.argv[3]) if sys.argv[2:3] == ["--lines"] else 200
-    names = {
-        path.name
-        for path in root.rglob("*")
-        if not LEFT_OUT.difference({"control"}).intersection(path.relative_to(root).parts)
-    }
+    names = {path.name for path in root.rglob("*") if not LEFT_OUT.difference({"control"}).intersection(path.relative_to(root).parts)}
     faults, links, paths, checked = [], 0, 0, 0
     for document in documents(root):
         checked += 1
-        for path in re.findall(
-            r"(?<![\w/.-])(?:%s)/[\w./-]*\w" % "|".join(TOP_FOLDERS), commands(document.read_text(encoding="utf-8"))
-        ):
+        for path in re.findall(r"(?<![\w/.-])(?:%s)/[\w./-]*\w" % "|".join(TOP_FOLDERS), commands(document.read_text(encoding="utf-8"))):
             if not (root / path).exists() and not (document.parent / path).exists():
                 faults.append(f"{document.relative_to(root)}: no such path in a command: {path}")
         for number, line in enumerate(prose(document.read_text(encoding="utf-8")).split("\n"), 1):

@@ -114,13 +114,7 @@ def render(numbers, path, text, full):
         for comment in re.findall(r"<!--\S.*?-->", line):
             if not MARK.fullmatch(comment) and not comment.startswith("<!--held:"):
                 numbers.faults.append(f"{where}: {comment} is no mark")
-        if (
-            full
-            and not held
-            and re.match(r"\|(?!---).*\d\.\d", line)
-            and "<!--" not in line
-            and lines[i + 1][:4] != "|---"
-        ):
+        if full and not held and re.match(r"\|(?!---).*\d\.\d", line) and "<!--" not in line and lines[i + 1][:4] != "|---":
             numbers.faults.append(f"{where}: no measurement gives these numbers: {line}")
         lines[i] = marked(numbers, line, where)
     return "\n".join(lines)
@@ -181,11 +175,7 @@ def run(root, command):
 def measure(root, path, commands):
     """The numbers of commands with ; between them are averaged. Of several objects each has its name before the case."""
     if isinstance(commands, dict):
-        rows = {
-            f"{what}: {case}": values
-            for what, command in commands.items()
-            for case, values in run(root, command).items()
-        }
+        rows = {f"{what}: {case}": values for what, command in commands.items() for case, values in run(root, command).items()}
     else:
         runs = [run(root, command) for command in commands.split(" ; ")]
         rows = {
@@ -196,13 +186,8 @@ def measure(root, path, commands):
             }
             for case, values in runs[0].items()
         }
-    rows = {
-        case: {metric: float(f"{value:.6g}") for metric, value in values.items() if value is not None}
-        for case, values in rows.items()
-    }
-    git = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], cwd=root, capture_output=True, text=True
-    ).stdout.strip()
+    rows = {case: {metric: float(f"{value:.6g}") for metric, value in values.items() if value is not None} for case, values in rows.items()}
+    git = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=root, capture_output=True, text=True).stdout.strip()
     model = re.search(r"model name\s*: (.*)", pathlib.Path("/proc/cpuinfo").read_text())
     head = {
         "command": commands,

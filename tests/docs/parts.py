@@ -39,16 +39,11 @@ def faults(path, owners, state):
 
 folder, state = pathlib.Path(sys.argv[1]), sys.argv[2]
 text = "\n".join(header.read_text() for header in sorted(folder.glob("*.h")))
-owners = {
-    part: set(re.findall(r"\w+\.cpp", files))
-    for part, files in re.findall(r"^// ---- (\w+) \((.*)\)$", text, re.MULTILINE)
-}
+owners = {part: set(re.findall(r"\w+\.cpp", files)) for part, files in re.findall(r"^// ---- (\w+) \((.*)\)$", text, re.MULTILINE)}
 missing = [
     f"{state} has no {part}"
     for part in owners
     if not re.search(rf"^struct {state} \{{.*?^  {part} \w+[;\[]", text, re.MULTILINE | re.DOTALL)
 ]
-found = missing + [
-    fault for path in sorted(folder.glob("*.cpp")) if path.name not in WHOLE for fault in faults(path, owners, state)
-]
+found = missing + [fault for path in sorted(folder.glob("*.cpp")) if path.name not in WHOLE for fault in faults(path, owners, state)]
 sys.exit("\n".join(found + [f"{len(found)} faults"]) if found or not owners else None)

@@ -17,10 +17,6 @@ for path in sorted((root / "runtime").rglob("*.cpp")) + sorted((root / "runtime"
     code = path.read_text()
     for found in [*CALL.finditer(code), *GIVEN.finditer(code)]:
         said = "".join(part[1:-1] for part in re.findall(TEXT, found["text"] or ""))
-        if (
-            " " in said.strip()
-            and said != "unknown status"
-            and (not re.search(r"[.!?]$", said) or re.match(r"sandglass_\w+: ", said))
-        ):
+        if " " in said.strip() and said != "unknown status" and (not re.search(r"[.!?]$", said) or re.match(r"sandglass_\w+: ", said)):
             faults.append(f"{path.relative_to(root)}:{code.count(chr(10), 0, found.start()) + 1}: {said}")
 sys.exit("\n".join([*faults, f"{len(faults)} faults"]) if faults else None)

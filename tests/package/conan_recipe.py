@@ -107,9 +107,7 @@ def main():
     recipe.export_sources_folder = recipe.source_folder = str(work / "source")
     recipe.build_folder, recipe.package_folder = str(work / "build"), str(work / "package")
     recipe.settings = types.SimpleNamespace(os="Linux", arch="armv7", compiler="gcc", build_type="Release")
-    recipe.cpp_info = types.SimpleNamespace(
-        builddirs=[], libs=[], system_libs=[], set_property=lambda name, value: None
-    )
+    recipe.cpp_info = types.SimpleNamespace(builddirs=[], libs=[], system_libs=[], set_property=lambda name, value: None)
 
     # The rows of the table of targets in tests/README.md.
     for system, processor, built in (
@@ -132,29 +130,13 @@ def main():
             expect(not built, str(refusal))
     if settings_only:
         return print("the recipe builds for what is built")
-    for step in (
-        recipe.validate,
-        recipe.export_sources,
-        recipe.layout,
-        recipe.generate,
-        recipe.build,
-        recipe.package,
-        recipe.package_info,
-    ):
+    for step in (recipe.validate, recipe.export_sources, recipe.layout, recipe.generate, recipe.build, recipe.package, recipe.package_info):
         step()
 
     package = pathlib.Path(recipe.package_folder)
-    for file in (
-        "lib/libsandglass.a",
-        "include/sandglass/sandglass.h",
-        "lib/cmake/sandglass/sandglassConfig.cmake",
-        "licenses/LICENSE",
-    ):
+    for file in ("lib/libsandglass.a", "include/sandglass/sandglass.h", "lib/cmake/sandglass/sandglassConfig.cmake", "licenses/LICENSE"):
         expect((package / file).is_file(), f"the recipe did not package {file}")
-    expect(
-        all((package / folder).is_dir() for folder in recipe.cpp_info.builddirs),
-        "builddirs names a folder that is not there",
-    )
+    expect(all((package / folder).is_dir() for folder in recipe.cpp_info.builddirs), "builddirs names a folder that is not there")
     expect(recipe.cpp_info.libs == ["sandglass"], "libs")
     print("the recipe packages what a consumer needs")
 

@@ -9,22 +9,12 @@ import shutil
 import subprocess
 import sys
 
-source, work, compiler, library = (
-    pathlib.Path(sys.argv[1]),
-    pathlib.Path(sys.argv[2]).resolve(),
-    sys.argv[3],
-    sys.argv[4],
-)
+source, work, compiler, library = (pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve(), sys.argv[3], sys.argv[4])
 
 
 def run(*command, cwd=None):
-    apart = {
-        **os.environ,
-        "GIT_CEILING_DIRECTORIES": str(work.parent),
-    }  # git applies nothing to what another repository ignores
-    return subprocess.run(
-        [str(word) for word in command], cwd=cwd, env=apart, check=True, stdout=subprocess.PIPE, text=True
-    ).stdout
+    apart = {**os.environ, "GIT_CEILING_DIRECTORIES": str(work.parent)}  # git applies nothing to what another repository ignores
+    return subprocess.run([str(word) for word in command], cwd=cwd, env=apart, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 def says(file, made):
@@ -54,13 +44,9 @@ shutil.rmtree(work, ignore_errors=True)
 shutil.copytree(source / "models/examples", work / "models/examples")
 run("git", "apply", "-R", "--recount", source / "tests/package/before/examples.diff", cwd=work)
 before = {
-    file.name
-    for file in (work / "models/examples").iterdir()
-    if file.read_bytes() != (source / "models/examples" / file.name).read_bytes()
+    file.name for file in (work / "models/examples").iterdir() if file.read_bytes() != (source / "models/examples" / file.name).read_bytes()
 }
-changed = {
-    pathlib.Path(line).name for line in run(sys.executable, "-B", source / "toolchains/rename.py", work).splitlines()
-}
+changed = {pathlib.Path(line).name for line in run(sys.executable, "-B", source / "toolchains/rename.py", work).splitlines()}
 if before != changed or len(before) < 3:
     sys.exit(f"rename_test.py: {sorted(before)} have names of before, {sorted(changed)} were changed")
 for name in sorted(before):

@@ -39,11 +39,7 @@ def check(condition, sentence):
 
 
 class Files(http.server.SimpleHTTPRequestHandler):
-    extensions_map = {
-        **http.server.SimpleHTTPRequestHandler.extensions_map,
-        ".mjs": "text/javascript",
-        ".wasm": "application/wasm",
-    }
+    extensions_map = {**http.server.SimpleHTTPRequestHandler.extensions_map, ".mjs": "text/javascript", ".wasm": "application/wasm"}
 
     def log_message(self, *_):
         pass
@@ -148,9 +144,7 @@ class Browser:
 
     def open(self, path_or_url):
         self.events.clear()
-        self.call(
-            "Page.navigate", url=path_or_url if "://" in str(path_or_url) else "file://" + os.path.abspath(path_or_url)
-        )
+        self.call("Page.navigate", url=path_or_url if "://" in str(path_or_url) else "file://" + os.path.abspath(path_or_url))
         deadline = time.monotonic() + PATIENCE
         while "Page.loadEventFired" not in self.events:
             self.keep(self.message(deadline))
@@ -162,15 +156,7 @@ class Browser:
         return answer["result"].get("value")
 
     def mouse(self, kind, x, y, button="none", buttons=0):
-        self.call(
-            "Input.dispatchMouseEvent",
-            type=kind,
-            x=x,
-            y=y,
-            button=button,
-            buttons=buttons,
-            clickCount=1 if button != "none" else 0,
-        )
+        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button=button, buttons=buttons, clickCount=1 if button != "none" else 0)
 
     def drag(self, x0, y0, x1, y1):
         self.mouse("mouseMoved", x0, y0)

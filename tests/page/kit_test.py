@@ -33,8 +33,7 @@ CONTROLS = [
     ("loose", "k_clouds = 16u", "k_clouds = 15u"),
 ]
 HEAD = (
-    "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n"
-    "float hidden(vec3 world) { return 0.0; }\n"
+    "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\nfloat hidden(vec3 world) { return 0.0; }\n"
 )
 STAGES = {
     "surface.vert": ["uniforms"],
@@ -112,14 +111,10 @@ def main(arguments):
             order = {**given, **texts, "parts": parts, "smooth": name == "smooth", "ours": given[name]}
             theirs, ours = base64.b64decode(browser.ask(f"({DRAW})({json.dumps(order)})")), bytes.fromhex(given[name])
             worst = [
-                max(abs(ours[k] - theirs[k]) for k in range(i, i + 4))
-                for i in range(0, len(ours), 4)
-                if ours[i + 3] + theirs[i + 3] > 0
+                max(abs(ours[k] - theirs[k]) for k in range(i, i + 4)) for i in range(0, len(ours), 4) if ours[i + 3] + theirs[i + 3] > 0
             ]
             share, of_sum = sum(w > STEPS for w in worst) / len(worst), abs(sum(ours) / sum(theirs) - 1)
-            print(
-                f"{name} {new}: of {len(worst)} pixels {share:.2%} differ by more than {STEPS} of 255, the sum by {of_sum:.2%}"
-            )
+            print(f"{name} {new}: of {len(worst)} pixels {share:.2%} differ by more than {STEPS} of 255, the sum by {of_sum:.2%}")
             # A control is far beyond the limit.
             failures += share < 5 * most if old else share > most or of_sum > most_of_sum
         pathlib.Path(arguments[2]).mkdir(parents=True, exist_ok=True)

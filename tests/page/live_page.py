@@ -14,8 +14,7 @@ from browser import check
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0.5 0 0.9\nv 0.5 0.9 0.3\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n"
 CUBE = (
-    "".join(f"v {k & 1} {k >> 1 & 1} {k >> 2}\n" for k in range(8))
-    + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
+    "".join(f"v {k & 1} {k >> 1 & 1} {k >> 2}\n" for k in range(8)) + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
 )
 
 
@@ -40,9 +39,7 @@ def ball(rings=12, around=24):
         for f in ((at(r, k), at(r + 1, k), at(r + 1, k + 1)), (at(r, k), at(r + 1, k + 1), at(r, k + 1)))
         if len(set(f)) == 3
     ]
-    return "".join("v %.6f %.6f %.6f\n" % p for p in points) + "".join(
-        "f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces
-    )
+    return "".join("v %.6f %.6f %.6f\n" % p for p in points) + "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces)
 
 
 BALL = ball()
@@ -57,17 +54,7 @@ def wait_until(browser, expression, patience=240):
 
 def native_hash(sandglass, frames):
     out = subprocess.run(
-        [
-            sandglass,
-            "run",
-            str(ROOT / "models/page/page.json"),
-            "--frames",
-            str(frames),
-            "--clock",
-            "virtual",
-            "--budget-ms",
-            "100000",
-        ],
+        [sandglass, "run", str(ROOT / "models/page/page.json"), "--frames", str(frames), "--clock", "virtual", "--budget-ms", "100000"],
         check=True,
         capture_output=True,
         text=True,
@@ -78,10 +65,7 @@ def native_hash(sandglass, frames):
 def assemble(web_scene, npm, work):
     scene, page = work / "page.json", work / "sandglass.html"
     subprocess.run([web_scene, ROOT / "models/page/page.json", scene, "--counted"], check=True)
-    subprocess.run(
-        [sys.executable, ROOT / "models/page/assemble.py", npm, pathlib.Path(npm).parent / "page", scene, page],
-        check=True,
-    )
+    subprocess.run([sys.executable, ROOT / "models/page/assemble.py", npm, pathlib.Path(npm).parent / "page", scene, page], check=True)
     return page
 
 
@@ -122,9 +106,7 @@ def run_frames(browser, count, acts="", until="false"):
 
 
 def set_budget(browser, ms):
-    browser.ask(
-        f"document.getElementById('budget').value = {ms}; document.getElementById('budget').dispatchEvent(new Event('input'))"
-    )
+    browser.ask(f"document.getElementById('budget').value = {ms}; document.getElementById('budget').dispatchEvent(new Event('input'))")
 
 
 def particles_of(said):

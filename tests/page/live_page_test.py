@@ -36,10 +36,7 @@ from live_page import (
 FRAMES = 300
 THREADS, THREADS_FRAMES = 4, 90
 CAMERA = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
-OF_THE_MACHINE = (
-    "fallback to software WebGL",
-    "GPU stall due to ReadPixels",
-)  # there is no GPU, and screenshots are read back
+OF_THE_MACHINE = ("fallback to software WebGL", "GPU stall due to ReadPixels")  # there is no GPU, and screenshots are read back
 BAD_FILES = {
     "a.obj": "v 0 0 0\nf 1 2 3\n",
     "b.obj": "v 0 zero 0\n",
@@ -116,13 +113,8 @@ def check_pushes(browser, at):
     browser.ask(f"sandglassPage.page.at = [{at[0]} + 0.08, 0, {at[2]}]")
     wait_until(browser, "sandglassPage.page.pushing !== null")
     browser.ask(f"sandglassPage.page.at = [{at[0]}, 0, {at[2]}]")
-    wait_until(
-        browser, f"Math.hypot(sandglassPage.page.pushing[0] - {at[0]}, sandglassPage.page.pushing[2] - {at[2]}) < 0.01"
-    )
-    wait_until(
-        browser,
-        PLACES + ".every((place) => Math.hypot(...place.map((x, k) => x - sandglassPage.page.pushing[k])) > 0.03)",
-    )
+    wait_until(browser, f"Math.hypot(sandglassPage.page.pushing[0] - {at[0]}, sandglassPage.page.pushing[2] - {at[2]}) < 0.01")
+    wait_until(browser, PLACES + ".every((place) => Math.hypot(...place.map((x, k) => x - sandglassPage.page.pushing[k])) > 0.03)")
     browser.ask("sandglassPage.page.at = null")
     browser.ask("document.querySelector('[value=pour]').click()")
 
@@ -167,13 +159,10 @@ def check_tilt(browser):
     browser.ask("document.getElementById('view').focus()")
     browser.key("j", 74)
     check(
-        browser.ask("document.getElementById('right').value") == "-2"
-        and browser.ask("sandglassPage.page.gravity[0]") < -0.3,
+        browser.ask("document.getElementById('right').value") == "-2" and browser.ask("sandglassPage.page.gravity[0]") < -0.3,
         "the key J does not tip",
     )
-    browser.ask(
-        "document.getElementById('right').value = 0; document.getElementById('right').dispatchEvent(new Event('input'))"
-    )
+    browser.ask("document.getElementById('right').value = 0; document.getElementById('right').dispatchEvent(new Event('input'))")
     check("level" in browser.ask("document.getElementById('says').textContent"), "the slider says nothing")
 
 
@@ -195,9 +184,7 @@ def check_camera(browser):
             "(({seen, main_share, irradiance}) => ({seen, main_share, irradiance: [...irradiance]}))(sandglassPage.page.stage.roomLight)"
         ),
     )
-    browser.ask(
-        "window.track = sandglassPage.page.watching.stream.getTracks()[0]; document.getElementById('camera').click()"
-    )
+    browser.ask("window.track = sandglassPage.page.watching.stream.getTracks()[0]; document.getElementById('camera').click()")
     check(browser.ask("window.track.readyState") == "ended", "the camera goes on after it was switched off")
     check(browser.ask(light) == slid, "the light is not the sliders' again")
     wait_until(browser, f"{left} === {even}")
@@ -217,13 +204,9 @@ def check_link(browser):
     browser.call("Page.reload")
     said = "document.getElementById('says').textContent"
     wait_until(
-        browser,
-        f"document.readyState === 'complete' && !!{said} && !{said}.startsWith('Playing') && !{said}.startsWith('The link')",
+        browser, f"document.readyState === 'complete' && !!{said} && !{said}.startsWith('Playing') && !{said}.startsWith('The link')"
     )
-    check(
-        browser.ask(said) == f"The recording ends here as it did where it was made, to the bit: {wanted}.",
-        browser.ask(said),
-    )
+    check(browser.ask(said) == f"The recording ends here as it did where it was made, to the bit: {wanted}.", browser.ask(said))
     browser.ask("document.getElementById('says').textContent = ''; location.hash = location.hash.slice(0, -40)")
     wait_until(browser, f"{said} !== ''")
     check("cut off or damaged" in browser.ask(said), f"a link that was cut is answered: {browser.ask(said)}")
@@ -235,17 +218,12 @@ def check_real(browser):
     said = "document.getElementById('says').textContent"
     browser.ask("document.getElementById('says').textContent = ''; document.getElementById('real').click()")
     wait_until(browser, f"{said} !== ''")
-    check(
-        "missing" in browser.ask(said) or "no WebXR" in browser.ask(said),
-        f"without a device it says: {browser.ask(said)}",
-    )
+    check("missing" in browser.ask(said) or "no WebXR" in browser.ask(said), f"without a device it says: {browser.ask(said)}")
     browser.ask((ROOT / "tests/page/emulated_xr.js").read_text() + "; document.getElementById('real').click()")
     wait_until(browser, "!!sandglassPage.page.real")
     asked = browser.ask("emulated.asked")
     check(
-        asked["mode"] == "immersive-ar"
-        and "hit-test" in asked["requiredFeatures"]
-        and "light-estimation" in asked["optionalFeatures"],
+        asked["mode"] == "immersive-ar" and "hit-test" in asked["requiredFeatures"] and "light-estimation" in asked["optionalFeatures"],
         str(asked),
     )
     browser.ask("sandglassPage.page.again(); emulated.step()")
@@ -266,10 +244,7 @@ def check_real(browser):
         "(({toLight, facing, ambient}) => [toLight, facing.map(x => x / Math.PI), [...ambient.slice(0, 4)]])(sandglassPage.page.painter.light)"
     )
     wanted = [[0, 0.6, 0.8], [1, 1, 0], [0.282095, 0.56419, 0.846285, 0.6 * 0.325735]]
-    check(
-        all(abs(a - b) < 1e-5 for got, want in zip(light, wanted) for a, b in zip(got, want)),
-        f"the device's light is drawn as {light}",
-    )
+    check(all(abs(a - b) < 1e-5 for got, want in zip(light, wanted) for a, b in zip(got, want)), f"the device's light is drawn as {light}")
     own = browser.ask("(({valid, irradiance}) => [valid, ...irradiance])(sandglassPage.page.stage.roomLight)")
     check(own[0] == 1 and own[1] > 1.5 * own[2], f"of a red picture the library makes the light {own}")
     pixels = browser.ask("(emulated.step(), emulated.pixels())")
@@ -303,10 +278,7 @@ def check_hidden(browser, open_pixels):
     )
     check(browser.ask(dark), "no shadow was made for the wall")
     with_wall = browser.ask("(emulated.step(), emulated.pixels())")
-    check(
-        with_wall["shadow"] > 1.1 * open_pixels["shadow"],
-        f"on the wall lies no shadow: {with_wall} beside {open_pixels}",
-    )
+    check(with_wall["shadow"] > 1.1 * open_pixels["shadow"], f"on the wall lies no shadow: {with_wall} beside {open_pixels}")
     print("with a wall, pixels:", with_wall)
     browser.ask("emulated.walls = [], emulated.step()")
     check(browser.ask("sandglassPage.page.painter.wall") is None, "the wall stays after it was lost")
@@ -329,9 +301,7 @@ def check_metal(browser):
         return [...pixel]; }"""
     low, high = browser.ask(f"({read})(0.05)"), browser.ask(f"({read})(0.2)")
     check(low[0] > 1.1 * low[2] and high[2] >= high[0], f"metal shows {low} low and {high} high")
-    browser.ask(
-        "document.querySelector('[value=sand]').click(); sandglassPage.page.again(); sandglassPage.page.measuring = false"
-    )
+    browser.ask("document.querySelector('[value=sand]').click(); sandglassPage.page.again(); sandglassPage.page.measuring = false")
 
 
 def check_memory(browser):
@@ -406,14 +376,9 @@ def check_full_table(browser, needed):
         check(said == f'{needed:,} particles of "mesh.obj".', f"drop {k + 1} of {fit} is answered: {said}")
     button = browser.ask("document.getElementById('again').textContent")
     full = f"The table is full: {there + fit * needed:,} of {capacity:,} particles are there"
-    said, wanted = (
-        drop(browser, "mesh.obj", TETRAHEDRON),
-        f'{full}, and the mesh needs {needed:,}. Press "{button}", then drop it again.',
-    )
+    said, wanted = (drop(browser, "mesh.obj", TETRAHEDRON), f'{full}, and the mesh needs {needed:,}. Press "{button}", then drop it again.')
     check(said == wanted, f"a mesh without room is answered: {said}")
-    print(
-        f"{fit} meshes of {needed} particles fit beside {there}; {report(browser, 'sand.particles')} particles after it"
-    )
+    print(f"{fit} meshes of {needed} particles fit beside {there}; {report(browser, 'sand.particles')} particles after it")
     browser.ask("document.getElementById('says').textContent = '', document.getElementById('budget').max = 1e4")
     set_budget(browser, 1e4)
     run_frames(browser, 60, "page.at = [0.2, 0, 0.2]", until="document.getElementById('says').textContent")
@@ -449,10 +414,7 @@ def check_recording(browser):
     # The control: one frame less of pouring.
     browser.ask("void recording.frames.find(f => f.emitters.length).emitters.pop()")
     check(play() != played, "another recording ends in the same hash")
-    check(
-        browser.ask("sandglassPage.page.sand.memory.buffer.byteLength") == memory,
-        "what is played twice takes more memory",
-    )
+    check(browser.ask("sandglassPage.page.sand.memory.buffer.byteLength") == memory, "what is played twice takes more memory")
 
 
 def check_reduced_motion(browser):
@@ -487,17 +449,11 @@ def check_measures(browser, work, wanted):
     print(text)
     said = dict(line.strip().split(maxsplit=1) for line in text.splitlines()[1:])
     check(said["hash"] == wanted, f"the page ends in {said['hash']} and the program in {wanted}")
-    check(
-        said["kernels"] == "wasm" and said["threads"] == "1",
-        f"a page from a file runs {said['kernels']} on {said['threads']} threads",
-    )
+    check(said["kernels"] == "wasm" and said["threads"] == "1", f"a page from a file runs {said['kernels']} on {said['threads']} threads")
     counted = json.loads((work / "page.json").read_text())["counted"]["instructions"]
     check(1e9 < counted < 1e11, f"{FRAMES} frames take {counted} instructions")
     billions = counted / FRAMES / float(text.split("a frame      ")[1].split()[0]) / 1e6
-    check(
-        abs(float(said["class"].split()[0]) / billions - 1) < 0.06,
-        f"the class is {said['class']} and not {billions:.3f}",
-    )
+    check(abs(float(said["class"].split()[0]) / billions - 1) < 0.06, f"the class is {said['class']} and not {billions:.3f}")
     check("cortex-a55" in said, "no core to compare with")
     browser.ask("document.getElementById('close').click()")
 
@@ -514,10 +470,7 @@ def check_threads(browser, url, wanted):
     browser.ask("sandglassPage.page.measuring = true")
     ran = browser.ask(f"sandglassPage.fixedRun({THREADS_FRAMES})")
     print(f"with {THREADS} threads:", ran)
-    check(
-        ran["threads"] == THREADS and ran["hash"] == wanted,
-        f"with threads the page ends in {ran['hash']} and the program in {wanted}",
-    )
+    check(ran["threads"] == THREADS and ran["hash"] == wanted, f"with threads the page ends in {ran['hash']} and the program in {wanted}")
 
 
 def main():
@@ -534,13 +487,7 @@ def main():
     try:
         browser.open(page)
         wait_until(browser, "document.documentElement.dataset.sand")
-        print(
-            "first sand after",
-            browser.ask("document.documentElement.dataset.sand"),
-            "ms;",
-            page.stat().st_size,
-            "bytes",
-        )
+        print("first sand after", browser.ask("document.documentElement.dataset.sand"), "ms;", page.stat().st_size, "bytes")
         check_hourglass(browser)
         wait_until(browser, "sandglassPage.page.scene.report.sand.particles > 300")
         check(report(browser, "time.clock_fault") == 0, "the browser's clock counts as broken")
@@ -568,15 +515,8 @@ def main():
         check_threads(browser, url, native_hash(sandglass, THREADS_FRAMES))
         complaints = [text for text in browser.complaints if not any(own in text for own in OF_THE_MACHINE)]
         check(not complaints, f"the console complains: {complaints}")
-        others = [
-            other
-            for other in browser.requests
-            if not other.startswith(("data:", "blob:", "file://" + str(page))) and other != url
-        ]
-        check(
-            all(other == url.replace(page.name, "sandglass-threads.wasm") for other in others),
-            f"the page asks for {others}",
-        )
+        others = [other for other in browser.requests if not other.startswith(("data:", "blob:", "file://" + str(page))) and other != url]
+        check(all(other == url.replace(page.name, "sandglass-threads.wasm") for other in others), f"the page asks for {others}")
     except Exception:
         print("page says:", browser.ask("document.getElementById('says').textContent"), browser.complaints)
         raise

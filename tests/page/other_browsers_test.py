@@ -53,10 +53,7 @@ class Firefox:
     def __init__(self):
         self.profile, port = tempfile.mkdtemp(prefix="sandglass-page-"), free_port()
         pathlib.Path(self.profile, "user.js").write_text(
-            "".join(
-                f"user_pref({json.dumps(k)}, {json.dumps(v)});"
-                for k, v in {**PREFERENCES, "marionette.port": port}.items()
-            )
+            "".join(f"user_pref({json.dumps(k)}, {json.dumps(v)});" for k, v in {**PREFERENCES, "marionette.port": port}.items())
         )
         self.process = subprocess.Popen(
             ["firefox-esr", "--marionette", "--profile", self.profile, "--width", "800", "--height", "900"], **QUIET
@@ -108,9 +105,7 @@ class WebKit:
         options = {"webkitgtk:browserOptions": {"binary": browser[0], "args": ["--automation"]}}
         self.session = (
             "/session/"
-            + patiently(lambda: self.call("POST", "/session", {"capabilities": {"alwaysMatch": options}}), "WebKit")[
-                "sessionId"
-            ]
+            + patiently(lambda: self.call("POST", "/session", {"capabilities": {"alwaysMatch": options}}), "WebKit")["sessionId"]
         )
 
     def call(self, method, path, body=None):
@@ -140,10 +135,7 @@ class WebKit:
 def run(browser, page, wanted):
     browser.open(page)
     wait_until(browser, "!!window.sandglassPage || document.getElementById('says').textContent !== ''")
-    check(
-        browser.ask("document.getElementById('says').textContent") == "",
-        browser.ask("document.getElementById('says').textContent"),
-    )
+    check(browser.ask("document.getElementById('says').textContent") == "", browser.ask("document.getElementById('says').textContent"))
     browser.ask(
         "(window.wrong = [], addEventListener('error', (e) => wrong.push(e.message)), addEventListener('unhandledrejection', (e) => wrong.push(String(e.reason))), true)"
     )
@@ -161,9 +153,7 @@ def run(browser, page, wanted):
         }
         return [counts.filter((warm) => warm).length, gl.getError()]; })(sandglassPage.page)""")
     check(drawn[0] > 10 and drawn[1] == 0, f"sand is seen at {drawn[0]} places, error {drawn[1]}")
-    browser.ask(
-        f"(sandglassPage.page.measuring = true, void sandglassPage.fixedRun({FRAMES}).then(r => {{ window.ran = r; }}), true)"
-    )
+    browser.ask(f"(sandglassPage.page.measuring = true, void sandglassPage.fixedRun({FRAMES}).then(r => {{ window.ran = r; }}), true)")
     wait_until(browser, "!!window.ran")
     ran = browser.ask("window.ran")
     print(browser.ask("navigator.userAgent"), ran)

@@ -24,9 +24,7 @@ def check_opens(browser, page):
     check(not browser.complaints, f"the console complains: {browser.complaints}")
     others = [url for url in browser.requests if not url.startswith(("data:", "file://" + page))]
     check(not others, f"the page asks for {others}")
-    check(
-        browser.ask("document.querySelectorAll('[src^=http], link[href^=http]').length") == 0, "the page names a server"
-    )
+    check(browser.ask("document.querySelectorAll('[src^=http], link[href^=http]').length") == 0, "the page names a server")
     missing = browser.ask("[...document.images].filter(i => !i.naturalWidth).length")
     check(missing == 0, f"{missing} pictures cannot be decoded")
 
@@ -61,9 +59,7 @@ def check_the_rest(browser, rows):
     levels = browser.ask("[...document.querySelectorAll('#timeline rect[data-level]')].map(r => +r.dataset.level)")
     check(levels == [int(row["level"]) for row in rows], f"quality is drawn as {levels}")
     legend = browser.ask("[...document.querySelectorAll('#levels li')].map(l => l.textContent)")
-    check(
-        len(legend) == len(set(levels)) and legend[0] == "level 0 (full): 60 of 120 frames", f"the levels are {legend}"
-    )
+    check(len(legend) == len(set(levels)) and legend[0] == "level 0 (full): 60 of 120 frames", f"the levels are {legend}")
     text = browser.ask("document.body.innerText")
     for word in ('known <run> & "page"', "</script> is text.", "0x<7>", "budget used", "45 of 120 frames over it"):
         check(word in text, f"'{word}' is not on the page")
@@ -82,9 +78,7 @@ def check_the_rest(browser, rows):
 
 def box_of(browser, selector):
     browser.ask(f"document.querySelector('{selector}').scrollIntoView({{block: 'center'}})")
-    return browser.ask(
-        f"(r => [r.left, r.top, r.width, r.height])(document.querySelector('{selector}').getBoundingClientRect())"
-    )
+    return browser.ask(f"(r => [r.left, r.top, r.width, r.height])(document.querySelector('{selector}').getBoundingClientRect())")
 
 
 def check_slider(browser):
@@ -114,9 +108,7 @@ def check_extremes(browser, folder):
     """A run of thousands of frames, whose longest must be seen; and one that was interrupted before its first."""
     browser.open(folder + "/long.html")
     wait_until_drawn(browser)
-    drawn = browser.ask(
-        "new Set([...document.querySelectorAll('#timeline rect[data-frame]')].map(r => r.dataset.frame)).size"
-    )
+    drawn = browser.ask("new Set([...document.querySelectorAll('#timeline rect[data-frame]')].map(r => r.dataset.frame)).size")
     check(drawn == 1000, f"{drawn} bars for 3000 frames")
     longest = browser.ask("+document.querySelector('#timeline rect[data-frame=\"1234\"]').dataset.ms")
     check(longest == 3.9, f"the longest frame's bar says {longest} ms")

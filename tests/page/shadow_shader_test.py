@@ -95,8 +95,7 @@ def farthest(browser, vertex, fragment, uniforms, textures, formula, channel="gr
     }
     places = [2 * (i + 0.5) / SIDE - 1 for i in range(SIDE)]
     return max(
-        abs(drawn - formula(places[i % SIDE], places[i // SIDE]))
-        for i, drawn in enumerate(browser.ask(f"({DRAW})({json.dumps(given)})"))
+        abs(drawn - formula(places[i % SIDE], places[i // SIDE])) for i, drawn in enumerate(browser.ask(f"({DRAW})({json.dumps(given)})"))
     )
 
 
@@ -177,15 +176,13 @@ void main() { place = vec2(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1
         def at(name, outside):
             return sampled(maps[name], rectangles[name], x, z, outside)
 
-        left = s * (1 - at("object", 0)) * (1 - 0.7 * at("sand", 0)) + max(at("object_room", 1) - s, 0) * max(
-            at("sand_room", 1) - s, 0
-        ) / (1 - s)
+        left = s * (1 - at("object", 0)) * (1 - 0.7 * at("sand", 0)) + max(at("object_room", 1) - s, 0) * max(at("sand_room", 1) - s, 0) / (
+            1 - s
+        )
         left += (1 - left) * hidden(depth, x, z, BIAS, [(eye, 0)])
         return 255 * (1 - left ** (1 / 2.2))  # opacity of the black that is blended over the table
 
-    textures = [[name, TEXELS, maps[name]] for name in maps] + [
-        ["depth", TEXELS, [1000 * byte // 255 for byte in depth]]
-    ]
+    textures = [[name, TEXELS, maps[name]] for name in maps] + [["depth", TEXELS, [1000 * byte // 255 for byte in depth]]]
     return farthest(browser, vertex, fragment, uniforms, textures, formula, "alpha")
 
 
@@ -214,10 +211,7 @@ def farthest_on_readme(browser, vertex, fragment, draw, s, eye):
         "clip_from_object": [1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1],
         "world_from_object": [0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, shift[0], 0, shift[1], 1],
     }
-    textures = [[name, TEXELS, maps[name]] for name in names] + [
-        ["real_depth", TEXELS, depth],
-        ["camera_image", 1, [floor] * 3],
-    ]
+    textures = [[name, TEXELS, maps[name]] for name in names] + [["real_depth", TEXELS, depth], ["camera_image", 1, [floor] * 3]]
 
     def formula(x, z):
         world = (z + shift[0], -x + shift[1])
@@ -243,19 +237,12 @@ def shaders(arguments):
     control = "--control" in arguments
     readme, painter, sand = [a for a in arguments if not a.startswith("--")]
     sample = re.search(
-        r'k_table_fragment_shader\[\] = R"glsl\(#version 300 es\n(.*?)\)glsl"',
-        open(sand, encoding="utf-8").read(),
-        re.S,
+        r'k_table_fragment_shader\[\] = R"glsl\(#version 300 es\n(.*?)\)glsl"', open(sand, encoding="utf-8").read(), re.S
     ).group(1)
     text = open(readme, encoding="utf-8").read()
     kit = pathlib.Path(painter).resolve().parents[2] / "models/kit"
     occlusion = re.search(r"const k_hidden = `(.*?)`;", open(painter, encoding="utf-8").read(), re.S).group(1)
-    lighting = (
-        (kit / "uniforms.glsl").read_text()
-        + (kit / "light.glsl").read_text()
-        + (kit / "before.glsl").read_text()
-        + occlusion
-    )
+    lighting = (kit / "uniforms.glsl").read_text() + (kit / "light.glsl").read_text() + (kit / "before.glsl").read_text() + occlusion
     vertex, fragment = re.findall(r"```glsl\n(.*?)```", text, re.S)[:2]
     # A third object, as the page says: a call more.
     call = "  take(sand_coverage"
@@ -265,9 +252,7 @@ def shaders(arguments):
         "uniform sampler2D third_coverage, third_visibility;\nuniform vec4 third_rectangle;\nin vec2 floor_position",
     )
     fragment = fragment.replace(
-        call,
-        "  take(third_coverage, third_rectangle, opacity.x, third_visibility, third_rectangle, floor_position);\n"
-        + call,
+        call, "  take(third_coverage, third_rectangle, opacity.x, third_visibility, third_rectangle, floor_position);\n" + call
     )
     if control:
         fragment = fragment.replace("p == clamp(p, 0.0, 1.0) ? texture(map, p).r : outside", "texture(map, p).r")
@@ -287,10 +272,7 @@ def main(arguments):
     draw = random.Random(7)
     browser = Browser(CHROMIUM, flags=SOFTWARE)
     try:
-        on_readme = [
-            farthest_on_readme(browser, vertex, fragment, draw, s, eye)
-            for s, eye in zip((0.0, 0.35, 0.8, 1.0), EYES + EYES)
-        ]
+        on_readme = [farthest_on_readme(browser, vertex, fragment, draw, s, eye) for s, eye in zip((0.0, 0.35, 0.8, 1.0), EYES + EYES)]
         all_three = [
             max(on_readme),
             *(
@@ -300,11 +282,7 @@ def main(arguments):
         ]
     finally:
         browser.close()
-    print(
-        "farthest from the formula, steps of a byte: {:.2f}, on the page {:.2f}, in Android's sample {:.2f}".format(
-            *all_three
-        )
-    )
+    print("farthest from the formula, steps of a byte: {:.2f}, on the page {:.2f}, in Android's sample {:.2f}".format(*all_three))
     return 0 if (min(all_three) > 1.5 if faulty else max(all_three) <= 1.5) else 1
 
 

@@ -147,10 +147,7 @@ def disturbed(browser, size):
     wait_until(browser, f"innerWidth === {size[1]}")
     browser.ask(taken)
     turned = counts_of(browser)
-    check(
-        (turned[-1]["size"][0] > turned[-1]["size"][1]) == (size[1] > size[0]),
-        f"on a turned screen the picture is {turned[-1]['size']}",
-    )
+    check((turned[-1]["size"][0] > turned[-1]["size"][1]) == (size[1] > size[0]), f"on a turned screen the picture is {turned[-1]['size']}")
     return shots + turned
 
 
@@ -162,12 +159,8 @@ def run(page, rate, size, one_core, moments, work):
     name, problems = f"{size[0]} x {size[1]}, throttled {rate} times{', one core' if one_core else ''}", []
     browser = Browser(CHROMIUM, *size)
     try:
-        browser.call(
-            "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1, mobile=False
-        )
-        browser.call(
-            "Page.addScriptToEvaluateOnNewDocument", source=f"({WATCH})({[moment * factor for moment in moments]})"
-        )
+        browser.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1, mobile=False)
+        browser.call("Page.addScriptToEvaluateOnNewDocument", source=f"({WATCH})({[moment * factor for moment in moments]})")
         browser.call("Emulation.setCPUThrottlingRate", rate=rate)
         browser.open(page)
         wait_until(

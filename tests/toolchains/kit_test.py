@@ -32,9 +32,7 @@ def check(condition, sentence):
 
 
 def shader(kit, name):
-    return (
-        HEADER + "".join((kit / f"{part}.glsl").read_text() for part in PARTS[name]) + HOOK + (kit / name).read_text()
-    )
+    return HEADER + "".join((kit / f"{part}.glsl").read_text() for part in PARTS[name]) + HOOK + (kit / name).read_text()
 
 
 def check_shaders(kit, work):
@@ -45,22 +43,14 @@ def check_shaders(kit, work):
         made = ran("glslangValidator", "-V", "-R", "--aml", "--amb", work / name, "-o", code)
         check(made.returncode == 0, f"{name}: {made.stdout}")
         check(
-            ran(
-                "glslangValidator", "-V", "-R", "--aml", "--amb", work / f"fault.{name}", "-o", work / "none"
-            ).returncode
-            != 0,
+            ran("glslangValidator", "-V", "-R", "--aml", "--amb", work / f"fault.{name}", "-o", work / "none").returncode != 0,
             f"{name} with a fault was accepted",
         )
         for language, mark in (
             ("--msl", "[[position]]" if name.endswith("vert") else "fragment "),
             ("--hlsl", "SV_Position" if name.endswith("vert") else "SV_Target"),
         ):
-            out = ran(
-                "spirv-cross",
-                code,
-                language,
-                *(["--shader-model", "50", "--hlsl-enable-compat"] if language == "--hlsl" else []),
-            )
+            out = ran("spirv-cross", code, language, *(["--shader-model", "50", "--hlsl-enable-compat"] if language == "--hlsl" else []))
             check(out.returncode == 0 and mark in out.stdout, f"{name} as {language[2:]}: {out.stderr}")
     # What the stages hand to each other: linked, both have the same.
     for kind in ("surface", "loose"):
@@ -72,29 +62,10 @@ def check_filament(kit, work):
     copy = work / "filament"
     shutil.rmtree(copy, ignore_errors=True)
     shutil.copytree(kit, copy)
-    made = ran(
-        "matc",
-        "-p",
-        "mobile",
-        "-a",
-        "opengl",
-        "-a",
-        "vulkan",
-        "-a",
-        "metal",
-        "-o",
-        work / "sand.filamat",
-        "sand.mat",
-        folder=copy,
-    )
-    check(
-        made.returncode == 0 and (work / "sand.filamat").stat().st_size > 10000, f"sand.mat: {made.stdout}{made.stderr}"
-    )
+    made = ran("matc", "-p", "mobile", "-a", "opengl", "-a", "vulkan", "-a", "metal", "-o", work / "sand.filamat", "sand.mat", folder=copy)
+    check(made.returncode == 0 and (work / "sand.filamat").stat().st_size > 10000, f"sand.mat: {made.stdout}{made.stderr}")
     (copy / "sand.glsl").write_text((copy / "sand.glsl").read_text().replace("sand_gloss(", "sand_gloss(int fault, "))
-    check(
-        ran("matc", "-p", "mobile", "-o", work / "none", "sand.mat", folder=copy).returncode != 0,
-        "a material with a fault was accepted",
-    )
+    check(ran("matc", "-p", "mobile", "-o", work / "none", "sand.mat", folder=copy).returncode != 0, "a material with a fault was accepted")
 
 
 def means(path):
@@ -114,10 +85,7 @@ def means(path):
 def check_block(program, work):
     path = work / "sand_block.bin"
     check(ran(program, path).returncode == 0, "no block was made")
-    check(
-        ran(program, work / "sand.png").returncode == 0 and (work / "sand.png").read_bytes()[1:4] == b"PNG",
-        "no texture was made",
-    )
+    check(ran(program, work / "sand.png").returncode == 0 and (work / "sand.png").read_bytes()[1:4] == b"PNG", "no texture was made")
     levels = means(path)
     # Grains have albedos times 0.8 to 1.2, evenly; 14^3 of them with shares as asked. Their mean is off by chance, at three standard
     # errors of a mean over grains; larger grains fill more, but independently of their mineral.
@@ -125,14 +93,10 @@ def check_block(program, work):
         wanted = sum(m[k] * m[3] for m in BEACH)
         square = sum(m[3] * m[k] ** 2 for m in BEACH) * (1 + 0.4**2 / 12) - wanted**2
         check(
-            abs(levels[0][1][k] - wanted) < 3 * 1.3 * math.sqrt(square / 14**3) + 0.002,
-            f"the block's mean is {levels[0][1]}, not {wanted}",
+            abs(levels[0][1][k] - wanted) < 3 * 1.3 * math.sqrt(square / 14**3) + 0.002, f"the block's mean is {levels[0][1]}, not {wanted}"
         )
     for side, one, two in levels[1:]:  # a level's mean is the block's, but for what is cut off at white and black
-        check(
-            all(abs(a - b) < 0.02 for a, b in zip(one + two, levels[0][1] + levels[0][2])),
-            f"level of {side}: {one} {two}",
-        )
+        check(all(abs(a - b) < 0.02 for a, b in zip(one + two, levels[0][1] + levels[0][2])), f"level of {side}: {one} {two}")
     check(ran(program, work / "grey.bin", "0.5", "0.5", "0.5", "1").returncode == 0, "one mineral was refused")
     grey = means(work / "grey.bin")[0][1]
     check(all(abs(c - 0.5) < 0.01 for c in grey[:3]), f"grey sand is {grey}")
@@ -145,10 +109,7 @@ def check_block(program, work):
         [work / "none" / "x.png"],
     ):
         refused = ran(program, *wrong)
-        check(
-            refused.returncode != 0 and refused.stderr.count("\n") == 1 and refused.stderr.endswith(".\n"),
-            f"{wrong}: {refused.stderr}",
-        )
+        check(refused.returncode != 0 and refused.stderr.count("\n") == 1 and refused.stderr.endswith(".\n"), f"{wrong}: {refused.stderr}")
 
 
 if __name__ == "__main__":

@@ -34,9 +34,7 @@ FORMATS = {"android": "elf64-littleaarch64", "ios": "Mach-O arm64"}
 def for_arm64(path, system):
     said = subprocess.run(["llvm-readobj", "--file-headers", path], check=True, capture_output=True, text=True).stdout
     formats = re.findall(r"^Format: (.*)$", said, re.MULTILINE)
-    expect(
-        formats and set(formats) == {FORMATS[system]}, f"{path} is not for {system} on arm64: {sorted(set(formats))}"
-    )
+    expect(formats and set(formats) == {FORMATS[system]}, f"{path} is not for {system} on arm64: {sorted(set(formats))}")
     print(f"{len(formats)} objects for {system} on arm64")
 
 
@@ -45,9 +43,7 @@ def for_pages(name, data):
     begin, (size, count) = struct.unpack_from("<Q", data, 32)[0], struct.unpack_from("<2H", data, 54)
     segments = [struct.unpack_from("<I44xQ", data, begin + i * size) for i in range(count)]
     aligned = [align for kind, align in segments if kind == 1]
-    expect(
-        aligned and all(align % 16384 == 0 for align in aligned), f"{name} is not aligned for pages of 16 KB: {aligned}"
-    )
+    expect(aligned and all(align % 16384 == 0 for align in aligned), f"{name} is not aligned for pages of 16 KB: {aligned}")
 
 
 # Prefab: https://google.github.io/prefab, schema version 2.
@@ -76,13 +72,8 @@ def aar(file, include):
             for_pages(path, path.read_bytes())
         if linked:
             with zipfile.ZipFile(root / "classes.jar") as classes:
-                expect(
-                    {"org/sandglass/Scene.class", "org/sandglass/SandglassException.class"} <= set(classes.namelist()),
-                    "classes.jar",
-                )
-            expect(
-                "org.sandglass.Native" in (root / "proguard.txt").read_text(), "a shrinker would take what C++ throws"
-            )
+                expect({"org/sandglass/Scene.class", "org/sandglass/SandglassException.class"} <= set(classes.namelist()), "classes.jar")
+            expect("org.sandglass.Native" in (root / "proguard.txt").read_text(), "a shrinker would take what C++ throws")
     print(f"Prefab package: complete; {len(linked)} libraries for Kotlin")
 
 
@@ -90,18 +81,13 @@ def xcframework(folder, include):
     package = pathlib.Path(folder)
     swift = (package / "Package.swift").read_text()
     expect(
-        'binaryTarget(name: "Sandglass", path: "Sandglass.xcframework")' in swift
-        and (package / "Privacy/Privacy.swift").is_file(),
+        'binaryTarget(name: "Sandglass", path: "Sandglass.xcframework")' in swift and (package / "Privacy/Privacy.swift").is_file(),
         "Package.swift",
     )
     privacy = plistlib.loads((package / "Privacy/PrivacyInfo.xcprivacy").read_bytes())
+    expect(privacy["NSPrivacyTracking"] is False and privacy["NSPrivacyCollectedDataTypes"] == [], "the library collects nothing")
     expect(
-        privacy["NSPrivacyTracking"] is False and privacy["NSPrivacyCollectedDataTypes"] == [],
-        "the library collects nothing",
-    )
-    expect(
-        [set(api) for api in privacy["NSPrivacyAccessedAPITypes"]]
-        == [{"NSPrivacyAccessedAPIType", "NSPrivacyAccessedAPITypeReasons"}],
+        [set(api) for api in privacy["NSPrivacyAccessedAPITypes"]] == [{"NSPrivacyAccessedAPIType", "NSPrivacyAccessedAPITypeReasons"}],
         "PrivacyInfo.xcprivacy",
     )
     root = package / "Sandglass.xcframework"
@@ -117,14 +103,8 @@ def xcframework(folder, include):
         place = root / one["LibraryIdentifier"]
         expect(one["SupportedArchitectures"] == ["arm64"], "processor")
         for_arm64(place / one["LibraryPath"], "ios")
-        expect(
-            headers_below(place / one["HeadersPath"]) == headers_below(include),
-            "the headers are not those of the source",
-        )
-        expect(
-            (place / one["HeadersPath"] / "sandglass/module.modulemap").is_file(),
-            "no module map: Swift could not import it",
-        )
+        expect(headers_below(place / one["HeadersPath"]) == headers_below(include), "the headers are not those of the source")
+        expect((place / one["HeadersPath"] / "sandglass/module.modulemap").is_file(), "no module map: Swift could not import it")
     print("Swift package: complete")
 
 

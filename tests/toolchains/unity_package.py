@@ -49,18 +49,11 @@ check(
 assets = [path for path in package.rglob("*") if path.suffix != ".meta"]
 metas = {path: pathlib.Path(f"{path}.meta").read_text() for path in assets}
 guids = {re.search(r"^guid: ([0-9a-f]{32})$", meta, re.M)[1] for meta in metas.values()}
-check(
-    len(guids) == len(assets) == sum(name.endswith(".meta") for name in all_files),
-    "a GUID or a .meta too few or too many",
-)
+check(len(guids) == len(assets) == sum(name.endswith(".meta") for name in all_files), "a GUID or a .meta too few or too many")
 built = [path for path in assets if path.parent.parent.name == "Plugins"]
 for path in built:
     enabled = re.findall(r"first:\n +(.*)\n +second:\n +enabled: 1", metas[path])
-    fits = [
-        names == enabled and setting in metas[path]
-        for head, names, setting in PLATFORMS
-        if re.match(head, path.read_bytes(), re.S)
-    ]
+    fits = [names == enabled and setting in metas[path] for head, names, setting in PLATFORMS if re.match(head, path.read_bytes(), re.S)]
     check(fits == [True], f"{path.name} in {path.parent.name} is imported for {enabled}")
 check(len(built) == 4, f"plug-ins: {built}")
 for stage, name in (("vert", "sand_view"), ("frag", "samplergrains")):
@@ -79,9 +72,6 @@ compiled = ran(
     work / "editor.cs",
 )
 check(compiled.returncode == 0, compiled.stderr)
-check(
-    "has no plug-in for this editor: build" in ran("mono", work / "editor.exe").stdout,
-    "an editor without a plug-in is not told",
-)
+check("has no plug-in for this editor: build" in ran("mono", work / "editor.exe").stdout, "an editor without a plug-in is not told")
 os.environ["LD_LIBRARY_PATH"] = str(package / "Plugins/Linux")
 check(ran("mono", work / "editor.exe").stdout == "nothing\n", "an editor with a plug-in is told of a fault")

@@ -22,11 +22,7 @@ from browser import CHROMIUM, SKIPPED, SOFTWARE, Browser, Files, served
 PATIENCE = 60
 PLACES = (0.5, 0.88), (0.1, 0.9)  # of the README's picture: a shadow, and the floor beside it
 HERE = pathlib.Path(__file__).parent / "engines"
-MAP = {
-    "three": "three/build/three.module.js",
-    "three/addons/": "three/examples/jsm/",
-    "sandglass/three": "sandglass/three.mjs",
-}
+MAP = {"three": "three/build/three.module.js", "three/addons/": "three/examples/jsm/", "sandglass/three": "sandglass/three.mjs"}
 HANDLES = """
 import "./three_cube.mjs";
 await stage.stage.fields;
@@ -103,8 +99,7 @@ def stool():
     indices = [8 * box + side[i] for box in range(len(boxes)) for side in sides for i in (0, 1, 2, 0, 2, 3)]
     data = struct.pack(f"<{3 * len(corners)}f{len(indices)}H", *sum(corners, ()), *indices)
     views = [
-        {"buffer": 0, "byteOffset": at, "byteLength": size}
-        for at, size in ((0, 12 * len(corners)), (12 * len(corners), 2 * len(indices)))
+        {"buffer": 0, "byteOffset": at, "byteLength": size} for at, size in ((0, 12 * len(corners)), (12 * len(corners), 2 * len(indices)))
     ]
     text = json.dumps(
         {
@@ -193,9 +188,7 @@ def poured(browser, how, seat, bare):
     """Sand lies on the seat: there red is more than blue, and not on the bare model."""
     on, beside = browser.ask(f"{LOOK}(150, {json.dumps([seat, bare])})")
     particles = browser.ask("stage.drawn.particles")
-    check(
-        particles > 100 and on[0] > on[2] and beside[0] < beside[2], f"{how}: sand of {particles} particles on the seat"
-    )
+    check(particles > 100 and on[0] > on[2] and beside[0] < beside[2], f"{how}: sand of {particles} particles on the seat")
 
 
 def cubes(browser, how):
@@ -208,9 +201,7 @@ def cubes(browser, how):
 
 def grows(browser):
     """By 96 MiB between two frames."""
-    browser.ask(
-        "renderer.setAnimationLoop(null); globalThis.held = stage.stage.sand.floats(stage.stage.sand.allocate(16), 4); 0"
-    )
+    browser.ask("renderer.setAnimationLoop(null); globalThis.held = stage.stage.sand.floats(stage.stage.sand.allocate(16), 4); 0")
     places = json.dumps([[0.05 + 0.1 * (i % 10), 0.05 + 0.1 * (i // 10)] for i in range(100)])
     before = browser.ask(f"{LOOK}(0, {places})")
     browser.ask("stage.stage.sand.allocate(96 << 20)")
@@ -276,9 +267,7 @@ def bundle(npm, work):
     )
     shutil.copy(npm / "sandglass.wasm", work / "bundled")
     for name in ("main", "babylon"):
-        (work / "bundled" / f"{name}.html").write_text(
-            (HERE / "index.html").read_text().replace("main.mjs", f"{name}.js")
-        )
+        (work / "bundled" / f"{name}.html").write_text((HERE / "index.html").read_text().replace("main.mjs", f"{name}.js"))
     for name in ("model.glb", "room.jpg"):
         shutil.copy(work / name, work / "bundled")
 
@@ -304,10 +293,7 @@ def main(arguments):
         grows(browser)
         far = browser.ask(WORKER)
         check(
-            far["particles"] > 100
-            and far["longest"] < far["field"] / 4
-            and far["adding"] <= 16
-            and far["frame"] <= 0.5,
+            far["particles"] > 100 and far["longest"] < far["field"] / 4 and far["adding"] <= 16 and far["frame"] <= 0.5,
             "in a worker: a model of {vertices} vertices takes {adding:.1f} ms of the page, its field {field:.0f} ms of none, longest wait {longest:.0f} ms; a frame takes {frame:.2f} ms".format(
                 **far
             ),
@@ -317,9 +303,7 @@ def main(arguments):
             told = browser.ask(f"(async () => {call})().catch((error) => error.message)")
             check(sentence in str(told), f"{call}: {told}")
         check(abs(browser.ask(VOLUME) - 6) < 1e-4, "a mirrored model is no hole")
-        left = browser.ask(
-            "(stage.dispose(), step(), [scene.children.includes(stage.sun), stage.probe.parent !== null, gl.getError()])"
-        )
+        left = browser.ask("(stage.dispose(), step(), [scene.children.includes(stage.sun), stage.probe.parent !== null, gl.getError()])")
         check(left == [False, False, 0], f"after dispose the scene has no light of the stage, and is drawn: {left}")
         vite(work, lambda url: shows(browser, work, "vite", url))
         shows(browser, work, "esbuild", bundled + "main.html?app=light")

@@ -29,9 +29,7 @@ colliders = [
 ]
 lines.append("const sandglass_collider k_colliders[] = {" + ", ".join(colliders) + "};")
 lines.append(f"const float k_frame_step = {literal(scene['frame_step'])}, k_gravity[] = {literal(scene['gravity'])};")
-lines.append(
-    f"const uint64_t k_budget_ns = {round(1e6 * scene['budget_ms'])}, k_virtual_step_ns = {scene['virtual_step_ns']};"
-)
+lines.append(f"const uint64_t k_budget_ns = {round(1e6 * scene['budget_ms'])}, k_virtual_step_ns = {scene['virtual_step_ns']};")
 lines.append("inline void describe(sandglass_granular_desc* desc) {")
 lines += [f"  desc->{name} = {literal(value)};" for name, value in scene["granular"].items()]
 open(sys.argv[2], "w").write("\n".join(lines + ["}\n"]))

@@ -27,22 +27,7 @@ TYPES = {
     "double": "double",
     "void": "void",
 }
-KEYWORDS = {
-    "in",
-    "out",
-    "ref",
-    "params",
-    "object",
-    "string",
-    "base",
-    "lock",
-    "fixed",
-    "event",
-    "operator",
-    "checked",
-    "is",
-    "as",
-}
+KEYWORDS = {"in", "out", "ref", "params", "object", "string", "base", "lock", "fixed", "event", "operator", "checked", "is", "as"}
 
 HEAD = """\
 // Generated from Sandglass's public headers by csharp.py: the C API, one to one. Nothing here allocates; what calls it every frame should

@@ -93,9 +93,7 @@ class Headers:
             "bodies.h",
             "frame.h",
         ]  # structs come before those that hold them
-        self.names = sorted(
-            (path.name for path in folder.glob("*.h")), key=lambda name: ((first + [name]).index(name), name)
-        )
+        self.names = sorted((path.name for path in folder.glob("*.h")), key=lambda name: ((first + [name]).index(name), name))
         texts = [(folder / name).read_text() for name in self.names]
         self.constants, self.enumerations, self.callbacks, self.structs, self.functions = {}, set(), {}, {}, {}
         for text in texts:
@@ -113,9 +111,7 @@ class Headers:
                 raise Refused(f"struct_size is not the first field of {name}")
 
     def read_constants(self, text):
-        for name, value in re.findall(
-            r"#define (SANDGLASS_(?!BRACKETS)\w+) (-?[\d.][\d.e+-]*f?|0x[0-9a-f]+)u?\n", text
-        ):
+        for name, value in re.findall(r"#define (SANDGLASS_(?!BRACKETS)\w+) (-?[\d.][\d.e+-]*f?|0x[0-9a-f]+)u?\n", text):
             self.constants[name] = float(value.rstrip("f")) if re.search(r"^[^x]*[.e]", value) else int(value, 0)
         for body in re.findall(r"\benum \{(.*?)\};", text, re.DOTALL):
             for name, value in re.findall(r"(SANDGLASS_\w+) = (-?\d+)", body):
@@ -137,9 +133,7 @@ class Headers:
                 self.structs[found["struct"]] = Struct(self.fields(found["body"]), prose(found["comment"]))
             else:
                 returns = self.items(" ".join(found["returns"].split()) + " returned")[0]
-                self.functions[found["function"]] = Function(
-                    returns, self.parameters(found["parameters"]), prose(found["above"])
-                )
+                self.functions[found["function"]] = Function(returns, self.parameters(found["parameters"]), prose(found["above"]))
 
     def fields(self, body):
         fields, comment = [], []
@@ -166,10 +160,7 @@ class Headers:
         names = [re.fullmatch(r"(\w+)(?:\[(\w+)\])?", one.strip()) for one in match[4].split(",")] if match else [None]
         if None in names:
             raise Refused(declaration)
-        counts = [
-            int(name[2]) if (name[2] or "0").isdigit() and name[2] else self.constants[name[2]] if name[2] else 0
-            for name in names
-        ]
+        counts = [int(name[2]) if (name[2] or "0").isdigit() and name[2] else self.constants[name[2]] if name[2] else 0 for name in names]
         return [
             Item(name[1], match[2], bool(match[1]), match[3].count("*"), count, self.callbacks.get(match[2]), [])
             for name, count in zip(names, counts)

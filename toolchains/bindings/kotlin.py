@@ -71,9 +71,7 @@ def field(headers, item, offset, given):
         end, kind, _, get, put = number(item)
         get, put = f"span.bytes.get{end}({at}){get}", f"span.bytes.put{end}({at}, to{put})"
     if item.count:
-        return f"  fun {name}(i: Int): {kind} = {get}\n" + f"  fun {name}(i: Int, to: {kind}) {{ {put} }}\n" * (
-            put != ""
-        )
+        return f"  fun {name}(i: Int): {kind} = {get}\n" + f"  fun {name}(i: Int, to: {kind}) {{ {put} }}\n" * (put != "")
     return f"  var {name}: {kind}\n    get() = {get}\n    set(to) {{ {put} }}\n" if put else f"  val {name} = {get}\n"
 
 
@@ -91,9 +89,7 @@ def struct(headers, name, given):
         if struct.fields[0].name == "struct_size"
         else ""
     )
-    fields = "".join(
-        doc(item.comment, "  ") + field(headers, item, offset, given) for item, offset in zip(struct.fields, offsets)
-    )
+    fields = "".join(doc(item.comment, "  ") + field(headers, item, offset, given) for item, offset in zip(struct.fields, offsets))
     return (
         f"{doc(struct.comment, '')}class {kind}(span: Buffer, at: Int) : Struct(span, at) {{\n{fields}"
         f"  constructor() : this(Buffer(SIZE), 0) {{ fresh() }}\n  private fun fresh() {{ {fresh} }}\n  companion object {{\n    const val SIZE = {size}\n"
@@ -113,19 +109,14 @@ def function(headers, name, function, handle):
         else:
             declared.append(f"{it}: {kind_of(headers, item)}?" if leads else f"{it}: {number(item)[1]}")
             given.append(f"address({it}{f', {item.count}' * (item.count > 0)}), {it}" if leads else it)
-            kept += f'; keep("{own}", {it})' * (
-                leads and handle != "" and own.startswith("set_")
-            )  # it may be read later
+            kept += f'; keep("{own}", {it})' * (leads and handle != "" and own.startswith("set_"))  # it may be read later
         kotlin += [f"a{i}: {number(item)[1]}"] + [f"k{i}: Any?"] * leads
         java += [f"{number(item)[2]} a{i}"] + ["jobject"] * leads
         passed.append(f"Pointer{{a{i}}}" if item.pointer else f"static_cast<{item.base}>(a{i})")
     kind, in_java, made = returned(headers, function)
     if made:
         kotlin, java = kotlin + ["r: Long", "k: Any?"], java + ["jlong r", "jobject"]
-    native, c = (
-        f"Native.{camel(name)}({', '.join(given)})",
-        f"{name}({', '.join(passed + ['&reason'] * fails(function))})",
-    )
+    native, c = (f"Native.{camel(name)}({', '.join(given)})", f"{name}({', '.join(passed + ['&reason'] * fails(function))})")
     if made:
         body, c = (
             f": {made} = {made}().also {{ {native[:-1]}{', ' * (given != [])}it.address, it) }}",
@@ -170,11 +161,7 @@ def write(headers):
     out += ["\n", *(struct(headers, name, name in given) for name in headers.structs)]
     for name in headers.handles:
         kind, native = capital(name), f"Native.{camel(name)}"
-        release = (
-            f"  override fun release() {{ {native}Release(address, this) }}\n"
-            if f"{name}_release" in headers.functions
-            else ""
-        )
+        release = f"  override fun release() {{ {native}Release(address, this) }}\n" if f"{name}_release" in headers.functions else ""
         if f"{name}_desc" in headers.structs:
             out.append(
                 f'/** Made in a block of its own. Fails like {name}_create. */\nclass {kind}(desc: {kind}Desc) : Owned("{kind}", desc,\n'

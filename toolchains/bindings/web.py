@@ -107,14 +107,7 @@ def result_type(headers, function):
     name, of = result(headers, function.returns)
     if name == "ptr" and of in headers.handles:
         return pointer_type(headers, function.returns, "")
-    return {
-        "void": "void",
-        "text": "string | null",
-        "ptr": "Pointer",
-        "u64": "bigint",
-        "i64": "bigint",
-        "struct": of,
-    }.get(name, "number")
+    return {"void": "void", "text": "string | null", "ptr": "Pointer", "u64": "bigint", "i64": "bigint", "struct": of}.get(name, "number")
 
 
 def listed(headers, items):
@@ -135,9 +128,7 @@ def typescript(headers):
             out.append(doc(field.comment, "  ") + f"  {one};\n")
         out.append("}\n\n")
     out.append("export interface Structs {\n" + "".join(f"  {name}: {name};\n" for name in headers.structs) + "}\n\n")
-    out.append(
-        "/** What create() takes for each: the arguments of its _bytes function. */\nexport interface Descriptions {\n"
-    )
+    out.append("/** What create() takes for each: the arguments of its _bytes function. */\nexport interface Descriptions {\n")
     for name in headers.functions:
         if name.endswith("_create") and (size := headers.functions.get(name[:-7] + "_bytes")):
             out.append(f"  {name[:-7]}: [{listed(headers, arguments(size)[:-1])}];\n")
@@ -146,10 +137,7 @@ def typescript(headers):
         "export interface Functions {\n"
     )
     for name, function in headers.functions.items():
-        out.append(
-            doc(function.comment, "  ")
-            + f"  {name}({listed(headers, arguments(function))}): {result_type(headers, function)};\n"
-        )
+        out.append(doc(function.comment, "  ") + f"  {name}({listed(headers, arguments(function))}): {result_type(headers, function)};\n")
     out.append(
         "}\n\nexport declare const constants: {\n"
         + "".join(f"  readonly {name}: {value};\n" for name, value in headers.constants.items())
@@ -162,16 +150,9 @@ def abi(headers):
     structs, functions = {}, {}
     for name, struct in headers.structs.items():
         size, _, offsets = headers.layout(name, POINTER)
-        structs[name] = {
-            "size": size,
-            "fields": [[f.name, kind(headers, f), o, f.count] for f, o in zip(struct.fields, offsets)],
-        }
+        structs[name] = {"size": size, "fields": [[f.name, kind(headers, f), o, f.count] for f, o in zip(struct.fields, offsets)]}
     for name, function in headers.functions.items():
-        functions[name] = [
-            [parameter(headers, item) for item in arguments(function)],
-            *result(headers, function.returns),
-            fails(function),
-        ]
+        functions[name] = [[parameter(headers, item) for item in arguments(function)], *result(headers, function.returns), fails(function)]
     return (
         "// Generated from the public headers by web.py.\n"
         f"export const structs = {json.dumps(structs)};\nexport const functions = {json.dumps(functions)};\n"

@@ -49,9 +49,7 @@ class Prose:
         return start + "`".join(parts)
 
     def linked(self, part):
-        return re.sub(
-            r"\bsandglass_\w+\b(?!\()", lambda name: name.group() + "()" * (name.group() in self.functions), part
-        )
+        return re.sub(r"\bsandglass_\w+\b(?!\()", lambda name: name.group() + "()" * (name.group() in self.functions), part)
 
 
 def marked(text):
@@ -106,9 +104,7 @@ def shared(text):
         elif struct and (found := FIELDS.match(line)):
             space, kind, first, size, others = found.groups()
             reference = f"/**< @copydoc {struct}::{first} */"
-            line = f"{space}{kind} {first}{size}; " + " ".join(
-                f"{kind} {name};{reference}" for name in others[2:].split(", ")
-            )
+            line = f"{space}{kind} {first}{size}; " + " ".join(f"{kind} {name};{reference}" for name in others[2:].split(", "))
         out.append(line)
     return "\n".join(out)
 

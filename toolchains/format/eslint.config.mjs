@@ -6,12 +6,7 @@ const js = from("@eslint/js");
 const globals = from("globals");
 
 const k_lines = { skipBlankLines: false, skipComments: false };
-const k_in_page = {
-  ...globals.browser,
-  ...globals.worker,
-  XRWebGLBinding: "readonly",
-  XRWebGLLayer: "readonly",
-};
+const k_in_page = { ...globals.browser, ...globals.worker, XRWebGLBinding: "readonly", XRWebGLLayer: "readonly" };
 
 export default [
   js.configs.recommended,

@@ -21,9 +21,7 @@ for preset, platform, number in SLICES:
     if not archive.exists():
         sys.exit(f"{archive} does not exist: build the preset {preset} first.")
     # The first object must be for arm64, and its LC_BUILD_VERSION for this platform.
-    built = re.search(
-        rb"\xcf\xfa\xed\xfe\x0c\0\0\x01.*?\x32\0\0\0[\x18\x20]\0\0\0(.)\0\0\0", archive.read_bytes(), re.DOTALL
-    )
+    built = re.search(rb"\xcf\xfa\xed\xfe\x0c\0\0\x01.*?\x32\0\0\0[\x18\x20]\0\0\0(.)\0\0\0", archive.read_bytes(), re.DOTALL)
     if not built or built[1][0] != number:
         sys.exit(f"{archive} is not for {preset} on arm64: build it by that preset.")
     identifier = f"{platform}-arm64" + "-simulator" * preset.endswith("simulator")

@@ -15,12 +15,7 @@ import sys
 
 # A preset, a file in its build, the folder of the package, and the platforms that take it, with their settings.
 PLUGINS = [
-    (
-        "host",
-        "unity/libsandglass.so",
-        "Linux",
-        {"Editor: Editor": "CPU: x86_64\n        OS: Linux", "Standalone: Linux64": "CPU: x86_64"},
-    ),
+    ("host", "unity/libsandglass.so", "Linux", {"Editor: Editor": "CPU: x86_64\n        OS: Linux", "Standalone: Linux64": "CPU: x86_64"}),
     (
         "windows",
         "unity/sandglass.dll",
@@ -49,15 +44,10 @@ def platform(name, enabled, settings):
 
 
 def hlsl(name):
-    text = (
-        HEAD + "".join((KIT / f"{part}.glsl").read_text() for part in SHADERS[name]) + HIDDEN + (KIT / name).read_text()
-    )
+    text = HEAD + "".join((KIT / f"{part}.glsl").read_text() for part in SHADERS[name]) + HIDDEN + (KIT / name).read_text()
     (output / name).write_text(text)
     subprocess.run(
-        ["glslangValidator", "-V", "-R", "--aml", "--amb", name, "-o", "code"],
-        cwd=output,
-        check=True,
-        stdout=subprocess.DEVNULL,
+        ["glslangValidator", "-V", "-R", "--aml", "--amb", name, "-o", "code"], cwd=output, check=True, stdout=subprocess.DEVNULL
     )
     made = subprocess.run(
         ["spirv-cross", "code", "--hlsl", "--shader-model", "50", "--hlsl-enable-compat"],

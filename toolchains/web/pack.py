@@ -31,10 +31,7 @@ IN_WORKER = (
 
 
 def module(path, **constants):
-    path.write_text(
-        "// Made by pack.py.\n"
-        + "".join(f"export const {name} = {json.dumps(value)};\n" for name, value in constants.items())
-    )
+    path.write_text("// Made by pack.py.\n" + "".join(f"export const {name} = {json.dumps(value)};\n" for name, value in constants.items()))
 
 
 def encoded(file):
@@ -51,13 +48,8 @@ def main():
     module(npm / "kit.mjs", k_kit=texts)
     module(npm / "inlined.mjs", k_inlined=encoded(npm / "sandglass.wasm"))
     module(npm / "block_module.mjs", k_block_text=encoded(block))
-    module(
-        npm / "worker_text.mjs",
-        text=joined([npm / f"{name}.mjs" for name in IN_WORKER]).replace("import.meta.url", "location.href"),
-    )
-    (npm / "README.md").write_text(
-        re.sub(r"<!--.*?-->|!\[.*\n\n|\[([^]]*)\]\(\.\./[^)]*\)", r"\1", pathlib.Path("README.md").read_text())
-    )
+    module(npm / "worker_text.mjs", text=joined([npm / f"{name}.mjs" for name in IN_WORKER]).replace("import.meta.url", "location.href"))
+    (npm / "README.md").write_text(re.sub(r"<!--.*?-->|!\[.*\n\n|\[([^]]*)\]\(\.\./[^)]*\)", r"\1", pathlib.Path("README.md").read_text()))
 
 
 main()

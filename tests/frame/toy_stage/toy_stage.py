@@ -24,9 +24,7 @@ LINES = {
 
 
 def run(*command, cwd=None, fails=False):
-    done = subprocess.run(
-        [str(word) for word in command], cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    )
+    done = subprocess.run([str(word) for word in command], cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode and not fails:
         sys.exit(f"{done.stdout[-8000:]}\ntoy_stage.py: this failed: {command[0]}")
     return None if done.returncode else done.stdout
@@ -34,19 +32,12 @@ def run(*command, cwd=None, fails=False):
 
 def copied(source, tree):
     """The tree with the diff; its files."""
-    shutil.copytree(
-        source, tree, ignore=shutil.ignore_patterns(".git", "build", "out", "node_modules", "numbers", "pictures")
-    )
+    shutil.copytree(source, tree, ignore=shutil.ignore_patterns(".git", "build", "out", "node_modules", "numbers", "pictures"))
     (tree / "tests/toy").mkdir()
     shutil.copyfile(HERE / "toy_stage_test.cpp", tree / "tests/toy/toy_stage_test.cpp")
     (tree / "tests/toy/CMakeLists.txt").write_text("sandglass_test(sandglass_toy_tests LIBRARIES models_report)\n")
     apply = ["git", "apply", "--recount"]
-    subprocess.run(
-        [*apply, HERE / "toy.diff"],
-        cwd=tree,
-        check=True,
-        env={**os.environ, "GIT_CEILING_DIRECTORIES": str(tree.parent)},
-    )
+    subprocess.run([*apply, HERE / "toy.diff"], cwd=tree, check=True, env={**os.environ, "GIT_CEILING_DIRECTORIES": str(tree.parent)})
     return re.findall(r"^\+\+\+ b/(\S+)", (HERE / "toy.diff").read_text(), re.MULTILINE)
 
 
@@ -95,19 +86,11 @@ def names(tree, build, work, node):
 def lists(source):
     """Where else a line names three stages or more as strings, or one by its number: "light" and "shadow" are words, too. The frame's
     own tests make up stages."""
-    table = [
-        "granular",
-        *re.findall(r'STAGE\(\w+, "(\w+)"', (source / "runtime/frame/capabilities.inc").read_text()),
-        "refine",
-        "output",
-    ]
+    table = ["granular", *re.findall(r'STAGE\(\w+, "(\w+)"', (source / "runtime/frame/capabilities.inc").read_text()), "refine", "output"]
     found = []
     for top in ("kernels", "runtime", "models", "toolchains", "tests"):
         for path in (source / top).rglob("*"):
-            if (
-                path.suffix in (".cpp", ".h", ".inc", ".mjs", ".mts", ".py", ".html")
-                and source / "tests/frame" not in path.parents
-            ):
+            if path.suffix in (".cpp", ".h", ".inc", ".mjs", ".mts", ".py", ".html") and source / "tests/frame" not in path.parents:
                 for line in path.read_text().splitlines():
                     if sum(f'"{name}"' in line for name in table) > 2 or re.search(r"\bstages\[\d", line):
                         found.append(f"{path.relative_to(source)}: {line.strip()}")
@@ -139,10 +122,7 @@ def main():
         *sys.argv[4:],
     )
     if passes(build) is None:
-        sys.exit(
-            "toy_stage.py: the toy stage is not run, reported, traced and recorded:\n"
-            + run("ninja", "-C", build, *TARGETS)
-        )
+        sys.exit("toy_stage.py: the toy stage is not run, reported, traced and recorded:\n" + run("ninja", "-C", build, *TARGETS))
     names(tree, build, work, node)
     for name, starts in LINES.items():
         text = (tree / name).read_text()

@@ -27,9 +27,7 @@ def build(tree, old, sources, options):
     new = tree / "build" / "host"
     run("cmake", "--preset", "host", "-DBUILD_TESTING=ON", *options, cwd=tree)
     link = run("ninja", "-C", new, "-t", "commands", "bin/sandglass_lab").splitlines()[-1]
-    objects = [
-        word for word in link.split() if any(word.endswith(f"sandglass_lab.dir/{source}.o") for source in sources)
-    ]
+    objects = [word for word in link.split() if any(word.endswith(f"sandglass_lab.dir/{source}.o") for source in sources)]
     run("ninja", "-C", new, "-j1", *objects)
     (new / "bin").mkdir(exist_ok=True)
     for made in [*objects, "bin/sandglass_lab"]:
@@ -47,9 +45,7 @@ def check(tree, root, old, without, options):
     if len(touched) > 3:
         sys.exit(f"a suite touches {len(touched)} files: {' '.join(touched)}")
     run(*apply, "-", cwd=tree, text=patch)
-    lab = build(
-        tree, old, ["lab.cpp", *(pathlib.Path(file).name for file in touched if file.endswith(".cpp"))], options
-    )
+    lab = build(tree, old, ["lab.cpp", *(pathlib.Path(file).name for file in touched if file.endswith(".cpp"))], options)
     if "toy       Sums" not in run(lab, "verify", "--help"):
         sys.exit("the help lists no toy")
     if "1 rows, 0 failed" not in run(lab, "verify", "toy"):

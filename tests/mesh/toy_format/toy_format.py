@@ -25,16 +25,8 @@ def main():
     shutil.rmtree(work, ignore_errors=True)
     for folder in ("models/mesh", "tests/mesh"):
         shutil.copytree(source / folder, tree / folder)
-    subprocess.run(
-        ["git", "apply", HERE / "toy.diff"],
-        cwd=tree,
-        check=True,
-        env={**os.environ, "GIT_CEILING_DIRECTORIES": str(work)},
-    )
-    subprocess.run(
-        ["cmake", "-S", HERE, "-B", build, "-G", "Ninja", f"-DTREE={tree}", f"-DSOURCE={source}", *sys.argv[3:]],
-        check=True,
-    )
+    subprocess.run(["git", "apply", HERE / "toy.diff"], cwd=tree, check=True, env={**os.environ, "GIT_CEILING_DIRECTORIES": str(work)})
+    subprocess.run(["cmake", "-S", HERE, "-B", build, "-G", "Ninja", f"-DTREE={tree}", f"-DSOURCE={source}", *sys.argv[3:]], check=True)
 
     def passes():
         built = subprocess.run(["cmake", "--build", build], stderr=subprocess.STDOUT)
