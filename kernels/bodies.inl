@@ -5,7 +5,8 @@ namespace sandglass::SANDGLASS_SIMD {
 
 #include "kernels/cast.inl"
 #include "kernels/colliders.inl"
-#include "kernels/push_out.inl"
+
+#include "kernels/collider_push.inl"
 
 #include "kernels/contact.inl"
 #include "kernels/grid_cells.inl"

@@ -1,7 +1,7 @@
 // One Jacobi pass, as the dissertation has it. Every particle gathers the corrections of its contacts from the positions
-// before the pass, by (4.14)-(4.27). It averages them (4.37), and is then pushed out of the colliders (push_out.inl).
-// Where the equations differ from the printed ones, runtime/README.md says why ("Corrections"). Much of this serves the
-// pairs too (pairs.inl).
+// before the pass, by (4.14)-(4.27). It averages them (4.37), and is then pushed out of the colliders
+// (collider_push.inl). Where the equations differ from the printed ones, runtime/README.md says why ("Corrections").
+// Much of this serves the pairs too (pairs.inl).
 //
 // A particle holds the position at the start of the sub-step and the displacement since then. Predicted positions are
 // never stored (correction to Alg. 4): a relative position is (x_j - x_i) + (displacement_j - displacement_i), exact to

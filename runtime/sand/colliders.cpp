@@ -1,4 +1,4 @@
-// The solids during a frame. world.h has the rules; how they push a particle: kernels/push_out.inl.
+// The solids during a frame. world.h has the rules; how they push a particle: kernels/collider_push.inl.
 //
 // Rotations by angular velocity use the first-order quaternion step, renormalised. So there is no sine or cosine in a
 // hashed path. The error is angle^3 / 12: 7e-4 rad for a turn of 0.2 rad within one frame.

@@ -5,8 +5,8 @@
 // away. So an image taken elsewhere, and an object that stands elsewhere, see the same part in another direction.
 //
 //   sphere.cpp    where it stands and how large it is
-//   image.cpp     an image into parts, unit by unit
-//   exposure.cpp  what an image says of its exposure, and of the light of the whole room
+//   image.cpp     an image into parts, by its exposure, unit by unit
+//   exposure.cpp  what an image says of its exposure and balance, and of the light of the whole room
 //   lamp.cpp      how large a lamp is, of an image that shows it unclipped
 //   texels.cpp    an image into the texels of a cube, for reflections, and the cube that is seen from a place
 //   probe.cpp     a cube or harmonics of another system, into a layer below what the camera has seen
