@@ -18,8 +18,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <new>
 #include <utility>
 #include <vector>
 #if defined(__has_include)
@@ -34,11 +32,11 @@
 #include "sandglass/camera.h"
 #include "sandglass/cast.h"
 #include "sandglass/estimator.h"
-#include "sandglass/field.h"
+#include "sandglass/owned.hpp"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/renderers.h"
 #include "sandglass/room.h"
-#include "sandglass/sampling.h"
+#include "sandglass/sampling.hpp"
 #include "sandglass/sandglass.h"
 #include "sandglass/shadow.h"
 #include "sandglass/skin.h"
@@ -46,144 +44,6 @@
 namespace sandglass {
 // The inline namespace keeps these inline functions apart from the library's own symbols in one static link.
 inline namespace cpp {
-
-// A status code and its sentence. True when the call succeeded; `reason` is then null.
-struct [[nodiscard]] Status {
-  // SANDGLASS_OK, or what went wrong.
-  sandglass_status code = SANDGLASS_OK;
-  // A static sentence; null after success.
-  const char* reason = nullptr;
-  // True when the call succeeded.
-  explicit operator bool() const { return code == SANDGLASS_OK; }
-  // See sandglass_status_name.
-  const char* name() const { return sandglass_status_name(code); }
-};
-// What a function of the C API that returns a status says.
-template <class Function, class... Arguments>
-Status call(Function function, Arguments... arguments) {
-  Status status;
-  status.code = function(arguments..., &status.reason);
-  return status;
-}
-
-// A view of points or vectors, three floats each, in memory that the app keeps for the duration of the call. Made
-// from a pointer and a number of points, or from any contiguous container of floats (a trailing incomplete point is
-// left out).
-struct Points {
-  // x0 y0 z0 x1 ...
-  const float* xyz = nullptr;
-  // How many points there are.
-  uint32_t count = 0;
-  // No points.
-  Points() = default;
-  // `points` of them, from `first` on.
-  Points(const float* first, uint32_t points) : xyz(first), count(points) {}
-  // All of a container.
-  template <class Container, class = decltype(static_cast<const float*>(std::declval<const Container&>().data()))>
-  Points(const Container& floats) : xyz(floats.data()), count(static_cast<uint32_t>(floats.size() / 3)) {}
-};
-
-// A block aligned as the library wants it; empty when the heap has none.
-struct ReleaseBlock {
-  // Frees the block.
-  void operator()(std::byte* block) const { ::operator delete (block, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT}); }
-};
-// A block that frees itself.
-using Block = std::unique_ptr<std::byte[], ReleaseBlock>;
-// A block of this size, or an empty one.
-inline Block allocate_block(uint64_t bytes) {
-  return Block(static_cast<std::byte*>(
-      ::operator new (static_cast<std::size_t>(bytes), std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT}, std::nothrow)));
-}
-// What is returned for an empty one.
-inline Status no_memory() {
-  return {SANDGLASS_ERROR_MEMORY_TOO_SMALL, "the heap has no block of the size that is needed"};
-}
-
-// Whether the linked library fits these headers: what an app asks first. The owner types ask it, too, when they create.
-inline Status check_version() {
-  if (SANDGLASS_VERSION_FITS()) return {};
-  return {SANDGLASS_ERROR_UNSUPPORTED, "the linked library is of another version than the headers: build with its own"};
-}
-
-// What is made in a block: the block, empty when the app lent it, and the handle into it. The handle stays valid
-// when its owner is moved, because the block does not move. Movable, not copyable.
-//
-// Each owner type's create allocates its block, once and for all. It fails like the C function, or with MEMORY_TOO_SMALL
-// when the heap has no such block. What was there is replaced on success and kept on failure.
-template <class Handle>
-class Owned {
- public:
-  // Nothing yet.
-  Owned() = default;
-  // Takes both over.
-  Owned(Owned&& other) noexcept : block_(std::move(other.block_)), handle_(std::exchange(other.handle_, nullptr)) {}
-  // Takes both over.
-  Owned& operator=(Owned&& other) noexcept {
-    block_ = std::move(other.block_);
-    handle_ = std::exchange(other.handle_, nullptr);
-    return *this;
-  }
-
-  // True once create has succeeded.
-  explicit operator bool() const { return handle_ != nullptr; }
-  // The handle: for the C functions that have no short form here, and for sandglass_frame_input. Null when nothing was
-  // made yet.
-  Handle* get() const { return handle_; }
-
- protected:
-  // Allocates a block and makes the thing in it: bytes_of and create_in take these arguments first.
-  template <class Bytes, class Create, class... Arguments>
-  Status create_of(Bytes bytes_of, Create create_in, Arguments... arguments) {
-    uint64_t need = 0;
-    if (const Status status = call(bytes_of, arguments..., &need); !status) return status;
-    Block block = allocate_block(need);
-    if (block == nullptr) return no_memory();
-    const Status status = create_at(block.get(), need, create_in, arguments...);
-    if (status) block_ = std::move(block);
-    return status;
-  }
-  // The same in a block that the caller keeps.
-  template <class Create, class... Arguments>
-  Status create_at(void* block, uint64_t bytes, Create create_in, Arguments... arguments) {
-    Handle* made = nullptr;
-    Status status = check_version();
-    if (status) status = call(create_in, arguments..., block, bytes, &made);
-    if (!status) return status;
-    block_.reset();
-    handle_ = made;
-    return status;
-  }
-
- private:
-  Block block_;
-  Handle* handle_ = nullptr;
-};
-
-// A struct as one of the C functions fills it in: its defaults.
-template <class Struct>
-Struct filled(void (*fill)(Struct*)) {
-  Struct made;
-  fill(&made);
-  return made;
-}
-// What one of the C functions reports, in a struct of the size of these headers.
-template <class Struct, class Function, class... Arguments>
-Struct reported(Function function, Arguments... arguments) {
-  Struct now{};
-  now.struct_size = sizeof now;
-  function(arguments..., &now);
-  return now;
-}
-// What is saved, as bytes: by a pair of C functions.
-template <class Handle, class BytesOf, class Save>
-Status saved(Handle* handle, BytesOf bytes_of, Save save, std::vector<std::byte>* data) {
-  uint64_t written = 0;
-  data->resize(static_cast<std::size_t>(bytes_of(handle)));
-  const Status status = call(save, handle, data->data(), data->size(), &written);
-  data->resize(static_cast<std::size_t>(written));
-  return status;
-}
 
 // Structs with their defaults and struct_size filled in.
 inline sandglass_scene_desc scene_desc() { return filled(sandglass_scene_desc_default); }
@@ -198,8 +58,6 @@ inline sandglass_frame_report frame_report() {
   report.struct_size = sizeof report;
   return report;
 }
-inline sandglass_sample_desc sample_desc() { return filled(sandglass_sample_desc_default); }
-inline sandglass_field_desc field_desc() { return filled(sandglass_field_desc_default); }
 inline sandglass_box_desc box_desc() { return filled(sandglass_box_desc_default); }
 inline sandglass_body body() { return filled(sandglass_body_default); }
 
@@ -689,129 +547,7 @@ class PileShadow : public Owned<sandglass_pile_shadow> {
 };
 
 // ----------------------------------------------------------------------------------------------------------------
-// sampling
-
-// A box along the axes, metres.
-struct Box {
-  // The corner with the smallest coordinates.
-  float min[3];
-  // The corner with the largest.
-  float max[3];
-};
-
-// Each fills *points, three floats a point, and allocates the result and the working memory for the duration of the
-// call. `inside` is anything that can be called with a const float[3] and says whether that point lies in the volume.
-// `desc` holds what else is not the default: seed, tries, metric, progress. Fails like sandglass_sample_points; *points
-// is then empty.
-inline Status sample_points(const sandglass_sample_desc& desc, std::vector<float>* points) {
-  points->clear();
-  uint64_t bytes = 0;
-  uint32_t capacity = 0, count = 0;
-  Status status = call(sandglass_sample_capacity, &desc, &capacity);
-  if (status) status = call(sandglass_sample_bytes, &desc, capacity, &bytes);
-  if (!status) return status;
-  const Block scratch = allocate_block(bytes);
-  if (scratch == nullptr) return no_memory();
-  points->resize(3 * static_cast<std::size_t>(capacity));
-  status = call(sandglass_sample_points, &desc, scratch.get(), bytes, points->data(), capacity, &count);
-  points->resize(3 * static_cast<std::size_t>(count));
-  return status;
-}
-
-// What the two volumes share.
-template <class Inside>
-Status sample_inside(const Box& box, float distance, Inside inside, sandglass_sample_desc desc,
-                     std::vector<float>* points) {
-  std::copy(box.min, box.min + 3, desc.bounds_min);
-  std::copy(box.max, box.max + 3, desc.bounds_max);
-  desc.distance = distance;
-  desc.inside = [](void* test, const float point[3]) -> int32_t {
-    return (*static_cast<Inside*>(test))(point) ? 1 : 0;
-  };
-  desc.inside_user = &inside;
-  return sample_points(desc, points);
-}
-
-// Sites of a hexagonal close packing: how a volume is filled with particles (distance 2r).
-template <class Inside>
-Status sample_lattice(const Box& box, float distance, Inside inside, std::vector<float>* points,
-                      sandglass_sample_desc desc = sample_desc()) {
-  desc.method = SANDGLASS_SAMPLE_LATTICE;
-  return sample_inside(box, distance, inside, desc, points);
-}
-
-// A Poisson-disk (blue-noise) set in a volume: how it is filled with grains.
-template <class Inside>
-Status sample_volume(const Box& box, float distance, Inside inside, std::vector<float>* points,
-                     sandglass_sample_desc desc = sample_desc()) {
-  desc.method = SANDGLASS_SAMPLE_VOLUME;
-  return sample_inside(box, distance, inside, desc, points);
-}
-
-// A Poisson-disk set on a mesh's surface: boundary particles of a scanned room, say.
-inline Status sample_surface(const sandglass_mesh& mesh, float distance, std::vector<float>* points,
-                             sandglass_sample_desc desc = sample_desc()) {
-  desc.method = SANDGLASS_SAMPLE_SURFACE;
-  desc.mesh = &mesh;
-  desc.distance = distance;
-  return sample_points(desc, points);
-}
-
-// ----------------------------------------------------------------------------------------------------------------
-// meshes and fields
-
-// A mesh prepared for many inside tests, and its block; the mesh's arrays may go after create. Movable, not copyable.
-// Give the samplers a reference: [&](const float* p) { return inside(p); }.
-class MeshInside : public Owned<sandglass_mesh_inside> {
- public:
-  // See sandglass_mesh_inside_create.
-  Status create(const sandglass_mesh& mesh, sandglass_inside_rule rule = SANDGLASS_INSIDE_PARITY) {
-    return create_of(sandglass_mesh_inside_bytes, sandglass_mesh_inside_create, &mesh, rule);
-  }
-  // See sandglass_mesh_inside_test.
-  bool operator()(const float point[3]) const { return sandglass_mesh_inside_test(get(), point) != 0; }
-};
-
-// A signed-distance field and its block: what a collider of SANDGLASS_SHAPE_FIELD points to. Movable, not copyable.
-class Field : public Owned<sandglass_field> {
- public:
-  // See sandglass_field_create.
-  Status create(const sandglass_field_desc& desc) {
-    return create_of(sandglass_field_bytes, sandglass_field_create, &desc);
-  }
-  // `distance_of` is anything that can be called with a const float[3] and gives the distance from the surface.
-  template <class Distance>
-  Status from_function(const Box& box, float spacing, sandglass_solid solid, Distance distance_of) {
-    sandglass_field_desc desc = over(box, spacing, solid);
-    desc.distance = [](void* distance, const float point[3]) -> float {
-      return (*static_cast<Distance*>(distance))(point);
-    };
-    desc.distance_user = &distance_of;
-    return create(desc);
-  }
-  // From a mesh and the inside test that was prepared from it.
-  Status from_mesh(const sandglass_mesh& mesh, const MeshInside& inside, const Box& box, float spacing, float band,
-                   sandglass_solid solid) {
-    sandglass_field_desc desc = over(box, spacing, solid);
-    desc.band = band;
-    desc.mesh = &mesh;
-    desc.inside = sandglass_mesh_inside_test;
-    desc.inside_user = inside.get();
-    return create(desc);
-  }
-  // See sandglass_field_distance.
-  float distance(const float point[3]) const { return sandglass_field_distance(get(), point, nullptr); }
-
- private:
-  static sandglass_field_desc over(const Box& box, float spacing, sandglass_solid solid) {
-    sandglass_field_desc desc = field_desc();
-    std::copy(box.min, box.min + 3, desc.bounds_min);
-    std::copy(box.max, box.max + 3, desc.bounds_max);
-    desc.spacing = spacing;
-    desc.solid = solid;
-    return desc;
-  }
-};
+// fields
 
 // A collider of a field whose own coordinates begin at (x, y, z), unrotated and at rest. The field must outlive it.
 inline sandglass_collider field_at(const Field& field, float x, float y, float z) {
