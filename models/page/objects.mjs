@@ -1,7 +1,7 @@
 // Meshes of files on the table: as objects, which cast and which sand collides with, or as sand.
 import { constants } from "./sandglass.mjs";
 import { addPoints } from "./scene.mjs";
-import { fieldOf, matrixOf } from "./mesh_field.mjs";
+import { fieldOf, matrixOf, withMesh } from "./mesh_field.mjs";
 import { standing, smoothed } from "./mesh_file.mjs";
 import { k_casts, k_object_triangles, k_objects } from "./stands.mjs";
 import { say, counted } from "./elements.mjs";
@@ -104,22 +104,9 @@ export function addMesh(page, read) {
   return count;
 }
 
-// The particles that fill a mesh. What it takes of the module's memory it gives back, also where the library refuses.
+// The particles that fill a mesh.
 function filled(sand, { vertices, indices }) {
-  const blocks = [];
-  const keep = (block) => {
-    blocks.push(block);
-    return block;
-  };
-  try {
-    const mesh = keep(
-      sand.make("sandglass_mesh", {
-        vertices: keep(sand.put(vertices)),
-        vertex_count: vertices.length / 3,
-        indices: keep(sand.put(indices)),
-        triangle_count: indices.length / 3,
-      }),
-    );
+  return withMesh(sand, vertices, indices, (mesh, keep) => {
     const desc = keep(sand.make("sandglass_sample_desc"));
     const out = keep(sand.allocate(8));
     const word = () => new Uint32Array(sand.memory.buffer, out, 1)[0];
@@ -139,7 +126,5 @@ function filled(sand, { vertices, indices }) {
     const points = keep(sand.allocate(12 * capacity));
     sand.sandglass_sample_points(desc, block, scratch, points, capacity, out);
     return sand.floats(points, 3 * word()).slice();
-  } finally {
-    for (const block of blocks) sand.free(block);
-  }
+  });
 }

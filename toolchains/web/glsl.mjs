@@ -7,44 +7,26 @@ export const receive = k_kit.receive;
 export const receivers = ["pile", "shadow", "occlusion", "sky"]; // textures of frame(), of the same names behind sandglass_
 
 // Values of the vectors in `receive`.
-export const receiverValues = ({
-  light,
-  pileBox,
-  shadowBox,
-  occlusionBox,
-  pileOpacity,
-  shadowOpacity,
-  skyKnown,
-  floor,
-}) => ({
-  sandglass_pile_box: pileBox,
-  sandglass_shadow_box: shadowBox,
-  sandglass_occlusion_box: occlusionBox,
-  sandglass_numbers: [pileOpacity, shadowOpacity, skyKnown, floor],
-  sandglass_to_light: [...light.toLight, 0],
+export const receiverValues = (drawn) => ({
+  sandglass_pile_box: drawn.pileBox,
+  sandglass_shadow_box: drawn.shadowBox,
+  sandglass_occlusion_box: drawn.occlusionBox,
+  sandglass_numbers: [drawn.pileOpacity, drawn.shadowOpacity, drawn.skyKnown, drawn.floor],
+  sandglass_to_light: [...drawn.light.toLight, 0],
 });
 
 // Values of the kit's uniforms for light and shadows (uniforms.glsl).
-export const kitValues = ({
-  light,
-  pileBox,
-  shadowBox,
-  occlusionBox,
-  pileOpacity,
-  shadowOpacity,
-  skyKnown,
-  floor,
-}) => ({
-  to_light: light.toLight,
-  sun: light.facing.map((x) => x / Math.PI),
-  ambient: light.ambient,
-  below: light.floor,
+export const kitValues = (drawn) => ({
+  to_light: drawn.light.toLight,
+  sun: drawn.light.facing.map((x) => x / Math.PI),
+  ambient: drawn.light.ambient,
+  below: drawn.light.floor,
   table_of_room: [1, 0, 0, 0, 1, 0, 0, 0, 1],
-  pile_box: pileBox,
-  shadow_box: shadowBox,
-  occlusion_box: occlusionBox,
-  on_plane: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -floor, 0, 1],
-  pile_opacity: pileOpacity,
-  shadow_opacity: shadowOpacity,
-  sky_known: skyKnown,
+  pile_box: drawn.pileBox,
+  shadow_box: drawn.shadowBox,
+  occlusion_box: drawn.occlusionBox,
+  on_plane: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -drawn.floor, 0, 1],
+  pile_opacity: drawn.pileOpacity,
+  shadow_opacity: drawn.shadowOpacity,
+  sky_known: drawn.skyKnown,
 });

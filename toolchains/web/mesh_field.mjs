@@ -24,22 +24,30 @@ export function made(sand, name, fields = {}, ...more) {
   }
 }
 
-// The bytes of the field, for another instance's memory too. `spacing`: of its nodes, metres.
-export function fieldOf(sand, { positions, indices }, spacing) {
-  const used = [];
+// What `use` gives of a mesh in the module's memory. `keep` marks what is given back afterwards, also where the library
+// refuses.
+export function withMesh(sand, vertices, indices, use) {
+  const kept = [];
   const keep = (block) => {
-    used.push(block);
+    kept.push(block);
     return block;
   };
   try {
-    const mesh = keep(
-      sand.make("sandglass_mesh", {
-        vertices: keep(sand.put(positions)),
-        vertex_count: positions.length / 3,
-        indices: keep(sand.put(indices)),
-        triangle_count: indices.length / 3,
-      }),
-    );
+    const mesh = sand.make("sandglass_mesh", {
+      vertices: keep(sand.put(vertices)),
+      vertex_count: vertices.length / 3,
+      indices: keep(sand.put(indices)),
+      triangle_count: indices.length / 3,
+    });
+    return use(keep(mesh), keep);
+  } finally {
+    for (const block of kept) sand.free(block);
+  }
+}
+
+// The bytes of the field, for another instance's memory too. `spacing`: of its nodes, metres.
+export function fieldOf(sand, { positions, indices }, spacing) {
+  return withMesh(sand, positions, indices, (mesh, keep) => {
     const inside = keep(sand.create("sandglass_mesh_inside", mesh, constants.SANDGLASS_INSIDE_WINDING));
     const desc = keep(
       sand.make("sandglass_field_desc", {
@@ -62,7 +70,5 @@ export function fieldOf(sand, { positions, indices }, spacing) {
     sand.sandglass_field_bytes(desc, size);
     const bytes = Number(sand.view().getBigUint64(size, true));
     return sand.bytes(keep(sand.create("sandglass_field", desc)), bytes).slice();
-  } finally {
-    for (const block of used) sand.free(block);
-  }
+  });
 }
