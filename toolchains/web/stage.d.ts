@@ -148,22 +148,14 @@ interface Methods {
   frame(seconds: number): Drawn;
 }
 
+export interface Stage extends Methods {}
 /** Besides: what an app needs that runs the frames of a scene of its own, as the project's page does. */
-export declare class Stage implements Methods {
+export declare class Stage {
   static create(options?: StageOptions): Promise<Stage>;
   constructor(sand: Sandglass, options?: Omit<StageOptions, "sand" | "source" | "threads">);
   readonly sand: Sandglass;
   /** Settles when sand lies on all models that it has to. */
   readonly fields: Promise<unknown>;
-
-  createSand(options?: SandOptions): { radius: number };
-  addModel(model: Mesh & Pose, options?: ModelOptions): number;
-  move(model: number, position: Triple, rotation: ArrayLike<number>): void;
-  remove(model: number): void;
-  pour(...nozzles: Nozzle[]): void;
-  push(...balls: Ball[]): void;
-  see(image: Image, view?: View): void;
-  frame(seconds: number): Drawn;
 
   /** Draws the sand of another scene, by its skin and the radius of its particles. */
   showSand(skin: Handle<"sandglass_skin">, radius: number): void;
