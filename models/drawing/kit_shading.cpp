@@ -24,15 +24,6 @@ constexpr float k_block_side = 0.0084f, k_narrow = 0.3f;
 vec3 to_vec(Vec3 v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 Vec3 from_vec(vec3 v) { return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)}; }
 
-vec3 encoded(vec3 linear) {
-  const vec3 bright = 1.055f * glm::pow(linear, vec3(1 / 2.4f)) - 0.055f;
-  return glm::mix(12.92f * linear, bright, glm::step(0.0031308f, linear));
-}
-vec3 decoded(vec3 srgb) {
-  const vec3 bright = glm::pow((srgb + 0.055f) * (1 / 1.055f), vec3(2.4f));
-  return glm::mix(srgb * (1 / 12.92f), bright, glm::step(0.04045f, srgb));
-}
-
 // One of the block's two textures, with its levels.
 struct sampler3D {
   std::vector<const uint8_t*> levels;
@@ -56,13 +47,16 @@ struct sampler3D {
 };
 using sampler2D = const std::vector<float>*;  // of bed_of_grains
 
-vec4 textureLod(const sampler3D& texture, vec3 at, float level) {
+// As levels.glsl.
+vec4 block_level(const sampler3D& texture, vec3 at, float level) {
   const float last = static_cast<float>(texture.levels.size() - 1), l = std::clamp(level, 0.0f, last);
   const auto fine = static_cast<size_t>(l);
   const float share = l - static_cast<float>(fine);
   const vec4 a = texture.level_at(at, fine);
   return share > 0.0f ? glm::mix(a, texture.level_at(at, fine + 1), share) : a;
 }
+
+vec4 block_mean(const sampler3D& texture) { return block_level(texture, vec3(0), 6); }
 
 const std::vector<uint8_t>& block() {
   static const std::vector<uint8_t> bytes = kit::sand_block(kit::k_beach);
@@ -118,8 +112,6 @@ struct Lit {
   float pile_passed(vec3 place) const { return light->pile_passed(from_vec(place)); }
   float object_passed(vec3 place) const { return light->object_passed(from_vec(place)); }
   float under_sky(vec3 place) const { return light->under_sky(from_vec(place)); }
-  static vec4 encoded(vec3 linear) { return {linear, 1}; }
-  static float hidden(vec3) { return 0; }
 };
 
 struct SurfaceVertex : Lit {
@@ -135,17 +127,9 @@ struct SurfaceFragment : Lit {
 #include "kit/surface.glsl.inc"
 };
 
-struct LooseVertex : Lit {
-  vec4 gl_Position;
-  float gl_PointSize;
-  int gl_VertexID;
-#include "kit/loose.vert.inc"
+struct Loose : Lit {
+#include "kit/loose.glsl.inc"
 #include "kit/sand.glsl.inc"
-};
-
-struct LooseFragment : Lit {
-  vec2 gl_PointCoord;
-#include "kit/loose.frag.inc"
 };
 
 struct PlainFragment {
@@ -172,8 +156,7 @@ struct PlainFragment {
 struct KitShading::State {
   SurfaceVertex vertex;
   SurfaceFragment fragment;
-  LooseVertex loose;
-  LooseFragment point;
+  Loose loose;
   std::optional<PlainFragment> plain;
   double finer = 1.0;  // steps from pixel to pixel are taken for so much of themselves
 };
@@ -186,11 +169,11 @@ KitShading::KitShading(const SandLight& light, const CameraFrame& camera, const 
   const mat4 view(vec4(right.x, up.x, back.x, 0), vec4(right.y, up.y, back.y, 0), vec4(right.z, up.z, back.z, 0),
                   vec4(-dot(right, at), -dot(up, at), -dot(back, at), 1));
   const sampler3D grains = texture_of_block(0), facets = texture_of_block(1);
-  for (Lit* lit : {static_cast<Lit*>(&state_->vertex), static_cast<Lit*>(&state_->fragment),
-                   static_cast<Lit*>(&state_->loose), static_cast<Lit*>(&state_->point)}) {
+  for (Lit* lit :
+       {static_cast<Lit*>(&state_->vertex), static_cast<Lit*>(&state_->fragment), static_cast<Lit*>(&state_->loose)}) {
     lit->light = &light;
     lit->view = view;
-    lit->projection = mat4(1);
+    lit->projection = mat4(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, -1), vec4(0));
     lit->eye = at;
     lit->to_light = to_vec(light.to_light);
     lit->sun = to_vec(light.sun);
@@ -265,36 +248,45 @@ std::optional<Vec3> KitShading::surface(const Fragment& seen) {
   return fragment.discarded ? std::nullopt : std::optional(from_vec(shown));
 }
 
-std::optional<KitShading::Loose> KitShading::loose(const sandglass_skin_loose& particle, bool flies, uint32_t vertex) {
-  LooseVertex& loose = state_->loose;
-  loose.place = {particle.position[0], particle.position[1], particle.position[2], particle.weight};
-  loose.way = {particle.vector[0], particle.vector[1], particle.vector[2]};
-  loose.number = particle.number;
+std::optional<KitShading::Grain> KitShading::grain(const sandglass_skin_loose& particle, bool flies, uint32_t which) {
+  Loose& loose = state_->loose;
   loose.flies = flies ? 1.0f : 0.0f;
-  loose.gl_VertexID = static_cast<int>(vertex);
-  loose.main();
-  if (loose.gl_Position.z > 0.0f) return std::nullopt;  // behind the eye: it is not there
-  return Loose{from_vec(loose.stands_at), from_vec(loose.colour), static_cast<double>(loose.gl_PointSize)};
+  const float* p = particle.position;
+  const float* way = particle.vector;
+  double corners[3][2];
+  for (uint32_t k = 0; k < 3; ++k) {
+    loose.loose_grain(4 * which + k, {p[0], p[1], p[2], particle.weight}, {way[0], way[1], way[2]}, particle.number);
+    const vec4 at = loose.grain_position;
+    if (at.z > 0.0f) return std::nullopt;  // behind the eye: it is not there
+    const double per_pixel = static_cast<double>(loose.pixels) / static_cast<double>(at.w);
+    corners[k][0] = static_cast<double>(at.x) * per_pixel;
+    corners[k][1] = -static_cast<double>(at.y) * per_pixel;
+  }
+  // The corners lie at (-1, -1), (1, -1) and (-1, 1).
+  Grain grain;
+  for (int k = 0; k < 2; ++k) {
+    grain.right[k] = (corners[1][k] - corners[0][k]) / 2;
+    grain.over[k] = (corners[2][k] - corners[0][k]) / 2;
+  }
+  grain.x = corners[0][0] + grain.right[0] + grain.over[0];
+  grain.y = corners[0][1] + grain.right[1] + grain.over[1];
+  grain.depth = static_cast<double>(loose.grain_position.w);
+  grain.pixels = static_cast<double>(loose.grain_across);
+  grain.colour = from_vec(loose.grain_colour);
+  return grain;
 }
 
-uint32_t KitShading::vertices(bool flies, double away) const {
-  const float most = flies ? LooseVertex::k_lines : LooseVertex::k_points;
-  const float least = flies ? LooseVertex::k_line_pixels : LooseVertex::k_point_pixels;
+uint32_t KitShading::grains(bool flies, double away) const {
+  const float most = flies ? Loose::k_lines : Loose::k_points;
+  const float least = flies ? Loose::k_line_pixels : Loose::k_point_pixels;
   const float wide = 2.0f * k_block_side / 28.0f * state_->loose.pixels / std::max(static_cast<float>(away), 0.02f);
-  const float count = std::ceil(std::clamp(most * wide * wide / (least * least), 1.0f, most));
-  return static_cast<uint32_t>(count) * (flies ? 2u : 1u);
+  return static_cast<uint32_t>(std::ceil(std::clamp(most * wide * wide / (least * least), 1.0f, most)));
 }
 
-std::optional<Vec3> KitShading::point(const Loose& loose, double right, double below) {
-  LooseFragment& point = state_->point;
-  // The shader darkens what is encoded already.
-  point.flies = 0.0f;
-  point.colour = encoded(to_vec(loose.colour));
-  point.across = static_cast<float>(loose.pixels);
-  point.gl_PointCoord = vec2(0.5 * right + 0.5, 0.5 * below + 0.5);
-  point.discarded = false;
-  point.main();
-  return point.discarded ? std::nullopt : std::optional(from_vec(decoded(vec3(point.pixel))));
+std::optional<Vec3> KitShading::grain_at(const Grain& grain, double along, double across) {
+  const float across_ball = static_cast<float>(grain.pixels);
+  const double lit = static_cast<double>(state_->loose.grain_lit(vec2(along, across), across_ball));
+  return lit > 0 ? std::optional(grain.colour * lit) : std::nullopt;
 }
 
 }  // namespace sandglass::host

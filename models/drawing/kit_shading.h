@@ -44,16 +44,20 @@ class KitShading {
   };
   std::optional<Vec3> surface(const Fragment& fragment);
 
-  // A point, or an end of a line, of a loose particle.
-  struct Loose {
-    Vec3 place, colour;
-    double pixels = 0.0;  // wide
+  // A grain of a loose particle, as a square about its middle: its sides by half, along and across. Places in the picture
+  // are pixels to the right and below of its middle.
+  struct Grain {
+    double x = 0.0, y = 0.0, depth = 0.0;
+    double right[2] = {}, over[2] = {};
+    double pixels = 0.0;  // of a ball, wide
+    Vec3 colour;
   };
-  std::optional<Loose> loose(const sandglass_skin_loose& particle, bool flies, uint32_t vertex);
-  // How many vertices of a particle may be there, at that distance from the eye.
-  uint32_t vertices(bool flies, double away) const;
-  // What of a point's colour is seen at a place of its square, from -1 to 1 to the right and below; none beyond it.
-  std::optional<Vec3> point(const Loose& loose, double right, double below);
+  // None where that grain is not seen.
+  std::optional<Grain> grain(const sandglass_skin_loose& particle, bool flies, uint32_t which);
+  // How many grains of a particle may be there, at that distance from the eye.
+  uint32_t grains(bool flies, double away) const;
+  // What of a grain's colour is seen at a place of its square, from -1 to 1 along and across; none beyond it.
+  std::optional<Vec3> grain_at(const Grain& grain, double along, double across);
 
  private:
   struct State;

@@ -121,44 +121,28 @@ struct SandLayer::Band {
     if (at.depth < k_near) return;
     const double reach = scale() / at.depth * (4.0 * static_cast<double>(shape.particle_radius) + (flies ? 0.1 : 0.0));
     if (at.y + reach < top || at.y - reach > bottom) return;
-    const uint32_t count = shading.vertices(flies, at.depth);
-    for (uint32_t i = 0; i < count; i += flies ? 2 : 1) {
-      const std::optional<KitShading::Loose> first = shading.loose(particle, flies, i);
-      if (!first) continue;
-      if (!flies) {
-        point(*first);
-      } else if (const std::optional<KitShading::Loose> second = shading.loose(particle, true, i + 1)) {
-        line(*first, *second);
-      }
-    }
+    const uint32_t count = shading.grains(flies, at.depth);
+    for (uint32_t i = 0; i < count; ++i)
+      if (const std::optional<KitShading::Grain> grain = shading.grain(particle, flies, i)) draw_grain(*grain);
   }
 
-  void point(const KitShading::Loose& loose) {
-    const Projected p = projected(loose.place);
-    if (p.depth < k_near) return;
-    const double half = 0.5 * loose.pixels;
+  void draw_grain(const KitShading::Grain& grain) {
+    const double x = 0.5 * layer.size_.width + grain.x, y = 0.5 * layer.size_.height + grain.y;
+    const double area = grain.right[0] * grain.over[1] - grain.right[1] * grain.over[0];
+    if (grain.depth < k_near || area == 0) return;
+    // A place in the square, from -1 to 1 along and across.
+    const auto along = [&](double u, double v) { return ((u - x) * grain.over[1] - (v - y) * grain.over[0]) / area; };
+    const auto across = [&](double u, double v) {
+      return ((v - y) * grain.right[0] - (u - x) * grain.right[1]) / area;
+    };
+    const double wide = std::fabs(grain.right[0]) + std::fabs(grain.over[0]),
+                 high = std::fabs(grain.right[1]) + std::fabs(grain.over[1]);
     draw(
-        p.x - half, p.x + half, p.y - half, p.y + half,
-        [&](double x, double y) {
-          return std::max(std::fabs(x - p.x), std::fabs(y - p.y)) <= half ? p.depth : k_beside;
+        x - wide, x + wide, y - high, y + high,
+        [&](double u, double v) {
+          return std::max(std::fabs(along(u, v)), std::fabs(across(u, v))) <= 1 ? grain.depth : k_beside;
         },
-        [&](double x, double y) { return shading.point(loose, (x - p.x) / half, (y - p.y) / half); });
-  }
-
-  // One pixel wide; its second end tells its colour.
-  void line(const KitShading::Loose& from, const KitShading::Loose& to) {
-    const Projected a = projected(from.place), b = projected(to.place);
-    if (a.depth < k_near || b.depth < k_near) return;
-    const auto [x0, x1] = std::minmax(a.x, b.x);
-    const auto [y0, y1] = std::minmax(a.y, b.y);
-    const double dx = b.x - a.x, dy = b.y - a.y, square = std::max(dx * dx + dy * dy, 1e-9);
-    draw(
-        x0 - 1, x1 + 1, y0 - 1, y1 + 1,
-        [&](double x, double y) {
-          const double t = ((x - a.x) * dx + (y - a.y) * dy) / square, aside = (x - a.x) * dy - (y - a.y) * dx;
-          return t >= 0 && t <= 1 && 4 * aside * aside <= square ? a.depth + t * (b.depth - a.depth) : k_beside;
-        },
-        [&](double, double) { return std::optional(to.colour); });
+        [&](double u, double v) { return shading.grain_at(grain, along(u, v), across(u, v)); });
   }
 };
 

@@ -30,14 +30,8 @@ float object_passed(vec3 place) {
   return passed(shadow, (p.xz - l.xz * (p.y / max(l.y, 0.05)) - shadow_box.xy) * shadow_box.zw, shadow_opacity);
 }
 float pile_passed(vec3 place) { return passed(pile, (place.xz - pile_box.xy) * pile_box.zw, pile_opacity); }
-// What is written: sRGB; or, under LINEAR_OUTPUT, what it is while linear_output is 1.
-#ifdef LINEAR_OUTPUT
-uniform float linear_output;
-#endif
+// What is written, sRGB.
 vec4 encoded(vec3 linear) {
-#ifdef LINEAR_OUTPUT
-  if (linear_output > 0.5) return vec4(linear, 1);
-#endif
-  linear = clamp(linear, 0.0, 1.0);
-  return vec4(mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear)), 1);
+  vec3 within = clamp(linear, 0.0, 1.0);
+  return vec4(mix(12.92 * within, 1.055 * pow(within, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, within)), 1);
 }

@@ -1,14 +1,7 @@
-// Loose sand (sandglass_skin_loose, one instance each): points of what lies, lines of what flies, as far as it comes while
-// a picture is exposed. A particle becomes as many grains as are seen from there, at places that follow from its number.
-// Draw k_points vertices an instance as points, or 2 * k_lines as lines; fewer when all are far. Needs sand.glsl.
+// A vertex of a loose grain. Needs loose.glsl.
 #ifdef VULKAN
 #define gl_VertexID gl_VertexIndex
 #endif
-const uint k_clouds = 16u;       // of a particle: it flies apart into so many
-const float k_points = 256.0, k_lines = 384.0;
-const float k_point_pixels = 1.5, k_line_pixels = 1.2;  // no grain is drawn thinner
-const float k_exposure = 0.0025; // seconds
-const float k_beside = 2.4;      // nozzle radii that a stream bursts out to
 layout(location = 0) in vec4 place;  // and weight
 layout(location = 1) in vec3 way;
 #ifdef FLOAT_NUMBER  // where all attributes are floats
@@ -19,64 +12,8 @@ layout(location = 2) in uint number;
 #endif
 flat out vec3 colour, stands_at;
 flat out float across;
-uint hashed(uint v) {
-  v = (v ^ (v >> 16u)) * 0x7feb352du;
-  v = (v ^ (v >> 15u)) * 0x846ca68bu;
-  return v ^ (v >> 16u);
-}
-float drawn(inout uint state) {
-  state = hashed(state + 0x9e3779b9u);
-  return float(state >> 8u) / 16777216.0;
-}
-vec3 ball(inout uint state) {
-  float h = 2.0 * drawn(state) - 1.0, turn = 6.2831853 * drawn(state), r = pow(drawn(state), 1.0 / 3.0), a = sqrt(1.0 - h * h);
-  return r * vec3(a * cos(turn), h, a * sin(turn));
-}
+out vec2 at;
 void main() {
-  gl_Position = vec4(2, 2, 2, 1), gl_PointSize = 1.0, colour = stands_at = vec3(0), across = 0.0;
-  bool line = flies > 0.5;
-  uint which = uint(gl_VertexID) >> (line ? 1u : 0u), cloud = hashed(number * k_clouds + which % k_clouds), state = hashed(cloud + which);
-  float finest = block_side / 28.0, most = line ? k_lines : k_points, least = line ? k_line_pixels : k_point_pixels;  // a grain's radius
-  float away = -(view * vec4(place.xyz, 1)).z, wide = 2.0 * finest * pixels / away;
-  float n = clamp(most * wide * wide / (least * least), 1.0, most), there = clamp(n * place.w - float(which), 0.0, 1.0);
-  if (away < 0.02 || there <= 0.0) return;
-  float stands = most / n, size = finest * sqrt(stands * there) * mix(0.7, 1.25, drawn(state)), speed = length(way), poured = 0.0;
-  vec3 off = ball(cloud) * 1.19 * particle_radius, spread = ball(state) * 0.5 * particle_radius, up = vec3(0, 1, 0), world;
-  if (line) {
-    // A stream bursts out of its nozzle sideways, in pulses; it is drawn as narrow as sand falls, and even.
-    float pulse = 0.01;
-    world = place.xyz + off + spread;
-    for (int s = 0; s < 3; ++s) {
-      vec3 along = stream_ways[s].xyz, from = place.xyz - streams[s].xyz, beside = from - dot(from, along) * along;
-      float inside = streams[s].w > 0.0 ? smoothstep(k_beside + 0.4, k_beside, length(beside) / streams[s].w) *
-        smoothstep(0.5, 0.9, dot(way, along) / max(speed, 0.01)) * step(0.0, dot(from, along)) : 0.0;
-      if (inside <= poured) continue;
-      from = world - streams[s].xyz, beside = from - dot(from, along) * along;
-      poured = inside, pulse = 1.65 * particle_radius / stream_ways[s].w, up = beside - 0.15 * streams[s].w * along;
-      world -= beside * (1.0 - mix(1.0, stream_narrow * sqrt(clamp(stream_ways[s].w / max(speed, 0.1), 0.0, 1.0)), inside));
-      there *= mix(1.0, smoothstep(1.02, 1.25, speed / stream_ways[s].w), inside);  // no lid on its upper end
-    }
-    if (there <= 0.0) return;
-    world += way * ((drawn(state) - 0.5) * frame_seconds + (drawn(state) - 0.5) * pulse +
-      (float(gl_VertexID & 1) - 0.5) * k_exposure * mix(0.2, 1.0, poured));
-    up = normalize(up);
-  } else {
-    up = normalize(way + vec3(0, 1e-4, 0));
-    off += spread * (1.0 - 2.0 * log(max(drawn(state), 0.02)));
-    world = place.xyz + off - (0.85 * dot(off, up) + 0.85 * particle_radius - 0.8 * size) * up;
-  }
-  gl_Position = projection * (view * vec4(world, 1)), stands_at = world;
-  across = 2.0 * size * pixels / away, gl_PointSize = max(across, 1.0);
-  float kind = drawn(state), light = drawn(state), fine = clamp(across / least, 0.0, 1.0) * inversesqrt(stands) * (line ? 0.3 : 1.0);
-  vec4 mineral = minerals[3];
-  vec3 mean = minerals[0].rgb * minerals[0].a;
-  for (int m = 2; m >= 0; --m) {
-    mean += minerals[m + 1].rgb * (minerals[m + 1].a - minerals[m].a);
-    if (kind < minerals[m].a) mineral = minerals[m];
-  }
-  vec3 facet = normalize(up + 0.7 * fine * ball(state));
-  float shaded = mix(0.8, 0.55 + 0.5 * drawn(state), fine);
-  // What flies is lit before it shades the pile.
-  float direct = (line ? 1.0 : pile_passed(world)) * object_passed(world) * shaded;
-  colour = encoded(sand_lit(sand_albedo(mix(mean, mineral.rgb * (0.8 + 0.4 * light), fine), mean), up, facet, normalize(eye - world), direct, 0.9 * under_sky(world))).rgb;
+  loose_grain(uint(gl_VertexID), place, way, number);
+  gl_Position = grain_position, at = grain_at, colour = grain_colour, stands_at = grain_stands, across = grain_across;
 }

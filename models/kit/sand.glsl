@@ -26,8 +26,14 @@ vec3 sand_lit(vec3 albedo, vec3 up, vec3 facet, vec3 to_eye, float direct, float
 }
 // What a film of water mirrors, of Schlick's share; highlights are as wide as wet grains are rough.
 vec3 sand_gloss(vec3 up, vec3 to_eye, float direct, float open) {
-  if (wet <= 0.0) return vec3(0);
   vec3 between = normalize(to_eye + to_light);
   float rim = 0.02 + 0.98 * pow(1.0 - max(dot(up, to_eye), 0.0), 5.0), lobe = 8.0 * pow(max(dot(up, between), 0.0), 60.0);
-  return wet * rim * (around(reflect(-to_eye, up)) * open + sun * direct * lobe * max(dot(up, to_light), 0.0));
+  vec3 mirrored = around(reflect(-to_eye, up)) * open + sun * direct * lobe * max(dot(up, to_light), 0.0);
+  return wet > 0.0 ? wet * rim * mirrored : vec3(0);
+}
+// How light a loose grain is at a place of its square, which is a ball where that is seen; 0 beside it. `across`: of the ball,
+// pixels; 0 of what flies.
+float grain_lit(vec2 at, float across) {
+  float square = dot(at, at), lit = 1.05 - 0.3 * square * smoothstep(-0.6, 0.8, -at.y);
+  return across < 2.5 ? 1.0 : square > 1.0 ? 0.0 : pow(lit, 2.3);
 }

@@ -1,6 +1,8 @@
 // What an app tells the sand kit, in GLSL of OpenGL ES 3, WebGL 2 and Vulkan. Lengths are metres, colours linear.
+#ifndef CAMERA_DECLARED  // by the engine
 uniform mat4 view, projection;
 uniform vec3 eye;
+#endif
 
 // The room's light as the library gives it: irradiance over pi of what faces the main light, and by the normal; the
 // floor's radiance, which `ambient` holds; `table_of_room` turns `ambient`, which is of the room, to the world.

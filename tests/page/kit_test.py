@@ -19,10 +19,10 @@ STEPS = 4  # of 255
 # moves ends of lines and corners of points by up to 1/32 of a pixel, and every 30th pixel of a point 2 pixels wide is so near to
 # its rim: of loose sand 4.9 % differ. The smooth picture has its samples elsewhere in a pixel: of those that an edge cuts many
 # differ (11 % of all), but the sum does not.
-ALL = ["surface", "lines", "points"]
+ALL = ["surface", "flying", "lying"]
 LIMITS = {
     "surface": (["surface"], 0.01, 0.001),
-    "loose": (["lines", "points"], 0.08, 0.02),
+    "loose": (["flying", "lying"], 0.08, 0.02),
     "all": (ALL, 0.02, 0.002),
     "smooth": (ALL, 0.15, 0.002),
 }
@@ -37,9 +37,9 @@ HEAD = (
 )
 STAGES = {
     "surface.vert": ["uniforms"],
-    "surface.frag": ["uniforms", "light", "sand", "surface"],
-    "loose.vert": ["uniforms", "light", "sand"],
-    "loose.frag": ["uniforms", "light"],
+    "surface.frag": ["uniforms", "light", "sand", "levels", "surface"],
+    "loose.vert": ["uniforms", "light", "sand", "loose"],
+    "loose.frag": ["uniforms", "light", "sand"],
 }
 DRAW = (
     "(given) => {"
@@ -77,16 +77,18 @@ DRAW = (
     gl.drawElements(gl.TRIANGLES, given.indices.length / 8, gl.UNSIGNED_INT, 0);
     for (const at of [3, 4]) gl.disableVertexAttribArray(at);
   };
-  const drawLoose = (flies, kind, vertices, first, count) => {
+  const drawLoose = (flies, grains, first, count) => {
     gl.uniform1f(gl.getUniformLocation(use("loose"), "flies"), flies), upload(gl.ARRAY_BUFFER, given.particles);
     for (const at of [0, 1, 2]) gl.enableVertexAttribArray(at), gl.vertexAttribDivisor(at, 1);
     for (const at of [0, 1]) gl.vertexAttribPointer(at, 4 - at, gl.FLOAT, false, 32, 32 * first + 16 * at);
     gl.vertexAttribIPointer(2, 1, gl.UNSIGNED_INT, 32, 32 * first + 28);
-    gl.drawArraysInstanced(kind, 0, vertices, count);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, Uint16Array.from({ length: 6 * grains }, (_, i) => 4 * Math.floor(i / 6) + [0, 1, 2, 2, 1, 3][i % 6]), gl.STATIC_DRAW);
+    gl.drawElementsInstanced(gl.TRIANGLES, 6 * grains, gl.UNSIGNED_SHORT, 0, count);
   };
   if (given.parts.includes("surface")) drawSurface();
-  if (given.parts.includes("lines")) drawLoose(1, gl.LINES, 2 * 384, 0, given.flying);
-  if (given.parts.includes("points")) drawLoose(0, gl.POINTS, 256, given.flying, given.particles.length / 64 - given.flying);
+  if (given.parts.includes("flying")) drawLoose(1, 384, 0, given.flying);
+  if (given.parts.includes("lying")) drawLoose(0, 256, given.flying, given.particles.length / 64 - given.flying);
   const pixels = new Uint8Array(4 * width * height);
   for (let y = 0; y < height; ++y) gl.readPixels(0, height - 1 - y, width, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixels, 4 * width * y);
   if (gl.getError()) throw new Error("WebGL refuses a call");

@@ -13,9 +13,9 @@ import sys
 HEADER = "#version 310 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n"
 PARTS = {
     "surface.vert": ["uniforms"],
-    "surface.frag": ["uniforms", "light", "sand", "surface"],
-    "loose.vert": ["uniforms", "light", "sand"],
-    "loose.frag": ["uniforms", "light"],
+    "surface.frag": ["uniforms", "light", "sand", "levels", "surface"],
+    "loose.vert": ["uniforms", "light", "sand", "loose"],
+    "loose.frag": ["uniforms", "light", "sand"],
     "plain.frag": [],
 }
 HOOK = "float hidden(vec3 world) { return 0.0; }\n"

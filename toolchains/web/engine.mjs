@@ -1,61 +1,9 @@
-// What sandglass/three and sandglass/babylon have in common: a stage here or in a worker, the objects that were added to
-// it, and the sand, which is drawn by WebGL itself amid the engine's own frame.
+// What sandglass/three and sandglass/babylon have in common: a stage here or in a worker, and the objects that were added to it.
 import { Stage } from "./stage.mjs";
 import { pixelsOf } from "./place_light.mjs";
 import { WorkerStage, blockMade } from "./worker.mjs";
-import { SandPainter, setUniforms, uploadShadow } from "./sand_painter.mjs";
 import { k_block_text } from "./block_module.mjs";
-import { kit, kitValues, receivers } from "./glsl.mjs";
-
-const k_units = { pile: 0, shadow: 1, occlusion: 2, sky: 3 };
-const k_painter_units = [0, 1, 2, 3, 8, 9];
-const k_hidden = "float hidden(vec3 world) { return 0.0; }\n";
-const k_light = `#define LINEAR_OUTPUT\n${kit.light}`;
-const k_capabilities = ["BLEND", "CULL_FACE", "DEPTH_TEST", "SCISSOR_TEST", "STENCIL_TEST", "POLYGON_OFFSET_FILL"];
-const k_unpack = ["UNPACK_FLIP_Y_WEBGL", "UNPACK_PREMULTIPLY_ALPHA_WEBGL"]; // engines leave the others at 0
-
-// Does some work and leaves WebGL as it was, so that what the engine believes of it stays true. Browsers answer at once but
-// for the depth buffer's state, which uploads do not touch.
-function unnoticed(gl, work, draws = false) {
-  const get = (name) => gl.getParameter(gl[name]);
-  const can = k_capabilities.map((name) => [gl[name], gl.isEnabled(gl[name])]);
-  const stores = ["UNPACK_ALIGNMENT", ...k_unpack].map((name) => [gl[name], get(name)]);
-  const active = get("ACTIVE_TEXTURE");
-  const before = {
-    program: get("CURRENT_PROGRAM"),
-    array: get("VERTEX_ARRAY_BINDING"),
-    buffer: get("ARRAY_BUFFER_BINDING"),
-    ...(draws ? { mask: get("DEPTH_WRITEMASK"), order: get("DEPTH_FUNC") } : {}),
-  };
-  const textures = k_painter_units.map((unit) => {
-    gl.activeTexture(gl.TEXTURE0 + unit);
-    return [unit, get("TEXTURE_BINDING_2D"), get("TEXTURE_BINDING_3D")];
-  });
-  try {
-    for (const name of k_unpack) gl.pixelStorei(gl[name], 0);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    gl.bindVertexArray(null);
-    work();
-  } finally {
-    for (const [unit, flat, solid] of textures) {
-      gl.activeTexture(gl.TEXTURE0 + unit);
-      gl.bindTexture(gl.TEXTURE_2D, flat);
-      gl.bindTexture(gl.TEXTURE_3D, solid);
-    }
-    gl.activeTexture(active);
-    gl.useProgram(before.program);
-    gl.bindVertexArray(before.array);
-    gl.bindBuffer(gl.ARRAY_BUFFER, before.buffer);
-    if (draws) {
-      gl.depthMask(before.mask);
-      gl.depthFunc(before.order);
-    }
-    for (const [name, on] of can)
-      if (on) gl.enable(name);
-      else gl.disable(name);
-    for (const [name, value] of stores) gl.pixelStorei(name, value);
-  }
-}
+import { receivers } from "./glsl.mjs";
 
 // One mesh of several: positions, the corners of triangles (null: in order), and a column-major matrix; mirrored ones turn.
 export function oneMesh(parts) {
@@ -88,79 +36,13 @@ export function oneMesh(parts) {
   return { positions, indices };
 }
 
-class Sand {
-  constructor(gl, block, radius) {
-    this.gl = gl;
-    this.textures = {};
-    unnoticed(gl, () => {
-      this.painter = new SandPainter(gl, k_hidden, block, radius, k_light);
-      for (const name of ["onSand", "skyOnSand", "shadow", "occlusion"])
-        this.upload(name, { side: 1, bytes: new Uint8Array([name === "onSand" || name === "shadow" ? 0 : 255]) });
-    });
-  }
-  upload(name, texture) {
-    this.textures[name] = uploadShadow(this.gl, texture, this.textures[name]);
-  }
-  take(drawn) {
-    this.values = kitValues(drawn);
-    unnoticed(this.gl, () => {
-      for (const name of Object.keys(this.textures)) if (drawn.textures[name]) this.upload(name, drawn.textures[name]);
-      if (drawn.skin) {
-        this.painter.upload(drawn.skin);
-        this.filled = true;
-      }
-    });
-    this.painter.streams = drawn.streams;
-  }
-  end() {
-    for (const texture of Object.values(this.textures)) this.gl.deleteTexture(texture);
-    this.painter.end();
-    this.filled = false;
-  }
-  // `view` and `projection` are column-major; the view looks along -z.
-  draw({ view, projection, eye, height, linear, reversed }) {
-    if (!this.filled) return;
-    const { gl, painter, textures } = this;
-    unnoticed(
-      gl,
-      () => {
-        gl.disable(gl.BLEND);
-        gl.disable(gl.CULL_FACE);
-        gl.enable(gl.DEPTH_TEST);
-        gl.depthMask(true);
-        gl.depthFunc(reversed ? gl.GEQUAL : gl.LEQUAL);
-        const set = { ...this.values, view, projection, eye, linear_output: linear ? 1 : 0 };
-        painter.draw(
-          (program) => {
-            gl.useProgram(program.made);
-            for (const [name, texture] of [
-              ["pile", textures.onSand],
-              ["shadow", textures.shadow],
-              ["occlusion", textures.occlusion],
-              ["sky", textures.skyOnSand],
-            ]) {
-              gl.activeTexture(gl.TEXTURE0 + k_units[name]);
-              gl.bindTexture(gl.TEXTURE_2D, texture);
-              gl.uniform1i(program.at(name), k_units[name]);
-            }
-            setUniforms(gl, program, set);
-          },
-          eye,
-          0.5 * height * projection[5],
-        );
-      },
-      true,
-    );
-  }
-}
-
-// A subclass has meshOf(object), poseOf(object), cameraOf(camera), show(drawn) and leave().
+// A subclass has meshOf(object), poseOf(object), cameraOf(camera), sandOf(block, radius), show(drawn) and leave().
 export class Engine {
   static async stageOf({ worker = false, ...options }) {
     return (worker ? WorkerStage : Stage).create(options);
   }
-  constructor(stage, gl) {
-    Object.assign(this, { stage, gl, objects: new Map(), owed: 0, last: performance.now(), sand: null, busy: false });
+  constructor(stage) {
+    Object.assign(this, { stage, objects: new Map(), owed: 0, last: performance.now(), sand: null, busy: false });
   }
 
   // An object's meshes throw a shadow, and sand lies on them. They are taken at their present size; the pose is followed.
@@ -194,7 +76,7 @@ export class Engine {
     ]);
     this.watchFields();
     this.sand?.end();
-    this.sand = new Sand(this.gl, block, radius);
+    this.sand = this.sandOf(block, radius);
   }
   // Where sand cannot lie on a model, that is said once; the rest goes on.
   watchFields() {

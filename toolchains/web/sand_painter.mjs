@@ -1,24 +1,12 @@
 // Draws a skin of the library with the sand kit by WebGL 2: the chunks of the mesh that changed are uploaded, and the loose
-// sand is drawn as points and lines.
+// sand is drawn as squares, an instance a particle.
 import { k_kit } from "./kit.mjs";
+import { grainsNeeded, k_block_side, looseValues, squareIndices } from "./loose_sand.mjs";
 import { k_loose_words, k_vertex_bytes } from "./skin_changes.mjs";
 
 const k_block_texels = 64;
 const k_loose_bytes = 4 * k_loose_words;
-const k_points = 256; // of a loose particle at most, as in loose.vert
-const k_lines = 384;
-const k_grain_radius = 0.0003;
-const k_point_pixels = 1.5;
-const k_line_pixels = 1.2;
-const k_minerals = [
-  [0.8, 0.66, 0.46, 0.62],
-  [0.9, 0.83, 0.72, 0.24],
-  [0.58, 0.34, 0.17, 0.09],
-  [0.13, 0.115, 0.1, 0.05],
-]; // as in sand_block.cpp
-const k_block_side = 0.0084;
 const k_block_unit = 8; // of the painter's textures; those below are others
-const k_stream_narrow = 0.3;
 const k_loose_vertex = `#define FLOAT_NUMBER\n${k_kit.loose_vert}`;
 
 // Compiles for WebGL 2. `at` gives the place of a uniform, and is the first that waits for the compiler.
@@ -57,6 +45,7 @@ export function setUniforms(gl, { at }, values) {
     if (typeof value === "number") gl.uniform1f(at(name), value);
     else if (value.length === 16) gl.uniformMatrix4fv(at(name), false, value);
     else if (value.length === 9) gl.uniformMatrix3fv(at(name), false, value);
+    else if (value[0].length === 4) gl.uniform4fv(at(name), value.flat());
     else gl[value.length === 4 ? "uniform4fv" : "uniform3fv"](at(name), value);
   }
 }
@@ -82,15 +71,22 @@ export class SandPainter {
     this.surface = program(
       gl,
       before + k_kit.surface_vert,
-      before + hidden + k_kit.sand + k_kit.surface + k_kit.surface_frag,
+      before + hidden + k_kit.sand + k_kit.levels + k_kit.surface + k_kit.surface_frag,
     );
-    this.loose = program(gl, before + k_kit.sand + k_loose_vertex, before + hidden + k_kit.loose_frag);
+    this.loose = program(
+      gl,
+      before + k_kit.sand + k_kit.loose + k_loose_vertex,
+      before + hidden + k_kit.sand + k_kit.loose_frag,
+    );
     this.looseBuffer = gl.createBuffer();
     this.looseArray = gl.createVertexArray();
     this.streams = [];
     this.wet = 0;
     this.share = 1;
     gl.bindVertexArray(this.looseArray);
+    this.squares = gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.squares);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, squareIndices(), gl.STATIC_DRAW);
     for (const at of [0, 1, 2]) {
       gl.enableVertexAttribArray(at);
       gl.vertexAttribDivisor(at, 1);
@@ -159,7 +155,7 @@ export class SandPainter {
       gl.deleteBuffer(indices);
     }
     gl.deleteVertexArray(this.looseArray);
-    gl.deleteBuffer(this.looseBuffer);
+    for (const buffer of [this.looseBuffer, this.squares]) gl.deleteBuffer(buffer);
     for (const { made } of [this.surface, this.loose]) gl.deleteProgram(made);
     for (const texture of this.block) gl.deleteTexture(texture);
   }
@@ -186,15 +182,6 @@ export class SandPainter {
     gl.bindBuffer(gl.ARRAY_BUFFER, this.looseBuffer);
     gl.bufferData(gl.ARRAY_BUFFER, loose, gl.STREAM_DRAW);
   }
-  // How many points or lines the nearest loose particle needs; the shader leaves out what the others do not.
-  needed(eye, pixels, most, least) {
-    const away = Math.max(0.1, Math.hypot(...eye.map((x, k) => Math.max(this.low[k] - x, 0, x - this.high[k]))));
-    return Math.max(
-      1,
-      Math.min(this.share * most, Math.ceil(most * ((2 * k_grain_radius * pixels) / away / least) ** 2)),
-    );
-  }
-
   // `common(program)` sets the uniforms of view, light and shadows.
   draw(common, eye, pixels) {
     const {
@@ -224,38 +211,22 @@ export class SandPainter {
     gl.bindVertexArray(null);
     if (flying + lying === 0) return;
     own(loose);
-    const set = (name, value) => gl.uniform1f(loose.at(name), value);
-    const streams = this.streams.slice(0, 3);
-    set("particle_radius", this.radius);
-    set("pixels", pixels);
-    set("frame_seconds", 1 / 60);
-    set("stream_narrow", k_stream_narrow);
-    gl.uniform4fv(
-      loose.at("minerals"),
-      k_minerals.flatMap(([r, g, b], i) => [r, g, b, k_minerals.slice(0, i + 1).reduce((sum, m) => sum + m[3], 0)]),
-    );
-    gl.uniform4fv(
-      loose.at("streams"),
-      Float32Array.from({ length: 12 }, (_, i) => streams[i >> 2]?.nozzle[i & 3] ?? 0),
-    );
-    gl.uniform4fv(
-      loose.at("stream_ways"),
-      Float32Array.from({ length: 12 }, (_, i) => streams[i >> 2]?.way[i & 3] ?? 0),
-    );
+    setUniforms(gl, loose, { ...looseValues(this.radius, this.streams), pixels });
     gl.bindVertexArray(this.looseArray);
     const lists = [
-      [flying, 0, 1, gl.LINES, 2 * this.needed(eye, pixels, k_lines, k_line_pixels)],
-      [lying, flying, 0, gl.POINTS, this.needed(eye, pixels, k_points, k_point_pixels)],
+      [flying, 0, 1],
+      [lying, flying, 0],
     ];
     gl.bindBuffer(gl.ARRAY_BUFFER, this.looseBuffer);
-    for (const [count, first, flies, kind, vertices] of lists) {
+    for (const [count, first, flies] of lists) {
       if (count === 0) continue;
       const at = k_loose_bytes * first;
       gl.vertexAttribPointer(0, 4, gl.FLOAT, false, k_loose_bytes, at);
       gl.vertexAttribPointer(1, 3, gl.FLOAT, false, k_loose_bytes, at + 16);
       gl.vertexAttribPointer(2, 1, gl.FLOAT, false, k_loose_bytes, at + 28);
-      set("flies", flies);
-      gl.drawArraysInstanced(kind, 0, vertices, count);
+      gl.uniform1f(loose.at("flies"), flies);
+      const grains = grainsNeeded(flies, this, eye, pixels, this.share);
+      gl.drawElementsInstanced(gl.TRIANGLES, 6 * grains, gl.UNSIGNED_SHORT, 0, count);
     }
     gl.bindVertexArray(null);
   }

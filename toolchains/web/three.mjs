@@ -1,50 +1,38 @@
 // sandglass/three: a stage in a scene of three.js, which the app hands over; nothing is imported of it.
 import { Engine, oneMesh } from "./engine.mjs";
+import { NodeReceiver } from "./three_node_receive.mjs";
+import { GlslReceiver } from "./three_receive.mjs";
+import { GlslLook } from "./three_glsl.mjs";
+import { NodeLook } from "./three_nodes.mjs";
+import { ThreeSand } from "./three_sand.mjs";
 import { checked } from "./options.mjs";
-import { receive, receivers, receiverValues } from "./glsl.mjs";
-
-const k_lit = ["MeshStandardMaterial", "MeshPhysicalMaterial", "MeshLambertMaterial", "MeshPhongMaterial"];
 
 // `renderer` and `scene` are needed; `worker`: the stage runs in a Worker; else options of Stage.create.
 export async function createStage(THREE, { renderer, scene, ...options } = {}) {
-  if (!renderer?.isWebGLRenderer)
+  if (!renderer?.isWebGLRenderer && !renderer?.isWebGPURenderer)
     throw new Error(
-      "sandglass: createStage needs three's WebGLRenderer (WebGPURenderer has no onBeforeCompile). Call createStage(THREE, { renderer: new THREE.WebGLRenderer(), scene }).",
+      "sandglass: createStage needs the renderer of three. Call createStage(THREE, { renderer: new THREE.WebGLRenderer(), scene }).",
     );
+  if (renderer.isWebGPURenderer) await renderer.init();
   if (!scene?.isScene) throw new Error("sandglass: createStage needs the scene that is lit. Pass { scene }.");
   return new ThreeStage(THREE, renderer, scene, await Engine.stageOf(options));
 }
 
 class ThreeStage extends Engine {
   constructor(THREE, renderer, scene, stage) {
-    super(stage, renderer.getContext());
+    super(stage);
     Object.assign(this, {
       THREE,
       scene,
       renderer,
       probe: new THREE.LightProbe(),
       sun: new THREE.DirectionalLight(),
-      group: null,
       placing: "updateWorldMatrix",
     });
     scene.add(this.probe, this.sun, this.sun.target);
-    this.uniforms = Object.fromEntries(
-      Object.keys(receiverValues({ light: { toLight: [] } })).map((name) => [name, { value: new THREE.Vector4() }]),
-    );
-    for (const name of receivers)
-      this.uniforms[`sandglass_${name}`] = {
-        value: this.texture(1, new Uint8Array([name === "occlusion" || name === "sky" ? 255 : 0])),
-      };
-    this.uniforms.sandglass_occlusion_box.value.set(2, 2, 0, 0);
-  }
-  texture(side, bytes) {
-    const { LinearFilter, RedFormat, DataTexture } = this.THREE;
-    return Object.assign(new DataTexture(bytes, side, side, RedFormat), {
-      minFilter: LinearFilter,
-      magFilter: LinearFilter,
-      unpackAlignment: 1,
-      needsUpdate: true,
-    });
+    this.receiver = renderer.isWebGPURenderer
+      ? new NodeReceiver(THREE, this.sun, () => scene.background === null)
+      : new GlslReceiver(THREE);
   }
 
   rigid(object) {
@@ -100,92 +88,38 @@ class ThreeStage extends Engine {
   receive(material, options = {}) {
     checked("receive", options, { shadowOnly: 0 });
     const { shadowOnly = false } = options;
-    if (!k_lit.includes(material?.type))
-      throw new Error(
-        `sandglass: no shadow falls on a ${material?.type ?? "thing without a type"}. receive takes the material of a mesh, which three lights: a MeshStandardMaterial.`,
-      );
+    this.receiver.receive(material, shadowOnly);
     if (shadowOnly) material.transparent = true;
-    const before = material.onBeforeCompile;
-    const key = material.customProgramCacheKey();
-    material.onBeforeCompile = (shader, renderer) => {
-      before.call(material, shader, renderer);
-      Object.assign(shader.uniforms, this.uniforms);
-      shader.vertexShader = shader.vertexShader
-        .replace("#include <common>", "#include <common>\nvarying vec3 sandglass_world;")
-        .replace(
-          "#include <project_vertex>",
-          "#include <project_vertex>\nsandglass_world = (modelMatrix * vec4(transformed, 1)).xyz;",
-        );
-      shader.fragmentShader = shader.fragmentShader
-        .replace("#include <common>", `#include <common>\nvarying vec3 sandglass_world;\n${receive}`)
-        .replace(
-          "#include <aomap_fragment>",
-          `#include <aomap_fragment>
-        vec3 sandglass_all = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse;
-        vec2 sandglass_rest = sandglass_left(sandglass_world);
-        reflectedLight.directDiffuse *= sandglass_rest.x, reflectedLight.directSpecular *= sandglass_rest.x;
-        reflectedLight.indirectDiffuse *= sandglass_rest.y, reflectedLight.indirectSpecular *= sandglass_rest.y;`,
-        );
-      if (shadowOnly)
-        shader.fragmentShader = shader.fragmentShader.replace(
-          "#include <opaque_fragment>",
-          `
-        float sandglass_share = dot(reflectedLight.directDiffuse + reflectedLight.indirectDiffuse, vec3(1)) / max(dot(sandglass_all, vec3(1)), 1e-6);
-        gl_FragColor = vec4(vec3(0), 1.0 - linearToOutputTexel(vec4(sandglass_share)).r);`,
-        );
-    };
-    material.customProgramCacheKey = () => `${key} sandglass ${shadowOnly}`;
-    material.needsUpdate = true;
     return material;
+  }
+  // No shadow of this stage falls on it any more.
+  stopReceiving(material) {
+    this.receiver.stop(material);
   }
 
   // Sand, as a Group in the scene. Options as for Stage.createSand.
   async createSand(options) {
-    const { THREE, scene, renderer } = this;
-    const mesh = new THREE.Mesh(
-      new THREE.BufferGeometry(),
-      new THREE.MeshBasicMaterial({ colorWrite: false, depthWrite: false }),
-    );
-    const eye = new THREE.Vector3();
+    const before = this.sand?.group;
     await this.newSand(options);
-    mesh.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(9), 3));
-    mesh.frustumCulled = false;
-    mesh.onBeforeRender = (_renderer, _scene, camera) => {
-      const target = renderer.getRenderTarget();
-      const space = target ? (target.isXRRenderTarget ? target.texture.colorSpace : "") : renderer.outputColorSpace;
-      this.sand.draw({
-        view: camera.matrixWorldInverse.elements,
-        projection: camera.projectionMatrix.elements,
-        eye: eye.setFromMatrixPosition(camera.matrixWorld).toArray(),
-        height: this.gl.getParameter(this.gl.VIEWPORT)[3],
-        linear: space !== THREE.SRGBColorSpace,
-        reversed: camera.reversedDepth,
-      });
-    };
-    if (this.group) scene.remove(this.group);
-    scene.add((this.group = new THREE.Group().add(mesh)));
-    return this.group;
+    before?.removeFromParent();
+    this.scene.add(this.sand.group);
+    return this.sand.group;
+  }
+  sandOf(block, radius) {
+    const { THREE, renderer } = this;
+    const look = renderer.isWebGPURenderer ? new NodeLook(THREE, block, renderer) : new GlslLook(THREE, block);
+    return new ThreeSand(THREE, look, radius);
   }
 
   leave() {
-    for (const one of [this.probe, this.sun, this.sun.target, this.group]) one?.removeFromParent();
+    this.receiver.end();
+    for (const one of [this.probe, this.sun, this.sun.target, this.sand?.group]) one?.removeFromParent();
   }
   show(drawn, changed) {
-    const { uniforms } = this;
     const { toLight, facing, radiance } = drawn.light;
     this.probe.sh.fromArray(radiance);
     this.sun.color.setRGB(...facing);
     this.sun.position.set(...toLight);
-    for (const [name, value] of Object.entries(receiverValues(drawn))) uniforms[name].value.fromArray(value);
-    for (const name of changed) {
-      const { side, bytes } = drawn.textures[name];
-      const uniform = uniforms[`sandglass_${name}`];
-      if (uniform.value.image.width !== side) {
-        uniform.value.dispose();
-        uniform.value = this.texture(side, new Uint8Array(side * side));
-      }
-      uniform.value.image.data.set(bytes);
-      uniform.value.needsUpdate = true;
-    }
+    this.receiver.set(drawn, changed);
   }
 }

@@ -1,0 +1,140 @@
+// How sand looks by WebGLRenderer: the kit's GLSL in ShaderMaterials, with three's own chunks for depth, clipping, tones and fog.
+import { k_block_side } from "./loose_sand.mjs";
+import { k_packed_sides, packedBlock } from "./packed_block.mjs";
+import { kit } from "./glsl.mjs";
+import { blockTexture } from "./three_sand.mjs";
+
+// Sand is lit where it is simulated, wherever its group stands.
+const k_camera = `
+#define CAMERA_DECLARED
+#define view modelViewMatrix
+#define projection projectionMatrix`;
+const k_vertex_chunks = `
+#include <common>
+#include <fog_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+#include <clipping_planes_pars_vertex>
+flat out vec3 sand_eye;`;
+const k_at_end_of_vertex = `
+  sand_eye = (inverse(modelMatrix) * vec4(cameraPosition, 1)).xyz;
+  #include <logdepthbuf_vertex>
+  #include <clipping_planes_vertex>
+  #include <fog_vertex>`;
+const k_fragment_chunks = `
+#include <common>
+#include <fog_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+flat in vec3 sand_eye;
+#define CAMERA_DECLARED
+#define eye sand_eye`;
+const k_begin_of_fragment = `
+  #include <clipping_planes_fragment>
+  #include <logdepthbuf_fragment>`;
+const k_at_end_of_fragment = `
+  #include <tonemapping_fragment>
+  #include <colorspace_fragment>
+  #include <fog_fragment>`;
+
+const k_surface_vertex = `${k_camera}${k_vertex_chunks}
+in vec4 sand_normal, sand_origin;
+out vec3 sand_world, sand_up;
+out vec2 sand_dent_and_height;
+flat out vec3 sand_begins;
+void main() {
+  sand_world = position;
+  sand_up = sand_normal.xyz;
+  sand_dent_and_height = vec2(sand_normal.w, (sand_origin.w * 65535.0 - 32768.0) * 1e-6);
+  sand_begins = sand_origin.xyz * (65535.0 / 65536.0);
+  vec4 mvPosition = view * vec4(position, 1);
+  gl_Position = projection * mvPosition;
+  ${k_at_end_of_vertex}
+}`;
+const k_surface_fragment = `${k_fragment_chunks}
+${kit.uniforms}${kit.light}${kit.sand}${kit.packed}${kit.surface}
+in vec3 sand_world, sand_up;
+in vec2 sand_dent_and_height;
+flat in vec3 sand_begins;
+void main() {
+  ${k_begin_of_fragment}
+  gl_FragColor = vec4(sand_surface(sand_world, sand_up, sand_dent_and_height.x, sand_dent_and_height.y, sand_begins), 1);
+  ${k_at_end_of_fragment}
+}`;
+const k_loose_vertex = `${k_camera}${k_vertex_chunks}
+#define eye sand_eye_here
+vec3 sand_eye_here;
+${kit.uniforms}${kit.light}${kit.sand}${kit.loose}
+in vec4 sand_place;
+in vec3 sand_way;
+in float sand_number;
+flat out vec3 sand_colour;
+flat out float sand_across;
+out vec2 sand_at;
+void main() {
+  sand_eye_here = (inverse(modelMatrix) * vec4(cameraPosition, 1)).xyz;
+  loose_grain(uint(gl_VertexID), sand_place, sand_way, uint(sand_number));
+  gl_Position = grain_position, sand_at = grain_at, sand_colour = grain_colour, sand_across = grain_across;
+  vec4 mvPosition = view * vec4(grain_stands, 1);
+  ${k_at_end_of_vertex}
+}`;
+const k_loose_fragment = `${k_fragment_chunks}
+${kit.uniforms}${kit.light}${kit.sand}
+flat in vec3 sand_colour;
+flat in float sand_across;
+in vec2 sand_at;
+void main() {
+  ${k_begin_of_fragment}
+  float lit = grain_lit(sand_at, sand_across);
+  if (lit <= 0.0) discard;
+  gl_FragColor = vec4(sand_colour * lit, 1);
+  ${k_at_end_of_fragment}
+}`;
+
+export class GlslLook {
+  // Which corner of a triangle tells what is flat.
+  first = false;
+
+  // `block`: of sandBlock.
+  constructor(THREE, block) {
+    const { grains, facets } = packedBlock(block);
+    this.size = new THREE.Vector4();
+    this.uniforms = {
+      grains: { value: blockTexture(THREE, grains, k_packed_sides) },
+      facets: { value: blockTexture(THREE, facets, k_packed_sides) },
+      block_side: { value: k_block_side },
+      wet: { value: 0 },
+      pixels: { value: 0 },
+    };
+    const material = (vertexShader, fragmentShader, more) =>
+      Object.assign(
+        new THREE.ShaderMaterial({
+          vertexShader,
+          fragmentShader,
+          uniforms: { ...THREE.UniformsUtils.clone(THREE.UniformsLib.fog), ...more },
+          fog: true,
+          clipping: true,
+        }),
+        { type: "SandglassSand" },
+      );
+    this.surface = material(k_surface_vertex, k_surface_fragment);
+    this.loose = [0, 1].map((flies) => material(k_loose_vertex, k_loose_fragment, { flies: { value: flies } }));
+    this.materials = [this.surface, ...this.loose];
+    this.set({});
+  }
+  set(values) {
+    for (const [name, value] of Object.entries(values))
+      (this.uniforms[name] ??= {}).value = Array.isArray(value) ? value.flat() : value;
+    for (const { uniforms } of this.materials) Object.assign(uniforms, this.uniforms);
+  }
+  // Of a metre at a distance of one, in what is drawn now.
+  pixels(renderer, camera) {
+    const pixels = 0.5 * renderer.getCurrentViewport(this.size).w * camera.projectionMatrix.elements[5];
+    this.uniforms.pixels.value = pixels;
+    for (const material of this.loose) material.uniformsNeedUpdate = true;
+    return pixels;
+  }
+  end() {
+    for (const material of this.materials) material.dispose();
+    for (const name of ["grains", "facets"]) this.uniforms[name].value.dispose();
+  }
+}

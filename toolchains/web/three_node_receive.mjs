@@ -1,0 +1,96 @@
+// What shadows leave of a material's light under WebGPURenderer, by nodes: of the light from all around by the material's aoNode, of
+// the main light where it shines on a material that receives.
+import { kitValues, nothingDrawn, receivers, receiverValues } from "./glsl.mjs";
+import { receiveNodes, surfaceNodes } from "./kit_nodes.mjs";
+import { Given } from "./three_nodes.mjs";
+import { byteTexture } from "./three_sand.mjs";
+
+const k_lit = /^Mesh(Standard|Physical|Lambert|Phong)(Node)?Material$/;
+const k_dark = { pile: 0, shadow: 0, occlusion: 255, sky: 255 };
+const k_of_node = ["aoNode", "outputNode", "customProgramCacheKey"];
+
+const owners = new WeakMap(); // which receiver each material shows
+let made = 0;
+
+export class NodeReceiver {
+  // `sun`: the main light; `onScreen`: whether the picture is blended with what lies behind the canvas.
+  constructor(THREE, sun, onScreen) {
+    const { TSL: T } = THREE;
+    Object.assign(this, { THREE, onScreen, textures: {}, materials: new Map(), number: ++made });
+    this.given = new Given(THREE);
+    for (const [name, level] of Object.entries(k_dark)) this.#show(name, { side: 1, bytes: Uint8Array.of(level) });
+    this.given.set({ blended: 0 });
+    this.set(nothingDrawn, []);
+    this.left = T.Fn(() => receiveNodes(T, this.given.nodes).sandglass_left(T.positionWorld).toVar())();
+    this.rest = this.left.y;
+    const colour = T.uniform(sun.color);
+    sun.colorNode = T.Fn((builder) => (this.#has(builder.material) ? colour.mul(this.left.x) : colour))();
+  }
+  #has(material) {
+    return [...this.materials.values()].some(({ aoNode }) => aoNode === material.aoNode);
+  }
+  receive(material, shadowOnly) {
+    if (!k_lit.test(material?.type))
+      throw new Error(
+        `sandglass: no shadow falls on a ${material?.type ?? "thing without a type"}. receive takes the material of a mesh, which three lights: a MeshStandardMaterial.`,
+      );
+    owners.get(material)?.stop(material);
+    owners.set(material, this);
+    const { TSL: T } = this.THREE;
+    const before = k_of_node.map((name) => [name, Object.hasOwn(material, name), material[name]]);
+    const own = material.aoNode ?? (material.aoMap ? T.materialAO : T.float(1));
+    const aoNode = own.mul(this.rest);
+    this.materials.set(material, { aoNode, before });
+    const key = material.customProgramCacheKey();
+    Object.assign(material, {
+      aoNode,
+      customProgramCacheKey: () => `${key} sandglass ${this.number} ${shadowOnly}`,
+      ...(shadowOnly ? { outputNode: this.#shadowOnly() } : {}),
+    });
+    material.needsUpdate = true;
+  }
+  // It is as it was.
+  stop(material) {
+    if (!this.materials.has(material)) return;
+    for (const [name, had, value] of this.materials.get(material).before)
+      if (had) material[name] = value;
+      else delete material[name];
+    this.materials.delete(material);
+    owners.delete(material);
+    material.needsUpdate = true;
+  }
+  // Of a white surface: black, as far as its light is missing. What is blended on the screen has the screen's numbers.
+  #shadowOnly() {
+    const { TSL: T } = this.THREE;
+    const given = this.given.nodes;
+    return T.Fn(() => {
+      const { around } = surfaceNodes(T, given);
+      const sun = T.vec3(given.sun.mul(T.normalWorld.dot(given.to_light).max(0))).toVar();
+      const room = T.vec3(around(T.normalWorld)).toVar();
+      const all = T.dot(sun.add(room), T.vec3(1));
+      const share = T.dot(sun.mul(this.left.x).add(room.mul(this.left.y)), T.vec3(1)).div(all.max(1e-6)).toVar();
+      const encoded = T.sRGBTransferOETF(T.vec3(share)).x;
+      return T.vec4(0, 0, 0, T.sub(1, T.select(given.blended.greaterThan(0.5), encoded, share)));
+    })();
+  }
+  // `changed`: names of textures.
+  set(drawn, changed) {
+    this.given.set({ ...receiverValues(drawn), ...kitValues(drawn), blended: this.onScreen() ? 1 : 0 });
+    for (const name of changed) this.#show(name, drawn.textures[name]);
+  }
+  end() {
+    for (const material of [...this.materials.keys()]) this.stop(material);
+    for (const name of receivers) this.textures[name].dispose();
+  }
+  #show(name, { side, bytes }) {
+    const before = this.textures[name];
+    if (before?.image.width === side) {
+      before.image.data.set(bytes);
+      before.needsUpdate = true;
+      return;
+    }
+    before?.dispose();
+    this.textures[name] = byteTexture(this.THREE, side, bytes);
+    this.given.set({ [`sandglass_${name}`]: this.textures[name] });
+  }
+}

@@ -1,0 +1,111 @@
+// What shadows leave of a material's light under WebGLRenderer: the shader of a classic material is patched, once for good; whose
+// shadows it shows can change, and end.
+import { nothingDrawn, receive, receivers, receiverValues } from "./glsl.mjs";
+import { byteTexture } from "./three_sand.mjs";
+
+const k_lit = ["MeshStandardMaterial", "MeshPhysicalMaterial", "MeshLambertMaterial", "MeshPhongMaterial"];
+const k_dark = { pile: 0, shadow: 0, occlusion: 255, sky: 255 };
+const k_world = `
+  vec4 sandglass_place = vec4(transformed, 1);
+  #ifdef USE_BATCHING
+  sandglass_place = batchingMatrix * sandglass_place;
+  #endif
+  #ifdef USE_INSTANCING
+  sandglass_place = instanceMatrix * sandglass_place;
+  #endif
+  sandglass_world = (modelMatrix * sandglass_place).xyz;`;
+const k_left = `
+  vec3 sandglass_all = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse;
+  vec2 sandglass_rest = sandglass_left(sandglass_world);
+  reflectedLight.directDiffuse *= sandglass_rest.x;
+  reflectedLight.directSpecular *= sandglass_rest.x;
+  reflectedLight.indirectDiffuse *= sandglass_rest.y;
+  reflectedLight.indirectSpecular *= sandglass_rest.y;`;
+const k_shadow_only = `
+  vec3 sandglass_some = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse;
+  float sandglass_share = dot(sandglass_some, vec3(1)) / max(dot(sandglass_all, vec3(1)), 1e-6);
+  gl_FragColor = vec4(vec3(0), 1.0 - linearToOutputTexel(vec4(sandglass_share)).r);`;
+
+const patched = new WeakMap(); // what each material's shader reads
+
+// Puts lines after, or in place of, one of three's chunks.
+function put(text, chunk, lines, replaced = false) {
+  const anchor = `#include <${chunk}>`;
+  if (!text.includes(anchor))
+    console.error(`sandglass: a material that receives shadows has no ${anchor} in its shader, so it shows none. Receive with a material of three's own.`);
+  return text.replace(anchor, replaced ? lines : `${anchor}\n${lines}`);
+}
+
+function patch(material) {
+  const uniforms = {};
+  const before = material.onBeforeCompile;
+  const key = material.customProgramCacheKey();
+  const kept = { uniforms, shadowOnly: false };
+  material.onBeforeCompile = (shader, renderer) => {
+    before.call(material, shader, renderer);
+    Object.assign(shader.uniforms, uniforms);
+    shader.vertexShader = put(shader.vertexShader, "common", "varying vec3 sandglass_world;");
+    shader.vertexShader = put(shader.vertexShader, "project_vertex", k_world);
+    let text = put(shader.fragmentShader, "common", `varying vec3 sandglass_world;\n${receive}`);
+    text = put(text, "aomap_fragment", k_left);
+    if (kept.shadowOnly) text = put(text, "opaque_fragment", k_shadow_only, true);
+    shader.fragmentShader = text;
+  };
+  material.customProgramCacheKey = () => `${key} sandglass ${kept.shadowOnly}`;
+  return kept;
+}
+
+export class GlslReceiver {
+  constructor(THREE) {
+    this.THREE = THREE;
+    this.materials = new Set();
+    this.values = {};
+    for (const [name, level] of Object.entries(k_dark)) this.#show(name, { side: 1, bytes: Uint8Array.of(level) });
+    this.set(nothingDrawn, []);
+  }
+  receive(material, shadowOnly) {
+    if (!k_lit.includes(material?.type))
+      throw new Error(
+        `sandglass: no shadow falls on a ${material?.type ?? "thing without a type"}. receive takes the material of a mesh, which three lights: a MeshStandardMaterial.`,
+      );
+    if (!patched.has(material)) patched.set(material, patch(material));
+    const kept = patched.get(material);
+    kept.owner?.materials.delete(material);
+    Object.assign(kept, { owner: this, shadowOnly });
+    this.materials.add(material);
+    this.#bind(material);
+    material.needsUpdate = true;
+  }
+  // It shows no shadows any more.
+  stop(material) {
+    if (!this.materials.delete(material)) return;
+    const { uniforms } = patched.get(material);
+    uniforms.sandglass_numbers.value = new this.THREE.Vector4();
+    uniforms.sandglass_occlusion_box.value = new this.THREE.Vector4(2, 2, 0, 0);
+  }
+  // `changed`: names of textures.
+  set(drawn, changed) {
+    for (const [name, value] of Object.entries(receiverValues(drawn)))
+      (this.values[name] ??= new this.THREE.Vector4()).fromArray(value);
+    for (const name of changed) this.#show(name, drawn.textures[name]);
+  }
+  end() {
+    for (const material of [...this.materials]) this.stop(material);
+    for (const name of receivers) this.values[`sandglass_${name}`].dispose();
+  }
+  #bind(material) {
+    const { uniforms } = patched.get(material);
+    for (const [name, value] of Object.entries(this.values)) (uniforms[name] ??= {}).value = value;
+  }
+  #show(name, { side, bytes }) {
+    const before = this.values[`sandglass_${name}`];
+    if (before?.image.width === side) {
+      before.image.data.set(bytes);
+      before.needsUpdate = true;
+      return;
+    }
+    before?.dispose();
+    this.values[`sandglass_${name}`] = byteTexture(this.THREE, side, bytes);
+    for (const material of this.materials) this.#bind(material);
+  }
+}
