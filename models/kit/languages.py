@@ -7,8 +7,8 @@ kit_nodes.mjs  the same as nodes of three.js' shading language
 It reads what the kit is written in: functions and constants of numbers, vectors and matrices; `if`, loops of known length, `? :`,
 `inout` numbers. A function returns at its end, and only there. What it cannot read is an error with its line.
 
-WGSL: uniforms are `uniforms.NAME` (an array's elements are vec4f), a texture NAME has the sampler NAMESampler, and global variables
-are private. Textures of one level are read at it, so that any control flow may.
+WGSL: uniforms are `uniforms.NAME`, a texture NAME has the sampler NAMESampler, and global variables are private: the camera and the
+room's table, too, which an app sets before it calls. Textures of one level are read at it, so that any control flow may.
 Nodes: kitNodes(T, given) has uniforms and textures as given.NAME, arrays with element(), and gives the functions; global variables
 lie in `globals`."""
 
@@ -19,12 +19,15 @@ import sys
 
 SURFACE = ("uniforms.glsl", "light.glsl", "sand.glsl", "packed.glsl", "surface.glsl")
 LOOSE = ("uniforms.glsl", "light.glsl", "sand.glsl", "loose.glsl")
+CAMERA = {"view": "mat4", "projection": "mat4", "eye": "vec3", "table_of_room": "mat3"}
 PARTS = {"surface": SURFACE, "loose": LOOSE, "receive": ("receive.glsl",)}
 
 WGSL_TYPES = {"float": "f32", "int": "i32", "uint": "u32", "bool": "bool", "vec2": "vec2f", "vec3": "vec3f", "vec4": "vec4f"}
 WGSL_TYPES |= {"mat3": "mat3x3f", "mat4": "mat4x4f", "sampler2D": "texture_2d<f32>", "sampler3D": "texture_3d<f32>"}
 TYPES = set(WGSL_TYPES) | {"void"}
-TOKEN = re.compile(r"\s*(?:(\d+\.\d+|\d+u?|0x[0-9a-f]+u)(?![\w.])|([A-Za-z_]\w*)|(<<|>>|<=|>=|==|!=|&&|\|\||\+\+|--|[-+*/^&|]=|[-+*/%^&|<>=!?:;,.(){}\[\]]))")
+TOKEN = re.compile(
+    r"\s*(?:(\d+\.\d+|\d+u?|0x[0-9a-f]+u)(?![\w.])|([A-Za-z_]\w*)|(<<|>>|<=|>=|==|!=|&&|\|\||\+\+|--|[-+*/^&|]=|[-+*/%^&|<>=!?:;,.(){}\[\]]))"
+)
 LEVELS = [["||"], ["&&"], ["|"], ["^"], ["&"], ["==", "!="], ["<", ">", "<=", ">="], ["<<", ">>"], ["+", "-"], ["*", "/", "%"]]
 NODE_OPERATORS = {"||": "or", "&&": "and", "^": "bitXor", "&": "bitAnd", "|": "bitOr", ">>": "shiftRight", "<<": "shiftLeft"}
 NODE_OPERATORS |= {"<": "lessThan", ">": "greaterThan", "<=": "lessThanEqual", ">=": "greaterThanEqual", "==": "equal"}
@@ -227,7 +230,7 @@ class Wgsl:
         self.locals, self.shared = {}, set()
 
     def text(self):
-        lines = []
+        lines = [f"var<private> {name}: {WGSL_TYPES[kind]};" for name, kind in CAMERA.items() if name in self.globals]
         for storage, kind, name, _length, value in self.globals.values():
             if storage == "const":
                 lines.append(f"const {name}: {WGSL_TYPES[kind]} = {self.value(value)[0]};")
@@ -236,11 +239,14 @@ class Wgsl:
         return "\n".join(lines + [self.function(one) for one in self.functions.values()]) + "\n"
 
     def uniforms(self):
-        """Of those that are no textures: name, type in WGSL, length of an array or 0."""
-        return [[name, WGSL_TYPES[kind], length or 0] for storage, kind, name, length, _ in self.globals.values() if storage == "uniform" and "sampler" not in kind]
+        """Of those in `uniforms`: name, type in GLSL, length of an array or 0."""
+        return [[name, kind, length or 0] for storage, kind, name, length, _ in self.globals.values() if self.in_block(storage, kind, name)]
 
     def textures(self):
-        return [[name, WGSL_TYPES[kind]] for storage, kind, name, _, _ in self.globals.values() if storage == "uniform" and "sampler" in kind]
+        return [[name, kind] for storage, kind, name, _, _ in self.globals.values() if storage == "uniform" and "sampler" in kind]
+
+    def in_block(self, storage, kind, name):
+        return storage == "uniform" and "sampler" not in kind and name not in CAMERA
 
     def function(self, one):
         _, kind, name, parameters, body = one
@@ -312,7 +318,7 @@ class Wgsl:
         if name in self.locals:
             return (f"(*{name})" if name in self.shared else name), self.locals[name][0]
         storage, kind, _, _, _ = self.globals[name]
-        return (f"uniforms.{name}" if storage == "uniform" and "sampler" not in kind else name), kind
+        return (f"uniforms.{name}" if self.in_block(storage, kind, name) else name), kind
 
     def element(self, one):
         text, kind = self.value(one[1])

@@ -76,6 +76,7 @@ def main():
                     "stage_shadows",
                     "stage",
                     "sand_block",
+                    "loose_sand",
                     "sand_painter",
                     "glsl",
                 )

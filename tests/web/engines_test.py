@@ -41,7 +41,7 @@ LOOK = """((frames, places) => {
 })"""
 REFUSED = {
     "createStage(THREE, { renderer, scene, source: 'index.html' })": 'optimizeDeps: { exclude: ["sandglass"] }',
-    "createStage(THREE, { renderer: { isWebGPURenderer: true }, scene })": "needs three's WebGLRenderer",
+    "createStage(THREE, { renderer: {}, scene })": "needs the renderer of three",
     "stage.receive(new THREE.MeshBasicMaterial())": "no shadow falls on a MeshBasicMaterial",
     "stage.receive(model)": "receive takes the material of a mesh",
     "stage.see(photo, new THREE.OrthographicCamera())": "needs a PerspectiveCamera",

@@ -2,35 +2,27 @@
 // imported of it. In a left-handed scene the stage's z is the scene's -z.
 import { Engine, oneMesh } from "./engine.mjs";
 import { checked } from "./options.mjs";
-import { receive, receivers, receiverValues } from "./glsl.mjs";
-
-const k_vectors = [
-  "sandglass_pile_box",
-  "sandglass_shadow_box",
-  "sandglass_occlusion_box",
-  "sandglass_numbers",
-  "sandglass_to_light",
-];
+import { BabylonReceiver } from "./babylon_receive.mjs";
+import { BabylonSand } from "./babylon_sand.mjs";
 
 // `scene` is needed; `worker`: the stage runs in a Worker; else options of Stage.create.
 export async function createStage(BABYLON, { scene, ...options } = {}) {
   const engine = scene?.getEngine();
-  if (!(engine?.webGLVersion >= 2))
+  if (!(engine?.webGLVersion >= 2) && !engine?.isWebGPU)
     throw new Error(
-      "sandglass: createStage needs a scene of an Engine with WebGL 2; WebGPUEngine has other shaders. Pass { scene: new Scene(new Engine(canvas)) }.",
+      "sandglass: createStage needs a scene of an Engine with WebGL 2, or of a WebGPUEngine. Pass { scene: new Scene(new Engine(canvas)) }.",
     );
   return new BabylonStage(BABYLON, scene, await Engine.stageOf(options));
 }
 
 class BabylonStage extends Engine {
   constructor(BABYLON, scene, stage) {
-    super(stage, scene.getEngine()._gl);
+    super(stage);
     Object.assign(this, {
       BABYLON,
       scene,
       z: scene.useRightHandedSystem ? 1 : -1,
       sun: new BABYLON.DirectionalLight("sandglass", new BABYLON.Vector3(0, -1, 0), scene),
-      vectors: {},
       placing: "computeWorldMatrix",
     });
     // The engine takes harmonics from a cube map; this one is black, so that nothing is reflected.
@@ -40,30 +32,7 @@ class BabylonStage extends Engine {
       1,
     );
     scene.environmentTexture ??= this.around;
-    this.textures = Object.fromEntries(
-      receivers.map((name) => [
-        name,
-        this.texture(1, new Uint8Array([name === "occlusion" || name === "sky" ? 255 : 0])),
-      ]),
-    );
-    for (const name of k_vectors) this.vectors[name] = [0, 0, 0, 0];
-    this.vectors.sandglass_occlusion_box = [2, 2, 0, 0];
-    this.Receiver = this.receiver();
-  }
-  texture(side, bytes) {
-    const { RawTexture, Constants } = this.BABYLON;
-    const made = RawTexture.CreateRTexture(
-      bytes,
-      side,
-      side,
-      this.scene,
-      false,
-      false,
-      Constants.TEXTURE_BILINEAR_SAMPLINGMODE,
-      Constants.TEXTURETYPE_UNSIGNED_BYTE,
-    );
-    made.wrapU = made.wrapV = Constants.TEXTURE_CLAMP_ADDRESSMODE;
-    return made;
+    this.receiver = new BabylonReceiver(BABYLON, scene, this.z);
   }
   mirrored([x, y, z]) {
     return [x, y, this.z * z];
@@ -117,98 +86,34 @@ class BabylonStage extends Engine {
     };
   }
 
-  // A plugin of materials: what the library says is left of the light.
-  receiver() {
-    const stage = this;
-    const place = this.z < 0 ? "vec3(vPositionW.xy, -vPositionW.z)" : "vPositionW";
-    return class extends this.BABYLON.MaterialPluginBase {
-      constructor(material, shadowOnly) {
-        super(material, "SandglassReceiver", 200, { SANDGLASS_VECTORS_DECLARED: false, SANDGLASS_SHADOW_ONLY: false });
-        this.shadowOnly = shadowOnly;
-        this._enable(true);
-      }
-      getClassName() {
-        return "SandglassReceiver";
-      }
-      prepareDefines(defines) {
-        defines.SANDGLASS_VECTORS_DECLARED = true;
-        defines.SANDGLASS_SHADOW_ONLY = this.shadowOnly;
-      }
-      getSamplers(samplers) {
-        samplers.push(...receivers.map((name) => `sandglass_${name}`));
-      }
-      getUniforms() {
-        return {
-          ubo: k_vectors.map((name) => ({ name, size: 4, type: "vec4" })),
-          fragment: k_vectors.map((name) => `uniform vec4 ${name};`).join("\n"),
-        };
-      }
-      bindForSubMesh(buffer) {
-        for (const name of k_vectors) buffer.updateFloat4(name, ...stage.vectors[name]);
-        for (const name of receivers) buffer.setTexture(`sandglass_${name}`, stage.textures[name]);
-      }
-      getCustomCode(kind) {
-        return kind !== "fragment"
-          ? null
-          : {
-              CUSTOM_FRAGMENT_DEFINITIONS: receive,
-              CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `
-          vec2 sandglass_rest = sandglass_left(${place});
-          vec3 sandglass_all = finalDiffuse, sandglass_some = finalDiffuse *= sandglass_rest.x;
-          #ifdef SPECULARTERM
-          finalSpecularScaled *= sandglass_rest.x;
-          #endif
-          #ifdef REFLECTION
-          sandglass_all += finalIrradiance, sandglass_some += finalIrradiance *= sandglass_rest.y, finalRadianceScaled *= sandglass_rest.y;
-          #endif`,
-              CUSTOM_FRAGMENT_BEFORE_FRAGCOLOR: `
-          #ifdef SANDGLASS_SHADOW_ONLY
-          float sandglass_share = dot(sandglass_some, vec3(1)) / max(dot(sandglass_all, vec3(1)), 1e-6);
-          #ifndef IMAGEPROCESSINGPOSTPROCESS
-          sandglass_share = pow(sandglass_share, 1.0 / 2.2);
-          #endif
-          finalColor = vec4(vec3(0), 1.0 - sandglass_share);
-          #endif`,
-            };
-      }
-    };
-  }
   // The material of a surface that shadows fall on. It stays as it is otherwise. With `shadowOnly` it is seen through but for
   // its shadows, as a real floor in the camera's picture.
   receive(material, options = {}) {
     checked("receive", options, { shadowOnly: 0 });
     const { shadowOnly = false } = options;
-    const kind = material?.getClassName?.() ?? "thing without a class name";
-    if (!/^PBR/.test(kind))
-      throw new Error(
-        `sandglass: no shadow falls on a ${kind}: Babylon.js does not light it by harmonics. Take a PBRMaterial.`,
-      );
+    this.receiver.receive(material, shadowOnly);
     if (shadowOnly) material.transparencyMode = 2; // MATERIAL_ALPHABLEND
-    new this.Receiver(material, shadowOnly);
     return material;
   }
+  // No shadow of this stage falls on it any more.
+  stopReceiving(material) {
+    this.receiver.stop(material);
+  }
 
-  // Sand, drawn before the scene's meshes. Options as for Stage.createSand.
+  // Sand, as a node of meshes in the scene. Options as for Stage.createSand.
   async createSand(options) {
     await this.newSand(options);
-    this.drawing ??= this.scene.onBeforeDrawPhaseObservable.add(() => {
-      const { scene, gl } = this;
-      const camera = scene.activeCamera;
-      this.sand.draw({
-        ...this.matricesOf(camera),
-        eye: this.mirrored(camera.globalPosition.asArray()),
-        height: gl.getParameter(gl.VIEWPORT)[3],
-        linear: scene.imageProcessingConfiguration.applyByPostProcess,
-        reversed: scene.getEngine().useReverseDepthBuffer,
-      });
-    });
+    return this.sand.root;
+  }
+  sandOf(block, radius) {
+    return new BabylonSand(this.BABYLON, this.scene, this.z, block, radius);
   }
 
   leave() {
     if (this.scene.environmentTexture === this.around) this.scene.environmentTexture = null;
     this.around.dispose();
     this.sun.dispose();
-    this.scene.onBeforeDrawPhaseObservable.remove(this.drawing);
+    this.receiver.end();
   }
   show(drawn, changed) {
     const { BABYLON, around, sun } = this;
@@ -222,13 +127,6 @@ class BabylonStage extends Engine {
     sun.direction = BABYLON.Vector3.FromArray(this.mirrored(toLight)).negate();
     sun.diffuse = BABYLON.Color3.FromArray(facing);
     sun.specular = sun.diffuse;
-    Object.assign(this.vectors, receiverValues(drawn));
-    for (const name of changed) {
-      const { side, bytes } = drawn.textures[name];
-      if (this.textures[name].getSize().width !== side) {
-        this.textures[name].dispose();
-        this.textures[name] = this.texture(side, bytes.slice());
-      } else this.textures[name].update(bytes.slice());
-    }
+    this.receiver.set(drawn, changed);
   }
 }

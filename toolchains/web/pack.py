@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes what the npm package makes of other files: python3 pack.py NPM_FOLDER KIT_FOLDER SAND_BLOCK_MODULE
 
-kit.mjs          the sand kit's GLSL
+kit.mjs          the sand kit's GLSL, without comments: an engine's reader may take a `;` in one for an end
 inlined.mjs      sandglass.wasm as text; block_module.mjs: sand_block.wasm
 worker_text.mjs  what runs in a worker, as one text
 README.md        without the marks of its numbers and without links to what the package has not
@@ -41,7 +41,7 @@ def encoded(file):
 def main():
     npm, kit, block = map(pathlib.Path, sys.argv[1:])
     texts = {
-        file.name.replace(".glsl", "").replace(".", "_"): file.read_text()
+        file.name.replace(".glsl", "").replace(".", "_"): re.sub(r" *//.*", "", file.read_text())
         for file in sorted(kit.iterdir())
         if file.suffix in (".glsl", ".vert", ".frag")
     }

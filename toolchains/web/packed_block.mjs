@@ -19,8 +19,7 @@ function packed(block, which) {
     for (let z = -1; z <= side; ++z)
       for (let y = -1; y <= side; ++y)
         for (let x = -1; x <= side; ++x)
-          texels[x0 + x + wide * (y0 + y + high * (z0 + z))] =
-            level[within(x) + side * (within(y) + side * within(z))];
+          texels[x0 + x + wide * (y0 + y + high * (z0 + z))] = level[within(x) + side * (within(y) + side * within(z))];
     from += 2 * bytes;
   }
   return new Uint8Array(texels.buffer);

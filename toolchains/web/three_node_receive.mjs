@@ -68,7 +68,9 @@ export class NodeReceiver {
       const sun = T.vec3(given.sun.mul(T.normalWorld.dot(given.to_light).max(0))).toVar();
       const room = T.vec3(around(T.normalWorld)).toVar();
       const all = T.dot(sun.add(room), T.vec3(1));
-      const share = T.dot(sun.mul(this.left.x).add(room.mul(this.left.y)), T.vec3(1)).div(all.max(1e-6)).toVar();
+      const share = T.dot(sun.mul(this.left.x).add(room.mul(this.left.y)), T.vec3(1))
+        .div(all.max(1e-6))
+        .toVar();
       const encoded = T.sRGBTransferOETF(T.vec3(share)).x;
       return T.vec4(0, 0, 0, T.sub(1, T.select(given.blended.greaterThan(0.5), encoded, share)));
     })();

@@ -32,7 +32,9 @@ const patched = new WeakMap(); // what each material's shader reads
 function put(text, chunk, lines, replaced = false) {
   const anchor = `#include <${chunk}>`;
   if (!text.includes(anchor))
-    console.error(`sandglass: a material that receives shadows has no ${anchor} in its shader, so it shows none. Receive with a material of three's own.`);
+    console.error(
+      `sandglass: a material that receives shadows has no ${anchor} in its shader, so it shows none. Receive with a material of three's own.`,
+    );
   return text.replace(anchor, replaced ? lines : `${anchor}\n${lines}`);
 }
 

@@ -124,7 +124,11 @@ function put(THREE, mesh, name, values, size, normalized = false) {
   if (!(attribute?.array.length >= values.length)) {
     // A geometry frees what it has when it is disposed of; that which has room is uploaded once more.
     geometry.dispose();
-    attribute = new THREE.BufferAttribute(new values.constructor(size * roomFor(values.length / size)), size, normalized);
+    attribute = new THREE.BufferAttribute(
+      new values.constructor(size * roomFor(values.length / size)),
+      size,
+      normalized,
+    );
     attribute.setUsage(THREE.DynamicDrawUsage);
     if (name) geometry.setAttribute(name, attribute);
     else geometry.setIndex(attribute);

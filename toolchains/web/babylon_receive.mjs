@@ -1,0 +1,162 @@
+// What shadows leave of a material's light in Babylon.js: a plugin of PBR materials, in GLSL and WGSL.
+import { nothingDrawn, receive, receivers, receiverValues } from "./glsl.mjs";
+import { k_wgsl } from "./kit_wgsl.mjs";
+
+const k_dark = { pile: 0, shadow: 0, occlusion: 255, sky: 255 };
+const k_vectors = Object.keys(receiverValues(nothingDrawn));
+// By language: declarations; what is left of the light; the surface's shadow alone.
+const k_code = [
+  (place) => ({
+    CUSTOM_FRAGMENT_DEFINITIONS: receive,
+    CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `
+vec2 sandglass_rest = sandglass_left(${place});
+vec3 sandglass_all = finalDiffuse;
+finalDiffuse *= sandglass_rest.x;
+vec3 sandglass_some = finalDiffuse;
+#ifdef SPECULARTERM
+finalSpecularScaled *= sandglass_rest.x;
+#endif
+#ifdef REFLECTION
+sandglass_all += finalIrradiance;
+finalIrradiance *= sandglass_rest.y;
+sandglass_some += finalIrradiance;
+finalRadianceScaled *= sandglass_rest.y;
+#endif`,
+    CUSTOM_FRAGMENT_BEFORE_FRAGCOLOR: `
+#ifdef SANDGLASS_SHADOW_ONLY
+float sandglass_share = dot(sandglass_some, vec3(1)) / max(dot(sandglass_all, vec3(1)), 1e-6);
+#ifndef IMAGEPROCESSINGPOSTPROCESS
+sandglass_share = pow(sandglass_share, 1.0 / 2.2);
+#endif
+finalColor = vec4(vec3(0), 1.0 - sandglass_share);
+#endif`,
+  }),
+  (place) => ({
+    CUSTOM_FRAGMENT_DEFINITIONS: `${receivers
+      .map((name) => `var sandglass_${name}: texture_2d<f32>;\nvar sandglass_${name}Sampler: sampler;`)
+      .join("\n")}\n${k_wgsl.receive.text}`,
+    CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `
+let sandglass_rest = sandglass_left(${place});
+var sandglass_all = finalDiffuse;
+finalDiffuse *= sandglass_rest.x;
+var sandglass_some = finalDiffuse;
+#ifdef SPECULARTERM
+finalSpecularScaled *= sandglass_rest.x;
+#endif
+#ifdef REFLECTION
+sandglass_all += finalIrradiance;
+finalIrradiance *= sandglass_rest.y;
+sandglass_some += finalIrradiance;
+finalRadianceScaled *= sandglass_rest.y;
+#endif`,
+    CUSTOM_FRAGMENT_BEFORE_FRAGCOLOR: `
+#ifdef SANDGLASS_SHADOW_ONLY
+var sandglass_share = dot(sandglass_some, vec3f(1)) / max(dot(sandglass_all, vec3f(1)), 1e-6);
+#ifndef IMAGEPROCESSINGPOSTPROCESS
+sandglass_share = pow(sandglass_share, 1.0 / 2.2);
+#endif
+finalColor = vec4f(vec3f(0), 1.0 - sandglass_share);
+#endif`,
+  }),
+];
+const k_places = {
+  1: ["vPositionW", "fragmentInputs.vPositionW"],
+  "-1": ["vec3(vPositionW.xy, -vPositionW.z)", "vec3f(fragmentInputs.vPositionW.xy, -fragmentInputs.vPositionW.z)"],
+};
+
+// A texture of one byte a texel, as a stage gives it.
+export function byteTexture({ RawTexture, Constants }, scene, side, bytes) {
+  const { TEXTURE_BILINEAR_SAMPLINGMODE, TEXTURETYPE_UNSIGNED_BYTE, TEXTURE_CLAMP_ADDRESSMODE } = Constants;
+  const how = [scene, false, false, TEXTURE_BILINEAR_SAMPLINGMODE, TEXTURETYPE_UNSIGNED_BYTE];
+  const made = RawTexture.CreateRTexture(bytes.slice(), side, side, ...how);
+  made.wrapU = made.wrapV = TEXTURE_CLAMP_ADDRESSMODE;
+  return made;
+}
+
+const owners = new WeakMap(); // by material: its plugin
+
+// The base class asks for code before there are fields.
+const pluginOf = (BABYLON, z) =>
+  class extends BABYLON.MaterialPluginBase {
+    constructor(material) {
+      super(material, "SandglassReceiver", 200, { SANDGLASS_VECTORS_DECLARED: false, SANDGLASS_SHADOW_ONLY: false });
+    }
+    getClassName() {
+      return "SandglassReceiver";
+    }
+    isCompatible() {
+      return true;
+    }
+    // Shows a receiver's shadows from now on; null: none.
+    show(receiver, shadowOnly) {
+      this.receiver?.plugins.delete(this);
+      receiver?.plugins.add(this);
+      Object.assign(this, { receiver, shadowOnly });
+      this._enable(receiver !== null);
+      this.markAllDefinesAsDirty();
+    }
+    prepareDefines(defines) {
+      defines.SANDGLASS_VECTORS_DECLARED = true;
+      defines.SANDGLASS_SHADOW_ONLY = this.shadowOnly;
+    }
+    getSamplers(samplers) {
+      samplers.push(...receivers.map((name) => `sandglass_${name}`));
+    }
+    getUniforms() {
+      return {
+        ubo: k_vectors.map((name) => ({ name, size: 4, type: "vec4" })),
+        fragment: k_vectors.map((name) => `uniform vec4 ${name};`).join("\n"),
+      };
+    }
+    bindForSubMesh(buffer) {
+      if (!this.receiver) return;
+      const { vectors, textures } = this.receiver;
+      for (const name of k_vectors) buffer.updateFloat4(name, ...vectors[name]);
+      for (const name of receivers) buffer.setTexture(`sandglass_${name}`, textures[name]);
+    }
+    getCustomCode(kind, language) {
+      const which = language === 1 ? 1 : 0;
+      return kind === "fragment" ? k_code[which](k_places[z][which]) : null;
+    }
+  };
+
+export class BabylonReceiver {
+  // `z`: -1 where the scene is left-handed.
+  constructor(BABYLON, scene, z) {
+    Object.assign(this, { BABYLON, scene, textures: {}, plugins: new Set(), Plugin: pluginOf(BABYLON, z) });
+    for (const [name, level] of Object.entries(k_dark)) this.#show(name, { side: 1, bytes: Uint8Array.of(level) });
+    this.set(nothingDrawn, []);
+  }
+  receive(material, shadowOnly) {
+    const kind = material?.getClassName?.() ?? "thing without a class name";
+    if (!/^PBR/.test(kind))
+      throw new Error(
+        `sandglass: no shadow falls on a ${kind}: Babylon.js does not light it by harmonics. Take a PBRMaterial.`,
+      );
+    if (!owners.has(material)) owners.set(material, new this.Plugin(material));
+    owners.get(material).show(this, shadowOnly);
+  }
+  // It shows no shadows any more.
+  stop(material) {
+    const plugin = owners.get(material);
+    if (plugin?.receiver === this) plugin.show(null, false);
+  }
+  // `changed`: names of textures.
+  set(drawn, changed) {
+    this.vectors = receiverValues(drawn);
+    for (const name of changed) this.#show(name, drawn.textures[name]);
+  }
+  end() {
+    for (const plugin of [...this.plugins]) plugin.show(null, false);
+    for (const texture of Object.values(this.textures)) texture.dispose();
+  }
+  #show(name, { side, bytes }) {
+    const before = this.textures[name];
+    if (before?.getSize().width === side) {
+      before.update(bytes.slice());
+      return;
+    }
+    before?.dispose();
+    this.textures[name] = byteTexture(this.BABYLON, this.scene, side, bytes);
+  }
+}
