@@ -111,6 +111,7 @@ export class GlslLook {
           vertexShader,
           fragmentShader,
           uniforms: { ...THREE.UniformsUtils.clone(THREE.UniformsLib.fog), ...more },
+          side: THREE.DoubleSide,
           fog: true,
           clipping: true,
         }),

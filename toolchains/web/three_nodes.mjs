@@ -84,7 +84,7 @@ export class NodeLook {
     const origin = T.attribute("sand_origin", "vec4");
     const height = T.varying(origin.w.mul(65535).sub(32768).mul(1e-6));
     const begins = T.varying(origin.xyz.mul(65535 / 65536)).setInterpolation("flat");
-    const material = new THREE.MeshBasicNodeMaterial();
+    const material = new THREE.MeshBasicNodeMaterial({ side: THREE.DoubleSide });
     material.colorNode = T.Fn(() => {
       const { sand_surface } = surfaceNodes(T, given);
       return T.vec4(sand_surface(T.positionGeometry, normal.xyz, normal.w, height, begins), 1);
@@ -98,7 +98,7 @@ export class NodeLook {
     const colour = T.varyingProperty("vec3", "sandColour");
     const across = T.varyingProperty("float", "sandAcross");
     const at = T.varyingProperty("vec2", "sandAt");
-    const material = new THREE.MeshBasicNodeMaterial();
+    const material = new THREE.MeshBasicNodeMaterial({ side: THREE.DoubleSide });
     material.vertexNode = T.Fn(() => {
       const { loose_grain, globals } = looseNodes(T, given);
       const number = T.uint(T.attribute("sand_number", "float"));

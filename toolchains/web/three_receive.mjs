@@ -27,6 +27,7 @@ const k_shadow_only = `
   gl_FragColor = vec4(vec3(0), 1.0 - linearToOutputTexel(vec4(sandglass_share)).r);`;
 
 const patched = new WeakMap(); // what each material's shader reads
+const nothing = new WeakMap(); // by three: a texture for what shows no shadow
 
 // Puts lines after, or in place of, one of three's chunks.
 function put(text, chunk, lines, replaced = false) {
@@ -82,8 +83,11 @@ export class GlslReceiver {
   stop(material) {
     if (!this.materials.delete(material)) return;
     const { uniforms } = patched.get(material);
-    uniforms.sandglass_numbers.value = new this.THREE.Vector4();
-    uniforms.sandglass_occlusion_box.value = new this.THREE.Vector4(2, 2, 0, 0);
+    const { THREE } = this;
+    if (!nothing.has(THREE)) nothing.set(THREE, byteTexture(THREE, 1, Uint8Array.of(255)));
+    for (const name of receivers) uniforms[`sandglass_${name}`].value = nothing.get(THREE);
+    uniforms.sandglass_numbers.value = new THREE.Vector4();
+    uniforms.sandglass_occlusion_box.value = new THREE.Vector4(2, 2, 0, 0);
   }
   // `changed`: names of textures.
   set(drawn, changed) {

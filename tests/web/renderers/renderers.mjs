@@ -1,0 +1,293 @@
+// The same frame by three.js and Babylon.js, by every back end; and sand in three.js beside a common mesh.
+import * as frame from "./scene.mjs";
+import { createStage } from "sandglass/three";
+import { createStage as createBabylonStage } from "sandglass/babylon";
+
+const { side, eye, target } = frame;
+const k_background = 0x405060;
+let kit;
+
+async function truth(turned) {
+  const THREE = await import("three");
+  kit ??= [await frame.ofKit(cameraOf(THREE), false), await frame.ofKit(cameraOf(THREE), true)];
+  return kit[turned ? 1 : 0];
+}
+function cameraOf(THREE) {
+  const camera = new THREE.PerspectiveCamera(40, 1, 0.05, 20);
+  camera.position.set(...eye);
+  camera.lookAt(...target);
+  camera.updateMatrixWorld();
+  return camera;
+}
+
+// `kind`: webgl; nodes, nodes on webgl (of WebGPURenderer). `change(drawn)`: before it is drawn.
+export async function threeScene(kind, { renderer: options = {}, change = (drawn) => drawn } = {}) {
+  const drawn = change(await frame.recorded());
+  const THREE = await import(kind === "webgl" ? "three" : "three/webgpu");
+  const canvas = frame.newCanvas();
+  const how = { canvas, antialias: false, preserveDrawingBuffer: true, ...options };
+  const renderer =
+    kind === "webgl" ? new THREE.WebGLRenderer(how) : new THREE.WebGPURenderer({ ...how, forceWebGL: kind !== "nodes" });
+  renderer.setSize(side, side, false);
+  const scene = new THREE.Scene();
+  const camera = cameraOf(THREE);
+  const stage = await createStage(THREE, { renderer, scene });
+  stage.stage = frame.replay(drawn);
+  const group = await stage.createSand();
+  stage.update(1 / 60);
+  const look = async () => {
+    renderer.render(scene, camera);
+    const bytes = await frame.shown(canvas);
+    return bytes;
+  };
+  return { THREE, renderer, scene, camera, stage, group, look, canvas };
+}
+
+async function babylonScene(kind, left) {
+  const BABYLON = await import("babylon");
+  const drawn = await frame.recorded();
+  const canvas = frame.newCanvas();
+  const gpu = kind === "nodes";
+  const engine = gpu ? new BABYLON.WebGPUEngine(canvas, { antialias: false }) : new BABYLON.Engine(canvas, false, { preserveDrawingBuffer: true });
+  if (gpu) await engine.initAsync();
+  const scene = new BABYLON.Scene(engine);
+  scene.useRightHandedSystem = !left;
+  const mirrored = ([x, y, z]) => new BABYLON.Vector3(x, y, left ? -z : z);
+  const camera = new BABYLON.FreeCamera("", mirrored(eye), scene);
+  Object.assign(camera, { fov: (40 * Math.PI) / 180, minZ: 0.05, maxZ: 20 });
+  camera.setTarget(mirrored(target));
+  scene.clearColor = new BABYLON.Color4(0, 0, 0, 1);
+  const stage = await createBabylonStage(BABYLON, { scene });
+  stage.stage = frame.replay(drawn);
+  await stage.createSand();
+  stage.update(1 / 60);
+  await scene.whenReadyAsync();
+  for (let i = 0; i < 2; ++i) {
+    engine.beginFrame();
+    scene.render();
+    engine.endFrame();
+  }
+  const bytes = await frame.shown(canvas);
+  engine.dispose();
+  return bytes;
+}
+
+// Of each way: how far it is from the kit's own picture.
+export async function same(engine, kind, left = false) {
+  const wanted = await truth(kind === "nodes");
+  if (engine === "babylon") return frame.difference(wanted, await babylonScene(kind, left));
+  const { look, renderer } = await threeScene(kind);
+  const bytes = await look();
+  renderer.dispose();
+  return frame.difference(wanted, bytes);
+}
+export const turned = async () => frame.difference(await truth(false), await truth(true));
+
+// Ways in which it would not be the same.
+const k_faults = {
+  "no sun share": { change: (drawn) => ({ ...drawn, pileOpacity: 0, shadowOpacity: 0 }) },
+  "interpolated origin": {
+    change: (drawn) => ({
+      ...drawn,
+      skin: { ...drawn.skin, chunks: drawn.skin.chunks.map(({ indices, ...chunk }) => ({ ...chunk, indices: turnedCorners(indices) })) },
+    }),
+  },
+  "linear for sRGB": { after: ({ renderer, THREE }) => (renderer.outputColorSpace = THREE.LinearSRGBColorSpace) },
+};
+function turnedCorners(indices) {
+  const corners = indices.slice();
+  for (let i = 0; i < corners.length; i += 3)
+    [corners[i], corners[i + 1], corners[i + 2]] = [corners[i + 2], corners[i], corners[i + 1]];
+  return corners;
+}
+export async function fault(kind, name) {
+  const made = await threeScene(kind, k_faults[name]);
+  k_faults[name].after?.(made);
+  const wanted = await truth(kind === "nodes");
+  const found = frame.difference(wanted, await made.look());
+  made.renderer.dispose();
+  return found;
+}
+
+// How sand's pixels and those of a ball of MeshStandardMaterial change: red, green, blue of each.
+function means(bytes, plain) {
+  const sums = { sand: [0, 0, 0, 0], ball: [0, 0, 0, 0] };
+  for (let i = 0; i < plain.length; i += 4) {
+    if (plain[i] + plain[i + 1] + plain[i + 2] === 0) continue;
+    const sum = sums[(i / 4) % side > 0.72 * side ? "ball" : "sand"];
+    for (let k = 0; k < 3; ++k) sum[k] += bytes[i + k];
+    ++sum[3];
+  }
+  return Object.fromEntries(Object.entries(sums).map(([name, sum]) => [name, [0, 1, 2].map((k) => sum[k] / sum[3])]));
+}
+const k_looks = {
+  plain: () => {},
+  "ACES tones": ({ renderer, THREE }) => Object.assign(renderer, { toneMapping: THREE.ACESFilmicToneMapping, toneMappingExposure: 0.5 }),
+  "AgX tones": ({ renderer, THREE }) => Object.assign(renderer, { toneMapping: THREE.AgXToneMapping, toneMappingExposure: 0.5 }),
+  fog: ({ scene, THREE }) => (scene.fog = new THREE.Fog(0x0000ff, 0.3, 1)),
+  layers: ({ camera, group, ball }) => {
+    camera.layers.set(1);
+    ball.layers.set(2);
+    group.traverse((one) => one.layers.set(2));
+  },
+  invisible: ({ group, ball }) => (group.visible = ball.visible = false),
+};
+export async function besideABall(kind) {
+  const made = await threeScene(kind);
+  const { THREE, scene, renderer, look } = made;
+  const ball = new THREE.Mesh(new THREE.SphereGeometry(0.05), new THREE.MeshStandardMaterial({ color: 0xb09070 }));
+  ball.position.set(0.25, 0.12, 0);
+  scene.add(ball);
+  let plain = await look();
+  // Of the sand's colour, as tones and fog change what is light otherwise than what is dark.
+  const { sand, ball: own } = means(plain, plain);
+  ["r", "g", "b"].forEach((name, k) => (ball.material.color[name] *= (sand[k] / own[k]) ** 2.2));
+  plain = await look();
+  const found = {};
+  for (const [name, change] of Object.entries(k_looks)) {
+    change({ ...made, ball });
+    if (name.includes("tones") && kind === "webgl") scene.traverse((one) => one.material && (one.material.needsUpdate = true));
+    found[name] = means(await look(), plain);
+    renderer.toneMapping = THREE.NoToneMapping;
+    scene.fog = null;
+    made.camera.layers.set(0);
+    made.group.traverse((one) => one.layers.set(0));
+    ball.layers.set(0);
+    made.group.visible = ball.visible = true;
+  }
+  renderer.dispose();
+  return found;
+}
+
+// How many pixels are sand, in scenes in which it once was not there.
+const count = (bytes, [r, g, b] = [0x40, 0x50, 0x60]) => {
+  let found = 0;
+  for (let i = 0; i < bytes.length; i += 4) if (Math.abs(bytes[i] - r) + Math.abs(bytes[i + 1] - g) + Math.abs(bytes[i + 2] - b) > 12) ++found;
+  return found;
+};
+const k_scenes = {
+  alone: () => {},
+  "an occluder beneath": ({ THREE, scene }) => {
+    const plane = new THREE.Mesh(new THREE.PlaneGeometry(4, 4).rotateX(-Math.PI / 2), new THREE.MeshBasicMaterial({ colorWrite: false }));
+    plane.position.y = -0.01;
+    plane.renderOrder = -1;
+    scene.add(plane);
+  },
+  "a stencil test before": ({ THREE, scene }) => {
+    const material = new THREE.MeshBasicMaterial({ colorWrite: false, depthWrite: false, stencilWrite: true, stencilFunc: THREE.NeverStencilFunc });
+    const mesh = new THREE.Mesh(new THREE.BoxGeometry(0.1, 0.1, 0.1), material);
+    mesh.renderOrder = -1;
+    scene.add(mesh);
+  },
+  "two viewports": ({ renderer, scene, camera }) => {
+    renderer.setViewport(0, 0, side / 2, side);
+    renderer.setScissor(0, 0, side / 2, side);
+    renderer.setScissorTest(true);
+    renderer.autoClear = false;
+    renderer.clear();
+    renderer.render(scene, camera);
+    renderer.setViewport(side / 2, 0, side / 2, side);
+    renderer.setScissor(side / 2, 0, side / 2, side);
+  },
+  "its group moved out": ({ group }) => group.position.set(9, 0, 0),
+  "a wall before it": ({ THREE, scene }) => {
+    const wall = new THREE.Mesh(new THREE.PlaneGeometry(9, 9), new THREE.MeshBasicMaterial({ color: k_background }));
+    wall.position.set(0.08, 0.25, 0.45);
+    scene.add(wall);
+  },
+  "half clipped": ({ renderer, THREE }) => (renderer.clippingPlanes = [new THREE.Plane(new THREE.Vector3(0, -1, 0), 0.04)]),
+};
+export async function counted(kind, name, options) {
+  const made = await threeScene(kind, { renderer: options });
+  made.scene.background = new made.THREE.Color(k_background);
+  k_scenes[name](made);
+  const pixels = count(await made.look());
+  made.renderer.dispose();
+  return pixels;
+}
+
+// A ray from the eye hits sand where it is drawn; its box holds it.
+export async function hit(kind) {
+  const { THREE, camera, group, renderer, scene } = await threeScene(kind);
+  scene.updateMatrixWorld();
+  const ray = new THREE.Raycaster();
+  ray.setFromCamera(new THREE.Vector2(0, 0), camera);
+  const [first] = ray.intersectObject(group, true);
+  const box = new THREE.Box3().setFromObject(group);
+  renderer.dispose();
+  return { distance: first.distance, point: first.point.toArray(), low: box.min.toArray(), high: box.max.toArray() };
+}
+
+// What is left after rounds of stages: textures and geometries of the renderer.
+export async function left(kind) {
+  const { THREE, renderer, camera } = await threeScene(kind);
+  const drawn = await frame.recorded();
+  const counts = [];
+  for (let i = 0; i < 4; ++i) {
+    const scene = new THREE.Scene();
+    const floor = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.MeshStandardMaterial());
+    scene.add(floor);
+    const stage = await createStage(THREE, { renderer, scene });
+    stage.stage = frame.replay(drawn);
+    stage.receive(floor.material);
+    stage.receive(floor.material);
+    await stage.createSand();
+    await stage.createSand();
+    stage.update(1 / 60);
+    renderer.render(scene, camera);
+    stage.dispose();
+    renderer.render(scene, camera);
+    floor.geometry.dispose();
+    floor.material.dispose();
+    renderer.render(new THREE.Scene(), camera);
+    counts.push([renderer.info.memory.textures, renderer.info.memory.geometries]);
+  }
+  renderer.dispose();
+  return counts;
+}
+
+// The floor after its context was lost and came back, and sand on it.
+export async function lost() {
+  const { THREE, renderer, look, scene, canvas } = await threeScene("webgl");
+  scene.background = new THREE.Color(k_background);
+  const before = count(await look());
+  const extension = renderer.getContext().getExtension("WEBGL_lose_context");
+  const told = (event) => new Promise((done) => canvas.addEventListener(event, done, { once: true }));
+  const gone = told("webglcontextlost");
+  extension.loseContext();
+  await gone;
+  await new Promise((done) => setTimeout(done, 50)); // it is allowed once the event is over
+  const back = told("webglcontextrestored");
+  extension.restoreContext();
+  await back;
+  return [before, count(await look())];
+}
+
+// A floor of tiles, instanced, is lit as one floor is, a floor that received twice as one that did once.
+export async function floors() {
+  const seen = {};
+  for (const kind of ["one", "twice", "instanced", "batched"]) {
+    const { THREE, scene, stage, look, renderer, group } = await threeScene("webgl");
+    const material = new THREE.MeshStandardMaterial({ roughness: 1 });
+    stage.receive(material);
+    if (kind === "twice") stage.receive(material);
+    scene.add(floorOf(THREE, kind, material));
+    stage.update(1 / 60);
+    group.visible = false;
+    seen[kind] = await look();
+    renderer.dispose();
+  }
+  const [{ over: twice }, { over: instanced }, { over: batched }] = ["twice", "instanced", "batched"].map((kind) =>
+    frame.difference(seen.one, seen[kind]),
+  );
+  return { twice, instanced, batched, floor: frame.difference(seen.one, new Uint8Array(seen.one.length)).sand };
+}
+function floorOf(THREE, kind, material) {
+  const flat = (size) => new THREE.PlaneGeometry(size, size).rotateX(-Math.PI / 2);
+  if (kind === "one" || kind === "twice") return new THREE.Mesh(flat(1.6), material);
+  const places = Array.from({ length: 16 }, (_, i) => new THREE.Matrix4().setPosition(0.4 * (i % 4) - 0.6, 0, 0.4 * (i >> 2) - 0.6));
+  const tiles = kind === "instanced" ? new THREE.InstancedMesh(flat(0.4), material, 16) : new THREE.BatchedMesh(16, 64, 96, material);
+  const tile = kind === "batched" ? tiles.addGeometry(flat(0.4)) : 0;
+  places.forEach((place, i) => tiles.setMatrixAt(kind === "batched" ? tiles.addInstance(tile) : i, place));
+  return tiles;
+}

@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+"""Sand in three.js and Babylon.js, by WebGL and WebGPU: the same frame is the kit's own picture in each, a fault is not; and in three.js
+sand is changed, hidden, hit and freed as any mesh is.
+
+renderers_test.py NPM_FOLDER WORK_FOLDER    WORK_FOLDER has node_modules.
+Exit code 77: there is no Chromium here."""
+
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
+from browser import CHROMIUM, SKIPPED, SOFTWARE, Browser, served
+
+HERE = pathlib.Path(__file__).parent / "renderers"
+GPU = (*SOFTWARE, "--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader")
+WAYS = [("three", "webgl"), ("three", "nodes on webgl"), ("three", "nodes"), ("babylon", "webgl"), ("babylon", "nodes")]
+FAULTS = ("no sun share", "interpolated origin", "linear for sRGB")
+# A picture may be off by so much in the mean, of 255; and so many of the sand's pixels by more than 4.
+MEAN, SHARE = 1.0, 0.001
+THREE = "/node_modules/three/build/three."
+MAP = {
+    "three": f"{THREE}module.js",
+    "three/webgpu": f"{THREE}webgpu.js",
+    "babylon": "/babylon_core.js",
+    **{f"sandglass/{name}": f"/node_modules/sandglass/{name}.mjs" for name in ("stage", "three", "babylon", "glsl")},
+}
+PAGE = """<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><script type="importmap">{map}</script>
+<script type="module">
+const wanted = new URLSearchParams(location.search).get("without");
+const own = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...more) {{
+  if (kind === wanted) throw new Error(`this page gives no context of ${{kind}}`);
+  return own.call(this, kind, ...more);
+}};
+globalThis.renderers = await import("/renderers.mjs");
+globalThis.ready = true;
+</script>"""
+
+
+def check(right, sentence):
+    print(("" if right else "WRONG: ") + sentence, flush=True)
+    check.wrong += not right
+
+
+check.wrong = 0
+
+
+class Page:
+    """One browser for a page; its complaints are faults, but for the driver's about reading pixels."""
+
+    def __init__(self, address):
+        self.browser = Browser(CHROMIUM, width=400, height=400, flags=GPU)
+        self.browser.open(address)
+        end = time.monotonic() + 60
+        while not self.browser.ask("!!globalThis.ready") and time.monotonic() < end:
+            time.sleep(0.05)
+
+    def ask(self, call):
+        return self.browser.ask(f"renderers.{call}")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        told = [text for text in self.browser.complaints if "ReadPixels" not in text and "loseContext" not in text and "Context Lost" not in text]
+        check(not told, f"the page complains of nothing: {told[:3]}")
+        self.browser.close()
+
+
+def prepare(npm, work):
+    shutil.rmtree(work / "node_modules/sandglass", ignore_errors=True)
+    shutil.copytree(npm, work / "node_modules/sandglass")
+    for file in HERE.iterdir():
+        shutil.copy(file, work)
+    (work / "renderers.html").write_text(PAGE.format(map=json.dumps({"imports": MAP})))
+    (work / "babylon_core.mjs").write_text('export * from "@babylonjs/core";\n')
+    command = ["node_modules/.bin/esbuild", "babylon_core.mjs", "--bundle", "--format=esm", "--outfile=babylon_core.js", "--log-level=error"]
+    subprocess.run(command, cwd=work, check=True, timeout=300)
+
+
+def within(found):
+    return found["mean"] <= MEAN and found["over"] <= SHARE
+
+
+def words(found):
+    return f"mean {found['mean']:.3f} of 255, {found['over']:.3%} of {found['sand']} pixels by more than 4"
+
+
+def same_pictures(address):
+    for engine, kind in WAYS:
+        # WebGPU alone must do without WebGL.
+        with Page(address + ("?without=webgl2" if kind == "nodes" else "")) as page:
+            for left in (False, True) if engine == "babylon" else (False,):
+                found = page.ask(f"same({json.dumps(engine)}, {json.dumps(kind)}, {json.dumps(left)})")
+                check(within(found), f"{engine}, {kind}{', left-handed' if left else ''}: {words(found)}")
+            if engine == "babylon":
+                continue
+            for fault in FAULTS:
+                found = page.ask(f"fault({json.dumps(kind)}, {json.dumps(fault)})")
+                check(not within(found), f"{engine}, {kind}, {fault}: {words(found)}, as it must")
+
+
+def as_a_mesh(address, kind):
+    with Page(address) as page:
+        ways = page.ask(f"besideABall({json.dumps(kind)})")
+        plain = ways.pop("plain")
+        for name, seen in ways.items():
+            # Each channel goes up or down as the ball's does, and about as far.
+            sand, ball = ([seen[of][k] / plain[of][k] for k in range(3)] for of in ("sand", "ball"))
+            alike = all(abs(a - b) < 0.12 for a, b in zip(sand, ball))
+            changed = max(abs(b - 1) for b in ball) > 0.1
+            check(alike and changed, f"{kind}, {name}: sand {[round(x, 2) for x in sand]}, a ball {[round(x, 2) for x in ball]} of before")
+        alone = page.ask(f"counted({json.dumps(kind)}, 'alone')")
+        shares = {"an occluder beneath": 1, "a stencil test before": 1, "two viewports": 1, "its group moved out": 0, "a wall before it": 0}
+        for name, share in shares.items():
+            seen = page.ask(f"counted({json.dumps(kind)}, {json.dumps(name)})")
+            low, high = (0.9, 2.2) if name == "two viewports" else (0.9 * share, 1.02 * share)
+            check(low * alone <= seen <= high * alone, f"{kind}, {name}: {seen} pixels of sand, {alone} alone")
+        for depth in ("logarithmicDepthBuffer", "reversedDepthBuffer"):
+            options = json.dumps({depth: True})
+            seen, hidden = (page.ask(f"counted({json.dumps(kind)}, '{name}', {options})") for name in ("alone", "a wall before it"))
+            check(abs(seen - alone) < 0.02 * alone and hidden == 0, f"{kind}, {depth}: {seen} pixels of sand, {hidden} behind a wall")
+        found = page.ask(f"hit({json.dumps(kind)})")
+        low, high = found["low"], found["high"]
+        check(all(a - 0.01 < p < b + 0.01 for a, p, b in zip(low, found["point"], high)), f"{kind}: a ray hits sand at {found['point']}")
+        check(high[1] - low[1] > 0.03 and high[0] - low[0] > 0.1, f"{kind}: its box is {low} to {high}")
+        counts = page.ask(f"left({json.dumps(kind)})")
+        check(counts[-1] == counts[1], f"{kind}: textures and geometries after rounds of stages are {counts}")
+
+
+def patched(address):
+    with Page(address) as page:
+        clipped, alone = (page.ask(f"counted('webgl', '{name}')") for name in ("half clipped", "alone"))
+        check(0.1 * alone < clipped < 0.9 * alone, f"half clipped: {clipped} of {alone} pixels of sand")
+        found = page.ask("floors()")
+        check(found["floor"] > 1000 and max(found["twice"], found["instanced"], found["batched"]) < 0.01, f"floors: {found}")
+        before, after = page.ask("lost()")
+        check(before > 1000 and abs(after - before) < 0.02 * before, f"a lost context: {before} pixels of sand before, {after} after")
+
+
+def main(arguments):
+    if CHROMIUM is None:
+        return SKIPPED
+    npm, work = map(pathlib.Path, arguments)
+    prepare(npm, work)
+    address = served(work) + "renderers.html"
+    same_pictures(address)
+    for kind in ("webgl", "nodes"):
+        as_a_mesh(address, kind)
+    patched(address)
+    return 1 if check.wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
