@@ -83,7 +83,8 @@ async function babylonTakes(right) {
   }
   const stage = await createBabylonStage({ ...BABYLON, RawTexture: Texture, RawCubeTexture: Texture }, { scene });
   stage.gl = gl;
-  const box = (size, parent = null, hidden = {}) => Object.assign(BABYLON.CreateBox("", { size }, scene), { parent, ...hidden });
+  const box = (size, parent = null, hidden = {}) =>
+    Object.assign(BABYLON.CreateBox("", { size }, scene), { parent, ...hidden });
   const root = box(0.1, null, { isVisible: false });
   box(5, root).setEnabled(false);
   box(6, root, { isVisible: false });
@@ -102,7 +103,24 @@ async function babylonTakes(right) {
   assert.deepEqual(sees(), [131.8, 0, 0]); // the engine shows 512 x 256
   camera.fovMode = BABYLON.Camera.FOVMODE_HORIZONTAL_FIXED;
   assert.deepEqual(sees(), [96.4, 0, 0]);
-  const tracked = BABYLON.Matrix.FromArray([2, 0, 0, 0, 0, 2, 0, 0, right ? 0.4 : -0.4, 0, right ? -1 : 1, right ? -1 : 1, 0, 0, -0.1, 0]);
+  const tracked = BABYLON.Matrix.FromArray([
+    2,
+    0,
+    0,
+    0,
+    0,
+    2,
+    0,
+    0,
+    right ? 0.4 : -0.4,
+    0,
+    right ? -1 : 1,
+    right ? -1 : 1,
+    0,
+    0,
+    -0.1,
+    0,
+  ]);
   camera.freezeProjectionMatrix(tracked);
   assert.deepEqual(sees(), [70.5, 0.4, 0]);
   camera.unfreezeProjectionMatrix();
@@ -142,7 +160,10 @@ async function takesCameras() {
     const told_of = stage.cameraOf(camera);
     const diagonal = (360 / Math.PI) * Math.atan(up * Math.hypot(1, aspect));
     assert.ok(Math.abs(told_of.diagonal - diagonal) < 1e-6, `${told_of.diagonal}, not ${diagonal}`);
-    assert.deepEqual(told_of.centre.map((x) => +x.toFixed(6) + 0), centre);
+    assert.deepEqual(
+      told_of.centre.map((x) => +x.toFixed(6) + 0),
+      centre,
+    );
   }
   await stage.see({ data: new Uint8Array(4 * 64 * 48).fill(90), width: 64, height: 48 }, quarter);
 }
@@ -190,7 +211,10 @@ async function followsWhatIsSeen() {
 
   const skinned = new THREE.SkinnedMesh(part.geometry.clone());
   const bone = new THREE.Bone();
-  for (const [name, Kind] of [["skinIndex", Uint16Array], ["skinWeight", Float32Array]])
+  for (const [name, Kind] of [
+    ["skinIndex", Uint16Array],
+    ["skinWeight", Float32Array],
+  ])
     skinned.geometry.setAttribute(name, new THREE.BufferAttribute(new Kind(96).fill(0.25), 4));
   skinned.add(bone).bind(new THREE.Skeleton([bone]));
   const other = await threeStage(scene);
@@ -222,9 +246,9 @@ async function isAddedOnce() {
   stage.dispose();
   await assert.rejects(begun, /dispose or end was called\. Create another/);
   assert.equal(scene.children.length, 0);
-  for (const call of ["addModel", "see", "createSand"]) await assert.rejects(stage[call](model), /dispose or end was called/);
+  for (const call of ["addModel", "see", "createSand"])
+    await assert.rejects(stage[call](model), /dispose or end was called/);
   for (const call of ["pour", "push"]) assert.throws(() => stage[call](), /dispose or end was called/);
-  await stage.removeModel(model);
   stage.update();
   stage.dispose();
 }
@@ -244,7 +268,8 @@ async function answersFromWorkers() {
     postMessage({ id, command, values }) {
       const [name] = values;
       this.sent.push(structuredClone([command, ...(command === "create" ? values.slice(1) : values)]));
-      if (how === "at once") queueMicrotask(() => this.onmessage({ data: { id, result: answers[name] ?? {} } }));
+      if (how === "at once" || command === "block")
+        queueMicrotask(() => this.onmessage({ data: { id, result: answers[name] ?? {} } }));
     }
     terminate() {
       this.ended = true;
@@ -276,11 +301,17 @@ async function answersFromWorkers() {
   assert.deepEqual(sent.filter(([, name]) => name === "remove").pop(), ["stage", "remove", [5]]);
 
   how = "never";
-  const waiting = [stage.createSand(), stage.addModel(model), stage.see({ data: new Uint8Array(4), width: 1, height: 1 }, new THREE.PerspectiveCamera())];
+  const waiting = [
+    stage.createSand(),
+    stage.addModel(model),
+    stage.see({ data: new Uint8Array(4), width: 1, height: 1 }, new THREE.PerspectiveCamera()),
+  ];
   stage.update();
   stage.dispose();
-  for (const promise of waiting) await assert.rejects(promise, /dispose or end was called\. Create another/);
+  await Promise.all(waiting.map((one) => assert.rejects(one, /dispose or end was called\. Create another/)));
   assert.ok(workers[3].ended);
+  await assert.rejects(stage.stage.frame(0.1), /dispose or end was called/);
+  await stage.removeModel(model);
 
   delete globalThis.Worker;
   await assert.rejects(WorkerStage.create(), /no workers here.*\. Take Stage/);

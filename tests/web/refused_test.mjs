@@ -7,7 +7,10 @@ const { Stage } = await import(pathToFileURL(`${process.argv[2]}/stage.mjs`));
 
 const k_here = { position: [0.3, 0.1, 0], rotation: [0, 0, 0, 1] };
 const k_no_room = 1 << 16; // bytes that an app holds
-const k_tetrahedron = { positions: [0, 0, 0, 0.2, 0, 0, 0, 0.2, 0, 0, 0, 0.2], indices: [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3] };
+const k_tetrahedron = {
+  positions: [0, 0, 0, 0.2, 0, 0, 0, 0.2, 0, 0, 0, 0.2],
+  indices: [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3],
+};
 const many = (count) => ({ ...k_tetrahedron, indices: Uint32Array.from({ length: 3 * count }, (_, i) => i % 3) });
 const bytes = (count, Kind = Uint8Array) => ({ data: new Kind(count).fill(99), width: 8, height: 6 });
 const rows = (count, make) => Array.from({ length: count }, (_, i) => make(i));
@@ -43,15 +46,24 @@ const refused = [
   [() => stage.createSand({ radius: 1e-5 }), /a radius from 0\.0001 to 10 m/],
   [() => stage.createSand({ static_friction: -1 }), /static_friction must be 0 to 10/],
   [() => stage.createSand({ particles: 4e6 }), /there is no memory for \d+ bytes\. Make/],
-  [() => stage.addModel({ ...many(1_000_000), ...k_here }), /1,000,000 triangles at most, all together, and these have 1,000,004\. Simp/],
+  [
+    () => stage.addModel({ ...many(1_000_000), ...k_here }),
+    /1,000,000 triangles at most, all together, and these have 1,000,004\. Simp/,
+  ],
   [() => stage.addModel({ ...k_tetrahedron, indices: [0, 1, 4], ...k_here }), /indices name vertex 4 of 4\. Pass/],
   [() => stage.addModel({ ...k_tetrahedron, indices: [0, 1], ...k_here }), /three indices a triangle\. Pass/],
   [() => stage.addModel({ ...k_tetrahedron, positions: Array(12).fill(NaN), ...k_here }), /not finite\. Check/],
-  [() => stage.addModel({ ...k_tetrahedron, ...k_here, rotation: [0, 0, 0, 0] }), /rotation must be 4 numbers.*not all 0/],
+  [
+    () => stage.addModel({ ...k_tetrahedron, ...k_here, rotation: [0, 0, 0, 0] }),
+    /rotation must be 4 numbers.*not all 0/,
+  ],
   [() => stage.move(model, [NaN, 0, 0], [0, 0, 0, 1]), /move: position must be 3 numbers/],
   [() => stage.move(99, [0, 0, 0], [0, 0, 0, 1]), /no model 99\. Pass/],
   [() => stage.remove(99), /no model 99\. Pass/],
-  [() => stage.setWall({ x: [1, 0, 0], y: [0, 0, 0], z: [0, 1, 0], at: [0, 0, 0], low: [0, 0], high: [1, 1] }), /normal/],
+  [
+    () => stage.setWall({ x: [1, 0, 0], y: [0, 0, 0], z: [0, 1, 0], at: [0, 0, 0], low: [0, 0], high: [1, 1] }),
+    /normal/,
+  ],
   [() => stage.pour({ position: [0, 1, 0], radius: 0.001 }), /does not pour\. Pass a radius from 0\.006 to 0\.594 m/],
   [() => stage.pour({ position: [0, 1, 0], rotation: [0, 0, 0, 0] }), /rotation must be 4 numbers.*not all 0/],
   [() => stage.pour(...rows(9, (i) => ({ position: [0, i, 0] }))), /pour takes 8 nozzles at most, not 9\. Pass/],
@@ -95,5 +107,8 @@ const to = async (view) => {
   return other.frame(0.1).light.toLight;
 };
 const [middle, right, above] = [await to({}), await to({ centre: [0.8, 0] }), await to({ centre: [0, 0.8] })];
-assert.ok(Math.abs(middle[0]) < 0.1 && right[0] - middle[0] > 0.25 && above[1] - middle[1] > 0.1, `${[middle, right, above]}`);
+assert.ok(
+  Math.abs(middle[0]) < 0.1 && right[0] - middle[0] > 0.25 && above[1] - middle[1] > 0.1,
+  `${[middle, right, above]}`,
+);
 console.log(`${refused.length} refusals, and all is as it was`);

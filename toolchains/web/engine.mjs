@@ -225,10 +225,8 @@ export class Engine {
 
   async newSand(options) {
     this.refuseEnded();
-    const [{ radius }, block] = await Promise.all([
-      this.stage.createSand(options),
-      blockMade(Uint8Array.from(atob(k_block_text), (letter) => letter.charCodeAt(0))),
-    ]);
+    const block = await blockMade(Uint8Array.from(atob(k_block_text), (letter) => letter.charCodeAt(0)));
+    const { radius } = await this.stage.createSand(options);
     this.refuseEnded();
     this.say(() => this.stage.fields); // where sand cannot lie on a model
     this.sand?.end();

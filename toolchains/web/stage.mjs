@@ -236,7 +236,7 @@ export class Stage {
       },
       ({ message }) => {
         const instead = "Add it with { collide: false }, or take smaller sand.";
-        throw new Error(`sandglass: sand cannot lie on a model: ${message} ${instead}`);
+        throw new Error(`sandglass: sand cannot lie on a model: ${message.replace(/^sandglass: /, "")} ${instead}`);
       },
     );
     ++this.#unmade;
