@@ -74,9 +74,7 @@ async function babylonTakes(right) {
     constructor() {
       ++textures;
     }
-    getSize() {
-      return { width: 0 };
-    }
+    getSize = () => ({ width: 0 });
     dispose() {
       --textures;
     }
@@ -103,25 +101,9 @@ async function babylonTakes(right) {
   assert.deepEqual(sees(), [131.8, 0, 0]); // the engine shows 512 x 256
   camera.fovMode = BABYLON.Camera.FOVMODE_HORIZONTAL_FIXED;
   assert.deepEqual(sees(), [96.4, 0, 0]);
-  const tracked = BABYLON.Matrix.FromArray([
-    2,
-    0,
-    0,
-    0,
-    0,
-    2,
-    0,
-    0,
-    right ? 0.4 : -0.4,
-    0,
-    right ? -1 : 1,
-    right ? -1 : 1,
-    0,
-    0,
-    -0.1,
-    0,
-  ]);
-  camera.freezeProjectionMatrix(tracked);
+  const z = right ? -1 : 1;
+  const tracked = { 0: 2, 5: 2, 8: -0.4 * z, 10: z, 11: z, 14: -0.1 };
+  camera.freezeProjectionMatrix(BABYLON.Matrix.FromArray(Array.from({ length: 16 }, (_, i) => tracked[i] ?? 0)));
   assert.deepEqual(sees(), [70.5, 0.4, 0]);
   camera.unfreezeProjectionMatrix();
   camera.mode = BABYLON.Camera.ORTHOGRAPHIC_CAMERA;
@@ -160,10 +142,7 @@ async function takesCameras() {
     const told_of = stage.cameraOf(camera);
     const diagonal = (360 / Math.PI) * Math.atan(up * Math.hypot(1, aspect));
     assert.ok(Math.abs(told_of.diagonal - diagonal) < 1e-6, `${told_of.diagonal}, not ${diagonal}`);
-    assert.deepEqual(
-      told_of.centre.map((x) => +x.toFixed(6) + 0),
-      centre,
-    );
+    for (const k of [0, 1]) assert.ok(Math.abs(told_of.centre[k] - centre[k]) < 1e-5);
   }
   await stage.see({ data: new Uint8Array(4 * 64 * 48).fill(90), width: 64, height: 48 }, quarter);
 }
@@ -211,11 +190,9 @@ async function followsWhatIsSeen() {
 
   const skinned = new THREE.SkinnedMesh(part.geometry.clone());
   const bone = new THREE.Bone();
-  for (const [name, Kind] of [
-    ["skinIndex", Uint16Array],
-    ["skinWeight", Float32Array],
-  ])
-    skinned.geometry.setAttribute(name, new THREE.BufferAttribute(new Kind(96).fill(0.25), 4));
+  const weights = new THREE.BufferAttribute(new Float32Array(96).fill(0.25), 4);
+  const indices = new THREE.BufferAttribute(new Uint16Array(96), 4);
+  skinned.geometry.setAttribute("skinIndex", indices).setAttribute("skinWeight", weights);
   skinned.add(bone).bind(new THREE.Skeleton([bone]));
   const other = await threeStage(scene);
   scene.add(skinned);
@@ -257,7 +234,6 @@ async function isAddedOnce() {
 async function answersFromWorkers() {
   const workers = [];
   let how = "forbidden";
-  const answers = { addModel: 5, createSand: { radius: 0.006 } };
   globalThis.location = { href: "http://127.0.0.1/an_apps_worker.js" };
   globalThis.Worker = class {
     constructor(url) {
@@ -269,7 +245,7 @@ async function answersFromWorkers() {
       const [name] = values;
       this.sent.push(structuredClone([command, ...(command === "create" ? values.slice(1) : values)]));
       if (how === "at once" || command === "block")
-        queueMicrotask(() => this.onmessage({ data: { id, result: answers[name] ?? {} } }));
+        queueMicrotask(() => this.onmessage({ data: { id, result: name === "addModel" ? 5 : {} } }));
     }
     terminate() {
       this.ended = true;
@@ -301,11 +277,7 @@ async function answersFromWorkers() {
   assert.deepEqual(sent.filter(([, name]) => name === "remove").pop(), ["stage", "remove", [5]]);
 
   how = "never";
-  const waiting = [
-    stage.createSand(),
-    stage.addModel(model),
-    stage.see({ data: new Uint8Array(4), width: 1, height: 1 }, new THREE.PerspectiveCamera()),
-  ];
+  const waiting = [stage.createSand(), stage.addModel(model)];
   stage.update();
   stage.dispose();
   await Promise.all(waiting.map((one) => assert.rejects(one, /dispose or end was called\. Create another/)));
