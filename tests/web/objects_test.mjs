@@ -241,7 +241,7 @@ async function answersFromWorkers() {
       workers.push(Object.assign(this, { url }));
       if (how === "forbidden") setTimeout(() => this.onerror({}));
     }
-    postMessage({ id, command, values }) {
+    postMessage({ id, command, values = [] }) {
       const [name] = values;
       this.sent.push(structuredClone([command, ...(command === "create" ? values.slice(1) : values)]));
       if (how === "at once" || command === "block")
@@ -275,6 +275,9 @@ async function answersFromWorkers() {
   await stage.removeModel(model);
   await adding;
   assert.deepEqual(sent.filter(([, name]) => name === "remove").pop(), ["stage", "remove", [5]]);
+
+  (await threeStage(new THREE.Scene(), { threads: 2 })).dispose();
+  assert.ok(workers.at(-1).ended, "a thread goes on");
 
   how = "never";
   const waiting = [stage.createSand(), stage.addModel(model)];
