@@ -360,6 +360,9 @@ export class Painter {
         frame: gl.createFramebuffer(),
         texture: uploadShadow(gl, k_nothing),
       };
+    }
+    if (this.small.height !== height) {
+      this.small.height = height;
       gl.bindTexture(gl.TEXTURE_2D, this.small.texture);
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
     }

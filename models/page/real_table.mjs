@@ -2,13 +2,14 @@
 // The light is the device's estimate; where the browser also gives the camera's picture, the library makes one beside it. Where
 // it knows walls, objects cast on the nearest; where it knows depth, what is real hides what is behind it. The scene keeps the
 // axes of the session's space, whose y is up.
+import { frustumOf } from "./place_light.mjs";
 import { lightOfDevice } from "./room_light.mjs";
 
 const k_required = ["local", "hit-test"];
 const k_optional = ["light-estimation", "camera-access", "depth-sensing", "plane-detection"];
 const k_depth = { usagePreference: ["cpu-optimized"], dataFormatPreference: ["luminance-alpha", "float32"] };
 const k_wall_reach = 1.5; // metres from the table: farther walls show no shadow
-const k_shrunk = [160, 120]; // pixels of the camera's picture, as the library gets it
+const k_shrunk_width = 160; // pixels of the camera's picture, as the library gets it
 const k_shrunk_every_ms = 250;
 
 export class RealTable {
@@ -151,16 +152,17 @@ export class RealTable {
   takeLight(now, told, pose) {
     const { page } = this;
     const estimate = this.probe && told.getLightEstimate?.(this.probe);
-    const camera = pose.views[0]?.camera;
+    const { camera, projectionMatrix: projection, transform } = pose.views[0] ?? {};
     if (estimate) page.deviceLight = lightOfDevice(estimate);
     if (camera && typeof XRWebGLBinding !== "undefined" && now - this.shrunk > k_shrunk_every_ms) {
       this.shrunk = now;
       this.binding ??= new XRWebGLBinding(this.session, page.painter.gl);
-      const [width, height] = k_shrunk;
+      const width = k_shrunk_width;
+      const height = Math.round((width * projection[0]) / projection[5]);
       const data = page.painter.shrink(this.binding.getCameraImage(camera), width, height);
       page.stage.see(
         { data, width, height },
-        { orientation: page.room.orientationOf(pose.views[0].transform.matrix), ms: now },
+        { orientation: page.room.orientationOf(transform.matrix), ...frustumOf(projection), ms: now },
       );
     }
     page.setLight();

@@ -226,6 +226,9 @@ def check_real(browser):
         asked["mode"] == "immersive-ar" and "hit-test" in asked["requiredFeatures"] and "light-estimation" in asked["optionalFeatures"],
         str(asked),
     )
+    browser.ask(
+        "(({stage}) => { const see = stage.see.bind(stage); stage.see = (image, view) => { emulated.seen = [image.width, image.height, view.diagonal, view.centre]; see(image, view); }; })(sandglassPage.page)"
+    )
     browser.ask("sandglassPage.page.again(); emulated.step()")
     check(browser.ask("sandglassPage.page.scene.frames") == 0, "time passes before the scene was placed")
     browser.ask("emulated.select('selectstart'); emulated.select('selectend'); emulated.step(2)")
@@ -247,6 +250,8 @@ def check_real(browser):
     check(all(abs(a - b) < 1e-5 for got, want in zip(light, wanted) for a, b in zip(got, want)), f"the device's light is drawn as {light}")
     own = browser.ask("(({valid, irradiance}) => [valid, ...irradiance])(sandglassPage.page.stage.roomLight)")
     check(own[0] == 1 and own[1] > 1.5 * own[2], f"of a red picture the library makes the light {own}")
+    seen = browser.ask("(delete sandglassPage.page.stage.see, emulated.seen)")
+    check(seen[:2] == [160, 160] and abs(seen[2] - 70.53) < 0.01 and seen[3] == [0, 0], f"the view of the camera's picture is {seen}")
     pixels = browser.ask("(emulated.step(), emulated.pixels())")
     print("augmented reality, pixels:", pixels)
     check(min(pixels.values()) > 50 and pixels["nothing"] > pixels["scene"], f"over the camera's picture lie {pixels}")

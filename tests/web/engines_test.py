@@ -44,7 +44,7 @@ REFUSED = {
     "createStage(THREE, { renderer: {}, scene })": "needs the renderer of three",
     "stage.receive(new THREE.MeshBasicMaterial())": "no shadow falls on a MeshBasicMaterial",
     "stage.receive(model)": "receive takes the material of a mesh",
-    "stage.see(photo, new THREE.OrthographicCamera())": "needs a PerspectiveCamera",
+    "stage.see(photo, new THREE.OrthographicCamera())": "needs a camera with perspective",
     "stage.addModel({ scene: model })": "Of a loaded glTF pass gltf.scene",
     "stage.pour({ position: [0, 1, 0] })": "Call createSand first",
     "stage.update(NaN)": "the seconds since the last frame",
@@ -80,6 +80,22 @@ WORKER = """(async () => {
   far.take = (drawn) => { const from = performance.now(); take(drawn), own += performance.now() - from; };
   for (let i = 0; i < 240; ++i) { const from = performance.now(); far.update(1 / 60), own += performance.now() - from; await pause(); frames.push(own), own = 0; }
   return { field, longest, adding: Math.min(...adding), vertices: knot().geometry.getAttribute("position").count, frame: frames.sort((a, b) => a - b)[120], particles: far.drawn.particles };
+})()"""
+
+
+# What the renderer holds before a stage, and after ten.
+ROUNDS = """(async () => {
+  const own = new THREE.Scene(), ground = new THREE.Mesh(new THREE.PlaneGeometry(1, 1)), box = new THREE.Mesh(new THREE.BoxGeometry(0.1, 0.1, 0.1)), { info } = renderer;
+  const held = () => (renderer.render(own, camera), [info.memory.textures, info.memory.geometries, info.programs.length, own.children.length]);
+  renderer.setAnimationLoop(null), own.add(ground, box);
+  const { material } = ground, before = held();
+  for (let i = 0; i < 10; ++i) {
+    const one = await createStage(THREE, { renderer, scene: own });
+    ground.material = one.receive(new THREE.MeshStandardMaterial());
+    await one.see(photo, camera), await one.addModel(box), await one.createSand({ particles: 100 });
+    one.update(1 / 60), renderer.render(own, camera), one.dispose(), ground.material.dispose(), ground.material = material, held();
+  }
+  return [before, held()];
 })()"""
 
 
@@ -299,6 +315,8 @@ def main(arguments):
             ),
         )
         shows(browser, work, "vite build", built + "?app=light")
+        before, after = browser.ask(ROUNDS)
+        check(before == after, f"ten stages leave what the renderer held: {before}, {after}")
         for call, sentence in REFUSED.items():
             told = browser.ask(f"(async () => {call})().catch((error) => error.message)")
             check(sentence in str(told), f"{call}: {told}")

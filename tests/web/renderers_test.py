@@ -66,7 +66,11 @@ class Page:
         return self
 
     def __exit__(self, *_):
-        told = [text for text in self.browser.complaints if "ReadPixels" not in text and "loseContext" not in text and "Context Lost" not in text]
+        told = [
+            text
+            for text in self.browser.complaints
+            if "ReadPixels" not in text and "loseContext" not in text and "Context Lost" not in text
+        ]
         check(not told, f"the page complains of nothing: {told[:3]}")
         self.browser.close()
 
@@ -78,7 +82,14 @@ def prepare(npm, work):
         shutil.copy(file, work)
     (work / "renderers.html").write_text(PAGE.format(map=json.dumps({"imports": MAP})))
     (work / "babylon_core.mjs").write_text('export * from "@babylonjs/core";\n')
-    command = ["node_modules/.bin/esbuild", "babylon_core.mjs", "--bundle", "--format=esm", "--outfile=babylon_core.js", "--log-level=error"]
+    command = [
+        "node_modules/.bin/esbuild",
+        "babylon_core.mjs",
+        "--bundle",
+        "--format=esm",
+        "--outfile=babylon_core.js",
+        "--log-level=error",
+    ]
     subprocess.run(command, cwd=work, check=True, timeout=300)
 
 

@@ -47,6 +47,9 @@ const number: number = stage.addModel({
 });
 stage.createSand({ particles: 100, particle_radius: 0.01 });
 stage.pour({ position: [0, 1, 0] });
+stage.pour({ position: { x: 0, y: 1, z: 0 }, rotation: { x: 0, y: 0, z: 0, w: 1 } });
+stage.see({ data: [1, 2, 3, 4], width: 1, height: 1 }, { centre: [0, 0.1] });
+far.setShadow(await far.addModel({ positions: [], indices: [], position: [], rotation: [] }), false);
 const side: number | undefined = stage.frame(1 / 60).textures.pile?.side;
 const drawn = await far.frame(0.1);
 const engine = await createStage({}, { scene: {}, renderer: {}, worker: true });

@@ -41,5 +41,9 @@ desc.clock = sand.make("sandglass_parallel");
 desc.gravity = "down";
 // @ts-expect-error: a function that there is not
 sand.sandglass_scene_fame(scene, input, null);
+// @ts-expect-error: half floats are no bytes
+(await Stage.create()).see({ data: new Uint16Array(4), width: 1, height: 1 });
+// @ts-expect-error: a ball without a radius
+(await Stage.create()).push({ position: [0, 0, 0] });
 // @ts-expect-error: a misspelt option
 await Stage.create({ budgt: 4 });

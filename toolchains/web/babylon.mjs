@@ -2,6 +2,7 @@
 // imported of it. In a left-handed scene the stage's z is the scene's -z.
 import { Engine, oneMesh } from "./engine.mjs";
 import { checked } from "./options.mjs";
+import { frustumOf } from "./place_light.mjs";
 import { BabylonReceiver } from "./babylon_receive.mjs";
 import { BabylonSand } from "./babylon_sand.mjs";
 
@@ -48,21 +49,51 @@ class BabylonStage extends Engine {
       rotation: [this.z * rotation.x, this.z * rotation.y, rotation.z, rotation.w],
     };
   }
-  meshOf(object, { position, rotation }) {
+  isShown(object) {
+    return !object.isDisposed() && object.isEnabled() && object.isVisible !== false && object.getScene() === this.scene;
+  }
+  // The meshes of an object that are seen where it is: no hidden child, and no lines.
+  meshesOf(object) {
+    const isSeen = (mesh) => {
+      let one = mesh;
+      for (; one !== object && one.isEnabled(false); one = one.parent);
+      return one === object && mesh.isVisible;
+    };
+    return [object, ...object.getChildMeshes(false).filter(isSeen)].filter(
+      (mesh) => mesh.getTotalVertices?.() && !/Lines/.test(mesh.getClassName()),
+    );
+  }
+  toStageOf({ position, rotation }) {
     const { Vector3, Matrix, Quaternion } = this.BABYLON;
-    const parts = [];
-    const from = Matrix.Compose(Vector3.One(), Quaternion.FromArray(rotation), Vector3.FromArray(position)).invert();
-    const mirror = Matrix.Scaling(1, 1, this.z);
-    for (const mesh of [object, ...object.getChildMeshes(false)]) {
-      const positions = mesh.getPositionData?.(true, true);
-      if (positions)
-        parts.push({
-          positions,
-          corners: mesh.getIndices(),
-          matrix: mesh.computeWorldMatrix(true).multiply(mirror).multiply(from).m,
-        });
-    }
+    const pose = Matrix.Compose(Vector3.One(), Quaternion.FromArray(rotation), Vector3.FromArray(position));
+    return Matrix.Scaling(1, 1, this.z).multiply(pose.invert());
+  }
+  meshOf(object, pose) {
+    const to_stage = this.toStageOf(pose);
+    const parts = this.meshesOf(object).flatMap((mesh) => {
+      const positions = mesh.getPositionData(true, true);
+      const corners = mesh.getIndices();
+      const to = mesh.computeWorldMatrix(true).multiply(to_stage);
+      const copies = mesh.thinInstanceCount
+        ? mesh.thinInstanceGetWorldMatrices().slice(0, mesh.thinInstanceCount)
+        : null;
+      return (copies?.map((copy) => copy.multiply(to)) ?? [to]).map(({ m: matrix }) => ({
+        positions,
+        corners,
+        matrix,
+      }));
+    });
     return oneMesh(parts);
+  }
+  // What the mesh of an object depends on, but for its pose.
+  shapeOf(object, pose) {
+    const to_stage = this.toStageOf(pose);
+    return this.meshesOf(object).flatMap((mesh) => [
+      ...mesh.computeWorldMatrix(true).multiply(to_stage).m,
+      ...(mesh.skeleton?.getTransformMatrices(mesh) ?? []),
+      ...(mesh.morphTargetManager?.influences ?? []),
+      mesh.thinInstanceCount ?? 0,
+    ]);
   }
   // Column-major matrices of a camera that looks along -z of the stage's world.
   matricesOf(camera) {
@@ -73,17 +104,10 @@ class BabylonStage extends Engine {
     return { view, projection };
   }
   cameraOf(camera) {
-    if (camera.mode !== 0)
-      throw new Error("sandglass: see needs a camera with perspective, not this orthographic one.");
     const { Matrix, Quaternion } = this.BABYLON;
-    const { view } = this.matricesOf(camera);
-    const aspect = this.scene.getEngine().getAspectRatio(camera);
+    const { view, projection } = this.matricesOf(camera);
     const orientation = Quaternion.FromRotationMatrix(Matrix.FromArray(view).invert().getRotationMatrix()).asArray();
-    return {
-      position: this.mirrored(camera.globalPosition.asArray()),
-      orientation,
-      diagonal: (360 / Math.PI) * Math.atan(Math.hypot(1, aspect) * Math.tan(camera.fov / 2)),
-    };
+    return { position: this.mirrored(camera.globalPosition.asArray()), orientation, ...frustumOf(projection) };
   }
 
   // The material of a surface that shadows fall on. It stays as it is otherwise. With `shadowOnly` it is seen through but for

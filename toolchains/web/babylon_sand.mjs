@@ -286,7 +286,10 @@ export class BabylonSand {
       const camera = scene.activeCamera;
       const engine = scene.getEngine();
       values.pixels = 0.5 * engine.getRenderHeight() * camera.viewport.height * camera.getProjectionMatrix().m[5];
-      const eye = this.BABYLON.Vector3.TransformCoordinates(camera.globalPosition, mesh.getWorldMatrix().clone().invert());
+      const eye = this.BABYLON.Vector3.TransformCoordinates(
+        camera.globalPosition,
+        mesh.getWorldMatrix().clone().invert(),
+      );
       mesh.subMeshes[0].indexCount = 6 * grainsNeeded(flies, this.box, eye.asArray(), values.pixels);
     });
     return mesh;

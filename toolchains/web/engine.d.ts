@@ -1,11 +1,19 @@
 // The types of sandglass/three and sandglass/babylon; objects are the engine's own.
 import type { Ball, Drawn, ModelOptions, Nozzle, SandOptions, Stage, StageOptions, View, WorkerStage } from "sandglass/stage";
 
+/** What is refused changes nothing. After dispose() all but update() and removeModel(), which do nothing then, are refused. */
 export interface EngineStage {
   readonly stage: Stage | WorkerStage;
+  /** Of the last frame. `fieldsLeft`: how many models sand cannot lie on yet. */
   readonly drawn: Drawn;
+  /** Takes what is seen of an object: no hidden children, of a LOD the present level, all instances. The object itself may be
+   * hidden, as one that stands for a real thing. In each frame its pose is followed; one that is not finite is left out. Once it
+   * was seen, it throws no shadow while it is hidden or out of the scene; sand goes on lying on it. Where its parts move (bones,
+   * animation), shadow and sand do not follow: that is said once in the console. An object that is added already is refused. */
   addModel(object: object, options?: ModelOptions): Promise<void>;
+  /** Also before addModel has answered. */
   removeModel(object: object): Promise<void>;
+  /** By the camera's projection matrix: any camera with perspective, also a tracker's or WebXR's. */
   see(image: object, camera: object, view?: View): Promise<void>;
   receive<Material extends object>(material: Material, options?: { shadowOnly?: boolean }): Material;
   stopReceiving(material: object): void;

@@ -1,9 +1,15 @@
 // What sandglass/three and sandglass/babylon have in common: a stage here or in a worker, and the objects that were added to it.
 import { Stage } from "./stage.mjs";
+import { isPose, k_ended } from "./options.mjs";
 import { pixelsOf } from "./place_light.mjs";
 import { WorkerStage, blockMade } from "./worker.mjs";
 import { k_block_text } from "./block_module.mjs";
 import { receivers } from "./glsl.mjs";
+
+const k_shape_frames = 20; // from one look at a model's parts to the next
+const k_shape_tolerance = 1e-3; // metres, or of a size
+
+const nameOf = ({ name }) => (name ? `"${name}"` : "a model");
 
 // One mesh of several: positions, the corners of triangles (null: in order), and a column-major matrix; mirrored ones turn.
 export function oneMesh(parts) {
@@ -36,56 +42,85 @@ export function oneMesh(parts) {
   return { positions, indices };
 }
 
-// A subclass has meshOf(object), poseOf(object), cameraOf(camera), sandOf(block, radius), show(drawn) and leave().
+// A subclass has meshOf(object, pose), shapeOf(object, pose), poseOf(object), isShown(object), cameraOf(camera),
+// sandOf(block, radius), show(drawn) and leave().
 export class Engine {
   static async stageOf({ worker = false, ...options }) {
     return (worker ? WorkerStage : Stage).create(options);
   }
   constructor(stage) {
     Object.assign(this, { stage, objects: new Map(), owed: 0, last: performance.now(), sand: null, busy: false });
+    this.frames = 0;
+  }
+  refuseEnded() {
+    if (this.ended) throw new Error(k_ended);
+  }
+  // What fails beside a call is said; the rest goes on.
+  async say(work) {
+    try {
+      await work();
+    } catch ({ message }) {
+      if (!this.ended) console.error(message);
+    }
   }
 
-  // An object's meshes throw a shadow, and sand lies on them. They are taken at their present size; the pose is followed.
+  // An object's meshes throw a shadow, and sand lies on them. They are taken at their present size and as they are seen: of
+  // children those that are not hidden. The object itself may be hidden, as one that stands for a real thing. Its pose is
+  // followed; once it was seen, it throws no shadow while it is hidden or out of the scene.
   async addModel(object, options) {
+    this.refuseEnded();
     if (typeof object?.[this.placing] !== "function")
       throw new Error("sandglass: addModel takes an object of the scene. Of a loaded glTF pass gltf.scene.");
+    if (this.objects.has(object))
+      throw new Error("sandglass: addModel has this object already. Call removeModel first, or pass a clone.");
     const pose = this.poseOf(object);
-    this.objects.set(object, {
-      pose,
-      number: await this.stage.addModel({ ...this.meshOf(object, pose), ...pose }, options),
-    });
-    this.watchFields();
+    if (!isPose(pose))
+      throw new Error(
+        `sandglass: addModel: ${nameOf(object)} has no finite pose. Set its position, rotation and scale first.`,
+      );
+    const mesh = this.meshOf(object, pose);
+    const model = { pose, shape: this.shapeOf(object, pose), casts: options?.shadow !== false, shadow: true };
+    this.objects.set(object, model);
+    try {
+      model.added = (async () => this.stage.addModel({ ...mesh, ...pose }, options))();
+      model.number = await model.added;
+    } catch (error) {
+      if (this.objects.get(object) === model) this.objects.delete(object);
+      throw error;
+    }
+    this.say(() => this.stage.fields);
   }
+  // Also of one whose addModel has not answered yet.
   async removeModel(object) {
-    if (!this.objects.has(object)) throw new Error("sandglass: removeModel takes an object that addModel was given.");
-    const { number } = this.objects.get(object);
+    if (this.ended) return;
+    const model = this.objects.get(object);
+    if (!model) throw new Error("sandglass: removeModel takes an object that addModel was given.");
     this.objects.delete(object);
-    await this.stage.remove(number);
+    await this.stage.remove(model.number ?? (await model.added));
   }
   // An image of the room as the camera sees it: a photograph or a video's picture, not a panorama.
   async see(image, camera, options) {
+    this.refuseEnded();
     if (typeof camera?.[this.placing] !== "function")
       throw new Error("sandglass: see takes an image and the camera that took it.");
     await this.stage.see(pixelsOf(image), { ...this.cameraOf(camera), ...options });
   }
 
   async newSand(options) {
-    const [{ radius }, block] = await Promise.all([
-      this.stage.createSand(options),
-      blockMade(Uint8Array.from(atob(k_block_text), (letter) => letter.charCodeAt(0))),
-    ]);
-    this.watchFields();
+    this.refuseEnded();
+    const block = await blockMade(Uint8Array.from(atob(k_block_text), (letter) => letter.charCodeAt(0)));
+    const { radius } = await this.stage.createSand(options);
+    this.refuseEnded();
+    this.say(() => this.stage.fields); // where sand cannot lie on a model
     this.sand?.end();
     this.sand = this.sandOf(block, radius);
   }
-  // Where sand cannot lie on a model, that is said once; the rest goes on.
-  watchFields() {
-    Promise.resolve(this.stage.fields).catch(({ message }) => console.error(message));
-  }
   pour(...nozzles) {
+    this.refuseEnded();
     return this.stage.pour(...nozzles);
   }
   push(...balls) {
+    this.refuseEnded();
     return this.stage.push(...balls);
   }
 
@@ -97,32 +132,55 @@ export class Engine {
     this.last = performance.now();
     this.owed += seconds;
     if (this.busy) return;
-    for (const [object, model] of this.objects) {
-      const pose = this.poseOf(object);
-      if (
-        String(pose.position) === String(model.pose.position) &&
-        String(pose.rotation) === String(model.pose.rotation)
-      )
-        continue;
-      model.pose = pose;
-      this.stage.move(model.number, pose.position, pose.rotation);
-    }
+    ++this.frames;
+    for (const [object, model] of this.objects) if (model.number !== undefined) this.follow(object, model);
     const drawn = this.stage.frame(Math.min(this.owed, 0.1));
     this.owed = 0;
     if (!(drawn instanceof Promise)) return this.take(drawn);
     this.busy = true;
     drawn
       .then((arrived) => this.ended || this.take(arrived))
+      .catch((error) => {
+        if (!this.ended) throw error;
+      })
       .finally(() => {
         this.busy = false;
       });
   }
-  // Takes light and sand out of the scene, and ends the worker. Materials keep the last shadows.
+  // A model in this frame. Without a pose, as where a tracker has lost it, it stays where it was.
+  follow(object, model) {
+    const pose = this.poseOf(object);
+    const shown = this.isShown(object);
+    model.seen ||= shown;
+    const shadow = shown || !model.seen;
+    if (model.casts && shadow !== model.shadow) {
+      model.shadow = shadow;
+      this.say(() => this.stage.setShadow(model.number, shadow));
+    }
+    if (!isPose(pose)) return;
+    if (String([pose.position, pose.rotation]) !== String([model.pose.position, model.pose.rotation])) {
+      model.pose = pose;
+      this.say(() => this.stage.move(model.number, pose.position, pose.rotation));
+    }
+    if (!this.warned && this.frames % k_shape_frames === 0) this.warnOfShape(object, model);
+  }
+  warnOfShape(object, { pose, shape }) {
+    const now = this.shapeOf(object, pose);
+    if (now.length === shape.length && now.every((x, i) => Math.abs(x - shape[i]) < k_shape_tolerance)) return;
+    this.warned = true;
+    console.warn(
+      `sandglass: parts of ${nameOf(object)} move, or its size changes. Its shadow and the sand on it take it as it was added. ` +
+        "Call removeModel and addModel where it has changed, or add parts that move as models of their own.",
+    );
+  }
+
+  // Takes light and sand out of the scene, and ends the worker. What is under way is refused.
   dispose() {
+    if (this.ended) return;
     this.ended = true;
     this.leave();
     this.sand?.end();
-    this.stage.call?.end();
+    this.stage.end();
   }
   take(drawn) {
     this.drawn = drawn;

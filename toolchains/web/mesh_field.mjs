@@ -15,9 +15,9 @@ export function matrixOf([px, py, pz], [x, y, z, w]) {
 // One of the library's objects, of its description's defaults and `fields`, or what they give of the description.
 export function made(sand, name, fields = {}, ...more) {
   const desc = sand.make(`${name}_desc`);
-  sand[`${name}_desc_default`](desc, ...more);
-  desc.set(typeof fields === "function" ? fields(desc) : fields);
   try {
+    sand[`${name}_desc_default`](desc, ...more);
+    desc.set(typeof fields === "function" ? fields(desc) : fields);
     return sand.create(name, desc);
   } finally {
     sand.free(desc);
@@ -43,6 +43,29 @@ export function withMesh(sand, vertices, indices, use) {
   } finally {
     for (const block of kept) sand.free(block);
   }
+}
+
+// A mesh as the library's arrays, and its longest side. Refuses what is none.
+export function checkedMesh({ positions: given, indices: corners }) {
+  const positions = given instanceof Float32Array ? given : Float32Array.from(given ?? []);
+  const indices = corners instanceof Uint32Array ? corners : Uint32Array.from(corners ?? []);
+  const vertices = positions.length / 3;
+  if (indices.length === 0)
+    throw new Error("sandglass: the model has no triangles. Add an object that has a mesh, which is not hidden.");
+  if (!Number.isInteger(vertices) || indices.length % 3 !== 0)
+    throw new Error("sandglass: a model has three numbers a vertex and three indices a triangle. Pass triangles.");
+  const last = indices.reduce((most, i) => Math.max(most, i), 0);
+  if (last >= vertices)
+    throw new Error(`sandglass: a model's indices name vertex ${last} of ${vertices}. Pass indices of its positions.`);
+  const low = [Infinity, Infinity, Infinity];
+  const high = low.map((x) => -x);
+  positions.forEach((x, i) => {
+    low[i % 3] = Math.min(low[i % 3], x);
+    high[i % 3] = Math.max(high[i % 3], x);
+  });
+  const side = Math.max(...high.map((x, k) => x - low[k]));
+  if (!Number.isFinite(side)) throw new Error("sandglass: a vertex of the model is not finite. Check its positions.");
+  return { positions, indices, vertices, count: indices.length / 3, side };
 }
 
 // The bytes of the field, for another instance's memory too. `spacing`: of its nodes, metres.

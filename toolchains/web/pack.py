@@ -48,7 +48,8 @@ def main():
     module(npm / "kit.mjs", k_kit=texts)
     module(npm / "inlined.mjs", k_inlined=encoded(npm / "sandglass.wasm"))
     module(npm / "block_module.mjs", k_block_text=encoded(block))
-    module(npm / "worker_text.mjs", text=joined([npm / f"{name}.mjs" for name in IN_WORKER]).replace("import.meta.url", "location.href"))
+    text = joined([npm / f"{name}.mjs" for name in IN_WORKER]).replace("import.meta.url", "location.href")
+    module(npm / "worker_text.mjs", text=text.replace("k_own_worker = false", "k_own_worker = true"))
     (npm / "README.md").write_text(re.sub(r"<!--.*?-->|!\[.*\n\n|\[([^]]*)\]\(\.\./[^)]*\)", r"\1", pathlib.Path("README.md").read_text()))
 
 

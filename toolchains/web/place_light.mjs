@@ -23,6 +23,46 @@ export function pixelsOf(image) {
   return { data: context.getImageData(0, 0, width, height).data, width, height };
 }
 
+// The RGBA bytes of an image.
+function bytesOf({ data, width, height }) {
+  const bytes = Array.isArray(data) ? Uint8Array.from(data) : data;
+  const right = ArrayBuffer.isView(bytes) && bytes.BYTES_PER_ELEMENT === 1;
+  if (
+    right &&
+    [width, height].every((side) => Number.isInteger(side) && side > 0) &&
+    bytes.length === 4 * width * height
+  )
+    return bytes;
+  const given = `${data?.length ?? "no"} numbers${data ? ` in a ${data.constructor.name}` : ""}`;
+  throw new Error(
+    `sandglass: see takes RGBA bytes, ${4 * width * height} of them for ${width} x ${height} pixels, not ${given}. ` +
+      "Pass the image itself, or draw it on a canvas.",
+  );
+}
+
+// What see() takes of a camera's projection matrix, column-major, of a camera that looks along -z.
+export function frustumOf(projection) {
+  const [across, up, right, above] = [0, 5, 8, 9].map((k) => projection?.[k] / -projection?.[11]);
+  if (!(across > 0 && up > 0 && Number.isFinite(across + up + right + above)))
+    throw new Error(
+      "sandglass: see needs a camera with perspective, and its projection matrix. Pass the one that drew.",
+    );
+  return { diagonal: (360 / Math.PI) * Math.atan(Math.hypot(1 / across, 1 / up)), centre: [right, above] };
+}
+
+// The pixel where the camera's axis meets the image. 0: the library takes that for not given.
+function axisOf([right, above], width, height) {
+  return [
+    [(1 - right) / 2, width],
+    [(1 + above) / 2, height],
+  ].map(([share, side]) => {
+    if (share >= 0 && share <= 1) return Math.min(Math.max(share * side - 0.5, 0.001), side - 1);
+    throw new Error(
+      "sandglass: see needs an image that shows the middle of the camera's view. Pass the whole image, and a camera without setViewOffset.",
+    );
+  });
+}
+
 export class PlaceLight {
   #sand;
   #image;
@@ -57,9 +97,12 @@ export class PlaceLight {
     this.#sand.sandglass_room_get(this.room, this.#place, this.now);
   }
 
-  see({ data, width, height }, { orientation, position, diagonal, exposure, ms }) {
+  see(image, { orientation, position, diagonal, centre, exposure, ms }) {
     const sand = this.#sand;
-    const pixels = sand.put(data);
+    const { width, height } = image;
+    const bytes = bytesOf(image);
+    const [centre_x, centre_y] = axisOf(centre, width, height);
+    const pixels = sand.put(bytes);
     const focal = sand.sandglass_camera_focal(width, height, diagonal);
     sand.sandglass_camera_image_default(this.#image);
     this.#image.set({
@@ -68,8 +111,8 @@ export class PlaceLight {
       height,
       focal_x: focal,
       focal_y: focal,
-      centre_x: (width - 1) / 2,
-      centre_y: (height - 1) / 2,
+      centre_x,
+      centre_y,
       planes: [pixels, 0, 0],
       strides: [4 * width, 0, 0],
       orientation,

@@ -16,6 +16,7 @@ import { structs, functions, constants } from "./abi.mjs";
 export { constants };
 
 const k_block_alignment = constants.SANDGLASS_BLOCK_ALIGNMENT;
+const k_address_space = 2 ** 32; // bytes
 const k_least_step_ns = 1000n; // from one reading of the clock to the next
 const k_shared_pages = 256; // of 64 KiB, as sandglass-threads.wasm is linked
 const k_shared_pages_at_most = 8192;
@@ -234,7 +235,7 @@ async function newWorker() {
   return worker;
 }
 
-// Resolves once the worker looks for work. It does so for as long as the page lives.
+// Resolves to a worker that looks for work. It does so until end() or for as long as the page lives.
 async function startWorker(message) {
   const worker = await newWorker();
   await new Promise((ready, failed) => {
@@ -248,6 +249,7 @@ async function startWorker(message) {
     }
     worker.postMessage(message);
   });
+  return worker;
 }
 
 // Makes an instance of the library. `source` is a URL, bytes or a WebAssembly.Module; without it, sandglass.wasm beside
@@ -283,11 +285,12 @@ export async function load(source, options = {}) {
   memory ??= exports.memory;
   exports._initialize?.();
   const sand = new Sandglass(exports, memory, threads, module);
-  await Promise.all(
+  const workers = await Promise.all(
     Array.from({ length: threads - 1 }, () =>
       startWorker({ module, memory, stack: sand.allocate(k_worker_stack) + k_worker_stack }),
     ),
   );
+  sand.end = () => workers.forEach((worker) => worker.terminate());
   return sand;
 }
 
@@ -362,7 +365,12 @@ class Sandglass {
 
   // An aligned block of zeros. free() gives it back.
   allocate(bytes, alignment = k_block_alignment) {
-    const start = this.#exports.malloc(bytes + alignment) >>> 0;
+    if (!(Number.isInteger(bytes) && bytes >= 0))
+      throw new Error(
+        `sandglass: allocate takes a whole number of bytes, not ${bytes}. Pass byteLength of a typed array.`,
+      );
+    // malloc would take a larger size modulo 2^32.
+    const start = bytes < k_address_space - alignment ? this.#exports.malloc(bytes + alignment) >>> 0 : 0;
     if (start === 0) throw new Error(`sandglass: there is no memory for ${bytes} bytes. Make the scene smaller.`);
     const at = Math.ceil(start / alignment) * alignment;
     new Uint8Array(this.memory.buffer, at, bytes).fill(0);
@@ -398,6 +406,10 @@ class Sandglass {
 
   // Copies a typed array into the module's memory and gives the address.
   put(array) {
+    if (!ArrayBuffer.isView(array))
+      throw new Error(
+        "sandglass: put takes a typed array, whose numbers have a size. Make one: Float32Array.from(array).",
+      );
     const at = this.allocate(array.byteLength);
     new Uint8Array(this.memory.buffer, at).set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
     return at;

@@ -8,7 +8,12 @@ import type {
   sandglass_room_light,
 } from "sandglass";
 
-type Triple = ArrayLike<number>;
+/** An array, or a vector of a renderer or of WebXR. */
+export type Triple = ArrayLike<number> | { readonly x: number; readonly y: number; readonly z: number };
+/** A rotation, not all 0. Angles (Euler) are none. */
+export type Quadruple =
+  | ArrayLike<number>
+  | { readonly x: number; readonly y: number; readonly z: number; readonly w: number };
 export interface StageOptions {
   sand?: Sandglass;
   source?: URL | string | BufferSource | WebAssembly.Module;
@@ -23,39 +28,47 @@ export interface SandOptions extends Values<sandglass_granular_desc> {
   particles?: number;
   radius?: number;
 }
+/** Finite, up to 1000 km from the world's origin. */
 export interface Pose {
   position: Triple;
-  rotation: ArrayLike<number>;
+  rotation: Quadruple;
 }
+/** Three numbers a vertex, three indices a triangle. */
 export interface Mesh {
-  positions: Float32Array;
-  indices: Uint32Array;
+  positions: ArrayLike<number>;
+  indices: ArrayLike<number>;
 }
+/** Models that throw shadows have 1,000,000 triangles at most, all together. */
 export interface ModelOptions {
   shadow?: boolean;
   collide?: boolean;
 }
+/** At most 8. `radius`: from that of a particle to 100 times as much; `speed`: at most 100. */
 export interface Nozzle {
   position: Triple;
-  rotation?: ArrayLike<number>;
+  rotation?: Quadruple;
   radius?: number;
   speed?: number;
 }
+/** At most 31. */
 export interface Ball {
   position: Triple;
   radius: number;
   velocity?: Triple;
 }
-/** RGBA bytes, the upper row first. */
+/** RGBA bytes, 4 * width * height of them, the upper row first. */
 export interface Image {
-  data: ArrayLike<number>;
+  data: Uint8Array | Uint8ClampedArray | number[];
   width: number;
   height: number;
 }
+/** How a camera sees, by its projection matrix P (column-major). `diagonal`: degrees, 2 atan(hypot(1 / P[0], 1 / P[5])); 75 if
+ * not given. `centre`: P[8] and P[9], 0 where its axis meets the middle of the image. */
 export interface View {
-  orientation?: ArrayLike<number>;
+  orientation?: Quadruple;
   position?: Triple;
   diagonal?: number;
+  centre?: ArrayLike<number>;
   exposure?: number;
   ms?: number;
 }
@@ -127,6 +140,8 @@ export interface Drawn {
   skyKnown: number;
   /** How many textures show what was. */
   behind: number;
+  /** Fields of models that are not made yet: nothing is poured before they are. */
+  fieldsLeft: number;
   milliseconds: number;
   particles: number;
   /** null: as before. Without sand neither this nor the two below are there. */
@@ -140,8 +155,10 @@ interface Methods {
   createSand(options?: SandOptions): { radius: number };
   /** Gives the number that move() and remove() take. */
   addModel(model: Mesh & Pose, options?: ModelOptions): number;
-  move(model: number, position: Triple, rotation: ArrayLike<number>): void;
+  move(model: number, position: Triple, rotation: Quadruple): void;
   remove(model: number): void;
+  /** Whether it throws a shadow from now on. */
+  setShadow(model: number, shadow: boolean): void;
   pour(...nozzles: Nozzle[]): void;
   push(...balls: Ball[]): void;
   see(image: Image, view?: View): void;
@@ -190,13 +207,20 @@ export declare class Stage {
   /** What was seen is of another frame of the world. */
   forget(): void;
   fade(seconds: number): Light;
+  /** Ends the threads of a module that create() loaded. No call may follow. */
+  end(): void;
   /** Shadows of a light: towards the main one, the cells (sandglass_room_light.ambient_cells) where the rest comes from,
    * and its diameter, radians; 0: not known. */
   shade(toLight: Triple, cells: number[] | Float32Array, diameter?: number): void;
   /** The cells above the wall. */
   shadeWall(cells: number[] | Float32Array): void;
 }
+/** Where it is made, there have to be workers: not under node, and not in a service worker. A call that is refused rejects. */
 export type WorkerStage = {
   [Name in keyof Methods]: (...values: Parameters<Methods[Name]>) => Promise<ReturnType<Methods[Name]>>;
-} & { readonly fields: Promise<unknown> };
+} & {
+  readonly fields: Promise<unknown>;
+  /** Ends the worker. What is under way, and what is called afterwards, is refused. */
+  end(): void;
+};
 export declare const WorkerStage: { create(options?: StageOptions): Promise<WorkerStage> };

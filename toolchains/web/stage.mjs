@@ -3,22 +3,39 @@
 // in metres. sandglass/worker has the same methods in a Worker.
 import { load, constants } from "./sandglass.mjs";
 import { SkinChanges } from "./skin_changes.mjs";
-import { checked, k_model_options, k_nozzle_options, k_options, k_sand_options } from "./options.mjs";
-import { fieldOf, made, matrixOf } from "./mesh_field.mjs";
+import {
+  ballsOf,
+  checked,
+  k_balls,
+  k_model_options,
+  k_nozzles,
+  k_options,
+  k_sand_options,
+  k_view_options,
+  nozzlesOf,
+  numbersOf,
+  poseOf,
+} from "./options.mjs";
+import { checkedMesh, fieldOf, made, matrixOf } from "./mesh_field.mjs";
 import { PlaceLight } from "./place_light.mjs";
 import { StageShadows } from "./stage_shadows.mjs";
 import { fieldMade } from "./worker.mjs";
 
-const k_colliders = 64;
-const k_nozzles = 8;
 const k_models = 32;
+const k_colliders = 1 + k_models + k_balls; // with the floor
 const k_streams = 3; // of nozzles, that are drawn
+const k_most_particles = 4e6;
+const k_finest = 0.0001; // metres, of a particle
+const k_coarsest = 10;
+const k_widest = 99; // particles, of a nozzle's radius
+const k_fastest = 100; // metres a second, of a nozzle
 const k_fade = 5; // seconds after an image in which light and shadows are told anew
 const k_friction = { static_friction: 0.6, kinetic_friction: 0.55 };
 const k_still = { rotation: [0, 0, 0, 1], size: [1, 1, 1], linear_velocity: [0, 0, 0], field: 0, id: 0 };
 
 export class Stage {
   #options;
+  #loaded = false; // its module, by create()
   #models = new Map();
   #next = 1; // number of a model
   #moved = false;
@@ -44,13 +61,18 @@ export class Stage {
   static async create(options = {}) {
     checked("createStage", options, k_options);
     const { sand, source, threads = 1, ...own } = options;
-    return new Stage(sand ?? (await load(source, { threads })), own);
+    const stage = new Stage(sand ?? (await load(source, { threads })), own);
+    stage.#loaded = !sand;
+    return stage;
+  }
+  end() {
+    if (this.#loaded) this.sand.end();
   }
 
   constructor(sand, { origin = [0, 0, 0], half = 0.64, budget = 8, reflections = false } = {}) {
     this.sand = sand;
-    this.#options = { origin, half };
-    this.#light = new PlaceLight(sand, origin, reflections);
+    this.#options = { origin: numbersOf(origin, 3), half };
+    this.#light = new PlaceLight(sand, this.#options.origin, reflections);
     this.#shadows = new StageShadows(sand, this.#options, k_models);
     this.#report = sand.make("sandglass_frame_report");
     this.#colliders = sand.array("sandglass_collider", k_colliders);
@@ -65,19 +87,24 @@ export class Stage {
     this.#newScene({});
   }
 
+  // What is refused leaves the scene and the skin as they were.
   #newScene(granular) {
     const { sand } = this;
-    if (this.#scene) sand.destroy(this.#scene);
-    this.#scene = made(sand, "sandglass_scene", (desc) => {
-      desc.granular.set({ ...granular, collider_capacity: k_colliders, emitter_capacity: k_nozzles });
-      if (granular.particle_capacity) this.#newSkin(desc.granular);
-      return { clock: sand.sandglass_clock_system(), parallel: sand.parallel };
-    });
-    this.#input.skin = this.#skin;
-  }
-  #newSkin(granular) {
-    if (this.#skin) this.sand.destroy(this.#skin);
-    this.#skin = made(this.sand, "sandglass_skin", {}, granular);
+    let skin = 0;
+    let scene;
+    try {
+      scene = made(sand, "sandglass_scene", (desc) => {
+        desc.granular.set({ ...granular, collider_capacity: k_colliders, emitter_capacity: k_nozzles });
+        if (granular.particle_capacity) skin = made(sand, "sandglass_skin", {}, desc.granular);
+        return { clock: sand.sandglass_clock_system(), parallel: sand.parallel };
+      });
+    } catch (error) {
+      sand.destroy(skin);
+      throw error;
+    }
+    for (const before of [this.#scene, this.#skin]) sand.destroy(before);
+    this.#scene = scene;
+    this.#input.skin = this.#skin = skin;
   }
 
   // ---- Sand
@@ -86,8 +113,19 @@ export class Stage {
   // there is gone.
   createSand({ particles = 3000, radius = 0.006, ...granular } = {}) {
     checked("createSand", { particles, radius }, k_sand_options);
-    this.#newScene({ particle_capacity: particles, particle_radius: radius, ...k_friction, ...granular });
-    this.#shadows.newPile();
+    if (particles > k_most_particles || radius < k_finest || radius > k_coarsest)
+      throw new Error(
+        `sandglass: createSand makes no ${particles} particles of ${radius} m. ` +
+          `Pass at most ${k_most_particles}, of a radius from ${k_finest} to ${k_coarsest} m.`,
+      );
+    const pile = this.#shadows.madePile();
+    try {
+      this.#newScene({ particle_capacity: particles, particle_radius: radius, ...k_friction, ...granular });
+    } catch (error) {
+      this.sand.destroy(pile);
+      throw error;
+    }
+    this.#shadows.takePile(pile);
     this.#fading = k_fade;
     this.#draw(this.#skin, radius);
     for (const model of this.#models.values()) this.#giveField(model);
@@ -101,7 +139,7 @@ export class Stage {
   // Draws the sand of a scene that is not the stage's.
   showSand(skin, radius) {
     if (this.#shadows.hasPile) this.#shadows.refresh();
-    else this.#shadows.newPile();
+    else this.#shadows.takePile(this.#shadows.madePile());
     this.#draw(skin, radius);
   }
   // What the frames of such a scene take, so that they make the stage's shadows.
@@ -116,15 +154,20 @@ export class Stage {
   // Nozzles that are open from now on: { position, rotation, radius, speed }; none closes them.
   pour(...nozzles) {
     if (!this.#radius) throw new Error("sandglass: there is no sand to pour. Call createSand first.");
-    for (const nozzle of nozzles) checked("a nozzle", { position: null, ...nozzle }, k_nozzle_options);
     const usual = { rotation: [0, 0, 0, 1], radius: 4 * this.#radius, speed: 0.8 };
-    this.#nozzles = nozzles
-      .slice(0, k_nozzles)
-      .map((nozzle) => ({ ...usual, ...nozzle, position: Array.from(nozzle.position) }));
+    const taken = nozzlesOf(nozzles).map((nozzle) => ({ ...usual, ...nozzle }));
+    const widest = +(k_widest * this.#radius).toPrecision(3);
+    for (const { radius, speed } of taken)
+      if (radius < this.#radius || radius > widest || speed > k_fastest)
+        throw new Error(
+          `sandglass: a nozzle of radius ${radius} and speed ${speed} does not pour. ` +
+            `Pass a radius from ${this.#radius} to ${widest} m, and at most ${k_fastest} m/s.`,
+        );
+    this.#nozzles = taken;
   }
   // Balls that push sand from now on: { position, radius, velocity }.
   push(...balls) {
-    this.#hands = balls.slice(0, k_colliders - 1 - k_models);
+    this.#hands = ballsOf(balls);
   }
 
   // ---- Models
@@ -132,43 +175,41 @@ export class Stage {
   // A mesh in its own frame (metres, its present size) and its pose. `shadow`: it throws one. `collide`: sand lies on it, as
   // soon as a worker has made its field; `fields` resolves then, and nothing is poured before. Gives the number that move()
   // and remove() take.
-  addModel({ positions, indices, position, rotation }, options = {}) {
+  addModel({ position, rotation, ...mesh }, options = {}) {
     checked("addModel", options, k_model_options);
     const { shadow = true, collide = true } = options;
-    const count = indices.length / 3;
     if (this.#models.size === k_models)
       throw new Error(`sandglass: a stage holds ${k_models} models. Remove one, or join their meshes.`);
-    if (!(count > 0)) throw new Error("sandglass: the model has no triangles. Add an object that has a mesh.");
-    const low = [Infinity, Infinity, Infinity];
-    const high = low.map((x) => -x);
-    positions.forEach((x, i) => {
-      low[i % 3] = Math.min(low[i % 3], x);
-      high[i % 3] = Math.max(high[i % 3], x);
-    });
-    const model = {
-      position,
-      rotation,
-      shadow,
-      collide,
-      count,
-      vertices: positions.length / 3,
-      positions: this.sand.put(positions),
-      indices: this.sand.put(indices),
-      field: 0,
-      side: Math.max(...high.map((x, k) => x - low[k])),
-    };
+    const { positions, indices, ...known } = checkedMesh(mesh);
+    const pose = poseOf("addModel", position, rotation);
+    const blocks = [];
+    try {
+      if (shadow) this.#makeRoom(2, this.#triangles + known.count);
+      for (const array of [positions, indices]) blocks.push(this.sand.put(array));
+    } catch (error) {
+      for (const block of blocks) this.sand.free(block);
+      throw error;
+    }
+    const model = { ...known, ...pose, shadow, collide, positions: blocks[0], indices: blocks[1], field: 0 };
     this.#models.set(this.#next, model);
     this.#moved = true;
-    this.#makeRoom(2);
     this.#giveField(model);
     return this.#next++;
+  }
+  #model(number) {
+    const model = this.#models.get(number);
+    if (!model) throw new Error(`sandglass: there is no model ${number}. Pass a number that addModel gave.`);
+    return model;
   }
   get #casting() {
     return [...this.#models].filter(([, { shadow }]) => shadow);
   }
-  // For the triangles of what casts: a triangle that the floor cuts may need room for two.
-  #makeRoom(needed) {
-    const triangles = this.#casting.reduce((sum, [, { count }]) => sum + count, 0);
+  get #triangles() {
+    return this.#casting.reduce((sum, [, { count }]) => sum + count, 0);
+  }
+  // For the triangles of what casts: one that the floor cuts may need room for two.
+  #makeRoom(needed, triangles) {
+    this.#shadows.refuseMany(triangles);
     if (!this.#shadows.fits(needed * triangles)) this.reserve(4 * triangles);
   }
   reserve(triangles) {
@@ -187,7 +228,7 @@ export class Stage {
     };
     const here = typeof Worker === "undefined";
     const field = here
-      ? Promise.resolve(fieldOf(sand, mesh, this.#radius))
+      ? new Promise((done) => done(fieldOf(sand, mesh, this.#radius)))
       : fieldMade(sand.module, mesh, this.#radius);
     const taken = field.then(
       (bytes) => {
@@ -195,7 +236,7 @@ export class Stage {
       },
       ({ message }) => {
         const instead = "Add it with { collide: false }, or take smaller sand.";
-        throw new Error(`sandglass: sand cannot lie on a model: ${message} ${instead}`);
+        throw new Error(`sandglass: sand cannot lie on a model: ${message.replace(/^sandglass: /, "")} ${instead}`);
       },
     );
     ++this.#unmade;
@@ -210,21 +251,31 @@ export class Stage {
   }
 
   move(number, position, rotation) {
-    Object.assign(this.#models.get(number), { position, rotation });
+    Object.assign(this.#model(number), poseOf("move", position, rotation));
     this.#moved = true;
   }
   remove(number) {
-    const model = this.#models.get(number);
+    const model = this.#model(number);
     this.#models.delete(number);
     this.#castModels();
     for (const block of [model.positions, model.indices, model.field]) this.sand.free(block);
     model.count = 0;
   }
 
+  // Whether a model throws a shadow from now on.
+  setShadow(number, shadow) {
+    const model = this.#model(number);
+    if (shadow && !model.shadow) this.#makeRoom(2, this.#triangles + model.count);
+    model.shadow = shadow;
+    this.#moved = true;
+  }
   // These models throw shadows from now on, and no others.
   castOnly(...numbers) {
+    this.#makeRoom(
+      1,
+      numbers.reduce((sum, number) => sum + (this.#models.get(number)?.count ?? 0), 0),
+    );
     for (const [number, model] of this.#models) model.shadow = numbers.includes(number);
-    this.#makeRoom(1);
     this.#castModels();
   }
   #castModels() {
@@ -244,9 +295,8 @@ export class Stage {
   // RGBA bytes, the upper row first, of a camera that looks along -z of `orientation`. The first image is taken as it is;
   // light of later ones fades in.
   see(image, view = {}) {
-    const usual = { orientation: [0, 0, 0, 1], position: [0, 0, 0], diagonal: 75, exposure: 0, ms: performance.now() };
-    const told = Object.entries(view).filter(([, value]) => value !== undefined);
-    this.#light.see(image, { ...usual, ...Object.fromEntries(told) });
+    const usual = { orientation: [0, 0, 0, 1], position: [0, 0, 0], diagonal: 75, centre: [0, 0], exposure: 0 };
+    this.#light.see(image, { ...usual, ms: performance.now(), ...checked("see", view, k_view_options) });
     this.#fading = k_fade;
   }
   get images() {
@@ -264,7 +314,7 @@ export class Stage {
 
   // Something is placed there. It begins in the light that is known; the fade is for what has stood there.
   stand(position) {
-    this.#light.stand(position);
+    this.#light.stand(numbersOf(position, 3));
   }
   // For another frame of the world.
   forget() {
@@ -278,7 +328,7 @@ export class Stage {
   }
   // Shadows of a light: towards the main one, the cells where the rest comes from, and how large it is, radians; 0: not known.
   shade(toLight, cells, diameter = 0) {
-    this.#shadows.setLight(toLight, cells, diameter);
+    this.#shadows.setLight(numbersOf(toLight, 3), cells, diameter);
   }
   shadeWall(cells) {
     this.#shadows.setWallCells(cells);
@@ -288,6 +338,8 @@ export class Stage {
 
   // So many seconds go by. Gives what drawn() says.
   frame(seconds) {
+    if (!(seconds >= 0 && seconds < Infinity))
+      throw new Error("sandglass: frame takes the seconds since the last frame.");
     if (this.#fading > 0) {
       this.#fading -= seconds;
       this.#shown_light = this.fade(seconds);
@@ -328,6 +380,7 @@ export class Stage {
       light,
       ...this.#shadows.drawn(this.#casting, sandy),
       behind: this.#shadows.behind,
+      fieldsLeft: this.#unmade,
       milliseconds: time.elapsed_ns / 1e6,
       particles: sand.particles,
     };

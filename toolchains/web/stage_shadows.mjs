@@ -13,6 +13,7 @@ const k_pile_textures = ["pile", "onSand", "sky", "skyOnSand"]; // in the order 
 const k_no_boxes = { shadow: [0, 0, 0, 0], occlusion: [2, 2, 0, 0] };
 const k_coarse = 0.125; // of the smallest model's side: texels are as large as that at most, or it is said
 const k_triangles = 4096; // of the models that cast, before more are needed
+const k_most_triangles = 1e6; // of cast.h
 
 const scalar_product = (a, b) => a.reduce((sum, c, k) => sum + c * b[k], 0);
 
@@ -46,64 +47,97 @@ export class StageShadows {
     this.#setPlane(0, { origin: area.origin });
   }
 
+  // What is refused leaves the planes and the casts as they were.
   #setPlane(which, fields) {
     const sand = this.#sand;
-    this.#cast_planes[which] ??= sand.make("sandglass_cast_plane");
-    sand.sandglass_cast_plane_default(this.#cast_planes[which]);
-    this.#cast_planes[which].set(fields);
-    if (!this.#casts[which]) this.#newCast(which);
-    sand.sandglass_cast_set_plane(this.#casts[which], this.#cast_planes[which]);
+    const plane = sand.make("sandglass_cast_plane");
+    const cast = this.#casts[which] ?? this.#madeCast(this.#triangles);
+    try {
+      sand.sandglass_cast_plane_default(plane);
+      plane.set(fields);
+      sand.sandglass_cast_set_plane(cast, plane);
+    } catch (error) {
+      sand.free(plane);
+      if (cast !== this.#casts[which]) sand.destroy(cast);
+      throw error;
+    }
+    sand.free(this.#cast_planes[which]);
+    this.#cast_planes[which] = plane;
+    this.#setCast(which, cast);
   }
-  #newCast(which) {
-    const sand = this.#sand;
-    if (this.#casts[which]) sand.destroy(this.#casts[which]);
-    this.#casts[which] = made(sand, "sandglass_cast", {
+  #madeCast(triangles) {
+    return made(this.#sand, "sandglass_cast", {
       texels: k_texels.shadow,
       ambient_texels: k_texels.occlusion,
       mesh_capacity: this.#capacity,
       reach: 0, // all models cast
-      triangle_capacity: this.#triangles,
+      triangle_capacity: triangles,
     });
-    sand.view().setUint32(this.#list + 4 * which, this.#casts[which], true);
+  }
+  #setCast(which, cast) {
+    this.#casts[which] = cast;
+    this.#sand.view().setUint32(this.#list + 4 * which, cast, true);
   }
 
   fits(triangles) {
     return triangles <= this.#triangles;
   }
-  // Room for so many triangles. Says whether casts were made anew, which know no light and no models.
+  refuseMany(triangles) {
+    if (triangles <= k_most_triangles) return;
+    const [most, all] = [k_most_triangles, triangles].map((x) => x.toLocaleString("en"));
+    throw new Error(
+      `sandglass: models that throw shadows have ${most} triangles at most, all together, and these have ${all}. ` +
+        "Simplify a model, or add it with { shadow: false }.",
+    );
+  }
+  // Room for so many triangles, as far as there can be. Says whether casts were made anew, which know no light and no models.
   reserve(triangles) {
-    if (this.fits(triangles)) return false;
-    this.#triangles = triangles;
-    for (const which of this.#casts.keys()) {
-      this.#newCast(which);
-      this.#sand.sandglass_cast_set_plane(this.#casts[which], this.#cast_planes[which]);
+    if (this.fits(triangles) || this.#triangles === k_most_triangles) return false;
+    const sand = this.#sand;
+    const room = Math.min(k_most_triangles, triangles);
+    const casts = [];
+    try {
+      for (const plane of this.#cast_planes) {
+        casts.push(this.#madeCast(room));
+        sand.sandglass_cast_set_plane(casts.at(-1), plane);
+      }
+    } catch (error) {
+      for (const cast of casts) sand.destroy(cast);
+      throw error;
     }
+    for (const cast of this.#casts) sand.destroy(cast);
+    casts.forEach((cast, which) => this.#setCast(which, cast));
+    this.#triangles = room;
     return true;
   }
 
   // Says whether a cast was made, which knows no light and no models.
   setWall(wall) {
-    this.#walled = wall !== null;
-    if (!wall) return false;
-    const { x, y, z, at, low, high } = wall;
     const before = this.#casts.length;
-    this.#setPlane(1, { origin: at, normal: y, along: x, low, high });
-    this.#planes[1] = { x, z, at };
+    if (wall) {
+      const { x, y, z, at, low, high } = wall;
+      this.#setPlane(1, { origin: at, normal: y, along: x, low, high });
+      this.#planes[1] = { x, z, at };
+    }
+    this.#walled = wall !== null;
     return this.#casts.length > before;
   }
 
-  // Shadows of sand, of which none was there.
-  newPile() {
+  // For shadows of sand, of which none was there: until takePile, all is as it was.
+  madePile() {
     const [x, y, z] = this.#area.origin;
     const { half } = this.#area;
-    if (this.#pile) this.#sand.destroy(this.#pile);
-    this.#pile = made(this.#sand, "sandglass_pile_shadow", {
+    return made(this.#sand, "sandglass_pile_shadow", {
       low: [x - half, z - half],
       high: [x + half, z + half],
       floor: y,
       texels: k_texels.pile,
       sky_texels: k_texels.sky,
     });
+  }
+  takePile(pile) {
+    this.#sand.destroy(this.#pile);
+    this.#pile = pile;
     this.#shown = {};
   }
   get hasPile() {

@@ -6,6 +6,7 @@ import { GlslLook } from "./three_glsl.mjs";
 import { NodeLook } from "./three_nodes.mjs";
 import { ThreeSand } from "./three_sand.mjs";
 import { checked } from "./options.mjs";
+import { frustumOf } from "./place_light.mjs";
 
 // `renderer` and `scene` are needed; `worker`: the stage runs in a Worker; else options of Stage.create.
 export async function createStage(THREE, { renderer, scene, ...options } = {}) {
@@ -35,52 +36,111 @@ class ThreeStage extends Engine {
       : new GlslReceiver(THREE);
   }
 
-  rigid(object) {
+  poseOf(object) {
     const { Vector3, Quaternion } = this.THREE;
     const position = new Vector3();
     const rotation = new Quaternion();
     object.updateWorldMatrix(true, false);
     object.matrixWorld.decompose(position, rotation, new Vector3());
-    return { position, rotation };
-  }
-  poseOf(object) {
-    const { position, rotation } = this.rigid(object);
     return { position: position.toArray(), rotation: rotation.toArray() };
   }
-  meshOf(object) {
-    const { Vector3, Matrix4 } = this.THREE;
-    const { position, rotation } = this.rigid(object);
-    const from = new Matrix4().compose(position, rotation, new Vector3(1, 1, 1)).invert();
-    const parts = [];
-    const v = new Vector3();
-    object.updateMatrixWorld(true);
-    object.traverse((mesh) => {
-      if (!mesh.isMesh) return;
-      const {
-        index,
-        attributes: { position },
-      } = mesh.geometry;
-      const as_it_is =
-        position.array instanceof Float32Array &&
-        position.isBufferAttribute &&
-        !mesh.isSkinnedMesh &&
-        !mesh.morphTargetInfluences;
-      const positions = as_it_is ? position.array : new Float32Array(3 * position.count);
-      if (!as_it_is) for (let i = 0; i < position.count; ++i) mesh.getVertexPosition(i, v).toArray(positions, 3 * i);
-      parts.push({ positions, corners: index?.array, matrix: from.clone().multiply(mesh.matrixWorld).elements });
+  isShown(object) {
+    let one = object;
+    while (one?.visible && one !== this.scene) one = one.parent;
+    return one?.visible === true;
+  }
+  // The meshes of an object that are seen where it is: no hidden child, of a LOD its present level, and none whose places
+  // a shader makes, as of thick lines.
+  meshesOf(object) {
+    const meshes = [];
+    const visit = (one) => {
+      const { isMesh, geometry, isLOD, children } = one;
+      if (isMesh && geometry?.getAttribute("position") && !geometry.isInstancedBufferGeometry) meshes.push(one);
+      const level = isLOD && one.levels[one.getCurrentLevel()]?.object;
+      for (const child of children) if (level ? child === level : child.visible) visit(child);
+    };
+    object.updateWorldMatrix(true, true);
+    visit(object);
+    return meshes;
+  }
+  toStageOf({ position, rotation }) {
+    const { Vector3, Quaternion, Matrix4 } = this.THREE;
+    return new Matrix4().compose(new Vector3(...position), new Quaternion(...rotation), new Vector3(1, 1, 1)).invert();
+  }
+  meshOf(object, pose) {
+    const from = this.toStageOf(pose);
+    const parts = this.meshesOf(object).flatMap((mesh) => {
+      const to = from.clone().multiply(mesh.matrixWorld);
+      return this.copiesOf(mesh).map(({ matrix, start, count }) => ({
+        ...this.trianglesOf(mesh, start, count),
+        matrix: (matrix ? to.clone().multiply(matrix) : to).elements,
+      }));
     });
     return oneMesh(parts);
   }
-  cameraOf(camera) {
-    if (!camera.isPerspectiveCamera)
-      throw new Error(`sandglass: see needs a PerspectiveCamera, not this ${camera.type}.`);
-    const { position, rotation } = this.poseOf(camera);
-    const { fov = 50, aspect = 1 } = camera;
-    return {
-      position,
-      orientation: rotation,
-      diagonal: (360 / Math.PI) * Math.atan(Math.hypot(1, aspect) * Math.tan((fov * Math.PI) / 360)),
+  // How often a mesh is drawn: each time by a matrix of its own, and a range of its triangles.
+  copiesOf(mesh) {
+    const { Matrix4 } = this.THREE;
+    const { start, count } = mesh.geometry.drawRange;
+    if (mesh.isInstancedMesh)
+      return Array.from({ length: mesh.count }, (_, i) => {
+        const matrix = new Matrix4();
+        mesh.getMatrixAt(i, matrix);
+        return { matrix, start, count };
+      });
+    if (!mesh.isBatchedMesh) return [{ start, count }];
+    const copies = [];
+    for (let i = 0, left = mesh.instanceCount; left > 0 && i < mesh.maxInstanceCount; ++i) {
+      try {
+        const seen = mesh.getVisibleAt(i);
+        --left;
+        if (seen)
+          copies.push({
+            matrix: mesh.getMatrixAt(i, new Matrix4()),
+            ...mesh.getGeometryRangeAt(mesh.getGeometryIdAt(i)),
+          });
+      } catch {
+        // an instance that was deleted
+      }
+    }
+    return copies;
+  }
+  // A range of a mesh's triangles, bent as it is drawn: by its bones and morph targets.
+  trianglesOf(mesh, start, count) {
+    const {
+      index,
+      attributes: { position },
+    } = mesh.geometry;
+    const all = index ? index.count : position.count;
+    const end = Math.min(all, start + count);
+    const bent = mesh.isSkinnedMesh || mesh.morphTargetInfluences;
+    const v = new this.THREE.Vector3();
+    const placesOf = (length, vertexAt) => {
+      const places = new Float32Array(3 * length);
+      for (let i = 0; i < length; ++i) mesh.getVertexPosition(vertexAt(i), v).toArray(places, 3 * i);
+      return places;
     };
+    if (start > 0 || end < all)
+      return {
+        positions: placesOf(3 * Math.max(0, Math.floor((end - start) / 3)), (i) => index?.getX(start + i) ?? start + i),
+      };
+    const plain = !bent && position.isBufferAttribute && position.array instanceof Float32Array;
+    return { positions: plain ? position.array : placesOf(position.count, (i) => i), corners: index?.array };
+  }
+  // What the mesh of an object depends on, but for its pose.
+  shapeOf(object, pose) {
+    const from = this.toStageOf(pose);
+    const to = new this.THREE.Matrix4();
+    return this.meshesOf(object).flatMap((mesh) => [
+      ...[mesh, ...(mesh.skeleton?.bones ?? [])].flatMap((one) => to.multiplyMatrices(from, one.matrixWorld).toArray()),
+      ...(mesh.morphTargetInfluences ?? []),
+      mesh.count ?? 1,
+      mesh.instanceMatrix?.version ?? 0,
+    ]);
+  }
+  cameraOf(camera) {
+    const { position, rotation } = this.poseOf(camera);
+    return { position, orientation: rotation, ...frustumOf(camera.projectionMatrix?.elements) };
   }
 
   // The material of a surface that shadows fall on. It stays as it is otherwise. With `shadowOnly` it is seen through but for
@@ -112,8 +172,8 @@ class ThreeStage extends Engine {
   }
 
   leave() {
-    this.receiver.end();
     for (const one of [this.probe, this.sun, this.sun.target, this.sand?.group]) one?.removeFromParent();
+    this.receiver.end(); // materials get no shadows any more
   }
   show(drawn, changed) {
     const { toLight, facing, radiance } = drawn.light;

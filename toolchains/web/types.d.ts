@@ -42,11 +42,13 @@ export interface Sandglass extends Functions {
   view(): DataView;
   /** How many threads the pool has, the calling one included. */
   readonly threads: number;
+  /** Ends the pool's other threads. No call may follow. */
+  end(): void;
   /** Tasks that other threads did, modulo 2^32. */
   readonly helped: number;
   /** The pool, for desc.parallel.set(). */
   readonly parallel: { run: Pointer; user: Pointer };
-  /** An aligned block of zeros. */
+  /** An aligned block of zeros, of a whole number of bytes. */
   allocate(bytes: number, alignment?: number): Pointer;
   free(block: Pointer | Struct): void;
   /** A new struct, with struct_size set where it has one, and `values` in its fields. */
@@ -74,6 +76,6 @@ export interface Sandglass extends Functions {
 /** Makes an instance of the library: from a URL, bytes or a module; without it, sandglass.wasm beside this file. `now`
  * is the clock of sandglass_clock_system(), in milliseconds; without it, performance.now(). With `threads` above 1 there
  * is a pool of so many, the calling one included, and the module is sandglass-threads.wasm. A page must be cross-origin
- * isolated for it. The workers live as long as the page. */
+ * isolated for it. The workers live until end(), or as long as the page. */
 export declare function load(source?: URL | string | BufferSource | WebAssembly.Module,
                              options?: { now?: () => number; threads?: number }): Promise<Sandglass>;

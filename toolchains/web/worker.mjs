@@ -4,66 +4,109 @@
 import { compile } from "./sandglass.mjs";
 import { structs, functions, constants } from "./abi.mjs";
 import { text } from "./worker_text.mjs";
+import { sandBlock } from "./sand_block.mjs";
+import { ballsOf, checked, k_ended, k_options, k_view_options, nozzlesOf, poseOf } from "./options.mjs";
 
+const k_own_worker = false; // in that text: true
+const k_policy = "Allow worker-src blob: in the page's policy.";
 let worker_url, field_worker;
 
-// Gives a function that calls a command of worker_commands.mjs and promises its result. A worker opens workers of its own text.
-export function openWorker() {
-  worker_url ??=
-    typeof document === "undefined"
-      ? location.href
-      : URL.createObjectURL(
-          new Blob(
-            [
-              `const structs = ${JSON.stringify(structs)}, functions = ${JSON.stringify(functions)}, constants = ${JSON.stringify(constants)};\n`,
-              text,
-            ],
-            { type: "text/javascript" },
-          ),
-        );
-  const worker = new Worker(worker_url, { type: "module" });
-  const waiting = new Map();
-  let last = 0;
-  worker.onmessage = ({ data: { id, result, error } }) => {
-    const { done, failed } = waiting.get(id);
-    waiting.delete(id);
-    if (error === undefined) done(result);
-    else failed(new Error(error));
-  };
-  worker.onerror = ({ message }) => {
-    for (const { failed } of waiting.values())
-      failed(new Error(`sandglass: a worker does not start: ${message}. Allow worker-src blob: in the page's policy.`));
-  };
-  return Object.assign(
-    (command, ...values) =>
-      new Promise((done, failed) => {
-        waiting.set(++last, { done, failed });
-        worker.postMessage({ id: last, command, values });
-      }),
-    { end: () => worker.terminate() },
+const urlOfText = () =>
+  URL.createObjectURL(
+    new Blob(
+      [
+        `const structs = ${JSON.stringify(structs)}, functions = ${JSON.stringify(functions)}, constants = ${JSON.stringify(constants)};\n`,
+        text,
+      ],
+      { type: "text/javascript" },
+    ),
   );
+
+// A worker of that text. It opens workers of its own text itself.
+function newTextWorker() {
+  if (typeof Worker === "undefined")
+    throw new Error("sandglass: there are no workers here, as under node. Take Stage of sandglass/stage instead.");
+  try {
+    worker_url ??= k_own_worker ? location.href : urlOfText();
+    return new Worker(worker_url, { type: "module" });
+  } catch (cause) {
+    throw new Error(`sandglass: a worker does not start: ${cause.message}. ${k_policy}`, { cause });
+  }
 }
 
-const fieldWorker = () => (field_worker ??= openWorker());
+// Gives a function that calls a command of worker_commands.mjs and promises its result, until `end` or a failure of the
+// worker itself: then `ended` is the reason, with which all promises are answered.
+export function openWorker() {
+  const worker = newTextWorker();
+  const waiting = new Map();
+  let last = 0;
+  const call = (command, ...values) =>
+    new Promise((done, failed) => {
+      if (call.ended) throw call.ended;
+      worker.postMessage({ id: ++last, command, values });
+      waiting.set(last, { done, failed });
+    });
+  call.end = (reason) => {
+    call.ended ??= new Error(reason);
+    worker.terminate();
+    for (const { failed } of waiting.values()) failed(call.ended);
+    waiting.clear();
+  };
+  worker.onmessage = ({ data: { id, result, error } }) => {
+    const promise = waiting.get(id);
+    waiting.delete(id);
+    if (error === undefined) promise?.done(result);
+    else promise?.failed(new Error(error));
+  };
+  worker.onerror = ({ message }) =>
+    call.end(`sandglass: a worker does not run${message ? `: ${message}` : ""}. ${k_policy}`);
+  return call;
+}
+
+function fieldWorker() {
+  if (!field_worker || field_worker.ended) field_worker = openWorker();
+  return field_worker;
+}
 export async function fieldMade(module, mesh, spacing) {
   return fieldWorker()("field", module, mesh, spacing);
 }
 export async function blockMade(bytes) {
-  return fieldWorker()("block", bytes);
+  return typeof Worker === "undefined" ? sandBlock(bytes) : fieldWorker()("block", bytes);
 }
 
 export class WorkerStage {
   // Options as for Stage.create.
-  static async create({ sand, source, ...options } = {}) {
+  static async create(options = {}) {
+    const { sand, source, ...own } = checked("createStage", options, k_options);
     const stage = new WorkerStage();
+    const module = sand?.module ?? (await compile(source, own.threads));
     stage.call = openWorker();
-    await stage.call("create", sand?.module ?? (await compile(source, options.threads)), options);
+    try {
+      await stage.call("create", module, own);
+    } catch (error) {
+      stage.end();
+      throw error;
+    }
     return stage;
   }
+  end() {
+    this.call.end(k_ended);
+  }
 }
-for (const name of ["createSand", "addModel", "move", "remove", "pour", "push", "see", "frame"])
-  WorkerStage.prototype[name] = function (...values) {
-    return this.call("stage", name, values);
+// What is sent is checked here, and vectors are made arrays: a copy in the worker is no vector.
+const k_sent = {
+  pour: (...nozzles) => nozzlesOf(nozzles),
+  push: (...balls) => ballsOf(balls),
+  addModel: ({ position, rotation, ...mesh }, options) => [
+    { ...mesh, ...poseOf("addModel", position, rotation) },
+    options,
+  ],
+  move: (model, position, rotation) => [model, ...Object.values(poseOf("move", position, rotation))],
+  see: (image, view = {}) => [image, checked("see", view, k_view_options)],
+};
+for (const name of ["createSand", "addModel", "move", "remove", "setShadow", "pour", "push", "see", "frame"])
+  WorkerStage.prototype[name] = async function (...values) {
+    return this.call("stage", name, k_sent[name]?.(...values) ?? values);
   };
 Object.defineProperty(WorkerStage.prototype, "fields", {
   get() {

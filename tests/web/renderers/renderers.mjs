@@ -27,7 +27,9 @@ export async function threeScene(kind, { renderer: options = {}, change = (drawn
   const canvas = frame.newCanvas();
   const how = { canvas, antialias: false, preserveDrawingBuffer: true, ...options };
   const renderer =
-    kind === "webgl" ? new THREE.WebGLRenderer(how) : new THREE.WebGPURenderer({ ...how, forceWebGL: kind !== "nodes" });
+    kind === "webgl"
+      ? new THREE.WebGLRenderer(how)
+      : new THREE.WebGPURenderer({ ...how, forceWebGL: kind !== "nodes" });
   renderer.setSize(side, side, false);
   const scene = new THREE.Scene();
   const camera = cameraOf(THREE);
@@ -48,7 +50,9 @@ async function babylonScene(kind, left) {
   const drawn = await frame.recorded();
   const canvas = frame.newCanvas();
   const gpu = kind === "nodes";
-  const engine = gpu ? new BABYLON.WebGPUEngine(canvas, { antialias: false }) : new BABYLON.Engine(canvas, false, { preserveDrawingBuffer: true });
+  const engine = gpu
+    ? new BABYLON.WebGPUEngine(canvas, { antialias: false })
+    : new BABYLON.Engine(canvas, false, { preserveDrawingBuffer: true });
   if (gpu) await engine.initAsync();
   const scene = new BABYLON.Scene(engine);
   scene.useRightHandedSystem = !left;
@@ -89,7 +93,10 @@ const k_faults = {
   "interpolated origin": {
     change: (drawn) => ({
       ...drawn,
-      skin: { ...drawn.skin, chunks: drawn.skin.chunks.map(({ indices, ...chunk }) => ({ ...chunk, indices: turnedCorners(indices) })) },
+      skin: {
+        ...drawn.skin,
+        chunks: drawn.skin.chunks.map(({ indices, ...chunk }) => ({ ...chunk, indices: turnedCorners(indices) })),
+      },
     }),
   },
   "linear for sRGB": { after: ({ renderer, THREE }) => (renderer.outputColorSpace = THREE.LinearSRGBColorSpace) },
@@ -122,8 +129,10 @@ function means(bytes, plain) {
 }
 const k_looks = {
   plain: () => {},
-  "ACES tones": ({ renderer, THREE }) => Object.assign(renderer, { toneMapping: THREE.ACESFilmicToneMapping, toneMappingExposure: 0.5 }),
-  "AgX tones": ({ renderer, THREE }) => Object.assign(renderer, { toneMapping: THREE.AgXToneMapping, toneMappingExposure: 0.5 }),
+  "ACES tones": ({ renderer, THREE }) =>
+    Object.assign(renderer, { toneMapping: THREE.ACESFilmicToneMapping, toneMappingExposure: 0.5 }),
+  "AgX tones": ({ renderer, THREE }) =>
+    Object.assign(renderer, { toneMapping: THREE.AgXToneMapping, toneMappingExposure: 0.5 }),
   fog: ({ scene, THREE }) => (scene.fog = new THREE.Fog(0x0000ff, 0.3, 1)),
   layers: ({ camera, group, ball }) => {
     camera.layers.set(1);
@@ -146,7 +155,8 @@ export async function besideABall(kind) {
   const found = {};
   for (const [name, change] of Object.entries(k_looks)) {
     change({ ...made, ball });
-    if (name.includes("tones") && kind === "webgl") scene.traverse((one) => one.material && (one.material.needsUpdate = true));
+    if (name.includes("tones") && kind === "webgl")
+      scene.traverse((one) => one.material && (one.material.needsUpdate = true));
     found[name] = means(await look(), plain);
     renderer.toneMapping = THREE.NoToneMapping;
     scene.fog = null;
@@ -162,19 +172,28 @@ export async function besideABall(kind) {
 // How many pixels are sand, in scenes in which it once was not there.
 const count = (bytes, [r, g, b] = [0x40, 0x50, 0x60]) => {
   let found = 0;
-  for (let i = 0; i < bytes.length; i += 4) if (Math.abs(bytes[i] - r) + Math.abs(bytes[i + 1] - g) + Math.abs(bytes[i + 2] - b) > 12) ++found;
+  for (let i = 0; i < bytes.length; i += 4)
+    if (Math.abs(bytes[i] - r) + Math.abs(bytes[i + 1] - g) + Math.abs(bytes[i + 2] - b) > 12) ++found;
   return found;
 };
 const k_scenes = {
   alone: () => {},
   "an occluder beneath": ({ THREE, scene }) => {
-    const plane = new THREE.Mesh(new THREE.PlaneGeometry(4, 4).rotateX(-Math.PI / 2), new THREE.MeshBasicMaterial({ colorWrite: false }));
+    const plane = new THREE.Mesh(
+      new THREE.PlaneGeometry(4, 4).rotateX(-Math.PI / 2),
+      new THREE.MeshBasicMaterial({ colorWrite: false }),
+    );
     plane.position.y = -0.01;
     plane.renderOrder = -1;
     scene.add(plane);
   },
   "a stencil test before": ({ THREE, scene }) => {
-    const material = new THREE.MeshBasicMaterial({ colorWrite: false, depthWrite: false, stencilWrite: true, stencilFunc: THREE.NeverStencilFunc });
+    const material = new THREE.MeshBasicMaterial({
+      colorWrite: false,
+      depthWrite: false,
+      stencilWrite: true,
+      stencilFunc: THREE.NeverStencilFunc,
+    });
     const mesh = new THREE.Mesh(new THREE.BoxGeometry(0.1, 0.1, 0.1), material);
     mesh.renderOrder = -1;
     scene.add(mesh);
@@ -195,7 +214,8 @@ const k_scenes = {
     wall.position.set(0.08, 0.25, 0.45);
     scene.add(wall);
   },
-  "half clipped": ({ renderer, THREE }) => (renderer.clippingPlanes = [new THREE.Plane(new THREE.Vector3(0, -1, 0), 0.04)]),
+  "half clipped": ({ renderer, THREE }) =>
+    (renderer.clippingPlanes = [new THREE.Plane(new THREE.Vector3(0, -1, 0), 0.04)]),
 };
 export async function counted(kind, name, options) {
   const made = await threeScene(kind, { renderer: options });
@@ -285,8 +305,13 @@ export async function floors() {
 function floorOf(THREE, kind, material) {
   const flat = (size) => new THREE.PlaneGeometry(size, size).rotateX(-Math.PI / 2);
   if (kind === "one" || kind === "twice") return new THREE.Mesh(flat(1.6), material);
-  const places = Array.from({ length: 16 }, (_, i) => new THREE.Matrix4().setPosition(0.4 * (i % 4) - 0.6, 0, 0.4 * (i >> 2) - 0.6));
-  const tiles = kind === "instanced" ? new THREE.InstancedMesh(flat(0.4), material, 16) : new THREE.BatchedMesh(16, 64, 96, material);
+  const places = Array.from({ length: 16 }, (_, i) =>
+    new THREE.Matrix4().setPosition(0.4 * (i % 4) - 0.6, 0, 0.4 * (i >> 2) - 0.6),
+  );
+  const tiles =
+    kind === "instanced"
+      ? new THREE.InstancedMesh(flat(0.4), material, 16)
+      : new THREE.BatchedMesh(16, 64, 96, material);
   const tile = kind === "batched" ? tiles.addGeometry(flat(0.4)) : 0;
   places.forEach((place, i) => tiles.setMatrixAt(kind === "batched" ? tiles.addInstance(tile) : i, place));
   return tiles;

@@ -9,7 +9,9 @@ export const side = 256;
 export const clear = [0.1, 0.2, 0.3]; // of the kit's picture
 export const eye = [0.1, 0.3, 0.6];
 export const target = [0.02, 0.06, 0];
-const k_box = [0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6, 0, 5, 1, 0, 4, 5, 1, 6, 2, 1, 5, 6, 2, 7, 3, 2, 6, 7, 3, 4, 0, 3, 7, 4];
+const k_box = [
+  0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6, 0, 5, 1, 0, 4, 5, 1, 6, 2, 1, 5, 6, 2, 7, 3, 2, 6, 7, 3, 4, 0, 3, 7, 4,
+];
 
 let frame;
 // Sand that is poured beside a box, under a sky that is light above.
@@ -18,7 +20,9 @@ export async function recorded() {
   const stage = await Stage.create({ budget: 1000 });
   const { radius } = await stage.createSand({ particles: 2000 });
   const [width, height] = [64, 48];
-  const data = Uint8ClampedArray.from({ length: 4 * width * height }, (_, i) => (i < 40 * width ? 250 : 90 + 10 * (i % 4)));
+  const data = Uint8ClampedArray.from({ length: 4 * width * height }, (_, i) =>
+    i < 40 * width ? 250 : 90 + 10 * (i % 4),
+  );
   stage.see({ data, width, height }, { position: [0, 1, 1], orientation: [-0.3, 0, 0, 0.954], diagonal: 70, ms: 0 });
   const corners = [-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1, -1, 2, -1, 1, 2, -1, 1, 2, 1, -1, 2, 1];
   const box = { positions: Float32Array.from(corners, (x) => 0.05 * x), indices: Uint32Array.from(k_box) };
@@ -31,7 +35,8 @@ export async function recorded() {
   let skin;
   for (let i = 0; i < 120; ++i) {
     drawn = stage.frame(1 / 60);
-    for (const [name, { side, bytes }] of Object.entries(drawn.textures)) textures[name] = { side, bytes: bytes.slice() };
+    for (const [name, { side, bytes }] of Object.entries(drawn.textures))
+      textures[name] = { side, bytes: bytes.slice() };
     for (const { number, vertices, indices } of drawn.skin?.chunks ?? [])
       chunks.set(number, { number, vertices: vertices.slice(), indices: indices.slice() });
     if (drawn.skin) skin = { ...drawn.skin, loose: drawn.skin.loose.slice() };
@@ -39,7 +44,15 @@ export async function recorded() {
   const rest = structuredClone({ ...drawn, skin: null, textures: {} });
   // Whatever the room's main light is, here it is strong.
   const light = { ...rest.light, facing: [2.4, 2.2, 1.9] };
-  frame = { ...rest, light, pileOpacity: 0.9, shadowOpacity: 0.9, radius, textures, skin: { ...skin, chunks: [...chunks.values()] } };
+  frame = {
+    ...rest,
+    light,
+    pileOpacity: 0.9,
+    shadowOpacity: 0.9,
+    radius,
+    textures,
+    skin: { ...skin, chunks: [...chunks.values()] },
+  };
   return frame;
 }
 
@@ -91,7 +104,8 @@ export async function ofKit(camera, turned) {
 
 export function flipped(bytes) {
   const rows = new Uint8Array(bytes.length);
-  for (let y = 0; y < side; ++y) rows.set(bytes.subarray(4 * side * (side - 1 - y), 4 * side * (side - y)), 4 * side * y);
+  for (let y = 0; y < side; ++y)
+    rows.set(bytes.subarray(4 * side * (side - 1 - y), 4 * side * (side - y)), 4 * side * y);
   return rows;
 }
 

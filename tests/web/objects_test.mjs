@@ -1,0 +1,304 @@
+// What an engine's objects, cameras and vectors become, and what is promised is answered: three.js and Babylon.js under node,
+// without WebGL.
+// node objects_test.mjs NPM_FOLDER ENGINES_FOLDER    ENGINES_FOLDER has node_modules.
+import assert from "node:assert/strict";
+import { pathToFileURL } from "node:url";
+const [npm, engines] = process.argv.slice(2);
+const THREE = await import(pathToFileURL(`${engines}/node_modules/three/build/three.module.js`));
+const BABYLON = await import(pathToFileURL(`${engines}/node_modules/@babylonjs/core/index.js`));
+const { createStage } = await import(pathToFileURL(`${npm}/three.mjs`));
+const { createStage: createBabylonStage } = await import(pathToFileURL(`${npm}/babylon.mjs`));
+const { WorkerStage, fieldMade } = await import(pathToFileURL(`${npm}/worker.mjs`));
+const { text } = await import(pathToFileURL(`${npm}/worker_text.mjs`));
+
+const warned = [];
+const told = [];
+console.warn = (sentence) => warned.push(sentence);
+console.error = (sentence) => told.push(sentence);
+const gl = new Proxy({}, { get: () => () => 1 });
+const threeStage = (scene = new THREE.Scene(), options = {}) =>
+  createStage(THREE, { renderer: { isWebGLRenderer: true, getContext: () => gl }, scene, ...options });
+
+// How many triangles, and how far they reach along x.
+function taken(stage, object) {
+  const { positions, indices } = stage.meshOf(object, stage.poseOf(object));
+  const xs = [...indices].map((i) => positions[3 * i]);
+  return [indices.length / 3, ...[Math.min, Math.max].map((most) => +xs.reduce((a, b) => most(a, b)).toFixed(2))];
+}
+
+async function takesWhatIsSeen() {
+  const stage = await threeStage();
+  const geometry = (side = 0.1) => new THREE.BoxGeometry(side, side, side);
+  const box = (side) => new THREE.Mesh(geometry(side));
+  const hidden = (object) => Object.assign(object, { visible: false });
+  const sides = [-1, 1, 2, 3].map((x) => new THREE.Matrix4().makeTranslation(x, 0, 0));
+  const instanced = new THREE.InstancedMesh(geometry(), undefined, 4);
+  const batched = new THREE.BatchedMesh(5, 200, 400);
+  const kinds = [0.3, 0.1].map((side) => batched.addGeometry(geometry(side)));
+  const ids = sides.map((matrix, i) => {
+    const id = batched.addInstance(kinds[i === 2 ? 0 : 1]);
+    batched.setMatrixAt(id, matrix);
+    instanced.setMatrixAt(i, matrix);
+    return id;
+  });
+  batched.deleteInstance(ids[2]);
+  batched.setVisibleAt(ids[3], false);
+  instanced.count = 2;
+  const ranged = box();
+  ranged.geometry.setDrawRange(0, 6); // its right side
+  const lod = new THREE.LOD().addLevel(box(), 0).addLevel(box(3), 5);
+  const line = Object.assign(box(4), { geometry: new THREE.InstancedBufferGeometry().copy(geometry(4)) });
+  for (const [object, is] of [
+    [box(), [12, -0.05, 0.05]],
+    [hidden(box()), [12, -0.05, 0.05]],
+    [new THREE.Group().add(box(), hidden(box(5)), hidden(new THREE.Group().add(box(6)))), [12, -0.05, 0.05]],
+    [lod, [12, -0.05, 0.05]],
+    [ranged, [2, 0.05, 0.05]],
+    [new THREE.Group().add(box(), new THREE.Mesh(), new THREE.Line(geometry(4)), line), [12, -0.05, 0.05]],
+    [instanced, [24, -1.05, 1.05]],
+    [batched, [24, -1.05, 1.05]],
+  ])
+    assert.deepEqual(taken(stage, object), is, object.type);
+}
+
+// The engine draws nothing here; textures are counted.
+async function babylonTakes(right) {
+  const engine = new BABYLON.NullEngine();
+  Object.defineProperty(engine, "webGLVersion", { value: 2 });
+  engine.getCaps().instancedArrays = true;
+  const scene = new BABYLON.Scene(engine);
+  scene.useRightHandedSystem = right;
+  let textures = 0;
+  class Texture {
+    static CreateRTexture = () => new Texture();
+    constructor() {
+      ++textures;
+    }
+    getSize = () => ({ width: 0 });
+    dispose() {
+      --textures;
+    }
+  }
+  const stage = await createBabylonStage({ ...BABYLON, RawTexture: Texture, RawCubeTexture: Texture }, { scene });
+  stage.gl = gl;
+  const box = (size, parent = null, hidden = {}) =>
+    Object.assign(BABYLON.CreateBox("", { size }, scene), { parent, ...hidden });
+  const root = box(0.1, null, { isVisible: false });
+  box(5, root).setEnabled(false);
+  box(6, root, { isVisible: false });
+  BABYLON.CreateLines("", { points: [0, 9].map((x) => new BABYLON.Vector3(x, 1, 0)) }, scene).parent = root;
+  assert.deepEqual(taken(stage, root), [12, -0.05, 0.05]);
+  const thin = box(0.1);
+  thin.thinInstanceAdd([-1, 1].map((x) => BABYLON.Matrix.Translation(x, 0, 0)));
+  assert.deepEqual(taken(stage, thin), [24, -1.05, 1.05]);
+
+  const camera = new BABYLON.FreeCamera("", BABYLON.Vector3.Zero(), scene);
+  const sees = () => {
+    const { diagonal, centre } = stage.cameraOf(camera);
+    return [diagonal, ...centre].map((x) => +x.toFixed(1) + 0);
+  };
+  camera.fov = Math.PI / 2;
+  assert.deepEqual(sees(), [131.8, 0, 0]); // the engine shows 512 x 256
+  camera.fovMode = BABYLON.Camera.FOVMODE_HORIZONTAL_FIXED;
+  assert.deepEqual(sees(), [96.4, 0, 0]);
+  const z = right ? -1 : 1;
+  const tracked = { 0: 2, 5: 2, 8: -0.4 * z, 10: z, 11: z, 14: -0.1 };
+  camera.freezeProjectionMatrix(BABYLON.Matrix.FromArray(Array.from({ length: 16 }, (_, i) => tracked[i] ?? 0)));
+  assert.deepEqual(sees(), [70.5, 0.4, 0]);
+  camera.unfreezeProjectionMatrix();
+  camera.mode = BABYLON.Camera.ORTHOGRAPHIC_CAMERA;
+  assert.throws(sees, /needs a camera with perspective/);
+
+  await stage.createSand({ particles: 50 });
+  stage.pour({ position: new BABYLON.Vector3(0, 0.3, 0), rotation: BABYLON.Quaternion.Identity() });
+  stage.push({ position: new BABYLON.Vector3(0, 0.1, 0), radius: 0.02 });
+  await stage.addModel(thin);
+  stage.update(0.1);
+  stage.dispose();
+  assert.equal(textures, 0);
+  engine.dispose();
+}
+
+async function takesCameras() {
+  const stage = await threeStage();
+  const aspect = 4 / 3;
+  const by_fov = new THREE.PerspectiveCamera(35, aspect);
+  const half = Math.tan((35 * Math.PI) / 360);
+  const zoomed = Object.assign(by_fov.clone(), { zoom: 2 });
+  const shifted = Object.assign(by_fov.clone(), { filmOffset: 7 });
+  const quarter = by_fov.clone();
+  for (const camera of [zoomed, shifted]) camera.updateProjectionMatrix();
+  quarter.setViewOffset(800, 600, 400, 0, 400, 300);
+  const [tracked, plain] = [new THREE.PerspectiveCamera(), new THREE.Camera()];
+  for (const camera of [tracked, plain]) camera.projectionMatrix.copy(by_fov.projectionMatrix);
+  for (const [camera, up, centre] of [
+    [by_fov, half, [0, 0]],
+    [tracked, half, [0, 0]],
+    [plain, half, [0, 0]],
+    [zoomed, half / 2, [0, 0]],
+    [shifted, half, [0.475739, 0]], // a fifth of the film of 35 mm
+    [quarter, half / 2, [1, 1]],
+  ]) {
+    const told_of = stage.cameraOf(camera);
+    const diagonal = (360 / Math.PI) * Math.atan(up * Math.hypot(1, aspect));
+    assert.ok(Math.abs(told_of.diagonal - diagonal) < 1e-6, `${told_of.diagonal}, not ${diagonal}`);
+    for (const k of [0, 1]) assert.ok(Math.abs(told_of.centre[k] - centre[k]) < 1e-5);
+  }
+  await stage.see({ data: new Uint8Array(4 * 64 * 48).fill(90), width: 64, height: 48 }, quarter);
+}
+
+// How many texels of the model's shadow are dark after some frames; nothing is drawn anew where it is as before.
+let dark;
+function shadow(stage) {
+  for (let i = 0; i < 30; ++i) {
+    stage.update(1 / 60);
+    const { occlusion } = stage.drawn.textures;
+    if (occlusion) dark = occlusion.bytes.filter((byte) => byte < 128).length;
+  }
+  return dark > 0;
+}
+
+async function followsWhatIsSeen() {
+  const scene = new THREE.Scene();
+  const stage = await threeStage(scene);
+  const part = new THREE.Mesh(new THREE.BoxGeometry(0.1, 0.3, 0.1));
+  const model = new THREE.Group().add(part);
+  const switched = (visible) => {
+    model.visible = visible;
+    return shadow(stage);
+  };
+  scene.add(model);
+  model.visible = false;
+  await stage.addModel(model, { collide: false });
+  assert.ok(shadow(stage), "a model that stands for a real thing casts");
+  assert.deepEqual([true, false, true].map(switched), [true, false, true]);
+  model.removeFromParent();
+  assert.ok(!shadow(stage), "a model out of the scene casts");
+  scene.add(model);
+  model.position.x = NaN; // a tracker has lost it
+  assert.ok(shadow(stage), "a model without a pose is gone");
+  model.position.x = 1;
+  model.rotation.y = 1;
+  stage.update(1 / 60);
+  const lost = new THREE.Group();
+  lost.position.y = NaN;
+  await assert.rejects(stage.addModel(lost), /has no finite pose\. Set its position/);
+  assert.deepEqual(warned, []);
+  part.position.x = 0.2;
+  shadow(stage);
+  assert.match(warned.pop(), /parts of a model move.*removeModel and addModel/);
+
+  const skinned = new THREE.SkinnedMesh(part.geometry.clone());
+  const bone = new THREE.Bone();
+  const weights = new THREE.BufferAttribute(new Float32Array(96).fill(0.25), 4);
+  const indices = new THREE.BufferAttribute(new Uint16Array(96), 4);
+  skinned.geometry.setAttribute("skinIndex", indices).setAttribute("skinWeight", weights);
+  skinned.add(bone).bind(new THREE.Skeleton([bone]));
+  const other = await threeStage(scene);
+  scene.add(skinned);
+  await other.addModel(skinned, { collide: false });
+  skinned.position.x = 0.3;
+  shadow(other);
+  assert.deepEqual(warned, []);
+  bone.position.y = 0.1;
+  shadow(other);
+  assert.match(warned.pop(), /parts of a model move/);
+}
+
+async function isAddedOnce() {
+  const scene = new THREE.Scene();
+  const stage = await threeStage(scene);
+  const model = new THREE.Mesh(new THREE.BoxGeometry(0.1, 0.1, 0.1));
+  const children = scene.children.length;
+  await stage.addModel(model);
+  await assert.rejects(stage.addModel(model), /has this object already\. Call removeModel/);
+  await stage.removeModel(model);
+  await assert.rejects(stage.removeModel(model), /removeModel takes an object/);
+  await stage.addModel(model);
+  for (let i = 0; i < 2; ++i) {
+    await stage.createSand({ particles: 50 });
+    assert.equal(scene.children.length, children + 1);
+  }
+  const begun = stage.createSand({ particles: 50 });
+  stage.dispose();
+  await assert.rejects(begun, /dispose or end was called\. Create another/);
+  assert.equal(scene.children.length, 0);
+  for (const call of ["addModel", "see", "createSand"])
+    await assert.rejects(stage[call](model), /dispose or end was called/);
+  for (const call of ["pour", "push"]) assert.throws(() => stage[call](), /dispose or end was called/);
+  stage.update();
+  stage.dispose();
+}
+
+// Workers that answer at once, never, or that the page's policy forbids.
+async function answersFromWorkers() {
+  const workers = [];
+  let how = "forbidden";
+  globalThis.location = { href: "http://127.0.0.1/an_apps_worker.js" };
+  globalThis.Worker = class {
+    constructor(url) {
+      this.sent = [];
+      workers.push(Object.assign(this, { url }));
+      if (how === "forbidden") setTimeout(() => this.onerror({}));
+    }
+    postMessage({ id, command, values = [] }) {
+      const [name] = values;
+      this.sent.push(structuredClone([command, ...(command === "create" ? values.slice(1) : values)]));
+      if (how === "at once" || command === "block")
+        queueMicrotask(() => this.onmessage({ data: { id, result: name === "addModel" ? 5 : {} } }));
+    }
+    terminate() {
+      this.ended = true;
+    }
+  };
+  const sentence = /^Error: sandglass: a worker does not run\. Allow worker-src blob:/;
+  await assert.rejects(threeStage(new THREE.Scene(), { worker: true }), sentence);
+  for (let i = 0; i < 2; ++i) await assert.rejects(fieldMade({}, {}, 1), sentence);
+  assert.equal(workers.length, 3, "a dead worker is kept");
+
+  how = "at once"; // an app's own worker has no document, either
+  const stage = await threeStage(new THREE.Scene(), { worker: true, origin: new THREE.Vector3(0, 1, 0) });
+  const { url, sent } = workers.at(-1);
+  assert.match(url, /^blob:/);
+  assert.match(text, /k_own_worker = true/);
+  assert.deepEqual(sent.pop()[1].origin, [0, 1, 0]);
+
+  const at = new THREE.Vector3(0, 0.5, 0);
+  const one = { position: [0, 0.5, 0], radius: 0.1 };
+  await stage.pour({ ...one, position: at, rotation: new THREE.Quaternion() });
+  assert.deepEqual(sent.pop()[2], [{ ...one, rotation: [0, 0, 0, 1] }]);
+  await stage.push({ ...one, position: new BABYLON.Vector3(0, 0.5, 0), velocity: at });
+  assert.deepEqual(sent.pop()[2], [{ ...one, velocity: [0, 0.5, 0] }]);
+  await assert.rejects(stage.push({ ...one, speed: 1 }), /a ball takes no "speed"/);
+  const model = new THREE.Mesh(new THREE.BoxGeometry(0.1, 0.1, 0.1));
+  const adding = stage.addModel(model);
+  await stage.removeModel(model);
+  await adding;
+  assert.deepEqual(sent.filter(([, name]) => name === "remove").pop(), ["stage", "remove", [5]]);
+
+  (await threeStage(new THREE.Scene(), { threads: 2 })).dispose();
+  assert.ok(workers.at(-1).ended, "a thread goes on");
+
+  how = "never";
+  const waiting = [stage.createSand(), stage.addModel(model)];
+  stage.update();
+  stage.dispose();
+  await Promise.all(waiting.map((one) => assert.rejects(one, /dispose or end was called\. Create another/)));
+  assert.ok(workers[3].ended);
+  await assert.rejects(stage.stage.frame(0.1), /dispose or end was called/);
+  await stage.removeModel(model);
+
+  delete globalThis.Worker;
+  await assert.rejects(WorkerStage.create(), /no workers here.*\. Take Stage/);
+  delete globalThis.location;
+}
+
+await takesWhatIsSeen();
+for (const right of [true, false]) await babylonTakes(right);
+await takesCameras();
+await followsWhatIsSeen();
+await isAddedOnce();
+await answersFromWorkers();
+assert.deepEqual(told, []);
+console.log("objects, cameras and vectors of two engines are taken, and all promises answered");
+process.exit(0);
