@@ -79,8 +79,10 @@ async function babylonTakes(right) {
       --textures;
     }
   }
-  const stage = await createBabylonStage({ ...BABYLON, RawTexture: Texture, RawCubeTexture: Texture }, { scene });
-  stage.gl = gl;
+  const stage = await createBabylonStage(
+    { ...BABYLON, RawTexture: Texture, RawCubeTexture: Texture, RawTexture3D: Texture },
+    { scene },
+  );
   const box = (size, parent = null, hidden = {}) =>
     Object.assign(BABYLON.CreateBox("", { size }, scene), { parent, ...hidden });
   const root = box(0.1, null, { isVisible: false });

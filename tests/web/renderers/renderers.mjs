@@ -20,6 +20,12 @@ function cameraOf(THREE) {
   return camera;
 }
 
+// Browsers keep few contexts.
+function done(renderer) {
+  renderer.dispose();
+  renderer.forceContextLoss?.();
+}
+
 // `kind`: webgl; nodes, nodes on webgl (of WebGPURenderer). `change(drawn)`: before it is drawn.
 export async function threeScene(kind, { renderer: options = {}, change = (drawn) => drawn } = {}) {
   const drawn = change(await frame.recorded());
@@ -82,7 +88,7 @@ export async function same(engine, kind, left = false) {
   if (engine === "babylon") return frame.difference(wanted, await babylonScene(kind, left));
   const { look, renderer } = await threeScene(kind);
   const bytes = await look();
-  renderer.dispose();
+  done(renderer);
   return frame.difference(wanted, bytes);
 }
 export const turned = async () => frame.difference(await truth(false), await truth(true));
@@ -112,7 +118,7 @@ export async function fault(kind, name) {
   k_faults[name].after?.(made);
   const wanted = await truth(kind === "nodes");
   const found = frame.difference(wanted, await made.look());
-  made.renderer.dispose();
+  done(made.renderer);
   return found;
 }
 
@@ -165,7 +171,7 @@ export async function besideABall(kind) {
     ball.layers.set(0);
     made.group.visible = ball.visible = true;
   }
-  renderer.dispose();
+  done(renderer);
   return found;
 }
 
@@ -222,20 +228,31 @@ export async function counted(kind, name, options) {
   made.scene.background = new made.THREE.Color(k_background);
   k_scenes[name](made);
   const pixels = count(await made.look());
-  made.renderer.dispose();
+  done(made.renderer);
   return pixels;
 }
 
-// A ray from the eye hits sand where it is drawn; its box holds it.
+// How far from a vertex of the sand a ray from the eye ends, and how many vertices lie outside of its box.
 export async function hit(kind) {
-  const { THREE, camera, group, renderer, scene } = await threeScene(kind);
+  const { THREE, camera, group, renderer, scene, stage } = await threeScene(kind);
   scene.updateMatrixWorld();
   const ray = new THREE.Raycaster();
   ray.setFromCamera(new THREE.Vector2(0, 0), camera);
-  const [first] = ray.intersectObject(group, true);
+  const [{ point }] = ray.intersectObject(group, true);
   const box = new THREE.Box3().setFromObject(group);
-  renderer.dispose();
-  return { distance: first.distance, point: first.point.toArray(), low: box.min.toArray(), high: box.max.toArray() };
+  const { radius } = await frame.recorded();
+  let [beside, outside] = [Infinity, 0];
+  for (const { geometry, visible } of stage.sand.chunks) {
+    if (!visible) continue;
+    const places = geometry.getAttribute("position");
+    for (const i of new Set(geometry.index.array.subarray(0, geometry.drawRange.count))) {
+      const place = new THREE.Vector3().fromBufferAttribute(places, i);
+      beside = Math.min(beside, place.distanceTo(point));
+      if (!box.containsPoint(place)) ++outside;
+    }
+  }
+  done(renderer);
+  return { beside, outside, radius };
 }
 
 // What is left after rounds of stages: textures and geometries of the renderer.
@@ -262,7 +279,7 @@ export async function left(kind) {
     renderer.render(new THREE.Scene(), camera);
     counts.push([renderer.info.memory.textures, renderer.info.memory.geometries]);
   }
-  renderer.dispose();
+  done(renderer);
   return counts;
 }
 
@@ -295,7 +312,7 @@ export async function floors() {
     stage.update(1 / 60);
     group.visible = false;
     seen[kind] = await look();
-    renderer.dispose();
+    done(renderer);
   }
   const [{ over: twice }, { over: instanced }, { over: batched }] = ["twice", "instanced", "batched"].map((kind) =>
     frame.difference(seen.one, seen[kind]),

@@ -63,6 +63,7 @@ export const replay = (drawn) => ({
   fields: Promise.resolve(),
   pour() {},
   push() {},
+  end() {},
 });
 
 // Bytes of the picture, the lowest row first. `turned`: drawn upside down and turned back, as WebGPU puts rows.
