@@ -2,7 +2,8 @@
 """Sand in three.js and Babylon.js, by WebGL and WebGPU: the same frame is the kit's own picture in each, a fault is not; and in three.js
 sand is changed, hidden, hit and freed as any mesh is.
 
-renderers_test.py NPM_FOLDER WORK_FOLDER    WORK_FOLDER has node_modules.
+renderers_test.py NPM_FOLDER WORK_FOLDER [--versions]    WORK_FOLDER has node_modules. --versions: the oldest three.js that are
+supported, from the npm registry, and the one before is refused.
 Exit code 77: there is no Chromium here."""
 
 import json
@@ -146,10 +147,35 @@ def patched(page):
     check(before > 1000 and abs(after - before) < 0.02 * before, f"a lost context: {before} pixels of sand before, {after} after")
 
 
+VERSIONS = {"0.160.0": ["webgl"], "0.170.0": ["webgl"], "0.184.0": ["webgl", "nodes on webgl", "nodes"]}
+REFUSED = {"0.159.0": "webgl", "0.183.0": "nodes on webgl"}
+
+
+def versions(npm, work):
+    for version, kinds in {**VERSIONS, **REFUSED}.items():
+        name = f"three-{version}"
+        if not (work / "node_modules" / name).exists():
+            order = ["npm", "install", "--no-save", "--no-audit", "--no-fund", "--ignore-scripts", f"{name}@npm:three@{version}"]
+            subprocess.run(order, cwd=work, check=True, timeout=300, stdout=subprocess.DEVNULL)
+        MAP["three"], MAP["three/webgpu"] = (f"/node_modules/{name}/build/three.{build}.js" for build in ("module", "webgpu"))
+        prepare(npm, work)
+        with Page(served(work) + "renderers.html") as page:
+            if version in REFUSED:
+                told = page.browser.ask(f"renderers.same('three', '{kinds}').catch((error) => error.message)")
+                check("or newer for this renderer" in str(told), f"three {version}: {told}")
+                continue
+            for kind in kinds:
+                found = page.ask(f"same('three', '{kind}')")
+                check(within(found), f"three {version}, {kind}: {words(found)}")
+
+
 def main(arguments):
     if CHROMIUM is None:
         return SKIPPED
-    npm, work = map(pathlib.Path, arguments)
+    npm, work = map(pathlib.Path, arguments[:2])
+    if arguments[2:] == ["--versions"]:
+        versions(npm, work)
+        return 1 if check.wrong else 0
     prepare(npm, work)
     address = served(work) + "renderers.html"
     with Page(address) as page:

@@ -8,11 +8,19 @@ import { ThreeSand } from "./three_sand.mjs";
 import { checked } from "./options.mjs";
 import { frustumOf } from "./place_light.mjs";
 
+// The lowest that have what is used: chunks and ranges of buffers; one node material for both of its back ends.
+const k_revisions = { webgl: 160, nodes: 184 };
+
 // `renderer` and `scene` are needed; `worker`: the stage runs in a Worker; else options of Stage.create.
 export async function createStage(THREE, { renderer, scene, ...options } = {}) {
   if (!renderer?.isWebGLRenderer && !renderer?.isWebGPURenderer)
     throw new Error(
       "sandglass: createStage needs the renderer of three. Call createStage(THREE, { renderer: new THREE.WebGLRenderer(), scene }).",
+    );
+  const least = renderer.isWebGPURenderer ? k_revisions.nodes : k_revisions.webgl;
+  if (!(Number.parseInt(THREE.REVISION) >= least))
+    throw new Error(
+      `sandglass: createStage needs three r${least} or newer for this renderer, and this is r${THREE.REVISION}. Update three.`,
     );
   if (renderer.isWebGPURenderer) await renderer.init();
   if (!scene?.isScene) throw new Error("sandglass: createStage needs the scene that is lit. Pass { scene }.");

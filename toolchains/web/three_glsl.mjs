@@ -10,6 +10,7 @@ const k_camera = `
 #define view modelViewMatrix
 #define projection projectionMatrix`;
 const k_vertex_chunks = `
+precision highp sampler3D;
 #include <common>
 #include <fog_pars_vertex>
 #include <logdepthbuf_pars_vertex>
@@ -21,6 +22,7 @@ const k_at_end_of_vertex = `
   #include <clipping_planes_vertex>
   #include <fog_vertex>`;
 const k_fragment_chunks = `
+precision highp sampler3D;
 #include <common>
 #include <fog_pars_fragment>
 #include <logdepthbuf_pars_fragment>
