@@ -18,6 +18,8 @@ export interface EngineStage {
   receive<Material extends object>(material: Material, options?: { shadowOnly?: boolean }): Material;
   stopReceiving(material: object): void;
   createSand(options?: SandOptions): Promise<any>;
+  /** There is no sand any more, and nothing pours. */
+  removeSand(): Promise<void>;
   pour(...nozzles: Nozzle[]): unknown;
   push(...balls: Ball[]): unknown;
   update(seconds?: number): void;

@@ -115,6 +115,13 @@ export class Engine {
     this.sand?.end();
     this.sand = this.sandOf(block, radius);
   }
+  // There is no sand any more, and nothing pours.
+  async removeSand() {
+    if (this.ended || !this.sand) return;
+    this.sand.end();
+    this.sand = null;
+    await this.stage.createSand({ particles: 1 }); // a stage always has some, and this one stays empty
+  }
   pour(...nozzles) {
     this.refuseEnded();
     return this.stage.pour(...nozzles);

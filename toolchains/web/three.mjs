@@ -167,9 +167,7 @@ class ThreeStage extends Engine {
 
   // Sand, as a Group in the scene. Options as for Stage.createSand.
   async createSand(options) {
-    const before = this.sand?.group;
     await this.newSand(options);
-    before?.removeFromParent();
     this.scene.add(this.sand.group);
     return this.sand.group;
   }
@@ -180,7 +178,7 @@ class ThreeStage extends Engine {
   }
 
   leave() {
-    for (const one of [this.probe, this.sun, this.sun.target, this.sand?.group]) one?.removeFromParent();
+    for (const one of [this.probe, this.sun, this.sun.target]) one.removeFromParent();
     this.receiver.end(); // materials get no shadows any more
   }
   show(drawn, changed) {

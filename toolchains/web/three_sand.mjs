@@ -25,8 +25,9 @@ export class ThreeSand {
     for (const chunk of drawn.skin.chunks) this.#takeChunk(chunk);
     looseLists(drawn.skin).forEach((particles, flies) => this.#takeLoose(flies, particles, drawn.skin));
   }
-  // What it holds of the renderer.
+  // What it holds of the scene and the renderer.
   end() {
+    this.group.removeFromParent();
     for (const mesh of [...this.chunks, ...this.loose]) mesh.geometry.dispose();
     for (const texture of Object.values(this.textures)) texture.dispose();
     this.look.end();

@@ -1,0 +1,81 @@
+// The example, mounted as React's StrictMode does it, twice on a page; and a scene that is drawn on demand.
+import { StrictMode, useState } from "react";
+import { Canvas, useThree } from "@react-three/fiber";
+import { createRoot } from "react-dom/client";
+import { Pour, Push, Sand, Sandglass, See, useSandglass } from "sandglass/react";
+import { BoxGeometry, Mesh, MeshStandardMaterial, PlaneGeometry } from "three";
+import type { Camera, Scene, WebGLRenderer } from "three";
+import { Example } from "./example.js";
+
+const found: { [name: string]: { scene: Scene; gl: WebGLRenderer; camera: Camera; stage: object } } = {};
+// How many workers run.
+let workers = 0;
+const Own = globalThis.Worker;
+globalThis.Worker = class extends Own {
+  constructor(...how: ConstructorParameters<typeof Own>) {
+    super(...how);
+    ++workers;
+  }
+  terminate() {
+    --workers;
+    super.terminate();
+  }
+};
+
+// A picture stays to be read.
+const own = HTMLCanvasElement.prototype.getContext as (kind: string, how?: object) => RenderingContext | null;
+HTMLCanvasElement.prototype.getContext = function (this: HTMLCanvasElement, kind: string, how?: object) {
+  return own.call(this, kind, { ...how, preserveDrawingBuffer: true });
+} as typeof HTMLCanvasElement.prototype.getContext;
+
+let show: (more: { pour?: boolean; shown?: boolean }) => void;
+
+function Look({ name }: { name: string }) {
+  const { scene, gl, camera } = useThree();
+  found[name] = { scene, gl, camera, stage: useSandglass() };
+  return null;
+}
+function OnDemand({ photo }: { photo: ImageBitmap }) {
+  const [state, set] = useState({ pour: false, shown: true });
+  show = (more) => set((before) => ({ ...before, ...more }));
+  return (
+    <Canvas frameloop="demand" camera={{ position: [0, 0.5, 1] }}>
+      {state.shown && (
+        <Sandglass worker={false} budget={50}>
+          <See image={photo} />
+          <Sand particles={300}>
+            {state.pour && <Pour position={[0, 0.3, 0]} />}
+            <Push position={[0.3, 0.1, 0]} radius={0.03} />
+          </Sand>
+          <Look name="demand" />
+        </Sandglass>
+      )}
+    </Canvas>
+  );
+}
+async function begin() {
+  const pixels = new ImageData(64, 48);
+  pixels.data.forEach((_, i) => (pixels.data[i] = i < 40 * 64 ? 250 : i % 4 === 3 ? 255 : 90));
+  const photo = await createImageBitmap(pixels);
+  const into = (height: number) => createRoot(document.body.appendChild(Object.assign(document.createElement("div"), { style: `height: ${height}px` })));
+  const examples = [into(240), into(240)];
+  for (const root of examples) {
+    const chair = new Mesh(new BoxGeometry(0.4, 0.4, 0.4), new MeshStandardMaterial({ color: "steelblue" }));
+    const floor = new Mesh(new PlaneGeometry(8, 8).rotateX(-Math.PI / 2), new MeshStandardMaterial());
+    chair.position.y = 0.2;
+    root.render(
+      <StrictMode>
+        <Example photo={photo} chair={chair} floor={floor} />
+      </StrictMode>,
+    );
+  }
+  into(240).render(
+    <StrictMode>
+      <OnDemand photo={photo} />
+    </StrictMode>,
+  );
+  const looked = (k: number, look: (canvas: HTMLCanvasElement) => number) => look(document.querySelectorAll("canvas")[k]);
+  Object.defineProperty(globalThis, "workers", { get: () => workers });
+  Object.assign(globalThis, { looked, found, show: (more: object) => show(more), leave: () => examples.forEach((root) => root.unmount()), ready: "yes" });
+}
+begin().catch((error) => Object.assign(globalThis, { ready: error.message }));

@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""sandglass/react: its example is short and has types; under StrictMode two canvases show sand; a scene drawn on demand is drawn while
+something changes; unmounted, nothing is left.
+
+react_test.py NPM_FOLDER WORK_FOLDER    WORK_FOLDER has node_modules.
+Exit code 77: there is no Chromium here."""
+
+import pathlib
+import shutil
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
+from browser import CHROMIUM, SKIPPED, SOFTWARE, Browser, served
+
+HERE = pathlib.Path(__file__).parent / "react"
+PATIENCE = 60
+STRICT = "--noEmit --strict --jsx react-jsx --module esnext --moduleResolution bundler --target es2022 --skipLibCheck".split()
+BUNDLE = "--bundle --format=esm --jsx=automatic --splitting --outdir=react --log-level=error".split()
+PAGE = '<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><body style="margin:0"></body><script type="module" src="react_main.js"></script>'
+# Of a scene: pictures drawn so far; its particles; what stands in it.
+PICTURES, PARTICLES = "found.demand.gl.info.render.frame", "found.demand.stage.drawn.particles"
+KINDS = "found.demand.scene.children.map((one) => one.type).sort().join()"
+# How many of the pixels of a canvas are as sand is: red over blue, unlike floor and cube.
+SAND = """((canvas) => {
+  const flat = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height }).getContext("2d");
+  flat.drawImage(canvas, 0, 0);
+  const { data } = flat.getImageData(0, 0, canvas.width, canvas.height);
+  let found = 0;
+  for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 0 && data[i] - data[i + 2] > 15) ++found;
+  return found;
+})"""
+
+
+def check(right, sentence):
+    print(("" if right else "WRONG: ") + sentence, flush=True)
+    if not right:
+        sys.exit(1)
+
+
+def until(browser, condition, sentence):
+    end = time.monotonic() + PATIENCE
+    while not browser.ask(condition) and time.monotonic() < end:
+        time.sleep(0.1)
+    check(browser.ask(condition), sentence)
+
+
+def still(browser):
+    """Pictures that are drawn in a second, at last."""
+    for _ in range(15):
+        before = browser.ask(PICTURES)
+        time.sleep(1)
+        if (more := browser.ask(PICTURES) - before) == 0:
+            break
+    return more
+
+
+def prepare(npm, work):
+    shutil.rmtree(work / "node_modules/sandglass", ignore_errors=True)
+    shutil.copytree(npm, work / "node_modules/sandglass")
+    for name in ("example", "main"):
+        shutil.copy(HERE / f"{name}.tsx", work / f"react_{name}.tsx" if name == "main" else work / f"{name}.tsx")
+    lines = len((HERE / "example.tsx").read_text().splitlines())
+    check(lines <= 20, f"the example has {lines} lines, with its imports")
+    subprocess.run(["node_modules/.bin/tsc", *STRICT, "react_main.tsx", "example.tsx"], cwd=work, check=True, timeout=300)
+    subprocess.run(["node_modules/.bin/esbuild", "react_main.tsx", *BUNDLE], cwd=work, check=True, timeout=300)
+    shutil.copy(npm / "sandglass.wasm", work / "react")
+    (work / "react/index.html").write_text(PAGE)
+
+
+def main(arguments):
+    if CHROMIUM is None:
+        return SKIPPED
+    npm, work = map(pathlib.Path, arguments)
+    prepare(npm, work)
+    browser = Browser(CHROMIUM, width=500, height=760, flags=SOFTWARE)
+    try:
+        browser.open(served(work / "react") + "index.html")
+        until(browser, "globalThis.ready === 'yes' && !!globalThis.found.demand", "stages are there")
+        for k in range(2):
+            until(browser, f"looked({k}, {SAND}) > 100", f"canvas {k} shows sand")
+        browser.screenshot(work / "react/picture.png")
+        check(still(browser) == 0, "on demand nothing is drawn while nothing changes")
+        browser.ask("show({ pour: true })")
+        until(browser, f"{PARTICLES} > 200", "on demand sand is poured")
+        browser.ask("show({ pour: false })")
+        check(still(browser) == 0, "and nothing is drawn once it lies")
+        kinds = browser.ask(KINDS)
+        check(kinds == "DirectionalLight,Group,LightProbe,Object3D", f"the scene holds one stage: {kinds}")
+        browser.ask("show({ shown: false })")
+        until(browser, f"{KINDS} === ''", "unmounted, nothing is left in the scene")
+        browser.ask("leave()")
+        until(browser, "workers === 1", "unmounted, the workers of stages have ended; the one that makes fields is kept")
+        told = [text for text in browser.complaints if "ReadPixels" not in text and "THREE.Clock" not in text and "Context Lost" not in text]
+        check(not told, f"the page complains of nothing: {told[:3]}")
+    finally:
+        browser.close()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
