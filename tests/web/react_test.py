@@ -92,7 +92,9 @@ def main(arguments):
         until(browser, f"{KINDS} === ''", "unmounted, nothing is left in the scene")
         browser.ask("leave()")
         until(browser, "workers === 1", "unmounted, the workers of stages have ended; the one that makes fields is kept")
-        told = [text for text in browser.complaints if "ReadPixels" not in text and "THREE.Clock" not in text and "Context Lost" not in text]
+        told = [
+            text for text in browser.complaints if "ReadPixels" not in text and "THREE.Clock" not in text and "Context Lost" not in text
+        ]
         check(not told, f"the page complains of nothing: {told[:3]}")
     finally:
         browser.close()

@@ -131,19 +131,20 @@ export function Sand({ children, ...options }) {
   const [ready, setReady] = useState(false);
   const mounted = useRef(false);
   const fail = useFailure();
+  const remove = () => stage.removeSand().catch(() => {}); // the stage may end meanwhile
   useEffect(() => {
     mounted.current = true;
     stage.createSand(options).then(
       () => {
         setReady(mounted.current);
-        if (!mounted.current) stage.removeSand();
+        if (!mounted.current) remove();
         here.wake();
       },
       (error) => mounted.current && fail(error),
     );
     return () => {
       mounted.current = false;
-      stage.removeSand();
+      remove();
       here.wake();
     };
   }, [stage, JSON.stringify(options)]);
