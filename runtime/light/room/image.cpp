@@ -19,7 +19,7 @@ constexpr uint32_t k_lamp_points = 12;  // of one that is brighter than white: a
 constexpr uint32_t k_finer = 4;         // the same of a cell of those in which the lamp lies
 constexpr double k_lamp_clips = 0.5;    // share of a part: what clips less of it may be a lamp
 constexpr uint32_t k_close_looks = 6;   // at such parts in an image, about; where there are more they take turns
-constexpr uint32_t k_vote_points = 2;   // the same where the image is only compared
+constexpr uint32_t k_vote_points = 3;   // the same where the image is only compared
 // The steps of a sequence that fills a square evenly: powers of 1 / x, where x is the root of x^3 = x + 1.
 constexpr double k_step_row = 0.7548776662466927, k_step_column = 0.5698402909980532;
 constexpr double k_dark = 0.01;   // linear: bytes round what is darker
