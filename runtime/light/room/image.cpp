@@ -20,6 +20,7 @@ constexpr uint32_t k_finer = 4;         // the same of a cell of those in which 
 constexpr double k_lamp_clips = 0.5;    // share of a part: what clips less of it may be a lamp
 constexpr uint32_t k_close_looks = 6;   // at such parts in an image, about; where there are more they take turns
 constexpr uint32_t k_vote_points = 3;   // the same where the image is only compared
+constexpr uint32_t k_fewer_points = 2;  // the same where its exposure is not known
 // The steps of a sequence that fills a square evenly: powers of 1 / x, where x is the root of x^3 = x + 1.
 constexpr double k_step_row = 0.7548776662466927, k_step_column = 0.5698402909980532;
 constexpr double k_dark = 0.01;   // linear: bytes round what is darker
@@ -474,7 +475,8 @@ void run_parts(Room* room) {
       continue;
     }
     // Where the exposure is not known, at the same points of each image: so it is known how that changed.
-    const RoomObservation now = observe(*view, view->image.exposure > 0 ? room->images : 0, middle, k_vote_points);
+    const RoomObservation now = view->image.exposure > 0 ? observe(*view, room->images, middle, k_vote_points)
+                                                         : observe(*view, 0, middle, k_fewer_points);
     if (now.covered > 0) room_vote(room, room->cursor, middle.elevation.cos, now);
     else room->parts[room->cursor].shown = 0;
   }
