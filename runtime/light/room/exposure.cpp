@@ -1,9 +1,9 @@
 // What an image says of its exposure, and of the light of the whole room.
 //
 // Each part that is remembered and shown again votes with the ratio of what the image shows to what is remembered. The
-// weighted median of the votes is how much brighter the image is. A clipped part is only known to be brighter, a black
-// one to be darker: they stand at the ends. With known exposures the median is a change of the room's light; else
-// it is the exposure.
+// weighted median of the votes is how much brighter the image is. A clipped part is only known to be at least as bright
+// as it is shown: it counts as those votes do that say more. A black one stands at the lower end. With known exposures
+// the median is a change of the room's light; else it is the exposure.
 //
 // The light of the whole room is one factor beside its parts. So what is out of the picture follows at once, and a change
 // and its return cancel. For some time after a change the parts themselves are left alone, while the factor follows each
@@ -21,6 +21,8 @@ namespace {
 
 constexpr double k_bin = 0.25, k_lowest = -0.5 * k_bin * k_vote_bins;  // of ratios
 constexpr double k_memory = 0.3, k_memory_clipped = 0.01;
+// Share of a part that an image has to show: one of nine points may lie beyond its rim.
+constexpr double k_compared = 0.8;
 // Linear values. Black is one step of a byte: an image that is exposed for a 64th shows little more of a wall. What is
 // darker than `dim` says nothing of a change, because bytes round it; unless it was or is brighter.
 constexpr double k_black = 0.00031, k_dim = 0.01, k_white_from = 0.5;
@@ -56,9 +58,9 @@ constexpr double k_unseen_step = 0.015, k_far_difference = 0.4, k_far_rate = 0.5
 // the step; in an image that is strange; in others.
 constexpr double k_adapts_surely = 1, k_adapts_strange = 0.12, k_adapts = 0.25;
 // White balance. Darker channels have no hue, because bytes round them. A part whose hue differs by k_other_hue counts
-// a quarter; one that is as uneven as k_uneven counts half, because four points say little of it. The noise is the
+// a quarter; one that is as uneven as k_uneven counts half, because nine points say little of it. The noise is the
 // variance of a vote of weight 1.
-constexpr double k_hue_from = 0.01, k_other_hue = 0.4, k_uneven = 0.1, k_hue_noise = 4e-4;
+constexpr double k_hue_from = 0.01, k_other_hue = 0.35, k_uneven = 0.1, k_hue_noise = 4e-4;
 constexpr double k_hues_weight_min = 4.0;  // weight of parts
 constexpr double k_balance_max = 16.0;     // of a channel, beside the first image
 
@@ -69,9 +71,13 @@ void add(float* sum, double value) { *sum += static_cast<float>(value); }
 // Out of line: it is called from many places, and long.
 __attribute__((noinline)) double logarithm_of(double x) { return logarithm(x > 0.5 * k_black ? x : 0.5 * k_black); }
 
-void add_ratio(RoomRatios* ratios, double weight, double ratio) {
+int64_t bin_of(double ratio) {
   const double at = (ratio - k_lowest) / k_bin;
-  const int64_t bin = floor_index(at < 0 ? 0 : at < k_vote_bins - 1 ? at : k_vote_bins - 1);
+  return floor_index(at < 0 ? 0 : at < k_vote_bins - 1 ? at : k_vote_bins - 1);
+}
+
+void add_ratio(RoomRatios* ratios, double weight, double ratio) {
+  const int64_t bin = bin_of(ratio);
   add(&ratios->weight[bin], weight);
   add(&ratios->sum[bin], weight * ratio);
 }
@@ -83,11 +89,17 @@ double weight_of(const RoomRatios& ratios) {
 }
 
 // The ratio below which lies so much weight: the mean of the votes in the bins about it. 0: there is less weight.
-// `near`: the weight of these votes.
-double ratio_above(const RoomRatios& ratios, double weight_below, double* near = nullptr) {
-  double below = 0;
+// `near`: the weight of these votes. `at_least`: the weight of those that stand in a bin or above it. Their weight goes
+// to the votes above, in proportion (Kaplan and Meier, 1958).
+double ratio_above(const RoomRatios& ratios, double weight_below, double* near, const float* at_least) {
+  double below = 0, share = 1, rest = weight_of(ratios);
+  for (uint32_t i = 0; i < k_vote_bins; ++i) rest += at_least != nullptr ? static_cast<double>(at_least[i]) : 0;
   for (uint32_t i = 0; i < k_vote_bins; ++i) {
-    below += static_cast<double>(ratios.weight[i]);
+    below += share * static_cast<double>(ratios.weight[i]);
+    rest -= static_cast<double>(ratios.weight[i]);
+    const double above = at_least != nullptr ? rest - static_cast<double>(at_least[i]) : rest;
+    if (above > 0) share *= rest / above;
+    rest = above;
     if (!(ratios.weight[i] > 0) || below < weight_below) continue;
     double weight = 0, sum = 0;
     for (uint32_t k = i > 0 ? i - 1 : 0; k <= i + 1 && k < k_vote_bins; ++k) {
@@ -106,8 +118,8 @@ double median_of(const RoomVote& v) {
              exact = weight_of(v.ratios);
   const double half = 0.5 * (brighter + darker + exact);
   if (darker > 0 && darker >= half) return static_cast<double>(v.darker_sum / v.darker);
-  if (!(exact > 0) || exact + darker < half) return brighter > 0 ? static_cast<double>(v.brighter_sum / v.brighter) : 0;
-  return ratio_above(v.ratios, half - darker);
+  const double median = ratio_above(v.ratios, half - darker, nullptr, v.at_least);
+  return median != 0 || !(brighter > 0) ? median : static_cast<double>(v.brighter_sum / v.brighter);
 }
 
 // The variance over the parts whose ratio is known exactly, of a sum and a sum of squares of RoomVote.
@@ -141,7 +153,8 @@ double found_scale(Room* room) {
   bool alike = false;
   if (steps) {
     double near = 0;
-    const double beside = -ratio_above(v.steps, 0.5 * compared, &near) - by_step, noise = k_step_noise / compared;
+    const double beside = -ratio_above(v.steps, 0.5 * compared, &near, nullptr) - by_step,
+                 noise = k_step_noise / compared;
     alike = near >= k_step_alike * compared;
     const bool surely = alike && beside * beside > k_surely * noise;
     by_step += (surely ? 1 : k_step_usual / (k_step_usual + noise)) * beside;
@@ -285,8 +298,8 @@ RoomLesson lesson_of(Room* room, bool exposure_known) {
   // that shows more goes on with a doubt.
   if (room_shows_lamps_only(*room) || (room_is_short(*room) && !(room->doubted > 0)))
     return room->doubted > 0 || room->settled < k_settling ? RoomLesson::unknown : RoomLesson::all;
-  const double hidden = static_cast<double>(v.brighter) + static_cast<double>(v.darker);
-  const double compared = static_cast<double>(v.exact) + hidden, median = median_of(v);
+  const double hidden = static_cast<double>(v.white) + static_cast<double>(v.darker);
+  const double compared = static_cast<double>(v.exact + v.brighter + v.darker), median = median_of(v);
   const bool enough = compared >= k_change_weight_min;
   const bool black = static_cast<double>(v.black) >= k_all_black * static_cast<double>(v.area);
   if (black || (enough && hidden >= k_blind * compared)) {
@@ -306,7 +319,9 @@ RoomLesson lesson_of(Room* room, bool exposure_known) {
   const bool strange = !back && clear && (perhaps || !exposure_known) && is_strange(v, exposure_known && enough);
   const bool surely = back || (exposure_known && enough && (alike || one_sided >= k_change_share * compared));
   const bool all_few = compares && one_sided >= k_few_share * compared;
-  const bool doubtful = strange || (perhaps && !surely && (enough || all_few || room->doubted > 0));
+  // A doubt goes on while much is hidden, even if the rest agrees: else it would never end.
+  const bool doubts = room->doubted > 0, half_blind = doubts && !clear;
+  const bool doubtful = strange || (perhaps && (!surely || half_blind) && (enough || all_few || doubts));
   if (doubtful && compares) doubt(room, median);
   else if (enough && clear) room->doubted = room->shows = 0;
   // One strange image alone may be a short one for lamps. While the camera is in the room, it shows another room only
@@ -358,16 +373,18 @@ void room_vote(Room* room, uint32_t index, double area, const RoomObservation& n
   const bool black = !(shown > k_black);
   if (black) add(&v->black, weight);
   const RoomPart& part = room->parts[index];
-  if (now.covered < 1 || !room_remembers(part)) return;
+  if (now.covered < k_compared || !room_remembers(part)) return;
   const double to_image = room->light / room->view.scale, expected = luminance(part.radiance) * to_image;
   const bool exposure_known = room->exposure_known && room->view.image.exposure > 0;
   if (!black && !(now.clipped > 0)) vote_of_hue(v, part, now, weight);
   if (exposure_known && expected < k_dim && shown < k_dim) return;
   if (now.clipped > 0 || black) {
     // Where the exposure is not known, what is clipped says only that it is.
-    const bool hides = black ? expected >= k_dim : now.clipped >= k_white_from && expected < 0.9;
+    const bool hides = black ? expected >= k_dim : expected < 0.9;
     if (!hides) return;
-    const double ratio = black ? logarithm_of(k_black) - logarithm_of(expected) : -logarithm_of(expected);
+    const double ratio = logarithm_of(black ? k_black : shown) - logarithm_of(expected);
+    if (!black) add(&v->at_least[bin_of(ratio)], weight);
+    if (!black && now.clipped >= k_white_from) add(&v->white, weight);
     add(black ? &v->darker : &v->brighter, weight);
     add(black ? &v->darker_sum : &v->brighter_sum, weight * ratio);
     if (absolute(ratio) > k_change) add(black ? &v->less : &v->more, weight);

@@ -19,7 +19,8 @@ constexpr uint32_t k_lamp_points = 12;  // of one that is brighter than white: a
 constexpr uint32_t k_finer = 4;         // the same of a cell of those in which the lamp lies
 constexpr double k_lamp_clips = 0.5;    // share of a part: what clips less of it may be a lamp
 constexpr uint32_t k_close_looks = 6;   // at such parts in an image, about; where there are more they take turns
-constexpr uint32_t k_vote_points = 2;   // the same where the image is only compared
+constexpr uint32_t k_vote_points = 3;   // the same where the image is only compared
+constexpr uint32_t k_fewer_points = 2;  // the same where its exposure is not known
 // The steps of a sequence that fills a square evenly: powers of 1 / x, where x is the root of x^3 = x + 1.
 constexpr double k_step_row = 0.7548776662466927, k_step_column = 0.5698402909980532;
 constexpr double k_dark = 0.01;   // linear: bytes round what is darker
@@ -27,7 +28,7 @@ constexpr uint8_t k_white = 250;  // sRGB: a channel from here on may be clipped
 constexpr double k_margin_sine = 0.5, k_margin_cosine = 0.8660254037844386;  // 30 degrees: half a part, and parallax
 constexpr float k_weight_max = 8.0f;  // what is known of a part counts as no more images than these
 constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // shares of a new image, at least
-constexpr float k_whole = 0.999f;
+constexpr float k_whole = 0.999f, k_as_much = 0.9f;
 constexpr float k_hardly = 1;           // weight of what one image has shown in part, or many long ago
 constexpr float k_faint = 0.001f;       // share of a part that is clipped: the sun's
 constexpr float k_little = 0.02f;       // the same of a bulb, which points may miss
@@ -363,7 +364,7 @@ float room_rate(const Room& room, const RoomKnown& known, const RoomObservation&
   const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
   const double before = known.luminance, after = luminance(now.colour) * room.view.scale / room.light;
   const int white_now = room_quarter_octaves(room.view.scale);
-  const bool less_white = known.white > white_now + 2;
+  const bool less_white = known.white > white_now + 2, more_white = white_now > known.white + 2;
   const bool more_clipped = known.white != 0 ? less_white && clipped > 0 : clipped > 2 * known.clipped;
   const bool hidden = more_clipped && after <= 1.1 * before;
   // If a part was hardly seen before, what was not seen of it is new.
@@ -372,13 +373,18 @@ float room_rate(const Room& room, const RoomKnown& known, const RoomObservation&
   // lamp is there at least, in the whole part: so much is new.
   const double white = room.scale / room.light, now_at_least = now.covered * after;
   const bool is_lamp = before > white || after > white || clipped > 0 || known.clipped > 0;
-  if (covered < k_whole && known.seen >= covered && is_lamp) {
-    const bool tells = known.clipped > 0 && white_now > known.white + 2 && now_at_least > before;
+  const bool shorter = known.clipped > 0 && more_white;
+  // One that shows nearly as much of the part as was ever seen shows the same of it.
+  const bool cut = covered < k_whole && covered <= (shorter ? k_as_much : 1) * known.seen;
+  if (cut && is_lamp) {
+    const bool tells = shorter && now_at_least > before;
     return tells ? static_cast<float>((now_at_least - before) / (after - before)) : 0;
   }
   const float rate = covered / (known.weight + covered);
   const bool clearer = 2 * clipped < known.clipped;
   const bool changed = after > 2 * before || after < 0.5 * before;
+  // What is known by longer images, and clipped, is a lower bound: beside a shorter image it does not count.
+  if (clearer && shorter && known.white != 0) return covered < known.seen ? covered / known.seen : 1;
   const float rate_min = covered * (clearer ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
   return rate > rate_min ? rate : rate_min;
 }
@@ -469,7 +475,8 @@ void run_parts(Room* room) {
       continue;
     }
     // Where the exposure is not known, at the same points of each image: so it is known how that changed.
-    const RoomObservation now = observe(*view, view->image.exposure > 0 ? room->images : 0, middle, k_vote_points);
+    const RoomObservation now = view->image.exposure > 0 ? observe(*view, room->images, middle, k_vote_points)
+                                                         : observe(*view, 0, middle, k_fewer_points);
     if (now.covered > 0) room_vote(room, room->cursor, middle.elevation.cos, now);
     else room->parts[room->cursor].shown = 0;
   }

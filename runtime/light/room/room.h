@@ -90,6 +90,9 @@ struct RoomVote {
   // show at least.
   float brighter, darker;
   float brighter_sum, darker_sum;
+  // Of the clipped ones, the weight in the bins of a histogram, and the weight of those that are clipped by half.
+  float at_least[k_vote_bins];
+  float white;
   // Weight of the parts that became brighter, or darker, by half or more.
   float more, less;
   // Parts of which the ratio is known exactly: their weight; sums of the logarithm of the remembered luminance and of

@@ -55,9 +55,9 @@ double stored(sandglass_transfer transfer, double light) {
   return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
 }
 
-// The stored bytes of light up to four times white, from tables that are far finer than a byte.
-constexpr double k_brightest = 4;
-constexpr int k_steps = 1 << 15;
+// The stored bytes of light up to what PQ can hold, from tables that are far finer than a byte.
+constexpr double k_brightest = 10000.0 / 203;
+constexpr int k_steps = 1 << 16;
 const std::vector<uint8_t>& coded(sandglass_transfer transfer) {
   static const std::vector<std::vector<uint8_t>> tables = [] {
     std::vector<std::vector<uint8_t>> made(SANDGLASS_TRANSFER_CURVE + 1);
