@@ -163,7 +163,7 @@ export function Push(ball) {
   useListed(here.balls, ball, () => stage.push(...here.balls.values()), here);
   return null;
 }
-function useListed(list, { children, ...value }, tell, here) {
+function useListed(list, value, tell, here) {
   const [key] = useState(() => ({}));
   const fail = useFailure();
   const told = useRef(tell);
