@@ -1,10 +1,10 @@
-// A loose grain: a square or a piece of a line. Needs sand.glsl, and `hidden` as surface.frag does.
-flat in vec3 colour, stands_at;
-flat in float across;
+// A loose grain: a square or a piece of a line. Needs loose.glsl, and `hidden` as surface.frag does.
+flat in vec3 stands_at, up;
+flat in float across, own;
+flat in uint chance;
 in vec2 at;
 out vec4 pixel;
 void main() {
-  float lit = grain_lit(at, across);
-  if (lit <= 0.0) discard;
-  pixel = vec4(encoded(colour * lit).rgb, 1.0 - hidden(stands_at));
+  if (grain_lit(at, across) <= 0.0) discard;
+  pixel = vec4(encoded(grain_shown(at, across, stands_at, up, own, chance)).rgb, 1.0 - hidden(stands_at));
 }

@@ -1,7 +1,7 @@
 // Loose sand (sandglass_skin_loose, one instance each): squares of what lies, lines of what flies, as far as it comes while
 // a picture is exposed. A particle becomes as many grains as are seen from there, at places that follow from its number.
 // A grain is a square of four vertices: draw indices 0, 1, 2, 2, 1, 3 and so on, of k_points squares an instance where
-// `flies` is 0, of k_lines where it is 1; of fewer when all are far. For vertices; needs sand.glsl.
+// `flies` is 0, of k_lines where it is 1; of fewer when all are far. Needs sand.glsl.
 const uint k_clouds = 16u;       // of a particle: it flies apart into so many
 const float k_points = 256.0, k_lines = 384.0;
 const float k_point_pixels = 1.5, k_line_pixels = 1.2;  // no grain is drawn thinner
@@ -19,14 +19,17 @@ vec3 ball(inout uint state) {
   float h = 2.0 * drawn(state) - 1.0, turn = 6.2831853 * drawn(state), r = pow(drawn(state), 1.0 / 3.0), a = sqrt(1.0 - h * h);
   return r * vec3(a * cos(turn), h, a * sin(turn));
 }
-// Of a grain: where its corner is drawn, and lies in the square, from -1 to 1 (of a line x along it); its middle; its colour,
-// linear; how wide its ball is, pixels, or 0.
+// Of a grain: where its corner is drawn, and lies in the square, from -1 to 1 (of a line x along it); how wide its ball is, pixels,
+// or 0; its middle; the normal of what it lies on; how much of it is its own, not the mean of many; and what chance has for it.
 vec4 grain_position;
 vec2 grain_at;
-vec3 grain_stands, grain_colour;
-float grain_across;
+float grain_across, grain_own;
+vec3 grain_stands, grain_up;
+uint grain_seed;
+// For vertices.
 void loose_grain(uint vertex, vec4 place, vec3 way, uint number) {
-  grain_position = vec4(2, 2, 2, 1), grain_at = vec2(0), grain_stands = grain_colour = vec3(0), grain_across = 0.0;
+  grain_position = vec4(2, 2, 2, 1), grain_at = vec2(0), grain_across = grain_own = 0.0;
+  grain_stands = grain_up = vec3(0), grain_seed = 0u;
   bool line = flies > 0.5;
   uint which = vertex >> 2u, cloud = hashed(number * k_clouds + (which & (k_clouds - 1u))), state = hashed(cloud + which);
   float finest = block_side / 28.0, most = line ? k_lines : k_points, least = line ? k_line_pixels : k_point_pixels;  // a grain's radius
@@ -70,18 +73,23 @@ void loose_grain(uint vertex, vec4 place, vec3 way, uint number) {
       }
       grain_at = vec2(float(vertex & 1u), float((vertex >> 1u) & 1u)) * 2.0 - 1.0;
       grain_position = middle + vec4((grain_at.x * right + grain_at.y * over) * pixel * middle.w, 0, 0);
-      float kind = drawn(state), light = drawn(state), fine = clamp(wide / least, 0.0, 1.0) * inversesqrt(stands) * (line ? 0.3 : 1.0);
-      vec4 mineral = minerals[3];
-      vec3 mean = minerals[0].rgb * minerals[0].a;
-      for (int m = 2; m >= 0; --m) {
-        mean += minerals[m + 1].rgb * (minerals[m + 1].a - minerals[m].a);
-        if (kind < minerals[m].a) mineral = minerals[m];
-      }
-      vec3 facet = normalize(up + 0.7 * fine * ball(state)), albedo = sand_albedo(mix(mean, mineral.rgb * (0.8 + 0.4 * light), fine), mean);
-      float shaded = mix(0.8, 0.55 + 0.5 * drawn(state), fine);
-      // What flies is lit before it shades the pile.
-      float direct = (line ? 1.0 : pile_passed(world)) * object_passed(world) * shaded;
-      grain_colour = sand_lit(albedo, up, facet, normalize(eye - world), direct, 0.9 * under_sky(world));
+      grain_own = clamp(wide / least, 0.0, 1.0) * inversesqrt(stands) * (line ? 0.3 : 1.0), grain_up = up, grain_seed = state;
     }
   }
+}
+// For fragments: the light that leaves it, linear.
+vec3 grain_shown(vec2 at, float across, vec3 stands, vec3 up, float own, uint seed) {
+  uint state = seed;
+  float kind = drawn(state), light = drawn(state);
+  vec4 mineral = minerals[3];
+  vec3 mean = minerals[0].rgb * minerals[0].a;
+  for (int m = 2; m >= 0; --m) {
+    mean += minerals[m + 1].rgb * (minerals[m + 1].a - minerals[m].a);
+    if (kind < minerals[m].a) mineral = minerals[m];
+  }
+  vec3 facet = normalize(up + 0.7 * own * ball(state)), albedo = sand_albedo(mix(mean, mineral.rgb * (0.8 + 0.4 * light), own), mean);
+  float shaded = mix(0.8, 0.55 + 0.5 * drawn(state), own);
+  // What flies is lit before it shades the pile.
+  float direct = (flies > 0.5 ? 1.0 : pile_passed(stands)) * object_passed(stands) * shaded;
+  return grain_lit(at, across) * sand_lit(albedo, up, facet, normalize(eye - stands), direct, 0.9 * under_sky(stands));
 }

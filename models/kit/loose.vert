@@ -10,10 +10,12 @@ layout(location = 2) in float seed;
 #else
 layout(location = 2) in uint number;
 #endif
-flat out vec3 colour, stands_at;
-flat out float across;
+flat out vec3 stands_at, up;
+flat out float across, own;
+flat out uint chance;
 out vec2 at;
 void main() {
   loose_grain(uint(gl_VertexID), place, way, number);
-  gl_Position = grain_position, at = grain_at, colour = grain_colour, stands_at = grain_stands, across = grain_across;
+  gl_Position = grain_position, at = grain_at, across = grain_across;
+  stands_at = grain_stands, up = grain_up, own = grain_own, chance = grain_seed;
 }

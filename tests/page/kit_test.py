@@ -39,7 +39,7 @@ STAGES = {
     "surface.vert": ["uniforms"],
     "surface.frag": ["uniforms", "light", "sand", "levels", "surface"],
     "loose.vert": ["uniforms", "light", "sand", "loose"],
-    "loose.frag": ["uniforms", "light", "sand"],
+    "loose.frag": ["uniforms", "light", "sand", "loose"],
 }
 DRAW = (
     "(given) => {"

@@ -15,7 +15,7 @@ PARTS = {
     "surface.vert": ["uniforms"],
     "surface.frag": ["uniforms", "light", "sand", "levels", "surface"],
     "loose.vert": ["uniforms", "light", "sand", "loose"],
-    "loose.frag": ["uniforms", "light", "sand"],
+    "loose.frag": ["uniforms", "light", "sand", "loose"],
     "plain.frag": [],
 }
 HOOK = "float hidden(vec3 world) { return 0.0; }\n"

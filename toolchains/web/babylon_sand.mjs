@@ -34,6 +34,12 @@ const k_glsl_camera_ends = `
 #undef eye`;
 const glsl = (part, ...texts) => `${k_glsl_camera}\n${samplers(part)}\n${texts.join("")}${k_glsl_camera_ends}`;
 const wgsl = (part) => `${textures(part)}\n${k_wgsl[part].text}`;
+const k_wgsl_handed = `flat varying loose_stands: vec3f;
+flat varying loose_up: vec3f;
+flat varying loose_own: f32;
+flat varying loose_seed: u32;
+flat varying loose_across: f32;
+varying loose_at: vec2f;`;
 const k_identity = "mat3x3f(1, 0, 0, 0, 1, 0, 0, 0, 1)";
 
 // By part and language: what is added to the engine's vertex and fragment shaders: declarations, statements at the end, and where a
@@ -91,14 +97,18 @@ finalDiffuse = sand_surface(fragmentInputs.sand_world, fragmentInputs.sand_up, f
         `attribute vec4 sand_place;
 attribute vec3 sand_way;
 attribute float sand_number;
-flat out vec3 sand_colour;
-flat out float sand_across;
-out vec2 sand_at;
+flat out vec3 loose_stands, loose_up;
+flat out float loose_across, loose_own;
+flat out uint loose_seed;
+out vec2 loose_at;
 ${glsl("loose", kit.light, kit.sand, kit.loose)}`,
         `gl_Position = grain_position;
-sand_colour = grain_colour;
-sand_across = grain_across;
-sand_at = grain_at;`,
+loose_across = grain_across;
+loose_at = grain_at;
+loose_stands = grain_stands;
+loose_up = grain_up;
+loose_own = grain_own;
+loose_seed = grain_seed;`,
         `sand_view = view * world;
 sand_projection = projection;
 sand_eye = (sand_from_world * vec4(vEyePosition.xyz, 1)).xyz;
@@ -106,13 +116,14 @@ loose_grain(uint(gl_VertexID), sand_place, sand_way, uint(sand_number));
 worldPos = world * vec4(grain_stands, 1);`,
       ],
       fragment: [
-        `flat in vec3 sand_colour;
-flat in float sand_across;
-in vec2 sand_at;
-${glsl("loose", kit.light, kit.sand)}`,
-        `float sand_grain = grain_lit(sand_at, sand_across);
-if (sand_grain <= 0.0) discard;
-finalDiffuse = sand_colour * sand_grain;`,
+        `flat in vec3 loose_stands, loose_up;
+flat in float loose_across, loose_own;
+flat in uint loose_seed;
+in vec2 loose_at;
+${glsl("loose", kit.light, kit.sand, kit.loose)}`,
+        `if (grain_lit(loose_at, loose_across) <= 0.0) discard;
+sand_eye = (sand_from_world * vec4(vEyePosition.xyz, 1)).xyz;
+finalDiffuse = grain_shown(loose_at, loose_across, loose_stands, loose_up, loose_own, loose_seed);`,
       ],
     },
     {
@@ -120,14 +131,15 @@ finalDiffuse = sand_colour * sand_grain;`,
         `attribute sand_place: vec4f;
 attribute sand_way: vec3f;
 attribute sand_number: f32;
-flat varying sand_colour: vec3f;
-flat varying sand_across: f32;
-varying sand_at: vec2f;
+${k_wgsl_handed}
 ${wgsl("loose")}`,
         `vertexOutputs.position = grain_position;
-vertexOutputs.sand_colour = grain_colour;
-vertexOutputs.sand_across = grain_across;
-vertexOutputs.sand_at = grain_at;`,
+vertexOutputs.loose_stands = grain_stands;
+vertexOutputs.loose_up = grain_up;
+vertexOutputs.loose_own = grain_own;
+vertexOutputs.loose_seed = grain_seed;
+vertexOutputs.loose_across = grain_across;
+vertexOutputs.loose_at = grain_at;`,
         `view = scene.view * mesh.world;
 projection = scene.projection;
 eye = (uniforms.sand_from_world * vec4f(scene.vEyePosition.xyz, 1)).xyz;
@@ -136,13 +148,12 @@ loose_grain(vertexInputs.vertexIndex, vertexInputs.sand_place, vertexInputs.sand
 worldPos = mesh.world * vec4f(grain_stands, 1);`,
       ],
       fragment: [
-        `flat varying sand_colour: vec3f;
-flat varying sand_across: f32;
-varying sand_at: vec2f;
+        `${k_wgsl_handed}
 ${wgsl("loose")}`,
-        `let sand_grain = grain_lit(fragmentInputs.sand_at, fragmentInputs.sand_across);
-if (sand_grain <= 0.0) { discard; }
-finalDiffuse = fragmentInputs.sand_colour * sand_grain;`,
+        `if (grain_lit(fragmentInputs.loose_at, fragmentInputs.loose_across) <= 0.0) { discard; }
+eye = (uniforms.sand_from_world * vec4f(scene.vEyePosition.xyz, 1)).xyz;
+table_of_room = ${k_identity};
+finalDiffuse = grain_shown(fragmentInputs.loose_at, fragmentInputs.loose_across, fragmentInputs.loose_stands, fragmentInputs.loose_up, fragmentInputs.loose_own, fragmentInputs.loose_seed);`,
       ],
     },
   ],

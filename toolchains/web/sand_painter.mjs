@@ -76,7 +76,7 @@ export class SandPainter {
     this.loose = program(
       gl,
       before + k_kit.sand + k_kit.loose + k_loose_vertex,
-      before + hidden + k_kit.sand + k_kit.loose_frag,
+      before + hidden + k_kit.sand + k_kit.loose + k_kit.loose_frag,
     );
     this.looseBuffer = gl.createBuffer();
     this.looseArray = gl.createVertexArray();

@@ -69,26 +69,30 @@ ${kit.uniforms}${kit.light}${kit.sand}${kit.loose}
 in vec4 sand_place;
 in vec3 sand_way;
 in float sand_number;
-flat out vec3 sand_colour;
-flat out float sand_across;
-out vec2 sand_at;
+flat out vec3 loose_stands, loose_up;
+flat out float loose_across, loose_own;
+flat out uint loose_seed;
+out vec2 loose_at;
 void main() {
   sand_eye_here = (inverse(modelMatrix) * vec4(cameraPosition, 1)).xyz;
   loose_grain(uint(gl_VertexID), sand_place, sand_way, uint(sand_number));
-  gl_Position = grain_position, sand_at = grain_at, sand_colour = grain_colour, sand_across = grain_across;
+  gl_Position = grain_position, loose_at = grain_at, loose_across = grain_across;
+  loose_stands = grain_stands, loose_up = grain_up, loose_own = grain_own, loose_seed = grain_seed;
   vec4 mvPosition = view * vec4(grain_stands, 1);
   ${k_at_end_of_vertex}
 }`;
 const k_loose_fragment = `${k_fragment_chunks}
-${kit.uniforms}${kit.light}${kit.sand}
-flat in vec3 sand_colour;
-flat in float sand_across;
-in vec2 sand_at;
+#define view mat4(1)
+#define projection mat4(1)
+${kit.uniforms}${kit.light}${kit.sand}${kit.loose}
+flat in vec3 loose_stands, loose_up;
+flat in float loose_across, loose_own;
+flat in uint loose_seed;
+in vec2 loose_at;
 void main() {
   ${k_begin_of_fragment}
-  float lit = grain_lit(sand_at, sand_across);
-  if (lit <= 0.0) discard;
-  gl_FragColor = vec4(sand_colour * lit, 1);
+  if (grain_lit(loose_at, loose_across) <= 0.0) discard;
+  gl_FragColor = vec4(grain_shown(loose_at, loose_across, loose_stands, loose_up, loose_own, loose_seed), 1);
   ${k_at_end_of_fragment}
 }`;
 

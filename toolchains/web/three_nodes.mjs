@@ -95,23 +95,21 @@ export class NodeLook {
     const { THREE } = this;
     const { TSL: T } = THREE;
     const given = { ...nodes, flies: T.float(flies) };
-    const colour = T.varyingProperty("vec3", "sandColour");
-    const across = T.varyingProperty("float", "sandAcross");
-    const at = T.varyingProperty("vec2", "sandAt");
+    const names = { at: "vec2", across: "float", stands: "vec3", up: "vec3", own: "float", seed: "uint" };
+    const handed = Object.entries(names).map(([name, type]) => [name, T.varyingProperty(type, `loose_${name}`)]);
     const material = new THREE.MeshBasicNodeMaterial({ side: THREE.DoubleSide });
     material.vertexNode = T.Fn(() => {
       const { loose_grain, globals } = looseNodes(T, given);
       const number = T.uint(T.attribute("sand_number", "float"));
       loose_grain(T.uint(T.vertexIndex), T.attribute("sand_place", "vec4"), T.attribute("sand_way", "vec3"), number);
-      colour.assign(globals.grain_colour);
-      across.assign(globals.grain_across);
-      at.assign(globals.grain_at);
+      for (const [name, varying] of handed) varying.assign(globals[`grain_${name}`]);
       return globals.grain_position;
     })();
     material.colorNode = T.Fn(() => {
-      const lit = T.float(surfaceNodes(T, given).grain_lit(at, across)).toVar();
-      T.Discard(lit.lessThanEqual(0));
-      return T.vec4(colour.mul(lit), 1);
+      const { grain_lit, grain_shown } = looseNodes(T, given);
+      const [at, across, ...rest] = handed.map(([, varying]) => varying);
+      T.Discard(grain_lit(at, across).lessThanEqual(0));
+      return T.vec4(grain_shown(at, across, ...rest), 1);
     })();
     return material;
   }
