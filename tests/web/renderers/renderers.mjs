@@ -224,13 +224,23 @@ const k_scenes = {
   "half clipped": ({ renderer, THREE }) =>
     (renderer.clippingPlanes = [new THREE.Plane(new THREE.Vector3(0, -1, 0), 0.04)]),
 };
-export async function counted(kind, name, options) {
+export async function counted(kind, names, options) {
   const made = await threeScene(kind, { renderer: options });
-  made.scene.background = new made.THREE.Color(k_background);
-  k_scenes[name](made);
-  const pixels = count(await made.look());
-  done(made.renderer);
-  return pixels;
+  const { renderer, scene, group, THREE } = made;
+  scene.background = new THREE.Color(k_background);
+  const before = new Set(scene.children);
+  const found = [];
+  for (const name of names) {
+    k_scenes[name](made);
+    found.push(count(await made.look()));
+    for (const one of [...scene.children]) if (!before.has(one)) one.removeFromParent();
+    group.position.set(0, 0, 0);
+    renderer.setViewport(0, 0, side, side);
+    renderer.setScissorTest(false);
+    Object.assign(renderer, { autoClear: true, clippingPlanes: [] });
+  }
+  done(renderer);
+  return found;
 }
 
 // How far from a vertex of the sand a ray from the eye ends, and how many vertices lie outside of its box.
@@ -261,7 +271,7 @@ export async function left(kind) {
   const { THREE, renderer, camera } = await threeScene(kind);
   const drawn = await frame.recorded();
   const counts = [];
-  for (let i = 0; i < 4; ++i) {
+  for (let i = 0; i < 3; ++i) {
     const scene = new THREE.Scene();
     const floor = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.MeshStandardMaterial());
     scene.add(floor);

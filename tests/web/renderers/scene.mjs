@@ -1,9 +1,9 @@
 // One frame of a stage, recorded, and its picture by the kit alone; and a stage that gives that frame to any engine.
 import { Stage } from "sandglass/stage";
-import { SandPainter, setUniforms, uploadShadow } from "/node_modules/sandglass/sand_painter.mjs";
+import { SandPainter, setUniforms, uploadShadow } from "/renderers/sandglass/sand_painter.mjs";
 import { kitValues } from "sandglass/glsl";
-import { blockMade } from "/node_modules/sandglass/worker.mjs";
-import { k_block_text } from "/node_modules/sandglass/block_module.mjs";
+import { blockMade } from "/renderers/sandglass/worker.mjs";
+import { k_block_text } from "/renderers/sandglass/block_module.mjs";
 
 export const side = 256;
 export const clear = [0.1, 0.2, 0.3]; // of the kit's picture
