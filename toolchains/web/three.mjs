@@ -42,6 +42,8 @@ class ThreeStage extends Engine {
     this.receiver = renderer.isWebGPURenderer
       ? new NodeReceiver(THREE, this.sun, () => scene.background === null)
       : new GlslReceiver(THREE);
+    this.renew = () => this.sand?.renew();
+    renderer.domElement?.addEventListener?.("webglcontextrestored", this.renew);
   }
 
   poseOf(object) {
@@ -168,8 +170,9 @@ class ThreeStage extends Engine {
   // Sand, as a Group in the scene. Options as for Stage.createSand.
   async createSand(options) {
     await this.newSand(options);
-    this.scene.add(this.sand.group);
-    return this.sand.group;
+    this.group = this.sand.group;
+    this.scene.add(this.group);
+    return this.group;
   }
   sandOf(block, radius) {
     const { THREE, renderer } = this;
@@ -178,6 +181,7 @@ class ThreeStage extends Engine {
   }
 
   leave() {
+    this.renderer.domElement?.removeEventListener?.("webglcontextrestored", this.renew);
     for (const one of [this.probe, this.sun, this.sun.target]) one.removeFromParent();
     this.receiver.end(); // materials get no shadows any more
   }

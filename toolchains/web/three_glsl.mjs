@@ -2,7 +2,7 @@
 import { k_block_side } from "./loose_sand.mjs";
 import { k_packed_sides, packedBlock } from "./packed_block.mjs";
 import { kit } from "./glsl.mjs";
-import { blockTexture } from "./three_sand.mjs";
+import { blockTexture, sameTexture } from "./three_sand.mjs";
 
 // Sand is lit where it is simulated, wherever its group stands.
 const k_camera = `
@@ -132,6 +132,9 @@ export class GlslLook {
     for (const [name, value] of Object.entries(values))
       (this.uniforms[name] ??= {}).value = Array.isArray(value) ? value.flat() : value;
     for (const { uniforms } of this.materials) Object.assign(uniforms, this.uniforms);
+  }
+  renew() {
+    for (const name of ["grains", "facets"]) this.uniforms[name].value = sameTexture(this.uniforms[name].value);
   }
   // Of a metre at a distance of one, in what is drawn now.
   pixels(renderer, camera) {

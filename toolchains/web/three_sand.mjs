@@ -16,6 +16,14 @@ export class ThreeSand {
     this.take(nothingDrawn);
     this.loose = [0, 1].map((flies) => this.#looseMesh(flies));
   }
+  // After a lost context: what geometries and textures had of the one before is gone with it, and must not be freed.
+  renew() {
+    const { look, textures } = this;
+    for (const mesh of [...this.chunks, ...this.loose]) mesh.geometry = another(mesh.geometry);
+    for (const name of Object.keys(textures)) textures[name] = sameTexture(textures[name]);
+    look.set(textures);
+    look.renew?.();
+  }
 
   take(drawn) {
     const { look } = this;
@@ -144,10 +152,26 @@ function fill(attribute, values) {
   attribute.needsUpdate = true;
 }
 
+// A geometry of the same arrays.
+function another(geometry) {
+  const made = new geometry.constructor();
+  made.setIndex(geometry.index);
+  for (const [name, attribute] of Object.entries(geometry.attributes)) made.setAttribute(name, attribute);
+  const { boundingBox, boundingSphere, drawRange, instanceCount } = geometry;
+  return Object.assign(made, {
+    boundingBox,
+    boundingSphere,
+    drawRange,
+    ...(made.isInstancedBufferGeometry ? { instanceCount } : {}),
+  });
+}
+
 function bound(THREE, geometry, low, high) {
   geometry.boundingBox = new THREE.Box3(new THREE.Vector3(...low), new THREE.Vector3(...high));
   geometry.boundingSphere = geometry.boundingBox.getBoundingSphere(new THREE.Sphere());
 }
+
+export const sameTexture = (texture) => Object.assign(texture.clone(), { needsUpdate: true });
 
 // A texture of one byte a texel, as a stage gives it.
 export function byteTexture({ DataTexture, LinearFilter, RedFormat }, side, bytes) {
