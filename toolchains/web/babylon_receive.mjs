@@ -1,8 +1,8 @@
 // What shadows leave of a material's light in Babylon.js: a plugin of PBR materials, in GLSL and WGSL.
 import { nothingDrawn, receive, receivers, receiverValues } from "./glsl.mjs";
+import { ShadowTextures } from "./shadow_textures.mjs";
 import { k_wgsl } from "./kit_wgsl.mjs";
 
-const k_dark = { pile: 0, shadow: 0, occlusion: 255, sky: 255 };
 const k_vectors = Object.keys(receiverValues(nothingDrawn));
 // By language: declarations; what is left of the light; the surface's shadow alone.
 const k_code = [
@@ -64,14 +64,18 @@ const k_places = {
   "-1": ["vec3(vPositionW.xy, -vPositionW.z)", "vec3f(fragmentInputs.vPositionW.xy, -fragmentInputs.vPositionW.z)"],
 };
 
-// A texture of one byte a texel, as a stage gives it.
-export function byteTexture({ RawTexture, Constants }, scene, side, bytes) {
-  const { TEXTURE_BILINEAR_SAMPLINGMODE, TEXTURETYPE_UNSIGNED_BYTE, TEXTURE_CLAMP_ADDRESSMODE } = Constants;
-  const how = [scene, false, false, TEXTURE_BILINEAR_SAMPLINGMODE, TEXTURETYPE_UNSIGNED_BYTE];
-  const made = RawTexture.CreateRTexture(bytes.slice(), side, side, ...how);
-  made.wrapU = made.wrapV = TEXTURE_CLAMP_ADDRESSMODE;
-  return made;
-}
+// Textures of one byte a texel, as a stage gives them.
+export const textureMaker = ({ RawTexture, Constants }, scene) => ({
+  make(side, bytes) {
+    const { TEXTURE_BILINEAR_SAMPLINGMODE, TEXTURETYPE_UNSIGNED_BYTE, TEXTURE_CLAMP_ADDRESSMODE } = Constants;
+    const how = [scene, false, false, TEXTURE_BILINEAR_SAMPLINGMODE, TEXTURETYPE_UNSIGNED_BYTE];
+    const made = RawTexture.CreateRTexture(bytes.slice(), side, side, ...how);
+    made.wrapU = made.wrapV = TEXTURE_CLAMP_ADDRESSMODE;
+    return made;
+  },
+  fill: (texture, bytes) => texture.update(bytes.slice()),
+  sideOf: (texture) => texture.getSize().width,
+});
 
 const owners = new WeakMap(); // by material: its plugin
 
@@ -112,7 +116,7 @@ const pluginOf = (BABYLON, z) =>
       if (!this.receiver) return;
       const { vectors, textures } = this.receiver;
       for (const name of k_vectors) buffer.updateFloat4(name, ...vectors[name]);
-      for (const name of receivers) buffer.setTexture(`sandglass_${name}`, textures[name]);
+      for (const name of receivers) buffer.setTexture(`sandglass_${name}`, textures.all[name]);
     }
     getCustomCode(kind, language) {
       const which = language === 1 ? 1 : 0;
@@ -123,8 +127,8 @@ const pluginOf = (BABYLON, z) =>
 export class BabylonReceiver {
   // `z`: -1 where the scene is left-handed.
   constructor(BABYLON, scene, z) {
-    Object.assign(this, { BABYLON, scene, textures: {}, plugins: new Set(), Plugin: pluginOf(BABYLON, z) });
-    for (const [name, level] of Object.entries(k_dark)) this.#show(name, { side: 1, bytes: Uint8Array.of(level) });
+    Object.assign(this, { plugins: new Set(), Plugin: pluginOf(BABYLON, z) });
+    this.textures = new ShadowTextures(textureMaker(BABYLON, scene), () => {});
     this.set(nothingDrawn, []);
   }
   receive(material, shadowOnly) {
@@ -144,19 +148,10 @@ export class BabylonReceiver {
   // `changed`: names of textures.
   set(drawn, changed) {
     this.vectors = receiverValues(drawn);
-    for (const name of changed) this.#show(name, drawn.textures[name]);
+    for (const name of changed) this.textures.show(name, drawn.textures[name]);
   }
   end() {
     for (const plugin of [...this.plugins]) plugin.show(null, false);
-    for (const texture of Object.values(this.textures)) texture.dispose();
-  }
-  #show(name, { side, bytes }) {
-    const before = this.textures[name];
-    if (before?.getSize().width === side) {
-      before.update(bytes.slice());
-      return;
-    }
-    before?.dispose();
-    this.textures[name] = byteTexture(this.BABYLON, this.scene, side, bytes);
+    this.textures.end();
   }
 }

@@ -5,10 +5,9 @@ import { chunkArrays, looseLists } from "./sand_geometry.mjs";
 import { kit, kitValues, nothingDrawn } from "./glsl.mjs";
 import { k_packed_sides, packedBlock } from "./packed_block.mjs";
 import { k_wgsl } from "./kit_wgsl.mjs";
-import { byteTexture } from "./babylon_receive.mjs";
+import { ShadowTextures, showOnSand } from "./shadow_textures.mjs";
+import { textureMaker } from "./babylon_receive.mjs";
 
-const k_shadows = { pile: "onSand", shadow: "shadow", occlusion: "occlusion", sky: "skyOnSand" };
-const k_lit = { pile: 0, shadow: 0, occlusion: 255, sky: 255 }; // where nothing is known yet
 const k_sizes = { float: 1, vec3: 3, vec4: 4, mat4: 16 };
 
 // What is declared once in each stage of a shader, by language: sand is lit where it is simulated, wherever its meshes stand.
@@ -219,14 +218,14 @@ export class BabylonSand {
     Object.assign(this, { BABYLON, scene, radius, chunks: [], first: scene.getEngine().isWebGPU === true });
     this.values = { block_side: k_block_side, wet: 0, pixels: 0 };
     for (const [name, bytes] of Object.entries({ grains, facets })) this.values[name] = this.#block(bytes);
-    for (const [name, level] of Object.entries(k_lit)) this.#show(name, { side: 1, bytes: Uint8Array.of(level) });
+    this.textures = new ShadowTextures(textureMaker(BABYLON, scene), (name, texture) => (this.values[name] = texture));
     this.surface = this.#material("surface", this.values);
     this.take(nothingDrawn);
     this.loose = [0, 1].map((flies) => this.#looseMesh(flies));
   }
 
   take(drawn) {
-    for (const [name, of] of Object.entries(k_shadows)) if (drawn.textures[of]) this.#show(name, drawn.textures[of]);
+    showOnSand(this.textures, drawn);
     Object.assign(this.values, kitValues(drawn), looseValues(this.radius, drawn.streams ?? []));
     if (!drawn.skin) return;
     for (const chunk of drawn.skin.chunks) this.#takeChunk(chunk);
@@ -236,7 +235,8 @@ export class BabylonSand {
   end() {
     this.root.dispose(false, true);
     this.surface.dispose();
-    for (const name of [...Object.keys(k_lit), "grains", "facets"]) this.values[name].dispose();
+    this.textures.end();
+    for (const name of ["grains", "facets"]) this.values[name].dispose();
   }
 
   #material(part, values) {
@@ -252,15 +252,6 @@ export class BabylonSand {
     const { TEXTUREFORMAT_RGBA, TEXTURE_BILINEAR_SAMPLINGMODE } = Constants;
     const sampling = [TEXTUREFORMAT_RGBA, this.scene, false, false, TEXTURE_BILINEAR_SAMPLINGMODE];
     return new RawTexture3D(bytes, ...k_packed_sides, ...sampling);
-  }
-  #show(name, { side, bytes }) {
-    const before = this.values[name];
-    if (before?.getSize().width === side) {
-      before.update(bytes.slice());
-      return;
-    }
-    before?.dispose();
-    this.values[name] = byteTexture(this.BABYLON, this.scene, side, bytes);
   }
 
   #mesh(material) {

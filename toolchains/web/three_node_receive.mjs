@@ -1,12 +1,12 @@
 // What shadows leave of a material's light under WebGPURenderer, by nodes: of the light from all around by the material's aoNode, of
 // the main light where it shines on a material that receives.
-import { kitValues, nothingDrawn, receivers, receiverValues } from "./glsl.mjs";
+import { kitValues, nothingDrawn, receiverValues } from "./glsl.mjs";
 import { receiveNodes, surfaceNodes } from "./kit_nodes.mjs";
 import { Given } from "./three_nodes.mjs";
-import { byteTexture } from "./three_sand.mjs";
+import { ShadowTextures } from "./shadow_textures.mjs";
+import { textureMaker } from "./three_sand.mjs";
 
 const k_lit = /^Mesh(Standard|Physical|Lambert|Phong)(Node)?Material$/;
-const k_dark = { pile: 0, shadow: 0, occlusion: 255, sky: 255 };
 const k_of_node = ["aoNode", "outputNode", "customProgramCacheKey"];
 
 const owners = new WeakMap(); // which receiver each material shows
@@ -16,9 +16,11 @@ export class NodeReceiver {
   // `sun`: the main light; `onScreen`: whether the picture is blended with what lies behind the canvas.
   constructor(THREE, sun, onScreen) {
     const { TSL: T } = THREE;
-    Object.assign(this, { THREE, onScreen, textures: {}, materials: new Map(), number: ++made });
+    Object.assign(this, { THREE, onScreen, materials: new Map(), number: ++made });
     this.given = new Given(THREE);
-    for (const [name, level] of Object.entries(k_dark)) this.#show(name, { side: 1, bytes: Uint8Array.of(level) });
+    this.textures = new ShadowTextures(textureMaker(THREE), (name, texture) =>
+      this.given.set({ [`sandglass_${name}`]: texture }),
+    );
     this.given.set({ blended: 0 });
     this.set(nothingDrawn, []);
     this.left = T.Fn(() => receiveNodes(T, this.given.nodes).sandglass_left(T.positionWorld).toVar())();
@@ -78,21 +80,10 @@ export class NodeReceiver {
   // `changed`: names of textures.
   set(drawn, changed) {
     this.given.set({ ...receiverValues(drawn), ...kitValues(drawn), blended: this.onScreen() ? 1 : 0 });
-    for (const name of changed) this.#show(name, drawn.textures[name]);
+    for (const name of changed) this.textures.show(name, drawn.textures[name]);
   }
   end() {
     for (const material of [...this.materials.keys()]) this.stop(material);
-    for (const name of receivers) this.textures[name].dispose();
-  }
-  #show(name, { side, bytes }) {
-    const before = this.textures[name];
-    if (before?.image.width === side) {
-      before.image.data.set(bytes);
-      before.needsUpdate = true;
-      return;
-    }
-    before?.dispose();
-    this.textures[name] = byteTexture(this.THREE, side, bytes);
-    this.given.set({ [`sandglass_${name}`]: this.textures[name] });
+    this.textures.end();
   }
 }

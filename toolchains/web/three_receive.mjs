@@ -1,10 +1,10 @@
 // What shadows leave of a material's light under WebGLRenderer: the shader of a classic material is patched, once for good; whose
 // shadows it shows can change, and end.
 import { nothingDrawn, receive, receivers, receiverValues } from "./glsl.mjs";
-import { byteTexture } from "./three_sand.mjs";
+import { ShadowTextures } from "./shadow_textures.mjs";
+import { textureMaker } from "./three_sand.mjs";
 
 const k_lit = ["MeshStandardMaterial", "MeshPhysicalMaterial", "MeshLambertMaterial", "MeshPhongMaterial"];
-const k_dark = { pile: 0, shadow: 0, occlusion: 255, sky: 255 };
 const k_world = `
   vec4 sandglass_place = vec4(transformed, 1);
   #ifdef USE_BATCHING
@@ -63,7 +63,10 @@ export class GlslReceiver {
     this.THREE = THREE;
     this.materials = new Set();
     this.values = {};
-    for (const [name, level] of Object.entries(k_dark)) this.#show(name, { side: 1, bytes: Uint8Array.of(level) });
+    this.textures = new ShadowTextures(textureMaker(THREE), (name, texture) => {
+      this.values[`sandglass_${name}`] = texture;
+      for (const material of this.materials) this.#bind(material);
+    });
     this.set(nothingDrawn, []);
   }
   receive(material, shadowOnly) {
@@ -84,7 +87,7 @@ export class GlslReceiver {
     if (!this.materials.delete(material)) return;
     const { uniforms } = patched.get(material);
     const { THREE } = this;
-    if (!nothing.has(THREE)) nothing.set(THREE, byteTexture(THREE, 1, Uint8Array.of(255)));
+    if (!nothing.has(THREE)) nothing.set(THREE, textureMaker(THREE).make(1, Uint8Array.of(255)));
     for (const name of receivers) uniforms[`sandglass_${name}`].value = nothing.get(THREE);
     uniforms.sandglass_numbers.value = new THREE.Vector4();
     uniforms.sandglass_occlusion_box.value = new THREE.Vector4(2, 2, 0, 0);
@@ -93,25 +96,14 @@ export class GlslReceiver {
   set(drawn, changed) {
     for (const [name, value] of Object.entries(receiverValues(drawn)))
       (this.values[name] ??= new this.THREE.Vector4()).fromArray(value);
-    for (const name of changed) this.#show(name, drawn.textures[name]);
+    for (const name of changed) this.textures.show(name, drawn.textures[name]);
   }
   end() {
     for (const material of [...this.materials]) this.stop(material);
-    for (const name of receivers) this.values[`sandglass_${name}`].dispose();
+    this.textures.end();
   }
   #bind(material) {
     const { uniforms } = patched.get(material);
     for (const [name, value] of Object.entries(this.values)) (uniforms[name] ??= {}).value = value;
-  }
-  #show(name, { side, bytes }) {
-    const before = this.values[`sandglass_${name}`];
-    if (before?.image.width === side) {
-      before.image.data.set(bytes);
-      before.needsUpdate = true;
-      return;
-    }
-    before?.dispose();
-    this.values[`sandglass_${name}`] = byteTexture(this.THREE, side, bytes);
-    for (const material of this.materials) this.#bind(material);
   }
 }

@@ -2,17 +2,16 @@
 // kind, comes from three_glsl.mjs or three_nodes.mjs.
 import { grainsNeeded, looseValues, squareIndices } from "./loose_sand.mjs";
 import { chunkArrays, looseLists } from "./sand_geometry.mjs";
+import { ShadowTextures, showOnSand } from "./shadow_textures.mjs";
 import { kitValues, nothingDrawn } from "./glsl.mjs";
 
-const k_shadows = { pile: "onSand", shadow: "shadow", occlusion: "occlusion", sky: "skyOnSand" };
-const k_lit = { pile: 0, shadow: 0, occlusion: 255, sky: 255 }; // where nothing is known yet
 const k_grain = 0.005; // metres that a grain may be drawn beside its particle, and moves while a picture is exposed
 
 export class ThreeSand {
   // `look`: of the renderer; `radius`: a particle's.
   constructor(THREE, look, radius) {
-    Object.assign(this, { THREE, look, radius, group: new THREE.Group(), chunks: [], textures: {} });
-    for (const [name, level] of Object.entries(k_lit)) this.#show(name, { side: 1, bytes: Uint8Array.of(level) });
+    Object.assign(this, { THREE, look, radius, group: new THREE.Group(), chunks: [] });
+    this.textures = new ShadowTextures(textureMaker(THREE), (name, texture) => look.set({ [name]: texture }));
     this.take(nothingDrawn);
     this.loose = [0, 1].map((flies) => this.#looseMesh(flies));
   }
@@ -20,14 +19,13 @@ export class ThreeSand {
   renew() {
     const { look, textures } = this;
     for (const mesh of [...this.chunks, ...this.loose]) mesh.geometry = another(mesh.geometry);
-    for (const name of Object.keys(textures)) textures[name] = sameTexture(textures[name]);
-    look.set(textures);
+    for (const [name, texture] of Object.entries(textures.all)) textures.put(name, sameTexture(texture));
     look.renew?.();
   }
 
   take(drawn) {
     const { look } = this;
-    for (const [name, of] of Object.entries(k_shadows)) if (drawn.textures[of]) this.#show(name, drawn.textures[of]);
+    showOnSand(this.textures, drawn);
     look.set({ ...kitValues(drawn), ...looseValues(this.radius, drawn.streams ?? []) });
     if (!drawn.skin) return;
     for (const chunk of drawn.skin.chunks) this.#takeChunk(chunk);
@@ -37,20 +35,8 @@ export class ThreeSand {
   end() {
     this.group.removeFromParent();
     for (const mesh of [...this.chunks, ...this.loose]) mesh.geometry.dispose();
-    for (const texture of Object.values(this.textures)) texture.dispose();
+    this.textures.end();
     this.look.end();
-  }
-
-  #show(name, { side, bytes }) {
-    const before = this.textures[name];
-    if (before?.image.width === side) {
-      before.image.data.set(bytes);
-      before.needsUpdate = true;
-      return;
-    }
-    before?.dispose();
-    this.textures[name] = byteTexture(this.THREE, side, bytes);
-    this.look.set({ [name]: this.textures[name] });
   }
 
   #takeChunk({ number, ...chunk }) {
@@ -173,15 +159,21 @@ function bound(THREE, geometry, low, high) {
 
 export const sameTexture = (texture) => Object.assign(texture.clone(), { needsUpdate: true });
 
-// A texture of one byte a texel, as a stage gives it.
-export function byteTexture({ DataTexture, LinearFilter, RedFormat }, side, bytes) {
-  return Object.assign(new DataTexture(new Uint8Array(bytes), side, side, RedFormat), {
-    minFilter: LinearFilter,
-    magFilter: LinearFilter,
-    unpackAlignment: 1,
-    needsUpdate: true,
-  });
-}
+// Textures of one byte a texel, as a stage gives them.
+export const textureMaker = ({ DataTexture, LinearFilter, RedFormat }) => ({
+  make: (side, bytes) =>
+    Object.assign(new DataTexture(new Uint8Array(bytes), side, side, RedFormat), {
+      minFilter: LinearFilter,
+      magFilter: LinearFilter,
+      unpackAlignment: 1,
+      needsUpdate: true,
+    }),
+  fill(texture, bytes) {
+    texture.image.data.set(bytes);
+    texture.needsUpdate = true;
+  },
+  sideOf: (texture) => texture.image.width,
+});
 
 // The block of grains.
 export function blockTexture({ Data3DTexture, LinearFilter }, bytes, sides) {

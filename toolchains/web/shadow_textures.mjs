@@ -1,0 +1,33 @@
+// The textures of a stage's shadows in an engine. Each is the engine's own, and is kept while its size stays.
+const k_unknown = { pile: 0, shadow: 0, occlusion: 255, sky: 255 }; // their one byte where nothing is known yet
+
+export class ShadowTextures {
+  // `engine`: make(side, bytes), fill(texture, bytes) and sideOf(texture). `placed(name, texture)` is called with each new one.
+  constructor(engine, placed) {
+    Object.assign(this, { engine, placed, all: {} });
+    for (const [name, level] of Object.entries(k_unknown)) this.show(name, { side: 1, bytes: Uint8Array.of(level) });
+  }
+  show(name, { side, bytes }) {
+    const { all, engine } = this;
+    const before = all[name];
+    if (before && engine.sideOf(before) === side) {
+      engine.fill(before, bytes);
+      return;
+    }
+    before?.dispose();
+    this.put(name, engine.make(side, bytes));
+  }
+  put(name, texture) {
+    this.all[name] = texture;
+    this.placed(name, texture);
+  }
+  end() {
+    for (const texture of Object.values(this.all)) texture.dispose();
+  }
+}
+
+// Of frame(), what sand shows by which name of the kit.
+const k_on_sand = { pile: "onSand", shadow: "shadow", occlusion: "occlusion", sky: "skyOnSand" };
+export function showOnSand(textures, drawn) {
+  for (const [name, of] of Object.entries(k_on_sand)) if (drawn.textures[of]) textures.show(name, drawn.textures[of]);
+}
