@@ -25,7 +25,8 @@ constexpr uint32_t k_fewer_points = 2;  // the same where its exposure is not kn
 constexpr double k_step_row = 0.7548776662466927, k_step_column = 0.5698402909980532;
 constexpr double k_dark = 0.01;   // linear: bytes round what is darker
 constexpr uint8_t k_white = 250;  // sRGB: a channel from here on may be clipped
-constexpr double k_margin_sine = 0.5, k_margin_cosine = 0.8660254037844386;  // 30 degrees: half a part, and parallax
+// From the middle of a part to its corner, in radii; and the sine of the angle that it is seen under, at most: 30 degrees.
+constexpr double k_to_corner = 0.14, k_margin_max = 0.5;
 constexpr float k_weight_max = 8.0f;  // what is known of a part counts as no more images than these
 constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // shares of a new image, at least
 constexpr float k_whole = 0.999f, k_as_much = 0.9f;
@@ -278,7 +279,10 @@ void place(const Room& room, RoomView* view) {
   const double down = farther(static_cast<double>(image.centre_y), image.height) / static_cast<double>(image.focal_y);
   const double tangent = square_root(across * across + down * down);
   const double cosine = 1 / square_root(1 + tangent * tangent), sine = tangent * cosine;
-  view->cosine_min = cosine * k_margin_cosine - sine * k_margin_sine;
+  // A part is farther away than the sphere's nearest place.
+  const double nearest = 1 - square_root(square_of(view->position));
+  const double margin = k_to_corner < k_margin_max * nearest ? k_to_corner / nearest : k_margin_max;
+  view->cosine_min = cosine * square_root(1 - margin * margin) - sine * margin;
 }
 
 // All that was seen is so much older.
