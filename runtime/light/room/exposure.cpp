@@ -383,6 +383,10 @@ void room_vote(Room* room, uint32_t index, double area, const RoomObservation& n
     const bool hides = black ? expected >= k_dim : expected < 0.9;
     if (!hides) return;
     const double ratio = logarithm_of(black ? k_black : shown) - logarithm_of(expected);
+    // One that is clipped by less than half says something where it shows a change. Its nine points show too much by
+    // chance, where they differ: by a standard deviation of their mean.
+    const bool partly = !black && now.clipped < k_white_from;
+    if (partly && !(ratio - square_root(now.uneven) / 3 > k_change)) return;
     if (!black) add(&v->at_least[bin_of(ratio)], weight);
     if (!black && now.clipped >= k_white_from) add(&v->white, weight);
     add(black ? &v->darker : &v->brighter, weight);

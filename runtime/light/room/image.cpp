@@ -23,9 +23,9 @@ constexpr uint32_t k_vote_points = 3;   // the same where the image is only comp
 constexpr uint32_t k_fewer_points = 2;  // the same where its exposure is not known
 // The steps of a sequence that fills a square evenly: powers of 1 / x, where x is the root of x^3 = x + 1.
 constexpr double k_step_row = 0.7548776662466927, k_step_column = 0.5698402909980532;
-constexpr double k_dark = 0.01;   // linear: bytes round what is darker
-constexpr uint8_t k_white = 250;  // sRGB: a channel from here on may be clipped
-constexpr double k_margin_sine = 0.5, k_margin_cosine = 0.8660254037844386;  // 30 degrees: half a part, and parallax
+constexpr double k_dark = 0.01;       // linear: bytes round what is darker
+constexpr uint8_t k_white = 250;      // sRGB: a channel from here on may be clipped
+constexpr double k_to_corner = 0.14;  // radii, from the middle of a part
 constexpr float k_weight_max = 8.0f;  // what is known of a part counts as no more images than these
 constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // shares of a new image, at least
 constexpr float k_whole = 0.999f, k_as_much = 0.9f;
@@ -201,9 +201,12 @@ void learn(Room* room, const PartMiddle& part) {
   const bool above = part.part >= k_room_below;
   uint8_t* white = above ? &room->white[part.part - k_room_below] : nullptr;
   const bool may_hold = known->clipped > 0 && known->clipped < k_lamp_clips;
-  const bool is_lamp =
-      luminance(known->radiance) * room->light > room->scale || (may_hold && looks_closely(room, part.part));
-  const double place[2] = {known->up / 127.0, known->aside / 127.0};
+  // A spot is one only in a part that holds no lamp as yet.
+  const RoomSpot* spot = room_spot(room->view, part.part);
+  const bool is_lamp = spot != nullptr || luminance(known->radiance) * room->light > room->scale ||
+                       (may_hold && looks_closely(room, part.part));
+  const double place[2] = {(spot != nullptr ? spot->up : known->up) / 127.0,
+                           (spot != nullptr ? spot->aside : known->aside) / 127.0};
   RoomObservation now =
       observe(room->view, room->images, part, is_lamp ? k_lamp_points : k_points, is_lamp && above ? place : nullptr);
   bool closely = is_lamp;
@@ -271,14 +274,20 @@ void place(const Room& room, RoomView* view) {
   const double position[3] = {static_cast<double>(image.position[0]), static_cast<double>(image.position[1]),
                               static_cast<double>(image.position[2])};
   room_place(room, position, view->position);
-  const auto farther = [](double centre, double size) {
-    return centre + 1 > size - centre ? centre + 1 : size - centre;
-  };
-  const double across = farther(static_cast<double>(image.centre_x), image.width) / static_cast<double>(image.focal_x);
-  const double down = farther(static_cast<double>(image.centre_y), image.height) / static_cast<double>(image.focal_y);
-  const double tangent = square_root(across * across + down * down);
-  const double cosine = 1 / square_root(1 + tangent * tangent), sine = tangent * cosine;
-  view->cosine_min = cosine * k_margin_cosine - sine * k_margin_sine;
+  for (int i = 0; i < 4; ++i) {
+    const bool along = i < 2, first = i % 2 == 0;
+    const double focal = static_cast<double>(along ? image.focal_x : image.focal_y);
+    const double centre = static_cast<double>(along ? image.centre_x : image.centre_y) + 0.5;
+    const double inwards = first ? centre : (along ? image.width : image.height) - centre;
+    const double length = square_root(focal * focal + inwards * inwards);
+    double* side = view->sides[i];
+    side[3] = -k_to_corner;
+    for (int k = 0; k < 3; ++k) {
+      const double across = view->to_camera[along ? 0 : 1][k];
+      side[k] = ((first ? focal : -focal) * across + inwards * view->to_camera[2][k]) / length;
+      side[3] += side[k] * view->position[k];
+    }
+  }
 }
 
 // All that was seen is so much older.
@@ -307,13 +316,9 @@ bool due(const Room& room, uint64_t time_ns) {
 double room_memory(uint32_t age) { return age > 0 ? exponential(-0.6931471805599453 / k_ticks * age) : 1.0; }
 
 bool room_may_be_seen(const RoomView& view, const double direction[3]) {
-  double squared = 0, along = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double v = direction[k] - view.position[k];
-    squared += v * v;
-    along += v * view.to_camera[2][k];
-  }
-  return along >= view.cosine_min * square_root(squared);
+  for (const double* side : view.sides)
+    if (side[0] * direction[0] + side[1] * direction[1] + side[2] * direction[2] < side[3]) return false;
+  return true;
 }
 
 void room_step(uint32_t step, double* down, double* across) {
@@ -417,6 +422,7 @@ bool room_take_image(Room* room, const CameraImage& image) {
   view->image = with_turn(image);
   view->light = camera_light_table(image);
   view->vote = {};
+  view->spot_count = 0;
   view->lesson = RoomLesson::all;
   room->crowd_before = room->crowd;
   room->crowd = 0;
@@ -456,6 +462,7 @@ void run_parts(Room* room) {
   RoomView* view = &room->view;
   static_assert(k_room_unit_parts % k_room_columns == 0);
   const uint32_t end = room->cursor + k_room_unit_parts;
+  if (room->phase == RoomPhase::compare) room_search(room, room->cursor / k_room_unit_parts);
   SinCos azimuths[k_room_columns];
   for (uint32_t column = 0; column < k_room_columns; ++column) azimuths[column] = azimuth_of(column + 0.5);
   for (PartMiddle middle = {}; room->cursor < end; ++room->cursor) {

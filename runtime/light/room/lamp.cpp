@@ -202,14 +202,8 @@ void room_measure_lamp(Room* room) {
     if (side > k_widest) return;
     if (look.solid_angle > 0 && absolute(side - last) < k_fits * last) break;
   }
-  // Where that ray meets the sphere.
-  double along = 0, inside = 1, at[3];
-  for (int k = 0; k < 3; ++k) {
-    along += view.position[k] * ahead[k];
-    inside -= view.position[k] * view.position[k];
-  }
-  const double far = square_root(along * along + inside) - along;
-  for (int k = 0; k < 3; ++k) at[k] = view.position[k] + far * ahead[k];
+  double at[3];
+  const double far = room_meet(view, ahead, at);
   const double error = 0.5 / static_cast<double>(view.image.focal_x) + (look.clipped ? k_spread : k_sampled) * across;
   keep(room, at, far * across, far * error, static_cast<float>(look.light * view.scale / room->light), look.clipped);
 }

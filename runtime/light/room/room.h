@@ -6,6 +6,7 @@
 //
 //   sphere.cpp    where it stands and how large it is
 //   image.cpp     an image into parts, by its exposure, unit by unit
+//   search.cpp    small bright spots of an image
 //   exposure.cpp  what an image says of its exposure and balance, and of the light of the whole room
 //   lamp.cpp      how large a lamp is, of an image that shows it unclipped
 //   texels.cpp    an image into the texels of a cube, for reflections, and the cube that is seen from a place
@@ -184,21 +185,32 @@ enum class RoomPhase : uint32_t {
   texels    // and into the texels, where there are any
 };
 
+// A small spot of an image that is clipped, in a part that is not known to hold a lamp: where it lies, as in RoomPart.
+constexpr uint32_t k_room_spots = 6;
+struct RoomSpot {
+  uint16_t part;
+  int8_t up, aside;
+};
+
 // The image under way, as the gathering needs it.
 struct RoomView {
   CameraImage image;
   double to_camera[3][3];  // from the sphere's frame to the stored image's: x right, y down, z forward
   double position[3];      // of the camera, in the sphere's frame, in radii
-  double cosine_min;       // parts farther from the optical axis than this are not in the picture
-  double scale;            // radiance of a pixel of linear value 1
-  float balance[3];        // of each channel: what a pixel shows, over what it would show at a white balance of 1
-  const float* light;      // camera_light_table
-  double step;             // seconds since the image before
-  bool shows_steps;        // RoomPart::shown is of the image before
+  // The picture's four sides, as planes through the camera: a normal that points into it, and what a place has along it
+  // at least of which a part of the sphere may be in the picture.
+  double sides[4][4];
+  double scale;        // radiance of a pixel of linear value 1
+  float balance[3];    // of each channel: what a pixel shows, over what it would show at a white balance of 1
+  const float* light;  // camera_light_table
+  double step;         // seconds since the image before
+  bool shows_steps;    // RoomPart::shown is of the image before
   // Nearly all parts changed alike since the image before, as they should by what is remembered.
   bool steps_agree;
   RoomLesson lesson;
   RoomVote vote;
+  RoomSpot spots[k_room_spots];
+  uint32_t spot_count;
 };
 
 struct Room {
@@ -270,6 +282,8 @@ void room_to_world(const Room& room, const double sphere[3], double world[3]);
 // A place of the world in the sphere's frame, in radii. A place farther out than `farthest` is moved in to there.
 constexpr double k_farthest = 0.8;
 void room_place(const Room& room, const double world[3], double sphere[3], double farthest = k_farthest);
+// Where a ray from the camera meets the sphere. `ahead`: of length 1. Returns how far that is.
+double room_meet(const RoomView& view, const double ahead[3], double at[3]);
 float room_bounded_radiance(double radiance);
 // Whether the camera reports its white balance, and did before.
 inline bool room_knows_gains(const Room& room, const CameraImage& image) {
@@ -326,6 +340,10 @@ double room_part_weight(uint32_t part);
 void room_vote(Room* room, uint32_t part, double area, const RoomObservation& now);
 // Once all parts have voted: decides what the image teaches.
 void room_decide(Room* room);
+
+// Searches the share of an image that belongs to a work unit for small spots. The one in a part, or NULL.
+void room_search(Room* room, uint32_t unit);
+const RoomSpot* room_spot(const RoomView& view, uint32_t part);
 
 // Measures the brightest lamp of an image that was learned, if the image shows it whole.
 void room_measure_lamp(Room* room);

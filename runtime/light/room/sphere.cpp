@@ -113,6 +113,17 @@ void room_place(const Room& room, const double world[3], double sphere[3], doubl
   room_to_sphere(room, offset, sphere);
 }
 
+double room_meet(const RoomView& view, const double ahead[3], double at[3]) {
+  double along = 0, inside = 1;
+  for (int k = 0; k < 3; ++k) {
+    along += view.position[k] * ahead[k];
+    inside -= view.position[k] * view.position[k];
+  }
+  const double far = square_root(along * along + inside) - along;
+  for (int k = 0; k < 3; ++k) at[k] = view.position[k] + far * ahead[k];
+  return far;
+}
+
 void room_fit_sphere(Room* room, const CameraImage& image) {
   constexpr double k_surely_far = 0.5;
   if (room->farther > k_surely_far) {
