@@ -13,6 +13,7 @@ namespace sandglass {
 namespace {
 
 constexpr double k_apart = 0.01, k_around = 0.035;  // radians, in the middle of the picture
+constexpr double k_elsewhere = 32;                  // 127ths of half a part: 1.4 degrees, what a close look covers
 constexpr uint32_t k_lines_max = 192;               // of the grid, each way: of an image of many pixels a degree or few
 constexpr uint32_t k_bands = k_room_parts / k_room_unit_parts;  // that the image is searched in
 constexpr uint32_t k_tries = 8;                                 // white pixels of a band that are looked at
@@ -36,11 +37,18 @@ void keep_spot(Room* room, uint32_t x, uint32_t y) {
   for (double& a : ahead) a /= length;
   (void)room_meet(*view, ahead, at);
   const uint32_t index = room_part_at(at, &row, &column);
-  const RoomPart& part = room->parts[index];
-  if (index < k_room_below || part.clipped > 0 || luminance(part.radiance) * room->light > room->scale) return;
-  if (room_spot(*view, index) != nullptr) return;
-  view->spots[view->spot_count++] = {static_cast<uint16_t>(index), room_towards(0, 2 * room_fraction(row) - 1, 1),
-                                     room_towards(0, 2 * room_fraction(column) - 1, 1)};
+  RoomPart* part = &room->parts[index];
+  if (index < k_room_below) return;
+  const int8_t up = room_towards(0, 2 * room_fraction(row) - 1, 1),
+               aside = room_towards(0, 2 * room_fraction(column) - 1, 1);
+  if (part->clipped > 0 || luminance(part->radiance) * room->light > room->scale) {
+    // It was taken to lie elsewhere, by an image that cut its part: a close look there would miss it.
+    if (absolute(up - part->up) < k_elsewhere && absolute(aside - part->aside) < k_elsewhere) return;
+    part->up = up;
+    part->aside = aside;
+    return;
+  }
+  if (room_spot(*view, index) == nullptr) view->spots[view->spot_count++] = {static_cast<uint16_t>(index), up, aside};
 }
 
 // Lines of the grid along one side of an image.
