@@ -193,6 +193,28 @@ void compare_as_far(Room* room, const PartMiddle& part, const RoomKnown& before,
   if (room->farther < k_surely_near) room->farther = k_surely_near;
 }
 
+// What the image shows of a part. `closely`: it was looked at closely, as a lamp is there or may be.
+RoomObservation shown_of(Room* room, const PartMiddle& part, bool above, bool* closely) {
+  const RoomPart& known = room->parts[part.part];
+  const bool may_hold = known.clipped > 0 && known.clipped < k_lamp_clips;
+  // A spot is one only in a part that holds no lamp as yet.
+  const RoomSpot* spot = room_spot(room->view, part.part);
+  const bool is_lamp = spot != nullptr || luminance(known.radiance) * room->light > room->scale ||
+                       (may_hold && looks_closely(room, part.part));
+  const double place[2] = {(spot != nullptr ? spot->up : known.up) / 127.0,
+                           (spot != nullptr ? spot->aside : known.aside) / 127.0};
+  RoomObservation now =
+      observe(room->view, room->images, part, is_lamp ? k_lamp_points : k_points, is_lamp && above ? place : nullptr);
+  *closely = is_lamp;
+  if (!is_lamp && !may_hold && above && now.clipped > 0 && now.clipped < k_lamp_clips &&
+      looks_closely(room, part.part)) {
+    *closely = true;
+    const double found[2] = {now.up, now.aside};
+    now = observe(room->view, room->images, part, k_lamp_points, found);
+  }
+  return now;
+}
+
 // What one part shows, into what is known of it.
 void learn(Room* room, const PartMiddle& part) {
   RoomPart* known = &room->parts[part.part];
@@ -200,22 +222,8 @@ void learn(Room* room, const PartMiddle& part) {
   if (room->view.lesson == RoomLesson::unknown && memory * known->seen >= k_known) return;
   const bool above = part.part >= k_room_below;
   uint8_t* white = above ? &room->white[part.part - k_room_below] : nullptr;
-  const bool may_hold = known->clipped > 0 && known->clipped < k_lamp_clips;
-  // A spot is one only in a part that holds no lamp as yet.
-  const RoomSpot* spot = room_spot(room->view, part.part);
-  const bool is_lamp = spot != nullptr || luminance(known->radiance) * room->light > room->scale ||
-                       (may_hold && looks_closely(room, part.part));
-  const double place[2] = {(spot != nullptr ? spot->up : known->up) / 127.0,
-                           (spot != nullptr ? spot->aside : known->aside) / 127.0};
-  RoomObservation now =
-      observe(room->view, room->images, part, is_lamp ? k_lamp_points : k_points, is_lamp && above ? place : nullptr);
-  bool closely = is_lamp;
-  if (!is_lamp && !may_hold && above && now.clipped > 0 && now.clipped < k_lamp_clips &&
-      looks_closely(room, part.part)) {
-    closely = true;
-    const double found[2] = {now.up, now.aside};
-    now = observe(room->view, room->images, part, k_lamp_points, found);
-  }
+  bool closely = false;
+  const RoomObservation now = shown_of(room, part, above, &closely);
   float weight = known->weight * static_cast<float>(memory);
   weight = weight < k_weight_max ? weight : k_weight_max;
   const RoomKnown before = {luminance(known->radiance), static_cast<float>(known->clipped), weight,
