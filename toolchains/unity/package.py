@@ -25,7 +25,7 @@ PLUGINS = [
     ("android", "unity/libsandglass.so", "Android", {"Android: Android": "CPU: ARM64"}),
     ("ios", "runtime/libsandglass.a", "iOS", {"iPhone: iOS": "AddToEmbeddedBinaries: false"}),
 ]
-SHADERS = {"surface.vert": ["uniforms"], "surface.frag": ["uniforms", "light", "sand", "surface"], "plain.frag": []}
+SHADERS = {"surface.vert": ["uniforms"], "surface.frag": ["uniforms", "light", "sand", "levels", "surface"], "plain.frag": []}
 HEAD = "#version 310 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler3D;\n"
 HIDDEN = "float hidden(vec3 world) { return 0.0; }  // how much something real hides there\n"
 IMPORTERS = {
