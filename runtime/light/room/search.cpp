@@ -60,7 +60,7 @@ Lines lines_of(uint32_t size, float focal, double start) {
   Lines lines = {0, pixels(k_apart), 0, pixels(k_around) + 1};
   const uint32_t least = size / k_lines_max + 1;
   if (lines.step < least) lines.step = least;
-  lines.count = size > 2 * lines.around ? (size - 2 * lines.around) / lines.step : 0;
+  if (size > 2 * lines.around && lines.step > 0) lines.count = (size - 2 * lines.around) / lines.step;
   lines.first = lines.around + to_whole<uint32_t>(start * lines.step);
   return lines;
 }
