@@ -272,7 +272,7 @@ std::optional<KitShading::Grain> KitShading::grain(const sandglass_skin_loose& p
   grain.y = corners[0][1] + grain.right[1] + grain.over[1];
   grain.depth = static_cast<double>(loose.grain_position.w);
   grain.pixels = static_cast<double>(loose.grain_across);
-  // Its square's middle is the lightest of it.
+  // Of the middle, without what grain_at says of each place.
   const vec3 shown = loose.grain_shown(vec2(0), loose.grain_across, loose.grain_stands, loose.grain_up, loose.grain_own,
                                        loose.grain_seed);
   grain.colour = from_vec(shown / loose.grain_lit(vec2(0), loose.grain_across));
