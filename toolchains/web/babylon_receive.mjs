@@ -1,64 +1,53 @@
 // What shadows leave of a material's light in Babylon.js: a plugin of PBR materials, in GLSL and WGSL.
-import { nothingDrawn, receive, receivers, receiverValues } from "./glsl.mjs";
-import { ShadowTextures } from "./shadow_textures.mjs";
+import { receive, receivers, receiverValues } from "./glsl.mjs";
+import { ShadowTextures, nothingDrawn } from "./shadow_textures.mjs";
 import { k_wgsl } from "./kit_wgsl.mjs";
 
 const k_vectors = Object.keys(receiverValues(nothingDrawn));
-// By language: declarations; what is left of the light; the surface's shadow alone.
-const k_code = [
-  (place) => ({
-    CUSTOM_FRAGMENT_DEFINITIONS: receive,
-    CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `
-vec2 sandglass_rest = sandglass_left(${place});
-vec3 sandglass_all = finalDiffuse;
-finalDiffuse *= sandglass_rest.x;
-vec3 sandglass_some = finalDiffuse;
-#ifdef SPECULARTERM
-finalSpecularScaled *= sandglass_rest.x;
-#endif
-#ifdef REFLECTION
-sandglass_all += finalIrradiance;
-finalIrradiance *= sandglass_rest.y;
-sandglass_some += finalIrradiance;
-finalRadianceScaled *= sandglass_rest.y;
-#endif`,
-    CUSTOM_FRAGMENT_BEFORE_FRAGCOLOR: `
-#ifdef SANDGLASS_SHADOW_ONLY
-float sandglass_share = dot(sandglass_some, vec3(1)) / max(dot(sandglass_all, vec3(1)), 1e-6);
-#ifndef IMAGEPROCESSINGPOSTPROCESS
-sandglass_share = pow(sandglass_share, 1.0 / 2.2);
-#endif
-finalColor = vec4(vec3(0), 1.0 - sandglass_share);
-#endif`,
-  }),
-  (place) => ({
-    CUSTOM_FRAGMENT_DEFINITIONS: `${receivers
-      .map((name) => `var sandglass_${name}: texture_2d<f32>;\nvar sandglass_${name}Sampler: sampler;`)
-      .join("\n")}\n${k_wgsl.receive.text}`,
-    CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `
-let sandglass_rest = sandglass_left(${place});
-var sandglass_all = finalDiffuse;
-finalDiffuse *= sandglass_rest.x;
-var sandglass_some = finalDiffuse;
-#ifdef SPECULARTERM
-finalSpecularScaled *= sandglass_rest.x;
-#endif
-#ifdef REFLECTION
-sandglass_all += finalIrradiance;
-finalIrradiance *= sandglass_rest.y;
-sandglass_some += finalIrradiance;
-finalRadianceScaled *= sandglass_rest.y;
-#endif`,
-    CUSTOM_FRAGMENT_BEFORE_FRAGCOLOR: `
-#ifdef SANDGLASS_SHADOW_ONLY
-var sandglass_share = dot(sandglass_some, vec3f(1)) / max(dot(sandglass_all, vec3f(1)), 1e-6);
-#ifndef IMAGEPROCESSINGPOSTPROCESS
-sandglass_share = pow(sandglass_share, 1.0 / 2.2);
-#endif
-finalColor = vec4f(vec3f(0), 1.0 - sandglass_share);
-#endif`,
-  }),
+// A part's textures in WGSL.
+export const texturesOf = (part) =>
+  k_wgsl[part].textures
+    .map(([name, type]) => `var ${name}: texture_${type.slice(7).toLowerCase()}<f32>;\nvar ${name}Sampler: sampler;`)
+    .join("\n");
+
+// In GLSL and in WGSL: how a pair, a colour and a number are declared, and how vectors are called; and what is declared before.
+const k_languages = [
+  { pair: "vec2", colour: "vec3", number: "float", vec3: "vec3", vec4: "vec4", before: receive },
+  {
+    pair: "let",
+    colour: "var",
+    number: "var",
+    vec3: "vec3f",
+    vec4: "vec4f",
+    before: `${texturesOf("receive")}\n${k_wgsl.receive.text}`,
+  },
 ];
+// Declarations; what is left of the light; the surface's shadow alone.
+const codeOf = ({ pair, colour, number, vec3, vec4, before }, place) => ({
+  CUSTOM_FRAGMENT_DEFINITIONS: before,
+  CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `
+${pair} sandglass_rest = sandglass_left(${place});
+${colour} sandglass_all = finalDiffuse;
+finalDiffuse *= sandglass_rest.x;
+${colour} sandglass_some = finalDiffuse;
+#ifdef SPECULARTERM
+finalSpecularScaled *= sandglass_rest.x;
+#endif
+#ifdef REFLECTION
+sandglass_all += finalIrradiance;
+finalIrradiance *= sandglass_rest.y;
+sandglass_some += finalIrradiance;
+finalRadianceScaled *= sandglass_rest.y;
+#endif`,
+  CUSTOM_FRAGMENT_BEFORE_FRAGCOLOR: `
+#ifdef SANDGLASS_SHADOW_ONLY
+${number} sandglass_share = dot(sandglass_some, ${vec3}(1)) / max(dot(sandglass_all, ${vec3}(1)), 1e-6);
+#ifndef IMAGEPROCESSINGPOSTPROCESS
+sandglass_share = pow(sandglass_share, 1.0 / 2.2);
+#endif
+finalColor = ${vec4}(${vec3}(0), 1.0 - sandglass_share);
+#endif`,
+});
 const k_places = {
   1: ["vPositionW", "fragmentInputs.vPositionW"],
   "-1": ["vec3(vPositionW.xy, -vPositionW.z)", "vec3f(fragmentInputs.vPositionW.xy, -fragmentInputs.vPositionW.z)"],
@@ -120,7 +109,7 @@ const pluginOf = (BABYLON, z) =>
     }
     getCustomCode(kind, language) {
       const which = language === 1 ? 1 : 0;
-      return kind === "fragment" ? k_code[which](k_places[z][which]) : null;
+      return kind === "fragment" ? codeOf(k_languages[which], k_places[z][which]) : null;
     }
   };
 

@@ -2,23 +2,16 @@
 // own, unlit, with a plugin in GLSL or WGSL that makes its colour; tones, fog, clipping and depth are therefore the engine's.
 import { grainsNeeded, k_block_side, looseValues, squareIndices } from "./loose_sand.mjs";
 import { chunkArrays, looseLists } from "./sand_geometry.mjs";
-import { kit, kitValues, nothingDrawn } from "./glsl.mjs";
+import { kit, kitValues } from "./glsl.mjs";
 import { k_packed_sides, packedBlock } from "./packed_block.mjs";
 import { k_wgsl } from "./kit_wgsl.mjs";
-import { ShadowTextures, showOnSand } from "./shadow_textures.mjs";
-import { textureMaker } from "./babylon_receive.mjs";
+import { ShadowTextures, nothingDrawn, showOnSand } from "./shadow_textures.mjs";
+import { textureMaker, texturesOf } from "./babylon_receive.mjs";
 
 const k_sizes = { float: 1, vec3: 3, vec4: 4, mat4: 16 };
 
 // What is declared once in each stage of a shader, by language: sand is lit where it is simulated, wherever its meshes stand.
 const samplers = (part) => k_wgsl[part].textures.map(([name, type]) => `uniform highp ${type} ${name};`).join("\n");
-const textures = (part) =>
-  k_wgsl[part].textures
-    .map(
-      ([name, type]) =>
-        `var ${name}: ${type === "sampler3D" ? "texture_3d<f32>" : "texture_2d<f32>"};\nvar ${name}Sampler: sampler;`,
-    )
-    .join("\n");
 const k_glsl_camera = `
 precision highp sampler3D;
 mat4 sand_view, sand_projection;
@@ -32,7 +25,7 @@ const k_glsl_camera_ends = `
 #undef projection
 #undef eye`;
 const glsl = (part, ...texts) => `${k_glsl_camera}\n${samplers(part)}\n${texts.join("")}${k_glsl_camera_ends}`;
-const wgsl = (part) => `${textures(part)}\n${k_wgsl[part].text}`;
+const wgsl = (part) => `${texturesOf(part)}\n${k_wgsl[part].text}`;
 const k_wgsl_handed = `flat varying loose_stands: vec3f;
 flat varying loose_up: vec3f;
 flat varying loose_own: f32;
@@ -163,7 +156,7 @@ const k_attributes = {
 };
 
 // A plugin of materials. `values`: of the uniforms, with textures; the base class asks for code before there are fields.
-const pluginOf = (BABYLON, part, values) =>
+const pluginOf = (BABYLON, part, values, matrix = new BABYLON.Matrix()) =>
   class extends BABYLON.MaterialPluginBase {
     constructor(material) {
       super(material, "SandglassSand", 200, { SANDGLASS_SAND: false });
@@ -189,13 +182,15 @@ const pluginOf = (BABYLON, part, values) =>
       return { ubo: ubo.map(([name, type, arraySize]) => ({ name, type, size: k_sizes[type], arraySize })) };
     }
     bindForSubMesh(buffer, scene, engine, subMesh) {
-      const from_world = subMesh.getMesh().getWorldMatrix().clone().invert();
-      buffer.updateMatrix("sand_from_world", from_world);
+      subMesh.getMesh().getWorldMatrix().invertToRef(matrix);
+      buffer.updateMatrix("sand_from_world", matrix);
       for (const [name, type, count] of k_wgsl[part].uniforms) {
         const value = values[name];
         if (count > 0) buffer.updateArray(name, value.flat());
-        else if (type === "mat4") buffer.updateMatrix(name, BABYLON.Matrix.FromArray(value));
-        else if (type === "float") buffer.updateFloat(name, value);
+        else if (type === "mat4") {
+          BABYLON.Matrix.FromArrayToRef(value, 0, matrix);
+          buffer.updateMatrix(name, matrix);
+        } else if (type === "float") buffer.updateFloat(name, value);
         else buffer[type === "vec3" ? "updateFloat3" : "updateFloat4"](name, ...value);
       }
       for (const [name] of k_wgsl[part].textures) buffer.setTexture(name, values[name]);
@@ -215,7 +210,14 @@ export class BabylonSand {
     const { grains, facets } = packedBlock(block);
     this.root = new BABYLON.TransformNode("sand", scene);
     this.root.scaling.z = z;
-    Object.assign(this, { BABYLON, scene, radius, chunks: [], first: scene.getEngine().isWebGPU === true });
+    Object.assign(this, {
+      BABYLON,
+      scene,
+      radius,
+      chunks: [],
+      buffers: [],
+      first: scene.getEngine().isWebGPU === true,
+    });
     this.values = { block_side: k_block_side, wet: 0, pixels: 0 };
     for (const [name, bytes] of Object.entries({ grains, facets })) this.values[name] = this.#block(bytes);
     this.textures = new ShadowTextures(textureMaker(BABYLON, scene), (name, texture) => (this.values[name] = texture));
@@ -235,6 +237,7 @@ export class BabylonSand {
   end() {
     this.root.dispose(false, true);
     this.surface.dispose();
+    for (const buffer of this.buffers) buffer?.dispose(); // of what is loose
     this.textures.end();
     for (const name of ["grains", "facets"]) this.values[name].dispose();
   }
@@ -283,15 +286,15 @@ export class BabylonSand {
     const mesh = this.#mesh(this.#material("loose", values));
     mesh.isPickable = false; // a ray hits the mesh
     mesh.alwaysSelectAsActiveMesh = true;
+    const { Matrix, Vector3 } = this.BABYLON;
+    const [to_sand, eye] = [new Matrix(), new Vector3()];
     mesh.onBeforeRenderObservable.add(() => {
       const { scene } = this;
       const camera = scene.activeCamera;
       const engine = scene.getEngine();
       values.pixels = 0.5 * engine.getRenderHeight() * camera.viewport.height * camera.getProjectionMatrix().m[5];
-      const eye = this.BABYLON.Vector3.TransformCoordinates(
-        camera.globalPosition,
-        mesh.getWorldMatrix().clone().invert(),
-      );
+      mesh.getWorldMatrix().invertToRef(to_sand);
+      Vector3.TransformCoordinatesToRef(camera.globalPosition, to_sand, eye);
       mesh.subMeshes[0].indexCount = 6 * grainsNeeded(flies, this.box, eye.asArray(), values.pixels);
     });
     return mesh;
@@ -311,7 +314,6 @@ export class BabylonSand {
       ["sand_number", 7, 1],
     ])
       mesh.setVerticesBuffer(buffer.createVertexBuffer(kind, at, size, 8, true));
-    this.buffers ??= [];
     this.buffers[flies]?.dispose();
     this.buffers[flies] = buffer;
     if (mesh.getTotalIndices() === 0) mesh.setIndices(squareIndices(), 4);

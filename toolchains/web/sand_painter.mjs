@@ -62,8 +62,8 @@ export function uploadShadow(gl, { side, bytes }, made = gl.createTexture()) {
 
 export class SandPainter {
   // `hidden`: GLSL, how much something real hides of a place; `block`: of sandBlock; `radius`: a particle's.
-  constructor(gl, hidden, block, radius, light = k_kit.light) {
-    const before = k_kit.uniforms + light;
+  constructor(gl, hidden, block, radius) {
+    const before = k_kit.uniforms + k_kit.light;
     this.gl = gl;
     this.radius = radius;
     this.chunks = [];

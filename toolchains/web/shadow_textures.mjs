@@ -31,3 +31,16 @@ const k_on_sand = { pile: "onSand", shadow: "shadow", occlusion: "occlusion", sk
 export function showOnSand(textures, drawn) {
   for (const [name, of] of Object.entries(k_on_sand)) if (drawn.textures[of]) textures.show(name, drawn.textures[of]);
 }
+
+// What frame() gives before there is anything to draw.
+export const nothingDrawn = {
+  light: { toLight: [0, 1, 0], facing: [0, 0, 0], ambient: new Array(27).fill(0), floor: [0, 0, 0] },
+  pileBox: [0, 0, 0, 0],
+  shadowBox: [0, 0, 0, 0],
+  occlusionBox: [2, 2, 0, 0],
+  floor: 0,
+  pileOpacity: 0,
+  shadowOpacity: 0,
+  skyKnown: 0,
+  textures: {},
+};

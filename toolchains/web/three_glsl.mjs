@@ -116,7 +116,7 @@ export class GlslLook {
         new THREE.ShaderMaterial({
           vertexShader,
           fragmentShader,
-          uniforms: { ...THREE.UniformsUtils.clone(THREE.UniformsLib.fog), ...more },
+          uniforms: { ...THREE.UniformsUtils.clone(THREE.UniformsLib.fog), ...this.uniforms, ...more },
           side: THREE.DoubleSide,
           fog: true,
           clipping: true,
@@ -126,12 +126,18 @@ export class GlslLook {
     this.surface = material(k_surface_vertex, k_surface_fragment);
     this.loose = [0, 1].map((flies) => material(k_loose_vertex, k_loose_fragment, { flies: { value: flies } }));
     this.materials = [this.surface, ...this.loose];
-    this.set({});
   }
   set(values) {
-    for (const [name, value] of Object.entries(values))
-      (this.uniforms[name] ??= {}).value = Array.isArray(value) ? value.flat() : value;
-    for (const { uniforms } of this.materials) Object.assign(uniforms, this.uniforms);
+    for (const [name, value] of Object.entries(values)) {
+      this.uniforms[name] ??= this.#shared(name);
+      this.uniforms[name].value = Array.isArray(value) ? value.flat() : value;
+    }
+  }
+  // A uniform of all materials.
+  #shared(name) {
+    const made = {};
+    for (const { uniforms } of this.materials) uniforms[name] = made;
+    return made;
   }
   renew() {
     for (const name of ["grains", "facets"]) this.uniforms[name].value = sameTexture(this.uniforms[name].value);

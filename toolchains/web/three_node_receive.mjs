@@ -1,9 +1,9 @@
 // What shadows leave of a material's light under WebGPURenderer, by nodes: of the light from all around by the material's aoNode, of
 // the main light where it shines on a material that receives.
-import { kitValues, nothingDrawn, receiverValues } from "./glsl.mjs";
+import { kitValues, receiverValues } from "./glsl.mjs";
 import { receiveNodes, surfaceNodes } from "./kit_nodes.mjs";
 import { Given } from "./three_nodes.mjs";
-import { ShadowTextures } from "./shadow_textures.mjs";
+import { ShadowTextures, nothingDrawn } from "./shadow_textures.mjs";
 import { textureMaker } from "./three_sand.mjs";
 
 const k_lit = /^Mesh(Standard|Physical|Lambert|Phong)(Node)?Material$/;

@@ -1,7 +1,7 @@
 // What shadows leave of a material's light under WebGLRenderer: the shader of a classic material is patched, once for good; whose
 // shadows it shows can change, and end.
-import { nothingDrawn, receive, receivers, receiverValues } from "./glsl.mjs";
-import { ShadowTextures } from "./shadow_textures.mjs";
+import { receive, receivers, receiverValues } from "./glsl.mjs";
+import { ShadowTextures, nothingDrawn } from "./shadow_textures.mjs";
 import { textureMaker } from "./three_sand.mjs";
 
 const k_lit = ["MeshStandardMaterial", "MeshPhysicalMaterial", "MeshLambertMaterial", "MeshPhongMaterial"];

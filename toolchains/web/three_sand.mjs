@@ -2,8 +2,9 @@
 // kind, comes from three_glsl.mjs or three_nodes.mjs.
 import { grainsNeeded, looseValues, squareIndices } from "./loose_sand.mjs";
 import { chunkArrays, looseLists } from "./sand_geometry.mjs";
-import { ShadowTextures, showOnSand } from "./shadow_textures.mjs";
-import { kitValues, nothingDrawn } from "./glsl.mjs";
+import { k_loose_words } from "./skin_changes.mjs";
+import { ShadowTextures, nothingDrawn, showOnSand } from "./shadow_textures.mjs";
+import { kitValues } from "./glsl.mjs";
 
 const k_grain = 0.005; // metres that a grain may be drawn beside its particle, and moves while a picture is exposed
 
@@ -68,15 +69,22 @@ export class ThreeSand {
     const mesh = new THREE.Mesh(geometry, look.loose[flies]);
     mesh.visible = false;
     mesh.raycast = () => {}; // a ray hits the mesh
+    const eye = new THREE.Vector3();
+    mesh.onBeforeRender = (renderer, _scene, camera) => {
+      const pixels = look.pixels(renderer, camera);
+      mesh.worldToLocal(eye.setFromMatrixPosition(camera.matrixWorld));
+      mesh.geometry.setDrawRange(0, 6 * grainsNeeded(flies, this.box, eye.toArray(), pixels));
+    };
     this.group.add(mesh);
     return mesh;
   }
   #takeLoose(flies, particles, { low, high }) {
-    const { THREE, look } = this;
+    const { THREE } = this;
     const mesh = this.loose[flies];
     const { geometry } = mesh;
-    const count = particles.length / 8;
+    const count = particles.length / k_loose_words;
     mesh.visible = count > 0;
+    this.box = { low, high };
     if (!mesh.visible) return;
     let buffer = geometry.attributes.position?.data;
     if (!(buffer?.count >= count)) {
@@ -84,7 +92,7 @@ export class ThreeSand {
       mesh.geometry = new THREE.InstancedBufferGeometry();
       mesh.geometry.setIndex(before.index.clone());
       before.dispose();
-      buffer = new THREE.InstancedInterleavedBuffer(new Float32Array(8 * roomFor(count)), 8);
+      buffer = new THREE.InstancedInterleavedBuffer(new Float32Array(k_loose_words * roomFor(count)), k_loose_words);
       buffer.setUsage(THREE.DynamicDrawUsage);
       const attribute = (name, size, at) =>
         mesh.geometry.setAttribute(name, new THREE.InterleavedBufferAttribute(buffer, size, at));
@@ -101,11 +109,6 @@ export class ThreeSand {
       low.map((x) => x - k_grain),
       high.map((x) => x + k_grain),
     );
-    mesh.onBeforeRender = (renderer, _scene, camera) => {
-      const pixels = look.pixels(renderer, camera);
-      const eye = mesh.worldToLocal(new THREE.Vector3().setFromMatrixPosition(camera.matrixWorld)).toArray();
-      mesh.geometry.setDrawRange(0, 6 * grainsNeeded(flies, { low, high }, eye, pixels));
-    };
   }
 }
 
