@@ -20,8 +20,9 @@ namespace {
 
 constexpr double k_stands_out = 3.0;  // times the mean of the cells farther away: a cell may hold a light of its own
 constexpr double k_clearly = 1.25;    // another main light takes over where it is so many times as strong
-constexpr float k_shown = 0.01f;      // share of a main light that can be seen
-constexpr double k_near_foot = 40.0;  // sharpness of what counts as the foot's surroundings: 9 degrees
+constexpr double k_across = 0.8660254037844386;  // cosine of 30 degrees: cells across the zenith that hold one lamp
+constexpr float k_shown = 0.01f;                 // share of a main light that can be seen
+constexpr double k_near_foot = 40.0;             // sharpness of what counts as the foot's surroundings: 9 degrees
 // A part right at the foot that was seen from above weighs 1. What a part elsewhere weighs, and the usual floor.
 constexpr double k_floor_elsewhere = 1e-4, k_floor_unseen = 1e-4;
 // While images seem to show another room: the floor's irradiance over pi, as a multiple of their mean radiance, lies
@@ -32,12 +33,19 @@ constexpr double k_floor_max = 0.9;  // reflectance of a floor
 constexpr double k_wide = 0.95, k_narrow = 0.99;
 constexpr uint32_t k_look_rows = 1, k_look_columns = 2;  // parts to each side that one look takes in
 
+bool are_top(uint32_t a, uint32_t b) {
+  return a / k_cell_sectors == k_cell_rings - 1 && b / k_cell_sectors == k_cell_rings - 1;
+}
+
+bool beside(uint32_t a, uint32_t b) {
+  const uint32_t sectors = (a - b) % k_cell_sectors;
+  return sectors <= 1 || sectors == k_cell_sectors - 1;
+}
+
 // Cells that touch each other. All of the top ring meet at the zenith.
 bool touch(uint32_t a, uint32_t b) {
   const auto rings = static_cast<int>(a / k_cell_sectors) - static_cast<int>(b / k_cell_sectors);
-  const uint32_t sectors = (a - b) % k_cell_sectors;
-  const bool beside = sectors <= 1 || sectors == k_cell_sectors - 1;
-  return rings >= -1 && rings <= 1 && (beside || (rings == 0 && a / k_cell_sectors == k_cell_rings - 1));
+  return rings >= -1 && rings <= 1 && (beside(a, b) || are_top(a, b));
 }
 
 // A light of its own: what a seen cell and those that touch it hold beyond the cells farther away.
@@ -56,13 +64,24 @@ Lamp lamp_at(const RoomSums& sums, uint32_t middle) {
     ++count;
   }
   const double around = away / count;  // what a cell would hold without the lamp
+  const auto moment = [&](uint32_t i, double m[3]) {
+    for (int k = 0; k < 3; ++k) m[k] = sums.moments[i][k] - around / k_cell * sums.even_moments[i][k];
+  };
+  double ahead[3];
+  moment(middle, ahead);
   for (uint32_t i = 0; i < k_light_cells; ++i) {
     if (!touch(i, middle) || !(sums.seen[i] > k_stands_out * around)) continue;
+    double there[3];
+    moment(i, there);
+    // Across the zenith lies another lamp, if not right at it.
+    const double along = ahead[0] * there[0] + ahead[1] * there[1] + ahead[2] * there[2];
+    if (are_top(i, middle) && !beside(i, middle) && along < k_across * square_root(square_of(ahead) * square_of(there)))
+      continue;
     lamp.excess[i] = sums.seen[i] - around;
     lamp.mass += lamp.excess[i];
     const double part = lamp.excess[i] / sums.seen[i];
     for (int k = 0; k < 3; ++k) {
-      lamp.moment[k] += sums.moments[i][k] - around / k_cell * sums.even_moments[i][k];
+      lamp.moment[k] += there[k];
       lamp.colour[k] += part * sums.cells[i][k];
     }
   }
@@ -72,7 +91,7 @@ Lamp lamp_at(const RoomSums& sums, uint32_t middle) {
 uint32_t brightest(const RoomSums& sums, const uint32_t* near) {
   uint32_t best = near != nullptr ? *near : 0;
   for (uint32_t i = 0; i < k_light_cells; ++i)
-    if (sums.seen[i] > sums.seen[best] && (near == nullptr || touch(i, *near))) best = i;
+    if (sums.seen[i] > sums.seen[best] && (near == nullptr || (touch(i, *near) && beside(i, *near)))) best = i;
   return best;
 }
 
