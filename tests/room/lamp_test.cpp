@@ -1,4 +1,5 @@
 // How large the main light is: against round lamps of known size, by images of short exposure.
+#include "runtime/light/room/room.h"
 #include "tests/room/made_up_room.h"
 
 namespace sandglass {
@@ -106,6 +107,53 @@ TEST(MainLight, TwoLampsKeepTheirSizes) {
   light.struct_size = sizeof light;
   ASSERT_EQ(sandglass_room_get(room.handle(), &place, &light, nullptr), SANDGLASS_OK);
   EXPECT_NEAR(diameter_deg(light), 4, 1.2);
+}
+
+// What the lamps of a room give its floor, over what all gives it.
+double given_by(const std::vector<Direction>& lamps, double half_deg, double radiance, double dim) {
+  double lit = 0;
+  for (const Direction& lamp : lamps) lit += radiance * std::pow(std::sin(degrees(half_deg)), 2) * lamp.y;
+  return lit / (lit + dim);
+}
+
+// Two equal lamps near the zenith, 40 degrees apart: one of them is the main light, not what lies between.
+TEST(MainLight, OneOfTwoHighLampsIsShown) {
+  const std::vector<Direction> lamps = {towards(20, 65), towards(130, 65)};
+  const Radiance lit = [&](Direction d) {
+    return angle_deg(d, lamps[0]) < 2 || angle_deg(d, lamps[1]) < 2 ? 150 : 0.2;
+  };
+  MadeUpRoom room;
+  look_around(&room, lit, 20, 65);
+  look_around(&room, lit, 130, 65);
+  const sandglass_room_light light = room.light();
+  EXPECT_NEAR(light.main_share, 0.5 * given_by(lamps, 2, 150, 0.2), 0.1);
+  EXPECT_LT(std::min(angle_deg(main_of(light), lamps[0]), angle_deg(main_of(light), lamps[1])), 5);
+}
+
+// The first short image shows a lamp at its rim: that is a lower bound, and it is asked for again where it is whole.
+TEST(MainLight, WhatTheRimCutIsAskedForAgain) {
+  const std::vector<Direction> lamp = {towards(28, 45.6)};  // across two rows of parts, of which one is cut
+  const Radiance lit = lamp_room(lamp[0], 1.84, 900, 0.3);
+  MadeUpRoom room;
+  room.may_teach_nothing = true;
+  const auto obey = [&](double elevation) {
+    room.look(lit, 28, elevation);
+    const auto asked = static_cast<double>(room.light().short_exposure);
+    if (asked < 1) room.look(lit, 28, elevation, asked);
+    return asked < 1;
+  };
+  for (int i = 0; i < 12; ++i) obey(18.4);
+  room.look_everywhere(lit);
+  int asked = 0;
+  for (int i = 0; i < 8; ++i) asked += obey(35) ? 1 : 0;
+  EXPECT_GT(asked, 0);
+  double known = 0;  // irradiance of the floor from all parts, as if their light came from their middles
+  for (uint32_t i = k_room_below; i < k_room_parts; ++i) {
+    const double elevation = std::numbers::pi * ((i / k_room_columns + 0.5) / k_room_rows - 0.5);
+    const double facing = std::sin(elevation) * std::cos(elevation) * std::pow(std::numbers::pi / k_room_rows, 2);
+    known += static_cast<double>(room.handle()->room.parts[i].radiance[1]) * room.handle()->room.light * facing;
+  }
+  EXPECT_NEAR(known / (std::numbers::pi * 0.3 / (1 - given_by(lamp, 1.84, 900, 0.3))), 1, 0.1);
 }
 
 }  // namespace

@@ -16,7 +16,6 @@ namespace {
 
 constexpr uint32_t k_points = 4;        // along each side of a part
 constexpr uint32_t k_lamp_points = 12;  // of one that is brighter than white: a lamp is smaller than a part
-constexpr uint32_t k_finer = 4;         // the same of a cell of those in which the lamp lies
 constexpr double k_lamp_clips = 0.5;    // share of a part: what clips less of it may be a lamp
 constexpr uint32_t k_close_looks = 6;   // at such parts in an image, about; where there are more they take turns
 constexpr uint32_t k_vote_points = 3;   // the same where the image is only compared
@@ -29,6 +28,7 @@ constexpr double k_to_corner = 0.14;  // radii, from the middle of a part
 constexpr float k_weight_max = 8.0f;  // what is known of a part counts as no more images than these
 constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // shares of a new image, at least
 constexpr float k_whole = 0.999f, k_as_much = 0.9f;
+constexpr uint8_t k_cut_white = 16;     // quarters of an octave that a short image counts less whose rim cuts a lamp
 constexpr float k_hardly = 1;           // weight of what one image has shown in part, or many long ago
 constexpr float k_faint = 0.001f;       // share of a part that is clipped: the sun's
 constexpr float k_little = 0.02f;       // the same of a bulb, which points may miss
@@ -49,7 +49,7 @@ SinCos elevation_of(double row) { return sin_cos_turns((row / k_room_rows - 0.5)
 SinCos azimuth_of(double column) { return sin_cos_turns(column / k_room_columns); }
 
 // An angle that is x radians greater, for |x| below 0.1: the series' next terms are below 1e-12.
-SinCos turned(const SinCos& angle, double x) {
+__attribute__((noinline)) SinCos turned(const SinCos& angle, double x) {
   const double y = x * x;
   const double s = x * (1 - y * (1.0 / 6) * (1 - y * (1.0 / 20) * (1 - y * (1.0 / 42))));
   const double c = 1 - y * 0.5 * (1 - y * (1.0 / 12) * (1 - y * (1.0 / 30) * (1 - y * (1.0 / 56))));
@@ -61,6 +61,14 @@ struct PartMiddle {
   uint32_t part;
   SinCos elevation, azimuth;
 };
+
+// The same of a place in it, 0..1 from edge to edge.
+SinCos elevation_in(const PartMiddle& part, double at) {
+  return turned(part.elevation, k_pi / k_room_rows * (at - 0.5));
+}
+SinCos azimuth_in(const PartMiddle& part, double at) {
+  return turned(part.azimuth, 2 * k_pi / k_room_columns * (at - 0.5));
+}
 
 void direction_of(const SinCos& elevation, const SinCos& azimuth, double direction[3]) {
   direction[0] = elevation.cos * azimuth.cos;
@@ -75,8 +83,9 @@ struct Points {
 };
 
 // One point, which stands for `share` of the area of a cell of the grid.
-void add_point(const RoomView& view, const CameraLayout& layout, const SinCos& elevation, const SinCos& azimuth,
-               const double at[2], double share, Points* points) {
+__attribute__((always_inline)) inline void add_point(const RoomView& view, const CameraLayout& layout,
+                                                     const SinCos& elevation, const SinCos& azimuth, const double at[2],
+                                                     double share, Points* points) {
   double direction[3];
   direction_of(elevation, azimuth, direction);
   const double weight = share * elevation.cos;
@@ -103,39 +112,64 @@ void add_point(const RoomView& view, const CameraLayout& layout, const SinCos& e
   }
 }
 
-// Points of a part weigh by the area that each stands for: less towards the zenith. Of a lamp, whose place in the part
-// is known, up to 0.9 degrees beside it lie 16 points for one: the sun is smaller than what lies between points.
+__attribute__((noinline)) void add_fine_point(const RoomView& view, const CameraLayout& layout, const PartMiddle& part,
+                                              const double at[2], double share, Points* points) {
+  add_point(view, layout, elevation_in(part, at[0]), azimuth_in(part, at[1]), at, share, points);
+}
+
+// Where in a part a lamp lies, -1..1 from edge to edge. So many rows and columns of the grid beside it have finer points,
+// so many along each side of a cell: the sun is smaller than what lies between points.
+struct CloseLook {
+  double up, aside;
+  uint32_t rows, columns, finer;
+};
+constexpr uint32_t k_reach = 1, k_finer = 4;
+// A short image is all that tells a lamp's light. It is counted by more points: all of a wide one, and closer of a bulb.
+constexpr uint32_t k_short_reach = 2, k_short_finer = 8;
+
+// The cells of the grid with finer points.
+struct Window {
+  uint32_t top, bottom, left, right;
+
+  bool holds(uint32_t row, uint32_t column) const {
+    return row >= top && row < bottom && column >= left && column < right;
+  }
+};
+Window window_of(const CloseLook& lamp, uint32_t count) {
+  const auto cell = [count](double at) { return floor_index((0.5 + 0.5 * at) * count); };
+  const auto within = [count](int64_t at) { return static_cast<uint32_t>(at < 0 ? 0 : at > count ? count : at); };
+  const int64_t row = cell(lamp.up), column = cell(lamp.aside);
+  return {within(row - lamp.rows), within(row + lamp.rows + 1), within(column - lamp.columns),
+          within(column + lamp.columns + 1)};
+}
+
+// Points of a part weigh by the area that each stands for: less towards the zenith.
 __attribute__((noinline)) RoomObservation observe(const RoomView& view, uint32_t images, const PartMiddle& part,
-                                                  uint32_t count, const double* lamp = nullptr) {
+                                                  uint32_t count, const CloseLook* lamp = nullptr) {
   const CameraLayout layout = camera_layout(view.image);
   // Not the same in all columns: at the zenith they see the same lamp.
   double down, across;
   room_step(images + part.part % k_room_columns, &down, &across);
-  const int64_t lamp_row = lamp != nullptr ? floor_index((0.5 + 0.5 * lamp[0]) * count) : -2;
-  const int64_t lamp_column = lamp != nullptr ? floor_index((0.5 + 0.5 * lamp[1]) * count) : -2;
-  const auto elevation = [&](double at) { return turned(part.elevation, k_pi / k_room_rows * (at - 0.5)); };
-  const auto azimuth = [&](double at) { return turned(part.azimuth, 2 * k_pi / k_room_columns * (at - 0.5)); };
+  const Window near = lamp != nullptr ? window_of(*lamp, count) : Window{};
   SinCos elevations[k_lamp_points], azimuths[k_lamp_points];
   for (uint32_t i = 0; i < count; ++i) {
-    elevations[i] = elevation((i + down) / count);
-    azimuths[i] = azimuth((i + across) / count);
+    elevations[i] = elevation_in(part, (i + down) / count);
+    azimuths[i] = azimuth_in(part, (i + across) / count);
   }
   Points points = {};
-  for (int64_t i = 0; i < count; ++i)
-    for (int64_t j = 0; j < count; ++j) {
-      const bool near = i >= lamp_row - 1 && i <= lamp_row + 1 && j >= lamp_column - 1 && j <= lamp_column + 1;
-      const double row = static_cast<double>(i), column = static_cast<double>(j);
-      if (!near) {
-        const double at[2] = {(row + down) / count, (column + across) / count};
-        add_point(view, layout, elevations[i], azimuths[j], at, 1, &points);
-        continue;
-      }
-      for (uint32_t k = 0; k < k_finer * k_finer; ++k) {
-        const uint32_t up = k / k_finer, aside = k % k_finer;
-        const double at[2] = {(row + (up + down) / k_finer) / count, (column + (aside + across) / k_finer) / count};
-        add_point(view, layout, elevation(at[0]), azimuth(at[1]), at, 1.0 / (k_finer * k_finer), &points);
-      }
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t j = 0; j < count; ++j) {
+      if (near.holds(i, j)) continue;
+      const double at[2] = {(i + down) / count, (j + across) / count};
+      add_point(view, layout, elevations[i], azimuths[j], at, 1, &points);
     }
+  for (uint32_t i = near.top; i < near.bottom; ++i)
+    for (uint32_t j = near.left; j < near.right; ++j)
+      for (uint32_t k = 0; k < lamp->finer * lamp->finer; ++k) {
+        const double up = (k / lamp->finer + down) / lamp->finer, aside = (k % lamp->finer + across) / lamp->finer;
+        const double at[2] = {(i + up) / count, (j + aside) / count};
+        add_fine_point(view, layout, part, at, 1.0 / (lamp->finer * lamp->finer), &points);
+      }
   RoomObservation seen = {};
   if (!(points.area > 0)) return seen;
   for (int c = 0; c < 3; ++c) seen.colour[c] = points.colour[c] / (points.area * static_cast<double>(view.balance[c]));
@@ -145,7 +179,8 @@ __attribute__((noinline)) RoomObservation observe(const RoomView& view, uint32_t
   seen.brightest = count == k_lamp_points ? points.brightest : luminance(seen.colour);
   const auto beside = [&](int k) {
     const double place = points.white > 0 ? points.clipped[k] / points.white : points.from[k] / points.light;
-    return 2 * (points.white > 0 ? place - 0.5 : place - points.middle[k] / points.area);
+    const bool whole = points.white > 0 || seen.covered < static_cast<double>(k_whole);
+    return 2 * (whole ? place - 0.5 : place - points.middle[k] / points.area);
   };
   if (points.white > 0 || (count == k_lamp_points && points.light > 0)) {
     seen.up = beside(0);
@@ -201,16 +236,23 @@ RoomObservation shown_of(Room* room, const PartMiddle& part, bool above, bool* c
   const RoomSpot* spot = room_spot(room->view, part.part);
   const bool is_lamp = spot != nullptr || luminance(known.radiance) * room->light > room->scale ||
                        (may_hold && looks_closely(room, part.part));
-  const double place[2] = {(spot != nullptr ? spot->up : known.up) / 127.0,
-                           (spot != nullptr ? spot->aside : known.aside) / 127.0};
+  CloseLook look = {(spot != nullptr ? spot->up : known.up) / 127.0,
+                    (spot != nullptr ? spot->aside : known.aside) / 127.0, k_reach, k_reach, k_finer};
+  if (may_hold && room_is_short(*room)) {
+    const bool bulb = known.clipped < static_cast<double>(k_little);
+    if (bulb) look.finer = k_short_finer;
+    else look.rows = k_short_reach;
+    look.columns = to_whole<uint32_t>(look.rows / part.elevation.cos + 0.5);
+  }
   RoomObservation now =
-      observe(room->view, room->images, part, is_lamp ? k_lamp_points : k_points, is_lamp && above ? place : nullptr);
+      observe(room->view, room->images, part, is_lamp ? k_lamp_points : k_points, is_lamp && above ? &look : nullptr);
   *closely = is_lamp;
   if (!is_lamp && !may_hold && above && now.clipped > 0 && now.clipped < k_lamp_clips &&
       looks_closely(room, part.part)) {
     *closely = true;
-    const double found[2] = {now.up, now.aside};
-    now = observe(room->view, room->images, part, k_lamp_points, found);
+    look.up = now.up;
+    look.aside = now.aside;
+    now = observe(room->view, room->images, part, k_lamp_points, &look);
   }
   return now;
 }
@@ -252,15 +294,19 @@ void learn(Room* room, const PartMiddle& part) {
   const float moved = before.clipped > 0 || before.luminance * room->light > room->scale ? rate : 1;
   // What is clipped a little counts at once, and what is no more so: the next image may miss it.
   const bool at_once = clipped > 0 ? rate > 0 && before.clipped < k_faint && clipped < k_little : rate > k_clear;
-  known->clipped = static_cast<double>(before.clipped + (at_once ? 1 : rate) * (clipped - before.clipped));
+  // A short image whose rim cuts a lamp tells its light at least: it remains clipped, and is asked for again.
+  const bool cut = covered < k_whole && before.clipped > 0 && before.white != 0 && of_now > before.white + 2;
+  if (!cut) known->clipped = static_cast<double>(before.clipped + (at_once ? 1 : rate) * (clipped - before.clipped));
   if (rate > 0) {
     known->up = room_towards(known->up, now.up, moved);
     known->aside = room_towards(known->aside, now.aside, moved);
   }
   // Points far apart may have missed a lamp that an ordinary image shows.
   const bool tells_white = closely || before.clipped > 0 || !room_is_short(*room);
-  if (white != nullptr && rate > 0 && tells_white && (of_now > *white || !(rate < k_changed_rate * covered)))
-    *white = of_now;
+  const auto tells_of = static_cast<uint8_t>(cut ? of_now - k_cut_white : of_now);
+  if (white != nullptr && rate > 0 && tells_white &&
+      (tells_of > *white || clipped > 0 || !(rate < k_changed_rate * covered)))
+    *white = tells_of;
   for (int k = 0; k < 3 && (covered >= k_whole || covered >= before.seen); ++k)
     known->from[k] = room_towards(known->from[k], room->view.position[k], above ? rate : 1);
 }
@@ -381,14 +427,17 @@ float room_rate(const Room& room, const RoomKnown& known, const RoomObservation&
   const bool more_clipped = known.white != 0 ? less_white && clipped > 0 : clipped > 2 * known.clipped;
   const bool hidden = more_clipped && after <= 1.1 * before;
   // If a part was hardly seen before, what was not seen of it is new.
-  if (known.weight > 0 && hidden) return known.weight < k_hardly && covered > known.seen ? 1 - known.seen / covered : 0;
+  const bool new_here = known.weight < k_hardly && covered > known.seen && !(less_white && known.clipped > 0);
+  if (known.weight > 0 && hidden) return new_here ? 1 - known.seen / covered : 0;
   // A picture whose rim cuts a lamp shows too little or too much of it. But what a shorter image shows of a clipped
   // lamp is there at least, in the whole part: so much is new.
   const double white = room.scale / room.light, now_at_least = now.covered * after;
   const bool is_lamp = before > white || after > white || clipped > 0 || known.clipped > 0;
   const bool shorter = known.clipped > 0 && more_white;
-  // One that shows nearly as much of the part as was ever seen shows the same of it.
-  const bool cut = covered < k_whole && covered <= (shorter ? k_as_much : 1) * known.seen;
+  const bool by_white = shorter && known.white != 0;
+  // Where it is not known by which image a part is known, one that shows nearly as much of it as was ever seen shows
+  // the same of it.
+  const bool cut = covered < k_whole && (by_white || covered <= (shorter ? k_as_much : 1) * known.seen);
   if (cut && is_lamp) {
     const bool tells = shorter && now_at_least > before;
     return tells ? static_cast<float>((now_at_least - before) / (after - before)) : 0;
@@ -397,7 +446,7 @@ float room_rate(const Room& room, const RoomKnown& known, const RoomObservation&
   const bool clearer = 2 * clipped < known.clipped;
   const bool changed = after > 2 * before || after < 0.5 * before;
   // What is known by longer images, and clipped, is a lower bound: beside a shorter image it does not count.
-  if (clearer && shorter && known.white != 0) return covered < known.seen ? covered / known.seen : 1;
+  if (clearer && by_white) return 1;
   const float rate_min = covered * (clearer ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
   return rate > rate_min ? rate : rate_min;
 }

@@ -43,7 +43,8 @@ void keep_spot(Room* room, uint32_t x, uint32_t y) {
                aside = room_towards(0, 2 * room_fraction(column) - 1, 1);
   if (part->clipped > 0 || luminance(part->radiance) * room->light > room->scale) {
     // It was taken to lie elsewhere, by an image that cut its part: a close look there would miss it.
-    if (absolute(up - part->up) < k_elsewhere && absolute(aside - part->aside) < k_elsewhere) return;
+    const double shrinks = square_root(1 - at[1] * at[1]);  // a part's width, towards the zenith
+    if (absolute(up - part->up) < k_elsewhere && shrinks * absolute(aside - part->aside) < k_elsewhere) return;
     part->up = up;
     part->aside = aside;
     return;
