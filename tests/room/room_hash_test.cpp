@@ -12,7 +12,7 @@ namespace {
 
 constexpr int k_images = 12;
 // Of the room and of its answers, known and shown, after the session below. A change that alters it on purpose says so.
-constexpr uint64_t k_golden = 0xc51abf1ff413cd45ull;
+constexpr uint64_t k_golden = 0x696d59c0e53f1132ull;
 
 // Bytes of any kind: no libm has a part in them.
 std::vector<uint8_t> picture(uint64_t seed) {

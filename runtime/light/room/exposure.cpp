@@ -51,7 +51,7 @@ constexpr double k_scale_max = 1e6;
 // An unknown exposure is expected to change again by this share of its last change. A deviation from that counts as far
 // as it exceeds the noise: of a vote of weight 1, and of exposures from image to image (variances). It counts wholly
 // where it is five times the noise and three quarters of the votes agree.
-constexpr double k_goes_on = 0.8, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 25, k_step_alike = 0.75;
+constexpr double k_goes_on = 0.82, k_step_noise = 0.1, k_step_usual = 0.0016, k_surely = 25, k_step_alike = 0.75;
 // What is remembered corrects the exposure by so much in an image, and by half of what a difference exceeds 0.4 by.
 constexpr double k_unseen_step = 0.015, k_far_difference = 0.4, k_far_rate = 0.5;
 // While nothing is learned, a greater step is not one of the camera's exposure: where what is remembered agrees with
