@@ -1,9 +1,7 @@
 // Mesh files, by the program's own readers (mesh_reader.cpp).
-import { MeshoptDecoder } from "./meshopt_decoder.mjs";
-
 // A function that takes the bytes of a file and its name, and gives its vertices, indices and remarks or throws what is wrong with
-// it. `module` is mesh_reader.wasm.
-export async function meshReader(module) {
+// it. `module` is mesh_reader.wasm; the decoder is meshoptimizer's.
+export async function meshReader(module, MeshoptDecoder) {
   await MeshoptDecoder.ready;
   let memory;
   const bytes = (at, size) => new Uint8Array(memory.buffer, at, size);

@@ -4,7 +4,7 @@ import { constants } from "./sandglass.mjs";
 import { Camera, Painter } from "./painter.mjs";
 import { Stage } from "./stage.mjs";
 import { matrixOf } from "./mesh_field.mjs";
-import { Turning, k_neck } from "./hourglass.mjs";
+import { Turning, hourglassMade, k_neck } from "./hourglass.mjs";
 import { RoomParts, lightOfSky } from "./room_light.mjs";
 import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom, cellsOfTable } from "./tilt.mjs";
 import { fromLink } from "./link.mjs";
@@ -16,7 +16,7 @@ import { fitting, k_glass_min, k_walls, makeGlass, makeTable } from "./stands.mj
 import { dropObjects, k_mesh_height } from "./objects.mjs";
 import { playRecording, record, recordingOf } from "./recording.mjs";
 import { slowMotion, tell } from "./readout.mjs";
-import { help, letHelp, loaded, loadedMeshReader } from "./loaded.mjs";
+import { help, inflated, letHelp, loaded, loadedMeshReader } from "./loaded.mjs";
 import { k_scene } from "./data.mjs";
 
 const k_step = k_scene.frame_step;
@@ -48,11 +48,13 @@ const lessMotion = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 const radiansOf = (id) => (by(id).value * Math.PI) / 180;
 
 export class Page {
-  constructor(sand) {
+  // `hourglass`: of hourglassMade.
+  constructor(sand, painter, hourglass) {
     this.sand = sand;
+    this.hourglass = hourglass;
     this.words = sand.allocate(4 * 3);
     this.skinMesh = sand.make("sandglass_skin_mesh");
-    this.painter = new Painter(by("view"), k_radius);
+    this.painter = painter;
     this.camera = new Camera();
     this.pace = new Pace();
     this.tool = "glass";
@@ -79,7 +81,7 @@ export class Page {
     this.stage = new Stage(sand, { origin: [0, 0, 0], half: k_box, budget: 0, reflections: true });
     this.room = new RoomParts(this.stage);
     this.turning = new Turning();
-    this.stands = { glass: makeGlass(sand, this.stage, this.painter, this.turning.pose()) };
+    this.stands = { glass: makeGlass(sand, this.stage, painter, this.turning.pose(), hourglass) };
     this.show("glass");
     this.fitDevice();
     this.opens = !lessMotion(); // once its sand is seen
@@ -114,8 +116,8 @@ export class Page {
 
   // Puts the hourglass or the table before the camera; the other one stands still.
   show(name) {
-    const { sand, painter, camera, stage } = this;
-    const stand = (this.stands[name] ??= makeTable(sand, stage, painter));
+    const { sand, painter, camera, stage, hourglass } = this;
+    const stand = (this.stands[name] ??= makeTable(sand, stage, painter, hourglass));
     if (this.stand === stand) return;
     if (this.stand) {
       this.stand.drawn = painter.objects;
@@ -197,7 +199,7 @@ export class Page {
   setLight(seconds = 0) {
     this.wake();
     const { stage, painter } = this;
-    const known = stage.roomLight.valid === 1 && Boolean(this.watching || this.real);
+    const known = Boolean(this.watching || this.real) && stage.roomLight.valid === 1;
     const seen = known ? stage.fade(Math.max(0, seconds)) : null;
     const own = this.real && this.deviceLight;
     const light = own || seen || this.slidLight();
@@ -213,7 +215,8 @@ export class Page {
     const even = new Float32Array(constants.SANDGLASS_LIGHT_CELLS).fill(1);
     const cells = seen ? Float32Array.from(stage.fadedLight.ambient_cells) : even;
     const diameter = light === seen ? stage.fadedLight.main_angular_diameter : 0;
-    stage.shade(light.toLight, cellsOfTable(cells, painter.tableOfRoom), diameter);
+    const { tableOfRoom } = painter;
+    stage.shade(light.toLight, tableOfRoom === k_level ? cells : cellsOfTable(cells, tableOfRoom), diameter);
     if (painter.wall) stage.shadeWall(seen ? this.cellsOfWall() : cells);
   }
   slidLight() {
@@ -537,14 +540,16 @@ class Frames {
     if (!(moved || !this.#drew || page.pace.touched || page.watching)) return;
     if (this.#drew) page.pace.drew(now - this.#drawn - this.#sand_took);
     page.draw();
-    if (this.#drawn === 0) letHelp(page);
+    if (this.#drawn === 0) setTimeout(() => letHelp(page)); // the picture is shown first
     this.#drawn = now;
     this.#sand_took = took;
   }
 }
 
 async function begin() {
-  const page = new Page(await loaded());
+  const painter = new Painter(by("view"), k_radius); // first: its compilers run beside all else
+  const [sand, hourglass] = await Promise.all([loaded(), inflated("hourglass")]);
+  const page = new Page(sand, painter, hourglassMade(hourglass));
   listen(page);
   window.sandglassPage = { page, fixedRun: (frames) => fixedRun(page.sand, frames) }; // for the page's test
   new Frames(page);

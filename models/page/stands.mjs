@@ -3,7 +3,7 @@
 import { constants } from "./sandglass.mjs";
 import { SandScene, unpacked } from "./scene.mjs";
 import { made, matrixOf } from "./mesh_field.mjs";
-import { funnelMesh, glassMesh, hourglassField, sandBelow, woodMesh } from "./hourglass.mjs";
+import { k_glass_particles, k_glass_radius } from "./hourglass.mjs";
 import { k_scene } from "./data.mjs";
 
 // Metres from the middle, of glass walls that are passed once the table was tipped, so that no sand slides away for ever.
@@ -24,8 +24,6 @@ export const k_casts = { shadow: false, collide: false }; // of a model: what is
 const k_funnel = [0.86, 0.62, 0.28]; // albedos
 const k_chair = [0.17, 0.3, 0.43];
 const k_wood = [0.16, 0.075, 0.035];
-const k_glass_radius = 0.0035; // of the sand in the hourglass
-const k_glass_particles = 1320; // its lower half is full
 const k_glass_friction = 0.3;
 export const k_glass_min = 500; // particles, on a slow device
 const k_glass_ms = 16; // of all work of a frame that is worth it; levels of quality save half of it
@@ -42,11 +40,10 @@ const newSkin = (sand, { desc }, capped) => made(sand, "sandglass_skin", { cappe
 
 // With its funnel and what the scene's file puts there.
 /** @param {import("./stage.mjs").Stage} stage */
-export function makeTable(sand, stage, painter) {
+export function makeTable(sand, stage, painter, { funnel }) {
   const scene = newTableScene(sand);
   const standing = [];
   const drawn = [];
-  const funnel = funnelMesh();
   painter.funnel = painter.item(funnel.vertices, funnel.indices, null, k_funnel, funnel.normals);
   stage.reserve(k_object_triangles);
   for (const { field, position, rotation } of k_scene.colliders) {
@@ -59,7 +56,7 @@ export function makeTable(sand, stage, painter) {
   return { scene, standing, drawn, skin: newSkin(sand, scene, 0) };
 }
 
-function glassScene(sand, particles) {
+function glassScene(sand, made, particles) {
   const still = { position: [0, 0, 0], rotation: [0, 0, 0, 1], size: [1, 1, 1] };
   const granular = {
     ...k_scene.granular,
@@ -74,20 +71,17 @@ function glassScene(sand, particles) {
   };
   const colliders = [
     { shape: constants.SANDGLASS_SHAPE_HALF_SPACE, ...still },
-    { shape: constants.SANDGLASS_SHAPE_FIELD, ...still, field: hourglassField(sand) },
+    { shape: constants.SANDGLASS_SHAPE_FIELD, ...still, field: { made } },
   ];
   const { gravity, frame_step } = k_scene;
   const file = { name: "hourglass", gravity, frame_step, emitters: [], particles, granular, colliders };
   return new SandScene(sand, file, { clock: true });
 }
 
-// The hourglass stands still with all its sand below until it is turned over. `pose`: how it stands.
+// The hourglass stands still with all its sand below until it is turned over. `pose`: how it stands. Then what hourglassMade gives.
 /** @param {import("./stage.mjs").Stage} stage */
-export function makeGlass(sand, stage, painter, pose) {
-  const below = sandBelow(k_glass_particles, k_glass_radius);
-  const scene = glassScene(sand, below.subarray(0, 3 * k_glass_min));
-  const wood = woodMesh();
-  const glass = glassMesh();
+export function makeGlass(sand, stage, painter, pose, { field, below, wood, glass }) {
+  const scene = glassScene(sand, field, below.subarray(0, 3 * k_glass_min));
   const model = matrixOf(pose.position, pose.rotation);
   return {
     scene,

@@ -3,18 +3,15 @@
 // comes back as it was.
 // node mesh_files_test.mjs PAGE_FOLDER KINDS_FOLDER
 import assert from "node:assert/strict";
-import { copyFileSync, mkdtempSync, readFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { toLink, fromLink } from "../../models/page/link.mjs";
+import { meshReader, standing } from "../../models/page/mesh_file.mjs";
 
 const k_damages = 800;
 const [page, kinds] = process.argv.slice(2);
-const place = mkdtempSync(join(tmpdir(), "sandglass_"));
-copyFileSync(new URL("../../models/page/mesh_file.mjs", import.meta.url), join(place, "mesh_file.mjs"));
-copyFileSync(join(page, "meshopt_decoder.mjs"), join(place, "meshopt_decoder.mjs"));
-const { meshReader, standing } = await import(join(place, "mesh_file.mjs"));
-const read = await meshReader(readFileSync(join(page, "mesh_reader.wasm")));
+const { MeshoptDecoder } = await import(join(page, "meshopt_decoder.mjs"));
+const read = await meshReader(readFileSync(join(page, "mesh_reader.wasm")), MeshoptDecoder);
 
 const cases = JSON.parse(readFileSync(join(kinds, "cases.json")));
 for (const { name, size, triangles, refused } of cases) {
