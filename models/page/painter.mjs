@@ -10,6 +10,17 @@ import { k_kit } from "./kit.mjs";
 const k_depth_bias = 0.02; // metres
 const k_samples = 4; // of a smooth pixel
 const k_nothing = { side: 1, bytes: new Uint8Array(1) };
+const k_textures = [
+  "pile",
+  "onSand",
+  "shadow",
+  "occlusion",
+  "sky",
+  "skyOnSand",
+  "wallShadow",
+  "wallOcclusion",
+  "depth",
+];
 const k_plain = Uint8Array.of(197, 165, 122, 168, 127, 127, 128, 130); // a block without grains: the last level of the one with them
 
 const k_hidden = `
@@ -180,19 +191,8 @@ export class Painter {
     this.glass = null;
     this.sand = new SandPainter(gl, k_kit.before + k_hidden, k_plain, radius);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    for (const name of [
-      "pile",
-      "onSand",
-      "shadow",
-      "occlusion",
-      "sky",
-      "skyOnSand",
-      "wallShadow",
-      "wallOcclusion",
-      "depth",
-      "unknownDepth",
-    ])
-      this[name] = uploadShadow(gl, k_nothing);
+    this.nothing = uploadShadow(gl, k_nothing);
+    for (const name of k_textures) this[name] = this.nothing; // until one comes
     this.room = gl.createTexture();
     this.roomKnown = 0;
     for (let face = 0; face < 6; ++face) this.uploadFace(face, 1, new Uint16Array(4));
@@ -207,6 +207,7 @@ export class Painter {
     this.depthOnScreen = null; // where a share of the screen, from its lower left corner, lies in the depth image
     this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     gl.enable(gl.DEPTH_TEST);
+    gl.flush();
   }
 
   // With metal, and over what is real. Compilers take as long for it as for all others: it is made when something needs it.
@@ -223,8 +224,12 @@ export class Painter {
   take(drawn) {
     this.drawn = drawn;
     this.sand.streams = drawn.streams;
-    for (const [name, texture] of Object.entries(drawn.textures)) uploadShadow(this.gl, texture, this[name]);
+    for (const [name, texture] of Object.entries(drawn.textures)) uploadShadow(this.gl, texture, this.own(name));
     if (drawn.skin) this.sand.upload(drawn.skin);
+  }
+  own(name) {
+    if (this[name] === this.nothing) this[name] = uploadShadow(this.gl, k_nothing);
+    return this[name];
   }
   // Halves, the upper row first, as the library gives them.
   uploadFace(face, side, halves) {
@@ -237,7 +242,7 @@ export class Painter {
   // Metres, the upper row first. `onScreen`: columns of the 3 x 3 matrix of depthOnScreen.
   uploadDepth(width, height, metres, onScreen) {
     const { gl } = this;
-    gl.bindTexture(gl.TEXTURE_2D, this.depth);
+    gl.bindTexture(gl.TEXTURE_2D, this.own("depth"));
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16F, width, height, 0, gl.RED, gl.FLOAT, metres);
     this.depthOnScreen = onScreen;
   }
@@ -397,7 +402,7 @@ export class Painter {
     gl.viewport(...viewport);
     const common = (p, pile, sky) => {
       gl.useProgram(p.made);
-      [pile, this.shadow, this.occlusion, sky, depth ? this.depth : this.unknownDepth].forEach((texture, unit) => {
+      [pile, this.shadow, this.occlusion, sky, depth ? this.depth : this.nothing].forEach((texture, unit) => {
         gl.activeTexture(gl.TEXTURE0 + unit);
         gl.bindTexture(gl.TEXTURE_2D, texture);
       });

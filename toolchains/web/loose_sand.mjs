@@ -13,7 +13,7 @@ const k_grains = [256, 384];
 const k_pixels = [1.5, 1.2];
 
 export const squareIndices = () =>
-  Uint16Array.from({ length: 6 * k_grains[1] }, (_, i) => 4 * Math.floor(i / 6) + [0, 1, 2, 2, 1, 3][i % 6]);
+  new Uint16Array(6 * k_grains[1]).map((_, i) => 4 * Math.floor(i / 6) + [0, 1, 2, 2, 1, 3][i % 6]);
 
 // How many squares the nearest particle of a box needs; the shader leaves out what the others do not. `pixels`: of a metre at a
 // distance of one; `share`: of all grains.

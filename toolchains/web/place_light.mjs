@@ -68,6 +68,8 @@ export class PlaceLight {
   #image;
   #words;
   #place;
+  #now;
+  #known = false; // as it is now
   #lights;
   #filament;
 
@@ -76,7 +78,7 @@ export class PlaceLight {
     this.#sand = sand;
     this.room = made(sand, "sandglass_room", { reflections: reflections ? 1 : 0 });
     this.images = 0;
-    this.now = sand.make("sandglass_room_light");
+    this.#now = sand.make("sandglass_room_light");
     this.faded = sand.make("sandglass_room_light");
     this.#words = sand.allocate(8);
     this.#image = sand.make("sandglass_camera_image");
@@ -86,15 +88,17 @@ export class PlaceLight {
     sand.sandglass_room_place_default(this.#place);
     this.#place.set({ position: origin, shown: this.faded });
     this.#begin();
-    this.#get();
   }
 
   // Light that comes next is taken as it is.
   #begin() {
     this.faded.struct_size = 0;
   }
-  #get() {
-    this.#sand.sandglass_room_get(this.room, this.#place, this.now);
+  // The room's light as it is now: asked for once it is needed.
+  get now() {
+    if (!this.#known) this.#sand.sandglass_room_get(this.room, this.#place, this.#now);
+    this.#known = true;
+    return this.#now;
   }
 
   see(image, { orientation, position, diagonal, centre, exposure, ms }) {
@@ -126,17 +130,17 @@ export class PlaceLight {
       sand.free(pixels);
     }
     if (this.images++ === 0) this.#begin();
-    this.#get();
+    this.#known = false;
   }
 
   stand(position) {
     this.#place.position.set(position);
     this.#begin();
-    this.#get();
+    this.#known = false;
   }
   forget() {
     this.#sand.sandglass_room_reset(this.room);
-    this.#get();
+    this.#known = false;
   }
 
   fade(seconds) {
