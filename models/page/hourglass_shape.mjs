@@ -183,4 +183,7 @@ const arrays = ({ vertices, indices, normals = new Float32Array(0) }) => [
 const meshes = [woodMesh(), glassMesh(), funnelMesh()].flatMap(arrays);
 const all = [hourglassField(await load()), sandBelow(k_glass_particles, k_glass_radius), ...meshes];
 const parts = all.flatMap((array) => [Uint32Array.of(array.byteLength), array]);
-writeFileSync(output, Buffer.concat(parts.map(({ buffer, byteOffset, byteLength }) => Buffer.from(buffer, byteOffset, byteLength))));
+writeFileSync(
+  output,
+  Buffer.concat(parts.map(({ buffer, byteOffset, byteLength }) => Buffer.from(buffer, byteOffset, byteLength))),
+);

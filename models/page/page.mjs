@@ -42,6 +42,7 @@ const k_told_ms = 250; // so often numbers are written
 const k_seconds_at_most = 1; // of frame times, that the numbers are means of
 const k_sky_light = lightOfSky([1.05, 0.97, 0.84], [0.288, 0.32, 0.376], [0.176, 0.152, 0.128]); // of the sliders
 const k_sky_umbra = 0.9; // of the sliders' light, which is not quite dark
+const k_quick_ms = 120; // in which what is shown is made; a device that takes longer fits less than the least sand
 const k_level = [1, 0, 0, 0, 1, 0, 0, 0, 1]; // the room's axes are the table's
 
 const lessMotion = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -50,6 +51,7 @@ const radiansOf = (id) => (by(id).value * Math.PI) / 180;
 export class Page {
   // `hourglass`: of hourglassMade.
   constructor(sand, painter, hourglass) {
+    const began = performance.now();
     this.sand = sand;
     this.hourglass = hourglass;
     this.words = sand.allocate(4 * 3);
@@ -83,7 +85,9 @@ export class Page {
     this.turning = new Turning();
     this.stands = { glass: makeGlass(sand, this.stage, painter, this.turning.pose(), hourglass) };
     this.show("glass");
-    this.fitDevice();
+    // Where that took long there is time for the least sand, which is loose in the first picture.
+    if (performance.now() - began < k_quick_ms) this.fitDevice();
+    else this.settle(0);
     this.opens = !lessMotion(); // once its sand is seen
   }
 
@@ -92,14 +96,15 @@ export class Page {
     if (fits > k_glass_min) this.fillGlass(fits);
   }
 
-  // A frame of the glass at rest with all the work that its sand and their skin need, so that it is seen. Gives milliseconds.
-  settle() {
+  // A frame of the glass at rest, without a budget with all the work that its sand and their skin need, so that it is seen. Gives
+  // milliseconds.
+  settle(budget) {
     const { scene, turning } = this;
     const { pile_shadow, cast_count } = scene.input;
     const still = [0, 0, 0];
     scene.colliders[1].set({ ...turning.pose(), linear_velocity: still, angular_velocity: still });
     scene.input.set({ pile_shadow: 0, cast_count: 0 });
-    const ms = scene.frame(k_step).time.elapsed_ns / 1e6;
+    const ms = scene.frame(k_step, budget).time.elapsed_ns / 1e6;
     scene.input.set({ pile_shadow, cast_count });
     return ms;
   }

@@ -202,12 +202,12 @@ export class SandPainter {
       gl.uniform1f(p.at("block_side"), k_block_side);
       gl.uniform1f(p.at("wet"), this.wet);
     };
-    own(surface);
-    for (const { array, count } of this.chunks)
-      if (count > 0) {
-        gl.bindVertexArray(array);
-        gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 0);
-      }
+    const chunks = this.chunks.filter(({ count }) => count > 0);
+    if (chunks.length > 0) own(surface); // a program that draws nothing is not waited for
+    for (const { array, count } of chunks) {
+      gl.bindVertexArray(array);
+      gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 0);
+    }
     gl.bindVertexArray(null);
     if (flying + lying === 0) return;
     own(loose);
