@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Sand in three.js and Babylon.js, by WebGL and WebGPU: the same frame is the kit's own picture in each, a fault is not; and in three.js
+"""Sand in three.js and Babylon.js, by WebGL and WebGPU: one frame of three scenes is the kit's own picture in each, a fault is not; and in three.js
 sand is changed, hidden, hit and freed as any mesh is.
 
 renderers_test.py NPM_FOLDER WORK_FOLDER [--versions]    WORK_FOLDER has node_modules. --versions: the oldest three.js that are
 supported, from the npm registry, and the one before is refused.
 Exit code 77: there is no Chromium here."""
 
+import base64
 import json
 import pathlib
 import shutil
@@ -18,6 +19,7 @@ from browser import CHROMIUM, SKIPPED, SOFTWARE, Browser, served
 
 HERE = pathlib.Path(__file__).parent / "renderers"
 GPU = (*SOFTWARE, "--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader")
+SCENES = ("pour onto a chair", "a model in a photograph", "hourglass")
 FAULTS = ("no sun share", "interpolated origin", "linear for sRGB")
 # A picture may be off by so much in the mean, of 255; and so many of the sand's pixels by more than 4.
 MEAN, SHARE = 1.0, 0.001
@@ -81,6 +83,8 @@ def prepare(npm, work):
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(HERE, folder)
     shutil.copytree(npm, folder / "sandglass")
+    shutil.copy(HERE.parents[2] / "models/page/hourglass.mjs", folder / "sandglass")
+    shutil.copy(HERE.parents[2] / "models/pictures/room.jpg", folder)
     (folder / "index.html").write_text(PAGE.format(map=json.dumps({"imports": MAP})))
     (folder / "babylon_core.mjs").write_text('export * from "@babylonjs/core";\n')
     bundle = ["--bundle", "--format=esm", "--outfile=renderers/babylon_core.js", "--log-level=error"]
@@ -96,10 +100,17 @@ def words(found):
     return f"mean {found['mean']:.3f} of 255, {found['over']:.3%} of {found['sand']} pixels by more than 4"
 
 
-def same_picture(page, engine, kind, faults=FAULTS):
-    for left in (False, True) if engine == "babylon" else (False,):
-        found = page.ask(f"same({json.dumps(engine)}, {json.dumps(kind)}, {json.dumps(left)})")
-        check(within(found), f"{engine}, {kind}{', left-handed' if left else ''}: {words(found)}")
+def same_picture(page, folder, engine, kind, faults=FAULTS, scenes=SCENES):
+    """Of each scene; a left-handed scene, and faults, of the first."""
+    for name, left in [(name, False) for name in scenes] + [(SCENES[0], True)] * (engine == "babylon"):
+        found = page.ask(f"same({json.dumps(engine)}, {json.dumps(kind)}, {json.dumps(name)}, {json.dumps(left)})")
+        way = f"{engine}, {kind}{', left-handed' if left else ''}"
+        (folder / "pictures").mkdir(exist_ok=True)
+        (folder / "pictures" / f"{name}, {way}.png").write_bytes(base64.b64decode(found["picture"].split(",")[1]))
+        kit = found["kit"]
+        check(within(found), f"{name}: {way}: {words(found)}; {found['ms']:.0f} ms, the kit {kit['ms']:.0f}")
+        # One more: WebGPURenderer encodes its picture by a square.
+        check(found["calls"] <= kit["calls"] + (engine == "three"), f"{way}: {found['calls']} draw calls, the kit {kit['calls']}")
     for fault in faults if engine == "three" else ():
         found = page.ask(f"fault({json.dumps(kind)}, {json.dumps(fault)})")
         check(not within(found), f"{engine}, {kind}, {fault}: {words(found)}, as it must")
@@ -152,8 +163,8 @@ def from_one_source(folder, address, before):
         file.write_text(text.replace(old, new))
     subprocess.run([sys.executable, "-B", kit / "languages.py", copy, package], check=True)
     with Page(address) as page:
-        same_picture(page, "three", "nodes", ())
-        same_picture(page, "babylon", "nodes", ())
+        same_picture(page, folder, "three", "nodes", (), SCENES[:1])
+        same_picture(page, folder, "babylon", "nodes", (), SCENES[:1])
         after = page.ask("light()")
         check(after < 0.99 * before, f"with {new} the kit's picture has {after / before:.3f} of the light")
 
@@ -172,11 +183,11 @@ def versions(npm, work):
         address, _ = prepare(npm, work)
         with Page(address) as page:
             if version in REFUSED:
-                told = page.browser.ask(f"renderers.same('three', '{kinds}').catch((error) => error.message)")
+                told = page.browser.ask(f"renderers.same('three', '{kinds}', '{SCENES[0]}').catch((error) => error.message)")
                 check("or newer for this renderer" in str(told), f"three {version}: {told}")
                 continue
             for kind in kinds:
-                found = page.ask(f"same('three', '{kind}')")
+                found = page.ask(f"same('three', '{kind}', '{SCENES[0]}')")
                 check(within(found), f"three {version}, {kind}: {words(found)}")
 
 
@@ -189,16 +200,16 @@ def main(arguments):
         return 1 if check.wrong else 0
     address, folder = prepare(npm, work)
     with Page(address) as page:
-        same_picture(page, "three", "webgl")
-        same_picture(page, "three", "nodes on webgl")
-        same_picture(page, "babylon", "webgl")
+        same_picture(page, folder, "three", "webgl")
+        same_picture(page, folder, "three", "nodes on webgl")
+        same_picture(page, folder, "babylon", "webgl")
         as_a_mesh(page, "webgl")
         patched(page)
     # What draws by WebGPU must do without WebGL.
     address += "?without=webgl2"
     with Page(address) as page:
-        same_picture(page, "three", "nodes")
-        same_picture(page, "babylon", "nodes")
+        same_picture(page, folder, "three", "nodes")
+        same_picture(page, folder, "babylon", "nodes")
         as_a_mesh(page, "nodes")
         before = page.ask("light()")
     from_one_source(folder, address, before)

@@ -32,6 +32,8 @@ flat varying loose_own: f32;
 flat varying loose_seed: u32;
 flat varying loose_across: f32;
 varying loose_at: vec2f;`;
+// Else the engine encodes by a power of 2.2.
+const k_exact = "#ifndef USE_EXACT_SRGB_CONVERSIONS\n#define USE_EXACT_SRGB_CONVERSIONS\n#endif";
 const k_identity = "mat3x3f(1, 0, 0, 0, 1, 0, 0, 0, 1)";
 
 // By part and language: what is added to the engine's vertex and fragment shaders: declarations, statements at the end, and where a
@@ -200,7 +202,8 @@ const pluginOf = (BABYLON, part, values, matrix = new BABYLON.Matrix()) =>
       if (!code) return null;
       const ends = kind === "vertex" ? "CUSTOM_VERTEX_MAIN_END" : "CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION";
       const place = code[2] ? { CUSTOM_VERTEX_UPDATE_WORLDPOS: code[2] } : {};
-      return { [`CUSTOM_${kind.toUpperCase()}_DEFINITIONS`]: code[0], [ends]: code[1], ...place };
+      const exact = kind === "fragment" ? { CUSTOM_FRAGMENT_BEGIN: k_exact } : {};
+      return { [`CUSTOM_${kind.toUpperCase()}_DEFINITIONS`]: code[0], [ends]: code[1], ...place, ...exact };
     }
   };
 

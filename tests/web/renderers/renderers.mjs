@@ -3,16 +3,17 @@ import * as frame from "./scene.mjs";
 import { createStage } from "sandglass/three";
 import { createStage as createBabylonStage } from "sandglass/babylon";
 
-const { side, eye, target } = frame;
+const { side } = frame;
 const k_background = 0x405060;
-let kit;
+const truths = {};
 
-async function truth(turned) {
+// The kit's own picture of a scene.
+async function truth(name, turned) {
   const THREE = await import("three");
-  kit ??= [await frame.ofKit(cameraOf(THREE), false), await frame.ofKit(cameraOf(THREE), true)];
-  return kit[turned ? 1 : 0];
+  return (truths[name + turned] ??= await frame.ofKit(name, cameraOf(THREE, name), turned));
 }
-function cameraOf(THREE) {
+function cameraOf(THREE, name) {
+  const { eye, target } = frame.scenes[name];
   const camera = new THREE.PerspectiveCamera(40, 1, 0.05, 20);
   camera.position.set(...eye);
   camera.lookAt(...target);
@@ -26,9 +27,20 @@ function done(renderer) {
   renderer.forceContextLoss?.();
 }
 
+// What hides sand in a scene.
+function threeOccluder(THREE, { positions, indices }) {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
+  geometry.setIndex(new THREE.BufferAttribute(indices, 1));
+  const material = new THREE.MeshBasicMaterial({ colorWrite: false, side: THREE.DoubleSide });
+  return Object.assign(new THREE.Mesh(geometry, material), { renderOrder: -1 });
+}
 // `kind`: webgl; nodes, nodes on webgl (of WebGPURenderer). `change(drawn)`: before it is drawn.
-export async function threeScene(kind, { renderer: options = {}, change = (drawn) => drawn } = {}) {
-  const drawn = change(await frame.recorded());
+export async function threeScene(
+  kind,
+  { name = frame.first, renderer: options = {}, change = (drawn) => drawn, hidden = false } = {},
+) {
+  const drawn = change(await frame.recorded(name));
   const THREE = await import(kind === "webgl" ? "three" : "three/webgpu");
   const canvas = frame.newCanvas();
   const how = { canvas, antialias: false, preserveDrawingBuffer: true, ...options };
@@ -38,10 +50,11 @@ export async function threeScene(kind, { renderer: options = {}, change = (drawn
       : new THREE.WebGPURenderer({ ...how, forceWebGL: kind !== "nodes" });
   renderer.setSize(side, side, false);
   const scene = new THREE.Scene();
-  const camera = cameraOf(THREE);
+  const camera = cameraOf(THREE, name);
   const stage = await createStage(THREE, { renderer, scene });
   stage.stage = frame.replay(drawn);
   const group = await stage.createSand();
+  if (hidden) scene.add(threeOccluder(THREE, drawn.mesh));
   stage.update(1 / 60);
   const look = async () => {
     renderer.render(scene, camera);
@@ -51,9 +64,10 @@ export async function threeScene(kind, { renderer: options = {}, change = (drawn
   return { THREE, renderer, scene, camera, stage, group, look, canvas };
 }
 
-async function babylonScene(kind, left) {
+async function babylonScene(kind, left, name = frame.first) {
   const BABYLON = await import("babylon");
-  const drawn = await frame.recorded();
+  const drawn = await frame.recorded(name);
+  const { eye, target } = frame.scenes[name];
   const canvas = frame.newCanvas();
   const gpu = kind === "nodes";
   const engine = gpu
@@ -67,32 +81,45 @@ async function babylonScene(kind, left) {
   Object.assign(camera, { fov: (40 * Math.PI) / 180, minZ: 0.05, maxZ: 20 });
   camera.setTarget(mirrored(target));
   scene.clearColor = new BABYLON.Color4(0, 0, 0, 1);
+  const occluder = new BABYLON.Mesh("", scene);
+  occluder.setVerticesData("position", drawn.mesh.positions);
+  occluder.setIndices(drawn.mesh.indices);
+  occluder.scaling.z = left ? -1 : 1;
+  occluder.material = new BABYLON.StandardMaterial("", scene);
+  Object.assign(occluder.material, { disableColorWrite: true, backFaceCulling: false });
   const stage = await createBabylonStage(BABYLON, { scene });
   stage.stage = frame.replay(drawn);
   await stage.createSand();
   stage.update(1 / 60);
   await scene.whenReadyAsync();
-  for (let i = 0; i < 2; ++i) {
+  const look = () => {
     engine.beginFrame();
     scene.render();
     engine.endFrame();
-  }
-  const bytes = await frame.shown(canvas);
-  engine.dispose();
-  return bytes;
+    return frame.shown(canvas);
+  };
+  return { BABYLON, engine, scene, camera, stage, look, canvas, occluder };
 }
 
-// Of each way: how far it is from the kit's own picture.
-export async function same(engine, kind, left = false) {
-  const wanted = await truth(kind === "nodes");
-  if (engine === "babylon") return frame.difference(wanted, await babylonScene(kind, left));
-  const { look, renderer } = await threeScene(kind);
-  const bytes = await look();
-  done(renderer);
-  return frame.difference(wanted, bytes);
+// Of each way: how far it is from the kit's own picture; its milliseconds and draw calls, and those of the kit.
+export async function same(engine, kind, name, left = false) {
+  const wanted = await truth(name, kind === "nodes");
+  const three = engine === "three";
+  const made = await (three ? threeScene(kind, { name, hidden: true }) : babylonScene(kind, left, name));
+  const { bytes, ms } = await frame.least(made.look);
+  const { render } = made.renderer?.info ?? {};
+  const counted = () => (three ? (render.drawCalls ?? render.calls) : made.engine._drawCalls.current);
+  const before = kind === "webgl" && three ? 0 : counted(); // WebGLRenderer counts each picture alone
+  const last = made.look();
+  const calls = counted() - before;
+  await last;
+  if (three) done(made.renderer);
+  else made.engine.dispose();
+  const kit = { ms: wanted.ms, calls: wanted.calls };
+  return { ...frame.difference(wanted.bytes, bytes), ms, calls, kit, picture: frame.pictured(wanted.bytes, bytes) };
 }
 // Of the kit's picture, all numbers.
-export const light = async () => (await truth(false)).reduce((sum, x) => sum + x, 0);
+export const light = async () => (await truth(frame.first, false)).bytes.reduce((sum, x) => sum + x, 0);
 
 // Ways in which it would not be the same.
 const k_faults = {
@@ -115,10 +142,10 @@ function turnedCorners(indices) {
   return corners;
 }
 export async function fault(kind, name) {
-  const made = await threeScene(kind, k_faults[name]);
+  const made = await threeScene(kind, { ...k_faults[name], hidden: true });
   k_faults[name].after?.(made);
-  const wanted = await truth(kind === "nodes");
-  const found = frame.difference(wanted, await made.look());
+  const { bytes } = await truth(frame.first, kind === "nodes");
+  const found = frame.difference(bytes, await made.look());
   done(made.renderer);
   return found;
 }
