@@ -32,6 +32,7 @@ class BabylonStage extends Engine {
       Array.from({ length: 6 }, () => new Uint8Array([0, 0, 0, 255])),
       1,
     );
+    scene.getEngine().getLoadedTexturesCache().push(this.around.getInternalTexture()); // so that it outlives its context
     scene.environmentTexture ??= this.around;
     this.receiver = new BabylonReceiver(BABYLON, scene, this.z);
   }

@@ -28,6 +28,10 @@ precision highp sampler3D;
 #include <logdepthbuf_pars_fragment>
 #include <clipping_planes_pars_fragment>
 flat in vec3 sand_eye;
+// A target of several attachments, as many as WebGL 2 has at least, refuses a shader that leaves one out.
+layout(location = 1) out vec4 sand_second;
+layout(location = 2) out vec4 sand_third;
+layout(location = 3) out vec4 sand_fourth;
 #define CAMERA_DECLARED
 #define eye sand_eye`;
 const k_begin_of_fragment = `
@@ -36,7 +40,8 @@ const k_begin_of_fragment = `
 const k_at_end_of_fragment = `
   #include <tonemapping_fragment>
   #include <colorspace_fragment>
-  #include <fog_fragment>`;
+  #include <fog_fragment>
+  sand_second = sand_third = sand_fourth = vec4(0);`;
 
 const k_surface_vertex = `${k_camera}${k_vertex_chunks}
 in vec4 sand_normal, sand_origin;

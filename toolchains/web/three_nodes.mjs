@@ -70,11 +70,19 @@ export class NodeLook {
   // Sand is lit where it is simulated, wherever its group stands.
   #camera() {
     const { TSL: T } = this.THREE;
+    // The pixels of a viewport of an eye, which are the canvas' if they are no target's.
+    const ratio = T.uniform(1).onRenderUpdate(({ renderer }) => {
+      const target = renderer.getRenderTarget();
+      return target && !target.isPostProcessingRenderTarget ? 1 : renderer.getPixelRatio();
+    });
+    const height = T.Fn(({ camera }) =>
+      camera.isArrayCamera && camera.cameras.length > 0 ? T.cameraViewport.w.mul(ratio) : T.viewportSize.y,
+    );
     return {
       view: T.modelViewMatrix,
       projection: T.cameraProjectionMatrix,
       eye: T.modelWorldMatrixInverse.mul(T.vec4(T.cameraPosition, 1)).xyz,
-      pixels: T.viewportSize.y.mul(0.5).mul(T.cameraProjectionMatrix.element(1).element(1)),
+      pixels: height().mul(0.5).mul(T.cameraProjectionMatrix.element(1).element(1)),
     };
   }
   #surface(given) {

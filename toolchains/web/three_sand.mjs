@@ -70,10 +70,15 @@ export class ThreeSand {
     mesh.visible = false;
     mesh.raycast = () => {}; // a ray hits the mesh
     const eye = new THREE.Vector3();
-    mesh.onBeforeRender = (renderer, _scene, camera) => {
+    const needed = (renderer, camera) => {
       const pixels = look.pixels(renderer, camera);
       mesh.worldToLocal(eye.setFromMatrixPosition(camera.matrixWorld));
-      mesh.geometry.setDrawRange(0, 6 * grainsNeeded(flies, this.box, eye.toArray(), pixels));
+      return grainsNeeded(flies, this.box, eye.toArray(), pixels);
+    };
+    // WebGPURenderer calls it once for all eyes.
+    mesh.onBeforeRender = (renderer, _scene, camera) => {
+      const eyes = camera.cameras?.length ? camera.cameras : [camera];
+      mesh.geometry.setDrawRange(0, 6 * Math.max(...eyes.map((one) => needed(renderer, one))));
     };
     this.group.add(mesh);
     return mesh;

@@ -22,7 +22,7 @@ function cameraOf(THREE, name) {
 }
 
 // Browsers keep few contexts.
-function done(renderer) {
+export function done(renderer) {
   renderer.dispose();
   renderer.forceContextLoss?.();
 }
@@ -64,7 +64,7 @@ export async function threeScene(
   return { THREE, renderer, scene, camera, stage, group, look, canvas };
 }
 
-async function babylonScene(kind, left, name = frame.first) {
+export async function babylonScene(kind, left, name = frame.first) {
   const BABYLON = await import("babylon");
   const drawn = await frame.recorded(name);
   const { eye, target } = frame.scenes[name];
@@ -321,21 +321,45 @@ export async function left(kind) {
   return counts;
 }
 
-// The floor after its context was lost and came back, and sand on it.
+// Sand after its context was lost and came back; under Babylon.js on a floor that receives shadows.
 export async function lost() {
-  const { THREE, renderer, look, scene, canvas } = await threeScene("webgl");
-  scene.background = new THREE.Color(k_background);
-  const before = count(await look());
-  const extension = renderer.getContext().getExtension("WEBGL_lose_context");
-  const told = (event) => new Promise((done) => canvas.addEventListener(event, done, { once: true }));
-  const gone = told("webglcontextlost");
+  const { renderer, look, canvas } = await threeScene("webgl");
+  const back = new Promise((done) => canvas.addEventListener("webglcontextrestored", done));
+  return backAgain(look, canvas, renderer.getContext(), back);
+}
+export async function babylonLost() {
+  const { BABYLON, engine, scene, stage, look, canvas } = await babylonScene("webgl", false);
+  const floor = BABYLON.CreateGround("", { width: 2, height: 2 }, scene);
+  floor.material = Object.assign(new BABYLON.PBRMaterial("", scene), { metallic: 0, roughness: 1 });
+  const bare = await shown(scene, look);
+  stage.receive(floor.material);
+  const before = await shown(scene, look);
+  const back = new Promise((done) => engine.onContextRestoredObservable.addOnce(done));
+  const found = await backAgain(look, canvas, engine._gl, back);
+  engine.dispose();
+  return { ...found, shadow: frame.difference(bare, before).over };
+}
+async function shown(scene, look) {
+  await scene.whenReadyAsync();
+  return look();
+}
+async function backAgain(look, canvas, gl, back) {
+  const before = await look();
+  const extension = gl.getExtension("WEBGL_lose_context");
+  const pause = () => new Promise((done) => setTimeout(done, 50));
+  const gone = new Promise((done) => canvas.addEventListener("webglcontextlost", done));
   extension.loseContext();
   await gone;
-  await new Promise((done) => setTimeout(done, 50)); // it is allowed once the event is over
-  const back = told("webglcontextrestored");
+  await pause(); // it is allowed once the event is over
   extension.restoreContext();
   await back;
-  return [before, count(await look())];
+  let found;
+  // It asks for what it needs, and has it some pictures later.
+  for (let i = 0; i < 100 && !(found?.over === 0); ++i) {
+    found = frame.difference(before, await look());
+    await pause();
+  }
+  return { ...found, error: gl.getError() };
 }
 
 // A floor of tiles, instanced, is lit as one floor is, a floor that received twice as one that did once.

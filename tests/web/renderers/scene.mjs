@@ -12,7 +12,7 @@ import { k_block_text } from "/renderers/sandglass/block_module.mjs";
 
 export const side = 256;
 export const clear = [0.1, 0.2, 0.3]; // of the kit's picture
-const k_frames = 100;
+const k_frames = 80;
 const k_step = 1 / 60;
 const k_upright = [0, 0, 0, 1];
 
@@ -187,7 +187,7 @@ function depthOnly(gl, { positions, indices }, view, projection) {
   gl.colorMask(true, true, true, true);
 }
 // The least milliseconds of some pictures, which are read.
-const k_pictures = 3;
+const k_pictures = 2;
 export async function least(look) {
   let [bytes, ms] = [null, Infinity];
   for (let i = 0; i < k_pictures; ++i) {

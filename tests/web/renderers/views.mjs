@@ -1,0 +1,128 @@
+// Sand in several attachments of a target, and in the two eyes of a headset.
+import * as frame from "./scene.mjs";
+import { babylonScene, done, threeScene } from "./renderers.mjs";
+
+const { side, difference } = frame;
+
+// How far the first attachment is from the picture without a second, and how many pixels of sand have something in the second.
+export async function attachments(kind) {
+  const { THREE, renderer, scene, camera, canvas } = await threeScene(kind);
+  const looks = { webgl: ofTarget, nodes: ofPass, "nodes on webgl": ofPass };
+  const look = looks[kind](THREE, renderer, scene, camera, canvas);
+  const [alone] = await look(false);
+  const [first, second] = await look(true);
+  done(renderer);
+  return { ...difference(alone, first), second: difference(second, second).sand };
+}
+const ofTarget = (THREE, renderer, scene, camera) => (many) => {
+  const target = new THREE.WebGLRenderTarget(side, side, { count: many ? 2 : 1 });
+  renderer.setRenderTarget(target);
+  renderer.render(scene, camera);
+  return target.textures.map((_, k) => {
+    const bytes = new Uint8Array(4 * side * side);
+    renderer.readRenderTargetPixels(target, 0, 0, side, side, bytes, undefined, k);
+    return bytes;
+  });
+};
+const ofPass = (THREE, renderer, scene, camera, canvas) => async (many) => {
+  const { pass, mrt, output, normalView } = THREE.TSL;
+  const seen = [];
+  for (const name of many ? ["output", "normal"] : ["output"]) {
+    const made = pass(scene, camera);
+    if (many) made.setMRT(mrt({ output, normal: normalView.mul(0.5).add(0.5) }));
+    const pipeline = new THREE.RenderPipeline(renderer, made.getTextureNode(name));
+    pipeline.render();
+    seen.push(await frame.shown(canvas));
+  }
+  return seen;
+};
+// Babylon.js draws into several attachments by its prepass; this one asks for depth and normals, and darkens nothing. It is compared with
+// another pass, as rows of a texture are turned.
+export async function prepass(kind) {
+  const seen = [];
+  for (const many of [false, true]) {
+    const { BABYLON, engine, scene, camera, look, occluder } = await babylonScene(kind, false);
+    occluder.setEnabled(false);
+    if (many) new BABYLON.SSAO2RenderingPipeline("", scene, 1, [camera], false).totalStrength = 0;
+    else new BABYLON.PassPostProcess("", 1, camera);
+    await scene.whenReadyAsync();
+    for (let i = 0; i < 3; ++i) seen[Number(many)] = await look();
+    if (many && !(scene.prePassRenderer.mrtCount > 1)) throw new Error("there is no second attachment");
+    engine.dispose();
+  }
+  return difference(...seen);
+}
+
+// Eyes of a headset: their frusta reach farther outwards than inwards, and not equally far up.
+function eyesOf(THREE, middle) {
+  const near = 0.05;
+  const reach = 0.018;
+  return [-1, 1].map((sign) => {
+    const eye = new THREE.PerspectiveCamera();
+    eye.coordinateSystem = middle.coordinateSystem;
+    eye.position.copy(middle.position).add(new THREE.Vector3(0.032 * sign, 0, 0.01 * sign));
+    eye.quaternion.copy(middle.quaternion);
+    eye.updateMatrixWorld();
+    const [left, right] = sign < 0 ? [-0.6, 0.4] : [-0.4, 0.6];
+    const sides = [left, right, 1 + 0.1 * sign, -0.9].map((share) => share * reach);
+    eye.projectionMatrix.makePerspective(...sides, near, 20, middle.coordinateSystem);
+    eye.projectionMatrixInverse.copy(eye.projectionMatrix).invert();
+    eye.viewport = new THREE.Vector4(sign < 0 ? 0 : side / 2, 0, side / 2, sign < 0 ? side : side / 2);
+    return eye;
+  });
+}
+// How far both eyes, as three's XR manager has them, are from what each sees alone; and from what they see exchanged. The camera that
+// holds them stands behind them, as there.
+export async function eyes(kind) {
+  const { THREE, renderer, scene, camera, canvas, look } = await threeScene(kind);
+  await look();
+  const two = eyesOf(THREE, camera);
+  const both = new THREE.ArrayCamera(two).copy(camera, false);
+  both.cameras = two;
+  both.translateZ(0.5);
+  renderer.render(scene, both);
+  const seen = await frame.shown(canvas);
+  renderer.autoClear = false;
+  const alone = async (order) => {
+    renderer.clear();
+    for (const [i, eye] of order.entries()) {
+      const { x, y, z, w } = two[i].viewport;
+      renderer.setViewport(x, y, z, w);
+      renderer.render(scene, eye);
+    }
+    return frame.shown(canvas);
+  };
+  for (const eye of two) eye.isArrayCamera = false;
+  const found = { ...difference(await alone(two), seen), other: difference(await alone([...two].reverse()), seen).over };
+  done(renderer);
+  return found;
+}
+// The same of a camera of Babylon.js that has a camera for each eye.
+export async function babylonEyes(kind) {
+  const { BABYLON, engine, scene, camera, look, occluder } = await babylonScene(kind, false);
+  occluder.setEnabled(false);
+  camera.setCameraRigMode(BABYLON.Camera.RIG_MODE_STEREOSCOPIC_SIDEBYSIDE_PARALLEL, { interaxialDistance: 0.064 });
+  await look();
+  const eyes = camera.rigCameras;
+  eyes.forEach((eye, k) => {
+    const skewed = eye.getProjectionMatrix(true).clone();
+    skewed.setRowFromFloats(2, k ? -0.2 : 0.2, 0.05, skewed.m[10], skewed.m[11]);
+    eye.freezeProjectionMatrix(skewed);
+  });
+  const seen = await look();
+  const singles = eyes.map((eye) => {
+    const at = eye.getViewMatrix().clone().invert();
+    const one = new BABYLON.FreeCamera("", at.getTranslation(), scene);
+    one.rotationQuaternion = BABYLON.Quaternion.FromRotationMatrix(at.getRotationMatrix());
+    one.freezeProjectionMatrix(eye.getProjectionMatrix());
+    return one;
+  });
+  const alone = async (order) => {
+    order.forEach((one, k) => (one.viewport = eyes[k].viewport));
+    scene.activeCameras = order;
+    return look();
+  };
+  const found = { ...difference(await alone(singles), seen), other: difference(await alone(singles.reverse()), seen).over };
+  engine.dispose();
+  return found;
+}
