@@ -155,7 +155,8 @@ function means(bytes, plain) {
   const sums = { sand: [0, 0, 0, 0], ball: [0, 0, 0, 0] };
   for (let i = 0; i < plain.length; i += 4) {
     if (plain[i] + plain[i + 1] + plain[i + 2] === 0) continue;
-    const sum = sums[(i / 4) % side > 0.72 * side ? "ball" : "sand"];
+    const [column, row] = [(i / 4) % side, i / 4 / side];
+    const sum = sums[column > 0.68 * side && row > 0.66 * side ? "ball" : "sand"];
     for (let k = 0; k < 3; ++k) sum[k] += bytes[i + k];
     ++sum[3];
   }
@@ -178,8 +179,8 @@ const k_looks = {
 export async function besideABall(kind) {
   const made = await threeScene(kind);
   const { THREE, scene, renderer, look } = made;
-  const ball = new THREE.Mesh(new THREE.SphereGeometry(0.05), new THREE.MeshStandardMaterial({ color: 0xb09070 }));
-  ball.position.set(0.25, 0.12, 0);
+  const ball = new THREE.Mesh(new THREE.SphereGeometry(0.04), new THREE.MeshStandardMaterial({ color: 0xb09070 }));
+  ball.position.set(0.12, 0.12, -0.525).applyMatrix4(made.camera.matrixWorld);
   scene.add(ball);
   let plain = await look();
   // Of the sand's colour, as tones and fog change what is light otherwise than what is dark.

@@ -93,7 +93,10 @@ export async function eyes(kind) {
     return frame.shown(canvas);
   };
   for (const eye of two) eye.isArrayCamera = false;
-  const found = { ...difference(await alone(two), seen), other: difference(await alone([...two].reverse()), seen).over };
+  const found = {
+    ...difference(await alone(two), seen),
+    other: difference(await alone([...two].reverse()), seen).over,
+  };
   done(renderer);
   return found;
 }
@@ -122,7 +125,10 @@ export async function babylonEyes(kind) {
     scene.activeCameras = order;
     return look();
   };
-  const found = { ...difference(await alone(singles), seen), other: difference(await alone(singles.reverse()), seen).over };
+  const found = {
+    ...difference(await alone(singles), seen),
+    other: difference(await alone(singles.reverse()), seen).over,
+  };
   engine.dispose();
   return found;
 }
