@@ -9,6 +9,7 @@ Exit code 77: there is no Chromium here."""
 import base64
 import json
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
 from browser import CHROMIUM, SKIPPED, SOFTWARE, Browser, served
+from engines_test import stool
 
 HERE = pathlib.Path(__file__).parent / "renderers"
 GPU = (*SOFTWARE, "--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader")
@@ -27,6 +29,7 @@ THREE = "/node_modules/three/build/three."
 MAP = {
     "three": f"{THREE}module.js",
     "three/webgpu": f"{THREE}webgpu.js",
+    "three/addons/": "/node_modules/three/examples/jsm/",
     "babylon": "/renderers/babylon_core.js",
     **{f"sandglass/{name}": f"/renderers/sandglass/{name}.mjs" for name in ("stage", "three", "babylon", "glsl")},
 }
@@ -171,6 +174,18 @@ def patched(page):
     check(lost["shadow"] > 0.1, f"there shadows change {lost['shadow']:.0%} of the picture")
 
 
+def readme(page, folder):
+    """Its example runs as it is printed, with another renderer's name: shadow and sand are seen."""
+    text = "".join(re.findall(r"```js\n(.*?)```", (HERE.parents[2] / "toolchains/web/README.md").read_text(), re.DOTALL)[:2])
+    for old, new in (('"three"', '"three/webgpu"'), ("WebGLRenderer", "WebGPURenderer")):
+        check(text.count(old) == 1, f"the README's example says {old} once")
+        text = text.replace(old, new)
+    (folder / "readme.mjs").write_text(text + "globalThis.example = { renderer, scene, camera, stage, floor };\n")
+    (folder / "model.glb").write_bytes(stool())
+    found = page.ask("readme()")
+    check(found["shadow"] > 500 and found["particles"] > 100 and found["sand"] > 300, f"the README's example by WebGPU: {found}")
+
+
 def from_one_source(folder, address, before):
     """Another number in the kit's GLSL is one in the WGSL and in the nodes: all pictures change alike."""
     kit, copy, package = HERE.parents[2] / "models/kit", folder / "kit", folder / "sandglass"
@@ -232,6 +247,7 @@ def main(arguments):
         same_picture(page, folder, "three", "nodes")
         same_picture(page, folder, "babylon", "nodes")
         views(page, "nodes")
+        readme(page, folder)
         as_a_mesh(page, "nodes")  # last: after a reversed depth three's own renderers of a page draw nothing
         before = page.ask("light()")
     from_one_source(folder, address, before)

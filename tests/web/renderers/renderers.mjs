@@ -396,3 +396,29 @@ function floorOf(THREE, kind, material) {
   places.forEach((place, i) => tiles.setMatrixAt(kind === "batched" ? tiles.addInstance(tile) : i, place));
   return tiles;
 }
+
+// The README's example: pixels that shadows darken, and that sand makes warmer.
+export async function readme() {
+  const canvas = document.body.appendChild(document.createElement("canvas"));
+  await import("/renderers/readme.mjs");
+  const { renderer, scene, camera, stage, floor } = globalThis.example;
+  renderer.setAnimationLoop(null);
+  await stage.stage.fields;
+  for (let i = 0; i < 150; ++i) stage.update(1 / 60);
+  const look = async (one, visible) => {
+    one.visible = visible;
+    renderer.render(scene, camera);
+    return frame.shown(canvas);
+  };
+  const all = await look(floor, true);
+  const bare = await look(stage.group, false);
+  const unshaded = await look(floor, false);
+  done(renderer);
+  const pixels = (is) => all.reduce((sum, _, i) => sum + (i % 4 === 0 && is(i) ? 1 : 0), 0);
+  const warmth = (bytes, i) => bytes[i] - bytes[i + 2];
+  return {
+    shadow: pixels((i) => unshaded[i] - bare[i] > 8),
+    sand: pixels((i) => warmth(all, i) - warmth(bare, i) > 8),
+    particles: stage.drawn.particles,
+  };
+}

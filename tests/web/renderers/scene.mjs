@@ -285,7 +285,7 @@ if (held) {
     return this.own;
   };
 }
-// What an engine drew on a canvas, the lowest row first.
+// What an engine drew on a canvas, the lowest row first; of a larger one the middle.
 export async function shown(canvas) {
   const bytes = new Uint8Array(4 * side * side);
   const gpu = canvas.getContext("webgpu");
@@ -297,7 +297,8 @@ export async function shown(canvas) {
   const { own, how } = gpu;
   const buffer = how.device.createBuffer({ size: 4 * side * side, usage: 9 });
   const encoder = how.device.createCommandEncoder();
-  encoder.copyTextureToBuffer({ texture: own }, { buffer, bytesPerRow: 4 * side }, [side, side]);
+  const origin = [(canvas.width - side) >> 1, (canvas.height - side) >> 1];
+  encoder.copyTextureToBuffer({ texture: own, origin }, { buffer, bytesPerRow: 4 * side }, [side, side]);
   how.device.queue.submit([encoder.finish()]);
   await buffer.mapAsync(1);
   bytes.set(new Uint8Array(buffer.getMappedRange()));
