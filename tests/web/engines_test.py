@@ -229,11 +229,11 @@ def grows(browser):
     )
 
 
-def vite(work, look):
+def vite(work, look, path="?app=light", more=()):
     """By Vite's own server, which is asked until it answers: what it prints has colours where CI is set."""
     with http.server.HTTPServer(("127.0.0.1", 0), Files) as free:
         port = free.server_port
-    url, end = f"http://127.0.0.1:{port}/?app=light", time.monotonic() + PATIENCE
+    url, end = f"http://127.0.0.1:{port}/{path}", time.monotonic() + PATIENCE
     server = subprocess.Popen(
         [
             "node",
@@ -246,6 +246,7 @@ def vite(work, look):
             "--force",
             "--logLevel",
             "error",
+            *more,
         ],
         cwd=work,
     )

@@ -2,7 +2,7 @@
 """sandglass/react: its example is short and has types; under StrictMode two canvases show sand; a scene drawn on demand is drawn while
 something changes; unmounted, nothing is left.
 
-react_test.py NPM_FOLDER WORK_FOLDER    WORK_FOLDER has node_modules.
+react_test.py NPM_FOLDER WORK_FOLDER [--hot]    WORK_FOLDER has node_modules. --hot: as Vite serves it, and while its example is edited.
 Exit code 77: there is no Chromium here."""
 
 import pathlib
@@ -13,10 +13,18 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
 from browser import CHROMIUM, SKIPPED, SOFTWARE, Browser, served
+from engines_test import vite
 
 HERE = pathlib.Path(__file__).parent / "react"
 PATIENCE = 60
+BENIGN = "ReadPixels", "THREE.Clock", "Context Lost"
 STRICT = "--noEmit --strict --jsx react-jsx --module esnext --moduleResolution bundler --target es2022 --skipLibCheck".split()
+VITE = "import react from '@vitejs/plugin-react';\nexport default { plugins: [react()], optimizeDeps: { entries: 'react.html' } };\n"
+# By React's rules the first keeps what is mounted, and the second mounts it anew.
+EDITS = {
+    "an edit": {"</Sandglass>": '</Sandglass>\n    <group name="edited" />'},
+    "an edit of hooks": {"export": 'import { useState } from "react";\nexport', "=> (": "=> useState(1)[0] && ("},
+}
 BUNDLE = "--bundle --format=esm --jsx=automatic --splitting --outdir=react --log-level=error".split()
 PAGE = '<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><body style="margin:0"></body><script type="module" src="react_main.js"></script>'
 # Of a scene: pictures drawn so far; its particles; what stands in it.
@@ -41,9 +49,9 @@ def check(right, sentence):
 
 def until(browser, condition, sentence):
     end = time.monotonic() + PATIENCE
-    while not browser.ask(condition) and time.monotonic() < end:
+    while not (right := browser.ask(condition)) and time.monotonic() < end:
         time.sleep(0.1)
-    check(browser.ask(condition), sentence)
+    check(right, sentence)
 
 
 def still(browser):
@@ -69,11 +77,45 @@ def prepare(npm, work):
     (work / "react/index.html").write_text(PAGE)
 
 
+def hot(work, url):
+    """After each edit there are as many stages, workers and canvases as before, sand is seen, and the page is the same."""
+    browser = Browser(CHROMIUM, width=500, height=760, flags=SOFTWARE)
+    example = work / "example.tsx"
+    seen = " && ".join(f"looked({k}, {SAND}) > 100" for k in range(2))
+    try:
+        browser.open(url)
+        until(browser, "globalThis.ready === 'yes' && !!globalThis.found.demand", "by Vite's server stages are there")
+        until(browser, seen, "and show sand")
+        scenes, workers = browser.ask("scenes()"), browser.ask("workers")
+        browser.ask("globalThis.before = [...document.querySelectorAll('canvas')].slice(0, 2); 0")
+        for name, changes in EDITS.items():
+            text = example.read_text()
+            for old, new in changes.items():
+                text = text.replace(old, new, 1)
+            example.write_text(text)
+            mounted = "!==" if "hooks" in name else "==="
+            taken = f"before.every((one, k) => scenes()[k]?.includes('edited') && document.querySelectorAll('canvas')[k] {mounted} one)"
+            until(browser, taken, f"{name} is taken")
+            until(browser, seen, f"after {name} sand is seen")
+            until(browser, f"workers === {workers}", f"after {name} there are {workers} workers, as before")
+            now = [scene.replace(",edited", "") for scene in browser.ask("scenes()")]
+            check(now == scenes, f"after {name} the scenes hold {now}")
+        told = [text for text in browser.complaints if not any(one in text for one in BENIGN)]
+        check(not told, f"the page complains of nothing: {told[:3]}")
+    finally:
+        browser.close()
+
+
 def main(arguments):
     if CHROMIUM is None:
         return SKIPPED
-    npm, work = map(pathlib.Path, arguments)
+    npm, work = map(pathlib.Path, arguments[:2])
     prepare(npm, work)
+    if arguments[2:] == ["--hot"]:
+        (work / "react.html").write_text(PAGE.replace("react_main.js", "/react_main.tsx"))
+        (work / "react.config.mjs").write_text(VITE)
+        vite(work, lambda url: hot(work, url), "react.html", ("--config", "react.config.mjs"))
+        return 0
     browser = Browser(CHROMIUM, width=500, height=760, flags=SOFTWARE)
     try:
         browser.open(served(work / "react") + "index.html")
@@ -92,9 +134,7 @@ def main(arguments):
         until(browser, f"{KINDS} === ''", "unmounted, nothing is left in the scene")
         browser.ask("leave()")
         until(browser, "workers === 1", "unmounted, the workers of stages have ended; the one that makes fields is kept")
-        told = [
-            text for text in browser.complaints if "ReadPixels" not in text and "THREE.Clock" not in text and "Context Lost" not in text
-        ]
+        told = [text for text in browser.complaints if not any(one in text for one in BENIGN)]
         check(not told, f"the page complains of nothing: {told[:3]}")
     finally:
         browser.close()

@@ -1,6 +1,6 @@
 // The example, mounted as React's StrictMode does it, twice on a page; and a scene that is drawn on demand.
 import { StrictMode, useState } from "react";
-import { Canvas, useThree } from "@react-three/fiber";
+import { Canvas, _roots, useThree } from "@react-three/fiber";
 import { createRoot } from "react-dom/client";
 import { Pour, Push, Sand, Sandglass, See, useSandglass } from "sandglass/react";
 import { BoxGeometry, Mesh, MeshStandardMaterial, PlaneGeometry } from "three";
@@ -75,7 +75,9 @@ async function begin() {
     </StrictMode>,
   );
   const looked = (k: number, look: (canvas: HTMLCanvasElement) => number) => look(document.querySelectorAll("canvas")[k]);
+  // What stands in the scene of each canvas.
+  const scenes = () => [...document.querySelectorAll("canvas")].map((canvas) => _roots.get(canvas)?.store.getState().scene.children.map((one) => one.name || one.type).sort().join());
   Object.defineProperty(globalThis, "workers", { get: () => workers });
-  Object.assign(globalThis, { looked, found, show: (more: object) => show(more), leave: () => examples.forEach((root) => root.unmount()), ready: "yes" });
+  Object.assign(globalThis, { looked, found, scenes, show: (more: object) => show(more), leave: () => examples.forEach((root) => root.unmount()), ready: "yes" });
 }
 begin().catch((error) => Object.assign(globalThis, { ready: error.message }));
