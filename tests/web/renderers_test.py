@@ -159,6 +159,10 @@ def views(page, kind):
         ways["babylon, two eyes"] = page.ask(f"babylonEyes({json.dumps(kind)})")
         found = page.ask(f"prepass({json.dumps(kind)})")
         check(within(found), f"babylon, {kind}, a prepass of two attachments: {words(found)}")
+        found = page.ask(f"babylonMesh({json.dumps(kind)}, {json.dumps(kind == 'nodes')})")
+        check(found["beside"] < found["radius"], f"babylon, {kind}: a ray ends {found['beside']:.4f} m from sand")
+        for name, share in found["changed"].items():
+            check(0.02 < share, f"babylon, {kind}, {name}: {share:.1%} of the picture is another")
     for way, found in ways.items():
         check(within(found) and found["other"] > 0.1, f"{way}, {kind}: {words(found)}; exchanged, {found['other']:.0%}")
 

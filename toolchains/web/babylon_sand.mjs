@@ -211,7 +211,7 @@ export class BabylonSand {
   // `z`: -1 where the scene is left-handed; `radius`: a particle's.
   constructor(BABYLON, scene, z, block, radius) {
     const { grains, facets } = packedBlock(block);
-    this.root = new BABYLON.TransformNode("sand", scene);
+    this.root = new BABYLON.Mesh("sand", scene);
     this.root.scaling.z = z;
     Object.assign(this, {
       BABYLON,

@@ -132,3 +132,43 @@ export async function babylonEyes(kind) {
   engine.dispose();
   return found;
 }
+// Sand of Babylon.js as a mesh: how far from its skin a ray ends, and which share of a
+// picture its shadow on a floor changes, and of the sand alone a clipping plane and fog.
+export async function babylonMesh(kind, left) {
+  const { BABYLON, engine, scene, stage, look, occluder } = await babylonScene(kind, left);
+  occluder.setEnabled(false);
+  const floor = BABYLON.CreateGround("", { width: 3, height: 3 }, scene);
+  floor.material = Object.assign(new BABYLON.PBRMaterial("", scene), { metallic: 0, roughness: 1 });
+  const z = left ? -1 : 1;
+  const light = new BABYLON.DirectionalLight("", new BABYLON.Vector3(-1, -1.5, -0.5 * z), scene);
+  light.position.set(1, 1.5, 0.5 * z);
+  const ready = async () => {
+    await scene.whenReadyAsync();
+    await look();
+    return look();
+  };
+  const plain = await ready();
+  const { pickedPoint } = scene.pick(side / 2, 0.4 * side, (mesh) => mesh.name === "sand");
+  const beside = Math.min(
+    ...stage.sand.chunks
+      .filter((one) => one.isVisible)
+      .flatMap((one) => {
+        const all = one.getVerticesData("position");
+        return Array.from({ length: all.length / 3 }, (_, i) =>
+          Math.hypot(...[1, 1, z].map((sign, k) => all[3 * i + k] - sign * pickedPoint.asArray()[k])),
+        );
+      }),
+  );
+  new BABYLON.ShadowGenerator(512, light).addShadowCaster(stage.sand.root);
+  floor.receiveShadows = true;
+  const changed = { shadows: difference(plain, await ready()).over };
+  floor.setEnabled(false);
+  const alone = await ready();
+  scene.clipPlane = new BABYLON.Plane(0, 1, 0, -0.1);
+  changed["a clipping plane"] = difference(alone, await ready()).over;
+  scene.clipPlane = null;
+  Object.assign(scene, { fogMode: BABYLON.Scene.FOGMODE_LINEAR, fogStart: 0.3, fogEnd: 1 });
+  changed.fog = difference(alone, await ready()).over;
+  engine.dispose();
+  return { beside, changed, radius: stage.drawn.radius };
+}
