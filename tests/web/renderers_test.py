@@ -155,6 +155,8 @@ def views(page, kind):
     check(attached["sand"] > 1000 and attached["over"] == 0, f"three, {kind}, two attachments: {words(attached)}")
     check(kind == "webgl" or attached["second"] > 1000, f"three, {kind}: {attached['second']} pixels of the second are normals")
     ways = {"three, two eyes": page.ask(f"eyes({json.dumps(kind)})")}
+    if kind != "nodes":  # no browser has sessions of WebGPU
+        ways["three, a headset"] = page.ask(f"eyes({json.dumps(kind)}, true)")
     if kind != "nodes on webgl":
         ways["babylon, two eyes"] = page.ask(f"babylonEyes({json.dumps(kind)})")
         found = page.ask(f"prepass({json.dumps(kind)})")

@@ -3,6 +3,7 @@ import * as frame from "./scene.mjs";
 import { babylonScene, done, threeScene } from "./renderers.mjs";
 
 const { side, difference } = frame;
+globalThis.XRWebGLBinding = class {}; // the browser's own takes no headset but its own
 
 // How far the first attachment is from the picture without a second, and how many pixels of sand have something in the second.
 export async function attachments(kind) {
@@ -71,17 +72,75 @@ function eyesOf(THREE, middle) {
     return eye;
   });
 }
+// Draws by a headset that is made of cameras, as three asks WebXR for one.
+async function byHeadset(renderer, eyes, draw) {
+  const transform = ({ matrixWorld, position, quaternion: orientation }) => ({
+    ...{ position, orientation, matrix: matrixWorld.elements },
+    inverse: { matrix: matrixWorld.clone().invert().elements },
+  });
+  const views = eyes.map((eye, k) => ({
+    eye: k ? "right" : "left",
+    projectionMatrix: Float32Array.from(eye.projectionMatrix.elements),
+    transform: transform(eye),
+    viewport: { x: eye.viewport.x, y: eye.viewport.y, width: eye.viewport.z, height: eye.viewport.w },
+  }));
+  let next;
+  const session = Object.assign(new EventTarget(), {
+    ...{ inputSources: [], renderState: {}, enabledFeatures: [] },
+    updateRenderState: (state) => Object.assign(session.renderState, state),
+    requestReferenceSpace: async () => new EventTarget(),
+    requestAnimationFrame: (run) => (next = run),
+    cancelAnimationFrame() {},
+  });
+  const gl = renderer.getContext();
+  const framebuffer = framebufferOf(gl);
+  globalThis.XRWebGLLayer = class {
+    framebuffer = framebuffer;
+    framebufferWidth = side;
+    framebufferHeight = side;
+    getViewport = ({ viewport }) => viewport;
+  };
+  gl.makeXRCompatible = async () => {};
+  renderer.xr.enabled = true;
+  await renderer.setAnimationLoop(draw);
+  await renderer.xr.setSession(session);
+  next(0, { session, getViewerPose: () => ({ views, transform: views[0].transform }) });
+  const bytes = new Uint8Array(4 * side * side);
+  const bound = gl.getParameter(gl.READ_FRAMEBUFFER_BINDING);
+  gl.bindFramebuffer(gl.READ_FRAMEBUFFER, framebuffer);
+  gl.readPixels(0, 0, side, side, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  gl.bindFramebuffer(gl.READ_FRAMEBUFFER, bound);
+  session.dispatchEvent(new Event("end"));
+  renderer.xr.enabled = false;
+  return bytes;
+}
+function framebufferOf(gl) {
+  const before = gl.getParameter(gl.FRAMEBUFFER_BINDING);
+  const framebuffer = gl.createFramebuffer();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+  for (const [attachment, format] of [
+    [gl.COLOR_ATTACHMENT0, gl.RGBA8],
+    [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24],
+  ]) {
+    const buffer = gl.createRenderbuffer();
+    gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+    gl.renderbufferStorage(gl.RENDERBUFFER, format, side, side);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, attachment, gl.RENDERBUFFER, buffer);
+  }
+  gl.bindFramebuffer(gl.FRAMEBUFFER, before);
+  return framebuffer;
+}
 // How far both eyes, as three's XR manager has them, are from what each sees alone; and from what they see exchanged. The camera that
 // holds them stands behind them, as there.
-export async function eyes(kind) {
+export async function eyes(kind, worn = false) {
   const { THREE, renderer, scene, camera, canvas, look } = await threeScene(kind);
   await look();
   const two = eyesOf(THREE, camera);
   const both = new THREE.ArrayCamera(two).copy(camera, false);
   both.cameras = two;
   both.translateZ(0.5);
-  renderer.render(scene, both);
-  const seen = await frame.shown(canvas);
+  if (!worn) renderer.render(scene, both);
+  const seen = await (worn ? byHeadset(renderer, two, () => renderer.render(scene, camera)) : frame.shown(canvas));
   renderer.autoClear = false;
   const alone = async (order) => {
     renderer.clear();
