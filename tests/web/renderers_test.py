@@ -2,8 +2,8 @@
 """Sand in three.js and Babylon.js, by WebGL and WebGPU: one frame of three scenes is the kit's own picture in each, a fault is not; and in three.js
 sand is changed, hidden, hit and freed as any mesh is.
 
-renderers_test.py NPM_FOLDER WORK_FOLDER [--versions]    WORK_FOLDER has node_modules. --versions: the oldest three.js that are
-supported, from the npm registry, and the one before is refused.
+renderers_test.py NPM_FOLDER WORK_FOLDER [--all]    WORK_FOLDER has node_modules. --all: what is slower, and the oldest three.js that are
+supported, from the npm registry; the one before is refused.
 Exit code 77: there is no Chromium here."""
 
 import base64
@@ -154,19 +154,21 @@ def views(page, kind):
     attached = page.ask(f"attachments({json.dumps(kind)})")
     check(attached["sand"] > 1000 and attached["over"] == 0, f"three, {kind}, two attachments: {words(attached)}")
     check(kind == "webgl" or attached["second"] > 1000, f"three, {kind}: {attached['second']} pixels of the second are normals")
-    ways = {"three, two eyes": page.ask(f"eyes({json.dumps(kind)})")}
-    if kind != "nodes":  # no browser has sessions of WebGPU
-        ways["three, a headset"] = page.ask(f"eyes({json.dumps(kind)}, true)")
+    # No browser has sessions of WebGPU.
+    ways = {"three, two eyes": page.ask(f"eyes({json.dumps(kind)}, {json.dumps(kind != 'nodes')})")}
     if kind != "nodes on webgl":
         ways["babylon, two eyes"] = page.ask(f"babylonEyes({json.dumps(kind)})")
         found = page.ask(f"prepass({json.dumps(kind)})")
         check(within(found), f"babylon, {kind}, a prepass of two attachments: {words(found)}")
-        found = page.ask(f"babylonMesh({json.dumps(kind)}, {json.dumps(kind == 'nodes')})")
-        check(found["beside"] < found["radius"], f"babylon, {kind}: a ray ends {found['beside']:.4f} m from sand")
-        for name, share in found["changed"].items():
-            check(0.02 < share, f"babylon, {kind}, {name}: {share:.1%} of the picture is another")
     for way, found in ways.items():
         check(within(found) and found["other"] > 0.1, f"{way}, {kind}: {words(found)}; exchanged, {found['other']:.0%}")
+
+
+def babylon_mesh(page, kind):
+    found = page.ask(f"babylonMesh({json.dumps(kind)}, {json.dumps(kind == 'nodes')})")
+    check(found["beside"] < found["radius"], f"babylon, {kind}: a ray ends {found['beside']:.4f} m from sand")
+    for name, share in found["changed"].items():
+        check(0.02 < share, f"babylon, {kind}, {name}: {share:.1%} of the picture is another")
 
 
 def patched(page):
@@ -235,13 +237,19 @@ def main(arguments):
     if CHROMIUM is None:
         return SKIPPED
     npm, work = map(pathlib.Path, arguments[:2])
-    if arguments[2:] == ["--versions"]:
+    address, folder = prepare(npm, work)
+    if arguments[2:] == ["--all"]:
+        with Page(address) as page:
+            babylon_mesh(page, "webgl")
+        with Page(address + "?without=webgl2") as page:
+            views(page, "nodes")
+            babylon_mesh(page, "nodes")
+            readme(page, folder)
         versions(npm, work)
         return 1 if check.wrong else 0
-    address, folder = prepare(npm, work)
     with Page(address) as page:
         same_picture(page, folder, "three", "webgl")
-        same_picture(page, folder, "three", "nodes on webgl")
+        same_picture(page, folder, "three", "nodes on webgl", ())
         same_picture(page, folder, "babylon", "webgl")
         as_a_mesh(page, "webgl")
         patched(page)
@@ -252,9 +260,7 @@ def main(arguments):
     with Page(address) as page:
         same_picture(page, folder, "three", "nodes")
         same_picture(page, folder, "babylon", "nodes")
-        views(page, "nodes")
-        readme(page, folder)
-        as_a_mesh(page, "nodes")  # last: after a reversed depth three's own renderers of a page draw nothing
+        as_a_mesh(page, "nodes")
         before = page.ask("light()")
     from_one_source(folder, address, before)
     return 1 if check.wrong else 0

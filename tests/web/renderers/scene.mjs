@@ -12,7 +12,7 @@ import { k_block_text } from "/renderers/sandglass/block_module.mjs";
 
 export const side = 256;
 export const clear = [0.1, 0.2, 0.3]; // of the kit's picture
-const k_frames = 80;
+const k_frames = 70;
 const k_step = 1 / 60;
 const k_upright = [0, 0, 0, 1];
 
