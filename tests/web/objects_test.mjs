@@ -74,6 +74,7 @@ async function babylonTakes(right) {
       ++textures;
     }
     getSize = () => ({ width: 0 });
+    getInternalTexture = () => ({});
     dispose() {
       --textures;
     }
