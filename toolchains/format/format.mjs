@@ -14,8 +14,10 @@ const own = (file) => fileURLToPath(new URL(file, import.meta.url));
 
 process.chdir(own("../.."));
 const writes = process.argv[2] === "write";
-const files = execFileSync("git", ["ls-files", "*.mjs", "*.mts", "*.py"], { encoding: "utf8" }).trim().split("\n");
-const scripts = files.filter((file) => !file.endsWith(".py"));
+const files = execFileSync("git", ["ls-files", "*.mjs", "*.mts", "*.d.ts", "*.py"], { encoding: "utf8" })
+  .trim()
+  .split("\n");
+const scripts = files.filter((file) => /\.m[jt]s$/.test(file));
 const faults = [];
 
 const settings = JSON.parse(readFileSync(own("prettier.json"), "utf8"));

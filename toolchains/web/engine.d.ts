@@ -1,5 +1,15 @@
 // The types of sandglass/three and sandglass/babylon; objects are the engine's own.
-import type { Ball, Drawn, ModelOptions, Nozzle, SandOptions, Stage, StageOptions, View, WorkerStage } from "sandglass/stage";
+import type {
+  Ball,
+  Drawn,
+  ModelOptions,
+  Nozzle,
+  SandOptions,
+  Stage,
+  StageOptions,
+  View,
+  WorkerStage,
+} from "sandglass/stage";
 
 /** What is refused changes nothing. After dispose() all but update() and removeModel(), which do nothing then, are refused. */
 export interface EngineStage {
@@ -26,4 +36,7 @@ export interface EngineStage {
   dispose(): void;
 }
 /** three.js needs `renderer`: a WebGLRenderer of r160 or newer, or a WebGPURenderer of r184 or newer. With `worker`, the stage runs in a Worker. */
-export declare function createStage(engine: object, options: StageOptions & { scene: object; renderer?: object; worker?: boolean }): Promise<EngineStage>;
+export declare function createStage(
+  engine: object,
+  options: StageOptions & { scene: object; renderer?: object; worker?: boolean },
+): Promise<EngineStage>;

@@ -9,7 +9,12 @@ type Group = ThreeElements["group"];
 /** A stage in the scene, as long as it is mounted, in a worker if `worker` is not false. Its children may wait for it, as Suspense
  * has it; `fallback` is shown meanwhile. Options are read when it is mounted. */
 export declare function Sandglass(
-  props: StageOptions & { worker?: boolean; fallback?: ReactNode; onCreated?: (stage: EngineStage) => void; children?: ReactNode },
+  props: StageOptions & {
+    worker?: boolean;
+    fallback?: ReactNode;
+    onCreated?: (stage: EngineStage) => void;
+    children?: ReactNode;
+  },
 ): ReactNode;
 /** The stage around. */
 export declare function useSandglass(): EngineStage;

@@ -1,19 +1,11 @@
 // The types of sandglass/stage and sandglass/worker. Numbers are metres and seconds; rotations are (x, y, z, w).
-import type {
-  Handle,
-  Pointer,
-  Sandglass,
-  Values,
-  sandglass_granular_desc,
-  sandglass_room_light,
-} from "sandglass";
+import type { Handle, Pointer, Sandglass, Values, sandglass_granular_desc, sandglass_room_light } from "sandglass";
 
 /** An array, or a vector of a renderer or of WebXR. */
 export type Triple = ArrayLike<number> | { readonly x: number; readonly y: number; readonly z: number };
 /** A rotation, not all 0. Angles (Euler) are none. */
 export type Quadruple =
-  | ArrayLike<number>
-  | { readonly x: number; readonly y: number; readonly z: number; readonly w: number };
+  ArrayLike<number> | { readonly x: number; readonly y: number; readonly z: number; readonly w: number };
 export interface StageOptions {
   sand?: Sandglass;
   source?: URL | string | BufferSource | WebAssembly.Module;

@@ -77,8 +77,9 @@ export class ThreeSand {
     };
     // WebGPURenderer calls it once for all eyes.
     mesh.onBeforeRender = (renderer, _scene, camera) => {
-      const eyes = camera.cameras?.length ? camera.cameras : [camera];
-      mesh.geometry.setDrawRange(0, 6 * Math.max(...eyes.map((one) => needed(renderer, one))));
+      let squares = camera.cameras?.length ? 0 : needed(renderer, camera);
+      for (const each of camera.cameras ?? []) squares = Math.max(squares, needed(renderer, each));
+      mesh.geometry.setDrawRange(0, 6 * squares);
     };
     this.group.add(mesh);
     return mesh;

@@ -27,11 +27,15 @@ export interface Struct<Name extends string = string> {
 
 /** Values for fields: arrays of numbers for arrays, and structs or addresses for pointers. */
 export type Values<T> = {
-  [Name in Exclude<keyof T, keyof Struct>]?: T[Name] extends Numbers ? ArrayLike<number>
-    : T[Name] extends Struct ? T[Name] | Values<T[Name]>
-    : T[Name] extends PointerTo<infer Item> ? Item | Pointer | null
-    : number extends T[Name] ? number | bigint
-    : T[Name];
+  [Name in Exclude<keyof T, keyof Struct>]?: T[Name] extends Numbers
+    ? ArrayLike<number>
+    : T[Name] extends Struct
+      ? T[Name] | Values<T[Name]>
+      : T[Name] extends PointerTo<infer Item>
+        ? Item | Pointer | null
+        : number extends T[Name]
+          ? number | bigint
+          : T[Name];
 };
 
 /** The library, and what JavaScript needs besides. */
@@ -77,5 +81,7 @@ export interface Sandglass extends Functions {
  * is the clock of sandglass_clock_system(), in milliseconds; without it, performance.now(). With `threads` above 1 there
  * is a pool of so many, the calling one included, and the module is sandglass-threads.wasm. A page must be cross-origin
  * isolated for it. The workers live until end(), or as long as the page. */
-export declare function load(source?: URL | string | BufferSource | WebAssembly.Module,
-                             options?: { now?: () => number; threads?: number }): Promise<Sandglass>;
+export declare function load(
+  source?: URL | string | BufferSource | WebAssembly.Module,
+  options?: { now?: () => number; threads?: number },
+): Promise<Sandglass>;
