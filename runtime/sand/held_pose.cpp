@@ -21,6 +21,8 @@ constexpr float k_run_bands = 2.0f;
 // A pose that is taken as given from now on catches up in about this time, and is there when it is this near, in
 // metres.
 constexpr float k_catch_up_seconds = 0.05f, k_caught_up = 1e-4f;
+// A time step of less is no clock's: a pose that moved in it has a speed all the same, and a scene that can be saved.
+constexpr float k_shortest_seconds = 1e-4f;
 // A tracker may be slower than the frames: a pose that is as old as this has stopped.
 constexpr float k_still_seconds = 0.1f;
 // Metres a second; what is slower does not move.
@@ -223,7 +225,8 @@ Observation observe(HeldPose* p, sandglass_shape shape, const Pose& given, float
     for (int k = 0; stood && k < 6; ++k) p->pose_velocity[k] = p->last_speed = 0.0f;
     return {false, false};
   }
-  const float frames = static_cast<float>(p->same), seconds = stood ? p->interval * step : p->age;
+  const float frames = static_cast<float>(p->same);
+  const float seconds = maximum(stood ? p->interval * step : p->age, k_shortest_seconds);
   if (!stood) p->interval = maximum(frames, 0.5f * (p->interval + frames));
   const float distance = surface_distance(shape, p->given, given, rule), speed = distance / seconds;
   const float error =
