@@ -175,7 +175,7 @@ double found_scale(Room* room) {
 // of which parts vote: then the factor follows the mean of the images. So it does in a doubt, or only one sign would
 // count.
 void follow_light(Room* room, double change, bool surely) {
-  const double step = room->view.step, rate = step > 0 ? step / (room->settled + step) : 1;
+  const double step = room->view.step, rate = step > 0 ? 2 * step / (room->settled + 2 * step) : 1;
   room->light = bounded(room->light * exponential(surely && absolute(change) > k_noise ? change : rate * change));
 }
 
@@ -238,14 +238,20 @@ void begin_to_settle(Room* room, bool back) {
 // How much brighter an image shows a part than the image before. Bytes round what is dark.
 void vote_of_step(Room* room, uint32_t index, double weight, const RoomObservation& now) {
   RoomPart* part = &room->parts[index];
+  const RoomView& view = room->view;
   const double shown = luminance(now.colour);
-  const int before = part->shown;
+  const int before = view.shows_steps && part->shown != k_shown_anew ? part->shown : 0;
   part->shown = 0;
-  if (now.covered < 1 || now.clipped > 0 || !(shown > k_dim)) return;
-  const double octaves = logarithm(shown) / 0.6931471805599453;
-  part->shown = to_whole<uint8_t>(octaves < 0 ? 255.5 + 16 * octaves : 255);
-  if (room->view.shows_steps && before > 0)
-    add_ratio(&room->view.vote.steps, weight, 0.6931471805599453 * (octaves - (before - 255) / 16.0));
+  if (now.covered < 1 || now.clipped > 0) return;
+  const double octaves = logarithm(shown > k_dim ? shown : k_dim) / 0.6931471805599453;
+  if (shown > k_dim) part->shown = to_whole<uint8_t>(octaves < 0 ? 255.5 + 16 * octaves : 255);
+  if (before == 0) return;
+  const double step = 0.6931471805599453 * (octaves - (before - 255) / 16.0);
+  if (shown > k_dim) add_ratio(&room->view.vote.steps, weight, step);
+  if (!room->exposure_known || !(view.image.exposure > 0)) return;
+  // What is dim, as in a short image, is no brighter than this.
+  const double change = step + logarithm(view.scale / room->shown_scale);
+  if (change < -k_change || (shown > k_dim && change > k_change)) part->shown = k_shown_anew;
 }
 
 // How much redder and bluer an image shows a part than it is remembered. Bright, even parts tell it best.

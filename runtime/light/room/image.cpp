@@ -268,8 +268,12 @@ void learn(Room* room, const PartMiddle& part) {
   const RoomObservation now = shown_of(room, part, above, &closely);
   float weight = known->weight * static_cast<float>(memory);
   weight = weight < k_weight_max ? weight : k_weight_max;
-  const RoomKnown before = {luminance(known->radiance), static_cast<float>(known->clipped), weight,
-                            static_cast<float>(known->seen * memory), white != nullptr ? *white : uint8_t{0}};
+  const RoomKnown before = {luminance(known->radiance),
+                            static_cast<float>(known->clipped),
+                            weight,
+                            static_cast<float>(known->seen * memory),
+                            white != nullptr ? *white : uint8_t{0},
+                            known->shown == k_shown_anew};
   if (!(now.covered > 0)) return;
   const uint8_t of_now = room_quarter_octaves(room->view.scale);
   if (room_tells_nothing(*room, before, now)) {
@@ -444,7 +448,7 @@ float room_rate(const Room& room, const RoomKnown& known, const RoomObservation&
   }
   const float rate = covered / (known.weight + covered);
   const bool clearer = 2 * clipped < known.clipped;
-  const bool changed = after > 2 * before || after < 0.5 * before;
+  const bool changed = !known.anew && (after > 2 * before || after < 0.5 * before);
   // What is known by longer images, and clipped, is a lower bound: beside a shorter image it does not count.
   if (clearer && by_white) return 1;
   const float rate_min = covered * (clearer ? k_clearer_rate : changed ? k_changed_rate : 0.0f);

@@ -61,9 +61,11 @@ struct RoomPart {
   int8_t up, aside;
   // Where the camera stood that saw it last; 127 is a radius.
   int8_t from[3];
-  // Luminance in the last image: 255 is white, and 16 less an octave less. 0: not known.
+  // Luminance in the last image: 255 is white, and 16 less an octave less. 0: not known. k_shown_anew: by half or more
+  // another radiance than in the image before, of exposures that are told.
   uint8_t shown;
 };
+constexpr uint8_t k_shown_anew = 1;
 
 // What an image shows of one part.
 struct RoomObservation {
@@ -319,6 +321,7 @@ struct RoomKnown {
   float clipped, weight;
   float seen;
   uint8_t white;
+  bool anew;  // the image before showed it otherwise: this one may be a mistake
 };
 // Whether an image says nothing of a part, because it is exposed so short that it shows the part in a few steps of a
 // byte, and would have before.

@@ -55,7 +55,7 @@ void learn(const Room& room, const RoomObservation& now, RoomTexel* texel) {
   const auto memory = static_cast<float>(room_memory(texel->age));
   float weight = texel->weight / k_image * memory;
   weight = weight < k_weight_max ? weight : k_weight_max;
-  const RoomKnown before = {luminance(texel->radiance), texel->clipped / 255.0f, weight, 0, 0};
+  const RoomKnown before = {luminance(texel->radiance), texel->clipped / 255.0f, weight, 0, 0, false};
   if (room.view.lesson == RoomLesson::unknown && before.weight > 0) return;
   if (!(now.covered > 0) || room_tells_nothing(room, before, now)) return;
   const float rate = room_rate(room, before, now);
